@@ -1,0 +1,96 @@
+//! What a surface says about a ray that meets it.
+
+use glanz_math::{AreaPdf, DVec2, DVec3, Transform};
+
+/// A bare intersection: enough to compare with others. Only the closest one is worth a [`SurfacePoint`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Ray parameter, > 0.
+    pub t: f64,
+    /// First surface parameter; barycentric weight of the second vertex on triangles.
+    pub u: f64,
+    /// Second surface parameter; barycentric weight of the third vertex on triangles.
+    pub v: f64,
+    /// Facet of a polyhedron, triangle of a mesh; 0 elsewhere.
+    pub face: u32,
+}
+
+/// A point of a surface with its first-order neighbourhood.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// The point, metres.
+    pub position: DVec3,
+    /// Absolute bound per axis on the distance from `position` to the surface, large enough that a ray started at the
+    /// edge of this box (see [`glanz_math::rounding::offset_origin`]) is on the side it should be when the
+    /// intersection is computed again in `f64`.
+    pub error: DVec3,
+    /// Unit normal of the surface itself.
+    pub normal: DVec3,
+    /// Unit normal for shading: that of the surface, or interpolated over a mesh; within 90 degrees of `normal`.
+    pub shading_normal: DVec3,
+    /// Texture coordinates.
+    pub uv: DVec2,
+    /// Derivative of the position by `uv.x`; zero where the parameters degenerate.
+    pub dpdu: DVec3,
+    /// Derivative of the position by `uv.y`; zero where the parameters degenerate.
+    pub dpdv: DVec3,
+    /// Derivative of the shading normal by `uv.x`.
+    pub dndu: DVec3,
+    /// Derivative of the shading normal by `uv.y`.
+    pub dndv: DVec3,
+}
+
+impl SurfacePoint {
+    /// The same point seen in the frame that `to_world` maps to.
+    ///
+    /// The error grows by the roundings of the map and by those of the way back, since the next ray is carried into
+    /// the local frame again.
+    #[must_use]
+    pub fn transformed(&self, to_world: &Transform) -> Self {
+        let position = to_world.point(self.position);
+        let back = to_world.inverse().point_error(position, DVec3::ZERO);
+        let normal = to_world.normal(self.normal);
+        let shading_normal = to_world.normal(self.shading_normal);
+        let normal_scale = 1.0 / shading_normal.length();
+        // d(n / |n|) = (dn - n (n . dn) / |n|^2) / |n|
+        let unit_shading = shading_normal * normal_scale;
+        let bend = |dn: DVec3| {
+            let moved = to_world.normal(dn) * normal_scale;
+            moved - unit_shading * unit_shading.dot(moved)
+        };
+        Self {
+            position,
+            error: to_world.point_error(self.position, self.error + back),
+            normal: normal.normalize(),
+            shading_normal: unit_shading,
+            uv: self.uv,
+            dpdu: to_world.vector(self.dpdu),
+            dpdv: to_world.vector(self.dpdv),
+            dndu: bend(self.dndu),
+            dndv: bend(self.dndv),
+        }
+    }
+
+    /// The same point of the surface turned inside out.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        Self {
+            normal: -self.normal,
+            shading_normal: -self.shading_normal,
+            dndu: -self.dndu,
+            dndv: -self.dndv,
+            ..self
+        }
+    }
+}
+
+/// A point picked at random on a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceSample {
+    /// Parameters of the point; `t` is 0.
+    pub hit: Hit,
+    /// The point.
+    pub point: SurfacePoint,
+    /// Density with which it was picked.
+    pub pdf: AreaPdf,
+}

@@ -1,0 +1,20 @@
+//! Exact surfaces, and the hierarchy that finds the ones a ray may meet.
+//!
+//! A surface answers the questions of [`RaySurface`]: where a ray meets it, what it looks like there, how to pick a
+//! point on it. [`Surface`] is the closed set of all surfaces; each lives in its own local frame. [`bvh`] sees boxes
+//! only, never surfaces.
+
+pub mod algebraic;
+pub mod bilinear;
+pub mod bvh;
+pub mod cuboid;
+pub mod hit;
+pub mod mesh;
+pub mod polyhedron;
+pub mod quadric;
+pub mod surface;
+pub mod torus;
+pub mod triangle;
+
+pub use hit::{Hit, SurfacePoint, SurfaceSample};
+pub use surface::RaySurface;

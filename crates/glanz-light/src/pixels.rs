@@ -1,0 +1,127 @@
+//! Pictures in memory.
+
+/// One named plane of a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// `R`, `Albedo.G`, `Z`, ... as in OpenEXR.
+    pub name: String,
+    /// Row by row from the top left.
+    pub values: Vec<f32>,
+}
+
+/// Why channels do not make a picture.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PixelsError {
+    /// A side is zero, or the product does not fit.
+    #[error("a picture of {0} x {1} pixels cannot be held")]
+    Size(u32, u32),
+    /// The number of values is not width times height.
+    #[error("channel \"{name}\" has {found} values, {expected} are needed")]
+    Length {
+        /// Name of the channel.
+        name: String,
+        /// Values it came with.
+        found: usize,
+        /// Width times height.
+        expected: usize,
+    },
+    /// The picture already has a channel of that name.
+    #[error("channel \"{0}\" comes twice")]
+    Duplicate(String),
+}
+
+/// A picture: planes of `f32` under names, linear light unless a name says otherwise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pixels {
+    width: u32,
+    height: u32,
+    channels: Vec<Channel>,
+}
+
+impl Pixels {
+    /// A picture without channels.
+    ///
+    /// # Errors
+    /// [`PixelsError::Size`] if a side is zero or there are more than 2^31 pixels.
+    pub fn try_new(width: u32, height: u32) -> Result<Self, PixelsError> {
+        let count = u64::from(width) * u64::from(height);
+        if count == 0 || count > 1 << 31 {
+            return Err(PixelsError::Size(width, height));
+        }
+        Ok(Self { width, height, channels: Vec::new() })
+    }
+
+    /// A picture of the channels R, G and B.
+    ///
+    /// # Errors
+    /// As [`Pixels::try_new`] and [`Pixels::add_channel`]; `rgb` holds width * height triples.
+    pub fn try_from_rgb(width: u32, height: u32, rgb: &[[f32; 3]]) -> Result<Self, PixelsError> {
+        let mut pixels = Self::try_new(width, height)?;
+        for (i, name) in ["R", "G", "B"].into_iter().enumerate() {
+            pixels.add_channel(name, rgb.iter().map(|p| p[i]).collect())?;
+        }
+        Ok(pixels)
+    }
+
+    /// Adds the plane `name`.
+    ///
+    /// # Errors
+    /// [`PixelsError::Length`] or [`PixelsError::Duplicate`].
+    pub fn add_channel(&mut self, name: &str, values: Vec<f32>) -> Result<(), PixelsError> {
+        let expected = self.len();
+        if values.len() != expected {
+            return Err(PixelsError::Length { name: name.to_owned(), found: values.len(), expected });
+        }
+        if self.channel(name).is_some() {
+            return Err(PixelsError::Duplicate(name.to_owned()));
+        }
+        self.channels.push(Channel { name: name.to_owned(), values });
+        Ok(())
+    }
+
+    /// Pixels per row.
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Number of pixels.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// Never: a picture has at least one pixel.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// All planes, in the order they were added.
+    #[must_use]
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The plane `name`.
+    #[must_use]
+    pub fn channel(&self, name: &str) -> Option<&[f32]> {
+        self.channels.iter().find(|c| c.name == name).map(|c| c.values.as_slice())
+    }
+
+    /// The planes R, G and B as triples; a picture with the single plane Y is grey.
+    #[must_use]
+    pub fn to_rgb(&self) -> Option<Vec<[f32; 3]>> {
+        if let (Some(r), Some(g), Some(b)) = (self.channel("R"), self.channel("G"), self.channel("B")) {
+            return Some(r.iter().zip(g).zip(b).map(|((&r, &g), &b)| [r, g, b]).collect());
+        }
+        self.channel("Y").map(|y| y.iter().map(|&y| [y; 3]).collect())
+    }
+}

@@ -1,0 +1,185 @@
+//! Spectral values along a path.
+
+use std::iter::Sum;
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub};
+
+/// Number of lanes a [`Spectrum`] has.
+pub const LANES: usize = 4;
+
+/// What the lanes of a [`Spectrum`] mean along one path.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[non_exhaustive]
+pub enum Wavelengths {
+    /// Three lanes hold linear Rec. 709 red, green and blue, the fourth is not used and stays zero.
+    #[default]
+    Rgb,
+}
+
+/// Radiance, throughput or reflectance in a few lanes whose meaning travels as [`Wavelengths`].
+///
+/// Arithmetic is lane by lane. Nothing outside this crate may read a lane by number.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Spectrum([f32; LANES]);
+
+impl Spectrum {
+    /// No light.
+    pub const BLACK: Self = Self([0.0; LANES]);
+    /// One in every lane.
+    pub const ONE: Self = Self([1.0; LANES]);
+
+    /// The same value in every lane.
+    #[must_use]
+    pub const fn splat(value: f32) -> Self {
+        Self([value; LANES])
+    }
+
+    /// Linear Rec. 709 values, for [`Wavelengths::Rgb`].
+    #[must_use]
+    pub const fn from_rgb(rgb: [f32; 3]) -> Self {
+        Self([rgb[0], rgb[1], rgb[2], 0.0])
+    }
+
+    /// Linear Rec. 709 values of this spectrum.
+    #[must_use]
+    pub fn to_rgb(self, wavelengths: &Wavelengths) -> [f32; 3] {
+        match wavelengths {
+            Wavelengths::Rgb => [self.0[0], self.0[1], self.0[2]],
+        }
+    }
+
+    /// Luminance relative to that of equal red, green and blue (CIE Y, Rec. 709 primaries).
+    #[must_use]
+    pub fn luminance(self, wavelengths: &Wavelengths) -> f32 {
+        let [r, g, b] = self.to_rgb(wavelengths);
+        0.212_639 * r + 0.715_169 * g + 0.072_192 * b
+    }
+
+    /// Whether every lane is zero.
+    #[must_use]
+    pub fn is_black(self) -> bool {
+        self.0.iter().all(|&x| x == 0.0)
+    }
+
+    /// Whether no lane is infinite or not a number.
+    #[must_use]
+    pub fn is_finite(self) -> bool {
+        self.0.iter().all(|x| x.is_finite())
+    }
+
+    /// The largest lane.
+    #[must_use]
+    pub fn max_component(self) -> f32 {
+        self.0.iter().fold(f32::NEG_INFINITY, |a, &b| a.max(b))
+    }
+
+    /// The mean of the lanes in use.
+    #[must_use]
+    pub fn mean(self, wavelengths: &Wavelengths) -> f32 {
+        match wavelengths {
+            Wavelengths::Rgb => (self.0[0] + self.0[1] + self.0[2]) / 3.0,
+        }
+    }
+
+    /// `f` in every lane.
+    #[must_use]
+    pub fn map(self, f: impl Fn(f32) -> f32) -> Self {
+        Self(self.0.map(f))
+    }
+
+    /// `f` of both in every lane.
+    #[must_use]
+    pub fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+        Self(std::array::from_fn(|i| f(self.0[i], other.0[i])))
+    }
+
+    /// Each lane clamped to [low, high].
+    #[must_use]
+    pub fn clamp(self, low: f32, high: f32) -> Self {
+        self.map(|x| x.clamp(low, high))
+    }
+
+    /// Square root, lane by lane.
+    #[must_use]
+    pub fn sqrt(self) -> Self {
+        self.map(f32::sqrt)
+    }
+
+    /// `(1 - t) self + t other`.
+    #[must_use]
+    pub fn lerp(self, other: Self, t: f32) -> Self {
+        self * (1.0 - t) + other * t
+    }
+}
+
+impl Add for Spectrum {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+}
+
+impl AddAssign for Spectrum {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl Sub for Spectrum {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+}
+
+impl Neg for Spectrum {
+    type Output = Self;
+    fn neg(self) -> Self {
+        self.map(|a| -a)
+    }
+}
+
+impl Mul for Spectrum {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+}
+
+impl MulAssign for Spectrum {
+    fn mul_assign(&mut self, other: Self) {
+        *self = *self * other;
+    }
+}
+
+impl Mul<f32> for Spectrum {
+    type Output = Self;
+    fn mul(self, factor: f32) -> Self {
+        self.map(|a| a * factor)
+    }
+}
+
+impl Mul<Spectrum> for f32 {
+    type Output = Spectrum;
+    fn mul(self, spectrum: Spectrum) -> Spectrum {
+        spectrum * self
+    }
+}
+
+impl MulAssign<f32> for Spectrum {
+    fn mul_assign(&mut self, factor: f32) {
+        *self = *self * factor;
+    }
+}
+
+impl Div<f32> for Spectrum {
+    type Output = Self;
+    fn div(self, divisor: f32) -> Self {
+        self.map(|a| a / divisor)
+    }
+}
+
+impl Sum for Spectrum {
+    fn sum<I: Iterator<Item = Self>>(iter: I) -> Self {
+        iter.fold(Self::BLACK, Add::add)
+    }
+}

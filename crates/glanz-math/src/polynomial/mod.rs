@@ -1,0 +1,3 @@
+//! Real roots of polynomials of low degree.
+
+pub mod quadratic;

@@ -1,0 +1,29 @@
+//! Rays.
+
+use crate::DVec3;
+
+/// A half-line `origin + t * direction`, `t > 0`.
+///
+/// The direction need not have unit length: a ray keeps its parameter `t` when it is carried into the local frame
+/// of a scaled object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where the ray starts, metres.
+    pub origin: DVec3,
+    /// Where it goes; any length but zero.
+    pub direction: DVec3,
+}
+
+impl Ray {
+    /// A ray from `origin` along `direction`.
+    #[must_use]
+    pub const fn new(origin: DVec3, direction: DVec3) -> Self {
+        Self { origin, direction }
+    }
+
+    /// The point at parameter `t`.
+    #[must_use]
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + t * self.direction
+    }
+}
