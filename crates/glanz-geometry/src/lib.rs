@@ -8,6 +8,7 @@ pub mod algebraic;
 pub mod bilinear;
 pub mod bvh;
 pub mod cuboid;
+pub mod error;
 pub mod hit;
 pub mod mesh;
 pub mod polyhedron;
@@ -16,5 +17,6 @@ pub mod surface;
 pub mod torus;
 pub mod triangle;
 
+pub use error::SurfaceError;
 pub use hit::{Hit, SurfacePoint, SurfaceSample};
 pub use surface::RaySurface;
