@@ -1,1 +1,61 @@
-fn main(){}
+//! Housekeeping of the workspace; `cargo xtask` lists what it can do.
+
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a command line talks to its user")]
+
+mod layers;
+mod references;
+mod scenes;
+mod steps;
+mod workspace;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+Usage: cargo xtask COMMAND
+
+  test                 every check of the project: format, clippy, layers, references, docs, tests
+  layers               which crate uses which, against the floors of docs/ARCHITECTURE.md
+  references           every @key cited in the sources against docs/references.bib
+  contract [--rays N]  the surface contract with N random rays per surface kind (default 10000000), optimised
+  pbrt-scenes DIR      loads every pbrt scene below DIR with `glanz info` and lists what came of it";
+
+/// Rays per surface kind of `cargo xtask contract`: what a release is checked with.
+const CONTRACT_RAYS: u64 = 10_000_000;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let outcome = match *words.as_slice() {
+        ["test"] => return steps::test(),
+        ["layers"] => layers::check().map_err(|breaches| breaches.join("\n")),
+        ["references"] => references::check().map_err(|missing| missing.join("\n")),
+        ["contract"] => steps::contract(CONTRACT_RAYS),
+        ["contract", "--rays", count] => match count.parse() {
+            Ok(rays) => steps::contract(rays),
+            Err(_) => return usage(&format!("\"{count}\" is not a number of rays")),
+        },
+        ["pbrt-scenes", folder] => scenes::load_all(Path::new(folder)),
+        ["help" | "--help" | "-h"] => {
+            println!("{USAGE}");
+            return ExitCode::SUCCESS;
+        }
+        [] => return usage("a command is missing"),
+        _ => return usage(&format!("unknown command \"{}\"", words.join(" "))),
+    };
+    match outcome {
+        Ok(said) => {
+            println!("{said}");
+            ExitCode::SUCCESS
+        }
+        Err(why) => {
+            eprintln!("error: {why}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn usage(complaint: &str) -> ExitCode {
+    eprintln!("error: {complaint}\n\n{USAGE}");
+    ExitCode::from(2)
+}

@@ -1,0 +1,203 @@
+//! Which crate may use which.
+
+use cargo_metadata::MetadataCommand;
+
+use crate::workspace;
+
+/// A crate with its place in the house.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Room {
+    floor: u8,
+    name: &'static str,
+    /// As in the last column of the table in `docs/ARCHITECTURE.md`: `-`, short names, `LOW-HIGH` floors, or `all`.
+    may_use: &'static str,
+}
+
+/// The floors. `docs/ARCHITECTURE.md` shows the same table to people; [`check`] compares the two.
+const ROOMS: &[Room] = &[
+    Room { floor: 0, name: "glanz-math", may_use: "-" },
+    Room { floor: 1, name: "glanz-geometry", may_use: "math" },
+    Room { floor: 1, name: "glanz-light", may_use: "math" },
+    Room { floor: 1, name: "glanz-sampling", may_use: "math" },
+    Room { floor: 2, name: "glanz-shading", may_use: "math, light, sampling" },
+    Room { floor: 3, name: "glanz-scene", may_use: "0-2" },
+    Room { floor: 4, name: "glanz-formats", may_use: "0-3" },
+    Room { floor: 4, name: "glanz-transport", may_use: "0-3" },
+    Room { floor: 6, name: "glanz", may_use: "all" },
+];
+
+/// Members of the workspace that are no part of the house: they use no crate of it, and none uses them.
+const OUTSIDE: &[&str] = &["xtask"];
+
+impl Room {
+    fn named(name: &str) -> Option<&'static Self> {
+        ROOMS.iter().find(|room| room.name == name)
+    }
+
+    fn may_use(&self, other: &Self) -> bool {
+        let listed = match self.may_use {
+            "-" => false,
+            "all" => true,
+            list => list.split(", ").any(|entry| match entry.split_once('-') {
+                Some((low, high)) => match (low.parse::<u8>(), high.parse::<u8>()) {
+                    (Ok(low), Ok(high)) => (low..=high).contains(&other.floor),
+                    _ => false,
+                },
+                None => other.name.strip_prefix("glanz-") == Some(entry),
+            }),
+        };
+        listed && other.floor < self.floor
+    }
+}
+
+/// Compares the dependencies of all kinds with [`ROOMS`], and [`ROOMS`] with the table people read.
+///
+/// # Errors
+/// One line per breach.
+pub(crate) fn check() -> Result<String, Vec<String>> {
+    let metadata = MetadataCommand::new()
+        .current_dir(workspace::root())
+        .no_deps()
+        .exec()
+        .map_err(|error| vec![format!("cargo metadata: {error}")])?;
+    let edges: Vec<(String, Vec<String>)> = metadata
+        .packages
+        .iter()
+        .map(|p| (p.name.to_string(), p.dependencies.iter().map(|d| d.name.clone()).collect()))
+        .collect();
+    let mut breaches = breaches(&edges);
+    let path = workspace::root().join("docs/ARCHITECTURE.md");
+    match std::fs::read_to_string(&path) {
+        Ok(text) => breaches.extend(table_differences(&text)),
+        Err(error) => breaches.push(format!("docs/ARCHITECTURE.md: {error}")),
+    }
+    if breaches.is_empty() {
+        let uses = edges.iter().flat_map(|(_, used)| used).filter(|u| Room::named(u).is_some()).count();
+        Ok(format!("layers: {} crates, {uses} uses, every one of a lower floor", ROOMS.len()))
+    } else {
+        Err(breaches)
+    }
+}
+
+/// What is wrong with a workspace of crates and the crates they use.
+fn breaches(edges: &[(String, Vec<String>)]) -> Vec<String> {
+    let mut found = Vec::new();
+    for (name, used) in edges {
+        let inside: Vec<&str> =
+            used.iter().map(String::as_str).filter(|u| edges.iter().any(|(n, _)| n == u)).collect();
+        let Some(room) = Room::named(name) else {
+            if !OUTSIDE.contains(&name.as_str()) {
+                found.push(format!("{name} has no floor; give it one in xtask/src/layers.rs"));
+            }
+            found.extend(inside.iter().map(|u| format!("{name} uses {u}, but stands outside the house")));
+            continue;
+        };
+        for used in inside {
+            match Room::named(used) {
+                Some(other) if room.may_use(other) => {}
+                Some(other) => found.push(format!(
+                    "{name} (floor {}) uses {used} (floor {}), but may use: {}",
+                    room.floor, other.floor, room.may_use
+                )),
+                None => found.push(format!("{name} uses {used}, which has no floor")),
+            }
+        }
+    }
+    let missing = ROOMS.iter().filter(|room| !edges.iter().any(|(name, _)| name == room.name));
+    found.extend(
+        missing.map(|room| format!("{} is in the table of floors, but not in the workspace", room.name)),
+    );
+    found
+}
+
+/// Where the table of floors in a text (rows of floor, crate, purpose, may use) differs from [`ROOMS`].
+fn table_differences(text: &str) -> Vec<String> {
+    let rows: Vec<(u8, String, String)> = text.lines().filter_map(table_row).collect();
+    let mut found = Vec::new();
+    for room in ROOMS {
+        match rows.iter().find(|(_, name, _)| name == room.name) {
+            None => found.push(format!("docs/ARCHITECTURE.md: the table of floors lacks {}", room.name)),
+            Some((floor, _, may_use)) if (*floor, may_use.as_str()) != (room.floor, room.may_use) => {
+                found.push(format!(
+                    "docs/ARCHITECTURE.md: {} on floor {floor} may use \"{may_use}\"; xtask/src/layers.rs says floor {} and \"{}\"",
+                    room.name, room.floor, room.may_use
+                ));
+            }
+            Some(_) => {}
+        }
+    }
+    let unknown = rows.iter().filter(|(_, name, _)| Room::named(name).is_none());
+    found.extend(unknown.map(|(_, name, _)| {
+        format!("docs/ARCHITECTURE.md: {name} is in the table of floors, but not in xtask/src/layers.rs")
+    }));
+    found
+}
+
+/// A row ``| 1 | `glanz-light` | purpose | math |`` as floor, crate and what it may use.
+fn table_row(line: &str) -> Option<(u8, String, String)> {
+    let cells: Vec<&str> = line.trim().trim_matches('|').split('|').map(str::trim).collect();
+    match *cells.as_slice() {
+        [floor, name, _, may_use] => {
+            let name = name.strip_prefix('`')?.strip_suffix('`')?;
+            Some((floor.parse().ok()?, name.to_owned(), may_use.to_owned()))
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The house without any use, to which a test adds one.
+    fn empty_house() -> Vec<(String, Vec<String>)> {
+        ROOMS.iter().map(|room| (room.name.to_owned(), Vec::new())).collect()
+    }
+
+    fn with_use(name: &str, used: &str) -> Vec<(String, Vec<String>)> {
+        let mut house = empty_house();
+        house.retain(|(n, _)| n != name);
+        house.push((name.to_owned(), vec![used.to_owned()]));
+        house
+    }
+
+    #[test]
+    fn uses_of_lower_floors_pass() {
+        assert_eq!(breaches(&empty_house()), Vec::<String>::new());
+        for (name, used) in [
+            ("glanz-shading", "glanz-light"),
+            ("glanz-scene", "glanz-geometry"),
+            ("glanz", "glanz-formats"),
+            ("glanz-math", "serde"),
+        ] {
+            assert_eq!(breaches(&with_use(name, used)), Vec::<String>::new(), "{name} uses {used}");
+        }
+    }
+
+    #[test]
+    fn uses_upward_sideways_and_of_unlisted_crates_are_breaches() {
+        for (name, used) in [
+            ("glanz-math", "glanz-light"),
+            ("glanz-geometry", "glanz-light"),
+            ("glanz-shading", "glanz-geometry"),
+            ("glanz-formats", "glanz-transport"),
+            ("glanz-scene", "glanz"),
+            ("xtask", "glanz"),
+        ] {
+            assert_eq!(breaches(&with_use(name, used)).len(), 1, "{name} uses {used}");
+        }
+        assert_eq!(breaches(&with_use("glanz-new", "serde")).len(), 1);
+    }
+
+    #[test]
+    fn a_row_that_says_something_else_is_found() {
+        let row =
+            |room: &Room| format!("| {} | `{}` | purpose | {} |\n", room.floor, room.name, room.may_use);
+        let table: String = ROOMS.iter().map(row).collect();
+        assert_eq!(table_differences(&table), Vec::<String>::new());
+        assert_eq!(table_differences(&table.replace("| 3 | `glanz-scene`", "| 2 | `glanz-scene`")).len(), 1);
+        assert_eq!(table_differences(&table.replace("| all |", "| 0-4 |")).len(), 1);
+        assert_eq!(table_differences(&(table + "| 4 | `glanz-radiosity` | purpose | 0-3 |")).len(), 1);
+        assert_eq!(table_differences("").len(), ROOMS.len());
+    }
+}

@@ -1,0 +1,168 @@
+//! The checks that run programs, and the test run that strings all checks together.
+
+use std::io::{BufRead, BufReader, IsTerminal, Write};
+use std::process::{Command, ExitCode, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::{layers, references, workspace};
+
+/// What became of a step of the test run.
+struct Outcome {
+    name: &'static str,
+    passed: bool,
+    took: Duration,
+    /// A figure worth a word in the summary.
+    remark: String,
+}
+
+type Step = (&'static str, fn() -> Result<String, String>);
+
+const STEPS: &[Step] = &[
+    ("format", format),
+    ("clippy", clippy),
+    ("layers", || layers::check().map_err(|breaches| breaches.join("\n"))),
+    ("references", || references::check().map_err(|missing| missing.join("\n"))),
+    ("docs", docs),
+    ("tests", tests),
+];
+
+/// Runs every step, also after one has failed; the summary stands last.
+pub(crate) fn test() -> ExitCode {
+    let outcomes: Vec<Outcome> = STEPS.iter().map(run).collect();
+    println!();
+    for outcome in &outcomes {
+        let verdict = if outcome.passed { "passed" } else { "FAILED" };
+        println!("{:<10} {verdict} {:>7.1} s  {}", outcome.name, outcome.took.as_secs_f64(), outcome.remark);
+    }
+    let passed = outcomes.iter().filter(|outcome| outcome.passed).count();
+    let failed = outcomes.len() - passed;
+    println!("test: {passed} passed, {failed} failed");
+    if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn run(&(name, step): &Step) -> Outcome {
+    println!("== {name}");
+    let start = Instant::now();
+    let result = step();
+    let took = start.elapsed();
+    match result {
+        Ok(remark) => Outcome { name, passed: true, took, remark },
+        Err(why) => {
+            println!("{why}");
+            let remark = why.lines().next().unwrap_or_default().to_owned();
+            Outcome { name, passed: false, took, remark }
+        }
+    }
+}
+
+fn format() -> Result<String, String> {
+    ensure_component("rustfmt", "fmt")?;
+    succeed(
+        workspace::cargo().args(["fmt", "--all", "--check"]),
+        "some files are not formatted: cargo fmt --all",
+    )
+}
+
+fn clippy() -> Result<String, String> {
+    ensure_component("clippy", "clippy")?;
+    let mut command = workspace::cargo();
+    command.args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]);
+    succeed(&mut command, "clippy has complaints, see above")
+}
+
+fn docs() -> Result<String, String> {
+    let mut command = workspace::cargo();
+    command.args(["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings");
+    succeed(&mut command, "the documentation has faults, see above")
+}
+
+/// Runs all tests, those in documentation too, shows what they print as it comes, and counts them.
+fn tests() -> Result<String, String> {
+    let mut command = workspace::cargo();
+    command.args(["test", "--workspace", "--no-fail-fast"]).stdout(Stdio::piped());
+    if std::io::stdout().is_terminal() {
+        command.env("CARGO_TERM_COLOR", "always");
+    }
+    let mut child = command.spawn().map_err(|error| format!("cargo: {error}"))?;
+    let (mut passed, mut failed) = (0, 0);
+    if let Some(output) = child.stdout.take() {
+        for line in BufReader::new(output).split(b'\n') {
+            let line = line.map_err(|error| format!("output of the tests: {error}"))?;
+            let line = String::from_utf8_lossy(&line);
+            // A closed pipe behind us is no reason to stop testing.
+            let _ = writeln!(std::io::stdout(), "{line}");
+            if let Some((p, f)) = test_counts(&line) {
+                passed += p;
+                failed += f;
+            }
+        }
+    }
+    let status = child.wait().map_err(|error| format!("cargo: {error}"))?;
+    let counts = format!("{passed} tests passed, {failed} failed");
+    if status.success() { Ok(counts) } else { Err(counts) }
+}
+
+/// The numbers in `test result: ok. 12 passed; 0 failed; ...`.
+fn test_counts(line: &str) -> Option<(u64, u64)> {
+    let number_before =
+        |word| line.split(word).next()?.rsplit([' ', ';']).find(|w| !w.is_empty())?.parse().ok();
+    line.starts_with("test result:").then_some(())?;
+    Some((number_before(" passed;")?, number_before(" failed;")?))
+}
+
+/// The surface contract with `rays` random rays per kind of surface.
+///
+/// # Errors
+/// A sentence if it is broken or cannot be run.
+pub(crate) fn contract(rays: u64) -> Result<String, String> {
+    let mut command = workspace::cargo();
+    command.args([
+        "test",
+        "--release",
+        "--package",
+        "glanz-geometry",
+        "--test",
+        "contract",
+        "--",
+        "--nocapture",
+    ]);
+    succeed(
+        command.env("GLANZ_CONTRACT_RAYS", rays.to_string()),
+        "the surface contract is broken, see above",
+    )?;
+    Ok(format!("contract: kept by every surface over {rays} rays per kind"))
+}
+
+fn succeed(command: &mut Command, otherwise: &str) -> Result<String, String> {
+    match command.status() {
+        Ok(status) if status.success() => Ok(String::new()),
+        Ok(_) => Err(otherwise.to_owned()),
+        Err(error) => Err(format!("{}: {error}", command.get_program().to_string_lossy())),
+    }
+}
+
+/// Has rustup install a component of the toolchain if cargo lacks its subcommand.
+fn ensure_component(component: &str, subcommand: &str) -> Result<(), String> {
+    let there = workspace::cargo().args([subcommand, "--version"]).output().is_ok_and(|o| o.status.success());
+    if there {
+        return Ok(());
+    }
+    let mut rustup = Command::new("rustup");
+    rustup.current_dir(workspace::root()).args(["component", "add", component]);
+    succeed(&mut rustup, "it could not be added")
+        .map(|_| ())
+        .map_err(|why| format!("{component} is missing, and rustup cannot add it: {why}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_are_read_from_the_line_that_libtest_prints() {
+        let line = "test result: FAILED. 12 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.01s";
+        assert_eq!(test_counts(line), Some((12, 3)));
+        assert_eq!(test_counts("test a_fact ... ok"), None);
+        assert_eq!(test_counts("12 passed; 3 failed; said by a test"), None);
+    }
+}
