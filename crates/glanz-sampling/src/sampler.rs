@@ -1,0 +1,198 @@
+//! The numbers behind every decision of one sample of one pixel.
+
+use glanz_math::DVec2;
+
+use crate::hash::{combine, permute, unit_f64};
+use crate::sequence::owen::{ScrambledSobol, unit};
+
+/// How samples are spread.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum SamplerKind {
+    /// Owen-scrambled Sobol' points, one sequence per pixel.
+    #[default]
+    Sobol,
+    /// Independent uniform numbers.
+    Independent,
+    /// One random point per cell of a grid (document 003 section 5.7.3, `UVSamplerJittered`).
+    Stratified,
+    /// The middle of each cell of a grid over the pixel (document 003 section 5.7.3, `UVSamplerRegular`); all other
+    /// decisions as [`SamplerKind::Stratified`].
+    Regular,
+    /// Always the middle of the pixel (document 003 section 5.7.3, `UVSamplerDirect`); all other decisions as
+    /// [`SamplerKind::Sobol`].
+    Center,
+}
+
+impl SamplerKind {
+    /// All kinds.
+    pub const ALL: [Self; 5] =
+        [Self::Sobol, Self::Independent, Self::Stratified, Self::Regular, Self::Center];
+
+    /// The name in scene files and on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sobol => "sobol",
+            Self::Independent => "independent",
+            Self::Stratified => "stratified",
+            Self::Regular => "regular",
+            Self::Center => "center",
+        }
+    }
+
+    /// The kind of that name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|k| k.name() == name)
+    }
+}
+
+/// Hands out the numbers of one sample of one pixel, one dimension after the other.
+///
+/// A small value without shared state: what it hands out depends on the arguments of [`PixelSampler::new`] and on the
+/// dimension alone. Samples may be taken in any order and in any pieces; the first `n` of more samples are the same
+/// as `n` samples alone (for [`SamplerKind::Stratified`] and [`SamplerKind::Regular`] the grid follows
+/// `samples_per_pixel`, so that this must be the same).
+#[derive(Clone, Copy, Debug)]
+pub struct PixelSampler {
+    kind: SamplerKind,
+    /// Cells along each side of the grid of the stratified kinds.
+    side: u32,
+    /// Strata of a single number in the stratified kinds.
+    strata: u32,
+    key: u64,
+    index: u32,
+    dimension: u32,
+}
+
+/// Dimensions 0 and 1 belong to [`PixelSampler::pixel_2d`].
+const FIRST_DIMENSION: u32 = 2;
+
+impl PixelSampler {
+    /// The numbers of sample `sample_index` of `pixel`.
+    ///
+    /// `samples_per_pixel`: planned number, 0 counts as 1; more samples than planned are allowed. A number that is not
+    /// a square leaves some cells of the grids of the stratified kinds empty, other ones in each pixel.
+    #[must_use]
+    pub fn new(
+        kind: SamplerKind,
+        samples_per_pixel: u32,
+        seed: u64,
+        pixel: [u32; 2],
+        sample_index: u32,
+    ) -> Self {
+        let strata = samples_per_pixel.max(1);
+        // ceil(sqrt(n)); at most 2^16, whose square still has to fit: 65535 cells a side are enough.
+        let floor = strata.isqrt();
+        let side = if floor * floor == strata { floor } else { floor + 1 }.min(0xffff);
+        let place = u64::from(pixel[1]) << 32 | u64::from(pixel[0]);
+        let key = combine(combine(seed, 0), place);
+        Self { kind, side, strata, key, index: sample_index, dimension: FIRST_DIMENSION }
+    }
+
+    /// Where in the pixel's square [0, 1)^2 the sample lies; does not advance the dimension.
+    #[must_use]
+    pub fn pixel_2d(&self) -> DVec2 {
+        match self.kind {
+            SamplerKind::Center => DVec2::splat(0.5),
+            SamplerKind::Regular => self.cell(0).0,
+            _ => self.point(0),
+        }
+    }
+
+    /// The next number, in [0, 1).
+    #[inline]
+    pub fn next_1d(&mut self) -> f64 {
+        let d = self.dimension;
+        self.dimension = d.wrapping_add(1);
+        match self.kind {
+            SamplerKind::Sobol | SamplerKind::Center => {
+                unit(self.sobol(d).coordinate(self.index, (d % 4) as usize))
+            }
+            SamplerKind::Independent => unit_f64(combine(self.request_key(d), u64::from(self.index))),
+            SamplerKind::Stratified | SamplerKind::Regular => {
+                let (round, position) = (self.index / self.strata, self.index % self.strata);
+                let key = combine(self.request_key(d), u64::from(round));
+                let jitter = unit_f64(combine(key, u64::from(position)));
+                below_one((f64::from(permute(position, self.strata, key)) + jitter) / f64::from(self.strata))
+            }
+        }
+    }
+
+    /// The next two numbers, in [0, 1)^2, well spread together; begins at an even dimension.
+    #[inline]
+    pub fn next_2d(&mut self) -> DVec2 {
+        let d = self.dimension.wrapping_add(self.dimension & 1);
+        self.dimension = d.wrapping_add(2);
+        self.point(d)
+    }
+
+    /// The dimension that is handed out next.
+    #[must_use]
+    pub fn dimension(&self) -> u32 {
+        self.dimension
+    }
+
+    /// Goes on with `dimension`, so that what follows does not depend on how many numbers were used before.
+    ///
+    /// Dimensions 0 and 1 are those of [`PixelSampler::pixel_2d`].
+    pub fn skip_to_dimension(&mut self, dimension: u32) {
+        self.dimension = dimension;
+    }
+
+    /// The index of the sample.
+    #[must_use]
+    pub fn sample_index(&self) -> u32 {
+        self.index
+    }
+
+    /// The point of the even dimension `d` and the next.
+    #[inline]
+    fn point(&self, d: u32) -> DVec2 {
+        match self.kind {
+            SamplerKind::Sobol | SamplerKind::Center => {
+                let [x, y] = self.sobol(d).pair(self.index, (d / 2 % 2) as usize);
+                DVec2::new(unit(x), unit(y))
+            }
+            SamplerKind::Independent => {
+                let x = combine(self.request_key(d), u64::from(self.index));
+                DVec2::new(unit_f64(x), unit_f64(combine(x, 1)))
+            }
+            SamplerKind::Stratified | SamplerKind::Regular => {
+                let (middle, key) = self.cell(d);
+                let x = combine(key, u64::from(self.index));
+                let jitter = DVec2::new(unit_f64(x), unit_f64(combine(x, 1))) - 0.5;
+                let p = middle + jitter / f64::from(self.side);
+                DVec2::new(below_one(p.x), below_one(p.y))
+            }
+        }
+    }
+
+    /// Middle of this sample's cell in the grid of dimension `d`, and the key of this pass over the grid.
+    ///
+    /// Cells are visited in an order of their own in each pixel and dimension.
+    fn cell(&self, d: u32) -> (DVec2, u64) {
+        let cells = self.side * self.side;
+        let key = combine(self.request_key(d), u64::from(self.index / cells));
+        let cell = permute(self.index % cells, cells, key);
+        let corner = DVec2::new(f64::from(cell % self.side), f64::from(cell / self.side));
+        ((corner + 0.5) / f64::from(self.side), key)
+    }
+
+    #[inline]
+    fn request_key(&self, dimension: u32) -> u64 {
+        combine(self.key, u64::from(dimension))
+    }
+
+    /// The copy of the sequence that covers `dimension`: one for every four.
+    #[inline]
+    fn sobol(&self, dimension: u32) -> ScrambledSobol {
+        ScrambledSobol::new(self.request_key(dimension / 4))
+    }
+}
+
+/// Rounding may carry (n - 1 + jitter) / n up to 1.
+#[inline]
+fn below_one(x: f64) -> f64 {
+    x.clamp(0.0, 1.0 - f64::EPSILON / 2.0)
+}

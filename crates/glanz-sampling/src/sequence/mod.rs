@@ -1,0 +1,4 @@
+//! Low-discrepancy point sequences.
+
+pub mod owen;
+pub mod sobol;

@@ -1,0 +1,135 @@
+//! The Sobol' sequence in its first four dimensions.
+
+/// Number of dimensions.
+pub const DIMENSIONS: usize = 4;
+
+/// For each dimension after the first: degree and inner coefficients of its primitive polynomial, initial numbers.
+///
+/// # Source
+/// @joe2008, file new-joe-kuo-6.
+const POLYNOMIALS: [(usize, u32, [u32; 3]); 3] = [(1, 0, [1, 0, 0]), (2, 1, [1, 3, 0]), (3, 1, [1, 3, 1])];
+
+/// Generator matrices by columns, most significant bit of the coordinate first.
+const DIRECTIONS: [[u32; 32]; DIMENSIONS] = directions();
+
+/// What each byte of an index adds to the *bit-reversed* coordinate: `REVERSED[d][position][byte]`.
+static REVERSED: [[[u32; 256]; 4]; DIMENSIONS] = reversed_by_byte();
+
+const fn directions() -> [[u32; 32]; DIMENSIONS] {
+    let mut all = [[0; 32]; DIMENSIONS];
+    let mut i = 0;
+    while i < 32 {
+        all[0][i] = 1 << (31 - i);
+        i += 1;
+    }
+    let mut d = 1;
+    while d < DIMENSIONS {
+        let (degree, coefficients, initial) = POLYNOMIALS[d - 1];
+        let mut i = 0;
+        while i < 32 {
+            all[d][i] = if i < degree {
+                initial[i] << (31 - i)
+            } else {
+                let mut v = all[d][i - degree] ^ (all[d][i - degree] >> degree);
+                let mut k = 1;
+                while k < degree {
+                    if coefficients >> (degree - 1 - k) & 1 == 1 {
+                        v ^= all[d][i - k];
+                    }
+                    k += 1;
+                }
+                v
+            };
+            i += 1;
+        }
+        d += 1;
+    }
+    all
+}
+
+const fn reversed_by_byte() -> [[[u32; 256]; 4]; DIMENSIONS] {
+    let mut tables = [[[0; 256]; 4]; DIMENSIONS];
+    let mut d = 0;
+    while d < DIMENSIONS {
+        let mut position = 0;
+        while position < 4 {
+            let mut byte = 0;
+            while byte < 256 {
+                let mut bit = 0;
+                while bit < 8 {
+                    if byte >> bit & 1 == 1 {
+                        tables[d][position][byte] ^= DIRECTIONS[d][8 * position + bit].reverse_bits();
+                    }
+                    bit += 1;
+                }
+                byte += 1;
+            }
+            position += 1;
+        }
+        d += 1;
+    }
+    tables
+}
+
+/// Coordinate `dimension` (0 to 3, taken modulo 4) of point `index`, in units of 2^-32, with its bits reversed.
+///
+/// The reversed form is what [`super::owen::scramble_reversed`] wants.
+#[inline]
+#[must_use]
+pub fn coordinate_reversed(index: u32, dimension: usize) -> u32 {
+    let [a, b, c, d] = index.to_le_bytes();
+    let [t0, t1, t2, t3] = &REVERSED[dimension % DIMENSIONS];
+    t0[a as usize] ^ t1[b as usize] ^ t2[c as usize] ^ t3[d as usize]
+}
+
+/// Coordinate `dimension` (0 to 3, taken modulo 4) of point `index`, in units of 2^-32.
+///
+/// Dimensions 0 and 1 together are a (0, 2)-sequence in base 2.
+#[inline]
+#[must_use]
+pub fn coordinate(index: u32, dimension: usize) -> u32 {
+    coordinate_reversed(index, dimension).reverse_bits()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_points_are_the_published_ones() {
+        // @joe2008 in natural (not Gray code) order, units of 1/8.
+        let expected: [[u32; 8]; 4] = [
+            [0, 4, 2, 6, 1, 5, 3, 7],
+            [0, 4, 6, 2, 5, 1, 3, 7],
+            [0, 4, 6, 2, 3, 7, 5, 1],
+            [0, 4, 6, 2, 1, 5, 7, 3],
+        ];
+        for (d, row) in expected.iter().enumerate() {
+            for (i, &x) in row.iter().enumerate() {
+                assert_eq!(coordinate(i as u32, d) >> 29, x, "dimension {d}, point {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn second_dimension_is_the_pascal_matrix_modulo_two() {
+        // Binomial (j, i) is odd where i's bits are a subset of j's (Lucas).
+        for j in 0..32_u32 {
+            for i in 0..32 {
+                let odd = i & j == i;
+                assert_eq!(DIRECTIONS[1][j as usize] >> (31 - i) & 1 == 1, odd, "row {i}, column {j}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_dimension_visits_each_dyadic_interval_once() {
+        for d in 0..DIMENSIONS {
+            let mut seen = vec![false; 1024];
+            for i in 0..1024 {
+                seen[(coordinate(i, d) >> 22) as usize] = true;
+            }
+            assert!(seen.iter().all(|&s| s));
+        }
+    }
+}
