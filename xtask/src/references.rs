@@ -44,14 +44,18 @@ fn entries(text: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// The citations in a line: `@`, a lower-case name, four digits of the year, perhaps more lower-case letters.
-fn citations(line: &str) -> impl Iterator<Item = &str> {
-    line.split('@').skip(1).filter_map(|rest| {
-        let name = rest.find(|c: char| !c.is_ascii_lowercase()).unwrap_or(rest.len());
-        let digits = rest[name..].chars().take_while(char::is_ascii_digit).count();
-        let letters = rest[name + digits..].chars().take_while(char::is_ascii_lowercase).count();
-        (name > 0 && digits == 4).then(|| &rest[..name + digits + letters])
-    })
+/// The citations in the comment of a line: `@` after a blank or a bracket, then letters, digits and underscores, a letter first.
+fn citations(line: &str) -> Vec<&str> {
+    let Some((_, comment)) = line.split_once("//") else { return Vec::new() };
+    comment
+        .match_indices('@')
+        .filter(|&(at, _)| comment[..at].ends_with([' ', '(', '[', '/', '!']))
+        .map(|(at, _)| {
+            let rest = &comment[at + 1..];
+            &rest[..rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len())]
+        })
+        .filter(|key| key.starts_with(|c: char| c.is_ascii_lowercase()))
+        .collect()
 }
 
 #[cfg(test)]
@@ -60,10 +64,10 @@ mod tests {
 
     #[test]
     fn citations_are_told_from_other_signs() {
-        let found = |line| citations(line).collect::<Vec<_>>();
-        assert_eq!(found("/// @duff2017, and @jakob2014b section 3."), ["duff2017", "jakob2014b"]);
+        assert_eq!(citations("/// @duff2017, and (@jakob2014b) section 3."), ["duff2017", "jakob2014b"]);
+        assert_eq!(citations("    let a = b; // as @khr_lights does"), ["khr_lights"]);
         assert_eq!(
-            found("    name @ Some(_) => 1, // someone@example.org, @2017, @param"),
+            citations("    name @ Some(_) => 1, // someone@example.org, @2017, 3 @ 4"),
             Vec::<&str>::new()
         );
     }

@@ -169,7 +169,7 @@ pub fn uniform_cone_pdf(one_minus_cos_max: f64) -> SolidAnglePdf {
 /// Barycentric weights of a point of a triangle, uniform in area.
 ///
 /// # Source
-/// @heitz2019triangle: continuous, and the square is bent less than by the square root map.
+/// @heitz2019: continuous, and the square is bent less than by the square root map.
 #[inline]
 #[must_use]
 pub fn triangle(xi: DVec2) -> [f64; 3] {
