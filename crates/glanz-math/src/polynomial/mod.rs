@@ -1,3 +1,7 @@
 //! Real roots of polynomials of low degree.
 
+pub mod compensated;
+pub mod isolate;
 pub mod quadratic;
+
+pub use isolate::{MAX_DEGREE, Roots, roots};

@@ -19,7 +19,7 @@ pub fn roots(a: f64, b: f64, c: f64) -> Option<[f64; 2]> {
     }
     let half = 0.5 * b;
     let discriminant = difference_of_products(half, half, a, c);
-    if !(discriminant >= 0.0) {
+    if discriminant < 0.0 || discriminant.is_nan() {
         return None;
     }
     let q = -(half + discriminant.sqrt().copysign(half));
