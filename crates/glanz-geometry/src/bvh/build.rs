@@ -1,0 +1,327 @@
+//! The binary tree of boxes, by the surface area heuristic.
+//!
+//! Binary trees are where good splits are found; [`super::collapse`] then makes eight-wide nodes of them. Every
+//! primitive becomes a leaf of its own here, and `collapse` decides which of them to gather.
+//!
+//! # Source
+//! @wald2007 for binning. A tree of `n` primitives fills exactly `2 n - 1` places, so that the threads that build the
+//! two halves of a node write to two halves of a slice, and the result does not depend on how many there are.
+
+use super::collapse::Plan;
+
+/// Depth that the binary tree never exceeds, so that traversal gets by with a stack of fixed size.
+pub(crate) const MAX_DEPTH: usize = 64;
+
+/// Bins per axis.
+const BINS: usize = 16;
+
+/// Up to here splits are searched between all neighbours and not between bins.
+const SWEEP: usize = 8;
+
+/// From here on the halves of a node are built in parallel.
+const PARALLEL: usize = 4096;
+
+/// From here on a node's primitives are binned in parallel.
+const PARALLEL_BINS: usize = 1 << 16;
+
+/// A box in unit coordinates. The fourth lanes are ballast that lets the compiler use whole vectors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Box4 {
+    pub(crate) min: [f32; 4],
+    pub(crate) max: [f32; 4],
+}
+
+impl Box4 {
+    pub(crate) const EMPTY: Self = Self { min: [f32::INFINITY; 4], max: [f32::NEG_INFINITY; 4] };
+
+    #[inline(always)]
+    fn union(self, other: Self) -> Self {
+        Self {
+            min: std::array::from_fn(|i| if other.min[i] < self.min[i] { other.min[i] } else { self.min[i] }),
+            max: std::array::from_fn(|i| if other.max[i] > self.max[i] { other.max[i] } else { self.max[i] }),
+        }
+    }
+
+    /// Half the area of the six sides; 0 if empty.
+    #[inline(always)]
+    pub(crate) fn half_area(&self) -> f32 {
+        let [x, y, z] = std::array::from_fn(|i| (self.max[i] - self.min[i]).max(0.0));
+        x * (y + z) + y * z
+    }
+
+    /// Twice the centre.
+    #[inline(always)]
+    fn middle(&self) -> [f32; 4] {
+        std::array::from_fn(|i| self.min[i] + self.max[i])
+    }
+
+    #[inline(always)]
+    fn including(self, point: [f32; 4]) -> Self {
+        self.union(Self { min: point, max: point })
+    }
+}
+
+/// A primitive: its box, and in the fourth lane of `min` the bits of its index.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Item(Box4);
+
+impl Item {
+    pub(crate) fn new(min: [f32; 3], max: [f32; 3], index: u32) -> Self {
+        Self(Box4 {
+            min: [min[0], min[1], min[2], f32::from_bits(index)],
+            max: [max[0], max[1], max[2], 0.0],
+        })
+    }
+
+    pub(crate) fn index(&self) -> u32 {
+        self.0.min[3].to_bits()
+    }
+}
+
+/// A node of the binary tree. The left child follows its parent, the right one follows the left subtree.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BinaryNode {
+    pub(crate) min: [f32; 3],
+    pub(crate) max: [f32; 3],
+    /// Primitives below.
+    pub(crate) count: u32,
+    pub(crate) plan: Plan,
+}
+
+impl BinaryNode {
+    pub(crate) const EMPTY: Self = Self { min: [0.0; 3], max: [0.0; 3], count: 0, plan: Plan::EMPTY };
+
+    pub(crate) fn half_area(&self) -> f32 {
+        let [x, y, z] = std::array::from_fn(|i| self.max[i] - self.min[i]);
+        x * (y + z) + y * z
+    }
+}
+
+/// Builds the tree over `items` into `nodes`, which has `2 items.len() - 1` places, and sorts `items` by it. `plan` is
+/// asked once both children of a node are complete.
+pub(crate) fn build(
+    items: &mut [Item],
+    nodes: &mut [BinaryNode],
+    depth: usize,
+    plan: &(impl Fn(&BinaryNode, Option<(&BinaryNode, &BinaryNode)>) -> Plan + Sync),
+) {
+    let Some((node, below)) = nodes.split_first_mut() else { return };
+    let extent = Extent::of(items);
+    *node = BinaryNode {
+        min: [extent.bounds.min[0], extent.bounds.min[1], extent.bounds.min[2]],
+        max: [extent.bounds.max[0], extent.bounds.max[1], extent.bounds.max[2]],
+        count: items.len() as u32,
+        plan: Plan::EMPTY,
+    };
+    if items.len() < 2 {
+        node.plan = plan(node, None);
+        return;
+    }
+    let middle = split(items, &extent.middles, depth).clamp(1, items.len() - 1);
+    let (left_items, right_items) = items.split_at_mut(middle);
+    let (left, right) = below.split_at_mut(2 * middle - 1);
+    if left_items.len() + right_items.len() >= PARALLEL {
+        rayon::join(
+            || build(left_items, left, depth + 1, plan),
+            || build(right_items, right, depth + 1, plan),
+        );
+    } else {
+        build(left_items, left, depth + 1, plan);
+        build(right_items, right, depth + 1, plan);
+    }
+    node.plan = plan(node, left.first().zip(right.first()));
+}
+
+/// The box around some primitives, and that around their (doubled) centres.
+#[derive(Clone, Copy)]
+struct Extent {
+    bounds: Box4,
+    middles: Box4,
+}
+
+impl Extent {
+    const EMPTY: Self = Self { bounds: Box4::EMPTY, middles: Box4::EMPTY };
+
+    fn of(items: &[Item]) -> Self {
+        parallel_fold(items, Self::EMPTY, Self::with, Self::union)
+    }
+
+    #[inline(always)]
+    fn with(self, item: &Item) -> Self {
+        Self { bounds: self.bounds.union(item.0), middles: self.middles.including(item.0.middle()) }
+    }
+
+    fn union(self, other: Self) -> Self {
+        Self { bounds: self.bounds.union(other.bounds), middles: self.middles.union(other.middles) }
+    }
+}
+
+/// Folds over many items in parallel. `merge` must be exactly associative and commutative (as minimum, maximum and
+/// counting are), so that the result does not depend on the threads.
+fn parallel_fold<T: Copy + Send + Sync>(
+    items: &[Item],
+    empty: T,
+    add: impl Fn(T, &Item) -> T + Sync,
+    merge: impl Fn(T, T) -> T + Sync + Send,
+) -> T {
+    use rayon::prelude::*;
+    if items.len() < PARALLEL_BINS {
+        return items.iter().fold(empty, &add);
+    }
+    items.par_chunks(PARALLEL_BINS / 8).map(|chunk| chunk.iter().fold(empty, &add)).reduce(|| empty, &merge)
+}
+
+/// Sorts `items` into a left and a right part; returns the length of the left one.
+fn split(items: &mut [Item], middles: &Box4, depth: usize) -> usize {
+    let half = items.len() / 2;
+    // A halving tree below this node has ceil(log2 n) further levels: from here on there is no room for worse.
+    let levels = usize::BITS - (items.len() - 1).leading_zeros();
+    let size: [f32; 3] = std::array::from_fn(|axis| middles.max[axis] - middles.min[axis]);
+    if depth + levels as usize >= MAX_DEPTH {
+        let axis = (0..3).fold(0, |widest, axis| if size[axis] > size[widest] { axis } else { widest });
+        items.select_nth_unstable_by(half, |a, b| order(a, b, axis));
+        return half;
+    }
+    if size.iter().all(|&s| s <= 0.0) {
+        return half;
+    }
+    if items.len() <= SWEEP { sweep(items) } else { binned(items, middles) }
+}
+
+/// Order along an axis; the index decides between equals, so that the order is total.
+fn order(a: &Item, b: &Item, axis: usize) -> std::cmp::Ordering {
+    a.0.middle()[axis].total_cmp(&b.0.middle()[axis]).then(a.index().cmp(&b.index()))
+}
+
+/// The best split of a few items between any two neighbours on any axis.
+fn sweep(items: &mut [Item]) -> usize {
+    let mut best = (f32::INFINITY, 0, items.len() / 2);
+    for axis in 0..3 {
+        items.sort_unstable_by(|a, b| order(a, b, axis));
+        let mut right_areas = [0.0; SWEEP];
+        let mut right = Box4::EMPTY;
+        for (area, item) in right_areas.iter_mut().zip(items.iter()).rev().skip(SWEEP - items.len()) {
+            right = right.union(item.0);
+            *area = right.half_area();
+        }
+        let mut left = Box4::EMPTY;
+        for (count, (item, &area)) in (1..).zip(items.iter().zip(&right_areas[1..])) {
+            if count == items.len() {
+                break;
+            }
+            left = left.union(item.0);
+            let cost = left.half_area() * count as f32 + area * (items.len() - count) as f32;
+            if cost < best.0 {
+                best = (cost, axis, count);
+            }
+        }
+    }
+    if best.1 != 2 {
+        items.sort_unstable_by(|a, b| order(a, b, best.1));
+    }
+    best.2
+}
+
+/// What lies in the bins of the three axes.
+#[derive(Clone, Copy)]
+struct Bins {
+    bounds: [[Box4; BINS]; 3],
+    counts: [[u32; BINS]; 3],
+}
+
+/// Which bin a doubled centre falls into.
+#[derive(Clone, Copy)]
+struct Binning {
+    start: [f32; 4],
+    scale: [f32; 4],
+}
+
+impl Binning {
+    fn new(middles: &Box4) -> Self {
+        let scale = std::array::from_fn(|axis| {
+            // Just below BINS, so that the largest centre falls into the last bin. Where the axis has no extent, or one
+            // so small that the quotient overflows, everything falls into the first.
+            let scale = BINS as f32 * (1.0 - 4.0 * f32::EPSILON) / (middles.max[axis] - middles.min[axis]);
+            if scale.is_finite() { scale } else { 0.0 }
+        });
+        Self { start: middles.min, scale }
+    }
+
+    #[inline(always)]
+    fn bins(&self, item: &Item) -> [usize; 4] {
+        let middle = item.0.middle();
+        // A float becomes an integer by truncation and saturation; the mask never bites.
+        std::array::from_fn(|i| ((middle[i] - self.start[i]) * self.scale[i]) as usize & (BINS - 1))
+    }
+}
+
+/// The best split between bins.
+fn binned(items: &mut [Item], middles: &Box4) -> usize {
+    let binning = Binning::new(middles);
+    let empty = Bins { bounds: [[Box4::EMPTY; BINS]; 3], counts: [[0; BINS]; 3] };
+    let bins = parallel_fold(
+        items,
+        empty,
+        |mut bins, item| {
+            let place = binning.bins(item);
+            for axis in 0..3 {
+                let bin = place[axis];
+                bins.bounds[axis][bin] = bins.bounds[axis][bin].union(item.0);
+                bins.counts[axis][bin] += 1;
+            }
+            bins
+        },
+        |mut a, b| {
+            for axis in 0..3 {
+                for bin in 0..BINS {
+                    a.bounds[axis][bin] = a.bounds[axis][bin].union(b.bounds[axis][bin]);
+                    a.counts[axis][bin] += b.counts[axis][bin];
+                }
+            }
+            a
+        },
+    );
+    let Some((axis, first_right)) = best_plane(&bins) else { return items.len() / 2 };
+    partition(items, |item| binning.bins(item)[axis] < first_right)
+}
+
+/// The axis and the first bin of the right side with the smallest cost; `None` if all lie in one bin.
+fn best_plane(bins: &Bins) -> Option<(usize, usize)> {
+    let mut best = None;
+    let mut least = f32::INFINITY;
+    for axis in 0..3 {
+        let (bounds, counts) = (&bins.bounds[axis], &bins.counts[axis]);
+        let mut right_costs = [0.0; BINS];
+        let (mut right, mut count) = (Box4::EMPTY, 0);
+        for bin in (1..BINS).rev() {
+            right = right.union(bounds[bin]);
+            count += counts[bin];
+            right_costs[bin] = if count == 0 { f32::INFINITY } else { right.half_area() * count as f32 };
+        }
+        let (mut left, mut count) = (Box4::EMPTY, 0);
+        for bin in 1..BINS {
+            left = left.union(bounds[bin - 1]);
+            count += counts[bin - 1];
+            let cost = left.half_area() * count as f32 + right_costs[bin];
+            if count > 0 && cost < least {
+                least = cost;
+                best = Some((axis, bin));
+            }
+        }
+    }
+    best
+}
+
+/// Moves the items that belong to the left to the front; returns their number.
+fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
+    let (mut left, mut right) = (0, items.len());
+    while left < right {
+        if is_left(&items[left]) {
+            left += 1;
+        } else {
+            right -= 1;
+            items.swap(left, right);
+        }
+    }
+    left
+}

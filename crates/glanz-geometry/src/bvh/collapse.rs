@@ -1,0 +1,140 @@
+//! From the binary tree to eight-wide nodes, at the least expected cost.
+//!
+//! # Source
+//! @ylitie2017 section 3.1. With `C(n, i)` the least cost of covering the subtree at `n` by at most `i` children of a wide
+//! node, `C(n, 1)` is the cheaper of a leaf and a wide node, and `C(n, i)` the cheapest way to share `i` children out
+//! between the two subtrees. Departure: a leaf costs by blocks, since primitives of one block are tested at once.
+
+use super::BuildOptions;
+use super::build::BinaryNode;
+use super::node::{Child, Node, WIDTH};
+
+/// The cheapest ways to cover a subtree.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan {
+    /// Cost of covering it with at most 1, 2 ... 7 children.
+    costs: [f32; WIDTH - 1],
+    /// How many of at most 2, 3 ... 8 children go to the left subtree; 0 if one fewer is not worse.
+    left: [u8; WIDTH - 1],
+    /// Whether a single child is a leaf.
+    leaf: bool,
+}
+
+impl Plan {
+    pub(crate) const EMPTY: Self = Self { costs: [0.0; WIDTH - 1], left: [0; WIDTH - 1], leaf: true };
+
+    /// The plan for `node`, from those of its children.
+    pub(crate) fn new(
+        node: &BinaryNode,
+        children: Option<(&BinaryNode, &BinaryNode)>,
+        options: &BuildOptions,
+    ) -> Self {
+        let area = node.half_area();
+        let blocks = node.count.div_ceil(options.block.max(1) as u32);
+        let leaf_cost = area * options.leaf_cost * blocks as f32;
+        let Some((left, right)) = children else {
+            return Self { costs: [leaf_cost; WIDTH - 1], ..Self::EMPTY };
+        };
+        let mut plan = Self { left: [1; WIDTH - 1], ..Self::EMPTY };
+        // Slot i - 2 of `shared`: the best way to share out exactly i children.
+        let mut shared = [f32::INFINITY; WIDTH - 1];
+        for (i, (best, choice)) in (2..).zip(shared.iter_mut().zip(&mut plan.left)) {
+            for k in 1..i {
+                let cost = left.plan.costs[k - 1] + right.plan.costs[i - k - 1];
+                if cost < *best {
+                    (*best, *choice) = (cost, k as u8);
+                }
+            }
+        }
+        let node_cost = area + shared[WIDTH - 2];
+        plan.leaf = node.count as usize <= options.max_leaf.max(1) && leaf_cost <= node_cost;
+        plan.costs[0] = if plan.leaf { leaf_cost } else { node_cost };
+        for i in 1..WIDTH - 1 {
+            plan.costs[i] = shared[i - 1];
+            if plan.costs[i - 1] <= plan.costs[i] {
+                plan.costs[i] = plan.costs[i - 1];
+                plan.left[i - 1] = 0;
+            }
+        }
+        plan
+    }
+
+    /// Expected cost of a ray that meets the root, in node visits times half the area of the root.
+    pub(crate) fn cost(&self) -> f32 {
+        self.costs[0]
+    }
+}
+
+/// The eight-wide tree.
+#[derive(Debug, Default)]
+pub(crate) struct Wide {
+    pub(crate) nodes: Vec<Node>,
+    /// Leaf `i` holds the items from `leaf_starts[i]` to `leaf_starts[i + 1]`.
+    pub(crate) leaf_starts: Vec<u32>,
+    /// Levels of nodes above the deepest leaf.
+    pub(crate) depth: usize,
+}
+
+/// A subtree of the binary tree: where its nodes and its items begin.
+#[derive(Clone, Copy, Default)]
+struct Subtree {
+    node: usize,
+    item: u32,
+}
+
+impl Wide {
+    /// Follows the plans from the root of `tree`. The first node is the root, unless `tree` is empty.
+    pub(crate) fn collapse(tree: &[BinaryNode]) -> Self {
+        let mut wide = Self::default();
+        if let Some(root) = tree.first() {
+            if root.plan.leaf {
+                // A node all the same: the only box wants to be tested too.
+                wide.nodes.push(Node::EMPTY);
+                let leaf = wide.child(tree, Subtree::default(), 1);
+                wide.nodes[0].set(0, root.min, root.max, leaf);
+            } else {
+                wide.child(tree, Subtree::default(), 0);
+            }
+            wide.leaf_starts.push(root.count);
+        }
+        wide
+    }
+
+    /// Makes a leaf or a node of a subtree. Nodes and leaves lie in the order of a depth-first walk.
+    fn child(&mut self, tree: &[BinaryNode], subtree: Subtree, level: usize) -> Child {
+        if tree[subtree.node].plan.leaf {
+            let ordinal = self.leaf_starts.len() as u32;
+            self.leaf_starts.push(subtree.item);
+            self.depth = self.depth.max(level);
+            return Child::leaf(ordinal);
+        }
+        let mut children = Vec::with_capacity(WIDTH);
+        gather(tree, subtree, WIDTH, &mut children);
+        let index = self.nodes.len();
+        self.nodes.push(Node::EMPTY);
+        for (slot, &below) in children.iter().enumerate() {
+            let child = self.child(tree, below, level + 1);
+            let binary = &tree[below.node];
+            self.nodes[index].set(slot, binary.min, binary.max, child);
+        }
+        Child::node(index as u32)
+    }
+}
+
+/// The subtrees that become children of a wide node, when `subtree` is given `room` of them.
+fn gather(tree: &[BinaryNode], subtree: Subtree, room: usize, children: &mut Vec<Subtree>) {
+    if room < 2 {
+        children.push(subtree);
+        return;
+    }
+    match usize::from(tree[subtree.node].plan.left[room - 2]) {
+        0 => gather(tree, subtree, room - 1, children),
+        to_left => {
+            let left = Subtree { node: subtree.node + 1, item: subtree.item };
+            let count = tree[left.node].count;
+            let right = Subtree { node: left.node + 2 * count as usize - 1, item: subtree.item + count };
+            gather(tree, left, to_left, children);
+            gather(tree, right, room - to_left, children);
+        }
+    }
+}

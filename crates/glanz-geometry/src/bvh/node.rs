@@ -1,0 +1,218 @@
+//! Eight boxes at a time, in coordinates made for `f32`.
+
+use glanz_math::{Bounds3, DVec3, Ray};
+
+use super::simd::{Lanes8, Simd};
+
+/// Number of children of a node.
+pub(crate) const WIDTH: usize = 8;
+
+/// A child of a node: another node, or a leaf.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Child(pub(crate) u32);
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+
+    pub(crate) fn node(index: u32) -> Self {
+        Self(index)
+    }
+
+    pub(crate) fn leaf(ordinal: u32) -> Self {
+        Self(ordinal | Self::LEAF)
+    }
+
+    /// The leaf's ordinal, if the child is one.
+    #[inline(always)]
+    pub(crate) fn as_leaf(self) -> Option<u32> {
+        (self.0 & Self::LEAF != 0).then_some(self.0 & !Self::LEAF)
+    }
+}
+
+/// Eight boxes and where they lead. Four cache lines, or less if the last is not touched.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Node {
+    /// Planes by axis and by side (smallest, largest coordinate), in unit coordinates (see [`UnitFrame`]).
+    pub(crate) planes: [[Lanes8; 2]; 3],
+    pub(crate) children: [Child; WIDTH],
+}
+
+impl Node {
+    /// Boxes that no ray meets: an empty interval on every axis.
+    pub(crate) const EMPTY: Self = Self {
+        planes: [[Lanes8([f32::INFINITY; WIDTH]), Lanes8([f32::NEG_INFINITY; WIDTH])]; 3],
+        children: [Child(0); WIDTH],
+    };
+
+    /// Puts a box into `slot`.
+    pub(crate) fn set(&mut self, slot: usize, min: [f32; 3], max: [f32; 3], child: Child) {
+        for axis in 0..3 {
+            self.planes[axis][0].0[slot] = min[axis];
+            self.planes[axis][1].0[slot] = max[axis];
+        }
+        self.children[slot] = child;
+    }
+
+    /// The children whose boxes the ray may meet as bits, and where it enters them.
+    #[inline(always)]
+    pub(crate) fn intersect<S: Simd>(&self, simd: S, ray: &UnitRay<S>) -> (u32, S::F32) {
+        let plane = |axis: usize, side: usize| simd.load(&self.planes[axis][side & 1]);
+        let enter = |axis: usize| {
+            simd.mul_sub(plane(axis, ray.far_side[axis] ^ 1), ray.inverse[axis], ray.near[axis])
+        };
+        let leave =
+            |axis: usize| simd.mul_sub(plane(axis, ray.far_side[axis]), ray.inverse[axis], ray.far[axis]);
+        // The second operand of `max` wins a tie, so that zero is never a negative one: its bits are sorted.
+        let near = simd.max(simd.max(enter(0), enter(1)), simd.max(enter(2), simd.splat(0.0)));
+        let far = simd.min(simd.min(leave(0), leave(1)), simd.min(leave(2), ray.end));
+        (simd.at_most(near, far), near)
+    }
+}
+
+/// The map from the world to the coordinates of the boxes, which fill at most [-1, 1]^3.
+///
+/// Whatever the place and the size of a model, its boxes use the whole precision of `f32` and never overflow.
+/// `unit = (world - center) * scale`, where `scale` is a power of two.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct UnitFrame {
+    center: DVec3,
+    scale: f64,
+}
+
+impl UnitFrame {
+    /// The frame of everything in `bounds`, which must be finite; any frame if it is empty.
+    pub(crate) fn around(bounds: &Bounds3) -> Self {
+        if bounds.is_empty() {
+            return Self { center: DVec3::ZERO, scale: 1.0 };
+        }
+        let center = bounds.center();
+        // Halved before they are subtracted: the difference of two finite numbers may overflow.
+        let extent = (bounds.max - center).max(center - bounds.min).max_element();
+        // Beyond these exponents 1 / scale is not a number any more. A model smaller than 1e-290 m has no size.
+        let exponent = extent.max(f64::MIN_POSITIVE).log2().ceil().clamp(-960.0, 1020.0);
+        Self { center, scale: (-exponent).exp2() }
+    }
+
+    /// The box of `bounds` in unit coordinates, rounded outward.
+    pub(crate) fn bounds(&self, bounds: &Bounds3) -> ([f32; 3], [f32; 3]) {
+        // The subtraction rounds once, by at most half an ulp; the product with a power of two is exact unless it
+        // underflows, which the step of `next_down` covers as well.
+        let min = ((bounds.min - self.center) * self.scale).to_array().map(|x| round_down(x.next_down()));
+        let max = ((bounds.max - self.center) * self.scale).to_array().map(|x| -round_down((-x).next_down()));
+        (min, max)
+    }
+
+    /// The length in metres of one unit.
+    pub(crate) fn unit(&self) -> f64 {
+        1.0 / self.scale
+    }
+}
+
+/// The largest `f32` that is not above `x`.
+fn round_down(x: f64) -> f32 {
+    let nearest = x as f32;
+    if f64::from(nearest) > x { nearest.next_down() } else { nearest }
+}
+
+/// Unit roundoff of `f32`.
+const U32: f64 = f32::EPSILON as f64 * 0.5;
+
+/// A bound on the relative error of the few `f64` operations that carry a ray into the unit frame.
+const CARRY: f64 = 64.0 * f64::EPSILON;
+
+/// The smallest component of a direction, relative to its largest, that is not rounded away from zero.
+const FLATTEST: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// A ray made ready for boxes in unit coordinates: its box test never misses a box that the `f64` ray meets.
+///
+/// The ray is `o + s d` with `|d| = 1` in the maximum norm and `s >= 0`, counted from where it enters the unit cube, so
+/// that `|o| <= 2` or nearly so. A plane at `b`, `|b| <= 1`, is crossed at `s = b i - o i` with `i = 1 / d`. Evaluated in
+/// `f32`, by a product, a rounded `o i` and a difference, that is wrong by at most `3 u |i| (1 + |o|)` and terms of
+/// second order, with or without fusing (`u`: unit roundoff of `f32`). The ray itself is carried into the frame with
+/// an error below `CARRY` times the distance of its origin. Therefore `near = o i + pad` and `far = o i - pad` with
+/// `pad = |i| (4 u (1 + |o|) + CARRY |o_before|)` give entries that are never late and exits that are never early.
+///
+/// A component of `d` below `FLATTEST = 2^-40` is replaced by that. Inside a slab the true exit may then be later than
+/// the one computed, but `pad >= 4 u 2^40 (1 + |o|) = 2^18 (1 + |o|)` lies far beyond the exit from the unit cube along
+/// the largest component, which is at most `1 + |o|`; entries only become earlier or stay negative. No product is
+/// infinite, so no comparison sees NaN; empty slots (planes at infinity) are never met because `i` is not 0.
+pub(crate) struct UnitRay<S: Simd> {
+    /// `1 / d` per axis.
+    inverse: [S::F32; 3],
+    /// To be subtracted for the plane that is entered through.
+    near: [S::F32; 3],
+    /// To be subtracted for the plane that is left through.
+    far: [S::F32; 3],
+    /// Index of the plane that is left through: 1 where the direction is positive.
+    far_side: [usize; 3],
+    /// The end of the ray.
+    end: S::F32,
+    /// The same as one number.
+    last: f32,
+    /// `s = t * rate - start`.
+    rate: f64,
+    start: f64,
+    /// Absolute error of a converted `t`.
+    slack: f64,
+}
+
+impl<S: Simd> UnitRay<S> {
+    /// `None` if the ray cannot meet the unit cube before `t_max`.
+    #[inline(always)]
+    pub(crate) fn new(simd: S, frame: &UnitFrame, ray: &Ray, t_max: f64) -> Option<Self> {
+        let length = ray.direction.abs().max_element();
+        let rate = length * frame.scale;
+        let direction = ray.direction / length;
+        let mut origin = (ray.origin - frame.center) * frame.scale;
+        let distance = origin.abs().max_element();
+        let flat = direction.abs().max(DVec3::splat(FLATTEST));
+        let inverse = DVec3::ONE / DVec3::select(direction.cmplt(DVec3::ZERO), -flat, flat);
+        let carried = CARRY * distance;
+        let mut start = 0.0;
+        if distance > 2.0 {
+            // The cube is widened by what the ray may be off; flattened components only make the entry earlier.
+            let entries = (-inverse.signum() * (1.0 + carried) - origin) * inverse;
+            start = entries.max_element().max(0.0) * (1.0 - CARRY);
+            origin += start * direction;
+        }
+        let pad = inverse.abs() * ((1.0 + origin.abs()) * (4.0 * U32) + carried);
+        let product = origin * inverse;
+        let (near, far) = (product + pad, product - pad);
+        let splat = |v: DVec3| [simd.splat(v.x as f32), simd.splat(v.y as f32), simd.splat(v.z as f32)];
+        let mut unit = Self {
+            inverse: splat(inverse),
+            near: splat(near),
+            far: splat(far),
+            far_side: [
+                usize::from(inverse.x > 0.0),
+                usize::from(inverse.y > 0.0),
+                usize::from(inverse.z > 0.0),
+            ],
+            end: simd.splat(0.0),
+            last: 0.0,
+            rate,
+            start,
+            slack: carried + start * CARRY,
+        };
+        unit.shorten(simd, t_max);
+        // Written so that a NaN says no.
+        let usable = ray.origin.is_finite() && ray.direction.is_finite() && rate > 0.0;
+        (usable && unit.last >= 0.0).then_some(unit)
+    }
+
+    /// Lets the ray end at `t_max`, rounded up.
+    #[inline(always)]
+    pub(crate) fn shorten(&mut self, simd: S, t_max: f64) {
+        let end = t_max * self.rate * (1.0 + CARRY) - self.start + self.slack;
+        // Rounding to nearest moves by at most u.
+        self.last = (end * (1.0 + 2.0 * U32)) as f32;
+        self.end = simd.splat(self.last);
+    }
+
+    /// Whether a box entered at `near` lies before the end.
+    #[inline(always)]
+    pub(crate) fn reaches(&self, near: f32) -> bool {
+        near <= self.last
+    }
+}

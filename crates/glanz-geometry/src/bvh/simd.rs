@@ -1,0 +1,415 @@
+//! The few vector operations that traversal and triangles are written in, for every instruction set.
+//!
+//! [`Simd`] is implemented by tokens. A token can only be got from [`Isa::detect`], which asks the processor, so
+//! whoever holds one may use its instructions: that is the proof behind every `unsafe` block here, and outside of
+//! this module the crate is safe. Code that is generic over `Simd` is marked `#[inline(always)]` and run through
+//! [`Isa::run`], which compiles one copy of it per instruction set.
+//!
+//! All operations are the IEEE ones, lane by lane, so that every instruction set gives the same bits; the exception is
+//! [`Simd::mul_sub`], which may or may not round its product.
+#![allow(unsafe_code)]
+
+use std::mem::MaybeUninit;
+
+/// Eight `f32` lanes of one kind of box plane, aligned for vector loads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(32))]
+pub(crate) struct Lanes8(pub(crate) [f32; 8]);
+
+/// Vector operations. `F32` has eight lanes, `F64` four.
+pub(crate) trait Simd: Copy {
+    /// Eight `f32`.
+    type F32: Copy;
+    /// Four `f64`.
+    type F64: Copy;
+
+    /// The same value in every lane.
+    fn splat(self, value: f32) -> Self::F32;
+    /// Reads eight lanes.
+    fn load(self, lanes: &Lanes8) -> Self::F32;
+    /// Writes eight lanes.
+    fn store(self, value: Self::F32) -> Lanes8;
+    /// `a * b - c`, with one rounding or two.
+    fn mul_sub(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32;
+    /// `if a < b { a } else { b }`.
+    fn min(self, a: Self::F32, b: Self::F32) -> Self::F32;
+    /// `if a > b { a } else { b }`.
+    fn max(self, a: Self::F32, b: Self::F32) -> Self::F32;
+    /// Bit `i` says whether lane `i` of `a` is at most that of `b`.
+    fn at_most(self, a: Self::F32, b: Self::F32) -> u32;
+
+    /// The same value in every lane.
+    fn splat64(self, value: f64) -> Self::F64;
+    /// Reads four lanes.
+    fn load64(self, lanes: &[f64; 4]) -> Self::F64;
+    /// Reads four `f32` lanes and widens them, which is exact.
+    fn widen(self, lanes: &[f32; 4]) -> Self::F64;
+    /// Writes four lanes.
+    fn store64(self, value: Self::F64) -> [f64; 4];
+    /// `a + b`.
+    fn add64(self, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// `a - b`.
+    fn sub64(self, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// `a * b`.
+    fn mul64(self, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// `a / b`.
+    fn div64(self, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// `if a < b { a } else { b }`.
+    fn min64(self, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// `if a > b { a } else { b }`.
+    fn max64(self, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// Bit `i` says whether lane `i` of `a` is less than that of `b`.
+    fn less64(self, a: Self::F64, b: Self::F64) -> u32;
+    /// Bit `i` says whether lane `i` of `a` is at most that of `b`.
+    fn at_most64(self, a: Self::F64, b: Self::F64) -> u32;
+
+    /// Asks for the cache line at `place`; changes nothing else.
+    fn prefetch<T>(self, place: &T);
+}
+
+/// Work that is compiled once per instruction set.
+pub(crate) trait Task {
+    /// What the work yields.
+    type Output;
+    /// Does the work; must be `#[inline(always)]` to be compiled for `simd`.
+    fn run<S: Simd>(self, simd: S) -> Self::Output;
+}
+
+/// The instruction sets that there is a copy of the hot code for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Isa {
+    /// Whatever the target has.
+    Scalar(Scalar),
+    /// AVX2 with fused multiply-add and bit manipulation: x86 processors since 2013.
+    #[cfg(target_arch = "x86_64")]
+    Avx2(Avx2),
+}
+
+impl Isa {
+    /// The best one that this processor has.
+    pub(crate) fn detect() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(token) = Avx2::detect() {
+            return Self::Avx2(token);
+        }
+        Self::Scalar(Scalar)
+    }
+
+    /// Every one that this processor has, for tests that compare them.
+    #[cfg(test)]
+    pub(crate) fn all() -> Vec<Self> {
+        let mut all = vec![Self::Scalar(Scalar)];
+        if Self::detect() != Self::Scalar(Scalar) {
+            all.push(Self::detect());
+        }
+        all
+    }
+
+    /// Runs `task` with these instructions.
+    #[inline(always)]
+    pub(crate) fn run<T: Task>(self, task: T) -> T::Output {
+        match self {
+            Self::Scalar(scalar) => task.run(scalar),
+            // SAFETY: the token proves that the processor has the features that `run_avx2` is compiled for.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(token) => unsafe { run_avx2(token, task) },
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn run_avx2<T: Task>(token: Avx2, task: T) -> T::Output {
+    task.run(token)
+}
+
+/// Plain arithmetic on arrays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Scalar;
+
+#[inline(always)]
+fn mask<const N: usize>(bits: [bool; N]) -> u32 {
+    bits.iter().enumerate().fold(0, |m, (i, &b)| m | (u32::from(b) << i))
+}
+
+impl Simd for Scalar {
+    type F32 = [f32; 8];
+    type F64 = [f64; 4];
+
+    #[inline(always)]
+    fn splat(self, value: f32) -> [f32; 8] {
+        [value; 8]
+    }
+    #[inline(always)]
+    fn load(self, lanes: &Lanes8) -> [f32; 8] {
+        lanes.0
+    }
+    #[inline(always)]
+    fn store(self, value: [f32; 8]) -> Lanes8 {
+        Lanes8(value)
+    }
+    #[inline(always)]
+    fn mul_sub(self, a: [f32; 8], b: [f32; 8], c: [f32; 8]) -> [f32; 8] {
+        std::array::from_fn(|i| a[i] * b[i] - c[i])
+    }
+    #[inline(always)]
+    fn min(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        std::array::from_fn(|i| if a[i] < b[i] { a[i] } else { b[i] })
+    }
+    #[inline(always)]
+    fn max(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        std::array::from_fn(|i| if a[i] > b[i] { a[i] } else { b[i] })
+    }
+    #[inline(always)]
+    fn at_most(self, a: [f32; 8], b: [f32; 8]) -> u32 {
+        mask::<8>(std::array::from_fn(|i| a[i] <= b[i]))
+    }
+
+    #[inline(always)]
+    fn splat64(self, value: f64) -> [f64; 4] {
+        [value; 4]
+    }
+    #[inline(always)]
+    fn load64(self, lanes: &[f64; 4]) -> [f64; 4] {
+        *lanes
+    }
+    #[inline(always)]
+    fn widen(self, lanes: &[f32; 4]) -> [f64; 4] {
+        lanes.map(f64::from)
+    }
+    #[inline(always)]
+    fn store64(self, value: [f64; 4]) -> [f64; 4] {
+        value
+    }
+    #[inline(always)]
+    fn add64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|i| a[i] + b[i])
+    }
+    #[inline(always)]
+    fn sub64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|i| a[i] - b[i])
+    }
+    #[inline(always)]
+    fn mul64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|i| a[i] * b[i])
+    }
+    #[inline(always)]
+    fn div64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|i| a[i] / b[i])
+    }
+    #[inline(always)]
+    fn min64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|i| if a[i] < b[i] { a[i] } else { b[i] })
+    }
+    #[inline(always)]
+    fn max64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|i| if a[i] > b[i] { a[i] } else { b[i] })
+    }
+    #[inline(always)]
+    fn less64(self, a: [f64; 4], b: [f64; 4]) -> u32 {
+        mask::<4>(std::array::from_fn(|i| a[i] < b[i]))
+    }
+    #[inline(always)]
+    fn at_most64(self, a: [f64; 4], b: [f64; 4]) -> u32 {
+        mask::<4>(std::array::from_fn(|i| a[i] <= b[i]))
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, _place: &T) {}
+}
+
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx2::Avx2;
+
+#[cfg(target_arch = "x86_64")]
+mod avx2 {
+    use super::{Lanes8, Simd};
+    use std::arch::x86_64::*;
+
+    /// Proof that the processor has AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub(crate) struct Avx2(());
+
+    impl Avx2 {
+        /// The token, if the processor has what it stands for.
+        pub(super) fn detect() -> Option<Self> {
+            (is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("fma")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2")
+                && is_x86_feature_detected!("lzcnt")
+                && is_x86_feature_detected!("popcnt"))
+            .then_some(Self(()))
+        }
+    }
+
+    // SAFETY, for every block below: `self` is a token, so the processor has AVX2 and FMA. Loads and stores go through
+    // references to exactly as many lanes as the instruction touches; the aligned ones to `Lanes8`, which is
+    // 32-byte aligned by its type.
+    impl Simd for Avx2 {
+        type F32 = __m256;
+        type F64 = __m256d;
+
+        #[inline(always)]
+        fn splat(self, value: f32) -> __m256 {
+            // SAFETY: as above.
+            unsafe { _mm256_set1_ps(value) }
+        }
+        #[inline(always)]
+        fn load(self, lanes: &Lanes8) -> __m256 {
+            // SAFETY: as above, 8 aligned lanes.
+            unsafe { _mm256_load_ps(lanes.0.as_ptr()) }
+        }
+        #[inline(always)]
+        fn store(self, value: __m256) -> Lanes8 {
+            let mut lanes = Lanes8([0.0; 8]);
+            // SAFETY: as above, 8 aligned lanes.
+            unsafe { _mm256_store_ps(lanes.0.as_mut_ptr(), value) };
+            lanes
+        }
+        #[inline(always)]
+        fn mul_sub(self, a: __m256, b: __m256, c: __m256) -> __m256 {
+            // SAFETY: as above.
+            unsafe { _mm256_fmsub_ps(a, b, c) }
+        }
+        #[inline(always)]
+        fn min(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: as above.
+            unsafe { _mm256_min_ps(a, b) }
+        }
+        #[inline(always)]
+        fn max(self, a: __m256, b: __m256) -> __m256 {
+            // SAFETY: as above.
+            unsafe { _mm256_max_ps(a, b) }
+        }
+        #[inline(always)]
+        fn at_most(self, a: __m256, b: __m256) -> u32 {
+            // SAFETY: as above.
+            unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32 }
+        }
+
+        #[inline(always)]
+        fn splat64(self, value: f64) -> __m256d {
+            // SAFETY: as above.
+            unsafe { _mm256_set1_pd(value) }
+        }
+        #[inline(always)]
+        fn load64(self, lanes: &[f64; 4]) -> __m256d {
+            // SAFETY: as above, 4 lanes, unaligned.
+            unsafe { _mm256_loadu_pd(lanes.as_ptr()) }
+        }
+        #[inline(always)]
+        fn widen(self, lanes: &[f32; 4]) -> __m256d {
+            // SAFETY: as above, 4 lanes, unaligned.
+            unsafe { _mm256_cvtps_pd(_mm_loadu_ps(lanes.as_ptr())) }
+        }
+        #[inline(always)]
+        fn store64(self, value: __m256d) -> [f64; 4] {
+            let mut lanes = [0.0; 4];
+            // SAFETY: as above, 4 lanes, unaligned.
+            unsafe { _mm256_storeu_pd(lanes.as_mut_ptr(), value) };
+            lanes
+        }
+        #[inline(always)]
+        fn add64(self, a: __m256d, b: __m256d) -> __m256d {
+            // SAFETY: as above.
+            unsafe { _mm256_add_pd(a, b) }
+        }
+        #[inline(always)]
+        fn sub64(self, a: __m256d, b: __m256d) -> __m256d {
+            // SAFETY: as above.
+            unsafe { _mm256_sub_pd(a, b) }
+        }
+        #[inline(always)]
+        fn mul64(self, a: __m256d, b: __m256d) -> __m256d {
+            // SAFETY: as above.
+            unsafe { _mm256_mul_pd(a, b) }
+        }
+        #[inline(always)]
+        fn div64(self, a: __m256d, b: __m256d) -> __m256d {
+            // SAFETY: as above.
+            unsafe { _mm256_div_pd(a, b) }
+        }
+        #[inline(always)]
+        fn min64(self, a: __m256d, b: __m256d) -> __m256d {
+            // SAFETY: as above.
+            unsafe { _mm256_min_pd(a, b) }
+        }
+        #[inline(always)]
+        fn max64(self, a: __m256d, b: __m256d) -> __m256d {
+            // SAFETY: as above.
+            unsafe { _mm256_max_pd(a, b) }
+        }
+        #[inline(always)]
+        fn less64(self, a: __m256d, b: __m256d) -> u32 {
+            // SAFETY: as above.
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(a, b)) as u32 }
+        }
+        #[inline(always)]
+        fn at_most64(self, a: __m256d, b: __m256d) -> u32 {
+            // SAFETY: as above.
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(a, b)) as u32 }
+        }
+
+        #[inline(always)]
+        fn prefetch<T>(self, place: &T) {
+            // SAFETY: a prefetch never faults, and `place` is valid anyway.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(place).cast()) }
+        }
+    }
+}
+
+/// A stack of fixed room that is not cleared when it is made: clearing it would cost a tenth of a short ray.
+pub(crate) struct Stack<const ROOM: usize> {
+    entries: [MaybeUninit<u64>; ROOM],
+    // Invariant: the first `len` entries are initialised, and `len <= ROOM`.
+    len: usize,
+}
+
+impl<const ROOM: usize> Stack<ROOM> {
+    /// An empty stack.
+    #[inline(always)]
+    pub(crate) fn new() -> Self {
+        Self { entries: [const { MaybeUninit::uninit() }; ROOM], len: 0 }
+    }
+
+    /// Puts `entry` on top; says whether there was room for it.
+    #[inline(always)]
+    pub(crate) fn push(&mut self, entry: u64) -> bool {
+        match self.entries.get_mut(self.len) {
+            Some(slot) => {
+                slot.write(entry);
+                self.len += 1;
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// Takes the top entry.
+    #[inline(always)]
+    pub(crate) fn pop(&mut self) -> Option<u64> {
+        self.len = self.len.checked_sub(1)?;
+        let slot = self.entries.get(self.len)?;
+        // SAFETY: the entry lay below `len`, so it was written by `push`.
+        Some(unsafe { slot.assume_init() })
+    }
+
+    /// Sorts the `count` topmost entries descending, so that the smallest comes off first.
+    #[inline(always)]
+    pub(crate) fn sort_top(&mut self, count: usize) {
+        let start = self.len.saturating_sub(count);
+        let Some(slots) = self.entries.get_mut(start..self.len) else { return };
+        // SAFETY: the entries below `len` were written by `push`, and `MaybeUninit<u64>` has the layout of `u64`.
+        let top = unsafe { &mut *(std::ptr::from_mut(slots) as *mut [u64]) };
+        for i in 1..top.len() {
+            let entry = top[i];
+            let mut j = i;
+            while j > 0 && top[j - 1] < entry {
+                top[j] = top[j - 1];
+                j -= 1;
+            }
+            top[j] = entry;
+        }
+    }
+}
