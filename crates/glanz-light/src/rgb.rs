@@ -88,7 +88,7 @@ mod tests {
     fn half_of_the_srgb_scale_is_a_fifth_of_the_light() {
         // ((0.5 + 0.055) / 1.055)^2.4
         assert!((srgb_decode(0.5) - 0.214_041_14).abs() < 1e-7);
-        assert!((srgb_encode(0.5) - 0.735_356_98).abs() < 1e-7);
+        assert!((srgb_encode(0.5) - 0.735_357).abs() < 1e-7);
         assert_eq!(srgb_encode(0.0), 0.0);
         assert!((srgb_encode(1.0) - 1.0).abs() < 1e-7);
         assert!((srgb_decode(1.0) - 1.0).abs() < 1e-7);

@@ -1,0 +1,81 @@
+//! Files that are there whole or not at all.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use super::ImageError;
+
+/// Writes `bytes` to the file `path`, so that at any moment, a crash included, the file has its old content or the new
+/// one: they go into a temporary file of the same folder, which then takes the name. An existing file keeps its
+/// permissions, a symbolic link stays one. What is not a regular file (a pipe, a device) is written directly.
+///
+/// # Errors
+/// [`ImageError::Io`]; the temporary file is removed then and an old file `path` is untouched. An existing read-only
+/// file is an error.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
+    replace(path, bytes).map_err(|source| ImageError::Io { path: path.to_owned(), source })
+}
+
+fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    // A rename would replace the link, not the file that it names.
+    let path = if path.is_symlink() { fs::canonicalize(path)? } else { path.to_owned() };
+    let existing = match fs::metadata(&path) {
+        Ok(found) if found.is_file() => Some(found.permissions()),
+        Ok(found) if found.is_dir() => return Err(io::Error::from(io::ErrorKind::IsADirectory)),
+        Ok(_) => return fs::OpenOptions::new().write(true).open(&path)?.write_all(bytes),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => None,
+        Err(e) => return Err(e),
+    };
+    if existing.as_ref().is_some_and(fs::Permissions::readonly) {
+        return Err(io::Error::from(io::ErrorKind::PermissionDenied));
+    }
+    let (temporary, mut file) = Temporary::create_beside(&path)?;
+    file.write_all(bytes)?;
+    if let Some(permissions) = existing {
+        file.set_permissions(permissions)?;
+    }
+    // Else a crash after the rename could leave a file without content.
+    file.sync_all()?;
+    drop(file);
+    temporary.take_name(&path)
+}
+
+/// A file that is removed when dropped, unless it has taken another name.
+struct Temporary(Option<PathBuf>);
+
+impl Temporary {
+    /// A new file in the folder of `path`.
+    fn create_beside(path: &Path) -> io::Result<(Self, File)> {
+        let name = path.file_name().ok_or_else(|| io::Error::from(io::ErrorKind::InvalidInput))?;
+        for attempt in 0..100_u32 {
+            let mut hidden = std::ffi::OsString::from(".");
+            hidden.push(name);
+            hidden.push(format!(".{}-{attempt}.tmp", std::process::id()));
+            let candidate = path.with_file_name(hidden);
+            match File::create_new(&candidate) {
+                Ok(file) => return Ok((Self(Some(candidate)), file)),
+                Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(e) => return Err(e),
+            }
+        }
+        Err(io::Error::from(io::ErrorKind::AlreadyExists))
+    }
+
+    fn take_name(mut self, path: &Path) -> io::Result<()> {
+        if let Some(temporary) = &self.0 {
+            fs::rename(temporary, path)?;
+        }
+        self.0 = None;
+        Ok(())
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        if let Some(path) = self.0.take() {
+            // Nobody is left to tell: the error that led here is the one to report.
+            let _ = fs::remove_file(path);
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! What can be wrong with an image file.
+
+use std::path::PathBuf;
+
+use glanz_light::PixelsError;
+
+use super::Format;
+
+/// Why an image could not be read or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ImageError {
+    /// Neither content nor extension belongs to a format that is read.
+    #[error("this is no image format that can be read (it starts with {start:02x?})")]
+    Unknown {
+        /// The first bytes, at most eight.
+        start: Vec<u8>,
+    },
+    /// The picture has more pixels or samples than will be held.
+    #[error("{format}: {width} x {height} pixels with {channels} channels are more than can be held")]
+    TooLarge {
+        /// Of the file.
+        format: Format,
+        /// Pixels per row.
+        width: u64,
+        /// Rows.
+        height: u64,
+        /// Values per pixel.
+        channels: u64,
+    },
+    /// The header claims far more pixels than the format can pack into the bytes that follow.
+    #[error("{format}: {width} x {height} pixels are claimed, but the file has only {bytes} bytes")]
+    Unbacked {
+        /// Of the file.
+        format: Format,
+        /// Pixels per row.
+        width: u64,
+        /// Rows.
+        height: u64,
+        /// Length of the file.
+        bytes: usize,
+    },
+    /// The bytes contradict the format.
+    #[error("{format}: {message}{}", at(*.offset))]
+    Damaged {
+        /// Of the file.
+        format: Format,
+        /// Where, in bytes from the start of the file, if known.
+        offset: Option<usize>,
+        /// What is wrong.
+        message: String,
+    },
+    /// The file is (or may be) right, but uses what is not read.
+    #[error("{format}: {message}")]
+    Unsupported {
+        /// Of the file.
+        format: Format,
+        /// What is not supported.
+        message: String,
+    },
+    /// A picture that the format cannot hold.
+    #[error("{format}: {message}")]
+    NotWritable {
+        /// To be written.
+        format: Format,
+        /// Why not.
+        message: String,
+    },
+    /// Channels that do not make a picture.
+    #[error(transparent)]
+    Pixels(#[from] PixelsError),
+    /// The operating system refused.
+    #[error("{}: {source}", .path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The refusal.
+        source: std::io::Error,
+    },
+}
+
+fn at(offset: Option<usize>) -> String {
+    offset.map(|o| format!(" (at byte {o})")).unwrap_or_default()
+}
+
+/// The most pixels a picture may have: beyond any camera or map in use, within what memory holds.
+pub const MAX_PIXELS: u64 = 1 << 28;
+
+/// The most values (pixels times channels) a picture may have.
+pub const MAX_SAMPLES: u64 = 1 << 30;
+
+/// Up to this many values no proof is asked that the file can back its claim: 64 MiB are allocated at once.
+const FREE_SAMPLES: u64 = 1 << 24;
+
+/// Refuses pictures that are too large, and large ones that `bytes` bytes cannot contain even if each of them
+/// unpacks to `ratio` values.
+pub(super) fn check_size(
+    format: Format,
+    (width, height, channels): (u64, u64, u64),
+    bytes: usize,
+    ratio: u64,
+) -> Result<(), ImageError> {
+    let pixels = width.checked_mul(height).filter(|&n| n <= MAX_PIXELS);
+    let samples = pixels.and_then(|n| n.checked_mul(channels)).filter(|&n| n <= MAX_SAMPLES);
+    let Some(samples) = samples else {
+        return Err(ImageError::TooLarge { format, width, height, channels });
+    };
+    if samples > FREE_SAMPLES && samples / ratio > bytes as u64 {
+        return Err(ImageError::Unbacked { format, width, height, bytes });
+    }
+    Ok(())
+}

@@ -1,0 +1,215 @@
+//! OpenEXR: any number of named float planes.
+
+use std::collections::BTreeMap;
+use std::io::Cursor;
+
+use ::exr::block::samples::Sample;
+use ::exr::image::write::WritableImage;
+use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer};
+use ::exr::meta::MetaData;
+use ::exr::meta::attribute::{AttributeValue, Text};
+use ::exr::meta::header::{Header, LayerAttributes};
+use ::exr::prelude::{Compression, LineOrder, ReadChannels, ReadLayers, SmallVec, read as exr_read};
+use glanz_light::Pixels;
+
+use super::error::check_size;
+use super::{Format, Image, ImageError};
+
+/// The most values a byte can unpack to: zlib does 1032 to 1, and PXR24 stores 4 bytes in 3. The lossy DWA packs flat
+/// blocks of 64 pixels into one value before that.
+const RATIO: u64 = 2048;
+const RATIO_DWA: u64 = 64 * 2048;
+
+/// Reads all layers. A channel is called as in the file, after the layer's name and a dot where the layer has one.
+/// Layers of another size than the first are named in `skipped_layers`. Integers become the nearest `f32`.
+pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(reading_error)?;
+    for header in &meta.headers {
+        check_header(header, bytes.len())?;
+    }
+    let samples: u64 = meta.headers.iter().map(samples_of).fold(0, u64::saturating_add);
+    check_size(Format::Exr, (1, 1, samples), usize::MAX, 1)?;
+    let image = decode(bytes)?;
+    let mut pixels: Option<Pixels> = None;
+    let mut skipped_layers = Vec::new();
+    let mut attributes = BTreeMap::new();
+    for (index, layer) in image.layer_data.into_iter().enumerate() {
+        texts(&layer.attributes, &mut attributes);
+        let name = layer.attributes.layer_name.as_ref().map(text).filter(|n| !n.is_empty());
+        let (width, height) = (layer.size.0 as u32, layer.size.1 as u32);
+        let target = match &mut pixels {
+            Some(p) if (p.width(), p.height()) != (width, height) => {
+                skipped_layers.push(name.unwrap_or_else(|| format!("layer {index}")));
+                continue;
+            }
+            Some(p) => p,
+            None => pixels.insert(Pixels::try_new(width, height)?),
+        };
+        add_layer(target, name.as_deref(), layer.channel_data.list)?;
+    }
+    let pixels = pixels.ok_or_else(|| damaged("the file has no layer".to_owned()))?;
+    Ok(Image { pixels, format: Format::Exr, attributes, skipped_layers })
+}
+
+type Layers = ::exr::image::Layers<AnyChannels<FlatSamples>>;
+
+fn decode(bytes: &[u8]) -> Result<ExrImage<Layers>, ImageError> {
+    let decode = || {
+        exr_read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .all_layers()
+            .all_attributes()
+            .non_parallel()
+            .from_buffered(Cursor::new(bytes))
+    };
+    // With overflow checks on, exr 1.74.2 panics on damaged B44 blocks (compression/b44, unpack14); nothing else was
+    // found in millions of damaged files. The closure owns all it changes.
+    match std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode)) {
+        Ok(result) => result.map_err(reading_error),
+        Err(_) => Err(damaged("the decoder gave up on damaged data".to_owned())),
+    }
+}
+
+/// Sizes are checked before the decoder allocates.
+fn check_header(header: &Header, bytes: usize) -> Result<(), ImageError> {
+    let (width, height) = (header.layer_size.0 as u64, header.layer_size.1 as u64);
+    let channels = header.channels.list.len() as u64;
+    let ratio = match header.compression {
+        Compression::DWAA(_) | Compression::DWAB(_) => RATIO_DWA,
+        _ => RATIO,
+    };
+    check_size(Format::Exr, (width, height, channels), bytes, ratio)
+}
+
+fn samples_of(header: &Header) -> u64 {
+    let pixels = (header.layer_size.0 as u64).saturating_mul(header.layer_size.1 as u64);
+    pixels.saturating_mul(header.channels.list.len() as u64)
+}
+
+/// Adds the channels of a layer under names that are free.
+fn add_layer(
+    pixels: &mut Pixels,
+    layer: Option<&str>,
+    channels: SmallVec<[AnyChannel<FlatSamples>; 4]>,
+) -> Result<(), ImageError> {
+    for channel in channels {
+        let plain = text(&channel.name);
+        let name = match layer {
+            Some(layer) => format!("{layer}.{plain}"),
+            None => plain,
+        };
+        let values = match channel.sample_data {
+            FlatSamples::F32(values) => values,
+            other => other.values().map(Sample::to_f32).collect(),
+        };
+        pixels.add_channel(&name, values)?;
+    }
+    Ok(())
+}
+
+/// Collects the attributes that are texts; an earlier layer's wins.
+fn texts(from: &LayerAttributes, to: &mut BTreeMap<String, String>) {
+    for (name, value) in
+        [("software", &from.software_name), ("comments", &from.comments), ("owner", &from.owner)]
+    {
+        if let Some(value) = value {
+            to.entry(name.to_owned()).or_insert_with(|| text(value));
+        }
+    }
+    for (name, value) in &from.other {
+        if let AttributeValue::Text(value) = value {
+            to.entry(text(name)).or_insert_with(|| text(value));
+        }
+    }
+}
+
+/// A single layer of 32 bit floats, ZIP compressed, channels sorted by name.
+pub(super) fn write(pixels: &Pixels, attributes: &BTreeMap<String, String>) -> Result<Vec<u8>, ImageError> {
+    let mut list = SmallVec::new();
+    for channel in pixels.channels() {
+        let name = checked_name(&channel.name)?;
+        list.push(AnyChannel::new(name, FlatSamples::F32(channel.values.clone())));
+    }
+    if list.is_empty() {
+        return Err(not_writable("a picture without channels cannot be stored".to_owned()));
+    }
+    let mut layer_attributes = LayerAttributes::default();
+    for (name, value) in attributes {
+        let value = Text::from_slice_unchecked(value.as_bytes());
+        match name.as_str() {
+            "software" => layer_attributes.software_name = Some(value),
+            "comments" => layer_attributes.comments = Some(value),
+            "owner" => layer_attributes.owner = Some(value),
+            _ => {
+                layer_attributes.other.insert(checked_name(name)?, AttributeValue::Text(value));
+            }
+        }
+    }
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: ::exr::image::Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let size = (pixels.width() as usize, pixels.height() as usize);
+    let layer = Layer::new(size, layer_attributes, encoding, AnyChannels::sort(list));
+    let mut bytes = Cursor::new(Vec::new());
+    ExrImage::from_layer(layer)
+        .write()
+        .non_parallel()
+        .to_buffered(&mut bytes)
+        .map_err(|e| not_writable(e.to_string()))?;
+    let mut bytes = bytes.into_inner();
+    sort_attributes(&mut bytes).ok_or_else(|| not_writable("the header is broken".to_owned()))?;
+    Ok(bytes)
+}
+
+/// Brings the attributes of a single-layer header into the order of their names. The library writes them in the order
+/// of a hash map, which differs from run to run; the same picture must give the same bytes.
+fn sort_attributes(file: &mut [u8]) -> Option<()> {
+    const START: usize = 8;
+    let mut entries: Vec<(Vec<u8>, Vec<u8>)> = Vec::new();
+    let mut at = START;
+    while *file.get(at)? != 0 {
+        let name = at + file.get(at..)?.iter().position(|&b| b == 0)?;
+        let kind = name + 1 + file.get(name + 1..)?.iter().position(|&b| b == 0)?;
+        let size = <[u8; 4]>::try_from(file.get(kind + 1..kind + 5)?).ok()?;
+        let end = (kind + 5).checked_add(u32::from_le_bytes(size) as usize)?;
+        entries.push((file.get(at..name)?.to_vec(), file.get(at..end)?.to_vec()));
+        at = end;
+    }
+    entries.sort();
+    let sorted: Vec<u8> = entries.into_iter().flat_map(|(_, bytes)| bytes).collect();
+    file.get_mut(START..at)?.copy_from_slice(&sorted);
+    Some(())
+}
+
+/// Names are stored with a zero at their end and at most 255 bytes.
+fn checked_name(name: &str) -> Result<Text, ImageError> {
+    if name.is_empty() || name.len() > 255 || name.contains('\0') {
+        return Err(not_writable(format!("\"{name}\" cannot be the name of a channel or an attribute")));
+    }
+    Ok(Text::from_slice_unchecked(name.as_bytes()))
+}
+
+fn text(text: &Text) -> String {
+    String::from_utf8_lossy(text.as_slice()).into_owned()
+}
+
+fn reading_error(error: ::exr::error::Error) -> ImageError {
+    match error {
+        ::exr::error::Error::NotSupported(message) => {
+            ImageError::Unsupported { format: Format::Exr, message: message.into_owned() }
+        }
+        other => damaged(other.to_string()),
+    }
+}
+
+fn damaged(message: String) -> ImageError {
+    ImageError::Damaged { format: Format::Exr, offset: None, message }
+}
+
+fn not_writable(message: String) -> ImageError {
+    ImageError::NotWritable { format: Format::Exr, message }
+}

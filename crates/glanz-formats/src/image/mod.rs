@@ -1,0 +1,215 @@
+//! Pictures as files.
+//!
+//! [`read`] takes the bytes of a file, recognises the format by content (by extension where the content has no mark)
+//! and returns named planes of linear light. [`write`] goes the other way. All work is done on bytes in memory;
+//! [`write_atomically`] puts bytes into a file so that a reader sees the old or the new file, never half of one.
+//!
+//! | format | read | written | planes |
+//! |---|---|---|---|
+//! | OpenEXR | 16 and 32 bit, all layers | 32 bit float, ZIP | any names |
+//! | Radiance HDR | yes | yes | `R`, `G`, `B` |
+//! | PFM | yes | yes | `R`, `G`, `B` or `Y` |
+//! | PNG | 1 to 16 bit | 8 bit sRGB through a tone curve | `R`, `G`, `B` or `Y`, and `A` |
+//! | JPEG, BMP, TGA, QOI, PNM | yes | no | as PNG |
+//!
+//! ```
+//! use std::collections::BTreeMap;
+//! use glanz_formats::image::{read, write, Encoding, Format};
+//! use glanz_light::{Pixels, Tone};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let picture = Pixels::try_from_rgb(2, 1, &[[0.25, 0.5, 1.0], [4.0, 2.0, 0.0]])?;
+//! let bytes = write(&picture, Format::Exr, &Tone::default(), &BTreeMap::new())?;
+//! assert_eq!(Format::from_content(&bytes), Some(Format::Exr));
+//! let again = read(&bytes, None, Encoding::Srgb)?;
+//! assert_eq!(again.pixels.to_rgb(), picture.to_rgb());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Whatever bytes come, [`read`] returns a picture or an [`ImageError`]; the size of a picture is limited by
+//! [`MAX_PIXELS`] and [`MAX_SAMPLES`], and a large one must be backed by bytes.
+
+mod atomic;
+mod error;
+mod exr;
+mod hdr;
+mod pfm;
+mod raster;
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::Path;
+
+use glanz_light::rgb::srgb_decode;
+use glanz_light::{Pixels, Tone};
+
+pub use atomic::write_atomically;
+pub use error::{ImageError, MAX_PIXELS, MAX_SAMPLES};
+
+/// A picture and what its file says about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// The planes.
+    pub pixels: Pixels,
+    /// The file's format.
+    pub format: Format,
+    /// Texts in the file's header, by name.
+    pub attributes: BTreeMap<String, String>,
+    /// Layers of an OpenEXR file that are not in `pixels`, because their size is not that of the first layer.
+    pub skipped_layers: Vec<String>,
+}
+
+/// A file format of pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum Format {
+    /// OpenEXR.
+    Exr,
+    /// Radiance picture with shared exponents (RGBE).
+    Hdr,
+    /// Portable float map.
+    Pfm,
+    /// Portable network graphics.
+    Png,
+    /// JPEG (JFIF or Exif).
+    Jpeg,
+    /// Windows bitmap.
+    Bmp,
+    /// Truevision TGA. The only format without a mark at its start.
+    Tga,
+    /// Quite OK image format.
+    Qoi,
+    /// Portable bit, grey or pixel map, or PAM.
+    Pnm,
+}
+
+impl Format {
+    /// The format whose mark the bytes begin with. TGA has none and is never found.
+    #[must_use]
+    pub fn from_content(bytes: &[u8]) -> Option<Self> {
+        const MARKS: &[(&[u8], Format)] = &[
+            (&[0x76, 0x2f, 0x31, 0x01], Format::Exr),
+            (b"#?RADIANCE", Format::Hdr),
+            (b"#?RGBE", Format::Hdr),
+            (b"\x89PNG\r\n\x1a\n", Format::Png),
+            (&[0xff, 0xd8, 0xff], Format::Jpeg),
+            (b"qoif", Format::Qoi),
+            (b"BM", Format::Bmp),
+        ];
+        if let Some(&(_, format)) = MARKS.iter().find(|(mark, _)| bytes.starts_with(mark)) {
+            return Some(format);
+        }
+        match bytes {
+            [b'P', b'F' | b'f', space, ..] if space.is_ascii_whitespace() => Some(Self::Pfm),
+            [b'P', b'1'..=b'7', space, ..] if space.is_ascii_whitespace() => Some(Self::Pnm),
+            _ => None,
+        }
+    }
+
+    /// The format that the file name `path` ends with, in lower or upper case.
+    #[must_use]
+    pub fn from_path(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        Some(match extension.as_str() {
+            "exr" => Self::Exr,
+            "hdr" | "pic" | "rgbe" => Self::Hdr,
+            "pfm" => Self::Pfm,
+            "png" => Self::Png,
+            "jpg" | "jpeg" => Self::Jpeg,
+            "bmp" => Self::Bmp,
+            "tga" => Self::Tga,
+            "qoi" => Self::Qoi,
+            "pnm" | "pbm" | "pgm" | "ppm" | "pam" => Self::Pnm,
+            _ => return None,
+        })
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Exr => "OpenEXR",
+            Self::Hdr => "Radiance HDR",
+            Self::Pfm => "PFM",
+            Self::Png => "PNG",
+            Self::Jpeg => "JPEG",
+            Self::Bmp => "BMP",
+            Self::Tga => "TGA",
+            Self::Qoi => "QOI",
+            Self::Pnm => "PNM",
+        })
+    }
+}
+
+/// What the integers of a file mean. Formats that store floats are linear, whatever is said here; the channel `A` is
+/// always linear.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum Encoding {
+    /// Colour for a display, decoded to linear light.
+    #[default]
+    Srgb,
+    /// Linear light, or data (normals, roughness, masks).
+    Linear,
+    /// Linear light to the power of one over this.
+    Gamma(f32),
+}
+
+impl Encoding {
+    /// Linear value of a stored value, both 0 for none and 1 for the most.
+    #[must_use]
+    pub fn decode(self, stored: f32) -> f32 {
+        match self {
+            Self::Srgb => srgb_decode(stored),
+            Self::Linear => stored,
+            Self::Gamma(gamma) => stored.powf(gamma),
+        }
+    }
+}
+
+/// Reads a picture. `bytes`: the whole file; `path`: its name, where known, for formats without a mark.
+///
+/// # Errors
+/// Every variant of [`ImageError`] except [`ImageError::Io`] and [`ImageError::NotWritable`].
+pub fn read(bytes: &[u8], path: Option<&Path>, encoding: Encoding) -> Result<Image, ImageError> {
+    let format = Format::from_content(bytes).or_else(|| path.and_then(Format::from_path));
+    match format {
+        Some(Format::Exr) => exr::read(bytes),
+        Some(Format::Hdr) => hdr::read(bytes),
+        Some(Format::Pfm) => pfm::read(bytes),
+        Some(format) => raster::read(bytes, format, encoding),
+        None => Err(ImageError::Unknown { start: bytes.iter().take(8).copied().collect() }),
+    }
+}
+
+/// The bytes of a file with the picture. `tone` is used where the format stores bytes for a display (PNG) and nowhere
+/// else; `attributes` go into the header of OpenEXR and are dropped by the others. The bytes depend on the arguments
+/// alone.
+///
+/// # Errors
+/// [`ImageError::NotWritable`] for a format that is only read, or that cannot hold the picture's channels.
+pub fn write(
+    pixels: &Pixels,
+    format: Format,
+    tone: &Tone,
+    attributes: &BTreeMap<String, String>,
+) -> Result<Vec<u8>, ImageError> {
+    match format {
+        Format::Exr => exr::write(pixels, attributes),
+        Format::Hdr => hdr::write(pixels),
+        Format::Pfm => pfm::write(pixels),
+        Format::Png => raster::write_png(pixels, tone),
+        _ => Err(ImageError::NotWritable { format, message: "this format is only read".to_owned() }),
+    }
+}
+
+/// The colour of each pixel, or the error that says which channels are missing.
+fn rgb_of(pixels: &Pixels, format: Format) -> Result<Vec<[f32; 3]>, ImageError> {
+    pixels.to_rgb().ok_or_else(|| ImageError::NotWritable {
+        format,
+        message: "the picture has neither the channels R, G, B nor the channel Y".to_owned(),
+    })
+}
+
+#[cfg(test)]
+mod tests;
