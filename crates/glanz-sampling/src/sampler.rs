@@ -107,7 +107,7 @@ impl PixelSampler {
         self.dimension = d.wrapping_add(1);
         match self.kind {
             SamplerKind::Sobol | SamplerKind::Center => {
-                unit(self.sobol(d).coordinate(self.index, (d % 4) as usize))
+                unit(self.sobol(d).coordinate(self.index.reverse_bits(), (d % 4) as usize))
             }
             SamplerKind::Independent => unit_f64(combine(self.request_key(d), u64::from(self.index))),
             SamplerKind::Stratified | SamplerKind::Regular => {
@@ -151,7 +151,7 @@ impl PixelSampler {
     fn point(&self, d: u32) -> DVec2 {
         match self.kind {
             SamplerKind::Sobol | SamplerKind::Center => {
-                let [x, y] = self.sobol(d).pair(self.index, (d / 2 % 2) as usize);
+                let [x, y] = self.sobol(d).pair(self.index.reverse_bits(), (d / 2 % 2) as usize);
                 DVec2::new(unit(x), unit(y))
             }
             SamplerKind::Independent => {

@@ -55,30 +55,42 @@ impl ScrambledSobol {
         Self { key }
     }
 
-    /// Coordinate `dimension` (0 to 3) of point `index`, in units of 2^-32.
+    /// Coordinate `dimension` (0 to 3) of a point, in units of 2^-32; `reversed_index` is its index with the order of
+    /// bits reversed ([`u32::reverse_bits`]).
     #[inline]
     #[must_use]
-    pub fn coordinate(&self, index: u32, dimension: usize) -> u32 {
-        let pair = combine(self.key, dimension as u64 / 2);
-        let seed = if dimension % 2 == 0 { pair } else { pair >> 32 } as u32;
-        scramble_reversed(sobol::coordinate_reversed(self.shuffled(index), dimension), seed).reverse_bits()
+    pub fn coordinate(&self, reversed_index: u32, dimension: usize) -> u32 {
+        let seeds = combine(self.key, dimension as u64 / 2);
+        let seed = if dimension & 1 == 0 { seeds } else { seeds >> 32 } as u32;
+        self.scrambled(self.shuffled(reversed_index), dimension, seed)
     }
 
-    /// Coordinates 0 and 1 (`pair` 0) or 2 and 3 (`pair` 1) of point `index`, in units of 2^-32.
+    /// Coordinates 0 and 1 (`pair` 0) or 2 and 3 (`pair` 1) of a point, in units of 2^-32; `reversed_index` as in
+    /// [`ScrambledSobol::coordinate`].
+    ///
+    /// Pair 0 is a scrambled (0, 2)-sequence. Pair 1 on its own is a little worse (10 % in the error of smooth and of
+    /// discontinuous integrands), but pairs of different copies do not know each other, while the four coordinates of
+    /// one copy do: with 64 points the error of a product of a discontinuous function of each pair is half of what it
+    /// is with two copies.
     #[inline]
     #[must_use]
-    pub fn pair(&self, index: u32, pair: usize) -> [u32; 2] {
+    pub fn pair(&self, reversed_index: u32, pair: usize) -> [u32; 2] {
         let seeds = combine(self.key, pair as u64);
-        let index = self.shuffled(index);
-        let at = |d: usize, seed: u32| {
-            scramble_reversed(sobol::coordinate_reversed(index, 2 * pair + d), seed).reverse_bits()
-        };
-        [at(0, seeds as u32), at(1, (seeds >> 32) as u32)]
+        let shuffled = self.shuffled(reversed_index);
+        [
+            self.scrambled(shuffled, 2 * pair, seeds as u32),
+            self.scrambled(shuffled, 2 * pair + 1, (seeds >> 32) as u32),
+        ]
     }
 
     #[inline]
-    fn shuffled(&self, index: u32) -> u32 {
-        scramble(index, (self.key >> 32) as u32)
+    fn shuffled(&self, reversed_index: u32) -> u32 {
+        scramble_reversed(reversed_index, (self.key >> 32) as u32)
+    }
+
+    #[inline]
+    fn scrambled(&self, reversed_index: u32, dimension: usize, seed: u32) -> u32 {
+        scramble_reversed(sobol::coordinate_reversed(reversed_index, dimension), seed).reverse_bits()
     }
 }
 

@@ -12,7 +12,7 @@ const POLYNOMIALS: [(usize, u32, [u32; 3]); 3] = [(1, 0, [1, 0, 0]), (2, 1, [1, 
 /// Generator matrices by columns, most significant bit of the coordinate first.
 const DIRECTIONS: [[u32; 32]; DIMENSIONS] = directions();
 
-/// What each byte of an index adds to the *bit-reversed* coordinate: `REVERSED[d][position][byte]`.
+/// What each byte of a *bit-reversed* index adds to the *bit-reversed* coordinate: `REVERSED[d][position][byte]`.
 static REVERSED: [[[u32; 256]; 4]; DIMENSIONS] = reversed_by_byte();
 
 const fn directions() -> [[u32; 32]; DIMENSIONS] {
@@ -58,7 +58,7 @@ const fn reversed_by_byte() -> [[[u32; 256]; 4]; DIMENSIONS] {
                 let mut bit = 0;
                 while bit < 8 {
                     if byte >> bit & 1 == 1 {
-                        tables[d][position][byte] ^= DIRECTIONS[d][8 * position + bit].reverse_bits();
+                        tables[d][position][byte] ^= DIRECTIONS[d][31 - (8 * position + bit)].reverse_bits();
                     }
                     bit += 1;
                 }
@@ -71,13 +71,14 @@ const fn reversed_by_byte() -> [[[u32; 256]; 4]; DIMENSIONS] {
     tables
 }
 
-/// Coordinate `dimension` (0 to 3, taken modulo 4) of point `index`, in units of 2^-32, with its bits reversed.
+/// The bit-reversed coordinate `dimension` (0 to 3, taken modulo 4), in units of 2^-32, of the point whose bit-reversed
+/// index is `reversed_index`.
 ///
-/// The reversed form is what [`super::owen::scramble_reversed`] wants.
+/// Reversed is how [`super::owen::scramble_reversed`] wants both, and reversing 32 bits costs more than scrambling them.
 #[inline]
 #[must_use]
-pub fn coordinate_reversed(index: u32, dimension: usize) -> u32 {
-    let [a, b, c, d] = index.to_le_bytes();
+pub fn coordinate_reversed(reversed_index: u32, dimension: usize) -> u32 {
+    let [a, b, c, d] = reversed_index.to_le_bytes();
     let [t0, t1, t2, t3] = &REVERSED[dimension % DIMENSIONS];
     t0[a as usize] ^ t1[b as usize] ^ t2[c as usize] ^ t3[d as usize]
 }
@@ -88,7 +89,7 @@ pub fn coordinate_reversed(index: u32, dimension: usize) -> u32 {
 #[inline]
 #[must_use]
 pub fn coordinate(index: u32, dimension: usize) -> u32 {
-    coordinate_reversed(index, dimension).reverse_bits()
+    coordinate_reversed(index.reverse_bits(), dimension).reverse_bits()
 }
 
 #[cfg(test)]

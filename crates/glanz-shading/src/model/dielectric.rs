@@ -1,0 +1,173 @@
+//! Smooth glass.
+
+use glanz_light::Spectrum;
+use glanz_math::DVec3;
+
+use super::mirror::mirrored;
+use crate::bsdf::{BsdfSample, Lobe, TransportMode};
+use crate::fresnel::{self, DielectricSplit};
+
+/// A smooth boundary between two transparent media, or (`thin`) a sheet between two such boundaries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dielectric {
+    /// Refractive index inside (z < 0) over that outside, > 0.
+    pub eta: f64,
+    /// Factor on what is reflected, [0, 1]; 1 for real glass.
+    pub reflectance: Spectrum,
+    /// Factor on what is transmitted, [0, 1]; 1 for real glass.
+    pub transmittance: Spectrum,
+    /// Whether this is a sheet too thin to displace a ray: light passes straight on, and is reflected by both faces.
+    pub thin: bool,
+}
+
+impl Dielectric {
+    /// The mirrored or the refracted direction, chosen by `xi_lobe` in proportion to the light they carry.
+    #[must_use]
+    pub fn sample(&self, wo: DVec3, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
+        if wo.z == 0.0 {
+            return None;
+        }
+        let eta = self.eta_from(wo);
+        let split = self.split(wo.z.abs(), eta);
+        let reflected = self.reflectance * split.reflectance as f32;
+        let transmitted = self.transmittance * (1.0 - split.reflectance) as f32;
+        let (r, t) = (f64::from(reflected.max_component()), f64::from(transmitted.max_component()));
+        if r + t <= 0.0 {
+            return None;
+        }
+        let probability = r / (r + t);
+        if xi_lobe < probability {
+            let weight = reflected * (1.0 / probability) as f32;
+            return Some(BsdfSample::delta(mirrored(wo), weight, Lobe::SPECULAR_REFLECTION));
+        }
+        let weight = transmitted * (1.0 / (1.0 - probability)) as f32;
+        let lobe = Lobe::SPECULAR_TRANSMISSION;
+        if self.thin {
+            return Some(BsdfSample::delta(-wo, weight, lobe));
+        }
+        let wi =
+            DVec3::new(-wo.x / eta, -wo.y / eta, -split.cos_transmitted.copysign(wo.z)).try_normalize()?;
+        let scale = match mode {
+            // Radiance over the squared index is what refraction keeps.
+            TransportMode::Radiance => (eta * eta) as f32,
+            TransportMode::Importance => 1.0,
+        };
+        Some(BsdfSample { eta_scale: scale, ..BsdfSample::delta(wi, weight * (1.0 / scale), lobe) })
+    }
+
+    /// Share of the flux that goes on, either way.
+    #[must_use]
+    pub fn albedo(&self, wo: DVec3) -> Spectrum {
+        let r = self.split(wo.z.abs(), self.eta_from(wo)).reflectance as f32;
+        self.reflectance.lerp(self.transmittance, 1.0 - r)
+    }
+
+    /// Refractive index on the far side of `wo` over that on its own side.
+    fn eta_from(&self, wo: DVec3) -> f64 {
+        if wo.z > 0.0 { self.eta } else { 1.0 / self.eta }
+    }
+
+    fn split(&self, cos: f64, eta: f64) -> DielectricSplit {
+        if !self.thin {
+            return fresnel::dielectric(cos, eta);
+        }
+        // Between the faces light goes to and fro: r + t^2 r + t^2 r^3 + ... = 2 r / (1 + r). A sheet has the same
+        // medium on both sides: its far side is never the thinner one.
+        let face = fresnel::dielectric(cos, self.eta);
+        let r = face.reflectance;
+        DielectricSplit { reflectance: 2.0 * r / (1.0 + r), ..face }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glanz_math::SolidAnglePdf;
+
+    fn glass(thin: bool) -> Dielectric {
+        Dielectric { eta: 1.5, reflectance: Spectrum::ONE, transmittance: Spectrum::ONE, thin }
+    }
+
+    #[test]
+    fn glass_seen_head_on_reflects_four_percent_of_the_choices_with_weight_one() {
+        for (xi, transmission) in [(0.0399, false), (0.0401, true)] {
+            let s = glass(false).sample(DVec3::Z, xi, TransportMode::Importance).unwrap();
+            assert_eq!(s.lobe.transmission, transmission);
+            assert!((s.weight - Spectrum::ONE).max_component().abs() < 1e-6);
+            assert_eq!(s.pdf, SolidAnglePdf(f64::INFINITY));
+            assert_eq!(s.wi, if transmission { -DVec3::Z } else { DVec3::Z });
+        }
+    }
+
+    #[test]
+    fn radiance_entering_and_leaving_glass_is_unchanged_and_eta_scale_undoes_each_change() {
+        let wo = DVec3::new(0.6, 0.0, 0.8);
+        let enter = glass(false).sample(wo, 0.999, TransportMode::Radiance).unwrap();
+        assert!((enter.wi.x + 0.4).abs() < 1e-15, "Snell: 0.6 / 1.5");
+        assert!((enter.weight * enter.eta_scale - Spectrum::ONE).max_component().abs() < 1e-6);
+        assert!((enter.eta_scale - 2.25).abs() < 1e-6);
+        // From inside, `wo` of the next vertex is the way back.
+        let leave = glass(false).sample(-enter.wi, 0.999, TransportMode::Radiance);
+        let outside = glass(false).sample(
+            DVec3::new(0.4, 0.0, -(1.0_f64 - 0.16).sqrt()),
+            0.999,
+            TransportMode::Radiance,
+        );
+        let (leave, outside) = (leave.unwrap(), outside.unwrap());
+        assert!((leave.eta_scale * 1.0 - 2.25).abs() < 1e-6, "still seen from outside");
+        assert!((outside.eta_scale - 1.0 / 2.25).abs() < 1e-6);
+        assert!((outside.wi - DVec3::new(-0.6, 0.0, 0.8)).length() < 1e-15);
+        let product = enter.weight * outside.weight;
+        assert!((product - Spectrum::ONE).max_component().abs() < 1e-6);
+    }
+
+    #[test]
+    fn beyond_the_critical_angle_everything_is_reflected() {
+        let wo = DVec3::new(0.8, 0.0, -0.6);
+        for xi in [0.0, 0.5, 0.999_999] {
+            let s = glass(false).sample(wo, xi, TransportMode::Radiance).unwrap();
+            assert_eq!(s.lobe, Lobe::SPECULAR_REFLECTION);
+            assert_eq!(s.weight, Spectrum::ONE);
+            assert_eq!(s.wi, DVec3::new(-0.8, 0.0, -0.6));
+        }
+    }
+
+    #[test]
+    fn thin_sheet_is_the_same_from_both_sides_and_reflects_twice_as_much() {
+        for z in [1.0, -1.0] {
+            // 2 * 0.04 / 1.04
+            let limit = 0.08 / 1.04;
+            let s = glass(true).sample(DVec3::Z * z, limit - 1e-6, TransportMode::Radiance).unwrap();
+            assert_eq!(s.lobe, Lobe::SPECULAR_REFLECTION);
+            let s = glass(true).sample(DVec3::Z * z, limit + 1e-6, TransportMode::Radiance).unwrap();
+            assert_eq!((s.wi, s.eta_scale), (DVec3::Z * -z, 1.0));
+        }
+    }
+
+    #[test]
+    fn coloured_glass_keeps_its_expectation() {
+        let model = Dielectric {
+            reflectance: Spectrum::from_rgb([0.5, 0.2, 0.1]),
+            transmittance: Spectrum::from_rgb([0.1, 0.9, 0.4]),
+            ..glass(false)
+        };
+        let wo = DVec3::new(0.96, 0.0, 0.28);
+        let n = 10_000;
+        let sum: Spectrum = (0..n)
+            .filter_map(|i| model.sample(wo, (f64::from(i) + 0.5) / f64::from(n), TransportMode::Importance))
+            .map(|s| s.weight)
+            .sum();
+        let expected = model.albedo(wo);
+        // The midpoint rule in xi errs by one sample at the border of the lobes.
+        let error = (sum * (1.0 / n as f32) - expected).map(f32::abs).max_component();
+        assert!(error < 2e-4, "{error}");
+    }
+
+    #[test]
+    fn black_lobes_are_never_chosen() {
+        let model = Dielectric { reflectance: Spectrum::BLACK, ..glass(false) };
+        let s = model.sample(DVec3::Z, 0.0, TransportMode::Importance).unwrap();
+        assert!(s.lobe.transmission);
+        assert!((s.weight - Spectrum::splat(0.96)).max_component().abs() < 1e-6);
+    }
+}

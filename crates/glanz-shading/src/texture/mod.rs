@@ -1,0 +1,305 @@
+//! Numbers and spectra that vary over surfaces.
+//!
+//! [`Textures`] owns all of them. A texture may refer to those added before it, never to itself or to later ones: there
+//! are no cycles, and the cost of an evaluation is bounded when it is added.
+
+pub mod checkerboard;
+pub mod image;
+pub mod mapping;
+
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::{DVec2, DVec3};
+
+pub use checkerboard::Checkerboard;
+pub use image::{Image, ImageError, ImageFilter, ImageTexture, Wrap};
+pub use mapping::Mapping;
+
+/// Where a texture is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TexturePoint {
+    /// Texture coordinates of the surface.
+    pub uv: DVec2,
+    /// The point in the world, metres.
+    pub position: DVec3,
+    /// Extent of what is to be averaged, in units of `uv`; 0 asks for the point alone.
+    pub uv_width: f64,
+    /// The same in metres.
+    pub position_width: f64,
+}
+
+impl TexturePoint {
+    /// A point without extent.
+    #[must_use]
+    pub const fn new(uv: DVec2, position: DVec3) -> Self {
+        Self { uv, position, uv_width: 0.0, position_width: 0.0 }
+    }
+
+    /// The same point, asking for an average over the extents `uv_width` and `position_width` (metres), >= 0.
+    #[must_use]
+    pub const fn with_footprint(self, uv_width: f64, position_width: f64) -> Self {
+        Self { uv_width, position_width, ..self }
+    }
+}
+
+/// A texture in [`Textures`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TextureId(u32);
+
+/// A spectrum, the same everywhere or textured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpectrumInput {
+    /// The same everywhere.
+    Constant(Spectrum),
+    /// That of a texture.
+    Texture(TextureId),
+}
+
+impl From<Spectrum> for SpectrumInput {
+    fn from(value: Spectrum) -> Self {
+        Self::Constant(value)
+    }
+}
+
+/// A number, the same everywhere or textured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FloatInput {
+    /// The same everywhere.
+    Constant(f32),
+    /// The mean over the wavelengths of a texture.
+    Texture(TextureId),
+}
+
+impl From<f32> for FloatInput {
+    fn from(value: f32) -> Self {
+        Self::Constant(value)
+    }
+}
+
+/// The closed set of textures. A texture of numbers holds them as grey spectra.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum Texture {
+    /// The same everywhere.
+    Constant(Spectrum),
+    /// Product of two.
+    Scale(SpectrumInput, SpectrumInput),
+    /// `(1 - amount) a + amount b`; the amount is not clamped.
+    Mix {
+        /// Where `amount` is 0.
+        a: SpectrumInput,
+        /// Where `amount` is 1.
+        b: SpectrumInput,
+        /// Weight of `b`.
+        amount: FloatInput,
+    },
+    /// Two alternating in squares or cubes.
+    Checkerboard(Checkerboard),
+    /// A picture.
+    Image(ImageTexture),
+}
+
+impl Texture {
+    fn inputs(&self) -> [Option<TextureId>; 3] {
+        let of = |input: &SpectrumInput| match input {
+            SpectrumInput::Texture(id) => Some(*id),
+            SpectrumInput::Constant(_) => None,
+        };
+        match self {
+            Self::Constant(_) | Self::Image(_) => [None; 3],
+            Self::Scale(a, b) => [of(a), of(b), None],
+            Self::Checkerboard(board) => [of(&board.even), of(&board.odd), None],
+            Self::Mix { a, b, amount } => {
+                let amount = match amount {
+                    FloatInput::Texture(id) => Some(*id),
+                    FloatInput::Constant(_) => None,
+                };
+                [of(a), of(b), amount]
+            }
+        }
+    }
+}
+
+/// Why a texture cannot be added.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TextureError {
+    /// It refers to a texture that is not there (yet).
+    #[error("the texture refers to texture {0}, which is not among the {1} added before it")]
+    Unknown(u32, usize),
+    /// One evaluation would evaluate too many others.
+    #[error("one evaluation of the texture would take {0} evaluations, more than {max}", max = Textures::MAX_EVALUATIONS)]
+    Cost(u64),
+    /// There are 2^32 textures.
+    #[error("there are too many textures")]
+    Full,
+}
+
+/// All textures of a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Textures {
+    textures: Vec<Texture>,
+    /// Evaluations that one evaluation takes, itself included.
+    costs: Vec<u64>,
+}
+
+impl Textures {
+    /// Most textures that one evaluation may evaluate; bounds the depth of the recursion, too.
+    pub const MAX_EVALUATIONS: u64 = 1000;
+
+    /// No texture.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a texture that may refer to those added before.
+    ///
+    /// # Errors
+    /// [`TextureError`] if it refers to others, or if an evaluation would be too costly.
+    pub fn add(&mut self, texture: Texture) -> Result<TextureId, TextureError> {
+        let mut cost = 1;
+        for id in texture.inputs().into_iter().flatten() {
+            cost += self.costs.get(id.0 as usize).ok_or(TextureError::Unknown(id.0, self.costs.len()))?;
+        }
+        if cost > Self::MAX_EVALUATIONS {
+            return Err(TextureError::Cost(cost));
+        }
+        let id = u32::try_from(self.textures.len()).map_err(|_| TextureError::Full)?;
+        self.textures.push(texture);
+        self.costs.push(cost);
+        Ok(TextureId(id))
+    }
+
+    /// Number of textures.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.textures.len()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.textures.is_empty()
+    }
+
+    /// The texture `id`; `None` if it belongs to other [`Textures`].
+    #[must_use]
+    pub fn get(&self, id: TextureId) -> Option<&Texture> {
+        self.textures.get(id.0 as usize)
+    }
+
+    /// The value of `input` at a point; black for a texture that is not here.
+    #[must_use]
+    pub fn spectrum(&self, input: &SpectrumInput, at: &TexturePoint, wavelengths: &Wavelengths) -> Spectrum {
+        match input {
+            SpectrumInput::Constant(value) => *value,
+            SpectrumInput::Texture(id) => self.evaluate(*id, at, wavelengths),
+        }
+    }
+
+    /// The value of `input` at a point; 0 for a texture that is not here.
+    #[must_use]
+    pub fn float(&self, input: &FloatInput, at: &TexturePoint, wavelengths: &Wavelengths) -> f32 {
+        match input {
+            FloatInput::Constant(value) => *value,
+            FloatInput::Texture(id) => self.evaluate(*id, at, wavelengths).mean(wavelengths),
+        }
+    }
+
+    /// Recursion ends: ids only point backwards, and the depth is at most [`Textures::MAX_EVALUATIONS`].
+    fn evaluate(&self, id: TextureId, at: &TexturePoint, wavelengths: &Wavelengths) -> Spectrum {
+        let Some(texture) = self.get(id) else {
+            return Spectrum::BLACK;
+        };
+        let spectrum = |input: &SpectrumInput| self.spectrum(input, at, wavelengths);
+        match texture {
+            Texture::Constant(value) => *value,
+            Texture::Scale(a, b) => spectrum(a) * spectrum(b),
+            Texture::Mix { a, b, amount } => {
+                spectrum(a).lerp(spectrum(b), self.float(amount, at, wavelengths))
+            }
+            Texture::Checkerboard(board) => {
+                let odd = board.odd_share(at);
+                // Most points lie in one of the two; the other one need not be known.
+                if odd <= 0.0 {
+                    spectrum(&board.even)
+                } else if odd >= 1.0 {
+                    spectrum(&board.odd)
+                } else {
+                    spectrum(&board.even).lerp(spectrum(&board.odd), odd)
+                }
+            }
+            Texture::Image(image) => image.evaluate(at),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RGB: Wavelengths = Wavelengths::Rgb;
+
+    fn point() -> TexturePoint {
+        TexturePoint::new(DVec2::new(0.25, 0.75), DVec3::ZERO)
+    }
+
+    fn rgb(textures: &Textures, id: TextureId) -> [f32; 3] {
+        textures.spectrum(&SpectrumInput::Texture(id), &point(), &RGB).to_rgb(&RGB)
+    }
+
+    #[test]
+    fn scale_and_mix_are_products_and_weighted_sums() {
+        let mut textures = Textures::new();
+        let a = textures.add(Texture::Constant(Spectrum::from_rgb([0.5, 1.0, 0.0]))).unwrap();
+        let half = SpectrumInput::Constant(Spectrum::from_rgb([0.5, 0.25, 1.0]));
+        let scaled = textures.add(Texture::Scale(SpectrumInput::Texture(a), half)).unwrap();
+        assert_eq!(rgb(&textures, scaled), [0.25, 0.25, 0.0]);
+        let amount = textures.add(Texture::Constant(Spectrum::from_rgb([0.25; 3]))).unwrap();
+        let mix = Texture::Mix { a: SpectrumInput::Texture(a), b: half, amount: FloatInput::Texture(amount) };
+        let mixed = textures.add(mix).unwrap();
+        assert_eq!(rgb(&textures, mixed), [0.5, 0.8125, 0.25]);
+        assert_eq!(textures.float(&FloatInput::Texture(amount), &point(), &RGB), 0.25);
+    }
+
+    #[test]
+    fn references_to_what_is_not_there_are_refused() {
+        let mut textures = Textures::new();
+        let itself = SpectrumInput::Texture(TextureId(0));
+        let refused = textures.add(Texture::Scale(itself, itself));
+        assert_eq!(refused, Err(TextureError::Unknown(0, 0)));
+        assert!(textures.is_empty());
+        let foreign = textures.spectrum(&SpectrumInput::Texture(TextureId(9)), &point(), &RGB);
+        assert_eq!(foreign, Spectrum::BLACK);
+    }
+
+    #[test]
+    fn textures_that_double_their_cost_are_refused_before_they_explode() {
+        let mut textures = Textures::new();
+        let mut last = textures.add(Texture::Constant(Spectrum::ONE)).unwrap();
+        // Costs 1, 3, 7, ... 2^k - 1: the ninth product still has 1023 > 1000.
+        let error = loop {
+            let both = SpectrumInput::Texture(last);
+            match textures.add(Texture::Scale(both, both)) {
+                Ok(id) => last = id,
+                Err(error) => break error,
+            }
+        };
+        assert_eq!(error, TextureError::Cost(1023));
+        assert_eq!(textures.len(), 9);
+        assert_eq!(rgb(&textures, last), [1.0; 3]);
+    }
+
+    #[test]
+    fn longest_chain_can_be_evaluated() {
+        let mut textures = Textures::new();
+        let mut last = textures.add(Texture::Constant(Spectrum::ONE)).unwrap();
+        let one = SpectrumInput::Constant(Spectrum::ONE);
+        for _ in 1..Textures::MAX_EVALUATIONS {
+            last = textures.add(Texture::Scale(SpectrumInput::Texture(last), one)).unwrap();
+        }
+        assert_eq!(rgb(&textures, last), [1.0; 3]);
+        let refused = textures.add(Texture::Scale(SpectrumInput::Texture(last), one));
+        assert_eq!(refused, Err(TextureError::Cost(1001)));
+    }
+}
