@@ -10,6 +10,7 @@ pub mod bvh;
 pub mod cuboid;
 pub mod error;
 pub mod hit;
+mod line;
 pub mod mesh;
 pub mod polyhedron;
 pub mod quadric;
