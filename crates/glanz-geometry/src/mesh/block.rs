@@ -1,0 +1,232 @@
+//! Triangles in blocks of four, tested at once.
+
+use glanz_math::{DVec3, Ray};
+
+use crate::bvh::Bvh;
+use crate::bvh::simd::Simd;
+use crate::triangle::ShearedRay;
+
+/// Triangles in a block: the `f64` lanes of a vector register.
+pub(super) const LANES: usize = 4;
+
+/// A number that coordinates are stored as.
+pub(super) trait Coordinate: Copy + Send + Sync {
+    /// What an unused lane holds: no comparison with it is ever true, so it is never hit.
+    const NONE: Self;
+    /// The nearest stored number.
+    fn from_f64(value: f64) -> Self;
+    /// The stored number.
+    fn to_f64(self) -> f64;
+    /// Four of them.
+    fn widen<S: Simd>(simd: S, lanes: &[Self; LANES]) -> S::F64;
+}
+
+impl Coordinate for f32 {
+    const NONE: Self = Self::NAN;
+    fn from_f64(value: f64) -> Self {
+        value as Self
+    }
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+    #[inline(always)]
+    fn widen<S: Simd>(simd: S, lanes: &[Self; LANES]) -> S::F64 {
+        simd.widen(lanes)
+    }
+}
+
+impl Coordinate for f64 {
+    const NONE: Self = Self::NAN;
+    fn from_f64(value: f64) -> Self {
+        value
+    }
+    fn to_f64(self) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn widen<S: Simd>(simd: S, lanes: &[Self; LANES]) -> S::F64 {
+        simd.load64(lanes)
+    }
+}
+
+/// Four triangles, by vertex, axis and triangle.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(super) struct Block<T> {
+    corners: [[[T; LANES]; 3]; 3],
+    faces: [u32; LANES],
+}
+
+impl<T: Coordinate> Block<T> {
+    /// A block of up to four triangles, given by face number and vertices.
+    fn new(triangles: impl Iterator<Item = (u32, [DVec3; 3])>) -> Self {
+        let mut block = Self { corners: [[[T::NONE; LANES]; 3]; 3], faces: [u32::MAX; LANES] };
+        for (lane, (face, vertices)) in triangles.take(LANES).enumerate() {
+            block.faces[lane] = face;
+            for (corner, vertex) in block.corners.iter_mut().zip(vertices) {
+                for (axis, x) in corner.iter_mut().zip(vertex.to_array()) {
+                    axis[lane] = T::from_f64(x);
+                }
+            }
+        }
+        block
+    }
+
+    fn triangle(&self, lane: usize) -> [DVec3; 3] {
+        self.corners.map(|corner| DVec3::from_array(corner.map(|axis| axis[lane & (LANES - 1)].to_f64())))
+    }
+
+    /// The lanes that the ray hits with `0 < t <= t_max`, as bits, and what it takes to make hits of them.
+    ///
+    /// Computes the very bits of [`ShearedRay::intersect`], but for the exact signs at edges: lanes with a zero edge
+    /// function are candidates here and wait for [`Lanes::hit`] to decide.
+    #[inline(always)]
+    fn intersect<S: Simd>(&self, simd: S, ray: &BlockRay<S>, t_max: f64) -> Option<Lanes> {
+        let vertex = |corner: usize| {
+            let coordinate = |axis: usize| {
+                let axis = ray.sheared.axes[axis];
+                // The axes are 0, 1 and 2; this says it to the compiler.
+                let axis = if axis < 3 { axis } else { 0 };
+                simd.sub64(T::widen(simd, &self.corners[corner][axis]), ray.origin[axis])
+            };
+            let (x, y, z) = (coordinate(0), coordinate(1), coordinate(2));
+            (
+                simd.sub64(x, simd.mul64(ray.shear[0], z)),
+                simd.sub64(y, simd.mul64(ray.shear[1], z)),
+                simd.mul64(ray.shear[2], z),
+            )
+        };
+        let (a, b, c) = (vertex(0), vertex(1), vertex(2));
+        let edge = |p: (S::F64, S::F64, S::F64), q: (S::F64, S::F64, S::F64)| {
+            simd.sub64(simd.mul64(p.0, q.1), simd.mul64(p.1, q.0))
+        };
+        let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
+        let zero = simd.splat64(0.0);
+        let some_negative = simd.less64(simd.min64(simd.min64(u, v), w), zero);
+        let some_positive = simd.less64(zero, simd.max64(simd.max64(u, v), w));
+        let inside = !(some_negative & some_positive) & ((1 << LANES) - 1);
+        if inside == 0 {
+            return None;
+        }
+        let determinant = simd.add64(simd.add64(u, v), w);
+        let height = simd.add64(simd.add64(simd.mul64(u, a.2), simd.mul64(v, b.2)), simd.mul64(w, c.2));
+        let t = simd.div64(height, determinant);
+        let within = simd.less64(zero, t) & simd.at_most64(t, simd.splat64(t_max));
+        // A zero determinant may be a zero only of rounding, at the tip of a sliver.
+        let product = simd.mul64(simd.mul64(u, v), w);
+        let at_edge = simd.at_most64(product, zero) & simd.at_most64(zero, product);
+        let hits = inside & (within | at_edge);
+        (hits != 0).then(|| Lanes {
+            hits,
+            at_edge,
+            t: simd.store64(t),
+            v: simd.store64(simd.div64(v, determinant)),
+            w: simd.store64(simd.div64(w, determinant)),
+        })
+    }
+}
+
+/// What a ray found in a block.
+struct Lanes {
+    hits: u32,
+    at_edge: u32,
+    t: [f64; LANES],
+    v: [f64; LANES],
+    w: [f64; LANES],
+}
+
+/// A ray made ready for blocks.
+pub(super) struct BlockRay<S: Simd> {
+    sheared: ShearedRay,
+    origin: [S::F64; 3],
+    shear: [S::F64; 3],
+}
+
+impl<S: Simd> BlockRay<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, ray: &Ray) -> Self {
+        let sheared = ShearedRay::new(ray.origin, ray.direction);
+        let splat = |v: DVec3| [simd.splat64(v.x), simd.splat64(v.y), simd.splat64(v.z)];
+        Self { sheared, origin: splat(ray.origin), shear: splat(sheared.shear) }
+    }
+}
+
+/// A hit of a triangle: ray parameter, weights of the second and third vertex, and the face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Found {
+    pub(super) t: f64,
+    pub(super) u: f64,
+    pub(super) v: f64,
+    pub(super) face: u32,
+}
+
+/// Calls `report` with every hit of the block with `0 < t <= t_max`, by lane, until it says stop.
+#[inline(always)]
+pub(super) fn hits_in_block<S: Simd, T: Coordinate>(
+    simd: S,
+    block: &Block<T>,
+    ray: &BlockRay<S>,
+    t_max: f64,
+    mut report: impl FnMut(Found) -> bool,
+) {
+    let Some(lanes) = block.intersect(simd, ray, t_max) else { return };
+    let mut hits = lanes.hits;
+    while hits != 0 {
+        let lane = hits.trailing_zeros() as usize & (LANES - 1);
+        hits &= hits - 1;
+        let mut found =
+            Found { t: lanes.t[lane], u: lanes.v[lane], v: lanes.w[lane], face: block.faces[lane] };
+        if lanes.at_edge >> lane & 1 != 0 {
+            let [a, b, c] = block.triangle(lane);
+            // Up to and including `t_max`, as the others.
+            match ray.sheared.intersect(a, b, c, t_max.next_up()) {
+                Some((t, u, v)) => found = Found { t, u, v, ..found },
+                None => continue,
+            }
+        }
+        if report(found) {
+            return;
+        }
+    }
+}
+
+/// The blocks of a mesh; block `i` holds the triangles of leaf `i`.
+#[derive(Clone, Debug)]
+pub(super) enum Blocks {
+    /// Every coordinate is an `f32`: half the memory, and not one bit is lost.
+    Single(Vec<Block<f32>>),
+    /// Some are not.
+    Double(Vec<Block<f64>>),
+}
+
+impl Blocks {
+    /// Lays out the triangles of `bvh`'s leaves.
+    pub(super) fn new(positions: &[DVec3], indices: &[[u32; 3]], bvh: &Bvh) -> Self {
+        let single = positions.iter().all(|p| p.to_array().iter().all(|&x| f64::from(x as f32) == x));
+        if single {
+            Self::Single(lay_out(positions, indices, bvh))
+        } else {
+            Self::Double(lay_out(positions, indices, bvh))
+        }
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        match self {
+            Self::Single(blocks) => size_of_val(&**blocks),
+            Self::Double(blocks) => size_of_val(&**blocks),
+        }
+    }
+}
+
+fn lay_out<T: Coordinate>(positions: &[DVec3], indices: &[[u32; 3]], bvh: &Bvh) -> Vec<Block<T>> {
+    use rayon::prelude::*;
+    let leaves: Vec<_> = bvh.leaves().collect();
+    let block = |&leaf: &_| {
+        Block::new(
+            bvh.leaf(leaf)
+                .iter()
+                .map(|&face| (face, indices[face as usize].map(|vertex| positions[vertex as usize]))),
+        )
+    };
+    leaves.par_iter().with_min_len(1024).map(block).collect()
+}

@@ -1,0 +1,376 @@
+//! Triangle meshes.
+//!
+//! A [`Mesh`] owns its hierarchy and lays its triangles out in the order of the leaves, four to a block. The test is that
+//! of [`crate::triangle::ShearedRay`] bit by bit, so that a ray cannot slip through an edge or a vertex that triangles
+//! share, whatever the instruction set. Files `block` (the triangles), `shading` (what a hit looks like).
+
+mod block;
+mod shading;
+#[cfg(test)]
+mod tests;
+
+use std::sync::OnceLock;
+
+use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
+
+use self::block::{Block, BlockRay, Blocks, Coordinate, Found, LANES, hits_in_block};
+use crate::bvh::simd::{Simd, Task};
+use crate::bvh::{BuildOptions, Bvh, Statistics};
+use crate::error::{SurfaceError, finite};
+use crate::hit::{Hit, SurfacePoint, SurfaceSample};
+use crate::surface::RaySurface;
+use crate::triangle::{sample_barycentric, unit_normal};
+
+/// Up to this many blocks are tested one after the other: a tree would cost more than it saves.
+const BLOCKS_WITHOUT_TREE: usize = 2;
+
+/// Cost of testing a block of triangles relative to that of testing a node, measured with `benches/mesh.rs`.
+const BLOCK_COST: f32 = 1.0;
+
+/// Triangles that share vertices.
+///
+/// `Hit::face` is the position of the triangle in the list of indices, `u` and `v` are the barycentric weights of its
+/// second and third vertex. The normal is that of `(p1 - p0) x (p2 - p0)`, or its opposite where the shading normals
+/// say so.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    positions: Vec<DVec3>,
+    indices: Vec<[u32; 3]>,
+    normals: Option<Vec<DVec3>>,
+    uvs: Option<Vec<DVec2>>,
+    degenerate: usize,
+    bvh: Bvh,
+    blocks: Blocks,
+    /// Area of the first 1, 2 ... triangles, m^2. Only meshes that shine need it.
+    areas: OnceLock<Vec<f64>>,
+}
+
+impl Mesh {
+    /// A mesh of the triangles `indices` (positions in the list of vertices) over vertices at `positions` (metres).
+    ///
+    /// `normals` (of any length, zero meaning that of the triangle) and `uvs` belong to the vertices. Triangles without
+    /// an area beyond rounding ([`unit_normal`]) are never hit nor sampled, and counted: [`Mesh::degenerate`].
+    ///
+    /// # Errors
+    /// [`SurfaceError::NotFinite`] if a coordinate is not finite, [`SurfaceError::BadIndex`],
+    /// [`SurfaceError::CountMismatch`] if there are not as many normals or texture coordinates as vertices,
+    /// [`SurfaceError::Degenerate`] if no triangle has an area.
+    pub fn try_new(
+        positions: Vec<DVec3>,
+        indices: Vec<[u32; 3]>,
+        normals: Option<Vec<DVec3>>,
+        uvs: Option<Vec<DVec2>>,
+    ) -> Result<Self, SurfaceError> {
+        let count = positions.len();
+        check_list("vertex normals", normals.as_deref(), count, DVec3::is_finite, |n| n.to_array().to_vec())?;
+        check_list("texture coordinates", uvs.as_deref(), count, DVec2::is_finite, |c| c.to_array().to_vec())?;
+        check_list("vertex positions", Some(&positions), count, DVec3::is_finite, |p| p.to_array().to_vec())?;
+        check_indices(&indices, count)?;
+        let boxes = triangle_boxes(&positions, &indices);
+        let degenerate = boxes.iter().filter(|b| b.is_empty()).count();
+        if degenerate == boxes.len() {
+            return Err(SurfaceError::Degenerate {
+                reason: "no triangle has three corners apart, triangles",
+                value: boxes.len() as f64,
+            });
+        }
+        let options = BuildOptions { max_leaf: LANES, block: LANES, leaf_cost: BLOCK_COST };
+        let bvh = Bvh::build(&boxes, &options);
+        let blocks = Blocks::new(&positions, &indices, &bvh);
+        Ok(Self { positions, indices, normals, uvs, degenerate, bvh, blocks, areas: OnceLock::new() })
+    }
+
+    /// Vertices, metres.
+    #[must_use]
+    pub fn positions(&self) -> &[DVec3] {
+        &self.positions
+    }
+
+    /// Triangles, as positions in the list of vertices; degenerate ones included.
+    #[must_use]
+    pub fn indices(&self) -> &[[u32; 3]] {
+        &self.indices
+    }
+
+    /// Number of triangles that have no area and are therefore never hit.
+    #[must_use]
+    pub fn degenerate(&self) -> usize {
+        self.degenerate
+    }
+
+    /// Area of all triangles, m^2.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.areas().last().copied().unwrap_or_default()
+    }
+
+    /// How large the hierarchy came out, and how good.
+    #[must_use]
+    pub fn statistics(&self) -> Statistics {
+        self.bvh.statistics()
+    }
+
+    /// Memory of vertices, triangles and hierarchy, bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.positions)
+            + size_of_val(&*self.indices)
+            + self.normals.as_deref().map_or(0, size_of_val)
+            + self.uvs.as_deref().map_or(0, size_of_val)
+            + self.blocks.bytes()
+            + self.statistics().bytes
+    }
+
+    fn corners(&self, face: u32) -> Option<[DVec3; 3]> {
+        let [a, b, c] = *self.indices.get(face as usize)?;
+        let vertex = |i: u32| self.positions.get(i as usize).copied();
+        Some([vertex(a)?, vertex(b)?, vertex(c)?])
+    }
+
+    fn areas(&self) -> &[f64] {
+        self.areas.get_or_init(|| {
+            let mut sum = 0.0;
+            let area = |face: u32| {
+                let [a, b, c] = self.corners(face)?;
+                unit_normal(a, b, c).map(|_| 0.5 * (b - a).cross(c - a).length())
+            };
+            (0..self.indices.len() as u32)
+                .map(|face| {
+                    sum += area(face).unwrap_or_default();
+                    sum
+                })
+                .collect()
+        })
+    }
+}
+
+/// Checks a list that has an entry per vertex.
+fn check_list<T: Copy>(
+    parameter: &'static str,
+    list: Option<&[T]>,
+    expected: usize,
+    is_finite: impl Fn(T) -> bool,
+    numbers: impl Fn(&T) -> Vec<f64>,
+) -> Result<(), SurfaceError> {
+    let Some(list) = list else { return Ok(()) };
+    if list.len() != expected {
+        return Err(SurfaceError::CountMismatch { parameter, count: list.len(), expected });
+    }
+    match list.iter().find(|&&entry| !is_finite(entry)) {
+        Some(bad) => numbers(bad).into_iter().try_for_each(|x| finite(parameter, x).map(|_| ())),
+        None => Ok(()),
+    }
+}
+
+fn check_indices(indices: &[[u32; 3]], count: usize) -> Result<(), SurfaceError> {
+    // Half of 2^32, so that leaves and nodes can be told apart by a bit.
+    const MOST: usize = 1 << 31;
+    if indices.is_empty() {
+        return Err(SurfaceError::TooFew { parameter: "triangles", count: 0, min: 1 });
+    }
+    if indices.len() > MOST {
+        return Err(SurfaceError::OutOfRange {
+            parameter: "number of triangles",
+            value: indices.len() as f64,
+            min: 1.0,
+            max: MOST as f64,
+        });
+    }
+    let bad = |i: &u32| *i as usize >= count;
+    match indices.as_flattened().iter().position(bad) {
+        Some(position) => Err(SurfaceError::BadIndex {
+            parameter: "vertex index",
+            position,
+            index: u64::from(indices.as_flattened()[position]),
+            count,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// The box of every triangle; empty, and so left out of the hierarchy, if the triangle is degenerate.
+fn triangle_boxes(positions: &[DVec3], indices: &[[u32; 3]]) -> Vec<Bounds3> {
+    use rayon::prelude::*;
+    let bounds = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|i| positions[i as usize]);
+        match unit_normal(a, b, c) {
+            Some(_) => Bounds3::of_points([a, b, c]),
+            None => Bounds3::EMPTY,
+        }
+    };
+    indices.par_iter().with_min_len(1024).map(bounds).collect()
+}
+
+/// The closest hit.
+struct Closest<'a> {
+    mesh: &'a Mesh,
+    ray: &'a Ray,
+    t_max: f64,
+}
+
+impl Task for Closest<'_> {
+    type Output = Option<Hit>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Option<Hit> {
+        match &self.mesh.blocks {
+            Blocks::Single(blocks) => self.search(simd, blocks),
+            Blocks::Double(blocks) => self.search(simd, blocks),
+        }
+    }
+}
+
+impl Closest<'_> {
+    #[inline(always)]
+    fn search<S: Simd, T: Coordinate>(self, simd: S, blocks: &[Block<T>]) -> Option<Hit> {
+        let ray = BlockRay::new(simd, self.ray);
+        // Face 0 at the end of the ray: no hit there comes before it, so that only closer ones count.
+        let mut best = Found { t: self.t_max, u: 0.0, v: 0.0, face: 0 };
+        let mut any = false;
+        let mut visit = |block: &Block<T>| {
+            hits_in_block(simd, block, &ray, best.t, |found| {
+                // Of hits at the same place that of the lowest face wins, in whatever order they are met.
+                if (found.t, found.face) < (best.t, best.face) {
+                    best = found;
+                    any = true;
+                }
+                false
+            });
+            best.t
+        };
+        if blocks.len() <= BLOCKS_WITHOUT_TREE {
+            blocks.iter().for_each(|block| {
+                visit(block);
+            });
+        } else {
+            self.mesh.bvh.closest_with(simd, self.ray, self.t_max, |leaf, t_max| {
+                blocks.get(leaf.ordinal()).map_or(t_max, &mut visit)
+            });
+        }
+        any.then_some(Hit { t: best.t, u: best.u, v: best.v, face: best.face })
+    }
+}
+
+/// Whether there is a hit.
+struct Occluded<'a> {
+    mesh: &'a Mesh,
+    ray: &'a Ray,
+    t_max: f64,
+}
+
+impl Task for Occluded<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> bool {
+        match &self.mesh.blocks {
+            Blocks::Single(blocks) => self.search(simd, blocks),
+            Blocks::Double(blocks) => self.search(simd, blocks),
+        }
+    }
+}
+
+impl Occluded<'_> {
+    #[inline(always)]
+    fn search<S: Simd, T: Coordinate>(self, simd: S, blocks: &[Block<T>]) -> bool {
+        let ray = BlockRay::new(simd, self.ray);
+        let visit = |block: &Block<T>| {
+            let mut hit = false;
+            hits_in_block(simd, block, &ray, self.t_max, |found| {
+                hit |= found.t < self.t_max;
+                hit
+            });
+            hit
+        };
+        if blocks.len() <= BLOCKS_WITHOUT_TREE {
+            blocks.iter().any(visit)
+        } else {
+            self.mesh
+                .bvh
+                .any_with(simd, self.ray, self.t_max, |leaf| blocks.get(leaf.ordinal()).is_some_and(visit))
+        }
+    }
+}
+
+/// All hits, in no order.
+struct Every<'a> {
+    mesh: &'a Mesh,
+    ray: &'a Ray,
+    t_max: f64,
+    hits: &'a mut Vec<Hit>,
+}
+
+impl Task for Every<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        match &self.mesh.blocks {
+            Blocks::Single(blocks) => self.search(simd, blocks),
+            Blocks::Double(blocks) => self.search(simd, blocks),
+        }
+    }
+}
+
+impl Every<'_> {
+    #[inline(always)]
+    fn search<S: Simd, T: Coordinate>(self, simd: S, blocks: &[Block<T>]) {
+        let Self { mesh, ray, t_max, hits } = self;
+        let block_ray = BlockRay::new(simd, ray);
+        mesh.bvh.any_with(simd, ray, t_max, |leaf| {
+            if let Some(block) = blocks.get(leaf.ordinal()) {
+                hits_in_block(simd, block, &block_ray, t_max, |Found { t, u, v, face }| {
+                    if t < t_max {
+                        hits.push(Hit { t, u, v, face });
+                    }
+                    false
+                });
+            }
+            false
+        });
+    }
+}
+
+impl RaySurface for Mesh {
+    fn bounds(&self) -> Bounds3 {
+        self.bvh.bounds()
+    }
+
+    fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
+        self.bvh.isa().run(Closest { mesh: self, ray, t_max })
+    }
+
+    fn occluded(&self, ray: &Ray, t_max: f64) -> bool {
+        self.bvh.isa().run(Occluded { mesh: self, ray, t_max })
+    }
+
+    fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
+        let start = hits.len();
+        self.bvh.isa().run(Every { mesh: self, ray, t_max, hits });
+        let Some(new) = hits.get_mut(start..) else { return };
+        new.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.face.cmp(&b.face)));
+        self.drop_repeated(start, hits);
+    }
+
+    fn point(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.point_at(hit.face, hit.u, hit.v)
+    }
+
+    fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
+        let areas = self.areas();
+        let total = areas.last().copied().filter(|&area| area > 0.0)?;
+        let target = xi.x * total;
+        let face = areas.partition_point(|&area| area <= target).min(areas.len() - 1);
+        let before = face.checked_sub(1).map_or(0.0, |previous| areas[previous]);
+        // What is left of the random number after it has chosen the triangle.
+        let rest = ((target - before) / (areas[face] - before)).clamp(0.0, 1.0f64.next_down());
+        let b = sample_barycentric(DVec2::new(rest, xi.y));
+        let hit = Hit { t: 0.0, u: b.x, v: b.y, face: face as u32 };
+        Some(SurfaceSample { hit, point: self.point_at(hit.face, b.x, b.y), pdf: AreaPdf(1.0 / total) })
+    }
+
+    fn area_pdf(&self, _hit: &Hit, _point: &SurfacePoint) -> Option<AreaPdf> {
+        let area = self.area();
+        (area > 0.0).then(|| AreaPdf(1.0 / area))
+    }
+}

@@ -1,0 +1,113 @@
+//! What a mesh looks like at a hit.
+
+use glanz_math::{DVec2, DVec3};
+
+use super::Mesh;
+use crate::hit::{Hit, SurfacePoint};
+use crate::triangle::{position_error, unit_normal};
+
+/// Texture coordinates of a triangle that has none.
+///
+/// # Source
+/// @pharr2023 section 6.5.3.
+const DEFAULT_UVS: [DVec2; 3] = [DVec2::ZERO, DVec2::X, DVec2::ONE];
+
+/// A quantity at the vertices of a triangle, as it changes with the texture coordinates.
+struct Gradient {
+    /// From the differences `q0 - q2` and `q1 - q2` to the derivatives by u and v.
+    by_u: DVec2,
+    by_v: DVec2,
+}
+
+impl Gradient {
+    /// `None` if the texture coordinates of the triangle lie on a line.
+    fn new(uvs: [DVec2; 3]) -> Option<Self> {
+        let (a, b) = (uvs[0] - uvs[2], uvs[1] - uvs[2]);
+        let inverse = 1.0 / (a.x * b.y - a.y * b.x);
+        inverse
+            .is_finite()
+            .then(|| Self { by_u: DVec2::new(b.y, -a.y) * inverse, by_v: DVec2::new(-b.x, a.x) * inverse })
+    }
+
+    fn of(&self, q: [DVec3; 3]) -> (DVec3, DVec3) {
+        let (a, b) = (q[0] - q[2], q[1] - q[2]);
+        (a * self.by_u.x + b * self.by_u.y, a * self.by_v.x + b * self.by_v.y)
+    }
+}
+
+/// `q0 b0 + q1 b1 + q2 b2`.
+fn interpolate(q: [DVec3; 3], u: f64, v: f64) -> DVec3 {
+    q[0] * (1.0 - u - v) + q[1] * u + q[2] * v
+}
+
+impl Mesh {
+    /// The values of a list by vertex at the corners of a triangle.
+    fn at_corners<T: Copy>(&self, list: Option<&Vec<T>>, face: u32) -> Option<[T; 3]> {
+        let [a, b, c] = *self.indices.get(face as usize)?;
+        let value = |i: u32| list?.get(i as usize).copied();
+        Some([value(a)?, value(b)?, value(c)?])
+    }
+
+    /// The surface at the weights `u`, `v` of the second and third vertex of a triangle.
+    pub(super) fn point_at(&self, face: u32, u: f64, v: f64) -> SurfacePoint {
+        // A face of another mesh has no corners here; there is no right answer then, only a harmless one.
+        let corners = self.corners(face).unwrap_or_default();
+        let [p0, p1, p2] = corners;
+        let own_uvs = self.at_corners(self.uvs.as_ref(), face);
+        let uvs = own_uvs.unwrap_or(DEFAULT_UVS);
+        let gradient = Gradient::new(uvs).or_else(|| Gradient::new(DEFAULT_UVS));
+        let derivatives = |q| gradient.as_ref().map_or_else(Default::default, |g| g.of(q));
+        let (dpdu, dpdv) = derivatives(corners);
+        let flat_normal = unit_normal(p0, p1, p2).unwrap_or(DVec3::Z);
+        let mut point = SurfacePoint {
+            // In this order the error bound holds.
+            position: p0 + u * (p1 - p0) + v * (p2 - p0),
+            error: position_error(p0, p1, p2),
+            normal: flat_normal,
+            shading_normal: flat_normal,
+            uv: uvs[0] * (1.0 - u - v) + uvs[1] * u + uvs[2] * v,
+            dpdu,
+            dpdv,
+            dndu: DVec3::ZERO,
+            dndv: DVec3::ZERO,
+        };
+        if let Some(normals) = self.at_corners(self.normals.as_ref(), face) {
+            let smooth = interpolate(normals, u, v);
+            let length = smooth.length();
+            // Normals that cancel, or that lie in the triangle, say nothing of its side.
+            let side = smooth.dot(flat_normal);
+            if length > 0.0 && side != 0.0 {
+                let unit = smooth / length;
+                let (dndu, dndv) = derivatives(normals);
+                // d(n / |n|) = (dn - n (n . dn) / |n|^2) / |n|
+                let bend = |dn: DVec3| (dn - unit * unit.dot(dn)) / length;
+                point.normal = flat_normal * side.signum();
+                point.shading_normal = unit;
+                (point.dndu, point.dndv) = (bend(dndu), bend(dndv));
+            }
+        }
+        point
+    }
+
+    /// Drops hits, from the sorted ones beginning at `start`, that repeat another.
+    ///
+    /// A ray exactly through an edge or a vertex meets several triangles; that is one point of the surface. Two hits are
+    /// one if their triangles share a vertex and the points are no farther apart than their error bounds.
+    pub(super) fn drop_repeated(&self, start: usize, hits: &mut Vec<Hit>) {
+        let same = |a: &Hit, b: &Hit| {
+            let (Some(p), Some(q)) = (self.corners(a.face), self.corners(b.face)) else { return false };
+            let (m, n) = (self.point_at(a.face, a.u, a.v), self.point_at(b.face, b.u, b.v));
+            (m.position - n.position).abs().cmple(m.error + n.error).all()
+                && p.iter().any(|corner| q.contains(corner))
+        };
+        let mut kept = start;
+        for i in start..hits.len() {
+            let hit = hits[i];
+            if !hits[start..kept].iter().rev().any(|other| same(other, &hit)) {
+                hits[kept] = hit;
+                kept += 1;
+            }
+        }
+        hits.truncate(kept);
+    }
+}
