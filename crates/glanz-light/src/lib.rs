@@ -1,7 +1,9 @@
 //! How much light: spectra, colour, units, tone curves, pixel buffers and their comparison.
 
 pub mod cie;
+pub mod compare;
 pub mod distribution;
+pub mod flip;
 pub mod pixels;
 pub mod rgb;
 pub mod spectrum;
