@@ -73,8 +73,8 @@ pub fn concentric_disk_pdf() -> f64 {
 pub fn cosine_hemisphere(xi: DVec2) -> DVec3 {
     let d = concentric_disk(xi);
     let z2 = 1.0 - d.length_squared();
-    // The rim of the disk may round to the horizon or below it.
-    DVec3::new(d.x, d.y, z2.max(f64::MIN_POSITIVE).sqrt())
+    // Next to the rim of the disk z^2 is all rounding error, and may even be negative: stay above the horizon.
+    DVec3::new(d.x, d.y, z2.max(0.25 * f64::EPSILON).sqrt())
 }
 
 /// The numbers that [`cosine_hemisphere`] takes to `w`.

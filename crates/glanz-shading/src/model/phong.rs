@@ -74,14 +74,20 @@ impl Phong {
     /// `f |cos|`.
     #[must_use]
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
+        self.eval_times(wo, wi, 1.0)
+    }
+
+    /// `f |cos| factor`; the product is taken in `f64`, where neither factor nor cosine underflow.
+    fn eval_times(&self, wo: DVec3, wi: DVec3, factor: f64) -> Spectrum {
         if !same_side(wo, wi) {
             return Spectrum::BLACK;
         }
         let Coefficients { diffuse, specular, exponent, .. } = self.coefficients;
+        let scale = wi.z.abs() * factor * f64::from(self.energy_scale);
         let cos_alpha = mirrored(wo).dot(wi);
         let lobe =
             if cos_alpha > 0.0 { (exponent + 2.0) / TAU * cos_alpha.min(1.0).powf(exponent) } else { 0.0 };
-        (diffuse * FRAC_1_PI as f32 + specular * lobe as f32) * (self.energy_scale * wi.z.abs() as f32)
+        diffuse * (FRAC_1_PI * scale) as f32 + specular * (lobe * scale) as f32
     }
 
     /// A mixture of the cosine and of the lobe, the latter with what would be below the horizon mirrored up.
@@ -113,8 +119,8 @@ impl Phong {
         if !same_side(wo, wi) || pdf.0 <= 0.0 {
             return None;
         }
-        let value = self.eval(wo, wi);
-        Some(BsdfSample { wi, weight: value * (1.0 / pdf.0) as f32, value, pdf, lobe, eta_scale: 1.0 })
+        let weight = self.eval_times(wo, wi, 1.0 / pdf.0);
+        Some(BsdfSample { wi, weight, value: self.eval(wo, wi), pdf, lobe, eta_scale: 1.0 })
     }
 
     /// Share of light scattered; relative accuracy of the specular part about 1e-4.

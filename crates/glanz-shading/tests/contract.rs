@@ -1,0 +1,331 @@
+//! What every BSDF owes. A new variant gets a line in [`bsdfs`] and inherits all tests.
+//!
+//! Significance of the chi-square tests: 0.001 together (Bonferroni over BSDFs and directions).
+
+use std::f64::consts::TAU;
+
+use glanz_light::Spectrum;
+use glanz_math::{DVec2, DVec3};
+use glanz_sampling::hash::{combine, unit_f64};
+use glanz_sampling::statistics::chi_square;
+use glanz_sampling::{PixelSampler, SamplerKind};
+use glanz_shading::model::phong::Coefficients;
+use glanz_shading::model::{Conductor, Dielectric, Lambert, Mirror, Phong};
+use glanz_shading::{Bsdf, BsdfSample, TransportMode};
+
+const MODES: [TransportMode; 2] = [TransportMode::Radiance, TransportMode::Importance];
+
+fn phong(diffuse: [f32; 3], specular: [f32; 3], exponent: f64) -> Bsdf {
+    Bsdf::Phong(Phong::new(Coefficients {
+        ambient: Spectrum::BLACK,
+        diffuse: Spectrum::from_rgb(diffuse),
+        specular: Spectrum::from_rgb(specular),
+        exponent,
+    }))
+}
+
+fn glass(eta: f64, thin: bool) -> Bsdf {
+    let one = Spectrum::from_rgb([1.0; 3]);
+    Bsdf::Dielectric(Dielectric { eta, reflectance: one, transmittance: one, thin })
+}
+
+/// The table.
+fn bsdfs() -> Vec<(&'static str, Bsdf)> {
+    let colour = Spectrum::from_rgb([0.9, 0.5, 0.1]);
+    let gold = Conductor {
+        eta: Spectrum::from_rgb([0.143, 0.375, 1.442]),
+        k: Spectrum::from_rgb([3.983, 2.386, 1.603]),
+        tint: Spectrum::from_rgb([1.0; 3]),
+    };
+    let tinted = Dielectric { eta: 1.5, reflectance: colour, transmittance: colour * 0.5, thin: false };
+    let table = vec![
+        ("black", Bsdf::Black),
+        ("lambert", Bsdf::Lambert(Lambert { reflectance: colour })),
+        ("white", Bsdf::Lambert(Lambert { reflectance: Spectrum::ONE })),
+        ("mirror", Bsdf::Mirror(Mirror { reflectance: colour })),
+        ("gold", Bsdf::Conductor(gold)),
+        ("glass", glass(1.5, false)),
+        ("bubble", glass(1.0 / 1.33, false)),
+        ("matched glass", glass(1.0, false)),
+        ("pane", glass(1.5, true)),
+        ("tinted glass", Bsdf::Dielectric(tinted)),
+        ("flat phong", phong([0.3, 0.2, 0.1], [0.5, 0.6, 0.7], 0.0)),
+        ("dull phong", phong([0.2, 0.3, 0.5], [0.5, 0.4, 0.3], 3.5)),
+        ("sharp phong", phong([0.1; 3], [0.9; 3], 150.0)),
+        ("bare phong", phong([0.0; 3], [1.0; 3], 20.0)),
+        ("greedy phong", phong([0.9; 3], [0.8; 3], 10.0)),
+    ];
+    // Does not compile for a variant without an arm: give the new one a line above.
+    for (_, bsdf) in &table {
+        match bsdf {
+            Bsdf::Black | Bsdf::Lambert(_) | Bsdf::Mirror(_) | Bsdf::Conductor(_) => {}
+            Bsdf::Dielectric(_) | Bsdf::Phong(_) => {}
+        }
+    }
+    table
+}
+
+fn smooth() -> Vec<(&'static str, Bsdf)> {
+    bsdfs().into_iter().filter(|(_, b)| !b.is_delta() && *b != Bsdf::Black).collect()
+}
+
+fn direction(z: f64, azimuth: f64) -> DVec3 {
+    let s = (1.0 - z * z).sqrt();
+    DVec3::new(s * azimuth.cos(), s * azimuth.sin(), z)
+}
+
+/// From both sides, from head-on to grazing.
+fn views() -> Vec<DVec3> {
+    [1.0, 0.9, 0.6, 0.2, 0.02].iter().flat_map(|&z| [direction(z, 0.4), direction(-z, 2.5)]).collect()
+}
+
+fn xi(i: u64) -> (DVec2, f64) {
+    let u = |k| unit_f64(combine(k, i));
+    (DVec2::new(u(51), u(52)), u(53))
+}
+
+/// Gauss-Legendre nodes and weights of order 4 on [0, 1].
+const GAUSS: [(f64, f64); 4] = [
+    (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
+    (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
+    (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
+    (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
+];
+
+const ROWS: usize = 80;
+const COLUMNS: usize = 120;
+
+fn cell_of(w: DVec3) -> usize {
+    let turn = (w.y.atan2(w.x) / TAU).rem_euclid(1.0);
+    let row = ((w.z + 1.0) * 0.5 * ROWS as f64) as usize;
+    row.min(ROWS - 1) * COLUMNS + ((turn * COLUMNS as f64) as usize).min(COLUMNS - 1)
+}
+
+/// The integral of `f` over solid angle in each cell of a grid of equal solid angles.
+fn per_cell(f: impl Fn(DVec3) -> f64) -> Vec<f64> {
+    let size = 2.0 * TAU / (ROWS * COLUMNS) as f64;
+    let mut cells = Vec::with_capacity(ROWS * COLUMNS);
+    for row in 0..ROWS {
+        for column in 0..COLUMNS {
+            let mut sum = 0.0;
+            for (x, wx) in GAUSS {
+                for (y, wy) in GAUSS {
+                    let z = 2.0 * (row as f64 + y) / ROWS as f64 - 1.0;
+                    sum += wx * wy * f(direction(z, TAU * (column as f64 + x) / COLUMNS as f64));
+                }
+            }
+            cells.push(sum * size);
+        }
+    }
+    cells
+}
+
+#[test]
+fn samples_follow_the_density_which_integrates_to_one() {
+    let tests = smooth().len() * views().len();
+    let n = 100_000;
+    for (name, bsdf) in smooth() {
+        for wo in views() {
+            let expected = per_cell(|wi| bsdf.pdf(wo, wi).0);
+            let total: f64 = expected.iter().sum();
+            // Quadrature of the sharpest lobe over cells half its width.
+            assert!((total - 1.0).abs() < 1e-4, "{name}, {wo}: the density integrates to {total}");
+            let mut counts = vec![0; expected.len()];
+            for i in 0..n {
+                let (x, lobe) = xi(i);
+                if let Some(s) = bsdf.sample(wo, x, lobe, TransportMode::Radiance) {
+                    counts[cell_of(s.wi)] += 1;
+                }
+            }
+            let scaled: Vec<f64> = expected.iter().map(|p| p * n as f64).collect();
+            let test = chi_square(&counts, &scaled);
+            assert!(test.p_value > 0.001 / tests as f64, "{name}, {wo}: {test:?}");
+        }
+    }
+}
+
+#[test]
+fn chi_square_sees_a_density_that_is_slightly_off() {
+    // The control: samples of exponent 20 against the density of exponent 21.
+    let (samples, density) = (phong([0.0; 3], [1.0; 3], 20.0), phong([0.0; 3], [1.0; 3], 21.0));
+    let wo = direction(0.6, 0.4);
+    let n = 100_000;
+    let mut counts = vec![0; ROWS * COLUMNS];
+    for i in 0..n {
+        let (x, lobe) = xi(i);
+        let s = samples.sample(wo, x, lobe, TransportMode::Radiance).unwrap();
+        counts[cell_of(s.wi)] += 1;
+    }
+    let expected: Vec<f64> = per_cell(|wi| density.pdf(wo, wi).0).iter().map(|p| p * n as f64).collect();
+    assert!(chi_square(&counts, &expected).p_value < 1e-6);
+}
+
+#[test]
+fn sample_says_what_eval_and_pdf_say() {
+    for (name, bsdf) in smooth() {
+        for wo in views() {
+            for i in 0..500 {
+                let (x, lobe) = xi(i);
+                let Some(s) = bsdf.sample(wo, x, lobe, TransportMode::Radiance) else { continue };
+                assert_eq!(s.value, bsdf.eval(wo, s.wi), "{name}");
+                assert_eq!(s.pdf, bsdf.pdf(wo, s.wi), "{name}");
+                assert!(!s.lobe.is_delta() && !s.lobe.transmission && s.eta_scale == 1.0);
+                let quotient = s.value * (1.0 / s.pdf.0) as f32;
+                let difference = (s.weight - quotient).map(f32::abs).max_component();
+                // f32: a few roundings.
+                assert!(difference <= 1e-5 * quotient.max_component(), "{name}: {:?} {quotient:?}", s.weight);
+            }
+        }
+    }
+}
+
+/// The mean weight (in flux, without the change of radiance by refraction), by 2^14 scrambled Sobol' points.
+fn mean_weight(bsdf: &Bsdf, wo: DVec3, mode: TransportMode) -> Spectrum {
+    let n = 1 << 14;
+    let sum: Spectrum = (0..n)
+        .filter_map(|i| {
+            let mut sampler = PixelSampler::new(SamplerKind::Sobol, n, 1, [0, 0], i);
+            sampler.begin_group();
+            let xi = sampler.next_2d();
+            bsdf.sample(wo, xi, sampler.next_1d(), mode)
+        })
+        .map(|s| s.weight * s.eta_scale)
+        .sum();
+    sum * (1.0 / n as f32)
+}
+
+fn distance(a: Spectrum, b: Spectrum) -> f32 {
+    (a - b).map(f32::abs).max_component()
+}
+
+#[test]
+fn no_energy_is_created_and_albedo_is_what_is_scattered() {
+    for (name, bsdf) in bsdfs() {
+        for wo in views() {
+            for mode in MODES {
+                let albedo = bsdf.albedo(wo);
+                assert!(albedo.max_component() <= 1.0 + 1e-6, "{name}, {wo}: {albedo:?}");
+                let mean = mean_weight(&bsdf, wo, mode);
+                // 2^14 points err by some 1e-4 here, a discontinuous choice of lobes included.
+                assert!(distance(mean, albedo) < 1e-3, "{name}, {wo}: {mean:?}, albedo {albedo:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn white_sky_gives_back_the_albedo() {
+    for (name, bsdf) in smooth() {
+        for wo in views() {
+            let lane = |wi| f64::from(bsdf.eval(wo, wi).max_component());
+            let total: f64 = per_cell(lane).iter().sum();
+            assert!(total <= 1.0 + 1e-4, "{name}, {wo}: {total}");
+            // One colour can lead for one direction and another for others.
+            let grey = matches!(name, "white" | "sharp phong" | "bare phong" | "greedy phong" | "lambert");
+            let albedo = f64::from(bsdf.albedo(wo).max_component());
+            assert!(!grey || (total - albedo).abs() < 5e-4, "{name}, {wo}: {total}, albedo {albedo}");
+        }
+    }
+}
+
+#[test]
+fn light_goes_both_ways_alike() {
+    for (name, bsdf) in smooth() {
+        for i in 0..2000 {
+            let (x, y) = xi(i);
+            let (a, b) = (direction(2.0 * x.x - 1.0, TAU * x.y), direction(2.0 * y - 1.0, 1.0));
+            let there = bsdf.eval(a, b) * (1.0 / b.z.abs()) as f32;
+            let back = bsdf.eval(b, a) * (1.0 / a.z.abs()) as f32;
+            let size = there.max_component().max(back.max_component());
+            assert!(distance(there, back) <= 1e-5 * size, "{name}: {there:?} {back:?}");
+        }
+    }
+}
+
+#[test]
+fn mirrored_and_refracted_rays_find_their_way_back() {
+    for (name, bsdf) in bsdfs().into_iter().filter(|(_, b)| b.is_delta()) {
+        for wo in views() {
+            for lobe in [0.0, 0.999_999] {
+                let Some(s) = bsdf.sample(wo, DVec2::splat(0.5), lobe, TransportMode::Importance) else {
+                    continue;
+                };
+                // Either choice may lead back; one of the two does, with the same share of the flux.
+                let share = |s: &BsdfSample| s.weight.max_component();
+                let back = [0.0, 0.999_999]
+                    .into_iter()
+                    .filter_map(|l| bsdf.sample(s.wi, DVec2::splat(0.5), l, TransportMode::Importance))
+                    .find(|r| (r.wi - wo).length() < 1e-12);
+                let back = back.unwrap_or_else(|| panic!("{name}: no way back from {} to {wo}", s.wi));
+                assert_eq!(back.lobe, s.lobe, "{name}");
+                assert!((share(&back) - share(&s)).abs() < 1e-5, "{name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn delta_lobes_are_neither_evaluated_nor_have_a_density() {
+    for (name, bsdf) in bsdfs().into_iter().filter(|(_, b)| b.is_delta()) {
+        for wo in views() {
+            let s = bsdf.sample(wo, DVec2::splat(0.5), 0.5, TransportMode::Radiance).unwrap();
+            assert!(s.lobe.is_delta() && s.value.is_black() && s.pdf.0 == f64::INFINITY, "{name}");
+            assert!(bsdf.eval(wo, s.wi).is_black() && bsdf.pdf(wo, s.wi).0 == 0.0, "{name}");
+        }
+    }
+}
+
+#[test]
+fn reflection_stays_and_transmission_changes_the_side() {
+    for (name, bsdf) in bsdfs() {
+        for wo in views() {
+            for i in 0..200 {
+                let (x, lobe) = xi(i);
+                let Some(s) = bsdf.sample(wo, x, lobe, TransportMode::Radiance) else { continue };
+                assert_eq!(s.wi.z * wo.z < 0.0, s.lobe.transmission, "{name}, {wo} to {}", s.wi);
+            }
+        }
+    }
+}
+
+#[test]
+fn extreme_directions_and_numbers_give_finite_samples() {
+    let last = 1.0 - f64::EPSILON / 2.0;
+    let numbers = [0.0, f64::MIN_POSITIVE, 1e-9, 0.5, last];
+    for (name, bsdf) in bsdfs() {
+        for z in [1.0, 1e-3, 1e-8, 1e-17, 1e-300, 0.0, -0.0, -1e-17, -1e-3, -1.0] {
+            let wo = direction(z, 1.0);
+            assert!(bsdf.albedo(wo).is_finite(), "{name} {z}");
+            for x in numbers {
+                for y in numbers {
+                    for lobe in numbers {
+                        for mode in MODES {
+                            let Some(s) = bsdf.sample(wo, DVec2::new(x, y), lobe, mode) else { continue };
+                            let place = format!("{name}, z = {z}, xi = {x} {y} {lobe}: {s:?}");
+                            assert!((s.wi.length() - 1.0).abs() < 1e-12, "{place}");
+                            assert!(s.weight.is_finite() && s.value.is_finite(), "{place}");
+                            assert!(s.weight.map(|v| -v).max_component() <= 0.0, "{place}");
+                            assert!(s.pdf.0 > 0.0 && s.eta_scale > 0.0, "{place}");
+                            let turned = bsdf.eval(s.wi, wo);
+                            assert!(turned.is_finite() && bsdf.pdf(s.wi, wo).0 >= 0.0, "{place}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn radiance_through_a_pane_of_solid_glass_comes_out_as_it_went_in() {
+    // Two refractions: the factors 1 / eta^2 and eta^2 cancel, and so do the scales for roulette.
+    let glass = glass(1.5, false);
+    let wo = direction(0.6, 0.3);
+    let enter = glass.sample(wo, DVec2::ZERO, 0.9999, TransportMode::Radiance).unwrap();
+    // At the far face, seen in the frame of that face's outward normal, the ray comes from inside.
+    let inside = DVec3::new(-enter.wi.x, -enter.wi.y, enter.wi.z);
+    let leave = glass.sample(inside, DVec2::ZERO, 0.9999, TransportMode::Radiance).unwrap();
+    assert!(distance(enter.weight * leave.weight, Spectrum::from_rgb([1.0; 3])) < 1e-6);
+    assert!((enter.eta_scale * leave.eta_scale - 1.0).abs() < 1e-6);
+    assert!((leave.wi.z - 0.6).abs() < 1e-14);
+}
