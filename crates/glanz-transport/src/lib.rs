@@ -1,1 +1,92 @@
-//! wip
+//! From a scene to a picture: film, filters, integrators, and the loop that brings them together.
+//!
+//! - [`Integrator`]s estimate the radiance along camera rays; [`INTEGRATORS`] is the table of them;
+//! - a [`Filter`] says where around a pixel a sample lies;
+//! - a [`Film`] adds samples up, exactly ([`exact`]): the picture depends on which samples were taken, not on
+//!   threads, passes, interruptions or machines;
+//! - [`render()`] exposes a film, telling a [`Progress`] about it;
+//! - a [`Checkpoint`] is a film in a file with the [`PictureIdentity`] it belongs to; [`merge()`] joins several.
+//!
+//! A white sphere in a white sky cannot be told from the sky:
+//! ```
+//! use std::sync::atomic::AtomicBool;
+//!
+//! use glanz_light::SpectralDistribution;
+//! use glanz_math::{DMat4, DVec3};
+//! use glanz_sampling::SamplerKind;
+//! use glanz_scene::Scene;
+//! use glanz_scene::description::*;
+//! use glanz_transport::{Film, FilmFormat, Filter, IntegratorSettings, RenderSettings, Silent, render};
+//!
+//! let white = SpectralDistribution::Constant(1.0);
+//! let mut description = Description::default();
+//! description.film.resolution = [16, 16];
+//! description.materials.push(MaterialDescription {
+//!     name: String::new(),
+//!     kind: MaterialKind::Diffuse { reflectance: SpectrumInput::Value(white.clone()) },
+//!     location: None,
+//! });
+//! description.world.shapes.push(ShapeDescription {
+//!     geometry: GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 1.0], phi_max: std::f64::consts::TAU },
+//!     to_parent: DMat4::from_translation(DVec3::new(0.0, 0.0, 3.0)),
+//!     reverse_orientation: false,
+//!     material: 0,
+//!     emission: None,
+//!     location: None,
+//! });
+//! description.lights.push(LightDescription {
+//!     kind: LightKind::Infinite,
+//!     emission: white,
+//!     scale: 1.0,
+//!     to_world: DMat4::IDENTITY,
+//!     location: None,
+//! });
+//!
+//! let filter = Filter::try_new(&description.filter)?;
+//! let integrator = IntegratorSettings::resolve(&description.integrator)?.build();
+//! let film = Film::try_new(FilmFormat::plain(description.film.resolution))?;
+//! let (scene, _) = Scene::resolve(description)?;
+//! let settings = RenderSettings {
+//!     filter,
+//!     sampler: SamplerKind::Sobol,
+//!     seed: 0,
+//!     samples_per_pixel: 4,
+//!     samples: 0..4,
+//!     threads: 1,
+//!     time_limit: None,
+//!     checkpoint_interval: None,
+//! };
+//! let outcome = render(&scene, integrator.as_ref(), &settings, film, &mut Silent, &AtomicBool::new(false))?;
+//! let picture = outcome.film.to_pixels()?;
+//! assert!(picture.channel("G").ok_or("no G")?.iter().all(|g| (g - 1.0).abs() < 1e-5));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod aov;
+pub mod checkpoint;
+mod codec;
+pub mod exact;
+pub mod film;
+pub mod filter;
+pub mod identity;
+pub mod integrator;
+pub mod merge;
+pub mod pixel;
+pub mod progress;
+pub mod ranges;
+pub mod render;
+
+pub use aov::{Aov, AovSet};
+pub use checkpoint::{Checkpoint, CheckpointError};
+pub use film::{Film, FilmError, FilmFormat, PixelRect};
+pub use filter::{Filter, FilterError};
+pub use identity::{Mismatch, PictureIdentity};
+pub use integrator::{
+    Context, ContextOptions, Counters, INTEGRATORS, Integrator, IntegratorEntry, IntegratorError,
+    IntegratorSettings,
+};
+pub use merge::{MergeError, merge};
+pub use pixel::{FirstHit, Rejects};
+pub use progress::{Progress, ProgressReport, Silent};
+pub use ranges::{OverlapError, SampleRanges};
+pub use render::{Finished, RenderError, RenderOutcome, RenderSettings, render};

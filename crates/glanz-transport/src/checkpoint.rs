@@ -1,0 +1,383 @@
+//! A film in a file, to go on with or to join with others.
+//!
+//! | bytes | content |
+//! |---|---|
+//! | 8 | `GLANZCKP` |
+//! | 4 | version of the format |
+//! | 8 | length of the file |
+//! | | the picture's identity, see [`PictureIdentity`] |
+//! | 4, 8 each | number of sample ranges; first and end of each, ascending |
+//! | 16 | samples dropped, samples cut |
+//! | 8 each | the sums of all pixels, tile after tile, see [`Film`] |
+//! | 4 | CRC-32 (IEEE) of all before |
+//!
+//! Numbers are little-endian; text is a length byte and UTF-8.
+
+use glanz_sampling::SamplerKind;
+use glanz_scene::description::{FilterDescription, FilterKind};
+
+use crate::aov::AovSet;
+use crate::codec::{Decoder, Encoder};
+use crate::film::{Film, FilmError, FilmFormat, PixelRect};
+use crate::identity::PictureIdentity;
+use crate::integrator::IntegratorSettings;
+use crate::pixel::Rejects;
+use crate::ranges::SampleRanges;
+
+const MAGIC: &[u8; 8] = b"GLANZCKP";
+const VERSION: u32 = 1;
+const CRC_LENGTH: usize = 4;
+/// Magic, version and length.
+const PREFIX_LENGTH: usize = 20;
+
+/// Why bytes are not a checkpoint.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// Something else.
+    #[error("this is not a checkpoint of Glanz")]
+    Foreign,
+    /// Written by a program of another time.
+    #[error("the checkpoint has format {0}, this program reads format {VERSION}")]
+    Version(u32),
+    /// Shorter or longer than it was.
+    #[error("the checkpoint is damaged: it has {found} bytes, not {expected}")]
+    Length {
+        /// As it says itself.
+        expected: u64,
+        /// As it is.
+        found: u64,
+    },
+    /// Changed on the way.
+    #[error("the checkpoint is damaged: its checksum is {found:08x}, not {expected:08x}")]
+    Checksum {
+        /// As it says itself.
+        expected: u32,
+        /// As it is.
+        found: u32,
+    },
+    /// Unchanged, but nothing that this program would write.
+    #[error("the checkpoint makes no sense: {0}")]
+    Content(&'static str),
+    /// A film that cannot be made.
+    #[error("the checkpoint cannot be used: {0}")]
+    Film(#[from] FilmError),
+}
+
+/// A film and what it is a picture of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint {
+    /// What the picture depends on.
+    pub identity: PictureIdentity,
+    /// Its samples so far.
+    pub film: Film,
+}
+
+impl Checkpoint {
+    /// The bytes of the file. To be written beside the old one and renamed, so that one of them is always whole.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        Self::encode(&self.identity, &self.film)
+    }
+
+    /// As [`Checkpoint::to_bytes`], for a film that is still in use.
+    #[must_use]
+    pub fn encode(identity: &PictureIdentity, film: &Film) -> Vec<u8> {
+        let mut e = Encoder::default();
+        e.0.extend_from_slice(MAGIC);
+        e.u32(VERSION);
+        e.u64(0);
+        encode_identity(&mut e, identity);
+        e.u32(film.samples().as_slice().len() as u32);
+        for range in film.samples().as_slice() {
+            e.u32(range.start);
+            e.u32(range.end);
+        }
+        e.u64(film.rejects().dropped);
+        e.u64(film.rejects().cut);
+        e.0.reserve(film.words().len() * 8 + CRC_LENGTH);
+        for &word in film.words() {
+            e.u64(word);
+        }
+        let length = (e.0.len() + CRC_LENGTH) as u64;
+        e.0[PREFIX_LENGTH - 8..PREFIX_LENGTH].copy_from_slice(&length.to_le_bytes());
+        let crc = crc32fast::hash(&e.0);
+        e.u32(crc);
+        e.0
+    }
+
+    /// Reads what [`Checkpoint::to_bytes`] wrote. Takes no more memory than a few times `bytes`, whatever they are.
+    ///
+    /// # Errors
+    /// [`CheckpointError`] if any bit is not as it was written.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
+        let body = check_envelope(bytes)?;
+        let mut d = Decoder(body);
+        let identity = decode_identity(&mut d)?;
+        let samples = decode_ranges(&mut d).ok_or(CheckpointError::Content("its sample ranges"))?;
+        let rejects = match (d.u64(), d.u64()) {
+            (Some(dropped), Some(cut)) => Rejects { dropped, cut },
+            _ => return Err(CheckpointError::Content("its counters")),
+        };
+        // Sizes are compared before anything is allocated for them.
+        if identity.film.words()?.checked_mul(8) != Some(d.0.len() as u64) {
+            return Err(CheckpointError::Content("its size"));
+        }
+        let (words, _) = d.0.as_chunks::<8>();
+        let words = words.iter().map(|w| u64::from_le_bytes(*w)).collect();
+        let film = Film::try_from_words(identity.film, words, samples, rejects)?;
+        Ok(Self { identity, film })
+    }
+}
+
+/// The bytes between prefix and checksum, if both are right.
+fn check_envelope(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
+    let mut d = Decoder(bytes);
+    // A file cut within the magic is still recognised as cut, not foreign, unless nothing of it is left.
+    let magic = &MAGIC[..MAGIC.len().min(bytes.len())];
+    if bytes.is_empty() || !bytes.starts_with(magic) {
+        return Err(CheckpointError::Foreign);
+    }
+    let found = bytes.len() as u64;
+    let short = CheckpointError::Length { expected: (PREFIX_LENGTH + CRC_LENGTH) as u64, found };
+    let (Some(_), Some(version), Some(expected)) = (d.take(MAGIC.len()), d.u32(), d.u64()) else {
+        return Err(short);
+    };
+    if version != VERSION {
+        return Err(CheckpointError::Version(version));
+    }
+    if expected != found {
+        return Err(CheckpointError::Length { expected, found });
+    }
+    let Some((content, crc)) = bytes.split_last_chunk::<CRC_LENGTH>() else { return Err(short) };
+    let (expected, found) = (u32::from_le_bytes(*crc), crc32fast::hash(content));
+    if expected != found {
+        return Err(CheckpointError::Checksum { expected, found });
+    }
+    content.get(PREFIX_LENGTH..).ok_or(short)
+}
+
+fn encode_identity(e: &mut Encoder, identity: &PictureIdentity) {
+    e.text(&identity.version);
+    e.u128(identity.scene);
+    let film = &identity.film;
+    for value in film.resolution.into_iter().chain(film.crop.min).chain(film.crop.size) {
+        e.u32(value);
+    }
+    e.u8(film.aovs.to_bits());
+    e.u8(u8::from(film.signed));
+    encode_filter(e, &identity.filter);
+    e.text(identity.integrator.name());
+    e.u32(identity.integrator.max_depth);
+    e.u8(u8::from(identity.integrator.light_sampling));
+    e.u32(identity.integrator.branching);
+    e.text(identity.sampler.name());
+    e.u64(identity.seed);
+    e.u32(identity.samples_per_pixel);
+}
+
+fn decode_identity(d: &mut Decoder<'_>) -> Result<PictureIdentity, CheckpointError> {
+    let cut = || CheckpointError::Content("its header");
+    let version = d.text().ok_or_else(cut)?.to_owned();
+    let scene = d.u128().ok_or_else(cut)?;
+    let film = decode_format(d).ok_or_else(cut)?;
+    let filter = decode_filter(d).ok_or(CheckpointError::Content("its filter"))?;
+    let name = d.text().ok_or_else(cut)?;
+    let max_depth = d.u32().ok_or_else(cut)?;
+    let light_sampling = d.u8().ok_or_else(cut)? != 0;
+    let branching = d.u32().ok_or_else(cut)?;
+    let integrator = IntegratorSettings::by_name(name, max_depth, light_sampling, branching)
+        .ok_or(CheckpointError::Content("an integrator this program does not have"))?;
+    let sampler = d.text().and_then(SamplerKind::from_name);
+    let sampler = sampler.ok_or(CheckpointError::Content("a sampler this program does not have"))?;
+    let seed = d.u64().ok_or_else(cut)?;
+    let samples_per_pixel = d.u32().ok_or_else(cut)?;
+    Ok(PictureIdentity { scene, film, filter, integrator, sampler, seed, samples_per_pixel, version })
+}
+
+fn decode_format(d: &mut Decoder<'_>) -> Option<FilmFormat> {
+    Some(FilmFormat {
+        resolution: [d.u32()?, d.u32()?],
+        crop: PixelRect { min: [d.u32()?, d.u32()?], size: [d.u32()?, d.u32()?] },
+        aovs: AovSet::from_bits(d.u8()?),
+        signed: d.u8()? != 0,
+    })
+}
+
+fn encode_filter(e: &mut Encoder, filter: &FilterDescription) {
+    let (tag, parameters) = match filter.kind {
+        FilterKind::Box => (0, [0.0; 2]),
+        FilterKind::Triangle => (1, [0.0; 2]),
+        FilterKind::Gaussian { sigma } => (2, [sigma, 0.0]),
+        FilterKind::Mitchell { b, c } => (3, [b, c]),
+        FilterKind::Cylinder => (4, [0.0; 2]),
+        FilterKind::Pyramid => (5, [0.0; 2]),
+        FilterKind::Cone => (6, [0.0; 2]),
+    };
+    e.u8(tag);
+    parameters.into_iter().chain(filter.radius).for_each(|v| e.f64(v));
+}
+
+fn decode_filter(d: &mut Decoder<'_>) -> Option<FilterDescription> {
+    let tag = d.u8()?;
+    let (p, q) = (d.f64()?, d.f64()?);
+    let kind = match tag {
+        0 => FilterKind::Box,
+        1 => FilterKind::Triangle,
+        2 => FilterKind::Gaussian { sigma: p },
+        3 => FilterKind::Mitchell { b: p, c: q },
+        4 => FilterKind::Cylinder,
+        5 => FilterKind::Pyramid,
+        6 => FilterKind::Cone,
+        _ => return None,
+    };
+    Some(FilterDescription { kind, radius: [d.f64()?, d.f64()?] })
+}
+
+fn decode_ranges(d: &mut Decoder<'_>) -> Option<SampleRanges> {
+    let count = d.u32()? as usize;
+    let (ranges, _) = d.take(count.checked_mul(8)?)?.as_chunks::<8>();
+    let number = |bytes: &[u8]| bytes.iter().rev().fold(0, |n: u32, &b| n << 8 | u32::from(b));
+    SampleRanges::from_ascending(ranges.iter().map(|r| number(&r[..4])..number(&r[4..])).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pixel::{PixelSums, Sample};
+    use proptest::prelude::*;
+
+    pub(crate) fn example() -> Checkpoint {
+        let crop = PixelRect { min: [2, 1], size: [20, 3] };
+        let format = FilmFormat { resolution: [30, 8], crop, aovs: AovSet::ALL, signed: true };
+        let mut film = Film::try_new(format).unwrap();
+        let layout = format.layout();
+        let mut rejects = Rejects::default();
+        for (tile, words) in film.tiles_mut() {
+            for ([x, y], words) in tile.pixels().zip(words.chunks_exact_mut(layout.words())) {
+                let mut sums = PixelSums::read(&layout, words);
+                let rgb = [x as f32, y as f32 * 0.3, f32::NAN];
+                sums.add(&layout, &Sample { index: 4, rgb, negative: false, first_hit: None }, &mut rejects);
+                sums.write(&layout, words);
+            }
+        }
+        film.finish_pass(4..5, rejects).unwrap();
+        film.finish_pass(7..9, Rejects::default()).unwrap();
+        let identity = PictureIdentity {
+            scene: 0x0123_4567_89ab_cdef_0011_2233_4455_6677,
+            film: format,
+            filter: FilterDescription { kind: FilterKind::Mitchell { b: 0.1, c: 0.4 }, radius: [2.0, 1.5] },
+            integrator: IntegratorSettings::by_name("path", 7, true, 1).unwrap(),
+            sampler: SamplerKind::Stratified,
+            seed: 5,
+            samples_per_pixel: 64,
+            version: PictureIdentity::current_version(),
+        };
+        Checkpoint { identity, film }
+    }
+
+    #[test]
+    fn what_was_written_is_read() {
+        let checkpoint = example();
+        assert_eq!(checkpoint.film.rejects().dropped, 60);
+        assert_eq!(Checkpoint::from_bytes(&checkpoint.to_bytes()), Ok(checkpoint));
+    }
+
+    #[test]
+    fn every_cut_and_every_flipped_bit_is_found() {
+        let bytes = example().to_bytes();
+        for length in (0..300).chain(bytes.len() - 300..bytes.len()) {
+            assert!(Checkpoint::from_bytes(&bytes[..length]).is_err(), "{length}");
+        }
+        let mut longer = bytes.clone();
+        longer.push(0);
+        assert!(matches!(Checkpoint::from_bytes(&longer), Err(CheckpointError::Length { .. })));
+        for bit in (0..300 * 8).chain((300 * 8..bytes.len() * 8).step_by(977)) {
+            let mut damaged = bytes.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            assert!(Checkpoint::from_bytes(&damaged).is_err(), "bit {bit}");
+        }
+    }
+
+    #[test]
+    fn reasons_are_told() {
+        let bytes = example().to_bytes();
+        assert_eq!(Checkpoint::from_bytes(b"PNG..."), Err(CheckpointError::Foreign));
+        assert_eq!(Checkpoint::from_bytes(b""), Err(CheckpointError::Foreign));
+        let mut newer = bytes.clone();
+        newer[8] = 2;
+        assert_eq!(Checkpoint::from_bytes(&newer), Err(CheckpointError::Version(2)));
+        let found = bytes.len() as u64;
+        assert_eq!(
+            Checkpoint::from_bytes(&bytes[..100]),
+            Err(CheckpointError::Length { expected: found, found: 100 })
+        );
+    }
+
+    /// `bytes` with length and checksum made right again: what a malicious writer would do.
+    fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
+        bytes.truncate(bytes.len() - CRC_LENGTH);
+        let length = (bytes.len() + CRC_LENGTH) as u64;
+        bytes[12..20].copy_from_slice(&length.to_le_bytes());
+        let crc = crc32fast::hash(&bytes);
+        bytes.extend_from_slice(&crc.to_le_bytes());
+        bytes
+    }
+
+    #[test]
+    fn claims_that_the_file_does_not_back_are_refused_before_memory_is_taken() {
+        let bytes = example().to_bytes();
+        // Version text, 16 bytes of hash, then the resolution and the crop.
+        let resolution = PREFIX_LENGTH + 1 + PictureIdentity::current_version().len() + 16;
+        let mut huge = bytes.clone();
+        for offset in [0, 4, 16, 20] {
+            huge[resolution + offset..resolution + offset + 4].copy_from_slice(&40_000_u32.to_le_bytes());
+        }
+        huge[resolution + 8..resolution + 16].fill(0);
+        assert_eq!(Checkpoint::from_bytes(&sealed(huge)), Err(CheckpointError::Content("its size")));
+        let mut outside = bytes;
+        outside[resolution..resolution + 4].copy_from_slice(&1_u32.to_le_bytes());
+        assert!(matches!(Checkpoint::from_bytes(&sealed(outside)), Err(CheckpointError::Film(_))));
+    }
+
+    proptest! {
+        #[test]
+        fn no_bytes_make_it_panic(
+            changes in prop::collection::vec((0_usize..250, any::<u8>()), 1..8), length in 24_usize..20_000,
+        ) {
+            let mut bytes = example().to_bytes();
+            for (at, value) in changes {
+                // The prefix stays, or everything else would hide behind it.
+                if at >= PREFIX_LENGTH {
+                    bytes[at] = value;
+                }
+            }
+            bytes.truncate(length.max(PREFIX_LENGTH + CRC_LENGTH));
+            let _ = Checkpoint::from_bytes(&sealed(bytes));
+        }
+    }
+
+    #[test]
+    fn first_difference_is_named() {
+        let wanted = example().identity;
+        assert_eq!(wanted.check(&wanted), Ok(()));
+        let named = |change: &dyn Fn(&mut PictureIdentity)| {
+            let mut other = wanted.clone();
+            change(&mut other);
+            other.check(&wanted).unwrap_err().to_string()
+        };
+        assert_eq!(named(&|i| i.seed = 3), "it is of another picture: the seed is 3, not 5");
+        assert!(named(&|i| i.scene = 1).contains("the scene"));
+        assert!(named(&|i| i.film.resolution = [31, 8]).contains("the picture size is 31 x 8, not 30 x 8"));
+        assert!(named(&|i| i.film.aovs = AovSet::NONE).contains("extra channels is none"));
+        assert!(named(&|i| i.film.crop.min = [0, 0]).contains("crop"));
+        assert!(named(&|i| i.filter.radius = [1.0, 1.0]).contains("filter"));
+        assert!(named(&|i| i.integrator.max_depth = 8).contains("the integrator"));
+        assert!(named(&|i| i.sampler = SamplerKind::Sobol).contains("the sampler is sobol, not stratified"));
+        assert!(named(&|i| i.samples_per_pixel = 65).contains("65, not 64"));
+        assert!(named(&|i| i.version = "0.0.1".to_owned()).contains("version is 0.0.1"));
+        // Sobol points do not depend on how many are planned.
+        let sobol = PictureIdentity { sampler: SamplerKind::Sobol, ..wanted };
+        assert_eq!(PictureIdentity { samples_per_pixel: 1, ..sobol.clone() }.check(&sobol), Ok(()));
+    }
+}

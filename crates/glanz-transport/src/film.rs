@@ -1,0 +1,477 @@
+//! Where samples become pixels.
+
+use glanz_light::{Pixels, PixelsError};
+
+use crate::aov::{Aov, AovSet};
+use crate::exact::MAX_TERMS;
+use crate::pixel::{FirstHit, PixelLayout, PixelSums, PixelValue, Rejects};
+use crate::ranges::{OverlapError, SampleRanges};
+
+/// Side of a tile, pixels. Part of the checkpoint format, which stores pixels tile by tile.
+pub const TILE_SIDE: u32 = 16;
+
+/// Why a film cannot be made or joined with another.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FilmError {
+    /// No pixels, or more than 2^31.
+    #[error("a picture of {0} x {1} pixels cannot be held")]
+    Size(u32, u32),
+    /// A crop window that is empty or leaves the picture.
+    #[error("the crop window {window:?} is empty or leaves the picture of {} x {} pixels", .resolution[0], .resolution[1])]
+    Crop {
+        /// Smallest and largest x, then y.
+        window: [f64; 4],
+        /// Width and height of the full picture.
+        resolution: [u32; 2],
+    },
+    /// The sums do not fit in memory.
+    #[error("there is no memory for a film of {0} bytes")]
+    Memory(u64),
+    /// Two films of different pictures.
+    #[error("the films differ in {0}")]
+    Layout(&'static str),
+    /// Two films with common samples.
+    #[error(transparent)]
+    Overlap(#[from] OverlapError),
+    /// More samples than the sums can hold exactly.
+    #[error("{0} samples per pixel are more than the {MAX_TERMS} a film can hold")]
+    Samples(u64),
+}
+
+/// A rectangle of pixels; the picture's upper left pixel is (0, 0).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelRect {
+    /// First column and row.
+    pub min: [u32; 2],
+    /// Columns and rows.
+    pub size: [u32; 2],
+}
+
+impl PixelRect {
+    /// The whole picture.
+    #[must_use]
+    pub const fn full(resolution: [u32; 2]) -> Self {
+        Self { min: [0, 0], size: resolution }
+    }
+
+    /// The pixels of a crop window given as fractions of the picture: smallest and largest x, then y, from the top left.
+    ///
+    /// A border at fraction f starts or ends before pixel `ceil(f * resolution)`, so that windows which share a border
+    /// share no pixel and leave none out.
+    ///
+    /// # Errors
+    /// [`FilmError::Crop`] if that leaves no pixel, or a fraction is outside [0, 1].
+    ///
+    /// # Source
+    /// @pharr2023 section 5.4.2.
+    pub fn from_fractions(resolution: [u32; 2], window: [f64; 4]) -> Result<Self, FilmError> {
+        let border = |axis: usize, fraction: f64| {
+            let inside = (0.0..=1.0).contains(&fraction);
+            inside.then(|| (f64::from(resolution[axis]) * fraction).ceil() as u32)
+        };
+        let axis = |axis: usize| {
+            let (low, high) = (border(axis, window[2 * axis])?, border(axis, window[2 * axis + 1])?);
+            (low < high).then_some((low, high - low))
+        };
+        match (axis(0), axis(1)) {
+            (Some(x), Some(y)) => Ok(Self { min: [x.0, y.0], size: [x.1, y.1] }),
+            _ => Err(FilmError::Crop { window, resolution }),
+        }
+    }
+
+    /// Number of pixels.
+    #[must_use]
+    pub fn len(&self) -> u64 {
+        u64::from(self.size[0]) * u64::from(self.size[1])
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The pixels, row by row.
+    pub fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
+        let Self { min, size } = *self;
+        (0..size[1]).flat_map(move |y| (0..size[0]).map(move |x| [min[0] + x, min[1] + y]))
+    }
+
+    /// The rectangle cut into squares of [`TILE_SIDE`], row by row; those at the right and lower border may be smaller.
+    pub fn tiles(&self) -> impl Iterator<Item = Self> + use<> {
+        let Self { min, size } = *self;
+        let counts = size.map(|s| s.div_ceil(TILE_SIDE));
+        (0..counts[1]).flat_map(move |ty| {
+            (0..counts[0]).map(move |tx| {
+                let offset = [tx * TILE_SIDE, ty * TILE_SIDE];
+                Self {
+                    min: [min[0] + offset[0], min[1] + offset[1]],
+                    size: [(size[0] - offset[0]).min(TILE_SIDE), (size[1] - offset[1]).min(TILE_SIDE)],
+                }
+            })
+        })
+    }
+}
+
+/// Which pixels a film holds and what it adds up for each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FilmFormat {
+    /// Width and height of the full picture.
+    pub resolution: [u32; 2],
+    /// The part that is rendered.
+    pub crop: PixelRect,
+    /// Extra channels.
+    pub aovs: AovSet,
+    /// Whether the filter has negative lobes.
+    pub signed: bool,
+}
+
+impl FilmFormat {
+    /// The whole picture without extra channels, for a filter without negative lobes.
+    #[must_use]
+    pub const fn plain(resolution: [u32; 2]) -> Self {
+        Self { resolution, crop: PixelRect::full(resolution), aovs: AovSet::NONE, signed: false }
+    }
+
+    /// The sums of each pixel.
+    #[must_use]
+    pub fn layout(&self) -> PixelLayout {
+        PixelLayout { aovs: self.aovs, signed: self.signed }
+    }
+
+    /// Number of 64 bit words that a film of this format holds.
+    ///
+    /// # Errors
+    /// [`FilmError::Size`] and [`FilmError::Crop`] as [`Film::try_new`].
+    pub fn words(&self) -> Result<u64, FilmError> {
+        let [width, height] = self.crop.size;
+        if self.crop.is_empty() || self.crop.len() > 1 << 31 {
+            return Err(FilmError::Size(width, height));
+        }
+        let inside = (0..2).all(|i| {
+            self.crop.min[i].checked_add(self.crop.size[i]).is_some_and(|end| end <= self.resolution[i])
+        });
+        if !inside {
+            let [x, y] = self.crop.min.map(f64::from);
+            let window = [x, x + f64::from(width), y, y + f64::from(height)];
+            return Err(FilmError::Crop { window, resolution: self.resolution });
+        }
+        Ok(self.crop.len() * self.layout().words() as u64)
+    }
+}
+
+/// The sums of all pixels, and which samples are in them.
+///
+/// Sums are exact: the film depends on which samples were added, not on when, by whom or in which portions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    format: FilmFormat,
+    /// Pixel after pixel, tile after tile; every pixel as its layout says.
+    words: Vec<u64>,
+    samples: SampleRanges,
+    rejects: Rejects,
+}
+
+impl Film {
+    /// A film without samples.
+    ///
+    /// # Errors
+    /// [`FilmError::Size`], [`FilmError::Crop`] for an impossible format, [`FilmError::Memory`] if there is not enough.
+    pub fn try_new(format: FilmFormat) -> Result<Self, FilmError> {
+        let count = format.words()?;
+        let mut words = Vec::new();
+        let memory = || FilmError::Memory(count.saturating_mul(8));
+        let length = usize::try_from(count).map_err(|_| memory())?;
+        words.try_reserve_exact(length).map_err(|_| memory())?;
+        words.resize(length, 0);
+        let layout = format.layout();
+        // Not all sums start at the bits of zero: that of the shape's number starts at "none".
+        for pixel in words.chunks_exact_mut(layout.words()) {
+            PixelSums::default().write(&layout, pixel);
+        }
+        Ok(Self { format, words, samples: SampleRanges::default(), rejects: Rejects::default() })
+    }
+
+    /// A film from what [`Film::words`] gave.
+    ///
+    /// # Errors
+    /// As [`Film::try_new`]; [`FilmError::Layout`] if there are not as many words as the format needs.
+    pub fn try_from_words(
+        format: FilmFormat,
+        words: Vec<u64>,
+        samples: SampleRanges,
+        rejects: Rejects,
+    ) -> Result<Self, FilmError> {
+        if format.words()? != words.len() as u64 {
+            return Err(FilmError::Layout("size"));
+        }
+        if samples.total() > u64::from(MAX_TERMS) {
+            return Err(FilmError::Samples(samples.total()));
+        }
+        Ok(Self { format, words, samples, rejects })
+    }
+
+    /// Pixels and channels.
+    #[must_use]
+    pub fn format(&self) -> &FilmFormat {
+        &self.format
+    }
+
+    /// The samples that every pixel has.
+    #[must_use]
+    pub fn samples(&self) -> &SampleRanges {
+        &self.samples
+    }
+
+    /// Samples that could not be taken as they came.
+    #[must_use]
+    pub fn rejects(&self) -> Rejects {
+        self.rejects
+    }
+
+    /// The sums as words, tile after tile.
+    #[must_use]
+    pub fn words(&self) -> &[u64] {
+        &self.words
+    }
+
+    /// The tiles with their words, for threads to fill. [`Film::finish_pass`] has to follow.
+    pub(crate) fn tiles_mut(&mut self) -> Vec<(PixelRect, &mut [u64])> {
+        let stride = self.format.layout().words();
+        let mut rest = self.words.as_mut_slice();
+        let mut tiles = Vec::new();
+        for tile in self.format.crop.tiles() {
+            let (words, tail) = rest.split_at_mut(tile.len() as usize * stride);
+            tiles.push((tile, words));
+            rest = tail;
+        }
+        tiles
+    }
+
+    /// Notes that every pixel got the samples of `range`.
+    pub(crate) fn finish_pass(
+        &mut self,
+        range: std::ops::Range<u32>,
+        rejects: Rejects,
+    ) -> Result<(), FilmError> {
+        self.samples.insert(range)?;
+        self.rejects.merge(rejects);
+        Ok(())
+    }
+
+    /// Adds the samples of another film of the same picture.
+    ///
+    /// # Errors
+    /// [`FilmError::Layout`] if the formats differ, [`FilmError::Overlap`] if a sample is in both, and
+    /// [`FilmError::Samples`] if there would be too many; this film is unchanged then.
+    pub fn merge(&mut self, other: &Self) -> Result<(), FilmError> {
+        if self.format != other.format {
+            return Err(FilmError::Layout("size, crop, filter or channels"));
+        }
+        let total = self.samples.total() + other.samples.total();
+        if total > u64::from(MAX_TERMS) {
+            return Err(FilmError::Samples(total));
+        }
+        let mut samples = self.samples.clone();
+        for range in other.samples.as_slice() {
+            samples.insert(range.clone())?;
+        }
+        let layout = self.format.layout();
+        let stride = layout.words();
+        for (mine, theirs) in self.words.chunks_exact_mut(stride).zip(other.words.chunks_exact(stride)) {
+            let mut sums = PixelSums::read(&layout, mine);
+            sums.merge(&PixelSums::read(&layout, theirs));
+            sums.write(&layout, mine);
+        }
+        self.samples = samples;
+        self.rejects.merge(other.rejects);
+        Ok(())
+    }
+
+    /// The sums of every pixel with its place in the crop window.
+    fn pixels(&self) -> impl Iterator<Item = ([u32; 2], PixelSums)> {
+        let layout = self.format.layout();
+        let origin = self.format.crop.min;
+        let places = self.format.crop.tiles().flat_map(|tile| tile.pixels());
+        places
+            .zip(self.words.chunks_exact(layout.words()))
+            .map(move |([x, y], words)| ([x - origin[0], y - origin[1]], PixelSums::read(&layout, words)))
+    }
+
+    /// The picture of the crop window: `R G B` and the channels asked for.
+    ///
+    /// What [`PixelSums::radiance`] and [`PixelSums::first_hit`] say, rounded to `f32`. Where no sample hit anything,
+    /// geometry and albedo are 0 and `id` is -1. A film without samples is black.
+    ///
+    /// # Errors
+    /// [`PixelsError`] if the picture cannot be held.
+    pub fn to_pixels(&self) -> Result<Pixels, PixelsError> {
+        let [width, height] = self.format.crop.size;
+        let mut pixels = Pixels::try_new(width, height)?;
+        let names = channel_names(self.format.aovs);
+        let mut planes: Vec<Vec<f32>> = names.iter().map(|_| vec![0.0; pixels.len()]).collect();
+        let count = self.samples.total();
+        for ([x, y], sums) in self.pixels() {
+            let at = y as usize * width as usize + x as usize;
+            let values = channel_values(self.format.aovs, &sums.radiance(count), sums.first_hit().as_ref());
+            for (plane, value) in planes.iter_mut().zip(values) {
+                plane[at] = value;
+            }
+        }
+        for (name, plane) in names.iter().zip(planes) {
+            pixels.add_channel(name, plane)?;
+        }
+        Ok(pixels)
+    }
+}
+
+/// Channels of a picture with `aovs`, in the order of [`channel_values`].
+#[must_use]
+pub fn channel_names(aovs: AovSet) -> Vec<&'static str> {
+    let mut names = vec!["R", "G", "B"];
+    for aov in Aov::ALL.into_iter().filter(|&a| aovs.contains(a)) {
+        names.extend_from_slice(match aov {
+            Aov::Albedo => &["Albedo.R", "Albedo.G", "Albedo.B"],
+            Aov::Position => &["P.X", "P.Y", "P.Z"],
+            Aov::Normal => &["N.X", "N.Y", "N.Z"],
+            Aov::ShadingNormal => &["Ns.X", "Ns.Y", "Ns.Z"],
+            Aov::Uv => &["u", "v"],
+            Aov::Distance => &["Z"],
+            Aov::Id => &["id"],
+            Aov::Variance => &["Variance.R", "Variance.G", "Variance.B"],
+        });
+    }
+    names
+}
+
+fn channel_values(aovs: AovSet, radiance: &[PixelValue; 3], hit: Option<&FirstHit>) -> Vec<f32> {
+    let mut values: Vec<f32> = radiance.iter().map(|v| v.mean as f32).collect();
+    let vector =
+        |get: fn(&FirstHit) -> glanz_math::DVec3| hit.map_or([0.0; 3], |h| get(h).as_vec3().to_array());
+    for aov in Aov::ALL.into_iter().filter(|&a| aovs.contains(a)) {
+        match aov {
+            Aov::Albedo => values.extend(hit.map_or([0.0; 3], |h| h.albedo)),
+            Aov::Position => values.extend(vector(|h| h.position)),
+            Aov::Normal => values.extend(vector(|h| h.normal)),
+            Aov::ShadingNormal => values.extend(vector(|h| h.shading_normal)),
+            Aov::Uv => values.extend(hit.map_or([0.0; 2], |h| h.uv.as_vec2().to_array())),
+            Aov::Distance => values.push(hit.map_or(0.0, |h| h.distance as f32)),
+            Aov::Id => values.push(hit.map_or(-1.0, |h| h.object as f32)),
+            Aov::Variance => values.extend(radiance.iter().map(|v| v.variance as f32)),
+        }
+    }
+    values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pixel::Sample;
+
+    /// Fills samples `range` with values that differ by pixel and sample.
+    fn expose(film: &mut Film, range: std::ops::Range<u32>) {
+        let layout = film.format().layout();
+        let mut rejects = Rejects::default();
+        for (tile, words) in film.tiles_mut() {
+            for ([x, y], words) in tile.pixels().zip(words.chunks_exact_mut(layout.words())) {
+                let mut sums = PixelSums::read(&layout, words);
+                for index in range.clone() {
+                    let value = (x * 100 + y) as f32 + (index as f32 * 0.7).sin();
+                    let rgb = [value, value * 1e-6, value * 1e6];
+                    let negative = layout.signed && index % 7 == 3;
+                    sums.add(&layout, &Sample { index, rgb, negative, first_hit: None }, &mut rejects);
+                }
+                sums.write(&layout, words);
+            }
+        }
+        film.finish_pass(range, rejects).unwrap();
+    }
+
+    fn format() -> FilmFormat {
+        let crop = PixelRect { min: [3, 5], size: [37, 18] };
+        FilmFormat { resolution: [60, 40], crop, aovs: AovSet::ALL, signed: true }
+    }
+
+    #[test]
+    fn tiles_cover_every_pixel_once() {
+        let crop = format().crop;
+        let mut seen: Vec<_> = crop.tiles().flat_map(|t| t.pixels()).map(|[x, y]| [y, x]).collect();
+        seen.sort_unstable();
+        let rows: Vec<_> = crop.pixels().map(|[x, y]| [y, x]).collect();
+        assert_eq!(seen, rows);
+        assert!(crop.tiles().all(|t| t.size[0] <= TILE_SIDE && t.size[1] <= TILE_SIDE && !t.is_empty()));
+    }
+
+    #[test]
+    fn merged_halves_are_the_whole_bit_for_bit() {
+        let mut whole = Film::try_new(format()).unwrap();
+        expose(&mut whole, 0..50);
+        for cut in [1, 17, 49] {
+            let (mut a, mut b) = (Film::try_new(format()).unwrap(), Film::try_new(format()).unwrap());
+            expose(&mut b, cut..50);
+            expose(&mut a, 0..cut);
+            b.merge(&a).unwrap();
+            assert_eq!(b, whole);
+        }
+        assert_eq!(whole.samples().total(), 50);
+    }
+
+    #[test]
+    fn pixels_land_where_they_belong() {
+        let plain = FilmFormat { aovs: AovSet::NONE, signed: false, ..format() };
+        let mut film = Film::try_new(plain).unwrap();
+        expose(&mut film, 0..1);
+        let picture = film.to_pixels().unwrap();
+        assert_eq!((picture.width(), picture.height()), (37, 18));
+        let red = picture.channel("R").unwrap();
+        assert_eq!(red[0], 305.0);
+        assert_eq!(red[36], 3905.0);
+        assert_eq!(red[17 * 37 + 20], 2322.0);
+    }
+
+    #[test]
+    fn channels_are_named_as_in_pbrt() {
+        let film = Film::try_new(format()).unwrap();
+        let picture = film.to_pixels().unwrap();
+        let names: Vec<_> = picture.channels().iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(names.len(), 3 + 3 + 3 + 3 + 3 + 2 + 1 + 1 + 3);
+        for name in ["R", "Albedo.G", "P.X", "N.Z", "Ns.Y", "u", "v", "Z", "id", "Variance.B"] {
+            assert!(names.contains(&name), "{name}");
+        }
+        assert!(picture.channel("id").unwrap().iter().all(|&id| id == -1.0));
+    }
+
+    #[test]
+    fn films_of_other_pictures_and_common_samples_are_refused() {
+        let mut film = Film::try_new(format()).unwrap();
+        let other = Film::try_new(FilmFormat { aovs: AovSet::NONE, ..format() }).unwrap();
+        assert!(matches!(film.merge(&other), Err(FilmError::Layout(_))));
+        expose(&mut film, 0..4);
+        let same = film.clone();
+        assert_eq!(film.merge(&same), Err(FilmError::Overlap(OverlapError(0..4))));
+        assert_eq!(film, same);
+    }
+
+    #[test]
+    fn impossible_formats_are_refused() {
+        assert_eq!(Film::try_new(FilmFormat::plain([0, 5])), Err(FilmError::Size(0, 5)));
+        assert_eq!(
+            Film::try_new(FilmFormat::plain([u32::MAX, u32::MAX])),
+            Err(FilmError::Size(u32::MAX, u32::MAX))
+        );
+        let outside = FilmFormat { crop: PixelRect { min: [50, 0], size: [11, 1] }, ..format() };
+        assert!(matches!(Film::try_new(outside), Err(FilmError::Crop { .. })));
+    }
+
+    #[test]
+    fn neighbouring_crop_windows_share_no_pixel_and_leave_none_out() {
+        let resolution = [101, 7];
+        let left = PixelRect::from_fractions(resolution, [0.0, 0.37, 0.0, 1.0]).unwrap();
+        let right = PixelRect::from_fractions(resolution, [0.37, 1.0, 0.0, 1.0]).unwrap();
+        assert_eq!(left.min[0] + left.size[0], right.min[0]);
+        assert_eq!(left.size[0] + right.size[0], 101);
+        assert!(PixelRect::from_fractions(resolution, [0.5, 0.5, 0.0, 1.0]).is_err());
+        assert!(PixelRect::from_fractions(resolution, [0.0, f64::NAN, 0.0, 1.0]).is_err());
+    }
+}

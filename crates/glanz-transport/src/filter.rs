@@ -1,0 +1,301 @@
+//! Pixel filters, sampled by importance.
+//!
+//! A sample of a pixel is placed around the pixel's middle with a density proportional to the magnitude of the filter,
+//! so that every sample weighs the same and belongs to one pixel alone (@ernst2006). Where the filter is negative the
+//! sample counts with the opposite sign.
+
+use glanz_math::DVec2;
+use glanz_scene::description::{FilterDescription, FilterKind};
+
+use self::profile::{Profile, ProfileError};
+
+mod profile;
+
+/// A filter that cannot be used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FilterError {
+    /// A radius that is not positive and finite.
+    #[error("filter radius {0} x {1} must be positive and finite")]
+    Radius(f64, f64),
+    /// A parameter outside its range.
+    #[error("filter parameter {name} is {value}, it must be {range}")]
+    Parameter {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        range: &'static str,
+    },
+    /// Negative lobes that outweigh the rest of the filter: the noise would drown the picture.
+    #[error("the negative lobes of the filter leave {0} of its weight, less than {1}")]
+    Lobes(f64, f64),
+}
+
+/// Where a sample lies, and how it counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilterSample {
+    /// From the middle of the pixel, pixels.
+    pub offset: DVec2,
+    /// Whether the filter is negative there.
+    pub negative: bool,
+}
+
+/// A filter about the middle of a pixel.
+#[derive(Clone, Debug)]
+pub struct Filter {
+    radius: DVec2,
+    shape: Shape,
+    description: FilterDescription,
+}
+
+#[derive(Clone, Debug)]
+enum Shape {
+    /// Constant over the rectangle.
+    Box,
+    /// Product of two tents.
+    Triangle,
+    /// Product of two tabulated profiles over [0, 1], one per axis.
+    Separable(Box<[Profile; 2]>),
+    /// Constant over the ellipse.
+    Cylinder,
+    /// `1 - max(|x|, |y|)`.
+    Pyramid,
+    /// `1 - sqrt(x^2 + y^2)`.
+    Cone,
+}
+
+/// Smallest share of weight that negative lobes may leave; the noise of a pixel grows by its reciprocal.
+const SMALLEST_NET_WEIGHT: f64 = 0.25;
+
+impl Filter {
+    /// The filter of `description`.
+    ///
+    /// Gaussian and Mitchell are tabulated as piecewise linear profiles that stray from the formula by at most 2e-6 of
+    /// the peak (see [`Profile`]); the others are exact.
+    ///
+    /// # Errors
+    /// [`FilterError`] for radii or parameters outside their ranges.
+    ///
+    /// # Source
+    /// @mitchell1988; document 003 section 5.7.3; the Gaussian is lowered by its value at the border, @pharr2023 section 8.8.3.
+    pub fn try_new(description: &FilterDescription) -> Result<Self, FilterError> {
+        let [x, y] = description.radius;
+        if !(x > 0.0 && y > 0.0 && x.is_finite() && y.is_finite()) {
+            return Err(FilterError::Radius(x, y));
+        }
+        let shape = match description.kind {
+            FilterKind::Box => Shape::Box,
+            FilterKind::Triangle => Shape::Triangle,
+            FilterKind::Cylinder => Shape::Cylinder,
+            FilterKind::Pyramid => Shape::Pyramid,
+            FilterKind::Cone => Shape::Cone,
+            FilterKind::Gaussian { sigma } => {
+                if !(sigma > 0.0 && sigma.is_finite()) {
+                    return Err(FilterError::Parameter {
+                        name: "sigma",
+                        value: sigma,
+                        range: "positive and finite",
+                    });
+                }
+                Shape::Separable(Box::new([gaussian(x, sigma)?, gaussian(y, sigma)?]))
+            }
+            FilterKind::Mitchell { b, c } => {
+                for (name, value) in [("B", b), ("C", c)] {
+                    if !value.is_finite() {
+                        return Err(FilterError::Parameter { name, value, range: "finite" });
+                    }
+                }
+                let profile = mitchell(b, c)?;
+                Shape::Separable(Box::new([profile.clone(), profile]))
+            }
+        };
+        let filter = Self { radius: DVec2::new(x, y), shape, description: *description };
+        let net = filter.net_weight();
+        if net < SMALLEST_NET_WEIGHT {
+            return Err(FilterError::Lobes(net, SMALLEST_NET_WEIGHT));
+        }
+        Ok(filter)
+    }
+
+    /// What it was made from.
+    #[must_use]
+    pub fn description(&self) -> &FilterDescription {
+        &self.description
+    }
+
+    /// Half the extent of its support, pixels.
+    #[must_use]
+    pub fn radius(&self) -> DVec2 {
+        self.radius
+    }
+
+    /// Whether it is negative anywhere.
+    #[must_use]
+    pub fn is_signed(&self) -> bool {
+        match &self.shape {
+            Shape::Separable(profiles) => profiles.iter().any(|p| p.net_weight() < 1.0),
+            _ => false,
+        }
+    }
+
+    /// Integral of the filter over that of its magnitude, in (0, 1].
+    #[must_use]
+    pub fn net_weight(&self) -> f64 {
+        match &self.shape {
+            Shape::Separable(profiles) => profiles.iter().map(Profile::net_weight).product(),
+            _ => 1.0,
+        }
+    }
+
+    /// The filter at `offset` (pixels from the middle), with an integral of 1 over its support.
+    #[must_use]
+    pub fn evaluate(&self, offset: DVec2) -> f64 {
+        self.density(offset) / self.net_weight()
+    }
+
+    /// Density per square pixel with which [`Filter::sample`] places a sample at `offset`.
+    #[must_use]
+    pub fn pdf(&self, offset: DVec2) -> f64 {
+        self.density(offset).abs()
+    }
+
+    /// The filter, scaled so that its magnitude has an integral of 1.
+    fn density(&self, offset: DVec2) -> f64 {
+        let p = (offset / self.radius).abs();
+        if p.max_element() > 1.0 {
+            return 0.0;
+        }
+        let area = self.radius.x * self.radius.y;
+        let value = match &self.shape {
+            Shape::Box => 0.25,
+            Shape::Triangle => (1.0 - p.x) * (1.0 - p.y),
+            Shape::Separable(profiles) => profiles[0].density(p.x) * profiles[1].density(p.y) * 0.25,
+            Shape::Cylinder if p.length_squared() <= 1.0 => std::f64::consts::FRAC_1_PI,
+            Shape::Cylinder => 0.0,
+            // Volume of a pyramid over a square of side 2, of a cone over the unit disk, both of height 1.
+            Shape::Pyramid => (1.0 - p.max_element()) * (3.0 / 4.0),
+            Shape::Cone => (1.0 - p.length()).max(0.0) * (3.0 * std::f64::consts::FRAC_1_PI),
+        };
+        value / area
+    }
+
+    /// Places a sample from two numbers uniform in [0, 1). (1/2, 1/2) goes to the middle, and neighbours to neighbours,
+    /// so that well spread numbers give well spread samples.
+    #[must_use]
+    pub fn sample(&self, xi: DVec2) -> FilterSample {
+        let s = 2.0 * xi - 1.0;
+        let mut negative = false;
+        let unit = match &self.shape {
+            Shape::Box => s,
+            Shape::Triangle => DVec2::new(tent(s.x), tent(s.y)),
+            Shape::Separable(profiles) => {
+                let x = profiles[0].sample(s.x.abs());
+                let y = profiles[1].sample(s.y.abs());
+                negative = x.1 != y.1;
+                DVec2::new(x.0.copysign(s.x), y.0.copysign(s.y))
+            }
+            Shape::Cylinder => disk(s),
+            Shape::Pyramid => s * linear_fall(s),
+            Shape::Cone => disk(s) * linear_fall(s),
+        };
+        FilterSample { offset: unit * self.radius, negative }
+    }
+}
+
+/// Carries uniform numbers in [-1, 1) to the density `1 - |x|`.
+fn tent(s: f64) -> f64 {
+    // 1 - sqrt(1 - |s|) without cancellation near 0.
+    (s.abs() / (1.0 + (1.0 - s.abs()).sqrt())).copysign(s)
+}
+
+/// The factor by which a point of the square [-1, 1]^2 moves towards the middle so that the density falls linearly.
+///
+/// The square (or disk) of radius m holds the share m^2 of uniform points and 3 r^2 - 2 r^3 of the wanted ones; equating
+/// the two, with r = 1/2 + sin(a), gives sin(3 a) = 2 m^2 - 1.
+fn linear_fall(s: DVec2) -> f64 {
+    let m = s.abs().max_element();
+    if m == 0.0 {
+        return 1.0;
+    }
+    let r = if m < 1e-3 {
+        // The sine loses all digits to cancellation here; 3 r^2 - 2 r^3 = m^2 is r = m / sqrt(3 - 2 r), iterated: each
+        // round shrinks the error by r / (3 - 2 r) < 2e-4.
+        (0..5).fold(m, |r, _| m / (3.0 - 2.0 * r).sqrt())
+    } else {
+        0.5 + ((2.0 * m * m - 1.0).asin() / 3.0).sin()
+    };
+    r.clamp(0.0, 1.0) / m
+}
+
+/// Carries [-1, 1]^2 to the unit disk, squares to circles, keeping areas.
+///
+/// # Source
+/// @shirley1997.
+fn disk(s: DVec2) -> DVec2 {
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+    if s == DVec2::ZERO {
+        return s;
+    }
+    let (radius, angle) = if s.x.abs() > s.y.abs() {
+        (s.x, FRAC_PI_4 * (s.y / s.x))
+    } else {
+        (s.y, FRAC_PI_2 - FRAC_PI_4 * (s.x / s.y))
+    };
+    let (sin, cos) = angle.sin_cos();
+    DVec2::new(radius * cos, radius * sin)
+}
+
+fn gaussian(radius: f64, sigma: f64) -> Result<Profile, FilterError> {
+    let k = radius / sigma;
+    let border = -0.5 * k * k;
+    let value = |x: f64| {
+        let exponent = -0.5 * k * k * x * x;
+        // The difference of two numbers near 1 has no digits left: expm1 keeps them.
+        if k < 1.0 { border.exp() * (exponent - border).exp_m1() } else { exponent.exp() - border.exp() }
+    };
+    // The second derivative is largest in the middle: k^2, where the peak is 1 - exp(border).
+    let curvature = k * k / -border.exp_m1();
+    Profile::try_new(value, curvature).map_err(|error| match error {
+        ProfileError::Resolution => FilterError::Parameter {
+            name: "sigma",
+            value: sigma,
+            range: "at least 1/4000 of the filter radius",
+        },
+        ProfileError::Empty => FilterError::Parameter {
+            name: "sigma",
+            value: sigma,
+            range: "less than 10^100 times the filter radius",
+        },
+    })
+}
+
+fn mitchell(b: f64, c: f64) -> Result<Profile, FilterError> {
+    let value = |x: f64| {
+        let x = 2.0 * x;
+        if x < 1.0 {
+            ((12.0 - 9.0 * b - 6.0 * c) * x + (-18.0 + 12.0 * b + 6.0 * c)) * x * x + (6.0 - 2.0 * b)
+        } else {
+            (((-b - 6.0 * c) * x + (6.0 * b + 30.0 * c)) * x + (-12.0 * b - 48.0 * c)) * x
+                + (8.0 * b + 24.0 * c)
+        }
+    };
+    let range = "such that the filter is positive in the middle";
+    let peak = 6.0 - 2.0 * b;
+    if peak <= 0.0 {
+        return Err(FilterError::Parameter { name: "B", value: b, range: "below 3" });
+    }
+    // The second derivative is linear in each piece: its extremes are at the ends. Factor 4: x = 2 t.
+    let ends = [
+        2.0 * (-18.0 + 12.0 * b + 6.0 * c),
+        6.0 * (12.0 - 9.0 * b - 6.0 * c) + 2.0 * (-18.0 + 12.0 * b + 6.0 * c),
+        6.0 * (-b - 6.0 * c) + 2.0 * (6.0 * b + 30.0 * c),
+        12.0 * (-b - 6.0 * c) + 2.0 * (6.0 * b + 30.0 * c),
+    ];
+    let curvature = 4.0 * ends.into_iter().map(f64::abs).fold(0.0, f64::max) / peak;
+    Profile::try_new(value, curvature).map_err(|_| FilterError::Parameter { name: "B", value: b, range })
+}
+
+#[cfg(test)]
+mod tests;

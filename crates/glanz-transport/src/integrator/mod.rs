@@ -1,0 +1,345 @@
+//! How much light a camera ray brings home.
+//!
+//! One file per integrator, one line each in [`INTEGRATORS`]. What they share: [`Context`] (the scene, the numbers of the
+//! sample, the counters) and `vertex` (a place where light is scattered).
+
+use std::fmt;
+
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::Ray;
+use glanz_sampling::PixelSampler;
+use glanz_scene::description::IntegratorDescription;
+use glanz_scene::{Interaction, Scene};
+
+use crate::pixel::FirstHit;
+
+mod distributed;
+mod path;
+mod vertex;
+mod whitted;
+
+pub use distributed::Distributed;
+pub use path::Path;
+pub use whitted::Whitted;
+
+/// Estimates the radiance along camera rays.
+pub trait Integrator: Send + Sync {
+    /// An estimate of the radiance that arrives along [`Context::camera_ray`].
+    ///
+    /// Depends on the ray, the scene and the numbers of the sampler alone.
+    fn radiance(&self, context: &mut Context<'_>) -> Spectrum;
+}
+
+/// Work done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Rays that looked for the closest hit.
+    pub closest: u64,
+    /// Rays that looked for any hit.
+    pub shadow: u64,
+}
+
+impl Counters {
+    /// All rays.
+    #[must_use]
+    pub fn rays(&self) -> u64 {
+        self.closest + self.shadow
+    }
+
+    /// Adds the counts of `other`.
+    pub fn merge(&mut self, other: Self) {
+        self.closest += other.closest;
+        self.shadow += other.shadow;
+    }
+}
+
+/// What an integrator works with during one sample.
+pub struct Context<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The ray whose radiance is asked for; its direction has unit length.
+    pub camera_ray: Ray,
+    /// The numbers of this sample; the camera has taken those up to [`FIRST_DIMENSION`].
+    pub sampler: PixelSampler,
+    /// What the lanes of spectra mean.
+    pub wavelengths: Wavelengths,
+    /// Work done so far.
+    pub counters: Counters,
+    options: ContextOptions,
+    first_hit: Option<FirstHit>,
+}
+
+/// The sampler's dimension that is the integrator's first: those before belong to pixel and lens.
+pub const FIRST_DIMENSION: u32 = 4;
+
+/// What is the same in all samples of a render.
+#[derive(Clone, Copy, Debug)]
+pub struct ContextOptions {
+    /// Whether [`Context::first_hit`] will be asked for.
+    wants_first_hit: bool,
+    /// Whether shadow rays may meet what is no obstacle.
+    has_interfaces: bool,
+}
+
+impl ContextOptions {
+    /// For `scene`. `wants_first_hit`: whether [`Context::first_hit`] will be asked for.
+    #[must_use]
+    pub fn new(scene: &Scene, wants_first_hit: bool) -> Self {
+        let has_interfaces = scene.materials().iter().any(glanz_shading::Material::is_interface);
+        Self { wants_first_hit, has_interfaces }
+    }
+}
+
+impl<'a> Context<'a> {
+    /// For one sample.
+    #[must_use]
+    pub fn new(scene: &'a Scene, camera_ray: Ray, sampler: PixelSampler, options: ContextOptions) -> Self {
+        let (wavelengths, counters) = (Wavelengths::default(), Counters::default());
+        Self { scene, camera_ray, sampler, wavelengths, counters, options, first_hit: None }
+    }
+
+    /// The first thing on `ray`.
+    pub fn intersect(&mut self, ray: &Ray) -> Option<Interaction> {
+        self.counters.closest += 1;
+        self.scene.intersect(ray, f64::INFINITY)
+    }
+
+    /// Whether nothing that scatters light lies on `ray` with `0 < t < t_max`.
+    pub fn is_free(&mut self, ray: &Ray, t_max: f64) -> bool {
+        self.counters.shadow += 1;
+        if !self.scene.occluded(ray, t_max) {
+            return true;
+        }
+        self.options.has_interfaces && self.passes_interfaces(ray, t_max)
+    }
+
+    /// Whether all that lies on `ray` lets rays pass.
+    fn passes_interfaces(&mut self, ray: &Ray, t_max: f64) -> bool {
+        let (mut ray, mut t_max) = (*ray, t_max);
+        for _ in 0..path::INTERFACE_LIMIT {
+            self.counters.closest += 1;
+            let Some(hit) = self.scene.intersect(&ray, t_max) else { return true };
+            if hit.bsdf(self.scene, &self.wavelengths).is_some() {
+                return false;
+            }
+            let next = hit.spawn(ray.direction);
+            if t_max.is_finite() {
+                // The end stays where it is, on the near side of the light.
+                let end = ray.at(t_max);
+                (ray, t_max) = (Ray::new(next.origin, end - next.origin), 1.0);
+            } else {
+                ray = next;
+            }
+        }
+        false
+    }
+
+    /// What the camera ray met first that scatters light.
+    #[must_use]
+    pub fn first_hit(&self) -> Option<FirstHit> {
+        self.first_hit
+    }
+
+    /// Integrators call this at the scattering surfaces they meet; the first call counts.
+    fn note_first_hit(&mut self, vertex: &vertex::Vertex<'_>) {
+        if self.options.wants_first_hit && self.first_hit.is_none() {
+            let point = &vertex.at.point;
+            self.first_hit = Some(FirstHit {
+                position: point.position,
+                normal: point.normal,
+                shading_normal: point.shading_normal,
+                uv: point.uv,
+                // Interfaces may lie between: the parameter of the last ray is not all of it.
+                distance: (point.position - self.camera_ray.origin).length(),
+                object: vertex.at.id,
+                albedo: vertex.albedo().to_rgb(&self.wavelengths),
+            });
+        }
+    }
+}
+
+/// An integrator of this crate.
+#[derive(Debug)]
+pub struct IntegratorEntry {
+    /// Its name in scene files and on the command line.
+    pub name: &'static str,
+    /// What it does, one line.
+    pub description: &'static str,
+    /// Scattering events per path at most, unless the scene says otherwise.
+    pub default_max_depth: u32,
+    /// Rays sent on from a hit, unless the scene says otherwise; `None` if it does not branch.
+    pub default_branching: Option<u32>,
+    /// Whether it heeds [`IntegratorSettings::light_sampling`].
+    pub light_sampling_is_optional: bool,
+    build: fn(&IntegratorSettings) -> Box<dyn Integrator>,
+}
+
+/// All integrators. A new one is a file and a line here.
+///
+/// The default depth is that of pbrt, whose scenes rely on it.
+pub static INTEGRATORS: [IntegratorEntry; 3] = [
+    IntegratorEntry {
+        name: "path",
+        description: "unidirectional path tracing with light sampling and multiple importance sampling",
+        default_max_depth: 5,
+        default_branching: None,
+        light_sampling_is_optional: true,
+        build: |settings| Box::new(Path::new(settings)),
+    },
+    IntegratorEntry {
+        name: "distributed",
+        description: "several rays from the first scattering surface (document 003 section 3.1.1)",
+        default_max_depth: 5,
+        default_branching: Some(8),
+        light_sampling_is_optional: true,
+        build: |settings| Box::new(Distributed::new(settings)),
+    },
+    IntegratorEntry {
+        name: "whitted",
+        description: "classical ray tracing: Phong shading, shadows, mirrors, refraction (document 001)",
+        default_max_depth: 5,
+        default_branching: None,
+        light_sampling_is_optional: false,
+        build: |settings| Box::new(Whitted::new(settings)),
+    },
+];
+
+/// Largest depth that may be asked for: between perfect mirrors every path is as long as it may be.
+pub const DEPTH_LIMIT: u32 = 1 << 16;
+
+/// Largest number of rays that may be sent on from a hit.
+pub const BRANCHING_LIMIT: u32 = 1 << 16;
+
+/// Why a description names no integrator.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum IntegratorError {
+    /// A name that is not in the table.
+    #[error("there is no integrator \"{name}\" (there are {known})")]
+    Unknown {
+        /// The name.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A depth beyond [`DEPTH_LIMIT`].
+    #[error("a depth of {0} is more than {DEPTH_LIMIT}")]
+    Depth(u32),
+    /// No branches or more than [`BRANCHING_LIMIT`].
+    #[error("a branching of {0} is not between 1 and {BRANCHING_LIMIT}")]
+    Branching(u32),
+}
+
+/// An integrator with everything that it may be told; what it does not heed is at a fixed value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IntegratorSettings {
+    name: &'static str,
+    /// Scattering events per path at most: 0 shows lights alone, 1 direct light, 2 light scattered twice.
+    pub max_depth: u32,
+    /// Whether lights are sampled at every hit, or found by chance.
+    pub light_sampling: bool,
+    /// Rays sent on from a hit.
+    pub branching: u32,
+}
+
+impl IntegratorSettings {
+    /// The settings that `description` asks for.
+    ///
+    /// # Errors
+    /// [`IntegratorError`] if the name is unknown or a number out of range.
+    pub fn resolve(description: &IntegratorDescription) -> Result<Self, IntegratorError> {
+        let name = &description.name;
+        let Some(entry) = INTEGRATORS.iter().find(|e| e.name == name) else {
+            let known: Vec<_> = INTEGRATORS.iter().map(|e| e.name).collect();
+            return Err(IntegratorError::Unknown { name: name.clone(), known: known.join(", ") });
+        };
+        let max_depth = description.max_depth.unwrap_or(entry.default_max_depth);
+        if max_depth > DEPTH_LIMIT {
+            return Err(IntegratorError::Depth(max_depth));
+        }
+        let branching = match entry.default_branching {
+            Some(default) => description.branching.unwrap_or(default),
+            None => 1,
+        };
+        if branching == 0 || branching > BRANCHING_LIMIT {
+            return Err(IntegratorError::Branching(branching));
+        }
+        let light_sampling = description.light_sampling || !entry.light_sampling_is_optional;
+        Ok(Self { name: entry.name, max_depth, light_sampling, branching })
+    }
+
+    /// The settings that [`IntegratorSettings::resolve`] made before, from their parts.
+    pub(crate) fn by_name(name: &str, max_depth: u32, light_sampling: bool, branching: u32) -> Option<Self> {
+        let description = IntegratorDescription {
+            name: name.to_owned(),
+            max_depth: Some(max_depth),
+            light_sampling,
+            branching: Some(branching),
+            location: None,
+        };
+        Self::resolve(&description).ok()
+    }
+
+    /// The name of the integrator.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// The integrator.
+    #[must_use]
+    pub fn build(&self) -> Box<dyn Integrator> {
+        match INTEGRATORS.iter().find(|e| e.name == self.name) {
+            Some(entry) => (entry.build)(self),
+            // Names come from the table alone.
+            None => Box::new(Path::new(self)),
+        }
+    }
+}
+
+impl fmt::Display for IntegratorSettings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let lights = if self.light_sampling { "sampled" } else { "not sampled" };
+        write!(f, "{} (depth {}, branching {}, lights {lights})", self.name, self.max_depth, self.branching)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn description(name: &str) -> IntegratorDescription {
+        IntegratorDescription { name: name.to_owned(), ..IntegratorDescription::default() }
+    }
+
+    #[test]
+    fn every_integrator_of_the_table_can_be_built() {
+        for entry in &INTEGRATORS {
+            let settings = IntegratorSettings::resolve(&description(entry.name)).unwrap();
+            assert_eq!(settings.name(), entry.name);
+            assert_eq!(settings.max_depth, entry.default_max_depth);
+            let _ = settings.build();
+        }
+    }
+
+    #[test]
+    fn unknown_names_and_numbers_out_of_range_are_refused() {
+        let error = IntegratorSettings::resolve(&description("sppm")).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "there is no integrator \"sppm\" (there are path, distributed, whitted)"
+        );
+        let deep = IntegratorDescription { max_depth: Some(100_000), ..description("path") };
+        assert_eq!(IntegratorSettings::resolve(&deep), Err(IntegratorError::Depth(100_000)));
+        let bare = IntegratorDescription { branching: Some(0), ..description("distributed") };
+        assert_eq!(IntegratorSettings::resolve(&bare), Err(IntegratorError::Branching(0)));
+    }
+
+    #[test]
+    fn settings_that_do_not_matter_do_not_make_another_picture() {
+        let plain = IntegratorSettings::resolve(&description("whitted")).unwrap();
+        let odd =
+            IntegratorDescription { branching: Some(7), light_sampling: false, ..description("whitted") };
+        assert_eq!(IntegratorSettings::resolve(&odd), Ok(plain));
+    }
+}

@@ -1,0 +1,169 @@
+//! A place where light is scattered.
+
+use glanz_light::Spectrum;
+use glanz_math::{DVec2, DVec3, Frame};
+use glanz_sampling::mis;
+use glanz_scene::{Interaction, LightId};
+use glanz_shading::{Bsdf, TransportMode};
+
+use super::Context;
+
+/// An interaction with its BSDF; directions are in world space, unit length, away from the surface.
+///
+/// Shading normals make BSDFs see a direction on one side of a surface that is on the other: light would leak through.
+/// Such directions carry no light (@veach1997 section 5.3.2). Where the viewer itself is on the wrong side of the shading
+/// normal, the surface is shaded by its own normal, since otherwise it would look black.
+pub(super) struct Vertex<'a> {
+    pub(super) at: &'a Interaction,
+    bsdf: Bsdf,
+    frame: Frame,
+    wo: DVec3,
+    /// Cosine between viewer and surface normal.
+    viewer_side: f64,
+}
+
+/// A direction drawn from the BSDF.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scattered {
+    /// Where to go on.
+    pub(super) direction: DVec3,
+    /// Factor on the throughput.
+    pub(super) weight: Spectrum,
+    /// Density per solid angle; infinite for a delta lobe.
+    pub(super) pdf: f64,
+    pub(super) is_delta: bool,
+    pub(super) eta_scale: f32,
+}
+
+impl<'a> Vertex<'a> {
+    pub(super) fn new(at: &'a Interaction, bsdf: Bsdf) -> Self {
+        let viewer_side = at.point.normal.dot(at.wo);
+        let turned = viewer_side * at.point.shading_normal.dot(at.wo) <= 0.0;
+        let frame =
+            if turned { Frame::from_z_and_tangent(at.point.normal, at.point.dpdu) } else { at.frame() };
+        Self { at, bsdf, frame, wo: frame.to_local(at.wo), viewer_side }
+    }
+
+    pub(super) fn bsdf(&self) -> &Bsdf {
+        &self.bsdf
+    }
+
+    /// The shading normal on the viewer's side.
+    pub(super) fn normal_to_viewer(&self) -> DVec3 {
+        if self.wo.z < 0.0 { -self.frame.z } else { self.frame.z }
+    }
+
+    /// Direction to the viewer in the frame of the BSDF.
+    pub(super) fn local_wo(&self) -> DVec3 {
+        self.wo
+    }
+
+    pub(super) fn to_world(&self, local: DVec3) -> DVec3 {
+        self.frame.to_world(local)
+    }
+
+    pub(super) fn albedo(&self) -> Spectrum {
+        self.bsdf.albedo(self.wo)
+    }
+
+    /// Whether shading and surface normal agree on which side `direction` is.
+    pub(super) fn is_consistent(&self, direction: DVec3, local: DVec3) -> bool {
+        let reflects = self.at.point.normal.dot(direction) * self.viewer_side > 0.0;
+        reflects == (local.z * self.wo.z > 0.0)
+    }
+
+    /// `f |cos|` and its density, without delta lobes.
+    pub(super) fn eval(&self, direction: DVec3) -> (Spectrum, f64) {
+        let local = self.frame.to_local(direction);
+        if !self.is_consistent(direction, local) {
+            return (Spectrum::BLACK, 0.0);
+        }
+        let value = self.bsdf.eval(self.wo, local);
+        (value, if value.is_black() { 0.0 } else { self.bsdf.pdf(self.wo, local).0 })
+    }
+
+    /// Draws a direction to go on.
+    pub(super) fn sample(&self, xi: DVec2, xi_lobe: f64) -> Option<Scattered> {
+        let sample = self.bsdf.sample(self.wo, xi, xi_lobe, TransportMode::Radiance)?;
+        let direction = self.frame.to_world(sample.wi);
+        if sample.weight.is_black() || !self.is_consistent(direction, sample.wi) {
+            return None;
+        }
+        Some(Scattered {
+            direction,
+            weight: sample.weight,
+            pdf: sample.pdf.0,
+            is_delta: sample.lobe.is_delta(),
+            eta_scale: sample.eta_scale,
+        })
+    }
+
+    /// Light from `id` that is scattered to the viewer, estimated by one direction towards it.
+    ///
+    /// `weight`: from the density of that direction (per solid angle, the choice of the light not included) and that of
+    /// the BSDF for the same direction; not called for delta lights, which count fully.
+    pub(super) fn light(
+        &self,
+        context: &mut Context<'_>,
+        id: LightId,
+        xi: DVec2,
+        weight: impl FnOnce(f64, f64) -> f64,
+    ) -> Spectrum {
+        let Some(sample) = context.scene.sample_light(id, self.at, xi, &context.wavelengths) else {
+            return Spectrum::BLACK;
+        };
+        let (value, bsdf_pdf) = self.eval(sample.wi);
+        let light = value * sample.radiance;
+        if light.is_black() {
+            return Spectrum::BLACK;
+        }
+        let weight = if sample.is_delta { 1.0 } else { weight(sample.pdf.0, bsdf_pdf) };
+        if weight == 0.0 || !context.is_free(&sample.shadow, sample.t_max) {
+            return Spectrum::BLACK;
+        }
+        light * (weight / sample.pdf.0) as f32
+    }
+
+    /// Direct light from one light picked at random, with the weight of the power heuristic against BSDF sampling.
+    pub(super) fn direct_light(&self, context: &mut Context<'_>, xi_light: f64, xi: DVec2) -> Spectrum {
+        match context.scene.pick_light(xi_light) {
+            Some((id, probability)) if probability > 0.0 => {
+                let light = self.light(context, id, xi, |light, bsdf| mis::power(light * probability, bsdf));
+                light * (1.0 / probability) as f32
+            }
+            _ => Spectrum::BLACK,
+        }
+    }
+}
+
+/// How the ray that is under way was chosen: what light it finds has to be shared with light sampling.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Origin {
+    /// Where it was scattered.
+    pub(super) from: Interaction,
+    /// Density per solid angle of its direction.
+    pub(super) pdf: f64,
+}
+
+impl Origin {
+    /// Density with which light sampling would have found this light here; the choice of the light not included.
+    pub(super) fn area_light_pdf(&self, context: &Context<'_>, id: LightId, hit: &Interaction) -> f64 {
+        context.scene.light_pdf(id, &self.from, hit).0
+    }
+
+    /// As [`Origin::area_light_pdf`], for an infinite light along `direction`.
+    pub(super) fn infinite_light_pdf(&self, context: &Context<'_>, id: LightId, direction: DVec3) -> f64 {
+        context.scene.infinite_pdf(id, &self.from, direction).0
+    }
+}
+
+/// Random survival of a path whose throughput is small (document 003 section 3.1.4).
+///
+/// `throughput`: with the changes by refraction undone. Returns the factor for survivors.
+pub(super) fn roulette(throughput: Spectrum, xi: f64) -> Option<f32> {
+    let survival = throughput.max_component();
+    if survival >= 1.0 {
+        return Some(1.0);
+    }
+    (xi < f64::from(survival)).then(|| 1.0 / survival)
+}

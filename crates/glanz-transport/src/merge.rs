@@ -1,0 +1,63 @@
+//! Joining films that were exposed apart.
+
+use std::ops::Range;
+
+use crate::checkpoint::Checkpoint;
+use crate::film::FilmError;
+use crate::identity::Mismatch;
+use crate::ranges::SampleRanges;
+
+/// Why checkpoints cannot be joined. Parts are numbered from 0 in the order given.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MergeError {
+    /// There is nothing to join.
+    #[error("there are no parts")]
+    Empty,
+    /// A part of another picture than the first.
+    #[error("part {part} does not go with the first: {mismatch}")]
+    Picture {
+        /// Its number.
+        part: usize,
+        /// How it differs.
+        mismatch: Mismatch,
+    },
+    /// Two parts with common samples.
+    #[error("parts {first} and {second} both have samples {} to {}", .samples.start, .samples.end - 1)]
+    Overlap {
+        /// Number of the earlier part.
+        first: usize,
+        /// Number of the later part.
+        second: usize,
+        /// The first samples they share.
+        samples: Range<u32>,
+    },
+    /// Films that cannot be added.
+    #[error(transparent)]
+    Film(#[from] FilmError),
+}
+
+/// The film of all `parts` together, the same bit for bit as that of one run over all their samples.
+///
+/// Parts are taken one by one, so that an iterator that reads files needs memory for two of them.
+///
+/// # Errors
+/// [`MergeError`] if the parts are of different pictures or share samples.
+pub fn merge(parts: impl IntoIterator<Item = Checkpoint>) -> Result<Checkpoint, MergeError> {
+    let mut parts = parts.into_iter();
+    let mut whole = parts.next().ok_or(MergeError::Empty)?;
+    let mut taken: Vec<SampleRanges> = vec![whole.film.samples().clone()];
+    for (part, next) in (1..).zip(parts) {
+        next.identity.check(&whole.identity).map_err(|mismatch| MergeError::Picture { part, mismatch })?;
+        let shared = taken.iter().enumerate().find_map(|(i, t)| Some((i, t.overlap(next.film.samples())?)));
+        if let Some((first, samples)) = shared {
+            return Err(MergeError::Overlap { first, second: part, samples });
+        }
+        whole.film.merge(&next.film)?;
+        // Where the plan does not matter parts may have different ones.
+        whole.identity.samples_per_pixel =
+            whole.identity.samples_per_pixel.max(next.identity.samples_per_pixel);
+        taken.push(next.film.samples().clone());
+    }
+    Ok(whole)
+}

@@ -1,0 +1,302 @@
+//! The loop that exposes a film.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use glanz_math::DVec2;
+use glanz_sampling::{PixelSampler, SamplerKind};
+use glanz_scene::Scene;
+use rayon::prelude::*;
+
+use crate::film::{Film, FilmError, PixelRect};
+use crate::filter::Filter;
+use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Integrator};
+use crate::pixel::{PixelSums, Rejects, Sample};
+use crate::progress::{Progress, ProgressReport};
+
+/// Time that a pass over the picture should take: short enough to stop soon, long enough that threads do not wait.
+const PASS_SECONDS: f64 = 0.5;
+
+/// How to expose a film.
+#[derive(Clone, Debug)]
+pub struct RenderSettings {
+    /// Where samples lie within and around a pixel.
+    pub filter: Filter,
+    /// How samples are spread.
+    pub sampler: SamplerKind,
+    /// Seed of the samples.
+    pub seed: u64,
+    /// Planned samples per pixel; of meaning for samplers that divide the pixel into as many strata.
+    pub samples_per_pixel: u32,
+    /// The samples to take; those the film has already are skipped.
+    pub samples: Range<u32>,
+    /// Threads to work with; 0 means as many as the machine has. Of no influence on the picture.
+    pub threads: usize,
+    /// No pass starts that would end later than this after the beginning, except the first.
+    pub time_limit: Option<Duration>,
+    /// Time between two calls of [`Progress::checkpoint`]; `None` means never.
+    pub checkpoint_interval: Option<Duration>,
+}
+
+/// Why a render ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Finished {
+    /// The film has all samples asked for.
+    Complete,
+    /// The time limit would not hold another pass.
+    TimeUp,
+    /// Somebody asked to stop.
+    Interrupted,
+}
+
+/// What a render leaves.
+#[derive(Clone, Debug)]
+pub struct RenderOutcome {
+    /// The film, whatever the reason of the end: every pixel has the same samples.
+    pub film: Film,
+    /// Why it ended.
+    pub finished: Finished,
+    /// Wall time of the loop.
+    pub elapsed: Duration,
+    /// Rays traced.
+    pub counters: Counters,
+    /// Samples taken, over all pixels.
+    pub samples: u64,
+}
+
+/// Why nothing can be rendered.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// A film made for a filter without negative lobes, and a filter with, or the other way round.
+    #[error("the film was made for another kind of filter")]
+    Filter,
+    /// The threads could not be started.
+    #[error("cannot start threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The film refused a pass.
+    #[error(transparent)]
+    Film(#[from] FilmError),
+}
+
+/// Takes the samples that `settings` asks for and `film` does not have.
+///
+/// Passes over all pixels follow one another; each takes one or more samples of every pixel, as many as fit in half a second
+/// or so. Sums are exact, so that the film depends on which samples it has, never on passes, threads, interruptions or
+/// whether it was begun by another run. After each pass `progress` is told, and the loop ends if `stop` is set.
+///
+/// # Errors
+/// [`RenderError`] before the first pass, if the film does not go with the filter or the threads cannot be started.
+pub fn render(
+    scene: &Scene,
+    integrator: &dyn Integrator,
+    settings: &RenderSettings,
+    mut film: Film,
+    progress: &mut dyn Progress,
+    stop: &AtomicBool,
+) -> Result<RenderOutcome, RenderError> {
+    if film.format().signed != settings.filter.is_signed() {
+        return Err(RenderError::Filter);
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
+    let options = ContextOptions::new(scene, film.format().aovs.needs_first_hit());
+    let exposure = Exposure { scene, integrator, settings, options };
+    let start = Instant::now();
+    let mut clock = PassClock::new(settings.time_limit);
+    let mut counters = Counters::default();
+    let mut last_checkpoint = start;
+    let mut taken = 0;
+    let finished = loop {
+        let Some(gap) = film.samples().missing(settings.samples.clone()).into_iter().next() else {
+            break Finished::Complete;
+        };
+        if stop.load(Ordering::Relaxed) {
+            break Finished::Interrupted;
+        }
+        if taken > 0 && settings.checkpoint_interval.is_some_and(|i| last_checkpoint.elapsed() >= i) {
+            progress.checkpoint(&film);
+            last_checkpoint = Instant::now();
+        }
+        let Some(length) = clock.next_pass(gap.end - gap.start, start.elapsed()) else {
+            break Finished::TimeUp;
+        };
+        let range = gap.start..gap.start + length;
+        let begun = Instant::now();
+        let work = pool.install(|| exposure.expose(&mut film, &range));
+        clock.note(length, begun.elapsed());
+        film.finish_pass(range, work.rejects)?;
+        counters.merge(work.counters);
+        taken += u64::from(length);
+        progress.report(&report(&film, settings, &clock, counters, start.elapsed()));
+    };
+    let samples = taken * film.format().crop.len();
+    Ok(RenderOutcome { film, finished, elapsed: start.elapsed(), counters, samples })
+}
+
+fn report(
+    film: &Film,
+    settings: &RenderSettings,
+    clock: &PassClock,
+    counters: Counters,
+    elapsed: Duration,
+) -> ProgressReport {
+    let missing = film.samples().missing(settings.samples.clone());
+    let missing: u64 = missing.iter().map(|r| u64::from(r.end - r.start)).sum();
+    let wanted = u64::from(settings.samples.end.saturating_sub(settings.samples.start));
+    ProgressReport {
+        samples_done: wanted - missing,
+        samples_wanted: wanted,
+        rays: counters.rays(),
+        elapsed,
+        remaining: clock.remaining(missing, elapsed),
+    }
+}
+
+/// Decides how many samples a pass takes.
+#[derive(Clone, Copy, Debug)]
+struct PassClock {
+    limit: Option<Duration>,
+    /// Seconds that one sample of every pixel takes: the worst of the last pass and the mean.
+    per_sample: Option<f64>,
+    samples: u64,
+    seconds: f64,
+}
+
+impl PassClock {
+    fn new(limit: Option<Duration>) -> Self {
+        Self { limit, per_sample: None, samples: 0, seconds: 0.0 }
+    }
+
+    /// Number of samples of the next pass, at most `missing` (> 0); `None` if there is no time for one.
+    fn next_pass(&self, missing: u32, elapsed: Duration) -> Option<u32> {
+        // The first pass measures.
+        let Some(per_sample) = self.per_sample else { return Some(1) };
+        let mut fitting = (PASS_SECONDS / per_sample).clamp(1.0, f64::from(missing));
+        if let Some(limit) = self.limit {
+            let left = limit.saturating_sub(elapsed).as_secs_f64() / per_sample;
+            if left < 1.0 {
+                return None;
+            }
+            fitting = fitting.min(left);
+        }
+        Some(fitting as u32)
+    }
+
+    fn note(&mut self, length: u32, duration: Duration) {
+        // A clock that stands still would make passes endless.
+        let seconds = duration.as_secs_f64().max(1e-9);
+        self.samples += u64::from(length);
+        self.seconds += seconds;
+        self.per_sample = Some((seconds / f64::from(length)).max(self.seconds / self.samples as f64));
+    }
+
+    /// Time that `missing` samples will take, or until the limit.
+    fn remaining(&self, missing: u64, elapsed: Duration) -> Duration {
+        let mean = self.seconds / self.samples.max(1) as f64;
+        let work = Duration::try_from_secs_f64(mean * missing as f64).unwrap_or(Duration::MAX);
+        self.limit.map_or(work, |limit| work.min(limit.saturating_sub(elapsed)))
+    }
+}
+
+/// Work of a pass or a part of it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Work {
+    counters: Counters,
+    rejects: Rejects,
+}
+
+impl Work {
+    fn merged(mut self, other: Self) -> Self {
+        self.counters.merge(other.counters);
+        self.rejects.merge(other.rejects);
+        self
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Exposure<'a> {
+    scene: &'a Scene,
+    integrator: &'a dyn Integrator,
+    settings: &'a RenderSettings,
+    options: ContextOptions,
+}
+
+impl Exposure<'_> {
+    /// One pass: the samples of `range` for every pixel.
+    fn expose(&self, film: &mut Film, range: &Range<u32>) -> Work {
+        let layout = film.format().layout();
+        let stride = layout.words();
+        film.tiles_mut()
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|(tile, words): (PixelRect, &mut [u64])| {
+                let mut work = Work::default();
+                for (pixel, words) in tile.pixels().zip(words.chunks_exact_mut(stride)) {
+                    let mut sums = PixelSums::read(&layout, words);
+                    for index in range.clone() {
+                        let sample = self.sample(pixel, index, &mut work.counters);
+                        sums.add(&layout, &sample, &mut work.rejects);
+                    }
+                    sums.write(&layout, words);
+                }
+                work
+            })
+            // Counts are integers: the order of this sum does not matter.
+            .reduce(Work::default, Work::merged)
+    }
+
+    fn sample(&self, pixel: [u32; 2], index: u32, counters: &mut Counters) -> Sample {
+        let settings = self.settings;
+        let mut sampler =
+            PixelSampler::new(settings.sampler, settings.samples_per_pixel, settings.seed, pixel, index);
+        let place = settings.filter.sample(sampler.pixel_2d());
+        let middle = DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
+        let ray = self.scene.camera().ray(middle + place.offset, sampler.next_2d());
+        sampler.skip_to_dimension(FIRST_DIMENSION);
+        let mut context = Context::new(self.scene, ray, sampler, self.options);
+        let radiance = self.integrator.radiance(&mut context);
+        counters.merge(context.counters);
+        let rgb = radiance.to_rgb(&context.wavelengths);
+        Sample { index, rgb, negative: place.negative, first_hit: context.first_hit() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seconds(s: f64) -> Duration {
+        Duration::from_secs_f64(s)
+    }
+
+    #[test]
+    fn first_pass_measures_and_the_next_ones_take_half_a_second() {
+        let mut clock = PassClock::new(None);
+        assert_eq!(clock.next_pass(1000, Duration::ZERO), Some(1));
+        clock.note(1, seconds(0.01));
+        assert_eq!(clock.next_pass(1000, seconds(0.01)), Some(50));
+        assert_eq!(clock.next_pass(7, seconds(0.01)), Some(7));
+        clock.note(50, seconds(50.0));
+        assert_eq!(clock.next_pass(1000, seconds(51.0)), Some(1));
+    }
+
+    #[test]
+    fn no_pass_starts_that_would_end_too_late() {
+        let mut clock = PassClock::new(Some(seconds(2.0)));
+        // The first pass completes whatever the limit.
+        assert_eq!(clock.next_pass(1000, Duration::ZERO), Some(1));
+        clock.note(1, seconds(0.1));
+        assert_eq!(clock.next_pass(1000, seconds(1.75)), Some(2));
+        assert_eq!(clock.next_pass(1000, seconds(1.95)), None);
+        assert_eq!(clock.next_pass(1000, seconds(2.5)), None);
+    }
+
+    #[test]
+    fn time_left_is_that_of_the_samples_or_of_the_limit() {
+        let mut clock = PassClock::new(Some(seconds(10.0)));
+        clock.note(4, seconds(2.0));
+        assert_eq!(clock.remaining(6, seconds(2.0)), seconds(3.0));
+        assert_eq!(clock.remaining(600, seconds(2.0)), seconds(8.0));
+    }
+}
