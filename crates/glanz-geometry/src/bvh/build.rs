@@ -143,32 +143,46 @@ impl Extent {
     const EMPTY: Self = Self { bounds: Box4::EMPTY, middles: Box4::EMPTY };
 
     fn of(items: &[Item]) -> Self {
-        parallel_fold(items, Self::EMPTY, Self::with, Self::union)
+        parallel_fold(items, &Self::EMPTY, Self::add, Self::merge)
     }
 
     #[inline(always)]
-    fn with(self, item: &Item) -> Self {
-        Self { bounds: self.bounds.union(item.0), middles: self.middles.including(item.0.middle()) }
+    fn add(&mut self, item: &Item) {
+        self.bounds = self.bounds.union(item.0);
+        self.middles = self.middles.including(item.0.middle());
     }
 
-    fn union(self, other: Self) -> Self {
-        Self { bounds: self.bounds.union(other.bounds), middles: self.middles.union(other.middles) }
+    fn merge(&mut self, other: &Self) {
+        self.bounds = self.bounds.union(other.bounds);
+        self.middles = self.middles.union(other.middles);
     }
 }
 
 /// Folds over many items in parallel. `merge` must be exactly associative and commutative (as minimum, maximum and
 /// counting are), so that the result does not depend on the threads.
-fn parallel_fold<T: Copy + Send + Sync>(
+fn parallel_fold<T: Clone + Send + Sync>(
     items: &[Item],
-    empty: T,
-    add: impl Fn(T, &Item) -> T + Sync,
-    merge: impl Fn(T, T) -> T + Sync + Send,
+    empty: &T,
+    add: impl Fn(&mut T, &Item) + Sync,
+    merge: impl Fn(&mut T, &T) + Sync,
 ) -> T {
     use rayon::prelude::*;
+    let fold = |items: &[Item]| {
+        let mut all = empty.clone();
+        items.iter().for_each(|item| add(&mut all, item));
+        all
+    };
     if items.len() < PARALLEL_BINS {
-        return items.iter().fold(empty, &add);
+        return fold(items);
     }
-    items.par_chunks(PARALLEL_BINS / 8).map(|chunk| chunk.iter().fold(empty, &add)).reduce(|| empty, &merge)
+    let parts = items.par_chunks(PARALLEL_BINS / 4).map(fold);
+    parts.reduce(
+        || empty.clone(),
+        |mut a, b| {
+            merge(&mut a, &b);
+            a
+        },
+    )
 }
 
 /// Sorts `items` into a left and a right part; returns the length of the left one.
@@ -223,10 +237,33 @@ fn sweep(items: &mut [Item]) -> usize {
 }
 
 /// What lies in the bins of the three axes.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Bins {
     bounds: [[Box4; BINS]; 3],
     counts: [[u32; BINS]; 3],
+}
+
+impl Bins {
+    const EMPTY: Self = Self { bounds: [[Box4::EMPTY; BINS]; 3], counts: [[0; BINS]; 3] };
+
+    #[inline(always)]
+    fn add(&mut self, binning: &Binning, item: &Item) {
+        let place = binning.bins(item);
+        for axis in 0..3 {
+            let bin = place[axis];
+            self.bounds[axis][bin] = self.bounds[axis][bin].union(item.0);
+            self.counts[axis][bin] += 1;
+        }
+    }
+
+    fn merge(&mut self, other: &Self) {
+        for axis in 0..3 {
+            for bin in 0..BINS {
+                self.bounds[axis][bin] = self.bounds[axis][bin].union(other.bounds[axis][bin]);
+                self.counts[axis][bin] += other.counts[axis][bin];
+            }
+        }
+    }
 }
 
 /// Which bin a doubled centre falls into.
@@ -258,29 +295,7 @@ impl Binning {
 /// The best split between bins.
 fn binned(items: &mut [Item], middles: &Box4) -> usize {
     let binning = Binning::new(middles);
-    let empty = Bins { bounds: [[Box4::EMPTY; BINS]; 3], counts: [[0; BINS]; 3] };
-    let bins = parallel_fold(
-        items,
-        empty,
-        |mut bins, item| {
-            let place = binning.bins(item);
-            for axis in 0..3 {
-                let bin = place[axis];
-                bins.bounds[axis][bin] = bins.bounds[axis][bin].union(item.0);
-                bins.counts[axis][bin] += 1;
-            }
-            bins
-        },
-        |mut a, b| {
-            for axis in 0..3 {
-                for bin in 0..BINS {
-                    a.bounds[axis][bin] = a.bounds[axis][bin].union(b.bounds[axis][bin]);
-                    a.counts[axis][bin] += b.counts[axis][bin];
-                }
-            }
-            a
-        },
-    );
+    let bins = parallel_fold(items, &Bins::EMPTY, |bins, item| bins.add(&binning, item), Bins::merge);
     let Some((axis, first_right)) = best_plane(&bins) else { return items.len() / 2 };
     partition(items, |item| binning.bins(item)[axis] < first_right)
 }

@@ -39,6 +39,7 @@ use self::collapse::{Plan, Wide};
 use self::node::{Node, UnitFrame};
 use self::simd::{Isa, Simd, Task};
 use self::traverse::{Any, Closest};
+pub(crate) use self::traverse::{Stop, Visit};
 
 /// What the tree is built for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -176,38 +177,26 @@ impl Bvh {
     /// Directions need not be of unit length. A ray with NaN in it, or whose direction is zero, meets nothing.
     #[inline]
     pub fn closest(&self, ray: &Ray, t_max: f64, visit: impl FnMut(Leaf, f64) -> f64) {
-        self.isa.run(Closest { bvh: self, ray, t_max, visit });
+        self.isa.run(Closest { bvh: self, ray, t_max, visit: Closure(visit) });
     }
 
     /// Walks through the leaves that `ray` may meet at parameters from 0 to `t_max` until `visit` says yes; says
     /// whether it did.
     #[inline]
     pub fn any(&self, ray: &Ray, t_max: f64, visit: impl FnMut(Leaf) -> bool) -> bool {
-        self.isa.run(Any { bvh: self, ray, t_max, visit })
+        self.isa.run(Any { bvh: self, ray, t_max, stop: Closure(visit) })
     }
 
     /// [`Bvh::closest`] from inside code that is already compiled for `simd`.
     #[inline(always)]
-    pub(crate) fn closest_with<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        t_max: f64,
-        visit: impl FnMut(Leaf, f64) -> f64,
-    ) {
+    pub(crate) fn closest_with<S: Simd>(&self, simd: S, ray: &Ray, t_max: f64, visit: impl Visit) {
         Closest { bvh: self, ray, t_max, visit }.run(simd);
     }
 
     /// [`Bvh::any`] from inside code that is already compiled for `simd`.
     #[inline(always)]
-    pub(crate) fn any_with<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        t_max: f64,
-        visit: impl FnMut(Leaf) -> bool,
-    ) -> bool {
-        Any { bvh: self, ray, t_max, visit }.run(simd)
+    pub(crate) fn any_with<S: Simd>(&self, simd: S, ray: &Ray, t_max: f64, stop: impl Stop) -> bool {
+        Any { bvh: self, ray, t_max, stop }.run(simd)
     }
 
     /// The instruction set that queries run with.
@@ -226,5 +215,22 @@ impl Bvh {
             cost: self.cost,
             bytes: size_of_val(&*self.nodes) + size_of_val(&*self.leaf_starts) + size_of_val(&*self.items),
         }
+    }
+}
+
+/// A closure at the leaves.
+struct Closure<F>(F);
+
+impl<F: FnMut(Leaf, f64) -> f64> Visit for Closure<F> {
+    #[inline(always)]
+    fn leaf<S: Simd>(&mut self, _: S, leaf: Leaf, t_max: f64) -> f64 {
+        (self.0)(leaf, t_max)
+    }
+}
+
+impl<F: FnMut(Leaf) -> bool> Stop for Closure<F> {
+    #[inline(always)]
+    fn at<S: Simd>(&mut self, _: S, leaf: Leaf) -> bool {
+        (self.0)(leaf)
     }
 }

@@ -57,16 +57,22 @@ impl Node {
     /// The children whose boxes the ray may meet as bits, and where it enters them.
     #[inline(always)]
     pub(crate) fn intersect<S: Simd>(&self, simd: S, ray: &UnitRay<S>) -> (u32, S::F32) {
-        let plane = |axis: usize, side: usize| simd.load(&self.planes[axis][side & 1]);
-        let enter = |axis: usize| {
-            simd.mul_sub(plane(axis, ray.far_side[axis] ^ 1), ray.inverse[axis], ray.near[axis])
-        };
-        let leave =
-            |axis: usize| simd.mul_sub(plane(axis, ray.far_side[axis]), ray.inverse[axis], ray.far[axis]);
+        let [x, y, z] = [self.slab(simd, ray, 0), self.slab(simd, ray, 1), self.slab(simd, ray, 2)];
         // The second operand of `max` wins a tie, so that zero is never a negative one: its bits are sorted.
-        let near = simd.max(simd.max(enter(0), enter(1)), simd.max(enter(2), simd.splat(0.0)));
-        let far = simd.min(simd.min(leave(0), leave(1)), simd.min(leave(2), ray.end));
+        let near = simd.max(simd.max(x.0, y.0), simd.max(z.0, simd.splat(0.0)));
+        let far = simd.min(simd.min(x.1, y.1), simd.min(z.1, ray.end));
         (simd.at_most(near, far), near)
+    }
+
+    /// Where the ray enters and leaves the slabs between the planes across `axis`.
+    #[inline(always)]
+    fn slab<S: Simd>(&self, simd: S, ray: &UnitRay<S>, axis: usize) -> (S::F32, S::F32) {
+        let side = ray.far_side[axis];
+        let [near, far] = [side ^ 1, side].map(|side| &self.planes[axis][side & 1]);
+        (
+            simd.mul_sub(simd.load(near), ray.inverse[axis], ray.near[axis]),
+            simd.mul_sub(simd.load(far), ray.inverse[axis], ray.far[axis]),
+        )
     }
 }
 
@@ -157,6 +163,11 @@ pub(crate) struct UnitRay<S: Simd> {
     slack: f64,
 }
 
+#[inline(always)]
+fn splat<S: Simd>(simd: S, v: DVec3) -> [S::F32; 3] {
+    [simd.splat(v.x as f32), simd.splat(v.y as f32), simd.splat(v.z as f32)]
+}
+
 impl<S: Simd> UnitRay<S> {
     /// `None` if the ray cannot meet the unit cube before `t_max`.
     #[inline(always)]
@@ -179,11 +190,10 @@ impl<S: Simd> UnitRay<S> {
         let pad = inverse.abs() * ((1.0 + origin.abs()) * (4.0 * U32) + carried);
         let product = origin * inverse;
         let (near, far) = (product + pad, product - pad);
-        let splat = |v: DVec3| [simd.splat(v.x as f32), simd.splat(v.y as f32), simd.splat(v.z as f32)];
         let mut unit = Self {
-            inverse: splat(inverse),
-            near: splat(near),
-            far: splat(far),
+            inverse: splat(simd, inverse),
+            near: splat(simd, near),
+            far: splat(simd, far),
             far_side: [
                 usize::from(inverse.x > 0.0),
                 usize::from(inverse.y > 0.0),

@@ -3,7 +3,7 @@
 use glanz_math::Ray;
 
 use super::build::MAX_DEPTH;
-use super::node::{Child, UnitRay, WIDTH};
+use super::node::{Child, Node, UnitRay, WIDTH};
 use super::simd::{Simd, Stack, Task};
 use super::{Bvh, Leaf};
 
@@ -27,15 +27,22 @@ fn child(entry: u64) -> Child {
     Child(entry as u32)
 }
 
+/// What a walk does at the leaves. Methods are `#[inline(always)]`, as a closure cannot be, so that they are compiled for
+/// the instruction set of the walk.
+pub(crate) trait Visit {
+    /// Looks for hits of a leaf up to `t_max`; returns where the ray ends now.
+    fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, t_max: f64) -> f64;
+}
+
 /// Closest hit; see [`Bvh::closest`].
-pub(crate) struct Closest<'a, F> {
+pub(crate) struct Closest<'a, V> {
     pub(crate) bvh: &'a Bvh,
     pub(crate) ray: &'a Ray,
     pub(crate) t_max: f64,
-    pub(crate) visit: F,
+    pub(crate) visit: V,
 }
 
-impl<F: FnMut(Leaf, f64) -> f64> Task for Closest<'_, F> {
+impl<V: Visit> Task for Closest<'_, V> {
     type Output = ();
 
     #[inline(always)]
@@ -46,7 +53,7 @@ impl<F: FnMut(Leaf, f64) -> f64> Task for Closest<'_, F> {
         let mut current = entry(0.0, Child::node(0));
         loop {
             if let Some(leaf) = child(current).as_leaf() {
-                let closer = visit(Leaf(leaf), t_max);
+                let closer = visit.leaf(simd, Leaf(leaf), t_max);
                 if closer < t_max {
                     t_max = closer;
                     unit.shorten(simd, t_max);
@@ -81,55 +88,61 @@ fn descend<S: Simd>(
         return None;
     }
     let near = simd.store(near).0;
-    let mut next = || {
-        let slot = hits.trailing_zeros() as usize & (WIDTH - 1);
-        hits &= hits - 1;
-        (entry(near[slot], node.children[slot]), hits)
-    };
-    let (first, left) = next();
-    if left == 0 {
+    let first = next(node, &near, &mut hits);
+    if hits == 0 {
         return Some(first);
     }
-    let (second, left) = next();
-    let (mut nearest, farther) = (first.min(second), first.max(second));
-    stack.push(farther);
-    if left == 0 {
+    let second = next(node, &near, &mut hits);
+    let mut nearest = first.min(second);
+    stack.push(first.max(second));
+    if hits == 0 {
         return Some(nearest);
     }
     let mut count = 1;
-    loop {
-        let (another, left) = next();
+    while hits != 0 {
+        let another = next(node, &near, &mut hits);
         stack.push(nearest.max(another));
         nearest = nearest.min(another);
         count += 1;
-        if left == 0 {
-            break;
-        }
     }
     stack.sort_top(count);
     Some(nearest)
 }
 
+/// Takes the lowest bit off `hits`; returns the entry of its child.
+#[inline(always)]
+fn next(node: &Node, near: &[f32; WIDTH], hits: &mut u32) -> u64 {
+    let slot = hits.trailing_zeros() as usize & (WIDTH - 1);
+    *hits &= *hits - 1;
+    entry(near[slot], node.children[slot])
+}
+
+/// What a walk that stops at the first success does at the leaves; see [`Visit`].
+pub(crate) trait Stop {
+    /// Whether to stop at this leaf.
+    fn at<S: Simd>(&mut self, simd: S, leaf: Leaf) -> bool;
+}
+
 /// Any hit; see [`Bvh::any`].
-pub(crate) struct Any<'a, F> {
+pub(crate) struct Any<'a, V> {
     pub(crate) bvh: &'a Bvh,
     pub(crate) ray: &'a Ray,
     pub(crate) t_max: f64,
-    pub(crate) visit: F,
+    pub(crate) stop: V,
 }
 
-impl<F: FnMut(Leaf) -> bool> Task for Any<'_, F> {
+impl<V: Stop> Task for Any<'_, V> {
     type Output = bool;
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> bool {
-        let Self { bvh, ray, t_max, mut visit } = self;
+        let Self { bvh, ray, t_max, mut stop } = self;
         let Some(unit) = UnitRay::new(simd, &bvh.frame, ray, t_max) else { return false };
         let mut stack = Stack::<ROOM>::new();
         let mut current = entry(0.0, Child::node(0));
         loop {
             if let Some(leaf) = child(current).as_leaf() {
-                if visit(Leaf(leaf)) {
+                if stop.at(simd, Leaf(leaf)) {
                     return true;
                 }
             } else if let Some(next) = descend(simd, bvh, child(current), &unit, &mut stack) {

@@ -76,31 +76,43 @@ impl<T: Coordinate> Block<T> {
         self.corners.map(|corner| DVec3::from_array(corner.map(|axis| axis[lane & (LANES - 1)].to_f64())))
     }
 
+    /// A vertex of all triangles in the sheared frame of the ray; see [`ShearedRay::vertex`].
+    #[inline(always)]
+    fn corner<S: Simd>(&self, simd: S, ray: &BlockRay<S>, corner: usize) -> [S::F64; 3] {
+        let [x, y, z] = ray.sheared.axes;
+        let x = self.coordinate(simd, ray, corner, x, 0);
+        let y = self.coordinate(simd, ray, corner, y, 1);
+        let z = self.coordinate(simd, ray, corner, z, 2);
+        [
+            simd.sub64(x, simd.mul64(ray.shear[0], z)),
+            simd.sub64(y, simd.mul64(ray.shear[1], z)),
+            simd.mul64(ray.shear[2], z),
+        ]
+    }
+
+    /// The axis `axis` of a vertex, as seen from the origin, which has it in place `sheared`.
+    #[inline(always)]
+    fn coordinate<S: Simd>(
+        &self,
+        simd: S,
+        ray: &BlockRay<S>,
+        corner: usize,
+        axis: usize,
+        sheared: usize,
+    ) -> S::F64 {
+        // The axes are 0, 1 and 2; this says it to the compiler.
+        let axis = if axis < 3 { axis } else { 0 };
+        simd.sub64(T::widen(simd, &self.corners[corner][axis]), ray.origin[sheared])
+    }
+
     /// The lanes that the ray hits with `0 < t <= t_max`, as bits, and what it takes to make hits of them.
     ///
     /// Computes the very bits of [`ShearedRay::intersect`], but for the exact signs at edges: lanes with a zero edge
     /// function are candidates here and wait for [`Lanes::hit`] to decide.
     #[inline(always)]
     fn intersect<S: Simd>(&self, simd: S, ray: &BlockRay<S>, t_max: f64) -> Option<Lanes> {
-        let vertex = |corner: usize| {
-            let coordinate = |axis: usize| {
-                let axis = ray.sheared.axes[axis];
-                // The axes are 0, 1 and 2; this says it to the compiler.
-                let axis = if axis < 3 { axis } else { 0 };
-                simd.sub64(T::widen(simd, &self.corners[corner][axis]), ray.origin[axis])
-            };
-            let (x, y, z) = (coordinate(0), coordinate(1), coordinate(2));
-            (
-                simd.sub64(x, simd.mul64(ray.shear[0], z)),
-                simd.sub64(y, simd.mul64(ray.shear[1], z)),
-                simd.mul64(ray.shear[2], z),
-            )
-        };
-        let (a, b, c) = (vertex(0), vertex(1), vertex(2));
-        let edge = |p: (S::F64, S::F64, S::F64), q: (S::F64, S::F64, S::F64)| {
-            simd.sub64(simd.mul64(p.0, q.1), simd.mul64(p.1, q.0))
-        };
-        let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
+        let [a, b, c] = [self.corner(simd, ray, 0), self.corner(simd, ray, 1), self.corner(simd, ray, 2)];
+        let (u, v, w) = (edge(simd, c, b), edge(simd, a, c), edge(simd, b, a));
         let zero = simd.splat64(0.0);
         let some_negative = simd.less64(simd.min64(simd.min64(u, v), w), zero);
         let some_positive = simd.less64(zero, simd.max64(simd.max64(u, v), w));
@@ -109,7 +121,7 @@ impl<T: Coordinate> Block<T> {
             return None;
         }
         let determinant = simd.add64(simd.add64(u, v), w);
-        let height = simd.add64(simd.add64(simd.mul64(u, a.2), simd.mul64(v, b.2)), simd.mul64(w, c.2));
+        let height = simd.add64(simd.add64(simd.mul64(u, a[2]), simd.mul64(v, b[2])), simd.mul64(w, c[2]));
         let t = simd.div64(height, determinant);
         let within = simd.less64(zero, t) & simd.at_most64(t, simd.splat64(t_max));
         // A zero determinant may be a zero only of rounding, at the tip of a sliver.
@@ -126,6 +138,12 @@ impl<T: Coordinate> Block<T> {
     }
 }
 
+/// The edge function of two sheared vertices: the sign tells on which side of the edge the ray passes.
+#[inline(always)]
+fn edge<S: Simd>(simd: S, p: [S::F64; 3], q: [S::F64; 3]) -> S::F64 {
+    simd.sub64(simd.mul64(p[0], q[1]), simd.mul64(p[1], q[0]))
+}
+
 /// What a ray found in a block.
 struct Lanes {
     hits: u32,
@@ -137,6 +155,7 @@ struct Lanes {
 
 /// A ray made ready for blocks.
 pub(super) struct BlockRay<S: Simd> {
+    pub(super) simd: S,
     sheared: ShearedRay,
     origin: [S::F64; 3],
     shear: [S::F64; 3],
@@ -146,9 +165,14 @@ impl<S: Simd> BlockRay<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, ray: &Ray) -> Self {
         let sheared = ShearedRay::new(ray.origin, ray.direction);
-        let splat = |v: DVec3| [simd.splat64(v.x), simd.splat64(v.y), simd.splat64(v.z)];
-        Self { sheared, origin: splat(ray.origin), shear: splat(sheared.shear) }
+        let origin = sheared.axes.map(|axis| ray.origin.to_array()[if axis < 3 { axis } else { 0 }]);
+        Self { simd, sheared, origin: splat(simd, origin), shear: splat(simd, sheared.shear.to_array()) }
     }
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, v: [f64; 3]) -> [S::F64; 3] {
+    [simd.splat64(v[0]), simd.splat64(v[1]), simd.splat64(v[2])]
 }
 
 /// A hit of a triangle: ray parameter, weights of the second and third vertex, and the face.
@@ -160,14 +184,20 @@ pub(super) struct Found {
     pub(super) face: u32,
 }
 
-/// Calls `report` with every hit of the block with `0 < t <= t_max`, by lane, until it says stop.
+/// What to do with the hits of a block.
+pub(super) trait Report {
+    /// Takes a hit; says whether no other one is wanted.
+    fn hit(&mut self, found: Found) -> bool;
+}
+
+/// Hands every hit of the block with `0 < t <= t_max` to `report`, by lane, until it wants no other.
 #[inline(always)]
 pub(super) fn hits_in_block<S: Simd, T: Coordinate>(
     simd: S,
     block: &Block<T>,
     ray: &BlockRay<S>,
     t_max: f64,
-    mut report: impl FnMut(Found) -> bool,
+    report: &mut impl Report,
 ) {
     let Some(lanes) = block.intersect(simd, ray, t_max) else { return };
     let mut hits = lanes.hits;
@@ -184,7 +214,7 @@ pub(super) fn hits_in_block<S: Simd, T: Coordinate>(
                 None => continue,
             }
         }
-        if report(found) {
+        if report.hit(found) {
             return;
         }
     }

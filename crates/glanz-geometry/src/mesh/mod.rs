@@ -2,9 +2,11 @@
 //!
 //! A [`Mesh`] owns its hierarchy and lays its triangles out in the order of the leaves, four to a block. The test is that
 //! of [`crate::triangle::ShearedRay`] bit by bit, so that a ray cannot slip through an edge or a vertex that triangles
-//! share, whatever the instruction set. Files `block` (the triangles), `shading` (what a hit looks like).
+//! share, whatever the instruction set. Files: `block` (the triangles),
+//! `search` (the queries), `shading` (what a hit looks like).
 
 mod block;
+mod search;
 mod shading;
 #[cfg(test)]
 mod tests;
@@ -13,16 +15,13 @@ use std::sync::OnceLock;
 
 use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
-use self::block::{Block, BlockRay, Blocks, Coordinate, Found, LANES, hits_in_block};
-use crate::bvh::simd::{Simd, Task};
+use self::block::{Blocks, LANES};
+use self::search::{Closest, Every, Occluded};
 use crate::bvh::{BuildOptions, Bvh, Statistics};
 use crate::error::{SurfaceError, finite};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::surface::RaySurface;
 use crate::triangle::{sample_barycentric, unit_normal};
-
-/// Up to this many blocks are tested one after the other: a tree would cost more than it saves.
-const BLOCKS_WITHOUT_TREE: usize = 2;
 
 /// Cost of testing a block of triangles relative to that of testing a node, measured with `benches/mesh.rs`.
 const BLOCK_COST: f32 = 1.0;
@@ -63,7 +62,9 @@ impl Mesh {
     ) -> Result<Self, SurfaceError> {
         let count = positions.len();
         check_list("vertex normals", normals.as_deref(), count, DVec3::is_finite, |n| n.to_array().to_vec())?;
-        check_list("texture coordinates", uvs.as_deref(), count, DVec2::is_finite, |c| c.to_array().to_vec())?;
+        check_list("texture coordinates", uvs.as_deref(), count, DVec2::is_finite, |c| {
+            c.to_array().to_vec()
+        })?;
         check_list("vertex positions", Some(&positions), count, DVec3::is_finite, |p| p.to_array().to_vec())?;
         check_indices(&indices, count)?;
         let boxes = triangle_boxes(&positions, &indices);
@@ -199,136 +200,6 @@ fn triangle_boxes(positions: &[DVec3], indices: &[[u32; 3]]) -> Vec<Bounds3> {
         }
     };
     indices.par_iter().with_min_len(1024).map(bounds).collect()
-}
-
-/// The closest hit.
-struct Closest<'a> {
-    mesh: &'a Mesh,
-    ray: &'a Ray,
-    t_max: f64,
-}
-
-impl Task for Closest<'_> {
-    type Output = Option<Hit>;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Option<Hit> {
-        match &self.mesh.blocks {
-            Blocks::Single(blocks) => self.search(simd, blocks),
-            Blocks::Double(blocks) => self.search(simd, blocks),
-        }
-    }
-}
-
-impl Closest<'_> {
-    #[inline(always)]
-    fn search<S: Simd, T: Coordinate>(self, simd: S, blocks: &[Block<T>]) -> Option<Hit> {
-        let ray = BlockRay::new(simd, self.ray);
-        // Face 0 at the end of the ray: no hit there comes before it, so that only closer ones count.
-        let mut best = Found { t: self.t_max, u: 0.0, v: 0.0, face: 0 };
-        let mut any = false;
-        let mut visit = |block: &Block<T>| {
-            hits_in_block(simd, block, &ray, best.t, |found| {
-                // Of hits at the same place that of the lowest face wins, in whatever order they are met.
-                if (found.t, found.face) < (best.t, best.face) {
-                    best = found;
-                    any = true;
-                }
-                false
-            });
-            best.t
-        };
-        if blocks.len() <= BLOCKS_WITHOUT_TREE {
-            blocks.iter().for_each(|block| {
-                visit(block);
-            });
-        } else {
-            self.mesh.bvh.closest_with(simd, self.ray, self.t_max, |leaf, t_max| {
-                blocks.get(leaf.ordinal()).map_or(t_max, &mut visit)
-            });
-        }
-        any.then_some(Hit { t: best.t, u: best.u, v: best.v, face: best.face })
-    }
-}
-
-/// Whether there is a hit.
-struct Occluded<'a> {
-    mesh: &'a Mesh,
-    ray: &'a Ray,
-    t_max: f64,
-}
-
-impl Task for Occluded<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> bool {
-        match &self.mesh.blocks {
-            Blocks::Single(blocks) => self.search(simd, blocks),
-            Blocks::Double(blocks) => self.search(simd, blocks),
-        }
-    }
-}
-
-impl Occluded<'_> {
-    #[inline(always)]
-    fn search<S: Simd, T: Coordinate>(self, simd: S, blocks: &[Block<T>]) -> bool {
-        let ray = BlockRay::new(simd, self.ray);
-        let visit = |block: &Block<T>| {
-            let mut hit = false;
-            hits_in_block(simd, block, &ray, self.t_max, |found| {
-                hit |= found.t < self.t_max;
-                hit
-            });
-            hit
-        };
-        if blocks.len() <= BLOCKS_WITHOUT_TREE {
-            blocks.iter().any(visit)
-        } else {
-            self.mesh
-                .bvh
-                .any_with(simd, self.ray, self.t_max, |leaf| blocks.get(leaf.ordinal()).is_some_and(visit))
-        }
-    }
-}
-
-/// All hits, in no order.
-struct Every<'a> {
-    mesh: &'a Mesh,
-    ray: &'a Ray,
-    t_max: f64,
-    hits: &'a mut Vec<Hit>,
-}
-
-impl Task for Every<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        match &self.mesh.blocks {
-            Blocks::Single(blocks) => self.search(simd, blocks),
-            Blocks::Double(blocks) => self.search(simd, blocks),
-        }
-    }
-}
-
-impl Every<'_> {
-    #[inline(always)]
-    fn search<S: Simd, T: Coordinate>(self, simd: S, blocks: &[Block<T>]) {
-        let Self { mesh, ray, t_max, hits } = self;
-        let block_ray = BlockRay::new(simd, ray);
-        mesh.bvh.any_with(simd, ray, t_max, |leaf| {
-            if let Some(block) = blocks.get(leaf.ordinal()) {
-                hits_in_block(simd, block, &block_ray, t_max, |Found { t, u, v, face }| {
-                    if t < t_max {
-                        hits.push(Hit { t, u, v, face });
-                    }
-                    false
-                });
-            }
-            false
-        });
-    }
 }
 
 impl RaySurface for Mesh {

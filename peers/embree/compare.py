@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+"""Rays per second against a triangle mesh: Glanz and Embree, same mesh, same rays, one run.
+
+    apt-get install libembree-dev        # Embree 3.13
+    peers/embree/compare.py [--triangles 1000000] [--rounds 7] [--out benches/results/NAME.json]
+
+Both sides are programs that build their hierarchy once and then time one set of rays at a time, one call per ray
+(rtcIntersect1, rtcOccluded1; Mesh::intersect, Mesh::occluded). The calls alternate: Glanz, Embree, Embree robust, Glanz ...
+so that what else happens on the machine meets all of them. What counts is the ratio of medians. Glanz tests in f64
+without gaps between triangles; so does Embree's robust mode in f32; its fast mode does not promise that.
+
+Sets: "coherent" (camera rays, line by line), "bounced" (diffuse, from where those hit), "random" (chords of a sphere).
+"""
+
+import argparse
+import json
+import pathlib
+import platform
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+TASKS = [(rays, query, threads) for rays in ("coherent", "bounced", "random")
+         for query in ("closest", "any") for threads in (1, 2)]
+
+
+def build(folder):
+    """Compiles both sides; returns the paths of the programs."""
+    embree = folder / "embree"
+    subprocess.run(["gcc", "-O3", "-march=native", "-Wall", "-Wextra", "-o", embree, HERE / "embree.c", "-lembree3", "-lpthread"],
+                   check=True)
+    cargo = ["cargo", "build", "--release", "-p", "glanz-geometry", "--example", "peer_embree", "--message-format=json"]
+    messages = subprocess.run(cargo, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
+    built = [json.loads(line) for line in messages.splitlines()]
+    glanz = next(m["executable"] for m in built if m.get("target", {}).get("name") == "peer_embree" and m.get("executable"))
+    return glanz, embree
+
+
+class Side:
+    """A program that answers lines."""
+
+    def __init__(self, name, command):
+        self.name = name
+        self.process = subprocess.Popen([str(c) for c in command], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.about = self.read()
+
+    def read(self):
+        line = self.process.stdout.readline()
+        if not line:
+            sys.exit(f"{self.name} died")
+        return line.strip()
+
+    def ask(self, task):
+        print(*task, file=self.process.stdin, flush=True)
+        nanoseconds, rays, hits, total = self.read().split()
+        return float(nanoseconds), int(rays), int(hits), float(total)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--triangles", type=int, default=1_000_000)
+    parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--out", type=pathlib.Path, help="raw results")
+    parser.add_argument("--modes", nargs="+", default=["fast", "robust"])
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        glanz, embree = build(folder)
+        sides = [Side("Glanz", [glanz, folder, arguments.triangles])]
+        sides += [Side(f"Embree {mode}", [embree, folder, mode]) for mode in arguments.modes]
+        for side in sides:
+            print(f"{side.name}: built in {side.about}")
+        results = []
+        for task in TASKS:
+            times = {side.name: [] for side in sides}
+            answers = {}
+            for _ in range(arguments.rounds):
+                for side in sides:
+                    nanoseconds, rays, hits, total = side.ask(task)
+                    times[side.name].append(rays / nanoseconds * 1e3)
+                    answers[side.name] = (hits, total)
+            results.append({"rays": task[0], "query": task[1], "threads": task[2], "million_rays_per_second": times,
+                            "hits_and_sum_of_t": answers})
+            medians = {name: statistics.median(values) for name, values in times.items()}
+            ratios = [f"{medians['Glanz'] / value:5.2f}" for name, value in medians.items() if name != "Glanz"]
+            print(f"{task[0]:9} {task[1]:8} {task[2]} thread(s):",
+                  *(f"{name} {value:6.2f}" for name, value in medians.items()), "Mrays/s; ratios", *ratios,
+                  "; hits", *(hits for hits, _ in answers.values()), flush=True)
+    if arguments.out:
+        about = {"date": time.strftime("%Y-%m-%d"), "machine": platform.platform(),
+                 "sides": {side.name: side.about for side in sides}, "results": results}
+        arguments.out.parent.mkdir(parents=True, exist_ok=True)
+        arguments.out.write_text(json.dumps(about, indent=1) + "\n")
+
+
+main()
