@@ -50,6 +50,12 @@ pub enum SurfaceError {
         /// The quantity that should be larger, or smaller.
         value: f64,
     },
+    /// Half-spaces leave a way out.
+    #[error("the half-spaces have no end in the direction ({}, {}, {})", direction[0], direction[1], direction[2])]
+    Unbounded {
+        /// A direction in which one can go on for ever.
+        direction: [f64; 3],
+    },
     /// A list is too short for the surface.
     #[error("{count} {parameter}, at least {min} are needed")]
     TooFew {

@@ -80,9 +80,10 @@ impl Torus {
         self.phi_max * self.major * TAU * self.minor
     }
 
-    /// The part of the line, by arc length, between the ray parameters 0 and `t_max` and around the surface.
+    /// The part of the line, by arc length, beyond the ray's origin and around the surface, if it begins before `t_max`.
     ///
-    /// Ball and slab are a little too large: clipping saves time and digits but must not decide about a crossing.
+    /// Ball and slab are a little too large: clipping saves time and digits but must not decide about a crossing. The
+    /// end does not depend on `t_max`, so that a hit has the same digits whatever is asked.
     fn clip(&self, ray: &Ray, line: &Line, t_max: f64) -> Option<(f64, f64)> {
         let outer = (self.major + self.minor) * (1.0 + 1.0 / 64.0);
         let half2 = outer * outer - line.origin.length_squared();
@@ -90,7 +91,7 @@ impl Torus {
             return None;
         }
         let half = half2.sqrt();
-        let (mut low, mut high) = (line.s(0.0).max(-half), line.s(t_max).min(half));
+        let (mut low, mut high) = (line.s(0.0).max(-half), half);
         let (z, dz) = (line.origin.z, line.direction.z);
         // The last term: what a far origin costs.
         let reach = self.minor * (1.0 + 1.0 / 16.0) + gamma(4) * ray.origin.length();
@@ -101,7 +102,7 @@ impl Torus {
         } else if z.abs() > reach {
             return None;
         }
-        (low <= high).then_some((low, high))
+        (low <= high && low <= line.s(t_max)).then_some((low, high))
     }
 
     /// Arc lengths of all crossings of the whole torus between `low` and `high`.
@@ -140,10 +141,14 @@ impl Torus {
     fn each_hit(&self, ray: &Ray, t_max: f64, mut visit: impl FnMut(Hit) -> bool) {
         let line = Line::nearest_to(ray, DVec3::ZERO);
         let Some((low, high)) = self.clip(ray, &line, t_max) else { return };
+        let mut last = 0.0;
         for &s in self.crossings(&line, low, high).iter() {
-            if self.hit(&line, s, t_max).is_some_and(&mut visit) {
+            let Some(hit) = self.hit(&line, s, t_max) else { continue };
+            // Two arc lengths may be one parameter of a far ray.
+            if hit.t > last && visit(hit) {
                 return;
             }
+            last = hit.t;
         }
     }
 
