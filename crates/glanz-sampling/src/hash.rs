@@ -73,8 +73,9 @@ pub fn unit_f32(bits: u32) -> f32 {
 
 /// Where `position` (below `length`) goes under the permutation of `0..length` that `key` names.
 ///
-/// A keyed bijection on the next power of two is repeated until it lands inside; less than two rounds on average.
-/// Over the keys, pairs of positions go to all pairs of places equally often, as far as the hash is good. A `position` outside is taken modulo
+/// A keyed bijection on the next power of two is repeated until it lands inside; less than two rounds on
+/// average. Over the keys, pairs of positions go to all pairs of places equally often, as far as the hash is
+/// good. A `position` outside is taken modulo
 /// `length`; a `length` of 0 gives 0.
 ///
 /// # Source

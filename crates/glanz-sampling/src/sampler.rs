@@ -129,10 +129,10 @@ impl PixelSampler {
 
     /// Goes on with the next group of four dimensions.
     ///
-    /// Numbers of one group know each other, those of different groups do not: a decision whose parts belong together (a
-    /// lobe and a direction in it, a light and a point on it) should be made in one group, [`PixelSampler::next_2d`]
-    /// first, then up to two times [`PixelSampler::next_1d`]. Split over two groups, a choice and what depends on it
-    /// converge no faster than independent numbers would.
+    /// Numbers of one group know each other, those of different groups do not: a decision whose parts belong
+    /// together (a lobe and a direction in it, a light and a point on it) should be made in one group,
+    /// [`PixelSampler::next_2d`] first, then up to two times [`PixelSampler::next_1d`]. Split over two
+    /// groups, a choice and what depends on it converge no faster than independent numbers would.
     pub fn begin_group(&mut self) {
         self.dimension = self.dimension.wrapping_add(3) & !3;
     }

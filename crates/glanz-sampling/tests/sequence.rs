@@ -258,8 +258,8 @@ fn neighbouring_pixels_and_requests_are_independent() {
             };
             counts[(a * 8.0) as usize * 8 + (b * 8.0) as usize] += 1;
         }
-        // Within a pixel the four samples are stratified, which makes counts more even than independent ones: the test
-        // can only err towards acceptance, and would still see a correlation.
+        // Within a pixel the four samples are stratified, which makes counts more even than independent ones:
+        // the test can only err towards acceptance, and would still see a correlation.
         let test = chi_square(&counts, &[1000.0; 64]);
         assert!(test.p_value > 0.001 / 3.0, "{other}: {test:?}");
     }

@@ -62,7 +62,8 @@ pub struct BsdfSample {
     pub weight: Spectrum,
     /// `f |cos|` as of [`Bsdf::eval`]; black for a delta lobe.
     pub value: Spectrum,
-    /// Density of `wi` as of [`Bsdf::pdf`]; infinite for a delta lobe, so that multiple importance sampling gives it all.
+    /// Density of `wi` as of [`Bsdf::pdf`]; infinite for a delta lobe, so that multiple importance sampling
+    /// gives it all.
     pub pdf: SolidAnglePdf,
     /// The lobe it comes from.
     pub lobe: Lobe,
@@ -81,8 +82,8 @@ impl BsdfSample {
 
 /// The closed set of scattering models. `tests/contract.rs` runs over all of them.
 ///
-/// The frame: z is the shading normal, all directions have unit length and point away from the surface. Reflecting models do
-/// the same on both sides; only [`Dielectric`] has an inside (z < 0) and an outside.
+/// The frame: z is the shading normal, all directions have unit length and point away from the surface.
+/// Reflecting models do the same on both sides; only [`Dielectric`] has an inside (z < 0) and an outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bsdf {
     /// Absorbs everything.

@@ -1,7 +1,7 @@
 //! BSDFs, Fresnel's equations, materials and textures.
 //!
-//! Everything works in a local frame: z is the shading normal, directions have unit length and point away from the surface.
-//! Directions and densities are `f64`, light is `f32`.
+//! Everything works in a local frame: z is the shading normal, directions have unit length and point away
+//! from the surface. Directions and densities are `f64`, light is `f32`.
 //!
 //! - [`material`]: a [`Material`] has textured parameters; at a [`TexturePoint`] it gives a [`Bsdf`];
 //! - [`bsdf`]: [`Bsdf`], the closed set of scattering models, with `eval`, `pdf` and `sample`;

@@ -9,8 +9,9 @@ use crate::texture::{FloatInput, SpectrumInput, TextureId, TexturePoint, Texture
 
 /// What a surface is made of.
 ///
-/// Values of textures are brought into their range where they are used, so that a [`Bsdf`] never creates energy:
-/// shares of light are clamped to [0, 1], refractive indices and absorption are at least 0, what is not a number is 0.
+/// Values of textures are brought into their range where they are used, so that a [`Bsdf`] never creates
+/// energy: shares of light are clamped to [0, 1], refractive indices and absorption are at least 0, what is
+/// not a number is 0.
 /// [`Material::check`] finds constants out of range beforehand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -179,7 +180,8 @@ impl Material {
         }
     }
 
-    /// The largest sum of constant diffuse and specular coefficients, where it is above 1 and transport scales it down.
+    /// The largest sum of constant diffuse and specular coefficients, where it is above 1 and transport
+    /// scales it down.
     ///
     /// For a warning; textured coefficients are not looked at.
     #[must_use]

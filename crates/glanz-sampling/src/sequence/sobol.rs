@@ -71,10 +71,11 @@ const fn reversed_by_byte() -> [[[u32; 256]; 4]; DIMENSIONS] {
     tables
 }
 
-/// The bit-reversed coordinate `dimension` (0 to 3, taken modulo 4), in units of 2^-32, of the point whose bit-reversed
-/// index is `reversed_index`.
+/// The bit-reversed coordinate `dimension` (0 to 3, taken modulo 4), in units of 2^-32, of the point whose
+/// bit-reversed index is `reversed_index`.
 ///
-/// Reversed is how [`super::owen::scramble_reversed`] wants both, and reversing 32 bits costs more than scrambling them.
+/// Reversed is how [`super::owen::scramble_reversed`] wants both, and reversing 32 bits costs more than
+/// scrambling them.
 #[inline]
 #[must_use]
 pub fn coordinate_reversed(reversed_index: u32, dimension: usize) -> u32 {

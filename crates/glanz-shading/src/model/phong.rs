@@ -41,9 +41,9 @@ pub struct Coefficients {
 impl Phong {
     /// A model of these numbers.
     ///
-    /// Negative coefficients count as 0. Where diffuse + specular is above 1 in some lane, transport uses both scaled down
-    /// by [`Phong::energy_scale`], the same in all lanes; the classical numbers stay as they are. An exponent below 0 or
-    /// not a number counts as 0.
+    /// Negative coefficients count as 0. Where diffuse + specular is above 1 in some lane, transport uses
+    /// both scaled down by [`Phong::energy_scale`], the same in all lanes; the classical numbers stay as they
+    /// are. An exponent below 0 or not a number counts as 0.
     #[must_use]
     pub fn new(coefficients: Coefficients) -> Self {
         let positive = |s: Spectrum| s.map(|x| x.max(0.0));
@@ -74,20 +74,10 @@ impl Phong {
     /// `f |cos|`.
     #[must_use]
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
-        self.eval_times(wo, wi, 1.0)
-    }
-
-    /// `f |cos| factor`; the product is taken in `f64`, where neither factor nor cosine underflow.
-    fn eval_times(&self, wo: DVec3, wi: DVec3, factor: f64) -> Spectrum {
         if !same_side(wo, wi) {
             return Spectrum::BLACK;
         }
-        let Coefficients { diffuse, specular, exponent, .. } = self.coefficients;
-        let scale = wi.z.abs() * factor * f64::from(self.energy_scale);
-        let cos_alpha = mirrored(wo).dot(wi);
-        let lobe =
-            if cos_alpha > 0.0 { (exponent + 2.0) / TAU * cos_alpha.min(1.0).powf(exponent) } else { 0.0 };
-        diffuse * (FRAC_1_PI * scale) as f32 + specular * (lobe * scale) as f32
+        self.value(self.power(wo, wi), wi.z.abs())
     }
 
     /// A mixture of the cosine and of the lobe, the latter with what would be below the horizon mirrored up.
@@ -96,12 +86,7 @@ impl Phong {
         if !same_side(wo, wi) {
             return SolidAnglePdf(0.0);
         }
-        let axis = mirrored(wo);
-        let below = DVec3::new(wi.x, wi.y, -wi.z);
-        let lobe = |w: DVec3| warp::phong_lobe_pdf(axis.dot(w).min(1.0), self.coefficients.exponent).0;
-        let diffuse = warp::cosine_hemisphere_pdf(wi.z.abs()).0;
-        let specular = lobe(wi) + lobe(below);
-        SolidAnglePdf(self.diffuse_probability * diffuse + (1.0 - self.diffuse_probability) * specular)
+        self.density(self.power(wo, wi), wo, wi)
     }
 
     /// A direction from one of the two lobes, weighted by both.
@@ -115,12 +100,39 @@ impl Phong {
         };
         // Mirroring at the horizon loses no sample and leaves the density of those above it where it was or higher.
         wi.z = wi.z.abs().copysign(wo.z);
-        let pdf = self.pdf(wo, wi);
-        if !same_side(wo, wi) || pdf.0 <= 0.0 {
+        if !same_side(wo, wi) {
             return None;
         }
-        let weight = self.eval_times(wo, wi, 1.0 / pdf.0);
-        Some(BsdfSample { wi, weight, value: self.eval(wo, wi), pdf, lobe, eta_scale: 1.0 })
+        let power = self.power(wo, wi);
+        let pdf = self.density(power, wo, wi);
+        if pdf.0 <= 0.0 {
+            return None;
+        }
+        let value = self.value(power, wi.z.abs());
+        // Before the cosine or the density is rounded to f32, where it might underflow.
+        let weight = self.value(power, wi.z.abs() / pdf.0);
+        Some(BsdfSample { wi, weight, value, pdf, lobe, eta_scale: 1.0 })
+    }
+
+    /// `max(0, cos alpha)^n`.
+    fn power(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let cos = mirrored(wo).dot(wi);
+        if cos > 0.0 { cos.min(1.0).powf(self.coefficients.exponent) } else { 0.0 }
+    }
+
+    /// `f factor` for that power.
+    fn value(&self, power: f64, factor: f64) -> Spectrum {
+        let Coefficients { diffuse, specular, exponent, .. } = self.coefficients;
+        let factor = factor * f64::from(self.energy_scale);
+        diffuse * (FRAC_1_PI * factor) as f32 + specular * ((exponent + 2.0) / TAU * power * factor) as f32
+    }
+
+    /// The density for that power, of directions on one side.
+    fn density(&self, power: f64, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
+        let below = self.power(wo, DVec3::new(wi.x, wi.y, -wi.z));
+        let specular = (self.coefficients.exponent + 1.0) / TAU * (power + below);
+        let diffuse = warp::cosine_hemisphere_pdf(wi.z.abs()).0;
+        SolidAnglePdf(self.diffuse_probability * diffuse + (1.0 - self.diffuse_probability) * specular)
     }
 
     /// Share of light scattered; relative accuracy of the specular part about 1e-4.
@@ -133,8 +145,9 @@ impl Phong {
 
 /// `(n + 2) / (2 pi)` times the integral of `cos^n(alpha) cos(theta)` over the hemisphere, for a lobe under `cos_axis`.
 ///
-/// Without the horizon the integral over the whole lobe is `cos_axis`. What the horizon cuts off has a closed form over the
-/// azimuth of the lobe; over the uniform variable `cos^(n+1)(alpha)` remains a bounded function, left to the midpoint rule.
+/// Without the horizon the integral over the whole lobe is `cos_axis`. What the horizon cuts off has a closed
+/// form over the azimuth of the lobe; over the uniform variable `cos^(n+1)(alpha)` remains a bounded
+/// function, left to the midpoint rule.
 fn specular_albedo(cos_axis: f64, exponent: f64) -> f64 {
     const STEPS: u32 = 32;
     let sin_axis = (1.0 - cos_axis * cos_axis).max(0.0).sqrt();
@@ -168,12 +181,12 @@ pub struct ClassicLight {
 /// What one visible light contributes in the classical model: `Md Ld max(0, n.l) + Ms Ls max(0, r.v)^n`.
 ///
 /// `normal` is on the side of the viewer; `to_viewer` and all other directions have unit length and point away from the
-/// surface. Intensities are used as they are, without division by pi or by squared distances. An exponent of 0 gives a
-/// highlight wherever `r.v > 0`.
+/// surface. Intensities are used as they are, without division by pi or by squared distances. An exponent of
+/// 0 gives a highlight wherever `r.v > 0`.
 ///
 /// # Source
-/// Document 001 section 3.4. Departures (`ERRATA.md`): the power is taken of max(0, r.v), and only where n.l > 0, so that an
-/// even power does not light the back.
+/// Document 001 section 3.4. Departures (`ERRATA.md`): the power is taken of max(0, r.v), and only where n.l
+/// > 0, so that an even power does not light the back.
 #[must_use]
 pub fn classic(surface: &Coefficients, normal: DVec3, to_viewer: DVec3, light: &ClassicLight) -> Spectrum {
     let cos = normal.dot(light.direction);

@@ -66,8 +66,8 @@ pub struct Image {
 impl Image {
     /// A picture of linear values; the pyramid is built if `with_pyramid`, and needs a third more memory.
     ///
-    /// Levels halve in both directions, rounding down; each pixel is the exact mean over its area of the level before, so
-    /// that all levels have the mean of the picture.
+    /// Levels halve in both directions, rounding down; each pixel is the exact mean over its area of the
+    /// level before, so that all levels have the mean of the picture.
     ///
     /// # Errors
     /// [`ImageError`] if the channels are missing or a pixel is not finite.
@@ -145,7 +145,8 @@ impl Level {
 
     fn point(&self, st: DVec2, wrap: Wrap) -> [f32; 3] {
         let p = self.place(st, wrap);
-        // Rows count downwards: a value on the border between two belongs to the upper one, as columns do to the right.
+        // Rows count downwards: a value on the border between two belongs to the upper one, as columns do to
+        // the right.
         self.texel(p.x.floor() as i64, (p.y.ceil() as i64).saturating_sub(1), wrap)
     }
 
