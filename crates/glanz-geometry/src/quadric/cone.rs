@@ -1,0 +1,143 @@
+//! Cones.
+
+use glanz_math::rounding::gamma;
+use glanz_math::{Bounds3, DVec2, DVec3};
+
+use super::clip::Sweep;
+use super::revolution::Revolution;
+use super::swept::{Bending, Swept, impl_ray_surface};
+use crate::error::{SurfaceError, positive};
+use crate::hit::SurfacePoint;
+
+/// A cone about the z axis, open at its base in z = 0, apex at z = height.
+///
+/// `u` is the azimuth as a share of its range, `v` runs from the base to the apex. The normal points outward. At the
+/// apex it is the one of the azimuth that `u` says. Sampled uniformly by area.
+///
+/// # Source
+/// @pharr2017 section 3.5.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    quadric: Revolution,
+    sweep: Sweep,
+    radius: f64,
+    height: f64,
+}
+
+impl Cone {
+    /// The cone of `radius` (m) at its base and the given `height` (m) with azimuth up to `phi_max` (radians; more than
+    /// a turn is a turn).
+    ///
+    /// # Errors
+    /// [`SurfaceError`] if a value is not finite or not positive.
+    pub fn try_new(radius: f64, height: f64, phi_max: f64) -> Result<Self, SurfaceError> {
+        let (radius, height) = (positive("radius", radius)?, positive("height", height)?);
+        let slope = radius / height;
+        Ok(Self {
+            quadric: Revolution::new([slope * slope, 0.0, 0.0], height, [0.0, height], radius),
+            sweep: Sweep::try_new(phi_max)?,
+            radius,
+            height,
+        })
+    }
+
+    /// Area, m^2.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        0.5 * self.sweep.phi_max() * self.radius * self.radius.hypot(self.height)
+    }
+}
+
+impl Swept for Cone {
+    fn quadric(&self) -> &Revolution {
+        &self.quadric
+    }
+
+    fn extent(&self) -> Bounds3 {
+        self.sweep.bounds([0.0, self.radius], [0.0, self.height])
+    }
+
+    fn parameters(&self, p: DVec3) -> Option<DVec2> {
+        // The other nappe begins at the apex. There the z of a crossing is known to a few roundings of coordinates of
+        // up to four heights, and a ray through the apex must not be lost to them.
+        if !(p.z >= 0.0 && p.z - self.height <= gamma(16) * self.height) {
+            return None;
+        }
+        let u = self.sweep.parameter(p.x, p.y)?;
+        Some(DVec2::new(u, (p.z / self.height).min(1.0)))
+    }
+
+    fn tangents(&self, p: DVec3, uv: DVec2) -> [DVec3; 2] {
+        let radial = self.sweep.direction_of(p, uv.x);
+        [self.sweep.derivative(p), (radial * -self.radius).extend(self.height)]
+    }
+
+    fn bending(&self, p: DVec3, uv: DVec2, _tangents: [DVec3; 2]) -> Bending {
+        // From the azimuth alone, so that it holds up to the apex.
+        let radial = self.sweep.direction_of(p, uv.x);
+        let side = self.radius.hypot(self.height);
+        let turn = self.sweep.phi_max() * self.height / side;
+        Bending {
+            normal: (radial * self.height).extend(self.radius).normalize(),
+            dndu: DVec3::new(-radial.y, radial.x, 0.0) * turn,
+            dndv: DVec3::ZERO,
+        }
+    }
+
+    fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
+        // Area grows with the square of the distance from the apex.
+        let from_apex = (1.0 - xi.y).sqrt();
+        let v = 1.0 - from_apex;
+        let radial = self.sweep.direction(xi.x);
+        ((radial * (self.radius * from_apex)).extend(v * self.height), DVec2::new(xi.x, v))
+    }
+
+    fn density(&self, _point: &SurfacePoint) -> f64 {
+        1.0 / self.area()
+    }
+}
+
+impl_ray_surface!(Cone);
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use glanz_math::Ray;
+
+    use super::*;
+    use crate::surface::RaySurface;
+
+    #[test]
+    fn apex_is_hit_from_above_and_the_mirrored_nappe_is_not() {
+        let cone = Cone::try_new(1.3, 0.7, TAU).unwrap();
+        let hit = cone.intersect(&Ray::new(DVec3::Z * 3.3, -DVec3::Z), f64::INFINITY).unwrap();
+        assert!((hit.t - 2.6).abs() < 1e-15 && hit.v == 1.0);
+        let above = Ray::new(DVec3::new(-5.0, 0.0, 1.0), DVec3::X);
+        assert_eq!(cone.intersect(&above, f64::INFINITY), None);
+    }
+
+    #[test]
+    fn ray_parallel_to_a_ruling_meets_the_other_side_once() {
+        // Cone x^2 + y^2 = (1 - z)^2; the ray x = s - 1/2, z = s is parallel to the ruling (-1, 0, 0) + s (1, 0, 1)
+        // and meets the opposite one, x = 1 - z, at s = 3/4.
+        let cone = Cone::try_new(1.0, 1.0, TAU).unwrap();
+        let mut hits = Vec::new();
+        cone.all_hits(
+            &Ray::new(DVec3::new(-0.5, 0.0, 0.0), DVec3::new(1.0, 0.0, 1.0)),
+            f64::INFINITY,
+            &mut hits,
+        );
+        assert_eq!(hits.iter().map(|h| h.t).collect::<Vec<_>>(), [0.75]);
+    }
+
+    #[test]
+    fn normal_leans_up_and_outward() {
+        let cone = Cone::try_new(1.0, 2.0, TAU).unwrap();
+        let ray = Ray::new(DVec3::new(3.0, 0.0, 1.0), -DVec3::X);
+        let hit = cone.intersect(&ray, f64::INFINITY).unwrap();
+        let point = cone.point(&ray, &hit);
+        assert!((point.normal - DVec3::new(2.0, 0.0, 1.0).normalize()).length() < 1e-15);
+        assert!((point.dpdu.cross(point.dpdv).normalize() - point.normal).length() < 1e-15);
+    }
+}

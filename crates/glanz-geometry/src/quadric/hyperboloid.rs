@@ -1,0 +1,194 @@
+//! One-sheeted hyperboloids.
+
+use glanz_math::{Bounds3, DVec2, DVec3};
+
+use super::clip::{Sweep, grown};
+use super::revolution::{Revolution, follow};
+use super::swept::{Swept, impl_ray_surface, parameter_density};
+use crate::error::{SurfaceError, finite};
+use crate::hit::SurfacePoint;
+
+/// The segment from `p1` to `p2` swept about the z axis: a one-sheeted hyperboloid, or a cone, a double cone or a
+/// cylinder where the segment lies so.
+///
+/// `u` is the angle of the sweep as a share of its range, `v` runs from `p1` to `p2`. The normal points away from the
+/// axis if `p2` is above `p1`, and to the axis otherwise. Sampled uniformly in (u, v).
+///
+/// # Source
+/// @pharr2017 section 3.5. Departures: any segment that is not horizontal is possible, while pbrt's implicit equation
+/// holds only for those that are closest to the axis in z = 0; `p1` and `p2` are never swapped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hyperboloid {
+    quadric: Revolution,
+    sweep: Sweep,
+    p1: DVec3,
+    p2: DVec3,
+}
+
+impl Hyperboloid {
+    /// The segment from `p1` to `p2` (m) swept by `phi_max` (radians; more than a turn is a turn).
+    ///
+    /// # Errors
+    /// [`SurfaceError`] if a value is not finite, `phi_max` is not positive, both ends have the same z (a ring is a
+    /// disk with a hole), or both lie on the axis.
+    pub fn try_new(p1: DVec3, p2: DVec3, phi_max: f64) -> Result<Self, SurfaceError> {
+        for (parameter, p) in [("p1", p1), ("p2", p2)] {
+            for value in p.to_array() {
+                finite(parameter, value)?;
+            }
+        }
+        let d = p2 - p1;
+        if d.z == 0.0 {
+            let reason = "both ends of the segment have the same z, use a disk";
+            return Err(SurfaceError::Degenerate { reason, value: p1.z });
+        }
+        let widest = p1.truncate().length().max(p2.truncate().length());
+        if !(widest > 0.0) {
+            let reason = "the segment lies on the axis";
+            return Err(SurfaceError::Degenerate { reason, value: widest });
+        }
+        // The equation is written about the point of the segment next to the axis: at a waist or an apex its terms
+        // are as small as the surface there.
+        let flat = d.truncate();
+        let to_waist = -p1.truncate().dot(flat) / flat.length_squared();
+        let waist = if to_waist > 0.0 && to_waist < 1.0 { to_waist } else { f64::from(to_waist >= 1.0) };
+        let next = follow(p1, d, waist);
+        let next = if waist == 1.0 { p2 } else { next };
+        // Inside the segment the line is perpendicular to the axis' distance there: no linear term.
+        let beta = if waist == to_waist { 0.0 } else { 2.0 * next.truncate().dot(flat) / d.z };
+        let alpha = flat.length_squared() / (d.z * d.z);
+        let gamma = next.truncate().length_squared();
+        let heights = [p1.z.min(p2.z), p1.z.max(p2.z)];
+        Ok(Self {
+            quadric: Revolution::new([alpha, beta, gamma], next.z, heights, widest),
+            sweep: Sweep::try_new(phi_max)?,
+            p1,
+            p2,
+        })
+    }
+
+    fn on_segment(&self, v: f64) -> DVec3 {
+        self.p1 * (1.0 - v) + self.p2 * v
+    }
+}
+
+impl Swept for Hyperboloid {
+    fn quadric(&self) -> &Revolution {
+        &self.quadric
+    }
+
+    fn side(&self) -> f64 {
+        (self.p2.z - self.p1.z).signum()
+    }
+
+    fn extent(&self) -> Bounds3 {
+        let (a, b) = (self.p1.truncate(), self.p2.truncate());
+        let widest = a.length().max(b.length());
+        // Where the segment begins and how far it turns: below pi, as a line sees its projection from the axis.
+        let begin = a.to_angle();
+        let turn = if a.length() > 0.0 && b.length() > 0.0 { a.angle_to(b) } else { 0.0 };
+        let crosses_axis = a.length() == 0.0 || b.length() == 0.0 || turn.abs() > 3.0;
+        let (low, high) = (begin + turn.min(0.0), begin + turn.max(0.0) + self.sweep.phi_max());
+        let sin_cos = self.sweep.direction(1.0);
+        let mut points = vec![a, b, sin_cos.rotate(a), sin_cos.rotate(b)];
+        for (quarter, axis) in [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y].into_iter().enumerate() {
+            let phi = quarter as f64 * std::f64::consts::FRAC_PI_2;
+            let turns = ((low - phi) / std::f64::consts::TAU).ceil();
+            // The circle of the wider end bounds all arcs that pass the axis: simple, and tight for most.
+            if crosses_axis || phi + turns * std::f64::consts::TAU <= high {
+                points.push(axis * widest);
+            }
+        }
+        grown(Bounds3::of_points(points.iter().flat_map(|p| [p.extend(self.p1.z), p.extend(self.p2.z)])))
+    }
+
+    fn parameters(&self, p: DVec3) -> Option<DVec2> {
+        let v = (p.z - self.p1.z) / (self.p2.z - self.p1.z);
+        if !((0.0..=1.0).contains(&v)) {
+            return None;
+        }
+        let start = self.on_segment(v).truncate();
+        let here = p.truncate();
+        let u = self.sweep.parameter(start.dot(here), start.perp_dot(here))?;
+        Some(DVec2::new(u, v))
+    }
+
+    fn tangents(&self, p: DVec3, uv: DVec2) -> [DVec3; 2] {
+        let d = self.p2 - self.p1;
+        let dpdv = self.sweep.direction(uv.x).rotate(d.truncate()).extend(d.z);
+        [self.sweep.derivative(p), dpdv]
+    }
+
+    fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
+        let p = self.on_segment(xi.y);
+        (self.sweep.direction(xi.x).rotate(p.truncate()).extend(p.z), xi)
+    }
+
+    fn density(&self, point: &SurfacePoint) -> f64 {
+        parameter_density(point)
+    }
+}
+
+impl_ray_surface!(Hyperboloid);
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use glanz_math::Ray;
+
+    use super::*;
+    use crate::surface::RaySurface;
+
+    #[test]
+    fn unit_hyperboloid_is_hit_at_its_waist() {
+        // The line (1, s, s) sweeps x^2 + y^2 = 1 + z^2.
+        let h = Hyperboloid::try_new(DVec3::new(1.0, -1.0, -1.0), DVec3::new(1.0, 1.0, 1.0), TAU).unwrap();
+        let ray = Ray::new(DVec3::new(-3.0, 0.0, 0.0), DVec3::X);
+        let mut hits = Vec::new();
+        h.all_hits(&ray, f64::INFINITY, &mut hits);
+        assert_eq!(
+            hits.iter().map(|h| (h.t, h.u, h.v)).collect::<Vec<_>>(),
+            [(2.0, 0.5, 0.5), (4.0, 0.0, 0.5)]
+        );
+        assert_eq!(h.point(&ray, &hits[1]).normal, DVec3::X);
+    }
+
+    #[test]
+    fn segment_off_the_waist_that_pbrt_cannot_have_is_exact() {
+        // (1, s, s) for s from 2 to 3 has its waist at z = 0, outside; shifted by 10 along z pbrt's equation fails.
+        let h = Hyperboloid::try_new(DVec3::new(1.0, 2.0, 12.0), DVec3::new(1.0, 3.0, 13.0), TAU).unwrap();
+        let ray = Ray::new(DVec3::new(-9.0, 0.0, 12.5), DVec3::X);
+        let hit = h.intersect(&ray, f64::INFINITY).unwrap();
+        assert!((hit.t - (9.0 - (1.0_f64 + 2.5 * 2.5).sqrt())).abs() < 1e-14);
+    }
+
+    #[test]
+    fn downward_segment_turns_the_normal_to_the_axis() {
+        let h = Hyperboloid::try_new(DVec3::new(1.0, 1.0, 1.0), DVec3::new(1.0, -1.0, -1.0), TAU).unwrap();
+        let ray = Ray::new(DVec3::new(3.0, 0.0, 0.0), -DVec3::X);
+        let point = h.point(&ray, &h.intersect(&ray, f64::INFINITY).unwrap());
+        assert_eq!(point.normal, -DVec3::X);
+        assert!(point.dpdu.cross(point.dpdv).dot(point.normal) > 0.0);
+    }
+
+    #[test]
+    fn rulings_lie_on_the_surface() {
+        let h = Hyperboloid::try_new(DVec3::new(1.0, -1.0, -1.0), DVec3::new(1.0, 1.0, 1.0), TAU).unwrap();
+        for k in 0..100 {
+            let (sin, cos) = (f64::from(k) * 0.1).sin_cos();
+            let d = DVec3::new(-sin, cos, 1.0);
+            let ray = Ray::new(DVec3::new(cos, sin, 0.0) - d * 2.0, d);
+            if let Some(hit) = h.intersect(&ray, f64::INFINITY) {
+                let p = h.point(&ray, &hit);
+                assert!((p.position.truncate().length_squared() - 1.0 - p.position.z.powi(2)).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn horizontal_and_axial_segments_are_refused() {
+        assert!(Hyperboloid::try_new(DVec3::X, DVec3::Y, TAU).is_err());
+        assert!(Hyperboloid::try_new(DVec3::ZERO, DVec3::Z, TAU).is_err());
+    }
+}

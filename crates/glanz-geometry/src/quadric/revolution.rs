@@ -1,0 +1,289 @@
+//! The quadric of revolution about the z axis, and where a ray meets it.
+
+use glanz_math::polynomial::quadratic::difference_of_products;
+use glanz_math::rounding::gamma;
+use glanz_math::{DVec3, Ray};
+
+/// Rays that start further than so many half extents from the kept part are followed to it before the equation is
+/// formed. Any value well above sqrt(2) (where the corners of the extent are) serves; secondary rays must be below.
+const FAR: f64 = 4.0;
+
+/// Two roots are close together if their distance is less than a tenth of that of their middle from the start.
+const CLOSE: f64 = 0.01;
+
+/// `x^2 + y^2 = alpha w^2 + beta w + gamma` with `w = z - z0`; the side where the left is larger is called outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Revolution {
+    alpha: f64,
+    beta: f64,
+    gamma: f64,
+    z0: f64,
+    /// Middle of the kept range of z.
+    center: f64,
+    /// Largest distance of the kept part from the axis, squared.
+    radius_squared: f64,
+    /// Makes lengths along the axis comparable: squared ratio of radius to half height of the kept part.
+    weight: f64,
+}
+
+/// Where a ray meets the quadric.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Crossing {
+    /// Ray parameter.
+    pub(super) t: f64,
+    /// The point, more accurate than the ray at `t` where the ray comes from afar.
+    pub(super) p: DVec3,
+}
+
+/// A root as an offset from a point of the ray next to it, so that no digits go into the way from the origin.
+#[derive(Clone, Copy)]
+struct Root {
+    base: DVec3,
+    t_base: f64,
+    t: f64,
+}
+
+impl Revolution {
+    /// The quadric with the given coefficients, of which the part with z in `heights` and up to `radius` from the axis
+    /// is kept.
+    pub(super) fn new([alpha, beta, gamma]: [f64; 3], z0: f64, heights: [f64; 2], radius: f64) -> Self {
+        let half_height = 0.5 * (heights[1] - heights[0]);
+        let ratio = radius / half_height;
+        Self {
+            alpha,
+            beta,
+            gamma,
+            z0,
+            center: 0.5 * (heights[0] + heights[1]),
+            radius_squared: radius * radius,
+            weight: ratio * ratio,
+        }
+    }
+
+    /// The points where the ray meets the whole quadric next to the kept part, with t > 0, in ascending order.
+    ///
+    /// From an origin next to the surface, whether the near root is positive follows from the side on which the origin
+    /// is computed to be, so a ray that starts off the surface by the bound of [`Revolution::error`] cannot meet its
+    /// own point. From afar the equation is formed where the ray comes closest to the kept part, and roots close
+    /// together are found from their middle, which is where digits would cancel (@haines2019).
+    pub(super) fn crossings(&self, ray: &Ray) -> [Option<Crossing>; 2] {
+        let Some((base, t_base)) = self.approach(ray) else { return [None; 2] };
+        let Some(roots) = self.roots(base, t_base, ray.direction) else { return [None; 2] };
+        let [first, second] = roots.map(|root| self.crossing(root, ray.direction));
+        match (first, second) {
+            (Some(a), Some(b)) if a.t == b.t => [first, None],
+            (Some(a), Some(b)) if a.t > b.t => [second, first],
+            (None, Some(_)) => [second, None],
+            _ => [first, second],
+        }
+    }
+
+    /// The point of the ray from which to solve, and its parameter; `None` if the ray passes the kept part.
+    fn approach(&self, ray: &Ray) -> Option<(DVec3, f64)> {
+        let (o, d) = (ray.origin, ray.direction);
+        let distance_squared = |o: DVec3| {
+            let z = o.z - self.center;
+            o.x * o.x + o.y * o.y + self.weight * (z * z)
+        };
+        if distance_squared(o) <= FAR * FAR * self.radius_squared {
+            return Some((o, 0.0));
+        }
+        let numerator = o.x * d.x + o.y * d.y + self.weight * (o.z - self.center) * d.z;
+        let t = -numerator / (d.x * d.x + d.y * d.y + self.weight * (d.z * d.z));
+        if !(t > 0.0) {
+            return None;
+        }
+        // The fused product rounds the small result only: the point is on the ray to its own last digits.
+        let near = follow(o, d, t);
+        // The kept part is within sqrt(2) half extents; the rest is room for rounding.
+        (distance_squared(near) <= 4.0 * self.radius_squared).then_some((near, t))
+    }
+
+    /// Half the derivative of the equation along `d`, and the equation itself, at `p`.
+    fn along(&self, p: DVec3, d: DVec3) -> (f64, f64) {
+        let w = p.z - self.z0;
+        let half = p.x * d.x + p.y * d.y - (self.alpha * w + 0.5 * self.beta) * d.z;
+        (half, self.value(p))
+    }
+
+    /// Left minus right side of the equation: positive outside.
+    fn value(&self, p: DVec3) -> f64 {
+        let w = p.z - self.z0;
+        p.x * p.x + p.y * p.y - (self.alpha * w + self.beta) * w - self.gamma
+    }
+
+    /// Both roots `a t^2 + 2 half t + c = 0` from `base`; not sorted.
+    fn roots(&self, base: DVec3, t_base: f64, d: DVec3) -> Option<[Root; 2]> {
+        let a = d.x * d.x + d.y * d.y - self.alpha * (d.z * d.z);
+        let (half, c) = self.along(base, d);
+        if a == 0.0 {
+            let root = Root { base, t_base, t: -0.5 * c / half };
+            return Some([root, root]);
+        }
+        let discriminant = difference_of_products(half, half, a, c);
+        if discriminant.abs() > CLOSE * half * half {
+            let [t0, t1] = stable_roots(a, half, c, discriminant)?;
+            return Some([t0, t1].map(|t| Root { base, t_base, t }));
+        }
+        // Both roots lie on one side of the start and far from it, so their middle may be a new start. There `half`
+        // almost vanishes, and the discriminant is as good as the equation at that point.
+        let to_middle = -half / a;
+        let middle = follow(base, d, to_middle);
+        let (half, c) = self.along(middle, d);
+        let mut discriminant = difference_of_products(half, half, a, c);
+        // A line steeper than a cone always meets it: where it passes the apex, the two roots are one.
+        if self.beta == 0.0 && self.gamma == 0.0 && a < 0.0 {
+            discriminant = discriminant.max(0.0);
+        }
+        let roots = stable_roots(a, half, c, discriminant)?;
+        Some(roots.map(|t| Root { base: middle, t_base: t_base + to_middle, t }))
+    }
+
+    /// The root as a crossing, if it is in front of the origin.
+    fn crossing(&self, root: Root, d: DVec3) -> Option<Crossing> {
+        let made = |t: f64| Crossing { t: root.t_base + t, p: follow(root.base, d, t) };
+        let mut best = made(root.t);
+        if !(best.t > 0.0) {
+            return None;
+        }
+        if self.alpha <= 0.0 {
+            return Some(best);
+        }
+        // Along an asymptote `a` cancels, and next to an apex the surface is smaller than the coordinates of the
+        // start: Newton steps judged by the equation at the point itself restore the digits.
+        let (mut t, mut residual) = (root.t, self.value(best.p).abs());
+        for _ in 0..3 {
+            let (half, value) = self.along(best.p, d);
+            t -= 0.5 * value / half;
+            let better = made(t);
+            let left = self.value(better.p).abs();
+            if !(left < residual && better.t > 0.0) {
+                break;
+            }
+            (best, residual) = (better, left);
+        }
+        Some(best)
+    }
+
+    /// Outward gradient of the equation.
+    pub(super) fn gradient(&self, p: DVec3) -> DVec3 {
+        let w = p.z - self.z0;
+        DVec3::new(2.0 * p.x, 2.0 * p.y, -2.0 * self.alpha * w - self.beta)
+    }
+
+    /// The point of the quadric next to `p`, which is close to it: two Newton steps along the gradient, of which each
+    /// squares the distance.
+    pub(super) fn refined(&self, p: DVec3) -> DVec3 {
+        let step = |p: DVec3| {
+            let gradient = self.gradient(p);
+            let square = gradient.length_squared();
+            if square > 0.0 { p - gradient * (self.value(p) / square) } else { p }
+        };
+        step(step(p))
+    }
+
+    /// The bound of [`crate::SurfacePoint::error`] at a refined point.
+    ///
+    /// Evaluating the equation rounds at most 8 times in a row, so its error is below gamma(8) M with M the sum of the
+    /// absolute terms. The point itself may be off by the residual found plus that much; the origin of the next ray
+    /// must be so far off that the equation there has the right sign in spite of the same error again: together
+    /// (|residual| + 2 gamma(8) M) / |gradient|. gamma(20) pays for the roundings of this bound and of the normal. The
+    /// term with |p| is the rounding of the coordinates.
+    pub(super) fn error(&self, p: DVec3) -> DVec3 {
+        let w = p.z - self.z0;
+        let terms = p.x * p.x
+            + p.y * p.y
+            + (self.alpha * w).abs() * w.abs()
+            + (self.beta * w).abs()
+            + self.gamma.abs();
+        let slope = self.gradient(p).length();
+        let off = if slope > 0.0 { (2.0 * self.value(p).abs() + gamma(20) * terms) / slope } else { 0.0 };
+        DVec3::splat(off) + p.abs() * gamma(2)
+    }
+
+    /// Unit normal to the outside, +z where there is none.
+    pub(super) fn normal(&self, p: DVec3) -> DVec3 {
+        self.gradient(p).try_normalize().unwrap_or(DVec3::Z)
+    }
+
+    /// Change of the unit outward normal along `tangent`, zero where there is no normal.
+    ///
+    /// The Weingarten map by the Hessian of the equation, which unlike the one by fundamental forms does not mind
+    /// degenerate parameters (@docarmo1976 section 3.2).
+    pub(super) fn bend(&self, p: DVec3, normal: DVec3, tangent: DVec3) -> DVec3 {
+        let slope = self.gradient(p).length();
+        if slope == 0.0 {
+            return DVec3::ZERO;
+        }
+        let turned = DVec3::new(2.0 * tangent.x, 2.0 * tangent.y, -2.0 * self.alpha * tangent.z) / slope;
+        turned - normal * normal.dot(turned)
+    }
+}
+
+/// `o + t d` with one rounding per coordinate.
+pub(super) fn follow(o: DVec3, d: DVec3, t: f64) -> DVec3 {
+    DVec3::new(t.mul_add(d.x, o.x), t.mul_add(d.y, o.y), t.mul_add(d.z, o.z))
+}
+
+/// Roots of `a t^2 + 2 half t + c` without cancellation (@higham2002 section 1.8).
+fn stable_roots(a: f64, half: f64, c: f64, discriminant: f64) -> Option<[f64; 2]> {
+    if !(discriminant >= 0.0) {
+        return None;
+    }
+    let q = -(half + discriminant.sqrt().copysign(half));
+    Some(if q == 0.0 { [0.0, 0.0] } else { [q / a, c / q] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unit_sphere() -> Revolution {
+        Revolution::new([-1.0, 0.0, 1.0], 0.0, [-1.0, 1.0], 1.0)
+    }
+
+    fn cone() -> Revolution {
+        Revolution::new([1.0, 0.0, 0.0], 1.0, [0.0, 1.0], 1.0)
+    }
+
+    #[test]
+    fn sphere_from_a_million_radii_is_hit_where_it_is() {
+        let direction = DVec3::new(0.6, 0.0, -0.8);
+        let origin = DVec3::new(0.0, 0.5, 0.0) - direction * 1e6;
+        let [Some(first), Some(second)] = unit_sphere().crossings(&Ray::new(origin, direction)) else {
+            panic!("two roots")
+        };
+        // Half the chord at height 1/2 is sqrt(3)/2; the origin rounds to 1e-10.
+        let half_chord = 0.75_f64.sqrt();
+        assert!((first.t - (1e6 - half_chord)).abs() < 3e-10);
+        assert!((second.t - (1e6 + half_chord)).abs() < 3e-10);
+        assert!((first.p.length() - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn every_line_steeper_than_a_cone_meets_it_even_through_the_apex() {
+        for k in 0..1000 {
+            // Directions with |horizontal| < |vertical|, apex at (0, 0, 1), one rounding away at most.
+            let phi = f64::from(k) * 0.7;
+            let d = DVec3::new(0.5 * phi.cos(), 0.7 * phi.sin(), -1.0 - 0.001 * f64::from(k));
+            let origin = DVec3::Z - d * 1.7;
+            let hits = cone().crossings(&Ray::new(origin, d));
+            let hit = hits[0].expect("the apex");
+            assert!((hit.p - DVec3::Z).length() < 1e-14, "{hit:?}");
+        }
+    }
+
+    #[test]
+    fn ray_along_a_ruling_gives_no_nan() {
+        let ruling = Ray::new(DVec3::new(1.0, 0.0, 0.0), DVec3::new(-1.0, 0.0, 1.0));
+        for hit in cone().crossings(&ruling).into_iter().flatten() {
+            assert!(hit.t > 0.0 && cone().value(hit.p).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn ray_that_turns_away_from_afar_is_dropped() {
+        assert!(unit_sphere().crossings(&Ray::new(DVec3::X * 1e9, DVec3::X)).iter().all(Option::is_none));
+        assert!(unit_sphere().crossings(&Ray::new(DVec3::X * 1e9, DVec3::Y)).iter().all(Option::is_none));
+    }
+}

@@ -1,0 +1,185 @@
+//! Spheres.
+
+use glanz_math::{Bounds3, DVec2, DVec3};
+
+use super::clip::Sweep;
+use super::revolution::Revolution;
+use super::swept::{Swept, impl_ray_surface};
+use crate::error::{SurfaceError, finite, positive};
+use crate::hit::SurfacePoint;
+
+/// A sphere about the origin, or the part of it in a range of z and of azimuth.
+///
+/// `u` is the azimuth as a share of its range, `v` the polar angle as a share of the way from the smallest z to the
+/// largest. The normal points outward. Sampled uniformly by area.
+///
+/// # Source
+/// @pharr2023 section 6.2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    quadric: Revolution,
+    sweep: Sweep,
+    radius: f64,
+    z: [f64; 2],
+    /// What a hit must lie in: infinite on a side that ends in a pole, where rounding must not clip.
+    z_clip: [f64; 2],
+    /// Polar angles of the two ends.
+    theta: [f64; 2],
+}
+
+impl Sphere {
+    /// The part of the sphere of `radius` (m) with z between the two values of `z` (m, any order, cut to the sphere)
+    /// and azimuth up to `phi_max` (radians; more than a turn is a turn).
+    ///
+    /// # Errors
+    /// [`SurfaceError`] if a value is not finite, `radius` or `phi_max` is not positive, or the range of z misses the
+    /// sphere or is a single value.
+    pub fn try_new(radius: f64, z: [f64; 2], phi_max: f64) -> Result<Self, SurfaceError> {
+        let radius = positive("radius", radius)?;
+        let [a, b] = [finite("z", z[0])?, finite("z", z[1])?];
+        let cut = [a.min(b).clamp(-radius, radius), a.max(b).clamp(-radius, radius)];
+        if !(cut[0] < cut[1]) {
+            return Err(SurfaceError::EmptyRange { parameter: "z", min: a, max: b });
+        }
+        let widest = if cut[0] <= 0.0 && cut[1] >= 0.0 {
+            radius
+        } else {
+            at_height(radius, cut[0]).max(at_height(radius, cut[1]))
+        };
+        Ok(Self {
+            quadric: Revolution::new([-1.0, 0.0, radius * radius], 0.0, cut, widest),
+            sweep: Sweep::try_new(phi_max)?,
+            radius,
+            z: cut,
+            z_clip: [
+                if cut[0] <= -radius { f64::NEG_INFINITY } else { cut[0] },
+                if cut[1] >= radius { f64::INFINITY } else { cut[1] },
+            ],
+            theta: cut.map(|z| (z / radius).acos()),
+        })
+    }
+
+    /// The whole sphere of `radius` (m).
+    ///
+    /// # Errors
+    /// [`SurfaceError`] if `radius` is not finite or not positive.
+    pub fn try_full(radius: f64) -> Result<Self, SurfaceError> {
+        Self::try_new(radius, [-radius, radius], std::f64::consts::TAU)
+    }
+
+    /// Radius, metres.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Area, m^2.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.sweep.phi_max() * self.radius * (self.z[1] - self.z[0])
+    }
+
+    fn v_of(&self, rho: f64, z: f64) -> f64 {
+        // The arc tangent keeps its digits at the poles, where the arc cosine of z / r has half of them.
+        let theta = rho.atan2(z);
+        ((theta - self.theta[0]) / (self.theta[1] - self.theta[0])).clamp(0.0, 1.0)
+    }
+}
+
+/// Distance from the axis at height `z`.
+fn at_height(radius: f64, z: f64) -> f64 {
+    ((radius - z) * (radius + z)).max(0.0).sqrt()
+}
+
+impl Swept for Sphere {
+    fn quadric(&self) -> &Revolution {
+        &self.quadric
+    }
+
+    fn extent(&self) -> Bounds3 {
+        let ends = self.z.map(|z| at_height(self.radius, z));
+        let widest = if self.z[0] <= 0.0 && self.z[1] >= 0.0 { self.radius } else { ends[0].max(ends[1]) };
+        self.sweep.bounds([ends[0].min(ends[1]), widest], self.z)
+    }
+
+    fn parameters(&self, p: DVec3) -> Option<DVec2> {
+        if !(p.z >= self.z_clip[0] && p.z <= self.z_clip[1]) {
+            return None;
+        }
+        let u = self.sweep.parameter(p.x, p.y)?;
+        Some(DVec2::new(u, self.v_of(p.truncate().length(), p.z)))
+    }
+
+    fn tangents(&self, p: DVec3, uv: DVec2) -> [DVec3; 2] {
+        let radial = self.sweep.direction_of(p, uv.x);
+        let rho = p.truncate().length();
+        let dpdv = (radial * p.z).extend(-rho) * (self.theta[1] - self.theta[0]);
+        [self.sweep.derivative(p), dpdv]
+    }
+
+    fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
+        // Archimedes: the area between two heights is proportional to their difference.
+        let z = self.z[0] + xi.y * (self.z[1] - self.z[0]);
+        let rho = at_height(self.radius, z);
+        ((self.sweep.direction(xi.x) * rho).extend(z), DVec2::new(xi.x, self.v_of(rho, z)))
+    }
+
+    fn density(&self, _point: &SurfacePoint) -> f64 {
+        1.0 / self.area()
+    }
+}
+
+impl_ray_surface!(Sphere);
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+    use glanz_math::Ray;
+
+    use super::*;
+    use crate::surface::RaySurface;
+
+    #[test]
+    fn hit_from_outside_and_from_inside() {
+        let sphere = Sphere::try_full(2.0).unwrap();
+        let outside = Ray::new(DVec3::new(-5.0, 0.0, 0.0), DVec3::X);
+        assert_eq!(sphere.intersect(&outside, f64::INFINITY).unwrap().t, 3.0);
+        let inside = Ray::new(DVec3::ZERO, DVec3::new(0.0, 0.0, 4.0));
+        let hit = sphere.intersect(&inside, f64::INFINITY).unwrap();
+        assert_eq!((hit.t, hit.v), (0.5, 1.0));
+        assert_eq!(sphere.point(&inside, &hit).normal, DVec3::Z);
+    }
+
+    #[test]
+    fn clipped_first_root_leaves_the_second() {
+        let half = Sphere::try_new(1.0, [-1.0, 1.0], PI).unwrap();
+        let ray = Ray::new(DVec3::new(0.0, -3.0, 0.0), DVec3::Y);
+        let hit = half.intersect(&ray, f64::INFINITY).unwrap();
+        assert_eq!((hit.t, hit.u, hit.v), (4.0, 0.5, 0.5));
+    }
+
+    #[test]
+    fn parameters_are_those_of_pbrt() {
+        // z from 0 to 1: theta from pi/2 to 0, so the equator is v = 0.
+        let upper = Sphere::try_new(1.0, [0.0, 1.0], TAU).unwrap();
+        let ray = Ray::new(DVec3::new(0.0, 2.0, 0.5), -DVec3::Y);
+        let hit = upper.intersect(&ray, f64::INFINITY).unwrap();
+        assert!((hit.u - 0.25).abs() < 1e-15);
+        assert!((hit.v - (FRAC_PI_2 - 0.5_f64.acos()) / FRAC_PI_2).abs() < 1e-15);
+    }
+
+    #[test]
+    fn area_of_a_zone_is_that_of_archimedes() {
+        let zone = Sphere::try_new(3.0, [-1.0, 2.0], PI).unwrap();
+        assert!((zone.area() - PI * 3.0 * 3.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn impossible_spheres_are_refused() {
+        assert!(Sphere::try_full(0.0).is_err());
+        assert!(Sphere::try_full(f64::NAN).is_err());
+        assert!(matches!(Sphere::try_new(1.0, [2.0, 3.0], 1.0), Err(SurfaceError::EmptyRange { .. })));
+        assert!(matches!(Sphere::try_new(1.0, [0.0, 1.0], 0.0), Err(SurfaceError::NotPositive { .. })));
+    }
+}
