@@ -1,1 +1,389 @@
-//! In progress.
+//! Bilinear patches: the surface that four points span.
+
+use glanz_math::polynomial::quadratic;
+use glanz_math::rounding::{UNIT_ROUNDOFF, gamma};
+use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
+
+use crate::error::{SurfaceError, finite};
+use crate::hit::{Hit, SurfacePoint, SurfaceSample};
+use crate::line::Line;
+use crate::surface::RaySurface;
+use crate::triangle::ShearedRay;
+
+/// `p = (1 - u)(1 - v) p00 + u (1 - v) p10 + (1 - u) v p01 + u v p11`, u and v from 0 to 1; its normal is that of
+/// `dpdu x dpdv`.
+///
+/// Flat or twisted; corners may coincide as long as some area is left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BilinearPatch {
+    /// p00, p10, p01, p11.
+    corners: [DVec3; 4],
+    bounds: Bounds3,
+    center: DVec3,
+    /// Longest distance between corners, metres.
+    size: f64,
+    /// |dpdu x dpdv| at the corners, in their order.
+    weights: [f64; 4],
+}
+
+/// Two roots at most, each with (t, u, v).
+type Found = [Option<(f64, f64, f64)>; 2];
+
+impl BilinearPatch {
+    /// The patch with these corners, metres.
+    ///
+    /// # Errors
+    /// [`SurfaceError::NotFinite`], and [`SurfaceError::Degenerate`] if all corners lie on a line within rounding.
+    pub fn try_new(p00: DVec3, p10: DVec3, p01: DVec3, p11: DVec3) -> Result<Self, SurfaceError> {
+        let corners = [p00, p10, p01, p11];
+        for x in corners.iter().flat_map(DVec3::to_array) {
+            finite("corner coordinate", x)?;
+        }
+        let bounds = Bounds3::of_points(corners);
+        let size = corners.iter().flat_map(|p| corners.map(|q| p.distance(q))).fold(0.0, f64::max);
+        let mut patch = Self { corners, bounds, center: bounds.center(), size, weights: [0.0; 4] };
+        patch.weights =
+            [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(u, v)| patch.area_vector(u, v).length());
+        let largest = patch.weights.iter().fold(0.0, |a: f64, w| a.max(*w));
+        // The normal is an affine function of (u, v): if it vanishes at the corners it does everywhere. The edges
+        // carry one rounding each, their cross product two more.
+        if !(largest > gamma(8) * size * size) || !largest.is_finite() {
+            return Err(SurfaceError::Degenerate {
+                reason: "the corners lie on a line, area",
+                value: largest,
+            });
+        }
+        Ok(patch)
+    }
+
+    /// p00, p10, p01, p11, metres.
+    #[must_use]
+    pub fn corners(&self) -> [DVec3; 4] {
+        self.corners
+    }
+
+    fn tangents(&self, u: f64, v: f64) -> (DVec3, DVec3) {
+        let [p00, p10, p01, p11] = self.corners;
+        ((p10 - p00).lerp(p11 - p01, v), (p01 - p00).lerp(p11 - p10, u))
+    }
+
+    fn area_vector(&self, u: f64, v: f64) -> DVec3 {
+        let (du, dv) = self.tangents(u, v);
+        du.cross(dv)
+    }
+
+    /// The nearest parameters towards the middle at which the surface has a normal: (u, v) except at collapsed corners.
+    fn regular(&self, u: f64, v: f64) -> (f64, f64, DVec3) {
+        let n = self.area_vector(u, v);
+        if n.length() > gamma(8) * self.size * self.size {
+            return (u, v, n);
+        }
+        // The normal is affine in (u, v): a step of eps leaves eps of it, with half of the digits if eps is the root
+        // of the roundoff.
+        let step = UNIT_ROUNDOFF.sqrt();
+        for (towards_u, towards_v) in [(0.5, 0.5), (0.25, 0.75)] {
+            let (u, v) = (u + (towards_u - u) * step, v + (towards_v - v) * step);
+            let n = self.area_vector(u, v);
+            if n.length() > 0.0 {
+                return (u, v, n);
+            }
+        }
+        (u, v, DVec3::Z)
+    }
+
+    /// Both roots in ascending order of t.
+    ///
+    /// A shear turns the ray into the z axis; then it is a matter of the plane: the lines of constant u cover the
+    /// origin where the cross product of their ends, a quadratic in u, vanishes. Of both families of lines, the one
+    /// that is seen longer is taken. Roots within rounding of the border belong to it.
+    ///
+    /// # Source
+    /// @reshetov2019; departure: the shear of @woop2013, so that patches with a common edge see the same numbers
+    /// there, and the choice of the family.
+    fn roots(&self, ray: &Ray) -> Found {
+        // From far away, digits are lost; from near the surface the origin must stay where it is.
+        let far = ray.origin.distance_squared(self.center) > 16.0 * self.size * self.size;
+        let line = if far { Line::nearest_to(ray, self.center) } else { Line::new(ray, 0.0) };
+        let shear = ShearedRay::new(line.origin, ray.direction);
+        let [q00, q10, q01, q11] = self.corners.map(|p| shear.vertex(p));
+        let seen = |a: DVec3, b: DVec3| (b - a).truncate().length_squared();
+        let mut found = if seen(q00, q01) + seen(q10, q11) >= seen(q00, q10) + seen(q01, q11) {
+            solve([q00, q10, q01, q11])
+        } else {
+            solve([q00, q01, q10, q11]).map(|f| f.map(|(t, v, u)| (t, u, v)))
+        };
+        for (t, _, _) in found.iter_mut().flatten() {
+            *t += line.t(0.0);
+        }
+        if let [Some(a), Some(b)] = found {
+            if a.0 == b.0 {
+                found[1] = None;
+            } else if a.0 > b.0 {
+                found.swap(0, 1);
+            }
+        }
+        found
+    }
+
+    fn point_at(&self, u: f64, v: f64) -> SurfacePoint {
+        let [p00, p10, p01, p11] = self.corners;
+        let position = (p00 * (1.0 - u) + p10 * u) * (1.0 - v) + (p01 * (1.0 - u) + p11 * u) * v;
+        let (dpdu, dpdv) = self.tangents(u, v);
+        let (ru, rv, n) = self.regular(u, v);
+        let (du, dv) = self.tangents(ru, rv);
+        let (normal, length) = (n.normalize(), n.length());
+        let twist = (p11 - p01) - (p10 - p00);
+        let bend = |dn: DVec3| (dn - normal * normal.dot(dn)) / length;
+        SurfacePoint {
+            // The patch lies within its corners: what rounding adds is cut off.
+            position: position.clamp(self.bounds.min, self.bounds.max),
+            error: self.error(length),
+            normal,
+            shading_normal: normal,
+            uv: DVec2::new(u, v),
+            dpdu,
+            dpdv,
+            dndu: bend(du.cross(twist)),
+            dndv: bend(twist.cross(dv)),
+        }
+    }
+
+    /// The absolute error per axis where |dpdu x dpdv| is `area`.
+    ///
+    /// The next ray starts on the patch, so that its size L bounds all coordinates. Sheared, they are off by 6 u L. The
+    /// quadratic, three sums of products below 3 L^2, is off by less than 24 u L^2; divided by the length of a line
+    /// of the family that is seen longer, that is the distance from the ray at which a point is taken for a root. Seen
+    /// along the surface, the lines are no shorter than the patch is wide, `area / L`. A patch narrower than the cube
+    /// root of roundoff counts as that wide. The position has six roundings.
+    fn error(&self, area: f64) -> DVec3 {
+        let width = (area / (self.size * self.size)).max(UNIT_ROUNDOFF.cbrt());
+        let reach = self.bounds.min.abs().max(self.bounds.max.abs());
+        DVec3::splat(gamma(6) * self.size + gamma(24) * self.size / width) + reach * gamma(6)
+    }
+
+    /// Density of [`RaySurface::sample`], per m^2.
+    fn pdf(&self, u: f64, v: f64) -> AreaPdf {
+        let (u, v, n) = self.regular(u, v);
+        let [w00, w10, w01, w11] = self.weights;
+        let weight = (w00 * (1.0 - u) + w10 * u) * (1.0 - v) + (w01 * (1.0 - u) + w11 * u) * v;
+        AreaPdf(4.0 * weight / ((w00 + w10 + w01 + w11) * n.length()))
+    }
+}
+
+/// Where the lines from `q00 + u (q10 - q00)` to `q01 + u (q11 - q01)` pass through x = y = 0: (z, u, v).
+fn solve([q00, q10, q01, q11]: [DVec3; 4]) -> Found {
+    let cross = |a: DVec3, b: DVec3| a.x * b.y - a.y * b.x;
+    let (at_0, at_1) = (cross(q00, q01), cross(q10, q11));
+    let mixed = cross(q00, q11) + cross(q10, q01);
+    let (a, b) = (at_0 - mixed + at_1, mixed - 2.0 * at_0);
+    let Some(candidates) = quadratic::roots(a, b, at_0) else { return [None; 2] };
+    let size = [q00, q10, q01, q11].iter().fold(0.0_f64, |s, q| s.max(q.truncate().length()));
+    let noise = gamma(24) * size * size;
+    candidates.map(|u| {
+        let slope = (2.0 * a * u + b).abs();
+        let u = near_unit(u, if slope > 0.0 { noise / slope } else { 0.0 })?;
+        let (low, high) = (q00.lerp(q10, u), q01.lerp(q11, u));
+        let along = (high - low).truncate();
+        let length2 = along.length_squared();
+        let v = near_unit(-low.truncate().dot(along) / length2, gamma(24) * size / length2.sqrt())?;
+        Some((low.z + (high.z - low.z) * v, u, v))
+    })
+}
+
+/// `x` in [0, 1], if it is there up to `error`; of which no more than the root of the roundoff is believed.
+fn near_unit(x: f64, error: f64) -> Option<f64> {
+    let error = error.min(UNIT_ROUNDOFF.sqrt());
+    (x >= -error && x <= 1.0 + error).then(|| x.clamp(0.0, 1.0))
+}
+
+/// The point of [0, 1) below which a share `xi` of a density that goes linearly from `a` to `b` lies.
+///
+/// # Source
+/// @pharr2023 section 2.3.2.
+fn sample_linear(xi: f64, a: f64, b: f64) -> f64 {
+    if xi == 0.0 {
+        return 0.0;
+    }
+    let x = xi * (a + b) / (a + (a * a * (1.0 - xi) + b * b * xi).sqrt());
+    x.min(1.0_f64.next_down())
+}
+
+impl RaySurface for BilinearPatch {
+    fn bounds(&self) -> Bounds3 {
+        self.bounds
+    }
+
+    fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
+        let first = self.roots(ray).into_iter().flatten().find(|(t, _, _)| *t > 0.0 && *t < t_max);
+        first.map(|(t, u, v)| Hit { t, u, v, face: 0 })
+    }
+
+    fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
+        let found = self.roots(ray).into_iter().flatten().filter(|(t, _, _)| *t > 0.0 && *t < t_max);
+        hits.extend(found.map(|(t, u, v)| Hit { t, u, v, face: 0 }));
+    }
+
+    fn point(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.point_at(hit.u, hit.v)
+    }
+
+    /// With a density in (u, v) that goes bilinearly between the area elements at the corners: uniform over the area
+    /// where the patch is a parallelogram, nearly so elsewhere.
+    fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
+        let [w00, w10, w01, w11] = self.weights;
+        let v = sample_linear(xi.y, w00 + w10, w01 + w11);
+        let u = sample_linear(xi.x, w00 * (1.0 - v) + w01 * v, w10 * (1.0 - v) + w11 * v);
+        Some(SurfaceSample {
+            hit: Hit { t: 0.0, u, v, face: 0 },
+            point: self.point_at(u, v),
+            pdf: self.pdf(u, v),
+        })
+    }
+
+    fn area_pdf(&self, hit: &Hit, _point: &SurfacePoint) -> Option<AreaPdf> {
+        Some(self.pdf(hit.u, hit.v))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glanz_math::rounding::offset_origin;
+
+    /// z = x y over the square [-1, 1]^2.
+    fn saddle() -> BilinearPatch {
+        let p = |x: f64, y: f64| DVec3::new(x, y, x * y);
+        BilinearPatch::try_new(p(-1.0, -1.0), p(1.0, -1.0), p(-1.0, 1.0), p(1.0, 1.0)).unwrap()
+    }
+
+    fn all(patch: &BilinearPatch, ray: &Ray) -> Vec<Hit> {
+        let mut hits = Vec::new();
+        patch.all_hits(ray, f64::INFINITY, &mut hits);
+        hits
+    }
+
+    #[test]
+    fn ray_along_the_diagonal_of_a_saddle_meets_it_twice() {
+        // On x = y = s, z = 1/4 the saddle is met at s = -1/2 and 1/2.
+        let ray = Ray::new(DVec3::new(-2.0, -2.0, 0.25), DVec3::new(0.5, 0.5, 0.0));
+        let hits = all(&saddle(), &ray);
+        assert_eq!(hits.len(), 2);
+        for (hit, (t, u)) in hits.iter().zip([(3.0, 0.25), (5.0, 0.75)]) {
+            assert!((hit.t - t).abs() < 1e-14 && (hit.u - u).abs() < 1e-15 && (hit.v - u).abs() < 1e-15);
+        }
+        // Where the surface curves away from the line, it is touched once; above, it is not met.
+        let touching = Ray::new(DVec3::new(-2.0, -2.0, 0.0), DVec3::new(0.5, 0.5, 0.0));
+        assert_eq!(all(&saddle(), &touching).len(), 1);
+        let above = Ray::new(DVec3::new(-2.0, 2.0, 0.25), DVec3::new(0.5, -0.5, 0.0));
+        assert_eq!(all(&saddle(), &above), []);
+    }
+
+    #[test]
+    fn parallelogram_and_flat_quadrilateral_are_met_once() {
+        let origin = DVec3::new(0.3, 0.2, 7.0);
+        for p11 in [DVec3::new(1.5, 1.0, 0.0), DVec3::new(3.0, 4.0, 0.0)] {
+            let patch =
+                BilinearPatch::try_new(DVec3::ZERO, DVec3::X, DVec3::new(0.5, 1.0, 0.0), p11).unwrap();
+            for (u, v) in [(0.1, 0.2), (0.9, 0.9), (0.5, 0.0), (1.0, 0.3), (0.0, 0.0), (1.0, 1.0)] {
+                let target = patch.point_at(u, v).position;
+                let hits = all(&patch, &Ray::new(origin, target - origin));
+                assert_eq!(hits.len(), 1, "{u} {v}");
+                let hit = hits[0];
+                assert!(
+                    (hit.t - 1.0).abs() < 1e-14 && (hit.u - u).abs() < 1e-14 && (hit.v - v).abs() < 1e-14
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn patch_collapsed_to_a_triangle_is_that_triangle() {
+        let (a, b, c) = (DVec3::ZERO, DVec3::new(2.0, 0.0, 1.0), DVec3::new(0.0, 3.0, -1.0));
+        let patch = BilinearPatch::try_new(a, a, b, c).unwrap();
+        let n = (c - a).cross(b - a).normalize();
+        for (u, v) in [(0.2, 0.6), (0.9, 0.1), (0.0, 1.0)] {
+            let p = patch.point_at(u, v);
+            assert!((p.normal - n).length() < 1e-14);
+            let ray = Ray::new(p.position + 3.0 * n, -n);
+            assert!((patch.intersect(&ray, f64::INFINITY).unwrap().t - 3.0).abs() < 1e-13);
+        }
+        // The apex has the normal of its neighbourhood and a finite density.
+        let apex = patch.point_at(0.5, 0.0);
+        assert!((apex.normal.dot(n) - 1.0).abs() < 1e-7 && apex.dpdu == DVec3::ZERO);
+        assert!(patch.pdf(0.5, 0.0).0.is_finite());
+    }
+
+    #[test]
+    fn neighbours_leave_no_gap_at_their_border() {
+        let q = |x: f64, y: f64| DVec3::new(x, y, (1.7 * x + 0.3).sin() * (y - 0.2));
+        let left = BilinearPatch::try_new(q(0.0, 0.0), q(1.0, 0.1), q(0.0, 1.0), q(1.1, 0.9)).unwrap();
+        let right = BilinearPatch::try_new(q(1.0, 0.1), q(2.0, 0.0), q(1.1, 0.9), q(2.0, 1.0)).unwrap();
+        for i in 0..20_000 {
+            let target = left.point_at(1.0, (f64::from(i) * 0.618_033_988_7).fract()).position;
+            let origin = target + DVec3::new(f64::from(i).sin(), f64::from(i).cos(), 1.0 + f64::from(i % 7));
+            let ray = Ray::new(origin, target - origin);
+            let met = [&left, &right].iter().any(|p| all(p, &ray).iter().any(|h| (h.t - 1.0).abs() < 1e-9));
+            assert!(met, "{ray:?}");
+        }
+    }
+
+    #[test]
+    fn derivatives_are_differences() {
+        let patch = BilinearPatch::try_new(
+            DVec3::new(0.1, 0.0, 0.5),
+            DVec3::new(1.3, 0.2, -0.4),
+            DVec3::new(-0.2, 0.9, 0.0),
+            DVec3::new(1.0, 1.4, 1.0),
+        )
+        .unwrap();
+        let h = 1e-5;
+        for (u, v) in [(0.1, 0.2), (0.5, 0.5), (0.9, 0.3)] {
+            let p = patch.point_at(u, v);
+            let (pu, pv) = (patch.point_at(u + h, v), patch.point_at(u, v + h));
+            let (mu, mv) = (patch.point_at(u - h, v), patch.point_at(u, v - h));
+            assert!(((pu.position - mu.position) / (2.0 * h) - p.dpdu).length() < 1e-9);
+            assert!(((pv.position - mv.position) / (2.0 * h) - p.dpdv).length() < 1e-9);
+            assert!(((pu.normal - mu.normal) / (2.0 * h) - p.dndu).length() < 1e-8);
+            assert!(((pv.normal - mv.normal) / (2.0 * h) - p.dndv).length() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn spawned_rays_do_not_meet_their_own_point() {
+        let mut hits = 0;
+        for i in 0..40_000 {
+            let t = f64::from(i);
+            let scale = 10.0_f64.powi(i % 7 - 3);
+            let wobble = |k: f64| DVec3::new((t * k).sin(), (t * k * 1.3).cos(), (t * k * 0.7).sin()) * 0.4;
+            let at = |x: f64, y: f64, k: f64| {
+                (DVec3::new(x, y, 0.0) + wobble(k)) * scale + DVec3::new(50.0, 3.0, -8.0)
+            };
+            let patch = BilinearPatch::try_new(
+                at(0.0, 0.0, 1.1),
+                at(1.0, 0.0, 2.3),
+                at(0.0, 1.0, 3.7),
+                at(1.0, 1.0, 4.9),
+            )
+            .unwrap();
+            let p = patch.point_at((t * 0.618_033_988_7).fract(), (t * 0.754_877_666).fract());
+            let along = p.dpdu * (t * 5.1).sin() + p.dpdv * (t * 3.3).cos();
+            let direction = along.normalize() + p.normal * (0.01 + (t * 0.9).sin().abs());
+            let origin = offset_origin(p.position, p.error, p.normal, direction);
+            for hit in all(&patch, &Ray::new(origin, direction)) {
+                // The saddle may come back, but not at once: at a slope of 0.01 and more, not within 1e-6.
+                assert!(hit.t > 1e-6 * scale, "{hit:?}");
+                hits += 1;
+            }
+        }
+        assert!(hits > 100, "{hits}");
+    }
+
+    #[test]
+    fn corners_on_a_line_are_refused() {
+        let on_line = |t: f64| DVec3::new(1.0, 2.0, 3.0) + t * DVec3::new(0.3, -0.7, 0.2);
+        let flat = BilinearPatch::try_new(on_line(0.0), on_line(1.0), on_line(2.5), on_line(0.3));
+        assert!(matches!(flat, Err(SurfaceError::Degenerate { .. })));
+        let infinite = BilinearPatch::try_new(DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::INFINITY);
+        assert!(matches!(infinite, Err(SurfaceError::NotFinite { .. })));
+    }
+}

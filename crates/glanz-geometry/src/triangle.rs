@@ -211,7 +211,8 @@ impl Triangle {
         let [p0, p1, p2] = self.vertices;
         let (dpdu, dpdv) = (p1 - p0, p2 - p0);
         SurfacePoint {
-            position: p0 + u * dpdu + v * dpdv,
+            // The triangle lies within its vertices: what rounding adds is cut off.
+            position: (p0 + u * dpdu + v * dpdv).clamp(p0.min(p1).min(p2), p0.max(p1).max(p2)),
             error: self.error,
             normal: self.normal,
             shading_normal: self.normal,
