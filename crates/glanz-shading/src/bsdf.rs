@@ -136,6 +136,20 @@ impl Bsdf {
         }
     }
 
+    /// All delta lobes, each with the whole share of light it carries as weight: for those who follow every one.
+    ///
+    /// Reflection comes first, then transmission; black ones are left out.
+    #[must_use]
+    pub fn delta_branches(&self, wo: DVec3, mode: TransportMode) -> [Option<BsdfSample>; 2] {
+        let only = |sample: Option<BsdfSample>| [sample.filter(|s| !s.weight.is_black()), None];
+        match self {
+            Self::Black | Self::Lambert(_) | Self::Phong(_) => [None; 2],
+            Self::Mirror(model) => only(model.sample(wo)),
+            Self::Conductor(model) => only(model.sample(wo)),
+            Self::Dielectric(model) => model.branches(wo, mode),
+        }
+    }
+
     /// Whether there are only delta lobes: [`Bsdf::eval`] is black everywhere, and lights need not be sampled.
     #[must_use]
     pub fn is_delta(&self) -> bool {

@@ -1,11 +1,16 @@
 //! Textured parameters of scattering models.
 
+use std::ops::RangeInclusive;
+
 use glanz_light::{Spectrum, Wavelengths};
 
 use crate::bsdf::Bsdf;
 use crate::model::phong::Coefficients;
 use crate::model::{Conductor, Dielectric, Lambert, Mirror, Phong};
 use crate::texture::{FloatInput, SpectrumInput, TextureId, TexturePoint, Textures};
+
+/// Relative refractive indices that a dielectric may have.
+const INDICES: RangeInclusive<f32> = 1e-3..=1e3;
 
 /// What a surface is made of.
 ///
@@ -37,7 +42,8 @@ pub enum Material {
     },
     /// Smooth glass.
     Dielectric {
-        /// Refractive index inside over outside; a texture's value that is not above 0 counts as 1.
+        /// Refractive index inside over outside, in [0.001, 1000] (far beyond any medium; squares still fit `f32`); a
+        /// texture's value outside counts as 1.
         eta: FloatInput,
         /// Factor on what is reflected.
         reflectance: SpectrumInput,
@@ -103,9 +109,9 @@ impl Material {
                 Bsdf::Conductor(Conductor { eta: positive(eta), k: positive(k), tint: share(tint) })
             }
             Self::Dielectric { eta, reflectance, transmittance, thin } => {
-                let eta = f64::from(float(eta));
+                let eta = float(eta);
                 Bsdf::Dielectric(Dielectric {
-                    eta: if eta > 0.0 && eta.is_finite() { eta } else { 1.0 },
+                    eta: if INDICES.contains(&eta) { f64::from(eta) } else { 1.0 },
                     reflectance: share(reflectance),
                     transmittance: share(transmittance),
                     thin: *thin,
@@ -148,13 +154,10 @@ impl Material {
                 None => Ok(()),
             },
         };
-        let float = |parameter, input: &FloatInput, zero_is_possible: bool| match input {
+        let float = |parameter, input: &FloatInput, allowed: RangeInclusive<f32>, range| match input {
             FloatInput::Texture(id) => known(parameter, *id),
-            FloatInput::Constant(value) => {
-                let range = if zero_is_possible { "a number of at least 0" } else { "a number above 0" };
-                let inside = value.is_finite() && (*value > 0.0 || zero_is_possible && *value == 0.0);
-                if inside { Ok(()) } else { Err(MaterialError::Range { parameter, value: *value, range }) }
-            }
+            FloatInput::Constant(value) if allowed.contains(value) => Ok(()),
+            FloatInput::Constant(value) => Err(MaterialError::Range { parameter, value: *value, range }),
         };
         match self {
             Self::Diffuse { reflectance } | Self::Mirror { reflectance } => {
@@ -166,7 +169,7 @@ impl Material {
                 spectrum("reflectance", tint)
             }
             Self::Dielectric { eta, reflectance, transmittance, .. } => {
-                float("eta", eta, false)?;
+                float("eta", eta, INDICES, "a number between 0.001 and 1000")?;
                 spectrum("reflectance", reflectance)?;
                 spectrum("transmittance", transmittance)
             }
@@ -174,7 +177,7 @@ impl Material {
                 spectrum("ambient", ambient)?;
                 spectrum("diffuse", diffuse)?;
                 spectrum("specular", specular)?;
-                float("exponent", exponent, true)
+                float("exponent", exponent, 0.0..=f32::MAX, "a number of at least 0")
             }
             Self::Interface => Ok(()),
         }
@@ -254,8 +257,12 @@ mod tests {
             thin: false,
         };
         assert_eq!(glass(1.5).check(&textures), Ok(()));
-        for eta in [0.0, -1.5, f32::INFINITY] {
-            let error = MaterialError::Range { parameter: "eta", value: eta, range: "a number above 0" };
+        for eta in [0.0, -1.5, 1e-4, 1001.0, f32::INFINITY] {
+            let error = MaterialError::Range {
+                parameter: "eta",
+                value: eta,
+                range: "a number between 0.001 and 1000",
+            };
             assert_eq!(glass(eta).check(&textures), Err(error));
         }
         let negative = Material::Mirror { reflectance: grey(-0.25) };

@@ -21,38 +21,57 @@ pub struct Dielectric {
 }
 
 impl Dielectric {
+    /// The mirrored and the refracted direction, each with the whole share of light it carries as weight.
+    ///
+    /// `None` for one that carries nothing: total reflection, media that agree, black factors.
+    #[must_use]
+    pub fn branches(&self, wo: DVec3, mode: TransportMode) -> [Option<BsdfSample>; 2] {
+        if wo.z == 0.0 {
+            return [None; 2];
+        }
+        let split = self.split(wo.z.abs(), self.eta_from(wo));
+        let reflected = self.reflectance * split.reflectance as f32;
+        let transmitted = self.transmittance * (1.0 - split.reflectance) as f32;
+        let reflection = BsdfSample::delta(mirrored(wo), reflected, Lobe::SPECULAR_REFLECTION);
+        let transmission = self.transmission(wo, split.cos_transmitted, transmitted, mode);
+        [
+            (!reflected.is_black()).then_some(reflection),
+            transmission.filter(|_| !split.total && !transmitted.is_black()),
+        ]
+    }
+
     /// The mirrored or the refracted direction, chosen by `xi_lobe` in proportion to the light they carry.
     #[must_use]
     pub fn sample(&self, wo: DVec3, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
-        if wo.z == 0.0 {
-            return None;
-        }
-        let eta = self.eta_from(wo);
-        let split = self.split(wo.z.abs(), eta);
-        let reflected = self.reflectance * split.reflectance as f32;
-        let transmitted = self.transmittance * (1.0 - split.reflectance) as f32;
-        let (r, t) = (f64::from(reflected.max_component()), f64::from(transmitted.max_component()));
-        if r + t <= 0.0 {
-            return None;
-        }
-        let probability = r / (r + t);
-        if xi_lobe < probability {
-            let weight = reflected * (1.0 / probability) as f32;
-            return Some(BsdfSample::delta(mirrored(wo), weight, Lobe::SPECULAR_REFLECTION));
-        }
-        let weight = transmitted * (1.0 / (1.0 - probability)) as f32;
+        let [reflection, transmission] = self.branches(wo, mode);
+        let flux = |branch: &Option<BsdfSample>| {
+            branch.as_ref().map_or(0.0, |s| f64::from((s.weight * s.eta_scale).max_component()))
+        };
+        let (r, t) = (flux(&reflection), flux(&transmission));
+        let (branch, probability) =
+            if xi_lobe * (r + t) < r { (reflection, r / (r + t)) } else { (transmission, t / (r + t)) };
+        branch.map(|s| BsdfSample { weight: s.weight * (1.0 / probability) as f32, ..s })
+    }
+
+    fn transmission(
+        &self,
+        wo: DVec3,
+        cos_transmitted: f64,
+        share: Spectrum,
+        mode: TransportMode,
+    ) -> Option<BsdfSample> {
         let lobe = Lobe::SPECULAR_TRANSMISSION;
         if self.thin {
-            return Some(BsdfSample::delta(-wo, weight, lobe));
+            return Some(BsdfSample::delta(-wo, share, lobe));
         }
-        let wi =
-            DVec3::new(-wo.x / eta, -wo.y / eta, -split.cos_transmitted.copysign(wo.z)).try_normalize()?;
-        let scale = match mode {
+        let eta = self.eta_from(wo);
+        let wi = DVec3::new(-wo.x / eta, -wo.y / eta, -cos_transmitted.copysign(wo.z)).try_normalize()?;
+        let eta_scale = match mode {
             // Radiance over the squared index is what refraction keeps.
             TransportMode::Radiance => (eta * eta) as f32,
             TransportMode::Importance => 1.0,
         };
-        Some(BsdfSample { eta_scale: scale, ..BsdfSample::delta(wi, weight * (1.0 / scale), lobe) })
+        Some(BsdfSample { eta_scale, ..BsdfSample::delta(wi, share * (1.0 / eta_scale), lobe) })
     }
 
     /// Share of the flux that goes on, either way.
@@ -161,6 +180,29 @@ mod tests {
         // The midpoint rule in xi errs by one sample at the border of the lobes.
         let error = (sum * (1.0 / n as f32) - expected).map(f32::abs).max_component();
         assert!(error < 2e-4, "{error}");
+    }
+
+    #[test]
+    fn branches_share_the_flux_and_samples_are_branches() {
+        let wo = DVec3::new(0.6, 0.0, 0.8);
+        for model in [glass(false), glass(true)] {
+            let branches = model.branches(wo, TransportMode::Radiance);
+            let flux: Spectrum = branches.iter().flatten().map(|s| s.weight * s.eta_scale).sum();
+            assert!((flux - Spectrum::ONE).map(f32::abs).max_component() < 1e-6);
+            for (branch, xi) in branches.into_iter().zip([0.0, 0.999_999]) {
+                let (branch, sample) =
+                    (branch.unwrap(), model.sample(wo, xi, TransportMode::Radiance).unwrap());
+                assert_eq!(
+                    (branch.wi, branch.lobe, branch.eta_scale),
+                    (sample.wi, sample.lobe, sample.eta_scale)
+                );
+            }
+        }
+        // Beyond the critical angle of 41.8 degrees there is one branch; where the media agree there is the other.
+        let inside = DVec3::new(0.8, 0.0, -0.6);
+        assert!(matches!(glass(false).branches(inside, TransportMode::Radiance), [Some(_), None]));
+        let matched = Dielectric { eta: 1.0, ..glass(false) };
+        assert!(matches!(matched.branches(inside, TransportMode::Radiance), [None, Some(_)]));
     }
 
     #[test]
