@@ -252,13 +252,12 @@ fn mirrored_and_refracted_rays_find_their_way_back() {
                 let Some(s) = bsdf.sample(wo, DVec2::splat(0.5), lobe, TransportMode::Importance) else {
                     continue;
                 };
-                // Either choice may lead back; one of the two does, with the same share of the flux. An index of
-                // 1000 magnifies roundings by its square.
+                // Either choice may lead back; one of the two does, with the same share of the flux.
                 let share = |s: &BsdfSample| s.weight.max_component();
                 let back = [0.0, 0.999_999]
                     .into_iter()
                     .filter_map(|l| bsdf.sample(s.wi, DVec2::splat(0.5), l, TransportMode::Importance))
-                    .find(|r| (r.wi - wo).length() < 1e-9);
+                    .find(|r| (r.wi - wo).length() < 1e-12);
                 let back = back.unwrap_or_else(|| panic!("{name}: no way back from {} to {wo}", s.wi));
                 assert_eq!(back.lobe, s.lobe, "{name}");
                 assert!((share(&back) - share(&s)).abs() < 1e-5, "{name}");

@@ -65,7 +65,11 @@ impl Dielectric {
             return Some(BsdfSample::delta(-wo, share, lobe));
         }
         let eta = self.eta_from(wo);
-        let wi = DVec3::new(-wo.x / eta, -wo.y / eta, -cos_transmitted.copysign(wo.z)).try_normalize()?;
+        let (x, y) = (-wo.x / eta, -wo.y / eta);
+        let z2 = 1.0 - x * x - y * y;
+        // Towards the thinner medium the tangential part determines the angle better than the cosine does.
+        let cos = if eta < 1.0 && z2 > 0.0 { z2.sqrt() } else { cos_transmitted };
+        let wi = DVec3::new(x, y, -cos.copysign(wo.z)).try_normalize()?;
         let eta_scale = match mode {
             // Radiance over the squared index is what refraction keeps.
             TransportMode::Radiance => (eta * eta) as f32,
