@@ -20,4 +20,4 @@ pub mod triangle;
 
 pub use error::SurfaceError;
 pub use hit::{Hit, SurfacePoint, SurfaceSample};
-pub use surface::RaySurface;
+pub use surface::{RaySurface, Surface};

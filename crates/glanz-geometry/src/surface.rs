@@ -1,8 +1,17 @@
 //! What every surface can be asked, and the closed set of surfaces.
 
+use std::sync::Arc;
+
 use glanz_math::{AreaPdf, Bounds3, DVec2, Ray};
 
+use crate::bilinear::BilinearPatch;
+use crate::cuboid::Cuboid;
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
+use crate::mesh::Mesh;
+use crate::polyhedron::Polyhedron;
+use crate::quadric::{Cone, Cylinder, Disk, Hyperboloid, Paraboloid, Plane, Sphere, TwoSheetedHyperboloid};
+use crate::torus::Torus;
+use crate::triangle::Triangle;
 
 /// The contract of a surface in its local frame. `tests/contract.rs` runs over all of them.
 ///
@@ -33,4 +42,106 @@ pub trait RaySurface {
 
     /// The density with which [`RaySurface::sample`] picks the point of `hit`; `None` as there.
     fn area_pdf(&self, hit: &Hit, point: &SurfacePoint) -> Option<AreaPdf>;
+}
+
+macro_rules! surfaces {
+    ($($(#[$doc:meta])* $kind:literal $name:ident($type:ty),)*) => {
+        /// The closed set of surfaces.
+        #[derive(Clone, Debug)]
+        #[non_exhaustive]
+        pub enum Surface {
+            $($(#[$doc])* $name($type),)*
+        }
+
+        impl Surface {
+            /// What it is called in scene files.
+            #[must_use]
+            pub fn kind(&self) -> &'static str {
+                match self {
+                    $(Self::$name(_) => $kind,)*
+                }
+            }
+        }
+
+        impl RaySurface for Surface {
+            fn bounds(&self) -> Bounds3 {
+                match self {
+                    $(Self::$name(s) => s.bounds(),)*
+                }
+            }
+
+            fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
+                match self {
+                    $(Self::$name(s) => s.intersect(ray, t_max),)*
+                }
+            }
+
+            fn occluded(&self, ray: &Ray, t_max: f64) -> bool {
+                match self {
+                    $(Self::$name(s) => s.occluded(ray, t_max),)*
+                }
+            }
+
+            fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
+                match self {
+                    $(Self::$name(s) => s.all_hits(ray, t_max, hits),)*
+                }
+            }
+
+            fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+                match self {
+                    $(Self::$name(s) => s.point(ray, hit),)*
+                }
+            }
+
+            fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
+                match self {
+                    $(Self::$name(s) => s.sample(xi),)*
+                }
+            }
+
+            fn area_pdf(&self, hit: &Hit, point: &SurfacePoint) -> Option<AreaPdf> {
+                match self {
+                    $(Self::$name(s) => s.area_pdf(hit, point),)*
+                }
+            }
+        }
+
+        $(impl From<$type> for Surface {
+            fn from(surface: $type) -> Self {
+                Self::$name(surface)
+            }
+        })*
+    };
+}
+
+surfaces! {
+    /// Sphere or a zone of it.
+    "sphere" Sphere(Sphere),
+    /// Open cylinder.
+    "cylinder" Cylinder(Cylinder),
+    /// Open cone.
+    "cone" Cone(Cone),
+    /// Paraboloid of revolution.
+    "paraboloid" Paraboloid(Paraboloid),
+    /// One-sheeted hyperboloid of revolution.
+    "hyperboloid" Hyperboloid(Hyperboloid),
+    /// Two-sheeted hyperboloid of revolution.
+    "twosheetedhyperboloid" TwoSheetedHyperboloid(TwoSheetedHyperboloid),
+    /// Disk or ring.
+    "disk" Disk(Disk),
+    /// Plane or a rectangle of it.
+    "plane" Plane(Plane),
+    /// Torus.
+    "torus" Torus(Torus),
+    /// Convex polyhedron.
+    "polyhedron" Polyhedron(Polyhedron),
+    /// Box.
+    "box" Cuboid(Cuboid),
+    /// Bilinear patch.
+    "bilinearmesh" Bilinear(BilinearPatch),
+    /// Single triangle.
+    "triangle" Triangle(Triangle),
+    /// Many triangles with a hierarchy of their own, shared between copies.
+    "trianglemesh" Mesh(Arc<Mesh>),
 }

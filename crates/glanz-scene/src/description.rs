@@ -193,7 +193,13 @@ pub struct IntegratorDescription {
 
 impl Default for IntegratorDescription {
     fn default() -> Self {
-        Self { name: "path".to_owned(), max_depth: None, light_sampling: true, branching: None, location: None }
+        Self {
+            name: "path".to_owned(),
+            max_depth: None,
+            light_sampling: true,
+            branching: None,
+            location: None,
+        }
     }
 }
 

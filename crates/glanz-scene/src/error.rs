@@ -2,6 +2,7 @@
 
 use glanz_geometry::SurfaceError;
 use glanz_math::TransformError;
+use glanz_shading::MaterialError;
 
 use crate::description::Location;
 
@@ -53,6 +54,14 @@ pub enum SceneErrorKind {
     /// Groups nested beyond the limit.
     #[error("groups are nested more than {0} deep")]
     Nesting(usize),
+    /// A material with impossible parameters.
+    #[error("material {name}: {reason}")]
+    Material {
+        /// Its name, quoted.
+        name: String,
+        /// Why not.
+        reason: MaterialError,
+    },
     /// A texture that cannot be built.
     #[error("texture \"{name}\": {reason}")]
     Texture {

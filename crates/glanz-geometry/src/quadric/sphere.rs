@@ -79,6 +79,12 @@ impl Sphere {
         self.sweep.phi_max() * self.radius * (self.z[1] - self.z[0])
     }
 
+    /// Whether nothing is cut off.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.z == [-self.radius, self.radius] && self.sweep.phi_max() >= std::f64::consts::TAU
+    }
+
     fn v_of(&self, rho: f64, z: f64) -> f64 {
         // The arc tangent keeps its digits at the poles, where the arc cosine of z / r has half of them.
         let theta = rho.atan2(z);

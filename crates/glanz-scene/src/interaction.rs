@@ -1,0 +1,71 @@
+//! A ray that met the scene.
+
+use glanz_geometry::SurfacePoint;
+use glanz_light::Wavelengths;
+use glanz_math::rounding::offset_origin;
+use glanz_math::{AreaPdf, DVec3, Frame, Ray};
+use glanz_shading::{Bsdf, TexturePoint};
+
+use crate::light::LightId;
+use crate::scene::Scene;
+
+/// The place where a ray met the scene, in world space.
+#[derive(Clone, Copy, Debug)]
+pub struct Interaction {
+    /// The surface there.
+    pub point: SurfacePoint,
+    /// Ray parameter of the hit: the distance, for rays of unit direction.
+    pub t: f64,
+    /// Unit direction back along the ray.
+    pub wo: DVec3,
+    /// Number of the shape in the order of the scene file.
+    pub id: u32,
+    /// Density of area sampling here, on lights that can be sampled.
+    pub(crate) area_pdf: Option<AreaPdf>,
+    pub(crate) material: u32,
+    pub(crate) light: Option<LightId>,
+}
+
+impl Interaction {
+    /// The frame BSDFs work in: z is the shading normal, x follows the derivative of the position by u.
+    #[must_use]
+    pub fn frame(&self) -> Frame {
+        Frame::from_z_and_tangent(self.point.shading_normal, self.point.dpdu)
+    }
+
+    /// What the surface does with light here; `None` where it lets every ray pass.
+    #[must_use]
+    pub fn bsdf(&self, scene: &Scene, wavelengths: &Wavelengths) -> Option<Bsdf> {
+        let at = TexturePoint::new(self.point.uv, self.point.position);
+        scene.material(self.material).bsdf(scene.textures(), &at, wavelengths)
+    }
+
+    /// The light that this surface is, if it shines.
+    #[must_use]
+    pub fn light(&self) -> Option<LightId> {
+        self.light
+    }
+
+    /// A ray from here along `direction` that does not meet this surface again at its own origin.
+    #[must_use]
+    pub fn spawn(&self, direction: DVec3) -> Ray {
+        Ray::new(self.leave(direction), direction)
+    }
+
+    /// A ray from here to `point`, which it reaches at t = 1, but for the error box of `point` on a surface.
+    ///
+    /// `surface`: error box and unit normal of `point`, if it lies on a surface: the ray ends on the near side of it.
+    #[must_use]
+    pub fn spawn_to(&self, point: DVec3, surface: Option<(DVec3, DVec3)>) -> Ray {
+        let target = match surface {
+            Some((error, normal)) => offset_origin(point, error, normal, self.point.position - point),
+            None => point,
+        };
+        let origin = self.leave(target - self.point.position);
+        Ray::new(origin, target - origin)
+    }
+
+    fn leave(&self, direction: DVec3) -> DVec3 {
+        offset_origin(self.point.position, self.point.error, self.point.normal, direction)
+    }
+}

@@ -1,0 +1,207 @@
+//! A surface that shines.
+
+use std::f64::consts::PI;
+
+use glanz_geometry::{Surface, SurfacePoint};
+use glanz_light::Spectrum;
+use glanz_math::rounding::gamma;
+use glanz_math::{DVec2, DVec3, Frame, SolidAnglePdf};
+use glanz_sampling::warp;
+
+use super::LightSample;
+use crate::interaction::Interaction;
+use crate::object::Object;
+use crate::scene::Scene;
+
+/// Number of points of the grid that estimates the area of a surface; it only serves the choice between lights.
+const AREA_GRID: u32 = 8;
+
+/// A surface that gives off the same radiance in every direction of its front.
+#[derive(Clone, Copy, Debug)]
+pub struct AreaLight {
+    /// Number of the object in the world group.
+    object: u32,
+    radiance: Spectrum,
+    two_sided: bool,
+    /// m^2; `None` if points cannot be picked on the surface.
+    area: Option<f64>,
+    /// Centre and radius if the surface is a whole sphere in the world too.
+    sphere: Option<(DVec3, f64)>,
+    /// Whether the radiance leaves a sphere to its inside.
+    inward: bool,
+}
+
+impl AreaLight {
+    pub(crate) fn new(object_index: u32, object: &Object, radiance: Spectrum, two_sided: bool) -> Self {
+        Self {
+            object: object_index,
+            radiance,
+            two_sided,
+            area: area(object),
+            sphere: world_sphere(object),
+            inward: object.is_reversed(),
+        }
+    }
+
+    /// Whether directions towards it can be picked; if not, only rays that meet it by chance see it.
+    #[must_use]
+    pub fn can_be_sampled(&self) -> bool {
+        self.area.is_some()
+    }
+
+    /// Area, m^2, to a few per cent; `None` if points cannot be picked on the surface.
+    #[must_use]
+    pub fn area(&self) -> Option<f64> {
+        self.area
+    }
+
+    /// Total power, W; black if the area is not known.
+    #[must_use]
+    pub fn power(&self) -> Spectrum {
+        let sides = if self.two_sided { 2.0 } else { 1.0 };
+        self.radiance * (PI * sides * self.area.unwrap_or(0.0)) as f32
+    }
+
+    /// Radiance that leaves `point` of the surface towards `direction`.
+    #[must_use]
+    pub fn emitted(&self, point: &SurfacePoint, direction: DVec3) -> Spectrum {
+        if self.two_sided || point.normal.dot(direction) > 0.0 { self.radiance } else { Spectrum::BLACK }
+    }
+
+    pub(super) fn sample(&self, scene: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {
+        if let Some(cone) = self.cone(from.point.position) {
+            return self.sample_cone(&cone, from, xi);
+        }
+        let (point, pdf) = scene.world_object(self.object)?.sample(xi)?;
+        let offset = point.position - from.point.position;
+        let distance_squared = offset.length_squared();
+        let wi = offset.try_normalize()?;
+        let pdf = pdf.to_solid_angle(distance_squared, point.normal.dot(wi));
+        self.finish(from, &point, wi, pdf)
+    }
+
+    fn finish(
+        &self,
+        from: &Interaction,
+        point: &SurfacePoint,
+        wi: DVec3,
+        pdf: SolidAnglePdf,
+    ) -> Option<LightSample> {
+        let radiance = self.emitted(point, -wi);
+        if radiance.is_black() || !(pdf.0 > 0.0 && pdf.0.is_finite()) {
+            return None;
+        }
+        let shadow = from.spawn_to(point.position, Some((point.error, point.normal)));
+        Some(LightSample { wi, radiance, pdf, is_delta: false, shadow, t_max: 1.0 })
+    }
+
+    /// Density per solid angle with which a sample from `from` takes the point of `hit` on this light.
+    #[must_use]
+    pub fn pdf(&self, from: &Interaction, hit: &Interaction) -> SolidAnglePdf {
+        if let Some(cone) = self.cone(from.point.position) {
+            return cone.pdf();
+        }
+        let Some(pdf) = hit.area_pdf else { return SolidAnglePdf(0.0) };
+        let offset = hit.point.position - from.point.position;
+        let distance_squared = offset.length_squared();
+        pdf.to_solid_angle(distance_squared, hit.point.normal.dot(offset / distance_squared.sqrt()))
+    }
+
+    fn cone(&self, from: DVec3) -> Option<SphereCone> {
+        let (center, radius) = self.sphere?;
+        SphereCone::new(center, radius, from)
+    }
+
+    /// Directions uniform in the cone that a sphere fills.
+    ///
+    /// # Source
+    /// @pharr2023 section 6.2.4.
+    fn sample_cone(&self, cone: &SphereCone, from: &Interaction, xi: DVec2) -> Option<LightSample> {
+        if self.inward && !self.two_sided {
+            return None;
+        }
+        let local = warp::uniform_cone(xi, cone.one_minus_cos);
+        let wi = Frame::from_z(cone.axis).to_world(local);
+        let sin_squared = local.x * local.x + local.y * local.y;
+        let half_chord =
+            (cone.radius * cone.radius - cone.distance * cone.distance * sin_squared).max(0.0).sqrt();
+        let t = cone.distance * local.z - half_chord;
+        let normal = (from.point.position + wi * t - cone.center).try_normalize()?;
+        let position = cone.center + normal * cone.radius;
+        // The formulas above chain fewer than 32 roundings of numbers no larger than these.
+        let error = gamma(32) * (from.point.position.abs() + cone.center.abs() + cone.distance + cone.radius);
+        let point = SurfacePoint {
+            position,
+            error,
+            normal,
+            shading_normal: normal,
+            uv: DVec2::ZERO,
+            dpdu: DVec3::ZERO,
+            dpdv: DVec3::ZERO,
+            dndu: DVec3::ZERO,
+            dndv: DVec3::ZERO,
+        };
+        let shadow = from.spawn_to(point.position, Some((point.error, point.normal)));
+        Some(LightSample {
+            wi,
+            radiance: self.radiance,
+            pdf: cone.pdf(),
+            is_delta: false,
+            shadow,
+            t_max: 1.0,
+        })
+    }
+}
+
+/// The cone under which a sphere is seen from outside.
+struct SphereCone {
+    center: DVec3,
+    radius: f64,
+    distance: f64,
+    axis: DVec3,
+    one_minus_cos: f64,
+}
+
+impl SphereCone {
+    /// `None` from inside and from the surface itself.
+    fn new(center: DVec3, radius: f64, from: DVec3) -> Option<Self> {
+        let offset = center - from;
+        let distance_squared = offset.length_squared();
+        let sin_squared = radius * radius / distance_squared;
+        if !(sin_squared < 1.0 - gamma(8)) {
+            return None;
+        }
+        let distance = distance_squared.sqrt();
+        let one_minus_cos = warp::one_minus_cos(sin_squared);
+        Some(Self { center, radius, distance, axis: offset / distance, one_minus_cos })
+    }
+
+    fn pdf(&self) -> SolidAnglePdf {
+        warp::uniform_cone_pdf(self.one_minus_cos)
+    }
+}
+
+/// The mean of 1 / pdf over a regular grid of samples.
+fn area(object: &Object) -> Option<f64> {
+    let n = AREA_GRID;
+    let mut sum = 0.0;
+    for i in 0..n * n {
+        let xi = (DVec2::new(f64::from(i % n), f64::from(i / n)) + 0.5) / f64::from(n);
+        let (_, pdf) = object.sample(xi)?;
+        sum += 1.0 / pdf.0;
+    }
+    let area = sum / f64::from(n * n);
+    (area > 0.0 && area.is_finite()).then_some(area)
+}
+
+fn world_sphere(object: &Object) -> Option<(DVec3, f64)> {
+    let Surface::Sphere(sphere) = object.surface() else { return None };
+    if !sphere.is_whole() {
+        return None;
+    }
+    let Some(to_world) = object.to_parent() else { return Some((DVec3::ZERO, sphere.radius())) };
+    // A matrix printed with six digits makes an ellipsoid, and the cone of a sphere would miss its rim: only
+    // rotations exact to roundings count. The area sampler serves the others.
+    let scale = to_world.uniform_scale(gamma(64))?;
+    Some((to_world.point(DVec3::ZERO), scale * sphere.radius()))
+}

@@ -1,0 +1,113 @@
+//! Lights: what they send to a point, and how to pick a direction towards them.
+
+mod area;
+mod distant;
+mod infinite;
+mod point;
+mod select;
+mod spot;
+
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::{DVec2, DVec3, Ray, SolidAnglePdf};
+
+use crate::interaction::Interaction;
+use crate::scene::Scene;
+
+pub use area::AreaLight;
+pub use distant::DistantLight;
+pub use infinite::InfiniteLight;
+pub use point::PointLight;
+pub(crate) use select::LightSelector;
+pub use spot::SpotLight;
+
+/// Number of a light of a [`Scene`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct LightId(pub u32);
+
+/// A light.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub enum Light {
+    /// A point that shines alike in all directions.
+    Point(PointLight),
+    /// A point that shines into a cone.
+    Spot(SpotLight),
+    /// One direction, from infinitely far.
+    Distant(DistantLight),
+    /// A surface.
+    Area(AreaLight),
+    /// All directions, from infinitely far.
+    Infinite(InfiniteLight),
+}
+
+impl Light {
+    /// Its kind, as scene files name it.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Point(_) => "point",
+            Self::Spot(_) => "spot",
+            Self::Distant(_) => "distant",
+            Self::Area(_) => "diffuse",
+            Self::Infinite(_) => "infinite",
+        }
+    }
+
+    /// Whether no ray can meet it by chance.
+    #[must_use]
+    pub fn is_delta(&self) -> bool {
+        matches!(self, Self::Point(_) | Self::Spot(_) | Self::Distant(_))
+    }
+
+    /// Its power as a number for choosing between lights, W; `radius` is that of the scene, metres.
+    pub(crate) fn importance(&self, radius: f64) -> f64 {
+        let wavelengths = Wavelengths::default();
+        let bright = |s: Spectrum| f64::from(s.mean(&wavelengths).max(0.0));
+        let disk = std::f64::consts::PI * radius * radius;
+        match self {
+            Self::Point(l) => bright(l.power()),
+            Self::Spot(l) => bright(l.power()),
+            Self::Distant(l) => bright(l.irradiance()) * disk,
+            Self::Area(l) if !l.can_be_sampled() => 0.0,
+            Self::Area(l) => bright(l.power()),
+            Self::Infinite(l) => bright(l.radiance()) * std::f64::consts::PI * 4.0 * disk,
+        }
+    }
+
+    /// Picks a direction from `from` towards the light by two numbers uniform in [0, 1).
+    ///
+    /// `None` if nothing can arrive. What stands between is not looked at: the shadow ray asks.
+    #[must_use]
+    pub fn sample(
+        &self,
+        scene: &Scene,
+        from: &Interaction,
+        xi: DVec2,
+        wavelengths: &Wavelengths,
+    ) -> Option<LightSample> {
+        match self {
+            Self::Point(l) => l.sample(from),
+            Self::Spot(l) => l.sample(from),
+            Self::Distant(l) => Some(l.sample(from)),
+            Self::Area(l) => l.sample(scene, from, xi),
+            Self::Infinite(l) => l.sample(from, xi, wavelengths),
+        }
+    }
+}
+
+/// A direction picked towards a light.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Unit direction to the light.
+    pub wi: DVec3,
+    /// Radiance that arrives if nothing stands between; for a delta light the irradiance on a surface that faces it.
+    pub radiance: Spectrum,
+    /// Density with which `wi` was picked; 1 for a delta light.
+    pub pdf: SolidAnglePdf,
+    /// Whether no other strategy can find this direction.
+    pub is_delta: bool,
+    /// The ray whose part with `0 < t < t_max` must be free.
+    pub shadow: Ray,
+    /// End of `shadow`.
+    pub t_max: f64,
+}

@@ -1,0 +1,77 @@
+//! Point light.
+
+use std::f64::consts::PI;
+
+use glanz_light::Spectrum;
+use glanz_math::{DVec3, SolidAnglePdf};
+
+use super::LightSample;
+use crate::interaction::Interaction;
+
+/// A point that shines alike in all directions, W/sr.
+#[derive(Clone, Copy, Debug)]
+pub struct PointLight {
+    position: DVec3,
+    intensity: Spectrum,
+    range: Option<f64>,
+}
+
+impl PointLight {
+    /// `range`: distance, metres, at which the light has faded to nothing, if it does.
+    #[must_use]
+    pub fn new(position: DVec3, intensity: Spectrum, range: Option<f64>) -> Self {
+        Self { position, intensity, range }
+    }
+
+    /// Total power, W, without the fading by range.
+    #[must_use]
+    pub fn power(&self) -> Spectrum {
+        self.intensity * (4.0 * PI) as f32
+    }
+
+    pub(super) fn sample(&self, from: &Interaction) -> Option<LightSample> {
+        sample_point(from, self.position, |_, distance| self.intensity * window(distance, self.range))
+    }
+}
+
+/// Share of light left at `distance` from a light of finite range: `1 - (distance / range)^4`, not below 0.
+///
+/// # Source
+/// @khr_lights_punctual, attenuation by range.
+fn window(distance: f64, range: Option<f64>) -> f32 {
+    range.map_or(1.0, |range| (1.0 - (distance / range).powi(4)).max(0.0) as f32)
+}
+
+/// A sample of the point `position` that shines with `intensity(direction from the light, distance)`, W/sr.
+pub(super) fn sample_point(
+    from: &Interaction,
+    position: DVec3,
+    intensity: impl Fn(DVec3, f64) -> Spectrum,
+) -> Option<LightSample> {
+    let offset = position - from.point.position;
+    let distance = offset.length();
+    if !(distance > 0.0) {
+        return None;
+    }
+    let wi = offset / distance;
+    let radiance = intensity(-wi, distance) * (1.0 / (distance * distance)) as f32;
+    if radiance.is_black() || !radiance.is_finite() {
+        return None;
+    }
+    let shadow = from.spawn_to(position, None);
+    Some(LightSample { wi, radiance, pdf: SolidAnglePdf(1.0), is_delta: true, shadow, t_max: 1.0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn window_ends_at_the_range() {
+        assert_eq!(window(3.0, None), 1.0);
+        assert_eq!(window(0.0, Some(2.0)), 1.0);
+        assert_eq!(window(1.0, Some(2.0)), 0.9375);
+        assert_eq!(window(2.0, Some(2.0)), 0.0);
+        assert_eq!(window(9.0, Some(2.0)), 0.0);
+    }
+}

@@ -1,0 +1,208 @@
+//! Shapes and instances into groups with a hierarchy.
+
+use glanz_geometry::bvh::{BuildOptions, Bvh};
+use glanz_light::{SpectralDistribution, Wavelengths};
+use glanz_math::{Bounds3, Transform};
+use glanz_shading::Material;
+
+use super::light::checked;
+use super::{LARGEST_COORDINATE, Notes, range_error, shape, transform};
+use crate::description::{EmissionDescription, GroupDescription, InstanceDescription, Location};
+use crate::error::{SceneError, SceneErrorKind};
+use crate::light::{AreaLight, Light, LightId};
+use crate::object::Object;
+use crate::scene::{Group, Instance, MAX_NESTING, Primitive};
+
+/// An object that shines, in the frame of its group.
+///
+/// Every copy of it is a light of its own, so it is kept out of the group and set into the world once per copy.
+#[derive(Clone)]
+struct Emitter {
+    object: Object,
+    emission: EmissionDescription,
+    location: Option<Location>,
+}
+
+/// Groups in the making.
+pub(super) struct Groups {
+    groups: Vec<Group>,
+    emitters: Vec<Vec<Emitter>>,
+    depths: Vec<usize>,
+    /// Per material, whether light passes it.
+    passable: Vec<bool>,
+    next_id: u32,
+}
+
+impl Groups {
+    pub(super) fn new(materials: &[Material]) -> Self {
+        let passable = materials.iter().map(Material::is_interface).collect();
+        Self { groups: Vec::new(), emitters: Vec::new(), depths: Vec::new(), passable, next_id: 0 }
+    }
+
+    /// Adds the group number `index`; what it refers to must have been added before.
+    pub(super) fn add(
+        &mut self,
+        description: GroupDescription,
+        index: usize,
+        notes: &mut Notes,
+    ) -> Result<(), SceneError> {
+        let (objects, emitters, instances, depth) = self.parts(description, index, notes)?;
+        self.groups.push(self.build(objects, instances));
+        self.emitters.push(emitters);
+        self.depths.push(depth);
+        Ok(())
+    }
+
+    /// Adds the world and makes lights of everything that shines.
+    pub(super) fn finish(
+        mut self,
+        world: GroupDescription,
+        wavelengths: &Wavelengths,
+        notes: &mut Notes,
+    ) -> Result<(Vec<Group>, Vec<Light>), SceneError> {
+        let index = self.groups.len();
+        let (mut objects, emitters, instances, _) = self.parts(world, index, notes)?;
+        let mut lights = Vec::with_capacity(emitters.len());
+        for emitter in emitters {
+            let mut object = emitter.object;
+            let light = area_light(objects.len(), &object, &emitter.emission, emitter.location, wavelengths)?;
+            if !light.can_be_sampled() {
+                let message = format!(
+                    "a {} has no parameters to pick points by: its light is found by chance only, expect noise",
+                    object.surface().kind()
+                );
+                notes.warn(emitter.location, message);
+            }
+            object.light = Some(LightId(lights.len() as u32));
+            lights.push(Light::Area(light));
+            objects.push(object);
+        }
+        let world = self.build(objects, instances);
+        self.groups.push(world);
+        Ok((self.groups, lights))
+    }
+
+    #[allow(clippy::type_complexity)]
+    fn parts(
+        &mut self,
+        description: GroupDescription,
+        index: usize,
+        notes: &mut Notes,
+    ) -> Result<(Vec<Object>, Vec<Emitter>, Vec<Instance>, usize), SceneError> {
+        let mut objects = Vec::with_capacity(description.shapes.len());
+        let mut emitters = Vec::new();
+        for shape in description.shapes {
+            let id = self.next_id;
+            self.next_id = self.next_id.wrapping_add(1);
+            reference("material", shape.material, self.passable.len(), shape.location)?;
+            let passable = self.passable[shape.material];
+            let (location, emission) = (shape.location, shape.emission.clone());
+            for mut object in shape::objects(shape, id, notes)? {
+                check_extent(&object.bounds(), location)?;
+                object.passable = passable;
+                match &emission {
+                    Some(emission) => emitters.push(Emitter { object, emission: emission.clone(), location }),
+                    // A border that neither shines nor stops light is not there.
+                    None if passable => {}
+                    None => objects.push(object),
+                }
+            }
+        }
+        let mut instances = Vec::with_capacity(description.instances.len());
+        let mut depth = 0;
+        for InstanceDescription { group, to_parent, location } in description.instances {
+            reference("object", group, index.min(self.groups.len()), location)?;
+            let to_parent = transform(to_parent, "instance", location)?;
+            depth = depth.max(self.depths[group] + 1);
+            if depth > MAX_NESTING {
+                return Err(SceneError { location, kind: SceneErrorKind::Nesting(MAX_NESTING) });
+            }
+            emitters.extend(self.emitters[group].iter().map(|e| Emitter {
+                object: e.object.placed(&to_parent),
+                emission: e.emission.clone(),
+                location: e.location,
+            }));
+            check_extent(&instance_bounds(&self.groups[group], &to_parent), location)?;
+            instances.push(Instance { group, to_parent });
+        }
+        Ok((objects, emitters, instances, depth))
+    }
+
+    fn build(&self, objects: Vec<Object>, instances: Vec<Instance>) -> Group {
+        let mut bounded = Vec::new();
+        let mut unbounded = Vec::new();
+        let mut boxes = Vec::new();
+        let of_objects = objects.iter().enumerate().map(|(i, o)| (Primitive::Object(i as u32), o.bounds()));
+        let of_instances = instances.iter().enumerate().map(|(i, instance)| {
+            (
+                Primitive::Instance(i as u32),
+                instance_bounds(&self.groups[instance.group], &instance.to_parent),
+            )
+        });
+        for (primitive, bounds) in of_objects.chain(of_instances) {
+            if bounds.is_finite() {
+                bounded.push(primitive);
+                boxes.push(bounds);
+            } else if !bounds.is_empty() {
+                unbounded.push(primitive);
+            }
+        }
+        let bvh = Bvh::build(&boxes, &BuildOptions::default());
+        Group { objects, instances, bounded, unbounded, bvh }
+    }
+}
+
+/// A box around everything in the group that has an end.
+pub(super) fn finite_bounds(group: &Group) -> Bounds3 {
+    group.bvh.bounds()
+}
+
+fn instance_bounds(group: &Group, to_parent: &Transform) -> Bounds3 {
+    if group.unbounded.is_empty() {
+        to_parent.bounds(&group.bvh.bounds())
+    } else {
+        Bounds3 { min: glanz_math::DVec3::NEG_INFINITY, max: glanz_math::DVec3::INFINITY }
+    }
+}
+
+fn check_extent(bounds: &Bounds3, location: Option<Location>) -> Result<(), SceneError> {
+    let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
+    if bounds.is_finite() && reach > LARGEST_COORDINATE {
+        return Err(range_error(location, "shape: largest coordinate", reach, "at most 1e30 m"));
+    }
+    Ok(())
+}
+
+fn reference(
+    what: &'static str,
+    index: usize,
+    count: usize,
+    location: Option<Location>,
+) -> Result<(), SceneError> {
+    if index < count {
+        return Ok(());
+    }
+    Err(SceneError { location, kind: SceneErrorKind::Reference { what, index, count } })
+}
+
+fn area_light(
+    object_index: usize,
+    object: &Object,
+    emission: &EmissionDescription,
+    location: Option<Location>,
+    wavelengths: &Wavelengths,
+) -> Result<AreaLight, SceneError> {
+    let radiance = |distribution: &SpectralDistribution| distribution.radiance(wavelengths) * emission.scale;
+    let radiance = checked(radiance(&emission.radiance), "area light: radiance", location)?;
+    let light = AreaLight::new(object_index as u32, object, radiance, emission.two_sided);
+    let Some(power) = emission.power else { return Ok(light) };
+    let present = light.power().luminance(wavelengths);
+    if !(power >= 0.0 && power.is_finite()) {
+        return Err(range_error(location, "area light: power", power, "finite and not negative"));
+    }
+    if !(present > 0.0) {
+        let what = "area light: radiance that power is to scale";
+        return Err(range_error(location, what, present, "positive, on a surface of known area"));
+    }
+    Ok(AreaLight::new(object_index as u32, object, radiance * (power / present), emission.two_sided))
+}

@@ -1,0 +1,65 @@
+//! Lights that are not surfaces.
+
+use std::f64::consts::PI;
+
+use glanz_light::{Spectrum, Wavelengths};
+
+use super::{range_error, transform};
+use crate::description::{LightDescription, LightKind, Location};
+use crate::error::SceneError;
+use crate::light::{DistantLight, InfiniteLight, Light, PointLight, SpotLight};
+
+pub(super) fn light(description: &LightDescription, wavelengths: &Wavelengths) -> Result<Light, SceneError> {
+    let location = description.location;
+    let to_world = transform(description.to_world, "light", location)?;
+    let emission =
+        checked(description.emission.radiance(wavelengths) * description.scale, "light: emission", location)?;
+    Ok(match &description.kind {
+        LightKind::Point { from, range } => {
+            if let Some(range) = *range
+                && !(range > 0.0)
+            {
+                return Err(range_error(location, "point light: range", range, "positive"));
+            }
+            Light::Point(PointLight::new(to_world.point(*from), emission, *range))
+        }
+        LightKind::Spot { from, to, cone_angle, inner_angle, falloff } => {
+            let axis = to_world
+                .vector(*to - *from)
+                .try_normalize()
+                .ok_or_else(|| range_error(location, "spot light: to", to, "different from its position"))?;
+            if !(*cone_angle > 0.0 && *cone_angle <= PI) {
+                let degrees = cone_angle.to_degrees();
+                return Err(range_error(
+                    location,
+                    "spot light: cone angle",
+                    degrees,
+                    "above 0 and at most 180",
+                ));
+            }
+            let angles = [*cone_angle, inner_angle.clamp(0.0, *cone_angle)];
+            Light::Spot(SpotLight::new(to_world.point(*from), axis, angles, *falloff, emission))
+        }
+        LightKind::Distant { from, to } => {
+            let towards = to_world
+                .vector(*from - *to)
+                .try_normalize()
+                .ok_or_else(|| range_error(location, "distant light: from", from, "different from to"))?;
+            Light::Distant(DistantLight::new(towards, emission))
+        }
+        LightKind::Infinite => Light::Infinite(InfiniteLight::new(emission)),
+    })
+}
+
+/// Emission that is finite and not negative.
+pub(super) fn checked(
+    emission: Spectrum,
+    what: &'static str,
+    location: Option<Location>,
+) -> Result<Spectrum, SceneError> {
+    let negative = emission.map(|x| x.min(0.0));
+    if !emission.is_finite() || !negative.is_black() {
+        return Err(range_error(location, what, format!("{emission:?}"), "finite and not negative"));
+    }
+    Ok(emission)
+}

@@ -1,0 +1,84 @@
+//! From a description to a scene.
+
+mod group;
+mod light;
+mod material;
+mod shape;
+mod texture;
+
+use glanz_light::Wavelengths;
+use glanz_math::{DMat4, Transform};
+
+use crate::camera::Camera;
+use crate::description::{Description, Location};
+use crate::error::{SceneError, SceneErrorKind, SceneWarning};
+use crate::light::{Light, LightId, LightSelector};
+use crate::scene::Scene;
+use group::Groups;
+
+/// Coordinates beyond this, in metres, leave the range of the hierarchy's `f32` boxes.
+pub(crate) const LARGEST_COORDINATE: f64 = 1e30;
+
+/// What resolving passes along: the warnings so far.
+#[derive(Default)]
+struct Notes {
+    warnings: Vec<SceneWarning>,
+}
+
+impl Notes {
+    fn warn(&mut self, location: Option<Location>, message: impl Into<String>) {
+        self.warnings.push(SceneWarning { location, message: message.into() });
+    }
+}
+
+impl Scene {
+    /// Checks a description through the constructors of its parts and builds the hierarchy.
+    ///
+    /// The warnings name what was mended or left out.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the place in the input for the first part that cannot be.
+    pub fn resolve(description: Description) -> Result<(Self, Vec<SceneWarning>), SceneError> {
+        let wavelengths = Wavelengths::default();
+        let mut notes = Notes::default();
+        let camera = Camera::try_new(&description.camera, &description.film)?;
+        let textures = texture::textures(&description, &wavelengths)?;
+        let materials = material::materials(&description, &textures, &wavelengths, &mut notes)?;
+        let textures = textures.textures;
+        let mut groups = Groups::new(&materials);
+        for (index, group) in description.groups.into_iter().enumerate() {
+            groups.add(group, index, &mut notes)?;
+        }
+        let (groups, mut lights) = groups.finish(description.world, &wavelengths, &mut notes)?;
+        for light in &description.lights {
+            lights.push(light::light(light, &wavelengths)?);
+        }
+        let bounds = groups.last().map(group::finite_bounds).unwrap_or(glanz_math::Bounds3::EMPTY);
+        let radius = if bounds.is_empty() { 1.0 } else { 0.5 * bounds.diagonal().length() };
+        let importance: Vec<f64> = lights.iter().map(|l| l.importance(radius)).collect();
+        let infinite_lights = lights
+            .iter()
+            .enumerate()
+            .filter(|(_, light)| matches!(light, Light::Infinite(_)))
+            .map(|(index, _)| LightId(index as u32))
+            .collect();
+        let selector = LightSelector::new(&importance);
+        let scene = Self { camera, groups, materials, textures, lights, infinite_lights, selector, bounds };
+        Ok((scene, notes.warnings))
+    }
+}
+
+/// A matrix of the description as a transform.
+fn transform(matrix: DMat4, what: &'static str, location: Option<Location>) -> Result<Transform, SceneError> {
+    Transform::try_from_matrix(matrix)
+        .map_err(|source| SceneError { location, kind: SceneErrorKind::Transform { what, source } })
+}
+
+fn range_error(
+    location: Option<Location>,
+    what: &'static str,
+    value: impl ToString,
+    range: &'static str,
+) -> SceneError {
+    SceneError { location, kind: SceneErrorKind::Range { what, value: value.to_string(), range } }
+}

@@ -1,0 +1,138 @@
+//! Surfaces from their descriptions.
+
+use std::sync::Arc;
+
+use glanz_geometry::bilinear::BilinearPatch;
+use glanz_geometry::cuboid::Cuboid;
+use glanz_geometry::mesh::Mesh;
+use glanz_geometry::polyhedron::{HalfSpace, Polyhedron};
+use glanz_geometry::quadric::{
+    Cone, Cylinder, Disk, Hyperboloid, Paraboloid, Plane, Sphere, TwoSheetedHyperboloid,
+};
+use glanz_geometry::torus::Torus;
+use glanz_geometry::{Surface, SurfaceError};
+use glanz_math::{DVec3, Transform};
+
+use super::{Notes, transform};
+use crate::description::{GeometryDescription, Location, ShapeDescription};
+use crate::error::{SceneError, SceneErrorKind};
+use crate::object::Object;
+
+/// The objects of one shape: one, except for lists of patches.
+pub(super) fn objects(
+    shape: ShapeDescription,
+    id: u32,
+    notes: &mut Notes,
+) -> Result<Vec<Object>, SceneError> {
+    let location = shape.location;
+    let to_parent = transform(shape.to_parent, "shape", location)?;
+    let material = shape.material as u32;
+    let reversed = shape.reverse_orientation;
+    let at = |error: SurfaceError| SceneError { location, kind: SceneErrorKind::Surface(error) };
+    let placed = |surface: Surface| vec![Object::new(surface, to_parent, reversed, id, material)];
+    let in_parent = |surface: Surface, flipped: bool| {
+        Object::new(surface, Transform::IDENTITY, reversed != flipped, id, material)
+    };
+    Ok(match shape.geometry {
+        // Meshes and patches move into the frame of the group: no ray is carried into theirs.
+        GeometryDescription::Triangles { positions, indices, normals, uvs } => {
+            // Where vertex normals say which side is out, the triangles follow them.
+            let flipped = normals.is_none() && mirrors(&to_parent);
+            let positions = positions.into_iter().map(|p| to_parent.point(p)).collect();
+            let normals = normals.map(|n| n.into_iter().map(|n| to_parent.normal(n)).collect());
+            match Mesh::try_new(positions, indices, normals, uvs) {
+                Ok(mesh) => {
+                    note_degenerate(mesh.degenerate(), location, notes);
+                    vec![in_parent(Surface::Mesh(Arc::new(mesh)), flipped)]
+                }
+                // Exporters write such meshes, at the poles of a teapot for one: nothing to see is no reason to stop.
+                Err(SurfaceError::Degenerate { .. }) => {
+                    notes.warn(location, "no triangle of this mesh has an area; left out");
+                    Vec::new()
+                }
+                Err(error) => return Err(at(error)),
+            }
+        }
+        GeometryDescription::Bilinear { positions, indices } => {
+            bilinear_patches(&positions, &indices, &to_parent)
+                .map(|patch| patch.map(|p| in_parent(p.into(), mirrors(&to_parent))))
+                .collect::<Result<_, _>>()
+                .map_err(at)?
+        }
+        analytic => placed(surface(analytic).map_err(at)?),
+    })
+}
+
+fn mirrors(to_parent: &Transform) -> bool {
+    to_parent.forward().matrix3.determinant() < 0.0
+}
+
+fn note_degenerate(dropped: usize, location: Option<Location>, notes: &mut Notes) {
+    if dropped > 0 {
+        let noun = if dropped == 1 { "triangle has" } else { "triangles have" };
+        notes.warn(location, format!("{dropped} {noun} no area; left out"));
+    }
+}
+
+fn bilinear_patches<'a>(
+    positions: &'a [DVec3],
+    indices: &'a [[u32; 4]],
+    to_parent: &'a Transform,
+) -> impl Iterator<Item = Result<BilinearPatch, SurfaceError>> + 'a {
+    indices.iter().enumerate().map(move |(patch, corners)| {
+        let mut points = [DVec3::ZERO; 4];
+        for (point, &index) in points.iter_mut().zip(corners) {
+            let position = positions.get(index as usize).ok_or(SurfaceError::BadIndex {
+                parameter: "corner of patch",
+                position: patch,
+                index: u64::from(index),
+                count: positions.len(),
+            })?;
+            *point = to_parent.point(*position);
+        }
+        let [p00, p10, p01, p11] = points;
+        BilinearPatch::try_new(p00, p10, p01, p11)
+    })
+}
+
+fn surface(geometry: GeometryDescription) -> Result<Surface, SurfaceError> {
+    Ok(match geometry {
+        GeometryDescription::Sphere { radius, z, phi_max } => Sphere::try_new(radius, z, phi_max)?.into(),
+        GeometryDescription::Cylinder { radius, z, phi_max } => Cylinder::try_new(radius, z, phi_max)?.into(),
+        GeometryDescription::Cone { radius, height, phi_max } => {
+            Cone::try_new(radius, height, phi_max)?.into()
+        }
+        GeometryDescription::Paraboloid { radius, z, phi_max } => {
+            Paraboloid::try_new(radius, z, phi_max)?.into()
+        }
+        GeometryDescription::Hyperboloid { p1, p2, phi_max } => Hyperboloid::try_new(p1, p2, phi_max)?.into(),
+        GeometryDescription::TwoSheetedHyperboloid { a, c, z, phi_max } => {
+            TwoSheetedHyperboloid::try_new(a, c, z, phi_max)?.into()
+        }
+        GeometryDescription::Disk { height, radius, inner_radius, phi_max } => {
+            Disk::try_new(height, radius, inner_radius, phi_max)?.into()
+        }
+        GeometryDescription::Plane { x, y } => Plane::try_new(x, y)?.into(),
+        GeometryDescription::Algebraic { terms, clip: [a, b] } => {
+            let _ = (terms, a, b);
+            return Err(SurfaceError::TooFew { parameter: "algebraic", count: 0, min: 1 });
+        }
+        GeometryDescription::Torus { major_radius, minor_radius, phi_max } => {
+            Torus::try_new(major_radius, minor_radius, phi_max)?.into()
+        }
+        GeometryDescription::Polyhedron { half_spaces } => {
+            let half_spaces: Vec<HalfSpace> =
+                half_spaces.into_iter().map(|(normal, distance)| HalfSpace { normal, distance }).collect();
+            Polyhedron::try_new(&half_spaces)?.into()
+        }
+        GeometryDescription::Cuboid { min, max } => Cuboid::try_new(min, max)?.into(),
+        GeometryDescription::Triangles { positions, indices, normals, uvs } => {
+            Surface::Mesh(Arc::new(Mesh::try_new(positions, indices, normals, uvs)?))
+        }
+        GeometryDescription::Bilinear { positions, indices } => {
+            let identity = Transform::IDENTITY;
+            let first = bilinear_patches(&positions, &indices, &identity).next();
+            first.unwrap_or(Err(SurfaceError::TooFew { parameter: "patches", count: 0, min: 1 }))?.into()
+        }
+    })
+}

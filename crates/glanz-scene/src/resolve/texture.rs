@@ -1,0 +1,171 @@
+//! Textures and pictures.
+
+use glanz_light::Wavelengths;
+use glanz_shading::Textures;
+use glanz_shading::texture::{
+    Checkerboard, FloatInput, Image, ImageFilter, ImageTexture, Mapping, SpectrumInput, Texture, TextureId,
+    Wrap,
+};
+
+use super::transform;
+use crate::description as from;
+use crate::description::{Description, Location, TextureDescription, TextureKind, TextureMapping};
+use crate::error::{SceneError, SceneErrorKind};
+
+/// The textures of a scene, and what the description's numbers became.
+pub(super) struct ResolvedTextures {
+    pub(super) textures: Textures,
+    ids: Vec<TextureId>,
+}
+
+/// Turns inputs of the description into inputs of shading.
+pub(super) struct Inputs<'a> {
+    ids: &'a [TextureId],
+    wavelengths: &'a Wavelengths,
+    location: Option<Location>,
+}
+
+impl Inputs<'_> {
+    fn id(&self, index: usize) -> Result<TextureId, SceneError> {
+        self.ids.get(index).copied().ok_or(SceneError {
+            location: self.location,
+            kind: SceneErrorKind::Reference { what: "texture", index, count: self.ids.len() },
+        })
+    }
+
+    /// A share of light, or a factor on light.
+    pub(super) fn reflectance(&self, input: &from::SpectrumInput) -> Result<SpectrumInput, SceneError> {
+        Ok(match input {
+            from::SpectrumInput::Value(value) => SpectrumInput::Constant(value.reflectance(self.wavelengths)),
+            from::SpectrumInput::Texture(index) => SpectrumInput::Texture(self.id(*index)?),
+        })
+    }
+
+    /// A quantity of matter without upper bound.
+    pub(super) fn unbounded(&self, input: &from::SpectrumInput) -> Result<SpectrumInput, SceneError> {
+        Ok(match input {
+            from::SpectrumInput::Value(value) => SpectrumInput::Constant(value.unbounded(self.wavelengths)),
+            from::SpectrumInput::Texture(index) => SpectrumInput::Texture(self.id(*index)?),
+        })
+    }
+
+    pub(super) fn float(&self, input: &from::FloatInput) -> Result<FloatInput, SceneError> {
+        Ok(match input {
+            from::FloatInput::Value(value) => FloatInput::Constant(*value),
+            from::FloatInput::Texture(index) => FloatInput::Texture(self.id(*index)?),
+        })
+    }
+}
+
+impl ResolvedTextures {
+    pub(super) fn inputs<'a>(
+        &'a self,
+        wavelengths: &'a Wavelengths,
+        location: Option<Location>,
+    ) -> Inputs<'a> {
+        Inputs { ids: &self.ids, wavelengths, location }
+    }
+}
+
+pub(super) fn textures(
+    description: &Description,
+    wavelengths: &Wavelengths,
+) -> Result<ResolvedTextures, SceneError> {
+    // The pyramid costs a third more memory: only for pictures that some texture asks it of.
+    let mut images: Vec<Option<Image>> = vec![None; description.images.len()];
+    let mut resolved = ResolvedTextures { textures: Textures::new(), ids: Vec::new() };
+    for texture in &description.textures {
+        let built =
+            texture_of(description, texture, &resolved.inputs(wavelengths, texture.location), &mut images)?;
+        let id = resolved.textures.add(built).map_err(|reason| fault(texture, reason))?;
+        resolved.ids.push(id);
+    }
+    Ok(resolved)
+}
+
+fn fault(texture: &TextureDescription, reason: impl ToString) -> SceneError {
+    let kind = SceneErrorKind::Texture { name: texture.name.clone(), reason: reason.to_string() };
+    SceneError { location: texture.location, kind }
+}
+
+fn texture_of(
+    description: &Description,
+    texture: &TextureDescription,
+    inputs: &Inputs<'_>,
+    images: &mut [Option<Image>],
+) -> Result<Texture, SceneError> {
+    Ok(match &texture.kind {
+        TextureKind::Constant(value) => match inputs.unbounded(value)? {
+            SpectrumInput::Constant(value) => Texture::Constant(value),
+            other @ SpectrumInput::Texture(_) => {
+                Texture::Scale(other, SpectrumInput::Constant(glanz_light::Spectrum::ONE))
+            }
+        },
+        TextureKind::Scale(a, b) => Texture::Scale(inputs.unbounded(a)?, inputs.unbounded(b)?),
+        TextureKind::Mix { a, b, amount } => {
+            Texture::Mix { a: inputs.unbounded(a)?, b: inputs.unbounded(b)?, amount: inputs.float(amount)? }
+        }
+        TextureKind::Checkerboard { even, odd, mapping } => Texture::Checkerboard(Checkerboard {
+            even: inputs.unbounded(even)?,
+            odd: inputs.unbounded(odd)?,
+            mapping: mapping_of(mapping, texture.location)?,
+        }),
+        TextureKind::Image { image, mapping, wrap, filter, scale, invert } => {
+            let picture = picture(description, texture, *image, images)?;
+            Texture::Image(ImageTexture {
+                image: picture,
+                mapping: mapping_of(mapping, texture.location)?,
+                wrap: match wrap {
+                    from::ImageWrap::Repeat => Wrap::Repeat,
+                    from::ImageWrap::Black => Wrap::Black,
+                    from::ImageWrap::Clamp => Wrap::Clamp,
+                },
+                filter: match filter {
+                    from::ImageFilter::Point => ImageFilter::Point,
+                    from::ImageFilter::Bilinear => ImageFilter::Bilinear,
+                    from::ImageFilter::Trilinear => ImageFilter::Trilinear,
+                },
+                scale: *scale,
+                invert: *invert,
+            })
+        }
+    })
+}
+
+/// The picture number `index`, shared between the textures that use it.
+fn picture(
+    description: &Description,
+    texture: &TextureDescription,
+    index: usize,
+    images: &mut [Option<Image>],
+) -> Result<Image, SceneError> {
+    let count = description.images.len();
+    let missing = || SceneError {
+        location: texture.location,
+        kind: SceneErrorKind::Reference { what: "picture", index, count },
+    };
+    let source = description.images.get(index).ok_or_else(missing)?;
+    let slot = images.get_mut(index).ok_or_else(missing)?;
+    if let Some(image) = slot {
+        return Ok(image.clone());
+    }
+    let asks_for_pyramid = |t: &TextureDescription| matches!(&t.kind, TextureKind::Image { image, filter: from::ImageFilter::Trilinear, .. } if *image == index);
+    let with_pyramid = description.textures.iter().any(asks_for_pyramid);
+    let image = Image::try_new(&source.pixels, with_pyramid).map_err(|reason| fault(texture, reason))?;
+    Ok(slot.insert(image).clone())
+}
+
+fn mapping_of(mapping: &TextureMapping, location: Option<Location>) -> Result<Mapping, SceneError> {
+    let placed = |matrix: &glanz_math::DMat4| transform(*matrix, "texture", location);
+    Ok(match mapping {
+        TextureMapping::Uv { scale, offset } => Mapping::Uv { scale: *scale, offset: *offset },
+        TextureMapping::Planar { v1, v2, offset, to_texture } => {
+            Mapping::Planar { v1: *v1, v2: *v2, offset: *offset, to_texture: placed(to_texture)? }
+        }
+        TextureMapping::Spherical { to_texture } => Mapping::Spherical { to_texture: placed(to_texture)? },
+        TextureMapping::Cylindrical { to_texture } => {
+            Mapping::Cylindrical { to_texture: placed(to_texture)? }
+        }
+        TextureMapping::Solid { to_texture } => Mapping::Solid { to_texture: placed(to_texture)? },
+    })
+}

@@ -1,0 +1,306 @@
+//! The scene: immutable, and asked by rays.
+
+use glanz_geometry::Hit;
+use glanz_geometry::bvh::Bvh;
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::{Bounds3, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
+use glanz_shading::{Material, Textures};
+
+use crate::camera::Camera;
+use crate::interaction::Interaction;
+use crate::light::{Light, LightId, LightSample, LightSelector};
+use crate::object::Object;
+
+/// How deep groups may be nested in one another.
+pub const MAX_NESTING: usize = 8;
+
+/// Objects and instances with one frame, and the hierarchy over them.
+#[derive(Debug)]
+pub(crate) struct Group {
+    pub(crate) objects: Vec<Object>,
+    pub(crate) instances: Vec<Instance>,
+    /// What the numbers in the hierarchy's leaves stand for.
+    pub(crate) bounded: Vec<Primitive>,
+    /// What has no finite box.
+    pub(crate) unbounded: Vec<Primitive>,
+    pub(crate) bvh: Bvh,
+}
+
+/// A copy of a group.
+#[derive(Clone, Debug)]
+pub(crate) struct Instance {
+    pub(crate) group: usize,
+    pub(crate) to_parent: Transform,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Primitive {
+    Object(u32),
+    Instance(u32),
+}
+
+/// Numbers of the instances that lead to an object, from the innermost outwards.
+#[derive(Clone, Copy, Debug, Default)]
+struct InstancePath {
+    instances: [u32; MAX_NESTING],
+    length: usize,
+}
+
+impl InstancePath {
+    fn push(&mut self, instance: u32) {
+        if let Some(slot) = self.instances.get_mut(self.length) {
+            *slot = instance;
+            self.length += 1;
+        }
+    }
+
+    fn outermost_first(&self) -> impl Iterator<Item = u32> + '_ {
+        self.instances[..self.length].iter().rev().copied()
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    hit: Hit,
+    object: u32,
+    path: InstancePath,
+}
+
+/// A scene in which nothing can be invalid and nothing changes.
+#[derive(Debug)]
+pub struct Scene {
+    pub(crate) camera: Camera,
+    /// All groups; the last is the world.
+    pub(crate) groups: Vec<Group>,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) textures: Textures,
+    pub(crate) lights: Vec<Light>,
+    pub(crate) infinite_lights: Vec<LightId>,
+    pub(crate) selector: LightSelector,
+    pub(crate) bounds: Bounds3,
+}
+
+impl Scene {
+    /// The camera.
+    #[must_use]
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// A box around everything that has an end; empty if there is nothing.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds3 {
+        self.bounds
+    }
+
+    /// All lights.
+    #[must_use]
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+
+    /// All materials.
+    #[must_use]
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    pub(crate) fn material(&self, index: u32) -> &Material {
+        &self.materials[index as usize]
+    }
+
+    pub(crate) fn textures(&self) -> &Textures {
+        &self.textures
+    }
+
+    pub(crate) fn world(&self) -> &Group {
+        &self.groups[self.groups.len() - 1]
+    }
+
+    pub(crate) fn world_object(&self, index: u32) -> Option<&Object> {
+        self.world().objects.get(index as usize)
+    }
+
+    /// The first thing the ray meets with `0 < t < t_max`.
+    #[must_use]
+    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Interaction> {
+        let mut found = None;
+        self.closest(self.world(), ray, t_max, &mut found);
+        found.map(|found| self.interaction(ray, &found))
+    }
+
+    /// Whether the ray meets anything with `0 < t < t_max`.
+    #[must_use]
+    pub fn occluded(&self, ray: &Ray, t_max: f64) -> bool {
+        self.any(self.world(), ray, t_max)
+    }
+
+    fn closest(&self, group: &Group, ray: &Ray, t_max: f64, found: &mut Option<Found>) -> f64 {
+        let mut nearest = t_max;
+        for &primitive in &group.unbounded {
+            nearest = self.visit(group, primitive, ray, nearest, found);
+        }
+        group.bvh.closest(ray, nearest, |leaf, t| {
+            let mut t = t;
+            for &index in group.bvh.leaf(leaf) {
+                t = self.visit(group, group.bounded[index as usize], ray, t, found);
+            }
+            nearest = t;
+            t
+        });
+        nearest
+    }
+
+    fn visit(
+        &self,
+        group: &Group,
+        primitive: Primitive,
+        ray: &Ray,
+        t_max: f64,
+        found: &mut Option<Found>,
+    ) -> f64 {
+        match primitive {
+            Primitive::Object(object) => match group.objects[object as usize].intersect(ray, t_max) {
+                Some(hit) => {
+                    *found = Some(Found { hit, object, path: InstancePath::default() });
+                    hit.t
+                }
+                None => t_max,
+            },
+            Primitive::Instance(index) => {
+                let instance = &group.instances[index as usize];
+                let local = instance.to_parent.inverse().ray(ray);
+                let t = self.closest(&self.groups[instance.group], &local, t_max, found);
+                if t < t_max
+                    && let Some(found) = found
+                {
+                    found.path.push(index);
+                }
+                t
+            }
+        }
+    }
+
+    fn any(&self, group: &Group, ray: &Ray, t_max: f64) -> bool {
+        let blocks = |primitive: Primitive| match primitive {
+            Primitive::Object(object) => group.objects[object as usize].occluded(ray, t_max),
+            Primitive::Instance(index) => {
+                let instance = &group.instances[index as usize];
+                let local = instance.to_parent.inverse().ray(ray);
+                self.any(&self.groups[instance.group], &local, t_max)
+            }
+        };
+        group.unbounded.iter().any(|&p| blocks(p))
+            || group.bvh.any(ray, t_max, |leaf| {
+                group.bvh.leaf(leaf).iter().any(|&index| blocks(group.bounded[index as usize]))
+            })
+    }
+
+    fn interaction(&self, ray: &Ray, found: &Found) -> Interaction {
+        let mut group = self.world();
+        let mut local = *ray;
+        let mut maps = [Transform::IDENTITY; MAX_NESTING];
+        for (slot, index) in maps.iter_mut().zip(found.path.outermost_first()) {
+            let instance = &group.instances[index as usize];
+            local = instance.to_parent.inverse().ray(&local);
+            *slot = instance.to_parent;
+            group = &self.groups[instance.group];
+        }
+        let object = &group.objects[found.object as usize];
+        let (mut point, area_pdf) = object.point(&local, &found.hit);
+        for map in maps[..found.path.length].iter().rev() {
+            point = point.transformed(map);
+        }
+        Interaction {
+            point,
+            t: found.hit.t,
+            wo: -ray.direction.normalize(),
+            id: object.id,
+            area_pdf,
+            material: object.material,
+            light: object.light,
+        }
+    }
+
+    /// The light `id`.
+    #[must_use]
+    pub fn light(&self, id: LightId) -> Option<&Light> {
+        self.lights.get(id.0 as usize)
+    }
+
+    /// Radiance that leaves the surface at `at` by itself towards `direction`.
+    #[must_use]
+    pub fn emitted(&self, at: &Interaction, direction: DVec3) -> Spectrum {
+        match at.light.and_then(|id| self.light(id)) {
+            Some(Light::Area(light)) => light.emitted(&at.point, direction),
+            _ => Spectrum::BLACK,
+        }
+    }
+
+    /// A light to sample and the probability of that choice, by a number uniform in [0, 1).
+    ///
+    /// `None` if there is no light that can be sampled.
+    #[must_use]
+    pub fn pick_light(&self, xi: f64) -> Option<(LightId, f64)> {
+        self.selector.pick(xi)
+    }
+
+    /// The probability with which [`Scene::pick_light`] takes the light `id`.
+    #[must_use]
+    pub fn light_probability(&self, id: LightId) -> f64 {
+        self.selector.probability(id)
+    }
+
+    /// Picks a direction from `from` towards the light `id` by two numbers uniform in [0, 1).
+    #[must_use]
+    pub fn sample_light(
+        &self,
+        id: LightId,
+        from: &Interaction,
+        xi: DVec2,
+        wavelengths: &Wavelengths,
+    ) -> Option<LightSample> {
+        self.light(id)?.sample(self, from, xi, wavelengths)
+    }
+
+    /// Density with which [`Scene::sample_light`] from `from` takes the point `hit` of the light `id`; without the
+    /// probability of the light itself.
+    #[must_use]
+    pub fn light_pdf(&self, id: LightId, from: &Interaction, hit: &Interaction) -> SolidAnglePdf {
+        match self.light(id) {
+            Some(Light::Area(light)) if light.can_be_sampled() => light.pdf(from, hit),
+            _ => SolidAnglePdf(0.0),
+        }
+    }
+
+    /// The lights that shine from infinitely far in every direction.
+    #[must_use]
+    pub fn infinite_lights(&self) -> &[LightId] {
+        &self.infinite_lights
+    }
+
+    /// Radiance of the infinite light `id` along a ray that left the scene.
+    #[must_use]
+    pub fn infinite_radiance(&self, id: LightId, _ray: &Ray) -> Spectrum {
+        match self.light(id) {
+            Some(Light::Infinite(light)) => light.radiance(),
+            _ => Spectrum::BLACK,
+        }
+    }
+
+    /// Density with which [`Scene::sample_light`] from `from` takes the unit direction `wi` of the infinite light
+    /// `id`; without the probability of the light itself.
+    #[must_use]
+    pub fn infinite_pdf(&self, id: LightId, from: &Interaction, wi: DVec3) -> SolidAnglePdf {
+        match self.light(id) {
+            Some(Light::Infinite(light)) => light.pdf(from, wi),
+            _ => SolidAnglePdf(0.0),
+        }
+    }
+
+    /// Radiance of all infinite lights along a ray that left the scene.
+    #[must_use]
+    pub fn escaped(&self, ray: &Ray) -> Spectrum {
+        self.infinite_lights.iter().map(|&id| self.infinite_radiance(id, ray)).sum()
+    }
+}

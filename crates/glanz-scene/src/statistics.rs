@@ -1,0 +1,49 @@
+//! What a scene consists of, in numbers.
+
+use std::collections::BTreeMap;
+
+use glanz_geometry::Surface;
+
+use crate::scene::Scene;
+
+/// Counts of the parts of a scene.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Surfaces by kind; a surface in a group counts once, however often the group is copied.
+    pub surfaces: BTreeMap<&'static str, usize>,
+    /// Triangles of all meshes.
+    pub triangles: usize,
+    /// Groups that copies are made of.
+    pub groups: usize,
+    /// Copies of groups.
+    pub instances: usize,
+    /// Lights by kind.
+    pub lights: BTreeMap<&'static str, usize>,
+    /// Materials.
+    pub materials: usize,
+}
+
+impl Scene {
+    /// Counts the parts of the scene.
+    #[must_use]
+    pub fn statistics(&self) -> Statistics {
+        let mut statistics = Statistics {
+            groups: self.groups.len().saturating_sub(1),
+            materials: self.materials.len(),
+            ..Statistics::default()
+        };
+        for group in &self.groups {
+            statistics.instances += group.instances.len();
+            for object in &group.objects {
+                *statistics.surfaces.entry(object.surface().kind()).or_default() += 1;
+                if let Surface::Mesh(mesh) = object.surface() {
+                    statistics.triangles += mesh.indices().len() - mesh.degenerate();
+                }
+            }
+        }
+        for light in &self.lights {
+            *statistics.lights.entry(light.kind()).or_default() += 1;
+        }
+        statistics
+    }
+}
