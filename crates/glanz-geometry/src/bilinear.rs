@@ -47,7 +47,7 @@ impl BilinearPatch {
         let largest = patch.weights.iter().fold(0.0, |a: f64, w| a.max(*w));
         // The normal is an affine function of (u, v): if it vanishes at the corners it does everywhere. The edges
         // carry one rounding each, their cross product two more.
-        if !(largest > gamma(8) * size * size) || !largest.is_finite() {
+        if largest <= gamma(8) * size * size || !largest.is_finite() {
             return Err(SurfaceError::Degenerate {
                 reason: "the corners lie on a line, area",
                 value: largest,

@@ -117,6 +117,11 @@ impl Cuboid {
     }
 }
 
+/// The ray parameters, of any sign, at which the line of the ray enters and leaves the box, if it meets it.
+pub(crate) fn clip_to_box(bounds: &Bounds3, ray: &Ray) -> Option<(f64, f64)> {
+    Cuboid { bounds: *bounds }.ends(ray).map(|(enter, leave)| (enter.t, leave.t))
+}
+
 /// The axes along which u and v run on a facet.
 fn tangent_axes(facet: u32) -> (usize, usize) {
     let axis = (facet as usize / 2) % 3;

@@ -1,0 +1,258 @@
+//! Algebraic surfaces: where a polynomial in x, y and z vanishes.
+
+mod polynomial3;
+
+use std::f64::consts::{PI, TAU};
+
+use glanz_math::polynomial::roots;
+use glanz_math::rounding::{UNIT_ROUNDOFF, gamma};
+use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
+
+use self::polynomial3::{Cube, Jet, Polynomial3, recenter};
+use crate::cuboid::clip_to_box;
+use crate::error::{SurfaceError, finite, positive};
+use crate::hit::{Hit, SurfacePoint, SurfaceSample};
+use crate::line::Line;
+use crate::surface::RaySurface;
+
+/// Largest total degree of an [`AlgebraicSurface`].
+pub const MAX_DEGREE: usize = 4;
+
+/// The summand `coefficient x^i y^j z^k`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Term {
+    /// The exponents i, j, k.
+    pub exponents: [u32; 3],
+    /// Its factor; x, y and z are metres.
+    pub coefficient: f64,
+}
+
+/// The points of a box where `sum c x^i y^j z^k = 0`, of total degree 4 at most.
+///
+/// A surface that leaves the box is cut open there. The normal is the direction in which the polynomial rises. `u` and
+/// `v` are spherical angles about the center c of the box: `p = c + r (cos 2 pi u sin pi v, sin 2 pi u sin pi v,
+/// cos pi v)`; several points may have the same. The tangents are zero on the axis and where the surface is seen
+/// edge-on from the center. At points without a normal (of a vanishing gradient) the surface turns towards the ray.
+///
+/// # Source
+/// @hanrahan1983; departure: coefficients are formed about a point of the ray in the box.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AlgebraicSurface {
+    /// In coordinates relative to the center of the box, in units of `scale`.
+    polynomial: Polynomial3,
+    bounds: Bounds3,
+    center: DVec3,
+    /// A power of two, metres; half the longest edge of the box is between half and one of it.
+    scale: f64,
+}
+
+impl AlgebraicSurface {
+    /// The surface of the sum of `terms`, in the box `bounds` (metres). Terms of the same exponents add up.
+    ///
+    /// # Errors
+    /// [`SurfaceError::NotFinite`]; [`SurfaceError::NotPositive`] if the box has no volume;
+    /// [`SurfaceError::DegreeTooHigh`]; [`SurfaceError::Degenerate`] if nothing but a constant is left.
+    pub fn try_new(terms: &[Term], bounds: Bounds3) -> Result<Self, SurfaceError> {
+        for edge in bounds.diagonal().to_array() {
+            positive("edge length of the box", edge)?;
+        }
+        let center = bounds.center();
+        finite("center of the box", center.element_sum())?;
+        let half = bounds.diagonal().max_element() * 0.5;
+        let scale = half.log2().ceil().exp2();
+        positive("scale of the box to the fourth power", scale.powi(4))?;
+        finite("scale of the box to the fourth power", scale.powi(4))?;
+        let mut cube: Cube = Default::default();
+        for term in terms {
+            let coefficient = finite("coefficient", term.coefficient)?;
+            let total = term.exponents.iter().fold(0_u32, |a, &e| a.saturating_add(e));
+            if total as usize > MAX_DEGREE {
+                return Err(SurfaceError::DegreeTooHigh {
+                    parameter: "the polynomial",
+                    degree: total,
+                    max: MAX_DEGREE as u32,
+                });
+            }
+            let [i, j, k] = term.exponents.map(|e| e as usize);
+            cube[i][j][k].0 += coefficient;
+        }
+        // The total degree does not change with the origin.
+        let degree = total_degree(&cube);
+        if degree == 0 {
+            return Err(SurfaceError::Degenerate {
+                reason: "the polynomial is constant,",
+                value: cube[0][0][0].0,
+            });
+        }
+        recenter(&mut cube, center, scale);
+        let largest = normalise(&mut cube);
+        finite("coefficient about the center of the box", largest)?;
+        Ok(Self { polynomial: Polynomial3::new(&cube, degree), bounds, center, scale })
+    }
+
+    /// The hits in ascending order, until `visit` returns true.
+    ///
+    /// The polynomial along the ray is formed about the ray's origin if that lies in the box: its constant term then
+    /// tells on which side the ray starts. Otherwise about the middle of the way through the box. Neither depends on
+    /// `t_max`, so that a hit has the same digits whatever is asked.
+    fn each_hit(&self, ray: &Ray, t_max: f64, mut visit: impl FnMut(Hit) -> bool) {
+        let Some((enter, leave)) = clip_to_box(&self.bounds, ray) else { return };
+        if leave <= 0.0 || enter >= t_max {
+            return;
+        }
+        let shift = if enter <= 0.0 { 0.0 } else { 0.5 * enter + 0.5 * leave };
+        let line = Line::new(ray, shift);
+        let along = self.polynomial.on_line((line.origin - self.center) / self.scale, line.direction);
+        let (low, high) = (line.s(enter.max(0.0)) / self.scale, line.s(leave) / self.scale);
+        let mut last = 0.0;
+        for &s in roots(&along, low, high).iter() {
+            let t = line.t(s * self.scale);
+            // Two arc lengths may be one parameter of a far ray.
+            if t > last && t < t_max && visit(self.hit(t, line.at(s * self.scale))) {
+                return;
+            }
+            last = last.max(t);
+        }
+    }
+
+    fn hit(&self, t: f64, p: DVec3) -> Hit {
+        let d = p - self.center;
+        let phi = d.y.atan2(d.x);
+        let u = if phi < 0.0 { (phi / TAU + 1.0).min(1.0_f64.next_down()) } else { phi / TAU };
+        Hit { t, u, v: d.truncate().length().atan2(d.z) / PI, face: 0 }
+    }
+
+    /// The point of the surface nearest to `p` (relative to the center, in units of the scale), which is almost there.
+    fn settle(&self, p: DVec3) -> (DVec3, Jet) {
+        let jet = self.polynomial.jet(p);
+        let step = jet.gradient * (jet.value / jet.gradient.length_squared());
+        let moved = p - step;
+        if !moved.is_finite() {
+            return (p, jet);
+        }
+        let there = self.polynomial.jet(moved);
+        // Next to a singular point the step may lead away.
+        if there.value.abs() < jet.value.abs() { (moved, there) } else { (p, jet) }
+    }
+
+    /// Absolute error per axis, metres.
+    ///
+    /// The polynomial is off by 16 roundings of the sum of the moduli of its terms, here and again for the next ray; the
+    /// distance this means is the error over the gradient. Where the gradient vanishes the second derivatives limit it.
+    /// No more than 2^-31 of the box is claimed: within about that distance of a singular point, rays may meet the
+    /// surface that they start from.
+    fn error(&self, jet: &Jet) -> DVec3 {
+        let value_error = 2.0 * gamma(16) * jet.size;
+        let h = jet.hessian;
+        let bend = (h.x_axis.length_squared() + h.y_axis.length_squared() + h.z_axis.length_squared()).sqrt();
+        let slope = jet.gradient.length().max((value_error * bend).sqrt());
+        let cap = 2.0_f64.powi(-31);
+        let off = if slope * cap > value_error { value_error / slope } else { cap };
+        // Position: into the local coordinates and back.
+        let reach = self.bounds.min.abs().max(self.bounds.max.abs());
+        DVec3::splat(off * self.scale + gamma(4) * self.scale) + reach * gamma(4)
+    }
+}
+
+/// Largest sum of exponents of a term that is not zero.
+fn total_degree(cube: &Cube) -> usize {
+    let mut degree = 0;
+    for (i, plane) in cube.iter().enumerate() {
+        for (j, line) in plane.iter().enumerate() {
+            for (k, c) in line.iter().enumerate() {
+                if c.0 != 0.0 {
+                    degree = degree.max(i + j + k);
+                }
+            }
+        }
+    }
+    degree
+}
+
+/// Multiplies by a power of two so that the largest coefficient lies in [1, 2]; returns what it was.
+fn normalise(cube: &mut Cube) -> f64 {
+    let largest = cube
+        .iter()
+        .flatten()
+        .flatten()
+        .fold(0.0_f64, |a, c| if c.0.is_nan() { c.0 } else { a.max(c.0.abs()) });
+    if largest > 0.0 && largest.is_finite() {
+        let exponent = largest.log2().floor();
+        let (first, second) = ((-0.5 * exponent).floor().exp2(), (0.5 * exponent).floor().exp2());
+        for c in cube.iter_mut().flatten().flatten() {
+            *c = (c.0 * first / second, c.1 * first / second);
+        }
+    }
+    largest
+}
+
+impl RaySurface for AlgebraicSurface {
+    fn bounds(&self) -> Bounds3 {
+        self.bounds
+    }
+
+    fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
+        let mut first = None;
+        self.each_hit(ray, t_max, |hit| {
+            first = Some(hit);
+            true
+        });
+        first
+    }
+
+    fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
+        self.each_hit(ray, t_max, |hit| {
+            hits.push(hit);
+            false
+        });
+    }
+
+    fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        let start = (Line::new(ray, hit.t).origin - self.center) / self.scale;
+        let (local, jet) = self.settle(start);
+        let slope = jet.gradient.length();
+        let normal = jet.gradient.try_normalize().unwrap_or_else(|| -ray.direction.normalize());
+        let (sin_phi, cos_phi) = (hit.u * TAU).sin_cos();
+        let (sin_theta, cos_theta) = (hit.v * PI).sin_cos();
+        let radius = local.length() * self.scale;
+        let outward = DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta);
+        let cos = normal.dot(outward);
+        let tangent = |turn: DVec3| {
+            // p = c + r w with n . dp = 0: dr = -r (n . dw) / (n . w). With half of the digits gone it is noise.
+            if cos.abs() <= UNIT_ROUNDOFF.sqrt() {
+                return DVec3::ZERO;
+            }
+            let dp = turn * radius - outward * (radius * normal.dot(turn) / cos);
+            dp - normal * normal.dot(dp)
+        };
+        let dpdu = tangent(DVec3::new(-sin_theta * sin_phi, sin_theta * cos_phi, 0.0) * TAU);
+        let dpdv = tangent(DVec3::new(cos_theta * cos_phi, cos_theta * sin_phi, -sin_theta) * PI);
+        let bend = |dp: DVec3| {
+            let dn = jet.hessian * (dp / self.scale);
+            if slope > 0.0 { (dn - normal * normal.dot(dn)) / slope } else { DVec3::ZERO }
+        };
+        SurfacePoint {
+            position: (self.center + local * self.scale).clamp(self.bounds.min, self.bounds.max),
+            error: self.error(&jet),
+            normal,
+            shading_normal: normal,
+            uv: DVec2::new(hit.u, hit.v),
+            dpdu,
+            dpdv,
+            dndu: bend(dpdu),
+            dndv: bend(dpdv),
+        }
+    }
+
+    /// None: the area has no closed form and the parameters do not name the points.
+    fn sample(&self, _xi: DVec2) -> Option<SurfaceSample> {
+        None
+    }
+
+    fn area_pdf(&self, _hit: &Hit, _point: &SurfacePoint) -> Option<AreaPdf> {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests;
