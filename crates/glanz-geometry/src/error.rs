@@ -111,12 +111,6 @@ pub(crate) fn positive(parameter: &'static str, value: f64) -> Result<f64, Surfa
     if value > 0.0 { Ok(value) } else { Err(SurfaceError::NotPositive { parameter, value }) }
 }
 
-/// `range`, if its ends are finite and the lower one is below the upper one.
-pub(crate) fn range(parameter: &'static str, range: [f64; 2]) -> Result<[f64; 2], SurfaceError> {
-    let [min, max] = [finite(parameter, range[0])?, finite(parameter, range[1])?];
-    if min < max { Ok([min, max]) } else { Err(SurfaceError::EmptyRange { parameter, min, max }) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -131,11 +125,6 @@ mod tests {
         assert!(
             matches!(positive("radius", f64::NAN), Err(SurfaceError::NotFinite { value, .. }) if value.is_nan())
         );
-        assert_eq!(
-            range("z", [1.0, 1.0]),
-            Err(SurfaceError::EmptyRange { parameter: "z", min: 1.0, max: 1.0 })
-        );
-        assert_eq!(range("z", [0.0, 1.0]), Ok([0.0, 1.0]));
     }
 
     #[test]

@@ -84,12 +84,14 @@ impl Swept for Cone {
         }
     }
 
+    fn position(&self, uv: DVec2, _near: DVec3) -> DVec3 {
+        (self.sweep.direction(uv.x) * (self.radius * (1.0 - uv.y))).extend(uv.y * self.height)
+    }
+
     fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
         // Area grows with the square of the distance from the apex.
-        let from_apex = (1.0 - xi.y).sqrt();
-        let v = 1.0 - from_apex;
-        let radial = self.sweep.direction(xi.x);
-        ((radial * (self.radius * from_apex)).extend(v * self.height), DVec2::new(xi.x, v))
+        let uv = DVec2::new(xi.x, 1.0 - (1.0 - xi.y).sqrt());
+        (self.position(uv, DVec3::ZERO), uv)
     }
 
     fn density(&self, _point: &SurfacePoint) -> f64 {

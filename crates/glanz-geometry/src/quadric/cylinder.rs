@@ -76,9 +76,12 @@ impl Swept for Cylinder {
         [self.sweep.derivative(p), DVec3::Z * self.height()]
     }
 
+    fn position(&self, uv: DVec2, _near: DVec3) -> DVec3 {
+        (self.sweep.direction(uv.x) * self.radius).extend(self.z[0] + uv.y * self.height())
+    }
+
     fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
-        let z = self.z[0] + xi.y * self.height();
-        ((self.sweep.direction(xi.x) * self.radius).extend(z), xi)
+        (self.position(xi, DVec3::ZERO), xi)
     }
 
     fn density(&self, _point: &SurfacePoint) -> f64 {

@@ -51,8 +51,9 @@ impl Disk {
         self.radius - self.inner_radius
     }
 
-    fn at(&self, x: f64, y: f64, uv: DVec2) -> SurfacePoint {
-        let position = DVec3::new(x, y, self.height);
+    fn at(&self, uv: DVec2) -> SurfacePoint {
+        let rho = self.radius - uv.y * self.width();
+        let position = (self.sweep.direction(uv.x) * rho).extend(self.height);
         SurfacePoint {
             position,
             error: position.abs() * gamma(2),
@@ -90,9 +91,8 @@ impl RaySurface for Disk {
         hits.extend(self.intersect(ray, t_max));
     }
 
-    fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        let p = follow(ray.origin, ray.direction, hit.t);
-        self.at(p.x, p.y, DVec2::new(hit.u, hit.v))
+    fn point(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.at(DVec2::new(hit.u, hit.v))
     }
 
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
@@ -100,9 +100,8 @@ impl RaySurface for Disk {
         let (outer, inner) = (self.radius * self.radius, self.inner_radius * self.inner_radius);
         let rho = (outer + xi.y * (inner - outer)).max(inner).sqrt();
         let v = ((self.radius - rho) / self.width()).clamp(0.0, 1.0);
-        let p = self.sweep.direction(xi.x) * rho;
         let hit = Hit { t: 0.0, u: xi.x, v, face: 0 };
-        let point = self.at(p.x, p.y, DVec2::new(xi.x, v));
+        let point = self.at(DVec2::new(xi.x, v));
         Some(SurfaceSample { hit, point, pdf: AreaPdf(1.0 / self.area()) })
     }
 

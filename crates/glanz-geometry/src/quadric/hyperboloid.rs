@@ -119,9 +119,13 @@ impl Swept for Hyperboloid {
         [self.sweep.derivative(p), dpdv]
     }
 
+    fn position(&self, uv: DVec2, _near: DVec3) -> DVec3 {
+        let p = self.on_segment(uv.y);
+        self.sweep.direction(uv.x).rotate(p.truncate()).extend(p.z)
+    }
+
     fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
-        let p = self.on_segment(xi.y);
-        (self.sweep.direction(xi.x).rotate(p.truncate()).extend(p.z), xi)
+        (self.position(xi, DVec3::ZERO), xi)
     }
 
     fn density(&self, point: &SurfacePoint) -> f64 {

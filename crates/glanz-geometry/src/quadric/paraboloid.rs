@@ -89,7 +89,8 @@ impl Swept for Paraboloid {
             return None;
         }
         let u = self.sweep.parameter(p.x, p.y)?;
-        Some(DVec2::new(u, self.v_of(p.z)))
+        // By the distance from the axis, which next to the apex is known better than z.
+        Some(DVec2::new(u, self.v_of(p.truncate().length_squared() / self.rise)))
     }
 
     fn tangents(&self, p: DVec3, uv: DVec2) -> [DVec3; 2] {
@@ -99,14 +100,19 @@ impl Swept for Paraboloid {
         [self.sweep.derivative(p), if dpdv.is_finite() { dpdv } else { DVec3::ZERO }]
     }
 
+    fn position(&self, uv: DVec2, _near: DVec3) -> DVec3 {
+        let z = self.z[0] + uv.y * self.height();
+        (self.sweep.direction(uv.x) * (self.rise * z).sqrt()).extend(z)
+    }
+
     fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
         let [s0, s1] = self.arms();
         // s^3 = s0^3 + xi (s1^3 - s0^3) and s^2 - s0^2 = rise (z - z0), without subtracting like numbers.
         let grown = self.rise * self.height() / (s1 + s0) * (s1 * s1 + s1 * s0 + s0 * s0) / (s0 * s0 * s0);
         let rise = s0 * s0 * (2.0 / 3.0 * (xi.y * grown).ln_1p()).exp_m1() / self.rise;
         let z = (self.z[0] + rise).clamp(self.z[0], self.z[1]);
-        let position = (self.sweep.direction(xi.x) * (self.rise * z).sqrt()).extend(z);
-        (position, DVec2::new(xi.x, self.v_of(z)))
+        let uv = DVec2::new(xi.x, self.v_of(z));
+        (self.position(uv, DVec3::ZERO), uv)
     }
 
     fn density(&self, _point: &SurfacePoint) -> f64 {

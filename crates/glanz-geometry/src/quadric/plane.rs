@@ -102,7 +102,7 @@ impl RaySurface for Plane {
 
     fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let p = follow(ray.origin, ray.direction, hit.t).truncate();
-        self.at(p, DVec2::new(hit.u, hit.v))
+        self.at(p.clamp(self.min, self.max), DVec2::new(hit.u, hit.v))
     }
 
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {

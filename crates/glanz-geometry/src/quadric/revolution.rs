@@ -131,8 +131,10 @@ impl Revolution {
         let middle = follow(base, d, to_middle);
         let (half, c) = self.along(middle, d);
         let mut discriminant = difference_of_products(half, half, a, c);
-        // A line steeper than a cone always meets it: where it passes the apex, the two roots are one.
-        if self.beta == 0.0 && self.gamma == 0.0 && a < 0.0 {
+        // A line steeper than a cone always meets it: where it passes the apex, the two roots are one. `a` has four
+        // roundings; one that may be zero says nothing.
+        let a_error = gamma(4) * (d.x * d.x + d.y * d.y + self.alpha * (d.z * d.z));
+        if self.beta == 0.0 && self.gamma == 0.0 && a < -a_error {
             discriminant = discriminant.max(0.0);
         }
         let roots = stable_roots(a, half, c, discriminant)?;

@@ -123,6 +123,12 @@ impl Swept for Sphere {
         [self.sweep.derivative(p), dpdv]
     }
 
+    fn position(&self, uv: DVec2, _near: DVec3) -> DVec3 {
+        let (sin, cos) = (self.theta[0] + uv.y * (self.theta[1] - self.theta[0])).sin_cos();
+        let z = (self.radius * cos).clamp(self.z[0], self.z[1]);
+        (self.sweep.direction(uv.x) * (self.radius * sin)).extend(z)
+    }
+
     fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
         // Archimedes: the area between two heights is proportional to their difference.
         let z = self.z[0] + xi.y * (self.z[1] - self.z[0]);

@@ -42,6 +42,9 @@ pub(super) trait Swept {
         }
     }
 
+    /// The point with the given parameters. Where they stand for more than one, the one next to `near`.
+    fn position(&self, uv: DVec2, near: DVec3) -> DVec3;
+
     /// A point picked from two uniform numbers.
     fn pick(&self, xi: DVec2) -> (DVec3, DVec2);
 
@@ -70,12 +73,16 @@ fn kept(surface: &impl Swept, crossing: &Crossing, t_max: f64) -> Option<Hit> {
 }
 
 /// The surface at a hit.
+///
+/// The position is found by the parameters and not by t, which has lost the digits of a ray's way from afar: so it
+/// is within the borders, and as exact for a distant camera as for a close one.
 pub(super) fn point_of_hit(surface: &impl Swept, ray: &Ray, hit: &Hit) -> SurfacePoint {
-    point(surface, follow(ray.origin, ray.direction, hit.t), DVec2::new(hit.u, hit.v))
+    let uv = DVec2::new(hit.u, hit.v);
+    point(surface, surface.position(uv, follow(ray.origin, ray.direction, hit.t)), uv)
 }
 
-fn point(surface: &impl Swept, near: DVec3, uv: DVec2) -> SurfacePoint {
-    let position = surface.quadric().refined(near);
+fn point(surface: &impl Swept, close: DVec3, uv: DVec2) -> SurfacePoint {
+    let position = surface.quadric().refined(close);
     let tangents = surface.tangents(position, uv);
     let Bending { normal, dndu, dndv } = surface.bending(position, uv, tangents);
     SurfacePoint {

@@ -22,6 +22,8 @@ pub struct TwoSheetedHyperboloid {
     c: f64,
     /// What a hit must lie in; 0 stands for the end at an apex, where rounding must not clip.
     z_clip: [f64; 2],
+    /// The z of both ends.
+    heights: [f64; 2],
     /// Hyperbolic angles of both ends.
     s: [f64; 2],
 }
@@ -49,6 +51,7 @@ impl TwoSheetedHyperboloid {
             a,
             c,
             z_clip,
+            heights,
             s: [angle(a, radii[0], z_clip[0]), angle(a, radii[1], z_clip[1])],
         })
     }
@@ -81,7 +84,7 @@ impl Swept for TwoSheetedHyperboloid {
     fn extent(&self) -> Bounds3 {
         let radii = self.z_clip.map(|z| radius_at(self.a, self.c, z));
         let inner = if self.z_clip[0] * self.z_clip[1] > 0.0 { radii[0].min(radii[1]) } else { 0.0 };
-        self.sweep.bounds([inner, radii[0].max(radii[1])], heights(self.c, self.z_clip))
+        self.sweep.bounds([inner, radii[0].max(radii[1])], self.heights)
     }
 
     fn parameters(&self, p: DVec3) -> Option<DVec2> {
@@ -101,12 +104,17 @@ impl Swept for TwoSheetedHyperboloid {
         [self.sweep.derivative(p), (radial * outward).extend(up) * self.turn()]
     }
 
+    fn position(&self, uv: DVec2, near: DVec3) -> DVec3 {
+        let s = self.s[0] + uv.y * self.turn();
+        let z = (self.c * s.cosh()).copysign(near.z).clamp(self.heights[0], self.heights[1]);
+        (self.sweep.direction(uv.x) * (self.a * s.abs().sinh())).extend(z)
+    }
+
     fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
         let s = self.s[0] + xi.y * self.turn();
         // At s = 0 itself the sheet is the one that is kept, the upper one if both are.
-        let sheet = if s < 0.0 || (s == 0.0 && self.s[1] <= 0.0) { -1.0 } else { 1.0 };
-        let radial = self.sweep.direction(xi.x);
-        ((radial * (self.a * s.abs().sinh())).extend(sheet * self.c * s.cosh()), xi)
+        let lower = s < 0.0 || (s == 0.0 && self.s[1] <= 0.0);
+        (self.position(xi, if lower { -DVec3::Z } else { DVec3::Z }), xi)
     }
 
     fn density(&self, point: &SurfacePoint) -> f64 {

@@ -1,0 +1,83 @@
+//! What the contract test knows about a surface without asking its code.
+
+use glanz_geometry::RaySurface;
+use glanz_math::{DVec2, DVec3};
+
+/// An independent description of a surface under test.
+pub struct Case {
+    /// Printed with a breach.
+    pub name: String,
+    /// The surface under test.
+    pub surface: Box<dyn RaySurface>,
+    /// Zero exactly on the surface continued beyond its borders, with a change of sign across it; smooth except
+    /// where the surface is not.
+    pub implicit: Box<dyn Fn(DVec3) -> f64>,
+    /// Of a point on the continued surface: positive on the part that is kept, negative on the part clipped away. The
+    /// amount is a length in metres that does not exceed the distance to the border by more than a factor of about 10.
+    pub kept: Box<dyn Fn(DVec3) -> f64>,
+    /// Position at the texture coordinates; must make sense a little beyond [0, 1] too. `None` if there are none.
+    pub position: Option<Box<dyn Fn(DVec2) -> DVec3>>,
+    /// Area in m^2 from a closed form; `None` if there is none.
+    pub area: Option<f64>,
+    /// Middle of a ball around the surface (around an interesting part of it, if it is infinite).
+    pub center: DVec3,
+    /// Radius of that ball, metres; every accuracy is relative to it.
+    pub size: f64,
+    /// Whether a line meets the continued surface at most twice and a ray that leaves on the side where `implicit` is
+    /// positive cannot come back.
+    pub convex: bool,
+    /// Whether the surface can be sampled.
+    pub samples: bool,
+    /// Segments that adversarial rays aim at: edges, vertices and apices (both ends equal), seams, borders.
+    pub targets: Vec<[DVec3; 2]>,
+    /// Points where the surface has no tangent plane. Roots next to them need only be on surface and ray.
+    pub singular: Vec<DVec3>,
+    /// Further points where only the parameters degenerate: no derivatives are compared next to them.
+    pub parameter_singular: Vec<DVec3>,
+    /// Directions that adversarial rays like to take: rulings, asymptotes.
+    pub directions: Vec<DVec3>,
+}
+
+impl Case {
+    /// A closed case about the unit ball, to be completed with the `..` syntax by the fields that differ.
+    pub fn new(
+        name: impl Into<String>,
+        surface: impl RaySurface + 'static,
+        implicit: impl Fn(DVec3) -> f64 + 'static,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            surface: Box::new(surface),
+            implicit: Box::new(implicit),
+            kept: Box::new(|_| f64::INFINITY),
+            position: None,
+            area: None,
+            center: DVec3::ZERO,
+            size: 1.0,
+            convex: false,
+            samples: true,
+            targets: Vec::new(),
+            singular: Vec::new(),
+            parameter_singular: Vec::new(),
+            directions: Vec::new(),
+        }
+    }
+
+    /// Distance of `p` from the nearest singular point.
+    pub fn distance_to_singular(&self, p: DVec3) -> f64 {
+        self.singular.iter().map(|&s| s.distance(p)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Distance of `p` from the nearest point where parameters degenerate, singular points included.
+    pub fn distance_to_degenerate(&self, p: DVec3) -> f64 {
+        let nearest = self.parameter_singular.iter().map(|&s| s.distance(p)).fold(f64::INFINITY, f64::min);
+        nearest.min(self.distance_to_singular(p))
+    }
+
+    /// Gradient of the implicit function by differences.
+    pub fn gradient(&self, p: DVec3) -> DVec3 {
+        let h = 1e-5 * self.size;
+        let d = |axis: DVec3| ((self.implicit)(p + axis * h) - (self.implicit)(p - axis * h)) / (2.0 * h);
+        DVec3::new(d(DVec3::X), d(DVec3::Y), d(DVec3::Z))
+    }
+}

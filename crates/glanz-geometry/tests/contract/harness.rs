@@ -1,0 +1,283 @@
+//! Shoots the rays and counts the breaches.
+
+use glanz_geometry::{Hit, SurfacePoint};
+use glanz_math::rounding::offset_origin;
+use glanz_math::{DVec2, DVec3, Ray};
+
+use super::case::Case;
+use super::rays::{Family, Pcg};
+use super::sampling;
+use super::solver::{self, Roots, Status};
+
+/// Derivatives are compared at one hit in so many: differences cost a hundred evaluations.
+const DERIVATIVES_EVERY: u64 = 16;
+
+/// What was seen of a kind.
+#[derive(Default)]
+struct Tally {
+    rays: u64,
+    hits: u64,
+    spawned: u64,
+    breaches: u64,
+    first_breaches: Vec<String>,
+}
+
+impl Tally {
+    fn breach(&mut self, message: impl FnOnce() -> String) {
+        self.breaches += 1;
+        if self.first_breaches.len() < 8 {
+            self.first_breaches.push(message());
+        }
+    }
+}
+
+/// Runs the contract over all `cases` of a kind.
+///
+/// Panics with the first breaches, rays in full precision.
+pub fn check_kind(kind: &str, seed: u64, cases: &[Case]) {
+    let wanted = std::env::var("GLANZ_CONTRACT_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(20_000_u64);
+    let per_case = wanted.div_ceil(cases.len() as u64);
+    let mut tally = Tally::default();
+    for (i, case) in cases.iter().enumerate() {
+        let mut pcg = Pcg::new(seed * 1000 + i as u64);
+        for family in Family::ALL {
+            for _ in 0..per_case {
+                let ray = family.ray(case, &mut pcg);
+                tally.rays += 1;
+                if let Err(what) = check_ray(case, &ray, &mut pcg, &mut tally) {
+                    tally.breach(|| format!("{} ({family:?}): {what}\n    {ray:?}", case.name));
+                }
+            }
+        }
+        if let Err(what) = sampling::check(case, &mut pcg) {
+            tally.breach(|| format!("{} (sampling): {what}", case.name));
+        }
+    }
+    println!(
+        "contract {kind}: {} cases, {} rays, {} hits, {} spawned rays, {} breaches",
+        cases.len(),
+        tally.rays,
+        tally.hits,
+        tally.spawned,
+        tally.breaches
+    );
+    assert!(tally.hits * 20 > tally.rays, "{kind}: the rays hardly meet the surface, the test says nothing");
+    assert!(tally.breaches == 0, "{kind}: {} breaches\n{}", tally.breaches, tally.first_breaches.join("\n"));
+}
+
+fn check_ray(case: &Case, ray: &Ray, pcg: &mut Pcg, tally: &mut Tally) -> Result<(), String> {
+    let mut hits = Vec::new();
+    case.surface.all_hits(ray, f64::INFINITY, &mut hits);
+    tally.hits += hits.len() as u64;
+    check_queries_agree(case, ray, &hits)?;
+    for hit in &hits {
+        let point = case.surface.point(ray, hit);
+        check_point(case, ray, hit, &point)?;
+        if tally.hits % DERIVATIVES_EVERY == 0 {
+            check_derivatives(case, &point)?;
+        }
+        if case.distance_to_singular(point.position) > 1e-3 * case.size {
+            tally.spawned += 1;
+            check_spawned(case, &point, pcg)?;
+        }
+    }
+    check_roots(case, ray, &hits)
+}
+
+/// `intersect`, `occluded` and `all_hits` tell the same, and the range of t is respected.
+fn check_queries_agree(case: &Case, ray: &Ray, hits: &[Hit]) -> Result<(), String> {
+    let surface = &case.surface;
+    if !hits.iter().all(|h| h.t > 0.0 && h.t.is_finite() && h.u.is_finite() && h.v.is_finite()) {
+        return Err(format!("a hit is out of range: {hits:?}"));
+    }
+    if !hits.windows(2).all(|pair| pair[0].t < pair[1].t) {
+        return Err(format!("all_hits does not ascend: {hits:?}"));
+    }
+    let first = surface.intersect(ray, f64::INFINITY);
+    if first != hits.first().copied() {
+        return Err(format!("intersect gives {first:?}, all_hits {hits:?}"));
+    }
+    if surface.occluded(ray, f64::INFINITY) != first.is_some() {
+        return Err(format!("occluded disagrees with {first:?}"));
+    }
+    for (i, hit) in hits.iter().enumerate() {
+        for t_max in [hit.t, hit.t.next_up()] {
+            let inside = i + usize::from(t_max > hit.t);
+            let mut again = vec![Hit { t: -7.0, u: 0.0, v: 0.0, face: 9 }];
+            surface.all_hits(ray, t_max, &mut again);
+            if again[0].t != -7.0 || again[1..] != hits[..inside] {
+                return Err(format!("all_hits with t_max = {t_max:?} gives {again:?} of {hits:?}"));
+            }
+            let nearest = surface.intersect(ray, t_max);
+            if nearest != hits[..inside].first().copied() || surface.occluded(ray, t_max) != (inside > 0) {
+                return Err(format!("intersect with t_max = {t_max:?} gives {nearest:?} of {hits:?}"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The hit lies on ray and surface, within the bounds, and its frame is one.
+pub fn check_point(case: &Case, ray: &Ray, hit: &Hit, point: &SurfacePoint) -> Result<(), String> {
+    let p = point.position;
+    let finite =
+        [p, point.error, point.normal, point.shading_normal, point.dpdu, point.dpdv, point.dndu, point.dndv];
+    if !finite.iter().all(|v| v.is_finite()) || !point.uv.is_finite() {
+        return Err(format!("not finite: {hit:?} {point:?}"));
+    }
+    // The ray itself is known to the rounding of its origin only.
+    let reach = 1e-9 * case.size;
+    let on_ray = (p - ray.origin).cross(ray.direction).length() / ray.direction.length();
+    let along = p.distance(ray.at(hit.t));
+    if on_ray > reach || along > reach {
+        return Err(format!("{on_ray:e} m beside the ray, {along:e} m from its point: {hit:?} {point:?}"));
+    }
+    check_on_surface(case, point)
+}
+
+/// The point lies on the surface, in the bounds; the error bound holds; normal and tangents agree.
+pub fn check_on_surface(case: &Case, point: &SurfacePoint) -> Result<(), String> {
+    let (p, size) = (point.position, case.size);
+    let gradient = case.gradient(p).length();
+    let regular = case.distance_to_singular(p) > 1e-4 * size;
+    if regular {
+        let distance = (case.implicit)(p).abs() / gradient;
+        // 4e-15: what the implicit function itself can resolve.
+        let bound = point.normal.abs().dot(point.error) + 4e-15 * (size + case.center.length());
+        if distance > 1e-9 * size || distance > bound {
+            return Err(format!("{distance:e} m off the surface, bound {bound:e}: {point:?}"));
+        }
+        let cos = case.gradient(p).dot(point.normal).abs() / gradient;
+        if cos < 1.0 - 1e-8 {
+            return Err(format!("the normal is not that of the surface (cos {cos}): {point:?}"));
+        }
+    }
+    if !((case.kept)(p) >= -1e-9 * size) {
+        return Err(format!("on the part clipped away by {:e} m: {point:?}", (case.kept)(p)));
+    }
+    if !case.surface.bounds().contains(p) {
+        return Err(format!("outside the bounds {:?}: {point:?}", case.surface.bounds()));
+    }
+    if !(point.error.min_element() >= 0.0 && point.error.max_element() <= 1e-9 * size) {
+        return Err(format!("the error is no bound worth its name: {point:?}"));
+    }
+    for n in [point.normal, point.shading_normal] {
+        if (n.length() - 1.0).abs() > 1e-14 {
+            return Err(format!("the normal is not of unit length: {point:?}"));
+        }
+    }
+    for tangent in [point.dpdu, point.dpdv] {
+        if regular && tangent.dot(point.normal).abs() > 1e-7 * tangent.length() {
+            return Err(format!("a tangent leaves the tangent plane: {point:?}"));
+        }
+    }
+    Ok(())
+}
+
+/// Derivative of `f` by central differences of fourth order.
+pub fn difference(f: impl Fn(f64) -> DVec3, h: f64) -> DVec3 {
+    ((f(h) - f(-h)) * 8.0 - (f(2.0 * h) - f(-2.0 * h))) / (12.0 * h)
+}
+
+/// Both tangents at `uv` by differences of the parametrisation.
+pub fn tangents(position: &dyn Fn(DVec2) -> DVec3, uv: DVec2) -> [DVec3; 2] {
+    // Rounding 1e-12, truncation below 1e-12 for one turn of a circle: ((2 pi)^5 h^4 / 30).
+    let h = 1e-4;
+    [DVec2::X, DVec2::Y].map(|axis| difference(|s| position(uv + axis * s), h))
+}
+
+fn check_derivatives(case: &Case, point: &SurfacePoint) -> Result<(), String> {
+    let Some(position) = case.position.as_deref() else { return Ok(()) };
+    // Far out on an infinite surface the parameters have no digits for differences; at the point itself where they
+    // degenerate they may belong to another one.
+    if point.position.distance(case.center) > 2.0 * case.size
+        || case.distance_to_degenerate(point.position) < 1e-12 * case.size
+    {
+        return Ok(());
+    }
+    let there = position(point.uv);
+    if there.distance(point.position) > 1e-9 * case.size {
+        return Err(format!("the parameters belong to {there:?}: {point:?}"));
+    }
+    if case.distance_to_degenerate(point.position) < 0.2 * case.size {
+        return Ok(());
+    }
+    let [du, dv] = tangents(position, point.uv);
+    for (what, expected, found) in [("dpdu", du, point.dpdu), ("dpdv", dv, point.dpdv)] {
+        if expected.distance(found) > 1e-7 * (expected.length() + case.size) {
+            return Err(format!("{what} should be {expected:?}: {point:?}"));
+        }
+    }
+    let orientation = du.cross(dv).dot(point.normal).signum();
+    let normal = |uv: DVec2| {
+        let [a, b] = tangents(position, uv);
+        a.cross(b).normalize() * orientation
+    };
+    for (what, axis, found) in [("dndu", DVec2::X, point.dndu), ("dndv", DVec2::Y, point.dndv)] {
+        let expected = difference(|s| normal(point.uv + axis * s), 1e-3);
+        if expected.distance(found) > 1e-4 * (expected.length() + 1.0) {
+            return Err(format!("{what} should be {expected:?}: {point:?}"));
+        }
+    }
+    Ok(())
+}
+
+/// The surface reports what the slow solver finds.
+fn check_roots(case: &Case, ray: &Ray, hits: &[Hit]) -> Result<(), String> {
+    // A ray that starts on the surface within rounding may or may not meet it at once.
+    let height = (case.implicit)(ray.origin).abs() / case.gradient(ray.origin).length();
+    let starts_on_surface =
+        !(height > 1e-9 * case.size) || case.distance_to_singular(ray.origin) < 1e-5 * case.size;
+    let beyond = if starts_on_surface { 1e-6 * case.size } else { 0.0 };
+    compare(case, ray, hits, &solver::roots(case, ray, beyond), beyond)
+}
+
+fn compare(case: &Case, ray: &Ray, hits: &[Hit], found: &Roots, beyond: f64) -> Result<(), String> {
+    let length = ray.direction.length();
+    let counted: Vec<&Hit> = hits
+        .iter()
+        .filter(|h| h.t * length > beyond && ray.at(h.t).distance(case.center) < 1.05 * case.size)
+        .collect();
+    for root in found.roots.iter().filter(|r| r.status == Status::Hit) {
+        if !counted.iter().any(|h| (h.t - root.t).abs() * length <= 2.0 * root.tolerance) {
+            return Err(format!("the root {root:?} is missing in {hits:?}"));
+        }
+    }
+    let sure = !found.near_miss && found.roots.iter().all(|r| r.status != Status::Unsure);
+    let expected = found.roots.iter().filter(|r| r.status == Status::Hit).count();
+    if sure && counted.len() != expected {
+        return Err(format!("{hits:?} should be {:?}", found.roots));
+    }
+    Ok(())
+}
+
+/// A ray started by `offset_origin` does not meet the place that it starts from, and meets all else.
+fn check_spawned(case: &Case, point: &SurfacePoint, pcg: &mut Pcg) -> Result<(), String> {
+    let mut direction = pcg.direction();
+    while direction.dot(point.normal).abs() < 0.01 {
+        direction = pcg.direction();
+    }
+    let origin = offset_origin(point.position, point.error, point.normal, direction);
+    let spawned = Ray::new(origin, direction * 10_f64.powf(pcg.between(-3.0, 3.0)));
+    let length = spawned.direction.length();
+    let mut hits = Vec::new();
+    case.surface.all_hits(&spawned, f64::INFINITY, &mut hits);
+    let rises = case.gradient(point.position).dot(direction);
+    if case.convex && rises > 0.0 && !hits.is_empty() {
+        return Err(format!("a ray that leaves meets {hits:?}: {spawned:?} from {point:?}"));
+    }
+    // After a tenth of a micrometre (of a metre) the sign tells whether another sheet lies between.
+    let near = 1e-7 * case.size;
+    let there = (case.implicit)(origin + direction * near);
+    if there * rises <= 0.0 {
+        return Ok(());
+    }
+    if hits.iter().any(|h| h.t * length < near) {
+        return Err(format!("a spawned ray meets its own point {hits:?}: {spawned:?} from {point:?}"));
+    }
+    for hit in &hits {
+        check_point(case, &spawned, hit, &case.surface.point(&spawned, hit))?;
+    }
+    compare(case, &spawned, &hits, &solver::roots(case, &spawned, near), near)
+        .map_err(|what| format!("spawned {spawned:?} from {point:?}: {what}"))
+}

@@ -1,0 +1,183 @@
+//! A slow solver that knows nothing of the code under test: signs of the implicit function along the ray.
+
+use glanz_math::{DVec3, Ray};
+
+use super::case::Case;
+
+/// Samples along the part of a ray in the ball. Between extrema of the function one sample is enough; a polynomial of
+/// degree 4 has three.
+const SAMPLES: usize = 48;
+
+/// A crossing of the continued surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Root {
+    /// Ray parameter.
+    pub t: f64,
+    /// How far `t` may be off, metres along the ray.
+    pub tolerance: f64,
+    /// Whether it can be told that it is a hit: on the kept part, not tangential, not next to a singular point.
+    pub status: Status,
+}
+
+/// Whether a root is one that the surface must report.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Status {
+    /// Must be reported.
+    Hit,
+    /// Must not be reported.
+    Clipped,
+    /// Too close to call: tangential, at the border of the kept part, or at a singular point.
+    Unsure,
+}
+
+/// The crossings beyond a distance.
+pub struct Roots {
+    /// In ascending order.
+    pub roots: Vec<Root>,
+    /// Whether the ray passes so close to the surface without crossing that roots may have been missed.
+    pub near_miss: bool,
+}
+
+/// The ray by arc length from the point next to the middle of the ball.
+struct Line {
+    origin: DVec3,
+    direction: DVec3,
+    /// Ray parameter of `origin`, and per metre.
+    t_shift: f64,
+    t_scale: f64,
+}
+
+impl Line {
+    fn new(case: &Case, ray: &Ray) -> Self {
+        let length = ray.direction.length();
+        let t_shift = (case.center - ray.origin).dot(ray.direction) / (length * length);
+        let at = |o: f64, d: f64| t_shift.mul_add(d, o);
+        Self {
+            origin: DVec3::new(
+                at(ray.origin.x, ray.direction.x),
+                at(ray.origin.y, ray.direction.y),
+                at(ray.origin.z, ray.direction.z),
+            ),
+            direction: ray.direction / length,
+            t_shift,
+            t_scale: 1.0 / length,
+        }
+    }
+
+    fn at(&self, s: f64) -> DVec3 {
+        self.origin + self.direction * s
+    }
+}
+
+/// All crossings of `ray` with the continued surface of `case` at more than `beyond` metres from the origin.
+pub fn roots(case: &Case, ray: &Ray, beyond: f64) -> Roots {
+    let line = Line::new(case, ray);
+    let mut found = Roots { roots: Vec::new(), near_miss: false };
+    // A little more than the ball, so that the ends are never on the surface.
+    let radius = 1.05 * case.size;
+    let half_chord = (radius * radius - line.origin.distance_squared(case.center)).max(0.0).sqrt();
+    let start = (beyond - line.t_shift / line.t_scale).max(-half_chord);
+    if !(start < half_chord) {
+        return found;
+    }
+    let f = |s: f64| (case.implicit)(line.at(s));
+    let s_of = |i: usize| start + (half_chord - start) * (i as f64 / (SAMPLES - 1) as f64);
+    let samples: Vec<(f64, f64)> = (0..SAMPLES).map(|i| (s_of(i), f(s_of(i)))).collect();
+    let slope = case.gradient(line.at(start)).length();
+    // A start on the surface itself: the ray touches it, or the first root is anywhere.
+    found.near_miss |= samples[0].1.abs() <= 1e-10 * case.size * slope;
+    let mut crossings = Vec::new();
+    for (i, pair) in samples.windows(2).enumerate() {
+        if pair[0].1 * pair[1].1 < 0.0 || (pair[0].1 == 0.0 && i > 0) {
+            crossings.push(bisect(&f, pair[0].0, pair[1].0));
+        } else if i > 0 {
+            search_extremum(case, &line, &f, &samples[i - 1..=i + 1], &mut crossings, &mut found.near_miss);
+        } else {
+            // The start may be so close to the surface that the ray dives through it before the first sample.
+            let first = start + 1e-9 * case.size;
+            let three = [pair[0], (first, f(first)), pair[1]];
+            search_extremum(case, &line, &f, &three, &mut crossings, &mut found.near_miss);
+        }
+    }
+    crossings.sort_by(f64::total_cmp);
+    let origin_distance = ray.origin.distance(case.center);
+    for (i, &s) in crossings.iter().enumerate() {
+        let gap = |j: usize| crossings.get(j).map_or(f64::INFINITY, |&other| (other - s).abs());
+        let nearest = gap(i + 1).min(if i > 0 { gap(i - 1) } else { f64::INFINITY });
+        found.roots.push(judge(case, &line, s, nearest, origin_distance));
+    }
+    found
+}
+
+/// Looks between three samples of one sign for a pair of crossings that the samples step over.
+fn search_extremum(
+    case: &Case,
+    line: &Line,
+    f: &impl Fn(f64) -> f64,
+    three: &[(f64, f64)],
+    crossings: &mut Vec<f64>,
+    near_miss: &mut bool,
+) {
+    let &[(s0, f0), (_, f1), (s2, f2)] = three else { return };
+    if f0 * f1 <= 0.0 || f1 * f2 <= 0.0 || f1.abs() > f0.abs() || f1.abs() > f2.abs() {
+        return;
+    }
+    let sign = f1.signum();
+    let (mut a, mut b) = (s0, s2);
+    for _ in 0..60 {
+        let (l, r) = (a + 0.382 * (b - a), b - 0.382 * (b - a));
+        let (fl, fr) = (sign * f(l), sign * f(r));
+        if fl < 0.0 || fr < 0.0 {
+            let inside = if fl < 0.0 { l } else { r };
+            crossings.push(bisect(f, s0, inside));
+            crossings.push(bisect(f, inside, s2));
+            return;
+        }
+        if fl < fr {
+            b = r;
+        } else {
+            a = l;
+        }
+    }
+    let p = line.at(0.5 * (a + b));
+    let slope = case.gradient(p).length();
+    // A distance of 1e-10 sizes of the tangent point is below what a hit must resolve.
+    *near_miss |= f(0.5 * (a + b)).abs() <= 1e-10 * case.size * slope
+        || case.distance_to_singular(p) < 1e-5 * case.size;
+}
+
+fn bisect(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
+    let negative = f(a) < 0.0;
+    for _ in 0..100 {
+        let middle = 0.5 * (a + b);
+        if middle <= a || middle >= b {
+            break;
+        }
+        if (f(middle) < 0.0) == negative {
+            a = middle;
+        } else {
+            b = middle;
+        }
+    }
+    0.5 * (a + b)
+}
+
+fn judge(case: &Case, line: &Line, s: f64, nearest: f64, origin_distance: f64) -> Root {
+    let p = line.at(s);
+    let gradient = case.gradient(p);
+    let cos = gradient.dot(line.direction).abs() / gradient.length();
+    let tolerance = (1e-12 * case.size + 4e-16 * origin_distance) / cos.max(1e-12);
+    let border = (case.kept)(p);
+    let status = if nearest < 1e-5 * case.size
+        || cos < 1e-5
+        || case.distance_to_singular(p) < 1e-5 * case.size
+        || !(border.abs() > 1e-9 * case.size + 10.0 * tolerance)
+    {
+        Status::Unsure
+    } else if border > 0.0 {
+        Status::Hit
+    } else {
+        Status::Clipped
+    };
+    Root { t: line.t_shift + s * line.t_scale, tolerance: tolerance.min(case.size), status }
+}
