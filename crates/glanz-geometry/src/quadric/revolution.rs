@@ -81,11 +81,7 @@ impl Revolution {
     /// The point of the ray from which to solve, and its parameter; `None` if the ray passes the kept part.
     fn approach(&self, ray: &Ray) -> Option<(DVec3, f64)> {
         let (o, d) = (ray.origin, ray.direction);
-        let distance_squared = |o: DVec3| {
-            let z = o.z - self.center;
-            o.x * o.x + o.y * o.y + self.weight * (z * z)
-        };
-        if distance_squared(o) <= FAR * FAR * self.radius_squared {
+        if self.distance_squared(o) <= FAR * FAR * self.radius_squared {
             return Some((o, 0.0));
         }
         let numerator = o.x * d.x + o.y * d.y + self.weight * (o.z - self.center) * d.z;
@@ -95,8 +91,18 @@ impl Revolution {
         }
         // The fused product rounds the small result only: the point is on the ray to its own last digits.
         let near = follow(o, d, t);
-        // The kept part is within sqrt(2) half extents; the rest is room for rounding.
-        (distance_squared(near) <= 4.0 * self.radius_squared).then_some((near, t))
+        self.is_near(near).then_some((near, t))
+    }
+
+    /// Squared distance from the middle of the kept part, in a measure where its half extents are all its radius.
+    fn distance_squared(&self, p: DVec3) -> f64 {
+        let z = p.z - self.center;
+        p.x * p.x + p.y * p.y + self.weight * (z * z)
+    }
+
+    /// Whether `p` may belong to the kept part: that is within sqrt(2) half extents, the rest is room for rounding.
+    fn is_near(&self, p: DVec3) -> bool {
+        self.distance_squared(p) <= 4.0 * self.radius_squared
     }
 
     /// Half the derivative of the equation along `d`, and the equation itself, at `p`.
@@ -114,7 +120,7 @@ impl Revolution {
 
     /// Both roots `a t^2 + 2 half t + c = 0` from `base`; not sorted.
     fn roots(&self, base: DVec3, t_base: f64, d: DVec3) -> Option<[Root; 2]> {
-        let a = d.x * d.x + d.y * d.y - self.alpha * (d.z * d.z);
+        let a = self.leading(d);
         let (half, c) = self.along(base, d);
         if a == 0.0 {
             let root = Root { base, t_base, t: -0.5 * c / half };
@@ -141,11 +147,11 @@ impl Revolution {
         Some(roots.map(|t| Root { base: middle, t_base: t_base + to_middle, t }))
     }
 
-    /// The root as a crossing, if it is in front of the origin.
+    /// The root as a crossing, if it is in front of the origin and next to the kept part.
     fn crossing(&self, root: Root, d: DVec3) -> Option<Crossing> {
         let made = |t: f64| Crossing { t: root.t_base + t, p: follow(root.base, d, t) };
         let mut best = made(root.t);
-        if !(best.t > 0.0) {
+        if !(best.t > 0.0 && self.is_near(best.p)) {
             return None;
         }
         if self.alpha <= 0.0 {
@@ -153,9 +159,14 @@ impl Revolution {
         }
         // Along an asymptote `a` cancels, and next to an apex the surface is smaller than the coordinates of the
         // start: Newton steps judged by the equation at the point itself restore the digits.
+        let a = self.leading(d);
         let (mut t, mut residual) = (root.t, self.value(best.p).abs());
         for _ in 0..3 {
             let (half, value) = self.along(best.p, d);
+            // Kantorovich: from here Newton's iteration stays with this root (half his bound).
+            if 2.0 * (a * value).abs() > half * half {
+                break;
+            }
             t -= 0.5 * value / half;
             let better = made(t);
             let left = self.value(better.p).abs();
@@ -165,6 +176,11 @@ impl Revolution {
             (best, residual) = (better, left);
         }
         Some(best)
+    }
+
+    /// Half the second derivative of the equation along `d`.
+    fn leading(&self, d: DVec3) -> f64 {
+        d.x * d.x + d.y * d.y - self.alpha * (d.z * d.z)
     }
 
     /// Outward gradient of the equation.

@@ -222,7 +222,8 @@ fn hyperboloid(p1: DVec3, p2: DVec3, phi_max: f64) -> Case {
     // The sweep of a point starts where the line is at its height.
     let turned_back = move |p: DVec3| {
         let start = on_line(v_at(p.z)).truncate();
-        DVec3::new(start.x * p.x + start.y * p.y, start.x * p.y - start.y * p.x, 0.0) / start.length().max(1e-300)
+        DVec3::new(start.x * p.x + start.y * p.y, start.x * p.y - start.y * p.x, 0.0)
+            / start.length().max(1e-300)
     };
     let widest = p1.truncate().length().max(p2.truncate().length());
     let d = p2 - p1;
@@ -245,7 +246,11 @@ fn hyperboloid(p1: DVec3, p2: DVec3, phi_max: f64) -> Case {
         targets: vec![[p1, p2], [DVec3::Z * waist.z; 2], [on_line(v_waist.clamp(0.0, 1.0)); 2], [p1, p1]],
         singular: if is_cone { vec![DVec3::Z * waist.z] } else { vec![] },
         // Differences step over a thin neck.
-        parameter_singular: if waist.truncate().length() < 0.02 * widest { vec![DVec3::Z * waist.z] } else { vec![] },
+        parameter_singular: if waist.truncate().length() < 0.02 * widest {
+            vec![DVec3::Z * waist.z]
+        } else {
+            vec![]
+        },
         directions: vec![
             d,
             -d,
@@ -266,7 +271,11 @@ fn hyperboloid(p1: DVec3, p2: DVec3, phi_max: f64) -> Case {
                 let rho2 = foot.truncate().length_squared()
                     + 2.0 * s * foot.truncate().dot(flat)
                     + s * s * flat.length_squared();
-                let rho2 = if w == v_waist { foot.truncate().length_squared() + s * s * flat.length_squared() } else { rho2 };
+                let rho2 = if w == v_waist {
+                    foot.truncate().length_squared() + s * s * flat.length_squared()
+                } else {
+                    rho2
+                };
                 p.x * p.x + p.y * p.y - rho2
             },
         )
