@@ -1,1 +1,36 @@
-//! wip
+//! Readers and writers of scenes, models and images.
+//!
+//! [`registry`] recognises a scene by content and reads it: [`load`] gives a
+//! [`Description`](glanz_scene::Description), which `glanz-scene` turns into a scene, and [`diagnostic::Diagnostics`]
+//! that point into the input. [`pbrt`] is the scene language, [`ply`] reads meshes, [`image`] reads and writes
+//! pictures. Whatever bytes come, there is a result or an error: no panic, no hang, and no more memory than the input
+//! warrants.
+//!
+//! ```
+//! use glanz_formats::{Options, load_str};
+//!
+//! let text = r#"
+//!     LookAt 0 0 -5  0 0 0  0 1 0
+//!     Camera "perspective" "float fov" 40
+//!     WorldBegin
+//!     LightSource "infinite" "rgb L" [1 1 1]
+//!     Shape "sphere" "float raduis" 2
+//! "#;
+//! let loaded = load_str("ball.pbrt", text, &Options::default())?;
+//! assert_eq!(loaded.description.world.shapes.len(), 1);
+//! assert!(loaded.diagnostics.to_string().contains("did you mean \"radius\"?"));
+//! # Ok::<(), glanz_formats::Diagnostics>(())
+//! ```
+
+pub mod content_hash;
+pub mod diagnostic;
+pub mod image;
+pub mod pbrt;
+pub mod ply;
+pub mod registry;
+pub mod source;
+
+pub use content_hash::ContentHash;
+pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use registry::{Loaded, Options, SceneFormat, load, load_str};
+pub use source::Sources;

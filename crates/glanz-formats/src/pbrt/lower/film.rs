@@ -1,0 +1,165 @@
+//! `Film` and `PixelFilter`.
+
+use glanz_scene::description::{FilmDescription, FilterDescription, FilterKind};
+
+use super::Lowering;
+use crate::pbrt::dialect::Dialect;
+use crate::pbrt::parameters::{ParameterList, shortened};
+use crate::source::Step;
+
+/// Pixels per side at most.
+const MAX_RESOLUTION: u32 = 1 << 20;
+
+fn default_resolution(dialect: Dialect) -> [u32; 2] {
+    match dialect {
+        Dialect::V3 => [640, 480],
+        Dialect::V4 => [1280, 720],
+    }
+}
+
+fn default_filter(dialect: Dialect) -> FilterDescription {
+    match dialect {
+        Dialect::V3 => FilterDescription { kind: FilterKind::Box, radius: [0.5, 0.5] },
+        Dialect::V4 => FilterDescription { kind: FilterKind::Gaussian { sigma: 0.5 }, radius: [1.5, 1.5] },
+    }
+}
+
+/// Gives the description the defaults of its dialect where the file was silent.
+pub(crate) fn finish_film(lowering: &mut Lowering) {
+    if !lowering.has_film {
+        lowering.description.film.resolution = default_resolution(lowering.dialect);
+    }
+    if !lowering.has_filter {
+        lowering.description.filter = default_filter(lowering.dialect);
+    }
+}
+
+impl Lowering {
+    /// Takes over the size and cut of the picture.
+    pub(crate) fn film(&mut self, kind: &str, mut list: ParameterList) -> Step<()> {
+        let place = list.place;
+        let r = &mut self.reporter;
+        if !matches!(kind, "image" | "rgb" | "gbuffer" | "spectral") {
+            let message = format!("film {:?} is unknown; \"image\" stands in", shortened(kind));
+            r.stand_in(&place, "stand-in-film", message);
+        }
+        let [width, height] = default_resolution(self.dialect);
+        let resolution = [
+            list.integer_from("xresolution", 1, r)?.unwrap_or(width).min(MAX_RESOLUTION),
+            list.integer_from("yresolution", 1, r)?.unwrap_or(height).min(MAX_RESOLUTION),
+        ];
+        let file_name = list.text("filename", r)?;
+        let mut crop = [0.0, 1.0, 0.0, 1.0];
+        let crop_place = list.value_place("cropwindow");
+        if let Some(window) = list.float_array::<4>("cropwindow", r)? {
+            // pbrt takes the bounds of an axis in either order.
+            crop = [
+                window[0].min(window[1]).clamp(0.0, 1.0),
+                window[0].max(window[1]).clamp(0.0, 1.0),
+                window[2].min(window[3]).clamp(0.0, 1.0),
+                window[2].max(window[3]).clamp(0.0, 1.0),
+            ];
+        }
+        let bounds_place = list.value_place("pixelbounds");
+        let mut cut_place = crop_place;
+        if let Some((p, bounds)) = list.integers("pixelbounds", r)? {
+            let [x0, x1, y0, y1] = bounds[..] else {
+                let message =
+                    format!("film: parameter {:?} has {} values, 4 are needed", p.name, bounds.len());
+                return Err(r.error(&bounds_place, "parameter-count", message));
+            };
+            let [w, h] = resolution.map(f64::from);
+            let share = |x: i32, of: f64| (f64::from(x) / of).clamp(0.0, 1.0);
+            crop = [share(x0, w), share(x1, w), share(y0, h), share(y1, h)];
+            cut_place = bounds_place;
+        }
+        if crop[0] >= crop[1] || crop[2] >= crop[3] {
+            let message = "film: the part of the picture to render is empty";
+            return Err(r.error(&cut_place, "parameter-range", message));
+        }
+        for (name, neutral) in [("scale", 1.0), ("iso", 100.0), ("exposuretime", 1.0)] {
+            let value_place = list.value_place(name);
+            if list.float_or(name, neutral, r)? != neutral {
+                let message = format!("film: {name:?} is not applied, values stay radiance");
+                r.stand_in(&value_place, "stand-in-film", message);
+            }
+        }
+        list.ignore(&[
+            "diagonal",
+            "maxsampleluminance",
+            "maxcomponentvalue",
+            "savefp16",
+            "sensor",
+            "whitebalance",
+            "coordinatesystem",
+            "buckets",
+            "nbuckets",
+            "lambdamin",
+            "lambdamax",
+            "premultiplyalpha",
+            "writefrequency",
+            "display",
+        ]);
+        list.finish(r);
+        self.description.film =
+            FilmDescription { resolution, crop, file_name, location: Some(place.location) };
+        self.has_film = true;
+        Ok(())
+    }
+
+    /// Takes over the pixel filter.
+    pub(crate) fn filter(&mut self, kind: &str, mut list: ParameterList) -> Step<()> {
+        let place = list.place;
+        let v4 = self.dialect == Dialect::V4;
+        let r = &mut self.reporter;
+        let (radius, kind) = match kind {
+            "box" => (0.5, FilterKind::Box),
+            "triangle" => (2.0, FilterKind::Triangle),
+            "gaussian" => {
+                // Version 3 says exp(-alpha d^2), alpha 2, which is the default of version 4, too.
+                let alpha = list.float("alpha", r)?;
+                let of_alpha = alpha.map(|a| 1.0 / (2.0 * a).sqrt());
+                let sigma = list.float("sigma", r)?.or(of_alpha).unwrap_or(0.5);
+                if !(sigma.is_finite() && sigma > 0.0) {
+                    let message = "filter \"gaussian\": the standard deviation must be positive";
+                    return Err(r.error(&place, "parameter-range", message));
+                }
+                (if v4 { 1.5 } else { 2.0 }, FilterKind::Gaussian { sigma })
+            }
+            "mitchell" => {
+                let (b, c) = (list.float("B", r)?, list.float("C", r)?);
+                let third = 1.0 / 3.0;
+                (2.0, FilterKind::Mitchell { b: b.unwrap_or(third), c: c.unwrap_or(third) })
+            }
+            "cylinder" => (0.5, FilterKind::Cylinder),
+            "pyramid" => (1.0, FilterKind::Pyramid),
+            "cone" => (1.0, FilterKind::Cone),
+            other => {
+                let known = other == "sinc";
+                let what = if known { "is not available yet" } else { "is unknown" };
+                let message =
+                    format!("filter {:?} {what}; \"mitchell\" of radius 2 stands in", shortened(other));
+                r.stand_in(&place, "stand-in-filter", message);
+                list.ignore(&["tau", "xwidth", "ywidth", "xradius", "yradius"]);
+                (2.0, FilterKind::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 })
+            }
+        };
+        let mut radii = [radius; 2];
+        for (i, names) in [["xradius", "xwidth"], ["yradius", "ywidth"]].into_iter().enumerate() {
+            for name in names {
+                let value_place = list.value_place(name);
+                if let Some(x) = list.float(name, r)? {
+                    if x <= 0.0 {
+                        let message = format!("filter: {name:?} is {x}, it must be positive");
+                        return Err(r.error(&value_place, "parameter-range", message));
+                    }
+                    radii[i] = x;
+                }
+            }
+        }
+        list.finish(r);
+        self.description.filter = FilterDescription { kind, radius: radii };
+        self.has_filter = true;
+        Ok(())
+    }
+}

@@ -1,0 +1,127 @@
+//! `Sampler` and `Integrator`.
+
+use glanz_scene::description::{IntegratorDescription, SamplerDescription};
+
+use super::Lowering;
+use crate::pbrt::parameters::{ParameterList, shortened};
+use crate::source::Step;
+
+/// Scattering events per path at most, if the file is silent.
+const DEFAULT_DEPTH: u32 = 5;
+
+impl Lowering {
+    /// Takes over how samples are spread. All of pbrt's low-discrepancy sequences become the best one there is.
+    pub(crate) fn sampler(&mut self, kind: &str, mut list: ParameterList) -> Step<()> {
+        let place = list.place;
+        let r = &mut self.reporter;
+        let seed = list.integer("seed", r)?.unwrap_or(0);
+        let pixel_samples = list.integer_from("pixelsamples", 1, r)?;
+        let name = match kind {
+            "sobol" | "paddedsobol" | "zsobol" | "halton" | "pmj02bn" | "lowdiscrepancy" | "02sequence"
+            | "maxmindist" | "bestcandidate" | "adaptive" => "sobol",
+            "independent" | "random" => "independent",
+            "stratified" => "stratified",
+            "regular" => "regular",
+            "center" => "center",
+            other => {
+                let message = format!("sampler {:?} is unknown; \"sobol\" stands in", shortened(other));
+                r.stand_in(&place, "stand-in-sampler", message);
+                "sobol"
+            }
+        };
+        let grid_place = list.value_place("xsamples");
+        let x = list.integer_from("xsamples", 1, r)?;
+        let y = list.integer_from("ysamples", 1, r)?;
+        let default = match name {
+            "stratified" | "regular" => 16,
+            "independent" => 4,
+            "center" => 1,
+            _ => 16,
+        };
+        let samples_per_pixel = match (x, y) {
+            (None, None) => pixel_samples.unwrap_or(default),
+            (x, y) => match x.unwrap_or(4).checked_mul(y.unwrap_or(4)) {
+                Some(n) => n,
+                None => {
+                    let message = "sampler: xsamples times ysamples is too large";
+                    return Err(r.error(&grid_place, "parameter-range", message));
+                }
+            },
+        };
+        list.ignore(&[
+            "jitter",
+            "dimensions",
+            "randomization",
+            "samplepixelcenter",
+            "minsamples",
+            "maxsamples",
+            "method",
+        ]);
+        list.finish(r);
+        self.description.sampler = SamplerDescription {
+            name: name.to_owned(),
+            samples_per_pixel,
+            seed: u64::from(seed.unsigned_abs()),
+        };
+        Ok(())
+    }
+
+    /// Takes over how light is gathered.
+    pub(crate) fn integrator(&mut self, kind: &str, mut list: ParameterList) -> Step<()> {
+        let place = list.place;
+        let r = &mut self.reporter;
+        let name = match kind {
+            "whitted" | "distributed" | "path" => kind,
+            "simplepath" => "path",
+            "directlighting" => {
+                let message = "integrator \"directlighting\" is not available; \"whitted\", which is nearly the same, \
+                    stands in";
+                r.stand_in(&place, "stand-in-integrator", message);
+                "whitted"
+            }
+            other => {
+                let message =
+                    format!("integrator {:?} is not available; \"path\" stands in", shortened(other));
+                r.stand_in(&place, "stand-in-integrator", message);
+                "path"
+            }
+        };
+        let description = IntegratorDescription {
+            name: name.to_owned(),
+            max_depth: Some(list.integer_from("maxdepth", 0, r)?.unwrap_or(DEFAULT_DEPTH)),
+            light_sampling: list.boolean("samplelights", r)?.unwrap_or(true),
+            branching: list.integer_from("branching", 1, r)?,
+            location: Some(place.location),
+        };
+        // What other integrators want, and what changes noise but not the picture.
+        list.ignore(&[
+            "regularize",
+            "lightsampler",
+            "lightsamplestrategy",
+            "rrthreshold",
+            "strategy",
+            "samplebsdf",
+            "radius",
+            "photonsperiteration",
+            "iterations",
+            "numiterations",
+            "imagewritefrequency",
+            "seed",
+            "visualizestrategies",
+            "visualizeweights",
+            "bootstrapsamples",
+            "chains",
+            "mutationsperpixel",
+            "largestepprobability",
+            "sigma",
+            "cossample",
+            "maxdistance",
+            "nsamples",
+            "pixelbounds",
+            "stepsize",
+        ]);
+        list.finish(r);
+        self.description.integrator = description;
+        Ok(())
+    }
+}

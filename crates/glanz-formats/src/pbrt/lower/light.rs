@@ -1,0 +1,255 @@
+//! `LightSource` and `AreaLightSource`.
+
+use std::f64::consts::PI;
+use std::rc::Rc;
+
+use glanz_light::{Pixels, SpectralDistribution, Wavelengths};
+use glanz_math::DVec3;
+use glanz_scene::description::{EmissionDescription, LightDescription, LightKind, SpotFalloff};
+
+use super::{Context, Lowering};
+use crate::image::{self, Encoding};
+use crate::pbrt::dialect::Dialect;
+use crate::pbrt::parameters::{ParameterList, shortened};
+use crate::source::Step;
+
+impl Lowering {
+    /// Adds a light.
+    pub(crate) fn light(&mut self, kind: &str, mut list: ParameterList, context: &Context) -> Step<()> {
+        let (kind, (emission, scale)) = match kind {
+            "point" => self.point(&mut list, context)?,
+            "spot" => self.spot(&mut list, context)?,
+            "distant" => self.distant(&mut list, context)?,
+            "infinite" | "exinfinite" => self.infinite(&mut list, context)?,
+            "goniometric" | "projection" => {
+                let message = format!("light {kind:?} is not available yet; a point light stands in");
+                self.stand_in(&list.place, "stand-in-light", message);
+                list.ignore(&["filename", "mapname", "fov"]);
+                self.point(&mut list, context)?
+            }
+            other => {
+                let message = format!("light {:?} is unknown and left out", shortened(other));
+                self.stand_in(&list.place, "stand-in-light", message);
+                return Ok(());
+            }
+        };
+        list.ignore(&["nsamples", "samples", "shadowquality"]);
+        self.description.lights.push(LightDescription {
+            kind,
+            emission,
+            scale,
+            to_world: context.ctm,
+            location: Some(list.place.location),
+        });
+        list.finish(&mut self.reporter);
+        Ok(())
+    }
+
+    fn ends(&mut self, list: &mut ParameterList) -> Step<(DVec3, DVec3)> {
+        let r = &mut self.reporter;
+        let from = list.vec3("from", r)?.unwrap_or(DVec3::ZERO);
+        let to = list.vec3("to", r)?.unwrap_or(DVec3::Z);
+        Ok((from, to))
+    }
+
+    fn point(&mut self, list: &mut ParameterList, context: &Context) -> Step<Lit> {
+        let from = list.vec3("from", &mut self.reporter)?.unwrap_or(DVec3::ZERO);
+        let range = list.float("range", &mut self.reporter)?;
+        let mut light = self.emission(list, "I", context.color_space)?;
+        self.power(list, &mut light, 4.0 * PI)?;
+        Ok((LightKind::Point { from, range }, light))
+    }
+
+    fn spot(&mut self, list: &mut ParameterList, context: &Context) -> Step<Lit> {
+        let (from, to) = self.ends(list)?;
+        let cone = list.float_or("coneangle", 30.0, &mut self.reporter)?;
+        let delta = list.float_or("conedeltaangle", 5.0, &mut self.reporter)?;
+        let inner = (cone - delta).max(0.0);
+        let mut light = self.emission(list, "I", context.color_space)?;
+        let (falloff, falling) = match self.dialect {
+            // The mean over the falling part: of the fourth power 1/5, of the cubic step 1/2.
+            Dialect::V3 => (SpotFalloff::Quartic, 0.2),
+            Dialect::V4 => (SpotFalloff::Smoothstep, 0.5),
+        };
+        let (cos_end, cos_start) = (cone.to_radians().cos(), inner.to_radians().cos());
+        let solid_angle = 2.0 * PI * ((1.0 - cos_start) + falling * (cos_start - cos_end));
+        self.power(list, &mut light, solid_angle)?;
+        let (cone_angle, inner_angle) = (cone.to_radians(), inner.to_radians());
+        Ok((LightKind::Spot { from, to, cone_angle, inner_angle, falloff }, light))
+    }
+
+    fn distant(&mut self, list: &mut ParameterList, context: &Context) -> Step<Lit> {
+        let (from, to) = self.ends(list)?;
+        let mut light = self.emission(list, "L", context.color_space)?;
+        self.illuminance(list, &mut light, 1.0)?;
+        Ok((LightKind::Distant { from, to }, light))
+    }
+
+    fn infinite(&mut self, list: &mut ParameterList, context: &Context) -> Step<Lit> {
+        let mut light = self.emission(list, "L", context.color_space)?;
+        let mut file = None;
+        for name in ["filename", "mapname"] {
+            if let Some(found) = list.text_parameter(name, &mut self.reporter)? {
+                file = Some(found);
+            }
+        }
+        if let Some((p, name)) = file.filter(|(_, name)| !name.is_empty()) {
+            match self.mean_radiance(&name) {
+                Ok(mean) => {
+                    let message = format!(
+                        "light \"infinite\" with the picture {name:?} is not available yet; its mean of \
+                         ({:.3}, {:.3}, {:.3}) in all directions stands in",
+                        mean[0], mean[1], mean[2]
+                    );
+                    self.stand_in(&p.value_place, "stand-in-light", message);
+                    let wavelengths = Wavelengths::default();
+                    let [r, g, b] = light.0.radiance(&wavelengths).to_rgb(&wavelengths);
+                    light.0 = SpectralDistribution::Rgb([mean[0] * r, mean[1] * g, mean[2] * b]);
+                }
+                Err(problem) => {
+                    let message =
+                        format!("light \"infinite\": {problem}; the same light in all directions stands in");
+                    self.stand_in(&p.value_place, "missing-file", message);
+                }
+            }
+        }
+        self.illuminance(list, &mut light, PI)?;
+        let portal = list.value_place("portal");
+        if list.take("portal").is_some() {
+            self.stand_in(&portal, "stand-in-light", "light \"infinite\": the portal is not used");
+        }
+        Ok((LightKind::Infinite, light))
+    }
+
+    /// Scales a light so that it sends out the `power` of version 4; `solid_angle` is the integral of its intensity
+    /// over that of its axis.
+    fn power(&mut self, list: &mut ParameterList, light: &mut Emitted, solid_angle: f64) -> Step<()> {
+        self.target(list, "power", light, solid_angle)
+    }
+
+    /// Scales a light to the `illuminance` of version 4 on a surface that faces it; `per_radiance` is that of a light
+    /// of 1.
+    fn illuminance(&mut self, list: &mut ParameterList, light: &mut Emitted, per_radiance: f64) -> Step<()> {
+        self.target(list, "illuminance", light, per_radiance)
+    }
+
+    fn target(
+        &mut self,
+        list: &mut ParameterList,
+        name: &'static str,
+        light: &mut Emitted,
+        per_unit: f64,
+    ) -> Step<()> {
+        let place = list.value_place(name);
+        let Some(target) = list.float(name, &mut self.reporter)? else { return Ok(()) };
+        if target <= 0.0 {
+            // pbrt takes this for "not given".
+            return Ok(());
+        }
+        let luminance = f64::from(light.0.luminance());
+        // `scale` stays as a factor on top; the normalisation of version 4 is part of the luminance.
+        let user_scale = match self.dialect {
+            Dialect::V4 if !is_rgb(&light.0) => f64::from(light.1) * luminance,
+            _ => f64::from(light.1),
+        };
+        if luminance <= 0.0 || per_unit <= 0.0 {
+            let message = format!("{}: a black light cannot have a {name}", list.subject);
+            return Err(self.reporter.error(&place, "parameter-range", message));
+        }
+        light.1 = (user_scale * target / (per_unit * luminance)) as f32;
+        Ok(())
+    }
+
+    /// The mean of a picture over the sphere of directions: a square one as version 4's equal-area map, others as
+    /// longitude and latitude.
+    fn mean_radiance(&mut self, name: &str) -> Result<[f32; 3], String> {
+        let (path, bytes) = self.read_file(name)?;
+        let picture = image::read(&bytes, Some(&path), Encoding::Srgb)
+            .map_err(|error| format!("picture {name:?}: {error}"))?;
+        mean_over_sphere(&picture.pixels)
+            .ok_or_else(|| format!("picture {name:?} has neither the channels R, G, B nor the channel Y"))
+    }
+
+    /// The light that the shapes to come give off.
+    pub(crate) fn area_light(
+        &mut self,
+        kind: &str,
+        mut list: ParameterList,
+        context: &Context,
+    ) -> Step<Rc<EmissionDescription>> {
+        if !matches!(kind, "diffuse" | "area") {
+            let message = format!("area light {:?} is unknown; \"diffuse\" stands in", shortened(kind));
+            self.stand_in(&list.place, "stand-in-light", message);
+        }
+        let (radiance, scale) = self.emission(&mut list, "L", context.color_space)?;
+        let two_sided = list.boolean("twosided", &mut self.reporter)?.unwrap_or(false);
+        let place = list.value_place("filename");
+        if list.text("filename", &mut self.reporter)?.is_some_and(|f| !f.is_empty()) {
+            let message = "area light: light with a picture is not available yet; \"L\" stands in";
+            self.stand_in(&place, "stand-in-light", message);
+        }
+        // pbrt applies `scale` on top of the power, but takes the spectrum's own magnitude out.
+        let power = list.float("power", &mut self.reporter)?.filter(|p| *p > 0.0).map(|p| {
+            let own =
+                if self.dialect == Dialect::V4 && !is_rgb(&radiance) { radiance.luminance() } else { 1.0 };
+            p as f32 * scale * own
+        });
+        list.ignore(&["nsamples", "samples"]);
+        list.finish(&mut self.reporter);
+        Ok(Rc::new(EmissionDescription { radiance, scale, power, two_sided }))
+    }
+}
+
+type Emitted = (SpectralDistribution, f32);
+type Lit = (LightKind, Emitted);
+
+fn is_rgb(spectrum: &SpectralDistribution) -> bool {
+    matches!(spectrum, SpectralDistribution::Constant(_) | SpectralDistribution::Rgb(_))
+}
+
+/// Mean over the sphere; pixels that are not finite count as black. `None` without colour.
+fn mean_over_sphere(pixels: &Pixels) -> Option<[f32; 3]> {
+    let rgb = pixels.to_rgb()?;
+    let (width, height) = (pixels.width() as usize, pixels.height() as usize);
+    let mut sum = [0.0f64; 3];
+    let mut weights = 0.0;
+    for (y, row) in rgb.chunks_exact(width).enumerate() {
+        // Rows of longitude and latitude are as wide as the sine of their angle from the pole.
+        let weight = if width == height { 1.0 } else { (PI * (y as f64 + 0.5) / height as f64).sin() };
+        for pixel in row.iter().filter(|p| p.iter().all(|x| x.is_finite())) {
+            for (s, x) in sum.iter_mut().zip(pixel) {
+                *s += weight * f64::from(x.max(0.0));
+            }
+        }
+        weights += weight * width as f64;
+    }
+    Some(sum.map(|s| (s / weights) as f32))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_of_a_sky_over_black_ground_is_half_the_sky() {
+        // Ten rows, the upper five white: by symmetry half of the sphere.
+        let rgb: Vec<[f32; 3]> = (0..200).map(|i| if i < 100 { [2.0, 4.0, 6.0] } else { [0.0; 3] }).collect();
+        let mean = mean_over_sphere(&Pixels::try_from_rgb(20, 10, &rgb).unwrap()).unwrap();
+        for (found, expected) in mean.iter().zip([1.0, 2.0, 3.0]) {
+            assert!((found - expected).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_pole_weighs_less_than_the_equator_except_in_equal_area_maps() {
+        let of = |width: u32, height: u32| {
+            let count = (width * height) as usize;
+            let rgb: Vec<[f32; 3]> =
+                (0..count).map(|i| [f32::from(u8::from(i < width as usize)); 3]).collect();
+            f64::from(mean_over_sphere(&Pixels::try_from_rgb(width, height, &rgb).unwrap()).unwrap()[0])
+        };
+        // Three rows at 30, 90 and 150 degrees: 1/2, 1, 1/2.
+        assert!((of(6, 3) - 0.25).abs() < 1e-7);
+        assert!((of(3, 3) - 1.0 / 3.0).abs() < 1e-7);
+    }
+}

@@ -1,0 +1,110 @@
+//! From directives to a [`Description`]: one file per noun.
+
+mod camera;
+mod extension;
+mod film;
+mod integrator;
+mod light;
+mod material;
+mod named;
+mod shape;
+mod spectrum;
+mod texture;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::rc::Rc;
+
+use glanz_math::DMat4;
+use glanz_scene::Description;
+use glanz_scene::description::{EmissionDescription, GroupDescription};
+
+use crate::pbrt::color_space::ColorSpace;
+use crate::pbrt::dialect::Dialect;
+use crate::pbrt::finder::Finder;
+use crate::source::{Place, Reporter};
+
+pub(crate) use film::finish_film;
+pub(crate) use material::NamedMaterial;
+pub(crate) use texture::{ImageKey, TextureNames};
+
+/// What lowering knows and makes.
+#[derive(Debug)]
+pub(crate) struct Lowering {
+    pub(crate) description: Description,
+    pub(crate) reporter: Reporter,
+    pub(crate) dialect: Dialect,
+    pub(crate) finder: Finder,
+    /// Paths of the files that are being read, the innermost last; for names relative to them.
+    pub(crate) reading: Vec<Option<PathBuf>>,
+    /// The group that shapes go to: none for the world.
+    pub(crate) group: Option<usize>,
+    pub(crate) groups: BTreeMap<String, usize>,
+    pub(crate) materials: BTreeMap<String, NamedMaterial>,
+    pub(crate) default_material: Option<usize>,
+    pub(crate) textures: TextureNames,
+    pub(crate) images: BTreeMap<ImageKey, Option<usize>>,
+    pub(crate) has_film: bool,
+    pub(crate) has_filter: bool,
+}
+
+/// The part of the graphics state that a thing takes with it.
+#[derive(Clone, Debug)]
+pub(crate) struct Context {
+    pub(crate) ctm: DMat4,
+    pub(crate) reverse_orientation: bool,
+    pub(crate) material: Option<usize>,
+    pub(crate) emission: Option<Rc<EmissionDescription>>,
+    pub(crate) color_space: ColorSpace,
+}
+
+impl Lowering {
+    /// Starts with nothing read.
+    pub(crate) fn new(reporter: Reporter, dialect: Dialect, finder: Finder) -> Self {
+        Self {
+            description: Description::default(),
+            reporter,
+            dialect,
+            finder,
+            reading: Vec::new(),
+            group: None,
+            groups: BTreeMap::new(),
+            materials: BTreeMap::new(),
+            default_material: None,
+            textures: TextureNames::default(),
+            images: BTreeMap::new(),
+            has_film: false,
+            has_filter: false,
+        }
+    }
+
+    /// Where shapes and instances go.
+    fn current_group(&mut self) -> &mut GroupDescription {
+        match self.group {
+            Some(i) if i < self.description.groups.len() => &mut self.description.groups[i],
+            _ => &mut self.description.world,
+        }
+    }
+
+    /// Finds a file that a parameter names.
+    fn find(&self, name: &str) -> Option<PathBuf> {
+        let asking = self.reading.last().and_then(Option::as_deref);
+        self.finder.find(name, asking)
+    }
+
+    /// Finds and reads a file that a parameter names, or says why not.
+    fn read_file(&mut self, name: &str) -> Result<(PathBuf, Vec<u8>), String> {
+        let Some(path) = self.find(name) else {
+            return Err(format!("file {name:?} is not there"));
+        };
+        match self.finder.read(&path) {
+            Ok(bytes) => Ok((path, bytes)),
+            Err(error) => Err(format!("file {name:?} cannot be read: {error}")),
+        }
+    }
+
+    /// Reports that something is shown as something else.
+    fn stand_in(&mut self, place: &Place, kind: &'static str, message: impl Into<String>) {
+        self.reporter.stand_in(place, kind, message);
+    }
+}

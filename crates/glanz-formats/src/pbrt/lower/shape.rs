@@ -1,0 +1,335 @@
+//! `Shape`, `ObjectBegin`, `ObjectInstance`.
+
+use glanz_math::{DVec2, DVec3};
+use glanz_scene::description::{
+    GeometryDescription, GroupDescription, InstanceDescription, ShapeDescription,
+};
+
+use super::{Context, Lowering};
+use crate::diagnostic::nearest;
+use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
+use crate::ply;
+use crate::source::{Place, Step};
+
+/// The shapes by name, for suggestions.
+const SHAPES: &[&str] = &[
+    "sphere",
+    "cylinder",
+    "cone",
+    "paraboloid",
+    "hyperboloid",
+    "disk",
+    "trianglemesh",
+    "plymesh",
+    "bilinearmesh",
+    "loopsubdiv",
+    "twosheetedhyperboloid",
+    "plane",
+    "algebraic",
+    "torus",
+    "polyhedron",
+    "box",
+    "curve",
+    "nurbs",
+    "heightfield",
+];
+
+impl Lowering {
+    /// Adds a shape.
+    pub(crate) fn shape(&mut self, kind: &str, mut list: ParameterList, context: &Context) -> Step<()> {
+        let place = list.place;
+        let Some(geometry) = self.geometry(kind, &mut list)? else { return Ok(()) };
+        self.alpha(&mut list)?;
+        list.finish(&mut self.reporter);
+        let material = match context.material {
+            Some(index) => index,
+            None => self.default_material(&place),
+        };
+        let emission = match &context.emission {
+            Some(_) if self.group.is_some() => {
+                let message = "a shape of an object that is instanced gives off no light";
+                self.stand_in(&place, "stand-in-light", message);
+                None
+            }
+            emission => emission.as_deref().cloned(),
+        };
+        let shape = ShapeDescription {
+            geometry,
+            to_parent: context.ctm,
+            reverse_orientation: context.reverse_orientation,
+            material,
+            emission,
+            location: Some(place.location),
+        };
+        self.current_group().shapes.push(shape);
+        Ok(())
+    }
+
+    /// The surface; `None`, reported, if there is nothing that could stand in.
+    fn geometry(&mut self, kind: &str, list: &mut ParameterList) -> Step<Option<GeometryDescription>> {
+        let made = match kind {
+            "sphere" => {
+                let radius = self.float(list, "radius", 1.0)?;
+                let z = self.z_range(list, [-radius, radius])?;
+                GeometryDescription::Sphere { radius, z, phi_max: self.phi_max(list)? }
+            }
+            "cylinder" => GeometryDescription::Cylinder {
+                radius: self.float(list, "radius", 1.0)?,
+                z: self.z_range(list, [-1.0, 1.0])?,
+                phi_max: self.phi_max(list)?,
+            },
+            "cone" => GeometryDescription::Cone {
+                radius: self.float(list, "radius", 1.0)?,
+                height: self.float(list, "height", 1.0)?,
+                phi_max: self.phi_max(list)?,
+            },
+            "paraboloid" => GeometryDescription::Paraboloid {
+                radius: self.float(list, "radius", 1.0)?,
+                z: self.z_range(list, [0.0, 1.0])?,
+                phi_max: self.phi_max(list)?,
+            },
+            "hyperboloid" => GeometryDescription::Hyperboloid {
+                p1: list.vec3("p1", &mut self.reporter)?.unwrap_or(DVec3::ZERO),
+                p2: list.vec3("p2", &mut self.reporter)?.unwrap_or(DVec3::ONE),
+                phi_max: self.phi_max(list)?,
+            },
+            "disk" => GeometryDescription::Disk {
+                height: self.float(list, "height", 0.0)?,
+                radius: self.float(list, "radius", 1.0)?,
+                inner_radius: self.float(list, "innerradius", 0.0)?,
+                phi_max: self.phi_max(list)?,
+            },
+            "trianglemesh" => self.triangle_mesh(list)?,
+            "loopsubdiv" => {
+                list.ignore(&["nlevels", "levels", "scheme"]);
+                let mesh = self.triangle_mesh(list)?;
+                let message = "shape \"loopsubdiv\" is not available yet; its control mesh stands in";
+                self.stand_in(&list.place, "stand-in-shape", message);
+                mesh
+            }
+            "bilinearmesh" => self.bilinear_mesh(list)?,
+            "plymesh" => self.ply_mesh(list)?,
+            "twosheetedhyperboloid" | "plane" | "algebraic" | "torus" | "polyhedron" | "box" => {
+                self.extension(kind, list)?
+            }
+            other => {
+                let known = SHAPES.contains(&other);
+                let what = if known { "is not available yet" } else { "is unknown" };
+                let message = format!("shape {:?} {what} and left out", shortened(other));
+                let help = nearest(other, SHAPES.iter().copied())
+                    .filter(|_| !known)
+                    .map(|n| format!("did you mean {n:?}?"));
+                match help {
+                    Some(help) if !self.reporter.strict => {
+                        self.reporter.warning_with_help(&list.place, "stand-in-shape", message, Some(help));
+                    }
+                    _ => self.stand_in(&list.place, "stand-in-shape", message),
+                }
+                return Ok(None);
+            }
+        };
+        Ok(Some(made))
+    }
+
+    fn float(&mut self, list: &mut ParameterList, name: &'static str, default: f64) -> Step<f64> {
+        list.float_or(name, default, &mut self.reporter)
+    }
+
+    /// `zmin` and `zmax`, in either order as pbrt has it.
+    pub(super) fn z_range(&mut self, list: &mut ParameterList, default: [f64; 2]) -> Step<[f64; 2]> {
+        let a = self.float(list, "zmin", default[0])?;
+        let b = self.float(list, "zmax", default[1])?;
+        Ok([a.min(b), a.max(b)])
+    }
+
+    /// `phimax`, degrees, clamped to [0, 360] as pbrt does; in radians.
+    pub(super) fn phi_max(&mut self, list: &mut ParameterList) -> Step<f64> {
+        Ok(self.float(list, "phimax", 360.0)?.clamp(0.0, 360.0).to_radians())
+    }
+
+    /// Cut-outs, which are not available yet.
+    fn alpha(&mut self, list: &mut ParameterList) -> Step<()> {
+        for name in ["alpha", "shadowalpha"] {
+            let place = list.value_place(name);
+            let Some(p) = list.take(name) else { continue };
+            let opaque = matches!(&p.values, crate::pbrt::parameters::Values::Floats(v) if v[..] == [1.0]);
+            if !opaque {
+                let message =
+                    format!("{}: {name:?} is not available yet; an opaque surface stands in", list.subject);
+                self.stand_in(&place, "stand-in-alpha", message);
+            }
+        }
+        Ok(())
+    }
+
+    fn triangle_mesh(&mut self, list: &mut ParameterList) -> Step<GeometryDescription> {
+        let (p, positions) = self.positions(list)?;
+        let indices = self.corners::<3>(list, &p, positions.len())?;
+        let normals = self.vertex_normals(list, positions.len())?;
+        let uvs = self.vertex_uvs(list, positions.len())?;
+        list.ignore(&["S", "faceIndices", "discarddegenerateUVs"]);
+        Ok(GeometryDescription::Triangles { positions, indices, normals, uvs })
+    }
+
+    fn bilinear_mesh(&mut self, list: &mut ParameterList) -> Step<GeometryDescription> {
+        let (p, positions) = self.positions(list)?;
+        let indices = self.corners::<4>(list, &p, positions.len())?;
+        for name in ["N", "uv", "emissionfilename"] {
+            let place = list.value_place(name);
+            if list.take(name).is_some() {
+                let message = format!(
+                    "shape \"bilinearmesh\": {name:?} is not available yet; the patches' own stand in"
+                );
+                self.stand_in(&place, "stand-in-shape", message);
+            }
+        }
+        list.ignore(&["faceIndices"]);
+        Ok(GeometryDescription::Bilinear { positions, indices })
+    }
+
+    fn positions(&mut self, list: &mut ParameterList) -> Step<(Parameter, Vec<DVec3>)> {
+        if let Some(found) = list.vec3s("P", &mut self.reporter)? {
+            return Ok(found);
+        }
+        let message = format!("{} has no points \"P\"", list.subject);
+        Err(self.reporter.error(&list.place, "parameter-missing", message))
+    }
+
+    /// Groups of `N` vertex numbers. Without `indices`, `N` points are one face.
+    fn corners<const N: usize>(
+        &mut self,
+        list: &mut ParameterList,
+        points: &Parameter,
+        count: usize,
+    ) -> Step<Vec<[u32; N]>> {
+        let Some((p, indices)) = list.integers("indices", &mut self.reporter)? else {
+            if count == N {
+                return Ok(vec![std::array::from_fn(|i| i as u32)]);
+            }
+            let message = format!("{} has {count} points and no \"indices\"", list.subject);
+            return Err(self.reporter.error(&points.place, "parameter-missing", message));
+        };
+        if indices.len() % N != 0 {
+            let n = indices.len();
+            let message = format!(
+                "{}: parameter \"indices\" has {n} values, a multiple of {N} is needed",
+                list.subject
+            );
+            return Err(self.reporter.error(&p.value_place, "parameter-count", message));
+        }
+        let limit = i64::try_from(count).unwrap_or(i64::MAX);
+        if let Some(wrong) = indices.iter().position(|&i| i64::from(i) >= limit || i < 0) {
+            let (value, face) = (indices.get(wrong).copied().unwrap_or_default(), wrong / N);
+            let message = format!("{}: face {face} refers to point {value}, there are {count}", list.subject);
+            let help = Some("points are counted from 0".to_owned());
+            return Err(self.reporter.error_with_help(&p.value_place, "vertex-index", message, help));
+        }
+        Ok(indices.chunks_exact(N).map(|c| std::array::from_fn(|i| c[i].unsigned_abs())).collect())
+    }
+
+    fn vertex_normals(&mut self, list: &mut ParameterList, count: usize) -> Step<Option<Vec<DVec3>>> {
+        let Some((p, normals)) = list.vec3s("N", &mut self.reporter)? else { return Ok(None) };
+        if normals.len() == count {
+            return Ok(Some(normals));
+        }
+        self.not_per_vertex(list, &p, normals.len(), count);
+        Ok(None)
+    }
+
+    /// `uv`, also called `st`.
+    fn vertex_uvs(&mut self, list: &mut ParameterList, count: usize) -> Step<Option<Vec<DVec2>>> {
+        let st = list.vec2s("st", &mut self.reporter)?;
+        let Some((p, uvs)) = list.vec2s("uv", &mut self.reporter)?.or(st) else { return Ok(None) };
+        if uvs.len() == count {
+            return Ok(Some(uvs));
+        }
+        self.not_per_vertex(list, &p, uvs.len(), count);
+        Ok(None)
+    }
+
+    /// Says that values were left out because there is not one for each point.
+    fn not_per_vertex(&mut self, list: &ParameterList, p: &Parameter, found: usize, count: usize) {
+        let message = format!(
+            "{}: {:?} is given for {found} points, there are {count}; it is left out",
+            list.subject, p.name
+        );
+        self.stand_in(&p.value_place, "vertex-count", message);
+    }
+
+    fn ply_mesh(&mut self, list: &mut ParameterList) -> Step<GeometryDescription> {
+        let Some((p, name)) = list.text_parameter("filename", &mut self.reporter)? else {
+            let message = "shape \"plymesh\" has no \"string filename\"";
+            return Err(self.reporter.error(&list.place, "parameter-missing", message));
+        };
+        let place = list.value_place("displacement");
+        if list.take("displacement").is_some() {
+            let message =
+                "shape \"plymesh\": \"displacement\" is not available yet; the smooth surface stands in";
+            self.stand_in(&place, "stand-in-bumps", message);
+        }
+        list.ignore(&["edgelength"]);
+        let (path, bytes) = match self.read_file(&name) {
+            Ok(read) => read,
+            Err(problem) => {
+                let message = format!("shape \"plymesh\": {problem}");
+                return Err(self.reporter.error(&p.value_place, "missing-file", message));
+            }
+        };
+        match ply::read(&bytes) {
+            Ok(mesh) => {
+                if mesh.skipped_faces > 0 {
+                    let message = format!(
+                        "shape \"plymesh\": {} faces of {name:?} have fewer than three corners and are left out",
+                        mesh.skipped_faces
+                    );
+                    self.reporter.warning(&p.value_place, "ply-faces", message);
+                }
+                let ply::PlyMesh { positions, normals, uvs, triangles: indices, .. } = mesh;
+                Ok(GeometryDescription::Triangles { positions, indices, normals, uvs })
+            }
+            Err(error) => {
+                let message = format!("shape \"plymesh\": {}: {error}", path.display());
+                Err(self.reporter.error(&p.value_place, "ply", message))
+            }
+        }
+    }
+
+    /// Begins a group that instances can refer to.
+    pub(crate) fn begin_object(&mut self, name: &str, place: &Place) -> Step<()> {
+        if self.group.is_some() {
+            let message = "ObjectBegin within another object";
+            return Err(self.reporter.error(place, "nesting", message));
+        }
+        if self.groups.contains_key(name) {
+            let message =
+                format!("object {:?} is made again; the later one counts from here", shortened(name));
+            self.reporter.warning(place, "object-again", message);
+        }
+        self.description.groups.push(GroupDescription { name: name.to_owned(), ..Default::default() });
+        self.group = Some(self.description.groups.len() - 1);
+        Ok(())
+    }
+
+    /// Ends it; only now can it be referred to.
+    pub(crate) fn end_object(&mut self) {
+        if let Some(index) = self.group.take()
+            && let Some(group) = self.description.groups.get(index)
+        {
+            self.groups.insert(group.name.clone(), index);
+        }
+    }
+
+    /// Adds a copy of a group.
+    pub(crate) fn instance(&mut self, name: &str, place: &Place, context: &Context) -> Step<()> {
+        let Some(&group) = self.groups.get(name) else {
+            let message = format!("there is no object {:?}", shortened(name));
+            let help =
+                nearest(name, self.groups.keys().map(String::as_str)).map(|n| format!("did you mean {n:?}?"));
+            return Err(self.reporter.error_with_help(place, "missing-object", message, help));
+        };
+        let to_parent = context.ctm;
+        let instance = InstanceDescription { group, to_parent, location: Some(place.location) };
+        self.current_group().instances.push(instance);
+        Ok(())
+    }
+}

@@ -1,0 +1,259 @@
+//! Spectra, and the parameters that are spectra, numbers or textures of them.
+
+use glanz_light::rgb::xyz_to_rgb;
+use glanz_light::{SpectralDistribution, Wavelengths};
+use glanz_scene::description::{FloatInput, SpectrumInput};
+
+use super::Lowering;
+use super::named::{named, names};
+use crate::diagnostic::nearest;
+use crate::pbrt::color_space::ColorSpace;
+use crate::pbrt::dialect::Dialect;
+use crate::pbrt::lexer::Lexer;
+use crate::pbrt::parameters::{Parameter, ParameterList, ParameterType, Values, shortened};
+use crate::source::Step;
+
+/// Sodium's yellow line, at which glass is said to have its index of refraction, nm.
+const SODIUM_D_NM: f64 = 589.3;
+
+/// A grey that needs no conversion.
+pub(super) fn grey(value: f32) -> SpectralDistribution {
+    SpectralDistribution::Constant(value)
+}
+
+impl Lowering {
+    /// The spectrum of a parameter that has no texture.
+    pub(super) fn distribution(
+        &mut self,
+        subject: &str,
+        p: &Parameter,
+        space: ColorSpace,
+    ) -> Step<SpectralDistribution> {
+        match (&p.values, p.kind) {
+            (Values::Floats(v), ParameterType::Rgb) => self.rgb(subject, p, v, space),
+            (Values::Floats(v), ParameterType::Xyz) => match v[..] {
+                [x, y, z] => {
+                    let rgb = xyz_to_rgb([x, y, z]).map(|x| x.max(0.0) as f32);
+                    Ok(SpectralDistribution::Rgb(rgb))
+                }
+                _ => self.refuse(subject, p, format!("has {} values, 3 are needed", v.len())),
+            },
+            (Values::Floats(v), ParameterType::Blackbody) => self.blackbody(subject, p, v),
+            (Values::Floats(v), ParameterType::Float) => match v[..] {
+                [x] => Ok(grey(x as f32)),
+                _ => self.refuse(subject, p, format!("has {} values, 1 is needed", v.len())),
+            },
+            (Values::Integers(v), ParameterType::Integer) => match v[..] {
+                [x] => Ok(grey(x as f32)),
+                _ => self.refuse(subject, p, format!("has {} values, 1 is needed", v.len())),
+            },
+            (Values::Floats(v), ParameterType::Spectrum) => self.pairs(subject, p, v),
+            (Values::Texts(v), ParameterType::Spectrum) => match &v[..] {
+                [name] => self.named_spectrum(subject, p, name),
+                _ => self.refuse(subject, p, format!("has {} values, 1 is needed", v.len())),
+            },
+            _ => self.refuse(subject, p, "is no spectrum".to_owned()),
+        }
+    }
+
+    fn refuse<T>(&mut self, subject: &str, p: &Parameter, what: String) -> Step<T> {
+        let message = format!("{subject}: parameter {:?} {what}", p.name);
+        Err(self.reporter.error(&p.value_place, "spectrum", message))
+    }
+
+    fn rgb(
+        &mut self,
+        subject: &str,
+        p: &Parameter,
+        v: &[f64],
+        space: ColorSpace,
+    ) -> Step<SpectralDistribution> {
+        let [r, g, b] = *v else {
+            return self.refuse(subject, p, format!("has {} values, 3 are needed", v.len()));
+        };
+        if r < 0.0 || g < 0.0 || b < 0.0 {
+            return self.refuse(subject, p, "has a negative component".to_owned());
+        }
+        Ok(SpectralDistribution::Rgb(space.to_rec709([r, g, b]).map(|x| x as f32)))
+    }
+
+    /// Temperature, in version 3 with a factor. Both have the value 1 or that factor where they peak; lights of version
+    /// 4 are normalised later.
+    fn blackbody(&mut self, subject: &str, p: &Parameter, v: &[f64]) -> Step<SpectralDistribution> {
+        let (kelvin, scale) = match *v {
+            [kelvin] => (kelvin, 1.0),
+            [kelvin, scale] => (kelvin, scale),
+            _ => {
+                let what = format!("has {} values, a temperature in kelvin is needed", v.len());
+                return self.refuse(subject, p, what);
+            }
+        };
+        match SpectralDistribution::try_blackbody(kelvin as f32, scale as f32) {
+            Ok(body) => Ok(body),
+            Err(error) => self.refuse(subject, p, format!("is no spectrum: {error}")),
+        }
+    }
+
+    /// Wavelengths in nm with values, in any order.
+    fn pairs(&mut self, subject: &str, p: &Parameter, v: &[f64]) -> Step<SpectralDistribution> {
+        if v.len() % 2 != 0 {
+            let what = format!("has {} values, pairs of wavelength and value are needed", v.len());
+            return self.refuse(subject, p, what);
+        }
+        match sampled(v) {
+            Ok(spectrum) => Ok(spectrum),
+            Err(error) => self.refuse(subject, p, format!("is no spectrum: {error}")),
+        }
+    }
+
+    /// A spectrum that pbrt knows by name, or a file of pairs.
+    fn named_spectrum(&mut self, subject: &str, p: &Parameter, name: &str) -> Step<SpectralDistribution> {
+        if let Some(spectrum) = named(name) {
+            return Ok(spectrum);
+        }
+        let (path, bytes) = match self.read_file(name) {
+            Ok(read) => read,
+            Err(problem) => {
+                let message = format!("{subject}: parameter {:?}: spectrum {problem}", p.name);
+                let help = nearest(name, names()).map(|n| format!("did you mean the built-in {n:?}?"));
+                return Err(self.reporter.error_with_help(&p.value_place, "missing-file", message, help));
+            }
+        };
+        let mut values = Vec::new();
+        let mut lexer = Lexer::new(bytes.into(), self.description_file());
+        while lexer.peek().is_some() {
+            match lexer.float() {
+                Ok(value) => values.push(value),
+                Err(error) => {
+                    let at = error.place.location;
+                    let what = format!("{}:{}:{}: {}", path.display(), at.line, at.column, error.message);
+                    return self.refuse(subject, p, format!("is no spectrum: {what}"));
+                }
+            }
+        }
+        self.pairs(subject, p, &values)
+    }
+
+    /// A file number for lexers whose places are not kept.
+    fn description_file(&self) -> glanz_scene::description::FileId {
+        glanz_scene::description::FileId(0)
+    }
+
+    /// A spectrum or a texture; `None` if the parameter is not there.
+    pub(super) fn optional_spectrum(
+        &mut self,
+        list: &mut ParameterList,
+        name: &'static str,
+        space: ColorSpace,
+    ) -> Step<Option<SpectrumInput>> {
+        let Some(p) = list.take(name) else { return Ok(None) };
+        if p.kind == ParameterType::Texture {
+            return self.texture_named(&list.subject, &p, true).map(|t| Some(SpectrumInput::Texture(t)));
+        }
+        self.distribution(&list.subject, &p, space).map(|s| Some(SpectrumInput::Value(s)))
+    }
+
+    /// A spectrum or a texture, grey if the parameter is not there.
+    pub(super) fn spectrum_or(
+        &mut self,
+        list: &mut ParameterList,
+        name: &'static str,
+        default: f32,
+        space: ColorSpace,
+    ) -> Step<SpectrumInput> {
+        let found = self.optional_spectrum(list, name, space)?;
+        Ok(found.unwrap_or_else(|| SpectrumInput::Value(grey(default))))
+    }
+
+    /// A number or a texture; `None` if the parameter is not there. Of a spectrum the value at sodium's yellow line.
+    pub(super) fn optional_float(
+        &mut self,
+        list: &mut ParameterList,
+        name: &'static str,
+    ) -> Step<Option<FloatInput>> {
+        let Some(p) = list.take(name) else { return Ok(None) };
+        if p.kind == ParameterType::Texture {
+            return self.texture_named(&list.subject, &p, false).map(|t| Some(FloatInput::Texture(t)));
+        }
+        let value = match self.distribution(&list.subject, &p, ColorSpace::Rec709)? {
+            SpectralDistribution::Constant(x) => x,
+            SpectralDistribution::Sampled(samples) => samples.at(SODIUM_D_NM) as f32,
+            other => {
+                let wavelengths = Wavelengths::default();
+                other.unbounded(&wavelengths).mean(&wavelengths)
+            }
+        };
+        Ok(Some(FloatInput::Value(value)))
+    }
+
+    /// A number or a texture, or a default.
+    pub(super) fn float_or(
+        &mut self,
+        list: &mut ParameterList,
+        name: &'static str,
+        default: f32,
+    ) -> Step<FloatInput> {
+        Ok(self.optional_float(list, name)?.unwrap_or(FloatInput::Value(default)))
+    }
+
+    fn texture_named(&mut self, subject: &str, p: &Parameter, spectrum: bool) -> Step<usize> {
+        let name = match &p.values {
+            Values::Texts(v) => match &v[..] {
+                [name] => name.clone(),
+                _ => return self.refuse(subject, p, format!("has {} values, 1 is needed", v.len())),
+            },
+            _ => return self.refuse(subject, p, "names no texture".to_owned()),
+        };
+        if let Some(index) = self.textures.find(&name, spectrum) {
+            return Ok(index);
+        }
+        let message =
+            format!("{subject}: parameter {:?}: there is no texture {:?}", p.name, shortened(&name));
+        let help = match self.textures.nearest(&name) {
+            Some(n) => format!("did you mean {n:?}?"),
+            None => "a texture has to be made before it is used".to_owned(),
+        };
+        Err(self.reporter.error_with_help(&p.value_place, "missing-texture", message, Some(help)))
+    }
+
+    /// Light of the given parameter and `scale`, as a spectrum and a factor.
+    ///
+    /// Version 4 gives sampled spectra and black bodies the luminance 1 before `scale`; version 3 leaves them as they
+    /// are and lets `scale` be a colour.
+    pub(super) fn emission(
+        &mut self,
+        list: &mut ParameterList,
+        name: &'static str,
+        space: ColorSpace,
+    ) -> Step<(SpectralDistribution, f32)> {
+        let base = match list.take(name) {
+            Some(p) => self.distribution(&list.subject, &p, space)?,
+            None => grey(1.0),
+        };
+        let mut factor = 1.0;
+        if self.dialect == Dialect::V4
+            && matches!(base, SpectralDistribution::Blackbody { .. } | SpectralDistribution::Sampled(_))
+        {
+            let luminance = base.luminance();
+            factor = if luminance > 0.0 { 1.0 / luminance } else { 0.0 };
+        }
+        let Some(p) = list.take("scale") else { return Ok((base, factor)) };
+        Ok(match self.distribution(&list.subject, &p, space)? {
+            SpectralDistribution::Constant(x) => (base, factor * x),
+            SpectralDistribution::Rgb([r, g, b]) if r == g && g == b => (base, factor * r),
+            color => {
+                let wavelengths = Wavelengths::default();
+                let product = base.radiance(&wavelengths) * color.radiance(&wavelengths);
+                (SpectralDistribution::Rgb(product.to_rgb(&wavelengths)), factor)
+            }
+        })
+    }
+}
+
+/// A spectrum from pairs in any order.
+fn sampled(pairs: &[f64]) -> Result<SpectralDistribution, glanz_light::DistributionError> {
+    let mut points: Vec<(f32, f32)> =
+        pairs.chunks_exact(2).map(|pair| (pair[0] as f32, pair[1] as f32)).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    SpectralDistribution::try_sampled(points)
+}

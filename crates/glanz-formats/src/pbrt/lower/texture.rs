@@ -1,0 +1,332 @@
+//! `Texture`.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glanz_math::{DMat4, DVec2, DVec3};
+use glanz_scene::description::{
+    FloatInput, ImageDescription, ImageFilter, ImageWrap, SpectrumInput, TextureDescription, TextureKind,
+    TextureMapping,
+};
+
+use super::spectrum::grey;
+use super::{Context, Lowering};
+use crate::diagnostic::nearest;
+use crate::image::{self, Encoding};
+use crate::pbrt::dialect::Dialect;
+use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
+use crate::source::Step;
+
+/// The textures by name; those of numbers and those of spectra are apart.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TextureNames {
+    floats: BTreeMap<String, usize>,
+    spectra: BTreeMap<String, usize>,
+}
+
+impl TextureNames {
+    /// The texture of that name, if need be one of the other sort.
+    pub(super) fn find(&self, name: &str, spectrum: bool) -> Option<usize> {
+        let (first, second) =
+            if spectrum { (&self.spectra, &self.floats) } else { (&self.floats, &self.spectra) };
+        first.get(name).or_else(|| second.get(name)).copied()
+    }
+
+    /// The name that was most likely meant.
+    pub(super) fn nearest(&self, name: &str) -> Option<&str> {
+        nearest(name, self.spectra.keys().chain(self.floats.keys()).map(String::as_str))
+    }
+}
+
+/// A picture is read once per file and meaning of its integers.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct ImageKey {
+    path: PathBuf,
+    encoding: (u8, u32),
+}
+
+/// What stands in for a picture that cannot be had.
+const MISSING_PICTURE: f32 = 0.5;
+
+impl Lowering {
+    /// Adds a texture: a `Texture` directive's name, `float` or `spectrum`, and type.
+    pub(crate) fn texture(
+        &mut self,
+        name: &str,
+        value_type: &str,
+        kind: &str,
+        mut list: ParameterList,
+        context: &Context,
+    ) -> Step<()> {
+        let spectrum = match value_type {
+            "spectrum" | "color" => true,
+            "float" => false,
+            other => {
+                let message = format!("texture {:?} has the type {:?}", shortened(name), shortened(other));
+                let help = Some("textures are of type float or spectrum".to_owned());
+                return Err(self.reporter.error_with_help(&list.place, "texture-type", message, help));
+            }
+        };
+        let made = match kind {
+            "constant" => {
+                TextureKind::Constant(self.spectrum_or(&mut list, "value", 1.0, context.color_space)?)
+            }
+            "scale" => self.scale_texture(&mut list, context)?,
+            "mix" => TextureKind::Mix {
+                a: self.spectrum_or(&mut list, "tex1", 0.0, context.color_space)?,
+                b: self.spectrum_or(&mut list, "tex2", 1.0, context.color_space)?,
+                amount: self.float_or(&mut list, "amount", 0.5)?,
+            },
+            "checkerboard" => self.checkerboard(&mut list, context)?,
+            "imagemap" => self.image_map(&mut list, context)?,
+            other => self.replaced_texture(other, &mut list, context)?,
+        };
+        let location = Some(list.place.location);
+        list.finish(&mut self.reporter);
+        let index = self.description.textures.len();
+        self.description.textures.push(TextureDescription { name: name.to_owned(), kind: made, location });
+        let names = if spectrum { &mut self.textures.spectra } else { &mut self.textures.floats };
+        names.insert(name.to_owned(), index);
+        Ok(())
+    }
+
+    /// `tex1 * tex2` (version 3) or `tex * scale` (version 4).
+    fn scale_texture(&mut self, list: &mut ParameterList, context: &Context) -> Step<TextureKind> {
+        let names = if list.has("tex") || (self.dialect == Dialect::V4 && !list.has("tex1")) {
+            ["tex", "scale"]
+        } else {
+            ["tex1", "tex2"]
+        };
+        Ok(TextureKind::Scale(
+            self.spectrum_or(list, names[0], 1.0, context.color_space)?,
+            self.spectrum_or(list, names[1], 1.0, context.color_space)?,
+        ))
+    }
+
+    fn checkerboard(&mut self, list: &mut ParameterList, context: &Context) -> Step<TextureKind> {
+        let place = list.value_place("dimension");
+        let mapping = match list.integer("dimension", &mut self.reporter)?.unwrap_or(2) {
+            2 => self.mapping(list, context)?,
+            3 => TextureMapping::Solid { to_texture: self.to_texture(list, context)? },
+            n => {
+                let message = format!("texture \"checkerboard\": \"dimension\" is {n}, it must be 2 or 3");
+                return Err(self.reporter.error(&place, "parameter-range", message));
+            }
+        };
+        list.ignore(&["aamode"]);
+        Ok(TextureKind::Checkerboard {
+            even: self.spectrum_or(list, "tex1", 1.0, context.color_space)?,
+            odd: self.spectrum_or(list, "tex2", 0.0, context.color_space)?,
+            mapping,
+        })
+    }
+
+    /// From world to texture space; an error if the texture's space is flat.
+    fn to_texture(&mut self, list: &ParameterList, context: &Context) -> Step<DMat4> {
+        let inverse = context.ctm.inverse();
+        if inverse.is_finite() {
+            return Ok(inverse);
+        }
+        let message = format!("{}: the transformation cannot be inverted", list.subject);
+        Err(self.reporter.error(&list.place, "transformation", message))
+    }
+
+    /// Where on the texture a point lies.
+    fn mapping(&mut self, list: &mut ParameterList, context: &Context) -> Step<TextureMapping> {
+        let place = list.value_place("mapping");
+        let kind = list.text("mapping", &mut self.reporter)?;
+        let r = &mut self.reporter;
+        Ok(match kind.as_deref().unwrap_or("uv") {
+            "uv" => TextureMapping::Uv {
+                scale: DVec2::new(list.float_or("uscale", 1.0, r)?, list.float_or("vscale", 1.0, r)?),
+                offset: DVec2::new(list.float_or("udelta", 0.0, r)?, list.float_or("vdelta", 0.0, r)?),
+            },
+            "planar" => TextureMapping::Planar {
+                v1: list.vec3("v1", r)?.unwrap_or(DVec3::X),
+                v2: list.vec3("v2", r)?.unwrap_or(DVec3::Y),
+                offset: DVec2::new(list.float_or("udelta", 0.0, r)?, list.float_or("vdelta", 0.0, r)?),
+                to_texture: self.to_texture(list, context)?,
+            },
+            "spherical" => TextureMapping::Spherical { to_texture: self.to_texture(list, context)? },
+            "cylindrical" => TextureMapping::Cylindrical { to_texture: self.to_texture(list, context)? },
+            other => {
+                let message = format!("{}: mapping {:?} is unknown", list.subject, shortened(other));
+                let help = Some("mappings are uv, planar, spherical and cylindrical".to_owned());
+                return Err(r.error_with_help(&place, "parameter-range", message, help));
+            }
+        })
+    }
+
+    fn image_map(&mut self, list: &mut ParameterList, context: &Context) -> Step<TextureKind> {
+        let mapping = self.mapping(list, context)?;
+        let Some((p, name)) = list.text_parameter("filename", &mut self.reporter)? else {
+            let message = "texture \"imagemap\" has no \"string filename\"";
+            return Err(self.reporter.error(&list.place, "parameter-missing", message));
+        };
+        let encoding = self.encoding(list)?;
+        let wrap = self.wrap(list)?;
+        let filter = self.image_filter(list)?;
+        let scale = list.float_or("scale", 1.0, &mut self.reporter)? as f32;
+        let invert = list.boolean("invert", &mut self.reporter)?.unwrap_or(false);
+        list.ignore(&["maxanisotropy", "noiseaware"]);
+        Ok(match self.image(&p, &name, encoding)? {
+            Some(image) => TextureKind::Image { image, mapping, wrap, filter, scale, invert },
+            None => TextureKind::Constant(SpectrumInput::Value(grey(MISSING_PICTURE))),
+        })
+    }
+
+    /// What the integers of the picture mean: `gamma` in version 3, `encoding` in version 4.
+    fn encoding(&mut self, list: &mut ParameterList) -> Step<Encoding> {
+        if let Some(gamma) = list.boolean("gamma", &mut self.reporter)? {
+            return Ok(if gamma { Encoding::Srgb } else { Encoding::Linear });
+        }
+        let place = list.value_place("encoding");
+        let Some(text) = list.text("encoding", &mut self.reporter)? else { return Ok(Encoding::Srgb) };
+        let words: Vec<&str> = text.split_ascii_whitespace().collect();
+        let gamma = match words[..] {
+            ["sRGB"] => return Ok(Encoding::Srgb),
+            ["linear"] => return Ok(Encoding::Linear),
+            ["gamma", value] => value.parse::<f32>().ok().filter(|g| g.is_finite() && *g > 0.0),
+            _ => None,
+        };
+        gamma.map(Encoding::Gamma).ok_or_else(|| {
+            let message = format!("texture \"imagemap\": encoding {:?} is unknown", shortened(&text));
+            let help = Some("encodings are sRGB, linear and gamma with a number".to_owned());
+            self.reporter.error_with_help(&place, "parameter-range", message, help)
+        })
+    }
+
+    fn wrap(&mut self, list: &mut ParameterList) -> Step<ImageWrap> {
+        let place = list.value_place("wrap");
+        let text = list.text("wrap", &mut self.reporter)?;
+        Ok(match text.as_deref().unwrap_or("repeat") {
+            "repeat" => ImageWrap::Repeat,
+            "black" => ImageWrap::Black,
+            "clamp" => ImageWrap::Clamp,
+            other => {
+                let message = format!(
+                    "texture \"imagemap\": wrap mode {:?} is not available; \"repeat\" stands in",
+                    shortened(other)
+                );
+                self.stand_in(&place, "stand-in-texture", message);
+                ImageWrap::Repeat
+            }
+        })
+    }
+
+    /// Version 3 filters anisotropically unless told otherwise; a pyramid comes nearest.
+    fn image_filter(&mut self, list: &mut ParameterList) -> Step<ImageFilter> {
+        list.ignore(&["trilinear"]);
+        let place = list.value_place("filter");
+        let text = list.text("filter", &mut self.reporter)?;
+        Ok(match text.as_deref() {
+            None if self.dialect == Dialect::V3 => ImageFilter::Trilinear,
+            None | Some("bilinear") => ImageFilter::Bilinear,
+            Some("point" | "nearest") => ImageFilter::Point,
+            Some("trilinear" | "ewa" | "EWA") => ImageFilter::Trilinear,
+            Some(other) => {
+                let message = format!(
+                    "texture \"imagemap\": filter {:?} is unknown; \"bilinear\" stands in",
+                    shortened(other)
+                );
+                self.stand_in(&place, "stand-in-texture", message);
+                ImageFilter::Bilinear
+            }
+        })
+    }
+
+    /// The index of a picture; `None`, reported, if it cannot be had.
+    fn image(&mut self, p: &Parameter, name: &str, encoding: Encoding) -> Step<Option<usize>> {
+        let tag = match encoding {
+            Encoding::Srgb => (0, 0),
+            Encoding::Linear => (1, 0),
+            Encoding::Gamma(g) => (2, g.to_bits()),
+        };
+        let key = self.find(name).map(|path| ImageKey { path, encoding: tag });
+        if let Some(known) = key.as_ref().and_then(|key| self.images.get(key))
+            && known.is_some()
+        {
+            return Ok(*known);
+        }
+        let picture = self.read_file(name).and_then(|(path, bytes)| {
+            let picture =
+                image::read(&bytes, Some(&path), encoding).map_err(|e| format!("picture {name:?}: {e}"))?;
+            match picture.pixels.to_rgb() {
+                Some(_) => Ok(picture.pixels),
+                None => Err(format!("picture {name:?} has neither the channels R, G, B nor the channel Y")),
+            }
+        });
+        let index = match picture {
+            Ok(pixels) => {
+                let images = &mut self.description.images;
+                images.push(ImageDescription { name: name.to_owned(), pixels: Arc::new(pixels) });
+                Some(images.len() - 1)
+            }
+            Err(problem) => {
+                let message = format!("texture \"imagemap\": {problem}; grey of {MISSING_PICTURE} stands in");
+                self.stand_in(&p.value_place, "missing-file", message);
+                None
+            }
+        };
+        if let Some(key) = key {
+            self.images.insert(key, index);
+        }
+        Ok(index)
+    }
+
+    /// Textures that a constant, or the plainest part of themselves, stands in for.
+    fn replaced_texture(
+        &mut self,
+        kind: &str,
+        list: &mut ParameterList,
+        context: &Context,
+    ) -> Step<TextureKind> {
+        let space = context.color_space;
+        let (made, instead) = match kind {
+            "bilerp" => {
+                let corner = self.spectrum_or(list, "v00", 0.0, space)?;
+                let opposite = self.spectrum_or(list, "v11", 1.0, space)?;
+                list.ignore(&["v01", "v10"]);
+                let amount = FloatInput::Value(0.5);
+                (TextureKind::Mix { a: corner, b: opposite, amount }, "the mean of two opposite corners")
+            }
+            "dots" => {
+                list.ignore(&["inside"]);
+                (
+                    TextureKind::Constant(self.spectrum_or(list, "outside", 0.0, space)?),
+                    "what is between the dots",
+                )
+            }
+            "directionmix" => {
+                list.ignore(&["dir"]);
+                let a = self.spectrum_or(list, "tex1", 0.0, space)?;
+                let b = self.spectrum_or(list, "tex2", 1.0, space)?;
+                (TextureKind::Mix { a, b, amount: FloatInput::Value(0.5) }, "the mean of both")
+            }
+            _ => (TextureKind::Constant(SpectrumInput::Value(grey(0.5))), "a constant 0.5"),
+        };
+        let known = ["bilerp", "dots", "directionmix", "fbm", "wrinkled", "windy", "marble", "uv", "ptex"]
+            .contains(&kind);
+        list.ignore(&[
+            "mapping",
+            "uscale",
+            "vscale",
+            "udelta",
+            "vdelta",
+            "v1",
+            "v2",
+            "octaves",
+            "roughness",
+            "scale",
+            "variation",
+            "filename",
+            "encoding",
+            "gamma",
+        ]);
+        let what = if known { "is not available yet" } else { "is unknown" };
+        let message = format!("texture {:?} {what}; {instead} stands in", shortened(kind));
+        self.stand_in(&list.place, "stand-in-texture", message);
+        Ok(made)
+    }
+}

@@ -1,0 +1,53 @@
+//! pbrt's scene language, versions 1 to 4.
+//!
+//! [`lexer`] gives words, [`parameters`] typed lists of them, [`parser`] the directives and [`state`] what they change;
+//! [`lower`] makes a description of it all, as [`dialect`] tells. `docs/scene-format.md` says what is read and what
+//! stands in for what is not.
+//!
+//! # Source
+//! @pbrtformat; defaults as documented there for version 3 and version 4.
+
+mod color_space;
+mod dialect;
+mod finder;
+mod lexer;
+mod lower;
+mod parameters;
+mod parser;
+mod state;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::diagnostic::Diagnostics;
+use crate::registry::{Loaded, Options};
+use crate::source::Reporter;
+use finder::Finder;
+use lower::Lowering;
+use parser::Parser;
+
+/// Reads a scene from the bytes of its file. `name`: what messages call it; `path`: where it is, if it is a file.
+pub(crate) fn load(
+    name: &str,
+    path: Option<&Path>,
+    bytes: Arc<[u8]>,
+    options: &Options,
+) -> Result<Loaded, Diagnostics> {
+    let reporter = Reporter { strict: options.strict, ..Reporter::default() };
+    let folder = options.folder.as_deref().or_else(|| path.and_then(Path::parent));
+    let mut finder = Finder::new(folder);
+    finder.hash.add_file(&bytes);
+    let dialect = dialect::detect(&bytes);
+    let mut parser = Parser::new(Lowering::new(reporter, dialect, finder));
+    parser.run(name, path, bytes);
+    let Lowering { description, reporter, finder, .. } = parser.lowering;
+    if reporter.diagnostics.has_errors() {
+        return Err(reporter.diagnostics);
+    }
+    Ok(Loaded {
+        description,
+        diagnostics: reporter.diagnostics,
+        content_hash: finder.hash.value(),
+        sources: reporter.sources,
+    })
+}

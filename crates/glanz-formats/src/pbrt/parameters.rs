@@ -1,0 +1,610 @@
+//! Typed parameter lists: `"float radius" [2] "rgb L" [1 1 1] ...`.
+
+use glanz_math::{DVec2, DVec3};
+
+use crate::diagnostic::nearest;
+use crate::pbrt::lexer::{LexError, Lexer};
+use crate::source::{Place, Reported, Reporter, Step};
+
+/// The declared type of a parameter; the dialects' names for the same thing are one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ParameterType {
+    Integer,
+    Float,
+    Bool,
+    Text,
+    Point2,
+    Point3,
+    Vector2,
+    Vector3,
+    Normal,
+    Rgb,
+    Xyz,
+    Spectrum,
+    Blackbody,
+    Texture,
+}
+
+const TYPE_NAMES: [(&str, ParameterType); 20] = [
+    ("integer", ParameterType::Integer),
+    ("float", ParameterType::Float),
+    ("bool", ParameterType::Bool),
+    ("string", ParameterType::Text),
+    ("point", ParameterType::Point3),
+    ("point3", ParameterType::Point3),
+    ("point2", ParameterType::Point2),
+    ("vector", ParameterType::Vector3),
+    ("vector3", ParameterType::Vector3),
+    ("vector2", ParameterType::Vector2),
+    ("normal", ParameterType::Normal),
+    ("normal3", ParameterType::Normal),
+    ("rgb", ParameterType::Rgb),
+    ("color", ParameterType::Rgb),
+    ("xyz", ParameterType::Xyz),
+    ("spectrum", ParameterType::Spectrum),
+    ("blackbody", ParameterType::Blackbody),
+    ("texture", ParameterType::Texture),
+    ("int", ParameterType::Integer),
+    ("boolean", ParameterType::Bool),
+];
+
+impl ParameterType {
+    fn of_name(name: &str) -> Option<Self> {
+        TYPE_NAMES.iter().find(|(n, _)| *n == name).map(|(_, t)| *t)
+    }
+
+    fn name(self) -> &'static str {
+        TYPE_NAMES.iter().find(|(_, t)| *t == self).map_or("", |(n, _)| n)
+    }
+}
+
+/// The values of a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Values {
+    Integers(Vec<i32>),
+    Floats(Vec<f64>),
+    Texts(Vec<String>),
+    Bools(Vec<bool>),
+}
+
+impl Values {
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Integers(v) => v.len(),
+            Self::Floats(v) => v.len(),
+            Self::Texts(v) => v.len(),
+            Self::Bools(v) => v.len(),
+        }
+    }
+}
+
+/// One parameter.
+#[derive(Clone, Debug)]
+pub(crate) struct Parameter {
+    pub(crate) kind: ParameterType,
+    pub(crate) name: String,
+    /// Of the declaration.
+    pub(crate) place: Place,
+    /// Of the first value, or of the declaration if there is none.
+    pub(crate) value_place: Place,
+    pub(crate) values: Values,
+}
+
+/// The parameters of one directive. Whoever asks for one takes it out; what is left at the end was not used.
+#[derive(Clone, Debug)]
+pub(crate) struct ParameterList {
+    /// Whose parameters: `shape "sphere"`.
+    pub(crate) subject: String,
+    /// Where the directive began.
+    pub(crate) place: Place,
+    items: Vec<Parameter>,
+    asked: Vec<&'static str>,
+}
+
+/// Values of one parameter that a texture or spectrum accepts at most; more is a mesh in the wrong place.
+const SUGGESTED_TYPES: &str = "types are integer, float, bool, string, point2, point3, vector2, vector3, normal, rgb, xyz, spectrum, blackbody, texture";
+
+impl ParameterList {
+    /// Reads parameters up to the next directive.
+    pub(crate) fn parse(lexer: &mut Lexer, subject: String, place: Place) -> Result<Self, LexError> {
+        let mut items = Vec::new();
+        while lexer.peek() == Some(b'"') {
+            items.push(parse_parameter(lexer)?);
+        }
+        Ok(Self { subject, place, items, asked: Vec::new() })
+    }
+
+    /// Puts the parameters of `defaults` behind its own, which win.
+    pub(crate) fn inherit(&mut self, defaults: &[Parameter]) {
+        for d in defaults {
+            if !self.items.iter().any(|p| p.name == d.name) {
+                self.items.push(d.clone());
+            }
+        }
+    }
+
+    /// The parameters themselves.
+    pub(crate) fn into_items(self) -> Vec<Parameter> {
+        self.items
+    }
+
+    /// Whether a parameter of that name is there.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.items.iter().any(|p| p.name == name)
+    }
+
+    /// Takes out the first parameter of that name.
+    pub(crate) fn take(&mut self, name: &'static str) -> Option<Parameter> {
+        if !self.asked.contains(&name) {
+            self.asked.push(name);
+        }
+        let i = self.items.iter().position(|p| p.name == name)?;
+        Some(self.items.remove(i))
+    }
+
+    /// Takes out parameters that are known but make no difference here.
+    pub(crate) fn ignore(&mut self, names: &[&'static str]) {
+        for name in names {
+            while self.take(name).is_some() {}
+        }
+    }
+
+    /// Warns of what nobody asked for.
+    pub(crate) fn finish(self, reporter: &mut Reporter) {
+        for p in &self.items {
+            let message = format!("parameter {:?} is not used by {}", p.name, self.subject);
+            let help = nearest(&p.name, self.asked.iter().copied())
+                .filter(|n| *n != p.name)
+                .map(|n| format!("did you mean {n:?}?"));
+            let help = help.or_else(|| {
+                self.asked
+                    .contains(&p.name.as_str())
+                    .then(|| "it is given twice, the first counts".to_owned())
+            });
+            reporter.warning_with_help(&p.place, "unused-parameter", message, help);
+        }
+    }
+
+    fn wrong_type(&self, p: &Parameter, expected: &str, reporter: &mut Reporter) -> Reported {
+        let message = format!("{}: parameter {:?} is of type {}", self.subject, p.name, p.kind.name());
+        let help = Some(format!("write it as \"{expected} {}\"", p.name));
+        reporter.error_with_help(&p.place, "parameter-type", message, help)
+    }
+
+    fn wrong_count(&self, p: &Parameter, expected: &str, reporter: &mut Reporter) -> Reported {
+        let (n, s) = (p.values.len(), if p.values.len() == 1 { "" } else { "s" });
+        let message = format!("{}: parameter {:?} has {n} value{s}, {expected}", self.subject, p.name);
+        reporter.error(&p.value_place, "parameter-count", message)
+    }
+
+    /// The numbers of a parameter of one of the types, integers included.
+    fn numbers(
+        &mut self,
+        name: &'static str,
+        types: &[ParameterType],
+        reporter: &mut Reporter,
+    ) -> Step<Option<(Parameter, Vec<f64>)>> {
+        let Some(mut p) = self.take(name) else { return Ok(None) };
+        let fits = types.contains(&p.kind)
+            || (p.kind == ParameterType::Integer && types.contains(&ParameterType::Float));
+        if !fits {
+            let expected = types.first().map_or("float", |t| t.name());
+            return Err(self.wrong_type(&p, expected, reporter));
+        }
+        match std::mem::replace(&mut p.values, Values::Bools(Vec::new())) {
+            Values::Floats(v) => Ok(Some((p, v))),
+            Values::Integers(v) => Ok(Some((p, v.into_iter().map(f64::from).collect()))),
+            other => {
+                p.values = other;
+                Err(self.wrong_type(&p, "float", reporter))
+            }
+        }
+    }
+
+    /// One number.
+    pub(crate) fn float(&mut self, name: &'static str, reporter: &mut Reporter) -> Step<Option<f64>> {
+        let Some((p, v)) = self.numbers(name, &[ParameterType::Float], reporter)? else { return Ok(None) };
+        match v[..] {
+            [x] => Ok(Some(x)),
+            _ => Err(self.wrong_count_of(p, v, "1 is needed", reporter)),
+        }
+    }
+
+    /// One number, or a default.
+    pub(crate) fn float_or(
+        &mut self,
+        name: &'static str,
+        default: f64,
+        reporter: &mut Reporter,
+    ) -> Step<f64> {
+        Ok(self.float(name, reporter)?.unwrap_or(default))
+    }
+
+    /// Any count of numbers, with the parameter for messages.
+    pub(crate) fn floats(
+        &mut self,
+        name: &'static str,
+        reporter: &mut Reporter,
+    ) -> Step<Option<(Parameter, Vec<f64>)>> {
+        self.numbers(name, &[ParameterType::Float], reporter)
+    }
+
+    /// Exactly `N` numbers.
+    pub(crate) fn float_array<const N: usize>(
+        &mut self,
+        name: &'static str,
+        reporter: &mut Reporter,
+    ) -> Step<Option<[f64; N]>> {
+        let Some((p, v)) = self.floats(name, reporter)? else { return Ok(None) };
+        match <[f64; N]>::try_from(&v[..]) {
+            Ok(values) => Ok(Some(values)),
+            Err(_) => Err(self.wrong_count_of(p, v, &format!("{N} are needed"), reporter)),
+        }
+    }
+
+    fn wrong_count_of(
+        &self,
+        mut p: Parameter,
+        values: Vec<f64>,
+        expected: &str,
+        reporter: &mut Reporter,
+    ) -> Reported {
+        p.values = Values::Floats(values);
+        self.wrong_count(&p, expected, reporter)
+    }
+
+    /// Any count of integers, with the parameter for messages.
+    pub(crate) fn integers(
+        &mut self,
+        name: &'static str,
+        reporter: &mut Reporter,
+    ) -> Step<Option<(Parameter, Vec<i32>)>> {
+        let Some(mut p) = self.take(name) else { return Ok(None) };
+        match std::mem::replace(&mut p.values, Values::Bools(Vec::new())) {
+            Values::Integers(v) => Ok(Some((p, v))),
+            Values::Floats(v) if p.kind == ParameterType::Float && v.iter().all(|x| is_i32(*x)) => {
+                Ok(Some((p, v.into_iter().map(|x| x as i32).collect())))
+            }
+            _ => Err(self.wrong_type(&p, "integer", reporter)),
+        }
+    }
+
+    /// One integer.
+    pub(crate) fn integer(&mut self, name: &'static str, reporter: &mut Reporter) -> Step<Option<i32>> {
+        let Some((mut p, v)) = self.integers(name, reporter)? else { return Ok(None) };
+        match v[..] {
+            [x] => Ok(Some(x)),
+            _ => {
+                p.values = Values::Integers(v);
+                Err(self.wrong_count(&p, "1 is needed", reporter))
+            }
+        }
+    }
+
+    /// One integer that must be at least `low`.
+    pub(crate) fn integer_from(
+        &mut self,
+        name: &'static str,
+        low: i32,
+        reporter: &mut Reporter,
+    ) -> Step<Option<u32>> {
+        let place = self.value_place(name);
+        match self.integer(name, reporter)? {
+            Some(x) if x < low => {
+                let message = format!("{}: {name:?} is {x}, it must be at least {low}", self.subject);
+                Err(reporter.error(&place, "parameter-range", message))
+            }
+            Some(x) => Ok(Some(x.unsigned_abs())),
+            None => Ok(None),
+        }
+    }
+
+    /// One truth value.
+    pub(crate) fn boolean(&mut self, name: &'static str, reporter: &mut Reporter) -> Step<Option<bool>> {
+        let Some(p) = self.take(name) else { return Ok(None) };
+        match &p.values {
+            Values::Bools(v) => match v[..] {
+                [x] => Ok(Some(x)),
+                _ => Err(self.wrong_count(&p, "1 is needed", reporter)),
+            },
+            _ => Err(self.wrong_type(&p, "bool", reporter)),
+        }
+    }
+
+    /// One text, with the parameter for messages.
+    pub(crate) fn text_parameter(
+        &mut self,
+        name: &'static str,
+        reporter: &mut Reporter,
+    ) -> Step<Option<(Parameter, String)>> {
+        let Some(mut p) = self.take(name) else { return Ok(None) };
+        match &mut p.values {
+            Values::Texts(v) if p.kind == ParameterType::Text => match v.pop() {
+                Some(text) if v.is_empty() => Ok(Some((p, text))),
+                Some(text) => {
+                    v.push(text);
+                    Err(self.wrong_count(&p, "1 is needed", reporter))
+                }
+                None => Err(self.wrong_count(&p, "1 is needed", reporter)),
+            },
+            _ => Err(self.wrong_type(&p, "string", reporter)),
+        }
+    }
+
+    /// One text.
+    pub(crate) fn text(&mut self, name: &'static str, reporter: &mut Reporter) -> Step<Option<String>> {
+        Ok(self.text_parameter(name, reporter)?.map(|(_, text)| text))
+    }
+
+    /// One point or vector.
+    pub(crate) fn vec3(&mut self, name: &'static str, reporter: &mut Reporter) -> Step<Option<DVec3>> {
+        Ok(match self.vec3s(name, reporter)? {
+            None => None,
+            Some((p, v)) => match v[..] {
+                [x] => Some(x),
+                _ => {
+                    let flat = v.iter().flat_map(|v| v.to_array()).collect();
+                    return Err(self.wrong_count_of(p, flat, "3 are needed", reporter));
+                }
+            },
+        })
+    }
+
+    /// Points, vectors or normals.
+    pub(crate) fn vec3s(
+        &mut self,
+        name: &'static str,
+        reporter: &mut Reporter,
+    ) -> Step<Option<(Parameter, Vec<DVec3>)>> {
+        let types =
+            [ParameterType::Point3, ParameterType::Vector3, ParameterType::Normal, ParameterType::Float];
+        let Some((p, v)) = self.numbers(name, &types, reporter)? else { return Ok(None) };
+        if v.len() % 3 != 0 {
+            return Err(self.wrong_count_of(p, v, "a multiple of 3 is needed", reporter));
+        }
+        let points = v.chunks_exact(3).map(DVec3::from_slice).collect();
+        Ok(Some((p, points)))
+    }
+
+    /// Texture coordinates, which older files declare as floats.
+    pub(crate) fn vec2s(
+        &mut self,
+        name: &'static str,
+        reporter: &mut Reporter,
+    ) -> Step<Option<(Parameter, Vec<DVec2>)>> {
+        let types = [ParameterType::Point2, ParameterType::Vector2, ParameterType::Float];
+        let Some((p, v)) = self.numbers(name, &types, reporter)? else { return Ok(None) };
+        if v.len() % 2 != 0 {
+            return Err(self.wrong_count_of(p, v, "a multiple of 2 is needed", reporter));
+        }
+        let points = v.chunks_exact(2).map(DVec2::from_slice).collect();
+        Ok(Some((p, points)))
+    }
+
+    /// Where the value of a parameter stands, or the directive if there is no such parameter.
+    pub(crate) fn value_place(&self, name: &str) -> Place {
+        self.items.iter().find(|p| p.name == name).map_or(self.place, |p| p.value_place)
+    }
+}
+
+fn is_i32(x: f64) -> bool {
+    x.fract() == 0.0 && x >= f64::from(i32::MIN) && x <= f64::from(i32::MAX)
+}
+
+/// Reads `"type name"` and its values.
+fn parse_parameter(lexer: &mut Lexer) -> Result<Parameter, LexError> {
+    let (declaration, place) = lexer.text()?;
+    let mut words = declaration.split_ascii_whitespace();
+    let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
+        let message = format!("{:?} does not declare a parameter", shortened(&declaration));
+        let help = Some("a parameter is written \"type name\", for example \"float radius\"".to_owned());
+        return Err(LexError { place, message, help });
+    };
+    let Some(kind) = ParameterType::of_name(kind) else {
+        let message = format!("parameter {:?} has the unknown type {:?}", shortened(name), shortened(kind));
+        let help = nearest(kind, TYPE_NAMES.iter().map(|(n, _)| *n))
+            .map_or_else(|| SUGGESTED_TYPES.to_owned(), |n| format!("did you mean {n:?}?"));
+        return Err(LexError { place, message, help: Some(help) });
+    };
+    let name = name.to_owned();
+    let bracket = lexer.peek() == Some(b'[');
+    if bracket {
+        lexer.next()?;
+    }
+    let value_place = match lexer.peek() {
+        Some(b']') | None => place,
+        Some(_) => lexer.place(1),
+    };
+    let values = parse_values(lexer, kind, bracket)?;
+    let end = lexer.place(0);
+    let same_line = end.location.line == value_place.location.line;
+    let length = if same_line && value_place != place {
+        end.offset.saturating_sub(value_place.offset + usize::from(bracket)).max(1)
+    } else {
+        value_place.length
+    };
+    Ok(Parameter { kind, name, place, value_place: Place { length, ..value_place }, values })
+}
+
+fn parse_values(lexer: &mut Lexer, kind: ParameterType, bracket: bool) -> Result<Values, LexError> {
+    Ok(match kind {
+        ParameterType::Integer => {
+            Values::Integers(collect(lexer, bracket, |l, out| Ok(out.push(l.integer()?)))?)
+        }
+        ParameterType::Bool => Values::Bools(collect(lexer, bracket, |l, out| Ok(out.push(boolean(l)?)))?),
+        ParameterType::Text | ParameterType::Texture => Values::Texts(collect(lexer, bracket, text)?),
+        ParameterType::Spectrum if lexer.peek() == Some(b'"') => {
+            Values::Texts(collect(lexer, bracket, text)?)
+        }
+        // Without brackets only types of one value can be told from what follows.
+        _ => Values::Floats(collect(lexer, bracket, |l, out| Ok(out.push(l.float()?)))?),
+    })
+}
+
+/// One value, or with a bracket all up to the closing one, which is passed over.
+fn collect<T>(
+    lexer: &mut Lexer,
+    bracket: bool,
+    mut read: impl FnMut(&mut Lexer, &mut Vec<T>) -> Result<(), LexError>,
+) -> Result<Vec<T>, LexError> {
+    let mut out = Vec::new();
+    if !bracket {
+        read(lexer, &mut out)?;
+        return Ok(out);
+    }
+    loop {
+        match lexer.peek() {
+            Some(b']') => {
+                lexer.next()?;
+                return Ok(out);
+            }
+            Some(_) => read(lexer, &mut out)?,
+            None => {
+                let place = lexer.place(1);
+                let message = "the file ends before a bracket is closed".to_owned();
+                return Err(LexError { place, message, help: None });
+            }
+        }
+    }
+}
+
+fn text(lexer: &mut Lexer, out: &mut Vec<String>) -> Result<(), LexError> {
+    if lexer.peek() == Some(b'"') {
+        out.push(lexer.text()?.0);
+        return Ok(());
+    }
+    let place = lexer.place(1);
+    Err(LexError { place, message: "a quoted text is expected".to_owned(), help: None })
+}
+
+/// `true` and `false`, quoted (version 3) or not (version 4).
+fn boolean(lexer: &mut Lexer) -> Result<bool, LexError> {
+    use crate::pbrt::lexer::Token;
+    let place = lexer.place(1);
+    match lexer.next()? {
+        Some((Token::Word(w) | Token::Text(w), _)) if w == "true" => Ok(true),
+        Some((Token::Word(w) | Token::Text(w), _)) if w == "false" => Ok(false),
+        _ => Err(LexError { place, message: "true or false is expected".to_owned(), help: None }),
+    }
+}
+
+/// Text for a message, cut to a readable length.
+pub(crate) fn shortened(text: &str) -> String {
+    match text.char_indices().nth(40) {
+        Some((i, _)) => format!("{}...", text.get(..i).unwrap_or_default()),
+        None => text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glanz_scene::description::FileId;
+    use std::sync::Arc;
+
+    fn list(text: &str) -> (ParameterList, Reporter) {
+        let mut reporter = Reporter::default();
+        let bytes: Arc<[u8]> = Arc::from(text.as_bytes());
+        let file = reporter.sources.open("t.pbrt", None, &bytes);
+        let mut lexer = Lexer::new(bytes, file);
+        let place = lexer.place(1);
+        let list = ParameterList::parse(&mut lexer, "shape \"sphere\"".to_owned(), place).unwrap();
+        (list, reporter)
+    }
+
+    fn error(text: &str) -> (String, u32) {
+        let mut lexer = Lexer::new(Arc::from(text.as_bytes()), FileId(0));
+        let place = lexer.place(1);
+        let error = ParameterList::parse(&mut lexer, String::new(), place).unwrap_err();
+        (error.message, error.place.location.column)
+    }
+
+    #[test]
+    fn every_type_is_read_with_and_without_brackets() {
+        let (mut l, mut r) = list(
+            r#""integer i" 3 "float f" [0.5] "bool a" true "bool b" ["false"] "string s" "x"
+            "point3 P" [1 2 3 4 5 6] "vector v" [1 0 0] "point2 uv" [0 1] "float st" [1 0 2 0]"#,
+        );
+        assert_eq!(l.integer("i", &mut r).unwrap(), Some(3));
+        assert_eq!(l.float("f", &mut r).unwrap(), Some(0.5));
+        assert_eq!(l.boolean("a", &mut r).unwrap(), Some(true));
+        assert_eq!(l.boolean("b", &mut r).unwrap(), Some(false));
+        assert_eq!(l.text("s", &mut r).unwrap().as_deref(), Some("x"));
+        assert_eq!(
+            l.vec3s("P", &mut r).unwrap().unwrap().1,
+            [DVec3::new(1., 2., 3.), DVec3::new(4., 5., 6.)]
+        );
+        assert_eq!(l.vec3("v", &mut r).unwrap(), Some(DVec3::X));
+        assert_eq!(l.vec2s("uv", &mut r).unwrap().unwrap().1, [DVec2::Y]);
+        assert_eq!(l.vec2s("st", &mut r).unwrap().unwrap().1.len(), 2);
+        l.finish(&mut r);
+        assert!(r.diagnostics.is_empty());
+    }
+
+    #[test]
+    fn integers_and_whole_floats_are_taken_for_each_other() {
+        let (mut l, mut r) = list(r#""integer radius" 3 "float nsamples" 4"#);
+        assert_eq!(l.float("radius", &mut r).unwrap(), Some(3.0));
+        assert_eq!(l.integer("nsamples", &mut r).unwrap(), Some(4));
+    }
+
+    #[test]
+    fn wrong_types_and_counts_are_errors_that_say_what_is_needed() {
+        let (mut l, mut r) = list(r#""string radius" "3" "float zmin" [1 2] "point p1" [1 2]"#);
+        assert!(l.float("radius", &mut r).is_err());
+        assert!(l.float("zmin", &mut r).is_err());
+        assert!(l.vec3("p1", &mut r).is_err());
+        let found: Vec<_> = r.diagnostics.iter().map(ToString::to_string).collect();
+        let line = r#"  1 | "string radius" "3" "float zmin" [1 2] "point p1" [1 2]"#;
+        assert_eq!(
+            found,
+            [
+                format!(
+                    "error: t.pbrt:1:1: shape \"sphere\": parameter \"radius\" is of type string\n{line}\n    | {}\n  help: write it as \"float radius\"\n",
+                    "^".repeat(15)
+                ),
+                format!(
+                    "error: t.pbrt:1:35: shape \"sphere\": parameter \"zmin\" has 2 values, 1 is needed\n{line}\n    | {}^^^\n",
+                    " ".repeat(34)
+                ),
+                format!(
+                    "error: t.pbrt:1:52: shape \"sphere\": parameter \"p1\" has 2 values, a multiple of 3 is needed\n{line}\n    | {}^^^\n",
+                    " ".repeat(51)
+                ),
+            ]
+        );
+    }
+
+    #[test]
+    fn what_nobody_asked_for_is_a_warning_with_the_nearest_name() {
+        let (mut l, mut r) = list(r#""float raduis" 2 "float foo" 1"#);
+        assert_eq!(l.float("radius", &mut r).unwrap(), None);
+        l.finish(&mut r);
+        let messages: Vec<_> =
+            r.diagnostics.iter().map(|d| (d.message.as_str(), d.help.as_deref())).collect();
+        assert_eq!(
+            messages,
+            [
+                ("parameter \"raduis\" is not used by shape \"sphere\"", Some("did you mean \"radius\"?")),
+                ("parameter \"foo\" is not used by shape \"sphere\"", None),
+            ]
+        );
+    }
+
+    #[test]
+    fn malformed_lists_are_reported_where_they_go_wrong() {
+        for (text, message, column) in [
+            (r#""radius" 1"#, "\"radius\" does not declare a parameter", 1),
+            (r#""flaot radius" 1"#, "parameter \"radius\" has the unknown type \"flaot\"", 1),
+            (r#""float radius" [1 2 x]"#, "\"x\" is not a number", 21),
+            (r#""float radius" [1 nan]"#, "\"nan\" is not a number", 19),
+            (r#""float radius" [1 2"#, "the file ends before a bracket is closed", 20),
+            (r#""integer n" [1.5]"#, "\"1.5\" is not an integer", 14),
+            (r#""bool b" maybe"#, "true or false is expected", 10),
+            (r#""string s" 3"#, "a quoted text is expected", 12),
+            (r#""float a" [[1]]"#, "a number is expected, not another bracket", 12),
+        ] {
+            assert_eq!(error(text), (message.to_owned(), column), "{text}");
+        }
+    }
+}

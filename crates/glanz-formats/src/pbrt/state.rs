@@ -1,0 +1,161 @@
+//! The graphics state: what directives change and `AttributeBegin` saves.
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use glanz_math::{DMat4, DVec3};
+use glanz_scene::description::EmissionDescription;
+
+use crate::pbrt::color_space::ColorSpace;
+use crate::pbrt::parameters::Parameter;
+use crate::source::Place;
+
+/// Levels of `AttributeBegin`, `TransformBegin`, `ObjectBegin` and `Import` within each other.
+pub(crate) const MAX_NESTING: usize = 256;
+
+/// What a shape, a light, a material, a medium or a texture takes over from `Attribute` (version 4).
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Attributes {
+    pub(crate) shape: Rc<Vec<Parameter>>,
+    pub(crate) light: Rc<Vec<Parameter>>,
+    pub(crate) material: Rc<Vec<Parameter>>,
+    pub(crate) medium: Rc<Vec<Parameter>>,
+    pub(crate) texture: Rc<Vec<Parameter>>,
+}
+
+impl Attributes {
+    /// The list for a target of `Attribute`.
+    pub(crate) fn of(&mut self, target: &str) -> Option<&mut Rc<Vec<Parameter>>> {
+        Some(match target {
+            "shape" => &mut self.shape,
+            "light" => &mut self.light,
+            "material" => &mut self.material,
+            "medium" => &mut self.medium,
+            "texture" => &mut self.texture,
+            _ => return None,
+        })
+    }
+}
+
+/// What holds at a point of the file.
+#[derive(Clone, Debug)]
+pub(crate) struct GraphicsState {
+    /// The current transformation: from the frame of what comes to that of the world or, before `WorldBegin`, from the
+    /// world to the camera. Of animated transformations the one at the start of the exposure.
+    pub(crate) ctm: DMat4,
+    /// Whether transformations apply to the start of the exposure.
+    pub(crate) start_active: bool,
+    /// Whether normals are turned round.
+    pub(crate) reverse_orientation: bool,
+    /// Index of the material; the default one if there was none.
+    pub(crate) material: Option<usize>,
+    /// Light that shapes give off.
+    pub(crate) emission: Option<Rc<EmissionDescription>>,
+    /// What `rgb` means.
+    pub(crate) color_space: ColorSpace,
+    /// Defaults for parameters.
+    pub(crate) attributes: Attributes,
+}
+
+impl Default for GraphicsState {
+    fn default() -> Self {
+        Self {
+            ctm: DMat4::IDENTITY,
+            start_active: true,
+            reverse_orientation: false,
+            material: None,
+            emission: None,
+            color_space: ColorSpace::Rec709,
+            attributes: Attributes::default(),
+        }
+    }
+}
+
+/// What a level of nesting restores at its end.
+#[derive(Clone, Debug)]
+pub(crate) enum Saved {
+    /// Everything: `AttributeBegin`, `ObjectBegin`.
+    All(GraphicsState),
+    /// The transformation: `TransformBegin`.
+    Transform(DMat4, bool),
+}
+
+/// One open level.
+#[derive(Clone, Debug)]
+pub(crate) struct Level {
+    /// The directive that opened it.
+    pub(crate) opened_by: &'static str,
+    /// Where.
+    pub(crate) place: Place,
+    /// What it restores.
+    pub(crate) saved: Saved,
+}
+
+/// The state and what is saved.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct StateStack {
+    pub(crate) now: GraphicsState,
+    pub(crate) levels: Vec<Level>,
+    /// Frames with names, as transformations to the world.
+    pub(crate) named_frames: BTreeMap<String, DMat4>,
+}
+
+impl StateStack {
+    /// Applies `matrix` before the transformations so far.
+    pub(crate) fn concatenate(&mut self, matrix: DMat4) {
+        if self.now.start_active {
+            self.now.ctm *= matrix;
+        }
+    }
+
+    /// Replaces the transformations so far.
+    pub(crate) fn replace(&mut self, matrix: DMat4) {
+        if self.now.start_active {
+            self.now.ctm = matrix;
+        }
+    }
+
+    /// Restores what a level saved.
+    pub(crate) fn restore(&mut self, saved: Saved) {
+        match saved {
+            Saved::All(state) => self.now = state,
+            Saved::Transform(ctm, start_active) => {
+                self.now.ctm = ctm;
+                self.now.start_active = start_active;
+            }
+        }
+    }
+}
+
+/// From the world to a camera at `eye` that looks at `target` with `up` upward: pbrt's frame, x to the right of the
+/// picture, y up, z forward.
+///
+/// `None` if `eye` is `target` or `up` is parallel to the view.
+pub(crate) fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Option<DMat4> {
+    let forward = (target - eye).try_normalize()?;
+    let right = up.try_normalize()?.cross(forward).try_normalize()?;
+    let up = forward.cross(right);
+    let to_world = DMat4::from_cols(right.extend(0.0), up.extend(0.0), forward.extend(0.0), eye.extend(1.0));
+    Some(to_world.inverse())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn look_at_puts_the_target_on_the_axis_and_up_upward() {
+        let m = look_at(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, DVec3::Y).unwrap();
+        // Looking along -z with y up, pbrt's frame (x = up cross forward) has -x to the right.
+        assert_eq!(m.transform_point3(DVec3::ZERO), DVec3::new(0.0, 0.0, 5.0));
+        assert_eq!(m.transform_vector3(DVec3::Y), DVec3::Y);
+        assert_eq!(m.transform_vector3(DVec3::X), DVec3::NEG_X);
+    }
+
+    #[test]
+    fn look_at_refuses_views_without_direction() {
+        assert!(look_at(DVec3::ONE, DVec3::ONE, DVec3::Y).is_none());
+        assert!(look_at(DVec3::ZERO, DVec3::Y, DVec3::Y).is_none());
+        assert!(look_at(DVec3::ZERO, DVec3::Y, DVec3::ZERO).is_none());
+    }
+}

@@ -1,0 +1,163 @@
+//! Which format a scene file has, and reading it.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glanz_scene::Description;
+
+use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
+use crate::image;
+use crate::pbrt;
+use crate::source::Sources;
+
+/// How to read.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Whether a stand-in for something that is not available is an error. Up to 20 errors are collected.
+    pub strict: bool,
+    /// Where files are that the scene names; by default the folder of the scene file.
+    pub folder: Option<PathBuf>,
+}
+
+/// What was read.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// The scene as plain data.
+    pub description: Description,
+    /// Warnings.
+    pub diagnostics: Diagnostics,
+    /// Fingerprint of the bytes of all files, see [`crate::content_hash::ContentHash`].
+    pub content_hash: u128,
+    /// For messages about places of the files that arise later.
+    pub sources: Sources,
+}
+
+/// A format, recognised by content.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SceneFormat {
+    /// pbrt's scene language.
+    Pbrt,
+}
+
+/// What other formats begin with, and what can be said of them.
+const OTHERS: &[(&[u8], &str)] = &[
+    (b"ply\n", "a PLY model; a scene refers to it by Shape \"plymesh\""),
+    (b"ply\r", "a PLY model; a scene refers to it by Shape \"plymesh\""),
+    (b"ISO-10303-21", "a STEP file, which is not read yet"),
+    (b"glTF", "a glTF file, which is not read yet"),
+    (b"GLANZ", "one of Glanz's own files, not a scene"),
+];
+
+impl SceneFormat {
+    /// Recognises a format by the first bytes of a file.
+    ///
+    /// # Errors
+    /// A few words about what it is instead.
+    pub fn recognise(bytes: &[u8]) -> Result<Self, String> {
+        if let Some((_, what)) = OTHERS.iter().find(|(start, _)| bytes.starts_with(start)) {
+            return Err((*what).to_owned());
+        }
+        if let Some(format) = image::Format::from_content(bytes) {
+            return Err(format!("a picture ({format}), not a scene"));
+        }
+        let head = bytes.get(..bytes.len().min(4096)).unwrap_or_default();
+        if head.contains(&0) {
+            return Err("no scene format that is known".to_owned());
+        }
+        if bytes.iter().all(u8::is_ascii_whitespace) {
+            return Err("empty".to_owned());
+        }
+        Ok(Self::Pbrt)
+    }
+}
+
+fn failure(name: &str, kind: &'static str, message: String) -> Diagnostics {
+    let mut diagnostics = Diagnostics::default();
+    diagnostics.push(Diagnostic {
+        severity: Severity::Error,
+        kind,
+        file: name.to_owned(),
+        location: None,
+        message,
+        excerpt: None,
+        help: None,
+    });
+    diagnostics
+}
+
+/// Reads the scene file at `path` and all files it refers to.
+///
+/// # Errors
+/// Diagnostics with at least one error.
+pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
+    let name = path.display().to_string();
+    let unreadable = |what: String| failure(&name, "missing-file", what);
+    match std::fs::metadata(path) {
+        Ok(metadata) if !metadata.is_file() => {
+            return Err(unreadable("this is no regular file".to_owned()));
+        }
+        Ok(_) => {}
+        Err(error) => return Err(unreadable(format!("the file cannot be read: {error}"))),
+    }
+    let bytes =
+        std::fs::read(path).map_err(|error| unreadable(format!("the file cannot be read: {error}")))?;
+    load_bytes(&name, Some(path), bytes.into(), options)
+}
+
+/// Reads a scene from memory. `name`: what messages call it. Files it refers to are found in [`Options::folder`] only.
+///
+/// # Errors
+/// Diagnostics with at least one error.
+pub fn load_str(name: &str, text: &str, options: &Options) -> Result<Loaded, Diagnostics> {
+    load_bytes(name, None, Arc::from(text.as_bytes()), options)
+}
+
+fn load_bytes(
+    name: &str,
+    path: Option<&Path>,
+    bytes: Arc<[u8]>,
+    options: &Options,
+) -> Result<Loaded, Diagnostics> {
+    match SceneFormat::recognise(&bytes) {
+        Ok(SceneFormat::Pbrt) => pbrt::load(name, path, bytes, options),
+        Err(what) => Err(failure(name, "format", format!("the file is {what}"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_that_are_no_scenes_are_called_what_they_are() {
+        for (bytes, message) in [
+            (&b""[..], "error: x: the file is empty\n"),
+            (b" \n\t", "error: x: the file is empty\n"),
+            (
+                b"ply\nformat ascii 1.0\n",
+                "error: x: the file is a PLY model; a scene refers to it by Shape \"plymesh\"\n",
+            ),
+            (b"\x89PNG\r\n\x1a\n", "error: x: the file is a picture (PNG), not a scene\n"),
+            (b"Shape\0", "error: x: the file is no scene format that is known\n"),
+        ] {
+            let error = load_bytes("x", None, Arc::from(bytes), &Options::default()).unwrap_err();
+            assert_eq!(error.to_string(), message);
+        }
+    }
+
+    #[test]
+    fn a_missing_scene_is_reported_by_name() {
+        let error = load(Path::new("no/such/scene.pbrt"), &Options::default()).unwrap_err();
+        assert!(error.to_string().starts_with("error: no/such/scene.pbrt: the file cannot be read: "));
+        let error = load(Path::new("/"), &Options::default()).unwrap_err();
+        assert_eq!(error.to_string(), "error: /: this is no regular file\n");
+    }
+
+    #[test]
+    fn the_fingerprint_follows_the_bytes_and_not_the_name() {
+        let of = |name, text| load_str(name, text, &Options::default()).unwrap().content_hash;
+        assert_eq!(of("a", "WorldBegin"), of("b", "WorldBegin"));
+        assert_ne!(of("a", "WorldBegin"), of("a", "WorldBegin "));
+    }
+}

@@ -1,0 +1,256 @@
+//! The files a scene was read from, and messages about places in them.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glanz_scene::Location;
+use glanz_scene::description::FileId;
+
+use crate::diagnostic::{Diagnostic, Diagnostics, Excerpt, Severity};
+
+/// The files read, in order; the scene file is the first. Index is [`FileId`].
+///
+/// Bytes of files on disk are let go after reading; an excerpt for a later message reads the file again.
+#[derive(Clone, Debug, Default)]
+pub struct Sources {
+    files: Vec<Source>,
+}
+
+#[derive(Clone, Debug)]
+struct Source {
+    name: String,
+    path: Option<PathBuf>,
+    bytes: Option<Arc<[u8]>>,
+}
+
+impl Sources {
+    /// The names of the files, as the user would write them.
+    #[must_use]
+    pub fn names(&self) -> Vec<String> {
+        self.files.iter().map(|f| f.name.clone()).collect()
+    }
+
+    /// A message about a place of one of the files, with the line if it can still be read.
+    ///
+    /// For whoever finds fault with a description after it was read. Without `location` the message is about the scene
+    /// file as a whole.
+    #[must_use]
+    pub fn diagnostic(
+        &self,
+        severity: Severity,
+        kind: &'static str,
+        location: Option<Location>,
+        message: String,
+    ) -> Diagnostic {
+        let source = self.files.get(location.map_or(0, |l| l.file.0 as usize));
+        let bytes = source.and_then(Source::bytes);
+        let excerpt = location.zip(bytes).and_then(|(l, bytes)| {
+            let line = bytes.split(|&b| b == b'\n').nth(l.line.checked_sub(1)? as usize)?;
+            let offset = offset_of_column(line, l.column);
+            Some(Excerpt::of_line(l.line, without_return(line), offset, word_length(line, offset)))
+        });
+        let file = source.map_or_else(String::new, |s| s.name.clone());
+        Diagnostic { severity, kind, file, location, message, excerpt, help: None }
+    }
+
+    /// Makes the bytes of a file available under a new or, for a name known already, its old number.
+    pub(crate) fn open(&mut self, name: &str, path: Option<&Path>, bytes: &Arc<[u8]>) -> FileId {
+        let bytes = Some(Arc::clone(bytes));
+        if let Some(i) = self.files.iter().position(|f| f.name == name) {
+            self.files[i].bytes = bytes;
+            return FileId(i as u32);
+        }
+        self.files.push(Source { name: name.to_owned(), path: path.map(Path::to_owned), bytes });
+        FileId((self.files.len() - 1) as u32)
+    }
+
+    /// Lets go of the bytes of a file that is also on disk.
+    pub(crate) fn close(&mut self, file: FileId) {
+        if let Some(source) = self.files.get_mut(file.0 as usize)
+            && source.path.is_some()
+        {
+            source.bytes = None;
+        }
+    }
+
+    fn excerpt(&self, place: &Place) -> Option<Excerpt> {
+        let bytes = self.files.get(place.location.file.0 as usize).and_then(Source::bytes)?;
+        let offset = place.offset.min(bytes.len());
+        let start = bytes.get(..offset)?.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
+        let rest = bytes.get(start..)?;
+        let line = rest.split(|&b| b == b'\n').next().unwrap_or_default();
+        Some(Excerpt::of_line(place.location.line, without_return(line), offset - start, place.length))
+    }
+
+    fn name(&self, file: FileId) -> String {
+        self.files.get(file.0 as usize).map_or_else(String::new, |f| f.name.clone())
+    }
+}
+
+impl Source {
+    fn bytes(&self) -> Option<Arc<[u8]>> {
+        match (&self.bytes, &self.path) {
+            (Some(bytes), _) => Some(Arc::clone(bytes)),
+            (None, Some(path)) => std::fs::read(path).ok().map(Arc::from),
+            (None, None) => None,
+        }
+    }
+}
+
+fn without_return(line: &[u8]) -> &[u8] {
+    line.strip_suffix(b"\r").unwrap_or(line)
+}
+
+/// Byte offset of a column, which counts characters from 1.
+fn offset_of_column(line: &[u8], column: u32) -> usize {
+    let starts = line.iter().enumerate().filter(|(_, b)| **b & 0xC0 != 0x80);
+    starts.map(|(i, _)| i).nth(column.saturating_sub(1) as usize).unwrap_or(line.len())
+}
+
+/// Bytes of the word or quoted text that starts at `offset`.
+fn word_length(line: &[u8], offset: usize) -> usize {
+    let rest = line.get(offset..).unwrap_or_default();
+    match rest.first() {
+        Some(b'"') => rest.iter().skip(1).position(|&b| b == b'"').map_or(1, |i| i + 2),
+        _ => rest.iter().position(|b| b.is_ascii_whitespace() || b"[]\"#".contains(b)).unwrap_or(rest.len()),
+    }
+}
+
+/// A stretch of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    /// Where it begins.
+    pub(crate) location: Location,
+    /// The same in bytes from the start of the file.
+    pub(crate) offset: usize,
+    /// Its bytes.
+    pub(crate) length: usize,
+}
+
+/// Something failed and has been reported; whoever receives it only has to stop.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reported;
+
+/// The result of a step whose failure is already among the diagnostics.
+pub(crate) type Step<T> = Result<T, Reported>;
+
+/// Errors after which reading stops.
+pub(crate) const MAX_ERRORS: usize = 20;
+
+/// Collects messages while reading.
+#[derive(Debug, Default)]
+pub(crate) struct Reporter {
+    pub(crate) sources: Sources,
+    pub(crate) diagnostics: Diagnostics,
+    /// Whether a stand-in is an error.
+    pub(crate) strict: bool,
+}
+
+impl Reporter {
+    /// Reports what makes the scene unusable.
+    pub(crate) fn error(
+        &mut self,
+        place: &Place,
+        kind: &'static str,
+        message: impl Into<String>,
+    ) -> Reported {
+        self.report(Severity::Error, place, kind, message.into(), None);
+        Reported
+    }
+
+    /// The same with advice.
+    pub(crate) fn error_with_help(
+        &mut self,
+        place: &Place,
+        kind: &'static str,
+        message: impl Into<String>,
+        help: Option<String>,
+    ) -> Reported {
+        self.report(Severity::Error, place, kind, message.into(), help);
+        Reported
+    }
+
+    /// Reports what is odd but harmless.
+    pub(crate) fn warning(&mut self, place: &Place, kind: &'static str, message: impl Into<String>) {
+        self.report(Severity::Warning, place, kind, message.into(), None);
+    }
+
+    /// The same with advice.
+    pub(crate) fn warning_with_help(
+        &mut self,
+        place: &Place,
+        kind: &'static str,
+        message: impl Into<String>,
+        help: Option<String>,
+    ) {
+        self.report(Severity::Warning, place, kind, message.into(), help);
+    }
+
+    /// Reports that something is shown as something else or not at all; an error where the user wants none of that.
+    pub(crate) fn stand_in(&mut self, place: &Place, kind: &'static str, message: impl Into<String>) {
+        let severity = if self.strict { Severity::Error } else { Severity::Warning };
+        self.report(severity, place, kind, message.into(), None);
+    }
+
+    /// Whether there are so many errors that going on helps nobody.
+    pub(crate) fn is_full(&self) -> bool {
+        self.diagnostics.count(Severity::Error) >= MAX_ERRORS
+    }
+
+    fn report(
+        &mut self,
+        severity: Severity,
+        place: &Place,
+        kind: &'static str,
+        message: String,
+        help: Option<String>,
+    ) {
+        if self.diagnostics.admit(severity, kind) {
+            let file = self.sources.name(place.location.file);
+            let excerpt = self.sources.excerpt(place);
+            let location = Some(place.location);
+            self.diagnostics.push_admitted(Diagnostic {
+                severity,
+                kind,
+                file,
+                location,
+                message,
+                excerpt,
+                help,
+            });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_later_message_shows_the_word_at_its_location() {
+        let mut sources = Sources::default();
+        let bytes: Arc<[u8]> = Arc::from(&b"first\r\n\xc3\xa4 Shape \"sphere\" x\r\n"[..]);
+        let file = sources.open("a.pbrt", None, &bytes);
+        sources.close(file);
+        let location = Location { file, line: 2, column: 9 };
+        let d = sources.diagnostic(Severity::Error, "k", Some(location), "bad".to_owned());
+        assert_eq!(
+            d.to_string(),
+            "error: a.pbrt:2:9: bad\n  2 | \u{e4} Shape \"sphere\" x\n    |         ^^^^^^^^\n"
+        );
+    }
+
+    #[test]
+    fn a_location_outside_the_file_is_reported_without_a_line() {
+        let mut sources = Sources::default();
+        let file = sources.open("a.pbrt", None, &Arc::from(&b"x"[..]));
+        let location = Location { file, line: 7, column: 1 };
+        let d = sources.diagnostic(Severity::Warning, "k", Some(location), "odd".to_owned());
+        assert_eq!(d.to_string(), "warning: a.pbrt:7:1: odd\n");
+        let nowhere = Location { file: FileId(9), line: 1, column: 1 };
+        assert_eq!(
+            sources.diagnostic(Severity::Error, "k", Some(nowhere), "odd".into()).to_string(),
+            "error: :1:1: odd\n"
+        );
+    }
+}
