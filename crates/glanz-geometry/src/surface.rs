@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glanz_math::{AreaPdf, Bounds3, DVec2, Ray};
 
+use crate::algebraic::AlgebraicSurface;
 use crate::bilinear::BilinearPatch;
 use crate::cuboid::Cuboid;
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
@@ -44,6 +45,7 @@ pub trait RaySurface {
     fn area_pdf(&self, hit: &Hit, point: &SurfacePoint) -> Option<AreaPdf>;
 }
 
+// One line per surface; the macro writes the delegation, so that no variant can be forgotten in a match.
 macro_rules! surfaces {
     ($($(#[$doc:meta])* $kind:literal $name:ident($type:ty),)*) => {
         /// The closed set of surfaces.
@@ -132,6 +134,8 @@ surfaces! {
     "disk" Disk(Disk),
     /// Plane or a rectangle of it.
     "plane" Plane(Plane),
+    /// Zero set of a polynomial in a box.
+    "algebraic" Algebraic(Box<AlgebraicSurface>),
     /// Torus.
     "torus" Torus(Torus),
     /// Convex polyhedron.
@@ -144,4 +148,48 @@ surfaces! {
     "triangle" Triangle(Triangle),
     /// Many triangles with a hierarchy of their own, shared between copies.
     "trianglemesh" Mesh(Arc<Mesh>),
+}
+
+impl From<AlgebraicSurface> for Surface {
+    fn from(surface: AlgebraicSurface) -> Self {
+        Self::Algebraic(Box::new(surface))
+    }
+}
+
+impl From<Mesh> for Surface {
+    fn from(mesh: Mesh) -> Self {
+        Self::Mesh(Arc::new(mesh))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_math::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn surface_answers_what_its_variant_answers() {
+        let sphere = Sphere::try_full(2.0).unwrap();
+        let surface = Surface::from(sphere);
+        assert_eq!(surface.kind(), "sphere");
+        assert_eq!(surface.bounds(), sphere.bounds());
+        let ray = Ray::new(DVec3::new(-5.0, 0.5, 0.25), DVec3::X);
+        let hit = surface.intersect(&ray, f64::INFINITY).unwrap();
+        assert_eq!(Some(hit), sphere.intersect(&ray, f64::INFINITY));
+        let point = surface.point(&ray, &hit);
+        assert_eq!(point, sphere.point(&ray, &hit));
+        assert_eq!(surface.area_pdf(&hit, &point), sphere.area_pdf(&hit, &point));
+        assert_eq!(surface.sample(DVec2::splat(0.3)), sphere.sample(DVec2::splat(0.3)));
+        assert!(surface.occluded(&ray, f64::INFINITY) && !surface.occluded(&ray, hit.t));
+        let mut hits = Vec::new();
+        surface.all_hits(&ray, f64::INFINITY, &mut hits);
+        assert_eq!(hits.len(), 2);
+    }
+
+    #[test]
+    fn a_surface_fits_in_four_cache_lines() {
+        // Objects keep their surface in place: one large variant would spread them all.
+        assert!(size_of::<Surface>() <= 256, "{}", size_of::<Surface>());
+    }
 }

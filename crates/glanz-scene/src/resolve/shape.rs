@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glanz_geometry::algebraic::{AlgebraicSurface, Term};
 use glanz_geometry::bilinear::BilinearPatch;
 use glanz_geometry::cuboid::Cuboid;
 use glanz_geometry::mesh::Mesh;
@@ -11,7 +12,7 @@ use glanz_geometry::quadric::{
 };
 use glanz_geometry::torus::Torus;
 use glanz_geometry::{Surface, SurfaceError};
-use glanz_math::{DVec3, Transform};
+use glanz_math::{Bounds3, DVec3, Transform};
 
 use super::{Notes, transform};
 use crate::description::{GeometryDescription, Location, ShapeDescription};
@@ -114,8 +115,11 @@ fn surface(geometry: GeometryDescription) -> Result<Surface, SurfaceError> {
         }
         GeometryDescription::Plane { x, y } => Plane::try_new(x, y)?.into(),
         GeometryDescription::Algebraic { terms, clip: [a, b] } => {
-            let _ = (terms, a, b);
-            return Err(SurfaceError::TooFew { parameter: "algebraic", count: 0, min: 1 });
+            let terms: Vec<Term> = terms
+                .into_iter()
+                .map(|(exponents, coefficient)| Term { exponents: exponents.map(u32::from), coefficient })
+                .collect();
+            AlgebraicSurface::try_new(&terms, Bounds3::new(a, b))?.into()
         }
         GeometryDescription::Torus { major_radius, minor_radius, phi_max } => {
             Torus::try_new(major_radius, minor_radius, phi_max)?.into()
