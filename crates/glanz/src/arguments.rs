@@ -1,0 +1,342 @@
+//! The command line: what can be asked, and the help that explains it. Completions and man page come from here too.
+
+use std::ops::Range;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
+
+/// Exact light for exact surfaces: renders pbrt scenes without turning curved surfaces into facets.
+#[derive(Debug, Parser)]
+#[command(name = "glanz", version, propagate_version = true, max_term_width = 100, after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  glanz demo                                   a built-in scene, into glanz-demo.png
+  glanz render room.pbrt -o room.exr           a scene file, as it says itself
+  glanz render room.pbrt -o room.png --time 60 the best picture of one minute
+  glanz compare room.exr reference.exr         how far apart two pictures are
+
+Exit status: 0 done, 1 failed, 2 wrong usage, 130 interrupted after saving.";
+
+/// Samples per pixel that a film can hold.
+const MAX_SAMPLES: i64 = glanz_transport::exact::MAX_TERMS as i64;
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Render a built-in scene that shows what Glanz is for
+    Demo(DemoArguments),
+    /// Render a scene file to pictures
+    Render(RenderArguments),
+    /// Join checkpoints of disjoint sample ranges into one picture
+    Merge(MergeArguments),
+    /// Say what is in a scene: shapes, lights, materials, bounds, units, warnings
+    Info(InfoArguments),
+    /// Measure how far apart two pictures are
+    Compare(CompareArguments),
+    /// Print a completion script for a shell
+    #[command(hide = true)]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page of the program or of one of its commands
+    #[command(hide = true)]
+    Man {
+        /// The command
+        command: Option<String>,
+    },
+}
+
+const DEMO_HELP: &str = "\
+Without -o the picture goes to glanz-demo.png in the current folder.
+
+Examples:
+  glanz demo
+  glanz demo --size 1920x1080 --spp 1024 -o big.png -o big.exr";
+
+#[derive(Debug, Args)]
+#[command(after_help = DEMO_HELP)]
+pub(crate) struct DemoArguments {
+    #[command(flatten)]
+    pub(crate) options: RenderOptions,
+}
+
+const RENDER_HELP: &str = "\
+Without -o the picture goes to the current folder, under the film's file name in the scene; as EXR if the
+scene names none, or one whose format Glanz does not write.
+
+The picture depends on the scene, the settings and the seed alone: not on threads, not on interruptions.
+Ctrl-C and SIGTERM finish the pass, write picture and checkpoint, and exit with 130; a second Ctrl-C kills.
+
+Examples:
+  glanz render room.pbrt -o room.exr -o room.png --spp 256
+  glanz render room.pbrt -o room.exr --checkpoint room.glanz --resume
+  glanz render room.pbrt --samples 0..128 --checkpoint a.glanz    on one machine
+  glanz render room.pbrt --samples 128..256 --checkpoint b.glanz  on another
+  glanz merge a.glanz b.glanz -o room.exr                         the same bits as 256 samples at once";
+
+#[derive(Debug, Args)]
+#[command(after_help = RENDER_HELP)]
+pub(crate) struct RenderArguments {
+    /// Scene file in pbrt's language (v3 or v4)
+    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
+    pub(crate) scene: PathBuf,
+    #[command(flatten)]
+    pub(crate) options: RenderOptions,
+}
+
+/// How to render; what is not given is as the scene says.
+#[derive(Debug, Args)]
+pub(crate) struct RenderOptions {
+    /// Picture to write; the extension decides: exr, png or hdr (repeat for several)
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) output: Vec<PathBuf>,
+    /// How light is gathered: path, distributed or whitted
+    #[arg(long, value_name = "NAME")]
+    pub(crate) integrator: Option<String>,
+    /// Samples per pixel
+    #[arg(long, value_name = "N", conflicts_with = "time", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
+    pub(crate) spp: Option<u32>,
+    /// Wall time of the render loop in seconds, instead of a number of samples
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub(crate) time: Option<Duration>,
+    /// Size of the full picture in pixels
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(crate) size: Option<[u32; 2]>,
+    /// How samples are spread: sobol, independent, stratified, regular or center
+    #[arg(long, value_name = "NAME")]
+    pub(crate) sampler: Option<String>,
+    /// Threads to use; all processors if not given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) threads: Option<u16>,
+    /// Seed of the samples; another seed gives another, independent picture
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// Further channels for EXR files: all, or a list of Albedo, P, N, Ns, uv, Z, id, Variance
+    #[arg(long, value_name = "all|LIST", value_delimiter = ',')]
+    pub(crate) aov: Vec<String>,
+    /// File that keeps the state of the render, written every 30 seconds and at the end
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) checkpoint: Option<PathBuf>,
+    /// Go on from the checkpoint, if it is there
+    #[arg(long, requires = "checkpoint")]
+    pub(crate) resume: bool,
+    /// Only the samples from A up to, not including, B of every pixel
+    #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with = "time")]
+    pub(crate) samples: Option<Range<u32>>,
+    /// Brighten PNG pictures by this many stops
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, default_value_t = 0.0, value_parser = stops)]
+    pub(crate) exposure: f32,
+    /// How PNG pictures fit light into what a display can show
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = ToneName::Linear)]
+    pub(crate) tone: ToneName,
+    /// Refuse a scene that needs a stand-in or a repair
+    #[arg(long)]
+    pub(crate) strict: bool,
+    #[command(flatten)]
+    pub(crate) talk: Talk,
+}
+
+/// How much is said.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct Talk {
+    /// Say nothing but errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+    /// Print one JSON object at the end
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// The tone curves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ToneName {
+    /// Light up to 1 as it is, brighter light as 1
+    Linear,
+    /// Luminance Y as Y / (1 + Y)
+    Reinhard,
+    /// A filmic curve
+    Filmic,
+}
+
+const MERGE_HELP: &str = "\
+The parts must be of the same scene with the same settings, and no sample may come twice.
+
+Example:
+  glanz merge a.glanz b.glanz -o room.exr --checkpoint whole.glanz";
+
+#[derive(Debug, Args)]
+#[command(after_help = MERGE_HELP)]
+pub(crate) struct MergeArguments {
+    /// Checkpoints written by `glanz render --samples A..B --checkpoint PART`
+    #[arg(value_name = "PART", required = true, value_hint = ValueHint::FilePath)]
+    pub(crate) parts: Vec<PathBuf>,
+    /// Picture to write; the extension decides: exr, png or hdr (repeat for several)
+    #[arg(short, long, value_name = "FILE", required = true, value_hint = ValueHint::FilePath)]
+    pub(crate) output: Vec<PathBuf>,
+    /// Also write the joined checkpoint
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) checkpoint: Option<PathBuf>,
+    /// Brighten PNG pictures by this many stops
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, default_value_t = 0.0, value_parser = stops)]
+    pub(crate) exposure: f32,
+    /// How PNG pictures fit light into what a display can show
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = ToneName::Linear)]
+    pub(crate) tone: ToneName,
+    #[command(flatten)]
+    pub(crate) talk: Talk,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct InfoArguments {
+    /// Scene file in pbrt's language (v3 or v4)
+    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
+    pub(crate) scene: PathBuf,
+    /// Refuse a scene that needs a stand-in or a repair
+    #[arg(long)]
+    pub(crate) strict: bool,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const COMPARE_HELP: &str = "\
+The second picture is the reference. Measures: rmse; relmse, squared error over squared reference; display-rmse,
+the RMSE of values clipped to [0, 1]; max, the largest difference; flip, how much the eye notices (0 to 1).
+
+Example:
+  glanz compare render.exr reference.exr --metric relmse --fail-above 0.01";
+
+#[derive(Debug, Args)]
+#[command(after_help = COMPARE_HELP)]
+pub(crate) struct CompareArguments {
+    /// A picture: exr, png or hdr
+    #[arg(value_name = "A", value_hint = ValueHint::FilePath)]
+    pub(crate) picture: PathBuf,
+    /// The reference: exr, png or hdr
+    #[arg(value_name = "B", value_hint = ValueHint::FilePath)]
+    pub(crate) reference: PathBuf,
+    /// Exit with 1 if the measure of --metric is larger than this, or not a number
+    #[arg(long, value_name = "X", value_parser = bound)]
+    pub(crate) fail_above: Option<f64>,
+    /// The measure that --fail-above looks at
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = Metric::Rmse)]
+    pub(crate) metric: Metric,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// The measures of difference.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Metric {
+    /// Root of the mean squared difference
+    Rmse,
+    /// Mean squared difference relative to the squared reference
+    Relmse,
+    /// Root of the mean squared difference of values clipped to [0, 1]
+    DisplayRmse,
+    /// Largest difference
+    Max,
+    /// Mean FLIP error
+    Flip,
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds: f64 = text.parse().map_err(|_| "a number of seconds is needed".to_owned())?;
+    if seconds <= 0.0 {
+        return Err("it must be above 0".to_owned());
+    }
+    Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let form = || "width and height in pixels are needed, such as 640x480".to_owned();
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(form)?;
+    let side = |text: &str| text.parse::<u32>().ok().filter(|&n| n > 0).ok_or_else(form);
+    Ok([side(width)?, side(height)?])
+}
+
+fn sample_range(text: &str) -> Result<Range<u32>, String> {
+    let form = || "two numbers are needed, such as 0..32".to_owned();
+    let (start, end) = text.split_once("..").ok_or_else(form)?;
+    let number = |text: &str| text.parse::<u32>().map_err(|_| form());
+    let range = number(start)?..number(end)?;
+    if range.is_empty() {
+        return Err("the second number must be larger than the first".to_owned());
+    }
+    Ok(range)
+}
+
+fn stops(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|x: &f32| x.is_finite()).ok_or_else(|| "a number is needed".to_owned())
+}
+
+fn bound(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|x: &f64| *x >= 0.0)
+        .ok_or_else(|| "a number that is not negative is needed".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    fn parse(line: &str) -> Result<Arguments, clap::Error> {
+        Arguments::try_parse_from(line.split(' '))
+    }
+
+    #[test]
+    fn definition_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn values_are_read_as_they_are_written() {
+        let Ok(Arguments { command: Command::Render(render) }) = parse(
+            "glanz render a.pbrt -o a.exr -o a.png --size 64x48 --samples 3..7 --aov N,Z --exposure -1.5",
+        ) else {
+            panic!("a valid command line is refused");
+        };
+        let options = render.options;
+        assert_eq!(options.output, [PathBuf::from("a.exr"), PathBuf::from("a.png")]);
+        assert_eq!(options.size, Some([64, 48]));
+        assert_eq!(options.samples, Some(3..7));
+        assert_eq!(options.aov, ["N", "Z"]);
+        assert_eq!(options.exposure, -1.5);
+    }
+
+    #[test]
+    fn nonsense_is_wrong_usage() {
+        for line in [
+            "glanz",
+            "glanz paint",
+            "glanz render",
+            "glanz render a.pbrt --spp 0",
+            "glanz render a.pbrt --spp 4 --time 2",
+            "glanz render a.pbrt --time -1",
+            "glanz render a.pbrt --time nan",
+            "glanz render a.pbrt --time 1e40",
+            "glanz render a.pbrt --size 64",
+            "glanz render a.pbrt --size 0x5",
+            "glanz render a.pbrt --samples 5..5",
+            "glanz render a.pbrt --samples 5..x",
+            "glanz render a.pbrt --resume",
+            "glanz render a.pbrt --threads 0",
+            "glanz render a.pbrt --exposure inf",
+            "glanz merge a.glanz",
+            "glanz compare a.exr b.exr --fail-above -1",
+            "glanz compare a.exr b.exr --metric beauty",
+        ] {
+            assert_eq!(parse(line).map(|_| ()).map_err(|e| e.exit_code()), Err(2), "{line}");
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! `glanz compare`: how far apart two pictures are.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use glanz_formats::image::{self, Encoding, Format, Image};
+use glanz_light::compare::{Comparison, RELATIVE_EPSILON, compare};
+use glanz_light::flip;
+use serde::Serialize;
+
+use crate::Ending;
+use crate::arguments::{CompareArguments, Metric};
+use crate::messages::Failure;
+use crate::report::{self, plural};
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Report {
+    picture: String,
+    reference: String,
+    width: u32,
+    height: u32,
+    rmse: f64,
+    relmse: f64,
+    display_rmse: f64,
+    max: f64,
+    /// Column and row of the pixel with the largest difference.
+    max_at: (u32, u32),
+    flip: f64,
+    mean: [f64; 3],
+    reference_mean: [f64; 3],
+    /// Pixels that are infinite or not a number in either picture.
+    excluded_pixels: usize,
+    metric: Option<&'static str>,
+    fail_above: Option<f64>,
+    passed: bool,
+}
+
+/// Measures, prints, and judges if asked to.
+///
+/// # Errors
+/// Why the pictures cannot be compared.
+pub(crate) fn run(arguments: &CompareArguments) -> Result<Ending, Failure> {
+    let (picture, reference) = (read(&arguments.picture)?, read(&arguments.reference)?);
+    let names = (arguments.picture.display().to_string(), arguments.reference.display().to_string());
+    let failed = |error: &dyn std::fmt::Display| {
+        Failure::new(format!("{} cannot be compared with {}: {error}", names.0, names.1))
+    };
+    let comparison =
+        compare(&picture.pixels, &reference.pixels, RELATIVE_EPSILON).map_err(|error| failed(&error))?;
+    // Scene light is compared at all exposures that matter, a picture for a display as it is shown.
+    let is_display_light = [&picture, &reference].iter().any(|image| image.format == Format::Png);
+    let flip = if is_display_light { flip::ldr } else { flip::hdr };
+    let flip = flip(&picture.pixels, &reference.pixels, flip::PIXELS_PER_DEGREE)
+        .map_err(|error| failed(&error))?
+        .mean;
+
+    let measured = measure(arguments.metric, &comparison, flip);
+    // Not a number is no success.
+    let passed = arguments.fail_above.is_none_or(|bound| measured <= bound);
+    let report = Report {
+        picture: names.0.clone(),
+        reference: names.1.clone(),
+        width: picture.pixels.width(),
+        height: picture.pixels.height(),
+        rmse: comparison.rmse,
+        relmse: comparison.relative_mse,
+        display_rmse: comparison.clipped_rmse,
+        max: comparison.max_error,
+        max_at: comparison.max_at,
+        flip,
+        mean: comparison.mean_test,
+        reference_mean: comparison.mean_reference,
+        excluded_pixels: comparison.excluded_test + comparison.excluded_reference,
+        metric: arguments.fail_above.map(|_| metric_name(arguments.metric)),
+        fail_above: arguments.fail_above,
+        passed,
+    };
+    if arguments.json {
+        report::print(&report)?
+    } else {
+        report::print_text(&table(&report))?
+    }
+    Ok(if passed { Ending::Done } else { Ending::Refused })
+}
+
+fn read(path: &Path) -> Result<Image, Failure> {
+    let bytes = std::fs::read(path).map_err(|error| Failure::new(format!("{}: {error}", path.display())))?;
+    image::read(&bytes, Some(path), Encoding::Srgb)
+        .map_err(|error| Failure::new(format!("{}: {error}", path.display())))
+}
+
+fn measure(metric: Metric, comparison: &Comparison, flip: f64) -> f64 {
+    match metric {
+        Metric::Rmse => comparison.rmse,
+        Metric::Relmse => comparison.relative_mse,
+        Metric::DisplayRmse => comparison.clipped_rmse,
+        Metric::Max => comparison.max_error,
+        Metric::Flip => flip,
+    }
+}
+
+fn metric_name(metric: Metric) -> &'static str {
+    match metric {
+        Metric::Rmse => "rmse",
+        Metric::Relmse => "relmse",
+        Metric::DisplayRmse => "display-rmse",
+        Metric::Max => "max",
+        Metric::Flip => "flip",
+    }
+}
+
+fn table(report: &Report) -> String {
+    let mut text = String::new();
+    let (x, y) = report.max_at;
+    let [r, g, b] = report.mean;
+    let [reference_r, reference_g, reference_b] = report.reference_mean;
+    // Writing to a text cannot fail.
+    let _ = writeln!(text, "rmse          {:.6e}", report.rmse);
+    let _ = writeln!(text, "relmse        {:.6e}", report.relmse);
+    let _ = writeln!(text, "display-rmse  {:.6e}", report.display_rmse);
+    let _ = writeln!(text, "max           {:.6e}  at column {x}, row {y}", report.max);
+    let _ = writeln!(text, "flip          {:.6e}", report.flip);
+    let _ = writeln!(text, "mean          {r:.6} {g:.6} {b:.6}");
+    let _ = writeln!(text, "reference     {reference_r:.6} {reference_g:.6} {reference_b:.6}");
+    if report.excluded_pixels > 0 {
+        let pixels = plural(report.excluded_pixels as u64, "pixel is", "pixels are");
+        let _ = writeln!(text, "{pixels} infinite or not a number, and left out");
+    }
+    if let (Some(metric), Some(bound)) = (report.metric, report.fail_above) {
+        let verdict = if report.passed { "within" } else { "ABOVE" };
+        let _ = writeln!(text, "{metric} is {verdict} {bound}");
+    }
+    text
+}

@@ -1,0 +1,132 @@
+//! `glanz info`: what is in a scene.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use glanz_math::Bounds3;
+use serde::Serialize;
+
+use crate::Ending;
+use crate::arguments::InfoArguments;
+use crate::messages::{Failure, Messages};
+use crate::report::{self, grouped};
+use crate::scene_file::{Input, SceneFile};
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Report {
+    scene: String,
+    files: Vec<String>,
+    /// Of one length of the scene.
+    units: &'static str,
+    /// Smallest and largest corner of what has an end; null if there is nothing.
+    bounds: Option<Corners>,
+    /// Surfaces by kind; one in a group counts once, however often the group is copied.
+    shapes: BTreeMap<&'static str, usize>,
+    triangles: usize,
+    groups: usize,
+    instances: usize,
+    lights: BTreeMap<&'static str, usize>,
+    materials: usize,
+    textures: usize,
+    images: usize,
+    resolution: [u32; 2],
+    integrator: String,
+    sampler: String,
+    samples_per_pixel: u32,
+    warnings: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Corners {
+    min: [f64; 3],
+    max: [f64; 3],
+}
+
+/// Reads the scene, resolves it, and prints what it holds.
+///
+/// # Errors
+/// Why it is no scene.
+pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<Ending, Failure> {
+    let input = Input::File(&arguments.scene);
+    let mut file = SceneFile::read(&input, arguments.strict, messages)?;
+    let description = &file.description;
+    let (textures, images) = (description.textures.len(), description.images.len());
+    let (resolution, files) = (description.film.resolution, description.files.clone());
+    let integrator = description.integrator.name.clone();
+    let sampler = description.sampler.clone();
+    let scene = file.resolve(arguments.strict, messages)?;
+    let statistics = scene.statistics();
+    let report = Report {
+        scene: input.name().to_owned(),
+        files,
+        units: "metres",
+        bounds: corners(&scene.bounds()),
+        shapes: statistics.surfaces,
+        triangles: statistics.triangles,
+        groups: statistics.groups,
+        instances: statistics.instances,
+        lights: statistics.lights,
+        materials: statistics.materials,
+        textures,
+        images,
+        resolution,
+        integrator,
+        sampler: sampler.name,
+        samples_per_pixel: sampler.samples_per_pixel,
+        warnings: file.into_warnings(),
+    };
+    if arguments.json {
+        report::print(&report)?
+    } else {
+        report::print_text(&text(&report))?
+    }
+    Ok(Ending::Done)
+}
+
+fn corners(bounds: &Bounds3) -> Option<Corners> {
+    let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
+    (!bounds.is_empty()).then_some(Corners { min, max })
+}
+
+fn text(report: &Report) -> String {
+    let mut text = String::new();
+    let mut line = |name: &str, value: &str| {
+        // Writing to a text cannot fail.
+        let _ = writeln!(text, "{name:<12} {value}");
+    };
+    line("scene", &report.scene);
+    if report.files.len() > 1 {
+        line("files", &report.files.join(", "));
+    }
+    line("shapes", &counts(&report.shapes));
+    if report.triangles > 0 {
+        line("triangles", &grouped(report.triangles as u64));
+    }
+    if report.instances > 0 {
+        line("instances", &format!("{} of {} groups", grouped(report.instances as u64), report.groups));
+    }
+    line("lights", &counts(&report.lights));
+    line("materials", &report.materials.to_string());
+    line("textures", &format!("{}, {} images", report.textures, report.images));
+    match &report.bounds {
+        Some(Corners { min, max }) => {
+            let corner = |[x, y, z]: &[f64; 3]| format!("({x:.6}, {y:.6}, {z:.6})");
+            line("bounds", &format!("{} to {}", corner(min), corner(max)));
+        }
+        None => line("bounds", "empty"),
+    }
+    line("units", report.units);
+    let [width, height] = report.resolution;
+    line("picture", &format!("{width} x {height}, {} samples per pixel", report.samples_per_pixel));
+    line("integrator", &report.integrator);
+    line("sampler", &report.sampler);
+    line("warnings", &report.warnings.len().to_string());
+    text
+}
+
+fn counts(counts: &BTreeMap<&'static str, usize>) -> String {
+    let list: Vec<String> =
+        counts.iter().map(|(kind, count)| format!("{} {kind}", grouped(*count as u64))).collect();
+    if list.is_empty() { "none".to_owned() } else { list.join(", ") }
+}

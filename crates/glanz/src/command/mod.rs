@@ -1,0 +1,8 @@
+//! One file per command.
+
+pub(crate) mod compare;
+pub(crate) mod demo;
+pub(crate) mod info;
+pub(crate) mod merge;
+pub(crate) mod render;
+pub(crate) mod shell;

@@ -1,0 +1,253 @@
+//! `glanz render`: from a scene to pictures.
+
+use std::path::{Path, PathBuf};
+
+use glanz_light::PixelsError;
+use glanz_scene::Scene;
+use glanz_transport::{AovSet, Film, FilmError, Finished, Progress, ProgressReport, RenderOutcome, render};
+use serde::Serialize;
+
+use crate::Ending;
+use crate::arguments::{RenderArguments, RenderOptions};
+use crate::checkpoint_file;
+use crate::interrupt::Interrupt;
+use crate::messages::{Failure, Messages};
+use crate::outputs::{self, Outputs};
+use crate::plan::{CHECKPOINT_INTERVAL, Choices, Plan};
+use crate::progress;
+use crate::report::{self, grouped, plural};
+use crate::scene_file::{Input, SceneFile};
+
+/// Renders the scene file.
+///
+/// # Errors
+/// Why there is no picture.
+pub(crate) fn run(arguments: &RenderArguments, messages: Messages) -> Result<Ending, Failure> {
+    render_input(&Input::File(&arguments.scene), &arguments.options, None, messages)
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Report {
+    scene: String,
+    outputs: Vec<String>,
+    checkpoint: Option<String>,
+    interrupted: bool,
+    width: u32,
+    height: u32,
+    integrator: String,
+    sampler: &'static str,
+    seed: u64,
+    threads: usize,
+    /// Samples that each pixel of the picture has.
+    samples_per_pixel: u64,
+    /// The same as ranges.
+    sample_ranges: String,
+    /// Samples that this run took, over all pixels.
+    samples: u64,
+    /// Wall time of the render loop.
+    seconds: f64,
+    rays: u64,
+    rays_per_second: f64,
+    peak_memory_bytes: Option<u64>,
+    warnings: Vec<String>,
+}
+
+/// Renders `input` as `options` say; into `default_output`, or what the scene names, if they name no file.
+///
+/// # Errors
+/// Why there is no picture.
+pub(crate) fn render_input(
+    input: &Input<'_>,
+    options: &RenderOptions,
+    default_output: Option<&Path>,
+    messages: Messages,
+) -> Result<Ending, Failure> {
+    let interrupt = Interrupt::listen().map_err(|error| Failure::new(format!("signals: {error}")))?;
+    // All that can be refused without the scene is refused before it is read, which may take long.
+    let choices = Choices::try_new(options)?;
+    let tone = outputs::tone(options.exposure, options.tone);
+    let named = Outputs::try_new(&options.output, tone)?;
+    check_checkpoint(options)?;
+
+    let mut file = SceneFile::read(input, options.strict, messages)?;
+    let plan = Plan::new(&choices, options, &mut file)?;
+    let outputs = match default_output {
+        _ if !options.output.is_empty() => named,
+        Some(path) => Outputs::try_new(&[path.to_owned()], tone)?,
+        None => Outputs::try_new(&[outputs::default_path(file.film_name(), Path::new(input.name()))], tone)?,
+    };
+    if plan.identity.film.aovs != AovSet::NONE && !outputs.keep_channels() {
+        file.warn("--aov has no effect: only EXR files hold further channels", messages);
+    }
+    let film = starting_film(&plan, options, messages)?;
+    let scene = file.resolve(options.strict, messages)?;
+    if interrupt.is_raised() {
+        messages.note("interrupted before rendering; nothing was written");
+        return Ok(Ending::Interrupted);
+    }
+
+    messages.note(&format!("rendering {}: {plan}", input.name()));
+    let outcome = expose(&scene, &plan, options, film, messages, &interrupt)?;
+    finish(input, options, &plan, &outputs, file, &outcome, messages)
+}
+
+/// Refuses a checkpoint that cannot be written, or would be lost.
+fn check_checkpoint(options: &RenderOptions) -> Result<(), Failure> {
+    let Some(path) = &options.checkpoint else { return Ok(()) };
+    outputs::check_writable(path)?;
+    if path.exists() && !options.resume {
+        return Err(Failure::new(format!("{}: this checkpoint exists already", path.display()))
+            .with_help("go on from it with --resume, or remove it to begin anew"));
+    }
+    Ok(())
+}
+
+/// The film to go on with: that of the checkpoint, or an empty one.
+fn starting_film(plan: &Plan, options: &RenderOptions, messages: Messages) -> Result<Film, Failure> {
+    let empty = || Film::try_new(plan.identity.film).map_err(|error| film_failure(&error));
+    let Some(path) = options.checkpoint.as_deref().filter(|_| options.resume) else { return empty() };
+    if !path.exists() {
+        messages.note(&format!("{}: there is no checkpoint yet, starting anew", path.display()));
+        return empty();
+    }
+    let checkpoint = checkpoint_file::read(path)?;
+    checkpoint.identity.check(&plan.identity).map_err(|mismatch| {
+        Failure::new(format!("{}: {mismatch}", path.display()))
+            .with_help("use the scene and the settings it was begun with, or another checkpoint file")
+    })?;
+    messages.note(&format!("{}: going on with samples {}", path.display(), checkpoint.film.samples()));
+    Ok(checkpoint.film)
+}
+
+fn film_failure(error: &FilmError) -> Failure {
+    let failure = Failure::new(format!("the picture cannot be rendered: {error}"));
+    match error {
+        FilmError::Size(..) | FilmError::Memory(_) => {
+            failure.with_help("choose a smaller picture with --size")
+        }
+        _ => failure,
+    }
+}
+
+/// Watches a render.
+struct Watch<'a> {
+    progress: progress::Progress,
+    plan: &'a Plan,
+    checkpoint: Option<&'a PathBuf>,
+    messages: Messages,
+}
+
+impl Progress for Watch<'_> {
+    fn report(&mut self, report: &ProgressReport) {
+        let what = if self.plan.time_limit.is_some() {
+            plural(report.samples_done, "sample per pixel", "samples per pixel")
+        } else {
+            format!(
+                "{} of {} samples per pixel",
+                grouped(report.samples_done),
+                grouped(report.samples_wanted)
+            )
+        };
+        self.progress.show(report.fraction(), report.remaining, &what);
+    }
+
+    fn checkpoint(&mut self, film: &Film) {
+        // A disk that is full now may have room later: the render goes on, only the last checkpoint has to succeed.
+        if let Some(path) = self.checkpoint
+            && let Err(failure) = checkpoint_file::write(path, &self.plan.identity, film)
+        {
+            self.messages.warning(&failure.message);
+        }
+    }
+}
+
+fn expose(
+    scene: &Scene,
+    plan: &Plan,
+    options: &RenderOptions,
+    film: Film,
+    messages: Messages,
+    interrupt: &Interrupt,
+) -> Result<RenderOutcome, Failure> {
+    let progress = progress::Progress::start(messages);
+    let checkpoint = options.checkpoint.as_ref();
+    let mut watch = Watch { progress, plan, checkpoint, messages };
+    let settings = plan.settings(checkpoint.map(|_| CHECKPOINT_INTERVAL));
+    let integrator = plan.identity.integrator.build();
+    let outcome = render(scene, integrator.as_ref(), &settings, film, &mut watch, interrupt.flag());
+    watch.progress.finish();
+    outcome.map_err(|error| Failure::new(format!("the render stopped: {error}")))
+}
+
+/// Writes what there is, and says so.
+fn finish(
+    input: &Input<'_>,
+    options: &RenderOptions,
+    plan: &Plan,
+    outputs: &Outputs,
+    mut file: SceneFile,
+    outcome: &RenderOutcome,
+    messages: Messages,
+) -> Result<Ending, Failure> {
+    let film = &outcome.film;
+    let interrupted = outcome.finished == Finished::Interrupted;
+    if film.samples().is_empty() {
+        messages.note("interrupted before the first pass; nothing was written");
+        return Ok(Ending::Interrupted);
+    }
+    let rejects = film.rejects();
+    if rejects.dropped > 0 {
+        let samples = plural(rejects.dropped, "sample was", "samples were");
+        file.warn(&format!("{samples} infinite or not a number and counted as black"), messages);
+    }
+    if rejects.cut > 0 {
+        let samples = plural(rejects.cut, "sample was", "samples were");
+        file.warn(&format!("{samples} too bright to be added up and cut"), messages);
+    }
+
+    // The checkpoint first: it is what cannot be had again.
+    let saved = match &options.checkpoint {
+        Some(path) => checkpoint_file::write(path, &plan.identity, film),
+        None => Ok(()),
+    };
+    let pixels = film.to_pixels().map_err(|error: PixelsError| Failure::new(error.to_string()))?;
+    outputs.write(&pixels, &checkpoint_file::attributes(&plan.identity, film))?;
+    saved?;
+
+    let seconds = outcome.elapsed.as_secs_f64();
+    let rays = outcome.counters.rays();
+    let rays_per_second = if rays == 0 { 0.0 } else { rays as f64 / seconds };
+    messages.note(&format!(
+        "{}wrote {}: {} in {}, {:.1} million rays, {:.2} million a second",
+        if interrupted { "interrupted; " } else { "" },
+        outputs.names().join(", "),
+        plural(film.samples().total(), "sample per pixel", "samples per pixel"),
+        report::duration(seconds),
+        rays as f64 / 1e6,
+        rays_per_second / 1e6,
+    ));
+    if options.talk.json {
+        report::print(&Report {
+            scene: input.name().to_owned(),
+            outputs: outputs.names(),
+            checkpoint: options.checkpoint.as_ref().map(|path| path.display().to_string()),
+            interrupted,
+            width: pixels.width(),
+            height: pixels.height(),
+            integrator: plan.identity.integrator.to_string(),
+            sampler: plan.identity.sampler.name(),
+            seed: plan.identity.seed,
+            threads: plan.threads,
+            samples_per_pixel: film.samples().total(),
+            sample_ranges: film.samples().to_string(),
+            samples: outcome.samples,
+            seconds,
+            rays,
+            rays_per_second,
+            peak_memory_bytes: report::peak_memory_bytes(),
+            warnings: file.into_warnings(),
+        })?;
+    }
+    Ok(if interrupted { Ending::Interrupted } else { Ending::Done })
+}

@@ -1,0 +1,184 @@
+//! What is to be rendered: the scene's own settings, overridden by the command line.
+
+use std::fmt;
+use std::ops::Range;
+use std::time::Duration;
+
+use glanz_sampling::SamplerKind;
+use glanz_transport::exact::MAX_TERMS;
+use glanz_transport::{
+    Aov, AovSet, FilmFormat, Filter, INTEGRATORS, IntegratorSettings, PictureIdentity, PixelRect,
+    RenderSettings,
+};
+
+use crate::arguments::RenderOptions;
+use crate::messages::Failure;
+use crate::report::grouped;
+use crate::scene_file::SceneFile;
+
+/// Time between two checkpoints.
+pub(crate) const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
+
+/// The names on the command line, found in the tables they stand for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Choices {
+    integrator: Option<&'static str>,
+    sampler: Option<SamplerKind>,
+    aovs: AovSet,
+}
+
+impl Choices {
+    /// Looks the names up.
+    ///
+    /// # Errors
+    /// A name that is in no table, with those that are.
+    pub(crate) fn try_new(options: &RenderOptions) -> Result<Self, Failure> {
+        let integrator = options.integrator.as_deref().map(integrator_named).transpose()?;
+        let sampler = options.sampler.as_deref().map(sampler_named).transpose()?;
+        Ok(Self { integrator, sampler, aovs: aovs_named(&options.aov)? })
+    }
+}
+
+fn integrator_named(name: &str) -> Result<&'static str, Failure> {
+    let found = INTEGRATORS.iter().map(|entry| entry.name).find(|known| *known == name);
+    found.ok_or_else(|| unknown("integrator", name, INTEGRATORS.iter().map(|entry| entry.name)))
+}
+
+fn sampler_named(name: &str) -> Result<SamplerKind, Failure> {
+    let names = SamplerKind::ALL.into_iter().map(SamplerKind::name);
+    SamplerKind::from_name(name).ok_or_else(|| unknown("sampler", name, names))
+}
+
+fn aovs_named(names: &[String]) -> Result<AovSet, Failure> {
+    match names {
+        [all] if all.eq_ignore_ascii_case("all") => Ok(AovSet::ALL),
+        _ => names
+            .iter()
+            .map(|name| {
+                let known = Aov::ALL.into_iter().map(Aov::name).chain(["all"]);
+                Aov::from_name(name.trim()).ok_or_else(|| unknown("channel", name, known))
+            })
+            .collect(),
+    }
+}
+
+fn unknown(kind: &str, name: &str, known: impl Iterator<Item = &'static str>) -> Failure {
+    let known: Vec<&str> = known.collect();
+    Failure::usage(format!("there is no {kind} \"{name}\""))
+        .with_help(format!("choose from {}", known.join(", ")))
+}
+
+/// Everything that is known before the first ray.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    pub(crate) identity: PictureIdentity,
+    pub(crate) threads: usize,
+    pub(crate) time_limit: Option<Duration>,
+    filter: Filter,
+    samples: Range<u32>,
+}
+
+impl Plan {
+    /// Puts the settings of the command line over those of the scene.
+    ///
+    /// # Errors
+    /// A setting of the scene or the command line that is impossible.
+    pub(crate) fn new(
+        choices: &Choices,
+        options: &RenderOptions,
+        file: &mut SceneFile,
+    ) -> Result<Self, Failure> {
+        if let Some(size) = options.size {
+            file.description.film.resolution = size;
+        }
+        if let Some(name) = choices.integrator {
+            file.description.integrator.name = name.to_owned();
+        }
+        let description = &file.description;
+        let film = &description.film;
+        let crop = PixelRect::from_fractions(film.resolution, film.crop)
+            .map_err(|error| file.failure(film.location, &format!("film: {error}")))?;
+        let integrator = IntegratorSettings::resolve(&description.integrator).map_err(|error| {
+            file.failure(description.integrator.location, &format!("integrator: {error}"))
+        })?;
+        let filter = Filter::try_new(&description.filter)
+            .map_err(|error| file.failure(None, &format!("pixel filter: {error}")))?;
+        let sampler = match choices.sampler {
+            Some(sampler) => sampler,
+            None => sampler_named(&description.sampler.name)?,
+        };
+        let identity = PictureIdentity {
+            scene: file.content_hash,
+            film: FilmFormat {
+                resolution: description.film.resolution,
+                crop,
+                aovs: choices.aovs,
+                signed: filter.is_signed(),
+            },
+            filter: description.filter,
+            integrator,
+            sampler,
+            seed: options.seed.unwrap_or(description.sampler.seed),
+            samples_per_pixel: options.spp.unwrap_or(description.sampler.samples_per_pixel),
+            version: PictureIdentity::current_version(),
+        };
+        let samples = samples(options, &identity)?;
+        let threads = match options.threads {
+            Some(threads) => usize::from(threads),
+            None => std::thread::available_parallelism().map_or(1, usize::from),
+        };
+        Ok(Self { identity, threads, time_limit: options.time, filter, samples })
+    }
+
+    /// The same for the render loop.
+    pub(crate) fn settings(&self, checkpoint_interval: Option<Duration>) -> RenderSettings {
+        RenderSettings {
+            filter: self.filter.clone(),
+            sampler: self.identity.sampler,
+            seed: self.identity.seed,
+            samples_per_pixel: self.identity.samples_per_pixel,
+            samples: self.samples.clone(),
+            threads: self.threads,
+            time_limit: self.time_limit,
+            checkpoint_interval,
+        }
+    }
+}
+
+/// The samples to take: those asked for, all that fit into the time, or as many as planned.
+fn samples(options: &RenderOptions, identity: &PictureIdentity) -> Result<Range<u32>, Failure> {
+    let planned = identity.samples_per_pixel;
+    match &options.samples {
+        Some(range) if identity.plan_matters() && range.end > planned => {
+            let (name, end) = (identity.sampler.name(), range.end);
+            Err(Failure::usage(format!(
+                "--samples {}..{end} goes beyond the {} of each pixel",
+                range.start,
+                crate::report::plural(u64::from(planned), "sample", "samples")
+            ))
+            .with_help(format!(
+                "the sampler \"{name}\" divides the pixel by their number: give --spp {end} or more"
+            )))
+        }
+        Some(range) => Ok(range.clone()),
+        None if options.time.is_some() => Ok(0..MAX_TERMS),
+        None => Ok(0..planned),
+    }
+}
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [width, height] = self.identity.film.crop.size;
+        write!(f, "{width} x {height} pixels, ")?;
+        match self.time_limit {
+            Some(limit) => write!(f, "{} s", limit.as_secs_f64())?,
+            None if self.samples.start == 0 => {
+                write!(f, "{} samples per pixel", grouped(self.samples.end.into()))?
+            }
+            None => write!(f, "samples {}..{} of each", self.samples.start, self.samples.end)?,
+        }
+        let threads = if self.threads == 1 { "thread" } else { "threads" };
+        let (integrator, sampler) = (self.identity.integrator.name(), self.identity.sampler.name());
+        write!(f, ", {integrator}, {sampler}, {} {threads}", self.threads)
+    }
+}

@@ -1,0 +1,74 @@
+//! How far a render is: a bar on a terminal, plain lines elsewhere, nothing if quiet.
+
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::messages::Messages;
+use crate::report::duration;
+
+/// Time between two plain lines.
+const LINE_INTERVAL: Duration = Duration::from_secs(5);
+
+/// Steps of the bar: finer than its width on any terminal.
+const STEPS: u64 = 1000;
+
+/// Shows how far a render is.
+pub(crate) struct Progress {
+    shown: Shown,
+}
+
+enum Shown {
+    Bar(ProgressBar),
+    Lines { messages: Messages, last: Instant },
+    Nothing,
+}
+
+impl Progress {
+    /// Shows nothing yet; the first plain line comes after a while.
+    pub(crate) fn start(messages: Messages) -> Self {
+        let shown = if messages.is_quiet() {
+            Shown::Nothing
+        } else if std::io::stderr().is_terminal() {
+            Shown::Bar(bar())
+        } else {
+            Shown::Lines { messages, last: Instant::now() }
+        };
+        Self { shown }
+    }
+
+    /// Shows that `fraction` of the work, [0, 1], is done and `remaining` left, with a word on what that is.
+    pub(crate) fn show(&mut self, fraction: f64, remaining: Duration, what: &str) {
+        let left = format!("{what}, {} left", duration(remaining.as_secs_f64()));
+        match &mut self.shown {
+            Shown::Bar(bar) => {
+                bar.set_position((fraction * STEPS as f64) as u64);
+                bar.set_message(left);
+            }
+            Shown::Lines { messages, last } => {
+                if last.elapsed() >= LINE_INTERVAL {
+                    *last = Instant::now();
+                    messages.note(&format!("{:3.0} % {left}", 100.0 * fraction));
+                }
+            }
+            Shown::Nothing => {}
+        }
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn finish(self) {
+        if let Shown::Bar(bar) = self.shown {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn bar() -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
+    // The template is a constant; were it refused, indicatif's own style would do.
+    if let Ok(style) = ProgressStyle::with_template("{percent:>3} % [{bar:32}] {msg}") {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    bar
+}

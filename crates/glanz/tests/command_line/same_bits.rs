@@ -1,0 +1,156 @@
+//! The picture depends on scene, settings and seed alone.
+
+use crate::support::{Folder, finish, wait_until};
+
+#[test]
+fn one_thread_and_two_give_the_same_file() {
+    let folder = Folder::with_scene();
+    folder.succeed("render small.pbrt -o one.exr --aov all --threads 1 -q");
+    folder.succeed("render small.pbrt -o two.exr --aov all --threads 2 -q");
+    assert_eq!(folder.bytes("one.exr"), folder.bytes("two.exr"));
+    folder.succeed("render small.pbrt -o other.exr --aov all --seed 1 -q");
+    assert_ne!(folder.bytes("one.exr"), folder.bytes("other.exr"), "the seed has no effect");
+}
+
+#[test]
+fn merged_halves_are_the_whole() {
+    for sampler in ["sobol", "independent", "stratified", "regular"] {
+        let folder = Folder::with_scene();
+        let settings = format!("--sampler {sampler} --spp 64 --size 12x9 --aov all -q");
+        folder.succeed(&format!("render small.pbrt {settings} -o whole.exr"));
+        folder
+            .succeed(&format!("render small.pbrt {settings} --samples 0..32 --checkpoint a.glanz -o a.exr"));
+        folder
+            .succeed(&format!("render small.pbrt {settings} --samples 32..64 --checkpoint b.glanz -o b.exr"));
+        folder.succeed("merge b.glanz a.glanz -o merged.exr --checkpoint both.glanz -q");
+        assert_eq!(folder.bytes("merged.exr"), folder.bytes("whole.exr"), "{sampler}");
+        assert_ne!(folder.bytes("a.exr"), folder.bytes("whole.exr"), "{sampler}");
+
+        // The joined checkpoint is that of the whole, and goes on as such.
+        folder
+            .succeed(&format!("render small.pbrt {settings} --checkpoint both.glanz --resume -o again.exr"));
+        assert_eq!(folder.bytes("again.exr"), folder.bytes("whole.exr"), "{sampler}");
+    }
+}
+
+#[test]
+fn halves_need_no_plan_with_the_default_sampler() {
+    let folder = Folder::with_scene();
+    folder.succeed("render small.pbrt --samples 0..32 --checkpoint a.glanz -o a.exr -q");
+    folder.succeed("render small.pbrt --samples 32..64 --checkpoint b.glanz -o b.exr -q");
+    folder.succeed("merge a.glanz b.glanz -o merged.exr -q");
+    folder.succeed("render small.pbrt --spp 64 -o whole.exr -q");
+    assert_eq!(folder.bytes("merged.exr"), folder.bytes("whole.exr"));
+}
+
+#[cfg(unix)]
+#[test]
+fn killed_and_resumed_is_one_run() {
+    // Enough samples that the signal, sent once the loop has begun, comes long before the end.
+    const RUN: &str = "render small.pbrt --spp 4096 --size 48x36 --aov all --threads 1";
+    for signal in ["TERM", "INT"] {
+        let folder = Folder::with_scene();
+        let line = format!("{RUN} --checkpoint state.glanz -o part.exr --json");
+        let child = folder.start(&line);
+        let id = child.id();
+        // The probe of the output folder comes before the scene is read, the flag is listened to even before that.
+        std::thread::sleep(std::time::Duration::from_millis(400));
+        let sent = std::process::Command::new("kill").args([&format!("-{signal}"), &id.to_string()]).status();
+        assert!(sent.unwrap().success(), "the program ended before the signal");
+        let ran = finish(child, &line);
+        assert_eq!(ran.code, Some(130), "{}{}", ran.stdout, ran.stderr);
+        assert!(folder.has("part.exr") && folder.has("state.glanz"));
+        let done = ran.json()["samples_per_pixel"].as_u64().unwrap();
+        assert!(ran.json()["interrupted"] == true && (1..4096).contains(&done), "{}", ran.stdout);
+
+        folder.succeed(&format!("{RUN} --checkpoint state.glanz --resume -o resumed.exr -q"));
+        folder.succeed(&format!("{RUN} --threads 2 -o once.exr -q").replace("--threads 1 ", ""));
+        assert_eq!(folder.bytes("resumed.exr"), folder.bytes("once.exr"), "after SIG{signal}");
+    }
+}
+
+#[test]
+fn finished_checkpoint_resumed_is_a_success() {
+    let folder = Folder::with_scene();
+    let first = folder.succeed("render small.pbrt --checkpoint state.glanz --resume -o a.exr");
+    assert!(first.stderr.contains("state.glanz"), "that there was none is said: {}", first.stderr);
+    let again = folder.succeed("render small.pbrt --checkpoint state.glanz --resume -o b.exr --json");
+    assert_eq!(folder.bytes("a.exr"), folder.bytes("b.exr"));
+    assert_eq!(again.json()["samples"], 0, "nothing was left to do");
+    assert_eq!(again.json()["samples_per_pixel"], 8);
+
+    // More samples go on from there.
+    folder.succeed("render small.pbrt --checkpoint state.glanz --resume --spp 16 -o more.exr -q");
+    folder.succeed("render small.pbrt --spp 16 -o once.exr -q");
+    assert_eq!(folder.bytes("more.exr"), folder.bytes("once.exr"));
+}
+
+#[test]
+fn foreign_and_damaged_checkpoints_are_refused_with_the_reason() {
+    let folder = Folder::with_scene();
+    folder.succeed("render small.pbrt --checkpoint state.glanz -o a.exr -q");
+    let state = folder.bytes("state.glanz");
+    for (options, reason) in [
+        ("--size 12x9", "size"),
+        ("--seed 5", "seed"),
+        ("--integrator whitted", "integrator"),
+        ("--sampler independent", "sampler"),
+        ("--aov Z", "channels"),
+    ] {
+        let ran =
+            folder.run(&format!("render small.pbrt --checkpoint state.glanz --resume -o b.exr {options}"));
+        ran.refused(1, &["state.glanz", reason]);
+    }
+    folder.write("small.pbrt", crate::support::SCENE.replace("fov\" 35", "fov\" 36"));
+    folder
+        .run("render small.pbrt --checkpoint state.glanz --resume -o b.exr")
+        .refused(1, &["state.glanz", "scene"]);
+    folder.write("small.pbrt", crate::support::SCENE);
+
+    let mut flipped = state.clone();
+    let middle = flipped.len() / 2;
+    flipped[middle] ^= 0x10;
+    for (bytes, reason) in [
+        (flipped, "damaged"),
+        (state[..state.len() - 7].to_vec(), "damaged"),
+        (b"solid teapot".to_vec(), "not a checkpoint"),
+        (Vec::new(), "not a checkpoint"),
+    ] {
+        folder.write("bad.glanz", &bytes);
+        folder
+            .run("render small.pbrt --checkpoint bad.glanz --resume -o b.exr")
+            .refused(1, &["bad.glanz", reason]);
+        folder.run("merge state.glanz bad.glanz -o b.exr").refused(1, &["bad.glanz", reason]);
+        assert_eq!(folder.bytes("bad.glanz"), bytes, "a refused checkpoint is left as it is");
+    }
+    assert!(!folder.has("b.exr"));
+
+    // Nothing is lost by resuming without being asked to: an old checkpoint is only replaced on purpose.
+    folder
+        .run("render small.pbrt --checkpoint state.glanz -o b.exr")
+        .refused(1, &["state.glanz", "--resume"]);
+    assert_eq!(folder.bytes("state.glanz"), state);
+}
+
+#[test]
+fn parts_that_do_not_go_together_are_refused() {
+    let folder = Folder::with_scene();
+    folder.succeed("render small.pbrt --samples 0..4 --checkpoint a.glanz -o a.exr -q");
+    folder.succeed("render small.pbrt --samples 3..6 --checkpoint b.glanz -o b.exr -q");
+    folder.succeed("render small.pbrt --samples 4..6 --seed 9 --checkpoint c.glanz -o c.exr -q");
+    folder.run("merge a.glanz b.glanz -o m.exr").refused(1, &["a.glanz", "b.glanz", "3", "--samples"]);
+    folder.run("merge a.glanz c.glanz -o m.exr").refused(1, &["c.glanz", "seed"]);
+    folder.run("merge a.glanz none.glanz -o m.exr").refused(1, &["none.glanz"]);
+    assert!(!folder.has("m.exr"));
+}
+
+#[test]
+fn checkpoint_appears_whole_while_rendering() {
+    let folder = Folder::with_scene();
+    let line = "render small.pbrt --spp 64 --checkpoint state.glanz -o a.exr -q";
+    let child = folder.start(line);
+    wait_until("the checkpoint", || folder.has("state.glanz"));
+    assert!(folder.bytes("state.glanz").starts_with(b"GLANZ"));
+    assert_eq!(finish(child, line).code, Some(0));
+    assert_eq!(folder.names(), ["a.exr", "small.pbrt", "state.glanz"], "no temporary file stays");
+}

@@ -1,0 +1,171 @@
+//! A folder for each test, and the program run in it.
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+use glanz::formats::image;
+use glanz::light::Pixels;
+
+/// Longest that any run may take before it counts as hanging.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A small scene with a light, a mirror, glass and shadows: every kind of path, at 24 x 18 pixels.
+pub(crate) const SCENE: &str = r#"
+LookAt 0 -6 2.5  0 0 0.8  0 0 1
+Camera "perspective" "float fov" 35
+Film "rgb" "integer xresolution" 24 "integer yresolution" 18 "string filename" "small.exr"
+Sampler "zsobol" "integer pixelsamples" 8
+Integrator "path" "integer maxdepth" 5
+WorldBegin
+LightSource "infinite" "rgb L" [0.2 0.25 0.3]
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [6 6 5]
+  Translate 0 0 4
+  Scale 1 1 -1
+  Shape "disk" "float radius" 1
+AttributeEnd
+Material "diffuse" "rgb reflectance" [0.6 0.5 0.4]
+Shape "disk" "float radius" 20
+Translate -1 0 1
+Material "dielectric" "float eta" 1.5
+Shape "sphere" "float radius" 0.9
+Translate 2 0 -0.2
+Material "conductor" "spectrum eta" "metal-Au-eta" "spectrum k" "metal-Au-k"
+Shape "cylinder" "float radius" 0.7 "float zmin" -0.8 "float zmax" 0.8
+"#;
+
+/// A folder of its own, gone when the test ends.
+pub(crate) struct Folder(PathBuf);
+
+impl Folder {
+    pub(crate) fn new() -> Self {
+        static COUNTER: AtomicU32 = AtomicU32::new(0);
+        let number = COUNTER.fetch_add(1, Ordering::Relaxed);
+        let path = std::env::temp_dir().join(format!("glanz-test-{}-{number}", std::process::id()));
+        std::fs::create_dir_all(&path).expect("a folder for the test");
+        Self(path)
+    }
+
+    /// A folder that holds [`SCENE`] as `small.pbrt`.
+    pub(crate) fn with_scene() -> Self {
+        let folder = Self::new();
+        folder.write("small.pbrt", SCENE);
+        folder
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        std::fs::write(self.path(name), content).expect("a file of the test");
+    }
+
+    pub(crate) fn bytes(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.path(name).exists()
+    }
+
+    /// The names of all files, sorted.
+    pub(crate) fn names(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(&self.0).expect("the folder of the test");
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    pub(crate) fn picture(&self, name: &str) -> Pixels {
+        let image = image::read(&self.bytes(name), Some(Path::new(name)), image::Encoding::Srgb);
+        image.unwrap_or_else(|error| panic!("{name}: {error}")).pixels
+    }
+
+    /// The program with the blank-separated words of `line`, in this folder.
+    fn command(&self, line: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_glanz"));
+        command.current_dir(&self.0).args(line.split_whitespace()).stdin(Stdio::null());
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    /// Starts the program.
+    pub(crate) fn start(&self, line: &str) -> Child {
+        self.command(line).spawn().expect("the program starts")
+    }
+
+    /// Runs the program to its end.
+    pub(crate) fn run(&self, line: &str) -> Ran {
+        finish(self.start(line), line)
+    }
+
+    /// Runs the program and expects success.
+    pub(crate) fn succeed(&self, line: &str) -> Ran {
+        let ran = self.run(line);
+        assert_eq!(ran.code, Some(0), "glanz {line}\n{}{}", ran.stdout, ran.stderr);
+        ran
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// How a run ended.
+pub(crate) struct Ran {
+    pub(crate) code: Option<i32>,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+impl Ran {
+    pub(crate) fn json(&self) -> serde_json::Value {
+        serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error} in {}", self.stdout))
+    }
+
+    /// Expects a failure with `code` that says each of `words` and never a panic.
+    pub(crate) fn refused(&self, code: i32, words: &[&str]) {
+        assert_eq!(self.code, Some(code), "{}{}", self.stdout, self.stderr);
+        assert!(self.stderr.starts_with("error: "), "{}", self.stderr);
+        assert!(!self.stderr.contains("panicked"), "{}", self.stderr);
+        for word in words {
+            assert!(self.stderr.contains(word), "\"{word}\" is not in:\n{}", self.stderr);
+        }
+    }
+}
+
+/// Waits for the end; a run that hangs is killed and fails the test.
+pub(crate) fn finish(child: Child, line: &str) -> Ran {
+    let id = child.id();
+    let (sender, receiver) = std::sync::mpsc::channel();
+    let waiting = std::thread::spawn(move || sender.send(child.wait_with_output()));
+    let output: Output = match receiver.recv_timeout(PATIENCE) {
+        Ok(output) => output.expect("the output of the program"),
+        Err(_) => {
+            let _ = Command::new("kill").args(["-9", &id.to_string()]).status();
+            panic!("glanz {line} hangs");
+        }
+    };
+    waiting.join().expect("the waiting thread").expect("a listener");
+    Ran {
+        code: output.status.code(),
+        stdout: String::from_utf8(output.stdout).expect("text"),
+        stderr: String::from_utf8(output.stderr).expect("text"),
+    }
+}
+
+/// Waits until `condition` holds.
+pub(crate) fn wait_until(what: &str, condition: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !condition() {
+        assert!(start.elapsed() < PATIENCE, "{what} does not happen");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
