@@ -73,7 +73,7 @@ fn check_ray(case: &Case, ray: &Ray, pcg: &mut Pcg, tally: &mut Tally) -> Result
     for hit in &hits {
         let point = case.surface.point(ray, hit);
         check_point(case, ray, hit, &point)?;
-        if tally.hits % DERIVATIVES_EVERY == 0 {
+        if tally.hits.is_multiple_of(DERIVATIVES_EVERY) {
             check_derivatives(case, &point)?;
         }
         if case.distance_to_singular(point.position) > 1e-3 * case.size {
