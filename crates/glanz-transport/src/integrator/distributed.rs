@@ -6,7 +6,6 @@ use glanz_scene::{Interaction, LightId};
 
 use super::path::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
 use super::vertex::{Origin, Vertex, roulette};
-use super::whitted::specular_branches;
 use super::{Context, FIRST_DIMENSION, Integrator, IntegratorSettings};
 
 /// Several rays from a hit instead of one.
@@ -176,10 +175,9 @@ impl Distributed {
 
     /// All directions of a surface of delta lobes, the budget divided between them.
     fn divide(&self, context: &mut Context<'_>, walk: &Walk, vertex: &Vertex<'_>) -> Spectrum {
-        let branches = specular_branches(vertex);
-        let count = branches.iter().flatten().count() as u32;
+        let count = vertex.delta_branches().count() as u32;
         let mut sum = Spectrum::BLACK;
-        for (j, branch) in (0..).zip(branches.iter().flatten()) {
+        for (j, branch) in (0..).zip(vertex.delta_branches()) {
             let next = Walk {
                 ray: vertex.at.spawn(branch.direction),
                 throughput: branch.weight,

@@ -20,7 +20,7 @@ mod whitted;
 
 pub use distributed::Distributed;
 pub use path::Path;
-pub use whitted::Whitted;
+pub use whitted::{SMALLEST_WEIGHT, Whitted};
 
 /// Estimates the radiance along camera rays.
 pub trait Integrator: Send + Sync {

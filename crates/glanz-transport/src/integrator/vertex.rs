@@ -4,7 +4,7 @@ use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Frame};
 use glanz_sampling::mis;
 use glanz_scene::{Interaction, LightId};
-use glanz_shading::{Bsdf, TransportMode};
+use glanz_shading::{Bsdf, BsdfSample, TransportMode};
 
 use super::Context;
 
@@ -44,22 +44,9 @@ impl<'a> Vertex<'a> {
         Self { at, bsdf, frame, wo: frame.to_local(at.wo), viewer_side }
     }
 
-    pub(super) fn bsdf(&self) -> &Bsdf {
-        &self.bsdf
-    }
-
     /// The shading normal on the viewer's side.
     pub(super) fn normal_to_viewer(&self) -> DVec3 {
         if self.wo.z < 0.0 { -self.frame.z } else { self.frame.z }
-    }
-
-    /// Direction to the viewer in the frame of the BSDF.
-    pub(super) fn local_wo(&self) -> DVec3 {
-        self.wo
-    }
-
-    pub(super) fn to_world(&self, local: DVec3) -> DVec3 {
-        self.frame.to_world(local)
     }
 
     pub(super) fn albedo(&self) -> Spectrum {
@@ -67,7 +54,7 @@ impl<'a> Vertex<'a> {
     }
 
     /// Whether shading and surface normal agree on which side `direction` is.
-    pub(super) fn is_consistent(&self, direction: DVec3, local: DVec3) -> bool {
+    fn is_consistent(&self, direction: DVec3, local: DVec3) -> bool {
         let reflects = self.at.point.normal.dot(direction) * self.viewer_side > 0.0;
         reflects == (local.z * self.wo.z > 0.0)
     }
@@ -84,7 +71,16 @@ impl<'a> Vertex<'a> {
 
     /// Draws a direction to go on.
     pub(super) fn sample(&self, xi: DVec2, xi_lobe: f64) -> Option<Scattered> {
-        let sample = self.bsdf.sample(self.wo, xi, xi_lobe, TransportMode::Radiance)?;
+        self.consistent(self.bsdf.sample(self.wo, xi, xi_lobe, TransportMode::Radiance)?)
+    }
+
+    /// All directions of delta lobes, each with the whole share of light it carries as weight.
+    pub(super) fn delta_branches(&self) -> impl Iterator<Item = Scattered> {
+        let branches = self.bsdf.delta_branches(self.wo, TransportMode::Radiance);
+        branches.into_iter().flatten().filter_map(|branch| self.consistent(branch))
+    }
+
+    fn consistent(&self, sample: BsdfSample) -> Option<Scattered> {
         let direction = self.frame.to_world(sample.wi);
         if sample.weight.is_black() || !self.is_consistent(direction, sample.wi) {
             return None;

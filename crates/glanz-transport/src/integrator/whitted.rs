@@ -1,11 +1,10 @@
 //! Classical ray tracing.
 
 use glanz_light::Spectrum;
-use glanz_math::{DVec2, DVec3, Ray};
+use glanz_math::Ray;
 use glanz_scene::{Light, LightId};
-use glanz_shading::model::Dielectric;
+use glanz_shading::Bsdf;
 use glanz_shading::model::phong::{ClassicLight, Coefficients, classic, classic_ambient};
-use glanz_shading::{Bsdf, TransportMode, fresnel};
 
 use super::path::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT};
 use super::vertex::Vertex;
@@ -65,8 +64,7 @@ impl Whitted {
                 return light;
             }
             if bsdf.is_delta() {
-                let branches = specular_branches(&vertex).into_iter().flatten();
-                stack.extend(branches.filter_map(|branch| {
+                stack.extend(vertex.delta_branches().filter_map(|branch| {
                     let weight = pending.weight * branch.weight;
                     let eta_scale = pending.eta_scale * branch.eta_scale;
                     let enough = weight.max_component() * eta_scale >= SMALLEST_WEIGHT;
@@ -139,50 +137,4 @@ fn phong_light(context: &mut Context<'_>, vertex: &Vertex<'_>, surface: &Coeffic
         }
     }
     light + classic_ambient(surface, ambient)
-}
-
-/// One direction of a delta lobe with the share of light it carries.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Branch {
-    /// In world space.
-    pub(super) direction: DVec3,
-    /// Factor on the throughput.
-    pub(super) weight: Spectrum,
-    pub(super) eta_scale: f32,
-}
-
-/// All directions that a surface of delta lobes scatters to; at most reflection and refraction.
-pub(super) fn specular_branches(vertex: &Vertex<'_>) -> [Option<Branch>; 2] {
-    match vertex.bsdf() {
-        Bsdf::Dielectric(glass) => {
-            let reflected = reflected_share(glass, vertex.local_wo());
-            // The lobe is chosen by `xi_lobe`: 0 reflects if anything is, the largest number below 1 refracts if anything is.
-            [(0.0, reflected), (1.0 - f64::EPSILON, 1.0 - reflected)]
-                .map(|(xi_lobe, probability)| branch(vertex, xi_lobe, probability))
-        }
-        _ => [branch(vertex, 0.0, 1.0), None],
-    }
-}
-
-/// The lobe that `xi_lobe` chooses, with the `probability` of that choice taken out of its weight.
-fn branch(vertex: &Vertex<'_>, xi_lobe: f64, probability: f64) -> Option<Branch> {
-    if probability <= 0.0 {
-        return None;
-    }
-    let wo = vertex.local_wo();
-    let sample = vertex.bsdf().sample(wo, DVec2::splat(0.5), xi_lobe, TransportMode::Radiance)?;
-    let direction = vertex.to_world(sample.wi);
-    let weight = sample.weight * probability as f32;
-    let passes = !weight.is_black() && vertex.is_consistent(direction, sample.wi);
-    passes.then_some(Branch { direction, weight, eta_scale: sample.eta_scale })
-}
-
-/// Probability with which [`Dielectric::sample`] reflects.
-fn reflected_share(glass: &Dielectric, wo: DVec3) -> f64 {
-    let eta = if wo.z > 0.0 || glass.thin { glass.eta } else { 1.0 / glass.eta };
-    let face = fresnel::dielectric(wo.z.abs(), eta).reflectance;
-    let share = if glass.thin { 2.0 * face / (1.0 + face) } else { face };
-    let reflected = f64::from((glass.reflectance * share as f32).max_component());
-    let transmitted = f64::from((glass.transmittance * (1.0 - share) as f32).max_component());
-    if reflected + transmitted > 0.0 { reflected / (reflected + transmitted) } else { 0.0 }
 }
