@@ -1,0 +1,337 @@
+//! Spectra that a scene may call by name: metals, glasses, illuminants.
+//!
+//! The names are those of pbrt-v4 (@pbrt4, file format, "spectrum" parameters). The values are published measurements,
+//! not always the ones that pbrt has: where pbrt's source is not stated, the published data closest to it were taken.
+//! Normal reflectances of the metals then agree with pbrt's to 0.04.
+//!
+//! ```
+//! use glanz_light::{named, Wavelengths};
+//!
+//! let gold = named::spectrum("metal-Au-eta").ok_or("no such spectrum")?;
+//! let [red, _, blue] = gold.unbounded(&Wavelengths::Rgb).to_rgb(&Wavelengths::Rgb);
+//! assert!(red < 0.3 && blue > 1.2);
+//! assert!(named::spectrum("metal-Xx-eta").is_none());
+//! # Ok::<(), &str>(())
+//! ```
+
+mod illuminants;
+mod metals;
+
+use crate::cie;
+use crate::distribution::{DistributionError, Samples, SpectralDistribution};
+
+/// Where the values of a name come from.
+#[derive(Clone, Copy)]
+enum Source {
+    /// Index of refraction in a table of nm, eta, k.
+    Eta(&'static [[f32; 3]]),
+    /// Absorption in such a table.
+    K(&'static [[f32; 3]]),
+    /// Index from a formula.
+    Formula(&'static Formula),
+    /// No absorption in the visible range.
+    Clear,
+    /// Equally spaced values, brought to luminance 1.
+    Illuminant(Illuminant),
+}
+
+#[derive(Clone, Copy)]
+enum Illuminant {
+    A,
+    D50,
+    D60,
+    D65,
+    /// Counted from zero.
+    F(usize),
+}
+
+/// n^2 = a + sum b w^2 / (w^2 - c), w the wavelength in micrometres, inside a range of nm.
+struct Formula {
+    a: f64,
+    /// Pairs b, c.
+    terms: [(f64, f64); 3],
+    /// The range that the source gives for it, nm; beyond it the value at its end is taken.
+    range: (f64, f64),
+}
+
+impl Formula {
+    /// Schott's form, a = 1 (@schott2017).
+    const fn sellmeier(b: [f64; 3], c: [f64; 3], first_nm: f64) -> Self {
+        Self { a: 1.0, terms: [(b[0], c[0]), (b[1], c[1]), (b[2], c[2])], range: (first_nm, 2500.0) }
+    }
+
+    fn index(&self, nm: f64) -> f64 {
+        let w2 = (nm.clamp(self.range.0, self.range.1) * 1e-3).powi(2);
+        self.terms.iter().fold(self.a, |sum, (b, c)| sum + b * w2 / (w2 - c)).sqrt()
+    }
+}
+
+static N_BK7: Formula = Formula::sellmeier(
+    [1.039_612_12, 0.231_792_344, 1.010_469_45],
+    [0.006_000_698_67, 0.020_017_914_4, 103.560_653],
+    300.0,
+);
+static N_BAF10: Formula = Formula::sellmeier(
+    [1.585_149_5, 0.143_559_385, 1.085_212_69],
+    [0.009_266_812_82, 0.042_448_980_5, 105.613_573],
+    350.0,
+);
+static N_FK51A: Formula = Formula::sellmeier(
+    [0.971_247_817, 0.216_901_417, 0.904_651_666],
+    [0.004_723_019_95, 0.015_357_561_2, 168.681_33],
+    290.0,
+);
+static N_LASF9: Formula = Formula::sellmeier(
+    [2.000_295_47, 0.298_926_886, 1.806_918_43],
+    [0.012_142_601_7, 0.053_873_623_6, 156.530_829],
+    365.0,
+);
+static N_SF5: Formula = Formula::sellmeier(
+    [1.524_818_89, 0.187_085_527, 1.427_290_15],
+    [0.011_254_756, 0.058_899_539_2, 129.141_675],
+    370.0,
+);
+static N_SF10: Formula = Formula::sellmeier(
+    [1.621_539_02, 0.256_287_842, 1.644_475_52],
+    [0.012_224_145_7, 0.059_573_677_5, 147.468_793],
+    380.0,
+);
+static N_SF11: Formula = Formula::sellmeier(
+    [1.737_596_95, 0.313_747_346, 1.898_781_01],
+    [0.013_188_707, 0.062_306_814_2, 155.236_29],
+    370.0,
+);
+
+/// Magnesium oxide, @stephens1952: n^2 = 2.957019 + 0.0216485 / (w^2 - 0.015865) - 0.0101373 w^2. Written with
+/// b / (w^2 - c) = (b / c) (w^2 / (w^2 - c) - 1), and the last term as one that is linear in w^2 over the range.
+static MGO: Formula = Formula {
+    a: 2.957_019 - 0.021_648_5 / 0.015_865,
+    terms: [(0.021_648_5 / 0.015_865, 0.015_865), (0.010_137_3e6, 1e6), (0.0, 1.0)],
+    range: (404.7, 767.9),
+};
+
+/// Rutile, extraordinary ray, @devore1951: n^2 = 7.197 + 0.3322 / (w^2 - 0.0843), written as for [`MGO`].
+static TIO2: Formula = Formula {
+    a: 7.197 - 0.3322 / 0.0843,
+    terms: [(0.3322 / 0.0843, 0.0843), (0.0, 1.0), (0.0, 1.0)],
+    range: (430.0, 1530.0),
+};
+
+static TABLE: &[(&str, Source)] = &[
+    ("glass-BAF10", Source::Formula(&N_BAF10)),
+    ("glass-BK7", Source::Formula(&N_BK7)),
+    ("glass-F10", Source::Formula(&N_SF10)),
+    ("glass-F11", Source::Formula(&N_SF11)),
+    ("glass-F5", Source::Formula(&N_SF5)),
+    ("glass-FK51A", Source::Formula(&N_FK51A)),
+    ("glass-LASF9", Source::Formula(&N_LASF9)),
+    ("glass-SF10", Source::Formula(&N_SF10)),
+    ("glass-SF11", Source::Formula(&N_SF11)),
+    ("glass-SF5", Source::Formula(&N_SF5)),
+    ("illum-acesD60", Source::Illuminant(Illuminant::D60)),
+    ("metal-Ag-eta", Source::Eta(metals::SILVER)),
+    ("metal-Ag-k", Source::K(metals::SILVER)),
+    ("metal-Al-eta", Source::Eta(metals::ALUMINIUM)),
+    ("metal-Al-k", Source::K(metals::ALUMINIUM)),
+    ("metal-Au-eta", Source::Eta(metals::GOLD)),
+    ("metal-Au-k", Source::K(metals::GOLD)),
+    ("metal-Cu-eta", Source::Eta(metals::COPPER)),
+    ("metal-Cu-k", Source::K(metals::COPPER)),
+    ("metal-CuZn-eta", Source::Eta(metals::BRASS)),
+    ("metal-CuZn-k", Source::K(metals::BRASS)),
+    ("metal-MgO-eta", Source::Formula(&MGO)),
+    ("metal-MgO-k", Source::Clear),
+    ("metal-TiO2-eta", Source::Formula(&TIO2)),
+    ("metal-TiO2-k", Source::Clear),
+    ("stdillum-A", Source::Illuminant(Illuminant::A)),
+    ("stdillum-D50", Source::Illuminant(Illuminant::D50)),
+    ("stdillum-D65", Source::Illuminant(Illuminant::D65)),
+    ("stdillum-F1", Source::Illuminant(Illuminant::F(0))),
+    ("stdillum-F2", Source::Illuminant(Illuminant::F(1))),
+    ("stdillum-F3", Source::Illuminant(Illuminant::F(2))),
+    ("stdillum-F4", Source::Illuminant(Illuminant::F(3))),
+    ("stdillum-F5", Source::Illuminant(Illuminant::F(4))),
+    ("stdillum-F6", Source::Illuminant(Illuminant::F(5))),
+    ("stdillum-F7", Source::Illuminant(Illuminant::F(6))),
+    ("stdillum-F8", Source::Illuminant(Illuminant::F(7))),
+    ("stdillum-F9", Source::Illuminant(Illuminant::F(8))),
+    ("stdillum-F10", Source::Illuminant(Illuminant::F(9))),
+    ("stdillum-F11", Source::Illuminant(Illuminant::F(10))),
+    ("stdillum-F12", Source::Illuminant(Illuminant::F(11))),
+];
+
+/// All names that [`spectrum`] knows.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    TABLE.iter().map(|(name, _)| *name)
+}
+
+/// The spectrum called `name`; upper and lower case count. Illuminants have luminance 1. What pbrt calls `glass-F5`,
+/// `glass-F10` and `glass-F11` are Schott's SF5, SF10 and SF11, which go by these names, too.
+#[must_use]
+pub fn spectrum(name: &str) -> Option<SpectralDistribution> {
+    let (_, source) = TABLE.iter().find(|(known, _)| *known == name)?;
+    match *source {
+        Source::Eta(table) => column(table, 1),
+        Source::K(table) => column(table, 2),
+        Source::Formula(formula) => from_formula(formula),
+        Source::Clear => Ok(SpectralDistribution::Constant(0.0)),
+        Source::Illuminant(which) => illuminant(which),
+    }
+    .ok()
+}
+
+fn column(table: &[[f32; 3]], index: usize) -> Result<SpectralDistribution, DistributionError> {
+    SpectralDistribution::try_sampled(table.iter().map(|row| (row[0], row[index])).collect::<Vec<_>>())
+}
+
+fn from_formula(formula: &Formula) -> Result<SpectralDistribution, DistributionError> {
+    // Between samples 5 nm apart the index departs from a line by less than 2e-4.
+    let points: Vec<(f32, f32)> = (0..cie::COUNT)
+        .map(|i| cie::FIRST_NM + cie::STEP_NM * i as f64)
+        .map(|nm| (nm as f32, formula.index(nm) as f32))
+        .collect();
+    SpectralDistribution::try_sampled(points)
+}
+
+fn illuminant(which: Illuminant) -> Result<SpectralDistribution, DistributionError> {
+    let from_cie = |table: &[f64]| table.iter().map(|&v| v as f32).collect::<Vec<_>>();
+    let (first, values) = match which {
+        Illuminant::A => (cie::FIRST_NM as f32, from_cie(&cie::A)),
+        Illuminant::D65 => (cie::FIRST_NM as f32, from_cie(&cie::D65)),
+        Illuminant::D50 => (illuminants::DAYLIGHT_FIRST_NM, illuminants::D50.to_vec()),
+        Illuminant::D60 => (illuminants::DAYLIGHT_FIRST_NM, illuminants::D60.to_vec()),
+        Illuminant::F(lamp) => {
+            let values = illuminants::LAMPS.get(lamp).map(|l| l.to_vec()).unwrap_or_default();
+            (illuminants::LAMP_FIRST_NM, values)
+        }
+    };
+    let points: Vec<(f32, f32)> =
+        values.into_iter().enumerate().map(|(i, v)| (first + 5.0 * i as f32, v)).collect();
+    let samples = Samples::try_new(points)?;
+    let luminance = SpectralDistribution::Sampled(samples.clone()).luminance();
+    Ok(SpectralDistribution::Sampled(samples.scaled(1.0 / luminance)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Wavelengths;
+    use crate::rgb::rgb_to_xyz;
+
+    fn at(name: &str, nm: f64) -> f64 {
+        match spectrum(name) {
+            Some(SpectralDistribution::Sampled(samples)) => samples.at(nm),
+            Some(SpectralDistribution::Constant(value)) => f64::from(value),
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+
+    /// Fresnel's reflectance at normal incidence.
+    fn reflectance(metal: &str, nm: f64) -> f64 {
+        let (n, k) = (at(&format!("metal-{metal}-eta"), nm), at(&format!("metal-{metal}-k"), nm));
+        ((n - 1.0).powi(2) + k * k) / ((n + 1.0).powi(2) + k * k)
+    }
+
+    #[test]
+    fn every_listed_name_is_a_spectrum_and_no_other() {
+        assert_eq!(names().count(), 40);
+        for name in names() {
+            assert!(spectrum(name).is_some(), "{name}");
+        }
+        for name in ["", "metal-au-eta", "stdillum-F13", "glass-"] {
+            assert!(spectrum(name).is_none(), "{name}");
+        }
+    }
+
+    #[test]
+    fn glasses_have_the_index_of_the_maker_at_the_yellow_helium_line() {
+        // n_d of the Schott catalogue, at 587.5618 nm.
+        for (name, formula, expected) in [
+            ("glass-BK7", &N_BK7, 1.51680),
+            ("glass-BAF10", &N_BAF10, 1.67003),
+            ("glass-FK51A", &N_FK51A, 1.48656),
+            ("glass-LASF9", &N_LASF9, 1.85025),
+            ("glass-SF5", &N_SF5, 1.67271),
+            ("glass-SF10", &N_SF10, 1.72828),
+            ("glass-SF11", &N_SF11, 1.78472),
+        ] {
+            assert!((formula.index(587.5618) - expected).abs() < 1e-5, "{name}");
+            assert!((at(name, 587.5618) - expected).abs() < 5e-5, "{name}");
+        }
+        assert_eq!(spectrum("glass-F11"), spectrum("glass-SF11"));
+    }
+
+    #[test]
+    fn sampled_index_follows_its_formula() {
+        for formula in [&N_BK7, &N_SF11, &N_SF10, &N_LASF9, &TIO2, &MGO] {
+            let Ok(SpectralDistribution::Sampled(samples)) = from_formula(formula) else { panic!() };
+            for nm in 360..830 {
+                let nm = f64::from(nm);
+                assert!(
+                    (samples.at(nm) - formula.index(nm)).abs() < 2e-4,
+                    "{nm} {} {}",
+                    samples.at(nm),
+                    formula.index(nm)
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn oxides_have_their_measured_indices() {
+        // The tables that pbrt distributes have 1.73737 at 589.259 nm, and 2.92 and 2.90 at 579.888 and 600.097 nm.
+        assert!((at("metal-MgO-eta", 589.259) - 1.737_37).abs() < 2e-4, "{}", at("metal-MgO-eta", 589.259));
+        for (nm, eta) in [(579.888, 2.92), (600.097, 2.90)] {
+            assert!((at("metal-TiO2-eta", nm) - eta).abs() < 0.01, "{}", at("metal-TiO2-eta", nm));
+        }
+        assert_eq!(at("metal-MgO-k", 500.0), 0.0);
+    }
+
+    #[test]
+    fn metals_reflect_as_the_tables_that_renderers_share() {
+        // Fresnel reflectances of the eta and k that pbrt distributes, computed from its tables at these wavelengths.
+        for (metal, expected) in [
+            ("Ag", [(399.948_975, 0.866), (495.936_707, 0.946), (604.8, 0.967)]),
+            ("Al", [(399.948_975, 0.924), (495.936_707, 0.923), (604.8, 0.916)]),
+            ("Au", [(399.948_975, 0.391), (495.936_707, 0.481), (604.8, 0.916)]),
+            ("Cu", [(399.948_975, 0.493), (495.936_707, 0.592), (604.8, 0.871)]),
+        ] {
+            for (nm, reflected) in expected {
+                let found = reflectance(metal, nm);
+                assert!(
+                    (found - reflected).abs() < 0.04,
+                    "{metal} at {nm} nm: {found}, expected {reflected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn brass_is_yellow() {
+        assert!(reflectance("CuZn", 450.0) < 0.5 && reflectance("CuZn", 600.0) > 0.8);
+    }
+
+    #[test]
+    fn illuminants_have_luminance_one_and_their_published_colours() {
+        // CIE 015:2018 tables 3 and 8.2; D60 as computed from its table by the ACES documents.
+        for (name, x, y) in [
+            ("stdillum-A", 0.44758, 0.40745),
+            ("stdillum-D50", 0.34567, 0.35851),
+            ("stdillum-D65", 0.31272, 0.32903),
+            ("stdillum-F1", 0.3131, 0.3371),
+            ("stdillum-F2", 0.3721, 0.3751),
+            ("stdillum-F7", 0.3129, 0.3292),
+            ("stdillum-F11", 0.3805, 0.3769),
+            ("stdillum-F12", 0.4370, 0.4042),
+            ("illum-acesD60", 0.32168, 0.33767),
+        ] {
+            let light = spectrum(name).unwrap();
+            assert!((light.luminance() - 1.0).abs() < 1e-5, "{name}");
+            let rgb = light.radiance(&Wavelengths::Rgb).to_rgb(&Wavelengths::Rgb);
+            let xyz = rgb_to_xyz(rgb.map(f64::from));
+            let sum: f64 = xyz.iter().sum();
+            let found = (xyz[0] / sum, xyz[1] / sum);
+            assert!((found.0 - x).abs() < 5e-4 && (found.1 - y).abs() < 5e-4, "{name}: {found:?}");
+        }
+    }
+}
