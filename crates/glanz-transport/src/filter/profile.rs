@@ -8,6 +8,8 @@
 pub(super) struct Profile {
     /// Ascending from 0 to 1; zeros of the interpolant are nodes, so that no segment changes sign.
     nodes: Vec<Node>,
+    /// For equal shares of the magnitude: the first node above the lower end of each.
+    guide: Vec<u32>,
     net_weight: f64,
 }
 
@@ -65,7 +67,10 @@ impl Profile {
             node.below /= total;
         }
         let one_sign = nodes.iter().all(|n| n.value >= 0.0);
-        Ok(Self { nodes, net_weight: if one_sign { 1.0 } else { signed / total } })
+        let count = nodes.len();
+        let above = |share: usize| nodes.partition_point(|n| n.below <= share as f64 / count as f64) as u32;
+        let guide = (0..count).map(above).collect();
+        Ok(Self { nodes, guide, net_weight: if one_sign { 1.0 } else { signed / total } })
     }
 
     /// Integral of the function over that of its magnitude.
@@ -82,7 +87,12 @@ impl Profile {
 
     /// Where the share `u` in [0, 1] of the magnitude lies below, and whether the function is negative there.
     pub(super) fn sample(&self, u: f64) -> (f64, bool) {
-        let at = self.nodes.partition_point(|n| n.below <= u).clamp(1, self.nodes.len() - 1);
+        // The guide leads to the node or a few before it (@chen1974).
+        let share = ((u * self.guide.len() as f64) as usize).min(self.guide.len() - 1);
+        let mut at = (self.guide[share] as usize).clamp(1, self.nodes.len() - 1);
+        while at < self.nodes.len() - 1 && self.nodes[at].below <= u {
+            at += 1;
+        }
         let (a, b) = (self.nodes[at - 1], self.nodes[at]);
         let (fa, fb) = (a.value.abs(), b.value.abs());
         // With t in [0, 1] across the segment: width (fa t + (fb - fa) t^2 / 2) = u - below, solved without cancellation.
