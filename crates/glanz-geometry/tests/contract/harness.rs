@@ -125,8 +125,8 @@ pub fn check_point(case: &Case, ray: &Ray, hit: &Hit, point: &SurfacePoint) -> R
     if !finite.iter().all(|v| v.is_finite()) || !point.uv.is_finite() {
         return Err(format!("not finite: {hit:?} {point:?}"));
     }
-    // The ray itself is known to the rounding of its origin only.
-    let reach = 1e-9 * case.size;
+    // Infinite surfaces are met so far out that coordinates have fewer digits.
+    let reach = 1e-9 * case.size + 1e-15 * p.distance(case.center);
     let on_ray = (p - ray.origin).cross(ray.direction).length() / ray.direction.length();
     let along = p.distance(ray.at(hit.t));
     if on_ray > reach || along > reach {

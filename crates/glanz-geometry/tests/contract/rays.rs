@@ -137,6 +137,6 @@ fn adversarial(case: &Case, pcg: &mut Pcg) -> (DVec3, DVec3) {
     };
     // Some pass the target at a distance between rounding and visible.
     let miss = if pcg.unit() < 0.5 { 0.0 } else { case.size * 10_f64.powf(pcg.between(-16.0, -2.0)) };
-    let back = case.size * if pcg.unit() < 0.2 { 0.0 } else { 10_f64.powf(pcg.between(-6.0, 2.0)) };
+    let back = case.size * if pcg.unit() < 0.2 { 0.0 } else { 10_f64.powf(pcg.between(-6.0, 5.0)) };
     (target + pcg.direction() * miss - direction * back, direction)
 }
