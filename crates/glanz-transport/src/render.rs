@@ -9,6 +9,7 @@ use glanz_sampling::{PixelSampler, SamplerKind};
 use glanz_scene::Scene;
 use rayon::prelude::*;
 
+use crate::exact::MAX_TERMS;
 use crate::film::{Film, FilmError, PixelRect};
 use crate::filter::Filter;
 use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Integrator};
@@ -87,7 +88,8 @@ pub enum RenderError {
 /// whether it was begun by another run. After each pass `progress` is told, and the loop ends if `stop` is set.
 ///
 /// # Errors
-/// [`RenderError`] before the first pass, if the film does not go with the filter or the threads cannot be started.
+/// [`RenderError`] before the first pass, if the film does not go with the filter, would get more samples than it can
+/// hold, or the threads cannot be started.
 pub fn render(
     scene: &Scene,
     integrator: &dyn Integrator,
@@ -98,6 +100,10 @@ pub fn render(
 ) -> Result<RenderOutcome, RenderError> {
     if film.format().signed != settings.filter.is_signed() {
         return Err(RenderError::Filter);
+    }
+    let new = missing(&film, settings);
+    if film.samples().total() + new > u64::from(MAX_TERMS) {
+        return Err(FilmError::Samples(film.samples().total() + new).into());
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
     let options = ContextOptions::new(scene, film.format().aovs.needs_first_hit());
@@ -134,6 +140,12 @@ pub fn render(
     Ok(RenderOutcome { film, finished, elapsed: start.elapsed(), counters, samples })
 }
 
+/// Number of samples per pixel that are asked for and not taken yet.
+fn missing(film: &Film, settings: &RenderSettings) -> u64 {
+    let missing = film.samples().missing(settings.samples.clone());
+    missing.iter().map(|r| u64::from(r.end - r.start)).sum()
+}
+
 fn report(
     film: &Film,
     settings: &RenderSettings,
@@ -141,8 +153,7 @@ fn report(
     counters: Counters,
     elapsed: Duration,
 ) -> ProgressReport {
-    let missing = film.samples().missing(settings.samples.clone());
-    let missing: u64 = missing.iter().map(|r| u64::from(r.end - r.start)).sum();
+    let missing = missing(film, settings);
     let wanted = u64::from(settings.samples.end.saturating_sub(settings.samples.start));
     ProgressReport {
         samples_done: wanted - missing,

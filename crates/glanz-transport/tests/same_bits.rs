@@ -12,8 +12,8 @@ use glanz_math::{DMat4, DVec3};
 use glanz_sampling::SamplerKind;
 use glanz_scene::description::{FilterDescription, FilterKind, LightKind};
 use glanz_transport::{
-    AovSet, Checkpoint, Film, Finished, MergeError, PictureIdentity, Progress, ProgressReport, RenderError,
-    RenderSettings, Silent, merge, render,
+    AovSet, Checkpoint, Film, FilmError, Finished, MergeError, PictureIdentity, Progress, ProgressReport,
+    RenderError, RenderSettings, Silent, merge, render,
 };
 
 fn scene() -> Builder {
@@ -276,4 +276,20 @@ fn film_for_another_filter_is_refused() {
         &AtomicBool::new(false),
     );
     assert!(matches!(error, Err(RenderError::Filter)));
+}
+
+#[test]
+fn more_samples_than_the_sums_hold_are_refused() {
+    let run = Run { samples: 0..u32::MAX, ..runs()[0].clone() };
+    let builder = scene();
+    let integrator = run.integrator_settings().build();
+    let error = render(
+        &builder.scene(),
+        integrator.as_ref(),
+        &run.settings(&builder.0),
+        fresh(&run),
+        &mut Silent,
+        &AtomicBool::new(false),
+    );
+    assert!(matches!(error, Err(RenderError::Film(FilmError::Samples(4_294_967_295)))));
 }
