@@ -179,14 +179,18 @@ fn solve([q00, q10, q01, q11]: [DVec3; 4]) -> Found {
     let Some(candidates) = quadratic::roots(a, b, at_0) else { return [None; 2] };
     let size = [q00, q10, q01, q11].iter().fold(0.0_f64, |s, q| s.max(q.truncate().length()));
     let noise = gamma(24) * size * size;
-    candidates.map(|u| {
-        let slope = (2.0 * a * u + b).abs();
-        let u = near_unit(u, if slope > 0.0 { noise / slope } else { 0.0 })?;
+    candidates.map(|found_u| {
+        let slope = (2.0 * a * found_u + b).abs();
+        let u = near_unit(found_u, if slope > 0.0 { noise / slope } else { 0.0 })?;
         let (low, high) = (q00.lerp(q10, u), q01.lerp(q11, u));
         let along = (high - low).truncate();
         let length2 = along.length_squared();
-        let v = near_unit(-low.truncate().dot(along) / length2, gamma(24) * size / length2.sqrt())?;
-        Some((low.z + (high.z - low.z) * v, u, v))
+        let found_v = -low.truncate().dot(along) / length2;
+        let v = near_unit(found_v, gamma(24) * size / length2.sqrt())?;
+        let off = (low.truncate() + along * v).length();
+        // What was moved to the border must be met there, to rounding.
+        let moved = u != found_u || v != found_v;
+        (!moved || off <= gamma(24) * size).then_some((low.z + (high.z - low.z) * v, u, v))
     })
 }
 

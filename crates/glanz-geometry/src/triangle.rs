@@ -8,6 +8,10 @@ use crate::error::{SurfaceError, finite};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::surface::RaySurface;
 
+/// Share of their products below which the edge functions have lost too many digits for the weights: 2^-16 leaves 37,
+/// which is 1e-11 of the triangle.
+const GRAZING: f64 = 1.0 / 65_536.0;
+
 /// A ray prepared for [`ShearedRay::intersect`]: the shear that turns it into the axis on which it goes furthest.
 ///
 /// # Source
@@ -60,6 +64,9 @@ impl ShearedRay {
     /// hits one of them at least. Triangles seen edge-on and those with two equal vertices are never hit. Nearly
     /// collinear ones may be, to within rounding: drop those without a [`unit_normal`].
     ///
+    /// Where the triangle is seen nearly edge-on, the edge functions are computed to the last digit, so that the weights
+    /// name a point next to the ray at any angle.
+    ///
     /// # Source
     /// @woop2013; departure: the fallback is an exact sign instead of a wider type.
     #[must_use]
@@ -68,7 +75,8 @@ impl ShearedRay {
         let mut u = c.x * b.y - c.y * b.x;
         let mut v = a.x * c.y - a.y * c.x;
         let mut w = b.x * a.y - b.y * a.x;
-        if u == 0.0 || v == 0.0 || w == 0.0 {
+        let largest = (c.x * b.y).abs() + (a.x * c.y).abs() + (b.x * a.y).abs();
+        if u == 0.0 || v == 0.0 || w == 0.0 || (u + v + w).abs() <= GRAZING * largest {
             u = difference_of_products(c.x, b.y, c.y, b.x);
             v = difference_of_products(a.x, c.y, a.y, c.x);
             w = difference_of_products(b.x, a.y, b.y, a.x);

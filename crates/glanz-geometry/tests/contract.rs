@@ -19,5 +19,9 @@ mod contract {
     pub mod solver;
 
     // The kinds, one line each.
+    mod algebraic;
+    mod bilinear;
+    mod flat;
     mod quadrics;
+    mod torus;
 }

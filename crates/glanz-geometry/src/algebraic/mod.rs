@@ -18,6 +18,9 @@ use crate::surface::RaySurface;
 /// Largest total degree of an [`AlgebraicSurface`].
 pub const MAX_DEGREE: usize = 4;
 
+/// Largest error of a position, in units of half the box: 2^-31.
+const CAP: f64 = 1.0 / 2_147_483_648.0;
+
 /// The summand `coefficient x^i y^j z^k`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Term {
@@ -122,32 +125,49 @@ impl AlgebraicSurface {
         Hit { t, u, v: d.truncate().length().atan2(d.z) / PI, face: 0 }
     }
 
-    /// The point of the surface nearest to `p` (relative to the center, in units of the scale), which is almost there.
-    fn settle(&self, p: DVec3) -> (DVec3, Jet) {
-        let jet = self.polynomial.jet(p);
-        let step = jet.gradient * (jet.value / jet.gradient.length_squared());
-        let moved = p - step;
-        if !moved.is_finite() {
-            return (p, jet);
+    /// The point of the surface nearest to `p` (relative to the center, in units of the scale), which is there but for
+    /// rounding: of the root, and `slack` for that of the position on the ray.
+    ///
+    /// Newton's step along the gradient; at a side of the box, once more within that side. Next to a singular point
+    /// the step may lead away, or far along the surface: there `p` itself is as good.
+    fn settle(&self, p: DVec3, slack: f64) -> (DVec3, Jet) {
+        let (min, max) =
+            ((self.bounds.min - self.center) / self.scale, (self.bounds.max - self.center) / self.scale);
+        let mut best = p.clamp(min, max);
+        let mut jet = self.polynomial.jet(best);
+        let mut free = DVec3::ONE;
+        for _ in 0..3 {
+            let along = jet.gradient * free;
+            let step = along * (jet.value / along.length_squared());
+            if step.is_nan() || step.length() > CAP.max(slack) {
+                break;
+            }
+            let moved = (best - step).clamp(min, max);
+            let there = self.polynomial.jet(moved);
+            if there.value.abs() < jet.value.abs() {
+                (best, jet) = (moved, there);
+            }
+            let inside = DVec3::select(moved.cmpgt(min) & moved.cmplt(max), DVec3::ONE, DVec3::ZERO);
+            if inside == free {
+                break;
+            }
+            free = inside;
         }
-        let there = self.polynomial.jet(moved);
-        // Next to a singular point the step may lead away.
-        if there.value.abs() < jet.value.abs() { (moved, there) } else { (p, jet) }
+        (best, jet)
     }
 
     /// Absolute error per axis, metres.
     ///
     /// The polynomial is off by 16 roundings of the sum of the moduli of its terms, here and again for the next ray; the
     /// distance this means is the error over the gradient. Where the gradient vanishes the second derivatives limit it.
-    /// No more than 2^-31 of the box is claimed: within about that distance of a singular point, rays may meet the
+    /// No more than [`CAP`] of the box is claimed: within about that distance of a singular point, rays may meet the
     /// surface that they start from.
     fn error(&self, jet: &Jet) -> DVec3 {
         let value_error = 2.0 * gamma(16) * jet.size;
         let h = jet.hessian;
         let bend = (h.x_axis.length_squared() + h.y_axis.length_squared() + h.z_axis.length_squared()).sqrt();
         let slope = jet.gradient.length().max((value_error * bend).sqrt());
-        let cap = 2.0_f64.powi(-31);
-        let off = if slope * cap > value_error { value_error / slope } else { cap };
+        let off = if slope * CAP > value_error { value_error / slope } else { CAP };
         // Position: into the local coordinates and back.
         let reach = self.bounds.min.abs().max(self.bounds.max.abs());
         DVec3::splat(off * self.scale + gamma(4) * self.scale) + reach * gamma(4)
@@ -209,7 +229,7 @@ impl RaySurface for AlgebraicSurface {
 
     fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let start = (Line::new(ray, hit.t).origin - self.center) / self.scale;
-        let (local, jet) = self.settle(start);
+        let (local, jet) = self.settle(start, gamma(8) * ray.origin.distance(self.center) / self.scale);
         let slope = jet.gradient.length();
         let normal = jet.gradient.try_normalize().unwrap_or_else(|| -ray.direction.normalize());
         let (sin_phi, cos_phi) = (hit.u * TAU).sin_cos();

@@ -210,7 +210,7 @@ impl Polyhedron {
     fn point_at(&self, facet: &Facet, u: f64, v: f64) -> SurfacePoint {
         let Frame { x, y, z } = facet.frame;
         SurfacePoint {
-            position: facet.center + u * x + v * y,
+            position: (facet.center + u * x + v * y).clamp(self.bounds.min, self.bounds.max),
             error: DVec3::splat(facet.error),
             normal: z,
             shading_normal: z,

@@ -32,6 +32,13 @@ pub struct Case {
     pub targets: Vec<[DVec3; 2]>,
     /// Points where the surface has no tangent plane. Roots next to them need only be on surface and ray.
     pub singular: Vec<DVec3>,
+    /// Segments along which the surface has no tangent plane: edges, lines of self-intersection. As `singular`.
+    pub ridges: Vec<[DVec3; 2]>,
+    /// How far `implicit`, or the function that the surface computes with, may be off by rounding.
+    pub noise: f64,
+    /// Samples that the slow solver takes of a ray in the ball. Three crossings closer together than two samples may
+    /// escape it.
+    pub resolution: usize,
     /// Further points where only the parameters degenerate: no derivatives are compared next to them.
     pub parameter_singular: Vec<DVec3>,
     /// Directions that adversarial rays like to take: rulings, asymptotes.
@@ -58,6 +65,9 @@ impl Case {
             samples: true,
             targets: Vec::new(),
             singular: Vec::new(),
+            ridges: Vec::new(),
+            noise: 0.0,
+            resolution: 48,
             parameter_singular: Vec::new(),
             directions: Vec::new(),
         }
@@ -65,7 +75,13 @@ impl Case {
 
     /// Distance of `p` from the nearest singular point.
     pub fn distance_to_singular(&self, p: DVec3) -> f64 {
-        self.singular.iter().map(|&s| s.distance(p)).fold(f64::INFINITY, f64::min)
+        let to_ridge = |&[a, b]: &[DVec3; 2]| {
+            let along = b - a;
+            let share = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+            p.distance(a + along * share)
+        };
+        let points = self.singular.iter().map(|&s| s.distance(p));
+        points.chain(self.ridges.iter().map(to_ridge)).fold(f64::INFINITY, f64::min)
     }
 
     /// Distance of `p` from the nearest point where parameters degenerate, singular points included.

@@ -14,13 +14,13 @@ use super::harness::check_kind;
 const SWEEPS: [f64; 3] = [TAU, 0.4 * PI, 1.7 * PI];
 
 /// A point by cylinder coordinates.
-fn polar(rho: f64, phi: f64, z: f64) -> DVec3 {
+pub fn polar(rho: f64, phi: f64, z: f64) -> DVec3 {
     DVec3::new(rho * phi.cos(), rho * phi.sin(), z)
 }
 
 /// Metres from the nearest border of the sweep, negative outside it. Next to the axis a small sector has its border
 /// everywhere nearby, so the distance from the axis bounds the result.
-fn inside_sweep(p: DVec3, phi_max: f64) -> f64 {
+pub fn inside_sweep(p: DVec3, phi_max: f64) -> f64 {
     if phi_max >= TAU {
         return f64::INFINITY;
     }

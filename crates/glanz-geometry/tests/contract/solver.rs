@@ -4,10 +4,6 @@ use glanz_math::{DVec3, Ray};
 
 use super::case::Case;
 
-/// Samples along the part of a ray in the ball. Between extrema of the function one sample is enough; a polynomial of
-/// degree 4 has three.
-const SAMPLES: usize = 48;
-
 /// A crossing of the continued surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Root {
@@ -81,15 +77,29 @@ pub fn roots(case: &Case, ray: &Ray, beyond: f64) -> Roots {
         return found;
     }
     let f = |s: f64| (case.implicit)(line.at(s));
-    let s_of = |i: usize| start + (half_chord - start) * (i as f64 / (SAMPLES - 1) as f64);
-    let samples: Vec<(f64, f64)> = (0..SAMPLES).map(|i| (s_of(i), f(s_of(i)))).collect();
+    let s_of = |i: usize| start + (half_chord - start) * (i as f64 / (case.resolution - 1) as f64);
+    let samples: Vec<(f64, f64)> = (0..case.resolution).map(|i| (s_of(i), f(s_of(i)))).collect();
     let slope = case.gradient(line.at(start)).length();
     // A start on the surface itself: the ray touches it, or the first root is anywhere.
     found.near_miss |= samples[0].1.abs() <= 1e-10 * case.size * slope;
+    if !case.ridges.is_empty() {
+        // Where lines of self-intersection meet, more crossings may come together than samples can tell apart.
+        let spacing = s_of(1) - start;
+        let passes =
+            |p: &DVec3| (*p - line.origin).reject_from_normalized(line.direction).length() < 4.0 * spacing;
+        found.near_miss |= case.singular.iter().any(passes);
+    }
     let mut crossings = Vec::new();
     for (i, pair) in samples.windows(2).enumerate() {
-        if pair[0].1 * pair[1].1 < 0.0 || (pair[0].1 == 0.0 && i > 0) {
+        if pair[0].1 * pair[1].1 < 0.0 {
             crossings.push(bisect(&f, pair[0].0, pair[1].0));
+        } else if i > 0 && pair[0].1 == 0.0 {
+            // A sample on the surface: a crossing between different signs, else the ray touches or runs along.
+            if samples[i - 1].1 * pair[1].1 < 0.0 {
+                crossings.push(pair[0].0);
+            } else {
+                found.near_miss = true;
+            }
         } else if i > 0 {
             search_extremum(case, &line, &f, &samples[i - 1..=i + 1], &mut crossings, &mut found.near_miss);
         } else {
@@ -166,7 +176,8 @@ fn judge(case: &Case, line: &Line, s: f64, nearest: f64, origin_distance: f64) -
     let p = line.at(s);
     let gradient = case.gradient(p);
     let cos = gradient.dot(line.direction).abs() / gradient.length();
-    let tolerance = (1e-12 * case.size + 4e-16 * origin_distance) / cos.max(1e-12);
+    let noise = case.noise / gradient.length();
+    let tolerance = (1e-12 * case.size + 4e-16 * origin_distance + noise) / cos.max(1e-12);
     let border = (case.kept)(p);
     let status = if nearest < 1e-5 * case.size
         || cos < 1e-5
