@@ -15,7 +15,7 @@ use crate::hit::SurfacePoint;
 /// apex it is the one of the azimuth that `u` says. Sampled uniformly by area.
 ///
 /// # Source
-/// @pharr2017 section 3.5.
+/// @pbrt3 section 3.5.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
     quadric: Revolution,

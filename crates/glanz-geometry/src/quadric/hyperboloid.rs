@@ -15,7 +15,7 @@ use crate::hit::SurfacePoint;
 /// axis if `p2` is above `p1`, and to the axis otherwise. Sampled uniformly in (u, v).
 ///
 /// # Source
-/// @pharr2017 section 3.5. Departures: any segment that is not horizontal is possible, while pbrt's implicit equation
+/// @pbrt3 section 3.5. Departures: any segment that is not horizontal is possible, while pbrt's implicit equation
 /// holds only for those that are closest to the axis in z = 0; `p1` and `p2` are never swapped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hyperboloid {

@@ -14,7 +14,7 @@ use crate::hit::SurfacePoint;
 /// convex side: away from the axis, down at the apex. Sampled uniformly by area.
 ///
 /// # Source
-/// @pharr2017 section 3.5; departure: a negative smaller z is cut to 0 (pbrt counts `v` from below the apex).
+/// @pbrt3 section 3.5; departure: a negative smaller z is cut to 0 (pbrt counts `v` from below the apex).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paraboloid {
     quadric: Revolution,
