@@ -65,7 +65,7 @@ pub struct Comparison {
     /// Column and row of the first pixel with it.
     pub max_at: (u32, u32),
     /// As `rmse`, after all values above 1 have been set to 1 in both pictures: errors in light that a display shows
-    /// as white anyhow do not count (@mueller2003 section 3.4.1.2).
+    /// as white anyhow do not count (@pietrek2001 section 3.4.1.2).
     pub clipped_rmse: f64,
     /// Mean of each channel of the picture under test.
     pub mean_test: [f64; 3],

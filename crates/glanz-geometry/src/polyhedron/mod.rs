@@ -74,7 +74,7 @@ struct Piece {
 /// Rays are clipped against one half-space after the other.
 ///
 /// # Source
-/// @kirsch2005 (document 001), @kay1986.
+/// @kirsch2007 (document 001), @kay1986.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyhedron {
     facets: Vec<Facet>,
