@@ -3,7 +3,27 @@
 use glanz_geometry::{Hit, RaySurface, Surface, SurfacePoint};
 use glanz_math::{AreaPdf, Bounds3, DVec2, Ray, Transform};
 
+use std::sync::Arc;
+
 use crate::light::LightId;
+
+/// What a scene knows of a shape beside its surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Role {
+    /// Number in the order of the scene file.
+    pub(crate) id: u32,
+    pub(crate) material: u32,
+    /// Whether the normal is turned round.
+    pub(crate) reversed: bool,
+}
+
+/// A shape that was joined with others into one mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Part {
+    /// Its faces begin here and end where those of the next part begin.
+    pub(crate) first_face: u32,
+    pub(crate) role: Role,
+}
 
 /// A surface with its place in a group and its role in the scene.
 #[derive(Clone, Debug)]
@@ -11,24 +31,35 @@ pub struct Object {
     surface: Surface,
     /// `None` where the frame of the surface is that of the group.
     to_parent: Option<Transform>,
-    reversed: bool,
-    pub(crate) id: u32,
-    pub(crate) material: u32,
+    role: Role,
+    /// If the surface was joined from several shapes: these, by ascending faces.
+    parts: Option<Arc<[Part]>>,
     pub(crate) light: Option<LightId>,
     /// Whether it is a mere border that light passes.
     pub(crate) passable: bool,
 }
 
 impl Object {
-    pub(crate) fn new(
-        surface: Surface,
-        to_parent: Transform,
-        reversed: bool,
-        id: u32,
-        material: u32,
-    ) -> Self {
+    pub(crate) fn new(surface: Surface, to_parent: Transform, role: Role) -> Self {
         let to_parent = (to_parent != Transform::IDENTITY).then_some(to_parent);
-        Self { surface, to_parent, reversed, id, material, light: None, passable: false }
+        Self { surface, to_parent, role, parts: None, light: None, passable: false }
+    }
+
+    /// Several shapes as one surface.
+    pub(crate) fn joined(surface: Surface, parts: Vec<Part>, first: Role) -> Self {
+        Self { parts: Some(parts.into()), ..Self::new(surface, Transform::IDENTITY, first) }
+    }
+
+    /// How many shapes the object holds.
+    pub(crate) fn shape_count(&self) -> usize {
+        self.parts.as_ref().map_or(1, |parts| parts.len())
+    }
+
+    /// The role of the shape that `face` of the surface belongs to.
+    pub(crate) fn role(&self, face: u32) -> Role {
+        let Some(parts) = &self.parts else { return self.role };
+        let after = parts.partition_point(|part| part.first_face <= face);
+        parts.get(after.wrapping_sub(1)).map_or(self.role, |part| part.role)
     }
 
     /// The same object one level further out.
@@ -52,7 +83,7 @@ impl Object {
     /// Whether the normal is turned round.
     #[must_use]
     pub fn is_reversed(&self) -> bool {
-        self.reversed
+        self.role.reversed
     }
 
     /// A box that holds the object; infinite where the object is.
@@ -99,18 +130,21 @@ impl Object {
             .light
             .and_then(|_| self.surface.area_pdf(hit, &local))
             .map(|pdf| self.to_parent_pdf(pdf, &local));
-        (self.to_parent_point(local), pdf)
+        (self.to_parent_point(local, hit.face), pdf)
     }
 
     /// Picks a point of the object by two numbers uniform in [0, 1).
     pub(crate) fn sample(&self, xi: DVec2) -> Option<(SurfacePoint, AreaPdf)> {
         let sample = self.surface.sample(xi)?;
-        Some((self.to_parent_point(sample.point), self.to_parent_pdf(sample.pdf, &sample.point)))
+        Some((
+            self.to_parent_point(sample.point, sample.hit.face),
+            self.to_parent_pdf(sample.pdf, &sample.point),
+        ))
     }
 
-    fn to_parent_point(&self, local: SurfacePoint) -> SurfacePoint {
+    fn to_parent_point(&self, local: SurfacePoint, face: u32) -> SurfacePoint {
         let point = self.to_parent.as_ref().map_or(local, |t| local.transformed(t));
-        if self.reversed { point.reversed() } else { point }
+        if self.role(face).reversed { point.reversed() } else { point }
     }
 
     fn to_parent_pdf(&self, pdf: AreaPdf, local: &SurfacePoint) -> AreaPdf {

@@ -211,13 +211,14 @@ impl Scene {
         for map in maps[..found.path.length].iter().rev() {
             point = point.transformed(map);
         }
+        let role = object.role(found.hit.face);
         Interaction {
             point,
             t: found.hit.t,
             wo: -ray.direction.normalize(),
-            id: object.id,
+            id: role.id,
             area_pdf,
-            material: object.material,
+            material: role.material,
             light: object.light,
         }
     }

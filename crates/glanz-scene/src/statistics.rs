@@ -35,7 +35,7 @@ impl Scene {
         for group in &self.groups {
             statistics.instances += group.instances.len();
             for object in &group.objects {
-                *statistics.surfaces.entry(object.surface().kind()).or_default() += 1;
+                *statistics.surfaces.entry(object.surface().kind()).or_default() += object.shape_count();
                 if let Surface::Mesh(mesh) = object.surface() {
                     statistics.triangles += mesh.indices().len() - mesh.degenerate();
                 }

@@ -236,6 +236,42 @@ fn mirrored_meshes_keep_their_outside_outside() {
 }
 
 #[test]
+fn small_meshes_keep_number_material_and_side_when_joined() {
+    let mut description = with_shapes(Vec::new());
+    description.materials.push(MaterialDescription {
+        name: "black".to_owned(),
+        kind: MaterialKind::Diffuse {
+            reflectance: SpectrumInput::Value(SpectralDistribution::Constant(0.0)),
+        },
+        location: None,
+    });
+    for i in 0..6 {
+        let mut square = shape(square(), translate(2.0 * f64::from(i), 0.0, 0.0));
+        square.reverse_orientation = i % 2 == 1;
+        square.material = (i % 2) as usize;
+        description.world.shapes.push(square);
+    }
+    // A light among them is picked by its own number.
+    description.world.shapes.insert(3, shining(square(), translate(6.0, 2.0, 0.0)));
+    let scene = resolve(description);
+    assert_eq!(scene.statistics().surfaces["trianglemesh"], 7);
+    for i in 0..6_u32 {
+        let ray = Ray::new(DVec3::new(2.0 * f64::from(i) + 0.25, 0.125, 1.0), -DVec3::Z);
+        let hit = scene.intersect(&ray, f64::INFINITY).unwrap();
+        assert_eq!(hit.id, if i < 3 { i } else { i + 1 });
+        assert_eq!(hit.point.normal.z, if i % 2 == 1 { -1.0 } else { 1.0 });
+        let bsdf = hit.bsdf(&scene, &Wavelengths::default()).unwrap();
+        assert_eq!(bsdf.albedo(DVec3::Z).is_black(), i % 2 == 1);
+        assert_eq!(hit.light(), None);
+    }
+    let ray = Ray::new(DVec3::new(6.0, 2.0, 1.0), -DVec3::Z);
+    let hit = scene.intersect(&ray, f64::INFINITY).unwrap();
+    assert_eq!((hit.id, hit.light()), (3, Some(LightId(0))));
+    let from = scene.intersect(&Ray::new(DVec3::new(0.25, 0.125, 1.0), -DVec3::Z), f64::INFINITY).unwrap();
+    assert!(scene.light_pdf(LightId(0), &from, &hit).0 >= 0.0);
+}
+
+#[test]
 fn endless_plane_is_found_beside_bounded_things() {
     let plane = GeometryDescription::Plane {
         x: [f64::NEG_INFINITY, f64::INFINITY],

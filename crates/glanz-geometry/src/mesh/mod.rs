@@ -93,6 +93,18 @@ impl Mesh {
         &self.indices
     }
 
+    /// Normals at the vertices, as they were given.
+    #[must_use]
+    pub fn normals(&self) -> Option<&[DVec3]> {
+        self.normals.as_deref()
+    }
+
+    /// Texture coordinates at the vertices.
+    #[must_use]
+    pub fn uvs(&self) -> Option<&[DVec2]> {
+        self.uvs.as_deref()
+    }
+
     /// Number of triangles that have no area and are therefore never hit.
     #[must_use]
     pub fn degenerate(&self) -> usize {

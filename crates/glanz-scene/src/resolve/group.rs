@@ -5,6 +5,7 @@ use glanz_light::{SpectralDistribution, Wavelengths};
 use glanz_math::{Bounds3, Transform};
 use glanz_shading::Material;
 
+use super::join::join_small_meshes;
 use super::light::checked;
 use super::{LARGEST_COORDINATE, Notes, range_error, shape, transform};
 use crate::description::{EmissionDescription, GroupDescription, InstanceDescription, Location};
@@ -125,7 +126,7 @@ impl Groups {
             check_extent(&instance_bounds(&self.groups[group], &to_parent), location)?;
             instances.push(Instance { group, to_parent });
         }
-        Ok((objects, emitters, instances, depth))
+        Ok((join_small_meshes(objects), emitters, instances, depth))
     }
 
     fn build(&self, objects: Vec<Object>, instances: Vec<Instance>) -> Group {

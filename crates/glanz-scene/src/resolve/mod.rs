@@ -1,6 +1,7 @@
 //! From a description to a scene.
 
 mod group;
+mod join;
 mod light;
 mod material;
 mod shape;

@@ -17,7 +17,7 @@ use glanz_math::{Bounds3, DVec3, Transform};
 use super::{Notes, transform};
 use crate::description::{GeometryDescription, Location, ShapeDescription};
 use crate::error::{SceneError, SceneErrorKind};
-use crate::object::Object;
+use crate::object::{Object, Role};
 
 /// The objects of one shape: one, except for lists of patches.
 pub(super) fn objects(
@@ -27,12 +27,11 @@ pub(super) fn objects(
 ) -> Result<Vec<Object>, SceneError> {
     let location = shape.location;
     let to_parent = transform(shape.to_parent, "shape", location)?;
-    let material = shape.material as u32;
-    let reversed = shape.reverse_orientation;
+    let role = Role { id, material: shape.material as u32, reversed: shape.reverse_orientation };
     let at = |error: SurfaceError| SceneError { location, kind: SceneErrorKind::Surface(error) };
-    let placed = |surface: Surface| vec![Object::new(surface, to_parent, reversed, id, material)];
+    let placed = |surface: Surface| vec![Object::new(surface, to_parent, role)];
     let in_parent = |surface: Surface, flipped: bool| {
-        Object::new(surface, Transform::IDENTITY, reversed != flipped, id, material)
+        Object::new(surface, Transform::IDENTITY, Role { reversed: role.reversed != flipped, ..role })
     };
     Ok(match shape.geometry {
         // Meshes and patches move into the frame of the group: no ray is carried into theirs.

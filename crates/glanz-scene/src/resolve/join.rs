@@ -1,0 +1,69 @@
+//! Many small meshes into one.
+//!
+//! Exporters write a mesh per wall or per patch, thousands of two triangles each. Asked one by one, each pays for its own
+//! call and box; joined, they share one hierarchy and are tested four at a time.
+
+use std::sync::Arc;
+
+use glanz_geometry::Surface;
+use glanz_geometry::mesh::Mesh;
+
+use crate::object::{Object, Part};
+
+/// Meshes of more triangles have a hierarchy worth keeping, and copying them would cost memory.
+const LARGEST: usize = 256;
+
+/// Joins the small meshes among `objects`, which keep their numbers, materials and orientation by face.
+///
+/// Lights stay alone: points are picked on one shape at a time.
+pub(super) fn join_small_meshes(objects: Vec<Object>) -> Vec<Object> {
+    // Lists by vertex must be there for all or for none: four kinds of meshes.
+    let mut kinds: [Vec<(Arc<Mesh>, Object)>; 4] = Default::default();
+    let mut rest = Vec::with_capacity(objects.len());
+    for object in objects {
+        match object.surface() {
+            Surface::Mesh(mesh) if joinable(mesh, &object) => {
+                let kind = usize::from(mesh.normals().is_some()) + 2 * usize::from(mesh.uvs().is_some());
+                kinds[kind].push((Arc::clone(mesh), object));
+            }
+            _ => rest.push(object),
+        }
+    }
+    for meshes in kinds {
+        match join(&meshes) {
+            Some(joined) => rest.push(joined),
+            None => rest.extend(meshes.into_iter().map(|(_, object)| object)),
+        }
+    }
+    rest
+}
+
+fn joinable(mesh: &Mesh, object: &Object) -> bool {
+    mesh.indices().len() <= LARGEST
+        && object.to_parent().is_none()
+        && object.light.is_none()
+        && object.shape_count() == 1
+}
+
+/// One object of all meshes; `None` if there is nothing to join, or more vertices than can be numbered.
+fn join(meshes: &[(Arc<Mesh>, Object)]) -> Option<Object> {
+    let [(first, object), _, ..] = meshes else { return None };
+    let (mut positions, mut indices, mut parts) = (Vec::new(), Vec::new(), Vec::with_capacity(meshes.len()));
+    let mut normals = first.normals().map(|_| Vec::new());
+    let mut uvs = first.uvs().map(|_| Vec::new());
+    for (mesh, object) in meshes {
+        let base = u32::try_from(positions.len()).ok()?;
+        parts.push(Part { first_face: u32::try_from(indices.len()).ok()?, role: object.role(0) });
+        base.checked_add(u32::try_from(mesh.positions().len()).ok()?)?;
+        positions.extend_from_slice(mesh.positions());
+        indices.extend(mesh.indices().iter().map(|triangle| triangle.map(|vertex| base + vertex)));
+        if let Some(normals) = &mut normals {
+            normals.extend_from_slice(mesh.normals()?);
+        }
+        if let Some(uvs) = &mut uvs {
+            uvs.extend_from_slice(mesh.uvs()?);
+        }
+    }
+    let mesh = Mesh::try_new(positions, indices, normals, uvs).ok()?;
+    Some(Object::joined(Surface::Mesh(Arc::new(mesh)), parts, object.role(0)))
+}
