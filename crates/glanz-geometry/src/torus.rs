@@ -1,8 +1,9 @@
 //! Tori.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::ops::ControlFlow;
 
-use glanz_math::polynomial::{Roots, roots};
+use glanz_math::polynomial::visit_roots;
 use glanz_math::rounding::gamma;
 use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
@@ -105,11 +106,11 @@ impl Torus {
         (low <= high && low <= line.s(t_max)).then_some((low, high))
     }
 
-    /// Arc lengths of all crossings of the whole torus between `low` and `high`.
+    /// The polynomial in s that vanishes where the line crosses the whole torus.
     ///
     /// `(|p|^2 + R^2 - r^2)^2 = 4 R^2 (x^2 + y^2)` with `p = c + s d`; the constant term is factored, which keeps
     /// the digits of thin tubes.
-    fn crossings(&self, line: &Line, low: f64, high: f64) -> Roots {
+    fn quartic(&self, line: &Line) -> [f64; 5] {
         let (c, d) = (line.origin, line.direction);
         let (big, small) = (self.major, self.minor);
         let cd = c.dot(d);
@@ -117,14 +118,13 @@ impl Torus {
         let rho = c.x.hypot(c.y);
         let tube = |ring: f64| (ring.hypot(c.z) - small) * (ring.hypot(c.z) + small);
         let four_big2 = 4.0 * big * big;
-        let quartic = [
+        [
             tube(rho - big) * tube(rho + big),
             4.0 * cd * xi - 2.0 * four_big2 * (c.x * d.x + c.y * d.y),
             4.0 * cd * cd + 2.0 * xi - four_big2 * (d.x * d.x + d.y * d.y),
             4.0 * cd,
             1.0,
-        ];
-        roots(&quartic, low, high)
+        ]
     }
 
     /// The crossing at arc length `s` as a hit, if it is one.
@@ -137,19 +137,24 @@ impl Torus {
         inside.then(|| Hit { t, u: phi / self.phi_max, v, face: 0 })
     }
 
-    /// The hits in ascending order, until `visit` returns true.
-    fn each_hit(&self, ray: &Ray, t_max: f64, mut visit: impl FnMut(Hit) -> bool) {
+    /// The hits in ascending order, until `visit` breaks.
+    fn visit_hits<B>(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        mut visit: impl FnMut(Hit) -> ControlFlow<B>,
+    ) -> Option<B> {
         let line = Line::nearest_to(ray, DVec3::ZERO);
-        let Some((low, high)) = self.clip(ray, &line, t_max) else { return };
+        let (low, high) = self.clip(ray, &line, t_max)?;
         let mut last = 0.0;
-        for &s in self.crossings(&line, low, high).iter() {
-            let Some(hit) = self.hit(&line, s, t_max) else { continue };
+        let end = visit_roots(&self.quartic(&line), low, high, |s| {
+            let Some(hit) = self.hit(&line, s, t_max) else { return ControlFlow::Continue(()) };
             // Two arc lengths may be one parameter of a far ray.
-            if hit.t > last && visit(hit) {
-                return;
-            }
+            let fresh = hit.t > last;
             last = hit.t;
-        }
+            if fresh { visit(hit) } else { ControlFlow::Continue(()) }
+        });
+        end.break_value()
     }
 
     fn point_at(&self, u: f64, v: f64) -> SurfacePoint {
@@ -232,18 +237,13 @@ impl RaySurface for Torus {
     }
 
     fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
-        let mut first = None;
-        self.each_hit(ray, t_max, |hit| {
-            first = Some(hit);
-            true
-        });
-        first
+        self.visit_hits(ray, t_max, ControlFlow::Break)
     }
 
     fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
-        self.each_hit(ray, t_max, |hit| {
+        let _: Option<()> = self.visit_hits(ray, t_max, |hit| {
             hits.push(hit);
-            false
+            ControlFlow::Continue(())
         });
     }
 

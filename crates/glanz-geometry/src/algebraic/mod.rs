@@ -3,8 +3,9 @@
 mod polynomial3;
 
 use std::f64::consts::{PI, TAU};
+use std::ops::ControlFlow;
 
-use glanz_math::polynomial::roots;
+use glanz_math::polynomial::visit_roots;
 use glanz_math::rounding::{UNIT_ROUNDOFF, gamma};
 use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
@@ -93,29 +94,34 @@ impl AlgebraicSurface {
         Ok(Self { polynomial: Polynomial3::new(&cube, degree), bounds, center, scale })
     }
 
-    /// The hits in ascending order, until `visit` returns true.
+    /// The hits in ascending order, until `visit` breaks.
     ///
     /// The polynomial along the ray is formed about the ray's origin if that lies in the box: its constant term then
     /// tells on which side the ray starts. Otherwise about the middle of the way through the box. Neither depends on
     /// `t_max`, so that a hit has the same digits whatever is asked.
-    fn each_hit(&self, ray: &Ray, t_max: f64, mut visit: impl FnMut(Hit) -> bool) {
-        let Some((enter, leave)) = clip_to_box(&self.bounds, ray) else { return };
+    fn visit_hits<B>(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        mut visit: impl FnMut(Hit) -> ControlFlow<B>,
+    ) -> Option<B> {
+        let (enter, leave) = clip_to_box(&self.bounds, ray)?;
         if leave <= 0.0 || enter >= t_max {
-            return;
+            return None;
         }
         let shift = if enter <= 0.0 { 0.0 } else { 0.5 * enter + 0.5 * leave };
         let line = Line::new(ray, shift);
         let along = self.polynomial.on_line((line.origin - self.center) / self.scale, line.direction);
         let (low, high) = (line.s(enter.max(0.0)) / self.scale, line.s(leave) / self.scale);
         let mut last = 0.0;
-        for &s in roots(&along, low, high).iter() {
+        let end = visit_roots(&along, low, high, |s| {
             let t = line.t(s * self.scale);
             // Two arc lengths may be one parameter of a far ray.
-            if t > last && t < t_max && visit(self.hit(t, line.at(s * self.scale))) {
-                return;
-            }
+            let fresh = t > last && t < t_max;
             last = last.max(t);
-        }
+            if fresh { visit(self.hit(t, line.at(s * self.scale))) } else { ControlFlow::Continue(()) }
+        });
+        end.break_value()
     }
 
     fn hit(&self, t: f64, p: DVec3) -> Hit {
@@ -212,18 +218,13 @@ impl RaySurface for AlgebraicSurface {
     }
 
     fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
-        let mut first = None;
-        self.each_hit(ray, t_max, |hit| {
-            first = Some(hit);
-            true
-        });
-        first
+        self.visit_hits(ray, t_max, ControlFlow::Break)
     }
 
     fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
-        self.each_hit(ray, t_max, |hit| {
+        let _: Option<()> = self.visit_hits(ray, t_max, |hit| {
             hits.push(hit);
-            false
+            ControlFlow::Continue(())
         });
     }
 

@@ -76,7 +76,7 @@ fn torus(major: f64, minor: f64) -> Case {
 #[test]
 fn smooth_algebraic_surfaces_keep_the_contract() {
     let square = |x: f64| x * x;
-    let cases = [
+    let mut cases = [
         sphere(DVec3::ZERO, 1.0),
         sphere(DVec3::new(64.0, 128.0, -32.0), 0.5),
         torus(2.0, 0.75),
@@ -118,6 +118,10 @@ fn smooth_algebraic_surfaces_keep_the_contract() {
             move |p| p.to_array().iter().map(|&x| square(square(x))).sum::<f64>() - 0.0625e-12,
         ),
     ];
+    for case in &mut cases {
+        // Three crossings of the monkey saddle come together at its middle.
+        case.resolution = 200;
+    }
     check_kind("smooth algebraic surface", 21, &cases);
 }
 
@@ -147,6 +151,8 @@ fn singular_algebraic_surfaces_keep_the_contract() {
     let mut cone = algebraic("cone", &[(X2, 1.0), (Y2, 1.0), (Z2, -1.0)], cube(1.0), |p| {
         p.x * p.x + p.y * p.y - p.z * p.z
     });
+    // The terms add up to less than 2.
+    cone.noise = 4e-16;
     cone.singular = vec![DVec3::ZERO];
     cone.targets.push([DVec3::ZERO; 2]);
     cone.directions.push(DVec3::new(1.0, 0.0, 1.0));

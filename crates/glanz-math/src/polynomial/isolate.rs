@@ -1,10 +1,9 @@
 //! All real roots in an interval.
 
-use std::ops::Deref;
+use std::ops::{ControlFlow, Deref};
 
-use super::compensated::{Bounded, compensated_horner, horner, horner_with_slope, two_product, value};
-use super::quadratic;
-use crate::rounding::UNIT_ROUNDOFF;
+use super::monotone::{decide, refine, solve};
+use crate::rounding::gamma;
 
 /// Largest degree [`roots`] is made for.
 pub const MAX_DEGREE: usize = 8;
@@ -15,14 +14,14 @@ const CAPACITY: usize = MAX_DEGREE + 2;
 /// Real roots in ascending order; a slice.
 #[derive(Clone, Copy, Debug)]
 pub struct Roots {
-    values: [f64; CAPACITY],
-    count: usize,
+    pub(super) values: [f64; CAPACITY],
+    pub(super) count: usize,
 }
 
 impl Roots {
-    const NONE: Self = Self { values: [0.0; CAPACITY], count: 0 };
+    pub(super) const NONE: Self = Self { values: [0.0; CAPACITY], count: 0 };
 
-    fn push(&mut self, value: f64) {
+    pub(super) fn push(&mut self, value: f64) {
         if let Some(place) = self.values.get_mut(self.count) {
             *place = value;
             self.count += 1;
@@ -43,13 +42,12 @@ impl Deref for Roots {
 /// `coefficients`: N = degree + 1 values in ascending order, leading zeros allowed. The polynomial that is all zero
 /// has no root here, and none are looked for if an argument is not finite or `low > high`.
 ///
-/// *What is a root.* The derivatives cut the interval into pieces on which the polynomial is monotone. A piece whose
-/// ends differ in sign holds one root; an end where the sign is zero is one. The sign is that of the exact polynomial
-/// with these coefficients as far as twice the working precision can tell ([`compensated_horner`]); where it cannot,
-/// the value counts as zero, so that a root that only touches zero appears, and appears once. Each root is found once.
+/// *What is a root.* Where the exact polynomial with these coefficients changes sign, or is zero, as far as twice the
+/// working precision can tell. Where that cannot, the value counts as zero, so that a root that only touches zero
+/// appears, and appears once. Each root is found once.
 ///
 /// *What is missed.* A pair of roots so close that the exact polynomial between them differs from zero by less than the
-/// square of the unit roundoff, relative to `sum |c_i t^i|`, may come as one root. The cuts themselves are known
+/// square of the unit roundoff, relative to `sum |c_i t^i|`, may come as one root. Critical points are known
 /// to `u sum |c_i t^i| / |p''|` only, so that in clusters of three and more, pairs closer than about the square root of
 /// the unit roundoff (1e-8 of the cluster's distance from 0) may come as one or not at all.
 ///
@@ -57,21 +55,169 @@ impl Deref for Roots {
 /// not rise above twice the working precision if that is more. It is a root of the coefficients as given: shift the
 /// origin of t into the interval first, so that they carry the digits that matter.
 ///
+/// *How.* The Bernstein coefficients bound the number of roots by their changes of sign. Pieces with none are dropped,
+/// those with one hold one root, others are halved. Pieces that stay undecided for rounding are cut at the roots of
+/// the derivatives. Roots are refined by Newton's step, kept in a bracket, the last time in twice the precision.
+///
 /// # Source
-/// @yuksel2022; departure: signs and last steps in compensated arithmetic, bisection wherever Newton's step does not
-/// halve the bracket.
+/// @lane1981 for the subdivision, @yuksel2022 for the cuts and the bracketed step, @graillat2009 for the precision;
+/// departure: signs that plain arithmetic cannot tell are told by the compensated one.
 #[must_use]
 pub fn roots<const N: usize>(coefficients: &[f64; N], low: f64, high: f64) -> Roots {
+    let mut found = Roots::NONE;
+    let _: ControlFlow<()> = visit_roots(coefficients, low, high, |t| {
+        found.push(t);
+        ControlFlow::Continue(())
+    });
+    found
+}
+
+/// Hands the roots of [`roots`], one after the other, to `visit` until that breaks; what it broke with.
+///
+/// The digits of a root do not depend on whether the later ones are wanted.
+pub fn visit_roots<const N: usize, B>(
+    coefficients: &[f64; N],
+    low: f64,
+    high: f64,
+    visit: impl FnMut(f64) -> ControlFlow<B>,
+) -> ControlFlow<B> {
     const { assert!(N >= 1 && N <= MAX_DEGREE + 1) };
-    let Some(last) = coefficients.iter().rposition(|&c| c != 0.0) else {
-        return Roots::NONE;
+    let sound =
+        low.is_finite() && high.is_finite() && low <= high && coefficients.iter().all(|c| c.is_finite());
+    let Some(last) = coefficients.iter().rposition(|&c| c != 0.0).filter(|&last| sound && last > 0) else {
+        return ControlFlow::Continue(());
     };
-    if !(low.is_finite() && high.is_finite() && low <= high) || coefficients.iter().any(|c| !c.is_finite()) {
-        return Roots::NONE;
-    }
     let mut p = *coefficients;
     scale_to_one(&mut p);
-    solve(p.get(..=last).unwrap_or(&[]), low, high)
+    let (bernstein, error) = to_bernstein(&p, low, high);
+    let mut search = Search { p, last, error, found: f64::NEG_INFINITY, visit };
+    let ends = [low, high].map(|t| (t, decide(&search.p, t).sign()));
+    search.piece(&bernstein, ends, MAX_SPLITS)
+}
+
+/// How often an interval is halved before the derivatives have to help.
+const MAX_SPLITS: u32 = 16;
+
+/// Bernstein coefficients of a polynomial on [low, high], and a bound on the error of each, also after
+/// [`MAX_SPLITS`] halvings.
+///
+/// Shifting by Horner's steps, scaling and Pascal's sums pass fewer than 4 n + 8 roundings of a sum that is below
+/// `sum |c_i| (|low| + high - low)^i`; halving adds n of the largest coefficient each time.
+fn to_bernstein<const N: usize>(p: &[f64; N], low: f64, high: f64) -> ([f64; N], f64) {
+    let (mut b, width) = (*p, high - low);
+    let reach = low.abs() + width;
+    let size = p.iter().rev().fold(0.0, |size, c| size * reach + c.abs());
+    for m in 0..N {
+        for l in (m..N - 1).rev() {
+            b[l] += low * b[l + 1];
+        }
+    }
+    // Over the binomials, so that Pascal's sums give the coefficients.
+    let (mut power, mut binomial) = (1.0, 1.0);
+    for (i, c) in b.iter_mut().enumerate() {
+        *c *= power / binomial;
+        power *= width;
+        binomial *= (N - 1 - i) as f64 / (i + 1) as f64;
+    }
+    for j in 1..N {
+        for k in (j..N).rev() {
+            b[k] += b[k - 1];
+        }
+    }
+    let roundings = (N as u32 - 1) * (4 + MAX_SPLITS) + 8;
+    (b, gamma(roundings) * size)
+}
+
+/// A point and the sign of the polynomial there.
+type End = (f64, i8);
+
+struct Search<const N: usize, F> {
+    p: [f64; N],
+    /// Degree.
+    last: usize,
+    /// Of a Bernstein coefficient.
+    error: f64,
+    /// The latest root.
+    found: f64,
+    visit: F,
+}
+
+impl<const N: usize, B, F: FnMut(f64) -> ControlFlow<B>> Search<N, F> {
+    /// The roots between the two ends, of which `b` are the Bernstein coefficients.
+    fn piece(&mut self, b: &[f64; N], [low, high]: [End; 2], splits: u32) -> ControlFlow<B> {
+        if low.1 == 0 || high.1 == 0 {
+            return self.by_derivatives(low.0, high.0);
+        }
+        let mut changes = 0;
+        let mut crossing = 0;
+        let mut sign = low.1;
+        let mut sure = true;
+        for (i, &c) in b.iter().enumerate().take(N - 1).skip(1) {
+            sure &= c.abs() > self.error;
+            let next = if c > 0.0 { 1 } else { -1 };
+            if next != sign {
+                (changes, crossing, sign) = (changes + 1, i - 1, next);
+            }
+        }
+        if high.1 != sign {
+            (changes, crossing) = (changes + 1, N - 2);
+        }
+        if sure && changes == 0 {
+            return ControlFlow::Continue(());
+        }
+        if sure && changes == 1 {
+            return self.single(b, [low, high], crossing);
+        }
+        if splits == 0 {
+            return self.by_derivatives(low.0, high.0);
+        }
+        let middle = 0.5 * low.0 + 0.5 * high.0;
+        let (left, right) = halve(b);
+        let middle = (middle, decide(&self.p, middle).sign());
+        self.piece(&left, [low, middle], splits - 1)?;
+        self.piece(&right, [middle, high], splits - 1)
+    }
+
+    /// The only root of a piece, near where the control polygon crosses zero after the coefficient `crossing`.
+    fn single(&mut self, b: &[f64; N], [low, high]: [End; 2], crossing: usize) -> ControlFlow<B> {
+        let (before, after) = (b[crossing], b[(crossing + 1).min(N - 1)]);
+        let share = (crossing as f64 + before / (before - after)) / (N - 1) as f64;
+        let start = low.0 + (high.0 - low.0) * share;
+        let start = if start > low.0 && start < high.0 { start } else { 0.5 * low.0 + 0.5 * high.0 };
+        let p = self.p.get(..=self.last).unwrap_or(&[]);
+        let t = refine(p, low.0, high.0, low.1, start, &decide);
+        self.report(t)
+    }
+
+    fn by_derivatives(&mut self, low: f64, high: f64) -> ControlFlow<B> {
+        let found = solve(self.p.get(..=self.last).unwrap_or(&[]), low, high);
+        found.iter().try_for_each(|&t| self.report(t))
+    }
+
+    /// Pieces share their ends: what is found at one again within its last digits is the same root.
+    fn report(&mut self, t: f64) -> ControlFlow<B> {
+        if t <= self.found + 2.0 * f64::EPSILON * self.found.abs() {
+            return ControlFlow::Continue(());
+        }
+        self.found = t;
+        (self.visit)(t)
+    }
+}
+
+/// Bernstein coefficients of both halves.
+///
+/// # Source
+/// @farin2002 section 4.3 (de Casteljau).
+fn halve<const N: usize>(b: &[f64; N]) -> ([f64; N], [f64; N]) {
+    let (mut left, mut right) = (*b, *b);
+    for m in 1..N {
+        left[m - 1] = right[0];
+        for k in 0..N - m {
+            right[k] = 0.5 * (right[k] + right[k + 1]);
+        }
+    }
+    left[N - 1] = right[0];
+    (left, right)
 }
 
 /// Multiplies all coefficients by the same power of two so that the largest lies in [1, 2).
@@ -85,167 +231,6 @@ fn scale_to_one(coefficients: &mut [f64]) {
     let (first, second) = (2.0_f64.powi(-half), 2.0_f64.powi(half - exponent));
     for c in coefficients {
         *c = *c * first * second;
-    }
-}
-
-fn solve(p: &[f64], low: f64, high: f64) -> Roots {
-    let degree = p.len() - 1;
-    if degree == 0 {
-        return Roots::NONE;
-    }
-    // Derivatives from the second lowest up: the roots of each cut the interval for the next.
-    let mut cuts = Roots::NONE;
-    for order in (1..degree).rev() {
-        let mut derivative = [0.0; MAX_DEGREE + 1];
-        differentiate(p, order, &mut derivative);
-        let q = derivative.get(..=degree - order).unwrap_or(&[]);
-        cuts = if let [c, b, a] = *q {
-            quadratic_cuts(a, b, c, low, high)
-        } else {
-            let ends = with_ends(&cuts, low, high);
-            cut_at_roots(q, &ends, horner)
-        };
-    }
-    sharpen(p, &mut cuts, low, high);
-    let ends = with_ends(&cuts, low, high);
-    cut_at_roots(p, &ends, decide)
-}
-
-/// The value of `p`, with twice the digits where the plain one has no certain sign.
-///
-/// The bound then includes what `p` changes over the last digit of `t`: a zero means a root at `t` as near as a number
-/// can come to it.
-fn decide(p: &[f64], t: f64) -> Bounded {
-    let (plain, slope) = horner_with_slope(p, t);
-    if plain.sign() != 0 {
-        return plain;
-    }
-    let fine = compensated_horner(p, t);
-    Bounded { error: fine.error + slope.abs() * UNIT_ROUNDOFF * t.abs(), ..fine }
-}
-
-/// Moves the cuts at which `p` almost vanishes onto its critical points, with a step of Newton in twice the precision.
-///
-/// The value at a cut that is off by d is wrong by `p'' d^2 / 2`, which hides a double root unless d is the last digit.
-///
-/// The derivative is taken with the remainders of its rounded coefficients, without which its digits would be of no use.
-fn sharpen(p: &[f64], cuts: &mut Roots, low: f64, high: f64) {
-    let mut first = [0.0; MAX_DEGREE + 1];
-    let mut remainders = [0.0; MAX_DEGREE + 1];
-    let mut second = [0.0; MAX_DEGREE + 1];
-    let mut ready = false;
-    let degree = p.len() - 1;
-    for i in 0..cuts.count {
-        let Some(t) = cuts.get(i).copied() else { return };
-        if horner(p, t).sign() != 0 {
-            continue;
-        }
-        if !ready {
-            for (i, &c) in p.iter().enumerate().skip(1) {
-                let (product, remainder) = two_product(i as f64, c);
-                if let (Some(a), Some(b)) = (first.get_mut(i - 1), remainders.get_mut(i - 1)) {
-                    (*a, *b) = (product, remainder);
-                }
-            }
-            differentiate(p, 2, &mut second);
-            ready = true;
-        }
-        let slope = compensated_horner(first.get(..degree).unwrap_or(&[]), t).value + value(&remainders, t);
-        let moved = t - slope / value(second.get(..degree.saturating_sub(1)).unwrap_or(&[]), t);
-        // Only the last digits may change: elsewhere, as at a multiple root of the derivative, the step is noise.
-        if (moved - t).abs() <= UNIT_ROUNDOFF.sqrt() * t.abs()
-            && let Some(place) = cuts.values.get_mut(i)
-        {
-            *place = moved.clamp(low, high);
-        }
-    }
-    // Neighbours may have met.
-    if let Some(used) = cuts.values.get_mut(..cuts.count) {
-        used.sort_by(f64::total_cmp);
-    }
-}
-
-/// The derivative of the given order, in the first places of `derivative`.
-fn differentiate(p: &[f64], order: usize, derivative: &mut [f64]) {
-    for (i, (&c, d)) in p.iter().skip(order).zip(derivative).enumerate() {
-        // (i + 1) ... (i + order), exact.
-        *d = (1..=order).fold(1.0, |f, k| f * (i + k) as f64) * c;
-    }
-}
-
-fn quadratic_cuts(a: f64, b: f64, c: f64, low: f64, high: f64) -> Roots {
-    let mut cuts = Roots::NONE;
-    for t in quadratic::roots(a, b, c).into_iter().flatten() {
-        if t > low && t < high {
-            cuts.push(t);
-        }
-    }
-    cuts
-}
-
-fn with_ends(cuts: &Roots, low: f64, high: f64) -> Roots {
-    let mut ends = Roots::NONE;
-    ends.push(low);
-    for &t in cuts.iter() {
-        ends.push(t);
-    }
-    ends.push(high);
-    ends
-}
-
-/// The roots of `p`, monotone between neighbours in `ends`, whose signs `evaluate` tells.
-fn cut_at_roots(p: &[f64], ends: &[f64], evaluate: impl Fn(&[f64], f64) -> Bounded) -> Roots {
-    let mut found = Roots::NONE;
-    let Some((&first, rest)) = ends.split_first() else {
-        return found;
-    };
-    let (mut a, mut sign_a) = (first, evaluate(p, first).sign());
-    if sign_a == 0 {
-        found.push(a);
-    }
-    for &b in rest {
-        let sign_b = evaluate(p, b).sign();
-        if sign_b == 0 {
-            // Monotone and zero at both ends: the same root.
-            if sign_a != 0 {
-                found.push(b);
-            }
-        } else if sign_a * sign_b < 0 {
-            found.push(refine(p, a, b, sign_a, &evaluate));
-        }
-        (a, sign_a) = (b, sign_b);
-    }
-    found
-}
-
-/// The root between `a`, where the sign is `sign_a`, and `b`, where it is the opposite.
-///
-/// Newton's step is taken while it stays in the bracket and at least halves from one to the next, otherwise the
-/// bracket is halved: one or the other shrinks geometrically, so the loop ends.
-fn refine(p: &[f64], mut a: f64, mut b: f64, sign_a: i8, evaluate: &impl Fn(&[f64], f64) -> Bounded) -> f64 {
-    let mut t = 0.5 * a + 0.5 * b;
-    let mut last_step = b - a;
-    loop {
-        let (plain, slope) = horner_with_slope(p, t);
-        // Where the digits run out, the caller's arithmetic decides: compensated for the polynomial itself.
-        let y = if plain.sign() == 0 { evaluate(p, t) } else { plain };
-        let sign = y.sign();
-        if sign == 0 {
-            return t;
-        }
-        if sign == sign_a {
-            a = t;
-        } else {
-            b = t;
-        }
-        let newton = t - y.value / slope;
-        let good = newton > a && newton < b && (newton - t).abs() <= 0.5 * last_step;
-        let next = if good { newton } else { 0.5 * a + 0.5 * b };
-        last_step = (next - t).abs();
-        if last_step <= f64::EPSILON * next.abs() || next <= a || next >= b {
-            return next;
-        }
-        t = next;
     }
 }
 

@@ -1,6 +1,6 @@
 //! The solver against two independent judges: Sturm's count in exact integers, and signs from exact expansions.
 
-use super::super::compensated::{two_product, two_sum};
+use super::super::compensated::{compensated_horner, two_product, two_sum};
 use super::*;
 
 /// SplitMix64: test cases, not statistics.
@@ -311,4 +311,31 @@ fn lower_degrees_and_senseless_input() {
     assert!(found.len() == 1 && (found[0] - 1.0).abs() < 1e-14);
     let found = roots(&[-1e300, 0.0, 1e300], -2.0, 2.0);
     assert_eq!(*found, [-1.0, 1.0]);
+}
+
+#[test]
+fn subdivision_and_derivatives_agree() {
+    let mut random = Random(6);
+    let mut count = 0;
+    for _ in 0..20_000 {
+        let c: [f64; 5] = std::array::from_fn(|_| random.signed());
+        let (fast, slow) = (roots(&c, -1.5, 1.25), solve(&c, -1.5, 1.25));
+        assert_eq!(fast.len(), slow.len(), "{c:?}");
+        for (a, b) in fast.iter().zip(slow.iter()) {
+            assert!((a - b).abs() <= 2.0 * f64::EPSILON * a.abs(), "{c:?}: {a} {b}");
+            count += 1;
+        }
+    }
+    assert!(count > 10_000);
+}
+
+#[test]
+fn first_root_is_the_same_whether_others_are_wanted_or_not() {
+    let mut random = Random(7);
+    for _ in 0..5_000 {
+        let known: [f64; 4] = std::array::from_fn(|_| random.signed());
+        let c: [f64; 5] = from_roots(1.0, &known);
+        let first = visit_roots(&c, -1.0, 1.0, ControlFlow::Break).break_value();
+        assert_eq!(first, roots(&c, -1.0, 1.0).first().copied());
+    }
 }

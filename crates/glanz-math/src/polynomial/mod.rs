@@ -2,6 +2,7 @@
 
 pub mod compensated;
 pub mod isolate;
+mod monotone;
 pub mod quadratic;
 
-pub use isolate::{MAX_DEGREE, Roots, roots};
+pub use isolate::{MAX_DEGREE, Roots, roots, visit_roots};
