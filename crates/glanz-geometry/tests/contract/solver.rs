@@ -66,7 +66,10 @@ impl Line {
 }
 
 /// All crossings of `ray` with the continued surface of `case` at more than `beyond` metres from the origin.
-pub fn roots(case: &Case, ray: &Ray, beyond: f64) -> Roots {
+///
+/// `hits` are the t that the surface claims, ascending. They are not believed, but signs are looked at between them
+/// too: a pair of crossings in a corner may be closer together than the samples.
+pub fn roots(case: &Case, ray: &Ray, beyond: f64, hits: &[f64]) -> Roots {
     let line = Line::new(case, ray);
     let mut found = Roots { roots: Vec::new(), near_miss: false };
     // A little more than the ball, so that the ends are never on the surface.
@@ -78,10 +81,15 @@ pub fn roots(case: &Case, ray: &Ray, beyond: f64) -> Roots {
     }
     let f = |s: f64| (case.implicit)(line.at(s));
     let s_of = |i: usize| start + (half_chord - start) * (i as f64 / (case.resolution - 1) as f64);
-    let samples: Vec<(f64, f64)> = (0..case.resolution).map(|i| (s_of(i), f(s_of(i)))).collect();
+    let between = hits.windows(2).map(|pair| (0.5 * (pair[0] + pair[1]) - line.t_shift) / line.t_scale);
+    let mut places: Vec<f64> =
+        (0..case.resolution).map(s_of).chain(between.filter(|s| (start..half_chord).contains(s))).collect();
+    places.sort_by(f64::total_cmp);
+    let samples: Vec<(f64, f64)> = places.into_iter().map(|s| (s, f(s))).collect();
     let slope = case.gradient(line.at(start)).length();
     // A start on the surface itself: the ray touches it, or the first root is anywhere.
-    found.near_miss |= samples[0].1.abs() <= 1e-10 * case.size * slope;
+    found.near_miss |= samples[0].1.abs() <= 1e-10 * case.size * slope
+        || case.distance_to_singular(line.at(start)) < 1e-5 * case.size;
     if !case.ridges.is_empty() {
         // Where lines of self-intersection meet, more crossings may come together than samples can tell apart.
         let spacing = s_of(1) - start;
