@@ -28,13 +28,13 @@ impl ProgressReport {
     }
 }
 
-/// Someone who wants to know. Called between passes, by the thread that called [`crate::render`].
+/// Someone who wants to know. Called between passes, by the thread that called [`crate::render()`].
 pub trait Progress {
     /// A pass has ended.
     fn report(&mut self, report: &ProgressReport);
 
     /// The interval between checkpoints is over: `film` has everything so far. Not called after the last pass, whose
-    /// film [`crate::render`] returns.
+    /// film [`crate::render()`] returns.
     fn checkpoint(&mut self, film: &Film) {
         let _ = film;
     }
