@@ -6,6 +6,7 @@ mod film;
 mod integrator;
 mod light;
 mod material;
+mod material_stand_in;
 mod named;
 mod shape;
 mod spectrum;

@@ -18,16 +18,16 @@ const GLASS: &[(&str, f32)] = &[
 /// published scenes of @bitterli2016.
 const METALS: &[(&str, [f32; 3])] = &[
     ("metal-Ag-eta", [0.155_265, 0.116_723, 0.138_381]),
-    ("metal-Ag-k", [4.828_343, 3.122_246, 2.147_050]),
-    ("metal-Al-eta", [1.657_460, 0.880_369, 0.521_229]),
+    ("metal-Ag-k", [4.828_343, 3.122_246, 2.147_05]),
+    ("metal-Al-eta", [1.657_46, 0.880_369, 0.521_229]),
     ("metal-Al-k", [9.223_869, 6.269_523, 4.837_001]),
     ("metal-Au-eta", [0.143_119, 0.374_957, 1.442_479]),
-    ("metal-Au-k", [3.983_160, 2.385_721, 1.603_215]),
+    ("metal-Au-k", [3.983_16, 2.385_721, 1.603_215]),
     ("metal-Cu-eta", [0.200_438, 0.924_033, 1.102_212]),
     ("metal-Cu-k", [3.912_949, 2.452_848, 2.142_188]),
 ];
 
-/// Temperature of CIE standard illuminant A, K (@cie15).
+/// Temperature of CIE standard illuminant A, K (@cie015).
 const ILLUMINANT_A: f32 = 2856.0;
 
 /// The spectrum of that name.

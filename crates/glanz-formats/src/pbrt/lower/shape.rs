@@ -209,7 +209,7 @@ impl Lowering {
             let message = format!("{} has {count} points and no \"indices\"", list.subject);
             return Err(self.reporter.error(&points.place, "parameter-missing", message));
         };
-        if indices.len() % N != 0 {
+        if !indices.len().is_multiple_of(N) {
             let n = indices.len();
             let message = format!(
                 "{}: parameter \"indices\" has {n} values, a multiple of {N} is needed",
@@ -288,7 +288,11 @@ impl Lowering {
                 Ok(GeometryDescription::Triangles { positions, indices, normals, uvs })
             }
             Err(error) => {
-                let message = format!("shape \"plymesh\": {}: {error}", path.display());
+                let between = match error.position {
+                    ply::PlyPosition::Text { .. } => ":",
+                    ply::PlyPosition::Byte(_) => ": ",
+                };
+                let message = format!("shape \"plymesh\": {}{between}{error}", path.display());
                 Err(self.reporter.error(&p.value_place, "ply", message))
             }
         }

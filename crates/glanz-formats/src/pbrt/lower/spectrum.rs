@@ -96,7 +96,7 @@ impl Lowering {
 
     /// Wavelengths in nm with values, in any order.
     fn pairs(&mut self, subject: &str, p: &Parameter, v: &[f64]) -> Step<SpectralDistribution> {
-        if v.len() % 2 != 0 {
+        if !v.len().is_multiple_of(2) {
             let what = format!("has {} values, pairs of wavelength and value are needed", v.len());
             return self.refuse(subject, p, what);
         }

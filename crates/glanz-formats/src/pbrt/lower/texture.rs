@@ -108,7 +108,7 @@ impl Lowering {
         let place = list.value_place("dimension");
         let mapping = match list.integer("dimension", &mut self.reporter)?.unwrap_or(2) {
             2 => self.mapping(list, context)?,
-            3 => TextureMapping::Solid { to_texture: self.to_texture(list, context)? },
+            3 => TextureMapping::Solid { to_texture: self.texture_space(list, context)? },
             n => {
                 let message = format!("texture \"checkerboard\": \"dimension\" is {n}, it must be 2 or 3");
                 return Err(self.reporter.error(&place, "parameter-range", message));
@@ -123,7 +123,7 @@ impl Lowering {
     }
 
     /// From world to texture space; an error if the texture's space is flat.
-    fn to_texture(&mut self, list: &ParameterList, context: &Context) -> Step<DMat4> {
+    fn texture_space(&mut self, list: &ParameterList, context: &Context) -> Step<DMat4> {
         let inverse = context.ctm.inverse();
         if inverse.is_finite() {
             return Ok(inverse);
@@ -146,10 +146,10 @@ impl Lowering {
                 v1: list.vec3("v1", r)?.unwrap_or(DVec3::X),
                 v2: list.vec3("v2", r)?.unwrap_or(DVec3::Y),
                 offset: DVec2::new(list.float_or("udelta", 0.0, r)?, list.float_or("vdelta", 0.0, r)?),
-                to_texture: self.to_texture(list, context)?,
+                to_texture: self.texture_space(list, context)?,
             },
-            "spherical" => TextureMapping::Spherical { to_texture: self.to_texture(list, context)? },
-            "cylindrical" => TextureMapping::Cylindrical { to_texture: self.to_texture(list, context)? },
+            "spherical" => TextureMapping::Spherical { to_texture: self.texture_space(list, context)? },
+            "cylindrical" => TextureMapping::Cylindrical { to_texture: self.texture_space(list, context)? },
             other => {
                 let message = format!("{}: mapping {:?} is unknown", list.subject, shortened(other));
                 let help = Some("mappings are uv, planar, spherical and cylindrical".to_owned());

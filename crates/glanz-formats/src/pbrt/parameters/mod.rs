@@ -1,94 +1,15 @@
 //! Typed parameter lists: `"float radius" [2] "rgb L" [1 1 1] ...`.
 
+mod syntax;
+
 use glanz_math::{DVec2, DVec3};
 
 use crate::diagnostic::nearest;
 use crate::pbrt::lexer::{LexError, Lexer};
 use crate::source::{Place, Reported, Reporter, Step};
 
-/// The declared type of a parameter; the dialects' names for the same thing are one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum ParameterType {
-    Integer,
-    Float,
-    Bool,
-    Text,
-    Point2,
-    Point3,
-    Vector2,
-    Vector3,
-    Normal,
-    Rgb,
-    Xyz,
-    Spectrum,
-    Blackbody,
-    Texture,
-}
-
-const TYPE_NAMES: [(&str, ParameterType); 20] = [
-    ("integer", ParameterType::Integer),
-    ("float", ParameterType::Float),
-    ("bool", ParameterType::Bool),
-    ("string", ParameterType::Text),
-    ("point", ParameterType::Point3),
-    ("point3", ParameterType::Point3),
-    ("point2", ParameterType::Point2),
-    ("vector", ParameterType::Vector3),
-    ("vector3", ParameterType::Vector3),
-    ("vector2", ParameterType::Vector2),
-    ("normal", ParameterType::Normal),
-    ("normal3", ParameterType::Normal),
-    ("rgb", ParameterType::Rgb),
-    ("color", ParameterType::Rgb),
-    ("xyz", ParameterType::Xyz),
-    ("spectrum", ParameterType::Spectrum),
-    ("blackbody", ParameterType::Blackbody),
-    ("texture", ParameterType::Texture),
-    ("int", ParameterType::Integer),
-    ("boolean", ParameterType::Bool),
-];
-
-impl ParameterType {
-    fn of_name(name: &str) -> Option<Self> {
-        TYPE_NAMES.iter().find(|(n, _)| *n == name).map(|(_, t)| *t)
-    }
-
-    fn name(self) -> &'static str {
-        TYPE_NAMES.iter().find(|(_, t)| *t == self).map_or("", |(n, _)| n)
-    }
-}
-
-/// The values of a parameter.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Values {
-    Integers(Vec<i32>),
-    Floats(Vec<f64>),
-    Texts(Vec<String>),
-    Bools(Vec<bool>),
-}
-
-impl Values {
-    pub(crate) fn len(&self) -> usize {
-        match self {
-            Self::Integers(v) => v.len(),
-            Self::Floats(v) => v.len(),
-            Self::Texts(v) => v.len(),
-            Self::Bools(v) => v.len(),
-        }
-    }
-}
-
-/// One parameter.
-#[derive(Clone, Debug)]
-pub(crate) struct Parameter {
-    pub(crate) kind: ParameterType,
-    pub(crate) name: String,
-    /// Of the declaration.
-    pub(crate) place: Place,
-    /// Of the first value, or of the declaration if there is none.
-    pub(crate) value_place: Place,
-    pub(crate) values: Values,
-}
+use syntax::parse_parameter;
+pub(crate) use syntax::{Parameter, ParameterType, Values, shortened};
 
 /// The parameters of one directive. Whoever asks for one takes it out; what is left at the end was not used.
 #[derive(Clone, Debug)]
@@ -100,9 +21,6 @@ pub(crate) struct ParameterList {
     items: Vec<Parameter>,
     asked: Vec<&'static str>,
 }
-
-/// Values of one parameter that a texture or spectrum accepts at most; more is a mesh in the wrong place.
-const SUGGESTED_TYPES: &str = "types are integer, float, bool, string, point2, point3, vector2, vector3, normal, rgb, xyz, spectrum, blackbody, texture";
 
 impl ParameterList {
     /// Reads parameters up to the next directive.
@@ -359,7 +277,7 @@ impl ParameterList {
         let types =
             [ParameterType::Point3, ParameterType::Vector3, ParameterType::Normal, ParameterType::Float];
         let Some((p, v)) = self.numbers(name, &types, reporter)? else { return Ok(None) };
-        if v.len() % 3 != 0 {
+        if !v.len().is_multiple_of(3) {
             return Err(self.wrong_count_of(p, v, "a multiple of 3 is needed", reporter));
         }
         let points = v.chunks_exact(3).map(DVec3::from_slice).collect();
@@ -374,7 +292,7 @@ impl ParameterList {
     ) -> Step<Option<(Parameter, Vec<DVec2>)>> {
         let types = [ParameterType::Point2, ParameterType::Vector2, ParameterType::Float];
         let Some((p, v)) = self.numbers(name, &types, reporter)? else { return Ok(None) };
-        if v.len() % 2 != 0 {
+        if !v.len().is_multiple_of(2) {
             return Err(self.wrong_count_of(p, v, "a multiple of 2 is needed", reporter));
         }
         let points = v.chunks_exact(2).map(DVec2::from_slice).collect();
@@ -389,111 +307,6 @@ impl ParameterList {
 
 fn is_i32(x: f64) -> bool {
     x.fract() == 0.0 && x >= f64::from(i32::MIN) && x <= f64::from(i32::MAX)
-}
-
-/// Reads `"type name"` and its values.
-fn parse_parameter(lexer: &mut Lexer) -> Result<Parameter, LexError> {
-    let (declaration, place) = lexer.text()?;
-    let mut words = declaration.split_ascii_whitespace();
-    let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
-        let message = format!("{:?} does not declare a parameter", shortened(&declaration));
-        let help = Some("a parameter is written \"type name\", for example \"float radius\"".to_owned());
-        return Err(LexError { place, message, help });
-    };
-    let Some(kind) = ParameterType::of_name(kind) else {
-        let message = format!("parameter {:?} has the unknown type {:?}", shortened(name), shortened(kind));
-        let help = nearest(kind, TYPE_NAMES.iter().map(|(n, _)| *n))
-            .map_or_else(|| SUGGESTED_TYPES.to_owned(), |n| format!("did you mean {n:?}?"));
-        return Err(LexError { place, message, help: Some(help) });
-    };
-    let name = name.to_owned();
-    let bracket = lexer.peek() == Some(b'[');
-    if bracket {
-        lexer.next()?;
-    }
-    let value_place = match lexer.peek() {
-        Some(b']') | None => place,
-        Some(_) => lexer.place(1),
-    };
-    let values = parse_values(lexer, kind, bracket)?;
-    let end = lexer.place(0);
-    let same_line = end.location.line == value_place.location.line;
-    let length = if same_line && value_place != place {
-        end.offset.saturating_sub(value_place.offset + usize::from(bracket)).max(1)
-    } else {
-        value_place.length
-    };
-    Ok(Parameter { kind, name, place, value_place: Place { length, ..value_place }, values })
-}
-
-fn parse_values(lexer: &mut Lexer, kind: ParameterType, bracket: bool) -> Result<Values, LexError> {
-    Ok(match kind {
-        ParameterType::Integer => {
-            Values::Integers(collect(lexer, bracket, |l, out| Ok(out.push(l.integer()?)))?)
-        }
-        ParameterType::Bool => Values::Bools(collect(lexer, bracket, |l, out| Ok(out.push(boolean(l)?)))?),
-        ParameterType::Text | ParameterType::Texture => Values::Texts(collect(lexer, bracket, text)?),
-        ParameterType::Spectrum if lexer.peek() == Some(b'"') => {
-            Values::Texts(collect(lexer, bracket, text)?)
-        }
-        // Without brackets only types of one value can be told from what follows.
-        _ => Values::Floats(collect(lexer, bracket, |l, out| Ok(out.push(l.float()?)))?),
-    })
-}
-
-/// One value, or with a bracket all up to the closing one, which is passed over.
-fn collect<T>(
-    lexer: &mut Lexer,
-    bracket: bool,
-    mut read: impl FnMut(&mut Lexer, &mut Vec<T>) -> Result<(), LexError>,
-) -> Result<Vec<T>, LexError> {
-    let mut out = Vec::new();
-    if !bracket {
-        read(lexer, &mut out)?;
-        return Ok(out);
-    }
-    loop {
-        match lexer.peek() {
-            Some(b']') => {
-                lexer.next()?;
-                return Ok(out);
-            }
-            Some(_) => read(lexer, &mut out)?,
-            None => {
-                let place = lexer.place(1);
-                let message = "the file ends before a bracket is closed".to_owned();
-                return Err(LexError { place, message, help: None });
-            }
-        }
-    }
-}
-
-fn text(lexer: &mut Lexer, out: &mut Vec<String>) -> Result<(), LexError> {
-    if lexer.peek() == Some(b'"') {
-        out.push(lexer.text()?.0);
-        return Ok(());
-    }
-    let place = lexer.place(1);
-    Err(LexError { place, message: "a quoted text is expected".to_owned(), help: None })
-}
-
-/// `true` and `false`, quoted (version 3) or not (version 4).
-fn boolean(lexer: &mut Lexer) -> Result<bool, LexError> {
-    use crate::pbrt::lexer::Token;
-    let place = lexer.place(1);
-    match lexer.next()? {
-        Some((Token::Word(w) | Token::Text(w), _)) if w == "true" => Ok(true),
-        Some((Token::Word(w) | Token::Text(w), _)) if w == "false" => Ok(false),
-        _ => Err(LexError { place, message: "true or false is expected".to_owned(), help: None }),
-    }
-}
-
-/// Text for a message, cut to a readable length.
-pub(crate) fn shortened(text: &str) -> String {
-    match text.char_indices().nth(40) {
-        Some((i, _)) => format!("{}...", text.get(..i).unwrap_or_default()),
-        None => text.to_owned(),
-    }
 }
 
 #[cfg(test)]

@@ -1,0 +1,313 @@
+//! The directives of pbrt's scene language.
+
+mod blocks;
+mod things;
+mod transformations;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::diagnostic::nearest;
+use crate::pbrt::lexer::{LexError, Lexer, Token};
+use crate::pbrt::lower::{Lowering, finish_film};
+use crate::pbrt::parameters::{ParameterList, shortened};
+use crate::pbrt::state::{GraphicsState, StateStack};
+use crate::source::{Place, Reported, Step};
+
+/// Every directive of the versions 1 to 4.
+const DIRECTIVES: &[&str] = &[
+    "Accelerator",
+    "ActiveTransform",
+    "AreaLightSource",
+    "Attribute",
+    "AttributeBegin",
+    "AttributeEnd",
+    "Camera",
+    "ColorSpace",
+    "ConcatTransform",
+    "CoordinateSystem",
+    "CoordSysTransform",
+    "Film",
+    "Identity",
+    "Import",
+    "Include",
+    "Integrator",
+    "LightSource",
+    "LookAt",
+    "MakeNamedMaterial",
+    "MakeNamedMedium",
+    "Material",
+    "MediumInterface",
+    "NamedMaterial",
+    "ObjectBegin",
+    "ObjectEnd",
+    "ObjectInstance",
+    "Option",
+    "PixelFilter",
+    "Renderer",
+    "ReverseOrientation",
+    "Rotate",
+    "Sampler",
+    "Scale",
+    "SearchPath",
+    "Shape",
+    "SurfaceIntegrator",
+    "Texture",
+    "Transform",
+    "TransformBegin",
+    "TransformEnd",
+    "TransformTimes",
+    "Translate",
+    "Volume",
+    "VolumeIntegrator",
+    "WorldBegin",
+    "WorldEnd",
+];
+
+/// A file being read.
+#[derive(Debug)]
+struct OpenFile {
+    lexer: Lexer,
+    path: Option<PathBuf>,
+    /// The state to go back to at its end, if it was imported.
+    import: Option<(GraphicsState, usize)>,
+}
+
+/// Which part of the scene is being read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Block {
+    Options,
+    World,
+    /// The world, without `WorldBegin`: a file meant to be included.
+    Fragment,
+    /// After `WorldEnd`.
+    Done,
+}
+
+/// Reads directives and hands them on.
+#[derive(Debug)]
+pub(crate) struct Parser {
+    pub(crate) lowering: Lowering,
+    state: StateStack,
+    files: Vec<OpenFile>,
+    block: Block,
+    includes: usize,
+    media_reported: bool,
+}
+
+impl Parser {
+    /// Starts with nothing read.
+    pub(crate) fn new(lowering: Lowering) -> Self {
+        Self {
+            lowering,
+            state: StateStack::default(),
+            files: Vec::new(),
+            block: Block::Options,
+            includes: 0,
+            media_reported: false,
+        }
+    }
+
+    /// Reads a scene file and all it includes. What is wrong goes to the reporter; after too many errors reading stops.
+    pub(crate) fn run(&mut self, name: &str, path: Option<&Path>, bytes: Arc<[u8]>) {
+        self.push_file(name, path, bytes, None);
+        while !self.lowering.reporter.is_full() {
+            match self.step() {
+                Ok(true) => {}
+                Ok(false) => break,
+                Err(Reported) => {
+                    if let Some(file) = self.files.last_mut() {
+                        file.lexer.skip_to_directive();
+                    }
+                }
+            }
+        }
+        for level in std::mem::take(&mut self.state.levels) {
+            if !self.lowering.reporter.is_full() {
+                let message = format!("{} is never ended", level.opened_by);
+                self.lowering.reporter.warning(&level.place, "nesting", message);
+            }
+        }
+        self.lowering.end_object();
+        self.lowering.check_materials();
+        finish_film(&mut self.lowering);
+        self.lowering.description.files = self.lowering.reporter.sources.names();
+    }
+
+    fn push_file(
+        &mut self,
+        name: &str,
+        path: Option<&Path>,
+        bytes: Arc<[u8]>,
+        import: Option<(GraphicsState, usize)>,
+    ) {
+        let id = self.lowering.reporter.sources.open(name, path, &bytes);
+        let path = path.map(Path::to_owned);
+        self.lowering.reading.push(path.clone());
+        self.files.push(OpenFile { lexer: Lexer::new(bytes, id), path, import });
+    }
+
+    /// Reads one directive; `false` at the end.
+    fn step(&mut self) -> Step<bool> {
+        let Some(file) = self.files.last_mut() else { return Ok(false) };
+        match file.lexer.next() {
+            Ok(Some((Token::Word(word), place))) => {
+                self.directive(&word, place)?;
+                Ok(true)
+            }
+            Ok(Some((_, place))) => {
+                let message = "a directive is expected, such as Shape or Translate";
+                Err(self.lowering.reporter.error(&place, "syntax", message))
+            }
+            Ok(None) => {
+                self.pop_file();
+                Ok(true)
+            }
+            Err(error) => Err(self.syntax(error)),
+        }
+    }
+
+    fn pop_file(&mut self) {
+        let Some(file) = self.files.pop() else { return };
+        self.lowering.reading.pop();
+        let id = file.lexer.file();
+        if !self.files.iter().any(|f| f.lexer.file() == id) {
+            self.lowering.reporter.sources.close(id);
+        }
+        if let Some((state, levels)) = file.import {
+            self.state.now = state;
+            self.state.levels.truncate(levels);
+        }
+    }
+
+    fn syntax(&mut self, error: LexError) -> Reported {
+        self.lowering.reporter.error_with_help(&error.place, "syntax", error.message, error.help)
+    }
+
+    fn lexer(&mut self, place: &Place) -> Step<&mut Lexer> {
+        match self.files.last_mut() {
+            Some(file) => Ok(&mut file.lexer),
+            None => Err(self.lowering.reporter.error(place, "syntax", "the file has ended")),
+        }
+    }
+
+    /// Does what a directive says.
+    fn directive(&mut self, word: &str, place: Place) -> Step<()> {
+        if self.block == Block::Done && word != "Include" {
+            self.lowering.reporter.warning(&place, "after-world", "what follows WorldEnd is not read");
+            self.files.truncate(0);
+            return Ok(());
+        }
+        if self.block == Block::Options && begins_world(word) {
+            let message = format!("{word} before WorldBegin: the file is read as part of a world");
+            self.lowering.reporter.warning(&place, "no-world", message);
+            self.begin_world();
+            self.block = Block::Fragment;
+        }
+        match word {
+            "Identity" | "Translate" | "Scale" | "Rotate" | "LookAt" | "Transform" | "ConcatTransform"
+            | "CoordinateSystem" | "CoordSysTransform" | "ActiveTransform" | "TransformTimes" => {
+                self.transformation(word, place)
+            }
+            "WorldBegin" | "WorldEnd" | "AttributeBegin" | "AttributeEnd" | "TransformBegin"
+            | "TransformEnd" | "ObjectBegin" | "ObjectEnd" => self.block_directive(word, place),
+            "Camera" | "Film" | "Sampler" | "Integrator" | "SurfaceIntegrator" | "VolumeIntegrator"
+            | "Renderer" | "PixelFilter" | "Accelerator" | "ColorSpace" | "Option" => {
+                self.option(word, place)
+            }
+            "Include" | "Import" => self.include(word, place),
+            "Attribute" => self.attribute(place),
+            "SearchPath" => {
+                let (folder, _) = self.name(word, &place)?;
+                self.lowering.finder.add_folder(&folder);
+                Ok(())
+            }
+            "ReverseOrientation" => {
+                self.state.now.reverse_orientation = !self.state.now.reverse_orientation;
+                Ok(())
+            }
+            "MakeNamedMedium" | "MediumInterface" | "Volume" => self.medium(word, place),
+            "Material" | "MakeNamedMaterial" | "NamedMaterial" | "Texture" | "Shape" | "AreaLightSource"
+            | "LightSource" | "ObjectInstance" => self.thing(word, place),
+            _ => {
+                let message = format!("{:?} is no directive", shortened(word));
+                let help = nearest(word, DIRECTIVES.iter().copied()).map(|n| format!("did you mean {n}?"));
+                Err(self.lowering.reporter.error_with_help(&place, "syntax", message, help))
+            }
+        }
+    }
+
+    /// So many numbers, in brackets or not.
+    fn numbers<const N: usize>(&mut self, place: &Place) -> Step<[f64; N]> {
+        let read = |lexer: &mut Lexer| {
+            let bracket = lexer.peek() == Some(b'[');
+            if bracket {
+                lexer.next()?;
+            }
+            let mut values = [0.0; N];
+            for value in &mut values {
+                lexer.peek();
+                *value = lexer.float()?;
+            }
+            if bracket {
+                match lexer.next()? {
+                    Some((Token::Close, _)) => {}
+                    other => {
+                        let place = other.map_or_else(|| lexer.place(1), |(_, place)| place);
+                        let message = format!("a closing bracket is expected after {N} numbers");
+                        return Err(LexError { place, message, help: None });
+                    }
+                }
+            }
+            Ok(values)
+        };
+        let result = read(self.lexer(place)?);
+        result.map_err(|error| self.syntax(error))
+    }
+
+    /// A quoted name.
+    fn name(&mut self, directive: &str, place: &Place) -> Step<(String, Place)> {
+        let lexer = self.lexer(place)?;
+        let bracket = lexer.peek() == Some(b'[');
+        let mut next = lexer.next();
+        if bracket {
+            next = lexer.next();
+            if lexer.peek() == Some(b']') {
+                lexer.skip_word();
+            }
+        }
+        match next {
+            Ok(Some((Token::Text(text), place))) => Ok((text, place)),
+            Ok(found) => {
+                let place = found.map_or(*place, |(_, place)| place);
+                let message = format!("{directive} needs a name in quotes");
+                Err(self.lowering.reporter.error(&place, "syntax", message))
+            }
+            Err(error) => Err(self.syntax(error)),
+        }
+    }
+
+    /// The parameters up to the next directive.
+    fn parameters(&mut self, subject: String, place: Place) -> Step<ParameterList> {
+        let result = ParameterList::parse(self.lexer(&place)?, subject, place);
+        result.map_err(|error| self.syntax(error))
+    }
+}
+
+/// Whether a directive stands in the world only.
+fn begins_world(directive: &str) -> bool {
+    matches!(
+        directive,
+        "AttributeBegin"
+            | "TransformBegin"
+            | "ObjectBegin"
+            | "ObjectInstance"
+            | "Shape"
+            | "LightSource"
+            | "AreaLightSource"
+            | "Material"
+            | "NamedMaterial"
+            | "ReverseOrientation"
+            | "Volume"
+    )
+}

@@ -1,0 +1,218 @@
+//! Directives that make something or choose what is made.
+
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use super::{Block, Parser};
+use crate::pbrt::color_space::ColorSpace;
+use crate::pbrt::lower::Context;
+use crate::pbrt::parameters::shortened;
+use crate::source::{Place, Step};
+
+/// Files that include each other, one within the other.
+pub(crate) const MAX_INCLUDE_DEPTH: usize = 32;
+/// Files included in all.
+pub(crate) const MAX_INCLUDES: usize = 65_536;
+
+/// Values of an attribute at most: it is copied to every thing it applies to.
+const MAX_ATTRIBUTE_VALUES: usize = 64;
+/// Attributes of one target at most.
+const MAX_ATTRIBUTES: usize = 256;
+
+impl Parser {
+    pub(super) fn option(&mut self, word: &str, place: Place) -> Step<()> {
+        if word == "Option" {
+            return self.parameters("Option".to_owned(), place).map(drop);
+        }
+        let (kind, name_place) = self.name(word, &place)?;
+        if word == "ColorSpace" {
+            let Some(space) = ColorSpace::of_name(&kind) else {
+                let message = format!("color space {:?} is unknown", shortened(&kind));
+                let help = Some("color spaces are srgb, rec2020, dci-p3 and aces2065-1".to_owned());
+                let r = &mut self.lowering.reporter;
+                return Err(r.error_with_help(&name_place, "parameter-range", message, help));
+            };
+            self.state.now.color_space = space;
+            return Ok(());
+        }
+        let subject = format!("{} {:?}", subject(word), shortened(&kind));
+        let list = self.parameters(subject, place)?;
+        if self.block != Block::Options && !matches!(word, "Accelerator" | "VolumeIntegrator" | "Renderer") {
+            let message = format!("{word} has no effect after WorldBegin");
+            self.lowering.reporter.warning(&place, "late-option", message);
+            return Ok(());
+        }
+        match word {
+            "Camera" => {
+                let ctm = self.state.now.ctm;
+                self.lowering.camera(&kind, list, ctm)?;
+                self.state.named_frames.insert("camera".to_owned(), ctm.inverse());
+                Ok(())
+            }
+            "Film" => self.lowering.film(&kind, list),
+            "Sampler" => self.lowering.sampler(&kind, list),
+            "Integrator" | "SurfaceIntegrator" => self.lowering.integrator(&kind, list),
+            "PixelFilter" => self.lowering.filter(&kind, list),
+            // Of no influence on the picture, or only with media.
+            _ => Ok(()),
+        }
+    }
+
+    pub(super) fn include(&mut self, word: &str, place: Place) -> Step<()> {
+        let (name, name_place) = self.name(word, &place)?;
+        let r = &mut self.lowering.reporter;
+        if self.files.len() > MAX_INCLUDE_DEPTH {
+            let message = format!("files are included more than {MAX_INCLUDE_DEPTH} deep");
+            return Err(r.error(&name_place, "include", message));
+        }
+        self.includes += 1;
+        if self.includes > MAX_INCLUDES {
+            let message = format!("more than {MAX_INCLUDES} files are included");
+            return Err(r.error(&name_place, "include", message));
+        }
+        let asking = self.files.last().and_then(|f| f.path.as_deref());
+        let Some(path) = self.lowering.finder.find(&name, asking) else {
+            let message = format!("{word}: file {:?} is not there", shortened(&name));
+            let help = Some("names are relative to the folder of the scene file".to_owned());
+            return Err(r.error_with_help(&name_place, "missing-file", message, help));
+        };
+        let real = |p: &Path| std::fs::canonicalize(p).ok();
+        let cycle = self.files.iter().filter_map(|f| f.path.as_deref()).any(|open| real(open) == real(&path));
+        if cycle {
+            let message = format!("{word}: file {:?} includes itself", shortened(&name));
+            return Err(r.error(&name_place, "include", message));
+        }
+        let bytes: Arc<[u8]> = match self.lowering.finder.read(&path) {
+            Ok(bytes) => bytes.into(),
+            Err(error) => {
+                let message = format!("{word}: file {:?} cannot be read: {error}", shortened(&name));
+                return Err(r.error(&name_place, "missing-file", message));
+            }
+        };
+        let import = (word == "Import").then(|| (self.state.now.clone(), self.state.levels.len()));
+        let shown = path.display().to_string();
+        self.push_file(&shown, Some(&path), bytes, import);
+        Ok(())
+    }
+
+    /// `Attribute "target" parameters`: defaults for what comes.
+    pub(super) fn attribute(&mut self, place: Place) -> Step<()> {
+        let (target, name_place) = self.name("Attribute", &place)?;
+        let list = self.parameters(format!("Attribute {:?}", shortened(&target)), place)?;
+        let Some(attributes) = self.state.now.attributes.of(&target) else {
+            let message = format!("Attribute {:?} is unknown", shortened(&target));
+            let help = Some("attributes are of shape, light, material, medium and texture".to_owned());
+            let r = &mut self.lowering.reporter;
+            return Err(r.error_with_help(&name_place, "parameter-range", message, help));
+        };
+        let mut all = list.into_items();
+        all.retain(|p| p.values.len() <= MAX_ATTRIBUTE_VALUES);
+        for old in attributes.iter() {
+            if !all.iter().any(|p| p.name == old.name) {
+                all.push(old.clone());
+            }
+        }
+        if all.len() > MAX_ATTRIBUTES {
+            let message = format!("more than {MAX_ATTRIBUTES} attributes");
+            return Err(self.lowering.reporter.error(&place, "nesting", message));
+        }
+        *attributes = Rc::new(all);
+        Ok(())
+    }
+
+    /// Media are read and left out.
+    pub(super) fn medium(&mut self, word: &str, place: Place) -> Step<()> {
+        let (kind, _) = self.name(word, &place)?;
+        // The second name of MediumInterface looks like a parameter without type; take both alike.
+        if word == "MediumInterface" {
+            let lexer = self.lexer(&place)?;
+            if lexer.peek() == Some(b'"') {
+                let second = lexer.next();
+                second.map_err(|error| self.syntax(error))?;
+            }
+        }
+        self.parameters(format!("medium {:?}", shortened(&kind)), place)?;
+        if !self.media_reported {
+            self.media_reported = true;
+            let message = "media are not available yet; empty space stands in";
+            self.lowering.reporter.stand_in(&place, "stand-in-medium", message);
+        }
+        Ok(())
+    }
+
+    fn context(&self) -> Context {
+        let now = &self.state.now;
+        Context {
+            ctm: now.ctm,
+            reverse_orientation: now.reverse_orientation,
+            material: now.material,
+            emission: now.emission.clone(),
+            color_space: now.color_space,
+        }
+    }
+
+    /// What makes something or chooses what is made.
+    pub(super) fn thing(&mut self, word: &str, place: Place) -> Step<()> {
+        let (name, name_place) = self.name(word, &place)?;
+        match word {
+            "NamedMaterial" => {
+                self.state.now.material = Some(self.lowering.use_material(&name, &name_place));
+                return Ok(());
+            }
+            "ObjectInstance" => {
+                let context = self.context();
+                return self.lowering.instance(&name, &name_place, &context);
+            }
+            "Texture" => return self.texture(&name, place),
+            _ => {}
+        }
+        let subject = format!("{} {:?}", subject(word), shortened(&name));
+        let mut list = self.parameters(subject, place)?;
+        let attributes = &self.state.now.attributes;
+        match word {
+            "Shape" => list.inherit(&attributes.shape),
+            "LightSource" | "AreaLightSource" => list.inherit(&attributes.light),
+            _ => list.inherit(&attributes.material),
+        }
+        let context = self.context();
+        match word {
+            "Shape" => self.lowering.shape(&name, list, &context),
+            "LightSource" => self.lowering.light(&name, list, &context),
+            "AreaLightSource" => {
+                self.state.now.emission = Some(self.lowering.area_light(&name, list, &context)?);
+                Ok(())
+            }
+            "Material" => {
+                self.state.now.material = Some(self.lowering.material(&name, list, context.color_space)?);
+                Ok(())
+            }
+            _ => self.lowering.named_material(&name, list, context.color_space),
+        }
+    }
+
+    fn texture(&mut self, name: &str, place: Place) -> Step<()> {
+        let (value_type, _) = self.name("Texture", &place)?;
+        let (kind, _) = self.name("Texture", &place)?;
+        let mut list = self.parameters(format!("texture {:?}", shortened(&kind)), place)?;
+        list.inherit(&self.state.now.attributes.texture);
+        let context = self.context();
+        self.lowering.texture(name, &value_type, &kind, list, &context)
+    }
+}
+
+/// What a directive makes, as messages call it.
+fn subject(directive: &str) -> &'static str {
+    match directive {
+        "Camera" => "camera",
+        "Film" => "film",
+        "Sampler" => "sampler",
+        "PixelFilter" => "filter",
+        "Shape" => "shape",
+        "LightSource" => "light",
+        "AreaLightSource" => "area light",
+        "Material" | "MakeNamedMaterial" => "material",
+        "Accelerator" => "accelerator",
+        _ => "integrator",
+    }
+}

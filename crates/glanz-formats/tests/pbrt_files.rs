@@ -1,0 +1,214 @@
+//! Scenes in more than one file.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use glanz_formats::image::{self, Format};
+use glanz_formats::{Diagnostics, Loaded, Options, load};
+use glanz_light::{Pixels, Tone};
+use glanz_scene::description::{GeometryDescription, SpectrumInput, TextureKind};
+
+/// A folder that goes away at the end of a test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("glanz-formats-{}-{name}", std::process::id()));
+        fs::create_dir_all(path.join("parts")).unwrap();
+        Self(path)
+    }
+
+    fn put(&self, name: &str, bytes: impl AsRef<[u8]>) -> &Self {
+        fs::write(self.0.join(name), bytes).unwrap();
+        self
+    }
+
+    fn load(&self) -> Result<Loaded, Diagnostics> {
+        load(&self.0.join("scene.pbrt"), &Options::default())
+    }
+
+    /// Messages without the name of the folder.
+    fn messages(&self, d: &Diagnostics) -> String {
+        d.to_string().replace(&format!("{}/", self.0.display()), "")
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn picture(rgb: &[[f32; 3]], width: u32) -> Vec<u8> {
+    let height = rgb.len() as u32 / width;
+    let pixels = Pixels::try_from_rgb(width, height, rgb).unwrap();
+    image::write(&pixels, Format::Pfm, &Tone::default(), &Default::default()).unwrap()
+}
+
+const TRIANGLE: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+    element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
+#[test]
+fn included_files_are_read_in_place_and_relative_to_the_scene() {
+    let folder = Folder::new("include");
+    folder
+        .put("scene.pbrt", "WorldBegin\nTranslate 1 0 0\nInclude \"parts/a.pbrt\"\nShape \"sphere\"\n")
+        .put("parts/a.pbrt", "Translate 1 0 0\nInclude \"parts/b.pbrt\"\n")
+        .put("parts/b.pbrt", "Shape \"sphere\"\nShape \"plymesh\" \"string filename\" \"mesh.ply\"\n")
+        // Beside the file that asks, which pbrt does not look at.
+        .put("parts/mesh.ply", TRIANGLE);
+    let loaded = folder.load().unwrap_or_else(|d| panic!("{d}"));
+    let shapes = &loaded.description.world.shapes;
+    assert_eq!(shapes.len(), 3);
+    assert!(shapes.iter().all(|s| s.to_parent.w_axis.x == 2.0));
+    assert!(
+        matches!(&shapes[1].geometry, GeometryDescription::Triangles { indices, .. } if indices == &[[0, 1, 2]])
+    );
+    assert_eq!(loaded.description.files.len(), 3);
+    let location = shapes[1].location.unwrap();
+    assert_eq!((location.file.0, location.line), (2, 2));
+}
+
+#[test]
+fn imported_files_change_no_state() {
+    let folder = Folder::new("import");
+    folder
+        .put("scene.pbrt", "Film \"rgb\"\nWorldBegin\nImport \"parts/a.pbrt\"\nShape \"sphere\"\n")
+        .put("parts/a.pbrt", "Translate 1 0 0\nMaterial \"dielectric\"\nShape \"sphere\"\n");
+    let d = folder.load().unwrap_or_else(|d| panic!("{d}")).description;
+    let x = |i: usize| d.world.shapes[i].to_parent.w_axis.x;
+    assert_eq!((x(0), x(1)), (1.0, 0.0));
+    assert_ne!(d.world.shapes[0].material, d.world.shapes[1].material);
+}
+
+#[test]
+fn missing_and_circular_includes_are_reported_where_they_are_named() {
+    let folder = Folder::new("circle");
+    folder
+        .put("scene.pbrt", "WorldBegin\nInclude \"parts/a.pbrt\"\n  Include \"nowhere.pbrt\"\n")
+        .put("parts/a.pbrt", "# comes back\nInclude \"scene.pbrt\"\n");
+    let errors = folder.load().unwrap_err();
+    assert_eq!(
+        folder.messages(&errors),
+        "error: parts/a.pbrt:2:9: Include: file \"scene.pbrt\" includes itself\n  \
+           2 | Include \"scene.pbrt\"\n    \
+             |         ^^^^^^^^^^^^\n\
+         error: scene.pbrt:3:11: Include: file \"nowhere.pbrt\" is not there\n  \
+           3 |   Include \"nowhere.pbrt\"\n    \
+             |           ^^^^^^^^^^^^^^\n  \
+           help: names are relative to the folder of the scene file\n"
+    );
+}
+
+#[test]
+fn includes_nest_up_to_a_limit() {
+    let folder = Folder::new("deep");
+    folder.put("scene.pbrt", "WorldBegin\nInclude \"1.pbrt\"\n");
+    for i in 1..40 {
+        folder.put(&format!("{i}.pbrt"), format!("Include \"{}.pbrt\"\n", i + 1));
+    }
+    let errors = folder.load().unwrap_err();
+    assert!(
+        folder.messages(&errors).starts_with("error: 32.pbrt:1:9: files are included more than 32 deep\n")
+    );
+}
+
+#[test]
+fn warnings_about_a_file_that_is_closed_still_show_its_line() {
+    let folder = Folder::new("closed");
+    folder
+        .put("scene.pbrt", "WorldBegin\nInclude \"parts/a.pbrt\"\n")
+        .put("parts/a.pbrt", "# open\n  AttributeBegin\n");
+    let loaded = folder.load().unwrap();
+    assert_eq!(
+        folder.messages(&loaded.diagnostics),
+        "warning: parts/a.pbrt:2:3: AttributeBegin is never ended\n  2 |   AttributeBegin\n    |   ^^^^^^^^^^^^^^\n"
+    );
+}
+
+#[test]
+fn a_mesh_is_faulted_at_its_name_and_in_its_file() {
+    let folder = Folder::new("mesh");
+    let scene = "WorldBegin\nShape \"plymesh\" \"string filename\" \"m.ply\"\n";
+    folder.put("scene.pbrt", scene).put("m.ply", TRIANGLE.replace("3 0 1 2", "3 0 1 7"));
+    let errors = folder.load().unwrap_err();
+    assert_eq!(
+        folder.messages(&errors),
+        "error: scene.pbrt:2:35: shape \"plymesh\": m.ply:13:8: element \"face\" number 0 refers to vertex 7, there are 3\n  \
+           2 | Shape \"plymesh\" \"string filename\" \"m.ply\"\n    \
+             |                                   ^^^^^^^\n"
+    );
+}
+
+#[test]
+fn pictures_are_read_once_and_named_spectra_from_files() {
+    let folder = Folder::new("picture");
+    let texture = |name: &str| {
+        format!(
+            "Texture \"{name}\" \"color\" \"imagemap\" \"string filename\" \"p.pfm\" \"float uscale\" 2 \"string wrap\" \"clamp\"\n"
+        )
+    };
+    let scene = format!(
+        "WorldBegin\n{}{}Material \"matte\" \"spectrum Kd\" \"grey.spd\"\n",
+        texture("a"),
+        texture("b")
+    );
+    folder
+        .put("scene.pbrt", scene)
+        .put("p.pfm", picture(&[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], 2))
+        .put("grey.spd", "# nm value\n700 .5\n400 .5\n");
+    let d = folder.load().unwrap_or_else(|d| panic!("{d}")).description;
+    assert_eq!(d.images.len(), 1);
+    assert_eq!(d.images[0].pixels.to_rgb().unwrap()[1], [4.0, 5.0, 6.0]);
+    assert!(matches!(d.textures[1].kind, TextureKind::Image { image: 0, scale: 1.0, invert: false, .. }));
+    let glanz_scene::description::MaterialKind::Diffuse { reflectance: SpectrumInput::Value(kd) } =
+        &d.materials[0].kind
+    else {
+        panic!()
+    };
+    assert!((kd.luminance() - 0.5).abs() < 1e-3);
+}
+
+#[test]
+fn a_sky_picture_gives_its_mean() {
+    let folder = Folder::new("sky");
+    folder
+        .put(
+            "scene.pbrt",
+            "WorldBegin\nLightSource \"infinite\" \"string mapname\" \"sky.pfm\" \"rgb L\" [2 2 2]\n",
+        )
+        .put("sky.pfm", picture(&[[1.0, 2.0, 3.0]; 8], 4));
+    let loaded = folder.load().unwrap_or_else(|d| panic!("{d}"));
+    let light = &loaded.description.lights[0];
+    let glanz_light::SpectralDistribution::Rgb(rgb) = light.emission else { panic!() };
+    for (found, expected) in rgb.into_iter().zip([2.0, 4.0, 6.0]) {
+        assert!((found - expected).abs() < 1e-5);
+    }
+    assert_eq!(loaded.diagnostics.iter().map(|d| d.kind).collect::<Vec<_>>(), ["stand-in-light"]);
+}
+
+#[test]
+fn the_fingerprint_covers_every_file_and_no_name() {
+    let of = |name: &str, part: &str, bytes: &str| {
+        let folder = Folder::new(name);
+        let scene = "WorldBegin\nInclude \"parts/a.pbrt\"\n";
+        folder.put("scene.pbrt", scene).put("parts/a.pbrt", part).put("m.ply", bytes);
+        folder.load().unwrap_or_else(|d| panic!("{d}")).content_hash
+    };
+    let mesh = "Shape \"plymesh\" \"string filename\" \"m.ply\"";
+    let first = of("hash1", mesh, TRIANGLE);
+    assert_eq!(first, of("hash2", mesh, TRIANGLE));
+    assert_ne!(first, of("hash3", &format!("{mesh} "), TRIANGLE));
+    assert_ne!(first, of("hash4", mesh, &TRIANGLE.replace("1 0 0", "2 0 0")));
+}
+
+#[test]
+fn folders_and_devices_are_not_read() {
+    let folder = Folder::new("device");
+    folder.put("scene.pbrt", "WorldBegin\nInclude \"parts\"\nInclude \"/dev/zero\"\n");
+    let errors = folder.load().unwrap_err();
+    assert_eq!(errors.iter().map(|d| d.kind).collect::<Vec<_>>(), ["missing-file", "missing-file"]);
+    assert!(load(Path::new("/dev/zero"), &Options::default()).is_err());
+}
