@@ -326,7 +326,7 @@ impl Film {
     }
 }
 
-/// Channels of a picture with `aovs`, in the order of [`channel_values`].
+/// Channels of a picture with `aovs`, in their order.
 #[must_use]
 pub fn channel_names(aovs: AovSet) -> Vec<&'static str> {
     let mut names = vec!["R", "G", "B"];

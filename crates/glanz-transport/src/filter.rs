@@ -73,7 +73,7 @@ impl Filter {
     /// The filter of `description`.
     ///
     /// Gaussian and Mitchell are tabulated as piecewise linear profiles that stray from the formula by at most 2e-6 of
-    /// the peak (see [`Profile`]); the others are exact.
+    /// the peak (the error of chords, @davis1975 section 3.1); the others are exact.
     ///
     /// # Errors
     /// [`FilterError`] for radii or parameters outside their ranges.
