@@ -122,6 +122,10 @@ impl Plan {
             samples_per_pixel: options.spp.unwrap_or(description.sampler.samples_per_pixel),
             version: PictureIdentity::current_version(),
         };
+        identity.film.words().map_err(|error| match options.size {
+            Some([width, height]) => Failure::new(format!("--size {width}x{height}: {error}")),
+            None => file.failure(film.location, &format!("film: {error}")),
+        })?;
         let samples = samples(options, &identity)?;
         let threads = match options.threads {
             Some(threads) => usize::from(threads),

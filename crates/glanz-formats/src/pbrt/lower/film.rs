@@ -7,9 +7,6 @@ use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::source::Step;
 
-/// Pixels per side at most.
-const MAX_RESOLUTION: u32 = 1 << 20;
-
 fn default_resolution(dialect: Dialect) -> [u32; 2] {
     match dialect {
         Dialect::V3 => [640, 480],
@@ -45,8 +42,8 @@ impl Lowering {
         }
         let [width, height] = default_resolution(self.dialect);
         let resolution = [
-            list.integer_from("xresolution", 1, r)?.unwrap_or(width).min(MAX_RESOLUTION),
-            list.integer_from("yresolution", 1, r)?.unwrap_or(height).min(MAX_RESOLUTION),
+            list.integer_from("xresolution", 1, r)?.unwrap_or(width),
+            list.integer_from("yresolution", 1, r)?.unwrap_or(height),
         ];
         let file_name = list.text("filename", r)?;
         let mut crop = [0.0, 1.0, 0.0, 1.0];
