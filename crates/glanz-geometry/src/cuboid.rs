@@ -51,6 +51,9 @@ impl Cuboid {
     /// The differences have the right sign whatever their rounding, and so has the quotient: a ray that starts
     /// outside one of the planes, by however little, and moves away from it, does not meet the box.
     fn ends(&self, ray: &Ray) -> Option<(End, End)> {
+        if !ray.origin.is_finite() || ray.direction.is_nan() || ray.direction == DVec3::ZERO {
+            return None;
+        }
         let mut enter = End { t: f64::NEG_INFINITY, facet: 0 };
         let mut leave = End { t: f64::INFINITY, facet: 0 };
         let (o, d) = (ray.origin.to_array(), ray.direction.to_array());

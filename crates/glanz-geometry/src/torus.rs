@@ -115,8 +115,8 @@ impl Torus {
         let (big, small) = (self.major, self.minor);
         let cd = c.dot(d);
         let xi = c.length_squared() + (big - small) * (big + small);
-        let rho = c.x.hypot(c.y);
-        let tube = |ring: f64| (ring.hypot(c.z) - small) * (ring.hypot(c.z) + small);
+        let rho = c.truncate().length();
+        let tube = |ring: f64| ring * ring + (c.z - small) * (c.z + small);
         let four_big2 = 4.0 * big * big;
         [
             tube(rho - big) * tube(rho + big),
@@ -133,7 +133,7 @@ impl Torus {
         let p = line.at(s);
         let phi = angle(p.y, p.x);
         let inside = t > 0.0 && t < t_max && phi <= self.phi_max;
-        let v = angle(p.z, p.x.hypot(p.y) - self.major) / TAU;
+        let v = angle(p.z, p.truncate().length() - self.major) / TAU;
         inside.then(|| Hit { t, u: phi / self.phi_max, v, face: 0 })
     }
 

@@ -175,6 +175,9 @@ impl Polyhedron {
 
     /// Where the line of the ray enters and leaves.
     fn ends(&self, ray: &Ray) -> Option<(End, End)> {
+        if !ray.origin.is_finite() || ray.direction.is_nan() || ray.direction == DVec3::ZERO {
+            return None;
+        }
         let mut enter = End { t: f64::NEG_INFINITY, facet: 0 };
         let mut leave = End { t: f64::INFINITY, facet: 0 };
         for (facet, f) in self.facets.iter().enumerate() {
