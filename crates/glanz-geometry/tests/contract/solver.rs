@@ -187,9 +187,10 @@ fn judge(case: &Case, line: &Line, s: f64, nearest: f64, origin_distance: f64) -
     let noise = case.noise / gradient.length();
     let tolerance = (1e-12 * case.size + 4e-16 * origin_distance + noise) / cos.max(1e-12);
     let border = (case.kept)(p);
+    // Twice the step of the differences: across an edge they mix two gradients.
     let status = if nearest < 1e-5 * case.size
         || cos < 1e-5
-        || case.distance_to_singular(p) < 1e-5 * case.size
+        || case.distance_to_singular(p) < 2e-5 * case.size
         || !(border.abs() > 1e-9 * case.size + 10.0 * tolerance)
     {
         Status::Unsure
