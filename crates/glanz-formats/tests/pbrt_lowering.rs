@@ -490,6 +490,29 @@ fn instances_are_placed_by_their_own_transformation_after_the_shapes() {
 }
 
 #[test]
+fn lights_in_objects_are_kept_but_not_in_objects_of_objects() {
+    let object = "WorldBegin ObjectBegin \"lamp\" AreaLightSource \"diffuse\" Shape \"sphere\" ObjectEnd";
+    let d = read_clean(&format!("{object} ObjectInstance \"lamp\"")).description;
+    assert!(d.groups[0].shapes[0].emission.is_some());
+    let text = format!("{object} ObjectBegin \"street\" ObjectInstance \"lamp\" ObjectEnd");
+    let errors = load_str("test.pbrt", &text, &Options::default()).unwrap_err();
+    assert_eq!(errors.iter().map(|d| d.kind).collect::<Vec<_>>(), ["instance-light"]);
+}
+
+#[test]
+fn light_outside_the_gamut_takes_none_away() {
+    for version in ["Film \"image\"", "Film \"rgb\""] {
+        let text = format!("{version} WorldBegin LightSource \"point\" \"blackbody I\" 1200");
+        let light = read_clean(&text).description.lights.remove(0);
+        let [r, g, b] = rgb(&light.emission);
+        assert!(r > g && g > 0.0 && b == 0.0);
+        if version.contains("rgb") {
+            close(f64::from(light.emission.luminance() * light.scale), 1.0);
+        }
+    }
+}
+
+#[test]
 fn attributes_give_defaults_to_what_comes_in_their_block() {
     let text = "Film \"rgb\" WorldBegin AttributeBegin Attribute \"shape\" \"float radius\" 2 Shape \"sphere\" \
         Shape \"sphere\" \"float radius\" 3 AttributeEnd Shape \"sphere\"";

@@ -7,6 +7,7 @@ use glanz_light::{Pixels, SpectralDistribution, Wavelengths};
 use glanz_math::DVec3;
 use glanz_scene::description::{EmissionDescription, LightDescription, LightKind, SpotFalloff};
 
+use super::spectrum::Emission;
 use super::{Context, Lowering};
 use crate::image::{self, Encoding};
 use crate::pbrt::dialect::Dialect;
@@ -16,7 +17,7 @@ use crate::source::Step;
 impl Lowering {
     /// Adds a light.
     pub(crate) fn light(&mut self, kind: &str, mut list: ParameterList, context: &Context) -> Step<()> {
-        let (kind, (emission, scale)) = match kind {
+        let (kind, emission) = match kind {
             "point" => self.point(&mut list, context)?,
             "spot" => self.spot(&mut list, context)?,
             "distant" => self.distant(&mut list, context)?,
@@ -36,8 +37,8 @@ impl Lowering {
         list.ignore(&["nsamples", "samples", "shadowquality"]);
         self.description.lights.push(LightDescription {
             kind,
-            emission,
-            scale,
+            scale: emission.scale(),
+            emission: emission.spectrum,
             to_world: context.ctm,
             location: Some(list.place.location),
         });
@@ -103,8 +104,8 @@ impl Lowering {
                     );
                     self.stand_in(&p.value_place, "stand-in-light", message);
                     let wavelengths = Wavelengths::default();
-                    let [r, g, b] = light.0.radiance(&wavelengths).to_rgb(&wavelengths);
-                    light.0 = SpectralDistribution::Rgb([mean[0] * r, mean[1] * g, mean[2] * b]);
+                    let [r, g, b] = light.spectrum.radiance(&wavelengths).to_rgb(&wavelengths);
+                    light.spectrum = SpectralDistribution::Rgb([mean[0] * r, mean[1] * g, mean[2] * b]);
                 }
                 Err(problem) => {
                     let message =
@@ -123,13 +124,13 @@ impl Lowering {
 
     /// Scales a light so that it sends out the `power` of version 4; `solid_angle` is the integral of its intensity
     /// over that of its axis.
-    fn power(&mut self, list: &mut ParameterList, light: &mut Emitted, solid_angle: f64) -> Step<()> {
+    fn power(&mut self, list: &mut ParameterList, light: &mut Emission, solid_angle: f64) -> Step<()> {
         self.target(list, "power", light, solid_angle)
     }
 
     /// Scales a light to the `illuminance` of version 4 on a surface that faces it; `per_radiance` is that of a light
     /// of 1.
-    fn illuminance(&mut self, list: &mut ParameterList, light: &mut Emitted, per_radiance: f64) -> Step<()> {
+    fn illuminance(&mut self, list: &mut ParameterList, light: &mut Emission, per_radiance: f64) -> Step<()> {
         self.target(list, "illuminance", light, per_radiance)
     }
 
@@ -137,7 +138,7 @@ impl Lowering {
         &mut self,
         list: &mut ParameterList,
         name: &'static str,
-        light: &mut Emitted,
+        light: &mut Emission,
         per_unit: f64,
     ) -> Step<()> {
         let place = list.value_place(name);
@@ -146,17 +147,13 @@ impl Lowering {
             // pbrt takes this for "not given".
             return Ok(());
         }
-        let luminance = f64::from(light.0.luminance());
-        // `scale` stays as a factor on top; the normalisation of version 4 is part of the luminance.
-        let user_scale = match self.dialect {
-            Dialect::V4 if !is_rgb(&light.0) => f64::from(light.1) * luminance,
-            _ => f64::from(light.1),
-        };
+        let luminance = f64::from(light.spectrum.luminance());
         if luminance <= 0.0 || per_unit <= 0.0 {
             let message = format!("{}: a black light cannot have a {name}", list.subject);
             return Err(self.reporter.error(&place, "parameter-range", message));
         }
-        light.1 = (user_scale * target / (per_unit * luminance)) as f32;
+        // The spectrum's own magnitude goes; `scale` stays as a factor on top.
+        light.normalisation = (target / (per_unit * luminance)) as f32;
         Ok(())
     }
 
@@ -181,31 +178,24 @@ impl Lowering {
             let message = format!("area light {:?} is unknown; \"diffuse\" stands in", shortened(kind));
             self.stand_in(&list.place, "stand-in-light", message);
         }
-        let (radiance, scale) = self.emission(&mut list, "L", context.color_space)?;
+        let light = self.emission(&mut list, "L", context.color_space)?;
         let two_sided = list.boolean("twosided", &mut self.reporter)?.unwrap_or(false);
         let place = list.value_place("filename");
         if list.text("filename", &mut self.reporter)?.is_some_and(|f| !f.is_empty()) {
             let message = "area light: light with a picture is not available yet; \"L\" stands in";
             self.stand_in(&place, "stand-in-light", message);
         }
-        // pbrt applies `scale` on top of the power, but takes the spectrum's own magnitude out.
-        let power = list.float("power", &mut self.reporter)?.filter(|p| *p > 0.0).map(|p| {
-            let own =
-                if self.dialect == Dialect::V4 && !is_rgb(&radiance) { radiance.luminance() } else { 1.0 };
-            p as f32 * scale * own
-        });
+        // pbrt applies `scale` on top of the power.
+        let power = list.float("power", &mut self.reporter)?.filter(|p| *p > 0.0);
+        let power = power.map(|p| p as f32 * light.factor);
         list.ignore(&["nsamples", "samples"]);
         list.finish(&mut self.reporter);
-        Ok(Rc::new(EmissionDescription { radiance, scale, power, two_sided }))
+        let scale = light.scale();
+        Ok(Rc::new(EmissionDescription { radiance: light.spectrum, scale, power, two_sided }))
     }
 }
 
-type Emitted = (SpectralDistribution, f32);
-type Lit = (LightKind, Emitted);
-
-fn is_rgb(spectrum: &SpectralDistribution) -> bool {
-    matches!(spectrum, SpectralDistribution::Constant(_) | SpectralDistribution::Rgb(_))
-}
+type Lit = (LightKind, Emission);
 
 /// Mean over the sphere; pixels that are not finite count as black. `None` without colour.
 fn mean_over_sphere(pixels: &Pixels) -> Option<[f32; 3]> {

@@ -41,6 +41,10 @@ pub(crate) struct Lowering {
     /// The group that shapes go to: none for the world.
     pub(crate) group: Option<usize>,
     pub(crate) groups: BTreeMap<String, usize>,
+    /// Shapes that give off light, by group.
+    pub(crate) lights_in_groups: BTreeMap<usize, usize>,
+    /// How many lights instances have made of them.
+    pub(crate) light_copies: usize,
     pub(crate) materials: BTreeMap<String, NamedMaterial>,
     pub(crate) default_material: Option<usize>,
     pub(crate) textures: TextureNames,
@@ -70,6 +74,8 @@ impl Lowering {
             reading: Vec::new(),
             group: None,
             groups: BTreeMap::new(),
+            lights_in_groups: BTreeMap::new(),
+            light_copies: 0,
             materials: BTreeMap::new(),
             default_material: None,
             textures: TextureNames::default(),

@@ -34,6 +34,9 @@ const SHAPES: &[&str] = &[
     "heightfield",
 ];
 
+/// Shapes that give off light, counted once per instance, at most: each becomes a light of its own.
+const MAX_LIGHT_COPIES: usize = 1 << 20;
+
 impl Lowering {
     /// Adds a shape.
     pub(crate) fn shape(&mut self, kind: &str, mut list: ParameterList, context: &Context) -> Step<()> {
@@ -45,14 +48,10 @@ impl Lowering {
             Some(index) => index,
             None => self.default_material(&place),
         };
-        let emission = match &context.emission {
-            Some(_) if self.group.is_some() => {
-                let message = "a shape of an object that is instanced gives off no light";
-                self.stand_in(&place, "stand-in-light", message);
-                None
-            }
-            emission => emission.as_deref().cloned(),
-        };
+        let emission = context.emission.as_deref().cloned();
+        if let (Some(_), Some(group)) = (&emission, self.group) {
+            *self.lights_in_groups.entry(group).or_insert(0) += 1;
+        }
         let shape = ShapeDescription {
             geometry,
             to_parent: context.ctm,
@@ -331,6 +330,20 @@ impl Lowering {
                 nearest(name, self.groups.keys().map(String::as_str)).map(|n| format!("did you mean {n:?}?"));
             return Err(self.reporter.error_with_help(place, "missing-object", message, help));
         };
+        let lights = self.lights_in_groups.get(&group).copied().unwrap_or(0);
+        if lights > 0 {
+            self.light_copies = self.light_copies.saturating_add(lights);
+            let problem = if self.group.is_some() {
+                "an object that gives off light cannot be part of another".to_owned()
+            } else if self.light_copies > MAX_LIGHT_COPIES {
+                format!("instances make more than {MAX_LIGHT_COPIES} lights")
+            } else {
+                String::new()
+            };
+            if !problem.is_empty() {
+                return Err(self.reporter.error(place, "instance-light", problem));
+            }
+        }
         let to_parent = context.ctm;
         let instance = InstanceDescription { group, to_parent, location: Some(place.location) };
         self.current_group().instances.push(instance);

@@ -216,7 +216,7 @@ impl Lowering {
         Err(self.reporter.error_with_help(&p.value_place, "missing-texture", message, Some(help)))
     }
 
-    /// Light of the given parameter and `scale`, as a spectrum and a factor.
+    /// Light of the given parameter and `scale`.
     ///
     /// Version 4 gives sampled spectra and black bodies the luminance 1 before `scale`; version 3 leaves them as they
     /// are and lets `scale` be a colour.
@@ -225,29 +225,57 @@ impl Lowering {
         list: &mut ParameterList,
         name: &'static str,
         space: ColorSpace,
-    ) -> Step<(SpectralDistribution, f32)> {
-        let base = match list.take(name) {
-            Some(p) => self.distribution(&list.subject, &p, space)?,
+    ) -> Step<Emission> {
+        let taken = list.take(name);
+        let spectral = taken
+            .as_ref()
+            .is_some_and(|p| matches!(p.kind, ParameterType::Blackbody | ParameterType::Spectrum));
+        let spectrum = match taken {
+            Some(p) => within_gamut(self.distribution(&list.subject, &p, space)?),
             None => grey(1.0),
         };
-        let mut factor = 1.0;
-        if self.dialect == Dialect::V4
-            && matches!(base, SpectralDistribution::Blackbody { .. } | SpectralDistribution::Sampled(_))
-        {
-            let luminance = base.luminance();
-            factor = if luminance > 0.0 { 1.0 / luminance } else { 0.0 };
+        let mut light = Emission { spectrum, factor: 1.0, normalisation: 1.0 };
+        if self.dialect == Dialect::V4 && spectral {
+            let luminance = light.spectrum.luminance();
+            light.normalisation = if luminance > 0.0 { 1.0 / luminance } else { 0.0 };
         }
-        let Some(p) = list.take("scale") else { return Ok((base, factor)) };
-        Ok(match self.distribution(&list.subject, &p, space)? {
-            SpectralDistribution::Constant(x) => (base, factor * x),
-            SpectralDistribution::Rgb([r, g, b]) if r == g && g == b => (base, factor * r),
+        let Some(p) = list.take("scale") else { return Ok(light) };
+        match self.distribution(&list.subject, &p, space)? {
+            SpectralDistribution::Constant(x) => light.factor = x,
+            SpectralDistribution::Rgb([r, g, b]) if r == g && g == b => light.factor = r,
             color => {
                 let wavelengths = Wavelengths::default();
-                let product = base.radiance(&wavelengths) * color.radiance(&wavelengths);
-                (SpectralDistribution::Rgb(product.to_rgb(&wavelengths)), factor)
+                let product = light.spectrum.radiance(&wavelengths) * color.radiance(&wavelengths);
+                light.spectrum = SpectralDistribution::Rgb(product.to_rgb(&wavelengths));
             }
-        })
+        }
+        Ok(light)
     }
+}
+
+/// What a light gives off: the spectrum times both factors.
+#[derive(Clone, Debug)]
+pub(super) struct Emission {
+    pub(super) spectrum: SpectralDistribution,
+    /// The `scale` of the scene.
+    pub(super) factor: f32,
+    /// What brings the spectrum to the luminance that its version expects.
+    pub(super) normalisation: f32,
+}
+
+impl Emission {
+    /// Both factors.
+    pub(super) fn scale(&self) -> f32 {
+        self.factor * self.normalisation
+    }
+}
+
+/// The light itself or, if its colour lies outside Rec. 709 (black bodies below some 1900 K do), the nearest inside:
+/// no band may take light away.
+fn within_gamut(light: SpectralDistribution) -> SpectralDistribution {
+    let wavelengths = Wavelengths::default();
+    let rgb = light.radiance(&wavelengths).to_rgb(&wavelengths);
+    if rgb.iter().all(|x| *x >= 0.0) { light } else { SpectralDistribution::Rgb(rgb.map(|x| x.max(0.0))) }
 }
 
 /// A spectrum from pairs in any order.
