@@ -45,6 +45,7 @@ impl SurfacePoint {
     ///
     /// The error grows by the roundings of the map and by those of the way back, since the next ray is carried into
     /// the local frame again.
+    #[inline]
     #[must_use]
     pub fn transformed(&self, to_world: &Transform) -> Self {
         let position = to_world.point(self.position);
@@ -72,6 +73,7 @@ impl SurfacePoint {
     }
 
     /// The same point of the surface turned inside out.
+    #[inline]
     #[must_use]
     pub fn reversed(self) -> Self {
         Self {

@@ -18,6 +18,7 @@ impl Frame {
     ///
     /// # Source
     /// @duff2017.
+    #[inline]
     #[must_use]
     pub fn from_z(z: DVec3) -> Self {
         let sign = 1.0_f64.copysign(z.z);
@@ -32,6 +33,7 @@ impl Frame {
 
     /// A frame around the unit vector `z` whose `x` follows `tangent`; falls back to [`Frame::from_z`] where
     /// `tangent` is parallel to `z`, zero or not finite.
+    #[inline]
     #[must_use]
     pub fn from_z_and_tangent(z: DVec3, tangent: DVec3) -> Self {
         let x = tangent - z * z.dot(tangent);
@@ -43,12 +45,14 @@ impl Frame {
     }
 
     /// `v` (world) in coordinates of this frame.
+    #[inline]
     #[must_use]
     pub fn to_local(&self, v: DVec3) -> DVec3 {
         DVec3::new(v.dot(self.x), v.dot(self.y), v.dot(self.z))
     }
 
     /// `v` (coordinates of this frame) in the world.
+    #[inline]
     #[must_use]
     pub fn to_world(&self, v: DVec3) -> DVec3 {
         self.x * v.x + self.y * v.y + self.z * v.z

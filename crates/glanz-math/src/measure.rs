@@ -8,6 +8,7 @@ impl AreaPdf {
     /// The same density per steradian, seen from `distance_squared` (m^2) under `cos` to the surface normal.
     ///
     /// Infinite where the surface is seen edge-on.
+    #[inline]
     #[must_use]
     pub fn to_solid_angle(self, distance_squared: f64, cos: f64) -> SolidAnglePdf {
         SolidAnglePdf(self.0 * distance_squared / cos.abs())

@@ -16,12 +16,14 @@ pub struct Ray {
 
 impl Ray {
     /// A ray from `origin` along `direction`.
+    #[inline]
     #[must_use]
     pub const fn new(origin: DVec3, direction: DVec3) -> Self {
         Self { origin, direction }
     }
 
     /// The point at parameter `t`.
+    #[inline]
     #[must_use]
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + t * self.direction

@@ -26,6 +26,7 @@ pub const fn gamma(n: u32) -> f64 {
 ///
 /// # Source
 /// @pharr2023 section 6.8.6.
+#[inline]
 #[must_use]
 pub fn offset_origin(point: DVec3, error: DVec3, normal: DVec3, direction: DVec3) -> DVec3 {
     let distance = normal.abs().dot(error);
@@ -35,6 +36,7 @@ pub fn offset_origin(point: DVec3, error: DVec3, normal: DVec3, direction: DVec3
     DVec3::new(round_away(moved.x, offset.x), round_away(moved.y, offset.y), round_away(moved.z, offset.z))
 }
 
+#[inline]
 fn round_away(value: f64, direction: f64) -> f64 {
     if direction > 0.0 {
         value.next_up()

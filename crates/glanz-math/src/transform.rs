@@ -85,6 +85,7 @@ impl Transform {
     }
 
     /// The map back.
+    #[inline]
     #[must_use]
     pub fn inverse(&self) -> Self {
         Self { forward: self.backward, backward: self.forward }
@@ -97,18 +98,21 @@ impl Transform {
     }
 
     /// Where `point` goes.
+    #[inline]
     #[must_use]
     pub fn point(&self, point: DVec3) -> DVec3 {
         self.forward.transform_point3(point)
     }
 
     /// Where the direction or difference `vector` goes.
+    #[inline]
     #[must_use]
     pub fn vector(&self, vector: DVec3) -> DVec3 {
         self.forward.transform_vector3(vector)
     }
 
     /// Where a normal goes (inverse transpose); not normalised.
+    #[inline]
     #[must_use]
     pub fn normal(&self, normal: DVec3) -> DVec3 {
         let m = self.backward.matrix3;
@@ -116,6 +120,7 @@ impl Transform {
     }
 
     /// The ray in the target frame; its parameter t keeps its meaning.
+    #[inline]
     #[must_use]
     pub fn ray(&self, ray: &Ray) -> Ray {
         Ray::new(self.point(ray.origin), self.vector(ray.direction))
@@ -124,6 +129,7 @@ impl Transform {
     /// A bound, per axis, on the error of [`Transform::point`] for a `point` known to `error` per axis.
     ///
     /// Three products and three sums: `gamma(4)` covers the roundings (@higham2002 section 3.1).
+    #[inline]
     #[must_use]
     pub fn point_error(&self, point: DVec3, error: DVec3) -> DVec3 {
         let m = self.forward.matrix3;
@@ -144,6 +150,7 @@ impl Transform {
     }
 
     /// How much a surface element with unit normal `normal` grows: |det M| |M^-T n|.
+    #[inline]
     #[must_use]
     pub fn area_scale(&self, normal: DVec3) -> f64 {
         self.forward.matrix3.determinant().abs() * self.normal(normal).length()

@@ -9,6 +9,17 @@ use glanz_shading::{Bsdf, TexturePoint};
 use crate::light::LightId;
 use crate::scene::Scene;
 
+/// What the densities of light sampling depend on at the place it starts from.
+#[derive(Clone, Copy, Debug)]
+pub struct Reference {
+    /// The place, metres.
+    pub position: DVec3,
+    /// Unit normal for shading.
+    pub shading_normal: DVec3,
+    /// Unit direction to the viewer.
+    pub wo: DVec3,
+}
+
 /// The place where a ray met the scene, in world space.
 #[derive(Clone, Copy, Debug)]
 pub struct Interaction {
@@ -27,6 +38,13 @@ pub struct Interaction {
 }
 
 impl Interaction {
+    /// What light sampling knows of this place.
+    #[inline]
+    #[must_use]
+    pub fn reference(&self) -> Reference {
+        Reference { position: self.point.position, shading_normal: self.point.shading_normal, wo: self.wo }
+    }
+
     /// The frame BSDFs work in: z is the shading normal, x follows the derivative of the position by u.
     #[must_use]
     pub fn frame(&self) -> Frame {

@@ -52,7 +52,7 @@ mod statistics;
 pub use camera::Camera;
 pub use description::{Description, Location};
 pub use error::{SceneError, SceneErrorKind, SceneWarning};
-pub use interaction::Interaction;
+pub use interaction::{Interaction, Reference};
 pub use light::{Light, LightId, LightSample};
 pub use object::Object;
 pub use scene::{MAX_NESTING, Scene};

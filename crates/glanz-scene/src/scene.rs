@@ -7,7 +7,7 @@ use glanz_math::{Bounds3, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
 use glanz_shading::{Material, Textures};
 
 use crate::camera::Camera;
-use crate::interaction::Interaction;
+use crate::interaction::{Interaction, Reference};
 use crate::light::{Light, LightId, LightSample, LightSelector};
 use crate::object::Object;
 
@@ -267,7 +267,7 @@ impl Scene {
     /// Density with which [`Scene::sample_light`] from `from` takes the point `hit` of the light `id`; without the
     /// probability of the light itself.
     #[must_use]
-    pub fn light_pdf(&self, id: LightId, from: &Interaction, hit: &Interaction) -> SolidAnglePdf {
+    pub fn light_pdf(&self, id: LightId, from: &Reference, hit: &Interaction) -> SolidAnglePdf {
         match self.light(id) {
             Some(Light::Area(light)) if light.can_be_sampled() => light.pdf(from, hit),
             _ => SolidAnglePdf(0.0),
@@ -292,7 +292,7 @@ impl Scene {
     /// Density with which [`Scene::sample_light`] from `from` takes the unit direction `wi` of the infinite light
     /// `id`; without the probability of the light itself.
     #[must_use]
-    pub fn infinite_pdf(&self, id: LightId, from: &Interaction, wi: DVec3) -> SolidAnglePdf {
+    pub fn infinite_pdf(&self, id: LightId, from: &Reference, wi: DVec3) -> SolidAnglePdf {
         match self.light(id) {
             Some(Light::Infinite(light)) => light.pdf(from, wi),
             _ => SolidAnglePdf(0.0),

@@ -164,7 +164,7 @@ fn check_sample_against_hit(scene: &Scene, from: &Interaction, sample: &glanz_sc
     assert!(!scene.occluded(&sample.shadow, sample.t_max), "{sample:?}");
     // At the rim a ray within rounding may pass by.
     if let Some(hit) = scene.intersect(&from.spawn(sample.wi), f64::INFINITY) {
-        let pdf = scene.light_pdf(LightId(0), from, &hit);
+        let pdf = scene.light_pdf(LightId(0), &from.reference(), &hit);
         assert!((pdf.0 / sample.pdf.0 - 1.0).abs() < 1e-5, "{pdf:?} {sample:?}");
     }
 }
@@ -268,7 +268,7 @@ fn small_meshes_keep_number_material_and_side_when_joined() {
     let hit = scene.intersect(&ray, f64::INFINITY).unwrap();
     assert_eq!((hit.id, hit.light()), (3, Some(LightId(0))));
     let from = scene.intersect(&Ray::new(DVec3::new(0.25, 0.125, 1.0), -DVec3::Z), f64::INFINITY).unwrap();
-    assert!(scene.light_pdf(LightId(0), &from, &hit).0 >= 0.0);
+    assert!(scene.light_pdf(LightId(0), &from.reference(), &hit).0 >= 0.0);
 }
 
 #[test]

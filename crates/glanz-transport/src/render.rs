@@ -106,7 +106,7 @@ pub fn render(
         return Err(FilmError::Samples(film.samples().total() + new).into());
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
-    let options = ContextOptions::new(scene, film.format().aovs.needs_first_hit());
+    let options = ContextOptions::new(film.format().aovs.needs_first_hit());
     let exposure = Exposure { scene, integrator, settings, options };
     let start = Instant::now();
     let mut clock = PassClock::new(settings.time_limit);

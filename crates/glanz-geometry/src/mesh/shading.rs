@@ -4,7 +4,7 @@ use glanz_math::{DVec2, DVec3};
 
 use super::Mesh;
 use crate::hit::{Hit, SurfacePoint};
-use crate::triangle::{position_error, unit_normal};
+use crate::triangle::{normal_and_area, position_error_of};
 
 /// Texture coordinates of a triangle that has none.
 ///
@@ -58,11 +58,11 @@ impl Mesh {
         let gradient = Gradient::new(uvs).or_else(|| Gradient::new(DEFAULT_UVS));
         let derivatives = |q| gradient.as_ref().map_or_else(Default::default, |g| g.of(q));
         let (dpdu, dpdv) = derivatives(corners);
-        let flat_normal = unit_normal(p0, p1, p2).unwrap_or(DVec3::Z);
+        let (flat_normal, twice_area) = normal_and_area(p0, p1, p2).unwrap_or((DVec3::Z, 0.0));
         let mut point = SurfacePoint {
             // In this order the error bound holds.
             position: p0 + u * (p1 - p0) + v * (p2 - p0),
-            error: position_error(p0, p1, p2),
+            error: position_error_of(p0, p1, p2, twice_area),
             normal: flat_normal,
             shading_normal: flat_normal,
             uv: uvs[0] * (1.0 - u - v) + uvs[1] * u + uvs[2] * v,

@@ -9,7 +9,7 @@ use glanz_math::{DVec2, DVec3, Frame, SolidAnglePdf};
 use glanz_sampling::warp;
 
 use super::LightSample;
-use crate::interaction::Interaction;
+use crate::interaction::{Interaction, Reference};
 use crate::object::Object;
 use crate::scene::Scene;
 
@@ -97,12 +97,12 @@ impl AreaLight {
 
     /// Density per solid angle with which a sample from `from` takes the point of `hit` on this light.
     #[must_use]
-    pub fn pdf(&self, from: &Interaction, hit: &Interaction) -> SolidAnglePdf {
-        if let Some(cone) = self.cone(from.point.position) {
+    pub fn pdf(&self, from: &Reference, hit: &Interaction) -> SolidAnglePdf {
+        if let Some(cone) = self.cone(from.position) {
             return cone.pdf();
         }
         let Some(pdf) = hit.area_pdf else { return SolidAnglePdf(0.0) };
-        let offset = hit.point.position - from.point.position;
+        let offset = hit.point.position - from.position;
         let distance_squared = offset.length_squared();
         pdf.to_solid_angle(distance_squared, hit.point.normal.dot(offset / distance_squared.sqrt()))
     }

@@ -7,7 +7,7 @@ use glanz_math::{DVec2, DVec3, SolidAnglePdf};
 use glanz_sampling::warp;
 
 use super::LightSample;
-use crate::interaction::Interaction;
+use crate::interaction::{Interaction, Reference};
 
 /// The same radiance from every direction.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +42,7 @@ impl InfiniteLight {
             local.z = -local.z;
         }
         let wi = frame.to_world(local);
-        let pdf = self.pdf(from, wi);
+        let pdf = self.pdf(&from.reference(), wi);
         (pdf.0 > 0.0).then(|| LightSample {
             wi,
             radiance: self.radiance,
@@ -55,8 +55,8 @@ impl InfiniteLight {
 
     /// Density with which a sample from `from` takes the unit direction `wi`.
     #[must_use]
-    pub fn pdf(&self, from: &Interaction, wi: DVec3) -> SolidAnglePdf {
-        let normal = from.point.shading_normal;
+    pub fn pdf(&self, from: &Reference, wi: DVec3) -> SolidAnglePdf {
+        let normal = from.shading_normal;
         let cos = normal.dot(wi) * 1.0_f64.copysign(normal.dot(from.wo));
         SolidAnglePdf(cos.max(0.0) * FRAC_1_PI)
     }

@@ -140,7 +140,8 @@ impl Distributed {
                 }
             }
             walk.ray = hit.spawn(scattered.direction);
-            walk.origin = (!scattered.is_delta).then_some(Origin { from: hit, pdf: scattered.pdf });
+            walk.origin =
+                (!scattered.is_delta).then_some(Origin { from: hit.reference(), pdf: scattered.pdf });
         }
     }
 
@@ -163,7 +164,8 @@ impl Distributed {
                 ray: vertex.at.spawn(scattered.direction),
                 throughput: scattered.weight,
                 eta_scale: walk.eta_scale * scattered.eta_scale,
-                origin: (!scattered.is_delta).then_some(Origin { from: *vertex.at, pdf: scattered.pdf }),
+                origin: (!scattered.is_delta)
+                    .then_some(Origin { from: vertex.at.reference(), pdf: scattered.pdf }),
                 budget: 1,
                 dimension: self.lane(walk, j),
                 ..*walk

@@ -77,16 +77,13 @@ pub const FIRST_DIMENSION: u32 = 4;
 pub struct ContextOptions {
     /// Whether [`Context::first_hit`] will be asked for.
     wants_first_hit: bool,
-    /// Whether shadow rays may meet what is no obstacle.
-    has_interfaces: bool,
 }
 
 impl ContextOptions {
-    /// For `scene`. `wants_first_hit`: whether [`Context::first_hit`] will be asked for.
+    /// `wants_first_hit`: whether [`Context::first_hit`] will be asked for.
     #[must_use]
-    pub fn new(scene: &Scene, wants_first_hit: bool) -> Self {
-        let has_interfaces = scene.materials().iter().any(glanz_shading::Material::is_interface);
-        Self { wants_first_hit, has_interfaces }
+    pub fn new(wants_first_hit: bool) -> Self {
+        Self { wants_first_hit }
     }
 }
 
@@ -104,34 +101,10 @@ impl<'a> Context<'a> {
         self.scene.intersect(ray, f64::INFINITY)
     }
 
-    /// Whether nothing that scatters light lies on `ray` with `0 < t < t_max`.
+    /// Whether nothing that stops light lies on `ray` with `0 < t < t_max`.
     pub fn is_free(&mut self, ray: &Ray, t_max: f64) -> bool {
         self.counters.shadow += 1;
-        if !self.scene.occluded(ray, t_max) {
-            return true;
-        }
-        self.options.has_interfaces && self.passes_interfaces(ray, t_max)
-    }
-
-    /// Whether all that lies on `ray` lets rays pass.
-    fn passes_interfaces(&mut self, ray: &Ray, t_max: f64) -> bool {
-        let (mut ray, mut t_max) = (*ray, t_max);
-        for _ in 0..path::INTERFACE_LIMIT {
-            self.counters.closest += 1;
-            let Some(hit) = self.scene.intersect(&ray, t_max) else { return true };
-            if hit.bsdf(self.scene, &self.wavelengths).is_some() {
-                return false;
-            }
-            let next = hit.spawn(ray.direction);
-            if t_max.is_finite() {
-                // The end stays where it is, on the near side of the light.
-                let end = ray.at(t_max);
-                (ray, t_max) = (Ray::new(next.origin, end - next.origin), 1.0);
-            } else {
-                ray = next;
-            }
-        }
-        false
+        !self.scene.occluded(ray, t_max)
     }
 
     /// What the camera ray met first that scatters light.

@@ -104,23 +104,25 @@ impl Integrator for Path {
             context.sampler.skip_to_dimension(FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(depth));
             depth += 1;
             interfaces = 0;
-            let (xi, xi_light_point) = (context.sampler.next_2d(), context.sampler.next_2d());
-            let xi_lobe = context.sampler.next_1d();
+            // What belongs together comes from one group of dimensions: lobe, direction and survival; light and point on it.
+            let (xi, xi_lobe) = (context.sampler.next_2d(), context.sampler.next_1d());
+            let xi_roulette = context.sampler.next_1d();
             if self.light_sampling && !bsdf.is_delta() {
-                let xi_light = context.sampler.next_1d();
-                light += throughput * vertex.direct_light(context, xi_light, xi_light_point);
+                context.sampler.begin_group();
+                let (xi_point, xi_light) = (context.sampler.next_2d(), context.sampler.next_1d());
+                light += throughput * vertex.direct_light(context, xi_light, xi_point);
             }
             let Some(scattered) = vertex.sample(xi, xi_lobe) else { return light };
             throughput *= scattered.weight;
             eta_scale *= scattered.eta_scale;
             if depth >= ROULETTE_FROM {
-                match roulette(throughput * eta_scale, context.sampler.next_1d()) {
+                match roulette(throughput * eta_scale, xi_roulette) {
                     Some(factor) => throughput *= factor,
                     None => return light,
                 }
             }
             ray = hit.spawn(scattered.direction);
-            origin = (!scattered.is_delta).then_some(Origin { from: hit, pdf: scattered.pdf });
+            origin = (!scattered.is_delta).then_some(Origin { from: hit.reference(), pdf: scattered.pdf });
         }
     }
 }

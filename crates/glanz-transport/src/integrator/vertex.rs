@@ -3,7 +3,7 @@
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Frame};
 use glanz_sampling::mis;
-use glanz_scene::{Interaction, LightId};
+use glanz_scene::{Interaction, LightId, Reference};
 use glanz_shading::{Bsdf, BsdfSample, TransportMode};
 
 use super::Context;
@@ -136,7 +136,7 @@ impl<'a> Vertex<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Origin {
     /// Where it was scattered.
-    pub(super) from: Interaction,
+    pub(super) from: Reference,
     /// Density per solid angle of its direction.
     pub(super) pdf: f64,
 }
