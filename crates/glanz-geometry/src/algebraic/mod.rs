@@ -9,7 +9,7 @@ use glanz_math::polynomial::visit_roots;
 use glanz_math::rounding::{UNIT_ROUNDOFF, gamma};
 use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
-use self::polynomial3::{Cube, Jet, Polynomial3, recenter};
+use self::polynomial3::{Cube, Jet, Polynomial3, Univariate, recenter};
 use crate::cuboid::clip_to_box;
 use crate::error::{SurfaceError, finite, positive};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
@@ -21,6 +21,9 @@ pub const MAX_DEGREE: usize = 4;
 
 /// Largest error of a position, in units of half the box: 2^-31.
 const CAP: f64 = 1.0 / 2_147_483_648.0;
+
+/// Doubt about a root, in units of half the box, from which it is looked at again: 2^-40.
+const POLISH: f64 = 1.0 / 1_099_511_627_776.0;
 
 /// The summand `coefficient x^i y^j z^k`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -115,13 +118,37 @@ impl AlgebraicSurface {
         let (low, high) = (line.s(enter.max(0.0)) / self.scale, line.s(leave) / self.scale);
         let mut last = 0.0;
         let end = visit_roots(&along, low, high, |s| {
-            let t = line.t(s * self.scale);
+            let polished = line.t(self.polish(&along, &line, s) * self.scale);
+            // A step must not make one root of two.
+            let apart = polished > last || polished <= 0.0;
+            let t = if apart { polished } else { line.t(s * self.scale) };
             // Two arc lengths may be one parameter of a far ray.
             let fresh = t > last && t < t_max;
             last = last.max(t);
-            if fresh { visit(self.hit(t, line.at(s * self.scale))) } else { ControlFlow::Continue(()) }
+            if fresh { visit(self.hit(t, line.at(line.s(t)))) } else { ControlFlow::Continue(()) }
         });
         end.break_value()
+    }
+
+    /// The root `s` of `along`, with a step of Newton at its own place on the line if rounding of the coefficients may
+    /// have moved it by more than [`POLISH`].
+    ///
+    /// Next to a singular point the polynomial is flat, and what it is there, far smaller than its coefficients.
+    fn polish(&self, along: &Univariate, line: &Line, s: f64) -> f64 {
+        let (mut size, mut slope, mut value) = (0.0, 0.0, 0.0);
+        for &c in along.iter().rev() {
+            size = size * s.abs() + c.abs();
+            slope = slope * s + value;
+            value = value * s + c;
+        }
+        let doubt = gamma(16) * size;
+        if doubt <= POLISH * slope.abs() {
+            return s;
+        }
+        let jet = self.polynomial.jet((line.at(s * self.scale) - self.center) / self.scale);
+        let step = jet.value / jet.gradient.dot(line.direction);
+        // Tangential rays have no digits to gain.
+        if step.abs() * slope.abs() <= doubt && step.abs() <= POLISH.sqrt() { s - step } else { s }
     }
 
     fn hit(&self, t: f64, p: DVec3) -> Hit {
@@ -164,12 +191,12 @@ impl AlgebraicSurface {
 
     /// Absolute error per axis, metres.
     ///
-    /// The polynomial is off by 16 roundings of the sum of the moduli of its terms, here and again for the next ray; the
-    /// distance this means is the error over the gradient. Where the gradient vanishes the second derivatives limit it.
+    /// To what the polynomial is at the point come 16 roundings of the sum of the moduli of its terms, here and again for
+    /// the next ray; the distance this means is the error over the gradient. Where the gradient vanishes the second derivatives limit it.
     /// No more than [`CAP`] of the box is claimed: within about that distance of a singular point, rays may meet the
     /// surface that they start from.
     fn error(&self, jet: &Jet) -> DVec3 {
-        let value_error = 2.0 * gamma(16) * jet.size;
+        let value_error = jet.value.abs() + 2.0 * gamma(16) * jet.size;
         let h = jet.hessian;
         let bend = (h.x_axis.length_squared() + h.y_axis.length_squared() + h.z_axis.length_squared()).sqrt();
         let slope = jet.gradient.length().max((value_error * bend).sqrt());
