@@ -4,11 +4,15 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
+use glanz_sampling::SamplerKind;
+use glanz_transport::exact::MAX_TERMS;
+use glanz_transport::{Aov, INTEGRATORS};
 
 /// Exact light for exact surfaces: renders pbrt scenes without turning curved surfaces into facets.
 #[derive(Debug, Parser)]
-#[command(name = "glanz", version, propagate_version = true, max_term_width = 100, after_help = EXAMPLES)]
+#[command(name = "glanz", version, propagate_version = true, max_term_width = 98, after_help = EXAMPLES)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -23,8 +27,11 @@ Examples:
 
 Exit status: 0 done, 1 failed, 2 wrong usage, 130 interrupted after saving.";
 
+/// The word for every extra channel.
+pub(crate) const ALL_AOVS: &str = "all";
+
 /// Samples per pixel that a film can hold.
-const MAX_SAMPLES: i64 = glanz_transport::exact::MAX_TERMS as i64;
+const MAX_SAMPLES: i64 = MAX_TERMS as i64;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
@@ -67,18 +74,21 @@ pub(crate) struct DemoArguments {
 }
 
 const RENDER_HELP: &str = "\
-Without -o the picture goes to the current folder, under the film's file name in the scene; as EXR if the
-scene names none, or one whose format Glanz does not write.
+Without -o the picture goes to the current folder under the film's file name in the scene; as
+EXR if the scene names none, or one in a format that Glanz does not write.
 
-The picture depends on the scene, the settings and the seed alone: not on threads, not on interruptions.
-Ctrl-C and SIGTERM finish the pass, write picture and checkpoint, and exit with 130; a second Ctrl-C kills.
+The picture depends on the scene, the settings and the seed alone: not on threads, not on
+interruptions. Ctrl-C and SIGTERM finish the pass, write picture and checkpoint, and exit
+with 130; a second Ctrl-C kills.
 
 Examples:
   glanz render room.pbrt -o room.exr -o room.png --spp 256
   glanz render room.pbrt -o room.exr --checkpoint room.glanz --resume
-  glanz render room.pbrt --samples 0..128 --checkpoint a.glanz    on one machine
-  glanz render room.pbrt --samples 128..256 --checkpoint b.glanz  on another
-  glanz merge a.glanz b.glanz -o room.exr                         the same bits as 256 samples at once";
+
+  on one machine, on another, and the same bits as 256 samples at once:
+  glanz render room.pbrt --samples 0..128 --checkpoint a.glanz
+  glanz render room.pbrt --samples 128..256 --checkpoint b.glanz
+  glanz merge a.glanz b.glanz -o room.exr";
 
 #[derive(Debug, Args)]
 #[command(after_help = RENDER_HELP)]
@@ -96,8 +106,8 @@ pub(crate) struct RenderOptions {
     /// Picture to write; the extension decides: exr, png or hdr (repeat for several)
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: Vec<PathBuf>,
-    /// How light is gathered: path, distributed or whitted
-    #[arg(long, value_name = "NAME")]
+    /// How light is gathered
+    #[arg(long, value_name = "NAME", value_parser = one_of(INTEGRATORS.iter().map(|entry| entry.name)))]
     pub(crate) integrator: Option<String>,
     /// Samples per pixel
     #[arg(long, value_name = "N", conflicts_with = "time", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
@@ -108,8 +118,8 @@ pub(crate) struct RenderOptions {
     /// Size of the full picture in pixels
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub(crate) size: Option<[u32; 2]>,
-    /// How samples are spread: sobol, independent, stratified, regular or center
-    #[arg(long, value_name = "NAME")]
+    /// How samples are spread
+    #[arg(long, value_name = "NAME", value_parser = one_of(SamplerKind::ALL.into_iter().map(SamplerKind::name)))]
     pub(crate) sampler: Option<String>,
     /// Threads to use; all processors if not given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
@@ -117,8 +127,10 @@ pub(crate) struct RenderOptions {
     /// Seed of the samples; another seed gives another, independent picture
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
-    /// Further channels for EXR files: all, or a list of Albedo, P, N, Ns, uv, Z, id, Variance
-    #[arg(long, value_name = "all|LIST", value_delimiter = ',')]
+    /// Further channels for EXR files: all, or a list with commas
+    #[arg(long, value_name = "LIST", value_delimiter = ',', ignore_case = true, value_parser = one_of(
+        Aov::ALL.into_iter().map(Aov::name).chain([ALL_AOVS])
+    ))]
     pub(crate) aov: Vec<String>,
     /// File that keeps the state of the render, written every 30 seconds and at the end
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -132,7 +144,7 @@ pub(crate) struct RenderOptions {
     /// Brighten PNG pictures by this many stops
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true, default_value_t = 0.0, value_parser = stops)]
     pub(crate) exposure: f32,
-    /// How PNG pictures fit light into what a display can show
+    /// How PNG pictures show light: bright light cut, or compressed by a curve
     #[arg(long, value_name = "NAME", value_enum, default_value_t = ToneName::Linear)]
     pub(crate) tone: ToneName,
     /// Refuse a scene that needs a stand-in or a repair
@@ -153,14 +165,14 @@ pub(crate) struct Talk {
     pub(crate) json: bool,
 }
 
-/// The tone curves.
+/// The tone curves; help on each would make that of the whole command long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ToneName {
-    /// Light up to 1 as it is, brighter light as 1
+    // Light up to 1 as it is, brighter light as 1.
     Linear,
-    /// Luminance Y as Y / (1 + Y)
+    // Luminance Y as Y / (1 + Y).
     Reinhard,
-    /// A filmic curve
+    // A filmic curve.
     Filmic,
 }
 
@@ -185,7 +197,7 @@ pub(crate) struct MergeArguments {
     /// Brighten PNG pictures by this many stops
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true, default_value_t = 0.0, value_parser = stops)]
     pub(crate) exposure: f32,
-    /// How PNG pictures fit light into what a display can show
+    /// How PNG pictures show light: bright light cut, or compressed by a curve
     #[arg(long, value_name = "NAME", value_enum, default_value_t = ToneName::Linear)]
     pub(crate) tone: ToneName,
     #[command(flatten)]
@@ -206,8 +218,12 @@ pub(crate) struct InfoArguments {
 }
 
 const COMPARE_HELP: &str = "\
-The second picture is the reference. Measures: rmse; relmse, squared error over squared reference; display-rmse,
-the RMSE of values clipped to [0, 1]; max, the largest difference; flip, how much the eye notices (0 to 1).
+The second picture is the reference. Measured are
+  rmse          root of the mean squared difference
+  relmse        mean of the squared difference over the squared reference + 0.01
+  display-rmse  rmse of the values clipped to [0, 1]
+  max           largest difference
+  flip          mean FLIP error, from 0 to 1: how much the eye notices
 
 Example:
   glanz compare render.exr reference.exr --metric relmse --fail-above 0.01";
@@ -232,19 +248,24 @@ pub(crate) struct CompareArguments {
     pub(crate) json: bool,
 }
 
-/// The measures of difference.
+/// The measures of difference, explained below the options.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Metric {
-    /// Root of the mean squared difference
+    // Root of the mean squared difference.
     Rmse,
-    /// Mean squared difference relative to the squared reference
+    // Mean squared difference relative to the squared reference.
     Relmse,
-    /// Root of the mean squared difference of values clipped to [0, 1]
+    // Root of the mean squared difference of values clipped to [0, 1].
     DisplayRmse,
-    /// Largest difference
+    // Largest difference.
     Max,
-    /// Mean FLIP error
+    // Mean FLIP error.
     Flip,
+}
+
+/// Names from the table that knows them; completions and help learn them there too.
+fn one_of(names: impl Iterator<Item = &'static str>) -> PossibleValuesParser {
+    PossibleValuesParser::new(names)
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {

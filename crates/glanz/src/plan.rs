@@ -7,66 +7,16 @@ use std::time::Duration;
 use glanz_sampling::SamplerKind;
 use glanz_transport::exact::MAX_TERMS;
 use glanz_transport::{
-    Aov, AovSet, FilmFormat, Filter, INTEGRATORS, IntegratorSettings, PictureIdentity, PixelRect,
-    RenderSettings,
+    Aov, AovSet, FilmFormat, Filter, IntegratorSettings, PictureIdentity, PixelRect, RenderSettings,
 };
 
-use crate::arguments::RenderOptions;
+use crate::arguments::{ALL_AOVS, RenderOptions};
 use crate::messages::Failure;
 use crate::report::grouped;
 use crate::scene_file::SceneFile;
 
 /// Time between two checkpoints.
 pub(crate) const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
-
-/// The names on the command line, found in the tables they stand for.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Choices {
-    integrator: Option<&'static str>,
-    sampler: Option<SamplerKind>,
-    aovs: AovSet,
-}
-
-impl Choices {
-    /// Looks the names up.
-    ///
-    /// # Errors
-    /// A name that is in no table, with those that are.
-    pub(crate) fn try_new(options: &RenderOptions) -> Result<Self, Failure> {
-        let integrator = options.integrator.as_deref().map(integrator_named).transpose()?;
-        let sampler = options.sampler.as_deref().map(sampler_named).transpose()?;
-        Ok(Self { integrator, sampler, aovs: aovs_named(&options.aov)? })
-    }
-}
-
-fn integrator_named(name: &str) -> Result<&'static str, Failure> {
-    let found = INTEGRATORS.iter().map(|entry| entry.name).find(|known| *known == name);
-    found.ok_or_else(|| unknown("integrator", name, INTEGRATORS.iter().map(|entry| entry.name)))
-}
-
-fn sampler_named(name: &str) -> Result<SamplerKind, Failure> {
-    let names = SamplerKind::ALL.into_iter().map(SamplerKind::name);
-    SamplerKind::from_name(name).ok_or_else(|| unknown("sampler", name, names))
-}
-
-fn aovs_named(names: &[String]) -> Result<AovSet, Failure> {
-    match names {
-        [all] if all.eq_ignore_ascii_case("all") => Ok(AovSet::ALL),
-        _ => names
-            .iter()
-            .map(|name| {
-                let known = Aov::ALL.into_iter().map(Aov::name).chain(["all"]);
-                Aov::from_name(name.trim()).ok_or_else(|| unknown("channel", name, known))
-            })
-            .collect(),
-    }
-}
-
-fn unknown(kind: &str, name: &str, known: impl Iterator<Item = &'static str>) -> Failure {
-    let known: Vec<&str> = known.collect();
-    Failure::usage(format!("there is no {kind} \"{name}\""))
-        .with_help(format!("choose from {}", known.join(", ")))
-}
 
 /// Everything that is known before the first ray.
 #[derive(Clone, Debug)]
@@ -83,16 +33,12 @@ impl Plan {
     ///
     /// # Errors
     /// A setting of the scene or the command line that is impossible.
-    pub(crate) fn new(
-        choices: &Choices,
-        options: &RenderOptions,
-        file: &mut SceneFile,
-    ) -> Result<Self, Failure> {
+    pub(crate) fn new(options: &RenderOptions, file: &mut SceneFile) -> Result<Self, Failure> {
         if let Some(size) = options.size {
             file.description.film.resolution = size;
         }
-        if let Some(name) = choices.integrator {
-            file.description.integrator.name = name.to_owned();
+        if let Some(name) = &options.integrator {
+            file.description.integrator.name.clone_from(name);
         }
         let description = &file.description;
         let film = &description.film;
@@ -103,16 +49,15 @@ impl Plan {
         })?;
         let filter = Filter::try_new(&description.filter)
             .map_err(|error| file.failure(None, &format!("pixel filter: {error}")))?;
-        let sampler = match choices.sampler {
-            Some(sampler) => sampler,
-            None => sampler_named(&description.sampler.name)?,
-        };
+        let name = options.sampler.as_ref().unwrap_or(&description.sampler.name);
+        let sampler = SamplerKind::from_name(name)
+            .ok_or_else(|| file.failure(None, &format!("there is no sampler \"{name}\"")))?;
         let identity = PictureIdentity {
             scene: file.content_hash,
             film: FilmFormat {
                 resolution: description.film.resolution,
                 crop,
-                aovs: choices.aovs,
+                aovs: aovs(&options.aov),
                 signed: filter.is_signed(),
             },
             filter: description.filter,
@@ -147,6 +92,14 @@ impl Plan {
             checkpoint_interval,
         }
     }
+}
+
+/// The channels of these names; the definition of the arguments lets no others through.
+fn aovs(names: &[String]) -> AovSet {
+    if names.iter().any(|name| name.eq_ignore_ascii_case(ALL_AOVS)) {
+        return AovSet::ALL;
+    }
+    names.iter().filter_map(|name| Aov::from_name(name)).collect()
 }
 
 /// The samples to take: those asked for, all that fit into the time, or as many as planned.

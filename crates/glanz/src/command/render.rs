@@ -13,7 +13,7 @@ use crate::checkpoint_file;
 use crate::interrupt::Interrupt;
 use crate::messages::{Failure, Messages};
 use crate::outputs::{self, Outputs};
-use crate::plan::{CHECKPOINT_INTERVAL, Choices, Plan};
+use crate::plan::{CHECKPOINT_INTERVAL, Plan};
 use crate::progress;
 use crate::report::{self, grouped, plural};
 use crate::scene_file::{Input, SceneFile};
@@ -65,13 +65,12 @@ pub(crate) fn render_input(
 ) -> Result<Ending, Failure> {
     let interrupt = Interrupt::listen().map_err(|error| Failure::new(format!("signals: {error}")))?;
     // All that can be refused without the scene is refused before it is read, which may take long.
-    let choices = Choices::try_new(options)?;
     let tone = outputs::tone(options.exposure, options.tone);
     let named = Outputs::try_new(&options.output, tone)?;
     check_checkpoint(options)?;
 
     let mut file = SceneFile::read(input, options.strict, messages)?;
-    let plan = Plan::new(&choices, options, &mut file)?;
+    let plan = Plan::new(options, &mut file)?;
     let outputs = match default_output {
         _ if !options.output.is_empty() => named,
         Some(path) => Outputs::try_new(&[path.to_owned()], tone)?,

@@ -11,7 +11,7 @@ use glanz::light::Pixels;
 /// Longest that any run may take before it counts as hanging.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// A small scene with a light, a mirror, glass and shadows: every kind of path, at 24 x 18 pixels.
+/// A small scene with lights (one in sight), metal, glass and shadows: every kind of path, at 24 x 18 pixels.
 pub(crate) const SCENE: &str = r#"
 LookAt 0 -6 2.5  0 0 0.8  0 0 1
 Camera "perspective" "float fov" 35
@@ -25,6 +25,11 @@ AttributeBegin
   Translate 0 0 4
   Scale 1 1 -1
   Shape "disk" "float radius" 1
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [4 4 4]
+  Translate 0.2 -1.5 0.5
+  Shape "sphere" "float radius" 0.3
 AttributeEnd
 Material "diffuse" "rgb reflectance" [0.6 0.5 0.4]
 Shape "disk" "float radius" 20

@@ -6,10 +6,10 @@ use crate::support::Folder;
 fn info_counts_what_is_in_a_scene() {
     let folder = Folder::with_scene();
     let info = folder.succeed("info small.pbrt --json").json();
-    assert_eq!(info["shapes"]["sphere"], 1);
+    assert_eq!(info["shapes"]["sphere"], 2);
     assert_eq!(info["shapes"]["cylinder"], 1);
     assert_eq!(info["shapes"]["disk"], 2);
-    assert_eq!(info["lights"].as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum::<u64>(), 2);
+    assert_eq!(info["lights"].as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum::<u64>(), 3);
     assert_eq!(info["units"], "metres");
     assert_eq!(info["resolution"], serde_json::json!([24, 18]));
     // The ground reaches from -20 to 20, the light is at a height of 4.
