@@ -106,8 +106,15 @@ impl Parser {
             let r = &mut self.lowering.reporter;
             return Err(r.error_with_help(&name_place, "parameter-range", message, help));
         };
-        let mut all = list.into_items();
-        all.retain(|p| p.values.len() <= MAX_ATTRIBUTE_VALUES);
+        let (mut all, long): (Vec<_>, Vec<_>) =
+            list.into_items().into_iter().partition(|p| p.values.len() <= MAX_ATTRIBUTE_VALUES);
+        for p in long {
+            let message = format!(
+                "Attribute: parameter {:?} has more than {MAX_ATTRIBUTE_VALUES} values and is left out",
+                shortened(&p.name)
+            );
+            self.lowering.reporter.stand_in(&p.place, "long-attribute", message);
+        }
         for old in attributes.iter() {
             if !all.iter().any(|p| p.name == old.name) {
                 all.push(old.clone());

@@ -1,0 +1,33 @@
+//! What the documentation shows.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use glanz_formats::{Options, load_str};
+
+const PAGE: &str = include_str!("../../../docs/scene-format.md");
+
+/// The fenced blocks of a language.
+fn blocks(language: &str) -> Vec<&'static str> {
+    let fence = format!("```{language}\n");
+    PAGE.split(&fence).skip(1).map(|rest| rest.split("```").next().unwrap()).collect()
+}
+
+#[test]
+fn every_scene_of_the_documentation_is_read_without_a_warning() {
+    let scenes = blocks("pbrt");
+    assert!(scenes.len() >= 3);
+    for scene in scenes {
+        let whole =
+            if scene.contains("WorldBegin") { scene.to_owned() } else { format!("WorldBegin\n{scene}") };
+        let loaded =
+            load_str("scene-format.md", &whole, &Options::default()).unwrap_or_else(|d| panic!("{d}"));
+        assert!(loaded.diagnostics.is_empty(), "{}", loaded.diagnostics);
+    }
+}
+
+#[test]
+fn the_message_of_the_documentation_is_what_one_gets() {
+    let scene = format!("WorldBegin{}Shape \"sphere\" \"float raduis\" 2\n", "\n".repeat(13));
+    let loaded = load_str("room.pbrt", &scene, &Options::default()).unwrap();
+    assert_eq!(loaded.diagnostics.to_string(), blocks("text")[0]);
+}
