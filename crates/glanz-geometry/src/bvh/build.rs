@@ -7,6 +7,7 @@
 //! @wald2007 for binning. A tree of `n` primitives fills exactly `2 n - 1` places, so that the threads that build the
 //! two halves of a node write to two halves of a slice, and the result does not depend on how many there are.
 
+use super::BuildOptions;
 use super::collapse::Plan;
 
 /// Depth that the binary tree never exceeds, so that traversal gets by with a stack of fixed size.
@@ -97,14 +98,8 @@ impl BinaryNode {
     }
 }
 
-/// Builds the tree over `items` into `nodes`, which has `2 items.len() - 1` places, and sorts `items` by it. `plan` is
-/// asked once both children of a node are complete.
-pub(crate) fn build(
-    items: &mut [Item],
-    nodes: &mut [BinaryNode],
-    depth: usize,
-    plan: &(impl Fn(&BinaryNode, Option<(&BinaryNode, &BinaryNode)>) -> Plan + Sync),
-) {
+/// Builds the tree over `items` into `nodes`, which has `2 items.len() - 1` places, and sorts `items` by it.
+pub(crate) fn build(items: &mut [Item], nodes: &mut [BinaryNode], depth: usize, options: &BuildOptions) {
     let Some((node, below)) = nodes.split_first_mut() else { return };
     let extent = Extent::of(items);
     *node = BinaryNode {
@@ -114,22 +109,27 @@ pub(crate) fn build(
         plan: Plan::EMPTY,
     };
     if items.len() < 2 {
-        node.plan = plan(node, None);
+        node.plan = Plan::new(node, None, options);
         return;
     }
-    let middle = split(items, &extent.middles, depth).clamp(1, items.len() - 1);
+    let middle = split(items, &extent.middles, depth, options.block).clamp(1, items.len() - 1);
     let (left_items, right_items) = items.split_at_mut(middle);
     let (left, right) = below.split_at_mut(2 * middle - 1);
     if left_items.len() + right_items.len() >= PARALLEL {
         rayon::join(
-            || build(left_items, left, depth + 1, plan),
-            || build(right_items, right, depth + 1, plan),
+            || build(left_items, left, depth + 1, options),
+            || build(right_items, right, depth + 1, options),
         );
     } else {
-        build(left_items, left, depth + 1, plan);
-        build(right_items, right, depth + 1, plan);
+        build(left_items, left, depth + 1, options);
+        build(right_items, right, depth + 1, options);
     }
-    node.plan = plan(node, left.first().zip(right.first()));
+    node.plan = Plan::new(node, left.first().zip(right.first()), options);
+}
+
+/// What testing `count` primitives costs: they go in blocks.
+fn blocks(count: usize, block: usize) -> f32 {
+    count.div_ceil(block.max(1)) as f32
 }
 
 /// The box around some primitives, and that around their (doubled) centres.
@@ -186,7 +186,7 @@ fn parallel_fold<T: Clone + Send + Sync>(
 }
 
 /// Sorts `items` into a left and a right part; returns the length of the left one.
-fn split(items: &mut [Item], middles: &Box4, depth: usize) -> usize {
+fn split(items: &mut [Item], middles: &Box4, depth: usize, block: usize) -> usize {
     let half = items.len() / 2;
     // A halving tree below this node has ceil(log2 n) further levels: from here on there is no room for worse.
     let levels = usize::BITS - (items.len() - 1).leading_zeros();
@@ -199,7 +199,7 @@ fn split(items: &mut [Item], middles: &Box4, depth: usize) -> usize {
     if size.iter().all(|&s| s <= 0.0) {
         return half;
     }
-    if items.len() <= SWEEP { sweep(items) } else { binned(items, middles) }
+    if items.len() <= SWEEP { sweep(items, block) } else { binned(items, middles, block) }
 }
 
 /// Order along an axis; the index decides between equals, so that the order is total.
@@ -208,7 +208,7 @@ fn order(a: &Item, b: &Item, axis: usize) -> std::cmp::Ordering {
 }
 
 /// The best split of a few items between any two neighbours on any axis.
-fn sweep(items: &mut [Item]) -> usize {
+fn sweep(items: &mut [Item], block: usize) -> usize {
     let mut best = (f32::INFINITY, 0, items.len() / 2);
     for axis in 0..3 {
         items.sort_unstable_by(|a, b| order(a, b, axis));
@@ -224,7 +224,7 @@ fn sweep(items: &mut [Item]) -> usize {
                 break;
             }
             left = left.union(item.0);
-            let cost = left.half_area() * count as f32 + area * (items.len() - count) as f32;
+            let cost = left.half_area() * blocks(count, block) + area * blocks(items.len() - count, block);
             if cost < best.0 {
                 best = (cost, axis, count);
             }
@@ -293,15 +293,15 @@ impl Binning {
 }
 
 /// The best split between bins.
-fn binned(items: &mut [Item], middles: &Box4) -> usize {
+fn binned(items: &mut [Item], middles: &Box4, block: usize) -> usize {
     let binning = Binning::new(middles);
     let bins = parallel_fold(items, &Bins::EMPTY, |bins, item| bins.add(&binning, item), Bins::merge);
-    let Some((axis, first_right)) = best_plane(&bins) else { return items.len() / 2 };
+    let Some((axis, first_right)) = best_plane(&bins, block) else { return items.len() / 2 };
     partition(items, |item| binning.bins(item)[axis] < first_right)
 }
 
 /// The axis and the first bin of the right side with the smallest cost; `None` if all lie in one bin.
-fn best_plane(bins: &Bins) -> Option<(usize, usize)> {
+fn best_plane(bins: &Bins, block: usize) -> Option<(usize, usize)> {
     let mut best = None;
     let mut least = f32::INFINITY;
     for axis in 0..3 {
@@ -311,13 +311,14 @@ fn best_plane(bins: &Bins) -> Option<(usize, usize)> {
         for bin in (1..BINS).rev() {
             right = right.union(bounds[bin]);
             count += counts[bin];
-            right_costs[bin] = if count == 0 { f32::INFINITY } else { right.half_area() * count as f32 };
+            right_costs[bin] =
+                if count == 0 { f32::INFINITY } else { right.half_area() * blocks(count as usize, block) };
         }
         let (mut left, mut count) = (Box4::EMPTY, 0);
         for bin in 1..BINS {
             left = left.union(bounds[bin - 1]);
             count += counts[bin - 1];
-            let cost = left.half_area() * count as f32 + right_costs[bin];
+            let cost = left.half_area() * blocks(count as usize, block) + right_costs[bin];
             if count > 0 && cost < least {
                 least = cost;
                 best = Some((axis, bin));

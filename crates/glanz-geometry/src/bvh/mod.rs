@@ -35,11 +35,11 @@ use glanz_math::{Bounds3, Ray};
 use rayon::prelude::*;
 
 use self::build::{BinaryNode, Item};
-use self::collapse::{Plan, Wide};
+use self::collapse::Wide;
 use self::node::{Node, UnitFrame};
 use self::simd::{Isa, Simd, Task};
+pub(crate) use self::traverse::Visit;
 use self::traverse::{Any, Closest};
-pub(crate) use self::traverse::{Stop, Visit};
 
 /// What the tree is built for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,7 +126,7 @@ impl Bvh {
             })
             .collect();
         let mut tree = vec![BinaryNode::EMPTY; (2 * items.len()).saturating_sub(1)];
-        build::build(&mut items, &mut tree, 0, &|node, children| Plan::new(node, children, options));
+        build::build(&mut items, &mut tree, 0, options);
         let wide = Wide::collapse(&tree);
         let cost = tree.first().map_or(0.0, |root| {
             let area = f64::from(root.half_area());
@@ -184,7 +184,7 @@ impl Bvh {
     /// whether it did.
     #[inline]
     pub fn any(&self, ray: &Ray, t_max: f64, visit: impl FnMut(Leaf) -> bool) -> bool {
-        self.isa.run(Any { bvh: self, ray, t_max, stop: Closure(visit) })
+        self.isa.run(Any { bvh: self, ray, t_max, visit: Question(visit) })
     }
 
     /// [`Bvh::closest`] from inside code that is already compiled for `simd`.
@@ -195,13 +195,19 @@ impl Bvh {
 
     /// [`Bvh::any`] from inside code that is already compiled for `simd`.
     #[inline(always)]
-    pub(crate) fn any_with<S: Simd>(&self, simd: S, ray: &Ray, t_max: f64, stop: impl Stop) -> bool {
-        Any { bvh: self, ray, t_max, stop }.run(simd)
+    pub(crate) fn any_with<S: Simd>(&self, simd: S, ray: &Ray, t_max: f64, visit: impl Visit) -> bool {
+        Any { bvh: self, ray, t_max, visit }.run(simd)
     }
 
     /// The instruction set that queries run with.
     pub(crate) fn isa(&self) -> Isa {
         self.isa
+    }
+
+    /// The same tree, queried with other instructions.
+    #[cfg(test)]
+    pub(crate) fn with_isa(self, isa: Isa) -> Self {
+        Self { isa, ..self }
     }
 
     /// How large the tree came out, and how good.
@@ -228,9 +234,12 @@ impl<F: FnMut(Leaf, f64) -> f64> Visit for Closure<F> {
     }
 }
 
-impl<F: FnMut(Leaf) -> bool> Stop for Closure<F> {
+/// A closure that says yes or no.
+struct Question<F>(F);
+
+impl<F: FnMut(Leaf) -> bool> Visit for Question<F> {
     #[inline(always)]
-    fn at<S: Simd>(&mut self, _: S, leaf: Leaf) -> bool {
-        (self.0)(leaf)
+    fn leaf<S: Simd>(&mut self, _: S, leaf: Leaf, t_max: f64) -> f64 {
+        if (self.0)(leaf) { f64::NEG_INFINITY } else { t_max }
     }
 }

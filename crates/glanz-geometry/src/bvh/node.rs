@@ -64,6 +64,15 @@ impl Node {
         (simd.at_most(near, far), near)
     }
 
+    /// Asks the memory for this node.
+    #[inline(always)]
+    pub(crate) fn prefetch<S: Simd>(&self, simd: S) {
+        for planes in &self.planes {
+            simd.prefetch(planes);
+        }
+        simd.prefetch(&self.children);
+    }
+
     /// Where the ray enters and leaves the slabs between the planes across `axis`.
     #[inline(always)]
     fn slab<S: Simd>(&self, simd: S, ray: &UnitRay<S>, axis: usize) -> (S::F32, S::F32) {
@@ -173,20 +182,19 @@ impl<S: Simd> UnitRay<S> {
     #[inline(always)]
     pub(crate) fn new(simd: S, frame: &UnitFrame, ray: &Ray, t_max: f64) -> Option<Self> {
         let length = ray.direction.abs().max_element();
-        let rate = length * frame.scale;
-        let direction = ray.direction / length;
         let mut origin = (ray.origin - frame.center) * frame.scale;
         let distance = origin.abs().max_element();
-        let flat = direction.abs().max(DVec3::splat(FLATTEST));
-        let inverse = DVec3::ONE / DVec3::select(direction.cmplt(DVec3::ZERO), -flat, flat);
         let carried = CARRY * distance;
+        let flat = ray.direction.abs().max(DVec3::splat(FLATTEST * length));
+        let inverse = DVec3::splat(length) / flat.copysign(ray.direction);
         let mut start = 0.0;
         if distance > 2.0 {
             // The cube is widened by what the ray may be off; flattened components only make the entry earlier.
             let entries = (-inverse.signum() * (1.0 + carried) - origin) * inverse;
             start = entries.max_element().max(0.0) * (1.0 - CARRY);
-            origin += start * direction;
+            origin += ray.direction * (start / length);
         }
+        let rate = length * frame.scale;
         let pad = inverse.abs() * ((1.0 + origin.abs()) * (4.0 * U32) + carried);
         let product = origin * inverse;
         let (near, far) = (product + pad, product - pad);

@@ -102,7 +102,7 @@ fn no_box_that_an_exact_ray_meets_is_ever_culled() {
             let ray = hard_ray(&mut random, &local);
             let ray = Ray::new(ray.origin * scale + place, ray.direction * scale);
             for isa in Isa::all() {
-                let bvh = Bvh { isa, ..bvh.clone() };
+                let bvh = bvh.clone().with_isa(isa);
                 let mut seen = vec![false; cloud.len()];
                 bvh.closest(&ray, f64::INFINITY, |leaf, t_max| {
                     bvh.leaf(leaf).iter().for_each(|&i| seen[i as usize] = true);
@@ -125,7 +125,7 @@ fn closest_box_is_the_one_that_brute_force_finds() {
     let mut random = Random(2);
     for isa in Isa::all() {
         let cloud = boxes(&mut random, 3000, 0.1);
-        let bvh = Bvh { isa, ..Bvh::build(&cloud, &BuildOptions::default()) };
+        let bvh = Bvh::build(&cloud, &BuildOptions::default()).with_isa(isa);
         let mut tested = 0;
         for _ in 0..2000 {
             let ray = Ray::new(random.vector(2.0), random.vector(1.0));
@@ -185,7 +185,7 @@ fn rays_that_are_not_rays_meet_nothing() {
             (DVec3::ZERO, DVec3::X, -1.0),
             (DVec3::splat(f64::INFINITY), DVec3::X, 1.0),
         ] {
-            let bvh = Bvh { isa, ..bvh.clone() };
+            let bvh = bvh.clone().with_isa(isa);
             assert!(!bvh.any(&Ray::new(origin, direction), t_max, |_| true), "{origin} {direction} {t_max}");
         }
     }

@@ -30,8 +30,11 @@ fn child(entry: u64) -> Child {
 /// What a walk does at the leaves. Methods are `#[inline(always)]`, as a closure cannot be, so that they are compiled for
 /// the instruction set of the walk.
 pub(crate) trait Visit {
-    /// Looks for hits of a leaf up to `t_max`; returns where the ray ends now.
+    /// Looks for hits of a leaf up to `t_max`; returns where the ray ends now. If any hit will do, less than `t_max`
+    /// says that there is one.
     fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, t_max: f64) -> f64;
+    /// Asks the memory for a leaf that will be visited soon.
+    fn prefetch<S: Simd>(&self, _simd: S, _leaf: Leaf) {}
 }
 
 /// Closest hit; see [`Bvh::closest`].
@@ -50,21 +53,21 @@ impl<V: Visit> Task for Closest<'_, V> {
         let Self { bvh, ray, mut t_max, mut visit } = self;
         let Some(mut unit) = UnitRay::new(simd, &bvh.frame, ray, t_max) else { return };
         let mut stack = Stack::<ROOM>::new();
-        let mut current = entry(0.0, Child::node(0));
+        let mut current = Child::node(0);
         loop {
-            if let Some(leaf) = child(current).as_leaf() {
+            if let Some(leaf) = current.as_leaf() {
                 let closer = visit.leaf(simd, Leaf(leaf), t_max);
                 if closer < t_max {
                     t_max = closer;
                     unit.shorten(simd, t_max);
                 }
-            } else if let Some(next) = descend(simd, bvh, child(current), &unit, &mut stack) {
+            } else if let Some(next) = descend::<S, V, true>(simd, bvh, current, &unit, &mut stack, &visit) {
                 current = next;
                 continue;
             }
             current = loop {
                 match stack.pop() {
-                    Some(next) if unit.reaches(near(next)) => break next,
+                    Some(next) if unit.reaches(near(next)) => break child(next),
                     Some(_) => {}
                     None => return,
                 }
@@ -73,40 +76,61 @@ impl<V: Visit> Task for Closest<'_, V> {
     }
 }
 
-/// Tests the children of a node; returns the nearest and pushes the others, farthest first.
+/// Tests the children of a node; returns the nearest and pushes the others, if `SORTED` farthest first.
 #[inline(always)]
-fn descend<S: Simd>(
+fn descend<S: Simd, V: Visit, const SORTED: bool>(
     simd: S,
     bvh: &Bvh,
     node: Child,
     ray: &UnitRay<S>,
     stack: &mut Stack<ROOM>,
-) -> Option<u64> {
+    visit: &V,
+) -> Option<Child> {
     let node = bvh.nodes.get(node.0 as usize)?;
     let (mut hits, near) = node.intersect(simd, ray);
     if hits == 0 {
         return None;
     }
+    let slot = hits.trailing_zeros() as usize & (WIDTH - 1);
+    if hits & (hits - 1) == 0 {
+        // Most often there is one, and then nobody asks where it begins.
+        return Some(node.children[slot]);
+    }
     let near = simd.store(near).0;
     let first = next(node, &near, &mut hits);
-    if hits == 0 {
-        return Some(first);
-    }
     let second = next(node, &near, &mut hits);
+    prefetch(simd, bvh, visit, child(first));
+    prefetch(simd, bvh, visit, child(second));
     let mut nearest = first.min(second);
     stack.push(first.max(second));
     if hits == 0 {
-        return Some(nearest);
+        return Some(child(nearest));
     }
     let mut count = 1;
     while hits != 0 {
         let another = next(node, &near, &mut hits);
+        prefetch(simd, bvh, visit, child(another));
         stack.push(nearest.max(another));
         nearest = nearest.min(another);
         count += 1;
     }
-    stack.sort_top(count);
-    Some(nearest)
+    if SORTED {
+        stack.sort_top(count);
+    }
+    Some(child(nearest))
+}
+
+/// Asks the memory for a child that will be visited soon.
+#[inline(always)]
+fn prefetch<S: Simd, V: Visit>(simd: S, bvh: &Bvh, visit: &V, child: Child) {
+    match child.as_leaf() {
+        Some(leaf) => visit.prefetch(simd, Leaf(leaf)),
+        None => {
+            if let Some(node) = bvh.nodes.get(child.0 as usize) {
+                node.prefetch(simd);
+            }
+        }
+    }
 }
 
 /// Takes the lowest bit off `hits`; returns the entry of its child.
@@ -117,40 +141,34 @@ fn next(node: &Node, near: &[f32; WIDTH], hits: &mut u32) -> u64 {
     entry(near[slot], node.children[slot])
 }
 
-/// What a walk that stops at the first success does at the leaves; see [`Visit`].
-pub(crate) trait Stop {
-    /// Whether to stop at this leaf.
-    fn at<S: Simd>(&mut self, simd: S, leaf: Leaf) -> bool;
-}
-
 /// Any hit; see [`Bvh::any`].
 pub(crate) struct Any<'a, V> {
     pub(crate) bvh: &'a Bvh,
     pub(crate) ray: &'a Ray,
     pub(crate) t_max: f64,
-    pub(crate) stop: V,
+    pub(crate) visit: V,
 }
 
-impl<V: Stop> Task for Any<'_, V> {
+impl<V: Visit> Task for Any<'_, V> {
     type Output = bool;
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> bool {
-        let Self { bvh, ray, t_max, mut stop } = self;
+        let Self { bvh, ray, t_max, mut visit } = self;
         let Some(unit) = UnitRay::new(simd, &bvh.frame, ray, t_max) else { return false };
         let mut stack = Stack::<ROOM>::new();
-        let mut current = entry(0.0, Child::node(0));
+        let mut current = Child::node(0);
         loop {
-            if let Some(leaf) = child(current).as_leaf() {
-                if stop.at(simd, Leaf(leaf)) {
+            if let Some(leaf) = current.as_leaf() {
+                if visit.leaf(simd, Leaf(leaf), t_max) < t_max {
                     return true;
                 }
-            } else if let Some(next) = descend(simd, bvh, child(current), &unit, &mut stack) {
+            } else if let Some(next) = descend::<S, V, false>(simd, bvh, current, &unit, &mut stack, &visit) {
                 current = next;
                 continue;
             }
             match stack.pop() {
-                Some(next) => current = next,
+                Some(next) => current = child(next),
                 None => return false,
             }
         }

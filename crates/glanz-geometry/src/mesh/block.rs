@@ -72,6 +72,15 @@ impl<T: Coordinate> Block<T> {
         block
     }
 
+    /// Asks the memory for this block.
+    #[inline(always)]
+    pub(super) fn prefetch<S: Simd>(&self, simd: S) {
+        for corner in &self.corners {
+            simd.prefetch(corner);
+        }
+        simd.prefetch(&self.faces);
+    }
+
     fn triangle(&self, lane: usize) -> [DVec3; 3] {
         self.corners.map(|corner| DVec3::from_array(corner.map(|axis| axis[lane & (LANES - 1)].to_f64())))
     }
@@ -132,8 +141,9 @@ impl<T: Coordinate> Block<T> {
             hits,
             at_edge,
             t: simd.store64(t),
-            v: simd.store64(simd.div64(v, determinant)),
-            w: simd.store64(simd.div64(w, determinant)),
+            v: simd.store64(v),
+            w: simd.store64(w),
+            determinant: simd.store64(determinant),
         })
     }
 }
@@ -151,7 +161,11 @@ struct Lanes {
     t: [f64; LANES],
     v: [f64; LANES],
     w: [f64; LANES],
+    determinant: [f64; LANES],
 }
+
+/// The axes in the order that makes a given one the last. A `static`: a constant would be copied for every ray.
+static AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
 /// A ray made ready for blocks.
 pub(super) struct BlockRay<S: Simd> {
@@ -164,7 +178,13 @@ pub(super) struct BlockRay<S: Simd> {
 impl<S: Simd> BlockRay<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, ray: &Ray) -> Self {
-        let sheared = ShearedRay::new(ray.origin, ray.direction);
+        // As in `ShearedRay::new`, but without branches: which axis is the longest cannot be predicted.
+        let [x, y, z] = ray.direction.abs().to_array();
+        let (longest, size) = if x >= y { (0, x) } else { (1, y) };
+        let longest: usize = if size >= z { longest } else { 2 };
+        let axes = AXES[longest];
+        let [x, y, z] = axes.map(|axis| ray.direction.to_array()[axis]);
+        let sheared = ShearedRay { origin: ray.origin, axes, shear: DVec3::new(x / z, y / z, 1.0 / z) };
         let origin = sheared.axes.map(|axis| ray.origin.to_array()[if axis < 3 { axis } else { 0 }]);
         Self { simd, sheared, origin: splat(simd, origin), shear: splat(simd, sheared.shear.to_array()) }
     }
@@ -204,8 +224,12 @@ pub(super) fn hits_in_block<S: Simd, T: Coordinate>(
     while hits != 0 {
         let lane = hits.trailing_zeros() as usize & (LANES - 1);
         hits &= hits - 1;
-        let mut found =
-            Found { t: lanes.t[lane], u: lanes.v[lane], v: lanes.w[lane], face: block.faces[lane] };
+        let mut found = Found {
+            t: lanes.t[lane],
+            face: block.faces[lane],
+            u: lanes.v[lane] / lanes.determinant[lane],
+            v: lanes.w[lane] / lanes.determinant[lane],
+        };
         if lanes.at_edge >> lane & 1 != 0 {
             let [a, b, c] = block.triangle(lane);
             // Up to and including `t_max`, as the others.

@@ -5,7 +5,7 @@ use glanz_math::Ray;
 use super::Mesh;
 use super::block::{Block, BlockRay, Blocks, Coordinate, Found, Report, hits_in_block};
 use crate::bvh::simd::{Simd, Task};
-use crate::bvh::{Leaf, Stop, Visit};
+use crate::bvh::{Leaf, Visit};
 use crate::hit::Hit;
 
 /// Up to this many blocks are tested one after the other: a tree would cost more than it saves.
@@ -80,6 +80,19 @@ impl<R: Simd, T: Coordinate> Visit for &mut ClosestVisit<'_, R, T> {
         }
         self.best.found.t
     }
+
+    #[inline(always)]
+    fn prefetch<S: Simd>(&self, simd: S, leaf: Leaf) {
+        prefetch(simd, self.blocks, leaf);
+    }
+}
+
+/// Asks the memory for the block of `leaf`.
+#[inline(always)]
+fn prefetch<S: Simd, T: Coordinate>(simd: S, blocks: &[Block<T>], leaf: Leaf) {
+    if let Some(block) = blocks.get(leaf.ordinal()) {
+        block.prefetch(simd);
+    }
 }
 
 /// Whether there is a hit.
@@ -105,42 +118,37 @@ impl Occluded<'_> {
     #[inline(always)]
     fn search<S: Simd, T: Coordinate>(self, simd: S, blocks: &[Block<T>]) -> bool {
         let Self { mesh, ray, t_max } = self;
-        let mut stop = AnyStop { blocks, ray: BlockRay::new(simd, ray), t_max };
+        let mut visit =
+            AnyVisit { blocks, ray: BlockRay::new(simd, ray), before: Before { t_max, met: false } };
         if blocks.len() <= BLOCKS_WITHOUT_TREE {
             for block in blocks {
-                if stop.meets(block) {
-                    return true;
-                }
+                hits_in_block(simd, block, &visit.ray, t_max, &mut visit.before);
             }
-            false
         } else {
-            mesh.bvh.any_with(simd, ray, t_max, stop)
+            mesh.bvh.any_with(simd, ray, t_max, &mut visit);
         }
+        visit.before.met
     }
 }
 
-struct AnyStop<'a, S: Simd, T> {
+struct AnyVisit<'a, S: Simd, T> {
     blocks: &'a [Block<T>],
     ray: BlockRay<S>,
-    t_max: f64,
+    before: Before,
 }
 
-impl<S: Simd, T: Coordinate> AnyStop<'_, S, T> {
+impl<R: Simd, T: Coordinate> Visit for &mut AnyVisit<'_, R, T> {
     #[inline(always)]
-    fn meets(&self, block: &Block<T>) -> bool {
-        let mut before = Before { t_max: self.t_max, met: false };
-        hits_in_block(self.ray.simd, block, &self.ray, self.t_max, &mut before);
-        before.met
-    }
-}
-
-impl<R: Simd, T: Coordinate> Stop for AnyStop<'_, R, T> {
-    #[inline(always)]
-    fn at<S: Simd>(&mut self, _: S, leaf: Leaf) -> bool {
-        match self.blocks.get(leaf.ordinal()) {
-            Some(block) => self.meets(block),
-            None => false,
+    fn leaf<S: Simd>(&mut self, _: S, leaf: Leaf, t_max: f64) -> f64 {
+        if let Some(block) = self.blocks.get(leaf.ordinal()) {
+            hits_in_block(self.ray.simd, block, &self.ray, t_max, &mut self.before);
         }
+        if self.before.met { f64::NEG_INFINITY } else { t_max }
+    }
+
+    #[inline(always)]
+    fn prefetch<S: Simd>(&self, simd: S, leaf: Leaf) {
+        prefetch(simd, self.blocks, leaf);
     }
 }
 
@@ -182,8 +190,8 @@ impl Every<'_> {
     #[inline(always)]
     fn search<S: Simd, T: Coordinate>(self, simd: S, blocks: &[Block<T>]) {
         let Self { mesh, ray, t_max, hits } = self;
-        let visit = EveryVisit { blocks, ray: BlockRay::new(simd, ray), all: All { t_max, hits } };
-        mesh.bvh.closest_with(simd, ray, t_max, visit);
+        let mut visit = EveryVisit { blocks, ray: BlockRay::new(simd, ray), all: All { t_max, hits } };
+        mesh.bvh.closest_with(simd, ray, t_max, &mut visit);
     }
 }
 
@@ -208,7 +216,7 @@ struct EveryVisit<'a, S: Simd, T> {
     all: All<'a>,
 }
 
-impl<R: Simd, T: Coordinate> Visit for EveryVisit<'_, R, T> {
+impl<R: Simd, T: Coordinate> Visit for &mut EveryVisit<'_, R, T> {
     #[inline(always)]
     fn leaf<S: Simd>(&mut self, _: S, leaf: Leaf, t_max: f64) -> f64 {
         if let Some(block) = self.blocks.get(leaf.ordinal()) {

@@ -77,10 +77,11 @@ impl Mesh {
             // Normals that cancel, or that lie in the triangle, say nothing of its side.
             let side = smooth.dot(flat_normal);
             if length > 0.0 && side != 0.0 {
-                let unit = smooth / length;
+                let inverse = 1.0 / length;
+                let unit = smooth * inverse;
                 let (dndu, dndv) = derivatives(normals);
                 // d(n / |n|) = (dn - n (n . dn) / |n|^2) / |n|
-                let bend = |dn: DVec3| (dn - unit * unit.dot(dn)) / length;
+                let bend = |dn: DVec3| (dn - unit * unit.dot(dn)) * inverse;
                 point.normal = flat_normal * side.signum();
                 point.shading_normal = unit;
                 (point.dndu, point.dndv) = (bend(dndu), bend(dndv));
