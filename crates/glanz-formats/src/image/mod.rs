@@ -1,7 +1,7 @@
 //! Pictures as files.
 //!
 //! [`read`] takes the bytes of a file, recognises the format by content (by extension where the content has no mark)
-//! and returns named planes of linear light. [`write`] goes the other way. All work is done on bytes in memory;
+//! and returns named planes of linear light. [`write()`] goes the other way. All work is done on bytes in memory;
 //! [`write_atomically`] puts bytes into a file so that a reader sees the old or the new file, never half of one.
 //!
 //! | format | read | written | planes |

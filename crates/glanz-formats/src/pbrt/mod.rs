@@ -1,7 +1,7 @@
 //! pbrt's scene language, versions 1 to 4.
 //!
-//! [`lexer`] gives words, [`parameters`] typed lists of them, [`parser`] the directives and [`state`] what they change;
-//! [`lower`] makes a description of it all, as [`dialect`] tells. `docs/scene-format.md` says what is read and what
+//! `lexer` gives words, `parameters` typed lists of them, `parser` the directives and `state` what they change;
+//! `lower` makes a description of it all, as `dialect` tells. `docs/scene-format.md` says what is read and what
 //! stands in for what is not.
 //!
 //! # Source
