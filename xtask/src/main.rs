@@ -14,7 +14,7 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 Usage: cargo xtask COMMAND
 
-  test                 every check of the project: format, clippy, layers, references, docs, tests
+  test [STEP...]       every check of the project: format, clippy, layers, references, docs, tests
   layers               which crate uses which, against the floors of docs/ARCHITECTURE.md
   references           every @key cited in the sources against docs/references.bib
   contract [--rays N]  the surface contract with N random rays per surface kind (default 10000000), optimised
@@ -27,7 +27,10 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match *words.as_slice() {
-        ["test"] => return steps::test(),
+        ["test", ref steps @ ..] => match steps::test(steps) {
+            Ok(code) => return code,
+            Err(complaint) => return usage(&complaint),
+        },
         ["layers"] => layers::check().map_err(|breaches| breaches.join("\n")),
         ["references"] => references::check().map_err(|missing| missing.join("\n")),
         ["contract"] => steps::contract(CONTRACT_RAYS),

@@ -26,9 +26,17 @@ const STEPS: &[Step] = &[
     ("tests", tests),
 ];
 
-/// Runs every step, also after one has failed; the summary stands last.
-pub(crate) fn test() -> ExitCode {
-    let outcomes: Vec<Outcome> = STEPS.iter().map(run).collect();
+/// Runs the steps of these names, or all if there are none, also after one has failed; the summary stands last.
+///
+/// # Errors
+/// A name that is no step.
+pub(crate) fn test(names: &[&str]) -> Result<ExitCode, String> {
+    if let Some(unknown) = names.iter().find(|name| STEPS.iter().all(|(step, _)| step != *name)) {
+        let known: Vec<&str> = STEPS.iter().map(|(step, _)| *step).collect();
+        return Err(format!("there is no step \"{unknown}\", choose from {}", known.join(", ")));
+    }
+    let chosen = STEPS.iter().filter(|(step, _)| names.is_empty() || names.contains(step));
+    let outcomes: Vec<Outcome> = chosen.map(run).collect();
     println!();
     for outcome in &outcomes {
         let verdict = if outcome.passed { "passed" } else { "FAILED" };
@@ -37,7 +45,7 @@ pub(crate) fn test() -> ExitCode {
     let passed = outcomes.iter().filter(|outcome| outcome.passed).count();
     let failed = outcomes.len() - passed;
     println!("test: {passed} passed, {failed} failed");
-    if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 fn run(&(name, step): &Step) -> Outcome {
