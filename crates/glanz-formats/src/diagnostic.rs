@@ -164,6 +164,11 @@ impl Diagnostics {
         }
     }
 
+    /// Whether one more message of that kind would be kept.
+    pub(crate) fn keeps(&self, severity: Severity, kind: &'static str) -> bool {
+        self.counts.get(&(severity, kind)).is_none_or(|count| *count < Self::PER_KIND)
+    }
+
     /// Counts a message and tells whether it is one to keep; spares making it where it is not.
     pub(crate) fn admit(&mut self, severity: Severity, kind: &'static str) -> bool {
         let count = self.counts.entry((severity, kind)).or_insert(0);

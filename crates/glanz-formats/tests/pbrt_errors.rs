@@ -246,6 +246,20 @@ fn a_thousand_equal_warnings_are_shown_a_hundred_times_and_counted() {
 }
 
 #[test]
+fn parameters_are_limited_and_unused_ones_counted() {
+    let shape = |n: usize| format!("WorldBegin Shape \"sphere\"{}", "\n\"float alpah\" 1".repeat(n));
+    assert_eq!(error(&shape(1025)), "1026:1: shape \"sphere\" has more than 1024 parameters");
+    let loaded = load_str("a.pbrt", &shape(1024), &Options::default()).unwrap();
+    assert_eq!(loaded.diagnostics.iter().count(), 100);
+    assert!(
+        loaded
+            .diagnostics
+            .to_string()
+            .ends_with("warning: 924 more of the kind \"unused-parameter\" are not shown\n")
+    );
+}
+
+#[test]
 fn blocks_nest_up_to_a_limit() {
     let text = format!("WorldBegin {}", "AttributeBegin\n".repeat(300));
     assert!(error(&text).ends_with("AttributeBegin is nested more than 256 deep"));

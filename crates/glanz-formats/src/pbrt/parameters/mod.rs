@@ -4,7 +4,7 @@ mod syntax;
 
 use glanz_math::{DVec2, DVec3};
 
-use crate::diagnostic::nearest;
+use crate::diagnostic::{Severity, nearest};
 use crate::pbrt::lexer::{LexError, Lexer};
 use crate::source::{Place, Reported, Reporter, Step};
 
@@ -22,11 +22,21 @@ pub(crate) struct ParameterList {
     asked: Vec<&'static str>,
 }
 
+/// Parameters of one directive at most.
+const MAX_PARAMETERS: usize = 1024;
+
+/// Kind of the warnings about parameters that nobody asked for.
+const UNUSED: &str = "unused-parameter";
+
 impl ParameterList {
     /// Reads parameters up to the next directive.
     pub(crate) fn parse(lexer: &mut Lexer, subject: String, place: Place) -> Result<Self, LexError> {
         let mut items = Vec::new();
         while lexer.peek() == Some(b'"') {
+            if items.len() == MAX_PARAMETERS {
+                let message = format!("{subject} has more than {MAX_PARAMETERS} parameters");
+                return Err(LexError { place: lexer.place(1), message, help: None });
+            }
             items.push(parse_parameter(lexer)?);
         }
         Ok(Self { subject, place, items, asked: Vec::new() })
@@ -70,6 +80,11 @@ impl ParameterList {
     /// Warns of what nobody asked for.
     pub(crate) fn finish(self, reporter: &mut Reporter) {
         for p in &self.items {
+            // Looking for what was meant takes longer than reading: not for messages that nobody will see.
+            if !reporter.diagnostics.keeps(Severity::Warning, UNUSED) {
+                reporter.diagnostics.admit(Severity::Warning, UNUSED);
+                continue;
+            }
             let message = format!("parameter {:?} is not used by {}", p.name, self.subject);
             let help = nearest(&p.name, self.asked.iter().copied())
                 .filter(|n| *n != p.name)
@@ -79,7 +94,7 @@ impl ParameterList {
                     .contains(&p.name.as_str())
                     .then(|| "it is given twice, the first counts".to_owned())
             });
-            reporter.warning_with_help(&p.place, "unused-parameter", message, help);
+            reporter.warning_with_help(&p.place, UNUSED, message, help);
         }
     }
 

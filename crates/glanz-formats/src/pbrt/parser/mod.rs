@@ -193,7 +193,7 @@ impl Parser {
 
     /// Does what a directive says.
     fn directive(&mut self, word: &str, place: Place) -> Step<()> {
-        if self.block == Block::Done && word != "Include" {
+        if self.block == Block::Done {
             self.lowering.reporter.warning(&place, "after-world", "what follows WorldEnd is not read");
             self.files.truncate(0);
             return Ok(());

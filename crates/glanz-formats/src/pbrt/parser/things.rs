@@ -18,7 +18,7 @@ pub(crate) const MAX_INCLUDES: usize = 65_536;
 /// Values of an attribute at most: it is copied to every thing it applies to.
 const MAX_ATTRIBUTE_VALUES: usize = 64;
 /// Attributes of one target at most.
-const MAX_ATTRIBUTES: usize = 256;
+const MAX_ATTRIBUTES: usize = 32;
 
 impl Parser {
     pub(super) fn option(&mut self, word: &str, place: Place) -> Step<()> {
