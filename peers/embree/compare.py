@@ -2,11 +2,12 @@
 """Rays per second against a triangle mesh: Glanz and Embree, same mesh, same rays, one run.
 
     apt-get install libembree-dev        # Embree 3.13
-    peers/embree/compare.py [--triangles 1000000] [--rounds 7] [--out benches/results/NAME.json]
+    peers/embree/compare.py [--shape sphere|grid] [--triangles 1000000] [--rounds 7] [--out benches/results/NAME.json]
 
 Both sides are programs that build their hierarchy once and then time one set of rays at a time, one call per ray
 (rtcIntersect1, rtcOccluded1; Mesh::intersect, Mesh::occluded). The calls alternate: Glanz, Embree, Embree robust, Glanz ...
-so that what else happens on the machine meets all of them. What counts is the ratio of medians. Glanz tests in f64
+so that what else happens on the machine meets all of them. What counts is the ratio of medians, of processor time (with
+two threads by the clock too, which shows how they scale, if nothing else runs). Glanz tests in f64
 without gaps between triangles; so does Embree's robust mode in f32; its fast mode does not promise that.
 
 Sets: "coherent" (camera rays, line by line), "bounced" (diffuse, from where those hit), "random" (chords of a sphere).
@@ -56,12 +57,22 @@ class Side:
 
     def ask(self, task):
         print(*task, file=self.process.stdin, flush=True)
-        nanoseconds, rays, hits, total = self.read().split()
-        return float(nanoseconds), int(rays), int(hits), float(total)
+        clock, processors, rays, hits, total = self.read().split()
+        return float(clock), float(processors), int(rays), int(hits), float(total)
+
+
+def show(task, rates, answers):
+    print(f"{task[0]:9} {task[1]:8} {task[2]} thread(s)", end="")
+    for clock in ("processor", "clock"):
+        medians = {name: statistics.median(rate[clock]) for name, rate in rates.items()}
+        print(f" | {clock}:", *(f"{name} {value:.2f}" for name, value in medians.items()), "ratios",
+              *(f"{medians['Glanz'] / value:.2f}" for name, value in medians.items() if name != "Glanz"), end="")
+    print(" | hits", *(hits for hits, _ in answers.values()), flush=True)
 
 
 def main():
     parser = argparse.ArgumentParser()
+    parser.add_argument("--shape", choices=["sphere", "grid"], default="sphere")
     parser.add_argument("--triangles", type=int, default=1_000_000)
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--out", type=pathlib.Path, help="raw results")
@@ -70,26 +81,24 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         glanz, embree = build(folder)
-        sides = [Side("Glanz", [glanz, folder, arguments.triangles])]
+        sides = [Side("Glanz", [glanz, folder, arguments.shape, arguments.triangles])]
         sides += [Side(f"Embree {mode}", [embree, folder, mode]) for mode in arguments.modes]
         for side in sides:
             print(f"{side.name}: built in {side.about}")
         results = []
         for task in TASKS:
-            times = {side.name: [] for side in sides}
+            # Million rays per second: of processor time, and by the clock.
+            rates = {side.name: {"processor": [], "clock": []} for side in sides}
             answers = {}
             for _ in range(arguments.rounds):
                 for side in sides:
-                    nanoseconds, rays, hits, total = side.ask(task)
-                    times[side.name].append(rays / nanoseconds * 1e3)
+                    clock, processors, rays, hits, total = side.ask(task)
+                    rates[side.name]["processor"].append(rays / processors * 1e3)
+                    rates[side.name]["clock"].append(rays / clock * 1e3)
                     answers[side.name] = (hits, total)
-            results.append({"rays": task[0], "query": task[1], "threads": task[2], "million_rays_per_second": times,
+            results.append({"rays": task[0], "query": task[1], "threads": task[2], "million_rays_per_second": rates,
                             "hits_and_sum_of_t": answers})
-            medians = {name: statistics.median(values) for name, values in times.items()}
-            ratios = [f"{medians['Glanz'] / value:5.2f}" for name, value in medians.items() if name != "Glanz"]
-            print(f"{task[0]:9} {task[1]:8} {task[2]} thread(s):",
-                  *(f"{name} {value:6.2f}" for name, value in medians.items()), "Mrays/s; ratios", *ratios,
-                  "; hits", *(hits for hits, _ in answers.values()), flush=True)
+            show(task, rates, answers)
     if arguments.out:
         about = {"date": time.strftime("%Y-%m-%d"), "machine": platform.platform(),
                  "sides": {side.name: side.about for side in sides}, "results": results}

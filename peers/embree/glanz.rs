@@ -3,7 +3,7 @@
 //! Writes the mesh and the rays into the folder given, then waits for lines `SET QUERY THREADS` and answers each with
 //! nanoseconds by the clock, nanoseconds of the processors, number of rays, number of hits and sum of the ray parameters.
 
-#[path = "../../crates/glanz-geometry/benches/landscape.rs"]
+#[path = "../../crates/glanz-geometry/benches/mesh/landscape.rs"]
 mod landscape;
 
 use std::fs::{File, read_to_string};
@@ -14,7 +14,7 @@ use std::time::Instant;
 use glanz_geometry::RaySurface;
 use glanz_geometry::mesh::Mesh;
 use glanz_math::Ray;
-use landscape::{Model, bounced_rays, camera_rays, displaced_sphere, random_rays};
+use landscape::{Model, bounced_rays, camera_rays, displaced_sphere, random_rays, wavy_grid};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -79,11 +79,15 @@ fn measure(mesh: &Mesh, rays: &[Ray], any: bool, threads: usize) -> (u128, u64, 
 
 fn main() -> Result<(), Failure> {
     let mut arguments = std::env::args().skip(1);
-    let folder = arguments.next().ok_or("usage: glanz FOLDER TRIANGLES")?;
-    let triangles: f64 = arguments.next().ok_or("usage: glanz FOLDER TRIANGLES")?.parse()?;
+    let mut argument = || arguments.next().ok_or("usage: glanz FOLDER sphere|grid TRIANGLES");
+    let (folder, shape, triangles) = (argument()?, argument()?, argument()?.parse::<f64>()?);
     let folder = Path::new(&folder);
     let mut out = std::io::stdout();
-    let model = displaced_sphere((triangles / 8.0).sqrt().round() as u32);
+    let model = match shape.as_str() {
+        "sphere" => displaced_sphere((triangles / 8.0).sqrt().round() as u32),
+        "grid" => wavy_grid((triangles / 2.0).sqrt().round() as u32),
+        _ => return Err("the shape is sphere or grid".into()),
+    };
     write_model(folder, &model)?;
     let start = Instant::now();
     let mesh = Mesh::try_new(model.positions, model.indices, None, None)?;

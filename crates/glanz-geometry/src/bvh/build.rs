@@ -248,9 +248,8 @@ impl Bins {
 
     #[inline(always)]
     fn add(&mut self, binning: &Binning, item: &Item) {
-        let place = binning.bins(item);
-        for axis in 0..3 {
-            let bin = place[axis];
+        let [x, y, z, _] = binning.bins(item);
+        for (axis, bin) in [x, y, z].into_iter().enumerate() {
             self.bounds[axis][bin] = self.bounds[axis][bin].union(item.0);
             self.counts[axis][bin] += 1;
         }

@@ -119,6 +119,7 @@ impl UnitFrame {
     }
 
     /// The length in metres of one unit.
+    #[cfg(test)]
     pub(crate) fn unit(&self) -> f64 {
         1.0 / self.scale
     }

@@ -2,7 +2,7 @@
 
 use glanz_math::{Bounds3, DVec3, Ray};
 
-use super::node::{UnitFrame, UnitRay};
+use super::node::UnitFrame;
 use super::*;
 
 /// Numbers that look random: the finaliser of splitmix64 over a counter.
@@ -157,7 +157,7 @@ fn far_origins_cost_no_more_than_near_ones() {
     let mut random = Random(3);
     let cloud = boxes(&mut random, 3000, 0.02);
     let bvh = Bvh::build(&cloud, &BuildOptions::default());
-    let mut visits = |distance: f64| {
+    let visits = |distance: f64| {
         let mut count = 0;
         let mut random = Random(4);
         for _ in 0..500 {
@@ -225,12 +225,8 @@ fn degenerate_clouds() -> Vec<Vec<Bounds3>> {
         (0..20_000).map(|i| cube(1.0 + f64::from(i))).collect(),
         // Sizes and distances that halve each time: every split peels off one box.
         (0..900)
-            .map(|i| unit.expanded(0.0))
-            .zip(0..)
-            .map(|(_, i)| {
-                let s = (-f64::from(i)).exp2();
-                Bounds3::new(DVec3::splat(s), DVec3::splat(1.5 * s))
-            })
+            .map(|i| (-f64::from(i)).exp2())
+            .map(|s| Bounds3::new(DVec3::splat(s), DVec3::splat(1.5 * s)))
             .collect(),
         (0..2000).map(|i| cube(1e-300 * f64::from(i))).collect(),
         (0..2000).map(|i| cube(1e300 * f64::from(i + 1) / 2000.0)).collect(),

@@ -6,11 +6,11 @@ use glanz_math::rounding::offset_origin;
 use glanz_math::{DVec3, Frame, Ray};
 
 /// Numbers uniform in [0, 1): splitmix64.
-pub struct Random(pub u64);
+pub(crate) struct Random(u64);
 
 impl Random {
     /// The next one.
-    pub fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -18,7 +18,7 @@ impl Random {
     }
 
     /// Uniform over the unit sphere.
-    pub fn direction(&mut self) -> DVec3 {
+    pub(crate) fn direction(&mut self) -> DVec3 {
         let z = 2.0 * self.unit() - 1.0;
         let (sin, cos) = (std::f64::consts::TAU * self.unit()).sin_cos();
         let r = (1.0 - z * z).max(0.0).sqrt();
@@ -27,11 +27,11 @@ impl Random {
 }
 
 /// Vertices and triangles.
-pub struct Model {
+pub(crate) struct Model {
     /// Vertices; every coordinate is an `f32`, so that no peer gets a rounded copy.
-    pub positions: Vec<DVec3>,
+    pub(crate) positions: Vec<DVec3>,
     /// Triangles.
-    pub indices: Vec<[u32; 3]>,
+    pub(crate) indices: Vec<[u32; 3]>,
 }
 
 /// A function over points of space with hills of several sizes.
@@ -50,7 +50,7 @@ fn to_f32(p: DVec3) -> DVec3 {
 }
 
 /// A closed sphere of about unit radius with hills: an octahedron whose faces have `n^2` triangles each, `8 n^2` in all.
-pub fn displaced_sphere(n: u32) -> Model {
+pub(crate) fn displaced_sphere(n: u32) -> Model {
     // A square sheet of (2 n + 1)^2 vertices folds over the octahedron; vertices of its rim meet in pairs.
     let side = 2 * n + 1;
     let corner = |i: u32, j: u32| {
@@ -84,7 +84,7 @@ pub fn displaced_sphere(n: u32) -> Model {
 }
 
 /// A square of hills, `2 n^2` triangles.
-pub fn wavy_grid(n: u32) -> Model {
+pub(crate) fn wavy_grid(n: u32) -> Model {
     let at = |i: u32| f64::from(i) / f64::from(n) * 2.0 - 1.0;
     let mut positions = Vec::new();
     let mut indices = Vec::new();
@@ -105,7 +105,7 @@ pub fn wavy_grid(n: u32) -> Model {
 }
 
 /// The rays of a camera, line by line, that sees the unit sphere.
-pub fn camera_rays(width: u32, height: u32) -> Vec<Ray> {
+pub(crate) fn camera_rays(width: u32, height: u32) -> Vec<Ray> {
     let eye = DVec3::new(1.2, -2.2, 1.4);
     let frame = Frame::from_z((-eye).normalize());
     let mut rays = Vec::new();
@@ -120,7 +120,7 @@ pub fn camera_rays(width: u32, height: u32) -> Vec<Ray> {
 }
 
 /// Chords between random points of a sphere of radius 1.2.
-pub fn random_rays(count: usize) -> Vec<Ray> {
+pub(crate) fn random_rays(count: usize) -> Vec<Ray> {
     let mut random = Random(7);
     (0..count)
         .map(|_| {
@@ -131,7 +131,7 @@ pub fn random_rays(count: usize) -> Vec<Ray> {
 }
 
 /// Rays that leave the points where `rays` meet `mesh`, by the cosine of the angle to the normal.
-pub fn bounced_rays(mesh: &Mesh, rays: &[Ray]) -> Vec<Ray> {
+pub(crate) fn bounced_rays(mesh: &Mesh, rays: &[Ray]) -> Vec<Ray> {
     let mut random = Random(8);
     let bounce = |ray: &Ray| {
         let hit = mesh.intersect(ray, f64::INFINITY)?;
