@@ -138,7 +138,7 @@ pub(crate) fn normal_and_area(p0: DVec3, p1: DVec3, p2: DVec3) -> Option<(DVec3,
     let is_open = 1024.0 * plain.length_squared() > e1.length_squared() * e2.length_squared();
     let n = if is_open { plain } else { area_vector(p0, p1, p2)? };
     let length = n.length();
-    let normal = n / length;
+    let normal = n * (1.0 / length);
     normal.is_finite().then_some((normal, length))
 }
 

@@ -33,18 +33,8 @@ pub fn offset_origin(point: DVec3, error: DVec3, normal: DVec3, direction: DVec3
     let side = if direction.dot(normal) < 0.0 { -1.0 } else { 1.0 };
     let offset = normal * (distance * side);
     let moved = point + offset;
-    DVec3::new(round_away(moved.x, offset.x), round_away(moved.y, offset.y), round_away(moved.z, offset.z))
-}
-
-#[inline]
-fn round_away(value: f64, direction: f64) -> f64 {
-    if direction > 0.0 {
-        value.next_up()
-    } else if direction < 0.0 {
-        value.next_down()
-    } else {
-        value
-    }
+    // |x| 2^-52 is between one and two units in the last place of x: enough to undo the rounding of the sum.
+    moved + moved.abs() * f64::EPSILON * offset.signum()
 }
 
 #[cfg(test)]

@@ -56,6 +56,7 @@ impl Object {
     }
 
     /// The role of the shape that `face` of the surface belongs to.
+    #[inline]
     pub(crate) fn role(&self, face: u32) -> Role {
         let Some(parts) = &self.parts else { return self.role };
         let after = parts.partition_point(|part| part.first_face <= face);
@@ -101,6 +102,7 @@ impl Object {
     }
 
     /// The ray in the frame of the surface.
+    #[inline]
     fn local(&self, ray: &Ray) -> Ray {
         self.to_parent.as_ref().map_or(*ray, |t| t.inverse().ray(ray))
     }
@@ -124,6 +126,7 @@ impl Object {
 
     /// The surface at a hit of this object, in the group's frame, and the density of [`Object::sample`] there if the
     /// object is a light.
+    #[inline]
     pub(crate) fn point(&self, ray: &Ray, hit: &Hit) -> (SurfacePoint, Option<AreaPdf>) {
         let local = self.surface.point(&self.local(ray), hit);
         let pdf = self
@@ -142,11 +145,13 @@ impl Object {
         ))
     }
 
+    #[inline]
     fn to_parent_point(&self, local: SurfacePoint, face: u32) -> SurfacePoint {
         let point = self.to_parent.as_ref().map_or(local, |t| local.transformed(t));
         if self.role(face).reversed { point.reversed() } else { point }
     }
 
+    #[inline]
     fn to_parent_pdf(&self, pdf: AreaPdf, local: &SurfacePoint) -> AreaPdf {
         self.to_parent.as_ref().map_or(pdf, |t| AreaPdf(pdf.0 / t.area_scale(local.normal)))
     }
