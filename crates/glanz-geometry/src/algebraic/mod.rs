@@ -122,6 +122,8 @@ impl AlgebraicSurface {
             // A step must not make one root of two.
             let apart = polished > last || polished <= 0.0;
             let t = if apart { polished } else { line.t(s * self.scale) };
+            // Rounding must not take it out of the box, before the end that decides above.
+            let t = t.clamp(enter, leave);
             // Two arc lengths may be one parameter of a far ray.
             let fresh = t > last && t < t_max;
             last = last.max(t);
