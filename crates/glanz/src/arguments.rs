@@ -135,7 +135,7 @@ pub(crate) struct RenderOptions {
     /// File that keeps the state of the render, written every 30 seconds and at the end
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) checkpoint: Option<PathBuf>,
-    /// Go on from the checkpoint, if it is there
+    /// Go on from the checkpoint if it is there; without this an existing one is not touched
     #[arg(long, requires = "checkpoint")]
     pub(crate) resume: bool,
     /// Only the samples from A up to, not including, B of every pixel
