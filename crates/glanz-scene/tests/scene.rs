@@ -1,5 +1,7 @@
 //! Facts about resolved scenes, from closed forms.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot make its scene has failed")]
+
 use std::f64::consts::{PI, TAU};
 
 use glanz_light::{SpectralDistribution, Wavelengths};

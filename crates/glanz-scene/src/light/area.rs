@@ -168,7 +168,7 @@ impl SphereCone {
         let offset = center - from;
         let distance_squared = offset.length_squared();
         let sin_squared = radius * radius / distance_squared;
-        if !(sin_squared < 1.0 - gamma(8)) {
+        if sin_squared.is_nan() || sin_squared >= 1.0 - gamma(8) {
             return None;
         }
         let distance = distance_squared.sqrt();

@@ -50,7 +50,7 @@ pub(super) fn sample_point(
 ) -> Option<LightSample> {
     let offset = position - from.point.position;
     let distance = offset.length();
-    if !(distance > 0.0) {
+    if distance.is_nan() || distance <= 0.0 {
         return None;
     }
     let wi = offset / distance;

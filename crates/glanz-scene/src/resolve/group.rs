@@ -201,7 +201,7 @@ fn area_light(
     if !(power >= 0.0 && power.is_finite()) {
         return Err(range_error(location, "area light: power", power, "finite and not negative"));
     }
-    if !(present > 0.0) {
+    if present.is_nan() || present <= 0.0 {
         let what = "area light: radiance that power is to scale";
         return Err(range_error(location, what, present, "positive, on a surface of known area"));
     }

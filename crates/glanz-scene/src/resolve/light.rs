@@ -17,7 +17,7 @@ pub(super) fn light(description: &LightDescription, wavelengths: &Wavelengths) -
     Ok(match &description.kind {
         LightKind::Point { from, range } => {
             if let Some(range) = *range
-                && !(range > 0.0)
+                && (range.is_nan() || range <= 0.0)
             {
                 return Err(range_error(location, "point light: range", range, "positive"));
             }
