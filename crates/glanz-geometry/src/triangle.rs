@@ -10,7 +10,7 @@ use crate::surface::RaySurface;
 
 /// Share of their products below which the edge functions have lost too many digits for the weights: 2^-16 leaves 37,
 /// which is 1e-11 of the triangle.
-const GRAZING: f64 = 1.0 / 65_536.0;
+pub(crate) const GRAZING: f64 = 1.0 / 65_536.0;
 
 /// A ray prepared for [`ShearedRay::intersect`]: the shear that turns it into the axis on which it goes furthest.
 ///

@@ -4,7 +4,7 @@ use glanz_math::{DVec3, Ray};
 
 use crate::bvh::Bvh;
 use crate::bvh::simd::Simd;
-use crate::triangle::ShearedRay;
+use crate::triangle::{GRAZING, ShearedRay};
 
 /// Triangles in a block: the `f64` lanes of a vector register.
 pub(super) const LANES: usize = 4;
@@ -116,8 +116,8 @@ impl<T: Coordinate> Block<T> {
 
     /// The lanes that the ray hits with `0 < t <= t_max`, as bits, and what it takes to make hits of them.
     ///
-    /// Computes the very bits of [`ShearedRay::intersect`], but for the exact signs at edges: lanes with a zero edge
-    /// function are candidates here and wait for [`Lanes::hit`] to decide.
+    /// Computes the very bits of [`ShearedRay::intersect`], but for its second thoughts: lanes with a zero edge function
+    /// and those seen nearly edge-on are candidates here, and [`hits_in_block`] asks the scalar test.
     #[inline(always)]
     fn intersect<S: Simd>(&self, simd: S, ray: &BlockRay<S>, t_max: f64) -> Option<Lanes> {
         let [a, b, c] = [self.corner(simd, ray, 0), self.corner(simd, ray, 1), self.corner(simd, ray, 2)];
@@ -136,10 +136,16 @@ impl<T: Coordinate> Block<T> {
         // A zero determinant may be a zero only of rounding, at the tip of a sliver.
         let product = simd.mul64(simd.mul64(u, v), w);
         let at_edge = simd.at_most64(product, zero) & simd.at_most64(zero, product);
-        let hits = inside & (within | at_edge);
+        // Seen nearly edge-on, t itself has lost its digits.
+        let absolute = |x| simd.max64(x, simd.sub64(zero, x));
+        let share = |p: [S::F64; 3], q: [S::F64; 3]| absolute(simd.mul64(p[0], q[1]));
+        let largest = simd.add64(simd.add64(share(c, b), share(a, c)), share(b, a));
+        let limit = simd.mul64(simd.splat64(GRAZING), largest);
+        let unsure = at_edge | simd.at_most64(absolute(determinant), limit);
+        let hits = inside & (within | unsure);
         (hits != 0).then(|| Lanes {
             hits,
-            at_edge,
+            unsure,
             t: simd.store64(t),
             v: simd.store64(v),
             w: simd.store64(w),
@@ -157,7 +163,8 @@ fn edge<S: Simd>(simd: S, p: [S::F64; 3], q: [S::F64; 3]) -> S::F64 {
 /// What a ray found in a block.
 struct Lanes {
     hits: u32,
-    at_edge: u32,
+    /// Lanes that the scalar test has to decide.
+    unsure: u32,
     t: [f64; LANES],
     v: [f64; LANES],
     w: [f64; LANES],
@@ -230,7 +237,7 @@ pub(super) fn hits_in_block<S: Simd, T: Coordinate>(
             u: lanes.v[lane] / lanes.determinant[lane],
             v: lanes.w[lane] / lanes.determinant[lane],
         };
-        if lanes.at_edge >> lane & 1 != 0 {
+        if lanes.unsure >> lane & 1 != 0 {
             let [a, b, c] = block.triangle(lane);
             // Up to and including `t_max`, as the others.
             match ray.sheared.intersect(a, b, c, t_max.next_up()) {

@@ -13,6 +13,7 @@ mod tests;
 
 use std::sync::OnceLock;
 
+use glanz_math::rounding::gamma;
 use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
 use self::block::{Blocks, LANES};
@@ -216,7 +217,10 @@ fn triangle_boxes(positions: &[DVec3], indices: &[[u32; 3]]) -> Vec<Bounds3> {
 
 impl RaySurface for Mesh {
     fn bounds(&self) -> Bounds3 {
-        self.bvh.bounds()
+        // A point of a triangle is a sum of its corners, with their roundings.
+        let bounds = self.bvh.bounds();
+        let rounding = bounds.min.abs().max(bounds.max.abs()) * gamma(8);
+        Bounds3 { min: bounds.min - rounding, max: bounds.max + rounding }
     }
 
     fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {

@@ -117,8 +117,6 @@ fn landscape(n: usize, half: f64, height: impl Fn(DVec2) -> f64) -> Case {
 }
 
 #[test]
-#[ignore = "blocks of triangles keep no digits of the weights where a ray runs within a triangle, as the single \
-            triangle does; and points may be one rounding outside the bounds"]
 fn meshes_keep_the_contract() {
     let (octahedron, faces) = ball(0, DVec3::ZERO, 1.0);
     let (stone, stone_faces) = ball(2, DVec3::new(30.0, -20.0, 10.0), 2.0);
