@@ -140,10 +140,18 @@ const CARRY: f64 = 64.0 * f64::EPSILON;
 /// The smallest component of a direction, relative to its largest, that is not rounded away from zero.
 const FLATTEST: f64 = 1.0 / (1u64 << 40) as f64;
 
+/// Rays from farther away, in units, are moved to where they enter the unit cube: boxes grow by `4 u NEAR` at most, which
+/// is nothing beside the size of a leaf.
+const NEAR: f64 = 8.0;
+
+/// Origins more units away than this meet nothing. `f64` places them to no better than 2^27 units, and up to here no
+/// product exceeds the range of `f32`.
+const FARTHEST: f64 = (1u128 << 80) as f64;
+
 /// A ray made ready for boxes in unit coordinates: its box test never misses a box that the `f64` ray meets.
 ///
-/// The ray is `o + s d` with `|d| = 1` in the maximum norm and `s >= 0`, counted from where it enters the unit cube, so
-/// that `|o| <= 2` or nearly so. A plane at `b`, `|b| <= 1`, is crossed at `s = b i - o i` with `i = 1 / d`. Evaluated in
+/// The ray is `o + s d` with `|d| = 1` in the maximum norm and `s >= 0`, counted from its origin, or, if that is not
+/// near, from where it enters the unit cube. A plane at `b`, `|b| <= 1`, is crossed at `s = b i - o i` with `i = 1 / d`. Evaluated in
 /// `f32`, by a product, a rounded `o i` and a difference, that is wrong by at most `3 u |i| (1 + |o|)` and terms of
 /// second order, with or without fusing (`u`: unit roundoff of `f32`). The ray itself is carried into the frame with
 /// an error below `CARRY` times the distance of its origin. Therefore `near = o i + pad` and `far = o i - pad` with
@@ -151,8 +159,9 @@ const FLATTEST: f64 = 1.0 / (1u64 << 40) as f64;
 ///
 /// A component of `d` below `FLATTEST = 2^-40` is replaced by that. Inside a slab the true exit may then be later than
 /// the one computed, but `pad >= 4 u 2^40 (1 + |o|) = 2^18 (1 + |o|)` lies far beyond the exit from the unit cube along
-/// the largest component, which is at most `1 + |o|`; entries only become earlier or stay negative. No product is
-/// infinite, so no comparison sees NaN; empty slots (planes at infinity) are never met because `i` is not 0.
+/// the largest component, which is at most `1 + |o|`; entries only become earlier or stay negative. With `|o| <= 2^82` and
+/// `|i| <= 2^40` every number is finite in `f32`, so no comparison sees NaN; empty slots (planes at infinity) are never
+/// met because `i` is not 0.
 pub(crate) struct UnitRay<S: Simd> {
     /// `1 / d` per axis.
     inverse: [S::F32; 3],
@@ -173,51 +182,55 @@ pub(crate) struct UnitRay<S: Simd> {
     slack: f64,
 }
 
-#[inline(always)]
-fn splat<S: Simd>(simd: S, v: DVec3) -> [S::F32; 3] {
-    [simd.splat(v.x as f32), simd.splat(v.y as f32), simd.splat(v.z as f32)]
-}
-
 impl<S: Simd> UnitRay<S> {
     /// `None` if the ray cannot meet the unit cube before `t_max`.
     #[inline(always)]
     pub(crate) fn new(simd: S, frame: &UnitFrame, ray: &Ray, t_max: f64) -> Option<Self> {
+        let four = |v: DVec3| [v.x, v.y, v.z, 0.0];
+        let direction = simd.load64(&four(ray.direction));
+        let mut origin = simd.mul64(
+            simd.sub64(simd.load64(&four(ray.origin)), simd.load64(&four(frame.center))),
+            simd.splat64(frame.scale),
+        );
+        let finite = simd.less64(simd.abs64(direction), simd.splat64(f64::INFINITY))
+            & simd.less64(simd.abs64(origin), simd.splat64(FARTHEST));
         let length = ray.direction.abs().max_element();
-        let mut origin = (ray.origin - frame.center) * frame.scale;
-        let distance = origin.abs().max_element();
-        let carried = CARRY * distance;
-        let flat = ray.direction.abs().max(DVec3::splat(FLATTEST * length));
-        let inverse = DVec3::splat(length) / flat.copysign(ray.direction);
-        let mut start = 0.0;
-        if distance > 2.0 {
-            // The cube is widened by what the ray may be off; flattened components only make the entry earlier.
-            let entries = (-inverse.signum() * (1.0 + carried) - origin) * inverse;
-            start = entries.max_element().max(0.0) * (1.0 - CARRY);
-            origin += ray.direction * (start / length);
+        if finite != 0b1111 || length == 0.0 {
+            return None;
         }
-        let rate = length * frame.scale;
-        let pad = inverse.abs() * ((1.0 + origin.abs()) * (4.0 * U32) + carried);
-        let product = origin * inverse;
-        let (near, far) = (product + pad, product - pad);
+        let flat = simd.max64(simd.abs64(direction), simd.splat64(FLATTEST * length));
+        let inverse = simd.div64(simd.splat64(length), simd.copysign64(flat, direction));
+        let [x, y, z, _] = simd.store64(simd.abs64(origin));
+        let distance = x.max(y).max(z);
+        let carried = CARRY * distance;
+        let mut start = 0.0;
+        if distance > NEAR {
+            start = entry(simd.store64(origin), simd.store64(inverse), carried);
+            // Where the largest component, which is 1, has left the cube, there is nothing to enter.
+            if start > 2.0 * (distance + 1.0 + carried) {
+                return None;
+            }
+            origin = simd.add64(origin, simd.mul64(direction, simd.splat64(start / length)));
+        }
+        let one = simd.splat64(1.0);
+        let relative = simd.mul64(simd.add64(one, simd.abs64(origin)), simd.splat64(4.0 * U32));
+        let pad = simd.mul64(simd.abs64(inverse), simd.add64(relative, simd.splat64(carried)));
+        let product = simd.mul64(origin, inverse);
+        let positive = simd.less64(simd.splat64(0.0), inverse) as usize;
         let mut unit = Self {
             inverse: splat(simd, inverse),
-            near: splat(simd, near),
-            far: splat(simd, far),
-            far_side: [
-                usize::from(inverse.x > 0.0),
-                usize::from(inverse.y > 0.0),
-                usize::from(inverse.z > 0.0),
-            ],
+            near: splat(simd, simd.add64(product, pad)),
+            far: splat(simd, simd.sub64(product, pad)),
+            far_side: [positive & 1, positive >> 1 & 1, positive >> 2 & 1],
             end: simd.splat(0.0),
             last: 0.0,
-            rate,
+            rate: length * frame.scale,
             start,
             slack: carried + start * CARRY,
         };
         unit.shorten(simd, t_max);
         // Written so that a NaN says no.
-        let usable = ray.origin.is_finite() && ray.direction.is_finite() && rate > 0.0;
-        (usable && unit.last >= 0.0).then_some(unit)
+        (unit.last >= 0.0).then_some(unit)
     }
 
     /// Lets the ray end at `t_max`, rounded up.
@@ -234,4 +247,18 @@ impl<S: Simd> UnitRay<S> {
     pub(crate) fn reaches(&self, near: f32) -> bool {
         near <= self.last
     }
+}
+
+/// The first three lanes, rounded, each in all lanes of a vector.
+#[inline(always)]
+fn splat<S: Simd>(simd: S, v: S::F64) -> [S::F32; 3] {
+    let [x, y, z, _] = simd.narrow(v);
+    [simd.splat(x), simd.splat(y), simd.splat(z)]
+}
+
+/// Where a ray enters the unit cube, widened by `carried`; never late, since a flattened component only makes it earlier.
+#[cold]
+fn entry(origin: [f64; 4], inverse: [f64; 4], carried: f64) -> f64 {
+    let axis = |i: usize| (-1.0f64.copysign(inverse[i]) * (1.0 + carried) - origin[i]) * inverse[i];
+    axis(0).max(axis(1)).max(axis(2)).max(0.0) * (1.0 - CARRY)
 }

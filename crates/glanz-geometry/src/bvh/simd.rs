@@ -54,6 +54,12 @@ pub(crate) trait Simd: Copy {
     fn mul64(self, a: Self::F64, b: Self::F64) -> Self::F64;
     /// `a / b`.
     fn div64(self, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// `|a|`.
+    fn abs64(self, a: Self::F64) -> Self::F64;
+    /// The size of `a` with the sign of `b`.
+    fn copysign64(self, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// The nearest `f32`.
+    fn narrow(self, a: Self::F64) -> [f32; 4];
     /// `if a < b { a } else { b }`.
     fn min64(self, a: Self::F64, b: Self::F64) -> Self::F64;
     /// `if a > b { a } else { b }`.
@@ -214,6 +220,18 @@ impl Simd for Scalar {
         std::array::from_fn(|i| a[i] / b[i])
     }
     #[inline(always)]
+    fn abs64(self, a: [f64; 4]) -> [f64; 4] {
+        a.map(f64::abs)
+    }
+    #[inline(always)]
+    fn copysign64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|i| a[i].copysign(b[i]))
+    }
+    #[inline(always)]
+    fn narrow(self, a: [f64; 4]) -> [f32; 4] {
+        a.map(|x| x as f32)
+    }
+    #[inline(always)]
     fn min64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
         std::array::from_fn(|i| if a[i] < b[i] { a[i] } else { b[i] })
     }
@@ -366,6 +384,23 @@ mod avx2 {
         fn div64(self, a: __m256d, b: __m256d) -> __m256d {
             // SAFETY: as above.
             unsafe { _mm256_div_pd(a, b) }
+        }
+        #[inline(always)]
+        fn abs64(self, a: __m256d) -> __m256d {
+            // SAFETY: as above.
+            unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), a) }
+        }
+        #[inline(always)]
+        fn copysign64(self, a: __m256d, b: __m256d) -> __m256d {
+            // SAFETY: as above.
+            unsafe { _mm256_or_pd(self.abs64(a), _mm256_and_pd(_mm256_set1_pd(-0.0), b)) }
+        }
+        #[inline(always)]
+        fn narrow(self, a: __m256d) -> [f32; 4] {
+            let mut lanes = [0.0; 4];
+            // SAFETY: as above, 4 lanes, unaligned.
+            unsafe { _mm_storeu_ps(lanes.as_mut_ptr(), _mm256_cvtpd_ps(a)) };
+            lanes
         }
         #[inline(always)]
         fn min64(self, a: __m256d, b: __m256d) -> __m256d {
