@@ -88,7 +88,7 @@ pub(crate) fn render_input(
 
     messages.note(&format!("rendering {}: {plan}", input.name()));
     let outcome = expose(&scene, &plan, options, film, messages, &interrupt)?;
-    finish(input, options, &plan, &outputs, file, &outcome, messages)
+    finish(&Order { input, options, plan: &plan, outputs: &outputs }, file, &outcome, messages)
 }
 
 /// Refuses a checkpoint that cannot be written, or would be lost.
@@ -179,31 +179,29 @@ fn expose(
     outcome.map_err(|error| Failure::new(format!("the render stopped: {error}")))
 }
 
+/// What was asked for.
+struct Order<'a> {
+    input: &'a Input<'a>,
+    options: &'a RenderOptions,
+    plan: &'a Plan,
+    outputs: &'a Outputs,
+}
+
 /// Writes what there is, and says so.
 fn finish(
-    input: &Input<'_>,
-    options: &RenderOptions,
-    plan: &Plan,
-    outputs: &Outputs,
+    order: &Order<'_>,
     mut file: SceneFile,
     outcome: &RenderOutcome,
     messages: Messages,
 ) -> Result<Ending, Failure> {
+    let Order { options, plan, outputs, .. } = *order;
     let film = &outcome.film;
     let interrupted = outcome.finished == Finished::Interrupted;
     if film.samples().is_empty() {
         messages.note("interrupted before the first pass; nothing was written");
         return Ok(Ending::Interrupted);
     }
-    let rejects = film.rejects();
-    if rejects.dropped > 0 {
-        let samples = plural(rejects.dropped, "sample was", "samples were");
-        file.warn(&format!("{samples} infinite or not a number and counted as black"), messages);
-    }
-    if rejects.cut > 0 {
-        let samples = plural(rejects.cut, "sample was", "samples were");
-        file.warn(&format!("{samples} too bright to be added up and cut"), messages);
-    }
+    warn_of_rejects(film, &mut file, messages);
 
     // The checkpoint first: it is what cannot be had again.
     let saved = match &options.checkpoint {
@@ -214,39 +212,59 @@ fn finish(
     outputs.write(&pixels, &checkpoint_file::attributes(&plan.identity, film))?;
     saved?;
 
-    let seconds = outcome.elapsed.as_secs_f64();
-    let rays = outcome.counters.rays();
-    let rays_per_second = if rays == 0 { 0.0 } else { rays as f64 / seconds };
+    let report = order.report(outcome, file.into_warnings());
     messages.note(&format!(
         "{}wrote {}: {} in {}, {:.1} million rays, {:.2} million a second",
         if interrupted { "interrupted; " } else { "" },
-        outputs.names().join(", "),
-        plural(film.samples().total(), "sample per pixel", "samples per pixel"),
-        report::duration(seconds),
-        rays as f64 / 1e6,
-        rays_per_second / 1e6,
+        report.outputs.join(", "),
+        plural(report.samples_per_pixel, "sample per pixel", "samples per pixel"),
+        report::duration(report.seconds),
+        report.rays as f64 / 1e6,
+        report.rays_per_second / 1e6,
     ));
     if options.talk.json {
-        report::print(&Report {
-            scene: input.name().to_owned(),
-            outputs: outputs.names(),
-            checkpoint: options.checkpoint.as_ref().map(|path| path.display().to_string()),
-            interrupted,
-            width: pixels.width(),
-            height: pixels.height(),
-            integrator: plan.identity.integrator.to_string(),
-            sampler: plan.identity.sampler.name(),
-            seed: plan.identity.seed,
-            threads: plan.threads,
-            samples_per_pixel: film.samples().total(),
-            sample_ranges: film.samples().to_string(),
+        report::print(&report)?;
+    }
+    Ok(if interrupted { Ending::Interrupted } else { Ending::Done })
+}
+
+fn warn_of_rejects(film: &Film, file: &mut SceneFile, messages: Messages) {
+    let rejects = film.rejects();
+    if rejects.dropped > 0 {
+        let samples = plural(rejects.dropped, "sample was", "samples were");
+        file.warn(&format!("{samples} infinite or not a number and counted as black"), messages);
+    }
+    if rejects.cut > 0 {
+        let samples = plural(rejects.cut, "sample was", "samples were");
+        file.warn(&format!("{samples} too bright to be added up and cut"), messages);
+    }
+}
+
+impl Order<'_> {
+    fn report(&self, outcome: &RenderOutcome, warnings: Vec<String>) -> Report {
+        let identity = &self.plan.identity;
+        let [width, height] = identity.film.crop.size;
+        let seconds = outcome.elapsed.as_secs_f64();
+        let rays = outcome.counters.rays();
+        Report {
+            scene: self.input.name().to_owned(),
+            outputs: self.outputs.names(),
+            checkpoint: self.options.checkpoint.as_ref().map(|path| path.display().to_string()),
+            interrupted: outcome.finished == Finished::Interrupted,
+            width,
+            height,
+            integrator: identity.integrator.to_string(),
+            sampler: identity.sampler.name(),
+            seed: identity.seed,
+            threads: self.plan.threads,
+            samples_per_pixel: outcome.film.samples().total(),
+            sample_ranges: outcome.film.samples().to_string(),
             samples: outcome.samples,
             seconds,
             rays,
-            rays_per_second,
+            rays_per_second: if rays == 0 { 0.0 } else { rays as f64 / seconds },
             peak_memory_bytes: report::peak_memory_bytes(),
-            warnings: file.into_warnings(),
-        })?;
+            warnings,
+        }
     }
-    Ok(if interrupted { Ending::Interrupted } else { Ending::Done })
 }
