@@ -68,7 +68,7 @@ impl ScrambledSobol {
     /// Coordinates 0 and 1 (`pair` 0) or 2 and 3 (`pair` 1) of a point, in units of 2^-32; `reversed_index` as in
     /// [`ScrambledSobol::coordinate`].
     ///
-    /// Pair 0 is a scrambled (0, 2)-sequence. Pair 1 on its own is worse (by up to a half in the error of
+    /// Pair 0 is a scrambled (0, 2)-sequence. Pair 1 on its own is worse (by up to 60 % in the error of
     /// smooth, a third of discontinuous integrands), but pairs of different copies do not know each other,
     /// while the four coordinates of one copy do: with 64 points the error of a product of a discontinuous
     /// function of each pair is half of what it is with two copies.
