@@ -2,11 +2,18 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
 
-/// The root of the workspace: the folder above the one this crate was built in.
+/// The root of the workspace: the folder above this crate's.
+///
+/// `cargo run` says where that is now; where it was built tells only what else runs the program.
 pub(crate) fn root() -> &'static Path {
-    let own = Path::new(env!("CARGO_MANIFEST_DIR"));
-    own.parent().unwrap_or(own)
+    static ROOT: OnceLock<PathBuf> = OnceLock::new();
+    ROOT.get_or_init(|| {
+        let built = || PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+        let own = std::env::var_os("CARGO_MANIFEST_DIR").map_or_else(built, PathBuf::from);
+        own.parent().map_or_else(|| own.clone(), Path::to_owned)
+    })
 }
 
 /// The cargo that runs this program, to be run in the workspace root.
