@@ -13,11 +13,11 @@ use super::collapse::Plan;
 /// Depth that the binary tree never exceeds, so that traversal gets by with a stack of fixed size.
 pub(crate) const MAX_DEPTH: usize = 64;
 
-/// Bins per axis.
-const BINS: usize = 16;
-
 /// Up to here splits are searched between all neighbours and not between bins.
 const SWEEP: usize = 8;
+
+/// Up to here there are 8 bins per axis, from here on 16: few primitives are not worth many bins.
+const FEW: usize = 64;
 
 /// From here on the halves of a node are built in parallel.
 const PARALLEL: usize = 4096;
@@ -108,7 +108,8 @@ pub(crate) fn build(items: &mut [Item], nodes: &mut [BinaryNode], depth: usize, 
         count: items.len() as u32,
         plan: Plan::EMPTY,
     };
-    if items.len() < 2 {
+    // A single block is tested as fast as any part of it.
+    if items.len() <= options.block.min(options.max_leaf).max(1) {
         node.plan = Plan::new(node, None, options);
         return;
     }
@@ -199,7 +200,11 @@ fn split(items: &mut [Item], middles: &Box4, depth: usize, block: usize) -> usiz
     if size.iter().all(|&s| s <= 0.0) {
         return half;
     }
-    if items.len() <= SWEEP { sweep(items, block) } else { binned(items, middles, block) }
+    match items.len() {
+        ..=SWEEP => sweep(items, block),
+        ..=FEW => binned::<8>(items, middles, block),
+        _ => binned::<16>(items, middles, block),
+    }
 }
 
 /// Order along an axis; the index decides between equals, so that the order is total.
@@ -238,18 +243,19 @@ fn sweep(items: &mut [Item], block: usize) -> usize {
 
 /// What lies in the bins of the three axes.
 #[derive(Clone)]
-struct Bins {
+struct Bins<const BINS: usize> {
     bounds: [[Box4; BINS]; 3],
     counts: [[u32; BINS]; 3],
 }
 
-impl Bins {
+impl<const BINS: usize> Bins<BINS> {
     const EMPTY: Self = Self { bounds: [[Box4::EMPTY; BINS]; 3], counts: [[0; BINS]; 3] };
 
     #[inline(always)]
-    fn add(&mut self, binning: &Binning, item: &Item) {
-        let [x, y, z, _] = binning.bins(item);
-        for (axis, bin) in [x, y, z].into_iter().enumerate() {
+    fn add(&mut self, binning: &Binning<BINS>, item: &Item) {
+        let middle = item.0.middle();
+        let bins: [usize; 4] = std::array::from_fn(|axis| binning.bin(middle[axis], axis));
+        for (axis, &bin) in bins[..3].iter().enumerate() {
             self.bounds[axis][bin] = self.bounds[axis][bin].union(item.0);
             self.counts[axis][bin] += 1;
         }
@@ -265,42 +271,42 @@ impl Bins {
     }
 }
 
-/// Which bin a doubled centre falls into.
+/// Which bin a doubled centre falls into: the nearest of `BINS` evenly spaced points from the smallest to the largest.
 #[derive(Clone, Copy)]
-struct Binning {
+struct Binning<const BINS: usize> {
     start: [f32; 4],
     scale: [f32; 4],
 }
 
-impl Binning {
+impl<const BINS: usize> Binning<BINS> {
     fn new(middles: &Box4) -> Self {
         let scale = std::array::from_fn(|axis| {
-            // Just below BINS, so that the largest centre falls into the last bin. Where the axis has no extent, or one
-            // so small that the quotient overflows, everything falls into the first.
-            let scale = BINS as f32 * (1.0 - 4.0 * f32::EPSILON) / (middles.max[axis] - middles.min[axis]);
+            let scale = (BINS - 1) as f32 / (middles.max[axis] - middles.min[axis]);
+            // Where the axis has no extent, or one so small that the quotient overflows, all fall into the first.
             if scale.is_finite() { scale } else { 0.0 }
         });
         Self { start: middles.min, scale }
     }
 
     #[inline(always)]
-    fn bins(&self, item: &Item) -> [usize; 4] {
-        let middle = item.0.middle();
-        // A float becomes an integer by truncation and saturation; the mask never bites.
-        std::array::from_fn(|i| ((middle[i] - self.start[i]) * self.scale[i]) as usize & (BINS - 1))
+    fn bin(&self, middle: f32, axis: usize) -> usize {
+        // Beyond 2^23 the spacing of floats is 1: the sum is rounded to an integer, which its last bits spell. A
+        // conversion, which has to mind NaN and overflow, takes several times as long.
+        const ROUND: f32 = (1 << 23) as f32;
+        ((middle - self.start[axis]) * self.scale[axis] + ROUND).to_bits() as usize & (BINS - 1)
     }
 }
 
 /// The best split between bins.
-fn binned(items: &mut [Item], middles: &Box4, block: usize) -> usize {
-    let binning = Binning::new(middles);
-    let bins = parallel_fold(items, &Bins::EMPTY, |bins, item| bins.add(&binning, item), Bins::merge);
+fn binned<const BINS: usize>(items: &mut [Item], middles: &Box4, block: usize) -> usize {
+    let binning = Binning::<BINS>::new(middles);
+    let bins = parallel_fold(items, &Bins::<BINS>::EMPTY, |bins, item| bins.add(&binning, item), Bins::merge);
     let Some((axis, first_right)) = best_plane(&bins, block) else { return items.len() / 2 };
-    partition(items, |item| binning.bins(item)[axis] < first_right)
+    partition(items, |item| binning.bin(item.0.middle()[axis], axis) < first_right)
 }
 
 /// The axis and the first bin of the right side with the smallest cost; `None` if all lie in one bin.
-fn best_plane(bins: &Bins, block: usize) -> Option<(usize, usize)> {
+fn best_plane<const BINS: usize>(bins: &Bins<BINS>, block: usize) -> Option<(usize, usize)> {
     let mut best = None;
     let mut least = f32::INFINITY;
     for axis in 0..3 {
@@ -329,14 +335,12 @@ fn best_plane(bins: &Bins, block: usize) -> Option<(usize, usize)> {
 
 /// Moves the items that belong to the left to the front; returns their number.
 fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
-    let (mut left, mut right) = (0, items.len());
-    while left < right {
-        if is_left(&items[left]) {
-            left += 1;
-        } else {
-            right -= 1;
-            items.swap(left, right);
-        }
+    // Every item is swapped, whether it needs to or not: a branch would be mispredicted every other time.
+    let mut left = 0;
+    for i in 0..items.len() {
+        let goes_left = is_left(&items[i]);
+        items.swap(left, i);
+        left += usize::from(goes_left);
     }
     left
 }

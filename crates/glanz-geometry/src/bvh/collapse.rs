@@ -112,15 +112,9 @@ impl Wide {
         gather(tree, subtree, WIDTH, &mut children);
         let index = self.nodes.len();
         self.nodes.push(Node::EMPTY);
-        for (i, &below) in children.iter().enumerate() {
+        for (slot, &below) in children.iter().enumerate() {
             let child = self.child(tree, below, level + 1);
             let binary = &tree[below.node];
-            // Large boxes first: that is where a ray that looks for any hit looks first.
-            let larger = |(j, other): (usize, &Subtree)| {
-                let order = tree[other.node].half_area().total_cmp(&binary.half_area());
-                order.then(i.cmp(&j)).is_gt()
-            };
-            let slot = children.iter().enumerate().filter(|&other| larger(other)).count();
             self.nodes[index].set(slot, binary.min, binary.max, child);
         }
         Child::node(index as u32)
