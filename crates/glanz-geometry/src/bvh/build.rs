@@ -200,10 +200,12 @@ fn split(items: &mut [Item], middles: &Box4, depth: usize, block: usize) -> usiz
     if size.iter().all(|&s| s <= 0.0) {
         return half;
     }
-    match items.len() {
-        ..=SWEEP => sweep(items, block),
-        ..=FEW => binned::<8>(items, middles, block),
-        _ => binned::<16>(items, middles, block),
+    if items.len() <= SWEEP {
+        sweep(items, block)
+    } else if items.len() <= FEW {
+        binned::<8>(items, middles, block)
+    } else {
+        binned::<16>(items, middles, block)
     }
 }
 

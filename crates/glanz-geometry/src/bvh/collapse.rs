@@ -8,6 +8,7 @@
 use super::BuildOptions;
 use super::build::BinaryNode;
 use super::node::{Child, Node, WIDTH};
+use super::simd::prefer_large_pages;
 
 /// The cheapest ways to cover a subtree.
 #[derive(Clone, Copy, Debug)]
@@ -86,6 +87,9 @@ impl Wide {
     /// Follows the plans from the root of `tree`. The first node is the root, unless `tree` is empty.
     pub(crate) fn collapse(tree: &[BinaryNode]) -> Self {
         let mut wide = Self::default();
+        // Rarely are there more nodes than this; room that is not used costs nothing.
+        wide.nodes.reserve(tree.len() / 16);
+        prefer_large_pages(&mut wide.nodes);
         if let Some(root) = tree.first() {
             if root.plan.leaf {
                 // A node all the same: the only box wants to be tested too.
@@ -97,6 +101,7 @@ impl Wide {
             }
             wide.leaf_starts.push(root.count);
         }
+        wide.nodes.shrink_to_fit();
         wide
     }
 

@@ -111,20 +111,18 @@ impl Bvh {
     pub fn build(bounds: &[Bounds3], options: &BuildOptions) -> Self {
         let bounds = &bounds[..bounds.len().min(1 << 31)];
         let usable = |b: &Bounds3| b.is_finite() && !b.is_empty();
-        let all = bounds
-            .par_chunks(1 << 14)
-            .map(|chunk| chunk.iter().filter(|b| usable(b)).fold(Bounds3::EMPTY, |all, b| all.union(*b)))
-            .reduce(|| Bounds3::EMPTY, Bounds3::union);
+        let around = |part: &&[Bounds3]| {
+            part.iter().filter(|b| usable(b)).fold(Bounds3::EMPTY, |all, b| all.union(*b))
+        };
+        let parts: Vec<_> = bounds.chunks(PART).collect();
+        let all = map(&parts, 1, around).into_iter().fold(Bounds3::EMPTY, Bounds3::union);
         let frame = UnitFrame::around(&all);
-        let mut items: Vec<Item> = bounds
-            .par_iter()
-            .zip(0..bounds.len() as u32)
-            .filter(|(b, _)| usable(b))
-            .map(|(b, index)| {
-                let (min, max) = frame.bounds(b);
-                Item::new(min, max, index)
-            })
-            .collect();
+        let indices: Vec<u32> =
+            (0..).zip(bounds).filter_map(|(index, b)| usable(b).then_some(index)).collect();
+        let mut items = map(&indices, PART, |&index| {
+            let (min, max) = frame.bounds(&bounds[index as usize]);
+            Item::new(min, max, index)
+        });
         let mut tree = vec![BinaryNode::EMPTY; (2 * items.len()).saturating_sub(1)];
         build::build(&mut items, &mut tree, 0, options);
         let wide = Wide::collapse(&tree);
@@ -137,7 +135,7 @@ impl Bvh {
             frame,
             nodes: wide.nodes,
             leaf_starts: wide.leaf_starts,
-            items: items.iter().map(Item::index).collect(),
+            items: map(&items, PART, Item::index),
             depth: wide.depth,
             cost,
             isa: Isa::detect(),
@@ -221,6 +219,19 @@ impl Bvh {
             cost: self.cost,
             bytes: size_of_val(&*self.nodes) + size_of_val(&*self.leaf_starts) + size_of_val(&*self.items),
         }
+    }
+}
+
+/// Elements that are worth a task of their own.
+pub(crate) const PART: usize = 1 << 12;
+
+/// `f` of every element, in parallel if there are more than `part` of them. Scenes have thousands of small meshes: waking
+/// a thread would cost more than building one.
+pub(crate) fn map<T: Sync, U: Send>(list: &[T], part: usize, f: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
+    if list.len() <= part {
+        list.iter().map(f).collect()
+    } else {
+        list.par_iter().with_min_len(part).map(f).collect()
     }
 }
 

@@ -2,8 +2,8 @@
 
 use glanz_math::{DVec3, Ray};
 
-use crate::bvh::Bvh;
-use crate::bvh::simd::Simd;
+use crate::bvh::simd::{Simd, prefer_large_pages};
+use crate::bvh::{Bvh, PART};
 use crate::triangle::{GRAZING, ShearedRay};
 
 /// Triangles in a block: the `f64` lanes of a vector register.
@@ -289,5 +289,11 @@ fn lay_out<T: Coordinate>(positions: &[DVec3], indices: &[[u32; 3]], bvh: &Bvh) 
                 .map(|&face| (face, indices[face as usize].map(|vertex| positions[vertex as usize]))),
         )
     };
-    leaves.par_iter().with_min_len(1024).map(block).collect()
+    if leaves.len() <= PART {
+        return leaves.iter().map(block).collect();
+    }
+    let mut blocks = Vec::with_capacity(leaves.len());
+    prefer_large_pages(&mut blocks);
+    leaves.par_iter().with_min_len(PART).map(block).collect_into_vec(&mut blocks);
+    blocks
 }

@@ -18,7 +18,7 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
 use self::block::{Blocks, LANES};
 use self::search::{Closest, Every, Occluded};
-use crate::bvh::{BuildOptions, Bvh, Statistics};
+use crate::bvh::{BuildOptions, Bvh, PART, Statistics, map};
 use crate::error::{SurfaceError, finite};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::surface::RaySurface;
@@ -204,7 +204,6 @@ fn check_indices(indices: &[[u32; 3]], count: usize) -> Result<(), SurfaceError>
 
 /// The box of every triangle; empty, and so left out of the hierarchy, if the triangle is degenerate.
 fn triangle_boxes(positions: &[DVec3], indices: &[[u32; 3]]) -> Vec<Bounds3> {
-    use rayon::prelude::*;
     let bounds = |triangle: &[u32; 3]| {
         let [a, b, c] = triangle.map(|i| positions[i as usize]);
         match unit_normal(a, b, c) {
@@ -212,7 +211,7 @@ fn triangle_boxes(positions: &[DVec3], indices: &[[u32; 3]]) -> Vec<Bounds3> {
             None => Bounds3::EMPTY,
         }
     };
-    indices.par_iter().with_min_len(1024).map(bounds).collect()
+    map(indices, PART, bounds)
 }
 
 impl RaySurface for Mesh {
