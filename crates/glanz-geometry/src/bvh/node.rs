@@ -29,7 +29,7 @@ impl Child {
     }
 }
 
-/// Eight boxes and where they lead. Four cache lines, or less if the last is not touched.
+/// Eight boxes and where they lead: four cache lines, the last of which is only touched if a box is met.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
@@ -102,11 +102,12 @@ impl UnitFrame {
             return Self { center: DVec3::ZERO, scale: 1.0 };
         }
         let center = bounds.center();
-        // Halved before they are subtracted: the difference of two finite numbers may overflow.
+        // From the centre, since the difference of the corners may overflow.
         let extent = (bounds.max - center).max(center - bounds.min).max_element();
         // Beyond these exponents 1 / scale is not a number any more. A model smaller than 1e-290 m has no size.
         let exponent = extent.max(f64::MIN_POSITIVE).log2().ceil().clamp(-960.0, 1020.0);
-        Self { center, scale: (-exponent).exp2() }
+        // From its bits, since no library promises that 2^n comes out exact.
+        Self { center, scale: f64::from_bits(((1023.0 - exponent) as u64) << (f64::MANTISSA_DIGITS - 1)) }
     }
 
     /// The box of `bounds` in unit coordinates, rounded outward.
