@@ -1,11 +1,13 @@
 //! The binary tree of boxes, by the surface area heuristic.
 //!
-//! Binary trees are where good splits are found; [`super::collapse`] then makes eight-wide nodes of them. Every
-//! primitive becomes a leaf of its own here, and `collapse` decides which of them to gather.
+//! Binary trees are where good splits are found; [`super::collapse`] then makes eight-wide nodes of them. Splitting goes
+//! on down to blocks that are tested at once, and `collapse` decides which of them to gather.
+//!
+//! A tree of `n` primitives has at most `2 n - 1` nodes and gets as many places, so that the threads that build the two
+//! halves of a node write to two halves of a slice, and the result does not depend on how many there are.
 //!
 //! # Source
-//! @wald2007 for binning. A tree of `n` primitives fills exactly `2 n - 1` places, so that the threads that build the
-//! two halves of a node write to two halves of a slice, and the result does not depend on how many there are.
+//! @wald2007 for binning.
 
 use super::BuildOptions;
 use super::collapse::Plan;
@@ -98,7 +100,7 @@ impl BinaryNode {
     }
 }
 
-/// Builds the tree over `items` into `nodes`, which has `2 items.len() - 1` places, and sorts `items` by it.
+/// Builds the tree over `items`, which are sorted by it, into `nodes`, which has `2 items.len() - 1` places.
 pub(crate) fn build(items: &mut [Item], nodes: &mut [BinaryNode], depth: usize, options: &BuildOptions) {
     let Some((node, below)) = nodes.split_first_mut() else { return };
     let extent = Extent::of(items);
@@ -189,7 +191,7 @@ fn parallel_fold<T: Clone + Send + Sync>(
 /// Sorts `items` into a left and a right part; returns the length of the left one.
 fn split(items: &mut [Item], middles: &Box4, depth: usize, block: usize) -> usize {
     let half = items.len() / 2;
-    // A halving tree below this node has ceil(log2 n) further levels: from here on there is no room for worse.
+    // A tree that halves has ceil(log2 n) levels below this node: where that fills the depth, no worse is allowed.
     let levels = usize::BITS - (items.len() - 1).leading_zeros();
     let size: [f32; 3] = std::array::from_fn(|axis| middles.max[axis] - middles.min[axis]);
     if depth + levels as usize >= MAX_DEPTH {

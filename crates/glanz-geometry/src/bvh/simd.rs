@@ -1,8 +1,8 @@
-//! The few vector operations that traversal and triangles are written in, for every instruction set.
+//! The few vector operations that traversal and triangles are written in, for every instruction set; and whatever else
+//! of the crate is `unsafe`: a stack that is not cleared, and a word to the system about memory pages.
 //!
 //! [`Simd`] is implemented by tokens. A token can only be got from [`Isa::detect`], which asks the processor, so
-//! whoever holds one may use its instructions: that is the proof behind every `unsafe` block here, and outside of
-//! this module the crate is safe. Code that is generic over `Simd` is marked `#[inline(always)]` and run through
+//! whoever holds one may use its instructions: that is the proof behind every vector instruction here. Code that is generic over `Simd` is marked `#[inline(always)]` and run through
 //! [`Isa::run`], which compiles one copy of it per instruction set.
 //!
 //! All operations are the IEEE ones, lane by lane, so that every instruction set gives the same bits; the exception is
@@ -471,16 +471,12 @@ impl<const ROOM: usize> Stack<ROOM> {
         Self { entries: [const { MaybeUninit::uninit() }; ROOM], len: 0 }
     }
 
-    /// Puts `entry` on top; says whether there was room for it.
+    /// Puts `entry` on top. Without room for it, it is lost: `ROOM` needs a proof.
     #[inline(always)]
-    pub(crate) fn push(&mut self, entry: u64) -> bool {
-        match self.entries.get_mut(self.len) {
-            Some(slot) => {
-                slot.write(entry);
-                self.len += 1;
-                true
-            }
-            None => false,
+    pub(crate) fn push(&mut self, entry: u64) {
+        if let Some(slot) = self.entries.get_mut(self.len) {
+            slot.write(entry);
+            self.len += 1;
         }
     }
 

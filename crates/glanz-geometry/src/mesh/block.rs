@@ -137,11 +137,10 @@ impl<T: Coordinate> Block<T> {
         let product = simd.mul64(simd.mul64(u, v), w);
         let at_edge = simd.at_most64(product, zero) & simd.at_most64(zero, product);
         // Seen nearly edge-on, t itself has lost its digits.
-        let absolute = |x| simd.max64(x, simd.sub64(zero, x));
-        let share = |p: [S::F64; 3], q: [S::F64; 3]| absolute(simd.mul64(p[0], q[1]));
-        let largest = simd.add64(simd.add64(share(c, b), share(a, c)), share(b, a));
-        let limit = simd.mul64(simd.splat64(GRAZING), largest);
-        let unsure = at_edge | simd.at_most64(absolute(determinant), limit);
+        let shares = [simd.mul64(c[0], b[1]), simd.mul64(a[0], c[1]), simd.mul64(b[0], a[1])];
+        let [p, q, r] = [simd.abs64(shares[0]), simd.abs64(shares[1]), simd.abs64(shares[2])];
+        let limit = simd.mul64(simd.splat64(GRAZING), simd.add64(simd.add64(p, q), r));
+        let unsure = at_edge | simd.at_most64(simd.abs64(determinant), limit);
         let hits = inside & (within | unsure);
         (hits != 0).then(|| Lanes {
             hits,

@@ -24,7 +24,7 @@ use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::surface::RaySurface;
 use crate::triangle::{sample_barycentric, unit_normal};
 
-/// Cost of testing a block of triangles relative to that of testing a node, measured with `benches/mesh.rs`.
+/// Cost of testing a block of triangles relative to that of testing a node, measured with `benches/mesh`.
 const BLOCK_COST: f32 = 1.0;
 
 /// Triangles that share vertices.

@@ -153,7 +153,7 @@ fn every_instruction_set_finds_the_bits_that_brute_force_finds() {
 #[test]
 fn no_ray_escapes_from_a_closed_mesh() {
     let mut random = Random(2);
-    let (mut positions, indices) = sphere(5);
+    let (mut positions, indices) = sphere(6);
     for p in &mut positions {
         *p *= 1.0 + 0.02 * random.next();
     }
