@@ -7,6 +7,24 @@ use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::source::Step;
 
+/// Parameters of films that change no value of a picture.
+const OF_NO_INFLUENCE: &[&str] = &[
+    "diagonal",
+    "maxsampleluminance",
+    "maxcomponentvalue",
+    "savefp16",
+    "sensor",
+    "whitebalance",
+    "coordinatesystem",
+    "buckets",
+    "nbuckets",
+    "lambdamin",
+    "lambdamax",
+    "premultiplyalpha",
+    "writefrequency",
+    "display",
+];
+
 fn default_resolution(dialect: Dialect) -> [u32; 2] {
     match dialect {
         Dialect::V3 => [640, 480],
@@ -46,6 +64,26 @@ impl Lowering {
             list.integer_from("yresolution", 1, r)?.unwrap_or(height),
         ];
         let file_name = list.text("filename", r)?;
+        let crop = self.crop(&mut list, resolution)?;
+        let r = &mut self.reporter;
+        for (name, neutral) in [("scale", 1.0), ("iso", 100.0), ("exposuretime", 1.0)] {
+            let value_place = list.value_place(name);
+            if list.float_or(name, neutral, r)? != neutral {
+                let message = format!("film: {name:?} is not applied, values stay radiance");
+                r.stand_in(&value_place, "stand-in-film", message);
+            }
+        }
+        list.ignore(OF_NO_INFLUENCE);
+        list.finish(r);
+        self.description.film =
+            FilmDescription { resolution, crop, file_name, location: Some(place.location) };
+        self.has_film = true;
+        Ok(())
+    }
+
+    /// The part of the picture to render, as fractions: `cropwindow`, or `pixelbounds` if there are both.
+    fn crop(&mut self, list: &mut ParameterList, resolution: [u32; 2]) -> Step<[f64; 4]> {
+        let r = &mut self.reporter;
         let mut crop = [0.0, 1.0, 0.0, 1.0];
         let crop_place = list.value_place("cropwindow");
         if let Some(window) = list.float_array::<4>("cropwindow", r)? {
@@ -74,34 +112,7 @@ impl Lowering {
             let message = "film: the part of the picture to render is empty";
             return Err(r.error(&cut_place, "parameter-range", message));
         }
-        for (name, neutral) in [("scale", 1.0), ("iso", 100.0), ("exposuretime", 1.0)] {
-            let value_place = list.value_place(name);
-            if list.float_or(name, neutral, r)? != neutral {
-                let message = format!("film: {name:?} is not applied, values stay radiance");
-                r.stand_in(&value_place, "stand-in-film", message);
-            }
-        }
-        list.ignore(&[
-            "diagonal",
-            "maxsampleluminance",
-            "maxcomponentvalue",
-            "savefp16",
-            "sensor",
-            "whitebalance",
-            "coordinatesystem",
-            "buckets",
-            "nbuckets",
-            "lambdamin",
-            "lambdamax",
-            "premultiplyalpha",
-            "writefrequency",
-            "display",
-        ]);
-        list.finish(r);
-        self.description.film =
-            FilmDescription { resolution, crop, file_name, location: Some(place.location) };
-        self.has_film = true;
-        Ok(())
+        Ok(crop)
     }
 
     /// Takes over the pixel filter.
@@ -141,7 +152,17 @@ impl Lowering {
                 (2.0, FilterKind::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 })
             }
         };
-        let mut radii = [radius; 2];
+        let radius = self.radii(&mut list, radius)?;
+        list.finish(&mut self.reporter);
+        self.description.filter = FilterDescription { kind, radius };
+        self.has_filter = true;
+        Ok(())
+    }
+
+    /// Half the width of the support of a filter along x and y, pixels.
+    fn radii(&mut self, list: &mut ParameterList, default: f64) -> Step<[f64; 2]> {
+        let r = &mut self.reporter;
+        let mut radii = [default; 2];
         for (i, names) in [["xradius", "xwidth"], ["yradius", "ywidth"]].into_iter().enumerate() {
             for name in names {
                 let value_place = list.value_place(name);
@@ -154,9 +175,6 @@ impl Lowering {
                 }
             }
         }
-        list.finish(r);
-        self.description.filter = FilterDescription { kind, radius: radii };
-        self.has_filter = true;
-        Ok(())
+        Ok(radii)
     }
 }

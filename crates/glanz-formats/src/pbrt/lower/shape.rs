@@ -112,22 +112,26 @@ impl Lowering {
                 self.extension(kind, list)?
             }
             other => {
-                let known = SHAPES.contains(&other);
-                let what = if known { "is not available yet" } else { "is unknown" };
-                let message = format!("shape {:?} {what} and left out", shortened(other));
-                let help = nearest(other, SHAPES.iter().copied())
-                    .filter(|_| !known)
-                    .map(|n| format!("did you mean {n:?}?"));
-                match help {
-                    Some(help) if !self.reporter.strict => {
-                        self.reporter.warning_with_help(&list.place, "stand-in-shape", message, Some(help));
-                    }
-                    _ => self.stand_in(&list.place, "stand-in-shape", message),
-                }
+                self.left_out(other, list);
                 return Ok(None);
             }
         };
         Ok(Some(made))
+    }
+
+    /// Says that nothing can stand in for a shape.
+    fn left_out(&mut self, kind: &str, list: &ParameterList) {
+        let known = SHAPES.contains(&kind);
+        let what = if known { "is not available yet" } else { "is unknown" };
+        let message = format!("shape {:?} {what} and left out", shortened(kind));
+        let help =
+            nearest(kind, SHAPES.iter().copied()).filter(|_| !known).map(|n| format!("did you mean {n:?}?"));
+        match help {
+            Some(help) if !self.reporter.strict => {
+                self.reporter.warning_with_help(&list.place, "stand-in-shape", message, Some(help));
+            }
+            _ => self.stand_in(&list.place, "stand-in-shape", message),
+        }
     }
 
     fn float(&mut self, list: &mut ParameterList, name: &'static str, default: f64) -> Step<f64> {
