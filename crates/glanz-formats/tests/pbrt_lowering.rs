@@ -5,7 +5,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glanz_formats::{Loaded, Options, load_str};
-use glanz_light::{SpectralDistribution, Wavelengths};
+use glanz_light::{SpectralDistribution, Wavelengths, named};
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::description::{
     CameraKind, FilterKind, FloatInput, GeometryDescription, LightKind, MaterialKind, SpectrumInput,
@@ -352,11 +352,10 @@ fn materials_of_both_versions_are_lowered() {
         ("\"glass\"", 1.5),
         ("\"glass\" \"float index\" 1.3", 1.3),
         ("\"dielectric\" \"float eta\" 1.8", 1.8),
-        ("\"dielectric\" \"spectrum eta\" \"glass-BK7\"", 1.5168),
-        // Linear between 500 and 700 nm: at sodium's 589.3 nm it is 1.5 + 0.1 * 89.3 / 200.
-        ("\"dielectric\" \"spectrum eta\" [500 1.5 700 1.6]", 1.54465),
+        // Linear between 500 and 700 nm: at helium's 587.5618 nm it is 1.5 + 0.1 * 87.5618 / 200.
+        ("\"dielectric\" \"spectrum eta\" [500 1.5 700 1.6]", 1.543_780_9),
     ] {
-        let MaterialKind::Dielectric { eta: FloatInput::Value(eta), .. } = material(text) else {
+        let MaterialKind::Dielectric { eta: FloatInput::Value(eta), thin: false, .. } = material(text) else {
             panic!("{text}")
         };
         close(f64::from(eta), index);
@@ -369,6 +368,58 @@ fn materials_of_both_versions_are_lowered() {
         panic!()
     };
     assert_eq!(n, 50.0);
+}
+
+#[test]
+fn glass_by_name_has_the_index_of_its_catalogue() {
+    // n_d of Schott's data sheets.
+    for (name, index) in [("glass-BK7", 1.5168), ("glass-SF11", 1.784_72)] {
+        let text = format!("\"dielectric\" \"spectrum eta\" \"{name}\"");
+        let MaterialKind::Dielectric { eta: FloatInput::Value(eta), .. } = material(&text) else { panic!() };
+        assert!((f64::from(eta) - index).abs() < 1e-4, "{name}: {eta}");
+    }
+}
+
+#[test]
+fn metals_by_name_keep_their_spectrum_and_copper_is_the_default() {
+    for (text, metal) in [
+        ("\"conductor\"", "Cu"),
+        ("\"metal\" \"float roughness\" 0", "Cu"),
+        ("\"conductor\" \"spectrum eta\" \"metal-CuZn-eta\" \"spectrum k\" \"metal-CuZn-k\"", "CuZn"),
+    ] {
+        let MaterialKind::Conductor { eta, k } = material(text) else { panic!("{text}") };
+        for (input, quantity) in [(eta, "eta"), (k, "k")] {
+            let SpectrumInput::Value(spectrum) = input else { panic!("{text}") };
+            assert!(matches!(spectrum, SpectralDistribution::Sampled(_)));
+            assert_eq!(Some(spectrum), named::spectrum(&format!("metal-{metal}-{quantity}")));
+        }
+    }
+}
+
+#[test]
+fn a_name_that_is_not_built_in_is_an_error_with_the_nearest_ones() {
+    for (name, help) in [
+        ("metal-Ag-etta", "did you mean the built-in \"metal-Ag-eta\"?"),
+        ("metal-Au", "did you mean one of the built-in \"metal-Au-eta\", \"metal-Au-k\"?"),
+    ] {
+        let text = format!("WorldBegin Material \"conductor\" \"spectrum eta\" \"{name}\"");
+        let errors = load_str("test.pbrt", &text, &Options::default()).unwrap_err();
+        let found: Vec<_> = errors.iter().map(|d| (d.kind, d.help.as_deref())).collect();
+        assert_eq!(found, [("missing-file", Some(help))]);
+    }
+}
+
+#[test]
+fn thin_glass_is_a_pane() {
+    let text =
+        "Film \"rgb\" WorldBegin Material \"thindielectric\" \"float eta\" 1.3 Material \"thindielectric\"";
+    let materials = read_clean(text).description.materials;
+    for (material, index) in materials.iter().zip([1.3, 1.5]) {
+        let MaterialKind::Dielectric { eta: FloatInput::Value(eta), thin: true, .. } = material.kind else {
+            panic!("{material:?}")
+        };
+        assert_eq!(eta, index);
+    }
 }
 
 #[test]
@@ -418,13 +469,19 @@ fn stand_ins_are_said_and_strict_refuses_them() {
 #[test]
 fn plastic_becomes_a_phong_lobe_of_equal_width() {
     let text = "\"plastic\" \"rgb Kd\" [.5 .5 .5] \"rgb Ks\" [.5 .5 .5] \"float roughness\" .1 \"bool remaproughness\" \"false\"";
-    let MaterialKind::Phong { diffuse, specular, exponent: FloatInput::Value(n), .. } = material(text) else {
+    let MaterialKind::Phong { ambient, diffuse, specular, exponent: FloatInput::Value(n) } = material(text)
+    else {
         panic!()
     };
     // alpha = 0.1: (2 / 0.01 - 2) / 4; the surface of index 1.5 reflects 4 %.
     close(f64::from(n), 49.5);
     assert_eq!(value(&diffuse), [0.5; 3]);
     close(f64::from(value(&specular)[0]), 0.02);
+    // Light of all directions reaches the base as well.
+    assert_eq!(value(&ambient), [0.5; 3]);
+    let text = "\"substrate\" \"rgb Kd\" [.4 .6 .8] \"rgb Ks\" [.5 .5 .5]";
+    let MaterialKind::Phong { ambient, diffuse, .. } = material(text) else { panic!() };
+    assert_eq!((value(&ambient), value(&diffuse)), ([0.2, 0.3, 0.4], [0.2, 0.3, 0.4]));
 }
 
 #[test]
@@ -500,16 +557,20 @@ fn lights_in_objects_are_kept_but_not_in_objects_of_objects() {
 }
 
 #[test]
-fn light_outside_the_gamut_takes_none_away() {
+fn light_outside_the_gamut_keeps_its_spectrum_and_takes_none_away_from_colours() {
     for version in ["Film \"image\"", "Film \"rgb\""] {
         let text = format!("{version} WorldBegin LightSource \"point\" \"blackbody I\" 1200");
         let light = read_clean(&text).description.lights.remove(0);
-        let [r, g, b] = rgb(&light.emission);
-        assert!(r > g && g > 0.0 && b == 0.0);
+        assert_eq!(light.emission, SpectralDistribution::Blackbody { kelvin: 1200.0, scale: 1.0 });
+        assert!(rgb(&light.emission)[2] < 0.0);
         if version.contains("rgb") {
             close(f64::from(light.emission.luminance() * light.scale), 1.0);
         }
     }
+    let text = "WorldBegin LightSource \"point\" \"blackbody I\" 1200 \"rgb scale\" [1 2 3]";
+    let light = read_clean(text).description.lights.remove(0);
+    let [r, g, b] = rgb(&light.emission);
+    assert!(r > g && g > 0.0 && b == 0.0);
 }
 
 #[test]

@@ -376,7 +376,7 @@ pub enum MaterialKind {
         /// Absorption coefficient.
         k: SpectrumInput,
     },
-    /// Smooth glass.
+    /// Smooth glass, a solid piece or a pane.
     Dielectric {
         /// Refractive index inside over outside.
         eta: FloatInput,
@@ -384,6 +384,8 @@ pub enum MaterialKind {
         reflectance: SpectrumInput,
         /// Factor on transmitted light.
         transmittance: SpectrumInput,
+        /// Whether the surface is a pane with two faces, too thin to displace a ray, instead of the border of a solid.
+        thin: bool,
     },
     /// The classical model (document 001 section 3.4).
     Phong {

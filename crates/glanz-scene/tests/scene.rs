@@ -7,11 +7,12 @@ use std::f64::consts::{PI, TAU};
 use glanz_light::{SpectralDistribution, Wavelengths};
 use glanz_math::{DMat4, DVec2, DVec3, Ray};
 use glanz_scene::description::{
-    Description, EmissionDescription, FileId, GeometryDescription, GroupDescription, InstanceDescription,
-    LightDescription, LightKind, Location, MaterialDescription, MaterialKind, ShapeDescription,
-    SpectrumInput,
+    Description, EmissionDescription, FileId, FloatInput, GeometryDescription, GroupDescription,
+    InstanceDescription, LightDescription, LightKind, Location, MaterialDescription, MaterialKind,
+    ShapeDescription, SpectrumInput,
 };
 use glanz_scene::{Interaction, Light, LightId, Scene, SceneErrorKind};
+use glanz_shading::TransportMode;
 
 const HERE: Location = Location { file: FileId(0), line: 7, column: 3 };
 
@@ -359,4 +360,59 @@ fn degenerate_triangles_are_left_out_and_told() {
     assert_eq!(scene.statistics().triangles, 2);
     assert_eq!(warnings.len(), 1);
     assert_eq!(warnings[0].location, Some(HERE));
+}
+
+#[test]
+fn spectra_outside_the_gamut_take_no_light_away_but_negative_light_is_refused() {
+    let infinite = |emission: SpectralDistribution, scale: f32| Description {
+        lights: vec![LightDescription {
+            kind: LightKind::Infinite,
+            emission,
+            scale,
+            to_world: DMat4::IDENTITY,
+            location: Some(HERE),
+        }],
+        ..empty()
+    };
+    let ember = SpectralDistribution::try_blackbody(1200.0, 1.0).unwrap();
+    let laser = SpectralDistribution::try_sampled(vec![(500.0, 0.0), (505.0, 9.0), (510.0, 0.0)]).unwrap();
+    for (spectrum, negative) in [(&ember, 2), (&laser, 0)] {
+        let colour = spectrum.radiance(&Wavelengths::Rgb).to_rgb(&Wavelengths::Rgb);
+        assert!(colour[negative] < 0.0);
+        let scene = resolve(infinite(spectrum.clone(), 2.0));
+        let Some(Light::Infinite(light)) = scene.lights().first() else { unreachable!() };
+        assert_eq!(light.radiance().to_rgb(&Wavelengths::Rgb), colour.map(|x| 2.0 * x.max(0.0)));
+    }
+    let dark = SpectralDistribution::try_sampled(vec![(500.0, -1.0)]).unwrap();
+    let cold = SpectralDistribution::try_blackbody(3000.0, -1.0).unwrap();
+    let colour = SpectralDistribution::Rgb([1.0, 1.0, -0.1]);
+    for (emission, scale) in [(ember, -1.0), (dark, 1.0), (cold, 1.0), (colour, 1.0)] {
+        let error = Scene::resolve(infinite(emission, scale)).unwrap_err();
+        assert_eq!(error.location, Some(HERE));
+        assert!(matches!(error.kind, SceneErrorKind::Range { .. }), "{error:?}");
+    }
+}
+
+#[test]
+fn thin_glass_lets_a_ray_straight_through() {
+    let sine = 0.6;
+    // A pane does not turn the ray, a solid turns it by the law of refraction.
+    for (thin, sine_inside) in [(true, sine), (false, sine / 1.5)] {
+        let one = || SpectrumInput::Value(SpectralDistribution::Constant(1.0));
+        let kind = MaterialKind::Dielectric {
+            eta: FloatInput::Value(1.5),
+            reflectance: one(),
+            transmittance: one(),
+            thin,
+        };
+        let mut description = with_shapes(vec![shape(disk(1.0), DMat4::IDENTITY)]);
+        description.materials[0].kind = kind;
+        let scene = resolve(description);
+        let hit = observer(&scene);
+        let bsdf = hit.bsdf(&scene, &Wavelengths::default()).unwrap();
+        let wo = DVec3::new(sine, 0.0, 0.8);
+        let branches = bsdf.delta_branches(wo, TransportMode::Radiance);
+        let through = branches.iter().flatten().find(|branch| branch.wi.z < 0.0).unwrap();
+        assert!((through.wi.x + sine_inside).abs() < 1e-6, "{:?}", through.wi);
+    }
 }

@@ -1,12 +1,12 @@
 //! Shapes and instances into groups with a hierarchy.
 
 use glanz_geometry::bvh::{BuildOptions, Bvh};
-use glanz_light::{SpectralDistribution, Wavelengths};
+use glanz_light::Wavelengths;
 use glanz_math::{Bounds3, Transform};
 use glanz_shading::Material;
 
 use super::join::join_small_meshes;
-use super::light::checked;
+use super::light::emitted;
 use super::{LARGEST_COORDINATE, Notes, range_error, shape, transform};
 use crate::description::{EmissionDescription, GroupDescription, InstanceDescription, Location};
 use crate::error::{SceneError, SceneErrorKind};
@@ -193,8 +193,8 @@ fn area_light(
     location: Option<Location>,
     wavelengths: &Wavelengths,
 ) -> Result<AreaLight, SceneError> {
-    let radiance = |distribution: &SpectralDistribution| distribution.radiance(wavelengths) * emission.scale;
-    let radiance = checked(radiance(&emission.radiance), "area light: radiance", location)?;
+    let radiance =
+        emitted(&emission.radiance, emission.scale, wavelengths, "area light: radiance", location)?;
     let light = AreaLight::new(object_index as u32, object, radiance, emission.two_sided);
     let Some(power) = emission.power else { return Ok(light) };
     let present = light.power().luminance(wavelengths);

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use glanz_light::{Spectrum, Wavelengths};
+use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
 
 use super::{range_error, transform};
 use crate::description::{LightDescription, LightKind, Location};
@@ -13,7 +13,7 @@ pub(super) fn light(description: &LightDescription, wavelengths: &Wavelengths) -
     let location = description.location;
     let to_world = transform(description.to_world, "light", location)?;
     let emission =
-        checked(description.emission.radiance(wavelengths) * description.scale, "light: emission", location)?;
+        emitted(&description.emission, description.scale, wavelengths, "light: emission", location)?;
     Ok(match &description.kind {
         LightKind::Point { from, range } => {
             if let Some(range) = *range
@@ -51,15 +51,35 @@ pub(super) fn light(description: &LightDescription, wavelengths: &Wavelengths) -
     })
 }
 
-/// Emission that is finite and not negative.
-pub(super) fn checked(
-    emission: Spectrum,
+/// The light of a distribution times `scale`: finite, in no band negative.
+///
+/// Some spectra have colours outside Rec. 709, such as black bodies below some 1900 K, and with them negative lanes.
+/// These become 0, for no band may take light away. What is negative in the scene itself is an error.
+pub(super) fn emitted(
+    distribution: &SpectralDistribution,
+    scale: f32,
+    wavelengths: &Wavelengths,
     what: &'static str,
     location: Option<Location>,
 ) -> Result<Spectrum, SceneError> {
-    let negative = emission.map(|x| x.min(0.0));
-    if !emission.is_finite() || !negative.is_black() {
+    let radiance = distribution.radiance(wavelengths);
+    let emission = if is_light(distribution) { clipped(radiance) } else { radiance } * scale;
+    if !emission.is_finite() || !emission.map(|x| x.min(0.0)).is_black() {
         return Err(range_error(location, what, format!("{emission:?}"), "finite and not negative"));
     }
     Ok(emission)
+}
+
+/// Whether this is a spectrum without a negative value, so that only its colour can have negative components.
+fn is_light(distribution: &SpectralDistribution) -> bool {
+    match distribution {
+        SpectralDistribution::Blackbody { scale, .. } => *scale >= 0.0,
+        SpectralDistribution::Sampled(samples) => samples.range().0 >= 0.0,
+        _ => false,
+    }
+}
+
+/// With 0 for what is negative; what is not a number stays.
+fn clipped(radiance: Spectrum) -> Spectrum {
+    radiance.map(|x| if x < 0.0 { 0.0 } else { x })
 }

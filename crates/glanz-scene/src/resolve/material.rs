@@ -50,11 +50,11 @@ fn material(
             k: inputs.unbounded(k)?,
             tint: SpectrumInput::Constant(SpectralDistribution::Constant(1.0).reflectance(wavelengths)),
         },
-        MaterialKind::Dielectric { eta, reflectance, transmittance } => Material::Dielectric {
+        MaterialKind::Dielectric { eta, reflectance, transmittance, thin } => Material::Dielectric {
             eta: inputs.float(eta)?,
             reflectance: inputs.reflectance(reflectance)?,
             transmittance: inputs.reflectance(transmittance)?,
-            thin: false,
+            thin: *thin,
         },
         MaterialKind::Phong { ambient, diffuse, specular, exponent } => Material::Phong {
             ambient: inputs.reflectance(ambient)?,

@@ -28,7 +28,12 @@ pub(crate) fn diffuse(reflectance: f32) -> MaterialKind {
 }
 
 pub(crate) fn glass() -> MaterialKind {
-    MaterialKind::Dielectric { eta: FloatInput::Value(1.5), reflectance: grey(1.0), transmittance: grey(1.0) }
+    MaterialKind::Dielectric {
+        eta: FloatInput::Value(1.5),
+        reflectance: grey(1.0),
+        transmittance: grey(1.0),
+        thin: false,
+    }
 }
 
 pub(crate) fn sphere(radius: f64) -> GeometryDescription {

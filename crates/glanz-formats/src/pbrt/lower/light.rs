@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 use std::rc::Rc;
 
-use glanz_light::{Pixels, SpectralDistribution, Wavelengths};
+use glanz_light::{Pixels, SpectralDistribution};
 use glanz_math::DVec3;
 use glanz_scene::description::{EmissionDescription, LightDescription, LightKind, SpotFalloff};
 
-use super::spectrum::Emission;
+use super::spectrum::{Emission, within_gamut};
 use super::{Context, Lowering};
 use crate::image::{self, Encoding};
 use crate::pbrt::dialect::Dialect;
@@ -103,8 +103,7 @@ impl Lowering {
                         mean[0], mean[1], mean[2]
                     );
                     self.stand_in(&p.value_place, "stand-in-light", message);
-                    let wavelengths = Wavelengths::default();
-                    let [r, g, b] = light.spectrum.radiance(&wavelengths).to_rgb(&wavelengths);
+                    let [r, g, b] = within_gamut(&light.spectrum);
                     light.spectrum = SpectralDistribution::Rgb([mean[0] * r, mean[1] * g, mean[2] * b]);
                 }
                 Err(problem) => {

@@ -1,10 +1,9 @@
 //! `Material`, `MakeNamedMaterial`, `NamedMaterial`.
 
-use glanz_light::SpectralDistribution;
+use glanz_light::{SpectralDistribution, named};
 use glanz_scene::description::{FloatInput, MaterialDescription, MaterialKind, SpectrumInput};
 
 use super::Lowering;
-use super::named::named;
 use super::spectrum::grey;
 use crate::diagnostic::nearest;
 use crate::pbrt::color_space::ColorSpace;
@@ -119,7 +118,7 @@ impl Lowering {
                 MaterialKind::Mirror { reflectance }
             }
             "conductor" | "metal" => self.conductor(kind, l, ["eta", "k", "reflectance"], space)?,
-            "dielectric" | "glass" => self.dielectric(kind, l, space)?,
+            "dielectric" | "glass" | "thindielectric" => self.dielectric(kind, l, space)?,
             "phong" => MaterialKind::Phong {
                 ambient: self.spectrum_or(l, "Ka", 0.0, space)?,
                 diffuse: self.spectrum_or(l, "Kd", 0.5, space)?,
@@ -170,31 +169,25 @@ impl Lowering {
     ) -> Step<MaterialKind> {
         let rough = if kind == "metal" { 0.01 } else { 0.0 };
         self.smooth(kind, list, rough)?;
+        let place = list.value_place(reflectance);
         if let Some(input) = self.optional_spectrum(list, reflectance, space)? {
-            return Ok(match input {
-                SpectrumInput::Value(
-                    r @ (SpectralDistribution::Rgb(_) | SpectralDistribution::Constant(_)),
-                ) => {
-                    let rgb = match r {
-                        SpectralDistribution::Rgb(rgb) => rgb,
-                        SpectralDistribution::Constant(x) => [x; 3],
-                        _ => [0.0; 3],
-                    };
-                    let k = rgb.map(|r| {
-                        let r = r.clamp(0.0, 0.9999);
-                        2.0 * (r / (1.0 - r)).sqrt()
-                    });
-                    MaterialKind::Conductor {
-                        eta: SpectrumInput::Value(grey(1.0)),
-                        k: SpectrumInput::Value(SpectralDistribution::Rgb(k)),
-                    }
-                }
-                input => MaterialKind::Mirror { reflectance: input },
-            });
+            let known = match &input {
+                SpectrumInput::Value(spectrum) => absorption_of(spectrum),
+                SpectrumInput::Texture(_) => None,
+            };
+            if let Some(k) = known {
+                let (eta, k) = (SpectrumInput::Value(grey(1.0)), SpectrumInput::Value(k));
+                return Ok(MaterialKind::Conductor { eta, k });
+            }
+            let message = format!(
+                "material {kind:?}: a {reflectance:?} that is a texture or a black body is not available yet; \"mirror\" stands in"
+            );
+            self.stand_in(&place, "stand-in-material", message);
+            return Ok(MaterialKind::Mirror { reflectance: input });
         }
         let eta = self.optional_spectrum(list, eta, space)?;
         let k = self.optional_spectrum(list, k, space)?;
-        let copper = |name: &str| SpectrumInput::Value(named(name).unwrap_or_default());
+        let copper = |name: &str| SpectrumInput::Value(named::spectrum(name).unwrap_or_default());
         Ok(MaterialKind::Conductor {
             eta: eta.unwrap_or_else(|| copper("metal-Cu-eta")),
             k: k.unwrap_or_else(|| copper("metal-Cu-k")),
@@ -209,6 +202,7 @@ impl Lowering {
             eta,
             reflectance: self.spectrum_or(list, "Kr", 1.0, space)?,
             transmittance: self.spectrum_or(list, "Kt", 1.0, space)?,
+            thin: kind == "thindielectric",
         })
     }
 
@@ -240,5 +234,24 @@ impl Lowering {
             (Some(FloatInput::Value(u)), Some(FloatInput::Value(v))) => FloatInput::Value(0.5 * (u + v)),
             (Some(one), _) | (None, Some(one)) => one,
         })
+    }
+}
+
+/// The absorption that gives a metal of index 1 this reflectance at normal incidence; `None` for a black body, which
+/// is none.
+fn absorption_of(reflectance: &SpectralDistribution) -> Option<SpectralDistribution> {
+    let k = |r: f32| {
+        // As pbrt does: full reflection would need infinite absorption.
+        let r = r.clamp(0.0, 0.9999);
+        2.0 * (r / (1.0 - r)).sqrt()
+    };
+    match reflectance {
+        SpectralDistribution::Constant(r) => Some(SpectralDistribution::Constant(k(*r))),
+        SpectralDistribution::Rgb(rgb) => Some(SpectralDistribution::Rgb(rgb.map(k))),
+        SpectralDistribution::Sampled(samples) => {
+            let points: Vec<(f32, f32)> = samples.points().iter().map(|&(nm, r)| (nm, k(r))).collect();
+            SpectralDistribution::try_sampled(points).ok()
+        }
+        _ => None,
     }
 }

@@ -13,6 +13,9 @@ use crate::source::Step;
 /// Reflectance of the surface of plastic (index 1.5) seen from straight above.
 const PLASTIC_SURFACE: f32 = 0.04;
 
+/// A material and the words for it.
+type StandIn = (MaterialKind, String);
+
 impl Lowering {
     /// The exponent of a Phong lobe about as wide as pbrt's of that roughness.
     ///
@@ -37,31 +40,8 @@ impl Lowering {
         space: ColorSpace,
     ) -> Step<MaterialKind> {
         let (made, instead) = match kind {
-            "plastic" => {
-                let exponent = self.exponent(list, 0.1)?;
-                let diffuse = self.spectrum_or(list, "Kd", 0.25, space)?;
-                let specular = self.spectrum_or(list, "Ks", 0.25, space)?;
-                let specular = self.scaled(specular, PLASTIC_SURFACE, list);
-                (phong(diffuse, specular, exponent), format!("\"phong\" with exponent {exponent:.4}"))
-            }
-            "substrate" => {
-                let exponent = self.exponent(list, 0.1)?;
-                let diffuse = self.spectrum_or(list, "Kd", 0.5, space)?;
-                let specular = self.spectrum_or(list, "Ks", 0.5, space)?;
-                // What the coat reflects does not reach the base (Ashikhmin and Shirley's factor 1 - Ks).
-                let diffuse = match &specular {
-                    SpectrumInput::Value(SpectralDistribution::Constant(s)) => {
-                        self.scaled(diffuse, 1.0 - s.clamp(0.0, 1.0), list)
-                    }
-                    SpectrumInput::Value(SpectralDistribution::Rgb(rgb)) => {
-                        let rest = rgb.map(|s| 1.0 - s.clamp(0.0, 1.0));
-                        self.product(diffuse, SpectralDistribution::Rgb(rest), list)
-                    }
-                    _ => diffuse,
-                };
-                list.ignore(&["d"]);
-                (phong(diffuse, specular, exponent), format!("\"phong\" with exponent {exponent:.4}"))
-            }
+            "plastic" => self.plastic(list, space)?,
+            "substrate" => self.substrate(list, space)?,
             "uber" => {
                 list.ignore(&[
                     "Ks",
@@ -78,15 +58,7 @@ impl Lowering {
                 let reflectance = self.spectrum_or(list, "Kd", 0.25, space)?;
                 (MaterialKind::Diffuse { reflectance }, "opaque \"diffuse\" of its \"Kd\"".to_owned())
             }
-            "translucent" => {
-                list.ignore(&["Ks", "roughness", "transmit", "remaproughness"]);
-                let base = self.spectrum_or(list, "Kd", 0.25, space)?;
-                let reflectance = match self.spectrum_or(list, "reflect", 0.5, space)? {
-                    SpectrumInput::Value(share) => self.product(base, share, list),
-                    SpectrumInput::Texture(_) => self.scaled(base, 0.5, list),
-                };
-                (MaterialKind::Diffuse { reflectance }, "\"diffuse\" of what it reflects".to_owned())
-            }
+            "translucent" => self.translucent(list, space)?,
             "shinymetal" => {
                 list.ignore(&["Ks", "roughness"]);
                 let reflectance = self.spectrum_or(list, "Kr", 1.0, space)?;
@@ -105,22 +77,54 @@ impl Lowering {
                 let made = self.conductor("coatedconductor", list, names, space)?;
                 (made, "the bare \"conductor\"".to_owned())
             }
-            "thindielectric" => {
-                list.ignore(&["eta"]);
-                (MaterialKind::Interface, "no surface at all".to_owned())
-            }
             "mix" => (self.first_of_mix(list)?, "the first of its materials".to_owned()),
-            other => (self.diffuse_of(other, list, space)?, String::new()),
-        };
-        let instead = match (&made, instead.is_empty()) {
-            (_, false) => instead,
-            _ => "\"diffuse\"".to_owned(),
+            other => (self.diffuse_of(other, list, space)?, "\"diffuse\"".to_owned()),
         };
         let known = KNOWN_MATERIALS.contains(&kind);
         let what = if known { "is not available yet" } else { "is unknown" };
         let message = format!("material {:?} {what}; {instead} stands in", shortened(kind));
         self.stand_in(&list.place, "stand-in-material", message);
         Ok(made)
+    }
+
+    /// A diffuse base and the reflection of a surface of index 1.5.
+    fn plastic(&mut self, list: &mut ParameterList, space: ColorSpace) -> Step<StandIn> {
+        let exponent = self.exponent(list, 0.1)?;
+        let diffuse = self.spectrum_or(list, "Kd", 0.25, space)?;
+        let specular = self.spectrum_or(list, "Ks", 0.25, space)?;
+        let specular = self.scaled(specular, PLASTIC_SURFACE, list);
+        Ok(phong(diffuse, specular, exponent))
+    }
+
+    /// A diffuse base under a coat. What the coat reflects does not reach the base (Ashikhmin and Shirley's factor
+    /// 1 - Ks).
+    fn substrate(&mut self, list: &mut ParameterList, space: ColorSpace) -> Step<StandIn> {
+        let exponent = self.exponent(list, 0.1)?;
+        let diffuse = self.spectrum_or(list, "Kd", 0.5, space)?;
+        let specular = self.spectrum_or(list, "Ks", 0.5, space)?;
+        let diffuse = match &specular {
+            SpectrumInput::Value(SpectralDistribution::Constant(s)) => {
+                self.scaled(diffuse, 1.0 - s.clamp(0.0, 1.0), list)
+            }
+            SpectrumInput::Value(SpectralDistribution::Rgb(rgb)) => {
+                let rest = rgb.map(|s| 1.0 - s.clamp(0.0, 1.0));
+                self.product(diffuse, SpectralDistribution::Rgb(rest), list)
+            }
+            _ => diffuse,
+        };
+        list.ignore(&["d"]);
+        Ok(phong(diffuse, specular, exponent))
+    }
+
+    /// The part that is reflected.
+    fn translucent(&mut self, list: &mut ParameterList, space: ColorSpace) -> Step<StandIn> {
+        list.ignore(&["Ks", "roughness", "transmit", "remaproughness"]);
+        let base = self.spectrum_or(list, "Kd", 0.25, space)?;
+        let reflectance = match self.spectrum_or(list, "reflect", 0.5, space)? {
+            SpectrumInput::Value(share) => self.product(base, share, list),
+            SpectrumInput::Texture(_) => self.scaled(base, 0.5, list),
+        };
+        Ok((MaterialKind::Diffuse { reflectance }, "\"diffuse\" of what it reflects".to_owned()))
     }
 
     /// The reflectance of a material that is shown as a diffuse one, whatever it calls it.
@@ -236,13 +240,15 @@ impl Lowering {
     }
 }
 
-fn phong(diffuse: SpectrumInput, specular: SpectrumInput, exponent: f32) -> MaterialKind {
-    MaterialKind::Phong {
-        ambient: SpectrumInput::Value(grey(0.0)),
+/// A Phong material. Light of every direction, which the classical model calls ambient, meets the diffuse base as well.
+fn phong(diffuse: SpectrumInput, specular: SpectrumInput, exponent: f32) -> StandIn {
+    let kind = MaterialKind::Phong {
+        ambient: diffuse.clone(),
         diffuse,
         specular,
         exponent: FloatInput::Value(exponent),
-    }
+    };
+    (kind, format!("\"phong\" with exponent {exponent:.4}"))
 }
 
 /// Sharper lobes than this cannot be told from a mirror in `f32`.
@@ -266,7 +272,6 @@ const KNOWN_MATERIALS: &[&str] = &[
     "shinymetal",
     "coatedconductor",
     "coateddiffuse",
-    "thindielectric",
     "mix",
     "diffusetransmission",
     "subsurface",

@@ -1,55 +1,45 @@
-//! Spectra that pbrt knows by name.
+//! What pbrt does with spectra by name, beyond looking them up in `glanz_light::named`.
 
-use glanz_light::SpectralDistribution;
+use glanz_light::named::names;
+use glanz_light::{SpectralDistribution, Wavelengths};
 
-/// Indices of refraction of optical glass at the d line, 587.6 nm (manufacturers' catalogues).
-const GLASS: &[(&str, f32)] = &[
-    ("glass-BK7", 1.5168),
-    ("glass-BAF10", 1.6700),
-    ("glass-FK51A", 1.4866),
-    ("glass-LASF9", 1.8503),
-    ("glass-F5", 1.6034),
-    ("glass-SF5", 1.6727),
-    ("glass-SF10", 1.7283),
-    ("glass-SF11", 1.7847),
-];
+use crate::diagnostic::nearest;
 
-/// Index and absorption of metals in the bands of Rec. 709: measured spectra weighted with the bands, as in the
-/// published scenes of @bitterli2016.
-const METALS: &[(&str, [f32; 3])] = &[
-    ("metal-Ag-eta", [0.155_265, 0.116_723, 0.138_381]),
-    ("metal-Ag-k", [4.828_343, 3.122_246, 2.147_05]),
-    ("metal-Al-eta", [1.657_46, 0.880_369, 0.521_229]),
-    ("metal-Al-k", [9.223_869, 6.269_523, 4.837_001]),
-    ("metal-Au-eta", [0.143_119, 0.374_957, 1.442_479]),
-    ("metal-Au-k", [3.983_16, 2.385_721, 1.603_215]),
-    ("metal-Cu-eta", [0.200_438, 0.924_033, 1.102_212]),
-    ("metal-Cu-k", [3.912_949, 2.452_848, 2.142_188]),
-];
+/// The yellow line of helium called d, at which catalogues state the index of refraction of glass (@schott2017), nm.
+const HELIUM_D_NM: f64 = 587.5618;
 
-/// Temperature of CIE standard illuminant A, K (@cie015).
-const ILLUMINANT_A: f32 = 2856.0;
+/// At most so many names are suggested.
+const MAX_SUGGESTIONS: usize = 8;
 
-/// The spectrum of that name.
-pub(super) fn named(name: &str) -> Option<SpectralDistribution> {
-    if let Some((_, index)) = GLASS.iter().find(|(n, _)| *n == name) {
-        return Some(SpectralDistribution::Constant(*index));
-    }
-    if let Some((_, rgb)) = METALS.iter().find(|(n, _)| *n == name) {
-        return Some(SpectralDistribution::Rgb(*rgb));
-    }
-    match name {
-        // A constant means D65 when it is light.
-        "stdillum-D65" => Some(SpectralDistribution::Constant(1.0)),
-        "stdillum-A" => Some(SpectralDistribution::Blackbody { kelvin: ILLUMINANT_A, scale: 1.0 }),
-        _ => None,
+/// A spectrum where one number is asked for, such as the index of refraction of glass: its value at the d line, the
+/// mean of a colour.
+pub(super) fn at_d_line(spectrum: &SpectralDistribution) -> f32 {
+    match spectrum {
+        SpectralDistribution::Constant(x) => *x,
+        SpectralDistribution::Sampled(samples) => samples.at(HELIUM_D_NM) as f32,
+        other => {
+            let wavelengths = Wavelengths::default();
+            other.unbounded(&wavelengths).mean(&wavelengths)
+        }
     }
 }
 
-/// The names.
-pub(super) fn names() -> impl Iterator<Item = &'static str> {
-    let others = ["stdillum-D65", "stdillum-A"];
-    GLASS.iter().map(|(n, _)| *n).chain(METALS.iter().map(|(n, _)| *n)).chain(others)
+/// Advice for a name that is not built in: those that begin with it, or else the nearest.
+pub(super) fn suggestion(name: &str) -> Option<String> {
+    let lower = name.to_lowercase();
+    let longer = names().filter(|n| !name.is_empty() && n.to_lowercase().starts_with(&lower));
+    let mut similar: Vec<&str> = longer.take(MAX_SUGGESTIONS).collect();
+    if similar.is_empty() {
+        similar.extend(nearest(name, names()));
+    }
+    match similar[..] {
+        [] => None,
+        [one] => Some(format!("did you mean the built-in {one:?}?")),
+        _ => {
+            let quoted: Vec<String> = similar.iter().map(|n| format!("{n:?}")).collect();
+            Some(format!("did you mean one of the built-in {}?", quoted.join(", ")))
+        }
+    }
 }
 
 #[cfg(test)]
@@ -57,8 +47,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_name_has_a_spectrum() {
-        assert_eq!(names().filter(|n| named(n).is_none()).count(), 0);
-        assert_eq!(named("glass-BK"), None);
+    fn nearest_names_are_suggested() {
+        assert_eq!(suggestion("glass-BK8").unwrap(), "did you mean the built-in \"glass-BK7\"?");
+        let of_gold = "did you mean one of the built-in \"metal-Au-eta\", \"metal-Au-k\"?";
+        assert_eq!(suggestion("metal-au").unwrap(), of_gold);
+        assert_eq!(suggestion("spds/sky.spd"), None);
+        assert_eq!(suggestion(""), None);
+    }
+
+    #[test]
+    fn glass_has_the_index_of_its_catalogue() {
+        // n_d of the data sheets (@schott2017).
+        for (name, index) in [("glass-BK7", 1.51680), ("glass-SF11", 1.78472), ("glass-BAF10", 1.67003)] {
+            let found = f64::from(at_d_line(&glanz_light::named::spectrum(name).unwrap()));
+            // Linear between samples 5 nm apart.
+            assert!((found - index).abs() < 1e-4, "{name}: {found}");
+        }
+        assert_eq!(at_d_line(&SpectralDistribution::Constant(1.5)), 1.5);
     }
 }

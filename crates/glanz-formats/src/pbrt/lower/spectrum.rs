@@ -1,20 +1,16 @@
 //! Spectra, and the parameters that are spectra, numbers or textures of them.
 
 use glanz_light::rgb::xyz_to_rgb;
-use glanz_light::{SpectralDistribution, Wavelengths};
+use glanz_light::{SpectralDistribution, Wavelengths, named};
 use glanz_scene::description::{FloatInput, SpectrumInput};
 
 use super::Lowering;
-use super::named::{named, names};
-use crate::diagnostic::nearest;
+use super::named::{at_d_line, suggestion};
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::lexer::Lexer;
 use crate::pbrt::parameters::{Parameter, ParameterList, ParameterType, Values, shortened};
 use crate::source::Step;
-
-/// Sodium's yellow line, at which glass is said to have its index of refraction, nm.
-const SODIUM_D_NM: f64 = 589.3;
 
 /// A grey that needs no conversion.
 pub(super) fn grey(value: f32) -> SpectralDistribution {
@@ -108,15 +104,15 @@ impl Lowering {
 
     /// A spectrum that pbrt knows by name, or a file of pairs.
     fn named_spectrum(&mut self, subject: &str, p: &Parameter, name: &str) -> Step<SpectralDistribution> {
-        if let Some(spectrum) = named(name) {
+        if let Some(spectrum) = named::spectrum(name) {
             return Ok(spectrum);
         }
         let (path, bytes) = match self.read_file(name) {
             Ok(read) => read,
             Err(problem) => {
                 let message = format!("{subject}: parameter {:?}: spectrum {problem}", p.name);
-                let help = nearest(name, names()).map(|n| format!("did you mean the built-in {n:?}?"));
-                return Err(self.reporter.error_with_help(&p.value_place, "missing-file", message, help));
+                let place = &p.value_place;
+                return Err(self.reporter.error_with_help(place, "missing-file", message, suggestion(name)));
             }
         };
         let mut values = Vec::new();
@@ -165,7 +161,8 @@ impl Lowering {
         Ok(found.unwrap_or_else(|| SpectrumInput::Value(grey(default))))
     }
 
-    /// A number or a texture; `None` if the parameter is not there. Of a spectrum the value at sodium's yellow line.
+    /// A number or a texture; `None` if the parameter is not there. Of a spectrum the value at helium's
+    /// d line.
     pub(super) fn optional_float(
         &mut self,
         list: &mut ParameterList,
@@ -175,15 +172,8 @@ impl Lowering {
         if p.kind == ParameterType::Texture {
             return self.texture_named(&list.subject, &p, false).map(|t| Some(FloatInput::Texture(t)));
         }
-        let value = match self.distribution(&list.subject, &p, ColorSpace::Rec709)? {
-            SpectralDistribution::Constant(x) => x,
-            SpectralDistribution::Sampled(samples) => samples.at(SODIUM_D_NM) as f32,
-            other => {
-                let wavelengths = Wavelengths::default();
-                other.unbounded(&wavelengths).mean(&wavelengths)
-            }
-        };
-        Ok(Some(FloatInput::Value(value)))
+        let spectrum = self.distribution(&list.subject, &p, ColorSpace::Rec709)?;
+        Ok(Some(FloatInput::Value(at_d_line(&spectrum))))
     }
 
     /// A number or a texture, or a default.
@@ -231,7 +221,7 @@ impl Lowering {
             .as_ref()
             .is_some_and(|p| matches!(p.kind, ParameterType::Blackbody | ParameterType::Spectrum));
         let spectrum = match taken {
-            Some(p) => within_gamut(self.distribution(&list.subject, &p, space)?),
+            Some(p) => self.distribution(&list.subject, &p, space)?,
             None => grey(1.0),
         };
         let mut light = Emission { spectrum, factor: 1.0, normalisation: 1.0 };
@@ -244,9 +234,8 @@ impl Lowering {
             SpectralDistribution::Constant(x) => light.factor = x,
             SpectralDistribution::Rgb([r, g, b]) if r == g && g == b => light.factor = r,
             color => {
-                let wavelengths = Wavelengths::default();
-                let product = light.spectrum.radiance(&wavelengths) * color.radiance(&wavelengths);
-                light.spectrum = SpectralDistribution::Rgb(product.to_rgb(&wavelengths));
+                let (a, b) = (within_gamut(&light.spectrum), within_gamut(&color));
+                light.spectrum = SpectralDistribution::Rgb(std::array::from_fn(|i| a[i] * b[i]));
             }
         }
         Ok(light)
@@ -270,12 +259,11 @@ impl Emission {
     }
 }
 
-/// The light itself or, if its colour lies outside Rec. 709 (black bodies below some 1900 K do), the nearest inside:
-/// no band may take light away.
-fn within_gamut(light: SpectralDistribution) -> SpectralDistribution {
+/// The colour of light without the negative components that it has outside Rec. 709 (black bodies below some 1900 K
+/// do), for products with other colours.
+pub(super) fn within_gamut(light: &SpectralDistribution) -> [f32; 3] {
     let wavelengths = Wavelengths::default();
-    let rgb = light.radiance(&wavelengths).to_rgb(&wavelengths);
-    if rgb.iter().all(|x| *x >= 0.0) { light } else { SpectralDistribution::Rgb(rgb.map(|x| x.max(0.0))) }
+    light.radiance(&wavelengths).to_rgb(&wavelengths).map(|x| x.max(0.0))
 }
 
 /// A spectrum from pairs in any order.
