@@ -3,6 +3,8 @@
 //! Readers in `glanz-formats` produce a [`Description`]; [`crate::Scene::resolve`] checks everything through the
 //! constructors of geometry and shading. Lengths are metres and angles radians; matrices map columns and may still be
 //! singular. Every part that can be wrong carries the [`Location`] where it was said.
+//!
+//! One file in spite of its length: it is data without behaviour, and whoever writes a reader wants to see all of it.
 
 use std::sync::Arc;
 

@@ -2,8 +2,11 @@
 //! of the crate is `unsafe`: a stack that is not cleared, and a word to the system about memory pages.
 //!
 //! [`Simd`] is implemented by tokens. A token can only be got from [`Isa::detect`], which asks the processor, so
-//! whoever holds one may use its instructions: that is the proof behind every vector instruction here. Code that is generic over `Simd` is marked `#[inline(always)]` and run through
-//! [`Isa::run`], which compiles one copy of it per instruction set.
+//! whoever holds one may use its instructions: that is the proof behind every vector instruction here. Code that is
+//! generic over `Simd` is marked `#[inline(always)]` and run through [`Isa::run`], which compiles one copy of it per
+//! instruction set.
+//!
+//! One file in spite of its length: all the unsafe code of the crate is to be found here.
 //!
 //! All operations are the IEEE ones, lane by lane, so that every instruction set gives the same bits; the exception is
 //! [`Simd::mul_sub`], which may or may not round its product.
