@@ -25,6 +25,9 @@ fn torus(major: f64, minor: f64, phi_max: f64) -> Case {
         position: Some(Box::new(move |uv| ring(uv.x * phi_max, uv.y * TAU))),
         area: Some(phi_max * major * TAU * minor),
         size: 1.1 * (major + minor),
+        // A ray through a narrow hole has two roots close together: the slow solver must not step over both. (One such
+        // ray in 10^7 did; the torus had all four roots right, as 50 digits confirmed.)
+        resolution: if minor > 0.9 * major { 800 } else { 48 },
         targets,
         directions: vec![
             DVec3::X,
