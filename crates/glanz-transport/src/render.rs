@@ -85,7 +85,8 @@ pub enum RenderError {
 ///
 /// Passes over all pixels follow one another; each takes one or more samples of every pixel, as many as fit in half a second
 /// or so. Sums are exact, so that the film depends on which samples it has, never on passes, threads, interruptions or
-/// whether it was begun by another run. After each pass `progress` is told, and the loop ends if `stop` is set.
+/// whether it was begun by another run. After each pass `progress` is told, and the loop ends if `stop` is
+/// set, but not with an empty film.
 ///
 /// # Errors
 /// [`RenderError`] before the first pass, if the film does not go with the filter, would get more samples than it can
@@ -117,7 +118,8 @@ pub fn render(
         let Some(gap) = film.samples().missing(settings.samples.clone()).into_iter().next() else {
             break Finished::Complete;
         };
-        if stop.load(Ordering::Relaxed) {
+        // Whoever stops a render wants what there is: one sample per pixel at least.
+        if stop.load(Ordering::Relaxed) && !film.samples().is_empty() {
             break Finished::Interrupted;
         }
         if taken > 0 && settings.checkpoint_interval.is_some_and(|i| last_checkpoint.elapsed() >= i) {
