@@ -39,6 +39,8 @@ pub struct Case {
     /// Samples that the slow solver takes of a ray in the ball. Three crossings closer together than two samples may
     /// escape it.
     pub resolution: usize,
+    /// Planes, as normal and offset, across which the gradient of `implicit` jumps: the slow solver looks there too.
+    pub kinks: Vec<(DVec3, f64)>,
     /// Further points where only the parameters degenerate: no derivatives are compared next to them.
     pub parameter_singular: Vec<DVec3>,
     /// Directions that adversarial rays like to take: rulings, asymptotes.
@@ -68,6 +70,7 @@ impl Case {
             ridges: Vec::new(),
             noise: 0.0,
             resolution: 48,
+            kinks: Vec::new(),
             parameter_singular: Vec::new(),
             directions: Vec::new(),
         }

@@ -82,8 +82,10 @@ pub fn roots(case: &Case, ray: &Ray, beyond: f64, hits: &[f64]) -> Roots {
     let f = |s: f64| (case.implicit)(line.at(s));
     let s_of = |i: usize| start + (half_chord - start) * (i as f64 / (case.resolution - 1) as f64);
     let between = hits.windows(2).map(|pair| (0.5 * (pair[0] + pair[1]) - line.t_shift) / line.t_scale);
-    let mut places: Vec<f64> =
-        (0..case.resolution).map(s_of).chain(between.filter(|s| (start..half_chord).contains(s))).collect();
+    let kink =
+        |&(normal, offset): &(DVec3, f64)| (offset - normal.dot(line.origin)) / normal.dot(line.direction);
+    let further = between.chain(case.kinks.iter().map(kink)).filter(|s| (start..half_chord).contains(s));
+    let mut places: Vec<f64> = (0..case.resolution).map(s_of).chain(further).collect();
     places.sort_by(f64::total_cmp);
     let samples: Vec<(f64, f64)> = places.into_iter().map(|s| (s, f(s))).collect();
     let slope = case.gradient(line.at(start)).length();
@@ -187,8 +189,9 @@ fn judge(case: &Case, line: &Line, s: f64, nearest: f64, origin_distance: f64) -
     let noise = case.noise / gradient.length();
     let tolerance = (1e-12 * case.size + 4e-16 * origin_distance + noise) / cos.max(1e-12);
     let border = (case.kept)(p);
-    // Twice the step of the differences: across an edge they mix two gradients.
-    let status = if nearest < 1e-5 * case.size
+    // Twice the step of the differences: across an edge they mix two gradients. Two crossings closer together than the
+    // rounding of the function moves either may be there or not.
+    let status = if nearest < tolerance.max(1e-5 * case.size)
         || cos < 1e-5
         || case.distance_to_singular(p) < 2e-5 * case.size
         || !(border.abs() > 1e-9 * case.size + 10.0 * tolerance)
