@@ -5,6 +5,7 @@
 //! only, never surfaces.
 
 pub mod algebraic;
+pub mod bezier;
 pub mod bilinear;
 pub mod bvh;
 pub mod cuboid;

@@ -1,0 +1,148 @@
+//! Homogeneous control points and the derivatives of what they project to.
+
+use glanz_math::glam::DVec4;
+use glanz_math::rounding::gamma;
+use glanz_math::{Bounds3, DVec3};
+
+use super::bernstein::binomial;
+use crate::error::{SurfaceError, finite, positive};
+
+/// Largest degree, per direction, of a patch that can be built from control points.
+pub const MAX_DEGREE: usize = 128;
+
+/// `degree` as a count, if it is from 1 to [`MAX_DEGREE`].
+pub(super) fn checked_degree(parameter: &'static str, degree: usize) -> Result<(), SurfaceError> {
+    positive(parameter, degree as f64)?;
+    if degree > MAX_DEGREE {
+        let (value, max) = (degree as f64, MAX_DEGREE as f64);
+        return Err(SurfaceError::OutOfRange { parameter, value, min: 1.0, max });
+    }
+    Ok(())
+}
+
+/// Nothing if there are `expected` points, finite, of positive weight, and finite where they project to.
+pub(super) fn check_points(points: &[DVec4], expected: usize) -> Result<(), SurfaceError> {
+    if points.len() != expected {
+        let parameter = "control points";
+        return Err(SurfaceError::CountMismatch { parameter, count: points.len(), expected });
+    }
+    for point in points {
+        for value in point.to_array() {
+            finite("control point", value)?;
+        }
+        positive("weight", point.w)?;
+        for value in project(*point).to_array() {
+            finite("control point over its weight", value)?;
+        }
+    }
+    Ok(())
+}
+
+/// The homogeneous point (w x, w y, w z, w).
+pub(super) fn lift(point: DVec3, weight: f64) -> DVec4 {
+    (point * weight).extend(weight)
+}
+
+/// The point (x, y, z) of (w x, w y, w z, w).
+pub(super) fn project(point: DVec4) -> DVec3 {
+    point.truncate() / point.w
+}
+
+/// Homogeneous points of `points` and `weights`; without weights, all are 1.
+pub(super) fn lift_all(points: &[DVec3], weights: Option<&[f64]>) -> Result<Vec<DVec4>, SurfaceError> {
+    let Some(weights) = weights else { return Ok(points.iter().map(|p| p.extend(1.0)).collect()) };
+    if weights.len() != points.len() {
+        let (count, expected) = (weights.len(), points.len());
+        return Err(SurfaceError::CountMismatch { parameter: "weights", count, expected });
+    }
+    Ok(points.iter().zip(weights).map(|(p, w)| lift(*p, *w)).collect())
+}
+
+/// Whether any two weights differ.
+pub(super) fn is_rational(points: &[DVec4]) -> bool {
+    points.windows(2).any(|pair| matches!(pair, [a, b] if a.w != b.w))
+}
+
+/// `points`, means of `source`; weights that were all the same there are so here, to the last bit.
+pub(super) fn keep_weight(source: &[DVec4], mut points: Vec<DVec4>) -> Vec<DVec4> {
+    if let (Some(first), false) = (source.first(), is_rational(source)) {
+        points.iter_mut().for_each(|p| p.w = first.w);
+    }
+    points
+}
+
+/// A box around the control points and with that around the patch.
+pub(super) fn bounds(points: &[DVec4]) -> Bounds3 {
+    let bounds = Bounds3::of_points(points.iter().map(|p| project(*p)));
+    if points.iter().all(|p| p.w == 1.0) {
+        return bounds;
+    }
+    // The division rounded once.
+    bounds.expanded(gamma(2) * bounds.min.abs().max(bounds.max.abs()).max_element())
+}
+
+/// A bound on |dp/du x dp/dv| below which it is rounding noise: both are up to `degree` times the size of the patch
+/// long, and carry a few roundings per step of the evaluation.
+pub(super) fn noise_of_normal(points: &[DVec4], degree: usize) -> f64 {
+    let size = bounds(points).diagonal().length() * degree as f64;
+    gamma(8) * degree as f64 * size * size
+}
+
+/// Partial derivatives of a surface at one point, up to a total order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Derivatives {
+    order: usize,
+    /// By total order, then by the order in v.
+    values: Vec<DVec3>,
+}
+
+impl Derivatives {
+    /// From homogeneous derivatives in the same order, by Leibniz' rule for `w s = a`.
+    ///
+    /// # Source
+    /// @farin2002 section 13.6.
+    pub(super) fn of_quotient(order: usize, homogeneous: &[DVec4]) -> Self {
+        let mut values: Vec<DVec3> = Vec::with_capacity(homogeneous.len());
+        let weight = homogeneous.first().map_or(1.0, |a| a.w);
+        for total in 0..=order {
+            for l in 0..=total {
+                let k = total - l;
+                let mut value = homogeneous[slot(k, l)].truncate();
+                for (a, b) in (0..=k).flat_map(|a| (0..=l).map(move |b| (a, b))).skip(1) {
+                    let factor = binomial(k, a) * binomial(l, b) * homogeneous[slot(a, b)].w;
+                    value -= values[slot(k - a, l - b)] * factor;
+                }
+                values.push(value / weight);
+            }
+        }
+        Self { order, values }
+    }
+
+    /// Largest total order held.
+    #[must_use]
+    pub fn order(&self) -> usize {
+        self.order
+    }
+
+    /// The k-th derivative in u of the l-th in v, metres per parameter^(k + l); `None` if k + l exceeds the order.
+    #[must_use]
+    pub fn get(&self, k: usize, l: usize) -> Option<DVec3> {
+        if k.saturating_add(l) > self.order { None } else { self.values.get(slot(k, l)).copied() }
+    }
+}
+
+/// Where the derivative of order k in u and l in v stands.
+pub(super) fn slot(k: usize, l: usize) -> usize {
+    (k + l) * (k + l + 1) / 2 + l
+}
+
+/// Derivatives of a curve from those of its homogeneous form, both ascending in order.
+pub(super) fn quotient_along(homogeneous: &[DVec4]) -> Vec<DVec3> {
+    let weight = homogeneous.first().map_or(1.0, |a| a.w);
+    let mut values: Vec<DVec3> = Vec::with_capacity(homogeneous.len());
+    for (k, a) in homogeneous.iter().enumerate() {
+        let known = (1..=k).map(|m| values[k - m] * (binomial(k, m) * homogeneous[m].w)).sum::<DVec3>();
+        values.push((a.truncate() - known) / weight);
+    }
+    values
+}

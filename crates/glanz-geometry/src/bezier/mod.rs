@@ -1,0 +1,43 @@
+//! Bézier patches over rectangles and triangles.
+//!
+//! A patch is a net of control points with weights. [`TensorPatch`] spans the unit square, [`TrianglePatch`] a triangle;
+//! both lie in the convex hull of their points, can be evaluated with all derivatives, cut and raised in degree. Each can
+//! be written as the other, and a triangular patch as three square ones of its own degree ([`TrianglePatch::to_quads`]), so
+//! that a program which knows squares only needs no more. [`junction`] measures how two patches meet and makes
+//! smooth neighbours.
+//!
+//! Patches that share the control points of an edge share the bits of every point and part of it that is made by
+//! halving: no gap opens between them.
+//!
+//! ```
+//! use glanz_geometry::bezier::TrianglePatch;
+//! use glanz_math::DVec3;
+//!
+//! // The paraboloid z = x^2 + y^2 above the triangle (0, 0), (1, 0), (0, 1).
+//! let net = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [1.0, 0.0, 1.0], [0.5, 0.5, 0.0], [0.0, 1.0, 1.0]];
+//! let patch = TrianglePatch::try_from_points(2, &net.map(DVec3::from_array), None)?;
+//! assert_eq!(patch.point(0.5, 0.25), DVec3::new(0.5, 0.25, 0.3125));
+//! for quad in patch.to_quads() {
+//!     let at = quad.triangle_parameters(0.5, 0.5);
+//!     assert!(quad.patch.point(0.5, 0.5).distance(patch.point(at.x, at.y)) < 1e-15);
+//! }
+//! # Ok::<(), glanz_geometry::SurfaceError>(())
+//! ```
+
+mod bernstein;
+mod convert;
+mod homogeneous;
+pub mod junction;
+mod net;
+mod quads;
+mod subdivide;
+pub mod tensor;
+#[cfg(test)]
+mod tests;
+pub mod triangle;
+
+pub use homogeneous::{Derivatives, MAX_DEGREE};
+pub use junction::{Border, Continuation, Junction};
+pub use quads::TriangleQuad;
+pub use tensor::{TensorEdge, TensorPatch};
+pub use triangle::{Barycentric, TriangleEdge, TrianglePatch};
