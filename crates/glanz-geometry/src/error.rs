@@ -98,6 +98,42 @@ pub enum SurfaceError {
         /// Largest degree possible.
         max: u32,
     },
+    /// A knot is less than the one before it.
+    #[error("{parameter} {position} is {value}, less than {previous} before it")]
+    KnotsDecrease {
+        /// Which knot vector.
+        parameter: &'static str,
+        /// Where in that vector.
+        position: usize,
+        /// The knot.
+        value: f64,
+        /// The knot before it.
+        previous: f64,
+    },
+    /// A knot stands in its vector too often.
+    #[error("{parameter} {value} would stand there {multiplicity} times, at most {max} are possible")]
+    KnotMultiplicity {
+        /// Which knot vector.
+        parameter: &'static str,
+        /// The knot.
+        value: f64,
+        /// How often it stands there.
+        multiplicity: usize,
+        /// How often it may.
+        max: usize,
+    },
+    /// A knot cannot be left out: the shape would change.
+    #[error("without {parameter} {value} the shape would move by up to {deviation}, {tolerance} is allowed")]
+    KnotNeeded {
+        /// Which knot vector.
+        parameter: &'static str,
+        /// The knot.
+        value: f64,
+        /// Bound on the distance that a point would move, metres.
+        deviation: f64,
+        /// Distance allowed, metres.
+        tolerance: f64,
+    },
 }
 
 /// `value`, if it is finite.

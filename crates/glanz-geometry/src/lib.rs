@@ -15,6 +15,7 @@ mod line;
 pub mod mesh;
 pub mod polyhedron;
 pub mod quadric;
+pub mod spline;
 pub mod surface;
 pub mod torus;
 pub mod triangle;

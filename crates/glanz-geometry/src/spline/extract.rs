@@ -1,0 +1,60 @@
+//! From B-splines to Bézier patches.
+
+use super::polygon;
+use super::surface::NurbsSurface;
+use crate::bezier::TensorPatch;
+use crate::error::SurfaceError;
+
+/// A piece of a surface without inner knots.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BezierPiece {
+    /// The range of the surface's u; 0 and 1 in the patch are its ends.
+    pub u: [f64; 2],
+    /// The range of the surface's v.
+    pub v: [f64; 2],
+    /// The same points over the unit square.
+    pub patch: TensorPatch,
+}
+
+impl NurbsSurface {
+    /// The pieces between knots, those of equal u side by side.
+    ///
+    /// Where two pieces meet, their control points are equal to the last bit. Weights that are all 1 stay 1, and so
+    /// do coordinates that all points share.
+    ///
+    /// # Errors
+    /// Knots so close together that a weight underflows.
+    ///
+    /// # Source
+    /// Knots are inserted until every one stands there `degree` times (@boehm1980).
+    pub fn bezier_patches(&self) -> Result<Vec<BezierPiece>, SurfaceError> {
+        let (p, q) = (self.knots_u().degree(), self.knots_v().degree());
+        let (count_u, count_v) = self.counts();
+        let mut breaks_v = Vec::new();
+        let mut rows = Vec::with_capacity(count_u);
+        for row in self.control_points().chunks_exact(count_v) {
+            let (breaks, row) = polygon::bezier(self.knots_v(), row)?;
+            breaks_v = breaks;
+            rows.push(row);
+        }
+        let mut breaks_u = Vec::new();
+        let mut columns = Vec::new();
+        for j in 0..rows.first().map_or(0, Vec::len) {
+            let column: Vec<_> = rows.iter().map(|row| row[j]).collect();
+            let (breaks, column) = polygon::bezier(self.knots_u(), &column)?;
+            breaks_u = breaks;
+            columns.push(column);
+        }
+        let mut pieces = Vec::new();
+        for (i, u) in breaks_u.windows(2).enumerate() {
+            for (j, v) in breaks_v.windows(2).enumerate() {
+                let (i, j) = (i * p, j * q);
+                let columns = &columns;
+                let points = (i..=i + p).flat_map(|i| (j..=j + q).map(move |j| columns[j][i])).collect();
+                let patch = TensorPatch::try_new(p, q, points)?;
+                pieces.push(BezierPiece { u: [u[0], u[1]], v: [v[0], v[1]], patch });
+            }
+        }
+        Ok(pieces)
+    }
+}

@@ -1,0 +1,245 @@
+//! Splines through given points.
+
+use glanz_math::DVec3;
+
+use super::basis::Basis;
+use super::curve::RationalCurve;
+use super::knots::{KnotVector, check_degree, clamped};
+use super::polygon::ControlPoint;
+use super::surface::NurbsSurface;
+use crate::error::{SurfaceError, finite};
+
+/// The matrix of the basis functions at the parameters of interpolation, factored.
+///
+/// Such matrices are totally positive: elimination without exchange of rows is stable, keeps the band, and meets
+/// no pivot of 0.
+///
+/// # Source
+/// @deboor1977; solvability: @pumberger2010 theorem 2.1.2.4 (Schoenberg and Whitney).
+struct Collocation {
+    degree: usize,
+    /// Row i has its columns i - degree to i + degree; left of the diagonal stand the factors of elimination.
+    band: Vec<f64>,
+}
+
+impl Collocation {
+    fn try_new(knots: &KnotVector, parameters: &[f64]) -> Result<Self, SurfaceError> {
+        let (p, count, expected) = (knots.degree(), parameters.len(), knots.count());
+        if count != expected {
+            let parameter = "interpolation parameters";
+            return Err(SurfaceError::CountMismatch { parameter, count, expected });
+        }
+        let [start, end] = knots.domain();
+        let mut band = vec![0.0; count * (2 * p + 1)];
+        for (i, &value) in parameters.iter().enumerate() {
+            finite("interpolation parameter", value)?;
+            let basis = Basis::at(knots, value);
+            let (first, row) = (basis.first(), basis.values());
+            let met = i >= first && i <= first + p && row[i - first] > 0.0;
+            if !met || value < start || value > end {
+                // N_i must not vanish there.
+                let (min, max) = (knots.knots()[i].max(start), knots.knots()[i + p + 1].min(end));
+                return Err(SurfaceError::OutOfRange {
+                    parameter: "interpolation parameter",
+                    value,
+                    min,
+                    max,
+                });
+            }
+            for (j, n) in (first..=first + p).zip(row) {
+                band[i * (2 * p + 1) + j + p - i] = n;
+            }
+        }
+        for pair in parameters.windows(2) {
+            if pair[0] >= pair[1] {
+                let parameter = "the interval of interpolation";
+                return Err(SurfaceError::EmptyRange { parameter, min: pair[0], max: pair[1] });
+            }
+        }
+        let mut matrix = Self { degree: p, band };
+        matrix.eliminate(count)?;
+        Ok(matrix)
+    }
+
+    fn at(&self, i: usize, j: usize) -> usize {
+        i * (2 * self.degree + 1) + j + self.degree - i
+    }
+
+    fn eliminate(&mut self, count: usize) -> Result<(), SurfaceError> {
+        for k in 0..count {
+            let pivot = self.band[self.at(k, k)];
+            if pivot.is_nan() || pivot <= 0.0 {
+                let reason = "the parameters of interpolation crowd, pivot";
+                return Err(SurfaceError::Degenerate { reason, value: pivot });
+            }
+            let end = (k + self.degree).min(count - 1);
+            for i in k + 1..=end {
+                let factor = self.band[self.at(i, k)] / pivot;
+                let place = self.at(i, k);
+                self.band[place] = factor;
+                for j in k + 1..=end {
+                    let (from, to) = (self.at(k, j), self.at(i, j));
+                    self.band[to] -= factor * self.band[from];
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The control points for these values, one for each parameter.
+    fn solve<P: ControlPoint>(&self, values: &[P]) -> Vec<P> {
+        let mut found = values.to_vec();
+        let (p, count) = (self.degree, values.len());
+        for i in 1..count {
+            for k in i.saturating_sub(p)..i {
+                found[i] = found[i] - found[k] * self.band[self.at(i, k)];
+            }
+        }
+        for i in (0..count).rev() {
+            for j in i + 1..=(i + p).min(count - 1) {
+                found[i] = found[i] - found[j] * self.band[self.at(i, j)];
+            }
+            found[i] = found[i] * (1.0 / self.band[self.at(i, i)]);
+        }
+        found
+    }
+}
+
+/// Clamped knots that follow the parameters, so that interpolation there is possible.
+///
+/// # Errors
+/// A degree out of range, not more parameters than the degree, those of [`KnotVector::try_new`].
+///
+/// # Source
+/// @pumberger2010 section 2.1.2, second remark; @piegl1997 eq. 9.8.
+pub fn averaged_knots(degree: usize, parameters: &[f64]) -> Result<KnotVector, SurfaceError> {
+    check_degree(degree)?;
+    let (count, min) = (parameters.len(), degree + 1);
+    if count < min {
+        return Err(SurfaceError::TooFew { parameter: "points to interpolate", count, min });
+    }
+    let means = parameters[1..count - 1].windows(degree).map(|w| w.iter().sum::<f64>() / degree as f64);
+    let ends = [parameters[0], parameters[count - 1]];
+    KnotVector::try_new(degree, clamped(degree, ends, means.take(count - degree - 1).collect()))
+}
+
+/// Parameters from 0 to 1 in proportion to the lengths of the chords; `None` if all points coincide.
+fn chord_parameters(points: impl Iterator<Item = DVec3>) -> Option<Vec<f64>> {
+    let mut previous = None;
+    let mut length = 0.0;
+    let mut lengths = Vec::new();
+    for point in points {
+        length += previous.map_or(0.0, |p: DVec3| p.distance(point));
+        previous = Some(point);
+        lengths.push(length);
+    }
+    (length > 0.0 && length.is_finite()).then(|| lengths.into_iter().map(|l| l / length).collect())
+}
+
+/// The mean of the parameters of several rows of points.
+fn mean_parameters(rows: impl Iterator<Item = Option<Vec<f64>>>) -> Result<Vec<f64>, SurfaceError> {
+    let mut used = 0.0;
+    let mut sums: Vec<f64> = Vec::new();
+    for row in rows.flatten() {
+        sums.resize(row.len(), 0.0);
+        sums.iter_mut().zip(row).for_each(|(s, x)| *s += x);
+        used += 1.0;
+    }
+    if sums.is_empty() {
+        return Err(SurfaceError::Degenerate {
+            reason: "the points to interpolate coincide, length",
+            value: 0.0,
+        });
+    }
+    Ok(sums.into_iter().map(|s| s / used).collect())
+}
+
+impl RationalCurve {
+    /// The spline with these knots that is at `points` (metres) at the `parameters`, all weights 1.
+    ///
+    /// The Greville abscissae of the knots are always good parameters.
+    ///
+    /// # Errors
+    /// Parameters that do not ascend, or of which the i-th is not where the i-th basis function is positive; numbers
+    /// of parameters or points other than `knots.count()`; points that are not finite.
+    pub fn interpolate_at(
+        knots: KnotVector,
+        parameters: &[f64],
+        points: &[DVec3],
+    ) -> Result<Self, SurfaceError> {
+        check_points(points, knots.count())?;
+        let found = Collocation::try_new(&knots, parameters)?.solve(points);
+        Self::from_homogeneous(knots, found.into_iter().map(|p| p.extend(1.0)).collect())
+    }
+
+    /// A spline of some degree through `points` (metres) over [0, 1], with parameters in proportion to the distances
+    /// and knots that follow them, all weights 1.
+    ///
+    /// # Errors
+    /// A degree out of range, not more points than the degree, neighbours that coincide, points that are not finite.
+    pub fn interpolate(degree: usize, points: &[DVec3]) -> Result<Self, SurfaceError> {
+        check_points(points, points.len())?;
+        let parameters = mean_parameters(std::iter::once(chord_parameters(points.iter().copied())))?;
+        Self::interpolate_at(averaged_knots(degree, &parameters)?, &parameters, points)
+    }
+}
+
+impl NurbsSurface {
+    /// The surface with these knots that is at the points `i * count_v + j` (metres) at the parameters i of u and j of
+    /// v, all weights 1.
+    ///
+    /// # Errors
+    /// Those of [`RationalCurve::interpolate_at`] in each direction.
+    ///
+    /// # Source
+    /// @pumberger2010 section 2.1.2; departure: `Q = A P B^T`.
+    pub fn interpolate_at(
+        [knots_u, knots_v]: [KnotVector; 2],
+        [parameters_u, parameters_v]: [&[f64]; 2],
+        points: &[DVec3],
+    ) -> Result<Self, SurfaceError> {
+        let (count_u, count_v) = (knots_u.count(), knots_v.count());
+        check_points(points, count_u.saturating_mul(count_v))?;
+        let in_u = Collocation::try_new(&knots_u, parameters_u)?;
+        let in_v = Collocation::try_new(&knots_v, parameters_v)?;
+        let rows: Vec<Vec<DVec3>> = points.chunks_exact(count_v).map(|row| in_v.solve(row)).collect();
+        let columns: Vec<Vec<DVec3>> =
+            (0..count_v).map(|j| in_u.solve(&rows.iter().map(|row| row[j]).collect::<Vec<_>>())).collect();
+        let columns = &columns;
+        let net = (0..count_u).flat_map(|i| (0..count_v).map(move |j| columns[j][i].extend(1.0)));
+        let net = net.collect();
+        Self::from_knots(knots_u, knots_v, net)
+    }
+
+    /// A surface of these degrees through `counts[0]` times `counts[1]` points (metres, that of (i, j) at
+    /// `i * counts[1] + j`) over the unit square, with parameters in proportion to the mean distances of rows and
+    /// columns and knots that follow them, all weights 1.
+    ///
+    /// # Errors
+    /// Degrees out of range, not more points than the degree in a direction, rows or columns that coincide,
+    /// points that are not finite.
+    pub fn interpolate(
+        [degree_u, degree_v]: [usize; 2],
+        [count_u, count_v]: [usize; 2],
+        points: &[DVec3],
+    ) -> Result<Self, SurfaceError> {
+        check_points(points, count_u.saturating_mul(count_v))?;
+        let row = |i: usize| chord_parameters((0..count_v).map(move |j| points[i * count_v + j]));
+        let column = |j: usize| chord_parameters((0..count_u).map(move |i| points[i * count_v + j]));
+        let u = mean_parameters((0..count_v).map(column))?;
+        let v = mean_parameters((0..count_u).map(row))?;
+        let knots = [averaged_knots(degree_u, &u)?, averaged_knots(degree_v, &v)?];
+        Self::interpolate_at(knots, [&u, &v], points)
+    }
+}
+
+fn check_points(points: &[DVec3], expected: usize) -> Result<(), SurfaceError> {
+    let count = points.len();
+    if count != expected {
+        return Err(SurfaceError::CountMismatch { parameter: "points to interpolate", count, expected });
+    }
+    for value in points.iter().flat_map(DVec3::to_array) {
+        finite("point to interpolate", value)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,126 @@
+//! Area and curvature of spline surfaces.
+
+use super::surface::NurbsSurface;
+use crate::error::{SurfaceError, positive};
+
+/// How a surface bends at a point, 1/m and 1/m^2. Positive where it bends towards its normal: a sphere of radius r
+/// whose normal points outwards has the principal curvatures -1/r.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Curvature {
+    /// Product of the principal curvatures, 1/m^2.
+    pub gaussian: f64,
+    /// Mean of the principal curvatures, 1/m.
+    pub mean: f64,
+    /// The least and the greatest curvature of a normal section, 1/m.
+    pub principal: [f64; 2],
+}
+
+/// An area with an estimate of its error, m^2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Area {
+    /// The area.
+    pub value: f64,
+    /// Estimate of its error: by how much the last refinement changed it.
+    pub error: f64,
+}
+
+/// Abscissae and weights of Gauss's rule with 8 points over [-1, 1], of which this is the right half.
+const GAUSS: [(f64, f64); 4] = [
+    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
+    (0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
+    (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
+];
+
+/// After that many rectangles the rest is taken as it is, with its error.
+const MAX_CELLS: usize = 1 << 15;
+
+/// A rectangle of the domain with the integral over it.
+struct Cell {
+    u: [f64; 2],
+    v: [f64; 2],
+    integral: f64,
+}
+
+impl Cell {
+    fn new(surface: &NurbsSurface, u: [f64; 2], v: [f64; 2]) -> Self {
+        let half = |[a, b]: [f64; 2]| (0.5 * (a + b), 0.5 * (b - a));
+        let ((cu, hu), (cv, hv)) = (half(u), half(v));
+        let nodes = || GAUSS.iter().flat_map(|&(x, w)| [(-x, w), (x, w)]);
+        let mut integral = 0.0;
+        for (x, weight_u) in nodes() {
+            for (y, weight_v) in nodes() {
+                let (_, du, dv) = surface.tangents(cu + hu * x, cv + hv * y);
+                integral += weight_u * weight_v * du.cross(dv).length();
+            }
+        }
+        Self { u, v, integral: integral * hu * hv }
+    }
+
+    fn quarters(&self, surface: &NurbsSurface) -> [Self; 4] {
+        let (mu, mv) = (0.5 * (self.u[0] + self.u[1]), 0.5 * (self.v[0] + self.v[1]));
+        [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(i, j)| {
+            let u = if i == 0 { [self.u[0], mu] } else { [mu, self.u[1]] };
+            let v = if j == 0 { [self.v[0], mv] } else { [mv, self.v[1]] };
+            Self::new(surface, u, v)
+        })
+    }
+}
+
+impl NurbsSurface {
+    /// The area, by Gauss's rule on rectangles that are quartered until that changes it by less than `tolerance` (m^2).
+    ///
+    /// # Errors
+    /// A tolerance that is not positive. A tolerance that cannot be reached is no error: see [`Area::error`].
+    ///
+    /// # Source
+    /// @pumberger2010 eq. 2.1.
+    pub fn area(&self, tolerance: f64) -> Result<Area, SurfaceError> {
+        positive("tolerance of the area", tolerance)?;
+        let ([u0, u1], [v0, v1]) = (self.knots_u().domain(), self.knots_v().domain());
+        let mut open = Vec::new();
+        for u in self.knots_u().breaks().windows(2) {
+            for v in self.knots_v().breaks().windows(2) {
+                open.push(Cell::new(self, [u[0], u[1]], [v[0], v[1]]));
+            }
+        }
+        let limit = open.len() + MAX_CELLS;
+        let (mut value, mut error, mut cells) = (0.0, 0.0, 0);
+        while let Some(cell) = open.pop() {
+            let quarters = cell.quarters(self);
+            let refined: f64 = quarters.iter().map(|q| q.integral).sum();
+            let change = (refined - cell.integral).abs();
+            let share = (cell.u[1] - cell.u[0]) / (u1 - u0) * ((cell.v[1] - cell.v[0]) / (v1 - v0));
+            cells += 1;
+            if change <= tolerance * share || cells >= limit {
+                value += refined;
+                error += change;
+            } else {
+                open.extend(quarters);
+            }
+        }
+        Ok(Area { value, error })
+    }
+
+    /// The curvature at (u, v); `None` where the first derivatives vanish or are parallel.
+    ///
+    /// # Source
+    /// @docarmo1976 section 3.3.
+    #[must_use]
+    pub fn curvature(&self, u: f64, v: f64) -> Option<Curvature> {
+        let d = self.derivatives(u, v, 2);
+        let (du, dv) = (d.at(1, 0), d.at(0, 1));
+        let normal = du.cross(dv).try_normalize()?;
+        let (e, f, g) = (du.dot(du), du.dot(dv), dv.dot(dv));
+        let (l, m, n) = (d.at(2, 0).dot(normal), d.at(1, 1).dot(normal), d.at(0, 2).dot(normal));
+        // e g - f^2 without its cancellation.
+        let area2 = du.cross(dv).length_squared();
+        let gaussian = (l * n - m * m) / area2;
+        let mean = (e * n - 2.0 * f * m + g * l) / (2.0 * area2);
+        // Never negative but for rounding.
+        let spread = (mean * mean - gaussian).max(0.0).sqrt();
+        let all = [gaussian, mean, spread];
+        let principal = [mean - spread, mean + spread];
+        all.iter().all(|x| x.is_finite()).then_some(Curvature { gaussian, mean, principal })
+    }
+}

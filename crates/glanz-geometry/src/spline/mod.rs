@@ -1,0 +1,50 @@
+//! Splines: knot vectors, basis functions, rational curves and surfaces (NURBS).
+//!
+//! A [`KnotVector`] parts the parameter interval into pieces; [`basis`] has the functions that weigh control points at
+//! a parameter. [`RationalCurve`] and [`NurbsSurface`] are made of homogeneous control points (w x, w y, w z, w)
+//! with w > 0: they are evaluated with all derivatives, refined, cut, raised in degree (`surface_edit`), put
+//! through given points (`interpolate`), measured (`measure`, `closest`), and taken apart into Bézier patches
+//! (`extract`), which is how rays meet them.
+//!
+//! ```
+//! use glanz_geometry::spline::{Direction, NurbsSurface};
+//! use glanz_math::DVec3;
+//!
+//! // A quarter of a cylinder of radius 1 and height 2 (metres): a circular arc in u, a straight line in v.
+//! let arc = [(1.0, 0.0, 1.0), (1.0, 1.0, 0.5_f64.sqrt()), (0.0, 1.0, 1.0)];
+//! let points: Vec<DVec3> = arc.iter().flat_map(|&(x, y, _)| [0.0, 2.0].map(|z| DVec3::new(x, y, z))).collect();
+//! let weights: Vec<f64> = arc.iter().flat_map(|&(_, _, w)| [w, w]).collect();
+//! let (knots_u, knots_v) = (vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], vec![0.0, 0.0, 1.0, 1.0]);
+//! let cylinder = NurbsSurface::try_with_weights(2, 1, knots_u, knots_v, &points, &weights)?;
+//!
+//! let p = cylinder.point(0.3, 0.5);
+//! assert!((p.truncate().length() - 1.0).abs() < 1e-15 && p.z == 1.0);
+//! let area = cylinder.area(1e-9)?.value;
+//! assert!((area - std::f64::consts::PI).abs() < 1e-9);
+//! let finer = cylinder.insert_knot(Direction::U, 0.4, 1)?;
+//! assert_eq!(finer.bezier_patches()?.len(), 2);
+//! # Ok::<(), glanz_geometry::SurfaceError>(())
+//! ```
+
+pub mod basis;
+pub mod closest;
+pub mod curve;
+pub mod extract;
+mod homogeneous;
+pub mod interpolate;
+pub mod knots;
+pub mod measure;
+mod polygon;
+pub mod surface;
+pub mod surface_edit;
+#[cfg(test)]
+mod tests;
+
+pub use closest::ClosestPoint;
+pub use curve::{BezierArc, RationalCurve};
+pub use extract::BezierPiece;
+pub use interpolate::averaged_knots;
+pub use knots::{KnotVector, MAX_DEGREE};
+pub use measure::{Area, Curvature};
+pub use surface::{Derivatives, NurbsSurface};
+pub use surface_edit::Direction;

@@ -1,0 +1,341 @@
+//! Rational B-spline surfaces.
+
+use glanz_math::glam::DVec4;
+use glanz_math::rounding::{UNIT_ROUNDOFF, gamma};
+use glanz_math::{Bounds3, DVec3};
+
+use super::basis::Basis;
+use super::homogeneous::{binomial, check, project, with_weights};
+use super::knots::{KnotVector, check_degree};
+use super::polygon;
+use crate::error::{SurfaceError, finite};
+
+/// A NURBS surface `sum N_i(u) N_j(v) w_ij P_ij / sum N_i(u) N_j(v) w_ij`, metres; its normal is that of
+/// `dS/du x dS/dv`.
+///
+/// # Source
+/// @markgraf2019 eq. 15 to 27.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NurbsSurface {
+    knots_u: KnotVector,
+    knots_v: KnotVector,
+    /// Homogeneous; that of (i, j) at i * count_v + j.
+    points: Vec<DVec4>,
+    bounds: Bounds3,
+}
+
+/// The partial derivatives of a surface at one point up to some total order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Derivatives {
+    order: usize,
+    /// That of (k, l) at k (order + 1) + l.
+    values: Vec<DVec3>,
+}
+
+impl Derivatives {
+    /// The derivative k times by u and l times by v, metres; `None` where k + l is greater than the order.
+    #[must_use]
+    pub fn get(&self, k: usize, l: usize) -> Option<DVec3> {
+        let known = k <= self.order && l <= self.order - k;
+        known.then(|| self.values[k * (self.order + 1) + l])
+    }
+
+    /// Highest total order.
+    #[must_use]
+    pub fn order(&self) -> usize {
+        self.order
+    }
+
+    /// The derivative of an order that was asked for.
+    pub(crate) fn at(&self, k: usize, l: usize) -> DVec3 {
+        self.get(k, l).unwrap_or(DVec3::ZERO)
+    }
+}
+
+impl NurbsSurface {
+    /// The surface with homogeneous control points (w x, w y, w z, w), those of equal u side by side: that of (i, j)
+    /// stands at `i * count_v + j`, where `count_v = knots_v.len() - degree_v - 1`.
+    ///
+    /// # Errors
+    /// Those of [`KnotVector::try_new`] for each direction; the wrong number of points, coordinates that are not
+    /// finite, weights that are not positive.
+    pub fn try_new(
+        degree_u: usize,
+        degree_v: usize,
+        knots_u: Vec<f64>,
+        knots_v: Vec<f64>,
+        points: Vec<DVec4>,
+    ) -> Result<Self, SurfaceError> {
+        let knots_u = KnotVector::checked("knot in u", degree_u, knots_u)?;
+        let knots_v = KnotVector::checked("knot in v", degree_v, knots_v)?;
+        Self::from_knots(knots_u, knots_v, points)
+    }
+
+    /// The surface with control points in space (metres) and their weights, in the order of [`Self::try_new`].
+    ///
+    /// # Errors
+    /// Those of [`Self::try_new`], and lists of different lengths.
+    pub fn try_with_weights(
+        degree_u: usize,
+        degree_v: usize,
+        knots_u: Vec<f64>,
+        knots_v: Vec<f64>,
+        points: &[DVec3],
+        weights: &[f64],
+    ) -> Result<Self, SurfaceError> {
+        Self::try_new(degree_u, degree_v, knots_u, knots_v, with_weights(points, weights)?)
+    }
+
+    /// The surface over checked knots.
+    ///
+    /// # Errors
+    /// The wrong number of points, coordinates that are not finite, weights that are not positive.
+    pub fn from_knots(
+        knots_u: KnotVector,
+        knots_v: KnotVector,
+        points: Vec<DVec4>,
+    ) -> Result<Self, SurfaceError> {
+        check(&points, knots_u.count().saturating_mul(knots_v.count()))?;
+        let bounds = Bounds3::of_points(points.iter().map(|p| project(*p)));
+        Ok(Self { knots_u, knots_v, points, bounds })
+    }
+
+    /// Knots and degree in u.
+    #[must_use]
+    pub fn knots_u(&self) -> &KnotVector {
+        &self.knots_u
+    }
+
+    /// Knots and degree in v.
+    #[must_use]
+    pub fn knots_v(&self) -> &KnotVector {
+        &self.knots_v
+    }
+
+    /// Numbers of control points in u and v.
+    #[must_use]
+    pub fn counts(&self) -> (usize, usize) {
+        (self.knots_u.count(), self.knots_v.count())
+    }
+
+    /// Homogeneous control points; that of (i, j) stands at `i * count_v + j`.
+    #[must_use]
+    pub fn control_points(&self) -> &[DVec4] {
+        &self.points
+    }
+
+    /// Whether all weights are 1.
+    #[must_use]
+    pub fn is_polynomial(&self) -> bool {
+        self.points.iter().all(|p| p.w == 1.0)
+    }
+
+    /// A box around all control points, and so around the surface.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds3 {
+        self.bounds
+    }
+
+    /// The point at (u, v), metres; parameters outside of the domain count as its nearer end.
+    #[must_use]
+    pub fn point(&self, u: f64, v: f64) -> DVec3 {
+        project(self.homogeneous([&Basis::at(&self.knots_u, u), &Basis::at(&self.knots_v, v)], [0, 0]))
+    }
+
+    /// The point and its first derivatives by u and v.
+    ///
+    /// # Source
+    /// @markgraf2019 eq. 20.
+    #[must_use]
+    pub fn tangents(&self, u: f64, v: f64) -> (DVec3, DVec3, DVec3) {
+        let bases = [&Basis::at(&self.knots_u, u), &Basis::at(&self.knots_v, v)];
+        let value = self.homogeneous(bases, [0, 0]);
+        let point = project(value);
+        let along = |orders| {
+            let a = self.homogeneous(bases, orders);
+            (a.truncate() - a.w * point) / value.w
+        };
+        (point, along([1, 0]), along([0, 1]))
+    }
+
+    /// All partial derivatives up to a total `order`.
+    ///
+    /// At a knot they are those of the piece that starts there.
+    ///
+    /// # Source
+    /// @markgraf2019 eq. 22.
+    #[must_use]
+    pub fn derivatives(&self, u: f64, v: f64, order: usize) -> Derivatives {
+        let bases = [&Basis::at(&self.knots_u, u), &Basis::at(&self.knots_v, v)];
+        let side = order + 1;
+        let at = |k: usize, l: usize| k * side + l;
+        let mut numerators = vec![DVec4::ZERO; side * side];
+        let mut values = vec![DVec3::ZERO; side * side];
+        for k in 0..=order {
+            for l in 0..=order - k {
+                numerators[at(k, l)] = self.homogeneous(bases, [k, l]);
+            }
+        }
+        let weight = numerators[0].w;
+        for k in 0..=order {
+            for l in 0..=order - k {
+                let mut rest = numerators[at(k, l)].truncate();
+                for i in 0..=k {
+                    // The term with i = j = 0 is the one that is looked for.
+                    for j in usize::from(i == 0)..=l {
+                        let factor = binomial(k, i) * binomial(l, j) * numerators[at(i, j)].w;
+                        rest -= factor * values[at(k - i, l - j)];
+                    }
+                }
+                values[at(k, l)] = rest / weight;
+            }
+        }
+        Derivatives { order, values }
+    }
+
+    /// The unit normal, that of `dS/du x dS/dv`.
+    ///
+    /// Where the derivatives vanish or are parallel, as in the pole of a sphere, it is the limit on the way to the
+    /// middle of the domain. `None` where there is no such limit within two orders or a small step.
+    ///
+    /// # Source
+    /// @markgraf2019 eq. 27, corrected: first derivatives, u before v.
+    #[must_use]
+    pub fn normal(&self, u: f64, v: f64) -> Option<DVec3> {
+        let (u, v) = (self.knots_u.clamp(u), self.knots_v.clamp(v));
+        let (_, du, dv) = self.tangents(u, v);
+        let ([u0, u1], [v0, v1]) = (self.knots_u.domain(), self.knots_v.domain());
+        // The area per parameters of a surface of this size that is run through evenly; the derivatives carry about
+        // as many roundings as the degrees have steps.
+        let usual = self.bounds.min.distance_squared(self.bounds.max) / ((u1 - u0) * (v1 - v0));
+        let steps = 8 * (self.knots_u.degree() + self.knots_v.degree()) as u32;
+        let negligible = gamma(steps) * usual;
+        let normal = du.cross(dv);
+        if normal.length() > negligible {
+            return normal.try_normalize();
+        }
+        let (to_u, to_v) = (0.5 * (u0 + u1) - u, 0.5 * (v0 + v1) - v);
+        let d = self.derivatives(u, v, 2);
+        let by_u = d.at(2, 0).cross(dv) + du.cross(d.at(1, 1));
+        let by_v = d.at(1, 1).cross(dv) + du.cross(d.at(0, 2));
+        let limit = by_u * to_u + by_v * to_v;
+        if limit.length() > negligible {
+            return limit.try_normalize();
+        }
+        // Of a zero of higher order, a step of the root of the roundoff leaves half of the digits.
+        let step = UNIT_ROUNDOFF.sqrt();
+        let (_, du, dv) = self.tangents(u + to_u * step, v + to_v * step);
+        du.cross(dv).try_normalize()
+    }
+
+    fn homogeneous(&self, [in_u, in_v]: [&Basis<'_>; 2], [k, l]: [usize; 2]) -> DVec4 {
+        let (row_u, row_v) = (in_u.derivatives(k), in_v.derivatives(l));
+        let (p, q) = (self.knots_u.degree(), self.knots_v.degree());
+        let (count_v, first_v) = (self.knots_v.count(), in_v.first());
+        let mut sum = DVec4::ZERO;
+        for (i, n) in (in_u.first()..=in_u.first() + p).zip(row_u) {
+            let row = &self.points[i * count_v + first_v..=i * count_v + first_v + q];
+            sum += row.iter().zip(row_v).map(|(p, m)| *p * m).sum::<DVec4>() * n;
+        }
+        sum
+    }
+
+    /// A surface that is closed in u, in v, or in both, from control points that are given once.
+    ///
+    /// In a periodic direction with `n` control points there are `n + 1` knots: those of one period, the first and
+    /// the last being the same place. Point i acts between the knots `i - degree` and `i + 1`, counted round. In the
+    /// other direction knots are as in [`Self::try_new`]. The surface is clamped; at the seam its control points are
+    /// equal to the last bit.
+    ///
+    /// # Errors
+    /// Those of [`Self::try_new`], and fewer than 2 knots in a periodic direction.
+    pub fn try_new_periodic(
+        degrees: [usize; 2],
+        knots: [Vec<f64>; 2],
+        points: Vec<DVec4>,
+        periodic: [bool; 2],
+    ) -> Result<Self, SurfaceError> {
+        let [degree_u, degree_v] = degrees;
+        let [mut knots_u, mut knots_v] = knots;
+        let mut count_v = knots_v.len().saturating_sub(degree_v.saturating_add(1));
+        if periodic[1] {
+            count_v = knots_v.len().saturating_sub(1);
+            knots_v = unroll("knot in v", degree_v, &knots_v)?;
+        }
+        let mut count_u = knots_u.len().saturating_sub(degree_u.saturating_add(1));
+        if periodic[0] {
+            count_u = knots_u.len().saturating_sub(1);
+            knots_u = unroll("knot in u", degree_u, &knots_u)?;
+        }
+        let knots_u = KnotVector::checked("knot in u", degree_u, knots_u)?;
+        let knots_v = KnotVector::checked("knot in v", degree_v, knots_v)?;
+        check(&points, count_u.saturating_mul(count_v))?;
+        let unrolled = (0..knots_u.count()).flat_map(|i| {
+            let points = &points;
+            (0..knots_v.count()).map(move |j| points[i % count_u * count_v + j % count_v])
+        });
+        let open = Self::from_knots(knots_u.clone(), knots_v.clone(), unrolled.collect())?;
+        let mut closed = open.restrict([knots_u.domain(), knots_v.domain()])?;
+        let (rows, columns) = closed.counts();
+        if periodic[0] {
+            closed.points.copy_within(0..columns, (rows - 1) * columns);
+        }
+        if periodic[1] {
+            for row in closed.points.chunks_exact_mut(columns) {
+                row[columns - 1] = row[0];
+            }
+        }
+        Ok(closed)
+    }
+
+    /// The row operation `change` done to every row of control points that runs along v.
+    pub(crate) fn along_v(
+        &self,
+        change: impl Fn(&KnotVector, &[DVec4]) -> Result<(KnotVector, Vec<DVec4>), SurfaceError>,
+    ) -> Result<Self, SurfaceError> {
+        let mut knots = self.knots_v.clone();
+        let mut points = Vec::with_capacity(self.points.len());
+        for row in self.points.chunks_exact(self.knots_v.count()) {
+            let (new_knots, new_row) = change(&self.knots_v, row)?;
+            knots = new_knots;
+            points.extend(new_row);
+        }
+        Self::from_knots(self.knots_u.clone(), knots, points)
+    }
+
+    /// The same surface with u and v exchanged; its normal points to the other side.
+    #[must_use]
+    pub fn swapped(&self) -> Self {
+        let (count_u, count_v) = self.counts();
+        let points = (0..count_v).flat_map(|j| (0..count_u).map(move |i| self.points[i * count_v + j]));
+        Self {
+            knots_u: self.knots_v.clone(),
+            knots_v: self.knots_u.clone(),
+            points: points.collect(),
+            bounds: self.bounds,
+        }
+    }
+
+    /// The part over a rectangle of the domain, [u, v], clamped.
+    ///
+    /// # Errors
+    /// Parameters outside of the domain or not ascending.
+    pub fn restrict(&self, [range_u, range_v]: [[f64; 2]; 2]) -> Result<Self, SurfaceError> {
+        let along_v = self.along_v(|t, row| polygon::restrict(t, row, range_v))?;
+        Ok(along_v.swapped().along_v(|t, row| polygon::restrict(t, row, range_u))?.swapped())
+    }
+}
+
+/// The knots of one period, continued by `degree` knots on either side.
+fn unroll(parameter: &'static str, degree: usize, period: &[f64]) -> Result<Vec<f64>, SurfaceError> {
+    let (count, min) = (period.len(), 2);
+    if count < min {
+        return Err(SurfaceError::TooFew { parameter: "knots", count, min });
+    }
+    check_degree(degree)?;
+    let (n, length) = (count - 1, finite(parameter, period[count - 1] - period[0])?);
+    let shifted = |i: usize, turns: f64| period[i] + turns * length;
+    let before = (1..=degree).rev().map(|k| shifted((n - k % n) % n, -(k.div_ceil(n) as f64)));
+    let after = (1..=degree).map(|k| shifted(k % n, (k / n) as f64 + 1.0));
+    Ok(before.chain(period.iter().copied()).chain(after).collect())
+}
