@@ -19,6 +19,7 @@ pub mod spline;
 pub mod surface;
 pub mod torus;
 pub mod triangle;
+pub mod trim;
 
 pub use error::SurfaceError;
 pub use hit::{Hit, SurfacePoint, SurfaceSample};

@@ -1,0 +1,278 @@
+//! Curves in the parameter plane.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use glanz_math::{DVec2, DVec3};
+
+use super::error::{TrimError, finite, finite_point, positive};
+
+/// Largest degree of a trimming curve.
+pub const MAX_DEGREE: usize = 24;
+
+/// A connected planar curve of rational Bézier pieces in parameter space, with a direction.
+///
+/// Control points are homogeneous: `(w u, w v, w)` with `w > 0`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrimCurve {
+    /// Control points of the pieces; one ends where the next starts.
+    pub(super) pieces: Vec<Vec<DVec3>>,
+}
+
+impl TrimCurve {
+    /// The straight line from `start` to `end`.
+    ///
+    /// # Errors
+    /// [`TrimError::NotFinite`].
+    pub fn try_line(start: DVec2, end: DVec2) -> Result<Self, TrimError> {
+        Self::try_polyline(&[start, end])
+    }
+
+    /// Straight lines from point to point, at least two points.
+    ///
+    /// # Errors
+    /// [`TrimError::TooFew`], [`TrimError::NotFinite`].
+    pub fn try_polyline(points: &[DVec2]) -> Result<Self, TrimError> {
+        if points.len() < 2 {
+            return Err(TrimError::TooFew { parameter: "points of a polyline", count: points.len(), min: 2 });
+        }
+        for &point in points {
+            finite_point("point of a polyline", point)?;
+        }
+        Ok(Self {
+            pieces: points.windows(2).map(|ends| ends.iter().map(|p| p.extend(1.0)).collect()).collect(),
+        })
+    }
+
+    /// The closed polygon with these corners, at least three, back to the first one.
+    ///
+    /// # Errors
+    /// [`TrimError::TooFew`], [`TrimError::NotFinite`].
+    pub fn try_polygon(corners: &[DVec2]) -> Result<Self, TrimError> {
+        let (Some(&first), true) = (corners.first(), corners.len() >= 3) else {
+            return Err(TrimError::TooFew {
+                parameter: "corners of a polygon",
+                count: corners.len(),
+                min: 3,
+            });
+        };
+        let mut points = corners.to_vec();
+        points.push(first);
+        Self::try_polyline(&points)
+    }
+
+    /// The border of the rectangle between two corners, counter-clockwise: the inside is kept.
+    ///
+    /// # Errors
+    /// [`TrimError::NotFinite`], [`TrimError::EmptyRange`] unless `min < max` in both coordinates.
+    pub fn try_rectangle(min: DVec2, max: DVec2) -> Result<Self, TrimError> {
+        check_range("rectangle", min, max)?;
+        Self::try_polygon(&[min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)])
+    }
+
+    /// The full circle, counter-clockwise: the inside is kept.
+    ///
+    /// # Errors
+    /// [`TrimError::NotFinite`], [`TrimError::NotPositive`].
+    pub fn try_circle(center: DVec2, radius: f64) -> Result<Self, TrimError> {
+        let radius = positive("radius", radius)?;
+        Self::try_ellipse(center, DVec2::new(radius, 0.0), DVec2::new(0.0, radius))
+    }
+
+    /// The full ellipse with two conjugate half axes, from `center + a` over `center + b`, exact.
+    ///
+    /// With `b` to the left of `a` it runs counter-clockwise and the inside is kept, otherwise the outside.
+    ///
+    /// # Errors
+    /// [`TrimError::NotFinite`], [`TrimError::NotPositive`] if the axes span no area.
+    ///
+    /// # Source
+    /// @farin2002 chapter 12: quarters of weights 1, sqrt(1/2), 1.
+    pub fn try_ellipse(center: DVec2, a: DVec2, b: DVec2) -> Result<Self, TrimError> {
+        for point in [center, a, b] {
+            finite_point("ellipse coordinate", point)?;
+        }
+        positive("area between the half axes of an ellipse", a.perp_dot(b).abs())?;
+        let directions = [a, b, -a, -b, a];
+        let quarter = |ends: &[DVec2]| {
+            let [from, to] = [ends[0], ends[1]];
+            let corner = (center + from + to) * FRAC_1_SQRT_2;
+            vec![(center + from).extend(1.0), corner.extend(FRAC_1_SQRT_2), (center + to).extend(1.0)]
+        };
+        Ok(Self { pieces: directions.windows(2).map(quarter).collect() })
+    }
+
+    /// The rational Bézier curve with homogeneous control points `(w u, w v, w)`, degree + 1 of them.
+    ///
+    /// # Errors
+    /// [`TrimError::Degree`], [`TrimError::NotFinite`], and [`TrimError::NotPositive`] for a weight.
+    pub fn try_bezier(control_points: &[DVec3]) -> Result<Self, TrimError> {
+        let degree = control_points.len().saturating_sub(1);
+        if degree == 0 || degree > MAX_DEGREE {
+            return Err(TrimError::Degree { degree, max: MAX_DEGREE });
+        }
+        check_control_points(control_points)?;
+        Ok(Self { pieces: vec![control_points.to_vec()] })
+    }
+
+    /// The NURBS curve with homogeneous control points `(w u, w v, w)` over `[knots[degree], knots[n]]`, n the number
+    /// of control points.
+    ///
+    /// `knots`: n + degree + 1 values that do not decrease. Clamped or not; a knot inside may be repeated `degree`
+    /// times.
+    ///
+    /// # Errors
+    /// [`TrimError::Degree`], [`TrimError::TooFew`], [`TrimError::KnotCount`], [`TrimError::KnotsDecrease`],
+    /// [`TrimError::KnotRepeated`], [`TrimError::EmptyRange`], [`TrimError::NotFinite`], and
+    /// [`TrimError::NotPositive`] for a weight.
+    ///
+    /// # Source
+    /// @farin2002 chapter 8: the control points of a Bézier piece are the curve's polar form at the ends of its
+    /// knot interval.
+    pub fn try_nurbs(degree: usize, knots: &[f64], control_points: &[DVec3]) -> Result<Self, TrimError> {
+        let count = control_points.len();
+        check_knots(degree, knots, count)?;
+        check_control_points(control_points)?;
+        let mut pieces: Vec<Vec<DVec3>> = Vec::new();
+        for span in degree..count {
+            let (low, high) = (knots[span], knots[span + 1]);
+            if low >= high {
+                continue;
+            }
+            let mut piece: Vec<DVec3> =
+                (0..=degree).map(|j| polar_form(degree, knots, control_points, span, j)).collect();
+            // The same point in two ways: rounding must not part the pieces.
+            if let (Some(last), Some(first)) = (pieces.last().and_then(|p| p.last()), piece.first_mut()) {
+                *first = *last;
+            }
+            pieces.push(piece);
+        }
+        Ok(Self { pieces })
+    }
+
+    /// The same curve run the other way.
+    #[must_use]
+    pub fn reversed(mut self) -> Self {
+        self.pieces.reverse();
+        for piece in &mut self.pieces {
+            piece.reverse();
+        }
+        self
+    }
+
+    /// Where it starts.
+    #[must_use]
+    pub fn start(&self) -> DVec2 {
+        self.pieces.first().and_then(|p| p.first()).map_or(DVec2::ZERO, |&p| project(p))
+    }
+
+    /// Where it ends.
+    #[must_use]
+    pub fn end(&self) -> DVec2 {
+        self.pieces.last().and_then(|p| p.last()).map_or(DVec2::ZERO, |&p| project(p))
+    }
+
+    /// Number of rational Bézier pieces.
+    #[must_use]
+    pub fn piece_count(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// The point at parameter `t` in [0, 1] of the Bézier piece `piece`; `None` if there is no such piece.
+    #[must_use]
+    pub fn point(&self, piece: usize, t: f64) -> Option<DVec2> {
+        self.pieces.get(piece).map(|points| evaluate(points, t))
+    }
+
+    /// Puts the first control point at `start` and the last one at `end`.
+    pub(super) fn move_ends(&mut self, start: DVec2, end: DVec2) {
+        if let Some(first) = self.pieces.first_mut().and_then(|p| p.first_mut()) {
+            *first = (start * first.z).extend(first.z);
+        }
+        if let Some(last) = self.pieces.last_mut().and_then(|p| p.last_mut()) {
+            *last = (end * last.z).extend(last.z);
+        }
+    }
+}
+
+/// The point of the plane with these homogeneous coordinates.
+pub(super) fn project(point: DVec3) -> DVec2 {
+    point.truncate() / point.z
+}
+
+/// The point at `t` of a rational Bézier curve (de Casteljau).
+pub(super) fn evaluate(points: &[DVec3], t: f64) -> DVec2 {
+    let mut points = points.to_vec();
+    for last in (1..points.len()).rev() {
+        for i in 0..last {
+            points[i] = points[i] * (1.0 - t) + points[i + 1] * t;
+        }
+    }
+    points.first().map_or(DVec2::ZERO, |&p| project(p))
+}
+
+pub(super) fn check_range(parameter: &'static str, min: DVec2, max: DVec2) -> Result<(), TrimError> {
+    finite_point(parameter, min)?;
+    finite_point(parameter, max)?;
+    for (min, max) in [(min.x, max.x), (min.y, max.y)] {
+        // A width that overflows cannot be divided into cells.
+        finite(parameter, max - min)?;
+        if min >= max {
+            return Err(TrimError::EmptyRange { parameter, min, max });
+        }
+    }
+    Ok(())
+}
+
+fn check_control_points(points: &[DVec3]) -> Result<(), TrimError> {
+    for point in points {
+        positive("weight of a trimming curve", point.z)?;
+        finite_point("control point of a trimming curve", point.truncate())?;
+        finite_point("control point of a trimming curve", project(*point))?;
+    }
+    Ok(())
+}
+
+fn check_knots(degree: usize, knots: &[f64], points: usize) -> Result<(), TrimError> {
+    if degree == 0 || degree > MAX_DEGREE {
+        return Err(TrimError::Degree { degree, max: MAX_DEGREE });
+    }
+    if points <= degree {
+        return Err(TrimError::TooFew { parameter: "control points", count: points, min: degree + 1 });
+    }
+    let expected = points + degree + 1;
+    if knots.len() != expected {
+        return Err(TrimError::KnotCount { count: knots.len(), points, degree, expected });
+    }
+    for &knot in knots {
+        finite("knot", knot)?;
+    }
+    if let Some(i) = knots.windows(2).position(|pair| pair[1] < pair[0]) {
+        return Err(TrimError::KnotsDecrease { position: i + 1, before: knots[i], after: knots[i + 1] });
+    }
+    let (min, max) = (knots[degree], knots[points]);
+    finite("knot range", max - min)?;
+    if min >= max {
+        return Err(TrimError::EmptyRange { parameter: "knot range", min, max });
+    }
+    for run in knots.chunk_by(|a, b| a == b) {
+        if run.len() > degree && run[0] > min && run[0] < max {
+            return Err(TrimError::KnotRepeated { value: run[0], count: run.len(), max: degree });
+        }
+    }
+    Ok(())
+}
+
+/// Control point `j` of the Bézier piece over `[knots[span], knots[span + 1]]`: the polar form at `degree - j` times the
+/// lower and `j` times the upper knot. All combinations are convex.
+fn polar_form(degree: usize, knots: &[f64], points: &[DVec3], span: usize, j: usize) -> DVec3 {
+    let mut d: Vec<DVec3> = points[span - degree..=span].to_vec();
+    for round in 1..=degree {
+        let at = if round > j { knots[span] } else { knots[span + 1] };
+        for i in (round..=degree).rev() {
+            let (low, high) = (knots[span - degree + i], knots[span + 1 + i - round]);
+            let share = (at - low) / (high - low);
+            d[i] = d[i - 1] * (1.0 - share) + d[i] * share;
+        }
+    }
+    d[degree]
+}

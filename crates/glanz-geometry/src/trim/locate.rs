@@ -1,0 +1,166 @@
+//! Which part of the domain is left.
+
+use glanz_math::DVec2;
+
+use super::curve::check_range;
+use super::error::{TrimError, not_negative};
+use super::loops::TrimLoop;
+use super::pieces::Pieces;
+use super::tree::{Found, Tree};
+
+/// What is known about a rectangle of the domain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cell {
+    /// All of it is kept.
+    Inside,
+    /// All of it is cut away.
+    Outside,
+    /// A curve crosses it, or comes so near that it might.
+    Crossed,
+}
+
+/// The part of a rectangular parameter domain that closed loops keep: what lies to their left.
+///
+/// A point is kept if its winding number is greater than zero. The winding number counts how often the loops go round
+/// the point counter-clockwise; 1 is added everywhere if the outermost material is the domain itself, which is so if
+/// the loop of the largest area runs clockwise or if there are no loops. Holes, islands and islands in holes follow from
+/// that. Loops nested against this rule (a counter-clockwise one right inside another, a hole in a hole) add up: what is
+/// wound round twice is kept, what is cut away twice needs two islands to come back. Points on a curve are kept,
+/// whichever side is: two faces with a common border leave no gap.
+///
+/// # Source
+/// @markgraf2019 section 4.3; departure: the winding number, which takes both orientations and nesting, instead of
+/// "trimmed if the sum is 1".
+#[derive(Clone, Debug)]
+pub struct TrimRegion {
+    pieces: Pieces,
+    tree: Tree,
+    domain: [DVec2; 2],
+    /// Winding number far outside.
+    outermost: i32,
+    /// Points this near to a curve are kept, parameter units.
+    border: f64,
+}
+
+impl TrimRegion {
+    /// The region that `loops` keep of the domain from `domain[0]` to `domain[1]`.
+    ///
+    /// Loops may leave the domain. Without loops, all of it is kept.
+    ///
+    /// # Errors
+    /// [`TrimError::NotFinite`], [`TrimError::EmptyRange`] for the domain, [`TrimError::TooMany`] from 2^30 control
+    /// points on.
+    pub fn try_new(loops: Vec<TrimLoop>, domain: [DVec2; 2]) -> Result<Self, TrimError> {
+        let [min, max] = domain;
+        check_range("domain", min, max)?;
+        let largest = loops
+            .iter()
+            .map(TrimLoop::approximate_area)
+            .fold(0.0, |largest: f64, area| if area.abs() > largest.abs() { area } else { largest });
+        let outermost = i32::from(loops.is_empty() || largest < 0.0);
+        let pieces = Pieces::try_new(&loops, min.abs().max(max.abs()))?;
+        let tree = Tree::try_new(&pieces, domain, outermost, margin(&pieces, 0.0))?;
+        Ok(Self { pieces, tree, domain, outermost, border: 0.0 })
+    }
+
+    /// The same region, to which the points within `tolerance` (parameter units) of a curve belong too.
+    ///
+    /// # Errors
+    /// [`TrimError::NotFinite`], [`TrimError::Negative`], [`TrimError::TooMany`].
+    pub fn with_widened_border(self, tolerance: f64) -> Result<Self, TrimError> {
+        let border = not_negative("tolerance of the border", tolerance)?;
+        let tree = Tree::try_new(&self.pieces, self.domain, self.outermost, margin(&self.pieces, border))?;
+        Ok(Self { tree, border, ..self })
+    }
+
+    /// Whether the point `uv` is kept. Exact but for points within rounding of a curve, which are kept.
+    ///
+    /// A point outside the domain is judged as the nearest one of it: rounding puts hits there. What is not a number
+    /// is not kept.
+    #[inline]
+    #[must_use]
+    pub fn contains(&self, uv: DVec2) -> bool {
+        if uv.is_nan() {
+            return false;
+        }
+        let p = uv.max(self.domain[0]).min(self.domain[1]);
+        match self.tree.find(p) {
+            Found::Uniform(inside) => inside,
+            Found::Crossed(leaf) => {
+                let list = self.tree.entries(leaf);
+                self.pieces.winding(leaf, list, p).is_none_or(|winding| winding > 0)
+                    || (self.border > 0.0 && self.is_on_border(list, p))
+            }
+        }
+    }
+
+    #[cold]
+    fn is_on_border(&self, list: &[u32], p: DVec2) -> bool {
+        let pieces = list.iter().filter_map(|&i| self.pieces.pieces.get(i as usize));
+        pieces
+            .filter(|piece| piece.near(p, self.pieces.slack + self.border))
+            .any(|piece| self.pieces.is_within(piece, p, self.border))
+    }
+
+    /// What is known about the part of the rectangle from `min` to `max` that lies in the domain.
+    ///
+    /// `Inside` and `Outside` are certain. A rectangle that misses the domain is judged as the nearest part of its
+    /// border; one that is not a number, or of which `min` exceeds `max`, is `Crossed`.
+    #[must_use]
+    pub fn classify(&self, min: DVec2, max: DVec2) -> Cell {
+        if !min.cmple(max).all() {
+            return Cell::Crossed;
+        }
+        let [low, high] = self.domain;
+        let (min, max) = (min.clamp(low, high), max.clamp(low, high));
+        let margin = margin(&self.pieces, self.border);
+        let meets = |i: u32| {
+            let piece = self.pieces.pieces.get(i as usize);
+            piece.is_some_and(|piece| self.pieces.touches(piece, min, max, margin))
+        };
+        if self.tree.any_piece(min, max, meets) {
+            Cell::Crossed
+        } else if self.contains(0.5 * min + 0.5 * max) {
+            Cell::Inside
+        } else {
+            Cell::Outside
+        }
+    }
+
+    /// Corners of the domain.
+    #[must_use]
+    pub fn domain(&self) -> [DVec2; 2] {
+        self.domain
+    }
+
+    /// The distance from a curve within which points are kept, parameter units.
+    #[must_use]
+    pub fn border(&self) -> f64 {
+        self.border
+    }
+
+    /// How much there is of the region's parts.
+    #[must_use]
+    pub fn sizes(&self) -> TrimSizes {
+        let (cells, crossed_cells, entries) = self.tree.sizes();
+        TrimSizes { pieces: self.pieces.pieces.len(), cells, crossed_cells, entries }
+    }
+}
+
+/// How much there is of a region's parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TrimSizes {
+    /// Monotone pieces of curves.
+    pub pieces: usize,
+    /// Cells of the hierarchy, on all levels.
+    pub cells: usize,
+    /// Cells that curves cross or come near.
+    pub crossed_cells: usize,
+    /// Pieces in crossed cells, counted once per cell.
+    pub entries: usize,
+}
+
+/// A cell's corners, a point's cell and both sides of a piece are each known to the slack.
+fn margin(pieces: &Pieces, border: f64) -> DVec2 {
+    4.0 * pieces.slack + border
+}
