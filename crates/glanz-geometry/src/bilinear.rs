@@ -204,7 +204,7 @@ fn near_unit(x: f64, error: f64) -> Option<f64> {
 ///
 /// # Source
 /// @pharr2023 section 2.3.2.
-fn sample_linear(xi: f64, a: f64, b: f64) -> f64 {
+pub(crate) fn sample_linear(xi: f64, a: f64, b: f64) -> f64 {
     if xi == 0.0 {
         return 0.0;
     }

@@ -10,6 +10,7 @@ pub mod bilinear;
 pub mod bvh;
 pub mod cuboid;
 pub mod error;
+pub mod freeform;
 pub mod hit;
 mod line;
 pub mod mesh;
@@ -20,6 +21,7 @@ pub mod surface;
 pub mod torus;
 pub mod triangle;
 pub mod trim;
+pub mod trimmed;
 
 pub use error::SurfaceError;
 pub use hit::{Hit, SurfacePoint, SurfaceSample};

@@ -7,12 +7,14 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, Ray};
 use crate::algebraic::AlgebraicSurface;
 use crate::bilinear::BilinearPatch;
 use crate::cuboid::Cuboid;
+use crate::freeform::Freeform;
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::mesh::Mesh;
 use crate::polyhedron::Polyhedron;
 use crate::quadric::{Cone, Cylinder, Disk, Hyperboloid, Paraboloid, Plane, Sphere, TwoSheetedHyperboloid};
 use crate::torus::Torus;
 use crate::triangle::Triangle;
+use crate::trimmed::Trimmed;
 
 /// The contract of a surface in its local frame. `tests/contract.rs` runs over all of them.
 ///
@@ -148,6 +150,10 @@ surfaces! {
     "triangle" Triangle(Triangle),
     /// Many triangles with a hierarchy of their own, shared between copies.
     "trianglemesh" Mesh(Arc<Mesh>),
+    /// Bézier patches with a hierarchy of their own, shared between copies.
+    "freeform" Freeform(Arc<Freeform>),
+    /// Part of another surface.
+    "trimmed" Trimmed(Trimmed),
 }
 
 impl From<AlgebraicSurface> for Surface {
@@ -159,6 +165,12 @@ impl From<AlgebraicSurface> for Surface {
 impl From<Mesh> for Surface {
     fn from(mesh: Mesh) -> Self {
         Self::Mesh(Arc::new(mesh))
+    }
+}
+
+impl From<Freeform> for Surface {
+    fn from(surface: Freeform) -> Self {
+        Self::Freeform(Arc::new(surface))
     }
 }
 

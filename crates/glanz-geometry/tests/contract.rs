@@ -22,6 +22,7 @@ mod contract {
     mod algebraic;
     mod bilinear;
     mod flat;
+    mod freeform;
     mod mesh;
     mod quadrics;
     mod torus;

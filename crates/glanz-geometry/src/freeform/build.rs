@@ -1,0 +1,127 @@
+//! From patches to leaves and their hierarchy.
+
+use std::sync::OnceLock;
+use std::sync::atomic::AtomicU64;
+
+use glanz_math::DVec3;
+
+use super::leaf::{Draft, Rect};
+use super::net::MAX_DEGREE;
+use super::{Freeform, Piece, Place};
+use crate::bvh::{BuildOptions, Bvh, map};
+use crate::error::SurfaceError;
+
+/// A leaf is halved while the Jacobian strays by more than this from that of its parallelogram, seen along the normal:
+/// measured with `benches/freeform` between 0.1 and 0.6.
+const UNEVEN: f64 = 0.3;
+
+/// Halvings of a patch at most: next to a collapsed edge no leaf is ever even.
+const MOST_HALVINGS: usize = 9;
+
+/// Leaves smaller than this share of the surface are not halved further: the search does it if a ray comes.
+const SMALLEST: f64 = 1e-6;
+
+/// Cost of asking a leaf relative to that of testing a node, measured.
+const LEAF_COST: f32 = 1.5;
+
+impl Freeform {
+    /// A surface of `pieces`.
+    ///
+    /// Pieces with a common border meet without gap if their control points there are the same bits.
+    ///
+    /// # Errors
+    /// [`SurfaceError::TooFew`] without pieces, [`SurfaceError::DegreeTooHigh`] above [`MAX_DEGREE`],
+    /// [`SurfaceError::Degenerate`] if all control points coincide.
+    pub fn try_new(pieces: Vec<Piece>) -> Result<Self, SurfaceError> {
+        if pieces.is_empty() {
+            return Err(SurfaceError::TooFew { parameter: "patches", count: 0, min: 1 });
+        }
+        let degrees = pieces.iter().fold((0, 0), |(p, q), piece| {
+            let (r, s) = piece.patch.degrees();
+            (p.max(r), q.max(s))
+        });
+        let highest = degrees.0.max(degrees.1);
+        if highest > MAX_DEGREE {
+            let (degree, max) = (highest as u32, MAX_DEGREE as u32);
+            return Err(SurfaceError::DegreeTooHigh { parameter: "the patch", degree, max });
+        }
+        let points =
+            || pieces.iter().flat_map(|piece| piece.patch.control_points()).map(|p| p.truncate() / p.w);
+        let size = points().fold(DVec3::ZERO, |most, p| most.max(p.abs())).max_element();
+        let hull = glanz_math::Bounds3::of_points(points());
+        let extent = hull.diagonal().length();
+        if !(extent > 0.0 && extent.is_finite()) {
+            return Err(SurfaceError::Degenerate {
+                reason: "all control points coincide, extent",
+                value: extent,
+            });
+        }
+        let numbered: Vec<(usize, &Piece)> = pieces.iter().enumerate().collect();
+        let drafts =
+            map(&numbered, 16, |&(index, piece)| leaves(index as u32, piece, SMALLEST * extent)).concat();
+        Ok(Self::assemble(pieces, degrees, size, &drafts))
+    }
+
+    /// Lays the leaves out in the order of the hierarchy.
+    fn assemble(pieces: Vec<Piece>, degrees: (usize, usize), size: f64, drafts: &[Draft]) -> Self {
+        let boxes: Vec<_> = drafts.iter().map(|d| d.bounds).collect();
+        let options = BuildOptions { max_leaf: 1, block: 1, leaf_cost: LEAF_COST };
+        let bvh = Bvh::build(&boxes, &options);
+        let mut surface = Self {
+            pieces,
+            degrees,
+            starts: vec![0],
+            frames: Vec::with_capacity(drafts.len()),
+            places: Vec::with_capacity(drafts.len()),
+            nets: Vec::new(),
+            size,
+            undecided: AtomicU64::new(0),
+            areas: OnceLock::new(),
+            bvh,
+        };
+        for leaf in surface.bvh.leaves() {
+            for &index in surface.bvh.leaf(leaf) {
+                let Some(draft) = drafts.get(index as usize) else { continue };
+                surface.frames.push(draft.frame);
+                let net = surface.nets.len() as u32;
+                let rational = push_net(&mut surface.nets, draft, &surface.pieces);
+                surface.places.push(Place { piece: draft.patch, net, rational, rect: draft.rect });
+            }
+            surface.starts.push(surface.frames.len() as u32);
+        }
+        surface
+    }
+}
+
+/// Appends the coefficients of `draft` list by list; says whether there are weights.
+fn push_net(nets: &mut Vec<f64>, draft: &Draft, pieces: &[Piece]) -> bool {
+    let Some((p, q)) = pieces.get(draft.patch as usize).map(|piece| piece.patch.degrees()) else {
+        return false;
+    };
+    let rational = draft.net.iter().any(|point| point.w != 1.0);
+    for coordinate in 0..if rational { 4 } else { 3 } {
+        for j in 0..=q {
+            nets.extend((0..=p).map(|i| draft.net[i * (q + 1) + j][coordinate]));
+        }
+    }
+    rational
+}
+
+/// The leaves of one piece. Those without any extent are left out: nothing can be seen of them.
+fn leaves(index: u32, piece: &Piece, smallest: f64) -> Vec<Draft> {
+    let degrees = piece.patch.degrees();
+    let whole = Draft::new(index, Rect::UNIT, piece.patch.control_points().to_vec(), degrees);
+    let mut done = Vec::new();
+    let mut open = vec![(whole, 0)];
+    while let Some((draft, halvings)) = open.pop() {
+        let large = draft.bounds.diagonal().length() > smallest;
+        // NaN, of a leaf without area, is uneven.
+        let even = draft.frame.unevenness() <= UNEVEN;
+        if even || !large || halvings == MOST_HALVINGS {
+            done.push(draft);
+        } else {
+            open.extend(draft.halves(degrees).map(|half| (half, halvings + 1)));
+        }
+    }
+    done
+}

@@ -1,0 +1,301 @@
+//! The slow way to the roots of a leaf: its coefficients in the two planes through the ray are halved until a cell is
+//! excluded, certified, or as small as rounding.
+//!
+//! In homogeneous coordinates the signed distances from the planes are polynomials even for rational leaves, so that a
+//! weight costs one more product per coefficient and nothing below. Silhouettes, collapsed edges and leaves that are seen
+//! edge-on come here.
+
+use glanz_math::DVec2;
+
+use super::net::bernstein;
+use super::search::{Net, Probe, Root, Scratch, cross};
+
+/// Largest contraction at which a cell is certified.
+const CERTIFIED: f64 = 0.75;
+
+/// Cells of one leaf that are looked at before it is called undecided: a hundred times what tangencies need.
+const MOST_CELLS: usize = 20_000;
+
+/// A cell that is flat to rounding and seen edge-on, or seen as a point, is a tangency or a collapsed edge if it is
+/// shorter than this many times what rounding is across the ray; otherwise the ray runs within the surface, which is no
+/// hit. Curvature of radius R is flat to rounding e over a length of sqrt(e R): with e of 1e-15 of the size, that is
+/// 3e-8 of it for R of the size, 3e-6 for ten thousand times as much.
+const TANGENT_LENGTH: f64 = (1_u64 << 31) as f64;
+
+/// Parameters within which tangencies are one.
+const TANGENT_BLUR: f64 = 1.0 / (1 << 18) as f64;
+
+/// A rectangle of the leaf and where its coefficients start.
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    from: DVec2,
+    width: DVec2,
+    start: usize,
+}
+
+/// What can be said of a cell.
+enum Verdict {
+    /// No root.
+    Excluded,
+    /// At most one, and the step with this mean Jacobian contracts by `q` in the maximum norm.
+    Certified { a: DVec2, b: DVec2, q: f64 },
+    /// All coefficients are zero to rounding, or those across the only direction that is seen.
+    Flat,
+    /// Nothing yet.
+    Open { across_x: bool },
+}
+
+/// Every root of `net`, into `scratch.roots`; some may be there twice, from cells that share a border.
+#[cold]
+pub(super) fn roots(net: &Net<'_>, probe: &Probe, scratch: &mut Scratch) {
+    let noise = project(net, probe, &mut scratch.cells);
+    let size = scratch.cells.len();
+    let mut stack = vec![Cell { from: DVec2::ZERO, width: DVec2::ONE, start: 0 }];
+    let mut count = 0;
+    while let Some(cell) = stack.pop() {
+        count += 1;
+        if count > MOST_CELLS {
+            scratch.undecided += 1;
+            return;
+        }
+        scratch.cells.truncate(cell.start + size);
+        let verdict = examine(&scratch.cells[cell.start..], net.degrees, noise);
+        let found = match verdict {
+            Verdict::Excluded => None,
+            Verdict::Certified { a, b, q } => {
+                let found = contract(&scratch.cells[cell.start..], net.degrees, noise, [a, b], q);
+                scratch.undecided += u64::from(found.is_err());
+                found.ok().flatten().map(|(z, blur)| (cell.from + cell.width * z, blur * cell.width))
+            }
+            Verdict::Flat => flat(net, probe, &cell),
+            Verdict::Open { across_x } => {
+                let [low, high] = halve(&cell, across_x, size);
+                if low.width.min_element() < f64::EPSILON {
+                    Some((cell.from + cell.width * 0.5, DVec2::splat(TANGENT_BLUR)))
+                } else {
+                    split(&mut scratch.cells, cell.start, net.degrees, across_x);
+                    stack.extend([low, high]);
+                    None
+                }
+            }
+        };
+        if let Some((place, blur)) = found
+            && let Some(root) = polish(net, probe, place, blur)
+        {
+            scratch.roots.push(root);
+        }
+    }
+}
+
+/// Where the root of a cell is that is a line or a point to rounding, and by how much it may be off; `None` if the ray
+/// runs within the surface.
+fn flat(net: &Net<'_>, probe: &Probe, cell: &Cell) -> Option<(DVec2, DVec2)> {
+    let middle = cell.from + cell.width * 0.5;
+    let tangent = net.tangent(middle.x, middle.y);
+    let steepness = DVec2::new(tangent.su.length(), tangent.sv.length());
+    let length = steepness * cell.width;
+    if length.max_element() <= TANGENT_LENGTH * probe.noise {
+        return Some((middle, DVec2::splat(TANGENT_BLUR)));
+    }
+    // Next to a collapsed edge the cell itself is as thin as rounding; seen edge-on, it only looks so.
+    let thin = 64.0 * probe.noise;
+    let blur = DVec2::new(
+        if length.x <= thin { cell.width.x.max(thin / steepness.x) } else { thin / steepness.x },
+        if length.y <= thin { cell.width.y.max(thin / steepness.y) } else { thin / steepness.y },
+    );
+    (length.min_element() <= thin).then_some((middle, blur.min(DVec2::ONE)))
+}
+
+/// Fills `cells` with the signed distances, times weight, of the net from both planes; returns what rounding may change
+/// in them.
+fn project(net: &Net<'_>, probe: &Probe, cells: &mut Vec<f64>) -> f64 {
+    cells.clear();
+    let n = (net.degrees.0 + 1) * (net.degrees.1 + 1);
+    let o = probe.line.origin;
+    let mut lists = net.lists.chunks_exact(n);
+    let (Some(x), Some(y), Some(z)) = (lists.next(), lists.next(), lists.next()) else { return 0.0 };
+    let weights = lists.next();
+    let weight = |k: usize| weights.map_or(1.0, |w| w[k]);
+    for axis in probe.axes {
+        cells.extend((0..n).map(|k| {
+            let w = weight(k);
+            (x[k] - o.x * w) * axis.x + (y[k] - o.y * w) * axis.y + (z[k] - o.z * w) * axis.z
+        }));
+    }
+    2.0 * probe.noise * (0..n).fold(0.0, |most: f64, k| most.max(weight(k)))
+}
+
+fn halve(cell: &Cell, across_x: bool, size: usize) -> [Cell; 2] {
+    let (mut low, mut high) = (*cell, *cell);
+    if across_x {
+        low.width.x *= 0.5;
+        high.from.x += low.width.x;
+    } else {
+        low.width.y *= 0.5;
+        high.from.y += low.width.y;
+    }
+    high.width = low.width;
+    high.start += size;
+    [low, high]
+}
+
+/// Replaces the cell at `start`, the last one, by its halves.
+fn split(cells: &mut Vec<f64>, start: usize, (p, q): (usize, usize), across_x: bool) {
+    let size = cells.len() - start;
+    cells.resize(start + 2 * size, 0.0);
+    let (low, high) = cells[start..].split_at_mut(size);
+    let n = (p + 1) * (q + 1);
+    let (rows, length, stride, step) =
+        if across_x { (q + 1, p + 1, p + 1, 1) } else { (p + 1, q + 1, 1, p + 1) };
+    for list in 0..2 {
+        for row in 0..rows {
+            let first = list * n + row * stride;
+            for k in 0..length {
+                high[first + (length - 1 - k) * step] = low[first + (length - 1) * step];
+                for i in (k + 1..length).rev() {
+                    let at = first + i * step;
+                    low[at] = 0.5 * (low[at - step] + low[at]);
+                }
+            }
+        }
+    }
+}
+
+/// Smallest and largest of a function of the coefficients.
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+}
+
+fn examine(cell: &[f64], (p, q): (usize, usize), noise: f64) -> Verdict {
+    let (first, second) = cell.split_at(cell.len() / 2);
+    let one_sided = |(low, high): (f64, f64), noise: f64| low > noise || high < -noise;
+    let (range1, range2) = (range(first.iter().copied()), range(second.iter().copied()));
+    if one_sided(range1, noise) || one_sided(range2, noise) {
+        return Verdict::Excluded;
+    }
+    let at = |i: usize, j: usize| DVec2::new(first[j * (p + 1) + i], second[j * (p + 1) + i]);
+    let coefficients = || first.iter().zip(second).map(|(&x, &y)| DVec2::new(x, y));
+    // The mean of the derivatives; the sums telescope.
+    let a = (0..=q).map(|j| at(p, j) - at(0, j)).sum::<DVec2>() / (q + 1) as f64;
+    let b = (0..=p).map(|i| at(i, q) - at(i, 0)).sum::<DVec2>() / (p + 1) as f64;
+    // Combined so that one of the derivatives drops out: where both are parallel, what is left is the curvature.
+    let (a_length, b_length) = (a.length(), b.length());
+    let (across_b, across_a) =
+        (range(coefficients().map(|f| cross(f, b))), range(coefficients().map(|f| cross(a, f))));
+    if one_sided(across_b, 1.5 * noise * b_length) || one_sided(across_a, 1.5 * noise * a_length) {
+        return Verdict::Excluded;
+    }
+    let spread = (range1.1 - range1.0).max(range2.1 - range2.0);
+    let narrow = |(low, high): (f64, f64), noise: f64| low >= -noise && high <= noise;
+    let seen = a_length.max(b_length);
+    if spread <= 2.0 * noise
+        || (seen >= 0.25 * spread
+            && narrow(across_b, 2.0 * noise * b_length)
+            && narrow(across_a, 2.0 * noise * a_length))
+    {
+        return Verdict::Flat;
+    }
+    let det = cross(a, b);
+    // Largest entries of J0^-1 J - I over the cell, whose derivatives their coefficients bound.
+    let mut strays = [0.0_f64; 4];
+    let mut bends = [0.0_f64; 2];
+    for j in 0..=q {
+        for i in 0..=p {
+            if i < p {
+                let du = (at(i + 1, j) - at(i, j)) * p as f64 - a;
+                strays[0] = strays[0].max(cross(du, b).abs());
+                strays[1] = strays[1].max(cross(a, du).abs());
+            }
+            if j < q {
+                let dv = (at(i, j + 1) - at(i, j)) * q as f64 - b;
+                strays[2] = strays[2].max(cross(dv, b).abs());
+                strays[3] = strays[3].max(cross(a, dv).abs());
+            }
+            if i + 2 <= p {
+                bends[0] = bends[0]
+                    .max((at(i + 2, j) - at(i + 1, j) * 2.0 + at(i, j)).length() * (p * (p - 1)) as f64);
+            }
+            if j + 2 <= q {
+                bends[1] = bends[1]
+                    .max((at(i, j + 2) - at(i, j + 1) * 2.0 + at(i, j)).length() * (q * (q - 1)) as f64);
+            }
+        }
+    }
+    let stray = (strays[0] + strays[2]).max(strays[1] + strays[3]);
+    if stray < CERTIFIED * det.abs() {
+        return Verdict::Certified { a, b, q: stray / det.abs() };
+    }
+    Verdict::Open { across_x: bends[0] + 1e-3 * a_length >= bends[1] + 1e-3 * b_length }
+}
+
+/// The root of a certified cell in [0, 1]^2, and by how much rounding may move it; an error if the steps do not end.
+fn contract(
+    cell: &[f64],
+    (p, q_degree): (usize, usize),
+    noise: f64,
+    [a, b]: [DVec2; 2],
+    q: f64,
+) -> Result<Option<(DVec2, DVec2)>, ()> {
+    let (first, second) = cell.split_at(cell.len() / 2);
+    let per = 1.0 / cross(a, b);
+    let blur = DVec2::new(b.length(), a.length()) * (2.0 * noise * per.abs());
+    let mut z = DVec2::splat(0.5);
+    let mut last = f64::INFINITY;
+    for _ in 0..200 {
+        let ([bx, dx, _], [by, dy, _]) = (bernstein(p, z.x), bernstein(q_degree, z.y));
+        let sums = [first, second].map(|list| super::search::weighted(list, p + 1, &bx, &dx, &by, &dy));
+        let at = |k: usize| DVec2::new(sums[0][k], sums[1][k]);
+        let (f, ju, jv) = (at(0), at(1), at(2));
+        let simple = DVec2::new(cross(f, b), cross(a, f)) * per;
+        let length = simple.abs().max_element();
+        let end = (z - simple - DVec2::splat(0.5)).abs().max_element();
+        if end > 0.5 + length * (q / (1.0 - q)) + blur.max_element() {
+            return Ok(None);
+        }
+        if f.length() <= noise * 0.5 {
+            return Ok(Some((z, blur)));
+        }
+        let newton = DVec2::new(cross(f, jv), cross(ju, f)) / cross(ju, jv);
+        let step = if length < 0.75 * last && newton.is_finite() { newton } else { simple };
+        last = length;
+        let next = (z - step).clamp(DVec2::ZERO, DVec2::ONE);
+        if (next - z).abs().cmple((0.125 * blur).max(DVec2::splat(4.0 * f64::EPSILON))).all() {
+            return Ok((f.length() <= 4.0 * noise).then_some((z, blur)));
+        }
+        z = next;
+    }
+    Err(())
+}
+
+/// The root of the leaf itself next to `place`, a root of its projection.
+fn polish(net: &Net<'_>, probe: &Probe, place: DVec2, blur: DVec2) -> Option<Root> {
+    let mut x = place.clamp(DVec2::ZERO, DVec2::ONE);
+    let mut best: Option<(f64, Root)> = None;
+    for _ in 0..12 {
+        let tangent = net.tangent(x.x, x.y);
+        let from = tangent.s - probe.line.origin;
+        let f = probe.across(from);
+        if best.is_none_or(|(least, ..)| f.length() < least) {
+            let reach = blur.x * tangent.su.length() + blur.y * tangent.sv.length();
+            let root = Root { s: probe.line.direction.dot(from), x: x.x, y: x.y, blur, reach };
+            best = Some((f.length(), root));
+        }
+        if f.length() <= probe.noise {
+            break;
+        }
+        let (ju, jv) = (probe.across(tangent.su), probe.across(tangent.sv));
+        // Least squares of least length: at a tangency the Jacobian has no inverse.
+        let (uu, uv, vv) = (ju.length_squared(), ju.dot(jv), jv.length_squared());
+        let damping = 1e-14 * (uu + vv);
+        let det = (uu + damping) * (vv + damping) - uv * uv;
+        let (fu, fv) = (ju.dot(f), jv.dot(f));
+        let step = DVec2::new((vv + damping) * fu - uv * fv, (uu + damping) * fv - uv * fu) / det;
+        let next = (x - step).clamp(DVec2::ZERO, DVec2::ONE);
+        // It must stay the root that was certified.
+        if !next.is_finite() || (next - place).abs().cmpgt(64.0 * blur.max(DVec2::splat(1e-12))).any() {
+            break;
+        }
+        x = next;
+    }
+    best.and_then(|(off, root)| (off <= 256.0 * probe.noise).then_some(root))
+}

@@ -1,0 +1,120 @@
+//! A Bézier patch and where it lies in the parameters of its surface.
+
+use glanz_math::DVec2;
+
+use super::leaf::Rect;
+use crate::bezier::TensorPatch;
+use crate::error::{SurfaceError, finite};
+
+/// A patch over a part of the parameters (u, v) of a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Piece {
+    pub(super) patch: TensorPatch,
+    domain: Domain,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Domain {
+    Rectangle(Rect),
+    /// Corners at (0, 0), (1, 0), (0, 1), (1, 1) of the patch.
+    Quad([DVec2; 4]),
+}
+
+impl Piece {
+    /// A patch over the rectangle `u` x `v`.
+    ///
+    /// # Errors
+    /// [`SurfaceError::EmptyRange`] if an interval does not ascend, [`SurfaceError::NotFinite`].
+    pub fn over_rectangle(patch: TensorPatch, u: [f64; 2], v: [f64; 2]) -> Result<Self, SurfaceError> {
+        for (parameter, [min, max]) in [("u", u), ("v", v)] {
+            finite(parameter, min)?;
+            finite(parameter, max)?;
+            if min >= max {
+                return Err(SurfaceError::EmptyRange { parameter, min, max });
+            }
+        }
+        Ok(Self { patch, domain: Domain::Rectangle(Rect { u, v }) })
+    }
+
+    /// A patch over the convex quadrilateral with `corners` at (0, 0), (1, 0), (0, 1), (1, 1), bilinear between them.
+    ///
+    /// # Errors
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::Degenerate`] if the corners are not those of a convex quadrilateral.
+    pub fn over_quad(patch: TensorPatch, corners: [DVec2; 4]) -> Result<Self, SurfaceError> {
+        for value in corners.iter().flat_map(|c| c.to_array()) {
+            finite("corner", value)?;
+        }
+        let [a, b, c, d] = corners;
+        let turns =
+            [(b - a, c - a), (b - a, d - b), (d - c, c - a), (d - c, d - b)].map(|(x, y)| x.perp_dot(y));
+        let least = turns.into_iter().fold(f64::INFINITY, f64::min);
+        let most = turns.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        if least > 0.0 || most < 0.0 {
+            Ok(Self { patch, domain: Domain::Quad(corners) })
+        } else {
+            Err(SurfaceError::Degenerate {
+                reason: "the quadrilateral of parameters is not convex, turn",
+                value: least,
+            })
+        }
+    }
+
+    /// The patch.
+    #[must_use]
+    pub fn patch(&self) -> &TensorPatch {
+        &self.patch
+    }
+
+    /// Parameters (u, v) of the surface at (x, y) in the unit square of the patch.
+    #[must_use]
+    pub fn parameters(&self, x: f64, y: f64) -> DVec2 {
+        match &self.domain {
+            Domain::Rectangle(rect) => rect.at(x, y).into(),
+            Domain::Quad([a, b, c, d]) => a.lerp(*b, x).lerp(c.lerp(*d, x), y),
+        }
+    }
+
+    /// Derivatives of (x, y) by u and by v.
+    pub(super) fn rates(&self, x: f64, y: f64) -> [DVec2; 2] {
+        match &self.domain {
+            Domain::Rectangle(Rect { u, v }) => {
+                [DVec2::new(1.0 / (u[1] - u[0]), 0.0), DVec2::new(0.0, 1.0 / (v[1] - v[0]))]
+            }
+            Domain::Quad([a, b, c, d]) => {
+                let (by_x, by_y) = ((*b - *a).lerp(*d - *c, y), (*c - *a).lerp(*d - *b, x));
+                let per = 1.0 / by_x.perp_dot(by_y);
+                [DVec2::new(by_y.y, -by_x.y) * per, DVec2::new(-by_y.x, by_x.x) * per]
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glanz_math::glam::DVec4;
+
+    #[test]
+    fn rates_are_the_inverse_of_the_parameters_derivatives() {
+        let flat: Vec<DVec4> = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)]
+            .map(|(x, y)| DVec4::new(x, y, 0.0, 1.0))
+            .to_vec();
+        let patch = TensorPatch::try_new(1, 1, flat).unwrap();
+        let corners = [(0.0, 0.0), (0.5, 0.1), (-0.1, 0.5), (0.4, 0.6)].map(DVec2::from);
+        let pieces = [
+            Piece::over_quad(patch.clone(), corners).unwrap(),
+            Piece::over_rectangle(patch.clone(), [2.0, 5.0], [-1.0, 1.0]).unwrap(),
+        ];
+        for piece in pieces {
+            let h = 1e-6;
+            let (x, y) = (0.3, 0.8);
+            let by_x = (piece.parameters(x + h, y) - piece.parameters(x - h, y)) / (2.0 * h);
+            let by_y = (piece.parameters(x, y + h) - piece.parameters(x, y - h)) / (2.0 * h);
+            let [by_u, by_v] = piece.rates(x, y);
+            assert!((by_x * by_u.x + by_y * by_u.y - DVec2::X).length() < 1e-9);
+            assert!((by_x * by_v.x + by_y * by_v.y - DVec2::Y).length() < 1e-9);
+        }
+        assert!(Piece::over_quad(patch.clone(), [DVec2::ZERO; 4]).is_err());
+        assert!(Piece::over_rectangle(patch, [1.0, 1.0], [0.0, 1.0]).is_err());
+    }
+}

@@ -1,0 +1,299 @@
+//! The roots of one ray with one leaf: excluded, certified, or split.
+//!
+//! A leaf is asked in three steps, each dearer than the last and rarer.
+//!
+//! 1. *The thick parallelogram.* Seen along the ray it is a parallelogram in the plane, thickened by its reach; if the
+//!    ray passes outside, there is no root.
+//! 2. *Certified.* If the Jacobian of the leaf, seen along the ray, strays from that of the parallelogram by a factor
+//!    q < 1, the map is injective and its simplified Newton step contracts by q; projected on the parameter square it
+//!    still does, so that its fixed point is the only root or proof that there is none.
+//! 3. *Split* (`cells`): the coefficients are halved until every cell is excluded, certified, or of the size of rounding.
+
+use glanz_math::rounding::gamma;
+use glanz_math::{DVec2, DVec3, Frame as Axes, Ray};
+
+use super::cells;
+use super::leaf::Frame;
+use super::net::{Basis, bernstein};
+use crate::line::Line;
+
+/// Largest factor q at which step 2 is taken; above, halving is cheaper than many steps.
+const CERTIFIED: f64 = 0.5;
+
+/// Steps of Newton's method before what contracts slowly is called undecided: (1/2)^60 is below rounding.
+const MOST_STEPS: usize = 80;
+
+/// The coefficients of a leaf, one list per coordinate, that of (i, j) at j (p + 1) + i: the four of bicubic ones that
+/// are added up are neighbours.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Net<'a> {
+    /// Degrees.
+    pub(super) degrees: (usize, usize),
+    /// x, y, z and, of rational leaves, w.
+    pub(super) lists: &'a [f64],
+    /// Whether there is a list for w.
+    pub(super) rational: bool,
+}
+
+/// A ray in the frame of the search: two planes through it, and its origin next to the surface.
+pub(super) struct Probe {
+    pub(super) line: Line,
+    /// Unit vectors across the ray.
+    pub(super) axes: [DVec3; 2],
+    /// Metres that a computed point of the surface may be off across the ray, by rounding.
+    pub(super) noise: f64,
+}
+
+/// A root in the parameters of its leaf.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Root {
+    /// Arc length along [`Probe::line`], metres.
+    pub(super) s: f64,
+    /// In [0, 1].
+    pub(super) x: f64,
+    pub(super) y: f64,
+    /// By how much rounding may move it, in the leaf's parameters.
+    pub(super) blur: DVec2,
+    /// The same in metres along the surface.
+    pub(super) reach: f64,
+}
+
+/// Point and first derivatives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tangent {
+    pub(super) s: DVec3,
+    pub(super) su: DVec3,
+    pub(super) sv: DVec3,
+}
+
+impl Probe {
+    /// `size` bounds the coordinates of the surface, `radius` its extent about `center`, `degrees` those of its patches.
+    pub(super) fn new(ray: &Ray, center: DVec3, radius: f64, size: f64, degrees: (usize, usize)) -> Self {
+        // From far away digits are lost; from near the surface the origin must stay where it is.
+        let far = ray.origin.distance_squared(center) > 16.0 * radius * radius;
+        let line = if far { Line::nearest_to(ray, center) } else { Line::new(ray, 0.0) };
+        let axes = Axes::from_z(line.direction);
+        let reach = size + line.origin.abs().max_element();
+        let noise = gamma(4 * (degrees.0 + degrees.1) as u32 + 24) * reach;
+        Self { line, axes: [axes.x, axes.y], noise }
+    }
+
+    /// A direction as it is seen along the ray.
+    #[inline(always)]
+    pub(super) fn across(&self, v: DVec3) -> DVec2 {
+        DVec2::new(self.axes[0].dot(v), self.axes[1].dot(v))
+    }
+}
+
+impl Net<'_> {
+    /// Point and first derivatives at (x, y) in [0, 1]^2.
+    #[inline(always)]
+    pub(super) fn tangent(&self, x: f64, y: f64) -> Tangent {
+        match (self.degrees, self.rational, self.lists.as_chunks::<16>().0) {
+            ((3, 3), false, [a, b, c]) => {
+                let ([bx, dx], [by, dy]) = (cubic(x), cubic(y));
+                let sums = [a, b, c].map(|list| bicubic(list, &bx, &dx, &by, &dy));
+                Tangent::of(sums)
+            }
+            ((3, 3), true, [a, b, c, w]) => {
+                let ([bx, dx], [by, dy]) = (cubic(x), cubic(y));
+                let sums = [a, b, c].map(|list| bicubic(list, &bx, &dx, &by, &dy));
+                Tangent::of(sums).over(bicubic(w, &bx, &dx, &by, &dy))
+            }
+            _ => self.general(x, y),
+        }
+    }
+
+    fn general(&self, x: f64, y: f64) -> Tangent {
+        let (p, q) = self.degrees;
+        let ([bx, dx, _], [by, dy, _]) = (bernstein(p, x), bernstein(q, y));
+        let mut sums = [[0.0; 3]; 4];
+        for (sum, list) in sums.iter_mut().zip(self.lists.chunks_exact((p + 1) * (q + 1))) {
+            *sum = weighted(list, p + 1, &bx, &dx, &by, &dy);
+        }
+        let [x, y, z, w] = sums;
+        let tangent = Tangent::of([x, y, z]);
+        if self.rational { tangent.over(w) } else { tangent }
+    }
+}
+
+/// Sums of a list by bases: value, derivative by x, by y.
+pub(super) fn weighted(
+    list: &[f64],
+    stride: usize,
+    bx: &Basis,
+    dx: &Basis,
+    by: &Basis,
+    dy: &Basis,
+) -> [f64; 3] {
+    let mut sums = [0.0; 3];
+    for (j, row) in list.chunks_exact(stride).enumerate() {
+        let (mut value, mut rise) = (0.0, 0.0);
+        for (i, &coefficient) in row.iter().enumerate() {
+            value += coefficient * bx[i];
+            rise += coefficient * dx[i];
+        }
+        sums[0] += value * by[j];
+        sums[1] += rise * by[j];
+        sums[2] += value * dy[j];
+    }
+    sums
+}
+
+/// Cubic Bernstein polynomials and their derivatives.
+#[inline(always)]
+fn cubic(x: f64) -> [[f64; 4]; 2] {
+    let y = 1.0 - x;
+    let (xx, xy, yy) = (x * x, x * y, y * y);
+    let value = [yy * y, 3.0 * (yy * x), 3.0 * (y * xx), xx * x];
+    [value, [-3.0 * yy, 3.0 * (yy - 2.0 * xy), 3.0 * (2.0 * xy - xx), 3.0 * xx]]
+}
+
+/// [`weighted`] for sixteen coefficients, four lanes wide.
+#[inline(always)]
+fn bicubic(list: &[f64; 16], bx: &[f64; 4], dx: &[f64; 4], by: &[f64; 4], dy: &[f64; 4]) -> [f64; 3] {
+    let (mut value, mut rise) = ([0.0; 4], [0.0; 4]);
+    for j in 0..4 {
+        for i in 0..4 {
+            value[i] += list[4 * j + i] * by[j];
+            rise[i] += list[4 * j + i] * dy[j];
+        }
+    }
+    let dot = |a: &[f64; 4], b: &[f64; 4]| (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]);
+    [dot(&value, bx), dot(&value, dx), dot(&rise, bx)]
+}
+
+impl Tangent {
+    #[inline(always)]
+    fn of([x, y, z]: [[f64; 3]; 3]) -> Self {
+        let at = |k: usize| DVec3::new(x[k], y[k], z[k]);
+        Self { s: at(0), su: at(1), sv: at(2) }
+    }
+
+    /// The quotient by a weight with its derivatives.
+    #[inline(always)]
+    fn over(self, [w, wu, wv]: [f64; 3]) -> Self {
+        let per = 1.0 / w;
+        let s = self.s * per;
+        Self { s, su: (self.su - s * wu) * per, sv: (self.sv - s * wv) * per }
+    }
+}
+
+/// The z component of the cross product.
+#[inline(always)]
+pub(super) fn cross(a: DVec2, b: DVec2) -> f64 {
+    a.x * b.y - a.y * b.x
+}
+
+/// What a search may need more than once.
+#[derive(Default)]
+pub(super) struct Scratch {
+    /// Coefficients of cells.
+    pub(super) cells: Vec<f64>,
+    /// Roots of the present leaf.
+    pub(super) roots: Vec<Root>,
+    /// Leaves whose cells were given up.
+    pub(super) undecided: u64,
+}
+
+/// Reports every root of the leaf, in no order.
+#[inline(always)]
+pub(super) fn roots<'a>(
+    frame: &Frame,
+    net: impl FnOnce() -> Net<'a>,
+    probe: &Probe,
+    scratch: &mut Scratch,
+    report: &mut impl FnMut(Root),
+) {
+    let c = probe.across(frame.center - probe.line.origin);
+    let (a, b) = (probe.across(frame.along_u), probe.across(frame.along_v));
+    let det = cross(a, b);
+    let (s, t) = (-cross(c, b), -cross(a, c));
+    let (a2, b2) = (a.length_squared(), b.length_squared());
+    let reach = frame.reach + probe.noise;
+    // |s| > 1 + reach |b| / |det| without a division; squares would need a root either way.
+    let outside = |s: f64, across: f64| {
+        let beyond = s.abs() - det.abs();
+        beyond > 0.0 && beyond * beyond > reach * reach * across
+    };
+    if outside(s, b2) || outside(t, a2) {
+        return;
+    }
+    let net = &net();
+    let q2 = frame.stray_squared * (a2 + b2);
+    if q2 < CERTIFIED * CERTIFIED * det * det {
+        match certified(frame, net, probe, [a, b], DVec2::new(s, t) / det) {
+            Ok(Some(root)) => report(root),
+            Ok(None) => {}
+            Err(Undecided) => scratch.undecided += 1,
+        }
+    } else {
+        cells::roots(net, probe, scratch);
+        for root in scratch.roots.drain(..) {
+            report(root);
+        }
+    }
+}
+
+/// The steps did not end.
+struct Undecided;
+
+/// The root of a leaf that has at most one, from the place where its parallelogram has it.
+#[inline(always)]
+fn certified(
+    frame: &Frame,
+    net: &Net<'_>,
+    probe: &Probe,
+    [a, b]: [DVec2; 2],
+    start: DVec2,
+) -> Result<Option<Root>, Undecided> {
+    let per = 1.0 / cross(a, b);
+    let (a2, b2) = (a.length_squared(), b.length_squared());
+    let q = (frame.stray_squared * (a2 + b2)).sqrt() * per.abs();
+    // Parameters that rounding may move a step by.
+    let blur = DVec2::new(b2, a2).map(f64::sqrt) * (2.0 * probe.noise * per.abs());
+    let mut x = start.clamp(DVec2::NEG_ONE, DVec2::ONE);
+    let mut last = f64::INFINITY;
+    for _ in 0..MOST_STEPS {
+        let tangent = net.tangent(0.5 + 0.5 * x.x, 0.5 + 0.5 * x.y);
+        let from = tangent.s - probe.line.origin;
+        let f = probe.across(from);
+        let along = |s: DVec3| probe.line.direction.dot(s);
+        // The simplified step: the root lies in a ball of radius q / (1 - q) of its length around its end.
+        let simple = DVec2::new(cross(f, b), cross(a, f)) * per;
+        let length = simple.length();
+        let end = (x - simple).abs().max_element();
+        if end > 1.0 + length * (q / (1.0 - q)) + blur.max_element() {
+            return Ok(None);
+        }
+        if f.length_squared() <= probe.noise * probe.noise {
+            return Ok(Some(root(frame, x, along(from), blur)));
+        }
+        // The true one, with derivatives by (s, t): half of those by (x, y).
+        let (ju, jv) = (probe.across(tangent.su) * 0.5, probe.across(tangent.sv) * 0.5);
+        let newton = DVec2::new(cross(f, jv), cross(ju, f)) / cross(ju, jv);
+        let step = if length < 0.75 * last { newton } else { simple };
+        last = length;
+        let next = (x - step).clamp(DVec2::NEG_ONE, DVec2::ONE);
+        let moved = next - x;
+        if moved.abs().cmple((0.125 * blur).max(DVec2::splat(4.0 * f64::EPSILON))).all() {
+            // A border, or the last bits: a root only if it is met here.
+            let met = f.length_squared() <= 16.0 * probe.noise * probe.noise;
+            return Ok(met.then(|| root(frame, x, along(from), blur)));
+        }
+        // A step whose error by curvature is below rounding needs no look at its end.
+        if next == x - step && step == newton && frame.bend * moved.length_squared() <= probe.noise {
+            let s = along(from) + 0.5 * (along(tangent.su) * moved.x + along(tangent.sv) * moved.y);
+            return Ok(Some(root(frame, next, s, blur)));
+        }
+        x = next;
+    }
+    Err(Undecided)
+}
+
+#[inline(always)]
+fn root(frame: &Frame, x: DVec2, s: f64, blur: DVec2) -> Root {
+    let reach = blur.x * frame.along_u.length() + blur.y * frame.along_v.length();
+    // From parameters in [-1, 1] to those in [0, 1].
+    Root { s, x: 0.5 + 0.5 * x.x, y: 0.5 + 0.5 * x.y, blur: 0.5 * blur, reach }
+}

@@ -1,0 +1,186 @@
+//! Known roots, seams and degenerate patches. The contract test of all surfaces shoots many more rays.
+
+use glanz_math::glam::DVec4;
+use glanz_math::{DVec2, DVec3, Ray};
+
+use super::{Freeform, Piece};
+use crate::bezier::{TensorPatch, TrianglePatch};
+use crate::hit::Hit;
+use crate::spline::NurbsSurface;
+use crate::surface::RaySurface;
+
+fn all(surface: &Freeform, ray: &Ray) -> Vec<Hit> {
+    let mut hits = Vec::new();
+    surface.all_hits(ray, f64::INFINITY, &mut hits);
+    hits
+}
+
+fn of_triangle(triangle: &TrianglePatch) -> Freeform {
+    let pieces = triangle.to_quads().into_iter().map(|q| Piece::over_quad(q.patch, q.corners).unwrap());
+    Freeform::try_new(pieces.collect()).unwrap()
+}
+
+/// The patch of document 000 section 4.3, by its control points 300, 210, 201, 120, 111, 102, 030, 021, 012, 003.
+fn reflector() -> Freeform {
+    let points = [
+        [6.0, 3.0, 5.0],
+        [6.0, 4.0, 8.0],
+        [5.0, 3.0, 6.0],
+        [6.0, 5.0, 6.0],
+        [4.5, 4.5, 7.0],
+        [4.0, 3.0, 6.0],
+        [6.0, 6.0, 5.0],
+        [5.0, 5.0, 6.0],
+        [4.0, 4.0, 6.0],
+        [3.0, 3.0, 3.0],
+    ];
+    let points = points.map(|[x, y, z]| DVec4::new(x, y, z, 1.0));
+    of_triangle(&TrianglePatch::try_new(3, points.to_vec()).unwrap())
+}
+
+#[test]
+fn one_ray_of_the_fan_of_document_000_meets_the_patch() {
+    // All 256 rays of the fan with k = 4 from (0, 5, 5); the root is known to 30 digits from the resultant of the two
+    // plane cubics (reference.json A.fan_k4).
+    let surface = reflector();
+    let mut met = Vec::new();
+    let n = 15_i32;
+    for (i, j) in (0..=n).flat_map(|i| (0..=n).map(move |j| (i, j))) {
+        let theta = std::f64::consts::PI * f64::from(2 * i - n) / f64::from(n);
+        let phi = std::f64::consts::FRAC_PI_2 * f64::from(2 * j - n) / f64::from(n);
+        let v = 0.1 * DVec3::new(phi.cos() * theta.cos(), phi.cos() * theta.sin(), phi.sin());
+        let ray = Ray::new(DVec3::new(0.0, 5.0, 5.0), v);
+        met.extend(all(&surface, &ray).into_iter().map(|hit| (i, j, hit, surface.point(&ray, &hit))));
+    }
+    let [(7, 8, hit, point)] = met[..] else { panic!("{met:?}") };
+    assert!((hit.t - 43.341_790_020_607_25).abs() < 1e-11);
+    let (s, t) = (0.354_776_787_529_589_9, 0.581_425_944_232_568_5);
+    assert!((point.uv - DVec2::new(s, t)).length() < 1e-13);
+    let normal = DVec3::new(-0.812_378_898_193_333_8, 0.425_688_116_503_215_64, 0.398_535_008_798_637_07);
+    assert!(point.normal.cross(normal).length() < 1e-13);
+    // The line that was published misses the patch, however it is rounded.
+    let published =
+        Ray::new(DVec3::new(0.0, 5.0, 5.0), DVec3::new(0.092_368_038, -0.028_980_659, -0.025_065_253));
+    assert_eq!(all(&surface, &published), []);
+    assert_eq!(surface.undecided(), 0);
+}
+
+#[test]
+fn spline_surface_has_the_roots_of_the_reference() {
+    // Roots with 40 digits of an independent evaluation (reference.json C.nurbs_surface_reference).
+    let heights = [0.0, 0.783_327, 0.973_848, 0.427_38, -0.442_52, -0.977_53];
+    let z: [[f64; 5]; 6] = [
+        [0.0; 5],
+        [heights[1], 0.599_121, 0.133_14, -0.395_46, -0.738_068],
+        [heights[2], 0.744_84, 0.165_522, -0.491_643, -0.917_581],
+        [heights[3], 0.326_878, 0.072_641, -0.215_761, -0.402_687],
+        [heights[4], -0.338_458, -0.075_214, 0.223_405, 0.416_953],
+        [heights[5], -0.747_656, -0.166_148, 0.493_502, 0.921_051],
+    ];
+    let a = [1.0, 1.166_667, 1.333_333, 1.5];
+    let w: [[f64; 5]; 6] = [
+        [a[0], a[1], a[2], a[3], a[0]],
+        [a[3], a[0], a[1], a[2], a[3]],
+        [a[2], a[3], a[0], a[1], a[2]],
+        [a[1], a[2], a[3], a[0], a[1]],
+        [a[0], a[1], a[2], a[3], a[0]],
+        [a[3], a[0], a[1], a[2], a[3]],
+    ];
+    let points = (0..30).map(|k| {
+        let (i, j) = (k / 5, k % 5);
+        DVec3::new(i as f64, j as f64, z[i][j]).extend(1.0) * w[i][j]
+    });
+    let knots_u = vec![0.0, 0.0, 0.0, 0.0, 0.4, 0.7, 1.0, 1.0, 1.0, 1.0];
+    let knots_v = vec![0.0, 0.0, 0.0, 0.35, 0.6, 1.0, 1.0, 1.0];
+    let spline = NurbsSurface::try_new(3, 2, knots_u, knots_v, points.collect()).unwrap();
+    let pieces = spline.bezier_patches().unwrap();
+    let pieces = pieces.into_iter().map(|p| Piece::over_rectangle(p.patch, p.u, p.v).unwrap());
+    let surface = Freeform::try_new(pieces.collect()).unwrap();
+    let expected: [([f64; 3], [f64; 3], &[[f64; 3]]); 3] = [
+        (
+            [2.2, 1.7, 5.0],
+            [0.1, 0.05, -1.0],
+            &[[0.568_594_757_101_075, 0.466_937_939_598_131_07, 4.914_751_312_365_184]],
+        ),
+        (
+            [-2.0, -1.0, 0.15],
+            [1.0, 0.55, 0.0],
+            &[
+                [0.021_582_328_987_200_146, 0.035_794_111_441_449_825, 2.514_631_340_192_512_5],
+                [0.649_477_147_990_037_9, 0.389_678_026_492_642_9, 5.631_531_553_810_419],
+                [0.946_626_268_910_357_1, 0.649_673_917_058_694_2, 7.404_951_832_606_883_5],
+            ],
+        ),
+        (
+            [-1.0, 2.1, 0.0],
+            [1.0, 0.02, 0.01],
+            &[
+                [0.029_664_041_153_982_36, 0.508_469_372_498_130_5, 1.192_618_668_597_866_4],
+                [0.469_080_151_637_537_25, 0.535_269_979_116_236_6, 3.346_455_958_553_354_6],
+            ],
+        ),
+    ];
+    for (origin, direction, roots) in expected {
+        let ray = Ray::new(origin.into(), DVec3::from(direction).normalize());
+        let hits = all(&surface, &ray);
+        assert_eq!(hits.len(), roots.len(), "{hits:?}");
+        for (hit, &[u, v, t]) in hits.iter().zip(roots) {
+            let uv = surface.point(&ray, hit).uv;
+            assert!((hit.t - t).abs() < 1e-12 && (uv - DVec2::new(u, v)).length() < 1e-12, "{hit:?} {uv:?}");
+        }
+    }
+}
+
+#[test]
+fn rays_through_the_seam_of_two_patches_meet_it_once() {
+    // Two bicubic patches of a wave with the row of control points in common.
+    let height = |i: usize, j: usize| (1.3 * i as f64 + 0.4).sin() * (0.9 * j as f64).cos();
+    let patch = |from: usize| {
+        let points = (from..from + 4)
+            .flat_map(|i| (0..4).map(move |j| DVec4::new(i as f64 / 3.0, j as f64 / 3.0, height(i, j), 1.0)));
+        let patch = TensorPatch::try_new(3, 3, points.collect()).unwrap();
+        Piece::over_rectangle(patch, [from as f64, from as f64 + 3.0], [0.0, 3.0]).unwrap()
+    };
+    let surface = Freeform::try_new(vec![patch(0), patch(3)]).unwrap();
+    for k in 0..50_000 {
+        let k = f64::from(k);
+        let target = surface.point_at(0, 1.0, (k * 0.618_033_988_7).fract()).position;
+        let origin = target + DVec3::new((1.7 * k).sin(), (2.3 * k).cos(), 1.5 + k.sin()) * 3.0;
+        let hits = all(&surface, &Ray::new(origin, target - origin));
+        let there = hits.iter().filter(|h| (h.t - 1.0).abs() < 1e-9).count();
+        // One root, found in one patch or in both.
+        assert_eq!(there, 1, "{origin:?} {target:?} {hits:?}");
+    }
+    assert_eq!(surface.undecided(), 0);
+}
+
+#[test]
+fn tangent_ray_meets_a_parabola_once_and_one_beside_it_twice_or_never() {
+    // z = -x^2 over [-1, 1] x [0, 1], along x at height z: roots at +-sqrt(-z).
+    let points = [[-1.0, -1.0], [0.0, 1.0], [1.0, -1.0]];
+    let points = points.iter().flat_map(|&[x, z]| [0.0, 1.0].map(|y| DVec4::new(x, y, z, 1.0)));
+    let patch = TensorPatch::try_new(2, 1, points.collect()).unwrap();
+    let surface =
+        Freeform::try_new(vec![Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()]).unwrap();
+    let along = |z: f64| all(&surface, &Ray::new(DVec3::new(-3.0, 0.3, z), DVec3::X));
+    assert_eq!(along(0.0).len(), 1);
+    assert_eq!(along(1e-9), []);
+    for depth in [1e-3, 1e-6, 1e-9, 1e-11] {
+        let hits = along(-depth);
+        assert_eq!(hits.len(), 2, "{depth}: {hits:?}");
+        for (hit, x) in hits.iter().zip([-depth.sqrt(), depth.sqrt()]) {
+            assert!((hit.t - 3.0 - x).abs() < 1e-14 / depth.sqrt(), "{depth}: {hit:?}");
+        }
+    }
+    // In the plane of the rulings, along one of them: no hit, and no end of cells.
+    assert_eq!(all(&surface, &Ray::new(DVec3::new(0.5, -1.0, -0.25), DVec3::Y)), []);
+    assert_eq!(surface.undecided(), 0);
+}
+
+#[test]
+fn what_cannot_be_a_surface_is_refused() {
+    assert!(Freeform::try_new(Vec::new()).is_err());
+    let point = TensorPatch::try_new(1, 1, vec![DVec4::ONE; 4]).unwrap();
+    let point = Piece::over_rectangle(point, [0.0, 1.0], [0.0, 1.0]).unwrap();
+    assert!(Freeform::try_new(vec![point]).is_err());
+}

@@ -1,0 +1,99 @@
+//! A surface of which trimming loops keep a part.
+
+use std::sync::Arc;
+
+use glanz_math::{AreaPdf, Bounds3, DVec2, Ray};
+
+use crate::hit::{Hit, SurfacePoint, SurfaceSample};
+use crate::surface::{RaySurface, Surface};
+use crate::trim::TrimRegion;
+
+/// The part of a surface whose parameters, [`SurfacePoint::uv`], lie in a region.
+///
+/// It cannot be sampled: how much of the surface is kept has no closed form.
+#[derive(Clone, Debug)]
+pub struct Trimmed {
+    surface: Box<Surface>,
+    region: Arc<TrimRegion>,
+}
+
+impl Trimmed {
+    /// What `region` keeps of `surface`.
+    #[must_use]
+    pub fn new(surface: Surface, region: Arc<TrimRegion>) -> Self {
+        Self { surface: Box::new(surface), region }
+    }
+
+    /// The surface without trimming.
+    #[must_use]
+    pub fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    fn keeps(&self, ray: &Ray, hit: &Hit) -> bool {
+        self.region.contains(self.surface.point(ray, hit).uv)
+    }
+
+    fn kept_hits(&self, ray: &Ray, t_max: f64) -> impl Iterator<Item = Hit> {
+        let mut hits = Vec::new();
+        self.surface.all_hits(ray, t_max, &mut hits);
+        hits.into_iter().filter(|hit| self.keeps(ray, hit))
+    }
+}
+
+impl RaySurface for Trimmed {
+    fn bounds(&self) -> Bounds3 {
+        self.surface.bounds()
+    }
+
+    fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
+        // Most often the first hit is kept or there is none at all.
+        let first = self.surface.intersect(ray, t_max)?;
+        if self.keeps(ray, &first) { Some(first) } else { self.kept_hits(ray, t_max).next() }
+    }
+
+    fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
+        hits.extend(self.kept_hits(ray, t_max));
+    }
+
+    fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.surface.point(ray, hit)
+    }
+
+    fn sample(&self, _xi: DVec2) -> Option<SurfaceSample> {
+        None
+    }
+
+    fn area_pdf(&self, _hit: &Hit, _point: &SurfacePoint) -> Option<AreaPdf> {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quadric::Sphere;
+    use crate::trim::{TrimCurve, TrimLoop};
+    use glanz_math::DVec3;
+
+    #[test]
+    fn ray_passes_a_hole_and_meets_the_far_side() {
+        let sphere = Surface::from(Sphere::try_full(1.0).unwrap());
+        let ray = Ray::new(DVec3::new(5.0, 0.3, 0.2), DVec3::NEG_X);
+        let mut whole = Vec::new();
+        sphere.all_hits(&ray, f64::INFINITY, &mut whole);
+        let first = sphere.point(&ray, &whole[0]).uv;
+        let hole = TrimCurve::try_circle(first, 0.05).unwrap().reversed();
+        let domain = [first - DVec2::splat(0.1), first + DVec2::splat(0.1)];
+        let region = TrimRegion::try_new(vec![TrimLoop::try_closed(hole, 1e-9).unwrap()], domain).unwrap();
+        let trimmed = Trimmed::new(sphere, Arc::new(region));
+        assert_eq!(trimmed.intersect(&ray, f64::INFINITY), Some(whole[1]));
+        assert_eq!(trimmed.intersect(&ray, whole[1].t), None);
+        assert!(trimmed.occluded(&ray, f64::INFINITY) && !trimmed.occluded(&ray, whole[1].t));
+        // Beside the hole both are there.
+        let beside = Ray::new(DVec3::new(5.0, -0.8, 0.2), DVec3::NEG_X);
+        let mut hits = Vec::new();
+        trimmed.all_hits(&beside, f64::INFINITY, &mut hits);
+        assert_eq!(hits.len(), 2);
+    }
+}
