@@ -2,9 +2,9 @@
 //!
 //! [`registry`] recognises a scene by content and reads it: [`load`] gives a
 //! [`Description`](glanz_scene::Description), which `glanz-scene` turns into a scene, and [`diagnostic::Diagnostics`]
-//! that point into the input. [`pbrt`] is the scene language, [`ply`] reads meshes, [`image`] reads and writes
-//! pictures. Whatever bytes come, there is a result or an error: no panic, no hang, and no more memory than the input
-//! warrants.
+//! that point into the input. [`pbrt`] is the scene language, [`ply`] reads meshes, [`newell`] lists of patches,
+//! [`image`] reads and writes pictures. Whatever bytes come, there is a result or an error: no panic, no hang, and no
+//! more memory than the input warrants.
 //!
 //! ```
 //! use glanz_formats::{Options, load_str};
@@ -25,6 +25,7 @@
 pub mod content_hash;
 pub mod diagnostic;
 pub mod image;
+pub mod newell;
 pub mod pbrt;
 pub mod ply;
 pub mod registry;

@@ -74,12 +74,17 @@ impl Sources {
     }
 
     fn excerpt(&self, place: &Place) -> Option<Excerpt> {
-        let bytes = self.files.get(place.location.file.0 as usize).and_then(Source::bytes)?;
+        let bytes = self.bytes(place.location.file)?;
         let offset = place.offset.min(bytes.len());
         let start = bytes.get(..offset)?.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
         let rest = bytes.get(start..)?;
         let line = rest.split(|&b| b == b'\n').next().unwrap_or_default();
         Some(Excerpt::of_line(place.location.line, without_return(line), offset - start, place.length))
+    }
+
+    /// The bytes of a file, if they can still be read.
+    pub(crate) fn bytes(&self, file: FileId) -> Option<Arc<[u8]>> {
+        self.files.get(file.0 as usize).and_then(Source::bytes)
     }
 
     fn name(&self, file: FileId) -> String {

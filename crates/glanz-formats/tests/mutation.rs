@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glanz_formats::diagnostic::Diagnostics;
-use glanz_formats::{Options, load_str, ply};
+use glanz_formats::{Options, load_str, newell, ply};
 use glanz_scene::Description;
-use glanz_scene::description::{GeometryDescription, GroupDescription};
+use glanz_scene::description::{GeometryDescription, GroupDescription, TrimDescription};
 
 /// SplitMix64 (@steele2014): the same cases on every machine.
 struct Random(u64);
@@ -42,6 +42,12 @@ const SCENES: &[&str] = &[
     ReverseOrientation ActiveTransform EndTime Rotate 90 1 0 0 ActiveTransform All MediumInterface "a" "b"
     Shape "bilinearmesh" "point3 P" [0 0 0 1 0 0 0 1 0 1 1 0] MakeNamedMaterial "q" "string type" "glass"
     Material "mix" "string namedmaterial1" "q""#,
+    r#"WorldBegin Shape "nurbs" "integer nu" 2 "integer nv" 3 "integer uorder" 2 "integer vorder" [3] "float uknots" [0 0 1 1]
+    "float vknots" [0 0 0 2 2 2] "float Pw" [0 0 0 1 1 0 0 1 0 1 0 .5 1 1 0 .5 0 2 0 1 1 2 0 1] "float v1" 1.5
+    "float trimellipse" [.5 1 .2 .3] "float trimpolygon" [0 0 1 0 1 1] "string trimside" "inside" Shape "bezierpatch" "integer udegree" 1
+    "integer vdegree" 1 "point3 P" [0 0 0 1 0 0 0 1 0 1 1 0] "float weights" [1 2 3 4] "integer trimloops" 1 "integer trimorders" 2
+    "integer trimcounts" 4 "float trimknots" [0 0 1 2 3 3] "float trimpoints" [0 0 1 1 0 1 0 1 1 0 0 1] Shape "beziertriangle"
+    "integer degree" 1 "point3 P" [0 0 0 1 0 0 0 1 0] Shape "patchmesh" "point3 P" [0 0 0] "integer indices" [0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0]"#,
 ];
 
 const WORDS: &[&[u8]] = &[
@@ -128,7 +134,17 @@ fn mutate(bytes: &mut Vec<u8>, random: &mut Random, words: &[&[u8]]) {
 /// Everything a description holds, counted.
 fn size(d: &Description) -> usize {
     let of_group = |g: &GroupDescription| {
+        let of_trim = |t: &TrimDescription| {
+            let curves = t.loops.iter().flat_map(|l| &l.curves);
+            t.loops.len() + curves.map(|c| 1 + c.knots.len() + c.points.len()).sum::<usize>()
+        };
+        let trims = g.shapes.iter().filter_map(|s| s.trim.as_ref()).map(of_trim).sum::<usize>();
+        let of_patches =
+            |patches: &[Vec<[f64; 4]>]| 1 + patches.len() + patches.iter().map(Vec::len).sum::<usize>();
         let of_shapes = g.shapes.iter().map(|s| match &s.geometry {
+            GeometryDescription::Nurbs(n) => 1 + n.knots_u.len() + n.knots_v.len() + n.points.len(),
+            GeometryDescription::BezierPatches(b) => of_patches(&b.patches),
+            GeometryDescription::BezierTriangles(b) => of_patches(&b.patches),
             GeometryDescription::Triangles { positions, indices, normals, uvs } => {
                 let more = normals.as_ref().map_or(0, Vec::len) + uvs.as_ref().map_or(0, Vec::len);
                 1 + positions.len() + indices.len() + more
@@ -138,7 +154,7 @@ fn size(d: &Description) -> usize {
             GeometryDescription::Polyhedron { half_spaces } => 1 + half_spaces.len(),
             _ => 1,
         });
-        of_shapes.sum::<usize>() + g.instances.len() + g.name.len()
+        trims + of_shapes.sum::<usize>() + g.instances.len() + g.name.len()
     };
     let groups = d.groups.iter().chain([&d.world]).map(of_group).sum::<usize>();
     groups + d.textures.len() + d.materials.len() + d.lights.len() + d.images.len()
@@ -230,6 +246,27 @@ fn mutated_meshes_end_in_a_mesh_or_an_error() {
             assert!(entries <= bytes.len(), "{entries} of {}", bytes.len());
             let count = mesh.positions.len() as u32;
             assert!(mesh.triangles.iter().flatten().all(|&i| i < count));
+        }
+    }
+    assert!(read > cases / 50 && read < cases, "{read} of {cases} were read");
+}
+
+#[test]
+fn mutated_lists_of_patches_end_in_patches_or_an_error() {
+    let whole =
+        format!("2\n{}\n{}\n3\n0,1,2\n3 4 5\n6.5,7,8e0\n", "1,2,3,1,".repeat(4), "3,2,1,1,".repeat(4));
+    let words: &[&[u8]] = &[b"4294967295,", b"-1,", b"1e400,", b"nan,", b",,\n", b"\xff\xff", b"0 0\n"];
+    let mut random = Random(4);
+    let (mut read, cases) = (0, 10_000);
+    for _ in 0..cases {
+        let mut bytes = whole.clone().into_bytes();
+        mutate(&mut bytes, &mut random, words);
+        if let Ok(mesh) = newell::read(&bytes) {
+            read += 1;
+            assert!(mesh.positions.len() + 16 * mesh.patches.len() <= bytes.len());
+            let count = mesh.positions.len() as u32;
+            assert!(mesh.patches.as_flattened().iter().all(|&i| i < count));
+            assert!(mesh.positions.iter().all(|p| p.is_finite()));
         }
     }
     assert!(read > cases / 50 && read < cases, "{read} of {cases} were read");

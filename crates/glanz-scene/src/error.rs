@@ -1,6 +1,7 @@
 //! What can be wrong with a description.
 
 use glanz_geometry::SurfaceError;
+use glanz_geometry::trim::TrimError;
 use glanz_math::TransformError;
 use glanz_shading::MaterialError;
 
@@ -31,6 +32,9 @@ pub enum SceneErrorKind {
     /// A surface with impossible parameters.
     #[error("shape: {0}")]
     Surface(#[from] SurfaceError),
+    /// Trimming loops that are none.
+    #[error("trimming: {0}")]
+    Trim(#[from] TrimError),
     /// A parameter outside its range.
     #[error("{what} is {value}, it must be {range}")]
     Range {

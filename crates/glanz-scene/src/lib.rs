@@ -30,6 +30,7 @@
 //!     reverse_orientation: false,
 //!     material: 0,
 //!     emission: None,
+//!     trim: None,
 //!     location: None,
 //! });
 //! let (scene, warnings) = Scene::resolve(description)?;

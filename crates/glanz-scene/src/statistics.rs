@@ -24,6 +24,21 @@ pub struct Statistics {
 }
 
 impl Scene {
+    /// Searches for hits since the scene was built that could not be decided: their pictures may lack a point of a
+    /// freeform surface. It is expected to be 0.
+    #[must_use]
+    pub fn undecided(&self) -> u64 {
+        let of_surface = |surface: &Surface| match surface {
+            Surface::Freeform(freeform) => freeform.undecided(),
+            Surface::Trimmed(trimmed) => match trimmed.surface() {
+                Surface::Freeform(freeform) => freeform.undecided(),
+                _ => 0,
+            },
+            _ => 0,
+        };
+        self.groups.iter().flat_map(|group| &group.objects).map(|object| of_surface(object.surface())).sum()
+    }
+
     /// Counts the parts of the scene.
     #[must_use]
     pub fn statistics(&self) -> Statistics {

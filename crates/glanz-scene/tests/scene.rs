@@ -23,6 +23,7 @@ fn shape(geometry: GeometryDescription, to_parent: DMat4) -> ShapeDescription {
         reverse_orientation: false,
         material: 0,
         emission: None,
+        trim: None,
         location: Some(HERE),
     }
 }

@@ -32,6 +32,7 @@
 //!     reverse_orientation: false,
 //!     material: 0,
 //!     emission: None,
+//!     trim: None,
 //!     location: None,
 //! });
 //! description.lights.push(LightDescription {

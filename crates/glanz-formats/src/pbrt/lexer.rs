@@ -52,6 +52,27 @@ impl Lexer {
         Self { bytes, file, offset, line: 1, line_start: offset, counted: (offset, 1) }
     }
 
+    /// Reads on from a place that was passed before.
+    pub(crate) fn resume(bytes: Arc<[u8]>, place: &Place) -> Self {
+        let Location { file, line, column } = place.location;
+        let before = bytes.get(..place.offset).unwrap_or_default();
+        let line_start = before.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
+        Self { bytes, file, offset: place.offset, line, line_start, counted: (place.offset, column) }
+    }
+
+    /// The place of the word `count` words on, passing over brackets and quotes as if they were words.
+    pub(crate) fn word_after(&mut self, count: usize) -> Place {
+        for _ in 0..count {
+            if self.peek().is_none() {
+                break;
+            }
+            self.skip_word();
+        }
+        self.peek();
+        let length = self.word_length().max(1);
+        self.place(length)
+    }
+
     /// The file being read.
     pub(crate) fn file(&self) -> FileId {
         self.file
@@ -375,6 +396,24 @@ mod tests {
             l.float().unwrap();
         }
         assert_eq!(last, (1 << 21) - 1);
+    }
+
+    #[test]
+    fn a_value_is_found_again_from_the_first_of_its_list() {
+        let bytes: Arc<[u8]> = Arc::from("\u{e4} [ 0 1 # two\n  2.5 ]".as_bytes());
+        let mut l = Lexer::new(Arc::clone(&bytes), FileId(0));
+        l.peek();
+        l.skip_word();
+        l.next().unwrap();
+        l.peek();
+        let first = l.place(1);
+        let found = |count| {
+            let place = Lexer::resume(Arc::clone(&bytes), &first).word_after(count);
+            (position(&place), place.length)
+        };
+        assert_eq!(found(0), ((1, 5), 1));
+        assert_eq!(found(1), ((1, 7), 1));
+        assert_eq!(found(2), ((2, 3), 3));
     }
 
     #[test]

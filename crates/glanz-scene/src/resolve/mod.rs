@@ -1,5 +1,6 @@
 //! From a description to a scene.
 
+mod freeform;
 mod group;
 mod join;
 mod light;

@@ -11,10 +11,11 @@ use glanz_geometry::quadric::{
     Cone, Cylinder, Disk, Hyperboloid, Paraboloid, Plane, Sphere, TwoSheetedHyperboloid,
 };
 use glanz_geometry::torus::Torus;
+use glanz_geometry::trimmed::Trimmed;
 use glanz_geometry::{Surface, SurfaceError};
 use glanz_math::{Bounds3, DVec3, Transform};
 
-use super::{Notes, transform};
+use super::{Notes, freeform, transform};
 use crate::description::{GeometryDescription, Location, ShapeDescription};
 use crate::error::{SceneError, SceneErrorKind};
 use crate::object::{Object, Role};
@@ -29,9 +30,19 @@ pub(super) fn objects(
     let to_parent = transform(shape.to_parent, "shape", location)?;
     let role = Role { id, material: shape.material as u32, reversed: shape.reverse_orientation };
     let at = |error: SurfaceError| SceneError { location, kind: SceneErrorKind::Surface(error) };
-    let placed = |surface: Surface| vec![Object::new(surface, to_parent, role)];
+    let trim_error = |error| SceneError { location, kind: SceneErrorKind::Trim(error) };
+    let region = shape.trim.map(freeform::region).transpose().map_err(trim_error)?;
+    let trimmed = |surface: Surface| match &region {
+        Some(region) => Trimmed::new(surface, Arc::clone(region)).into(),
+        None => surface,
+    };
+    let placed = |surface: Surface| vec![Object::new(trimmed(surface), to_parent, role)];
     let in_parent = |surface: Surface, flipped: bool| {
-        Object::new(surface, Transform::IDENTITY, Role { reversed: role.reversed != flipped, ..role })
+        Object::new(
+            trimmed(surface),
+            Transform::IDENTITY,
+            Role { reversed: role.reversed != flipped, ..role },
+        )
     };
     Ok(match shape.geometry {
         // Meshes and patches move into the frame of the group: no ray is carried into theirs.
@@ -137,5 +148,8 @@ fn surface(geometry: GeometryDescription) -> Result<Surface, SurfaceError> {
             let first = bilinear_patches(&positions, &indices, &identity).next();
             first.unwrap_or(Err(SurfaceError::TooFew { parameter: "patches", count: 0, min: 1 }))?.into()
         }
+        GeometryDescription::Nurbs(description) => freeform::nurbs(description)?,
+        GeometryDescription::BezierPatches(description) => freeform::patches(description)?,
+        GeometryDescription::BezierTriangles(description) => freeform::triangles(description)?,
     })
 }

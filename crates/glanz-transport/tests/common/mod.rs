@@ -102,6 +102,7 @@ impl Builder {
             reverse_orientation: false,
             material,
             emission: None,
+            trim: None,
             location: None,
         });
         self

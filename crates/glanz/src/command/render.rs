@@ -49,6 +49,8 @@ struct Report {
     seconds: f64,
     rays: u64,
     rays_per_second: f64,
+    /// Searches for hits on freeform surfaces that were given up.
+    undecided: u64,
     peak_memory_bytes: Option<u64>,
     warnings: Vec<String>,
 }
@@ -88,7 +90,8 @@ pub(crate) fn render_input(
 
     messages.note(&format!("rendering {}: {plan}", input.name()));
     let outcome = expose(&scene, &plan, options, film, messages, &interrupt)?;
-    finish(&Order { input, options, plan: &plan, outputs: &outputs }, file, &outcome, messages)
+    let undecided = scene.undecided();
+    finish(&Order { input, options, plan: &plan, outputs: &outputs, undecided }, file, &outcome, messages)
 }
 
 /// Refuses a checkpoint that cannot be written, or would be lost.
@@ -185,6 +188,8 @@ struct Order<'a> {
     options: &'a RenderOptions,
     plan: &'a Plan,
     outputs: &'a Outputs,
+    /// Searches for hits that were given up.
+    undecided: u64,
 }
 
 /// Writes what there is, and says so.
@@ -194,7 +199,7 @@ fn finish(
     outcome: &RenderOutcome,
     messages: Messages,
 ) -> Result<Ending, Failure> {
-    let Order { options, plan, outputs, .. } = *order;
+    let Order { options, plan, outputs, undecided, .. } = *order;
     let film = &outcome.film;
     let interrupted = outcome.finished == Finished::Interrupted;
     if film.samples().is_empty() {
@@ -202,6 +207,13 @@ fn finish(
         return Ok(Ending::Interrupted);
     }
     warn_of_rejects(film, &mut file, messages);
+    if undecided > 0 {
+        let rays = plural(undecided, "ray", "rays");
+        file.warn(
+            &format!("{rays} could not be decided against a freeform surface; a point may be missing"),
+            messages,
+        );
+    }
 
     // The checkpoint first: it is what cannot be had again.
     let saved = match &options.checkpoint {
@@ -263,6 +275,7 @@ impl Order<'_> {
             seconds,
             rays,
             rays_per_second: if rays == 0 { 0.0 } else { rays as f64 / seconds },
+            undecided: self.undecided,
             peak_memory_bytes: report::peak_memory_bytes(),
             warnings,
         }

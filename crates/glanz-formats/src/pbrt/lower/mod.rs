@@ -3,6 +3,7 @@
 mod camera;
 mod extension;
 mod film;
+mod freeform;
 mod integrator;
 mod light;
 mod material;
@@ -10,7 +11,9 @@ mod material_stand_in;
 mod named;
 mod shape;
 mod spectrum;
+mod spline;
 mod texture;
+mod trim;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -29,8 +29,11 @@ const SHAPES: &[&str] = &[
     "torus",
     "polyhedron",
     "box",
-    "curve",
     "nurbs",
+    "bezierpatch",
+    "beziertriangle",
+    "patchmesh",
+    "curve",
     "heightfield",
 ];
 
@@ -43,6 +46,7 @@ impl Lowering {
         let place = list.place;
         let Some(geometry) = self.geometry(kind, &mut list)? else { return Ok(()) };
         self.alpha(&mut list)?;
+        let trim = self.trim(&mut list)?;
         list.finish(&mut self.reporter);
         let material = match context.material {
             Some(index) => index,
@@ -58,6 +62,7 @@ impl Lowering {
             reverse_orientation: context.reverse_orientation,
             material,
             emission,
+            trim,
             location: Some(place.location),
         };
         self.current_group().shapes.push(shape);
@@ -111,6 +116,7 @@ impl Lowering {
             "twosheetedhyperboloid" | "plane" | "algebraic" | "torus" | "polyhedron" | "box" => {
                 self.extension(kind, list)?
             }
+            "nurbs" | "bezierpatch" | "beziertriangle" | "patchmesh" => self.freeform(kind, list)?,
             other => {
                 self.left_out(other, list);
                 return Ok(None);
@@ -190,7 +196,7 @@ impl Lowering {
         Ok(GeometryDescription::Bilinear { positions, indices })
     }
 
-    fn positions(&mut self, list: &mut ParameterList) -> Step<(Parameter, Vec<DVec3>)> {
+    pub(super) fn positions(&mut self, list: &mut ParameterList) -> Step<(Parameter, Vec<DVec3>)> {
         if let Some(found) = list.vec3s("P", &mut self.reporter)? {
             return Ok(found);
         }
@@ -199,7 +205,7 @@ impl Lowering {
     }
 
     /// Groups of `N` vertex numbers. Without `indices`, `N` points are one face.
-    fn corners<const N: usize>(
+    pub(super) fn corners<const N: usize>(
         &mut self,
         list: &mut ParameterList,
         points: &Parameter,

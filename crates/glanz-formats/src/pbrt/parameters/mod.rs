@@ -314,6 +314,24 @@ impl ParameterList {
         Ok(Some((p, points)))
     }
 
+    /// Groups of `N` numbers, written as floats or, if they are pairs, as points.
+    pub(crate) fn groups<const N: usize>(
+        &mut self,
+        name: &'static str,
+        reporter: &mut Reporter,
+    ) -> Step<Option<(Parameter, Vec<[f64; N]>)>> {
+        let types: &[ParameterType] =
+            if N == 2 { &[ParameterType::Float, ParameterType::Point2] } else { &[ParameterType::Float] };
+        let Some((p, v)) = self.numbers(name, types, reporter)? else { return Ok(None) };
+        let (groups, rest) = v.as_chunks::<N>();
+        if !rest.is_empty() {
+            let expected = format!("a multiple of {N} is needed");
+            return Err(self.wrong_count_of(p, v, &expected, reporter));
+        }
+        let groups = groups.to_vec();
+        Ok(Some((p, groups)))
+    }
+
     /// Where the value of a parameter stands, or the directive if there is no such parameter.
     pub(crate) fn value_place(&self, name: &str) -> Place {
         self.items.iter().find(|p| p.name == name).map_or(self.place, |p| p.value_place)

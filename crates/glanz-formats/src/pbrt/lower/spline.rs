@@ -1,0 +1,122 @@
+//! What splines in space and in parameter domains have in common: knots, weights, and places of single numbers.
+
+use glanz_math::DVec3;
+
+use super::Lowering;
+use crate::pbrt::lexer::Lexer;
+use crate::pbrt::parameters::Parameter;
+use crate::source::{Place, Step};
+
+/// The knots of one curve or axis within a parameter that may list several.
+pub(super) struct Knots<'a> {
+    /// The parameter.
+    pub(super) parameter: &'a Parameter,
+    /// Where in it they begin.
+    pub(super) first: usize,
+    /// Degree + 1.
+    pub(super) order: usize,
+    /// They themselves.
+    pub(super) values: &'a [f64],
+}
+
+impl Lowering {
+    /// Where a number of a list stands.
+    pub(super) fn number_place(&self, parameter: &Parameter, index: usize) -> Place {
+        match self.reporter.sources.bytes(parameter.value_place.location.file) {
+            Some(bytes) => Lexer::resume(bytes, &parameter.value_place).word_after(index),
+            None => parameter.value_place,
+        }
+    }
+
+    /// The domain that knots leave: they must not decrease, none more often than the order, and it must not be empty.
+    ///
+    /// `values` must hold as many knots as points and order together, and no fewer points than the order.
+    pub(super) fn knot_domain(&mut self, subject: &str, knots: &Knots<'_>) -> Step<[f64; 2]> {
+        let Knots { parameter, first, order, values } = *knots;
+        let name = &parameter.name;
+        if let Some((i, (a, b))) =
+            values.iter().zip(values.iter().skip(1)).enumerate().find(|(_, (a, b))| a > b)
+        {
+            let place = self.number_place(parameter, first + i + 1);
+            let message = format!("{subject}: knot vector {name:?} must not decrease");
+            let help = Some(format!("sort the knots, or check a missing value between {a} and {b}"));
+            return Err(self.reporter.error_with_help(&place, "knots", message, help));
+        }
+        if let Some((i, knot)) =
+            values.iter().zip(values.iter().skip(order)).enumerate().find(|(_, (a, b))| a == b)
+        {
+            let place = self.number_place(parameter, first + i + order);
+            let message = format!("{subject}: knot vector {name:?} has {} more than {order} times", knot.0);
+            let help = Some(format!("a spline of order {order} has the same knot {order} times at most"));
+            return Err(self.reporter.error_with_help(&place, "knots", message, help));
+        }
+        let end = values.len().saturating_sub(order);
+        let at = |i: usize| values.get(i).copied().unwrap_or_default();
+        let domain = [at(order.saturating_sub(1)), at(end)];
+        if domain[0] < domain[1] {
+            return Ok(domain);
+        }
+        let place = self.number_place(parameter, first + end);
+        let message = format!("{subject}: knot vector {name:?} leaves nothing of the domain");
+        let help =
+            Some(format!("it spans the knots number {order} to {}, which are both {}", end + 1, domain[0]));
+        Err(self.reporter.error_with_help(&place, "knots", message, help))
+    }
+
+    /// Refuses a homogeneous point whose weight is not positive or which lies infinitely far away.
+    ///
+    /// `index` counts the numbers of the parameter up to the weight.
+    pub(super) fn check_weight(
+        &mut self,
+        subject: &str,
+        (parameter, index): (&Parameter, usize),
+        coordinates: &[f64],
+        weight: f64,
+    ) -> Step<()> {
+        let finite = coordinates.iter().all(|x| x.is_finite() && (x / weight).is_finite());
+        if weight > 0.0 && finite {
+            return Ok(());
+        }
+        let place = self.number_place(parameter, index);
+        let (message, help) = if weight > 0.0 {
+            let message = format!(
+                "{subject}: the weight {weight:?} in {:?} puts its point out of range",
+                parameter.name
+            );
+            (message, "weights near 1 serve best: a common factor changes nothing")
+        } else {
+            let message =
+                format!("{subject}: a weight in {:?} is {weight:?}, it must be positive", parameter.name);
+            (message, "a point without influence has a small weight, such as 1e-3")
+        };
+        Err(self.reporter.error_with_help(&place, "weight", message, Some(help.to_owned())))
+    }
+
+    /// Homogeneous points from points and, if given, as many weights.
+    pub(super) fn weighted(
+        &mut self,
+        subject: &str,
+        points: &[DVec3],
+        weights: Option<(Parameter, Vec<f64>)>,
+    ) -> Step<Vec<[f64; 4]>> {
+        let Some((p, weights)) = weights else {
+            return Ok(points.iter().map(|p| p.extend(1.0).to_array()).collect());
+        };
+        if weights.len() != points.len() {
+            let message = format!(
+                "{subject}: there are {} points \"P\" and {} weights {:?}",
+                points.len(),
+                weights.len(),
+                p.name
+            );
+            return Err(self.reporter.error(&p.value_place, "parameter-count", message));
+        }
+        let mut out = Vec::with_capacity(points.len());
+        for (i, (point, &weight)) in points.iter().zip(&weights).enumerate() {
+            let scaled = *point * weight;
+            self.check_weight(subject, (&p, i), &scaled.to_array(), weight)?;
+            out.push(scaled.extend(weight).to_array());
+        }
+        Ok(out)
+    }
+}

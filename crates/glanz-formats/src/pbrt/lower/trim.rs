@@ -1,0 +1,291 @@
+//! Trimming: the part of a shape's parameter domain that is kept.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use glanz_scene::description::{TrimCurveDescription, TrimDescription, TrimLoopDescription};
+
+use super::Lowering;
+use super::spline::Knots;
+use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
+use crate::source::Step;
+
+/// The parameters that say loops of curves, as RenderMan's `TrimCurve` has them.
+const CURVES: [&str; 5] = ["trimloops", "trimorders", "trimcounts", "trimknots", "trimpoints"];
+
+/// Which side of a simple outline is kept; material is on the left of a curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    /// Clockwise: the outline is a hole.
+    Outside,
+    /// Counterclockwise: the outline is all there is.
+    Inside,
+}
+
+impl Lowering {
+    /// What is kept of a shape, if it says so.
+    pub(super) fn trim(&mut self, list: &mut ParameterList) -> Step<Option<TrimDescription>> {
+        let mut loops = self.trim_curves(list)?;
+        loops.extend(self.trim_outlines(list)?);
+        Ok((!loops.is_empty()).then_some(TrimDescription { loops }))
+    }
+
+    /// Loops of rational spline curves.
+    fn trim_curves(&mut self, list: &mut ParameterList) -> Step<Vec<TrimLoopDescription>> {
+        let Some(present) = CURVES.iter().find(|name| list.has(name)) else {
+            // Asked for all the same, so that a name nearly right is recognised.
+            list.ignore(&CURVES);
+            return Ok(Vec::new());
+        };
+        if let Some(missing) = CURVES.iter().find(|name| !list.has(name)) {
+            let place = list.value_place(present);
+            let message = format!("{}: {present:?} is given without {missing:?}", list.subject);
+            let help =
+                Some("curves need trimloops, trimorders, trimcounts, trimknots and trimpoints".to_owned());
+            return Err(self.reporter.error_with_help(&place, "parameter-missing", message, help));
+        }
+        let (p, loops) = self.trim_integers(list, "trimloops", 1)?;
+        let (p_orders, orders) = self.trim_integers(list, "trimorders", 2)?;
+        let (p_counts, counts) = self.trim_integers(list, "trimcounts", 2)?;
+        let curves: usize = loops.iter().sum();
+        for (p, values) in [(&p_orders, &orders), (&p_counts, &counts)] {
+            if values.len() != curves {
+                let message = format!(
+                    "{}: \"trimloops\" has {curves} curves in all, {:?} is given for {}",
+                    list.subject,
+                    p.name,
+                    values.len()
+                );
+                return Err(self.reporter.error(&p.value_place, "parameter-count", message));
+            }
+        }
+        if curves == 0 {
+            let message = format!("{}: \"trimloops\" has no loops", list.subject);
+            return Err(self.reporter.error(&p.value_place, "parameter-count", message));
+        }
+        for (i, (&order, &count)) in orders.iter().zip(&counts).enumerate() {
+            if count < order {
+                let place = self.number_place(&p_counts, i);
+                let message = format!(
+                    "{}: trimming curve {i} has {count} points, its order {order} needs at least {order}",
+                    list.subject
+                );
+                let help = Some("the order is the degree plus one".to_owned());
+                return Err(self.reporter.error_with_help(&place, "parameter-range", message, help));
+            }
+        }
+        let mut curves = self.trim_splines(list, &orders, &counts)?.into_iter();
+        Ok(loops
+            .into_iter()
+            .map(|n| TrimLoopDescription { curves: curves.by_ref().take(n).collect() })
+            .collect())
+    }
+
+    /// Integers of at least `low`.
+    fn trim_integers(
+        &mut self,
+        list: &mut ParameterList,
+        name: &'static str,
+        low: i32,
+    ) -> Step<(Parameter, Vec<usize>)> {
+        let Some((p, values)) = list.integers(name, &mut self.reporter)? else {
+            let message = format!("{} has no \"integer {name}\"", list.subject);
+            return Err(self.reporter.error(&list.place, "parameter-missing", message));
+        };
+        if let Some((i, value)) = values.iter().enumerate().find(|(_, value)| **value < low) {
+            let place = self.number_place(&p, i);
+            let message = format!("{}: {name:?} has {value}, it must be at least {low}", list.subject);
+            return Err(self.reporter.error(&place, "parameter-range", message));
+        }
+        Ok((p, values.into_iter().map(|value| value.unsigned_abs() as usize).collect()))
+    }
+
+    /// The curves, one after the other.
+    fn trim_splines(
+        &mut self,
+        list: &mut ParameterList,
+        orders: &[usize],
+        counts: &[usize],
+    ) -> Step<Vec<TrimCurveDescription>> {
+        let knots = list.floats("trimknots", &mut self.reporter)?;
+        let points = list.groups::<3>("trimpoints", &mut self.reporter)?;
+        let (Some((p_knots, knots)), Some((p_points, points))) = (knots, points) else {
+            let message = format!("{} has no \"float trimknots\" or \"float trimpoints\"", list.subject);
+            return Err(self.reporter.error(&list.place, "parameter-missing", message));
+        };
+        let all_points: usize = counts.iter().sum();
+        let all_knots = all_points.saturating_add(orders.iter().sum());
+        if knots.len() != all_knots {
+            let message = format!(
+                "{}: parameter \"trimknots\" has {} values, {all_knots} are needed",
+                list.subject,
+                knots.len()
+            );
+            let help = Some("a curve has as many knots as points and order together".to_owned());
+            return Err(self.reporter.error_with_help(
+                &p_knots.value_place,
+                "parameter-count",
+                message,
+                help,
+            ));
+        }
+        if points.len() != all_points {
+            let message = format!(
+                "{}: parameter \"trimpoints\" has {} points, {all_points} are needed",
+                list.subject,
+                points.len()
+            );
+            let help = Some("a point has three numbers: w u, w v, w".to_owned());
+            return Err(self.reporter.error_with_help(
+                &p_points.value_place,
+                "parameter-count",
+                message,
+                help,
+            ));
+        }
+        for (i, [u, v, w]) in points.iter().enumerate() {
+            self.check_weight(&list.subject, (&p_points, 3 * i + 2), &[*u, *v], *w)?;
+        }
+        let mut curves = Vec::with_capacity(orders.len());
+        let (mut first, mut values, mut rest) = (0, knots.as_slice(), points.into_iter());
+        for (&order, &count) in orders.iter().zip(counts) {
+            let Some((of_curve, others)) = values.split_at_checked(order + count) else { break };
+            let knots = Knots { parameter: &p_knots, first, order, values: of_curve };
+            self.knot_domain(&list.subject, &knots)?;
+            let points = rest.by_ref().take(count).collect();
+            curves.push(TrimCurveDescription {
+                degree: order.saturating_sub(1),
+                knots: of_curve.to_vec(),
+                points,
+            });
+            (first, values) = (first + of_curve.len(), others);
+        }
+        Ok(curves)
+    }
+
+    /// Polygons, ellipses and rectangles; each parameter may be given several times.
+    fn trim_outlines(&mut self, list: &mut ParameterList) -> Step<Vec<TrimLoopDescription>> {
+        let mut polygons = Vec::new();
+        while let Some((p, corners)) = list.groups::<2>("trimpolygon", &mut self.reporter)? {
+            polygons.push((p, 0, corners));
+        }
+        while let Some((p, rectangles)) = list.groups::<4>("trimrectangle", &mut self.reporter)? {
+            for (i, [u0, v0, u1, v1]) in rectangles.into_iter().enumerate() {
+                let corners = vec![[u0, v0], [u1, v0], [u1, v1], [u0, v1]];
+                polygons.push((p.clone(), 4 * i, corners));
+            }
+        }
+        let mut ellipses = Vec::new();
+        while let Some((p, found)) = list.groups::<4>("trimellipse", &mut self.reporter)? {
+            ellipses.extend(found.into_iter().enumerate().map(|(i, e)| (p.clone(), 4 * i, e)));
+        }
+        if polygons.is_empty() && ellipses.is_empty() {
+            // Without an outline `trimside` chooses nothing and is reported as not used.
+            return Ok(Vec::new());
+        }
+        let side = self.trim_side(list)?;
+        let mut loops = Vec::with_capacity(polygons.len() + ellipses.len());
+        for (p, first, corners) in polygons {
+            let Some(points) = polygon(corners, side) else {
+                let place = self.number_place(&p, first);
+                let message = format!("{}: {:?} encloses no area", list.subject, p.name);
+                let help = Some("an outline has at least three corners that are not on one line".to_owned());
+                return Err(self.reporter.error_with_help(&place, "trim-outline", message, help));
+            };
+            loops.push(TrimLoopDescription { curves: vec![points] });
+        }
+        for (p, first, ellipse) in ellipses {
+            let [_, _, ru, rv] = ellipse;
+            for (i, radius) in [(2, ru), (3, rv)] {
+                if radius <= 0.0 {
+                    let place = self.number_place(&p, first + i);
+                    let message = format!(
+                        "{}: a radius in \"trimellipse\" is {radius}, it must be positive",
+                        list.subject
+                    );
+                    let help = Some("an ellipse is centre u, centre v, radius along u, along v".to_owned());
+                    return Err(self.reporter.error_with_help(&place, "trim-outline", message, help));
+                }
+            }
+            let curve = self::ellipse(ellipse, side);
+            if !curve.points.as_flattened().iter().all(|x| x.is_finite()) {
+                let place = self.number_place(&p, first);
+                let message = format!("{}: an ellipse in \"trimellipse\" is out of range", list.subject);
+                return Err(self.reporter.error(&place, "trim-outline", message));
+            }
+            loops.push(TrimLoopDescription { curves: vec![curve] });
+        }
+        Ok(loops)
+    }
+
+    fn trim_side(&mut self, list: &mut ParameterList) -> Step<Side> {
+        match list.text_parameter("trimside", &mut self.reporter)? {
+            None => Ok(Side::Outside),
+            Some((_, side)) if side == "outside" => Ok(Side::Outside),
+            Some((_, side)) if side == "inside" => Ok(Side::Inside),
+            Some((p, side)) => {
+                let message = format!("{}: \"trimside\" is {:?}", list.subject, shortened(&side));
+                let help = Some("the side that is kept is \"outside\" or \"inside\"".to_owned());
+                Err(self.reporter.error_with_help(&p.value_place, "parameter-range", message, help))
+            }
+        }
+    }
+}
+
+/// A closed polygon; `None` if it encloses no area. The first corner may stand at the end again.
+fn polygon(mut corners: Vec<[f64; 2]>, side: Side) -> Option<TrimCurveDescription> {
+    corners.dedup();
+    while corners.len() > 1 && corners.first() == corners.last() {
+        corners.pop();
+    }
+    let &start = corners.first()?;
+    // Twice the signed area of the fan about the first corner.
+    let from_start = |[u, v]: [f64; 2]| [u - start[0], v - start[1]];
+    let area: f64 = corners
+        .iter()
+        .zip(corners.iter().skip(1))
+        .map(|(a, b)| {
+            let ([au, av], [bu, bv]) = (from_start(*a), from_start(*b));
+            au * bv - av * bu
+        })
+        .sum();
+    if area.is_nan() || area == 0.0 {
+        return None;
+    }
+    corners.push(start);
+    if (area > 0.0) != (side == Side::Inside) {
+        corners.reverse();
+    }
+    let last = (corners.len() - 1) as f64;
+    let inner = (0..corners.len()).map(|i| i as f64);
+    let knots = std::iter::once(0.0).chain(inner).chain([last]).collect();
+    let points = corners.into_iter().map(|[u, v]| [u, v, 1.0]).collect();
+    Some(TrimCurveDescription { degree: 1, knots, points })
+}
+
+/// An ellipse from centre and radii: four exact quarters of a rational quadratic.
+fn ellipse([cu, cv, ru, rv]: [f64; 4], side: Side) -> TrimCurveDescription {
+    let around: [[f64; 2]; 9] = [
+        [1.0, 0.0],
+        [1.0, 1.0],
+        [0.0, 1.0],
+        [-1.0, 1.0],
+        [-1.0, 0.0],
+        [-1.0, -1.0],
+        [0.0, -1.0],
+        [1.0, -1.0],
+        [1.0, 0.0],
+    ];
+    let mut points: Vec<[f64; 3]> = around
+        .iter()
+        .enumerate()
+        .map(|(i, [u, v])| {
+            let w = if i % 2 == 0 { 1.0 } else { FRAC_1_SQRT_2 };
+            [w * (cu + ru * u), w * (cv + rv * v), w]
+        })
+        .collect();
+    if side == Side::Outside {
+        points.reverse();
+    }
+    let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];
+    TrimCurveDescription { degree: 2, knots, points }
+}
