@@ -80,30 +80,36 @@ pub(super) fn roots(net: &Net<'_>, probe: &Probe, scratch: &mut Scratch) {
             }
         };
         if let Some((place, blur)) = found
-            && let Some(root) = polish(net, probe, place, blur)
+            && let Some(root) = polish(net, probe, place, blur, cell.width)
         {
             scratch.roots.push(root);
         }
     }
 }
 
-/// Where the root of a cell is that is a line or a point to rounding, and by how much it may be off; `None` if the ray
-/// runs within the surface.
+/// Where the root of a cell is that looks like a line or a point, and by how much it may be off; `None` if the ray runs
+/// within the surface.
+///
+/// Whatever of the cell looks like one point lies along the direction in the parameters that the ray does not see. A
+/// short stretch of it is a root that rounding blurs: a tangency, the neighbourhood of a collapsed edge, a sliver across the ray.
 fn flat(net: &Net<'_>, probe: &Probe, cell: &Cell) -> Option<(DVec2, DVec2)> {
     let middle = cell.from + cell.width * 0.5;
     let tangent = net.tangent(middle.x, middle.y);
+    let (along_x, along_y) = (tangent.su * cell.width.x, tangent.sv * cell.width.y);
+    let (a, b) = (probe.across(along_x), probe.across(along_y));
+    let seen = if a.length_squared() >= b.length_squared() { a } else { b };
+    let unseen = DVec2::new(-b.dot(seen), a.dot(seen));
+    let unseen = unseen / unseen.abs().max_element();
+    let stretch = if unseen.is_finite() {
+        (along_x * unseen.x + along_y * unseen.y).length()
+    } else {
+        along_x.length() + along_y.length()
+    };
+    let unseen = if unseen.is_finite() { unseen.abs() } else { DVec2::ONE };
     let steepness = DVec2::new(tangent.su.length(), tangent.sv.length());
-    let length = steepness * cell.width;
-    if length.max_element() <= TANGENT_LENGTH * probe.noise {
-        return Some((middle, DVec2::splat(TANGENT_BLUR)));
-    }
-    // Next to a collapsed edge the cell itself is as thin as rounding; seen edge-on, it only looks so.
-    let thin = 64.0 * probe.noise;
-    let blur = DVec2::new(
-        if length.x <= thin { cell.width.x.max(thin / steepness.x) } else { thin / steepness.x },
-        if length.y <= thin { cell.width.y.max(thin / steepness.y) } else { thin / steepness.y },
-    );
-    (length.min_element() <= thin).then_some((middle, blur.min(DVec2::ONE)))
+    let rounding = 64.0 * probe.noise / steepness;
+    (stretch <= TANGENT_LENGTH * probe.noise)
+        .then(|| (middle, (cell.width * unseen + rounding).min(DVec2::ONE)))
 }
 
 /// Fills `cells` with the signed distances, times weight, of the net from both planes; returns what rounding may change
@@ -241,6 +247,7 @@ fn contract(
     let blur = DVec2::new(b.length(), a.length()) * (2.0 * noise * per.abs());
     let mut z = DVec2::splat(0.5);
     let mut last = f64::INFINITY;
+    let mut ends = false;
     for _ in 0..200 {
         let ([bx, dx, _], [by, dy, _]) = (bernstein(p, z.x), bernstein(q_degree, z.y));
         let sums = [first, second].map(|list| super::search::weighted(list, p + 1, &bx, &dx, &by, &dy));
@@ -259,16 +266,19 @@ fn contract(
         let step = if length < 0.75 * last && newton.is_finite() { newton } else { simple };
         last = length;
         let next = (z - step).clamp(DVec2::ZERO, DVec2::ONE);
-        if (next - z).abs().cmple((0.125 * blur).max(DVec2::splat(4.0 * f64::EPSILON))).all() {
-            return Ok((f.length() <= 4.0 * noise).then_some((z, blur)));
+        // At a border the steps end; in the last bits they may go round.
+        let met = f.length() <= 4.0 * noise;
+        ends = (next - z).abs().cmple(blur).all();
+        if next == z || (met && ends) {
+            return Ok(met.then_some((z, blur)));
         }
         z = next;
     }
-    Err(())
+    if ends { Ok(None) } else { Err(()) }
 }
 
 /// The root of the leaf itself next to `place`, a root of its projection.
-fn polish(net: &Net<'_>, probe: &Probe, place: DVec2, blur: DVec2) -> Option<Root> {
+fn polish(net: &Net<'_>, probe: &Probe, place: DVec2, blur: DVec2, width: DVec2) -> Option<Root> {
     let mut x = place.clamp(DVec2::ZERO, DVec2::ONE);
     let mut best: Option<(f64, Root)> = None;
     for _ in 0..12 {
@@ -292,10 +302,10 @@ fn polish(net: &Net<'_>, probe: &Probe, place: DVec2, blur: DVec2) -> Option<Roo
         let step = DVec2::new((vv + damping) * fu - uv * fv, (uu + damping) * fv - uv * fu) / det;
         let next = (x - step).clamp(DVec2::ZERO, DVec2::ONE);
         // It must stay the root that was certified.
-        if !next.is_finite() || (next - place).abs().cmpgt(64.0 * blur.max(DVec2::splat(1e-12))).any() {
+        if !next.is_finite() || (next - place).abs().cmpgt((64.0 * blur).max(width)).any() {
             break;
         }
         x = next;
     }
-    best.and_then(|(off, root)| (off <= 256.0 * probe.noise).then_some(root))
+    best.and_then(|(off, root)| (off <= 6.0 * probe.noise).then_some(root))
 }

@@ -254,6 +254,7 @@ fn certified(
     let blur = DVec2::new(b2, a2).map(f64::sqrt) * (2.0 * probe.noise * per.abs());
     let mut x = start.clamp(DVec2::NEG_ONE, DVec2::ONE);
     let mut last = f64::INFINITY;
+    let mut ends = false;
     for _ in 0..MOST_STEPS {
         let tangent = net.tangent(0.5 + 0.5 * x.x, 0.5 + 0.5 * x.y);
         let from = tangent.s - probe.line.origin;
@@ -276,9 +277,10 @@ fn certified(
         last = length;
         let next = (x - step).clamp(DVec2::NEG_ONE, DVec2::ONE);
         let moved = next - x;
-        if moved.abs().cmple((0.125 * blur).max(DVec2::splat(4.0 * f64::EPSILON))).all() {
-            // A border, or the last bits: a root only if it is met here.
-            let met = f.length_squared() <= 16.0 * probe.noise * probe.noise;
+        // At a border the steps end; in the last bits they may go round.
+        let met = f.length_squared() <= 16.0 * probe.noise * probe.noise;
+        ends = moved.abs().cmple(blur).all();
+        if moved == DVec2::ZERO || (met && ends) {
             return Ok(met.then(|| root(frame, x, along(from), blur)));
         }
         // A step whose error by curvature is below rounding needs no look at its end.
@@ -288,7 +290,7 @@ fn certified(
         }
         x = next;
     }
-    Err(Undecided)
+    if ends { Ok(None) } else { Err(Undecided) }
 }
 
 #[inline(always)]

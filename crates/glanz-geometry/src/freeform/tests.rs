@@ -96,7 +96,9 @@ fn spline_surface_has_the_roots_of_the_reference() {
     let pieces = spline.bezier_patches().unwrap();
     let pieces = pieces.into_iter().map(|p| Piece::over_rectangle(p.patch, p.u, p.v).unwrap());
     let surface = Freeform::try_new(pieces.collect()).unwrap();
-    let expected: [([f64; 3], [f64; 3], &[[f64; 3]]); 3] = [
+    /// Origin, direction, and the roots as u, v and t.
+    type Expected = ([f64; 3], [f64; 3], &'static [[f64; 3]]);
+    let expected: [Expected; 3] = [
         (
             [2.2, 1.7, 5.0],
             [0.1, 0.05, -1.0],
