@@ -12,7 +12,7 @@ use crate::bvh::{BuildOptions, Bvh, map};
 use crate::error::SurfaceError;
 
 /// A leaf is halved while the Jacobian strays by more than this from that of its parallelogram, seen along the normal:
-/// measured with `benches/freeform` between 0.1 and 0.6.
+/// below the search's own limit, so that rays from most sides find their leaf certified.
 const UNEVEN: f64 = 0.3;
 
 /// Halvings of a patch at most: next to a collapsed edge no leaf is ever even.
@@ -21,7 +21,7 @@ const MOST_HALVINGS: usize = 9;
 /// Leaves smaller than this share of the surface are not halved further: the search does it if a ray comes.
 const SMALLEST: f64 = 1e-6;
 
-/// Cost of asking a leaf relative to that of testing a node, measured.
+/// Cost of asking a leaf relative to that of testing a node: between a block of triangles, 1, and other surfaces, 2.
 const LEAF_COST: f32 = 1.5;
 
 impl Freeform {

@@ -148,7 +148,7 @@ fn rational_patches_keep_the_contract() {
     let torus = Case {
         size: major + minor,
         area: Some(4.0 * PI * PI * major * minor),
-        resolution: 200,
+        resolution: 100,
         targets: vec![[DVec3::X * (major + minor); 2], [DVec3::X * (major - minor), DVec3::Y * major]],
         directions: vec![DVec3::X, DVec3::Z],
         ..Case::new("torus", revolved(&tube), move |p| {
