@@ -163,7 +163,7 @@ impl Bvh {
     }
 
     /// All leaves, in depth-first order.
-    pub fn leaves(&self) -> impl ExactSizeIterator<Item = Leaf> + use<> {
+    pub fn leaves(&self) -> impl ExactSizeIterator<Item = Leaf> + Clone + use<> {
         (0..self.leaf_count() as u32).map(Leaf)
     }
 

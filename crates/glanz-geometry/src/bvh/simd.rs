@@ -57,6 +57,10 @@ pub(crate) trait Simd: Copy {
     fn mul64(self, a: Self::F64, b: Self::F64) -> Self::F64;
     /// `a / b`.
     fn div64(self, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// `a * b + c` with one rounding.
+    fn mul_add64(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64;
+    /// Rows become columns.
+    fn transpose64(self, rows: [Self::F64; 4]) -> [Self::F64; 4];
     /// `|a|`.
     fn abs64(self, a: Self::F64) -> Self::F64;
     /// The size of `a` with the sign of `b`.
@@ -74,6 +78,8 @@ pub(crate) trait Simd: Copy {
 
     /// Asks for the cache line at `place`; changes nothing else.
     fn prefetch<T>(self, place: &T);
+    /// Runs rare work in a function of its own, compiled for the same instructions.
+    fn apart<T: Task>(self, task: T) -> T::Output;
 }
 
 /// Work that is compiled once per instruction set.
@@ -138,6 +144,13 @@ impl Isa {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn run_avx2<T: Task>(token: Avx2, task: T) -> T::Output {
+    task.run(token)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn run_avx2_apart<T: Task>(token: Avx2, task: T) -> T::Output {
     task.run(token)
 }
 
@@ -223,6 +236,15 @@ impl Simd for Scalar {
         std::array::from_fn(|i| a[i] / b[i])
     }
     #[inline(always)]
+    fn mul_add64(self, a: [f64; 4], b: [f64; 4], c: [f64; 4]) -> [f64; 4] {
+        // Slow where the processor cannot do it in one step, but the same bits everywhere.
+        std::array::from_fn(|i| a[i].mul_add(b[i], c[i]))
+    }
+    #[inline(always)]
+    fn transpose64(self, rows: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
+        std::array::from_fn(|i| std::array::from_fn(|j| rows[j][i]))
+    }
+    #[inline(always)]
     fn abs64(self, a: [f64; 4]) -> [f64; 4] {
         a.map(f64::abs)
     }
@@ -253,6 +275,10 @@ impl Simd for Scalar {
 
     #[inline(always)]
     fn prefetch<T>(self, _: &T) {}
+    #[inline(never)]
+    fn apart<T: Task>(self, task: T) -> T::Output {
+        task.run(self)
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -260,7 +286,7 @@ pub(crate) use avx2::{Avx2, Avx512};
 
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
-    use super::{Lanes8, Simd};
+    use super::{Lanes8, Simd, Task};
     use std::arch::x86_64::*;
 
     /// Proof that the processor has AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
@@ -389,6 +415,25 @@ mod avx2 {
             unsafe { _mm256_div_pd(a, b) }
         }
         #[inline(always)]
+        fn mul_add64(self, a: __m256d, b: __m256d, c: __m256d) -> __m256d {
+            // SAFETY: as above.
+            unsafe { _mm256_fmadd_pd(a, b, c) }
+        }
+        #[inline(always)]
+        fn transpose64(self, [a, b, c, d]: [__m256d; 4]) -> [__m256d; 4] {
+            // SAFETY: as above.
+            unsafe {
+                let (ab, ab_odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+                let (cd, cd_odd) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
+                [
+                    _mm256_permute2f128_pd::<0x20>(ab, cd),
+                    _mm256_permute2f128_pd::<0x20>(ab_odd, cd_odd),
+                    _mm256_permute2f128_pd::<0x31>(ab, cd),
+                    _mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd),
+                ]
+            }
+        }
+        #[inline(always)]
         fn abs64(self, a: __m256d) -> __m256d {
             // SAFETY: as above.
             unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), a) }
@@ -430,6 +475,12 @@ mod avx2 {
         fn prefetch<T>(self, place: &T) {
             // SAFETY: a prefetch never faults, and `place` is valid anyway.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(place).cast()) }
+        }
+
+        #[inline(always)]
+        fn apart<T: Task>(self, task: T) -> T::Output {
+            // SAFETY: as above.
+            unsafe { super::run_avx2_apart(self, task) }
         }
     }
 }

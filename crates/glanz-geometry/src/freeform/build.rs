@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicU64;
 use glanz_math::DVec3;
 
 use super::leaf::{Draft, Rect};
+use super::leaves::Leaves;
 use super::net::MAX_DEGREE;
 use super::{Freeform, Piece, Place};
 use crate::bvh::{BuildOptions, Bvh, map};
@@ -67,44 +68,21 @@ impl Freeform {
         let boxes: Vec<_> = drafts.iter().map(|d| d.bounds).collect();
         let options = BuildOptions { max_leaf: 1, block: 1, leaf_cost: LEAF_COST };
         let bvh = Bvh::build(&boxes, &options);
-        let mut surface = Self {
+        // Every leaf of the hierarchy is one of ours.
+        let ordered = bvh.leaves().filter_map(|leaf| drafts.get(*bvh.leaf(leaf).first()? as usize));
+        let leaves = Leaves::new(ordered.clone());
+        let places = ordered.map(|draft| Place { piece: draft.patch, rect: draft.rect }).collect();
+        Self {
             pieces,
             degrees,
-            starts: vec![0],
-            frames: Vec::with_capacity(drafts.len()),
-            places: Vec::with_capacity(drafts.len()),
-            nets: Vec::new(),
+            leaves,
+            places,
             size,
             undecided: AtomicU64::new(0),
             areas: OnceLock::new(),
             bvh,
-        };
-        for leaf in surface.bvh.leaves() {
-            for &index in surface.bvh.leaf(leaf) {
-                let Some(draft) = drafts.get(index as usize) else { continue };
-                surface.frames.push(draft.frame);
-                let net = surface.nets.len() as u32;
-                let rational = push_net(&mut surface.nets, draft, &surface.pieces);
-                surface.places.push(Place { piece: draft.patch, net, rational, rect: draft.rect });
-            }
-            surface.starts.push(surface.frames.len() as u32);
-        }
-        surface
-    }
-}
-
-/// Appends the coefficients of `draft` list by list; says whether there are weights.
-fn push_net(nets: &mut Vec<f64>, draft: &Draft, pieces: &[Piece]) -> bool {
-    let Some((p, q)) = pieces.get(draft.patch as usize).map(|piece| piece.patch.degrees()) else {
-        return false;
-    };
-    let rational = draft.net.iter().any(|point| point.w != 1.0);
-    for coordinate in 0..if rational { 4 } else { 3 } {
-        for j in 0..=q {
-            nets.extend((0..=p).map(|i| draft.net[i * (q + 1) + j][coordinate]));
         }
     }
-    rational
 }
 
 /// The leaves of one piece. Those without any extent are left out: nothing can be seen of them.
@@ -120,7 +98,7 @@ fn leaves(index: u32, piece: &Piece, smallest: f64) -> Vec<Draft> {
         if even || !large || halvings == MOST_HALVINGS {
             done.push(draft);
         } else {
-            open.extend(draft.halves(degrees).map(|half| (half, halvings + 1)));
+            open.extend(draft.halves().map(|half| (half, halvings + 1)));
         }
     }
     done

@@ -8,7 +8,7 @@
 use glanz_math::DVec2;
 
 use super::net::bernstein;
-use super::search::{Net, Probe, Root, Scratch, cross};
+use super::search::{Probe, Root, Scratch, Tangent, cross};
 
 /// Largest contraction at which a cell is certified.
 const CERTIFIED: f64 = 0.75;
@@ -24,6 +24,19 @@ const TANGENT_LENGTH: f64 = (1_u64 << 31) as f64;
 
 /// Parameters within which tangencies are one.
 const TANGENT_BLUR: f64 = 1.0 / (1 << 18) as f64;
+
+/// What is asked of a leaf here.
+pub(super) trait Patch {
+    /// Degrees of the coefficients of [`Patch::project`].
+    fn degrees(&self) -> (usize, usize);
+    /// Fills `cells` with the Bernstein coefficients of the signed distances, times weight, from both planes through the
+    /// ray, that of (i, j) at j (p + 1) + i; returns what rounding may change in them.
+    fn project(&self, probe: &Probe, cells: &mut Vec<f64>) -> f64;
+    /// Point and first derivatives at (x, y) in [0, 1]^2.
+    fn tangent(&self, x: f64, y: f64) -> Tangent;
+    /// Metres that this point may be off across the ray, by rounding.
+    fn noise(&self, probe: &Probe) -> f64;
+}
 
 /// A rectangle of the leaf and where its coefficients start.
 #[derive(Clone, Copy, Debug)]
@@ -45,10 +58,11 @@ enum Verdict {
     Open { across_x: bool },
 }
 
-/// Every root of `net`, into `scratch.roots`; some may be there twice, from cells that share a border.
+/// Every root of `patch`, into `scratch.roots`; some may be there twice, from cells that share a border.
 #[cold]
-pub(super) fn roots(net: &Net<'_>, probe: &Probe, scratch: &mut Scratch) {
-    let noise = project(net, probe, &mut scratch.cells);
+pub(super) fn roots(patch: &impl Patch, probe: &Probe, scratch: &mut Scratch) {
+    let degrees = patch.degrees();
+    let noise = patch.project(probe, &mut scratch.cells);
     let size = scratch.cells.len();
     let mut stack = vec![Cell { from: DVec2::ZERO, width: DVec2::ONE, start: 0 }];
     let mut count = 0;
@@ -59,28 +73,28 @@ pub(super) fn roots(net: &Net<'_>, probe: &Probe, scratch: &mut Scratch) {
             return;
         }
         scratch.cells.truncate(cell.start + size);
-        let verdict = examine(&scratch.cells[cell.start..], net.degrees, noise);
+        let verdict = examine(&scratch.cells[cell.start..], degrees, noise);
         let found = match verdict {
             Verdict::Excluded => None,
             Verdict::Certified { a, b, q } => {
-                let found = contract(&scratch.cells[cell.start..], net.degrees, noise, [a, b], q);
+                let found = contract(&scratch.cells[cell.start..], degrees, noise, [a, b], q);
                 scratch.undecided += u64::from(found.is_err());
                 found.ok().flatten().map(|(z, blur)| (cell.from + cell.width * z, blur * cell.width))
             }
-            Verdict::Flat => flat(net, probe, &cell),
+            Verdict::Flat => flat(patch, probe, &cell),
             Verdict::Open { across_x } => {
                 let [low, high] = halve(&cell, across_x, size);
                 if low.width.min_element() < f64::EPSILON {
                     Some((cell.from + cell.width * 0.5, DVec2::splat(TANGENT_BLUR)))
                 } else {
-                    split(&mut scratch.cells, cell.start, net.degrees, across_x);
+                    split(&mut scratch.cells, cell.start, degrees, across_x);
                     stack.extend([low, high]);
                     None
                 }
             }
         };
         if let Some((place, blur)) = found
-            && let Some(root) = polish(net, probe, place, blur, cell.width)
+            && let Some(root) = polish(patch, probe, place, blur, cell.width)
         {
             scratch.roots.push(root);
         }
@@ -92,9 +106,9 @@ pub(super) fn roots(net: &Net<'_>, probe: &Probe, scratch: &mut Scratch) {
 ///
 /// Whatever of the cell looks like one point lies along the direction in the parameters that the ray does not see. A
 /// short stretch of it is a root that rounding blurs: a tangency, the neighbourhood of a collapsed edge, a sliver across the ray.
-fn flat(net: &Net<'_>, probe: &Probe, cell: &Cell) -> Option<(DVec2, DVec2)> {
+fn flat(patch: &impl Patch, probe: &Probe, cell: &Cell) -> Option<(DVec2, DVec2)> {
     let middle = cell.from + cell.width * 0.5;
-    let tangent = net.tangent(middle.x, middle.y);
+    let tangent = patch.tangent(middle.x, middle.y);
     let (along_x, along_y) = (tangent.su * cell.width.x, tangent.sv * cell.width.y);
     let (a, b) = (probe.across(along_x), probe.across(along_y));
     let seen = if a.length_squared() >= b.length_squared() { a } else { b };
@@ -107,28 +121,9 @@ fn flat(net: &Net<'_>, probe: &Probe, cell: &Cell) -> Option<(DVec2, DVec2)> {
     };
     let unseen = if unseen.is_finite() { unseen.abs() } else { DVec2::ONE };
     let steepness = DVec2::new(tangent.su.length(), tangent.sv.length());
-    let rounding = 64.0 * probe.noise / steepness;
+    let rounding = 64.0 * patch.noise(probe) / steepness;
     (stretch <= TANGENT_LENGTH * probe.noise)
         .then(|| (middle, (cell.width * unseen + rounding).min(DVec2::ONE)))
-}
-
-/// Fills `cells` with the signed distances, times weight, of the net from both planes; returns what rounding may change
-/// in them.
-fn project(net: &Net<'_>, probe: &Probe, cells: &mut Vec<f64>) -> f64 {
-    cells.clear();
-    let n = (net.degrees.0 + 1) * (net.degrees.1 + 1);
-    let o = probe.line.origin;
-    let mut lists = net.lists.chunks_exact(n);
-    let (Some(x), Some(y), Some(z)) = (lists.next(), lists.next(), lists.next()) else { return 0.0 };
-    let weights = lists.next();
-    let weight = |k: usize| weights.map_or(1.0, |w| w[k]);
-    for axis in probe.axes {
-        cells.extend((0..n).map(|k| {
-            let w = weight(k);
-            (x[k] - o.x * w) * axis.x + (y[k] - o.y * w) * axis.y + (z[k] - o.z * w) * axis.z
-        }));
-    }
-    2.0 * probe.noise * (0..n).fold(0.0, |most: f64, k| most.max(weight(k)))
 }
 
 fn halve(cell: &Cell, across_x: bool, size: usize) -> [Cell; 2] {
@@ -278,11 +273,12 @@ fn contract(
 }
 
 /// The root of the leaf itself next to `place`, a root of its projection.
-fn polish(net: &Net<'_>, probe: &Probe, place: DVec2, blur: DVec2, width: DVec2) -> Option<Root> {
+fn polish(patch: &impl Patch, probe: &Probe, place: DVec2, blur: DVec2, width: DVec2) -> Option<Root> {
     let mut x = place.clamp(DVec2::ZERO, DVec2::ONE);
+    let noise = patch.noise(probe);
     let mut best: Option<(f64, Root)> = None;
     for _ in 0..12 {
-        let tangent = net.tangent(x.x, x.y);
+        let tangent = patch.tangent(x.x, x.y);
         let from = tangent.s - probe.line.origin;
         let f = probe.across(from);
         if best.is_none_or(|(least, ..)| f.length() < least) {
@@ -290,7 +286,7 @@ fn polish(net: &Net<'_>, probe: &Probe, place: DVec2, blur: DVec2, width: DVec2)
             let root = Root { s: probe.line.direction.dot(from), x: x.x, y: x.y, blur, reach };
             best = Some((f.length(), root));
         }
-        if f.length() <= probe.noise {
+        if f.length() <= noise {
             break;
         }
         let (ju, jv) = (probe.across(tangent.su), probe.across(tangent.sv));
@@ -307,5 +303,5 @@ fn polish(net: &Net<'_>, probe: &Probe, place: DVec2, blur: DVec2, width: DVec2)
         }
         x = next;
     }
-    best.and_then(|(off, root)| (off <= 6.0 * probe.noise).then_some(root))
+    best.and_then(|(off, root)| (off <= 6.0 * noise).then_some(root))
 }

@@ -18,7 +18,7 @@ impl Rect {
 
     /// The parameters of the patch at those of the rectangle, both in [0, 1]^2. Corners are met exactly.
     pub(super) fn at(&self, x: f64, y: f64) -> (f64, f64) {
-        let mix = |[a, b]: [f64; 2], x: f64| if x == 1.0 { b } else { (b - a).mul_add(x, a) };
+        let mix = |[a, b]: [f64; 2], x: f64| if x == 1.0 { b } else { (b - a) * x + a };
         (mix(self.u, x), mix(self.v, y))
     }
 
@@ -58,6 +58,7 @@ pub(super) struct Draft {
     pub(super) bounds: Bounds3,
     pub(super) patch: u32,
     pub(super) rect: Rect,
+    pub(super) degrees: (usize, usize),
     pub(super) net: Vec<DVec4>,
 }
 
@@ -165,11 +166,17 @@ impl Draft {
         let pad = DVec3::splat(gamma(64) * size);
         let thick = frame.bounds();
         let bounds = Bounds3::new((hull.min - pad).max(thick.min), (hull.max + pad).min(thick.max));
-        Self { frame, bounds, patch, rect, net }
+        Self { frame, bounds, patch, rect, degrees, net }
+    }
+
+    /// Whether all weights are 1.
+    pub(super) fn is_polynomial(&self) -> bool {
+        self.net.iter().all(|p| p.w == 1.0)
     }
 
     /// Halves it across the direction in which it bends more.
-    pub(super) fn halves(&self, degrees: (usize, usize)) -> [Self; 2] {
+    pub(super) fn halves(&self) -> [Self; 2] {
+        let degrees = self.degrees;
         let across_u = bends_along_u(&self.net, degrees);
         let [low, high] = net::split(&self.net, degrees, across_u);
         let [below, above] = self.rect.halves(across_u);

@@ -25,9 +25,11 @@
 //! # Ok::<(), glanz_geometry::SurfaceError>(())
 //! ```
 
+mod bicubic;
 mod build;
 mod cells;
 mod leaf;
+mod leaves;
 mod net;
 mod piece;
 mod point;
@@ -35,13 +37,15 @@ mod query;
 mod search;
 #[cfg(test)]
 mod tests;
+mod view;
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glanz_math::{AreaPdf, Bounds3, DVec2, Ray};
 
-use self::leaf::{Frame, Rect};
+use self::leaf::Rect;
+use self::leaves::Leaves;
 pub use self::net::MAX_DEGREE;
 pub use self::piece::Piece;
 use self::point::Areas;
@@ -60,27 +64,21 @@ pub struct Freeform {
     /// Largest degrees of the pieces.
     degrees: (usize, usize),
     bvh: Bvh,
-    /// Where the frames of each leaf of the hierarchy start; one more than there are leaves.
-    starts: Vec<u32>,
-    frames: Vec<Frame>,
+    /// By position in the hierarchy, as the next ones.
+    leaves: Leaves,
     places: Vec<Place>,
-    /// Coefficients of the frames: lists of x, y, z and, if any weight is not 1, w.
-    nets: Vec<f64>,
     /// Largest coordinate, metres.
     size: f64,
-    /// Frames without certified answer: see [`Freeform::undecided`].
+    /// Leaves without certified answer: see [`Freeform::undecided`].
     undecided: AtomicU64,
     /// Only surfaces that shine need it.
     areas: OnceLock<Areas>,
 }
 
-/// Which part of which piece a frame is.
+/// Which part of which piece a leaf is.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     piece: u32,
-    /// Start of its coefficients.
-    net: u32,
-    rational: bool,
     rect: Rect,
 }
 
@@ -116,10 +114,8 @@ impl Freeform {
         let patches: usize = self.pieces.iter().map(|p| size_of_val(p.patch.control_points())).sum();
         size_of_val(&*self.pieces)
             + patches
-            + size_of_val(&*self.starts)
-            + size_of_val(&*self.frames)
+            + self.leaves.bytes()
             + size_of_val(&*self.places)
-            + size_of_val(&*self.nets)
             + self.statistics().bytes
     }
 }

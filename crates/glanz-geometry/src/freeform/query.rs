@@ -5,46 +5,73 @@ use std::sync::atomic;
 
 use glanz_math::Ray;
 
-use super::search::{self, Net, Probe, Root, Scratch};
+use super::leaves::{LeafList, Leaves};
+use super::search::{OnRoot, Probe, Root, Scratch};
 use super::{Freeform, Place};
 use crate::bvh::simd::{Simd, Task};
 use crate::bvh::{Leaf, Visit};
 use crate::hit::Hit;
 
+/// Runs `$task` on the leaves of a surface, whichever kind they are.
+macro_rules! on_leaves {
+    ($surface:expr, $leaves:ident => $run:expr) => {
+        match &$surface.leaves {
+            Leaves::Polynomial($leaves) => $run,
+            Leaves::Rational($leaves) => $run,
+            Leaves::General($leaves) => $run,
+        }
+    };
+}
+
 /// What all queries carry from leaf to leaf.
-struct Walk<'a> {
+struct Walk<'a, L: ?Sized> {
     surface: &'a Freeform,
-    probe: Probe,
+    leaves: &'a L,
+    ray: &'a Ray,
+    /// From the first leaf on: many rays meet none.
+    probe: Option<Probe>,
     scratch: Scratch,
 }
 
-impl<'a> Walk<'a> {
+impl<'a, L: LeafList + ?Sized> Walk<'a, L> {
     #[inline(always)]
-    fn new(surface: &'a Freeform, ray: &Ray) -> Self {
-        let bounds = surface.bvh.bounds();
-        let radius = 0.5 * bounds.diagonal().length();
-        let probe = Probe::new(ray, bounds.center(), radius, surface.size, surface.degrees);
-        Self { surface, probe, scratch: Scratch::default() }
+    fn new(surface: &'a Freeform, leaves: &'a L, ray: &'a Ray) -> Self {
+        Self { surface, leaves, ray, probe: None, scratch: Scratch::default() }
     }
 
-    /// Reports every root in a leaf of the hierarchy.
+    /// Tells `report` of every root in a leaf of the hierarchy.
     #[inline(always)]
-    fn leaf(&mut self, leaf: Leaf, mut report: impl FnMut(&Probe, &Place, Root)) {
-        let Self { surface, probe, scratch } = self;
-        let starts = surface.starts.get(leaf.ordinal()).zip(surface.starts.get(leaf.ordinal() + 1));
-        let Some((&start, &end)) = starts else { return };
-        for index in start as usize..end as usize {
-            let (Some(frame), Some(place)) = (surface.frames.get(index), surface.places.get(index)) else {
-                return;
-            };
-            search::roots(frame, || surface.net(place), probe, scratch, &mut |root| {
-                report(probe, place, root)
-            });
-        }
+    fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, report: &mut impl Report) {
+        let Self { surface, leaves, ray, probe, scratch } = self;
+        let Some(place) = surface.places.get(leaf.ordinal()) else { return };
+        let probe = match probe {
+            Some(probe) => probe,
+            None => probe.insert(surface.probe(ray)),
+        };
+        leaves.roots(simd, leaf.ordinal(), probe, scratch, &mut InLeaf { report, probe, place });
     }
 }
 
-impl Drop for Walk<'_> {
+/// What becomes of the roots.
+trait Report {
+    fn root(&mut self, probe: &Probe, place: &Place, root: Root);
+}
+
+/// A report of the roots of one leaf.
+struct InLeaf<'a, R> {
+    report: &'a mut R,
+    probe: &'a Probe,
+    place: &'a Place,
+}
+
+impl<R: Report> OnRoot for InLeaf<'_, R> {
+    #[inline(always)]
+    fn root(&mut self, root: Root) {
+        self.report.root(self.probe, self.place, root);
+    }
+}
+
+impl<L: ?Sized> Drop for Walk<'_, L> {
     #[inline(always)]
     fn drop(&mut self) {
         if self.scratch.undecided > 0 {
@@ -55,12 +82,10 @@ impl Drop for Walk<'_> {
 
 impl Freeform {
     #[inline(always)]
-    fn net(&self, place: &Place) -> Net<'_> {
-        let degrees = self.pieces.get(place.piece as usize).map_or((0, 0), |piece| piece.patch.degrees());
-        let length = (degrees.0 + 1) * (degrees.1 + 1) * if place.rational { 4 } else { 3 };
-        let start = place.net as usize;
-        let lists = self.nets.get(start..start + length).unwrap_or_default();
-        Net { degrees, lists, rational: place.rational }
+    fn probe(&self, ray: &Ray) -> Probe {
+        let bounds = self.bvh.bounds();
+        let radius = 0.5 * bounds.diagonal().length();
+        Probe::new(ray, bounds.center(), radius, self.size, self.degrees)
     }
 }
 
@@ -88,32 +113,46 @@ impl Task for Closest<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Option<Hit> {
-        let mut visit = ClosestVisit { walk: Walk::new(self.surface, self.ray), best: None };
-        self.surface.bvh.closest_with(simd, self.ray, self.t_max, &mut visit);
-        visit.best
+        let Self { surface, ray, t_max } = self;
+        on_leaves!(surface, leaves => {
+            let best = Best { hit: None, end: t_max };
+            let mut visit = ClosestVisit { walk: Walk::new(surface, leaves, ray), best };
+            surface.bvh.closest_with(simd, ray, t_max, &mut visit);
+            visit.best.hit
+        })
     }
 }
 
-struct ClosestVisit<'a> {
-    walk: Walk<'a>,
-    best: Option<Hit>,
+struct ClosestVisit<'a, L> {
+    walk: Walk<'a, L>,
+    best: Best,
 }
 
-impl Visit for &mut ClosestVisit<'_> {
+/// The closest hit so far.
+struct Best {
+    hit: Option<Hit>,
+    /// Where the ray ends.
+    end: f64,
+}
+
+impl Report for Best {
     #[inline(always)]
-    fn leaf<S: Simd>(&mut self, _: S, leaf: Leaf, t_max: f64) -> f64 {
-        let ClosestVisit { walk, best } = &mut **self;
-        let mut end = t_max;
-        walk.leaf(leaf, |probe, place, root| {
-            let t = probe.line.t(root.s);
+    fn root(&mut self, probe: &Probe, place: &Place, root: Root) {
+        let t = probe.line.t(root.s);
+        if t > 0.0 && t <= self.end {
             let found = hit(t, place, &root);
-            let closer = t < end || best.is_some_and(|b| order(&found, &b).is_lt());
-            if t > 0.0 && closer {
-                *best = Some(found);
-                end = t;
+            if t < self.end || self.hit.is_some_and(|best| order(&found, &best).is_lt()) {
+                *self = Self { hit: Some(found), end: t };
             }
-        });
-        end
+        }
+    }
+}
+
+impl<L: LeafList> Visit for &mut ClosestVisit<'_, L> {
+    #[inline(always)]
+    fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, _: f64) -> f64 {
+        self.walk.leaf(simd, leaf, &mut self.best);
+        self.best.end
     }
 }
 
@@ -129,22 +168,39 @@ impl Task for Occluded<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> bool {
-        let mut visit = OccludedVisit(Walk::new(self.surface, self.ray));
-        self.surface.bvh.any_with(simd, self.ray, self.t_max, &mut visit)
+        let Self { surface, ray, t_max } = self;
+        on_leaves!(surface, leaves => {
+            let before = Before { end: t_max, met: false };
+            let mut visit = OccludedVisit { walk: Walk::new(surface, leaves, ray), before };
+            surface.bvh.any_with(simd, ray, t_max, &mut visit)
+        })
     }
 }
 
-struct OccludedVisit<'a>(Walk<'a>);
+struct OccludedVisit<'a, L> {
+    walk: Walk<'a, L>,
+    before: Before,
+}
 
-impl Visit for &mut OccludedVisit<'_> {
+/// Whether there was a root before the end.
+struct Before {
+    end: f64,
+    met: bool,
+}
+
+impl Report for Before {
     #[inline(always)]
-    fn leaf<S: Simd>(&mut self, _: S, leaf: Leaf, t_max: f64) -> f64 {
-        let mut met = false;
-        self.0.leaf(leaf, |probe, _, root| {
-            let t = probe.line.t(root.s);
-            met |= t > 0.0 && t < t_max;
-        });
-        if met { f64::NEG_INFINITY } else { t_max }
+    fn root(&mut self, probe: &Probe, _: &Place, root: Root) {
+        let t = probe.line.t(root.s);
+        self.met |= t > 0.0 && t < self.end;
+    }
+}
+
+impl<L: LeafList> Visit for &mut OccludedVisit<'_, L> {
+    #[inline(always)]
+    fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, t_max: f64) -> f64 {
+        self.walk.leaf(simd, leaf, &mut self.before);
+        if self.before.met { f64::NEG_INFINITY } else { t_max }
     }
 }
 
@@ -161,14 +217,17 @@ impl Task for Every<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let mut visit =
-            EveryVisit { walk: Walk::new(self.surface, self.ray), found: Vec::new(), t_max: self.t_max };
-        self.surface.bvh.closest_with(simd, self.ray, self.t_max, &mut visit);
-        let mut found = std::mem::take(&mut visit.found);
+        let Self { surface, ray, t_max, hits } = self;
+        let mut found = on_leaves!(surface, leaves => {
+            let walk = Walk::new(surface, leaves, ray);
+            let mut visit = EveryVisit { walk, all: All { found: Vec::new(), end: t_max } };
+            surface.bvh.closest_with(simd, ray, t_max, &mut visit);
+            visit.all.found
+        });
         found.sort_by(|a, b| order(&a.hit, &b.hit));
         for (index, candidate) in found.iter().enumerate() {
             if !found[..index].iter().any(|earlier| earlier.is_same(candidate)) {
-                self.hits.push(candidate.hit);
+                hits.push(candidate.hit);
             }
         }
     }
@@ -208,26 +267,34 @@ impl Found {
     }
 }
 
-struct EveryVisit<'a> {
-    walk: Walk<'a>,
-    found: Vec<Found>,
-    t_max: f64,
+struct EveryVisit<'a, L> {
+    walk: Walk<'a, L>,
+    all: All,
 }
 
-impl Visit for &mut EveryVisit<'_> {
+struct All {
+    found: Vec<Found>,
+    end: f64,
+}
+
+impl Report for All {
     #[inline(always)]
-    fn leaf<S: Simd>(&mut self, _: S, leaf: Leaf, t_max: f64) -> f64 {
-        let EveryVisit { walk, found, t_max: end } = &mut **self;
-        walk.leaf(leaf, |probe, place, root| {
-            let t = probe.line.t(root.s);
-            if t > 0.0 && t < *end {
-                let Place { rect, .. } = place;
-                let blur = [(rect.u, root.blur.x), (rect.v, root.blur.y)]
-                    .map(|([low, high], blur)| blur * (high - low) + f64::EPSILON);
-                let root = Root { reach: root.reach + probe.noise, ..root };
-                found.push(Found { hit: hit(t, place, &root), root, blur });
-            }
-        });
+    fn root(&mut self, probe: &Probe, place: &Place, root: Root) {
+        let t = probe.line.t(root.s);
+        if t > 0.0 && t < self.end {
+            let Place { rect, .. } = place;
+            let blur = [(rect.u, root.blur.x), (rect.v, root.blur.y)]
+                .map(|([low, high], blur)| blur * (high - low) + f64::EPSILON);
+            let root = Root { reach: root.reach + probe.noise, ..root };
+            self.found.push(Found { hit: hit(t, place, &root), root, blur });
+        }
+    }
+}
+
+impl<L: LeafList> Visit for &mut EveryVisit<'_, L> {
+    #[inline(always)]
+    fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, t_max: f64) -> f64 {
+        self.walk.leaf(simd, leaf, &mut self.all);
         t_max
     }
 }

@@ -12,9 +12,10 @@
 use glanz_math::rounding::gamma;
 use glanz_math::{DVec2, DVec3, Frame as Axes, Ray};
 
-use super::cells;
+use super::cells::{self, Patch};
 use super::leaf::Frame;
 use super::net::{Basis, bernstein};
+use super::view::Place;
 use crate::line::Line;
 
 /// Largest factor q at which step 2 is taken; above, halving is cheaper than many steps.
@@ -33,6 +34,12 @@ pub(super) struct Net<'a> {
     pub(super) lists: &'a [f64],
     /// Whether there is a list for w.
     pub(super) rational: bool,
+}
+
+/// Is told of roots. Not a closure, which would not be compiled for the instruction set of the search.
+pub(super) trait OnRoot {
+    /// Takes a root.
+    fn root(&mut self, root: Root);
 }
 
 /// A ray in the frame of the search: two planes through it, and its origin next to the surface.
@@ -117,6 +124,37 @@ impl Net<'_> {
     }
 }
 
+impl Patch for Net<'_> {
+    fn degrees(&self) -> (usize, usize) {
+        self.degrees
+    }
+
+    fn project(&self, probe: &Probe, cells: &mut Vec<f64>) -> f64 {
+        cells.clear();
+        let n = (self.degrees.0 + 1) * (self.degrees.1 + 1);
+        let o = probe.line.origin;
+        let mut lists = self.lists.chunks_exact(n);
+        let (Some(x), Some(y), Some(z)) = (lists.next(), lists.next(), lists.next()) else { return 0.0 };
+        let weights = lists.next();
+        let weight = |k: usize| weights.map_or(1.0, |w| w[k]);
+        for axis in probe.axes {
+            cells.extend((0..n).map(|k| {
+                let w = weight(k);
+                (x[k] - o.x * w) * axis.x + (y[k] - o.y * w) * axis.y + (z[k] - o.z * w) * axis.z
+            }));
+        }
+        2.0 * probe.noise * (0..n).fold(0.0, |most: f64, k| most.max(weight(k)))
+    }
+
+    fn tangent(&self, x: f64, y: f64) -> Tangent {
+        Net::tangent(self, x, y)
+    }
+
+    fn noise(&self, probe: &Probe) -> f64 {
+        probe.noise
+    }
+}
+
 /// Sums of a list by bases: value, derivative by x, by y.
 pub(super) fn weighted(
     list: &[f64],
@@ -190,7 +228,9 @@ pub(super) fn cross(a: DVec2, b: DVec2) -> f64 {
 pub(super) struct Scratch {
     /// Coefficients of cells.
     pub(super) cells: Vec<f64>,
-    /// Roots of the present leaf.
+    /// Roots of the present leaf, in its own parameters.
+    pub(super) places: Vec<Place>,
+    /// The same as they are reported.
     pub(super) roots: Vec<Root>,
     /// Leaves whose cells were given up.
     pub(super) undecided: u64,
@@ -203,7 +243,7 @@ pub(super) fn roots<'a>(
     net: impl FnOnce() -> Net<'a>,
     probe: &Probe,
     scratch: &mut Scratch,
-    report: &mut impl FnMut(Root),
+    report: &mut impl OnRoot,
 ) {
     let c = probe.across(frame.center - probe.line.origin);
     let (a, b) = (probe.across(frame.along_u), probe.across(frame.along_v));
@@ -223,14 +263,14 @@ pub(super) fn roots<'a>(
     let q2 = frame.stray_squared * (a2 + b2);
     if q2 < CERTIFIED * CERTIFIED * det * det {
         match certified(frame, net, probe, [a, b], DVec2::new(s, t) / det) {
-            Ok(Some(root)) => report(root),
+            Ok(Some(root)) => report.root(root),
             Ok(None) => {}
             Err(Undecided) => scratch.undecided += 1,
         }
     } else {
         cells::roots(net, probe, scratch);
         for root in scratch.roots.drain(..) {
-            report(root);
+            report.root(root);
         }
     }
 }

@@ -1,0 +1,127 @@
+//! The leaves of a surface as rays need them, in the order of the hierarchy.
+
+use super::bicubic::Bicubic;
+use super::leaf::{Draft, Frame};
+use super::search::{self, Net, OnRoot, Probe, Scratch};
+use crate::bvh::simd::Simd;
+
+/// The leaves, all of one kind, so that the search branches once per ray.
+#[derive(Debug)]
+pub(super) enum Leaves {
+    /// Degrees up to (3, 3), all weights equal within each patch.
+    Polynomial(Vec<Bicubic<3>>),
+    /// Degrees up to (3, 3).
+    Rational(Vec<Bicubic<4>>),
+    /// Any degree.
+    General(General),
+}
+
+/// Leaves that can be asked by their position.
+pub(super) trait LeafList {
+    /// Reports every root of the leaf, in no order.
+    fn roots<S: Simd>(
+        &self,
+        simd: S,
+        ordinal: usize,
+        probe: &Probe,
+        scratch: &mut Scratch,
+        report: &mut impl OnRoot,
+    );
+}
+
+/// Leaves of any degrees.
+#[derive(Debug, Default)]
+pub(super) struct General {
+    leaves: Vec<GeneralLeaf>,
+    /// Their coefficients: lists of x, y, z and, if any weight is not 1, w.
+    nets: Vec<f64>,
+}
+
+#[derive(Debug)]
+struct GeneralLeaf {
+    frame: Frame,
+    degrees: (u8, u8),
+    rational: bool,
+    /// Start of its coefficients.
+    net: u32,
+}
+
+impl Leaves {
+    /// Those of `drafts`, in their order.
+    pub(super) fn new<'a>(drafts: impl Iterator<Item = &'a Draft> + Clone) -> Self {
+        let low = drafts.clone().all(|d| d.degrees.0 <= 3 && d.degrees.1 <= 3);
+        if !low {
+            let mut general = General::default();
+            drafts.for_each(|draft| general.push(draft));
+            Self::General(general)
+        } else if drafts.clone().all(|d| d.is_polynomial()) {
+            Self::Polynomial(drafts.map(|d| Bicubic::new(&d.net, d.degrees, &d.frame)).collect())
+        } else {
+            Self::Rational(drafts.map(|d| Bicubic::new(&d.net, d.degrees, &d.frame)).collect())
+        }
+    }
+
+    /// Memory, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        match self {
+            Self::Polynomial(leaves) => size_of_val(&**leaves),
+            Self::Rational(leaves) => size_of_val(&**leaves),
+            Self::General(general) => size_of_val(&*general.leaves) + size_of_val(&*general.nets),
+        }
+    }
+}
+
+impl<const LISTS: usize> LeafList for Vec<Bicubic<LISTS>> {
+    #[inline(always)]
+    fn roots<S: Simd>(
+        &self,
+        simd: S,
+        ordinal: usize,
+        probe: &Probe,
+        scratch: &mut Scratch,
+        report: &mut impl OnRoot,
+    ) {
+        if let Some(leaf) = self.get(ordinal) {
+            leaf.roots(simd, probe, scratch, report);
+        }
+    }
+}
+
+impl LeafList for General {
+    #[inline(always)]
+    fn roots<S: Simd>(
+        &self,
+        _: S,
+        ordinal: usize,
+        probe: &Probe,
+        scratch: &mut Scratch,
+        report: &mut impl OnRoot,
+    ) {
+        if let Some(leaf) = self.leaves.get(ordinal) {
+            search::roots(&leaf.frame, || self.net(leaf), probe, scratch, report);
+        }
+    }
+}
+
+impl General {
+    fn push(&mut self, draft: &Draft) {
+        let (p, q) = draft.degrees;
+        let rational = !draft.is_polynomial();
+        let net = self.nets.len() as u32;
+        for coordinate in 0..if rational { 4 } else { 3 } {
+            for j in 0..=q {
+                self.nets.extend((0..=p).map(|i| draft.net[i * (q + 1) + j][coordinate]));
+            }
+        }
+        self.leaves.push(GeneralLeaf { frame: draft.frame, degrees: (p as u8, q as u8), rational, net });
+    }
+
+    #[inline(always)]
+    fn net(&self, leaf: &GeneralLeaf) -> Net<'_> {
+        let degrees = (usize::from(leaf.degrees.0), usize::from(leaf.degrees.1));
+        let length = (degrees.0 + 1) * (degrees.1 + 1) * if leaf.rational { 4 } else { 3 };
+        let start = leaf.net as usize;
+        let lists = self.nets.get(start..start + length).unwrap_or_default();
+        Net { degrees, lists, rational: leaf.rational }
+    }
+}

@@ -1,0 +1,362 @@
+//! A bicubic leaf seen along a ray: two polynomials whose common roots are looked for.
+//!
+//! Newton's method from a good start does for most rays. The others see a silhouette, a border or a strongly bent leaf:
+//! [`View::divide`] multiplies by the inverse Jacobian of the centre, so that the polynomials become (s, t) plus a rest, bounds the rest
+//! by the sum of its coefficients, and halves until that excludes the cell or certifies that it has one root at most.
+
+use glanz_math::DVec2;
+
+use super::search::cross;
+use crate::bvh::simd::Simd;
+
+/// Largest bound on the change of the Jacobian, relative to that at the centre, at which a cell is certified.
+pub(super) const CERTIFIED: f64 = 0.85;
+
+/// Steps of Newton's method from a good start.
+const FEW_STEPS: usize = 6;
+
+/// Steps in a certified cell. Those of the contraction alone would be more; then the slow way is taken.
+const MOST_STEPS: usize = 24;
+
+/// Halvings. Tangencies need more, and are left to the slow way.
+const MOST_HALVINGS: usize = 12;
+
+/// Cells, for the same reason.
+const MOST_CELLS: usize = 64;
+
+/// The leaf over (s, t) in [-1, 1]^2: coefficients by power of s, those of the powers of t in the lanes.
+#[derive(Clone, Copy)]
+pub(super) struct View<S: Simd> {
+    pub(super) first: [S::F64; 4],
+    pub(super) second: [S::F64; 4],
+}
+
+/// What is known about the polynomials of a leaf.
+#[derive(Clone, Copy)]
+pub(super) struct Limits {
+    /// Metres that rounding may move a point of the surface across the ray.
+    pub(super) noise: f64,
+    /// A linear step of length h is off by at most `bend` h^2.
+    pub(super) bend: f64,
+    /// Bounds on the weight by which the polynomials are multiplied.
+    pub(super) weights: [f64; 2],
+}
+
+/// A root in the parameters (s, t) of the leaf, and by how much rounding may move it.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    pub(super) at: DVec2,
+    pub(super) blur: DVec2,
+}
+
+/// Values and derivatives of both polynomials.
+#[derive(Clone, Copy)]
+struct Jet {
+    f: DVec2,
+    fs: DVec2,
+    ft: DVec2,
+}
+
+impl Jet {
+    #[inline(always)]
+    fn newton_step(&self) -> DVec2 {
+        DVec2::new(cross(self.f, self.ft), cross(self.fs, self.f)) / cross(self.fs, self.ft)
+    }
+}
+
+/// A part of the leaf, with its own (s, t) in [-1, 1]^2.
+#[derive(Clone, Copy)]
+struct Cell<S: Simd> {
+    view: View<S>,
+    middle: DVec2,
+    half: DVec2,
+    halvings: usize,
+}
+
+/// What can be said of a cell.
+enum Verdict {
+    /// No root.
+    Excluded,
+    /// One at most: the step with the Jacobian (a, b) contracts by q in the maximum norm.
+    Certified { a: DVec2, b: DVec2, q: f64 },
+    /// Nothing yet.
+    Open,
+}
+
+/// The cells or the steps did not end.
+pub(super) struct GaveUp;
+
+/// Value and derivative of four cubics.
+#[inline(always)]
+fn horner<S: Simd>(simd: S, [a, b, c, d]: &[S::F64; 4], x: S::F64) -> (S::F64, S::F64) {
+    let first = simd.mul_add64(*d, x, *c);
+    let second = simd.mul_add64(first, x, *b);
+    let slope = simd.mul_add64(*d, x, first);
+    (simd.mul_add64(second, x, *a), simd.mul_add64(slope, x, second))
+}
+
+/// The polynomial with these coefficients at (s, t).
+#[inline(always)]
+pub(super) fn value<S: Simd>(simd: S, rows: &[S::F64; 4], at: DVec2) -> f64 {
+    let s = simd.splat64(at.x);
+    let sum = simd.mul_add64(rows[3], s, rows[2]);
+    let sum = simd.mul_add64(sum, s, rows[1]);
+    let [a, b, c, d] = simd.store64(simd.mul_add64(sum, s, rows[0]));
+    d.mul_add(at.y, c).mul_add(at.y, b).mul_add(at.y, a)
+}
+
+/// The cubics on the lower half of [-1, 1], or the upper one, over [-1, 1].
+#[inline(always)]
+fn halved<S: Simd>(simd: S, [a, b, c, d]: [S::F64; 4], upper: bool) -> [S::F64; 4] {
+    // x = (y - 1) / 2 or (y + 1) / 2.
+    let m = simd.splat64(if upper { 0.5 } else { -0.5 });
+    let (half, quarter, eighth) = (simd.splat64(0.5), simd.splat64(0.25), simd.splat64(0.125));
+    // Taylor coefficients at m by repeated division.
+    let c1 = simd.mul_add64(d, m, c);
+    let b1 = simd.mul_add64(c1, m, b);
+    let a1 = simd.mul_add64(b1, m, a);
+    let c2 = simd.mul_add64(d, m, c1);
+    let b2 = simd.mul_add64(c2, m, b1);
+    let c3 = simd.mul_add64(d, m, c2);
+    [a1, simd.mul64(b2, half), simd.mul64(c3, quarter), simd.mul64(d, eighth)]
+}
+
+impl<S: Simd> View<S> {
+    #[inline(always)]
+    fn jet(&self, simd: S, at: DVec2) -> Jet {
+        let (f, fs) = horner(simd, &self.first, simd.splat64(at.x));
+        let (g, gs) = horner(simd, &self.second, simd.splat64(at.x));
+        let by_t = simd.transpose64([f, fs, g, gs]);
+        let (value, rise) = horner(simd, &by_t, simd.splat64(at.y));
+        let ([f, fs, g, gs], [ft, _, gt, _]) = (simd.store64(value), simd.store64(rise));
+        Jet { f: DVec2::new(f, g), fs: DVec2::new(fs, gs), ft: DVec2::new(ft, gt) }
+    }
+
+    /// The root next to `flat`, where the terms of first order have theirs; `None` if the steps lead out of the square or
+    /// do not end, which proves nothing.
+    #[inline(always)]
+    pub(super) fn newton(&self, simd: S, flat: DVec2, limits: &Limits) -> Option<DVec2> {
+        let mut x = self.start(simd, flat);
+        for _ in 0..FEW_STEPS {
+            let step = self.jet(simd, x).newton_step();
+            x -= step;
+            // Written so that NaN says no.
+            if !(x.abs().max_element() <= 1.0) {
+                return None;
+            }
+            // A step whose error by curvature is below rounding needs no look at its end.
+            if limits.bend * step.length_squared() <= limits.noise * limits.weights[0] {
+                return Some(x);
+            }
+        }
+        None
+    }
+
+    /// Where the terms of second order have their root, next to that of the first order.
+    #[inline(always)]
+    fn start(&self, simd: S, flat: DVec2) -> DVec2 {
+        let [p0, p1, p2] =
+            [simd.store64(self.first[0]), simd.store64(self.first[1]), simd.store64(self.first[2])];
+        let [q0, q1, q2] =
+            [simd.store64(self.second[0]), simd.store64(self.second[1]), simd.store64(self.second[2])];
+        let pair = |p: f64, q: f64| DVec2::new(p, q);
+        let x = flat.clamp(DVec2::NEG_ONE, DVec2::ONE);
+        let (aa, ab, bb) = (pair(p2[0], q2[0]) * x.x, pair(p1[1], q1[1]), pair(p0[2], q0[2]) * x.y);
+        let (a, b) = (pair(p1[0], q1[0]) + aa, pair(p0[1], q0[1]) + bb);
+        let f = pair(p0[0], q0[0]) + (a + ab * x.y) * x.x + b * x.y;
+        let next = x - Jet { f, fs: a + aa + ab * x.y, ft: b + bb + ab * x.x }.newton_step();
+        // A leaf seen near its silhouette may have no such root; NaN stays where it was.
+        if next.abs().max_element() <= 1.5 { next.clamp(DVec2::NEG_ONE, DVec2::ONE) } else { x }
+    }
+
+    /// Every root in the square, into `found`; one on the border of two cells may be there twice. `weight` is that of the surface at a
+    /// place.
+    #[inline(always)]
+    pub(super) fn divide(
+        &self,
+        simd: S,
+        limits: &Limits,
+        weight: &impl Fn(DVec2) -> f64,
+        found: &mut Vec<Place>,
+    ) -> Result<(), GaveUp> {
+        let mut stack: [Option<Cell<S>>; MOST_HALVINGS] = [None; MOST_HALVINGS];
+        let mut height = 0;
+        let mut cell = Cell { view: *self, middle: DVec2::ZERO, half: DVec2::ONE, halvings: 0 };
+        for _ in 0..MOST_CELLS {
+            match cell.verdict(simd, limits) {
+                Verdict::Excluded => {}
+                Verdict::Certified { a, b, q } => {
+                    found.extend(cell.contract(simd, limits, weight, [a, b], q)?);
+                }
+                Verdict::Open => {
+                    let Some(slot) = stack.get_mut(height).filter(|_| cell.halvings < MOST_HALVINGS) else {
+                        return Err(GaveUp);
+                    };
+                    let across_s = cell.bends_along_s(simd);
+                    *slot = Some(cell.halve(simd, across_s, true));
+                    height += 1;
+                    cell = cell.halve(simd, across_s, false);
+                    continue;
+                }
+            }
+            let Some(next) = height.checked_sub(1).and_then(|top| stack.get(top)).copied().flatten() else {
+                return Ok(());
+            };
+            height -= 1;
+            cell = next;
+        }
+        Err(GaveUp)
+    }
+}
+
+/// Which coefficients are of higher order than one, and the order of all of them: the derivatives by s and t add up to as much.
+const HIGHER: [[f64; 4]; 4] = [[0.0, 0.0, 1.0, 1.0], [0.0, 1.0, 1.0, 1.0], [1.0; 4], [1.0; 4]];
+const ORDERS: [[f64; 4]; 4] =
+    [[0.0, 0.0, 2.0, 3.0], [0.0, 2.0, 3.0, 4.0], [2.0, 3.0, 4.0, 5.0], [3.0, 4.0, 5.0, 6.0]];
+
+/// Sums of the absolute values of coefficients by weights, lane by lane.
+#[inline(always)]
+fn weighted<S: Simd>(simd: S, rows: &[S::F64; 4], weights: &[[f64; 4]; 4]) -> S::F64 {
+    let [a, b, c, d] = weights;
+    let sum = simd.mul64(simd.abs64(rows[0]), simd.load64(a));
+    let sum = simd.mul_add64(simd.abs64(rows[1]), simd.load64(b), sum);
+    let sum = simd.mul_add64(simd.abs64(rows[2]), simd.load64(c), sum);
+    simd.mul_add64(simd.abs64(rows[3]), simd.load64(d), sum)
+}
+
+impl<S: Simd> Cell<S> {
+    #[inline(always)]
+    fn halve(&self, simd: S, across_s: bool, upper: bool) -> Self {
+        let mut cell = *self;
+        let sign = if upper { 1.0 } else { -1.0 };
+        if across_s {
+            cell.half.x *= 0.5;
+            cell.middle.x += sign * cell.half.x;
+            cell.view.first = halved(simd, self.view.first, upper);
+            cell.view.second = halved(simd, self.view.second, upper);
+        } else {
+            cell.half.y *= 0.5;
+            cell.middle.y += sign * cell.half.y;
+            let first = halved(simd, simd.transpose64(self.view.first), upper);
+            let second = halved(simd, simd.transpose64(self.view.second), upper);
+            cell.view = View { first: simd.transpose64(first), second: simd.transpose64(second) };
+        }
+        cell.halvings += 1;
+        cell
+    }
+
+    #[inline(always)]
+    fn bends_along_s(&self, simd: S) -> bool {
+        let View { first, second } = &self.view;
+        let (p0, p2) = (simd.store64(first[0]), simd.store64(first[2]));
+        let (q0, q2) = (simd.store64(second[0]), simd.store64(second[2]));
+        let (along_s, along_t) = (DVec2::new(p2[0], q2[0]), DVec2::new(p0[2], q0[2]));
+        let (s, t) = (along_s.length_squared(), along_t.length_squared());
+        // A twist is neither's: by turns.
+        if s.max(t) == 0.0 { self.halvings % 2 == 0 } else { s >= t }
+    }
+
+    #[inline(always)]
+    fn verdict(&self, simd: S, limits: &Limits) -> Verdict {
+        let View { first, second } = &self.view;
+        let noise = limits.noise * limits.weights[1];
+        let (p0, p1) = (simd.store64(first[0]), simd.store64(first[1]));
+        let (q0, q1) = (simd.store64(second[0]), simd.store64(second[1]));
+        let (c, a, b) = (DVec2::new(p0[0], q0[0]), DVec2::new(p1[0], q1[0]), DVec2::new(p0[1], q0[1]));
+        let det = cross(a, b);
+        // Rows of J^-1 times det: u goes with s, v with t.
+        let across_b = combined(simd, first, second, DVec2::new(b.y, -b.x));
+        let across_a = combined(simd, first, second, DVec2::new(-a.y, a.x));
+        let sums = simd.transpose64([
+            weighted(simd, &across_b, &HIGHER),
+            weighted(simd, &across_b, &ORDERS),
+            weighted(simd, &across_a, &HIGHER),
+            weighted(simd, &across_a, &ORDERS),
+        ]);
+        let total = simd.add64(simd.add64(sums[0], sums[1]), simd.add64(sums[2], sums[3]));
+        let [rest_u, slope_u, rest_v, slope_v] = simd.store64(total);
+        let size = det.abs();
+        let (a_length, b_length) = (a.length(), b.length());
+        if cross(c, b).abs() > size + rest_u + 1.5 * noise * b_length
+            || cross(a, c).abs() > size + rest_v + 1.5 * noise * a_length
+        {
+            return Verdict::Excluded;
+        }
+        let slope = slope_u.max(slope_v);
+        if slope < CERTIFIED * size {
+            return Verdict::Certified { a, b, q: slope / size };
+        }
+        Verdict::Open
+    }
+
+    /// The root of a certified cell, if it has one.
+    #[inline(always)]
+    fn contract(
+        &self,
+        simd: S,
+        limits: &Limits,
+        weight: &impl Fn(DVec2) -> f64,
+        [a, b]: [DVec2; 2],
+        q: f64,
+    ) -> Result<Option<Place>, GaveUp> {
+        let per = 1.0 / cross(a, b);
+        let ball = q / (1.0 - q);
+        let blur = DVec2::new(b.length(), a.length()) * (2.0 * limits.noise * limits.weights[1] * per.abs());
+        let found = |x: DVec2| Ok(Some(Place { at: self.middle + self.half * x, blur: self.half * blur }));
+        let bend = limits.bend * self.half.max_element().powi(2);
+        let mut x = DVec2::ZERO;
+        let mut last = f64::INFINITY;
+        for _ in 0..MOST_STEPS {
+            let jet = self.view.jet(simd, x);
+            let simple = DVec2::new(cross(jet.f, b), cross(a, jet.f)) * per;
+            let length = simple.abs().max_element();
+            // The root lies in a ball of that radius around the end of the simplified step.
+            if (x - simple).abs().max_element() > 1.0 + length * ball + blur.max_element() {
+                return Ok(None);
+            }
+            let newton = jet.newton_step();
+            let contracts = length < 0.75 * last && newton.is_finite();
+            let step = if contracts { newton } else { simple };
+            last = length;
+            let next = (x - step).clamp(DVec2::NEG_ONE, DVec2::ONE);
+            if next == x - step
+                && step == newton
+                && bend * step.length_squared() <= limits.noise * limits.weights[0]
+            {
+                return found(next);
+            }
+            if (next - x).abs().cmple(blur).all() {
+                // As near as rounding tells, or held by the border.
+                let size = weight(self.middle + self.half * x);
+                let far = simple.abs().cmpgt(blur * (2.0 / (1.0 - q))).any();
+                if jet.f.length() <= 2.0 * limits.noise * size || !far {
+                    return found(x);
+                }
+                let next = (x - simple).clamp(DVec2::NEG_ONE, DVec2::ONE);
+                if (next - x).abs().cmple(blur).all() {
+                    return Ok(None);
+                }
+                // Newton's method may be held where the contraction is not.
+                x = next;
+                last = 0.0;
+                continue;
+            }
+            x = next;
+        }
+        Err(GaveUp)
+    }
+}
+
+/// The polynomial `by.x` first + `by.y` second.
+#[inline(always)]
+fn combined<S: Simd>(simd: S, first: &[S::F64; 4], second: &[S::F64; 4], by: DVec2) -> [S::F64; 4] {
+    let (x, y) = (simd.splat64(by.x), simd.splat64(by.y));
+    let sum =
+        [simd.mul64(first[0], x), simd.mul64(first[1], x), simd.mul64(first[2], x), simd.mul64(first[3], x)];
+    [
+        simd.mul_add64(second[0], y, sum[0]),
+        simd.mul_add64(second[1], y, sum[1]),
+        simd.mul_add64(second[2], y, sum[2]),
+        simd.mul_add64(second[3], y, sum[3]),
+    ]
+}
