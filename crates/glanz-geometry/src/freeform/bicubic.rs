@@ -180,8 +180,9 @@ impl<const LISTS: usize> Bicubic<LISTS> {
         if outside(s, b2) || outside(t, a2) {
             return;
         }
-        // Written so that NaN says no.
-        if self.stray_squared * (a2 + b2) < CERTIFIED * CERTIFIED * det * det {
+        // Where rounding moves the root by more than a part of the leaf, nothing is certified. NaN says no.
+        let stray_squared = self.stray_squared + (16.0 * noise) * (16.0 * noise);
+        if stray_squared * (a2 + b2) < CERTIFIED * CERTIFIED * det * det {
             let (view, limits) = self.view(simd, probe, [[f0, f1], [g0, g1]], c);
             if let Some(x) = view.newton(simd, DVec2::new(s, t) / det, &limits) {
                 let blur = DVec2::new(b2, a2).map(f64::sqrt) * (2.0 * noise / det.abs());

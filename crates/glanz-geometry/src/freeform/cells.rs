@@ -13,14 +13,18 @@ use super::search::{Probe, Root, Scratch, Tangent, cross};
 /// Largest contraction at which a cell is certified.
 const CERTIFIED: f64 = 0.75;
 
+/// Share of a cell by which rounding may move the root of a certified one, half of it.
+const MOST_BLUR: f64 = 0.0625;
+
 /// Cells of one leaf that are looked at before it is called undecided: a hundred times what tangencies need.
 const MOST_CELLS: usize = 20_000;
 
-/// A cell that is flat to rounding and seen edge-on, or seen as a point, is a tangency or a collapsed edge if it is
-/// shorter than this many times what rounding is across the ray; otherwise the ray runs within the surface, which is no
-/// hit. Curvature of radius R is flat to rounding e over a length of sqrt(e R): with e of 1e-15 of the size, that is
-/// 3e-8 of it for R of the size, 3e-6 for ten thousand times as much.
-const TANGENT_LENGTH: f64 = (1_u64 << 31) as f64;
+/// Cells that are flat to rounding and seen edge-on, or seen as a point, are a tangency or a collapsed edge if together they
+/// are shorter than this many times what rounding is across the ray; otherwise the ray runs within the surface, which is
+/// no hit. Curvature of radius R is flat to rounding e over a length of sqrt(e R): with e of 1e-15 of the size, that is
+/// 3e-8 of it for R of the size, 3e-6 for ten thousand times as much. Along an asymptote of a saddle, where a ray goes
+/// through the surface, it is (e R^2)^(1/3), 1e-5 of the size, and where that bends with it, (e R^3)^(1/4), 2e-4.
+const TANGENT_LENGTH: f64 = (1_u64 << 36) as f64;
 
 /// Parameters within which tangencies are one.
 const TANGENT_BLUR: f64 = 1.0 / (1 << 18) as f64;
@@ -65,6 +69,7 @@ pub(super) fn roots(patch: &impl Patch, probe: &Probe, scratch: &mut Scratch) {
     let noise = patch.project(probe, &mut scratch.cells);
     let size = scratch.cells.len();
     let mut stack = vec![Cell { from: DVec2::ZERO, width: DVec2::ONE, start: 0 }];
+    let mut flats = Vec::new();
     let mut count = 0;
     while let Some(cell) = stack.pop() {
         count += 1;
@@ -81,7 +86,10 @@ pub(super) fn roots(patch: &impl Patch, probe: &Probe, scratch: &mut Scratch) {
                 scratch.undecided += u64::from(found.is_err());
                 found.ok().flatten().map(|(z, blur)| (cell.from + cell.width * z, blur * cell.width))
             }
-            Verdict::Flat => flat(patch, probe, &cell),
+            Verdict::Flat => {
+                flats.push(FlatCell::new(patch, probe, &cell));
+                None
+            }
             Verdict::Open { across_x } => {
                 let [low, high] = halve(&cell, across_x, size);
                 if low.width.min_element() < f64::EPSILON {
@@ -99,31 +107,78 @@ pub(super) fn roots(patch: &impl Patch, probe: &Probe, scratch: &mut Scratch) {
             scratch.roots.push(root);
         }
     }
+    join(flats, patch, probe, &mut scratch.roots);
 }
 
-/// Where the root of a cell is that looks like a line or a point, and by how much it may be off; `None` if the ray runs
-/// within the surface.
-///
-/// Whatever of the cell looks like one point lies along the direction in the parameters that the ray does not see. A
-/// short stretch of it is a root that rounding blurs: a tangency, the neighbourhood of a collapsed edge, a sliver across the ray.
-fn flat(patch: &impl Patch, probe: &Probe, cell: &Cell) -> Option<(DVec2, DVec2)> {
-    let middle = cell.from + cell.width * 0.5;
-    let tangent = patch.tangent(middle.x, middle.y);
-    let (along_x, along_y) = (tangent.su * cell.width.x, tangent.sv * cell.width.y);
-    let (a, b) = (probe.across(along_x), probe.across(along_y));
-    let seen = if a.length_squared() >= b.length_squared() { a } else { b };
-    let unseen = DVec2::new(-b.dot(seen), a.dot(seen));
-    let unseen = unseen / unseen.abs().max_element();
-    let stretch = if unseen.is_finite() {
-        (along_x * unseen.x + along_y * unseen.y).length()
-    } else {
-        along_x.length() + along_y.length()
-    };
-    let unseen = if unseen.is_finite() { unseen.abs() } else { DVec2::ONE };
-    let steepness = DVec2::new(tangent.su.length(), tangent.sv.length());
-    let rounding = 64.0 * patch.noise(probe) / steepness;
-    (stretch <= TANGENT_LENGTH * probe.noise)
-        .then(|| (middle, (cell.width * unseen + rounding).min(DVec2::ONE)))
+/// A cell that looks like a line or a point.
+#[derive(Clone, Copy, Debug)]
+struct FlatCell {
+    middle: DVec2,
+    width: DVec2,
+    /// Its length along the ray, metres.
+    stretch: f64,
+    /// By how much a root in it may be off.
+    blur: DVec2,
+}
+
+impl FlatCell {
+    /// Whatever of the cell looks like one point lies along the direction in the parameters that the ray does not see.
+    fn new(patch: &impl Patch, probe: &Probe, cell: &Cell) -> Self {
+        let middle = cell.from + cell.width * 0.5;
+        let tangent = patch.tangent(middle.x, middle.y);
+        let (along_x, along_y) = (tangent.su * cell.width.x, tangent.sv * cell.width.y);
+        let (a, b) = (probe.across(along_x), probe.across(along_y));
+        let seen = if a.length_squared() >= b.length_squared() { a } else { b };
+        // What is seen at all must stand out from rounding, else the whole cell looks like a point.
+        let clear = seen.length() > 4.0 * patch.noise(probe);
+        let unseen = DVec2::new(-b.dot(seen), a.dot(seen));
+        let unseen = unseen / unseen.abs().max_element();
+        let (stretch, unseen) = if clear && unseen.is_finite() {
+            ((along_x * unseen.x + along_y * unseen.y).length(), unseen.abs())
+        } else {
+            (along_x.length() + along_y.length(), DVec2::ONE)
+        };
+        let steepness = DVec2::new(tangent.su.length(), tangent.sv.length());
+        let blur = cell.width * unseen + 64.0 * patch.noise(probe) / steepness;
+        Self { middle, width: cell.width, stretch, blur }
+    }
+
+    fn touches(&self, other: &Self) -> bool {
+        let apart = (self.middle - other.middle).abs();
+        apart.cmple((self.width + other.width) * (0.5 + 1e-9)).all()
+    }
+}
+
+/// The roots among the flat cells: one for every chain of them that is short. It is a root that rounding blurs: a tangency,
+/// the neighbourhood of a collapsed edge, a sliver across the ray. Along a long one the ray runs within the surface.
+fn join(mut open: Vec<FlatCell>, patch: &impl Patch, probe: &Probe, roots: &mut Vec<Root>) {
+    while let Some(first) = open.pop() {
+        let mut chain = vec![first];
+        let mut next = 0;
+        while let Some(&link) = chain.get(next) {
+            next += 1;
+            open.retain(|other| {
+                let touches = link.touches(other);
+                if touches {
+                    chain.push(*other);
+                }
+                !touches
+            });
+        }
+        if chain.iter().map(|cell| cell.stretch).sum::<f64>() > TANGENT_LENGTH * probe.noise {
+            continue;
+        }
+        let (low, high) = chain.iter().fold((first.middle, first.middle), |(low, high), cell| {
+            (low.min(cell.middle), high.max(cell.middle))
+        });
+        // From the middle outwards, until a cell has a root within rounding.
+        let distance = |cell: &FlatCell| cell.middle.distance_squared(0.5 * (low + high));
+        chain.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        roots.extend(chain.iter().find_map(|cell| {
+            let blur = (cell.blur + (high - low)).min(DVec2::ONE);
+            polish(patch, probe, cell.middle, blur, cell.width)
+        }));
+    }
 }
 
 fn halve(cell: &Cell, across_x: bool, size: usize) -> [Cell; 2] {
@@ -199,34 +254,33 @@ fn examine(cell: &[f64], (p, q): (usize, usize), noise: f64) -> Verdict {
     let det = cross(a, b);
     // Largest entries of J0^-1 J - I over the cell, whose derivatives their coefficients bound.
     let mut strays = [0.0_f64; 4];
-    let mut bends = [0.0_f64; 2];
+    let mut rises = [0.0_f64; 2];
     for j in 0..=q {
         for i in 0..=p {
             if i < p {
-                let du = (at(i + 1, j) - at(i, j)) * p as f64 - a;
+                let du = (at(i + 1, j) - at(i, j)) * p as f64;
+                rises[0] = rises[0].max(du.length_squared());
+                let du = du - a;
                 strays[0] = strays[0].max(cross(du, b).abs());
                 strays[1] = strays[1].max(cross(a, du).abs());
             }
             if j < q {
-                let dv = (at(i, j + 1) - at(i, j)) * q as f64 - b;
+                let dv = (at(i, j + 1) - at(i, j)) * q as f64;
+                rises[1] = rises[1].max(dv.length_squared());
+                let dv = dv - b;
                 strays[2] = strays[2].max(cross(dv, b).abs());
                 strays[3] = strays[3].max(cross(a, dv).abs());
-            }
-            if i + 2 <= p {
-                bends[0] = bends[0]
-                    .max((at(i + 2, j) - at(i + 1, j) * 2.0 + at(i, j)).length() * (p * (p - 1)) as f64);
-            }
-            if j + 2 <= q {
-                bends[1] = bends[1]
-                    .max((at(i, j + 2) - at(i, j + 1) * 2.0 + at(i, j)).length() * (q * (q - 1)) as f64);
             }
         }
     }
     let stray = (strays[0] + strays[2]).max(strays[1] + strays[3]);
-    if stray < CERTIFIED * det.abs() {
+    // A root that rounding may move by more than a part of the cell is next to a tangency: smaller cells are flat.
+    let clear = noise * seen <= MOST_BLUR * det.abs();
+    if clear && stray < CERTIFIED * det.abs() {
         return Verdict::Certified { a, b, q: stray / det.abs() };
     }
-    Verdict::Open { across_x: bends[0] + 1e-3 * a_length >= bends[1] + 1e-3 * b_length }
+    // Where the coefficients vary more, so that cells become as wide as long, seen along the ray.
+    Verdict::Open { across_x: rises[0] >= rises[1] }
 }
 
 /// The root of a certified cell in [0, 1]^2, and by how much rounding may move it; an error if the steps do not end.
@@ -243,6 +297,7 @@ fn contract(
     let mut z = DVec2::splat(0.5);
     let mut last = f64::INFINITY;
     let mut ends = false;
+    let mut trusted = true;
     for _ in 0..200 {
         let ([bx, dx, _], [by, dy, _]) = (bernstein(p, z.x), bernstein(q_degree, z.y));
         let sums = [first, second].map(|list| super::search::weighted(list, p + 1, &bx, &dx, &by, &dy));
@@ -258,7 +313,9 @@ fn contract(
             return Ok(Some((z, blur)));
         }
         let newton = DVec2::new(cross(f, jv), cross(ju, f)) / cross(ju, jv);
-        let step = if length < 0.75 * last && newton.is_finite() { newton } else { simple };
+        // Once a step has not contracted, only simplified ones, which must: taken in turn they may go round.
+        trusted &= length < 0.75 * last && newton.is_finite();
+        let step = if trusted { newton } else { simple };
         last = length;
         let next = (z - step).clamp(DVec2::ZERO, DVec2::ONE);
         // At a border the steps end; in the last bits they may go round.

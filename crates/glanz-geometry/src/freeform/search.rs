@@ -260,7 +260,9 @@ pub(super) fn roots<'a>(
         return;
     }
     let net = &net();
-    let q2 = frame.stray_squared * (a2 + b2);
+    // Where rounding moves the root by more than a part of the leaf, nothing is certified.
+    let unsure = 16.0 * probe.noise;
+    let q2 = (frame.stray_squared + unsure * unsure) * (a2 + b2);
     if q2 < CERTIFIED * CERTIFIED * det * det {
         match certified(frame, net, probe, [a, b], DVec2::new(s, t) / det) {
             Ok(Some(root)) => report.root(root),

@@ -12,6 +12,9 @@ use crate::bvh::simd::Simd;
 /// Largest bound on the change of the Jacobian, relative to that at the centre, at which a cell is certified.
 pub(super) const CERTIFIED: f64 = 0.85;
 
+/// Share of a cell by which rounding may move the root of a certified one, half of it.
+const MOST_BLUR: f64 = 0.0625;
+
 /// Steps of Newton's method from a good start.
 const FEW_STEPS: usize = 6;
 
@@ -283,7 +286,9 @@ impl<S: Simd> Cell<S> {
             return Verdict::Excluded;
         }
         let slope = slope_u.max(slope_v);
-        if slope < CERTIFIED * size {
+        // A root that rounding may move by more than a part of the cell is next to a tangency.
+        let clear = noise * a_length.max(b_length) <= MOST_BLUR * size;
+        if clear && slope < CERTIFIED * size {
             return Verdict::Certified { a, b, q: slope / size };
         }
         Verdict::Open
