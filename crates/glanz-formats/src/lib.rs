@@ -2,8 +2,8 @@
 //!
 //! [`registry`] recognises a scene by content and reads it: [`load`] gives a
 //! [`Description`](glanz_scene::Description), which `glanz-scene` turns into a scene, and [`diagnostic::Diagnostics`]
-//! that point into the input. [`pbrt`] is the scene language, [`ply`] reads meshes, [`newell`] lists of patches,
-//! [`image`] reads and writes pictures. Whatever bytes come, there is a result or an error: no panic, no hang, and no
+//! that point into the input. [`pbrt`] is the scene language, [`ply`] reads meshes, [`newell`] and [`rib`] lists of
+//! patches, [`image`] reads and writes pictures. Whatever bytes come, there is a result or an error: no panic, no hang, and no
 //! more memory than the input warrants.
 //!
 //! ```
@@ -29,6 +29,7 @@ pub mod newell;
 pub mod pbrt;
 pub mod ply;
 pub mod registry;
+pub mod rib;
 pub mod source;
 
 pub use content_hash::ContentHash;

@@ -13,6 +13,8 @@
 
 use glanz_math::DVec3;
 
+use crate::source::line_and_column;
+
 /// Control points of a bicubic patch.
 pub const POINTS: usize = 16;
 
@@ -200,11 +202,8 @@ impl<'a> Words<'a> {
     }
 
     fn error(&self, at: usize, kind: NewellErrorKind) -> NewellError {
-        let before = self.bytes.get(..at).unwrap_or(self.bytes);
-        let line_start = before.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
-        let lines = before.iter().filter(|&&b| b == b'\n').count();
-        let from_one = |n: usize| u32::try_from(n).unwrap_or(u32::MAX).saturating_add(1);
-        NewellError { line: from_one(lines), column: from_one(before.len() - line_start), kind }
+        let (line, column) = line_and_column(self.bytes, at);
+        NewellError { line, column, kind }
     }
 }
 

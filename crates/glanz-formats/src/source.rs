@@ -106,6 +106,15 @@ fn without_return(line: &[u8]) -> &[u8] {
     line.strip_suffix(b"\r").unwrap_or(line)
 }
 
+/// Line and column, both from 1, of a byte; the column counts bytes.
+pub(crate) fn line_and_column(bytes: &[u8], at: usize) -> (u32, u32) {
+    let before = bytes.get(..at).unwrap_or(bytes);
+    let line_start = before.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
+    let lines = before.iter().filter(|&&b| b == b'\n').count();
+    let from_one = |n: usize| u32::try_from(n).unwrap_or(u32::MAX).saturating_add(1);
+    (from_one(lines), from_one(before.len() - line_start))
+}
+
 /// Byte offset of a column, which counts characters from 1.
 fn offset_of_column(line: &[u8], column: u32) -> usize {
     let starts = line.iter().enumerate().filter(|(_, b)| **b & 0xC0 != 0x80);

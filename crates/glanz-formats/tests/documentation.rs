@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use glanz_formats::{Options, load_str};
+use glanz_formats::{Options, load_str, rib};
 
 const PAGE: &str = include_str!("../../../docs/scene-format.md");
 
@@ -22,6 +22,16 @@ fn every_scene_of_the_documentation_is_read_without_a_warning() {
         let loaded =
             load_str("scene-format.md", &whole, &Options::default()).unwrap_or_else(|d| panic!("{d}"));
         assert!(loaded.diagnostics.is_empty(), "{}", loaded.diagnostics);
+    }
+}
+
+#[test]
+fn every_rib_file_of_the_documentation_has_surfaces_and_nothing_else() {
+    let files = blocks("rib");
+    assert!(!files.is_empty());
+    for text in files {
+        let file = rib::read(text.as_bytes()).unwrap_or_else(|e| panic!("{e}"));
+        assert!(!file.patches.is_empty() && file.skipped.is_empty());
     }
 }
 

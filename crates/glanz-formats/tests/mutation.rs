@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glanz_formats::diagnostic::Diagnostics;
-use glanz_formats::{Options, load_str, newell, ply};
+use glanz_formats::{Options, load_str, newell, ply, rib};
 use glanz_scene::Description;
 use glanz_scene::description::{GeometryDescription, GroupDescription, TrimDescription};
 
@@ -267,6 +267,50 @@ fn mutated_lists_of_patches_end_in_patches_or_an_error() {
             let count = mesh.positions.len() as u32;
             assert!(mesh.patches.as_flattened().iter().all(|&i| i < count));
             assert!(mesh.positions.iter().all(|p| p.is_finite()));
+        }
+    }
+    assert!(read > cases / 50 && read < cases, "{read} of {cases} were read");
+}
+
+#[test]
+fn mutated_rib_files_end_in_surfaces_or_an_error() {
+    let whole = r#"##RIB
+        WorldBegin TransformBegin Translate 1 2 3 ConcatTransform [1 0 0 0 0 1 0 0 0 0 1 0 3 4 5 1] Rotate 9 1 0 0
+        Basis "b-spline" 1 "catmull-rom" 1 PatchMesh "bicubic" 4 "nonperiodic" 4 "periodic" "P" [0 0 0 1 0 0 2 0 0 3 0 0
+        0 1 0 1 1 0 2 1 0 3 1 0 0 2 0 1 2 0 2 2 0 3 2 0 0 3 0 1 3 0 2 3 0 3 3 0] Patch "bilinear" "Pw" [0 0 0 1 1 0 0 1
+        0 1 0 1 1 1 0 2] TransformEnd Scale 1 -1 1 NuPatch 3 3 [0 0 0 1 1 1] 0 1 2 2 [0 0 1 1] 0 .5 "P" [1 2 3 4 5 6 7 8 9
+        0 9 8 7 6 5 4 3 2] Color [1 0 0] "string x" ["a"] WorldEnd"#;
+    let words: &[&[u8]] = &[
+        b"4294967295 ",
+        b"-1 ",
+        b"1e308 ",
+        b"nan ",
+        b"[",
+        b"]",
+        b"\"",
+        b"#",
+        b"\xff\xfe",
+        b"AttributeBegin ",
+        b"TransformEnd ",
+        b"\"periodic\" ",
+        b"\"bilinear\" ",
+        b"\"power\" ",
+        b"ReverseOrientation ",
+        b"2 ",
+    ];
+    let mut random = Random(5);
+    let (mut read, cases) = (0, 10_000);
+    for _ in 0..cases {
+        let mut bytes = whole.to_owned().into_bytes();
+        mutate(&mut bytes, &mut random, words);
+        if let Ok(file) = rib::read(&bytes) {
+            read += 1;
+            let of_patches = file.patches.iter().flat_map(|p| &p.patches).flatten();
+            let points: Vec<_> = of_patches.chain(file.splines.iter().flat_map(|s| &s.points)).collect();
+            // A point takes six bytes and is part of up to sixteen patches.
+            assert!(points.len() <= 3 * bytes.len(), "{} of {}", points.len(), bytes.len());
+            assert!(points.iter().all(|p| p.iter().all(|x| x.is_finite()) && p[3] > 0.0));
+            assert!(file.skipped.len() <= bytes.len());
         }
     }
     assert!(read > cases / 50 && read < cases, "{read} of {cases} were read");

@@ -136,16 +136,26 @@ pub enum SurfaceError {
     },
 }
 
-/// `value`, if it is finite.
-pub(crate) fn finite(parameter: &'static str, value: f64) -> Result<f64, SurfaceError> {
-    if value.is_finite() { Ok(value) } else { Err(SurfaceError::NotFinite { parameter, value }) }
-}
+/// The checks of single numbers for an error that has the variants `NotFinite` and `NotPositive`.
+///
+/// A macro, as with a type parameter for the error `?` could not tell which one is meant.
+macro_rules! number_checks {
+    ($error:ident) => {
+        /// `value`, if it is finite.
+        pub(crate) fn finite(parameter: &'static str, value: f64) -> Result<f64, $error> {
+            if value.is_finite() { Ok(value) } else { Err($error::NotFinite { parameter, value }) }
+        }
 
-/// `value`, if it is finite and greater than zero.
-pub(crate) fn positive(parameter: &'static str, value: f64) -> Result<f64, SurfaceError> {
-    let value = finite(parameter, value)?;
-    if value > 0.0 { Ok(value) } else { Err(SurfaceError::NotPositive { parameter, value }) }
+        /// `value`, if it is finite and greater than zero.
+        pub(crate) fn positive(parameter: &'static str, value: f64) -> Result<f64, $error> {
+            let value = finite(parameter, value)?;
+            if value > 0.0 { Ok(value) } else { Err($error::NotPositive { parameter, value }) }
+        }
+    };
 }
+pub(crate) use number_checks;
+
+number_checks!(SurfaceError);
 
 #[cfg(test)]
 mod tests {

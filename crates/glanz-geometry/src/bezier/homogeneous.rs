@@ -1,14 +1,15 @@
 //! Homogeneous control points and the derivatives of what they project to.
 
 use glanz_math::glam::DVec4;
-use glanz_math::rounding::gamma;
+use glanz_math::rounding::{UNIT_ROUNDOFF, gamma};
 use glanz_math::{Bounds3, DVec3};
 
-use super::bernstein::binomial;
+use super::bernstein::{self, binomial};
 use crate::error::{SurfaceError, finite, positive};
 
-/// Largest degree, per direction, of a patch that can be built from control points.
-pub const MAX_DEGREE: usize = 128;
+/// Largest degree, per direction, of a patch that can be built from control points. Rays meet patches of up to
+/// [`crate::freeform::MAX_DEGREE`].
+pub const MAX_DEGREE: usize = bernstein::NET_DEGREE;
 
 /// `degree` as a count, if it is from 1 to [`MAX_DEGREE`].
 pub(super) fn checked_degree(parameter: &'static str, degree: usize) -> Result<(), SurfaceError> {
@@ -21,18 +22,16 @@ pub(super) fn checked_degree(parameter: &'static str, degree: usize) -> Result<(
 }
 
 /// Nothing if there are `expected` points, finite, of positive weight, and finite where they project to.
-pub(super) fn check_points(points: &[DVec4], expected: usize) -> Result<(), SurfaceError> {
+pub(crate) fn check_points(points: &[DVec4], expected: usize) -> Result<(), SurfaceError> {
     if points.len() != expected {
         let parameter = "control points";
         return Err(SurfaceError::CountMismatch { parameter, count: points.len(), expected });
     }
     for point in points {
-        for value in point.to_array() {
-            finite("control point", value)?;
-        }
         positive("weight", point.w)?;
-        for value in project(*point).to_array() {
-            finite("control point over its weight", value)?;
+        for value in point.truncate().to_array() {
+            finite("control point", value)?;
+            finite("control point over its weight", value / point.w)?;
         }
     }
     Ok(())
@@ -44,12 +43,13 @@ pub(super) fn lift(point: DVec3, weight: f64) -> DVec4 {
 }
 
 /// The point (x, y, z) of (w x, w y, w z, w).
-pub(super) fn project(point: DVec4) -> DVec3 {
+#[inline]
+pub(crate) fn project(point: DVec4) -> DVec3 {
     point.truncate() / point.w
 }
 
 /// Homogeneous points of `points` and `weights`; without weights, all are 1.
-pub(super) fn lift_all(points: &[DVec3], weights: Option<&[f64]>) -> Result<Vec<DVec4>, SurfaceError> {
+pub(crate) fn lift_all(points: &[DVec3], weights: Option<&[f64]>) -> Result<Vec<DVec4>, SurfaceError> {
     let Some(weights) = weights else { return Ok(points.iter().map(|p| p.extend(1.0)).collect()) };
     if weights.len() != points.len() {
         let (count, expected) = (weights.len(), points.len());
@@ -81,11 +81,25 @@ pub(super) fn bounds(points: &[DVec4]) -> Bounds3 {
     bounds.expanded(gamma(2) * bounds.min.abs().max(bounds.max.abs()).max_element())
 }
 
-/// A bound on |dp/du x dp/dv| below which it is rounding noise: both are up to `degree` times the size of the patch
-/// long, and carry a few roundings per step of the evaluation.
-pub(super) fn noise_of_normal(points: &[DVec4], degree: usize) -> f64 {
+/// The unit normal along dp/du x dp/dv at `at`, or where that vanishes at a place next to it towards one of `inner`.
+///
+/// `tangents` gives the point and its derivatives. Below rounding noise their product counts as nothing: both are up to
+/// `degree` times the size of the patch long, and carry a few roundings per step of the evaluation.
+pub(super) fn normal(
+    (points, degree): (&[DVec4], usize),
+    at: (f64, f64),
+    inner: [(f64, f64); 2],
+    tangents: impl Fn(f64, f64) -> (DVec3, DVec3, DVec3),
+) -> Option<DVec3> {
     let size = bounds(points).diagonal().length() * degree as f64;
-    gamma(8) * degree as f64 * size * size
+    let noise = gamma(8) * degree as f64 * size * size;
+    let step = UNIT_ROUNDOFF.sqrt();
+    let next = inner.map(|(x, y)| (at.0 + (x - at.0) * step, at.1 + (y - at.1) * step));
+    [at, next[0], next[1]].into_iter().find_map(|(u, v)| {
+        let (_, du, dv) = tangents(u, v);
+        let n = du.cross(dv);
+        if n.length() > noise { n.try_normalize() } else { None }
+    })
 }
 
 /// Partial derivatives of a surface at one point, up to a total order.

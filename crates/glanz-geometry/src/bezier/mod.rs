@@ -24,9 +24,9 @@
 //! # Ok::<(), glanz_geometry::SurfaceError>(())
 //! ```
 
-mod bernstein;
+pub(crate) mod bernstein;
 mod convert;
-mod homogeneous;
+pub(crate) mod homogeneous;
 pub mod junction;
 mod net;
 mod quads;

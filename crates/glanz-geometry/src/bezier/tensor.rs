@@ -3,12 +3,11 @@
 use std::ops::Range;
 
 use glanz_math::glam::DVec4;
-use glanz_math::rounding::UNIT_ROUNDOFF;
 use glanz_math::{Bounds3, DVec3};
 
 use super::bernstein::{BernsteinSum, curve_derivatives, elevate, part, split};
 use super::homogeneous::{
-    self, Derivatives, check_points, checked_degree, keep_weight, lift_all, noise_of_normal, project, slot,
+    self, Derivatives, check_points, checked_degree, keep_weight, lift_all, project, slot,
 };
 use crate::error::{SurfaceError, finite};
 
@@ -155,14 +154,9 @@ impl TensorPatch {
     /// half of the digits are right; `None` if that has none either.
     #[must_use]
     pub fn normal(&self, u: f64, v: f64) -> Option<DVec3> {
-        let noise = noise_of_normal(&self.points, self.degree_u.max(self.degree_v));
-        let step = UNIT_ROUNDOFF.sqrt();
-        let inner = [(0.5, 0.5), (0.25, 0.75)].map(|(x, y)| (u + (x - u) * step, v + (y - v) * step));
-        [(u, v), inner[0], inner[1]].into_iter().find_map(|(u, v)| {
-            let (_, du, dv) = self.point_and_tangents(u, v);
-            let n = du.cross(dv);
-            if n.length() > noise { n.try_normalize() } else { None }
-        })
+        let net = (self.control_points(), self.degree_u.max(self.degree_v));
+        let inner = [(0.5, 0.5), (0.25, 0.75)];
+        homogeneous::normal(net, (u, v), inner, |u, v| self.point_and_tangents(u, v))
     }
 
     /// Parts for u up to `t` and from `t`, each over the unit square again.

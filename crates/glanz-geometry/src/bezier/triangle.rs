@@ -1,13 +1,11 @@
 //! Rational Bézier patches over triangles.
 
 use glanz_math::glam::DVec4;
-use glanz_math::rounding::UNIT_ROUNDOFF;
 use glanz_math::{Bounds3, DVec2, DVec3};
 
-use super::bernstein::{BernsteinSum, falling};
+use super::bernstein::{BernsteinSum, binomials, falling};
 use super::homogeneous::{
-    self, Derivatives, check_points, checked_degree, keep_weight, lift_all, noise_of_normal, project,
-    quotient_along, slot,
+    self, Derivatives, check_points, checked_degree, keep_weight, lift_all, project, quotient_along, slot,
 };
 use super::net::{Step, advance, differences, net_index};
 use crate::error::SurfaceError;
@@ -225,14 +223,9 @@ impl TrianglePatch {
     /// right; `None` if that has none either.
     #[must_use]
     pub fn normal(&self, u: f64, v: f64) -> Option<DVec3> {
-        let noise = noise_of_normal(&self.points, self.degree);
-        let step = UNIT_ROUNDOFF.sqrt();
-        let inner = [(0.34, 0.33), (0.2, 0.5)].map(|(x, y)| (u + (x - u) * step, v + (y - v) * step));
-        [(u, v), inner[0], inner[1]].into_iter().find_map(|(u, v)| {
-            let (_, du, dv) = self.point_and_tangents(u, v);
-            let n = du.cross(dv);
-            if n.length() > noise { n.try_normalize() } else { None }
-        })
+        let net = (self.control_points(), self.degree);
+        let inner = [(0.34, 0.33), (0.2, 0.5)];
+        homogeneous::normal(net, (u, v), inner, |u, v| self.point_and_tangents(u, v))
     }
 
     /// The same patch, one degree higher.
@@ -321,15 +314,14 @@ pub(super) fn edge_row_indices(n: usize, edge: TriangleEdge, row: usize) -> impl
 
 /// The sum of Bernstein polynomials of a degree; `net` is given the index and the row (degree - i) of a point.
 fn form(degree: usize, at: Barycentric, net: impl Fn(usize, usize) -> DVec4) -> DVec4 {
-    let (mut sum, mut binomial, mut e) = (DVec4::ZERO, 1.0, 0);
-    for d in 0..=degree {
+    let (mut sum, mut e) = (DVec4::ZERO, 0);
+    for (d, binomial) in binomials(degree).enumerate() {
         let mut row = BernsteinSum::new(d, at.s, at.t);
         for _ in 0..=d {
             row.push(net(e, d));
             e += 1;
         }
         sum = sum * at.r + row.sum * binomial;
-        binomial = binomial * (degree - d) as f64 / (d + 1) as f64;
     }
     sum
 }

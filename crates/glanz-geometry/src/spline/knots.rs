@@ -1,9 +1,10 @@
 //! Knot vectors: where the pieces of a spline meet, and how smoothly.
 
+use crate::bezier::bernstein;
 use crate::error::{SurfaceError, finite};
 
 /// The highest degree of a spline: one row of basis functions has its place on the stack.
-pub const MAX_DEGREE: usize = 25;
+pub const MAX_DEGREE: usize = bernstein::ROW_DEGREE;
 
 /// The knots of a spline of some degree, which never decrease; the curve lives between the knots number `degree` and
 /// number `count`, counted from 0, where `count` is the number of control points.

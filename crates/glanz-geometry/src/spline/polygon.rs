@@ -3,18 +3,16 @@
 //! Every step goes from `a` to `b` by `a + (b - a) t`, so that coordinates and weights that are equal stay so to the
 //! last bit.
 
-use std::ops::{Add, Mul, Sub};
+use std::ops::Sub;
 
 use super::knots::{KnotVector, clamped};
+use crate::bezier::bernstein::Coefficient;
 use crate::error::SurfaceError;
 
 /// What control points can be made of: numbers, points of the plane or of space, homogeneous points.
-pub(crate) trait ControlPoint:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self>
-{
-}
+pub(crate) trait ControlPoint: Coefficient + Sub<Output = Self> {}
 
-impl<T> ControlPoint for T where T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T> {}
+impl<T> ControlPoint for T where T: Coefficient + Sub<Output = T> {}
 
 /// From `a` to `b`, exact at both ends.
 pub(crate) fn mix<P: ControlPoint>(a: P, b: P, t: f64) -> P {

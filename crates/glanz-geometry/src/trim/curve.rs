@@ -5,9 +5,10 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use glanz_math::{DVec2, DVec3};
 
 use super::error::{TrimError, finite, finite_point, positive};
+use crate::bezier::bernstein;
 
 /// Largest degree of a trimming curve.
-pub const MAX_DEGREE: usize = 24;
+pub const MAX_DEGREE: usize = bernstein::ROW_DEGREE;
 
 /// A connected planar curve of rational Bézier pieces in parameter space, with a direction.
 ///
@@ -199,15 +200,9 @@ pub(super) fn project(point: DVec3) -> DVec2 {
     point.truncate() / point.z
 }
 
-/// The point at `t` of a rational Bézier curve (de Casteljau).
+/// The point at `t` of a rational Bézier curve: where the part before it ends.
 pub(super) fn evaluate(points: &[DVec3], t: f64) -> DVec2 {
-    let mut points = points.to_vec();
-    for last in (1..points.len()).rev() {
-        for i in 0..last {
-            points[i] = points[i] * (1.0 - t) + points[i + 1] * t;
-        }
-    }
-    points.first().map_or(DVec2::ZERO, |&p| project(p))
+    bernstein::split(points, t).0.last().map_or(DVec2::ZERO, |&p| project(p))
 }
 
 pub(super) fn check_range(parameter: &'static str, min: DVec2, max: DVec2) -> Result<(), TrimError> {
@@ -271,7 +266,7 @@ fn polar_form(degree: usize, knots: &[f64], points: &[DVec3], span: usize, j: us
         for i in (round..=degree).rev() {
             let (low, high) = (knots[span - degree + i], knots[span + 1 + i - round]);
             let share = (at - low) / (high - low);
-            d[i] = d[i - 1] * (1.0 - share) + d[i] * share;
+            d[i] = bernstein::mix(d[i - 1], d[i], share);
         }
     }
     d[degree]

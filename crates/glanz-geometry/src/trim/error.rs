@@ -2,6 +2,8 @@
 
 use glanz_math::DVec2;
 
+use crate::error::number_checks;
+
 /// What is wrong with the curves that trim a parameter domain. Every variant carries the values.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -128,20 +130,11 @@ pub enum TrimError {
     },
 }
 
-/// `value`, if it is finite.
-pub(super) fn finite(parameter: &'static str, value: f64) -> Result<f64, TrimError> {
-    if value.is_finite() { Ok(value) } else { Err(TrimError::NotFinite { parameter, value }) }
-}
+number_checks!(TrimError);
 
 /// `point`, if its coordinates are finite.
 pub(super) fn finite_point(parameter: &'static str, point: DVec2) -> Result<DVec2, TrimError> {
     Ok(DVec2::new(finite(parameter, point.x)?, finite(parameter, point.y)?))
-}
-
-/// `value`, if it is finite and greater than zero.
-pub(super) fn positive(parameter: &'static str, value: f64) -> Result<f64, TrimError> {
-    let value = finite(parameter, value)?;
-    if value > 0.0 { Ok(value) } else { Err(TrimError::NotPositive { parameter, value }) }
 }
 
 /// `value`, if it is finite and not below zero.

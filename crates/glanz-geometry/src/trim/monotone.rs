@@ -4,6 +4,7 @@ use glanz_math::rounding::gamma;
 use glanz_math::{DVec2, DVec3};
 
 use super::curve::project;
+use crate::bezier::bernstein::{binomials, halve, split};
 
 /// How often an interval is halved in search of a turning point: down to 4e-15, where a smooth curve is flat to twice
 /// as many digits.
@@ -31,30 +32,6 @@ pub(super) fn monotone_parts(points: &[DVec3]) -> Vec<Vec<DVec3>> {
     parts
 }
 
-/// Control points of both parts of a Bézier curve that is cut at `t`.
-///
-/// # Source
-/// @farin2002 section 4.3 (de Casteljau).
-pub(super) fn split(points: &[DVec3], t: f64) -> (Vec<DVec3>, Vec<DVec3>) {
-    let (mut left, mut right) = (Vec::with_capacity(points.len()), points.to_vec());
-    for last in (0..points.len()).rev() {
-        left.push(right[0]);
-        for i in 0..last {
-            right[i] = right[i] * (1.0 - t) + right[i + 1] * t;
-        }
-    }
-    (left, right)
-}
-
-/// Row `n` of Pascal's triangle.
-pub(super) fn binomials(n: usize) -> Vec<f64> {
-    let mut row = vec![1.0; n + 1];
-    for i in 1..=n {
-        row[i] = row[i - 1] * (n + 1 - i) as f64 / i as f64;
-    }
-    row
-}
-
 /// Bernstein coefficients of the numerator `x' w - x w'` of the derivative of `x / w` along one axis, of degree 2 n - 1:
 /// each as (value, bound on its error, also after [`MAX_SPLITS`] halvings).
 ///
@@ -69,7 +46,7 @@ fn hodograph(points: &[DVec3], axis: usize) -> Vec<DVec2> {
     // (x relative to the middle, what its rounding is relative to, w).
     let terms: Vec<[f64; 3]> =
         points.iter().map(|p| [p[axis] - middle * p.z, p[axis].abs() + middle.abs() * p.z, p.z]).collect();
-    let (slopes, values, products) = (binomials(n - 1), binomials(n), binomials(2 * n - 1));
+    let [slopes, values, products] = [n - 1, n, 2 * n - 1].map(|n| binomials(n).collect::<Vec<_>>());
     let mut coefficients = vec![DVec2::ZERO; 2 * n];
     for (i, pair) in terms.windows(2).enumerate() {
         let ([x0, size0, w0], [x1, size1, w1]) = (pair[0], pair[1]);
@@ -97,7 +74,8 @@ impl Search {
         if up && down {
             // What is too small to be halved lies between two intervals with a sign of their own.
             if splits > 0 {
-                let (left, right) = halve(b);
+                let (mut left, mut right) = (b.to_vec(), b.to_vec());
+                halve(&mut left, &mut right);
                 let middle = 0.5 * low + 0.5 * high;
                 self.interval(&left, low, middle, splits - 1);
                 self.interval(&right, middle, high, splits - 1);
@@ -111,17 +89,6 @@ impl Search {
             self.known = Some((up, high));
         }
     }
-}
-
-fn halve(b: &[DVec2]) -> (Vec<DVec2>, Vec<DVec2>) {
-    let (mut left, mut right) = (Vec::with_capacity(b.len()), b.to_vec());
-    for last in (0..b.len()).rev() {
-        left.push(right[0]);
-        for i in 0..last {
-            right[i] = 0.5 * (right[i] + right[i + 1]);
-        }
-    }
-    (left, right)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use glanz_math::{DVec2, DVec3};
 use super::curve::MAX_DEGREE;
 use super::error::TrimError;
 use super::loops::TrimLoop;
-use super::monotone::binomials;
+use crate::bezier::bernstein::{binomials, halve};
 
 /// Where a point lies, seen along a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -158,10 +158,8 @@ impl Pieces {
         let terms = self.terms(piece);
         let mut points = [DVec3::ZERO; MAX_DEGREE + 1];
         let Some(points) = points.get_mut(..terms.len()) else { return false };
-        let (n, mut binomial) = (piece.degree as usize, 1.0);
-        for (i, (point, term)) in points.iter_mut().zip(terms).enumerate() {
+        for ((point, term), binomial) in points.iter_mut().zip(terms).zip(binomials(piece.degree as usize)) {
             *point = *term / binomial;
-            binomial *= (n - i) as f64 / (i + 1) as f64;
         }
         part_is_within(points, p, tolerance, self.slack.max_element(), 60)
     }
@@ -184,13 +182,8 @@ fn part_is_within(points: &[DVec3], p: DVec2, tolerance: f64, slack: f64, splits
     }
     let (mut left, mut right) = ([DVec3::ZERO; MAX_DEGREE + 1], [DVec3::ZERO; MAX_DEGREE + 1]);
     let count = points.len();
-    right[..count].copy_from_slice(points);
-    for (done, slot) in left[..count].iter_mut().enumerate() {
-        *slot = right[0];
-        for i in 0..count - 1 - done {
-            right[i] = 0.5 * (right[i] + right[i + 1]);
-        }
-    }
+    left[..count].copy_from_slice(points);
+    halve(&mut left[..count], &mut right[..count]);
     part_is_within(&left[..count], p, tolerance, slack, splits - 1)
         || part_is_within(&right[..count], p, tolerance, slack, splits - 1)
 }

@@ -1,5 +1,6 @@
 //! Freeform surfaces: pbrt's `nurbs`, and patches that pbrt does not have; `docs/scene-format.md` describes them.
 
+use glanz_math::DVec3;
 use glanz_scene::description::{
     BezierPatchesDescription, BezierTrianglesDescription, GeometryDescription, NurbsDescription,
 };
@@ -7,8 +8,8 @@ use glanz_scene::description::{
 use super::Lowering;
 use super::spline::Knots;
 use crate::newell;
-use crate::pbrt::parameters::{Parameter, ParameterList};
-use crate::source::{Place, Step};
+use crate::pbrt::parameters::ParameterList;
+use crate::source::Step;
 
 /// Degree of patches that name none, and of those of a list after Newell.
 const CUBIC: u32 = 3;
@@ -208,27 +209,24 @@ impl Lowering {
         self.weighted(&list.subject, &points, weights)
     }
 
-    /// Bicubic patches with common points, from a file or in place.
+    /// Bicubic patches with common points.
     fn patch_mesh(&mut self, list: &mut ParameterList) -> Step<GeometryDescription> {
-        let (positions, indices) = match list.text_parameter("filename", &mut self.reporter)? {
-            Some((p, _)) if list.has("P") => {
-                let message = format!("{}: give either \"filename\" or \"P\"", list.subject);
-                return Err(self.reporter.error(&p.value_place, "parameter-count", message));
-            }
-            Some((p, name)) => {
-                let mesh = self.newell_file(&list.subject, &p, &name)?;
-                (mesh.positions, mesh.patches)
-            }
-            None if !list.has("P") => {
-                let message = format!("{} has neither \"string filename\" nor points \"P\"", list.subject);
-                return Err(self.reporter.error(&list.place, "parameter-missing", message));
-            }
-            None => {
-                let (p, positions) = self.positions(list)?;
-                let indices = self.corners::<{ newell::POINTS }>(list, &p, positions.len())?;
-                (positions, indices)
-            }
-        };
+        if !list.has("P") {
+            let message = format!("{} has neither \"string filename\" nor points \"P\"", list.subject);
+            return Err(self.reporter.error(&list.place, "parameter-missing", message));
+        }
+        let (p, positions) = self.positions(list)?;
+        let indices = self.corners::<{ newell::POINTS }>(list, &p, positions.len())?;
+        self.bicubic_patches(list, &positions, &indices)
+    }
+
+    /// Bicubic patches from points and sixteen of their numbers each.
+    pub(super) fn bicubic_patches(
+        &mut self,
+        list: &ParameterList,
+        positions: &[DVec3],
+        indices: &[[u32; newell::POINTS]],
+    ) -> Step<GeometryDescription> {
         if indices.is_empty() {
             let message = format!("{} has no patches", list.subject);
             return Err(self.reporter.error(&list.place, "parameter-count", message));
@@ -245,21 +243,6 @@ impl Lowering {
             degree_v: degree,
             patches,
         }))
-    }
-
-    fn newell_file(&mut self, subject: &str, p: &Parameter, name: &str) -> Step<newell::NewellMesh> {
-        let place: &Place = &p.value_place;
-        let (path, bytes) = match self.read_file(name) {
-            Ok(read) => read,
-            Err(problem) => {
-                let message = format!("{subject}: {problem}");
-                return Err(self.reporter.error(place, "missing-file", message));
-            }
-        };
-        newell::read(&bytes).map_err(|error| {
-            let message = format!("{subject}: {}:{error}", path.display());
-            self.reporter.error(place, "newell", message)
-        })
     }
 }
 

@@ -9,6 +9,7 @@ mod light;
 mod material;
 mod material_stand_in;
 mod named;
+mod patch_file;
 mod shape;
 mod spectrum;
 mod spline;

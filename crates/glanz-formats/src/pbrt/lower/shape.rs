@@ -44,7 +44,13 @@ impl Lowering {
     /// Adds a shape.
     pub(crate) fn shape(&mut self, kind: &str, mut list: ParameterList, context: &Context) -> Step<()> {
         let place = list.place;
-        let Some(geometry) = self.geometry(kind, &mut list)? else { return Ok(()) };
+        let surfaces = match kind {
+            "bezierpatch" | "patchmesh" if list.has("filename") => self.patch_file(&mut list)?,
+            _ => Vec::from_iter(self.geometry(kind, &mut list)?),
+        };
+        if surfaces.is_empty() {
+            return Ok(());
+        }
         self.alpha(&mut list)?;
         let trim = self.trim(&mut list)?;
         list.finish(&mut self.reporter);
@@ -54,18 +60,28 @@ impl Lowering {
         };
         let emission = context.emission.as_deref().cloned();
         if let (Some(_), Some(group)) = (&emission, self.group) {
-            *self.lights_in_groups.entry(group).or_insert(0) += 1;
+            *self.lights_in_groups.entry(group).or_insert(0) += surfaces.len();
         }
-        let shape = ShapeDescription {
-            geometry,
-            to_parent: context.ctm,
-            reverse_orientation: context.reverse_orientation,
-            material,
-            emission,
-            trim,
-            location: Some(place.location),
-        };
-        self.current_group().shapes.push(shape);
+        if surfaces.len() > 1 && emission.as_ref().is_some_and(|e| e.power.is_some()) {
+            let message = format!(
+                "shape {kind:?}: its file makes {} surfaces, which cannot share one \"power\"",
+                surfaces.len()
+            );
+            let help = Some("give the light its radiance \"L\", or one file per kind of surface".to_owned());
+            return Err(self.reporter.error_with_help(&place, "light-power", message, help));
+        }
+        for geometry in surfaces {
+            let shape = ShapeDescription {
+                geometry,
+                to_parent: context.ctm,
+                reverse_orientation: context.reverse_orientation,
+                material,
+                emission: emission.clone(),
+                trim: trim.clone(),
+                location: Some(place.location),
+            };
+            self.current_group().shapes.push(shape);
+        }
         Ok(())
     }
 

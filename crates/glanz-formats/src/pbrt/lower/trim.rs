@@ -114,34 +114,10 @@ impl Lowering {
         };
         let all_points: usize = counts.iter().sum();
         let all_knots = all_points.saturating_add(orders.iter().sum());
-        if knots.len() != all_knots {
-            let message = format!(
-                "{}: parameter \"trimknots\" has {} values, {all_knots} are needed",
-                list.subject,
-                knots.len()
-            );
-            let help = Some("a curve has as many knots as points and order together".to_owned());
-            return Err(self.reporter.error_with_help(
-                &p_knots.value_place,
-                "parameter-count",
-                message,
-                help,
-            ));
-        }
-        if points.len() != all_points {
-            let message = format!(
-                "{}: parameter \"trimpoints\" has {} points, {all_points} are needed",
-                list.subject,
-                points.len()
-            );
-            let help = Some("a point has three numbers: w u, w v, w".to_owned());
-            return Err(self.reporter.error_with_help(
-                &p_points.value_place,
-                "parameter-count",
-                message,
-                help,
-            ));
-        }
+        let (found, help) = (knots.len(), "a curve has as many knots as points and order together");
+        self.check_count((list, &p_knots), (found, "values"), all_knots, help)?;
+        let (found, help) = (points.len(), "a point has three numbers: w u, w v, w");
+        self.check_count((list, &p_points), (found, "points"), all_points, help)?;
         for (i, [u, v, w]) in points.iter().enumerate() {
             self.check_weight(&list.subject, (&p_points, 3 * i + 2), &[*u, *v], *w)?;
         }
@@ -160,6 +136,23 @@ impl Lowering {
             (first, values) = (first + of_curve.len(), others);
         }
         Ok(curves)
+    }
+
+    /// Nothing if as many things are given as are needed.
+    fn check_count(
+        &mut self,
+        (list, p): (&ParameterList, &Parameter),
+        (found, things): (usize, &str),
+        needed: usize,
+        help: &str,
+    ) -> Step<()> {
+        if found == needed {
+            return Ok(());
+        }
+        let message =
+            format!("{}: parameter {:?} has {found} {things}, {needed} are needed", list.subject, p.name);
+        let help = Some(help.to_owned());
+        Err(self.reporter.error_with_help(&p.value_place, "parameter-count", message, help))
     }
 
     /// Polygons, ellipses and rectangles; each parameter may be given several times.

@@ -1,0 +1,134 @@
+//! Why a RIB file cannot be read.
+
+use super::state::MAX_DEPTH;
+
+/// Why bytes are not a file of surfaces, and where.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{line}:{column}: {kind}")]
+pub struct RibError {
+    /// Line, from 1.
+    pub line: u32,
+    /// Column in bytes, from 1.
+    pub column: u32,
+    /// What.
+    pub kind: RibErrorKind,
+}
+
+/// What is wrong with a RIB file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RibErrorKind {
+    /// Bytes that are no text.
+    #[error("this is a binary or compressed file, only text is read")]
+    Binary,
+    /// Something else than what should stand there.
+    #[error("{found:?} stands where {wanted} should")]
+    Unexpected {
+        /// What there is.
+        found: String,
+        /// What there should be.
+        wanted: &'static str,
+    },
+    /// A number beyond all bounds.
+    #[error("{0:?} is not finite")]
+    NotFinite(String),
+    /// A text without an end.
+    #[error("the text that begins here has no closing quote")]
+    OpenText,
+    /// An array without an end.
+    #[error("the array that begins here has no closing bracket")]
+    OpenArray,
+    /// A block without an end.
+    #[error("{0}Begin has no {0}End")]
+    OpenBlock(&'static str),
+    /// An end of a block that is not the innermost.
+    #[error("{name}End closes {}", open.map_or("nothing".to_owned(), |o| format!("{o}Begin")))]
+    StrayEnd {
+        /// What ends, without `End`.
+        name: &'static str,
+        /// The innermost block, if there is one.
+        open: Option<&'static str>,
+    },
+    /// Blocks within blocks.
+    #[error("blocks are nested more than {MAX_DEPTH} deep")]
+    TooDeep,
+    /// A request that changes where surfaces stand in a way not known here.
+    #[error("{0} is not supported, what is in it would stand in the wrong place")]
+    Unsupported(String),
+    /// A matrix that does more than an affine map.
+    #[error("the last numbers of the rows are {0:?}, of an affine transformation they are 0 0 0 1")]
+    NotAffine([f64; 4]),
+    /// An argument is missing or of the wrong kind.
+    #[error("{request} needs {wanted}")]
+    Argument {
+        /// Which request.
+        request: String,
+        /// What it needs.
+        wanted: &'static str,
+    },
+    /// Too few things, or too many.
+    #[error("{request} has {found} {what}, {needed} are needed")]
+    Count {
+        /// Which request.
+        request: String,
+        /// What is counted.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        needed: usize,
+    },
+    /// Points of a mesh that do not make whole patches.
+    #[error("{count} points along {axis} make no whole number of patches in steps of {step}")]
+    MeshSize {
+        /// u or v.
+        axis: char,
+        /// Points along it.
+        count: usize,
+        /// How many points on the next patch begins.
+        step: usize,
+    },
+    /// A knot less than the one before.
+    #[error("knot {after} comes after {before}, knots must not decrease")]
+    KnotsDecrease {
+        /// The knot before.
+        before: f64,
+        /// The knot.
+        after: f64,
+    },
+    /// A part of the parameters that is none.
+    #[error("the range from {min} to {max} is empty or leaves the knots, which span {low} to {high}")]
+    Range {
+        /// Its start.
+        min: f64,
+        /// Its end.
+        max: f64,
+        /// Where the knots begin to define the surface.
+        low: f64,
+        /// Where they end.
+        high: f64,
+    },
+    /// A weight that is not positive.
+    #[error("a weight of the control points is {0}, it must be positive")]
+    Weight(f64),
+    /// A point that numbers cannot express.
+    #[error("a control point is out of range once it is transformed")]
+    OutOfRange,
+}
+
+impl RibErrorKind {
+    /// What to do, where that does not go without saying.
+    #[must_use]
+    pub fn help(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::Binary => "unpack the file, or write it as text (catrib does)",
+            Self::OpenText | Self::OpenArray | Self::OpenBlock(_) => "check whether the file is complete",
+            Self::Unsupported(_) => "write the file without motion, objects and solids",
+            Self::NotAffine(_) => "leave the projection to the camera of the scene",
+            Self::MeshSize { .. } => "the steps are those of Basis, 3 for Bézier patches",
+            Self::KnotsDecrease { .. } => "sort the knots, or check a missing value",
+            Self::Weight(_) => "\"Pw\" has four numbers per point, w x, w y, w z and w",
+            _ => return None,
+        })
+    }
+}

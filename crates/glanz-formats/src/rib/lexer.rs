@@ -1,0 +1,170 @@
+//! Requests and their arguments.
+
+use super::{RibError, RibErrorKind};
+use crate::source::line_and_column;
+
+/// Characters of the input that messages quote.
+pub(super) const QUOTED: usize = 40;
+
+/// A request with the arguments up to the next one.
+#[derive(Debug)]
+pub(super) struct Request<'a> {
+    pub(super) name: &'a str,
+    /// Where it begins, bytes from the start.
+    pub(super) at: usize,
+    pub(super) arguments: Vec<Argument<'a>>,
+}
+
+#[derive(Debug)]
+pub(super) struct Argument<'a> {
+    pub(super) at: usize,
+    pub(super) value: Value<'a>,
+}
+
+#[derive(Debug)]
+pub(super) enum Value<'a> {
+    Number(f64),
+    Text(&'a [u8]),
+    /// The numbers between brackets.
+    Numbers(Vec<f64>),
+    /// Texts between brackets; none is of use here.
+    Texts,
+}
+
+/// Reads forward through requests.
+#[derive(Clone, Debug)]
+pub(super) struct Lexer<'a> {
+    bytes: &'a [u8],
+    offset: usize,
+}
+
+impl<'a> Lexer<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes, offset: 0 }
+    }
+
+    /// The next request; `None` at the end of the file.
+    pub(super) fn request(&mut self) -> Result<Option<Request<'a>>, RibError> {
+        let Some(first) = self.peek() else { return Ok(None) };
+        let at = self.offset;
+        if !first.is_ascii_alphabetic() {
+            return Err(self.unexpected("a request"));
+        }
+        let name = std::str::from_utf8(self.word()).unwrap_or_default();
+        let mut arguments = Vec::new();
+        while let Some(byte) = self.peek() {
+            let at = self.offset;
+            let value = match byte {
+                b'"' => Value::Text(self.text()?),
+                b'[' => self.array()?,
+                _ if byte.is_ascii_alphabetic() => break,
+                _ => Value::Number(self.number("an argument")?),
+            };
+            arguments.push(Argument { at, value });
+        }
+        Ok(Some(Request { name, at, arguments }))
+    }
+
+    /// Where the number `index` of the array at `at` stands.
+    pub(super) fn number_in_array(&self, at: usize, index: usize) -> usize {
+        let mut lexer = Self { bytes: self.bytes, offset: at.saturating_add(1) };
+        for _ in 0..index {
+            lexer.peek();
+            lexer.word();
+        }
+        lexer.peek();
+        lexer.offset
+    }
+
+    pub(super) fn error(&self, at: usize, kind: RibErrorKind) -> RibError {
+        let (line, column) = line_and_column(self.bytes, at);
+        RibError { line, column, kind }
+    }
+
+    /// The next byte that is neither blank nor comment.
+    fn peek(&mut self) -> Option<u8> {
+        loop {
+            let rest = self.bytes.get(self.offset..)?;
+            let blank = rest.iter().position(|b| !b.is_ascii_whitespace())?;
+            self.offset += blank;
+            let rest = rest.get(blank..)?;
+            if rest.first() != Some(&b'#') {
+                return rest.first().copied();
+            }
+            self.offset += rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
+        }
+    }
+
+    /// Everything up to the next blank, bracket, quote or comment.
+    fn word(&mut self) -> &'a [u8] {
+        let rest = self.bytes.get(self.offset..).unwrap_or_default();
+        let ends = |b: &u8| b.is_ascii_whitespace() || b"[]\"#".contains(b);
+        let word = rest.get(..rest.iter().position(ends).unwrap_or(rest.len())).unwrap_or_default();
+        self.offset += word.len();
+        word
+    }
+
+    fn number(&mut self, wanted: &'static str) -> Result<f64, RibError> {
+        let start = self.clone();
+        let word = self.word();
+        // Words such as "nan" and "inf" would be numbers too.
+        let digits = !word.iter().any(|b| b.is_ascii_alphabetic() && !b"eE".contains(b));
+        match std::str::from_utf8(word).ok().and_then(|text| text.parse::<f64>().ok()) {
+            Some(value) if digits && value.is_finite() => Ok(value),
+            Some(_) if digits => {
+                let kind = RibErrorKind::NotFinite(String::from_utf8_lossy(word).into_owned());
+                Err(self.error(start.offset, kind))
+            }
+            _ => Err(start.unexpected(wanted)),
+        }
+    }
+
+    /// What stands between quotes.
+    fn text(&mut self) -> Result<&'a [u8], RibError> {
+        let start = self.offset + 1;
+        let mut end = start;
+        loop {
+            match self.bytes.get(end) {
+                None => return Err(self.error(self.offset, RibErrorKind::OpenText)),
+                Some(b'"') => break,
+                Some(b'\\') => end += 2,
+                Some(_) => end += 1,
+            }
+        }
+        self.offset = end + 1;
+        Ok(self.bytes.get(start..end).unwrap_or_default())
+    }
+
+    fn array(&mut self) -> Result<Value<'a>, RibError> {
+        let open = self.offset;
+        self.offset += 1;
+        let (mut numbers, mut texts) = (Vec::new(), false);
+        loop {
+            match self.peek() {
+                None => return Err(self.error(open, RibErrorKind::OpenArray)),
+                Some(b']') => break,
+                Some(b'"') if numbers.is_empty() => {
+                    self.text()?;
+                    texts = true;
+                }
+                Some(_) if texts => return Err(self.unexpected("another text")),
+                Some(_) => numbers.push(self.number("a number")?),
+            }
+        }
+        self.offset += 1;
+        Ok(if texts { Value::Texts } else { Value::Numbers(numbers) })
+    }
+
+    /// Says what stands at the offset and what should.
+    fn unexpected(&self, wanted: &'static str) -> RibError {
+        let byte = self.bytes.get(self.offset).copied().unwrap_or_default();
+        if byte >= 0x80 {
+            return self.error(self.offset, RibErrorKind::Binary);
+        }
+        let mut rest = self.clone();
+        let word = rest.word();
+        let found = if word.is_empty() { std::slice::from_ref(&byte) } else { word };
+        let found = String::from_utf8_lossy(found).chars().take(QUOTED).collect();
+        self.error(self.offset, RibErrorKind::Unexpected { found, wanted })
+    }
+}

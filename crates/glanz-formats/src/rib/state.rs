@@ -1,0 +1,132 @@
+//! What holds for the surfaces that follow: transformation, orientation and bases.
+
+use glanz_math::{DMat4, DVec3};
+
+/// Blocks within blocks at most.
+pub const MAX_DEPTH: usize = 1_000;
+
+/// A part of the file between `...Begin` and `...End`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Block {
+    /// What it begins with, without `Begin`.
+    pub(super) name: &'static str,
+    /// Where it begins.
+    pub(super) at: usize,
+    /// What held before.
+    pub(super) outside: State,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct State {
+    pub(super) to_world: DMat4,
+    /// Whether the front of a surface is its back.
+    pub(super) reversed: bool,
+    /// Along u and along v.
+    pub(super) bases: [Basis; 2],
+}
+
+impl Default for State {
+    fn default() -> Self {
+        let bezier = Basis { to_bezier: None, step: 3 };
+        Self { to_world: DMat4::IDENTITY, reversed: false, bases: [bezier; 2] }
+    }
+}
+
+impl State {
+    /// Puts a transformation between the surfaces that follow and those before.
+    pub(super) fn concatenate(&mut self, matrix: DMat4) {
+        self.to_world *= matrix;
+    }
+
+    /// Whether patches must run the other way, so that their front stays where it is: mirrors exchange front and back.
+    pub(super) fn turns(&self) -> bool {
+        (self.to_world.determinant() < 0.0) != self.reversed
+    }
+}
+
+/// A rotation about an axis by degrees; without an axis nothing turns.
+pub(super) fn rotation(degrees: f64, axis: DVec3) -> DMat4 {
+    axis.try_normalize().map_or(DMat4::IDENTITY, |axis| DMat4::from_axis_angle(axis, degrees.to_radians()))
+}
+
+/// What the four control points of a cubic mean.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Basis {
+    /// Weights, by row, of the points for three times each Bézier point, and what else to divide by; `None`: they are
+    /// Bézier points.
+    to_bezier: Option<([[f64; 4]; 4], f64)>,
+    /// How many points on the next patch of a mesh begins.
+    pub(super) step: usize,
+}
+
+/// Rows for the coefficients of t^3, t^2, t and 1, common divisor, step.
+type Table = (&'static str, [[f64; 4]; 4], f64, usize);
+
+const BEZIER: [[f64; 4]; 4] =
+    [[-1.0, 3.0, -3.0, 1.0], [3.0, -6.0, 3.0, 0.0], [-3.0, 3.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]];
+
+const BASES: [Table; 5] = [
+    ("bezier", BEZIER, 1.0, 3),
+    (
+        "b-spline",
+        [[-1.0, 3.0, -3.0, 1.0], [3.0, -6.0, 3.0, 0.0], [-3.0, 0.0, 3.0, 0.0], [1.0, 4.0, 1.0, 0.0]],
+        6.0,
+        1,
+    ),
+    (
+        "catmull-rom",
+        [[-1.0, 3.0, -3.0, 1.0], [2.0, -5.0, 4.0, -1.0], [-1.0, 0.0, 1.0, 0.0], [0.0, 2.0, 0.0, 0.0]],
+        2.0,
+        1,
+    ),
+    (
+        "hermite",
+        [[2.0, 1.0, -2.0, 1.0], [-3.0, -2.0, 3.0, -1.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]],
+        1.0,
+        2,
+    ),
+    (
+        "power",
+        [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]],
+        1.0,
+        4,
+    ),
+];
+
+impl Basis {
+    /// The basis of that name, with its usual step.
+    pub(super) fn by_name(name: &[u8]) -> Option<Self> {
+        let (_, rows, divisor, step) = BASES.iter().find(|(known, ..)| known.as_bytes() == name)?;
+        Some(Self::new(*rows, *divisor, *step))
+    }
+
+    /// The basis of a matrix: its rows are for t^3, t^2, t and 1, its columns for the points.
+    pub(super) fn of_matrix(rows: [[f64; 4]; 4]) -> Self {
+        Self::new(rows, 1.0, 3)
+    }
+
+    fn new(rows: [[f64; 4]; 4], divisor: f64, step: usize) -> Self {
+        if rows == BEZIER {
+            return Self { to_bezier: None, step };
+        }
+        // A polynomial with the coefficients a3, a2, a1, a0 has the Bézier points a0, a0 + a1 / 3,
+        // a0 + 2 a1 / 3 + a2 / 3 and a0 + a1 + a2 + a3. Three times that, numbers stay whole and patches that meet get
+        // the same bits along their border.
+        const OF_POWERS: [[f64; 4]; 4] =
+            [[0.0, 0.0, 0.0, 3.0], [0.0, 0.0, 1.0, 3.0], [0.0, 1.0, 2.0, 3.0], [3.0, 3.0, 3.0, 3.0]];
+        let entry = |i: usize, j: usize| (0..4).map(|k| OF_POWERS[i][k] * rows[k][j]).sum();
+        let weights = std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)));
+        Self { to_bezier: Some((weights, 3.0 * divisor)), step }
+    }
+
+    /// Four points, of as many numbers each, as Bézier points.
+    pub(super) fn to_bezier(self, points: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
+        let Some((weights, divisor)) = self.to_bezier else { return points };
+        let sum = |i: usize, x: usize| (0..4).map(|j| weights[i][j] * points[j][x]).sum::<f64>();
+        std::array::from_fn(|i| std::array::from_fn(|x| sum(i, x) / divisor))
+    }
+}
+
+/// What to write for a basis.
+pub(super) const BASIS_NAMES: &str =
+    "sixteen numbers or \"bezier\", \"b-spline\", \"catmull-rom\", \"hermite\" or \"power\"";

@@ -1,0 +1,98 @@
+//! Curves and the loops made of them.
+
+use super::*;
+
+#[test]
+fn bezier_pieces_of_a_nurbs_curve_are_the_curve() {
+    /// Basis functions by their definition.
+    fn basis(i: usize, p: usize, knots: &[f64], t: f64) -> f64 {
+        if p == 0 {
+            return f64::from(u8::from(knots[i] <= t && t < knots[i + 1]));
+        }
+        let part = |a: f64, b: f64, value: f64| if b > 0.0 { a / b * value } else { 0.0 };
+        part(t - knots[i], knots[i + p] - knots[i], basis(i, p - 1, knots, t))
+            + part(knots[i + p + 1] - t, knots[i + p + 1] - knots[i + 1], basis(i + 1, p - 1, knots, t))
+    }
+    let mut random = Random(11);
+    let clamped = vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 2.5, 3.0, 3.0, 3.0, 3.0];
+    let unclamped = vec![-1.0, 0.0, 0.2, 1.0, 1.5, 2.0, 2.0, 3.0, 4.0, 4.5, 6.0];
+    for knots in [clamped, unclamped] {
+        let points: Vec<DVec3> = (0..7).map(|_| random.point().extend(0.5 + random.unit())).collect();
+        let curve = TrimCurve::try_nurbs(3, &knots, &points).unwrap();
+        let mut breaks = knots[3..=7].to_vec();
+        breaks.dedup();
+        assert_eq!(curve.piece_count(), breaks.len() - 1);
+        for piece in 0..curve.piece_count() {
+            for i in 0..20 {
+                let share = f64::from(i) / 20.0;
+                let t = breaks[piece] + share * (breaks[piece + 1] - breaks[piece]);
+                let sum: DVec3 = (0..7).map(|j| points[j] * basis(j, 3, &knots, t)).sum();
+                let found = curve.point(piece, share).unwrap();
+                assert!((found - sum.truncate() / sum.z).length() < 1e-14);
+            }
+        }
+    }
+}
+
+#[test]
+fn gaps_are_closed_within_the_tolerance_and_named_beyond_it() {
+    let line = |a, b| TrimCurve::try_line(a, b).unwrap();
+    let (p, q, r) = (at(0.1, 0.1), at(0.9, 0.1), at(0.5, 0.9));
+    let curves = || vec![line(p, q), line(q + at(0.0, 1e-4), r), line(r, p)];
+    match TrimLoop::try_new(curves(), 1e-5) {
+        Err(TrimError::Open { curve: 0, next: 1, end, gap, .. }) => {
+            assert!(end == q && (gap - 1e-4).abs() < 1e-15);
+        }
+        other => panic!("{other:?}"),
+    }
+    let trimmed = region(vec![TrimLoop::try_new(curves(), 1e-3).unwrap()]);
+    assert!(
+        trimmed.contains(q + at(0.0, 0.5e-4))
+            && trimmed.contains(CENTER)
+            && !trimmed.contains(q + at(0.0, 1e-4))
+    );
+}
+
+#[test]
+fn senseless_curves_are_refused() {
+    let nan = at(f64::NAN, 0.0);
+    assert!(matches!(TrimCurve::try_line(UNIT[0], nan), Err(TrimError::NotFinite { .. })));
+    assert!(matches!(TrimCurve::try_polygon(&UNIT), Err(TrimError::TooFew { count: 2, .. })));
+    assert!(matches!(TrimCurve::try_circle(CENTER, 0.0), Err(TrimError::NotPositive { .. })));
+    assert!(matches!(TrimCurve::try_ellipse(CENTER, UNIT[1], UNIT[1]), Err(TrimError::NotPositive { .. })));
+    assert!(matches!(TrimCurve::try_rectangle(UNIT[1], UNIT[0]), Err(TrimError::EmptyRange { .. })));
+    assert!(matches!(TrimCurve::try_bezier(&[DVec3::ONE]), Err(TrimError::Degree { degree: 0, .. })));
+    let points = [DVec3::ONE, DVec3::new(0.0, 0.0, 1.0), DVec3::ONE];
+    let weightless = [DVec3::ONE, DVec3::ZERO];
+    assert!(matches!(TrimCurve::try_bezier(&weightless), Err(TrimError::NotPositive { .. })));
+    let nurbs = |degree, knots: &[f64]| TrimCurve::try_nurbs(degree, knots, &points).unwrap_err();
+    assert!(matches!(nurbs(1, &[0.0; 4]), TrimError::KnotCount { expected: 5, .. }));
+    assert!(matches!(nurbs(1, &[0.0; 5]), TrimError::EmptyRange { .. }));
+    assert!(matches!(nurbs(3, &[0.0; 7]), TrimError::TooFew { .. }));
+    assert!(matches!(nurbs(1, &[0.0, 0.0, 2.0, 1.0, 1.0]), TrimError::KnotsDecrease { position: 3, .. }));
+    assert!(matches!(nurbs(1, &[0.0, 0.0, f64::INFINITY, 1.0, 1.0]), TrimError::NotFinite { .. }));
+    let four = [points[0], points[1], points[2], points[0]];
+    let apart = TrimCurve::try_nurbs(1, &[0.0, 0.0, 1.0, 1.0, 2.0, 2.0], &four);
+    assert!(matches!(apart, Err(TrimError::KnotRepeated { count: 2, max: 1, .. })));
+    assert!(matches!(TrimLoop::try_new(Vec::new(), 0.0), Err(TrimError::TooFew { .. })));
+    let point = TrimCurve::try_line(CENTER, CENTER).unwrap();
+    assert!(matches!(TrimLoop::try_closed(point, 0.0), Err(TrimError::Collapsed { .. })));
+    assert!(matches!(TrimRegion::try_new(Vec::new(), [UNIT[0], nan]), Err(TrimError::NotFinite { .. })));
+    assert!(matches!(TrimRegion::try_new(Vec::new(), [UNIT[0], UNIT[0]]), Err(TrimError::EmptyRange { .. })));
+    assert!(matches!(region(Vec::new()).with_widened_border(-1.0), Err(TrimError::Negative { .. })));
+}
+
+#[test]
+fn a_curve_of_the_highest_degree_is_as_good_as_a_line() {
+    // The lower border of the square as a polynomial of degree 25 in the same parameter.
+    let lower: Vec<DVec3> =
+        (0..=MAX_DEGREE).map(|i| at(i as f64 / MAX_DEGREE as f64, 0.0).extend(1.0)).collect();
+    let rest = TrimCurve::try_polyline(&[at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0), at(0.0, 0.0)]).unwrap();
+    let border = TrimLoop::try_new(vec![TrimCurve::try_bezier(&lower).unwrap(), rest], 0.0).unwrap();
+    let square = TrimRegion::try_new(vec![border], [at(-1.0, -1.0), at(2.0, 2.0)]).unwrap();
+    for u in [0.001, 0.3, 0.999] {
+        assert!(square.contains(at(u, 1e-9)) && !square.contains(at(u, -1e-9)));
+    }
+    let higher = vec![DVec3::ONE; MAX_DEGREE + 2];
+    assert_eq!(TrimCurve::try_bezier(&higher), Err(TrimError::Degree { degree: 26, max: 25 }));
+}

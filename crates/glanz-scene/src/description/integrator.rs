@@ -1,0 +1,47 @@
+//! How samples are spread and light is gathered.
+
+use super::Location;
+
+/// How samples are spread.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SamplerDescription {
+    /// Name in the table of `glanz-sampling`.
+    pub name: String,
+    /// Samples per pixel.
+    pub samples_per_pixel: u32,
+    /// Seed.
+    pub seed: u64,
+}
+
+impl Default for SamplerDescription {
+    fn default() -> Self {
+        Self { name: "sobol".to_owned(), samples_per_pixel: 16, seed: 0 }
+    }
+}
+
+/// How light is gathered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IntegratorDescription {
+    /// Name in the table of `glanz-transport`.
+    pub name: String,
+    /// Scattering events per path at most.
+    pub max_depth: Option<u32>,
+    /// Whether lights are sampled at every hit.
+    pub light_sampling: bool,
+    /// Rays that `distributed` sends on from a hit.
+    pub branching: Option<u32>,
+    /// Where it was said.
+    pub location: Option<Location>,
+}
+
+impl Default for IntegratorDescription {
+    fn default() -> Self {
+        Self {
+            name: "path".to_owned(),
+            max_depth: None,
+            light_sampling: true,
+            branching: None,
+            location: None,
+        }
+    }
+}

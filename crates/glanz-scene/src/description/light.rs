@@ -1,0 +1,77 @@
+//! Lights, surfaces that shine among them.
+
+use glanz_light::SpectralDistribution;
+use glanz_math::{DMat4, DVec3};
+
+use super::Location;
+
+/// A light that is not a surface.
+#[derive(Clone, Debug)]
+pub struct LightDescription {
+    /// What it does.
+    pub kind: LightKind,
+    /// Intensity, radiance or irradiance, see [`LightKind`].
+    pub emission: SpectralDistribution,
+    /// Factor on `emission`.
+    pub scale: f32,
+    /// From light to world space.
+    pub to_world: DMat4,
+    /// Where it was said.
+    pub location: Option<Location>,
+}
+
+/// The lights that are not surfaces; points and directions in light space.
+#[derive(Clone, Debug)]
+pub enum LightKind {
+    /// Emits W/sr alike in all directions.
+    Point {
+        /// Where it is.
+        from: DVec3,
+        /// Distance at which it has faded to nothing, metres.
+        range: Option<f64>,
+    },
+    /// Emits W/sr into a cone.
+    Spot {
+        /// Where it is.
+        from: DVec3,
+        /// Where its axis goes.
+        to: DVec3,
+        /// Half angle of the cone, radians.
+        cone_angle: f64,
+        /// Half angle inside which it does not fall, radians.
+        inner_angle: f64,
+        /// How it falls between the two.
+        falloff: SpotFalloff,
+    },
+    /// W/m^2 on a surface that faces it, from one direction.
+    Distant {
+        /// From here ...
+        from: DVec3,
+        /// ... to here the light goes.
+        to: DVec3,
+    },
+    /// W/(m^2 sr) from every direction.
+    Infinite,
+}
+
+/// How a spot light falls between inner and outer angle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpotFalloff {
+    /// Fourth power of the linear share of cosines (pbrt v3).
+    Quartic,
+    /// Cubic with horizontal ends (pbrt v4).
+    Smoothstep,
+}
+
+/// Light a surface gives off, the same in all directions of its front.
+#[derive(Clone, Debug)]
+pub struct EmissionDescription {
+    /// W/(m^2 sr).
+    pub radiance: SpectralDistribution,
+    /// Factor on `radiance`.
+    pub scale: f32,
+    /// Total power in W that replaces the magnitude of `radiance`.
+    pub power: Option<f32>,
+    /// Whether the back shines too.
+    pub two_sided: bool,
+}

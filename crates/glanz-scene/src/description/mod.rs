@@ -1,0 +1,74 @@
+//! A scene as plain data: what a file said, checked for syntax but not yet for sense.
+//!
+//! Readers in `glanz-formats` produce a [`Description`]; [`crate::Scene::resolve`] checks everything through the
+//! constructors of geometry and shading. Lengths are metres and angles radians; matrices map columns and may still be
+//! singular. Every part that can be wrong carries the [`Location`] where it was said.
+
+mod camera;
+mod film;
+mod freeform;
+mod geometry;
+mod group;
+mod integrator;
+mod light;
+mod material;
+mod texture;
+mod trim;
+
+pub use camera::{CameraDescription, CameraKind};
+pub use film::{FilmDescription, FilterDescription, FilterKind};
+pub use freeform::{BezierPatchesDescription, BezierTrianglesDescription, NurbsDescription};
+pub use geometry::GeometryDescription;
+pub use group::{GroupDescription, InstanceDescription, ShapeDescription};
+pub use integrator::{IntegratorDescription, SamplerDescription};
+pub use light::{EmissionDescription, LightDescription, LightKind, SpotFalloff};
+pub use material::{MaterialDescription, MaterialKind};
+pub use texture::{
+    FloatInput, ImageDescription, ImageFilter, ImageWrap, SpectrumInput, TextureDescription, TextureKind,
+    TextureMapping,
+};
+pub use trim::{TrimCurveDescription, TrimDescription, TrimLoopDescription};
+
+/// Index into [`Description::files`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FileId(pub u32);
+
+/// Where in the input something was said.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Location {
+    /// The file.
+    pub file: FileId,
+    /// Line, from 1.
+    pub line: u32,
+    /// Column in characters, from 1.
+    pub column: u32,
+}
+
+/// Everything a scene file says.
+#[derive(Clone, Debug, Default)]
+pub struct Description {
+    /// Names of the files read, as the user would write them; the scene file is the first.
+    pub files: Vec<String>,
+    /// How the picture is taken.
+    pub camera: CameraDescription,
+    /// Size and cut of the picture.
+    pub film: FilmDescription,
+    /// How samples are weighted within a pixel's neighbourhood.
+    pub filter: FilterDescription,
+    /// How samples are spread.
+    pub sampler: SamplerDescription,
+    /// How light is gathered.
+    pub integrator: IntegratorDescription,
+    /// Pictures that textures refer to by index.
+    pub images: Vec<ImageDescription>,
+    /// Textures; one may only refer to those before it.
+    pub textures: Vec<TextureDescription>,
+    /// Materials, referred to by index.
+    pub materials: Vec<MaterialDescription>,
+    /// Lights that are not surfaces.
+    pub lights: Vec<LightDescription>,
+    /// Groups that instances refer to by index; one may only refer to those before it.
+    pub groups: Vec<GroupDescription>,
+    /// What stands in the world itself.
+    pub world: GroupDescription,
+}

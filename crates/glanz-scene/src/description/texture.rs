@@ -1,0 +1,150 @@
+//! Textures, the pictures they show, and what may be a texture or a value.
+
+use std::sync::Arc;
+
+use glanz_light::{Pixels, SpectralDistribution};
+use glanz_math::{DMat4, DVec2, DVec3};
+
+use super::Location;
+
+/// A picture for textures.
+#[derive(Clone, Debug)]
+pub struct ImageDescription {
+    /// Its file.
+    pub name: String,
+    /// Linear values; row 0 is the top.
+    pub pixels: Arc<Pixels>,
+}
+
+/// A spectrum or a texture of spectra.
+#[derive(Clone, Debug)]
+pub enum SpectrumInput {
+    /// The same everywhere.
+    Value(SpectralDistribution),
+    /// Index into [`Description::textures`](super::Description::textures).
+    Texture(usize),
+}
+
+/// A number or a texture of numbers.
+#[derive(Clone, Debug)]
+pub enum FloatInput {
+    /// The same everywhere.
+    Value(f32),
+    /// Index into [`Description::textures`](super::Description::textures).
+    Texture(usize),
+}
+
+/// A texture.
+#[derive(Clone, Debug)]
+pub struct TextureDescription {
+    /// Its name in the scene.
+    pub name: String,
+    /// What it computes.
+    pub kind: TextureKind,
+    /// Where it was said.
+    pub location: Option<Location>,
+}
+
+/// The textures. Float textures hold their numbers as grey spectra.
+#[derive(Clone, Debug)]
+pub enum TextureKind {
+    /// The same everywhere.
+    Constant(SpectrumInput),
+    /// Product of two.
+    Scale(SpectrumInput, SpectrumInput),
+    /// `(1 - amount) a + amount b`.
+    Mix {
+        /// Where `amount` is 0.
+        a: SpectrumInput,
+        /// Where `amount` is 1.
+        b: SpectrumInput,
+        /// Weight of `b`.
+        amount: FloatInput,
+    },
+    /// Two alternating in squares.
+    Checkerboard {
+        /// Where the sum of the cell numbers is even.
+        even: SpectrumInput,
+        /// Elsewhere.
+        odd: SpectrumInput,
+        /// Coordinates in cells.
+        mapping: TextureMapping,
+    },
+    /// A picture.
+    Image {
+        /// Index into [`Description::images`](super::Description::images).
+        image: usize,
+        /// Coordinates; the picture fills [0, 1]^2, (0, 0) is its lower left corner.
+        mapping: TextureMapping,
+        /// What lies outside [0, 1]^2.
+        wrap: ImageWrap,
+        /// How values between pixels are found.
+        filter: ImageFilter,
+        /// Factor on every value.
+        scale: f32,
+        /// Whether 1 - value is meant.
+        invert: bool,
+    },
+}
+
+/// Where on a texture a point of a surface lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TextureMapping {
+    /// `(scale.x u + offset.x, scale.y v + offset.y)`.
+    Uv {
+        /// Factors on (u, v).
+        scale: DVec2,
+        /// Added after the factors.
+        offset: DVec2,
+    },
+    /// `(p . v1 + offset.x, p . v2 + offset.y)` with p in texture space.
+    Planar {
+        /// First axis.
+        v1: DVec3,
+        /// Second axis.
+        v2: DVec3,
+        /// Added to both.
+        offset: DVec2,
+        /// From world to texture space.
+        to_texture: DMat4,
+    },
+    /// Polar and azimuthal angle, scaled to [0, 1].
+    Spherical {
+        /// From world to texture space.
+        to_texture: DMat4,
+    },
+    /// Azimuthal angle scaled to [0, 1], and height.
+    Cylindrical {
+        /// From world to texture space.
+        to_texture: DMat4,
+    },
+    /// The point itself, for solid textures.
+    Solid {
+        /// From world to texture space.
+        to_texture: DMat4,
+    },
+}
+
+/// What lies outside a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum ImageWrap {
+    /// The picture again.
+    #[default]
+    Repeat,
+    /// Zero.
+    Black,
+    /// The nearest border value.
+    Clamp,
+}
+
+/// How values between pixels are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum ImageFilter {
+    /// The nearest pixel.
+    Point,
+    /// Bilinear interpolation.
+    #[default]
+    Bilinear,
+    /// Bilinear in two levels of a pyramid.
+    Trilinear,
+}
