@@ -21,6 +21,7 @@ impl Line {
     ///
     /// The zero is right to a few units of roundoff of its own size plus one of the distance to the ray's origin: the
     /// products carry their remainders.
+    #[inline]
     pub(crate) fn new(ray: &Ray, shift: f64) -> Self {
         let speed = ray.direction.length();
         let along = |o: f64, d: f64| {
@@ -34,6 +35,7 @@ impl Line {
     }
 
     /// The line with its zero next to `center`.
+    #[inline]
     pub(crate) fn nearest_to(ray: &Ray, center: DVec3) -> Self {
         let d = ray.direction;
         Self::new(ray, (center - ray.origin).dot(d) / d.length_squared())

@@ -27,10 +27,9 @@ pub(super) struct Bicubic<const LISTS: usize> {
     reach: f64,
     stray_squared: f64,
     bend: f64,
-    /// The same for the weight, whose value at the centre is 1.
-    weight_bend: f64,
-    /// Bounds on the weight.
-    weights: [f64; 2],
+    /// The same for the weight, whose value at the centre is 1, and bounds on it; rounded outward.
+    weight_bend: f32,
+    weights: [f32; 2],
     /// By power of s, coordinate, power of t.
     powers: [[[f64; 4]; LISTS]; 4],
 }
@@ -80,9 +79,7 @@ impl<const LISTS: usize> Bicubic<LISTS> {
             stray_squared: frame.stray_squared,
             bend: 0.0,
             weight_bend: 0.0,
-            weights: points
-                .iter()
-                .fold([f64::INFINITY, 0.0], |[low, high], p| [low.min(p.w * per), high.max(p.w * per)]),
+            weights: [1.0; 2],
             powers,
         };
         // The centre itself is rounded as the net is: what is left of it here belongs to it.
@@ -90,7 +87,12 @@ impl<const LISTS: usize> Bicubic<LISTS> {
             list[0] = 0.0;
         }
         leaf.bend = leaf.second_order(0..3);
-        leaf.weight_bend = leaf.second_order(3..LISTS);
+        if LISTS == 4 {
+            let weights = || points.iter().map(|p| p.w * per);
+            let (low, high) = (weights().fold(f64::INFINITY, f64::min), weights().fold(0.0, f64::max));
+            leaf.weights = [(low as f32).next_down(), (high as f32).next_up()];
+            leaf.weight_bend = (leaf.second_order(3..LISTS) as f32).next_up();
+        }
         leaf
     }
 
@@ -98,8 +100,9 @@ impl<const LISTS: usize> Bicubic<LISTS> {
     fn second_order(&self, lists: std::ops::Range<usize>) -> f64 {
         let mut sum = 0.0;
         for (i, row) in self.powers.iter().enumerate() {
-            for j in 0..4 {
-                let size = lists.clone().map(|k| row[k][j] * row[k][j]).sum::<f64>().sqrt();
+            for j in 0..4_usize {
+                let lists = row.get(lists.clone()).unwrap_or_default();
+                let size = lists.iter().map(|list| list[j] * list[j]).sum::<f64>().sqrt();
                 sum += size * (i * i.saturating_sub(1) / 2 + i * j + j * j.saturating_sub(1) / 2) as f64;
             }
         }
@@ -148,6 +151,14 @@ impl<const LISTS: usize> Bicubic<LISTS> {
             simd.load64(&c[LISTS - 1]),
             simd.load64(&d[LISTS - 1]),
         ]
+    }
+
+    /// Asks the memory for what the first look needs: most leaves get no second one.
+    #[inline(always)]
+    pub(super) fn prefetch<S: Simd>(&self, simd: S) {
+        simd.prefetch(&self.center);
+        simd.prefetch(&self.powers[0]);
+        simd.prefetch(&self.powers[1]);
     }
 
     /// Reports every root of the leaf, in no order.
@@ -209,8 +220,8 @@ impl<const LISTS: usize> Bicubic<LISTS> {
         let first = [f0, f1, self.seen(simd, first, 2), self.seen(simd, first, 3)];
         let second = [g0, g1, self.seen(simd, second, 2), self.seen(simd, second, 3)];
         let view = View { first: self.shifted(simd, first, c.x), second: self.shifted(simd, second, c.y) };
-        let bend = self.bend + if LISTS == 4 { self.weight_bend * c.length() } else { 0.0 };
-        (view, Limits { noise: probe.noise * POWERS, bend, weights: self.weights })
+        let bend = self.bend + if LISTS == 4 { f64::from(self.weight_bend) * c.length() } else { 0.0 };
+        (view, Limits { noise: probe.noise * POWERS, bend, weights: self.weights.map(f64::from) })
     }
 
     /// The weight at (s, t), outside of vector code.
@@ -293,7 +304,7 @@ impl<const LISTS: usize> Patch for Bicubic<LISTS> {
             let columns: [[f64; 4]; 4] = std::array::from_fn(|j| bernstein_of(rows.map(|row| row[j])));
             cells.extend(columns.into_iter().flatten());
         }
-        2.0 * POWERS * probe.noise * self.weights[1]
+        2.0 * POWERS * probe.noise * f64::from(self.weights[1])
     }
 
     fn tangent(&self, x: f64, y: f64) -> Tangent {

@@ -8,6 +8,7 @@ use glanz_math::DVec3;
 use super::leaf::{Draft, Rect};
 use super::leaves::Leaves;
 use super::net::MAX_DEGREE;
+use super::search::Sight;
 use super::{Freeform, Piece, Place};
 use crate::bvh::{BuildOptions, Bvh, map};
 use crate::error::SurfaceError;
@@ -16,8 +17,14 @@ use crate::error::SurfaceError;
 /// below the search's own limit, so that rays from most sides find their leaf certified.
 const UNEVEN: f64 = 0.3;
 
-/// Halvings of a patch at most: next to a collapsed edge no leaf is ever even.
-const MOST_HALVINGS: usize = 9;
+/// Halvings of a patch at most.
+const MOST_HALVINGS: usize = 12;
+
+/// Halvings after which they must help: two of them should make a part of any smooth patch half as uneven...
+const FIRST_HALVINGS: usize = 5;
+
+/// ... and have helped if it is this much of what it was.
+const HELPFUL: f64 = 0.75;
 
 /// Leaves smaller than this share of the surface are not halved further: the search does it if a ray comes.
 const SMALLEST: f64 = 1e-6;
@@ -74,10 +81,9 @@ impl Freeform {
         let places = ordered.map(|draft| Place { piece: draft.patch, rect: draft.rect }).collect();
         Self {
             pieces,
-            degrees,
             leaves,
             places,
-            size,
+            sight: Sight::new(&bvh.bounds(), size, degrees),
             undecided: AtomicU64::new(0),
             areas: OnceLock::new(),
             bvh,
@@ -85,20 +91,35 @@ impl Freeform {
     }
 }
 
-/// The leaves of one piece. Those without any extent are left out: nothing can be seen of them.
+/// A part of a patch that may be halved further.
+struct Open {
+    draft: Draft,
+    halvings: usize,
+    /// Unevenness of the part of which it is a half, and of that of which that was one.
+    before: [f64; 2],
+}
+
+/// The leaves of one piece.
 fn leaves(index: u32, piece: &Piece, smallest: f64) -> Vec<Draft> {
     let degrees = piece.patch.degrees();
     let whole = Draft::new(index, Rect::UNIT, piece.patch.control_points().to_vec(), degrees);
     let mut done = Vec::new();
-    let mut open = vec![(whole, 0)];
-    while let Some((draft, halvings)) = open.pop() {
+    let mut open = vec![Open { draft: whole, halvings: 0, before: [f64::INFINITY; 2] }];
+    while let Some(Open { draft, halvings, before }) = open.pop() {
         let large = draft.bounds.diagonal().length() > smallest;
         // NaN, of a leaf without area, is uneven.
-        let even = draft.frame.unevenness() <= UNEVEN;
-        if even || !large || halvings == MOST_HALVINGS {
+        let uneven = draft.frame.unevenness();
+        // Next to a collapsed edge or a cusp no part is ever even, however small.
+        let helps = halvings < FIRST_HALVINGS || uneven <= HELPFUL * before[1];
+        if uneven <= UNEVEN || !large || !helps || halvings == MOST_HALVINGS {
             done.push(draft);
         } else {
-            open.extend(draft.halves().map(|half| (half, halvings + 1)));
+            let halves = draft.halves();
+            open.extend(halves.map(|draft| Open {
+                draft,
+                halvings: halvings + 1,
+                before: [uneven, before[0]],
+            }));
         }
     }
     done

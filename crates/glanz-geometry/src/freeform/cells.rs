@@ -7,8 +7,8 @@
 
 use glanz_math::DVec2;
 
-use super::net::bernstein;
-use super::search::{Probe, Root, Scratch, Tangent, cross};
+use super::net::{bernstein, with_room};
+use super::search::{Probe, Root, Scratch, Tangent, cross, weighted};
 
 /// Largest contraction at which a cell is certified.
 const CERTIFIED: f64 = 0.75;
@@ -299,8 +299,10 @@ fn contract(
     let mut ends = false;
     let mut trusted = true;
     for _ in 0..200 {
-        let ([bx, dx, _], [by, dy, _]) = (bernstein(p, z.x), bernstein(q_degree, z.y));
-        let sums = [first, second].map(|list| super::search::weighted(list, p + 1, &bx, &dx, &by, &dy));
+        let sums = with_room!(p.max(q_degree), N => {
+            let ([bx, dx, _], [by, dy, _]) = (bernstein::<N>(p, z.x), bernstein::<N>(q_degree, z.y));
+            [first, second].map(|list| weighted(list, p + 1, &bx, &dx, &by, &dy))
+        });
         let at = |k: usize| DVec2::new(sums[0][k], sums[1][k]);
         let (f, ju, jv) = (at(0), at(1), at(2));
         let simple = DVec2::new(cross(f, b), cross(a, f)) * per;

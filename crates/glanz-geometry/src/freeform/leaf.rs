@@ -110,21 +110,39 @@ fn polynomial_bounds(
     a: DVec3,
     b: DVec3,
 ) -> (f64, f64, f64, f64) {
-    let space = Poly { degrees: (p, q), coefficients: points.iter().map(|p| p.truncate()).collect() };
-    let affine = |k: usize| {
-        let (i, j) = (k / (q + 1), k % (q + 1));
-        center + a * (2.0 * i as f64 / p as f64 - 1.0) + b * (2.0 * j as f64 / q as f64 - 1.0)
-    };
-    let reach = largest(space.coefficients.iter().enumerate().map(|(k, &c)| c - affine(k)));
-    let (du, dv) = (space.derivative(true), space.derivative(false));
-    let m_a = largest(du.coefficients.iter().map(|&d| d * 0.5 - a));
-    let m_b = largest(dv.coefficients.iter().map(|&d| d * 0.5 - b));
-    let second = |d: &Poly<DVec3>, by_first| largest(d.derivative(by_first).coefficients.into_iter()) * 0.25;
-    let (uu, uv, vv) = (second(&du, true), second(&du, false), second(&dv, false));
-    (reach, m_a, m_b, 0.5 * (uu + 2.0 * uv + vv))
+    let at = |i: usize, j: usize| points[i * (q + 1) + j].truncate();
+    let along = |i: usize, degree: usize| 2.0 * i as f64 / degree as f64 - 1.0;
+    let (dp, dq) = (0.5 * p as f64, 0.5 * q as f64);
+    let (ddp, ddq) = (0.5 * dp * (p as f64 - 1.0), 0.5 * dq * (q as f64 - 1.0));
+    // Squares: reach, strays, and second derivatives by (s, t), halved where they are pure.
+    let mut most = [0.0_f64; 6];
+    let mut meet = |k: usize, v: DVec3| most[k] = most[k].max(v.length_squared());
+    for i in 0..=p {
+        for j in 0..=q {
+            let here = at(i, j);
+            meet(0, here - center - a * along(i, p) - b * along(j, q));
+            if i < p {
+                meet(1, (at(i + 1, j) - here) * dp - a);
+            }
+            if j < q {
+                meet(2, (at(i, j + 1) - here) * dq - b);
+            }
+            if i + 2 <= p {
+                meet(3, (at(i + 2, j) - at(i + 1, j) * 2.0 + here) * ddp);
+            }
+            if i < p && j < q {
+                meet(4, (at(i + 1, j + 1) - at(i + 1, j) - at(i, j + 1) + here) * (dp * dq));
+            }
+            if j + 2 <= q {
+                meet(5, (at(i, j + 2) - at(i, j + 1) * 2.0 + here) * ddq);
+            }
+        }
+    }
+    let [reach, m_a, m_b, uu, uv, vv] = most.map(f64::sqrt);
+    (reach, m_a, m_b, uu + uv + vv)
 }
 
-/// The same for a rational patch: quotients are bounded by their numerator over the least denominator.
+/// The same for a rational patch S = X / W: quotients are bounded by their numerator over the least denominator.
 fn rational_bounds(
     points: &[DVec4],
     degrees: (usize, usize),
@@ -136,23 +154,25 @@ fn rational_bounds(
     let space = Poly { degrees, coefficients: points.iter().map(|p| p.truncate() - center * p.w).collect() };
     let weight = Poly { degrees, coefficients: points.iter().map(|p| p.w).collect() };
     let least = points.iter().fold(f64::INFINITY, |least, p| least.min(p.w));
-    let most = |poly: &Poly<DVec3>| largest(poly.coefficients.iter().copied());
-    // s a + t b over the unit square: bilinear coefficients at the corners.
-    let affine = Poly { degrees: (1, 1), coefficients: vec![-a - b, b - a, a - b, a + b] };
-    let one = Poly { degrees: (1, 1), coefficients: vec![1.0; 4] };
-    let minus = |x: Poly<DVec3>, y: Poly<DVec3>| Poly {
-        degrees: x.degrees,
-        coefficients: x.coefficients.iter().zip(&y.coefficients).map(|(&x, &y)| x - y).collect(),
+    // s a + t b at the corners.
+    let affine = [[-a - b, a - b], [b - a, a + b]];
+    let apart = |x: Poly<DVec3>, y: Poly<DVec3>| {
+        largest(x.coefficients.iter().zip(&y.coefficients).map(|(&x, &y)| x - y))
     };
-    let reach = most(&minus(space.times(&one), affine.times(&weight))) / least;
-    // (X' W - X W') / 2 - a W^2, all of degrees (2p, 2q) or one less.
+    let reach = apart(space.clone().elevated((1, 1)), weight.times_bilinear(affine)) / least;
+    // S_s - a = (X_s - S W_s - a W) / W, where S is s a + t b but for the reach.
     let stray = |by_first: bool, along: DVec3| {
-        let raise = Poly { degrees: if by_first { (1, 0) } else { (0, 1) }, coefficients: vec![0.5; 2] };
-        let rise = space.derivative(by_first).times(&weight).times(&raise);
-        let fall = space.times(&weight.derivative(by_first)).times(&raise);
-        let square = weight.times(&weight);
-        let mean = Poly { degrees: (0, 0), coefficients: vec![along] }.times(&square);
-        most(&minus(minus(rise, fall), mean)) / (least * least)
+        let rise = weight.derivative(by_first);
+        let steepest = rise.coefficients.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+        let mean =
+            Poly { degrees, coefficients: weight.coefficients.iter().map(|&w| along * (2.0 * w)).collect() };
+        let mean = mean.elevated(if by_first { (0, 1) } else { (1, 0) });
+        let mut fall = rise.times_bilinear(affine);
+        for (fall, mean) in fall.coefficients.iter_mut().zip(&mean.coefficients) {
+            *fall += *mean;
+        }
+        // By s, which goes twice as far as u.
+        0.5 * (apart(space.derivative(by_first).elevated((1, 1)), fall) + reach * steepest) / least
     };
     (reach, stray(true, a), stray(false, b), f64::INFINITY)
 }

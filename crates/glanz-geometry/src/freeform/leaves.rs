@@ -27,6 +27,8 @@ pub(super) trait LeafList {
         scratch: &mut Scratch,
         report: &mut impl OnRoot,
     );
+    /// Asks the memory for a leaf that will be visited soon.
+    fn prefetch<S: Simd>(&self, simd: S, ordinal: usize);
 }
 
 /// Leaves of any degrees.
@@ -85,6 +87,13 @@ impl<const LISTS: usize> LeafList for Vec<Bicubic<LISTS>> {
             leaf.roots(simd, probe, scratch, report);
         }
     }
+
+    #[inline(always)]
+    fn prefetch<S: Simd>(&self, simd: S, ordinal: usize) {
+        if let Some(leaf) = self.get(ordinal) {
+            leaf.prefetch(simd);
+        }
+    }
 }
 
 impl LeafList for General {
@@ -99,6 +108,13 @@ impl LeafList for General {
     ) {
         if let Some(leaf) = self.leaves.get(ordinal) {
             search::roots(&leaf.frame, || self.net(leaf), probe, scratch, report);
+        }
+    }
+
+    #[inline(always)]
+    fn prefetch<S: Simd>(&self, simd: S, ordinal: usize) {
+        if let Some(leaf) = self.leaves.get(ordinal) {
+            simd.prefetch(leaf);
         }
     }
 }

@@ -50,6 +50,7 @@ pub use self::net::MAX_DEGREE;
 pub use self::piece::Piece;
 use self::point::Areas;
 use self::query::{Closest, Every, Occluded};
+use self::search::Sight;
 use crate::bvh::{Bvh, Statistics};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::surface::RaySurface;
@@ -61,14 +62,11 @@ use crate::surface::RaySurface;
 #[derive(Debug)]
 pub struct Freeform {
     pieces: Vec<Piece>,
-    /// Largest degrees of the pieces.
-    degrees: (usize, usize),
     bvh: Bvh,
     /// By position in the hierarchy, as the next ones.
     leaves: Leaves,
     places: Vec<Place>,
-    /// Largest coordinate, metres.
-    size: f64,
+    sight: Sight,
     /// Leaves without certified answer: see [`Freeform::undecided`].
     undecided: AtomicU64,
     /// Only surfaces that shine need it.

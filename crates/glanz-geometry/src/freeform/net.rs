@@ -3,42 +3,63 @@
 use glanz_math::DVec3;
 use glanz_math::glam::DVec4;
 
+use crate::bezier::bernstein::{Coefficient, ROW_DEGREE, halve, mix};
+
 /// The largest degree of a patch in one direction; that of the common CAD kernels.
-pub const MAX_DEGREE: usize = 25;
+pub const MAX_DEGREE: usize = ROW_DEGREE;
 
-/// Room for the basis of one direction.
-pub(super) type Basis = [f64; MAX_DEGREE + 1];
+/// Runs `$run` with `$n` as the room that rows of the basis of `$degree` need: most are short, and a long row costs.
+macro_rules! with_room {
+    ($degree:expr, $n:ident => $run:expr) => {
+        match $degree {
+            0..=3 => {
+                const $n: usize = 4;
+                $run
+            }
+            4..=7 => {
+                const $n: usize = 8;
+                $run
+            }
+            _ => {
+                const $n: usize = $crate::freeform::net::MAX_DEGREE + 1;
+                $run
+            }
+        }
+    };
+}
+pub(super) use with_room;
 
-/// Bernstein polynomials of `degree` at `x` and their derivatives up to the second.
-pub(super) fn bernstein(degree: usize, x: f64) -> [Basis; 3] {
-    let mut out = [[0.0; MAX_DEGREE + 1]; 3];
+/// Bernstein polynomials of `degree`, less than `N`, at `x` and their derivatives up to the second.
+#[inline(always)]
+pub(super) fn bernstein<const N: usize>(degree: usize, x: f64) -> [[f64; N]; 3] {
+    let mut out = [[0.0; N]; 3];
     let y = 1.0 - x;
     // Row d from row d - 1, keeping the last rows but one and two for the derivatives.
-    let mut row: Basis = [0.0; MAX_DEGREE + 1];
+    let mut row = [0.0; N];
     row[0] = 1.0;
     for d in 1..=degree {
-        let (first, second) = (degree - d == 0, degree - d == 1);
-        if first {
+        if d == degree {
             out[1] = differences(&row, degree, degree as f64);
-        } else if second {
+        } else if d + 1 == degree {
             let rise = differences(&row, degree - 1, 1.0);
             out[2] = differences(&rise, degree, (degree * (degree - 1)) as f64);
         }
-        for i in (0..=d).rev() {
-            let below = if i > 0 { row[i - 1] } else { 0.0 };
-            row[i] = y * row[i] + x * below;
+        for i in (1..=d).rev() {
+            row[i] = y * row[i] + x * row[i - 1];
         }
+        row[0] *= y;
     }
     out[0] = row;
     out
 }
 
 /// Derivative of a Bernstein basis: entry i is `factor` (row\[i - 1\] - row\[i\]), for i up to `degree`.
-fn differences(row: &Basis, degree: usize, factor: f64) -> Basis {
-    let mut out = [0.0; MAX_DEGREE + 1];
-    for (i, value) in out.iter_mut().enumerate().take(degree + 1) {
-        let below = if i > 0 { row[i - 1] } else { 0.0 };
-        *value = factor * (below - row[i]);
+#[inline(always)]
+fn differences<const N: usize>(row: &[f64; N], degree: usize, factor: f64) -> [f64; N] {
+    let mut out = [0.0; N];
+    out[0] = -factor * row[0];
+    for i in 1..=degree {
+        out[i] = factor * (row[i - 1] - row[i]);
     }
     out
 }
@@ -55,21 +76,29 @@ pub(super) struct Jet {
 }
 
 /// Point and derivatives up to the second of the homogeneous net `points`, that of (i, j) at i (q + 1) + j.
-pub(super) fn jet(points: &[DVec4], (p, q): (usize, usize), u: f64, v: f64) -> Jet {
-    let (bu, bv) = (bernstein(p, u), bernstein(q, v));
+#[inline(always)]
+pub(super) fn jet(points: &[DVec4], degrees: (usize, usize), u: f64, v: f64) -> Jet {
+    with_room!(degrees.0.max(degrees.1), N => jet_in::<N>(points, degrees, u, v))
+}
+
+#[inline(always)]
+fn jet_in<const N: usize>(points: &[DVec4], (p, q): (usize, usize), u: f64, v: f64) -> Jet {
+    let (bu, [bv, dv, ddv]) = (bernstein::<N>(p, u), bernstein::<N>(q, v));
     let mut sums = [[DVec4::ZERO; 3]; 3];
     for (i, row) in points.chunks_exact(q + 1).enumerate().take(p + 1) {
         let mut along = [DVec4::ZERO; 3];
         for (j, &point) in row.iter().enumerate() {
-            for (sum, basis) in along.iter_mut().zip(&bv) {
-                *sum += point * basis[j];
-            }
+            along[0] += point * bv[j];
+            along[1] += point * dv[j];
+            along[2] += point * ddv[j];
         }
-        for (sums, basis) in sums.iter_mut().zip(&bu) {
-            for (sum, along) in sums.iter_mut().zip(along) {
-                *sum += along * basis[i];
-            }
+        // Of the second order only what adds up to two.
+        for order in 0..3 {
+            sums[0][order] += along[order] * bu[0][i];
         }
+        sums[1][0] += along[0] * bu[1][i];
+        sums[1][1] += along[1] * bu[1][i];
+        sums[2][0] += along[0] * bu[2][i];
     }
     let [[h, hv, hvv], [hu, huv, _], [huu, _, _]] = sums;
     // Quotient rule, order by order (@markgraf2019 eq. 14).
@@ -87,34 +116,19 @@ pub(super) fn jet(points: &[DVec4], (p, q): (usize, usize), u: f64, v: f64) -> J
     }
 }
 
-/// Halves of a row of coefficients: those below and above 1/2.
-///
-/// The additions are symmetric, so that a row and its reverse give the same bits.
-pub(super) fn halve<T>(row: &mut [T], upper: &mut [T])
-where
-    T: Copy + std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>,
-{
-    let n = row.len();
-    for k in 0..n {
-        // What is finished of the upper half is the last entry of each level.
-        upper[n - 1 - k] = row[n - 1];
-        for i in (k + 1..n).rev() {
-            row[i] = (row[i - 1] + row[i]) * 0.5;
-        }
-    }
-}
-
 /// Halves of the net `points` of (p + 1) (q + 1) coefficients, across the first direction or the second.
 pub(super) fn split<T>(points: &[T], (p, q): (usize, usize), across_first: bool) -> [Vec<T>; 2]
 where
-    T: Copy + std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>,
+    T: Coefficient,
 {
     let (mut low, mut high) = (points.to_vec(), points.to_vec());
     let (rows, length) = if across_first { (q + 1, p + 1) } else { (p + 1, q + 1) };
     let at = |row: usize, k: usize| if across_first { k * (q + 1) + row } else { row * (q + 1) + k };
+    let (mut below, mut above) = (points[..length].to_vec(), points[..length].to_vec());
     for row in 0..rows {
-        let mut below: Vec<T> = (0..length).map(|k| points[at(row, k)]).collect();
-        let mut above = below.clone();
+        for (k, slot) in below.iter_mut().enumerate() {
+            *slot = points[at(row, k)];
+        }
         halve(&mut below, &mut above);
         for k in 0..length {
             low[at(row, k)] = below[k];
@@ -124,61 +138,94 @@ where
     [low, high]
 }
 
-/// A polynomial in two variables with its degrees: coefficient (i, j) at i (q + 1) + j.
+/// A polynomial in two variables with its degrees: Bernstein coefficient (i, j) at i (q + 1) + j.
 #[derive(Clone, Debug)]
 pub(super) struct Poly<T> {
     pub(super) degrees: (usize, usize),
     pub(super) coefficients: Vec<T>,
 }
 
-impl<T> Poly<T>
-where
-    T: Copy
-        + Default
-        + std::ops::Add<Output = T>
-        + std::ops::Sub<Output = T>
-        + std::ops::Mul<f64, Output = T>,
-{
-    /// The product with `other`.
-    pub(super) fn times(&self, other: &Poly<f64>) -> Self {
-        let ((p, q), (r, s)) = (self.degrees, other.degrees);
-        let (m, n) = (p + r, q + s);
-        let mut coefficients = vec![T::default(); (m + 1) * (n + 1)];
-        for i in 0..=m {
-            for j in 0..=n {
-                let mut sum = T::default();
-                for k in i.saturating_sub(r)..=p.min(i) {
-                    for l in j.saturating_sub(s)..=q.min(j) {
-                        let share = choose(p, k) * choose(r, i - k) * choose(q, l) * choose(s, j - l);
-                        let factor = other.coefficients[(i - k) * (s + 1) + j - l];
-                        sum = sum + self.coefficients[k * (q + 1) + l] * (share * factor);
+impl<T: Coefficient> Poly<T> {
+    /// The product with a bilinear function, given at (0, 0), (1, 0) and at (0, 1), (1, 1); degrees are one higher.
+    pub(super) fn times_bilinear<U>(&self, corners: [[U; 2]; 2]) -> Poly<U>
+    where
+        U: Coefficient + std::ops::Mul<T, Output = U>,
+    {
+        let (p, q) = self.degrees;
+        let mut coefficients = Vec::with_capacity((p + 2) * (q + 2));
+        for i in 0..=p + 1 {
+            for j in 0..=q + 1 {
+                // Shares of the neighbours below and above in both directions.
+                let (x, y) = (i as f64 / (p + 1) as f64, j as f64 / (q + 1) as f64);
+                let mut sum = corners[0][0] * 0.0;
+                for (k, share_x) in [(0, 1.0 - x), (1, x)] {
+                    for (l, share_y) in [(0, 1.0 - y), (1, y)] {
+                        if share_x * share_y > 0.0 {
+                            let coefficient = self.coefficients[(i - k) * (q + 1) + j - l];
+                            sum = sum + (corners[l][k] * (share_x * share_y)) * coefficient;
+                        }
                     }
                 }
-                coefficients[i * (n + 1) + j] = sum * (1.0 / (choose(m, i) * choose(n, j)));
+                coefficients.push(sum);
             }
         }
-        Self { degrees: (m, n), coefficients }
+        Poly { degrees: (p + 1, q + 1), coefficients }
+    }
+
+    /// The same of degrees higher by `by`.
+    pub(super) fn elevated(mut self, by: (usize, usize)) -> Self {
+        for _ in 0..by.0 {
+            let (p, q) = self.degrees;
+            let mut coefficients = Vec::with_capacity((p + 2) * (q + 1));
+            for i in 0..=p + 1 {
+                let share = i as f64 / (p + 1) as f64;
+                for j in 0..=q {
+                    let at = |i: usize| self.coefficients[i * (q + 1) + j];
+                    coefficients.push(match i {
+                        0 => at(0),
+                        _ if i == p + 1 => at(p),
+                        _ => mix(at(i), at(i - 1), share),
+                    });
+                }
+            }
+            self = Self { degrees: (p + 1, q), coefficients };
+        }
+        for _ in 0..by.1 {
+            let (p, q) = self.degrees;
+            let mut coefficients = Vec::with_capacity((p + 1) * (q + 2));
+            for row in self.coefficients.chunks_exact(q + 1) {
+                for j in 0..=q + 1 {
+                    let share = j as f64 / (q + 1) as f64;
+                    coefficients.push(match j {
+                        0 => row[0],
+                        _ if j == q + 1 => row[q],
+                        _ => mix(row[j], row[j - 1], share),
+                    });
+                }
+            }
+            self = Self { degrees: (p, q + 1), coefficients };
+        }
+        self
     }
 
     /// The derivative by the first variable, or the second; of degree 0 there if it was.
     pub(super) fn derivative(&self, by_first: bool) -> Self {
         let (p, q) = self.degrees;
-        let at = |i: usize, j: usize| self.coefficients[i * (q + 1) + j];
         let (m, n) = if by_first { (p.saturating_sub(1), q) } else { (p, q.saturating_sub(1)) };
-        let rise = |i: usize, j: usize| match by_first {
-            true if p > 0 => (at(i + 1, j) - at(i, j)) * p as f64,
-            false if q > 0 => (at(i, j + 1) - at(i, j)) * q as f64,
-            _ => T::default(),
-        };
-        let coefficients =
-            (0..=m).flat_map(|i| (0..=n).map(move |j| (i, j))).map(|(i, j)| rise(i, j)).collect();
+        let (next, degree) = if by_first { (q + 1, p) } else { (1, q) };
+        let mut coefficients = Vec::with_capacity((m + 1) * (n + 1));
+        for i in 0..=m {
+            for j in 0..=n {
+                let at = i * (q + 1) + j;
+                let low = self.coefficients[at];
+                coefficients.push(match degree {
+                    0 => low * 0.0,
+                    _ => (self.coefficients[at + next] + low * -1.0) * degree as f64,
+                });
+            }
+        }
         Self { degrees: (m, n), coefficients }
     }
-}
-
-/// Binomial coefficient.
-fn choose(n: usize, k: usize) -> f64 {
-    (0..k.min(n - k)).fold(1.0, |product, i| product * (n - i) as f64 / (i + 1) as f64)
 }
 
 #[cfg(test)]
@@ -186,51 +233,51 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bernstein_derivatives_are_differences() {
-        for degree in 1..=MAX_DEGREE {
+    fn bernstein_derivatives_are_differences_in_rows_of_every_room() {
+        fn check<const N: usize>(degree: usize) {
             for x in [0.0, 0.3, 0.5, 0.9, 1.0] {
-                let [value, first, second] = bernstein(degree, x);
+                let [value, first, second] = bernstein::<N>(degree, x);
                 assert!((value.iter().sum::<f64>() - 1.0).abs() < 1e-13);
                 let h = 1e-5;
-                let (up, down) = (bernstein(degree, x + h), bernstein(degree, x - h));
+                let (up, down) = (bernstein::<N>(degree, x + h), bernstein::<N>(degree, x - h));
+                let scale = (degree * degree) as f64;
                 for i in 0..=degree {
-                    let scale = (degree * degree) as f64;
-                    assert!((first[i] - (up[0][i] - down[0][i]) / (2.0 * h)).abs() < 1e-8 * scale * scale);
-                    assert!(
-                        (second[i] - (up[1][i] - down[1][i]) / (2.0 * h)).abs()
-                            < 1e-8 * scale * scale * scale
-                    );
+                    let [rise, bend] = [0, 1].map(|k| (up[k][i] - down[k][i]) / (2.0 * h));
+                    assert!((first[i] - rise).abs() < 1e-8 * scale * scale);
+                    assert!((second[i] - bend).abs() < 1e-8 * scale * scale * scale);
                 }
             }
         }
-    }
-
-    #[test]
-    fn halves_of_a_reversed_row_are_the_reversed_halves_bit_by_bit() {
-        let row = [0.1, 0.7, -0.3, 0.9, 0.2];
-        let (mut low, mut high) = (row, row);
-        halve(&mut low, &mut high);
-        let mut reversed = row;
-        reversed.reverse();
-        let (mut low_r, mut high_r) = (reversed, reversed);
-        halve(&mut low_r, &mut high_r);
-        low_r.reverse();
-        high_r.reverse();
-        assert_eq!((low, high), (high_r, low_r));
-        assert_eq!(low[4], high[0]);
-    }
-
-    #[test]
-    fn product_of_polynomials_is_the_product_of_their_values() {
-        let a = Poly { degrees: (2, 1), coefficients: vec![1.0, 2.0, -1.0, 0.5, 3.0, 0.25] };
-        let b = Poly { degrees: (1, 2), coefficients: vec![0.5, 1.5, 1.0, 2.0, -0.5, 1.0] };
-        let value = |p: &Poly<f64>, u: f64, v: f64| {
-            let net: Vec<DVec4> = p.coefficients.iter().map(|&c| DVec4::new(c, 0.0, 0.0, 1.0)).collect();
-            jet(&net, p.degrees, u, v).s.x
-        };
-        let product = a.times(&b);
-        for (u, v) in [(0.0, 0.0), (0.2, 0.9), (1.0, 0.4)] {
-            assert!((value(&product, u, v) - value(&a, u, v) * value(&b, u, v)).abs() < 1e-14);
+        for degree in 1..=MAX_DEGREE {
+            with_room!(degree, N => check::<N>(degree));
         }
+    }
+
+    fn value(p: &Poly<f64>, u: f64, v: f64) -> f64 {
+        let net: Vec<DVec4> = p.coefficients.iter().map(|&c| DVec4::new(c, 0.0, 0.0, 1.0)).collect();
+        jet(&net, p.degrees, u, v).s.x
+    }
+
+    #[test]
+    fn elevated_polynomial_and_its_product_have_the_right_values() {
+        let a = Poly { degrees: (2, 1), coefficients: vec![1.0, 2.0, -1.0, 0.5, 3.0, 0.25] };
+        let product = a.times_bilinear([[0.5, 1.5], [1.0, -2.0]]);
+        let higher = a.clone().elevated((2, 3));
+        assert_eq!((product.degrees, higher.degrees), ((3, 2), (4, 4)));
+        for (u, v) in [(0.0, 0.0), (0.2, 0.9), (1.0, 0.4), (0.7, 1.0)] {
+            let bilinear = (0.5 * (1.0 - u) + 1.5 * u) * (1.0 - v) + (1.0 - u - 2.0 * u) * v;
+            assert!((value(&product, u, v) - value(&a, u, v) * bilinear).abs() < 1e-14);
+            assert!((value(&higher, u, v) - value(&a, u, v)).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn derivative_is_the_one_of_the_jet() {
+        let a = Poly { degrees: (2, 1), coefficients: vec![1.0, 2.0, -1.0, 0.5, 3.0, 0.25] };
+        let net: Vec<DVec4> = a.coefficients.iter().map(|&c| DVec4::new(c, 0.0, 0.0, 1.0)).collect();
+        let here = jet(&net, a.degrees, 0.3, 0.8);
+        assert!((value(&a.derivative(true), 0.3, 0.8) - here.su.x).abs() < 1e-14);
+        assert!((value(&a.derivative(false), 0.3, 0.8) - here.sv.x).abs() < 1e-14);
+        assert_eq!(value(&a.derivative(false).derivative(false), 0.3, 0.8), 0.0);
     }
 }

@@ -11,6 +11,8 @@ use crate::error::{SurfaceError, finite};
 pub struct Piece {
     pub(super) patch: TensorPatch,
     domain: Domain,
+    /// Diagonal of a box around the control points, metres.
+    extent: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +23,15 @@ enum Domain {
 }
 
 impl Piece {
+    fn new(patch: TensorPatch, domain: Domain) -> Self {
+        let extent = patch.bounds().diagonal().length();
+        Self { patch, domain, extent }
+    }
+
+    pub(super) fn extent(&self) -> f64 {
+        self.extent
+    }
+
     /// A patch over the rectangle `u` x `v`.
     ///
     /// # Errors
@@ -33,7 +44,7 @@ impl Piece {
                 return Err(SurfaceError::EmptyRange { parameter, min, max });
             }
         }
-        Ok(Self { patch, domain: Domain::Rectangle(Rect { u, v }) })
+        Ok(Self::new(patch, Domain::Rectangle(Rect { u, v })))
     }
 
     /// A patch over the convex quadrilateral with `corners` at (0, 0), (1, 0), (0, 1), (1, 1), bilinear between them.
@@ -50,7 +61,7 @@ impl Piece {
         let least = turns.into_iter().fold(f64::INFINITY, f64::min);
         let most = turns.into_iter().fold(f64::NEG_INFINITY, f64::max);
         if least > 0.0 || most < 0.0 {
-            Ok(Self { patch, domain: Domain::Quad(corners) })
+            Ok(Self::new(patch, Domain::Quad(corners)))
         } else {
             Err(SurfaceError::Degenerate {
                 reason: "the quadrilateral of parameters is not convex, turn",

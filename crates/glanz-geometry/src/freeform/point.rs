@@ -1,6 +1,5 @@
 //! What a freeform surface looks like at its points, and how they are picked.
 
-use glanz_math::rounding::gamma;
 use glanz_math::{AreaPdf, DVec2, DVec3};
 
 use super::leaf::Rect;
@@ -16,6 +15,10 @@ const GAUSS: [(f64, f64); 4] = [
     (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
+
+/// A search believes points this many times its noise beside the ray, seen across it: up to eight times, and as much for the rounding
+/// of the leaves.
+const ERROR: f64 = 16.0;
 
 /// Leaves by area, to pick points from.
 #[derive(Debug)]
@@ -176,11 +179,10 @@ impl Freeform {
 
     /// The absolute error per axis, metres.
     ///
-    /// A search believes points up to four times its noise beside the ray, seen across it. The origin of a ray that starts
-    /// here is this point or near it, so that the noise is the one that `Probe` takes for an origin within the surface. Eight times
-    /// leaves the rounding of the leaves' nets and of this point, each below one.
+    /// The origin of a ray that starts here is this point or near it, so that the noise is the one that `Sight` takes for an
+    /// origin within the surface.
     fn error(&self) -> f64 {
-        8.0 * gamma(4 * (self.degrees.0 + self.degrees.1) as u32 + 24) * 2.0 * self.size
+        ERROR * self.sight.noise_within()
     }
 }
 
@@ -188,7 +190,7 @@ impl Freeform {
 /// corners, with the length of S_x x S_y there.
 fn regular(piece: &Piece, x: f64, y: f64, here: &Jet) -> (Jet, DVec3, f64) {
     let (points, degrees) = (piece.patch.control_points(), piece.patch.degrees());
-    let size = points.iter().fold(0.0, |most: f64, p| most.max((p.truncate() / p.w - here.s).length()));
+    let size = piece.extent();
     let n = here.su.cross(here.sv);
     // Less than half of its digits would be right.
     if n.length() > 1e-8 * size * size {

@@ -46,7 +46,7 @@ impl<'a, L: LeafList + ?Sized> Walk<'a, L> {
         let Some(place) = surface.places.get(leaf.ordinal()) else { return };
         let probe = match probe {
             Some(probe) => probe,
-            None => probe.insert(surface.probe(ray)),
+            None => probe.insert(surface.sight.probe(ray)),
         };
         leaves.roots(simd, leaf.ordinal(), probe, scratch, &mut InLeaf { report, probe, place });
     }
@@ -77,15 +77,6 @@ impl<L: ?Sized> Drop for Walk<'_, L> {
         if self.scratch.undecided > 0 {
             self.surface.undecided.fetch_add(self.scratch.undecided, atomic::Ordering::Relaxed);
         }
-    }
-}
-
-impl Freeform {
-    #[inline(always)]
-    fn probe(&self, ray: &Ray) -> Probe {
-        let bounds = self.bvh.bounds();
-        let radius = 0.5 * bounds.diagonal().length();
-        Probe::new(ray, bounds.center(), radius, self.size, self.degrees)
     }
 }
 
@@ -154,6 +145,11 @@ impl<L: LeafList> Visit for &mut ClosestVisit<'_, L> {
         self.walk.leaf(simd, leaf, &mut self.best);
         self.best.end
     }
+
+    #[inline(always)]
+    fn prefetch<S: Simd>(&self, simd: S, leaf: Leaf) {
+        self.walk.leaves.prefetch(simd, leaf.ordinal());
+    }
 }
 
 /// Whether there is a hit.
@@ -201,6 +197,11 @@ impl<L: LeafList> Visit for &mut OccludedVisit<'_, L> {
     fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, t_max: f64) -> f64 {
         self.walk.leaf(simd, leaf, &mut self.before);
         if self.before.met { f64::NEG_INFINITY } else { t_max }
+    }
+
+    #[inline(always)]
+    fn prefetch<S: Simd>(&self, simd: S, leaf: Leaf) {
+        self.walk.leaves.prefetch(simd, leaf.ordinal());
     }
 }
 

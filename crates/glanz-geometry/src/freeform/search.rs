@@ -10,11 +10,11 @@
 //! 3. *Split* (`cells`): the coefficients are halved until every cell is excluded, certified, or of the size of rounding.
 
 use glanz_math::rounding::gamma;
-use glanz_math::{DVec2, DVec3, Frame as Axes, Ray};
+use glanz_math::{Bounds3, DVec2, DVec3, Frame as Axes, Ray};
 
 use super::cells::{self, Patch};
 use super::leaf::Frame;
-use super::net::{Basis, bernstein};
+use super::net::{bernstein, with_room};
 use super::view::Place;
 use crate::line::Line;
 
@@ -73,18 +73,43 @@ pub(super) struct Tangent {
     pub(super) sv: DVec3,
 }
 
-impl Probe {
-    /// `size` bounds the coordinates of the surface, `radius` its extent about `center`, `degrees` those of its patches.
-    pub(super) fn new(ray: &Ray, center: DVec3, radius: f64, size: f64, degrees: (usize, usize)) -> Self {
-        // From far away digits are lost; from near the surface the origin must stay where it is.
-        let far = ray.origin.distance_squared(center) > 16.0 * radius * radius;
-        let line = if far { Line::nearest_to(ray, center) } else { Line::new(ray, 0.0) };
-        let axes = Axes::from_z(line.direction);
-        let reach = size + line.origin.abs().max_element();
-        let noise = gamma(4 * (degrees.0 + degrees.1) as u32 + 24) * reach;
-        Self { line, axes: [axes.x, axes.y], noise }
+/// What all rays of a surface share.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sight {
+    center: DVec3,
+    /// From farther away than this from the centre, squared, rays are moved next to it.
+    far_squared: f64,
+    /// Largest coordinate, metres.
+    size: f64,
+    /// Rounding of a point, relative to its coordinates and those of the ray.
+    relative: f64,
+}
+
+impl Sight {
+    /// `size` bounds the coordinates of the surface in `bounds`, `degrees` those of its patches.
+    pub(super) fn new(bounds: &Bounds3, size: f64, (p, q): (usize, usize)) -> Self {
+        let radius_squared = 0.25 * bounds.diagonal().length_squared();
+        let relative = gamma(4 * (p + q) as u32 + 24);
+        Self { center: bounds.center(), far_squared: 16.0 * radius_squared, size, relative }
     }
 
+    /// Largest noise of a ray that starts within the surface, metres.
+    pub(super) fn noise_within(&self) -> f64 {
+        self.relative * 2.0 * self.size
+    }
+
+    #[inline(always)]
+    pub(super) fn probe(&self, ray: &Ray) -> Probe {
+        // From far away digits are lost; from near the surface the origin must stay where it is.
+        let far = ray.origin.distance_squared(self.center) > self.far_squared;
+        let line = if far { Line::nearest_to(ray, self.center) } else { Line::new(ray, 0.0) };
+        let axes = Axes::from_z(line.direction);
+        let noise = self.relative * (self.size + line.origin.abs().max_element());
+        Probe { line, axes: [axes.x, axes.y], noise }
+    }
+}
+
+impl Probe {
     /// A direction as it is seen along the ray.
     #[inline(always)]
     pub(super) fn across(&self, v: DVec3) -> DVec2 {
@@ -93,27 +118,15 @@ impl Probe {
 }
 
 impl Net<'_> {
-    /// Point and first derivatives at (x, y) in [0, 1]^2.
     #[inline(always)]
     pub(super) fn tangent(&self, x: f64, y: f64) -> Tangent {
-        match (self.degrees, self.rational, self.lists.as_chunks::<16>().0) {
-            ((3, 3), false, [a, b, c]) => {
-                let ([bx, dx], [by, dy]) = (cubic(x), cubic(y));
-                let sums = [a, b, c].map(|list| bicubic(list, &bx, &dx, &by, &dy));
-                Tangent::of(sums)
-            }
-            ((3, 3), true, [a, b, c, w]) => {
-                let ([bx, dx], [by, dy]) = (cubic(x), cubic(y));
-                let sums = [a, b, c].map(|list| bicubic(list, &bx, &dx, &by, &dy));
-                Tangent::of(sums).over(bicubic(w, &bx, &dx, &by, &dy))
-            }
-            _ => self.general(x, y),
-        }
+        with_room!(self.degrees.0.max(self.degrees.1), N => self.tangent_in::<N>(x, y))
     }
 
-    fn general(&self, x: f64, y: f64) -> Tangent {
+    #[inline(always)]
+    fn tangent_in<const N: usize>(&self, x: f64, y: f64) -> Tangent {
         let (p, q) = self.degrees;
-        let ([bx, dx, _], [by, dy, _]) = (bernstein(p, x), bernstein(q, y));
+        let ([bx, dx, _], [by, dy, _]) = (bernstein::<N>(p, x), bernstein::<N>(q, y));
         let mut sums = [[0.0; 3]; 4];
         for (sum, list) in sums.iter_mut().zip(self.lists.chunks_exact((p + 1) * (q + 1))) {
             *sum = weighted(list, p + 1, &bx, &dx, &by, &dy);
@@ -156,49 +169,30 @@ impl Patch for Net<'_> {
 }
 
 /// Sums of a list by bases: value, derivative by x, by y.
-pub(super) fn weighted(
+#[inline(always)]
+pub(super) fn weighted<const N: usize>(
     list: &[f64],
     stride: usize,
-    bx: &Basis,
-    dx: &Basis,
-    by: &Basis,
-    dy: &Basis,
+    bx: &[f64; N],
+    dx: &[f64; N],
+    by: &[f64; N],
+    dy: &[f64; N],
 ) -> [f64; 3] {
-    let mut sums = [0.0; 3];
-    for (j, row) in list.chunks_exact(stride).enumerate() {
-        let (mut value, mut rise) = (0.0, 0.0);
-        for (i, &coefficient) in row.iter().enumerate() {
-            value += coefficient * bx[i];
-            rise += coefficient * dx[i];
+    // Over the rows first, whose entries are neighbours.
+    let (mut values, mut rises) = ([0.0; N], [0.0; N]);
+    for ((row, by), dy) in list.chunks_exact(stride).zip(by).zip(dy) {
+        for ((value, rise), coefficient) in values.iter_mut().zip(&mut rises).zip(row) {
+            *value += coefficient * by;
+            *rise += coefficient * dy;
         }
-        sums[0] += value * by[j];
-        sums[1] += rise * by[j];
-        sums[2] += value * dy[j];
+    }
+    let mut sums = [0.0; 3];
+    for i in 0..N {
+        sums[0] += values[i] * bx[i];
+        sums[1] += values[i] * dx[i];
+        sums[2] += rises[i] * bx[i];
     }
     sums
-}
-
-/// Cubic Bernstein polynomials and their derivatives.
-#[inline(always)]
-fn cubic(x: f64) -> [[f64; 4]; 2] {
-    let y = 1.0 - x;
-    let (xx, xy, yy) = (x * x, x * y, y * y);
-    let value = [yy * y, 3.0 * (yy * x), 3.0 * (y * xx), xx * x];
-    [value, [-3.0 * yy, 3.0 * (yy - 2.0 * xy), 3.0 * (2.0 * xy - xx), 3.0 * xx]]
-}
-
-/// [`weighted`] for sixteen coefficients, four lanes wide.
-#[inline(always)]
-fn bicubic(list: &[f64; 16], bx: &[f64; 4], dx: &[f64; 4], by: &[f64; 4], dy: &[f64; 4]) -> [f64; 3] {
-    let (mut value, mut rise) = ([0.0; 4], [0.0; 4]);
-    for j in 0..4 {
-        for i in 0..4 {
-            value[i] += list[4 * j + i] * by[j];
-            rise[i] += list[4 * j + i] * dy[j];
-        }
-    }
-    let dot = |a: &[f64; 4], b: &[f64; 4]| (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]);
-    [dot(&value, bx), dot(&value, dx), dot(&rise, bx)]
 }
 
 impl Tangent {

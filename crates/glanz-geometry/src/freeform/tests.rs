@@ -5,6 +5,7 @@ use glanz_math::{DVec2, DVec3, Ray};
 
 use super::{Freeform, Piece};
 use crate::bezier::{TensorPatch, TrianglePatch};
+use crate::bvh::simd::Isa;
 use crate::hit::Hit;
 use crate::spline::NurbsSurface;
 use crate::surface::RaySurface;
@@ -185,4 +186,34 @@ fn what_cannot_be_a_surface_is_refused() {
     let point = TensorPatch::try_new(1, 1, vec![DVec4::ONE; 4]).unwrap();
     let point = Piece::over_rectangle(point, [0.0, 1.0], [0.0, 1.0]).unwrap();
     assert!(Freeform::try_new(vec![point]).is_err());
+}
+
+#[test]
+fn every_instruction_set_gives_the_same_bits() {
+    let wave = |degree: usize, weight: fn(usize) -> f64| {
+        let points = (0..(degree + 1) * (degree + 1)).map(|k| {
+            let (i, j) = (k / (degree + 1), k % (degree + 1));
+            let p = DVec3::new(i as f64, j as f64, (2.1 * k as f64).sin());
+            (p * weight(k)).extend(weight(k))
+        });
+        let patch = TensorPatch::try_new(degree, degree, points.collect()).unwrap();
+        Freeform::try_new(vec![Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()]).unwrap()
+    };
+    let uneven = |k: usize| 1.0 + 0.5 * (k as f64).cos();
+    for mut surface in [wave(3, |_| 1.0), wave(2, uneven), wave(3, uneven), wave(5, uneven)] {
+        let mut answers = Vec::new();
+        for isa in Isa::all() {
+            surface.bvh = surface.bvh.clone().with_isa(isa);
+            let mut hits = Vec::new();
+            for k in 0..2000 {
+                let (a, b) = (f64::from(k % 50) * 0.1, f64::from(k / 50) * 0.1);
+                let ray = Ray::new(DVec3::new(a, b, 4.0), DVec3::new(0.3 * b, 0.2 * a - 0.4, -4.0));
+                surface.all_hits(&ray, f64::INFINITY, &mut hits);
+                hits.extend(surface.intersect(&ray, f64::INFINITY));
+            }
+            answers.push(hits);
+        }
+        assert!(answers[0].len() > 1000, "{}", answers[0].len());
+        assert!(answers.windows(2).all(|pair| pair[0] == pair[1]));
+    }
 }

@@ -140,16 +140,19 @@ impl<S: Simd> View<S> {
     #[inline(always)]
     pub(super) fn newton(&self, simd: S, flat: DVec2, limits: &Limits) -> Option<DVec2> {
         let mut x = self.start(simd, flat);
+        // Two steps are needed most often; no branch between them, so that the processor need not guess.
+        x -= self.jet(simd, x).newton_step();
         for _ in 0..FEW_STEPS {
             let step = self.jet(simd, x).newton_step();
             x -= step;
-            // Written so that NaN says no.
-            if !(x.abs().max_element() <= 1.0) {
-                return None;
-            }
-            // A step whose error by curvature is below rounding needs no look at its end.
+            // A step whose error by curvature is below rounding needs no look at its end. A first step that led outside was
+            // as good as any start: what counts is that the last one ends inside. NaN does not.
+            let inside = x.abs().max_element() <= 1.0;
             if limits.bend * step.length_squared() <= limits.noise * limits.weights[0] {
-                return Some(x);
+                return inside.then_some(x);
+            }
+            if !inside {
+                return None;
             }
         }
         None
@@ -256,7 +259,7 @@ impl<S: Simd> Cell<S> {
         let (along_s, along_t) = (DVec2::new(p2[0], q2[0]), DVec2::new(p0[2], q0[2]));
         let (s, t) = (along_s.length_squared(), along_t.length_squared());
         // A twist is neither's: by turns.
-        if s.max(t) == 0.0 { self.halvings % 2 == 0 } else { s >= t }
+        if s.max(t) == 0.0 { self.halvings.is_multiple_of(2) } else { s >= t }
     }
 
     #[inline(always)]
