@@ -2,14 +2,18 @@
 //
 // Reads the mesh and the rays that glanz.rs wrote into the folder given, then waits for lines SET QUERY THREADS and
 // answers each with nanoseconds by the clock, nanoseconds of the processors, number of rays, number of hits and sum of
-// the ray parameters.
+// the ray parameters. Queries: closest, any; picture (closest, and the cosine between the interpolated normal and the ray, which
+// are summed up instead; wants a file of normals); dump (closest, the ray parameters go to the file t, -1 for a miss).
+// mesh build THREADS builds once more: triangles, 0 and bytes of memory, buffers included, take the place of rays, hits and sum.
 #include <embree3/rtcore.h>
 #include <math.h>
 #include <pmmintrin.h>
 #include <pthread.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/types.h>
 #include <time.h>
 #include <xmmintrin.h>
 
@@ -54,14 +58,83 @@ static Set read_set(const char *folder, const char *name) {
   return set;
 }
 
+// Bytes that Embree holds.
+static ssize_t memory;
+
+static bool count_memory(void *unused, ssize_t bytes, bool post) {
+  (void)unused, (void)post;
+  __atomic_fetch_add(&memory, bytes, __ATOMIC_RELAXED);
+  return true;
+}
+
+typedef struct {
+  unsigned vertices, triangles;
+  float *positions, *normals;
+  unsigned *indices;
+} Mesh;
+
+static void *allocate(size_t size, size_t count) {
+  void *place = malloc(size * count);
+  if (!place) fail("no memory");
+  return place;
+}
+
+static Mesh read_mesh(const char *folder, int with_normals) {
+  Mesh mesh = {0, 0, NULL, NULL, NULL};
+  FILE *file = open_file(folder, "mesh");
+  get(&mesh.vertices, 4, 1, file);
+  get(&mesh.triangles, 4, 1, file);
+  get(mesh.positions = allocate(12, mesh.vertices), 12, mesh.vertices, file);
+  get(mesh.indices = allocate(12, mesh.triangles), 12, mesh.triangles, file);
+  fclose(file);
+  if (with_normals) {
+    file = open_file(folder, "normals");
+    get(mesh.normals = allocate(12, mesh.vertices), 12, mesh.vertices, file);
+    fclose(file);
+  }
+  return mesh;
+}
+
+static RTCScene build(RTCDevice device, const Mesh *mesh, int robust, double *clock, double *processors) {
+  RTCScene scene = rtcNewScene(device);
+  if (robust) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh->vertices), mesh->positions,
+         12ul * mesh->vertices);
+  memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh->triangles), mesh->indices,
+         12ul * mesh->triangles);
+  double start = seconds(CLOCK_MONOTONIC), before = seconds(CLOCK_PROCESS_CPUTIME_ID);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene);
+  *clock = seconds(CLOCK_MONOTONIC) - start;
+  *processors = seconds(CLOCK_PROCESS_CPUTIME_ID) - before;
+  if (rtcGetDeviceError(device) != RTC_ERROR_NONE) fail("cannot build the scene");
+  return scene;
+}
+
+typedef enum { CLOSEST, ANY, PICTURE, DUMP } Query;
+
 typedef struct {
   RTCScene scene;
+  const Mesh *mesh;
   const float *rays;
   unsigned count;
-  int any;
+  Query query;
+  // Grey levels or ray parameters, one for each ray.
+  float *image;
   unsigned long hits;
   double sum, time;
 } Job;
+
+static float grey(const Mesh *mesh, const struct RTCRayHit *q) {
+  const unsigned *corners = mesh->indices + 3ul * q->hit.primID;
+  const float *a = mesh->normals + 3ul * corners[0], *b = mesh->normals + 3ul * corners[1], *c = mesh->normals + 3ul * corners[2];
+  float u = q->hit.u, v = q->hit.v, w = 1 - u - v;
+  float x = w * a[0] + u * b[0] + v * c[0], y = w * a[1] + u * b[1] + v * c[1], z = w * a[2] + u * b[2] + v * c[2];
+  return fabsf(x * q->ray.dir_x + y * q->ray.dir_y + z * q->ray.dir_z) / sqrtf(x * x + y * y + z * z);
+}
 
 static void *work(void *argument) {
   Job *job = argument;
@@ -80,12 +153,20 @@ static void *work(void *argument) {
     q.ray.dir_x = r[3], q.ray.dir_y = r[4], q.ray.dir_z = r[5];
     q.ray.tnear = 0, q.ray.tfar = INFINITY, q.ray.time = 0, q.ray.mask = -1, q.ray.id = 0, q.ray.flags = 0;
     q.hit.geomID = RTC_INVALID_GEOMETRY_ID, q.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    if (job->any) {
+    if (job->query == ANY) {
       rtcOccluded1(job->scene, &context, &q.ray);
       hits += q.ray.tfar < 0;
     } else {
       rtcIntersect1(job->scene, &context, &q);
-      if (q.hit.geomID != RTC_INVALID_GEOMETRY_ID) hits++, sum += q.ray.tfar;
+      int hit = q.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+      hits += hit;
+      if (job->query == CLOSEST) {
+        if (hit) sum += q.ray.tfar;
+      } else if (job->query == PICTURE) {
+        sum += job->image[i] = hit ? grey(job->mesh, &q) : 0;
+      } else {
+        job->image[i] = hit ? q.ray.tfar : -1;
+      }
     }
   }
   job->hits = hits;
@@ -94,56 +175,80 @@ static void *work(void *argument) {
   return NULL;
 }
 
-int main(int count, char **arguments) {
-  if (count != 3) fail("usage: embree FOLDER fast|robust");
-  const char *folder = arguments[1];
-  unsigned vertices, triangles;
-  FILE *file = open_file(folder, "mesh");
-  get(&vertices, 4, 1, file);
-  get(&triangles, 4, 1, file);
-  RTCDevice device = rtcNewDevice("threads=2");
-  RTCScene scene = rtcNewScene(device);
-  if (!strcmp(arguments[2], "robust")) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-  RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  get(rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, vertices), 12, vertices, file);
-  get(rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, triangles), 12, triangles, file);
-  fclose(file);
+static Query query_named(const char *name) {
+  const char *names[] = {"closest", "any", "picture", "dump"};
+  for (int i = 0; i < 4; i++)
+    if (!strcmp(names[i], name)) return i;
+  fail("no such query");
+  return CLOSEST;
+}
+
+static void answer(RTCScene scene, const Mesh *mesh, const Set *set, const char *folder, Query query, int threads) {
+  pthread_t workers[64];
+  Job jobs[64];
+  float *image = query >= PICTURE ? allocate(4, set->count) : NULL;
+  if (query == PICTURE && !mesh->normals) fail("a picture needs normals");
+  unsigned part = (set->count + threads - 1) / threads;
   double start = seconds(CLOCK_MONOTONIC);
-  rtcCommitGeometry(mesh);
-  rtcAttachGeometry(scene, mesh);
-  rtcReleaseGeometry(mesh);
-  rtcCommitScene(scene);
-  double built = seconds(CLOCK_MONOTONIC) - start;
-  if (rtcGetDeviceError(device) != RTC_ERROR_NONE) fail("cannot build the scene");
-  Set sets[] = {read_set(folder, "coherent"), read_set(folder, "random"), read_set(folder, "bounced")};
+  for (int i = 0; i < threads; i++) {
+    unsigned first = part * i < set->count ? part * i : set->count;
+    unsigned rest = set->count - first;
+    const float *rays = set->rays + 6ul * first;
+    jobs[i] = (Job){scene, mesh, rays, rest < part ? rest : part, query, image ? image + first : NULL, 0, 0, 0};
+    if (pthread_create(&workers[i], NULL, work, &jobs[i])) fail("no thread");
+  }
+  unsigned long hits = 0;
+  double sum = 0, time = 0;
+  for (int i = 0; i < threads; i++) {
+    pthread_join(workers[i], NULL);
+    hits += jobs[i].hits;
+    sum += jobs[i].sum;
+    time += jobs[i].time;
+  }
+  double clock = seconds(CLOCK_MONOTONIC) - start;
+  if (query == DUMP) {
+    char path[4096];
+    snprintf(path, sizeof path, "%s/t", folder);
+    FILE *file = fopen(path, "wb");
+    if (!file || fwrite(image, 4, set->count, file) != set->count || fclose(file)) fail("cannot write the ray parameters");
+  }
+  free(image);
+  printf("%.0f %.0f %u %lu %.9g\n", 1e9 * clock, 1e9 * time, set->count, hits, sum);
+}
+
+int main(int count, char **arguments) {
+  if (count != 3 && count < 5) fail("usage: embree FOLDER fast|robust [THREADS TO BUILD, SETS OF RAYS ...]");
+  const char *folder = arguments[1];
+  int robust = !strcmp(arguments[2], "robust");
+  char config[64];
+  snprintf(config, sizeof config, "threads=%d", count > 3 ? atoi(arguments[3]) : 2);
+  RTCDevice device = rtcNewDevice(config);
+  rtcSetDeviceMemoryMonitorFunction(device, count_memory, NULL);
+  // Only who names the sets of rays has written normals.
+  Mesh mesh = read_mesh(folder, count > 3);
+  double built, processors;
+  RTCScene scene = build(device, &mesh, robust, &built, &processors);
+  char *usual[] = {"coherent", "random", "bounced"};
+  char **names = count > 3 ? arguments + 4 : usual;
+  int kinds = count > 3 ? count - 4 : 3;
+  Set *sets = allocate(sizeof *sets, kinds);
+  for (int i = 0; i < kinds; i++) sets[i] = read_set(folder, names[i]);
   printf("%g s Embree " RTC_VERSION_STRING " %s\n", built, arguments[2]);
   fflush(stdout);
   char name[32], query[32];
   int threads;
   while (scanf("%31s %31s %d", name, query, &threads) == 3) {
-    Set *set = NULL;
-    for (int i = 0; i < 3; i++)
-      if (!strcmp(sets[i].name, name)) set = &sets[i];
-    if (!set || threads < 1 || threads > 64) fail("no such set of rays, or too many threads");
-    pthread_t workers[64];
-    Job jobs[64];
-    unsigned part = (set->count + threads - 1) / threads;
-    start = seconds(CLOCK_MONOTONIC);
-    for (int i = 0; i < threads; i++) {
-      unsigned first = part * i < set->count ? part * i : set->count;
-      unsigned rest = set->count - first;
-      jobs[i] = (Job){scene, set->rays + 6ul * first, rest < part ? rest : part, !strcmp(query, "any"), 0, 0, 0};
-      if (pthread_create(&workers[i], NULL, work, &jobs[i])) fail("no thread");
+    if (!strcmp(query, "build")) {
+      rtcReleaseScene(scene);
+      scene = build(device, &mesh, robust, &built, &processors);
+      printf("%.0f %.0f %u 0 %zd\n", 1e9 * built, 1e9 * processors, mesh.triangles, memory);
+    } else {
+      Set *set = NULL;
+      for (int i = 0; i < kinds; i++)
+        if (!strcmp(sets[i].name, name)) set = &sets[i];
+      if (!set || threads < 1 || threads > 64) fail("no such set of rays, or too many threads");
+      answer(scene, &mesh, set, folder, query_named(query), threads);
     }
-    unsigned long hits = 0;
-    double sum = 0, time = 0;
-    for (int i = 0; i < threads; i++) {
-      pthread_join(workers[i], NULL);
-      hits += jobs[i].hits;
-      sum += jobs[i].sum;
-      time += jobs[i].time;
-    }
-    printf("%.0f %.0f %u %lu %.9g\n", 1e9 * (seconds(CLOCK_MONOTONIC) - start), 1e9 * time, set->count, hits, sum);
     fflush(stdout);
   }
   rtcReleaseScene(scene);

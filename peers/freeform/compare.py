@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+"""Freeform surfaces: Glanz meets the surface itself, Embree the triangles that stand in for it. Same rays, one run.
+
+    apt-get install libembree-dev        # Embree 3.13
+    peers/freeform/compare.py [--models bicubic teapot ...] [--rounds 7] [--mode fast|robust] [--out benches/results/NAME.json]
+                              [--size 1920x1080] [--pictures DIR]
+
+The triangles keep within 1e-4 of the size (diagonal of the box) of the surface, and the normal interpolated between the vertices
+within 0.1 degree, both measured; each patch has its own grid, with the fewest cells that do. The search for that number is not
+timed, and borders of patches with unlike grids are not sewn up, which favours Embree. Trimmed: triangles are left out as a whole.
+
+Both sides are programs that answer one task at a time, in turn, one call per ray, one thread. What counts is the ratio of the
+medians of processor time.
+
+Tasks: rays of a camera (1920 x 1080) line by line ("coherent") and in random order ("shuffled"); the closest hit and any; the
+picture, which is closest hits and the normal of each ("full": with all that a renderer asks for). Time to the picture is build
+and picture for Glanz; tessellation, build and picture for Embree. Memory is what the surface holds (patches, leaves, hierarchy),
+and Embree's own count with its buffers, plus 12 bytes for each normal.
+"""
+
+import argparse
+import json
+import pathlib
+import platform
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+TASKS = [("coherent", "closest"), ("shuffled", "closest"), ("coherent", "any"), ("shuffled", "any"), ("coherent", "picture")]
+
+
+def build(folder):
+    """Compiles both sides; returns the paths of the programs."""
+    embree = folder / "embree"
+    subprocess.run(["gcc", "-O3", "-march=native", "-Wall", "-Wextra", "-o", embree, HERE.parent / "embree" / "embree.c",
+                    "-lembree3", "-lpthread", "-lm"], check=True)
+    cargo = ["cargo", "build", "--release", "-p", "glanz-geometry", "--example", "peer_freeform", "--message-format=json"]
+    messages = subprocess.run(cargo, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
+    built = [json.loads(line) for line in messages.splitlines()]
+    glanz = next(m["executable"] for m in built if m.get("target", {}).get("name") == "peer_freeform" and m.get("executable"))
+    return glanz, embree
+
+
+class Side:
+    """A program that answers lines."""
+
+    def __init__(self, name, command):
+        self.name = name
+        self.process = subprocess.Popen([str(c) for c in command], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.about = self.read()
+
+    def read(self):
+        line = self.process.stdout.readline()
+        if not line:
+            sys.exit(f"{self.name} died")
+        return line.strip()
+
+    def say(self, *task):
+        print(*task, 1, file=self.process.stdin, flush=True)
+        return self.read()
+
+    def ask(self, *task):
+        clock, processors, rays, hits, total = self.say(*task).split()
+        return float(processors), int(rays), int(hits), float(total)
+
+    def end(self):
+        self.process.stdin.close()
+        self.process.wait()
+
+
+def measure(sides, rounds):
+    """All tasks, `rounds` times in turn; results by task, with medians."""
+    results = []
+    for task in TASKS:
+        rates = {side.name: [] for side in sides}
+        answers = {}
+        for _ in range(rounds):
+            for side in sides:
+                processors, rays, hits, total = side.ask(*task)
+                rates[side.name].append(rays / processors * 1e3)
+                answers[side.name] = (hits, total)
+        medians = {name: statistics.median(rate) for name, rate in rates.items()}
+        glanz, embree = medians.values()
+        results.append({"rays": task[0], "query": task[1], "million_rays_per_second": medians, "ratio": glanz / embree,
+                        "hits_and_sum": answers, "each": rates})
+        print(f"  {task[0]:9} {task[1]:8} Glanz {glanz:6.2f} Embree {embree:6.2f} ratio {glanz / embree:5.2f}"
+              f" | hits {answers[sides[0].name][0]} {answers[sides[1].name][0]}", flush=True)
+    return results
+
+
+def show(about):
+    build, tessellate, embree = (1e3 * about[name] for name in ("build_s", "tessellate_s", "embree_build_s"))
+    print(f"  build: {build:.3g} ms against {tessellate:.3g} + {embree:.3g} ms | memory: {about['bytes'] / 1e6:.3g} MB against"
+          f" {about['embree_bytes'] / 1e6:.3g} (ratio {about['bytes'] / about['embree_bytes']:.4f})")
+    seconds = about["to_picture_s"]
+    print(f"  to the picture: {seconds['Glanz']:.3f} s (full: {seconds['Glanz, full']:.3f}) against {seconds['Embree']:.3f}"
+          f" (ratio {seconds['ratio']:.2f})")
+    print(f"  {about['difference']}", flush=True)
+
+
+def run(model, programs, folder, arguments):
+    """The comparison of one model."""
+    glanz = Side("Glanz", [programs[0], folder, model, *arguments.size.split("x")])
+    embree = Side("Embree", [programs[1], folder, arguments.mode, 1, "coherent", "shuffled"])
+    about = json.loads(glanz.about)
+    print(f"{model}: {about['patches']} patches, {about['leaves']} leaves | {about['triangles']} triangles, chord"
+          f" {about['chord_of_size']:.1e} of the size, normals {about['normal_degrees']:.3f} degrees (facets"
+          f" {about['facet_normal_degrees']:.2f})", flush=True)
+    results = measure([glanz, embree], arguments.rounds)
+    builds = [embree.ask("mesh", "build") for _ in range(max(arguments.rounds, 5))]
+    about["embree_build_s"] = statistics.median(time for time, *_ in builds) * 1e-9
+    about["embree_bytes"] = int(builds[-1][3]) + 12 * about["vertices"]
+    width, height = map(int, arguments.size.split("x"))
+    seconds = {side: width * height / rate * 1e-6 for side, rate in results[-1]["million_rays_per_second"].items()}
+    exact = about["build_s"] + seconds["Glanz"]
+    full = [glanz.ask("coherent", "full")[0] * 1e-9 for _ in range(arguments.rounds)]
+    triangles = about["tessellate_s"] + about["embree_build_s"] + seconds["Embree"]
+    full = about["build_s"] + statistics.median(full)
+    about["to_picture_s"] = {"Glanz": exact, "Glanz, full": full, "Embree": triangles, "ratio": exact / triangles}
+    embree.ask("coherent", "dump")
+    about["difference"] = json.loads(glanz.say("coherent", "compare"))
+    show(about)
+    if arguments.pictures:
+        arguments.pictures.mkdir(parents=True, exist_ok=True)
+        (arguments.pictures / f"{model.replace(' ', '-')}.pgm").write_bytes((folder / "glanz.pgm").read_bytes())
+    glanz.end()
+    embree.end()
+    return {"model": model, "about": about, "embree": embree.about, "results": results}
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--models", nargs="+", help="all, if not said")
+    parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--size", default="1920x1080", help="of the picture, pixels")
+    parser.add_argument("--mode", choices=["fast", "robust"], default="fast", help="of Embree")
+    parser.add_argument("--out", type=pathlib.Path, help="raw results")
+    parser.add_argument("--pictures", type=pathlib.Path, help="folder for the pictures of Glanz")
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        programs = build(folder)
+        every = subprocess.run([programs[0]], check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
+        about = {"date": time.strftime("%Y-%m-%d"), "machine": platform.platform(), "mode": arguments.mode,
+                 "size": arguments.size, "rounds": arguments.rounds, "models": []}
+        for model in arguments.models or every:
+            about["models"].append(run(model, programs, folder, arguments))
+            if arguments.out:
+                arguments.out.parent.mkdir(parents=True, exist_ok=True)
+                arguments.out.write_text(json.dumps(about, indent=1) + "\n")
+
+
+main()

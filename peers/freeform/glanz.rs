@@ -1,0 +1,297 @@
+//! The side of Glanz in the comparison of freeform surfaces; `compare.py` runs it and explains.
+//!
+//! Writes the triangles that stand in for the surface and the rays into the folder given, prints what it is about as one
+//! line of JSON, then answers lines `SET QUERY TIMES` with nanoseconds by the clock, nanoseconds of the processor, number of
+//! rays asked, number of hits and a sum: of the ray parameters (closest, all) or of the grey levels (picture).
+//! `SET compare 1` reads the ray parameters that the other side dumped.
+
+#[path = "../../crates/glanz-geometry/benches/freeform/models.rs"]
+mod models;
+mod tessellate;
+
+use std::fmt::Write as _;
+use std::fs::{File, read, read_to_string};
+use std::hint::black_box;
+use std::io::{BufWriter, Write as _};
+use std::path::Path;
+use std::time::Instant;
+
+use glanz_geometry::freeform::Piece;
+use glanz_geometry::{RaySurface, Surface};
+use glanz_math::Ray;
+use models::{Failure, Model, NAMES, Source, camera_rays, freeform, holes, shuffled};
+use tessellate::{Cells, Deviation, Mesh, deviation, fewest_cells, tessellate};
+
+/// Asked of the triangles: distance from the surface as a share of the diagonal of its box, angle of the normal in degrees.
+const CHORD: f64 = 1e-4;
+const NORMAL: f64 = 0.1;
+
+/// Pixels, if nothing else is said.
+const PICTURE: [u32; 2] = [1920, 1080];
+
+/// Repetitions of short work last at least so long: the kernel counts in ticks of some milliseconds.
+const SHORTEST: u64 = 100_000_000;
+
+fn write_mesh(folder: &Path, mesh: &Mesh) -> Result<(), Failure> {
+    let mut file = BufWriter::new(File::create(folder.join("mesh"))?);
+    file.write_all(&(mesh.positions.len() as u32).to_le_bytes())?;
+    file.write_all(&(mesh.triangles.len() as u32).to_le_bytes())?;
+    for x in mesh.positions.as_flattened() {
+        file.write_all(&x.to_le_bytes())?;
+    }
+    for i in mesh.triangles.as_flattened() {
+        file.write_all(&i.to_le_bytes())?;
+    }
+    file.flush()?;
+    let mut file = BufWriter::new(File::create(folder.join("normals"))?);
+    for x in mesh.normals.as_flattened() {
+        file.write_all(&x.to_le_bytes())?;
+    }
+    Ok(file.flush()?)
+}
+
+fn write_rays(path: &Path, rays: &[Ray]) -> Result<(), Failure> {
+    let mut file = BufWriter::new(File::create(path)?);
+    file.write_all(&(rays.len() as u32).to_le_bytes())?;
+    for x in rays.iter().flat_map(|r| [r.origin.to_array(), r.direction.to_array()]).flatten() {
+        file.write_all(&(x as f32).to_le_bytes())?;
+    }
+    Ok(file.flush()?)
+}
+
+/// Nanoseconds that this thread has spent on a processor.
+fn processor_time() -> u64 {
+    let times = read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    times.split_whitespace().next().and_then(|time| time.parse().ok()).unwrap_or_default()
+}
+
+/// Seconds of the processor that `work` takes, the median of three means.
+fn seconds(mut work: impl FnMut()) -> f64 {
+    let mut means = [0.0; 3];
+    for mean in &mut means {
+        let (start, mut times) = (processor_time(), 0);
+        while processor_time() - start < SHORTEST {
+            work();
+            times += 1;
+        }
+        *mean = 1e-9 * (processor_time() - start) as f64 / f64::from(times);
+    }
+    means.sort_by(f64::total_cmp);
+    means[1]
+}
+
+fn closest(surface: &impl RaySurface, rays: &[Ray]) -> (u64, f64) {
+    let hits = rays.iter().filter_map(|ray| surface.intersect(ray, f64::INFINITY));
+    hits.fold((0, 0.0), |(hits, sum), hit| (hits + 1, sum + hit.t))
+}
+
+fn any(surface: &impl RaySurface, rays: &[Ray]) -> (u64, f64) {
+    (rays.iter().filter(|ray| surface.occluded(ray, f64::INFINITY)).count() as u64, 0.0)
+}
+
+/// Hits of all roots, not only of rays.
+fn all(surface: &Surface, rays: &[Ray]) -> (u64, f64) {
+    let mut hits = Vec::new();
+    rays.iter().fold((0, 0.0), |(count, sum), ray| {
+        hits.clear();
+        surface.all_hits(ray, f64::INFINITY, &mut hits);
+        (count + hits.len() as u64, sum + hits.iter().map(|hit| hit.t).sum::<f64>())
+    })
+}
+
+/// Grey levels of a lamp at the camera: the cosine of normal and ray.
+fn picture(surface: &Surface, rays: &[Ray], grey: &mut Vec<f32>) -> (u64, f64) {
+    let Some(freeform) = freeform(surface) else { return (0, 0.0) };
+    let mut hits = 0;
+    grey.clear();
+    grey.extend(rays.iter().map(|ray| {
+        let Some(hit) = surface.intersect(ray, f64::INFINITY) else { return 0.0 };
+        hits += 1;
+        let normal = freeform.pieces()[hit.face as usize].patch().normal(hit.u, hit.v);
+        normal.unwrap_or_else(|| surface.point(ray, &hit).normal).dot(ray.direction).abs() as f32
+    }));
+    (hits, grey.iter().map(|&x| f64::from(x)).sum())
+}
+
+/// The same with all of what a renderer asks of a hit.
+fn full_picture(surface: &Surface, rays: &[Ray]) -> (u64, f64) {
+    let points = rays.iter().filter_map(|ray| Some((ray, surface.intersect(ray, f64::INFINITY)?))).map(
+        |(ray, hit)| {
+            let point = black_box(surface.point(ray, &hit));
+            point.normal.dot(ray.direction).abs()
+        },
+    );
+    points.fold((0, 0.0), |(hits, sum), grey| (hits + 1, sum + grey))
+}
+
+fn answer(surface: &Surface, rays: &[Ray], query: &str, grey: &mut Vec<f32>) -> Result<(u64, f64), Failure> {
+    // A scene knows the kind of its objects too: one test per ray, that a loop would not have.
+    Ok(match (query, surface) {
+        ("closest", Surface::Freeform(freeform)) => closest(&**freeform, rays),
+        ("any", Surface::Freeform(freeform)) => any(&**freeform, rays),
+        ("closest", _) => closest(surface, rays),
+        ("any", _) => any(surface, rays),
+        ("all", _) => all(surface, rays),
+        ("picture", _) => picture(surface, rays, grey),
+        ("full", _) => full_picture(surface, rays),
+        _ => return Err("no such query".into()),
+    })
+}
+
+/// How the ray parameters that the other side dumped differ from those of the surface, as JSON.
+fn compare(surface: &Surface, rays: &[Ray], size: f64, dump: &Path) -> Result<String, Failure> {
+    let bytes = read(dump)?;
+    let theirs = bytes.chunks_exact(4).map(|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])));
+    let (mut both, mut only_glanz, mut only_other, mut apart, mut most) = (0, 0, 0, 0, 0.0_f64);
+    // Where the surface is seen under a flat angle, a small distance across is a long way along the ray.
+    let mut most_facing = 0.0_f64;
+    for (ray, t) in rays.iter().zip(theirs) {
+        match (surface.intersect(ray, f64::INFINITY), t >= 0.0) {
+            (Some(hit), true) => {
+                both += 1;
+                let difference = (hit.t - t).abs() / size;
+                if difference > 0.01 {
+                    apart += 1;
+                } else {
+                    most = most.max(difference);
+                    if surface.point(ray, &hit).normal.dot(ray.direction).abs() > 0.2 {
+                        most_facing = most_facing.max(difference);
+                    }
+                }
+            }
+            (Some(_), false) => only_glanz += 1,
+            (None, true) => only_other += 1,
+            (None, false) => {}
+        }
+    }
+    Ok(format!(
+        "{{\"both_hit\": {both}, \"only_glanz\": {only_glanz}, \"only_other\": {only_other}, \"other_sheet\": {apart}, \
+         \"largest_difference_of_t\": {most:e}, \"where_seen_above_12_degrees\": {most_facing:e}}}"
+    ))
+}
+
+/// What the two sides are made of and how long that takes, as JSON without its last brace.
+fn about(model: &Model, surface: &Surface, mesh: &Mesh, cells: &[Cells]) -> Result<String, Failure> {
+    let Some(freeform) = freeform(surface) else { return Err("not a freeform surface".into()) };
+    let pieces = freeform.pieces();
+    let deviations =
+        pieces.iter().zip(cells).map(|(p, &cells)| deviation(p.patch(), cells, 5, usize::MAX, |_| false));
+    let worst = deviations.fold(Deviation::default(), Deviation::max);
+    let size = surface.bounds().diagonal().length();
+    let extract = seconds(|| {
+        let _ = black_box(model.source.pieces());
+    });
+    let build = seconds(|| {
+        let _ = black_box(model.surface());
+    });
+    let stand_in = seconds(|| {
+        black_box(tessellate(pieces, cells, model.region.as_deref()));
+    });
+    let cpu = read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let cpu = cpu.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or(": unknown");
+    let mut text = String::new();
+    write!(text, "{{\"patches\": {}, \"leaves\": {}, ", pieces.len(), freeform.statistics().primitives)?;
+    write!(
+        text,
+        "\"build_s\": {build}, \"of_which_patches_s\": {extract}, \"bytes\": {}, ",
+        freeform.bytes()
+    )?;
+    write!(text, "\"triangles\": {}, \"vertices\": {}, ", mesh.triangles.len(), mesh.positions.len())?;
+    write!(text, "\"tessellate_s\": {}, \"chord_of_size\": {:e}, ", extract + stand_in, worst.chord / size)?;
+    write!(text, "\"normal_degrees\": {:.4}, \"facet_normal_degrees\": {:.4}, ", worst.normal, worst.facet)?;
+    write!(text, "\"size\": {size}, \"processor\": \"{}\"", cpu.trim_start_matches(['\t', ' ', ':']))?;
+    Ok(text)
+}
+
+fn cells_of(pieces: &[Piece], size: f64) -> Vec<Cells> {
+    let bounds = Deviation { chord: CHORD * size, normal: NORMAL, facet: f64::INFINITY };
+    pieces.iter().map(|piece| fewest_cells(piece.patch(), &bounds)).collect()
+}
+
+/// The control points of a spline surface and its holes as JSON, for programs that are asked for the same surface.
+fn write_spline(path: &Path, model: &Model) -> Result<(), Failure> {
+    let Source::Spline(spline) = &model.source else { return Ok(()) };
+    let mut file = BufWriter::new(File::create(path)?);
+    for (name, knots) in [("u", spline.knots_u()), ("v", spline.knots_v())] {
+        let sign = if name == "u" { '{' } else { ',' };
+        writeln!(
+            file,
+            "{sign} \"degree_{name}\": {}, \"knots_{name}\": {:?}",
+            knots.degree(),
+            knots.knots()
+        )?;
+    }
+    let points: Vec<[f64; 4]> = spline.control_points().iter().map(|p| p.to_array()).collect();
+    let holes = model.region.iter().flat_map(|_| holes());
+    let holes: Vec<[f64; 3]> = holes.map(|(center, radius)| [center.x, center.y, radius]).collect();
+    writeln!(file, ", \"points\": {points:?}, \"holes\": {holes:?}}}")?;
+    Ok(file.flush()?)
+}
+
+fn write_picture(path: &Path, size: [u32; 2], grey: &[f32]) -> Result<(), Failure> {
+    let bytes: Vec<u8> = grey.iter().map(|x| (255.0 * x).round() as u8).collect();
+    let mut file = File::create(path)?;
+    writeln!(file, "P5 {} {} 255", size[0], size[1])?;
+    Ok(file.write_all(&bytes)?)
+}
+
+/// Everything runs on one thread, so that its time is the processor's time.
+fn main() -> Result<(), Failure> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    pool.install(|| run().map_err(|error| error.to_string()))?;
+    Ok(())
+}
+
+fn run() -> Result<(), Failure> {
+    let mut arguments = std::env::args().skip(1);
+    let mut out = std::io::stdout();
+    let (Some(folder), Some(name)) = (arguments.next(), arguments.next()) else {
+        writeln!(out, "{}", NAMES.join("\n"))?;
+        return Ok(());
+    };
+    let pixels = match (arguments.next(), arguments.next()) {
+        (Some(width), Some(height)) => [width.parse()?, height.parse()?],
+        _ => PICTURE,
+    };
+    let folder = Path::new(&folder);
+    let model = Model::named(&name)?;
+    let surface = model.surface()?;
+    let size = surface.bounds().diagonal().length();
+    let pieces = model.source.pieces()?;
+    let cells = cells_of(&pieces, size);
+    let mesh = tessellate(&pieces, &cells, model.region.as_deref());
+    write_mesh(folder, &mesh)?;
+    write_spline(&folder.join("spline.json"), &model)?;
+    let coherent = camera_rays(&surface.bounds(), pixels[0], pixels[1]);
+    let sets = [("shuffled", shuffled(coherent.clone())), ("coherent", coherent)];
+    for (name, rays) in &sets {
+        write_rays(&folder.join(name), rays)?;
+    }
+    writeln!(out, "{}}}", about(&model, &surface, &mesh, &cells)?)?;
+    let mut grey = Vec::new();
+    for line in std::io::stdin().lines() {
+        let line = line?;
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let [set, query, times] = words[..] else { return Err("expected SET QUERY TIMES".into()) };
+        let (_, rays) = sets.iter().find(|(name, _)| *name == set).ok_or("no such set of rays")?;
+        if query == "compare" {
+            let undecided = freeform(&surface).map_or(0, |f| f.undecided());
+            let text = compare(&surface, rays, size, &folder.join("t"))?;
+            writeln!(out, "{}, \"undecided\": {undecided}}}", text.trim_end_matches('}'))?;
+        } else {
+            let (clock, before) = (Instant::now(), processor_time());
+            let times = times.parse::<usize>()?;
+            let (mut hits, mut sum) = (0, 0.0);
+            for _ in 0..times {
+                (hits, sum) = answer(&surface, rays, query, &mut grey)?;
+            }
+            let processor = processor_time() - before;
+            writeln!(out, "{} {processor} {} {hits} {sum}", clock.elapsed().as_nanos(), times * rays.len())?;
+            if query == "picture" {
+                write_picture(&folder.join("glanz.pgm"), pixels, &grey)?;
+            }
+        }
+        out.flush()?;
+    }
+    Ok(())
+}
