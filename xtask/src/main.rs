@@ -18,10 +18,15 @@ Usage: cargo xtask COMMAND
   layers               which crate uses which, against the floors of docs/ARCHITECTURE.md
   references           every @key cited in the sources against docs/references.bib
   contract [--rays N]  the surface contract with N random rays per surface kind (default 10000000), optimised
+  zoo [--rays N] [--adversarial M] [--patches FILE...]
+                       rays against the reference over the zoo of patches (default 10000000 and 1000000), optimised
   pbrt-scenes DIR      loads every pbrt scene below DIR with `glanz info` and lists what came of it";
 
 /// Rays per surface kind of `cargo xtask contract`: what a release is checked with.
 const CONTRACT_RAYS: u64 = 10_000_000;
+
+/// Random and hard rays of `cargo xtask zoo`: what a release is checked with.
+const ZOO_RAYS: [u64; 2] = [10_000_000, 1_000_000];
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -37,6 +42,10 @@ fn main() -> ExitCode {
         ["contract", "--rays", count] => match count.parse() {
             Ok(rays) => steps::contract(rays),
             Err(_) => return usage(&format!("\"{count}\" is not a number of rays")),
+        },
+        ["zoo", ref options @ ..] => match zoo_options(options) {
+            Ok(([rays, adversarial], patches)) => steps::zoo(rays, adversarial, patches),
+            Err(complaint) => return usage(&complaint),
         },
         ["pbrt-scenes", folder] => scenes::load_all(Path::new(folder)),
         ["help" | "--help" | "-h"] => {
@@ -58,7 +67,39 @@ fn main() -> ExitCode {
     }
 }
 
+/// Random rays, hard rays, and files of patches.
+fn zoo_options<'a>(mut options: &'a [&'a str]) -> Result<([u64; 2], &'a [&'a str]), String> {
+    let mut counts = ZOO_RAYS;
+    loop {
+        options = match *options {
+            [] => return Ok((counts, &[])),
+            ["--patches", ref files @ ..] if !files.is_empty() => return Ok((counts, files)),
+            [name @ ("--rays" | "--adversarial"), count, ref rest @ ..] => {
+                let slot = usize::from(name == "--adversarial");
+                counts[slot] = count.parse().map_err(|_| format!("\"{count}\" is not a number of rays"))?;
+                rest
+            }
+            [other, ..] => return Err(format!("the zoo knows no \"{other}\" there")),
+        };
+    }
+}
+
 fn usage(complaint: &str) -> ExitCode {
     eprintln!("error: {complaint}\n\n{USAGE}");
     ExitCode::from(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_of_the_zoo_come_in_any_order_with_the_files_last() {
+        assert_eq!(zoo_options(&[]), Ok((ZOO_RAYS, &[][..])));
+        let words = ["--adversarial", "5", "--rays", "7", "--patches", "a.rib", "b.txt"];
+        assert_eq!(zoo_options(&words), Ok(([7, 5], &["a.rib", "b.txt"][..])));
+        for wrong in [&["--rays"][..], &["--rays", "many"], &["--patches"], &["7"]] {
+            assert!(zoo_options(wrong).is_err(), "{wrong:?}");
+        }
+    }
 }

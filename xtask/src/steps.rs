@@ -123,22 +123,38 @@ fn test_counts(line: &str) -> Option<(u64, u64)> {
 /// # Errors
 /// A sentence if it is broken or cannot be run.
 pub(crate) fn contract(rays: u64) -> Result<String, String> {
-    let mut command = workspace::cargo();
-    command.args([
-        "test",
-        "--release",
-        "--package",
-        "glanz-geometry",
-        "--test",
-        "contract",
-        "--",
-        "--nocapture",
-    ]);
+    let mut command = optimised_test("contract");
     succeed(
         command.env("GLANZ_CONTRACT_RAYS", rays.to_string()),
         "the surface contract is broken, see above",
     )?;
     Ok(format!("contract: kept by every surface over {rays} rays per kind"))
+}
+
+/// The zoo of patches with `rays` random and `adversarial` hard rays, and the bicubic patches of these files.
+///
+/// # Errors
+/// A sentence if a root is missed, doubled or invented, or if it cannot be run.
+pub(crate) fn zoo(rays: u64, adversarial: u64, patches: &[&str]) -> Result<String, String> {
+    let mut paths = Vec::new();
+    for file in patches {
+        // The test runs in the folder of its crate.
+        let path = std::path::absolute(file).map_err(|error| format!("{file}: {error}"))?;
+        paths.push(path.display().to_string());
+    }
+    let mut command = optimised_test("zoo");
+    command.env("GLANZ_ZOO_RAYS", rays.to_string());
+    command.env("GLANZ_ZOO_ADVERSARIAL", adversarial.to_string());
+    command.env("GLANZ_ZOO_PATCHES", paths.join(":"));
+    succeed(&mut command, "the zoo has faults, see above")?;
+    Ok(format!("zoo: no root missed, doubled or invented in {rays} random and {adversarial} hard rays"))
+}
+
+/// An integration test of the surfaces, as fast as it can be.
+fn optimised_test(name: &str) -> Command {
+    let mut command = workspace::cargo();
+    command.args(["test", "--release", "--package", "glanz-geometry", "--test", name, "--", "--nocapture"]);
+    command
 }
 
 fn succeed(command: &mut Command, otherwise: &str) -> Result<String, String> {

@@ -181,6 +181,31 @@ fn tangent_ray_meets_a_parabola_once_and_one_beside_it_twice_or_never() {
 }
 
 #[test]
+fn ray_within_the_plane_of_a_flat_patch_is_no_hit() {
+    // Seen edge-on the Jacobian is nothing but rounding, and must certify nothing.
+    let third = |k: i32| f64::from(k) / 3.0;
+    let points = (0..4).flat_map(|i| (0..4).map(move |j| DVec4::new(third(i), third(j), 0.0, 1.0)));
+    let patch = TensorPatch::try_new(3, 3, points.collect()).unwrap();
+    let surface =
+        Freeform::try_new(vec![Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()]).unwrap();
+    for (x, y, dx, dy) in [
+        (-1.150_881_977_367_205_4, 2.817_548_644_033_872, 1.0, -1.0),
+        (
+            -1.999_454_936_177_244_2,
+            1.999_636_624_118_162_7,
+            0.021_886_989_618_407_49,
+            -0.014_591_326_412_271_661,
+        ),
+        (-0.898_938_010_291_137_4, 3.464_542_689_248_941_7, 1.0, -2.0),
+        (-1.0, 0.25, 1.0, 0.0),
+    ] {
+        let ray = Ray::new(DVec3::new(x, y, 0.0), DVec3::new(dx, dy, 0.0));
+        assert_eq!(all(&surface, &ray), [], "{ray:?}");
+    }
+    assert_eq!(surface.undecided(), 0);
+}
+
+#[test]
 fn what_cannot_be_a_surface_is_refused() {
     assert!(Freeform::try_new(Vec::new()).is_err());
     let point = TensorPatch::try_new(1, 1, vec![DVec4::ONE; 4]).unwrap();

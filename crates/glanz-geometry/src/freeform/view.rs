@@ -337,8 +337,14 @@ impl<S: Simd> Cell<S> {
                 // As near as rounding tells, or held by the border.
                 let size = weight(self.middle + self.half * x);
                 let far = simple.abs().cmpgt(blur * (2.0 / (1.0 - q))).any();
-                if jet.f.length() <= 2.0 * limits.noise * size || !far {
+                // Next to a tangency a place may be near in the parameters and still beside the ray.
+                let off = jet.f.length() / (limits.noise * size);
+                if off <= 2.0 || (!far && off <= 4.0) {
                     return found(x);
+                }
+                if !far && next != x {
+                    x = next;
+                    continue;
                 }
                 let next = (x - simple).clamp(DVec2::NEG_ONE, DVec2::ONE);
                 if (next - x).abs().cmple(blur).all() {
