@@ -7,6 +7,7 @@ use std::time::Duration;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use glanz_sampling::SamplerKind;
+use glanz_study::studies;
 use glanz_transport::exact::MAX_TERMS;
 use glanz_transport::{Aov, INTEGRATORS};
 
@@ -33,6 +34,9 @@ pub(crate) const ALL_AOVS: &str = "all";
 /// Samples per pixel that a film can hold.
 const MAX_SAMPLES: i64 = MAX_TERMS as i64;
 
+/// Rays of a study, which keeps all of a kind in memory.
+const MAX_RAYS: u64 = 30_000_000;
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Render a built-in scene that shows what Glanz is for
@@ -45,6 +49,8 @@ pub(crate) enum Command {
     Info(InfoArguments),
     /// Measure how far apart two pictures are
     Compare(CompareArguments),
+    /// Measure again what the documents behind Glanz claimed; without a name, list the studies
+    Study(StudyArguments),
     /// Print a completion script for a shell
     #[command(hide = true)]
     Completions {
@@ -248,6 +254,41 @@ pub(crate) struct CompareArguments {
     pub(crate) json: bool,
 }
 
+const STUDY_HELP: &str = "\
+A study writes report.md with its tables (CSV), plots (SVG) and pictures (PNG) into the folder
+of --out, which is made if it is not there, and prints its summary. Figures depend on options
+and seed alone, except for times. Ctrl-C ends it with 130 and leaves nothing.
+
+Examples:
+  glanz study                                            what there is
+  glanz study newton --out newton
+  glanz study tessellation --out triangles --size 640x360 --triangles 1250,20000";
+
+#[derive(Debug, Args)]
+#[command(after_help = STUDY_HELP)]
+pub(crate) struct StudyArguments {
+    /// The study
+    #[arg(value_name = "NAME", requires = "out", value_parser = one_of(studies().iter().map(|study| study.name)))]
+    pub(crate) name: Option<String>,
+    /// Folder for the report
+    #[arg(short, long, value_name = "DIR", requires = "name", value_hint = ValueHint::DirPath)]
+    pub(crate) out: Option<PathBuf>,
+    /// Random rays (newton)
+    #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u64).range(1..=MAX_RAYS))]
+    pub(crate) rays: Option<u64>,
+    /// Size of the pictures in pixels (tessellation)
+    #[arg(long, value_name = "WxH", requires = "name", value_parser = size)]
+    pub(crate) size: Option<[u32; 2]>,
+    /// Triangles per surface, each twice a square (tessellation)
+    #[arg(long, value_name = "LIST", requires = "name", value_delimiter = ',')]
+    pub(crate) triangles: Option<Vec<u64>>,
+    /// Seed of random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+    #[command(flatten)]
+    pub(crate) talk: Talk,
+}
+
 /// The measures of difference, explained below the options.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Metric {
@@ -356,6 +397,11 @@ mod tests {
             "glanz merge a.glanz",
             "glanz compare a.exr b.exr --fail-above -1",
             "glanz compare a.exr b.exr --metric beauty",
+            "glanz study alchemy --out a",
+            "glanz study newton",
+            "glanz study --out a",
+            "glanz study newton --out a --rays 0",
+            "glanz study tessellation --out a --triangles many",
         ] {
             assert_eq!(parse(line).map(|_| ()).map_err(|e| e.exit_code()), Err(2), "{line}");
         }

@@ -58,6 +58,10 @@ fn main() -> ExitCode {
             let messages = Messages::new(false);
             (messages, command::info::run(&info, messages))
         }
+        Command::Study(study) => {
+            let messages = Messages::new(study.talk.quiet);
+            (messages, command::study::run(&study, messages))
+        }
         Command::Compare(compare) => (Messages::new(false), command::compare::run(&compare)),
         Command::Completions { shell } => (Messages::new(false), command::shell::completions(shell)),
         Command::Man { command } => (Messages::new(false), command::shell::manual(command.as_deref())),

@@ -31,6 +31,7 @@ mod cells;
 mod leaf;
 mod leaves;
 mod net;
+pub mod newton;
 mod piece;
 mod point;
 mod query;

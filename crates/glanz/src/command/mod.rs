@@ -6,3 +6,4 @@ pub(crate) mod info;
 pub(crate) mod merge;
 pub(crate) mod render;
 pub(crate) mod shell;
+pub(crate) mod study;

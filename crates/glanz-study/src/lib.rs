@@ -1,0 +1,31 @@
+//! Studies: what the documents behind Glanz claimed, measured again.
+//!
+//! A [`Study`] asks one question and answers it with a [`Report`]: tables, plots and pictures, and sentences made from
+//! their figures. [`studies()`] is the table of them; a new one is a file and a line there. Figures depend on the
+//! [`Settings`] alone, except for times, which [`clock`] takes from the processor.
+//!
+//! - [`table`], [`plot`] and [`report`] hold results and write them (Markdown, CSV, SVG, PNG);
+//! - `newton` compares Newton's method with the certified search (document 000);
+//! - `tessellation` compares triangles with the surface they stand for (document 002).
+//!
+//! ```
+//! use std::sync::atomic::AtomicBool;
+//! use glanz_study::{Settings, Unwatched, named};
+//!
+//! let stop = AtomicBool::new(false);
+//! let settings = Settings { rays: Some(300), ..Settings::new(&stop) };
+//! let report = named("newton").ok_or("no such study")?.run(&settings, &mut Unwatched)?;
+//! assert_eq!(report.summary().rows()[0].len(), report.summary().columns().len());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod clock;
+mod newton;
+pub mod plot;
+pub mod report;
+mod study;
+pub mod table;
+mod tessellation;
+
+pub use report::Report;
+pub use study::{Settings, Study, StudyError, StudyOption, Unwatched, Watch, named, studies};

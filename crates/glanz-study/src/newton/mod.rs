@@ -1,0 +1,236 @@
+//! Newton's method from one start against the certified search (document 000 chapters 3 and 4).
+
+mod compare;
+mod evaluate;
+mod example;
+mod hull;
+mod patches;
+
+use std::time::Duration;
+
+use self::compare::{Comparison, RESIDUAL, STEPS, STEPS_OF_000, Tally, Truth, Variant, compare};
+use crate::clock;
+use crate::plot::{Axis, Plot, Rule, Series};
+use crate::report::Report;
+use crate::study::{Settings, StudyError, Watch};
+use crate::table::{Cell, Table, grouped, plural, significant};
+
+/// Random rays, unless others are asked for.
+const RAYS: u64 = 1_000_000;
+
+/// Share of the progress that the example takes.
+const EXAMPLE: f64 = 0.01;
+
+const COLUMNS: [(&str, &str); 14] = [
+    ("patches", "patches"),
+    ("method", "method"),
+    ("roots", "roots"),
+    ("found", "found"),
+    ("missed", "missed"),
+    ("rays_first_root", "rays with first root found"),
+    ("wrong_outside", "wrong: outside the domain"),
+    ("wrong_inside", "wrong: no root"),
+    ("singular", "ended singular"),
+    ("steps_mean", "steps, mean"),
+    ("steps_max", "steps, most"),
+    ("evaluations_per_ray", "evaluations per ray"),
+    ("time_ns_per_ray", "time per ray, ns"),
+    ("time_ns_per_root", "time per root found, ns"),
+];
+
+/// Runs the study.
+///
+/// # Errors
+/// An end that was wanted, or no rays.
+pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
+    settings.go_on()?;
+    let rays = settings.rays.unwrap_or(RAYS);
+    if rays == 0 {
+        return Err(StudyError::Setting { name: "rays", value: rays.to_string(), needed: "1 or more" });
+    }
+    watch.progress(0.0, "the example of document 000");
+    let example = example::solve()?;
+    let groups = patches::groups()?;
+    let all = compare(&groups, rays, EXAMPLE, settings, watch)?;
+
+    let caption = format!(
+        "{} random rays at patches of all kinds: roots by the certified search, and what Newton's method makes of them from \
+         one start per ray.",
+        grouped(rays)
+    );
+    let mut summary = Table::new("summary", caption, &COLUMNS);
+    push_rows(&mut summary, "all", &all.truth, &all.tallies);
+    let mut report = Report::new("Study newton: one start, one root, or none", summary);
+    report.heading("What was asked");
+    report.paragraph(
+        "Document 000 meets a Bézier patch with rays by Newton's method: it starts in the middle between the hits with the \
+         hull of the control points and accepts what leaves a small residual. How many of the roots does that find, how \
+         many does it miss, how many does it invent, and at what price, compared with the certified search of Glanz?",
+    );
+    settings_paragraph(rays, settings, &mut report);
+    example.tell(&mut report);
+    report.heading("Random rays");
+    let mut by_group = Table::new("rays", "The same for each kind of patch.", &COLUMNS);
+    for (name, truth, tallies) in &all.groups {
+        push_rows(&mut by_group, name, truth, tallies);
+    }
+    report.table(by_group);
+    report.plot("found", found_plot(&all), "Roots found by the number of steps that are allowed.");
+    report.heading("What one sees");
+    for sentence in findings(&all) {
+        report.paragraph(sentence);
+    }
+    watch.progress(1.0, "done");
+    Ok(report)
+}
+
+fn settings_paragraph(rays: u64, settings: &Settings<'_>, report: &mut Report) {
+    let clock = if clock::counts_processor_time() { "processor time of the thread" } else { "wall time" };
+    report.paragraph(format!(
+        "Settings: {} rays in three equal parts at the cubic triangle of document 000, the 32 bicubic patches of the Newell \
+         teapot in turn, each alone, and an eighth of a sphere as a rational bicubic patch with a pole. Rays start on a \
+         sphere of twice the patch's diagonal across and go to random points of the box around the control points. \
+         Unknowns are (u, v) and the ray parameter; at most {STEPS} steps (document 000: {STEPS_OF_000}), residual {RESIDUAL:e} \
+         of the patch's size. Seed {}. One thread; times are {clock}. Newton's method \
+         and the certified search evaluate the patches by routines of fixed size; the search cuts triangles into three bicubic \
+         patches first. It does not count its steps.",
+        grouped(rays),
+        settings.seed
+    ));
+    report.paragraph(
+        "A root counts as *found* if an iteration ends there. *Outside the domain* are ends that the residual alone, the test \
+         of document 000, takes for hits although they lie beyond the border of the patch or behind the origin; *no root* are \
+         ends inside the domain at which the certified search has none.",
+    );
+}
+
+fn push_rows(table: &mut Table, patches: &str, truth: &Truth, tallies: &[Tally; 3]) {
+    let per = |time: Duration, count: u64| (count > 0).then(|| time.as_secs_f64() * 1e9 / count as f64);
+    for (variant, tally) in Variant::ALL.into_iter().zip(tallies) {
+        let mean = (tally.converged > 0).then(|| tally.steps as f64 / tally.converged as f64);
+        table.push([
+            patches.into(),
+            variant.name().into(),
+            truth.roots.into(),
+            tally.found.into(),
+            truth.roots.saturating_sub(tally.found).into(),
+            tally.first.into(),
+            tally.outside.into(),
+            tally.unknown.into(),
+            tally.singular.into(),
+            mean.into(),
+            u64::from(tally.most_steps).into(),
+            (tally.evaluations as f64 / truth.rays.max(1) as f64).into(),
+            per(tally.time, truth.rays).into(),
+            per(tally.time, tally.found).into(),
+        ]);
+    }
+    let none = 0_u64;
+    for (name, found, time) in [
+        ("certified, all roots", truth.roots, truth.all),
+        ("certified, first root", truth.hit, truth.closest),
+    ] {
+        let counted = if found == truth.roots { Cell::from(none) } else { Cell::Missing };
+        table.push([
+            patches.into(),
+            name.into(),
+            truth.roots.into(),
+            found.into(),
+            counted,
+            truth.hit.into(),
+            none.into(),
+            none.into(),
+            none.into(),
+            Cell::Missing,
+            Cell::Missing,
+            Cell::Missing,
+            per(time, truth.rays).into(),
+            per(time, found).into(),
+        ]);
+    }
+}
+
+fn found_plot(all: &Comparison) -> Plot {
+    let roots = all.truth.roots.max(1) as f64;
+    let series = Variant::ALL.into_iter().zip(&all.tallies).map(|(variant, tally)| {
+        let mut sum = 0;
+        let points = tally.found_after.iter().take(31).enumerate().map(|(n, count)| {
+            sum += count;
+            [n as f64, 100.0 * sum as f64 / roots]
+        });
+        Series { name: variant.name().to_owned(), points: points.collect() }
+    });
+    Plot {
+        title: "Roots found within a number of steps".to_owned(),
+        x: Axis::linear("steps allowed"),
+        y: Axis::linear("roots found, %"),
+        series: series.collect(),
+        rules: vec![
+            Rule { name: "certified search".to_owned(), vertical: false, at: 100.0, series: None },
+            Rule {
+                name: "one root of every ray that has one".to_owned(),
+                vertical: false,
+                at: 100.0 * all.truth.hit as f64 / roots,
+                series: Some(3),
+            },
+        ],
+    }
+}
+
+/// Sentences, each made from the figures.
+fn findings(all: &Comparison) -> Vec<String> {
+    let Truth { rays, hit, roots, worst, undecided, all: all_time, .. } = &all.truth;
+    let share = |count: u64, of: u64| {
+        if of == 0 { "-".to_owned() } else { format!("{} %", significant(100.0 * count as f64 / of as f64)) }
+    };
+    let mut found = vec![format!(
+        "{} of {} rays meet their patch, in {} roots. The certified search left {} undecided; its roots lie within {} of the \
+         patch's size of both ray and patch.",
+        grouped(*hit),
+        grouped(*rays),
+        grouped(*roots),
+        if *undecided == 0 { "nothing".to_owned() } else { format!("{undecided} searches") },
+        significant(*worst)
+    )];
+    for (variant, tally) in Variant::ALL.into_iter().zip(&all.tallies) {
+        let early: u64 = tally.found_after.iter().take(STEPS_OF_000 as usize + 1).sum();
+        found.push(format!(
+            "The {} method finds {} of the roots ({} within {STEPS_OF_000} steps) and the first root of {} of the rays that \
+             have one; {} of its {} ends that the residual accepts are no hits.",
+            variant.name().split(' ').next().unwrap_or_default(),
+            share(tally.found, *roots),
+            share(early, *roots),
+            share(tally.first, *hit),
+            share(tally.outside + tally.unknown, tally.converged),
+            grouped(tally.converged)
+        ));
+    }
+    let unknown: u64 = all.tallies.iter().map(|t| t.unknown).sum();
+    found.push(if unknown == 0 {
+        "No iteration ended inside a patch at a root that the certified search does not know: the variants are an independent \
+         check that it misses nothing they can find."
+            .to_owned()
+    } else {
+        format!(
+            "{} ended inside a patch where the certified search has no root: to be looked into.",
+            plural(unknown, "iteration", "iterations")
+        )
+    });
+    let ns = |time: &Duration| time.as_secs_f64() * 1e9 / (*rays).max(1) as f64;
+    let fastest = all.tallies.iter().map(|t| ns(&t.time)).fold(f64::INFINITY, f64::min);
+    if ns(all_time) > 0.0 && fastest > 0.0 {
+        let (ratio, word) = if fastest > ns(all_time) {
+            (fastest / ns(all_time), "less")
+        } else {
+            (ns(all_time) / fastest, "more")
+        };
+        found.push(format!(
+            "All roots by the certified search cost {} ns per ray, {} times {word} than one iteration per ray of the fastest \
+             variant ({} ns).",
+            significant(ns(all_time)),
+            significant(ratio),
+            significant(fastest)
+        ));
+    }
+    found
+}

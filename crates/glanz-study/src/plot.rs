@@ -1,0 +1,352 @@
+//! Plots as SVG: lines and points over linear or logarithmic axes.
+
+use std::fmt::Write;
+
+/// Size of the picture, and the frame within it: left, top, right, bottom; pixels.
+const SIZE: [f64; 2] = [820.0, 520.0];
+const FRAME: [f64; 4] = [90.0, 56.0, 600.0, 450.0];
+
+/// Colours that stay apart for colour-blind eyes too, as Okabe and Ito chose them; black is left for text.
+const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d1f"];
+
+/// An axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// Quantity and unit.
+    pub title: String,
+    /// Whether equal distances are equal factors.
+    pub logarithmic: bool,
+}
+
+impl Axis {
+    /// Equal distances are equal differences.
+    #[must_use]
+    pub fn linear(title: impl Into<String>) -> Self {
+        Self { title: title.into(), logarithmic: false }
+    }
+
+    /// Equal distances are equal factors; values that are not positive are left out.
+    #[must_use]
+    pub fn logarithmic(title: impl Into<String>) -> Self {
+        Self { title: title.into(), logarithmic: true }
+    }
+
+    fn shows(&self, value: f64) -> bool {
+        value.is_finite() && (!self.logarithmic || value > 0.0)
+    }
+
+    fn place(&self, value: f64) -> f64 {
+        if self.logarithmic { value.log10() } else { value }
+    }
+}
+
+/// Points in the order in which a line connects them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Name in the legend.
+    pub name: String,
+    /// x and y.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// A line across the plot at one value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rule {
+    /// Name in the legend.
+    pub name: String,
+    /// Whether `at` is an x; otherwise it is a y.
+    pub vertical: bool,
+    /// Where.
+    pub at: f64,
+    /// Position of the series whose colour it has; black without one.
+    pub series: Option<usize>,
+}
+
+/// A plot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plot {
+    /// Headline.
+    pub title: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// What is drawn.
+    pub series: Vec<Series>,
+    /// Values to compare with.
+    pub rules: Vec<Rule>,
+}
+
+/// Values at the ends of an axis as they are placed (logarithms, if it is one of these), and the ticks between them.
+struct Range {
+    low: f64,
+    high: f64,
+    /// Place and label; without one it is a small tick.
+    ticks: Vec<(f64, Option<String>)>,
+}
+
+impl Plot {
+    /// The plot as the text of an SVG file; the same plot gives the same text.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        let x = self.range(&self.x, true);
+        let y = self.range(&self.y, false);
+        let mut svg = String::new();
+        let [width, height] = SIZE;
+        let _ = writeln!(
+            svg,
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
+             font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\" font-size=\"13\">\n\
+             <rect width=\"100%\" height=\"100%\" fill=\"white\"/>"
+        );
+        text(&mut svg, [FRAME[0], 28.0], "start", "font-size=\"16\"", &self.title);
+        self.axes(&mut svg, &x, &y);
+        let at = |point: [f64; 2]| {
+            let [px, py] = [self.x.place(point[0]), self.y.place(point[1])];
+            [
+                FRAME[0] + (FRAME[2] - FRAME[0]) * (px - x.low) / (x.high - x.low),
+                FRAME[3] - (FRAME[3] - FRAME[1]) * (py - y.low) / (y.high - y.low),
+            ]
+        };
+        let mut legend = FRAME[1] + 8.0;
+        let mut name = |svg: &mut String, draw: &dyn Fn(&mut String, f64), name: &str| {
+            draw(svg, legend);
+            for line in wrapped(name) {
+                text(svg, [FRAME[2] + 52.0, legend + 4.5], "start", "", line);
+                legend += 17.0;
+            }
+            legend += 5.0;
+        };
+        for (i, series) in self.series.iter().enumerate() {
+            let colour = COLOURS[i % COLOURS.len()];
+            let shown = |p: &&[f64; 2]| self.x.shows(p[0]) && self.y.shows(p[1]);
+            let places: Vec<[f64; 2]> = series.points.iter().filter(shown).map(|p| at(*p)).collect();
+            line(&mut svg, &places, colour, "");
+            places.iter().for_each(|p| marker(&mut svg, *p, i, colour));
+            let sample = |svg: &mut String, y: f64| {
+                line(svg, &[[FRAME[2] + 14.0, y], [FRAME[2] + 44.0, y]], colour, "");
+                marker(svg, [FRAME[2] + 29.0, y], i, colour);
+            };
+            name(&mut svg, &sample, &series.name);
+        }
+        let dashed = "stroke-dasharray=\"7 4\"";
+        for rule in &self.rules {
+            let axis = if rule.vertical { &self.x } else { &self.y };
+            if !axis.shows(rule.at) {
+                continue;
+            }
+            let (x0, y0) = (axis.place(rule.at), axis.place(rule.at));
+            let ends = if rule.vertical {
+                let x = FRAME[0] + (FRAME[2] - FRAME[0]) * (x0 - x.low) / (x.high - x.low);
+                [[x, FRAME[1]], [x, FRAME[3]]]
+            } else {
+                let y = FRAME[3] - (FRAME[3] - FRAME[1]) * (y0 - y.low) / (y.high - y.low);
+                [[FRAME[0], y], [FRAME[2], y]]
+            };
+            let colour = rule.series.map_or("#222222", |i| COLOURS[i % COLOURS.len()]);
+            line(&mut svg, &ends, colour, dashed);
+            let sample = |svg: &mut String, y: f64| {
+                line(svg, &[[FRAME[2] + 14.0, y], [FRAME[2] + 44.0, y]], colour, dashed);
+            };
+            name(&mut svg, &sample, &rule.name);
+        }
+        svg + "</svg>\n"
+    }
+
+    /// What of the points and rules lies on an axis, widened to look well, with ticks.
+    fn range(&self, axis: &Axis, horizontal: bool) -> Range {
+        let pick = |p: &[f64; 2]| if horizontal { p[0] } else { p[1] };
+        let both = |p: &&[f64; 2]| self.x.shows(p[0]) && self.y.shows(p[1]);
+        let points = self.series.iter().flat_map(|s| s.points.iter().filter(both).map(pick));
+        let rules = self.rules.iter().filter(|r| r.vertical == horizontal).map(|r| r.at);
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for value in points.chain(rules).filter(|v| axis.shows(*v)) {
+            low = low.min(axis.place(value));
+            high = high.max(axis.place(value));
+        }
+        if low > high {
+            (low, high) = (0.0, 1.0);
+        }
+        let margin = if high > low { 0.05 * (high - low) } else { 0.5 };
+        let starts_at_zero = !axis.logarithmic && low >= 0.0 && low < 0.4 * high;
+        let low = if starts_at_zero { 0.0 } else { low - margin };
+        let high = high + margin;
+        let ticks = if axis.logarithmic { decades(low, high) } else { steps(low, high) };
+        Range { low, high, ticks }
+    }
+
+    fn axes(&self, svg: &mut String, x: &Range, y: &Range) {
+        let [left, top, right, bottom] = FRAME;
+        for (place, label) in &x.ticks {
+            let px = left + (right - left) * (place - x.low) / (x.high - x.low);
+            let colour = if label.is_some() { "#dddddd" } else { "#f0f0f0" };
+            line(svg, &[[px, top], [px, bottom]], colour, "stroke-width=\"1\"");
+            if let Some(label) = label {
+                text(svg, [px, bottom + 18.0], "middle", "", label);
+            }
+        }
+        for (place, label) in &y.ticks {
+            let py = bottom - (bottom - top) * (place - y.low) / (y.high - y.low);
+            let colour = if label.is_some() { "#dddddd" } else { "#f0f0f0" };
+            line(svg, &[[left, py], [right, py]], colour, "stroke-width=\"1\"");
+            if let Some(label) = label {
+                text(svg, [left - 7.0, py + 4.5], "end", "", label);
+            }
+        }
+        let _ = writeln!(
+            svg,
+            "<rect x=\"{left}\" y=\"{top}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"black\"/>",
+            right - left,
+            bottom - top
+        );
+        text(svg, [0.5 * (left + right), bottom + 44.0], "middle", "", &self.x.title);
+        let middle = 0.5 * (top + bottom);
+        let turned = format!("transform=\"rotate(-90 22 {middle})\"");
+        text(svg, [22.0, middle], "middle", &turned, &self.y.title);
+    }
+}
+
+/// Ticks at 1, 2 or 5 times a power of ten, five to ten of them.
+fn steps(low: f64, high: f64) -> Vec<(f64, Option<String>)> {
+    let rough = (high - low) / 7.0;
+    let power = 10.0_f64.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= rough).unwrap_or(rough);
+    let digits = usize::try_from(-(step.log10().floor() as i32)).unwrap_or(0);
+    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    let label = |value: f64| {
+        if value.abs() >= 1e6 || (value != 0.0 && step < 1e-4) {
+            format!("{value:.1e}")
+        } else {
+            format!("{value:.digits$}")
+        }
+    };
+    (first..=last).map(|i| i as f64 * step).map(|value| (value, Some(label(value)))).collect()
+}
+
+/// Ticks of a logarithmic axis between two logarithms: labels at powers of ten, and at 2 and 5 times them where there
+/// are few; every so many powers only where there are many.
+fn decades(low: f64, high: f64) -> Vec<(f64, Option<String>)> {
+    let span = high - low;
+    let stride = (span / 8.0).ceil().max(1.0) as i32;
+    let mut ticks = Vec::new();
+    for power in low.floor() as i32..=high.ceil() as i32 {
+        for digit in 1..10 {
+            let place = f64::from(power) + f64::from(digit).log10();
+            if place < low || place > high || (digit > 1 && stride > 1) {
+                continue;
+            }
+            let labelled = match digit {
+                1 => power.rem_euclid(stride) == 0,
+                2 | 5 => span < 2.2,
+                3 | 7 => span < 1.2,
+                _ => span < 0.5,
+            };
+            ticks.push((place, labelled.then(|| power_label(digit, power))));
+        }
+    }
+    ticks
+}
+
+fn power_label(digit: i32, power: i32) -> String {
+    match power {
+        0..=5 => (i64::from(digit) * 10_i64.pow(power as u32)).to_string(),
+        -4..=-1 => format!("{:.*}", power.unsigned_abs() as usize, f64::from(digit) * 10.0_f64.powi(power)),
+        _ => format!("{digit}e{power}"),
+    }
+}
+
+/// A name cut at blanks into lines that fit beside the frame.
+fn wrapped(name: &str) -> Vec<&str> {
+    const WIDTH: usize = 22;
+    let mut lines = Vec::new();
+    let mut rest = name;
+    while rest.chars().count() > WIDTH {
+        let limit = rest.char_indices().nth(WIDTH + 1).map_or(rest.len(), |(i, _)| i);
+        let Some(cut) = rest.get(..limit).and_then(|start| start.rfind(' ')) else { break };
+        let (line, after) = rest.split_at(cut);
+        lines.push(line);
+        rest = after.trim_start();
+    }
+    lines.push(rest);
+    lines
+}
+
+fn text(svg: &mut String, [x, y]: [f64; 2], anchor: &str, attributes: &str, words: &str) {
+    let words = words.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    let _ =
+        writeln!(svg, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" {attributes}>{words}</text>");
+}
+
+fn line(svg: &mut String, points: &[[f64; 2]], colour: &str, attributes: &str) {
+    let places: Vec<String> = points.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
+    let stroke = if attributes.contains("stroke-width") { "" } else { "stroke-width=\"1.8\" " };
+    let _ = writeln!(
+        svg,
+        "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" {stroke}{attributes}/>",
+        places.join(" ")
+    );
+}
+
+/// A small figure, another one for every series, so that colour is not needed to tell them apart.
+fn marker(svg: &mut String, [x, y]: [f64; 2], series: usize, colour: &str) {
+    let corners: &[[f64; 2]] = match series % 4 {
+        0 => {
+            let _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{colour}\"/>");
+            return;
+        }
+        1 => &[[-3.6, -3.6], [3.6, -3.6], [3.6, 3.6], [-3.6, 3.6]],
+        2 => &[[0.0, -4.8], [4.6, 3.4], [-4.6, 3.4]],
+        _ => &[[0.0, -5.2], [5.2, 0.0], [0.0, 5.2], [-5.2, 0.0]],
+    };
+    let places: Vec<String> = corners.iter().map(|[dx, dy]| format!("{:.1},{:.1}", x + dx, y + dy)).collect();
+    let _ = writeln!(svg, "<polygon points=\"{}\" fill=\"{colour}\"/>", places.join(" "));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(ticks: Vec<(f64, Option<String>)>) -> Vec<String> {
+        ticks.into_iter().filter_map(|(_, label)| label).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_numbers_within_the_axis() {
+        assert_eq!(labels(steps(0.0, 1.0)), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(labels(steps(-130.0, 480.0)), ["-100", "0", "100", "200", "300", "400"]);
+        assert_eq!(labels(decades(-2.1, 3.2)), ["0.01", "0.1", "1", "10", "100", "1000"]);
+        assert_eq!(labels(decades(0.1, 1.5)), ["2", "5", "10", "20"]);
+        assert_eq!(labels(decades(-16.2, 0.2)), ["1e-15", "1e-12", "1e-9", "1e-6", "0.001", "1"]);
+    }
+
+    #[test]
+    fn points_lie_where_the_axes_say() {
+        let plot = Plot {
+            title: "a < b & c".into(),
+            x: Axis::linear("x, m"),
+            y: Axis::logarithmic("y"),
+            series: vec![Series { name: "s".into(), points: vec![[0.0, 1.0], [10.0, 100.0], [5.0, 0.0]] }],
+            rules: vec![Rule { name: "r".into(), vertical: false, at: 10.0, series: None }],
+        };
+        let svg = plot.svg();
+        assert!(svg.contains("a &lt; b &amp; c") && svg.ends_with("</svg>\n"));
+        // x from 0 to 10.5 over 510 pixels, log y from -0.1 to 2.1 over 394; the value 0 has no logarithm.
+        assert!(svg.contains("points=\"90.0,432.1 575.7,73.9\""), "{svg}");
+        assert!(svg.contains("points=\"90.0,253.0 600.0,253.0\""), "{svg}");
+        assert_eq!(svg, plot.svg());
+    }
+
+    #[test]
+    fn plot_without_points_is_a_frame() {
+        let (x, y) = (Axis::linear("x"), Axis::logarithmic("y"));
+        let plot = Plot { title: String::new(), x, y, series: Vec::new(), rules: Vec::new() };
+        assert!(!plot.svg().contains("NaN") && !plot.svg().contains("inf"));
+    }
+
+    #[test]
+    fn long_names_are_wrapped_at_blanks() {
+        assert_eq!(wrapped("certified search of all roots"), ["certified search of", "all roots"]);
+        assert_eq!(wrapped("short"), ["short"]);
+        assert_eq!(wrapped("onewordwithoutanyblankatall"), ["onewordwithoutanyblankatall"]);
+    }
+}

@@ -1,0 +1,131 @@
+//! What a study says.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use glanz_formats::image::{self, Format, write_atomically};
+use glanz_light::{Pixels, Tone};
+
+use crate::plot::Plot;
+use crate::study::StudyError;
+use crate::table::Table;
+
+/// Headings, sentences, tables, plots and pictures in the order in which they are read, and one table that sums up.
+#[derive(Debug)]
+pub struct Report {
+    title: String,
+    summary: Table,
+    blocks: Vec<Block>,
+}
+
+#[derive(Debug)]
+enum Block {
+    Heading(String),
+    Paragraph(String),
+    Table(Table),
+    Plot { name: &'static str, plot: Plot, caption: String },
+    Picture { name: String, pixels: Pixels, caption: String },
+}
+
+impl Report {
+    /// A report with only a title and its summary.
+    #[must_use]
+    pub fn new(title: impl Into<String>, summary: Table) -> Self {
+        Self { title: title.into(), summary, blocks: Vec::new() }
+    }
+
+    /// The table that sums up.
+    #[must_use]
+    pub fn summary(&self) -> &Table {
+        &self.summary
+    }
+
+    /// All tables but the summary.
+    pub fn tables(&self) -> impl Iterator<Item = &Table> {
+        self.blocks.iter().filter_map(|block| match block {
+            Block::Table(table) => Some(table),
+            _ => None,
+        })
+    }
+
+    /// A headline.
+    pub fn heading(&mut self, text: impl Into<String>) {
+        self.blocks.push(Block::Heading(text.into()));
+    }
+
+    /// Sentences.
+    pub fn paragraph(&mut self, text: impl Into<String>) {
+        self.blocks.push(Block::Paragraph(text.into()));
+    }
+
+    /// A table, also written as CSV.
+    pub fn table(&mut self, table: Table) {
+        self.blocks.push(Block::Table(table));
+    }
+
+    /// A plot, written as `name`.svg.
+    pub fn plot(&mut self, name: &'static str, plot: Plot, caption: impl Into<String>) {
+        self.blocks.push(Block::Plot { name, plot, caption: caption.into() });
+    }
+
+    /// A picture in linear light, written as `name`.png.
+    pub fn picture(&mut self, name: impl Into<String>, pixels: Pixels, caption: impl Into<String>) {
+        self.blocks.push(Block::Picture { name: name.into(), pixels, caption: caption.into() });
+    }
+
+    /// The text of `report.md`.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        let mut text = format!("# {}\n\n", self.title);
+        let table = |table: &Table| {
+            format!(
+                "{}\n\nThe figures: [{name}.csv]({name}.csv).\n\n{}\n",
+                table.caption(),
+                table.markdown(),
+                name = table.name()
+            )
+        };
+        text += &table(&self.summary);
+        for block in &self.blocks {
+            text += &match block {
+                Block::Heading(heading) => format!("## {heading}\n\n"),
+                Block::Paragraph(paragraph) => format!("{paragraph}\n\n"),
+                Block::Table(t) => table(t),
+                Block::Plot { name, caption, .. } => format!("![{caption}]({name}.svg)\n\n{caption}\n\n"),
+                Block::Picture { name, caption, .. } => format!("![{caption}]({name}.png)\n\n{caption}\n\n"),
+            };
+        }
+        text
+    }
+
+    /// Writes `report.md` and everything it shows into the folder `out`, which is made if it is not there; returns the
+    /// names of the files. Each file has its old content until its new one is complete.
+    ///
+    /// # Errors
+    /// [`StudyError::File`] or [`StudyError::Image`].
+    pub fn write(&self, out: &Path) -> Result<Vec<String>, StudyError> {
+        std::fs::create_dir_all(out)
+            .map_err(|source| StudyError::File { path: out.display().to_string(), source })?;
+        let mut names = Vec::new();
+        let mut put = |name: String, bytes: &[u8]| -> Result<(), StudyError> {
+            write_atomically(&out.join(&name), bytes)?;
+            names.push(name);
+            Ok(())
+        };
+        put(format!("{}.csv", self.summary.name()), self.summary.csv().as_bytes())?;
+        for block in &self.blocks {
+            match block {
+                Block::Heading(_) | Block::Paragraph(_) => {}
+                Block::Table(table) => put(format!("{}.csv", table.name()), table.csv().as_bytes())?,
+                Block::Plot { name, plot, .. } => put(format!("{name}.svg"), plot.svg().as_bytes())?,
+                Block::Picture { name, pixels, .. } => {
+                    let bytes = image::write(pixels, Format::Png, &Tone::default(), &BTreeMap::new())?;
+                    put(format!("{name}.png"), &bytes)?;
+                }
+            }
+        }
+        // Last, so that what it refers to is there.
+        put("report.md".to_owned(), self.markdown().as_bytes())?;
+        Ok(names)
+    }
+}

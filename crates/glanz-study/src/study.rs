@@ -1,0 +1,198 @@
+//! What a study is, and the table of all.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glanz_formats::image::ImageError;
+use glanz_formats::newell::NewellError;
+use glanz_geometry::SurfaceError;
+use glanz_light::PixelsError;
+use glanz_scene::SceneError;
+use glanz_transport::{FilmError, FilterError, IntegratorError, RenderError};
+
+use crate::report::Report;
+use crate::{newton, tessellation};
+
+/// A question, and how it is answered.
+#[derive(Debug)]
+pub struct Study {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// What it asks, one line.
+    pub description: &'static str,
+    /// The settings it heeds, besides the seed.
+    pub options: &'static [StudyOption],
+    run: fn(&Settings<'_>, &mut dyn Watch) -> Result<Report, StudyError>,
+}
+
+/// Settings that not every study has a use for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StudyOption {
+    /// [`Settings::rays`].
+    Rays,
+    /// [`Settings::size`].
+    Size,
+    /// [`Settings::triangles`].
+    Triangles,
+}
+
+/// All studies. A new one is a file and a line here.
+static STUDIES: [Study; 2] = [
+    Study {
+        name: "newton",
+        description: "roots that Newton's method finds, misses and invents, against the certified search (document 000)",
+        options: &[StudyOption::Rays],
+        run: newton::run,
+    },
+    Study {
+        name: "tessellation",
+        description: "time, memory and errors of triangles against the exact surface (document 002)",
+        options: &[StudyOption::Size, StudyOption::Triangles],
+        run: tessellation::run,
+    },
+];
+
+/// All studies.
+#[must_use]
+pub fn studies() -> &'static [Study] {
+    &STUDIES
+}
+
+/// The study of this name.
+#[must_use]
+pub fn named(name: &str) -> Option<&'static Study> {
+    STUDIES.iter().find(|study| study.name == name)
+}
+
+impl Study {
+    /// Answers the question, in one thread; `watch` is told how far it is.
+    ///
+    /// # Errors
+    /// [`StudyError::Interrupted`] if [`Settings::stop`] was raised, [`StudyError::Setting`] for settings that make no
+    /// sense; others if a part of the library refuses what it should take.
+    pub fn run(&self, settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
+        (self.run)(settings, watch)
+    }
+}
+
+/// What may be chosen; `None` is the study's own choice.
+#[derive(Clone, Debug)]
+pub struct Settings<'a> {
+    /// Random rays, at least 1.
+    pub rays: Option<u64>,
+    /// Pictures: width and height, pixels.
+    pub size: Option<[u32; 2]>,
+    /// Numbers of triangles per surface, each twice a square.
+    pub triangles: Option<Vec<u64>>,
+    /// Seed of random numbers.
+    pub seed: u64,
+    /// Raised by whoever wants an end.
+    pub stop: &'a AtomicBool,
+}
+
+impl<'a> Settings<'a> {
+    /// The studies' own choices with seed 0.
+    #[must_use]
+    pub fn new(stop: &'a AtomicBool) -> Self {
+        Self { rays: None, size: None, triangles: None, seed: 0, stop }
+    }
+
+    /// Asked often: nothing, or [`StudyError::Interrupted`].
+    pub(crate) fn go_on(&self) -> Result<(), StudyError> {
+        if self.stop.load(Ordering::Relaxed) { Err(StudyError::Interrupted) } else { Ok(()) }
+    }
+}
+
+/// Someone who wants to know how far a study is.
+pub trait Watch {
+    /// `fraction` of the work, [0, 1], is done; `what` comes next.
+    fn progress(&mut self, fraction: f64, what: &str);
+}
+
+/// Nobody wants to know.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unwatched;
+
+impl Watch for Unwatched {
+    fn progress(&mut self, _: f64, _: &str) {}
+}
+
+/// Why a study has no report.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// Somebody wanted an end.
+    #[error("interrupted")]
+    Interrupted,
+    /// A setting that makes no sense.
+    #[error("{name}: {value} is not {needed}")]
+    Setting {
+        /// Which.
+        name: &'static str,
+        /// Its value.
+        value: String,
+        /// What it should be.
+        needed: &'static str,
+    },
+    /// A surface was refused.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// A list of patches was refused.
+    #[error(transparent)]
+    Patches(#[from] NewellError),
+    /// A scene was refused.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A film was refused.
+    #[error(transparent)]
+    Film(#[from] FilmError),
+    /// A filter was refused.
+    #[error(transparent)]
+    Filter(#[from] FilterError),
+    /// An integrator was refused.
+    #[error(transparent)]
+    Integrator(#[from] IntegratorError),
+    /// A render failed.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// A picture has not the channels it should.
+    #[error(transparent)]
+    Pixels(#[from] PixelsError),
+    /// A picture could not be written.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// Threads could not be started.
+    #[error("cannot start threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// A file could not be written.
+    #[error("{path}: {source}")]
+    File {
+        /// Which.
+        path: String,
+        /// Why.
+        source: std::io::Error,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn studies_have_names_of_their_own_and_are_found_by_them() {
+        for (i, study) in studies().iter().enumerate() {
+            assert!(std::ptr::eq(named(study.name).unwrap(), study));
+            assert!(studies()[..i].iter().all(|other| other.name != study.name));
+            assert!(!study.description.contains('\n') && study.description.len() < 110);
+        }
+        assert!(named("alchemy").is_none());
+    }
+
+    #[test]
+    fn a_raised_flag_ends_every_study() {
+        let stop = AtomicBool::new(true);
+        for study in studies() {
+            let ended = study.run(&Settings::new(&stop), &mut Unwatched);
+            assert!(matches!(ended, Err(StudyError::Interrupted)), "{}", study.name);
+        }
+    }
+}

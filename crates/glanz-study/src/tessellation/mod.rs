@@ -1,0 +1,115 @@
+//! Triangles against the surface they stand for (document 002 section 7).
+
+mod picture;
+mod stage;
+mod surface;
+mod tell;
+
+use self::picture::difference_picture;
+use self::stage::Stage;
+use self::tell::{GAIN, Outcome, tell_all};
+use crate::report::Report;
+use crate::study::{Settings, StudyError, Watch};
+use crate::table::grouped;
+
+/// Triangles per surface: those of document 002, and two that a modern machine would take.
+const TRIANGLES: [u64; 7] = [1250, 5000, 11_250, 20_000, 31_250, 125_000, 2_000_000];
+
+/// Pixels of the pictures in document 002.
+const SIZE: [u32; 2] = [1920, 1080];
+
+/// Numbers of surfaces.
+const SURFACES: [usize; 2] = [1, 3];
+/// Runs the study.
+///
+/// # Errors
+/// An end that was wanted, or numbers of triangles that are not twice a square.
+pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
+    settings.go_on()?;
+    let size = settings.size.unwrap_or(SIZE);
+    let counts = settings.triangles.clone().unwrap_or_else(|| TRIANGLES.to_vec());
+    let mut grids = counts.iter().map(|&count| grid(count)).collect::<Result<Vec<u32>, _>>()?;
+    grids.sort_unstable();
+    grids.dedup();
+    // The work grows with the pictures, and somewhat with the triangles of the last.
+    let parts = (SURFACES.len() * (grids.len() + 3)) as f64;
+    let mut done = 0.0;
+    let mut tell = |what: String| {
+        watch.progress(done / parts, &what);
+        done += 1.0;
+    };
+    let mut results = Vec::new();
+    let mut pictures = Vec::new();
+    for surfaces in SURFACES {
+        let noun = if surfaces == 1 { "surface" } else { "surfaces" };
+        tell(format!("{surfaces} {noun}, exact"));
+        let stage = Stage::set(surfaces, size, settings)?;
+        let mut cases = Vec::new();
+        let mut coarsest = None;
+        for &n in &grids {
+            tell(format!("{surfaces} {noun}, {} triangles each", grouped(2 * u64::from(n).pow(2))));
+            let (case, pixels) = stage.triangles(n)?;
+            coarsest.get_or_insert(pixels);
+            cases.push((n, case));
+        }
+        tell(format!("{surfaces} {noun}, smallest sufficient number of triangles"));
+        let smallest = stage.smallest(&cases)?;
+        tell(format!("{surfaces} {noun}, differences"));
+        if let Some(coarsest) = coarsest {
+            let difference = difference_picture(&stage.pixels, &coarsest, GAIN)?;
+            pictures.push((surfaces, stage.pixels, coarsest, difference));
+        }
+        let cases = cases.into_iter().map(|(_, case)| case).collect();
+        let (length, coverage) = (stage.sights.silhouette_length(), stage.sights.coverage());
+        results.push(Outcome { surfaces, exact: stage.exact, cases, smallest, length, coverage });
+    }
+    let report = tell_all(&results, pictures, size, settings);
+    watch.progress(1.0, "done");
+    Ok(report)
+}
+
+/// Cells along a side of a surface of `count` triangles.
+fn grid(count: u64) -> Result<u32, StudyError> {
+    let n = (count / 2).isqrt();
+    let bad = StudyError::Setting {
+        name: "triangles",
+        value: count.to_string(),
+        needed: "twice the square of a number from 2 to 4096",
+    };
+    match u32::try_from(n) {
+        Ok(small @ 2..=4096) if 2 * n * n == count => Ok(small),
+        _ => Err(bad),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use super::*;
+    use crate::study::Unwatched;
+    use crate::table::Cell;
+
+    #[test]
+    fn numbers_of_triangles_are_twice_a_square() {
+        assert_eq!(grid(1250).unwrap(), 25);
+        assert_eq!(grid(2_000_000).unwrap(), 1000);
+        for bad in [0, 2, 1251, 2000, u64::MAX] {
+            assert!(matches!(grid(bad), Err(StudyError::Setting { name: "triangles", .. })), "{bad}");
+        }
+    }
+
+    #[test]
+    fn report_has_a_row_for_every_picture() {
+        let stop = AtomicBool::new(false);
+        let settings =
+            Settings { size: Some([48, 27]), triangles: Some(vec![200, 72]), ..Settings::new(&stop) };
+        let report = run(&settings, &mut Unwatched).unwrap();
+        let kinds: Vec<&Cell> = report.summary().rows().iter().map(|row| &row[2]).collect();
+        let count = |n: u64| Cell::Count(n);
+        assert_eq!(
+            kinds,
+            [&Cell::Missing, &count(72), &count(200), &Cell::Missing, &count(216), &count(600)]
+        );
+    }
+}

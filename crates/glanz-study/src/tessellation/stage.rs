@@ -1,0 +1,175 @@
+//! Exact surfaces with their picture, and triangles measured against them.
+
+use std::time::Duration;
+
+use glanz_geometry::SurfaceError;
+use glanz_geometry::spline::NurbsSurface;
+use glanz_light::Pixels;
+use glanz_scene::Scene;
+use glanz_scene::description::{Description, GeometryDescription};
+use rayon::ThreadPool;
+
+use super::picture::{Difference, Sights, description, grey_rmse, highlights, picture};
+use super::surface::{Triangles, described, exact_bytes, places, wavy};
+use crate::clock;
+use crate::study::{Settings, StudyError};
+
+/// Grey levels that a highlight may be off without being seen.
+pub(super) const LEVEL: f64 = 1.0;
+
+/// Relative width of the interval in which the smallest sufficient number of grid lines is found.
+pub(super) const NARROW: f64 = 0.02;
+
+/// What one picture cost, and how far it is from the exact one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Case {
+    /// Of all surfaces together; `None` for the exact ones.
+    pub(super) triangles: Option<u64>,
+    pub(super) build: Duration,
+    pub(super) render: Duration,
+    pub(super) bytes: usize,
+    pub(super) difference: Difference,
+    pub(super) highlight: f64,
+    pub(super) whole: f64,
+}
+
+impl Case {
+    /// Time from control points to picture, seconds.
+    pub(super) fn total(&self) -> f64 {
+        (self.build + self.render).as_secs_f64()
+    }
+}
+
+/// One or more surfaces with their exact picture.
+pub(super) struct Stage<'a> {
+    settings: &'a Settings<'a>,
+    size: [u32; 2],
+    pool: ThreadPool,
+    surfaces: Vec<NurbsSurface>,
+    pub(super) sights: Sights,
+    pub(super) pixels: Pixels,
+    pub(super) exact: Case,
+}
+
+impl<'a> Stage<'a> {
+    pub(super) fn set(count: usize, size: [u32; 2], settings: &'a Settings<'a>) -> Result<Self, StudyError> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+        let surfaces: Vec<NurbsSurface> =
+            places(count).iter().map(wavy).collect::<Result<_, SurfaceError>>()?;
+        let make = || surfaces.iter().map(described).collect();
+        let (scene, build) = build(&pool, &make, size)?;
+        let (pixels, render) = picture(&scene, &description(Vec::new(), size), settings)?;
+        let sights = Sights::of(&scene, size, settings)?;
+        let bytes = surfaces.iter().map(exact_bytes).sum::<Result<usize, SurfaceError>>()?;
+        let difference = Difference::default();
+        let exact = Case { triangles: None, build, render, bytes, difference, highlight: 0.0, whole: 0.0 };
+        Ok(Self { settings, size, pool, surfaces, sights, pixels, exact })
+    }
+
+    /// Surfaces of 2 n^2 triangles each.
+    pub(super) fn triangles(&self, n: u32) -> Result<(Case, Pixels), StudyError> {
+        self.settings.go_on()?;
+        let make = || self.surfaces.iter().map(|s| Triangles::of(s, n).described()).collect();
+        let (scene, build) = build(&self.pool, &make, self.size)?;
+        let (pixels, render) = picture(&scene, &description(Vec::new(), self.size), self.settings)?;
+        let sights = Sights::of(&scene, self.size, self.settings)?;
+        drop(scene);
+        let bytes =
+            self.surfaces.iter().map(|s| Triangles::of(s, n).bytes()).sum::<Result<usize, SurfaceError>>()?;
+        let shown = highlights(&self.sights.inner(&sights), &self.pixels, &pixels);
+        let case = Case {
+            triangles: Some(2 * u64::from(n).pow(2) * self.surfaces.len() as u64),
+            build,
+            render,
+            bytes,
+            difference: self.sights.difference(&sights),
+            highlight: grey_rmse(&self.pixels, &pixels, Some(&shown)),
+            whole: grey_rmse(&self.pixels, &pixels, None),
+        };
+        Ok((case, pixels))
+    }
+
+    /// The smallest number of triangles whose highlights are within [`LEVEL`], up to [`NARROW`] in grid lines, between
+    /// grids of which one has too few; `None` if none has enough.
+    pub(super) fn smallest(&self, measured: &[(u32, Case)]) -> Result<Option<Case>, StudyError> {
+        let good = |case: &Case| case.highlight <= LEVEL;
+        let Some((mut enough, mut best)) = measured.iter().find(|(_, case)| good(case)).copied() else {
+            return Ok(None);
+        };
+        // One cell is no surface: it need not be tried.
+        let mut few =
+            measured.iter().filter(|(n, c)| !good(c) && *n < enough).map(|(n, _)| *n).max().unwrap_or(1);
+        while f64::from(enough - few) > (NARROW * f64::from(enough)).max(1.0) {
+            let middle = few.midpoint(enough);
+            let (case, _) = self.triangles(middle)?;
+            if good(&case) {
+                (enough, best) = (middle, case);
+            } else {
+                few = middle;
+            }
+        }
+        Ok(Some(best))
+    }
+}
+
+/// The scene of what `make` gives, and the time to make and build it with one thread.
+fn build(
+    pool: &ThreadPool,
+    make: &(dyn Fn() -> Vec<GeometryDescription> + Sync),
+    size: [u32; 2],
+) -> Result<(Scene, Duration), StudyError> {
+    pool.install(|| {
+        clock::repeated(
+            || (),
+            |()| {
+                let described: Description = description(make(), size);
+                Ok(Scene::resolve(described)?.0)
+            },
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use super::*;
+
+    #[test]
+    fn errors_fall_with_the_square_of_the_grid() {
+        let stop = AtomicBool::new(false);
+        let settings = Settings::new(&stop);
+        let stage = Stage::set(1, [160, 90], &settings).unwrap();
+        let (coarse, _) = stage.triangles(40).unwrap();
+        let (fine, _) = stage.triangles(80).unwrap();
+        // Chords and interpolated normals are off by the square of the cells' size.
+        let falls = |of: fn(&Case) -> f64| of(&coarse) / of(&fine);
+        for ratio in [falls(|c| c.difference.normal_rms), falls(|c| c.highlight)] {
+            assert!((3.0..5.0).contains(&ratio), "{ratio}");
+        }
+        assert!(coarse.bytes > 3 * fine.bytes / 16 && fine.bytes > 3 * coarse.bytes);
+        assert!(stage.sights.coverage() > 0.2 && stage.sights.silhouette_length() > 100.0);
+    }
+
+    #[test]
+    fn pictures_of_the_surface_itself_do_not_differ() {
+        let stop = AtomicBool::new(false);
+        let settings = Settings::new(&stop);
+        let stage = Stage::set(3, [96, 54], &settings).unwrap();
+        let again = Stage::set(3, [96, 54], &settings).unwrap();
+        assert_eq!(grey_rmse(&stage.pixels, &again.pixels, None), 0.0);
+        let difference = stage.sights.difference(&again.sights);
+        assert_eq!((difference.normal_max, difference.pixels), (0.0, 0));
+    }
+
+    #[test]
+    fn smallest_number_is_the_border_between_enough_and_too_few() {
+        let stop = AtomicBool::new(false);
+        let settings = Settings::new(&stop);
+        let stage = Stage::set(1, [96, 54], &settings).unwrap();
+        let measured: Vec<(u32, Case)> = [8, 200].map(|n| (n, stage.triangles(n).unwrap().0)).to_vec();
+        let best = stage.smallest(&measured).unwrap().unwrap();
+        assert!(best.highlight <= LEVEL && best.highlight > 0.8 * LEVEL, "{best:?}");
+        assert!(stage.smallest(&measured[..1]).unwrap().is_none());
+    }
+}

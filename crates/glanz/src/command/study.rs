@@ -1,0 +1,145 @@
+//! `glanz study`: what the documents claimed, measured again.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use glanz_study::table::Table;
+use glanz_study::{Settings, Study, StudyError, StudyOption, Watch, named, studies};
+use serde::Serialize;
+
+use crate::Ending;
+use crate::arguments::StudyArguments;
+use crate::interrupt::Interrupt;
+use crate::messages::{Failure, Messages};
+use crate::progress::Progress;
+use crate::report;
+
+/// What `--json` prints after a study.
+#[derive(Serialize)]
+struct Outcome<'a> {
+    study: &'static str,
+    out: String,
+    files: Vec<String>,
+    seed: u64,
+    /// Wall time.
+    seconds: f64,
+    summary: &'a Table,
+    tables: Tables<'a>,
+}
+
+/// Tables under their names.
+struct Tables<'a>(Vec<&'a Table>);
+
+impl Serialize for Tables<'_> {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|table| (table.name(), table)))
+    }
+}
+
+/// What `--json` prints without a name.
+#[derive(Serialize)]
+struct Listed {
+    name: &'static str,
+    description: &'static str,
+}
+
+/// Runs the study and writes its report, or lists the studies.
+///
+/// # Errors
+/// An option that the study has no use for, or a file that cannot be written.
+pub(crate) fn run(arguments: &StudyArguments, messages: Messages) -> Result<Ending, Failure> {
+    let (Some(name), Some(out)) = (&arguments.name, &arguments.out) else {
+        return list(arguments.talk.json);
+    };
+    let study = named(name).ok_or_else(|| Failure::usage(format!("there is no study \"{name}\"")))?;
+    check_options(study, arguments)?;
+    let interrupt =
+        Interrupt::listen().map_err(|error| Failure::new(format!("cannot listen to signals: {error}")))?;
+    // Before the work, so that an hour is not lost to a folder that cannot be.
+    std::fs::create_dir_all(out).map_err(|error| Failure::new(format!("{}: {error}", out.display())))?;
+    let settings = Settings {
+        rays: arguments.rays,
+        size: arguments.size,
+        triangles: arguments.triangles.clone(),
+        seed: arguments.seed,
+        ..Settings::new(interrupt.flag())
+    };
+    let begun = Instant::now();
+    let mut shown = Shown { progress: Progress::start(messages), begun };
+    let outcome = study.run(&settings, &mut shown);
+    shown.progress.finish();
+    let report = match outcome {
+        Ok(report) => report,
+        Err(StudyError::Interrupted) => {
+            messages.note("interrupted; nothing was written");
+            return Ok(Ending::Interrupted);
+        }
+        Err(error @ StudyError::Setting { .. }) => return Err(Failure::usage(error.to_string())),
+        Err(error) => return Err(Failure::new(format!("study {name}: {error}"))),
+    };
+    let files = report.write(out).map_err(|error| Failure::new(error.to_string()))?;
+    let seconds = begun.elapsed().as_secs_f64();
+    messages.note(&format!(
+        "wrote {} and {} more files in {}",
+        out.join("report.md").display(),
+        files.len().saturating_sub(1),
+        report::duration(seconds)
+    ));
+    if arguments.talk.json {
+        report::print(&Outcome {
+            study: study.name,
+            out: shown_path(out),
+            files,
+            seed: arguments.seed,
+            seconds,
+            summary: report.summary(),
+            tables: Tables(report.tables().collect()),
+        })?;
+    } else {
+        report::print_text(&format!("{}\n\n{}", report.summary().caption(), report.summary().plain()))?;
+    }
+    Ok(Ending::Done)
+}
+
+fn list(json: bool) -> Result<Ending, Failure> {
+    let listed = studies().iter().map(|study| Listed { name: study.name, description: study.description });
+    if json {
+        report::print(&listed.collect::<Vec<_>>())?;
+    } else {
+        let width = studies().iter().map(|study| study.name.len()).max().unwrap_or_default();
+        let lines = listed.map(|s| format!("{:width$}  {}\n", s.name, s.description));
+        report::print_text(&lines.collect::<String>())?;
+    }
+    Ok(Ending::Done)
+}
+
+fn check_options(study: &Study, arguments: &StudyArguments) -> Result<(), Failure> {
+    let given = [
+        ("--rays", StudyOption::Rays, arguments.rays.is_some()),
+        ("--size", StudyOption::Size, arguments.size.is_some()),
+        ("--triangles", StudyOption::Triangles, arguments.triangles.is_some()),
+    ];
+    match given.iter().find(|(_, option, given)| *given && !study.options.contains(option)) {
+        Some((name, ..)) => Err(Failure::usage(format!("the study {} has no use for {name}", study.name))),
+        None => Ok(()),
+    }
+}
+
+fn shown_path(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// Tells the user how far a study is.
+struct Shown {
+    progress: Progress,
+    begun: Instant,
+}
+
+impl Watch for Shown {
+    fn progress(&mut self, fraction: f64, what: &str) {
+        let elapsed = self.begun.elapsed().as_secs_f64();
+        // Nothing is known before the first part is done.
+        let left = if fraction > 0.0 { elapsed * (1.0 - fraction) / fraction } else { 0.0 };
+        self.progress.show(fraction, Duration::try_from_secs_f64(left).unwrap_or_default(), what);
+    }
+}

@@ -1,0 +1,106 @@
+//! `glanz study`, at sizes that take a second.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test may fail")]
+
+#[path = "command_line/support.rs"]
+#[expect(dead_code, reason = "the command line's tests need more of it")]
+mod support;
+
+use support::{Folder, finish, wait_until};
+
+#[test]
+fn studies_are_listed_with_one_line_each() {
+    let folder = Folder::new();
+    let ran = folder.succeed("study");
+    let names: Vec<&str> =
+        ran.stdout.lines().filter_map(|line| line.split("  ").next()).map(str::trim).collect();
+    assert!(names.contains(&"newton") && names.contains(&"tessellation"), "{}", ran.stdout);
+    let listed = folder.succeed("study --json").json();
+    assert_eq!(listed.as_array().unwrap().len(), names.len());
+    assert_eq!(listed[0]["name"], names[0]);
+    assert!(folder.names().is_empty());
+}
+
+#[test]
+fn study_newton_writes_a_report_whose_figures_the_seed_decides() {
+    let folder = Folder::new();
+    let json = folder.succeed("study newton --out a --rays 3000 --json -q").json();
+    assert_eq!(json["study"], "newton");
+    for file in json["files"].as_array().unwrap() {
+        assert!(folder.has(&format!("a/{}", file.as_str().unwrap())), "{file}");
+    }
+    // The published line misses, on the patch of document 000 it gives the published root.
+    let example = json["tables"]["example"].as_array().unwrap();
+    let published =
+        example.iter().find(|row| row["start"] == "of 000" && row["method"] == "general Newton").unwrap();
+    assert!((published["tau"].as_f64().unwrap() - 46.012_263_655_548_77).abs() < 1e-12);
+    assert_eq!(published["inside"], "no");
+    let fan = json["tables"]["fan"].as_array().unwrap();
+    assert!(fan.iter().any(|row| row["method"] == "certified search" && row["inside"] == 1));
+
+    let report = String::from_utf8(folder.bytes("a/report.md")).unwrap();
+    assert!(report.contains("3 000 rays") && report.contains("](found.svg)"), "{report}");
+    let row = &json["summary"][0];
+    assert_eq!(
+        row["found"].as_u64().unwrap() + row["missed"].as_u64().unwrap(),
+        row["roots"].as_u64().unwrap()
+    );
+
+    let again = folder.succeed("study newton --out b --rays 3000 --json").json();
+    assert_eq!(folder.bytes("a/found.svg"), folder.bytes("b/found.svg"));
+    assert_eq!(folder.bytes("a/example.csv"), folder.bytes("b/example.csv"));
+    for key in ["found", "wrong_outside", "steps_mean", "evaluations_per_ray"] {
+        assert_eq!(again["summary"][0][key], json["summary"][0][key], "{key}");
+    }
+    let other = folder.succeed("study newton --out b --rays 3000 --seed 5");
+    assert_ne!(folder.bytes("a/found.svg"), folder.bytes("b/found.svg"));
+    assert!(
+        other.stdout.contains("certified") && other.stderr.contains("wrote"),
+        "{}{}",
+        other.stdout,
+        other.stderr
+    );
+}
+
+#[test]
+fn study_tessellation_compares_triangles_with_the_exact_surface() {
+    let folder = Folder::new();
+    let line = "study tessellation --out t --size 96x54 --triangles 200,5000 --json -q";
+    let json = folder.succeed(line).json();
+    let rows = json["summary"].as_array().unwrap();
+    assert_eq!(rows.len(), 6);
+    let error = |row: usize, key: &str| rows[row][key].as_f64().unwrap();
+    for key in ["normal_max_deg", "highlight_rmse"] {
+        assert!(error(1, key) > 4.0 * error(2, key), "{key}");
+    }
+    assert!(rows[0]["highlight_rmse"].is_null() && rows[0]["triangles"].is_null());
+    assert!(rows.iter().all(|row| row["memory_mb"].as_f64().unwrap() > 0.0));
+    assert_eq!(folder.picture("t/exact_1.png").width(), 96);
+    assert!(folder.has("t/error_time.svg") && folder.has("t/difference_3.png"));
+}
+
+#[test]
+fn wrong_usage_is_told_before_the_work() {
+    let folder = Folder::new();
+    folder.run("study newton --out a --size 8x8").refused(2, &["newton", "--size"]);
+    folder
+        .run("study tessellation --out a --triangles 1251")
+        .refused(2, &["triangles", "1251", "twice the square"]);
+    folder.write("taken", "no folder");
+    folder.run("study newton --out taken").refused(1, &["taken"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_study_exits_with_130_and_leaves_no_report() {
+    let folder = Folder::new();
+    let line = "study newton --out a --rays 6000000";
+    let child = folder.start(line);
+    // The folder is made when signals are listened to.
+    wait_until("the folder", || folder.has("a"));
+    let id = child.id().to_string();
+    assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let ran = finish(child, line);
+    assert_eq!(ran.code, Some(130), "{}", ran.stderr);
+    assert!(ran.stderr.contains("nothing was written") && !folder.has("a/report.md"));
+}
