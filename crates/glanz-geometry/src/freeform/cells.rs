@@ -298,6 +298,8 @@ fn contract(
     let mut last = f64::INFINITY;
     let mut ends = false;
     let mut trusted = true;
+    let mut tried = false;
+    let on_border = |x: f64| x == 0.0 || x == 1.0;
     for _ in 0..200 {
         let sums = with_room!(p.max(q_degree), N => {
             let ([bx, dx, _], [by, dy, _]) = (bernstein::<N>(p, z.x), bernstein::<N>(q_degree, z.y));
@@ -323,8 +325,24 @@ fn contract(
         // At a border the steps end; in the last bits they may go round.
         let met = f.length() <= 4.0 * noise;
         ends = (next - z).abs().cmple(blur).all();
-        if next == z || (met && ends) {
-            return Ok(met.then_some((z, blur)));
+        if met && (ends || tried) {
+            return Ok(Some((z, blur)));
+        }
+        if ends && on_border(z.x) != on_border(z.y) {
+            if tried {
+                return Ok(None);
+            }
+            // Seen edge-on, a root that rounding puts beyond the border is beside it by much more than across it.
+            tried = true;
+            let beside = |along: DVec2| f.dot(along) / along.length_squared();
+            let nearest = if on_border(z.x) { z - DVec2::Y * beside(jv) } else { z - DVec2::X * beside(ju) };
+            if nearest.is_finite() {
+                z = nearest.clamp(DVec2::ZERO, DVec2::ONE);
+                continue;
+            }
+        }
+        if next == z {
+            return Ok(None);
         }
         z = next;
     }

@@ -214,6 +214,42 @@ fn what_cannot_be_a_surface_is_refused() {
 }
 
 #[test]
+fn grazing_rays_pass_a_seam_exactly_once() {
+    // z = 0.1 x^2 + 0.05 x y^2, cut at x = 0, where it touches z = 0.
+    let half = |from: f64| {
+        let z = |u: [f64; 2], v: [f64; 3]| {
+            // Blossom of the polynomial: u for x, v for y.
+            let x = |u: f64| from + u;
+            0.1 * x(u[0]) * x(u[1])
+                + 0.05 * 0.5 * (x(u[0]) + x(u[1])) * (v[0] * v[1] + v[1] * v[2] + v[0] * v[2]) / 3.0
+        };
+        let points = (0..3).flat_map(|i| {
+            (0..4).map(move |j| {
+                let u = [0, 1].map(|k| if k < i { 1.0 } else { 0.0 });
+                let v = [0, 1, 2].map(|k| if k < j { 1.0 } else { 0.0 });
+                DVec4::new(from + 0.5 * i as f64, j as f64 / 3.0, z(u, v), 1.0)
+            })
+        });
+        let patch = TensorPatch::try_new(2, 3, points.collect()).unwrap();
+        Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()
+    };
+    let surface = Freeform::try_new(vec![half(-1.0), half(0.0)]).unwrap();
+    for k in 0..20_000 {
+        let y = 0.05 + 0.9 * f64::from(k % 101) / 101.0;
+        let angle = 2.4 * f64::from(k);
+        let steep = 10.0_f64.powf(-1.0 - 4.0 * f64::from(k) / 20_000.0);
+        let normal = DVec3::new(-0.05 * y * y, 0.0, 1.0);
+        let tangent = DVec3::new(angle.cos(), angle.sin(), 0.05 * y * y * angle.cos());
+        let direction = (tangent - normal * steep).normalize();
+        let ray = Ray::new(DVec3::new(0.0, y, 0.0) - direction * 3.0, direction);
+        let near = |hit: &&Hit| (hit.t - 3.0).abs() < steep;
+        let hits = all(&surface, &ray);
+        assert_eq!(hits.iter().filter(near).count(), 1, "{k} {steep:e} {hits:?}");
+    }
+    assert_eq!(surface.undecided(), 0);
+}
+
+#[test]
 fn every_instruction_set_gives_the_same_bits() {
     let wave = |degree: usize, weight: fn(usize) -> f64| {
         let points = (0..(degree + 1) * (degree + 1)).map(|k| {

@@ -198,7 +198,7 @@ impl<S: Simd> View<S> {
                     let Some(slot) = stack.get_mut(height).filter(|_| cell.halvings < MOST_HALVINGS) else {
                         return Err(GaveUp);
                     };
-                    let across_s = cell.bends_along_s(simd);
+                    let across_s = cell.varies_along_s(simd);
                     *slot = Some(cell.halve(simd, across_s, true));
                     height += 1;
                     cell = cell.halve(simd, across_s, false);
@@ -251,15 +251,17 @@ impl<S: Simd> Cell<S> {
         cell
     }
 
+    /// Whether the polynomials vary more along s than along t: so cells become as wide as long, seen along the ray.
     #[inline(always)]
-    fn bends_along_s(&self, simd: S) -> bool {
+    fn varies_along_s(&self, simd: S) -> bool {
         let View { first, second } = &self.view;
-        let (p0, p2) = (simd.store64(first[0]), simd.store64(first[2]));
-        let (q0, q2) = (simd.store64(second[0]), simd.store64(second[2]));
-        let (along_s, along_t) = (DVec2::new(p2[0], q2[0]), DVec2::new(p0[2], q0[2]));
-        let (s, t) = (along_s.length_squared(), along_t.length_squared());
-        // A twist is neither's: by turns.
-        if s.max(t) == 0.0 { self.halvings.is_multiple_of(2) } else { s >= t }
+        let (p0, p1, p2) = (simd.store64(first[0]), simd.store64(first[1]), simd.store64(first[2]));
+        let (q0, q1, q2) = (simd.store64(second[0]), simd.store64(second[1]), simd.store64(second[2]));
+        let size = |p: f64, q: f64| DVec2::new(p, q).length();
+        let twist = size(p1[1], q1[1]);
+        let along_s = size(p1[0], q1[0]) + 2.0 * size(p2[0], q2[0]) + twist;
+        let along_t = size(p0[1], q0[1]) + 2.0 * size(p0[2], q0[2]) + twist;
+        if along_s == along_t { self.halvings.is_multiple_of(2) } else { along_s > along_t }
     }
 
     #[inline(always)]
@@ -335,16 +337,20 @@ impl<S: Simd> Cell<S> {
             }
             if (next - x).abs().cmple(blur).all() {
                 // As near as rounding tells, or held by the border.
-                let size = weight(self.middle + self.half * x);
-                let far = simple.abs().cmpgt(blur * (2.0 / (1.0 - q))).any();
-                // Next to a tangency a place may be near in the parameters and still beside the ray.
-                let off = jet.f.length() / (limits.noise * size);
-                if off <= 2.0 || (!far && off <= 4.0) {
+                if self.is_met(simd, limits, weight, x) {
                     return found(x);
                 }
-                if !far && next != x {
-                    x = next;
-                    continue;
+                let far = simple.abs().cmpgt(blur * (2.0 / (1.0 - q))).any();
+                if !far {
+                    // Seen edge-on, a root that rounding puts beyond the border is beside it by much more than across it.
+                    let nearest = self.nearest_on_border(simd, x, &jet);
+                    if self.is_met(simd, limits, weight, nearest) {
+                        return found(nearest);
+                    }
+                    if next != x {
+                        x = next;
+                        continue;
+                    }
                 }
                 let next = (x - simple).clamp(DVec2::NEG_ONE, DVec2::ONE);
                 if (next - x).abs().cmple(blur).all() {
@@ -358,6 +364,31 @@ impl<S: Simd> Cell<S> {
             x = next;
         }
         Err(GaveUp)
+    }
+}
+
+impl<S: Simd> Cell<S> {
+    /// Whether the ray passes the place within rounding: that of both leaves that may have a border there.
+    #[inline(always)]
+    fn is_met(&self, simd: S, limits: &Limits, weight: &impl Fn(DVec2) -> f64, x: DVec2) -> bool {
+        let size = weight(self.middle + self.half * x);
+        self.view.jet(simd, x).f.length() <= 2.0 * limits.noise * size
+    }
+
+    /// The place on the border nearest to the ray, seen along it, from `x` on that border.
+    #[inline(always)]
+    fn nearest_on_border(&self, simd: S, mut x: DVec2, jet: &Jet) -> DVec2 {
+        let mut jet = *jet;
+        for _ in 0..2 {
+            let shift = |along: DVec2| (jet.f.dot(along) / along.length_squared()).clamp(-1.0, 1.0);
+            if x.x.abs() == 1.0 {
+                x.y = (x.y - shift(jet.ft)).clamp(-1.0, 1.0);
+            } else if x.y.abs() == 1.0 {
+                x.x = (x.x - shift(jet.fs)).clamp(-1.0, 1.0);
+            }
+            jet = self.view.jet(simd, x);
+        }
+        x
     }
 }
 
