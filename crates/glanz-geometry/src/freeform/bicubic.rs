@@ -9,9 +9,10 @@ use glanz_math::glam::DVec4;
 use glanz_math::{DVec2, DVec3};
 
 use super::cells::{self, Patch};
+use super::contract::{Limits, Place};
 use super::leaf::Frame;
 use super::search::{OnRoot, Probe, Root, Scratch, Tangent, cross};
-use super::view::{CERTIFIED, Limits, Place, View, value};
+use super::view::{CERTIFIED, MOST_STEPS, View, value};
 use crate::bvh::simd::{Simd, Task};
 
 /// Rounding of the powers, in terms of that of the Bernstein form: the absolute values of the factors that convert one row
@@ -221,7 +222,15 @@ impl<const LISTS: usize> Bicubic<LISTS> {
         let second = [g0, g1, self.seen(simd, second, 2), self.seen(simd, second, 3)];
         let view = View { first: self.shifted(simd, first, c.x), second: self.shifted(simd, second, c.y) };
         let bend = self.bend + if LISTS == 4 { f64::from(self.weight_bend) * c.length() } else { 0.0 };
-        (view, Limits { noise: probe.noise * POWERS, bend, weights: self.weights.map(f64::from) })
+        (
+            view,
+            Limits {
+                noise: probe.noise * POWERS,
+                bend,
+                weights: self.weights.map(f64::from),
+                steps: MOST_STEPS,
+            },
+        )
     }
 
     /// The weight at (s, t), outside of vector code.

@@ -7,6 +7,7 @@
 
 use glanz_math::DVec2;
 
+use super::contract::{Certificate, Jet, Limits, Map, Place, contract};
 use super::net::{bernstein, with_room};
 use super::search::{Probe, Root, Scratch, Tangent, cross, weighted};
 
@@ -15,6 +16,9 @@ const CERTIFIED: f64 = 0.75;
 
 /// Share of a cell by which rounding may move the root of a certified one, half of it.
 const MOST_BLUR: f64 = 0.0625;
+
+/// Steps in a certified cell: more than the contraction needs to the last bit.
+const MOST_STEPS: usize = 200;
 
 /// Cells of one leaf that are looked at before it is called undecided: a hundred times what tangencies need.
 const MOST_CELLS: usize = 20_000;
@@ -54,8 +58,8 @@ struct Cell {
 enum Verdict {
     /// No root.
     Excluded,
-    /// At most one, and the step with this mean Jacobian contracts by `q` in the maximum norm.
-    Certified { a: DVec2, b: DVec2, q: f64 },
+    /// One at most.
+    Certified(Certificate),
     /// All coefficients are zero to rounding, or those across the only direction that is seen.
     Flat,
     /// Nothing yet.
@@ -81,10 +85,17 @@ pub(super) fn roots(patch: &impl Patch, probe: &Probe, scratch: &mut Scratch) {
         let verdict = examine(&scratch.cells[cell.start..], degrees, noise);
         let found = match verdict {
             Verdict::Excluded => None,
-            Verdict::Certified { a, b, q } => {
-                let found = contract(&scratch.cells[cell.start..], degrees, noise, [a, b], q);
+            Verdict::Certified(certificate) => {
+                let (first, second) = scratch.cells[cell.start..].split_at(size / 2);
+                let map = Coefficients { lists: [first, second], degrees };
+                let limits = Limits { noise, bend: f64::INFINITY, weights: [1.0; 2], steps: MOST_STEPS };
+                let found = contract(&map, &certificate, &limits, DVec2::ZERO);
                 scratch.undecided += u64::from(found.is_err());
-                found.ok().flatten().map(|(z, blur)| (cell.from + cell.width * z, blur * cell.width))
+                let half = 0.5 * cell.width;
+                found
+                    .ok()
+                    .flatten()
+                    .map(|Place { at, blur }| (cell.from + half * (at + DVec2::ONE), blur * half))
             }
             Verdict::Flat => {
                 flats.push(FlatCell::new(patch, probe, &cell));
@@ -277,76 +288,35 @@ fn examine(cell: &[f64], (p, q): (usize, usize), noise: f64) -> Verdict {
     // A root that rounding may move by more than a part of the cell is next to a tangency: smaller cells are flat.
     let clear = noise * seen <= MOST_BLUR * det.abs();
     if clear && stray < CERTIFIED * det.abs() {
-        return Verdict::Certified { a, b, q: stray / det.abs() };
+        // By (s, t), which go twice as far.
+        return Verdict::Certified(Certificate { a: 0.5 * a, b: 0.5 * b, q: stray / det.abs() });
     }
     // Where the coefficients vary more, so that cells become as wide as long, seen along the ray.
     Verdict::Open { across_x: rises[0] >= rises[1] }
 }
 
-/// The root of a certified cell in [0, 1]^2, and by how much rounding may move it; an error if the steps do not end.
-fn contract(
-    cell: &[f64],
-    (p, q_degree): (usize, usize),
-    noise: f64,
-    [a, b]: [DVec2; 2],
-    q: f64,
-) -> Result<Option<(DVec2, DVec2)>, ()> {
-    let (first, second) = cell.split_at(cell.len() / 2);
-    let per = 1.0 / cross(a, b);
-    let blur = DVec2::new(b.length(), a.length()) * (2.0 * noise * per.abs());
-    let mut z = DVec2::splat(0.5);
-    let mut last = f64::INFINITY;
-    let mut ends = false;
-    let mut trusted = true;
-    let mut tried = false;
-    let on_border = |x: f64| x == 0.0 || x == 1.0;
-    for _ in 0..200 {
-        let sums = with_room!(p.max(q_degree), N => {
-            let ([bx, dx, _], [by, dy, _]) = (bernstein::<N>(p, z.x), bernstein::<N>(q_degree, z.y));
-            [first, second].map(|list| weighted(list, p + 1, &bx, &dx, &by, &dy))
+/// The coefficients of a cell as a map of [-1, 1]^2.
+struct Coefficients<'a> {
+    lists: [&'a [f64]; 2],
+    degrees: (usize, usize),
+}
+
+impl Map for Coefficients<'_> {
+    fn jet(&self, x: DVec2) -> Jet {
+        let (p, q) = self.degrees;
+        let z = 0.5 * (x + DVec2::ONE);
+        let sums = with_room!(p.max(q), N => {
+            let ([bx, dx, _], [by, dy, _]) = (bernstein::<N>(p, z.x), bernstein::<N>(q, z.y));
+            self.lists.map(|list| weighted(list, p + 1, &bx, &dx, &by, &dy))
         });
         let at = |k: usize| DVec2::new(sums[0][k], sums[1][k]);
-        let (f, ju, jv) = (at(0), at(1), at(2));
-        let simple = DVec2::new(cross(f, b), cross(a, f)) * per;
-        let length = simple.abs().max_element();
-        let end = (z - simple - DVec2::splat(0.5)).abs().max_element();
-        if end > 0.5 + length * (q / (1.0 - q)) + blur.max_element() {
-            return Ok(None);
-        }
-        if f.length() <= noise * 0.5 {
-            return Ok(Some((z, blur)));
-        }
-        let newton = DVec2::new(cross(f, jv), cross(ju, f)) / cross(ju, jv);
-        // Once a step has not contracted, only simplified ones, which must: taken in turn they may go round.
-        trusted &= length < 0.75 * last && newton.is_finite();
-        let step = if trusted { newton } else { simple };
-        last = length;
-        let next = (z - step).clamp(DVec2::ZERO, DVec2::ONE);
-        // At a border the steps end; in the last bits they may go round.
-        let met = f.length() <= 4.0 * noise;
-        ends = (next - z).abs().cmple(blur).all();
-        if met && (ends || tried) {
-            return Ok(Some((z, blur)));
-        }
-        if ends && on_border(z.x) != on_border(z.y) {
-            if tried {
-                return Ok(None);
-            }
-            // Seen edge-on, a root that rounding puts beyond the border is beside it by much more than across it.
-            tried = true;
-            let beside = |along: DVec2| f.dot(along) / along.length_squared();
-            let nearest = if on_border(z.x) { z - DVec2::Y * beside(jv) } else { z - DVec2::X * beside(ju) };
-            if nearest.is_finite() {
-                z = nearest.clamp(DVec2::ZERO, DVec2::ONE);
-                continue;
-            }
-        }
-        if next == z {
-            return Ok(None);
-        }
-        z = next;
+        Jet { f: at(0), fs: 0.5 * at(1), ft: 0.5 * at(2) }
     }
-    if ends { Ok(None) } else { Err(()) }
+
+    /// The noise of a cell is that of its coefficients, weights included.
+    fn weight(&self, _: DVec2) -> f64 {
+        1.0
+    }
 }
 
 /// The root of the leaf itself next to `place`, a root of its projection.

@@ -1,5 +1,7 @@
 //! The leaves of a surface as rays need them, in the order of the hierarchy.
 
+use glanz_math::glam::DVec4;
+
 use super::bicubic::Bicubic;
 use super::leaf::{Draft, Frame};
 use super::search::{self, Net, OnRoot, Probe, Scratch};
@@ -35,17 +37,16 @@ pub(super) trait LeafList {
 #[derive(Debug, Default)]
 pub(super) struct General {
     leaves: Vec<GeneralLeaf>,
-    /// Their coefficients: lists of x, y, z and, if any weight is not 1, w.
-    nets: Vec<f64>,
+    /// Their homogeneous coefficients.
+    points: Vec<DVec4>,
 }
 
 #[derive(Debug)]
 struct GeneralLeaf {
     frame: Frame,
     degrees: (u8, u8),
-    rational: bool,
     /// Start of its coefficients.
-    net: u32,
+    start: u32,
 }
 
 impl Leaves {
@@ -68,7 +69,7 @@ impl Leaves {
         match self {
             Self::Polynomial(leaves) => size_of_val(&**leaves),
             Self::Rational(leaves) => size_of_val(&**leaves),
-            Self::General(general) => size_of_val(&*general.leaves) + size_of_val(&*general.nets),
+            Self::General(general) => size_of_val(&*general.leaves) + size_of_val(&*general.points),
         }
     }
 }
@@ -100,14 +101,14 @@ impl LeafList for General {
     #[inline(always)]
     fn roots<S: Simd>(
         &self,
-        _: S,
+        simd: S,
         ordinal: usize,
         probe: &Probe,
         scratch: &mut Scratch,
         report: &mut impl OnRoot,
     ) {
         if let Some(leaf) = self.leaves.get(ordinal) {
-            search::roots(&leaf.frame, || self.net(leaf), probe, scratch, report);
+            search::roots(simd, &leaf.frame, || self.net(leaf), probe, scratch, report);
         }
     }
 
@@ -122,22 +123,16 @@ impl LeafList for General {
 impl General {
     fn push(&mut self, draft: &Draft) {
         let (p, q) = draft.degrees;
-        let rational = !draft.is_polynomial();
-        let net = self.nets.len() as u32;
-        for coordinate in 0..if rational { 4 } else { 3 } {
-            for j in 0..=q {
-                self.nets.extend((0..=p).map(|i| draft.net[i * (q + 1) + j][coordinate]));
-            }
-        }
-        self.leaves.push(GeneralLeaf { frame: draft.frame, degrees: (p as u8, q as u8), rational, net });
+        let start = self.points.len() as u32;
+        self.points.extend_from_slice(&draft.net);
+        self.leaves.push(GeneralLeaf { frame: draft.frame, degrees: (p as u8, q as u8), start });
     }
 
     #[inline(always)]
     fn net(&self, leaf: &GeneralLeaf) -> Net<'_> {
         let degrees = (usize::from(leaf.degrees.0), usize::from(leaf.degrees.1));
-        let length = (degrees.0 + 1) * (degrees.1 + 1) * if leaf.rational { 4 } else { 3 };
-        let start = leaf.net as usize;
-        let lists = self.nets.get(start..start + length).unwrap_or_default();
-        Net { degrees, lists, rational: leaf.rational }
+        let start = leaf.start as usize;
+        let end = start + (degrees.0 + 1) * (degrees.1 + 1);
+        Net { degrees, points: self.points.get(start..end).unwrap_or_default() }
     }
 }

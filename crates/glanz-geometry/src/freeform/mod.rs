@@ -28,6 +28,7 @@
 mod bicubic;
 mod build;
 mod cells;
+mod contract;
 mod leaf;
 mod leaves;
 mod net;

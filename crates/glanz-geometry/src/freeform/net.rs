@@ -4,6 +4,7 @@ use glanz_math::DVec3;
 use glanz_math::glam::DVec4;
 
 use crate::bezier::bernstein::{Coefficient, ROW_DEGREE, halve, mix};
+use crate::bvh::simd::{Isa, Simd, Task};
 
 /// The largest degree of a patch in one direction; that of the common CAD kernels.
 pub const MAX_DEGREE: usize = ROW_DEGREE;
@@ -75,44 +76,114 @@ pub(super) struct Jet {
     pub(super) svv: DVec3,
 }
 
-/// Point and derivatives up to the second of the homogeneous net `points`, that of (i, j) at i (q + 1) + j.
+/// The homogeneous net `points`, that of (i, j) at i (q + 1) + j, and its derivatives by u and by v at (u, v).
 #[inline(always)]
-pub(super) fn jet(points: &[DVec4], degrees: (usize, usize), u: f64, v: f64) -> Jet {
-    with_room!(degrees.0.max(degrees.1), N => jet_in::<N>(points, degrees, u, v))
+pub(super) fn first_order<S: Simd>(
+    simd: S,
+    points: &[DVec4],
+    degrees: (usize, usize),
+    u: f64,
+    v: f64,
+) -> [DVec4; 3] {
+    with_room!(degrees.0.max(degrees.1), N => first_order_in::<S, N>(simd, points, degrees, u, v))
 }
 
 #[inline(always)]
-fn jet_in<const N: usize>(points: &[DVec4], (p, q): (usize, usize), u: f64, v: f64) -> Jet {
-    let (bu, [bv, dv, ddv]) = (bernstein::<N>(p, u), bernstein::<N>(q, v));
-    let mut sums = [[DVec4::ZERO; 3]; 3];
-    for (i, row) in points.chunks_exact(q + 1).enumerate().take(p + 1) {
-        let mut along = [DVec4::ZERO; 3];
-        for (j, &point) in row.iter().enumerate() {
-            along[0] += point * bv[j];
-            along[1] += point * dv[j];
-            along[2] += point * ddv[j];
+fn first_order_in<S: Simd, const N: usize>(
+    simd: S,
+    points: &[DVec4],
+    (p, q): (usize, usize),
+    u: f64,
+    v: f64,
+) -> [DVec4; 3] {
+    let ([bu, du, _], [bv, dv, _]) = (bernstein::<N>(p, u), bernstein::<N>(q, v));
+    let zero = simd.splat64(0.0);
+    let (mut h, mut hu, mut hv) = (zero, zero, zero);
+    for ((row, bu), du) in points.chunks_exact(q + 1).zip(bu).zip(du) {
+        let (mut along, mut rise) = (zero, zero);
+        for ((point, bv), dv) in row.iter().zip(bv).zip(dv) {
+            let point = simd.load64(&point.to_array());
+            along = simd.mul_add64(point, simd.splat64(bv), along);
+            rise = simd.mul_add64(point, simd.splat64(dv), rise);
         }
-        // Of the second order only what adds up to two.
-        for order in 0..3 {
-            sums[0][order] += along[order] * bu[0][i];
-        }
-        sums[1][0] += along[0] * bu[1][i];
-        sums[1][1] += along[1] * bu[1][i];
-        sums[2][0] += along[0] * bu[2][i];
+        h = simd.mul_add64(along, simd.splat64(bu), h);
+        hu = simd.mul_add64(along, simd.splat64(du), hu);
+        hv = simd.mul_add64(rise, simd.splat64(bu), hv);
     }
-    let [[h, hv, hvv], [hu, huv, _], [huu, _, _]] = sums;
-    // Quotient rule, order by order (@markgraf2019 eq. 14).
-    let per = 1.0 / h.w;
-    let s = h.truncate() * per;
-    let su = (hu.truncate() - s * hu.w) * per;
-    let sv = (hv.truncate() - s * hv.w) * per;
-    Jet {
-        s,
-        su,
-        sv,
-        suu: (huu.truncate() - su * (2.0 * hu.w) - s * huu.w) * per,
-        suv: (huv.truncate() - su * hv.w - sv * hu.w - s * huv.w) * per,
-        svv: (hvv.truncate() - sv * (2.0 * hv.w) - s * hvv.w) * per,
+    [unpack(simd, h), unpack(simd, hu), unpack(simd, hv)]
+}
+
+#[inline(always)]
+fn unpack<S: Simd>(simd: S, v: S::F64) -> DVec4 {
+    DVec4::from_array(simd.store64(v))
+}
+
+/// Point and derivatives up to the second of the homogeneous net `points`, that of (i, j) at i (q + 1) + j.
+pub(super) fn jet(points: &[DVec4], degrees: (usize, usize), u: f64, v: f64) -> Jet {
+    Isa::detect().run(JetTask { points, degrees, u, v })
+}
+
+struct JetTask<'a> {
+    points: &'a [DVec4],
+    degrees: (usize, usize),
+    u: f64,
+    v: f64,
+}
+
+impl Task for JetTask<'_> {
+    type Output = Jet;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Jet {
+        with_room!(self.degrees.0.max(self.degrees.1), N => self.run_in::<S, N>(simd))
+    }
+}
+
+impl JetTask<'_> {
+    #[inline(always)]
+    fn run_in<S: Simd, const N: usize>(self, simd: S) -> Jet {
+        let (p, q) = self.degrees;
+        let ([bu, du, ddu], [bv, dv, ddv]) = (bernstein::<N>(p, self.u), bernstein::<N>(q, self.v));
+        let zero = simd.splat64(0.0);
+        let (mut h, mut hu, mut hv) = (zero, zero, zero);
+        let (mut huu, mut huv, mut hvv) = (zero, zero, zero);
+        for (((row, bu), du), ddu) in self.points.chunks_exact(q + 1).zip(bu).zip(du).zip(ddu) {
+            let (mut along, mut rise, mut bend) = (zero, zero, zero);
+            for (((point, bv), dv), ddv) in row.iter().zip(bv).zip(dv).zip(ddv) {
+                let point = simd.load64(&point.to_array());
+                along = simd.mul_add64(point, simd.splat64(bv), along);
+                rise = simd.mul_add64(point, simd.splat64(dv), rise);
+                bend = simd.mul_add64(point, simd.splat64(ddv), bend);
+            }
+            let (bu, du, ddu) = (simd.splat64(bu), simd.splat64(du), simd.splat64(ddu));
+            h = simd.mul_add64(along, bu, h);
+            hu = simd.mul_add64(along, du, hu);
+            huu = simd.mul_add64(along, ddu, huu);
+            hv = simd.mul_add64(rise, bu, hv);
+            huv = simd.mul_add64(rise, du, huv);
+            hvv = simd.mul_add64(bend, bu, hvv);
+        }
+        let (h, hu, hv) = (unpack(simd, h), unpack(simd, hu), unpack(simd, hv));
+        Jet::of(h, [hu, hv], [unpack(simd, huu), unpack(simd, huv), unpack(simd, hvv)])
+    }
+}
+
+impl Jet {
+    #[inline(always)]
+    fn of(h: DVec4, [hu, hv]: [DVec4; 2], [huu, huv, hvv]: [DVec4; 3]) -> Self {
+        // Quotient rule, order by order (@markgraf2019 eq. 14).
+        let per = 1.0 / h.w;
+        let s = h.truncate() * per;
+        let su = (hu.truncate() - s * hu.w) * per;
+        let sv = (hv.truncate() - s * hv.w) * per;
+        Jet {
+            s,
+            su,
+            sv,
+            suu: (huu.truncate() - su * (2.0 * hu.w) - s * huu.w) * per,
+            suv: (huv.truncate() - su * hv.w - sv * hu.w - s * huv.w) * per,
+            svv: (hvv.truncate() - sv * (2.0 * hv.w) - s * hvv.w) * per,
+        }
     }
 }
 

@@ -9,31 +9,29 @@
 //!    still does, so that its fixed point is the only root or proof that there is none.
 //! 3. *Split* (`cells`): the coefficients are halved until every cell is excluded, certified, or of the size of rounding.
 
+use glanz_math::glam::DVec4;
 use glanz_math::rounding::gamma;
 use glanz_math::{Bounds3, DVec2, DVec3, Frame as Axes, Ray};
 
 use super::cells::{self, Patch};
+use super::contract::{Certificate, GaveUp, Jet, Limits, Map, Place, contract};
 use super::leaf::Frame;
-use super::net::{bernstein, with_room};
-use super::view::Place;
+use super::net;
+use crate::bvh::simd::Simd;
 use crate::line::Line;
 
-/// Largest factor q at which step 2 is taken; above, halving is cheaper than many steps.
-const CERTIFIED: f64 = 0.5;
+/// Largest factor q at which step 2 is taken.
+const CERTIFIED: f64 = 0.85;
 
-/// Steps of Newton's method before what contracts slowly is called undecided: (1/2)^60 is below rounding.
-const MOST_STEPS: usize = 80;
+/// Steps in a certified leaf. Those of the contraction alone would be more; then the slow way is taken.
+const MOST_STEPS: usize = 24;
 
-/// The coefficients of a leaf, one list per coordinate, that of (i, j) at j (p + 1) + i: the four of bicubic ones that
-/// are added up are neighbours.
+/// The homogeneous coefficients of a leaf, that of (i, j) at i (q + 1) + j.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Net<'a> {
     /// Degrees.
     pub(super) degrees: (usize, usize),
-    /// x, y, z and, of rational leaves, w.
-    pub(super) lists: &'a [f64],
-    /// Whether there is a list for w.
-    pub(super) rational: bool,
+    pub(super) points: &'a [DVec4],
 }
 
 /// Is told of roots. Not a closure, which would not be compiled for the instruction set of the search.
@@ -117,26 +115,6 @@ impl Probe {
     }
 }
 
-impl Net<'_> {
-    #[inline(always)]
-    pub(super) fn tangent(&self, x: f64, y: f64) -> Tangent {
-        with_room!(self.degrees.0.max(self.degrees.1), N => self.tangent_in::<N>(x, y))
-    }
-
-    #[inline(always)]
-    fn tangent_in<const N: usize>(&self, x: f64, y: f64) -> Tangent {
-        let (p, q) = self.degrees;
-        let ([bx, dx, _], [by, dy, _]) = (bernstein::<N>(p, x), bernstein::<N>(q, y));
-        let mut sums = [[0.0; 3]; 4];
-        for (sum, list) in sums.iter_mut().zip(self.lists.chunks_exact((p + 1) * (q + 1))) {
-            *sum = weighted(list, p + 1, &bx, &dx, &by, &dy);
-        }
-        let [x, y, z, w] = sums;
-        let tangent = Tangent::of([x, y, z]);
-        if self.rational { tangent.over(w) } else { tangent }
-    }
-}
-
 impl Patch for Net<'_> {
     fn degrees(&self) -> (usize, usize) {
         self.degrees
@@ -144,27 +122,58 @@ impl Patch for Net<'_> {
 
     fn project(&self, probe: &Probe, cells: &mut Vec<f64>) -> f64 {
         cells.clear();
-        let n = (self.degrees.0 + 1) * (self.degrees.1 + 1);
+        let (p, q) = self.degrees;
         let o = probe.line.origin;
-        let mut lists = self.lists.chunks_exact(n);
-        let (Some(x), Some(y), Some(z)) = (lists.next(), lists.next(), lists.next()) else { return 0.0 };
-        let weights = lists.next();
-        let weight = |k: usize| weights.map_or(1.0, |w| w[k]);
         for axis in probe.axes {
-            cells.extend((0..n).map(|k| {
-                let w = weight(k);
-                (x[k] - o.x * w) * axis.x + (y[k] - o.y * w) * axis.y + (z[k] - o.z * w) * axis.z
-            }));
+            for j in 0..=q {
+                let column = self.points.iter().skip(j).step_by(q + 1).take(p + 1);
+                cells.extend(column.map(|h| axis.dot(h.truncate() - o * h.w)));
+            }
         }
-        2.0 * probe.noise * (0..n).fold(0.0, |most: f64, k| most.max(weight(k)))
+        2.0 * probe.noise * self.points.iter().fold(0.0, |most: f64, h| most.max(h.w))
     }
 
     fn tangent(&self, x: f64, y: f64) -> Tangent {
-        Net::tangent(self, x, y)
+        let net::Jet { s, su, sv, .. } = net::jet(self.points, self.degrees, x, y);
+        Tangent { s, su, sv }
     }
 
     fn noise(&self, probe: &Probe) -> f64 {
         probe.noise
+    }
+}
+
+/// A leaf of any degree as what a certificate is about: it is seen along the ray point by point.
+struct Seen<'a, S> {
+    simd: S,
+    net: Net<'a>,
+    probe: &'a Probe,
+}
+
+impl<S: Simd> Map for Seen<'_, S> {
+    #[inline(always)]
+    fn jet(&self, x: DVec2) -> Jet {
+        let Tangent { s, su, sv } = self.tangent(x);
+        let probe = self.probe;
+        // Derivatives by (s, t) are half of those by (u, v).
+        Jet { f: probe.across(s - probe.line.origin), fs: 0.5 * probe.across(su), ft: 0.5 * probe.across(sv) }
+    }
+
+    #[inline(always)]
+    fn weight(&self, _: DVec2) -> f64 {
+        1.0
+    }
+}
+
+impl<S: Simd> Seen<'_, S> {
+    #[inline(always)]
+    fn tangent(&self, x: DVec2) -> Tangent {
+        let Self { simd, net: Net { degrees, points }, .. } = *self;
+        let [h, hu, hv] = net::first_order(simd, points, degrees, 0.5 + 0.5 * x.x, 0.5 + 0.5 * x.y);
+        let per = 1.0 / h.w;
+        let s = h.truncate() * per;
+        let part = |d: DVec4| (d.truncate() - s * d.w) * per;
+        Tangent { s, su: part(hu), sv: part(hv) }
     }
 }
 
@@ -195,22 +204,6 @@ pub(super) fn weighted<const N: usize>(
     sums
 }
 
-impl Tangent {
-    #[inline(always)]
-    fn of([x, y, z]: [[f64; 3]; 3]) -> Self {
-        let at = |k: usize| DVec3::new(x[k], y[k], z[k]);
-        Self { s: at(0), su: at(1), sv: at(2) }
-    }
-
-    /// The quotient by a weight with its derivatives.
-    #[inline(always)]
-    fn over(self, [w, wu, wv]: [f64; 3]) -> Self {
-        let per = 1.0 / w;
-        let s = self.s * per;
-        Self { s, su: (self.su - s * wu) * per, sv: (self.sv - s * wv) * per }
-    }
-}
-
 /// The z component of the cross product.
 #[inline(always)]
 pub(super) fn cross(a: DVec2, b: DVec2) -> f64 {
@@ -232,7 +225,8 @@ pub(super) struct Scratch {
 
 /// Reports every root of the leaf, in no order.
 #[inline(always)]
-pub(super) fn roots<'a>(
+pub(super) fn roots<'a, S: Simd>(
+    simd: S,
     frame: &Frame,
     net: impl FnOnce() -> Net<'a>,
     probe: &Probe,
@@ -253,85 +247,30 @@ pub(super) fn roots<'a>(
     if outside(s, b2) || outside(t, a2) {
         return;
     }
-    let net = &net();
+    let net = net();
     // Where rounding moves the root by more than a part of the leaf, nothing is certified.
     let unsure = 16.0 * probe.noise;
     let q2 = (frame.stray_squared + unsure * unsure) * (a2 + b2);
     if q2 < CERTIFIED * CERTIFIED * det * det {
-        match certified(frame, net, probe, [a, b], DVec2::new(s, t) / det) {
-            Ok(Some(root)) => report.root(root),
-            Ok(None) => {}
-            Err(Undecided) => scratch.undecided += 1,
-        }
-    } else {
-        cells::roots(net, probe, scratch);
-        for root in scratch.roots.drain(..) {
-            report.root(root);
+        let certificate = Certificate { a, b, q: q2.sqrt() / det.abs() };
+        let limits = Limits { noise: probe.noise, bend: frame.bend, weights: [1.0; 2], steps: MOST_STEPS };
+        let map = Seen { simd, net, probe };
+        match contract(&map, &certificate, &limits, DVec2::new(s, t) / det) {
+            Ok(None) => return,
+            Ok(Some(place)) => {
+                let from = map.tangent(place.at).s - probe.line.origin;
+                let reach = place.blur.x * frame.along_u.length() + place.blur.y * frame.along_v.length();
+                // From parameters in [-1, 1] to those in [0, 1].
+                let (x, y) = (0.5 + 0.5 * place.at.x, 0.5 + 0.5 * place.at.y);
+                let s = probe.line.direction.dot(from);
+                report.root(Root { s, x, y, blur: 0.5 * place.blur, reach });
+                return;
+            }
+            Err(GaveUp) => {}
         }
     }
-}
-
-/// The steps did not end.
-struct Undecided;
-
-/// The root of a leaf that has at most one, from the place where its parallelogram has it.
-#[inline(always)]
-fn certified(
-    frame: &Frame,
-    net: &Net<'_>,
-    probe: &Probe,
-    [a, b]: [DVec2; 2],
-    start: DVec2,
-) -> Result<Option<Root>, Undecided> {
-    let per = 1.0 / cross(a, b);
-    let (a2, b2) = (a.length_squared(), b.length_squared());
-    let q = (frame.stray_squared * (a2 + b2)).sqrt() * per.abs();
-    // Parameters that rounding may move a step by.
-    let blur = DVec2::new(b2, a2).map(f64::sqrt) * (2.0 * probe.noise * per.abs());
-    let mut x = start.clamp(DVec2::NEG_ONE, DVec2::ONE);
-    let mut last = f64::INFINITY;
-    let mut ends = false;
-    for _ in 0..MOST_STEPS {
-        let tangent = net.tangent(0.5 + 0.5 * x.x, 0.5 + 0.5 * x.y);
-        let from = tangent.s - probe.line.origin;
-        let f = probe.across(from);
-        let along = |s: DVec3| probe.line.direction.dot(s);
-        // The simplified step: the root lies in a ball of radius q / (1 - q) of its length around its end.
-        let simple = DVec2::new(cross(f, b), cross(a, f)) * per;
-        let length = simple.length();
-        let end = (x - simple).abs().max_element();
-        if end > 1.0 + length * (q / (1.0 - q)) + blur.max_element() {
-            return Ok(None);
-        }
-        if f.length_squared() <= probe.noise * probe.noise {
-            return Ok(Some(root(frame, x, along(from), blur)));
-        }
-        // The true one, with derivatives by (s, t): half of those by (x, y).
-        let (ju, jv) = (probe.across(tangent.su) * 0.5, probe.across(tangent.sv) * 0.5);
-        let newton = DVec2::new(cross(f, jv), cross(ju, f)) / cross(ju, jv);
-        let step = if length < 0.75 * last { newton } else { simple };
-        last = length;
-        let next = (x - step).clamp(DVec2::NEG_ONE, DVec2::ONE);
-        let moved = next - x;
-        // At a border the steps end; in the last bits they may go round.
-        let met = f.length_squared() <= 16.0 * probe.noise * probe.noise;
-        ends = moved.abs().cmple(blur).all();
-        if moved == DVec2::ZERO || (met && ends) {
-            return Ok(met.then(|| root(frame, x, along(from), blur)));
-        }
-        // A step whose error by curvature is below rounding needs no look at its end.
-        if next == x - step && step == newton && frame.bend * moved.length_squared() <= probe.noise {
-            let s = along(from) + 0.5 * (along(tangent.su) * moved.x + along(tangent.sv) * moved.y);
-            return Ok(Some(root(frame, next, s, blur)));
-        }
-        x = next;
+    cells::roots(&net, probe, scratch);
+    for root in scratch.roots.drain(..) {
+        report.root(root);
     }
-    if ends { Ok(None) } else { Err(Undecided) }
-}
-
-#[inline(always)]
-fn root(frame: &Frame, x: DVec2, s: f64, blur: DVec2) -> Root {
-    let reach = blur.x * frame.along_u.length() + blur.y * frame.along_v.length();
-    // From parameters in [-1, 1] to those in [0, 1].
-    Root { s, x: 0.5 + 0.5 * x.x, y: 0.5 + 0.5 * x.y, blur: 0.5 * blur, reach }
 }

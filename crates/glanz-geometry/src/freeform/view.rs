@@ -6,6 +6,7 @@
 
 use glanz_math::DVec2;
 
+use super::contract::{Certificate, GaveUp, Jet, Limits, Map, Place, contract};
 use super::search::cross;
 use crate::bvh::simd::Simd;
 
@@ -19,7 +20,7 @@ const MOST_BLUR: f64 = 0.0625;
 const FEW_STEPS: usize = 6;
 
 /// Steps in a certified cell. Those of the contraction alone would be more; then the slow way is taken.
-const MOST_STEPS: usize = 24;
+pub(super) const MOST_STEPS: usize = 24;
 
 /// Halvings. Tangencies need more, and are left to the slow way.
 const MOST_HALVINGS: usize = 12;
@@ -32,39 +33,6 @@ const MOST_CELLS: usize = 64;
 pub(super) struct View<S: Simd> {
     pub(super) first: [S::F64; 4],
     pub(super) second: [S::F64; 4],
-}
-
-/// What is known about the polynomials of a leaf.
-#[derive(Clone, Copy)]
-pub(super) struct Limits {
-    /// Metres that rounding may move a point of the surface across the ray.
-    pub(super) noise: f64,
-    /// A linear step of length h is off by at most `bend` h^2.
-    pub(super) bend: f64,
-    /// Bounds on the weight by which the polynomials are multiplied.
-    pub(super) weights: [f64; 2],
-}
-
-/// A root in the parameters (s, t) of the leaf, and by how much rounding may move it.
-#[derive(Clone, Copy)]
-pub(super) struct Place {
-    pub(super) at: DVec2,
-    pub(super) blur: DVec2,
-}
-
-/// Values and derivatives of both polynomials.
-#[derive(Clone, Copy)]
-struct Jet {
-    f: DVec2,
-    fs: DVec2,
-    ft: DVec2,
-}
-
-impl Jet {
-    #[inline(always)]
-    fn newton_step(&self) -> DVec2 {
-        DVec2::new(cross(self.f, self.ft), cross(self.fs, self.f)) / cross(self.fs, self.ft)
-    }
 }
 
 /// A part of the leaf, with its own (s, t) in [-1, 1]^2.
@@ -80,14 +48,11 @@ struct Cell<S: Simd> {
 enum Verdict {
     /// No root.
     Excluded,
-    /// One at most: the step with the Jacobian (a, b) contracts by q in the maximum norm.
-    Certified { a: DVec2, b: DVec2, q: f64 },
+    /// One at most.
+    Certified(Certificate),
     /// Nothing yet.
     Open,
 }
-
-/// The cells or the steps did not end.
-pub(super) struct GaveUp;
 
 /// Value and derivative of four cubics.
 #[inline(always)]
@@ -148,7 +113,7 @@ impl<S: Simd> View<S> {
             // A step whose error by curvature is below rounding needs no look at its end. A first step that led outside was
             // as good as any start: what counts is that the last one ends inside. NaN does not.
             let inside = x.abs().max_element() <= 1.0;
-            if limits.bend * step.length_squared() <= limits.noise * limits.weights[0] {
+            if limits.ends(step) {
                 return inside.then_some(x);
             }
             if !inside {
@@ -191,8 +156,12 @@ impl<S: Simd> View<S> {
         for _ in 0..MOST_CELLS {
             match cell.verdict(simd, limits) {
                 Verdict::Excluded => {}
-                Verdict::Certified { a, b, q } => {
-                    found.extend(cell.contract(simd, limits, weight, [a, b], q)?);
+                Verdict::Certified(certificate) => {
+                    let map = CellMap { simd, cell: &cell, weight };
+                    let limits = Limits { bend: limits.bend * cell.half.max_element().powi(2), ..*limits };
+                    if let Some(Place { at, blur }) = contract(&map, &certificate, &limits, DVec2::ZERO)? {
+                        found.push(Place { at: cell.middle + cell.half * at, blur: cell.half * blur });
+                    }
                 }
                 Verdict::Open => {
                     let Some(slot) = stack.get_mut(height).filter(|_| cell.halvings < MOST_HALVINGS) else {
@@ -294,101 +263,28 @@ impl<S: Simd> Cell<S> {
         // A root that rounding may move by more than a part of the cell is next to a tangency.
         let clear = noise * a_length.max(b_length) <= MOST_BLUR * size;
         if clear && slope < CERTIFIED * size {
-            return Verdict::Certified { a, b, q: slope / size };
+            return Verdict::Certified(Certificate { a, b, q: slope / size });
         }
         Verdict::Open
     }
-
-    /// The root of a certified cell, if it has one.
-    #[inline(always)]
-    fn contract(
-        &self,
-        simd: S,
-        limits: &Limits,
-        weight: &impl Fn(DVec2) -> f64,
-        [a, b]: [DVec2; 2],
-        q: f64,
-    ) -> Result<Option<Place>, GaveUp> {
-        let per = 1.0 / cross(a, b);
-        let ball = q / (1.0 - q);
-        let blur = DVec2::new(b.length(), a.length()) * (2.0 * limits.noise * limits.weights[1] * per.abs());
-        let found = |x: DVec2| Ok(Some(Place { at: self.middle + self.half * x, blur: self.half * blur }));
-        let bend = limits.bend * self.half.max_element().powi(2);
-        let mut x = DVec2::ZERO;
-        let mut last = f64::INFINITY;
-        for _ in 0..MOST_STEPS {
-            let jet = self.view.jet(simd, x);
-            let simple = DVec2::new(cross(jet.f, b), cross(a, jet.f)) * per;
-            let length = simple.abs().max_element();
-            // The root lies in a ball of that radius around the end of the simplified step.
-            if (x - simple).abs().max_element() > 1.0 + length * ball + blur.max_element() {
-                return Ok(None);
-            }
-            let newton = jet.newton_step();
-            let contracts = length < 0.75 * last && newton.is_finite();
-            let step = if contracts { newton } else { simple };
-            last = length;
-            let next = (x - step).clamp(DVec2::NEG_ONE, DVec2::ONE);
-            if next == x - step
-                && step == newton
-                && bend * step.length_squared() <= limits.noise * limits.weights[0]
-            {
-                return found(next);
-            }
-            if (next - x).abs().cmple(blur).all() {
-                // As near as rounding tells, or held by the border.
-                if self.is_met(simd, limits, weight, x) {
-                    return found(x);
-                }
-                let far = simple.abs().cmpgt(blur * (2.0 / (1.0 - q))).any();
-                if !far {
-                    // Seen edge-on, a root that rounding puts beyond the border is beside it by much more than across it.
-                    let nearest = self.nearest_on_border(simd, x, &jet);
-                    if self.is_met(simd, limits, weight, nearest) {
-                        return found(nearest);
-                    }
-                    if next != x {
-                        x = next;
-                        continue;
-                    }
-                }
-                let next = (x - simple).clamp(DVec2::NEG_ONE, DVec2::ONE);
-                if (next - x).abs().cmple(blur).all() {
-                    return Ok(None);
-                }
-                // Newton's method may be held where the contraction is not.
-                x = next;
-                last = 0.0;
-                continue;
-            }
-            x = next;
-        }
-        Err(GaveUp)
-    }
 }
 
-impl<S: Simd> Cell<S> {
-    /// Whether the ray passes the place within rounding: that of both leaves that may have a border there.
+/// A cell as what a certificate is about.
+struct CellMap<'a, S: Simd, W> {
+    simd: S,
+    cell: &'a Cell<S>,
+    weight: &'a W,
+}
+
+impl<S: Simd, W: Fn(DVec2) -> f64> Map for CellMap<'_, S, W> {
     #[inline(always)]
-    fn is_met(&self, simd: S, limits: &Limits, weight: &impl Fn(DVec2) -> f64, x: DVec2) -> bool {
-        let size = weight(self.middle + self.half * x);
-        self.view.jet(simd, x).f.length() <= 2.0 * limits.noise * size
+    fn jet(&self, x: DVec2) -> Jet {
+        self.cell.view.jet(self.simd, x)
     }
 
-    /// The place on the border nearest to the ray, seen along it, from `x` on that border.
     #[inline(always)]
-    fn nearest_on_border(&self, simd: S, mut x: DVec2, jet: &Jet) -> DVec2 {
-        let mut jet = *jet;
-        for _ in 0..2 {
-            let shift = |along: DVec2| (jet.f.dot(along) / along.length_squared()).clamp(-1.0, 1.0);
-            if x.x.abs() == 1.0 {
-                x.y = (x.y - shift(jet.ft)).clamp(-1.0, 1.0);
-            } else if x.y.abs() == 1.0 {
-                x.x = (x.x - shift(jet.fs)).clamp(-1.0, 1.0);
-            }
-            jet = self.view.jet(simd, x);
-        }
-        x
+    fn weight(&self, x: DVec2) -> f64 {
+        (self.weight)(self.cell.middle + self.cell.half * x)
     }
 }
 
