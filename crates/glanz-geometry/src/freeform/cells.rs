@@ -8,7 +8,7 @@
 use glanz_math::DVec2;
 
 use super::contract::{Certificate, Jet, Limits, Map, Place, contract};
-use super::net::{bernstein, with_room};
+use super::net::{Bernstein, with_room};
 use super::search::{Probe, Root, Scratch, Tangent, cross, weighted};
 
 /// Largest contraction at which a cell is certified.
@@ -306,7 +306,8 @@ impl Map for Coefficients<'_> {
         let (p, q) = self.degrees;
         let z = 0.5 * (x + DVec2::ONE);
         let sums = with_room!(p.max(q), N => {
-            let ([bx, dx, _], [by, dy, _]) = (bernstein::<N>(p, z.x), bernstein::<N>(q, z.y));
+            let (x, y) = (Bernstein::<N>::new(p, z.x), Bernstein::<N>::new(q, z.y));
+            let (bx, dx, by, dy) = (x.values(), x.rises(), y.values(), y.rises());
             self.lists.map(|list| weighted(list, p + 1, &bx, &dx, &by, &dy))
         });
         let at = |k: usize| DVec2::new(sums[0][k], sums[1][k]);

@@ -30,36 +30,79 @@ macro_rules! with_room {
 }
 pub(super) use with_room;
 
-/// Bernstein polynomials of `degree`, less than `N`, at `x` and their derivatives up to the second.
-#[inline(always)]
-pub(super) fn bernstein<const N: usize>(degree: usize, x: f64) -> [[f64; N]; 3] {
-    let mut out = [[0.0; N]; 3];
-    let y = 1.0 - x;
-    // Row d from row d - 1, keeping the last rows but one and two for the derivatives.
-    let mut row = [0.0; N];
-    row[0] = 1.0;
-    for d in 1..=degree {
-        if d == degree {
-            out[1] = differences(&row, degree, degree as f64);
-        } else if d + 1 == degree {
-            let rise = differences(&row, degree - 1, 1.0);
-            out[2] = differences(&rise, degree, (degree * (degree - 1)) as f64);
+/// Rows of Pascal's triangle.
+const BINOMIALS: [[f64; MAX_DEGREE + 1]; MAX_DEGREE + 1] = {
+    let mut rows = [[0.0; MAX_DEGREE + 1]; MAX_DEGREE + 1];
+    let mut n = 0;
+    while n <= MAX_DEGREE {
+        rows[n][0] = 1.0;
+        let mut k = 1;
+        while k <= n {
+            rows[n][k] = rows[n - 1][k - 1] + rows[n - 1][k];
+            k += 1;
         }
-        for i in (1..=d).rev() {
-            row[i] = y * row[i] + x * row[i - 1];
-        }
-        row[0] *= y;
+        n += 1;
     }
-    out[0] = row;
-    out
+    rows
+};
+
+/// The powers of x and of 1 - x that Bernstein polynomials of a degree less than `N` are made of.
+pub(super) struct Bernstein<const N: usize> {
+    degree: usize,
+    x: [f64; N],
+    y: [f64; N],
 }
 
-/// Derivative of a Bernstein basis: entry i is `factor` (row\[i - 1\] - row\[i\]), for i up to `degree`.
+impl<const N: usize> Bernstein<N> {
+    #[inline(always)]
+    pub(super) fn new(degree: usize, x: f64) -> Self {
+        let mut powers = Self { degree, x: [1.0; N], y: [1.0; N] };
+        let y = 1.0 - x;
+        for i in 1..=degree {
+            powers.x[i] = powers.x[i - 1] * x;
+            powers.y[i] = powers.y[i - 1] * y;
+        }
+        powers
+    }
+
+    /// The polynomials of a degree lower by `less`; zero if it is not that high.
+    #[inline(always)]
+    fn row(&self, less: usize) -> [f64; N] {
+        let mut row = [0.0; N];
+        let Some(n) = self.degree.checked_sub(less) else { return row };
+        let binomials = &BINOMIALS[n];
+        for i in 0..=n {
+            row[i] = binomials[i] * self.x[i] * self.y[n - i];
+        }
+        row
+    }
+
+    #[inline(always)]
+    pub(super) fn values(&self) -> [f64; N] {
+        self.row(0)
+    }
+
+    /// First derivatives.
+    #[inline(always)]
+    pub(super) fn rises(&self) -> [f64; N] {
+        differences(&self.row(1), self.degree)
+    }
+
+    /// Second derivatives.
+    #[inline(always)]
+    pub(super) fn bends(&self) -> [f64; N] {
+        let rise = differences(&self.row(2), self.degree.saturating_sub(1));
+        differences(&rise, self.degree)
+    }
+}
+
+/// Derivatives of polynomials from those of a degree lower by one: entry i is `degree` (row\[i - 1\] - row\[i\]).
 #[inline(always)]
-fn differences<const N: usize>(row: &[f64; N], degree: usize, factor: f64) -> [f64; N] {
+fn differences<const N: usize>(row: &[f64; N], degree: usize) -> [f64; N] {
     let mut out = [0.0; N];
+    let factor = degree as f64;
     out[0] = -factor * row[0];
-    for i in 1..=degree {
+    for i in 1..N {
         out[i] = factor * (row[i - 1] - row[i]);
     }
     out
@@ -96,7 +139,8 @@ fn first_order_in<S: Simd, const N: usize>(
     u: f64,
     v: f64,
 ) -> [DVec4; 3] {
-    let ([bu, du, _], [bv, dv, _]) = (bernstein::<N>(p, u), bernstein::<N>(q, v));
+    let (by_u, by_v) = (Bernstein::<N>::new(p, u), Bernstein::<N>::new(q, v));
+    let (bu, du, bv, dv) = (by_u.values(), by_u.rises(), by_v.values(), by_v.rises());
     let zero = simd.splat64(0.0);
     let (mut h, mut hu, mut hv) = (zero, zero, zero);
     for ((row, bu), du) in points.chunks_exact(q + 1).zip(bu).zip(du) {
@@ -143,7 +187,9 @@ impl JetTask<'_> {
     #[inline(always)]
     fn run_in<S: Simd, const N: usize>(self, simd: S) -> Jet {
         let (p, q) = self.degrees;
-        let ([bu, du, ddu], [bv, dv, ddv]) = (bernstein::<N>(p, self.u), bernstein::<N>(q, self.v));
+        let (by_u, by_v) = (Bernstein::<N>::new(p, self.u), Bernstein::<N>::new(q, self.v));
+        let (bu, du, ddu) = (by_u.values(), by_u.rises(), by_u.bends());
+        let (bv, dv, ddv) = (by_v.values(), by_v.rises(), by_v.bends());
         let zero = simd.splat64(0.0);
         let (mut h, mut hu, mut hv) = (zero, zero, zero);
         let (mut huu, mut huv, mut hvv) = (zero, zero, zero);
@@ -305,12 +351,16 @@ mod tests {
 
     #[test]
     fn bernstein_derivatives_are_differences_in_rows_of_every_room() {
+        fn rows<const N: usize>(degree: usize, x: f64) -> [[f64; N]; 3] {
+            let b = Bernstein::<N>::new(degree, x);
+            [b.values(), b.rises(), b.bends()]
+        }
         fn check<const N: usize>(degree: usize) {
             for x in [0.0, 0.3, 0.5, 0.9, 1.0] {
-                let [value, first, second] = bernstein::<N>(degree, x);
+                let [value, first, second] = rows::<N>(degree, x);
                 assert!((value.iter().sum::<f64>() - 1.0).abs() < 1e-13);
                 let h = 1e-5;
-                let (up, down) = (bernstein::<N>(degree, x + h), bernstein::<N>(degree, x - h));
+                let (up, down) = (rows::<N>(degree, x + h), rows::<N>(degree, x - h));
                 let scale = (degree * degree) as f64;
                 for i in 0..=degree {
                     let [rise, bend] = [0, 1].map(|k| (up[k][i] - down[k][i]) / (2.0 * h));
