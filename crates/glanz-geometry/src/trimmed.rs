@@ -8,7 +8,7 @@ use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::surface::{RaySurface, Surface};
 use crate::trim::TrimRegion;
 
-/// The part of a surface whose parameters, [`SurfacePoint::uv`], lie in a region.
+/// The part of a surface whose parameters, [`SurfacePoint::uv`], lie in a region; see [`Surface::trimmed`].
 ///
 /// It cannot be sampled: how much of the surface is kept has no closed form.
 #[derive(Clone, Debug)]
@@ -17,13 +17,19 @@ pub struct Trimmed {
     region: Arc<TrimRegion>,
 }
 
-impl Trimmed {
-    /// What `region` keeps of `surface`.
+impl Surface {
+    /// What `region` keeps of the surface, by its parameters [`SurfacePoint::uv`].
     #[must_use]
-    pub fn new(surface: Surface, region: Arc<TrimRegion>) -> Self {
-        Self { surface: Box::new(surface), region }
+    pub fn trimmed(self, region: Arc<TrimRegion>) -> Self {
+        match self {
+            // They can do it leaf by leaf.
+            Self::Freeform(freeform) if !freeform.is_trimmed() => freeform.trimmed(region).into(),
+            surface => Trimmed { surface: Box::new(surface), region }.into(),
+        }
     }
+}
 
+impl Trimmed {
     /// The surface without trimming.
     #[must_use]
     pub fn surface(&self) -> &Surface {
@@ -86,7 +92,7 @@ mod tests {
         let hole = TrimCurve::try_circle(first, 0.05).unwrap().reversed();
         let domain = [first - DVec2::splat(0.1), first + DVec2::splat(0.1)];
         let region = TrimRegion::try_new(vec![TrimLoop::try_closed(hole, 1e-9).unwrap()], domain).unwrap();
-        let trimmed = Trimmed::new(sphere, Arc::new(region));
+        let trimmed = sphere.trimmed(Arc::new(region));
         assert_eq!(trimmed.intersect(&ray, f64::INFINITY), Some(whole[1]));
         assert_eq!(trimmed.intersect(&ray, whole[1].t), None);
         assert!(trimmed.occluded(&ray, f64::INFINITY) && !trimmed.occluded(&ray, whole[1].t));

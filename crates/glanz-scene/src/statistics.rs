@@ -30,10 +30,6 @@ impl Scene {
     pub fn undecided(&self) -> u64 {
         let of_surface = |surface: &Surface| match surface {
             Surface::Freeform(freeform) => freeform.undecided(),
-            Surface::Trimmed(trimmed) => match trimmed.surface() {
-                Surface::Freeform(freeform) => freeform.undecided(),
-                _ => 0,
-            },
             _ => 0,
         };
         self.groups.iter().flat_map(|group| &group.objects).map(|object| of_surface(object.surface())).sum()

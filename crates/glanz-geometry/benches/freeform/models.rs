@@ -9,7 +9,6 @@ use glanz_geometry::bezier::{TensorPatch, TrianglePatch};
 use glanz_geometry::freeform::{Freeform, Piece};
 use glanz_geometry::spline::{KnotVector, NurbsSurface};
 use glanz_geometry::trim::{TrimCurve, TrimLoop, TrimRegion};
-use glanz_geometry::trimmed::Trimmed;
 use glanz_math::glam::DVec4;
 use glanz_math::{Bounds3, DVec2, DVec3, Ray};
 
@@ -99,7 +98,7 @@ impl Model {
     pub(crate) fn surface(&self) -> Result<Surface, Failure> {
         let freeform = Surface::from(Freeform::try_new(self.source.pieces()?)?);
         Ok(match &self.region {
-            Some(region) => Trimmed::new(freeform, region.clone()).into(),
+            Some(region) => freeform.trimmed(region.clone()),
             None => freeform,
         })
     }
@@ -109,7 +108,6 @@ impl Model {
 pub(crate) fn freeform(surface: &Surface) -> Option<&Freeform> {
     match surface {
         Surface::Freeform(freeform) => Some(freeform),
-        Surface::Trimmed(trimmed) => freeform(trimmed.surface()),
         _ => None,
     }
 }

@@ -1,7 +1,7 @@
 //! From patches to leaves and their hierarchy.
 
-use std::sync::OnceLock;
 use std::sync::atomic::AtomicU64;
+use std::sync::{Arc, OnceLock};
 
 use glanz_math::DVec3;
 
@@ -12,6 +12,7 @@ use super::search::Sight;
 use super::{Freeform, Piece, Place};
 use crate::bvh::{BuildOptions, Bvh, map};
 use crate::error::SurfaceError;
+use crate::trim::{Cell, TrimRegion};
 
 /// A leaf is halved while the Jacobian strays by more than this from that of its parallelogram, seen along the normal:
 /// below the search's own limit, so that rays from most sides find their leaf certified.
@@ -64,31 +65,50 @@ impl Freeform {
                 value: extent,
             });
         }
-        let numbered: Vec<(usize, &Piece)> = pieces.iter().enumerate().collect();
-        let drafts =
-            map(&numbered, 16, |&(index, piece)| leaves(index as u32, piece, SMALLEST * extent)).concat();
-        Ok(Self::assemble(pieces, degrees, size, &drafts))
+        let sight = Sight::new(&hull, size, degrees);
+        let drafts = drafts(&pieces, extent);
+        Ok(Self::assemble(pieces, extent, sight, &drafts, None))
+    }
+
+    /// What `region` keeps of the surface, by its parameters [`SurfacePoint::uv`](crate::SurfacePoint::uv).
+    #[must_use]
+    pub fn trimmed(&self, region: Arc<TrimRegion>) -> Self {
+        let mut drafts = drafts(&self.pieces, self.extent);
+        drafts.retain_mut(|draft| {
+            let Some(piece) = self.pieces.get(draft.patch as usize) else { return false };
+            let [low, high] = piece.range(&draft.rect);
+            let cell = region.classify(low, high);
+            draft.crossed = cell == Cell::Crossed;
+            cell != Cell::Outside
+        });
+        Self::assemble(self.pieces.clone(), self.extent, self.sight, &drafts, Some(region))
     }
 
     /// Lays the leaves out in the order of the hierarchy.
-    fn assemble(pieces: Vec<Piece>, degrees: (usize, usize), size: f64, drafts: &[Draft]) -> Self {
+    fn assemble(
+        pieces: Vec<Piece>,
+        extent: f64,
+        sight: Sight,
+        drafts: &[Draft],
+        region: Option<Arc<TrimRegion>>,
+    ) -> Self {
         let boxes: Vec<_> = drafts.iter().map(|d| d.bounds).collect();
         let options = BuildOptions { max_leaf: 1, block: 1, leaf_cost: LEAF_COST };
         let bvh = Bvh::build(&boxes, &options);
         // Every leaf of the hierarchy is one of ours.
         let ordered = bvh.leaves().filter_map(|leaf| drafts.get(*bvh.leaf(leaf).first()? as usize));
         let leaves = Leaves::new(ordered.clone());
-        let places = ordered.map(|draft| Place { piece: draft.patch, rect: draft.rect }).collect();
-        Self {
-            pieces,
-            leaves,
-            places,
-            sight: Sight::new(&bvh.bounds(), size, degrees),
-            undecided: AtomicU64::new(0),
-            areas: OnceLock::new(),
-            bvh,
-        }
+        let place = |draft: &Draft| Place { piece: draft.patch, crossed: draft.crossed, rect: draft.rect };
+        let places = ordered.map(place).collect();
+        let (undecided, areas) = (AtomicU64::new(0), OnceLock::new());
+        Self { pieces, region, extent, leaves, places, sight, undecided, areas, bvh }
     }
+}
+
+/// The leaves of all pieces of a surface of that extent.
+fn drafts(pieces: &[Piece], extent: f64) -> Vec<Draft> {
+    let numbered: Vec<(usize, &Piece)> = pieces.iter().enumerate().collect();
+    map(&numbered, 16, |&(index, piece)| leaves(index as u32, piece, SMALLEST * extent)).concat()
 }
 
 /// A part of a patch that may be halved further.

@@ -60,6 +60,8 @@ pub(super) struct Draft {
     pub(super) rect: Rect,
     pub(super) degrees: (usize, usize),
     pub(super) net: Vec<DVec4>,
+    /// Whether a trimming curve crosses it.
+    pub(super) crossed: bool,
 }
 
 fn largest(vectors: impl Iterator<Item = DVec3>) -> f64 {
@@ -186,7 +188,7 @@ impl Draft {
         let pad = DVec3::splat(gamma(64) * size);
         let thick = frame.bounds();
         let bounds = Bounds3::new((hull.min - pad).max(thick.min), (hull.max + pad).min(thick.max));
-        Self { frame, bounds, patch, rect, degrees, net }
+        Self { frame, bounds, patch, rect, degrees, net, crossed: false }
     }
 
     /// Whether all weights are 1.

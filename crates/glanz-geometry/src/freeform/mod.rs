@@ -41,8 +41,8 @@ mod search;
 mod tests;
 mod view;
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use glanz_math::{AreaPdf, Bounds3, DVec2, Ray};
 
@@ -56,6 +56,7 @@ use self::search::Sight;
 use crate::bvh::{Bvh, Statistics};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::surface::RaySurface;
+use crate::trim::TrimRegion;
 
 /// A surface of rational Bézier patches with a hierarchy of its own.
 ///
@@ -64,6 +65,10 @@ use crate::surface::RaySurface;
 #[derive(Debug)]
 pub struct Freeform {
     pieces: Vec<Piece>,
+    /// What is kept of the parameters, if not all.
+    region: Option<Arc<TrimRegion>>,
+    /// Diagonal of a box around the control points, metres.
+    extent: f64,
     bvh: Bvh,
     /// By position in the hierarchy, as the next ones.
     leaves: Leaves,
@@ -79,6 +84,8 @@ pub struct Freeform {
 #[derive(Clone, Copy, Debug)]
 struct Place {
     piece: u32,
+    /// Whether a trimming curve crosses it, so that its points must be asked for one by one.
+    crossed: bool,
     rect: Rect,
 }
 
@@ -89,6 +96,12 @@ impl Freeform {
         &self.pieces
     }
 
+    /// Whether it is what a region keeps of another.
+    #[must_use]
+    pub fn is_trimmed(&self) -> bool {
+        self.region.is_some()
+    }
+
     /// Searches since the surface was built that gave up on a leaf, whose answer may therefore lack a root. It is
     /// expected to be 0.
     #[must_use]
@@ -96,7 +109,17 @@ impl Freeform {
         self.undecided.load(Ordering::Relaxed)
     }
 
-    /// Area, m^2, to about 1e-6 of itself.
+    /// Whether a trimming region keeps it. Always, if there is none.
+    #[inline]
+    fn keeps(&self, place: &Place, u: f64, v: f64) -> bool {
+        if !place.crossed {
+            return true;
+        }
+        let region_and_piece = self.region.as_ref().zip(self.pieces.get(place.piece as usize));
+        region_and_piece.is_none_or(|(region, piece)| region.contains(piece.parameters(u, v)))
+    }
+
+    /// Area, m^2, to about 1e-6 of itself; if trimmed, to about 1e-3.
     #[must_use]
     pub fn area(&self) -> f64 {
         self.areas().total()
@@ -108,7 +131,7 @@ impl Freeform {
         self.bvh.statistics()
     }
 
-    /// Memory of patches, leaves and hierarchy, bytes.
+    /// Memory of patches, leaves and hierarchy, bytes. A trimming region, which may be shared, is not counted.
     #[must_use]
     pub fn bytes(&self) -> usize {
         let patches: usize = self.pieces.iter().map(|p| size_of_val(p.patch.control_points())).sum();
@@ -142,12 +165,12 @@ impl RaySurface for Freeform {
     }
 
     /// With a density in (u, v) that goes bilinearly between the area elements at the corners of each leaf: nearly
-    /// uniform over the area.
+    /// uniform over the area. A trimmed surface cannot be sampled: how much is kept of a leaf has no closed form.
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
-        self.sample_area(xi)
+        if self.region.is_some() { None } else { self.sample_area(xi) }
     }
 
     fn area_pdf(&self, hit: &Hit, _point: &SurfacePoint) -> Option<AreaPdf> {
-        self.density(hit)
+        if self.region.is_some() { None } else { self.density(hit) }
     }
 }

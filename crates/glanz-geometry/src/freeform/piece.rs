@@ -85,6 +85,13 @@ impl Piece {
         }
     }
 
+    /// Smallest and largest parameters (u, v) over a part of the patch.
+    pub(super) fn range(&self, rect: &Rect) -> [DVec2; 2] {
+        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| self.parameters(rect.u[i], rect.v[j]));
+        let (low, high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        [corners.into_iter().fold(low, DVec2::min), corners.into_iter().fold(high, DVec2::max)]
+    }
+
     /// Derivatives of (x, y) by u and by v.
     pub(super) fn rates(&self, x: f64, y: f64) -> [DVec2; 2] {
         match &self.domain {

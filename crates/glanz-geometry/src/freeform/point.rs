@@ -7,6 +7,7 @@ use super::net::{Jet, jet};
 use super::{Freeform, Piece};
 use crate::bilinear::sample_linear;
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
+use crate::trim::{Cell, TrimRegion};
 
 /// Gauss-Legendre points and weights of order 4 on [0, 1]: exact up to degree 7.
 const GAUSS: [(f64, f64); 4] = [
@@ -15,6 +16,9 @@ const GAUSS: [(f64, f64); 4] = [
     (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
+
+/// Parts along each side into which a leaf that a trimming curve crosses is cut for its area.
+const PARTS: u32 = 32;
 
 /// A search believes points this many times its noise beside the ray, seen across it: up to eight times, and as much for the rounding
 /// of the leaves.
@@ -90,7 +94,8 @@ impl Freeform {
                 a.cmp(b).then(ra.u[0].total_cmp(&rb.u[0])).then(ra.v[0].total_cmp(&rb.v[0]))
             });
             let area = |(piece, rect): &(u32, Rect)| {
-                self.pieces.get(*piece as usize).map_or(0.0, |piece| leaf_area(piece, rect))
+                let piece = self.pieces.get(*piece as usize);
+                piece.map_or(0.0, |piece| leaf_area(piece, rect, self.region.as_deref()))
             };
             let total = leaves.iter().map(area).sum();
             let leaves: Vec<_> =
@@ -212,13 +217,33 @@ fn regular(piece: &Piece, x: f64, y: f64, here: &Jet) -> (Jet, DVec3, f64) {
     (at, n.try_normalize().unwrap_or(DVec3::Z), size * size)
 }
 
-fn leaf_area(piece: &Piece, rect: &Rect) -> f64 {
-    let sum: f64 = GAUSS
-        .iter()
-        .flat_map(|&(x, wx)| GAUSS.iter().map(move |&(y, wy)| (x, y, wx * wy)))
+/// The area of a part of a patch; of what a region keeps of it, by the parts of it that are kept at their points.
+fn leaf_area(piece: &Piece, rect: &Rect, region: Option<&TrimRegion>) -> f64 {
+    let [low, high] = piece.range(rect);
+    match region.map(|region| (region, region.classify(low, high))) {
+        Some((_, Cell::Outside)) => 0.0,
+        Some((region, Cell::Crossed)) => {
+            let part = |k: u32| (f64::from(k) / f64::from(PARTS), f64::from(k + 1) / f64::from(PARTS));
+            let parts = (0..PARTS).flat_map(|i| (0..PARTS).map(move |j| (i, j)));
+            let areas = parts.map(|(i, j)| {
+                let ((x0, x1), (y0, y1)) = (part(i), part(j));
+                let ((u0, v0), (u1, v1)) = (rect.at(x0, y0), rect.at(x1, y1));
+                let part = Rect { u: [u0, u1], v: [v0, v1] };
+                gauss(piece, &part, |u, v| region.contains(piece.parameters(u, v)))
+            });
+            areas.sum()
+        }
+        _ => gauss(piece, rect, |_, _| true),
+    }
+}
+
+/// The integral of |S_u x S_v| over the points of a rectangle that are kept.
+fn gauss(piece: &Piece, rect: &Rect, keeps: impl Fn(f64, f64) -> bool) -> f64 {
+    let points = GAUSS.iter().flat_map(|&(x, wx)| GAUSS.iter().map(move |&(y, wy)| (x, y, wx * wy)));
+    let sum: f64 = points
         .map(|(x, y, weight)| {
             let (u, v) = rect.at(x, y);
-            weight * stretch(piece, u, v)
+            if keeps(u, v) { weight * stretch(piece, u, v) } else { 0.0 }
         })
         .sum();
     sum * (rect.u[1] - rect.u[0]) * (rect.v[1] - rect.v[0])

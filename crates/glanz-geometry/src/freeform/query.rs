@@ -48,7 +48,7 @@ impl<'a, L: LeafList + ?Sized> Walk<'a, L> {
             Some(probe) => probe,
             None => probe.insert(surface.sight.probe(ray)),
         };
-        leaves.roots(simd, leaf.ordinal(), probe, scratch, &mut InLeaf { report, probe, place });
+        leaves.roots(simd, leaf.ordinal(), probe, scratch, &mut InLeaf { report, surface, probe, place });
     }
 }
 
@@ -60,6 +60,7 @@ trait Report {
 /// A report of the roots of one leaf.
 struct InLeaf<'a, R> {
     report: &'a mut R,
+    surface: &'a Freeform,
     probe: &'a Probe,
     place: &'a Place,
 }
@@ -67,7 +68,10 @@ struct InLeaf<'a, R> {
 impl<R: Report> OnRoot for InLeaf<'_, R> {
     #[inline(always)]
     fn root(&mut self, root: Root) {
-        self.report.root(self.probe, self.place, root);
+        let (u, v) = self.place.rect.at(root.x, root.y);
+        if self.surface.keeps(self.place, u, v) {
+            self.report.root(self.probe, self.place, root);
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Known roots, seams and degenerate patches. The contract test of all surfaces shoots many more rays.
 
+use std::sync::Arc;
+
 use glanz_math::glam::DVec4;
 use glanz_math::{DVec2, DVec3, Ray};
 
@@ -9,6 +11,7 @@ use crate::bvh::simd::Isa;
 use crate::hit::Hit;
 use crate::spline::NurbsSurface;
 use crate::surface::RaySurface;
+use crate::trim::{TrimCurve, TrimLoop, TrimRegion};
 
 fn all(surface: &Freeform, ray: &Ray) -> Vec<Hit> {
     let mut hits = Vec::new();
@@ -247,6 +250,63 @@ fn grazing_rays_pass_a_seam_exactly_once() {
         assert_eq!(hits.iter().filter(near).count(), 1, "{k} {steep:e} {hits:?}");
     }
     assert_eq!(surface.undecided(), 0);
+}
+
+/// The unit square of parameters but for two round holes.
+fn plate(radius: f64) -> Arc<TrimRegion> {
+    let hole = |x, y| {
+        let circle = TrimCurve::try_circle(DVec2::new(x, y), radius).unwrap().reversed();
+        TrimLoop::try_closed(circle, 0.0).unwrap()
+    };
+    Arc::new(TrimRegion::try_new(vec![hole(0.3, 0.3), hole(0.7, 0.6)], [DVec2::ZERO, DVec2::ONE]).unwrap())
+}
+
+#[test]
+fn trimmed_surface_has_the_hits_whose_parameters_are_kept() {
+    let points = (0..16).map(|k: i32| {
+        let (i, j) = (f64::from(k / 4), f64::from(k % 4));
+        DVec4::new(i / 3.0, j / 3.0, 0.5 * (2.0 * f64::from(k)).sin(), 1.0)
+    });
+    let patch = TensorPatch::try_new(3, 3, points.collect()).unwrap();
+    let waves =
+        Freeform::try_new(vec![Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()]).unwrap();
+    for whole in [waves, reflector()] {
+        let region = plate(0.15);
+        let trimmed = whole.trimmed(region.clone());
+        assert!(trimmed.is_trimmed() && trimmed.sample(DVec2::splat(0.5)).is_none());
+        let bounds = whole.bounds();
+        let (center, size) = (bounds.center(), bounds.diagonal().length());
+        let mut counts = [0; 2];
+        for k in 0..4000 {
+            let turn = |rate: f64| (rate * f64::from(k)).sin();
+            let target = center + 0.4 * size * DVec3::new(turn(1.3), turn(2.7), 0.3 * turn(3.1));
+            let direction = DVec3::new(turn(0.7), turn(1.9), 0.5 + turn(4.1).abs());
+            let ray = Ray::new(target - direction * 3.0 * size, direction);
+            let of_whole = all(&whole, &ray);
+            let is_kept = |hit: &&Hit| region.contains(whole.point(&ray, hit).uv);
+            let kept: Vec<Hit> = of_whole.iter().filter(is_kept).copied().collect();
+            counts[0] += of_whole.len();
+            counts[1] += kept.len();
+            let hits = all(&trimmed, &ray);
+            assert_eq!(hits.len(), kept.len(), "{ray:?}");
+            assert!(hits.iter().zip(&kept).all(|(a, b)| (a.t - b.t).abs() < 1e-11));
+            assert_eq!(trimmed.intersect(&ray, f64::INFINITY), hits.first().copied());
+            assert_eq!(trimmed.occluded(&ray, f64::INFINITY), !hits.is_empty());
+        }
+        assert!(counts[1] > 500 && counts[0] > counts[1] + 50, "{counts:?}");
+    }
+}
+
+#[test]
+fn area_of_a_trimmed_plane_is_that_without_its_holes() {
+    let corners = [(0.0, 0.0), (0.0, 2.0), (3.0, 0.0), (3.0, 2.0)].map(|(x, y)| DVec4::new(x, y, 0.0, 1.0));
+    let patch = TensorPatch::try_new(1, 1, corners.to_vec()).unwrap();
+    let plane =
+        Freeform::try_new(vec![Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()]).unwrap();
+    assert!((plane.area() - 6.0).abs() < 1e-12);
+    // Parameters are six times as dense as the area.
+    let expected = 6.0 * (1.0 - 2.0 * std::f64::consts::PI * 0.15 * 0.15);
+    assert!((plane.trimmed(plate(0.15)).area() / expected - 1.0).abs() < 1e-3);
 }
 
 #[test]

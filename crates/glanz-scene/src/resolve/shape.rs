@@ -11,7 +11,6 @@ use glanz_geometry::quadric::{
     Cone, Cylinder, Disk, Hyperboloid, Paraboloid, Plane, Sphere, TwoSheetedHyperboloid,
 };
 use glanz_geometry::torus::Torus;
-use glanz_geometry::trimmed::Trimmed;
 use glanz_geometry::{Surface, SurfaceError};
 use glanz_math::{Bounds3, DVec3, Transform};
 
@@ -33,7 +32,7 @@ pub(super) fn objects(
     let trim_error = |error| SceneError { location, kind: SceneErrorKind::Trim(error) };
     let region = shape.trim.map(freeform::region).transpose().map_err(trim_error)?;
     let trimmed = |surface: Surface| match &region {
-        Some(region) => Trimmed::new(surface, Arc::clone(region)).into(),
+        Some(region) => surface.trimmed(Arc::clone(region)),
         None => surface,
     };
     let placed = |surface: Surface| vec![Object::new(trimmed(surface), to_parent, role)];
