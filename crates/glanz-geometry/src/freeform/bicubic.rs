@@ -313,7 +313,11 @@ impl<const LISTS: usize> Patch for Bicubic<LISTS> {
             let columns: [[f64; 4]; 4] = std::array::from_fn(|j| bernstein_of(rows.map(|row| row[j])));
             cells.extend(columns.into_iter().flatten());
         }
-        2.0 * POWERS * probe.noise * f64::from(self.weights[1])
+        if LISTS == 4 {
+            let rows = self.powers.map(|row| bernstein_of(row[LISTS - 1]));
+            cells.extend((0..4).flat_map(|j| bernstein_of(rows.map(|row| row[j]))));
+        }
+        2.0 * POWERS * probe.noise
     }
 
     fn tangent(&self, x: f64, y: f64) -> Tangent {

@@ -30,6 +30,9 @@ const MOST_CELLS: usize = 20_000;
 /// through the surface, it is (e R^2)^(1/3), 1e-5 of the size, and where that bends with it, (e R^3)^(1/4), 2e-4.
 const TANGENT_LENGTH: f64 = (1_u64 << 36) as f64;
 
+/// Times its noise that a ray may pass beside a root.
+const BESIDE: f64 = 8.0;
+
 /// Parameters within which tangencies are one.
 const TANGENT_BLUR: f64 = 1.0 / (1 << 18) as f64;
 
@@ -38,7 +41,8 @@ pub(super) trait Patch {
     /// Degrees of the coefficients of [`Patch::project`].
     fn degrees(&self) -> (usize, usize);
     /// Fills `cells` with the Bernstein coefficients of the signed distances, times weight, from both planes through the
-    /// ray, that of (i, j) at j (p + 1) + i; returns what rounding may change in them.
+    /// ray, that of (i, j) at j (p + 1) + i, and those of the weights if they are not all 1; returns what rounding may
+    /// change in them per weight.
     fn project(&self, probe: &Probe, cells: &mut Vec<f64>) -> f64;
     /// Point and first derivatives at (x, y) in [0, 1]^2.
     fn tangent(&self, x: f64, y: f64) -> Tangent;
@@ -71,7 +75,7 @@ enum Verdict {
 pub(super) fn roots(patch: &impl Patch, probe: &Probe, scratch: &mut Scratch) {
     let degrees = patch.degrees();
     let noise = patch.project(probe, &mut scratch.cells);
-    let size = scratch.cells.len();
+    let (size, n) = (scratch.cells.len(), (degrees.0 + 1) * (degrees.1 + 1));
     let mut stack = vec![Cell { from: DVec2::ZERO, width: DVec2::ONE, start: 0 }];
     let mut flats = Vec::new();
     let mut count = 0;
@@ -82,11 +86,14 @@ pub(super) fn roots(patch: &impl Patch, probe: &Probe, scratch: &mut Scratch) {
             return;
         }
         scratch.cells.truncate(cell.start + size);
-        let verdict = examine(&scratch.cells[cell.start..], degrees, noise);
+        let (both, weights) = scratch.cells[cell.start..].split_at(2 * n);
+        // Next to small weights large ones are far away.
+        let noise = noise * if weights.is_empty() { 1.0 } else { range(weights.iter().copied()).1 };
+        let verdict = examine(both, degrees, noise);
         let found = match verdict {
             Verdict::Excluded => None,
             Verdict::Certified(certificate) => {
-                let (first, second) = scratch.cells[cell.start..].split_at(size / 2);
+                let (first, second) = both.split_at(n);
                 let map = Coefficients { lists: [first, second], degrees };
                 let limits = Limits { noise, bend: f64::INFINITY, weights: [1.0; 2], steps: MOST_STEPS };
                 let found = contract(&map, &certificate, &limits, DVec2::ZERO);
@@ -186,7 +193,8 @@ fn join(mut open: Vec<FlatCell>, patch: &impl Patch, probe: &Probe, roots: &mut 
         let distance = |cell: &FlatCell| cell.middle.distance_squared(0.5 * (low + high));
         chain.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
         roots.extend(chain.iter().find_map(|cell| {
-            let blur = (cell.blur + (high - low)).min(DVec2::ONE);
+            // Roots within a few times that are taken for one: no farther than twice the chain.
+            let blur = (0.25 * (cell.blur + (high - low))).min(DVec2::ONE);
             polish(patch, probe, cell.middle, blur, cell.width)
         }));
     }
@@ -214,7 +222,7 @@ fn split(cells: &mut Vec<f64>, start: usize, (p, q): (usize, usize), across_x: b
     let n = (p + 1) * (q + 1);
     let (rows, length, stride, step) =
         if across_x { (q + 1, p + 1, p + 1, 1) } else { (p + 1, q + 1, 1, p + 1) };
-    for list in 0..2 {
+    for list in 0..size / n {
         for row in 0..rows {
             let first = list * n + row * stride;
             for k in 0..length {
@@ -340,7 +348,7 @@ fn polish(patch: &impl Patch, probe: &Probe, place: DVec2, blur: DVec2, width: D
         let (ju, jv) = (probe.across(tangent.su), probe.across(tangent.sv));
         // Least squares of least length: at a tangency the Jacobian has no inverse.
         let (uu, uv, vv) = (ju.length_squared(), ju.dot(jv), jv.length_squared());
-        let damping = 1e-14 * (uu + vv);
+        let damping = 1e-26 * (uu + vv);
         let det = (uu + damping) * (vv + damping) - uv * uv;
         let (fu, fv) = (ju.dot(f), jv.dot(f));
         let step = DVec2::new((vv + damping) * fu - uv * fv, (uu + damping) * fv - uv * fu) / det;
@@ -351,5 +359,5 @@ fn polish(patch: &impl Patch, probe: &Probe, place: DVec2, blur: DVec2, width: D
         }
         x = next;
     }
-    best.and_then(|(off, root)| (off <= 6.0 * noise).then_some(root))
+    best.and_then(|(off, root)| (off <= BESIDE * probe.noise).then_some(root))
 }

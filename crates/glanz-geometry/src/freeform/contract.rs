@@ -11,6 +11,9 @@ use super::search::cross;
 /// Times the noise that a place with the ray within rounding may be beside it: that of both leaves that have a border there.
 const MET: f64 = 2.0;
 
+/// Relative error of a determinant's terms and of what is made of it.
+const ROUNDED: f64 = 8.0 * f64::EPSILON;
+
 /// Moves by less than rounding before a place is believed not to be met.
 const STUCK: usize = 3;
 
@@ -60,10 +63,15 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    /// Whether the error of a step by curvature is below rounding, so that its end needs no look.
+    /// Whether the end of a step needs no look: its errors by curvature and by rounding are below the noise.
     #[inline(always)]
-    pub(super) fn ends(&self, step: DVec2) -> bool {
-        self.bend * step.length_squared() <= self.noise * self.weights[0]
+    pub(super) fn end_with(&self, step: DVec2, jet: &Jet) -> bool {
+        let noise = self.noise * self.weights[0];
+        let (length_squared, det) = (step.length_squared(), cross(jet.fs, jet.ft));
+        let (s2, t2) = (jet.fs.length_squared(), jet.ft.length_squared());
+        // Seen edge-on, the determinant cancels: what is left of its digits is what the step is worth.
+        let rounded = ROUNDED * ROUNDED * s2 * t2 * (s2 + t2) * length_squared;
+        self.bend * length_squared <= noise && rounded <= noise * noise * det * det
     }
 }
 
@@ -108,7 +116,7 @@ pub(super) fn contract(
         last = length;
         let step = if trusted { newton } else { simple };
         let next = (x - step).clamp(DVec2::NEG_ONE, DVec2::ONE);
-        if trusted && next == x - step && limits.ends(step) {
+        if trusted && next == x - step && limits.end_with(step, &jet) {
             return found(next);
         }
         if (next - x).abs().cmpgt(blur).any() {

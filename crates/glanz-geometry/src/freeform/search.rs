@@ -130,7 +130,12 @@ impl Patch for Net<'_> {
                 cells.extend(column.map(|h| axis.dot(h.truncate() - o * h.w)));
             }
         }
-        2.0 * probe.noise * self.points.iter().fold(0.0, |most: f64, h| most.max(h.w))
+        if self.points.iter().any(|h| h.w != 1.0) {
+            for j in 0..=q {
+                cells.extend(self.points.iter().skip(j).step_by(q + 1).take(p + 1).map(|h| h.w));
+            }
+        }
+        2.0 * probe.noise
     }
 
     fn tangent(&self, x: f64, y: f64) -> Tangent {

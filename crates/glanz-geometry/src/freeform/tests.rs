@@ -184,6 +184,24 @@ fn tangent_ray_meets_a_parabola_once_and_one_beside_it_twice_or_never() {
 }
 
 #[test]
+fn tangency_next_to_a_cusp_does_not_hide_the_root_beside_it() {
+    // The first derivative along u vanishes at u = 1/2. By 50-digit arithmetic there are roots at u = 0.4999053076 and, nearer to each
+    // other than rounding tells, at 0.5001891386 and 0.5001896316.
+    let row = |k: usize| ([0.0, 1.0, 0.0, 1.0][k / 4], (k % 4) as f64 / 3.0, [0.0, 1.0, 1.0, 0.0][k / 4]);
+    let points = (0..16).map(row).map(|(x, y, z)| DVec4::new(x, y, z, 1.0));
+    let patch = TensorPatch::try_new(3, 3, points.collect()).unwrap();
+    let surface =
+        Freeform::try_new(vec![Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()]).unwrap();
+    let ray = Ray::new(
+        DVec3::new(0.498_859_539_470_083_66, 0.170_785_592_721_375_64, 3.760_954_794_414_791),
+        DVec3::new(0.065_010_139_116_226_77, 9.825_831_809_107_976e-13, -171.634_692_525_154_46),
+    );
+    let hits = all(&surface, &ray);
+    let found = |u: f64, within: f64| hits.iter().filter(|hit| (hit.u - u).abs() < within).count();
+    assert_eq!((hits.len(), found(0.499_905_3, 1e-6), found(0.500_189_4, 1e-5)), (2, 1, 1), "{hits:?}");
+}
+
+#[test]
 fn ray_within_the_plane_of_a_flat_patch_is_no_hit() {
     // Seen edge-on the Jacobian is nothing but rounding, and must certify nothing.
     let third = |k: i32| f64::from(k) / 3.0;

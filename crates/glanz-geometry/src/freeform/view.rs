@@ -108,12 +108,13 @@ impl<S: Simd> View<S> {
         // Two steps are needed most often; no branch between them, so that the processor need not guess.
         x -= self.jet(simd, x).newton_step();
         for _ in 0..FEW_STEPS {
-            let step = self.jet(simd, x).newton_step();
+            let jet = self.jet(simd, x);
+            let step = jet.newton_step();
             x -= step;
             // A step whose error by curvature is below rounding needs no look at its end. A first step that led outside was
             // as good as any start: what counts is that the last one ends inside. NaN does not.
             let inside = x.abs().max_element() <= 1.0;
-            if limits.ends(step) {
+            if limits.end_with(step, &jet) {
                 return inside.then_some(x);
             }
             if !inside {
