@@ -15,8 +15,9 @@ use crate::error::SurfaceError;
 use crate::trim::{Cell, TrimRegion};
 
 /// A leaf is halved while the Jacobian strays by more than this from that of its parallelogram, seen along the normal:
-/// below the search's own limit, so that rays from most sides find their leaf certified.
-const UNEVEN: f64 = 0.3;
+/// below the search's own limit, so that rays from most sides find their leaf certified. Measured: from 0.3 to 0.4 rays cost the same
+/// and memory a third less; a look at a leaf of higher degree is dearer, so that the better start of 0.3 pays.
+const UNEVEN: [f64; 2] = [0.4, 0.3];
 
 /// Halvings of a patch at most.
 const MOST_HALVINGS: usize = 12;
@@ -122,6 +123,7 @@ struct Open {
 /// The leaves of one piece.
 fn leaves(index: u32, piece: &Piece, smallest: f64) -> Vec<Draft> {
     let degrees = piece.patch.degrees();
+    let limit = UNEVEN[usize::from(degrees.0.max(degrees.1) > 3)];
     let whole = Draft::new(index, Rect::UNIT, piece.patch.control_points().to_vec(), degrees);
     let mut done = Vec::new();
     let mut open = vec![Open { draft: whole, halvings: 0, before: [f64::INFINITY; 2] }];
@@ -131,7 +133,7 @@ fn leaves(index: u32, piece: &Piece, smallest: f64) -> Vec<Draft> {
         let uneven = draft.frame.unevenness();
         // Next to a collapsed edge or a cusp no part is ever even, however small.
         let helps = halvings < FIRST_HALVINGS || uneven <= HELPFUL * before[1];
-        if uneven <= UNEVEN || !large || !helps || halvings == MOST_HALVINGS {
+        if uneven <= limit || !large || !helps || halvings == MOST_HALVINGS {
             done.push(draft);
         } else {
             let halves = draft.halves();
