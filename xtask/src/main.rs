@@ -20,6 +20,7 @@ Usage: cargo xtask COMMAND
   contract [--rays N]  the surface contract with N random rays per surface kind (default 10000000), optimised
   zoo [--rays N] [--adversarial M] [--patches FILE...]
                        rays against the reference over the zoo of patches (default 10000000 and 1000000), optimised
+  seam [--rays N]      rays across the seam of two trimmed faces (default 100000000), optimised
   pbrt-scenes DIR      loads every pbrt scene below DIR with `glanz info` and lists what came of it";
 
 /// Rays per surface kind of `cargo xtask contract`: what a release is checked with.
@@ -27,6 +28,9 @@ const CONTRACT_RAYS: u64 = 10_000_000;
 
 /// Random and hard rays of `cargo xtask zoo`: what a release is checked with.
 const ZOO_RAYS: [u64; 2] = [10_000_000, 1_000_000];
+
+/// Rays of `cargo xtask seam`: what a release is checked with.
+const SEAM_RAYS: u64 = 100_000_000;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -46,6 +50,11 @@ fn main() -> ExitCode {
         ["zoo", ref options @ ..] => match zoo_options(options) {
             Ok(([rays, adversarial], patches)) => steps::zoo(rays, adversarial, patches),
             Err(complaint) => return usage(&complaint),
+        },
+        ["seam"] => steps::seam(SEAM_RAYS),
+        ["seam", "--rays", count] => match count.parse() {
+            Ok(rays) => steps::seam(rays),
+            Err(_) => return usage(&format!("\"{count}\" is not a number of rays")),
         },
         ["pbrt-scenes", folder] => scenes::load_all(Path::new(folder)),
         ["help" | "--help" | "-h"] => {

@@ -150,6 +150,16 @@ pub(crate) fn zoo(rays: u64, adversarial: u64, patches: &[&str]) -> Result<Strin
     Ok(format!("zoo: no root missed, doubled or invented in {rays} random and {adversarial} hard rays"))
 }
 
+/// The seam of two trimmed faces with `rays` rays across it.
+///
+/// # Errors
+/// A sentence if one slips through, or if it cannot be run.
+pub(crate) fn seam(rays: u64) -> Result<String, String> {
+    let mut command = optimised_test("seam");
+    succeed(command.env("GLANZ_SEAM_RAYS", rays.to_string()), "the seam has gaps, see above")?;
+    Ok(format!("seam: none of {rays} rays slips through"))
+}
+
 /// An integration test of the surfaces, as fast as it can be.
 fn optimised_test(name: &str) -> Command {
     let mut command = workspace::cargo();

@@ -18,6 +18,10 @@ use crate::description::{
 /// left of numbers that were written with seven digits.
 const TRIM_GAP: f64 = 1e-6;
 
+/// What is kept beyond a trimming curve, relative to the loops' extent: so much may the parameters of one point differ in the two
+/// faces that meet in the curve.
+const TRIM_BORDER: f64 = 1e-9;
+
 fn homogeneous(points: Vec<[f64; 4]>) -> Vec<DVec4> {
     points.into_iter().map(DVec4::from_array).collect()
 }
@@ -69,5 +73,6 @@ pub(super) fn region(trim: TrimDescription) -> Result<Arc<TrimRegion>, TrimError
         });
         loops.push(TrimLoop::try_new(curves.collect::<Result<_, _>>()?, TRIM_GAP * extent)?);
     }
-    Ok(Arc::new(TrimRegion::try_new(loops, [low - margin, high + margin])?))
+    let region = TrimRegion::try_new(loops, [low - margin, high + margin])?;
+    Ok(Arc::new(region.with_widened_border(TRIM_BORDER * extent)?))
 }
