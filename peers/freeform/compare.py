@@ -13,7 +13,7 @@ Both sides are programs that answer one task at a time, in turn, one call per ra
 medians of processor time.
 
 Tasks: rays of a camera (1920 x 1080) line by line ("coherent") and in random order ("shuffled"); the closest hit and any; the
-picture, which is closest hits and the normal of each ("full": with all that a renderer asks for). Time to the picture is build
+picture, which is closest hits and the normal of each (Glanz: with all else that a renderer asks for). Time to the picture is build
 and picture for Glanz; tessellation, build and picture for Embree. Memory is what the surface holds (patches, leaves, hierarchy),
 and Embree's own count with its buffers, plus 12 bytes for each normal.
 """
@@ -97,7 +97,7 @@ def show(about):
     print(f"  build: {build:.3g} ms against {tessellate:.3g} + {embree:.3g} ms | memory: {about['bytes'] / 1e6:.3g} MB against"
           f" {about['embree_bytes'] / 1e6:.3g} (ratio {about['bytes'] / about['embree_bytes']:.4f})")
     seconds = about["to_picture_s"]
-    print(f"  to the picture: {seconds['Glanz']:.3f} s (full: {seconds['Glanz, full']:.3f}) against {seconds['Embree']:.3f}"
+    print(f"  to the picture: {seconds['Glanz']:.3f} s against {seconds['Embree']:.3f}"
           f" (ratio {seconds['ratio']:.2f})")
     print(f"  {about['difference']}", flush=True)
 
@@ -117,10 +117,8 @@ def run(model, programs, folder, arguments):
     width, height = map(int, arguments.size.split("x"))
     seconds = {side: width * height / rate * 1e-6 for side, rate in results[-1]["million_rays_per_second"].items()}
     exact = about["build_s"] + seconds["Glanz"]
-    full = [glanz.ask("coherent", "full")[0] * 1e-9 for _ in range(arguments.rounds)]
     triangles = about["tessellate_s"] + about["embree_build_s"] + seconds["Embree"]
-    full = about["build_s"] + statistics.median(full)
-    about["to_picture_s"] = {"Glanz": exact, "Glanz, full": full, "Embree": triangles, "ratio": exact / triangles}
+    about["to_picture_s"] = {"Glanz": exact, "Embree": triangles, "ratio": exact / triangles}
     embree.ask("coherent", "dump")
     about["difference"] = json.loads(glanz.say("coherent", "compare"))
     show(about)

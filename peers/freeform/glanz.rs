@@ -99,29 +99,16 @@ fn all(surface: &Surface, rays: &[Ray]) -> (u64, f64) {
     })
 }
 
-/// Grey levels of a lamp at the camera: the cosine of normal and ray.
+/// Grey levels of a lamp at the camera: the cosine of normal and ray. Of a hit all is computed that a renderer asks for.
 fn picture(surface: &Surface, rays: &[Ray], grey: &mut Vec<f32>) -> (u64, f64) {
-    let Some(freeform) = freeform(surface) else { return (0, 0.0) };
     let mut hits = 0;
     grey.clear();
     grey.extend(rays.iter().map(|ray| {
         let Some(hit) = surface.intersect(ray, f64::INFINITY) else { return 0.0 };
         hits += 1;
-        let normal = freeform.pieces()[hit.face as usize].patch().normal(hit.u, hit.v);
-        normal.unwrap_or_else(|| surface.point(ray, &hit).normal).dot(ray.direction).abs() as f32
+        surface.point(ray, &hit).normal.dot(ray.direction).abs() as f32
     }));
     (hits, grey.iter().map(|&x| f64::from(x)).sum())
-}
-
-/// The same with all of what a renderer asks of a hit.
-fn full_picture(surface: &Surface, rays: &[Ray]) -> (u64, f64) {
-    let points = rays.iter().filter_map(|ray| Some((ray, surface.intersect(ray, f64::INFINITY)?))).map(
-        |(ray, hit)| {
-            let point = black_box(surface.point(ray, &hit));
-            point.normal.dot(ray.direction).abs()
-        },
-    );
-    points.fold((0, 0.0), |(hits, sum), grey| (hits + 1, sum + grey))
 }
 
 fn answer(surface: &Surface, rays: &[Ray], query: &str, grey: &mut Vec<f32>) -> Result<(u64, f64), Failure> {
@@ -133,7 +120,6 @@ fn answer(surface: &Surface, rays: &[Ray], query: &str, grey: &mut Vec<f32>) -> 
         ("any", _) => any(surface, rays),
         ("all", _) => all(surface, rays),
         ("picture", _) => picture(surface, rays, grey),
-        ("full", _) => full_picture(surface, rays),
         _ => return Err("no such query".into()),
     })
 }

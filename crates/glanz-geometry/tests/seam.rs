@@ -4,6 +4,12 @@
 //! parameters, of other degree, turned round, and keeps what lies outside, so that the two agree about the curve up to rounding only. `GLANZ_SEAM_RAYS`
 //! says how many rays; `cargo xtask seam` shoots 10^8.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test may fail by panicking, and tells what slipped"
+)]
+
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -179,6 +179,11 @@ impl Task for JetTask<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Jet {
+        if let ((3, 3), [a, b, c, d]) = (self.degrees, self.points.as_chunks::<4>().0) {
+            // The most frequent degrees, with loops of a fixed length.
+            let rows = [a, b, c, d].into_iter().map(|row| row.as_slice());
+            return second_order(simd, rows, cubics(self.u), cubics(self.v));
+        }
         with_room!(self.degrees.0.max(self.degrees.1), N => self.run_in::<S, N>(simd))
     }
 }
@@ -188,30 +193,53 @@ impl JetTask<'_> {
     fn run_in<S: Simd, const N: usize>(self, simd: S) -> Jet {
         let (p, q) = self.degrees;
         let (by_u, by_v) = (Bernstein::<N>::new(p, self.u), Bernstein::<N>::new(q, self.v));
-        let (bu, du, ddu) = (by_u.values(), by_u.rises(), by_u.bends());
-        let (bv, dv, ddv) = (by_v.values(), by_v.rises(), by_v.bends());
-        let zero = simd.splat64(0.0);
-        let (mut h, mut hu, mut hv) = (zero, zero, zero);
-        let (mut huu, mut huv, mut hvv) = (zero, zero, zero);
-        for (((row, bu), du), ddu) in self.points.chunks_exact(q + 1).zip(bu).zip(du).zip(ddu) {
-            let (mut along, mut rise, mut bend) = (zero, zero, zero);
-            for (((point, bv), dv), ddv) in row.iter().zip(bv).zip(dv).zip(ddv) {
-                let point = simd.load64(&point.to_array());
-                along = simd.mul_add64(point, simd.splat64(bv), along);
-                rise = simd.mul_add64(point, simd.splat64(dv), rise);
-                bend = simd.mul_add64(point, simd.splat64(ddv), bend);
-            }
-            let (bu, du, ddu) = (simd.splat64(bu), simd.splat64(du), simd.splat64(ddu));
-            h = simd.mul_add64(along, bu, h);
-            hu = simd.mul_add64(along, du, hu);
-            huu = simd.mul_add64(along, ddu, huu);
-            hv = simd.mul_add64(rise, bu, hv);
-            huv = simd.mul_add64(rise, du, huv);
-            hvv = simd.mul_add64(bend, bu, hvv);
-        }
-        let (h, hu, hv) = (unpack(simd, h), unpack(simd, hu), unpack(simd, hv));
-        Jet::of(h, [hu, hv], [unpack(simd, huu), unpack(simd, huv), unpack(simd, hvv)])
+        let by_u = [by_u.values(), by_u.rises(), by_u.bends()];
+        let by_v = [by_v.values(), by_v.rises(), by_v.bends()];
+        second_order(simd, self.points.chunks_exact(q + 1), by_u, by_v)
     }
+}
+
+/// The sums of the rows of a net by bases, their derivatives up to the second among them.
+#[inline(always)]
+fn second_order<'a, S: Simd, const N: usize>(
+    simd: S,
+    rows: impl Iterator<Item = &'a [DVec4]>,
+    [bu, du, ddu]: [[f64; N]; 3],
+    [bv, dv, ddv]: [[f64; N]; 3],
+) -> Jet {
+    let zero = simd.splat64(0.0);
+    let (mut h, mut hu, mut hv) = (zero, zero, zero);
+    let (mut huu, mut huv, mut hvv) = (zero, zero, zero);
+    for (((row, bu), du), ddu) in rows.zip(bu).zip(du).zip(ddu) {
+        let (mut along, mut rise, mut bend) = (zero, zero, zero);
+        for (((point, bv), dv), ddv) in row.iter().zip(bv).zip(dv).zip(ddv) {
+            let point = simd.load64(&point.to_array());
+            along = simd.mul_add64(point, simd.splat64(bv), along);
+            rise = simd.mul_add64(point, simd.splat64(dv), rise);
+            bend = simd.mul_add64(point, simd.splat64(ddv), bend);
+        }
+        let (bu, du, ddu) = (simd.splat64(bu), simd.splat64(du), simd.splat64(ddu));
+        h = simd.mul_add64(along, bu, h);
+        hu = simd.mul_add64(along, du, hu);
+        huu = simd.mul_add64(along, ddu, huu);
+        hv = simd.mul_add64(rise, bu, hv);
+        huv = simd.mul_add64(rise, du, huv);
+        hvv = simd.mul_add64(bend, bu, hvv);
+    }
+    let (h, hu, hv) = (unpack(simd, h), unpack(simd, hu), unpack(simd, hv));
+    Jet::of(h, [hu, hv], [unpack(simd, huu), unpack(simd, huv), unpack(simd, hvv)])
+}
+
+/// Cubic Bernstein polynomials, their first and second derivatives.
+#[inline(always)]
+fn cubics(x: f64) -> [[f64; 4]; 3] {
+    let y = 1.0 - x;
+    let (xx, xy, yy) = (x * x, x * y, y * y);
+    [
+        [yy * y, 3.0 * (yy * x), 3.0 * (y * xx), xx * x],
+        [-3.0 * yy, 3.0 * (yy - 2.0 * xy), 3.0 * (2.0 * xy - xx), 3.0 * xx],
+        [6.0 * y, 6.0 * (x - 2.0 * y), 6.0 * (y - 2.0 * x), 6.0 * x],
+    ]
 }
 
 impl Jet {

@@ -1,4 +1,4 @@
-//! The roots of one ray with one leaf: excluded, certified, or split.
+//! The roots of one ray with one leaf of any degree: excluded, certified, or split.
 //!
 //! A leaf is asked in three steps, each dearer than the last and rarer.
 //!
