@@ -31,7 +31,7 @@ const MOST_CELLS: usize = 20_000;
 const TANGENT_LENGTH: f64 = (1_u64 << 36) as f64;
 
 /// Times its noise that a ray may pass beside a root.
-const BESIDE: f64 = 8.0;
+const BESIDE: f64 = 14.0;
 
 /// Parameters within which tangencies are one.
 const TANGENT_BLUR: f64 = 1.0 / (1 << 18) as f64;
