@@ -196,7 +196,7 @@ impl<const LISTS: usize> Bicubic<LISTS> {
         let stray_squared = self.stray_squared + (16.0 * noise) * (16.0 * noise);
         if stray_squared * (a2 + b2) < CERTIFIED * CERTIFIED * det * det {
             let (view, limits) = self.view(simd, probe, [[f0, f1], [g0, g1]], c);
-            if let Some(x) = view.newton(simd, DVec2::new(s, t) / det, &limits) {
+            if let Some(x) = view.newton(simd, [a, b], 1.0 / det, DVec2::new(s, t) / det, &limits) {
                 let blur = DVec2::new(b2, a2).map(f64::sqrt) * (2.0 * noise / det.abs());
                 report.root(self.root(simd, probe, x, blur, from));
                 return;

@@ -332,7 +332,8 @@ impl Map for Coefficients<'_> {
 fn polish(patch: &impl Patch, probe: &Probe, place: DVec2, blur: DVec2, width: DVec2) -> Option<Root> {
     let mut x = place.clamp(DVec2::ZERO, DVec2::ONE);
     let noise = patch.noise(probe);
-    let mut best: Option<(f64, Root)> = None;
+    // How far beside the ray the best place is, and by how much it may be.
+    let mut best: Option<(f64, f64, Root)> = None;
     for _ in 0..12 {
         let tangent = patch.tangent(x.x, x.y);
         let from = tangent.s - probe.line.origin;
@@ -340,7 +341,9 @@ fn polish(patch: &impl Patch, probe: &Probe, place: DVec2, blur: DVec2, width: D
         if best.is_none_or(|(least, ..)| f.length() < least) {
             let reach = blur.x * tangent.su.length() + blur.y * tangent.sv.length();
             let root = Root { s: probe.line.direction.dot(from), x: x.x, y: x.y, blur, reach };
-            best = Some((f.length(), root));
+            // Next to a small weight a bit of a parameter is far on the surface.
+            let bit = f64::EPSILON * (tangent.su.length() * x.x + tangent.sv.length() * x.y);
+            best = Some((f.length(), BESIDE * probe.noise + 4.0 * bit, root));
         }
         if f.length() <= noise {
             break;
@@ -359,5 +362,5 @@ fn polish(patch: &impl Patch, probe: &Probe, place: DVec2, blur: DVec2, width: D
         }
         x = next;
     }
-    best.and_then(|(off, root)| (off <= BESIDE * probe.noise).then_some(root))
+    best.and_then(|(off, most, root)| (off <= most).then_some(root))
 }

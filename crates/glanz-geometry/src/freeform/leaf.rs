@@ -196,6 +196,13 @@ impl Draft {
         self.net.iter().all(|p| p.w == 1.0)
     }
 
+    /// The largest weight over the smallest.
+    pub(super) fn weight_ratio(&self) -> f64 {
+        let (low, high) =
+            self.net.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), p| (low.min(p.w), high.max(p.w)));
+        high / low
+    }
+
     /// Halves it across the direction in which it bends more.
     pub(super) fn halves(&self) -> [Self; 2] {
         let degrees = self.degrees;

@@ -7,14 +7,18 @@ use super::leaf::{Draft, Frame};
 use super::search::{self, Net, OnRoot, Probe, Scratch};
 use crate::bvh::simd::Simd;
 
+/// Largest ratio of the weights of a leaf that is stored by powers: their rounding is that of the largest weight, and counts by the
+/// smallest. Bernstein coefficients, of which every point is a mean, do not mind.
+const EVEN_WEIGHTS: f64 = 4.0;
+
 /// The leaves, all of one kind, so that the search branches once per ray.
 #[derive(Debug)]
 pub(super) enum Leaves {
     /// Degrees up to (3, 3), all weights equal within each patch.
     Polynomial(Vec<Bicubic<3>>),
-    /// Degrees up to (3, 3).
+    /// Degrees up to (3, 3), weights that vary little within a leaf.
     Rational(Vec<Bicubic<4>>),
-    /// Any degree.
+    /// Any degrees and weights.
     General(General),
 }
 
@@ -52,8 +56,9 @@ struct GeneralLeaf {
 impl Leaves {
     /// Those of `drafts`, in their order.
     pub(super) fn new<'a>(drafts: impl Iterator<Item = &'a Draft> + Clone) -> Self {
-        let low = drafts.clone().all(|d| d.degrees.0 <= 3 && d.degrees.1 <= 3);
-        if !low {
+        let fast =
+            drafts.clone().all(|d| d.degrees.0 <= 3 && d.degrees.1 <= 3 && d.weight_ratio() <= EVEN_WEIGHTS);
+        if !fast {
             let mut general = General::default();
             drafts.for_each(|draft| general.push(draft));
             Self::General(general)

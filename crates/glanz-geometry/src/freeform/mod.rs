@@ -52,7 +52,7 @@ pub use self::net::MAX_DEGREE;
 pub use self::piece::Piece;
 use self::point::Areas;
 use self::query::{Closest, Every, Occluded};
-use self::search::Sight;
+use self::search::{Root, Sight};
 use crate::bvh::{Bvh, Statistics};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::surface::RaySurface;
@@ -109,12 +109,10 @@ impl Freeform {
         self.undecided.load(Ordering::Relaxed)
     }
 
-    /// Whether a trimming region keeps it. Always, if there is none.
-    #[inline]
-    fn keeps(&self, place: &Place, u: f64, v: f64) -> bool {
-        if !place.crossed {
-            return true;
-        }
+    /// Whether the trimming region keeps a root in a leaf that a curve of it crosses.
+    #[cold]
+    fn keeps(&self, place: &Place, root: &Root) -> bool {
+        let (u, v) = place.rect.at(root.x, root.y);
         let region_and_piece = self.region.as_ref().zip(self.pieces.get(place.piece as usize));
         region_and_piece.is_none_or(|(region, piece)| region.contains(piece.parameters(u, v)))
     }

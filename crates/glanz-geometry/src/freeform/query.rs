@@ -68,8 +68,7 @@ struct InLeaf<'a, R> {
 impl<R: Report> OnRoot for InLeaf<'_, R> {
     #[inline(always)]
     fn root(&mut self, root: Root) {
-        let (u, v) = self.place.rect.at(root.x, root.y);
-        if self.surface.keeps(self.place, u, v) {
+        if !self.place.crossed || self.surface.keeps(self.place, &root) {
             self.report.root(self.probe, self.place, root);
         }
     }

@@ -103,8 +103,15 @@ impl<S: Simd> View<S> {
     /// The root next to `flat`, where the terms of first order have theirs; `None` if the steps lead out of the square or
     /// do not end, which proves nothing.
     #[inline(always)]
-    pub(super) fn newton(&self, simd: S, flat: DVec2, limits: &Limits) -> Option<DVec2> {
-        let mut x = self.start(simd, flat);
+    pub(super) fn newton(
+        &self,
+        simd: S,
+        tangents: [DVec2; 2],
+        per: f64,
+        flat: DVec2,
+        limits: &Limits,
+    ) -> Option<DVec2> {
+        let mut x = self.start(simd, tangents, per, flat);
         // Two steps are needed most often; no branch between them, so that the processor need not guess.
         x -= self.jet(simd, x).newton_step();
         for _ in 0..FEW_STEPS {
@@ -124,20 +131,20 @@ impl<S: Simd> View<S> {
         None
     }
 
-    /// Where the terms of second order have their root, next to that of the first order.
+    /// Next to where the terms of second order have their root: a simplified step from the root of those of the first order.
     #[inline(always)]
-    fn start(&self, simd: S, flat: DVec2) -> DVec2 {
-        let [p0, p1, p2] =
-            [simd.store64(self.first[0]), simd.store64(self.first[1]), simd.store64(self.first[2])];
-        let [q0, q1, q2] =
-            [simd.store64(self.second[0]), simd.store64(self.second[1]), simd.store64(self.second[2])];
+    fn start(&self, simd: S, [a, b]: [DVec2; 2], per: f64, flat: DVec2) -> DVec2 {
+        let (p0, p1, p2) =
+            (simd.store64(self.first[0]), simd.store64(self.first[1]), simd.store64(self.first[2]));
+        let (q0, q1, q2) =
+            (simd.store64(self.second[0]), simd.store64(self.second[1]), simd.store64(self.second[2]));
         let pair = |p: f64, q: f64| DVec2::new(p, q);
         let x = flat.clamp(DVec2::NEG_ONE, DVec2::ONE);
         let (aa, ab, bb) = (pair(p2[0], q2[0]) * x.x, pair(p1[1], q1[1]), pair(p0[2], q0[2]) * x.y);
-        let (a, b) = (pair(p1[0], q1[0]) + aa, pair(p0[1], q0[1]) + bb);
-        let f = pair(p0[0], q0[0]) + (a + ab * x.y) * x.x + b * x.y;
-        let next = x - Jet { f, fs: a + aa + ab * x.y, ft: b + bb + ab * x.x }.newton_step();
-        // A leaf seen near its silhouette may have no such root; NaN stays where it was.
+        let f =
+            pair(p0[0], q0[0]) + (pair(p1[0], q1[0]) + aa + ab * x.y) * x.x + (pair(p0[1], q0[1]) + bb) * x.y;
+        let next = x - DVec2::new(cross(f, b), cross(a, f)) * per;
+        // NaN stays where it was.
         if next.abs().max_element() <= 1.5 { next.clamp(DVec2::NEG_ONE, DVec2::ONE) } else { x }
     }
 
