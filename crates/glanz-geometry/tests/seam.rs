@@ -1,8 +1,8 @@
 //! Two faces that meet in a common trimming curve: no ray slips through between them.
 //!
-//! One face keeps what lies within a closed curve on a wavy spline surface. The other is the same piece of space with other
-//! parameters, of other degree, turned round, and keeps what lies outside, so that the two agree about the curve up to rounding only. `GLANZ_SEAM_RAYS`
-//! says how many rays; `cargo xtask seam` shoots 10^8.
+//! One face keeps what lies within a closed curve on a wavy spline surface. The other is the same piece of space with
+//! other parameters, of other degree, turned round, and keeps what lies outside, so that the two agree about the
+//! curve up to rounding only. `GLANZ_SEAM_RAYS` says how many rays; `cargo xtask seam` shoots 10^8.
 
 #![allow(
     clippy::unwrap_used,

@@ -14,9 +14,10 @@ use crate::bvh::{BuildOptions, Bvh, map};
 use crate::error::SurfaceError;
 use crate::trim::{Cell, TrimRegion};
 
-/// A leaf is halved while the Jacobian strays by more than this from that of its parallelogram, seen along the normal:
-/// below the search's own limit, so that rays from most sides find their leaf certified. Measured: from 0.3 to 0.4 rays cost the same
-/// and memory a third less; a look at a leaf of higher degree is dearer, so that the better start of 0.3 pays.
+/// A leaf is halved while the Jacobian strays by more than this from that of its parallelogram, seen along the
+/// normal: below the search's own limit, so that rays from most sides find their leaf certified. Measured: from 0.3
+/// to 0.4 rays cost the same and memory a third less; a look at a leaf of higher degree is dearer, so that the better
+/// start of 0.3 pays.
 const UNEVEN: [f64; 2] = [0.4, 0.3];
 
 /// Halvings of a patch at most.

@@ -23,11 +23,12 @@ const MOST_STEPS: usize = 200;
 /// Cells of one leaf that are looked at before it is called undecided: a hundred times what tangencies need.
 const MOST_CELLS: usize = 20_000;
 
-/// Cells that are flat to rounding and seen edge-on, or seen as a point, are a tangency or a collapsed edge if together they
-/// are shorter than this many times what rounding is across the ray; otherwise the ray runs within the surface, which is
-/// no hit. Curvature of radius R is flat to rounding e over a length of sqrt(e R): with e of 1e-15 of the size, that is
-/// 3e-8 of it for R of the size, 3e-6 for ten thousand times as much. Along an asymptote of a saddle, where a ray goes
-/// through the surface, it is (e R^2)^(1/3), 1e-5 of the size, and where that bends with it, (e R^3)^(1/4), 2e-4.
+/// Cells that are flat to rounding and seen edge-on, or seen as a point, are a tangency or a collapsed edge if
+/// together they are shorter than this many times what rounding is across the ray; otherwise the ray runs within the
+/// surface, which is no hit. Curvature of radius R is flat to rounding e over a length of sqrt(e R): with e of 1e-15
+/// of the size, that is 3e-8 of it for R of the size, 3e-6 for ten thousand times as much. Along an asymptote of a
+/// saddle, where a ray goes through the surface, it is (e R^2)^(1/3), 1e-5 of the size, and where that bends with it,
+/// (e R^3)^(1/4), 2e-4.
 const TANGENT_LENGTH: f64 = (1_u64 << 36) as f64;
 
 /// Times its noise that a ray may pass beside a root.

@@ -1,14 +1,15 @@
 //! The one root of a map of the square that is certified to have one at most.
 //!
-//! A certificate says that the simplified Newton step, with the Jacobian (a, b) of one place, contracts by q < 1. Projected on the
-//! square it still does, so that its fixed point is the only root, or proof that there is none (@pumberger2010 theorem 3.2.3.1). Steps are
-//! taken with the true Jacobian as long as they do better.
+//! A certificate says that the simplified Newton step, with the Jacobian (a, b) of one place, contracts by q < 1.
+//! Projected on the square it still does, so that its fixed point is the only root, or proof that there is none
+//! (@pumberger2010 theorem 3.2.3.1). Steps are taken with the true Jacobian as long as they do better.
 
 use glanz_math::DVec2;
 
 use super::search::cross;
 
-/// Times the noise that a place with the ray within rounding may be beside it: that of both leaves that have a border there.
+/// Times the noise that a place with the ray within rounding may be beside it: that of both leaves that have a border
+/// there.
 const MET: f64 = 2.0;
 
 /// Relative error of a determinant's terms and of what is made of it.

@@ -7,8 +7,8 @@ use super::leaf::{Draft, Frame};
 use super::search::{self, Net, OnRoot, Probe, Scratch};
 use crate::bvh::simd::Simd;
 
-/// Largest ratio of the weights of a leaf that is stored by powers: their rounding is that of the largest weight, and counts by the
-/// smallest. Bernstein coefficients, of which every point is a mean, do not mind.
+/// Largest ratio of the weights of a leaf that is stored by powers: their rounding is that of the largest weight, and
+/// counts by the smallest. Bernstein coefficients, of which every point is a mean, do not mind.
 const EVEN_WEIGHTS: f64 = 4.0;
 
 /// The leaves, all of one kind, so that the search branches once per ray.

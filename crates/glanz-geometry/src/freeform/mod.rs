@@ -1,10 +1,11 @@
 //! Freeform surfaces: rays against rational Bézier patches, without facets.
 //!
-//! A [`Freeform`] is made of [`Piece`]s, patches over parts of a parameter domain: the Bézier pieces of a spline surface,
-//! a list of patches, the quadrilaterals of triangular patches. They are cut into *leaves* that are almost
+//! A [`Freeform`] is made of [`Piece`]s, patches over parts of a parameter domain: the Bézier pieces of a spline
+//! surface, a list of patches, the quadrilaterals of triangular patches. They are cut into *leaves* that are almost
 //! parallelograms, and a hierarchy is built over these. Every root of a ray is found, none twice, none is invented:
-//! `leaf` bounds how far a leaf is from a parallelogram; `bicubic` and `view` for low degrees, `search` for all others use that to
-//! exclude it, or to certify that it has one root at most, which `contract` finds; `cells` splits what is neither. `net` evaluates.
+//! `leaf` bounds how far a leaf is from a parallelogram; `bicubic` and `view` for low degrees, `search` for all
+//! others use that to exclude it, or to certify that it has one root at most, which `contract` finds; `cells` splits
+//! what is neither. `net` evaluates.
 //!
 //! ```
 //! use glanz_geometry::bezier::TensorPatch;

@@ -20,8 +20,8 @@ const GAUSS: [(f64, f64); 4] = [
 /// Parts along each side into which a leaf that a trimming curve crosses is cut for its area.
 const PARTS: u32 = 32;
 
-/// A search believes points this many times its noise beside the ray, seen across it: up to eight times, and as much for the rounding
-/// of the leaves.
+/// A search believes points this many times its noise beside the ray, seen across it: up to eight times, and as much
+/// for the rounding of the leaves.
 const ERROR: f64 = 16.0;
 
 /// Leaves by area, to pick points from.
@@ -184,8 +184,8 @@ impl Freeform {
 
     /// The absolute error per axis, metres.
     ///
-    /// The origin of a ray that starts here is this point or near it, so that the noise is the one that `Sight` takes for an
-    /// origin within the surface.
+    /// The origin of a ray that starts here is this point or near it, so that the noise is the one that `Sight` takes
+    /// for an origin within the surface.
     fn error(&self) -> f64 {
         ERROR * self.sight.noise_within()
     }

@@ -185,8 +185,8 @@ fn tangent_ray_meets_a_parabola_once_and_one_beside_it_twice_or_never() {
 
 #[test]
 fn tangency_next_to_a_cusp_does_not_hide_the_root_beside_it() {
-    // The first derivative along u vanishes at u = 1/2. By 50-digit arithmetic there are roots at u = 0.4999053076 and, nearer to each
-    // other than rounding tells, at 0.5001891386 and 0.5001896316.
+    // The first derivative along u vanishes at u = 1/2. By 50-digit arithmetic there are roots at u = 0.4999053076
+    // and, nearer to each other than rounding tells, at 0.5001891386 and 0.5001896316.
     let row = |k: usize| ([0.0, 1.0, 0.0, 1.0][k / 4], (k % 4) as f64 / 3.0, [0.0, 1.0, 1.0, 0.0][k / 4]);
     let points = (0..16).map(row).map(|(x, y, z)| DVec4::new(x, y, z, 1.0));
     let patch = TensorPatch::try_new(3, 3, points.collect()).unwrap();

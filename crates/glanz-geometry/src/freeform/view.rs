@@ -1,8 +1,9 @@
 //! A bicubic leaf seen along a ray: two polynomials whose common roots are looked for.
 //!
-//! Newton's method from a good start does for most rays. The others see a silhouette, a border or a strongly bent leaf:
-//! [`View::divide`] multiplies by the inverse Jacobian of the centre, so that the polynomials become (s, t) plus a rest, bounds the rest
-//! by the sum of its coefficients, and halves until that excludes the cell or certifies that it has one root at most.
+//! Newton's method from a good start does for most rays. The others see a silhouette, a border or a strongly bent
+//! leaf: [`View::divide`] multiplies by the inverse Jacobian of the centre, so that the polynomials become (s, t)
+//! plus a rest, bounds the rest by the sum of its coefficients, and halves until that excludes the cell or certifies
+//! that it has one root at most.
 
 use glanz_math::DVec2;
 
@@ -131,7 +132,8 @@ impl<S: Simd> View<S> {
         None
     }
 
-    /// Next to where the terms of second order have their root: a simplified step from the root of those of the first order.
+    /// Next to where the terms of second order have their root: a simplified step from the root of those of the first
+    /// order.
     #[inline(always)]
     fn start(&self, simd: S, [a, b]: [DVec2; 2], per: f64, flat: DVec2) -> DVec2 {
         let (p0, p1, p2) =
@@ -148,8 +150,8 @@ impl<S: Simd> View<S> {
         if next.abs().max_element() <= 1.5 { next.clamp(DVec2::NEG_ONE, DVec2::ONE) } else { x }
     }
 
-    /// Every root in the square, into `found`; one on the border of two cells may be there twice. `weight` is that of the surface at a
-    /// place.
+    /// Every root in the square, into `found`; one on the border of two cells may be there twice. `weight` is that of
+    /// the surface at a place.
     #[inline(always)]
     pub(super) fn divide(
         &self,
@@ -192,7 +194,8 @@ impl<S: Simd> View<S> {
     }
 }
 
-/// Which coefficients are of higher order than one, and the order of all of them: the derivatives by s and t add up to as much.
+/// Which coefficients are of higher order than one, and the order of all of them: the derivatives by s and t add up
+/// to as much.
 const HIGHER: [[f64; 4]; 4] = [[0.0, 0.0, 1.0, 1.0], [0.0, 1.0, 1.0, 1.0], [1.0; 4], [1.0; 4]];
 const ORDERS: [[f64; 4]; 4] =
     [[0.0, 0.0, 2.0, 3.0], [0.0, 2.0, 3.0, 4.0], [2.0, 3.0, 4.0, 5.0], [3.0, 4.0, 5.0, 6.0]];
