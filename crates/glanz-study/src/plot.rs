@@ -6,7 +6,7 @@ use std::fmt::Write;
 const SIZE: [f64; 2] = [820.0, 520.0];
 const FRAME: [f64; 4] = [90.0, 56.0, 600.0, 450.0];
 
-/// Colours that stay apart for colour-blind eyes too, as Okabe and Ito chose them; black is left for text.
+/// Colours that stay apart for colour-blind eyes too, as @okabe2008 chose them; black is left for text.
 const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d1f"];
 
 /// An axis.

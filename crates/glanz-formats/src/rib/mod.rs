@@ -21,8 +21,8 @@
 //! ```
 //!
 //! # Source
-//! Pixar, The RenderMan Interface, version 3.2 (2000), sections 4 (attributes and transformations) and 5 (geometric
-//! primitives), appendix C (language binding details).
+//! @renderman2000 sections 4 (attributes and transformations) and 5 (geometric primitives), appendix C (language binding
+//! details).
 
 mod error;
 mod lexer;

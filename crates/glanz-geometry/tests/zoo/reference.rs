@@ -5,7 +5,7 @@
 //! excluded none of them has. What is neither, down to cells in which the thickness hides everything, is a *cluster*:
 //! tangencies, collapsed edges, rays within the surface.
 //!
-//! Nothing of the library is used but its rays. The existence test is that of Moore, Kearfott and Cloud (2009), chapter 8.
+//! Nothing of the library is used but its rays. The existence test is that of @moore2009 chapter 8.
 
 use glanz_math::Ray;
 
