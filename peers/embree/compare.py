@@ -18,47 +18,15 @@ import json
 import pathlib
 import platform
 import statistics
-import subprocess
 import sys
 import tempfile
 import time
 
-HERE = pathlib.Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
+from sides import Side, build
+
 TASKS = [(rays, query, threads) for rays in ("coherent", "bounced", "random")
          for query in ("closest", "any") for threads in (1, 2)]
-
-
-def build(folder):
-    """Compiles both sides; returns the paths of the programs."""
-    embree = folder / "embree"
-    subprocess.run(["gcc", "-O3", "-march=native", "-Wall", "-Wextra", "-o", embree, HERE / "embree.c", "-lembree3", "-lpthread"],
-                   check=True)
-    cargo = ["cargo", "build", "--release", "-p", "glanz-geometry", "--example", "peer_embree", "--message-format=json"]
-    messages = subprocess.run(cargo, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
-    built = [json.loads(line) for line in messages.splitlines()]
-    glanz = next(m["executable"] for m in built if m.get("target", {}).get("name") == "peer_embree" and m.get("executable"))
-    return glanz, embree
-
-
-class Side:
-    """A program that answers lines."""
-
-    def __init__(self, name, command):
-        self.name = name
-        self.process = subprocess.Popen([str(c) for c in command], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self.about = self.read()
-
-    def read(self):
-        line = self.process.stdout.readline()
-        if not line:
-            sys.exit(f"{self.name} died")
-        return line.strip()
-
-    def ask(self, task):
-        print(*task, file=self.process.stdin, flush=True)
-        clock, processors, rays, hits, total = self.read().split()
-        return float(clock), float(processors), int(rays), int(hits), float(total)
 
 
 def show(task, rates, answers):
@@ -80,7 +48,7 @@ def main():
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        glanz, embree = build(folder)
+        glanz, embree = build(folder, "peer_embree")
         sides = [Side("Glanz", [glanz, folder, arguments.shape, arguments.triangles])]
         sides += [Side(f"Embree {mode}", [embree, folder, mode]) for mode in arguments.modes]
         for side in sides:
@@ -92,7 +60,7 @@ def main():
             answers = {}
             for _ in range(arguments.rounds):
                 for side in sides:
-                    clock, processors, rays, hits, total = side.ask(task)
+                    clock, processors, rays, hits, total = side.ask(*task)
                     rates[side.name]["processor"].append(rays / processors * 1e3)
                     rates[side.name]["clock"].append(rays / clock * 1e3)
                     answers[side.name] = (hits, total)

@@ -28,48 +28,10 @@ import sys
 import tempfile
 import time
 
-HERE = pathlib.Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
+from sides import Side, build
+
 TASKS = [("coherent", "closest"), ("shuffled", "closest"), ("coherent", "any"), ("shuffled", "any"), ("coherent", "picture")]
-
-
-def build(folder):
-    """Compiles both sides; returns the paths of the programs."""
-    embree = folder / "embree"
-    subprocess.run(["gcc", "-O3", "-march=native", "-Wall", "-Wextra", "-o", embree, HERE.parent / "embree" / "embree.c",
-                    "-lembree3", "-lpthread", "-lm"], check=True)
-    cargo = ["cargo", "build", "--release", "-p", "glanz-geometry", "--example", "peer_freeform", "--message-format=json"]
-    messages = subprocess.run(cargo, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
-    built = [json.loads(line) for line in messages.splitlines()]
-    glanz = next(m["executable"] for m in built if m.get("target", {}).get("name") == "peer_freeform" and m.get("executable"))
-    return glanz, embree
-
-
-class Side:
-    """A program that answers lines."""
-
-    def __init__(self, name, command):
-        self.name = name
-        self.process = subprocess.Popen([str(c) for c in command], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self.about = self.read()
-
-    def read(self):
-        line = self.process.stdout.readline()
-        if not line:
-            sys.exit(f"{self.name} died")
-        return line.strip()
-
-    def say(self, *task):
-        print(*task, 1, file=self.process.stdin, flush=True)
-        return self.read()
-
-    def ask(self, *task):
-        clock, processors, rays, hits, total = self.say(*task).split()
-        return float(processors), int(rays), int(hits), float(total)
-
-    def end(self):
-        self.process.stdin.close()
-        self.process.wait()
 
 
 def measure(sides, rounds):
@@ -80,7 +42,7 @@ def measure(sides, rounds):
         answers = {}
         for _ in range(rounds):
             for side in sides:
-                processors, rays, hits, total = side.ask(*task)
+                _, processors, rays, hits, total = side.ask(*task, 1)
                 rates[side.name].append(rays / processors * 1e3)
                 answers[side.name] = (hits, total)
         medians = {name: statistics.median(rate) for name, rate in rates.items()}
@@ -111,16 +73,16 @@ def run(model, programs, folder, arguments):
           f" {about['chord_of_size']:.1e} of the size, normals {about['normal_degrees']:.3f} degrees (facets"
           f" {about['facet_normal_degrees']:.2f})", flush=True)
     results = measure([glanz, embree], arguments.rounds)
-    builds = [embree.ask("mesh", "build") for _ in range(max(arguments.rounds, 5))]
-    about["embree_build_s"] = statistics.median(time for time, *_ in builds) * 1e-9
-    about["embree_bytes"] = int(builds[-1][3]) + 12 * about["vertices"]
+    builds = [embree.ask("mesh", "build", 1) for _ in range(max(arguments.rounds, 5))]
+    about["embree_build_s"] = statistics.median(processors for _, processors, *_ in builds) * 1e-9
+    about["embree_bytes"] = int(builds[-1][4]) + 12 * about["vertices"]
     width, height = map(int, arguments.size.split("x"))
     seconds = {side: width * height / rate * 1e-6 for side, rate in results[-1]["million_rays_per_second"].items()}
     exact = about["build_s"] + seconds["Glanz"]
     triangles = about["tessellate_s"] + about["embree_build_s"] + seconds["Embree"]
     about["to_picture_s"] = {"Glanz": exact, "Embree": triangles, "ratio": exact / triangles}
-    embree.ask("coherent", "dump")
-    about["difference"] = json.loads(glanz.say("coherent", "compare"))
+    embree.ask("coherent", "dump", 1)
+    about["difference"] = json.loads(glanz.say("coherent", "compare", 1))
     show(about)
     if arguments.pictures:
         arguments.pictures.mkdir(parents=True, exist_ok=True)
@@ -141,7 +103,7 @@ def main():
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        programs = build(folder)
+        programs = build(folder, "peer_freeform")
         every = subprocess.run([programs[0]], check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
         about = {"date": time.strftime("%Y-%m-%d"), "machine": platform.platform(), "mode": arguments.mode,
                  "size": arguments.size, "rounds": arguments.rounds, "models": []}
