@@ -33,6 +33,9 @@ pub(crate) trait Visit {
     /// Looks for hits of a leaf up to `t_max`; returns where the ray ends now. If any hit will do, less than `t_max`
     /// says that there is one.
     fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, t_max: f64) -> f64;
+    /// The ray has met a box: what all leaves need of it can be made ready while the next boxes are tested.
+    #[inline(always)]
+    fn prepare(&mut self) {}
     /// Asks the memory for a leaf that will be visited soon.
     fn prefetch<S: Simd>(&self, _simd: S, _leaf: Leaf) {}
 }
@@ -53,7 +56,11 @@ impl<V: Visit> Task for Closest<'_, V> {
         let Self { bvh, ray, mut t_max, mut visit } = self;
         let Some(mut unit) = UnitRay::new(simd, &bvh.frame, ray, t_max) else { return };
         let mut stack = Stack::<ROOM>::new();
-        let mut current = Child::node(0);
+        let Some(mut current) = descend::<S, V, true>(simd, bvh, Child::node(0), &unit, &mut stack, &visit)
+        else {
+            return;
+        };
+        visit.prepare();
         loop {
             if let Some(leaf) = current.as_leaf() {
                 let closer = visit.leaf(simd, Leaf(leaf), t_max);
@@ -157,7 +164,11 @@ impl<V: Visit> Task for Any<'_, V> {
         let Self { bvh, ray, t_max, mut visit } = self;
         let Some(unit) = UnitRay::new(simd, &bvh.frame, ray, t_max) else { return false };
         let mut stack = Stack::<ROOM>::new();
-        let mut current = Child::node(0);
+        let Some(mut current) = descend::<S, V, false>(simd, bvh, Child::node(0), &unit, &mut stack, &visit)
+        else {
+            return false;
+        };
+        visit.prepare();
         loop {
             if let Some(leaf) = current.as_leaf() {
                 if visit.leaf(simd, Leaf(leaf), t_max) < t_max {

@@ -9,10 +9,10 @@ use glanz_math::glam::DVec4;
 use glanz_math::{DVec2, DVec3};
 
 use super::cells::{self, Patch};
-use super::contract::{Limits, Place};
+use super::contract::{Certificate, Limits, Place};
 use super::leaf::Frame;
 use super::search::{OnRoot, Probe, Root, Scratch, Tangent, cross};
-use super::view::{CERTIFIED, MOST_STEPS, View, value};
+use super::view::{Aim, CERTIFIED, MOST_STEPS, View, value};
 use crate::bvh::simd::{Simd, Task};
 
 /// Rounding of the powers, in terms of that of the Bernstein form: the absolute values of the factors that convert one row
@@ -196,10 +196,16 @@ impl<const LISTS: usize> Bicubic<LISTS> {
         let stray_squared = self.stray_squared + (16.0 * noise) * (16.0 * noise);
         if stray_squared * (a2 + b2) < CERTIFIED * CERTIFIED * det * det {
             let (view, limits) = self.view(simd, probe, [[f0, f1], [g0, g1]], c);
-            if let Some(x) = view.newton(simd, [a, b], 1.0 / det, DVec2::new(s, t) / det, &limits) {
-                let blur = DVec2::new(b2, a2).map(f64::sqrt) * (2.0 * noise / det.abs());
-                report.root(self.root(simd, probe, x, blur, from));
-                return;
+            let per = 1.0 / det;
+            let q = (stray_squared * (a2 + b2)).sqrt() * per.abs();
+            match view.newton(simd, &Certificate { a, b, q }, per, DVec2::new(s, t) * per, &limits) {
+                Aim::Root(x) => {
+                    let blur = DVec2::new(b2, a2).map(f64::sqrt) * (2.0 * noise * per.abs());
+                    report.root(self.root(simd, probe, x, blur, from));
+                    return;
+                }
+                Aim::Excluded => return,
+                Aim::Open => {}
             }
         }
         simd.apart(Search { leaf: self, probe, scratch: &mut *scratch });

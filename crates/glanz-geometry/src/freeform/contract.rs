@@ -50,6 +50,25 @@ pub(super) struct Certificate {
     pub(super) q: f64,
 }
 
+impl Certificate {
+    /// Whether the value `f` at `x`, a place of the square, proves that there is no root in it; `per` is the inverse of the
+    /// determinant.
+    #[inline(always)]
+    pub(super) fn excludes(&self, x: DVec2, f: DVec2, per: f64, limits: &Limits) -> bool {
+        let simple = DVec2::new(cross(f, self.b), cross(self.a, f)) * per;
+        let blur = self.blur(per, limits);
+        // The root lies in a ball of that radius around the end of the simplified step.
+        let ball = simple.length() * self.q / (1.0 - self.q);
+        (x - simple).abs().max_element() > 1.0 + ball + blur.max_element()
+    }
+
+    /// By how much rounding may move a root.
+    #[inline(always)]
+    fn blur(&self, per: f64, limits: &Limits) -> DVec2 {
+        DVec2::new(self.b.length(), self.a.length()) * (2.0 * limits.noise * limits.weights[1] * per.abs())
+    }
+}
+
 /// What is known about the values of a map.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {

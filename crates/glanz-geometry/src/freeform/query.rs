@@ -28,7 +28,7 @@ struct Walk<'a, L: ?Sized> {
     surface: &'a Freeform,
     leaves: &'a L,
     ray: &'a Ray,
-    /// From the first leaf on: many rays meet none.
+    /// From the first box on: many rays meet none.
     probe: Option<Probe>,
     scratch: Scratch,
 }
@@ -39,15 +39,17 @@ impl<'a, L: LeafList + ?Sized> Walk<'a, L> {
         Self { surface, leaves, ray, probe: None, scratch: Scratch::default() }
     }
 
+    /// Makes the ray ready for leaves.
+    #[inline(always)]
+    fn prepare(&mut self) {
+        self.probe = Some(self.surface.sight.probe(self.ray));
+    }
+
     /// Tells `report` of every root in a leaf of the hierarchy.
     #[inline(always)]
     fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, report: &mut impl Report) {
-        let Self { surface, leaves, ray, probe, scratch } = self;
-        let Some(place) = surface.places.get(leaf.ordinal()) else { return };
-        let probe = match probe {
-            Some(probe) => probe,
-            None => probe.insert(surface.sight.probe(ray)),
-        };
+        let Self { surface, leaves, probe, scratch, .. } = self;
+        let (Some(place), Some(probe)) = (surface.places.get(leaf.ordinal()), probe) else { return };
         leaves.roots(simd, leaf.ordinal(), probe, scratch, &mut InLeaf { report, surface, probe, place });
     }
 }
@@ -144,6 +146,11 @@ impl Report for Best {
 
 impl<L: LeafList> Visit for &mut ClosestVisit<'_, L> {
     #[inline(always)]
+    fn prepare(&mut self) {
+        self.walk.prepare();
+    }
+
+    #[inline(always)]
     fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, _: f64) -> f64 {
         self.walk.leaf(simd, leaf, &mut self.best);
         self.best.end
@@ -196,6 +203,11 @@ impl Report for Before {
 }
 
 impl<L: LeafList> Visit for &mut OccludedVisit<'_, L> {
+    #[inline(always)]
+    fn prepare(&mut self) {
+        self.walk.prepare();
+    }
+
     #[inline(always)]
     fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, t_max: f64) -> f64 {
         self.walk.leaf(simd, leaf, &mut self.before);
@@ -296,6 +308,11 @@ impl Report for All {
 }
 
 impl<L: LeafList> Visit for &mut EveryVisit<'_, L> {
+    #[inline(always)]
+    fn prepare(&mut self) {
+        self.walk.prepare();
+    }
+
     #[inline(always)]
     fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, t_max: f64) -> f64 {
         self.walk.leaf(simd, leaf, &mut self.all);
