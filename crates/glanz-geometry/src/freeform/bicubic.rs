@@ -1,32 +1,32 @@
-//! Leaves of degree 3 at most, the most frequent ones: stored so that a ray is done with them in a few vector instructions.
+//! Patches of degree 3 at most, the most frequent ones: stored so that a ray is done with them in a few vector
+//! instructions.
 //!
-//! A leaf keeps the coefficients of the powers of (s, t) in [-1, 1]^2 about its centre. The first ones are centre and
-//! half tangents of the thick parallelogram; the next, of second order, give the place where the search starts. All are
-//! seen along the ray once, as two bivariate polynomials, in which Newton's method then runs. Those of a rational leaf
+//! A patch keeps the coefficients of the powers of (s, t) in [-1, 1]^2 about its centre. They are seen along the ray once,
+//! as two bivariate polynomials, in which Newton's method then runs, for whichever leaf it is. Those of a rational patch
 //! are homogeneous coordinates about the centre, divided by the weight there.
 
 use glanz_math::glam::DVec4;
 use glanz_math::{DVec2, DVec3};
 
 use super::cells::{self, Patch};
-use super::contract::{Certificate, Limits, Place};
-use super::leaf::Frame;
-use super::search::{OnRoot, Probe, Root, Scratch, Tangent, cross};
-use super::view::{Aim, CERTIFIED, MOST_STEPS, View, value};
+use super::contract::{Limits, Place};
+use super::leaf::{Leaf, Look};
+use super::net;
+use super::part::Part;
+use super::search::{OnRoot, Probe, Root, Scratch, Tangent};
+use super::view::{Aim, MOST_STEPS, View, value};
 use crate::bvh::simd::{Simd, Task};
 
 /// Rounding of the powers, in terms of that of the Bernstein form: the absolute values of the factors that convert one row
 /// into the other add up to 5, of both directions to 25, on coefficients that each are worth a few roundings.
-const POWERS: f64 = 4.0;
+pub(super) const POWERS: f64 = 4.0;
 
-/// A leaf of degrees up to (3, 3), with `LISTS` coordinates: 3, or 4 if weights differ.
+/// A patch of degrees up to (3, 3), with `LISTS` coordinates: 3, or 4 if weights differ.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Bicubic<const LISTS: usize> {
     center: DVec3,
-    /// See [`Frame`].
-    reach: f64,
-    stray_squared: f64,
+    /// Bound on the half of any second derivative by (s, t), of the point times its weight.
     bend: f64,
     /// The same for the weight, whose value at the centre is 1, and bounds on it; rounded outward.
     weight_bend: f32,
@@ -51,10 +51,11 @@ fn powers_of(row: [DVec4; 4], n: usize) -> [DVec4; 4] {
 }
 
 impl<const LISTS: usize> Bicubic<LISTS> {
-    /// The leaf with the homogeneous net `points` of `degrees` up to (3, 3) and its frame.
-    pub(super) fn new(points: &[DVec4], (p, q): (usize, usize), frame: &Frame) -> Self {
-        // About the centre, so that small leaves keep their digits; a weight that is common to all drops out.
-        let about = |h: DVec4| (h.truncate() - frame.center * h.w).extend(h.w);
+    /// The patch with the homogeneous net `points` of `degrees` up to (3, 3).
+    pub(super) fn new(points: &[DVec4], (p, q): (usize, usize)) -> Self {
+        let center = net::jet(points, (p, q), 0.5, 0.5).s;
+        // About the centre, so that small patches keep their digits; a weight that is common to all drops out.
+        let about = |h: DVec4| (h.truncate() - center * h.w).extend(h.w);
         let mut rows = [[DVec4::ZERO; 4]; 4];
         for (row, points) in rows.iter_mut().zip(points.chunks_exact(q + 1)) {
             let mut list = [DVec4::ZERO; 4];
@@ -74,27 +75,19 @@ impl<const LISTS: usize> Bicubic<LISTS> {
         let powers: [[[f64; 4]; LISTS]; 4] = std::array::from_fn(|i| {
             std::array::from_fn(|list| std::array::from_fn(|j| table[i][j][list] * per))
         });
-        let mut leaf = Self {
-            center: frame.center,
-            reach: frame.reach,
-            stray_squared: frame.stray_squared,
-            bend: 0.0,
-            weight_bend: 0.0,
-            weights: [1.0; 2],
-            powers,
-        };
+        let mut patch = Self { center, bend: 0.0, weight_bend: 0.0, weights: [1.0; 2], powers };
         // The centre itself is rounded as the net is: what is left of it here belongs to it.
-        for list in leaf.powers[0].iter_mut().take(3) {
+        for list in patch.powers[0].iter_mut().take(3) {
             list[0] = 0.0;
         }
-        leaf.bend = leaf.second_order(0..3);
+        patch.bend = patch.second_order(0..3);
         if LISTS == 4 {
             let weights = || points.iter().map(|p| p.w * per);
             let (low, high) = (weights().fold(f64::INFINITY, f64::min), weights().fold(0.0, f64::max));
-            leaf.weights = [(low as f32).next_down(), (high as f32).next_up()];
-            leaf.weight_bend = (leaf.second_order(3..LISTS) as f32).next_up();
+            patch.weights = [(low as f32).next_down(), (high as f32).next_up()];
+            patch.weight_bend = (patch.second_order(3..LISTS) as f32).next_up();
         }
-        leaf
+        patch
     }
 
     /// Bound on the sum of |f_ss| / 2, |f_st| and |f_tt| / 2 over the square, of the vector of the given lists.
@@ -154,53 +147,24 @@ impl<const LISTS: usize> Bicubic<LISTS> {
         ]
     }
 
-    /// Asks the memory for what the first look needs: most leaves get no second one.
-    #[inline(always)]
-    pub(super) fn prefetch<S: Simd>(&self, simd: S) {
-        simd.prefetch(&self.center);
-        simd.prefetch(&self.powers[0]);
-        simd.prefetch(&self.powers[1]);
-    }
-
-    /// Reports every root of the leaf, in no order.
+    /// Reports every root of the leaf, in no order and in the parameters of the patch.
     #[inline(always)]
     pub(super) fn roots<S: Simd>(
         &self,
         simd: S,
+        leaf: &Leaf,
+        look: &Look,
         probe: &Probe,
         scratch: &mut Scratch,
         report: &mut impl OnRoot,
     ) {
-        let noise = probe.noise * POWERS;
         let from = self.center - probe.line.origin;
-        let c = probe.across(from);
         // No closures around vectors: they would not be compiled for the instruction set.
-        let [first, second] = probe.axes;
-        let (f0, f1) = (self.seen(simd, first, 0), self.seen(simd, first, 1));
-        let (g0, g1) = (self.seen(simd, second, 0), self.seen(simd, second, 1));
-        let (p0, p1, q0, q1) = (simd.store64(f0), simd.store64(f1), simd.store64(g0), simd.store64(g1));
-        let (a, b) = (DVec2::new(p1[0], q1[0]), DVec2::new(p0[1], q0[1]));
-        let det = cross(a, b);
-        let (s, t) = (-cross(c, b), -cross(a, c));
-        let (a2, b2) = (a.length_squared(), b.length_squared());
-        let reach = self.reach + noise;
-        // |s| > 1 + reach |b| / |det| without a division; squares would need a root either way.
-        let outside = |s: f64, across: f64| {
-            let beyond = s.abs() - det.abs();
-            beyond > 0.0 && beyond * beyond > reach * reach * across
-        };
-        if outside(s, b2) || outside(t, a2) {
-            return;
-        }
-        // Where rounding moves the root by more than a part of the leaf, nothing is certified. NaN says no.
-        let stray_squared = self.stray_squared + (16.0 * noise) * (16.0 * noise);
-        if stray_squared * (a2 + b2) < CERTIFIED * CERTIFIED * det * det {
-            let (view, limits) = self.view(simd, probe, [[f0, f1], [g0, g1]], c);
-            let per = 1.0 / det;
-            let q = (stray_squared * (a2 + b2)).sqrt() * per.abs();
-            match view.newton(simd, &Certificate { a, b, q }, per, DVec2::new(s, t) * per, &limits) {
+        if look.certified {
+            let (view, limits) = self.view(simd, leaf, probe, from);
+            match view.newton(simd, look, leaf.part, &limits) {
                 Aim::Root(x) => {
-                    let blur = DVec2::new(b2, a2).map(f64::sqrt) * (2.0 * noise * per.abs());
+                    let blur = look.blur(&limits) * leaf.part.width();
                     report.root(self.root(simd, probe, x, blur, from));
                     return;
                 }
@@ -208,35 +172,37 @@ impl<const LISTS: usize> Bicubic<LISTS> {
                 Aim::Open => {}
             }
         }
-        simd.apart(Search { leaf: self, probe, scratch: &mut *scratch });
+        simd.apart(Search { patch: self, leaf, probe, scratch: &mut *scratch });
         for root in scratch.roots.drain(..) {
             report.root(root);
         }
     }
 
-    /// The leaf as the ray sees it, from what it has seen of it already; `c` is the centre.
+    /// The patch as the ray sees it, and what is known about it over a leaf; `from` is the centre.
     #[inline(always)]
-    fn view<S: Simd>(
-        &self,
-        simd: S,
-        probe: &Probe,
-        [[f0, f1], [g0, g1]]: [[S::F64; 2]; 2],
-        c: DVec2,
-    ) -> (View<S>, Limits) {
+    fn view<S: Simd>(&self, simd: S, leaf: &Leaf, probe: &Probe, from: DVec3) -> (View<S>, Limits) {
         let [first, second] = probe.axes;
-        let first = [f0, f1, self.seen(simd, first, 2), self.seen(simd, first, 3)];
-        let second = [g0, g1, self.seen(simd, second, 2), self.seen(simd, second, 3)];
+        let c = probe.across(from);
+        let first = [
+            self.seen(simd, first, 0),
+            self.seen(simd, first, 1),
+            self.seen(simd, first, 2),
+            self.seen(simd, first, 3),
+        ];
+        let second = [
+            self.seen(simd, second, 0),
+            self.seen(simd, second, 1),
+            self.seen(simd, second, 2),
+            self.seen(simd, second, 3),
+        ];
         let view = View { first: self.shifted(simd, first, c.x), second: self.shifted(simd, second, c.y) };
-        let bend = self.bend + if LISTS == 4 { f64::from(self.weight_bend) * c.length() } else { 0.0 };
-        (
-            view,
-            Limits {
-                noise: probe.noise * POWERS,
-                bend,
-                weights: self.weights.map(f64::from),
-                steps: MOST_STEPS,
-            },
-        )
+        let bend = if LISTS == 4 {
+            (self.bend + f64::from(self.weight_bend) * c.length()) * leaf.part.width().max_element().powi(2)
+        } else {
+            leaf.bend()
+        };
+        let weights = self.weights.map(f64::from);
+        (view, Limits { noise: probe.noise * POWERS, bend, weights, steps: MOST_STEPS })
     }
 
     /// The weight at (s, t), outside of vector code.
@@ -260,13 +226,14 @@ impl<const LISTS: usize> Bicubic<LISTS> {
         };
         let reach = blur.x * length(1, 0) + blur.y * length(0, 1);
         // From parameters in [-1, 1] to those in [0, 1].
-        Root { s, x: 0.5 + 0.5 * x.x, y: 0.5 + 0.5 * x.y, blur: 0.5 * blur, reach }
+        Root { s, at: 0.5 + 0.5 * x, blur: 0.5 * blur, reach }
     }
 }
 
 /// What is done with a leaf if the first try proves nothing: every root into `scratch.roots`.
 struct Search<'a, const LISTS: usize> {
-    leaf: &'a Bicubic<LISTS>,
+    patch: &'a Bicubic<LISTS>,
+    leaf: &'a Leaf,
     probe: &'a Probe,
     scratch: &'a mut Scratch,
 }
@@ -276,37 +243,44 @@ impl<const LISTS: usize> Task for Search<'_, LISTS> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { leaf, probe, scratch } = self;
-        let from = leaf.center - probe.line.origin;
-        let [first, second] = probe.axes;
-        let seen = [
-            [leaf.seen(simd, first, 0), leaf.seen(simd, first, 1)],
-            [leaf.seen(simd, second, 0), leaf.seen(simd, second, 1)],
-        ];
-        let (view, limits) = leaf.view(simd, probe, seen, probe.across(from));
+        let Self { patch, leaf, probe, scratch } = self;
+        let from = patch.center - probe.line.origin;
+        let (view, limits) = patch.view(simd, leaf, probe, from);
+        let (middle, half) = (leaf.part.middle(), leaf.part.width());
+        let weight = |at: DVec2| patch.weight_at(middle + half * at);
         scratch.places.clear();
-        if view.divide(simd, &limits, &|at| leaf.weight_at(at), &mut scratch.places).is_err() {
-            return cells::roots(leaf, probe, scratch);
+        if view.part(simd, middle, half).divide(simd, &limits, &weight, &mut scratch.places).is_err() {
+            cells::roots(&PatchLeaf { patch, part: leaf.part }, probe, scratch);
+            for root in &mut scratch.roots {
+                *root = root.of_part(leaf.part);
+            }
+            return;
         }
         for index in 0..scratch.places.len() {
             let Some(&Place { at, blur }) = scratch.places.get(index) else { return };
-            let root = leaf.root(simd, probe, at, blur, from);
+            let root = patch.root(simd, probe, middle + half * at, half * blur, from);
             scratch.roots.push(root);
         }
     }
 }
 
-impl<const LISTS: usize> Patch for Bicubic<LISTS> {
+/// A leaf for the slow way.
+struct PatchLeaf<'a, const LISTS: usize> {
+    patch: &'a Bicubic<LISTS>,
+    part: Part,
+}
+
+impl<const LISTS: usize> Patch for PatchLeaf<'_, LISTS> {
     fn degrees(&self) -> (usize, usize) {
         (3, 3)
     }
 
     fn project(&self, probe: &Probe, cells: &mut Vec<f64>) -> f64 {
         cells.clear();
-        let from = self.center - probe.line.origin;
+        let (powers, from) = (&self.patch.powers, self.patch.center - probe.line.origin);
         for axis in probe.axes {
             let shift = axis.dot(from);
-            let mut table = self.powers.map(|row| {
+            let mut table = powers.map(|row| {
                 std::array::from_fn(|j| {
                     let seen = row[0][j] * axis.x + row[1][j] * axis.y + row[2][j] * axis.z;
                     seen + if LISTS == 4 { row[LISTS - 1][j] * shift } else { 0.0 }
@@ -315,36 +289,48 @@ impl<const LISTS: usize> Patch for Bicubic<LISTS> {
             if LISTS == 3 {
                 table[0][0] += shift;
             }
-            let rows = table.map(bernstein_of);
-            let columns: [[f64; 4]; 4] = std::array::from_fn(|j| bernstein_of(rows.map(|row| row[j])));
-            cells.extend(columns.into_iter().flatten());
+            cells.extend(self.bernstein(table));
         }
         if LISTS == 4 {
-            let rows = self.powers.map(|row| bernstein_of(row[LISTS - 1]));
-            cells.extend((0..4).flat_map(|j| bernstein_of(rows.map(|row| row[j]))));
+            cells.extend(self.bernstein(powers.map(|row| row[LISTS - 1])));
         }
         2.0 * POWERS * probe.noise
     }
 
     fn tangent(&self, x: f64, y: f64) -> Tangent {
-        let (s, t) = (2.0 * x - 1.0, 2.0 * y - 1.0);
+        let (at, width) = (2.0 * self.part.at(DVec2::new(x, y)) - 1.0, self.part.width());
         let mut lists = [[0.0, 0.0, 0.0, 1.0], [0.0; 4], [0.0; 4]];
         for k in 0..LISTS {
-            let rows = self.powers.map(|row| cubic(row[k], t));
-            let (by_s, rise) = (cubic(rows.map(|r| r.0), s), cubic(rows.map(|r| r.1), s));
+            let rows = self.patch.powers.map(|row| cubic(row[k], at.y));
+            let (by_s, rise) = (cubic(rows.map(|r| r.0), at.x), cubic(rows.map(|r| r.1), at.x));
             // By (x, y), which are half as long.
             [lists[0][k], lists[1][k], lists[2][k]] = [by_s.0, 2.0 * by_s.1, 2.0 * rise.0];
         }
         let [h, hu, hv] = lists.map(DVec4::from_array);
         let per = 1.0 / h.w;
         let s = h.truncate() * per;
-        let part = |d: DVec4| (d.truncate() - s * d.w) * per;
-        Tangent { s: self.center + s, su: part(hu), sv: part(hv) }
+        let part = |d: DVec4, width: f64| (d.truncate() - s * d.w) * (per * width);
+        Tangent { s: self.patch.center + s, su: part(hu, width.x), sv: part(hv, width.y) }
     }
 
     fn noise(&self, probe: &Probe) -> f64 {
         POWERS * probe.noise
     }
+}
+
+impl<const LISTS: usize> PatchLeaf<'_, LISTS> {
+    /// Bernstein coefficients over the leaf, those along s together, from powers of (s, t) over the patch.
+    fn bernstein(&self, table: [[f64; 4]; 4]) -> impl Iterator<Item = f64> + use<LISTS> {
+        let (middle, half) = (self.part.middle(), self.part.width());
+        let rows = table.map(|row| bernstein_of(moved_cubic(row, middle.y, half.y)));
+        (0..4).flat_map(move |j| bernstein_of(moved_cubic(rows.map(|row| row[j]), middle.x, half.x)))
+    }
+}
+
+/// The cubic at m + h x, by powers of x.
+fn moved_cubic([a, b, c, d]: [f64; 4], m: f64, h: f64) -> [f64; 4] {
+    let [value, slope] = [((d * m + c) * m + b) * m + a, (3.0 * d * m + 2.0 * c) * m + b];
+    [value, slope * h, (3.0 * d * m + c) * (h * h), d * (h * h * h)]
 }
 
 /// A cubic and its derivative.

@@ -5,20 +5,22 @@ use std::sync::{Arc, OnceLock};
 
 use glanz_math::DVec3;
 
-use super::leaf::{Draft, Rect};
-use super::leaves::Leaves;
+use super::draft::Draft;
+use super::leaf::Leaf;
 use super::net::MAX_DEGREE;
+use super::part::Part;
 use super::search::Sight;
-use super::{Freeform, Piece, Place};
+use super::subpatches::{self, Forms, Subpatch};
+use super::{Freeform, Piece};
 use crate::bvh::{BuildOptions, Bvh, map};
 use crate::error::SurfaceError;
 use crate::trim::{Cell, TrimRegion};
 
 /// A leaf is halved while the Jacobian strays by more than this from that of its parallelogram, seen along the
-/// normal: below the search's own limit, so that rays from most sides find their leaf certified. Measured: from 0.3
-/// to 0.4 rays cost the same and memory a third less; a look at a leaf of higher degree is dearer, so that the better
-/// start of 0.3 pays.
-const UNEVEN: [f64; 2] = [0.4, 0.3];
+/// normal: below the search's own limit, so that rays from most sides find their leaf certified. Measured: for degrees up
+/// to 3 rays cost the same from 0.2 to 0.3, and memory is a third less. A look at a leaf of higher degree is dearer, so
+/// that the better start of 0.15 pays.
+const UNEVEN: [f64; 2] = [0.3, 0.15];
 
 /// Halvings of a patch at most.
 const MOST_HALVINGS: usize = 12;
@@ -68,22 +70,26 @@ impl Freeform {
             });
         }
         let sight = Sight::new(&hull, size, degrees);
-        let drafts = drafts(&pieces, extent);
-        Ok(Self::assemble(pieces, extent, sight, &drafts, None))
+        let subpatches = subpatches::cut(&pieces, MOST_HALVINGS);
+        let drafts = drafts(&subpatches, extent);
+        Ok(Self::assemble(pieces, extent, sight, subpatches, &drafts, None))
     }
 
     /// What `region` keeps of the surface, by its parameters [`SurfacePoint::uv`](crate::SurfacePoint::uv).
     #[must_use]
     pub fn trimmed(&self, region: Arc<TrimRegion>) -> Self {
-        let mut drafts = drafts(&self.pieces, self.extent);
+        let subpatches = subpatches::cut(&self.pieces, MOST_HALVINGS);
+        let mut drafts = drafts(&subpatches, self.extent);
         drafts.retain_mut(|draft| {
-            let Some(piece) = self.pieces.get(draft.patch as usize) else { return false };
-            let [low, high] = piece.range(&draft.rect);
+            let place = subpatches.get(draft.subpatch as usize).map(|subpatch| subpatch.place);
+            let of = place.and_then(|place| Some((self.pieces.get(place.piece as usize)?, place.part)));
+            let Some((piece, part)) = of else { return false };
+            let [low, high] = piece.range(&draft.part.within(part).rect());
             let cell = region.classify(low, high);
             draft.crossed = cell == Cell::Crossed;
             cell != Cell::Outside
         });
-        Self::assemble(self.pieces.clone(), self.extent, self.sight, &drafts, Some(region))
+        Self::assemble(self.pieces.clone(), self.extent, self.sight, subpatches, &drafts, Some(region))
     }
 
     /// Lays the leaves out in the order of the hierarchy.
@@ -91,6 +97,7 @@ impl Freeform {
         pieces: Vec<Piece>,
         extent: f64,
         sight: Sight,
+        subpatches: Vec<Subpatch>,
         drafts: &[Draft],
         region: Option<Arc<TrimRegion>>,
     ) -> Self {
@@ -99,21 +106,21 @@ impl Freeform {
         let bvh = Bvh::build(&boxes, &options);
         // Every leaf of the hierarchy is one of ours.
         let ordered = bvh.leaves().filter_map(|leaf| drafts.get(*bvh.leaf(leaf).first()? as usize));
-        let leaves = Leaves::new(ordered.clone());
-        let place = |draft: &Draft| Place { piece: draft.patch, crossed: draft.crossed, rect: draft.rect };
-        let places = ordered.map(place).collect();
+        let leaves = ordered.map(|draft| Leaf::new(draft, sight.center)).collect();
+        let places = subpatches.iter().map(|subpatch| subpatch.place).collect();
+        let forms = Forms::new(subpatches);
         let (undecided, areas) = (AtomicU64::new(0), OnceLock::new());
-        Self { pieces, region, extent, leaves, places, sight, undecided, areas, bvh }
+        Self { pieces, region, extent, leaves, forms, places, sight, undecided, areas, bvh }
     }
 }
 
-/// The leaves of all pieces of a surface of that extent.
-fn drafts(pieces: &[Piece], extent: f64) -> Vec<Draft> {
-    let numbered: Vec<(usize, &Piece)> = pieces.iter().enumerate().collect();
-    map(&numbered, 16, |&(index, piece)| leaves(index as u32, piece, SMALLEST * extent)).concat()
+/// The leaves of all subpatches of a surface of that extent.
+fn drafts(subpatches: &[Subpatch], extent: f64) -> Vec<Draft> {
+    let numbered: Vec<(usize, &Subpatch)> = subpatches.iter().enumerate().collect();
+    map(&numbered, 16, |&(index, subpatch)| leaves(index as u32, subpatch, SMALLEST * extent)).concat()
 }
 
-/// A part of a patch that may be halved further.
+/// A part of a subpatch that may be halved further.
 struct Open {
     draft: Draft,
     halvings: usize,
@@ -121,13 +128,14 @@ struct Open {
     before: [f64; 2],
 }
 
-/// The leaves of one piece.
-fn leaves(index: u32, piece: &Piece, smallest: f64) -> Vec<Draft> {
-    let degrees = piece.patch.degrees();
+/// The leaves of one subpatch.
+fn leaves(index: u32, subpatch: &Subpatch, smallest: f64) -> Vec<Draft> {
+    let degrees = subpatch.degrees;
     let limit = UNEVEN[usize::from(degrees.0.max(degrees.1) > 3)];
-    let whole = Draft::new(index, Rect::UNIT, piece.patch.control_points().to_vec(), degrees);
+    let whole = Draft::new(index, Part::WHOLE, subpatch.net.clone(), degrees);
     let mut done = Vec::new();
-    let mut open = vec![Open { draft: whole, halvings: 0, before: [f64::INFINITY; 2] }];
+    let mut open =
+        vec![Open { draft: whole, halvings: subpatch.place.part.count(), before: [f64::INFINITY; 2] }];
     while let Some(Open { draft, halvings, before }) = open.pop() {
         let large = draft.bounds.diagonal().length() > smallest;
         // NaN, of a leaf without area, is uneven.

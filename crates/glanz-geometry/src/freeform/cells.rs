@@ -9,6 +9,7 @@ use glanz_math::DVec2;
 
 use super::contract::{Certificate, Jet, Limits, Map, Place, contract};
 use super::net::{Bernstein, with_room};
+use super::part::{Part, Rect};
 use super::search::{Probe, Root, Scratch, Tangent, cross, weighted};
 
 /// Largest contraction at which a cell is certified.
@@ -237,6 +238,37 @@ fn split(cells: &mut Vec<f64>, start: usize, (p, q): (usize, usize), across_x: b
     }
 }
 
+/// Replaces lists of the coefficients (i, j) at j (p + 1) + i by those of a part of the square.
+pub(super) fn restrict(lists: &mut [f64], (p, q): (usize, usize), part: Part) {
+    let Rect { u, v } = part.rect();
+    for list in lists.chunks_exact_mut((p + 1) * (q + 1)) {
+        for row in 0..=q {
+            restrict_row(list, row * (p + 1), 1, p, u);
+        }
+        for column in 0..=p {
+            restrict_row(list, column, p + 1, q, v);
+        }
+    }
+}
+
+/// One row of coefficients, by de Casteljau's scheme at the upper end and then at the lower one.
+fn restrict_row(list: &mut [f64], first: usize, step: usize, degree: usize, [low, high]: [f64; 2]) {
+    let at = |i: usize| first + i * step;
+    for (x, upper) in [(high, false), (low / high, true)] {
+        for k in 0..degree {
+            if upper {
+                for i in 0..degree - k {
+                    list[at(i)] = (1.0 - x) * list[at(i)] + x * list[at(i + 1)];
+                }
+            } else {
+                for i in (k + 1..=degree).rev() {
+                    list[at(i)] = (1.0 - x) * list[at(i - 1)] + x * list[at(i)];
+                }
+            }
+        }
+    }
+}
+
 /// Smallest and largest of a function of the coefficients.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
@@ -341,7 +373,7 @@ fn polish(patch: &impl Patch, probe: &Probe, place: DVec2, blur: DVec2, width: D
         let f = probe.across(from);
         if best.is_none_or(|(least, ..)| f.length() < least) {
             let reach = blur.x * tangent.su.length() + blur.y * tangent.sv.length();
-            let root = Root { s: probe.line.direction.dot(from), x: x.x, y: x.y, blur, reach };
+            let root = Root { s: probe.line.direction.dot(from), at: x, blur, reach };
             // Next to a small weight a bit of a parameter is far on the surface.
             let bit = f64::EPSILON * (tangent.su.length() * x.x + tangent.sv.length() * x.y);
             best = Some((f.length(), BESIDE * probe.noise + 4.0 * bit, root));

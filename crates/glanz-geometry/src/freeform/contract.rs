@@ -64,7 +64,7 @@ impl Certificate {
 
     /// By how much rounding may move a root.
     #[inline(always)]
-    fn blur(&self, per: f64, limits: &Limits) -> DVec2 {
+    pub(super) fn blur(&self, per: f64, limits: &Limits) -> DVec2 {
         DVec2::new(self.b.length(), self.a.length()) * (2.0 * limits.noise * limits.weights[1] * per.abs())
     }
 }
@@ -83,15 +83,16 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    /// Whether the end of a step needs no look: its errors by curvature and by rounding are below the noise.
+    /// Whether the end of a step needs no look: its errors by curvature and by rounding are below the noise. `unit` is the
+    /// half size of the square that `bend` is about, by the parameters of the step.
     #[inline(always)]
-    pub(super) fn end_with(&self, step: DVec2, jet: &Jet) -> bool {
+    pub(super) fn end_with(&self, step: DVec2, unit: DVec2, jet: &Jet) -> bool {
         let noise = self.noise * self.weights[0];
         let (length_squared, det) = (step.length_squared(), cross(jet.fs, jet.ft));
         let (s2, t2) = (jet.fs.length_squared(), jet.ft.length_squared());
         // Seen edge-on, the determinant cancels: what is left of its digits is what the step is worth.
         let rounded = ROUNDED * ROUNDED * s2 * t2 * (s2 + t2) * length_squared;
-        self.bend * length_squared <= noise && rounded <= noise * noise * det * det
+        self.bend * (step / unit).length_squared() <= noise && rounded <= noise * noise * det * det
     }
 }
 
@@ -110,13 +111,14 @@ pub(super) struct GaveUp;
 #[inline(always)]
 pub(super) fn contract(
     map: &impl Map,
-    &Certificate { a, b, q }: &Certificate,
+    certificate: &Certificate,
     limits: &Limits,
     start: DVec2,
 ) -> Result<Option<Place>, GaveUp> {
+    let &Certificate { a, b, q } = certificate;
     let per = 1.0 / cross(a, b);
     let ball = q / (1.0 - q);
-    let blur = DVec2::new(b.length(), a.length()) * (2.0 * limits.noise * limits.weights[1] * per.abs());
+    let blur = certificate.blur(per, limits);
     let found = |at: DVec2| Ok(Some(Place { at, blur }));
     let mut x = start.clamp(DVec2::NEG_ONE, DVec2::ONE);
     let mut last = f64::INFINITY;
@@ -136,7 +138,7 @@ pub(super) fn contract(
         last = length;
         let step = if trusted { newton } else { simple };
         let next = (x - step).clamp(DVec2::NEG_ONE, DVec2::ONE);
-        if trusted && next == x - step && limits.end_with(step, &jet) {
+        if trusted && next == x - step && limits.end_with(step, DVec2::ONE, &jet) {
             return found(next);
         }
         if (next - x).abs().cmpgt(blur).any() {

@@ -1,243 +1,128 @@
-//! A piece of a patch that is almost a parallelogram, with bounds on how far it is not.
+//! A leaf of the hierarchy: the first look of a ray, which most often is the last one.
 
-use glanz_math::glam::DVec4;
-use glanz_math::rounding::gamma;
-use glanz_math::{Bounds3, DVec3};
+use glanz_math::{DVec2, DVec3};
 
-use super::net::{self, Poly};
+use super::bicubic::POWERS;
+use super::contract::{Certificate, Limits};
+use super::draft::{Draft, Frame};
+use super::part::Part;
+use super::search::{Probe, cross};
+use crate::bvh::simd::Simd;
 
-/// A rectangle of a patch's parameters.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Rect {
-    pub(super) u: [f64; 2],
-    pub(super) v: [f64; 2],
-}
+/// Largest bound on the change of the Jacobian, relative to that at the centre, at which a leaf is certified.
+const CERTIFIED: f64 = 0.85;
 
-impl Rect {
-    pub(super) const UNIT: Self = Self { u: [0.0, 1.0], v: [0.0, 1.0] };
-
-    /// The parameters of the patch at those of the rectangle, both in [0, 1]^2. Corners are met exactly.
-    pub(super) fn at(&self, x: f64, y: f64) -> (f64, f64) {
-        let mix = |[a, b]: [f64; 2], x: f64| if x == 1.0 { b } else { (b - a) * x + a };
-        (mix(self.u, x), mix(self.v, y))
-    }
-
-    /// Halves across u or v.
-    pub(super) fn halves(&self, across_u: bool) -> [Self; 2] {
-        let (mut low, mut high) = (*self, *self);
-        let (l, h) = if across_u { (&mut low.u, &mut high.u) } else { (&mut low.v, &mut high.v) };
-        let middle = 0.5 * (l[0] + l[1]);
-        l[1] = middle;
-        h[0] = middle;
-        [low, high]
-    }
-}
-
-/// A leaf as a *thick parallelogram*: for (s, t) in [-1, 1]^2 the point of the surface is within `reach` of
-/// `center + s along_u + t along_v`.
+/// A part of a subpatch as a thick parallelogram ([`Frame`]), in one cache line.
+///
+/// Its numbers are rounded to `f32`, which the reach and the strays make up for.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
-    pub(super) center: DVec3,
-    /// Half of the derivative by the leaf's u, which goes from 0 to 1.
-    pub(super) along_u: DVec3,
-    /// The same for v.
-    pub(super) along_v: DVec3,
-    /// Metres.
-    pub(super) reach: f64,
-    /// Sum of the squares of the bounds on how far the half derivatives stray from `along_u` and `along_v`.
-    pub(super) stray_squared: f64,
-    /// Bound on the half of any second derivative by (s, t), so that a linear step of length h is off by at most
-    /// `bend` h^2.
-    pub(super) bend: f64,
-}
-
-/// A leaf while the surface is built.
-#[derive(Clone, Debug)]
-pub(super) struct Draft {
-    pub(super) frame: Frame,
-    pub(super) bounds: Bounds3,
-    pub(super) patch: u32,
-    pub(super) rect: Rect,
-    pub(super) degrees: (usize, usize),
-    pub(super) net: Vec<DVec4>,
-    /// Whether a trimming curve crosses it.
+#[repr(C, align(64))]
+pub(super) struct Leaf {
+    /// By coordinate: the centre, from that of the surface; the half tangents along u and v; and in the fourth lanes reach,
+    /// stray squared and bend, rounded up.
+    rows: [[f32; 4]; 3],
+    pub(super) subpatch: u32,
+    pub(super) part: Part,
+    /// Whether a trimming curve crosses it, so that its points must be asked for one by one.
     pub(super) crossed: bool,
 }
 
-fn largest(vectors: impl Iterator<Item = DVec3>) -> f64 {
-    vectors.fold(0.0, |most: f64, v| most.max(v.length()))
+/// A leaf as seen along a ray that may meet it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Look {
+    /// Its half tangents, and how far its Jacobian strays from them, at most.
+    pub(super) certificate: Certificate,
+    /// Inverse of their determinant.
+    pub(super) per: f64,
+    /// Where the ray meets the parallelogram, in (s, t).
+    pub(super) flat: DVec2,
+    /// Whether it has one root at most.
+    pub(super) certified: bool,
 }
 
-impl Frame {
-    /// The frame of a net of `degrees`.
-    pub(super) fn new(points: &[DVec4], degrees: (usize, usize)) -> Self {
-        let middle = net::jet(points, degrees, 0.5, 0.5);
-        let (center, a, b) = (middle.s, middle.su * 0.5, middle.sv * 0.5);
-        let (reach, m_a, m_b, bend) = if points.iter().all(|p| p.w == 1.0) {
-            polynomial_bounds(points, degrees, center, a, b)
-        } else {
-            rational_bounds(points, degrees, center, a, b)
-        };
-        // The bounds themselves are rounded, and so is the net of the leaf.
-        let size = largest(points.iter().map(|p| p.truncate() / p.w));
-        let reach = reach * (1.0 + 1e-12) + gamma(64) * size;
+/// The nearest, and by how much it is off.
+fn rounded(v: DVec3) -> ([f32; 3], f64) {
+    let nearest = v.to_array().map(|x| x as f32);
+    (nearest, (v - DVec3::from(nearest.map(f64::from))).length())
+}
+
+fn up(x: f64) -> f32 {
+    (x as f32).next_up()
+}
+
+impl Look {
+    /// By how much rounding may move a root.
+    #[inline(always)]
+    pub(super) fn blur(&self, limits: &Limits) -> DVec2 {
+        self.certificate.blur(self.per, limits)
+    }
+}
+
+impl Leaf {
+    /// `origin` is the centre of the surface.
+    pub(super) fn new(draft: &Draft, origin: DVec3) -> Self {
+        let Frame { center, along_u, along_v, reach, stray_squared, bend } = draft.frame;
+        let ((c, off_c), (u, off_u), (v, off_v)) =
+            (rounded(center - origin), rounded(along_u), rounded(along_v));
+        // The difference itself is rounded as well.
+        let size = center.abs().max(origin.abs()).max_element();
+        let reach = reach + off_c + off_u + off_v + 4.0 * f64::EPSILON * size;
+        let stray = stray_squared.sqrt() + off_u.hypot(off_v);
+        let last = [up(reach), up(stray * stray * (1.0 + 1e-12)), up(bend)];
         Self {
-            center,
-            along_u: a,
-            along_v: b,
-            reach,
-            stray_squared: (m_a * m_a + m_b * m_b) * (1.0 + 1e-12),
-            bend,
+            rows: [0, 1, 2].map(|k| [c[k], u[k], v[k], last[k]]),
+            subpatch: draft.subpatch,
+            part: draft.part,
+            crossed: draft.crossed,
         }
     }
 
-    /// How far from a parallelogram: the bound on the relative change of the Jacobian, seen along the normal.
-    pub(super) fn unevenness(&self) -> f64 {
-        let area = self.along_u.cross(self.along_v).length_squared();
-        (self.stray_squared * (self.along_u.length_squared() + self.along_v.length_squared()) / area).sqrt()
+    /// Bound on the half of any second derivative by (s, t); infinite if weights differ.
+    #[inline(always)]
+    pub(super) fn bend(&self) -> f64 {
+        self.rows[2][3].into()
     }
 
-    /// A box around the parallelogram and its reach.
-    pub(super) fn bounds(&self) -> Bounds3 {
-        let half = self.along_u.abs() + self.along_v.abs() + DVec3::splat(self.reach);
-        Bounds3::new(self.center - half, self.center + half)
-    }
-}
-
-/// Reach, strays and bend of a polynomial patch from its coefficients, which bound it as their hull does.
-fn polynomial_bounds(
-    points: &[DVec4],
-    (p, q): (usize, usize),
-    center: DVec3,
-    a: DVec3,
-    b: DVec3,
-) -> (f64, f64, f64, f64) {
-    let at = |i: usize, j: usize| points[i * (q + 1) + j].truncate();
-    let along = |i: usize, degree: usize| 2.0 * i as f64 / degree as f64 - 1.0;
-    let (dp, dq) = (0.5 * p as f64, 0.5 * q as f64);
-    let (ddp, ddq) = (0.5 * dp * (p as f64 - 1.0), 0.5 * dq * (q as f64 - 1.0));
-    // Squares: reach, strays, and second derivatives by (s, t), halved where they are pure.
-    let mut most = [0.0_f64; 6];
-    let mut meet = |k: usize, v: DVec3| most[k] = most[k].max(v.length_squared());
-    for i in 0..=p {
-        for j in 0..=q {
-            let here = at(i, j);
-            meet(0, here - center - a * along(i, p) - b * along(j, q));
-            if i < p {
-                meet(1, (at(i + 1, j) - here) * dp - a);
-            }
-            if j < q {
-                meet(2, (at(i, j + 1) - here) * dq - b);
-            }
-            if i + 2 <= p {
-                meet(3, (at(i + 2, j) - at(i + 1, j) * 2.0 + here) * ddp);
-            }
-            if i < p && j < q {
-                meet(4, (at(i + 1, j + 1) - at(i + 1, j) - at(i, j + 1) + here) * (dp * dq));
-            }
-            if j + 2 <= q {
-                meet(5, (at(i, j + 2) - at(i, j + 1) * 2.0 + here) * ddq);
-            }
+    /// `None` if the ray passes it.
+    #[inline(always)]
+    pub(super) fn look<S: Simd>(&self, simd: S, probe: &Probe) -> Option<Look> {
+        let [x, y, z] = &self.rows;
+        let rows = [simd.widen(x), simd.widen(y), simd.widen(z)];
+        let [first, second] = probe.axes;
+        let (p, q) = (along(simd, &rows, first), along(simd, &rows, second));
+        let c = DVec2::new(p[0], q[0]) + probe.center;
+        let (a, b) = (DVec2::new(p[1], q[1]), DVec2::new(p[2], q[2]));
+        let det = cross(a, b);
+        let (s, t) = (-cross(c, b), -cross(a, c));
+        let (a2, b2) = (a.length_squared(), b.length_squared());
+        // Whichever way the leaf is evaluated.
+        let noise = POWERS * probe.noise;
+        let reach = f64::from(x[3]) + noise;
+        // |s| > 1 + reach |b| / |det| without a division; squares would need a root either way.
+        let outside = |s: f64, across: f64| {
+            let beyond = s.abs() - det.abs();
+            beyond > 0.0 && beyond * beyond > reach * reach * across
+        };
+        if outside(s, b2) || outside(t, a2) {
+            return None;
         }
-    }
-    let [reach, m_a, m_b, uu, uv, vv] = most.map(f64::sqrt);
-    (reach, m_a, m_b, uu + uv + vv)
-}
-
-/// The same for a rational patch S = X / W: quotients are bounded by their numerator over the least denominator.
-fn rational_bounds(
-    points: &[DVec4],
-    degrees: (usize, usize),
-    center: DVec3,
-    a: DVec3,
-    b: DVec3,
-) -> (f64, f64, f64, f64) {
-    // About the centre, so that the products cancel as little as they can.
-    let space = Poly { degrees, coefficients: points.iter().map(|p| p.truncate() - center * p.w).collect() };
-    let weight = Poly { degrees, coefficients: points.iter().map(|p| p.w).collect() };
-    let least = points.iter().fold(f64::INFINITY, |least, p| least.min(p.w));
-    // s a + t b at the corners.
-    let affine = [[-a - b, a - b], [b - a, a + b]];
-    let apart = |x: Poly<DVec3>, y: Poly<DVec3>| {
-        largest(x.coefficients.iter().zip(&y.coefficients).map(|(&x, &y)| x - y))
-    };
-    let reach = apart(space.clone().elevated((1, 1)), weight.times_bilinear(affine)) / least;
-    // S_s - a = (X_s - S W_s - a W) / W, where S is s a + t b but for the reach.
-    let stray = |by_first: bool, along: DVec3| {
-        let rise = weight.derivative(by_first);
-        let steepest = rise.coefficients.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
-        let mean =
-            Poly { degrees, coefficients: weight.coefficients.iter().map(|&w| along * (2.0 * w)).collect() };
-        let mean = mean.elevated(if by_first { (0, 1) } else { (1, 0) });
-        let mut fall = rise.times_bilinear(affine);
-        for (fall, mean) in fall.coefficients.iter_mut().zip(&mean.coefficients) {
-            *fall += *mean;
-        }
-        // By s, which goes twice as far as u.
-        0.5 * (apart(space.derivative(by_first).elevated((1, 1)), fall) + reach * steepest) / least
-    };
-    (reach, stray(true, a), stray(false, b), f64::INFINITY)
-}
-
-impl Draft {
-    pub(super) fn new(patch: u32, rect: Rect, net: Vec<DVec4>, degrees: (usize, usize)) -> Self {
-        let frame = Frame::new(&net, degrees);
-        let hull = net.iter().fold(Bounds3::EMPTY, |b, p| b.including(p.truncate() / p.w));
-        // Both hold the leaf. The reach covers the rounding of the net, which the hull does not know of.
-        let size = hull.min.abs().max(hull.max.abs()).max_element();
-        let pad = DVec3::splat(gamma(64) * size);
-        let thick = frame.bounds();
-        let bounds = Bounds3::new((hull.min - pad).max(thick.min), (hull.max + pad).min(thick.max));
-        Self { frame, bounds, patch, rect, degrees, net, crossed: false }
-    }
-
-    /// Whether all weights are 1.
-    pub(super) fn is_polynomial(&self) -> bool {
-        self.net.iter().all(|p| p.w == 1.0)
-    }
-
-    /// The largest weight over the smallest.
-    pub(super) fn weight_ratio(&self) -> f64 {
-        let (low, high) =
-            self.net.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), p| (low.min(p.w), high.max(p.w)));
-        high / low
-    }
-
-    /// Halves it across the direction in which it bends more.
-    pub(super) fn halves(&self) -> [Self; 2] {
-        let degrees = self.degrees;
-        let across_u = bends_along_u(&self.net, degrees);
-        let [low, high] = net::split(&self.net, degrees, across_u);
-        let [below, above] = self.rect.halves(across_u);
-        [Self::new(self.patch, below, low, degrees), Self::new(self.patch, above, high, degrees)]
+        // Where rounding moves the root by more than a part of the leaf, nothing is certified. NaN says no.
+        let unsure = 16.0 * noise;
+        let q2 = (f64::from(y[3]) + unsure * unsure) * (a2 + b2);
+        let per = 1.0 / det;
+        Some(Look {
+            certificate: Certificate { a, b, q: q2.sqrt() * per.abs() },
+            per,
+            flat: DVec2::new(s, t) * per,
+            certified: q2 < CERTIFIED * CERTIFIED * det * det,
+        })
     }
 }
 
-/// Whether the control polygons along u bend more than those along v; where neither bends, whether they are longer.
-fn bends_along_u(points: &[DVec4], (p, q): (usize, usize)) -> bool {
-    let at = |i: usize, j: usize| {
-        let point = points[i * (q + 1) + j];
-        point.truncate() / point.w
-    };
-    let (mut u, mut v) = ([0.0_f64; 2], [0.0_f64; 2]);
-    for i in 0..=p {
-        for j in 0..=q {
-            if i >= 1 {
-                u[0] = u[0].max((at(i, j) - at(i - 1, j)).length() * p as f64);
-            }
-            if j >= 1 {
-                v[0] = v[0].max((at(i, j) - at(i, j - 1)).length() * q as f64);
-            }
-            if i >= 2 {
-                let bend = at(i, j) - at(i - 1, j) * 2.0 + at(i - 2, j);
-                u[1] = u[1].max(bend.length() * (p * (p - 1)) as f64);
-            }
-            if j >= 2 {
-                let bend = at(i, j) - at(i, j - 1) * 2.0 + at(i, j - 2);
-                v[1] = v[1].max(bend.length() * (q * (q - 1)) as f64);
-            }
-        }
-    }
-    // A twisted patch without curved lines is cut across its longer side.
-    u[1] + 1e-3 * u[0] >= v[1] + 1e-3 * v[0]
+/// Columns of `rows` along a direction.
+#[inline(always)]
+fn along<S: Simd>(simd: S, [x, y, z]: &[S::F64; 3], axis: DVec3) -> [f64; 4] {
+    let sum = simd.mul64(*x, simd.splat64(axis.x));
+    let sum = simd.mul_add64(*y, simd.splat64(axis.y), sum);
+    simd.store64(simd.mul_add64(*z, simd.splat64(axis.z), sum))
 }

@@ -3,9 +3,9 @@
 //! A [`Freeform`] is made of [`Piece`]s, patches over parts of a parameter domain: the Bézier pieces of a spline
 //! surface, a list of patches, the quadrilaterals of triangular patches. They are cut into *leaves* that are almost
 //! parallelograms, and a hierarchy is built over these. Every root of a ray is found, none twice, none is invented:
-//! `leaf` bounds how far a leaf is from a parallelogram; `bicubic` and `view` for low degrees, `search` for all
-//! others use that to exclude it, or to certify that it has one root at most, which `contract` finds; `cells` splits
-//! what is neither. `net` evaluates.
+//! `draft` bounds how far a leaf is from a parallelogram; `leaf` uses that to exclude it, or to certify that it has one root
+//! at most. That is found in the patch that the leaf is a part of, by `bicubic` and `view` for low degrees, `search` for all
+//! others, with `contract` where it is next to a border; `cells` splits what is not certified. `net` evaluates.
 //!
 //! ```
 //! use glanz_geometry::bezier::TensorPatch;
@@ -30,14 +30,16 @@ mod bicubic;
 mod build;
 mod cells;
 mod contract;
+mod draft;
 mod leaf;
-mod leaves;
 mod net;
 pub mod newton;
+mod part;
 mod piece;
 mod point;
 mod query;
 mod search;
+mod subpatches;
 #[cfg(test)]
 mod tests;
 mod view;
@@ -47,13 +49,13 @@ use std::sync::{Arc, OnceLock};
 
 use glanz_math::{AreaPdf, Bounds3, DVec2, Ray};
 
-use self::leaf::Rect;
-use self::leaves::Leaves;
+use self::leaf::Leaf;
 pub use self::net::MAX_DEGREE;
 pub use self::piece::Piece;
 use self::point::Areas;
 use self::query::{Closest, Every, Occluded};
 use self::search::{Root, Sight};
+use self::subpatches::{Forms, Place};
 use crate::bvh::{Bvh, Statistics};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::surface::RaySurface;
@@ -71,23 +73,16 @@ pub struct Freeform {
     /// Diagonal of a box around the control points, metres.
     extent: f64,
     bvh: Bvh,
-    /// By position in the hierarchy, as the next ones.
-    leaves: Leaves,
+    /// By position in the hierarchy.
+    leaves: Vec<Leaf>,
+    /// What they are parts of, and where that is.
+    forms: Forms,
     places: Vec<Place>,
     sight: Sight,
     /// Leaves without certified answer: see [`Freeform::undecided`].
     undecided: AtomicU64,
     /// Only surfaces that shine need it.
     areas: OnceLock<Areas>,
-}
-
-/// Which part of which piece a leaf is.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    piece: u32,
-    /// Whether a trimming curve crosses it, so that its points must be asked for one by one.
-    crossed: bool,
-    rect: Rect,
 }
 
 impl Freeform {
@@ -113,7 +108,7 @@ impl Freeform {
     /// Whether the trimming region keeps a root in a leaf that a curve of it crosses.
     #[cold]
     fn keeps(&self, place: &Place, root: &Root) -> bool {
-        let (u, v) = place.rect.at(root.x, root.y);
+        let DVec2 { x: u, y: v } = place.part.at(root.at);
         let region_and_piece = self.region.as_ref().zip(self.pieces.get(place.piece as usize));
         region_and_piece.is_none_or(|(region, piece)| region.contains(piece.parameters(u, v)))
     }
@@ -136,7 +131,8 @@ impl Freeform {
         let patches: usize = self.pieces.iter().map(|p| size_of_val(p.patch.control_points())).sum();
         size_of_val(&*self.pieces)
             + patches
-            + self.leaves.bytes()
+            + size_of_val(&*self.leaves)
+            + self.forms.bytes()
             + size_of_val(&*self.places)
             + self.statistics().bytes
     }

@@ -2,7 +2,7 @@
 
 use glanz_math::DVec2;
 
-use super::leaf::Rect;
+use super::part::Rect;
 use crate::bezier::TensorPatch;
 use crate::error::{SurfaceError, finite};
 

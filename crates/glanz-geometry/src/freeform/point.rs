@@ -2,8 +2,10 @@
 
 use glanz_math::{AreaPdf, DVec2, DVec3};
 
-use super::leaf::Rect;
+use super::leaf::Leaf;
 use super::net::{Jet, jet};
+use super::part::Rect;
+use super::subpatches::Place;
 use super::{Freeform, Piece};
 use crate::bilinear::sample_linear;
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
@@ -89,7 +91,11 @@ fn stretch(piece: &Piece, u: f64, v: f64) -> f64 {
 impl Freeform {
     pub(super) fn areas(&self) -> &Areas {
         self.areas.get_or_init(|| {
-            let mut leaves: Vec<(u32, Rect)> = self.places.iter().map(|p| (p.piece, p.rect)).collect();
+            let whole = |leaf: &Leaf| {
+                let Place { piece, part } = *self.places.get(leaf.subpatch as usize)?;
+                Some((piece, leaf.part.within(part).rect()))
+            };
+            let mut leaves: Vec<(u32, Rect)> = self.leaves.iter().filter_map(whole).collect();
             leaves.sort_by(|(a, ra), (b, rb)| {
                 a.cmp(b).then(ra.u[0].total_cmp(&rb.u[0])).then(ra.v[0].total_cmp(&rb.v[0]))
             });

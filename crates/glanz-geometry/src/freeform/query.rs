@@ -3,40 +3,50 @@
 use std::cmp::Ordering;
 use std::sync::atomic;
 
-use glanz_math::Ray;
+use glanz_math::{DVec2, Ray};
 
-use super::leaves::{LeafList, Leaves};
+use super::Freeform;
+use super::leaf::Leaf;
 use super::search::{OnRoot, Probe, Root, Scratch};
-use super::{Freeform, Place};
+use super::subpatches::{FormList, Forms, Place};
 use crate::bvh::simd::{Simd, Task};
-use crate::bvh::{Leaf, Visit};
+use crate::bvh::{self, Visit};
 use crate::hit::Hit;
 
-/// Runs `$task` on the leaves of a surface, whichever kind they are.
-macro_rules! on_leaves {
-    ($surface:expr, $leaves:ident => $run:expr) => {
-        match &$surface.leaves {
-            Leaves::Polynomial($leaves) => $run,
-            Leaves::Rational($leaves) => $run,
-            Leaves::General($leaves) => $run,
+/// Runs `$run` on the subpatches of a surface, whichever kind they are.
+macro_rules! on_forms {
+    ($surface:expr, $forms:ident => $run:expr) => {
+        match &$surface.forms {
+            Forms::Polynomial(list) => {
+                let $forms = &**list;
+                $run
+            }
+            Forms::Rational(list) => {
+                let $forms = &**list;
+                $run
+            }
+            Forms::General(list) => {
+                let $forms = &**list;
+                $run
+            }
         }
     };
 }
 
 /// What all queries carry from leaf to leaf.
-struct Walk<'a, L: ?Sized> {
+struct Walk<'a, F: ?Sized> {
     surface: &'a Freeform,
-    leaves: &'a L,
+    forms: &'a F,
     ray: &'a Ray,
     /// From the first box on: many rays meet none.
     probe: Option<Probe>,
     scratch: Scratch,
 }
 
-impl<'a, L: LeafList + ?Sized> Walk<'a, L> {
+impl<'a, F: FormList + ?Sized> Walk<'a, F> {
     #[inline(always)]
-    fn new(surface: &'a Freeform, leaves: &'a L, ray: &'a Ray) -> Self {
-        Self { surface, leaves, ray, probe: None, scratch: Scratch::default() }
+    fn new(surface: &'a Freeform, forms: &'a F, ray: &'a Ray) -> Self {
+        Self { surface, forms, ray, probe: None, scratch: Scratch::default() }
     }
 
     /// Makes the ray ready for leaves.
@@ -47,10 +57,19 @@ impl<'a, L: LeafList + ?Sized> Walk<'a, L> {
 
     /// Tells `report` of every root in a leaf of the hierarchy.
     #[inline(always)]
-    fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, report: &mut impl Report) {
-        let Self { surface, leaves, probe, scratch, .. } = self;
-        let (Some(place), Some(probe)) = (surface.places.get(leaf.ordinal()), probe) else { return };
-        leaves.roots(simd, leaf.ordinal(), probe, scratch, &mut InLeaf { report, surface, probe, place });
+    fn leaf<S: Simd>(&mut self, simd: S, leaf: bvh::Leaf, report: &mut impl Report) {
+        let Self { surface, forms, probe, scratch, .. } = self;
+        let (Some(leaf), Some(probe)) = (surface.leaves.get(leaf.ordinal()), probe) else { return };
+        let Some(look) = leaf.look(simd, probe) else { return };
+        forms.roots(simd, leaf, &look, probe, scratch, &mut InLeaf { report, surface, probe, leaf });
+    }
+
+    /// Asks the memory for a leaf.
+    #[inline(always)]
+    fn prefetch<S: Simd>(&self, simd: S, leaf: bvh::Leaf) {
+        if let Some(leaf) = self.surface.leaves.get(leaf.ordinal()) {
+            simd.prefetch(leaf);
+        }
     }
 }
 
@@ -64,19 +83,20 @@ struct InLeaf<'a, R> {
     report: &'a mut R,
     surface: &'a Freeform,
     probe: &'a Probe,
-    place: &'a Place,
+    leaf: &'a Leaf,
 }
 
 impl<R: Report> OnRoot for InLeaf<'_, R> {
     #[inline(always)]
     fn root(&mut self, root: Root) {
-        if !self.place.crossed || self.surface.keeps(self.place, &root) {
-            self.report.root(self.probe, self.place, root);
+        let Some(place) = self.surface.places.get(self.leaf.subpatch as usize) else { return };
+        if !self.leaf.crossed || self.surface.keeps(place, &root) {
+            self.report.root(self.probe, place, root);
         }
     }
 }
 
-impl<L: ?Sized> Drop for Walk<'_, L> {
+impl<F: ?Sized> Drop for Walk<'_, F> {
     #[inline(always)]
     fn drop(&mut self) {
         if self.scratch.undecided > 0 {
@@ -87,7 +107,7 @@ impl<L: ?Sized> Drop for Walk<'_, L> {
 
 #[inline(always)]
 fn hit(t: f64, place: &Place, root: &Root) -> Hit {
-    let (u, v) = place.rect.at(root.x, root.y);
+    let DVec2 { x: u, y: v } = place.part.at(root.at);
     Hit { t, u, v, face: place.piece }
 }
 
@@ -110,17 +130,17 @@ impl Task for Closest<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Option<Hit> {
         let Self { surface, ray, t_max } = self;
-        on_leaves!(surface, leaves => {
+        on_forms!(surface, forms => {
             let best = Best { hit: None, end: t_max };
-            let mut visit = ClosestVisit { walk: Walk::new(surface, leaves, ray), best };
+            let mut visit = ClosestVisit { walk: Walk::new(surface, forms, ray), best };
             surface.bvh.closest_with(simd, ray, t_max, &mut visit);
             visit.best.hit
         })
     }
 }
 
-struct ClosestVisit<'a, L> {
-    walk: Walk<'a, L>,
+struct ClosestVisit<'a, F: ?Sized> {
+    walk: Walk<'a, F>,
     best: Best,
 }
 
@@ -144,21 +164,21 @@ impl Report for Best {
     }
 }
 
-impl<L: LeafList> Visit for &mut ClosestVisit<'_, L> {
+impl<F: FormList + ?Sized> Visit for &mut ClosestVisit<'_, F> {
     #[inline(always)]
     fn prepare(&mut self) {
         self.walk.prepare();
     }
 
     #[inline(always)]
-    fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, _: f64) -> f64 {
+    fn leaf<S: Simd>(&mut self, simd: S, leaf: bvh::Leaf, _: f64) -> f64 {
         self.walk.leaf(simd, leaf, &mut self.best);
         self.best.end
     }
 
     #[inline(always)]
-    fn prefetch<S: Simd>(&self, simd: S, leaf: Leaf) {
-        self.walk.leaves.prefetch(simd, leaf.ordinal());
+    fn prefetch<S: Simd>(&self, simd: S, leaf: bvh::Leaf) {
+        self.walk.prefetch(simd, leaf);
     }
 }
 
@@ -175,16 +195,16 @@ impl Task for Occluded<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> bool {
         let Self { surface, ray, t_max } = self;
-        on_leaves!(surface, leaves => {
+        on_forms!(surface, forms => {
             let before = Before { end: t_max, met: false };
-            let mut visit = OccludedVisit { walk: Walk::new(surface, leaves, ray), before };
+            let mut visit = OccludedVisit { walk: Walk::new(surface, forms, ray), before };
             surface.bvh.any_with(simd, ray, t_max, &mut visit)
         })
     }
 }
 
-struct OccludedVisit<'a, L> {
-    walk: Walk<'a, L>,
+struct OccludedVisit<'a, F: ?Sized> {
+    walk: Walk<'a, F>,
     before: Before,
 }
 
@@ -202,21 +222,21 @@ impl Report for Before {
     }
 }
 
-impl<L: LeafList> Visit for &mut OccludedVisit<'_, L> {
+impl<F: FormList + ?Sized> Visit for &mut OccludedVisit<'_, F> {
     #[inline(always)]
     fn prepare(&mut self) {
         self.walk.prepare();
     }
 
     #[inline(always)]
-    fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, t_max: f64) -> f64 {
+    fn leaf<S: Simd>(&mut self, simd: S, leaf: bvh::Leaf, t_max: f64) -> f64 {
         self.walk.leaf(simd, leaf, &mut self.before);
         if self.before.met { f64::NEG_INFINITY } else { t_max }
     }
 
     #[inline(always)]
-    fn prefetch<S: Simd>(&self, simd: S, leaf: Leaf) {
-        self.walk.leaves.prefetch(simd, leaf.ordinal());
+    fn prefetch<S: Simd>(&self, simd: S, leaf: bvh::Leaf) {
+        self.walk.prefetch(simd, leaf);
     }
 }
 
@@ -234,8 +254,8 @@ impl Task for Every<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         let Self { surface, ray, t_max, hits } = self;
-        let mut found = on_leaves!(surface, leaves => {
-            let walk = Walk::new(surface, leaves, ray);
+        let mut found = on_forms!(surface, forms => {
+            let walk = Walk::new(surface, forms, ray);
             let mut visit = EveryVisit { walk, all: All { found: Vec::new(), end: t_max } };
             surface.bvh.closest_with(simd, ray, t_max, &mut visit);
             visit.all.found
@@ -283,8 +303,8 @@ impl Found {
     }
 }
 
-struct EveryVisit<'a, L> {
-    walk: Walk<'a, L>,
+struct EveryVisit<'a, F: ?Sized> {
+    walk: Walk<'a, F>,
     all: All,
 }
 
@@ -298,23 +318,21 @@ impl Report for All {
     fn root(&mut self, probe: &Probe, place: &Place, root: Root) {
         let t = probe.line.t(root.s);
         if t > 0.0 && t < self.end {
-            let Place { rect, .. } = place;
-            let blur = [(rect.u, root.blur.x), (rect.v, root.blur.y)]
-                .map(|([low, high], blur)| blur * (high - low) + f64::EPSILON);
+            let blur = (root.blur * place.part.width() + f64::EPSILON).to_array();
             let root = Root { reach: root.reach + probe.noise, ..root };
             self.found.push(Found { hit: hit(t, place, &root), root, blur });
         }
     }
 }
 
-impl<L: LeafList> Visit for &mut EveryVisit<'_, L> {
+impl<F: FormList + ?Sized> Visit for &mut EveryVisit<'_, F> {
     #[inline(always)]
     fn prepare(&mut self) {
         self.walk.prepare();
     }
 
     #[inline(always)]
-    fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, t_max: f64) -> f64 {
+    fn leaf<S: Simd>(&mut self, simd: S, leaf: bvh::Leaf, t_max: f64) -> f64 {
         self.walk.leaf(simd, leaf, &mut self.all);
         t_max
     }

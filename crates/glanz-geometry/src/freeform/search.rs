@@ -14,14 +14,12 @@ use glanz_math::rounding::gamma;
 use glanz_math::{Bounds3, DVec2, DVec3, Frame as Axes, Ray};
 
 use super::cells::{self, Patch};
-use super::contract::{Certificate, GaveUp, Jet, Limits, Map, Place, contract};
-use super::leaf::Frame;
+use super::contract::{GaveUp, Jet, Limits, Map, Place, contract};
+use super::leaf::{Leaf, Look};
 use super::net;
+use super::part::Part;
 use crate::bvh::simd::Simd;
 use crate::line::Line;
-
-/// Largest factor q at which step 2 is taken.
-const CERTIFIED: f64 = 0.85;
 
 /// Steps in a certified leaf. Those of the contraction alone would be more; then the slow way is taken.
 const MOST_STEPS: usize = 24;
@@ -45,22 +43,31 @@ pub(super) struct Probe {
     pub(super) line: Line,
     /// Unit vectors across the ray.
     pub(super) axes: [DVec3; 2],
+    /// The centre of the surface as it is seen along the ray.
+    pub(super) center: DVec2,
     /// Metres that a computed point of the surface may be off across the ray, by rounding.
     pub(super) noise: f64,
 }
 
-/// A root in the parameters of its leaf.
+/// A root in the parameters of its subpatch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Root {
     /// Arc length along [`Probe::line`], metres.
     pub(super) s: f64,
-    /// In [0, 1].
-    pub(super) x: f64,
-    pub(super) y: f64,
-    /// By how much rounding may move it, in the leaf's parameters.
+    /// In [0, 1]^2.
+    pub(super) at: DVec2,
+    /// By how much rounding may move it, in the same parameters.
     pub(super) blur: DVec2,
     /// The same in metres along the surface.
     pub(super) reach: f64,
+}
+
+impl Root {
+    /// From the parameters of a part to those of the whole.
+    #[inline(always)]
+    pub(super) fn of_part(self, part: Part) -> Self {
+        Self { at: part.at(self.at), blur: self.blur * part.width(), ..self }
+    }
 }
 
 /// Point and first derivatives.
@@ -74,7 +81,7 @@ pub(super) struct Tangent {
 /// What all rays of a surface share.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight {
-    center: DVec3,
+    pub(super) center: DVec3,
     /// From farther away than this from the centre, squared, rays are moved next to it.
     far_squared: f64,
     /// Largest coordinate, metres.
@@ -103,7 +110,9 @@ impl Sight {
         let line = if far { Line::nearest_to(ray, self.center) } else { Line::new(ray, 0.0) };
         let axes = Axes::from_z(line.direction);
         let noise = self.relative * (self.size + line.origin.abs().max_element());
-        Probe { line, axes: [axes.x, axes.y], noise }
+        let from = self.center - line.origin;
+        let center = DVec2::new(axes.x.dot(from), axes.y.dot(from));
+        Probe { line, axes: [axes.x, axes.y], center, noise }
     }
 }
 
@@ -115,32 +124,41 @@ impl Probe {
     }
 }
 
-impl Patch for Net<'_> {
+/// A leaf of any degree: a part of a net.
+#[derive(Clone, Copy, Debug)]
+struct NetLeaf<'a> {
+    net: Net<'a>,
+    part: Part,
+}
+
+impl Patch for NetLeaf<'_> {
     fn degrees(&self) -> (usize, usize) {
-        self.degrees
+        self.net.degrees
     }
 
     fn project(&self, probe: &Probe, cells: &mut Vec<f64>) -> f64 {
         cells.clear();
-        let (p, q) = self.degrees;
+        let Net { degrees: (p, q), points } = self.net;
         let o = probe.line.origin;
         for axis in probe.axes {
             for j in 0..=q {
-                let column = self.points.iter().skip(j).step_by(q + 1).take(p + 1);
+                let column = points.iter().skip(j).step_by(q + 1).take(p + 1);
                 cells.extend(column.map(|h| axis.dot(h.truncate() - o * h.w)));
             }
         }
-        if self.points.iter().any(|h| h.w != 1.0) {
+        if points.iter().any(|h| h.w != 1.0) {
             for j in 0..=q {
-                cells.extend(self.points.iter().skip(j).step_by(q + 1).take(p + 1).map(|h| h.w));
+                cells.extend(points.iter().skip(j).step_by(q + 1).take(p + 1).map(|h| h.w));
             }
         }
+        cells::restrict(cells, (p, q), self.part);
         2.0 * probe.noise
     }
 
     fn tangent(&self, x: f64, y: f64) -> Tangent {
-        let net::Jet { s, su, sv, .. } = net::jet(self.points, self.degrees, x, y);
-        Tangent { s, su, sv }
+        let (at, width) = (self.part.at(DVec2::new(x, y)), self.part.width());
+        let net::Jet { s, su, sv, .. } = net::jet(self.net.points, self.net.degrees, at.x, at.y);
+        Tangent { s, su: su * width.x, sv: sv * width.y }
     }
 
     fn noise(&self, probe: &Probe) -> f64 {
@@ -152,6 +170,9 @@ impl Patch for Net<'_> {
 struct Seen<'a, S> {
     simd: S,
     net: Net<'a>,
+    /// Its middle and half its sides, in [0, 1]^2.
+    middle: DVec2,
+    half: DVec2,
     probe: &'a Probe,
 }
 
@@ -159,9 +180,12 @@ impl<S: Simd> Map for Seen<'_, S> {
     #[inline(always)]
     fn jet(&self, x: DVec2) -> Jet {
         let Tangent { s, su, sv } = self.tangent(x);
-        let probe = self.probe;
-        // Derivatives by (s, t) are half of those by (u, v).
-        Jet { f: probe.across(s - probe.line.origin), fs: 0.5 * probe.across(su), ft: 0.5 * probe.across(sv) }
+        let Self { half, probe, .. } = self;
+        Jet {
+            f: probe.across(s - probe.line.origin),
+            fs: half.x * probe.across(su),
+            ft: half.y * probe.across(sv),
+        }
     }
 
     #[inline(always)]
@@ -171,10 +195,12 @@ impl<S: Simd> Map for Seen<'_, S> {
 }
 
 impl<S: Simd> Seen<'_, S> {
+    /// At a place of the leaf, with the derivatives by the parameters of the net.
     #[inline(always)]
     fn tangent(&self, x: DVec2) -> Tangent {
-        let Self { simd, net: Net { degrees, points }, .. } = *self;
-        let [h, hu, hv] = net::first_order(simd, points, degrees, 0.5 + 0.5 * x.x, 0.5 + 0.5 * x.y);
+        let Self { simd, net: Net { degrees, points }, middle, half, .. } = *self;
+        let at = middle + half * x;
+        let [h, hu, hv] = net::first_order(simd, points, degrees, at.x, at.y);
         let per = 1.0 / h.w;
         let s = h.truncate() * per;
         let part = |d: DVec4| (d.truncate() - s * d.w) * per;
@@ -228,54 +254,36 @@ pub(super) struct Scratch {
     pub(super) undecided: u64,
 }
 
-/// Reports every root of the leaf, in no order.
+/// Reports every root of the leaf of `net`, in no order.
 #[inline(always)]
-pub(super) fn roots<'a, S: Simd>(
+pub(super) fn roots<S: Simd>(
     simd: S,
-    frame: &Frame,
-    net: impl FnOnce() -> Net<'a>,
+    net: Net<'_>,
+    leaf: &Leaf,
+    look: &Look,
     probe: &Probe,
     scratch: &mut Scratch,
     report: &mut impl OnRoot,
 ) {
-    let c = probe.across(frame.center - probe.line.origin);
-    let (a, b) = (probe.across(frame.along_u), probe.across(frame.along_v));
-    let det = cross(a, b);
-    let (s, t) = (-cross(c, b), -cross(a, c));
-    let (a2, b2) = (a.length_squared(), b.length_squared());
-    let reach = frame.reach + probe.noise;
-    // |s| > 1 + reach |b| / |det| without a division; squares would need a root either way.
-    let outside = |s: f64, across: f64| {
-        let beyond = s.abs() - det.abs();
-        beyond > 0.0 && beyond * beyond > reach * reach * across
-    };
-    if outside(s, b2) || outside(t, a2) {
-        return;
-    }
-    let net = net();
-    // Where rounding moves the root by more than a part of the leaf, nothing is certified.
-    let unsure = 16.0 * probe.noise;
-    let q2 = (frame.stray_squared + unsure * unsure) * (a2 + b2);
-    if q2 < CERTIFIED * CERTIFIED * det * det {
-        let certificate = Certificate { a, b, q: q2.sqrt() / det.abs() };
-        let limits = Limits { noise: probe.noise, bend: frame.bend, weights: [1.0; 2], steps: MOST_STEPS };
-        let map = Seen { simd, net, probe };
-        match contract(&map, &certificate, &limits, DVec2::new(s, t) / det) {
+    let part = leaf.part;
+    if look.certified {
+        let limits = Limits { noise: probe.noise, bend: leaf.bend(), weights: [1.0; 2], steps: MOST_STEPS };
+        let half = 0.5 * part.width();
+        let map = Seen { simd, net, middle: part.at(DVec2::splat(0.5)), half, probe };
+        match contract(&map, &look.certificate, &limits, look.flat) {
             Ok(None) => return,
             Ok(Some(place)) => {
-                let from = map.tangent(place.at).s - probe.line.origin;
-                let reach = place.blur.x * frame.along_u.length() + place.blur.y * frame.along_v.length();
-                // From parameters in [-1, 1] to those in [0, 1].
-                let (x, y) = (0.5 + 0.5 * place.at.x, 0.5 + 0.5 * place.at.y);
-                let s = probe.line.direction.dot(from);
-                report.root(Root { s, x, y, blur: 0.5 * place.blur, reach });
+                let Tangent { s, su, sv } = map.tangent(place.at);
+                let (at, blur) = (map.middle + half * place.at, half * place.blur);
+                let reach = blur.x * su.length() + blur.y * sv.length();
+                report.root(Root { s: probe.line.direction.dot(s - probe.line.origin), at, blur, reach });
                 return;
             }
             Err(GaveUp) => {}
         }
     }
-    cells::roots(&net, probe, scratch);
+    cells::roots(&NetLeaf { net, part }, probe, scratch);
     for root in scratch.roots.drain(..) {
-        report.root(root);
+        report.root(root.of_part(part));
     }
 }

@@ -1,4 +1,4 @@
-//! A bicubic leaf seen along a ray: two polynomials whose common roots are looked for.
+//! A bicubic patch seen along a ray: two polynomials whose common roots are looked for.
 //!
 //! Newton's method from a good start does for most rays. The others see a silhouette, a border or a strongly bent
 //! leaf: [`View::divide`] multiplies by the inverse Jacobian of the centre, so that the polynomials become (s, t)
@@ -8,11 +8,13 @@
 use glanz_math::DVec2;
 
 use super::contract::{Certificate, GaveUp, Jet, Limits, Map, Place, contract};
+use super::leaf::Look;
+use super::part::Part;
 use super::search::cross;
 use crate::bvh::simd::Simd;
 
 /// Largest bound on the change of the Jacobian, relative to that at the centre, at which a cell is certified.
-pub(super) const CERTIFIED: f64 = 0.85;
+const CERTIFIED: f64 = 0.85;
 
 /// Share of a cell by which rounding may move the root of a certified one, half of it.
 const MOST_BLUR: f64 = 0.0625;
@@ -85,20 +87,19 @@ pub(super) fn value<S: Simd>(simd: S, rows: &[S::F64; 4], at: DVec2) -> f64 {
     d.mul_add(at.y, c).mul_add(at.y, b).mul_add(at.y, a)
 }
 
-/// The cubics on the lower half of [-1, 1], or the upper one, over [-1, 1].
+/// The cubics at m + h x, by powers of x.
 #[inline(always)]
-fn halved<S: Simd>(simd: S, [a, b, c, d]: [S::F64; 4], upper: bool) -> [S::F64; 4] {
-    // x = (y - 1) / 2 or (y + 1) / 2.
-    let m = simd.splat64(if upper { 0.5 } else { -0.5 });
-    let (half, quarter, eighth) = (simd.splat64(0.5), simd.splat64(0.25), simd.splat64(0.125));
+fn moved<S: Simd>(simd: S, [a, b, c, d]: [S::F64; 4], m: f64, h: f64) -> [S::F64; 4] {
+    let (at, first, second, third) =
+        (simd.splat64(m), simd.splat64(h), simd.splat64(h * h), simd.splat64(h * h * h));
     // Taylor coefficients at m by repeated division.
-    let c1 = simd.mul_add64(d, m, c);
-    let b1 = simd.mul_add64(c1, m, b);
-    let a1 = simd.mul_add64(b1, m, a);
-    let c2 = simd.mul_add64(d, m, c1);
-    let b2 = simd.mul_add64(c2, m, b1);
-    let c3 = simd.mul_add64(d, m, c2);
-    [a1, simd.mul64(b2, half), simd.mul64(c3, quarter), simd.mul64(d, eighth)]
+    let c1 = simd.mul_add64(d, at, c);
+    let b1 = simd.mul_add64(c1, at, b);
+    let a1 = simd.mul_add64(b1, at, a);
+    let c2 = simd.mul_add64(d, at, c1);
+    let b2 = simd.mul_add64(c2, at, b1);
+    let c3 = simd.mul_add64(d, at, c2);
+    [a1, simd.mul64(b2, first), simd.mul64(c3, second), simd.mul64(d, third)]
 }
 
 impl<S: Simd> View<S> {
@@ -112,53 +113,51 @@ impl<S: Simd> View<S> {
         Jet { f: DVec2::new(f, g), fs: DVec2::new(fs, gs), ft: DVec2::new(ft, gt) }
     }
 
-    /// The root next to `flat`, where the terms of first order have theirs; `certificate` has their Jacobian.
+    /// The root in a certified part of the square, by a few steps of Newton's method from where the ray meets the
+    /// parallelogram.
     #[inline(always)]
-    pub(super) fn newton(
-        &self,
-        simd: S,
-        certificate: &Certificate,
-        per: f64,
-        flat: DVec2,
-        limits: &Limits,
-    ) -> Aim {
-        let mut x = self.start(simd, [certificate.a, certificate.b], per, flat);
-        // Two steps are needed most often; no branch between them, so that the processor need not guess.
-        x = (x - self.jet(simd, x).newton_step()).clamp(DVec2::NEG_ONE, DVec2::ONE);
+    pub(super) fn newton(&self, simd: S, look: &Look, part: Part, limits: &Limits) -> Aim {
+        let (middle, half) = (part.middle(), part.width());
+        let (low, high) = (middle - half, middle + half);
+        let mut x = middle + half * look.flat.clamp(DVec2::NEG_ONE, DVec2::ONE);
+        // Two steps are needed most often; no branch between them, so that the processor need not guess. One that leads
+        // outside is as good as any start if it is led back. NaN becomes a corner.
+        x = (x - self.jet(simd, x).newton_step()).clamp(low, high);
         for _ in 0..FEW_STEPS {
             let jet = self.jet(simd, x);
             let step = jet.newton_step();
             let next = x - step;
-            // A first step that led outside was as good as any start: what counts is that the last one ends inside. NaN does not.
-            let inside = next.abs().max_element() <= 1.0;
-            // A step whose error by curvature is below rounding needs no look at its end.
-            if inside && limits.end_with(step, &jet) {
-                return Aim::Root(next);
-            }
+            // NaN is not inside.
+            let inside = next.cmpge(low).all() && next.cmple(high).all();
             if !inside {
-                return if certificate.excludes(x, jet.f, per, limits) { Aim::Excluded } else { Aim::Open };
+                let excluded = look.certificate.excludes((x - middle) / half, jet.f, look.per, limits);
+                return if excluded { Aim::Excluded } else { Aim::Open };
+            }
+            // A step whose error by curvature is below rounding needs no look at its end.
+            if limits.end_with(step, half, &jet) {
+                return Aim::Root(next);
             }
             x = next;
         }
         Aim::Open
     }
 
-    /// Next to where the terms of second order have their root: a simplified step from the root of those of the first
-    /// order.
+    /// Over a part of the square, as over the square.
     #[inline(always)]
-    fn start(&self, simd: S, [a, b]: [DVec2; 2], per: f64, flat: DVec2) -> DVec2 {
-        let (p0, p1, p2) =
-            (simd.store64(self.first[0]), simd.store64(self.first[1]), simd.store64(self.first[2]));
-        let (q0, q1, q2) =
-            (simd.store64(self.second[0]), simd.store64(self.second[1]), simd.store64(self.second[2]));
-        let pair = |p: f64, q: f64| DVec2::new(p, q);
-        let x = flat.clamp(DVec2::NEG_ONE, DVec2::ONE);
-        let (aa, ab, bb) = (pair(p2[0], q2[0]) * x.x, pair(p1[1], q1[1]), pair(p0[2], q0[2]) * x.y);
-        let f =
-            pair(p0[0], q0[0]) + (pair(p1[0], q1[0]) + aa + ab * x.y) * x.x + (pair(p0[1], q0[1]) + bb) * x.y;
-        let next = x - DVec2::new(cross(f, b), cross(a, f)) * per;
-        // NaN stays where it was.
-        if next.abs().max_element() <= 1.5 { next.clamp(DVec2::NEG_ONE, DVec2::ONE) } else { x }
+    pub(super) fn part(&self, simd: S, middle: DVec2, half: DVec2) -> Self {
+        self.moved(simd, true, middle.x, half.x).moved(simd, false, middle.y, half.y)
+    }
+
+    /// At m + h x instead of x, for s or for t.
+    #[inline(always)]
+    fn moved(&self, simd: S, along_s: bool, m: f64, h: f64) -> Self {
+        let Self { first, second } = *self;
+        if along_s {
+            return Self { first: moved(simd, first, m, h), second: moved(simd, second, m, h) };
+        }
+        let first = moved(simd, simd.transpose64(first), m, h);
+        let second = moved(simd, simd.transpose64(second), m, h);
+        Self { first: simd.transpose64(first), second: simd.transpose64(second) }
     }
 
     /// Every root in the square, into `found`; one on the border of two cells may be there twice. `weight` is that of
@@ -225,19 +224,15 @@ impl<S: Simd> Cell<S> {
     #[inline(always)]
     fn halve(&self, simd: S, across_s: bool, upper: bool) -> Self {
         let mut cell = *self;
-        let sign = if upper { 1.0 } else { -1.0 };
-        if across_s {
-            cell.half.x *= 0.5;
-            cell.middle.x += sign * cell.half.x;
-            cell.view.first = halved(simd, self.view.first, upper);
-            cell.view.second = halved(simd, self.view.second, upper);
+        let side = if upper { 0.5 } else { -0.5 };
+        let (middle, half) = if across_s {
+            (&mut cell.middle.x, &mut cell.half.x)
         } else {
-            cell.half.y *= 0.5;
-            cell.middle.y += sign * cell.half.y;
-            let first = halved(simd, simd.transpose64(self.view.first), upper);
-            let second = halved(simd, simd.transpose64(self.view.second), upper);
-            cell.view = View { first: simd.transpose64(first), second: simd.transpose64(second) };
-        }
+            (&mut cell.middle.y, &mut cell.half.y)
+        };
+        *middle += side * *half;
+        *half *= 0.5;
+        cell.view = self.view.moved(simd, across_s, side, 0.5);
         cell.halvings += 1;
         cell
     }

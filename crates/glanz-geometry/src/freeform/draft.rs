@@ -1,0 +1,205 @@
+//! Leaves while the surface is built: parts of patches that are almost parallelograms, with bounds on how far they are not.
+
+use glanz_math::glam::DVec4;
+use glanz_math::rounding::gamma;
+use glanz_math::{Bounds3, DVec3};
+
+use super::net::{self, Poly};
+use super::part::Part;
+
+/// A leaf as a *thick parallelogram*: for (s, t) in [-1, 1]^2 the point of the surface is within `reach` of
+/// `center + s along_u + t along_v`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    pub(super) center: DVec3,
+    /// Half of the derivative by the leaf's u, which goes from 0 to 1.
+    pub(super) along_u: DVec3,
+    /// The same for v.
+    pub(super) along_v: DVec3,
+    /// Metres.
+    pub(super) reach: f64,
+    /// Sum of the squares of the bounds on how far the half derivatives stray from `along_u` and `along_v`.
+    pub(super) stray_squared: f64,
+    /// Bound on the half of any second derivative by (s, t), so that a linear step of length h is off by at most
+    /// `bend` h^2.
+    pub(super) bend: f64,
+}
+
+/// A leaf while the surface is built.
+#[derive(Clone, Debug)]
+pub(super) struct Draft {
+    pub(super) frame: Frame,
+    pub(super) bounds: Bounds3,
+    pub(super) subpatch: u32,
+    pub(super) part: Part,
+    pub(super) degrees: (usize, usize),
+    pub(super) net: Vec<DVec4>,
+    /// Whether a trimming curve crosses it.
+    pub(super) crossed: bool,
+}
+
+fn largest(vectors: impl Iterator<Item = DVec3>) -> f64 {
+    vectors.fold(0.0, |most: f64, v| most.max(v.length()))
+}
+
+impl Frame {
+    /// The frame of a net of `degrees`.
+    pub(super) fn new(points: &[DVec4], degrees: (usize, usize)) -> Self {
+        let middle = net::jet(points, degrees, 0.5, 0.5);
+        let (center, a, b) = (middle.s, middle.su * 0.5, middle.sv * 0.5);
+        let (reach, m_a, m_b, bend) = if points.iter().all(|p| p.w == 1.0) {
+            polynomial_bounds(points, degrees, center, a, b)
+        } else {
+            rational_bounds(points, degrees, center, a, b)
+        };
+        // The bounds themselves are rounded, and so is the net of the leaf.
+        let size = largest(points.iter().map(|p| p.truncate() / p.w));
+        let reach = reach * (1.0 + 1e-12) + gamma(64) * size;
+        Self {
+            center,
+            along_u: a,
+            along_v: b,
+            reach,
+            stray_squared: (m_a * m_a + m_b * m_b) * (1.0 + 1e-12),
+            bend,
+        }
+    }
+
+    /// How far from a parallelogram: the bound on the relative change of the Jacobian, seen along the normal.
+    pub(super) fn unevenness(&self) -> f64 {
+        let area = self.along_u.cross(self.along_v).length_squared();
+        (self.stray_squared * (self.along_u.length_squared() + self.along_v.length_squared()) / area).sqrt()
+    }
+
+    /// A box around the parallelogram and its reach.
+    pub(super) fn bounds(&self) -> Bounds3 {
+        let half = self.along_u.abs() + self.along_v.abs() + DVec3::splat(self.reach);
+        Bounds3::new(self.center - half, self.center + half)
+    }
+}
+
+/// Reach, strays and bend of a polynomial patch from its coefficients, which bound it as their hull does.
+fn polynomial_bounds(
+    points: &[DVec4],
+    (p, q): (usize, usize),
+    center: DVec3,
+    a: DVec3,
+    b: DVec3,
+) -> (f64, f64, f64, f64) {
+    let at = |i: usize, j: usize| points[i * (q + 1) + j].truncate();
+    let along = |i: usize, degree: usize| 2.0 * i as f64 / degree as f64 - 1.0;
+    let (dp, dq) = (0.5 * p as f64, 0.5 * q as f64);
+    let (ddp, ddq) = (0.5 * dp * (p as f64 - 1.0), 0.5 * dq * (q as f64 - 1.0));
+    // Squares: reach, strays, and second derivatives by (s, t), halved where they are pure.
+    let mut most = [0.0_f64; 6];
+    let mut meet = |k: usize, v: DVec3| most[k] = most[k].max(v.length_squared());
+    for i in 0..=p {
+        for j in 0..=q {
+            let here = at(i, j);
+            meet(0, here - center - a * along(i, p) - b * along(j, q));
+            if i < p {
+                meet(1, (at(i + 1, j) - here) * dp - a);
+            }
+            if j < q {
+                meet(2, (at(i, j + 1) - here) * dq - b);
+            }
+            if i + 2 <= p {
+                meet(3, (at(i + 2, j) - at(i + 1, j) * 2.0 + here) * ddp);
+            }
+            if i < p && j < q {
+                meet(4, (at(i + 1, j + 1) - at(i + 1, j) - at(i, j + 1) + here) * (dp * dq));
+            }
+            if j + 2 <= q {
+                meet(5, (at(i, j + 2) - at(i, j + 1) * 2.0 + here) * ddq);
+            }
+        }
+    }
+    let [reach, m_a, m_b, uu, uv, vv] = most.map(f64::sqrt);
+    (reach, m_a, m_b, uu + uv + vv)
+}
+
+/// The same for a rational patch S = X / W: quotients are bounded by their numerator over the least denominator.
+fn rational_bounds(
+    points: &[DVec4],
+    degrees: (usize, usize),
+    center: DVec3,
+    a: DVec3,
+    b: DVec3,
+) -> (f64, f64, f64, f64) {
+    // About the centre, so that the products cancel as little as they can.
+    let space = Poly { degrees, coefficients: points.iter().map(|p| p.truncate() - center * p.w).collect() };
+    let weight = Poly { degrees, coefficients: points.iter().map(|p| p.w).collect() };
+    let least = points.iter().fold(f64::INFINITY, |least, p| least.min(p.w));
+    // s a + t b at the corners.
+    let affine = [[-a - b, a - b], [b - a, a + b]];
+    let apart = |x: Poly<DVec3>, y: Poly<DVec3>| {
+        largest(x.coefficients.iter().zip(&y.coefficients).map(|(&x, &y)| x - y))
+    };
+    let reach = apart(space.clone().elevated((1, 1)), weight.times_bilinear(affine)) / least;
+    // S_s - a = (X_s - S W_s - a W) / W, where S is s a + t b but for the reach.
+    let stray = |by_first: bool, along: DVec3| {
+        let rise = weight.derivative(by_first);
+        let steepest = rise.coefficients.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+        let mean =
+            Poly { degrees, coefficients: weight.coefficients.iter().map(|&w| along * (2.0 * w)).collect() };
+        let mean = mean.elevated(if by_first { (0, 1) } else { (1, 0) });
+        let mut fall = rise.times_bilinear(affine);
+        for (fall, mean) in fall.coefficients.iter_mut().zip(&mean.coefficients) {
+            *fall += *mean;
+        }
+        // By s, which goes twice as far as u.
+        0.5 * (apart(space.derivative(by_first).elevated((1, 1)), fall) + reach * steepest) / least
+    };
+    (reach, stray(true, a), stray(false, b), f64::INFINITY)
+}
+
+impl Draft {
+    pub(super) fn new(subpatch: u32, part: Part, net: Vec<DVec4>, degrees: (usize, usize)) -> Self {
+        let frame = Frame::new(&net, degrees);
+        let hull = net.iter().fold(Bounds3::EMPTY, |b, p| b.including(p.truncate() / p.w));
+        // Both hold the leaf. The reach covers the rounding of the net, which the hull does not know of.
+        let size = hull.min.abs().max(hull.max.abs()).max_element();
+        let pad = DVec3::splat(gamma(64) * size);
+        let thick = frame.bounds();
+        let bounds = Bounds3::new((hull.min - pad).max(thick.min), (hull.max + pad).min(thick.max));
+        Self { frame, bounds, subpatch, part, degrees, net, crossed: false }
+    }
+
+    /// Halves it across the direction in which it bends more.
+    pub(super) fn halves(&self) -> [Self; 2] {
+        let degrees = self.degrees;
+        let across_u = bends_along_u(&self.net, degrees);
+        let [low, high] = net::split(&self.net, degrees, across_u);
+        let [below, above] = self.part.halves(across_u);
+        [Self::new(self.subpatch, below, low, degrees), Self::new(self.subpatch, above, high, degrees)]
+    }
+}
+
+/// Whether the control polygons along u bend more than those along v; where neither bends, whether they are longer.
+pub(super) fn bends_along_u(points: &[DVec4], (p, q): (usize, usize)) -> bool {
+    let at = |i: usize, j: usize| {
+        let point = points[i * (q + 1) + j];
+        point.truncate() / point.w
+    };
+    let (mut u, mut v) = ([0.0_f64; 2], [0.0_f64; 2]);
+    for i in 0..=p {
+        for j in 0..=q {
+            if i >= 1 {
+                u[0] = u[0].max((at(i, j) - at(i - 1, j)).length() * p as f64);
+            }
+            if j >= 1 {
+                v[0] = v[0].max((at(i, j) - at(i, j - 1)).length() * q as f64);
+            }
+            if i >= 2 {
+                let bend = at(i, j) - at(i - 1, j) * 2.0 + at(i - 2, j);
+                u[1] = u[1].max(bend.length() * (p * (p - 1)) as f64);
+            }
+            if j >= 2 {
+                let bend = at(i, j) - at(i, j - 1) * 2.0 + at(i, j - 2);
+                v[1] = v[1].max(bend.length() * (q * (q - 1)) as f64);
+            }
+        }
+    }
+    // A twisted patch without curved lines is cut across its longer side.
+    u[1] + 1e-3 * u[0] >= v[1] + 1e-3 * v[0]
+}
