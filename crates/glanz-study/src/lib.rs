@@ -5,6 +5,7 @@
 //! [`Settings`] alone, except for times, which [`clock`] takes from the processor.
 //!
 //! - [`table`], [`plot`] and [`report`] hold results and write them (Markdown, CSV, SVG, PNG);
+//! - `densities` integrates with densities that learn (document 003);
 //! - `newton` compares Newton's method with the certified search (document 000);
 //! - `tessellation` compares triangles with the surface they stand for (document 002).
 //!
@@ -20,6 +21,7 @@
 //! ```
 
 pub mod clock;
+mod densities;
 mod newton;
 pub mod plot;
 pub mod report;

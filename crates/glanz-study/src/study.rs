@@ -6,11 +6,12 @@ use glanz_formats::image::ImageError;
 use glanz_formats::newell::NewellError;
 use glanz_geometry::SurfaceError;
 use glanz_light::PixelsError;
+use glanz_sampling::DensityError;
 use glanz_scene::SceneError;
 use glanz_transport::{FilmError, FilterError, IntegratorError, RenderError};
 
 use crate::report::Report;
-use crate::{newton, tessellation};
+use crate::{densities, newton, tessellation};
 
 /// A question, and how it is answered.
 #[derive(Debug)]
@@ -36,7 +37,13 @@ pub enum StudyOption {
 }
 
 /// All studies. A new one is a file and a line here.
-static STUDIES: [Study; 2] = [
+static STUDIES: [Study; 3] = [
+    Study {
+        name: "densities",
+        description: "variance of integrals whose density learns from its own samples (document 003)",
+        options: &[],
+        run: densities::run,
+    },
     Study {
         name: "newton",
         description: "roots that Newton's method finds, misses and invents, against the certified search (document 000)",
@@ -136,6 +143,9 @@ pub enum StudyError {
     /// A surface was refused.
     #[error(transparent)]
     Surface(#[from] SurfaceError),
+    /// A density was refused.
+    #[error(transparent)]
+    Density(#[from] DensityError),
     /// A list of patches was refused.
     #[error(transparent)]
     Patches(#[from] NewellError),

@@ -1,0 +1,151 @@
+//! The filters between two levels.
+
+use crate::basis::{BandedColumns, Basis, Gram, check_length, refinement};
+use crate::error::DensityError;
+use crate::multiresolution::wavelets::wavelets;
+
+/// The filters between a level and the next finer one.
+///
+/// Synthesis is c_fine = P c_coarse + Q d, analysis c_coarse = A c_fine and d = B c_fine; \[A; B\] is the inverse of
+/// \[P | Q\] (@pietrek2001 equation C.4). P and Q are banded; A and B are full, and are applied by solving banded systems:
+/// as the wavelets are orthogonal to the coarse functions, A = (P^T G P)^-1 P^T G and B = (Q^T G Q)^-1 Q^T G with the
+/// matrix G of the inner products of the fine basis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    p: BandedColumns,
+    q: BandedColumns,
+    fine: Gram,
+    coarse: Gram,
+    wavelets: Gram,
+}
+
+impl Step {
+    /// Between these two bases; the finer one halves every segment of the coarser one.
+    ///
+    /// # Errors
+    /// [`DensityError::NotNested`], [`DensityError::Pivot`].
+    pub(super) fn try_new(coarse: &Basis, fine: &Basis) -> Result<Self, DensityError> {
+        let p = refinement(coarse, fine)?;
+        let gram = fine.gram()?;
+        let q = wavelets(coarse, fine, &p, &gram);
+        let wavelets = gram_of(&q, &gram)?;
+        Ok(Self { p, q, fine: gram, coarse: coarse.gram()?, wavelets })
+    }
+
+    /// P, a fine by coarse matrix: coarse functions in the fine basis.
+    #[must_use]
+    pub fn p(&self) -> &BandedColumns {
+        &self.p
+    }
+
+    /// Q, a fine by wavelets matrix: wavelets, of norm 1, in the fine basis.
+    #[must_use]
+    pub fn q(&self) -> &BandedColumns {
+        &self.q
+    }
+
+    /// The inner products of the wavelets of this step.
+    #[must_use]
+    pub fn wavelet_gram(&self) -> &Gram {
+        &self.wavelets
+    }
+
+    /// A and B as full matrices, by rows.
+    #[must_use]
+    pub fn analysis_filters(&self) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+        let rows = |columns: Vec<Vec<f64>>, count: usize| {
+            (0..count).map(|i| columns.iter().map(|column| column[i]).collect()).collect()
+        };
+        let (mut a, mut b) = (Vec::new(), Vec::new());
+        for j in 0..self.p.rows() {
+            let mut unit = vec![0.0; self.p.rows()];
+            unit[j] = 1.0;
+            let (c, d) = self.split(&unit);
+            a.push(c);
+            b.push(d);
+        }
+        (rows(a, self.p.columns()), rows(b, self.q.columns()))
+    }
+
+    /// P c: the same function in the fine basis.
+    ///
+    /// # Errors
+    /// [`DensityError::Length`].
+    pub fn refine(&self, coarse: &[f64]) -> Result<Vec<f64>, DensityError> {
+        check_length(coarse, self.p.columns())?;
+        Ok(self.refined(coarse))
+    }
+
+    /// A c and B c: the proximum in the coarse basis, and the details that it lacks.
+    ///
+    /// # Errors
+    /// [`DensityError::Length`].
+    pub fn analyse(&self, fine: &[f64]) -> Result<(Vec<f64>, Vec<f64>), DensityError> {
+        check_length(fine, self.p.rows())?;
+        Ok(self.split(fine))
+    }
+
+    /// P c + Q d: what was analysed.
+    ///
+    /// # Errors
+    /// [`DensityError::Length`].
+    pub fn synthesise(&self, coarse: &[f64], details: &[f64]) -> Result<Vec<f64>, DensityError> {
+        check_length(coarse, self.p.columns())?;
+        check_length(details, self.q.columns())?;
+        Ok(self.join(coarse, details))
+    }
+
+    pub(crate) fn refined(&self, coarse: &[f64]) -> Vec<f64> {
+        let mut fine = vec![0.0; self.p.rows()];
+        self.p.add_product(coarse, &mut fine);
+        fine
+    }
+
+    /// As [`Step::analyse`], for the right length.
+    pub(super) fn split(&self, fine: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let (mut coarse, mut details) = self.projections(fine);
+        // Once more for what is missing: inner products are rounded, P and Q are taken as they are.
+        let mut missing = fine.to_vec();
+        missing.iter_mut().zip(self.join(&coarse, &details)).for_each(|(m, j)| *m -= j);
+        let (c, d) = self.projections(&missing);
+        coarse.iter_mut().zip(c).for_each(|(a, b)| *a += b);
+        details.iter_mut().zip(d).for_each(|(a, b)| *a += b);
+        (coarse, details)
+    }
+
+    /// On the coarse functions and on the wavelets.
+    fn projections(&self, fine: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let dual = self.fine.multiply(fine);
+        let mut coarse = self.p.transposed_product(&dual);
+        self.coarse.solve(&mut coarse);
+        let mut details = self.q.transposed_product(&dual);
+        self.wavelets.solve(&mut details);
+        (coarse, details)
+    }
+
+    /// As [`Step::synthesise`], for the right lengths.
+    pub(super) fn join(&self, coarse: &[f64], details: &[f64]) -> Vec<f64> {
+        let mut fine = self.refined(coarse);
+        self.q.add_product(details, &mut fine);
+        fine
+    }
+}
+
+/// Q^T G Q.
+fn gram_of(q: &BandedColumns, gram: &Gram) -> Result<Gram, DensityError> {
+    let count = q.columns();
+    // Columns further apart than this have no inner product: G couples neighbours up to its band.
+    let reach = |k: usize| {
+        let (first, entries) = q.column(k);
+        let end = first + entries.len() + gram.band();
+        (k + 1..count).take_while(|&l| q.column(l).0 < end).count()
+    };
+    let band = (0..count).map(reach).max().unwrap_or(0);
+    let mut entries = vec![0.0; count * (band + 1)];
+    for i in 0..count {
+        for k in 0..=band.min(i) {
+            entries[i * (band + 1) + k] = gram.product(q.column(i), q.column(i - k));
+        }
+    }
+    Gram::try_new(count, band, entries)
+}

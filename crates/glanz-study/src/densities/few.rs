@@ -1,0 +1,104 @@
+//! What few samples learn (document 003 figure 2.9), as the document learns and otherwise.
+
+use glanz_sampling::density::{Density, Learning, Missing};
+use glanz_sampling::hash::combine;
+use glanz_sampling::integrate::{Sampling, integrate_adaptively};
+
+use crate::densities::measure::{Ladder, plane};
+use crate::study::{Settings, StudyError};
+use crate::table::{Table, significant};
+
+const COLUMNS: [(&str, &str); 7] = [
+    ("learning", "learnt from"),
+    ("samples_per_pass", "samples per pass"),
+    ("published", "document 003"),
+    ("least", "least"),
+    ("median", "median"),
+    ("most", "most"),
+    ("shown_median", "as samples show it, median"),
+];
+
+/// The first is the document's.
+const WAYS: [(&str, Learning, Sampling); 5] = [
+    (
+        "own samples or neighbours, independent",
+        Learning::OwnSamples(Missing::Neighbours),
+        Sampling::Independent,
+    ),
+    (
+        "own samples or the integral, independent",
+        Learning::OwnSamples(Missing::Constant),
+        Sampling::Independent,
+    ),
+    ("own samples or neighbours, Sobol'", Learning::OwnSamples(Missing::Neighbours), Sampling::Sobol),
+    ("all samples, independent", Learning::AllSamples, Sampling::Independent),
+    ("all samples, Sobol'", Learning::AllSamples, Sampling::Sobol),
+];
+
+/// What was found.
+pub(super) struct FewSamples {
+    pub(super) table: Table,
+    /// Densities learnt in the document's way, by numbers of samples.
+    pub(super) densities: Vec<(String, Density<2>)>,
+    /// Way, samples a pass, median of the variance.
+    medians: Vec<(&'static str, u32, f64)>,
+}
+
+impl FewSamples {
+    /// A sentence made from the figures.
+    pub(super) fn finding(&self) -> Option<String> {
+        let of = |way: &str| self.medians.iter().find(|m| m.0 == way && m.1 == 1000).map(|m| m.2);
+        let (own, all) = (of(WAYS[0].0)?, of(WAYS[4].0)?);
+        Some(format!(
+            "With 1000 samples a pass in two dimensions, coefficients from their own independent samples (or neighbours where \
+             there are none) leave a variance of {} (median), coefficients from all samples on Sobol' points {}.",
+            significant(own),
+            significant(all)
+        ))
+    }
+}
+
+/// Figure 2.9: hat functions with few samples a pass, learnt as in the document and in other ways.
+pub(super) fn few_samples(ladder: &Ladder<2>, settings: &Settings<'_>) -> Result<FewSamples, StudyError> {
+    let mut table = Table::new(
+        "convergence",
+        "Exact variance of a single sample from the density that three passes have learnt, 41 runs, and what as many further \
+         samples show of it. Hat functions, two dimensions.",
+        &COLUMNS,
+    );
+    let (mut densities, mut medians) = (Vec::new(), Vec::new());
+    for (way, learning, sampling) in WAYS {
+        for (samples, published) in [(100, 0.0145), (1000, 0.001_88), (10_000, 0.0017), (100_000, 0.000_42)] {
+            let (mut exact, mut shown) = (Vec::new(), Vec::new());
+            let mut last = None;
+            for run in 0..41 {
+                settings.go_on()?;
+                let mut plan = ladder.plan(samples, combine(settings.seed, 1000 + run));
+                (plan.learning, plan.sampling) = (learning, sampling);
+                let result = integrate_adaptively(&ladder.scales, &plan, plane)?;
+                let Some(pass) = result.passes.last() else { continue };
+                exact.push(pass.density.primary_variance(60, |x| plane(x)));
+                shown.push(pass.estimate.primary_variance);
+                last = Some(pass.density.clone());
+            }
+            exact.sort_by(f64::total_cmp);
+            shown.sort_by(f64::total_cmp);
+            let median = exact.get(exact.len() / 2).copied();
+            medians.extend(median.map(|median| (way, samples, median)));
+            let as_published = way == WAYS[0].0;
+            table.push([
+                way.into(),
+                u64::from(samples).into(),
+                as_published.then_some(published).into(),
+                exact.first().copied().into(),
+                median.into(),
+                exact.last().copied().into(),
+                shown.get(shown.len() / 2).copied().into(),
+            ]);
+            if as_published {
+                densities.extend(last.map(|density| (format!("{samples} samples a pass"), density)));
+            }
+        }
+    }
+    Ok(FewSamples { table, densities, medians })
+}

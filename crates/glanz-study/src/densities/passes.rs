@@ -1,0 +1,154 @@
+//! Densities that are learnt in passes, from coarse to fine (document 003 tables 2.2 and 2.4).
+
+use std::sync::Arc;
+
+use glanz_sampling::density::{Floor, Scales};
+use glanz_sampling::hash::combine;
+use glanz_sampling::integrate::{AdaptiveResult, integrate_adaptively};
+use glanz_sampling::multiresolution::MultiResolution;
+
+use crate::densities::SAMPLES;
+use crate::densities::measure::{Ladder, Measured};
+use crate::plot::{Axis, Plot, Series};
+use crate::study::{Settings, StudyError};
+use crate::table::{Cell, Table, significant};
+
+/// Runs with other random numbers, whose spread gives standard errors.
+pub(super) const RUNS: u64 = 8;
+
+pub(super) const PASS_COLUMNS: [(&str, &str); 7] = [
+    ("basis", "basis"),
+    ("pass", "pass"),
+    ("published", "document 003"),
+    ("limit", "infinitely many samples"),
+    ("limit_without_floor", "the same, coefficients raised to 0 only"),
+    ("measured", "measured"),
+    ("standard_error", "standard error"),
+];
+
+/// What the passes over one ladder gave.
+pub(super) struct Passes {
+    name: &'static str,
+    published: [f64; 4],
+    limits: [f64; 4],
+    unraised: [f64; 4],
+    measured: [Measured; 4],
+    /// Distance of the integral from the true one, and its standard error, of the last run.
+    error: [f64; 2],
+}
+
+pub(super) fn ladder<const D: usize>(
+    name: &'static str,
+    analysis: MultiResolution,
+    levels: [usize; 3],
+    published: [f64; 4],
+) -> Ladder<D> {
+    Ladder { name, scales: Arc::new(Scales::new([(); D].map(|()| analysis.clone()))), levels, published }
+}
+
+/// All ladders: figures, and the last run of each.
+pub(super) fn measure<const D: usize>(
+    ladders: &[Ladder<D>],
+    integral: f64,
+    f: fn(&[f64]) -> f64,
+    settings: &Settings<'_>,
+) -> Result<(Vec<Passes>, Vec<AdaptiveResult<D>>), StudyError> {
+    let (mut all, mut last_runs) = (Vec::new(), Vec::new());
+    for ladder in ladders {
+        let limits = ladder.limits(Floor::default(), integral, f)?;
+        let unraised = ladder.limits(Floor::Zero, integral, f)?;
+        let mut seen = [const { Vec::new() }; 4];
+        let mut last = None;
+        for run in 0..RUNS {
+            settings.go_on()?;
+            let plan = ladder.plan(SAMPLES, combine(settings.seed, run));
+            let result = integrate_adaptively(&ladder.scales, &plan, f)?;
+            for (seen, pass) in seen.iter_mut().zip(&result.passes) {
+                seen.push(pass.estimate.primary_variance);
+            }
+            last = Some(result);
+        }
+        let Some(last) = last else { continue };
+        all.push(Passes {
+            name: ladder.name,
+            published: ladder.published,
+            limits,
+            unraised,
+            measured: seen.map(|values| Measured::of(&values)),
+            error: [last.estimate.mean - integral, last.estimate.standard_error()],
+        });
+        last_runs.push(last);
+    }
+    Ok((all, last_runs))
+}
+
+pub(super) fn push_passes(table: &mut Table, before: &str, all: &[Passes], which: std::ops::Range<usize>) {
+    for passes in all {
+        for i in which.clone() {
+            let Measured { mean, standard_error } = passes.measured[i];
+            table.push([
+                Cell::from(format!("{before}{}", passes.name).as_str()),
+                (i as u64 + 1).into(),
+                passes.published[i].into(),
+                passes.limits[i].into(),
+                passes.unraised[i].into(),
+                mean.into(),
+                standard_error.into(),
+            ]);
+        }
+    }
+}
+
+pub(super) fn variances(title: &str, all: &[Passes]) -> Plot {
+    let points = |values: [f64; 4]| (1..).zip(values).map(|(i, v)| [f64::from(i), v]).collect();
+    let series = all.iter().flat_map(|passes| {
+        let name = passes.name;
+        [
+            Series { name: format!("{name}, measured"), points: points(passes.measured.map(|m| m.mean)) },
+            Series { name: format!("{name}, document 003"), points: points(passes.published) },
+        ]
+    });
+    Plot {
+        title: title.to_owned(),
+        x: Axis::linear("pass"),
+        y: Axis::logarithmic("variance, square of the integral's unit"),
+        series: series.collect(),
+        rules: Vec::new(),
+    }
+}
+
+/// Sentences, each made from the figures.
+pub(super) fn findings(all: &[Passes], place: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for passes in all {
+        let [first, .., last] = passes.measured;
+        let off = |i: usize| 100.0 * (passes.measured[i].mean / passes.limits[i] - 1.0);
+        let worst = (0..4).map(off).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+        found.push(format!(
+            "In {place}, with {}, three passes lower the variance by a factor of {} (document 003: {}). The measured \
+             variances stray from those of infinitely many samples by at most {} %. The integral is off by {} standard errors \
+             in the last run.",
+            passes.name,
+            significant(first.mean / last.mean),
+            significant(passes.published[0] / passes.published[3]),
+            significant(worst.abs()),
+            significant(passes.error[0].abs() / passes.error[1])
+        ));
+        for i in 0..4 {
+            let ratio = passes.published[i] / passes.limits[i];
+            if !(0.97..=1.03).contains(&ratio) {
+                found.push(format!(
+                    "The published {} with {} in pass {} is {} times the limit {}; measured is {} +- {}.",
+                    significant(passes.published[i]),
+                    passes.name,
+                    i + 1,
+                    significant(ratio),
+                    significant(passes.limits[i]),
+                    significant(passes.measured[i].mean),
+                    significant(passes.measured[i].standard_error)
+                ));
+            }
+        }
+    }
+    found
+}
