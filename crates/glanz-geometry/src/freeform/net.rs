@@ -164,7 +164,12 @@ fn unpack<S: Simd>(simd: S, v: S::F64) -> DVec4 {
 
 /// Point and derivatives up to the second of the homogeneous net `points`, that of (i, j) at i (q + 1) + j.
 pub(super) fn jet(points: &[DVec4], degrees: (usize, usize), u: f64, v: f64) -> Jet {
-    Isa::detect().run(JetTask { points, degrees, u, v })
+    jet_by(Isa::detect(), points, degrees, u, v)
+}
+
+/// The same with the instructions of `isa`, for those who have asked the processor before.
+pub(super) fn jet_by(isa: Isa, points: &[DVec4], degrees: (usize, usize), u: f64, v: f64) -> Jet {
+    isa.run(JetTask { points, degrees, u, v })
 }
 
 struct JetTask<'a> {

@@ -3,7 +3,7 @@
 use glanz_math::{AreaPdf, DVec2, DVec3};
 
 use super::leaf::Leaf;
-use super::net::{Jet, jet};
+use super::net::{Jet, jet, jet_by};
 use super::part::Rect;
 use super::subpatches::Place;
 use super::{Freeform, Piece};
@@ -18,6 +18,9 @@ const GAUSS: [(f64, f64); 4] = [
     (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
+
+/// A normal S_x x S_y that is shorter than this, in terms of the square of the patch's size, has lost half of its digits.
+const COLLAPSED: f64 = 1e-8;
 
 /// Parts along each side into which a leaf that a trimming curve crosses is cut for its area.
 const PARTS: u32 = 32;
@@ -157,21 +160,30 @@ impl Freeform {
         // Hits are the surface's own; of a strange one the first piece answers.
         let Some(piece) = self.pieces.get(face as usize).or(self.pieces.first()) else { return nowhere() };
         let (points, degrees) = (piece.patch.control_points(), piece.patch.degrees());
-        let here = jet(points, degrees, x, y);
-        let (regular, normal, length) = regular(piece, x, y, &here);
+        let here = jet_by(self.bvh.isa(), points, degrees, x, y);
+        let n = here.su.cross(here.sv);
+        let (length, size) = (n.length(), piece.extent());
+        let is_regular = length > COLLAPSED * size * size;
+        let collapsed = (!is_regular).then(|| beside(piece, x, y, &here));
+        let (regular, normal, length) = match &collapsed {
+            None => (&here, n * (1.0 / length), length),
+            Some((beside, normal, length)) => (beside, *normal, *length),
+        };
         let [by_u, by_v] = piece.rates(x, y);
         // What rounding leaves of a derivative along a collapsed edge has no direction.
         let steep = 1e2 * self.error();
-        let [sx, sy] = [here.su, here.sv]
-            .map(|s| if s.length() > steep { s - normal * normal.dot(s) } else { DVec3::ZERO });
+        let [sx, sy] = [here.su, here.sv].map(|s| {
+            if s.length_squared() > steep * steep { s - normal * normal.dot(s) } else { DVec3::ZERO }
+        });
         let along = |rate: DVec2| sx * rate.x + sy * rate.y;
         let flip = if by_u.perp_dot(by_v) < 0.0 { -1.0 } else { 1.0 };
         let normal = normal * flip;
+        let per = flip / length;
         // n = N / |N| with N = S_x x S_y; what is along n drops out.
         let bend = |rate: DVec2| {
-            let Jet { su, sv, suu, suv, svv, .. } = regular;
+            let Jet { su, sv, suu, suv, svv, .. } = *regular;
             let turn = (suu.cross(sv) + su.cross(suv)) * rate.x + (suv.cross(sv) + su.cross(svv)) * rate.y;
-            let turn = turn * (flip / length);
+            let turn = turn * per;
             turn - normal * normal.dot(turn)
         };
         let bounds = self.bvh.bounds();
@@ -197,17 +209,13 @@ impl Freeform {
     }
 }
 
-/// The unit normal at (x, y), and a place with a normal next to it, (x, y) itself except at collapsed edges and
-/// corners, with the length of S_x x S_y there.
-fn regular(piece: &Piece, x: f64, y: f64, here: &Jet) -> (Jet, DVec3, f64) {
+/// At a collapsed edge or corner: a place with a normal next to it, the unit normal at (x, y), and the length of S_x x S_y
+/// at that place.
+#[cold]
+fn beside(piece: &Piece, x: f64, y: f64, here: &Jet) -> (Jet, DVec3, f64) {
     let (points, degrees) = (piece.patch.control_points(), piece.patch.degrees());
     let size = piece.extent();
-    let n = here.su.cross(here.sv);
-    // Less than half of its digits would be right.
-    if n.length() > 1e-8 * size * size {
-        return (*here, n.normalize(), n.length());
-    }
-    // Where it vanishes, its derivative towards the middle of the patch has the direction of its neighbourhood.
+    // Where the normal vanishes, its derivative towards the middle of the patch has the direction of its neighbourhood.
     let Jet { su, sv, suu, suv, svv, .. } = *here;
     let (by_x, by_y) = (suu.cross(sv) + su.cross(suv), suv.cross(sv) + su.cross(svv));
     let rise = by_x * (0.5 - x) + by_y * (0.5 - y);
@@ -215,12 +223,12 @@ fn regular(piece: &Piece, x: f64, y: f64, here: &Jet) -> (Jet, DVec3, f64) {
     for step in [1e-3, 1e-2, 0.1, 0.5] {
         at = jet(points, degrees, x + (0.5 - x) * step, y + (0.5 - y) * step);
         let n = at.su.cross(at.sv);
-        if n.length() > 1e-8 * size * size {
+        if n.length() > COLLAPSED * size * size {
             let normal = if rise.length() > 1e-6 * size * size { rise } else { n };
             return (at, normal.normalize(), n.length());
         }
     }
-    (at, n.try_normalize().unwrap_or(DVec3::Z), size * size)
+    (at, su.cross(sv).try_normalize().unwrap_or(DVec3::Z), size * size)
 }
 
 /// The area of a part of a patch; of what a region keeps of it, by the parts of it that are kept at their points.
