@@ -19,8 +19,8 @@ use crate::trim::{Cell, TrimRegion};
 /// A leaf is halved while the Jacobian strays by more than this from that of its parallelogram, seen along the
 /// normal: below the search's own limit, so that rays from most sides find their leaf certified. Measured: for degrees up
 /// to 3 rays cost the same from 0.2 to 0.3, and memory is a third less. A look at a leaf of higher degree is dearer, so
-/// that the better start of 0.15 pays.
-const UNEVEN: [f64; 2] = [0.3, 0.15];
+/// that the better start of 0.2 pays; 0.15 would be 4 % faster with half as much memory again.
+const UNEVEN: [f64; 2] = [0.3, 0.2];
 
 /// Halvings of a patch at most.
 const MOST_HALVINGS: usize = 12;
