@@ -162,13 +162,18 @@ impl<const LISTS: usize> Bicubic<LISTS> {
         // No closures around vectors: they would not be compiled for the instruction set.
         if look.certified {
             let (view, limits) = self.view(simd, leaf, probe, from);
-            match view.newton(simd, look, leaf.part, &limits) {
+            match view.newton(simd, look.flat, leaf.part, &limits) {
                 Aim::Root(x) => {
                     let blur = look.blur(&limits) * leaf.part.width();
                     report.root(self.root(simd, probe, x, blur, from));
                     return;
                 }
-                Aim::Excluded => return,
+                Aim::Left { at, f } => {
+                    let x = (at - leaf.part.middle()) / leaf.part.width();
+                    if look.certificate.excludes(x, f, self.weight(simd, at), look.per, &limits) {
+                        return;
+                    }
+                }
                 Aim::Open => {}
             }
         }

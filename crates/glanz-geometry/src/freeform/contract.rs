@@ -51,12 +51,13 @@ pub(super) struct Certificate {
 }
 
 impl Certificate {
-    /// Whether the value `f` at `x`, a place of the square, proves that there is no root in it; `per` is the inverse of the
-    /// determinant.
+    /// Whether the value `f` at `x`, a place of the square, proves that there is no root in it. `f` has been multiplied by
+    /// `weight`; `per` is the inverse of the determinant.
     #[inline(always)]
-    pub(super) fn excludes(&self, x: DVec2, f: DVec2, per: f64, limits: &Limits) -> bool {
+    pub(super) fn excludes(&self, x: DVec2, f: DVec2, weight: f64, per: f64, limits: &Limits) -> bool {
+        let f = f / weight;
         let simple = DVec2::new(cross(f, self.b), cross(self.a, f)) * per;
-        let blur = self.blur(per, limits);
+        let blur = self.blur(per, limits) / weight;
         // The root lies in a ball of that radius around the end of the simplified step.
         let ball = simple.length() * self.q / (1.0 - self.q);
         (x - simple).abs().max_element() > 1.0 + ball + blur.max_element()
@@ -217,6 +218,25 @@ mod tests {
         fn weight(&self, _: DVec2) -> f64 {
             1.0
         }
+    }
+
+    #[test]
+    fn no_root_inside_is_excluded_whatever_the_weight() {
+        let limits = Limits { noise: 1e-15, bend: f64::INFINITY, weights: [0.25, 4.0], steps: 200 };
+        for k in 0..20_000 {
+            let turn = |a: f64| 2.0 * (f64::from(k) * a).fract() - 1.0;
+            let (bend, weight) = (0.2 * (1.0 + turn(0.377)), 4.0_f64.powf(turn(0.219)));
+            // Some of them next to the border.
+            let root = DVec2::new(1.0 - 1e-3 * (1.0 + turn(0.618)).powi(3), turn(0.733));
+            let map = Bent { root, bend };
+            let certificate = Certificate { a: DVec2::X, b: DVec2::Y, q: 2.0 * bend };
+            let x = DVec2::new(turn(0.541), turn(0.127));
+            let excluded = certificate.excludes(x, map.jet(x).f * weight, weight, 1.0, &limits);
+            assert!(!excluded, "{root} {bend} {weight} from {x}");
+        }
+        let map = Bent { root: DVec2::new(1.2, 0.0), bend: 0.05 };
+        let certificate = Certificate { a: DVec2::X, b: DVec2::Y, q: 0.1 };
+        assert!(certificate.excludes(DVec2::X, map.jet(DVec2::X).f * 3.0, 3.0, 1.0, &limits));
     }
 
     #[test]

@@ -356,3 +356,30 @@ fn every_instruction_set_gives_the_same_bits() {
         assert!(answers.windows(2).all(|pair| pair[0] == pair[1]));
     }
 }
+
+#[test]
+fn weights_do_not_hide_roots_next_to_the_border_of_a_leaf() {
+    // Weights that grow fourfold along u, so that they differ much from those of the patch's middle.
+    let points = (0..16).map(|k| {
+        let (i, j) = (k / 4, k % 4);
+        let (x, y) = (f64::from(i) / 3.0, f64::from(j) / 3.0);
+        let w = 1.0 + 2.9 * x;
+        (DVec3::new(x, y, 0.5 * (4.0 * x).sin() * (1.0 + y)) * w).extend(w)
+    });
+    let patch = TensorPatch::try_new(3, 3, points.collect()).unwrap();
+    let surface =
+        Freeform::try_new(vec![Piece::over_rectangle(patch.clone(), [0.0, 1.0], [0.0, 1.0]).unwrap()])
+            .unwrap();
+    for k in 0..100_000 {
+        // Next to the borders of leaves, which lie at multiples of powers of two.
+        let turn = |a: f64| (f64::from(k) * a).fract();
+        let (border, off) = ((turn(0.377) * 32.0).round() / 32.0, 4e-2 * (turn(0.618) - 0.5).powi(5));
+        let (u, v) = ((border + off).clamp(0.0, 1.0), turn(0.733));
+        let (u, v) = if k % 2 == 0 { (u, v) } else { (v, u) };
+        let target = patch.point(u, v);
+        let direction = DVec3::new(turn(0.123) - 0.5, turn(0.456) - 0.5, -1.0 - turn(0.789));
+        let mut hits = Vec::new();
+        surface.all_hits(&Ray::new(target - direction, direction), f64::INFINITY, &mut hits);
+        assert!(hits.iter().any(|h| (h.t - 1.0).abs() < 1e-9), "{u} {v} {direction}: {hits:?}");
+    }
+}

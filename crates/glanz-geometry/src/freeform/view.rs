@@ -8,7 +8,6 @@
 use glanz_math::DVec2;
 
 use super::contract::{Certificate, GaveUp, Jet, Limits, Map, Place, contract};
-use super::leaf::Look;
 use super::part::Part;
 use super::search::cross;
 use crate::bvh::simd::Simd;
@@ -61,8 +60,8 @@ enum Verdict {
 pub(super) enum Aim {
     /// The only root.
     Root(DVec2),
-    /// There is none.
-    Excluded,
+    /// They lead out of the part, from this place with this value.
+    Left { at: DVec2, f: DVec2 },
     /// They did not end.
     Open,
 }
@@ -113,13 +112,13 @@ impl<S: Simd> View<S> {
         Jet { f: DVec2::new(f, g), fs: DVec2::new(fs, gs), ft: DVec2::new(ft, gt) }
     }
 
-    /// The root in a certified part of the square, by a few steps of Newton's method from where the ray meets the
-    /// parallelogram.
+    /// The root in a certified part of the square, by a few steps of Newton's method from `flat`, where the ray meets
+    /// the parallelogram.
     #[inline(always)]
-    pub(super) fn newton(&self, simd: S, look: &Look, part: Part, limits: &Limits) -> Aim {
+    pub(super) fn newton(&self, simd: S, flat: DVec2, part: Part, limits: &Limits) -> Aim {
         let (middle, half) = (part.middle(), part.width());
         let (low, high) = (middle - half, middle + half);
-        let mut x = middle + half * look.flat.clamp(DVec2::NEG_ONE, DVec2::ONE);
+        let mut x = middle + half * flat.clamp(DVec2::NEG_ONE, DVec2::ONE);
         // Two steps are needed most often; no branch between them, so that the processor need not guess. One that leads
         // outside is as good as any start if it is led back. NaN becomes a corner.
         x = (x - self.jet(simd, x).newton_step()).clamp(low, high);
@@ -130,8 +129,7 @@ impl<S: Simd> View<S> {
             // NaN is not inside.
             let inside = next.cmpge(low).all() && next.cmple(high).all();
             if !inside {
-                let excluded = look.certificate.excludes((x - middle) / half, jet.f, look.per, limits);
-                return if excluded { Aim::Excluded } else { Aim::Open };
+                return Aim::Left { at: x, f: jet.f };
             }
             // A step whose error by curvature is below rounding needs no look at its end.
             if limits.end_with(step, half, &jet) {
