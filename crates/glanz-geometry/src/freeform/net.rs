@@ -128,7 +128,14 @@ pub(super) fn first_order<S: Simd>(
     u: f64,
     v: f64,
 ) -> [DVec4; 3] {
-    with_room!(degrees.0.max(degrees.1), N => first_order_in::<S, N>(simd, points, degrees, u, v))
+    match degrees {
+        // The most frequent ones, with loops of a fixed length.
+        (4, 4) => first_order_in::<S, 5>(simd, points, (4, 4), u, v),
+        (5, 5) => first_order_in::<S, 6>(simd, points, (5, 5), u, v),
+        (6, 6) => first_order_in::<S, 7>(simd, points, (6, 6), u, v),
+        (7, 7) => first_order_in::<S, 8>(simd, points, (7, 7), u, v),
+        _ => with_room!(degrees.0.max(degrees.1), N => first_order_in::<S, N>(simd, points, degrees, u, v)),
+    }
 }
 
 #[inline(always)]
