@@ -8,6 +8,7 @@
 //! | | the picture's identity, see [`PictureIdentity`] |
 //! | 4, 8 each | number of sample ranges; first and end of each, ascending |
 //! | 16 | samples dropped, samples cut |
+//! | | with passes: their weight, samples and last weight (8 each); length (8) and state of the training, see [`Guide`](crate::Guide) |
 //! | 8 each | the sums of all pixels, tile after tile, see [`Film`] |
 //! | 4 | CRC-32 (IEEE) of all before |
 //!
@@ -17,18 +18,16 @@ use glanz_sampling::SamplerKind;
 use glanz_scene::description::{FilterDescription, FilterKind};
 
 use crate::aov::AovSet;
-use crate::codec::{Decoder, Encoder};
-use crate::film::{Film, FilmError, FilmFormat, PixelRect};
+use crate::codec::{Decoder, Encoder, EnvelopeError, open, seal};
+use crate::film::{Film, FilmError, FilmFormat, Passes, PixelRect};
+use crate::guide::{decode_training, encode_training};
 use crate::identity::PictureIdentity;
 use crate::integrator::IntegratorSettings;
 use crate::pixel::Rejects;
 use crate::ranges::SampleRanges;
 
 const MAGIC: &[u8; 8] = b"GLANZCKP";
-const VERSION: u32 = 1;
-const CRC_LENGTH: usize = 4;
-/// Magic, version and length.
-const PREFIX_LENGTH: usize = 20;
+const VERSION: u32 = 2;
 
 /// Why bytes are not a checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -64,6 +63,17 @@ pub enum CheckpointError {
     Film(#[from] FilmError),
 }
 
+impl From<EnvelopeError> for CheckpointError {
+    fn from(error: EnvelopeError) -> Self {
+        match error {
+            EnvelopeError::Foreign => Self::Foreign,
+            EnvelopeError::Version(version) => Self::Version(version),
+            EnvelopeError::Length { expected, found } => Self::Length { expected, found },
+            EnvelopeError::Checksum { expected, found } => Self::Checksum { expected, found },
+        }
+    }
+}
+
 /// A film and what it is a picture of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
@@ -83,27 +93,23 @@ impl Checkpoint {
     /// As [`Checkpoint::to_bytes`], for a film that is still in use.
     #[must_use]
     pub fn encode(identity: &PictureIdentity, film: &Film) -> Vec<u8> {
-        let mut e = Encoder::default();
-        e.0.extend_from_slice(MAGIC);
-        e.u32(VERSION);
-        e.u64(0);
-        encode_identity(&mut e, identity);
-        e.u32(film.samples().as_slice().len() as u32);
-        for range in film.samples().as_slice() {
-            e.u32(range.start);
-            e.u32(range.end);
-        }
-        e.u64(film.rejects().dropped);
-        e.u64(film.rejects().cut);
-        e.0.reserve(film.words().len() * 8 + CRC_LENGTH);
-        for &word in film.words() {
-            e.u64(word);
-        }
-        let length = (e.0.len() + CRC_LENGTH) as u64;
-        e.0[PREFIX_LENGTH - 8..PREFIX_LENGTH].copy_from_slice(&length.to_le_bytes());
-        let crc = crc32fast::hash(&e.0);
-        e.u32(crc);
-        e.0
+        seal(MAGIC, VERSION, |e| {
+            encode_identity(e, identity);
+            e.u32(film.samples().as_slice().len() as u32);
+            for range in film.samples().as_slice() {
+                e.u32(range.start);
+                e.u32(range.end);
+            }
+            e.u64(film.rejects().dropped);
+            e.u64(film.rejects().cut);
+            if film.format().passes {
+                encode_passes(e, film.passes());
+            }
+            e.0.reserve(film.words().len() * 8 + 4);
+            for &word in film.words() {
+                e.u64(word);
+            }
+        })
     }
 
     /// Reads what [`Checkpoint::to_bytes`] wrote. Takes no more memory than a few times `bytes`, whatever they are.
@@ -111,13 +117,16 @@ impl Checkpoint {
     /// # Errors
     /// [`CheckpointError`] if any bit is not as it was written.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
-        let body = check_envelope(bytes)?;
-        let mut d = Decoder(body);
+        let mut d = Decoder(open(MAGIC, VERSION, bytes)?);
         let identity = decode_identity(&mut d)?;
         let samples = decode_ranges(&mut d).ok_or(CheckpointError::Content("its sample ranges"))?;
         let rejects = match (d.u64(), d.u64()) {
             (Some(dropped), Some(cut)) => Rejects { dropped, cut },
             _ => return Err(CheckpointError::Content("its counters")),
+        };
+        let passes = match identity.film.passes {
+            true => decode_passes(&mut d, &samples).ok_or(CheckpointError::Content("what it has learnt"))?,
+            false => Passes::default(),
         };
         // Sizes are compared before anything is allocated for them.
         if identity.film.words()?.checked_mul(8) != Some(d.0.len() as u64) {
@@ -126,35 +135,35 @@ impl Checkpoint {
         let (words, _) = d.0.as_chunks::<8>();
         let words = words.iter().map(|w| u64::from_le_bytes(*w)).collect();
         let film = Film::try_from_words(identity.film, words, samples, rejects)?;
-        Ok(Self { identity, film })
+        Ok(Self { identity, film: film.with_passes(passes) })
     }
 }
 
-/// The bytes between prefix and checksum, if both are right.
-fn check_envelope(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
-    let mut d = Decoder(bytes);
-    // A file cut within the magic is still recognised as cut, not foreign, unless nothing of it is left.
-    let magic = &MAGIC[..MAGIC.len().min(bytes.len())];
-    if bytes.is_empty() || !bytes.starts_with(magic) {
-        return Err(CheckpointError::Foreign);
+fn encode_passes(e: &mut Encoder, passes: &Passes) {
+    e.f64(passes.weight);
+    e.u64(passes.samples);
+    e.f64(passes.last);
+    let mut training = Encoder::default();
+    if let Some(state) = &passes.training {
+        encode_training(&mut training, state);
     }
-    let found = bytes.len() as u64;
-    let short = CheckpointError::Length { expected: (PREFIX_LENGTH + CRC_LENGTH) as u64, found };
-    let (Some(_), Some(version), Some(expected)) = (d.take(MAGIC.len()), d.u32(), d.u64()) else {
-        return Err(short);
+    e.u64(training.0.len() as u64);
+    e.0.extend(training.0);
+}
+
+fn decode_passes(d: &mut Decoder<'_>, taken: &SampleRanges) -> Option<Passes> {
+    let (weight, samples, last) = (d.f64()?, d.u64()?, d.f64()?);
+    let fine = |value: f64| value >= 0.0 && value.is_finite();
+    if !fine(weight) || !fine(last) || samples > taken.total() {
+        return None;
+    }
+    let length = usize::try_from(d.u64()?).ok()?;
+    let mut state = Decoder(d.take(length)?);
+    let training = match length {
+        0 => None,
+        _ => Some(Box::new(decode_training(&mut state)?)),
     };
-    if version != VERSION {
-        return Err(CheckpointError::Version(version));
-    }
-    if expected != found {
-        return Err(CheckpointError::Length { expected, found });
-    }
-    let Some((content, crc)) = bytes.split_last_chunk::<CRC_LENGTH>() else { return Err(short) };
-    let (expected, found) = (u32::from_le_bytes(*crc), crc32fast::hash(content));
-    if expected != found {
-        return Err(CheckpointError::Checksum { expected, found });
-    }
-    content.get(PREFIX_LENGTH..).ok_or(short)
+    state.0.is_empty().then_some(Passes { weight, samples, last, training })
 }
 
 fn encode_identity(e: &mut Encoder, identity: &PictureIdentity) {
@@ -166,6 +175,7 @@ fn encode_identity(e: &mut Encoder, identity: &PictureIdentity) {
     }
     e.u8(film.aovs.to_bits());
     e.u8(u8::from(film.signed));
+    e.u8(u8::from(film.passes));
     encode_filter(e, &identity.filter);
     e.text(identity.integrator.name());
     e.u32(identity.integrator.max_depth);
@@ -174,6 +184,8 @@ fn encode_identity(e: &mut Encoder, identity: &PictureIdentity) {
     e.text(identity.sampler.name());
     e.u64(identity.seed);
     e.u32(identity.samples_per_pixel);
+    // A hash of 0 stands for none: one in 2^128 guides has it.
+    e.u128(identity.guide.unwrap_or_default());
 }
 
 fn decode_identity(d: &mut Decoder<'_>) -> Result<PictureIdentity, CheckpointError> {
@@ -192,7 +204,8 @@ fn decode_identity(d: &mut Decoder<'_>) -> Result<PictureIdentity, CheckpointErr
     let sampler = sampler.ok_or(CheckpointError::Content("a sampler this program does not have"))?;
     let seed = d.u64().ok_or_else(cut)?;
     let samples_per_pixel = d.u32().ok_or_else(cut)?;
-    Ok(PictureIdentity { scene, film, filter, integrator, sampler, seed, samples_per_pixel, version })
+    let guide = Some(d.u128().ok_or_else(cut)?).filter(|&hash| hash != 0);
+    Ok(PictureIdentity { scene, film, filter, integrator, sampler, seed, samples_per_pixel, guide, version })
 }
 
 fn decode_format(d: &mut Decoder<'_>) -> Option<FilmFormat> {
@@ -201,6 +214,7 @@ fn decode_format(d: &mut Decoder<'_>) -> Option<FilmFormat> {
         crop: PixelRect { min: [d.u32()?, d.u32()?], size: [d.u32()?, d.u32()?] },
         aovs: AovSet::from_bits(d.u8()?),
         signed: d.u8()? != 0,
+        passes: d.u8()? != 0,
     })
 }
 
@@ -244,16 +258,17 @@ fn decode_ranges(d: &mut Decoder<'_>) -> Option<SampleRanges> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::codec::{CRC_LENGTH, PREFIX_LENGTH};
     use crate::pixel::{PixelSums, Sample};
     use proptest::prelude::*;
 
     pub(crate) fn example() -> Checkpoint {
         let crop = PixelRect { min: [2, 1], size: [20, 3] };
-        let format = FilmFormat { resolution: [30, 8], crop, aovs: AovSet::ALL, signed: true };
+        let format = FilmFormat { resolution: [30, 8], crop, aovs: AovSet::ALL, signed: true, passes: false };
         let mut film = Film::try_new(format).unwrap();
         let layout = format.layout();
         let mut rejects = Rejects::default();
-        for (tile, words) in film.tiles_mut() {
+        for (tile, words) in film.parts_mut().0 {
             for ([x, y], words) in tile.pixels().zip(words.chunks_exact_mut(layout.words())) {
                 let mut sums = PixelSums::read(&layout, words);
                 let rgb = [x as f32, y as f32 * 0.3, f32::NAN];
@@ -271,6 +286,7 @@ mod tests {
             sampler: SamplerKind::Stratified,
             seed: 5,
             samples_per_pixel: 64,
+            guide: None,
             version: PictureIdentity::current_version(),
         };
         Checkpoint { identity, film }
@@ -305,8 +321,8 @@ mod tests {
         assert_eq!(Checkpoint::from_bytes(b"PNG..."), Err(CheckpointError::Foreign));
         assert_eq!(Checkpoint::from_bytes(b""), Err(CheckpointError::Foreign));
         let mut newer = bytes.clone();
-        newer[8] = 2;
-        assert_eq!(Checkpoint::from_bytes(&newer), Err(CheckpointError::Version(2)));
+        newer[8] = 3;
+        assert_eq!(Checkpoint::from_bytes(&newer), Err(CheckpointError::Version(3)));
         let found = bytes.len() as u64;
         assert_eq!(
             Checkpoint::from_bytes(&bytes[..100]),
@@ -375,6 +391,10 @@ mod tests {
         assert!(named(&|i| i.integrator.max_depth = 8).contains("the integrator"));
         assert!(named(&|i| i.sampler = SamplerKind::Sobol).contains("the sampler is sobol, not stratified"));
         assert!(named(&|i| i.samples_per_pixel = 65).contains("65, not 64"));
+        assert!(
+            named(&|i| i.guide = Some(7))
+                .contains("the guide is 00000000000000000000000000000007, not learnt")
+        );
         assert!(named(&|i| i.version = "0.0.1".to_owned()).contains("version is 0.0.1"));
         // Sobol points do not depend on how many are planned.
         let sobol = PictureIdentity { sampler: SamplerKind::Sobol, ..wanted };

@@ -1,4 +1,69 @@
-//! Little-endian numbers in bytes.
+//! Little-endian numbers in bytes, and the envelope around those of a file.
+
+/// Length of the checksum.
+pub(crate) const CRC_LENGTH: usize = 4;
+/// Length of magic, version and length.
+pub(crate) const PREFIX_LENGTH: usize = 20;
+
+/// Why bytes are not in the envelope of [`seal`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub(crate) enum EnvelopeError {
+    /// Another magic.
+    #[error("it is something else")]
+    Foreign,
+    /// Another version.
+    #[error("it has format {0}")]
+    Version(u32),
+    /// Shorter or longer than it says itself.
+    #[error("it has {found} bytes, not {expected}")]
+    Length { expected: u64, found: u64 },
+    /// Another checksum than it says itself.
+    #[error("its checksum is {found:08x}, not {expected:08x}")]
+    Checksum { expected: u32, found: u32 },
+}
+
+/// Magic, version (4 bytes), length of all (8 bytes), what `content` appends, and the CRC-32 (IEEE) of all before it.
+pub(crate) fn seal(magic: &[u8; 8], version: u32, content: impl FnOnce(&mut Encoder)) -> Vec<u8> {
+    let mut e = Encoder::default();
+    e.0.extend_from_slice(magic);
+    e.u32(version);
+    e.u64(0);
+    content(&mut e);
+    let length = (e.0.len() + CRC_LENGTH) as u64;
+    if let Some(slot) = e.0.get_mut(PREFIX_LENGTH - 8..PREFIX_LENGTH) {
+        slot.copy_from_slice(&length.to_le_bytes());
+    }
+    let crc = crc32fast::hash(&e.0);
+    e.u32(crc);
+    e.0
+}
+
+/// The content of what [`seal`] made.
+pub(crate) fn open<'a>(magic: &[u8; 8], wanted: u32, bytes: &'a [u8]) -> Result<&'a [u8], EnvelopeError> {
+    let mut d = Decoder(bytes);
+    // A file cut within the magic is still recognised as cut, not foreign, unless nothing of it is left.
+    let start = &magic[..magic.len().min(bytes.len())];
+    if bytes.is_empty() || !bytes.starts_with(start) {
+        return Err(EnvelopeError::Foreign);
+    }
+    let found = bytes.len() as u64;
+    let short = EnvelopeError::Length { expected: (PREFIX_LENGTH + CRC_LENGTH) as u64, found };
+    let (Some(_), Some(version), Some(expected)) = (d.take(magic.len()), d.u32(), d.u64()) else {
+        return Err(short);
+    };
+    if version != wanted {
+        return Err(EnvelopeError::Version(version));
+    }
+    if expected != found {
+        return Err(EnvelopeError::Length { expected, found });
+    }
+    let Some((content, crc)) = bytes.split_last_chunk::<CRC_LENGTH>() else { return Err(short) };
+    let (expected, found) = (u32::from_le_bytes(*crc), crc32fast::hash(content));
+    if expected != found {
+        return Err(EnvelopeError::Checksum { expected, found });
+    }
+    content.get(PREFIX_LENGTH..).ok_or(short)
+}
 
 /// Appends to bytes.
 #[derive(Default)]

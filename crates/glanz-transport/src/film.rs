@@ -1,11 +1,14 @@
 //! Where samples become pixels.
 
 use glanz_light::{Pixels, PixelsError};
+use glanz_math::Bounds3;
 
 use crate::aov::{Aov, AovSet};
 use crate::exact::MAX_TERMS;
+use crate::guide::{self, Training};
 use crate::pixel::{FirstHit, PixelLayout, PixelSums, PixelValue, Rejects};
 use crate::ranges::{OverlapError, SampleRanges};
+use crate::settled::{Blend, FEWEST_SAMPLES};
 
 /// Side of a tile, pixels. Part of the checkpoint format, which stores pixels tile by tile.
 pub const TILE_SIDE: u32 = 16;
@@ -34,6 +37,9 @@ pub enum FilmError {
     /// Two films with common samples.
     #[error(transparent)]
     Overlap(#[from] OverlapError),
+    /// A film that learns cannot take samples that were taken elsewhere.
+    #[error("its samples build on one another")]
+    Learning,
     /// More samples than the sums can hold exactly.
     #[error("{0} samples per pixel are more than the {MAX_TERMS} a film can hold")]
     Samples(u64),
@@ -125,19 +131,28 @@ pub struct FilmFormat {
     pub aovs: AovSet,
     /// Whether the filter has negative lobes.
     pub signed: bool,
+    /// Whether samples come in passes of different variance, from an integrator that
+    /// [learns](crate::Integrator::learns).
+    pub passes: bool,
 }
 
 impl FilmFormat {
     /// The whole picture without extra channels, for a filter without negative lobes.
     #[must_use]
     pub const fn plain(resolution: [u32; 2]) -> Self {
-        Self { resolution, crop: PixelRect::full(resolution), aovs: AovSet::NONE, signed: false }
+        Self {
+            resolution,
+            crop: PixelRect::full(resolution),
+            aovs: AovSet::NONE,
+            signed: false,
+            passes: false,
+        }
     }
 
     /// The sums of each pixel.
     #[must_use]
     pub fn layout(&self) -> PixelLayout {
-        PixelLayout { aovs: self.aovs, signed: self.signed }
+        PixelLayout { aovs: self.aovs, signed: self.signed, passes: self.passes }
     }
 
     /// Number of 64 bit words that a film of this format holds.
@@ -164,6 +179,10 @@ impl FilmFormat {
 /// The sums of all pixels, and which samples are in them.
 ///
 /// Sums are exact: the film depends on which samples were added, not on when, by whom or in which portions.
+///
+/// A film with [passes](FilmFormat::passes) takes its samples in the order of their numbers. When a pass is over, its light is
+/// put to that of the passes before with a weight that its variance decides, see `settled`, and what it learnt becomes the
+/// guide of the next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     format: FilmFormat,
@@ -171,6 +190,20 @@ pub struct Film {
     words: Vec<u64>,
     samples: SampleRanges,
     rejects: Rejects,
+    passes: Passes,
+}
+
+/// The state of passes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Passes {
+    /// What the samples of passes that are over weigh, all together.
+    pub(crate) weight: f64,
+    /// Their number per pixel.
+    pub(crate) samples: u64,
+    /// What one sample of the last of them weighs; 0 before.
+    pub(crate) last: f64,
+    /// The guide; `None` before the first sample and for integrators that do not learn.
+    pub(crate) training: Option<Box<Training>>,
 }
 
 impl Film {
@@ -190,7 +223,8 @@ impl Film {
         for pixel in words.chunks_exact_mut(layout.words()) {
             PixelSums::default().write(&layout, pixel);
         }
-        Ok(Self { format, words, samples: SampleRanges::default(), rejects: Rejects::default() })
+        let (samples, rejects, passes) = Default::default();
+        Ok(Self { format, words, samples, rejects, passes })
     }
 
     /// A film from what [`Film::words`] gave.
@@ -209,7 +243,24 @@ impl Film {
         if samples.total() > u64::from(MAX_TERMS) {
             return Err(FilmError::Samples(samples.total()));
         }
-        Ok(Self { format, words, samples, rejects })
+        Ok(Self { format, words, samples, rejects, passes: Passes::default() })
+    }
+
+    /// The film with such a state of its passes.
+    pub(crate) fn with_passes(mut self, passes: Passes) -> Self {
+        self.passes = passes;
+        self
+    }
+
+    /// The state of its passes.
+    pub(crate) fn passes(&self) -> &Passes {
+        &self.passes
+    }
+
+    /// What an integrator that learns has learnt.
+    #[must_use]
+    pub fn training(&self) -> Option<&Training> {
+        self.passes.training.as_deref()
     }
 
     /// Pixels and channels.
@@ -236,8 +287,13 @@ impl Film {
         &self.words
     }
 
-    /// The tiles with their words, for threads to fill. [`Film::finish_pass`] has to follow.
-    pub(crate) fn tiles_mut(&mut self) -> Vec<(PixelRect, &mut [u64])> {
+    /// Begins to learn, if it has not.
+    pub(crate) fn begin_training(&mut self, bounds: &Bounds3) {
+        self.passes.training.get_or_insert_with(|| Box::new(Training::new(bounds)));
+    }
+
+    /// The tiles with their words, for threads to fill, and what an integrator has learnt. [`Film::finish_pass`] has to follow.
+    pub(crate) fn parts_mut(&mut self) -> (Vec<(PixelRect, &mut [u64])>, Option<&Training>) {
         let stride = self.format.layout().words();
         let mut rest = self.words.as_mut_slice();
         let mut tiles = Vec::new();
@@ -246,7 +302,7 @@ impl Film {
             tiles.push((tile, words));
             rest = tail;
         }
-        tiles
+        (tiles, self.passes.training.as_deref())
     }
 
     /// Notes that every pixel got the samples of `range`.
@@ -255,19 +311,78 @@ impl Film {
         range: std::ops::Range<u32>,
         rejects: Rejects,
     ) -> Result<(), FilmError> {
+        let (first, end) = (range.start, range.end);
         self.samples.insert(range)?;
         self.rejects.merge(rejects);
+        let pass = guide::pass(first);
+        if self.format.passes && pass.end == end {
+            self.settle();
+        }
         Ok(())
+    }
+
+    /// Ends a pass of an integrator that learns.
+    fn settle(&mut self) {
+        let brightness = self.brightness();
+        if let Some(training) = &mut self.passes.training {
+            training.finish_pass(brightness);
+        }
+        let count = self.samples.total() - self.passes.samples;
+        let Some(weight) = self.known_weight(count) else { return };
+        let blend = Blend { count, weight, settled: self.passes.weight };
+        let layout = self.format.layout();
+        for words in self.words.chunks_exact_mut(layout.words()) {
+            let mut sums = PixelSums::read(&layout, words);
+            sums.settle(&blend);
+            sums.write(&layout, words);
+        }
+        self.passes.weight += weight * count as f64;
+        self.passes.samples += count;
+        self.passes.last = weight;
+    }
+
+    /// What a sample of the last `count` weighs, if their variance is known well.
+    fn known_weight(&self, count: u64) -> Option<f64> {
+        let pixels = self.format.crop.len();
+        if count < 2 || count.saturating_mul(pixels) < FEWEST_SAMPLES {
+            return None;
+        }
+        let variance: f64 = self.pixels().map(|(_, sums)| sums.sample_variance(count)).sum();
+        let mean = variance / pixels as f64;
+        (mean > 0.0 && mean.is_finite()).then(|| (1.0 / mean).max(self.passes.last))
+    }
+
+    /// How the samples of the pass under way count beside those of passes that are over.
+    fn blend(&self) -> Blend {
+        if !self.format.passes {
+            return Blend::plain(self.samples.total());
+        }
+        let Passes { weight, samples, last, .. } = self.passes;
+        let count = self.samples.total() - samples;
+        let own = self.known_weight(count);
+        let borrowed = if last > 0.0 { last } else { 1.0 };
+        Blend { count, weight: own.unwrap_or(borrowed), settled: weight }
+    }
+
+    /// Mean of all pixels and bands.
+    fn brightness(&self) -> f64 {
+        let blend = self.blend();
+        let sum: f64 = self.pixels().flat_map(|(_, sums)| sums.blended(&blend)).map(|value| value.mean).sum();
+        sum / (3.0 * self.format.crop.len() as f64)
     }
 
     /// Adds the samples of another film of the same picture.
     ///
     /// # Errors
     /// [`FilmError::Layout`] if the formats differ, [`FilmError::Overlap`] if a sample is in both, and
-    /// [`FilmError::Samples`] if there would be too many; this film is unchanged then.
+    /// [`FilmError::Samples`] if there would be too many, [`FilmError::Learning`] for films with passes; this film is unchanged
+    /// then.
     pub fn merge(&mut self, other: &Self) -> Result<(), FilmError> {
         if self.format != other.format {
             return Err(FilmError::Layout("size, crop, filter or channels"));
+        }
+        if self.format.passes {
+            return Err(FilmError::Learning);
         }
         let total = self.samples.total() + other.samples.total();
         if total > u64::from(MAX_TERMS) {
@@ -311,10 +426,10 @@ impl Film {
         let mut pixels = Pixels::try_new(width, height)?;
         let names = channel_names(self.format.aovs);
         let mut planes: Vec<Vec<f32>> = names.iter().map(|_| vec![0.0; pixels.len()]).collect();
-        let count = self.samples.total();
+        let blend = self.blend();
         for ([x, y], sums) in self.pixels() {
             let at = y as usize * width as usize + x as usize;
-            let values = channel_values(self.format.aovs, &sums.radiance(count), sums.first_hit().as_ref());
+            let values = channel_values(self.format.aovs, &sums.blended(&blend), sums.first_hit().as_ref());
             for (plane, value) in planes.iter_mut().zip(values) {
                 plane[at] = value;
             }
@@ -373,7 +488,7 @@ mod tests {
     fn expose(film: &mut Film, range: std::ops::Range<u32>) {
         let layout = film.format().layout();
         let mut rejects = Rejects::default();
-        for (tile, words) in film.tiles_mut() {
+        for (tile, words) in film.parts_mut().0 {
             for ([x, y], words) in tile.pixels().zip(words.chunks_exact_mut(layout.words())) {
                 let mut sums = PixelSums::read(&layout, words);
                 for index in range.clone() {
@@ -390,7 +505,7 @@ mod tests {
 
     fn format() -> FilmFormat {
         let crop = PixelRect { min: [3, 5], size: [37, 18] };
-        FilmFormat { resolution: [60, 40], crop, aovs: AovSet::ALL, signed: true }
+        FilmFormat { resolution: [60, 40], crop, aovs: AovSet::ALL, signed: true, passes: false }
     }
 
     #[test]

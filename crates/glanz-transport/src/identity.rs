@@ -25,6 +25,8 @@ pub struct PictureIdentity {
     pub seed: u64,
     /// Planned samples per pixel. Of meaning for samplers that divide the pixel into as many strata only.
     pub samples_per_pixel: u32,
+    /// Hash over the file of a guide that does not change; `None` without one, or if the picture learns its own.
+    pub guide: Option<u128>,
     /// Version of the program that took the samples.
     pub version: String,
 }
@@ -73,6 +75,7 @@ impl PictureIdentity {
                 ("the sampler", i.sampler.name().to_owned()),
                 ("the seed", i.seed.to_string()),
                 ("the number of samples planned per pixel", i.plan()),
+                ("the guide", i.guide.map_or_else(|| "learnt".to_owned(), |hash| format!("{hash:032x}"))),
             ]
         };
         for ((what, found), (_, wanted)) in text(self).into_iter().zip(text(wanted)) {

@@ -5,6 +5,7 @@
 //! - a [`Film`] adds samples up, exactly ([`exact`]): the picture depends on which samples were taken, not on
 //!   threads, passes, interruptions or machines;
 //! - [`render()`] exposes a film, telling a [`Progress`] about it;
+//! - a [`Guide`] tells integrators that learn where light comes from;
 //! - a [`Checkpoint`] is a film in a file with the [`PictureIdentity`] it belongs to; [`merge()`] joins several.
 //!
 //! A white sphere in a white sky cannot be told from the sky:
@@ -69,6 +70,7 @@ mod codec;
 pub mod exact;
 pub mod film;
 pub mod filter;
+pub mod guide;
 pub mod identity;
 pub mod integrator;
 pub mod merge;
@@ -76,11 +78,13 @@ pub mod pixel;
 pub mod progress;
 pub mod ranges;
 pub mod render;
+mod settled;
 
 pub use aov::{Aov, AovSet};
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use film::{Film, FilmError, FilmFormat, PixelRect};
 pub use filter::{Filter, FilterError};
+pub use guide::{Guide, GuideFileError, GuideSize, Training};
 pub use identity::{Mismatch, PictureIdentity};
 pub use integrator::{
     Context, ContextOptions, Counters, INTEGRATORS, Integrator, IntegratorEntry, IntegratorError,

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::checkpoint::Checkpoint;
-use crate::film::FilmError;
+use crate::film::{Film, FilmError};
 use crate::identity::Mismatch;
 use crate::ranges::SampleRanges;
 
@@ -21,6 +21,12 @@ pub enum MergeError {
         part: usize,
         /// How it differs.
         mismatch: Mismatch,
+    },
+    /// A part whose samples build on one another.
+    #[error("part {part} learnt its own guide while it was rendered, and cannot be joined with others")]
+    Learning {
+        /// Its number.
+        part: usize,
     },
     /// Two parts with common samples.
     #[error("parts {first} and {second} both have samples {} to {}", .samples.start, .samples.end - 1)]
@@ -47,7 +53,11 @@ pub fn merge(parts: impl IntoIterator<Item = Checkpoint>) -> Result<Checkpoint, 
     let mut parts = parts.into_iter();
     let mut whole = parts.next().ok_or(MergeError::Empty)?;
     let mut taken: Vec<SampleRanges> = vec![whole.film.samples().clone()];
+    let learnt =
+        |part, film: &Film| if film.format().passes { Err(MergeError::Learning { part }) } else { Ok(()) };
     for (part, next) in (1..).zip(parts) {
+        learnt(0, &whole.film)?;
+        learnt(part, &next.film)?;
         next.identity.check(&whole.identity).map_err(|mismatch| MergeError::Picture { part, mismatch })?;
         let shared = taken.iter().enumerate().find_map(|(i, t)| Some((i, t.overlap(next.film.samples())?)));
         if let Some((first, samples)) = shared {

@@ -4,6 +4,7 @@ use glanz_math::{DVec2, DVec3};
 
 use crate::aov::{Aov, AovSet};
 use crate::exact::{NarrowSum, SquareSum, WideSum, fits_wide};
+use crate::settled::{Blend, Settled};
 
 /// What a camera ray met first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,9 +62,16 @@ pub struct PixelLayout {
     pub aovs: AovSet,
     /// Whether samples may lie in negative lobes of the filter.
     pub signed: bool,
+    /// Whether samples come in passes of different variance.
+    pub passes: bool,
 }
 
 impl PixelLayout {
+    /// Whether the squares of samples are added up.
+    fn needs_squares(&self) -> bool {
+        self.passes || self.aovs.contains(Aov::Variance)
+    }
+
     /// Number of 64 bit words of one pixel.
     #[must_use]
     pub fn words(&self) -> usize {
@@ -89,6 +97,8 @@ pub struct PixelSums {
     shading_normal: [NarrowSum; 3],
     albedo: [NarrowSum; 3],
     identity: Identity,
+    /// Radiance of passes that are over, which `radiance` and `squares` have no more.
+    settled: Settled,
 }
 
 /// Sample number (high half) and shape (low half) of the lowest sample that hit.
@@ -156,7 +166,7 @@ impl PixelSums {
             words.word(&mut self.negative_count);
             visit_wide(&mut self.negative, words);
         }
-        if layout.aovs.contains(Aov::Variance) {
+        if layout.needs_squares() {
             for sum in &mut self.squares {
                 let mut limbs = sum.to_words();
                 limbs.iter_mut().for_each(|w| words.word(w));
@@ -186,6 +196,13 @@ impl PixelSums {
         }
         if layout.aovs.contains(Aov::Id) {
             words.word(&mut self.identity.0);
+        }
+        if layout.passes {
+            for value in self.settled.values_mut() {
+                let mut bits = value.to_bits();
+                words.word(&mut bits);
+                *value = f64::from_bits(bits);
+            }
         }
     }
 
@@ -218,7 +235,7 @@ impl PixelSums {
             }
         }
         self.negative_count += u64::from(sample.negative);
-        if layout.aovs.contains(Aov::Variance) {
+        if layout.needs_squares() {
             self.squares.iter_mut().zip(rgb).for_each(|(sum, v)| sum.add_square(v));
         }
         if let Some(hit) = sample.first_hit.filter(|_| layout.aovs.needs_first_hit()) {
@@ -271,23 +288,44 @@ impl PixelSums {
     /// and Sobol points do better, so it is an upper bound in practice. Infinite for a single sample, which says nothing.
     #[must_use]
     pub fn radiance(&self, count: u64) -> [PixelValue; 3] {
+        self.blended(&Blend::plain(count))
+    }
+
+    /// As [`PixelSums::radiance`], together with the passes that are over.
+    pub(crate) fn blended(&self, blend: &Blend) -> [PixelValue; 3] {
+        let (divisor, bands) = self.bands(blend.count);
+        self.settled.with(divisor, &bands, blend)
+    }
+
+    /// Moves the radiance over to the passes that are over.
+    pub(crate) fn settle(&mut self, blend: &Blend) {
+        let (divisor, bands) = self.bands(blend.count);
+        self.settled.add(divisor, &bands, blend);
+        (self.radiance, self.negative, self.squares) = Default::default();
+        self.negative_count = 0;
+    }
+
+    /// Estimated variance of one of the `count` samples, mean of the bands; infinite for fewer than two.
+    pub(crate) fn sample_variance(&self, count: u64) -> f64 {
+        if count < 2 {
+            return f64::INFINITY;
+        }
+        let (_, bands) = self.bands(count);
+        bands.iter().map(|&(_, deviation)| deviation).sum::<f64>() / (3.0 * (count - 1) as f64)
+    }
+
+    /// The sum of signs, and of each band the sum and the sum of squared deviations, of `count` samples.
+    fn bands(&self, count: u64) -> (f64, [(f64, f64); 3]) {
         let n = count as f64;
-        let divisor = (n - 2.0 * self.negative_count as f64).max(0.25 * n);
-        std::array::from_fn(|i| {
-            if count == 0 {
-                return PixelValue { mean: 0.0, variance: f64::INFINITY };
-            }
+        let divisor = n - 2.0 * self.negative_count as f64;
+        let bands = std::array::from_fn(|i| {
             let signed = self.radiance[i].to_f64();
-            let mean = signed / divisor;
+            let mean = if count == 0 { 0.0 } else { signed / divisor.max(0.25 * n) };
             let unsigned = signed - 2.0 * self.negative[i].to_f64();
             let deviation = self.squares[i].to_f64() - 2.0 * mean * unsigned + n * mean * mean;
-            let variance = if count > 1 {
-                deviation.max(0.0) / (divisor * divisor) * (n / (n - 1.0))
-            } else {
-                f64::INFINITY
-            };
-            PixelValue { mean, variance }
-        })
+            (signed, deviation.max(0.0))
+        });
+        (divisor, bands)
     }
 
     /// Means of the first hits over the samples that hit something; `None` where none did.
@@ -328,7 +366,7 @@ mod tests {
     use crate::exact::WIDE_LIMIT;
 
     fn layout(aovs: AovSet, signed: bool) -> PixelLayout {
-        PixelLayout { aovs, signed }
+        PixelLayout { aovs, signed, passes: false }
     }
 
     fn sample(index: u32, value: f32) -> Sample {

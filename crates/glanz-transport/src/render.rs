@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use crate::exact::MAX_TERMS;
 use crate::film::{Film, FilmError, PixelRect};
 use crate::filter::Filter;
+use crate::guide::{self, Record, Training};
 use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Integrator};
 use crate::pixel::{PixelSums, Rejects, Sample};
 use crate::progress::{Progress, ProgressReport};
@@ -73,6 +74,15 @@ pub enum RenderError {
     /// A film made for a filter without negative lobes, and a filter with, or the other way round.
     #[error("the film was made for another kind of filter")]
     Filter,
+    /// A film made for passes and an integrator that does not learn, or the other way round.
+    #[error("the film was made for another kind of integrator")]
+    Passes,
+    /// Samples out of turn, for an integrator that learns.
+    #[error("the integrator learns: samples have to be taken in order, the next is {next}")]
+    Order {
+        /// The sample that comes next.
+        next: u32,
+    },
     /// The threads could not be started.
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
@@ -85,11 +95,12 @@ pub enum RenderError {
 ///
 /// Passes over all pixels follow one another; each takes one or more samples of every pixel, as many as fit in half a second
 /// or so. Sums are exact, so that the film depends on which samples it has, never on passes, threads, interruptions or
-/// whether it was begun by another run. After each pass `progress` is told, and the loop ends if `stop` is
+/// whether it was begun by another run. An integrator that learns takes its samples in order; a pass over the picture ends where one
+/// of its own does, so that the same holds. After each pass `progress` is told, and the loop ends if `stop` is
 /// set, but not with an empty film.
 ///
 /// # Errors
-/// [`RenderError`] before the first pass, if the film does not go with the filter, would get more samples than it can
+/// [`RenderError`] before the first pass, if the film does not go with the filter or the integrator, samples are out of turn, would get more samples than it can
 /// hold, or the threads cannot be started.
 pub fn render(
     scene: &Scene,
@@ -101,6 +112,13 @@ pub fn render(
 ) -> Result<RenderOutcome, RenderError> {
     if film.format().signed != settings.filter.is_signed() {
         return Err(RenderError::Filter);
+    }
+    if film.format().passes != integrator.learns() {
+        return Err(RenderError::Passes);
+    }
+    if integrator.learns() {
+        check_order(&film, settings)?;
+        film.begin_training(&scene.bounds());
     }
     let new = missing(&film, settings);
     if film.samples().total() + new > u64::from(MAX_TERMS) {
@@ -129,7 +147,11 @@ pub fn render(
         let Some(length) = clock.next_pass(gap.end - gap.start, start.elapsed()) else {
             break Finished::TimeUp;
         };
-        let range = gap.start..gap.start + length;
+        let mut range = gap.start..gap.start + length;
+        if integrator.learns() {
+            range.end = range.end.min(guide::pass(range.start).end);
+        }
+        let length = range.end - range.start;
         let begun = Instant::now();
         let work = pool.install(|| exposure.expose(&mut film, &range));
         clock.note(length, begun.elapsed());
@@ -140,6 +162,14 @@ pub fn render(
     };
     let samples = taken * film.format().crop.len();
     Ok(RenderOutcome { film, finished, elapsed: start.elapsed(), counters, samples })
+}
+
+/// An integrator that learns takes samples in the order of their numbers, without a gap.
+fn check_order(film: &Film, settings: &RenderSettings) -> Result<(), RenderError> {
+    let done = film.samples().as_slice();
+    let next = done.first().map_or(0, |range| range.end);
+    let in_turn = done.len() <= 1 && done.first().is_none_or(|range| range.start == 0);
+    if in_turn && settings.samples.start <= next { Ok(()) } else { Err(RenderError::Order { next }) }
 }
 
 /// Number of samples per pixel that are asked for and not taken yet.
@@ -240,15 +270,17 @@ impl Exposure<'_> {
     fn expose(&self, film: &mut Film, range: &Range<u32>) -> Work {
         let layout = film.format().layout();
         let stride = layout.words();
-        film.tiles_mut()
+        let (tiles, training) = film.parts_mut();
+        tiles
             .into_par_iter()
             .with_max_len(1)
             .map(|(tile, words): (PixelRect, &mut [u64])| {
                 let mut work = Work::default();
+                let mut records = Vec::new();
                 for (pixel, words) in tile.pixels().zip(words.chunks_exact_mut(stride)) {
                     let mut sums = PixelSums::read(&layout, words);
                     for index in range.clone() {
-                        let sample = self.sample(pixel, index, &mut work.counters);
+                        let sample = self.sample(pixel, index, training, &mut records, &mut work.counters);
                         sums.add(&layout, &sample, &mut work.rejects);
                     }
                     sums.write(&layout, words);
@@ -259,7 +291,15 @@ impl Exposure<'_> {
             .reduce(Work::default, Work::merged)
     }
 
-    fn sample(&self, pixel: [u32; 2], index: u32, counters: &mut Counters) -> Sample {
+    /// `records`: memory that goes from sample to sample.
+    fn sample(
+        &self,
+        pixel: [u32; 2],
+        index: u32,
+        training: Option<&Training>,
+        records: &mut Vec<Record>,
+        counters: &mut Counters,
+    ) -> Sample {
         let settings = self.settings;
         let mut sampler =
             PixelSampler::new(settings.sampler, settings.samples_per_pixel, settings.seed, pixel, index);
@@ -268,7 +308,10 @@ impl Exposure<'_> {
         let ray = self.scene.camera().ray(middle + place.offset, sampler.next_2d());
         sampler.skip_to_dimension(FIRST_DIMENSION);
         let mut context = Context::new(self.scene, ray, sampler, self.options);
+        context.training = training;
+        context.records = std::mem::take(records);
         let radiance = self.integrator.radiance(&mut context);
+        *records = std::mem::take(&mut context.records);
         counters.merge(context.counters);
         let rgb = radiance.to_rgb(&context.wavelengths);
         Sample { index, rgb, negative: place.negative, first_hit: context.first_hit() }

@@ -61,7 +61,8 @@ fn convex_diffuse_sphere_reflects_its_share_of_a_constant_sky() {
     let scene = Builder::looking(DVec3::new(0.0, 0.0, -2.0), DVec3::ZERO, [6, 6], 0.5)
         .shape(sphere(1.0), DMat4::IDENTITY, diffuse(0.6))
         .light(LightKind::Infinite, 3.0);
-    for run in Run::all_random(5, 64).into_iter().chain([Run::new("whitted", 5, 64)]) {
+    // The first 64 samples of `guided` happen to be 3.06 standard errors off; 200 other seeds are right, see `guided.rs`.
+    for run in Run::all_random(5, 256).into_iter().chain([Run::new("whitted", 5, 64)]) {
         // Cosine sampling is perfect here: rho L0 with every sample, but for the weights of two strategies in `path`.
         run.picture(&scene).assert_average([1.8; 3], 0.01, &run.name());
     }

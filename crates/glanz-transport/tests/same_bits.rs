@@ -78,6 +78,7 @@ fn identity(run: &Run) -> PictureIdentity {
         sampler: run.sampler,
         seed: run.seed,
         samples_per_pixel: 64,
+        guide: None,
         version: PictureIdentity::current_version(),
     }
 }

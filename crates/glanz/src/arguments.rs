@@ -94,7 +94,12 @@ Examples:
   on one machine, on another, and the same bits as 256 samples at once:
   glanz render room.pbrt --samples 0..128 --checkpoint a.glanz
   glanz render room.pbrt --samples 128..256 --checkpoint b.glanz
-  glanz merge a.glanz b.glanz -o room.exr";
+  glanz merge a.glanz b.glanz -o room.exr
+
+  learn once where light comes from, then render parts with that; without --guide-in the
+  samples of \"guided\" build on one another, and parts cannot be merged:
+  glanz render room.pbrt --integrator guided --spp 64 --guide-out room.guide
+  glanz render room.pbrt --integrator guided --guide-in room.guide --samples 0..512";
 
 #[derive(Debug, Args)]
 #[command(after_help = RENDER_HELP)]
@@ -147,6 +152,12 @@ pub(crate) struct RenderOptions {
     /// Only the samples from A up to, not including, B of every pixel
     #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with = "time")]
     pub(crate) samples: Option<Range<u32>>,
+    /// Let this guide draw directions and learn nothing (integrator guided)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "guide_out")]
+    pub(crate) guide_in: Option<PathBuf>,
+    /// Write the guide that the last whole pass left (integrator guided)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) guide_out: Option<PathBuf>,
     /// Brighten PNG pictures by this many stops
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true, default_value_t = 0.0, value_parser = stops)]
     pub(crate) exposure: f32,

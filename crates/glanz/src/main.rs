@@ -3,6 +3,7 @@
 mod arguments;
 mod checkpoint_file;
 mod command;
+mod guide_file;
 mod interrupt;
 mod messages;
 mod outputs;

@@ -7,10 +7,12 @@ use std::time::Duration;
 use glanz_sampling::SamplerKind;
 use glanz_transport::exact::MAX_TERMS;
 use glanz_transport::{
-    Aov, AovSet, FilmFormat, Filter, IntegratorSettings, PictureIdentity, PixelRect, RenderSettings,
+    Aov, AovSet, FilmFormat, Filter, Integrator, IntegratorSettings, PictureIdentity, PixelRect,
+    RenderSettings,
 };
 
 use crate::arguments::{ALL_AOVS, RenderOptions};
+use crate::guide_file::{self, FixedGuide};
 use crate::messages::Failure;
 use crate::report::grouped;
 use crate::scene_file::SceneFile;
@@ -24,6 +26,8 @@ pub(crate) struct Plan {
     pub(crate) identity: PictureIdentity,
     pub(crate) threads: usize,
     pub(crate) time_limit: Option<Duration>,
+    /// A guide that does not learn.
+    guide: Option<FixedGuide>,
     filter: Filter,
     samples: Range<u32>,
 }
@@ -47,6 +51,8 @@ impl Plan {
         let integrator = IntegratorSettings::resolve(&description.integrator).map_err(|error| {
             file.failure(description.integrator.location, &format!("integrator: {error}"))
         })?;
+        let guide = guide(options, &integrator)?;
+        let learns = integrator.is_guided() && guide.is_none();
         let filter = Filter::try_new(&description.filter)
             .map_err(|error| file.failure(None, &format!("pixel filter: {error}")))?;
         let name = options.sampler.as_ref().unwrap_or(&description.sampler.name);
@@ -59,12 +65,14 @@ impl Plan {
                 crop,
                 aovs: aovs(&options.aov),
                 signed: filter.is_signed(),
+                passes: learns,
             },
             filter: description.filter,
             integrator,
             sampler,
             seed: options.seed.unwrap_or(description.sampler.seed),
             samples_per_pixel: options.spp.unwrap_or(description.sampler.samples_per_pixel),
+            guide: guide.as_ref().map(|guide| guide.hash),
             version: PictureIdentity::current_version(),
         };
         identity.film.words().map_err(|error| match options.size {
@@ -76,7 +84,15 @@ impl Plan {
             Some(threads) => usize::from(threads),
             None => std::thread::available_parallelism().map_or(1, usize::from),
         };
-        Ok(Self { identity, threads, time_limit: options.time, filter, samples })
+        Ok(Self { identity, threads, time_limit: options.time, guide, filter, samples })
+    }
+
+    /// The integrator, with its guide.
+    pub(crate) fn integrator(&self) -> Box<dyn Integrator> {
+        match &self.guide {
+            Some(FixedGuide { guide, .. }) => self.identity.integrator.build_with_guide(guide.clone()),
+            None => self.identity.integrator.build(),
+        }
     }
 
     /// The same for the render loop.
@@ -92,6 +108,18 @@ impl Plan {
             checkpoint_interval,
         }
     }
+}
+
+/// The guide that the command line names, if the integrator has any use for it.
+fn guide(options: &RenderOptions, integrator: &IntegratorSettings) -> Result<Option<FixedGuide>, Failure> {
+    let named = [("--guide-in", &options.guide_in), ("--guide-out", &options.guide_out)];
+    if let Some((name, _)) = named.into_iter().find(|(_, path)| path.is_some())
+        && !integrator.is_guided()
+    {
+        return Err(Failure::usage(format!("{name}: the integrator \"{}\" has no guide", integrator.name()))
+            .with_help("add --integrator guided"));
+    }
+    options.guide_in.as_deref().map(guide_file::read).transpose()
 }
 
 /// The channels of these names; the definition of the arguments lets no others through.
@@ -116,6 +144,14 @@ fn samples(options: &RenderOptions, identity: &PictureIdentity) -> Result<Range<
             .with_help(format!(
                 "the sampler \"{name}\" divides the pixel by their number: give --spp {end} or more"
             )))
+        }
+        // Resumed, they may come in turn: the render loop knows.
+        Some(range) if identity.film.passes && range.start > 0 && !options.resume => {
+            let (start, end) = (range.start, range.end);
+            Err(Failure::usage(format!(
+                "--samples {start}..{end}: the samples of \"guided\" build on those before"
+            ))
+            .with_help("begin at 0, or give a guide that is not learnt at the same time with --guide-in"))
         }
         Some(range) => Ok(range.clone()),
         None if options.time.is_some() => Ok(0..MAX_TERMS),

@@ -4,8 +4,8 @@ use glanz_light::Spectrum;
 use glanz_math::{DVec2, Ray};
 use glanz_scene::{Interaction, LightId};
 
-use super::path::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
 use super::vertex::{Origin, Vertex, roulette};
+use super::walk::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
 use super::{Context, FIRST_DIMENSION, Integrator, IntegratorSettings};
 
 /// Several rays from a hit instead of one.
@@ -85,7 +85,7 @@ impl Distributed {
             let is_delta = context.scene.light(id).is_some_and(glanz_scene::Light::is_delta);
             let count = if is_delta { 1 } else { each };
             let sum: Spectrum =
-                (0..count).map(|j| vertex.light(context, id, spread(j, count, shift), |_, _| 1.0)).sum();
+                (0..count).map(|j| vertex.light(context, id, spread(j, count, shift), |_, _, _| 1.0)).sum();
             light += sum * (1.0 / count as f32);
         }
         light

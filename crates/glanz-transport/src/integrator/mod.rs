@@ -1,9 +1,10 @@
 //! How much light a camera ray brings home.
 //!
 //! One file per integrator, one line each in [`INTEGRATORS`]. What they share: [`Context`] (the scene, the numbers of the
-//! sample, the counters) and `vertex` (a place where light is scattered).
+//! sample, the counters), `vertex` (a place where light is scattered) and `walk` (the way of one path).
 
 use std::fmt;
+use std::sync::Arc;
 
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::Ray;
@@ -11,14 +12,18 @@ use glanz_sampling::PixelSampler;
 use glanz_scene::description::IntegratorDescription;
 use glanz_scene::{Interaction, Scene};
 
+use crate::guide::{Guide, Record, Training};
 use crate::pixel::FirstHit;
 
 mod distributed;
+mod guided;
 mod path;
 mod vertex;
+mod walk;
 mod whitted;
 
 pub use distributed::Distributed;
+pub use guided::Guided;
 pub use path::Path;
 pub use whitted::{SMALLEST_WEIGHT, Whitted};
 
@@ -26,8 +31,14 @@ pub use whitted::{SMALLEST_WEIGHT, Whitted};
 pub trait Integrator: Send + Sync {
     /// An estimate of the radiance that arrives along [`Context::camera_ray`].
     ///
-    /// Depends on the ray, the scene and the numbers of the sampler alone.
+    /// Depends on the ray, the scene, the numbers of the sampler and, if it learns, the film's training alone.
     fn radiance(&self, context: &mut Context<'_>) -> Spectrum;
+
+    /// Whether it learns from earlier passes: samples have to be taken in order then, into a film with
+    /// [`FilmFormat::passes`](crate::FilmFormat::passes).
+    fn learns(&self) -> bool {
+        false
+    }
 }
 
 /// Work done.
@@ -65,6 +76,10 @@ pub struct Context<'a> {
     pub wavelengths: Wavelengths,
     /// Work done so far.
     pub counters: Counters,
+    /// What integrators that learn have learnt.
+    pub(crate) training: Option<&'a Training>,
+    /// Memory that is used again by the next sample.
+    pub(crate) records: Vec<Record>,
     options: ContextOptions,
     first_hit: Option<FirstHit>,
 }
@@ -92,7 +107,8 @@ impl<'a> Context<'a> {
     #[must_use]
     pub fn new(scene: &'a Scene, camera_ray: Ray, sampler: PixelSampler, options: ContextOptions) -> Self {
         let (wavelengths, counters) = (Wavelengths::default(), Counters::default());
-        Self { scene, camera_ray, sampler, wavelengths, counters, options, first_hit: None }
+        let (training, records, first_hit) = (None, Vec::new(), None);
+        Self { scene, camera_ray, sampler, wavelengths, counters, training, records, options, first_hit }
     }
 
     /// The first thing on `ray`.
@@ -144,20 +160,32 @@ pub struct IntegratorEntry {
     pub default_branching: Option<u32>,
     /// Whether it heeds [`IntegratorSettings::light_sampling`].
     pub light_sampling_is_optional: bool,
+    /// Whether it uses a [`Guide`].
+    pub guided: bool,
     build: fn(&IntegratorSettings) -> Box<dyn Integrator>,
 }
 
 /// All integrators. A new one is a file and a line here.
 ///
 /// The default depth is that of pbrt, whose scenes rely on it.
-pub static INTEGRATORS: [IntegratorEntry; 3] = [
+pub static INTEGRATORS: [IntegratorEntry; 4] = [
     IntegratorEntry {
         name: "path",
         description: "unidirectional path tracing with light sampling and multiple importance sampling",
         default_max_depth: 5,
         default_branching: None,
         light_sampling_is_optional: true,
+        guided: false,
         build: |settings| Box::new(Path::new(settings)),
+    },
+    IntegratorEntry {
+        name: "guided",
+        description: "path tracing that learns where light comes from (document 003 chapter 3)",
+        default_max_depth: 5,
+        default_branching: None,
+        light_sampling_is_optional: true,
+        guided: true,
+        build: |settings| Box::new(Guided::new(settings)),
     },
     IntegratorEntry {
         name: "distributed",
@@ -165,6 +193,7 @@ pub static INTEGRATORS: [IntegratorEntry; 3] = [
         default_max_depth: 5,
         default_branching: Some(8),
         light_sampling_is_optional: true,
+        guided: false,
         build: |settings| Box::new(Distributed::new(settings)),
     },
     IntegratorEntry {
@@ -173,6 +202,7 @@ pub static INTEGRATORS: [IntegratorEntry; 3] = [
         default_max_depth: 5,
         default_branching: None,
         light_sampling_is_optional: false,
+        guided: false,
         build: |settings| Box::new(Whitted::new(settings)),
     },
 ];
@@ -259,6 +289,19 @@ impl IntegratorSettings {
         self.name
     }
 
+    /// Whether the integrator uses a [`Guide`].
+    #[must_use]
+    pub fn is_guided(&self) -> bool {
+        INTEGRATORS.iter().any(|entry| entry.name == self.name && entry.guided)
+    }
+
+    /// The integrator with a guide that was learnt before and does not change; `guide` is of no use to those that are not
+    /// [guided](IntegratorSettings::is_guided).
+    #[must_use]
+    pub fn build_with_guide(&self, guide: Arc<Guide>) -> Box<dyn Integrator> {
+        if self.is_guided() { Box::new(Guided::with_guide(self, guide)) } else { self.build() }
+    }
+
     /// The integrator.
     #[must_use]
     pub fn build(&self) -> Box<dyn Integrator> {
@@ -300,7 +343,7 @@ mod tests {
         let error = IntegratorSettings::resolve(&description("sppm")).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "there is no integrator \"sppm\" (there are path, distributed, whitted)"
+            "there is no integrator \"sppm\" (there are path, guided, distributed, whitted)"
         );
         let deep = IntegratorDescription { max_depth: Some(100_000), ..description("path") };
         assert_eq!(IntegratorSettings::resolve(&deep), Err(IntegratorError::Depth(100_000)));

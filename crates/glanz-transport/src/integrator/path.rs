@@ -1,128 +1,48 @@
 //! Unidirectional path tracing.
 
 use glanz_light::Spectrum;
-use glanz_math::Ray;
-use glanz_sampling::mis;
-use glanz_scene::{Interaction, LightId};
+use glanz_math::{DVec2, DVec3};
 
-use super::vertex::{Origin, Vertex, roulette};
-use super::{Context, FIRST_DIMENSION, Integrator, IntegratorSettings};
+use super::vertex::{Scattered, Vertex};
+use super::walk::{Directions, Walk};
+use super::{Context, Integrator, IntegratorSettings};
 
-/// Scattering events before Russian roulette may end a path.
-pub(super) const ROULETTE_FROM: u32 = 2;
-
-/// Dimensions of the sampler per scattering event, so that an event has the same ones in every sample.
-pub(super) const DIMENSIONS_PER_EVENT: u32 = 8;
-
-/// Interfaces that a ray may pass between two scattering events; more are taken for a ray that does not advance.
-pub(super) const INTERFACE_LIMIT: u32 = 1000;
-
-/// Paths from the camera.
+/// Paths from the camera that go on by the BSDF.
 ///
-/// At every scattering event one light is sampled and the path goes on by the BSDF; light that either way would find is shared
-/// by the power heuristic (@veach1995). Without light sampling, light is found by chance alone, and that of points and
-/// directions never.
+/// At every scattering event one light is sampled too; light that either way would find is shared by the power heuristic
+/// (@veach1995). Without light sampling, light is found by chance alone, and that of points and directions never.
 #[derive(Clone, Copy, Debug)]
-pub struct Path {
-    max_depth: u32,
-    light_sampling: bool,
-}
+pub struct Path(Walk);
 
 impl Path {
     /// With the depth and the light sampling of `settings`.
     #[must_use]
     pub fn new(settings: &IntegratorSettings) -> Self {
-        Self { max_depth: settings.max_depth, light_sampling: settings.light_sampling }
-    }
-
-    /// Light that left the scene's infinite lights along `ray`.
-    fn escaped(&self, context: &Context<'_>, ray: &Ray, origin: Option<&Origin>) -> Spectrum {
-        let scene = context.scene;
-        let weight =
-            |id| self.weight(context, id, origin, |o| o.infinite_light_pdf(context, id, ray.direction));
-        scene.infinite_lights().iter().map(|&id| scene.infinite_radiance(id, ray) * weight(id)).sum()
-    }
-
-    /// Light that the surface at `hit` gives off itself.
-    fn emitted(&self, context: &Context<'_>, hit: &Interaction, origin: Option<&Origin>) -> Spectrum {
-        match hit.light() {
-            None => Spectrum::BLACK,
-            Some(id) => {
-                let emitted = context.scene.emitted(hit, hit.wo);
-                if emitted.is_black() {
-                    return emitted;
-                }
-                emitted * self.weight(context, id, origin, |o| o.area_light_pdf(context, id, hit))
-            }
-        }
-    }
-
-    /// Share of light `id` that belongs to BSDF sampling.
-    fn weight(
-        &self,
-        context: &Context<'_>,
-        id: LightId,
-        origin: Option<&Origin>,
-        light_pdf: impl FnOnce(&Origin) -> f64,
-    ) -> f32 {
-        match origin {
-            Some(origin) if self.light_sampling => {
-                mis::power(origin.pdf, light_pdf(origin) * context.scene.light_probability(id)) as f32
-            }
-            _ => 1.0,
-        }
+        Self(Walk::new(settings))
     }
 }
 
 impl Integrator for Path {
     fn radiance(&self, context: &mut Context<'_>) -> Spectrum {
-        let mut ray = context.camera_ray;
-        let mut light = Spectrum::BLACK;
-        let mut throughput = Spectrum::ONE;
-        let mut eta_scale = 1.0_f32;
-        // `None` while nothing but delta lobes came before: light sampling could not have found what they find.
-        let mut origin: Option<Origin> = None;
-        let (mut depth, mut interfaces) = (0, 0);
-        loop {
-            let Some(hit) = context.intersect(&ray) else {
-                return light + throughput * self.escaped(context, &ray, origin.as_ref());
-            };
-            light += throughput * self.emitted(context, &hit, origin.as_ref());
-            let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
-                interfaces += 1;
-                if interfaces > INTERFACE_LIMIT {
-                    return light;
-                }
-                ray = hit.spawn(ray.direction);
-                continue;
-            };
-            let vertex = Vertex::new(&hit, bsdf);
-            context.note_first_hit(&vertex);
-            if depth >= self.max_depth {
-                return light;
-            }
-            context.sampler.skip_to_dimension(FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(depth));
-            depth += 1;
-            interfaces = 0;
-            // What belongs together comes from one group of dimensions: lobe, direction and survival; light and point on it.
-            let (xi, xi_lobe) = (context.sampler.next_2d(), context.sampler.next_1d());
-            let xi_roulette = context.sampler.next_1d();
-            if self.light_sampling && !bsdf.is_delta() {
-                context.sampler.begin_group();
-                let (xi_point, xi_light) = (context.sampler.next_2d(), context.sampler.next_1d());
-                light += throughput * vertex.direct_light(context, xi_light, xi_point);
-            }
-            let Some(scattered) = vertex.sample(xi, xi_lobe) else { return light };
-            throughput *= scattered.weight;
-            eta_scale *= scattered.eta_scale;
-            if depth >= ROULETTE_FROM {
-                match roulette(throughput * eta_scale, xi_roulette) {
-                    Some(factor) => throughput *= factor,
-                    None => return light,
-                }
-            }
-            ray = hit.spawn(scattered.direction);
-            origin = (!scattered.is_delta).then_some(Origin { from: hit.reference(), pdf: scattered.pdf });
-        }
+        self.0.radiance(context, &mut ByBsdf)
     }
+}
+
+/// Directions that the BSDF alone draws.
+pub(super) struct ByBsdf;
+
+impl Directions for ByBsdf {
+    type Place = ();
+
+    fn arrive(&self, _: &Vertex<'_>) {}
+
+    fn pdf(&self, (): &(), _: DVec3, bsdf_pdf: f64) -> f64 {
+        bsdf_pdf
+    }
+
+    fn sample(&mut self, (): &(), vertex: &Vertex<'_>, xi: DVec2, xi_lobe: f64) -> Option<Scattered> {
+        vertex.sample(xi, xi_lobe)
+    }
+
+    fn take(&mut self, (): &(), _: &Vertex<'_>, _: &Scattered, _: Spectrum, _: Spectrum) {}
 }

@@ -22,14 +22,18 @@ pub(super) struct Vertex<'a> {
     viewer_side: f64,
 }
 
-/// A direction drawn from the BSDF.
+/// A direction in which to go on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scattered {
     /// Where to go on.
     pub(super) direction: DVec3,
     /// Factor on the throughput.
     pub(super) weight: Spectrum,
-    /// Density per solid angle; infinite for a delta lobe.
+    /// That factor if the BSDF alone had drawn the direction.
+    pub(super) bsdf_weight: Spectrum,
+    /// Density per solid angle with which the BSDF draws the direction; infinite for a delta lobe.
+    pub(super) bsdf_pdf: f64,
+    /// Density per solid angle with which it was drawn.
     pub(super) pdf: f64,
     pub(super) is_delta: bool,
     pub(super) eta_scale: f32,
@@ -47,6 +51,16 @@ impl<'a> Vertex<'a> {
     /// The shading normal on the viewer's side.
     pub(super) fn normal_to_viewer(&self) -> DVec3 {
         if self.wo.z < 0.0 { -self.frame.z } else { self.frame.z }
+    }
+
+    /// The cosine between `direction` and the shading normal.
+    pub(super) fn cosine(&self, direction: DVec3) -> f64 {
+        self.frame.z.dot(direction)
+    }
+
+    /// Whether light is scattered into single directions only.
+    pub(super) fn is_delta(&self) -> bool {
+        self.bsdf.is_delta()
     }
 
     pub(super) fn albedo(&self) -> Spectrum {
@@ -88,6 +102,8 @@ impl<'a> Vertex<'a> {
         Some(Scattered {
             direction,
             weight: sample.weight,
+            bsdf_weight: sample.weight,
+            bsdf_pdf: sample.pdf.0,
             pdf: sample.pdf.0,
             is_delta: sample.lobe.is_delta(),
             eta_scale: sample.eta_scale,
@@ -96,14 +112,14 @@ impl<'a> Vertex<'a> {
 
     /// Light from `id` that is scattered to the viewer, estimated by one direction towards it.
     ///
-    /// `weight`: from the density of that direction (per solid angle, the choice of the light not included) and that of
+    /// `weight`: from that direction, its density (per solid angle, the choice of the light not included) and that of
     /// the BSDF for the same direction; not called for delta lights, which count fully.
     pub(super) fn light(
         &self,
         context: &mut Context<'_>,
         id: LightId,
         xi: DVec2,
-        weight: impl FnOnce(f64, f64) -> f64,
+        weight: impl FnOnce(DVec3, f64, f64) -> f64,
     ) -> Spectrum {
         let Some(sample) = context.scene.sample_light(id, self.at, xi, &context.wavelengths) else {
             return Spectrum::BLACK;
@@ -113,19 +129,28 @@ impl<'a> Vertex<'a> {
         if light.is_black() {
             return Spectrum::BLACK;
         }
-        let weight = if sample.is_delta { 1.0 } else { weight(sample.pdf.0, bsdf_pdf) };
+        let weight = if sample.is_delta { 1.0 } else { weight(sample.wi, sample.pdf.0, bsdf_pdf) };
         if weight == 0.0 || !context.is_free(&sample.shadow, sample.t_max) {
             return Spectrum::BLACK;
         }
         light * (weight / sample.pdf.0) as f32
     }
 
-    /// Direct light from one light picked at random, with the weight of the power heuristic against BSDF sampling.
-    pub(super) fn direct_light(&self, context: &mut Context<'_>, xi_light: f64, xi: DVec2) -> Spectrum {
+    /// Direct light from one light picked at random, with the weight of the power heuristic against the other way to find it.
+    ///
+    /// `pdf`: density of that way, from a direction and the density of the BSDF for it.
+    pub(super) fn direct_light(
+        &self,
+        context: &mut Context<'_>,
+        xi_light: f64,
+        xi: DVec2,
+        pdf: impl FnOnce(DVec3, f64) -> f64,
+    ) -> Spectrum {
         match context.scene.pick_light(xi_light) {
             Some((id, probability)) if probability > 0.0 => {
-                let light = self.light(context, id, xi, |light, bsdf| mis::power(light * probability, bsdf));
-                light * (1.0 / probability) as f32
+                let weight =
+                    |direction, light: f64, bsdf| mis::power(light * probability, pdf(direction, bsdf));
+                self.light(context, id, xi, weight) * (1.0 / probability) as f32
             }
             _ => Spectrum::BLACK,
         }

@@ -6,8 +6,8 @@ use glanz_scene::{Light, LightId};
 use glanz_shading::Bsdf;
 use glanz_shading::model::phong::{ClassicLight, Coefficients, classic, classic_ambient};
 
-use super::path::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT};
 use super::vertex::Vertex;
+use super::walk::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT};
 use super::{Context, FIRST_DIMENSION, Integrator, IntegratorSettings};
 
 /// Direct light, perfect mirrors and refraction; no light is scattered twice by a rough surface.
@@ -108,7 +108,7 @@ fn direct_light(context: &mut Context<'_>, vertex: &Vertex<'_>) -> Spectrum {
     light_ids(context)
         .map(|id| {
             let xi = context.sampler.next_2d();
-            vertex.light(context, id, xi, |_, _| 1.0)
+            vertex.light(context, id, xi, |_, _, _| 1.0)
         })
         .sum()
 }

@@ -178,10 +178,10 @@ impl Run {
         }
     }
 
-    /// `path` and `distributed`, each with and without light sampling.
+    /// `path`, `guided` and `distributed`, each with and without light sampling.
     pub(crate) fn all_random(depth: u32, samples: u32) -> Vec<Self> {
         let mut runs = Vec::new();
-        for integrator in ["path", "distributed"] {
+        for integrator in ["path", "guided", "distributed"] {
             for light_sampling in [true, false] {
                 runs.push(Self { light_sampling, ..Self::new(integrator, depth, samples) });
             }
@@ -194,10 +194,10 @@ impl Run {
         Self::all_random(depth, samples).into_iter().filter(|r| r.light_sampling).collect()
     }
 
-    /// All three, through the middle of the pixel.
+    /// All four, through the middle of the pixel.
     pub(crate) fn all_exact(depth: u32) -> Vec<Self> {
         let run = |name| Self { sampler: SamplerKind::Center, ..Self::new(name, depth, 2) };
-        ["path", "distributed", "whitted"].map(run).to_vec()
+        ["path", "guided", "distributed", "whitted"].map(run).to_vec()
     }
 
     pub(crate) fn name(&self) -> String {
@@ -235,6 +235,7 @@ impl Run {
             crop: PixelRect::from_fractions(resolution, description.film.crop).unwrap(),
             aovs: self.aovs,
             signed: Filter::try_new(&description.filter).unwrap().is_signed(),
+            passes: self.integrator_settings().build().learns(),
         }
     }
 

@@ -54,6 +54,11 @@ pub(crate) fn run(arguments: &MergeArguments, messages: Messages) -> Result<Endi
             Failure::new(format!("{first} and {second} both have samples {} to {last}", samples.start))
                 .with_help("give every part its own range with --samples A..B")
         }
+        MergeError::Learning { part } => Failure::new(format!(
+            "{} learnt its own guide while it was rendered: its samples build on one another",
+            name(part)
+        ))
+        .with_help("learn a guide once with --guide-out, and render every part with --guide-in"),
         other => Failure::new(other.to_string()),
     })?;
 

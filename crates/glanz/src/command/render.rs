@@ -4,12 +4,16 @@ use std::path::{Path, PathBuf};
 
 use glanz_light::PixelsError;
 use glanz_scene::Scene;
-use glanz_transport::{AovSet, Film, FilmError, Finished, Progress, ProgressReport, RenderOutcome, render};
+use glanz_transport::{
+    AovSet, Film, FilmError, Finished, GuideSize, Progress, ProgressReport, RenderError, RenderOutcome,
+    render,
+};
 use serde::Serialize;
 
 use crate::Ending;
 use crate::arguments::{RenderArguments, RenderOptions};
 use crate::checkpoint_file;
+use crate::guide_file;
 use crate::interrupt::Interrupt;
 use crate::messages::{Failure, Messages};
 use crate::outputs::{self, Outputs};
@@ -52,7 +56,26 @@ struct Report {
     /// Searches for hits on freeform surfaces that were given up.
     undecided: u64,
     peak_memory_bytes: Option<u64>,
+    /// Of an integrator that learns.
+    guide: Option<GuideReport>,
     warnings: Vec<String>,
+}
+
+/// How large the guide is that a render has learnt.
+#[derive(Serialize)]
+struct GuideReport {
+    cells: usize,
+    /// Cells in which it draws directions.
+    active: usize,
+    leaves: usize,
+    memory_bytes: usize,
+}
+
+impl GuideReport {
+    fn of(film: &Film) -> Option<Self> {
+        let GuideSize { cells, active, leaves, bytes } = film.training()?.guide().size();
+        Some(Self { cells, active, leaves, memory_bytes: bytes })
+    }
 }
 
 /// Renders `input` as `options` say; into `default_output`, or what the scene names, if they name no file.
@@ -70,6 +93,9 @@ pub(crate) fn render_input(
     let tone = outputs::tone(options.exposure, options.tone);
     let named = Outputs::try_new(&options.output, tone)?;
     check_checkpoint(options)?;
+    if let Some(path) = &options.guide_out {
+        outputs::check_writable(path)?;
+    }
 
     let mut file = SceneFile::read(input, options.strict, messages)?;
     let plan = Plan::new(options, &mut file)?;
@@ -176,10 +202,16 @@ fn expose(
     let checkpoint = options.checkpoint.as_ref();
     let mut watch = Watch { progress, plan, checkpoint, messages };
     let settings = plan.settings(checkpoint.map(|_| CHECKPOINT_INTERVAL));
-    let integrator = plan.identity.integrator.build();
+    let integrator = plan.integrator();
     let outcome = render(scene, integrator.as_ref(), &settings, film, &mut watch, interrupt.flag());
     watch.progress.finish();
-    outcome.map_err(|error| Failure::new(format!("the render stopped: {error}")))
+    outcome.map_err(|error| match error {
+        RenderError::Order { next } => Failure::usage(format!(
+            "--samples: the samples of \"guided\" build on those before; the next is {next}"
+        ))
+        .with_help("begin there, or give a guide that is not learnt at the same time with --guide-in"),
+        error => Failure::new(format!("the render stopped: {error}")),
+    })
 }
 
 /// What was asked for.
@@ -220,9 +252,13 @@ fn finish(
         Some(path) => checkpoint_file::write(path, &plan.identity, film),
         None => Ok(()),
     };
+    let guide_saved = match (&options.guide_out, film.training()) {
+        (Some(path), Some(training)) => guide_file::write(path, training.guide()),
+        _ => Ok(()),
+    };
     let pixels = film.to_pixels().map_err(|error: PixelsError| Failure::new(error.to_string()))?;
     outputs.write(&pixels, &checkpoint_file::attributes(&plan.identity, film))?;
-    saved?;
+    saved.and(guide_saved)?;
 
     let report = order.report(outcome, file.into_warnings());
     messages.note(&format!(
@@ -277,6 +313,7 @@ impl Order<'_> {
             rays_per_second: if rays == 0 { 0.0 } else { rays as f64 / seconds },
             undecided: self.undecided,
             peak_memory_bytes: report::peak_memory_bytes(),
+            guide: GuideReport::of(&outcome.film),
             warnings,
         }
     }

@@ -159,3 +159,53 @@ fn checkpoint_appears_whole_while_rendering() {
     assert_eq!(finish(child, line).code, Some(0));
     assert_eq!(folder.names(), ["a.exr", "small.pbrt", "state.glanz"], "no temporary file stays");
 }
+
+#[test]
+fn guided_picture_depends_on_no_threads_and_no_interruption() {
+    const RUN: &str = "render small.pbrt --integrator guided --spp 40 --aov all -q";
+    let folder = Folder::with_scene();
+    folder.succeed(&format!("{RUN} -o one.exr --threads 1 --guide-out one.guide"));
+    folder.succeed(&format!("{RUN} -o two.exr --threads 2 --guide-out two.guide"));
+    assert_eq!(folder.bytes("one.exr"), folder.bytes("two.exr"));
+    assert_eq!(folder.bytes("one.guide"), folder.bytes("two.guide"));
+    for end in [3, 21] {
+        let part = RUN.replace("--spp 40", &format!("--spp {end}"));
+        folder.succeed(&format!("{part} --checkpoint c.glanz --resume -o part.exr"));
+    }
+    folder.succeed(&format!("{RUN} --checkpoint c.glanz --resume -o resumed.exr"));
+    assert_eq!(folder.bytes("resumed.exr"), folder.bytes("one.exr"));
+}
+
+#[test]
+fn parts_can_be_merged_with_one_guide_and_not_while_learning() {
+    const RUN: &str = "render small.pbrt --integrator guided -q";
+    let folder = Folder::with_scene();
+    folder.succeed(&format!("{RUN} --spp 32 -o learnt.exr --guide-out g.guide --checkpoint learnt.glanz"));
+    let fixed = format!("{RUN} --guide-in g.guide");
+    folder.succeed(&format!("{fixed} --spp 16 -o whole.exr"));
+    folder.succeed(&format!("{fixed} --samples 0..5 --checkpoint a.glanz -o a.exr"));
+    folder.succeed(&format!("{fixed} --samples 5..16 --checkpoint b.glanz -o b.exr"));
+    folder.succeed("merge b.glanz a.glanz -o merged.exr -q");
+    assert_eq!(folder.bytes("merged.exr"), folder.bytes("whole.exr"));
+
+    folder
+        .run("merge a.glanz learnt.glanz -o m.exr")
+        .refused(1, &["learnt.glanz", "--guide-in", "--guide-out"]);
+    folder.run(&format!("{RUN} --samples 4..8 -o m.exr")).refused(2, &["--samples 4..8", "--guide-in"]);
+    folder
+        .run("render small.pbrt --guide-out h.guide -o m.exr")
+        .refused(2, &["--guide-out", "--integrator guided"]);
+    folder.run("render small.pbrt --guide-in g.guide -o m.exr").refused(2, &["--guide-in", "path"]);
+    let resumed = "--checkpoint learnt.glanz --resume -o m.exr";
+    folder.run(&format!("{fixed} {resumed}")).refused(1, &["learnt.glanz", "another picture"]);
+    let mut flipped = folder.bytes("g.guide");
+    let middle = flipped.len() / 2;
+    flipped[middle] ^= 4;
+    for (bytes, reason) in
+        [(flipped, "damaged"), (b"solid".to_vec(), "not a guide"), (Vec::new(), "not a guide")]
+    {
+        folder.write("bad.guide", &bytes);
+        folder.run(&format!("{RUN} --guide-in bad.guide -o m.exr")).refused(1, &["bad.guide", reason]);
+    }
+    assert!(!folder.has("m.exr"));
+}

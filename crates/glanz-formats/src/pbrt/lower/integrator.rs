@@ -71,7 +71,7 @@ impl Lowering {
         let place = list.place;
         let r = &mut self.reporter;
         let name = match kind {
-            "whitted" | "distributed" | "path" => kind,
+            "whitted" | "distributed" | "path" | "guided" => kind,
             "simplepath" => "path",
             "directlighting" => {
                 let message = "integrator \"directlighting\" is not available; \"whitted\", which is nearly the same, \

@@ -1,0 +1,274 @@
+//! Which part of space, and which way a surface there faces.
+//!
+//! Six binary trees over the scene's bounds, one for each of the six axis directions that a normal may be nearest to: the two sides
+//! of a wall and the walls that meet in a corner learn apart. Boxes are halved across their longest side where records
+//! are many (@muller2017 without the normals).
+
+use glanz_math::{Bounds3, DVec3};
+
+/// Halvings at most.
+const MAX_DEPTH: u32 = 40;
+
+/// An inner node or a leaf.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Node {
+    /// Halved across an axis; the lower half is node `low`, the upper the next.
+    Halved {
+        /// 0, 1 or 2.
+        axis: u8,
+        /// Index of the lower half.
+        low: u32,
+    },
+    /// Cell of this number.
+    Cell(u32),
+}
+
+/// The trees.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Cells {
+    /// Corner of the bounds.
+    pub(crate) min: DVec3,
+    /// Sides of the bounds, above 0.
+    pub(crate) size: DVec3,
+    /// The first six are the roots; halves come after what they are halves of.
+    pub(crate) nodes: Vec<Node>,
+    count: u32,
+}
+
+impl Cells {
+    /// Six cells over `bounds`; where these are empty or have no extent, a box of 1 m around.
+    pub(crate) fn new(bounds: &Bounds3) -> Self {
+        let usable = !bounds.is_empty() && bounds.is_finite();
+        let (min, size) =
+            if usable { (bounds.min, bounds.diagonal()) } else { (DVec3::splat(-0.5), DVec3::ONE) };
+        let longest = size.max_element();
+        // Flat scenes: the thickness has to be a number to divide by. It need not be more.
+        let size = if longest > 0.0 { size.max(DVec3::splat(longest * 1e-6)) } else { DVec3::ONE };
+        Self { min, size, nodes: (0..6).map(Node::Cell).collect(), count: 6 }
+    }
+
+    /// The trees of such parts, if they are trees.
+    pub(crate) fn from_parts(min: DVec3, size: DVec3, nodes: Vec<Node>) -> Option<Self> {
+        let sound = min.is_finite() && size.is_finite() && size.min_element() > 0.0 && nodes.len() >= 6;
+        let mut cells = vec![false; nodes.len()];
+        // Depth of each node that has a parent; roots have none and need none.
+        let mut depths: Vec<Option<u32>> = (0..nodes.len()).map(|i| (i < 6).then_some(0)).collect();
+        let mut count = 0;
+        for (i, node) in nodes.iter().enumerate() {
+            match *node {
+                Node::Halved { axis, low } => {
+                    let depth = depths.get(i).copied().flatten()? + 1;
+                    if axis > 2 || low as usize <= i || depth > MAX_DEPTH {
+                        return None;
+                    }
+                    for half in [low as usize, low as usize + 1] {
+                        // Nobody is half of two.
+                        if depths.get_mut(half)?.replace(depth).is_some() {
+                            return None;
+                        }
+                    }
+                }
+                Node::Cell(cell) => {
+                    // Every number once.
+                    let seen = cells.get_mut(cell as usize)?;
+                    if std::mem::replace(seen, true) {
+                        return None;
+                    }
+                    count += 1;
+                }
+            }
+        }
+        let rooted = depths.iter().all(Option::is_some);
+        (sound && rooted && cells.iter().take(count as usize).all(|&seen| seen)).then_some(Self {
+            min,
+            size,
+            nodes,
+            count,
+        })
+    }
+
+    /// Number of cells.
+    pub(crate) fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// The cell of a place whose surface has this unit normal. Places outside the bounds belong to cells at their border.
+    #[inline]
+    pub(crate) fn find(&self, position: DVec3, normal: DVec3) -> u32 {
+        let mut place =
+            ((position - self.min) / self.size).clamp(DVec3::ZERO, DVec3::splat(1.0 - f64::EPSILON / 2.0));
+        let mut node = facing(normal);
+        loop {
+            match self.nodes.get(node) {
+                Some(&Node::Halved { axis, low }) => {
+                    let side = &mut place[usize::from(axis.min(2))];
+                    *side *= 2.0;
+                    let is_high = *side >= 1.0;
+                    if is_high {
+                        *side -= 1.0;
+                    }
+                    node = low as usize + usize::from(is_high);
+                }
+                Some(&Node::Cell(cell)) => return cell,
+                None => return 0,
+            }
+        }
+    }
+
+    /// The same trees with some cells halved, halves of these halved again and so on.
+    ///
+    /// `halvings`: how often to halve a cell. `copied`: called for each cell of the new trees in the order of their numbers with the
+    /// number of the old one that it was or is a part of.
+    pub(crate) fn halved(&self, halvings: &dyn Fn(u32) -> u32, copied: &mut dyn FnMut(u32)) -> Self {
+        let blank = Node::Cell(0);
+        let mut new = Self { min: self.min, size: self.size, nodes: vec![blank; 6], count: 0 };
+        for root in 0..6 {
+            new.copy(root, self, Old { node: root, left: None, depth: 0, size: self.size }, halvings, copied);
+        }
+        new
+    }
+
+    fn copy(
+        &mut self,
+        at: usize,
+        old: &Self,
+        place: Old,
+        halvings: &dyn Fn(u32) -> u32,
+        copied: &mut dyn FnMut(u32),
+    ) {
+        let node = old.nodes.get(place.node).copied();
+        let (axis, below) = match (node, place.left) {
+            (Some(Node::Halved { axis, low }), _) => (usize::from(axis.min(2)), Some(low as usize)),
+            (Some(Node::Cell(cell)), left) => {
+                let left = left.unwrap_or_else(|| halvings(cell));
+                if left == 0 || place.depth >= MAX_DEPTH {
+                    if let Some(slot) = self.nodes.get_mut(at) {
+                        *slot = Node::Cell(self.count);
+                    }
+                    self.count += 1;
+                    copied(cell);
+                    return;
+                }
+                let half = Old { left: Some(left - 1), ..place };
+                return self.halve(at, old, [half, half], longest(place.size), halvings, copied);
+            }
+            (None, _) => return,
+        };
+        let low = below.unwrap_or(place.node);
+        let child = |i| Old { node: low + i, left: None, ..place };
+        self.halve(at, old, [child(0), child(1)], axis, halvings, copied);
+    }
+
+    fn halve(
+        &mut self,
+        at: usize,
+        old: &Self,
+        halves: [Old; 2],
+        axis: usize,
+        halvings: &dyn Fn(u32) -> u32,
+        copied: &mut dyn FnMut(u32),
+    ) {
+        let low = self.nodes.len();
+        if let Some(slot) = self.nodes.get_mut(at) {
+            *slot = Node::Halved { axis: axis as u8, low: low as u32 };
+        }
+        self.nodes.extend([Node::Cell(0); 2]);
+        for (i, mut half) in halves.into_iter().enumerate() {
+            half.depth += 1;
+            half.size[axis] *= 0.5;
+            self.copy(low + i, old, half, halvings, copied);
+        }
+    }
+}
+
+/// A node of the old trees on its way into the new ones.
+#[derive(Clone, Copy)]
+struct Old {
+    node: usize,
+    /// Halvings of this cell still to do; `None` if nobody has asked yet.
+    left: Option<u32>,
+    depth: u32,
+    size: DVec3,
+}
+
+fn longest(size: DVec3) -> usize {
+    let [x, y, z] = size.to_array();
+    if x >= y && x >= z { 0 } else { usize::from(y < z) + 1 }
+}
+
+/// Which of +x, -x, +y, -y, +z, -z is nearest to `normal`.
+#[inline]
+fn facing(normal: DVec3) -> usize {
+    let axis = longest(normal.abs());
+    2 * axis + usize::from(normal[axis] < 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bounds() -> Bounds3 {
+        Bounds3::new(DVec3::new(-1.0, 0.0, 2.0), DVec3::new(3.0, 1.0, 4.0))
+    }
+
+    #[test]
+    fn sides_of_a_wall_are_different_cells() {
+        let cells = Cells::new(&bounds());
+        let found = |normal| cells.find(DVec3::new(0.0, 0.5, 3.0), normal);
+        let mut all =
+            [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, DVec3::new(0.6, 0.1, -0.79)].map(found);
+        all.sort_unstable();
+        assert_eq!(all, [0, 1, 2, 3, 4, 5]);
+    }
+
+    #[test]
+    fn cells_are_halved_across_their_longest_side() {
+        let mut origin = Vec::new();
+        // Thrice the one that faces +y: across x (4 m), x again (2 m, as long as z) and z.
+        let halved =
+            Cells::new(&bounds()).halved(&|cell| if cell == 2 { 3 } else { 0 }, &mut |old| origin.push(old));
+        assert_eq!((halved.count(), origin.len()), (13, 13));
+        assert_eq!(origin.iter().filter(|&&old| old == 2).count(), 8);
+        let find = |x, z| halved.find(DVec3::new(x, 0.5, z), DVec3::Y);
+        assert_eq!(find(-0.9, 2.1), find(-0.1, 2.9));
+        for (x, z) in [(0.1, 2.1), (-0.9, 3.1), (2.9, 2.1)] {
+            assert_ne!(find(-0.9, 2.1), find(x, z));
+        }
+        // Places outside belong to the border.
+        assert_eq!(find(-50.0, 1.0), find(-0.9, 2.1));
+        assert!(
+            origin[find(0.5, 3.5) as usize] == 2 && origin[halved.find(DVec3::ZERO, DVec3::Z) as usize] == 4
+        );
+        // Halving once more keeps what was halved.
+        let again = halved.halved(&|cell| u32::from(cell == find(-0.9, 2.1)), &mut |_| {});
+        assert_eq!(again.count(), 14);
+        assert_eq!(Cells::from_parts(again.min, again.size, again.nodes.clone()), Some(again));
+    }
+
+    #[test]
+    fn what_is_no_tree_is_refused() {
+        let good = Cells::new(&bounds());
+        let with = |at: usize, node| {
+            let mut nodes = good.nodes.clone();
+            nodes[at] = node;
+            Cells::from_parts(good.min, good.size, nodes)
+        };
+        assert!(with(5, Node::Cell(5)).is_some());
+        for node in
+            [Node::Cell(4), Node::Cell(9), Node::Halved { axis: 0, low: 5 }, Node::Halved { axis: 3, low: 4 }]
+        {
+            assert_eq!(with(5, node), None);
+        }
+        assert_eq!(with(0, Node::Halved { axis: 0, low: 0 }), None);
+        assert_eq!(Cells::from_parts(good.min, DVec3::ZERO, good.nodes.clone()), None);
+    }
+
+    #[test]
+    fn scenes_without_extent_have_cells() {
+        for bounds in
+            [Bounds3::EMPTY, Bounds3::new(DVec3::ONE, DVec3::ONE), Bounds3::new(DVec3::ZERO, DVec3::X)]
+        {
+            assert!(Cells::new(&bounds).find(DVec3::new(1.0, -2.0, 1e300), DVec3::Z) == 4);
+        }
+    }
+}

@@ -1,0 +1,181 @@
+use glanz_sampling::statistics::chi_square;
+use glanz_sampling::{PixelSampler, SamplerKind};
+
+use super::*;
+
+/// A tree that has learnt `light` per steradian in a few passes; the root is 0.
+fn learnt(light: impl Fn(DVec3) -> f64) -> DirectionTrees {
+    let mut trees = DirectionTrees::default();
+    trees.push_blank();
+    for _ in 0..8 {
+        let grid = 512;
+        let mut sums = vec![0.0; 4 * trees.0.len()];
+        for i in 0..grid * grid {
+            let place = DVec2::new(f64::from(i % grid) + 0.5, f64::from(i / grid) + 0.5) / f64::from(grid);
+            let direction = to_sphere(place);
+            sums[trees.pdf(0, direction).1 as usize] += light(direction);
+        }
+        let tree = trees.refined(0, f64::INFINITY, &|leaf| sums[leaf as usize]).unwrap();
+        trees = DirectionTrees::default();
+        trees.push(&tree);
+    }
+    trees
+}
+
+/// A lamp of 0.1 rad around (0.6, 0, 0.8) and a dim sky.
+fn lamp() -> DirectionTrees {
+    learnt(|d| if d.dot(DVec3::new(0.6, 0.0, 0.8)) > 0.995 { 100.0 } else { d.z.max(0.0) })
+}
+
+fn points(count: u32) -> impl Iterator<Item = DVec2> {
+    (0..count).map(move |i| PixelSampler::new(SamplerKind::Sobol, count, 3, [1, 2], i).next_2d())
+}
+
+#[test]
+fn density_integrates_to_one_over_the_sphere() {
+    let trees = lamp();
+    // The map keeps areas: the mean over the square times 4 pi. Leaves are unions of the grid's cells.
+    let grid = 1024;
+    let sum: f64 = (0..grid * grid)
+        .map(|i| DVec2::new(f64::from(i % grid) + 0.5, f64::from(i / grid) + 0.5) / f64::from(grid))
+        .map(|place| trees.pdf(0, to_sphere(place)).0)
+        .sum();
+    let integral = sum * 4.0 * PI / f64::from(grid * grid);
+    assert!((integral - 1.0).abs() < 1e-6, "{integral}");
+}
+
+#[test]
+fn sample_states_the_density_and_the_leaf_of_its_direction() {
+    let trees = lamp();
+    for xi in points(4096) {
+        let draw = trees.sample(0, xi).unwrap();
+        let (pdf, leaf) = trees.pdf(0, draw.direction);
+        assert!((draw.direction.length() - 1.0).abs() < 1e-12);
+        // Directions within rounding of a border may fall to the other side: none of these do.
+        assert_eq!(draw.leaf, leaf);
+        assert!((draw.pdf - pdf).abs() < 1e-12 * pdf, "{} {pdf}", draw.pdf);
+    }
+}
+
+#[test]
+fn samples_follow_the_density() {
+    // Independent numbers, 64 x 64 cells of the square; alpha 0.001.
+    let (trees, side, count) = (lamp(), 64_usize, 200_000);
+    let mut observed = vec![0_u64; side * side];
+    for i in 0..count {
+        let xi = PixelSampler::new(SamplerKind::Independent, count, 5, [0, 0], i).next_2d();
+        let place = to_square(trees.sample(0, xi).unwrap().direction) * side as f64;
+        observed[place.y as usize * side + place.x as usize] += 1;
+    }
+    let fine = 16;
+    let expected: Vec<f64> = (0..side * side)
+        .map(|cell| {
+            let corner = DVec2::new((cell % side) as f64, (cell / side) as f64);
+            let mean: f64 = (0..fine * fine)
+                .map(|i| DVec2::new((i % fine) as f64 + 0.5, (i / fine) as f64 + 0.5) / fine as f64)
+                .map(|inside| trees.pdf(0, to_sphere((corner + inside) / side as f64)).0)
+                .sum::<f64>()
+                / (fine * fine) as f64;
+            mean * 4.0 * PI / (side * side) as f64 * f64::from(count)
+        })
+        .collect();
+    let test = chi_square(&observed, &expected);
+    assert!(test.p_value > 0.001, "{test:?}");
+}
+
+#[test]
+fn leaves_are_small_where_light_is_and_large_elsewhere() {
+    let trees = lamp();
+    let size = |direction| {
+        // Density is light over area: count the quarters down to the leaf.
+        let (mut node, mut depth, mut place) = (0, 1, to_square(direction));
+        loop {
+            place *= 2.0;
+            let quarter = usize::from(place.x >= 1.0) + 2 * usize::from(place.y >= 1.0);
+            place = place.fract();
+            match trees.0[node].child[quarter] {
+                NONE => break depth,
+                child => (node, depth) = (child as usize, depth + 1),
+            }
+        }
+    };
+    assert!(size(DVec3::new(0.6, 0.0, 0.8)) >= 6);
+    // Below the horizon there is no light.
+    assert!(size(DVec3::new(0.6, 0.0, -0.8)) <= 4);
+    assert!(trees.0.len() < 200, "{}", trees.0.len());
+    assert_eq!(trees.pdf(0, -DVec3::Z).0, 0.0);
+}
+
+#[test]
+fn well_spread_numbers_give_well_spread_directions() {
+    // The integral of z^2 over the sphere is 4 pi / 3. Over 16 estimates of 4096 samples each Sobol points leave less than
+    // 0.6 of the error of independent numbers: the walk down the tree keeps their strata.
+    let trees = learnt(|d| d.z * d.z);
+    let error = |kind| {
+        let squares = (0..16).map(|seed| {
+            let sum: f64 = (0..4096)
+                .map(|i| PixelSampler::new(kind, 4096, seed, [1, 2], i).next_2d())
+                .filter_map(|xi| trees.sample(0, xi))
+                .map(|draw| draw.direction.z.powi(2) / draw.pdf)
+                .sum();
+            (sum / 4096.0 - 4.0 * PI / 3.0).powi(2)
+        });
+        (squares.sum::<f64>() / 16.0).sqrt()
+    };
+    let (spread, independent) = (error(SamplerKind::Sobol), error(SamplerKind::Independent));
+    assert!(spread < 0.6 * independent, "{spread} {independent}");
+}
+
+#[test]
+fn trees_without_light_draw_nothing() {
+    let mut trees = DirectionTrees::default();
+    let root = trees.push_blank();
+    assert_eq!(trees.0.len(), 1 + 4 + 16 + 64);
+    assert!(!trees.is_lit(root) && trees.sample(root, DVec2::splat(0.5)).is_none());
+    assert_eq!(trees.pdf(root, DVec3::X).0, 0.0);
+    assert!(trees.refined(root, 1e6, &|_| 0.0).is_none());
+}
+
+#[test]
+fn what_is_no_tree_is_refused() {
+    let good = lamp();
+    assert!(good.is_valid());
+    let with = |change: &dyn Fn(&mut Vec<Quarters>)| {
+        let mut trees = good.clone();
+        change(&mut trees.0);
+        trees.is_valid()
+    };
+    let shared = good.0[0].child.into_iter().find(|&child| child != NONE).unwrap();
+    assert!(!with(&|trees| trees[0].child = [shared; 4]));
+    assert!(!with(&|trees| trees[0].child[1] = 1 << 30));
+    assert!(!with(&|trees| trees.last_mut().unwrap().child[0] = 1));
+    assert!(!with(&|trees| trees[0].light[0] = -1.0));
+    assert!(!with(&|trees| trees[0].light[0] = f32::NAN));
+}
+
+#[test]
+fn map_keeps_areas_and_can_be_undone() {
+    // Centroids of octants, known from symmetry, and every direction back to itself.
+    let n = 256;
+    let mut octants = [(0, DVec3::ZERO); 8];
+    for i in 0..n * n {
+        let place = DVec2::new(f64::from(i % n) + 0.5, f64::from(i / n) + 0.5) / f64::from(n);
+        let direction = to_sphere(place);
+        assert!((direction.length() - 1.0).abs() < 1e-14);
+        assert!((to_square(direction) - place).length() < 1e-12, "{place}");
+        let octant = usize::from(direction.x < 0.0)
+            + 2 * usize::from(direction.y < 0.0)
+            + 4 * usize::from(direction.z < 0.0);
+        octants[octant].0 += 1;
+        octants[octant].1 += direction.abs();
+    }
+    for (count, sum) in octants {
+        // The diamond's border runs through cells of the grid: half of those on the diagonal are on either side.
+        assert!((f64::from(count) / f64::from(n * n / 8) - 1.0).abs() < 0.01, "{count}");
+        // Each coordinate is uniform over a sphere (Archimedes): its mean over an octant is 1/2.
+        assert!((sum / f64::from(count) - 0.5).abs().max_element() < 0.005, "{sum}");
+    }
+    for pole in [DVec3::Z, -DVec3::Z, DVec3::X, -DVec3::Y] {
+        assert!((to_sphere(to_square(pole)) - pole).length() < 1e-7);
+    }
+}

@@ -1,0 +1,159 @@
+//! What the paths of a pass found, added up for the next guide.
+//!
+//! All sums are integers, so that they depend on which records were added, not on the order or on threads (see
+//! [`crate::exact`]). The quantum is set by the scene: 2^-20 of a typical luminance for light and 2^-16 of its square for squares.
+//! Light over its density is cut to 2^20 times the typical, squares to that of 2^16 times. A sum holds 2^24 and 2^16 terms of that size;
+//! since the typical luminance is about the mean, so many would need 2^44 and 2^32 records. Cut terms are counted. Any of this
+//! can only make a guide worse, never a picture wrong.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glanz_light::{Spectrum, Wavelengths};
+
+use super::mixture::{SHARES, Share, density};
+use super::record::Record;
+
+/// Largest number of quanta of one term of light, and of one of squares.
+const LARGEST_LIGHT: f64 = (1_u64 << 40) as f64;
+const LARGEST_SQUARE: f64 = (1_u64 << 48) as f64;
+const LIGHT_QUANTA: f64 = (1_u64 << 20) as f64;
+const MOMENT_QUANTA: f64 = (1_u64 << 16) as f64;
+
+/// Words of a cell: number of records, sum of their squared light, then the second moment under each share.
+const CELL_WORDS: usize = 2 + SHARES;
+
+/// What the records of a cell say, light and moments in quanta.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CellLessons {
+    /// Number of records.
+    pub(crate) records: u64,
+    /// Sum of the squared light of each, in squared quanta of light.
+    pub(crate) squared_light: f64,
+    /// Second moment under each share.
+    pub(crate) moments: [u64; SHARES],
+}
+
+/// Sums of one pass.
+#[derive(Debug)]
+pub(crate) struct Lessons {
+    /// [`CELL_WORDS`] for each cell.
+    cells: Vec<AtomicU64>,
+    /// Light of each leaf of the direction trees.
+    leaves: Vec<AtomicU64>,
+    /// Terms that were cut.
+    cut: AtomicU64,
+}
+
+fn zeros(count: usize) -> Vec<AtomicU64> {
+    std::iter::repeat_with(AtomicU64::default).take(count).collect()
+}
+
+fn read(words: &[AtomicU64]) -> Vec<u64> {
+    words.iter().map(|word| word.load(Ordering::Relaxed)).collect()
+}
+
+impl Clone for Lessons {
+    fn clone(&self) -> Self {
+        Self::from_words(&read(&self.cells), &read(&self.leaves), self.cut())
+    }
+}
+
+impl PartialEq for Lessons {
+    fn eq(&self, other: &Self) -> bool {
+        self.to_words() == other.to_words() && self.cut() == other.cut()
+    }
+}
+
+impl Lessons {
+    /// Nothing learnt yet.
+    pub(crate) fn new(cells: usize, leaves: usize) -> Self {
+        Self { cells: zeros(cells * CELL_WORDS), leaves: zeros(leaves), cut: AtomicU64::new(0) }
+    }
+
+    fn from_words(cells: &[u64], leaves: &[u64], cut: u64) -> Self {
+        let atomic = |words: &[u64]| words.iter().map(|&word| AtomicU64::new(word)).collect();
+        Self { cells: atomic(cells), leaves: atomic(leaves), cut: AtomicU64::new(cut) }
+    }
+
+    /// All sums, those of cells first; [`Lessons::set_words`] takes them back.
+    pub(crate) fn to_words(&self) -> Vec<u64> {
+        let mut words = read(&self.cells);
+        words.extend(read(&self.leaves));
+        words.push(self.cut());
+        words
+    }
+
+    /// Number of words of [`Lessons::to_words`] with so many cells and leaves.
+    pub(crate) fn words_for(cells: usize, leaves: usize) -> usize {
+        cells * CELL_WORDS + leaves + 1
+    }
+
+    /// Replaces all sums by those of [`Lessons::to_words`].
+    pub(crate) fn set_words(&mut self, mut words: impl Iterator<Item = u64>) {
+        let mut next = || AtomicU64::new(words.next().unwrap_or_default());
+        self.cells.iter_mut().chain(&mut self.leaves).for_each(|word| *word = next());
+        self.cut = next();
+    }
+
+    /// Terms that were too large and cut.
+    pub(crate) fn cut(&self) -> u64 {
+        self.cut.load(Ordering::Relaxed)
+    }
+
+    /// Adds what the path of `record` found; `all`: the light of the whole path. `typical`: a typical luminance, above 0.
+    #[inline]
+    pub(crate) fn add(&self, record: &Record, all: Spectrum, wavelengths: &Wavelengths, typical: f64) {
+        let words = CELL_WORDS * record.cell as usize;
+        let Some([count, squares, moments @ ..]) = self.cells.get(words..words + CELL_WORDS) else { return };
+        count.fetch_add(1, Ordering::Relaxed);
+        let (arrived, went_on) = record.found(all, wavelengths);
+        // Black, and whatever is not a number.
+        if !(arrived > 0.0 && record.pdf > 0.0) {
+            return;
+        }
+        let light = arrived * record.cosine / record.pdf / typical;
+        if let Some(leaf) = self.leaves.get(record.leaf as usize) {
+            leaf.fetch_add(self.quanta(light * LIGHT_QUANTA, LARGEST_LIGHT), Ordering::Relaxed);
+        }
+        squares.fetch_add(self.quanta(light * light * MOMENT_QUANTA, LARGEST_SQUARE), Ordering::Relaxed);
+        // F / p is what went on: F^2 / (p p_a) is its square times p / p_a.
+        let relative = went_on / typical;
+        let square = relative * relative * record.pdf * MOMENT_QUANTA;
+        for (i, moment) in (0_u8..).zip(moments) {
+            let mixed = density(Share(i).probability(), record.guide_pdf, record.bsdf_pdf);
+            if mixed > 0.0 {
+                moment.fetch_add(self.quanta(square / mixed, LARGEST_SQUARE), Ordering::Relaxed);
+            }
+        }
+    }
+
+    fn quanta(&self, term: f64, largest: f64) -> u64 {
+        if term > largest {
+            self.cut.fetch_add(1, Ordering::Relaxed);
+        }
+        // A cast from NaN gives 0.
+        term.min(largest).round_ties_even() as u64
+    }
+
+    /// Light of a leaf, in quanta.
+    pub(crate) fn light(&self, leaf: u32) -> f64 {
+        self.leaves.get(leaf as usize).map_or(0.0, |word| word.load(Ordering::Relaxed) as f64)
+    }
+
+    /// What the records of a cell say.
+    pub(crate) fn cell(&self, cell: u32) -> CellLessons {
+        let word = |i: usize| {
+            self.cells.get(CELL_WORDS * cell as usize + i).map_or(0, |w| w.load(Ordering::Relaxed))
+        };
+        CellLessons {
+            records: word(0),
+            squared_light: word(1) as f64 * (LIGHT_QUANTA * LIGHT_QUANTA / MOMENT_QUANTA),
+            moments: std::array::from_fn(|i| word(i + 2)),
+        }
+    }
+
+    /// Records of all cells.
+    pub(crate) fn records(&self) -> u64 {
+        self.cells.iter().step_by(CELL_WORDS).map(|word| word.load(Ordering::Relaxed)).sum()
+    }
+}

@@ -1,0 +1,93 @@
+//! A guide that learns while it guides.
+
+use std::ops::Range;
+
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::Bounds3;
+
+use super::Guide;
+use super::lessons::Lessons;
+use super::record::Record;
+
+/// The pass that a sample of a pixel belongs to: 0; 1 to 3; 4 to 7; 8 to 15; and so on.
+///
+/// Every pass from the third on is a block of 2^k Sobol' points that begins at a multiple of 2^k, so each is well spread by
+/// itself. The first tells how bright the scene is, the second learns without a guide.
+#[must_use]
+pub(crate) fn pass(sample: u32) -> Range<u32> {
+    match sample {
+        0 => 0..1,
+        1..4 => 1..4,
+        _ => {
+            let start = 1 << sample.ilog2();
+            start..start.saturating_mul(2)
+        }
+    }
+}
+
+/// The guide of the pass under way, and what the pass has learnt so far.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Training {
+    pub(crate) guide: Guide,
+    pub(crate) lessons: Lessons,
+    /// A typical luminance of the picture, a power of two; `None` in the first pass, which learns nothing else.
+    pub(crate) typical: Option<f64>,
+}
+
+impl Training {
+    /// At the beginning.
+    pub(crate) fn new(bounds: &Bounds3) -> Self {
+        let guide = Guide::new(bounds);
+        Self { lessons: guide.lessons(), guide, typical: None }
+    }
+
+    /// The guide of the pass under way.
+    #[must_use]
+    pub fn guide(&self) -> &Guide {
+        &self.guide
+    }
+
+    /// Directions that the pass under way has learnt from.
+    #[must_use]
+    pub fn records(&self) -> u64 {
+        self.lessons.records()
+    }
+
+    /// Adds what a path found: its `records`, and all its light.
+    pub(crate) fn learn(&self, records: &[Record], all: Spectrum, wavelengths: &Wavelengths) {
+        let Some(typical) = self.typical else { return };
+        for record in records {
+            self.lessons.add(record, all, wavelengths, typical);
+        }
+    }
+
+    /// Ends a pass: what it learnt becomes the guide of the next. `brightness`: mean of the picture.
+    pub(crate) fn finish_pass(&mut self, brightness: f64) {
+        if self.typical.is_some() {
+            self.guide = self.guide.taught(&self.lessons);
+        }
+        // Black pictures have no brightness; then any unit is as good.
+        let known = brightness > 0.0 && brightness.is_finite();
+        let exponent = if known { brightness.log2().floor().clamp(-100.0, 100.0) } else { 0.0 };
+        self.typical = Some(exponent.exp2());
+        self.lessons = self.guide.lessons();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_sample_is_in_one_pass() {
+        let mut sample = 0;
+        for length in [1, 3, 4, 8, 16, 32, 64, 128] {
+            for i in sample..sample + length {
+                assert_eq!(pass(i), sample..sample + length);
+            }
+            sample += length;
+        }
+        assert_eq!(pass((1 << 30) - 1), 1 << 29..1 << 30);
+        assert_eq!(pass(u32::MAX), 1 << 31..u32::MAX);
+    }
+}

@@ -1,0 +1,173 @@
+//! The guide that grows: cells, each with a tree of directions and a share.
+
+use glanz_math::{Bounds3, DVec2, DVec3};
+
+use super::GuideSize;
+use super::cells::Cells;
+use super::directions::{DirectionTrees, Draw, Quarters};
+use super::lessons::{CellLessons, Lessons};
+use super::mixture::Share;
+
+/// Records above which a cell is halved: this times the square root of all records of a pass, so that cells become finer and know
+/// more at the same time, in pictures of any size (@muller2017: with the square root of the samples of a pixel).
+const CELLS_BY_RECORDS: f64 = 4.0;
+
+/// The least that this may be.
+const FEWEST_RECORDS: f64 = 1000.0;
+
+/// Effective samples of light that a cell has to have to be halved; as many records may hold less, where light is rare.
+const FEWEST_TO_HALVE: f64 = 32.0;
+
+/// Effective samples of light that a tree of directions needs; with fewer the old one stays.
+const FEWEST_TO_LEARN: f64 = 16.0;
+
+/// Cells at most. A tree of directions holds some hundred leaves, of 8 bytes each and 8 more to learn.
+const MAX_CELLS: u32 = 1 << 15;
+
+/// What became of a cell.
+#[derive(Clone, Debug, Default)]
+struct Taught {
+    records: u64,
+    /// Equal samples that would tell as much of the light.
+    effective: f64,
+    /// Its tree; `None` as long as it knows nothing.
+    tree: Option<Vec<Quarters>>,
+    share: Share,
+}
+
+/// What a cell knows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Cell {
+    /// Root of its tree of directions.
+    pub(crate) root: u32,
+    /// How often the tree draws; [`Share`] 0 as long as it holds no light.
+    pub(crate) share: Share,
+}
+
+/// A guide of cells and directions that refine themselves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TreeGuide {
+    pub(crate) cells: Cells,
+    pub(crate) known: Vec<Cell>,
+    pub(crate) trees: DirectionTrees,
+}
+
+/// The knowledge that a vertex has at its disposal.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    pub(crate) cell: u32,
+    root: u32,
+    /// Probability that the guide draws.
+    pub(crate) probability: f64,
+}
+
+impl TreeGuide {
+    /// A guide over `bounds` that knows nothing.
+    pub(crate) fn new(bounds: &Bounds3) -> Self {
+        let (cells, mut trees) = (Cells::new(bounds), DirectionTrees::default());
+        let known = (0..cells.count()).map(|_| Cell { root: trees.push_blank(), share: Share(0) }).collect();
+        Self { cells, known, trees }
+    }
+
+    /// What is known at a place with that unit normal.
+    #[inline]
+    pub(crate) fn place(&self, position: DVec3, normal: DVec3) -> Place {
+        let cell = self.cells.find(position, normal);
+        let Cell { root, share } =
+            self.known.get(cell as usize).copied().unwrap_or(Cell { root: 0, share: Share(0) });
+        Place { cell, root, probability: share.probability() }
+    }
+
+    /// Draws a direction.
+    #[inline]
+    pub(crate) fn sample(&self, place: &Place, xi: DVec2) -> Option<Draw> {
+        self.trees.sample(place.root, xi)
+    }
+
+    /// Density per steradian of `direction`, and its leaf.
+    #[inline]
+    pub(crate) fn pdf(&self, place: &Place, direction: DVec3) -> (f64, u32) {
+        self.trees.pdf(place.root, direction)
+    }
+
+    /// Empty sums for what is to be learnt on top of this guide.
+    pub(crate) fn lessons(&self) -> Lessons {
+        Lessons::new(self.known.len(), 4 * self.trees.0.len())
+    }
+
+    /// The guide that follows from `lessons` on this one.
+    pub(crate) fn taught(&self, lessons: &Lessons) -> Self {
+        let taught: Vec<Taught> =
+            (0..self.cells.count()).map(|cell| self.taught_cell(cell, lessons)).collect();
+        let limit = (CELLS_BY_RECORDS * (lessons.records() as f64).sqrt()).max(FEWEST_RECORDS);
+        let mut room = MAX_CELLS.saturating_sub(self.cells.count());
+        let halvings: Vec<u32> = taught
+            .iter()
+            .map(|taught| {
+                let ratio = (taught.records as f64 / limit).min(taught.effective / FEWEST_TO_HALVE);
+                let wanted = ratio.log2().ceil().max(0.0) as u32;
+                // 2^n cells instead of one.
+                let halvings = wanted.min((room + 1).ilog2());
+                room -= (1 << halvings) - 1;
+                halvings
+            })
+            .collect();
+        let (mut known, mut trees) = (Vec::new(), DirectionTrees::default());
+        let cells =
+            self.cells.halved(&|cell| halvings.get(cell as usize).copied().unwrap_or(0), &mut |old| {
+                if let Some(Taught { tree, share, .. }) = taught.get(old as usize) {
+                    let root = match tree {
+                        Some(tree) => trees.push(tree),
+                        None => trees.push_blank(),
+                    };
+                    let share = if trees.is_lit(root) { *share } else { Share(0) };
+                    known.push(Cell { root, share });
+                }
+            });
+        Self { cells, known, trees }
+    }
+
+    fn taught_cell(&self, cell: u32, lessons: &Lessons) -> Taught {
+        let Some(&Cell { root, share }) = self.known.get(cell as usize) else { return Taught::default() };
+        let CellLessons { records, squared_light, moments } = lessons.cell(cell);
+        let light = |leaf| lessons.light(leaf);
+        let all = self.trees.total(root, &light);
+        let effective = if squared_light > 0.0 { all * all / squared_light } else { 0.0 };
+        let before = self.trees.is_lit(root);
+        let learnt =
+            (effective >= FEWEST_TO_LEARN).then(|| self.trees.refined(root, effective, &light)).flatten();
+        match learnt {
+            Some(tree) if before => {
+                Taught { records, effective, tree: Some(tree), share: share.better(effective, &moments) }
+            }
+            // What the moments say of a tree without light means nothing: half and half, and the next pass shows.
+            Some(tree) => Taught { records, effective, tree: Some(tree), share: Share::HALF },
+            // The old tree as it is.
+            None => {
+                let tree = self.trees.refined(root, f64::INFINITY, &|leaf| self.trees.light(leaf));
+                Taught { records, effective, tree, share }
+            }
+        }
+    }
+
+    /// How large it is.
+    pub(crate) fn size(&self) -> GuideSize {
+        let divided =
+            self.trees.0.iter().flat_map(|quarters| quarters.child).filter(|&child| child != 0).count();
+        let bytes = size_of_val(self.cells.nodes.as_slice())
+            + size_of_val(self.known.as_slice())
+            + size_of_val(self.trees.0.as_slice())
+            + 8 * self.lesson_words();
+        GuideSize {
+            cells: self.known.len(),
+            active: self.known.iter().filter(|cell| cell.share != Share(0)).count(),
+            leaves: 4 * self.trees.0.len() - divided,
+            bytes,
+        }
+    }
+
+    /// Number of words of [`TreeGuide::lessons`].
+    pub(crate) fn lesson_words(&self) -> usize {
+        Lessons::words_for(self.known.len(), 4 * self.trees.0.len())
+    }
+}

@@ -1,0 +1,168 @@
+//! The way of one path from the camera, whatever draws its directions.
+
+use glanz_light::Spectrum;
+use glanz_math::{DVec2, DVec3, Ray};
+use glanz_sampling::mis;
+use glanz_scene::{Interaction, LightId};
+
+use super::vertex::{Origin, Scattered, Vertex, roulette};
+use super::{Context, FIRST_DIMENSION, IntegratorSettings};
+
+/// Scattering events before Russian roulette may end a path.
+pub(super) const ROULETTE_FROM: u32 = 2;
+
+/// Dimensions of the sampler per scattering event, so that an event has the same ones in every sample.
+pub(super) const DIMENSIONS_PER_EVENT: u32 = 8;
+
+/// Interfaces that a ray may pass between two scattering events; more are taken for a ray that does not advance.
+pub(super) const INTERFACE_LIMIT: u32 = 1000;
+
+/// What draws the directions in which a path goes on.
+pub(super) trait Directions {
+    /// What is looked up once for a vertex.
+    type Place;
+
+    /// Looks it up.
+    fn arrive(&self, vertex: &Vertex<'_>) -> Self::Place;
+
+    /// Density per solid angle of drawing `direction`, which the BSDF alone draws with density `bsdf_pdf`.
+    fn pdf(&self, place: &Self::Place, direction: DVec3, bsdf_pdf: f64) -> f64;
+
+    /// Draws a direction.
+    fn sample(
+        &mut self,
+        place: &Self::Place,
+        vertex: &Vertex<'_>,
+        xi: DVec2,
+        xi_lobe: f64,
+    ) -> Option<Scattered>;
+
+    /// Told of a direction of [`Directions::sample`] that is taken. `light` was found before; what is found from here on
+    /// counts `throughput`, and `scattered.weight` more beyond the vertex.
+    fn take(
+        &mut self,
+        place: &Self::Place,
+        vertex: &Vertex<'_>,
+        scattered: &Scattered,
+        light: Spectrum,
+        throughput: Spectrum,
+    );
+}
+
+/// How paths go.
+///
+/// At every scattering event one light is sampled and the path goes on in one direction; light that either way would find is
+/// shared by the power heuristic (@veach1995). Without light sampling, light is found by chance alone, and that of points
+/// and directions never.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Walk {
+    max_depth: u32,
+    light_sampling: bool,
+}
+
+impl Walk {
+    /// With the depth and the light sampling of `settings`.
+    pub(super) fn new(settings: &IntegratorSettings) -> Self {
+        Self { max_depth: settings.max_depth, light_sampling: settings.light_sampling }
+    }
+
+    /// The light that one path brings home.
+    pub(super) fn radiance(&self, context: &mut Context<'_>, directions: &mut impl Directions) -> Spectrum {
+        let mut ray = context.camera_ray;
+        let mut light = Spectrum::BLACK;
+        let mut throughput = Spectrum::ONE;
+        // What the throughput would be if the BSDF alone had drawn: the chance of survival. A direction that a guide draws
+        // often has a small throughput because much light comes from there; to end such paths would undo the guide's work.
+        let mut importance = Spectrum::ONE;
+        let mut eta_scale = 1.0_f32;
+        // `None` while nothing but delta lobes came before: light sampling could not have found what they find.
+        let mut origin: Option<Origin> = None;
+        let (mut depth, mut interfaces) = (0, 0);
+        loop {
+            let Some(hit) = context.intersect(&ray) else {
+                return light + throughput * self.escaped(context, &ray, origin.as_ref());
+            };
+            light += throughput * self.emitted(context, &hit, origin.as_ref());
+            let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
+                interfaces += 1;
+                if interfaces > INTERFACE_LIMIT {
+                    return light;
+                }
+                ray = hit.spawn(ray.direction);
+                continue;
+            };
+            let vertex = Vertex::new(&hit, bsdf);
+            context.note_first_hit(&vertex);
+            if depth >= self.max_depth {
+                return light;
+            }
+            context.sampler.skip_to_dimension(FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(depth));
+            depth += 1;
+            interfaces = 0;
+            // What belongs together comes from one group of dimensions: lobe, direction and survival; light and point on it.
+            let (xi, xi_lobe) = (context.sampler.next_2d(), context.sampler.next_1d());
+            let xi_roulette = context.sampler.next_1d();
+            let place = directions.arrive(&vertex);
+            if self.light_sampling && !bsdf.is_delta() {
+                context.sampler.begin_group();
+                let (xi_point, xi_light) = (context.sampler.next_2d(), context.sampler.next_1d());
+                let pdf = |direction, bsdf_pdf| directions.pdf(&place, direction, bsdf_pdf);
+                light += throughput * vertex.direct_light(context, xi_light, xi_point, pdf);
+            }
+            let Some(scattered) = directions.sample(&place, &vertex, xi, xi_lobe) else { return light };
+            directions.take(&place, &vertex, &scattered, light, throughput);
+            throughput *= scattered.weight;
+            importance *= scattered.bsdf_weight;
+            eta_scale *= scattered.eta_scale;
+            if depth >= ROULETTE_FROM {
+                match roulette(importance * eta_scale, xi_roulette) {
+                    Some(factor) => {
+                        throughput *= factor;
+                        importance *= factor;
+                    }
+                    None => return light,
+                }
+            }
+            ray = hit.spawn(scattered.direction);
+            origin = (!scattered.is_delta).then_some(Origin { from: hit.reference(), pdf: scattered.pdf });
+        }
+    }
+
+    /// Light that left the scene's infinite lights along `ray`.
+    fn escaped(&self, context: &Context<'_>, ray: &Ray, origin: Option<&Origin>) -> Spectrum {
+        let scene = context.scene;
+        let weight =
+            |id| self.weight(context, id, origin, |o| o.infinite_light_pdf(context, id, ray.direction));
+        scene.infinite_lights().iter().map(|&id| scene.infinite_radiance(id, ray) * weight(id)).sum()
+    }
+
+    /// Light that the surface at `hit` gives off itself.
+    fn emitted(&self, context: &Context<'_>, hit: &Interaction, origin: Option<&Origin>) -> Spectrum {
+        match hit.light() {
+            None => Spectrum::BLACK,
+            Some(id) => {
+                let emitted = context.scene.emitted(hit, hit.wo);
+                if emitted.is_black() {
+                    return emitted;
+                }
+                emitted * self.weight(context, id, origin, |o| o.area_light_pdf(context, id, hit))
+            }
+        }
+    }
+
+    /// Share of light `id` that does not belong to light sampling.
+    fn weight(
+        &self,
+        context: &Context<'_>,
+        id: LightId,
+        origin: Option<&Origin>,
+        light_pdf: impl FnOnce(&Origin) -> f64,
+    ) -> f32 {
+        match origin {
+            Some(origin) if self.light_sampling => {
+                mis::power(origin.pdf, light_pdf(origin) * context.scene.light_probability(id)) as f32
+            }
+            _ => 1.0,
+        }
+    }
+}
