@@ -14,6 +14,7 @@ use super::leaf::{Leaf, Look};
 use super::net;
 use super::part::Part;
 use super::search::{OnRoot, Probe, Root, Scratch, Tangent};
+use super::subpatches::Form;
 use super::view::{Aim, MOST_STEPS, View, value};
 use crate::bvh::simd::{Simd, Task};
 
@@ -147,42 +148,6 @@ impl<const LISTS: usize> Bicubic<LISTS> {
         ]
     }
 
-    /// Reports every root of the leaf, in no order and in the parameters of the patch.
-    #[inline(always)]
-    pub(super) fn roots<S: Simd>(
-        &self,
-        simd: S,
-        leaf: &Leaf,
-        look: &Look,
-        probe: &Probe,
-        scratch: &mut Scratch,
-        report: &mut impl OnRoot,
-    ) {
-        let from = self.center - probe.line.origin;
-        // No closures around vectors: they would not be compiled for the instruction set.
-        if look.certified {
-            let (view, limits) = self.view(simd, leaf, probe, from);
-            match view.newton(simd, look.flat, leaf.part, &limits) {
-                Aim::Root(x) => {
-                    let blur = look.blur(&limits) * leaf.part.width();
-                    report.root(self.root(simd, probe, x, blur, from));
-                    return;
-                }
-                Aim::Left { at, f } => {
-                    let x = (at - leaf.part.middle()) / leaf.part.width();
-                    if look.certificate.excludes(x, f, self.weight(simd, at), look.per, &limits) {
-                        return;
-                    }
-                }
-                Aim::Open => {}
-            }
-        }
-        simd.apart(Search { patch: self, leaf, probe, scratch: &mut *scratch });
-        for root in scratch.roots.drain(..) {
-            report.root(root);
-        }
-    }
-
     /// The patch as the ray sees it, and what is known about it over a leaf; `from` is the centre.
     #[inline(always)]
     fn view<S: Simd>(&self, simd: S, leaf: &Leaf, probe: &Probe, from: DVec3) -> (View<S>, Limits) {
@@ -232,6 +197,43 @@ impl<const LISTS: usize> Bicubic<LISTS> {
         let reach = blur.x * length(1, 0) + blur.y * length(0, 1);
         // From parameters in [-1, 1] to those in [0, 1].
         Root { s, at: 0.5 + 0.5 * x, blur: 0.5 * blur, reach }
+    }
+}
+
+impl<const LISTS: usize> Form for Bicubic<LISTS> {
+    #[inline(always)]
+    fn roots<S: Simd>(
+        &self,
+        simd: S,
+        leaf: &Leaf,
+        look: &Look,
+        probe: &Probe,
+        scratch: &mut Scratch,
+        report: &mut impl OnRoot,
+    ) {
+        let from = self.center - probe.line.origin;
+        // No closures around vectors: they would not be compiled for the instruction set.
+        if look.certified {
+            let (view, limits) = self.view(simd, leaf, probe, from);
+            match view.newton(simd, look.flat, leaf.part, &limits) {
+                Aim::Root(x) => {
+                    let blur = look.blur(&limits) * leaf.part.width();
+                    report.root(self.root(simd, probe, x, blur, from));
+                    return;
+                }
+                Aim::Left { at, f } => {
+                    let x = (at - leaf.part.middle()) / leaf.part.width();
+                    if look.certificate.excludes(x, f, self.weight(simd, at), look.per, &limits) {
+                        return;
+                    }
+                }
+                Aim::Open => {}
+            }
+        }
+        simd.apart(Search { patch: self, leaf, probe, scratch: &mut *scratch });
+        for root in scratch.roots.drain(..) {
+            report.root(root);
+        }
     }
 }
 

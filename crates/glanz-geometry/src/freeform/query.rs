@@ -8,7 +8,7 @@ use glanz_math::{DVec2, Ray};
 use super::Freeform;
 use super::leaf::Leaf;
 use super::search::{OnRoot, Probe, Root, Scratch};
-use super::subpatches::{FormList, Forms, Place};
+use super::subpatches::{Form, Forms, Place};
 use crate::bvh::simd::{Simd, Task};
 use crate::bvh::{self, Visit};
 use crate::hit::Hit;
@@ -34,18 +34,18 @@ macro_rules! on_forms {
 }
 
 /// What all queries carry from leaf to leaf.
-struct Walk<'a, F: ?Sized> {
+struct Walk<'a, F> {
     surface: &'a Freeform,
-    forms: &'a F,
+    forms: &'a [F],
     ray: &'a Ray,
     /// From the first box on: many rays meet none.
     probe: Option<Probe>,
     scratch: Scratch,
 }
 
-impl<'a, F: FormList + ?Sized> Walk<'a, F> {
+impl<'a, F: Form> Walk<'a, F> {
     #[inline(always)]
-    fn new(surface: &'a Freeform, forms: &'a F, ray: &'a Ray) -> Self {
+    fn new(surface: &'a Freeform, forms: &'a [F], ray: &'a Ray) -> Self {
         Self { surface, forms, ray, probe: None, scratch: Scratch::default() }
     }
 
@@ -61,7 +61,8 @@ impl<'a, F: FormList + ?Sized> Walk<'a, F> {
         let Self { surface, forms, probe, scratch, .. } = self;
         let (Some(leaf), Some(probe)) = (surface.leaves.get(leaf.ordinal()), probe) else { return };
         let Some(look) = leaf.look(simd, probe) else { return };
-        forms.roots(simd, leaf, &look, probe, scratch, &mut InLeaf { report, surface, probe, leaf });
+        let Some(form) = forms.get(leaf.subpatch as usize) else { return };
+        form.roots(simd, leaf, &look, probe, scratch, &mut InLeaf { report, surface, probe, leaf });
     }
 
     /// Asks the memory for a leaf.
@@ -96,7 +97,7 @@ impl<R: Report> OnRoot for InLeaf<'_, R> {
     }
 }
 
-impl<F: ?Sized> Drop for Walk<'_, F> {
+impl<F> Drop for Walk<'_, F> {
     #[inline(always)]
     fn drop(&mut self) {
         if self.scratch.undecided > 0 {
@@ -139,7 +140,7 @@ impl Task for Closest<'_> {
     }
 }
 
-struct ClosestVisit<'a, F: ?Sized> {
+struct ClosestVisit<'a, F> {
     walk: Walk<'a, F>,
     best: Best,
 }
@@ -164,7 +165,7 @@ impl Report for Best {
     }
 }
 
-impl<F: FormList + ?Sized> Visit for &mut ClosestVisit<'_, F> {
+impl<F: Form> Visit for &mut ClosestVisit<'_, F> {
     #[inline(always)]
     fn prepare(&mut self) {
         self.walk.prepare();
@@ -203,7 +204,7 @@ impl Task for Occluded<'_> {
     }
 }
 
-struct OccludedVisit<'a, F: ?Sized> {
+struct OccludedVisit<'a, F> {
     walk: Walk<'a, F>,
     before: Before,
 }
@@ -222,7 +223,7 @@ impl Report for Before {
     }
 }
 
-impl<F: FormList + ?Sized> Visit for &mut OccludedVisit<'_, F> {
+impl<F: Form> Visit for &mut OccludedVisit<'_, F> {
     #[inline(always)]
     fn prepare(&mut self) {
         self.walk.prepare();
@@ -303,7 +304,7 @@ impl Found {
     }
 }
 
-struct EveryVisit<'a, F: ?Sized> {
+struct EveryVisit<'a, F> {
     walk: Walk<'a, F>,
     all: All,
 }
@@ -325,7 +326,7 @@ impl Report for All {
     }
 }
 
-impl<F: FormList + ?Sized> Visit for &mut EveryVisit<'_, F> {
+impl<F: Form> Visit for &mut EveryVisit<'_, F> {
     #[inline(always)]
     fn prepare(&mut self) {
         self.walk.prepare();

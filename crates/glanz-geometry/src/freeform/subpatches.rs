@@ -42,9 +42,9 @@ pub(super) enum Forms {
     General(Vec<Subpatch>),
 }
 
-/// Subpatches whose leaves can be asked for roots.
-pub(super) trait FormList {
-    /// Reports every root of the leaf, in no order and in the parameters of its subpatch.
+/// A subpatch whose leaves can be asked for roots.
+pub(super) trait Form {
+    /// Reports every root of the leaf, in no order and in the parameters of the subpatch.
     fn roots<S: Simd>(
         &self,
         simd: S,
@@ -127,7 +127,7 @@ impl Forms {
     }
 }
 
-impl<const LISTS: usize> FormList for [Bicubic<LISTS>] {
+impl Form for Subpatch {
     #[inline(always)]
     fn roots<S: Simd>(
         &self,
@@ -138,26 +138,7 @@ impl<const LISTS: usize> FormList for [Bicubic<LISTS>] {
         scratch: &mut Scratch,
         report: &mut impl OnRoot,
     ) {
-        if let Some(form) = self.get(leaf.subpatch as usize) {
-            form.roots(simd, leaf, look, probe, scratch, report);
-        }
-    }
-}
-
-impl FormList for [Subpatch] {
-    #[inline(always)]
-    fn roots<S: Simd>(
-        &self,
-        simd: S,
-        leaf: &Leaf,
-        look: &Look,
-        probe: &Probe,
-        scratch: &mut Scratch,
-        report: &mut impl OnRoot,
-    ) {
-        if let Some(subpatch) = self.get(leaf.subpatch as usize) {
-            let net = Net { degrees: subpatch.degrees, points: &subpatch.net };
-            search::roots(simd, net, leaf, look, probe, scratch, report);
-        }
+        let net = Net { degrees: self.degrees, points: &self.net };
+        search::roots(simd, net, leaf, look, probe, scratch, report);
     }
 }
