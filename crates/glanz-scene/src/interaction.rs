@@ -6,6 +6,7 @@ use glanz_math::rounding::offset_origin;
 use glanz_math::{AreaPdf, DVec3, Frame, Ray};
 use glanz_shading::{Bsdf, TexturePoint};
 
+use crate::chart::OwnPlace;
 use crate::light::LightId;
 use crate::scene::Scene;
 
@@ -31,6 +32,8 @@ pub struct Interaction {
     pub wo: DVec3,
     /// Number of the shape in the order of the scene file.
     pub id: u32,
+    /// The place in the shape's own frame.
+    pub(crate) own: OwnPlace,
     /// Density of area sampling here, on lights that can be sampled.
     pub(crate) area_pdf: Option<AreaPdf>,
     pub(crate) material: u32,

@@ -41,6 +41,7 @@
 //! ```
 
 pub mod camera;
+pub mod chart;
 pub mod description;
 pub mod error;
 mod interaction;
@@ -51,10 +52,11 @@ mod scene;
 mod statistics;
 
 pub use camera::Camera;
+pub use chart::Chart;
 pub use description::{Description, Location};
 pub use error::{SceneError, SceneErrorKind, SceneWarning};
 pub use interaction::{Interaction, Reference};
-pub use light::{Light, LightId, LightSample};
+pub use light::{Light, LightId, LightSample, MAX_LIGHT_GROUPS};
 pub use object::Object;
 pub use scene::{MAX_NESTING, Scene};
 pub use statistics::Statistics;

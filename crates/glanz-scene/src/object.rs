@@ -5,6 +5,7 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, Ray, Transform};
 
 use std::sync::Arc;
 
+use crate::chart::{Chart, OwnPlace};
 use crate::light::LightId;
 
 /// What a scene knows of a shape beside its surface.
@@ -61,6 +62,16 @@ impl Object {
         let Some(parts) = &self.parts else { return self.role };
         let after = parts.partition_point(|part| part.first_face <= face);
         parts.get(after.wrapping_sub(1)).map_or(self.role, |part| part.role)
+    }
+
+    /// The shapes of the object and how their places are numbered.
+    pub(crate) fn charts(&self) -> Vec<(u32, Chart)> {
+        let Some(parts) = &self.parts else { return vec![(self.role.id, Chart::of(&self.surface))] };
+        let ends = parts.iter().skip(1).map(|part| part.first_face).chain([u32::MAX]);
+        let charts = parts.iter().zip(ends);
+        charts
+            .map(|(part, end)| (part.role.id, Chart::of_faces(&self.surface, part.first_face..end)))
+            .collect()
     }
 
     /// The same object one level further out.
@@ -124,16 +135,22 @@ impl Object {
         }
     }
 
-    /// The surface at a hit of this object, in the group's frame, and the density of [`Object::sample`] there if the
-    /// object is a light.
+    /// The surface at a hit of this object, in the group's frame; the same in its own; and the density of [`Object::sample`] there
+    /// if the object is a light.
     #[inline]
-    pub(crate) fn point(&self, ray: &Ray, hit: &Hit) -> (SurfacePoint, Option<AreaPdf>) {
-        let local = self.surface.point(&self.local(ray), hit);
+    pub(crate) fn point(&self, ray: &Ray, hit: &Hit) -> (SurfacePoint, OwnPlace, Option<AreaPdf>) {
+        let local_ray = self.local(ray);
+        let local = self.surface.point(&local_ray, hit);
+        let away = local.normal.dot(local_ray.direction) > 0.0;
+        let own = OwnPlace {
+            position: local.position,
+            normal_to_viewer: if away { -local.normal } else { local.normal },
+        };
         let pdf = self
             .light
             .and_then(|_| self.surface.area_pdf(hit, &local))
             .map(|pdf| self.to_parent_pdf(pdf, &local));
-        (self.to_parent_point(local, hit.face), pdf)
+        (self.to_parent_point(local, hit.face), own, pdf)
     }
 
     /// Picks a point of the object by two numbers uniform in [0, 1).

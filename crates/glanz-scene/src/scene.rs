@@ -7,6 +7,7 @@ use glanz_math::{Bounds3, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
 use glanz_shading::{Material, Textures};
 
 use crate::camera::Camera;
+use crate::chart::Chart;
 use crate::interaction::{Interaction, Reference};
 use crate::light::{Light, LightId, LightSample, LightSelector};
 use crate::object::Object;
@@ -91,6 +92,25 @@ impl Scene {
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         self.bounds
+    }
+
+    /// How the places of each shape are numbered, by the shape's number; `None` where there is no such shape.
+    ///
+    /// Copies of a shape by instances are numbered alike.
+    #[must_use]
+    pub fn charts(&self) -> Vec<Option<Chart>> {
+        let mut charts: Vec<Option<Chart>> = Vec::new();
+        let objects = self.groups.iter().flat_map(|group| &group.objects);
+        for (id, chart) in objects.flat_map(Object::charts) {
+            let id = id as usize;
+            if charts.len() <= id {
+                charts.resize(id + 1, None);
+            }
+            if let Some(slot) = charts.get_mut(id) {
+                *slot = Some(slot.map_or(chart, |other: Chart| other.joined(chart)));
+            }
+        }
+        charts
     }
 
     /// All lights.
@@ -207,7 +227,7 @@ impl Scene {
             group = &self.groups[instance.group];
         }
         let object = &group.objects[found.object as usize];
-        let (mut point, area_pdf) = object.point(&local, &found.hit);
+        let (mut point, own, area_pdf) = object.point(&local, &found.hit);
         for map in maps[..found.path.length].iter().rev() {
             point = point.transformed(map);
         }
@@ -217,6 +237,7 @@ impl Scene {
             t: found.hit.t,
             wo: -ray.direction.normalize(),
             id: role.id,
+            own,
             area_pdf,
             material: role.material,
             light: object.light,
@@ -250,6 +271,31 @@ impl Scene {
     #[must_use]
     pub fn light_probability(&self, id: LightId) -> f64 {
         self.selector.probability(id)
+    }
+
+    /// Number of groups of lights, at most [`MAX_LIGHT_GROUPS`](crate::MAX_LIGHT_GROUPS): who knows which lights matter at a
+    /// place picks a group first. Every light that can be sampled is in one of them.
+    #[must_use]
+    pub fn light_group_count(&self) -> usize {
+        self.selector.group_count()
+    }
+
+    /// The group of the light `id`.
+    #[must_use]
+    pub fn light_group(&self, id: LightId) -> usize {
+        self.selector.group(id)
+    }
+
+    /// The probability with which [`Scene::pick_light`] takes one of a group.
+    #[must_use]
+    pub fn light_group_probability(&self, group: usize) -> f64 {
+        self.selector.group_probability(group)
+    }
+
+    /// A light of a group to sample and the probability of that choice within the group, by a number uniform in [0, 1).
+    #[must_use]
+    pub fn pick_light_of(&self, group: usize, xi: f64) -> Option<(LightId, f64)> {
+        self.selector.pick_of(group, xi)
     }
 
     /// Picks a direction from `from` towards the light `id` by two numbers uniform in [0, 1).

@@ -136,6 +136,17 @@ impl Bsdf {
         }
     }
 
+    /// Probability with which [`Bsdf::sample`] draws from Lambert's lobe, by the cosine: that it does where `xi_lobe` is less.
+    #[inline]
+    #[must_use]
+    pub fn diffuse_probability(&self) -> f64 {
+        match self {
+            Self::Lambert(_) => 1.0,
+            Self::Phong(model) => model.diffuse_probability(),
+            Self::Black | Self::Mirror(_) | Self::Conductor(_) | Self::Dielectric(_) => 0.0,
+        }
+    }
+
     /// All delta lobes, each with the whole share of light it carries as weight: for those who follow every one.
     ///
     /// Reflection comes first, then transmission; black ones are left out.

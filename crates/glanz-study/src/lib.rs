@@ -6,6 +6,7 @@
 //!
 //! - [`table`], [`plot`] and [`report`] hold results and write them (Markdown, CSV, SVG, PNG);
 //! - `densities` integrates with densities that learn (document 003);
+//! - `guiding` renders rooms with and without densities that learn (document 003);
 //! - `newton` compares Newton's method with the certified search (document 000);
 //! - `tessellation` compares triangles with the surface they stand for (document 002).
 //!
@@ -22,6 +23,7 @@
 
 pub mod clock;
 mod densities;
+mod guiding;
 mod newton;
 pub mod plot;
 pub mod report;

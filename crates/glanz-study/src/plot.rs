@@ -224,7 +224,7 @@ fn steps(low: f64, high: f64) -> Vec<(f64, Option<String>)> {
 }
 
 /// Ticks of a logarithmic axis between two logarithms: labels at powers of ten, and at 2 and 5 times them where there
-/// are few; every so many powers only where there are many.
+/// are few; every so many powers only where there are many, and round numbers where no three of these are on the axis.
 fn decades(low: f64, high: f64) -> Vec<(f64, Option<String>)> {
     let span = high - low;
     let stride = (span / 8.0).ceil().max(1.0) as i32;
@@ -244,7 +244,10 @@ fn decades(low: f64, high: f64) -> Vec<(f64, Option<String>)> {
             ticks.push((place, labelled.then(|| power_label(digit, power))));
         }
     }
-    ticks
+    if ticks.iter().filter(|(_, label)| label.is_some()).count() >= 3 {
+        return ticks;
+    }
+    steps(10.0_f64.powf(low), 10.0_f64.powf(high)).into_iter().map(|(v, label)| (v.log10(), label)).collect()
 }
 
 fn power_label(digit: i32, power: i32) -> String {
@@ -316,6 +319,8 @@ mod tests {
         assert_eq!(labels(steps(-130.0, 480.0)), ["-100", "0", "100", "200", "300", "400"]);
         assert_eq!(labels(decades(-2.1, 3.2)), ["0.01", "0.1", "1", "10", "100", "1000"]);
         assert_eq!(labels(decades(0.1, 1.5)), ["2", "5", "10", "20"]);
+        assert_eq!(labels(decades(-1.01, -0.72)), ["0.10", "0.12", "0.14", "0.16", "0.18"]);
+        assert!((decades(-1.01, -0.72)[1].0 - 0.12_f64.log10()).abs() < 1e-12);
         assert_eq!(labels(decades(-16.2, 0.2)), ["1e-15", "1e-12", "1e-9", "1e-6", "0.001", "1"]);
     }
 

@@ -23,7 +23,8 @@ enum Block {
     Heading(String),
     Paragraph(String),
     Table(Table),
-    Plot { name: &'static str, plot: Plot, caption: String },
+    Data(Table),
+    Plot { name: String, plot: Plot, caption: String },
     Picture { name: String, pixels: Pixels, caption: String },
 }
 
@@ -43,7 +44,7 @@ impl Report {
     /// All tables but the summary.
     pub fn tables(&self) -> impl Iterator<Item = &Table> {
         self.blocks.iter().filter_map(|block| match block {
-            Block::Table(table) => Some(table),
+            Block::Table(table) | Block::Data(table) => Some(table),
             _ => None,
         })
     }
@@ -63,9 +64,14 @@ impl Report {
         self.blocks.push(Block::Table(table));
     }
 
+    /// A table that is too long to be read: the report only names its CSV file.
+    pub fn data(&mut self, table: Table) {
+        self.blocks.push(Block::Data(table));
+    }
+
     /// A plot, written as `name`.svg.
-    pub fn plot(&mut self, name: &'static str, plot: Plot, caption: impl Into<String>) {
-        self.blocks.push(Block::Plot { name, plot, caption: caption.into() });
+    pub fn plot(&mut self, name: impl Into<String>, plot: Plot, caption: impl Into<String>) {
+        self.blocks.push(Block::Plot { name: name.into(), plot, caption: caption.into() });
     }
 
     /// A picture in linear light, written as `name`.png.
@@ -91,6 +97,7 @@ impl Report {
                 Block::Heading(heading) => format!("## {heading}\n\n"),
                 Block::Paragraph(paragraph) => format!("{paragraph}\n\n"),
                 Block::Table(t) => table(t),
+                Block::Data(t) => format!("{} [{name}.csv]({name}.csv).\n\n", t.caption(), name = t.name()),
                 Block::Plot { name, caption, .. } => format!("![{caption}]({name}.svg)\n\n{caption}\n\n"),
                 Block::Picture { name, caption, .. } => format!("![{caption}]({name}.png)\n\n{caption}\n\n"),
             };
@@ -116,7 +123,9 @@ impl Report {
         for block in &self.blocks {
             match block {
                 Block::Heading(_) | Block::Paragraph(_) => {}
-                Block::Table(table) => put(format!("{}.csv", table.name()), table.csv().as_bytes())?,
+                Block::Table(table) | Block::Data(table) => {
+                    put(format!("{}.csv", table.name()), table.csv().as_bytes())?
+                }
                 Block::Plot { name, plot, .. } => put(format!("{name}.svg"), plot.svg().as_bytes())?,
                 Block::Picture { name, pixels, .. } => {
                     let bytes = image::write(pixels, Format::Png, &Tone::default(), &BTreeMap::new())?;

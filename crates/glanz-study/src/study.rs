@@ -1,17 +1,18 @@
 //! What a study is, and the table of all.
 
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glanz_formats::image::ImageError;
 use glanz_formats::newell::NewellError;
 use glanz_geometry::SurfaceError;
-use glanz_light::PixelsError;
+use glanz_light::{CompareError, PixelsError};
 use glanz_sampling::DensityError;
 use glanz_scene::SceneError;
 use glanz_transport::{FilmError, FilterError, IntegratorError, RenderError};
 
 use crate::report::Report;
-use crate::{densities, newton, tessellation};
+use crate::{densities, guiding, newton, tessellation};
 
 /// A question, and how it is answered.
 #[derive(Debug)]
@@ -22,6 +23,8 @@ pub struct Study {
     pub description: &'static str,
     /// The settings it heeds, besides the seed.
     pub options: &'static [StudyOption],
+    /// Whether it keeps what it measured in [`Settings::keep`].
+    pub keeps: bool,
     run: fn(&Settings<'_>, &mut dyn Watch) -> Result<Report, StudyError>,
 }
 
@@ -34,26 +37,59 @@ pub enum StudyOption {
     Size,
     /// [`Settings::triangles`].
     Triangles,
+    /// [`Settings::rooms`].
+    Rooms,
+    /// [`Settings::samples`].
+    Samples,
+    /// [`Settings::references`].
+    References,
+    /// [`Settings::rounds`].
+    Rounds,
+    /// [`Settings::seconds`].
+    Seconds,
+    /// [`Settings::threads`].
+    Threads,
+    /// [`Settings::full`].
+    Full,
 }
 
 /// All studies. A new one is a file and a line here.
-static STUDIES: [Study; 3] = [
+static STUDIES: [Study; 4] = [
     Study {
         name: "densities",
         description: "variance of integrals whose density learns from its own samples (document 003)",
         options: &[],
+        keeps: false,
         run: densities::run,
+    },
+    Study {
+        name: "guiding",
+        description: "what densities that learn where light comes from gain in rooms (document 003)",
+        options: &[
+            StudyOption::Rooms,
+            StudyOption::Size,
+            StudyOption::Samples,
+            StudyOption::References,
+            StudyOption::Rounds,
+            StudyOption::Seconds,
+            StudyOption::Threads,
+            StudyOption::Full,
+        ],
+        keeps: true,
+        run: guiding::run,
     },
     Study {
         name: "newton",
         description: "roots that Newton's method finds, misses and invents, against the certified search (document 000)",
         options: &[StudyOption::Rays],
+        keeps: false,
         run: newton::run,
     },
     Study {
         name: "tessellation",
         description: "time, memory and errors of triangles against the exact surface (document 002)",
         options: &[StudyOption::Size, StudyOption::Triangles],
+        keeps: false,
         run: tessellation::run,
     },
 ];
@@ -71,7 +107,7 @@ pub fn named(name: &str) -> Option<&'static Study> {
 }
 
 impl Study {
-    /// Answers the question, in one thread; `watch` is told how far it is.
+    /// Answers the question, in one thread unless [`Settings::threads`] says otherwise; `watch` is told how far it is.
     ///
     /// # Errors
     /// [`StudyError::Interrupted`] if [`Settings::stop`] was raised, [`StudyError::Setting`] for settings that make no
@@ -90,6 +126,22 @@ pub struct Settings<'a> {
     pub size: Option<[u32; 2]>,
     /// Numbers of triangles per surface, each twice a square.
     pub triangles: Option<Vec<u64>>,
+    /// Scene files, or names of those in `scenes/rooms` of the working folder.
+    pub rooms: Option<Vec<String>>,
+    /// Samples per pixel at which curves end, a power of two.
+    pub samples: Option<u32>,
+    /// Samples per pixel of the pictures that others are measured against, at least 1.
+    pub references: Option<u32>,
+    /// Runs of each kind, with seeds of their own; at least 1.
+    pub rounds: Option<u32>,
+    /// Time of each of the pictures that are shown side by side, seconds, above 0.
+    pub seconds: Option<f64>,
+    /// Threads, at least 1.
+    pub threads: Option<usize>,
+    /// Whether to measure all that the document measured, which takes many hours.
+    pub full: bool,
+    /// Folder in which a study may keep what took it long, to go on with after an interruption.
+    pub keep: Option<PathBuf>,
     /// Seed of random numbers.
     pub seed: u64,
     /// Raised by whoever wants an end.
@@ -100,7 +152,21 @@ impl<'a> Settings<'a> {
     /// The studies' own choices with seed 0.
     #[must_use]
     pub fn new(stop: &'a AtomicBool) -> Self {
-        Self { rays: None, size: None, triangles: None, seed: 0, stop }
+        Self {
+            rays: None,
+            size: None,
+            triangles: None,
+            rooms: None,
+            samples: None,
+            references: None,
+            rounds: None,
+            seconds: None,
+            threads: None,
+            full: false,
+            keep: None,
+            seed: 0,
+            stop,
+        }
     }
 
     /// Asked often: nothing, or [`StudyError::Interrupted`].
@@ -140,6 +206,17 @@ pub enum StudyError {
         /// What it should be.
         needed: &'static str,
     },
+    /// A scene file with faults.
+    #[error("{0}")]
+    Unreadable(String),
+    /// A kept file that cannot be gone on with.
+    #[error("{path}: {why}; remove it to begin anew")]
+    Kept {
+        /// Which.
+        path: String,
+        /// Why not.
+        why: String,
+    },
     /// A surface was refused.
     #[error(transparent)]
     Surface(#[from] SurfaceError),
@@ -167,6 +244,9 @@ pub enum StudyError {
     /// A picture has not the channels it should.
     #[error(transparent)]
     Pixels(#[from] PixelsError),
+    /// Pictures cannot be compared.
+    #[error(transparent)]
+    Compare(#[from] CompareError),
     /// A picture could not be written.
     #[error(transparent)]
     Image(#[from] ImageError),

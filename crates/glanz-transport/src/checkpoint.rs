@@ -177,7 +177,7 @@ fn encode_identity(e: &mut Encoder, identity: &PictureIdentity) {
     e.u8(u8::from(film.signed));
     e.u8(u8::from(film.passes));
     encode_filter(e, &identity.filter);
-    e.text(identity.integrator.name());
+    e.text(&identity.integrator.full_name());
     e.u32(identity.integrator.max_depth);
     e.u8(u8::from(identity.integrator.light_sampling));
     e.u32(identity.integrator.branching);

@@ -1,11 +1,10 @@
 //! Where samples become pixels.
 
 use glanz_light::{Pixels, PixelsError};
-use glanz_math::Bounds3;
 
 use crate::aov::{Aov, AovSet};
 use crate::exact::MAX_TERMS;
-use crate::guide::{self, Training};
+use crate::guide::{self, Guide, Training};
 use crate::pixel::{FirstHit, PixelLayout, PixelSums, PixelValue, Rejects};
 use crate::ranges::{OverlapError, SampleRanges};
 use crate::settled::{Blend, FEWEST_SAMPLES};
@@ -288,8 +287,8 @@ impl Film {
     }
 
     /// Begins to learn, if it has not.
-    pub(crate) fn begin_training(&mut self, bounds: &Bounds3) {
-        self.passes.training.get_or_insert_with(|| Box::new(Training::new(bounds)));
+    pub(crate) fn begin_training(&mut self, guide: Guide) {
+        self.passes.training.get_or_insert_with(|| Box::new(Training::new(guide)));
     }
 
     /// The tiles with their words, for threads to fill, and what an integrator has learnt. [`Film::finish_pass`] has to follow.

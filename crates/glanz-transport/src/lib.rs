@@ -84,7 +84,7 @@ pub use aov::{Aov, AovSet};
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use film::{Film, FilmError, FilmFormat, PixelRect};
 pub use filter::{Filter, FilterError};
-pub use guide::{Guide, GuideFileError, GuideSize, Training};
+pub use guide::{GridError, GridGuide, Guide, GuideFileError, GuideSize, Training};
 pub use identity::{Mismatch, PictureIdentity};
 pub use integrator::{
     Context, ContextOptions, Counters, INTEGRATORS, Integrator, IntegratorEntry, IntegratorError,

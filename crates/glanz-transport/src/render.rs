@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use crate::exact::MAX_TERMS;
 use crate::film::{Film, FilmError, PixelRect};
 use crate::filter::Filter;
-use crate::guide::{self, Record, Training};
+use crate::guide::{self, GridError, Records, Training};
 use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Integrator};
 use crate::pixel::{PixelSums, Rejects, Sample};
 use crate::progress::{Progress, ProgressReport};
@@ -86,6 +86,9 @@ pub enum RenderError {
     /// The threads could not be started.
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
+    /// There is no guide as the integrator wants it.
+    #[error(transparent)]
+    Guide(#[from] GridError),
     /// The film refused a pass.
     #[error(transparent)]
     Film(#[from] FilmError),
@@ -100,8 +103,8 @@ pub enum RenderError {
 /// set, but not with an empty film.
 ///
 /// # Errors
-/// [`RenderError`] before the first pass, if the film does not go with the filter or the integrator, samples are out of turn, would get more samples than it can
-/// hold, or the threads cannot be started.
+/// [`RenderError`] before the first pass, if the film does not go with the filter or the integrator, samples are out of turn, it would get more samples than it can
+/// hold, its guide cannot be made, or the threads cannot be started.
 pub fn render(
     scene: &Scene,
     integrator: &dyn Integrator,
@@ -118,7 +121,7 @@ pub fn render(
     }
     if integrator.learns() {
         check_order(&film, settings)?;
-        film.begin_training(&scene.bounds());
+        film.begin_training(integrator.new_guide(scene)?);
     }
     let new = missing(&film, settings);
     if film.samples().total() + new > u64::from(MAX_TERMS) {
@@ -276,7 +279,7 @@ impl Exposure<'_> {
             .with_max_len(1)
             .map(|(tile, words): (PixelRect, &mut [u64])| {
                 let mut work = Work::default();
-                let mut records = Vec::new();
+                let mut records = Records::default();
                 for (pixel, words) in tile.pixels().zip(words.chunks_exact_mut(stride)) {
                     let mut sums = PixelSums::read(&layout, words);
                     for index in range.clone() {
@@ -297,7 +300,7 @@ impl Exposure<'_> {
         pixel: [u32; 2],
         index: u32,
         training: Option<&Training>,
-        records: &mut Vec<Record>,
+        records: &mut Records,
         counters: &mut Counters,
     ) -> Sample {
         let settings = self.settings;

@@ -277,3 +277,31 @@ fn sphere_in_a_constant_sky_is_as_bright_as_it_is_in_short_runs_too() {
     println!("{mean} +- {error}");
     assert!(error < 0.001 && (mean - 1.8).abs() < 3.0 * error, "{mean} +- {error}, not 1.8");
 }
+
+#[test]
+fn lamps_of_which_few_are_seen_are_weighed_right() {
+    // Forty lamps in a row, all but one behind a wall: groups of lamps, and most of what is picked is picked in vain.
+    let mut scene = Builder::looking(DVec3::new(0.0, -3.0, 1.0), DVec3::ZERO, [8, 6], 0.6)
+        .shape(
+            rectangle(DVec3::new(-4.0, -4.0, 0.0), 8.0 * DVec3::X, 8.0 * DVec3::Y),
+            DMat4::IDENTITY,
+            diffuse(0.7),
+        )
+        .shape(
+            rectangle(DVec3::new(1.0, -4.0, 0.0), 8.0 * DVec3::Y, 3.0 * DVec3::Z),
+            DMat4::IDENTITY,
+            diffuse(0.5),
+        );
+    for i in 0..40 {
+        let corner = DVec3::new(0.5 + 0.7 * f64::from(i), 0.5, 1.5);
+        let lamp = rectangle(corner, 0.2 * DVec3::Y, 0.2 * DVec3::X);
+        scene = scene.shape(lamp, DMat4::IDENTITY, diffuse(0.0)).shining([10.0; 3]);
+    }
+    let path = Run { seed: 5, ..Run::new("path", 4, 8_000) }.picture(&scene);
+    let guided = Run::new("guided", 4, 4_000).picture(&scene);
+    let ((a, sa), (b, sb)) = (path.average(1), guided.average(1));
+    assert!(sa.hypot(sb) < 0.02 * a, "standard error {} of {a}", sa.hypot(sb));
+    assert!((a - b).abs() < 3.0 * sa.hypot(sb), "{b} +- {sb}, not {a} +- {sa}");
+    // Even with half the samples it is more exact by far.
+    assert!(sb < 0.5 * sa, "{sb} {sa}");
+}

@@ -7,6 +7,7 @@ use std::time::Duration;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use glanz_sampling::SamplerKind;
+use glanz_scene::description::GuideSettings;
 use glanz_study::studies;
 use glanz_transport::exact::MAX_TERMS;
 use glanz_transport::{Aov, INTEGRATORS};
@@ -99,7 +100,19 @@ Examples:
   learn once where light comes from, then render parts with that; without --guide-in the
   samples of \"guided\" build on one another, and parts cannot be merged:
   glanz render room.pbrt --integrator guided --spp 64 --guide-out room.guide
-  glanz render room.pbrt --integrator guided --guide-in room.guide --samples 0..512";
+  glanz render room.pbrt --integrator guided --guide-in room.guide --samples 0..512
+
+The guide of \"guided\" is \"tree\" unless --guide says otherwise: cells and directions that refine
+themselves, and a learnt share beside the BSDF. Keys with commas make it a fixed grid, as in
+document 003:
+  grid=N            N x N cells on each surface, 1 to 64
+  basis=NAME        functions of the densities: haar (default), spline0, spline1, spline2, spline3
+  scale=J           2^J segments along each axis of the hemisphere, 0 to 6 (3)
+  mixture=on|off    whether the BSDF draws half of the diffuse directions, or none (off)
+  hierarchical=on|off
+                    whether densities begin coarse and become finer from pass to pass (off)
+With --samplelights on they learn indirect light alone (\"stratification\" in 003), else all light:
+  glanz render room.pbrt --integrator guided --guide grid=8,basis=haar --samplelights off";
 
 #[derive(Debug, Args)]
 #[command(after_help = RENDER_HELP)]
@@ -152,6 +165,12 @@ pub(crate) struct RenderOptions {
     /// Only the samples from A up to, not including, B of every pixel
     #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with = "time")]
     pub(crate) samples: Option<Range<u32>>,
+    /// What "guided" learns with: tree, or the keys of a grid, which `glanz render --help` explains
+    #[arg(long, value_name = "GUIDE", value_parser = clap::value_parser!(GuideSettings))]
+    pub(crate) guide: Option<GuideSettings>,
+    /// Whether lights are sampled at every hit, or found by chance alone
+    #[arg(long, value_name = "on|off", value_parser = switch)]
+    pub(crate) samplelights: Option<bool>,
     /// Let this guide draw directions and learn nothing (integrator guided)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "guide_out")]
     pub(crate) guide_in: Option<PathBuf>,
@@ -268,12 +287,14 @@ pub(crate) struct CompareArguments {
 const STUDY_HELP: &str = "\
 A study writes report.md with its tables (CSV), plots (SVG) and pictures (PNG) into the folder
 of --out, which is made if it is not there, and prints its summary. Figures depend on options
-and seed alone, except for times. Ctrl-C ends it with 130 and leaves nothing.
+and seed alone, except for times. Ctrl-C ends it with 130 and leaves nothing, but for
+guiding, which keeps what is measured and goes on with it when called again.
 
 Examples:
   glanz study                                            what there is
   glanz study newton --out newton
-  glanz study tessellation --out triangles --size 640x360 --triangles 1250,20000";
+  glanz study tessellation --out triangles --size 640x360 --triangles 1250,20000
+  glanz study guiding --out guiding --rooms uplights --samples 64 --references 1024";
 
 #[derive(Debug, Args)]
 #[command(after_help = STUDY_HELP)]
@@ -287,12 +308,33 @@ pub(crate) struct StudyArguments {
     /// Random rays (newton)
     #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u64).range(1..=MAX_RAYS))]
     pub(crate) rays: Option<u64>,
-    /// Size of the pictures in pixels (tessellation)
+    /// Size of the pictures in pixels (tessellation, guiding)
     #[arg(long, value_name = "WxH", requires = "name", value_parser = size)]
     pub(crate) size: Option<[u32; 2]>,
     /// Triangles per surface, each twice a square (tessellation)
     #[arg(long, value_name = "LIST", requires = "name", value_delimiter = ',')]
     pub(crate) triangles: Option<Vec<u64>>,
+    /// Scene files, or names of those in scenes/rooms (guiding)
+    #[arg(long, value_name = "LIST", requires = "name", value_delimiter = ',')]
+    pub(crate) rooms: Option<Vec<String>>,
+    /// Samples per pixel at which curves end, a power of two (guiding)
+    #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
+    pub(crate) samples: Option<u32>,
+    /// Samples per pixel of reference pictures (guiding)
+    #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
+    pub(crate) references: Option<u32>,
+    /// Runs with seeds of their own, whose errors are averaged (guiding)
+    #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) rounds: Option<u32>,
+    /// Seconds for each of the pictures that are shown side by side (guiding)
+    #[arg(long, value_name = "SECONDS", requires = "name", value_parser = seconds)]
+    pub(crate) time: Option<Duration>,
+    /// Threads (guiding)
+    #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) threads: Option<u16>,
+    /// Measure all that the document measured: many hours (guiding)
+    #[arg(long, requires = "name")]
+    pub(crate) full: bool,
     /// Seed of random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
@@ -318,6 +360,14 @@ pub(crate) enum Metric {
 /// Names from the table that knows them; completions and help learn them there too.
 fn one_of(names: impl Iterator<Item = &'static str>) -> PossibleValuesParser {
     PossibleValuesParser::new(names)
+}
+
+fn switch(text: &str) -> Result<bool, String> {
+    match text {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err("on or off is needed".to_owned()),
+    }
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {
@@ -405,6 +455,9 @@ mod tests {
             "glanz render a.pbrt --resume",
             "glanz render a.pbrt --threads 0",
             "glanz render a.pbrt --exposure inf",
+            "glanz render a.pbrt --guide grid=0",
+            "glanz render a.pbrt --guide bush",
+            "glanz render a.pbrt --samplelights yes",
             "glanz merge a.glanz",
             "glanz compare a.exr b.exr --fail-above -1",
             "glanz compare a.exr b.exr --metric beauty",
@@ -413,6 +466,8 @@ mod tests {
             "glanz study --out a",
             "glanz study newton --out a --rays 0",
             "glanz study tessellation --out a --triangles many",
+            "glanz study guiding --out a --samples 0",
+            "glanz study guiding --rooms open",
         ] {
             assert_eq!(parse(line).map(|_| ()).map_err(|e| e.exit_code()), Err(2), "{line}");
         }

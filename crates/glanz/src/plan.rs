@@ -44,6 +44,12 @@ impl Plan {
         if let Some(name) = &options.integrator {
             file.description.integrator.name.clone_from(name);
         }
+        if let Some(guide) = options.guide {
+            file.description.integrator.guide = guide;
+        }
+        if let Some(light_sampling) = options.samplelights {
+            file.description.integrator.light_sampling = light_sampling;
+        }
         let description = &file.description;
         let film = &description.film;
         let crop = PixelRect::from_fractions(film.resolution, film.crop)
@@ -51,6 +57,12 @@ impl Plan {
         let integrator = IntegratorSettings::resolve(&description.integrator).map_err(|error| {
             file.failure(description.integrator.location, &format!("integrator: {error}"))
         })?;
+        if options.samplelights.is_some_and(|wanted| wanted != integrator.light_sampling) {
+            let name = integrator.name();
+            return Err(Failure::usage(format!(
+                "--samplelights off: the integrator \"{name}\" samples all lights"
+            )));
+        }
         let guide = guide(options, &integrator)?;
         let learns = integrator.is_guided() && guide.is_none();
         let filter = Filter::try_new(&description.filter)
@@ -112,14 +124,25 @@ impl Plan {
 
 /// The guide that the command line names, if the integrator has any use for it.
 fn guide(options: &RenderOptions, integrator: &IntegratorSettings) -> Result<Option<FixedGuide>, Failure> {
-    let named = [("--guide-in", &options.guide_in), ("--guide-out", &options.guide_out)];
-    if let Some((name, _)) = named.into_iter().find(|(_, path)| path.is_some())
+    let named = [
+        ("--guide", options.guide.is_some()),
+        ("--guide-in", options.guide_in.is_some()),
+        ("--guide-out", options.guide_out.is_some()),
+    ];
+    if let Some((name, _)) = named.into_iter().find(|(_, given)| *given)
         && !integrator.is_guided()
     {
         return Err(Failure::usage(format!("{name}: the integrator \"{}\" has no guide", integrator.name()))
             .with_help("add --integrator guided"));
     }
-    options.guide_in.as_deref().map(guide_file::read).transpose()
+    let Some(path) = options.guide_in.as_deref() else { return Ok(None) };
+    let fixed = guide_file::read(path)?;
+    let (found, wanted) = (fixed.guide.settings(), integrator.guide);
+    if found != wanted {
+        return Err(Failure::new(format!("{}: this guide is {found}, not {wanted}", path.display()))
+            .with_help(format!("give the guide of its file: --guide {found}")));
+    }
+    Ok(Some(fixed))
 }
 
 /// The channels of these names; the definition of the arguments lets no others through.

@@ -80,9 +80,32 @@ fn study_tessellation_compares_triangles_with_the_exact_surface() {
 }
 
 #[test]
+fn study_guiding_measures_a_room_and_goes_on_with_what_it_kept() {
+    let folder = Folder::new();
+    folder.write(
+        "box.pbrt",
+        r#"LookAt 0 -.9 0  0 1 0  0 0 1  Camera "perspective" "float fov" 75  Integrator "path" "integer maxdepth" 4
+           WorldBegin  Material "diffuse"  Shape "box" "point3 min" [ -1 -1 -1 ] "point3 max" [ 1 1 1 ]
+           AreaLightSource "diffuse" "rgb L" [ 5 5 5 ]  Shape "sphere" "float radius" .3"#,
+    );
+    let line = "study guiding --out g --rooms box.pbrt --size 12x8 --samples 8 --references 32 --time 0.02 --threads 1 --json -q";
+    let json = folder.succeed(line).json();
+    let summary = json["summary"].as_array().unwrap();
+    assert_eq!((&summary[0]["method"], &summary[0]["light_sampling"]), (&"path".into(), &"no".into()));
+    assert!(summary.iter().all(|row| row["samples"] == 8 && row["modified_l2"].as_f64().unwrap() > 0.0));
+    assert!(
+        folder.has("g/time_bases_box_chance.svg") && folder.picture("g/equal_time_box.png").width() > 900
+    );
+    assert_eq!(folder.succeed(line).json()["tables"], json["tables"]);
+}
+
+#[test]
 fn wrong_usage_is_told_before_the_work() {
     let folder = Folder::new();
     folder.run("study newton --out a --size 8x8").refused(2, &["newton", "--size"]);
+    folder.run("study newton --out a --rooms open").refused(2, &["newton", "--rooms"]);
+    folder.run("study guiding --out a --samples 12").refused(2, &["samples", "12", "power of two"]);
+    folder.run("study guiding --out a --rooms cellar").refused(2, &["rooms", "cellar.pbrt"]);
     folder
         .run("study tessellation --out a --triangles 1251")
         .refused(2, &["triangles", "1251", "twice the square"]);

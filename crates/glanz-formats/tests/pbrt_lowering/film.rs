@@ -1,5 +1,7 @@
 //! Film, filter, sampler, integrator.
 
+use glanz_scene::description::{GridSettings, GuideBasis, GuideSettings};
+
 use crate::*;
 
 #[test]
@@ -77,6 +79,25 @@ fn samplers_and_integrators_have_the_names_of_the_tables() {
         let integrator = read_clean(text).description.integrator;
         assert_eq!((integrator.name.as_str(), integrator.max_depth), (name, Some(depth)), "{text}");
     }
+    let guide = |text: &str| read_clean(text).description.integrator.guide;
+    assert_eq!(guide("Integrator \"guided\""), GuideSettings::Tree);
+    let grid = GridSettings { cells: 4, basis: GuideBasis::Spline(1), ..GridSettings::default() };
+    assert_eq!(
+        guide("Integrator \"guided\" \"string guide\" \"grid=4,basis=spline1\""),
+        GuideSettings::Grid(grid)
+    );
     assert_eq!(read("Integrator \"directlighting\"").description.integrator.name, "whitted");
     assert_eq!(read("Integrator \"bdpt\"").description.integrator.name, "path");
+}
+
+#[test]
+fn guides_that_there_are_not_are_refused_where_they_stand() {
+    for (text, told) in [
+        ("Integrator \"path\" \"string guide\" \"grid=4\"", "\"path\" has no guide"),
+        ("Integrator \"guided\" \"string guide\" \"grid=99\"", "from 1 to 64"),
+        ("Integrator \"guided\" \"string guide\" \"grid=4,basis=sine\"", "haar, spline0"),
+    ] {
+        let errors = load_str("test.pbrt", text, &Options::default()).unwrap_err().to_string();
+        assert!(errors.contains(told) && errors.contains("test.pbrt:1:"), "{errors}");
+    }
 }

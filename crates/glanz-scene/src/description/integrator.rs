@@ -1,6 +1,6 @@
 //! How samples are spread and light is gathered.
 
-use super::Location;
+use super::{GuideSettings, Location};
 
 /// How samples are spread.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +30,8 @@ pub struct IntegratorDescription {
     pub light_sampling: bool,
     /// Rays that `distributed` sends on from a hit.
     pub branching: Option<u32>,
+    /// What `guided` learns with.
+    pub guide: GuideSettings,
     /// Where it was said.
     pub location: Option<Location>,
 }
@@ -41,6 +43,7 @@ impl Default for IntegratorDescription {
             max_depth: None,
             light_sampling: true,
             branching: None,
+            guide: GuideSettings::Tree,
             location: None,
         }
     }

@@ -18,6 +18,7 @@ pub use distant::DistantLight;
 pub use infinite::InfiniteLight;
 pub use point::PointLight;
 pub(crate) use select::LightSelector;
+pub use select::MAX_LIGHT_GROUPS;
 pub use spot::SpotLight;
 
 /// Number of a light of a [`Scene`].

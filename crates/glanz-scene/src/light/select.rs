@@ -1,6 +1,11 @@
 //! Which light to sample.
 
+use std::ops::Range;
+
 use super::LightId;
+
+/// Groups of lights at most; so many numbers say how often each is to be picked.
+pub const MAX_LIGHT_GROUPS: usize = 16;
 
 /// Share of the probability spread evenly, so that no light that matters locally is starved by a strong far one.
 const EVEN_SHARE: f64 = 0.2;
@@ -12,6 +17,8 @@ pub(crate) struct LightSelector {
     probabilities: Vec<f64>,
     /// Running sums, ending in 1; empty if there is nothing to choose.
     cumulative: Vec<f64>,
+    /// Lights with consecutive numbers, without gaps; empty if there is nothing to choose.
+    groups: Vec<Range<u32>>,
 }
 
 impl LightSelector {
@@ -20,7 +27,8 @@ impl LightSelector {
         let total: f64 = importance.iter().sum();
         let count = importance.iter().filter(|&&i| i > 0.0).count();
         if count == 0 || !total.is_finite() {
-            return Self { probabilities: vec![0.0; importance.len()], cumulative: Vec::new() };
+            let probabilities = vec![0.0; importance.len()];
+            return Self { probabilities, ..Self::default() };
         }
         let even = EVEN_SHARE / count as f64;
         let probabilities: Vec<f64> = importance
@@ -36,27 +44,87 @@ impl LightSelector {
                 running
             })
             .collect();
-        Self { probabilities: probabilities.iter().map(|p| p / sum).collect(), cumulative }
+        let probabilities: Vec<f64> = probabilities.iter().map(|p| p / sum).collect();
+        let groups = groups(&probabilities);
+        Self { probabilities, cumulative, groups }
     }
 
     /// A light and its probability, by a number uniform in [0, 1).
     pub(crate) fn pick(&self, xi: f64) -> Option<(LightId, f64)> {
         let last = self.cumulative.last()?;
-        let index = self.cumulative.partition_point(|&c| c <= xi * last);
-        // Rounding may carry xi past the end; the last light that can be chosen takes it.
-        let index = if index < self.cumulative.len() {
+        self.find(xi * last, 0..self.cumulative.len())
+    }
+
+    /// The light of `range` where the running sum passes `sum`, and its probability among all.
+    fn find(&self, sum: f64, range: Range<usize>) -> Option<(LightId, f64)> {
+        let (start, inside) = (range.start, self.cumulative.get(range.clone())?);
+        let index = start + inside.partition_point(|&c| c <= sum);
+        // Rounding may carry the sum past the end; the last light that can be chosen takes it.
+        let index = if index < range.end {
             index
         } else {
-            self.probabilities.iter().rposition(|&p| p > 0.0)?
+            start + self.probabilities.get(range)?.iter().rposition(|&p| p > 0.0)?
         };
         let probability = *self.probabilities.get(index)?;
         (probability > 0.0).then_some((LightId(index as u32), probability))
+    }
+
+    /// Number of groups.
+    pub(crate) fn group_count(&self) -> usize {
+        self.groups.len()
+    }
+
+    /// The group of `light`.
+    pub(crate) fn group(&self, light: LightId) -> usize {
+        self.groups.partition_point(|group| group.end <= light.0)
+    }
+
+    /// The probability that [`LightSelector::pick`] takes a light of this group.
+    pub(crate) fn group_probability(&self, group: usize) -> f64 {
+        self.bounds(group).map_or(0.0, |(low, high)| high - low)
+    }
+
+    /// A light of a group and its probability among those of the group, by a number uniform in [0, 1).
+    pub(crate) fn pick_of(&self, group: usize, xi: f64) -> Option<(LightId, f64)> {
+        let (low, high) = self.bounds(group)?;
+        let range = self.groups.get(group)?;
+        let (light, probability) =
+            self.find(low + xi * (high - low), range.start as usize..range.end as usize)?;
+        // Differences of sums are off by some roundings.
+        Some((light, (probability / (high - low)).min(1.0)))
+    }
+
+    /// Running sums where a group begins and ends.
+    fn bounds(&self, group: usize) -> Option<(f64, f64)> {
+        let range = self.groups.get(group)?;
+        let before = range.start.checked_sub(1).and_then(|i| self.cumulative.get(i as usize));
+        Some((before.copied().unwrap_or(0.0), *self.cumulative.get(range.end as usize - 1)?))
     }
 
     /// The probability of `light`.
     pub(crate) fn probability(&self, light: LightId) -> f64 {
         self.probabilities.get(light.0 as usize).copied().unwrap_or(0.0)
     }
+}
+
+/// Lights in at most [`MAX_LIGHT_GROUPS`] runs: each alone if they are few, of about the same probability if they are many.
+///
+/// Numbers are those of the scene file, where what hangs together stands together.
+fn groups(probabilities: &[f64]) -> Vec<Range<u32>> {
+    let few = probabilities.iter().filter(|&&p| p > 0.0).count() <= MAX_LIGHT_GROUPS;
+    let mut groups: Vec<Range<u32>> = Vec::new();
+    let mut running = 0.0;
+    for (light, &probability) in (0..).zip(probabilities) {
+        let shares = groups.len() as f64 / MAX_LIGHT_GROUPS as f64;
+        let open = if few { running == 0.0 } else { running < shares || groups.len() == MAX_LIGHT_GROUPS };
+        match groups.last_mut() {
+            // What cannot be chosen belongs to any.
+            Some(last) if open || probability == 0.0 => last.end = light + 1,
+            _ => groups.push(light..light + 1),
+        }
+        running += probability;
+    }
+    groups
 }
 
 #[cfg(test)]
@@ -83,5 +151,37 @@ mod tests {
     fn no_light_is_picked_where_there_is_none() {
         assert!(LightSelector::new(&[]).pick(0.5).is_none());
         assert!(LightSelector::new(&[0.0, 0.0]).pick(0.5).is_none());
+    }
+
+    #[test]
+    fn few_lights_are_groups_of_one() {
+        let selector = LightSelector::new(&[0.0, 3.0, 0.0, 1.0, 0.0]);
+        assert_eq!(selector.group_count(), 2);
+        assert_eq!([0, 1, 2, 3, 4].map(|i| selector.group(LightId(i))), [0, 0, 0, 1, 1]);
+        assert!((selector.group_probability(0) - 0.7).abs() < 1e-15);
+        for xi in [0.0, 0.5, 1.0 - f64::EPSILON] {
+            for (group, light) in [(0, 1), (1, 3)] {
+                let (found, inside) = selector.pick_of(group, xi).unwrap();
+                assert!(found == LightId(light) && (inside - 1.0).abs() < 1e-14);
+            }
+        }
+        assert_eq!(selector.pick_of(2, 0.5), None);
+    }
+
+    #[test]
+    fn many_lights_form_groups_of_about_the_same_probability() {
+        let importance: Vec<f64> = (0..1000).map(|i| f64::from(i % 7)).collect();
+        let selector = LightSelector::new(&importance);
+        assert_eq!(selector.group_count(), MAX_LIGHT_GROUPS);
+        for group in 0..MAX_LIGHT_GROUPS {
+            let probability = selector.group_probability(group);
+            assert!((probability - 1.0 / 16.0).abs() < 0.005, "{group}: {probability}");
+            // Groups and lights in them make up the same choice.
+            for i in 0..50 {
+                let (light, inside) = selector.pick_of(group, f64::from(i) / 50.0).unwrap();
+                assert_eq!(selector.group(light), group);
+                assert!((inside * probability - selector.probability(light)).abs() < 1e-15);
+            }
+        }
     }
 }

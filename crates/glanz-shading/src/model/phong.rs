@@ -71,6 +71,13 @@ impl Phong {
         self.energy_scale
     }
 
+    /// Probability to draw from the diffuse lobe.
+    #[inline]
+    #[must_use]
+    pub fn diffuse_probability(&self) -> f64 {
+        self.diffuse_probability
+    }
+
     /// `f |cos|`.
     #[must_use]
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
@@ -226,6 +233,15 @@ mod tests {
 
     fn near(a: Spectrum, b: f32) -> bool {
         (a - Spectrum::splat(b)).map(f32::abs).max_component() < 1e-6
+    }
+
+    #[test]
+    fn lobes_are_chosen_with_the_stated_probability() {
+        // 0.6 of 0.6 + 0.2.
+        let phong = Phong::new(coefficients(0.6, 0.2, 5.0));
+        assert!((phong.diffuse_probability() - 0.75).abs() < 1e-7);
+        let lobe = |xi_lobe| phong.sample(DVec3::Z, DVec2::new(0.3, 0.6), xi_lobe).map(|sample| sample.lobe);
+        assert_eq!((lobe(0.749), lobe(0.751)), (Some(Lobe::DIFFUSE), Some(Lobe::GLOSSY)));
     }
 
     #[test]

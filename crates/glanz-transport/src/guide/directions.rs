@@ -1,41 +1,42 @@
 //! Densities over the directions of the sphere that are fine where much light comes from.
 //!
 //! Directions lie in the unit square by a map that keeps areas and distorts little (@clarberg2008): the upper hemisphere is the inner
-//! diamond, the lower one the four corners. A tree of quarters of the square holds the share of light in each; within a leaf the
-//! density is constant. That is a density in the Haar basis, with the wavelets left out where little light is: chapter 2 of document
+//! diamond, the lower one the four corners. A tree of squares, each in 4 x 4 parts, holds the share of light in each part; within a
+//! leaf the density is constant. That is a density in the Haar basis, with the wavelets left out where little light is: chapter 2 of document
 //! 003, and the directional tree of @muller2017. Both map by (cos theta, phi), which makes a lamp overhead a strip along a side of the
-//! square that quarters cannot follow.
+//! square that squares cannot follow.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glanz_math::{DVec2, DVec3};
 
-/// Share of a tree's light above which a quarter is divided.
-const SPLIT_SHARE: f64 = 0.01;
+/// Share of a tree's light above which a part is divided.
+const SPLIT_SHARE: f64 = 0.03;
 
-/// Effective samples that a square must have, or its light is spread evenly over it: a few bright samples are no peak. Its
-/// quarters remain, for the next pass to tell more.
-const SAMPLES_PER_SQUARE: f64 = 4.0;
+/// Samples, spread evenly over the parts of a square, that are added to those it has: a few bright samples are no peak.
+const EVEN_SAMPLES: f64 = 4.0;
 
-/// Quarterings at most: the smallest leaves have 4 pi / 4^10 = 1.2e-5 sr.
-const MAX_DEPTH: u32 = 10;
+/// Levels at most: the smallest leaves have 4 pi / 16^5 = 1.2e-5 sr.
+const MAX_LEVELS: u32 = 5;
 
-/// Quarterings of every square at least, so that a tree finds out where new light comes from.
-const LEAST_DEPTH: u32 = 3;
-
-/// Quarterings of a tree that knows nothing yet.
-const FIRST_DEPTH: u32 = 4;
+/// Levels of a tree that knows nothing yet.
+const FIRST_LEVELS: u32 = 2;
 
 /// Child number that means: not divided.
-const NONE: u32 = 0;
+const NONE: u16 = 0;
 
-/// A square and its quarters: low x low y, high x low y, low x high y, high x high y.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Quarters {
-    /// Light in each quarter, in any unit.
-    pub(crate) light: [f32; 4],
-    /// Index of each quarter's own quarters, larger than the index of this; [`NONE`] if it is a leaf.
-    pub(crate) child: [u32; 4],
+/// Sum of the shares of a square.
+const WHOLE: u32 = u16::MAX as u32;
+
+/// A square in 4 x 4 parts, column by column: part i has column i / 4 and row i % 4. It fills a cache line, so that a step of two
+/// halvings in both directions waits for memory once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(align(64))]
+pub(crate) struct Square {
+    /// Light of each part in units of 1 / [`WHOLE`] of the square's; all 0 if there is none.
+    pub(crate) share: [u16; 16],
+    /// Index of each part's own square, counted from the root, larger than the index of this; [`NONE`] if it is a leaf.
+    pub(crate) child: [u16; 16],
 }
 
 /// A direction drawn from a tree.
@@ -45,70 +46,70 @@ pub(crate) struct Draw {
     pub(crate) direction: DVec3,
     /// Its density per steradian.
     pub(crate) pdf: f64,
-    /// The leaf: four times the index of the square plus the number of the quarter.
+    /// The leaf: sixteen times the index of the square plus the number of the part.
     pub(crate) leaf: u32,
 }
 
 /// The trees of all cells, one after the other.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct DirectionTrees(pub(crate) Vec<Quarters>);
+pub(crate) struct DirectionTrees(pub(crate) Vec<Square>);
 
 impl DirectionTrees {
     /// Adds a tree of equal leaves without light; its root.
     pub(crate) fn push_blank(&mut self) -> u32 {
         let mut tree = Vec::new();
-        blank(&mut tree, FIRST_DEPTH);
+        blank(&mut tree, FIRST_LEVELS);
         self.push(&tree)
     }
 
-    /// Adds a copy of `tree`, whose first element is the root; its root here.
-    pub(crate) fn push(&mut self, tree: &[Quarters]) -> u32 {
+    /// Adds a tree, whose first element is the root; its root here.
+    pub(crate) fn push(&mut self, tree: &[Square]) -> u32 {
         let root = self.0.len() as u32;
-        self.0.extend(tree.iter().map(|quarters| Quarters {
-            light: quarters.light,
-            child: quarters.child.map(|child| if child == NONE { NONE } else { child + root }),
-        }));
+        self.0.extend(tree);
         root
+    }
+
+    /// A copy of a tree; its first element is the root.
+    pub(crate) fn tree(&self, root: u32) -> Vec<Square> {
+        // Children come after their parents, and after those of earlier parts.
+        let (mut tree, mut end) = (Vec::new(), 0);
+        while let Some(square) = self.0.get(root as usize + tree.len()).filter(|_| tree.len() <= end) {
+            end = square.child.iter().fold(end, |end, &child| end.max(usize::from(child)));
+            tree.push(*square);
+        }
+        tree
     }
 
     /// Whether the tree holds any light.
     pub(crate) fn is_lit(&self, root: u32) -> bool {
-        self.0.get(root as usize).is_some_and(|quarters| quarters.light.iter().any(|&light| light > 0.0))
-    }
-
-    /// Light of a leaf; that of a tree built by [`DirectionTrees::refined`] is relative to the whole tree.
-    pub(crate) fn light(&self, leaf: u32) -> f64 {
-        self.0.get(leaf as usize / 4).map_or(0.0, |quarters| f64::from(quarters.light[leaf as usize % 4]))
+        self.0.get(root as usize).is_some_and(|square| square.share != [0; 16])
     }
 
     /// Draws a direction from the tree with that root; `None` without light.
     ///
-    /// Every step uses one side of `xi` and stretches what is left of it, so that well spread numbers give well spread
+    /// Every step uses both sides of `xi` and stretches what is left of them, so that well spread numbers give well spread
     /// directions.
     #[inline]
     pub(crate) fn sample(&self, root: u32, mut xi: DVec2) -> Option<Draw> {
         let (mut node, mut pdf) = (root, 1.0 / (4.0 * PI));
         let (mut corner, mut side) = (DVec2::ZERO, 1.0);
         loop {
-            let Quarters { light, child } = *self.0.get(node as usize)?;
-            let [a, b, c, d] = light.map(f64::from);
-            let (low, high) = (a + c, b + d);
-            let all = low + high;
-            if all <= 0.0 {
-                return None;
-            }
-            let right = choose(&mut xi.x, low, high);
-            let (below, above) = if right { (b, d) } else { (a, c) };
-            let top = choose(&mut xi.y, below, above);
-            let quarter = usize::from(right) + 2 * usize::from(top);
-            pdf *= 4.0 * if top { above } else { below } / all;
-            side *= 0.5;
-            corner += DVec2::new(if right { side } else { 0.0 }, if top { side } else { 0.0 });
-            if child[quarter] == NONE {
-                let leaf = 4 * node + quarter as u32;
+            let Square { share, child } = self.0.get(node as usize)?;
+            let (columns, _) = share.as_chunks::<4>();
+            let sums: [u32; 4] =
+                std::array::from_fn(|i| columns[i].iter().map(|&part| u32::from(part)).sum());
+            let column = choose(&mut xi.x, sums, WHOLE)?;
+            let rows = columns[column].map(u32::from);
+            let row = choose(&mut xi.y, rows, sums[column])?;
+            let part = 4 * column + row;
+            pdf *= f64::from(share[part]) * (16.0 / f64::from(WHOLE));
+            side *= 0.25;
+            corner += side * DVec2::new(column as f64, row as f64);
+            if child[part] == NONE {
+                let leaf = 16 * node + part as u32;
                 return Some(Draw { direction: to_sphere(corner + side * xi), pdf, leaf });
             }
-            node = child[quarter];
+            node = root + u32::from(child[part]);
         }
     }
 
@@ -117,126 +118,183 @@ impl DirectionTrees {
     pub(crate) fn pdf(&self, root: u32, direction: DVec3) -> (f64, u32) {
         let (mut node, mut pdf, mut place) = (root, 1.0 / (4.0 * PI), to_square(direction));
         loop {
-            let Some(Quarters { light, child }) = self.0.get(node as usize) else { return (0.0, 0) };
-            place *= 2.0;
-            let (right, top) = (place.x >= 1.0, place.y >= 1.0);
-            place -= DVec2::new(f64::from(u8::from(right)), f64::from(u8::from(top)));
-            let quarter = usize::from(right) + 2 * usize::from(top);
-            let light = light.map(f64::from);
-            let all = (light[0] + light[2]) + (light[1] + light[3]);
-            pdf = if all > 0.0 { pdf * 4.0 * light[quarter] / all } else { 0.0 };
-            if child[quarter] == NONE {
-                return (pdf, 4 * node + quarter as u32);
+            let Some(Square { share, child }) = self.0.get(node as usize) else { return (0.0, 0) };
+            place *= 4.0;
+            let (column, row) = (place.x as usize & 3, place.y as usize & 3);
+            place -= DVec2::new(column as f64, row as f64);
+            let part = 4 * column + row;
+            pdf *= f64::from(share[part]) * (16.0 / f64::from(WHOLE));
+            if child[part] == NONE {
+                return (pdf, 16 * node + part as u32);
             }
-            node = child[quarter];
+            node = root + u32::from(child[part]);
         }
     }
 
     /// The tree with that root, its light as `leaf_light` says, divided anew: fine where the light is. The root is the first
     /// element. `None` if there is no light.
     ///
-    /// `effective`: equal samples that would tell as much of the light; squares with fewer than a few of them are even.
+    /// `leaf_light`: from a leaf and its share of the light of this tree; in any unit. `effective`: equal samples that would tell
+    /// as much of the light.
     pub(crate) fn refined(
         &self,
         root: u32,
         effective: f64,
-        leaf_light: &dyn Fn(u32) -> f64,
-    ) -> Option<Vec<Quarters>> {
-        let light = self.gather(root, leaf_light);
+        leaf_light: &dyn Fn(u32, f64) -> f64,
+    ) -> Option<Vec<Square>> {
+        let whole = Part { node: root, share: 1.0 };
+        let light = self.gather(root, whole, leaf_light);
         let all: f64 = light.iter().sum();
-        let least = SAMPLES_PER_SQUARE / effective * all;
         if !(all > 0.0 && all.is_finite()) {
             return None;
         }
-        let mut refinement = Refinement { old: self, leaf_light, all, least, tree: Vec::new() };
-        refinement.divide(Some(root), light, 1);
+        let mut refinement = Refinement { old: self, root, leaf_light, all, effective, tree: Vec::new() };
+        refinement.divide(Some(whole), light, 1);
         Some(refinement.tree)
     }
 
     /// Light of the whole tree.
-    pub(crate) fn total(&self, root: u32, leaf_light: &dyn Fn(u32) -> f64) -> f64 {
-        self.gather(root, leaf_light).iter().sum()
+    pub(crate) fn total(&self, root: u32, leaf_light: &dyn Fn(u32, f64) -> f64) -> f64 {
+        self.gather(root, Part { node: root, share: 1.0 }, leaf_light).iter().sum()
     }
 
-    /// Light of the four quarters of `node`, all leaves below them added up.
-    fn gather(&self, node: u32, leaf_light: &dyn Fn(u32) -> f64) -> [f64; 4] {
-        let Some(quarters) = self.0.get(node as usize) else { return [0.0; 4] };
-        std::array::from_fn(|i| match quarters.child[i] {
-            NONE => leaf_light(4 * node + i as u32),
-            child => self.gather(child, leaf_light).iter().sum(),
+    /// Light of the parts of a square, all leaves below them added up.
+    fn gather(&self, root: u32, of: Part, leaf_light: &dyn Fn(u32, f64) -> f64) -> [f64; 16] {
+        std::array::from_fn(|i| match self.part(root, of, i) {
+            (share, None) => leaf_light(16 * of.node + i as u32, share),
+            (_, Some(below)) => self.gather(root, below, leaf_light).iter().sum(),
         })
     }
 
-    /// Whether these are trees: no node below two others, none too deep; and whether light is a number that is not negative.
-    pub(crate) fn is_valid(&self) -> bool {
-        let mut depths: Vec<Option<u32>> = vec![None; self.0.len()];
-        for (i, quarters) in self.0.iter().enumerate() {
-            let depth = depths.get(i).copied().flatten().unwrap_or(1) + 1;
-            for &child in quarters.child.iter().filter(|&&child| child != NONE) {
-                let fine = child as usize > i && depth <= MAX_DEPTH;
-                if !fine || depths.get_mut(child as usize).is_none_or(|slot| slot.replace(depth).is_some()) {
+    /// Share of a part in the light of the tree, and its own square if it has one.
+    fn part(&self, root: u32, of: Part, i: usize) -> (f64, Option<Part>) {
+        let Some(square) = self.0.get(of.node as usize) else { return (0.0, None) };
+        let share = of.share * f64::from(square.share[i]) / f64::from(WHOLE);
+        let child = square.child[i];
+        (share, (child != NONE).then_some(Part { node: root + u32::from(child), share }))
+    }
+
+    /// Whether there is a tree at each of these roots: no square below two others, none too deep, none left over; and whether
+    /// shares are shares.
+    pub(crate) fn is_valid(&self, roots: impl Iterator<Item = u32>) -> bool {
+        let mut levels: Vec<Option<(u32, u32)>> = vec![None; self.0.len()];
+        for root in roots {
+            match levels.get_mut(root as usize) {
+                Some(slot @ None) => *slot = Some((root, 1)),
+                _ => return false,
+            }
+        }
+        for (i, square) in self.0.iter().enumerate() {
+            let Some((root, level)) = levels.get(i).copied().flatten() else { return false };
+            for &child in square.child.iter().filter(|&&child| child != NONE) {
+                let index = root as usize + usize::from(child);
+                let fine = index > i && level < MAX_LEVELS;
+                let below = (root, level + 1);
+                if !fine || levels.get_mut(index).is_none_or(|slot| slot.replace(below).is_some()) {
                     return false;
                 }
             }
+            let sum: u32 = square.share.iter().map(|&share| u32::from(share)).sum();
+            if sum != 0 && sum != WHOLE {
+                return false;
+            }
         }
-        self.0.iter().all(|quarters| quarters.light.iter().all(|&l| l >= 0.0 && l.is_finite()))
+        true
     }
+}
+
+/// A square of a tree.
+#[derive(Clone, Copy)]
+struct Part {
+    node: u32,
+    /// Its share of the light of the tree.
+    share: f64,
 }
 
 /// A tree under construction.
 struct Refinement<'a> {
     old: &'a DirectionTrees,
-    leaf_light: &'a dyn Fn(u32) -> f64,
+    root: u32,
+    leaf_light: &'a dyn Fn(u32, f64) -> f64,
     all: f64,
-    /// Light up to which a square is even.
-    least: f64,
-    tree: Vec<Quarters>,
+    effective: f64,
+    tree: Vec<Square>,
 }
 
 impl Refinement<'_> {
-    /// Adds the square with this light in its quarters, and what is below it; its index. `old`: the same square in the old tree.
-    fn divide(&mut self, old: Option<u32>, light: [f64; 4], depth: u32) -> u32 {
+    /// Adds the square with this light in its parts, and what is below it; its index. `old`: the same square in the old tree.
+    fn divide(&mut self, old: Option<Part>, light: [f64; 16], level: u32) -> u16 {
+        let light = self.evened(light);
         let index = self.tree.len();
-        self.tree.push(Quarters { light: light.map(|l| (l / self.all) as f32), child: [NONE; 4] });
+        self.tree.push(Square { share: shares(light), child: [NONE; 16] });
         for (i, inside) in light.into_iter().enumerate() {
-            if depth >= MAX_DEPTH || depth >= LEAST_DEPTH && inside <= SPLIT_SHARE * self.all {
+            // No more than 1 / SPLIT_SHARE squares on each level: the numbers of all fit.
+            if level >= MAX_LEVELS || inside <= SPLIT_SHARE * self.all {
                 continue;
             }
-            let node = old.and_then(|node| self.old.0.get(node as usize)).map_or(NONE, |q| q.child[i]);
-            let below = (node != NONE).then_some(node);
+            let below = old.and_then(|old| self.old.part(self.root, old, i).1);
             // A leaf knows its light, not where in it.
-            let known = below.filter(|_| inside > self.least);
-            let quarters = known.map_or([inside / 4.0; 4], |node| self.old.gather(node, self.leaf_light));
-            let child = self.divide(below, quarters, depth + 1);
-            if let Some(quarters) = self.tree.get_mut(index) {
-                quarters.child[i] = child;
+            let parts =
+                below.map_or([inside / 16.0; 16], |below| self.old.gather(self.root, below, self.leaf_light));
+            let child = self.divide(below, parts, level + 1);
+            if let Some(square) = self.tree.get_mut(index) {
+                square.child[i] = child;
             }
         }
-        index as u32
+        index as u16
+    }
+
+    /// Light of the parts of a square with [`EVEN_SAMPLES`] added, in the same sum.
+    fn evened(&self, light: [f64; 16]) -> [f64; 16] {
+        let sum: f64 = light.iter().sum();
+        let samples = self.effective * sum / self.all;
+        if sum <= 0.0 || samples.is_infinite() {
+            return light;
+        }
+        light.map(|light| (samples * light + EVEN_SAMPLES * sum / 16.0) / (samples + EVEN_SAMPLES))
     }
 }
 
-/// Adds a square without light, divided `depth` times, and what is below it; its index.
-fn blank(tree: &mut Vec<Quarters>, depth: u32) -> u32 {
+/// Light in units of 1 / [`WHOLE`] of its sum, which is positive; none that is positive becomes 0, and the sum is kept.
+fn shares(light: [f64; 16]) -> [u16; 16] {
+    let sum: f64 = light.iter().sum();
+    let mut shares = light
+        .map(|light| if light > 0.0 { (light / sum * f64::from(WHOLE)).round().max(1.0) as u16 } else { 0 });
+    let total: u32 = shares.iter().map(|&share| u32::from(share)).sum();
+    if let Some(largest) = shares.iter_mut().max() {
+        *largest = (u32::from(*largest) + WHOLE - total) as u16;
+    }
+    shares
+}
+
+/// Adds a square without light, of so many levels, and what is below it; its index.
+fn blank(tree: &mut Vec<Square>, levels: u32) -> u16 {
     let index = tree.len();
-    tree.push(Quarters { light: [0.0; 4], child: [NONE; 4] });
-    if depth > 1 {
-        let child = std::array::from_fn(|_| blank(tree, depth - 1));
-        if let Some(quarters) = tree.get_mut(index) {
-            quarters.child = child;
+    tree.push(Square::default());
+    if levels > 1 {
+        let child = std::array::from_fn(|_| blank(tree, levels - 1));
+        if let Some(square) = tree.get_mut(index) {
+            square.child = child;
         }
     }
-    index as u32
+    index as u16
 }
 
-/// Whether `xi` falls to `high`; it is stretched to [0, 1) again. One of `low` and `high` is positive.
+/// Which of four weights `xi` falls to; it is stretched to [0, 1) again. `sum`: theirs. `None` if that is 0.
 #[inline]
-fn choose(xi: &mut f64, low: f64, high: f64) -> bool {
-    let p = low / (low + high);
-    let is_high = *xi >= p;
-    let stretched = if is_high { (*xi - p) / (1.0 - p) } else { *xi / p };
-    *xi = stretched.clamp(0.0, 1.0 - f64::EPSILON / 2.0);
-    is_high
+fn choose(xi: &mut f64, weights: [u32; 4], sum: u32) -> Option<usize> {
+    let at = *xi * f64::from(sum);
+    let [a, b, c, _] = weights;
+    let borders = [0, a, a + b, a + b + c];
+    let whole = at as u32;
+    let index = usize::from(whole >= borders[1])
+        + usize::from(whole >= borders[2])
+        + usize::from(whole >= borders[3]);
+    if weights[index] == 0 {
+        return None;
+    }
+    *xi = ((at - f64::from(borders[index])) / f64::from(weights[index])).min(1.0 - f64::EPSILON / 2.0);
+    Some(index)
 }
 
 /// The direction at a point of the unit square.

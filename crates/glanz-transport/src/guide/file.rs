@@ -5,11 +5,16 @@
 //! | 8 | `GLANZGDE` |
 //! | 4 | version of the format |
 //! | 8 | length of the file |
-//! | 1 | kind of guide: 0, cells and directions that refine themselves |
+//! | 1 | kind of guide: 0, cells and directions that refine themselves; 1, a grid |
 //! | 24, 24 | corner and sides of the bounds |
 //! | 4; 5 each | nodes of the cells: axis, first half; or 3, number of the cell |
-//! | 5 each | cells: root of the tree of directions, share |
-//! | 4; 32 each | nodes of the directions: light of the quarters, their own quarters |
+//! | 77 each | cells: root of the tree of directions, share, shares of the groups of lamps, samples that it knows of |
+//! | 4; 64 each | squares of the directions: shares of the parts, their own squares |
+//! | | or, of a grid: |
+//! | 1; n | length of the settings; settings |
+//! | 4 | passes learnt from |
+//! | 4; 1, 33 or 49 each | shapes: 0, no chart; 1, smallest and largest parameters; 2, corners of a box |
+//! | 1 or 1 + 4 each each | cells: 0, nothing; 1, coefficients of the density |
 //! | 4 | CRC-32 (IEEE) of all before |
 //!
 //! Numbers are little-endian.
@@ -17,14 +22,21 @@
 use glanz_math::DVec3;
 
 use super::cells::{Cells, Node};
-use super::directions::{DirectionTrees, Quarters};
+use super::directions::{DirectionTrees, Square};
+use super::grid::{decode_grid, decode_sums, encode_grid, encode_sums};
+use super::lamps::Lamps;
 use super::mixture::{SHARES, Share};
+use super::training::Sums;
 use super::tree::{Cell, TreeGuide};
 use super::{Guide, Training};
 use crate::codec::{Decoder, Encoder, EnvelopeError, open, seal};
 
 const MAGIC: &[u8; 8] = b"GLANZGDE";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+
+/// Kinds of guides.
+const TREE: u8 = 0;
+const GRID: u8 = 1;
 
 /// What stands for an axis where there is a cell.
 const CELL: u8 = 3;
@@ -70,14 +82,34 @@ impl Guide {
     /// [`GuideFileError`] if any bit is not as it was written.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, GuideFileError> {
         let mut d = Decoder(open(MAGIC, VERSION, bytes)?);
-        let guide = decode_guide(&mut d).ok_or(GuideFileError::Content("its trees"))?;
+        let guide = decode_guide(&mut d).ok_or(GuideFileError::Content("its trees or densities"))?;
         if d.0.is_empty() { Ok(guide) } else { Err(GuideFileError::Content("its size")) }
     }
 }
 
 fn encode_guide(e: &mut Encoder, guide: &Guide) {
-    let Guide::Tree(TreeGuide { cells, known, trees }) = guide;
-    e.u8(0);
+    match guide {
+        Guide::Tree(tree) => {
+            e.u8(TREE);
+            encode_tree(e, tree);
+        }
+        Guide::Grid(grid) => {
+            e.u8(GRID);
+            encode_grid(e, grid);
+        }
+    }
+}
+
+fn decode_guide(d: &mut Decoder<'_>) -> Option<Guide> {
+    match d.u8()? {
+        TREE => decode_tree(d).map(Guide::Tree),
+        GRID => decode_grid(d).map(Guide::Grid),
+        _ => None,
+    }
+}
+
+fn encode_tree(e: &mut Encoder, tree: &TreeGuide) {
+    let TreeGuide { cells, known, trees } = tree;
     for value in cells.min.to_array().into_iter().chain(cells.size.to_array()) {
         e.f64(value);
     }
@@ -93,18 +125,16 @@ fn encode_guide(e: &mut Encoder, guide: &Guide) {
     for cell in known {
         e.u32(cell.root);
         e.u8(cell.share.0);
+        cell.lamps.shares.iter().for_each(|share| e.u32(share.to_bits()));
+        e.f64(cell.effective);
     }
     e.u32(trees.0.len() as u32);
-    for quarters in &trees.0 {
-        quarters.light.iter().for_each(|light| e.u32(light.to_bits()));
-        quarters.child.iter().for_each(|&child| e.u32(child));
+    for square in &trees.0 {
+        square.share.iter().chain(&square.child).for_each(|&number| e.u16(number));
     }
 }
 
-fn decode_guide(d: &mut Decoder<'_>) -> Option<Guide> {
-    if d.u8()? != 0 {
-        return None;
-    }
+fn decode_tree(d: &mut Decoder<'_>) -> Option<TreeGuide> {
     let min = DVec3::new(d.f64()?, d.f64()?, d.f64()?);
     let size = DVec3::new(d.f64()?, d.f64()?, d.f64()?);
     let mut nodes = Vec::new();
@@ -115,27 +145,45 @@ fn decode_guide(d: &mut Decoder<'_>) -> Option<Guide> {
     let cells = Cells::from_parts(min, size, nodes)?;
     let mut known = Vec::new();
     for _ in 0..cells.count() {
-        known.push(Cell { root: d.u32()?, share: Share(d.u8()?) });
+        let (root, share) = (d.u32()?, Share(d.u8()?));
+        let mut lamps = Lamps::UNKNOWN;
+        for slot in &mut lamps.shares {
+            *slot = f32::from_bits(d.u32()?);
+        }
+        known.push(Cell { root, share, lamps, effective: d.f64()? });
     }
     let mut trees = Vec::new();
     for _ in 0..d.u32()? {
-        let light = [d.u32()?, d.u32()?, d.u32()?, d.u32()?].map(f32::from_bits);
-        trees.push(Quarters { light, child: [d.u32()?, d.u32()?, d.u32()?, d.u32()?] });
+        let mut square = Square::default();
+        for slot in square.share.iter_mut().chain(&mut square.child) {
+            *slot = d.u16()?;
+        }
+        trees.push(square);
     }
     let trees = DirectionTrees(trees);
     let sound = |cell: &Cell| {
         (cell.root as usize) < trees.0.len()
             && usize::from(cell.share.0) < SHARES
             && (cell.share.0 == 0 || trees.is_lit(cell.root))
+            && cell.lamps.is_valid()
+            && cell.effective >= 0.0
+            && cell.effective.is_finite()
     };
-    (trees.is_valid() && known.iter().all(sound)).then_some(Guide::Tree(TreeGuide { cells, known, trees }))
+    (trees.is_valid(known.iter().map(|cell| cell.root)) && known.iter().all(sound)).then_some(TreeGuide {
+        cells,
+        known,
+        trees,
+    })
 }
 
 /// Appends the state of a training.
 pub(crate) fn encode_training(e: &mut Encoder, training: &Training) {
     encode_guide(e, &training.guide);
     e.f64(training.typical.unwrap_or_default());
-    training.lessons.to_words().into_iter().for_each(|word| e.u64(word));
+    match &training.sums {
+        Sums::Tree(lessons) => lessons.to_words().into_iter().for_each(|word| e.u64(word)),
+        Sums::Grid(sums) => encode_sums(e, sums),
+    }
 }
 
 /// What [`encode_training`] wrote; `None` if it did not.
@@ -147,12 +195,17 @@ pub(crate) fn decode_training(d: &mut Decoder<'_>) -> Option<Training> {
         _ if typical > 0.0 && typical.is_finite() => Some(typical),
         _ => return None,
     };
-    let Guide::Tree(tree) = &guide;
-    let words = tree.lesson_words();
-    let (words, _) = d.take(words.checked_mul(8)?)?.as_chunks::<8>();
-    let mut lessons = guide.lessons();
-    lessons.set_words(words.iter().map(|word| u64::from_le_bytes(*word)));
-    Some(Training { guide, lessons, typical })
+    let sums = match &guide {
+        Guide::Tree(tree) => {
+            let words = tree.lesson_words();
+            let (words, _) = d.take(words.checked_mul(8)?)?.as_chunks::<8>();
+            let mut lessons = tree.lessons();
+            lessons.set_words(words.iter().map(|word| u64::from_le_bytes(*word)));
+            Sums::Tree(lessons)
+        }
+        Guide::Grid(grid) => Sums::Grid(decode_sums(d, grid)?),
+    };
+    Some(Training { guide, sums, typical })
 }
 
 #[cfg(test)]
@@ -163,11 +216,12 @@ mod tests {
 
     use super::*;
     use crate::codec::{CRC_LENGTH, PREFIX_LENGTH};
-    use crate::guide::Record;
+    use crate::guide::{Record, Records};
 
     /// A guide that has learnt twice of light around one direction, and begun to learn again.
     fn example() -> Training {
-        let mut training = Training::new(&Bounds3::new(DVec3::ZERO, DVec3::new(2.0, 1.0, 1.0)));
+        let bounds = Bounds3::new(DVec3::ZERO, DVec3::new(2.0, 1.0, 1.0));
+        let mut training = Training::new(Guide::Tree(TreeGuide::new(&bounds)));
         training.finish_pass(1.0);
         for _ in 0..3 {
             if training.records() > 0 {
@@ -176,9 +230,10 @@ mod tests {
             for i in 0..5000_u32 {
                 let xi = DVec2::new(f64::from(i).sqrt().fract(), f64::from(i) * 0.618 % 1.0);
                 let position = DVec3::new(2.0 * xi.x, xi.y, 0.5);
-                let place = training.guide().place(position, DVec3::Z);
+                let Guide::Tree(tree) = training.guide() else { panic!("it is a tree") };
+                let place = tree.place(position, DVec3::Z);
                 let direction = DVec3::new(0.3 * xi.y, 0.1 * xi.x, 1.0).normalize();
-                let (guide_pdf, leaf) = training.guide().pdf(&place, direction);
+                let (guide_pdf, leaf) = tree.pdf(&place, direction);
                 let beyond = Spectrum::splat(0.5);
                 let record = Record {
                     cell: place.cell,
@@ -191,7 +246,8 @@ mod tests {
                     throughput: Spectrum::ONE,
                     beyond,
                 };
-                training.learn(&[record], Spectrum::splat(1.0), &Wavelengths::default());
+                let records = Records { directions: vec![record], lamps: Vec::new() };
+                training.learn(&records, Spectrum::splat(1.0), &Wavelengths::default());
             }
         }
         training
@@ -242,12 +298,12 @@ mod tests {
             bytes[12..20].copy_from_slice(&length.to_le_bytes());
             let crc = crc32fast::hash(&bytes);
             bytes.extend_from_slice(&crc.to_le_bytes());
-            if let Ok(guide) = Guide::from_bytes(&bytes) {
+            if let Ok(Guide::Tree(tree)) = Guide::from_bytes(&bytes) {
                 // Whatever is taken can be used.
-                let place = guide.place(DVec3::new(0.3, 0.4, 0.5), DVec3::Z);
-                let _ = guide.sample(&place, DVec2::new(0.2, 0.7));
-                let _ = guide.pdf(&place, DVec3::X);
-                let _ = guide.taught(&guide.lessons());
+                let place = tree.place(DVec3::new(0.3, 0.4, 0.5), DVec3::Z);
+                let _ = tree.sample(&place, DVec2::new(0.2, 0.7));
+                let _ = tree.pdf(&place, DVec3::X);
+                let _ = tree.taught(&tree.lessons());
             }
         }
     }

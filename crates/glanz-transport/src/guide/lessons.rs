@@ -9,9 +9,10 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glanz_light::{Spectrum, Wavelengths};
+use glanz_scene::MAX_LIGHT_GROUPS;
 
 use super::mixture::{SHARES, Share, density};
-use super::record::Record;
+use super::record::{LampRecord, Record};
 
 /// Largest number of quanta of one term of light, and of one of squares.
 const LARGEST_LIGHT: f64 = (1_u64 << 40) as f64;
@@ -19,8 +20,12 @@ const LARGEST_SQUARE: f64 = (1_u64 << 48) as f64;
 const LIGHT_QUANTA: f64 = (1_u64 << 20) as f64;
 const MOMENT_QUANTA: f64 = (1_u64 << 16) as f64;
 
-/// Words of a cell: number of records, sum of their squared light, then the second moment under each share.
-const CELL_WORDS: usize = 2 + SHARES;
+/// Words of a cell: number of records, sum of their squared light, then the second moment under each share; number of lamps sampled, then
+/// the second moment of each group.
+const CELL_WORDS: usize = LAMP_WORDS + 1 + MAX_LIGHT_GROUPS;
+
+/// Where the words of the lamps begin.
+const LAMP_WORDS: usize = 2 + SHARES;
 
 /// What the records of a cell say, light and moments in quanta.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +36,10 @@ pub(crate) struct CellLessons {
     pub(crate) squared_light: f64,
     /// Second moment under each share.
     pub(crate) moments: [u64; SHARES],
+    /// Number of lamps sampled.
+    pub(crate) lamps: u64,
+    /// Sums of the squares of what came from the lamps of a group, over the probability of the group.
+    pub(crate) lamp_moments: [u64; MAX_LIGHT_GROUPS],
 }
 
 /// Sums of one pass.
@@ -104,7 +113,7 @@ impl Lessons {
     #[inline]
     pub(crate) fn add(&self, record: &Record, all: Spectrum, wavelengths: &Wavelengths, typical: f64) {
         let words = CELL_WORDS * record.cell as usize;
-        let Some([count, squares, moments @ ..]) = self.cells.get(words..words + CELL_WORDS) else { return };
+        let Some([count, squares, moments @ ..]) = self.cells.get(words..words + LAMP_WORDS) else { return };
         count.fetch_add(1, Ordering::Relaxed);
         let (arrived, went_on) = record.found(all, wavelengths);
         // Black, and whatever is not a number.
@@ -124,6 +133,19 @@ impl Lessons {
             if mixed > 0.0 {
                 moment.fetch_add(self.quanta(square / mixed, LARGEST_SQUARE), Ordering::Relaxed);
             }
+        }
+    }
+
+    /// Adds what a lamp brought. `typical`: a typical luminance, above 0.
+    #[inline]
+    pub(crate) fn add_lamp(&self, record: &LampRecord, typical: f64) {
+        let words = CELL_WORDS * record.cell as usize + LAMP_WORDS;
+        let Some([count, moments @ ..]) = self.cells.get(words..words + 1 + MAX_LIGHT_GROUPS) else { return };
+        count.fetch_add(1, Ordering::Relaxed);
+        let relative = record.luminance / typical;
+        let square = relative * relative / record.probability * MOMENT_QUANTA;
+        if let Some(moment) = moments.get(record.group as usize).filter(|_| square > 0.0) {
+            moment.fetch_add(self.quanta(square, LARGEST_SQUARE), Ordering::Relaxed);
         }
     }
 
@@ -149,6 +171,8 @@ impl Lessons {
             records: word(0),
             squared_light: word(1) as f64 * (LIGHT_QUANTA * LIGHT_QUANTA / MOMENT_QUANTA),
             moments: std::array::from_fn(|i| word(i + 2)),
+            lamps: word(LAMP_WORDS),
+            lamp_moments: std::array::from_fn(|i| word(LAMP_WORDS + 1 + i)),
         }
     }
 

@@ -7,9 +7,11 @@
 //!
 //! - `cells`: space and normals, divided where paths come often;
 //! - `directions`: for each cell a density over the sphere, fine where light is;
+//! - `lamps`: for each cell, which lamps matter;
 //! - `mixture`: how often the guide draws and how often the BSDF;
 //! - `record`, `lessons`: what a path found, and the sums over all paths;
-//! - `training`: the passes.
+//! - `training`: the passes;
+//! - `grid`: document 003's own guide instead, a fixed grid of cells and densities in a chosen basis, for its experiments.
 //!
 //! # Source
 //! Document 003 chapter 3 (a grid of cells on each surface, a fixed grid of directions, densities learnt in passes);
@@ -17,11 +19,14 @@
 //! learnt mixture), @vorba2014. Departures: normals part cells; the mixture is chosen by its second moment on a grid;
 //! light that light sampling finds too counts with its weight of multiple importance sampling only; all sums are integers.
 
-use glanz_math::{Bounds3, DVec2, DVec3};
+use glanz_scene::Scene;
+use glanz_scene::description::GuideSettings;
 
 mod cells;
 mod directions;
 mod file;
+mod grid;
+mod lamps;
 mod lessons;
 mod mixture;
 mod record;
@@ -29,14 +34,14 @@ mod training;
 mod tree;
 
 pub use file::GuideFileError;
+pub use grid::{GridError, GridGuide};
 pub use training::Training;
 pub use tree::TreeGuide;
 
-pub(crate) use directions::Draw;
 pub(crate) use file::{decode_training, encode_training};
-pub(crate) use lessons::Lessons;
+pub(crate) use grid::{GridDraw, GridPlace, GridRecord};
 pub(crate) use mixture::density;
-pub(crate) use record::Record;
+pub(crate) use record::{LampRecord, Record, Records};
 pub(crate) use training::pass;
 pub(crate) use tree::Place;
 
@@ -46,6 +51,8 @@ pub(crate) use tree::Place;
 pub enum Guide {
     /// Cells and directions that refine themselves.
     Tree(TreeGuide),
+    /// A fixed grid of cells on each surface, as in document 003.
+    Grid(GridGuide),
 }
 
 /// How large a guide is.
@@ -62,46 +69,23 @@ pub struct GuideSize {
 }
 
 impl Guide {
-    /// A guide over `bounds` that knows nothing.
-    pub(crate) fn new(bounds: &Bounds3) -> Self {
-        Self::Tree(TreeGuide::new(bounds))
+    /// A guide for `scene` that knows nothing.
+    ///
+    /// # Errors
+    /// [`GridError`] if a grid cannot be made.
+    pub fn new(scene: &Scene, settings: &GuideSettings) -> Result<Self, GridError> {
+        Ok(match settings {
+            GuideSettings::Tree => Self::Tree(TreeGuide::new(&scene.bounds())),
+            GuideSettings::Grid(settings) => Self::Grid(GridGuide::new(scene, settings)?),
+        })
     }
 
-    /// What is known at a place whose surface has this unit normal on the viewer's side.
-    #[inline]
-    pub(crate) fn place(&self, position: DVec3, normal: DVec3) -> Place {
+    /// What it was told.
+    #[must_use]
+    pub fn settings(&self) -> GuideSettings {
         match self {
-            Self::Tree(tree) => tree.place(position, normal),
-        }
-    }
-
-    /// Draws a direction; `None` where no light is known.
-    #[inline]
-    pub(crate) fn sample(&self, place: &Place, xi: DVec2) -> Option<Draw> {
-        match self {
-            Self::Tree(tree) => tree.sample(place, xi),
-        }
-    }
-
-    /// Density per steradian of `direction`, and where it is learnt.
-    #[inline]
-    pub(crate) fn pdf(&self, place: &Place, direction: DVec3) -> (f64, u32) {
-        match self {
-            Self::Tree(tree) => tree.pdf(place, direction),
-        }
-    }
-
-    /// Empty sums for what is to be learnt on top of this guide.
-    pub(crate) fn lessons(&self) -> Lessons {
-        match self {
-            Self::Tree(tree) => tree.lessons(),
-        }
-    }
-
-    /// The guide that follows from `lessons` on this one; `samples`: per pixel, in the pass.
-    pub(crate) fn taught(&self, lessons: &Lessons) -> Self {
-        match self {
-            Self::Tree(tree) => Self::Tree(tree.taught(lessons)),
+            Self::Tree(_) => GuideSettings::Tree,
+            Self::Grid(grid) => GuideSettings::Grid(grid.settings()),
         }
     }
 
@@ -110,6 +94,7 @@ impl Guide {
     pub fn size(&self) -> GuideSize {
         match self {
             Self::Tree(tree) => tree.size(),
+            Self::Grid(grid) => grid.size(),
         }
     }
 }

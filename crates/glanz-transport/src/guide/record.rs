@@ -2,6 +2,34 @@
 
 use glanz_light::{Spectrum, Wavelengths};
 
+/// What a path remembers of all its vertices.
+#[derive(Debug, Default)]
+pub(crate) struct Records {
+    pub(crate) directions: Vec<Record>,
+    pub(crate) lamps: Vec<LampRecord>,
+}
+
+impl Records {
+    /// Forgets all.
+    pub(crate) fn clear(&mut self) {
+        self.directions.clear();
+        self.lamps.clear();
+    }
+}
+
+/// A lamp sampled at a vertex.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LampRecord {
+    /// The cell of the vertex.
+    pub(crate) cell: u32,
+    /// The group of the lamp.
+    pub(crate) group: u32,
+    /// Luminance that came from it to the viewer, not divided by the probability of the group.
+    pub(crate) luminance: f64,
+    /// That probability.
+    pub(crate) probability: f64,
+}
+
 /// A direction taken at a vertex.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Record {

@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use glanz_light::{Spectrum, Wavelengths};
-use glanz_math::Bounds3;
 
 use super::Guide;
+use super::grid::{GridRecord, GridSums};
 use super::lessons::Lessons;
-use super::record::Record;
+use super::record::Records;
 
 /// The pass that a sample of a pixel belongs to: 0; 1 to 3; 4 to 7; 8 to 15; and so on.
 ///
@@ -25,20 +25,30 @@ pub(crate) fn pass(sample: u32) -> Range<u32> {
     }
 }
 
+/// The sums of a pass, of the kind that its guide learns from.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Sums {
+    Tree(Lessons),
+    Grid(GridSums),
+}
+
 /// The guide of the pass under way, and what the pass has learnt so far.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Training {
     pub(crate) guide: Guide,
-    pub(crate) lessons: Lessons,
+    pub(crate) sums: Sums,
     /// A typical luminance of the picture, a power of two; `None` in the first pass, which learns nothing else.
     pub(crate) typical: Option<f64>,
 }
 
 impl Training {
-    /// At the beginning.
-    pub(crate) fn new(bounds: &Bounds3) -> Self {
-        let guide = Guide::new(bounds);
-        Self { lessons: guide.lessons(), guide, typical: None }
+    /// At the beginning, with a guide that knows nothing.
+    pub(crate) fn new(guide: Guide) -> Self {
+        let sums = match &guide {
+            Guide::Tree(tree) => Sums::Tree(tree.lessons()),
+            Guide::Grid(grid) => Sums::Grid(grid.sums()),
+        };
+        Self { guide, sums, typical: None }
     }
 
     /// The guide of the pass under way.
@@ -47,30 +57,55 @@ impl Training {
         &self.guide
     }
 
-    /// Directions that the pass under way has learnt from.
+    /// Directions that the pass under way has learnt from; with a grid, also those of earlier passes that still count.
     #[must_use]
     pub fn records(&self) -> u64 {
-        self.lessons.records()
+        match &self.sums {
+            Sums::Tree(lessons) => lessons.records(),
+            Sums::Grid(sums) => sums.records(),
+        }
     }
 
     /// Adds what a path found: its `records`, and all its light.
-    pub(crate) fn learn(&self, records: &[Record], all: Spectrum, wavelengths: &Wavelengths) {
-        let Some(typical) = self.typical else { return };
+    pub(crate) fn learn(&self, records: &Records, all: Spectrum, wavelengths: &Wavelengths) {
+        let (Some(typical), Sums::Tree(lessons)) = (self.typical, &self.sums) else { return };
+        for record in &records.directions {
+            lessons.add(record, all, wavelengths, typical);
+        }
+        for record in &records.lamps {
+            lessons.add_lamp(record, typical);
+        }
+    }
+
+    /// As [`Training::learn`], with a grid.
+    pub(crate) fn learn_on_grid(&self, records: &[GridRecord], all: Spectrum, wavelengths: &Wavelengths) {
+        let (Some(typical), Sums::Grid(sums)) = (self.typical, &self.sums) else { return };
         for record in records {
-            self.lessons.add(record, all, wavelengths, typical);
+            sums.add(record, all, wavelengths, typical);
         }
     }
 
     /// Ends a pass: what it learnt becomes the guide of the next. `brightness`: mean of the picture.
     pub(crate) fn finish_pass(&mut self, brightness: f64) {
-        if self.typical.is_some() {
-            self.guide = self.guide.taught(&self.lessons);
-        }
         // Black pictures have no brightness; then any unit is as good.
         let known = brightness > 0.0 && brightness.is_finite();
         let exponent = if known { brightness.log2().floor().clamp(-100.0, 100.0) } else { 0.0 };
-        self.typical = Some(exponent.exp2());
-        self.lessons = self.guide.lessons();
+        let typical = exponent.exp2();
+        if let Some(old) = self.typical.replace(typical) {
+            (self.guide, self.sums) = match (&self.guide, &self.sums) {
+                (Guide::Tree(tree), Sums::Tree(lessons)) => {
+                    let tree = tree.taught(lessons);
+                    let lessons = tree.lessons();
+                    (Guide::Tree(tree), Sums::Tree(lessons))
+                }
+                (Guide::Grid(grid), Sums::Grid(sums)) => {
+                    let (grid, sums) = grid.taught(sums, typical / old);
+                    (Guide::Grid(grid), Sums::Grid(sums))
+                }
+                // Guide and sums are made together.
+                _ => return,
+            };
+        }
     }
 }
 

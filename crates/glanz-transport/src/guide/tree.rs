@@ -4,7 +4,8 @@ use glanz_math::{Bounds3, DVec2, DVec3};
 
 use super::GuideSize;
 use super::cells::Cells;
-use super::directions::{DirectionTrees, Draw, Quarters};
+use super::directions::{DirectionTrees, Draw, Square};
+use super::lamps::Lamps;
 use super::lessons::{CellLessons, Lessons};
 use super::mixture::Share;
 
@@ -21,6 +22,12 @@ const FEWEST_TO_HALVE: f64 = 32.0;
 /// Effective samples of light that a tree of directions needs; with fewer the old one stays.
 const FEWEST_TO_LEARN: f64 = 16.0;
 
+/// What a sample of earlier passes counts beside a new one.
+const REMEMBERED: f64 = 1.0;
+
+/// Lamps sampled in a cell that tell something; with fewer it keeps what it knows of them.
+const FEWEST_LAMPS: u64 = 64;
+
 /// Cells at most. A tree of directions holds some hundred leaves, of 8 bytes each and 8 more to learn.
 const MAX_CELLS: u32 = 1 << 15;
 
@@ -31,8 +38,9 @@ struct Taught {
     /// Equal samples that would tell as much of the light.
     effective: f64,
     /// Its tree; `None` as long as it knows nothing.
-    tree: Option<Vec<Quarters>>,
+    tree: Option<Vec<Square>>,
     share: Share,
+    lamps: Lamps,
 }
 
 /// What a cell knows.
@@ -42,6 +50,9 @@ pub(crate) struct Cell {
     pub(crate) root: u32,
     /// How often the tree draws; [`Share`] 0 as long as it holds no light.
     pub(crate) share: Share,
+    pub(crate) lamps: Lamps,
+    /// Equal samples that would tell as much of the light as is known.
+    pub(crate) effective: f64,
 }
 
 /// A guide of cells and directions that refine themselves.
@@ -65,7 +76,14 @@ impl TreeGuide {
     /// A guide over `bounds` that knows nothing.
     pub(crate) fn new(bounds: &Bounds3) -> Self {
         let (cells, mut trees) = (Cells::new(bounds), DirectionTrees::default());
-        let known = (0..cells.count()).map(|_| Cell { root: trees.push_blank(), share: Share(0) }).collect();
+        let known = (0..cells.count())
+            .map(|_| Cell {
+                root: trees.push_blank(),
+                share: Share(0),
+                lamps: Lamps::UNKNOWN,
+                effective: 0.0,
+            })
+            .collect();
         Self { cells, known, trees }
     }
 
@@ -73,9 +91,15 @@ impl TreeGuide {
     #[inline]
     pub(crate) fn place(&self, position: DVec3, normal: DVec3) -> Place {
         let cell = self.cells.find(position, normal);
-        let Cell { root, share } =
-            self.known.get(cell as usize).copied().unwrap_or(Cell { root: 0, share: Share(0) });
+        let (root, share) =
+            self.known.get(cell as usize).map_or((0, Share(0)), |known| (known.root, known.share));
         Place { cell, root, probability: share.probability() }
+    }
+
+    /// How often lamps are picked there.
+    #[inline]
+    pub(crate) fn lamps(&self, place: &Place) -> &Lamps {
+        self.known.get(place.cell as usize).map_or(&Lamps::UNKNOWN, |known| &known.lamps)
     }
 
     /// Draws a direction.
@@ -92,7 +116,7 @@ impl TreeGuide {
 
     /// Empty sums for what is to be learnt on top of this guide.
     pub(crate) fn lessons(&self) -> Lessons {
-        Lessons::new(self.known.len(), 4 * self.trees.0.len())
+        Lessons::new(self.known.len(), 16 * self.trees.0.len())
     }
 
     /// The guide that follows from `lessons` on this one.
@@ -115,45 +139,50 @@ impl TreeGuide {
         let (mut known, mut trees) = (Vec::new(), DirectionTrees::default());
         let cells =
             self.cells.halved(&|cell| halvings.get(cell as usize).copied().unwrap_or(0), &mut |old| {
-                if let Some(Taught { tree, share, .. }) = taught.get(old as usize) {
+                let halvings = halvings.get(old as usize).copied().unwrap_or(0);
+                if let Some(Taught { tree, share, lamps, effective, .. }) = taught.get(old as usize) {
                     let root = match tree {
                         Some(tree) => trees.push(tree),
                         None => trees.push_blank(),
                     };
                     let share = if trees.is_lit(root) { *share } else { Share(0) };
-                    known.push(Cell { root, share });
+                    // Each half knows what the whole knew, but half as well.
+                    let effective = effective * 0.5_f64.powi(halvings as i32);
+                    known.push(Cell { root, share, lamps: *lamps, effective });
                 }
             });
         Self { cells, known, trees }
     }
 
     fn taught_cell(&self, cell: u32, lessons: &Lessons) -> Taught {
-        let Some(&Cell { root, share }) = self.known.get(cell as usize) else { return Taught::default() };
-        let CellLessons { records, squared_light, moments } = lessons.cell(cell);
-        let light = |leaf| lessons.light(leaf);
-        let all = self.trees.total(root, &light);
-        let effective = if squared_light > 0.0 { all * all / squared_light } else { 0.0 };
-        let before = self.trees.is_lit(root);
-        let learnt =
-            (effective >= FEWEST_TO_LEARN).then(|| self.trees.refined(root, effective, &light)).flatten();
-        match learnt {
-            Some(tree) if before => {
-                Taught { records, effective, tree: Some(tree), share: share.better(effective, &moments) }
+        let Some(old) = self.known.get(cell as usize) else { return Taught::default() };
+        let CellLessons { records, squared_light, moments, lamps, lamp_moments } = lessons.cell(cell);
+        let lamps = if lamps >= FEWEST_LAMPS { Lamps::learnt(lamps, &lamp_moments) } else { old.lamps };
+        let all = self.trees.total(old.root, &|leaf, _| lessons.light(leaf));
+        let new = if squared_light > 0.0 { all * all / squared_light } else { 0.0 };
+        let kept = REMEMBERED * old.effective;
+        let effective = new + kept;
+        // What the pass found, and what was known before in the same unit.
+        let light = |leaf, share| lessons.light(leaf) + share * all * kept / new;
+        let enough = new >= FEWEST_TO_LEARN;
+        match enough.then(|| self.trees.refined(old.root, effective, &light)).flatten() {
+            Some(tree) => {
+                // What the moments say of a tree without light means nothing: half and half, and the next pass shows.
+                let lit = self.trees.is_lit(old.root);
+                let share = if lit { old.share.better(new, &moments) } else { Share::HALF };
+                Taught { records, effective, tree: Some(tree), share, lamps }
             }
-            // What the moments say of a tree without light means nothing: half and half, and the next pass shows.
-            Some(tree) => Taught { records, effective, tree: Some(tree), share: Share::HALF },
             // The old tree as it is.
             None => {
-                let tree = self.trees.refined(root, f64::INFINITY, &|leaf| self.trees.light(leaf));
-                Taught { records, effective, tree, share }
+                let tree = self.trees.is_lit(old.root).then(|| self.trees.tree(old.root));
+                Taught { records, effective: old.effective, tree, share: old.share, lamps }
             }
         }
     }
 
     /// How large it is.
     pub(crate) fn size(&self) -> GuideSize {
-        let divided =
-            self.trees.0.iter().flat_map(|quarters| quarters.child).filter(|&child| child != 0).count();
+        let divided = self.trees.0.iter().flat_map(|square| square.child).filter(|&child| child != 0).count();
         let bytes = size_of_val(self.cells.nodes.as_slice())
             + size_of_val(self.known.as_slice())
             + size_of_val(self.trees.0.as_slice())
@@ -161,13 +190,13 @@ impl TreeGuide {
         GuideSize {
             cells: self.known.len(),
             active: self.known.iter().filter(|cell| cell.share != Share(0)).count(),
-            leaves: 4 * self.trees.0.len() - divided,
+            leaves: 16 * self.trees.0.len() - divided,
             bytes,
         }
     }
 
     /// Number of words of [`TreeGuide::lessons`].
     pub(crate) fn lesson_words(&self) -> usize {
-        Lessons::words_for(self.known.len(), 4 * self.trees.0.len())
+        Lessons::words_for(self.known.len(), 16 * self.trees.0.len())
     }
 }

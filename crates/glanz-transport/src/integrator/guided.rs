@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3};
+use glanz_scene::description::GuideSettings;
+use glanz_scene::{LightId, Scene};
 
 use super::path::ByBsdf;
 use super::vertex::{Scattered, Vertex};
 use super::walk::{Directions, Walk};
-use super::{Context, Integrator, IntegratorSettings};
-use crate::guide::{Guide, Place, Record, density};
+use super::{Context, Integrator, IntegratorSettings, by_grid};
+use crate::guide::{GridError, Guide, LampRecord, Place, Record, Records, TreeGuide, density};
 
 /// As [`Path`](super::Path), but at rough surfaces a guide draws some of the directions.
 ///
@@ -19,6 +21,9 @@ use crate::guide::{Guide, Place, Record, density};
 #[derive(Clone, Debug)]
 pub struct Guided {
     walk: Walk,
+    light_sampling: bool,
+    /// The kind of guide to learn.
+    guide: GuideSettings,
     /// A guide that does not learn; without one, that of the film's training.
     fixed: Option<Arc<Guide>>,
 }
@@ -27,27 +32,39 @@ impl Guided {
     /// With the depth and the light sampling of `settings`, learning.
     #[must_use]
     pub fn new(settings: &IntegratorSettings) -> Self {
-        Self { walk: Walk::new(settings), fixed: None }
+        let IntegratorSettings { light_sampling, guide, .. } = *settings;
+        Self { walk: Walk::new(settings), light_sampling, guide, fixed: None }
     }
 
     /// The same, by a guide that was learnt before and does not change.
     #[must_use]
     pub fn with_guide(settings: &IntegratorSettings, guide: Arc<Guide>) -> Self {
-        Self { walk: Walk::new(settings), fixed: Some(guide) }
+        Self { fixed: Some(guide), ..Self::new(settings) }
     }
 }
 
 impl Integrator for Guided {
     fn radiance(&self, context: &mut Context<'_>) -> Spectrum {
-        if let Some(guide) = &self.fixed {
-            return self.walk.radiance(context, &mut ByGuide { guide, sparse: true, records: None });
-        }
-        let Some(training) = context.training else { return self.walk.radiance(context, &mut ByBsdf) };
+        let (guide, training) = match (&self.fixed, context.training) {
+            (Some(guide), _) => (&**guide, None),
+            (None, Some(training)) => (training.guide(), Some(training)),
+            (None, None) => return self.walk.radiance(context, &mut ByBsdf),
+        };
+        let guide = match guide {
+            Guide::Tree(tree) => tree,
+            Guide::Grid(grid) => {
+                return by_grid::radiance(&self.walk, self.light_sampling, context, grid, training);
+            }
+        };
+        let Some(training) = training else {
+            let mut directions = ByGuide { guide, sparse: true, records: None, drawn: None };
+            return self.walk.radiance(context, &mut directions);
+        };
         let mut records = std::mem::take(&mut context.records);
         records.clear();
         let sample = context.sampler.sample_index();
         let sparse = sample >= SPARSE_FROM && sample % 2 == 1;
-        let mut directions = ByGuide { guide: training.guide(), sparse, records: Some(&mut records) };
+        let mut directions = ByGuide { guide, sparse, records: Some(&mut records), drawn: None };
         let light = self.walk.radiance(context, &mut directions);
         training.learn(&records, light, &context.wavelengths);
         context.records = records;
@@ -57,6 +74,10 @@ impl Integrator for Guided {
     fn learns(&self) -> bool {
         self.fixed.is_none()
     }
+
+    fn new_guide(&self, scene: &Scene) -> Result<Guide, GridError> {
+        Guide::new(scene, &self.guide)
+    }
 }
 
 /// From this sample of a pixel on, vertices at which the guide is off are learnt from in every second sample only: where it did
@@ -65,11 +86,13 @@ const SPARSE_FROM: u32 = 16;
 
 /// Directions that guide and BSDF draw together.
 struct ByGuide<'a> {
-    guide: &'a Guide,
+    guide: &'a TreeGuide,
     /// Whether to leave out vertices at which the guide is off.
     sparse: bool,
     /// Where to note them, if they are to be learnt from.
-    records: Option<&'a mut Vec<Record>>,
+    records: Option<&'a mut Records>,
+    /// What the guide says of the direction drawn last, where it was asked: its density and the leaf.
+    drawn: Option<(f64, u32)>,
 }
 
 impl Directions for ByGuide<'_> {
@@ -79,6 +102,32 @@ impl Directions for ByGuide<'_> {
     fn arrive(&self, vertex: &Vertex<'_>) -> Self::Place {
         let rough = !vertex.is_delta();
         rough.then(|| self.guide.place(vertex.at.point.position, vertex.normal_to_viewer()))
+    }
+
+    fn pick_light(&self, place: &Self::Place, scene: &Scene, xi: f64) -> Option<(LightId, f64)> {
+        match place {
+            Some(place) if scene.light_group_count() > 1 => self.guide.lamps(place).pick(scene, xi),
+            _ => scene.pick_light(xi),
+        }
+    }
+
+    fn light_probability(&self, place: &Self::Place, scene: &Scene, id: LightId) -> f64 {
+        match place {
+            Some(place) if scene.light_group_count() > 1 => self.guide.lamps(place).probability(scene, id),
+            _ => scene.light_probability(id),
+        }
+    }
+
+    fn lit(&mut self, place: &Self::Place, scene: &Scene, id: LightId, luminance: f64) {
+        let (Some(records), Some(place)) = (&mut self.records, place) else { return };
+        if scene.light_group_count() > 1 {
+            let group = scene.light_group(id);
+            let probability = self.guide.lamps(place).group_probability(scene, group);
+            // The choice within the group belongs to what is learnt of it.
+            let inside = scene.light_probability(id) / scene.light_group_probability(group);
+            let luminance = luminance / inside;
+            records.lamps.push(LampRecord { cell: place.cell, group: group as u32, luminance, probability });
+        }
     }
 
     fn pdf(&self, place: &Self::Place, direction: DVec3, bsdf_pdf: f64) -> f64 {
@@ -97,12 +146,14 @@ impl Directions for ByGuide<'_> {
         xi: DVec2,
         xi_lobe: f64,
     ) -> Option<Scattered> {
+        self.drawn = None;
         let Some(place) = place.as_ref().filter(|place| place.probability > 0.0) else {
             return vertex.sample(xi, xi_lobe);
         };
         let guided = place.probability;
         if xi_lobe < guided {
             let draw = self.guide.sample(place, xi)?;
+            self.drawn = Some((draw.pdf, draw.leaf));
             let (value, bsdf_pdf) = vertex.eval(draw.direction);
             if value.is_black() {
                 return None;
@@ -123,7 +174,9 @@ impl Directions for ByGuide<'_> {
             // The guide leaves delta lobes alone: they come with the probability of the BSDF.
             return Some(Scattered { weight: scattered.weight / (1.0 - guided) as f32, ..scattered });
         }
-        let pdf = density(guided, self.guide.pdf(place, scattered.direction).0, scattered.bsdf_pdf);
+        let drawn = self.guide.pdf(place, scattered.direction);
+        self.drawn = Some(drawn);
+        let pdf = density(guided, drawn.0, scattered.bsdf_pdf);
         Some(Scattered { weight: scattered.weight * (scattered.bsdf_pdf / pdf) as f32, pdf, ..scattered })
     }
 
@@ -139,8 +192,8 @@ impl Directions for ByGuide<'_> {
         if scattered.is_delta || self.sparse && place.probability == 0.0 {
             return;
         }
-        let (guide_pdf, leaf) = self.guide.pdf(place, scattered.direction);
-        records.push(Record {
+        let (guide_pdf, leaf) = self.drawn.unwrap_or_else(|| self.guide.pdf(place, scattered.direction));
+        records.directions.push(Record {
             cell: place.cell,
             leaf,
             cosine: vertex.cosine(scattered.direction).abs(),

@@ -9,12 +9,13 @@ use std::sync::Arc;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::Ray;
 use glanz_sampling::PixelSampler;
-use glanz_scene::description::IntegratorDescription;
+use glanz_scene::description::{GuideSettings, IntegratorDescription};
 use glanz_scene::{Interaction, Scene};
 
-use crate::guide::{Guide, Record, Training};
+use crate::guide::{GridError, Guide, Records, Training};
 use crate::pixel::FirstHit;
 
+mod by_grid;
 mod distributed;
 mod guided;
 mod path;
@@ -38,6 +39,14 @@ pub trait Integrator: Send + Sync {
     /// [`FilmFormat::passes`](crate::FilmFormat::passes).
     fn learns(&self) -> bool {
         false
+    }
+
+    /// A guide for `scene` that knows nothing, of the kind that it learns.
+    ///
+    /// # Errors
+    /// [`GridError`] if a grid cannot be made.
+    fn new_guide(&self, scene: &Scene) -> Result<Guide, GridError> {
+        Guide::new(scene, &GuideSettings::Tree)
     }
 }
 
@@ -79,7 +88,7 @@ pub struct Context<'a> {
     /// What integrators that learn have learnt.
     pub(crate) training: Option<&'a Training>,
     /// Memory that is used again by the next sample.
-    pub(crate) records: Vec<Record>,
+    pub(crate) records: Records,
     options: ContextOptions,
     first_hit: Option<FirstHit>,
 }
@@ -107,7 +116,7 @@ impl<'a> Context<'a> {
     #[must_use]
     pub fn new(scene: &'a Scene, camera_ray: Ray, sampler: PixelSampler, options: ContextOptions) -> Self {
         let (wavelengths, counters) = (Wavelengths::default(), Counters::default());
-        let (training, records, first_hit) = (None, Vec::new(), None);
+        let (training, records, first_hit) = (None, Records::default(), None);
         Self { scene, camera_ray, sampler, wavelengths, counters, training, records, options, first_hit }
     }
 
@@ -243,6 +252,8 @@ pub struct IntegratorSettings {
     pub light_sampling: bool,
     /// Rays sent on from a hit.
     pub branching: u32,
+    /// The guide that is learnt.
+    pub guide: GuideSettings,
 }
 
 impl IntegratorSettings {
@@ -268,16 +279,24 @@ impl IntegratorSettings {
             return Err(IntegratorError::Branching(branching));
         }
         let light_sampling = description.light_sampling || !entry.light_sampling_is_optional;
-        Ok(Self { name: entry.name, max_depth, light_sampling, branching })
+        let guide = if entry.guided { description.guide } else { GuideSettings::Tree };
+        Ok(Self { name: entry.name, max_depth, light_sampling, branching, guide })
     }
 
     /// The settings that [`IntegratorSettings::resolve`] made before, from their parts.
+    ///
+    /// `name`: as of [`IntegratorSettings::full_name`].
     pub(crate) fn by_name(name: &str, max_depth: u32, light_sampling: bool, branching: u32) -> Option<Self> {
+        let (name, guide) = match name.split_once(' ') {
+            Some((name, guide)) => (name, guide.parse().ok()?),
+            None => (name, GuideSettings::Tree),
+        };
         let description = IntegratorDescription {
             name: name.to_owned(),
             max_depth: Some(max_depth),
             light_sampling,
             branching: Some(branching),
+            guide,
             location: None,
         };
         Self::resolve(&description).ok()
@@ -287,6 +306,14 @@ impl IntegratorSettings {
     #[must_use]
     pub fn name(&self) -> &'static str {
         self.name
+    }
+
+    /// The name, and after a space the guide if it is not the usual one.
+    pub(crate) fn full_name(&self) -> String {
+        match &self.guide {
+            GuideSettings::Tree => self.name.to_owned(),
+            grid @ GuideSettings::Grid(_) => format!("{} {grid}", self.name),
+        }
     }
 
     /// Whether the integrator uses a [`Guide`].
@@ -316,7 +343,11 @@ impl IntegratorSettings {
 impl fmt::Display for IntegratorSettings {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let lights = if self.light_sampling { "sampled" } else { "not sampled" };
-        write!(f, "{} (depth {}, branching {}, lights {lights})", self.name, self.max_depth, self.branching)
+        write!(f, "{} (depth {}, branching {}, lights {lights}", self.name, self.max_depth, self.branching)?;
+        match &self.guide {
+            GuideSettings::Tree => f.write_str(")"),
+            grid @ GuideSettings::Grid(_) => write!(f, ", {grid})"),
+        }
     }
 }
 

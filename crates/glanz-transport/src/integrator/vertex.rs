@@ -2,7 +2,6 @@
 
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Frame};
-use glanz_sampling::mis;
 use glanz_scene::{Interaction, LightId, Reference};
 use glanz_shading::{Bsdf, BsdfSample, TransportMode};
 
@@ -134,26 +133,6 @@ impl<'a> Vertex<'a> {
             return Spectrum::BLACK;
         }
         light * (weight / sample.pdf.0) as f32
-    }
-
-    /// Direct light from one light picked at random, with the weight of the power heuristic against the other way to find it.
-    ///
-    /// `pdf`: density of that way, from a direction and the density of the BSDF for it.
-    pub(super) fn direct_light(
-        &self,
-        context: &mut Context<'_>,
-        xi_light: f64,
-        xi: DVec2,
-        pdf: impl FnOnce(DVec3, f64) -> f64,
-    ) -> Spectrum {
-        match context.scene.pick_light(xi_light) {
-            Some((id, probability)) if probability > 0.0 => {
-                let weight =
-                    |direction, light: f64, bsdf| mis::power(light * probability, pdf(direction, bsdf));
-                self.light(context, id, xi, weight) * (1.0 / probability) as f32
-            }
-            _ => Spectrum::BLACK,
-        }
     }
 }
 

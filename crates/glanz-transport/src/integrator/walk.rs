@@ -3,7 +3,7 @@
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::mis;
-use glanz_scene::{Interaction, LightId};
+use glanz_scene::{Interaction, LightId, Scene};
 
 use super::vertex::{Origin, Scattered, Vertex, roulette};
 use super::{Context, FIRST_DIMENSION, IntegratorSettings};
@@ -20,10 +20,23 @@ pub(super) const INTERFACE_LIMIT: u32 = 1000;
 /// What draws the directions in which a path goes on.
 pub(super) trait Directions {
     /// What is looked up once for a vertex.
-    type Place;
+    type Place: Copy;
 
     /// Looks it up.
     fn arrive(&self, vertex: &Vertex<'_>) -> Self::Place;
+
+    /// A light to sample and the probability of that choice, by a number uniform in [0, 1).
+    fn pick_light(&self, _place: &Self::Place, scene: &Scene, xi: f64) -> Option<(LightId, f64)> {
+        scene.pick_light(xi)
+    }
+
+    /// The probability with which [`Directions::pick_light`] takes the light `id`.
+    fn light_probability(&self, _place: &Self::Place, scene: &Scene, id: LightId) -> f64 {
+        scene.light_probability(id)
+    }
+
+    /// Told of what sampling the light `id` brought to the viewer: a luminance, not yet divided by the probability of the choice.
+    fn lit(&mut self, _place: &Self::Place, _scene: &Scene, _id: LightId, _luminance: f64) {}
 
     /// Density per solid angle of drawing `direction`, which the BSDF alone draws with density `bsdf_pdf`.
     fn pdf(&self, place: &Self::Place, direction: DVec3, bsdf_pdf: f64) -> f64;
@@ -76,13 +89,13 @@ impl Walk {
         let mut importance = Spectrum::ONE;
         let mut eta_scale = 1.0_f32;
         // `None` while nothing but delta lobes came before: light sampling could not have found what they find.
-        let mut origin: Option<Origin> = None;
+        let mut origin: Option<Way<_>> = None;
         let (mut depth, mut interfaces) = (0, 0);
         loop {
             let Some(hit) = context.intersect(&ray) else {
-                return light + throughput * self.escaped(context, &ray, origin.as_ref());
+                return light + throughput * self.escaped(context, &ray, directions, origin.as_ref());
             };
-            light += throughput * self.emitted(context, &hit, origin.as_ref());
+            light += throughput * self.emitted(context, &hit, directions, origin.as_ref());
             let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
                 interfaces += 1;
                 if interfaces > INTERFACE_LIMIT {
@@ -106,8 +119,7 @@ impl Walk {
             if self.light_sampling && !bsdf.is_delta() {
                 context.sampler.begin_group();
                 let (xi_point, xi_light) = (context.sampler.next_2d(), context.sampler.next_1d());
-                let pdf = |direction, bsdf_pdf| directions.pdf(&place, direction, bsdf_pdf);
-                light += throughput * vertex.direct_light(context, xi_light, xi_point, pdf);
+                light += throughput * direct_light(context, &vertex, directions, &place, xi_light, xi_point);
             }
             let Some(scattered) = directions.sample(&place, &vertex, xi, xi_lobe) else { return light };
             directions.take(&place, &vertex, &scattered, light, throughput);
@@ -124,20 +136,33 @@ impl Walk {
                 }
             }
             ray = hit.spawn(scattered.direction);
-            origin = (!scattered.is_delta).then_some(Origin { from: hit.reference(), pdf: scattered.pdf });
+            let from = Origin { from: hit.reference(), pdf: scattered.pdf };
+            origin = (!scattered.is_delta).then_some(Way { origin: from, place });
         }
     }
 
     /// Light that left the scene's infinite lights along `ray`.
-    fn escaped(&self, context: &Context<'_>, ray: &Ray, origin: Option<&Origin>) -> Spectrum {
+    fn escaped<D: Directions>(
+        &self,
+        context: &Context<'_>,
+        ray: &Ray,
+        directions: &D,
+        way: Option<&Way<D::Place>>,
+    ) -> Spectrum {
         let scene = context.scene;
-        let weight =
-            |id| self.weight(context, id, origin, |o| o.infinite_light_pdf(context, id, ray.direction));
+        let density = |id| move |o: &Origin| o.infinite_light_pdf(context, id, ray.direction);
+        let weight = |id| self.weight(context, id, directions, way, density(id));
         scene.infinite_lights().iter().map(|&id| scene.infinite_radiance(id, ray) * weight(id)).sum()
     }
 
     /// Light that the surface at `hit` gives off itself.
-    fn emitted(&self, context: &Context<'_>, hit: &Interaction, origin: Option<&Origin>) -> Spectrum {
+    fn emitted<D: Directions>(
+        &self,
+        context: &Context<'_>,
+        hit: &Interaction,
+        directions: &D,
+        way: Option<&Way<D::Place>>,
+    ) -> Spectrum {
         match hit.light() {
             None => Spectrum::BLACK,
             Some(id) => {
@@ -145,24 +170,55 @@ impl Walk {
                 if emitted.is_black() {
                     return emitted;
                 }
-                emitted * self.weight(context, id, origin, |o| o.area_light_pdf(context, id, hit))
+                emitted * self.weight(context, id, directions, way, |o| o.area_light_pdf(context, id, hit))
             }
         }
     }
 
     /// Share of light `id` that does not belong to light sampling.
-    fn weight(
+    fn weight<D: Directions>(
         &self,
         context: &Context<'_>,
         id: LightId,
-        origin: Option<&Origin>,
+        directions: &D,
+        way: Option<&Way<D::Place>>,
         light_pdf: impl FnOnce(&Origin) -> f64,
     ) -> f32 {
-        match origin {
-            Some(origin) if self.light_sampling => {
-                mis::power(origin.pdf, light_pdf(origin) * context.scene.light_probability(id)) as f32
+        match way {
+            Some(Way { origin, place }) if self.light_sampling => {
+                let probability = directions.light_probability(place, context.scene, id);
+                mis::power(origin.pdf, light_pdf(origin) * probability) as f32
             }
             _ => 1.0,
         }
     }
+}
+
+/// How the ray that is under way was chosen, and what was known where it was.
+#[derive(Clone, Copy)]
+struct Way<P> {
+    origin: Origin,
+    place: P,
+}
+
+/// Direct light from one light picked at random, with the weight of the power heuristic against the other way to find it.
+fn direct_light<D: Directions>(
+    context: &mut Context<'_>,
+    vertex: &Vertex<'_>,
+    directions: &mut D,
+    place: &D::Place,
+    xi_light: f64,
+    xi: DVec2,
+) -> Spectrum {
+    let scene = context.scene;
+    let picked = directions.pick_light(place, scene, xi_light);
+    let Some((id, probability)) = picked.filter(|&(_, probability)| probability > 0.0) else {
+        return Spectrum::BLACK;
+    };
+    let weight = |direction, light: f64, bsdf_pdf| {
+        mis::power(light * probability, directions.pdf(place, direction, bsdf_pdf))
+    };
+    let light = vertex.light(context, id, xi, weight);
+    directions.lit(place, scene, id, f64::from(light.luminance(&context.wavelengths)));
+    light * (1.0 / probability) as f32
 }

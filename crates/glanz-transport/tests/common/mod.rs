@@ -153,6 +153,7 @@ pub(crate) struct Run {
     pub(crate) depth: u32,
     pub(crate) light_sampling: bool,
     pub(crate) branching: u32,
+    pub(crate) guide: GuideSettings,
     pub(crate) sampler: SamplerKind,
     pub(crate) samples: Range<u32>,
     pub(crate) seed: u64,
@@ -167,6 +168,7 @@ impl Run {
             depth,
             light_sampling: true,
             branching: 4,
+            guide: GuideSettings::Tree,
             sampler: SamplerKind::Independent,
             samples: 0..samples,
             // Three standard errors leave out one comparison in 370 by chance, and the tests make over a hundred. With
@@ -210,6 +212,7 @@ impl Run {
             max_depth: Some(self.depth),
             light_sampling: self.light_sampling,
             branching: Some(self.branching),
+            guide: self.guide,
             location: None,
         })
         .unwrap()
@@ -252,7 +255,11 @@ impl Run {
     }
 
     pub(crate) fn picture(&self, builder: &Builder) -> Picture {
-        let pixels = self.outcome(builder).film.to_pixels().unwrap();
+        self.picture_of(&self.outcome(builder))
+    }
+
+    pub(crate) fn picture_of(&self, outcome: &RenderOutcome) -> Picture {
+        let pixels = outcome.film.to_pixels().unwrap();
         let plane = |name: &str| pixels.channel(name).unwrap().iter().map(|&v| f64::from(v)).collect();
         Picture {
             mean: ["R", "G", "B"].map(plane),

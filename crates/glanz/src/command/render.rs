@@ -210,6 +210,9 @@ fn expose(
             "--samples: the samples of \"guided\" build on those before; the next is {next}"
         ))
         .with_help("begin there, or give a guide that is not learnt at the same time with --guide-in"),
+        RenderError::Guide(error) => {
+            Failure::new(error.to_string()).with_help("give a smaller grid or scale with --guide")
+        }
         error => Failure::new(format!("the render stopped: {error}")),
     })
 }

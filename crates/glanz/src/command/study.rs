@@ -61,6 +61,14 @@ pub(crate) fn run(arguments: &StudyArguments, messages: Messages) -> Result<Endi
         rays: arguments.rays,
         size: arguments.size,
         triangles: arguments.triangles.clone(),
+        rooms: arguments.rooms.clone(),
+        samples: arguments.samples,
+        references: arguments.references,
+        rounds: arguments.rounds,
+        seconds: arguments.time.map(|time| time.as_secs_f64()),
+        threads: arguments.threads.map(usize::from),
+        full: arguments.full,
+        keep: Some(out.clone()),
         seed: arguments.seed,
         ..Settings::new(interrupt.flag())
     };
@@ -71,7 +79,11 @@ pub(crate) fn run(arguments: &StudyArguments, messages: Messages) -> Result<Endi
     let report = match outcome {
         Ok(report) => report,
         Err(StudyError::Interrupted) => {
-            messages.note("interrupted; nothing was written");
+            messages.note(if study.keeps {
+                "interrupted; no report was written, the same command goes on with what is kept"
+            } else {
+                "interrupted; nothing was written"
+            });
             return Ok(Ending::Interrupted);
         }
         Err(error @ StudyError::Setting { .. }) => return Err(Failure::usage(error.to_string())),
@@ -118,6 +130,13 @@ fn check_options(study: &Study, arguments: &StudyArguments) -> Result<(), Failur
         ("--rays", StudyOption::Rays, arguments.rays.is_some()),
         ("--size", StudyOption::Size, arguments.size.is_some()),
         ("--triangles", StudyOption::Triangles, arguments.triangles.is_some()),
+        ("--rooms", StudyOption::Rooms, arguments.rooms.is_some()),
+        ("--samples", StudyOption::Samples, arguments.samples.is_some()),
+        ("--references", StudyOption::References, arguments.references.is_some()),
+        ("--rounds", StudyOption::Rounds, arguments.rounds.is_some()),
+        ("--time", StudyOption::Seconds, arguments.time.is_some()),
+        ("--threads", StudyOption::Threads, arguments.threads.is_some()),
+        ("--full", StudyOption::Full, arguments.full),
     ];
     match given.iter().find(|(_, option, given)| *given && !study.options.contains(option)) {
         Some((name, ..)) => Err(Failure::usage(format!("the study {} has no use for {name}", study.name))),

@@ -209,3 +209,38 @@ fn parts_can_be_merged_with_one_guide_and_not_while_learning() {
     }
     assert!(!folder.has("m.exr"));
 }
+
+#[test]
+fn grid_guide_is_told_resumed_and_given_by_the_command_line() {
+    const GRID: &str = "grid=2,basis=spline1,scale=2,mixture=on,hierarchical=on";
+    let run = format!("render small.pbrt --integrator guided --guide {GRID} --samplelights off -q");
+    let folder = Folder::with_scene();
+    folder.succeed(&format!("{run} --spp 40 -o one.exr --threads 1 --guide-out one.guide"));
+    folder.succeed(&format!("{run} --spp 40 -o two.exr --threads 2 --guide-out two.guide"));
+    assert_eq!(folder.bytes("one.exr"), folder.bytes("two.exr"));
+    assert_eq!(folder.bytes("one.guide"), folder.bytes("two.guide"));
+    for end in [5, 40] {
+        folder.succeed(&format!("{run} --spp {end} --checkpoint c.glanz --resume -o resumed.exr"));
+    }
+    assert_eq!(folder.bytes("resumed.exr"), folder.bytes("one.exr"));
+    folder
+        .run(&format!("{} --spp 40 --checkpoint c.glanz --resume -o m.exr", run.replace("=on", "=off")))
+        .refused(1, &["c.glanz", "another picture", "mixture=off"]);
+
+    folder.succeed(&format!("{run} --guide-in one.guide --spp 4 -o fixed.exr"));
+    assert_ne!(folder.bytes("fixed.exr"), folder.bytes("one.exr"));
+    folder
+        .run("render small.pbrt --integrator guided --guide-in one.guide -o m.exr")
+        .refused(1, &["one.guide", "not tree", &format!("--guide {GRID}")]);
+    folder.run("render small.pbrt --guide grid=4 -o m.exr").refused(2, &["--guide", "--integrator guided"]);
+    folder
+        .run("render small.pbrt --integrator guided --guide grid=4,basis=box -o m.exr")
+        .refused(2, &["--guide", "haar, spline0"]);
+    folder
+        .run("render small.pbrt --integrator guided --guide grid=64,scale=6,basis=spline3 -o m.exr -q")
+        .refused(1, &["grid=64", "GiB", "4 GiB", "smaller"]);
+    folder
+        .run("render small.pbrt --integrator whitted --samplelights off -o m.exr")
+        .refused(2, &["--samplelights", "whitted"]);
+    assert!(!folder.has("m.exr"));
+}

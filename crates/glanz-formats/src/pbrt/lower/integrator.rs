@@ -1,6 +1,6 @@
 //! `Sampler` and `Integrator`.
 
-use glanz_scene::description::{IntegratorDescription, SamplerDescription};
+use glanz_scene::description::{GuideSettings, IntegratorDescription, SamplerDescription};
 
 use super::Lowering;
 use crate::pbrt::parameters::{ParameterList, shortened};
@@ -86,11 +86,22 @@ impl Lowering {
                 "path"
             }
         };
+        let guide = match list.text_parameter("guide", r)? {
+            None => GuideSettings::Tree,
+            Some((parameter, _)) if name != "guided" => {
+                let message = format!("integrator {name:?} has no guide; \"guided\" has one");
+                return Err(r.error(&parameter.value_place, "parameter-range", message));
+            }
+            Some((parameter, text)) => text.parse().map_err(|error| {
+                r.error(&parameter.value_place, "parameter-range", format!("\"guide\": {error}"))
+            })?,
+        };
         let description = IntegratorDescription {
             name: name.to_owned(),
             max_depth: Some(list.integer_from("maxdepth", 0, r)?.unwrap_or(DEFAULT_DEPTH)),
             light_sampling: list.boolean("samplelights", r)?.unwrap_or(true),
             branching: list.integer_from("branching", 1, r)?,
+            guide,
             location: Some(place.location),
         };
         // What other integrators want, and what changes noise but not the picture.

@@ -9,13 +9,13 @@ fn learnt(light: impl Fn(DVec3) -> f64) -> DirectionTrees {
     trees.push_blank();
     for _ in 0..8 {
         let grid = 512;
-        let mut sums = vec![0.0; 4 * trees.0.len()];
+        let mut sums = vec![0.0; 16 * trees.0.len()];
         for i in 0..grid * grid {
             let place = DVec2::new(f64::from(i % grid) + 0.5, f64::from(i / grid) + 0.5) / f64::from(grid);
             let direction = to_sphere(place);
             sums[trees.pdf(0, direction).1 as usize] += light(direction);
         }
-        let tree = trees.refined(0, f64::INFINITY, &|leaf| sums[leaf as usize]).unwrap();
+        let tree = trees.refined(0, f64::INFINITY, &|leaf, _| sums[leaf as usize]).unwrap();
         trees = DirectionTrees::default();
         trees.push(&tree);
     }
@@ -87,22 +87,21 @@ fn samples_follow_the_density() {
 fn leaves_are_small_where_light_is_and_large_elsewhere() {
     let trees = lamp();
     let size = |direction| {
-        // Density is light over area: count the quarters down to the leaf.
-        let (mut node, mut depth, mut place) = (0, 1, to_square(direction));
+        let (mut node, mut level, mut place) = (0, 1, to_square(direction));
         loop {
-            place *= 2.0;
-            let quarter = usize::from(place.x >= 1.0) + 2 * usize::from(place.y >= 1.0);
+            place *= 4.0;
+            let part = 4 * place.x as usize + place.y as usize;
             place = place.fract();
-            match trees.0[node].child[quarter] {
-                NONE => break depth,
-                child => (node, depth) = (child as usize, depth + 1),
+            match trees.0[node].child[part] {
+                NONE => break level,
+                child => (node, level) = (usize::from(child), level + 1),
             }
         }
     };
-    assert!(size(DVec3::new(0.6, 0.0, 0.8)) >= 6);
+    assert!(size(DVec3::new(0.6, 0.0, 0.8)) >= 3);
     // Below the horizon there is no light.
-    assert!(size(DVec3::new(0.6, 0.0, -0.8)) <= 4);
-    assert!(trees.0.len() < 200, "{}", trees.0.len());
+    assert_eq!(size(DVec3::new(0.6, 0.0, -0.8)), 1);
+    assert!(trees.0.len() < 60, "{}", trees.0.len());
     assert_eq!(trees.pdf(0, -DVec3::Z).0, 0.0);
 }
 
@@ -130,27 +129,28 @@ fn well_spread_numbers_give_well_spread_directions() {
 fn trees_without_light_draw_nothing() {
     let mut trees = DirectionTrees::default();
     let root = trees.push_blank();
-    assert_eq!(trees.0.len(), 1 + 4 + 16 + 64);
+    assert_eq!(trees.0.len(), 1 + 16);
     assert!(!trees.is_lit(root) && trees.sample(root, DVec2::splat(0.5)).is_none());
     assert_eq!(trees.pdf(root, DVec3::X).0, 0.0);
-    assert!(trees.refined(root, 1e6, &|_| 0.0).is_none());
+    assert!(trees.refined(root, 1e6, &|_, _| 0.0).is_none());
 }
 
 #[test]
 fn what_is_no_tree_is_refused() {
     let good = lamp();
-    assert!(good.is_valid());
-    let with = |change: &dyn Fn(&mut Vec<Quarters>)| {
+    assert!(good.is_valid([0].into_iter()));
+    let with = |change: &dyn Fn(&mut Vec<Square>)| {
         let mut trees = good.clone();
         change(&mut trees.0);
-        trees.is_valid()
+        trees.is_valid([0].into_iter())
     };
     let shared = good.0[0].child.into_iter().find(|&child| child != NONE).unwrap();
-    assert!(!with(&|trees| trees[0].child = [shared; 4]));
-    assert!(!with(&|trees| trees[0].child[1] = 1 << 30));
+    assert!(!with(&|trees| trees[0].child = [shared; 16]));
+    assert!(!with(&|trees| trees[0].child[1] = u16::MAX));
     assert!(!with(&|trees| trees.last_mut().unwrap().child[0] = 1));
-    assert!(!with(&|trees| trees[0].light[0] = -1.0));
-    assert!(!with(&|trees| trees[0].light[0] = f32::NAN));
+    assert!(!with(&|trees| trees[0].share[0] ^= 1));
+    assert!(!with(&|trees| trees.push(Square::default())));
+    assert!(!good.is_valid([0, 0].into_iter()) && !good.is_valid([1 << 20].into_iter()));
 }
 
 #[test]
@@ -177,5 +177,38 @@ fn map_keeps_areas_and_can_be_undone() {
     }
     for pole in [DVec3::Z, -DVec3::Z, DVec3::X, -DVec3::Y] {
         assert!((to_sphere(to_square(pole)) - pole).length() < 1e-7);
+    }
+}
+
+#[test]
+fn leaves_know_their_share_of_the_tree() {
+    let trees = lamp();
+    // Learnt from the shares alone, the tree stays as it is; the sum over all leaves is 1.
+    assert!((trees.total(0, &|_, share| share) - 1.0).abs() < 1e-12);
+    let same = trees.refined(0, f64::INFINITY, &|_, share| 7.0 * share).unwrap();
+    assert_eq!(same, trees.tree(0));
+    assert_eq!(trees.tree(0), trees.0);
+}
+
+#[test]
+fn few_samples_are_spread_and_many_are_not() {
+    let light: [f64; 16] = std::array::from_fn(|i| if i == 3 { 1.0 } else { 0.0 });
+    let mut trees = DirectionTrees::default();
+    trees.push_blank();
+    let shares = |effective| {
+        let found = |leaf: u32, _| if leaf < 16 { 0.0 } else { light[leaf as usize % 16] };
+        trees.refined(0, effective, &found).unwrap()[0].share
+    };
+    // All squares of the second level find the same: the root is even with any number of samples.
+    assert!(shares(4.0).iter().all(|&share| share.abs_diff(4096) <= 16));
+    let one = |effective| {
+        let found = |leaf: u32, _| if leaf / 16 == 4 { 1.0 } else { 0.0 };
+        trees.refined(0, effective, &found).unwrap()[0].share
+    };
+    // n samples in one part and four spread evenly: (n + 4/16) / (n + 4).
+    for n in [4.0, 60.0, 1e6] {
+        let expected = (n + 0.25) / (n + 4.0) * f64::from(WHOLE);
+        let largest = one(n).into_iter().max().unwrap();
+        assert!((f64::from(largest) - expected).abs() < 16.0, "{n}: {largest} {expected}");
     }
 }

@@ -1,0 +1,223 @@
+//! Which guide learns where light comes from.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// The functions that densities of directions are made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum GuideBasis {
+    /// Haar's orthonormal boxes.
+    #[default]
+    Haar,
+    /// B-splines of this degree, 0 to [`GuideBasis::HIGHEST_DEGREE`].
+    Spline(u32),
+}
+
+impl GuideBasis {
+    /// Highest degree of splines.
+    pub const HIGHEST_DEGREE: u32 = 3;
+}
+
+impl fmt::Display for GuideBasis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Haar => f.write_str("haar"),
+            Self::Spline(degree) => write!(f, "spline{degree}"),
+        }
+    }
+}
+
+/// The guide of document 003: a grid of cells on each surface, each with a density on one scale.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct GridSettings {
+    /// Cells along each of the two parameters of a surface, 1 to [`GridSettings::MOST_CELLS`].
+    pub cells: u32,
+    /// Functions that a density is made of.
+    pub basis: GuideBasis,
+    /// Finest scale, 0 to [`GridSettings::FINEST_SCALE`]: 2^scale segments along each axis of the hemisphere.
+    pub scale: u32,
+    /// Whether density and BSDF draw half of the diffuse directions each; otherwise the density draws all.
+    pub mixture: bool,
+    /// Whether densities begin on scale 0 and become finer from pass to pass; otherwise they begin on the finest.
+    pub hierarchical: bool,
+}
+
+impl GridSettings {
+    /// Most cells along a parameter.
+    pub const MOST_CELLS: u32 = 64;
+    /// Finest scale.
+    pub const FINEST_SCALE: u32 = 6;
+}
+
+impl Default for GridSettings {
+    /// What served document 003 best: 8 x 8 cells, Haar's basis, scale 3, the density alone, on one scale.
+    fn default() -> Self {
+        Self { cells: 8, basis: GuideBasis::Haar, scale: 3, mixture: false, hierarchical: false }
+    }
+}
+
+/// A guide with everything that it may be told.
+///
+/// As text: `tree`, or the keys of a grid with their values, such as `grid=8,basis=haar,scale=3,mixture=off,hierarchical=off`; keys
+/// that are left out have the values of [`GridSettings::default`], but `grid` has to be there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum GuideSettings {
+    /// Cells and directions that refine themselves, and a learnt share beside the BSDF.
+    #[default]
+    Tree,
+    /// A fixed grid.
+    Grid(GridSettings),
+}
+
+/// Why a text names no guide.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GuideSettingsError {
+    /// Neither `tree` nor a list of keys.
+    #[error("\"{0}\" is no guide: \"tree\" or keys with values, such as grid=8,basis=haar,scale=3, are")]
+    Form(String),
+    /// A key that there is not.
+    #[error("a guide has no \"{0}\": it has grid, basis, scale, mixture and hierarchical")]
+    Key(String),
+    /// A key that comes twice.
+    #[error("\"{0}\" comes twice")]
+    Twice(String),
+    /// A value that the key cannot have.
+    #[error("{key}={value} is not possible: it is {allowed}")]
+    Value {
+        /// The key.
+        key: &'static str,
+        /// What it was to be.
+        value: String,
+        /// What it may be.
+        allowed: String,
+    },
+    /// Keys of a grid, and no grid.
+    #[error("grid=N is missing: the number of cells along each parameter of a surface, 1 to {most}", most = GridSettings::MOST_CELLS)]
+    NoGrid,
+}
+
+impl FromStr for GuideSettings {
+    type Err = GuideSettingsError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        if text == "tree" {
+            return Ok(Self::Tree);
+        }
+        let mut settings = GridSettings::default();
+        let mut seen = Vec::new();
+        for item in text.split(',') {
+            let form = || GuideSettingsError::Form(text.to_owned());
+            let (key, value) = item.split_once('=').ok_or_else(form)?;
+            if seen.contains(&key) {
+                return Err(GuideSettingsError::Twice(key.to_owned()));
+            }
+            seen.push(key);
+            match key {
+                "grid" => settings.cells = number("grid", value, 1, GridSettings::MOST_CELLS)?,
+                "basis" => settings.basis = basis(value)?,
+                "scale" => settings.scale = number("scale", value, 0, GridSettings::FINEST_SCALE)?,
+                "mixture" => settings.mixture = switch("mixture", value)?,
+                "hierarchical" => settings.hierarchical = switch("hierarchical", value)?,
+                _ => return Err(GuideSettingsError::Key(key.to_owned())),
+            }
+        }
+        if seen.contains(&"grid") { Ok(Self::Grid(settings)) } else { Err(GuideSettingsError::NoGrid) }
+    }
+}
+
+fn wrong(key: &'static str, value: &str, allowed: String) -> GuideSettingsError {
+    GuideSettingsError::Value { key, value: value.to_owned(), allowed }
+}
+
+fn number(key: &'static str, value: &str, least: u32, most: u32) -> Result<u32, GuideSettingsError> {
+    let number = value.parse().ok().filter(|n| (least..=most).contains(n));
+    number.ok_or_else(|| wrong(key, value, format!("a whole number from {least} to {most}")))
+}
+
+fn switch(key: &'static str, value: &str) -> Result<bool, GuideSettingsError> {
+    match value {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err(wrong(key, value, "on or off".to_owned())),
+    }
+}
+
+fn basis(value: &str) -> Result<GuideBasis, GuideSettingsError> {
+    let splines = (0..=GuideBasis::HIGHEST_DEGREE).map(GuideBasis::Spline);
+    let all: Vec<GuideBasis> = [GuideBasis::Haar].into_iter().chain(splines).collect();
+    all.iter().find(|basis| basis.to_string() == value).copied().ok_or_else(|| {
+        let names: Vec<String> = all.iter().map(GuideBasis::to_string).collect();
+        wrong("basis", value, format!("one of {}", names.join(", ")))
+    })
+}
+
+impl fmt::Display for GridSettings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let switch = |on| if on { "on" } else { "off" };
+        let Self { cells, basis, scale, mixture, hierarchical } = *self;
+        write!(f, "grid={cells},basis={basis},scale={scale}")?;
+        write!(f, ",mixture={},hierarchical={}", switch(mixture), switch(hierarchical))
+    }
+}
+
+impl fmt::Display for GuideSettings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Tree => f.write_str("tree"),
+            Self::Grid(grid) => grid.fmt(f),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_of_settings_is_read_back() {
+        for basis in [GuideBasis::Haar, GuideBasis::Spline(0), GuideBasis::Spline(3)] {
+            for (mixture, hierarchical) in [(true, false), (false, true)] {
+                let grid = GridSettings { cells: 64, basis, scale: 0, mixture, hierarchical };
+                let settings = GuideSettings::Grid(grid);
+                assert_eq!(settings.to_string().parse(), Ok(settings));
+            }
+        }
+        assert_eq!("tree".parse(), Ok(GuideSettings::Tree));
+        assert_eq!(GuideSettings::Tree.to_string(), "tree");
+    }
+
+    #[test]
+    fn keys_come_in_any_order_and_may_be_left_out() {
+        let written: GuideSettings = "mixture=on,basis=spline2,grid=4".parse().unwrap();
+        let expected =
+            GridSettings { cells: 4, basis: GuideBasis::Spline(2), mixture: true, ..GridSettings::default() };
+        assert_eq!(written, GuideSettings::Grid(expected));
+        assert_eq!(written.to_string(), "grid=4,basis=spline2,scale=3,mixture=on,hierarchical=off");
+    }
+
+    #[test]
+    fn refusals_name_what_is_allowed() {
+        for (text, told) in [
+            ("", "\"tree\""),
+            ("forest", "\"tree\""),
+            ("grid", "grid=8"),
+            ("grid=8,,", "grid=8"),
+            ("grid=0", "from 1 to 64"),
+            ("grid=65", "from 1 to 64"),
+            ("grid=-1", "from 1 to 64"),
+            ("grid=8,basis=linear", "haar, spline0, spline1, spline2, spline3"),
+            ("grid=8,basis=spline4", "haar, spline0"),
+            ("grid=8,scale=7", "from 0 to 6"),
+            ("grid=8,scale=1.5", "from 0 to 6"),
+            ("grid=8,mixture=yes", "on or off"),
+            ("grid=8,hierarchical=", "on or off"),
+            ("grid=8,depth=2", "hierarchical"),
+            ("grid=8,grid=8", "twice"),
+            ("scale=2", "grid=N"),
+        ] {
+            let error = text.parse::<GuideSettings>().unwrap_err().to_string();
+            assert!(error.contains(told), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! What is kept in the output folder, so that a study that was stopped goes on where it was.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use glanz_formats::image::{self, Encoding, Format, write_atomically};
+use glanz_light::{Pixels, Tone};
+use glanz_transport::{Checkpoint, Film, PictureIdentity};
+
+use super::curve::{Error, Point};
+use crate::study::StudyError;
+
+/// Name of the folder within that of the report.
+const FOLDER: &str = "kept";
+
+/// Names of the columns of a run's file.
+const COLUMNS: &str = "kind,samples,wall_s,processor_s,l2,modified_l2";
+
+/// What a run's file ends with.
+const END: &str = "end\n";
+
+/// Name of the header of a picture that says what it is of.
+const ABOUT: &str = "glanz.study";
+
+/// What one run of a method has shown.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Run {
+    /// Error of the picture as it grew.
+    pub(super) curve: Vec<Point>,
+    /// Error of pictures by frozen guides; samples are those learnt from, times those of the picture.
+    pub(super) frozen: Vec<Point>,
+}
+
+impl Run {
+    /// The points of `curve` and `frozen` with these numbers of samples, if all are there.
+    pub(super) fn part(&self, curve: &[u32], frozen: &[u32]) -> Option<Self> {
+        let pick = |points: &[Point], samples: &[u32]| -> Option<Vec<Point>> {
+            samples.iter().map(|&n| points.iter().find(|p| p.samples == n).copied()).collect()
+        };
+        Some(Self { curve: pick(&self.curve, curve)?, frozen: pick(&self.frozen, frozen)? })
+    }
+
+    /// As a file; `about` (one line) says what it depends on.
+    fn to_text(&self, about: &str) -> String {
+        let mut text = format!("{about}\n{COLUMNS}\n");
+        for (kind, points) in [("curve", &self.curve), ("frozen", &self.frozen)] {
+            for Point { samples, wall, processors, error } in points {
+                let Error { plain, shown } = error;
+                let _ = writeln!(text, "{kind},{samples},{wall},{processors},{plain},{shown}");
+            }
+        }
+        text + END
+    }
+
+    /// Reads what [`Run::to_text`] wrote; `None` for anything else.
+    fn from_text(text: &str, about: &str) -> Option<Self> {
+        let mut lines = text.strip_suffix(END)?.lines();
+        if lines.next() != Some(about) || lines.next() != Some(COLUMNS) {
+            return None;
+        }
+        let mut run = Self::default();
+        for line in lines {
+            let mut cells = line.split(',');
+            let points = match cells.next()? {
+                "curve" => &mut run.curve,
+                "frozen" => &mut run.frozen,
+                _ => return None,
+            };
+            let samples = cells.next()?.parse().ok()?;
+            let numbers: Vec<f64> = cells.map(|cell| cell.parse().ok()).collect::<Option<_>>()?;
+            let &[wall, processors, plain, shown] = numbers.as_slice() else { return None };
+            points.push(Point { samples, wall, processors, error: Error { plain, shown } });
+        }
+        Some(run)
+    }
+}
+
+/// The folder, if anything is to be kept.
+#[derive(Clone, Debug)]
+pub(super) struct Kept(Option<PathBuf>);
+
+impl Kept {
+    /// In `out`, or nowhere.
+    ///
+    /// # Errors
+    /// [`StudyError::File`] if the folder cannot be made.
+    pub(super) fn within(out: Option<&Path>) -> Result<Self, StudyError> {
+        let Some(folder) = out.map(|out| out.join(FOLDER)) else { return Ok(Self(None)) };
+        std::fs::create_dir_all(&folder).map_err(|source| failed(&folder, source))?;
+        Ok(Self(Some(folder)))
+    }
+
+    fn path(&self, name: &str, extension: &str) -> Option<PathBuf> {
+        Some(self.0.as_ref()?.join(format!("{name}.{extension}")))
+    }
+
+    /// The run `name`, if it is there and `about` the same.
+    pub(super) fn run(&self, name: &str, about: &str) -> Option<Run> {
+        Run::from_text(&std::fs::read_to_string(self.path(name, "csv")?).ok()?, about)
+    }
+
+    /// Keeps the run `name`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub(super) fn keep_run(&self, name: &str, about: &str, run: &Run) -> Result<(), StudyError> {
+        let Some(path) = self.path(name, "csv") else { return Ok(()) };
+        Ok(write_atomically(&path, run.to_text(about).as_bytes())?)
+    }
+
+    /// The film of the checkpoint `name`, if there is one.
+    ///
+    /// # Errors
+    /// A file that is no checkpoint, or of another picture: it may have cost hours, and is not written over.
+    pub(super) fn film(&self, name: &str, wanted: &PictureIdentity) -> Result<Option<Film>, StudyError> {
+        let Some(path) = self.path(name, "glanz").filter(|path| path.exists()) else { return Ok(None) };
+        let bytes = std::fs::read(&path).map_err(|source| failed(&path, source))?;
+        let refused = |why: String| StudyError::Kept { path: path.display().to_string(), why };
+        let checkpoint = Checkpoint::from_bytes(&bytes).map_err(|error| refused(error.to_string()))?;
+        checkpoint.identity.check(wanted).map_err(|mismatch| refused(mismatch.to_string()))?;
+        Ok(Some(checkpoint.film))
+    }
+
+    /// Keeps a film.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub(super) fn keep_film(
+        &self,
+        name: &str,
+        identity: &PictureIdentity,
+        film: &Film,
+    ) -> Result<(), StudyError> {
+        let Some(path) = self.path(name, "glanz") else { return Ok(()) };
+        Ok(write_atomically(&path, &Checkpoint::encode(identity, film))?)
+    }
+
+    /// The picture `name` with its number of samples per pixel, if it is there and `about` the same.
+    pub(super) fn picture(&self, name: &str, about: &str) -> Option<(Pixels, u64)> {
+        let bytes = std::fs::read(self.path(name, "exr")?).ok()?;
+        let image = image::read(&bytes, None, Encoding::Srgb).ok()?;
+        let (samples, found) = image.attributes.get(ABOUT)?.split_once(' ')?;
+        (found == about).then_some((image.pixels, samples.parse().ok()?))
+    }
+
+    /// Keeps a picture of so many `samples` per pixel.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub(super) fn keep_picture(
+        &self,
+        name: &str,
+        about: &str,
+        pixels: &Pixels,
+        samples: u64,
+    ) -> Result<(), StudyError> {
+        let Some(path) = self.path(name, "exr") else { return Ok(()) };
+        let attributes = BTreeMap::from([(ABOUT.to_owned(), format!("{samples} {about}"))]);
+        let bytes = image::write(pixels, Format::Exr, &Tone::default(), &attributes)?;
+        Ok(write_atomically(&path, &bytes)?)
+    }
+}
+
+fn failed(path: &Path, source: std::io::Error) -> StudyError {
+    StudyError::File { path: path.display().to_string(), source }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> Run {
+        let point = |samples| Point {
+            samples,
+            wall: 0.1 + f64::from(samples),
+            processors: 1.0 / 3.0,
+            error: Error { plain: 1e-9, shown: 1e-30 },
+        };
+        Run { curve: [1, 2, 4].map(point).into(), frozen: vec![point(4)] }
+    }
+
+    #[test]
+    fn runs_come_back_with_every_digit() {
+        let run = example();
+        assert_eq!(Run::from_text(&run.to_text("this, that"), "this, that"), Some(run));
+    }
+
+    #[test]
+    fn runs_of_something_else_or_damaged_are_not_taken() {
+        let text = example().to_text("this");
+        assert_eq!(Run::from_text(&text, "that"), None);
+        assert_eq!(Run::from_text(&text[..text.len() - 12], "this"), None);
+        assert_eq!(Run::from_text(&text.replace("frozen", "melted"), "this"), None);
+        assert_eq!(Run::from_text("", "this"), None);
+    }
+
+    #[test]
+    fn a_longer_run_holds_a_shorter_one() {
+        let run = example();
+        let part = run.part(&[1, 4], &[]).unwrap();
+        assert_eq!((part.curve.len(), part.frozen.len(), part.curve[1].samples), (2, 0, 4));
+        assert_eq!((run.part(&[1, 8], &[]), run.part(&[1], &[2])), (None, None));
+    }
+}

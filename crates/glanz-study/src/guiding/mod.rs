@@ -1,0 +1,184 @@
+//! What densities that learn where light comes from gain in rooms (document 003 chapter 3).
+
+mod curve;
+mod figures;
+mod kept;
+mod lettering;
+mod measure;
+mod method;
+mod outcome;
+mod room;
+mod sheet;
+mod tell;
+
+use glanz_light::Pixels;
+use glanz_transport::RenderError;
+
+use self::curve::{Error, combined};
+use self::kept::{Kept, Run};
+use self::measure::{Case, Reference, Work, reference};
+use self::method::{Entry, Method, entries};
+use self::outcome::{Outcome, RoomOutcome};
+use self::room::Room;
+use self::sheet::{Panel, sheet};
+use self::tell::tell_all;
+use crate::report::Report;
+use crate::study::{Settings, StudyError, Watch};
+
+/// Rooms after the three scenes of document 003.
+const ROOMS: [&str; 3] = ["direct", "uplights", "open"];
+
+/// How much is rendered, with all choices made.
+#[derive(Clone, Debug)]
+struct Plan {
+    rooms: Vec<String>,
+    size: [u32; 2],
+    /// Samples per pixel at which curves end.
+    samples: u32,
+    /// Samples per pixel of the references.
+    references: u32,
+    rounds: u32,
+    /// Time of each picture that is shown, seconds.
+    seconds: f64,
+    threads: usize,
+    seed: u64,
+    entries: Vec<Entry>,
+}
+
+impl Plan {
+    fn new(settings: &Settings<'_>) -> Result<Self, StudyError> {
+        let full = settings.full;
+        let samples = settings.samples.unwrap_or(if full { 2048 } else { 128 });
+        if !samples.is_power_of_two() {
+            return Err(StudyError::Setting {
+                name: "samples",
+                value: samples.to_string(),
+                needed: "a power of two, as the passes of guided integrators are",
+            });
+        }
+        let names = || ROOMS.map(str::to_owned).into();
+        Ok(Self {
+            rooms: settings.rooms.clone().unwrap_or_else(names),
+            size: settings.size.unwrap_or([160, 120]),
+            samples,
+            references: settings.references.unwrap_or(if full { 65_536 } else { 4096 }).max(1),
+            rounds: settings.rounds.unwrap_or(1).max(1),
+            seconds: settings.seconds.unwrap_or(if full { 30.0 } else { 3.0 }),
+            threads: settings.threads.unwrap_or(2).max(1),
+            seed: settings.seed,
+            entries: entries(samples, full),
+        })
+    }
+
+    /// All runs in a room, those of one method and light sampling in a row.
+    fn cases<'a>(&'a self, room: &'a Room<'a>) -> impl Iterator<Item = Case<'a>> {
+        let kinds = self.entries.iter().flat_map(|entry| [false, true].map(|lights| (entry, lights)));
+        kinds.flat_map(move |(entry, lights)| {
+            (0..self.rounds).map(move |round| Case { room, entry, lights, round, seed: self.seed })
+        })
+    }
+}
+
+/// Runs the study.
+///
+/// # Errors
+/// An end that was wanted, or rooms that cannot be read.
+pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
+    settings.go_on()?;
+    carry_out(&Plan::new(settings)?, settings, watch)
+}
+
+fn carry_out(plan: &Plan, settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
+    let kept = Kept::within(settings.keep.as_deref())?;
+    let read = |name: &String| Room::read(name, plan.size, plan.threads, settings);
+    let rooms = plan.rooms.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let mut work = Work::new(watch, work_left(plan, &rooms, &kept)?);
+    let mut outcomes = Vec::new();
+    for room in &rooms {
+        let reference = reference(room, plan.references, plan.seed, &kept, &mut work)?;
+        outcomes.push(in_room(room, plan, &reference, &kept, &mut work)?);
+    }
+    let report = tell_all(outcomes, plan);
+    watch.progress(1.0, "done");
+    Ok(report)
+}
+
+/// Samples per pixel that are not kept from an earlier call.
+fn work_left(plan: &Plan, rooms: &[Room<'_>], kept: &Kept) -> Result<f64, StudyError> {
+    let mut left = 0.0;
+    for room in rooms {
+        let there = measure::reference_samples(room, plan.seed, kept)?;
+        left += u64::from(plan.references).saturating_sub(there) as f64;
+        for case in plan.cases(room) {
+            // References that are there may have more samples than asked for.
+            let measured = case.measured(there.max(u64::from(plan.references)), kept)?;
+            left += if measured.is_none() { case.work() } else { 0.0 };
+        }
+    }
+    Ok(left)
+}
+
+fn in_room(
+    room: &Room<'_>,
+    plan: &Plan,
+    reference: &Reference,
+    kept: &Kept,
+    work: &mut Work<'_>,
+) -> Result<RoomOutcome, StudyError> {
+    let mut outcomes = Vec::new();
+    let cases: Vec<Case<'_>> = plan.cases(room).collect();
+    let mut refused = Vec::new();
+    for rounds in cases.chunks(plan.rounds as usize) {
+        let mut runs = Vec::new();
+        for case in rounds {
+            match case.result(reference, kept, work) {
+                Ok(run) => runs.push(run),
+                // A grid may be too large for a room; the others need not suffer.
+                Err(StudyError::Render(RenderError::Guide(error))) => refused.push(error.to_string()),
+                Err(error) => return Err(error),
+            }
+        }
+        let (Some(case), Some(Run { frozen, .. })) = (rounds.first(), runs.first().cloned()) else {
+            continue;
+        };
+        let curves: Vec<_> = runs.into_iter().map(|run| run.curve).collect();
+        let method = case.entry.method.clone();
+        outcomes.push(Outcome { method, lights: case.lights, curve: combined(&curves), frozen });
+    }
+    refused.dedup();
+    let (name, reference_samples) = (room.name.clone(), reference.samples);
+    let mut outcome = RoomOutcome { name, outcomes, refused, reference_samples, sheet: None };
+    outcome.sheet = Some(side_by_side(room, plan, &outcome, reference, kept, work)?);
+    Ok(outcome)
+}
+
+/// Pictures at equal time: without light sampling above, with it below; the reference at the right.
+fn side_by_side(
+    room: &Room<'_>,
+    plan: &Plan,
+    outcome: &RoomOutcome,
+    reference: &Reference,
+    kept: &Kept,
+    work: &mut Work<'_>,
+) -> Result<Pixels, StudyError> {
+    let mut rows = Vec::new();
+    for lights in [false, true] {
+        let best = outcome.best_grid(lights).map(|best| best.method.clone());
+        let mut row = Vec::new();
+        for method in [Method::path(), Method::tree()].into_iter().chain(best) {
+            let Some(entry) = plan.entries.iter().find(|entry| entry.method == method) else { continue };
+            let case = Case { room, entry, lights, round: 0, seed: plan.seed };
+            let (pixels, samples) = case.picture(plan.seconds, kept, work)?;
+            let error = Error::of(&pixels, &reference.pixels)?;
+            let below = format!("{samples} spp L2 {:.4}/{:.4}", error.plain, error.shown);
+            row.push(Panel { lines: [method.key, below], pixels });
+        }
+        let lines = ["reference".to_owned(), format!("{} spp", reference.samples)];
+        row.push(Panel { lines, pixels: reference.pixels.clone() });
+        rows.push(row);
+    }
+    Ok(sheet(&rows)?)
+}
+
+#[cfg(test)]
+mod tests;

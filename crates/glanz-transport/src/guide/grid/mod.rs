@@ -1,0 +1,335 @@
+//! The guide of document 003: a fixed grid of cells on each surface, each with a density over the hemisphere.
+//!
+//! A cell is a square of the parameters of a shape (see [`Chart`]) on one of its sides. Its density lies on the unit square of
+//! (1 - cos theta, phi / 2 pi), which keeps areas, in a tensor product basis; theta is measured from the shading normal on the
+//! viewer's side and phi from the derivative by u. It learns the light that arrives times its cosine from the directions that
+//! it has drawn itself: the coefficient of function j in the dual basis is w_j times the mean over those drawn from function j.
+//! The document's equations for two dimensions divide that by the density once more, which would be wrong: its tables were not
+//! made so.
+//!
+//! Departures: coefficients are raised to those of a tenth of the constant, in every basis; the document's rule is lower by w_j
+//! where functions are not orthonormal, and lets densities of splines sink with the scale. phi is an interval here and no
+//! circle: splines do not know that its ends meet, and a density may jump there.
+//!
+//! # Source
+//! @pietrek2001 sections 2.4 to 2.6 and 3.3.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use glanz_math::{DVec2, DVec3, Frame};
+use glanz_sampling::DensityError;
+use glanz_sampling::basis::TensorBasis;
+use glanz_sampling::density::{Density, DualEstimate, Floor, Scales};
+use glanz_sampling::multiresolution::MultiResolution;
+use glanz_scene::description::{GridSettings, GuideBasis};
+use glanz_scene::{Chart, Interaction, Scene};
+
+use super::GuideSize;
+
+mod file;
+mod sums;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use file::{decode_grid, decode_sums, encode_grid, encode_sums};
+pub(crate) use sums::{GridRecord, GridSums};
+
+/// Share of the constant density that every density has at least (document 003 section 2.4.3.2).
+const FLOOR: Floor = Floor::Constant(0.1);
+
+/// Most memory that a guide and its sums may come to need, bytes.
+const MOST_BYTES: u64 = 4 << 30;
+
+/// Why there is no grid.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GridError {
+    /// Too many cells, or densities of too many functions.
+    #[error(
+        "the guide {settings} may need {:.1} GiB for {shapes} shapes, more than {:.0} GiB",
+        *.bytes as f64 / GIB,
+        MOST_BYTES as f64 / GIB
+    )]
+    Memory {
+        /// What was asked for.
+        settings: GridSettings,
+        /// Shapes of the scene.
+        shapes: usize,
+        /// What it may need.
+        bytes: u64,
+    },
+    /// A basis that cannot be made.
+    #[error("the guide {settings}: {source}")]
+    Basis {
+        /// What was asked for.
+        settings: GridSettings,
+        /// Why not.
+        source: DensityError,
+    },
+}
+
+/// Bytes of a GiB.
+const GIB: f64 = (1_u64 << 30) as f64;
+
+/// The density of a cell.
+#[derive(Clone, Debug, PartialEq)]
+struct Learnt {
+    /// The coefficients before they were normalised, for files: normalising again could change a bit.
+    coefficients: Vec<f32>,
+    density: Density<2>,
+}
+
+/// Densities of directions on a grid of cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GridGuide {
+    settings: GridSettings,
+    /// Of each shape: its chart and the number of its first cell.
+    charts: Vec<Option<(Chart, u32)>>,
+    scales: Arc<Scales<2>>,
+    /// Passes learnt from.
+    passes: u32,
+    /// That of cells that have learnt nothing: constant.
+    constant: Density<2>,
+    /// `None` where nothing was learnt yet.
+    cells: Vec<Option<Box<Learnt>>>,
+}
+
+/// The knowledge that a vertex has at its disposal.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GridPlace {
+    pub(crate) cell: u32,
+    frame: Frame,
+}
+
+impl GridPlace {
+    /// The cosine between `direction` and the shading normal; 0 below the surface.
+    #[inline]
+    pub(crate) fn cosine(&self, direction: DVec3) -> f64 {
+        self.frame.z.dot(direction).max(0.0)
+    }
+}
+
+/// A direction drawn from a density.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GridDraw {
+    pub(crate) direction: DVec3,
+    /// Density per steradian.
+    pub(crate) pdf: f64,
+    /// The function it was drawn from.
+    pub(crate) function: u32,
+}
+
+impl GridGuide {
+    /// A guide for `scene` that knows nothing.
+    ///
+    /// # Errors
+    /// [`GridError::Memory`] if it may need more than 4 GiB.
+    pub fn new(scene: &Scene, settings: &GridSettings) -> Result<Self, GridError> {
+        Self::from_charts(scene.charts(), settings, 0)
+    }
+
+    /// A guide over shapes with these charts that knows nothing, but has learnt from so many passes.
+    fn from_charts(
+        charts: Vec<Option<Chart>>,
+        settings: &GridSettings,
+        passes: u32,
+    ) -> Result<Self, GridError> {
+        let settings = *settings;
+        let scales =
+            scales(&settings).map(Arc::new).map_err(|source| GridError::Basis { settings, source })?;
+        let basis = |level: u32| scales.basis([level as usize; 2]);
+        let finest = basis(settings.scale).map_err(|source| GridError::Basis { settings, source })?;
+        let mut count = 0_u64;
+        let shapes = charts.len();
+        let charts = charts
+            .into_iter()
+            .map(|chart| {
+                let chart = chart?;
+                let first = count;
+                count += u64::from(chart.sheets() * settings.cells * settings.cells);
+                Some((chart, u32::try_from(first).unwrap_or(u32::MAX)))
+            })
+            .collect();
+        let bytes = count.saturating_mul(cell_bytes(finest.len()));
+        let cells = usize::try_from(count).ok().filter(|_| bytes <= MOST_BYTES);
+        let cells = cells.ok_or(GridError::Memory { settings, shapes, bytes })?;
+        let level = level(&settings, passes);
+        let basis = basis(level).map_err(|source| GridError::Basis { settings, source })?;
+        let constant = Density::uniform(basis);
+        Ok(Self { settings, charts, scales, passes, constant, cells: vec![None; cells] })
+    }
+
+    /// What it was told.
+    #[must_use]
+    pub fn settings(&self) -> GridSettings {
+        self.settings
+    }
+
+    fn basis(&self) -> &Arc<TensorBasis<2>> {
+        self.constant.basis()
+    }
+
+    /// What is known at a vertex with this unit normal on the viewer's side; `None` on shapes the guide does not know.
+    #[inline]
+    pub(crate) fn place(&self, at: &Interaction, normal: DVec3) -> Option<GridPlace> {
+        let (chart, first) = self.charts.get(at.id as usize)?.as_ref()?;
+        let (sheet, place) = chart.locate(at);
+        let cell = first + cell_of(self.settings.cells, sheet, place);
+        Some(GridPlace { cell, frame: Frame::from_z_and_tangent(normal, chart.tangent(at)) })
+    }
+
+    fn density(&self, cell: u32) -> &Density<2> {
+        match self.cells.get(cell as usize) {
+            Some(Some(learnt)) => &learnt.density,
+            _ => &self.constant,
+        }
+    }
+
+    /// Draws a direction.
+    #[inline]
+    pub(crate) fn sample(&self, place: &GridPlace, xi: DVec2) -> GridDraw {
+        let sample = self.density(place.cell).sample(&xi.to_array());
+        GridDraw {
+            direction: place.frame.to_world(to_hemisphere(sample.point)),
+            pdf: sample.pdf / TAU,
+            function: sample.function as u32,
+        }
+    }
+
+    /// Density per steradian of `direction`; 0 below the surface.
+    #[inline]
+    pub(crate) fn pdf(&self, place: &GridPlace, direction: DVec3) -> f64 {
+        let local = place.frame.to_local(direction);
+        if local.z <= 0.0 { 0.0 } else { self.density(place.cell).pdf(&to_square(local)) / TAU }
+    }
+
+    /// Empty sums.
+    pub(crate) fn sums(&self) -> GridSums {
+        GridSums::new(self.cells.len(), self.basis().len())
+    }
+
+    /// The guide that follows from `sums` on this one, and the sums that its pass begins with.
+    ///
+    /// On one scale everything learnt so far counts alike (document 003 section 2.4.5), on a finer one the sums begin anew.
+    /// `growth`: new unit of light over the old one, a power of two.
+    pub(crate) fn taught(&self, sums: &GridSums, growth: f64) -> (Self, GridSums) {
+        let passes = self.passes.saturating_add(1);
+        let (from, to) = (level(&self.settings, self.passes), level(&self.settings, passes));
+        let mut cells: Vec<Option<Box<Learnt>>> = Vec::with_capacity(self.cells.len());
+        let finer = (from != to).then(|| self.scales.basis([to as usize; 2]).ok()).flatten();
+        for (cell, old) in (0..).zip(&self.cells) {
+            let new = sums.cell(cell).and_then(|words| self.learnt(&words)).or_else(|| old.clone());
+            cells.push(match (&finer, new) {
+                (Some(basis), Some(learnt)) => self.refined(&learnt, basis, [from, to]),
+                (_, new) => new,
+            });
+        }
+        let constant = finer.clone().map_or_else(|| self.constant.clone(), Density::uniform);
+        let (settings, charts, scales) = (self.settings, self.charts.clone(), self.scales.clone());
+        let guide = Self { settings, charts, scales, passes, constant, cells };
+        let sums = if finer.is_some() { guide.sums() } else { sums.rescaled(growth) };
+        (guide, sums)
+    }
+
+    /// The density that follows from number and light of the directions of each function; `None` if none brought light.
+    fn learnt(&self, words: &[(u64, u64)]) -> Option<Box<Learnt>> {
+        let basis = self.basis();
+        let weights = basis.weights();
+        let means = words.iter().map(|&(n, light)| if n > 0 { light as f64 / n as f64 } else { 0.0 });
+        let mut estimate = DualEstimate {
+            values: means.zip(&weights).map(|(mean, w)| mean * w).collect(),
+            variances: vec![f64::INFINITY; words.len()],
+            counts: words.iter().map(|&(n, _)| n).collect(),
+            integral: 0.0,
+            samples: words.iter().map(|&(n, _)| n).sum(),
+        };
+        estimate.fill_from_neighbours(basis).ok()?;
+        // All functions together are a constant: so are their inner products.
+        let mean = estimate.values.iter().sum::<f64>() * basis.unit_coefficient();
+        if !(mean > 0.0 && mean.is_finite()) {
+            return None;
+        }
+        let mut approximation = estimate.values;
+        basis.to_primary(&mut approximation).ok()?;
+        approximation.iter_mut().for_each(|c| *c /= mean);
+        FLOOR.apply(basis, &mut approximation, 1.0);
+        Learnt::new(basis, approximation.iter().map(|&c| c as f32).collect())
+    }
+
+    /// The same density on a finer level.
+    fn refined(
+        &self,
+        learnt: &Learnt,
+        basis: &Arc<TensorBasis<2>>,
+        [from, to]: [u32; 2],
+    ) -> Option<Box<Learnt>> {
+        let levels = [from, to].map(|level| [level as usize; 2]);
+        let refined = self.scales.refine(learnt.density.coefficients(), levels[0], levels[1]).ok()?;
+        Learnt::new(basis, refined.iter().map(|&c| c as f32).collect())
+    }
+
+    /// How large it is.
+    pub(crate) fn size(&self) -> GuideSize {
+        let active = self.cells.iter().flatten().count();
+        let functions = self.basis().len();
+        let bytes = self.cells.len() as u64 * CELL_OVERHEAD + active as u64 * cell_bytes(functions);
+        GuideSize { cells: self.cells.len(), active, leaves: active * functions, bytes: bytes as usize }
+    }
+}
+
+impl Learnt {
+    fn new(basis: &Arc<TensorBasis<2>>, coefficients: Vec<f32>) -> Option<Box<Self>> {
+        let wide = coefficients.iter().map(|&c| f64::from(c)).collect();
+        let density = Density::try_new(basis.clone(), wide).ok()?;
+        Some(Box::new(Self { coefficients, density }))
+    }
+}
+
+/// Bytes of a cell without density, here and in the sums.
+const CELL_OVERHEAD: u64 = 8 + 24;
+
+/// Bytes that a cell and its sums need at most with densities of so many functions: two words of sums, and a coefficient in two
+/// precisions and a sum of probabilities for the density, for each function and a row of them.
+fn cell_bytes(functions: usize) -> u64 {
+    let row = (functions as f64).sqrt().ceil() as u64;
+    CELL_OVERHEAD + size_of::<Learnt>() as u64 + (2 * 8 + 8 + 4 + 8) * functions as u64 + 8 * row
+}
+
+/// The level of the densities after so many passes.
+fn level(settings: &GridSettings, passes: u32) -> u32 {
+    if settings.hierarchical { passes.min(settings.scale) } else { settings.scale }
+}
+
+fn scales(settings: &GridSettings) -> Result<Scales<2>, DensityError> {
+    let finest = settings.scale as usize;
+    let analysis = match settings.basis {
+        GuideBasis::Haar => MultiResolution::haar(finest)?,
+        GuideBasis::Spline(degree) => MultiResolution::bspline(degree as usize, finest)?,
+    };
+    Ok(Scales::new([analysis.clone(), analysis]))
+}
+
+/// The cell of a place among those of its shape, with `n` x `n` on a sheet.
+fn cell_of(n: u32, sheet: u32, place: DVec2) -> u32 {
+    // A cast cuts what is below 0.
+    let step = |x: f64| ((x * f64::from(n)) as u32).min(n - 1);
+    (sheet * n + step(place.x)) * n + step(place.y)
+}
+
+/// The direction at a point (1 - cos theta, phi / 2 pi) of the unit square.
+fn to_hemisphere([x, y]: [f64; 2]) -> DVec3 {
+    // sin^2 = (1 - cos) (1 + cos) without cancellation.
+    let sin = (x * (2.0 - x)).max(0.0).sqrt();
+    let (sin_phi, cos_phi) = (TAU * y).sin_cos();
+    DVec3::new(sin * cos_phi, sin * sin_phi, 1.0 - x)
+}
+
+/// The point of the unit square of a unit direction with z >= 0.
+fn to_square(direction: DVec3) -> [f64; 2] {
+    let DVec3 { x, y, z } = direction;
+    // 1 - z = (x^2 + y^2) / (1 + z) without cancellation.
+    let turn = y.atan2(x) / TAU;
+    let below_one = 1.0 - f64::EPSILON / 2.0;
+    [((x * x + y * y) / (1.0 + z)).clamp(0.0, 1.0), (turn - turn.floor()).min(below_one)]
+}

@@ -1,0 +1,190 @@
+//! What the directions of each function of each density brought home.
+//!
+//! Sums are integers in units of a small share of a typical luminance, as those of the tree's lessons, so that they depend on
+//! which records were added alone. Light is not divided by a density: a term is what arrived times its cosine.
+
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glanz_light::{Spectrum, Wavelengths};
+
+/// Units of light in a typical luminance.
+const QUANTA: f64 = (1_u64 << 20) as f64;
+
+/// Largest number of units of one term: a sum holds 2^24 of that size.
+const LARGEST: f64 = (1_u64 << 40) as f64;
+
+/// A direction that a density drew.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GridRecord {
+    /// The cell of the density.
+    pub(crate) cell: u32,
+    /// The function it was drawn from.
+    pub(crate) function: u32,
+    /// |cos| between direction and shading normal.
+    pub(crate) cosine: f64,
+    /// Light that the path had found before.
+    pub(crate) light: Spectrum,
+    /// Throughput beyond the vertex.
+    pub(crate) beyond: Spectrum,
+    /// What of the light found from here on is not to be learnt; `None`: all of it.
+    pub(crate) left_out: Option<Spectrum>,
+}
+
+impl GridRecord {
+    /// The luminance to be learnt that arrived along the direction; `all`: the light of the whole path.
+    ///
+    /// What scatters no red says nothing of the red that arrives: it counts as none.
+    fn arrived(&self, all: Spectrum, wavelengths: &Wavelengths) -> f64 {
+        let Some(left_out) = self.left_out else { return 0.0 };
+        let found = all - self.light - left_out;
+        f64::from(found.zip(self.beyond, |l, t| if t > 0.0 { l / t } else { 0.0 }).luminance(wavelengths))
+    }
+}
+
+/// Number and light of the directions of each function, function after function.
+type CellWords = Box<[[AtomicU64; 2]]>;
+
+/// Sums of all cells.
+#[derive(Debug)]
+pub(crate) struct GridSums {
+    functions: usize,
+    /// Empty where no path has come.
+    cells: Vec<OnceLock<CellWords>>,
+}
+
+impl Clone for GridSums {
+    fn clone(&self) -> Self {
+        self.rescaled(1.0)
+    }
+}
+
+impl PartialEq for GridSums {
+    fn eq(&self, other: &Self) -> bool {
+        self.functions == other.functions
+            && self.cells.len() == other.cells.len()
+            && (0..self.cells.len() as u32).all(|cell| self.cell(cell) == other.cell(cell))
+    }
+}
+
+impl GridSums {
+    /// Nothing learnt yet.
+    pub(crate) fn new(cells: usize, functions: usize) -> Self {
+        Self { functions, cells: std::iter::repeat_with(OnceLock::new).take(cells).collect() }
+    }
+
+    /// Adds what the path of `record` found; `all`: the light of the whole path. `typical`: a typical luminance, above 0.
+    pub(crate) fn add(&self, record: &GridRecord, all: Spectrum, wavelengths: &Wavelengths, typical: f64) {
+        let Some(cell) = self.cells.get(record.cell as usize) else { return };
+        let blank = || std::iter::repeat_with(Default::default).take(self.functions).collect();
+        let Some([count, light]) = cell.get_or_init(blank).get(record.function as usize) else { return };
+        count.fetch_add(1, Ordering::Relaxed);
+        let term = record.arrived(all, wavelengths) * record.cosine / typical * QUANTA;
+        // Not what is negative or not a number.
+        if term > 0.0 {
+            light.fetch_add(term.min(LARGEST).round_ties_even() as u64, Ordering::Relaxed);
+        }
+    }
+
+    /// Number and light, in units, of the directions of each function of a cell; `None` where no path has come.
+    pub(crate) fn cell(&self, cell: u32) -> Option<Vec<(u64, u64)>> {
+        let words = self.cells.get(cell as usize)?.get()?;
+        Some(words.iter().map(|pair| (load(&pair[0]), load(&pair[1]))).collect())
+    }
+
+    /// Replaces the sums of a cell by those of [`GridSums::cell`].
+    pub(super) fn set_cell(&mut self, cell: u32, words: impl Iterator<Item = (u64, u64)>) {
+        if let Some(slot) = self.cells.get_mut(cell as usize) {
+            *slot = OnceLock::from(words.map(|(n, l)| [n, l].map(AtomicU64::new)).collect::<CellWords>());
+        }
+    }
+
+    /// The same light in units that are `growth` times as large, a power of two.
+    pub(super) fn rescaled(&self, growth: f64) -> Self {
+        let mut new = Self::new(self.cells.len(), self.functions);
+        let scaled = |light: u64| match growth {
+            1.0 => light,
+            _ => (light as f64 / growth).round_ties_even() as u64,
+        };
+        for cell in 0..self.cells.len() as u32 {
+            if let Some(words) = self.cell(cell) {
+                new.set_cell(cell, words.into_iter().map(|(n, light)| (n, scaled(light))));
+            }
+        }
+        new
+    }
+
+    /// Directions learnt from.
+    pub(crate) fn records(&self) -> u64 {
+        let cells = self.cells.iter().filter_map(OnceLock::get);
+        cells.flat_map(|words| words.iter()).map(|pair| load(&pair[0])).sum()
+    }
+
+    /// Number of cells, and of functions of each.
+    pub(super) fn shape(&self) -> (usize, usize) {
+        (self.cells.len(), self.functions)
+    }
+}
+
+fn load(word: &AtomicU64) -> u64 {
+    word.load(Ordering::Relaxed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(function: u32, left_out: Option<Spectrum>) -> GridRecord {
+        // The path had 1, the way to the vertex and the vertex itself leave 1/8 of what arrives.
+        GridRecord {
+            cell: 1,
+            function,
+            cosine: 0.5,
+            light: Spectrum::ONE,
+            beyond: Spectrum::splat(0.125),
+            left_out,
+        }
+    }
+
+    #[test]
+    fn light_that_arrives_times_its_cosine_is_added() {
+        let (sums, wavelengths) = (GridSums::new(2, 3), Wavelengths::default());
+        let quanta = |light: f64| (light / 2.0 * QUANTA).round() as u64;
+        let near = |found: u64, light: f64| (found as f64 / quanta(light) as f64 - 1.0).abs() < 1e-5;
+        // 0.75 was found beyond the vertex: 6 arrived, and half of that by the cosine.
+        sums.add(&record(2, Some(Spectrum::BLACK)), Spectrum::splat(1.75), &wavelengths, 2.0);
+        // 0.25 of it came straight from a lamp, or all.
+        sums.add(&record(1, Some(Spectrum::splat(0.25))), Spectrum::splat(1.75), &wavelengths, 2.0);
+        sums.add(&record(0, None), Spectrum::splat(1.75), &wavelengths, 2.0);
+        let cell = sums.cell(1).unwrap();
+        assert_eq!([cell[0], (cell[1].0, 0), (cell[2].0, 0)], [(1, 0); 3]);
+        assert!(near(cell[2].1, 3.0) && near(cell[1].1, 2.0), "{cell:?}");
+        assert_eq!((sums.cell(0), sums.records()), (None, 3));
+    }
+
+    #[test]
+    fn nonsense_counts_as_no_light_and_extremes_are_cut() {
+        let (sums, wavelengths) = (GridSums::new(2, 1), Wavelengths::default());
+        for light in [f32::NAN, -5.0, 1.0] {
+            sums.add(&record(0, Some(Spectrum::BLACK)), Spectrum::splat(light), &wavelengths, 1.0);
+        }
+        assert_eq!(sums.cell(1), Some(vec![(3, 0)]));
+        sums.add(&record(0, Some(Spectrum::BLACK)), Spectrum::splat(1e30), &wavelengths, 1.0);
+        assert_eq!(sums.cell(1), Some(vec![(4, 1 << 40)]));
+        // Neither cell nor function is there.
+        let outside = GridRecord { cell: 9, ..record(0, None) };
+        sums.add(&outside, Spectrum::ONE, &wavelengths, 1.0);
+        sums.add(&record(7, None), Spectrum::ONE, &wavelengths, 1.0);
+        assert_eq!(sums.records(), 4);
+    }
+
+    #[test]
+    fn larger_units_make_smaller_numbers() {
+        let mut sums = GridSums::new(1, 2);
+        sums.set_cell(0, [(3, 1000), (1, 6)].into_iter());
+        assert_eq!(sums.rescaled(4.0).cell(0), Some(vec![(3, 250), (1, 2)]));
+        assert_eq!(sums.rescaled(0.5).cell(0), Some(vec![(3, 2000), (1, 12)]));
+        assert_eq!(sums.clone(), sums);
+        assert_ne!(sums.rescaled(2.0), sums);
+    }
+}
