@@ -6,9 +6,10 @@
 //! | 4 | version of the format |
 //! | 8 | length of the file |
 //! | 1 | kind of guide: 0, cells and directions that refine themselves; 1, a grid |
+//! | 8 | brightness of the picture |
 //! | 24, 24 | corner and sides of the bounds |
 //! | 4; 5 each | nodes of the cells: axis, first half; or 3, number of the cell |
-//! | 77 each | cells: root of the tree of directions, share, shares of the groups of lamps, samples that it knows of |
+//! | 85 each | cells: root of the tree of directions, share, shares of the groups of lamps, samples that it knows of, flux |
 //! | 4; 64 each | squares of the directions: shares of the parts, their own squares |
 //! | | or, of a grid: |
 //! | 1; n | length of the settings; settings |
@@ -109,8 +110,8 @@ fn decode_guide(d: &mut Decoder<'_>) -> Option<Guide> {
 }
 
 fn encode_tree(e: &mut Encoder, tree: &TreeGuide) {
-    let TreeGuide { cells, known, trees } = tree;
-    for value in cells.min.to_array().into_iter().chain(cells.size.to_array()) {
+    let TreeGuide { cells, known, trees, brightness } = tree;
+    for value in [*brightness].into_iter().chain(cells.min.to_array()).chain(cells.size.to_array()) {
         e.f64(value);
     }
     e.u32(cells.nodes.len() as u32);
@@ -127,6 +128,7 @@ fn encode_tree(e: &mut Encoder, tree: &TreeGuide) {
         e.u8(cell.share.0);
         cell.lamps.shares.iter().for_each(|share| e.u32(share.to_bits()));
         e.f64(cell.effective);
+        e.f64(cell.flux);
     }
     e.u32(trees.0.len() as u32);
     for square in &trees.0 {
@@ -135,6 +137,7 @@ fn encode_tree(e: &mut Encoder, tree: &TreeGuide) {
 }
 
 fn decode_tree(d: &mut Decoder<'_>) -> Option<TreeGuide> {
+    let brightness = d.f64().filter(|&b| b >= 0.0 && b.is_finite())?;
     let min = DVec3::new(d.f64()?, d.f64()?, d.f64()?);
     let size = DVec3::new(d.f64()?, d.f64()?, d.f64()?);
     let mut nodes = Vec::new();
@@ -150,7 +153,7 @@ fn decode_tree(d: &mut Decoder<'_>) -> Option<TreeGuide> {
         for slot in &mut lamps.shares {
             *slot = f32::from_bits(d.u32()?);
         }
-        known.push(Cell { root, share, lamps, effective: d.f64()? });
+        known.push(Cell { root, share, lamps, effective: d.f64()?, flux: d.f64()? });
     }
     let mut trees = Vec::new();
     for _ in 0..d.u32()? {
@@ -168,11 +171,14 @@ fn decode_tree(d: &mut Decoder<'_>) -> Option<TreeGuide> {
             && cell.lamps.is_valid()
             && cell.effective >= 0.0
             && cell.effective.is_finite()
+            && cell.flux >= 0.0
+            && cell.flux.is_finite()
     };
     (trees.is_valid(known.iter().map(|cell| cell.root)) && known.iter().all(sound)).then_some(TreeGuide {
         cells,
         known,
         trees,
+        brightness,
     })
 }
 
@@ -303,7 +309,7 @@ mod tests {
                 let place = tree.place(DVec3::new(0.3, 0.4, 0.5), DVec3::Z);
                 let _ = tree.sample(&place, DVec2::new(0.2, 0.7));
                 let _ = tree.pdf(&place, DVec3::X);
-                let _ = tree.taught(&tree.lessons());
+                let _ = tree.taught(&tree.lessons(), 1.0, 1.0);
             }
         }
     }

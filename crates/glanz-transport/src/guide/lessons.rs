@@ -17,7 +17,7 @@ use super::record::{LampRecord, Record};
 /// Largest number of quanta of one term of light, and of one of squares.
 const LARGEST_LIGHT: f64 = (1_u64 << 40) as f64;
 const LARGEST_SQUARE: f64 = (1_u64 << 48) as f64;
-const LIGHT_QUANTA: f64 = (1_u64 << 20) as f64;
+pub(crate) const LIGHT_QUANTA: f64 = (1_u64 << 20) as f64;
 const MOMENT_QUANTA: f64 = (1_u64 << 16) as f64;
 
 /// Words of a cell: number of records, sum of their squared light, then the second moment under each share; number of lamps sampled, then

@@ -9,6 +9,7 @@
 //! - `directions`: for each cell a density over the sphere, fine where light is;
 //! - `lamps`: for each cell, which lamps matter;
 //! - `mixture`: how often the guide draws and how often the BSDF;
+//! - `survival`: whether a path is worth going on with;
 //! - `record`, `lessons`: what a path found, and the sums over all paths;
 //! - `training`: the passes;
 //! - `grid`: document 003's own guide instead, a fixed grid of cells and densities in a chosen basis, for its experiments.
@@ -30,6 +31,7 @@ mod lamps;
 mod lessons;
 mod mixture;
 mod record;
+pub(crate) mod survival;
 mod training;
 mod tree;
 

@@ -94,7 +94,7 @@ impl Training {
         if let Some(old) = self.typical.replace(typical) {
             (self.guide, self.sums) = match (&self.guide, &self.sums) {
                 (Guide::Tree(tree), Sums::Tree(lessons)) => {
-                    let tree = tree.taught(lessons);
+                    let tree = tree.taught(lessons, old, if known { brightness } else { 0.0 });
                     let lessons = tree.lessons();
                     (Guide::Tree(tree), Sums::Tree(lessons))
                 }

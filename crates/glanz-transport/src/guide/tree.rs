@@ -6,7 +6,7 @@ use super::GuideSize;
 use super::cells::Cells;
 use super::directions::{DirectionTrees, Draw, Square};
 use super::lamps::Lamps;
-use super::lessons::{CellLessons, Lessons};
+use super::lessons::{CellLessons, LIGHT_QUANTA, Lessons};
 use super::mixture::Share;
 
 /// Records above which a cell is halved: this times the square root of all records of a pass, so that cells become finer and know
@@ -41,6 +41,7 @@ struct Taught {
     tree: Option<Vec<Square>>,
     share: Share,
     lamps: Lamps,
+    flux: f64,
 }
 
 /// What a cell knows.
@@ -53,6 +54,8 @@ pub(crate) struct Cell {
     pub(crate) lamps: Lamps,
     /// Equal samples that would tell as much of the light as is known.
     pub(crate) effective: f64,
+    /// Luminance times cosine over all directions, as far as paths bring it; 0 as long as it is not known.
+    pub(crate) flux: f64,
 }
 
 /// A guide of cells and directions that refine themselves.
@@ -61,6 +64,8 @@ pub struct TreeGuide {
     pub(crate) cells: Cells,
     pub(crate) known: Vec<Cell>,
     pub(crate) trees: DirectionTrees,
+    /// Mean luminance of the picture; 0 as long as it is not known.
+    pub(crate) brightness: f64,
 }
 
 /// The knowledge that a vertex has at its disposal.
@@ -70,6 +75,8 @@ pub(crate) struct Place {
     root: u32,
     /// Probability that the guide draws.
     pub(crate) probability: f64,
+    /// Luminance times cosine over all directions, as far as paths bring it; 0 as long as it is not known.
+    pub(crate) flux: f64,
 }
 
 impl TreeGuide {
@@ -82,18 +89,22 @@ impl TreeGuide {
                 share: Share(0),
                 lamps: Lamps::UNKNOWN,
                 effective: 0.0,
+                flux: 0.0,
             })
             .collect();
-        Self { cells, known, trees }
+        Self { cells, known, trees, brightness: 0.0 }
     }
 
     /// What is known at a place with that unit normal.
     #[inline]
     pub(crate) fn place(&self, position: DVec3, normal: DVec3) -> Place {
         let cell = self.cells.find(position, normal);
-        let (root, share) =
-            self.known.get(cell as usize).map_or((0, Share(0)), |known| (known.root, known.share));
-        Place { cell, root, probability: share.probability() }
+        match self.known.get(cell as usize) {
+            Some(known) => {
+                Place { cell, root: known.root, probability: known.share.probability(), flux: known.flux }
+            }
+            None => Place { cell, root: 0, probability: 0.0, flux: 0.0 },
+        }
     }
 
     /// How often lamps are picked there.
@@ -119,10 +130,11 @@ impl TreeGuide {
         Lessons::new(self.known.len(), 16 * self.trees.0.len())
     }
 
-    /// The guide that follows from `lessons` on this one.
-    pub(crate) fn taught(&self, lessons: &Lessons) -> Self {
+    /// The guide that follows from `lessons` on this one. `typical`: the luminance that is their unit; `brightness`: mean of the
+    /// picture.
+    pub(crate) fn taught(&self, lessons: &Lessons, typical: f64, brightness: f64) -> Self {
         let taught: Vec<Taught> =
-            (0..self.cells.count()).map(|cell| self.taught_cell(cell, lessons)).collect();
+            (0..self.cells.count()).map(|cell| self.taught_cell(cell, lessons, typical)).collect();
         let limit = (CELLS_BY_RECORDS * (lessons.records() as f64).sqrt()).max(FEWEST_RECORDS);
         let mut room = MAX_CELLS.saturating_sub(self.cells.count());
         let halvings: Vec<u32> = taught
@@ -140,7 +152,7 @@ impl TreeGuide {
         let cells =
             self.cells.halved(&|cell| halvings.get(cell as usize).copied().unwrap_or(0), &mut |old| {
                 let halvings = halvings.get(old as usize).copied().unwrap_or(0);
-                if let Some(Taught { tree, share, lamps, effective, .. }) = taught.get(old as usize) {
+                if let Some(Taught { tree, share, lamps, effective, flux, .. }) = taught.get(old as usize) {
                     let root = match tree {
                         Some(tree) => trees.push(tree),
                         None => trees.push_blank(),
@@ -148,13 +160,13 @@ impl TreeGuide {
                     let share = if trees.is_lit(root) { *share } else { Share(0) };
                     // Each half knows what the whole knew, but half as well.
                     let effective = effective * 0.5_f64.powi(halvings as i32);
-                    known.push(Cell { root, share, lamps: *lamps, effective });
+                    known.push(Cell { root, share, lamps: *lamps, effective, flux: *flux });
                 }
             });
-        Self { cells, known, trees }
+        Self { cells, known, trees, brightness }
     }
 
-    fn taught_cell(&self, cell: u32, lessons: &Lessons) -> Taught {
+    fn taught_cell(&self, cell: u32, lessons: &Lessons, typical: f64) -> Taught {
         let Some(old) = self.known.get(cell as usize) else { return Taught::default() };
         let CellLessons { records, squared_light, moments, lamps, lamp_moments } = lessons.cell(cell);
         let lamps = if lamps >= FEWEST_LAMPS { Lamps::learnt(lamps, &lamp_moments) } else { old.lamps };
@@ -170,12 +182,13 @@ impl TreeGuide {
                 // What the moments say of a tree without light means nothing: half and half, and the next pass shows.
                 let lit = self.trees.is_lit(old.root);
                 let share = if lit { old.share.better(new, &moments) } else { Share::HALF };
-                Taught { records, effective, tree: Some(tree), share, lamps }
+                let flux = typical * all / (LIGHT_QUANTA * records as f64);
+                Taught { records, effective, tree: Some(tree), share, lamps, flux }
             }
             // The old tree as it is.
             None => {
                 let tree = self.trees.is_lit(old.root).then(|| self.trees.tree(old.root));
-                Taught { records, effective: old.effective, tree, share: old.share, lamps }
+                Taught { records, effective: old.effective, tree, share: old.share, lamps, flux: old.flux }
             }
         }
     }

@@ -1,5 +1,6 @@
 //! Path tracing with directions that a guide draws.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glanz_light::Spectrum;
@@ -9,9 +10,9 @@ use glanz_scene::{LightId, Scene};
 
 use super::path::ByBsdf;
 use super::vertex::{Scattered, Vertex};
-use super::walk::{Directions, Walk};
+use super::walk::{Directions, Odds, Walk};
 use super::{Context, Integrator, IntegratorSettings, by_grid};
-use crate::guide::{GridError, Guide, LampRecord, Place, Record, Records, TreeGuide, density};
+use crate::guide::{GridError, Guide, LampRecord, Place, Record, Records, TreeGuide, density, survival};
 
 /// As [`Path`](super::Path), but at rough surfaces a guide draws some of the directions.
 ///
@@ -57,14 +58,15 @@ impl Integrator for Guided {
             }
         };
         let Some(training) = training else {
-            let mut directions = ByGuide { guide, sparse: true, records: None, drawn: None };
+            let mut directions = ByGuide { guide, sparse: true, records: None, drawn: None, expected: None };
             return self.walk.radiance(context, &mut directions);
         };
         let mut records = std::mem::take(&mut context.records);
         records.clear();
         let sample = context.sampler.sample_index();
         let sparse = sample >= SPARSE_FROM && sample % 2 == 1;
-        let mut directions = ByGuide { guide, sparse, records: Some(&mut records), drawn: None };
+        let mut directions =
+            ByGuide { guide, sparse, records: Some(&mut records), drawn: None, expected: None };
         let light = self.walk.radiance(context, &mut directions);
         training.learn(&records, light, &context.wavelengths);
         context.records = records;
@@ -93,6 +95,8 @@ struct ByGuide<'a> {
     records: Option<&'a mut Records>,
     /// What the guide says of the direction drawn last, where it was asked: its density and the leaf.
     drawn: Option<(f64, u32)>,
+    /// Luminance that the whole path is expected to bring, as known at its first rough vertex.
+    expected: Option<f64>,
 }
 
 impl Directions for ByGuide<'_> {
@@ -178,6 +182,28 @@ impl Directions for ByGuide<'_> {
         self.drawn = Some(drawn);
         let pdf = density(guided, drawn.0, scattered.bsdf_pdf);
         Some(Scattered { weight: scattered.weight * (scattered.bsdf_pdf / pdf) as f32, pdf, ..scattered })
+    }
+
+    fn survival(
+        &mut self,
+        place: &Self::Place,
+        vertex: &Vertex<'_>,
+        scattered: &Scattered,
+        odds: &Odds,
+    ) -> f64 {
+        let known = place.as_ref().filter(|place| place.flux > 0.0 && !scattered.is_delta);
+        let Some(place) = known else { return odds.by_throughput() };
+        let luminance = |spectrum: Spectrum| f64::from(spectrum.luminance(&odds.wavelengths));
+        let guide = self.guide;
+        let path = *self.expected.get_or_insert_with(|| {
+            // As if all surfaces were diffuse.
+            let own = luminance(odds.before * vertex.albedo()) * place.flux / PI;
+            survival::expected(own, guide.brightness)
+        });
+        let guide_pdf = self.drawn.map_or(scattered.bsdf_pdf, |(pdf, _)| pdf);
+        let radiance = place.flux * survival::believed(guide_pdf, scattered.bsdf_pdf)
+            / vertex.cosine(scattered.direction).abs();
+        survival::probability(luminance(odds.after) * radiance, path).unwrap_or_else(|| odds.by_throughput())
     }
 
     fn take(

@@ -1,11 +1,11 @@
 //! The way of one path from the camera, whatever draws its directions.
 
-use glanz_light::Spectrum;
+use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::mis;
 use glanz_scene::{Interaction, LightId, Scene};
 
-use super::vertex::{Origin, Scattered, Vertex, roulette};
+use super::vertex::{Origin, Scattered, Vertex};
 use super::{Context, FIRST_DIMENSION, IntegratorSettings};
 
 /// Scattering events before Russian roulette may end a path.
@@ -50,6 +50,11 @@ pub(super) trait Directions {
         xi_lobe: f64,
     ) -> Option<Scattered>;
 
+    /// The probability that a path goes on in a direction of [`Directions::sample`], above 0 and at most 1.
+    fn survival(&mut self, _: &Self::Place, _: &Vertex<'_>, _: &Scattered, odds: &Odds) -> f64 {
+        odds.by_throughput()
+    }
+
     /// Told of a direction of [`Directions::sample`] that is taken. `light` was found before; what is found from here on
     /// counts `throughput`, and `scattered.weight` more beyond the vertex.
     fn take(
@@ -60,6 +65,27 @@ pub(super) trait Directions {
         light: Spectrum,
         throughput: Spectrum,
     );
+}
+
+/// What is known when it is to be decided whether a path goes on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Odds {
+    /// Scattering events so far.
+    pub(super) depth: u32,
+    /// Factor on the light of the path before and after the vertex.
+    pub(super) before: Spectrum,
+    pub(super) after: Spectrum,
+    /// What the throughput would be if the BSDF alone had drawn, changes by refraction undone. A direction that a guide draws
+    /// often has a small throughput because much light comes from there; to end such paths would undo the guide's work.
+    pub(super) importance: Spectrum,
+    pub(super) wavelengths: Wavelengths,
+}
+
+impl Odds {
+    /// Survival by what is left of the throughput, from the second event on (document 003 section 3.1.4).
+    pub(super) fn by_throughput(&self) -> f64 {
+        if self.depth < ROULETTE_FROM { 1.0 } else { f64::from(self.importance.max_component()).min(1.0) }
+    }
 }
 
 /// How paths go.
@@ -123,17 +149,24 @@ impl Walk {
             }
             let Some(scattered) = directions.sample(&place, &vertex, xi, xi_lobe) else { return light };
             directions.take(&place, &vertex, &scattered, light, throughput);
+            let before = throughput;
             throughput *= scattered.weight;
             importance *= scattered.bsdf_weight;
             eta_scale *= scattered.eta_scale;
-            if depth >= ROULETTE_FROM {
-                match roulette(importance * eta_scale, xi_roulette) {
-                    Some(factor) => {
-                        throughput *= factor;
-                        importance *= factor;
-                    }
-                    None => return light,
+            let odds = Odds {
+                depth,
+                before,
+                after: throughput,
+                importance: importance * eta_scale,
+                wavelengths: context.wavelengths,
+            };
+            let survival = directions.survival(&place, &vertex, &scattered, &odds);
+            if survival < 1.0 {
+                if xi_roulette >= survival {
+                    return light;
                 }
+                throughput *= (1.0 / survival) as f32;
+                importance *= (1.0 / survival) as f32;
             }
             ray = hit.spawn(scattered.direction);
             let from = Origin { from: hit.reference(), pdf: scattered.pdf };
