@@ -28,7 +28,7 @@ const REMEMBERED: f64 = 1.0;
 /// Lamps sampled in a cell that tell something; with fewer it keeps what it knows of them.
 const FEWEST_LAMPS: u64 = 64;
 
-/// Cells at most. A tree of directions holds some hundred leaves, of 8 bytes each and 8 more to learn.
+/// Cells at most. A tree of directions has some ten squares of 64 bytes, and 128 more each to learn.
 const MAX_CELLS: u32 = 1 << 15;
 
 /// What became of a cell.
