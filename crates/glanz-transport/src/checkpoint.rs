@@ -258,7 +258,7 @@ fn decode_ranges(d: &mut Decoder<'_>) -> Option<SampleRanges> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::codec::{CRC_LENGTH, PREFIX_LENGTH};
+    use crate::codec::{CRC_LENGTH, PREFIX_LENGTH, resealed};
     use crate::pixel::{PixelSums, Sample};
     use proptest::prelude::*;
 
@@ -333,11 +333,7 @@ mod tests {
     /// `bytes` with length and checksum made right again: what a malicious writer would do.
     fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
         bytes.truncate(bytes.len() - CRC_LENGTH);
-        let length = (bytes.len() + CRC_LENGTH) as u64;
-        bytes[12..20].copy_from_slice(&length.to_le_bytes());
-        let crc = crc32fast::hash(&bytes);
-        bytes.extend_from_slice(&crc.to_le_bytes());
-        bytes
+        resealed(bytes)
     }
 
     #[test]

@@ -147,3 +147,13 @@ impl<'a> Decoder<'a> {
         std::str::from_utf8(self.take(usize::from(length))?).ok()
     }
 }
+
+/// `bytes` of a file without its checksum, whatever they are, with length and checksum made right.
+#[cfg(test)]
+pub(crate) fn resealed(mut bytes: Vec<u8>) -> Vec<u8> {
+    let length = (bytes.len() + CRC_LENGTH) as u64;
+    bytes[12..20].copy_from_slice(&length.to_le_bytes());
+    let crc = crc32fast::hash(&bytes);
+    bytes.extend_from_slice(&crc.to_le_bytes());
+    bytes
+}

@@ -88,21 +88,10 @@ fn no_guide_changes_the_expected_picture() {
         let outcome = run.outcome(&scene);
         assert!(active(&outcome) > 20, "{settings}: the guide is hardly used");
         let guided = run.picture_of(&outcome);
-        let (mut squares, mut count) = (0.0, 0.0);
-        for band in 0..3 {
-            let ((a, sa), (b, sb)) = (path.average(band), guided.average(band));
-            assert!(sa.hypot(sb) < 0.015 * a, "{settings}: standard error {} of {a}", sa.hypot(sb));
-            assert!((a - b).abs() < 3.0 * sa.hypot(sb), "{settings}: {b} +- {sb}, not {a} +- {sa}");
-            for i in 0..path.mean[band].len() {
-                let variance = path.variance[band][i] + guided.variance[band][i];
-                squares += (path.mean[band][i] - guided.mean[band][i]).powi(2) / variance;
-                count += 1.0;
-            }
-        }
+        let mean = assert_same(&path, &guided, 0.015, settings);
         // As in `guided`, for 80 pixels: chi-square with 80 degrees of freedom has mean 80 +- 12.6. A density alone draws rare and
         // very bright samples (document 003 section 3.4.1.1): the variance of single pixels comes out too low as long as they are
         // missing. Here the sum is 1.7 and 2.5 times the degrees of freedom at most, and falls to 1.1 and 1.4 with four times the samples.
-        let mean = squares / count;
         let bound = if settings.contains("mixture=on") { 1.0 + 4.0 * 12.6 / 80.0 } else { 4.0 };
         assert!(mean < bound, "{settings}: {mean}");
     }

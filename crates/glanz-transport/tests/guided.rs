@@ -117,20 +117,9 @@ fn guide_does_not_change_the_expected_picture() {
         let size = outcome.film.training().unwrap().guide().size();
         assert!(size.active > 10 && size.cells > 30, "the guide is hardly used: {size:?}");
         let guided = run.picture(&scene);
-        let (mut squares, mut count) = (0.0, 0.0);
-        for band in 0..3 {
-            let ((a, sa), (b, sb)) = (path.average(band), guided.average(band));
-            assert!(sa.hypot(sb) < 0.01 * a, "standard error {} of {a}", sa.hypot(sb));
-            assert!((a - b).abs() < 3.0 * sa.hypot(sb), "{b} +- {sb}, not {a} +- {sa}");
-            for i in 0..path.mean[band].len() {
-                let variance = path.variance[band][i] + guided.variance[band][i];
-                squares += (path.mean[band][i] - guided.mean[band][i]).powi(2) / variance;
-                count += 1.0;
-            }
-        }
+        let mean = assert_same(&path, &guided, 0.01, sampler.name());
         // Pixel by pixel, 120 pixels whose three bands tell nearly the same: chi-square with 120 degrees of freedom, whose mean is
         // 120 +- 15.5. Sobol points do better than the variances say.
-        let mean = squares / count;
         assert!(mean < 1.0 + 4.0 * 15.5 / 120.0, "{}: {mean}", sampler.name());
     }
 }
@@ -299,9 +288,8 @@ fn lamps_of_which_few_are_seen_are_weighed_right() {
     }
     let path = Run { seed: 5, ..Run::new("path", 4, 8_000) }.picture(&scene);
     let guided = Run::new("guided", 4, 4_000).picture(&scene);
-    let ((a, sa), (b, sb)) = (path.average(1), guided.average(1));
-    assert!(sa.hypot(sb) < 0.02 * a, "standard error {} of {a}", sa.hypot(sb));
-    assert!((a - b).abs() < 3.0 * sa.hypot(sb), "{b} +- {sb}, not {a} +- {sa}");
+    assert_same(&path, &guided, 0.02, "lamps");
     // Even with half the samples it is more exact by far.
-    assert!(sb < 0.5 * sa, "{sb} {sa}");
+    let ((_, by_path), (_, by_guide)) = (path.average(1), guided.average(1));
+    assert!(by_guide < 0.5 * by_path, "{by_guide} {by_path}");
 }

@@ -221,7 +221,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::codec::{CRC_LENGTH, PREFIX_LENGTH};
+    use crate::codec::{CRC_LENGTH, PREFIX_LENGTH, resealed};
     use crate::guide::{Record, Records};
 
     /// A guide that has learnt twice of light around one direction, and begun to learn again.
@@ -300,11 +300,7 @@ mod tests {
                 bytes[at] = value;
             }
             bytes.truncate(bytes.len() - CRC_LENGTH - cut);
-            let length = (bytes.len() + CRC_LENGTH) as u64;
-            bytes[12..20].copy_from_slice(&length.to_le_bytes());
-            let crc = crc32fast::hash(&bytes);
-            bytes.extend_from_slice(&crc.to_le_bytes());
-            if let Ok(Guide::Tree(tree)) = Guide::from_bytes(&bytes) {
+            if let Ok(Guide::Tree(tree)) = Guide::from_bytes(&resealed(bytes)) {
                 // Whatever is taken can be used.
                 let place = tree.place(DVec3::new(0.3, 0.4, 0.5), DVec3::Z);
                 let _ = tree.sample(&place, DVec2::new(0.2, 0.7));

@@ -21,16 +21,7 @@ pub(super) fn radiance(
     let records = training.map(|_| Vec::new());
     let share = if grid.settings().mixture { 0.5 } else { 1.0 };
     let (scene, wavelengths) = (context.scene, context.wavelengths);
-    let mut directions = ByGrid {
-        grid,
-        scene,
-        wavelengths: &wavelengths,
-        light_sampling,
-        share,
-        records,
-        drawn: None,
-        leg: None,
-    };
+    let mut directions = ByGrid { grid, scene, light_sampling, share, records, drawn: None, leg: None };
     let light = walk.radiance(context, &mut directions);
     if let (Some(training), Some(records)) = (training, &directions.records) {
         training.learn_on_grid(records, light, &wavelengths);
@@ -45,7 +36,6 @@ pub(super) fn radiance(
 struct ByGrid<'a> {
     grid: &'a GridGuide,
     scene: &'a Scene,
-    wavelengths: &'a glanz_light::Wavelengths,
     light_sampling: bool,
     /// Share of the diffuse directions that densities draw.
     share: f64,
@@ -125,8 +115,7 @@ impl Directions for ByGrid<'_> {
     type Place = Option<Diffuse>;
 
     fn arrive(&self, vertex: &Vertex<'_>) -> Self::Place {
-        let bsdf = vertex.at.bsdf(self.scene, self.wavelengths)?;
-        let probability = self.share * bsdf.diffuse_probability();
+        let probability = self.share * vertex.diffuse_probability();
         if probability <= 0.0 {
             return None;
         }
@@ -171,15 +160,7 @@ impl Directions for ByGrid<'_> {
             }
             self.drawn = Some(drawn);
             let pdf = diffuse.density(pdf, bsdf_pdf, diffuse.place.cosine(direction));
-            return Some(Scattered {
-                direction,
-                weight: value / pdf as f32,
-                bsdf_weight: value / bsdf_pdf as f32,
-                bsdf_pdf,
-                pdf,
-                is_delta: false,
-                eta_scale: 1.0,
-            });
+            return Some(Scattered::drawn(direction, value, bsdf_pdf, pdf));
         }
         // What is left of the unit interval draws what is left of the diffuse lobe, then highlights.
         let scattered = vertex.sample(xi, xi_lobe)?;
@@ -187,7 +168,7 @@ impl Directions for ByGrid<'_> {
             return Some(scattered);
         }
         let pdf = self.pdf(place, scattered.direction, scattered.bsdf_pdf);
-        Some(Scattered { weight: scattered.weight * (scattered.bsdf_pdf / pdf) as f32, pdf, ..scattered })
+        Some(scattered.with_pdf(pdf))
     }
 
     fn take(

@@ -122,14 +122,13 @@ impl Directions for ByGuide<'_> {
         }
     }
 
-    fn lit(&mut self, place: &Self::Place, scene: &Scene, id: LightId, luminance: f64) {
+    fn lit(&mut self, place: &Self::Place, scene: &Scene, id: LightId, probability: f64, luminance: f64) {
         let (Some(records), Some(place)) = (&mut self.records, place) else { return };
         if scene.light_group_count() > 1 {
             let group = scene.light_group(id);
-            let probability = self.guide.lamps(place).group_probability(scene, group);
             // The choice within the group belongs to what is learnt of it.
             let inside = scene.light_probability(id) / scene.light_group_probability(group);
-            let luminance = luminance / inside;
+            let (luminance, probability) = (luminance / inside, probability / inside);
             records.lamps.push(LampRecord { cell: place.cell, group: group as u32, luminance, probability });
         }
     }
@@ -163,15 +162,7 @@ impl Directions for ByGuide<'_> {
                 return None;
             }
             let pdf = density(guided, draw.pdf, bsdf_pdf);
-            return Some(Scattered {
-                direction: draw.direction,
-                weight: value / pdf as f32,
-                bsdf_weight: value / bsdf_pdf as f32,
-                bsdf_pdf,
-                pdf,
-                is_delta: false,
-                eta_scale: 1.0,
-            });
+            return Some(Scattered::drawn(draw.direction, value, bsdf_pdf, pdf));
         }
         let scattered = vertex.sample(xi, (xi_lobe - guided) / (1.0 - guided))?;
         if scattered.is_delta {
@@ -181,7 +172,7 @@ impl Directions for ByGuide<'_> {
         let drawn = self.guide.pdf(place, scattered.direction);
         self.drawn = Some(drawn);
         let pdf = density(guided, drawn.0, scattered.bsdf_pdf);
-        Some(Scattered { weight: scattered.weight * (scattered.bsdf_pdf / pdf) as f32, pdf, ..scattered })
+        Some(scattered.with_pdf(pdf))
     }
 
     fn survival(

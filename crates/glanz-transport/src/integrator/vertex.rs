@@ -38,6 +38,27 @@ pub(super) struct Scattered {
     pub(super) eta_scale: f32,
 }
 
+impl Scattered {
+    /// A direction that something else than the BSDF drew: `value`, `f |cos|`, and `bsdf_pdf` are those of the BSDF, `pdf` is the density of
+    /// all that might have drawn it.
+    pub(super) fn drawn(direction: DVec3, value: Spectrum, bsdf_pdf: f64, pdf: f64) -> Self {
+        Self {
+            direction,
+            weight: value / pdf as f32,
+            bsdf_weight: value / bsdf_pdf as f32,
+            bsdf_pdf,
+            pdf,
+            is_delta: false,
+            eta_scale: 1.0,
+        }
+    }
+
+    /// A direction that the BSDF drew, where something else might have drawn it too: `pdf` is the density of all.
+    pub(super) fn with_pdf(self, pdf: f64) -> Self {
+        Self { weight: self.weight * (self.bsdf_pdf / pdf) as f32, pdf, ..self }
+    }
+}
+
 impl<'a> Vertex<'a> {
     pub(super) fn new(at: &'a Interaction, bsdf: Bsdf) -> Self {
         let viewer_side = at.point.normal.dot(at.wo);
@@ -60,6 +81,11 @@ impl<'a> Vertex<'a> {
     /// Whether light is scattered into single directions only.
     pub(super) fn is_delta(&self) -> bool {
         self.bsdf.is_delta()
+    }
+
+    /// The probability with which the BSDF draws from Lambert's lobe.
+    pub(super) fn diffuse_probability(&self) -> f64 {
+        self.bsdf.diffuse_probability()
     }
 
     pub(super) fn albedo(&self) -> Spectrum {

@@ -35,8 +35,8 @@ pub(super) trait Directions {
         scene.light_probability(id)
     }
 
-    /// Told of what sampling the light `id` brought to the viewer: a luminance, not yet divided by the probability of the choice.
-    fn lit(&mut self, _place: &Self::Place, _scene: &Scene, _id: LightId, _luminance: f64) {}
+    /// Told of what sampling the light `id` brought to the viewer: a luminance, not yet divided by the `probability` of the choice.
+    fn lit(&mut self, _: &Self::Place, _: &Scene, _id: LightId, _probability: f64, _luminance: f64) {}
 
     /// Density per solid angle of drawing `direction`, which the BSDF alone draws with density `bsdf_pdf`.
     fn pdf(&self, place: &Self::Place, direction: DVec3, bsdf_pdf: f64) -> f64;
@@ -252,6 +252,6 @@ fn direct_light<D: Directions>(
         mis::power(light * probability, directions.pdf(place, direction, bsdf_pdf))
     };
     let light = vertex.light(context, id, xi, weight);
-    directions.lit(place, scene, id, f64::from(light.luminance(&context.wavelengths)));
+    directions.lit(place, scene, id, probability, f64::from(light.luminance(&context.wavelengths)));
     light * (1.0 / probability) as f32
 }

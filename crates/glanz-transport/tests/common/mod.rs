@@ -307,3 +307,23 @@ impl Picture {
         }
     }
 }
+
+/// Fails unless each band's average over all pixels is the same in both pictures, to within three standard errors. Returns the sum over
+/// pixels and bands of the squared differences over their variances, divided by its number of terms; bands tell nearly the same.
+///
+/// `largest_error`: bound on the standard error of an average relative to it, so that the test says something.
+pub(crate) fn assert_same(a: &Picture, b: &Picture, largest_error: f64, name: &str) -> f64 {
+    let (mut squares, mut count) = (0.0, 0.0);
+    for band in 0..3 {
+        let ((mean, error_a), (other, error_b)) = (a.average(band), b.average(band));
+        let error = error_a.hypot(error_b);
+        assert!(error < largest_error * mean, "{name}: standard error {error} of {mean}");
+        assert!((mean - other).abs() < 3.0 * error, "{name}: {other} +- {error_b}, not {mean} +- {error_a}");
+        for i in 0..a.mean[band].len() {
+            let variance = a.variance[band][i] + b.variance[band][i];
+            squares += (a.mean[band][i] - b.mean[band][i]).powi(2) / variance;
+            count += 1.0;
+        }
+    }
+    squares / count
+}

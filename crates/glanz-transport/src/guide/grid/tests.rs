@@ -8,7 +8,7 @@ use glanz_scene::description::*;
 use proptest::prelude::*;
 
 use super::*;
-use crate::codec::{CRC_LENGTH, Decoder, Encoder, PREFIX_LENGTH};
+use crate::codec::{CRC_LENGTH, Decoder, Encoder, PREFIX_LENGTH, resealed};
 use crate::guide::{Guide, Training, decode_training, encode_training};
 
 fn settings(text: &str) -> GridSettings {
@@ -310,16 +310,7 @@ fn claims_that_the_file_does_not_back_are_refused_before_memory_is_taken() {
     claims.push(larger.len() as u8);
     claims.extend_from_slice(larger.as_bytes());
     claims.extend_from_slice(&bytes[at + 1 + text.len()..bytes.len() - CRC_LENGTH]);
-    assert!(Guide::from_bytes(&sealed(claims)).is_err());
-}
-
-/// `bytes` without checksum, with length and checksum made right again.
-fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
-    let length = (bytes.len() + CRC_LENGTH) as u64;
-    bytes[12..20].copy_from_slice(&length.to_le_bytes());
-    let crc = crc32fast::hash(&bytes);
-    bytes.extend_from_slice(&crc.to_le_bytes());
-    bytes
+    assert!(Guide::from_bytes(&resealed(claims)).is_err());
 }
 
 static EXAMPLE: std::sync::OnceLock<Vec<u8>> = std::sync::OnceLock::new();
@@ -334,7 +325,7 @@ proptest! {
             bytes[at] = value;
         }
         bytes.truncate(bytes.len() - CRC_LENGTH - cut);
-        if let Ok(Guide::Grid(guide)) = Guide::from_bytes(&sealed(bytes)) {
+        if let Ok(Guide::Grid(guide)) = Guide::from_bytes(&resealed(bytes)) {
             // Whatever is taken can be used.
             let scene = scene();
             let ray = Ray::new(DVec3::new(12.0, 0.1, 0.1), -DVec3::X);
