@@ -21,6 +21,8 @@ Usage: cargo xtask COMMAND
   zoo [--rays N] [--adversarial M] [--patches FILE...]
                        rays against the reference over the zoo of patches (default 10000000 and 1000000), optimised
   seam [--rays N]      rays across the seam of two trimmed faces (default 100000000), optimised
+  unbiased [--samples N]
+                       Z-test of `guided` against `path` in all scenes with N samples per pixel (default 16384), optimised
   pbrt-scenes DIR      loads every pbrt scene below DIR with `glanz info` and lists what came of it";
 
 /// Rays per surface kind of `cargo xtask contract`: what a release is checked with.
@@ -31,6 +33,9 @@ const ZOO_RAYS: [u64; 2] = [10_000_000, 1_000_000];
 
 /// Rays of `cargo xtask seam`: what a release is checked with.
 const SEAM_RAYS: u64 = 100_000_000;
+
+/// Samples per pixel of `cargo xtask unbiased`.
+const UNBIASED_SAMPLES: u32 = 16_384;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -55,6 +60,11 @@ fn main() -> ExitCode {
         ["seam", "--rays", count] => match count.parse() {
             Ok(rays) => steps::seam(rays),
             Err(_) => return usage(&format!("\"{count}\" is not a number of rays")),
+        },
+        ["unbiased"] => steps::unbiased(UNBIASED_SAMPLES),
+        ["unbiased", "--samples", count] => match count.parse() {
+            Ok(samples) => steps::unbiased(samples),
+            Err(_) => return usage(&format!("\"{count}\" is not a number of samples")),
         },
         ["pbrt-scenes", folder] => scenes::load_all(Path::new(folder)),
         ["help" | "--help" | "-h"] => {

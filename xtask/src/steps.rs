@@ -160,10 +160,26 @@ pub(crate) fn seam(rays: u64) -> Result<String, String> {
     Ok(format!("seam: none of {rays} rays slips through"))
 }
 
+/// `guided` against `path` in all scenes with so many samples of each pixel.
+///
+/// # Errors
+/// A sentence if pictures differ, or if it cannot be run.
+pub(crate) fn unbiased(samples: u32) -> Result<String, String> {
+    let mut command = optimised_test_of("glanz-study", "unbiased");
+    command.env("GLANZ_UNBIASED_SAMPLES", samples.to_string());
+    succeed(&mut command, "guided pictures are not those of path, see above")?;
+    Ok(format!("unbiased: guided pictures are those of path at {samples} samples per pixel"))
+}
+
 /// An integration test of the surfaces, as fast as it can be.
 fn optimised_test(name: &str) -> Command {
+    optimised_test_of("glanz-geometry", name)
+}
+
+/// The same of any package.
+fn optimised_test_of(package: &str, name: &str) -> Command {
     let mut command = workspace::cargo();
-    command.args(["test", "--release", "--package", "glanz-geometry", "--test", name, "--", "--nocapture"]);
+    command.args(["test", "--release", "--package", package, "--test", name, "--", "--nocapture"]);
     command
 }
 

@@ -19,11 +19,13 @@ use glanz_scene::description::{FilterDescription, FilterKind};
 
 use crate::aov::AovSet;
 use crate::codec::{Decoder, Encoder, EnvelopeError, open, seal};
-use crate::film::{Film, FilmError, FilmFormat, Passes, PixelRect};
+use crate::film::{Film, FilmError, FilmFormat};
 use crate::guide::{decode_training, encode_training};
 use crate::identity::PictureIdentity;
 use crate::integrator::IntegratorSettings;
+use crate::passes::Passes;
 use crate::pixel::Rejects;
+use crate::pixel_rect::PixelRect;
 use crate::ranges::SampleRanges;
 
 const MAGIC: &[u8; 8] = b"GLANZCKP";

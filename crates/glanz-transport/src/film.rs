@@ -4,13 +4,12 @@ use glanz_light::{Pixels, PixelsError};
 
 use crate::aov::{Aov, AovSet};
 use crate::exact::MAX_TERMS;
-use crate::guide::{self, Guide, Training};
+use crate::guide::{Guide, Training};
+use crate::passes::Passes;
 use crate::pixel::{FirstHit, PixelLayout, PixelSums, PixelValue, Rejects};
+use crate::pixel_rect::PixelRect;
 use crate::ranges::{OverlapError, SampleRanges};
 use crate::settled::{Blend, FEWEST_SAMPLES};
-
-/// Side of a tile, pixels. Part of the checkpoint format, which stores pixels tile by tile.
-pub const TILE_SIDE: u32 = 16;
 
 /// Why a film cannot be made or joined with another.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -42,81 +41,6 @@ pub enum FilmError {
     /// More samples than the sums can hold exactly.
     #[error("{0} samples per pixel are more than the {MAX_TERMS} a film can hold")]
     Samples(u64),
-}
-
-/// A rectangle of pixels; the picture's upper left pixel is (0, 0).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PixelRect {
-    /// First column and row.
-    pub min: [u32; 2],
-    /// Columns and rows.
-    pub size: [u32; 2],
-}
-
-impl PixelRect {
-    /// The whole picture.
-    #[must_use]
-    pub const fn full(resolution: [u32; 2]) -> Self {
-        Self { min: [0, 0], size: resolution }
-    }
-
-    /// The pixels of a crop window given as fractions of the picture: smallest and largest x, then y, from the top left.
-    ///
-    /// A border at fraction f starts or ends before pixel `ceil(f * resolution)`, so that windows which share a border
-    /// share no pixel and leave none out.
-    ///
-    /// # Errors
-    /// [`FilmError::Crop`] if that leaves no pixel, or a fraction is outside [0, 1].
-    ///
-    /// # Source
-    /// @pharr2023 section 5.4.2.
-    pub fn from_fractions(resolution: [u32; 2], window: [f64; 4]) -> Result<Self, FilmError> {
-        let border = |axis: usize, fraction: f64| {
-            let inside = (0.0..=1.0).contains(&fraction);
-            inside.then(|| (f64::from(resolution[axis]) * fraction).ceil() as u32)
-        };
-        let axis = |axis: usize| {
-            let (low, high) = (border(axis, window[2 * axis])?, border(axis, window[2 * axis + 1])?);
-            (low < high).then_some((low, high - low))
-        };
-        match (axis(0), axis(1)) {
-            (Some(x), Some(y)) => Ok(Self { min: [x.0, y.0], size: [x.1, y.1] }),
-            _ => Err(FilmError::Crop { window, resolution }),
-        }
-    }
-
-    /// Number of pixels.
-    #[must_use]
-    pub fn len(&self) -> u64 {
-        u64::from(self.size[0]) * u64::from(self.size[1])
-    }
-
-    /// Whether there are none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// The pixels, row by row.
-    pub fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
-        let Self { min, size } = *self;
-        (0..size[1]).flat_map(move |y| (0..size[0]).map(move |x| [min[0] + x, min[1] + y]))
-    }
-
-    /// The rectangle cut into squares of [`TILE_SIDE`], row by row; those at the right and lower border may be smaller.
-    pub fn tiles(&self) -> impl Iterator<Item = Self> + use<> {
-        let Self { min, size } = *self;
-        let counts = size.map(|s| s.div_ceil(TILE_SIDE));
-        (0..counts[1]).flat_map(move |ty| {
-            (0..counts[0]).map(move |tx| {
-                let offset = [tx * TILE_SIDE, ty * TILE_SIDE];
-                Self {
-                    min: [min[0] + offset[0], min[1] + offset[1]],
-                    size: [(size[0] - offset[0]).min(TILE_SIDE), (size[1] - offset[1]).min(TILE_SIDE)],
-                }
-            })
-        })
-    }
 }
 
 /// Which pixels a film holds and what it adds up for each.
@@ -190,19 +114,6 @@ pub struct Film {
     samples: SampleRanges,
     rejects: Rejects,
     passes: Passes,
-}
-
-/// The state of passes.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Passes {
-    /// What the samples of passes that are over weigh, all together.
-    pub(crate) weight: f64,
-    /// Their number per pixel.
-    pub(crate) samples: u64,
-    /// What one sample of the last of them weighs; 0 before.
-    pub(crate) last: f64,
-    /// The guide; `None` before the first sample and for integrators that do not learn.
-    pub(crate) training: Option<Box<Training>>,
 }
 
 impl Film {
@@ -291,6 +202,11 @@ impl Film {
         self.passes.training.get_or_insert_with(|| Box::new(Training::new(guide)));
     }
 
+    /// Where the pass ends that sample `next` belongs to; only films with passes have an end.
+    pub(crate) fn end_of_pass(&self, next: u32) -> Option<u32> {
+        self.format.passes.then(|| self.passes.end_of_pass(next))
+    }
+
     /// The tiles with their words, for threads to fill, and what an integrator has learnt. [`Film::finish_pass`] has to follow.
     pub(crate) fn parts_mut(&mut self) -> (Vec<(PixelRect, &mut [u64])>, Option<&Training>) {
         let stride = self.format.layout().words();
@@ -310,11 +226,10 @@ impl Film {
         range: std::ops::Range<u32>,
         rejects: Rejects,
     ) -> Result<(), FilmError> {
-        let (first, end) = (range.start, range.end);
+        let over = self.format.passes && self.passes.end_of_pass(range.start) == range.end;
         self.samples.insert(range)?;
         self.rejects.merge(rejects);
-        let pass = guide::pass(first);
-        if self.format.passes && pass.end == end {
+        if over {
             self.settle();
         }
         Ok(())
@@ -322,33 +237,26 @@ impl Film {
 
     /// Ends a pass of an integrator that learns.
     fn settle(&mut self) {
-        let brightness = self.brightness();
-        if let Some(training) = &mut self.passes.training {
-            training.finish_pass(brightness);
-        }
-        let count = self.samples.total() - self.passes.samples;
-        let Some(weight) = self.known_weight(count) else { return };
-        let blend = Blend { count, weight, settled: self.passes.weight };
+        self.passes.teach(self.brightness());
+        let Some(blend) = self.passes.settled(self.samples.total(), self.precision()) else { return };
         let layout = self.format.layout();
         for words in self.words.chunks_exact_mut(layout.words()) {
             let mut sums = PixelSums::read(&layout, words);
             sums.settle(&blend);
             sums.write(&layout, words);
         }
-        self.passes.weight += weight * count as f64;
-        self.passes.samples += count;
-        self.passes.last = weight;
     }
 
-    /// What a sample of the last `count` weighs, if their variance is known well.
-    fn known_weight(&self, count: u64) -> Option<f64> {
+    /// One over the mean variance of a sample of the pass under way, if that is known well.
+    fn precision(&self) -> Option<f64> {
+        let count = self.samples.total() - self.passes.samples;
         let pixels = self.format.crop.len();
         if count < 2 || count.saturating_mul(pixels) < FEWEST_SAMPLES {
             return None;
         }
         let variance: f64 = self.pixels().map(|(_, sums)| sums.sample_variance(count)).sum();
         let mean = variance / pixels as f64;
-        (mean > 0.0 && mean.is_finite()).then(|| (1.0 / mean).max(self.passes.last))
+        (mean > 0.0 && mean.is_finite()).then(|| 1.0 / mean)
     }
 
     /// How the samples of the pass under way count beside those of passes that are over.
@@ -356,11 +264,7 @@ impl Film {
         if !self.format.passes {
             return Blend::plain(self.samples.total());
         }
-        let Passes { weight, samples, last, .. } = self.passes;
-        let count = self.samples.total() - samples;
-        let own = self.known_weight(count);
-        let borrowed = if last > 0.0 { last } else { 1.0 };
-        Blend { count, weight: own.unwrap_or(borrowed), settled: weight }
+        self.passes.blend(self.samples.total(), self.precision())
     }
 
     /// Mean of all pixels and bands.
@@ -508,16 +412,6 @@ mod tests {
     }
 
     #[test]
-    fn tiles_cover_every_pixel_once() {
-        let crop = format().crop;
-        let mut seen: Vec<_> = crop.tiles().flat_map(|t| t.pixels()).map(|[x, y]| [y, x]).collect();
-        seen.sort_unstable();
-        let rows: Vec<_> = crop.pixels().map(|[x, y]| [y, x]).collect();
-        assert_eq!(seen, rows);
-        assert!(crop.tiles().all(|t| t.size[0] <= TILE_SIDE && t.size[1] <= TILE_SIDE && !t.is_empty()));
-    }
-
-    #[test]
     fn merged_halves_are_the_whole_bit_for_bit() {
         let mut whole = Film::try_new(format()).unwrap();
         expose(&mut whole, 0..50);
@@ -576,16 +470,5 @@ mod tests {
         );
         let outside = FilmFormat { crop: PixelRect { min: [50, 0], size: [11, 1] }, ..format() };
         assert!(matches!(Film::try_new(outside), Err(FilmError::Crop { .. })));
-    }
-
-    #[test]
-    fn neighbouring_crop_windows_share_no_pixel_and_leave_none_out() {
-        let resolution = [101, 7];
-        let left = PixelRect::from_fractions(resolution, [0.0, 0.37, 0.0, 1.0]).unwrap();
-        let right = PixelRect::from_fractions(resolution, [0.37, 1.0, 0.0, 1.0]).unwrap();
-        assert_eq!(left.min[0] + left.size[0], right.min[0]);
-        assert_eq!(left.size[0] + right.size[0], 101);
-        assert!(PixelRect::from_fractions(resolution, [0.5, 0.5, 0.0, 1.0]).is_err());
-        assert!(PixelRect::from_fractions(resolution, [0.0, f64::NAN, 0.0, 1.0]).is_err());
     }
 }

@@ -74,7 +74,9 @@ pub mod guide;
 pub mod identity;
 pub mod integrator;
 pub mod merge;
+mod passes;
 pub mod pixel;
+pub mod pixel_rect;
 pub mod progress;
 pub mod ranges;
 pub mod render;
@@ -82,7 +84,7 @@ mod settled;
 
 pub use aov::{Aov, AovSet};
 pub use checkpoint::{Checkpoint, CheckpointError};
-pub use film::{Film, FilmError, FilmFormat, PixelRect};
+pub use film::{Film, FilmError, FilmFormat};
 pub use filter::{Filter, FilterError};
 pub use guide::{GridError, GridGuide, Guide, GuideFileError, GuideSize, Training};
 pub use identity::{Mismatch, PictureIdentity};
@@ -92,6 +94,7 @@ pub use integrator::{
 };
 pub use merge::{MergeError, merge};
 pub use pixel::{FirstHit, Rejects};
+pub use pixel_rect::PixelRect;
 pub use progress::{Progress, ProgressReport, Silent};
 pub use ranges::{OverlapError, SampleRanges};
 pub use render::{Finished, RenderError, RenderOutcome, RenderSettings, render};

@@ -10,11 +10,12 @@ use glanz_scene::Scene;
 use rayon::prelude::*;
 
 use crate::exact::MAX_TERMS;
-use crate::film::{Film, FilmError, PixelRect};
+use crate::film::{Film, FilmError};
 use crate::filter::Filter;
-use crate::guide::{self, GridError, Records, Training};
+use crate::guide::{GridError, Records, Training};
 use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Integrator};
 use crate::pixel::{PixelSums, Rejects, Sample};
+use crate::pixel_rect::PixelRect;
 use crate::progress::{Progress, ProgressReport};
 
 /// Time that a pass over the picture should take: short enough to stop soon, long enough that threads do not wait.
@@ -151,8 +152,8 @@ pub fn render(
             break Finished::TimeUp;
         };
         let mut range = gap.start..gap.start + length;
-        if integrator.learns() {
-            range.end = range.end.min(guide::pass(range.start).end);
+        if let Some(end) = film.end_of_pass(range.start) {
+            range.end = range.end.min(end);
         }
         let length = range.end - range.start;
         let begun = Instant::now();

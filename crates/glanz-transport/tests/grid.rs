@@ -83,6 +83,7 @@ fn no_guide_changes_the_expected_picture() {
         ("grid=4,basis=haar,scale=3,mixture=on,hierarchical=on", false, 16_000),
         ("grid=2,basis=spline1,scale=3,mixture=off", false, 16_000),
         ("grid=2,basis=spline3,scale=1,mixture=off,hierarchical=on", false, 16_000),
+        ("grid=4,scale=2,mixture=on,passes=64-128-256", true, 4_000),
     ] {
         let run = Run { guide: guide(settings), light_sampling, ..Run::new("guided", 5, samples) };
         let outcome = run.outcome(&scene);
@@ -220,14 +221,15 @@ fn through_bytes(film: Film, run: &Run, guide: Option<u128>) -> Checkpoint {
     Checkpoint::from_bytes(&Checkpoint { identity, film }.to_bytes()).unwrap()
 }
 
-const BOTH: [&str; 2] = [
+const KINDS: [&str; 3] = [
     "grid=4,basis=haar,scale=3,mixture=off,hierarchical=off",
     "grid=2,basis=spline2,scale=2,mixture=on,hierarchical=on",
+    "grid=4,scale=2,passes=7-14-28",
 ];
 
 #[test]
 fn number_of_threads_does_not_change_a_bit() {
-    for settings in BOTH {
+    for settings in KINDS {
         let two = run(settings, 80).outcome(&small());
         assert!(active(&two) > 0);
         for threads in [1, 5] {
@@ -240,7 +242,7 @@ fn number_of_threads_does_not_change_a_bit() {
 
 #[test]
 fn resumed_anywhere_is_one_run() {
-    for settings in BOTH {
+    for settings in KINDS {
         let run = run(settings, 80);
         let whole = go_on(&run, fresh(&run, true), 0..80, None).unwrap().film;
         let mut film = fresh(&run, true);
@@ -257,7 +259,7 @@ fn resumed_anywhere_is_one_run() {
 
 #[test]
 fn parts_with_one_guide_are_the_whole() {
-    for settings in BOTH {
+    for settings in KINDS {
         let run = run(settings, 80);
         let learning = go_on(&run, fresh(&run, true), 0..64, None).unwrap().film;
         let learnt = learning.training().unwrap().guide();
@@ -271,8 +273,25 @@ fn parts_with_one_guide_are_the_whole() {
 }
 
 #[test]
+fn guide_with_listed_passes_learns_no_more_after_the_last() {
+    let run = run("grid=4,scale=2,passes=3-6-12", 80);
+    let mut film = fresh(&run, true);
+    let mut guides = Vec::new();
+    for end in [1, 4, 10, 22, 23, 80] {
+        film = go_on(&run, film, 0..end, None).unwrap().film;
+        guides.push(film.training().unwrap().guide().clone());
+    }
+    // The first pass learns without a guide; each of the three changes it, what comes after does not.
+    let changes: Vec<bool> = guides.windows(2).map(|pair| pair[0] != pair[1]).collect();
+    assert_eq!(changes, [true, true, true, false, false]);
+    let records = film.training().unwrap().records();
+    let at_the_end = go_on(&run, fresh(&run, true), 0..22, None).unwrap().film.training().unwrap().records();
+    assert_eq!(records, at_the_end);
+}
+
+#[test]
 fn pictures_by_other_guides_are_other_pictures() {
-    let identities = ["grid=2", "grid=3", "grid=2,mixture=on", "tree"].map(|settings| {
+    let identities = ["grid=2", "grid=3", "grid=2,mixture=on", "grid=2,passes=1-2", "tree"].map(|settings| {
         let run = run(settings, 4);
         through_bytes(go_on(&run, fresh(&run, true), 0..4, None).unwrap().film, &run, None).identity
     });

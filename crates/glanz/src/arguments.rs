@@ -111,6 +111,8 @@ document 003:
   mixture=on|off    whether the BSDF draws half of the diffuse directions, or none (off)
   hierarchical=on|off
                     whether densities begin coarse and become finer from pass to pass (off)
+  passes=N-N-...    samples per pixel of each pass that learns, such as 1-2-4, after a first sample
+                    that tells the brightness; without it passes double for ever
 With --samplelights on they learn indirect light alone (\"stratification\" in 003), else all light:
   glanz render room.pbrt --integrator guided --guide grid=8,basis=haar --samplelights off";
 

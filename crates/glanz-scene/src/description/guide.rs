@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::pass_lengths::{PassLengths, PassLengthsError};
+
 /// The functions that densities of directions are made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum GuideBasis {
@@ -40,6 +42,8 @@ pub struct GridSettings {
     pub mixture: bool,
     /// Whether densities begin on scale 0 and become finer from pass to pass; otherwise they begin on the finest.
     pub hierarchical: bool,
+    /// Passes that learn; without a list each takes twice as many samples as the one before, without end.
+    pub passes: Option<PassLengths>,
 }
 
 impl GridSettings {
@@ -50,16 +54,24 @@ impl GridSettings {
 }
 
 impl Default for GridSettings {
-    /// What served document 003 best: 8 x 8 cells, Haar's basis, scale 3, the density alone, on one scale.
+    /// What served document 003 best: 8 x 8 cells, Haar's basis, scale 3, the density alone, on one scale; passes without end.
     fn default() -> Self {
-        Self { cells: 8, basis: GuideBasis::Haar, scale: 3, mixture: false, hierarchical: false }
+        Self {
+            cells: 8,
+            basis: GuideBasis::Haar,
+            scale: 3,
+            mixture: false,
+            hierarchical: false,
+            passes: None,
+        }
     }
 }
 
 /// A guide with everything that it may be told.
 ///
-/// As text: `tree`, or the keys of a grid with their values, such as `grid=8,basis=haar,scale=3,mixture=off,hierarchical=off`; keys
-/// that are left out have the values of [`GridSettings::default`], but `grid` has to be there.
+/// As text: `tree`, or the keys of a grid with their values, such as
+/// `grid=8,basis=haar,scale=3,mixture=off,hierarchical=off,passes=1-2-4`; keys that are left out have the values of
+/// [`GridSettings::default`], but `grid` has to be there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum GuideSettings {
     /// Cells and directions that refine themselves, and a learnt share beside the BSDF.
@@ -77,7 +89,7 @@ pub enum GuideSettingsError {
     #[error("\"{0}\" is no guide: \"tree\" or keys with values, such as grid=8,basis=haar,scale=3, are")]
     Form(String),
     /// A key that there is not.
-    #[error("a guide has no \"{0}\": it has grid, basis, scale, mixture and hierarchical")]
+    #[error("a guide has no \"{0}\": it has grid, basis, scale, mixture, hierarchical and passes")]
     Key(String),
     /// A key that comes twice.
     #[error("\"{0}\" comes twice")]
@@ -119,6 +131,7 @@ impl FromStr for GuideSettings {
                 "scale" => settings.scale = number("scale", value, 0, GridSettings::FINEST_SCALE)?,
                 "mixture" => settings.mixture = switch("mixture", value)?,
                 "hierarchical" => settings.hierarchical = switch("hierarchical", value)?,
+                "passes" => settings.passes = Some(passes(value)?),
                 _ => return Err(GuideSettingsError::Key(key.to_owned())),
             }
         }
@@ -143,6 +156,10 @@ fn switch(key: &'static str, value: &str) -> Result<bool, GuideSettingsError> {
     }
 }
 
+fn passes(value: &str) -> Result<PassLengths, GuideSettingsError> {
+    value.parse().map_err(|error: PassLengthsError| wrong("passes", value, error.to_string()))
+}
+
 fn basis(value: &str) -> Result<GuideBasis, GuideSettingsError> {
     let splines = (0..=GuideBasis::HIGHEST_DEGREE).map(GuideBasis::Spline);
     let all: Vec<GuideBasis> = [GuideBasis::Haar].into_iter().chain(splines).collect();
@@ -155,9 +172,10 @@ fn basis(value: &str) -> Result<GuideBasis, GuideSettingsError> {
 impl fmt::Display for GridSettings {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let switch = |on| if on { "on" } else { "off" };
-        let Self { cells, basis, scale, mixture, hierarchical } = *self;
+        let Self { cells, basis, scale, mixture, hierarchical, passes } = *self;
         write!(f, "grid={cells},basis={basis},scale={scale}")?;
-        write!(f, ",mixture={},hierarchical={}", switch(mixture), switch(hierarchical))
+        write!(f, ",mixture={},hierarchical={}", switch(mixture), switch(hierarchical))?;
+        passes.map_or(Ok(()), |passes| write!(f, ",passes={passes}"))
     }
 }
 
@@ -177,8 +195,10 @@ mod tests {
     #[test]
     fn text_of_settings_is_read_back() {
         for basis in [GuideBasis::Haar, GuideBasis::Spline(0), GuideBasis::Spline(3)] {
-            for (mixture, hierarchical) in [(true, false), (false, true)] {
-                let grid = GridSettings { cells: 64, basis, scale: 0, mixture, hierarchical };
+            for (mixture, hierarchical, passes) in
+                [(true, false, None), (false, true, PassLengths::new(&[1, 2]))]
+            {
+                let grid = GridSettings { cells: 64, basis, scale: 0, mixture, hierarchical, passes };
                 let settings = GuideSettings::Grid(grid);
                 assert_eq!(settings.to_string().parse(), Ok(settings));
             }
@@ -212,6 +232,7 @@ mod tests {
             ("grid=8,scale=1.5", "from 0 to 6"),
             ("grid=8,mixture=yes", "on or off"),
             ("grid=8,hierarchical=", "on or off"),
+            ("grid=8,passes=1-0", "1-2-4"),
             ("grid=8,depth=2", "hierarchical"),
             ("grid=8,grid=8", "twice"),
             ("scale=2", "grid=N"),

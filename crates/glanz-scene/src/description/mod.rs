@@ -13,6 +13,7 @@ mod guide;
 mod integrator;
 mod light;
 mod material;
+mod pass_lengths;
 mod texture;
 mod trim;
 
@@ -25,6 +26,7 @@ pub use guide::{GridSettings, GuideBasis, GuideSettings, GuideSettingsError};
 pub use integrator::{IntegratorDescription, SamplerDescription};
 pub use light::{EmissionDescription, LightDescription, LightKind, SpotFalloff};
 pub use material::{MaterialDescription, MaterialKind};
+pub use pass_lengths::{PassLengths, PassLengthsError};
 pub use texture::{
     FloatInput, ImageDescription, ImageFilter, ImageWrap, SpectrumInput, TextureDescription, TextureKind,
     TextureMapping,

@@ -1,7 +1,7 @@
 //! Plots.
 
 use super::curve::{Clock, Norm, over_samples, over_time, value_at};
-use super::method::{BASES, FROZEN_SAMPLES, Group, basis_name, shown_groups};
+use super::method::{BASES, Distribution, FROZEN_SAMPLES, Group, basis_name, shown_groups};
 use super::outcome::{Outcome, RoomOutcome};
 use crate::plot::{Axis, Plot, Rule, Series};
 
@@ -32,6 +32,7 @@ pub(super) fn figures(room: &RoomOutcome) -> Vec<Figure> {
             }
         }
         all.extend(reachable(room, lights));
+        all.extend(distributions(room, lights));
     }
     all
 }
@@ -138,7 +139,7 @@ fn reachable(room: &RoomOutcome, lights: bool) -> Vec<Figure> {
         let mut found: Vec<[f64; 3]> = Vec::new();
         for outcome in room.outcomes.iter().filter(|o| o.lights == lights) {
             if let (Some(grid), Some(best)) = (outcome.method.grid, outcome.frozen.last())
-                && (grid.basis, grid.mixture, grid.hierarchical) == (basis, false, false)
+                && (grid.basis, grid.mixture, grid.hierarchical, grid.passes) == (basis, false, false, None)
             {
                 found.push([f64::from(grid.cells), f64::from(grid.scale), best.error.shown]);
             }
@@ -175,6 +176,41 @@ fn reachable(room: &RoomOutcome, lights: bool) -> Vec<Figure> {
     all
 }
 
+/// What few samples teach, over the time that they take: a plot for each basis, a line for each way to distribute them over
+/// three passes.
+fn distributions(room: &RoomOutcome, lights: bool) -> Vec<Figure> {
+    let (key, words) = light_words(lights);
+    let line = |distribution: &Distribution| {
+        let those = room.outcomes.iter().filter(|o| o.lights == lights);
+        let those = those.filter(|o| o.method.grid.is_some_and(|grid| distribution.has(&grid)));
+        let point = |o: &Outcome| Some([o.last()?.wall, o.frozen.last()?.error.shown]);
+        Series { name: distribution.name(), points: those.filter_map(point).collect() }
+    };
+    let all: Vec<Distribution> = Distribution::all().collect();
+    let each = all.chunk_by(|a, b| a.basis == b.basis).filter_map(|those| {
+        let basis = those.first()?.basis;
+        let series: Vec<Series> = those.iter().map(line).filter(|s| s.points.len() > 1).collect();
+        let name = basis_name(basis);
+        (!series.is_empty()).then(|| Figure {
+            name: format!("distributions_{basis}_{}_{key}", room.name),
+            plot: Plot {
+                title: format!("{}, {words}: {name}, samples of three passes", room.name),
+                x: Axis::logarithmic("time of three passes, s"),
+                y: Axis::logarithmic("modified L2 error"),
+                rules: path_rule(room, lights).into_iter().collect(),
+                series,
+            },
+            caption: format!(
+                "Room {}, {words}, {name} basis: error of pictures of {FROZEN_SAMPLES} samples per pixel by guides that have \
+                 learnt in three passes of equal or of doubled length, over the time that learning took (document 003, figures \
+                 E.37 and E.39).",
+                room.name
+            ),
+        })
+    });
+    each.collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -190,8 +226,9 @@ mod tests {
             assert!(figure.plot.series.iter().any(|s| s.points.len() > 1), "{}", figure.name);
             assert!(!figure.caption.contains("  ") && figure.plot.series.len() <= 6, "{}", figure.name);
         }
-        // Three plots of errors, one of learning for each of five groups, and one of scales for each basis.
-        assert_eq!(all.len(), 2 * (5 * 4 + 4));
+        // Three plots of errors, one of learning for each of five groups, one of scales for each basis, one of distributions
+        // for two of them.
+        assert_eq!(all.len(), 2 * (5 * 4 + 4 + 2));
         let reachable = all.iter().find(|figure| figure.name == "reachable_haar_hall_lights").unwrap();
         assert_eq!(reachable.plot.series.len(), 4);
         assert_eq!(reachable.plot.series[2].name, "8 x 8 cells");

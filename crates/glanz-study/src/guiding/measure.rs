@@ -128,11 +128,6 @@ pub(super) struct Case<'a> {
 }
 
 impl Case<'_> {
-    /// Numbers of samples after which the picture is looked at: those at which passes of guided integrators end.
-    fn steps(&self) -> Vec<u32> {
-        (0..=self.entry.samples.max(1).ilog2()).map(|power| 1 << power).collect()
-    }
-
     fn frozen(&self) -> &[u32] {
         if self.round == 0 { &self.entry.frozen } else { &[] }
     }
@@ -181,7 +176,7 @@ impl Case<'_> {
     /// A way of rendering that is refused.
     pub(super) fn measured(&self, reference: u64, kept: &Kept) -> Result<Option<Run>, StudyError> {
         let about = self.about(&self.way()?, reference)?;
-        Ok(kept.run(&self.name(), &about).and_then(|run| run.part(&self.steps(), self.frozen())))
+        Ok(kept.run(&self.name(), &about).and_then(|run| run.part(&self.entry.steps(), self.frozen())))
     }
 
     /// What was measured before, or is now.
@@ -210,7 +205,7 @@ impl Case<'_> {
         let mut film = self.room.film(&way)?;
         let mut run = Run::default();
         let (mut wall, mut processors, mut before) = (Duration::ZERO, Duration::ZERO, 0);
-        for end in self.steps() {
+        for end in self.entry.steps() {
             let weight = f64::from(end - before);
             let mut part = Part { work, what: &what, weight, keep: None };
             let exposed = self.room.expose(&way, film, before..end, None, &mut part)?.complete()?;

@@ -1,6 +1,6 @@
 //! What is compared: methods as data, and in which company they are shown.
 
-use glanz_scene::description::{GridSettings, GuideBasis, GuideSettings, IntegratorDescription};
+use glanz_scene::description::{GridSettings, GuideBasis, GuideSettings, IntegratorDescription, PassLengths};
 
 /// Samples per pixel of the pictures that tell how good a frozen guide is (document 003 section 3.5).
 pub(super) const FROZEN_SAMPLES: u32 = 100;
@@ -44,7 +44,7 @@ pub(super) struct Method {
 
 /// The plain method as document 003 uses it.
 fn plain(basis: GuideBasis, cells: u32, scale: u32) -> GridSettings {
-    GridSettings { cells, basis, scale, mixture: false, hierarchical: false }
+    GridSettings { cells, basis, scale, ..GridSettings::default() }
 }
 
 impl Method {
@@ -60,7 +60,7 @@ impl Method {
 
     /// The plain method.
     pub(super) fn of(grid: GridSettings) -> Self {
-        let GridSettings { cells, basis, scale, mixture, hierarchical } = grid;
+        let GridSettings { cells, basis, scale, mixture, hierarchical, passes } = grid;
         let mut name = format!("{}, {cells} x {cells}, scale {scale}", basis_name(basis));
         let mut key = format!("{basis}-{cells}-{scale}");
         for (asked, word) in [(mixture, "mixed"), (hierarchical, "hierarchical")] {
@@ -69,7 +69,16 @@ impl Method {
                 key = format!("{key}-{word}");
             }
         }
+        if let Some(passes) = passes {
+            name = format!("{name}, passes {passes}");
+            key = format!("{key}-passes-{passes}");
+        }
         Self { name, key, integrator: "guided", grid: Some(grid) }
+    }
+
+    /// The passes that learn, if they are listed.
+    pub(super) fn passes(&self) -> Option<PassLengths> {
+        self.grid.and_then(|grid| grid.passes)
     }
 
     /// `scene`'s integrator changed to this one. `lights`: whether lights are sampled at every hit, which document 003 calls
@@ -89,10 +98,64 @@ impl Method {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Entry {
     pub(super) method: Method,
-    /// Samples per pixel at which its curve ends, a power of two.
+    /// Samples per pixel at which its curve ends: a power of two, or where the last of its passes does.
     pub(super) samples: u32,
     /// Samples after which the guide is frozen and measured, ascending.
     pub(super) frozen: Vec<u32>,
+}
+
+impl Entry {
+    /// Numbers of samples after which the picture is looked at: those at which passes of guided integrators end.
+    pub(super) fn steps(&self) -> Vec<u32> {
+        match self.method.passes() {
+            Some(_) => vec![self.samples],
+            None => (0..=self.samples.max(1).ilog2()).map(|power| 1 << power).collect(),
+        }
+    }
+}
+
+/// How samples are distributed over three passes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Distribution {
+    pub(super) basis: GuideBasis,
+    pub(super) hierarchical: bool,
+    /// Whether each pass takes twice as many as the one before.
+    pub(super) doubled: bool,
+}
+
+impl Distribution {
+    /// All that document 003 compares.
+    pub(super) fn all() -> impl Iterator<Item = Self> {
+        let bases = [GuideBasis::Haar, GuideBasis::Spline(1)].into_iter();
+        let kinds = [(false, false), (false, true), (true, false), (true, true)];
+        bases
+            .flat_map(move |basis| kinds.map(|(hierarchical, doubled)| Self { basis, hierarchical, doubled }))
+    }
+
+    /// As legends call it.
+    pub(super) fn name(&self) -> String {
+        let hierarchical = if self.hierarchical { ", hierarchical" } else { "" };
+        let lengths = if self.doubled { "n-2n-4n" } else { "n-n-n" };
+        format!("{lengths}{hierarchical}")
+    }
+
+    /// Whether a grid's passes are distributed like this.
+    pub(super) fn has(&self, grid: &GridSettings) -> bool {
+        let Some(lengths) = grid.passes.map(|passes| passes.iter().collect::<Vec<u32>>()) else {
+            return false;
+        };
+        let doubled = lengths.is_sorted_by(|a, b| 2 * a == *b);
+        (grid.basis, grid.hierarchical, doubled) == (self.basis, self.hierarchical, self.doubled)
+    }
+
+    /// Three passes, `n` samples per pixel in the first; and the picture's first sample, which tells the brightness.
+    fn entry(&self, n: u32) -> Option<Entry> {
+        let passes = PassLengths::new(&if self.doubled { [n, 2 * n, 4 * n] } else { [n; 3] })?;
+        let samples = 1 + passes.iter().sum::<u32>();
+        let grid = plain(self.basis, CELLS, SCALE);
+        let grid = GridSettings { hierarchical: self.hierarchical, passes: Some(passes), ..grid };
+        Some(Entry { method: Method::of(grid), samples, frozen: vec![samples] })
+    }
 }
 
 /// Methods that are shown in one plot.
@@ -136,6 +199,11 @@ pub(super) fn entries(samples: u32, full: bool) -> Vec<Entry> {
                 }
             }
         }
+    }
+    // Figures E.37 and E.39.
+    for distribution in Distribution::all() {
+        let firsts: &[u32] = if full { &[1, 2, 3, 4, 6, 8, 12, 16] } else { &[1, 4] };
+        list.extend(firsts.iter().filter_map(|&n| distribution.entry(n)));
     }
     list
 }
@@ -189,6 +257,22 @@ mod tests {
     }
 
     #[test]
+    fn each_distribution_knows_its_own() {
+        for full in [false, true] {
+            let grids: Vec<GridSettings> = entries(64, full).iter().filter_map(|e| e.method.grid).collect();
+            let listed = grids.iter().filter(|grid| grid.passes.is_some());
+            assert_eq!(listed.clone().count(), 8 * if full { 8 } else { 2 });
+            for grid in listed {
+                assert_eq!(Distribution::all().filter(|d| d.has(grid)).count(), 1, "{grid}");
+            }
+        }
+        let doubled = Distribution { basis: GuideBasis::Haar, hierarchical: true, doubled: true };
+        let entry = doubled.entry(3).unwrap();
+        assert_eq!(entry.method.key, "haar-8-3-hierarchical-passes-3-6-12");
+        assert_eq!((entry.samples, entry.steps()), (22, vec![22]));
+    }
+
+    #[test]
     fn every_method_has_a_file_of_its_own() {
         for full in [false, true] {
             let all = entries(64, full);
@@ -198,9 +282,7 @@ mod tests {
             let known = |key: &String| all.iter().any(|entry| entry.method.key == *key);
             assert!(shown_groups().iter().all(|group| group.methods.iter().all(known)));
         }
-        assert_eq!(
-            entries(64, true).iter().filter(|e| e.method.grid.is_some_and(|g| !g.mixture)).count(),
-            66
-        );
+        let plain = |e: &&Entry| e.method.grid.is_some_and(|g| !g.mixture && g.passes.is_none());
+        assert_eq!(entries(64, true).iter().filter(plain).count(), 66);
     }
 }

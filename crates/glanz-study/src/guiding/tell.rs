@@ -154,7 +154,8 @@ fn summary(rooms: &[RoomOutcome]) -> Table {
                    and the largest factor over all errors that both have.";
     let mut table = Table::new("summary", caption, &SUMMARY);
     for room in rooms {
-        for outcome in &room.outcomes {
+        // Those with listed passes are there for what they have learnt in the end.
+        for outcome in room.outcomes.iter().filter(|o| o.method.passes().is_none()) {
             let Some(last) = outcome.last() else { continue };
             let is_path = outcome.method == Method::path();
             let range = |norm| room.race(outcome, norm).filter(|_| !is_path).and_then(|race| race.range());

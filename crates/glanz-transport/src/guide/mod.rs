@@ -44,7 +44,6 @@ pub(crate) use file::{decode_training, encode_training};
 pub(crate) use grid::{GridDraw, GridPlace, GridRecord};
 pub(crate) use mixture::density;
 pub(crate) use record::{LampRecord, Record, Records};
-pub(crate) use training::pass;
 pub(crate) use tree::Place;
 
 /// Knows where light comes from.

@@ -4,17 +4,18 @@ use std::ops::Range;
 
 use glanz_light::{Spectrum, Wavelengths};
 
+use glanz_scene::description::PassLengths;
+
 use super::Guide;
 use super::grid::{GridRecord, GridSums};
 use super::lessons::Lessons;
 use super::record::Records;
 
-/// The pass that a sample of a pixel belongs to: 0; 1 to 3; 4 to 7; 8 to 15; and so on.
+/// The pass that a sample of a pixel belongs to, if passes double: 0; 1 to 3; 4 to 7; 8 to 15; and so on.
 ///
 /// Every pass from the third on is a block of 2^k Sobol' points that begins at a multiple of 2^k, so each is well spread by
 /// itself. The first tells how bright the scene is, the second learns without a guide.
-#[must_use]
-pub(crate) fn pass(sample: u32) -> Range<u32> {
+fn doubled(sample: u32) -> Range<u32> {
     match sample {
         0 => 0..1,
         1..4 => 1..4,
@@ -23,6 +24,18 @@ pub(crate) fn pass(sample: u32) -> Range<u32> {
             start..start.saturating_mul(2)
         }
     }
+}
+
+/// The same, if passes have these lengths. Here too the first tells the brightness; after the last comes one without end.
+fn listed(sample: u32, lengths: &PassLengths) -> Range<u32> {
+    let mut start = 0;
+    for length in std::iter::once(1).chain(lengths.iter()) {
+        if sample < start + length {
+            return start..start + length;
+        }
+        start += length;
+    }
+    start..u32::MAX
 }
 
 /// The sums of a pass, of the kind that its guide learns from.
@@ -57,6 +70,22 @@ impl Training {
         &self.guide
     }
 
+    /// The pass that a sample of a pixel belongs to.
+    pub(crate) fn pass(&self, sample: u32) -> Range<u32> {
+        match self.passes() {
+            Some(lengths) => listed(sample, &lengths),
+            None => doubled(sample),
+        }
+    }
+
+    /// The passes that learn, if they are listed.
+    fn passes(&self) -> Option<PassLengths> {
+        match &self.guide {
+            Guide::Tree(_) => None,
+            Guide::Grid(grid) => grid.settings().passes,
+        }
+    }
+
     /// Directions that the pass under way has learnt from; with a grid, also those of earlier passes that still count.
     #[must_use]
     pub fn records(&self) -> u64 {
@@ -79,7 +108,13 @@ impl Training {
 
     /// As [`Training::learn`], with a grid.
     pub(crate) fn learn_on_grid(&self, records: &[GridRecord], all: Spectrum, wavelengths: &Wavelengths) {
-        let (Some(typical), Sums::Grid(sums)) = (self.typical, &self.sums) else { return };
+        let (Some(typical), Guide::Grid(grid), Sums::Grid(sums)) = (self.typical, &self.guide, &self.sums)
+        else {
+            return;
+        };
+        if grid.is_finished() {
+            return;
+        }
         for record in records {
             sums.add(record, all, wavelengths, typical);
         }
@@ -118,11 +153,18 @@ mod tests {
         let mut sample = 0;
         for length in [1, 3, 4, 8, 16, 32, 64, 128] {
             for i in sample..sample + length {
-                assert_eq!(pass(i), sample..sample + length);
+                assert_eq!(doubled(i), sample..sample + length);
             }
             sample += length;
         }
-        assert_eq!(pass((1 << 30) - 1), 1 << 29..1 << 30);
-        assert_eq!(pass(u32::MAX), 1 << 31..u32::MAX);
+        assert_eq!(doubled((1 << 30) - 1), 1 << 29..1 << 30);
+        assert_eq!(doubled(u32::MAX), 1 << 31..u32::MAX);
+    }
+
+    #[test]
+    fn listed_passes_follow_the_sample_that_tells_the_brightness() {
+        let lengths = PassLengths::new(&[2, 5]).unwrap();
+        let passes: Vec<_> = [0, 1, 2, 3, 7, 8, 1000].iter().map(|&i| listed(i, &lengths)).collect();
+        assert_eq!(passes, [0..1, 1..3, 1..3, 3..8, 3..8, 8..u32::MAX, 8..u32::MAX]);
     }
 }

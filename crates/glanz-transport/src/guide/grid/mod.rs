@@ -166,6 +166,11 @@ impl GridGuide {
         self.settings
     }
 
+    /// Whether it has learnt from all passes that its settings list.
+    pub(crate) fn is_finished(&self) -> bool {
+        self.settings.passes.is_some_and(|lengths| self.passes >= lengths.count())
+    }
+
     fn basis(&self) -> &Arc<TensorBasis<2>> {
         self.constant.basis()
     }
