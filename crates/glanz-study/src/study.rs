@@ -39,6 +39,8 @@ pub enum StudyOption {
     Triangles,
     /// [`Settings::rooms`].
     Rooms,
+    /// [`Settings::methods`].
+    Methods,
     /// [`Settings::samples`].
     Samples,
     /// [`Settings::references`].
@@ -67,6 +69,7 @@ static STUDIES: [Study; 4] = [
         description: "what densities that learn where light comes from gain in rooms (document 003)",
         options: &[
             StudyOption::Rooms,
+            StudyOption::Methods,
             StudyOption::Size,
             StudyOption::Samples,
             StudyOption::References,
@@ -128,6 +131,8 @@ pub struct Settings<'a> {
     pub triangles: Option<Vec<u64>>,
     /// Scene files, or names of those in `scenes/rooms` of the working folder.
     pub rooms: Option<Vec<String>>,
+    /// Ways to render beside `path`: `tree`, or grids by basis, cells and scale, such as `haar-8-3`.
+    pub methods: Option<Vec<String>>,
     /// Samples per pixel at which curves end, a power of two.
     pub samples: Option<u32>,
     /// Samples per pixel of the pictures that others are measured against, at least 1.
@@ -157,6 +162,7 @@ impl<'a> Settings<'a> {
             size: None,
             triangles: None,
             rooms: None,
+            methods: None,
             samples: None,
             references: None,
             rounds: None,

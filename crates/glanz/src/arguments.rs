@@ -319,6 +319,9 @@ pub(crate) struct StudyArguments {
     /// Scene files, or names of those in scenes/rooms (guiding)
     #[arg(long, value_name = "LIST", requires = "name", value_delimiter = ',')]
     pub(crate) rooms: Option<Vec<String>>,
+    /// What is compared with path: tree, or grids by basis, cells and scale, such as haar-8-3 (guiding)
+    #[arg(long, value_name = "LIST", requires = "name", value_delimiter = ',')]
+    pub(crate) methods: Option<Vec<String>>,
     /// Samples per pixel at which curves end, a power of two (guiding)
     #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
     pub(crate) samples: Option<u32>,

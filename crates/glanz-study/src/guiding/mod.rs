@@ -57,6 +57,7 @@ impl Plan {
             });
         }
         let names = || ROOMS.map(str::to_owned).into();
+        let entries = chosen(entries(samples, full), settings.methods.as_deref())?;
         Ok(Self {
             rooms: settings.rooms.clone().unwrap_or_else(names),
             size: settings.size.unwrap_or([160, 120]),
@@ -66,7 +67,7 @@ impl Plan {
             seconds: settings.seconds.unwrap_or(if full { 30.0 } else { 3.0 }),
             threads: settings.threads.unwrap_or(2).max(1),
             seed: settings.seed,
-            entries: entries(samples, full),
+            entries,
         })
     }
 
@@ -76,6 +77,22 @@ impl Plan {
         kinds.flat_map(move |(entry, lights)| {
             (0..self.rounds).map(move |round| Case { room, entry, lights, round, seed: self.seed })
         })
+    }
+}
+
+/// `path`, and those of `entries` that are asked for by their keys; all if nothing is.
+fn chosen(mut entries: Vec<Entry>, keys: Option<&[String]>) -> Result<Vec<Entry>, StudyError> {
+    let Some(keys) = keys else { return Ok(entries) };
+    match keys.iter().find(|key| entries.iter().all(|entry| entry.method.key != **key)) {
+        Some(unknown) => Err(StudyError::Setting {
+            name: "methods",
+            value: unknown.clone(),
+            needed: "tree, or one of the grids of this study, such as haar-8-3: basis, cells and scale",
+        }),
+        None => {
+            entries.retain(|Entry { method, .. }| *method == Method::path() || keys.contains(&method.key));
+            Ok(entries)
+        }
     }
 }
 

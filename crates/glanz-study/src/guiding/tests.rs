@@ -57,6 +57,7 @@ fn settings<'a>(folder: &Path, stop: &'a AtomicBool) -> Settings<'a> {
         size: Some([16, 12]),
         samples: Some(16),
         references: Some(256),
+        methods: Some(["tree", "haar-8-3"].map(str::to_owned).into()),
         rounds: Some(2),
         seconds: Some(0.05),
         threads: Some(1),
@@ -65,20 +66,12 @@ fn settings<'a>(folder: &Path, stop: &'a AtomicBool) -> Settings<'a> {
     }
 }
 
-/// The study with a few of its methods.
-fn short(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
-    let mut plan = Plan::new(settings)?;
-    plan.entries.retain(|entry| ["path", "tree", "haar-8-3"].contains(&entry.method.key.as_str()));
-    assert_eq!(plan.entries.len(), 3);
-    carry_out(&plan, settings, watch)
-}
-
 #[test]
 fn study_of_a_box_writes_tables_plots_and_pictures() {
     let folder = Folder::new("all");
     let stop = AtomicBool::new(false);
     let settings = settings(&folder.0, &stop);
-    let report = short(&settings, &mut Unwatched).unwrap();
+    let report = run(&settings, &mut Unwatched).unwrap();
     let names = report.write(&folder.0.join("out")).unwrap();
     for name in ["summary.csv", "speed_up.csv", "speed_ups.csv", "curves.csv", "frozen.csv", "report.md"] {
         assert!(names.iter().any(|n| n == name) && folder.has(name), "{name}");
@@ -106,7 +99,7 @@ fn study_of_a_box_writes_tables_plots_and_pictures() {
     assert!(error(&curves.rows()[4]) > error(&curves.rows()[9]));
 
     // Times are part of the report: only what is kept can give them again.
-    let again = short(&settings, &mut Unwatched).unwrap();
+    let again = run(&settings, &mut Unwatched).unwrap();
     assert_eq!(again.markdown(), report.markdown());
 }
 
@@ -126,7 +119,7 @@ fn a_study_that_was_stopped_goes_on_where_it_was() {
     let folder = Folder::new("stopped");
     let stop = AtomicBool::new(false);
     let settings = settings(&folder.0, &stop);
-    let stopped = short(&settings, &mut Stopper(&stop, "tree"));
+    let stopped = run(&settings, &mut Stopper(&stop, "tree"));
     assert!(matches!(stopped, Err(StudyError::Interrupted)));
     let before = folder.kept();
     assert!(before.iter().any(|name| name.starts_with("reference-box-16x12-")), "{before:?}");
@@ -134,7 +127,7 @@ fn a_study_that_was_stopped_goes_on_where_it_was() {
     assert!(before.iter().all(|name| !name.contains("-tree-")), "{before:?}");
     stop.store(false, Ordering::Relaxed);
     // The reference is there: its samples are not taken again.
-    let done = short(&settings, &mut Stopper(&stop, "reference"));
+    let done = run(&settings, &mut Stopper(&stop, "reference"));
     assert!(done.is_ok() && folder.kept().len() > before.len());
 }
 
@@ -143,8 +136,8 @@ fn more_samples_add_to_the_reference_and_measure_again() {
     let folder = Folder::new("more");
     let stop = AtomicBool::new(false);
     let first = Settings { rounds: None, ..settings(&folder.0, &stop) };
-    let one = short(&first, &mut Unwatched).unwrap();
-    let two = short(&Settings { references: Some(512), ..first }, &mut Unwatched).unwrap();
+    let one = run(&first, &mut Unwatched).unwrap();
+    let two = run(&Settings { references: Some(512), ..first }, &mut Unwatched).unwrap();
     let errors =
         |report: &Report| report.summary().rows().iter().map(|row| row[5].clone()).collect::<Vec<_>>();
     assert_ne!(errors(&one), errors(&two));
@@ -161,6 +154,7 @@ fn settings_that_make_no_sense_are_refused() {
     };
     let sound = || Settings { keep: None, ..settings(&folder.0, &stop) };
     refused(Settings { samples: Some(12), ..sound() }, "power of two");
+    refused(Settings { methods: Some(vec!["haar".into()]), ..sound() }, "haar-8-3");
     refused(Settings { rooms: Some(vec!["cellar".into()]), ..sound() }, "scenes/rooms");
     let room = |name: &str, text: &str| {
         let path = folder.0.join(name);
