@@ -23,6 +23,7 @@ const ROOMS: &[Room] = &[
     Room { floor: 3, name: "glanz-scene", may_use: "0-2" },
     Room { floor: 4, name: "glanz-formats", may_use: "0-3" },
     Room { floor: 4, name: "glanz-transport", may_use: "0-3" },
+    Room { floor: 4, name: "glanz-radiosity", may_use: "0-3" },
     Room { floor: 5, name: "glanz-study", may_use: "0-4" },
     Room { floor: 6, name: "glanz", may_use: "all" },
 ];

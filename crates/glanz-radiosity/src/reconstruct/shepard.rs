@@ -1,0 +1,52 @@
+//! Means weighted by distance.
+
+use glanz_math::{DVec2, DVec3};
+
+use super::{Interpolant, ReconstructError, Sample};
+
+/// Weights distance^-exponent.
+///
+/// # Source
+/// @shepard1968; @pietrek2001 section 4.5.1.
+pub(super) struct Shepard {
+    samples: Vec<Sample>,
+    /// Half the exponent: weights are taken of squares.
+    half: f64,
+}
+
+impl Shepard {
+    /// # Errors
+    /// [`ReconstructError::Exponent`] unless it is above 0 and finite.
+    pub(super) fn try_new(samples: &[Sample], exponent: f64) -> Result<Self, ReconstructError> {
+        if !(exponent > 0.0 && exponent.is_finite()) {
+            return Err(ReconstructError::Exponent("shepard", exponent));
+        }
+        Ok(Self { samples: samples.to_vec(), half: 0.5 * exponent })
+    }
+
+    fn weighted(&self, point: DVec2, weight: impl Fn(f64) -> f64) -> DVec3 {
+        // Relative to the nearest, so that no power overflows.
+        let square = |s: &Sample| s.point.distance_squared(point);
+        let nearest = self.samples.iter().map(square).fold(f64::INFINITY, f64::min);
+        let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
+        for sample in &self.samples {
+            let square = square(sample);
+            let w = if square == nearest { 1.0 } else { weight(nearest / square) };
+            sum += w * sample.value;
+            weights += w;
+        }
+        sum / weights
+    }
+}
+
+impl Interpolant for Shepard {
+    fn value(&self, point: DVec2) -> DVec3 {
+        // Powers by multiplication are twenty times faster.
+        match self.half {
+            1.0 => self.weighted(point, |x| x),
+            2.0 => self.weighted(point, |x| x * x),
+            0.5 => self.weighted(point, f64::sqrt),
+            half => self.weighted(point, |x| x.powf(half)),
+        }
+    }
+}
