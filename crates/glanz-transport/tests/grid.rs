@@ -6,15 +6,12 @@ mod common;
 
 use std::ops::Range;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use common::*;
 use glanz_math::{DMat4, DVec3};
 use glanz_sampling::SamplerKind;
 use glanz_scene::description::{FloatInput, GuideSettings, LightKind, MaterialKind};
-use glanz_transport::{
-    AovSet, Checkpoint, Film, Guide, PictureIdentity, RenderError, RenderOutcome, Silent, merge, render,
-};
+use glanz_transport::{AovSet, Checkpoint, Film, Guide, PictureIdentity, RenderError, RenderOutcome, merge};
 
 fn guide(text: &str) -> GuideSettings {
     text.parse().unwrap()
@@ -183,21 +180,14 @@ fn directions_that_a_grid_has_learnt_find_a_lamp_more_often() {
     assert!(guided < 0.6 * path, "standard errors {guided}, {path}");
 }
 
-/// Goes on with `film`, by a guide that is learnt or that one.
+/// Goes on with `film` of the small scene, by a guide that is learnt or that one.
 fn go_on(
     run: &Run,
     film: Film,
     samples: Range<u32>,
     guide: Option<&Arc<Guide>>,
 ) -> Result<RenderOutcome, RenderError> {
-    let builder = small();
-    let mut settings = run.settings(&builder.0);
-    settings.samples = samples;
-    let integrator = match guide {
-        Some(guide) => run.integrator_settings().build_with_guide(guide.clone()),
-        None => run.integrator_settings().build(),
-    };
-    render(&builder.scene(), integrator.as_ref(), &settings, film, &mut Silent, &AtomicBool::new(false))
+    run.go_on(&small(), film, samples, guide)
 }
 
 fn fresh(run: &Run, passes: bool) -> Film {

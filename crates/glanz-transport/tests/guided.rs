@@ -7,15 +7,13 @@ mod common;
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use common::*;
 use glanz_math::{DMat4, DVec3};
 use glanz_sampling::SamplerKind;
 use glanz_scene::description::{FloatInput, MaterialKind};
 use glanz_transport::{
-    AovSet, Checkpoint, Film, Guide, MergeError, PictureIdentity, RenderError, RenderOutcome, Silent, merge,
-    render,
+    AovSet, Checkpoint, Film, Guide, MergeError, PictureIdentity, RenderError, RenderOutcome, merge,
 };
 
 /// A room of 2 m with a wall across it that ends 0.3 m below the ceiling. The lamp lies on the floor behind the wall, so that almost all
@@ -60,21 +58,14 @@ fn run(samples: u32) -> Run {
     }
 }
 
-/// Goes on with `film`, by a guide that is learnt or that one.
+/// Goes on with `film` of the small scene, by a guide that is learnt or that one.
 fn go_on(
     run: &Run,
     film: Film,
     samples: Range<u32>,
     guide: Option<&Arc<Guide>>,
 ) -> Result<RenderOutcome, RenderError> {
-    let builder = small();
-    let mut settings = run.settings(&builder.0);
-    settings.samples = samples;
-    let integrator = match guide {
-        Some(guide) => run.integrator_settings().build_with_guide(guide.clone()),
-        None => run.integrator_settings().build(),
-    };
-    render(&builder.scene(), integrator.as_ref(), &settings, film, &mut Silent, &AtomicBool::new(false))
+    run.go_on(&small(), film, samples, guide)
 }
 
 fn fresh(run: &Run) -> Film {

@@ -3,6 +3,7 @@
 
 use std::f64::consts::TAU;
 use std::ops::Range;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use glanz_light::SpectralDistribution;
@@ -11,8 +12,8 @@ use glanz_sampling::SamplerKind;
 use glanz_scene::Scene;
 use glanz_scene::description::*;
 use glanz_transport::{
-    Aov, AovSet, Film, FilmFormat, Filter, Finished, IntegratorSettings, PixelRect, RenderOutcome,
-    RenderSettings, Silent, render,
+    Aov, AovSet, Film, FilmFormat, Filter, Finished, Guide, IntegratorSettings, PixelRect, RenderError,
+    RenderOutcome, RenderSettings, Silent, render,
 };
 
 pub(crate) fn grey(value: f32) -> SpectrumInput {
@@ -252,6 +253,23 @@ impl Run {
         assert_eq!(outcome.finished, Finished::Complete);
         assert_eq!(outcome.film.rejects(), Default::default());
         outcome
+    }
+
+    /// Goes on with `film`, by a guide that is learnt or that one.
+    pub(crate) fn go_on(
+        &self,
+        builder: &Builder,
+        film: Film,
+        samples: Range<u32>,
+        guide: Option<&Arc<Guide>>,
+    ) -> Result<RenderOutcome, RenderError> {
+        let mut settings = self.settings(&builder.0);
+        settings.samples = samples;
+        let integrator = match guide {
+            Some(guide) => self.integrator_settings().build_with_guide(guide.clone()),
+            None => self.integrator_settings().build(),
+        };
+        render(&builder.scene(), integrator.as_ref(), &settings, film, &mut Silent, &AtomicBool::new(false))
     }
 
     pub(crate) fn picture(&self, builder: &Builder) -> Picture {
