@@ -29,7 +29,7 @@ use crate::pixel_rect::PixelRect;
 use crate::ranges::SampleRanges;
 
 const MAGIC: &[u8; 8] = b"GLANZCKP";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Why bytes are not a checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -323,8 +323,8 @@ mod tests {
         assert_eq!(Checkpoint::from_bytes(b"PNG..."), Err(CheckpointError::Foreign));
         assert_eq!(Checkpoint::from_bytes(b""), Err(CheckpointError::Foreign));
         let mut newer = bytes.clone();
-        newer[8] = 3;
-        assert_eq!(Checkpoint::from_bytes(&newer), Err(CheckpointError::Version(3)));
+        newer[8] = VERSION as u8 + 1;
+        assert_eq!(Checkpoint::from_bytes(&newer), Err(CheckpointError::Version(VERSION + 1)));
         let found = bytes.len() as u64;
         assert_eq!(
             Checkpoint::from_bytes(&bytes[..100]),

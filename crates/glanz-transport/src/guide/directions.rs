@@ -1,8 +1,8 @@
 //! Densities over the directions of the sphere that are fine where much light comes from.
 //!
 //! Directions lie in the unit square by a map that keeps areas and distorts little (@clarberg2008): the upper hemisphere is the inner
-//! diamond, the lower one the four corners. A tree of squares, each in 4 x 4 parts, holds the share of light in each part; within a
-//! leaf the density is constant. That is a density in the Haar basis, with the wavelets left out where little light is: chapter 2 of document
+//! diamond, the lower one the four corners. A tree of squares, each in 4 x 4 parts, holds the share of each part in the density; within a
+//! leaf it is constant. That is a density in the Haar basis, with the wavelets left out where little light is: chapter 2 of document
 //! 003, and the directional tree of @muller2017. Both map by (cos theta, phi), which makes a lamp overhead a strip along a side of the
 //! square that squares cannot follow.
 
@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glanz_math::{DVec2, DVec3};
 
-/// Share of a tree's light above which a part is divided.
+/// Share in a tree above which a part is divided.
 const SPLIT_SHARE: f64 = 0.03;
 
 /// Samples, spread evenly over the parts of a square, that are added to those it has: a few bright samples are no peak.
@@ -33,7 +33,7 @@ const WHOLE: u32 = u16::MAX as u32;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(align(64))]
 pub(crate) struct Square {
-    /// Light of each part in units of 1 / [`WHOLE`] of the square's; all 0 if there is none.
+    /// Share of each part in units of 1 / [`WHOLE`] of the square; all 0 without light.
     pub(crate) share: [u16; 16],
     /// Index of each part's own square, counted from the root, larger than the index of this; [`NONE`] if it is a leaf.
     pub(crate) child: [u16; 16],
@@ -131,47 +131,49 @@ impl DirectionTrees {
         }
     }
 
-    /// The tree with that root, its light as `leaf_light` says, divided anew: fine where the light is. The root is the first
-    /// element. `None` if there is no light.
+    /// The tree with that root, shares as `weight` says, divided anew: fine where much is. The root is the first element. `None` if
+    /// all weights are 0.
     ///
-    /// `leaf_light`: from a leaf and its share of the light of this tree; in any unit. `effective`: equal samples that would tell
-    /// as much of the light.
+    /// `weight`: of a leaf, in any unit. `effective`: equal samples that would tell as much of the light.
     pub(crate) fn refined(
         &self,
         root: u32,
         effective: f64,
-        leaf_light: &dyn Fn(u32, f64) -> f64,
+        weight: &dyn Fn(Leaf) -> f64,
     ) -> Option<Vec<Square>> {
-        let whole = Part { node: root, share: 1.0 };
-        let light = self.gather(root, whole, leaf_light);
-        let all: f64 = light.iter().sum();
+        let whole = Part::whole(root);
+        let weights = self.gather(root, whole, weight);
+        let all: f64 = weights.iter().sum();
         if !(all > 0.0 && all.is_finite()) {
             return None;
         }
-        let mut refinement = Refinement { old: self, root, leaf_light, all, effective, tree: Vec::new() };
-        refinement.divide(Some(whole), light, 1);
+        let mut refinement = Refinement { old: self, root, weight, all, effective, tree: Vec::new() };
+        refinement.divide(Some(whole), weights, 1);
         Some(refinement.tree)
     }
 
-    /// Light of the whole tree.
-    pub(crate) fn total(&self, root: u32, leaf_light: &dyn Fn(u32, f64) -> f64) -> f64 {
-        self.gather(root, Part { node: root, share: 1.0 }, leaf_light).iter().sum()
+    /// Weight of the whole tree.
+    pub(crate) fn total(&self, root: u32, weight: &dyn Fn(Leaf) -> f64) -> f64 {
+        self.gather(root, Part::whole(root), weight).iter().sum()
     }
 
-    /// Light of the parts of a square, all leaves below them added up.
-    fn gather(&self, root: u32, of: Part, leaf_light: &dyn Fn(u32, f64) -> f64) -> [f64; 16] {
+    /// Weights of the parts of a square, all leaves below them added up.
+    fn gather(&self, root: u32, of: Part, weight: &dyn Fn(Leaf) -> f64) -> [f64; 16] {
         std::array::from_fn(|i| match self.part(root, of, i) {
-            (share, None) => leaf_light(16 * of.node + i as u32, share),
-            (_, Some(below)) => self.gather(root, below, leaf_light).iter().sum(),
+            (share, None) => weight(Leaf { number: 16 * of.node + i as u32, share, area: of.area / 16.0 }),
+            (_, Some(below)) => self.gather(root, below, weight).iter().sum(),
         })
     }
 
-    /// Share of a part in the light of the tree, and its own square if it has one.
+    /// Share of a part in the tree, and its own square if it has one.
     fn part(&self, root: u32, of: Part, i: usize) -> (f64, Option<Part>) {
         let Some(square) = self.0.get(of.node as usize) else { return (0.0, None) };
         let share = of.share * f64::from(square.share[i]) / f64::from(WHOLE);
         let child = square.child[i];
-        (share, (child != NONE).then_some(Part { node: root + u32::from(child), share }))
+        (
+            share,
+            (child != NONE).then_some(Part { node: root + u32::from(child), share, area: of.area / 16.0 }),
+        )
     }
 
     /// Whether there is a tree at each of these roots: no square below two others, none too deep, none left over; and whether
@@ -203,39 +205,57 @@ impl DirectionTrees {
     }
 }
 
+/// A leaf of a tree.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leaf {
+    /// Its number among those of all trees.
+    pub(crate) number: u32,
+    /// Its share in the tree.
+    pub(crate) share: f64,
+    /// Its share in the sphere.
+    pub(crate) area: f64,
+}
+
 /// A square of a tree.
 #[derive(Clone, Copy)]
 struct Part {
     node: u32,
-    /// Its share of the light of the tree.
+    /// Its shares in the tree and in the sphere.
     share: f64,
+    area: f64,
+}
+
+impl Part {
+    fn whole(root: u32) -> Self {
+        Self { node: root, share: 1.0, area: 1.0 }
+    }
 }
 
 /// A tree under construction.
 struct Refinement<'a> {
     old: &'a DirectionTrees,
     root: u32,
-    leaf_light: &'a dyn Fn(u32, f64) -> f64,
+    weight: &'a dyn Fn(Leaf) -> f64,
     all: f64,
     effective: f64,
     tree: Vec<Square>,
 }
 
 impl Refinement<'_> {
-    /// Adds the square with this light in its parts, and what is below it; its index. `old`: the same square in the old tree.
-    fn divide(&mut self, old: Option<Part>, light: [f64; 16], level: u32) -> u16 {
-        let light = self.evened(light);
+    /// Adds the square with these weights of its parts, and what is below it; its index. `old`: the same square in the old tree.
+    fn divide(&mut self, old: Option<Part>, weights: [f64; 16], level: u32) -> u16 {
+        let weights = self.evened(weights);
         let index = self.tree.len();
-        self.tree.push(Square { share: shares(light), child: [NONE; 16] });
-        for (i, inside) in light.into_iter().enumerate() {
+        self.tree.push(Square { share: shares(weights), child: [NONE; 16] });
+        for (i, inside) in weights.into_iter().enumerate() {
             // No more than 1 / SPLIT_SHARE squares on each level: the numbers of all fit.
             if level >= MAX_LEVELS || inside <= SPLIT_SHARE * self.all {
                 continue;
             }
             let below = old.and_then(|old| self.old.part(self.root, old, i).1);
-            // A leaf knows its light, not where in it.
+            // A leaf knows its weight, not where in it.
             let parts =
-                below.map_or([inside / 16.0; 16], |below| self.old.gather(self.root, below, self.leaf_light));
+                below.map_or([inside / 16.0; 16], |below| self.old.gather(self.root, below, self.weight));
             let child = self.divide(below, parts, level + 1);
             if let Some(square) = self.tree.get_mut(index) {
                 square.child[i] = child;
@@ -244,22 +264,24 @@ impl Refinement<'_> {
         index as u16
     }
 
-    /// Light of the parts of a square with [`EVEN_SAMPLES`] added, in the same sum.
-    fn evened(&self, light: [f64; 16]) -> [f64; 16] {
-        let sum: f64 = light.iter().sum();
+    /// Weights of the parts of a square with [`EVEN_SAMPLES`] added, in the same sum.
+    fn evened(&self, weights: [f64; 16]) -> [f64; 16] {
+        let sum: f64 = weights.iter().sum();
         let samples = self.effective * sum / self.all;
         if sum <= 0.0 || samples.is_infinite() {
-            return light;
+            return weights;
         }
-        light.map(|light| (samples * light + EVEN_SAMPLES * sum / 16.0) / (samples + EVEN_SAMPLES))
+        weights.map(|weight| (samples * weight + EVEN_SAMPLES * sum / 16.0) / (samples + EVEN_SAMPLES))
     }
 }
 
-/// Light in units of 1 / [`WHOLE`] of its sum, which is positive; none that is positive becomes 0, and the sum is kept.
-fn shares(light: [f64; 16]) -> [u16; 16] {
-    let sum: f64 = light.iter().sum();
-    let mut shares = light
-        .map(|light| if light > 0.0 { (light / sum * f64::from(WHOLE)).round().max(1.0) as u16 } else { 0 });
+/// Weights in units of 1 / [`WHOLE`] of their sum, which is positive; none that is positive becomes 0, and the sum is kept.
+fn shares(weights: [f64; 16]) -> [u16; 16] {
+    let sum: f64 = weights.iter().sum();
+    let mut shares =
+        weights.map(
+            |weight| if weight > 0.0 { (weight / sum * f64::from(WHOLE)).round().max(1.0) as u16 } else { 0 },
+        );
     let total: u32 = shares.iter().map(|&share| u32::from(share)).sum();
     if let Some(largest) = shares.iter_mut().max() {
         *largest = (u32::from(*largest) + WHOLE - total) as u16;

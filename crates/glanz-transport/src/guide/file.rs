@@ -251,8 +251,10 @@ mod tests {
                     light: Spectrum::BLACK,
                     throughput: Spectrum::ONE,
                     beyond,
+                    next: None,
                 };
-                let records = Records { directions: vec![record], lamps: Vec::new() };
+                let mut records = Records::default();
+                records.push(record);
                 training.learn(&records, Spectrum::splat(1.0), &Wavelengths::default());
             }
         }

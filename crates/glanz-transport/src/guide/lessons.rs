@@ -1,9 +1,9 @@
 //! What the paths of a pass found, added up for the next guide.
 //!
 //! All sums are integers, so that they depend on which records were added, not on the order or on threads (see
-//! [`crate::exact`]). The quantum is set by the scene: 2^-20 of a typical luminance for light and 2^-16 of its square for squares.
-//! Light over its density is cut to 2^20 times the typical, squares to that of 2^16 times. A sum holds 2^24 and 2^16 terms of that size;
-//! since the typical luminance is about the mean, so many would need 2^44 and 2^32 records. Cut terms are counted. Any of this
+//! [`crate::exact`]). The quantum is set by the scene: 2^-20 of a typical luminance for light and 2^-24 of its square for squares.
+//! Light over its density is cut to 2^20 times the typical, squares to that of 2^12 times. A sum holds 2^24 and 2^16 terms of that size;
+//! since the typical luminance is about the mean, so many would need 2^44 and 2^28 records. Cut terms are counted. Any of this
 //! can only make a guide worse, never a picture wrong.
 
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_scene::MAX_LIGHT_GROUPS;
 
+use super::directions::Leaf;
 use super::mixture::{SHARES, Share, density};
 use super::record::{LampRecord, Record};
 
@@ -18,21 +19,22 @@ use super::record::{LampRecord, Record};
 const LARGEST_LIGHT: f64 = (1_u64 << 40) as f64;
 const LARGEST_SQUARE: f64 = (1_u64 << 48) as f64;
 pub(crate) const LIGHT_QUANTA: f64 = (1_u64 << 20) as f64;
-const MOMENT_QUANTA: f64 = (1_u64 << 16) as f64;
+const MOMENT_QUANTA: f64 = (1_u64 << 24) as f64;
 
-/// Words of a cell: number of records, sum of their squared light, then the second moment under each share; number of lamps sampled, then
+/// Words of a cell: number of records, sum of their light and of its square, then the second moment under each share; number of lamps sampled, then
 /// the second moment of each group.
 const CELL_WORDS: usize = LAMP_WORDS + 1 + MAX_LIGHT_GROUPS;
 
 /// Where the words of the lamps begin.
-const LAMP_WORDS: usize = 2 + SHARES;
+const LAMP_WORDS: usize = 3 + SHARES;
 
 /// What the records of a cell say, light and moments in quanta.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CellLessons {
     /// Number of records.
     pub(crate) records: u64,
-    /// Sum of the squared light of each, in squared quanta of light.
+    /// Sums of the light of each over its density, and of the square of that, in quanta of light.
+    pub(crate) light: f64,
     pub(crate) squared_light: f64,
     /// Second moment under each share.
     pub(crate) moments: [u64; SHARES],
@@ -47,7 +49,7 @@ pub(crate) struct CellLessons {
 pub(crate) struct Lessons {
     /// [`CELL_WORDS`] for each cell.
     cells: Vec<AtomicU64>,
-    /// Light of each leaf of the direction trees.
+    /// Square of the light over the density for each leaf of the direction trees.
     leaves: Vec<AtomicU64>,
     /// Terms that were cut.
     cut: AtomicU64,
@@ -113,7 +115,9 @@ impl Lessons {
     #[inline]
     pub(crate) fn add(&self, record: &Record, all: Spectrum, wavelengths: &Wavelengths, typical: f64) {
         let words = CELL_WORDS * record.cell as usize;
-        let Some([count, squares, moments @ ..]) = self.cells.get(words..words + LAMP_WORDS) else { return };
+        let Some([count, sum, squares, moments @ ..]) = self.cells.get(words..words + LAMP_WORDS) else {
+            return;
+        };
         count.fetch_add(1, Ordering::Relaxed);
         let (arrived, went_on) = record.found(all, wavelengths);
         // Black, and whatever is not a number.
@@ -121,8 +125,10 @@ impl Lessons {
             return;
         }
         let light = arrived * record.cosine / record.pdf / typical;
+        sum.fetch_add(self.quanta(light * LIGHT_QUANTA, LARGEST_LIGHT), Ordering::Relaxed);
         if let Some(leaf) = self.leaves.get(record.leaf as usize) {
-            leaf.fetch_add(self.quanta(light * LIGHT_QUANTA, LARGEST_LIGHT), Ordering::Relaxed);
+            let square = light * light * record.pdf;
+            leaf.fetch_add(self.quanta(square * MOMENT_QUANTA, LARGEST_SQUARE), Ordering::Relaxed);
         }
         squares.fetch_add(self.quanta(light * light * MOMENT_QUANTA, LARGEST_SQUARE), Ordering::Relaxed);
         // F / p is what went on: F^2 / (p p_a) is its square times p / p_a.
@@ -157,9 +163,14 @@ impl Lessons {
         term.min(largest).round_ties_even() as u64
     }
 
-    /// Light of a leaf, in quanta.
-    pub(crate) fn light(&self, leaf: u32) -> f64 {
-        self.leaves.get(leaf as usize).map_or(0.0, |word| word.load(Ordering::Relaxed) as f64)
+    /// The density that a leaf should have times its size, in any unit: the root of the integral of squared light times that size.
+    ///
+    /// The second moment, the sum over all leaves of that integral over the density, is then the least of all densities that are constant in
+    /// each leaf (@rath2020); where the light of a leaf is even and always the same it is its light.
+    pub(crate) fn weight(&self, leaf: Leaf) -> f64 {
+        let square =
+            self.leaves.get(leaf.number as usize).map_or(0.0, |word| word.load(Ordering::Relaxed) as f64);
+        (square * leaf.area).sqrt()
     }
 
     /// What the records of a cell say.
@@ -169,8 +180,9 @@ impl Lessons {
         };
         CellLessons {
             records: word(0),
-            squared_light: word(1) as f64 * (LIGHT_QUANTA * LIGHT_QUANTA / MOMENT_QUANTA),
-            moments: std::array::from_fn(|i| word(i + 2)),
+            light: word(1) as f64,
+            squared_light: word(2) as f64 * (LIGHT_QUANTA * LIGHT_QUANTA / MOMENT_QUANTA),
+            moments: std::array::from_fn(|i| word(i + 3)),
             lamps: word(LAMP_WORDS),
             lamp_moments: std::array::from_fn(|i| word(LAMP_WORDS + 1 + i)),
         }
@@ -179,5 +191,44 @@ impl Lessons {
     /// Records of all cells.
     pub(crate) fn records(&self) -> u64 {
         self.cells.iter().step_by(CELL_WORDS).map(|word| word.load(Ordering::Relaxed)).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weight_is_the_root_of_mean_squared_light() {
+        // Light of 3 and 1 by turns in leaf 0; of 2 in leaf 1, where twice as many directions are drawn, at twice the density, and in leaf 2.
+        let even = 0.25 / std::f64::consts::PI;
+        let lessons = Lessons::new(1, 3);
+        let add = |leaf, light: f32, pdf: f64| {
+            let record = Record {
+                cell: 0,
+                leaf,
+                cosine: 0.5,
+                guide_pdf: pdf,
+                bsdf_pdf: pdf,
+                pdf,
+                light: Spectrum::BLACK,
+                throughput: Spectrum::ONE,
+                beyond: Spectrum::ONE,
+                next: None,
+            };
+            lessons.add(&record, Spectrum::splat(light), &Wavelengths::default(), 1.0);
+        };
+        for i in 0..64 {
+            add(0, if i % 2 == 0 { 3.0 } else { 1.0 }, even);
+            add(1, 2.0, 2.0 * even);
+            add(1, 2.0, 2.0 * even);
+            add(2, 2.0, even);
+        }
+        let weight = |number, area| lessons.weight(Leaf { number, share: 0.0, area });
+        let even_light = weight(1, 0.25);
+        assert!((weight(0, 0.25) / even_light - (5.0_f64 / 4.0).sqrt()).abs() < 1e-6);
+        // The sums are integrals of squared light over a leaf: those of leaves 1 and 2 are equal.
+        assert!((weight(2, 0.125) / even_light - 0.5_f64.sqrt()).abs() < 1e-6);
+        assert_eq!(lessons.cut(), 0);
     }
 }

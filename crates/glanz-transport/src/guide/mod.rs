@@ -17,7 +17,8 @@
 //! # Source
 //! Document 003 chapter 3 (a grid of cells on each surface, a fixed grid of directions, densities learnt in passes);
 //! @muller2017 (trees for both, passes of doubled length, halving by records), @muller2019 (passes weighted by their variance, a
-//! learnt mixture), @vorba2014. Departures: normals part cells; the mixture is chosen by its second moment on a grid;
+//! learnt mixture), @rath2020 (densities in proportion to the root of squared light), @dahm2017 (light from the next vertex as it is
+//! expected there), @vorba2014. Departures: normals part cells; the mixture is chosen by its second moment on a grid;
 //! light that light sampling finds too counts with its weight of multiple importance sampling only; all sums are integers.
 
 use glanz_scene::Scene;

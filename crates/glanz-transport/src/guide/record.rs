@@ -7,6 +7,8 @@ use glanz_light::{Spectrum, Wavelengths};
 pub(crate) struct Records {
     pub(crate) directions: Vec<Record>,
     pub(crate) lamps: Vec<LampRecord>,
+    /// Whether the last of the directions leads to the vertex where the path is.
+    leads_here: bool,
 }
 
 impl Records {
@@ -14,6 +16,29 @@ impl Records {
     pub(crate) fn clear(&mut self) {
         self.directions.clear();
         self.lamps.clear();
+        self.leads_here = false;
+    }
+
+    /// Notes the direction in which the path goes on.
+    pub(crate) fn push(&mut self, record: Record) {
+        self.directions.push(record);
+        self.leads_here = true;
+    }
+
+    /// What is known of the vertex where the path is before it goes on: the luminance to `expect` from there beyond what the path finds at the
+    /// vertex itself, if that is known. To be called once at each vertex.
+    pub(crate) fn expect(&mut self, expect: Option<f64>) {
+        let leads_here = std::mem::take(&mut self.leads_here);
+        if let Some(record) = self.directions.last_mut().filter(|_| leads_here) {
+            record.next = expect.map(|beyond| Next { light: None, beyond });
+        }
+    }
+
+    /// The path goes on from the vertex where it is and has found `light` so far.
+    pub(crate) fn leave(&mut self, light: Spectrum) {
+        if let Some(next) = self.directions.last_mut().and_then(|record| record.next.as_mut()) {
+            next.light.get_or_insert(light);
+        }
     }
 }
 
@@ -48,18 +73,38 @@ pub(crate) struct Record {
     /// Throughput up to the vertex, and beyond it.
     pub(crate) throughput: Spectrum,
     pub(crate) beyond: Spectrum,
+    /// What is known of the vertex to which the direction leads; `None` if nothing.
+    pub(crate) next: Option<Next>,
+}
+
+/// What is known of the next vertex.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Next {
+    /// Light that the path had found when it went on from there; `None` if it ended.
+    light: Option<Spectrum>,
+    /// Luminance that is expected from there besides.
+    beyond: f64,
 }
 
 impl Record {
     /// The luminance that arrived along the direction, and that which went on to the viewer over the density of the direction;
     /// `all`: the light of the whole path.
     ///
+    /// Where something is known of the next vertex, only what was found there counts, and what is expected from beyond instead of what this one
+    /// path brought from there: the expectation rests on many paths, and so the guide learns from fewer (@dahm2017).
+    ///
     /// What scatters no red says nothing of the red that arrives: it counts as none.
     pub(crate) fn found(&self, all: Spectrum, wavelengths: &Wavelengths) -> (f64, f64) {
-        let found = all - self.light;
-        let over =
-            |t: Spectrum| found.zip(t, |l, t| if t > 0.0 { l / t } else { 0.0 }).luminance(wavelengths);
-        (f64::from(over(self.beyond)), f64::from(over(self.throughput)))
+        let over = |light: Spectrum, throughput: Spectrum| {
+            let ratio = light.zip(throughput, |l, t| if t > 0.0 { l / t } else { 0.0 });
+            f64::from(ratio.luminance(wavelengths))
+        };
+        let Some(Next { light, beyond }) = self.next else {
+            let found = all - self.light;
+            return (over(found, self.beyond), over(found, self.throughput));
+        };
+        let arrived = over(light.unwrap_or(all) - self.light, self.beyond) + beyond;
+        (arrived, arrived * over(self.beyond, self.throughput))
     }
 }
 
@@ -82,11 +127,55 @@ mod tests {
             light: rgb([1.0; 3]),
             throughput: rgb([0.5; 3]),
             beyond: rgb([0.125, 0.125, 0.125]),
+            next: None,
         };
         let (arrived, went_on) = record.found(rgb([1.75; 3]), &wavelengths);
         assert!((arrived - 6.0).abs() < 1e-5 && (went_on - 1.5).abs() < 1e-6, "{arrived} {went_on}");
         let green = Record { beyond: rgb([0.0, 0.125, 0.0]), ..record };
         let (arrived, _) = green.found(rgb([1.0, 1.75, 1.0]), &wavelengths);
         assert!((arrived - 6.0 * 0.715_169).abs() < 1e-5, "{arrived}");
+    }
+
+    #[test]
+    fn what_is_expected_replaces_what_one_path_found_beyond_the_next_vertex() {
+        let rgb = Spectrum::from_rgb;
+        let record = Record {
+            cell: 0,
+            leaf: 0,
+            cosine: 0.5,
+            guide_pdf: 1.0,
+            bsdf_pdf: 1.0,
+            pdf: 1.0,
+            light: rgb([1.0; 3]),
+            throughput: rgb([0.5; 3]),
+            beyond: rgb([0.125; 3]),
+            next: None,
+        };
+        let found = |steps: &dyn Fn(&mut Records)| {
+            let mut records = Records::default();
+            records.expect(Some(7.0));
+            records.push(record);
+            steps(&mut records);
+            records.directions[0].found(rgb([1.75; 3]), &Wavelengths::default())
+        };
+        let close = |(a, b): (f64, f64), (c, d): (f64, f64)| (a - c).abs() < 1e-5 && (b - d).abs() < 1e-5;
+        // 0.25 was found at the next vertex: radiance 2 from there, and 3 expected.
+        let at_next = |records: &mut Records| {
+            records.expect(Some(3.0));
+            records.leave(rgb([1.25; 3]));
+            // Vertices after that one say nothing more of it.
+            records.expect(Some(9.0));
+            records.leave(rgb([1.5; 3]));
+        };
+        assert!(close(found(&at_next), (5.0, 1.25)));
+        // A path that ended there had found all it has.
+        assert!(close(found(&|records| records.expect(Some(3.0))), (9.0, 2.25)));
+        // Nothing is known of the vertex, or it was the sky: what the path found.
+        let unknown = |records: &mut Records| {
+            records.expect(None);
+            records.leave(rgb([1.25; 3]));
+        };
+        assert!(close(found(&unknown), (6.0, 1.5)));
+        assert!(close(found(&|_| ()), (6.0, 1.5)));
     }
 }

@@ -4,7 +4,7 @@ use glanz_math::{Bounds3, DVec2, DVec3};
 
 use super::GuideSize;
 use super::cells::Cells;
-use super::directions::{DirectionTrees, Draw, Square};
+use super::directions::{DirectionTrees, Draw, Leaf, Square};
 use super::lamps::Lamps;
 use super::lessons::{CellLessons, LIGHT_QUANTA, Lessons};
 use super::mixture::Share;
@@ -17,7 +17,7 @@ const CELLS_BY_RECORDS: f64 = 4.0;
 const FEWEST_RECORDS: f64 = 1000.0;
 
 /// Effective samples of light that a cell has to have to be halved; as many records may hold less, where light is rare.
-const FEWEST_TO_HALVE: f64 = 32.0;
+const FEWEST_TO_HALVE: f64 = 16.0;
 
 /// Effective samples of light that a tree of directions needs; with fewer the old one stays.
 const FEWEST_TO_LEARN: f64 = 16.0;
@@ -168,21 +168,21 @@ impl TreeGuide {
 
     fn taught_cell(&self, cell: u32, lessons: &Lessons, typical: f64) -> Taught {
         let Some(old) = self.known.get(cell as usize) else { return Taught::default() };
-        let CellLessons { records, squared_light, moments, lamps, lamp_moments } = lessons.cell(cell);
+        let CellLessons { records, light, squared_light, moments, lamps, lamp_moments } = lessons.cell(cell);
         let lamps = if lamps >= FEWEST_LAMPS { Lamps::learnt(lamps, &lamp_moments) } else { old.lamps };
-        let all = self.trees.total(old.root, &|leaf, _| lessons.light(leaf));
-        let new = if squared_light > 0.0 { all * all / squared_light } else { 0.0 };
+        let new = if squared_light > 0.0 { light * light / squared_light } else { 0.0 };
         let kept = REMEMBERED * old.effective;
         let effective = new + kept;
         // What the pass found, and what was known before in the same unit.
-        let light = |leaf, share| lessons.light(leaf) + share * all * kept / new;
+        let all = self.trees.total(old.root, &|leaf| lessons.weight(leaf));
+        let weight = |leaf: Leaf| lessons.weight(leaf) + leaf.share * all * kept / new;
         let enough = new >= FEWEST_TO_LEARN;
-        match enough.then(|| self.trees.refined(old.root, effective, &light)).flatten() {
+        match enough.then(|| self.trees.refined(old.root, effective, &weight)).flatten() {
             Some(tree) => {
                 // What the moments say of a tree without light means nothing: half and half, and the next pass shows.
                 let lit = self.trees.is_lit(old.root);
                 let share = if lit { old.share.better(new, &moments) } else { Share::HALF };
-                let flux = typical * all / (LIGHT_QUANTA * records as f64);
+                let flux = typical * light / (LIGHT_QUANTA * records as f64);
                 Taught { records, effective, tree: Some(tree), share, lamps, flux }
             }
             // The old tree as it is.

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use glanz_light::Spectrum;
+use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::description::GuideSettings;
 use glanz_scene::{LightId, Scene};
@@ -58,15 +58,13 @@ impl Integrator for Guided {
             }
         };
         let Some(training) = training else {
-            let mut directions = ByGuide { guide, sparse: true, records: None, drawn: None, expected: None };
-            return self.walk.radiance(context, &mut directions);
+            return self.walk.radiance(context, &mut ByGuide::new(guide, true, None, context.wavelengths));
         };
         let mut records = std::mem::take(&mut context.records);
         records.clear();
         let sample = context.sampler.sample_index();
         let sparse = sample >= SPARSE_FROM && sample % 2 == 1;
-        let mut directions =
-            ByGuide { guide, sparse, records: Some(&mut records), drawn: None, expected: None };
+        let mut directions = ByGuide::new(guide, sparse, Some(&mut records), context.wavelengths);
         let light = self.walk.radiance(context, &mut directions);
         training.learn(&records, light, &context.wavelengths);
         context.records = records;
@@ -97,6 +95,30 @@ struct ByGuide<'a> {
     drawn: Option<(f64, u32)>,
     /// Luminance that the whole path is expected to bring, as known at its first rough vertex.
     expected: Option<f64>,
+    /// The probability with which the path went on last.
+    survival: f64,
+    wavelengths: Wavelengths,
+}
+
+impl<'a> ByGuide<'a> {
+    fn new(
+        guide: &'a TreeGuide,
+        sparse: bool,
+        records: Option<&'a mut Records>,
+        wavelengths: Wavelengths,
+    ) -> Self {
+        Self { guide, sparse, records, drawn: None, expected: None, survival: 1.0, wavelengths }
+    }
+
+    fn luminance(&self, spectrum: Spectrum) -> f64 {
+        f64::from(spectrum.luminance(&self.wavelengths))
+    }
+
+    /// Luminance that a vertex is expected to send to the viewer besides what light sampling finds for it, if that is known.
+    fn expectation(&self, place: &Place, vertex: &Vertex<'_>) -> Option<f64> {
+        let is_known = place.flux > 0.0 && vertex.diffuse_probability() == 1.0;
+        is_known.then(|| self.luminance(vertex.albedo()) * place.flux / PI)
+    }
 }
 
 impl Directions for ByGuide<'_> {
@@ -150,6 +172,12 @@ impl Directions for ByGuide<'_> {
         xi_lobe: f64,
     ) -> Option<Scattered> {
         self.drawn = None;
+        if self.records.is_some() {
+            let expected = place.as_ref().and_then(|place| self.expectation(place, vertex));
+            // Paths that might have ended and did not stand for those that did.
+            let expected = expected.map(|expected| expected / self.survival);
+            self.records.iter_mut().for_each(|records| records.expect(expected));
+        }
         let Some(place) = place.as_ref().filter(|place| place.probability > 0.0) else {
             return vertex.sample(xi, xi_lobe);
         };
@@ -183,18 +211,20 @@ impl Directions for ByGuide<'_> {
         odds: &Odds,
     ) -> f64 {
         let known = place.as_ref().filter(|place| place.flux > 0.0 && !scattered.is_delta);
-        let Some(place) = known else { return odds.by_throughput() };
-        let luminance = |spectrum: Spectrum| f64::from(spectrum.luminance(&odds.wavelengths));
-        let guide = self.guide;
-        let path = *self.expected.get_or_insert_with(|| {
-            // As if all surfaces were diffuse.
-            let own = luminance(odds.before * vertex.albedo()) * place.flux / PI;
-            survival::expected(own, guide.brightness)
+        let luminance = |spectrum: Spectrum| f64::from(spectrum.luminance(&self.wavelengths));
+        let by_light = known.and_then(|place| {
+            let path = *self.expected.get_or_insert_with(|| {
+                // As if all surfaces were diffuse.
+                let own = luminance(odds.before * vertex.albedo()) * place.flux / PI;
+                survival::expected(own, self.guide.brightness)
+            });
+            let guide_pdf = self.drawn.map_or(scattered.bsdf_pdf, |(pdf, _)| pdf);
+            let radiance = place.flux * survival::believed(guide_pdf, scattered.bsdf_pdf)
+                / vertex.cosine(scattered.direction).abs();
+            survival::probability(luminance(odds.after) * radiance, path)
         });
-        let guide_pdf = self.drawn.map_or(scattered.bsdf_pdf, |(pdf, _)| pdf);
-        let radiance = place.flux * survival::believed(guide_pdf, scattered.bsdf_pdf)
-            / vertex.cosine(scattered.direction).abs();
-        survival::probability(luminance(odds.after) * radiance, path).unwrap_or_else(|| odds.by_throughput())
+        self.survival = by_light.unwrap_or_else(|| odds.by_throughput());
+        self.survival
     }
 
     fn take(
@@ -205,12 +235,14 @@ impl Directions for ByGuide<'_> {
         light: Spectrum,
         throughput: Spectrum,
     ) {
-        let (Some(records), Some(place)) = (&mut self.records, place) else { return };
+        let Some(records) = &mut self.records else { return };
+        records.leave(light);
+        let Some(place) = place else { return };
         if scattered.is_delta || self.sparse && place.probability == 0.0 {
             return;
         }
         let (guide_pdf, leaf) = self.drawn.unwrap_or_else(|| self.guide.pdf(place, scattered.direction));
-        records.directions.push(Record {
+        records.push(Record {
             cell: place.cell,
             leaf,
             cosine: vertex.cosine(scattered.direction).abs(),
@@ -220,6 +252,7 @@ impl Directions for ByGuide<'_> {
             light,
             throughput,
             beyond: throughput * scattered.weight,
+            next: None,
         });
     }
 }

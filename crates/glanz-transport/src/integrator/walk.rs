@@ -1,6 +1,6 @@
 //! The way of one path from the camera, whatever draws its directions.
 
-use glanz_light::{Spectrum, Wavelengths};
+use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::mis;
 use glanz_scene::{Interaction, LightId, Scene};
@@ -78,7 +78,6 @@ pub(super) struct Odds {
     /// What the throughput would be if the BSDF alone had drawn, changes by refraction undone. A direction that a guide draws
     /// often has a small throughput because much light comes from there; to end such paths would undo the guide's work.
     pub(super) importance: Spectrum,
-    pub(super) wavelengths: Wavelengths,
 }
 
 impl Odds {
@@ -153,13 +152,7 @@ impl Walk {
             throughput *= scattered.weight;
             importance *= scattered.bsdf_weight;
             eta_scale *= scattered.eta_scale;
-            let odds = Odds {
-                depth,
-                before,
-                after: throughput,
-                importance: importance * eta_scale,
-                wavelengths: context.wavelengths,
-            };
+            let odds = Odds { depth, before, after: throughput, importance: importance * eta_scale };
             let survival = directions.survival(&place, &vertex, &scattered, &odds);
             if survival < 1.0 {
                 if xi_roulette >= survival {

@@ -15,7 +15,7 @@ fn learnt(light: impl Fn(DVec3) -> f64) -> DirectionTrees {
             let direction = to_sphere(place);
             sums[trees.pdf(0, direction).1 as usize] += light(direction);
         }
-        let tree = trees.refined(0, f64::INFINITY, &|leaf, _| sums[leaf as usize]).unwrap();
+        let tree = trees.refined(0, f64::INFINITY, &|leaf| sums[leaf.number as usize]).unwrap();
         trees = DirectionTrees::default();
         trees.push(&tree);
     }
@@ -132,7 +132,7 @@ fn trees_without_light_draw_nothing() {
     assert_eq!(trees.0.len(), 1 + 16);
     assert!(!trees.is_lit(root) && trees.sample(root, DVec2::splat(0.5)).is_none());
     assert_eq!(trees.pdf(root, DVec3::X).0, 0.0);
-    assert!(trees.refined(root, 1e6, &|_, _| 0.0).is_none());
+    assert!(trees.refined(root, 1e6, &|_| 0.0).is_none());
 }
 
 #[test]
@@ -184,8 +184,8 @@ fn map_keeps_areas_and_can_be_undone() {
 fn leaves_know_their_share_of_the_tree() {
     let trees = lamp();
     // Learnt from the shares alone, the tree stays as it is; the sum over all leaves is 1.
-    assert!((trees.total(0, &|_, share| share) - 1.0).abs() < 1e-12);
-    let same = trees.refined(0, f64::INFINITY, &|_, share| 7.0 * share).unwrap();
+    assert!((trees.total(0, &|leaf| leaf.share) - 1.0).abs() < 1e-12);
+    let same = trees.refined(0, f64::INFINITY, &|leaf| 7.0 * leaf.share).unwrap();
     assert_eq!(same, trees.tree(0));
     assert_eq!(trees.tree(0), trees.0);
 }
@@ -196,13 +196,13 @@ fn few_samples_are_spread_and_many_are_not() {
     let mut trees = DirectionTrees::default();
     trees.push_blank();
     let shares = |effective| {
-        let found = |leaf: u32, _| if leaf < 16 { 0.0 } else { light[leaf as usize % 16] };
+        let found = |leaf: Leaf| if leaf.number < 16 { 0.0 } else { light[leaf.number as usize % 16] };
         trees.refined(0, effective, &found).unwrap()[0].share
     };
     // All squares of the second level find the same: the root is even with any number of samples.
     assert!(shares(4.0).iter().all(|&share| share.abs_diff(4096) <= 16));
     let one = |effective| {
-        let found = |leaf: u32, _| if leaf / 16 == 4 { 1.0 } else { 0.0 };
+        let found = |leaf: Leaf| if leaf.number / 16 == 4 { 1.0 } else { 0.0 };
         trees.refined(0, effective, &found).unwrap()[0].share
     };
     // n samples in one part and four spread evenly: (n + 4/16) / (n + 4).
