@@ -125,7 +125,7 @@ impl BilinearPatch {
         found
     }
 
-    fn point_at(&self, u: f64, v: f64) -> SurfacePoint {
+    pub(crate) fn point_at(&self, u: f64, v: f64) -> SurfacePoint {
         let [p00, p10, p01, p11] = self.corners;
         let position = (p00 * (1.0 - u) + p10 * u) * (1.0 - v) + (p01 * (1.0 - u) + p11 * u) * v;
         let (dpdu, dpdv) = self.tangents(u, v);

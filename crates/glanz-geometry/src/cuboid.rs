@@ -88,7 +88,7 @@ impl Cuboid {
         Hit { t: end.t, u: share[a], v: share[b], face: end.facet }
     }
 
-    fn point_at(&self, facet: u32, u: f64, v: f64) -> SurfacePoint {
+    pub(crate) fn point_at(&self, facet: u32, u: f64, v: f64) -> SurfacePoint {
         let (axis, upper) = ((facet as usize / 2) % 3, facet % 2 == 1);
         let (a, b) = tangent_axes(facet);
         let size = self.bounds.diagonal();

@@ -10,6 +10,7 @@ pub mod bilinear;
 pub mod bvh;
 pub mod cuboid;
 pub mod error;
+pub mod face;
 pub mod freeform;
 pub mod hit;
 mod line;
@@ -24,5 +25,6 @@ pub mod trim;
 pub mod trimmed;
 
 pub use error::SurfaceError;
+pub use face::{FaceDomain, FacePoint};
 pub use hit::{Hit, SurfacePoint, SurfaceSample};
 pub use surface::{RaySurface, Surface};

@@ -157,7 +157,7 @@ impl Torus {
         end.break_value()
     }
 
-    fn point_at(&self, u: f64, v: f64) -> SurfacePoint {
+    pub(crate) fn point_at(&self, u: f64, v: f64) -> SurfacePoint {
         let (sin_phi, cos_phi) = (u * self.phi_max).sin_cos();
         let (sin_theta, cos_theta) = (v * TAU).sin_cos();
         let rho = self.major + self.minor * cos_theta;

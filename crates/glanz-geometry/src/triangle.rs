@@ -232,7 +232,7 @@ impl Triangle {
         self.area
     }
 
-    fn point_at(&self, u: f64, v: f64) -> SurfacePoint {
+    pub(crate) fn point_at(&self, u: f64, v: f64) -> SurfacePoint {
         let [p0, p1, p2] = self.vertices;
         let (dpdu, dpdv) = (p1 - p0, p2 - p0);
         SurfacePoint {

@@ -36,6 +36,10 @@ impl Trimmed {
         &self.surface
     }
 
+    pub(crate) fn region(&self) -> &TrimRegion {
+        &self.region
+    }
+
     fn keeps(&self, ray: &Ray, hit: &Hit) -> bool {
         self.region.contains(self.surface.point(ray, hit).uv)
     }

@@ -92,6 +92,11 @@ impl Freeform {
         &self.pieces
     }
 
+    /// Whether the trimming region keeps the point with such parameters of the surface; all are kept without one.
+    pub(crate) fn keeps_parameters(&self, uv: DVec2) -> bool {
+        self.region.as_ref().is_none_or(|region| region.contains(uv))
+    }
+
     /// Whether it is what a region keeps of another.
     #[must_use]
     pub fn is_trimmed(&self) -> bool {

@@ -138,6 +138,11 @@ impl Freeform {
         Some(SurfaceSample { hit, point: self.point_at(leaf.piece, u, v), pdf: self.density_in(leaf, &hit)? })
     }
 
+    /// Square metres per unit of the parameters of a piece.
+    pub(crate) fn stretch_at(&self, face: u32, x: f64, y: f64) -> f64 {
+        self.pieces.get(face as usize).map_or(0.0, |piece| stretch(piece, x, y))
+    }
+
     pub(super) fn density(&self, hit: &Hit) -> Option<AreaPdf> {
         let areas = self.areas();
         let start = areas.leaves.partition_point(|leaf| leaf.piece < hit.face);
@@ -156,7 +161,7 @@ impl Freeform {
         Some(AreaPdf((leaf.bilinear(hit.u, hit.v) / (mass * stretch)).min(1e6 / mass)))
     }
 
-    pub(super) fn point_at(&self, face: u32, x: f64, y: f64) -> SurfacePoint {
+    pub(crate) fn point_at(&self, face: u32, x: f64, y: f64) -> SurfacePoint {
         // Hits are the surface's own; of a strange one the first piece answers.
         let Some(piece) = self.pieces.get(face as usize).or(self.pieces.first()) else { return nowhere() };
         let (points, degrees) = (piece.patch.control_points(), piece.patch.degrees());

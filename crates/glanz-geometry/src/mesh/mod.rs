@@ -141,16 +141,18 @@ impl Mesh {
         Some([vertex(a)?, vertex(b)?, vertex(c)?])
     }
 
+    /// Area of a triangle, m^2; 0 if it is degenerate.
+    pub(crate) fn face_area(&self, face: u32) -> f64 {
+        let area = |[a, b, c]: [DVec3; 3]| unit_normal(a, b, c).map(|_| 0.5 * (b - a).cross(c - a).length());
+        self.corners(face).and_then(area).unwrap_or_default()
+    }
+
     fn areas(&self) -> &[f64] {
         self.areas.get_or_init(|| {
             let mut sum = 0.0;
-            let area = |face: u32| {
-                let [a, b, c] = self.corners(face)?;
-                unit_normal(a, b, c).map(|_| 0.5 * (b - a).cross(c - a).length())
-            };
             (0..self.indices.len() as u32)
                 .map(|face| {
-                    sum += area(face).unwrap_or_default();
+                    sum += self.face_area(face);
                     sum
                 })
                 .collect()

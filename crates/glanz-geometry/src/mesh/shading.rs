@@ -49,7 +49,7 @@ impl Mesh {
     }
 
     /// The surface at the weights `u`, `v` of the second and third vertex of a triangle.
-    pub(super) fn point_at(&self, face: u32, u: f64, v: f64) -> SurfacePoint {
+    pub(crate) fn point_at(&self, face: u32, u: f64, v: f64) -> SurfacePoint {
         // A face of another mesh has no corners here; there is no right answer then, only a harmless one.
         let corners = self.corners(face).unwrap_or_default();
         let [p0, p1, p2] = corners;

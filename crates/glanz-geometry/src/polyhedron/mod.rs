@@ -210,7 +210,17 @@ impl Polyhedron {
         Some(Hit { t: end.t, u: p.x, v: p.y, face: u32::try_from(end.facet).ok()? })
     }
 
-    fn point_at(&self, facet: &Facet, u: f64, v: f64) -> SurfacePoint {
+    /// Corners of a facet in its own coordinates, in order; none if there is no such facet.
+    pub(crate) fn facet_corners(&self, facet: usize) -> impl Iterator<Item = DVec2> {
+        let facet = self.facets.get(facet);
+        let corner = |facet: &Facet, index: usize| {
+            let p = self.vertices.get(index)?;
+            Some(facet.frame.to_local(*p - facet.center).truncate())
+        };
+        facet.into_iter().flat_map(move |facet| facet.corners.iter().filter_map(move |&i| corner(facet, i)))
+    }
+
+    pub(crate) fn point_at(&self, facet: &Facet, u: f64, v: f64) -> SurfacePoint {
         let Frame { x, y, z } = facet.frame;
         SurfacePoint {
             position: (facet.center + u * x + v * y).clamp(self.bounds.min, self.bounds.max),

@@ -51,7 +51,7 @@ impl Disk {
         self.radius - self.inner_radius
     }
 
-    fn at(&self, uv: DVec2) -> SurfacePoint {
+    pub(crate) fn at(&self, uv: DVec2) -> SurfacePoint {
         let rho = self.radius - uv.y * self.width();
         let position = (self.sweep.direction(uv.x) * rho).extend(self.height);
         SurfacePoint {

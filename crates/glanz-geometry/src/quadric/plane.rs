@@ -107,9 +107,8 @@ impl RaySurface for Plane {
 
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
         let pdf = self.area_pdf_anywhere()?;
-        let p = (self.min + xi * (self.max - self.min)).min(self.max);
         let hit = Hit { t: 0.0, u: xi.x, v: xi.y, face: 0 };
-        Some(SurfaceSample { hit, point: self.at(p, xi), pdf })
+        Some(SurfaceSample { hit, point: self.at_parameters(xi)?, pdf })
     }
 
     fn area_pdf(&self, _hit: &Hit, _point: &SurfacePoint) -> Option<AreaPdf> {
@@ -118,6 +117,12 @@ impl RaySurface for Plane {
 }
 
 impl Plane {
+    /// The point with such parameters; `None` if the plane has no end.
+    pub(crate) fn at_parameters(&self, uv: DVec2) -> Option<SurfacePoint> {
+        let p = (self.min + uv * (self.max - self.min)).min(self.max);
+        p.is_finite().then(|| self.at(p, uv))
+    }
+
     fn area_pdf_anywhere(&self) -> Option<AreaPdf> {
         let area = self.area();
         area.is_finite().then(|| AreaPdf(1.0 / area))

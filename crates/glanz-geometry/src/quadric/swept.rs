@@ -45,6 +45,11 @@ pub(super) trait Swept {
     /// The point with the given parameters. Where they stand for more than one, the one next to `near`.
     fn position(&self, uv: DVec2, near: DVec3) -> DVec3;
 
+    /// What [`Swept::position`] is to take for `near` if nothing else is known.
+    fn near(&self, _uv: DVec2) -> DVec3 {
+        DVec3::ZERO
+    }
+
     /// A point picked from two uniform numbers.
     fn pick(&self, xi: DVec2) -> (DVec3, DVec2);
 
@@ -81,6 +86,11 @@ pub(super) fn point_of_hit(surface: &impl Swept, ray: &Ray, hit: &Hit) -> Surfac
     point(surface, surface.position(uv, follow(ray.origin, ray.direction, hit.t)), uv)
 }
 
+/// The surface at its parameters.
+pub(super) fn at(surface: &impl Swept, uv: DVec2) -> SurfacePoint {
+    point(surface, surface.position(uv, surface.near(uv)), uv)
+}
+
 fn point(surface: &impl Swept, close: DVec3, uv: DVec2) -> SurfacePoint {
     let position = surface.quadric().refined(close);
     let tangents = surface.tangents(position, uv);
@@ -114,6 +124,13 @@ pub(super) fn parameter_density(point: &SurfacePoint) -> f64 {
 /// Implements the contract by the functions above.
 macro_rules! impl_ray_surface {
     ($surface:ty) => {
+        impl $surface {
+            /// The surface at its parameters.
+            pub(crate) fn at(&self, uv: glanz_math::DVec2) -> crate::hit::SurfacePoint {
+                super::swept::at(self, uv)
+            }
+        }
+
         impl crate::surface::RaySurface for $surface {
             fn bounds(&self) -> glanz_math::Bounds3 {
                 super::swept::Swept::extent(self)

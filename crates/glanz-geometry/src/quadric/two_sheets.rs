@@ -110,11 +110,15 @@ impl Swept for TwoSheetedHyperboloid {
         (self.sweep.direction(uv.x) * (self.a * s.abs().sinh())).extend(z)
     }
 
-    fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
-        let s = self.s[0] + xi.y * self.turn();
+    fn near(&self, uv: DVec2) -> DVec3 {
+        let s = self.s[0] + uv.y * self.turn();
         // At s = 0 itself the sheet is the one that is kept, the upper one if both are.
         let lower = s < 0.0 || (s == 0.0 && self.s[1] <= 0.0);
-        (self.position(xi, if lower { -DVec3::Z } else { DVec3::Z }), xi)
+        if lower { -DVec3::Z } else { DVec3::Z }
+    }
+
+    fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
+        (self.position(xi, self.near(xi)), xi)
     }
 
     fn density(&self, point: &SurfacePoint) -> f64 {

@@ -1,0 +1,227 @@
+//! Shapes where they stand, place by place: to lay elements on them.
+
+use glanz_geometry::{FaceDomain, Surface};
+use glanz_math::{Bounds3, DVec2, Transform};
+
+use crate::chart::OwnPlace;
+use crate::interaction::Interaction;
+use crate::object::Object;
+use crate::scene::{Group, Scene};
+
+/// A surface in its place in the world.
+///
+/// Its faces are those of [`Surface::at`]; meshes that were joined are one surface of which each face has its own shape.
+#[derive(Clone, Debug)]
+pub struct PlacedSurface<'a> {
+    object: &'a Object,
+    /// From the group of the object to the world, innermost first.
+    maps: Vec<Transform>,
+}
+
+/// One side of a place.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedPoint {
+    /// As a ray would meet it that comes along the normal of that side.
+    pub at: Interaction,
+    /// Area per unit of the parameters, m^2.
+    pub stretch: f64,
+}
+
+impl Scene {
+    /// All surfaces of the world, those of instances once for each.
+    #[must_use]
+    pub fn placed_surfaces(&self) -> Vec<PlacedSurface<'_>> {
+        let mut placed = Vec::new();
+        self.place(self.world(), &[], &mut placed);
+        placed
+    }
+
+    fn place<'a>(&'a self, group: &'a Group, maps: &[Transform], placed: &mut Vec<PlacedSurface<'a>>) {
+        placed.extend(group.objects.iter().map(|object| PlacedSurface { object, maps: maps.to_vec() }));
+        for instance in &group.instances {
+            if let Some(inner) = self.groups.get(instance.group) {
+                let maps = [&[instance.to_parent], maps].concat();
+                self.place(inner, &maps, placed);
+            }
+        }
+    }
+}
+
+impl PlacedSurface<'_> {
+    /// The surface in its own frame.
+    #[must_use]
+    pub fn surface(&self) -> &Surface {
+        self.object.surface()
+    }
+
+    /// Number of faces; 0 if the surface has no parameters.
+    #[must_use]
+    pub fn faces(&self) -> u32 {
+        self.surface().faces()
+    }
+
+    /// The parameters of a face.
+    #[must_use]
+    pub fn face_domain(&self, face: u32) -> FaceDomain {
+        self.surface().face_domain(face)
+    }
+
+    /// Number of the shape that a face belongs to, in the order of the scene file.
+    #[must_use]
+    pub fn shape(&self, face: u32) -> u32 {
+        self.object.role(face).id
+    }
+
+    /// Whether light passes it as if it were not there.
+    #[must_use]
+    pub fn is_passable(&self) -> bool {
+        self.object.passable
+    }
+
+    /// Whether trimming keeps a part of it only.
+    #[must_use]
+    pub fn is_trimmed(&self) -> bool {
+        match self.surface() {
+            Surface::Trimmed(_) => true,
+            Surface::Freeform(freeform) => freeform.is_trimmed(),
+            _ => false,
+        }
+    }
+
+    /// A box around it in the world.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds3 {
+        self.maps.iter().fold(self.object.bounds(), |bounds, map| map.bounds(&bounds))
+    }
+
+    /// One side of the place with such parameters: that of the normal, or the other (`back`). `None` where there is no surface.
+    #[must_use]
+    pub fn at(&self, face: u32, uv: DVec2, back: bool) -> Option<PlacedPoint> {
+        let local = self.surface().at(face, uv)?;
+        let role = self.object.role(face);
+        let own_normal = if back != role.reversed { -local.point.normal } else { local.point.normal };
+        let own = OwnPlace { position: local.point.position, normal_to_viewer: own_normal };
+        let (mut point, mut stretch) = (local.point, local.stretch);
+        for map in self.object.to_parent().into_iter().chain(&self.maps) {
+            stretch *= map.area_scale(point.normal);
+            point = point.transformed(map);
+        }
+        if role.reversed {
+            point = point.reversed();
+        }
+        let at = Interaction {
+            point,
+            t: 0.0,
+            wo: if back { -point.normal } else { point.normal },
+            id: role.id,
+            own,
+            area_pdf: None,
+            material: role.material,
+            light: self.object.light,
+        };
+        Some(PlacedPoint { at, stretch })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_light::SpectralDistribution;
+    use glanz_math::{DMat4, DVec3, Ray};
+
+    use super::*;
+    use crate::description::*;
+
+    fn shape(geometry: GeometryDescription, to_parent: DMat4, reverse_orientation: bool) -> ShapeDescription {
+        ShapeDescription {
+            geometry,
+            to_parent,
+            reverse_orientation,
+            material: 0,
+            emission: None,
+            trim: None,
+            location: None,
+        }
+    }
+
+    /// A box that is stretched and turned inside out, a ring, and a mesh twice, once mirrored.
+    fn scene() -> Scene {
+        let mut description = Description::default();
+        description.materials.push(MaterialDescription {
+            name: String::new(),
+            kind: MaterialKind::Diffuse {
+                reflectance: SpectrumInput::Value(SpectralDistribution::Constant(0.5)),
+            },
+            location: None,
+        });
+        let cuboid = GeometryDescription::Cuboid { min: DVec3::ZERO, max: DVec3::ONE };
+        let stretched = DMat4::from_translation(DVec3::new(-5.0, 0.0, 0.0))
+            * DMat4::from_rotation_z(0.3)
+            * DMat4::from_scale(DVec3::new(1.0, 2.0, 3.0));
+        description.world.shapes = vec![shape(cuboid, stretched, true)];
+        let tent = GeometryDescription::Triangles {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 2.0, 0.0), DVec3::new(0.0, 2.0, 1.0)],
+            indices: vec![[0, 1, 2], [0, 2, 3]],
+            normals: None,
+            uvs: None,
+        };
+        let disk = GeometryDescription::Disk { height: -1.0, radius: 1.0, inner_radius: 0.5, phi_max: 3.0 };
+        description.groups.push(GroupDescription {
+            name: "tent".into(),
+            shapes: vec![shape(tent, DMat4::IDENTITY, false), shape(disk, DMat4::IDENTITY, false)],
+            instances: Vec::new(),
+        });
+        let instance = |to_parent| InstanceDescription { group: 0, to_parent, location: None };
+        description.world.instances = vec![
+            instance(DMat4::from_translation(DVec3::X * 3.0)),
+            instance(DMat4::from_translation(DVec3::X * 9.0) * DMat4::from_scale(DVec3::new(-2.0, 2.0, 2.0))),
+        ];
+        Scene::resolve(description).unwrap().0
+    }
+
+    #[test]
+    fn rays_meet_a_place_as_it_is_told() {
+        let scene = scene();
+        let placed = scene.placed_surfaces();
+        assert_eq!(placed.len(), 5);
+        let charts = scene.charts();
+        let mut count = 0;
+        for surface in &placed {
+            for (face, i) in (0..surface.faces()).flat_map(|face| (0..25).map(move |i| (face, i))) {
+                // Within triangles too.
+                let uv = DVec2::new(f64::from(i % 5) + 0.5, f64::from(i / 5) + 0.5) / 10.0;
+                for back in [false, true] {
+                    let PlacedPoint { at, .. } = surface.at(face, uv, back).unwrap();
+                    let ray = Ray::new(at.point.position + 0.01 * at.wo, -at.wo);
+                    let hit = scene.intersect(&ray, 0.02).unwrap();
+                    assert_eq!((hit.id, hit.material, hit.light), (at.id, at.material, at.light));
+                    assert_eq!(surface.shape(face), hit.id);
+                    assert!(hit.point.position.distance(at.point.position) < 1e-12);
+                    assert!(hit.point.uv.distance(at.point.uv) < 1e-9);
+                    assert!(hit.point.normal.dot(at.point.normal) > 1.0 - 1e-12);
+                    let chart = charts[hit.id as usize].unwrap();
+                    let ((sheet, place), (expected, expected_place)) =
+                        (chart.locate(&at), chart.locate(&hit));
+                    assert!(sheet == expected && place.distance(expected_place) < 1e-9);
+                    count += 1;
+                }
+            }
+        }
+        assert_eq!(count, (6 + 2 * 3) * 50);
+    }
+
+    #[test]
+    fn stretch_is_the_area_in_the_world() {
+        let scene = scene();
+        let area =
+            |surface: &PlacedSurface<'_>, face| surface.at(face, DVec2::splat(0.25), false).unwrap().stretch;
+        let placed = scene.placed_surfaces();
+        let cuboid = placed.iter().find(|placed| placed.faces() == 6).unwrap();
+        let areas: Vec<f64> = (0..6).map(|face| area(cuboid, face)).collect();
+        for (area, expected) in areas.iter().zip([6.0, 6.0, 3.0, 3.0, 2.0, 2.0]) {
+            assert!((area - expected).abs() < 1e-12, "{areas:?}");
+        }
+        // Twice as large in every direction.
+        let tents: Vec<f64> = placed.iter().filter(|p| p.faces() == 2).map(|p| area(p, 0)).collect();
+        assert!((tents[1] / tents[0] - 4.0).abs() < 1e-12, "{tents:?}");
+    }
+}
