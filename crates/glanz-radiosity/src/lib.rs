@@ -1,3 +1,8 @@
 //! Light that stays: what diffuse surfaces send to one another, and the light maps that show it.
 
+pub mod elements;
+pub mod form_factor;
 pub mod reconstruct;
+#[cfg(test)]
+mod scenes;
+pub mod solve;

@@ -1,0 +1,148 @@
+//! A part of the parameters of a face.
+
+use glanz_math::DVec2;
+
+/// Abscissa of Gauss's rule with two points on [0, 1].
+const GAUSS: f64 = 0.211_324_865_405_187_1;
+
+/// A rectangle or a triangle of parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Part {
+    /// From the smallest to the largest parameters.
+    Rectangle {
+        /// Smallest.
+        min: DVec2,
+        /// Largest.
+        max: DVec2,
+    },
+    /// Three corners.
+    Triangle([DVec2; 3]),
+}
+
+impl Part {
+    /// The unit square.
+    pub const SQUARE: Self = Self::Rectangle { min: DVec2::ZERO, max: DVec2::ONE };
+
+    /// The four parts between the middles of its sides.
+    #[must_use]
+    pub fn quarters(&self) -> [Self; 4] {
+        match *self {
+            Self::Rectangle { min, max } => {
+                let half = 0.5 * (max - min);
+                [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|corner| {
+                    let low = min + corner * half;
+                    Self::Rectangle { min: low, max: low + half }
+                })
+            }
+            Self::Triangle([a, b, c]) => {
+                let [ab, bc, ca] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
+                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [bc, ca, ab]].map(Self::Triangle)
+            }
+        }
+    }
+
+    /// The rectangle in `columns` x `rows` equal ones, row by row; a triangle as it is.
+    pub fn grid(&self, columns: u32, rows: u32) -> Vec<Self> {
+        let Self::Rectangle { min, max } = *self else { return vec![*self] };
+        let at = |i: u32, j: u32| {
+            let share = DVec2::new(f64::from(i) / f64::from(columns), f64::from(j) / f64::from(rows));
+            min + share * (max - min)
+        };
+        let cell = |i, j| Self::Rectangle { min: at(i, j), max: at(i + 1, j + 1) };
+        (0..rows).flat_map(|j| (0..columns).map(move |i| cell(i, j))).collect()
+    }
+
+    /// Its corners, in order.
+    #[must_use]
+    pub fn corners(&self) -> Vec<DVec2> {
+        match *self {
+            Self::Rectangle { min, max } => {
+                vec![min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)]
+            }
+            Self::Triangle(corners) => corners.to_vec(),
+        }
+    }
+
+    /// Its middle: the mean of the corners.
+    #[must_use]
+    pub fn center(&self) -> DVec2 {
+        match *self {
+            Self::Rectangle { min, max } => 0.5 * (min + max),
+            Self::Triangle([a, b, c]) => (a + b + c) / 3.0,
+        }
+    }
+
+    /// Its size in the parameters.
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        match *self {
+            Self::Rectangle { min, max } => (max - min).element_product(),
+            Self::Triangle([a, b, c]) => 0.5 * (b - a).perp_dot(c - a).abs(),
+        }
+    }
+
+    /// Places of equal weight that integrate polynomials of degree 3 over a rectangle (Gauss) and 2 over a triangle exactly.
+    pub fn nodes(&self) -> Vec<DVec2> {
+        match *self {
+            Self::Rectangle { min, max } => {
+                let at = |x: f64, y: f64| min + DVec2::new(x, y) * (max - min);
+                let (low, high) = (GAUSS, 1.0 - GAUSS);
+                vec![at(low, low), at(high, low), at(low, high), at(high, high)]
+            }
+            Self::Triangle([a, b, c]) => {
+                let third = (a + b + c) / 6.0;
+                vec![third + 0.5 * a, third + 0.5 * b, third + 0.5 * c]
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parts() -> [Part; 2] {
+        let rectangle = Part::Rectangle { min: DVec2::new(0.2, 0.1), max: DVec2::new(0.6, 0.9) };
+        [rectangle, Part::Triangle([DVec2::new(0.1, 0.2), DVec2::new(0.9, 0.3), DVec2::new(0.4, 1.0)])]
+    }
+
+    #[test]
+    fn quarters_fill_the_part() {
+        for part in parts() {
+            let quarters = part.quarters();
+            assert!((quarters.iter().map(Part::size).sum::<f64>() - part.size()).abs() < 1e-15);
+            let mean = quarters.iter().fold(DVec2::ZERO, |sum, quarter| sum + 0.25 * quarter.center());
+            assert!(mean.distance(part.center()) < 1e-15);
+            assert!(quarters.iter().all(|quarter| (quarter.size() / part.size() - 0.25).abs() < 1e-12));
+        }
+    }
+
+    #[test]
+    fn nodes_integrate_exactly() {
+        // Second moments about the middle, from the corners: a rectangle's are a^2 / 12, a triangle's the mean of the
+        // squared corners over 4.
+        for part in parts() {
+            let center = part.center();
+            let nodes = part.nodes();
+            let moment = |i: usize, j: usize| {
+                nodes.iter().map(|&p| (p - center)[i] * (p - center)[j]).sum::<f64>() / nodes.len() as f64
+            };
+            let corners = part.corners();
+            let expected = |i: usize, j: usize| {
+                let sum: f64 = corners.iter().map(|&p| (p - center)[i] * (p - center)[j]).sum();
+                // Of a rectangle with half sides h: h^2 / 3, and the corners' mean is h^2.
+                sum / corners.len() as f64 / if corners.len() == 4 { 3.0 } else { 4.0 }
+            };
+            for (i, j) in [(0, 0), (0, 1), (1, 1)] {
+                assert!((moment(i, j) - expected(i, j)).abs() < 1e-15, "{part:?} {i} {j}");
+            }
+        }
+    }
+
+    #[test]
+    fn grid_goes_row_by_row() {
+        let grid = Part::SQUARE.grid(4, 2);
+        assert_eq!(grid.len(), 8);
+        assert_eq!(grid[5], Part::Rectangle { min: DVec2::new(0.25, 0.5), max: DVec2::new(0.5, 1.0) });
+    }
+}

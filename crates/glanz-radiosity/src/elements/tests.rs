@@ -1,0 +1,92 @@
+use std::f64::consts::{PI, TAU};
+
+use glanz_scene::description::GeometryDescription;
+
+use super::*;
+use crate::scenes::{parallelogram, scene, walls};
+
+fn elements(scene: &Scene, side: f64) -> Elements<'_> {
+    Elements::new(scene, &ElementSettings { side }).unwrap()
+}
+
+/// Area of the elements of one side of a surface.
+fn area(elements: &Elements<'_>, surface: u32, back: bool) -> f64 {
+    let of = |element: &&Element| element.patch.surface == surface && element.patch.back == back;
+    elements.list.iter().filter(of).map(|element| element.area).sum()
+}
+
+#[test]
+fn both_sides_of_every_surface_are_covered() {
+    let sphere = GeometryDescription::Sphere { radius: 0.5, z: [-0.5, 0.5], phi_max: TAU };
+    let disk = GeometryDescription::Disk { height: 2.0, radius: 1.0, inner_radius: 0.25, phi_max: TAU };
+    let octant: Vec<_> = [-DVec3::X, -DVec3::Y, -DVec3::Z].map(|normal| (normal, 0.0)).into();
+    let corner = [octant, vec![(DVec3::ONE.normalize(), 1.0 / 3.0_f64.sqrt())]].concat();
+    let solid = GeometryDescription::Polyhedron { half_spaces: corner };
+    let scene = scene([sphere, disk, solid].into_iter().map(|shape| (shape, 0.5, 0.0)).collect());
+    let elements = elements(&scene, 0.2);
+    let expected = [PI, PI * (1.0 - 0.0625), 1.5 + 0.5 * 3.0_f64.sqrt()];
+    for (surface, placed) in (0_u32..).zip(&elements.surfaces) {
+        let expected = expected[placed.shape(0) as usize];
+        for back in [false, true] {
+            let area = area(&elements, surface, back);
+            assert!((area - expected).abs() < 1e-4 * expected, "{surface}: {area} {expected}");
+        }
+    }
+    assert_eq!(elements.left_out, 0);
+}
+
+#[test]
+fn sides_are_no_longer_than_was_asked() {
+    let scene = scene(vec![(parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y), 0.5, 0.0)]);
+    // 2 m by 1 m in sides of 0.3 m at most: 7 by 4, on two sides.
+    let elements = elements(&scene, 0.3);
+    assert_eq!(elements.list.len(), 2 * 28);
+    assert!(elements.list.iter().all(|element| (element.area - 2.0 / 28.0).abs() < 1e-12));
+}
+
+#[test]
+fn flat_polygons_are_told_from_what_is_round_or_twisted() {
+    let twisted = GeometryDescription::Bilinear {
+        positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(1.0, 1.0, 0.3)],
+        indices: vec![[0, 1, 2, 3]],
+    };
+    let disk = GeometryDescription::Disk { height: 2.0, radius: 1.0, inner_radius: 0.25, phi_max: TAU };
+    let flat = parallelogram(DVec3::Z, DVec3::X, DVec3::new(0.3, 1.0, 0.0));
+    let scene = scene(vec![(twisted, 0.5, 0.0), (disk, 0.5, 0.0), (flat, 0.5, 0.0)]);
+    let elements = elements(&scene, 0.5);
+    for element in &elements.list {
+        let shape = elements.surfaces[element.patch.surface as usize].shape(0);
+        assert_eq!(element.polygon.is_some(), shape == 2, "{element:?}");
+        if let Some(corners) = &element.polygon {
+            let twice = (corners[1] - corners[0]).cross(corners[2] - corners[1]);
+            assert!((twice.length() - element.area).abs() < 1e-12);
+            assert!(twice.dot(element.center.normal) > 0.0, "corners go round as the side is seen");
+        }
+    }
+}
+
+#[test]
+fn reflectance_and_emission_are_those_of_the_side() {
+    let scene = scene(vec![(parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y), 0.25, 3.0)]);
+    for element in &elements(&scene, 1.0).list {
+        let emission = element.emission.luminance(&Wavelengths::default());
+        let expected = if element.patch.back { 0.0 } else { 3.0 * std::f32::consts::PI };
+        assert!((emission - expected).abs() < 1e-4, "{emission}");
+        assert!((element.reflectance.max_component() - 0.25).abs() < 1e-6);
+        let up = element.center.normal.z;
+        assert_eq!(up, if element.patch.back { -1.0 } else { 1.0 });
+    }
+}
+
+#[test]
+fn senseless_sizes_are_refused() {
+    let scene = scene(walls(DVec3::ONE).into_iter().map(|wall| (wall, 0.5, 0.0)).collect());
+    let tried = |side| Elements::new(&scene, &ElementSettings { side }).map(|elements| elements.list.len());
+    for side in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(tried(side), Err(ElementError::Side(_))), "{side}");
+    }
+    for side in [1e-5, 1e-12, f64::MIN_POSITIVE] {
+        assert!(matches!(tried(side), Err(ElementError::TooMany { .. })), "{side}");
+    }
+    assert_eq!(tried(1.0), Ok(12));
+}
