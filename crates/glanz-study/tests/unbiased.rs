@@ -115,7 +115,8 @@ fn guided_pictures_are_those_of_path() {
         if samples >= MANY && spread > 1.0 + 10.0 * (2.0 / squares.len() as f64).sqrt() {
             faults.push(format!("{name}: mean Z^2 of pixels {spread}"));
         }
-        if samples >= MANY && worst(&guided) > worst(&path) {
+        // Where the guide is off both are the same but for chance, which moves the largest of all by some per cent.
+        if samples >= MANY && worst(&guided) > 1.1 * worst(&path) {
             faults.push(format!("{name}: outliers beyond those of path"));
         }
     }
