@@ -228,6 +228,7 @@ fn steps(low: f64, high: f64) -> Vec<(f64, Option<String>)> {
 fn decades(low: f64, high: f64) -> Vec<(f64, Option<String>)> {
     let span = high - low;
     let stride = (span / 8.0).ceil().max(1.0) as i32;
+    let few = high.floor() - low.ceil() < 2.0;
     let mut ticks = Vec::new();
     for power in low.floor() as i32..=high.ceil() as i32 {
         for digit in 1..10 {
@@ -237,7 +238,7 @@ fn decades(low: f64, high: f64) -> Vec<(f64, Option<String>)> {
             }
             let labelled = match digit {
                 1 => power.rem_euclid(stride) == 0,
-                2 | 5 => span < 2.2,
+                2 | 5 => few || span < 2.2,
                 3 | 7 => span < 1.2,
                 _ => span < 0.5,
             };
@@ -319,6 +320,8 @@ mod tests {
         assert_eq!(labels(steps(-130.0, 480.0)), ["-100", "0", "100", "200", "300", "400"]);
         assert_eq!(labels(decades(-2.1, 3.2)), ["0.01", "0.1", "1", "10", "100", "1000"]);
         assert_eq!(labels(decades(0.1, 1.5)), ["2", "5", "10", "20"]);
+        // More than two decades, of which two powers are within.
+        assert_eq!(labels(decades(-2.8, -0.5)), ["0.002", "0.005", "0.01", "0.02", "0.05", "0.1", "0.2"]);
         assert_eq!(labels(decades(-1.01, -0.72)), ["0.10", "0.12", "0.14", "0.16", "0.18"]);
         assert!((decades(-1.01, -0.72)[1].0 - 0.12_f64.log10()).abs() < 1e-12);
         assert_eq!(labels(decades(-16.2, 0.2)), ["1e-15", "1e-12", "1e-9", "1e-6", "0.001", "1"]);
