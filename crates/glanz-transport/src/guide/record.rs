@@ -112,34 +112,10 @@ impl Record {
 mod tests {
     use super::*;
 
-    #[test]
-    fn light_is_told_apart_from_what_the_path_did_with_it() {
-        let wavelengths = Wavelengths::default();
+    /// Light 1 was found before; half of what comes counts at the vertex, an eighth beyond it.
+    fn record() -> Record {
         let rgb = Spectrum::from_rgb;
-        // Radiance 6 arrives; the way to the vertex takes half, and f |cos| / p = 1/4 a quarter of that.
-        let record = Record {
-            cell: 0,
-            leaf: 0,
-            cosine: 0.5,
-            guide_pdf: 1.0,
-            bsdf_pdf: 1.0,
-            pdf: 1.0,
-            light: rgb([1.0; 3]),
-            throughput: rgb([0.5; 3]),
-            beyond: rgb([0.125, 0.125, 0.125]),
-            next: None,
-        };
-        let (arrived, went_on) = record.found(rgb([1.75; 3]), &wavelengths);
-        assert!((arrived - 6.0).abs() < 1e-5 && (went_on - 1.5).abs() < 1e-6, "{arrived} {went_on}");
-        let green = Record { beyond: rgb([0.0, 0.125, 0.0]), ..record };
-        let (arrived, _) = green.found(rgb([1.0, 1.75, 1.0]), &wavelengths);
-        assert!((arrived - 6.0 * 0.715_169).abs() < 1e-5, "{arrived}");
-    }
-
-    #[test]
-    fn what_is_expected_replaces_what_one_path_found_beyond_the_next_vertex() {
-        let rgb = Spectrum::from_rgb;
-        let record = Record {
+        Record {
             cell: 0,
             leaf: 0,
             cosine: 0.5,
@@ -150,7 +126,26 @@ mod tests {
             throughput: rgb([0.5; 3]),
             beyond: rgb([0.125; 3]),
             next: None,
-        };
+        }
+    }
+
+    #[test]
+    fn light_is_told_apart_from_what_the_path_did_with_it() {
+        let wavelengths = Wavelengths::default();
+        let rgb = Spectrum::from_rgb;
+        // Radiance 6 arrives; the way to the vertex takes half, and f |cos| / p = 1/4 a quarter of that.
+        let record = record();
+        let (arrived, went_on) = record.found(rgb([1.75; 3]), &wavelengths);
+        assert!((arrived - 6.0).abs() < 1e-5 && (went_on - 1.5).abs() < 1e-6, "{arrived} {went_on}");
+        let green = Record { beyond: rgb([0.0, 0.125, 0.0]), ..record };
+        let (arrived, _) = green.found(rgb([1.0, 1.75, 1.0]), &wavelengths);
+        assert!((arrived - 6.0 * 0.715_169).abs() < 1e-5, "{arrived}");
+    }
+
+    #[test]
+    fn what_is_expected_replaces_what_one_path_found_beyond_the_next_vertex() {
+        let rgb = Spectrum::from_rgb;
+        let record = record();
         let found = |steps: &dyn Fn(&mut Records)| {
             let mut records = Records::default();
             records.expect(Some(7.0));
