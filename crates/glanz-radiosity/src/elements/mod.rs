@@ -153,11 +153,16 @@ fn nodes(surface: &PlacedSurface<'_>, patch: &Patch) -> Vec<Node> {
     if regular.len() == places.len() && !surface.is_trimmed() {
         return regular;
     }
-    let mut parts = vec![patch.part];
+    of(&cut_places(&patch.part))
+}
+
+/// Middles of [`CUT`] x [`CUT`] equal parts.
+fn cut_places(part: &Part) -> Vec<DVec2> {
+    let mut parts = vec![*part];
     for _ in 0..CUT.ilog2() {
         parts = parts.iter().flat_map(Part::quarters).collect();
     }
-    of(&parts.iter().map(Part::center).collect::<Vec<_>>())
+    parts.iter().map(Part::center).collect()
 }
 
 /// The parts of a face, with sides of `side` metres at most; `None` if they are more than [`LIMIT`].
@@ -233,11 +238,7 @@ fn element(scene: &Scene, surface: &PlacedSurface<'_>, patch: Patch) -> Option<E
 
 /// Of the places that are kept, the one next to the middle.
 fn nearest_kept(surface: &PlacedSurface<'_>, patch: &Patch, middle: DVec2) -> Option<DVec2> {
-    let mut parts = vec![patch.part];
-    for _ in 0..CUT.ilog2() {
-        parts = parts.iter().flat_map(Part::quarters).collect();
-    }
-    let kept = parts.iter().map(Part::center).filter(|&uv| surface.at(patch.face, uv, false).is_some());
+    let kept = cut_places(&patch.part).into_iter().filter(|&uv| surface.at(patch.face, uv, false).is_some());
     kept.min_by(|a, b| a.distance_squared(middle).total_cmp(&b.distance_squared(middle)))
 }
 

@@ -46,9 +46,10 @@ pub struct FormFactors {
 }
 
 impl FormFactors {
-    /// All of them; memory grows with the square of the number of elements. `done`: told of the rows that are finished, from any thread;
-    /// `None` of it all if it says no.
-    pub fn new(elements: &Elements<'_>, done: impl Fn(usize) -> bool + Sync) -> Option<Self> {
+    /// All of them, by all threads; memory grows with the square of the number of elements.
+    ///
+    /// `go_on`: asked after each row, from any thread, with the number of rows that are finished. `None` if it says no.
+    pub fn new(elements: &Elements<'_>, go_on: impl Fn(usize) -> bool + Sync) -> Option<Self> {
         let list = &elements.list;
         let finished = std::sync::atomic::AtomicUsize::new(0);
         let upper: Option<Vec<Vec<(u32, f64)>>> = list
@@ -62,7 +63,7 @@ impl FormFactors {
                 });
                 let row = row.collect();
                 let count = 1 + finished.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-                done(count).then_some(row)
+                go_on(count).then_some(row)
             })
             .collect();
         let mut rows: Vec<Vec<(u32, f32)>> = vec![Vec::new(); list.len()];
