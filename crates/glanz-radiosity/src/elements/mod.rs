@@ -135,6 +135,18 @@ impl<'a> Elements<'a> {
     pub fn nodes(&self, patch: &Patch) -> Vec<Node> {
         self.surfaces.get(patch.surface as usize).map_or_else(Vec::new, |surface| nodes(surface, patch))
     }
+
+    /// The element on a patch; `None` if nothing of the surface is there.
+    #[must_use]
+    pub fn element(&self, patch: Patch) -> Option<Element> {
+        element(self.scene, self.surfaces.get(patch.surface as usize)?, patch)
+    }
+
+    /// The place of a patch at `uv`; it stands for no area. `None` where trimming has cut it away.
+    #[must_use]
+    pub fn place(&self, patch: &Patch, uv: DVec2) -> Option<Node> {
+        node(self.surfaces.get(patch.surface as usize)?, patch, uv, 0.0)
+    }
 }
 
 fn node(surface: &PlacedSurface<'_>, patch: &Patch, uv: DVec2, size: f64) -> Option<Node> {

@@ -228,7 +228,7 @@ fn curved(elements: &Elements<'_>, a: &Piece, b: &Piece, smallest: f64) -> f64 {
 }
 
 /// cos cos' / (pi r^2), per m^2; 0 where one faces away.
-fn kernel(a: &Node, b: &Node) -> f64 {
+pub(crate) fn kernel(a: &Node, b: &Node) -> f64 {
     let way = b.position - a.position;
     let square = way.length_squared();
     let (leaves, meets) = (a.normal.dot(way), -b.normal.dot(way));
@@ -236,7 +236,7 @@ fn kernel(a: &Node, b: &Node) -> f64 {
 }
 
 /// Whether nothing is between two points.
-fn is_free(scene: &Scene, a: &Node, b: &Node) -> bool {
+pub(crate) fn is_free(scene: &Scene, a: &Node, b: &Node) -> bool {
     let way = b.position - a.position;
     let from = offset_origin(a.position, a.error, a.normal, way);
     let to = offset_origin(b.position, b.error, b.normal, -way);

@@ -1,9 +1,11 @@
 //! From what elements emit to what they send: B = E + rho F B.
 
 mod gauss_seidel;
+pub mod hierarchical;
 mod progressive;
 
 pub use gauss_seidel::{GaussSeidel, Solved, gauss_seidel};
+pub use hierarchical::{Hierarchical, hierarchical};
 pub use progressive::Progressive;
 
 #[cfg(test)]
