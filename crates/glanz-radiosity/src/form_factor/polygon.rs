@@ -46,6 +46,20 @@ pub fn exchange(a: &[DVec3], b: &[DVec3]) -> f64 {
     (sum / (2.0 * PI)).max(0.0)
 }
 
+/// The form factor from a point with that unit normal to a polygon on the front of its plane (Lambert's formula).
+///
+/// Corners go counterclockwise seen from the point. The angles that sides span, projected.
+#[must_use]
+pub fn from_point(point: DVec3, normal: DVec3, polygon: &[DVec3]) -> f64 {
+    let side = |(p, q): (DVec3, DVec3)| {
+        let (p, q) = (p - point, q - point);
+        let across = p.cross(q);
+        let sine = across.length();
+        if sine > 0.0 { sine.atan2(p.dot(q)) * across.dot(normal) / sine } else { 0.0 }
+    };
+    (-edges(polygon).map(side).sum::<f64>() / (2.0 * PI)).clamp(0.0, 1.0)
+}
+
 /// What is left of a polygon on the front of the plane through `point` with that unit normal; empty if nothing is.
 #[must_use]
 pub fn in_front(polygon: &[DVec3], point: DVec3, normal: DVec3) -> Vec<DVec3> {

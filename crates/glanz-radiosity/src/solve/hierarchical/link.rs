@@ -22,6 +22,8 @@ pub(super) struct Link {
     pub(super) exchange: f32,
     /// How much more or less it may be for what is anywhere on one node and comes from anywhere on the other, m^2.
     pub(super) doubt: f32,
+    /// Share of it that nothing stands in the way of.
+    pub(super) free: f32,
 }
 
 /// What the positions of two nodes say, before rays do.
@@ -162,7 +164,8 @@ impl Link {
         } else {
             geometry.most
         };
-        Self { a, b, exchange: (seen.share * unoccluded) as f32, doubt: doubt as f32 }
+        let exchange = (seen.share * unoccluded) as f32;
+        Self { a, b, exchange, doubt: doubt as f32, free: seen.share as f32 }
     }
 }
 

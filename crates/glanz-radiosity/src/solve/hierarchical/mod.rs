@@ -165,14 +165,17 @@ pub fn hierarchical<'a>(
         if before == Some(solver.refinement.links.len()) {
             break;
         }
-        let sweeps = solver.effort.sweeps + settings.sweeps;
-        let enough = if is_last { tolerance } else { tolerance.max(BETWEEN) };
-        solver.solve(enough, sweeps, &mut ask);
+        let enough = tolerance.max(BETWEEN);
+        let neighbours = Neighbours::new(&solver.tree, &solver.refinement.links);
+        solver.solve(&neighbours, None, enough, settings.sweeps, &mut ask);
         solver.effort.rounds += 1;
         if solver.refinement.stopped {
             break;
         }
     }
+    let rounds_made = solver.effort.rounds;
+    let ask = |links, rays| go_on(&Progress { rounds: rounds_made, all_rounds: rounds, links, rays });
+    solver.solve_at_leaves(settings, ask);
     Ok(solver.finish(bound))
 }
 
@@ -187,26 +190,55 @@ struct Solver<'a> {
 impl<'a> Solver<'a> {
     fn new(start: Elements<'a>, side: f64) -> Self {
         let mut tree = Tree::new(start, side);
-        tree.pull();
+        tree.pull(|_| Spectrum::BLACK);
         let refinement = Refinement::new(&tree);
         Self { tree, refinement, effort: Effort::default(), change: f64::INFINITY }
     }
 
     /// Sweeps until the change is small enough: each node gathers over its links, then all is pushed down and pulled up. There is
     /// one in any case, so that what was divided has its light.
-    fn solve(&mut self, enough: f64, sweeps: u32, mut go_on: impl FnMut(usize, u64) -> bool) {
-        let neighbours = Neighbours::new(&self.tree, &self.refinement.links);
+    ///
+    /// Leaves see the other ends of links of nodes above them not as those do: the form factors of a leaf may sum to more than 1
+    /// in a corner, and to less beside it. `sums` are what they should sum to, and light is scaled to them; without, only what is
+    /// more than 1, so that every leaf reflects less than it receives and sweeps converge.
+    fn solve(
+        &mut self,
+        neighbours: &Neighbours,
+        sums: Option<&[f32]>,
+        enough: f64,
+        sweeps: u32,
+        mut go_on: impl FnMut(usize, u64) -> bool,
+    ) {
+        let last = self.effort.sweeps + sweeps;
         loop {
-            let gathered = neighbours.gather(&self.tree);
-            let change = self.tree.push_and_pull(&gathered);
+            let pushed = self.tree.push(&neighbours.gather(&self.tree));
+            let change = self.tree.pull(|leaf| {
+                let (irradiance, sum) = pushed[leaf];
+                let scale = match sums {
+                    Some(sums) if sum > 0.0 => sums[leaf] / sum,
+                    _ => 1.0 / sum.max(1.0),
+                };
+                irradiance * scale
+            });
             let largest = self.tree.light.iter().map(|light| light.radiosity.max_component()).fold(0.0, f32::max);
             self.change = if largest > 0.0 { f64::from(change / largest) } else { 0.0 };
             self.effort.sweeps += 1;
-            if self.change <= enough || self.effort.sweeps >= sweeps || self.refinement.stopped {
+            if self.change <= enough || self.effort.sweeps >= last || self.refinement.stopped {
                 break;
             }
             self.refinement.stopped |= !go_on(self.refinement.links.len(), self.refinement.rays);
         }
+    }
+
+    /// Sweeps with the form factors of leaves as they themselves see them, and a last one in which they also tell what comes from where.
+    fn solve_at_leaves(&mut self, settings: &Hierarchical, go_on: impl FnMut(usize, u64) -> bool) {
+        let neighbours = Neighbours::new(&self.tree, &self.refinement.links);
+        if !self.refinement.stopped {
+            let sums: Vec<f32> = neighbours.gather_at_leaves(&self.tree).into_iter().map(|(_, sum)| sum).collect();
+            self.solve(&neighbours, Some(&sums), settings.tolerance, settings.sweeps, go_on);
+        }
+        let gathered = neighbours.gather_at_leaves(&self.tree);
+        self.tree.pull(|leaf| gathered[leaf].0);
     }
 
     fn errors(&self, bound: f64) -> Errors {
@@ -234,7 +266,6 @@ impl<'a> Solver<'a> {
         let errors = self.errors(bound);
         let Refinement { links, rays, stopped } = self.refinement;
         let effort = Effort { links: links.len(), nodes: self.tree.branches.len(), rays, ..self.effort };
-        drop(links);
         let (elements, light): (_, Vec<Light>) = self.tree.into_leaves();
         Refined {
             elements,

@@ -32,6 +32,10 @@ impl Branch {
         &self.children[..usize::from(self.count)]
     }
 
+    pub(super) fn parent(&self) -> Option<u32> {
+        self.parent
+    }
+
     /// Whether links can go to something below it.
     pub(super) fn is_divisible(&self) -> bool {
         self.count > 0 || self.divisible
@@ -84,20 +88,20 @@ impl<'a> Tree<'a> {
     ) {
         if let [start] = *order {
             let (extent, element) = members[start];
-            self.starts[start] = self.push(Some(element.clone()), extent.clone(), element.area, parent);
+            self.starts[start] = self.add(Some(element.clone()), extent.clone(), element.area, parent);
         } else if !order.is_empty() {
             let axis = widest(order, keys);
             order.sort_unstable_by(|&i, &j| keys[i][axis].total_cmp(&keys[j][axis]).then(i.cmp(&j)));
             let inside: Vec<(&Extent, &Element)> = order.iter().map(|&i| members[i]).collect();
             let area = inside.iter().map(|(_, element)| element.area).sum();
-            let here = self.push(None, Extent::around(&inside), area, parent);
+            let here = self.add(None, Extent::around(&inside), area, parent);
             let (low, high) = order.split_at_mut(order.len() / 2);
             self.cluster(low, members, keys, Some(here));
             self.cluster(high, members, keys, Some(here));
         }
     }
 
-    fn push(&mut self, element: Option<Element>, extent: Extent, area: f64, parent: Option<u32>) -> u32 {
+    fn add(&mut self, element: Option<Element>, extent: Extent, area: f64, parent: Option<u32>) -> u32 {
         let number = self.branches.len() as u32;
         if let Some(above) = parent.and_then(|parent| self.branches.get_mut(parent as usize)) {
             above.children[usize::from(above.count)] = number;
@@ -145,7 +149,7 @@ impl<'a> Tree<'a> {
             let area: f64 = quarters.iter().map(|(element, _)| element.area).sum();
             for (element, extent) in quarters {
                 let of = element.area;
-                self.push(Some(element), extent, of, Some(number));
+                self.add(Some(element), extent, of, Some(number));
             }
             let here = &mut self.branches[number as usize];
             here.divisible = false;
@@ -167,18 +171,25 @@ impl<'a> Tree<'a> {
         root.map_or(0.0, |(branch, light)| branch.area * f64::from(light.radiosity.max_component()))
     }
 
-    /// From what the links of each branch bring to it alone, the light on all; returns the largest change of radiosity of a leaf.
-    ///
-    /// Irradiance is pushed down to the leaves, radiosity pulled up as a mean over areas (@hanrahan1991 section 4.2).
-    pub(super) fn push_and_pull(&mut self, gathered: &[Spectrum]) -> f32 {
-        for (number, branch) in self.branches.iter().enumerate() {
-            let above = branch.parent.map_or(Spectrum::BLACK, |parent| self.light[parent as usize].irradiance);
-            self.light[number].irradiance = above + gathered[number];
+    /// What the links of each branch bring to it alone, with their form factors, pushed down to the leaves
+    /// (@hanrahan1991 section 4.2).
+    pub(super) fn push(&self, gathered: &[(Spectrum, f32)]) -> Vec<(Spectrum, f32)> {
+        let mut pushed: Vec<(Spectrum, f32)> = Vec::with_capacity(gathered.len());
+        for (branch, &(irradiance, factors)) in self.branches.iter().zip(gathered) {
+            let above = branch.parent.map_or((Spectrum::BLACK, 0.0), |parent| pushed[parent as usize]);
+            pushed.push((above.0 + irradiance, above.1 + factors));
         }
+        pushed
+    }
+
+    /// From the irradiance of leaves the light on all, radiosity pulled up as a mean over areas; returns the largest change of
+    /// radiosity of a leaf.
+    pub(super) fn pull(&mut self, irradiance: impl Fn(usize) -> Spectrum) -> f32 {
         let mut change = 0.0_f32;
         for (number, branch) in self.branches.iter().enumerate().rev() {
             if let (0, Some(element)) = (branch.count, &branch.element) {
                 let light = &mut self.light[number];
+                light.irradiance = irradiance(number);
                 let radiosity = element.emission + element.reflectance * light.irradiance;
                 change = change.max((radiosity - light.radiosity).map(f32::abs).max_component());
                 light.radiosity = radiosity;
@@ -187,15 +198,6 @@ impl<'a> Tree<'a> {
             }
         }
         change
-    }
-
-    /// Radiosity of clusters from that of elements: to begin with.
-    pub(super) fn pull(&mut self) {
-        for number in (0..self.branches.len()).rev() {
-            if self.branches[number].count > 0 {
-                self.light[number].radiosity = self.mean(&self.branches[number]).radiosity;
-            }
-        }
     }
 
     /// Of what is right below, by areas.
