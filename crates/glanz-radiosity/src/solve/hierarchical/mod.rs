@@ -18,11 +18,13 @@ use crate::elements::Elements;
 
 mod extent;
 mod gather;
+mod leaves;
 mod link;
 mod refine;
 mod tree;
 
 use gather::Neighbours;
+use leaves::Leaves;
 use refine::{Demand, Refinement};
 use tree::{Light, Tree};
 
@@ -31,6 +33,9 @@ const BETWEEN: f64 = 0.01;
 
 /// How much smaller the bound of a round is than that of the one before.
 const STEP: f64 = 0.25;
+
+/// Form factors of leaves for each link that there may be, at most: links of a node count for all leaves below it.
+const PER_LINK: usize = 4;
 
 /// Rounds with the last bound, at most: light that came late may ask for more links.
 const LAST: u32 = 4;
@@ -166,8 +171,7 @@ pub fn hierarchical<'a>(
             break;
         }
         let enough = tolerance.max(BETWEEN);
-        let neighbours = Neighbours::new(&solver.tree, &solver.refinement.links);
-        solver.solve(&neighbours, None, enough, settings.sweeps, &mut ask);
+        solver.solve(enough, settings.sweeps, &mut ask);
         solver.effort.rounds += 1;
         if solver.refinement.stopped {
             break;
@@ -190,36 +194,50 @@ struct Solver<'a> {
 impl<'a> Solver<'a> {
     fn new(start: Elements<'a>, side: f64) -> Self {
         let mut tree = Tree::new(start, side);
-        tree.pull(|_| Spectrum::BLACK);
+        tree.pull(|_, _| Spectrum::BLACK);
         let refinement = Refinement::new(&tree);
         Self { tree, refinement, effort: Effort::default(), change: f64::INFINITY }
     }
 
-    /// Sweeps until the change is small enough: each node gathers over its links, then all is pushed down and pulled up. There is
-    /// one in any case, so that what was divided has its light.
-    ///
-    /// Leaves see the other ends of links of nodes above them not as those do: the form factors of a leaf may sum to more than 1
-    /// in a corner, and to less beside it. `sums` are what they should sum to, and light is scaled to them; without, only what is
-    /// more than 1, so that every leaf reflects less than it receives and sweeps converge.
-    fn solve(
+    /// Sweeps until the change is small enough: each node gathers over its links, then all is pushed down and pulled up.
+    fn solve(&mut self, enough: f64, sweeps: u32, go_on: impl FnMut(usize, u64) -> bool) {
+        let neighbours = Neighbours::new(&self.tree, &self.refinement.links);
+        let gather = |tree: &mut Tree<'_>| {
+            let pushed = tree.push(&neighbours.gather(tree));
+            tree.pull(|leaf, branch| {
+                let (irradiance, sum) = pushed[leaf];
+                irradiance * branch.scale(sum)
+            })
+        };
+        self.sweep(gather, enough, sweeps, go_on);
+    }
+
+    /// Sweeps with form factors of the leaves to the other ends of links, unless these are too many.
+    fn solve_at_leaves(&mut self, settings: &Hierarchical, go_on: impl FnMut(usize, u64) -> bool) {
+        let Hierarchical { tolerance, sweeps, links, .. } = *settings;
+        let neighbours = Neighbours::new(&self.tree, &self.refinement.links);
+        let Some(leaves) = Leaves::new(&self.tree, &neighbours, PER_LINK * links) else {
+            return self.solve(tolerance, sweeps, go_on);
+        };
+        self.refinement.rays += leaves.rays;
+        let gather = |tree: &mut Tree<'_>| {
+            let gathered = leaves.gather(tree);
+            tree.pull(|leaf, _| gathered[leaf])
+        };
+        self.sweep(gather, tolerance, sweeps, go_on);
+    }
+
+    /// There is one sweep in any case, so that what was divided has its light.
+    fn sweep(
         &mut self,
-        neighbours: &Neighbours,
-        sums: Option<&[f32]>,
+        gather: impl Fn(&mut Tree<'_>) -> f32,
         enough: f64,
         sweeps: u32,
         mut go_on: impl FnMut(usize, u64) -> bool,
     ) {
         let last = self.effort.sweeps + sweeps;
         loop {
-            let pushed = self.tree.push(&neighbours.gather(&self.tree));
-            let change = self.tree.pull(|leaf| {
-                let (irradiance, sum) = pushed[leaf];
-                let scale = match sums {
-                    Some(sums) if sum > 0.0 => sums[leaf] / sum,
-                    _ => 1.0 / sum.max(1.0),
-                };
-                irradiance * scale
-            });
+            let change = gather(&mut self.tree);
             let largest = self.tree.light.iter().map(|light| light.radiosity.max_component()).fold(0.0, f32::max);
             self.change = if largest > 0.0 { f64::from(change / largest) } else { 0.0 };
             self.effort.sweeps += 1;
@@ -228,17 +246,6 @@ impl<'a> Solver<'a> {
             }
             self.refinement.stopped |= !go_on(self.refinement.links.len(), self.refinement.rays);
         }
-    }
-
-    /// Sweeps with the form factors of leaves as they themselves see them, and a last one in which they also tell what comes from where.
-    fn solve_at_leaves(&mut self, settings: &Hierarchical, go_on: impl FnMut(usize, u64) -> bool) {
-        let neighbours = Neighbours::new(&self.tree, &self.refinement.links);
-        if !self.refinement.stopped {
-            let sums: Vec<f32> = neighbours.gather_at_leaves(&self.tree).into_iter().map(|(_, sum)| sum).collect();
-            self.solve(&neighbours, Some(&sums), settings.tolerance, settings.sweeps, go_on);
-        }
-        let gathered = neighbours.gather_at_leaves(&self.tree);
-        self.tree.pull(|leaf| gathered[leaf].0);
     }
 
     fn errors(&self, bound: f64) -> Errors {

@@ -11,6 +11,9 @@ use crate::elements::{Element, Elements, Patch};
 /// exchange light by a kernel that varies little.
 const NORMALS: f64 = 0.25;
 
+/// Of the light that all send, what an element reflects at most, if its material does not reflect more.
+const REFLECTED: f32 = 0.95;
+
 /// A cluster or an element.
 #[derive(Debug)]
 pub(super) struct Branch {
@@ -32,8 +35,12 @@ impl Branch {
         &self.children[..usize::from(self.count)]
     }
 
-    pub(super) fn parent(&self) -> Option<u32> {
-        self.parent
+    /// What light is multiplied by if the form factors to an element come to `sum`, by errors more than 1: so that it reflects less
+    /// than arrives, and sweeps converge. Where it reflects much less anyhow they are left as they are: errors that cancel
+    /// in the mean would not, were only the large ones cut.
+    pub(super) fn scale(&self, sum: f32) -> f32 {
+        let reflected = self.element.as_ref().map_or(1.0, |element| element.reflectance.max_component());
+        (1.0_f32.max(REFLECTED / reflected) / sum).min(1.0)
     }
 
     /// Whether links can go to something below it.
@@ -165,6 +172,11 @@ impl<'a> Tree<'a> {
         }
     }
 
+    /// A branch and all above it.
+    pub(super) fn path(&self, number: usize) -> impl Iterator<Item = usize> + '_ {
+        std::iter::successors(Some(number), |&node| self.branches[node].parent.map(|parent| parent as usize))
+    }
+
     /// All light that leaves, as area times the largest band of the mean radiosity.
     pub(super) fn flux(&self) -> f64 {
         let root = self.branches.first().zip(self.light.first());
@@ -184,12 +196,12 @@ impl<'a> Tree<'a> {
 
     /// From the irradiance of leaves the light on all, radiosity pulled up as a mean over areas; returns the largest change of
     /// radiosity of a leaf.
-    pub(super) fn pull(&mut self, irradiance: impl Fn(usize) -> Spectrum) -> f32 {
+    pub(super) fn pull(&mut self, irradiance: impl Fn(usize, &Branch) -> Spectrum) -> f32 {
         let mut change = 0.0_f32;
         for (number, branch) in self.branches.iter().enumerate().rev() {
             if let (0, Some(element)) = (branch.count, &branch.element) {
                 let light = &mut self.light[number];
-                light.irradiance = irradiance(number);
+                light.irradiance = irradiance(number, branch);
                 let radiosity = element.emission + element.reflectance * light.irradiance;
                 change = change.max((radiosity - light.radiosity).map(f32::abs).max_component());
                 light.radiosity = radiosity;

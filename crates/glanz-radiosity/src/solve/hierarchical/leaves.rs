@@ -1,0 +1,131 @@
+//! Light as each leaf sees the other ends of its links, and of those of the nodes above it.
+//!
+//! A link brings its light evenly to all that is below its end. In a corner that is too much of what is far and too little of what
+//! is behind an edge: errors of links would gather there. In the end every leaf looks itself.
+
+use glanz_light::Spectrum;
+use rayon::prelude::*;
+
+use super::gather::Neighbours;
+use super::tree::{Branch, Tree};
+use crate::elements::Node;
+use crate::form_factor::polygon::{from_point, in_front};
+use crate::form_factor::{is_free, kernel};
+
+/// Distance over radius below which the places of a polygon do not integrate over it.
+const NEAR: f64 = 3.0;
+
+/// Rays from a leaf to the other end of a link, if it is a link of a node above and something is in its way.
+const RAYS: usize = 2;
+
+/// Nodes that one thread takes at once, at least.
+const BLOCK: usize = 64;
+
+/// Form factors from each leaf to the other ends.
+#[derive(Debug)]
+pub(super) struct Leaves {
+    /// By the number of the branch; none where it is no leaf.
+    rows: Vec<Vec<(u32, f32)>>,
+    pub(super) rays: u64,
+}
+
+impl Leaves {
+    /// Of all leaves; `None` if they would be more than `limit`.
+    pub(super) fn new(tree: &Tree<'_>, neighbours: &Neighbours, limit: usize) -> Option<Self> {
+        let leaves = || (0..tree.branches.len()).filter(|&number| tree.branches[number].children().is_empty());
+        let count: usize = leaves().map(|leaf| tree.path(leaf).map(|node| neighbours.of(node).len()).sum::<usize>()).sum();
+        if count > limit {
+            return None;
+        }
+        let made: Vec<(Vec<(u32, f32)>, u64)> = (0..tree.branches.len())
+            .into_par_iter()
+            .with_min_len(BLOCK)
+            .map(|number| row(tree, neighbours, number))
+            .collect();
+        let rays = made.iter().map(|(_, rays)| rays).sum();
+        Some(Self { rows: made.into_iter().map(|(row, _)| row).collect(), rays })
+    }
+
+    /// What meets each leaf.
+    pub(super) fn gather(&self, tree: &Tree<'_>) -> Vec<Spectrum> {
+        let of = |row: &Vec<(u32, f32)>| {
+            let mut received = Spectrum::BLACK;
+            for &(node, factor) in row {
+                received += tree.light[node as usize].radiosity * factor;
+            }
+            received
+        };
+        self.rows.par_iter().with_min_len(BLOCK).map(of).collect()
+    }
+}
+
+/// Form factors of a leaf, and the rays that it took.
+fn row(tree: &Tree<'_>, neighbours: &Neighbours, number: usize) -> (Vec<(u32, f32)>, u64) {
+    let leaf = &tree.branches[number];
+    let (mut row, mut rays) = (Vec::new(), 0);
+    if !leaf.children().is_empty() {
+        return (row, rays);
+    }
+    for node in tree.path(number) {
+        for source in neighbours.of(node) {
+            if node == number {
+                row.push((source.node, source.factor));
+                continue;
+            }
+            let other = &tree.branches[source.node as usize];
+            let mut factor = form_factor(leaf, other) as f32;
+            if factor > 0.0 {
+                factor *= if source.free < 1.0 {
+                    let turn = number ^ source.node as usize;
+                    let (share, sent) = look(tree, leaf, other, turn);
+                    rays += sent;
+                    share.unwrap_or(source.free)
+                } else {
+                    1.0
+                };
+            }
+            if factor > 0.0 {
+                row.push((source.node, factor));
+            }
+        }
+    }
+    let sum: f32 = row.iter().map(|(_, factor)| factor).sum();
+    let scale = leaf.scale(sum);
+    row.iter_mut().for_each(|(_, factor)| *factor *= scale);
+    (row, rays)
+}
+
+/// The share of a few rays that arrive, and how many there were.
+fn look(tree: &Tree<'_>, leaf: &Branch, other: &Branch, turn: usize) -> (Option<f32>, u64) {
+    let (from, to) = (&leaf.extent.nodes, &other.extent.probes);
+    let (mut free, mut sent) = (0_u8, 0_u8);
+    for i in 0..RAYS {
+        // Opposite places of both, of which few are the same as those of neighbours.
+        let start = from.get((turn / 2 + i * from.len().div_ceil(RAYS)) % from.len().max(1));
+        let end = to.get((turn + i * to.len().div_ceil(RAYS)) % to.len().max(1));
+        if let (Some(start), Some(end)) = (start, end)
+            && kernel(start, end) > 0.0
+        {
+            sent += 1;
+            free += u8::from(is_free(tree.elements().scene, start, end));
+        }
+    }
+    ((sent > 0).then(|| f32::from(free) / f32::from(sent)), u64::from(sent))
+}
+
+/// From a leaf to a node if nothing stands between: the mean over the places of the leaf.
+fn form_factor(leaf: &Branch, to: &Branch) -> f64 {
+    let is_near = to.extent.center.distance(leaf.extent.center) < NEAR * to.extent.radius;
+    let polygon = to.element.as_ref().and_then(|element| element.polygon.as_ref()).filter(|_| is_near);
+    let of = |from: &Node| match polygon {
+        Some(corners) if (from.position - to.extent.center).dot(to.extent.axis) > 0.0 => {
+            from_point(from.position, from.normal, &in_front(corners, from.position, from.normal))
+        }
+        Some(_) => 0.0,
+        None => to.extent.nodes.iter().map(|node| kernel(from, node) * node.area).sum::<f64>().min(1.0),
+    };
+    let (sum, area) = leaf.extent.nodes.iter().fold((0.0, 0.0), |(sum, area), from| {
+        (sum + from.area * of(from), area + from.area)
+    });
+    if area > 0.0 { sum / area } else { 0.0 }
+}
