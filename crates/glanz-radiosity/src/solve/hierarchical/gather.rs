@@ -29,9 +29,9 @@ pub(super) struct Neighbours {
 }
 
 impl Neighbours {
-    /// Sorted by node, for each in the order of the links.
-    pub(super) fn new(tree: &Tree<'_>, links: &[Link]) -> Self {
-        let carrying = || links.iter().filter(|link| link.exchange > 0.0);
+    /// Sorted by node, for each in the order of the links; those that carry nothing are left out on demand.
+    pub(super) fn new(tree: &Tree<'_>, links: &[Link], all: bool) -> Self {
+        let carrying = || links.iter().filter(|link| all || link.exchange > 0.0);
         let mut begins = vec![0; tree.branches.len() + 1];
         for link in carrying() {
             begins[link.a as usize + 1] += 1;

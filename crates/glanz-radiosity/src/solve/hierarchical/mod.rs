@@ -201,7 +201,7 @@ impl<'a> Solver<'a> {
 
     /// Sweeps until the change is small enough: each node gathers over its links, then all is pushed down and pulled up.
     fn solve(&mut self, enough: f64, sweeps: u32, go_on: impl FnMut(usize, u64) -> bool) {
-        let neighbours = Neighbours::new(&self.tree, &self.refinement.links);
+        let neighbours = Neighbours::new(&self.tree, &self.refinement.links, false);
         let gather = |tree: &mut Tree<'_>| {
             let pushed = tree.push(&neighbours.gather(tree));
             tree.pull(|leaf, branch| {
@@ -215,7 +215,7 @@ impl<'a> Solver<'a> {
     /// Sweeps with form factors of the leaves to the other ends of links, unless these are too many.
     fn solve_at_leaves(&mut self, settings: &Hierarchical, go_on: impl FnMut(usize, u64) -> bool) {
         let Hierarchical { tolerance, sweeps, links, .. } = *settings;
-        let neighbours = Neighbours::new(&self.tree, &self.refinement.links);
+        let neighbours = Neighbours::new(&self.tree, &self.refinement.links, true);
         let Some(leaves) = Leaves::new(&self.tree, &neighbours, PER_LINK * links) else {
             return self.solve(tolerance, sweeps, go_on);
         };
