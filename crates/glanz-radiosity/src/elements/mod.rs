@@ -9,8 +9,10 @@ use glanz_math::{DVec2, DVec3};
 use glanz_scene::{PlacedSurface, Scene};
 
 mod part;
+mod quadtree;
 
 pub use part::Part;
+pub use quadtree::{Leaf, Quadtree, QuadtreeSettings};
 
 /// Places per side at which a part that is cut by trimming is looked at.
 const CUT: u32 = 8;
@@ -80,6 +82,22 @@ pub enum ElementError {
     TooMany {
         /// That was asked for.
         side: f64,
+        /// Elements at most.
+        limit: usize,
+    },
+    /// No quadtree.
+    #[error("elements cannot be divided at differences above {threshold} from level {first} to {deepest}")]
+    Division {
+        /// That was asked for, 0 or more.
+        threshold: f64,
+        /// At most as deep as the deepest.
+        first: u32,
+        /// At most 24.
+        deepest: u32,
+    },
+    /// More leaves than can be kept.
+    #[error("a quadtree would have more than {limit} elements: choose a larger threshold or fewer levels")]
+    TooFine {
         /// Elements at most.
         limit: usize,
     },
@@ -198,10 +216,7 @@ fn divided(surface: &PlacedSurface<'_>, face: u32, side: f64) -> Option<Vec<Part
             fits.then(|| Part::SQUARE.grid(columns, rows))
         }
         FaceDomain::Polygon(corners) => {
-            let mut parts = Vec::new();
-            if let [a, rest @ ..] = corners.as_slice() {
-                parts.extend(rest.windows(2).map(|pair| Part::Triangle([*a, pair[0], pair[1]])));
-            }
+            let mut parts = filled(&corners);
             let longest = |part: &Part| {
                 let corners = part.corners();
                 let ends = corners.iter().zip(corners.iter().cycle().skip(1));
@@ -219,6 +234,22 @@ fn divided(surface: &PlacedSurface<'_>, face: u32, side: f64) -> Option<Vec<Part
             }
             Some(parts)
         }
+    }
+}
+
+/// A face in the fewest parts.
+fn face_parts(surface: &PlacedSurface<'_>, face: u32) -> Vec<Part> {
+    match surface.face_domain(face) {
+        FaceDomain::Square => vec![Part::SQUARE],
+        FaceDomain::Polygon(corners) => filled(&corners),
+    }
+}
+
+/// Triangles that fill a convex polygon.
+fn filled(corners: &[DVec2]) -> Vec<Part> {
+    match corners {
+        [a, rest @ ..] => rest.windows(2).map(|pair| Part::Triangle([*a, pair[0], pair[1]])).collect(),
+        [] => Vec::new(),
     }
 }
 
