@@ -54,6 +54,18 @@ pub fn counts_processor_time() -> bool {
 /// # Errors
 /// That of `work`.
 pub fn repeated<A, T, E>(
+    prepare: impl FnMut() -> A,
+    work: impl FnMut(A) -> Result<T, E>,
+) -> Result<(T, Duration), E> {
+    repeated_for(SHORTEST, prepare, work)
+}
+
+/// As [`repeated`] for another time than [`SHORTEST`].
+///
+/// # Errors
+/// That of `work`.
+pub fn repeated_for<A, T, E>(
+    shortest: Duration,
     mut prepare: impl FnMut() -> A,
     mut work: impl FnMut(A) -> Result<T, E>,
 ) -> Result<(T, Duration), E> {
@@ -70,7 +82,7 @@ pub fn repeated<A, T, E>(
         }
         total += watch.elapsed();
         if let Some(value) = last
-            && (total >= SHORTEST || begun.elapsed() >= 8 * SHORTEST)
+            && (total >= shortest || begun.elapsed() >= 8 * shortest)
         {
             return Ok((value, total / calls));
         }

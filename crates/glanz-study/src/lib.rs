@@ -8,6 +8,7 @@
 //! - `densities` integrates with densities that learn (document 003);
 //! - `guiding` renders rooms with and without densities that learn (document 003);
 //! - `newton` compares Newton's method with the certified search (document 000);
+//! - `reconstruction` interpolates light that is known per element (document 003);
 //! - `tessellation` compares triangles with the surface they stand for (document 002).
 //!
 //! ```
@@ -24,9 +25,12 @@
 pub mod clock;
 mod densities;
 mod guiding;
+mod lettering;
 mod newton;
 pub mod plot;
+mod reconstruction;
 pub mod report;
+mod sheet;
 mod study;
 pub mod table;
 mod tessellation;

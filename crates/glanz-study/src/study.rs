@@ -7,12 +7,14 @@ use glanz_formats::image::ImageError;
 use glanz_formats::newell::NewellError;
 use glanz_geometry::SurfaceError;
 use glanz_light::{CompareError, PixelsError};
+use glanz_radiosity::elements::ElementError;
+use glanz_radiosity::reconstruct::ReconstructError;
 use glanz_sampling::DensityError;
 use glanz_scene::SceneError;
 use glanz_transport::{FilmError, FilterError, IntegratorError, RenderError};
 
 use crate::report::Report;
-use crate::{densities, guiding, newton, tessellation};
+use crate::{densities, guiding, newton, reconstruction, tessellation};
 
 /// A question, and how it is answered.
 #[derive(Debug)]
@@ -56,7 +58,7 @@ pub enum StudyOption {
 }
 
 /// All studies. A new one is a file and a line here.
-static STUDIES: [Study; 4] = [
+static STUDIES: [Study; 5] = [
     Study {
         name: "densities",
         description: "variance of integrals whose density learns from its own samples (document 003)",
@@ -87,6 +89,13 @@ static STUDIES: [Study; 4] = [
         options: &[StudyOption::Rays],
         keeps: false,
         run: newton::run,
+    },
+    Study {
+        name: "reconstruction",
+        description: "light on a floor from values of elements, by six interpolations (document 003)",
+        options: &[StudyOption::Size],
+        keeps: false,
+        run: reconstruction::run,
     },
     Study {
         name: "tessellation",
@@ -229,6 +238,12 @@ pub enum StudyError {
     /// A density was refused.
     #[error(transparent)]
     Density(#[from] DensityError),
+    /// A scene was not divided.
+    #[error(transparent)]
+    Elements(#[from] ElementError),
+    /// Samples were not interpolated.
+    #[error(transparent)]
+    Reconstruct(#[from] ReconstructError),
     /// A list of patches was refused.
     #[error(transparent)]
     Patches(#[from] NewellError),

@@ -310,7 +310,7 @@ pub(crate) struct StudyArguments {
     /// Random rays (newton)
     #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u64).range(1..=MAX_RAYS))]
     pub(crate) rays: Option<u64>,
-    /// Size of the pictures in pixels (tessellation, guiding)
+    /// Size of the pictures in pixels (tessellation, guiding, reconstruction)
     #[arg(long, value_name = "WxH", requires = "name", value_parser = size)]
     pub(crate) size: Option<[u32; 2]>,
     /// Triangles per surface, each twice a square (tessellation)

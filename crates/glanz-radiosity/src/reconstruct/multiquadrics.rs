@@ -72,7 +72,11 @@ fn nan_max(a: f64, b: f64) -> f64 {
 }
 
 fn power(x: f64, exponent: f64) -> f64 {
-    if exponent == 0.5 { x.sqrt() } else { x.powf(exponent) }
+    match exponent {
+        0.5 => x.sqrt(),
+        -0.5 => 1.0 / x.sqrt(),
+        other => x.powf(other),
+    }
 }
 
 impl Interpolant for Multiquadrics {

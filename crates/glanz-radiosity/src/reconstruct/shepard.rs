@@ -45,6 +45,8 @@ impl Interpolant for Shepard {
         match self.half {
             1.0 => self.weighted(point, |x| x),
             2.0 => self.weighted(point, |x| x * x),
+            3.0 => self.weighted(point, |x| x * x * x),
+            4.0 => self.weighted(point, |x| (x * x) * (x * x)),
             0.5 => self.weighted(point, f64::sqrt),
             half => self.weighted(point, |x| x.powf(half)),
         }

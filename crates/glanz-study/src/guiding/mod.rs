@@ -3,12 +3,10 @@
 mod curve;
 mod figures;
 mod kept;
-mod lettering;
 mod measure;
 mod method;
 mod outcome;
 mod room;
-mod sheet;
 mod tell;
 
 use glanz_light::Pixels;
@@ -20,9 +18,10 @@ use self::measure::{Case, Reference, Work, reference};
 use self::method::{Entry, Method, entries};
 use self::outcome::{Outcome, RoomOutcome};
 use self::room::Room;
-use self::sheet::{Panel, sheet};
+
 use self::tell::tell_all;
 use crate::report::Report;
+use crate::sheet::{Panel, sheet};
 use crate::study::{Settings, StudyError, Watch};
 
 /// Rooms after the three scenes of document 003.

@@ -2,7 +2,7 @@
 
 use glanz_light::{Pixels, PixelsError};
 
-use super::lettering::{ADVANCE, HEIGHT, dots};
+use crate::lettering::{ADVANCE, HEIGHT, dots};
 
 /// Small pictures are shown with larger pixels until they are this wide.
 const WIDTH: u32 = 320;
@@ -15,16 +15,16 @@ const PAPER: [f32; 3] = [0.02; 3];
 const INK: [f32; 3] = [0.9; 3];
 
 /// A picture and the lines above it.
-pub(super) struct Panel {
-    pub(super) lines: [String; 2],
-    pub(super) pixels: Pixels,
+pub(crate) struct Panel {
+    pub(crate) lines: [String; 2],
+    pub(crate) pixels: Pixels,
 }
 
 /// Rows of panels in linear light; all pictures have one size, and rows may have different lengths.
 ///
 /// # Errors
 /// [`PixelsError`] if the sheet is too large.
-pub(super) fn sheet(rows: &[Vec<Panel>]) -> Result<Pixels, PixelsError> {
+pub(crate) fn sheet(rows: &[Vec<Panel>]) -> Result<Pixels, PixelsError> {
     let size = rows.iter().flatten().next().map_or([1, 1], |p| [p.pixels.width(), p.pixels.height()]);
     let scale = WIDTH.div_ceil(size[0]);
     let columns = rows.iter().map(Vec::len).max().unwrap_or(1).max(1) as u32;

@@ -1,0 +1,180 @@
+//! Elements, textures, and how far these are from the reference.
+
+use std::time::Duration;
+
+use glanz_radiosity::elements::QuadtreeSettings;
+use glanz_radiosity::reconstruct::{Border, Cells, Interpolation, Texture};
+
+use super::exact::{Exact, Reference};
+use super::method::{Division, Method, methods};
+use super::published::Errors;
+use super::room::{Divided, Room, Setup};
+use crate::clock::{self, Of, Stopwatch};
+use crate::study::{Settings, StudyError};
+
+/// The grid of document 003, 16 x 16.
+const GRID: QuadtreeSettings = QuadtreeSettings { threshold: 0.0, first: 4, deepest: 4 };
+
+/// Chosen so that there are about as many elements as in document 003, which does not print its threshold.
+pub(super) const QUADTREE: QuadtreeSettings = QuadtreeSettings { threshold: 0.08, first: 2, deepest: 8 };
+
+/// Largest difference of light within an element's reach where there is no border of a shadow, per the largest light.
+const QUIET: f64 = 0.35;
+
+/// What came of one method.
+pub(super) struct Made {
+    pub(super) method: Method,
+    pub(super) errors: Errors,
+    /// Root mean square error further than an element of the grid from the borders of hard shadows.
+    pub(super) away: Option<f64>,
+    /// How far the texture goes above and below all values of elements.
+    pub(super) overshoot: [f64; 2],
+    /// From elements to texture.
+    pub(super) time: Duration,
+    pub(super) texels: Vec<f64>,
+}
+
+/// What came of one division of a floor.
+pub(super) struct OfDivision {
+    pub(super) division: Division,
+    pub(super) divided: Divided,
+    /// To compute the values of the elements.
+    pub(super) time: Duration,
+    /// Root mean square and largest difference between values of elements by form factors and exact ones.
+    pub(super) off: [f64; 2],
+    pub(super) made: Vec<Made>,
+}
+
+/// What came of a scene.
+pub(super) struct Outcome {
+    pub(super) setup: &'static Setup,
+    pub(super) reference: Reference,
+    pub(super) reference_time: Duration,
+    /// Grid, then quadtree.
+    pub(super) divisions: Vec<OfDivision>,
+}
+
+impl OfDivision {
+    pub(super) fn of(&self, interpolation: Interpolation, border: Border) -> Option<&Made> {
+        self.made.iter().find(|m| m.method.interpolation == interpolation && m.method.border == border)
+    }
+}
+
+/// Everything about a scene; `tell` is told what comes next.
+///
+/// # Errors
+/// An end that was wanted.
+pub(super) fn measure(
+    setup: &'static Setup,
+    size: [usize; 2],
+    settings: &Settings<'_>,
+    tell: &mut dyn FnMut(String),
+) -> Result<Outcome, StudyError> {
+    tell(format!("scene {}: reference", setup.number));
+    let scene = setup.scene()?;
+    let room = Room::new(&scene)?;
+    let go_on = || settings.go_on();
+    let exact = room.exact();
+    let watch = Stopwatch::start(Of::Thread);
+    let reference = exact.reference(size, &go_on)?;
+    let reference_time = watch.elapsed();
+    let quiet = setup.hard.then(|| away_from_borders(&reference.texels, size));
+    let mut divisions = Vec::new();
+    for (division, rules) in [(Division::Grid, GRID), (Division::Quadtree, QUADTREE)] {
+        tell(format!("scene {}: {}", setup.number, division.name()));
+        let watch = Stopwatch::start(Of::Thread);
+        let divided = room.divided(&rules, reference.unit, &go_on)?;
+        let time = watch.elapsed();
+        let off = off(&exact, &divided.cells, reference.unit);
+        let mut made = Vec::new();
+        for method in methods(division) {
+            settings.go_on()?;
+            made.push(make(method, &divided.cells, size, &reference, quiet.as_deref())?);
+        }
+        divisions.push(OfDivision { division, divided, time, off, made });
+    }
+    Ok(Outcome { setup, reference, reference_time, divisions })
+}
+
+/// One texture, timed and judged.
+fn make(
+    method: Method,
+    cells: &Cells,
+    size: [usize; 2],
+    reference: &Reference,
+    quiet: Option<&[bool]>,
+) -> Result<Made, StudyError> {
+    // Small textures, as tests make them, need not be timed as long.
+    let share = (size[0] * size[1]) as f64 / 160_000.0;
+    let (texture, time) = clock::repeated_for(
+        clock::SHORTEST.mul_f64(share.min(1.0)),
+        || (),
+        |()| texture(method, cells, size),
+    )?;
+    let texels: Vec<f64> = texture.texels().iter().map(|texel| texel.x).collect();
+    let values = || cells.as_slice().iter().map(|cell| cell.value.x);
+    let [low, high] = [values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max)];
+    let above = texels.iter().fold(0.0, |most: f64, x| most.max(x - high));
+    let below = texels.iter().fold(0.0, |most: f64, x| most.max(low - x));
+    let away = quiet.map(|quiet| {
+        let chosen = texels.iter().zip(&reference.texels).zip(quiet).filter(|(_, quiet)| **quiet);
+        let (sum, count) =
+            chosen.fold((0.0, 0_u32), |(sum, count), ((a, b), _)| (sum + (a - b).powi(2), count + 1));
+        (sum / f64::from(count.max(1))).sqrt()
+    });
+    Ok(Made {
+        method,
+        errors: errors(&texels, &reference.texels),
+        away,
+        overshoot: [above, below],
+        time,
+        texels,
+    })
+}
+
+/// The texture of a method.
+///
+/// # Errors
+/// Cells that the method refuses.
+pub(super) fn texture(method: Method, cells: &Cells, size: [usize; 2]) -> Result<Texture, StudyError> {
+    Ok(method.interpolation.of_cells(cells, method.border)?.texture(size))
+}
+
+/// Mean, root mean square and largest difference.
+pub(super) fn errors(a: &[f64], b: &[f64]) -> Errors {
+    let n = a.len().max(1) as f64;
+    let differences = || a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    let square: f64 = differences().map(|d| d * d).sum();
+    [differences().sum::<f64>() / n, (square / n).sqrt(), differences().fold(0.0, f64::max)]
+}
+
+/// Root mean square (by area) and largest difference between values of cells and exact means over them.
+fn off(exact: &Exact, cells: &Cells, unit: f64) -> [f64; 2] {
+    let (mut squares, mut most) = (0.0, 0.0_f64);
+    for cell in cells.as_slice() {
+        let size = cell.max - cell.min;
+        let off = cell.value.x - exact.mean_over(cell.min, size, unit) / unit;
+        squares += off * off * size.element_product();
+        most = most.max(off.abs());
+    }
+    [squares.sqrt(), most]
+}
+
+/// Texels within whose reach of an element of the grid light differs by less than a hard shadow makes it differ.
+fn away_from_borders(texels: &[f64], size: [usize; 2]) -> Vec<bool> {
+    let reach = size.map(|n| n / 16);
+    let along = |values: &[f64], axis: usize, pick: fn(f64, f64) -> f64| -> Vec<f64> {
+        let stride = if axis == 0 { 1 } else { size[0] };
+        let of = |i: usize| {
+            let place = (i / stride) % size[axis];
+            let low = place - reach[axis].min(place);
+            let high = (place + reach[axis]).min(size[axis] - 1);
+            let first = i - (place - low) * stride;
+            (0..=high - low).filter_map(|k| values.get(first + k * stride).copied()).fold(values[i], pick)
+        };
+        (0..values.len()).map(of).collect()
+    };
+    let [low, high] =
+        [f64::min as fn(f64, f64) -> f64, f64::max].map(|pick| along(&along(texels, 0, pick), 1, pick));
+    low.iter().zip(&high).map(|(low, high)| high - low < QUIET).collect()
+}

@@ -1,0 +1,75 @@
+//! Which interpolations are tried on which divisions.
+
+use glanz_radiosity::reconstruct::{Border, Interpolation};
+
+/// How a floor is divided into elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Division {
+    /// 16 x 16 equal ones.
+    Grid,
+    /// Small ones where light changes.
+    Quadtree,
+}
+
+impl Division {
+    pub(super) const ALL: [Self; 2] = [Self::Grid, Self::Quadtree];
+
+    /// In tables and names of files.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Grid => "grid",
+            Self::Quadtree => "quadtree",
+        }
+    }
+}
+
+/// An interpolation with or without samples at the border.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Method {
+    pub(super) interpolation: Interpolation,
+    pub(super) border: Border,
+}
+
+/// The methods that scattered samples allow, which are those that the document compares on both divisions.
+pub(super) const SCATTERED: [Interpolation; 3] = [
+    Interpolation::Shepard { exponent: 4.0 },
+    Interpolation::Multiquadrics { exponent: 0.5 },
+    Interpolation::NaturalNeighbour,
+];
+
+impl Method {
+    /// In tables.
+    pub(super) fn name(self) -> &'static str {
+        name(self.interpolation)
+    }
+
+    /// Whether border samples make a difference that is asked for.
+    pub(super) fn is_scattered(self) -> bool {
+        SCATTERED.contains(&self.interpolation)
+    }
+}
+
+/// A name for people.
+pub(super) fn name(interpolation: Interpolation) -> &'static str {
+    match interpolation {
+        Interpolation::Constant => "constant",
+        Interpolation::Bilinear => "bilinear",
+        Interpolation::Spline => "bicubic spline",
+        Interpolation::Shepard { .. } => "Shepard",
+        Interpolation::Multiquadrics { .. } => "multiquadrics",
+        Interpolation::NaturalNeighbour => "natural neighbours",
+    }
+}
+
+/// All methods of a division, in the order of the document's tables.
+pub(super) fn methods(division: Division) -> Vec<Method> {
+    let open = |interpolation| Method { interpolation, border: Border::Open };
+    let mut all = vec![open(Interpolation::Constant)];
+    if division == Division::Grid {
+        all.extend([Interpolation::Bilinear, Interpolation::Spline].map(open));
+    }
+    for border in [Border::Open, Border::Sampled] {
+        all.extend(SCATTERED.map(|interpolation| Method { interpolation, border }));
+    }
+    all
+}

@@ -1,0 +1,60 @@
+//! Light on a floor from one value per element (document 003 chapter 4): its tables and figures again.
+
+mod exact;
+mod figures;
+mod measure;
+mod method;
+mod parameters;
+mod picture;
+mod published;
+mod room;
+mod tell;
+mod verdict;
+
+use self::measure::measure;
+use self::parameters::Parameters;
+use self::room::SETUPS;
+use crate::report::Report;
+use crate::study::{Settings, StudyError, Watch};
+
+/// Texels of the document's textures.
+const SIZE: [u32; 2] = [400, 400];
+
+/// Texels along a side at least: one for each element of the grid.
+const LEAST: u32 = 16;
+
+/// Runs the study.
+///
+/// # Errors
+/// An end that was wanted, or textures that are too small.
+pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
+    settings.go_on()?;
+    let size = settings.size.unwrap_or(SIZE);
+    if size.iter().any(|&n| n < LEAST) {
+        return Err(StudyError::Setting {
+            name: "size",
+            value: format!("{}x{}", size[0], size[1]),
+            needed: "at least 16x16, a texel for each element",
+        });
+    }
+    let size = size.map(|n| n as usize);
+    // For each scene the reference, two divisions, and as much again for other parameters at the end.
+    let parts = (4 * SETUPS.len()) as f64;
+    let mut done = 0.0;
+    let mut outcomes = Vec::new();
+    for setup in &SETUPS {
+        let mut tell = |what: String| {
+            watch.progress(done / parts, &what);
+            done += 1.0;
+        };
+        outcomes.push(measure(setup, size, settings, &mut tell)?);
+    }
+    watch.progress(done / parts, "other exponents");
+    let parameters = Parameters::measure(&outcomes, size, settings)?;
+    let report = tell::tell_all(&outcomes, parameters, size)?;
+    watch.progress(1.0, "done");
+    Ok(report)
+}
+
+#[cfg(test)]
+mod tests;

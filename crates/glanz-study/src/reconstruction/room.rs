@@ -1,0 +1,146 @@
+//! The six scenes, and what their floors receive.
+
+use glanz_formats::{Options, load_str};
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::DVec3;
+use glanz_radiosity::elements::Part;
+use glanz_radiosity::elements::{Element, ElementSettings, Elements, QuadtreeSettings};
+use glanz_radiosity::form_factor::exchange;
+use glanz_radiosity::reconstruct::{Cell, Cells};
+use glanz_scene::Scene;
+
+use super::exact::Exact;
+use crate::study::StudyError;
+
+/// Number of the shape that is judged, in the order of the scene file.
+const FLOOR: u32 = 0;
+
+/// A scene with its name in document 003.
+#[derive(Debug)]
+pub(super) struct Setup {
+    /// As the document numbers it.
+    pub(super) number: &'static str,
+    /// Of its file.
+    pub(super) name: &'static str,
+    pub(super) description: &'static str,
+    /// Whether the shadow is hard.
+    pub(super) hard: bool,
+    text: &'static str,
+}
+
+macro_rules! setup {
+    ($number:literal, $name:literal, $description:literal, $hard:literal) => {
+        Setup {
+            number: $number,
+            name: $name,
+            description: $description,
+            hard: $hard,
+            text: include_str!(concat!("../../../../scenes/reconstruction/", $name, ".pbrt")),
+        }
+    };
+}
+
+/// The scenes of section 4.7.
+pub(super) static SETUPS: [Setup; 6] = [
+    setup!("1", "soft_parallel", "soft, parallel to the elements", false),
+    setup!("2", "soft_diagonal", "soft, diagonal", false),
+    setup!("3a", "hard_parallel_on", "hard, on borders of elements", true),
+    setup!("3b", "hard_parallel_off", "hard, parallel, through the middles of elements", true),
+    setup!("4a", "hard_diagonal_on", "hard, diagonal through corners of elements", true),
+    setup!("4b", "hard_diagonal_off", "hard, diagonal, off the corners", true),
+];
+
+impl Setup {
+    /// The scene.
+    ///
+    /// # Errors
+    /// What is wrong with the file.
+    pub(super) fn scene(&self) -> Result<Scene, StudyError> {
+        let name = format!("{}.pbrt", self.name);
+        let loaded = load_str(&name, self.text, &Options::default())
+            .map_err(|diagnostics| StudyError::Unreadable(diagnostics.to_string()))?;
+        Ok(Scene::resolve(loaded.description)?.0)
+    }
+}
+
+/// A scene in elements: lamps, what stands in the way, and the floor.
+pub(super) struct Room<'a> {
+    elements: Elements<'a>,
+    lamps: Vec<Element>,
+    floor: Element,
+}
+
+/// What an element is divided into, with a value for each.
+pub(super) struct Divided {
+    pub(super) cells: Cells,
+    /// Values that were computed.
+    pub(super) trials: usize,
+}
+
+impl<'a> Room<'a> {
+    /// # Errors
+    /// A scene without a flat floor.
+    pub(super) fn new(scene: &'a Scene) -> Result<Self, StudyError> {
+        // Each face is one element: lamps are small, and the floor is divided later.
+        let side = 2.0 * scene.bounds().diagonal().length();
+        let elements = Elements::new(scene, &ElementSettings { side })?;
+        let lamps = elements.list.iter().filter(|e| !e.emission.is_black()).cloned().collect();
+        let is_floor = |e: &&Element| {
+            let surface = elements.surfaces.get(e.patch.surface as usize);
+            surface.is_some_and(|s| s.shape(e.patch.face) == FLOOR) && !e.patch.back && e.polygon.is_some()
+        };
+        let floor = elements.list.iter().find(is_floor).cloned();
+        let floor =
+            floor.ok_or_else(|| StudyError::Unreadable("the first shape is no flat floor".to_owned()))?;
+        Ok(Self { elements, lamps, floor })
+    }
+
+    /// Radiosity of a part of the floor from the lamps alone, by form factors.
+    fn radiosity(&self, element: &Element) -> Spectrum {
+        let from =
+            |lamp: &Element| lamp.emission * (exchange(&self.elements, lamp, element) / element.area) as f32;
+        self.lamps.iter().map(from).sum::<Spectrum>() * element.reflectance
+    }
+
+    /// The floor divided where light changes, values per `unit`.
+    ///
+    /// # Errors
+    /// That of `go_on`, or settings that make no sense.
+    pub(super) fn divided(
+        &self,
+        settings: &QuadtreeSettings,
+        unit: f64,
+        go_on: &dyn Fn() -> Result<(), StudyError>,
+    ) -> Result<Divided, StudyError> {
+        let patch = self.floor.patch;
+        let settings = QuadtreeSettings { threshold: settings.threshold * unit, ..*settings };
+        let value = |element: &Element| go_on().map(|()| self.radiosity(element));
+        let tree = self.elements.refined((patch.surface, patch.face, patch.back), &settings, value)?;
+        let wavelengths = Wavelengths::default();
+        let cell = |part: Part, value: Spectrum| match part {
+            Part::Rectangle { min, max } => {
+                let value = DVec3::splat(f64::from(value.luminance(&wavelengths)) / unit);
+                Some(Cell { min, max, value })
+            }
+            Part::Triangle(_) => None,
+        };
+        let cells = tree.leaves.iter().filter_map(|leaf| cell(leaf.element.patch.part, leaf.value)).collect();
+        Ok(Divided { cells: Cells::try_new(cells)?, trials: tree.trials })
+    }
+
+    /// The floor's light in closed form.
+    pub(super) fn exact(&self) -> Exact {
+        let luminance = |light: Spectrum| f64::from(light.luminance(&Wavelengths::default()));
+        let reflectance = luminance(self.floor.reflectance);
+        let lamps = self
+            .lamps
+            .iter()
+            .filter_map(|lamp| Some((lamp.polygon.clone()?, reflectance * luminance(lamp.emission))));
+        let is_floor = |e: &Element| {
+            (e.patch.surface, e.patch.face) == (self.floor.patch.surface, self.floor.patch.face)
+        };
+        let others = self.elements.list.iter().filter(|e| !e.patch.back && !is_floor(e));
+        let blockers = others.filter_map(|e| e.polygon.clone()).collect();
+        Exact::new(self.floor.polygon.clone().unwrap_or_default(), lamps.collect(), blockers)
+    }
+}
