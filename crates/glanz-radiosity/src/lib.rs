@@ -1,5 +1,7 @@
 //! Light that stays: what diffuse surfaces send to one another, and the light maps that show it.
 
+pub mod bake;
+pub mod charts;
 pub mod elements;
 pub mod form_factor;
 pub mod reconstruct;

@@ -59,6 +59,6 @@ pub use error::{SceneError, SceneErrorKind, SceneWarning};
 pub use interaction::{Interaction, Reference};
 pub use light::{Light, LightId, LightSample, MAX_LIGHT_GROUPS};
 pub use object::Object;
-pub use placed::{PlacedPoint, PlacedSurface};
+pub use placed::{Place, PlacedPoint, PlacedSurface};
 pub use scene::{MAX_NESTING, Scene};
 pub use statistics::Statistics;

@@ -18,6 +18,19 @@ pub struct PlacedSurface<'a> {
     maps: Vec<Transform>,
 }
 
+/// Where on the surfaces of [`Scene::placed_surfaces`] a ray met the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Number of the surface.
+    pub surface: u32,
+    /// Its face.
+    pub face: u32,
+    /// Whether it was met on the side that the normal does not point to.
+    pub back: bool,
+    /// Parameters of the face.
+    pub uv: DVec2,
+}
+
 /// One side of a place.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedPoint {
@@ -185,14 +198,16 @@ mod tests {
         assert_eq!(placed.len(), 5);
         let charts = scene.charts();
         let mut count = 0;
-        for surface in &placed {
+        for (number, surface) in (0..).zip(&placed) {
             for (face, i) in (0..surface.faces()).flat_map(|face| (0..25).map(move |i| (face, i))) {
                 // Within triangles too.
                 let uv = DVec2::new(f64::from(i % 5) + 0.5, f64::from(i / 5) + 0.5) / 10.0;
                 for back in [false, true] {
                     let PlacedPoint { at, .. } = surface.at(face, uv, back).unwrap();
                     let ray = Ray::new(at.point.position + 0.01 * at.wo, -at.wo);
-                    let hit = scene.intersect(&ray, 0.02).unwrap();
+                    let (hit, found) = scene.intersect_place(&ray, 0.02).unwrap();
+                    assert_eq!((found.surface, found.face, found.back), (number, face, back));
+                    assert!(found.uv.distance(uv) < 1e-9);
                     assert_eq!((hit.id, hit.material, hit.light), (at.id, at.material, at.light));
                     assert_eq!(surface.shape(face), hit.id);
                     assert!(hit.point.position.distance(at.point.position) < 1e-12);

@@ -11,6 +11,7 @@ use crate::chart::Chart;
 use crate::interaction::{Interaction, Reference};
 use crate::light::{Light, LightId, LightSample, LightSelector};
 use crate::object::Object;
+use crate::placed::Place;
 
 /// How deep groups may be nested in one another.
 pub const MAX_NESTING: usize = 8;
@@ -25,6 +26,8 @@ pub(crate) struct Group {
     /// What has no finite box.
     pub(crate) unbounded: Vec<Primitive>,
     pub(crate) bvh: Bvh,
+    /// For each instance, how many surfaces [`Scene::placed_surfaces`] lists of this group before its own; and of the whole group.
+    pub(crate) placed_before: Vec<u32>,
 }
 
 /// A copy of a group.
@@ -147,6 +150,24 @@ impl Scene {
         let mut found = None;
         self.closest(self.world(), ray, t_max, &mut found);
         found.map(|found| self.interaction(ray, &found))
+    }
+
+    /// As [`Scene::intersect`], with the place by parameters.
+    #[must_use]
+    pub fn intersect_place(&self, ray: &Ray, t_max: f64) -> Option<(Interaction, Place)> {
+        let mut found = None;
+        self.closest(self.world(), ray, t_max, &mut found);
+        let found = found?;
+        let mut group = self.world();
+        let mut surface = found.object;
+        for index in found.path.outermost_first() {
+            surface += group.placed_before.get(index as usize).copied().unwrap_or_default();
+            group = &self.groups[group.instances[index as usize].group];
+        }
+        let at = self.interaction(ray, &found);
+        let Hit { u, v, face, .. } = found.hit;
+        let back = at.point.normal.dot(at.wo) < 0.0;
+        Some((at, Place { surface, face, back, uv: DVec2::new(u, v) }))
     }
 
     /// Whether the ray meets anything with `0 < t < t_max`.

@@ -149,7 +149,12 @@ impl Groups {
             }
         }
         let bvh = Bvh::build(&boxes, &BuildOptions::default());
-        Group { objects, instances, bounded, unbounded, bvh }
+        let mut placed_before = vec![objects.len() as u32];
+        for instance in &instances {
+            let inner = self.groups[instance.group].placed_before.last().copied().unwrap_or_default();
+            placed_before.push(placed_before.last().copied().unwrap_or_default().saturating_add(inner));
+        }
+        Group { objects, instances, bounded, unbounded, bvh, placed_before }
     }
 }
 

@@ -1,0 +1,287 @@
+//! Light that comes from other surfaces.
+
+use std::collections::BTreeMap;
+
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::{DVec3, Frame};
+use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
+use glanz_sampling::warp;
+use glanz_scene::{Interaction, Light, Place, Scene};
+use rayon::prelude::*;
+
+use super::direct::{DirectMap, luminance};
+use super::lookup::Index;
+use super::{BakeError, Spot, Stage};
+use crate::charts::Chart;
+use crate::elements::Elements;
+
+/// Borders without a surface that a ray may pass; more are taken for a ray that does not advance.
+const PASSED: u32 = 1000;
+
+/// Rays from an element.
+const FROM_ELEMENT: usize = 256;
+
+/// Rays that decide whether a place lies inside of something.
+const LOOK: usize = 16;
+
+/// Change of the brightest element with which elements have found their light, and rounds at most.
+const SETTLED: f32 = 1e-4;
+const ROUNDS: u32 = 1000;
+
+/// Key of the points that pick directions: the same everywhere, so that neighbours and charts that meet agree.
+const KEY: u64 = 0x6761_7468;
+
+/// What is asked when light is gathered.
+pub(super) struct Gather<'a> {
+    pub(super) elements: &'a Elements<'a>,
+    pub(super) charts: &'a [Chart],
+    index: &'a Index,
+    direct: Vec<Vec<Spectrum>>,
+    /// Directions around z, by the cosine.
+    directions: Vec<DVec3>,
+    /// Irradiance of each element, but for direct light.
+    indirect: Vec<Spectrum>,
+    /// Whether light comes to each chart.
+    is_lit: Vec<bool>,
+}
+
+/// What was found at a place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gathered {
+    /// Irradiance.
+    pub(super) light: Spectrum,
+    /// Harmonic mean of the distances, metres; infinite if nothing is met.
+    pub(super) distance: f64,
+    /// Whether anything is met that light reaches, or nothing at all.
+    pub(super) sees_out: bool,
+}
+
+/// Where a ray ended.
+struct End {
+    at: Interaction,
+    place: Place,
+}
+
+impl<'a> Gather<'a> {
+    pub(super) fn new(
+        elements: &'a Elements<'a>,
+        index: &'a Index,
+        charts: &'a [Chart],
+        direct: &[DirectMap],
+        rays: u32,
+    ) -> Self {
+        let sobol = ScrambledSobol::new(KEY);
+        let direction = |i: u32| {
+            let [x, y] = sobol.pair(i.reverse_bits(), 0).map(unit);
+            warp::cosine_hemisphere(glanz_math::DVec2::new(x, y))
+        };
+        let of_chart = |(chart, direct): (&Chart, &DirectMap)| {
+            let light = |texel| (!direct.at(texel).is_empty()).then(|| direct.mean(texel));
+            let size = chart.size.map(|n| n as usize);
+            super::fill::filled((0..chart.texels()).map(light).collect(), size)
+        };
+        Self {
+            elements,
+            charts,
+            index,
+            direct: charts.par_iter().zip(direct).map(of_chart).collect(),
+            directions: (0..rays.max(LOOK as u32)).map(direction).collect(),
+            indirect: vec![Spectrum::BLACK; elements.list.len()],
+            is_lit: direct.iter().map(DirectMap::is_lit).collect(),
+        }
+    }
+
+    /// Takes the elements' light from a solution; direct light of its own is taken out again.
+    pub(super) fn take(&mut self, radiosity: &[Spectrum]) {
+        let of_element = |(element, &radiosity): (&crate::elements::Element, &Spectrum)| {
+            let patch = &element.patch;
+            let corners = patch.part.quarters();
+            let places = corners.iter().flat_map(crate::elements::Part::quarters).map(|part| Place {
+                surface: patch.surface,
+                face: patch.face,
+                back: patch.back,
+                uv: part.center(),
+            });
+            let found: Vec<Spectrum> = places.filter_map(|place| self.direct_at(&place)).collect();
+            let direct = found.iter().copied().sum::<Spectrum>() * (1.0 / found.len().max(1) as f32);
+            let received = (radiosity - element.emission)
+                .zip(element.reflectance, |sent, share| if share > 0.0 { sent / share } else { 0.0 });
+            received - direct
+        };
+        let indirect: Vec<Spectrum> = self.elements.list.par_iter().zip(radiosity).map(of_element).collect();
+        self.indirect = indirect;
+        for (element, sent) in self.elements.list.iter().zip(radiosity) {
+            if !sent.is_black() {
+                self.light_up(element);
+            }
+        }
+    }
+
+    /// Elements gather light from one another until it no longer changes.
+    pub(super) fn solve(&mut self, go_on: &mut dyn FnMut(Stage, f64) -> bool) -> Result<(), BakeError> {
+        let list = &self.elements.list;
+        let mut rows: Vec<Row> = Vec::with_capacity(list.len());
+        for group in list.chunks(256) {
+            if !go_on(Stage::Between, rows.len() as f64 / list.len() as f64) {
+                return Err(BakeError::Stopped);
+            }
+            let found: Vec<Row> = group.par_iter().map(|element| self.row(element)).collect();
+            rows.extend(found);
+        }
+        for _ in 0..ROUNDS {
+            let (mut change, mut most) = (0.0_f32, 0.0_f32);
+            for i in 0..rows.len() {
+                let row = &rows[i];
+                let mut light = row.direct;
+                for &(j, weight) in &row.links {
+                    light += weight * self.indirect[j as usize];
+                }
+                change = change.max((light - self.indirect[i]).map(f32::abs).max_component());
+                most = most.max(light.max_component());
+                self.indirect[i] = light;
+            }
+            if change <= SETTLED * most {
+                break;
+            }
+        }
+        let elements = self.elements;
+        let lit: Vec<bool> = self.indirect.iter().map(|light| !light.is_black()).collect();
+        for (element, _) in elements.list.iter().zip(lit).filter(|(_, lit)| *lit) {
+            self.light_up(element);
+        }
+        Ok(())
+    }
+
+    fn light_up(&mut self, element: &crate::elements::Element) {
+        let patch = &element.patch;
+        let place =
+            Place { surface: patch.surface, face: patch.face, back: patch.back, uv: patch.part.center() };
+        if let Some((chart, _)) = self.index.texel(self.charts, &place) {
+            self.is_lit[chart] = true;
+        }
+    }
+
+    /// What an element gathers, as a function of the others.
+    fn row(&self, element: &crate::elements::Element) -> Row {
+        let patch = &element.patch;
+        let mut row = Row { direct: Spectrum::BLACK, links: Vec::new() };
+        let mut links: BTreeMap<u32, Spectrum> = BTreeMap::new();
+        let places = patch.part.nodes().into_iter().map(|uv| Place {
+            surface: patch.surface,
+            face: patch.face,
+            back: patch.back,
+            uv,
+        });
+        let spots: Vec<Spot> = places.filter_map(|place| Spot::new(self.elements, &place)).collect();
+        let weight = 1.0 / FROM_ELEMENT as f32;
+        for i in 0..if spots.is_empty() { 0 } else { FROM_ELEMENT } {
+            let spot = &spots[i % spots.len()];
+            let direction = self.directions[i % self.directions.len()];
+            let (own, end) = self.follow(spot, Frame::from_z(spot.shading).to_world(direction));
+            row.direct += own * weight;
+            let Some(end) = end else { continue };
+            let share = self.reflectance(&end.at) * weight;
+            row.direct += share * self.direct_at(&end.place).unwrap_or_default();
+            if let Some(other) = self.index.element(self.elements, &end.place) {
+                *links.entry(other).or_default() += share;
+            }
+        }
+        row.links = links.into_iter().collect();
+        row
+    }
+
+    /// Irradiance at a spot from all its surroundings.
+    pub(super) fn at(&self, spot: &Spot) -> Gathered {
+        let frame = Frame::from_z(spot.shading);
+        let weight = 1.0 / self.directions.len() as f32;
+        let (mut light, mut nearness, mut sees_out) = (Spectrum::BLACK, 0.0, false);
+        for &direction in &self.directions {
+            let (own, end) = self.follow(spot, frame.to_world(direction));
+            light += own * weight;
+            match end {
+                None => sees_out = true,
+                Some(end) => {
+                    nearness += 1.0 / end.at.point.position.distance(spot.at.point.position);
+                    sees_out |= self.is_lit_at(&end.place);
+                    let sent = self.sent(&end);
+                    light += sent * weight;
+                }
+            }
+        }
+        Gathered { light, distance: self.directions.len() as f64 / nearness, sees_out }
+    }
+
+    /// Whether a spot sees anything that light reaches, by a few rays.
+    pub(super) fn sees_out(&self, spot: &Spot) -> bool {
+        let frame = Frame::from_z(spot.shading);
+        self.directions.iter().take(LOOK).any(|&direction| {
+            let (_, end) = self.follow(spot, frame.to_world(direction));
+            end.is_none_or(|end| self.is_lit_at(&end.place))
+        })
+    }
+
+    /// Whether light reaches the side of the chart that a place is on; what has no chart is not known.
+    fn is_lit_at(&self, place: &Place) -> bool {
+        self.index.texel(self.charts, place).is_none_or(|(chart, _)| self.is_lit[chart])
+    }
+
+    /// Whether light reaches any element or texel of a chart.
+    pub(super) fn is_lit(&self, chart: usize) -> bool {
+        self.is_lit[chart]
+    }
+
+    fn direct_at(&self, place: &Place) -> Option<Spectrum> {
+        let (chart, texel) = self.index.texel(self.charts, place)?;
+        self.direct.get(chart)?.get(texel).copied()
+    }
+
+    /// Radiosity that the light on a place leads to.
+    fn sent(&self, end: &End) -> Spectrum {
+        let element = self.index.element(self.elements, &end.place);
+        let indirect = element.and_then(|i| self.indirect.get(i as usize)).copied().unwrap_or_default();
+        let received = self.direct_at(&end.place).unwrap_or_default() + indirect;
+        self.reflectance(&end.at) * received.map(|light| light.max(0.0))
+    }
+
+    fn reflectance(&self, at: &Interaction) -> Spectrum {
+        let bsdf = at.bsdf(self.elements.scene, &Wavelengths::default());
+        bsdf.map_or(Spectrum::BLACK, |bsdf| bsdf.albedo(at.frame().to_local(at.wo)))
+    }
+
+    /// Where a ray ends, and pi times the radiance of lights on the way that no shadow ray can look for.
+    fn follow(&self, spot: &Spot, direction: DVec3) -> (Spectrum, Option<End>) {
+        let mut found = Spectrum::BLACK;
+        if spot.normal.dot(direction) <= 0.0 {
+            // Below the surface though not below the shading normal: nothing comes from there.
+            return (found, None);
+        }
+        let scene = self.elements.scene;
+        let mut ray = spot.at.spawn(direction);
+        for _ in 0..PASSED {
+            let Some((at, place)) = scene.intersect_place(&ray, f64::INFINITY) else { return (found, None) };
+            if is_found_by_chance(scene, &at) {
+                found += scene.emitted(&at, at.wo) * std::f32::consts::PI;
+            }
+            let passes = self.elements.surfaces.get(place.surface as usize).is_none_or(|s| s.is_passable());
+            if !passes {
+                return (found, Some(End { at, place }));
+            }
+            ray = at.spawn(direction);
+        }
+        (found, None)
+    }
+}
+
+/// Whether a surface shines, and cannot be picked by light sampling.
+fn is_found_by_chance(scene: &Scene, at: &Interaction) -> bool {
+    at.light().is_some_and(|id| match scene.light(id) {
+        Some(Light::Area(light)) => luminance(scene.emitted(at, at.wo)) > 0.0 && !light.can_be_sampled(),
+        _ => false,
+    })
+}
+
+/// Irradiance of an element but for direct light: a constant, and shares of that of others.
+struct Row {
+    direct: Spectrum,
+    links: Vec<(u32, Spectrum)>,
+}

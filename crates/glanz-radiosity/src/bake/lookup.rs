@@ -1,0 +1,126 @@
+//! From a place to the texel and the element that it lies in.
+
+use glanz_math::DVec2;
+use glanz_scene::Place;
+
+use crate::charts::Chart;
+use crate::elements::{Elements, Part};
+
+/// Charts and elements by side of a face.
+pub(super) struct Index {
+    /// For each surface, the number of its first side.
+    first: Vec<usize>,
+    sides: Vec<Side>,
+}
+
+/// One side of a face.
+#[derive(Clone, Debug, Default)]
+struct Side {
+    charts: Vec<u32>,
+    elements: Vec<u32>,
+    /// Cells of [`Side::cells`] per axis.
+    columns: usize,
+    /// Elements that reach into each cell of the unit square.
+    cells: Vec<Vec<u32>>,
+}
+
+impl Index {
+    pub(super) fn new(elements: &Elements<'_>, charts: &[Chart]) -> Self {
+        let mut first = Vec::with_capacity(elements.surfaces.len());
+        let mut count = 0;
+        for surface in &elements.surfaces {
+            first.push(count);
+            count += 2 * surface.faces() as usize;
+        }
+        let mut index = Self { first, sides: vec![Side::default(); count] };
+        for (number, chart) in (0_u32..).zip(charts) {
+            for face in chart.faces() {
+                if let Some(side) = index.side_mut(chart.surface, face, chart.back) {
+                    side.charts.push(number);
+                }
+            }
+        }
+        for (number, element) in (0_u32..).zip(&elements.list) {
+            let patch = &element.patch;
+            if let Some(side) = index.side_mut(patch.surface, patch.face, patch.back) {
+                side.elements.push(number);
+            }
+        }
+        for side in &mut index.sides {
+            side.fill(elements);
+        }
+        index
+    }
+
+    fn number(&self, surface: u32, face: u32, back: bool) -> Option<usize> {
+        Some(self.first.get(surface as usize)? + 2 * face as usize + usize::from(back))
+    }
+
+    fn side_mut(&mut self, surface: u32, face: u32, back: bool) -> Option<&mut Side> {
+        let number = self.number(surface, face, back)?;
+        self.sides.get_mut(number)
+    }
+
+    fn side(&self, place: &Place) -> Option<&Side> {
+        self.sides.get(self.number(place.surface, place.face, place.back)?)
+    }
+
+    /// Chart and number of the texel next to a place.
+    pub(super) fn texel(&self, charts: &[Chart], place: &Place) -> Option<(usize, usize)> {
+        self.side(place)?.charts.iter().find_map(|&number| {
+            let chart = charts.get(number as usize)?;
+            let texel = chart.to_texel(place.face, place.uv)?.round();
+            Some((number as usize, texel.y as usize * chart.size[0] as usize + texel.x as usize))
+        })
+    }
+
+    /// The element at a place; the nearest one of the face, where trimming left none.
+    pub(super) fn element(&self, elements: &Elements<'_>, place: &Place) -> Option<u32> {
+        let side = self.side(place)?;
+        let part = |number: u32| elements.list.get(number as usize).map(|element| element.patch.part);
+        let cell = side.cells.get(side.cell(place.uv))?;
+        let holds = |&&number: &&u32| part(number).is_some_and(|part| holds(&part, place.uv));
+        if let Some(&number) = cell.iter().find(holds) {
+            return Some(number);
+        }
+        let distance =
+            |number: u32| part(number).map_or(f64::INFINITY, |part| part.center().distance_squared(place.uv));
+        side.elements.iter().copied().min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+    }
+}
+
+impl Side {
+    fn cell(&self, uv: DVec2) -> usize {
+        let [x, y] =
+            uv.to_array().map(|x| ((x * self.columns as f64) as usize).min(self.columns.saturating_sub(1)));
+        y * self.columns + x
+    }
+
+    fn fill(&mut self, elements: &Elements<'_>) {
+        self.columns = ((self.elements.len() as f64).sqrt().ceil() as usize).clamp(1, 256);
+        self.cells = vec![Vec::new(); self.columns * self.columns];
+        for &number in &self.elements {
+            let Some(element) = elements.list.get(number as usize) else { continue };
+            let corners = element.patch.part.corners();
+            let low = corners.iter().fold(DVec2::INFINITY, |a, b| a.min(*b));
+            let high = corners.iter().fold(DVec2::NEG_INFINITY, |a, b| a.max(*b));
+            let (from, to) = (self.cell(low), self.cell(high));
+            for y in from / self.columns..=to / self.columns {
+                for x in from % self.columns..=to % self.columns {
+                    self.cells[y * self.columns + x].push(number);
+                }
+            }
+        }
+    }
+}
+
+fn holds(part: &Part, uv: DVec2) -> bool {
+    match *part {
+        Part::Rectangle { min, max } => uv.cmpge(min).all() && uv.cmple(max).all(),
+        Part::Triangle([a, b, c]) => {
+            let turn = |p: DVec2, q: DVec2| (q - p).perp_dot(uv - p);
+            let turns = [turn(a, b), turn(b, c), turn(c, a)];
+            turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0)
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Flat faces in one plane.
+
+use std::collections::BTreeMap;
+
+use glanz_math::DVec2;
+
+/// Cells per side of the grid that finds triangles.
+const CELLS: usize = 64;
+
+/// A triangle in the plane of a sheet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlatTriangle {
+    /// Its face.
+    pub face: u32,
+    /// Corners in the plane, metres.
+    pub corners: [DVec2; 3],
+    /// Parameters of the corners.
+    pub parameters: [DVec2; 3],
+}
+
+impl FlatTriangle {
+    /// Parameters of a point of the plane.
+    #[must_use]
+    pub fn at(&self, point: DVec2) -> DVec2 {
+        blend(weights(&self.corners, point), &self.parameters)
+    }
+}
+
+/// Triangles in a plane, without overlap, with their lower left corner at the origin.
+#[derive(Clone, Debug)]
+pub struct Flat {
+    triangles: Vec<FlatTriangle>,
+    by_face: BTreeMap<u32, Vec<u32>>,
+    cells: Vec<Vec<u32>>,
+    size: DVec2,
+    shrink: f64,
+}
+
+impl Flat {
+    /// `shrink`: smallest share of an edge's length that is left in the plane.
+    pub(super) fn new(mut triangles: Vec<FlatTriangle>, shrink: f64) -> Self {
+        let corners = || triangles.iter().flat_map(|t| t.corners);
+        let (low, high) =
+            corners().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+        let size = high - low;
+        let mut by_face: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        let mut cells = vec![Vec::new(); CELLS * CELLS];
+        for (number, triangle) in (0_u32..).zip(&mut triangles) {
+            triangle.corners = triangle.corners.map(|p| p - low);
+            by_face.entry(triangle.face).or_default().push(number);
+            let [a, b, c] = triangle.corners.map(|p| cell(p, size));
+            let range = |axis: usize| a[axis].min(b[axis]).min(c[axis])..=a[axis].max(b[axis]).max(c[axis]);
+            for y in range(1) {
+                for x in range(0) {
+                    cells[y * CELLS + x].push(number);
+                }
+            }
+        }
+        Self { triangles, by_face, cells, size, shrink }
+    }
+
+    /// The triangles.
+    #[must_use]
+    pub fn triangles(&self) -> &[FlatTriangle] {
+        &self.triangles
+    }
+
+    /// Numbers of the faces.
+    #[must_use]
+    pub fn faces(&self) -> Vec<u32> {
+        self.by_face.keys().copied().collect()
+    }
+
+    /// Upper right corner, metres.
+    #[must_use]
+    pub fn size(&self) -> DVec2 {
+        self.size
+    }
+
+    /// Smallest share of a length on the faces that is left in the plane.
+    #[must_use]
+    pub fn shrink(&self) -> f64 {
+        self.shrink
+    }
+
+    pub(super) fn parameters(&self, point: DVec2) -> Option<(u32, DVec2)> {
+        self.holders(point).next().map(|triangle| (triangle.face, triangle.at(point)))
+    }
+
+    /// The triangles that hold a point.
+    pub(super) fn holders(&self, point: DVec2) -> impl Iterator<Item = &FlatTriangle> {
+        let [x, y] = cell(point, self.size);
+        let near = self.cells[y * CELLS + x].iter().filter_map(|&i| self.triangles.get(i as usize));
+        near.filter(move |triangle| weights(&triangle.corners, point).into_iter().all(|w| w >= -1e-9))
+    }
+
+    pub(super) fn on_sheet(&self, face: u32, uv: DVec2) -> Option<DVec2> {
+        let triangles = self.by_face.get(&face)?.iter().filter_map(|&i| self.triangles.get(i as usize));
+        // Facets have several triangles, but one map.
+        let inside = |t: &&FlatTriangle| weights(&t.parameters, uv).into_iter().all(|w| w >= -1e-9);
+        let triangle = triangles.clone().find(inside).or(triangles.clone().next())?;
+        Some(blend(weights(&triangle.parameters, uv), &triangle.corners))
+    }
+}
+
+fn cell(point: DVec2, size: DVec2) -> [usize; 2] {
+    let share = (point / size).max(DVec2::ZERO) * CELLS as f64;
+    share.to_array().map(|x| (x as usize).min(CELLS - 1))
+}
+
+/// Weights of the corners of a triangle that make a point.
+pub(super) fn weights(corners: &[DVec2; 3], point: DVec2) -> [f64; 3] {
+    let [a, b, c] = *corners;
+    let area = (b - a).perp_dot(c - a);
+    let (v, w) = ((point - a).perp_dot(c - a) / area, (b - a).perp_dot(point - a) / area);
+    [1.0 - v - w, v, w]
+}
+
+fn blend([u, v, w]: [f64; 3], points: &[DVec2; 3]) -> DVec2 {
+    u * points[0] + v * points[1] + w * points[2]
+}
