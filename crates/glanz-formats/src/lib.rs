@@ -3,7 +3,7 @@
 //! [`registry`] recognises a scene by content and reads it: [`load`] gives a
 //! [`Description`](glanz_scene::Description), which `glanz-scene` turns into a scene, and [`diagnostic::Diagnostics`]
 //! that point into the input. [`pbrt`] is the scene language, [`ply`] reads meshes, [`newell`] and [`rib`] lists of
-//! patches, [`image`] reads and writes pictures. Whatever bytes come, there is a result or an error: no panic, no hang, and no
+//! patches, [`image`] reads and writes pictures, [`glb`] writes models. Whatever bytes come, there is a result or an error: no panic, no hang, and no
 //! more memory than the input warrants.
 //!
 //! ```
@@ -24,6 +24,7 @@
 
 pub mod content_hash;
 pub mod diagnostic;
+pub mod glb;
 pub mod image;
 pub mod newell;
 pub mod pbrt;

@@ -8,3 +8,4 @@ pub mod reconstruct;
 #[cfg(test)]
 mod scenes;
 pub mod solve;
+pub mod tessellate;

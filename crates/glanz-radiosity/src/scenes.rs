@@ -11,6 +11,11 @@ fn grey(value: f32) -> SpectrumInput {
 
 /// Shapes with their reflectance and the radiance that their front gives off.
 pub(crate) fn scene(shapes: Vec<(GeometryDescription, f32, f32)>) -> Scene {
+    scene_with(shapes, Vec::new())
+}
+
+/// The same with lights that are no surfaces, of emission 1.
+pub(crate) fn scene_with(shapes: Vec<(GeometryDescription, f32, f32)>, lights: Vec<LightKind>) -> Scene {
     let mut description = Description::default();
     for (number, (geometry, reflectance, radiance)) in shapes.into_iter().enumerate() {
         description.materials.push(MaterialDescription {
@@ -34,6 +39,13 @@ pub(crate) fn scene(shapes: Vec<(GeometryDescription, f32, f32)>) -> Scene {
             location: None,
         });
     }
+    description.lights.extend(lights.into_iter().map(|kind| LightDescription {
+        kind,
+        emission: SpectralDistribution::Constant(1.0),
+        scale: 1.0,
+        to_world: DMat4::IDENTITY,
+        location: None,
+    }));
     Scene::resolve(description).unwrap().0
 }
 

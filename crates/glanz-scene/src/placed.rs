@@ -5,6 +5,7 @@ use glanz_math::{Bounds3, DVec2, Transform};
 
 use crate::chart::OwnPlace;
 use crate::interaction::Interaction;
+use crate::light::LightId;
 use crate::object::Object;
 use crate::scene::{Group, Scene};
 
@@ -83,6 +84,12 @@ impl PlacedSurface<'_> {
     #[must_use]
     pub fn shape(&self, face: u32) -> u32 {
         self.object.role(face).id
+    }
+
+    /// The light that it is, if it shines.
+    #[must_use]
+    pub fn light(&self) -> Option<LightId> {
+        self.object.light
     }
 
     /// Whether light passes it as if it were not there.

@@ -25,6 +25,7 @@ Examples:
   glanz demo                                   a built-in scene, into glanz-demo.png
   glanz render room.pbrt -o room.exr           a scene file, as it says itself
   glanz render room.pbrt -o room.png --time 60 the best picture of one minute
+  glanz bake room.pbrt -o room.glb             the light on its surfaces, for other programs
   glanz compare room.exr reference.exr         how far apart two pictures are
 
 Exit status: 0 done, 1 failed, 2 wrong usage, 130 interrupted after saving.";
@@ -44,6 +45,8 @@ pub(crate) enum Command {
     Demo(DemoArguments),
     /// Render a scene file to pictures
     Render(RenderArguments),
+    /// Bake the light of a scene onto its surfaces: a model with light maps
+    Bake(BakeArguments),
     /// Join checkpoints of disjoint sample ranges into one picture
     Merge(MergeArguments),
     /// Say what is in a scene: shapes, lights, materials, bounds, units, warnings
@@ -212,6 +215,62 @@ pub(crate) enum ToneName {
     Reinhard,
     // A filmic curve.
     Filmic,
+}
+
+const BAKE_HELP: &str = "\
+The model is binary glTF 2.0 with materials that need no light of their own: a picture on each
+surface shows the light that leaves it (TEXCOORD_1), as three.js, Blender and others do without
+further settings. The irradiance itself, in the scene's units of radiance, goes beside it as
+OpenEXR, laid out in the same way. Sides that no light reaches are black and take no texels.
+
+Light is that of radiosity: mirrors, glass and gloss count as if they reflected diffusely.
+Ctrl-C ends it with 130 and writes nothing.
+
+Examples:
+  glanz bake room.pbrt -o room.glb
+  glanz bake room.pbrt -o fine.glb --texels-per-metre 100 --tone filmic";
+
+#[derive(Debug, Args)]
+#[command(after_help = BAKE_HELP)]
+pub(crate) struct BakeArguments {
+    /// Scene file in pbrt's language (v3 or v4)
+    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
+    pub(crate) scene: PathBuf,
+    /// Model to write, .glb; light maps go beside it
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) output: PathBuf,
+    /// Texels of the light maps per metre, where they are least dense
+    #[arg(long, value_name = "N", default_value_t = 25.0, value_parser = positive)]
+    pub(crate) texels_per_metre: f64,
+    /// Format of the irradiance beside the model; PNG is for looking at
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = LightMapName::Exr)]
+    pub(crate) lightmap: LightMapName,
+    /// Distance of triangles from the surface at most, metres; 0.001, or less in a small scene
+    #[arg(long, value_name = "M", value_parser = positive)]
+    pub(crate) tolerance: Option<f64>,
+    /// Brighten the pictures by this many stops
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, default_value_t = 0.0, value_parser = stops)]
+    pub(crate) exposure: f32,
+    /// How the pictures show light: bright light cut, or compressed by a curve
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = ToneName::Linear)]
+    pub(crate) tone: ToneName,
+    /// Rays that gather indirect light at a place
+    #[arg(long, value_name = "N", hide_short_help = true, default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=65536))]
+    pub(crate) rays: u32,
+    /// Refuse a scene that needs a stand-in or a repair
+    #[arg(long)]
+    pub(crate) strict: bool,
+    #[command(flatten)]
+    pub(crate) talk: Talk,
+}
+
+/// Formats of light maps beside the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LightMapName {
+    // Floating point.
+    Exr,
+    // Eight bits, as the tone curve makes them.
+    Png,
 }
 
 const MERGE_HELP: &str = "\
@@ -405,6 +464,13 @@ fn stops(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|x: &f32| x.is_finite()).ok_or_else(|| "a number is needed".to_owned())
 }
 
+fn positive(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|x: &f64| *x > 0.0 && x.is_finite())
+        .ok_or_else(|| "a number above 0 is needed".to_owned())
+}
+
 fn bound(text: &str) -> Result<f64, String> {
     text.parse()
         .ok()
@@ -464,6 +530,10 @@ mod tests {
             "glanz render a.pbrt --guide bush",
             "glanz render a.pbrt --samplelights yes",
             "glanz merge a.glanz",
+            "glanz bake a.pbrt",
+            "glanz bake a.pbrt -o a.glb --texels-per-metre 0",
+            "glanz bake a.pbrt -o a.glb --tolerance -1",
+            "glanz bake a.pbrt -o a.glb --lightmap jpg",
             "glanz compare a.exr b.exr --fail-above -1",
             "glanz compare a.exr b.exr --metric beauty",
             "glanz study alchemy --out a",

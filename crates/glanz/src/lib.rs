@@ -70,6 +70,8 @@ pub use glanz_light as light;
 #[doc(inline)]
 pub use glanz_math as math;
 #[doc(inline)]
+pub use glanz_radiosity as radiosity;
+#[doc(inline)]
 pub use glanz_sampling as sampling;
 #[doc(inline)]
 pub use glanz_scene as scene;

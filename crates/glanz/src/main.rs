@@ -5,6 +5,7 @@ mod checkpoint_file;
 mod command;
 mod guide_file;
 mod interrupt;
+mod light_maps;
 mod messages;
 mod outputs;
 mod plan;
@@ -50,6 +51,10 @@ fn main() -> ExitCode {
         Command::Render(render) => {
             let messages = Messages::new(render.options.talk.quiet);
             (messages, command::render::run(&render, messages))
+        }
+        Command::Bake(bake) => {
+            let messages = Messages::new(bake.talk.quiet);
+            (messages, command::bake::run(&bake, messages))
         }
         Command::Merge(merge) => {
             let messages = Messages::new(merge.talk.quiet);

@@ -1,11 +1,15 @@
 //! Light that comes straight from lights.
 
-use glanz_light::{Spectrum, Wavelengths};
-use glanz_math::DVec2;
-use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
-use glanz_scene::{Light, LightId, Place, Scene};
+use std::collections::HashMap;
+use std::f64::consts::PI;
 
-use super::Spot;
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::{Bounds3, DVec2, Frame};
+use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
+use glanz_sampling::{mis, warp};
+use glanz_scene::{Light, LightId, Place, PlacedSurface, Scene};
+
+use super::{PASSED, Spot};
 use crate::charts::Chart;
 use crate::elements::Elements;
 
@@ -18,6 +22,10 @@ const FIRST: u32 = 32;
 /// Difference between two halves of the samples with which they are enough, per the light that is there.
 const ENOUGH: f32 = 0.01;
 
+/// Distance of a light, per its size, within which rays over the hemisphere look for it too. Beyond, their weight is
+/// below (area / (pi distance^2))^2 < 2e-3, and nothing is seen without them.
+const NEAR: f64 = 2.0;
+
 /// Key of the points that pick directions: the same everywhere, so that neighbours and charts that meet agree.
 const KEY: u64 = 0x6c61_6d70;
 
@@ -25,6 +33,8 @@ const KEY: u64 = 0x6c61_6d70;
 pub(super) struct Lamps<'a> {
     scene: &'a Scene,
     lights: Vec<LightId>,
+    /// Those of them that are surfaces.
+    boxes: HashMap<LightId, Bounds3>,
     points: Vec<[f64; 3]>,
 }
 
@@ -82,7 +92,9 @@ pub(super) fn of_chart(elements: &Elements<'_>, lamps: &Lamps<'_>, chart: &Chart
 
 impl<'a> Lamps<'a> {
     /// `most`: samples of a light for a texel at most.
-    pub(super) fn new(scene: &'a Scene, most: u32) -> Self {
+    pub(super) fn new(elements: &Elements<'a>, most: u32) -> Self {
+        let scene = elements.scene;
+        let light = |surface: &PlacedSurface<'_>| surface.light().map(|id| (id, surface.bounds()));
         let all = (0..).map(LightId).zip(scene.lights());
         let lights = all.filter(|(id, _)| scene.light_probability(*id) > 0.0).map(|(id, _)| id).collect();
         let sobol = ScrambledSobol::new(KEY);
@@ -90,7 +102,8 @@ impl<'a> Lamps<'a> {
             let coordinate = |d| unit(sobol.coordinate(i.reverse_bits(), d));
             [0, 1, 2].map(coordinate)
         };
-        Self { scene, lights, points: (0..most.max(4)).map(point).collect() }
+        let boxes = elements.surfaces.iter().filter_map(light).collect();
+        Self { scene, lights, boxes, points: (0..most.max(4)).map(point).collect() }
     }
 
     /// Irradiance at each of the spots, which are near one another: samples go round among them.
@@ -100,19 +113,70 @@ impl<'a> Lamps<'a> {
             return sums;
         }
         if self.lights.len() <= ONE_BY_ONE {
-            for &id in &self.lights {
+            let near: Vec<bool> = self.lights.iter().map(|&id| self.is_near(&spots[0], id)).collect();
+            for (&id, &near) in self.lights.iter().zip(&near) {
                 let is_delta = self.scene.light(id).is_some_and(Light::is_delta);
                 self.sampled(spots, is_delta, &mut sums, |spot, [x, y, _]| {
-                    self.sample(spot, id, DVec2::new(x, y))
+                    self.sample(spot, id, DVec2::new(x, y), near.then_some(1.0))
                 });
             }
+            if near.contains(&true) {
+                let density = |id| {
+                    let number = self.lights.iter().position(|&light| light == id)?;
+                    near[number].then_some(1.0)
+                };
+                self.sampled(spots, false, &mut sums, |spot, point| self.by_chance(spot, point, density));
+            }
         } else {
+            let is_area = |id| matches!(self.scene.light(id), Some(Light::Area(_)));
+            let density = |id| is_area(id).then(|| self.scene.light_probability(id));
             self.sampled(spots, false, &mut sums, |spot, [x, y, z]| {
                 let (id, probability) = self.scene.pick_light(z)?;
-                Some(self.sample(spot, id, DVec2::new(x, y))? * (1.0 / probability) as f32)
+                let light = self.sample(spot, id, DVec2::new(x, y), density(id))?;
+                Some(light * (1.0 / probability) as f32)
             });
+            self.sampled(spots, false, &mut sums, |spot, point| self.by_chance(spot, point, density));
         }
         sums
+    }
+
+    /// Whether rays over the hemisphere find the light often enough to be worth while.
+    fn is_near(&self, spot: &Spot, id: LightId) -> bool {
+        self.boxes.get(&id).is_some_and(|bounds| {
+            let position = spot.at.point.position;
+            let distance = position.distance(position.clamp(bounds.min, bounds.max));
+            distance < NEAR * bounds.diagonal().length()
+        })
+    }
+
+    /// Irradiance that a ray over the hemisphere finds from lights with a `density`, the probability with which they are picked, shared with
+    /// light sampling (@veach1995).
+    fn by_chance(
+        &self,
+        spot: &Spot,
+        [x, y, _]: [f64; 3],
+        density: impl Fn(LightId) -> Option<f64>,
+    ) -> Option<Spectrum> {
+        let local = warp::cosine_hemisphere(DVec2::new(x, y));
+        let direction = Frame::from_z(spot.shading).to_world(local);
+        if spot.normal.dot(direction) <= 0.0 {
+            return None;
+        }
+        let mut found = Spectrum::BLACK;
+        let mut ray = spot.at.spawn(direction);
+        for _ in 0..PASSED {
+            let Some(hit) = self.scene.intersect(&ray, f64::INFINITY) else { break };
+            if let Some((id, probability)) = hit.light().and_then(|id| Some((id, density(id)?))) {
+                let pdf = self.scene.light_pdf(id, &spot.at.reference(), &hit).0 * probability;
+                let weight = mis::power(by_cosine(local.z), pdf);
+                found += self.scene.emitted(&hit, hit.wo) * (PI * weight) as f32;
+            }
+            if hit.bsdf(self.scene, &Wavelengths::default()).is_some() {
+                break;
+            }
+            ray = hit.spawn(direction);
+        }
+        Some(found)
     }
 
     /// Adds the means of what `sample` finds to `sums`. `once`: whether one sample per spot is all there is.
@@ -152,8 +216,9 @@ impl<'a> Lamps<'a> {
         }
     }
 
-    /// Irradiance from one direction to a light, over its density.
-    fn sample(&self, spot: &Spot, id: LightId, xi: DVec2) -> Option<Spectrum> {
+    /// Irradiance from one direction to a light, over its density. `probability`: with which the light is picked, if rays over the hemisphere
+    /// look for it too.
+    fn sample(&self, spot: &Spot, id: LightId, xi: DVec2, probability: Option<f64>) -> Option<Spectrum> {
         let sample = self.scene.sample_light(id, &spot.at, xi, &Wavelengths::default())?;
         let cos = spot.shading.dot(sample.wi);
         if cos <= 0.0
@@ -162,8 +227,14 @@ impl<'a> Lamps<'a> {
         {
             return None;
         }
-        Some(sample.radiance * (cos / sample.pdf.0) as f32)
+        let weight = probability.map_or(1.0, |p| mis::power(sample.pdf.0 * p, by_cosine(cos)));
+        Some(sample.radiance * (weight * cos / sample.pdf.0) as f32)
     }
+}
+
+/// Density of directions by the cosine, per solid angle.
+fn by_cosine(cos: f64) -> f64 {
+    warp::cosine_hemisphere_pdf(cos.max(0.0)).0
 }
 
 pub(super) fn luminance(light: Spectrum) -> f32 {

@@ -9,14 +9,12 @@ use glanz_sampling::warp;
 use glanz_scene::{Interaction, Light, Place, Scene};
 use rayon::prelude::*;
 
+use super::closed::dark_insides;
 use super::direct::{DirectMap, luminance};
 use super::lookup::Index;
-use super::{BakeError, Spot, Stage};
+use super::{BakeError, PASSED, Spot, Stage};
 use crate::charts::Chart;
-use crate::elements::Elements;
-
-/// Borders without a surface that a ray may pass; more are taken for a ray that does not advance.
-const PASSED: u32 = 1000;
+use crate::elements::{Element, Elements, Part};
 
 /// Rays from an element.
 const FROM_ELEMENT: usize = 256;
@@ -41,8 +39,9 @@ pub(super) struct Gather<'a> {
     directions: Vec<DVec3>,
     /// Irradiance of each element, but for direct light.
     indirect: Vec<Spectrum>,
-    /// Whether light comes to each chart.
+    /// Whether light comes to each chart, and whether it is known that none does.
     is_lit: Vec<bool>,
+    is_dark: Vec<bool>,
 }
 
 /// What was found at a place.
@@ -88,15 +87,16 @@ impl<'a> Gather<'a> {
             directions: (0..rays.max(LOOK as u32)).map(direction).collect(),
             indirect: vec![Spectrum::BLACK; elements.list.len()],
             is_lit: direct.iter().map(DirectMap::is_lit).collect(),
+            is_dark: dark_insides(elements, charts, direct),
         }
     }
 
     /// Takes the elements' light from a solution; direct light of its own is taken out again.
     pub(super) fn take(&mut self, radiosity: &[Spectrum]) {
-        let of_element = |(element, &radiosity): (&crate::elements::Element, &Spectrum)| {
+        let of_element = |(element, &radiosity): (&Element, &Spectrum)| {
             let patch = &element.patch;
             let corners = patch.part.quarters();
-            let places = corners.iter().flat_map(crate::elements::Part::quarters).map(|part| Place {
+            let places = corners.iter().flat_map(Part::quarters).map(|part| Place {
                 surface: patch.surface,
                 face: patch.face,
                 back: patch.back,
@@ -152,17 +152,14 @@ impl<'a> Gather<'a> {
         Ok(())
     }
 
-    fn light_up(&mut self, element: &crate::elements::Element) {
-        let patch = &element.patch;
-        let place =
-            Place { surface: patch.surface, face: patch.face, back: patch.back, uv: patch.part.center() };
-        if let Some((chart, _)) = self.index.texel(self.charts, &place) {
-            self.is_lit[chart] = true;
+    fn light_up(&mut self, element: &Element) {
+        if let Some((chart, _)) = self.index.texel(self.charts, &place_of(element)) {
+            self.is_lit[chart] = !self.is_dark[chart];
         }
     }
 
     /// What an element gathers, as a function of the others.
-    fn row(&self, element: &crate::elements::Element) -> Row {
+    fn row(&self, element: &Element) -> Row {
         let patch = &element.patch;
         let mut row = Row { direct: Spectrum::BLACK, links: Vec::new() };
         let mut links: BTreeMap<u32, Spectrum> = BTreeMap::new();
@@ -172,14 +169,20 @@ impl<'a> Gather<'a> {
             back: patch.back,
             uv,
         });
+        if self.is_dark_at(&place_of(element)) {
+            return row;
+        }
         let spots: Vec<Spot> = places.filter_map(|place| Spot::new(self.elements, &place)).collect();
+        // Those inside of something stand for nothing.
+        let open: Vec<&Spot> =
+            spots.iter().filter(|spot| self.sees(spot, |place| !self.is_dark_at(place))).collect();
         let weight = 1.0 / FROM_ELEMENT as f32;
-        for i in 0..if spots.is_empty() { 0 } else { FROM_ELEMENT } {
-            let spot = &spots[i % spots.len()];
+        for i in 0..if open.is_empty() { 0 } else { FROM_ELEMENT } {
+            let spot = open[i % open.len()];
             let direction = self.directions[i % self.directions.len()];
             let (own, end) = self.follow(spot, Frame::from_z(spot.shading).to_world(direction));
             row.direct += own * weight;
-            let Some(end) = end else { continue };
+            let Some(end) = end.filter(|end| !self.is_dark_at(&end.place)) else { continue };
             let share = self.reflectance(&end.at) * weight;
             row.direct += share * self.direct_at(&end.place).unwrap_or_default();
             if let Some(other) = self.index.element(self.elements, &end.place) {
@@ -213,11 +216,20 @@ impl<'a> Gather<'a> {
 
     /// Whether a spot sees anything that light reaches, by a few rays.
     pub(super) fn sees_out(&self, spot: &Spot) -> bool {
+        self.sees(spot, |place| self.is_lit_at(place))
+    }
+
+    /// Whether a spot sees nothing at all in some direction, or a place that `is_it`, by a few rays.
+    fn sees(&self, spot: &Spot, is_it: impl Fn(&Place) -> bool) -> bool {
         let frame = Frame::from_z(spot.shading);
         self.directions.iter().take(LOOK).any(|&direction| {
             let (_, end) = self.follow(spot, frame.to_world(direction));
-            end.is_none_or(|end| self.is_lit_at(&end.place))
+            end.is_none_or(|end| is_it(&end.place))
         })
+    }
+
+    fn is_dark_at(&self, place: &Place) -> bool {
+        self.index.texel(self.charts, place).is_some_and(|(chart, _)| self.is_dark[chart])
     }
 
     /// Whether light reaches the side of the chart that a place is on; what has no chart is not known.
@@ -237,6 +249,9 @@ impl<'a> Gather<'a> {
 
     /// Radiosity that the light on a place leads to.
     fn sent(&self, end: &End) -> Spectrum {
+        if self.is_dark_at(&end.place) {
+            return Spectrum::BLACK;
+        }
         let element = self.index.element(self.elements, &end.place);
         let indirect = element.and_then(|i| self.indirect.get(i as usize)).copied().unwrap_or_default();
         let received = self.direct_at(&end.place).unwrap_or_default() + indirect;
@@ -278,6 +293,12 @@ fn is_found_by_chance(scene: &Scene, at: &Interaction) -> bool {
         Some(Light::Area(light)) => luminance(scene.emitted(at, at.wo)) > 0.0 && !light.can_be_sampled(),
         _ => false,
     })
+}
+
+/// The middle of an element.
+fn place_of(element: &Element) -> Place {
+    let patch = &element.patch;
+    Place { surface: patch.surface, face: patch.face, back: patch.back, uv: patch.part.center() }
 }
 
 /// Irradiance of an element but for direct light: a constant, and shares of that of others.

@@ -14,6 +14,8 @@ use rayon::prelude::*;
 use crate::charts::{Chart, charts};
 use crate::elements::Elements;
 
+mod atlas;
+mod closed;
 mod direct;
 mod fill;
 mod gather;
@@ -22,6 +24,7 @@ mod lookup;
 #[cfg(test)]
 mod tests;
 
+pub use atlas::{Atlas, BORDER, Page};
 use direct::Lamps;
 use gather::Gather;
 use lookup::Index;
@@ -45,6 +48,9 @@ impl Default for BakeSettings {
 
 /// Texels at most over all charts.
 const LIMIT: usize = 1 << 27;
+
+/// Borders without a surface that a ray may pass; more are taken for a ray that does not advance.
+const PASSED: u32 = 1000;
 
 /// Why there are no light maps.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -145,7 +151,7 @@ pub fn bake(
     if texels > LIMIT {
         return Err(BakeError::TooMany(density, texels));
     }
-    let lamps = Lamps::new(elements.scene, shadow_rays);
+    let lamps = Lamps::new(elements, shadow_rays);
     let mut direct = Vec::with_capacity(charts.len());
     let mut done = 0;
     for group in charts.chunks(64) {

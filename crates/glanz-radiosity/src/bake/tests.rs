@@ -1,1 +1,229 @@
+use std::f64::consts::PI;
 
+use glanz_light::Wavelengths;
+use glanz_math::{DVec2, DVec3};
+use glanz_scene::description::{GeometryDescription, LightKind};
+
+use super::*;
+use crate::elements::ElementSettings;
+use crate::form_factor::FormFactors;
+use crate::scenes::{parallelogram, scene, scene_with, walls};
+use crate::solve::{GaussSeidel, gauss_seidel};
+
+const COARSE: BakeSettings = BakeSettings { density: 6.0, rays: 256, shadow_rays: 256 };
+
+fn baked(scene: &Scene, side: f64, settings: &BakeSettings) -> Vec<LightMap> {
+    let elements = Elements::new(scene, &ElementSettings { side }).unwrap();
+    bake(&elements, None, settings, &mut |_, _| true).unwrap()
+}
+
+/// Positions and irradiance of all texels of maps that are lit.
+fn texels<'a>(scene: &'a Scene, maps: &'a [LightMap]) -> impl Iterator<Item = (&'a Chart, DVec3, f64)> {
+    let surfaces = scene.placed_surfaces();
+    let lit = maps.iter().filter(|map| !map.is_dark());
+    lit.flat_map(move |map| {
+        let chart = &map.chart;
+        let surface = surfaces[chart.surface as usize].clone();
+        let width = chart.size[0] as usize;
+        map.irradiance.iter().enumerate().filter_map(move |(i, light)| {
+            let place = chart.place(&surface, DVec2::new((i % width) as f64, (i / width) as f64))?;
+            let position = surface.at(place.face, place.uv, place.back)?.at.point.position;
+            Some((chart, position, f64::from(light.luminance(&Wavelengths::default()))))
+        })
+    })
+}
+
+#[test]
+fn furnace_is_alike_everywhere_and_dark_outside() {
+    let shapes = walls(DVec3::new(3.0, 2.0, 2.5)).into_iter().map(|wall| (wall, 0.5, 1.0));
+    let scene = scene(shapes.collect());
+    let maps = baked(&scene, 0.5, &COARSE);
+    assert!(maps.iter().all(|map| map.is_dark() == map.chart.back));
+    let expected = PI / (1.0 - 0.5);
+    let errors: Vec<f64> = texels(&scene, &maps).map(|(_, _, light)| light / expected - 1.0).collect();
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    let deviation = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
+    assert!(mean.abs() < 0.01 && deviation < 0.03, "{mean} {deviation}");
+    // What leaves: own light and what is reflected.
+    let (sum, count) = maps.iter().flat_map(|map| &map.radiance).fold((0.0, 0.0), |(sum, count), light| {
+        (sum + f64::from(light.luminance(&Wavelengths::default())), count + 1.0)
+    });
+    assert!((sum / count - 2.0).abs() < 0.03, "{}", sum / count);
+}
+
+#[test]
+fn lights_that_are_no_surfaces_shine_by_their_laws() {
+    let floor = || (parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 2.0), 0.0, 0.0);
+    let from = DVec3::new(0.7, 0.9, 1.3);
+    let cases: [(LightKind, Box<dyn Fn(DVec3) -> f64>); 3] = [
+        (
+            LightKind::Point { from, range: None },
+            Box::new(move |p| (from - p).z / (from - p).length().powi(3)),
+        ),
+        (
+            LightKind::Distant { from: DVec3::new(1.0, 0.0, 1.0), to: DVec3::ZERO },
+            Box::new(|_| 0.5_f64.sqrt()),
+        ),
+        (LightKind::Infinite, Box::new(|_| PI)),
+    ];
+    for (kind, expected) in cases {
+        let scene = scene_with(vec![floor()], vec![kind.clone()]);
+        let maps = baked(&scene, 1.0, &COARSE);
+        let mut count = 0;
+        for (chart, position, light) in texels(&scene, &maps).filter(|(chart, ..)| !chart.back) {
+            let expected = expected(position);
+            // Places around the middle of a texel of 1/6 m.
+            assert!((light / expected - 1.0).abs() < 0.02, "{kind:?} {position} {light} {expected}");
+            count += usize::from(chart.size == [13, 13]);
+        }
+        assert_eq!(count, 169);
+    }
+}
+
+#[test]
+fn no_light_comes_through_a_wall() {
+    // Two rooms, whose floors and ceilings end at the wall of 1 cm between them; a lamp in one of them.
+    let room = |x: f64, size: DVec3| {
+        walls(size).into_iter().map(move |wall| match wall {
+            GeometryDescription::Bilinear { positions, indices } => {
+                let positions = positions.into_iter().map(|p| p + DVec3::X * x).collect();
+                (GeometryDescription::Bilinear { positions, indices }, 0.7, 0.0)
+            }
+            other => (other, 0.7, 0.0),
+        })
+    };
+    let size = DVec3::new(2.0, 2.0, 2.0);
+    let mut shapes: Vec<_> = room(0.0, size).chain(room(2.01, size)).collect();
+    shapes.push((parallelogram(DVec3::new(0.5, 0.5, 1.9), DVec3::Y, DVec3::X), 0.0, 1.0));
+    let scene = scene(shapes);
+    let maps = baked(&scene, 0.5, &COARSE);
+    let mut lit = 0;
+    for (_, position, light) in texels(&scene, &maps) {
+        assert!(position.x < 2.005 && light > 0.0, "{position} {light}");
+        lit += 1;
+    }
+    assert!(lit > 500);
+    // Of twelve walls and the lamp six and the lamp are lit on one side.
+    assert_eq!(maps.iter().filter(|map| !map.is_dark()).count(), 8);
+}
+
+#[test]
+fn what_stands_on_a_floor_does_not_darken_it() {
+    // Under an even sky, a slab so thin that it takes no light away.
+    let floor = parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 2.0);
+    let slab =
+        GeometryDescription::Cuboid { min: DVec3::new(0.53, 0.61, 0.0), max: DVec3::new(1.37, 1.43, 0.001) };
+    let scene = scene_with(vec![(floor, 0.5, 0.0), (slab, 0.5, 0.0)], vec![LightKind::Infinite]);
+    let maps = baked(&scene, 0.5, &COARSE);
+    let map = maps.iter().find(|map| map.chart.size == [13, 13] && !map.chart.back);
+    let lights: Vec<f32> =
+        map.unwrap().irradiance.iter().map(|l| l.luminance(&Wavelengths::default())).collect();
+    let (low, high) = lights.iter().fold((f32::INFINITY, 0.0_f32), |(l, h), &x| (l.min(x), h.max(x)));
+    // Texels beneath are filled from those around.
+    assert!(low > 0.9 * high, "{low} {high}");
+}
+
+#[test]
+fn charts_that_meet_agree_on_the_edge() {
+    // A floor in two parts beside a box, under a lamp: shadow and light from the box cross the edge.
+    let shapes = vec![
+        (parallelogram(DVec3::ZERO, DVec3::X * 1.3, DVec3::Y * 2.0), 0.6, 0.0),
+        (parallelogram(DVec3::X * 1.3, DVec3::X * 0.9, DVec3::Y * 2.0), 0.6, 0.0),
+        (
+            GeometryDescription::Cuboid { min: DVec3::new(0.9, 0.8, 0.0), max: DVec3::new(1.6, 1.2, 0.7) },
+            0.8,
+            0.0,
+        ),
+        (parallelogram(DVec3::new(0.2, 0.1, 2.0), DVec3::Y * 0.6, DVec3::X * 0.6), 0.0, 5.0),
+    ];
+    let scene = scene(shapes);
+    let maps = baked(&scene, 0.4, &BakeSettings { density: 20.0, ..COARSE });
+    let surfaces = scene.placed_surfaces();
+    let of = |surface: &str, x: f64| {
+        let number = surfaces.iter().position(|s| {
+            s.surface().kind() == surface
+                && s.at(0, DVec2::splat(0.5), false)
+                    .is_some_and(|at| (at.at.point.position.x - x).abs() < 1e-9)
+        });
+        maps.iter().find(|map| Some(map.chart.surface as usize) == number && !map.is_dark()).unwrap()
+    };
+    let (left, right) = (of("bilinearmesh", 0.65), of("bilinearmesh", 1.75));
+    let column = |map: &LightMap, x: u32| -> Vec<f32> {
+        let [width, height] = map.chart.size;
+        (0..height)
+            .map(|y| map.irradiance[(y * width + x) as usize].luminance(&Wavelengths::default()))
+            .collect()
+    };
+    let (a, b) = (column(left, left.chart.size[0] - 1), column(right, 0));
+    assert_eq!(a.len(), b.len());
+    let brightest = a.iter().fold(0.0_f32, |most, &x| most.max(x));
+    for (a, b) in a.iter().zip(&b) {
+        assert!((a - b).abs() < 0.01 * a.max(0.05 * brightest), "{a} {b}");
+    }
+}
+
+#[test]
+fn light_from_a_solution_is_that_which_elements_gather() {
+    let mut shapes: Vec<_> =
+        walls(DVec3::new(2.0, 2.0, 2.0)).into_iter().map(|wall| (wall, 0.6, 0.0)).collect();
+    shapes.push((parallelogram(DVec3::new(0.8, 0.7, 1.9), DVec3::Y * 0.5, DVec3::X * 0.5), 0.3, 10.0));
+    let scene = scene(shapes);
+    let elements = Elements::new(&scene, &ElementSettings { side: 0.4 }).unwrap();
+    let factors = FormFactors::new(&elements, |_| true).unwrap();
+    let solved = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), |_, _| true);
+    let gathered = bake(&elements, None, &COARSE, &mut |_, _| true).unwrap();
+    let taken = bake(&elements, Some(&solved.radiosity), &COARSE, &mut |_, _| true).unwrap();
+    let (mut sum, mut count) = (0.0, 0.0);
+    for ((_, p, a), (_, q, b)) in texels(&scene, &gathered).zip(texels(&scene, &taken)) {
+        assert_eq!(p, q);
+        sum += (b / a - 1.0).abs();
+        count += 1.0;
+    }
+    assert!(sum / count < 0.02, "{}", sum / count);
+}
+
+#[test]
+fn texels_without_light_of_their_own_take_that_of_their_neighbours() {
+    let light = |x: f32| Some(Spectrum::splat(x));
+    let texels = vec![light(1.0), None, None, light(3.0), None, None];
+    let filled: Vec<f32> = fill::filled(texels, [3, 2]).iter().map(|l| l.max_component()).collect();
+    assert_eq!(filled, [1.0, 2.0, 2.0, 3.0, 2.0, 2.0]);
+    assert_eq!(fill::filled(vec![None; 4], [2, 2]), vec![Spectrum::BLACK; 4]);
+}
+
+#[test]
+fn pages_repeat_the_borders_of_charts() {
+    let scene = scene_with(
+        vec![(parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y), 0.5, 0.0)],
+        vec![LightKind::Point { from: DVec3::new(0.2, 0.4, 0.7), range: None }],
+    );
+    let maps = baked(&scene, 1.0, &COARSE);
+    let atlas = Atlas::new(&maps);
+    let (map, slot) = maps.iter().zip(&atlas.slots).find_map(|(m, s)| Some((m, (*s)?))).unwrap();
+    assert_eq!(atlas.slots.iter().filter(|slot| slot.is_none()).count(), 1);
+    let [width, height] = map.chart.size;
+    let texel = |x: u32, y: u32| atlas.pages[slot.page as usize].irradiance[(y * atlas.side + x) as usize];
+    let own = |x: u32, y: u32| map.irradiance[(y * width + x) as usize];
+    for border in 1..=BORDER {
+        assert_eq!(texel(slot.corner[0] - border, slot.corner[1] - border), own(0, 0));
+        assert_eq!(texel(slot.corner[0] + width - 1 + border, slot.corner[1] + 2), own(width - 1, 2));
+    }
+    // The middle of the last texel of the chart.
+    let last = DVec2::new(f64::from(width) - 1.0, f64::from(height) - 1.0);
+    let place = atlas.coordinates(&slot, last) * f64::from(atlas.side) - 0.5;
+    let [x, y] = place.to_array().map(|n| n.round() as u32);
+    assert_eq!(texel(x, y), own(width - 1, height - 1));
+}
+
+#[test]
+fn nonsense_is_refused_and_the_caller_can_stop() {
+    let scene = scene(vec![(parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y), 0.5, 1.0)]);
+    let elements = Elements::new(&scene, &ElementSettings { side: 1.0 }).unwrap();
+    let run = |density: f64, radiosity: Option<&[Spectrum]>, go_on: bool| {
+        bake(&elements, radiosity, &BakeSettings { density, ..COARSE }, &mut |_, _| go_on).map(|_| ())
+    };
+    assert_eq!(run(0.0, None, true), Err(BakeError::Density(0.0)));
+    assert_eq!(run(1.0, Some(&[]), true), Err(BakeError::Radiosity(2, 0)));
+    assert_eq!(run(1.0, None, false), Err(BakeError::Stopped));
+    assert_eq!(run(1.0, None, true), Ok(()));
+}

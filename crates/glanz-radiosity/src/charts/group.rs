@@ -8,9 +8,9 @@ use glanz_scene::PlacedSurface;
 
 use super::flat::{Flat, FlatTriangle};
 
-/// Cosines of the angles between the first face of a chart and the others, tried one after the other until nothing overlaps: 30 and
+/// Cosines of the angles between the first face of a chart and the others, tried one after the other until nothing overlaps: 31 and
 /// 0.1 degrees.
-const COSINES: [f64; 2] = [0.866_025_403_784, 0.999_998_5];
+const COSINES: [f64; 2] = [0.857_167_300_702, 0.999_998_5];
 
 /// Edges at most that are tried as directions of a chart's sides.
 const EDGES: usize = 256;

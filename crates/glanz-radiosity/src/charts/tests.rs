@@ -76,8 +76,8 @@ fn a_tube_is_cut_into_few_charts_that_do_not_overlap() {
     let number = surfaces.iter().position(|s| s.faces() == 24).unwrap();
     let flat: Vec<Chart> =
         charts(&surfaces, 7.0).into_iter().filter(|c| c.surface as usize == number && !c.back).collect();
-    // 30 degrees to either side: three or two of the twelve sides each.
-    assert!((4..=6).contains(&flat.len()), "{}", flat.len());
+    // Three of the twelve sides each, or what is left between two such.
+    assert!((4..=8).contains(&flat.len()), "{:?}", flat.iter().map(Chart::faces).collect::<Vec<_>>());
     assert_eq!(flat.iter().map(|c| c.faces().len()).sum::<usize>(), 24);
 }
 

@@ -1,0 +1,147 @@
+use std::f64::consts::{PI, TAU};
+
+use glanz_math::DMat4;
+use glanz_scene::Scene;
+use glanz_scene::description::*;
+
+use super::*;
+use crate::charts::charts;
+use crate::scenes;
+
+fn all(scene: &Scene, tolerance: f64) -> Vec<Triangles> {
+    let surfaces = scene.placed_surfaces();
+    let of_chart = |chart: &Chart| {
+        let surface = &surfaces[chart.surface as usize];
+        tessellate(surface, chart, divisions(surface, tolerance), tolerance)
+    };
+    charts(&surfaces, 10.0).iter().filter(|chart| !chart.back).map(of_chart).collect()
+}
+
+fn area(triangles: &Triangles) -> f64 {
+    let corner = |i: u32| triangles.positions[i as usize];
+    let one = |&[a, b, c]: &[u32; 3]| (corner(b) - corner(a)).cross(corner(c) - corner(a)).length();
+    0.5 * triangles.indices.iter().map(one).sum::<f64>()
+}
+
+/// A shape of which a circle of radius 0.3 in the middle of its parameters is kept, or cut out.
+fn trimmed(geometry: GeometryDescription, kept: bool) -> Scene {
+    let half = 0.5_f64.sqrt();
+    let circle = [
+        [1.0, 0.0],
+        [1.0, 1.0],
+        [0.0, 1.0],
+        [-1.0, 1.0],
+        [-1.0, 0.0],
+        [-1.0, -1.0],
+        [0.0, -1.0],
+        [1.0, -1.0],
+        [1.0, 0.0],
+    ];
+    let round = circle.iter().enumerate().map(|(i, [x, y])| {
+        let w = if i % 2 == 0 { 1.0 } else { half };
+        [w * (0.5 + 0.3 * x), w * (0.5 + 0.3 * y), w]
+    });
+    let mut round: Vec<[f64; 3]> = round.collect();
+    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]];
+    let square = TrimCurveDescription {
+        degree: 1,
+        knots: vec![0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0],
+        points: square.iter().map(|[x, y]| [*x, *y, 1.0]).collect(),
+    };
+    let mut loops = Vec::new();
+    if !kept {
+        round.reverse();
+        loops.push(TrimLoopDescription { curves: vec![square] });
+    }
+    let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];
+    loops
+        .push(TrimLoopDescription { curves: vec![TrimCurveDescription { degree: 2, knots, points: round }] });
+    let mut description = Description::default();
+    description.materials.push(MaterialDescription {
+        name: String::new(),
+        kind: MaterialKind::Diffuse {
+            reflectance: SpectrumInput::Value(glanz_light::SpectralDistribution::Constant(0.5)),
+        },
+        location: None,
+    });
+    description.world.shapes.push(ShapeDescription {
+        geometry,
+        to_parent: DMat4::IDENTITY,
+        reverse_orientation: false,
+        material: 0,
+        emission: None,
+        trim: Some(TrimDescription { loops }),
+        location: None,
+    });
+    Scene::resolve(description).unwrap().0
+}
+
+#[test]
+fn triangles_are_within_the_tolerance_and_have_the_area() {
+    let sphere = GeometryDescription::Sphere { radius: 0.5, z: [-0.5, 0.5], phi_max: TAU };
+    let torus = GeometryDescription::Torus { major_radius: 1.0, minor_radius: 0.25, phi_max: TAU };
+    let wall = scenes::parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y);
+    for (shape, expected) in [(sphere, PI), (torus, PI * PI), (wall, 2.0)] {
+        let scene = scenes::scene(vec![(shape.clone(), 0.5, 0.0)]);
+        let made = all(&scene, 1e-3);
+        let found: f64 = made.iter().map(area).sum();
+        assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
+        if let GeometryDescription::Sphere { radius, .. } = shape {
+            for triangles in &made {
+                for corners in &triangles.indices {
+                    let [a, b, c] = corners.map(|i| triangles.positions[i as usize]);
+                    assert!((a + b + c).length() / 3.0 > radius - 1e-3);
+                    let [n, ..] = corners.map(|i| triangles.normals[i as usize]);
+                    assert!(n.dot(a) > 0.5 - 1e-9 && (b - a).cross(c - a).dot(a) > 0.0);
+                }
+            }
+        } else if expected == 2.0 {
+            // A flat rectangle is two triangles.
+            assert_eq!(made[0].indices.len(), 2);
+        }
+    }
+}
+
+#[test]
+fn trimming_curves_are_followed_within_the_tolerance() {
+    let wall = || scenes::parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 2.0);
+    for kept in [true, false] {
+        let scene = trimmed(wall(), kept);
+        let made = all(&scene, 1e-4);
+        let disk = PI * 0.6 * 0.6;
+        let expected = if kept { disk } else { 4.0 - disk };
+        let found: f64 = made.iter().map(area).sum();
+        // Chords that are off by 1e-4 at most along 3.8 m.
+        assert!((found - expected).abs() < 4e-4, "{found} {expected}");
+        for p in made.iter().flat_map(|triangles| &triangles.positions) {
+            let radius = DVec2::new(p.x - 1.0, p.y - 1.0).length();
+            assert!(if kept { radius < 0.6 + 1e-6 } else { radius > 0.6 - 1e-6 }, "{radius}");
+        }
+    }
+}
+
+#[test]
+fn no_triangle_leaves_a_gap_within_a_surface() {
+    // Each edge of a closed surface belongs to two triangles; of a trimmed one, those on the border to one.
+    let torus = GeometryDescription::Torus { major_radius: 1.0, minor_radius: 0.25, phi_max: TAU };
+    for (scene, is_closed) in
+        [(scenes::scene(vec![(torus.clone(), 0.5, 0.0)]), true), (trimmed(torus, true), false)]
+    {
+        let key = |p: DVec3| (p * 1e9).round().to_array().map(|x| x as i64);
+        let mut edges: HashMap<[[i64; 3]; 2], Vec<DVec3>> = HashMap::new();
+        for triangles in all(&scene, 1e-2) {
+            for corners in triangles.indices {
+                let [a, b, c] = corners.map(|i| triangles.positions[i as usize]);
+                for (p, q) in [(a, b), (b, c), (c, a)] {
+                    let (k, l) = (key(p), key(q));
+                    edges.entry(if k < l { [k, l] } else { [l, k] }).or_default().push(p.midpoint(q));
+                }
+            }
+        }
+        let open: Vec<DVec3> = edges.values().filter(|list| list.len() == 1).map(|list| list[0]).collect();
+        assert!(edges.values().all(|list| list.len() <= 2));
+        assert_eq!(open.is_empty(), is_closed, "{}", open.len());
+        // The border is a closed curve in parameters: its length is that of its chords.
+        assert!(open.len() < edges.len() / 4);
+    }
+}

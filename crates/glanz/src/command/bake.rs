@@ -1,0 +1,225 @@
+//! `glanz bake`: from a scene to a model with light maps.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use glanz_formats::glb;
+use glanz_formats::image::{self, Format, write_atomically};
+use glanz_light::Tone;
+use glanz_radiosity::bake::{Atlas, BakeError, BakeSettings, LightMap, Stage, bake};
+use glanz_radiosity::elements::{ElementSettings, Elements};
+use glanz_scene::Scene;
+use glanz_shading::Material;
+use serde::Serialize;
+
+use crate::Ending;
+use crate::arguments::{BakeArguments, LightMapName};
+use crate::interrupt::Interrupt;
+use crate::light_maps::{self, Axes, Making};
+use crate::messages::{Failure, Messages};
+use crate::outputs;
+use crate::progress::Progress;
+use crate::report::{self, duration, grouped, plural};
+use crate::scene_file::{Input, SceneFile};
+
+/// Largest side of an element: metres, and per the diagonal of the scene.
+const SIDE: f64 = 0.3;
+const SIDE_OF_SCENE: f64 = 1.0 / 24.0;
+
+/// Distance of triangles from the surface: metres, and per the diagonal of the scene.
+const TOLERANCE: f64 = 0.001;
+const TOLERANCE_OF_SCENE: f64 = 1.0 / 4000.0;
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Report {
+    scene: String,
+    outputs: Vec<String>,
+    charts: usize,
+    dark_charts: usize,
+    texels: usize,
+    side: u32,
+    pages: usize,
+    elements: usize,
+    triangles: usize,
+    tolerance: f64,
+    seconds: f64,
+    peak_memory_bytes: Option<u64>,
+    warnings: Vec<String>,
+}
+
+/// Bakes the scene file.
+///
+/// # Errors
+/// Why there is no model.
+pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Ending, Failure> {
+    let interrupt = Interrupt::listen().map_err(|error| Failure::new(format!("signals: {error}")))?;
+    let output = &arguments.output;
+    if !output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb")) {
+        return Err(Failure::usage(format!("{}: no format for models has this extension", output.display()))
+            .with_help("models are written as .glb"));
+    }
+    outputs::check_writable(output)?;
+    let mut file = SceneFile::read(&Input::File(&arguments.scene), arguments.strict, messages)?;
+    let names = light_maps::names(&file.description);
+    let axes = Axes::of_camera(&file.description.camera.to_world);
+    let scene = file.resolve(arguments.strict, messages)?;
+    let start = Instant::now();
+    let diagonal = scene.bounds().diagonal().length();
+    let side = if diagonal > 0.0 { SIDE.min(SIDE_OF_SCENE * diagonal) } else { SIDE };
+    let elements = Elements::new(&scene, &ElementSettings { side })
+        .map_err(|error| Failure::new(format!("the scene cannot be divided: {error}")))?;
+    warn(&scene, &elements, &mut file, messages);
+    messages.note(&format!(
+        "baking {}: {} texels per metre, {}",
+        arguments.scene.display(),
+        arguments.texels_per_metre,
+        plural(elements.list.len() as u64, "element", "elements")
+    ));
+    let Some(maps) = baked(&elements, arguments, messages, &interrupt)? else {
+        messages.note("interrupted; nothing was written");
+        return Ok(Ending::Interrupted);
+    };
+    let coarse = maps.iter().filter(|map| map.chart.is_coarse && !map.is_dark()).count();
+    if coarse > 0 {
+        let charts = plural(coarse as u64, "chart has", "charts have");
+        file.warn(&format!("{charts} fewer texels than asked for: 4096 along a side is the most"), messages);
+    }
+
+    let atlas = Atlas::new(&maps);
+    let tolerance = arguments.tolerance.unwrap_or_else(|| {
+        if diagonal > 0.0 { TOLERANCE.min(TOLERANCE_OF_SCENE * diagonal) } else { TOLERANCE }
+    });
+    let tone = outputs::tone(arguments.exposure, arguments.tone);
+    let surfaces = &elements.surfaces;
+    let making = Making { surfaces, maps: &maps, atlas: &atlas, names: &names, axes, tolerance, tone };
+    let model = making.model().map_err(|error| Failure::new(format!("the model: {error}")))?;
+    let bytes = glb::write(&model).map_err(|error| Failure::new(format!("{}: {error}", output.display())))?;
+    let mut written = write_pages(&atlas, output, arguments.lightmap, &tone)?;
+    write_atomically(output, &bytes).map_err(|error| Failure::new(error.to_string()))?;
+    written.insert(0, output.display().to_string());
+
+    let triangles = model.nodes.iter().flat_map(|node| &node.parts).map(|part| part.indices.len()).sum();
+    let report = Report {
+        scene: arguments.scene.display().to_string(),
+        outputs: written,
+        charts: maps.len(),
+        dark_charts: maps.iter().filter(|map| map.is_dark()).count(),
+        texels: maps.iter().map(|map| map.irradiance.len()).sum(),
+        side: atlas.side,
+        pages: atlas.pages.len(),
+        elements: elements.list.len(),
+        triangles,
+        tolerance,
+        seconds: start.elapsed().as_secs_f64(),
+        peak_memory_bytes: report::peak_memory_bytes(),
+        warnings: file.into_warnings(),
+    };
+    messages.note(&format!(
+        "wrote {}: {} of light in {} of {} x {}, {}, in {}",
+        report.outputs.join(", "),
+        plural(report.texels as u64, "texel", "texels"),
+        plural(report.pages as u64, "page", "pages"),
+        report.side,
+        report.side,
+        plural(report.triangles as u64, "triangle", "triangles"),
+        duration(report.seconds),
+    ));
+    if arguments.talk.json {
+        report::print(&report)?;
+    }
+    Ok(Ending::Done)
+}
+
+/// Says what is not as in a picture of the scene.
+fn warn(scene: &Scene, elements: &Elements<'_>, file: &mut SceneFile, messages: Messages) {
+    let is_diffuse =
+        |material: &&Material| matches!(material, Material::Diffuse { .. } | Material::Interface);
+    let others = scene.materials().iter().filter(|material| !is_diffuse(material)).count();
+    if others > 0 {
+        let materials = plural(others as u64, "material is", "materials are");
+        file.warn(
+            &format!("{materials} not diffuse; what they reflect or pass counts as reflected diffusely"),
+            messages,
+        );
+    }
+    if elements.left_out > 0 {
+        let surfaces = plural(elements.left_out as u64, "surface has", "surfaces have");
+        file.warn(
+            &format!("{surfaces} no parameters or no end: such throw shadows, but are not in the model"),
+            messages,
+        );
+    }
+}
+
+/// The light maps; `None` if the user wanted an end.
+fn baked(
+    elements: &Elements<'_>,
+    arguments: &BakeArguments,
+    messages: Messages,
+    interrupt: &Interrupt,
+) -> Result<Option<Vec<LightMap>>, Failure> {
+    let settings =
+        BakeSettings { density: arguments.texels_per_metre, rays: arguments.rays, ..BakeSettings::default() };
+    let mut progress = Progress::start(messages);
+    let mut begun = (Stage::Direct, Instant::now());
+    let outcome = bake(elements, None, &settings, &mut |stage, fraction| {
+        if stage != begun.0 {
+            begun = (stage, Instant::now());
+        }
+        let what = match stage {
+            Stage::Direct => "1 of 3: light from lamps",
+            Stage::Between => "2 of 3: light between surfaces",
+            Stage::Gather => "3 of 3: indirect light",
+        };
+        let passed = begun.1.elapsed().as_secs_f64();
+        let left = if fraction > 0.0 { passed * (1.0 - fraction) / fraction } else { 0.0 };
+        let left = Duration::try_from_secs_f64(left).unwrap_or_default();
+        progress.show(fraction, left, what);
+        !interrupt.is_raised()
+    });
+    progress.finish();
+    match outcome {
+        Ok(maps) => Ok(Some(maps)),
+        Err(BakeError::Stopped) => Ok(None),
+        Err(error @ BakeError::TooMany(..)) => {
+            Err(Failure::new(error.to_string()).with_help("choose fewer with --texels-per-metre"))
+        }
+        Err(error) => Err(Failure::new(error.to_string())),
+    }
+}
+
+/// Writes the irradiance beside the model; returns the names of the files.
+fn write_pages(
+    atlas: &Atlas,
+    output: &Path,
+    lightmap: LightMapName,
+    tone: &Tone,
+) -> Result<Vec<String>, Failure> {
+    let (format, extension) = match lightmap {
+        LightMapName::Exr => (Format::Exr, "exr"),
+        LightMapName::Png => (Format::Png, "png"),
+    };
+    let mut names = Vec::new();
+    for (number, page) in atlas.pages.iter().enumerate() {
+        let path = page_path(output, number, extension);
+        let pixels = light_maps::pixels(&page.irradiance, atlas.side)
+            .map_err(|error| Failure::new(error.to_string()))?;
+        let attributes = BTreeMap::from([("quantity".to_owned(), "irradiance".to_owned())]);
+        let bytes = image::write(&pixels, format, tone, &attributes)
+            .map_err(|error| Failure::new(format!("{}: {error}", path.display())))?;
+        write_atomically(&path, &bytes).map_err(|error| Failure::new(error.to_string()))?;
+        names.push(path.display().to_string());
+    }
+    Ok(names)
+}
+
+/// The file of a page: beside the model, with its number from the second on.
+fn page_path(output: &Path, number: usize, extension: &str) -> PathBuf {
+    if number == 0 {
+        return output.with_extension(extension);
+    }
+    let stem = output.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    output.with_file_name(format!("{stem}-{}.{extension}", number + 1))
+}

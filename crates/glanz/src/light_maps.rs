@@ -1,0 +1,166 @@
+//! From light maps to a model with pictures: the triangles of every chart, with its place on the pages.
+
+use std::collections::BTreeMap;
+
+use glanz_formats::glb::{GlbError, Model, Node, Part};
+use glanz_formats::image::{self, Format, ImageError};
+use glanz_light::{Pixels, PixelsError, Spectrum, Tone, Wavelengths};
+use glanz_math::{DMat3, DMat4, DVec2, DVec3};
+use glanz_radiosity::bake::{Atlas, LightMap};
+use glanz_radiosity::tessellate::{Triangles, divisions, tessellate};
+use glanz_scene::{Description, PlacedSurface};
+
+/// Why there is no model.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ModelError {
+    /// A page is no picture.
+    #[error("{0}")]
+    Pixels(#[from] PixelsError),
+    /// A page cannot be written.
+    #[error("{0}")]
+    Image(#[from] ImageError),
+    /// The model cannot be written.
+    #[error("{0}")]
+    Glb(#[from] GlbError),
+}
+
+/// How a scene's axes become those of the model, which is right-handed with y up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Axes(DMat3);
+
+impl Axes {
+    /// `camera`: to the world. Up is the axis next to the camera's. Where the camera sees the world mirrored, as pbrt's left-handed scenes
+    /// are, so is the model.
+    pub(crate) fn of_camera(camera: &DMat4) -> Self {
+        let up = camera.y_axis.truncate();
+        let mirror = if DMat3::from_mat4(*camera).determinant() > 0.0 { -1.0 } else { 1.0 };
+        let size = up.abs();
+        let rows = if size.y >= size.x && size.y >= size.z {
+            let sign = up.y.signum();
+            [DVec3::X, DVec3::Y * sign, DVec3::Z * sign]
+        } else if size.z >= size.x {
+            let sign = up.z.signum();
+            [DVec3::X, DVec3::Z * sign, DVec3::Y * -sign]
+        } else {
+            let sign = up.x.signum();
+            [DVec3::Y * -sign, DVec3::X * sign, DVec3::Z]
+        };
+        Self(DMat3::from_cols(rows[0] * mirror, rows[1], rows[2]).transpose())
+    }
+
+    fn is_mirrored(&self) -> bool {
+        self.0.determinant() < 0.0
+    }
+}
+
+/// A name for each shape, in the order of the scene file: that of its material, with its number.
+pub(crate) fn names(description: &Description) -> Vec<String> {
+    let groups = description.groups.iter().chain([&description.world]);
+    let shapes = groups.flat_map(|group| &group.shapes).enumerate();
+    let name = |(number, shape): (usize, &glanz_scene::description::ShapeDescription)| {
+        let material = description.materials.get(shape.material).map_or("", |material| &material.name);
+        if material.is_empty() { format!("shape {number}") } else { format!("{material} {number}") }
+    };
+    shapes.map(name).collect()
+}
+
+/// What a model is made of.
+pub(crate) struct Making<'a> {
+    pub(crate) surfaces: &'a [PlacedSurface<'a>],
+    pub(crate) maps: &'a [LightMap],
+    pub(crate) atlas: &'a Atlas,
+    pub(crate) names: &'a [String],
+    pub(crate) axes: Axes,
+    /// Metres.
+    pub(crate) tolerance: f64,
+    pub(crate) tone: Tone,
+}
+
+impl Making<'_> {
+    /// The model, one node for each shape in its place.
+    pub(crate) fn model(&self) -> Result<Model, ModelError> {
+        let mut pictures = Vec::new();
+        for page in &self.atlas.pages {
+            let pixels = pixels(&page.radiance, self.atlas.side)?;
+            pictures.push(image::write(&pixels, Format::Png, &self.tone, &BTreeMap::new())?);
+        }
+        let mut nodes: BTreeMap<(u32, u32), BTreeMap<Option<usize>, Part>> = BTreeMap::new();
+        let mut known: BTreeMap<u32, [u32; 2]> = BTreeMap::new();
+        for (map, slot) in self.maps.iter().zip(&self.atlas.slots) {
+            let chart = &map.chart;
+            let Some(surface) = self.surfaces.get(chart.surface as usize) else { continue };
+            let divisions = *known.entry(chart.surface).or_insert_with(|| divisions(surface, self.tolerance));
+            let triangles = tessellate(surface, chart, divisions, self.tolerance);
+            let picture = slot.map(|slot| slot.page as usize);
+            let part = nodes.entry((chart.surface, chart.shape)).or_default().entry(picture);
+            let part = part.or_insert_with(|| Part { picture, ..Part::default() });
+            let at = |texel: DVec2| slot.map_or(DVec2::ZERO, |slot| self.atlas.coordinates(&slot, texel));
+            self.add(part, &triangles, at);
+        }
+        let node = |((_, shape), parts): ((u32, u32), BTreeMap<Option<usize>, Part>)| Node {
+            name: self.names.get(shape as usize).cloned().unwrap_or_else(|| format!("shape {shape}")),
+            parts: parts.into_values().collect(),
+        };
+        Ok(Model { pictures, nodes: nodes.into_iter().map(node).collect() })
+    }
+
+    fn add(&self, part: &mut Part, triangles: &Triangles, at: impl Fn(DVec2) -> DVec2) {
+        let base = part.positions.len() as u32;
+        let world = |p: &DVec3| (self.axes.0 * *p).as_vec3().to_array();
+        part.positions.extend(triangles.positions.iter().map(world));
+        part.normals.extend(triangles.normals.iter().map(world));
+        part.coordinates[0].extend(triangles.uvs.iter().map(|uv| uv.as_vec2().to_array()));
+        part.coordinates[1].extend(triangles.texels.iter().map(|&texel| at(texel).as_vec2().to_array()));
+        let turned = |&[a, b, c]: &[u32; 3]| {
+            if self.axes.is_mirrored() {
+                [base + a, base + c, base + b]
+            } else {
+                [base + a, base + b, base + c]
+            }
+        };
+        part.indices.extend(triangles.indices.iter().map(turned));
+    }
+}
+
+/// A page as a picture.
+pub(crate) fn pixels(page: &[Spectrum], side: u32) -> Result<Pixels, PixelsError> {
+    let wavelengths = Wavelengths::default();
+    let rgb: Vec<[f32; 3]> = page.iter().map(|light| light.to_rgb(&wavelengths)).collect();
+    Pixels::try_from_rgb(side, side, &rgb)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn up_is_up_and_nothing_is_mirrored_that_a_picture_does_not_mirror() {
+        // A camera that looks along y with z up; x to the right in a right-handed world.
+        let right_handed = DMat4::from_cols(
+            DVec3::X.extend(0.0),
+            DVec3::Z.extend(0.0),
+            DVec3::Y.extend(0.0),
+            DVec3::ZERO.extend(1.0),
+        );
+        let axes = Axes::of_camera(&right_handed);
+        assert_eq!(axes.0 * DVec3::Z, DVec3::Y);
+        assert!((axes.0.determinant() - 1.0).abs() < 1e-12 && !axes.is_mirrored());
+        // The same with x to the left: what is right in the picture is right in the model.
+        let left_handed = DMat4::from_cols(
+            -DVec3::X.extend(0.0),
+            DVec3::Z.extend(0.0),
+            DVec3::Y.extend(0.0),
+            DVec3::ZERO.extend(1.0),
+        );
+        let axes = Axes::of_camera(&left_handed);
+        assert_eq!(axes.0 * DVec3::Z, DVec3::Y);
+        assert!(axes.is_mirrored());
+        for up in [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z] {
+            let right = up.any_orthonormal_vector();
+            let camera = DMat4::from_mat3(DMat3::from_cols(right, up, -right.cross(up)));
+            let axes = Axes::of_camera(&camera);
+            assert_eq!(axes.0 * up, DVec3::Y);
+            assert!((axes.0.determinant() - 1.0).abs() < 1e-12);
+        }
+    }
+}
