@@ -90,7 +90,7 @@ pub use guide::{GridError, GridGuide, Guide, GuideFileError, GuideSize, Training
 pub use identity::{Mismatch, PictureIdentity};
 pub use integrator::{
     Context, ContextOptions, Counters, INTEGRATORS, Integrator, IntegratorEntry, IntegratorError,
-    IntegratorSettings,
+    IntegratorSettings, StoredLight,
 };
 pub use merge::{MergeError, merge};
 pub use pixel::{FirstHit, Rejects};

@@ -10,7 +10,7 @@ use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::Ray;
 use glanz_sampling::PixelSampler;
 use glanz_scene::description::{GuideSettings, IntegratorDescription};
-use glanz_scene::{Interaction, Scene};
+use glanz_scene::{Interaction, Place, Scene};
 
 use crate::guide::{GridError, Guide, Records, Training};
 use crate::pixel::FirstHit;
@@ -18,15 +18,19 @@ use crate::pixel::FirstHit;
 mod by_grid;
 mod distributed;
 mod guided;
+mod mirrors;
 mod path;
+mod stored;
 mod vertex;
 mod walk;
 mod whitted;
 
 pub use distributed::Distributed;
 pub use guided::Guided;
+pub use mirrors::SMALLEST_WEIGHT;
 pub use path::Path;
-pub use whitted::{SMALLEST_WEIGHT, Whitted};
+pub use stored::{Stored, StoredLight};
+pub use whitted::Whitted;
 
 /// Estimates the radiance along camera rays.
 pub trait Integrator: Send + Sync {
@@ -126,6 +130,12 @@ impl<'a> Context<'a> {
         self.scene.intersect(ray, f64::INFINITY)
     }
 
+    /// As [`Context::intersect`], with the place by parameters.
+    pub fn intersect_place(&mut self, ray: &Ray) -> Option<(Interaction, Place)> {
+        self.counters.closest += 1;
+        self.scene.intersect_place(ray, f64::INFINITY)
+    }
+
     /// Whether nothing that stops light lies on `ray` with `0 < t < t_max`.
     pub fn is_free(&mut self, ray: &Ray, t_max: f64) -> bool {
         self.counters.shadow += 1;
@@ -174,10 +184,13 @@ pub struct IntegratorEntry {
     build: fn(&IntegratorSettings) -> Box<dyn Integrator>,
 }
 
+/// The integrator that shows stored light.
+const RADIOSITY: &str = "radiosity";
+
 /// All integrators. A new one is a file and a line here.
 ///
 /// The default depth is that of pbrt, whose scenes rely on it.
-pub static INTEGRATORS: [IntegratorEntry; 4] = [
+pub static INTEGRATORS: [IntegratorEntry; 5] = [
     IntegratorEntry {
         name: "path",
         description: "unidirectional path tracing with light sampling and multiple importance sampling",
@@ -213,6 +226,15 @@ pub static INTEGRATORS: [IntegratorEntry; 4] = [
         light_sampling_is_optional: false,
         guided: false,
         build: |settings| Box::new(Whitted::new(settings)),
+    },
+    IntegratorEntry {
+        name: RADIOSITY,
+        description: "light stored on surfaces, the same from everywhere, and mirrors (document 003 section 5.7.3)",
+        default_max_depth: 5,
+        default_branching: None,
+        light_sampling_is_optional: false,
+        guided: false,
+        build: |settings| Box::new(Stored::new(settings, None)),
     },
 ];
 
@@ -329,6 +351,19 @@ impl IntegratorSettings {
         if self.is_guided() { Box::new(Guided::with_guide(self, guide)) } else { self.build() }
     }
 
+    /// Whether the integrator shows [`StoredLight`].
+    #[must_use]
+    pub fn shows_stored_light(&self) -> bool {
+        self.name == RADIOSITY
+    }
+
+    /// The integrator with light to show; `light` is of no use to those that do not
+    /// [show it](IntegratorSettings::shows_stored_light).
+    #[must_use]
+    pub fn build_with_light(&self, light: Arc<dyn StoredLight>) -> Box<dyn Integrator> {
+        if self.shows_stored_light() { Box::new(Stored::new(self, Some(light))) } else { self.build() }
+    }
+
     /// The integrator.
     #[must_use]
     pub fn build(&self) -> Box<dyn Integrator> {
@@ -374,7 +409,7 @@ mod tests {
         let error = IntegratorSettings::resolve(&description("sppm")).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "there is no integrator \"sppm\" (there are path, guided, distributed, whitted)"
+            "there is no integrator \"sppm\" (there are path, guided, distributed, whitted, radiosity)"
         );
         let deep = IntegratorDescription { max_depth: Some(100_000), ..description("path") };
         assert_eq!(IntegratorSettings::resolve(&deep), Err(IntegratorError::Depth(100_000)));

@@ -14,7 +14,7 @@ use super::Context;
 /// normal, the surface is shaded by its own normal, since otherwise it would look black.
 pub(super) struct Vertex<'a> {
     pub(super) at: &'a Interaction,
-    bsdf: Bsdf,
+    pub(super) bsdf: Bsdf,
     frame: Frame,
     wo: DVec3,
     /// Cosine between viewer and surface normal.

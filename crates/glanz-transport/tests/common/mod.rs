@@ -12,7 +12,7 @@ use glanz_sampling::SamplerKind;
 use glanz_scene::Scene;
 use glanz_scene::description::*;
 use glanz_transport::{
-    Aov, AovSet, Film, FilmFormat, Filter, Finished, Guide, IntegratorSettings, PixelRect, RenderError,
+    Aov, AovSet, Film, FilmFormat, Filter, Finished, Guide, Integrator, IntegratorSettings, PixelRect, RenderError,
     RenderOutcome, RenderSettings, Silent, render,
 };
 
@@ -244,12 +244,15 @@ impl Run {
     }
 
     pub(crate) fn outcome(&self, builder: &Builder) -> RenderOutcome {
+        self.outcome_with(builder, self.integrator_settings().build().as_ref())
+    }
+
+    pub(crate) fn outcome_with(&self, builder: &Builder, integrator: &dyn Integrator) -> RenderOutcome {
         let film = Film::try_new(self.format(&builder.0)).unwrap();
-        let integrator = self.integrator_settings().build();
         let settings = self.settings(&builder.0);
         let stop = AtomicBool::new(false);
         let outcome =
-            render(&builder.scene(), integrator.as_ref(), &settings, film, &mut Silent, &stop).unwrap();
+            render(&builder.scene(), integrator, &settings, film, &mut Silent, &stop).unwrap();
         assert_eq!(outcome.finished, Finished::Complete);
         assert_eq!(outcome.film.rejects(), Default::default());
         outcome

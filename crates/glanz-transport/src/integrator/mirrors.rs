@@ -1,0 +1,82 @@
+//! Perfect mirrors and refraction, all the ways that light takes over them.
+
+use glanz_light::Spectrum;
+use glanz_math::Ray;
+use glanz_scene::Place;
+
+use super::vertex::Vertex;
+use super::walk::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT};
+use super::{Context, FIRST_DIMENSION};
+
+/// Rays that would carry a smaller share to the viewer are not followed: below what 8 bits per channel can show (1/255).
+///
+/// Weights at a surface sum to at most 1, so that at most 1 / `SMALLEST_WEIGHT` rays per depth are alive.
+pub const SMALLEST_WEIGHT: f32 = 1.0 / 4096.0;
+
+/// A ray still to be followed.
+struct Pending {
+    ray: Ray,
+    weight: Spectrum,
+    /// Product of all refractions undone, so that light in glass is not taken for weak.
+    eta_scale: f32,
+    depth: u32,
+}
+
+/// Light along the camera ray: of what it meets, and of what mirrors and glass show.
+///
+/// These are followed into all their directions with their Fresnel weights, up to `max_depth` and as long as a ray carries at least
+/// [`SMALLEST_WEIGHT`] of what the viewer sees. `rough`: the light that a rough surface scatters to the viewer, from its vertex and place.
+pub(super) fn radiance(
+    context: &mut Context<'_>,
+    max_depth: u32,
+    rough: &impl Fn(&mut Context<'_>, &Vertex<'_>, &Place) -> Spectrum,
+) -> Spectrum {
+    let mut light = Spectrum::BLACK;
+    let mut stack = Vec::new();
+    let mut next = Some(Pending { ray: context.camera_ray, weight: Spectrum::ONE, eta_scale: 1.0, depth: 0 });
+    while let Some(pending) = next {
+        light += pending.weight * follow(context, pending, max_depth, rough, &mut stack);
+        next = stack.pop();
+    }
+    light
+}
+
+/// Light from the first surface on the ray, and the rays to go on with.
+fn follow(
+    context: &mut Context<'_>,
+    mut pending: Pending,
+    max_depth: u32,
+    rough: &impl Fn(&mut Context<'_>, &Vertex<'_>, &Place) -> Spectrum,
+    stack: &mut Vec<Pending>,
+) -> Spectrum {
+    let mut light = Spectrum::BLACK;
+    for _ in 0..INTERFACE_LIMIT {
+        let Some((hit, place)) = context.intersect_place(&pending.ray) else {
+            return light + context.scene.escaped(&pending.ray);
+        };
+        light += context.scene.emitted(&hit, hit.wo);
+        let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
+            pending.ray = hit.spawn(pending.ray.direction);
+            continue;
+        };
+        let vertex = Vertex::new(&hit, bsdf);
+        context.note_first_hit(&vertex);
+        if pending.depth >= max_depth {
+            return light;
+        }
+        if bsdf.is_delta() {
+            stack.extend(vertex.delta_branches().filter_map(|branch| {
+                let weight = pending.weight * branch.weight;
+                let eta_scale = pending.eta_scale * branch.eta_scale;
+                let enough = weight.max_component() * eta_scale >= SMALLEST_WEIGHT;
+                let ray = hit.spawn(branch.direction);
+                enough.then_some(Pending { ray, weight, eta_scale, depth: pending.depth + 1 })
+            }));
+            return light;
+        }
+        let dimension = FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(pending.depth);
+        context.sampler.skip_to_dimension(dimension);
+        return light + rough(context, &vertex, &place);
+    }
+    light
+}
