@@ -7,6 +7,7 @@ use crate::charts::Chart;
 use crate::elements::{Elements, Part};
 
 /// Charts and elements by side of a face.
+#[derive(Debug)]
 pub(super) struct Index {
     /// For each surface, the number of its first side.
     first: Vec<usize>,
@@ -65,13 +66,23 @@ impl Index {
         self.sides.get(self.number(place.surface, place.face, place.back)?)
     }
 
+    /// Number of the chart that a place is on, and where on it, in texels. `chart`: that of a number.
+    pub(super) fn on_chart<'a>(
+        &self,
+        chart: impl Fn(usize) -> Option<&'a Chart>,
+        place: &Place,
+    ) -> Option<(usize, DVec2)> {
+        self.side(place)?.charts.iter().find_map(|&number| {
+            let texel = chart(number as usize)?.to_texel(place.face, place.uv)?;
+            Some((number as usize, texel))
+        })
+    }
+
     /// Chart and number of the texel next to a place.
     pub(super) fn texel(&self, charts: &[Chart], place: &Place) -> Option<(usize, usize)> {
-        self.side(place)?.charts.iter().find_map(|&number| {
-            let chart = charts.get(number as usize)?;
-            let texel = chart.to_texel(place.face, place.uv)?.round();
-            Some((number as usize, texel.y as usize * chart.size[0] as usize + texel.x as usize))
-        })
+        let (number, texel) = self.on_chart(|number| charts.get(number), place)?;
+        let (texel, width) = (texel.round(), charts.get(number)?.size[0]);
+        Some((number, texel.y as usize * width as usize + texel.x as usize))
     }
 
     /// The element at a place; the nearest one of the face, where trimming left none.

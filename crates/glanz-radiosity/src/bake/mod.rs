@@ -21,10 +21,12 @@ mod fill;
 mod gather;
 mod indirect;
 mod lookup;
+mod maps;
 #[cfg(test)]
 mod tests;
 
 pub use atlas::{Atlas, BORDER, Page};
+pub use maps::LightMaps;
 use direct::Lamps;
 use gather::Gather;
 use lookup::Index;

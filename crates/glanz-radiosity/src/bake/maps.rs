@@ -1,0 +1,50 @@
+//! Light maps that are asked what light there is at a place.
+
+use glanz_light::Spectrum;
+use glanz_scene::Place;
+
+use super::LightMap;
+use super::lookup::Index;
+use crate::charts::Chart;
+use crate::elements::Elements;
+
+/// The light maps of a scene.
+#[derive(Debug)]
+pub struct LightMaps {
+    index: Index,
+    maps: Vec<LightMap>,
+}
+
+impl LightMaps {
+    /// `maps`: as [`bake`](super::bake) makes them of `elements`.
+    #[must_use]
+    pub fn new(elements: &Elements<'_>, maps: Vec<LightMap>) -> Self {
+        let charts: Vec<Chart> = maps.iter().map(|map| map.chart.clone()).collect();
+        Self { index: Index::new(elements, &charts), maps }
+    }
+
+    /// All of them.
+    #[must_use]
+    pub fn as_slice(&self) -> &[LightMap] {
+        &self.maps
+    }
+
+    /// Irradiance at a place in units of radiance, bilinear between the texels; `None` where there is no chart.
+    #[must_use]
+    pub fn irradiance(&self, place: &Place) -> Option<Spectrum> {
+        let (number, texel) = self.index.on_chart(|number| self.maps.get(number).map(|map| &map.chart), place)?;
+        let map = self.maps.get(number)?;
+        if map.is_dark() {
+            return Some(Spectrum::BLACK);
+        }
+        let [width, height] = map.chart.size.map(|n| n as usize);
+        let at = |x: usize, y: usize| {
+            let texel = y.min(height.saturating_sub(1)) * width + x.min(width.saturating_sub(1));
+            map.irradiance.get(texel).copied().unwrap_or_default()
+        };
+        let low = texel.floor();
+        let (share, x, y) = (texel - low, low.x.max(0.0) as usize, low.y.max(0.0) as usize);
+        let row = |y| at(x, y).lerp(at(x + 1, y), share.x as f32);
+        Some(row(y).lerp(row(y + 1), share.y as f32))
+    }
+}
