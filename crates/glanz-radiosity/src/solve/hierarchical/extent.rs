@@ -33,7 +33,7 @@ pub(super) struct Extent {
     pub(super) spread: f64,
     /// Places with areas that integrate over it.
     pub(super) nodes: Vec<Node>,
-    /// Places at which the kernel is looked at and rays begin: corners, middle, and of curved parts middles of sides.
+    /// Places at which the kernel is looked at and rays begin: corners, middle, and of curved parts middles of sides and quarters.
     pub(super) probes: Vec<Node>,
 }
 
@@ -135,7 +135,7 @@ pub(super) fn can_face(a: &Element, b: &Element) -> bool {
     some(a, b) && some(b, a)
 }
 
-/// Corners and middle of a part, and of one that bends the middles of its sides, all but a little inside.
+/// Corners and middle of a part, and of one that bends the middles of its sides and quarters, all but a little inside.
 fn places(part: &Part, flat: bool) -> Vec<DVec2> {
     let (corners, middle) = (part.corners(), part.center());
     let mut places: Vec<DVec2> = corners.iter().map(|corner| corner.lerp(middle, STAND_BACK)).collect();
@@ -143,6 +143,8 @@ fn places(part: &Part, flat: bool) -> Vec<DVec2> {
     if !flat {
         let ends = corners.iter().zip(corners.iter().cycle().skip(1));
         places.extend(ends.map(|(a, b)| a.midpoint(*b).lerp(middle, STAND_BACK)));
+        // Corners and middles may be few places only of what is closed, as of a cylinder.
+        places.extend(part.quarters().iter().map(Part::center));
     }
     places
 }

@@ -15,7 +15,8 @@ use crate::form_factor::{is_free, kernel};
 /// Distance over radius below which the places of a polygon do not integrate over it.
 const NEAR: f64 = 3.0;
 
-/// Rays from a leaf to the other end of a link, if it is a link of a node above and something is in its way.
+/// Rays from a leaf to the other end of a link of a node above, if something is in the way of that; otherwise one. Were only the
+/// latter taken at their word, too much light would arrive in the mean.
 const RAYS: usize = 2;
 
 /// Nodes that one thread takes at once, at least.
@@ -75,14 +76,10 @@ fn row(tree: &Tree<'_>, neighbours: &Neighbours, number: usize) -> (Vec<(u32, f3
             let other = &tree.branches[source.node as usize];
             let mut factor = form_factor(leaf, other) as f32;
             if factor > 0.0 {
-                factor *= if source.free < 1.0 {
-                    let turn = number ^ source.node as usize;
-                    let (share, sent) = look(tree, leaf, other, turn);
-                    rays += sent;
-                    share.unwrap_or(source.free)
-                } else {
-                    1.0
-                };
+                let count = if source.free < 1.0 { RAYS } else { 1 };
+                let (share, sent) = look(tree, leaf, other, number ^ source.node as usize, count);
+                rays += sent;
+                factor *= share.unwrap_or(source.free);
             }
             if factor > 0.0 {
                 row.push((source.node, factor));
@@ -96,13 +93,13 @@ fn row(tree: &Tree<'_>, neighbours: &Neighbours, number: usize) -> (Vec<(u32, f3
 }
 
 /// The share of a few rays that arrive, and how many there were.
-fn look(tree: &Tree<'_>, leaf: &Branch, other: &Branch, turn: usize) -> (Option<f32>, u64) {
+fn look(tree: &Tree<'_>, leaf: &Branch, other: &Branch, turn: usize, count: usize) -> (Option<f32>, u64) {
     let (from, to) = (&leaf.extent.nodes, &other.extent.probes);
     let (mut free, mut sent) = (0_u8, 0_u8);
-    for i in 0..RAYS {
+    for i in 0..count {
         // Opposite places of both, of which few are the same as those of neighbours.
-        let start = from.get((turn / 2 + i * from.len().div_ceil(RAYS)) % from.len().max(1));
-        let end = to.get((turn + i * to.len().div_ceil(RAYS)) % to.len().max(1));
+        let start = from.get((turn / 2 + i * from.len().div_ceil(count)) % from.len().max(1));
+        let end = to.get((turn + i * to.len().div_ceil(count)) % to.len().max(1));
         if let (Some(start), Some(end)) = (start, end)
             && kernel(start, end) > 0.0
         {
