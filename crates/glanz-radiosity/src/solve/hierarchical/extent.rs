@@ -50,7 +50,8 @@ impl Extent {
         let patch = &element.patch;
         let place = |&uv: &DVec2| elements.place(patch, uv);
         let mut nodes = elements.nodes(patch);
-        let mut probes: Vec<Node> = places(&patch.part, element.polygon.is_some()).iter().filter_map(place).collect();
+        let mut probes: Vec<Node> =
+            places(&patch.part, element.polygon.is_some()).iter().filter_map(place).collect();
         if probes.len() < CORNERS {
             // Trimming has cut most of them away.
             probes.extend(spaced(&nodes, CORNERS).copied());
@@ -77,9 +78,10 @@ impl Extent {
 
     /// Of a cluster: around the extents of its elements, which are also asked for places in the middle of equal shares of the area.
     pub(super) fn around(members: &[(&Self, &Element)]) -> Self {
-        let (low, high) = members.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), (extent, _)| {
-            (low.min(extent.center - extent.radius), high.max(extent.center + extent.radius))
-        });
+        let (low, high) =
+            members.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), (extent, _)| {
+                (low.min(extent.center - extent.radius), high.max(extent.center + extent.radius))
+            });
         let center = 0.5 * (low + high);
         let reach = |extent: &Self| extent.center.distance(center) + extent.radius;
         let radius = members.iter().map(|(extent, _)| reach(extent)).fold(0.0, f64::max);

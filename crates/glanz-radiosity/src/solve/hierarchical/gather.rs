@@ -74,4 +74,3 @@ impl Neighbours {
         &self.list[self.begins[number]..self.begins[number + 1]]
     }
 }
-

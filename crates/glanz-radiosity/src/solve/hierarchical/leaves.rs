@@ -33,8 +33,10 @@ pub(super) struct Leaves {
 impl Leaves {
     /// Of all leaves; `None` if they would be more than `limit`.
     pub(super) fn new(tree: &Tree<'_>, neighbours: &Neighbours, limit: usize) -> Option<Self> {
-        let leaves = || (0..tree.branches.len()).filter(|&number| tree.branches[number].children().is_empty());
-        let count: usize = leaves().map(|leaf| tree.path(leaf).map(|node| neighbours.of(node).len()).sum::<usize>()).sum();
+        let leaves =
+            || (0..tree.branches.len()).filter(|&number| tree.branches[number].children().is_empty());
+        let count: usize =
+            leaves().map(|leaf| tree.path(leaf).map(|node| neighbours.of(node).len()).sum::<usize>()).sum();
         if count > limit {
             return None;
         }
@@ -121,8 +123,10 @@ fn form_factor(leaf: &Branch, to: &Branch) -> f64 {
         Some(_) => 0.0,
         None => to.extent.nodes.iter().map(|node| kernel(from, node) * node.area).sum::<f64>().min(1.0),
     };
-    let (sum, area) = leaf.extent.nodes.iter().fold((0.0, 0.0), |(sum, area), from| {
-        (sum + from.area * of(from), area + from.area)
-    });
+    let (sum, area) = leaf
+        .extent
+        .nodes
+        .iter()
+        .fold((0.0, 0.0), |(sum, area), from| (sum + from.area * of(from), area + from.area));
     if area > 0.0 { sum / area } else { 0.0 }
 }

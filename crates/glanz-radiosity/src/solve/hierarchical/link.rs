@@ -135,7 +135,9 @@ impl Tree<'_> {
         let mut seen = Seen { share: 0.0, rays: 0 };
         let (mut free, mut all) = (0.0, 0.0);
         for i in 0..m.max(n) {
-            let (Some(start), Some(end)) = (from.get(i % m.max(1)), to.get((i + turn) % n.max(1))) else { continue };
+            let (Some(start), Some(end)) = (from.get(i % m.max(1)), to.get((i + turn) % n.max(1))) else {
+                continue;
+            };
             let weight = kernel(start, end);
             if weight > 0.0 {
                 seen.rays += 1;

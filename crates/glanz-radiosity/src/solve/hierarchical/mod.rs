@@ -238,7 +238,8 @@ impl<'a> Solver<'a> {
         let last = self.effort.sweeps + sweeps;
         loop {
             let change = gather(&mut self.tree);
-            let largest = self.tree.light.iter().map(|light| light.radiosity.max_component()).fold(0.0, f32::max);
+            let largest =
+                self.tree.light.iter().map(|light| light.radiosity.max_component()).fold(0.0, f32::max);
             self.change = if largest > 0.0 { f64::from(change / largest) } else { 0.0 };
             self.effort.sweeps += 1;
             if self.change <= enough || self.effort.sweeps >= last || self.refinement.stopped {
@@ -256,7 +257,8 @@ impl<'a> Solver<'a> {
                 let ends = [link.a, link.b];
                 let doubt = f64::from(link.doubt) / flux;
                 let error = self.tree.error(ends, doubt);
-                let one = |node: u32| f64::from(self.tree.light[node as usize].radiosity.max_component()) * doubt;
+                let one =
+                    |node: u32| f64::from(self.tree.light[node as usize].radiosity.max_component()) * doubt;
                 let both = if link.a == link.b { one(link.a) } else { ends.map(one).iter().sum() };
                 errors.largest = errors.largest.max(error);
                 errors.sum += both;

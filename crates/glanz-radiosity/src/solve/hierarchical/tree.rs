@@ -128,7 +128,10 @@ impl<'a> Tree<'a> {
         let middle = element.patch.part.center();
         let at = |uv| self.elements.place(&element.patch, uv).map(|node| node.position);
         let length = |points: &[Option<DVec3>]| {
-            points.windows(2).map(|pair| pair[0].zip(pair[1]).map_or(0.0, |(a, b)| a.distance(b))).sum::<f64>()
+            points
+                .windows(2)
+                .map(|pair| pair[0].zip(pair[1]).map_or(0.0, |(a, b)| a.distance(b)))
+                .sum::<f64>()
         };
         let sides = corners.iter().zip(corners.iter().cycle().skip(1));
         let around = sides.map(|(&a, &b)| length(&[at(a), at(0.5 * (a + b)), at(b)]));
