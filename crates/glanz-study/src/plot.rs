@@ -9,6 +9,10 @@ const FRAME: [f64; 4] = [90.0, 56.0, 600.0, 450.0];
 /// Colours that stay apart for colour-blind eyes too, as @okabe2008 chose them; black is left for text.
 const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d1f"];
 
+/// Points of a series from which on it is a curve of which only some have markers, and how many.
+const DENSE: usize = 60;
+const MARKS: usize = 12;
+
 /// An axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
@@ -122,7 +126,8 @@ impl Plot {
             let shown = |p: &&[f64; 2]| self.x.shows(p[0]) && self.y.shows(p[1]);
             let places: Vec<[f64; 2]> = series.points.iter().filter(shown).map(|p| at(*p)).collect();
             line(&mut svg, &places, colour, "");
-            places.iter().for_each(|p| marker(&mut svg, *p, i, colour));
+            let marked = marked(places.len(), i, self.series.len());
+            marked.filter_map(|k| places.get(k)).for_each(|p| marker(&mut svg, *p, i, colour));
             let sample = |svg: &mut String, y: f64| {
                 line(svg, &[[FRAME[2] + 14.0, y], [FRAME[2] + 44.0, y]], colour, "");
                 marker(svg, [FRAME[2] + 29.0, y], i, colour);
@@ -259,6 +264,12 @@ fn power_label(digit: i32, power: i32) -> String {
     }
 }
 
+/// Which points have markers: all, or some of a curve that is drawn with many, at other places in each series.
+fn marked(points: usize, series: usize, of: usize) -> impl Iterator<Item = usize> {
+    let step = if points > DENSE { points.div_ceil(MARKS) } else { 1 };
+    ((series + 1) * step / (of + 1)..points).step_by(step)
+}
+
 /// A name cut at blanks into lines that fit beside the frame.
 fn wrapped(name: &str) -> Vec<&str> {
     const WIDTH: usize = 22;
@@ -349,6 +360,14 @@ mod tests {
         let (x, y) = (Axis::linear("x"), Axis::logarithmic("y"));
         let plot = Plot { title: String::new(), x, y, series: Vec::new(), rules: Vec::new() };
         assert!(!plot.svg().contains("NaN") && !plot.svg().contains("inf"));
+    }
+
+    #[test]
+    fn curves_of_many_points_have_few_markers() {
+        assert_eq!(marked(5, 0, 1).collect::<Vec<_>>(), [0, 1, 2, 3, 4]);
+        let [a, b] = [0, 1].map(|series| marked(240, series, 3).collect::<Vec<_>>());
+        assert_eq!((a.len(), a[0], a[1]), (12, 5, 25));
+        assert!(b.len() == 12 && a.iter().all(|place| !b.contains(place)));
     }
 
     #[test]

@@ -41,6 +41,14 @@ pub struct Quadtree {
 }
 
 impl Elements<'_> {
+    /// The quarters of an element, without those that trimming leaves nothing of.
+    #[must_use]
+    pub fn quarters(&self, whole: &Element) -> Vec<Element> {
+        let Some(placed) = self.surfaces.get(whole.patch.surface as usize) else { return Vec::new() };
+        let parts = whole.patch.part.quarters().into_iter();
+        parts.filter_map(|part| element(self.scene, placed, Patch { part, ..whole.patch })).collect()
+    }
+
     /// Divides one side of a face of a surface by what `value` says of its parts.
     ///
     /// An element is divided into quarters of its parameters if the values of these, computed on trial, differ from one another by
@@ -191,6 +199,20 @@ mod tests {
             let fine = QuadtreeSettings { first: 4, ..SETTINGS };
             let found = area(&refined(&elements, (0, 0, false), &fine, |_| 0.7));
             assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn quarters_of_an_element_fill_it() {
+        for (shape, _) in shapes() {
+            let scene = scene(vec![(shape, 0.5, 0.0)]);
+            let elements = Elements::new(&scene, &ElementSettings { side: 0.7 }).unwrap();
+            for whole in &elements.list {
+                let quarters = elements.quarters(whole);
+                let area: f64 = quarters.iter().map(|quarter| quarter.area).sum();
+                assert!(quarters.len() == 4 && (area / whole.area - 1.0).abs() < 1e-2);
+                assert!(quarters.iter().all(|quarter| quarter.patch.back == whole.patch.back));
+            }
         }
     }
 

@@ -101,8 +101,8 @@ impl Exact {
 
     /// The mean over a rectangle of parameters; `unit`: the largest light of all.
     pub(super) fn mean_over(&self, min: DVec2, size: DVec2, unit: f64) -> f64 {
-        // In parts of the size of texels.
-        let n = (400.0 * size.max_element()).ceil().max(1.0) as u32;
+        // In parts so small that refinement sees all borders in them.
+        let n = (64.0 * size.max_element()).ceil().max(1.0) as u32;
         let part = size / f64::from(n);
         let parts = (0..n).flat_map(|y| (0..n).map(move |x| DVec2::new(f64::from(x), f64::from(y))));
         let sum: f64 = parts.map(|at| self.mean(min + at * part, part, unit, 0)[1]).sum();
@@ -167,9 +167,13 @@ fn without(piece: &[DVec3], blocker: &[DVec3], x: DVec3) -> Vec<Vec<DVec3>> {
     let Some(&corner) = blocker.first() else { return vec![piece.to_vec()] };
     let towards = normal(blocker);
     let away = if towards.dot(corner - x) < 0.0 { -towards } else { towards };
+    let mut rest = in_front(piece, corner, away);
+    // What lies in its plane is not hidden: a lamp does not hide itself.
+    if rest.len() < 3 {
+        return vec![piece.to_vec()];
+    }
     // On this side of the blocker nothing is hidden.
     let mut pieces = vec![in_front(piece, corner, -away)];
-    let mut rest = in_front(piece, corner, away);
     for side in sides(blocker, x) {
         pieces.push(in_front(&rest, x, -side));
         rest = in_front(&rest, x, side);
@@ -253,8 +257,11 @@ mod tests {
         let lamp = [[0.2, 0.3], [0.9, 0.7]];
         let blockers = [[[0.3, 0.2], [0.6, 0.6]], [[0.4, 0.4], [0.9, 0.5]]];
         let heights = [0.5, 0.7];
-        let panels = blockers.iter().zip(heights).map(|(&[min, max], height)| square(min, max, height));
-        let exact = Exact::new(floor(), vec![(down(square(lamp[0], lamp[1], 1.0)), 1.0)], panels.collect());
+        // The lamp too is in the way of what is behind it.
+        let shining = down(square(lamp[0], lamp[1], 1.0));
+        let mut panels = vec![shining.clone()];
+        panels.extend(blockers.iter().zip(heights).map(|(&[min, max], height)| square(min, max, height)));
+        let exact = Exact::new(floor(), vec![(shining, 1.0)], panels);
         for (u, v) in [(0.1, 0.2), (0.4, 0.45), (0.5, 0.5), (0.55, 0.1), (0.9, 0.95), (0.35, 0.8)] {
             let found = exact.at(DVec2::new(u, v));
             let expected = by_points(lamp, &blockers, &heights, DVec3::new(u, v, 0.0));

@@ -80,7 +80,10 @@ pub(super) fn measure(
     let reference_time = watch.elapsed();
     let quiet = setup.hard.then(|| away_from_borders(&reference.texels, size));
     let mut divisions = Vec::new();
-    for (division, rules) in [(Division::Grid, GRID), (Division::Quadtree, QUADTREE)] {
+    // Elements that are smaller than texels would not be seen.
+    let deepest = QUADTREE.deepest.min(size[0].min(size[1]).ilog2());
+    let quadtree = QuadtreeSettings { deepest, ..QUADTREE };
+    for (division, rules) in [(Division::Grid, GRID), (Division::Quadtree, quadtree)] {
         tell(format!("scene {}: {}", setup.number, division.name()));
         let watch = Stopwatch::start(Of::Thread);
         let divided = room.divided(&rules, reference.unit, &go_on)?;

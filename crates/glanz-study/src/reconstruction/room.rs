@@ -15,6 +15,13 @@ use crate::study::StudyError;
 /// Number of the shape that is judged, in the order of the scene file.
 const FLOOR: u32 = 0;
 
+/// How often lamp or element are halved for form factors: rays between parts find the borders of shadows that those between whole
+/// ones miss (document 003, section 5.7.6, `FFRay`).
+const HALVED: u32 = 3;
+
+/// Side of a part of a lamp, metres.
+const LAMP: f64 = 0.04;
+
 /// A scene with its name in document 003.
 #[derive(Debug)]
 pub(super) struct Setup {
@@ -66,8 +73,40 @@ impl Setup {
 /// A scene in elements: lamps, what stands in the way, and the floor.
 pub(super) struct Room<'a> {
     elements: Elements<'a>,
-    lamps: Vec<Element>,
+    lamps: Vec<Lamp>,
     floor: Element,
+}
+
+/// A lamp with the parts from which its light is computed.
+struct Lamp {
+    whole: Element,
+    parts: Vec<Element>,
+    /// How often elements that it lights are halved.
+    halved: u32,
+}
+
+impl Lamp {
+    fn new(elements: &Elements<'_>, whole: &Element) -> Self {
+        let levels = (whole.area.sqrt() / LAMP).log2().ceil().clamp(0.0, f64::from(HALVED)) as u32;
+        let parts = parts(elements, whole, levels);
+        Self { whole: whole.clone(), parts, halved: HALVED - levels }
+    }
+
+    /// Share of the lamp's radiosity that arrives per area of an element.
+    fn share(&self, elements: &Elements<'_>, element: &Element) -> f64 {
+        let receiving = parts(elements, element, self.halved);
+        let pairs = receiving.iter().flat_map(|to| self.parts.iter().map(move |from| (from, to)));
+        pairs.map(|(from, to)| exchange(elements, from, to)).sum::<f64>() / element.area
+    }
+}
+
+/// An element halved so many times.
+fn parts(elements: &Elements<'_>, whole: &Element, levels: u32) -> Vec<Element> {
+    let mut parts = vec![whole.clone()];
+    for _ in 0..levels {
+        parts = parts.iter().flat_map(|part| elements.quarters(part)).collect();
+    }
+    parts
 }
 
 /// What an element is divided into, with a value for each.
@@ -84,7 +123,8 @@ impl<'a> Room<'a> {
         // Each face is one element: lamps are small, and the floor is divided later.
         let side = 2.0 * scene.bounds().diagonal().length();
         let elements = Elements::new(scene, &ElementSettings { side })?;
-        let lamps = elements.list.iter().filter(|e| !e.emission.is_black()).cloned().collect();
+        let shining = elements.list.iter().filter(|e| !e.emission.is_black());
+        let lamps = shining.map(|lamp| Lamp::new(&elements, lamp)).collect();
         let is_floor = |e: &&Element| {
             let surface = elements.surfaces.get(e.patch.surface as usize);
             surface.is_some_and(|s| s.shape(e.patch.face) == FLOOR) && !e.patch.back && e.polygon.is_some()
@@ -97,8 +137,7 @@ impl<'a> Room<'a> {
 
     /// Radiosity of a part of the floor from the lamps alone, by form factors.
     fn radiosity(&self, element: &Element) -> Spectrum {
-        let from =
-            |lamp: &Element| lamp.emission * (exchange(&self.elements, lamp, element) / element.area) as f32;
+        let from = |lamp: &Lamp| lamp.whole.emission * lamp.share(&self.elements, element) as f32;
         self.lamps.iter().map(from).sum::<Spectrum>() * element.reflectance
     }
 
@@ -132,10 +171,9 @@ impl<'a> Room<'a> {
     pub(super) fn exact(&self) -> Exact {
         let luminance = |light: Spectrum| f64::from(light.luminance(&Wavelengths::default()));
         let reflectance = luminance(self.floor.reflectance);
-        let lamps = self
-            .lamps
-            .iter()
-            .filter_map(|lamp| Some((lamp.polygon.clone()?, reflectance * luminance(lamp.emission))));
+        let lamps = self.lamps.iter().filter_map(|Lamp { whole, .. }| {
+            Some((whole.polygon.clone()?, reflectance * luminance(whole.emission)))
+        });
         let is_floor = |e: &Element| {
             (e.patch.surface, e.patch.face) == (self.floor.patch.surface, self.floor.patch.face)
         };
