@@ -32,8 +32,9 @@ fn six_scenes_are_measured_and_told() {
     for table in (1..=12).map(|i| named(&format!("table_f_{i}"))) {
         let last = table.rows().len() - 1;
         assert_eq!((number(table, last, "above"), number(table, last, "below")), (0.0, 0.0));
-        // Samples at the border help them, in every scene.
-        assert!(number(table, last, "l2") < number(table, last - 3, "l2"), "{}", table.name());
+        // Their cells end at the sides of the floor: samples there change little.
+        let ratio = number(table, last, "l2") / number(table, last - 3, "l2");
+        assert!((ratio - 1.0).abs() < 0.02, "{}: {ratio}", table.name());
     }
     assert!(number(through, 2, "below") > 0.02);
     // A quadtree is finer where the shadow ends: values of elements are nearer to the reference than on the grid.

@@ -267,6 +267,7 @@ fn hard(outcomes: &[Outcome], division: Division) -> String {
     )
 }
 
+/// Whether natural neighbours are best over all kinds of shadow, by both.
 fn all_kinds(outcomes: &[Outcome]) -> Vec<String> {
     Division::ALL
         .map(|division| {
