@@ -23,6 +23,9 @@ Usage: cargo xtask COMMAND
   seam [--rays N]      rays across the seam of two trimmed faces (default 100000000), optimised
   unbiased [--samples N]
                        Z-test of `guided` against `path` in all scenes with N samples per pixel (default 16384), optimised
+  bake [--points N] [--samples M]
+                       light maps of scenes/rooms/vase.pbrt against path tracing at N points with M paths each (default 1000 and
+                       8192), optimised
   pbrt-scenes DIR      loads every pbrt scene below DIR with `glanz info` and lists what came of it";
 
 /// Rays per surface kind of `cargo xtask contract`: what a release is checked with.
@@ -36,6 +39,9 @@ const SEAM_RAYS: u64 = 100_000_000;
 
 /// Samples per pixel of `cargo xtask unbiased`.
 const UNBIASED_SAMPLES: u32 = 16_384;
+
+/// Points and paths of `cargo xtask bake`.
+const BAKE: [u32; 2] = [1000, 8192];
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -65,6 +71,10 @@ fn main() -> ExitCode {
         ["unbiased", "--samples", count] => match count.parse() {
             Ok(samples) => steps::unbiased(samples),
             Err(_) => return usage(&format!("\"{count}\" is not a number of samples")),
+        },
+        ["bake", ref options @ ..] => match bake_options(options) {
+            Ok(counts) => steps::bake(counts),
+            Err(complaint) => return usage(&complaint),
         },
         ["pbrt-scenes", folder] => scenes::load_all(Path::new(folder)),
         ["help" | "--help" | "-h"] => {
@@ -103,6 +113,22 @@ fn zoo_options<'a>(mut options: &'a [&'a str]) -> Result<([u64; 2], &'a [&'a str
     }
 }
 
+/// Points, and paths from each.
+fn bake_options(mut options: &[&str]) -> Result<[u32; 2], String> {
+    let mut counts = BAKE;
+    loop {
+        options = match *options {
+            [] => return Ok(counts),
+            [name @ ("--points" | "--samples"), count, ref rest @ ..] => {
+                let slot = usize::from(name == "--samples");
+                counts[slot] = count.parse().map_err(|_| format!("\"{count}\" is not a number"))?;
+                rest
+            }
+            [other, ..] => return Err(format!("bake knows no \"{other}\" there")),
+        };
+    }
+}
+
 fn usage(complaint: &str) -> ExitCode {
     eprintln!("error: {complaint}\n\n{USAGE}");
     ExitCode::from(2)
@@ -117,6 +143,8 @@ mod tests {
         assert_eq!(zoo_options(&[]), Ok((ZOO_RAYS, &[][..])));
         let words = ["--adversarial", "5", "--rays", "7", "--patches", "a.rib", "b.txt"];
         assert_eq!(zoo_options(&words), Ok(([7, 5], &["a.rib", "b.txt"][..])));
+        assert_eq!(bake_options(&["--samples", "5"]), Ok([BAKE[0], 5]));
+        assert!(bake_options(&["--points"]).is_err());
         for wrong in [&["--rays"][..], &["--rays", "many"], &["--patches"], &["7"]] {
             assert!(zoo_options(wrong).is_err(), "{wrong:?}");
         }

@@ -171,6 +171,18 @@ pub(crate) fn unbiased(samples: u32) -> Result<String, String> {
     Ok(format!("unbiased: guided pictures are those of path at {samples} samples per pixel"))
 }
 
+/// Light maps against path tracing at so many points with so many paths each.
+///
+/// # Errors
+/// A sentence if they are too far apart, or if it cannot be run.
+pub(crate) fn bake([points, samples]: [u32; 2]) -> Result<String, String> {
+    let mut command = optimised_test_of("glanz", "bake_reference");
+    command.arg("--ignored");
+    command.env("GLANZ_BAKE_POINTS", points.to_string()).env("GLANZ_BAKE_SAMPLES", samples.to_string());
+    succeed(&mut command, "light maps are not what path tracing finds, see above")?;
+    Ok(format!("bake: light maps are what path tracing finds at {points} points with {samples} paths each"))
+}
+
 /// An integration test of the surfaces, as fast as it can be.
 fn optimised_test(name: &str) -> Command {
     optimised_test_of("glanz-geometry", name)

@@ -20,7 +20,7 @@ use crate::light_maps::{self, Axes, Making};
 use crate::messages::{Failure, Messages};
 use crate::outputs;
 use crate::progress::Progress;
-use crate::report::{self, duration, grouped, plural};
+use crate::report::{self, duration, plural};
 use crate::scene_file::{Input, SceneFile};
 
 /// Largest side of an element: metres, and per the diagonal of the scene.

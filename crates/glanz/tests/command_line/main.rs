@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test may fail")]
 
 mod bad_input;
+mod bake;
 mod render;
 mod same_bits;
 mod support;

@@ -1,0 +1,86 @@
+//! `glanz bake`.
+
+use glanz::light::Pixels;
+
+use crate::support::Folder;
+
+/// A floor under a lamp, a ball on it and a named material.
+const ROOM: &str = r#"
+LookAt 0 -4 2  0 0 0.5  0 0 1
+Camera "perspective" "float fov" 45
+WorldBegin
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [8 8 8]
+  Shape "bilinearmesh" "point3 P" [-.5 -.5 2  -.5 .5 2  .5 -.5 2  .5 .5 2]
+AttributeEnd
+MakeNamedMaterial "sand" "string type" "diffuse" "rgb reflectance" [.5 .4 .3]
+NamedMaterial "sand"
+Shape "bilinearmesh" "point3 P" [-1 -1 0  1 -1 0  -1 1 0  1 1 0]
+Translate 0 0 .4
+Shape "sphere" "float radius" .3
+"#;
+
+/// The JSON of a model and its bytes.
+fn model(bytes: &[u8]) -> (serde_json::Value, Vec<u8>) {
+    assert_eq!(&bytes[..4], b"glTF");
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    (serde_json::from_slice(&bytes[20..20 + length]).unwrap(), bytes[28 + length..].to_vec())
+}
+
+fn brightest(pixels: &Pixels) -> f32 {
+    pixels.to_rgb().unwrap().into_iter().flatten().fold(0.0, f32::max)
+}
+
+#[test]
+fn bake_writes_a_model_with_the_light_on_it_and_the_irradiance_beside() {
+    let folder = Folder::new();
+    folder.write("room.pbrt", ROOM);
+    let report = folder.succeed("bake room.pbrt -o room.glb --texels-per-metre 8 --json").json();
+    assert_eq!(report["outputs"], serde_json::json!(["room.glb", "room.exr"]));
+    assert_eq!(folder.names(), ["room.exr", "room.glb", "room.pbrt"]);
+    let (document, bytes) = model(&folder.bytes("room.glb"));
+    let nodes: Vec<&str> =
+        document["nodes"].as_array().unwrap().iter().map(|node| node["name"].as_str().unwrap()).collect();
+    assert_eq!(nodes, ["sand 1", "sand 2", "shape 0"]);
+    // Both sides of the floor: one lit from above, the other black, as it is seen by nothing.
+    let primitives = document["meshes"][0]["primitives"].as_array().unwrap();
+    assert_eq!(primitives.len(), 2);
+    assert!(report["triangles"].as_u64().unwrap() > 100);
+
+    // The brightest irradiance is that of the top of the ball: a square of 1 m at 1.3 m height above it shines 8, and the floor adds a little.
+    let irradiance = folder.picture("room.exr");
+    let side = report["side"].as_u64().unwrap();
+    assert_eq!(u64::from(irradiance.width()), side);
+    let half = 0.5_f64;
+    let slope = half / (half * half + 1.3 * 1.3_f64).sqrt();
+    let expected = 8.0 * 4.0 * slope * slope.atan();
+    let found = f64::from(brightest(&irradiance));
+    assert!(found > 0.97 * expected && found < 1.1 * expected, "{found} {expected}");
+    // The picture in the model is a PNG of the same size.
+    let view = &document["bufferViews"][document["images"][0]["bufferView"].as_u64().unwrap() as usize];
+    let from = view["byteOffset"].as_u64().unwrap() as usize;
+    let png = &bytes[from..from + view["byteLength"].as_u64().unwrap() as usize];
+    folder.write("light.png", png);
+    assert_eq!(folder.picture("light.png").width(), irradiance.width());
+
+    folder.succeed("bake room.pbrt -o eight.glb --texels-per-metre 4 --lightmap png -q");
+    assert!(folder.has("eight.png") && !folder.has("eight.exr"));
+}
+
+#[test]
+fn what_cannot_be_baked_is_refused_before_the_work() {
+    let folder = Folder::new();
+    folder.write("room.pbrt", ROOM);
+    folder.run("bake room.pbrt -o room.obj").refused(2, &["room.obj", ".glb"]);
+    folder.run("bake room.pbrt -o no/room.glb").refused(1, &["no"]);
+    folder.run("bake none.pbrt -o room.glb").refused(1, &["none.pbrt"]);
+    folder.run("bake room.pbrt -o room.glb --texels-per-metre 1e6").refused(1, &["--texels-per-metre"]);
+    assert_eq!(folder.names(), ["room.pbrt"]);
+}
+
+#[test]
+fn bake_says_what_it_takes_for_diffuse_and_what_it_leaves_out() {
+    let folder = Folder::with_scene();
+    let ran = folder.succeed("bake small.pbrt -o small.glb --texels-per-metre 1");
+    assert!(ran.stderr.contains("2 materials are not diffuse"), "{}", ran.stderr);
+}
