@@ -10,6 +10,9 @@ use glanz_radiosity::bake::{Atlas, LightMap};
 use glanz_radiosity::tessellate::{Triangles, divisions, tessellate};
 use glanz_scene::{Description, PlacedSurface};
 
+/// Distance of the two sides of a surface in a model, per the tolerance.
+const SHIFT: f64 = 0.25;
+
 /// Why there is no model.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum ModelError {
@@ -86,8 +89,11 @@ impl Making<'_> {
         }
         let mut nodes: BTreeMap<(u32, u32), BTreeMap<Option<usize>, Part>> = BTreeMap::new();
         let mut known: BTreeMap<u32, [u32; 2]> = BTreeMap::new();
-        for (map, slot) in self.maps.iter().zip(&self.atlas.slots) {
+        for (number, (map, slot)) in self.maps.iter().zip(&self.atlas.slots).enumerate() {
             let chart = &map.chart;
+            if map.is_hidden {
+                continue;
+            }
             let Some(surface) = self.surfaces.get(chart.surface as usize) else { continue };
             let divisions = *known.entry(chart.surface).or_insert_with(|| divisions(surface, self.tolerance));
             let triangles = tessellate(surface, chart, divisions, self.tolerance);
@@ -95,7 +101,7 @@ impl Making<'_> {
             let part = nodes.entry((chart.surface, chart.shape)).or_default().entry(picture);
             let part = part.or_insert_with(|| Part { picture, ..Part::default() });
             let at = |texel: DVec2| slot.map_or(DVec2::ZERO, |slot| self.atlas.coordinates(&slot, texel));
-            self.add(part, &triangles, at);
+            self.add(part, &triangles, at, self.shift(number));
         }
         let node = |((_, shape), parts): ((u32, u32), BTreeMap<Option<usize>, Part>)| Node {
             name: self.names.get(shape as usize).cloned().unwrap_or_else(|| format!("shape {shape}")),
@@ -104,11 +110,24 @@ impl Making<'_> {
         Ok(Model { pictures, nodes: nodes.into_iter().map(node).collect() })
     }
 
-    fn add(&self, part: &mut Part, triangles: &Triangles, at: impl Fn(DVec2) -> DVec2) {
+    /// How far a side is moved away from the other. Not every program leaves out what is seen from behind: of two sides in one place
+    /// it would show now the one, now the other.
+    fn shift(&self, number: usize) -> f64 {
+        let (Some(map), Some(other)) = (self.maps.get(number), self.maps.get(number ^ 1)) else { return 0.0 };
+        let moves = match (map.is_dark(), other.is_dark()) {
+            (true, false) => true,
+            (false, true) => false,
+            _ => map.chart.back,
+        };
+        if moves && !other.is_hidden { SHIFT * self.tolerance } else { 0.0 }
+    }
+
+    fn add(&self, part: &mut Part, triangles: &Triangles, at: impl Fn(DVec2) -> DVec2, shift: f64) {
         let base = part.positions.len() as u32;
-        let world = |p: &DVec3| (self.axes.0 * *p).as_vec3().to_array();
-        part.positions.extend(triangles.positions.iter().map(world));
-        part.normals.extend(triangles.normals.iter().map(world));
+        let world = |p: DVec3| (self.axes.0 * p).as_vec3().to_array();
+        let moved = triangles.positions.iter().zip(&triangles.normals).map(|(p, n)| *p + shift * *n);
+        part.positions.extend(moved.map(world));
+        part.normals.extend(triangles.normals.iter().copied().map(world));
         part.coordinates[0].extend(triangles.uvs.iter().map(|uv| uv.as_vec2().to_array()));
         part.coordinates[1].extend(triangles.texels.iter().map(|&texel| at(texel).as_vec2().to_array()));
         let turned = |&[a, b, c]: &[u32; 3]| {

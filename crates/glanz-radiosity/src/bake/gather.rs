@@ -242,6 +242,11 @@ impl<'a> Gather<'a> {
         self.is_lit[chart]
     }
 
+    /// Whether a chart is on the dark inside of a solid.
+    pub(super) fn is_dark(&self, chart: usize) -> bool {
+        self.is_dark[chart]
+    }
+
     fn direct_at(&self, place: &Place) -> Option<Spectrum> {
         let (chart, texel) = self.index.texel(self.charts, place)?;
         self.direct.get(chart)?.get(texel).copied()

@@ -92,6 +92,8 @@ pub struct LightMap {
     pub irradiance: Vec<Spectrum>,
     /// Radiance that leaves each texel, diffusely reflected and its own.
     pub radiance: Vec<Spectrum>,
+    /// Whether it is on the inside of a closed solid, where nothing is to be seen.
+    pub is_hidden: bool,
 }
 
 impl LightMap {
@@ -127,7 +129,7 @@ impl Spot {
     }
 }
 
-/// Light maps of all surfaces of `elements`.
+/// Light maps of all surfaces of `elements`: the two sides of a chart follow one another.
 ///
 /// `radiosity`: of each element, in units of radiance times pi, as the solvers find it; without it the elements gather light from one another
 /// here, along the rays of the final gather. What a material reflects in whatever way counts as if it were diffuse. `go_on`: asked now and
@@ -171,18 +173,19 @@ pub fn bake(
         None => gather.solve(go_on)?,
     }
     let indirect = indirect::of_charts(&gather, &direct, go_on)?;
-    let finish = |((chart, direct), indirect)| finish(&gather, chart, direct, indirect);
-    Ok(charts.par_iter().zip(&direct).zip(indirect).map(finish).collect())
+    let finish = |((number, direct), indirect)| finish(&gather, number, direct, indirect);
+    Ok((0..charts.len()).into_par_iter().zip(&direct).zip(indirect).map(finish).collect())
 }
 
 /// Direct and indirect light of a chart together.
 fn finish(
     gather: &Gather<'_>,
-    chart: &Chart,
+    number: usize,
     direct: &direct::DirectMap,
     indirect: Vec<Option<Spectrum>>,
 ) -> LightMap {
-    let elements = gather.elements;
+    let (elements, chart) = (gather.elements, &gather.charts[number]);
+    let is_hidden = gather.is_dark(number);
     let count = chart.texels();
     let (mut irradiance, mut radiance) = (vec![None; count], vec![None; count]);
     for (texel, light) in indirect.iter().enumerate() {
@@ -211,12 +214,13 @@ fn finish(
     }
     let is_lit = |map: &[Option<Spectrum>]| map.iter().flatten().any(|light| !light.is_black());
     if !is_lit(&irradiance) && !is_lit(&radiance) {
-        return LightMap { chart: chart.clone(), irradiance: Vec::new(), radiance: Vec::new() };
+        return LightMap { chart: chart.clone(), irradiance: Vec::new(), radiance: Vec::new(), is_hidden };
     }
     let size = chart.size.map(|n| n as usize);
     LightMap {
         chart: chart.clone(),
         irradiance: fill::filled(irradiance, size),
         radiance: fill::filled(radiance, size),
+        is_hidden: false,
     }
 }

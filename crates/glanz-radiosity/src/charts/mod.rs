@@ -174,7 +174,7 @@ const NEARBY: [[f64; 2]; 20] = [
     [-0.5, -0.95],
 ];
 
-/// Charts of all faces of `surfaces`, both sides, with at least `density` texels per metre everywhere.
+/// Charts of all faces of `surfaces`, both sides one after the other, with at least `density` texels per metre everywhere.
 #[must_use]
 pub fn charts(surfaces: &[PlacedSurface<'_>], density: f64) -> Vec<Chart> {
     let mut charts = Vec::new();
