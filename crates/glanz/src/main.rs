@@ -1,6 +1,7 @@
 //! The command line of Glanz: from arguments to exit code.
 
 mod arguments;
+mod baking;
 mod checkpoint_file;
 mod command;
 mod guide_file;

@@ -2,13 +2,14 @@
 
 use std::fmt;
 use std::ops::Range;
+use std::sync::Arc;
 use std::time::Duration;
 
 use glanz_sampling::SamplerKind;
 use glanz_transport::exact::MAX_TERMS;
 use glanz_transport::{
     Aov, AovSet, FilmFormat, Filter, Integrator, IntegratorSettings, PictureIdentity, PixelRect,
-    RenderSettings,
+    RenderSettings, StoredLight,
 };
 
 use crate::arguments::{ALL_AOVS, RenderOptions};
@@ -99,11 +100,12 @@ impl Plan {
         Ok(Self { identity, threads, time_limit: options.time, guide, filter, samples })
     }
 
-    /// The integrator, with its guide.
-    pub(crate) fn integrator(&self) -> Box<dyn Integrator> {
-        match &self.guide {
-            Some(FixedGuide { guide, .. }) => self.identity.integrator.build_with_guide(guide.clone()),
-            None => self.identity.integrator.build(),
+    /// The integrator, with its guide or the `light` that it shows.
+    pub(crate) fn integrator(&self, light: Option<Arc<dyn StoredLight>>) -> Box<dyn Integrator> {
+        match (&self.guide, light) {
+            (Some(FixedGuide { guide, .. }), _) => self.identity.integrator.build_with_guide(guide.clone()),
+            (None, Some(light)) => self.identity.integrator.build_with_light(light),
+            (None, None) => self.identity.integrator.build(),
         }
     }
 

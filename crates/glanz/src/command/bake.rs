@@ -2,30 +2,23 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use glanz_formats::glb;
 use glanz_formats::image::{self, Format, write_atomically};
 use glanz_light::Tone;
-use glanz_radiosity::bake::{Atlas, BakeError, BakeSettings, LightMap, Stage, bake};
-use glanz_radiosity::elements::{ElementSettings, Elements};
-use glanz_scene::Scene;
-use glanz_shading::Material;
+use glanz_radiosity::bake::{Atlas, BakeSettings};
 use serde::Serialize;
 
 use crate::Ending;
 use crate::arguments::{BakeArguments, LightMapName};
+use crate::baking;
 use crate::interrupt::Interrupt;
 use crate::light_maps::{self, Axes, Making};
 use crate::messages::{Failure, Messages};
 use crate::outputs;
-use crate::progress::Progress;
 use crate::report::{self, duration, plural};
 use crate::scene_file::{Input, SceneFile};
-
-/// Largest side of an element: metres, and per the diagonal of the scene.
-const SIDE: f64 = 0.3;
-const SIDE_OF_SCENE: f64 = 1.0 / 24.0;
 
 /// Distance of triangles from the surface: metres, and per the diagonal of the scene.
 const TOLERANCE: f64 = 0.001;
@@ -67,17 +60,16 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Endin
     let scene = file.resolve(arguments.strict, messages)?;
     let start = Instant::now();
     let diagonal = scene.bounds().diagonal().length();
-    let side = if diagonal > 0.0 { SIDE.min(SIDE_OF_SCENE * diagonal) } else { SIDE };
-    let elements = Elements::new(&scene, &ElementSettings { side })
-        .map_err(|error| Failure::new(format!("the scene cannot be divided: {error}")))?;
-    warn(&scene, &elements, &mut file, messages);
+    let elements = baking::elements(&scene, &mut file, messages)?;
     messages.note(&format!(
         "baking {}: {} texels per metre, {}",
         arguments.scene.display(),
         arguments.texels_per_metre,
         plural(elements.list.len() as u64, "element", "elements")
     ));
-    let Some(maps) = baked(&elements, arguments, messages, &interrupt)? else {
+    let settings =
+        BakeSettings { density: arguments.texels_per_metre, rays: arguments.rays, ..BakeSettings::default() };
+    let Some(maps) = baking::baked(&elements, &settings, messages, &interrupt)? else {
         messages.note("interrupted; nothing was written");
         return Ok(Ending::Interrupted);
     };
@@ -130,64 +122,6 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Endin
         report::print(&report)?;
     }
     Ok(Ending::Done)
-}
-
-/// Says what is not as in a picture of the scene.
-fn warn(scene: &Scene, elements: &Elements<'_>, file: &mut SceneFile, messages: Messages) {
-    let is_diffuse =
-        |material: &&Material| matches!(material, Material::Diffuse { .. } | Material::Interface);
-    let others = scene.materials().iter().filter(|material| !is_diffuse(material)).count();
-    if others > 0 {
-        let materials = plural(others as u64, "material is", "materials are");
-        file.warn(
-            &format!("{materials} not diffuse; what they reflect or pass counts as reflected diffusely"),
-            messages,
-        );
-    }
-    if elements.left_out > 0 {
-        let surfaces = plural(elements.left_out as u64, "surface has", "surfaces have");
-        file.warn(
-            &format!("{surfaces} no parameters or no end: such throw shadows, but are not in the model"),
-            messages,
-        );
-    }
-}
-
-/// The light maps; `None` if the user wanted an end.
-fn baked(
-    elements: &Elements<'_>,
-    arguments: &BakeArguments,
-    messages: Messages,
-    interrupt: &Interrupt,
-) -> Result<Option<Vec<LightMap>>, Failure> {
-    let settings =
-        BakeSettings { density: arguments.texels_per_metre, rays: arguments.rays, ..BakeSettings::default() };
-    let mut progress = Progress::start(messages);
-    let mut begun = (Stage::Direct, Instant::now());
-    let outcome = bake(elements, None, &settings, &mut |stage, fraction| {
-        if stage != begun.0 {
-            begun = (stage, Instant::now());
-        }
-        let what = match stage {
-            Stage::Direct => "1 of 3: light from lamps",
-            Stage::Between => "2 of 3: light between surfaces",
-            Stage::Gather => "3 of 3: indirect light",
-        };
-        let passed = begun.1.elapsed().as_secs_f64();
-        let left = if fraction > 0.0 { passed * (1.0 - fraction) / fraction } else { 0.0 };
-        let left = Duration::try_from_secs_f64(left).unwrap_or_default();
-        progress.show(fraction, left, what);
-        !interrupt.is_raised()
-    });
-    progress.finish();
-    match outcome {
-        Ok(maps) => Ok(Some(maps)),
-        Err(BakeError::Stopped) => Ok(None),
-        Err(error @ BakeError::TooMany(..)) => {
-            Err(Failure::new(error.to_string()).with_help("choose fewer with --texels-per-metre"))
-        }
-        Err(error) => Err(Failure::new(error.to_string())),
-    }
 }
 
 /// Writes the irradiance beside the model; returns the names of the files.

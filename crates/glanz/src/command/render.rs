@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use glanz_light::PixelsError;
 use glanz_scene::Scene;
 use glanz_transport::{
-    AovSet, Film, FilmError, Finished, GuideSize, Progress, ProgressReport, RenderError, RenderOutcome,
-    render,
+    AovSet, Film, FilmError, Finished, GuideSize, Integrator, Progress, ProgressReport, RenderError,
+    RenderOutcome, render,
 };
 use serde::Serialize;
 
 use crate::Ending;
 use crate::arguments::{RenderArguments, RenderOptions};
+use crate::baking;
 use crate::checkpoint_file;
 use crate::guide_file;
 use crate::interrupt::Interrupt;
@@ -115,7 +116,16 @@ pub(crate) fn render_input(
     }
 
     messages.note(&format!("rendering {}: {plan}", input.name()));
-    let outcome = expose(&scene, &plan, options, film, messages, &interrupt)?;
+    let mut light = None;
+    if plan.identity.integrator.shows_stored_light() {
+        light = baking::stored(&scene, &mut file, messages, &interrupt)?;
+        if light.is_none() {
+            messages.note("interrupted before rendering; nothing was written");
+            return Ok(Ending::Interrupted);
+        }
+    }
+    let integrator = plan.integrator(light);
+    let outcome = expose(&scene, integrator.as_ref(), &plan, options, film, messages, &interrupt)?;
     let undecided = scene.undecided();
     finish(&Order { input, options, plan: &plan, outputs: &outputs, undecided }, file, &outcome, messages)
 }
@@ -192,6 +202,7 @@ impl Progress for Watch<'_> {
 
 fn expose(
     scene: &Scene,
+    integrator: &dyn Integrator,
     plan: &Plan,
     options: &RenderOptions,
     film: Film,
@@ -202,8 +213,7 @@ fn expose(
     let checkpoint = options.checkpoint.as_ref();
     let mut watch = Watch { progress, plan, checkpoint, messages };
     let settings = plan.settings(checkpoint.map(|_| CHECKPOINT_INTERVAL));
-    let integrator = plan.integrator();
-    let outcome = render(scene, integrator.as_ref(), &settings, film, &mut watch, interrupt.flag());
+    let outcome = render(scene, integrator, &settings, film, &mut watch, interrupt.flag());
     watch.progress.finish();
     outcome.map_err(|error| match error {
         RenderError::Order { next } => Failure::usage(format!(

@@ -84,3 +84,26 @@ fn bake_says_what_it_takes_for_diffuse_and_what_it_leaves_out() {
     let ran = folder.succeed("bake small.pbrt -o small.glb --texels-per-metre 1");
     assert!(ran.stderr.contains("2 materials are not diffuse"), "{}", ran.stderr);
 }
+
+#[test]
+fn radiosity_shows_what_path_tracing_shows_of_a_diffuse_room() {
+    let folder = Folder::new();
+    folder.write("room.pbrt", ROOM);
+    let mean = |picture: &Pixels| {
+        let pixels = picture.to_rgb().unwrap();
+        std::array::from_fn(|i| pixels.iter().map(|rgb| f64::from(rgb[i])).sum::<f64>() / pixels.len() as f64)
+    };
+    let render = |integrator: &str, samples: u32, name: &str| {
+        folder.succeed(&format!("render room.pbrt --integrator {integrator} --size 24x16 --spp {samples} -o {name} -q"));
+        mean(&folder.picture(name))
+    };
+    let (found, expected): ([f64; 3], [f64; 3]) =
+        (render("radiosity", 16, "radiosity.exr"), render("path", 256, "path.exr"));
+    for (found, expected) in found.into_iter().zip(expected) {
+        assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
+    }
+    // The same light from where the camera looks into a mirror.
+    folder.write("mirror.pbrt", ROOM.replace("Translate 0 0 .4", "Material \"mirror\"\nTranslate 0 0 .4"));
+    let ran = folder.succeed("render mirror.pbrt --integrator radiosity --size 24x16 --spp 4 -o mirror.exr");
+    assert!(ran.stderr.contains("1 material is not diffuse"), "{}", ran.stderr);
+}
