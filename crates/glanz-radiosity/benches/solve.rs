@@ -11,6 +11,8 @@ use glanz_radiosity::solve::{GaussSeidel, Hierarchical, Progressive, gauss_seide
 use glanz_scene::Scene;
 use glanz_scene::description::GeometryDescription;
 
+// Shared with the tests, which may panic.
+#[allow(clippy::unwrap_used)]
 #[path = "../src/scenes.rs"]
 mod scenes;
 

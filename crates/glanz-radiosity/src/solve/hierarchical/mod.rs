@@ -7,10 +7,15 @@
 //! is too large are divided at their larger end, and solving and dividing take turns with a bound that falls
 //! (departure: the importance of what is seen, @smits1992, is not used: light maps are wanted everywhere).
 //!
+//! In the end each leaf computes its form factors to the other ends of the links of all nodes above it, with a ray or two each: a link
+//! between large nodes then decides what light is sampled, not where it goes. (Departure: @hanrahan1991 spreads it evenly, which
+//! makes corners too light.)
+//!
 //! What a bound says: light of whatever distribution on one end makes at any place of the other an irradiance that differs from the
 //! link's by its error per area at most, if the ranges hold. They do for flat elements and clusters of them that are near for their
 //! size, as spheres and cones bound those; for elements farther apart they are ranges over corners and middles, and of visibility only
-//! rays are known: few that agree leave a rest of doubt, and those that disagree leave all of it.
+//! rays are known: few that agree leave a rest of doubt, and those that disagree leave all of it. An element that reaches behind a thin
+//! wall has one radiosity on both of its sides: what leaks so goes down with the smallest side.
 
 use glanz_light::Spectrum;
 
@@ -215,6 +220,10 @@ impl<'a> Solver<'a> {
     /// Sweeps with form factors of the leaves to the other ends of links, unless these are too many.
     fn solve_at_leaves(&mut self, settings: &Hierarchical, go_on: impl FnMut(usize, u64) -> bool) {
         let Hierarchical { tolerance, sweeps, links, .. } = *settings;
+        if self.refinement.stopped {
+            // Whoever stops does not want to wait for many more rays.
+            return self.solve(tolerance, sweeps, go_on);
+        }
         let neighbours = Neighbours::new(&self.tree, &self.refinement.links, true);
         let Some(leaves) = Leaves::new(&self.tree, &neighbours, PER_LINK * links) else {
             return self.solve(tolerance, sweeps, go_on);
