@@ -18,7 +18,7 @@ fn number(table: &Table, row: usize, key: &str) -> f64 {
 #[test]
 fn six_scenes_are_measured_and_told() {
     let stop = AtomicBool::new(false);
-    let settings = Settings { size: Some([48, 48]), ..Settings::new(&stop) };
+    let settings = Settings { size: Some([32, 32]), ..Settings::new(&stop) };
     let report = run(&settings, &mut Unwatched).unwrap();
     assert_eq!(report.summary().rows().len(), 12);
     let named = |name: &str| report.tables().find(|table| table.name() == name).unwrap();
