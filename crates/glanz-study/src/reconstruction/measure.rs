@@ -8,7 +8,7 @@ use glanz_radiosity::reconstruct::{Border, Cells, Interpolation, Texture};
 use super::exact::{Exact, Reference};
 use super::method::{Division, Method, methods};
 use super::published::Errors;
-use super::room::{Divided, Room, Setup};
+use super::room::{Divided, Room, Setup, halved};
 use crate::clock::{self, Of, Stopwatch};
 use crate::study::{Settings, StudyError};
 
@@ -72,7 +72,7 @@ pub(super) fn measure(
 ) -> Result<Outcome, StudyError> {
     tell(format!("scene {}: reference", setup.number));
     let scene = setup.scene()?;
-    let room = Room::new(&scene)?;
+    let room = Room::new(&scene, halved(size))?;
     let go_on = || settings.go_on();
     let exact = room.exact();
     let watch = Stopwatch::start(Of::Thread);

@@ -16,8 +16,10 @@ use crate::study::StudyError;
 const FLOOR: u32 = 0;
 
 /// How often lamp or element are halved for form factors: rays between parts find the borders of shadows that those between whole
-/// ones miss (document 003, section 5.7.6, `FFRay`).
-const HALVED: u32 = 3;
+/// ones miss (document 003, section 5.7.6, `FFRay`). Once for small textures, which tests make.
+pub(super) fn halved(size: [usize; 2]) -> u32 {
+    if size[0].max(size[1]) < 200 { 1 } else { 3 }
+}
 
 /// Side of a part of a lamp, metres.
 const LAMP: f64 = 0.04;
@@ -86,10 +88,10 @@ struct Lamp {
 }
 
 impl Lamp {
-    fn new(elements: &Elements<'_>, whole: &Element) -> Self {
-        let levels = (whole.area.sqrt() / LAMP).log2().ceil().clamp(0.0, f64::from(HALVED)) as u32;
+    fn new(elements: &Elements<'_>, whole: &Element, halved: u32) -> Self {
+        let levels = (whole.area.sqrt() / LAMP).log2().ceil().clamp(0.0, f64::from(halved)) as u32;
         let parts = parts(elements, whole, levels);
-        Self { whole: whole.clone(), parts, halved: HALVED - levels }
+        Self { whole: whole.clone(), parts, halved: halved - levels }
     }
 
     /// Share of the lamp's radiosity that arrives per area of an element.
@@ -119,12 +121,12 @@ pub(super) struct Divided {
 impl<'a> Room<'a> {
     /// # Errors
     /// A scene without a flat floor.
-    pub(super) fn new(scene: &'a Scene) -> Result<Self, StudyError> {
+    pub(super) fn new(scene: &'a Scene, halved: u32) -> Result<Self, StudyError> {
         // Each face is one element: lamps are small, and the floor is divided later.
         let side = 2.0 * scene.bounds().diagonal().length();
         let elements = Elements::new(scene, &ElementSettings { side })?;
         let shining = elements.list.iter().filter(|e| !e.emission.is_black());
-        let lamps = shining.map(|lamp| Lamp::new(&elements, lamp)).collect();
+        let lamps = shining.map(|lamp| Lamp::new(&elements, lamp, halved)).collect();
         let is_floor = |e: &&Element| {
             let surface = elements.surfaces.get(e.patch.surface as usize);
             surface.is_some_and(|s| s.shape(e.patch.face) == FLOOR) && !e.patch.back && e.polygon.is_some()

@@ -89,13 +89,14 @@ fn settings_text(outcomes: &[Outcome], size: [usize; 2]) -> String {
         "Settings: a floor of 1 m under a square lamp and a panel that shades it (`scenes/reconstruction`; document 003 does not print its \
          scenes). Scenes: {}. Penumbrae are 0.16 m or 1 mm wide. The floor is divided into 16 x 16 elements, or as a quadtree: an element is \
          divided if the values of its four quarters differ by more than {} of the largest light, from level {} to level {} at most. The value of an \
-         element is its mean radiosity by direct light, by form factors with rays between 64 pairs of parts of lamp and element. Textures have {width} x {height} texels and are compared with exact means over these. \
+         element is its mean radiosity by direct light, by form factors with rays between {} pairs of parts of lamp and element. Textures have {width} x {height} texels and are compared with exact means over these. \
          Errors are in units of the largest light; those of document 003 are in its own, of which hard shadows are about 0.64 deep. Shepard's \
          exponent is 4; multiquadrics have the exponent 1/2 and the distance to the next sample as radius, as in the document.",
         scenes.join("; "),
         QUADTREE.threshold,
         QUADTREE.first,
-        QUADTREE.deepest
+        QUADTREE.deepest,
+        4_u32.pow(super::room::halved(size))
     )
 }
 
