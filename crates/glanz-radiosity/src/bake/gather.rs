@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec3, Frame};
+use glanz_sampling::hash::permute;
 use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
 use glanz_sampling::warp;
 use glanz_scene::{Interaction, Light, Place, Scene};
@@ -18,6 +19,9 @@ use crate::elements::{Element, Elements, Part};
 
 /// Rays from an element.
 const FROM_ELEMENT: usize = 256;
+
+/// Bounces between things that are near.
+const BOUNCES: u32 = 8;
 
 /// Rays that decide whether a place lies inside of something.
 const LOOK: usize = 16;
@@ -182,11 +186,11 @@ impl<'a> Gather<'a> {
             let direction = self.directions[i % self.directions.len()];
             let (own, end) = self.follow(spot, Frame::from_z(spot.shading).to_world(direction));
             row.direct += own * weight;
-            let Some(end) = end.filter(|end| !self.is_dark_at(&end.place)) else { continue };
-            let share = self.reflectance(&end.at) * weight;
-            row.direct += share * self.direct_at(&end.place).unwrap_or_default();
-            if let Some(other) = self.index.element(self.elements, &end.place) {
-                *links.entry(other).or_default() += share;
+            let Some(end) = end else { continue };
+            let (light, last) = self.walk(spot, end, i);
+            row.direct += light * weight;
+            if let Some((other, share)) = last {
+                *links.entry(other).or_default() += share * weight;
             }
         }
         row.links = links.into_iter().collect();
@@ -198,7 +202,7 @@ impl<'a> Gather<'a> {
         let frame = Frame::from_z(spot.shading);
         let weight = 1.0 / self.directions.len() as f32;
         let (mut light, mut nearness, mut sees_out) = (Spectrum::BLACK, 0.0, false);
-        for &direction in &self.directions {
+        for (i, &direction) in self.directions.iter().enumerate() {
             let (own, end) = self.follow(spot, frame.to_world(direction));
             light += own * weight;
             match end {
@@ -206,8 +210,9 @@ impl<'a> Gather<'a> {
                 Some(end) => {
                     nearness += 1.0 / end.at.point.position.distance(spot.at.point.position);
                     sees_out |= self.is_lit_at(&end.place);
-                    let sent = self.sent(&end);
-                    light += sent * weight;
+                    let (direct, last) = self.walk(spot, end, i);
+                    let indirect = last.and_then(|(i, share)| Some(*self.indirect.get(i as usize)? * share));
+                    light += (direct + indirect.unwrap_or_default()).map(|x| x.max(0.0)) * weight;
                 }
             }
         }
@@ -252,15 +257,35 @@ impl<'a> Gather<'a> {
         self.direct.get(chart)?.get(texel).copied()
     }
 
-    /// Radiosity that the light on a place leads to.
-    fn sent(&self, end: &End) -> Spectrum {
-        if self.is_dark_at(&end.place) {
-            return Spectrum::BLACK;
+    /// Radiosity at the end of a ray: what direct light leads to, and the share of an element's indirect light.
+    ///
+    /// An element that is nearer than it is large does not tell what light there is: the ray goes on from there by the cosine, in a gap under a
+    /// vase from wall to wall, until it is far enough.
+    fn walk(&self, from: &Spot, end: End, ray: usize) -> (Spectrum, Option<(u32, Spectrum)>) {
+        let (mut light, mut share) = (Spectrum::BLACK, Spectrum::ONE);
+        let (mut from, mut end) = (*from, end);
+        for bounce in 1.. {
+            if self.is_dark_at(&end.place) {
+                break;
+            }
+            share *= self.reflectance(&end.at);
+            light += share * self.direct_at(&end.place).unwrap_or_default();
+            let Some(number) = self.index.element(self.elements, &end.place) else { break };
+            let area = self.elements.list.get(number as usize).map_or(0.0, |element| element.area);
+            let way = end.at.point.position.distance_squared(from.at.point.position);
+            if way >= area || bounce > BOUNCES || share.is_black() {
+                return (light, Some((number, share)));
+            }
+            let Some(next) = Spot::new(self.elements, &end.place) else { break };
+            // The same for all places, so that neighbours agree; another one at each bounce.
+            let pick = permute(ray as u32, self.directions.len() as u32, KEY + u64::from(bounce));
+            let Some(&direction) = self.directions.get(pick as usize) else { break };
+            let (own, there) = self.follow(&next, Frame::from_z(next.shading).to_world(direction));
+            light += share * own;
+            let Some(there) = there else { break };
+            (from, end) = (next, there);
         }
-        let element = self.index.element(self.elements, &end.place);
-        let indirect = element.and_then(|i| self.indirect.get(i as usize)).copied().unwrap_or_default();
-        let received = self.direct_at(&end.place).unwrap_or_default() + indirect;
-        self.reflectance(&end.at) * received.map(|light| light.max(0.0))
+        (light, None)
     }
 
     fn reflectance(&self, at: &Interaction) -> Spectrum {
