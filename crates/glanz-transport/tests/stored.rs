@@ -52,9 +52,12 @@ fn stored_irradiance_is_reflected_by_the_albedo_on_the_side_that_is_seen() {
     let eye = DVec3::ZERO;
     let to = DVec3::new(2.0, 0.5, 0.25);
     // u = (y + 1) / 2 = 0.75, with the sides exchanged (z + 1) / 2 = 0.625.
-    let sides = [(false, 0.75), (true, 0.625)].map(|(turned, u)| seen(&diffuse(0.5), eye, to, turned) / (0.5 * u));
+    let sides =
+        [(false, 0.75), (true, 0.625)].map(|(turned, u)| seen(&diffuse(0.5), eye, to, turned) / (0.5 * u));
     let [a, b] = sides;
-    assert!((a - 1.0).abs() < 1e-5 && (b - 2.0).abs() < 1e-5 || (a - 2.0).abs() < 1e-5 && (b - 1.0).abs() < 1e-5);
+    assert!(
+        (a - 1.0).abs() < 1e-5 && (b - 2.0).abs() < 1e-5 || (a - 2.0).abs() < 1e-5 && (b - 1.0).abs() < 1e-5
+    );
 }
 
 #[test]

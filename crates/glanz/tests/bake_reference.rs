@@ -1,12 +1,14 @@
 //! Light maps against path tracing at random points of surfaces; `cargo xtask bake`.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its scene has failed")]
+
 use std::f64::consts::PI;
 use std::path::Path;
 
 use glanz::formats::{Options, load};
 use glanz::light::{Spectrum, Wavelengths};
 use glanz::math::{DVec2, Frame};
-use glanz::radiosity::bake::{BakeSettings, LightMap, bake};
+use glanz::radiosity::bake::{BakeSettings, LightMap, LightMaps, bake};
 use glanz::radiosity::elements::{ElementSettings, Elements};
 use glanz::sampling::{PixelSampler, SamplerKind, warp};
 use glanz::scene::description::IntegratorDescription;
@@ -57,18 +59,6 @@ fn reference(scene: &Scene, path: &dyn Integrator, at: &PlacedPoint, samples: u3
     [sum / n, ((squares / n - (sum / n).powi(2)) / n).max(0.0).sqrt()]
 }
 
-/// The light map between its texels, as a viewer sees it.
-fn between(map: &LightMap, texel: DVec2) -> f64 {
-    let [width, height] = map.chart.size;
-    let low = texel.floor().min(DVec2::new(f64::from(width) - 2.0, f64::from(height) - 2.0));
-    let [s, t] = (texel - low).to_array();
-    let at = |x: f64, y: f64| {
-        luminance(map.irradiance[(low.y + y) as usize * width as usize + (low.x + x) as usize])
-    };
-    (1.0 - t) * ((1.0 - s) * at(0.0, 0.0) + s * at(1.0, 0.0))
-        + t * ((1.0 - s) * at(0.0, 1.0) + s * at(1.0, 1.0))
-}
-
 #[test]
 #[ignore = "takes minutes: cargo xtask bake"]
 fn light_maps_are_what_path_tracing_finds() {
@@ -95,7 +85,8 @@ fn light_maps_are_what_path_tracing_finds() {
     let path = IntegratorSettings::resolve(&walk).unwrap().build();
 
     // Points uniform by area: as many candidates as texels, each kept by how much area it stands for.
-    let lit: Vec<&LightMap> = maps.iter().filter(|map| !map.is_dark()).collect();
+    let maps = LightMaps::new(&elements, maps);
+    let lit: Vec<&LightMap> = maps.as_slice().iter().filter(|map| !map.is_dark()).collect();
     let last =
         |map: &LightMap| DVec2::new(f64::from(map.chart.size[0]) - 1.0, f64::from(map.chart.size[1]) - 1.0);
     let mut random = PixelSampler::new(SamplerKind::Independent, 1, 3, [0, 0], 0);
@@ -132,7 +123,7 @@ fn light_maps_are_what_path_tracing_finds() {
         }
         found += 1;
         let [expected, deviation] = reference(&scene, path.as_ref(), &at, samples, found);
-        let light = between(map, texel);
+        let light = luminance(maps.irradiance(&place).unwrap());
         sum = [sum[0] + light, sum[1] + expected];
         let name = format!(
             "{} {} {:?}: {light:.4}, path {expected:.4} +- {deviation:.4}",

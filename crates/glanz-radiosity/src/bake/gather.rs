@@ -134,8 +134,7 @@ impl<'a> Gather<'a> {
         }
         for _ in 0..ROUNDS {
             let (mut change, mut most) = (0.0_f32, 0.0_f32);
-            for i in 0..rows.len() {
-                let row = &rows[i];
+            for (i, row) in rows.iter().enumerate() {
                 let mut light = row.direct;
                 for &(j, weight) in &row.links {
                     light += weight * self.indirect[j as usize];

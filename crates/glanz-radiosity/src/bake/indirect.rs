@@ -19,10 +19,13 @@ const NEAR: f64 = 0.25;
 /// Largest difference of corners of a block per their sum.
 const DIFFERENT: f32 = 0.05;
 
+/// The same of the ends of a line along a border, where another chart may go on.
+const DIFFERENT_ON_BORDER: f32 = 0.01;
+
 /// Places that are gathered at one after the other before it is asked whether to go on.
 const AT_ONCE: usize = 4096;
 
-/// A square of texels by its corners, which belong to it.
+/// A rectangle of texels by its corners, which belong to it; or a line.
 #[derive(Clone, Copy, Debug)]
 struct Block {
     chart: usize,
@@ -59,53 +62,91 @@ impl Block {
 type Known = HashMap<(usize, usize), Option<Gathered>>;
 
 /// Indirect light of all texels of all charts; `None` where a texel has none of its own.
+///
+/// Texels on the borders of charts come last, from lines along them: what charts have in common is then the same on both.
 pub(super) fn of_charts(
     gather: &Gather<'_>,
     direct: &[DirectMap],
     go_on: &mut dyn FnMut(Stage, f64) -> bool,
 ) -> Result<Vec<Vec<Option<Spectrum>>>, BakeError> {
-    let mut found: Vec<Vec<Option<Spectrum>>> =
-        gather.charts.iter().map(|chart| vec![None; chart.texels()]).collect();
-    let mut known = Known::new();
-    let mut blocks: Vec<Block> = (0..gather.charts.len()).flat_map(|chart| first(gather, chart)).collect();
-    let all: usize = gather.charts.iter().map(crate::charts::Chart::texels).sum();
-    let mut done = 0;
-    while !blocks.is_empty() {
-        let mut wanted: Vec<(usize, usize)> = blocks.iter().flat_map(|b| corners(gather, b)).collect();
-        wanted.sort_unstable();
-        wanted.dedup();
-        wanted.retain(|key| !known.contains_key(key));
-        for group in wanted.chunks(AT_ONCE) {
-            if !go_on(Stage::Gather, done as f64 / all as f64) {
-                return Err(BakeError::Stopped);
+    let found = gather.charts.iter().map(|chart| vec![None; chart.texels()]).collect();
+    let mut filling = Filling { gather, direct, known: Known::new(), found, done: 0 };
+    let charts = || 0..gather.charts.len();
+    filling.fill(charts().flat_map(|chart| first(gather, chart)).collect(), DIFFERENT, go_on)?;
+    filling.fill(charts().flat_map(|chart| borders(gather, chart)).collect(), DIFFERENT_ON_BORDER, go_on)?;
+    Ok(filling.found)
+}
+
+/// Texels on their way.
+struct Filling<'a> {
+    gather: &'a Gather<'a>,
+    direct: &'a [DirectMap],
+    known: Known,
+    found: Vec<Vec<Option<Spectrum>>>,
+    /// Texels of blocks that are finished.
+    done: usize,
+}
+
+impl Filling<'_> {
+    /// Fills blocks, dividing them until corners differ by no more than `different` and nothing is near for their size.
+    fn fill(
+        &mut self,
+        mut blocks: Vec<Block>,
+        different: f32,
+        go_on: &mut dyn FnMut(Stage, f64) -> bool,
+    ) -> Result<(), BakeError> {
+        let (gather, direct) = (self.gather, self.direct);
+        let all: usize = gather.charts.iter().map(crate::charts::Chart::texels).sum();
+        while !blocks.is_empty() {
+            let mut wanted: Vec<(usize, usize)> = blocks.iter().flat_map(|b| corners(gather, b)).collect();
+            wanted.sort_unstable();
+            wanted.dedup();
+            wanted.retain(|key| !self.known.contains_key(key));
+            for group in wanted.chunks(AT_ONCE) {
+                if !go_on(Stage::Gather, self.done as f64 / all as f64) {
+                    return Err(BakeError::Stopped);
+                }
+                let one = |&key: &(usize, usize)| (key, at_texel(gather, direct, key));
+                let light: Vec<_> = group.par_iter().map(one).collect();
+                self.known.extend(light);
             }
-            let one = |&key: &(usize, usize)| (key, at_texel(gather, direct, key));
-            let light: Vec<_> = group.par_iter().map(one).collect();
-            known.extend(light);
-        }
-        let mut rest = Vec::new();
-        for block in blocks {
-            let keys = corners(gather, &block);
-            let corners = keys.map(|key| known.get(&key).copied().flatten());
-            let is_fine = block.side() <= 1 || !gather.is_lit(block.chart) && is_dark(&corners);
-            if is_fine || is_smooth(gather, &block, &corners) {
-                put(gather, &block, &corners, &mut found[block.chart]);
-                done += ((block.high[0] - block.low[0]) * (block.high[1] - block.low[1])) as usize;
-            } else {
-                rest.extend(block.parts());
+            let mut rest = Vec::new();
+            for block in blocks {
+                let keys = corners(gather, &block);
+                let corners = keys.map(|key| self.known.get(&key).copied().flatten());
+                let is_fine = block.side() <= 1 || !gather.is_lit(block.chart) && is_dark(&corners);
+                if is_fine || is_smooth(gather, &block, &corners, different) {
+                    put(gather, &block, &corners, &mut self.found[block.chart]);
+                    self.done += ((block.high[0] - block.low[0]) * (block.high[1] - block.low[1])) as usize;
+                } else {
+                    rest.extend(block.parts());
+                }
             }
+            blocks = rest;
         }
-        blocks = rest;
+        Ok(())
     }
-    Ok(found)
+}
+
+/// The sides of a chart in parts as long as the largest blocks.
+fn steps(gather: &Gather<'_>, chart: usize) -> [Vec<[u32; 2]>; 2] {
+    gather.charts[chart].size.map(|n| {
+        let starts = (0..n - 1).step_by(BLOCK as usize);
+        starts.map(|low| [low, (low + BLOCK).min(n - 1)]).collect()
+    })
+}
+
+/// Lines along the borders of a chart.
+fn borders(gather: &Gather<'_>, chart: usize) -> Vec<Block> {
+    let ([x, y], [width, height]) = (steps(gather, chart), gather.charts[chart].size);
+    let along_x = [0, height - 1].into_iter().flat_map(|y| x.iter().map(move |x| ([x[0], y], [x[1], y])));
+    let along_y = [0, width - 1].into_iter().flat_map(|x| y.iter().map(move |y| ([x, y[0]], [x, y[1]])));
+    along_x.chain(along_y).map(|(low, high)| Block { chart, low, high }).collect()
 }
 
 /// The largest blocks of a chart.
 fn first(gather: &Gather<'_>, chart: usize) -> Vec<Block> {
-    let lines = gather.charts[chart].size.map(|n| {
-        let starts = (0..n - 1).step_by(BLOCK as usize);
-        starts.map(|low| [low, (low + BLOCK).min(n - 1)]).collect::<Vec<[u32; 2]>>()
-    });
+    let lines = steps(gather, chart);
     let block = |x: &[u32; 2], y: &[u32; 2]| Block { chart, low: [x[0], y[0]], high: [x[1], y[1]] };
     lines[1].iter().flat_map(|y| lines[0].iter().map(move |x| block(x, y))).collect()
 }
@@ -119,13 +160,13 @@ fn is_dark(corners: &[Option<Gathered>; 4]) -> bool {
     corners.iter().flatten().all(|corner| corner.light.is_black())
 }
 
-fn is_smooth(gather: &Gather<'_>, block: &Block, corners: &[Option<Gathered>; 4]) -> bool {
+fn is_smooth(gather: &Gather<'_>, block: &Block, corners: &[Option<Gathered>; 4], different: f32) -> bool {
     let [Some(a), Some(b), Some(c), Some(d)] = *corners else { return false };
     let of = [a, b, c, d];
     let nearest = of.iter().fold(f64::INFINITY, |least, corner| least.min(corner.distance));
     let lights = of.map(|corner| luminance(corner.light));
     let (low, high) = lights.iter().fold((f32::INFINITY, 0.0_f32), |(l, h), &x| (l.min(x), h.max(x)));
-    if high - low > DIFFERENT * (high + low) {
+    if high - low > different * (high + low) {
         return false;
     }
     // The longer diagonal.
@@ -155,7 +196,7 @@ fn put(gather: &Gather<'_>, block: &Block, corners: &[Option<Gathered>; 4], into
     };
     let share = |x: u32, axis: usize| {
         let (low, high) = (block.low[axis], block.high[axis]);
-        (x - low) as f32 / (high - low) as f32
+        (x - low) as f32 / (high - low).max(1) as f32
     };
     for y in block.low[1]..=block.high[1] {
         for x in block.low[0]..=block.high[0] {

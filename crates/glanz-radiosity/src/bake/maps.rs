@@ -32,7 +32,8 @@ impl LightMaps {
     /// Irradiance at a place in units of radiance, bilinear between the texels; `None` where there is no chart.
     #[must_use]
     pub fn irradiance(&self, place: &Place) -> Option<Spectrum> {
-        let (number, texel) = self.index.on_chart(|number| self.maps.get(number).map(|map| &map.chart), place)?;
+        let (number, texel) =
+            self.index.on_chart(|number| self.maps.get(number).map(|map| &map.chart), place)?;
         let map = self.maps.get(number)?;
         if map.is_dark() {
             return Some(Spectrum::BLACK);

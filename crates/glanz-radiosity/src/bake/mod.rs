@@ -26,10 +26,10 @@ mod maps;
 mod tests;
 
 pub use atlas::{Atlas, BORDER, Page};
-pub use maps::LightMaps;
 use direct::Lamps;
 use gather::Gather;
 use lookup::Index;
+pub use maps::LightMaps;
 
 /// How carefully light maps are made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +49,7 @@ impl Default for BakeSettings {
 }
 
 /// Texels at most over all charts.
-const LIMIT: usize = 1 << 27;
+const LIMIT: usize = 1 << 24;
 
 /// Borders without a surface that a ray may pass; more are taken for a ray that does not advance.
 const PASSED: u32 = 1000;

@@ -51,11 +51,14 @@ fn furnace_is_alike_everywhere_and_dark_outside() {
     assert!((sum / count - 2.0).abs() < 0.03, "{}", sum / count);
 }
 
+/// Irradiance of a floor at a place.
+type Law = Box<dyn Fn(DVec3) -> f64>;
+
 #[test]
 fn lights_that_are_no_surfaces_shine_by_their_laws() {
     let floor = || (parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 2.0), 0.0, 0.0);
     let from = DVec3::new(0.7, 0.9, 1.3);
-    let cases: [(LightKind, Box<dyn Fn(DVec3) -> f64>); 3] = [
+    let cases: [(LightKind, Law); 3] = [
         (
             LightKind::Point { from, range: None },
             Box::new(move |p| (from - p).z / (from - p).length().powi(3)),
@@ -157,8 +160,12 @@ fn charts_that_meet_agree_on_the_edge() {
     let (a, b) = (column(left, left.chart.size[0] - 1), column(right, 0));
     assert_eq!(a.len(), b.len());
     let brightest = a.iter().fold(0.0_f32, |most, &x| most.max(x));
-    for (a, b) in a.iter().zip(&b) {
-        assert!((a - b).abs() < 0.01 * a.max(0.05 * brightest), "{a} {b}");
+    let step = 2.0 / (a.len() - 1) as f64;
+    for (row, (a, b)) in a.iter().zip(&b).enumerate() {
+        // Beneath the box is no light: texels there are filled from around, on each chart by itself.
+        let y = row as f64 * step;
+        let is_beneath = y > 0.8 + 1e-9 && y < 1.2 - 1e-9;
+        assert!(is_beneath || (a - b).abs() < 0.01 * a.max(0.01 * brightest), "{y}: {a} {b}");
     }
 }
 

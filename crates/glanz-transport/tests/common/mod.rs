@@ -12,8 +12,8 @@ use glanz_sampling::SamplerKind;
 use glanz_scene::Scene;
 use glanz_scene::description::*;
 use glanz_transport::{
-    Aov, AovSet, Film, FilmFormat, Filter, Finished, Guide, Integrator, IntegratorSettings, PixelRect, RenderError,
-    RenderOutcome, RenderSettings, Silent, render,
+    Aov, AovSet, Film, FilmFormat, Filter, Finished, Guide, Integrator, IntegratorSettings, PixelRect,
+    RenderError, RenderOutcome, RenderSettings, Silent, render,
 };
 
 pub(crate) fn grey(value: f32) -> SpectrumInput {
@@ -251,8 +251,7 @@ impl Run {
         let film = Film::try_new(self.format(&builder.0)).unwrap();
         let settings = self.settings(&builder.0);
         let stop = AtomicBool::new(false);
-        let outcome =
-            render(&builder.scene(), integrator, &settings, film, &mut Silent, &stop).unwrap();
+        let outcome = render(&builder.scene(), integrator, &settings, film, &mut Silent, &stop).unwrap();
         assert_eq!(outcome.finished, Finished::Complete);
         assert_eq!(outcome.film.rejects(), Default::default());
         outcome

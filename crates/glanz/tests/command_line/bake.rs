@@ -94,7 +94,9 @@ fn radiosity_shows_what_path_tracing_shows_of_a_diffuse_room() {
         std::array::from_fn(|i| pixels.iter().map(|rgb| f64::from(rgb[i])).sum::<f64>() / pixels.len() as f64)
     };
     let render = |integrator: &str, samples: u32, name: &str| {
-        folder.succeed(&format!("render room.pbrt --integrator {integrator} --size 24x16 --spp {samples} -o {name} -q"));
+        folder.succeed(&format!(
+            "render room.pbrt --integrator {integrator} --size 24x16 --spp {samples} -o {name} -q"
+        ));
         mean(&folder.picture(name))
     };
     let (found, expected): ([f64; 3], [f64; 3]) =
