@@ -74,7 +74,7 @@ fn what_cannot_be_baked_is_refused_before_the_work() {
     folder.run("bake room.pbrt -o room.obj").refused(2, &["room.obj", ".glb"]);
     folder.run("bake room.pbrt -o no/room.glb").refused(1, &["no"]);
     folder.run("bake none.pbrt -o room.glb").refused(1, &["none.pbrt"]);
-    folder.run("bake room.pbrt -o room.glb --texels-per-metre 1e6").refused(1, &["--texels-per-metre"]);
+    folder.run("bake room.pbrt -o room.glb --texels-per-metre 1e6 -q").refused(1, &["--texels-per-metre"]);
     assert_eq!(folder.names(), ["room.pbrt"]);
 }
 
