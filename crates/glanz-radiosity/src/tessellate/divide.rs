@@ -13,7 +13,7 @@ const TRIMMED: u32 = 32;
 /// Lines of parameters that are looked at.
 const LINES: [f64; 7] = [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0];
 
-/// Divisions along both parameters of all faces of a surface with which triangles are within `tolerance`, metres, or [`MOST`].
+/// Divisions along both parameters of all faces of a surface with which triangles are within `tolerance`, metres; 1024 at most.
 ///
 /// Half of the tolerance is for the lines of the grid, which are looked at in several places; the other half for the middles of its
 /// cells.
