@@ -177,7 +177,6 @@ pub(crate) fn unbiased(samples: u32) -> Result<String, String> {
 /// A sentence if they are too far apart, or if it cannot be run.
 pub(crate) fn bake([points, samples]: [u32; 2]) -> Result<String, String> {
     let mut command = optimised_test_of("glanz", "bake_reference");
-    command.arg("--ignored");
     command.env("GLANZ_BAKE_POINTS", points.to_string()).env("GLANZ_BAKE_SAMPLES", samples.to_string());
     succeed(&mut command, "light maps are not what path tracing finds, see above")?;
     Ok(format!("bake: light maps are what path tracing finds at {points} points with {samples} paths each"))
