@@ -19,6 +19,9 @@ const NEAR: f64 = 3.0;
 /// latter taken at their word, too much light would arrive in the mean.
 const RAYS: usize = 2;
 
+/// Rays for what fills the whole view of a leaf: what is near and hidden in part would be seen whole or not at all by a few.
+const PER_FACTOR: f32 = 24.0;
+
 /// Nodes that one thread takes at once, at least.
 const BLOCK: usize = 64;
 
@@ -78,7 +81,7 @@ fn row(tree: &Tree<'_>, neighbours: &Neighbours, number: usize) -> (Vec<(u32, f3
             let other = &tree.branches[source.node as usize];
             let mut factor = form_factor(leaf, other) as f32;
             if factor > 0.0 {
-                let count = if source.free < 1.0 { RAYS } else { 1 };
+                let count = if source.free < 1.0 { RAYS } else { 1 }.max((PER_FACTOR * factor) as usize);
                 let (share, sent) = look(tree, leaf, other, number ^ source.node as usize, count);
                 rays += sent;
                 factor *= share.unwrap_or(source.free);
@@ -94,19 +97,21 @@ fn row(tree: &Tree<'_>, neighbours: &Neighbours, number: usize) -> (Vec<(u32, f3
     (row, rays)
 }
 
-/// The share of a few rays that arrive, and how many there were.
+/// The share of a few rays that arrive, and how many there were; `None` if no places face each other.
 fn look(tree: &Tree<'_>, leaf: &Branch, other: &Branch, turn: usize, count: usize) -> (Option<f32>, u64) {
     let (from, to) = (&leaf.extent.nodes, &other.extent.probes);
     let (mut free, mut sent) = (0_u8, 0_u8);
-    for i in 0..count {
-        // Opposite places of both, of which few are the same as those of neighbours.
-        let start = from.get((turn / 2 + i * from.len().div_ceil(count)) % from.len().max(1));
-        let end = to.get((turn + i * to.len().div_ceil(count)) % to.len().max(1));
-        if let (Some(start), Some(end)) = (start, end)
-            && kernel(start, end) > 0.0
-        {
+    // Opposite places of both, of which few are the same as those of neighbours; if these face away, the next ones.
+    for i in 0..from.len() * to.len() {
+        let (opposite, next) = (i % count, i / count);
+        let start = &from[(turn / 2 + opposite * from.len().div_ceil(count) + next) % from.len()];
+        let end = &to[(turn + opposite * to.len().div_ceil(count) + next / from.len()) % to.len()];
+        if kernel(start, end) > 0.0 {
             sent += 1;
             free += u8::from(is_free(tree.elements().scene, start, end));
+            if usize::from(sent) == count {
+                break;
+            }
         }
     }
     ((sent > 0).then(|| f32::from(free) / f32::from(sent)), u64::from(sent))
