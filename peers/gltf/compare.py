@@ -5,8 +5,8 @@
     (cd peers/gltf && npm ci)
     pip install numpy OpenEXR pillow                 # in one environment
     pip install bpy                                  # in another, for its numpy is older
-    peers/gltf/compare.py --rooms vase open [--size 640x480] [--samples 256] [--over 4] [--chromium /usr/bin/chromium]
-        [--blender OTHER/bin/python] [--glanz PROGRAM] [--threads 2] [--work DIR] [--out FILE.json] [--picture FILE.png]
+    peers/gltf/compare.py --rooms vase open [--size 640x480] [--samples 256] [--references radiosity path] [--over 4]
+        [--chromium /usr/bin/chromium] [--blender OTHER/bin/python] [--glanz PROGRAM] [--threads 2] [--work DIR] [--out FILE.json] [--picture FILE.png]
 
 The scenes are those of scenes/rooms. Each is baked, Khronos' validator reads the model, and three.js and Blender draw it from the
 camera that is in it. page.html is the page that is drawn; served by any server of files it shows a model to look around in:
@@ -49,6 +49,9 @@ ROOT = HERE.parent.parent
 
 # What is kept of what `glanz bake` says.
 TOLD = ["charts", "texels", "side", "pages", "triangles", "tolerance", "warnings"]
+
+# Samples per pixel of the integrators that are asked: of light maps only the borders of things need some.
+SAMPLES = {"radiosity": 64, "path": 256}
 
 # Pixels along a side of the blocks over which noise is averaged.
 BLOCK = 16
@@ -158,7 +161,7 @@ def compared(room, glanz, asked):
         shown["blender"] = png(picture)
 
     references = {}
-    for integrator in ("radiosity", "path"):
+    for integrator in asked.references:
         picture = asked.work / f"{room}-{integrator}.exr"
         render = [glanz, "render", scene, "-o", picture, "--integrator", integrator, "--size", asked.size,
                   "--spp", asked.samples[integrator], "--threads", asked.threads, "--json", "-q"]
@@ -174,7 +177,7 @@ def compared(room, glanz, asked):
             relative = (light - reference) / numpy.maximum(reference, 0.01 * reference.mean())
             grey = numpy.clip(128 + 635 * relative, 0, 255).astype(numpy.uint8)
             Image.fromarray(grey).save(asked.work / f"{room}-{program}-{integrator}-difference.png")
-    beside = numpy.concatenate([*shown.values(), references["radiosity"]], axis=1)
+    beside = numpy.concatenate([*shown.values(), references[asked.references[0]]], axis=1)
     Image.fromarray(encoded(beside)).save(asked.work / f"{room}.png")
     return report, beside
 
@@ -183,7 +186,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rooms", nargs="+", default=["vase", "open"])
     parser.add_argument("--size", default="640x480")
-    parser.add_argument("--samples", type=int, default=256, help="of paths per pixel")
+    parser.add_argument("--samples", type=int, default=SAMPLES["path"], help="of paths per pixel")
+    parser.add_argument("--references", nargs="+", default=list(SAMPLES), choices=list(SAMPLES))
     parser.add_argument("--over", type=int, default=4)
     parser.add_argument("--chromium", default="/usr/bin/chromium")
     parser.add_argument("--blender", type=pathlib.Path, help="a Python that has bpy")
@@ -193,8 +197,7 @@ def main():
     parser.add_argument("--out", type=pathlib.Path)
     parser.add_argument("--picture", type=pathlib.Path)
     asked = parser.parse_args()
-    # Of light maps only the borders of things need samples.
-    asked.samples = {"radiosity": 64, "path": asked.samples}
+    asked.samples = SAMPLES | {"path": asked.samples}
     with tempfile.TemporaryDirectory() as folder:
         asked.work = asked.work or pathlib.Path(folder)
         asked.work.mkdir(parents=True, exist_ok=True)

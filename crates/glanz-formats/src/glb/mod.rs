@@ -207,6 +207,7 @@ pub fn write(model: &Model) -> Result<Vec<u8>, GlbError> {
         document["scenes"] = json!([{ "nodes": (0..nodes.len()).collect::<Vec<usize>>() }]);
     }
     if !textures.is_empty() {
+        // No mipmaps: they would mix what lies side by side in a picture. Light varies slowly enough to do without.
         let sampler = json!({
             "magFilter": LINEAR, "minFilter": LINEAR, "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE
         });
