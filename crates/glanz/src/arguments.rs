@@ -221,7 +221,8 @@ const BAKE_HELP: &str = "\
 The model is binary glTF 2.0 with materials that need no light of their own: a picture on each
 surface shows the light that leaves it (TEXCOORD_1), as three.js, Blender and others do without
 further settings. The irradiance itself, in the scene's units of radiance, goes beside it as
-OpenEXR, laid out in the same way. Sides that no light reaches are black and take no texels.
+OpenEXR, laid out in the same way. Sides that no light reaches are black and take no texels. The
+scene's camera is in the model.
 
 Light is that of radiosity: mirrors, glass and gloss count as if they reflected diffusely.
 Ctrl-C ends it with 130 and writes nothing.

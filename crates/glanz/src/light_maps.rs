@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use glanz_formats::glb::{GlbError, Model, Node, Part};
+use glanz_formats::glb::{Camera, GlbError, Model, Node, Part};
 use glanz_formats::image::{self, Format, ImageError};
 use glanz_light::{Pixels, PixelsError, Spectrum, Tone, Wavelengths};
 use glanz_math::{DMat3, DMat4, DVec2, DVec3};
@@ -51,6 +51,16 @@ impl Axes {
         Self(DMat3::from_cols(rows[0] * mirror, rows[1], rows[2]).transpose())
     }
 
+    /// A matrix whose columns are in the axes of the scene, in those of the model.
+    pub(crate) fn of(&self, matrix: DMat3) -> DMat3 {
+        self.0 * matrix
+    }
+
+    /// A point or a direction of the scene in the axes of the model.
+    pub(crate) fn of_point(&self, point: DVec3) -> DVec3 {
+        self.0 * point
+    }
+
     fn is_mirrored(&self) -> bool {
         self.0.determinant() < 0.0
     }
@@ -74,6 +84,7 @@ pub(crate) struct Making<'a> {
     pub(crate) atlas: &'a Atlas,
     pub(crate) names: &'a [String],
     pub(crate) axes: Axes,
+    pub(crate) camera: Option<Camera>,
     /// Metres.
     pub(crate) tolerance: f64,
     pub(crate) tone: Tone,
@@ -107,7 +118,7 @@ impl Making<'_> {
             name: self.names.get(shape as usize).cloned().unwrap_or_else(|| format!("shape {shape}")),
             parts: parts.into_values().collect(),
         };
-        Ok(Model { pictures, nodes: nodes.into_iter().map(node).collect() })
+        Ok(Model { pictures, nodes: nodes.into_iter().map(node).collect(), camera: self.camera.clone() })
     }
 
     /// How far a side is moved away from the other. Not every program leaves out what is seen from behind: of two sides in one place
@@ -124,7 +135,7 @@ impl Making<'_> {
 
     fn add(&self, part: &mut Part, triangles: &Triangles, at: impl Fn(DVec2) -> DVec2, shift: f64) {
         let base = part.positions.len() as u32;
-        let world = |p: DVec3| (self.axes.0 * p).as_vec3().to_array();
+        let world = |p: DVec3| self.axes.of_point(p).as_vec3().to_array();
         let moved = triangles.positions.iter().zip(&triangles.normals).map(|(p, n)| *p + shift * *n);
         part.positions.extend(moved.map(world));
         part.normals.extend(triangles.normals.iter().copied().map(world));

@@ -13,6 +13,7 @@ mod plan;
 mod progress;
 mod report;
 mod scene_file;
+mod view;
 
 use std::process::ExitCode;
 

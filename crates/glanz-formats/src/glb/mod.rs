@@ -6,8 +6,11 @@
 
 use serde_json::{Value, json};
 
+mod camera;
 #[cfg(test)]
 mod tests;
+
+pub use camera::{Camera, Projection};
 
 /// A model to write.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,6 +19,8 @@ pub struct Model {
     pub pictures: Vec<Vec<u8>>,
     /// Things, each with a name.
     pub nodes: Vec<Node>,
+    /// Where it is seen from.
+    pub camera: Option<Camera>,
 }
 
 /// A thing of a model.
@@ -36,7 +41,7 @@ pub struct Part {
     pub positions: Vec<[f32; 3]>,
     /// Unit length.
     pub normals: Vec<[f32; 3]>,
-    /// The surface's own coordinates, and those in the picture, (0, 0) its upper left corner.
+    /// The surface's own coordinates, and those in the picture, (0, 0) its upper left corner; without a picture the latter are not written.
     pub coordinates: [Vec<[f32; 2]>; 2],
     /// Triples of vertices, counterclockwise seen from the side that is shown.
     pub indices: Vec<[u32; 3]>,
@@ -54,6 +59,9 @@ pub enum GlbError {
     /// A picture that is not there.
     #[error("part {1} of \"{0}\" has a picture that is not there")]
     Picture(String, usize),
+    /// A camera with an empty picture or range, without a place, or turned by what is no rotation.
+    #[error("the camera \"{0}\" sees nothing, or is nowhere")]
+    Camera(String),
     /// More than the format can hold.
     #[error("the model has more than 4 GiB, which this format cannot hold")]
     Size,
@@ -113,19 +121,18 @@ impl Buffer {
     fn part(&mut self, part: &Part) -> Value {
         let position = self.vectors(&part.positions, true);
         let normal = self.vectors(&part.normals, false);
-        let coordinates = [0, 1].map(|set| self.vectors(&part.coordinates[set], false));
+        let own = self.vectors(&part.coordinates[0], false);
+        let mut attributes = json!({ "POSITION": position, "NORMAL": normal, "TEXCOORD_0": own });
+        if part.picture.is_some() {
+            attributes["TEXCOORD_1"] = json!(self.vectors(&part.coordinates[1], false));
+        }
         let bytes: Vec<u8> = part.indices.iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
         let view = self.view(&bytes, Some(ELEMENT_ARRAY_BUFFER));
         let count = 3 * part.indices.len();
         let indices =
             self.accessor(json!({ "componentType": UNSIGNED_INT, "count": count, "type": "SCALAR" }), view);
         json!({
-            "attributes": {
-                "POSITION": position,
-                "NORMAL": normal,
-                "TEXCOORD_0": coordinates[0],
-                "TEXCOORD_1": coordinates[1],
-            },
+            "attributes": attributes,
             "indices": indices,
             // The first material is black.
             "material": part.picture.map_or(0, |picture| picture + 1),
@@ -150,6 +157,15 @@ pub fn write(model: &Model) -> Result<Vec<u8>, GlbError> {
             nodes.push(json!({ "name": node.name, "mesh": meshes.len() }));
             meshes.push(json!({ "name": node.name, "primitives": primitives }));
         }
+    }
+    let mut cameras = Vec::new();
+    if let Some(camera) = &model.camera {
+        if !camera.is_valid() {
+            return Err(GlbError::Camera(camera.name.clone()));
+        }
+        let (camera, node) = camera.values(0);
+        cameras.push(camera);
+        nodes.push(node);
     }
     let unlit = |name: &str, base: Value| {
         let mut base = base;
@@ -182,6 +198,7 @@ pub fn write(model: &Model) -> Result<Vec<u8>, GlbError> {
         ("bufferViews", &buffer.views),
         ("images", &images),
         ("textures", &textures),
+        ("cameras", &cameras),
     ];
     for (name, list) in lists.into_iter().filter(|(_, list)| !list.is_empty()) {
         document[name] = json!(list);
@@ -190,6 +207,7 @@ pub fn write(model: &Model) -> Result<Vec<u8>, GlbError> {
         document["scenes"] = json!([{ "nodes": (0..nodes.len()).collect::<Vec<usize>>() }]);
     }
     if !textures.is_empty() {
+        // No mipmaps: they would mix what lies side by side in a picture. Light varies slowly enough to do without.
         let sampler = json!({
             "magFilter": LINEAR, "minFilter": LINEAR, "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE
         });

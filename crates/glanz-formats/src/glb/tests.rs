@@ -13,7 +13,19 @@ fn model() -> Model {
         Node { name: "a \"wall\"".into(), parts: vec![part, dark] },
         Node { name: "nothing".into(), parts: vec![Part::default()] },
     ];
-    Model { pictures: vec![b"not really a picture".to_vec()], nodes }
+    Model { pictures: vec![b"not really a picture".to_vec()], nodes, camera: None }
+}
+
+fn camera() -> Camera {
+    let projection = Projection::Perspective { field_of_view: 0.75, aspect: 1.5 };
+    let half = 0.5_f32.sqrt();
+    Camera {
+        name: "camera".into(),
+        projection,
+        range: [0.125, 100.0],
+        position: [1.0, 2.0, 3.0],
+        rotation: [0.0, half, 0.0, half],
+    }
 }
 
 /// The parts of a file: its JSON and its bytes.
@@ -43,6 +55,8 @@ fn what_is_written_can_be_read_by_the_rules_of_the_format() {
     assert_eq!(document["buffers"][0]["byteLength"].as_u64().unwrap() as usize, bytes.len());
     let primitives = document["meshes"][0]["primitives"].as_array().unwrap();
     assert_eq!((&primitives[0]["material"], &primitives[1]["material"]), (&json!(1), &json!(0)));
+    let has_place = |number: usize| primitives[number]["attributes"]["TEXCOORD_1"].is_number();
+    assert!(has_place(0) && !has_place(1));
     let lit = &document["materials"][1];
     assert_eq!(lit["pbrMetallicRoughness"]["baseColorTexture"], json!({ "index": 0, "texCoord": 1 }));
     assert!(lit["extensions"]["KHR_materials_unlit"].is_object());
@@ -65,6 +79,28 @@ fn what_is_written_can_be_read_by_the_rules_of_the_format() {
 }
 
 #[test]
+fn a_camera_is_a_node_of_the_scene() {
+    for projection in [camera().projection, Projection::Orthographic([4.0, 3.0])] {
+        let seen = Model { camera: Some(Camera { projection, ..camera() }), ..model() };
+        let (document, _) = read(&write(&seen).unwrap());
+        assert_eq!(document["scenes"][0]["nodes"], json!([0, 1]));
+        let node = &document["nodes"][1];
+        assert_eq!((&node["camera"], &node["translation"]), (&json!(0), &json!([1.0, 2.0, 3.0])));
+        let camera = &document["cameras"][0];
+        let kind = camera["type"].as_str().unwrap();
+        let expected = match projection {
+            Projection::Perspective { .. } => {
+                json!({ "yfov": 0.75, "aspectRatio": 1.5, "znear": 0.125, "zfar": 100.0 })
+            }
+            Projection::Orthographic(_) => json!({ "xmag": 4.0, "ymag": 3.0, "znear": 0.125, "zfar": 100.0 }),
+        };
+        assert_eq!(camera[kind], expected);
+    }
+    let (document, _) = read(&write(&model()).unwrap());
+    assert!(document["cameras"].is_null());
+}
+
+#[test]
 fn an_empty_model_has_no_empty_lists() {
     let (document, bytes) = read(&write(&Model::default()).unwrap());
     assert!(bytes.is_empty());
@@ -84,4 +120,16 @@ fn models_that_make_no_sense_are_refused() {
     let mut wrong = model();
     wrong.pictures.clear();
     assert_eq!(write(&wrong), Err(GlbError::Picture("a \"wall\"".into(), 0)));
+    let projection = Projection::Perspective { field_of_view: 3.2, aspect: 1.5 };
+    for camera in [
+        Camera { projection, ..camera() },
+        Camera { projection: Projection::Orthographic([0.0, 1.0]), ..camera() },
+        Camera { range: [0.0, 1.0], ..camera() },
+        Camera { range: [1.0, 1.0], ..camera() },
+        Camera { rotation: [0.0, 1.0, 0.0, 1.0], ..camera() },
+        Camera { position: [0.0, f32::NAN, 0.0], ..camera() },
+    ] {
+        let wrong = Model { camera: Some(camera), ..model() };
+        assert_eq!(write(&wrong), Err(GlbError::Camera("camera".into())));
+    }
 }

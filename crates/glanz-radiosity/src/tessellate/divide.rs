@@ -41,11 +41,7 @@ fn straight(mut count: u32, tolerance: f64, at: impl Fn(f64) -> Option<DVec3>) -
     let off = |count: u32, i: u32| {
         let place = |share: f64| at((f64::from(i) + share) / f64::from(count));
         let (Some(a), Some(b)) = (place(0.0), place(1.0)) else { return 0.0 };
-        let way = b - a;
-        let distance = |p: DVec3| {
-            let share = ((p - a).dot(way) / way.length_squared()).clamp(0.0, 1.0);
-            p.distance(if share.is_finite() { a + share * way } else { a })
-        };
+        let distance = |p: DVec3| to_segment(p, a, b);
         [0.25, 0.5, 0.75].into_iter().filter_map(place).map(distance).fold(0.0, f64::max)
     };
     while count < MOST && (0..count).any(|i| off(count, i) > tolerance) {
@@ -54,7 +50,7 @@ fn straight(mut count: u32, tolerance: f64, at: impl Fn(f64) -> Option<DVec3>) -
     count
 }
 
-/// Largest distance of the middle of a cell from the diagonals of its corners, over some of the cells.
+/// Largest distance of the middle of a cell from its two triangles, over some of the cells.
 fn bulge([columns, rows]: [u32; 2], at: &impl Fn(f64, f64) -> Option<DVec3>) -> f64 {
     let steps = [columns, rows].map(|n| (n / 16).max(1));
     let mut most = 0.0_f64;
@@ -63,11 +59,31 @@ fn bulge([columns, rows]: [u32; 2], at: &impl Fn(f64, f64) -> Option<DVec3>) -> 
             let place = |x: f64, y: f64| {
                 at((f64::from(i) + x) / f64::from(columns), (f64::from(j) + y) / f64::from(rows))
             };
-            // The diagonal that cells are cut along.
-            if let (Some(a), Some(b), Some(m)) = (place(0.0, 0.0), place(1.0, 1.0), place(0.5, 0.5)) {
-                most = most.max(m.distance(0.5 * (a + b)));
+            let corners = [place(0.0, 0.0), place(1.0, 0.0), place(1.0, 1.0), place(0.0, 1.0)];
+            if let ([Some(a), Some(b), Some(c), Some(d)], Some(middle)) = (corners, place(0.5, 0.5)) {
+                // As cells are cut: from b to d.
+                most = most.max(above(middle, [d, a, b]).min(above(middle, [b, c, d])));
             }
         }
     }
     most
+}
+
+/// Distance of a point from a triangle it lies above, or else from the triangle's third side.
+///
+/// Parameters need not run evenly: where the middle lies along the surface does not count.
+fn above(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    let normal = (b - a).cross(c - a);
+    let inside =
+        [[a, b], [b, c], [c, a]].into_iter().all(|[p, q]| (q - p).cross(point - p).dot(normal) >= 0.0);
+    match normal.try_normalize().filter(|_| inside) {
+        Some(normal) => normal.dot(point - a).abs(),
+        None => to_segment(point, c, a),
+    }
+}
+
+fn to_segment(point: DVec3, a: DVec3, b: DVec3) -> f64 {
+    let way = b - a;
+    let share = ((point - a).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+    point.distance(if share.is_finite() { a + share * way } else { a })
 }

@@ -145,3 +145,44 @@ fn no_triangle_leaves_a_gap_within_a_surface() {
         assert!(open.len() < edges.len() / 4);
     }
 }
+
+/// Distance of a point from a triangle by a fine grid of its points.
+fn by_grid(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    let n = 24;
+    let all = (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j)));
+    let at = |(i, j): (i32, i32)| {
+        a + (b - a) * (f64::from(i) / f64::from(n)) + (c - a) * (f64::from(j) / f64::from(n))
+    };
+    all.map(|step| point.distance(at(step))).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn uneven_parameters_cost_no_triangles_and_twisted_ones_get_enough() {
+    // A bowl, whose parameter runs with the height, so infinitely fast at its lowest point; and a twisted patch of straight lines.
+    let bowl = GeometryDescription::Paraboloid { radius: 0.15, z: [0.0, 0.075], phi_max: TAU };
+    let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(1.0, 1.0, 0.4)];
+    let twisted = GeometryDescription::Bilinear { positions, indices: vec![[0, 1, 2, 3]] };
+    let tolerance = 1e-3;
+    for shape in [bowl, twisted] {
+        let scene = scenes::scene(vec![(shape, 0.5, 0.0)]);
+        let surface = &scene.placed_surfaces()[0];
+        let [columns, rows] = divisions(surface, tolerance);
+        assert!(columns * rows <= 64 * 64, "{columns} {rows}");
+        let at = |u: f64, v: f64| {
+            let uv = DVec2::new(u / f64::from(columns), v / f64::from(rows));
+            surface.at(0, uv, false).unwrap().at.point.position
+        };
+        for (i, j) in (0..columns).step_by(3).flat_map(|i| (0..rows).map(move |j| (i, j))) {
+            let (u, v) = (f64::from(i), f64::from(j));
+            let [a, b, c, d] = [at(u, v), at(u + 1.0, v), at(u + 1.0, v + 1.0), at(u, v + 1.0)];
+            // The grid of points is off by less than its spacing; across the surface by the square of it.
+            let spacing = a.distance(c).max(b.distance(d)) / 24.0;
+            let allowed = tolerance.hypot(spacing);
+            for (x, y) in [(0.5, 0.5), (0.3, 0.4), (0.7, 0.8), (0.2, 0.9)] {
+                let point = at(u + x, v + y);
+                let off = by_grid(point, [d, a, b]).min(by_grid(point, [b, c, d]));
+                assert!(off <= allowed, "{i} {j}: {off} {allowed}");
+            }
+        }
+    }
+}

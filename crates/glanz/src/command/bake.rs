@@ -19,6 +19,7 @@ use crate::messages::{Failure, Messages};
 use crate::outputs;
 use crate::report::{self, duration, plural};
 use crate::scene_file::{Input, SceneFile};
+use crate::view;
 
 /// Distance of triangles from the surface: metres, and per the diagonal of the scene.
 const TOLERANCE: f64 = 0.001;
@@ -56,9 +57,15 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Endin
     outputs::check_writable(output)?;
     let mut file = SceneFile::read(&Input::File(&arguments.scene), arguments.strict, messages)?;
     let names = light_maps::names(&file.description);
-    let axes = Axes::of_camera(&file.description.camera.to_world);
+    let (camera, film) = (file.description.camera.clone(), file.description.film.clone());
+    let axes = Axes::of_camera(&camera.to_world);
     let scene = file.resolve(arguments.strict, messages)?;
     let start = Instant::now();
+    let camera = view::camera(&camera, &film, axes, &scene.bounds());
+    if camera.is_none() {
+        let what = "a camera whose picture is off the middle, slanted or mirrored is not in the model";
+        file.warn(what, messages);
+    }
     let diagonal = scene.bounds().diagonal().length();
     let elements = baking::elements(&scene, &mut file, messages)?;
     messages.note(&format!(
@@ -85,7 +92,8 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Endin
     });
     let tone = outputs::tone(arguments.exposure, arguments.tone);
     let surfaces = &elements.surfaces;
-    let making = Making { surfaces, maps: &maps, atlas: &atlas, names: &names, axes, tolerance, tone };
+    let making =
+        Making { surfaces, maps: &maps, atlas: &atlas, names: &names, axes, camera, tolerance, tone };
     let model = making.model().map_err(|error| Failure::new(format!("the model: {error}")))?;
     let bytes = glb::write(&model).map_err(|error| Failure::new(format!("{}: {error}", output.display())))?;
     let mut written = write_pages(&atlas, output, arguments.lightmap, &tone)?;

@@ -41,7 +41,17 @@ fn bake_writes_a_model_with_the_light_on_it_and_the_irradiance_beside() {
     let (document, bytes) = model(&folder.bytes("room.glb"));
     let nodes: Vec<&str> =
         document["nodes"].as_array().unwrap().iter().map(|node| node["name"].as_str().unwrap()).collect();
-    assert_eq!(nodes, ["sand 1", "sand 2", "shape 0"]);
+    assert_eq!(nodes, ["sand 1", "sand 2", "shape 0", "camera"]);
+    let close = |found: &serde_json::Value, expected: f64| {
+        let found = found.as_f64().unwrap();
+        assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+    };
+    // It stands at (0, -4, 2) with z up, which is y in the model; the picture is of 1280 x 720 pixels.
+    let camera = &document["cameras"][0]["perspective"];
+    close(&camera["yfov"], 45_f64.to_radians());
+    close(&camera["aspectRatio"], 16.0 / 9.0);
+    close(&document["nodes"][3]["translation"][1], 2.0);
+    close(&document["nodes"][3]["translation"][2], 4.0);
     // Both sides of the floor: one lit from above, the other black, as it is seen by nothing.
     let primitives = document["meshes"][0]["primitives"].as_array().unwrap();
     assert_eq!(primitives.len(), 2);
@@ -83,6 +93,11 @@ fn bake_says_what_it_takes_for_diffuse_and_what_it_leaves_out() {
     let folder = Folder::with_scene();
     let ran = folder.succeed("bake small.pbrt -o small.glb --texels-per-metre 1");
     assert!(ran.stderr.contains("2 materials are not diffuse"), "{}", ran.stderr);
+    assert!(!ran.stderr.contains("camera"), "{}", ran.stderr);
+    let shifted = ROOM.replace("\"float fov\" 45", "\"float screenwindow\" [-1 .5 -1 1]");
+    folder.write("room.pbrt", shifted);
+    let ran = folder.succeed("bake room.pbrt -o room.glb --texels-per-metre 1");
+    assert!(ran.stderr.contains("warning: a camera"), "{}", ran.stderr);
 }
 
 #[test]
