@@ -40,26 +40,31 @@ pub(crate) fn stored(
     messages: Messages,
     interrupt: &Interrupt,
 ) -> Result<Option<Arc<dyn StoredLight>>, Failure> {
-    let elements = elements(scene, file, messages)?;
-    let Some(maps) = baked(&elements, &BakeSettings::default(), messages, interrupt)? else {
+    let settings = BakeSettings::default();
+    let elements = elements(scene, settings.density, file, messages)?;
+    let Some(maps) = baked(&elements, &settings, messages, interrupt)? else {
         return Ok(None);
     };
     Ok(Some(Arc::new(Stored(LightMaps::new(&elements, maps)))))
 }
 
-/// The elements of a scene; says what is not as in a picture by path tracing.
+/// The elements of a scene for light maps of a density, texels per metre; says what is not as in a picture by path tracing.
 ///
 /// # Errors
 /// Why there are none.
 pub(crate) fn elements<'a>(
     scene: &'a Scene,
+    density: f64,
     file: &mut SceneFile,
     messages: Messages,
 ) -> Result<Elements<'a>, Failure> {
     let diagonal = scene.bounds().diagonal().length();
     let side = if diagonal > 0.0 { SIDE.min(SIDE_OF_SCENE * diagonal) } else { SIDE };
-    let elements = Elements::new(scene, &ElementSettings { side })
-        .map_err(|error| Failure::new(format!("the scene cannot be divided: {error}")))?;
+    let not_divided = |error| Failure::new(format!("the scene cannot be divided: {error}"));
+    let mut elements = Elements::new(scene, &ElementSettings { side }).map_err(not_divided)?;
+    if density.is_finite() {
+        elements.cut_at_walls(density).map_err(not_divided)?;
+    }
     let is_diffuse =
         |material: &&Material| matches!(material, Material::Diffuse { .. } | Material::Interface);
     let others = scene.materials().iter().filter(|material| !is_diffuse(material)).count();

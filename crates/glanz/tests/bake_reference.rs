@@ -73,7 +73,8 @@ fn light_maps_are_what_path_tracing_finds() {
     };
     let description = load(&file, &Options::default()).unwrap_or_else(|error| panic!("{error}")).description;
     let (scene, _) = Scene::resolve(description).unwrap();
-    let elements = Elements::new(&scene, &ElementSettings { side: 0.3 }).unwrap();
+    let mut elements = Elements::new(&scene, &ElementSettings { side: 0.3 }).unwrap();
+    elements.cut_at_walls(settings.density).unwrap();
     let start = std::time::Instant::now();
     let maps = bake(&elements, None, &settings, &mut |_, _| true).unwrap();
     let texels: usize = maps.iter().map(|map| map.irradiance.len()).sum();

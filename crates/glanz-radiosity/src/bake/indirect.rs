@@ -9,9 +9,7 @@ use rayon::prelude::*;
 use super::direct::{self, DirectMap, luminance};
 use super::gather::{Gather, Gathered};
 use super::{BakeError, Spot, Stage};
-
-/// Side of the largest blocks, texels; a power of two.
-const BLOCK: u32 = 8;
+use crate::charts::BLOCK;
 
 /// Largest side of a block per the distance of what is around, which bounds the change within it (@ward1988).
 const NEAR: f64 = 0.25;

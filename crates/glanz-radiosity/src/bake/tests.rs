@@ -13,8 +13,13 @@ use crate::solve::{GaussSeidel, gauss_seidel};
 const COARSE: BakeSettings = BakeSettings { density: 6.0, rays: 256, shadow_rays: 256 };
 
 fn baked(scene: &Scene, side: f64, settings: &BakeSettings) -> Vec<LightMap> {
-    let elements = Elements::new(scene, &ElementSettings { side }).unwrap();
-    bake(&elements, None, settings, &mut |_, _| true).unwrap()
+    bake(&divided(scene, side, settings), None, settings, &mut |_, _| true).unwrap()
+}
+
+fn divided<'a>(scene: &'a Scene, side: f64, settings: &BakeSettings) -> Elements<'a> {
+    let mut elements = Elements::new(scene, &ElementSettings { side }).unwrap();
+    elements.cut_at_walls(settings.density).unwrap();
+    elements
 }
 
 /// Positions and irradiance of all texels of maps that are lit.
@@ -108,6 +113,79 @@ fn no_light_comes_through_a_wall() {
     assert!(lit > 500);
     // Of twelve walls and the lamp six and the lamp are lit on one side.
     assert_eq!(maps.iter().filter(|map| !map.is_dark()).count(), 8);
+}
+
+/// A room of 4 m x 2 m x 2 m in six pieces with a lamp, and a wall of 1 cm on its floor from (`x`, 0) towards (`end`, 2), of which
+/// a share `length` is built.
+fn parted_room(x: f64, end: f64, length: f64) -> Scene {
+    let mut shapes: Vec<_> = walls(DVec3::new(4.0, 2.0, 2.0)).into_iter().map(|w| (w, 0.7, 0.0)).collect();
+    let way = DVec3::new(end - x, 2.0, 0.0);
+    let across = 0.01 * DVec3::new(way.y, -way.x, 0.0).normalize();
+    // It begins a little outside, so that no slanted one leaves a gap.
+    let (u, v) = ((length + 0.02) * way, DVec3::Z * 2.0);
+    let from = DVec3::X * x - 0.01 * way;
+    shapes.push((parallelogram(from, v, u), 0.7, 0.0));
+    shapes.push((parallelogram(from + across, u, v), 0.7, 0.0));
+    if length < 1.0 {
+        shapes.push((parallelogram(from + u, v, across), 0.7, 0.0));
+    }
+    shapes.push((parallelogram(DVec3::new(0.5, 0.5, 1.9), DVec3::Y, DVec3::X), 0.0, 1.0));
+    scene(shapes)
+}
+
+#[test]
+fn no_light_comes_beneath_a_thin_wall_on_a_floor_in_one_piece() {
+    for (x, end) in [(2.1, 2.1), (1.9, 2.4)] {
+        let scene = parted_room(x, end, 1.0);
+        let elements = divided(&scene, 0.5, &COARSE);
+        let maps = LightMaps::new(&elements, bake(&elements, None, &COARSE, &mut |_, _| true).unwrap());
+        let (mut dark, mut lit) = (0, 0);
+        for (surface, i) in (0..6).flat_map(|surface| (0..400).map(move |i| (surface, i))) {
+            let uv = DVec2::new(f64::from(i % 20) + 0.5, f64::from(i / 20) + 0.5) / 20.0;
+            // One of the two sides is outside.
+            for back in [false, true] {
+                let at = elements.surfaces[surface].at(0, uv, back).unwrap().at;
+                let p = at.point.position + 1e-6 * at.wo;
+                if p.cmplt(DVec3::ZERO).any() || p.cmpgt(DVec3::new(4.0, 2.0, 2.0)).any() {
+                    continue;
+                }
+                let place = Place { surface: surface as u32, face: 0, uv, back };
+                let light = maps.irradiance(&place).unwrap().luminance(&Wavelengths::default());
+                let beyond = (p.x - (x + (end - x) * p.y / 2.0)) / (1.0 + (0.5 * (end - x)).powi(2)).sqrt();
+                if beyond > 0.01 {
+                    assert!(light == 0.0, "{p} {light}");
+                    dark += 1;
+                } else if beyond < 0.0 {
+                    assert!(light > 0.005, "{p} {light}");
+                    lit += 1;
+                }
+            }
+        }
+        assert!(dark > 700 && lit > 700, "{dark} {lit}");
+    }
+}
+
+#[test]
+fn parts_of_a_chart_agree_where_the_wall_has_ended() {
+    let scene = parted_room(2.1, 2.1, 0.59);
+    let settings = BakeSettings { density: 20.0, ..COARSE };
+    let elements = divided(&scene, 0.5, &settings);
+    let maps = LightMaps::new(&elements, bake(&elements, None, &settings, &mut |_, _| true).unwrap());
+    assert_eq!(maps.as_slice().iter().filter(|map| map.chart.surface == 4 && !map.is_dark()).count(), 2);
+    let light = |x: f64, y: f64| {
+        // The floor is over y and x.
+        let uv = DVec2::new(x / 4.0, y / 2.0);
+        let back = elements.surfaces[4].at(0, uv, false).unwrap().at.wo.z < 0.0;
+        let place = Place { surface: 4, face: 0, uv, back };
+        maps.irradiance(&place).unwrap().luminance(&Wavelengths::default())
+    };
+    for i in 0..70 {
+        let y = 1.27 + 0.01 * f64::from(i);
+        let (left, right) = (light(2.105 - 1e-7, y), light(2.105 + 1e-7, y));
+        assert!((left - right).abs() < 0.002 * left, "{y}: {left} {right}");
+    }
+    // Along the wall they do not.
+    assert!(light(2.09, 0.8) > 2.0 * light(2.12, 0.8), "{} {}", light(2.09, 0.8), light(2.12, 0.8));
 }
 
 #[test]

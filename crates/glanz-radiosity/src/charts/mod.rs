@@ -2,27 +2,36 @@
 //!
 //! A face over a square of parameters is a chart of its own; flat faces that hang together and lie nearly in a plane share one. Both
 //! sides of a surface have charts. The outermost texels of a chart have their middles on its border, so that charts that meet in an
-//! edge keep light for the very same points there, and bilinear filtering never leaves a chart.
+//! edge keep light for the very same points there, and bilinear filtering never leaves a chart. Flat charts are parted where thin walls
+//! stand on them.
 
 use std::sync::Arc;
 
 use glanz_geometry::FaceDomain;
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::{Place, PlacedSurface};
+use rayon::prelude::*;
 
 mod flat;
 mod group;
 mod pack;
+mod parts;
 #[cfg(test)]
 mod tests;
+mod wall;
 
 pub use flat::{Flat, FlatTriangle};
 pub use pack::{Packed, Slot, pack};
+pub(crate) use parts::left_of;
+
+/// Side of the largest blocks of texels between whose corners light is interpolated; a power of two.
+pub(crate) const BLOCK: u32 = 8;
 
 /// Texels along a side of a chart at most; larger ones keep less than was asked for.
 const LONGEST: f64 = 4096.0;
 
-/// Distance from the border within which a place is moved inwards, in texels: on an edge of two walls it is not decided what is seen.
+/// Distance from the border within which a place is moved inwards, in texels, and from a thin wall within which it counts as behind it: on an
+/// edge of two walls it is not decided what is seen.
 const INWARDS: f64 = 1e-3;
 
 /// Places per side at which the stretch of a face is looked at, and those at which a trimmed one is looked for.
@@ -51,6 +60,9 @@ pub struct Chart {
     pub sheet: Arc<Sheet>,
     /// The part of the sheet.
     pub window: [DVec2; 2],
+    /// Thin walls on the sheet that bound what is shown: it is to the left of their lines. The two charts on both sides of a wall overlap by
+    /// some texels, but for those that lie behind the wall.
+    pub walls: Vec<[DVec2; 2]>,
     /// Texels, at least 2 each.
     pub size: [u32; 2],
     /// Whether there are fewer texels than were asked for.
@@ -96,15 +108,28 @@ impl Chart {
         }
     }
 
-    /// The place in texels with these parameters; `None` outside of the chart.
+    /// The place in texels with these parameters; `None` outside of what the chart shows.
     #[must_use]
     pub fn to_texel(&self, face: u32, uv: DVec2) -> Option<DVec2> {
         let point = self.on_sheet(face, uv)?;
+        let is_beyond = |[from, to]: &[DVec2; 2]| {
+            let way = *to - *from;
+            way.perp_dot(point - *from) < -1e-12 * way.length()
+        };
+        if self.walls.iter().any(is_beyond) {
+            return None;
+        }
         let [min, max] = self.window;
         let share = (point - min) / (max - min);
         let slack = DVec2::splat(1e-9);
         let inside = share.cmpge(-slack).all() && share.cmple(DVec2::ONE + slack).all();
         inside.then_some(share.clamp(DVec2::ZERO, DVec2::ONE) * self.last())
+    }
+
+    /// What it shows of a polygon of the sheet, which is convex where a wall crosses it.
+    #[must_use]
+    pub fn shown(&self, polygon: &[DVec2]) -> Vec<DVec2> {
+        self.walls.iter().fold(polygon.to_vec(), |left, &[from, to]| left_of(&left, from, to))
     }
 
     /// The faces that it shows.
@@ -138,11 +163,26 @@ impl Chart {
         places
     }
 
-    /// The place at a point in texels; `None` where there is no surface.
+    /// Whether a wall stands between a point of the sheet and what the chart shows.
+    fn is_behind_a_wall(&self, point: DVec2) -> bool {
+        let scale = self.last() / (self.window[1] - self.window[0]);
+        self.walls.iter().any(|&[from, to]| {
+            let (way, there) = (scale * (to - from), scale * (point - from));
+            // What lies right beneath a sheet is seen from either side.
+            way.perp_dot(there) <= INWARDS * way.length()
+                && (0.0..=way.length_squared()).contains(&way.dot(there))
+        })
+    }
+
+    /// The place at a point in texels; `None` where there is no surface, or one behind a wall.
     #[must_use]
     pub fn place(&self, surface: &PlacedSurface<'_>, texel: DVec2) -> Option<Place> {
         let inside = texel.clamp(DVec2::splat(INWARDS), self.last() - INWARDS);
-        let (face, uv) = self.parameters(self.to_sheet(inside))?;
+        let point = self.to_sheet(inside);
+        if self.is_behind_a_wall(point) {
+            return None;
+        }
+        let (face, uv) = self.parameters(point)?;
         if surface.is_trimmed() && surface.at(face, uv, self.back).is_none() {
             return None;
         }
@@ -174,12 +214,13 @@ const NEARBY: [[f64; 2]; 20] = [
     [-0.5, -0.95],
 ];
 
-/// Charts of all faces of `surfaces`, both sides one after the other, with at least `density` texels per metre everywhere.
+/// Charts of all faces of `surfaces`, parted by thin walls, with at least `density` texels per metre everywhere.
 #[must_use]
 pub fn charts(surfaces: &[PlacedSurface<'_>], density: f64) -> Vec<Chart> {
     let mut charts = Vec::new();
+    let faces = wall::faces(surfaces);
     for (number, surface) in (0..).zip(surfaces).filter(|(_, surface)| !surface.is_passable()) {
-        let mut flat = Vec::new();
+        let (mut flat, mut whole) = (Vec::new(), Vec::new());
         for face in 0..surface.faces() {
             match surface.face_domain(face) {
                 FaceDomain::Polygon(_) => flat.push(face),
@@ -187,7 +228,7 @@ pub fn charts(surfaces: &[PlacedSurface<'_>], density: f64) -> Vec<Chart> {
                     if let Some((window, stretch)) = stretch(surface, face) {
                         let sheet = Arc::new(Sheet::Square(face));
                         let shape = surface.shape(face);
-                        both(&mut charts, [number, shape], &sheet, window, stretch * density);
+                        both(&mut whole, [number, shape], &sheet, window, stretch * density);
                     }
                 }
             }
@@ -195,8 +236,16 @@ pub fn charts(surfaces: &[PlacedSurface<'_>], density: f64) -> Vec<Chart> {
         for group in group::groups(surface, &flat) {
             let (shape, size, shrink) = (surface.shape(group.faces()[0]), group.size(), group.shrink());
             let sheet = Arc::new(Sheet::Flat(group));
-            both(&mut charts, [number, shape], &sheet, [DVec2::ZERO, size], DVec2::splat(density / shrink));
+            both(&mut whole, [number, shape], &sheet, [DVec2::ZERO, size], DVec2::splat(density / shrink));
         }
+        let parted: Vec<Vec<Chart>> = whole
+            .into_par_iter()
+            .map(|chart| {
+                let walls = wall::walls(surface, &chart, &faces);
+                parts::parted(chart, &walls)
+            })
+            .collect();
+        charts.extend(parted.into_iter().flatten());
     }
     charts
 }
@@ -214,7 +263,7 @@ fn both(
     let size = wanted.clamp(DVec2::splat(2.0), DVec2::splat(LONGEST)).to_array().map(|n| n as u32);
     for back in [false, true] {
         let sheet = Arc::clone(sheet);
-        charts.push(Chart { surface, shape, back, sheet, window, size, is_coarse });
+        charts.push(Chart { surface, shape, back, sheet, window, walls: Vec::new(), size, is_coarse });
     }
 }
 

@@ -139,3 +139,76 @@ fn both_sides_of_a_room_have_charts() {
     assert_eq!(charts.len(), 12);
     assert_eq!(charts.iter().filter(|chart| chart.back).count(), 6);
 }
+
+/// A floor of 4 m x 3 m with walls of 1 cm on it: a box, a slanted sheet in two triangles, and a box that is too thick to part texels.
+fn walls_on_a_floor() -> Scene {
+    let floor = parallelogram(DVec3::ZERO, DVec3::X * 4.0, DVec3::Y * 3.0);
+    let thin =
+        GeometryDescription::Cuboid { min: DVec3::new(1.5, 0.0, 0.0), max: DVec3::new(1.51, 2.0, 2.0) };
+    let thick =
+        GeometryDescription::Cuboid { min: DVec3::new(3.0, 2.0, 0.0), max: DVec3::new(4.0, 3.0, 2.0) };
+    let corners = [DVec3::new(2.0, 0.5, 0.0), DVec3::new(3.4, 1.9, 0.0)];
+    let sheet = GeometryDescription::Triangles {
+        positions: vec![corners[0], corners[1], corners[1] + DVec3::Z, corners[0] + DVec3::Z],
+        indices: vec![[0, 1, 2], [0, 2, 3]],
+        normals: None,
+        uvs: None,
+    };
+    scene([floor, thin, thick, sheet].map(|shape| (shape, 0.5, 0.0)).into())
+}
+
+#[test]
+fn thin_walls_part_the_charts_that_they_stand_on() {
+    let scene = walls_on_a_floor();
+    let surfaces = scene.placed_surfaces();
+    let all = charts(&surfaces, 10.0);
+    let floor: Vec<&Chart> = all.iter().filter(|chart| chart.surface == 0).collect();
+    let sides = |back: bool| floor.iter().filter(|chart| chart.back == back).count();
+    // The line of the sheet reaches the first wall only where it is not built.
+    assert_eq!((sides(false), sides(true)), (3, 1));
+    // Whichever chart a place is on, no texel that filtering mixes lies behind a wall.
+    let separated = |a: DVec3, b: DVec3| {
+        let crosses = |p: DVec2, q: DVec2| {
+            let turn = |a: DVec2, b: DVec2, c: DVec2| (b - a).perp_dot(c - a);
+            let (a, b) = (a.truncate(), b.truncate());
+            turn(p, q, a) * turn(p, q, b) < 0.0 && turn(a, b, p) * turn(a, b, q) < 0.0
+        };
+        crosses(DVec2::new(1.505, 0.0), DVec2::new(1.505, 2.0))
+            || crosses(DVec2::new(2.0, 0.5), DVec2::new(3.4, 1.9))
+    };
+    for i in 0..10_000 {
+        let uv = DVec2::new(f64::from(i % 100) + 0.47, f64::from(i / 100) + 0.52) / 100.0;
+        let own: Vec<(&&Chart, DVec2)> = floor
+            .iter()
+            .filter(|chart| !chart.back)
+            .filter_map(|chart| Some((chart, chart.to_texel(0, uv)?)))
+            .collect();
+        let [(chart, texel)] = own[..] else { panic!("{uv}: {}", own.len()) };
+        let here = place_of(chart, &surfaces[0], texel).unwrap();
+        for corner in [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE] {
+            if let Some(there) = place_of(chart, &surfaces[0], texel.floor() + corner) {
+                assert!(!separated(here, there), "{here} {there}");
+            }
+        }
+    }
+}
+
+#[test]
+fn parts_of_a_chart_cover_it_once() {
+    let scene = walls_on_a_floor();
+    let surfaces = scene.placed_surfaces();
+    let mut area = 0.0;
+    for chart in charts(&surfaces, 10.0).iter().filter(|chart| chart.surface == 0 && !chart.back) {
+        let made = crate::tessellate::tessellate(&surfaces[0], chart, [1, 1], 1e-3);
+        for [a, b, c] in made.indices {
+            let [p, q, r] = [a, b, c].map(|i| made.positions[i as usize]);
+            area += 0.5 * (q - p).cross(r - p).z;
+            for i in [a, b, c] {
+                let found = place_of(chart, &surfaces[0], made.texels[i as usize]);
+                // Corners lie on the walls, or where there is none.
+                assert!(found.is_none_or(|found| found.distance(made.positions[i as usize]) < 1e-3));
+            }
+        }
+    }
+    assert!((area - 12.0).abs() < 1e-9, "{area}");
+}

@@ -10,6 +10,7 @@ use glanz_scene::{PlacedSurface, Scene};
 
 mod part;
 mod quadtree;
+mod walls;
 
 pub use part::Part;
 pub use quadtree::{Leaf, Quadtree, QuadtreeSettings};

@@ -44,9 +44,18 @@ pub fn tessellate(
     match &*chart.sheet {
         Sheet::Flat(flat) if !surface.is_trimmed() => {
             for triangle in flat.triangles() {
-                // Corners by their own parameters: neighbours may have other normals there.
-                let corners = triangle.parameters.map(|uv| maker.vertex(triangle.face, uv));
-                maker.triangle(corners);
+                if chart.walls.is_empty() {
+                    // Corners by their own parameters: neighbours may have other normals there.
+                    let corners = triangle.parameters.map(|uv| maker.vertex(triangle.face, uv));
+                    maker.triangle(corners);
+                } else {
+                    let polygon = chart.shown(&triangle.corners);
+                    let vertices: Vec<Option<u32>> = polygon
+                        .iter()
+                        .map(|&point| maker.vertex(triangle.face, triangle.at(point)))
+                        .collect();
+                    maker.polygon(&polygon, &vertices);
+                }
             }
         }
         _ => maker.grid(divisions, tolerance),
@@ -96,6 +105,13 @@ impl Maker<'_> {
         self.made.indices.push(if normal.dot(side) < 0.0 { [a, c, b] } else { [a, b, c] });
     }
 
+    /// Adds a polygon of the sheet.
+    fn polygon(&mut self, polygon: &[DVec2], vertices: &[Option<u32>]) {
+        for [a, b, c] in cut::triangles(polygon) {
+            self.triangle([vertices[a], vertices[b], vertices[c]]);
+        }
+    }
+
     /// Triangles over a grid of the sheet.
     fn grid(&mut self, [columns, rows]: [u32; 2], tolerance: f64) {
         let size = match &*self.chart.sheet {
@@ -123,13 +139,12 @@ impl Maker<'_> {
             let corners = cell.map(|[i, j]| at(i, j));
             let flags = cell.map(|[i, j]| kept(i, j));
             for polygon in cut::cut(corners, flags, &is_kept, &position, tolerance) {
+                let polygon = if chart.walls.is_empty() { polygon } else { chart.shown(&polygon) };
                 let vertices: Vec<Option<u32>> = polygon
                     .iter()
                     .map(|&point| chart.parameters(point).and_then(|(face, uv)| self.vertex(face, uv)))
                     .collect();
-                for [a, b, c] in cut::triangles(&polygon) {
-                    self.triangle([vertices[a], vertices[b], vertices[c]]);
-                }
+                self.polygon(&polygon, &vertices);
             }
         }
     }

@@ -67,7 +67,7 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Endin
         file.warn(what, messages);
     }
     let diagonal = scene.bounds().diagonal().length();
-    let elements = baking::elements(&scene, &mut file, messages)?;
+    let elements = baking::elements(&scene, arguments.texels_per_metre, &mut file, messages)?;
     messages.note(&format!(
         "baking {}: {} texels per metre, {}",
         arguments.scene.display(),

@@ -15,7 +15,9 @@
 //! link's by its error per area at most, if the ranges hold. They do for flat elements and clusters of them that are near for their
 //! size, as spheres and cones bound those; for elements farther apart they are ranges over corners and middles, and of visibility only
 //! rays are known: few that agree leave a rest of doubt, and those that disagree leave all of it. An element that reaches behind a thin
-//! wall has one radiosity on both of its sides: what leaks so goes down with the smallest side.
+//! wall has one radiosity on both of its sides: what leaks so goes down with the smallest side, or is next to nothing if the start elements end at the
+//! wall ([`Elements::cut_at_walls`]). Surfaces that lie in one another, as the bottom of a box on a floor, both count where the box is
+//! seen from inside.
 
 use glanz_light::Spectrum;
 

@@ -1,0 +1,276 @@
+//! Where thin walls stand on flat charts.
+//!
+//! A texel beside a wall that is thinner than texels are wide reaches to the other side of it, and bilinear filtering mixes the light of
+//! both. So charts are parted along the middles of such walls (`part`), under which the borders of the parts are not seen.
+
+use glanz_geometry::{FaceDomain, Surface};
+use glanz_math::{Bounds3, DVec2, DVec3};
+use glanz_scene::PlacedSurface;
+
+use super::{Chart, Sheet};
+
+/// Height above a chart at which walls are looked for, texels: what stands less high above it or begins higher is none.
+const HEIGHT: f64 = 0.02;
+
+/// Thickness up to which a wall parts a chart, texels: behind thicker ones lie texels of their own.
+const THIN: f64 = 2.0;
+
+/// Length from which a wall parts a chart, texels.
+const LONG: f64 = 8.0;
+
+/// Largest sine of the angle of sides of a wall that count as parallel.
+const PARALLEL: f64 = 0.02;
+
+/// Distance up to which lines are one, texels.
+const SAME: f64 = 0.05;
+
+/// Lines on a chart that are looked at, the longest.
+const LINES: usize = 1024;
+
+/// How far flat is, per the size.
+const FLAT: f64 = 1e-7;
+
+/// A flat face in the world.
+#[derive(Clone, Debug)]
+pub(super) struct Face {
+    corners: Vec<DVec3>,
+    bounds: Bounds3,
+    /// Whether it is a side of something that is closed.
+    is_closed: bool,
+}
+
+/// A line on a chart where a face comes out of it, in texels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Line {
+    ends: [DVec2; 2],
+    is_closed: bool,
+}
+
+/// A flat chart in space.
+struct Plane {
+    origin: DVec3,
+    /// To the side of the chart.
+    normal: DVec3,
+    /// What texel coordinates grow by along one and the other.
+    axes: [DVec3; 2],
+    first: DVec2,
+    bounds: Bounds3,
+    /// Metres.
+    texel: f64,
+}
+
+/// All flat faces that trimming does not cut.
+pub(super) fn faces(surfaces: &[PlacedSurface<'_>]) -> Vec<Face> {
+    let mut faces = Vec::new();
+    for surface in surfaces.iter().filter(|surface| !surface.is_passable() && !surface.is_trimmed()) {
+        let is_closed = matches!(surface.surface(), Surface::Cuboid(_) | Surface::Polyhedron(_));
+        for face in 0..surface.faces() {
+            let parameters = match surface.face_domain(face) {
+                FaceDomain::Square => vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y],
+                FaceDomain::Polygon(corners) => corners,
+            };
+            let position = |uv| surface.at(face, uv, false).map(|at| at.at.point.position);
+            let Some(corners) = parameters.iter().map(|&uv| position(uv)).collect::<Option<Vec<DVec3>>>()
+            else {
+                continue;
+            };
+            let is_straight = |i: usize| {
+                let next = (i + 1) % corners.len();
+                let middle = corners[i].midpoint(corners[next]);
+                position(parameters[i].midpoint(parameters[next]))
+                    .is_some_and(|p| is_near(p, middle, &corners))
+            };
+            let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+            let inside = position(parameters.iter().sum::<DVec2>() / parameters.len() as f64);
+            let normal = (1..corners.len() - 1)
+                .map(|i| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]))
+                .sum::<DVec3>()
+                .normalize_or_zero();
+            let lies = |p: DVec3| is_near(p, p - normal * (p - middle).dot(normal), &corners);
+            let is_flat = normal != DVec3::ZERO
+                && corners.iter().copied().chain(inside).all(lies)
+                && (0..corners.len()).all(is_straight);
+            if is_flat {
+                faces.push(Face { bounds: Bounds3::of_points(corners.iter().copied()), corners, is_closed });
+            }
+        }
+    }
+    faces
+}
+
+fn is_near(a: DVec3, b: DVec3, corners: &[DVec3]) -> bool {
+    let size = corners.iter().map(|corner| corner.distance(corners[0])).fold(0.0, f64::max);
+    a.distance(b) <= FLAT * size
+}
+
+/// Middles of the thin walls on a chart, in its texels, the longest first; none on one that is not flat.
+pub(super) fn walls(surface: &PlacedSurface<'_>, chart: &Chart, faces: &[Face]) -> Vec<[DVec2; 2]> {
+    if f64::from(chart.size[0].max(chart.size[1])) < LONG {
+        return Vec::new();
+    }
+    let Some(plane) = Plane::of(surface, chart) else { return Vec::new() };
+    let near = faces.iter().filter(|face| meets(&face.bounds, &plane.bounds));
+    let mut lines: Vec<Line> = near.filter_map(|face| plane.line(face)).collect();
+    sort(&mut lines);
+    lines.truncate(LINES);
+    let lines = joined(lines);
+    let mut middles: Vec<Line> = Vec::new();
+    for (i, line) in lines.iter().enumerate() {
+        match opposite(&lines, i) {
+            // Each pair once.
+            Some((other, middle))
+                if i < other || opposite(&lines, other).is_none_or(|(back, _)| back != i) =>
+            {
+                middles.push(Line { ends: middle, ..*line });
+            }
+            None if !line.is_closed => middles.push(*line),
+            _ => {}
+        }
+    }
+    middles.retain(|line| line.length() >= LONG);
+    sort(&mut middles);
+    middles.into_iter().map(|line| line.ends).collect()
+}
+
+fn meets(a: &Bounds3, b: &Bounds3) -> bool {
+    a.min.cmple(b.max).all() && b.min.cmple(a.max).all()
+}
+
+/// The longest first.
+fn sort(lines: &mut [Line]) {
+    let key = |line: &Line| [-line.length(), line.ends[0].x, line.ends[0].y, line.ends[1].x, line.ends[1].y];
+    lines.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
+}
+
+/// Lines that go on in one another made one.
+fn joined(lines: Vec<Line>) -> Vec<Line> {
+    let mut left: Vec<Line> = Vec::new();
+    for mut line in lines {
+        // Each that it is joined with may let it reach others.
+        while let Some(i) = left.iter().position(|other| other.goes_on_in(&line)) {
+            line = left.swap_remove(i).with(&line);
+        }
+        left.push(line);
+    }
+    sort(&mut left);
+    left
+}
+
+/// The nearest line that runs beside one for at least half of the shorter, and the middle between both.
+fn opposite(lines: &[Line], number: usize) -> Option<(usize, [DVec2; 2])> {
+    let line = lines[number];
+    let (from, way) = (line.ends[0], line.way());
+    let beside = |(i, other): (usize, &Line)| {
+        if i == number || way.perp_dot(other.way()).abs() > PARALLEL {
+            return None;
+        }
+        let offset = way.perp_dot(other.ends[0].midpoint(other.ends[1]) - from);
+        let ends = other.ends.map(|end| way.dot(end - from));
+        let (low, high) = (ends[0].min(ends[1]).max(0.0), ends[0].max(ends[1]).min(line.length()));
+        let is_beside = offset.abs() > SAME && offset.abs() <= THIN;
+        (is_beside && high - low >= 0.5 * line.length().min(other.length())).then_some((i, offset, low, high))
+    };
+    let nearest =
+        lines.iter().enumerate().filter_map(beside).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    let (i, offset, low, high) = nearest;
+    Some((i, [low, high].map(|along| from + along * way + 0.5 * offset * way.perp())))
+}
+
+impl Line {
+    fn length(&self) -> f64 {
+        self.ends[0].distance(self.ends[1])
+    }
+
+    fn way(&self) -> DVec2 {
+        (self.ends[1] - self.ends[0]).normalize_or_zero()
+    }
+
+    fn goes_on_in(&self, other: &Self) -> bool {
+        let (long, short) = if self.length() >= other.length() { (self, other) } else { (other, self) };
+        let (from, way) = (long.ends[0], long.way());
+        let along = short.ends.map(|end| way.dot(end - from));
+        let is_on = short.ends.iter().all(|&end| way.perp_dot(end - from).abs() <= SAME);
+        is_on && along[0].max(along[1]) >= -SAME && along[0].min(along[1]) <= long.length() + SAME
+    }
+
+    /// The line over both.
+    fn with(&self, other: &Self) -> Self {
+        let long = if self.length() >= other.length() { self } else { other };
+        let (from, way) = (long.ends[0], long.way());
+        let along = || self.ends.iter().chain(&other.ends).map(|&end| way.dot(end - from));
+        let ends = [along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max)];
+        Self { ends: ends.map(|t| from + t * way), is_closed: self.is_closed && other.is_closed }
+    }
+}
+
+impl Plane {
+    fn of(surface: &PlacedSurface<'_>, chart: &Chart) -> Option<Self> {
+        let at = |face, uv| surface.at(face, uv, chart.back).map(|at| at.at);
+        // Points of the sheet with their places.
+        let mut points = Vec::new();
+        match &*chart.sheet {
+            Sheet::Square(face) => {
+                for uv in [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE, DVec2::splat(0.5)] {
+                    points.push((uv, at(*face, uv)?));
+                }
+            }
+            Sheet::Flat(flat) => {
+                for triangle in flat.triangles() {
+                    for (corner, uv) in triangle.corners.into_iter().zip(triangle.parameters) {
+                        points.push((corner, at(triangle.face, uv)?));
+                    }
+                }
+            }
+        }
+        let scale = chart.last() / (chart.window[1] - chart.window[0]);
+        let texel = |sheet: DVec2| (sheet - chart.window[0]) * scale;
+        let [(a, p), (b, q), (c, r)] = [0, 1, 2]
+            .map(|i| points.get(i).map(|(s, at)| (texel(*s), at.point.position)))
+            .into_iter()
+            .collect::<Option<Vec<_>>>()?
+            .try_into()
+            .ok()?;
+        let (u, v) = (q - p, r - p);
+        let normal = u.cross(v).try_normalize()?;
+        let side = points[0].1.wo.dot(normal).signum();
+        // Dual to u and v: what lies in the plane is s u + t v.
+        let square = u.cross(v).length_squared();
+        let (s, t) = (v.cross(u.cross(v)) / square, u.cross(v).cross(u) / square);
+        let axes = [0, 1].map(|axis| (b - a)[axis] * s + (c - a)[axis] * t);
+        let wide = 1.0 / axes[0].length().max(axes[1].length());
+        let mut plane = Self {
+            origin: p,
+            normal: side * normal,
+            axes,
+            first: a,
+            bounds: Bounds3::of_points(points.iter().map(|(_, at)| at.point.position)),
+            texel: wide,
+        };
+        let is_flat = points.iter().all(|(sheet, at)| {
+            let off = (at.point.position - p).dot(plane.normal).abs();
+            off <= 0.5 * HEIGHT * wide && plane.texel(at.point.position).distance(texel(*sheet)) <= SAME
+        });
+        plane.bounds = plane.bounds.expanded(wide);
+        is_flat.then_some(plane)
+    }
+
+    fn texel(&self, point: DVec3) -> DVec2 {
+        let way = point - self.origin;
+        self.first + DVec2::new(self.axes[0].dot(way), self.axes[1].dot(way))
+    }
+
+    /// Where a face comes out of the plane.
+    fn line(&self, face: &Face) -> Option<Line> {
+        let height = |corner: DVec3| (corner - self.origin).dot(self.normal) / self.texel - HEIGHT;
+        let mut ends = Vec::with_capacity(2);
+        for (&a, &b) in face.corners.iter().zip(face.corners.iter().cycle().skip(1)) {
+            let (low, high) = (height(a), height(b));
+            if (low < 0.0) != (high < 0.0) {
+                ends.push(self.texel(a.lerp(b, low / (low - high))));
+            }
+        }
+        let highest = face.corners.iter().map(|&corner| height(corner)).fold(f64::NEG_INFINITY, f64::max);
+        let ends = <[DVec2; 2]>::try_from(ends).ok().filter(|_| highest > 0.5)?;
+        Some(Line { ends, is_closed: face.is_closed })
+    }
+}
