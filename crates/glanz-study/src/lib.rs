@@ -9,6 +9,7 @@
 //! - `guiding` renders rooms with and without densities that learn (document 003);
 //! - `newton` compares Newton's method with the certified search (document 000);
 //! - `reconstruction` interpolates light that is known per element (document 003);
+//! - `solvers` compares ways to solve for radiosity (document 003);
 //! - `tessellation` compares triangles with the surface they stand for (document 002).
 //!
 //! ```
@@ -30,7 +31,9 @@ mod newton;
 pub mod plot;
 mod reconstruction;
 pub mod report;
+mod rooms;
 mod sheet;
+mod solvers;
 mod study;
 pub mod table;
 mod tessellation;

@@ -14,7 +14,7 @@ use glanz_scene::SceneError;
 use glanz_transport::{FilmError, FilterError, IntegratorError, RenderError};
 
 use crate::report::Report;
-use crate::{densities, guiding, newton, reconstruction, tessellation};
+use crate::{densities, guiding, newton, reconstruction, solvers, tessellation};
 
 /// A question, and how it is answered.
 #[derive(Debug)]
@@ -47,6 +47,8 @@ pub enum StudyOption {
     Samples,
     /// [`Settings::references`].
     References,
+    /// [`Settings::elements`].
+    Elements,
     /// [`Settings::rounds`].
     Rounds,
     /// [`Settings::seconds`].
@@ -58,7 +60,7 @@ pub enum StudyOption {
 }
 
 /// All studies. A new one is a file and a line here.
-static STUDIES: [Study; 5] = [
+static STUDIES: [Study; 6] = [
     Study {
         name: "densities",
         description: "variance of integrals whose density learns from its own samples (document 003)",
@@ -96,6 +98,13 @@ static STUDIES: [Study; 5] = [
         options: &[StudyOption::Size],
         keeps: false,
         run: reconstruction::run,
+    },
+    Study {
+        name: "solvers",
+        description: "time, memory and errors of radiosity solvers over the number of elements (document 003)",
+        options: &[StudyOption::Rooms, StudyOption::Elements, StudyOption::Threads],
+        keeps: false,
+        run: solvers::run,
     },
     Study {
         name: "tessellation",
@@ -146,6 +155,8 @@ pub struct Settings<'a> {
     pub samples: Option<u32>,
     /// Samples per pixel of the pictures that others are measured against, at least 1.
     pub references: Option<u32>,
+    /// Elements of the finest solution by form factors of all pairs, at most; at least 1.
+    pub elements: Option<u32>,
     /// Runs of each kind, with seeds of their own; at least 1.
     pub rounds: Option<u32>,
     /// Time of each of the pictures that are shown side by side, seconds, above 0.
@@ -174,6 +185,7 @@ impl<'a> Settings<'a> {
             methods: None,
             samples: None,
             references: None,
+            elements: None,
             rounds: None,
             seconds: None,
             threads: None,

@@ -1,13 +1,13 @@
 //! Little-endian numbers in bytes, and the envelope around those of a file.
 
 /// Length of the checksum.
-pub(crate) const CRC_LENGTH: usize = 4;
+pub const CRC_LENGTH: usize = 4;
 /// Length of magic, version and length.
-pub(crate) const PREFIX_LENGTH: usize = 20;
+pub const PREFIX_LENGTH: usize = 20;
 
 /// Why bytes are not in the envelope of [`seal`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub(crate) enum EnvelopeError {
+pub enum EnvelopeError {
     /// Another magic.
     #[error("it is something else")]
     Foreign,
@@ -16,14 +16,24 @@ pub(crate) enum EnvelopeError {
     Version(u32),
     /// Shorter or longer than it says itself.
     #[error("it has {found} bytes, not {expected}")]
-    Length { expected: u64, found: u64 },
+    Length {
+        /// As it says itself.
+        expected: u64,
+        /// As it is.
+        found: u64,
+    },
     /// Another checksum than it says itself.
     #[error("its checksum is {found:08x}, not {expected:08x}")]
-    Checksum { expected: u32, found: u32 },
+    Checksum {
+        /// As it says itself.
+        expected: u32,
+        /// As it is.
+        found: u32,
+    },
 }
 
 /// Magic, version (4 bytes), length of all (8 bytes), what `content` appends, and the CRC-32 (IEEE) of all before it.
-pub(crate) fn seal(magic: &[u8; 8], version: u32, content: impl FnOnce(&mut Encoder)) -> Vec<u8> {
+pub fn seal(magic: &[u8; 8], version: u32, content: impl FnOnce(&mut Encoder)) -> Vec<u8> {
     let mut e = Encoder::default();
     e.0.extend_from_slice(magic);
     e.u32(version);
@@ -39,7 +49,7 @@ pub(crate) fn seal(magic: &[u8; 8], version: u32, content: impl FnOnce(&mut Enco
 }
 
 /// The content of what [`seal`] made.
-pub(crate) fn open<'a>(magic: &[u8; 8], wanted: u32, bytes: &'a [u8]) -> Result<&'a [u8], EnvelopeError> {
+pub fn open<'a>(magic: &[u8; 8], wanted: u32, bytes: &'a [u8]) -> Result<&'a [u8], EnvelopeError> {
     let mut d = Decoder(bytes);
     // A file cut within the magic is still recognised as cut, not foreign, unless nothing of it is left.
     let start = &magic[..magic.len().min(bytes.len())];
@@ -66,36 +76,42 @@ pub(crate) fn open<'a>(magic: &[u8; 8], wanted: u32, bytes: &'a [u8]) -> Result<
 }
 
 /// Appends to bytes.
-#[derive(Default)]
-pub(crate) struct Encoder(pub(crate) Vec<u8>);
+#[derive(Debug, Default)]
+pub struct Encoder(pub Vec<u8>);
 
 impl Encoder {
-    pub(crate) fn u8(&mut self, value: u8) {
+    /// A byte.
+    pub fn u8(&mut self, value: u8) {
         self.0.push(value);
     }
 
-    pub(crate) fn u16(&mut self, value: u16) {
+    /// Two bytes.
+    pub fn u16(&mut self, value: u16) {
         self.0.extend_from_slice(&value.to_le_bytes());
     }
 
-    pub(crate) fn u32(&mut self, value: u32) {
+    /// Four bytes.
+    pub fn u32(&mut self, value: u32) {
         self.0.extend_from_slice(&value.to_le_bytes());
     }
 
-    pub(crate) fn u64(&mut self, value: u64) {
+    /// Eight bytes.
+    pub fn u64(&mut self, value: u64) {
         self.0.extend_from_slice(&value.to_le_bytes());
     }
 
-    pub(crate) fn u128(&mut self, value: u128) {
+    /// Sixteen bytes.
+    pub fn u128(&mut self, value: u128) {
         self.0.extend_from_slice(&value.to_le_bytes());
     }
 
-    pub(crate) fn f64(&mut self, value: f64) {
+    /// The bits of a number.
+    pub fn f64(&mut self, value: f64) {
         self.u64(value.to_bits());
     }
 
     /// At most 255 bytes; longer text is cut.
-    pub(crate) fn text(&mut self, text: &str) {
+    pub fn text(&mut self, text: &str) {
         let bytes = &text.as_bytes()[..text.len().min(255)];
         self.0.push(bytes.len() as u8);
         self.0.extend_from_slice(bytes);
@@ -103,10 +119,12 @@ impl Encoder {
 }
 
 /// Takes from the front of bytes; `None` where they end too early.
-pub(crate) struct Decoder<'a>(pub(crate) &'a [u8]);
+#[derive(Debug)]
+pub struct Decoder<'a>(pub &'a [u8]);
 
 impl<'a> Decoder<'a> {
-    pub(crate) fn take(&mut self, count: usize) -> Option<&'a [u8]> {
+    /// So many bytes.
+    pub fn take(&mut self, count: usize) -> Option<&'a [u8]> {
         let (head, tail) = self.0.split_at_checked(count)?;
         self.0 = tail;
         Some(head)
@@ -118,31 +136,38 @@ impl<'a> Decoder<'a> {
         Some(*head)
     }
 
-    pub(crate) fn u8(&mut self) -> Option<u8> {
+    /// A byte.
+    pub fn u8(&mut self) -> Option<u8> {
         self.array().map(u8::from_le_bytes)
     }
 
-    pub(crate) fn u16(&mut self) -> Option<u16> {
+    /// Two bytes.
+    pub fn u16(&mut self) -> Option<u16> {
         self.array().map(u16::from_le_bytes)
     }
 
-    pub(crate) fn u32(&mut self) -> Option<u32> {
+    /// Four bytes.
+    pub fn u32(&mut self) -> Option<u32> {
         self.array().map(u32::from_le_bytes)
     }
 
-    pub(crate) fn u64(&mut self) -> Option<u64> {
+    /// Eight bytes.
+    pub fn u64(&mut self) -> Option<u64> {
         self.array().map(u64::from_le_bytes)
     }
 
-    pub(crate) fn u128(&mut self) -> Option<u128> {
+    /// Sixteen bytes.
+    pub fn u128(&mut self) -> Option<u128> {
         self.array().map(u128::from_le_bytes)
     }
 
-    pub(crate) fn f64(&mut self) -> Option<f64> {
+    /// The bits of a number.
+    pub fn f64(&mut self) -> Option<f64> {
         self.u64().map(f64::from_bits)
     }
 
-    pub(crate) fn text(&mut self) -> Option<&'a str> {
+    /// What [`Encoder::text`] appended.
+    pub fn text(&mut self) -> Option<&'a str> {
         let length = self.u8()?;
         std::str::from_utf8(self.take(usize::from(length))?).ok()
     }

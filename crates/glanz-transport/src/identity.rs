@@ -25,7 +25,8 @@ pub struct PictureIdentity {
     pub seed: u64,
     /// Planned samples per pixel. Of meaning for samplers that divide the pixel into as many strata only.
     pub samples_per_pixel: u32,
-    /// Hash over the file of a guide that does not change; `None` without one, or if the picture learns its own.
+    /// Hash over the file of a guide that does not change, or of the light that is shown; `None` without one, or if the picture learns or
+    /// makes its own.
     pub guide: Option<u128>,
     /// Version of the program that took the samples.
     pub version: String,
@@ -75,7 +76,7 @@ impl PictureIdentity {
                 ("the sampler", i.sampler.name().to_owned()),
                 ("the seed", i.seed.to_string()),
                 ("the number of samples planned per pixel", i.plan()),
-                ("the guide", i.guide.map_or_else(|| "learnt".to_owned(), |hash| format!("{hash:032x}"))),
+                i.given(),
             ]
         };
         for ((what, found), (_, wanted)) in text(self).into_iter().zip(text(wanted)) {
@@ -84,6 +85,15 @@ impl PictureIdentity {
             }
         }
         Ok(())
+    }
+
+    /// What was given in a file, or made or learnt by the way.
+    fn given(&self) -> (&'static str, String) {
+        let (what, otherwise) = match self.integrator.shows_stored_light() {
+            true => ("the file of light", "made anew"),
+            false => ("the guide", "learnt"),
+        };
+        (what, self.guide.map_or_else(|| otherwise.to_owned(), |hash| format!("{hash:032x}")))
     }
 
     /// The planned number of samples, where it matters.

@@ -66,7 +66,7 @@
 
 pub mod aov;
 pub mod checkpoint;
-mod codec;
+pub mod codec;
 pub mod exact;
 pub mod film;
 pub mod filter;

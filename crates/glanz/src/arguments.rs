@@ -39,6 +39,9 @@ const MAX_SAMPLES: i64 = MAX_TERMS as i64;
 /// Rays of a study, which keeps all of a kind in memory.
 const MAX_RAYS: u64 = 30_000_000;
 
+/// Elements of which a study computes the form factors of all pairs.
+const MAX_ELEMENTS: i64 = 50_000;
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Render a built-in scene that shows what Glanz is for
@@ -182,6 +185,9 @@ pub(crate) struct RenderOptions {
     /// Write the guide that the last whole pass left (integrator guided)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) guide_out: Option<PathBuf>,
+    /// Show the light of this checkpoint of `glanz bake` instead of baking it (integrator radiosity)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) light_in: Option<PathBuf>,
     /// Brighten PNG pictures by this many stops
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true, default_value_t = 0.0, value_parser = stops)]
     pub(crate) exposure: f32,
@@ -225,10 +231,14 @@ OpenEXR, laid out in the same way. Sides that no light reaches are black and tak
 scene's camera is in the model.
 
 Light is that of radiosity: mirrors, glass and gloss count as if they reflected diffusely.
-Ctrl-C ends it with 130 and writes nothing.
+Ctrl-C and SIGTERM end it with 130; nothing is written then but the checkpoint, if there is one, with
+which --resume goes on to the same bits. A second Ctrl-C kills. When all light is found, the
+checkpoint keeps it: for further models of the same scene, and for `glanz render --light-in`.
 
 Examples:
   glanz bake room.pbrt -o room.glb
+  glanz bake room.pbrt -o room.glb --checkpoint room.light --resume
+  glanz render room.pbrt --integrator radiosity --light-in room.light
   glanz bake room.pbrt -o fine.glb --texels-per-metre 100 --tone filmic";
 
 #[derive(Debug, Args)]
@@ -258,6 +268,15 @@ pub(crate) struct BakeArguments {
     /// Rays that gather indirect light at a place
     #[arg(long, value_name = "N", hide_short_help = true, default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=65536))]
     pub(crate) rays: u32,
+    /// Threads to use; all processors if not given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) threads: Option<u16>,
+    /// File that keeps the light found so far, written every 30 seconds and at the end
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) checkpoint: Option<PathBuf>,
+    /// Go on from the checkpoint if it is there; without this an existing one is not touched
+    #[arg(long, requires = "checkpoint")]
+    pub(crate) resume: bool,
     /// Refuse a scene that needs a stand-in or a repair
     #[arg(long)]
     pub(crate) strict: bool,
@@ -376,7 +395,7 @@ pub(crate) struct StudyArguments {
     /// Triangles per surface, each twice a square (tessellation)
     #[arg(long, value_name = "LIST", requires = "name", value_delimiter = ',')]
     pub(crate) triangles: Option<Vec<u64>>,
-    /// Scene files, or names of those in scenes/rooms (guiding)
+    /// Scene files, or names of those in scenes/rooms (guiding, solvers)
     #[arg(long, value_name = "LIST", requires = "name", value_delimiter = ',')]
     pub(crate) rooms: Option<Vec<String>>,
     /// What is compared with path: tree, or grids by basis, cells and scale, such as haar-8-3 (guiding)
@@ -388,13 +407,16 @@ pub(crate) struct StudyArguments {
     /// Samples per pixel of reference pictures (guiding)
     #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
     pub(crate) references: Option<u32>,
+    /// Elements of the finest solution by form factors of all pairs, at most (solvers)
+    #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u32).range(1..=MAX_ELEMENTS))]
+    pub(crate) elements: Option<u32>,
     /// Runs with seeds of their own, whose errors are averaged (guiding)
     #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) rounds: Option<u32>,
     /// Seconds for each of the pictures that are shown side by side (guiding)
     #[arg(long, value_name = "SECONDS", requires = "name", value_parser = seconds)]
     pub(crate) time: Option<Duration>,
-    /// Threads (guiding)
+    /// Threads (guiding, solvers)
     #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
     /// Measure all that the document measured: many hours (guiding)
@@ -535,6 +557,8 @@ mod tests {
             "glanz bake a.pbrt -o a.glb --texels-per-metre 0",
             "glanz bake a.pbrt -o a.glb --tolerance -1",
             "glanz bake a.pbrt -o a.glb --lightmap jpg",
+            "glanz bake a.pbrt -o a.glb --resume",
+            "glanz bake a.pbrt -o a.glb --threads 0",
             "glanz compare a.exr b.exr --fail-above -1",
             "glanz compare a.exr b.exr --metric beauty",
             "glanz study alchemy --out a",
@@ -544,6 +568,7 @@ mod tests {
             "glanz study tessellation --out a --triangles many",
             "glanz study guiding --out a --samples 0",
             "glanz study guiding --rooms open",
+            "glanz study solvers --out a --elements 0",
         ] {
             assert_eq!(parse(line).map(|_| ()).map_err(|e| e.exit_code()), Err(2), "{line}");
         }

@@ -1,17 +1,22 @@
 //! Light on the surfaces of a scene, with progress.
 
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glanz_light::Spectrum;
-use glanz_radiosity::bake::{BakeError, BakeSettings, LightMap, LightMaps, Stage, bake};
+use glanz_radiosity::bake::{
+    BakeError, BakeReport, BakeSettings, BakeState, LightMap, LightMaps, Stage, go_on_with,
+};
 use glanz_radiosity::elements::{ElementSettings, Elements};
 use glanz_scene::{Place, Scene};
 use glanz_shading::Material;
 use glanz_transport::StoredLight;
 
 use crate::interrupt::Interrupt;
+use crate::light_file::{Keeper, LightFile};
 use crate::messages::{Failure, Messages};
+use crate::plan::CHECKPOINT_INTERVAL;
 use crate::progress::Progress;
 use crate::report::plural;
 use crate::scene_file::SceneFile;
@@ -30,21 +35,34 @@ impl StoredLight for Stored {
     }
 }
 
-/// The light of a scene for pictures; `None` if the user wanted an end.
+/// Bakes with so many threads from now on; with one for each processor if nothing is said.
+///
+/// # Errors
+/// Threads that cannot be started.
+pub(crate) fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
+    let Some(threads) = threads else { return Ok(()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
+    pool.build_global().map_err(|error| Failure::new(format!("cannot start threads: {error}")))
+}
+
+/// The light of a scene for pictures, `given` in a file or made here; `None` if the user wanted an end.
 ///
 /// # Errors
 /// Why there is none.
 pub(crate) fn stored(
     scene: &Scene,
+    given: Option<(&Path, &LightFile)>,
     file: &mut SceneFile,
     messages: Messages,
     interrupt: &Interrupt,
 ) -> Result<Option<Arc<dyn StoredLight>>, Failure> {
     let settings = BakeSettings::default();
     let elements = elements(scene, settings.density, file, messages)?;
-    let Some(maps) = baked(&elements, &settings, messages, interrupt)? else {
-        return Ok(None);
+    let maps = match given {
+        Some((path, light)) => Some(light.maps(path, &elements)?),
+        None => baked(BakeState::default(), &elements, &settings, None, messages, interrupt)?,
     };
+    let Some(maps) = maps else { return Ok(None) };
     Ok(Some(Arc::new(Stored(LightMaps::new(&elements, maps)))))
 }
 
@@ -85,40 +103,79 @@ pub(crate) fn elements<'a>(
     Ok(elements)
 }
 
-/// The light maps; `None` if the user wanted an end.
+/// The light maps, from what was found before; `None` if the user wanted an end. `keeper`: keeps what is found, now and then and in the end.
 ///
 /// # Errors
-/// Why there are none.
+/// Why there are none, or why what was found cannot be kept.
 pub(crate) fn baked(
+    state: BakeState,
     elements: &Elements<'_>,
     settings: &BakeSettings,
+    keeper: Option<&Keeper<'_>>,
     messages: Messages,
     interrupt: &Interrupt,
 ) -> Result<Option<Vec<LightMap>>, Failure> {
-    let mut progress = Progress::start(messages);
-    let mut begun = (Stage::Direct, Instant::now());
-    let outcome = bake(elements, None, settings, &mut |stage, fraction| {
-        if stage != begun.0 {
-            begun = (stage, Instant::now());
+    let mut watch = Watch {
+        progress: Progress::start(messages),
+        begun: (Stage::Direct, Instant::now()),
+        keeper,
+        kept: Instant::now(),
+        outcome: Ok(()),
+        messages,
+    };
+    let outcome =
+        go_on_with(state, elements, None, settings, &mut |report| watch.go_on(report, interrupt.is_raised()));
+    watch.progress.finish();
+    match outcome {
+        Ok(maps) => {
+            // Before anything else is written: it is what cannot be had again.
+            keeper.map_or(Ok(()), |keeper| keeper.keep(&maps))?;
+            Ok(Some(maps))
+        }
+        Err(BakeError::Stopped) => watch.outcome.map(|()| None),
+        Err(error @ BakeError::TooMany(..)) => {
+            Err(Failure::new(error.to_string()).with_help("choose fewer with --texels-per-metre"))
+        }
+        Err(error) => Err(Failure::new(error.to_string())),
+    }
+}
+
+/// Watches a bake.
+struct Watch<'a> {
+    progress: Progress,
+    /// The stage, and since when.
+    begun: (Stage, Instant),
+    keeper: Option<&'a Keeper<'a>>,
+    kept: Instant,
+    /// Whether what was found is kept.
+    outcome: Result<(), Failure>,
+    messages: Messages,
+}
+
+impl Watch<'_> {
+    fn go_on(&mut self, report: &BakeReport<'_>, is_end: bool) -> bool {
+        let BakeReport { stage, fraction, .. } = *report;
+        if stage != self.begun.0 {
+            self.begun = (stage, Instant::now());
         }
         let what = match stage {
             Stage::Direct => "1 of 3: light from lamps",
             Stage::Between => "2 of 3: light between surfaces",
             Stage::Gather => "3 of 3: indirect light",
         };
-        let passed = begun.1.elapsed().as_secs_f64();
+        let passed = self.begun.1.elapsed().as_secs_f64();
         let left = if fraction > 0.0 { passed * (1.0 - fraction) / fraction } else { 0.0 };
         let left = Duration::try_from_secs_f64(left).unwrap_or_default();
-        progress.show(fraction, left, what);
-        !interrupt.is_raised()
-    });
-    progress.finish();
-    match outcome {
-        Ok(maps) => Ok(Some(maps)),
-        Err(BakeError::Stopped) => Ok(None),
-        Err(error @ BakeError::TooMany(..)) => {
-            Err(Failure::new(error.to_string()).with_help("choose fewer with --texels-per-metre"))
+        self.progress.show(fraction, left, what);
+        let is_time = is_end || self.kept.elapsed() >= CHECKPOINT_INTERVAL;
+        if let Some(keeper) = self.keeper.filter(|_| is_time) {
+            self.outcome = keeper.keep_state(&report.state());
+            self.kept = Instant::now();
+            // A disk that is full now may have room later: only the last time has to succeed.
+            if let (Err(failure), false) = (&self.outcome, is_end) {
+                self.messages.warning(&failure.message);
+            }
         }
-        Err(error) => Err(Failure::new(error.to_string())),
+        !is_end
     }
 }

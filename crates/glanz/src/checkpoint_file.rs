@@ -7,6 +7,21 @@ use glanz_formats::image::write_atomically;
 use glanz_transport::{Checkpoint, Film, PictureIdentity};
 
 use crate::messages::Failure;
+use crate::outputs;
+
+/// Refuses a checkpoint that cannot be written, or would be lost.
+///
+/// # Errors
+/// Why.
+pub(crate) fn check(path: Option<&Path>, resume: bool) -> Result<(), Failure> {
+    let Some(path) = path else { return Ok(()) };
+    outputs::check_writable(path)?;
+    if path.exists() && !resume {
+        return Err(Failure::new(format!("{}: this checkpoint exists already", path.display()))
+            .with_help("go on from it with --resume, or remove it to begin anew"));
+    }
+    Ok(())
+}
 
 /// Reads the checkpoint `path`.
 ///

@@ -6,6 +6,7 @@ mod checkpoint_file;
 mod command;
 mod guide_file;
 mod interrupt;
+mod light_file;
 mod light_maps;
 mod messages;
 mod outputs;

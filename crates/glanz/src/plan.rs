@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::ops::Range;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -14,6 +15,7 @@ use glanz_transport::{
 
 use crate::arguments::{ALL_AOVS, RenderOptions};
 use crate::guide_file::{self, FixedGuide};
+use crate::light_file::{self, LightFile};
 use crate::messages::Failure;
 use crate::report::grouped;
 use crate::scene_file::SceneFile;
@@ -29,6 +31,8 @@ pub(crate) struct Plan {
     pub(crate) time_limit: Option<Duration>,
     /// A guide that does not learn.
     guide: Option<FixedGuide>,
+    /// Light that need not be made.
+    light: Option<LightFile>,
     filter: Filter,
     samples: Range<u32>,
 }
@@ -65,6 +69,7 @@ impl Plan {
             )));
         }
         let guide = guide(options, &integrator)?;
+        let light = light(options, &integrator, file.content_hash)?;
         let learns = integrator.is_guided() && guide.is_none();
         let filter = Filter::try_new(&description.filter)
             .map_err(|error| file.failure(None, &format!("pixel filter: {error}")))?;
@@ -85,7 +90,7 @@ impl Plan {
             sampler,
             seed: options.seed.unwrap_or(description.sampler.seed),
             samples_per_pixel: options.spp.unwrap_or(description.sampler.samples_per_pixel),
-            guide: guide.as_ref().map(|guide| guide.hash),
+            guide: guide.as_ref().map(|guide| guide.hash).or(light.as_ref().map(|light| light.hash)),
             version: PictureIdentity::current_version(),
         };
         identity.film.words().map_err(|error| match options.size {
@@ -97,7 +102,7 @@ impl Plan {
             Some(threads) => usize::from(threads),
             None => std::thread::available_parallelism().map_or(1, usize::from),
         };
-        Ok(Self { identity, threads, time_limit: options.time, guide, filter, samples })
+        Ok(Self { identity, threads, time_limit: options.time, guide, light, filter, samples })
     }
 
     /// The integrator, with its guide or the `light` that it shows.
@@ -107,6 +112,11 @@ impl Plan {
             (None, Some(light)) => self.identity.integrator.build_with_light(light),
             (None, None) => self.identity.integrator.build(),
         }
+    }
+
+    /// The light that the command line names, with its file.
+    pub(crate) fn light<'a>(&'a self, options: &'a RenderOptions) -> Option<(&'a Path, &'a LightFile)> {
+        options.light_in.as_deref().zip(self.light.as_ref())
     }
 
     /// The same for the render loop.
@@ -145,6 +155,23 @@ fn guide(options: &RenderOptions, integrator: &IntegratorSettings) -> Result<Opt
             .with_help(format!("give the guide of its file: --guide {found}")));
     }
     Ok(Some(fixed))
+}
+
+/// The light that the command line names, if the integrator shows any.
+fn light(
+    options: &RenderOptions,
+    integrator: &IntegratorSettings,
+    scene: u128,
+) -> Result<Option<LightFile>, Failure> {
+    let Some(path) = options.light_in.as_deref() else { return Ok(None) };
+    if !integrator.shows_stored_light() {
+        let name = integrator.name();
+        return Err(Failure::usage(format!("--light-in: the integrator \"{name}\" shows no stored light"))
+            .with_help("add --integrator radiosity"));
+    }
+    let light = light_file::read(path)?;
+    light.check(path, scene)?;
+    Ok(Some(light))
 }
 
 /// The channels of these names; the definition of the arguments lets no others through.

@@ -100,10 +100,39 @@ fn study_guiding_measures_a_room_and_goes_on_with_what_it_kept() {
 }
 
 #[test]
+fn study_reconstruction_makes_textures_of_elements() {
+    let folder = Folder::new();
+    let json = folder.succeed("study reconstruction --out r --size 32x32 --json -q").json();
+    assert_eq!(json["summary"].as_array().unwrap().len(), 12);
+    // A step on borders of elements is kept by constant values alone.
+    let on = json["tables"]["table_f_5"].as_array().unwrap();
+    let error = |row: usize| on[row]["l2"].as_f64().unwrap();
+    assert!(error(0) < 0.5 * error(1), "{on:?}");
+    assert!(folder.has("r/step_natural.svg") && folder.picture("r/border_f_31.png").width() > 32);
+}
+
+#[test]
+fn study_solvers_fits_exponents_in_a_room() {
+    let folder = Folder::new();
+    folder.write(
+        "box.pbrt",
+        r#"WorldBegin  Material "diffuse"  Shape "box" "point3 min" [ -1 -1 -1 ] "point3 max" [ 1 1 1 ]
+           AreaLightSource "diffuse" "rgb L" [ 5 5 5 ]
+           Shape "bilinearmesh" "point3 P" [ -.4 0 .8  -.4 .8 .8  .4 0 .8  .4 .8 .8 ]"#,
+    );
+    let json = folder.succeed("study solvers --out s --rooms box.pbrt --elements 120 --json -q").json();
+    let summary = json["summary"].as_array().unwrap();
+    assert_eq!(summary.len(), 3);
+    assert!(summary.iter().all(|row| row["room"] == "box" && row["rays_exponent"].as_f64().unwrap() > 0.5));
+    assert!(folder.has("s/time_box.svg") && folder.has("s/convergence_box.svg"));
+}
+
+#[test]
 fn wrong_usage_is_told_before_the_work() {
     let folder = Folder::new();
     folder.run("study newton --out a --size 8x8").refused(2, &["newton", "--size"]);
     folder.run("study newton --out a --rooms open").refused(2, &["newton", "--rooms"]);
+    folder.run("study newton --out a --elements 9").refused(2, &["newton", "--elements"]);
     folder.run("study guiding --out a --samples 12").refused(2, &["samples", "12", "power of two"]);
     folder.run("study guiding --out a --rooms cellar").refused(2, &["rooms", "cellar.pbrt"]);
     folder

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::closed::dark_insides;
 use super::direct::{DirectMap, luminance};
 use super::lookup::Index;
+use super::state::{BakeState, Memory};
 use super::{BakeError, PASSED, Spot, Stage};
 use crate::charts::Chart;
 use crate::elements::{Element, Elements, Part};
@@ -46,10 +47,14 @@ pub(super) struct Gather<'a> {
     /// Whether light comes to each chart, and whether it is known that none does.
     is_lit: Vec<bool>,
     is_dark: Vec<bool>,
+    /// What was gathered before.
+    memory: Memory,
+    /// Whether elements have found their light by gathering it here.
+    is_solved: bool,
 }
 
 /// What was found at a place.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Gathered {
     /// Irradiance.
     pub(super) light: Spectrum,
@@ -92,7 +97,35 @@ impl<'a> Gather<'a> {
             indirect: vec![Spectrum::BLACK; elements.list.len()],
             is_lit: direct.iter().map(DirectMap::is_lit).collect(),
             is_dark: dark_insides(elements, charts, direct),
+            memory: Memory::default(),
+            is_solved: false,
         }
+    }
+
+    /// Goes on with what was found before; `false` if that is of other elements.
+    pub(super) fn go_on_with(&mut self, state: BakeState) -> bool {
+        let BakeState { indirect, gathered } = state;
+        self.memory = Memory::new(gathered);
+        let Some(indirect) = indirect else { return true };
+        if indirect.len() != self.indirect.len() {
+            return false;
+        }
+        self.indirect = indirect;
+        self.light_all_up();
+        true
+    }
+
+    /// What was found so far.
+    pub(super) fn state(&self) -> BakeState {
+        BakeState {
+            indirect: self.is_solved.then(|| self.indirect.clone()),
+            gathered: self.memory.everything(),
+        }
+    }
+
+    /// Whether elements have found their light by gathering it.
+    pub(super) fn is_solved(&self) -> bool {
+        self.is_solved
     }
 
     /// Takes the elements' light from a solution; direct light of its own is taken out again.
@@ -147,12 +180,18 @@ impl<'a> Gather<'a> {
                 break;
             }
         }
+        self.light_all_up();
+        Ok(())
+    }
+
+    /// Elements have found their light: what is lit is known.
+    fn light_all_up(&mut self) {
+        self.is_solved = true;
         let elements = self.elements;
         let lit: Vec<bool> = self.indirect.iter().map(|light| !light.is_black()).collect();
         for (element, _) in elements.list.iter().zip(lit).filter(|(_, lit)| *lit) {
             self.light_up(element);
         }
-        Ok(())
     }
 
     fn light_up(&mut self, element: &Element) {
@@ -198,6 +237,10 @@ impl<'a> Gather<'a> {
 
     /// Irradiance at a spot from all its surroundings.
     pub(super) fn at(&self, spot: &Spot) -> Gathered {
+        self.memory.recall(spot, || self.around(spot))
+    }
+
+    fn around(&self, spot: &Spot) -> Gathered {
         let frame = Frame::from_z(spot.shading);
         let weight = 1.0 / self.directions.len() as f32;
         let (mut light, mut nearness, mut sees_out) = (Spectrum::BLACK, 0.0, false);

@@ -23,6 +23,10 @@ mod indirect;
 mod lookup;
 mod maps;
 #[cfg(test)]
+mod resume_tests;
+mod state;
+pub mod stored;
+#[cfg(test)]
 mod tests;
 
 pub use atlas::{Atlas, BORDER, Page};
@@ -30,6 +34,7 @@ use direct::Lamps;
 use gather::Gather;
 use lookup::Index;
 pub use maps::LightMaps;
+pub use state::BakeState;
 
 /// How carefully light maps are made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,6 +72,9 @@ pub enum BakeError {
     /// Not one radiosity per element.
     #[error("there are {0} elements, but {1} values of radiosity")]
     Radiosity(usize, usize),
+    /// What was found before belongs to something else.
+    #[error("what was found before is of other elements")]
+    State,
     /// The caller wanted an end.
     #[error("stopped")]
     Stopped,
@@ -81,6 +89,24 @@ pub enum Stage {
     Between,
     /// The final gather.
     Gather,
+}
+
+/// How far a bake is.
+#[derive(Clone, Copy)]
+pub struct BakeReport<'a> {
+    /// What is being done.
+    pub stage: Stage,
+    /// How much of that is done, [0, 1].
+    pub fraction: f64,
+    state: &'a dyn Fn() -> BakeState,
+}
+
+impl BakeReport<'_> {
+    /// What was found so far, to go on with; it is copied.
+    #[must_use]
+    pub fn state(&self) -> BakeState {
+        (self.state)()
+    }
 }
 
 /// One chart with its light.
@@ -143,6 +169,25 @@ pub fn bake(
     settings: &BakeSettings,
     go_on: &mut dyn FnMut(Stage, f64) -> bool,
 ) -> Result<Vec<LightMap>, BakeError> {
+    go_on_with(BakeState::default(), elements, radiosity, settings, &mut |report| {
+        go_on(report.stage, report.fraction)
+    })
+}
+
+/// As [`bake`], from what an earlier call for the same elements, radiosity and settings had found: the answer is the same to the bit as that of one
+/// call. Light straight from lights is found again.
+///
+/// `go_on`: may take what is found from the report, also when it says no.
+///
+/// # Errors
+/// [`BakeError`].
+pub fn go_on_with(
+    state: BakeState,
+    elements: &Elements<'_>,
+    radiosity: Option<&[Spectrum]>,
+    settings: &BakeSettings,
+    go_on: &mut dyn FnMut(&BakeReport<'_>) -> bool,
+) -> Result<Vec<LightMap>, BakeError> {
     let BakeSettings { density, rays, shadow_rays } = *settings;
     if !(density > 0.0 && density.is_finite()) {
         return Err(BakeError::Density(density));
@@ -159,7 +204,8 @@ pub fn bake(
     let mut direct = Vec::with_capacity(charts.len());
     let mut done = 0;
     for group in charts.chunks(64) {
-        if !go_on(Stage::Direct, done as f64 / texels as f64) {
+        let fraction = done as f64 / texels as f64;
+        if !go_on(&BakeReport { stage: Stage::Direct, fraction, state: &|| state.clone() }) {
             return Err(BakeError::Stopped);
         }
         let found: Vec<_> = group.par_iter().map(|chart| direct::of_chart(elements, &lamps, chart)).collect();
@@ -168,11 +214,21 @@ pub fn bake(
     }
     let index = Index::new(elements, &charts);
     let mut gather = Gather::new(elements, &index, &charts, &direct, rays);
+    if !gather.go_on_with(state) {
+        return Err(BakeError::State);
+    }
     match radiosity {
         Some(radiosity) => gather.take(radiosity),
-        None => gather.solve(go_on)?,
+        None if gather.is_solved() => {}
+        // Nothing is gathered before elements have found their light.
+        None => gather.solve(&mut |stage, fraction| {
+            go_on(&BakeReport { stage, fraction, state: &BakeState::default })
+        })?,
     }
-    let indirect = indirect::of_charts(&gather, &direct, go_on)?;
+    let found = || gather.state();
+    let indirect = indirect::of_charts(&gather, &direct, &mut |stage, fraction| {
+        go_on(&BakeReport { stage, fraction, state: &found })
+    })?;
     let finish = |((number, direct), indirect)| finish(&gather, number, direct, indirect);
     Ok((0..charts.len()).into_par_iter().zip(&direct).zip(indirect).map(finish).collect())
 }

@@ -18,22 +18,31 @@ pub mod polygon;
 const FAR: f64 = 0.3;
 
 /// Share of the smaller area below which parts that touch are not divided further.
-const SMALLEST: f64 = 1.0 / 1024.0;
+const SMALLEST: f64 = 1.0 / 256.0;
 
 /// How often a pair of polygons is divided whose points see each other in part.
 const PENUMBRA_LEVELS: u32 = 3;
 
+/// The same for pairs of other shapes, of which either is divided.
+const CURVED_PENUMBRA_LEVELS: u32 = 5;
+
 /// Area times form factor of a pair of elements, m^2: the same both ways.
 #[must_use]
 pub fn exchange(elements: &Elements<'_>, a: &Element, b: &Element) -> f64 {
+    counted(elements, a, b, &mut 0)
+}
+
+/// The same; the rays that it takes are added to `rays`.
+pub(crate) fn counted(elements: &Elements<'_>, a: &Element, b: &Element, rays: &mut u64) -> f64 {
     match (&a.polygon, &b.polygon) {
         (Some(p), Some(q)) => match (Flat::in_front_of(a, p, b), Flat::in_front_of(b, q, a)) {
-            (Some(p), Some(q)) => flat(elements.scene, &p, &q, PENUMBRA_LEVELS),
+            (Some(p), Some(q)) => flat(elements.scene, &p, &q, PENUMBRA_LEVELS, rays),
             _ => 0.0,
         },
         _ => {
             let smallest = SMALLEST * a.area.min(b.area);
-            curved(elements, &Piece::new(elements, a.patch), &Piece::new(elements, b.patch), smallest)
+            let [a, b] = [a, b].map(|element| Piece::new(elements, element.patch));
+            curved(elements, &a, &b, smallest, Sight::Unknown(CURVED_PENUMBRA_LEVELS), rays)
         }
     }
 }
@@ -43,7 +52,11 @@ pub fn exchange(elements: &Elements<'_>, a: &Element, b: &Element) -> f64 {
 pub struct FormFactors {
     /// Of each element those to others, by ascending number.
     rows: Vec<Vec<(u32, f32)>>,
+    rays: u64,
 }
+
+/// Of an element the light that it exchanges with those behind it in the list, and the rays that told it.
+type Row = (Vec<(u32, f64)>, u64);
 
 impl FormFactors {
     /// All of them, by all threads; memory grows with the square of the number of elements.
@@ -52,29 +65,32 @@ impl FormFactors {
     pub fn new(elements: &Elements<'_>, go_on: impl Fn(usize) -> bool + Sync) -> Option<Self> {
         let list = &elements.list;
         let finished = std::sync::atomic::AtomicUsize::new(0);
-        let upper: Option<Vec<Vec<(u32, f64)>>> = list
+        let upper: Option<Vec<Row>> = list
             .par_iter()
             .enumerate()
             .map(|(i, a)| {
                 let others = (0_u32..).zip(list).skip(i + 1);
+                let mut rays = 0;
                 let row = others.filter_map(|(j, b)| {
-                    let exchanged = exchange(elements, a, b);
+                    let exchanged = counted(elements, a, b, &mut rays);
                     (exchanged > 0.0).then_some((j, exchanged))
                 });
                 let row = row.collect();
                 let count = 1 + finished.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-                go_on(count).then_some(row)
+                go_on(count).then_some((row, rays))
             })
             .collect();
         let mut rows: Vec<Vec<(u32, f32)>> = vec![Vec::new(); list.len()];
-        for (i, row) in upper?.into_iter().enumerate() {
+        let mut rays = 0;
+        for (i, (row, of_row)) in upper?.into_iter().enumerate() {
+            rays += of_row;
             for (j, exchanged) in row {
                 rows[i].push((j, (exchanged / list[i].area) as f32));
                 rows[j as usize].push((i as u32, (exchanged / list[j as usize].area) as f32));
             }
         }
         rows.iter_mut().for_each(|row| row.sort_unstable_by_key(|&(j, _)| j));
-        Some(Self { rows })
+        Some(Self { rows, rays })
     }
 
     /// Elements that one sees, and the share of the light that it sends to each.
@@ -99,6 +115,12 @@ impl FormFactors {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
+    }
+
+    /// Rays that told what sees what.
+    #[must_use]
+    pub fn rays(&self) -> u64 {
+        self.rays
     }
 
     /// Memory, bytes.
@@ -158,9 +180,10 @@ impl Flat {
 }
 
 /// Between polygons on the front of one another's planes.
-fn flat(scene: &Scene, a: &Flat, b: &Flat, levels: u32) -> f64 {
+fn flat(scene: &Scene, a: &Flat, b: &Flat, levels: u32, rays: &mut u64) -> f64 {
     let (from, to) = (a.points(), b.points());
     let all = from.len() * to.len();
+    *rays += all as u64;
     let free = from.iter().map(|a| to.iter().filter(|b| is_free(scene, a, b)).count()).sum::<usize>();
     if free == 0 {
         return 0.0;
@@ -169,9 +192,9 @@ fn flat(scene: &Scene, a: &Flat, b: &Flat, levels: u32) -> f64 {
         return polygon::exchange(&a.corners, &b.corners) * free as f64 / all as f64;
     }
     if a.area() >= b.area() {
-        a.parts().iter().map(|part| flat(scene, part, b, levels - 1)).sum()
+        a.parts().iter().map(|part| flat(scene, part, b, levels - 1, rays)).sum()
     } else {
-        b.parts().iter().map(|part| flat(scene, a, part, levels - 1)).sum()
+        b.parts().iter().map(|part| flat(scene, a, part, levels - 1, rays)).sum()
     }
 }
 
@@ -200,30 +223,61 @@ impl Piece {
     }
 }
 
+/// What is known of how parts see each other.
+#[derive(Clone, Copy, Debug)]
+enum Sight {
+    /// Nothing; rays decide in so many more divisions.
+    Unknown(u32),
+    /// This share of the rays between them is free.
+    Share(f64),
+}
+
 /// Between parts of any shape.
 ///
 /// Parts none of whose points face one another exchange nothing: what the rims of curved ones exchange besides vanishes as they
-/// grow smaller.
-fn curved(elements: &Elements<'_>, a: &Piece, b: &Piece, smallest: f64) -> f64 {
-    let faces = a.nodes.iter().any(|a| b.nodes.iter().any(|b| kernel(a, b) > 0.0));
-    if !faces {
+/// grow smaller. Those all of whose points see each other are divided without further rays.
+fn curved(elements: &Elements<'_>, a: &Piece, b: &Piece, smallest: f64, sight: Sight, rays: &mut u64) -> f64 {
+    let (mut whole, mut seen, mut facing, mut free) = (0.0, 0.0, 0_usize, 0_usize);
+    for (a, b) in a.nodes.iter().flat_map(|a| b.nodes.iter().map(move |b| (a, b))) {
+        let exchanged = kernel(a, b) * a.area * b.area;
+        if exchanged > 0.0 {
+            facing += 1;
+            whole += exchanged;
+            if matches!(sight, Sight::Unknown(_)) && is_free(elements.scene, a, b) {
+                free += 1;
+                seen += exchanged;
+            }
+        }
+    }
+    if facing == 0 {
         return 0.0;
     }
+    let all = a.nodes.len() * b.nodes.len();
+    let (found, below) = match sight {
+        Sight::Share(share) => (share * whole, sight),
+        Sight::Unknown(levels) => {
+            *rays += facing as u64;
+            // Few that face one another do not tell of the rest.
+            let below = match (2 * facing >= all, levels.checked_sub(1)) {
+                (true, _) if free == facing => Sight::Share(1.0),
+                (_, Some(levels)) => Sight::Unknown(levels),
+                (_, None) => Sight::Share(free as f64 / facing as f64),
+            };
+            if free == 0 && facing == all {
+                return 0.0;
+            }
+            (seen, below)
+        }
+    };
     let is_far = a.radius + b.radius <= FAR * a.middle.distance(b.middle);
     if is_far || a.area.min(b.area) <= smallest {
-        let pairs = a.nodes.iter().flat_map(|a| b.nodes.iter().map(move |b| (a, b)));
-        let one = |(a, b): (&Node, &Node)| {
-            let kernel = kernel(a, b) * a.area * b.area;
-            if kernel > 0.0 && is_free(elements.scene, a, b) { kernel } else { 0.0 }
-        };
-        let sum: f64 = pairs.map(one).sum();
         // Points that nearly touch would see more than there is.
-        return sum.min(a.area.min(b.area));
+        return found.min(a.area.min(b.area));
     }
     if a.radius >= b.radius {
-        a.parts(elements).iter().map(|part| curved(elements, part, b, smallest)).sum()
+        a.parts(elements).iter().map(|part| curved(elements, part, b, smallest, below, rays)).sum()
     } else {
-        b.parts(elements).iter().map(|part| curved(elements, a, part, smallest)).sum()
+        b.parts(elements).iter().map(|part| curved(elements, a, part, smallest, below, rays)).sum()
     }
 }
 

@@ -6,7 +6,7 @@ use glanz_light::{Spectrum, Wavelengths};
 use rayon::prelude::*;
 
 use crate::elements::{Element, Elements};
-use crate::form_factor::exchange;
+use crate::form_factor::{FormFactors, counted};
 
 /// A solution that grows better with every element that shoots, and can be looked at any time.
 ///
@@ -19,6 +19,7 @@ pub struct Progressive {
     unshot: Vec<Spectrum>,
     /// Flux of all emitters, as luminance times area.
     emitted: f64,
+    rays: u64,
 }
 
 impl Progressive {
@@ -26,7 +27,7 @@ impl Progressive {
     #[must_use]
     pub fn new(elements: &Elements<'_>) -> Self {
         let emission: Vec<Spectrum> = elements.list.iter().map(|element| element.emission).collect();
-        let mut new = Self { radiosity: emission.clone(), unshot: emission, emitted: 0.0 };
+        let mut new = Self { radiosity: emission.clone(), unshot: emission, emitted: 0.0, rays: 0 };
         new.emitted = new.unshot_flux(elements);
         new
     }
@@ -34,32 +35,62 @@ impl Progressive {
     /// The element with the most light shoots it at all that see it. `false` if there is none that has any.
     pub fn shoot(&mut self, elements: &Elements<'_>) -> bool {
         let list = &elements.list;
-        let flux = |i: usize| luminance(self.unshot[i]) * list[i].area;
-        let Some(from) = (0..list.len()).max_by(|&i, &j| flux(i).total_cmp(&flux(j)).then(j.cmp(&i))) else {
-            return false;
-        };
-        if flux(from).partial_cmp(&0.0) != Some(Ordering::Greater) {
-            return false;
-        }
-        let light = std::mem::replace(&mut self.unshot[from], Spectrum::BLACK);
+        let Some(from) = self.brightest(list) else { return false };
         let shooter = &list[from];
-        let received: Vec<f64> = list
+        let received: Vec<(f64, u64)> = list
             .par_iter()
             .enumerate()
-            .map(|(j, to)| if j == from { 0.0 } else { exchange(elements, shooter, to) / to.area })
+            .map(|(j, to)| {
+                let mut rays = 0;
+                let exchanged = if j == from { 0.0 } else { counted(elements, shooter, to, &mut rays) };
+                (exchanged / to.area, rays)
+            })
             .collect();
-        for (j, (to, share)) in list.iter().zip(received).enumerate() {
-            let sent = to.reflectance * light * share as f32;
-            self.radiosity[j] += sent;
-            self.unshot[j] += sent;
+        let light = std::mem::replace(&mut self.unshot[from], Spectrum::BLACK);
+        for (j, (share, rays)) in received.into_iter().enumerate() {
+            self.rays += rays;
+            self.receive(list, j, light * share as f32);
         }
         true
+    }
+
+    /// The same with form factors of `elements` that are known already: no rays, and little time.
+    pub fn shoot_known(&mut self, elements: &Elements<'_>, factors: &FormFactors) -> bool {
+        let list = &elements.list;
+        let Some(from) = self.brightest(list) else { return false };
+        let light = std::mem::replace(&mut self.unshot[from], Spectrum::BLACK);
+        for &(j, factor) in factors.row(from) {
+            if let Some(to) = list.get(j as usize) {
+                let share = f64::from(factor) * list[from].area / to.area;
+                self.receive(list, j as usize, light * share as f32);
+            }
+        }
+        true
+    }
+
+    /// The element with the most light to send.
+    fn brightest(&self, list: &[Element]) -> Option<usize> {
+        let flux = |i: usize| luminance(self.unshot[i]) * list[i].area;
+        let from = (0..list.len()).max_by(|&i, &j| flux(i).total_cmp(&flux(j)).then(j.cmp(&i)))?;
+        (flux(from).partial_cmp(&0.0) == Some(Ordering::Greater)).then_some(from)
+    }
+
+    fn receive(&mut self, list: &[Element], number: usize, light: Spectrum) {
+        let sent = list[number].reflectance * light;
+        self.radiosity[number] += sent;
+        self.unshot[number] += sent;
     }
 
     /// Share of the emitted flux that is still to be sent: 1 at first, more where light surfaces pass it on, and 0 in the end.
     #[must_use]
     pub fn left(&self, elements: &Elements<'_>) -> f64 {
         if self.emitted > 0.0 { self.unshot_flux(elements) / self.emitted } else { 0.0 }
+    }
+
+    /// Rays that told what sees what.
+    #[must_use]
+    pub fn rays(&self) -> u64 {
+        self.rays
     }
 
     /// Radiosity of each element so far.

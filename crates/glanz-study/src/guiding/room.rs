@@ -1,11 +1,9 @@
 //! A room with its scene, and what is rendered in it.
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use glanz_formats::{Options, load};
 use glanz_sampling::SamplerKind;
 use glanz_scene::Scene;
 use glanz_scene::description::{FilterDescription, IntegratorDescription, LightKind};
@@ -16,10 +14,8 @@ use glanz_transport::{
 
 use super::method::Method;
 use crate::clock::{Of, Stopwatch};
+use crate::rooms::{self, Read};
 use crate::study::{Settings, StudyError};
-
-/// Where rooms are that are named without a folder, from the working folder.
-const FOLDER: &str = "scenes/rooms";
 
 /// Time between two checkpoints.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(60);
@@ -54,7 +50,7 @@ pub(super) struct Exposed {
 }
 
 impl<'a> Room<'a> {
-    /// Reads the room `named`: a scene file, or the name of one in [`FOLDER`].
+    /// Reads the room `named`: a scene file, or the name of one in `scenes/rooms`.
     ///
     /// # Errors
     /// A file that is no scene, or has lights that paths cannot find by chance.
@@ -64,16 +60,7 @@ impl<'a> Room<'a> {
         threads: usize,
         settings: &'a Settings<'a>,
     ) -> Result<Self, StudyError> {
-        let path = place(named);
-        if !path.is_file() {
-            return Err(StudyError::Setting {
-                name: "rooms",
-                value: path.display().to_string(),
-                needed: "a scene file; names without .pbrt are looked for in scenes/rooms of the working folder",
-            });
-        }
-        let loaded = load(&path, &Options::default())
-            .map_err(|diagnostics| StudyError::Unreadable(diagnostics.to_string()))?;
+        let Read { path, name, loaded } = rooms::read(named)?;
         let mut description = loaded.description;
         if description.lights.iter().any(|light| !matches!(light.kind, LightKind::Infinite)) {
             return Err(StudyError::Setting {
@@ -83,7 +70,6 @@ impl<'a> Room<'a> {
             });
         }
         description.film.resolution = size;
-        let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         let (integrator, filter) = (description.integrator.clone(), description.filter);
         let (scene, _) = Scene::resolve(description)?;
         let hash = loaded.content_hash;
@@ -173,14 +159,5 @@ impl Exposed {
     /// [`StudyError::Interrupted`].
     pub(super) fn complete(self) -> Result<Self, StudyError> {
         if self.outcome.finished == Finished::Interrupted { Err(StudyError::Interrupted) } else { Ok(self) }
-    }
-}
-
-fn place(named: &str) -> PathBuf {
-    let path = Path::new(named);
-    if path.extension().is_some() {
-        path.to_owned()
-    } else {
-        Path::new(FOLDER).join(named).with_extension("pbrt")
     }
 }

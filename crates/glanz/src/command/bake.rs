@@ -7,13 +7,16 @@ use std::time::Instant;
 use glanz_formats::glb;
 use glanz_formats::image::{self, Format, write_atomically};
 use glanz_light::Tone;
-use glanz_radiosity::bake::{Atlas, BakeSettings};
+use glanz_radiosity::bake::{Atlas, BakeSettings, BakeState};
+use glanz_radiosity::elements::Elements;
 use serde::Serialize;
 
 use crate::Ending;
 use crate::arguments::{BakeArguments, LightMapName};
 use crate::baking;
+use crate::checkpoint_file;
 use crate::interrupt::Interrupt;
+use crate::light_file::{self, Keeper, LightIdentity, Start};
 use crate::light_maps::{self, Axes, Making};
 use crate::messages::{Failure, Messages};
 use crate::outputs;
@@ -38,6 +41,7 @@ struct Report {
     elements: usize,
     triangles: usize,
     tolerance: f64,
+    checkpoint: Option<String>,
     seconds: f64,
     peak_memory_bytes: Option<u64>,
     warnings: Vec<String>,
@@ -55,6 +59,8 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Endin
             .with_help("models are written as .glb"));
     }
     outputs::check_writable(output)?;
+    checkpoint_file::check(arguments.checkpoint.as_deref(), arguments.resume)?;
+    baking::use_threads(arguments.threads)?;
     let mut file = SceneFile::read(&Input::File(&arguments.scene), arguments.strict, messages)?;
     let names = light_maps::names(&file.description);
     let (camera, film) = (file.description.camera.clone(), file.description.film.clone());
@@ -76,9 +82,19 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Endin
     ));
     let settings =
         BakeSettings { density: arguments.texels_per_metre, rays: arguments.rays, ..BakeSettings::default() };
-    let Some(maps) = baking::baked(&elements, &settings, messages, &interrupt)? else {
-        messages.note("interrupted; nothing was written");
-        return Ok(Ending::Interrupted);
+    let identity = LightIdentity::new(file.content_hash, settings);
+    let keeper = arguments.checkpoint.as_deref().map(|path| Keeper { path, identity });
+    let maps = match start_of(keeper.as_ref(), &elements, messages)? {
+        Start::Finished(maps) => maps,
+        Start::State(state) => {
+            match baking::baked(state, &elements, &settings, keeper.as_ref(), messages, &interrupt)? {
+                Some(maps) => maps,
+                None => {
+                    messages.note(&ended(keeper.as_ref()));
+                    return Ok(Ending::Interrupted);
+                }
+            }
+        }
     };
     let coarse = maps.iter().filter(|map| map.chart.is_coarse && !map.is_dark()).count();
     if coarse > 0 {
@@ -112,6 +128,7 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Endin
         elements: elements.list.len(),
         triangles,
         tolerance,
+        checkpoint: arguments.checkpoint.as_ref().map(|path| path.display().to_string()),
         seconds: start.elapsed().as_secs_f64(),
         peak_memory_bytes: report::peak_memory_bytes(),
         warnings: file.into_warnings(),
@@ -130,6 +147,42 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Endin
         report::print(&report)?;
     }
     Ok(Ending::Done)
+}
+
+/// Where the bake begins: with the checkpoint, if there is one.
+fn start_of(
+    keeper: Option<&Keeper<'_>>,
+    elements: &Elements<'_>,
+    messages: Messages,
+) -> Result<Start, Failure> {
+    let anew = || Start::State(BakeState::default());
+    let Some(Keeper { path, identity }) = keeper else { return Ok(anew()) };
+    // Without --resume it is refused if it exists.
+    if !path.exists() {
+        return Ok(anew());
+    }
+    let start = light_file::read(path)?.start(path, identity, elements)?;
+    let path = path.display();
+    messages.note(&match &start {
+        Start::Finished(_) => format!("{path}: all light is there"),
+        Start::State(state) if state.is_empty() => format!("{path}: there is no light yet"),
+        Start::State(state) => {
+            let places = plural(state.places() as u64, "place", "places");
+            format!("{path}: going on with indirect light at {places}")
+        }
+    });
+    Ok(start)
+}
+
+/// What is there after an interruption.
+fn ended(keeper: Option<&Keeper<'_>>) -> String {
+    match keeper {
+        Some(Keeper { path, .. }) => {
+            let path = path.display();
+            format!("interrupted; {path} keeps what was found, the same command with --resume goes on")
+        }
+        None => "interrupted; nothing was written".to_owned(),
+    }
 }
 
 /// Writes the irradiance beside the model; returns the names of the files.

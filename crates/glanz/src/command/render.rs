@@ -93,7 +93,7 @@ pub(crate) fn render_input(
     // All that can be refused without the scene is refused before it is read, which may take long.
     let tone = outputs::tone(options.exposure, options.tone);
     let named = Outputs::try_new(&options.output, tone)?;
-    check_checkpoint(options)?;
+    checkpoint_file::check(options.checkpoint.as_deref(), options.resume)?;
     if let Some(path) = &options.guide_out {
         outputs::check_writable(path)?;
     }
@@ -118,7 +118,8 @@ pub(crate) fn render_input(
     messages.note(&format!("rendering {}: {plan}", input.name()));
     let mut light = None;
     if plan.identity.integrator.shows_stored_light() {
-        light = baking::stored(&scene, &mut file, messages, &interrupt)?;
+        baking::use_threads(options.threads)?;
+        light = baking::stored(&scene, plan.light(options), &mut file, messages, &interrupt)?;
         if light.is_none() {
             messages.note("interrupted before rendering; nothing was written");
             return Ok(Ending::Interrupted);
@@ -128,17 +129,6 @@ pub(crate) fn render_input(
     let outcome = expose(&scene, integrator.as_ref(), &plan, options, film, messages, &interrupt)?;
     let undecided = scene.undecided();
     finish(&Order { input, options, plan: &plan, outputs: &outputs, undecided }, file, &outcome, messages)
-}
-
-/// Refuses a checkpoint that cannot be written, or would be lost.
-fn check_checkpoint(options: &RenderOptions) -> Result<(), Failure> {
-    let Some(path) = &options.checkpoint else { return Ok(()) };
-    outputs::check_writable(path)?;
-    if path.exists() && !options.resume {
-        return Err(Failure::new(format!("{}: this checkpoint exists already", path.display()))
-            .with_help("go on from it with --resume, or remove it to begin anew"));
-    }
-    Ok(())
 }
 
 /// The film to go on with: that of the checkpoint, or an empty one.

@@ -1,8 +1,11 @@
 //! `glanz bake`.
 
+use std::io::{BufRead, BufReader, Read};
+use std::time::Duration;
+
 use glanz::light::Pixels;
 
-use crate::support::Folder;
+use crate::support::{Folder, finish};
 
 /// A floor under a lamp, a ball on it and a named material.
 const ROOM: &str = r#"
@@ -123,4 +126,106 @@ fn radiosity_shows_what_path_tracing_shows_of_a_diffuse_room() {
     folder.write("mirror.pbrt", ROOM.replace("Translate 0 0 .4", "Material \"mirror\"\nTranslate 0 0 .4"));
     let ran = folder.succeed("render mirror.pbrt --integrator radiosity --size 24x16 --spp 4 -o mirror.exr");
     assert!(ran.stderr.contains("1 material is not diffuse"), "{}", ran.stderr);
+}
+
+#[test]
+fn baked_light_is_kept_and_shown_again() {
+    let folder = Folder::new();
+    folder.write("room.pbrt", ROOM);
+    let bake = "bake room.pbrt --texels-per-metre 6 --rays 64 -q";
+    folder.succeed(&format!("{bake} -o one.glb --threads 1"));
+    folder.succeed(&format!("{bake} -o two.glb --threads 2 --checkpoint room.light"));
+    assert_eq!(folder.bytes("one.glb"), folder.bytes("two.glb"));
+    assert_eq!(folder.bytes("one.exr"), folder.bytes("two.exr"));
+    // An existing one is not touched, but made models of.
+    folder.run(&format!("{bake} -o m.glb --checkpoint room.light")).refused(1, &["room.light", "--resume"]);
+    let again =
+        folder.succeed(&format!("{} -o three.glb --checkpoint room.light --resume", &bake[..bake.len() - 3]));
+    assert!(again.stderr.contains("all light is there"), "{}", again.stderr);
+    assert_eq!(folder.bytes("one.glb"), folder.bytes("three.glb"));
+
+    let show = "render room.pbrt --integrator radiosity --size 12x8 --spp 4 -q --light-in room.light";
+    folder.succeed(&format!("{show} -o shown.exr --checkpoint shown.glanz"));
+    // Light of the same settings is that which the picture would make itself.
+    folder.succeed("bake room.pbrt -o plain.glb --checkpoint plain.light -q");
+    folder.succeed(&format!("{} -o given.exr", show.replace("room.light", "plain.light")));
+    folder.succeed("render room.pbrt --integrator radiosity --size 12x8 --spp 4 -q -o made.exr --threads 2");
+    assert_eq!(folder.bytes("given.exr"), folder.bytes("made.exr"));
+    assert_ne!(folder.bytes("given.exr"), folder.bytes("shown.exr"));
+    // Light of another density makes another picture.
+    folder
+        .run("render room.pbrt --integrator radiosity --size 12x8 --spp 4 -q --checkpoint shown.glanz --resume -o m.exr")
+        .refused(1, &["shown.glanz", "the file of light", "made anew"]);
+    folder.run(&show.replace("radiosity", "path")).refused(2, &["--light-in", "--integrator radiosity"]);
+
+    folder.write("other.pbrt", ROOM.replace(".5 .4 .3", ".5 .4 .2"));
+    folder
+        .run(&show.replace("room.pbrt", "other.pbrt"))
+        .refused(1, &["room.light", "the scene (content hash)"]);
+    let resumed = "--checkpoint room.light --resume -o m.glb -q";
+    folder
+        .run(&format!("bake other.pbrt --texels-per-metre 6 --rays 64 {resumed}"))
+        .refused(1, &["room.light", "the scene"]);
+    folder
+        .run(&format!("bake room.pbrt --texels-per-metre 7 --rays 64 {resumed}"))
+        .refused(1, &["room.light", "6, not 7"]);
+    let mut flipped = folder.bytes("room.light");
+    let middle = flipped.len() / 2;
+    flipped[middle] ^= 4;
+    let cut = folder.bytes("room.light")[..100].to_vec();
+    for (bytes, reason) in [(flipped, "damaged"), (cut, "damaged"), (b"solid".to_vec(), "not baked light")] {
+        folder.write("bad.light", &bytes);
+        folder.run(&show.replace("room.light", "bad.light")).refused(1, &["bad.light", reason]);
+        folder
+            .run(&format!("{bake} --checkpoint bad.light --resume -o m.glb"))
+            .refused(1, &["bad.light", reason]);
+        assert_eq!(folder.bytes("bad.light"), bytes, "it is not touched");
+    }
+    assert!(!folder.has("m.glb") && !folder.has("m.exr"));
+}
+
+#[cfg(unix)]
+#[test]
+fn interrupted_bake_goes_on_to_the_same_bits() {
+    let folder = Folder::new();
+    folder.write("room.pbrt", ROOM);
+    // Interrupted so many milliseconds after it has begun to bake: exit code and messages.
+    let interrupted = |line: &str, wait: u64| {
+        let mut child = folder.start(line);
+        let mut messages = BufReader::new(child.stderr.take().unwrap());
+        let mut said = String::new();
+        while !said.contains("baking ") {
+            assert!(messages.read_line(&mut said).unwrap() > 0, "{said}");
+        }
+        std::thread::sleep(Duration::from_millis(wait));
+        let id = child.id().to_string();
+        assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+        messages.read_to_string(&mut said).unwrap();
+        (finish(child, line).code, said)
+    };
+    let (code, said) = interrupted("bake room.pbrt --rays 65536 -o bare.glb", 100);
+    assert!(code == Some(130) && said.contains("nothing was written"), "{code:?} {said}");
+    assert_eq!(folder.names(), ["room.pbrt"]);
+
+    let bake = "bake room.pbrt --texels-per-metre 12 --rays 1024";
+    folder.succeed(&format!("{bake} -o whole.glb --checkpoint whole.light"));
+    let parts = format!("{bake} -o parts.glb --checkpoint parts.light --resume --threads 1");
+    for wait in [0, 100, 300, 900] {
+        let (code, said) = interrupted(&parts, wait);
+        match code {
+            // A fast machine may be at the end.
+            Some(0) => break,
+            _ => assert!(code == Some(130) && said.contains("parts.light keeps"), "{code:?} {said}"),
+        }
+        assert!(folder.has("parts.light") && !folder.has("parts.glb") && !folder.has("parts.exr"));
+        folder
+            .run("render room.pbrt --integrator radiosity --light-in parts.light -o m.exr")
+            .refused(1, &["parts.light", "not finished", "--resume"]);
+    }
+    folder.succeed(&parts);
+    for (whole, parts) in
+        [("whole.glb", "parts.glb"), ("whole.exr", "parts.exr"), ("whole.light", "parts.light")]
+    {
+        assert_eq!(folder.bytes(whole), folder.bytes(parts));
+    }
 }

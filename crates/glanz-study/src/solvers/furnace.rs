@@ -1,0 +1,141 @@
+//! A closed box whose walls all shine and reflect alike: what each place sends is E / (1 - rho).
+
+use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
+use glanz_math::{DMat4, DVec3};
+use glanz_radiosity::elements::{Element, ElementSettings, Elements};
+use glanz_radiosity::form_factor::FormFactors;
+use glanz_radiosity::solve::{GaussSeidel, Hierarchical, Progressive, gauss_seidel, hierarchical};
+use glanz_scene::Scene;
+use glanz_scene::description::{
+    Description, EmissionDescription, GeometryDescription, MaterialDescription, MaterialKind,
+    ShapeDescription, SpectrumInput,
+};
+
+use super::measure::{LEFT, Solver};
+use crate::study::{Settings, StudyError};
+
+/// Shares that the walls reflect.
+const REFLECTANCES: [f32; 3] = [0.3, 0.6, 0.9];
+
+/// Sides of the box and of its elements, metres.
+const SIZE: DVec3 = DVec3::new(3.0, 2.0, 2.5);
+const SIDE: f64 = 0.6;
+
+/// Bound of the hierarchical solver.
+const BOUND: f64 = 1e-3;
+
+/// What a solver makes of a box.
+pub(super) struct Furnace {
+    pub(super) reflectance: f64,
+    pub(super) solver: Solver,
+    pub(super) elements: usize,
+    /// Mean over areas, and smallest and largest value of an element, per E / (1 - rho).
+    pub(super) mean: f64,
+    pub(super) range: [f64; 2],
+    /// Smallest and largest sum of the form factors of an element.
+    pub(super) sums: Option<[f64; 2]>,
+    /// Of the emitted light, what has not been sent.
+    pub(super) left: Option<f64>,
+}
+
+/// All boxes in all ways.
+///
+/// # Errors
+/// An end that was wanted.
+pub(super) fn measure(settings: &Settings<'_>) -> Result<Vec<Furnace>, StudyError> {
+    let mut made = Vec::new();
+    for reflectance in REFLECTANCES {
+        settings.go_on()?;
+        let scene = scene(reflectance)?;
+        let expected = std::f64::consts::PI / (1.0 - f64::from(reflectance));
+        let elements = Elements::new(&scene, &ElementSettings { side: SIDE })?;
+        let factors = FormFactors::new(&elements, |_| settings.go_on().is_ok());
+        let factors = factors.ok_or(StudyError::Interrupted)?;
+        let solved = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), |_, _| true);
+        let inside = (0..elements.list.len()).filter(|&i| elements.list.get(i).is_some_and(is_inside));
+        let sums = range(inside.map(|i| factors.sum(i)));
+        let one = |solver, elements: &Elements<'_>, radiosity: &[Spectrum]| {
+            Furnace::new(f64::from(reflectance), solver, &elements.list, radiosity, expected)
+        };
+        made.push(Furnace { sums: Some(sums), ..one(Solver::Full, &elements, &solved.radiosity) });
+        let mut shot = Progressive::new(&elements);
+        while shot.left(&elements) > LEFT && shot.shoot_known(&elements, &factors) {}
+        let left = Some(shot.left(&elements));
+        made.push(Furnace { left, ..one(Solver::Progressive, &elements, shot.radiosity()) });
+        let start = Elements::new(&scene, &ElementSettings { side: SIZE.max_element() })?;
+        let way = Hierarchical { bound: BOUND, ..Hierarchical::default() };
+        let solved = hierarchical(start, &way, |_| settings.go_on().is_ok())
+            .map_err(|error| StudyError::Unreadable(error.to_string()))?;
+        settings.go_on()?;
+        made.push(one(Solver::Hierarchical, &solved.elements, &solved.radiosity));
+    }
+    Ok(made)
+}
+
+fn is_inside(element: &Element) -> bool {
+    !element.patch.back
+}
+
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, 0.0], |[low, high], value| [low.min(value), high.max(value)])
+}
+
+impl Furnace {
+    fn new(
+        reflectance: f64,
+        solver: Solver,
+        list: &[Element],
+        radiosity: &[Spectrum],
+        expected: f64,
+    ) -> Self {
+        let value = |light: &Spectrum| f64::from(light.luminance(&Wavelengths::default())) / expected;
+        let inside = || list.iter().zip(radiosity).filter(|(element, _)| is_inside(element));
+        let (sum, area) = inside().fold((0.0, 0.0), |(sum, area), (element, light)| {
+            (sum + element.area * value(light), area + element.area)
+        });
+        Self {
+            reflectance,
+            solver,
+            elements: inside().count(),
+            mean: sum / area,
+            range: range(inside().map(|(_, light)| value(light))),
+            sums: None,
+            left: None,
+        }
+    }
+}
+
+/// The box, fronts of its walls inside.
+fn scene(reflectance: f32) -> Result<Scene, StudyError> {
+    let [x, y, z] = [DVec3::X * SIZE.x, DVec3::Y * SIZE.y, DVec3::Z * SIZE.z];
+    let walls =
+        [(DVec3::ZERO, y, z), (x, z, y), (DVec3::ZERO, z, x), (y, x, z), (DVec3::ZERO, x, y), (z, y, x)];
+    let mut description = Description::default();
+    description.materials.push(MaterialDescription {
+        name: String::new(),
+        kind: MaterialKind::Diffuse {
+            reflectance: SpectrumInput::Value(SpectralDistribution::Constant(reflectance)),
+        },
+        location: None,
+    });
+    for (corner, u, v) in walls {
+        description.world.shapes.push(ShapeDescription {
+            geometry: GeometryDescription::Bilinear {
+                positions: vec![corner, corner + u, corner + v, corner + u + v],
+                indices: vec![[0, 1, 2, 3]],
+            },
+            to_parent: DMat4::IDENTITY,
+            reverse_orientation: false,
+            material: 0,
+            emission: Some(EmissionDescription {
+                radiance: SpectralDistribution::Constant(1.0),
+                scale: 1.0,
+                power: None,
+                two_sided: false,
+            }),
+            trim: None,
+            location: None,
+        });
+    }
+    Ok(Scene::resolve(description)?.0)
+}

@@ -1,0 +1,290 @@
+//! One room, solved in all ways.
+
+use std::time::{Duration, Instant};
+
+use glanz_radiosity::elements::{ElementSettings, Elements};
+use glanz_radiosity::form_factor::FormFactors;
+use glanz_radiosity::solve::hierarchical::Progress;
+use glanz_radiosity::solve::{GaussSeidel, Hierarchical, Progressive, gauss_seidel, hierarchical};
+use glanz_scene::Scene;
+use rayon::ThreadPool;
+
+use super::descent::{Descent, descent};
+use super::field::{Field, error_of};
+use crate::clock::{Of, Stopwatch};
+use crate::study::{Settings, StudyError};
+
+/// Largest side of elements, metres, and how it goes down.
+const LONGEST: f64 = 2.0;
+const FINER: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// Divisions at most.
+const DIVISIONS: u32 = 40;
+
+/// Least growth of the number of elements from one division to the next.
+const GROWTH: f64 = 1.2;
+
+/// Light that is left where progressive refinement ends, as a share of what was emitted.
+pub(super) const LEFT: f64 = 0.1;
+
+/// Bounds of the hierarchical solver: the first, and how they go down.
+const BOUND: f64 = 1e-2;
+const TIGHTER: f64 = 0.316_227_766_016_837_94;
+const BOUNDS: usize = 10;
+
+/// Levels of quarters of an element of a reference over which means are taken: of all pairs, and of links, where there are more elements.
+const ACROSS: u32 = 2;
+const ACROSS_LINKS: u32 = 1;
+
+/// It goes on to so many times the elements of the finest solution by all pairs.
+const MORE: usize = 6;
+
+/// A way to solve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Solver {
+    /// Form factors of all pairs, Gauss and Seidel's method.
+    Full,
+    /// Progressive refinement.
+    Progressive,
+    /// Links by a bound.
+    Hierarchical,
+}
+
+impl Solver {
+    pub(super) const ALL: [Self; 3] = [Self::Full, Self::Progressive, Self::Hierarchical];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Full => "all pairs",
+            Self::Progressive => "progressive",
+            Self::Hierarchical => "hierarchical",
+        }
+    }
+}
+
+/// What a solution took, and how good it is.
+#[derive(Clone, Debug)]
+pub(super) struct Solved {
+    pub(super) solver: Solver,
+    /// Largest side of elements, metres; or the bound.
+    pub(super) setting: f64,
+    pub(super) elements: usize,
+    /// Of all threads.
+    pub(super) processors: Duration,
+    pub(super) wall: Duration,
+    /// Form factors or links that are kept.
+    pub(super) kept: Option<usize>,
+    /// What they take, where the library tells it, or the light of the elements.
+    pub(super) bytes: Option<usize>,
+    pub(super) rays: u64,
+    /// Sweeps, or elements that shot.
+    pub(super) steps: usize,
+    /// From the solution on the same elements that no longer changes.
+    pub(super) unfinished: Option<f64>,
+    /// From the finest solution by all pairs, and from that by links; none for itself.
+    pub(super) errors: [Option<f64>; 2],
+}
+
+/// What came of a room.
+pub(super) struct Outcome {
+    pub(super) name: String,
+    /// By solver, coarse before fine.
+    pub(super) runs: Vec<Solved>,
+    /// Of the coarsest elements.
+    pub(super) descent: Descent,
+}
+
+impl Outcome {
+    pub(super) fn of(&self, solver: Solver) -> impl Iterator<Item = &Solved> {
+        self.runs.iter().filter(move |run| run.solver == solver)
+    }
+}
+
+/// Runs a closure, and what that took.
+fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration, Duration) {
+    let (watch, begun) = (Stopwatch::start(Of::Process), Instant::now());
+    let value = work();
+    (value, watch.elapsed(), begun.elapsed())
+}
+
+/// Divisions of a scene that are not too fine, fine before coarse; the coarsest in any case.
+fn divisions<'a>(scene: &'a Scene, most: usize) -> Result<Vec<(f64, Elements<'a>)>, StudyError> {
+    let mut found: Vec<(f64, Elements<'a>)> = Vec::new();
+    let mut side = LONGEST.min(0.5 * scene.bounds().diagonal().length());
+    for _ in 0..DIVISIONS {
+        let elements = Elements::new(scene, &ElementSettings { side })?;
+        let before = found.last().map_or(0, |(_, before)| before.list.len());
+        if before > 0 && elements.list.len() > most {
+            break;
+        }
+        if elements.list.len() as f64 >= GROWTH * before as f64 {
+            found.push((side, elements));
+        }
+        side *= FINER;
+    }
+    found.reverse();
+    Ok(found)
+}
+
+/// Solves a room in all ways. `tell`: what comes next, and the share that is done.
+///
+/// # Errors
+/// An end that was wanted, or a room that cannot be divided.
+pub(super) fn measure(
+    name: &str,
+    scene: &Scene,
+    most: usize,
+    settings: &Settings<'_>,
+    pool: &ThreadPool,
+    tell: &mut dyn FnMut(f64, &str),
+) -> Result<Outcome, StudyError> {
+    let divisions = divisions(scene, most)?;
+    let mut of_divisions: Vec<(Solved, &Elements<'_>, Light)> = Vec::new();
+    let mut last = None;
+    // Both ways go with the square, and the hierarchy is as much again as the finest.
+    let square = |elements: &Elements<'_>| (elements.list.len() as f64).powi(2);
+    let first = divisions.first().map_or(0.0, |(_, elements)| square(elements));
+    let all = 2.0 * divisions.iter().map(|(_, elements)| square(elements)).sum::<f64>() + first;
+    let mut done = 0.0;
+    for (side, elements) in &divisions {
+        let count = elements.list.len();
+        tell(done / all, &format!("all pairs of {count} elements"));
+        let (full, factors, radiosity) = pool.install(|| all_pairs(*side, elements, settings))?;
+        done += square(elements);
+        tell(done / all, &format!("progressive refinement, {count} elements"));
+        let (mut shot, light) = pool.install(|| progressive(*side, elements, settings))?;
+        done += square(elements);
+        shot.unfinished = Some(error_of(&elements.list, &light, &radiosity));
+        last = Some(descent(elements, &factors, &radiosity, settings)?);
+        of_divisions.extend([(full, elements, radiosity), (shot, elements, light)]);
+    }
+    let (Some((full, elements, radiosity)), Some(descent)) = (of_divisions.first(), last) else {
+        return Err(StudyError::Unreadable(format!("{name}: there is nothing to solve")));
+    };
+    let mut of_links: Vec<(Solved, Elements<'_>, Light)> = Vec::new();
+    let mut bound = BOUND;
+    for _ in 0..BOUNDS {
+        tell(done / all, &format!("hierarchical, bound {bound:.1e}"));
+        of_links.push(pool.install(|| by_links(scene, bound, settings))?);
+        if of_links.last().is_some_and(|(run, ..)| run.elements >= MORE * full.elements) {
+            break;
+        }
+        bound *= TIGHTER;
+    }
+    let Some((_, finest, light)) = of_links.last() else {
+        return Err(StudyError::Unreadable(format!("{name}: there are no links")));
+    };
+    let references = [(Field::new(elements, radiosity), ACROSS), (Field::new(finest, light), ACROSS_LINKS)];
+    let mut runs = Vec::new();
+    let all = of_divisions.iter().rev().map(|(run, elements, light)| (run, *elements, light));
+    for (run, elements, light) in
+        all.chain(of_links.iter().map(|(run, elements, light)| (run, elements, light)))
+    {
+        settings.go_on()?;
+        let field = Field::new(elements, light);
+        let itself = |reference: &Field<'_>| {
+            reference.is_on(elements) && matches!(run.solver, Solver::Full | Solver::Hierarchical)
+        };
+        let errors = references
+            .each_ref()
+            .map(|(reference, levels)| (!itself(reference)).then(|| field.error(reference, *levels)));
+        runs.push(Solved { errors, ..run.clone() });
+    }
+    Ok(Outcome { name: name.to_owned(), runs, descent })
+}
+
+/// Radiosity of each element.
+type Light = Vec<glanz_light::Spectrum>;
+
+fn all_pairs(
+    side: f64,
+    elements: &Elements<'_>,
+    settings: &Settings<'_>,
+) -> Result<(Solved, FormFactors, Light), StudyError> {
+    let solve = || {
+        let factors = FormFactors::new(elements, |_| settings.go_on().is_ok());
+        let factors = factors.ok_or(StudyError::Interrupted)?;
+        let solved = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), |_, _| true);
+        Ok::<_, StudyError>((factors, solved))
+    };
+    let (made, processors, wall) = timed(solve);
+    let (factors, solved) = made?;
+    let run = Solved {
+        solver: Solver::Full,
+        setting: side,
+        elements: elements.list.len(),
+        processors,
+        wall,
+        kept: Some((0..factors.len()).map(|i| factors.row(i).len()).sum()),
+        bytes: Some(factors.bytes()),
+        rays: factors.rays(),
+        steps: solved.sweeps as usize,
+        unfinished: Some(0.0),
+        errors: [None; 2],
+    };
+    Ok((run, factors, solved.radiosity))
+}
+
+fn progressive(
+    side: f64,
+    elements: &Elements<'_>,
+    settings: &Settings<'_>,
+) -> Result<(Solved, Light), StudyError> {
+    let solve = || {
+        let (mut shot, mut steps) = (Progressive::new(elements), 0);
+        while shot.left(elements) > LEFT && shot.shoot(elements) {
+            settings.go_on()?;
+            steps += 1;
+        }
+        Ok::<_, StudyError>((shot, steps))
+    };
+    let (made, processors, wall) = timed(solve);
+    let (shot, steps) = made?;
+    let run = Solved {
+        solver: Solver::Progressive,
+        setting: side,
+        elements: elements.list.len(),
+        processors,
+        wall,
+        kept: None,
+        // What has arrived, and what has not been sent.
+        bytes: Some(2 * size_of_val(shot.radiosity())),
+        rays: shot.rays(),
+        steps,
+        unfinished: None,
+        errors: [None; 2],
+    };
+    Ok((run, shot.radiosity().to_vec()))
+}
+
+fn by_links<'a>(
+    scene: &'a Scene,
+    bound: f64,
+    settings: &Settings<'_>,
+) -> Result<(Solved, Elements<'a>, Light), StudyError> {
+    // Faces in one piece.
+    let side = 2.0 * scene.bounds().diagonal().length();
+    let way = Hierarchical { bound, ..Hierarchical::default() };
+    let solve = || {
+        let start = Elements::new(scene, &ElementSettings { side })?;
+        hierarchical(start, &way, |_: &Progress| settings.go_on().is_ok())
+            .map_err(|error| StudyError::Unreadable(error.to_string()))
+    };
+    let (made, processors, wall) = timed(solve);
+    let solved = made?;
+    settings.go_on()?;
+    let run = Solved {
+        solver: Solver::Hierarchical,
+        setting: bound,
+        elements: solved.elements.list.len(),
+        processors,
+        wall,
+        kept: Some(solved.effort.links),
+        bytes: None,
+        rays: solved.effort.rays,
+        steps: solved.effort.sweeps as usize,
+        unfinished: None,
+        errors: [None; 2],
+    };
+    Ok((run, solved.elements, solved.radiosity))
+}

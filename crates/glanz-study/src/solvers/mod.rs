@@ -1,0 +1,52 @@
+//! Solvers of radiosity over the number of elements: time, rays, memory and errors (document 003 chapter 4).
+
+mod descent;
+mod field;
+mod figures;
+mod furnace;
+mod measure;
+mod tell;
+
+use glanz_scene::Scene;
+
+use self::furnace::Furnace;
+use self::measure::measure;
+use crate::report::Report;
+use crate::rooms;
+use crate::study::{Settings, StudyError, Watch};
+
+/// Elements of the finest solution by all pairs, at most.
+const ELEMENTS: u32 = 3000;
+
+/// Runs the study.
+///
+/// # Errors
+/// An end that was wanted, or rooms that cannot be read or divided.
+pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
+    settings.go_on()?;
+    let most = settings.elements.unwrap_or(ELEMENTS) as usize;
+    let rooms = settings.rooms.clone().unwrap_or_else(|| vec!["direct".to_owned()]);
+    let mut scenes = Vec::new();
+    for named in &rooms {
+        let read = rooms::read(named)?;
+        scenes.push((read.name, Scene::resolve(read.loaded.description)?.0));
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads.unwrap_or(2).max(1)).build()?;
+    let parts = (scenes.len() + 1) as f64;
+    watch.progress(0.0, "furnaces");
+    let furnaces = pool.install(|| furnace::measure(settings))?;
+    let mut outcomes = Vec::new();
+    for (number, (name, scene)) in scenes.iter().enumerate() {
+        let mut tell = |share: f64, what: &str| {
+            watch.progress((number as f64 + 1.0 + share) / parts, &format!("{name}, {what}"));
+        };
+        // The pool's threads cannot tell how far they are: each run is told before it begins.
+        outcomes.push(measure(name, scene, most, settings, &pool, &mut tell)?);
+    }
+    let report = tell::tell_all(&outcomes, &furnaces, most, pool.current_num_threads());
+    watch.progress(1.0, "done");
+    Ok(report)
+}
+
+#[cfg(test)]
+mod tests;
