@@ -6,7 +6,7 @@
 //!
 //! - [`Camera`] turns a place on the film into a ray;
 //! - [`Scene::intersect`] answers with an [`Interaction`], [`Scene::occluded`] with yes or no;
-//! - [`Light`]s are chosen by [`Scene::pick_light`] and sampled by [`Scene::sample_light`]; the densities for multiple
+//! - [`Light`]s are chosen by [`Scene::pick_light`] and sampled by [`Scene::sample_light`], or by [`Scene::emit`] for paths that begin there; the densities for multiple
 //!   importance sampling come from [`Scene::light_pdf`] and [`Scene::infinite_pdf`].
 //!
 //! ```
@@ -57,7 +57,7 @@ pub use chart::Chart;
 pub use description::{Description, Location};
 pub use error::{SceneError, SceneErrorKind, SceneWarning};
 pub use interaction::{Interaction, Reference};
-pub use light::{Light, LightId, LightSample, MAX_LIGHT_GROUPS};
+pub use light::{Light, LightId, LightRay, LightSample, MAX_LIGHT_GROUPS};
 pub use object::Object;
 pub use placed::{Place, PlacedPoint, PlacedSurface};
 pub use scene::{MAX_NESTING, Scene};

@@ -62,6 +62,14 @@ impl AreaLight {
         self.radiance * (PI * sides * self.area.unwrap_or(0.0)) as f32
     }
 
+    pub(super) fn object(&self) -> u32 {
+        self.object
+    }
+
+    pub(super) fn is_two_sided(&self) -> bool {
+        self.two_sided
+    }
+
     /// Radiance that leaves `point` of the surface towards `direction`.
     #[must_use]
     pub fn emitted(&self, point: &SurfacePoint, direction: DVec3) -> Spectrum {

@@ -26,6 +26,10 @@ impl DistantLight {
         self.irradiance
     }
 
+    pub(super) fn towards(&self) -> DVec3 {
+        self.towards
+    }
+
     pub(super) fn sample(&self, from: &Interaction) -> LightSample {
         LightSample {
             wi: self.towards,

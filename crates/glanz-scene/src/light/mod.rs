@@ -2,6 +2,7 @@
 
 mod area;
 mod distant;
+mod emission;
 mod infinite;
 mod point;
 mod select;
@@ -15,6 +16,7 @@ use crate::scene::Scene;
 
 pub use area::AreaLight;
 pub use distant::DistantLight;
+pub use emission::LightRay;
 pub use infinite::InfiniteLight;
 pub use point::PointLight;
 pub(crate) use select::LightSelector;

@@ -29,6 +29,14 @@ impl PointLight {
         self.intensity * (4.0 * PI) as f32
     }
 
+    pub(super) fn position(&self) -> DVec3 {
+        self.position
+    }
+
+    pub(super) fn range(&self) -> Option<f64> {
+        self.range
+    }
+
     pub(super) fn sample(&self, from: &Interaction) -> Option<LightSample> {
         sample_point(from, self.position, |_, distance| self.intensity * window(distance, self.range))
     }
@@ -38,7 +46,7 @@ impl PointLight {
 ///
 /// # Source
 /// @khr_lights_punctual, attenuation by range.
-fn window(distance: f64, range: Option<f64>) -> f32 {
+pub(super) fn window(distance: f64, range: Option<f64>) -> f32 {
     range.map_or(1.0, |range| (1.0 - (distance / range).powi(4)).max(0.0) as f32)
 }
 

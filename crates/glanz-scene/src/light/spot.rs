@@ -49,9 +49,24 @@ impl SpotLight {
     }
 
     pub(super) fn sample(&self, from: &Interaction) -> Option<LightSample> {
-        sample_point(from, self.position, |direction, _| {
-            self.intensity * self.share(direction.dot(self.axis))
-        })
+        sample_point(from, self.position, |direction, _| self.intensity(direction))
+    }
+
+    pub(super) fn position(&self) -> DVec3 {
+        self.position
+    }
+
+    pub(super) fn axis(&self) -> DVec3 {
+        self.axis
+    }
+
+    pub(super) fn cos_outer(&self) -> f64 {
+        self.cos_outer
+    }
+
+    /// What it sends into a unit direction, W/sr.
+    pub(super) fn intensity(&self, direction: DVec3) -> Spectrum {
+        self.intensity * self.share(direction.dot(self.axis))
     }
 
     /// Share of the intensity sent under the cosine `cos` to the axis.

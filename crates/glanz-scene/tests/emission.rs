@@ -1,0 +1,165 @@
+//! Rays that leave lights bring to a surface what the surface finds when it looks for the lights.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot make its scene has failed")]
+
+use std::f64::consts::{PI, TAU};
+
+use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
+use glanz_math::{DMat4, DVec2, DVec3, Ray};
+use glanz_scene::description::*;
+use glanz_scene::{Light, LightId, Scene};
+
+/// Roots of x^5 = x + 1: steps of a sequence that fills four dimensions evenly.
+const STEP: f64 = 1.167_303_978_261_418_7;
+
+const COUNT: u32 = 50_000;
+
+/// Two pairs of numbers in [0, 1).
+fn point(i: u32) -> [DVec2; 2] {
+    let x = |d: i32| (0.5 + f64::from(i) * STEP.powi(-d)).fract();
+    [DVec2::new(x(1), x(2)), DVec2::new(x(3), x(4))]
+}
+
+fn bright(light: Spectrum) -> f64 {
+    f64::from(light.mean(&Wavelengths::default()))
+}
+
+fn shape(geometry: GeometryDescription, emission: Option<bool>, to_parent: DMat4) -> ShapeDescription {
+    ShapeDescription {
+        geometry,
+        to_parent,
+        reverse_orientation: false,
+        material: 0,
+        emission: emission.map(|two_sided| EmissionDescription {
+            radiance: SpectralDistribution::Constant(2.0),
+            scale: 1.0,
+            power: None,
+            two_sided,
+        }),
+        trim: None,
+        location: None,
+    }
+}
+
+/// A unit square at z = 0 that faces up, a screen that hides a part of it, and a light.
+fn scene(lamp: Option<ShapeDescription>, light: Option<(LightKind, DMat4)>) -> Scene {
+    let square = |corner: DVec3, side: f64| GeometryDescription::Bilinear {
+        positions: vec![
+            corner,
+            corner + DVec3::X * side,
+            corner + DVec3::Y * side,
+            corner + DVec3::new(side, side, 0.0),
+        ],
+        indices: vec![[0, 1, 2, 3]],
+    };
+    let black = SpectrumInput::Value(SpectralDistribution::Constant(0.0));
+    let mut description = Description {
+        materials: vec![MaterialDescription {
+            name: String::new(),
+            kind: MaterialKind::Diffuse { reflectance: black },
+            location: None,
+        }],
+        ..Description::default()
+    };
+    description.world.shapes.push(shape(square(DVec3::ZERO, 1.0), None, DMat4::IDENTITY));
+    description.world.shapes.push(shape(square(DVec3::new(0.6, 0.5, 0.4), 0.3), None, DMat4::IDENTITY));
+    description.world.shapes.extend(lamp);
+    description.lights.extend(light.map(|(kind, to_world)| LightDescription {
+        kind,
+        emission: SpectralDistribution::Constant(3.0),
+        scale: 1.0,
+        to_world,
+        location: None,
+    }));
+    Scene::resolve(description).unwrap().0
+}
+
+/// Power of all rays, and of those that meet the square from above.
+fn sent(scene: &Scene) -> (f64, f64) {
+    let (mut all, mut met) = (0.0, 0.0);
+    for i in 0..COUNT {
+        let [place, direction] = point(i);
+        let Some(light) = scene.emit(LightId(0), place, direction) else { continue };
+        all += bright(light.power);
+        assert!(light.ray.direction.is_normalized());
+        if let Some(hit) = scene.intersect(&light.ray, f64::INFINITY)
+            && hit.point.position.z.abs() < 1e-9
+            && light.ray.direction.z < 0.0
+        {
+            met += bright(light.power) * f64::from(light.left_at(hit.t));
+        }
+    }
+    (all / f64::from(COUNT), met / f64::from(COUNT))
+}
+
+/// The same found from the square.
+fn received(scene: &Scene) -> f64 {
+    let mut sum = 0.0;
+    for i in 0..COUNT {
+        let [place, xi] = point(i);
+        let ray = Ray::new(DVec3::new(place.x, place.y, 1e-3), -DVec3::Z);
+        let from = scene.intersect(&ray, f64::INFINITY).unwrap();
+        let Some(sample) = scene.sample_light(LightId(0), &from, xi, &Wavelengths::default()) else {
+            continue;
+        };
+        if sample.wi.z > 0.0 && !scene.occluded(&sample.shadow, sample.t_max) {
+            sum += bright(sample.radiance) * sample.wi.z / sample.pdf.0;
+        }
+    }
+    sum / f64::from(COUNT)
+}
+
+#[test]
+fn what_lights_send_is_what_a_surface_finds() {
+    let disk = GeometryDescription::Disk { height: 0.0, radius: 0.4, inner_radius: 0.0, phi_max: TAU };
+    let ball = GeometryDescription::Sphere { radius: 0.2, z: [-0.2, 0.2], phi_max: TAU };
+    let up = DMat4::from_translation(DVec3::new(0.4, 0.5, 0.9));
+    let down = up * DMat4::from_rotation_x(2.6);
+    let spot = |falloff| LightKind::Spot {
+        from: DVec3::new(0.2, 0.3, 0.9),
+        to: DVec3::new(0.6, 0.5, 0.0),
+        cone_angle: 0.7,
+        inner_angle: 0.3,
+        falloff,
+    };
+    let point_light = |range| LightKind::Point { from: DVec3::new(0.3, 0.4, 0.7), range };
+    let distant = LightKind::Distant { from: DVec3::new(0.3, -0.2, 1.0), to: DVec3::ZERO };
+    let cases: Vec<(&str, Scene, bool)> = vec![
+        ("point", scene(None, Some((point_light(None), DMat4::IDENTITY))), true),
+        ("fading point", scene(None, Some((point_light(Some(1.0)), DMat4::IDENTITY))), true),
+        ("quartic spot", scene(None, Some((spot(SpotFalloff::Quartic), DMat4::IDENTITY))), true),
+        ("smooth spot", scene(None, Some((spot(SpotFalloff::Smoothstep), DMat4::IDENTITY))), true),
+        ("distant", scene(None, Some((distant, DMat4::IDENTITY))), false),
+        ("infinite", scene(None, Some((LightKind::Infinite, DMat4::IDENTITY))), false),
+        ("disk", scene(Some(shape(disk.clone(), Some(false), down)), None), true),
+        ("disk of two sides", scene(Some(shape(disk, Some(true), down)), None), true),
+        ("sphere", scene(Some(shape(ball, Some(false), up)), None), true),
+    ];
+    for (name, scene, has_power) in cases {
+        let ((all, met), expected) = (sent(&scene), received(&scene));
+        assert!(expected > 0.01, "{name}: nothing to compare");
+        assert!((met / expected - 1.0).abs() < 0.01, "{name}: {met} {expected}");
+        let power = match scene.light(LightId(0)).unwrap() {
+            Light::Point(light) => bright(light.power()),
+            Light::Spot(light) => bright(light.power()),
+            Light::Area(light) => bright(light.power()),
+            _ => continue,
+        };
+        assert!(has_power && (all / power - 1.0).abs() < 0.005, "{name}: {all} {power}");
+    }
+}
+
+#[test]
+fn rays_from_far_away_fill_the_sphere_around_the_scene() {
+    let scene = scene(None, Some((LightKind::Infinite, DMat4::IDENTITY)));
+    let radius = 1.001 * 0.5 * scene.bounds().diagonal().length();
+    let (all, _) = sent(&scene);
+    // A sphere in even light of radiance 3 gets pi times that on its 4 pi r^2.
+    assert!((all / (4.0 * PI * PI * radius * radius * 3.0) - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn what_cannot_be_picked_sends_nothing() {
+    let scene = scene(None, Some((LightKind::Infinite, DMat4::IDENTITY)));
+    assert!(scene.emit(LightId(1), DVec2::ZERO, DVec2::ZERO).is_none());
+}
