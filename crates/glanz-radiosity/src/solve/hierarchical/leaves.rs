@@ -135,3 +135,40 @@ fn form_factor(leaf: &Branch, to: &Branch) -> f64 {
         .fold((0.0, 0.0), |(sum, area), from| (sum + from.area * of(from), area + from.area));
     if area > 0.0 { sum / area } else { 0.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use glanz_math::DVec3;
+    use glanz_scene::description::GeometryDescription;
+
+    use super::*;
+    use crate::elements::{ElementSettings, Elements};
+    use crate::scenes::{parallelogram, scene};
+
+    /// Of the inside of a tube half of any places face away from a wall; what is behind the other half does not follow from the tube's
+    /// surroundings.
+    #[test]
+    fn rays_begin_and_end_at_places_that_face_each_other() {
+        let tube = GeometryDescription::Cylinder { radius: 0.1, z: [0.0, 2.0], phi_max: TAU };
+        let wall = parallelogram(DVec3::new(1.0, -1.0, 0.0), DVec3::Z * 2.0, DVec3::Y * 2.0);
+        let scene = scene(vec![(tube, 0.5, 0.0), (wall, 0.5, 0.0)]);
+        let elements = Elements::new(&scene, &ElementSettings { side: 9.0 }).unwrap();
+        let tree = Tree::new(elements, 0.1);
+        let side = |surface: u32, back: bool| {
+            let is_it = |branch: &&Branch| {
+                branch.element.as_ref().is_some_and(|e| e.patch.surface == surface && e.patch.back == back)
+            };
+            tree.branches.iter().find(is_it).unwrap()
+        };
+        let (inside, outside, wall) = (side(0, true), side(0, false), side(1, false));
+        assert!(form_factor(inside, wall) > 0.0 && form_factor(outside, wall) > 0.0);
+        for (turn, count) in (0..64).flat_map(|turn| [(turn, 1), (turn, 2), (turn, 5)]) {
+            assert_eq!(look(&tree, inside, wall, turn, count), (Some(0.0), count as u64));
+            assert_eq!(look(&tree, outside, wall, turn, count), (Some(1.0), count as u64));
+        }
+        let (share, rays) = look(&tree, wall, side(1, true), 0, 2);
+        assert_eq!((share, rays), (None, 0));
+    }
+}
