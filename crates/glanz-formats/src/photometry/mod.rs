@@ -1,6 +1,6 @@
 //! Photometric files: how much light a luminaire sends in which direction.
 //!
-//! [`ies`] reads IES LM-63 of all editions, [`ldt`] reads EULUMDAT; both give a [`Photometry`].
+//! [`ies`] reads IES LM-63 of all editions, [`ldt`] reads EULUMDAT; both give a [`Photometry`]. [`tm25`] reads ray files.
 //! Faults carry line and column, and what is odd but harmless comes as warnings of the same form.
 //!
 //! # The luminaire's frame
@@ -27,6 +27,7 @@ pub mod ldt;
 mod opening;
 mod text;
 mod tilt;
+pub mod tm25;
 
 use glanz_math::DVec3;
 
