@@ -57,7 +57,7 @@ pub fn read(bytes: &[u8]) -> Result<PhotometryFile, Fault> {
     let measurement_tilt = lines.number("tilt during measurement")?;
     let (lamps, is_absolute) = lines.lamps()?;
     let stored = Planes::of(symmetry, planes, &lines)?;
-    let direct_ratios = lines.direct_ratios(planes + gammas, stored.count * gammas)?;
+    let direct_ratios = lines.direct_ratios(planes + gammas, stored.count.saturating_mul(gammas))?;
     let distribution = lines.distribution(&stored, gammas, multiplier * lamps.flux / 1000.0)?;
     lines.end();
     let input_watts = lamps.sets.first().map_or(0.0, |set| set.watts);
@@ -131,7 +131,7 @@ impl Planes {
             3 => (Symmetry::AcrossX, 2),
             _ => (Symmetry::Quadrants, 4),
         };
-        if listed % parts != 0 {
+        if !listed.is_multiple_of(parts) {
             let allowed = "even for symmetries 2 and 3, a multiple of 4 for symmetry 4";
             return Err(lines.value("number of C planes", listed as f64, allowed));
         }

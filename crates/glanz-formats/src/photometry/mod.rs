@@ -1,7 +1,7 @@
 //! Photometric files: how much light a luminaire sends in which direction.
 //!
-//! [`ies`] reads IES LM-63 of all editions, [`ldt`] reads EULUMDAT; both give a [`Photometry`]. [`tm25`] reads ray files.
-//! Faults carry line and column, and what is odd but harmless comes as warnings of the same form.
+//! [`ies`] reads IES LM-63 of all editions, [`ldt`] reads EULUMDAT; both give a [`Photometry`], and [`read`] tells one
+//! from the other. [`tm25`] reads ray files. Faults carry line and column, and what is odd but harmless comes as warnings of the same form.
 //!
 //! # The luminaire's frame
 //!
@@ -16,6 +16,18 @@
 //! So the photometric horizontal of LM-63 is +x in all three, and photometric zero is -z: C at gamma 0, B at (0, 0),
 //! A at V = -90. The beam of a type A file, (0, 0), points along +x. In LM-63 the length of the opening lies along x. In EULUMDAT
 //! it lies along y, since there C0 is the plane across a linear luminaire.
+//!
+//! ```
+//! use glanz_formats::photometry;
+//! use glanz_math::DVec3;
+//!
+//! let text = "IESNA:LM-63-2002\n[LUMINAIRE] Globe\nTILT=NONE\n1 1000 1 2 1 1 2 -0.3 -0.3 -0.3 1 1 12\n0 180\n0\n60 60\n";
+//! let globe = photometry::read(text.as_bytes())?.photometry;
+//! assert_eq!(globe.intensity(DVec3::X), 60.0);
+//! assert!((globe.flux() - 60.0 * 4.0 * std::f64::consts::PI).abs() < 1e-9);
+//! assert_eq!(globe.header_flux(), Some(1000.0));
+//! # Ok::<(), photometry::Fault>(())
+//! ```
 //!
 //! # Source
 //! @lm63_2019, @lm63_2002, @stockmar1990, @cie121, @ashdown1998 for the editions before 2002.
@@ -138,6 +150,16 @@ pub struct PhotometryFile {
     pub photometry: Photometry,
     /// What was mended or passed over.
     pub warnings: Vec<Fault>,
+}
+
+/// Reads LM-63 or EULUMDAT, whichever the content is: LM-63 has a line that begins with `TILT=`.
+///
+/// # Errors
+/// [`Fault`] with its place.
+pub fn read(bytes: &[u8]) -> Result<PhotometryFile, Fault> {
+    let mut lines = bytes.split(|&b| b == b'\n').map(<[u8]>::trim_ascii_start);
+    let is_tilt = |line: &[u8]| line.get(..5).is_some_and(|l| l.eq_ignore_ascii_case(b"TILT="));
+    if lines.any(is_tilt) { ies::read(bytes) } else { ldt::read(bytes) }
 }
 
 impl Photometry {
