@@ -33,8 +33,9 @@ pub enum Symmetry {
 /// Luminous intensities in candela on a grid of directions around an axis.
 ///
 /// A direction has an azimuth about the axis and a polar angle from it, both in degrees. For type C these are C and
-/// gamma, about -z; for type A horizontal angle and vertical angle + 90, about -z; for type B vertical angle and horizontal
-/// angle + 90, about +y. Symmetry is unfolded. Between the angles the intensity is bilinear, outside them zero.
+/// gamma, about -z; for type A horizontal angle and vertical angle + 90, about -z; for type B vertical angle and
+/// horizontal angle + 90, about +y. Symmetry is unfolded. Between the angles the intensity is bilinear, outside them
+/// zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Distribution {
     system: AngularSystem,
@@ -54,8 +55,8 @@ pub struct Distribution {
 const ROUNDING: f64 = 8.0 * 360.0 * f64::EPSILON;
 
 impl Distribution {
-    /// `azimuths`: of the rows of `candela`, as measured; for types A and C `symmetry` adds the others. Checked by the reader: angles
-    /// ascend, polar angles lie in [0, 180], `candela` has `azimuths.len() * polars.len()` values.
+    /// `azimuths`: of the rows of `candela`, as measured; for types A and C `symmetry` adds the others. Checked by the
+    /// reader: angles ascend, polar angles lie in [0, 180], `candela` has `azimuths.len() * polars.len()` values.
     pub(super) fn new(
         system: AngularSystem,
         symmetry: Symmetry,

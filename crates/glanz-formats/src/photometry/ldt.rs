@@ -1,8 +1,8 @@
 //! EULUMDAT: the format of Europe, one value per line, intensities in candela per 1000 lumens of the lamps.
 //!
 //! A decimal comma is a decimal point. What is commonly missing or empty is told and mended. Intensities come out in
-//! candela for the first set of lamps; [`Photometry::with_lamps`] changes that. For absolute photometry (a negative number of
-//! lamps) the flux stated is the luminaire's own, and intensities are per 1000 lumens of that.
+//! candela for the first set of lamps; [`Photometry::with_lamps`] changes that. For absolute photometry (a negative
+//! number of lamps) the flux stated is the luminaire's own, and intensities are per 1000 lumens of that.
 //!
 //! # Source
 //! @stockmar1990; departure: several sets of lamps are read set by set, and field by field only where the numbers do

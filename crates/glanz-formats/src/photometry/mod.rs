@@ -1,7 +1,8 @@
 //! Photometric files: how much light a luminaire sends in which direction.
 //!
 //! [`ies`] reads IES LM-63 of all editions, [`ldt`] reads EULUMDAT; both give a [`Photometry`], and [`read`] tells one
-//! from the other. [`tm25`] reads ray files. Faults carry line and column, and what is odd but harmless comes as warnings of the same form.
+//! from the other. [`tm25`] reads ray files. Faults carry line and column, and what is odd but harmless comes as
+//! warnings of the same form.
 //!
 //! # The luminaire's frame
 //!
@@ -14,14 +15,16 @@
 //! | B | V about y from -z to +x, H out of the plane of V towards -y | (cos H sin V, -sin H, -cos H cos V) |
 //!
 //! So the photometric horizontal of LM-63 is +x in all three, and photometric zero is -z: C at gamma 0, B at (0, 0),
-//! A at V = -90. The beam of a type A file, (0, 0), points along +x. In LM-63 the length of the opening lies along x. In EULUMDAT
-//! it lies along y, since there C0 is the plane across a linear luminaire.
+//! A at V = -90. The beam of a type A file, (0, 0), points along +x. In LM-63 the length of the opening lies along x.
+//! In EULUMDAT it lies along y, since there C0 is the plane across a linear luminaire
+//! (custom after CIE 121; the file does not say).
 //!
 //! ```
 //! use glanz_formats::photometry;
 //! use glanz_math::DVec3;
 //!
-//! let text = "IESNA:LM-63-2002\n[LUMINAIRE] Globe\nTILT=NONE\n1 1000 1 2 1 1 2 -0.3 -0.3 -0.3 1 1 12\n0 180\n0\n60 60\n";
+//! let text = "IESNA:LM-63-2002\n[LUMINAIRE] Globe\nTILT=NONE\n\
+//!     1 1000 1 2 1 1 2 -0.3 -0.3 -0.3 1 1 12\n0 180\n0\n60 60\n";
 //! let globe = photometry::read(text.as_bytes())?.photometry;
 //! assert_eq!(globe.intensity(DVec3::X), 60.0);
 //! assert!((globe.flux() - 60.0 * 4.0 * std::f64::consts::PI).abs() < 1e-9);
@@ -177,8 +180,9 @@ impl Photometry {
 
     /// Lumens as the header has them; `None` if it states none.
     ///
-    /// EULUMDAT: flux of the first set of lamps times light output ratio, what the luminaire gives. LM-63: rated flux of
-    /// the lamps times ballast factors, what the lamps give; [`Photometry::flux`] over this is the luminaire's efficiency.
+    /// EULUMDAT: flux of the first set of lamps times light output ratio, what the luminaire gives. LM-63: rated flux
+    /// of the lamps times ballast factors, what the lamps give; [`Photometry::flux`] over this is the luminaire's
+    /// efficiency.
     #[must_use]
     pub fn header_flux(&self) -> Option<f64> {
         let lamps = self.lamps.first()?.lumens?;
@@ -196,8 +200,8 @@ impl Photometry {
         (factor.is_finite() && factor >= 0.0).then(|| self.scaled_by(factor))
     }
 
-    /// The same luminaire with another of the sets of lamps of an EULUMDAT file, which then is the first; `None` if there is no such set or it
-    /// has no flux.
+    /// The same luminaire with another of the sets of lamps of an EULUMDAT file, which then is the first; `None` if
+    /// there is no such set or it has no flux.
     #[must_use]
     pub fn with_lamps(&self, set: usize) -> Option<Self> {
         let lumens = |set: usize| self.lamps.get(set).and_then(|lamps| lamps.lumens);

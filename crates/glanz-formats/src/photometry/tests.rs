@@ -335,8 +335,8 @@ fn flux_is_the_sum_of_intensities_over_small_solid_angles() {
         let p =
             read_ies(&ies_text(&format!("1 -1 1 4 3 {kind} 2 0 0 0 1 1 1"), &format!("{angles} {values}")))
                 .photometry;
-        // Points at the centres of equal areas; the grid's borders do not fall on their lattice, so the error is of the order of a
-        // line of cells where the intensity jumps to zero (types A and B), else of a cell.
+        // Points at the centres of equal areas; the grid's borders do not fall on their lattice, so the error is of
+        // the order of a line of cells where the intensity jumps to zero (types A and B), else of a cell.
         let n = 500;
         let mut sum = 0.0;
         for i in 0..n {

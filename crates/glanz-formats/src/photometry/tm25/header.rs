@@ -101,8 +101,8 @@ impl Header {
     }
 }
 
-/// Most spectral tables, pairs in all of them, additional columns and bytes of additional text that are read. A stream does not tell its
-/// length, so these bound memory where counts are damaged; real files stay far below.
+/// Most spectral tables, pairs in all of them, additional columns and bytes of additional text that are read. A stream
+/// does not tell its length, so these bound memory where counts are damaged; real files stay far below.
 const MAX_TABLES: i32 = 1 << 16;
 const MAX_PAIRS: usize = 1 << 22;
 const MAX_COLUMNS: i32 = 1 << 10;

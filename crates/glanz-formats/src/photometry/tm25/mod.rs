@@ -5,7 +5,7 @@
 //!
 //! | bytes | what |
 //! |---|---|
-//! | 256 | magic `TM25`, version, creation, luminous and radiant flux, number of rays (64 bits), date (28 bytes), start position, spectral identifier, wavelength, least and largest wavelength, numbers of spectral tables and of additional columns, bytes of additional text, zeros |
+//! | 256 | file header, see below |
 //! | 8 x 4 | flags: position, direction, radiant flux, wavelength, luminous flux, Stokes, tristimulus, spectrum index |
 //! | 9 x 4000 | descriptions |
 //! | padded to 32 | spectral tables: number of pairs, then pairs of wavelength and weight |
@@ -13,11 +13,15 @@
 //! | as declared | additional text |
 //! | rest | rays: x y z (mm), direction, then what the flags say, as [`Ray`] has it in order |
 //!
+//! The file header is magic `TM25`, version, creation, luminous and radiant flux, number of rays (64 bits), date (28
+//! bytes), start position, spectral identifier, single, least and largest wavelength, numbers of spectral tables and of
+//! additional columns, bytes of additional text, and zeros.
+//!
 //! # Source
 //! @tm25_2013, after a reader and writer in the public domain that name its sections (@muschaweck2019) and what is
-//! reported of makers' files; of these only files with a radiant flux and a shared spectrum are known, so the columns for
-//! Stokes parameters, tristimulus values and additional items rest on that one implementation. Files of TM-25-20 that do
-//! not call themselves version 2013 are refused.
+//! reported of makers' files; of these only files with a radiant flux and a shared spectrum are known, so the columns
+//! for Stokes parameters, tristimulus values and additional items rest on that one implementation. Files of TM-25-20
+//! that do not call themselves version 2013 are refused.
 
 mod header;
 #[cfg(test)]

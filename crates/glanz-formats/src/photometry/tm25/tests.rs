@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// A file of two rays with the columns of `flags` (radiant flux to spectrum index), one additional column and two spectral tables
-/// of 1 and 2 pairs.
+/// A file of two rays with the columns of `flags` (radiant flux to spectrum index), one additional column and two
+/// spectral tables of 1 and 2 pairs.
 fn file(identifier: i32, flags: [i32; 6], rays: &[&[f32]]) -> Vec<u8> {
     let mut out = b"TM25".to_vec();
     let int = |out: &mut Vec<u8>, v: i32| out.extend(v.to_le_bytes());
