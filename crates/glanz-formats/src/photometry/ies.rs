@@ -3,6 +3,13 @@
 //! A line with the edition (none in 1986), lines `[KEYWORD] text`, a line `TILT=`, then numbers over any number of
 //! lines with blanks, commas or line ends between them. Text may be ASCII, UTF-8 or Windows-1252.
 //!
+//! | type | horizontal angles | symmetry |
+//! |---|---|---|
+//! | C | 0; 0 to 90; 0 to 180; 90 to 270; 0 to 360 | axial; quadrants; across y; across x; none |
+//! | A, B | 0 to 90; from below 0 | across y; none |
+//!
+//! Vertical angles are never mirrored: outside those given there is no light.
+//!
 //! # Source
 //! @lm63_2019, @lm63_2002; @ashdown1998 for the earlier editions.
 
