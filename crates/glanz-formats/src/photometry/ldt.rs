@@ -297,6 +297,7 @@ impl Lines<'_> {
 
     /// The ten ratios, unless exactly ten lines are missing for `angles` and `intensities`.
     fn direct_ratios(&mut self, angles: usize, intensities: usize) -> Result<Option<[f64; 10]>, Fault> {
+        self.cursor.last = (self.cursor.at.min(self.cursor.bytes.len()), 0);
         let rest = self.cursor.bytes.get(self.cursor.at..).unwrap_or_default();
         let blank = |b: &u8| b.is_ascii_whitespace() || *b == 0x1A;
         let end = rest.iter().rposition(|b| !blank(b)).map_or(0, |i| i + 1);
