@@ -3,7 +3,7 @@
 //! [`registry`] recognises a scene by content and reads it: [`load`] gives a
 //! [`Description`](glanz_scene::Description), which `glanz-scene` turns into a scene, and [`diagnostic::Diagnostics`]
 //! that point into the input. [`pbrt`] is the scene language, [`ply`] reads meshes, [`newell`] and [`rib`] lists of
-//! patches, [`image`] reads and writes pictures, [`glb`] writes models. Whatever bytes come, there is a result or an error: no panic, no hang, and no
+//! patches, [`photometry`] the light of luminaires, [`image`] reads and writes pictures, [`glb`] writes models. Whatever bytes come, there is a result or an error: no panic, no hang, and no
 //! more memory than the input warrants.
 //!
 //! ```
@@ -28,6 +28,7 @@ pub mod glb;
 pub mod image;
 pub mod newell;
 pub mod pbrt;
+pub mod photometry;
 pub mod ply;
 pub mod registry;
 pub mod rib;
@@ -35,5 +36,6 @@ pub mod source;
 
 pub use content_hash::ContentHash;
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use photometry::Photometry;
 pub use registry::{Loaded, Options, SceneFormat, load, load_str};
 pub use source::Sources;

@@ -1,0 +1,163 @@
+//! What is wrong or odd in a photometric file, and where.
+
+use glanz_scene::Location;
+use glanz_scene::description::FileId;
+
+use crate::diagnostic::{Diagnostic, Excerpt, Severity};
+
+/// Something wrong (as an error) or odd (as a warning) at a place of a file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{line}:{column}: {kind}")]
+pub struct Fault {
+    /// Line, from 1.
+    pub line: u32,
+    /// Column in bytes, from 1.
+    pub column: u32,
+    /// Bytes at fault.
+    pub length: usize,
+    /// What.
+    pub kind: FaultKind,
+}
+
+/// What is wrong or odd.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FaultKind {
+    /// The text is in a code of two bytes per character.
+    #[error("the file is UTF-16 text")]
+    Utf16,
+    /// There is no line `TILT=`.
+    #[error("there is no line that begins with \"TILT=\"")]
+    NoTilt,
+    /// A first line that names no known edition of LM-63.
+    #[error("the edition {0:?} of LM-63 is not known; read as that of 2019")]
+    Edition(String),
+    /// Tilt data are in another file that could not be had.
+    #[error("the tilt data in {name:?} cannot be read: {reason}")]
+    TiltFile {
+        /// Its name.
+        name: String,
+        /// Why.
+        reason: String,
+    },
+    /// The file ends too early.
+    #[error("the file ends before the {0}")]
+    End(&'static str),
+    /// Something that is not a finite number.
+    #[error("{text:?} is not a number; here stands the {what}")]
+    Number {
+        /// What should stand here.
+        what: &'static str,
+        /// What does.
+        text: String,
+    },
+    /// A number that cannot be.
+    #[error("the {what} is {value}, it should be {allowed}")]
+    Value {
+        /// Which number.
+        what: &'static str,
+        /// What it is.
+        value: f64,
+        /// What it may be.
+        allowed: &'static str,
+    },
+    /// More numbers declared than the file can hold.
+    #[error("{declared} {what} are declared, the file has room for {room}")]
+    Count {
+        /// Of what.
+        what: &'static str,
+        /// Declared.
+        declared: f64,
+        /// Present at most.
+        room: usize,
+    },
+    /// Angles that do not ascend.
+    #[error("the {what} must ascend, but {second} follows {first}")]
+    Order {
+        /// Which angles.
+        what: &'static str,
+        /// One angle.
+        first: f64,
+        /// The next.
+        second: f64,
+    },
+    /// Angles over a range that means nothing.
+    #[error("the {what} run from {first} to {last}; they should run {allowed}")]
+    Range {
+        /// Which angles.
+        what: &'static str,
+        /// First angle.
+        first: f64,
+        /// Last angle.
+        last: f64,
+        /// The ranges that mean something.
+        allowed: &'static str,
+    },
+    /// An intensity below zero, taken as zero.
+    #[error("{0} intensities are below zero; taken as zero")]
+    Negative(usize),
+    /// The planes do not reach round to the first one.
+    #[error("the last plane is at {0} degrees; the first one is taken again at 360")]
+    Open(f64),
+    /// The planes at 0 and at 360 degrees are one and the same, yet differ.
+    #[error("the planes at 0 and at 360 degrees differ; that at 0 is taken")]
+    Seam,
+    /// A luminous opening whose signs mean nothing.
+    #[error("a luminous opening of {0} by {1} by {2} means nothing; taken as a box")]
+    Opening(f64, f64, f64),
+    /// A factor that the edition keeps for later use.
+    #[error("the field for future use is {0}, not 1; it is passed over")]
+    FutureUse(f64),
+    /// Numbers behind the last one.
+    #[error("more follows behind the last intensity; it is passed over")]
+    Trailing,
+    /// An empty line in place of a number, taken as zero.
+    #[error("the line of the {0} is empty; taken as zero")]
+    Empty(&'static str),
+    /// The ten direct ratios are not there.
+    #[error("the ten direct ratios are missing")]
+    NoDirectRatios,
+    /// Sets of lamps are listed field by field.
+    #[error("the sets of lamps are listed field by field, not set by set")]
+    FieldByField,
+}
+
+impl FaultKind {
+    /// What to do about it.
+    #[must_use]
+    pub fn help(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::Utf16 => "save it as plain ASCII, Latin-1 or UTF-8",
+            Self::NoTilt => "an IES file has a line TILT=NONE, TILT=INCLUDE or TILT=name before its numbers",
+            Self::TiltFile { .. } => "put its four records behind a line TILT=INCLUDE",
+            Self::End(_) => "the file is cut short, or a count is too large: fetch it again",
+            Self::Number { .. } => "a value before it may be missing or one too many",
+            Self::Count { .. } => "check the count, or fetch the file again",
+            Self::Value { .. } | Self::Order { .. } | Self::Range { .. } => {
+                "check this line against the maker's data, or ask the maker for a valid file"
+            }
+            _ => return None,
+        })
+    }
+}
+
+impl Fault {
+    /// The same as a message with the line it is about.
+    ///
+    /// `file`: its name as the user would write it; `bytes`: what was read.
+    #[must_use]
+    pub fn diagnostic(&self, severity: Severity, file: &str, bytes: &[u8]) -> Diagnostic {
+        let line = bytes.split(|&b| b == b'\n').nth(self.line.saturating_sub(1) as usize).unwrap_or_default();
+        let line = line.strip_suffix(b"\r").unwrap_or(line);
+        let offset = self.column.saturating_sub(1) as usize;
+        Diagnostic {
+            severity,
+            kind: "photometry",
+            file: file.to_owned(),
+            location: Some(Location { file: FileId(0), line: self.line, column: self.column }),
+            message: self.kind.to_string(),
+            excerpt: Some(Excerpt::of_line(self.line, line, offset, self.length)),
+            help: self.kind.help().map(str::to_owned),
+        }
+    }
+}

@@ -1,0 +1,395 @@
+//! IES LM-63: the format of North America, in its editions of 1986, 1991, 1995, 2002 and 2019.
+//!
+//! A line with the edition (none in 1986), lines `[KEYWORD] text`, a line `TILT=`, then numbers over any number of
+//! lines with blanks, commas or line ends between them. Text may be ASCII, UTF-8 or Windows-1252.
+//!
+//! | type | horizontal angles | symmetry |
+//! |---|---|---|
+//! | C | 0; 0 to 90; 0 to 180; 90 to 270; 0 to 360 | axial; quadrants; across y; across x; none |
+//! | A, B | 0 to 90; from below 0 | across y; none |
+//!
+//! Vertical angles are never mirrored: outside those given there is no light.
+//!
+//! # Source
+//! @lm63_2019, @lm63_2002; @ashdown1998 for the earlier editions.
+
+use super::distribution::{AngularSystem, Distribution, Symmetry};
+use super::fault::{Fault, FaultKind};
+use super::mend_negative;
+use super::text::{Cursor, decode};
+use super::{
+    LampGeometry, LampSet, Names, Opening, OpeningShape, Photometry, PhotometryFile, PhotometryFormat, Tilt,
+};
+
+/// Gives the bytes of the file that a line `TILT=name` names, or says why not.
+pub type TiltFiles<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
+
+/// An intensity beyond this is a mistake; sums of such stay finite.
+pub(super) const MAX_CANDELA: f64 = 1e30;
+
+/// Reads a file whose tilt data, if any, are in it.
+///
+/// # Errors
+/// [`Fault`] with its place.
+pub fn read(bytes: &[u8]) -> Result<PhotometryFile, Fault> {
+    read_with(bytes, &mut |_| Err("the reader was given no way to other files".to_owned()))
+}
+
+/// The same, with a way to the file that a line `TILT=name` names.
+///
+/// # Errors
+/// [`Fault`] with its place.
+pub fn read_with(bytes: &[u8], tilt_files: &mut TiltFiles) -> Result<PhotometryFile, Fault> {
+    let mut cursor = Cursor::new(bytes)?;
+    let mut warnings = Vec::new();
+    let head = Head::read(&mut cursor, &mut warnings)?;
+    let tilt = match head.tilt.to_ascii_uppercase().as_str() {
+        "NONE" => None,
+        "INCLUDE" => Some(read_tilt(&mut cursor)?),
+        _ => Some(tilt_of_file(&head.tilt, &cursor, tilt_files)?),
+    };
+    let lamps = LampLine::read(&mut cursor, head.year, &mut warnings)?;
+    let values = Values::read(&mut cursor, &lamps, &mut warnings)?;
+    if cursor.has_more() {
+        let mut behind = cursor.clone();
+        let _ = behind.number("end");
+        warnings.push(behind.here(FaultKind::Trailing));
+    }
+    let is_absolute = lamps.lumens < 0.0;
+    let set = LampSet {
+        count: lamps.count,
+        lumens: (!is_absolute).then_some(lamps.lumens * lamps.count),
+        name: head.value("LAMP"),
+        watts: lamps.watts,
+        ..LampSet::default()
+    };
+    let names = Names {
+        manufacturer: head.value("MANUFAC"),
+        luminaire: head.value("LUMINAIRE"),
+        catalog_number: head.value("LUMCAT"),
+        report: head.value("TEST"),
+        issued: head.value("ISSUEDATE"),
+    };
+    let photometry = Photometry {
+        format: PhotometryFormat::Ies(head.year),
+        distribution: values.distribution(lamps.system),
+        lamps: vec![set],
+        multiplier: lamps.multiplier,
+        ballast_factor: lamps.ballast,
+        ballast_lamp_factor: lamps.ballast_lamp,
+        generation: lamps.generation,
+        input_watts: lamps.watts,
+        opening: lamps.opening,
+        names,
+        keywords: head.keywords,
+        tilt,
+        eulumdat: None,
+        is_absolute,
+    };
+    Ok(PhotometryFile { photometry, warnings })
+}
+
+/// What stands before the numbers.
+struct Head {
+    year: u16,
+    keywords: Vec<(String, String)>,
+    /// What follows `TILT=`.
+    tilt: String,
+}
+
+impl Head {
+    fn read(cursor: &mut Cursor, warnings: &mut Vec<Fault>) -> Result<Self, Fault> {
+        let mut head = Self { year: 1986, keywords: Vec::new(), tilt: String::new() };
+        let mut is_first = true;
+        while let Some(line) = cursor.line() {
+            if line.is_empty() {
+                continue;
+            }
+            let is_edition = std::mem::take(&mut is_first) && starts_with(line, b"IES");
+            if is_edition {
+                head.year = edition(line).unwrap_or_else(|| {
+                    let shown = decode(line.get(..line.len().min(40)).unwrap_or_default());
+                    warnings.push(cursor.here(FaultKind::Edition(shown)));
+                    2019
+                });
+            } else if starts_with(line, b"TILT=") {
+                head.tilt = decode(line.get(5..).unwrap_or_default()).trim().to_owned();
+                return Ok(head);
+            } else {
+                head.add(&decode(line));
+            }
+        }
+        Err(cursor.here(FaultKind::NoTilt))
+    }
+
+    fn add(&mut self, line: &str) {
+        let keyword = line.strip_prefix('[').and_then(|l| l.split_once(']'));
+        let (keyword, text) = keyword.map_or((String::new(), line), |(k, t)| (k.to_ascii_uppercase(), t));
+        match self.keywords.last_mut() {
+            Some((_, before)) if keyword == "MORE" => {
+                before.push('\n');
+                before.push_str(text.trim());
+            }
+            _ => self.keywords.push((keyword, text.trim().to_owned())),
+        }
+    }
+
+    fn value(&self, keyword: &str) -> String {
+        self.keywords.iter().find(|(k, _)| k == keyword).map_or_else(String::new, |(_, v)| v.clone())
+    }
+}
+
+fn starts_with(line: &[u8], word: &[u8]) -> bool {
+    line.get(..word.len()).is_some_and(|l| l.eq_ignore_ascii_case(word))
+}
+
+fn edition(line: &[u8]) -> Option<u16> {
+    let line = decode(line).to_ascii_uppercase();
+    let tag = line.split_whitespace().next()?;
+    Some(match tag {
+        "IESNA86" | "IESNA:LM-63-1986" => 1986,
+        "IESNA91" | "IESNA:LM-63-1991" => 1991,
+        "IESNA:LM-63-1995" | "IESNA:LM-63-95" => 1995,
+        "IESNA:LM-63-2002" | "IESNA:LM-63-02" => 2002,
+        "IES:LM-63-2019" | "IESNA:LM-63-2019" | "IES:LM-63-19" => 2019,
+        _ => return None,
+    })
+}
+
+fn read_tilt(cursor: &mut Cursor) -> Result<Tilt, Fault> {
+    let geometry = match cursor.whole("lamp-to-luminaire geometry", "1, 2 or 3", 1.0..=3.0)? {
+        1.0 => LampGeometry::Vertical,
+        2.0 => LampGeometry::Horizontal,
+        _ => LampGeometry::Tilting,
+    };
+    let count = count(cursor, "tilt angles", 1.0)?;
+    check_room(cursor, "tilt angles", 2 * count)?;
+    let angles = ascending(cursor, "tilt angle", count)?;
+    let factors = cursor.numbers("tilt factor", count)?;
+    Ok(Tilt { geometry, angles, factors })
+}
+
+fn tilt_of_file(name: &str, cursor: &Cursor, tilt_files: &mut TiltFiles) -> Result<Tilt, Fault> {
+    let read = |bytes: Vec<u8>| {
+        Cursor::new(&bytes).and_then(|mut c| read_tilt(&mut c)).map_err(|fault| fault.to_string())
+    };
+    tilt_files(name).and_then(read).map_err(|reason| {
+        let name = name.chars().take(200).collect();
+        cursor.here(FaultKind::TiltFile { name, reason })
+    })
+}
+
+/// The thirteen numbers before the angles.
+struct LampLine {
+    count: f64,
+    lumens: f64,
+    multiplier: f64,
+    verticals: usize,
+    horizontals: usize,
+    system: AngularSystem,
+    opening: Opening,
+    ballast: f64,
+    ballast_lamp: f64,
+    generation: Option<f64>,
+    watts: f64,
+}
+
+impl LampLine {
+    fn read(cursor: &mut Cursor, year: u16, warnings: &mut Vec<Fault>) -> Result<Self, Fault> {
+        let lamp_count = cursor.number("number of lamps")?;
+        if lamp_count < 0.0 {
+            let (what, allowed) = ("number of lamps", "0 or more");
+            return Err(cursor.here(FaultKind::Value { what, value: lamp_count, allowed }));
+        }
+        let lumens = cursor.number("lumens per lamp")?;
+        let multiplier = positive(cursor, "candela multiplier")?;
+        let verticals = count(cursor, "vertical angles", 2.0)?;
+        let horizontals = count(cursor, "horizontal angles", 1.0)?;
+        check_room(cursor, "intensities", verticals.saturating_mul(horizontals))?;
+        let system = match cursor.whole("photometric type", "1 (C), 2 (B) or 3 (A)", 1.0..=3.0)? {
+            1.0 => AngularSystem::C,
+            2.0 => AngularSystem::B,
+            _ => AngularSystem::A,
+        };
+        let unit = cursor.whole("unit", "1 (feet) or 2 (metres)", 1.0..=2.0)?;
+        let metres = if unit == 1.0 { 0.3048 } else { 1.0 };
+        let width = cursor.number("width of the opening")?;
+        let length = cursor.number("length of the opening")?;
+        let height = cursor.number("height of the opening")?;
+        let opening = Opening::from_signs(width, length, height, metres, year <= 1995).unwrap_or_else(|| {
+            warnings.push(cursor.here(FaultKind::Opening(width, length, height)));
+            let size = [length, width, height].map(|v| v.abs() * metres);
+            Opening { shape: OpeningShape::Box, size }
+        });
+        let ballast = positive(cursor, "ballast factor")?;
+        let code = cursor.number("ballast-lamp photometric factor")?;
+        let (mut ballast_lamp, mut generation) = (1.0, None);
+        match year {
+            1986 | 1991 if code > 0.0 => ballast_lamp = code,
+            // From 2019 on the field says how the file was made; from 1995 it was kept for later use.
+            2019 => generation = Some(code),
+            _ if code != 1.0 => warnings.push(cursor.here(FaultKind::FutureUse(code))),
+            _ => {}
+        }
+        let watts = cursor.number("input watts")?;
+        Ok(Self {
+            count: lamp_count,
+            lumens,
+            multiplier,
+            verticals,
+            horizontals,
+            system,
+            opening,
+            ballast,
+            ballast_lamp,
+            generation,
+            watts,
+        })
+    }
+}
+
+/// Angles and intensities as the file has them, factors applied.
+struct Values {
+    verticals: Vec<f64>,
+    horizontals: Vec<f64>,
+    symmetry: Symmetry,
+    candela: Vec<f64>,
+}
+
+impl Values {
+    fn read(cursor: &mut Cursor, lamps: &LampLine, warnings: &mut Vec<Fault>) -> Result<Self, Fault> {
+        let verticals = ascending(cursor, "vertical angle", lamps.verticals)?;
+        let (first, last) = ends(&verticals);
+        let (least, most, allowed) = match lamps.system {
+            AngularSystem::C => (0.0, 180.0, "within 0 and 180"),
+            AngularSystem::A | AngularSystem::B => (-90.0, 90.0, "within -90 and 90"),
+        };
+        if first < least || last > most {
+            return Err(cursor.here(FaultKind::Range { what: "vertical angles", first, last, allowed }));
+        }
+        let horizontals = ascending(cursor, "horizontal angle", lamps.horizontals)?;
+        let symmetry = symmetry(lamps.system, &horizontals).map_err(|allowed| {
+            let (first, last) = ends(&horizontals);
+            cursor.here(FaultKind::Range { what: "horizontal angles", first, last, allowed })
+        })?;
+        let (_, last) = ends(&horizontals);
+        if lamps.system == AngularSystem::C && symmetry == Symmetry::None && last < 360.0 {
+            warnings.push(cursor.here(FaultKind::Open(last)));
+        }
+        let factor = lamps.multiplier * lamps.ballast * lamps.ballast_lamp;
+        let n = verticals.len();
+        let mut candela = Vec::with_capacity(n * horizontals.len());
+        for _ in 0..n * horizontals.len() {
+            let value = cursor.number("intensity")? * factor;
+            if value.abs() > MAX_CANDELA || value.is_nan() {
+                let allowed = "at most 1e30 candela";
+                return Err(cursor.here(FaultKind::Value { what: "intensity", value, allowed }));
+            }
+            candela.push(value);
+        }
+        warnings.extend(mend_negative(&mut candela).map(|kind| cursor.here(kind)));
+        if lamps.system == AngularSystem::C
+            && last == 360.0
+            && candela.get(..n) != candela.get(candela.len().saturating_sub(n)..)
+        {
+            warnings.push(cursor.here(FaultKind::Seam));
+        }
+        Ok(Self { verticals, horizontals, symmetry, candela })
+    }
+
+    fn distribution(self, system: AngularSystem) -> Distribution {
+        let Self { verticals, horizontals, symmetry, candela } = self;
+        let from_pole = |angles: &[f64]| angles.iter().map(|a| a + 90.0).collect::<Vec<f64>>();
+        match system {
+            AngularSystem::C => Distribution::new(system, symmetry, &horizontals, verticals, candela),
+            AngularSystem::A => {
+                Distribution::new(system, symmetry, &horizontals, from_pole(&verticals), candela)
+            }
+            AngularSystem::B => {
+                // The axis of type B is the one that horizontal angles count towards: those become polar angles.
+                let mut columns: Vec<(f64, usize)> = horizontals.iter().copied().zip(0..).collect();
+                if symmetry == Symmetry::AcrossY {
+                    let mirrored = columns.iter().filter(|(h, _)| *h > 0.0).map(|&(h, i)| (-h, i));
+                    columns = mirrored.rev().chain(columns.iter().copied()).collect();
+                }
+                let n = verticals.len();
+                let across = |v: usize| {
+                    let candela = &candela;
+                    columns.iter().map(move |&(_, h)| candela.get(h * n + v).copied().unwrap_or(0.0))
+                };
+                let turned = (0..n).flat_map(across).collect();
+                let polars: Vec<f64> = columns.iter().map(|(h, _)| h + 90.0).collect();
+                Distribution::new(system, symmetry, &verticals, polars, turned)
+            }
+        }
+    }
+}
+
+/// What the range of the horizontal angles says about symmetry, or the ranges that would say something.
+fn symmetry(system: AngularSystem, horizontals: &[f64]) -> Result<Symmetry, &'static str> {
+    let (first, last) = ends(horizontals);
+    if system != AngularSystem::C {
+        return match (first, last) {
+            (0.0, 90.0) => Ok(Symmetry::AcrossY),
+            _ if first >= -90.0 && last <= 90.0 && first < 0.0 && last > first => Ok(Symmetry::None),
+            _ => Err("0 to 90 or -90 to 90 for types A and B"),
+        };
+    }
+    if horizontals.len() == 1 {
+        return Ok(Symmetry::Axial);
+    }
+    let widest = horizontals.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    match (first, last) {
+        (0.0, 90.0) => Ok(Symmetry::Quadrants),
+        (0.0, 180.0) => Ok(Symmetry::AcrossY),
+        (90.0, 270.0) => Ok(Symmetry::AcrossX),
+        (0.0, 360.0) => Ok(Symmetry::None),
+        // Not legal, but found: the plane at 360 was taken to go without saying.
+        (0.0, last) if last < 360.0 && 360.0 - last <= 1.5 * widest => Ok(Symmetry::None),
+        _ => Err("0 to 0, 90, 180 or 360, or 90 to 270 for type C"),
+    }
+}
+
+pub(super) fn ends(angles: &[f64]) -> (f64, f64) {
+    (angles.first().copied().unwrap_or(0.0), angles.last().copied().unwrap_or(0.0))
+}
+
+fn positive(cursor: &mut Cursor, what: &'static str) -> Result<f64, Fault> {
+    let value = cursor.number(what)?;
+    if value > 0.0 {
+        Ok(value)
+    } else {
+        Err(cursor.here(FaultKind::Value { what, value, allowed: "more than 0" }))
+    }
+}
+
+/// A declared number of values; the rest of the file has room for them.
+fn count(cursor: &mut Cursor, what: &'static str, least: f64) -> Result<usize, Fault> {
+    // Conversions are exact far beyond 1e12.
+    let allowed = if least > 1.0 { "a whole number from 2" } else { "a whole number from 1" };
+    let count = cursor.whole("number of angles", allowed, least..=1e12)? as usize;
+    check_room(cursor, what, count)?;
+    Ok(count)
+}
+
+fn check_room(cursor: &Cursor, what: &'static str, count: usize) -> Result<(), Fault> {
+    let room = cursor.room();
+    if count > room {
+        return Err(cursor.here(FaultKind::Count { what, declared: count as f64, room }));
+    }
+    Ok(())
+}
+
+fn ascending(cursor: &mut Cursor, what: &'static str, count: usize) -> Result<Vec<f64>, Fault> {
+    let mut angles: Vec<f64> = Vec::with_capacity(count);
+    for _ in 0..count {
+        let second = cursor.number(what)?;
+        if let Some(&first) = angles.last()
+            && second <= first
+        {
+            return Err(cursor.here(FaultKind::Order { what, first, second }));
+        }
+        angles.push(second);
+    }
+    Ok(angles)
+}

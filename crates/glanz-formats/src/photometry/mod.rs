@@ -1,0 +1,240 @@
+//! Photometric files: how much light a luminaire sends in which direction.
+//!
+//! [`ies`] reads IES LM-63 of all editions, [`ldt`] reads EULUMDAT; both give a [`Photometry`], and [`read`] tells one
+//! from the other. [`tm25`] reads ray files. Faults carry line and column, and what is odd but harmless comes as
+//! warnings of the same form.
+//!
+//! # The luminaire's frame
+//!
+//! Right-handed, z up, origin in the photometric centre; a luminaire mounted as usual shines towards -z.
+//!
+//! | type | angles | direction |
+//! |---|---|---|
+//! | C | gamma from -z, C about z from +x to +y | (sin g cos C, sin g sin C, -cos g) |
+//! | A | V up from the horizontal, H clockwise seen from above | (cos V cos H, -cos V sin H, sin V) |
+//! | B | V about y from -z to +x, H out of the plane of V towards -y | (cos H sin V, -sin H, -cos H cos V) |
+//!
+//! So the photometric horizontal of LM-63 is +x in all three, and photometric zero is -z: C at gamma 0, B at (0, 0),
+//! A at V = -90. The beam of a type A file, (0, 0), points along +x. In LM-63 the length of the opening lies along x.
+//! In EULUMDAT it lies along y, since there C0 is the plane across a linear luminaire
+//! (custom after CIE 121; the file does not say).
+//!
+//! ```
+//! use glanz_formats::photometry;
+//! use glanz_math::DVec3;
+//!
+//! let text = "IESNA:LM-63-2002\n[LUMINAIRE] Globe\nTILT=NONE\n\
+//!     1 1000 1 2 1 1 2 -0.3 -0.3 -0.3 1 1 12\n0 180\n0\n60 60\n";
+//! let globe = photometry::read(text.as_bytes())?.photometry;
+//! assert_eq!(globe.intensity(DVec3::X), 60.0);
+//! assert!((globe.flux() - 60.0 * 4.0 * std::f64::consts::PI).abs() < 1e-9);
+//! assert_eq!(globe.header_flux(), Some(1000.0));
+//! # Ok::<(), photometry::Fault>(())
+//! ```
+//!
+//! # Source
+//! @lm63_2019, @lm63_2002, @stockmar1990, @cie121, @ashdown1998 for the editions before 2002.
+
+pub mod distribution;
+mod fault;
+pub mod ies;
+pub mod ldt;
+mod opening;
+mod text;
+mod tilt;
+pub mod tm25;
+
+use glanz_math::DVec3;
+
+pub use distribution::{AngularSystem, Distribution, Symmetry};
+pub use fault::{Fault, FaultKind};
+pub use opening::{Opening, OpeningShape};
+pub use tilt::{LampGeometry, Tilt};
+
+/// Who made what. Empty where the file is silent.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Names {
+    /// Maker of the luminaire.
+    pub manufacturer: String,
+    /// The luminaire.
+    pub luminaire: String,
+    /// Its number in the catalogue.
+    pub catalog_number: String,
+    /// Number of the measurement report.
+    pub report: String,
+    /// When it was issued, and by whom.
+    pub issued: String,
+}
+
+/// Lamps of one kind in a luminaire.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LampSet {
+    /// Number of lamps.
+    pub count: f64,
+    /// Rated flux of all lamps together in lumens; `None` for absolute photometry in LM-63.
+    pub lumens: Option<f64>,
+    /// What lamps they are.
+    pub name: String,
+    /// Colour or colour temperature, as written.
+    pub color: String,
+    /// Colour rendering, as written.
+    pub rendering: String,
+    /// Watts of lamps and ballast.
+    pub watts: f64,
+}
+
+/// The format of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PhotometryFormat {
+    /// IES LM-63 with the year of the edition: 1986, 1991, 1995, 2002 or 2019.
+    Ies(u16),
+    /// EULUMDAT.
+    Eulumdat,
+}
+
+/// What only EULUMDAT says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EulumdatExtra {
+    /// Type of luminaire: 1 point with axial symmetry, 2 linear, 3 other point.
+    pub luminaire_type: u8,
+    /// Size of the housing along x, y and z in metres.
+    pub housing: [f64; 3],
+    /// Whether the housing is round.
+    pub housing_is_round: bool,
+    /// Height of the luminous sides towards C0, C90, C180 and C270 in metres.
+    pub side_heights: [f64; 4],
+    /// Share of the flux that goes downwards.
+    pub downward_fraction: f64,
+    /// Flux of the luminaire over flux of its lamps.
+    pub light_output_ratio: f64,
+    /// Tilt of the luminaire during the measurement in degrees.
+    pub measurement_tilt: f64,
+    /// Direct ratios for room indices 0.6 to 5.
+    pub direct_ratios: Option<[f64; 10]>,
+}
+
+/// The photometry of a luminaire, whatever file it comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Photometry {
+    /// Where it comes from.
+    pub format: PhotometryFormat,
+    /// Candela by direction, all factors below applied but those of `tilt`.
+    pub distribution: Distribution,
+    /// One set for LM-63. For EULUMDAT the luminaire can have any one of the sets; the distribution is for the first.
+    pub lamps: Vec<LampSet>,
+    /// Factor on all values of the file; in `distribution` already.
+    pub multiplier: f64,
+    /// Flux of the lamps with the luminaire's ballast over their rated flux; in `distribution` already.
+    pub ballast_factor: f64,
+    /// The ballast-lamp photometric factor of LM-63 up to 1991, else 1; in `distribution` already.
+    pub ballast_lamp_factor: f64,
+    /// How the file was made, the code of LM-63-2019.
+    pub generation: Option<f64>,
+    /// Electric power in watts.
+    pub input_watts: f64,
+    /// What shines.
+    pub opening: Opening,
+    /// Who made what.
+    pub names: Names,
+    /// Keywords of LM-63 in order, with continuation lines appended; lines without a keyword have an empty one.
+    pub keywords: Vec<(String, String)>,
+    /// Factors by the tilt of the lamp, not applied.
+    pub tilt: Option<Tilt>,
+    /// What only EULUMDAT says.
+    pub eulumdat: Option<EulumdatExtra>,
+    /// Whether the luminaire was measured as a whole, so that there is no rated flux of lamps to scale by.
+    pub is_absolute: bool,
+}
+
+/// A photometry and what was odd about its file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PhotometryFile {
+    /// The photometry.
+    pub photometry: Photometry,
+    /// What was mended or passed over.
+    pub warnings: Vec<Fault>,
+}
+
+/// Reads LM-63 or EULUMDAT, whichever the content is: LM-63 has a line that begins with `TILT=`.
+///
+/// # Errors
+/// [`Fault`] with its place.
+pub fn read(bytes: &[u8]) -> Result<PhotometryFile, Fault> {
+    let mut lines = bytes.split(|&b| b == b'\n').map(<[u8]>::trim_ascii_start);
+    let is_tilt = |line: &[u8]| line.get(..5).is_some_and(|l| l.eq_ignore_ascii_case(b"TILT="));
+    if lines.any(is_tilt) { ies::read(bytes) } else { ldt::read(bytes) }
+}
+
+impl Photometry {
+    /// Candela in a direction of the luminaire's frame, of any length.
+    #[must_use]
+    pub fn intensity(&self, direction: DVec3) -> f64 {
+        self.distribution.intensity(direction)
+    }
+
+    /// Lumens by integration of the intensities; see [`Distribution::flux`].
+    #[must_use]
+    pub fn flux(&self) -> f64 {
+        self.distribution.flux()
+    }
+
+    /// Lumens as the header has them; `None` if it states none.
+    ///
+    /// EULUMDAT: flux of the first set of lamps times light output ratio, what the luminaire gives. LM-63: rated flux
+    /// of the lamps times ballast factors, what the lamps give; [`Photometry::flux`] over this is the luminaire's
+    /// efficiency.
+    #[must_use]
+    pub fn header_flux(&self) -> Option<f64> {
+        let lamps = self.lamps.first()?.lumens?;
+        match &self.eulumdat {
+            Some(extra) => Some(lamps * extra.light_output_ratio),
+            None => Some(lamps * self.ballast_factor * self.ballast_lamp_factor),
+        }
+    }
+
+    /// The same distribution with another flux in lumens; `None` if it has none that could be scaled, or `lumens` is
+    /// below zero or not finite.
+    #[must_use]
+    pub fn scaled_to(&self, lumens: f64) -> Option<Self> {
+        let factor = lumens / self.flux();
+        (factor.is_finite() && factor >= 0.0).then(|| self.scaled_by(factor))
+    }
+
+    /// The same luminaire with another of the sets of lamps of an EULUMDAT file, which then is the first; `None` if
+    /// there is no such set or it has no flux.
+    #[must_use]
+    pub fn with_lamps(&self, set: usize) -> Option<Self> {
+        let lumens = |set: usize| self.lamps.get(set).and_then(|lamps| lamps.lumens);
+        let factor = lumens(set)? / lumens(0)?;
+        if !(factor.is_finite() && factor > 0.0) {
+            return None;
+        }
+        let mut changed = self.scaled_by(factor);
+        changed.lamps.swap(0, set);
+        changed.input_watts = changed.lamps.first()?.watts;
+        Some(changed)
+    }
+
+    /// The same with all intensities times `factor`: dimming, maintenance, or [`Tilt::factor`]. The header stays.
+    #[must_use]
+    pub fn scaled_by(&self, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        scaled.distribution.scale(factor);
+        scaled
+    }
+}
+
+/// Takes intensities below zero as zero; measured noise has such.
+fn mend_negative(candela: &mut [f64]) -> Option<FaultKind> {
+    let mut count = 0;
+    for value in candela {
+        if *value < 0.0 {
+            *value = 0.0;
+            count += 1;
+        }
+    }
+    (count > 0).then_some(FaultKind::Negative(count))
+}
+
+#[cfg(test)]
+mod tests;

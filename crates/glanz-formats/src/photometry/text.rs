@@ -1,0 +1,128 @@
+//! Lines and numbers of photometric files.
+
+use super::fault::{Fault, FaultKind};
+use crate::source::line_and_column;
+
+/// Text of a file: UTF-8 where it is that, else Windows-1252, which holds Latin-1 and ASCII.
+pub(super) fn decode(bytes: &[u8]) -> String {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.to_owned(),
+        Err(_) => bytes.iter().map(|&b| windows_1252(b)).collect(),
+    }
+}
+
+/// The characters that Windows puts where Latin-1 has control codes.
+fn windows_1252(byte: u8) -> char {
+    const HIGH: [char; 32] = [
+        '\u{20ac}', '\u{81}', '\u{201a}', '\u{192}', '\u{201e}', '\u{2026}', '\u{2020}', '\u{2021}',
+        '\u{2c6}', '\u{2030}', '\u{160}', '\u{2039}', '\u{152}', '\u{8d}', '\u{17d}', '\u{8f}', '\u{90}',
+        '\u{2018}', '\u{2019}', '\u{201c}', '\u{201d}', '\u{2022}', '\u{2013}', '\u{2014}', '\u{2dc}',
+        '\u{2122}', '\u{161}', '\u{203a}', '\u{153}', '\u{9d}', '\u{17e}', '\u{178}',
+    ];
+    let high = byte.checked_sub(0x80).and_then(|i| HIGH.get(usize::from(i)));
+    high.copied().unwrap_or(char::from(byte))
+}
+
+/// A finite number; Rust's parser also knows words for what is not finite.
+pub(super) fn number(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|v: &f64| v.is_finite())
+}
+
+/// A fault at a stretch of the bytes.
+pub(super) fn fault(bytes: &[u8], at: usize, length: usize, kind: FaultKind) -> Fault {
+    let (line, column) = line_and_column(bytes, at);
+    Fault { line, column, length, kind }
+}
+
+/// Refuses text of two bytes per character; gives the number of bytes to pass over in front.
+pub(super) fn start(bytes: &[u8]) -> Result<usize, Fault> {
+    match bytes {
+        [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => Err(fault(bytes, 0, 2, FaultKind::Utf16)),
+        [0xEF, 0xBB, 0xBF, ..] => Ok(3),
+        _ => Ok(0),
+    }
+}
+
+/// Goes through a file line by line or number by number.
+#[derive(Clone, Debug)]
+pub(super) struct Cursor<'a> {
+    pub(super) bytes: &'a [u8],
+    /// Where the next line or number is looked for.
+    pub(super) at: usize,
+    /// Where the last line or number began, and its bytes.
+    pub(super) last: (usize, usize),
+}
+
+impl<'a> Cursor<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Result<Self, Fault> {
+        Ok(Self { bytes, at: start(bytes)?, last: (0, 0) })
+    }
+
+    /// The next line without blanks around it.
+    pub(super) fn line(&mut self) -> Option<&'a [u8]> {
+        let rest = self.bytes.get(self.at..).filter(|r| !r.is_empty())?;
+        let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
+        let line = rest.get(..length)?.trim_ascii_end();
+        let lead = line.len() - line.trim_ascii_start().len();
+        self.last = (self.at + lead, line.len() - lead);
+        self.at += length + 1;
+        line.get(lead..)
+    }
+
+    /// The next number; blanks, line ends and commas stand between numbers.
+    pub(super) fn number(&mut self, what: &'static str) -> Result<f64, Fault> {
+        let text = self.word().ok_or_else(|| self.here(FaultKind::End(what)))?;
+        let shown = || decode(text.get(..text.len().min(40)).unwrap_or_default());
+        let value = std::str::from_utf8(text).ok().and_then(number);
+        value.ok_or_else(|| self.here(FaultKind::Number { what, text: shown() }))
+    }
+
+    /// The next number, which must be a whole one of `allowed`.
+    pub(super) fn whole(
+        &mut self,
+        what: &'static str,
+        allowed: &'static str,
+        range: std::ops::RangeInclusive<f64>,
+    ) -> Result<f64, Fault> {
+        let value = self.number(what)?;
+        if value.fract() != 0.0 || !range.contains(&value) {
+            return Err(self.here(FaultKind::Value { what, value, allowed }));
+        }
+        Ok(value)
+    }
+
+    /// So many numbers; the caller has checked that there is room for them.
+    pub(super) fn numbers(&mut self, what: &'static str, count: usize) -> Result<Vec<f64>, Fault> {
+        (0..count).map(|_| self.number(what)).collect()
+    }
+
+    /// Numbers that the rest can hold at most: a digit each and something between two.
+    pub(super) fn room(&self) -> usize {
+        self.bytes.len().saturating_sub(self.at).div_ceil(2)
+    }
+
+    /// Whether another number or word follows.
+    pub(super) fn has_more(&self) -> bool {
+        self.clone().word().is_some()
+    }
+
+    fn word(&mut self) -> Option<&'a [u8]> {
+        // 0x1A ended text files under MS-DOS.
+        let between = |b: &u8| b.is_ascii_whitespace() || matches!(b, b',' | 0x1A | 0);
+        let rest = self.bytes.get(self.at..).unwrap_or_default();
+        let Some(lead) = rest.iter().position(|b| !between(b)) else {
+            self.last = (self.bytes.len(), 0);
+            return None;
+        };
+        let rest = rest.get(lead..)?;
+        let length = rest.iter().position(between).unwrap_or(rest.len());
+        self.last = (self.at + lead, length);
+        self.at += lead + length;
+        rest.get(..length)
+    }
+
+    /// A fault at the last line or number.
+    pub(super) fn here(&self, kind: FaultKind) -> Fault {
+        fault(self.bytes, self.last.0, self.last.1, kind)
+    }
+}

@@ -1,0 +1,41 @@
+//! How a lamp's light changes with its tilt.
+
+/// How the lamp sits in the luminaire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LampGeometry {
+    /// Upright, base up or down, where the luminaire shines straight down.
+    Vertical,
+    /// Horizontal, and stays so when the luminaire is tilted.
+    Horizontal,
+    /// Horizontal, and tilts with the luminaire.
+    Tilting,
+}
+
+/// Factors on the intensities by the angle of the lamp.
+///
+/// These are data: a reader applies none of them. Whoever mounts the luminaire knows the angle and says
+/// [`Photometry::scaled_by`](super::Photometry::scaled_by) with [`Tilt::factor`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tilt {
+    /// How the lamp sits.
+    pub geometry: LampGeometry,
+    /// Angles of the lamp from the position of the measurement, in degrees from 0, ascending, at least one.
+    pub angles: Vec<f64>,
+    /// Factors at these angles.
+    pub factors: Vec<f64>,
+}
+
+impl Tilt {
+    /// The factor at an angle in degrees: linear between those given, the nearest outside, by the size of the angle.
+    #[must_use]
+    pub fn factor(&self, degrees: f64) -> f64 {
+        let angle = degrees.abs();
+        let after = self.angles.partition_point(|&a| a <= angle);
+        let at = |i: usize| self.angles.get(i).copied().zip(self.factors.get(i).copied());
+        match (after.checked_sub(1).and_then(at), at(after)) {
+            (Some((a, f)), Some((b, g))) => f + (g - f) * (angle - a) / (b - a),
+            (Some((_, f)), None) | (None, Some((_, f))) => f,
+            (None, None) => 1.0,
+        }
+    }
+}

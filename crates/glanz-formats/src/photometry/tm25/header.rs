@@ -1,0 +1,342 @@
+//! What stands before the rays.
+
+use std::io::{ErrorKind, Read};
+
+use super::{Tm25Error, Tm25ErrorKind};
+
+/// What is known of wavelengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpectralData {
+    /// Nothing.
+    None,
+    /// All rays have this wavelength in nanometres.
+    Single(f32),
+    /// Each ray has its own.
+    PerRay,
+    /// All rays have the spectrum of the first table.
+    Shared,
+    /// Each ray has one of the tables.
+    Indexed,
+}
+
+/// A spectrum: pairs of wavelength in nanometres and relative weight.
+pub type SpectralTable = Vec<[f32; 2]>;
+
+/// Texts about the source. Empty where the file is silent.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Descriptions {
+    /// Name of the light source.
+    pub name: String,
+    /// Its maker.
+    pub manufacturer: String,
+    /// Who made the model of it.
+    pub model_creator: String,
+    /// Who made the file.
+    pub file_creator: String,
+    /// Equipment or program.
+    pub equipment: String,
+    /// Camera.
+    pub camera: String,
+    /// How the source was operated.
+    pub operation: String,
+    /// More.
+    pub information: String,
+    /// Where the data are described.
+    pub reference: String,
+}
+
+/// The header of a ray file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Header {
+    /// How the rays were made: 0 by simulation, 1 by measurement; some makers write other numbers.
+    pub creation: i32,
+    /// Lumens of all rays; `None` where the file gives none.
+    pub luminous_flux: Option<f32>,
+    /// Watts of all rays; `None` where the file gives none.
+    pub radiant_flux: Option<f32>,
+    /// Number of rays, as declared.
+    pub ray_count: u64,
+    /// Date and time of the file, as written.
+    pub date: String,
+    /// On what surface rays start, as coded by the standard.
+    pub start_position: i32,
+    /// What is known of wavelengths.
+    pub spectral_data: SpectralData,
+    /// Least and largest wavelength in nanometres, as written; not a number where unknown.
+    pub wavelengths: [f32; 2],
+    /// Rays have a radiant flux.
+    pub has_radiant_flux: bool,
+    /// Rays have a wavelength.
+    pub has_wavelength: bool,
+    /// Rays have a luminous flux.
+    pub has_luminous_flux: bool,
+    /// Rays have Stokes parameters.
+    pub has_stokes: bool,
+    /// Rays have tristimulus values.
+    pub has_tristimulus: bool,
+    /// Rays have the number of a spectral table.
+    pub has_spectrum_index: bool,
+    /// Texts about the source.
+    pub descriptions: Descriptions,
+    /// Spectral tables.
+    pub spectra: Vec<SpectralTable>,
+    /// Names of additional columns.
+    pub additional_columns: Vec<String>,
+    /// More text.
+    pub additional_text: String,
+}
+
+impl Header {
+    /// Bytes of a ray.
+    #[must_use]
+    pub fn ray_bytes(&self) -> usize {
+        let single =
+            [self.has_radiant_flux, self.has_wavelength, self.has_luminous_flux, self.has_spectrum_index];
+        let columns = 6
+            + single.into_iter().filter(|&has| has).count()
+            + if self.has_stokes { 6 } else { 0 }
+            + if self.has_tristimulus { 2 } else { 0 }
+            + self.additional_columns.len();
+        4 * columns
+    }
+}
+
+/// Most spectral tables, pairs in all of them, additional columns and bytes of additional text that are read. A stream
+/// does not tell its length, so these bound memory where counts are damaged; real files stay far below.
+const MAX_TABLES: i32 = 1 << 16;
+const MAX_PAIRS: usize = 1 << 22;
+const MAX_COLUMNS: i32 = 1 << 10;
+const MAX_TEXT: i32 = 1 << 24;
+
+/// Reads the header; gives it with its length in bytes.
+pub(super) fn read(source: &mut impl Read) -> Result<(Header, u64), Tm25Error> {
+    let mut bytes = Bytes { source, offset: 0 };
+    match bytes.header() {
+        Ok(header) => Ok((header, bytes.offset)),
+        Err(kind) => Err(Tm25Error { offset: bytes.offset, kind }),
+    }
+}
+
+struct Bytes<'a, R> {
+    source: &'a mut R,
+    offset: u64,
+}
+
+impl<R: Read> Bytes<'_, R> {
+    fn header(&mut self) -> Result<Header, Tm25ErrorKind> {
+        const WHERE: &str = "file header";
+        if self.take::<4>("first four bytes")? != *b"TM25" {
+            return Err(Tm25ErrorKind::Magic);
+        }
+        let version = self.int(WHERE)?;
+        if version != 2013 {
+            return Err(Tm25ErrorKind::Version(version));
+        }
+        let creation = self.int(WHERE)?;
+        let luminous_flux = self.flux("luminous flux")?;
+        let radiant_flux = self.flux("radiant flux")?;
+        let ray_count = u64::from_le_bytes(self.take(WHERE)?);
+        let date = self.take::<28>(WHERE)?;
+        let date = date.split(|&b| b == 0).next().unwrap_or_default();
+        let date = String::from_utf8_lossy(date).trim().to_owned();
+        let start_position = self.int(WHERE)?;
+        let identifier = self.count("spectral data identifier", "0 to 4", 4)?;
+        let wavelength = self.float(WHERE)?;
+        let spectral_data = match identifier {
+            0 => SpectralData::None,
+            1 if wavelength.is_finite() && wavelength > 0.0 => SpectralData::Single(wavelength),
+            1 => return Err(value("wavelength", wavelength, "more than 0")),
+            2 => SpectralData::PerRay,
+            3 => SpectralData::Shared,
+            _ => SpectralData::Indexed,
+        };
+        let wavelengths = [self.float(WHERE)?, self.float(WHERE)?];
+        let tables = self.count("number of spectral tables", "0 to 65536", MAX_TABLES)?;
+        let columns = self.count("number of additional columns", "0 to 1024", MAX_COLUMNS)?;
+        let text_bytes = self.count("size of the additional text", "0 to 16777216", MAX_TEXT)?;
+        if matches!(spectral_data, SpectralData::Shared | SpectralData::Indexed) && tables == 0 {
+            return Err(value("number of spectral tables", 0.0, "1 or more, since rays refer to them"));
+        }
+        self.skip(168, WHERE)?;
+        let mut flags = [false; 8];
+        for flag in &mut flags {
+            *flag = self.count("known-data flag", "0 or 1", 1)? == 1;
+        }
+        check_flags(flags, spectral_data).map_err(Tm25ErrorKind::Flags)?;
+        let [
+            _,
+            _,
+            has_radiant_flux,
+            has_wavelength,
+            has_luminous_flux,
+            has_stokes,
+            has_tristimulus,
+            has_spectrum_index,
+        ] = flags;
+        let mut description = || self.text(4000, "descriptions");
+        let descriptions = Descriptions {
+            name: description()?,
+            manufacturer: description()?,
+            model_creator: description()?,
+            file_creator: description()?,
+            equipment: description()?,
+            camera: description()?,
+            operation: description()?,
+            information: description()?,
+            reference: description()?,
+        };
+        let spectra = self.spectra(tables)?;
+        let additional_columns =
+            (0..columns).map(|_| self.text(512, "names of additional columns")).collect::<Result<_, _>>()?;
+        let additional_text = self.text(text_bytes, "additional text")?;
+        Ok(Header {
+            creation,
+            luminous_flux,
+            radiant_flux,
+            ray_count,
+            date,
+            start_position,
+            spectral_data,
+            wavelengths,
+            has_radiant_flux,
+            has_wavelength,
+            has_luminous_flux,
+            has_stokes,
+            has_tristimulus,
+            has_spectrum_index,
+            descriptions,
+            spectra,
+            additional_columns,
+            additional_text,
+        })
+    }
+
+    fn spectra(&mut self, tables: usize) -> Result<Vec<SpectralTable>, Tm25ErrorKind> {
+        const WHERE: &str = "spectral tables";
+        let start = self.offset;
+        let mut spectra = Vec::new();
+        let mut room = MAX_PAIRS;
+        for _ in 0..tables {
+            let pairs = self.int(WHERE)?;
+            let count = usize::try_from(pairs).ok().filter(|&n| n > 0 && n <= room);
+            let count = count.ok_or_else(|| Tm25ErrorKind::Value {
+                what: "number of pairs of a spectral table",
+                value: f64::from(pairs),
+                allowed: "1 to 4194304 in all tables",
+            })?;
+            room -= count;
+            // Nothing is reserved: the table grows with what is there.
+            let mut table = SpectralTable::new();
+            for _ in 0..count {
+                let pair = [self.float(WHERE)?, self.float(WHERE)?];
+                if !(pair[0].is_finite() && pair[0] > 0.0) {
+                    return Err(value("wavelength of a spectral table", pair[0], "more than 0"));
+                }
+                if !(pair[1].is_finite() && pair[1] >= 0.0) {
+                    return Err(value("weight of a spectral table", pair[1], "0 or more"));
+                }
+                table.push(pair);
+            }
+            spectra.push(table);
+        }
+        let padding = (32 - (self.offset - start) % 32) % 32;
+        self.skip(padding as usize, WHERE)?;
+        Ok(spectra)
+    }
+
+    fn take<const N: usize>(&mut self, what: &'static str) -> Result<[u8; N], Tm25ErrorKind> {
+        let mut bytes = [0; N];
+        self.fill(&mut bytes, what)?;
+        Ok(bytes)
+    }
+
+    fn fill(&mut self, bytes: &mut [u8], what: &'static str) -> Result<(), Tm25ErrorKind> {
+        self.source.read_exact(bytes).map_err(|error| match error.kind() {
+            ErrorKind::UnexpectedEof => Tm25ErrorKind::End(what),
+            _ => Tm25ErrorKind::Io(error),
+        })?;
+        self.offset += bytes.len() as u64;
+        Ok(())
+    }
+
+    fn skip(&mut self, count: usize, what: &'static str) -> Result<(), Tm25ErrorKind> {
+        (0..count).try_for_each(|_| self.take::<1>(what).map(drop))
+    }
+
+    fn int(&mut self, what: &'static str) -> Result<i32, Tm25ErrorKind> {
+        Ok(i32::from_le_bytes(self.take(what)?))
+    }
+
+    fn float(&mut self, what: &'static str) -> Result<f32, Tm25ErrorKind> {
+        Ok(f32::from_le_bytes(self.take(what)?))
+    }
+
+    /// A whole number from 0 to `most`.
+    fn count(
+        &mut self,
+        what: &'static str,
+        allowed: &'static str,
+        most: i32,
+    ) -> Result<usize, Tm25ErrorKind> {
+        let count = self.int("file header")?;
+        match usize::try_from(count) {
+            Ok(n) if count <= most => Ok(n),
+            _ => Err(Tm25ErrorKind::Value { what, value: f64::from(count), allowed }),
+        }
+    }
+
+    /// Not a number stands for what is unknown.
+    fn flux(&mut self, what: &'static str) -> Result<Option<f32>, Tm25ErrorKind> {
+        let flux = self.float("file header")?;
+        if flux.is_nan() {
+            Ok(None)
+        } else if flux.is_finite() && flux >= 0.0 {
+            Ok(Some(flux))
+        } else {
+            Err(value(what, flux, "0 or more, or not a number"))
+        }
+    }
+
+    /// Text up to a zero in a field of so many bytes.
+    fn text(&mut self, bytes: usize, what: &'static str) -> Result<String, Tm25ErrorKind> {
+        let mut text = String::new();
+        let mut is_over = false;
+        for _ in 0..bytes / 4 {
+            let code = u32::from_le_bytes(self.take(what)?);
+            is_over |= code == 0;
+            if !is_over {
+                text.push(char::from_u32(code).unwrap_or(char::REPLACEMENT_CHARACTER));
+            }
+        }
+        self.skip(bytes % 4, what)?;
+        Ok(text)
+    }
+}
+
+fn value(what: &'static str, value: f32, allowed: &'static str) -> Tm25ErrorKind {
+    Tm25ErrorKind::Value { what, value: f64::from(value), allowed }
+}
+
+/// Flags in the order of the file.
+fn check_flags(flags: [bool; 8], spectral_data: SpectralData) -> Result<(), &'static str> {
+    let [position, direction, radiant, wavelength, luminous, stokes, tristimulus, index] = flags;
+    for (holds, otherwise) in [
+        (position && direction, "rays without position or direction are none"),
+        (radiant || luminous, "rays have neither radiant nor luminous flux"),
+        (
+            wavelength || spectral_data != SpectralData::PerRay,
+            "rays should have wavelengths, but their flag is 0",
+        ),
+        (
+            index == (spectral_data == SpectralData::Indexed),
+            "spectrum index and spectral data identifier disagree",
+        ),
+        (!stokes || radiant, "Stokes parameters need a radiant flux"),
+        (!tristimulus || luminous, "tristimulus values need a luminous flux"),
+    ] {
+        if !holds {
+            return Err(otherwise);
+        }
+    }
+    Ok(())
+}
