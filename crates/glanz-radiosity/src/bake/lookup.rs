@@ -4,7 +4,7 @@ use glanz_math::DVec2;
 use glanz_scene::Place;
 
 use crate::charts::Chart;
-use crate::elements::{Elements, Part};
+use crate::elements::Elements;
 
 /// Charts and elements by side of a face.
 #[derive(Debug)]
@@ -90,7 +90,7 @@ impl Index {
         let side = self.side(place)?;
         let part = |number: u32| elements.list.get(number as usize).map(|element| element.patch.part);
         let cell = side.cells.get(side.cell(place.uv))?;
-        let holds = |&&number: &&u32| part(number).is_some_and(|part| holds(&part, place.uv));
+        let holds = |&&number: &&u32| part(number).is_some_and(|part| part.holds(place.uv));
         if let Some(&number) = cell.iter().find(holds) {
             return Some(number);
         }
@@ -121,17 +121,6 @@ impl Side {
                     self.cells[y * self.columns + x].push(number);
                 }
             }
-        }
-    }
-}
-
-fn holds(part: &Part, uv: DVec2) -> bool {
-    match *part {
-        Part::Rectangle { min, max } => uv.cmpge(min).all() && uv.cmple(max).all(),
-        Part::Triangle([a, b, c]) => {
-            let turn = |p: DVec2, q: DVec2| (q - p).perp_dot(uv - p);
-            let turns = [turn(a, b), turn(b, c), turn(c, a)];
-            turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0)
         }
     }
 }

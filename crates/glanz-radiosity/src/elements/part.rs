@@ -81,6 +81,19 @@ impl Part {
         }
     }
 
+    /// Whether it holds parameters; those of its border belong to it.
+    #[must_use]
+    pub fn holds(&self, uv: DVec2) -> bool {
+        match *self {
+            Self::Rectangle { min, max } => uv.cmpge(min).all() && uv.cmple(max).all(),
+            Self::Triangle([a, b, c]) => {
+                let turn = |p: DVec2, q: DVec2| (q - p).perp_dot(uv - p);
+                let turns = [turn(a, b), turn(b, c), turn(c, a)];
+                turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0)
+            }
+        }
+    }
+
     /// Places of equal weight that integrate polynomials of degree 3 over a rectangle (Gauss) and 2 over a triangle exactly.
     pub fn nodes(&self) -> Vec<DVec2> {
         match *self {
@@ -114,6 +127,17 @@ mod tests {
             let mean = quarters.iter().fold(DVec2::ZERO, |sum, quarter| sum + 0.25 * quarter.center());
             assert!(mean.distance(part.center()) < 1e-15);
             assert!(quarters.iter().all(|quarter| (quarter.size() / part.size() - 0.25).abs() < 1e-12));
+        }
+    }
+
+    #[test]
+    fn middle_and_corners_belong_to_the_part_and_what_lies_beyond_a_corner_does_not() {
+        for part in parts() {
+            let middle = part.center();
+            assert!(part.holds(middle));
+            for corner in part.corners() {
+                assert!(part.holds(corner) && !part.holds(corner + 0.01 * (corner - middle)));
+            }
         }
     }
 

@@ -42,7 +42,7 @@ impl<'a> Field<'a> {
 
     /// The light at a place of a side; `None` where there is no element.
     fn at(&self, side: Side, uv: DVec2) -> Option<f64> {
-        let holds = |&&number: &&usize| self.list.get(number).is_some_and(|e| holds(&e.patch.part, uv));
+        let holds = |&&number: &&usize| self.list.get(number).is_some_and(|e| e.patch.part.holds(uv));
         let number = self.sides.get(&side)?.iter().find(holds)?;
         self.reflected.get(*number).copied()
     }
@@ -78,15 +78,4 @@ pub(super) fn error_of(list: &[Element], found: &[Spectrum], expected: &[Spectru
         norm += element.area * luminance(expected - element.emission).powi(2);
     }
     (difference / norm).sqrt()
-}
-
-fn holds(part: &Part, uv: DVec2) -> bool {
-    match *part {
-        Part::Rectangle { min, max } => uv.cmpge(min).all() && uv.cmple(max).all(),
-        Part::Triangle([a, b, c]) => {
-            let turn = |p: DVec2, q: DVec2| (q - p).perp_dot(uv - p);
-            let turns = [turn(a, b), turn(b, c), turn(c, a)];
-            turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0)
-        }
-    }
 }
