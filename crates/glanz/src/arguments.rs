@@ -4,13 +4,16 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use glanz_sampling::SamplerKind;
 use glanz_scene::description::GuideSettings;
 use glanz_study::studies;
 use glanz_transport::exact::MAX_TERMS;
 use glanz_transport::{Aov, INTEGRATORS};
+
+mod values;
+
+use values::{bound, one_of, positive, sample_range, seconds, size, stops, switch};
 
 /// Exact light for exact surfaces: renders pbrt scenes without turning curved surfaces into facets.
 #[derive(Debug, Parser)]
@@ -442,63 +445,6 @@ pub(crate) enum Metric {
     Max,
     // Mean FLIP error.
     Flip,
-}
-
-/// Names from the table that knows them; completions and help learn them there too.
-fn one_of(names: impl Iterator<Item = &'static str>) -> PossibleValuesParser {
-    PossibleValuesParser::new(names)
-}
-
-fn switch(text: &str) -> Result<bool, String> {
-    match text {
-        "on" => Ok(true),
-        "off" => Ok(false),
-        _ => Err("on or off is needed".to_owned()),
-    }
-}
-
-fn seconds(text: &str) -> Result<Duration, String> {
-    let seconds: f64 = text.parse().map_err(|_| "a number of seconds is needed".to_owned())?;
-    if seconds <= 0.0 {
-        return Err("it must be above 0".to_owned());
-    }
-    Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())
-}
-
-fn size(text: &str) -> Result<[u32; 2], String> {
-    let form = || "width and height in pixels are needed, such as 640x480".to_owned();
-    let (width, height) = text.split_once(['x', 'X']).ok_or_else(form)?;
-    let side = |text: &str| text.parse::<u32>().ok().filter(|&n| n > 0).ok_or_else(form);
-    Ok([side(width)?, side(height)?])
-}
-
-fn sample_range(text: &str) -> Result<Range<u32>, String> {
-    let form = || "two numbers are needed, such as 0..32".to_owned();
-    let (start, end) = text.split_once("..").ok_or_else(form)?;
-    let number = |text: &str| text.parse::<u32>().map_err(|_| form());
-    let range = number(start)?..number(end)?;
-    if range.is_empty() {
-        return Err("the second number must be larger than the first".to_owned());
-    }
-    Ok(range)
-}
-
-fn stops(text: &str) -> Result<f32, String> {
-    text.parse().ok().filter(|x: &f32| x.is_finite()).ok_or_else(|| "a number is needed".to_owned())
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|x: &f64| *x > 0.0 && x.is_finite())
-        .ok_or_else(|| "a number above 0 is needed".to_owned())
-}
-
-fn bound(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|x: &f64| *x >= 0.0)
-        .ok_or_else(|| "a number that is not negative is needed".to_owned())
 }
 
 #[cfg(test)]
