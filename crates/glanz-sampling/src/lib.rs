@@ -5,6 +5,7 @@
 //! - [`warp`]: uniform numbers to disks, hemispheres, cones, triangles, lobes, with densities and inverses;
 //! - [`discrete`]: choices by weight and piecewise constant densities;
 //! - [`mis`]: the weights of multiple importance sampling;
+//! - [`exact`]: sums that do not depend on the order of their terms;
 //! - [`statistics`]: chi-square, for those who test samplers;
 //! - [`basis`], [`multiresolution`]: functions on [0, 1] that are scaled densities, their duals, and wavelets;
 //! - [`density`]: densities on the unit cube in such bases that learn from their own samples, from coarse to fine;
@@ -50,6 +51,7 @@ pub mod basis;
 pub mod density;
 pub mod discrete;
 pub mod error;
+pub mod exact;
 pub mod hash;
 pub mod integrate;
 pub mod mis;

@@ -3,13 +3,13 @@
 use glanz_light::{Pixels, PixelsError};
 
 use crate::aov::{Aov, AovSet};
-use crate::exact::MAX_TERMS;
 use crate::guide::{Guide, Training};
 use crate::passes::Passes;
 use crate::pixel::{FirstHit, PixelLayout, PixelSums, PixelValue, Rejects};
 use crate::pixel_rect::PixelRect;
 use crate::ranges::{OverlapError, SampleRanges};
 use crate::settled::{Blend, FEWEST_SAMPLES};
+use glanz_sampling::exact::MAX_TERMS;
 
 /// Why a film cannot be made or joined with another.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -2,7 +2,7 @@
 //!
 //! - [`Integrator`]s estimate the radiance along camera rays; [`INTEGRATORS`] is the table of them;
 //! - a [`Filter`] says where around a pixel a sample lies;
-//! - a [`Film`] adds samples up, exactly ([`exact`]): the picture depends on which samples were taken, not on
+//! - a [`Film`] adds samples up, exactly ([`glanz_sampling::exact`]): the picture depends on which samples were taken, not on
 //!   threads, passes, interruptions or machines;
 //! - [`render()`] exposes a film, telling a [`Progress`] about it;
 //! - a [`Guide`] tells integrators that learn where light comes from;
@@ -67,7 +67,6 @@
 pub mod aov;
 pub mod checkpoint;
 pub mod codec;
-pub mod exact;
 pub mod film;
 pub mod filter;
 pub mod guide;

@@ -3,8 +3,8 @@
 use glanz_math::{DVec2, DVec3};
 
 use crate::aov::{Aov, AovSet};
-use crate::exact::{NarrowSum, SquareSum, WideSum, fits_wide};
 use crate::settled::{Blend, Settled};
+use glanz_sampling::exact::{NarrowSum, SquareSum, WideSum, fits_wide};
 
 /// What a camera ray met first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -363,7 +363,7 @@ pub struct PixelValue {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exact::WIDE_LIMIT;
+    use glanz_sampling::exact::WIDE_LIMIT;
 
     fn layout(aovs: AovSet, signed: bool) -> PixelLayout {
         PixelLayout { aovs, signed, passes: false }

@@ -9,7 +9,6 @@ use glanz_sampling::{PixelSampler, SamplerKind};
 use glanz_scene::Scene;
 use rayon::prelude::*;
 
-use crate::exact::MAX_TERMS;
 use crate::film::{Film, FilmError};
 use crate::filter::Filter;
 use crate::guide::{GridError, Records, Training};
@@ -17,6 +16,7 @@ use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Inte
 use crate::pixel::{PixelSums, Rejects, Sample};
 use crate::pixel_rect::PixelRect;
 use crate::progress::{Progress, ProgressReport};
+use glanz_sampling::exact::MAX_TERMS;
 
 /// Time that a pass over the picture should take: short enough to stop soon, long enough that threads do not wait.
 const PASS_SECONDS: f64 = 0.5;

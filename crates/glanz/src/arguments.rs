@@ -6,9 +6,9 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use glanz_sampling::SamplerKind;
+use glanz_sampling::exact::MAX_TERMS;
 use glanz_scene::description::GuideSettings;
 use glanz_study::studies;
-use glanz_transport::exact::MAX_TERMS;
 use glanz_transport::{Aov, INTEGRATORS};
 
 mod values;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use glanz_sampling::SamplerKind;
-use glanz_transport::exact::MAX_TERMS;
+use glanz_sampling::exact::MAX_TERMS;
 use glanz_transport::{
     Aov, AovSet, FilmFormat, Filter, Integrator, IntegratorSettings, PictureIdentity, PixelRect,
     RenderSettings, StoredLight,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use glanz_light::Pixels;
-use glanz_transport::exact::MAX_TERMS;
+use glanz_sampling::exact::MAX_TERMS;
 use glanz_transport::{Film, PictureIdentity, Progress, ProgressReport};
 
 use super::curve::{Error, Point};
