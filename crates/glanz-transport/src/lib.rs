@@ -5,6 +5,7 @@
 //! - a [`Film`] adds samples up, exactly ([`glanz_sampling::exact`]): the picture depends on which samples were taken, not on
 //!   threads, passes, interruptions or machines;
 //! - [`render()`] exposes a film, telling a [`Progress`] about it;
+//! - [`send_particle()`] sends light from lamps, for all who count what arrives;
 //! - a [`Guide`] tells integrators that learn where light comes from;
 //! - a [`Checkpoint`] is a film in a file with the [`PictureIdentity`] it belongs to; [`merge()`] joins several.
 //!
@@ -73,6 +74,7 @@ pub mod guide;
 pub mod identity;
 pub mod integrator;
 pub mod merge;
+pub mod particle;
 mod passes;
 pub mod pixel;
 pub mod pixel_rect;
@@ -92,6 +94,7 @@ pub use integrator::{
     IntegratorSettings, StoredLight,
 };
 pub use merge::{MergeError, merge};
+pub use particle::{Arrival, End, Flight, send_particle};
 pub use pixel::{FirstHit, Rejects};
 pub use pixel_rect::PixelRect;
 pub use progress::{Progress, ProgressReport, Silent};

@@ -30,6 +30,8 @@ pub use guided::Guided;
 pub use mirrors::SMALLEST_WEIGHT;
 pub use path::Path;
 pub use stored::{Stored, StoredLight};
+pub(crate) use vertex::Vertex;
+pub(crate) use walk::INTERFACE_LIMIT;
 pub use whitted::Whitted;
 
 /// Estimates the radiance along camera rays.
@@ -149,7 +151,7 @@ impl<'a> Context<'a> {
     }
 
     /// Integrators call this at the scattering surfaces they meet; the first call counts.
-    fn note_first_hit(&mut self, vertex: &vertex::Vertex<'_>) {
+    fn note_first_hit(&mut self, vertex: &Vertex<'_>) {
         if self.options.wants_first_hit && self.first_hit.is_none() {
             let point = &vertex.at.point;
             self.first_hit = Some(FirstHit {

@@ -12,7 +12,7 @@ use super::Context;
 /// Shading normals make BSDFs see a direction on one side of a surface that is on the other: light would leak through.
 /// Such directions carry no light (@veach1997 section 5.3.2). Where the viewer itself is on the wrong side of the shading
 /// normal, the surface is shaded by its own normal, since otherwise it would look black.
-pub(super) struct Vertex<'a> {
+pub(crate) struct Vertex<'a> {
     pub(super) at: &'a Interaction,
     pub(super) bsdf: Bsdf,
     frame: Frame,
@@ -23,11 +23,11 @@ pub(super) struct Vertex<'a> {
 
 /// A direction in which to go on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Scattered {
+pub(crate) struct Scattered {
     /// Where to go on.
-    pub(super) direction: DVec3,
+    pub(crate) direction: DVec3,
     /// Factor on the throughput.
-    pub(super) weight: Spectrum,
+    pub(crate) weight: Spectrum,
     /// That factor if the BSDF alone had drawn the direction.
     pub(super) bsdf_weight: Spectrum,
     /// Density per solid angle with which the BSDF draws the direction; infinite for a delta lobe.
@@ -60,7 +60,7 @@ impl Scattered {
 }
 
 impl<'a> Vertex<'a> {
-    pub(super) fn new(at: &'a Interaction, bsdf: Bsdf) -> Self {
+    pub(crate) fn new(at: &'a Interaction, bsdf: Bsdf) -> Self {
         let viewer_side = at.point.normal.dot(at.wo);
         let turned = viewer_side * at.point.shading_normal.dot(at.wo) <= 0.0;
         let frame =
@@ -111,6 +111,18 @@ impl<'a> Vertex<'a> {
     /// Draws a direction to go on.
     pub(super) fn sample(&self, xi: DVec2, xi_lobe: f64) -> Option<Scattered> {
         self.consistent(self.bsdf.sample(self.wo, xi, xi_lobe, TransportMode::Radiance)?)
+    }
+
+    /// Draws a direction in which flux goes on that comes from the viewer's direction: the way of light, not of sight.
+    ///
+    /// The weight is that of the adjoint BSDF, which shading normals make different (@veach1997 section 5.3.2).
+    pub(crate) fn sample_flux(&self, xi: DVec2, xi_lobe: f64) -> Option<Scattered> {
+        let drawn = self.consistent(self.bsdf.sample(self.wo, xi, xi_lobe, TransportMode::Importance)?)?;
+        let surface = |direction: DVec3| self.at.point.normal.dot(direction);
+        let from_light = self.wo.z / self.viewer_side;
+        let onwards = surface(drawn.direction) / self.cosine(drawn.direction);
+        let adjoint = (from_light * onwards).abs() as f32;
+        adjoint.is_finite().then(|| Scattered { weight: drawn.weight * adjoint, ..drawn })
     }
 
     /// All directions of delta lobes, each with the whole share of light it carries as weight.

@@ -15,7 +15,7 @@ pub(super) const ROULETTE_FROM: u32 = 2;
 pub(super) const DIMENSIONS_PER_EVENT: u32 = 8;
 
 /// Interfaces that a ray may pass between two scattering events; more are taken for a ray that does not advance.
-pub(super) const INTERFACE_LIMIT: u32 = 1000;
+pub(crate) const INTERFACE_LIMIT: u32 = 1000;
 
 /// What draws the directions in which a path goes on.
 pub(super) trait Directions {
