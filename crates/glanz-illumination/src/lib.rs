@@ -1,7 +1,20 @@
 //! How much light arrives where: lux on receivers, from lamps and by way of mirrors (document 000 chapter 4).
 //!
-//! - a [`LuxMap`] holds illuminance over the cells of a receiver, with errors.
+//! - [`Receivers`] are grids of cells on surfaces of a scene;
+//! - [`trace()`] sends particles from the lamps and counts what they bring, in a [`Tally`];
+//! - a [`LuxMap`] holds illuminance over the cells of a receiver, with errors;
+//! - a [`FluxBalance`] says where the light went, a [`FarField`] in which directions it left the scene.
 
+pub mod balance;
+pub mod far_field;
 pub mod lux_map;
+pub mod receiver;
+pub mod tally;
+pub mod trace;
 
+pub use balance::FluxBalance;
+pub use far_field::{FarField, FarFieldGrid};
 pub use lux_map::{LuxMap, LuxSummary};
+pub use receiver::{Fineness, Receiver, ReceiverError, ReceiverRequest, Receivers, Side};
+pub use tally::Tally;
+pub use trace::{Goal, ThreadsError, TraceEnd, TraceOutcome, TraceReport, TraceSettings, trace};

@@ -1,0 +1,394 @@
+//! Where light is counted: grids on surfaces.
+
+mod faces;
+mod flat;
+mod parameters;
+
+use glanz_geometry::Surface;
+use glanz_math::{DVec2, DVec3};
+use glanz_scene::{Interaction, Place, PlacedSurface, Scene};
+
+use faces::Faces;
+use flat::Flat;
+use parameters::Parameters;
+
+/// Cells at most along a side of a grid.
+pub const CELLS_LIMIT: u32 = 4096;
+
+/// Triangles at most of a curved mesh that counts by triangles.
+const FACES_LIMIT: usize = 1 << 22;
+
+/// On which side of a surface light is counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Side {
+    /// Where its normal points.
+    #[default]
+    Front,
+    /// The other one.
+    Back,
+    /// Both together.
+    Both,
+}
+
+impl Side {
+    fn counts(self, back: bool) -> bool {
+        match self {
+            Self::Front => !back,
+            Self::Back => back,
+            Self::Both => true,
+        }
+    }
+}
+
+/// How fine a grid is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fineness {
+    /// So many cells along both directions.
+    Cells([u32; 2]),
+    /// So many along the longer direction, along the other as many of about the same length.
+    Longer(u32),
+    /// Cells of about this length, metres.
+    Texel(f64),
+}
+
+impl Fineness {
+    /// Cells along both directions of a receiver that is so long, metres; at least 1 and at most [`CELLS_LIMIT`].
+    fn cells(self, size: DVec2) -> [u32; 2] {
+        let texel = match self {
+            Self::Cells(cells) => return cells.map(|n| n.clamp(1, CELLS_LIMIT)),
+            Self::Longer(n) => size.max_element() / f64::from(n.max(1)),
+            Self::Texel(texel) => texel,
+        };
+        // Texels that are no whole part of the length become a little larger or smaller. A cast from NaN gives 0.
+        (size / texel).to_array().map(|n| (n.round() as u32).clamp(1, CELLS_LIMIT))
+    }
+}
+
+/// What is asked for: light on a shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReceiverRequest {
+    /// What it is called.
+    pub name: String,
+    /// Number of the shape in the order of the scene file.
+    pub shape: u32,
+    /// Which side.
+    pub side: Side,
+    /// How fine.
+    pub fineness: Fineness,
+}
+
+/// Why a shape cannot receive.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReceiverError {
+    /// A shape that has no parameters, or no end.
+    #[error("receiver \"{0}\" has no end or no parameters, so it cannot be divided into cells")]
+    NoParameters(String),
+    /// No such shape, or one without area.
+    #[error("receiver \"{0}\" has no area")]
+    NoArea(String),
+    /// A mesh with too many triangles.
+    #[error(
+        "receiver \"{name}\" is a curved mesh of {faces} triangles; {FACES_LIMIT} at most can count light"
+    )]
+    TooMany {
+        /// The receiver.
+        name: String,
+        /// Its triangles.
+        faces: usize,
+    },
+}
+
+/// A place of a receiver with what an integral over it needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReceiverPoint {
+    /// Metres.
+    pub position: DVec3,
+    /// Unit normal on the side that counts; of both sides the front.
+    pub normal: DVec3,
+    /// Area per unit of the cell's own square, m^2.
+    pub stretch: f64,
+}
+
+/// A grid of cells on one surface.
+///
+/// A shape that lies in a plane has square cells there, its second direction up, or north if it lies level, and is seen from the
+/// side that counts. Other surfaces are divided by their parameters; meshes, whose parameters begin anew on every triangle, count
+/// by triangles. Boxes and polyhedra are one receiver per facet.
+#[derive(Clone, Debug)]
+pub struct Receiver {
+    name: String,
+    shape: u32,
+    /// Number of the surface, and of its face if it is one facet of several.
+    surface: u32,
+    face: Option<u32>,
+    side: Side,
+    cells: [u32; 2],
+    size: DVec2,
+    layout: Layout,
+    areas: Vec<f64>,
+    positions: Vec<DVec3>,
+}
+
+#[derive(Clone, Debug)]
+enum Layout {
+    Flat(Flat),
+    Parameters(Parameters),
+    Faces(Faces),
+}
+
+impl Receiver {
+    fn new(request: &ReceiverRequest, name: String, found: &FoundShape<'_>) -> Result<Self, ReceiverError> {
+        let layout = found.layout(request)?;
+        let size = layout.size(&found.surface);
+        let cells = match &layout {
+            Layout::Faces(faces) => [faces.len(), 1],
+            _ => request.fineness.cells(size),
+        };
+        let (areas, positions) = match &layout {
+            Layout::Flat(flat) => (flat.areas(cells), flat.centers(cells)),
+            Layout::Parameters(parameters) => parameters.measure(&found.surface, cells),
+            Layout::Faces(faces) => faces.measure(&found.surface),
+        };
+        if areas.iter().all(|&area| area <= 0.0) {
+            return Err(ReceiverError::NoArea(name));
+        }
+        let (shape, surface, face, side) = (request.shape, found.number, found.face, request.side);
+        Ok(Self { name, shape, surface, face, side, cells, size, layout, areas, positions })
+    }
+
+    /// What it is called.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Number of its shape in the order of the scene file.
+    #[must_use]
+    pub fn shape(&self) -> u32 {
+        self.shape
+    }
+
+    /// Cells along both directions.
+    #[must_use]
+    pub fn cells(&self) -> [u32; 2] {
+        self.cells
+    }
+
+    /// Number of cells.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.areas.len()
+    }
+
+    /// Whether it has no cells; it has.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.areas.is_empty()
+    }
+
+    /// Lengths along both directions through the middle, metres.
+    #[must_use]
+    pub fn size(&self) -> DVec2 {
+        self.size
+    }
+
+    /// Areas of the cells, m^2, row by row; 0 where there is nothing of the surface.
+    #[must_use]
+    pub fn areas(&self) -> &[f64] {
+        &self.areas
+    }
+
+    /// Middles of the cells in the world, metres.
+    #[must_use]
+    pub fn positions(&self) -> &[DVec3] {
+        &self.positions
+    }
+
+    /// The place in a cell by numbers in [0, 1]^2 that are its own parameters; `None` where there is no surface.
+    ///
+    /// `scene`: that of [`Receivers::try_new`].
+    #[must_use]
+    pub fn place(&self, surface: &PlacedSurface<'_>, cell: usize, at: DVec2) -> Option<ReceiverPoint> {
+        let point = match &self.layout {
+            Layout::Flat(flat) => flat.place(self.cells, cell, at),
+            Layout::Parameters(parameters) => parameters.place(surface, self.cells, cell, at),
+            Layout::Faces(faces) => faces.place(surface, cell, at),
+        }?;
+        let normal = if self.side == Side::Back { -point.normal } else { point.normal };
+        Some(ReceiverPoint { normal, ..point })
+    }
+
+    /// The cell that a ray met.
+    fn locate(&self, at: &Interaction, place: &Place) -> Option<usize> {
+        let share = match &self.layout {
+            Layout::Flat(flat) => flat.share(at.point.position),
+            Layout::Parameters(parameters) => parameters.share(at.point.uv),
+            Layout::Faces(faces) => return faces.cell(place.face),
+        };
+        let index = |share: f64, n: u32| ((share * f64::from(n)) as u32).min(n - 1) as usize;
+        let [nx, ny] = self.cells;
+        Some(index(share.y, ny) * nx as usize + index(share.x, nx))
+    }
+}
+
+/// A shape, or a facet of one, in its place.
+struct FoundShape<'a> {
+    surface: PlacedSurface<'a>,
+    number: u32,
+    face: Option<u32>,
+    /// Its faces.
+    faces: Vec<u32>,
+}
+
+impl FoundShape<'_> {
+    fn layout(&self, request: &ReceiverRequest) -> Result<Layout, ReceiverError> {
+        let name = || request.name.clone();
+        if self.faces.is_empty() {
+            return Err(ReceiverError::NoParameters(name()));
+        }
+        if let Some(flat) = Flat::try_new(&self.surface, &self.faces, request.side == Side::Back) {
+            return Ok(Layout::Flat(flat));
+        }
+        if let Some(parameters) = Parameters::try_new(&self.surface) {
+            return Ok(Layout::Parameters(parameters));
+        }
+        if self.faces.len() > FACES_LIMIT {
+            return Err(ReceiverError::TooMany { name: name(), faces: self.faces.len() });
+        }
+        Ok(Layout::Faces(Faces::new(&self.faces)))
+    }
+}
+
+impl Layout {
+    fn size(&self, surface: &PlacedSurface<'_>) -> DVec2 {
+        match self {
+            Self::Flat(flat) => flat.size(),
+            Self::Parameters(parameters) => parameters.size(surface),
+            Self::Faces(faces) => DVec2::new(f64::from(faces.len()), 1.0),
+        }
+    }
+}
+
+/// All receivers of a scene, and which of them a ray met.
+#[derive(Clone, Debug, Default)]
+pub struct Receivers {
+    list: Vec<Receiver>,
+    /// Number of the first cell of each, and of all cells.
+    first_cells: Vec<usize>,
+    /// For each surface of the scene, the receivers on it.
+    by_surface: Vec<Vec<u32>>,
+}
+
+/// The cell of a receiver that a ray met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Met {
+    /// Number of the receiver.
+    pub receiver: usize,
+    /// Number of the cell among those of all receivers.
+    pub cell: usize,
+    /// Whether on the side that counts.
+    pub counts: bool,
+}
+
+impl Receivers {
+    /// Lays the grids that are asked for on the shapes of `scene`.
+    ///
+    /// A box or a polyhedron becomes one receiver per facet, their names numbered; so do several shapes of one name.
+    ///
+    /// # Errors
+    /// [`ReceiverError`] for the first shape that cannot be divided.
+    pub fn try_new(scene: &Scene, requests: &[ReceiverRequest]) -> Result<Self, ReceiverError> {
+        let placed = scene.placed_surfaces();
+        let mut receivers = Self { by_surface: vec![Vec::new(); placed.len()], ..Self::default() };
+        let named = |name: &str| requests.iter().filter(|request| request.name == name).count();
+        for (number, request) in requests.iter().enumerate() {
+            let found = shapes(&placed, request.shape);
+            if found.is_empty() {
+                return Err(ReceiverError::NoArea(request.name.clone()));
+            }
+            let before = requests[..number].iter().filter(|other| other.name == request.name).count();
+            let shared = named(&request.name) > 1;
+            let facets = found.len() > 1;
+            for (facet, found) in found.iter().enumerate() {
+                let mut name = request.name.clone();
+                if shared {
+                    name += &format!(" {}", before + 1);
+                }
+                if facets {
+                    name += &format!(" side {}", facet + 1);
+                }
+                receivers.push(Receiver::new(request, name, found)?);
+            }
+        }
+        Ok(receivers)
+    }
+
+    fn push(&mut self, receiver: Receiver) {
+        let first = self.cell_count();
+        if self.first_cells.is_empty() {
+            self.first_cells.push(0);
+        }
+        self.first_cells.push(first + receiver.len());
+        if let Some(list) = self.by_surface.get_mut(receiver.surface as usize) {
+            list.push(self.list.len() as u32);
+        }
+        self.list.push(receiver);
+    }
+
+    /// All of them.
+    #[must_use]
+    pub fn as_slice(&self) -> &[Receiver] {
+        &self.list
+    }
+
+    /// Number of cells of all.
+    #[must_use]
+    pub fn cell_count(&self) -> usize {
+        self.first_cells.last().copied().unwrap_or_default()
+    }
+
+    /// Numbers of the cells of a receiver among all.
+    #[must_use]
+    pub fn cells_of(&self, receiver: usize) -> std::ops::Range<usize> {
+        let at = |i: usize| self.first_cells.get(i).copied().unwrap_or_default();
+        at(receiver)..at(receiver + 1)
+    }
+
+    /// The cell that a ray met; `None` where no light is counted.
+    #[inline]
+    #[must_use]
+    pub fn met(&self, at: &Interaction, place: &Place) -> Option<Met> {
+        let here = self.by_surface.get(place.surface as usize)?;
+        for &number in here {
+            let receiver = &self.list[number as usize];
+            if receiver.shape != at.id || receiver.face.is_some_and(|face| face != place.face) {
+                continue;
+            }
+            let cell = self.cells_of(number as usize).start + receiver.locate(at, place)?;
+            let counts = receiver.side.counts(place.back);
+            return Some(Met { receiver: number as usize, cell, counts });
+        }
+        None
+    }
+}
+
+/// The places of a shape: one, or one per facet of a box or polyhedron; for copies by instances one each.
+fn shapes<'a>(placed: &[PlacedSurface<'a>], shape: u32) -> Vec<FoundShape<'a>> {
+    let mut found = Vec::new();
+    for (number, surface) in (0..).zip(placed) {
+        let faces: Vec<u32> = (0..surface.faces()).filter(|&face| surface.shape(face) == shape).collect();
+        if faces.is_empty() && surface.shape(0) != shape {
+            continue;
+        }
+        let surface = surface.clone();
+        if matches!(surface.surface(), Surface::Cuboid(_) | Surface::Polyhedron(_)) {
+            let facet =
+                |&face| FoundShape { surface: surface.clone(), number, face: Some(face), faces: vec![face] };
+            found.extend(faces.iter().map(facet));
+        } else {
+            found.push(FoundShape { surface, number, face: None, faces });
+        }
+    }
+    found
+}

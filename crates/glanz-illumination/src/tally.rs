@@ -1,0 +1,272 @@
+//! What particles brought to receivers, added up exactly.
+
+use glanz_light::units::photometric;
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_sampling::exact::{SquareSum, WideSum};
+use glanz_transport::{Arrival, End, Flight};
+
+use crate::balance::FluxBalance;
+use crate::far_field::{FarField, FarFieldGrid};
+use crate::lux_map::LuxMap;
+use crate::receiver::{Met, Receivers};
+
+/// Sum and sum of squares of what single particles brought, lm.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Sums {
+    pub(crate) sum: WideSum,
+    pub(crate) squares: SquareSum,
+}
+
+impl Sums {
+    fn add(&mut self, lumens: f64) {
+        // One rounding for both: squares are those of what is in the sum.
+        let lumens = lumens as f32;
+        self.sum.add(f64::from(lumens));
+        self.squares.add_square(lumens);
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.sum.merge(other.sum);
+        self.squares.merge(other.squares);
+    }
+
+    /// Mean of `particles`, of which most may have brought nothing, and its standard error.
+    pub(crate) fn mean(&self, particles: u64) -> (f64, f64) {
+        if particles == 0 {
+            return (0.0, 0.0);
+        }
+        let n = particles as f64;
+        let mean = self.sum.to_f64() / n;
+        let variance = (self.squares.to_f64() / n - mean * mean).max(0.0);
+        (mean, (variance / (n - 1.0).max(1.0)).sqrt())
+    }
+}
+
+/// What particles brought to the receivers of a scene and where the rest of their light went.
+///
+/// Sums are exact: they depend on which particles were sent, not on order or threads. A particle that comes to a cell several
+/// times counts there as one, with all that it brought.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Tally {
+    pub(crate) particles: u64,
+    pub(crate) cells: Vec<Sums>,
+    /// Of all cells of each receiver together.
+    pub(crate) receivers: Vec<Sums>,
+    /// What came to the sides of the receivers that do not count.
+    pub(crate) other_sides: Vec<WideSum>,
+    pub(crate) emitted: WideSum,
+    pub(crate) absorbed_by_receivers: WideSum,
+    pub(crate) absorbed_elsewhere: WideSum,
+    pub(crate) escaped: WideSum,
+    pub(crate) given_up: WideSum,
+    pub(crate) far_field: Option<FarFieldSums>,
+}
+
+/// Escaped light by direction.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct FarFieldSums {
+    pub(crate) grid: FarFieldGrid,
+    pub(crate) bins: Vec<Sums>,
+}
+
+impl Tally {
+    /// Without particles. `far_field`: how escaped light is to be counted by direction, if it is.
+    #[must_use]
+    pub fn new(receivers: &Receivers, far_field: Option<FarFieldGrid>) -> Self {
+        let zero = WideSum::default();
+        let count = receivers.as_slice().len();
+        Self {
+            particles: 0,
+            cells: vec![Sums::default(); receivers.cell_count()],
+            receivers: vec![Sums::default(); count],
+            other_sides: vec![zero; count],
+            emitted: zero,
+            absorbed_by_receivers: zero,
+            absorbed_elsewhere: zero,
+            escaped: zero,
+            given_up: zero,
+            far_field: far_field.map(|grid| FarFieldSums { bins: vec![Sums::default(); grid.bins()], grid }),
+        }
+    }
+
+    /// Number of particles that were sent.
+    #[must_use]
+    pub fn particles(&self) -> u64 {
+        self.particles
+    }
+
+    /// Adds what others brought to the same receivers.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        self.particles += other.particles;
+        let pairs = [(&mut self.cells, &other.cells), (&mut self.receivers, &other.receivers)];
+        for (mine, theirs) in pairs {
+            mine.iter_mut().zip(theirs).for_each(|(a, b)| a.merge(b));
+        }
+        self.other_sides.iter_mut().zip(&other.other_sides).for_each(|(a, b)| a.merge(*b));
+        self.emitted.merge(other.emitted);
+        self.absorbed_by_receivers.merge(other.absorbed_by_receivers);
+        self.absorbed_elsewhere.merge(other.absorbed_elsewhere);
+        self.escaped.merge(other.escaped);
+        self.given_up.merge(other.given_up);
+        if let (Some(mine), Some(theirs)) = (&mut self.far_field, &other.far_field) {
+            mine.bins.iter_mut().zip(&theirs.bins).for_each(|(a, b)| a.merge(b));
+        }
+    }
+
+    /// Mean lumens of what the lamps send, and where it went.
+    #[must_use]
+    pub fn balance(&self) -> FluxBalance {
+        let mean =
+            |sum: WideSum| if self.particles == 0 { 0.0 } else { sum.to_f64() / self.particles as f64 };
+        FluxBalance {
+            emitted: mean(self.emitted),
+            absorbed_by_receivers: mean(self.absorbed_by_receivers),
+            absorbed_elsewhere: mean(self.absorbed_elsewhere),
+            escaped: mean(self.escaped),
+            given_up: mean(self.given_up),
+        }
+    }
+
+    /// Lumens that come to a receiver, with their standard error.
+    #[must_use]
+    pub fn received(&self, receiver: usize) -> (f64, f64) {
+        self.receivers.get(receiver).map_or((0.0, 0.0), |sums| sums.mean(self.particles))
+    }
+
+    /// Lumens that come to the side of a receiver that does not count.
+    #[must_use]
+    pub fn on_other_side(&self, receiver: usize) -> f64 {
+        let sum = self.other_sides.get(receiver).copied().unwrap_or_default();
+        if self.particles == 0 { 0.0 } else { sum.to_f64() / self.particles as f64 }
+    }
+
+    /// Illuminance on every receiver.
+    ///
+    /// Errors are standard errors of as many independent particles. Particles come from a sequence that spreads them better, so
+    /// that maps are closer to the truth than this says. A cell that no particle came to has the error that a single one would
+    /// have made.
+    #[must_use]
+    pub fn lux_maps(&self, receivers: &Receivers) -> Vec<LuxMap> {
+        let one = self.balance().emitted / self.particles.max(1) as f64;
+        let map = |(number, receiver): (usize, &crate::receiver::Receiver)| {
+            let sums = self.cells.get(receivers.cells_of(number)).unwrap_or_default();
+            let value = |(sums, &area): (&Sums, &f64)| {
+                if area <= 0.0 {
+                    return (0.0, 0.0);
+                }
+                let (lumens, error) = sums.mean(self.particles);
+                (lumens / area, if lumens > 0.0 { error } else { one } / area)
+            };
+            let (lux, errors) = sums.iter().zip(receiver.areas()).map(value).unzip();
+            LuxMap {
+                name: receiver.name().to_owned(),
+                cells: receiver.cells(),
+                size: receiver.size().to_array(),
+                positions: receiver.positions().to_vec(),
+                areas: receiver.areas().to_vec(),
+                lux,
+                errors,
+            }
+        };
+        receivers.as_slice().iter().enumerate().map(map).collect()
+    }
+
+    /// Intensities of what escaped, if it was counted by direction.
+    #[must_use]
+    pub fn far_field(&self) -> Option<FarField> {
+        let far_field = self.far_field.as_ref()?;
+        let value = |(bin, sums): (usize, &Sums)| {
+            let (lumens, error) = sums.mean(self.particles);
+            let solid_angle = far_field.grid.solid_angle(bin);
+            (lumens / solid_angle, error / solid_angle)
+        };
+        let (candela, errors) = far_field.bins.iter().enumerate().map(value).unzip();
+        Some(FarField { grid: far_field.grid, candela, errors })
+    }
+}
+
+/// Enters particles one after the other.
+pub(crate) struct Clerk<'a> {
+    receivers: &'a Receivers,
+    wavelengths: Wavelengths,
+    tally: Tally,
+    /// What the particle under way brought to cells, lm.
+    brought: Vec<(usize, usize, f64)>,
+}
+
+impl<'a> Clerk<'a> {
+    pub(crate) fn new(receivers: &'a Receivers, far_field: Option<FarFieldGrid>) -> Self {
+        let (wavelengths, tally) = (Wavelengths::default(), Tally::new(receivers, far_field));
+        Self { receivers, wavelengths, tally, brought: Vec::new() }
+    }
+
+    pub(crate) fn into_tally(self) -> Tally {
+        self.tally
+    }
+
+    fn lumens(&self, flux: Spectrum) -> f64 {
+        photometric(flux, &self.wavelengths)
+    }
+
+    /// The particle under way meets a surface.
+    pub(crate) fn arrival(&mut self, arrival: &Arrival<'_>) {
+        let arrived = self.lumens(arrival.arrived);
+        let absorbed = arrived - self.lumens(arrival.left);
+        let Some(Met { receiver, cell, counts }) = self.receivers.met(arrival.at, &arrival.place) else {
+            self.tally.absorbed_elsewhere.add(absorbed);
+            return;
+        };
+        self.tally.absorbed_by_receivers.add(absorbed);
+        if counts {
+            self.brought.push((receiver, cell, arrived));
+        } else if let Some(sum) = self.tally.other_sides.get_mut(receiver) {
+            sum.add(arrived);
+        }
+    }
+
+    /// The particle has ended; `None`: it never began.
+    pub(crate) fn end(&mut self, flight: Option<&Flight>) {
+        self.tally.particles += 1;
+        if let Some(flight) = flight {
+            let (emitted, faded) = (self.lumens(flight.emitted), self.lumens(flight.faded));
+            self.tally.emitted.add(emitted);
+            self.tally.given_up.add(faded);
+            match flight.end {
+                End::Absorbed => {}
+                End::Escaped { ray, power } => {
+                    let lumens = self.lumens(power);
+                    self.tally.escaped.add(lumens);
+                    if let Some(far_field) = &mut self.tally.far_field
+                        && let Some(sums) = far_field.bins.get_mut(far_field.grid.bin(ray.direction))
+                    {
+                        sums.add(lumens);
+                    }
+                }
+                End::GivenUp(power) => {
+                    let lumens = self.lumens(power);
+                    self.tally.given_up.add(lumens);
+                }
+            }
+        }
+        self.settle();
+    }
+
+    /// Enters what the particle brought, cell by cell and receiver by receiver.
+    fn settle(&mut self) {
+        if let [(receiver, cell, lumens)] = *self.brought.as_slice() {
+            self.tally.cells[cell].add(lumens);
+            self.tally.receivers[receiver].add(lumens);
+            self.brought.clear();
+            return;
+        }
+        self.brought.sort_unstable_by_key(|&(_, cell, _)| cell);
+        for same in self.brought.chunk_by(|a, b| a.1 == b.1) {
+            self.tally.cells[same[0].1].add(same.iter().map(|brought| brought.2).sum());
+        }
+        // Cells of one receiver follow one another.
+        for same in self.brought.chunk_by(|a, b| a.0 == b.0) {
+            self.tally.receivers[same[0].0].add(same.iter().map(|brought| brought.2).sum());
+        }
+        self.brought.clear();
+    }
+}

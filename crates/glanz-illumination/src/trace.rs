@@ -1,0 +1,236 @@
+//! Light by particles: from the lamps until it is absorbed.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use glanz_sampling::{PixelSampler, SamplerKind};
+use glanz_scene::Scene;
+use glanz_transport::{Counters, send_particle};
+
+use crate::receiver::Receivers;
+use crate::tally::{Clerk, Tally};
+
+/// Particles that a thread takes at a time.
+const BLOCK: u64 = 1 << 10;
+
+/// Wall time that a round aims at: after it there is news, and an interruption waits no longer.
+const ROUND_SECONDS: f64 = 0.5;
+
+/// Particles of the first round.
+const FIRST_ROUND: u64 = 1 << 14;
+
+/// When to stop; whatever comes first.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Goal {
+    /// Particles in all, those of earlier runs included.
+    pub particles: Option<u64>,
+    /// Wall time of this run.
+    pub time: Option<Duration>,
+    /// Largest relative standard error of the brightest cell and of the mean of every receiver that light comes to.
+    pub error: Option<f64>,
+}
+
+/// How particles are sent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TraceSettings {
+    /// Chooses the particles.
+    pub seed: u64,
+    /// Scattering events per particle at most.
+    pub max_events: u32,
+    /// Threads; 0 for one per processor.
+    pub threads: usize,
+    /// When to stop.
+    pub goal: Goal,
+}
+
+/// Why a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TraceEnd {
+    /// A goal is reached.
+    Reached,
+    /// Time was up first.
+    TimeUp,
+    /// It was told to stop.
+    Interrupted,
+}
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TraceReport {
+    /// Particles so far, those of earlier runs included.
+    pub particles: u64,
+    /// The largest of the relative standard errors that [`Goal::error`] names.
+    pub error: f64,
+    /// Since this run began.
+    pub elapsed: Duration,
+    /// Until it ends, as it seems now.
+    pub remaining: Duration,
+}
+
+/// What a run gave.
+#[derive(Clone, Debug)]
+pub struct TraceOutcome {
+    /// All that was brought so far.
+    pub tally: Tally,
+    /// Why it ended.
+    pub end: TraceEnd,
+    /// Particles of this run.
+    pub particles: u64,
+    /// Rays of this run.
+    pub counters: Counters,
+    /// Wall time of this run.
+    pub elapsed: Duration,
+}
+
+/// Threads cannot be started.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot start threads: {0}")]
+pub struct ThreadsError(#[from] rayon::ThreadPoolBuildError);
+
+/// Sends particles until a goal is reached, adding to what `tally` has.
+///
+/// Particles are numbered, and a run goes on after the last one of `tally`: what is brought depends on seed and number of
+/// particles alone, not on threads or interruptions. `report` is called about twice a second with what was brought so far.
+///
+/// # Errors
+/// [`ThreadsError`] before the first particle.
+pub fn trace(
+    scene: &Scene,
+    receivers: &Receivers,
+    settings: &TraceSettings,
+    mut tally: Tally,
+    report: &mut dyn FnMut(&TraceReport, &Tally),
+    stop: &AtomicBool,
+) -> Result<TraceOutcome, ThreadsError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
+    let start = Instant::now();
+    let first = tally.particles();
+    let mut counters = Counters::default();
+    let end = loop {
+        let error = worst_error(&tally, receivers);
+        let done = tally.particles();
+        let elapsed = start.elapsed();
+        let pace = pace(done - first, elapsed);
+        if done > first {
+            let remaining = settings.goal.remaining(done, error, elapsed, pace);
+            report(&TraceReport { particles: done, error, elapsed, remaining }, &tally);
+        }
+        let goal = &settings.goal;
+        if goal.particles.is_some_and(|wanted| done >= wanted) || goal.error.is_some_and(|e| error <= e) {
+            break TraceEnd::Reached;
+        }
+        if stop.load(Ordering::Relaxed) && done > 0 {
+            break TraceEnd::Interrupted;
+        }
+        if done > first && goal.time.is_some_and(|limit| elapsed >= limit) {
+            break TraceEnd::TimeUp;
+        }
+        let length = settings.goal.round(done, elapsed, pace);
+        let (brought, work) = pool.install(|| round(scene, receivers, settings, &tally, done..done + length));
+        tally.merge(&brought);
+        counters.merge(work);
+    };
+    let particles = tally.particles() - first;
+    Ok(TraceOutcome { tally, end, particles, counters, elapsed: start.elapsed() })
+}
+
+/// Particles per second; `None` before the first.
+fn pace(particles: u64, elapsed: Duration) -> Option<f64> {
+    (particles > 0).then(|| particles as f64 / elapsed.as_secs_f64().max(1e-9))
+}
+
+impl Goal {
+    /// Particles of the next round.
+    fn round(&self, done: u64, elapsed: Duration, pace: Option<f64>) -> u64 {
+        let Some(pace) = pace else {
+            return self.particles.map_or(FIRST_ROUND, |wanted| (wanted - done).min(FIRST_ROUND));
+        };
+        let mut seconds = ROUND_SECONDS;
+        if let Some(limit) = self.time {
+            seconds = seconds.min(limit.saturating_sub(elapsed).as_secs_f64());
+        }
+        let length = ((pace * seconds) as u64).max(BLOCK);
+        // By error: not much more than needed, which the error of a few particles does not tell yet.
+        let length = if self.error.is_some() { length.min(done.max(FIRST_ROUND)) } else { length };
+        self.particles.map_or(length, |wanted| length.min(wanted - done))
+    }
+
+    fn remaining(&self, done: u64, error: f64, elapsed: Duration, pace: Option<f64>) -> Duration {
+        let mut seconds = f64::INFINITY;
+        let by_pace = |particles: f64| particles / pace.unwrap_or(f64::INFINITY);
+        if let Some(wanted) = self.particles {
+            seconds = seconds.min(by_pace(wanted.saturating_sub(done) as f64));
+        }
+        if let Some(goal) = self.error {
+            // The error falls with the root of their number.
+            seconds = seconds.min(by_pace(done as f64 * ((error / goal).powi(2) - 1.0).max(0.0)));
+        }
+        if let Some(limit) = self.time {
+            seconds = seconds.min(limit.saturating_sub(elapsed).as_secs_f64());
+        }
+        Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
+    }
+}
+
+/// The particles of a range, over all threads of the pool.
+fn round(
+    scene: &Scene,
+    receivers: &Receivers,
+    settings: &TraceSettings,
+    tally: &Tally,
+    range: std::ops::Range<u64>,
+) -> (Tally, Counters) {
+    let far_field = tally.far_field.as_ref().map(|sums| sums.grid);
+    let next = AtomicU64::new(range.start);
+    let works = rayon::broadcast(|_| {
+        let mut clerk = Clerk::new(receivers, far_field);
+        let mut counters = Counters::default();
+        loop {
+            let from = next.fetch_add(BLOCK, Ordering::Relaxed);
+            if from >= range.end {
+                return (clerk.into_tally(), counters);
+            }
+            for number in from..(from + BLOCK).min(range.end) {
+                let sampler = particle_sampler(settings.seed, number);
+                let flight = send_particle(scene, sampler, settings.max_events, &mut counters, |arrival| {
+                    clerk.arrival(arrival);
+                });
+                clerk.end(flight.as_ref());
+            }
+        }
+    });
+    // Sums are exact: their order does not matter.
+    let mut all = (Tally::new(receivers, far_field), Counters::default());
+    for (brought, counters) in works {
+        all.0.merge(&brought);
+        all.1.merge(counters);
+    }
+    all
+}
+
+/// The numbers of a particle: one sequence for every 2^32 of them.
+fn particle_sampler(seed: u64, number: u64) -> PixelSampler {
+    PixelSampler::new(SamplerKind::Sobol, 1, seed, [(number >> 32) as u32, 0], number as u32)
+}
+
+/// The largest relative standard error of the brightest cell and of the mean of any receiver that light comes to; infinity if it
+/// comes to none.
+fn worst_error(tally: &Tally, receivers: &Receivers) -> f64 {
+    let mut worst = None;
+    for (number, receiver) in receivers.as_slice().iter().enumerate() {
+        let (mean, error) = tally.received(number);
+        if mean <= 0.0 {
+            continue;
+        }
+        let sums = tally.cells.get(receivers.cells_of(number)).unwrap_or_default();
+        let cells = sums.iter().zip(receiver.areas()).filter(|(_, area)| **area > 0.0);
+        let lux = |(sums, &area): (&crate::tally::Sums, &f64)| {
+            let (lumens, error) = sums.mean(tally.particles());
+            (lumens / area, error / lumens)
+        };
+        let brightest = cells.map(lux).max_by(|a, b| a.0.total_cmp(&b.0));
+        let peak = brightest.map_or(0.0, |(_, relative)| relative);
+        worst = Some(f64::max(worst.unwrap_or(0.0), peak.max(error / mean)));
+    }
+    worst.unwrap_or(f64::INFINITY)
+}

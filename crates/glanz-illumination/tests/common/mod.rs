@@ -1,0 +1,154 @@
+//! Scenes for tests, and their maps.
+
+#![allow(dead_code, reason = "no test uses all of it")]
+
+use std::f64::consts::TAU;
+use std::sync::atomic::AtomicBool;
+
+use glanz_illumination::*;
+use glanz_light::SpectralDistribution;
+use glanz_math::{DMat4, DVec2, DVec3};
+use glanz_scene::Scene;
+use glanz_scene::description::*;
+
+/// Radiance, W/(m^2 sr), or intensity, W/sr, of white that is one candela per square metre or one candela.
+pub(crate) const CANDELA: f32 = 1.0 / 683.0;
+
+pub(crate) fn grey(value: f32) -> SpectrumInput {
+    SpectrumInput::Value(SpectralDistribution::Constant(value))
+}
+
+pub(crate) fn diffuse(reflectance: f32) -> MaterialKind {
+    MaterialKind::Diffuse { reflectance: grey(reflectance) }
+}
+
+pub(crate) fn mirror(reflectance: f32) -> MaterialKind {
+    MaterialKind::Mirror { reflectance: grey(reflectance) }
+}
+
+pub(crate) fn sphere(radius: f64) -> GeometryDescription {
+    GeometryDescription::Sphere { radius, z: [-radius, radius], phi_max: TAU }
+}
+
+pub(crate) fn disk(radius: f64) -> GeometryDescription {
+    GeometryDescription::Disk { height: 0.0, radius, inner_radius: 0.0, phi_max: TAU }
+}
+
+/// The rectangle of these lengths about the origin, facing +z.
+pub(crate) fn rectangle(x: f64, y: f64) -> GeometryDescription {
+    GeometryDescription::Plane { x: [-0.5 * x, 0.5 * x], y: [-0.5 * y, 0.5 * y] }
+}
+
+pub(crate) fn at(x: f64, y: f64, z: f64) -> DMat4 {
+    DMat4::from_translation(DVec3::new(x, y, z))
+}
+
+/// Collects a scene; shapes are numbered from 0.
+#[derive(Clone, Default)]
+pub(crate) struct Builder(pub(crate) Description);
+
+impl Builder {
+    pub(crate) fn shape(mut self, geometry: GeometryDescription, place: DMat4, kind: MaterialKind) -> Self {
+        let material = self.0.materials.len();
+        self.0.materials.push(MaterialDescription { name: String::new(), kind, location: None });
+        self.0.world.shapes.push(ShapeDescription {
+            geometry,
+            to_parent: place,
+            reverse_orientation: false,
+            material,
+            emission: None,
+            trim: None,
+            location: None,
+        });
+        self
+    }
+
+    /// The last shape shines with so many cd/m^2 of white.
+    pub(crate) fn shining(mut self, luminance: f32) -> Self {
+        self.0.world.shapes.last_mut().unwrap().emission = Some(EmissionDescription {
+            radiance: SpectralDistribution::Constant(CANDELA),
+            scale: luminance,
+            power: None,
+            two_sided: false,
+        });
+        self
+    }
+
+    pub(crate) fn reversed(mut self) -> Self {
+        let shape = self.0.world.shapes.last_mut().unwrap();
+        shape.reverse_orientation = !shape.reverse_orientation;
+        self
+    }
+
+    /// A point of so many candela.
+    pub(crate) fn point(mut self, from: DVec3, candela: f32) -> Self {
+        self.0.lights.push(LightDescription {
+            kind: LightKind::Point { from, range: None },
+            emission: SpectralDistribution::Constant(CANDELA),
+            scale: candela,
+            to_world: DMat4::IDENTITY,
+            location: None,
+        });
+        self
+    }
+
+    pub(crate) fn scene(&self) -> Scene {
+        Scene::resolve(self.0.clone()).unwrap().0
+    }
+}
+
+pub(crate) fn request(name: &str, shape: u32, fineness: Fineness) -> ReceiverRequest {
+    ReceiverRequest { name: name.into(), shape, side: Side::Front, fineness }
+}
+
+/// Traces until the goal on all processors.
+pub(crate) fn traced(scene: &Scene, receivers: &Receivers, goal: Goal) -> TraceOutcome {
+    let settings = TraceSettings { seed: 3, max_events: 1000, threads: 0, goal };
+    let tally = Tally::new(receivers, None);
+    trace(scene, receivers, &settings, tally, &mut |_, _| {}, &AtomicBool::new(false)).unwrap()
+}
+
+/// Maps of as many particles, and the balance.
+pub(crate) fn maps(
+    scene: &Scene,
+    requests: &[ReceiverRequest],
+    particles: u64,
+) -> (Vec<LuxMap>, FluxBalance) {
+    let receivers = Receivers::try_new(scene, requests).unwrap();
+    let goal = Goal { particles: Some(particles), ..Goal::default() };
+    let outcome = traced(scene, &receivers, goal);
+    (outcome.tally.lux_maps(&receivers), outcome.tally.balance())
+}
+
+/// Mean of a function of the position over each cell of a flat map whose directions are x and y, by Gauss's rule with 4 x 4 places.
+pub(crate) fn cell_means(map: &LuxMap, lux: impl Fn(DVec2) -> f64) -> Vec<f64> {
+    let half =
+        [map.size[0] / f64::from(map.cells[0]), map.size[1] / f64::from(map.cells[1])].map(|d| 0.5 * d);
+    let nodes = [
+        (-0.861_136_311_594_052_6, 0.347_854_845_137_453_9),
+        (-0.339_981_043_584_856_3, 0.652_145_154_862_546_1),
+    ];
+    let nodes: Vec<(f64, f64)> = nodes.iter().flat_map(|&(x, w)| [(x, 0.5 * w), (-x, 0.5 * w)]).collect();
+    let mean = |p: &DVec3| {
+        let mut sum = 0.0;
+        for (&(x, wx), &(y, wy)) in nodes.iter().flat_map(|a| nodes.iter().map(move |b| (a, b))) {
+            sum += wx * wy * lux(DVec2::new(p.x + x * half[0], p.y + y * half[1]));
+        }
+        sum
+    };
+    map.positions.iter().map(mean).collect()
+}
+
+/// Every cell within four standard errors of `expected`, none of which is above `most` of it.
+pub(crate) fn assert_map(map: &LuxMap, expected: &[f64], most: f64) {
+    assert_eq!(map.lux.len(), expected.len());
+    for (cell, &expected) in expected.iter().enumerate().filter(|(cell, _)| map.areas[*cell] > 0.0) {
+        let (lux, error) = (map.lux[cell], map.errors[cell]);
+        assert!(
+            (lux - expected).abs() <= 4.0 * error,
+            "{} cell {cell}: {lux} +- {error}, not {expected}",
+            map.name
+        );
+        assert!(error <= most * expected, "{} cell {cell}: {lux} +- {error}", map.name);
+    }
+}

@@ -1,0 +1,170 @@
+//! Grids on surfaces: areas, places, sides.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up its scene has failed")]
+
+mod common;
+
+use std::f64::consts::PI;
+
+use common::*;
+use glanz_illumination::*;
+use glanz_math::{DMat4, DVec2, DVec3, Ray};
+use glanz_scene::description::*;
+
+fn mesh(positions: Vec<DVec3>, indices: Vec<[u32; 3]>) -> GeometryDescription {
+    GeometryDescription::Triangles { positions, indices, normals: None, uvs: None }
+}
+
+/// A rational quadratic patch: a quarter of a cylinder of radius 1 about z and height 2, over u in [0, 1] and v in [0, 2].
+fn quarter_cylinder() -> GeometryDescription {
+    let half = 0.5_f64.sqrt();
+    let mut points = Vec::new();
+    for (x, y, w) in [(1.0, 0.0, 1.0), (half, half, half), (0.0, 1.0, 1.0)] {
+        for z in [0.0, 2.0] {
+            points.push([x, y, z * w, w]);
+        }
+    }
+    let knots = |degree: usize, end: f64| [vec![0.0; degree + 1], vec![end; degree + 1]].concat();
+    GeometryDescription::Nurbs(NurbsDescription {
+        degree_u: 2,
+        degree_v: 1,
+        knots_u: knots(2, 1.0),
+        knots_v: knots(1, 2.0),
+        points,
+        domain: None,
+    })
+}
+
+/// Shapes with their areas.
+fn shapes() -> Vec<(GeometryDescription, f64)> {
+    let (o, x, y) = (DVec3::ZERO, DVec3::X, DVec3::Y);
+    vec![
+        (rectangle(3.0, 2.0), 6.0),
+        (disk(1.5), PI * 2.25),
+        (GeometryDescription::Disk { height: 0.2, radius: 2.0, inner_radius: 0.5, phi_max: 3.0 }, 1.5 * 3.75),
+        (mesh(vec![o, 2.0 * x, 2.0 * x + y, y], vec![[0, 1, 2], [0, 2, 3]]), 2.0),
+        (mesh(vec![o, 2.0 * x, y], vec![[0, 1, 2]]), 1.0),
+        // Not in a plane: counts by triangles.
+        (mesh(vec![o, x, x + y, y + DVec3::Z], vec![[0, 1, 2], [0, 2, 3]]), 0.5 + 0.5 * 3.0_f64.sqrt()),
+        (
+            GeometryDescription::Bilinear {
+                positions: vec![o, 3.0 * x, y, 3.0 * x + y],
+                indices: vec![[0, 1, 2, 3]],
+            },
+            3.0,
+        ),
+        (sphere(0.5), PI),
+        (quarter_cylinder(), PI),
+        (
+            GeometryDescription::Torus { major_radius: 2.0, minor_radius: 0.5, phi_max: 2.0 * PI },
+            4.0 * PI * PI,
+        ),
+    ]
+}
+
+fn receivers(
+    geometry: GeometryDescription,
+    place: DMat4,
+    cells: Fineness,
+) -> (glanz_scene::Scene, Receivers) {
+    let scene = Builder::default().shape(geometry, place, diffuse(0.5)).scene();
+    let receivers = Receivers::try_new(&scene, &[request("r", 0, cells)]).unwrap();
+    (scene, receivers)
+}
+
+#[test]
+fn cells_share_the_area() {
+    for place in
+        [DMat4::IDENTITY, at(1.0, 2.0, 3.0) * DMat4::from_rotation_x(0.7) * DMat4::from_rotation_z(0.4)]
+    {
+        for (number, (geometry, expected)) in shapes().into_iter().enumerate() {
+            let (_, receivers) = receivers(geometry, place, Fineness::Cells([7, 5]));
+            let [receiver] = receivers.as_slice() else { panic!("{number}") };
+            let area: f64 = receiver.areas().iter().sum();
+            assert!((area / expected - 1.0).abs() < 1e-6, "{number}: {area}, not {expected}");
+        }
+    }
+}
+
+#[test]
+fn rays_meet_the_cells_that_places_lie_in() {
+    for (number, (geometry, _)) in shapes().into_iter().enumerate() {
+        let place = at(1.0, -2.0, 0.5) * DMat4::from_rotation_y(0.3);
+        let (scene, receivers) = receivers(geometry, place, Fineness::Cells([4, 3]));
+        let receiver = &receivers.as_slice()[0];
+        let placed = scene.placed_surfaces();
+        let mut seen = 0;
+        for cell in 0..receiver.len() {
+            let mut area = 0.0;
+            let n = 16;
+            for k in 0..n * n {
+                let share = (DVec2::new(f64::from(k % n), f64::from(k / n)) + 0.5) / f64::from(n);
+                let Some(point) = receiver.place(&placed[0], cell, share) else { continue };
+                area += point.stretch / f64::from(n * n);
+                let ray = Ray::new(point.position + 0.01 * point.normal, -point.normal);
+                let (hit, found) = scene.intersect_place(&ray, 0.02).unwrap();
+                let met = receivers.met(&hit, &found).unwrap();
+                assert_eq!((met.cell, met.counts), (cell, true), "shape {number} at {share}");
+                seen += 1;
+            }
+            // Midpoints of parts that a border may cut: about a row of 16 of 256.
+            let off = (area - receiver.areas()[cell]).abs();
+            assert!(
+                off < 0.1 * receiver.areas().iter().fold(0.0, |a: f64, b| a.max(*b)),
+                "{number}: {cell} {off}"
+            );
+        }
+        assert!(seen > 1000 || number == 5, "shape {number}: {seen}");
+    }
+}
+
+#[test]
+fn walls_are_seen_upright_from_the_side_that_counts() {
+    // A wall in the plane y = 0 that faces +y: someone in front, looking along -y, has +x to the left.
+    let (o, x, z) = (DVec3::ZERO, DVec3::X, DVec3::Z);
+    let wall = mesh(vec![o, 4.0 * x, 4.0 * x + 2.0 * z, 2.0 * z], vec![[0, 2, 1], [0, 3, 2]]);
+    let scene = Builder::default().shape(wall, DMat4::IDENTITY, diffuse(0.5)).scene();
+    let of = |side| {
+        let asked = ReceiverRequest { side, ..request("wall", 0, Fineness::Longer(4)) };
+        Receivers::try_new(&scene, &[asked]).unwrap().as_slice()[0].clone()
+    };
+    let front = of(Side::Front);
+    assert_eq!((front.cells(), front.size()), ([4, 2], DVec2::new(4.0, 2.0)));
+    assert_eq!(front.positions()[0], DVec3::new(3.5, 0.0, 0.5));
+    assert_eq!(front.positions()[7], DVec3::new(0.5, 0.0, 1.5));
+    let back = of(Side::Back);
+    assert_eq!(back.positions()[0], DVec3::new(0.5, 0.0, 0.5));
+    // A floor has x to the right and y up, seen from above.
+    let floor = Builder::default().shape(rectangle(2.0, 2.0), DMat4::IDENTITY, diffuse(0.5)).scene();
+    let floor = Receivers::try_new(&floor, &[request("floor", 0, Fineness::Texel(0.9))]).unwrap();
+    assert_eq!(floor.as_slice()[0].cells(), [2, 2]);
+    assert_eq!(floor.as_slice()[0].positions()[1], DVec3::new(0.5, -0.5, 0.0));
+}
+
+#[test]
+fn boxes_count_by_facets_and_names_that_repeat_are_numbered() {
+    let cuboid = GeometryDescription::Cuboid { min: DVec3::ZERO, max: DVec3::new(1.0, 2.0, 3.0) };
+    let scene = Builder::default()
+        .shape(cuboid, DMat4::IDENTITY, diffuse(0.5))
+        .shape(disk(1.0), at(5.0, 0.0, 0.0), diffuse(0.5))
+        .scene();
+    let asked = [request("box", 0, Fineness::Cells([2, 2])), request("box", 1, Fineness::Cells([2, 2]))];
+    let receivers = Receivers::try_new(&scene, &asked).unwrap();
+    let names: Vec<&str> = receivers.as_slice().iter().map(Receiver::name).collect();
+    assert_eq!(names[0], "box 1 side 1");
+    assert_eq!((names[5], names[6], names.len()), ("box 1 side 6", "box 2", 7));
+    let areas: f64 = receivers.as_slice()[..6].iter().flat_map(Receiver::areas).sum();
+    assert!((areas - 22.0).abs() < 1e-12);
+}
+
+#[test]
+fn shapes_without_end_or_parameters_are_refused() {
+    let endless = [f64::NEG_INFINITY, f64::INFINITY];
+    let scene = Builder::default()
+        .shape(GeometryDescription::Plane { x: endless, y: endless }, DMat4::IDENTITY, diffuse(0.5))
+        .scene();
+    let refused =
+        |shape| Receivers::try_new(&scene, &[request("sea", shape, Fineness::Longer(4))]).unwrap_err();
+    assert_eq!(refused(0), ReceiverError::NoParameters("sea".into()));
+    assert_eq!(refused(1), ReceiverError::NoArea("sea".into()));
+}

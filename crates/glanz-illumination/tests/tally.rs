@@ -1,0 +1,128 @@
+//! What is counted does not depend on how.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up its scene has failed")]
+
+mod common;
+
+use std::sync::atomic::AtomicBool;
+
+use common::*;
+use glanz_illumination::*;
+use glanz_math::{DMat4, DVec3};
+use glanz_scene::Scene;
+
+/// A lamp above a glossless room of two mirrors and two plates.
+fn scene() -> Scene {
+    Builder::default()
+        .shape(rectangle(4.0, 4.0), DMat4::IDENTITY, diffuse(0.7))
+        .shape(
+            rectangle(4.0, 4.0),
+            at(0.0, 0.0, 3.0) * DMat4::from_rotation_x(std::f64::consts::PI),
+            diffuse(0.5),
+        )
+        .shape(sphere(0.3), at(1.0, 0.0, 1.0), mirror(0.9))
+        .point(DVec3::new(0.0, 0.0, 2.0), 100.0)
+        .scene()
+}
+
+fn receivers(scene: &Scene) -> Receivers {
+    let cells = Fineness::Cells([8, 8]);
+    Receivers::try_new(scene, &[request("floor", 0, cells), request("ceiling", 1, cells)]).unwrap()
+}
+
+fn sent(scene: &Scene, receivers: &Receivers, tally: Tally, particles: u64, threads: usize) -> Tally {
+    let goal = Goal { particles: Some(particles), ..Goal::default() };
+    let settings = TraceSettings { seed: 1, max_events: 100, threads, goal };
+    trace(scene, receivers, &settings, tally, &mut |_, _| {}, &AtomicBool::new(false)).unwrap().tally
+}
+
+#[test]
+fn threads_and_interruptions_change_no_bit() {
+    let scene = scene();
+    let receivers = receivers(&scene);
+    let grid = FarFieldGrid::try_new(8, 18);
+    let empty = || Tally::new(&receivers, grid);
+    let whole = sent(&scene, &receivers, empty(), 50_001, 1);
+    assert_eq!(whole.particles(), 50_001);
+    assert!(whole == sent(&scene, &receivers, empty(), 50_001, 3));
+    let half = sent(&scene, &receivers, empty(), 20_000, 2);
+    assert!(whole == sent(&scene, &receivers, half, 50_001, 2));
+}
+
+#[test]
+fn errors_are_those_of_repeated_runs() {
+    // Independent seeds: the spread of the mean of the brightest cell over 32 runs is what a run says, or less, since particles
+    // come from a sequence; not less than a third.
+    let scene = scene();
+    let receivers = receivers(&scene);
+    let of = |seed| {
+        let goal = Goal { particles: Some(4096), ..Goal::default() };
+        let settings = TraceSettings { seed, max_events: 100, threads: 1, goal };
+        let tally = Tally::new(&receivers, None);
+        let outcome = trace(&scene, &receivers, &settings, tally, &mut |_, _| {}, &AtomicBool::new(false));
+        let map = outcome.unwrap().tally.lux_maps(&receivers).swap_remove(0);
+        (map.lux[27], map.errors[27])
+    };
+    let runs: Vec<(f64, f64)> = (0..32).map(of).collect();
+    let mean = runs.iter().map(|run| run.0).sum::<f64>() / 32.0;
+    let spread = (runs.iter().map(|run| (run.0 - mean).powi(2)).sum::<f64>() / 31.0).sqrt();
+    let said = runs.iter().map(|run| run.1).sum::<f64>() / 32.0;
+    // The standard deviation of 32 values is known to 13 %.
+    assert!(spread < 1.4 * said && spread > 0.3 * said, "{spread} {said}");
+}
+
+#[test]
+fn runs_end_at_the_error_asked_for() {
+    let scene = scene();
+    let receivers = receivers(&scene);
+    let goal = Goal { error: Some(0.02), particles: Some(10_000_000), ..Goal::default() };
+    let outcome = traced(&scene, &receivers, goal);
+    assert_eq!(outcome.end, TraceEnd::Reached);
+    for map in outcome.tally.lux_maps(&receivers) {
+        let summary = map.summary();
+        assert!(summary.maximum_error <= 0.02 * summary.maximum);
+    }
+    assert!(outcome.particles < 10_000_000);
+    let stopped = AtomicBool::new(true);
+    let settings = TraceSettings { seed: 1, max_events: 9, threads: 1, goal: Goal::default() };
+    let outcome = trace(&scene, &receivers, &settings, outcome.tally, &mut |_, _| {}, &stopped).unwrap();
+    assert_eq!((outcome.end, outcome.particles), (TraceEnd::Interrupted, 0));
+}
+
+#[test]
+fn light_on_the_side_that_does_not_count_is_told() {
+    let scene = Builder::default()
+        .shape(rectangle(1.0, 1.0), at(0.0, 0.0, -1.0), diffuse(0.0))
+        .reversed()
+        .point(DVec3::ZERO, 1.0)
+        .scene();
+    let receivers = Receivers::try_new(&scene, &[request("floor", 0, Fineness::Longer(4))]).unwrap();
+    let tally = sent(&scene, &receivers, Tally::new(&receivers, None), 4096, 1);
+    assert_eq!(tally.received(0), (0.0, 0.0));
+    // A face of a cube around the point, half as wide as that of the cube of edge 2: its solid angle is
+    // 4 asin((1/2)^2 / (1 + (1/2)^2)).
+    let expected = 4.0 * (0.2_f64).asin();
+    assert!((tally.on_other_side(0) / expected - 1.0).abs() < 0.05);
+    assert_eq!(tally.balance().absorbed_by_receivers, tally.on_other_side(0));
+}
+
+#[test]
+fn far_field_of_a_lambert_disk_is_a_cosine() {
+    let down = DMat4::from_rotation_x(std::f64::consts::PI);
+    let scene = Builder::default().shape(disk(0.1), down, diffuse(0.0)).shining(1000.0).scene();
+    let receivers = Receivers::default();
+    let tally = Tally::new(&receivers, FarFieldGrid::try_new(1, 18));
+    let far = sent(&scene, &receivers, tally, 400_000, 2).far_field().unwrap();
+    let peak = 1000.0 * std::f64::consts::PI * 0.01;
+    assert!((far.flux() / (std::f64::consts::PI * peak) - 1.0).abs() < 1e-5);
+    for (step, gamma) in far.grid.gammas().into_iter().enumerate() {
+        // Mean of the cosine over the bin: between the borders a and b (sin^2 b - sin^2 a) / (2 (cos a - cos b)).
+        let border = |gamma: f64| gamma.clamp(0.0, 90.0).to_radians();
+        let (a, b) = (border(gamma - 5.0), border(gamma + 5.0));
+        let solid = (gamma - 5.0).max(0.0).to_radians().cos() - (gamma + 5.0).min(180.0).to_radians().cos();
+        let expected = peak * 0.5 * (b.sin().powi(2) - a.sin().powi(2)) / solid;
+        let bin = far.grid.bin_of(0, step);
+        let off = (far.candela[bin] - expected).abs();
+        assert!(off <= 4.0 * far.errors[bin] + 1e-9, "{gamma}: {} not {expected}", far.candela[bin]);
+    }
+}
