@@ -34,6 +34,7 @@
 //!     material: 0,
 //!     emission: None,
 //!     trim: None,
+//!     receiver: None,
 //!     location: None,
 //! });
 //! description.lights.push(LightDescription {
