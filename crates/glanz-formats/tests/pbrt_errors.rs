@@ -57,6 +57,27 @@ fn every_mistake_is_told_with_its_place() {
         ("WorldBegin ObjectInstance \"a\"", "1:27: there is no object \"a\""),
         ("CoordSysTransform \"camera\"", "1:19: there is no coordinate system \"camera\""),
         ("WorldBegin NamedMaterial \"red\"", "1:26: there is no material \"red\""),
+        // Receivers
+        (
+            "WorldBegin\nShape \"disk\" \"string receiver\" \"desk\" \"integer cells\" 8",
+            "2:55: shape \"disk\": parameter \"cells\" has 1 value, 2 are needed",
+        ),
+        (
+            "WorldBegin\nShape \"disk\" \"string receiver\" \"desk\" \"integer cells\" [0 8]",
+            "2:56: shape \"disk\": \"cells\" are 0 x 8, each must be from 1 to 4096",
+        ),
+        (
+            "WorldBegin\nShape \"disk\" \"string receiver\" \"desk\" \"integer cells\" [8 4097]",
+            "2:56: shape \"disk\": \"cells\" are 8 x 4097, each must be from 1 to 4096",
+        ),
+        (
+            "WorldBegin\nShape \"disk\" \"string receiver\" \"desk\" \"string receiverside\" \"top\"",
+            "2:61: shape \"disk\": receiverside \"top\" is unknown",
+        ),
+        (
+            "WorldBegin\nObjectBegin \"a\"\nShape \"disk\" \"string receiver\" \"desk\"\nObjectEnd",
+            "3:32: shape \"disk\": receiver \"desk\" is in an object, every copy of which would be the same receiver",
+        ),
         ("Attribute \"sahpe\" \"float radius\" 1", "1:11: Attribute \"sahpe\" is unknown"),
         ("ColorSpace \"prophoto\"", "1:12: color space \"prophoto\" is unknown"),
         ("Include \"a.pbrt\"", "1:9: Include: file \"a.pbrt\" is not there"),

@@ -36,6 +36,7 @@ pub(crate) fn scene_with(shapes: Vec<(GeometryDescription, f32, f32)>, lights: V
             material: number,
             emission,
             trim: None,
+            receiver: None,
             location: None,
         });
     }

@@ -158,6 +158,7 @@ mod tests {
                 material: 0,
                 emission: None,
                 trim: None,
+                receiver: None,
                 location: None,
             })
             .collect();

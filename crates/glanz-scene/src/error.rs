@@ -58,6 +58,11 @@ pub enum SceneErrorKind {
     /// Groups nested beyond the limit.
     #[error("groups are nested more than {0} deep")]
     Nesting(usize),
+    /// A receiver in a group that is copied.
+    #[error(
+        "receiver \"{0}\": a shape of an object cannot be one, for every copy would be the same receiver; put it into the world"
+    )]
+    ReceiverInGroup(String),
     /// A material with impossible parameters.
     #[error("material {name}: {reason}")]
     Material {

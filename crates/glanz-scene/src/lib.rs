@@ -31,6 +31,7 @@
 //!     material: 0,
 //!     emission: None,
 //!     trim: None,
+//!     receiver: None,
 //!     location: None,
 //! });
 //! let (scene, warnings) = Scene::resolve(description)?;
@@ -48,6 +49,7 @@ mod interaction;
 pub mod light;
 mod object;
 mod placed;
+mod receiver;
 mod resolve;
 mod scene;
 mod statistics;
@@ -60,5 +62,6 @@ pub use interaction::{Interaction, Reference};
 pub use light::{Light, LightId, LightRay, LightSample, MAX_LIGHT_GROUPS};
 pub use object::Object;
 pub use placed::{Place, PlacedPoint, PlacedSurface};
+pub use receiver::NamedReceiver;
 pub use scene::{MAX_NESTING, Scene};
 pub use statistics::Statistics;

@@ -159,6 +159,7 @@ mod tests {
             material: 0,
             emission: None,
             trim: None,
+            receiver: None,
             location: None,
         }
     }

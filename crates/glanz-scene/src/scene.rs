@@ -12,6 +12,7 @@ use crate::interaction::{Interaction, Reference};
 use crate::light::{Light, LightId, LightSample, LightSelector};
 use crate::object::Object;
 use crate::placed::Place;
+use crate::receiver::NamedReceiver;
 
 /// How deep groups may be nested in one another.
 pub const MAX_NESTING: usize = 8;
@@ -82,6 +83,7 @@ pub struct Scene {
     pub(crate) infinite_lights: Vec<LightId>,
     pub(crate) selector: LightSelector,
     pub(crate) bounds: Bounds3,
+    pub(crate) receivers: Vec<NamedReceiver>,
 }
 
 impl Scene {

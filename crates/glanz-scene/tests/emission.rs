@@ -37,6 +37,7 @@ fn shape(geometry: GeometryDescription, emission: Option<bool>, to_parent: DMat4
             two_sided,
         }),
         trim: None,
+        receiver: None,
         location: None,
     }
 }

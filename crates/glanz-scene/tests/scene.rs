@@ -24,6 +24,7 @@ fn shape(geometry: GeometryDescription, to_parent: DMat4) -> ShapeDescription {
         material: 0,
         emission: None,
         trim: None,
+        receiver: None,
         location: Some(HERE),
     }
 }

@@ -35,6 +35,7 @@
 //!     material: 0,
 //!     emission: None,
 //!     trim: None,
+//!     receiver: None,
 //!     location: None,
 //! });
 //! description.lights.push(LightDescription {

@@ -5,6 +5,7 @@
 mod film;
 mod light;
 mod material;
+mod receiver;
 mod shape;
 mod space;
 

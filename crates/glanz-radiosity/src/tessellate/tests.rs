@@ -71,6 +71,7 @@ fn trimmed(geometry: GeometryDescription, kept: bool) -> Scene {
         material: 0,
         emission: None,
         trim: Some(TrimDescription { loops }),
+        receiver: None,
         location: None,
     });
     Scene::resolve(description).unwrap().0

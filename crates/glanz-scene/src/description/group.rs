@@ -5,6 +5,7 @@ use glanz_math::DMat4;
 use super::Location;
 use super::geometry::GeometryDescription;
 use super::light::EmissionDescription;
+use super::receiver::ReceiverDescription;
 use super::trim::TrimDescription;
 
 /// Shapes and instances with one frame.
@@ -44,6 +45,8 @@ pub struct ShapeDescription {
     pub emission: Option<EmissionDescription>,
     /// The part of its parameter domain that is kept; `None`: all of it.
     pub trim: Option<TrimDescription>,
+    /// What makes it a receiver; only shapes of the world can be.
+    pub receiver: Option<ReceiverDescription>,
     /// Where it was said.
     pub location: Option<Location>,
 }

@@ -14,6 +14,7 @@ mod integrator;
 mod light;
 mod material;
 mod pass_lengths;
+mod receiver;
 mod texture;
 mod trim;
 
@@ -27,6 +28,7 @@ pub use integrator::{IntegratorDescription, SamplerDescription};
 pub use light::{EmissionDescription, LightDescription, LightKind, SpotFalloff};
 pub use material::{MaterialDescription, MaterialKind};
 pub use pass_lengths::{PassLengths, PassLengthsError};
+pub use receiver::{MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide};
 pub use texture::{
     FloatInput, ImageDescription, ImageFilter, ImageWrap, SpectrumInput, TextureDescription, TextureKind,
     TextureMapping,

@@ -8,10 +8,13 @@ use glanz_shading::Material;
 use super::join::join_small_meshes;
 use super::light::emitted;
 use super::{LARGEST_COORDINATE, Notes, range_error, shape, transform};
-use crate::description::{EmissionDescription, GroupDescription, InstanceDescription, Location};
+use crate::description::{
+    EmissionDescription, GroupDescription, InstanceDescription, Location, ReceiverDescription,
+};
 use crate::error::{SceneError, SceneErrorKind};
 use crate::light::{AreaLight, Light, LightId};
 use crate::object::Object;
+use crate::receiver::NamedReceiver;
 use crate::scene::{Group, Instance, MAX_NESTING, Primitive};
 
 /// An object that shines, in the frame of its group.
@@ -32,12 +35,28 @@ pub(super) struct Groups {
     /// Per material, whether light passes it.
     passable: Vec<bool>,
     next_id: u32,
+    receivers: Vec<NamedReceiver>,
+}
+
+/// All groups, the last of which is the world, and what was found in them.
+pub(super) struct Finished {
+    pub(super) groups: Vec<Group>,
+    /// One for each copy of a shape that shines.
+    pub(super) lights: Vec<Light>,
+    pub(super) receivers: Vec<NamedReceiver>,
 }
 
 impl Groups {
     pub(super) fn new(materials: &[Material]) -> Self {
         let passable = materials.iter().map(Material::is_interface).collect();
-        Self { groups: Vec::new(), emitters: Vec::new(), depths: Vec::new(), passable, next_id: 0 }
+        Self {
+            groups: Vec::new(),
+            emitters: Vec::new(),
+            depths: Vec::new(),
+            passable,
+            next_id: 0,
+            receivers: Vec::new(),
+        }
     }
 
     /// Adds the group number `index`; what it refers to must have been added before.
@@ -47,6 +66,11 @@ impl Groups {
         index: usize,
         notes: &mut Notes,
     ) -> Result<(), SceneError> {
+        let inner = description.shapes.iter().find_map(|shape| shape.receiver.as_ref());
+        if let Some(ReceiverDescription { name, location, .. }) = inner {
+            let kind = SceneErrorKind::ReceiverInGroup(name.clone());
+            return Err(SceneError { location: *location, kind });
+        }
         let (objects, emitters, instances, depth) = self.parts(description, index, notes)?;
         self.groups.push(self.build(objects, instances));
         self.emitters.push(emitters);
@@ -60,7 +84,7 @@ impl Groups {
         world: GroupDescription,
         wavelengths: &Wavelengths,
         notes: &mut Notes,
-    ) -> Result<(Vec<Group>, Vec<Light>), SceneError> {
+    ) -> Result<Finished, SceneError> {
         let index = self.groups.len();
         let (mut objects, emitters, instances, _) = self.parts(world, index, notes)?;
         let mut lights = Vec::with_capacity(emitters.len());
@@ -80,7 +104,7 @@ impl Groups {
         }
         let world = self.build(objects, instances);
         self.groups.push(world);
-        Ok((self.groups, lights))
+        Ok(Finished { groups: self.groups, lights, receivers: self.receivers })
     }
 
     #[allow(clippy::type_complexity)]
@@ -92,19 +116,23 @@ impl Groups {
     ) -> Result<(Vec<Object>, Vec<Emitter>, Vec<Instance>, usize), SceneError> {
         let mut objects = Vec::with_capacity(description.shapes.len());
         let mut emitters = Vec::new();
-        for shape in description.shapes {
+        for mut shape in description.shapes {
             let id = self.next_id;
             self.next_id = self.next_id.wrapping_add(1);
             reference("material", shape.material, self.passable.len(), shape.location)?;
             let passable = self.passable[shape.material];
             let (location, emission) = (shape.location, shape.emission.clone());
-            for mut object in shape::objects(shape, id, notes)? {
+            let receiver = shape.receiver.take().map(|r| NamedReceiver::try_new(r, id)).transpose()?;
+            let made = shape::objects(shape, id, notes)?;
+            let measures = receiver.is_some();
+            self.receivers.extend(receiver.filter(|_| !made.is_empty()));
+            for mut object in made {
                 check_extent(&object.bounds(), location)?;
                 object.passable = passable;
                 match &emission {
                     Some(emission) => emitters.push(Emitter { object, emission: emission.clone(), location }),
-                    // A border that neither shines nor stops light is not there.
-                    None if passable => {}
+                    // A border that neither shines, stops light nor measures it is not there.
+                    None if passable && !measures => {}
                     None => objects.push(object),
                 }
             }

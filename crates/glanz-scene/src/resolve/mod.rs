@@ -16,7 +16,7 @@ use crate::description::{Description, Location};
 use crate::error::{SceneError, SceneErrorKind, SceneWarning};
 use crate::light::{Light, LightId, LightSelector};
 use crate::scene::Scene;
-use group::Groups;
+use group::{Finished, Groups};
 
 /// Coordinates beyond this, in metres, leave the range of the hierarchy's `f32` boxes.
 pub(crate) const LARGEST_COORDINATE: f64 = 1e30;
@@ -51,7 +51,8 @@ impl Scene {
         for (index, group) in description.groups.into_iter().enumerate() {
             groups.add(group, index, &mut notes)?;
         }
-        let (groups, mut lights) = groups.finish(description.world, &wavelengths, &mut notes)?;
+        let Finished { groups, mut lights, receivers } =
+            groups.finish(description.world, &wavelengths, &mut notes)?;
         for light in &description.lights {
             lights.push(light::light(light, &wavelengths)?);
         }
@@ -65,7 +66,17 @@ impl Scene {
             .map(|(index, _)| LightId(index as u32))
             .collect();
         let selector = LightSelector::new(&importance);
-        let scene = Self { camera, groups, materials, textures, lights, infinite_lights, selector, bounds };
+        let scene = Self {
+            camera,
+            groups,
+            materials,
+            textures,
+            lights,
+            infinite_lights,
+            selector,
+            bounds,
+            receivers,
+        };
         Ok((scene, notes.warnings))
     }
 }

@@ -134,6 +134,7 @@ fn scene(reflectance: f32) -> Result<Scene, StudyError> {
                 two_sided: false,
             }),
             trim: None,
+            receiver: None,
             location: None,
         });
     }

@@ -78,6 +78,7 @@ pub(super) fn description(surfaces: Vec<GeometryDescription>, size: [u32; 2]) ->
             material: 0,
             emission: None,
             trim: None,
+            receiver: None,
             location: None,
         })
         .collect();

@@ -104,6 +104,7 @@ impl Builder {
             material,
             emission: None,
             trim: None,
+            receiver: None,
             location: None,
         });
         self

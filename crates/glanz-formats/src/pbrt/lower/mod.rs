@@ -10,6 +10,7 @@ mod material;
 mod material_stand_in;
 mod named;
 mod patch_file;
+mod receiver;
 mod shape;
 mod spectrum;
 mod spline;

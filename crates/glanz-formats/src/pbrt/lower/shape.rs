@@ -53,6 +53,7 @@ impl Lowering {
         }
         self.alpha(&mut list)?;
         let trim = self.trim(&mut list)?;
+        let receiver = self.receiver(&mut list)?;
         list.finish(&mut self.reporter);
         let material = match context.material {
             Some(index) => index,
@@ -78,6 +79,7 @@ impl Lowering {
                 material,
                 emission: emission.clone(),
                 trim: trim.clone(),
+                receiver: receiver.clone(),
                 location: Some(place.location),
             };
             self.current_group().shapes.push(shape);

@@ -204,6 +204,22 @@ impl ParameterList {
         }
     }
 
+    /// Exactly `N` integers, with the parameter for messages.
+    pub(crate) fn integer_array<const N: usize>(
+        &mut self,
+        name: &'static str,
+        reporter: &mut Reporter,
+    ) -> Step<Option<(Parameter, [i32; N])>> {
+        let Some((mut p, v)) = self.integers(name, reporter)? else { return Ok(None) };
+        match <[i32; N]>::try_from(&v[..]) {
+            Ok(values) => Ok(Some((p, values))),
+            Err(_) => {
+                p.values = Values::Integers(v);
+                Err(self.wrong_count(&p, &format!("{N} are needed"), reporter))
+            }
+        }
+    }
+
     /// One integer.
     pub(crate) fn integer(&mut self, name: &'static str, reporter: &mut Reporter) -> Step<Option<i32>> {
         let Some((mut p, v)) = self.integers(name, reporter)? else { return Ok(None) };

@@ -50,6 +50,7 @@ fn scene() -> Scene {
             material: 0,
             emission: None,
             trim: None,
+            receiver: None,
             location: None,
         })
         .collect();

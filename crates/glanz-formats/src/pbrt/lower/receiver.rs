@@ -1,0 +1,62 @@
+//! Shapes on which arriving light is measured.
+
+use glanz_scene::description::{MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide};
+
+use super::Lowering;
+use crate::pbrt::parameters::{ParameterList, shortened};
+use crate::source::Step;
+
+impl Lowering {
+    /// `receiver`, `cells` and `receiverside` of a shape; an empty name is none.
+    pub(super) fn receiver(&mut self, list: &mut ParameterList) -> Step<Option<ReceiverDescription>> {
+        let Some((p, name)) = list.text_parameter("receiver", &mut self.reporter)? else {
+            return Ok(None);
+        };
+        let cells = self.cells(list)?;
+        let side = self.side(list)?;
+        if name.is_empty() {
+            return Ok(None);
+        }
+        if self.group.is_some() {
+            let message = format!(
+                "{}: receiver {:?} is in an object, every copy of which would be the same receiver",
+                list.subject,
+                shortened(&name)
+            );
+            let help = Some("put the shape into the world, outside ObjectBegin and ObjectEnd".to_owned());
+            return Err(self.reporter.error_with_help(&p.value_place, "receiver-in-object", message, help));
+        }
+        Ok(Some(ReceiverDescription { name, cells, side, location: Some(p.value_place.location) }))
+    }
+
+    fn cells(&mut self, list: &mut ParameterList) -> Step<Option<[u32; 2]>> {
+        let Some((p, [u, v])) = list.integer_array("cells", &mut self.reporter)? else { return Ok(None) };
+        let count = |n: i32| u32::try_from(n).ok().filter(|n| (1..=MAX_RECEIVER_CELLS).contains(n));
+        match (count(u), count(v)) {
+            (Some(u), Some(v)) => Ok(Some([u, v])),
+            _ => {
+                let message = format!(
+                    "{}: \"cells\" are {u} x {v}, each must be from 1 to {MAX_RECEIVER_CELLS}",
+                    list.subject
+                );
+                Err(self.reporter.error(&p.value_place, "parameter-range", message))
+            }
+        }
+    }
+
+    fn side(&mut self, list: &mut ParameterList) -> Step<ReceiverSide> {
+        let Some((p, side)) = list.text_parameter("receiverside", &mut self.reporter)? else {
+            return Ok(ReceiverSide::default());
+        };
+        match side.as_str() {
+            "front" => Ok(ReceiverSide::Front),
+            "back" => Ok(ReceiverSide::Back),
+            "both" => Ok(ReceiverSide::Both),
+            other => {
+                let message = format!("{}: receiverside {:?} is unknown", list.subject, shortened(other));
+                let help = Some("sides are front, back and both".to_owned());
+                Err(self.reporter.error_with_help(&p.value_place, "parameter-range", message, help))
+            }
+        }
+    }
+}

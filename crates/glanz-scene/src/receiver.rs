@@ -1,0 +1,77 @@
+//! Shapes on which arriving light is measured.
+
+use crate::description::{Location, MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide};
+use crate::error::{SceneError, SceneErrorKind};
+use crate::scene::Scene;
+
+/// A shape that the scene names as a receiver.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedReceiver {
+    name: String,
+    shape: u32,
+    cells: Option<[u32; 2]>,
+    side: ReceiverSide,
+    location: Option<Location>,
+}
+
+impl NamedReceiver {
+    /// `shape`: its number in the order of the scene file.
+    pub(crate) fn try_new(description: ReceiverDescription, shape: u32) -> Result<Self, SceneError> {
+        let ReceiverDescription { name, cells, side, location } = description;
+        let error = |kind| SceneError { location, kind };
+        if name.is_empty() {
+            let (what, value, range) = ("receiver: name", "empty".to_owned(), "a text");
+            return Err(error(SceneErrorKind::Range { what, value, range }));
+        }
+        if let Some([u, v]) = cells
+            && !(u.min(v) >= 1 && u.max(v) <= MAX_RECEIVER_CELLS)
+        {
+            let value = format!("{u} x {v}");
+            let (what, range) = ("receiver: number of cells", "1 to 4096 along each side");
+            return Err(error(SceneErrorKind::Range { what, value, range }));
+        }
+        Ok(Self { name, shape, cells, side, location })
+    }
+
+    /// Its name, not empty; several receivers may have the same.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The number of the shape, which is [`Interaction::id`](crate::Interaction::id) of what meets it and
+    /// [`PlacedSurface::shape`](crate::PlacedSurface::shape) of its faces.
+    #[must_use]
+    pub fn shape(&self) -> u32 {
+        self.shape
+    }
+
+    /// Numbers of cells along u and v, 1 to [`MAX_RECEIVER_CELLS`] each, if the scene says so.
+    #[must_use]
+    pub fn cells(&self) -> Option<[u32; 2]> {
+        self.cells
+    }
+
+    /// Where light must arrive to count.
+    #[must_use]
+    pub fn side(&self) -> ReceiverSide {
+        self.side
+    }
+
+    /// Where it was said.
+    #[must_use]
+    pub fn location(&self) -> Option<Location> {
+        self.location
+    }
+}
+
+impl Scene {
+    /// The shapes that the scene names as receivers, by ascending number.
+    ///
+    /// Shapes that are not there, such as meshes without any area, are not in it. A shape of an interface material, which light passes,
+    /// stays in the scene if it is a receiver.
+    #[must_use]
+    pub fn receivers(&self) -> &[NamedReceiver] {
+        &self.receivers
+    }
+}
