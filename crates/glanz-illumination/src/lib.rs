@@ -15,6 +15,6 @@ pub mod trace;
 pub use balance::FluxBalance;
 pub use far_field::{FarField, FarFieldGrid};
 pub use lux_map::{LuxMap, LuxSummary};
-pub use receiver::{Fineness, Receiver, ReceiverError, ReceiverRequest, Receivers, Side};
+pub use receiver::{Fineness, Receiver, ReceiverError, ReceiverRequest, Receivers};
 pub use tally::Tally;
 pub use trace::{Goal, ThreadsError, TraceEnd, TraceOutcome, TraceReport, TraceSettings, trace};

@@ -128,11 +128,11 @@ fn walls_are_seen_upright_from_the_side_that_counts() {
         let asked = ReceiverRequest { side, ..request("wall", 0, Fineness::Longer(4)) };
         Receivers::try_new(&scene, &[asked]).unwrap().as_slice()[0].clone()
     };
-    let front = of(Side::Front);
+    let front = of(ReceiverSide::Front);
     assert_eq!((front.cells(), front.size()), ([4, 2], DVec2::new(4.0, 2.0)));
     assert_eq!(front.positions()[0], DVec3::new(3.5, 0.0, 0.5));
     assert_eq!(front.positions()[7], DVec3::new(0.5, 0.0, 1.5));
-    let back = of(Side::Back);
+    let back = of(ReceiverSide::Back);
     assert_eq!(back.positions()[0], DVec3::new(0.5, 0.0, 0.5));
     // A floor has x to the right and y up, seen from above.
     let floor = Builder::default().shape(rectangle(2.0, 2.0), DMat4::IDENTITY, diffuse(0.5)).scene();
@@ -151,10 +151,37 @@ fn boxes_count_by_facets_and_names_that_repeat_are_numbered() {
     let asked = [request("box", 0, Fineness::Cells([2, 2])), request("box", 1, Fineness::Cells([2, 2]))];
     let receivers = Receivers::try_new(&scene, &asked).unwrap();
     let names: Vec<&str> = receivers.as_slice().iter().map(Receiver::name).collect();
-    assert_eq!(names[0], "box 1 side 1");
-    assert_eq!((names[5], names[6], names.len()), ("box 1 side 6", "box 2", 7));
+    assert_eq!(names[0], "box 1 facet 1");
+    assert_eq!((names[5], names[6], names.len()), ("box 1 facet 6", "box 2", 7));
     let areas: f64 = receivers.as_slice()[..6].iter().flat_map(Receiver::areas).sum();
     assert!((areas - 22.0).abs() < 1e-12);
+}
+
+#[test]
+fn sides_of_a_border_count_by_themselves_and_stop_nothing() {
+    // A point above the middle of a border: what goes down passes it and comes to the floor behind.
+    let mut scene = Builder::default()
+        .shape(rectangle(2.0, 2.0), DMat4::IDENTITY, MaterialKind::Interface)
+        .shape(rectangle(40.0, 40.0), at(0.0, 0.0, -1.0), diffuse(0.5))
+        .point(DVec3::new(0.0, 0.0, 1.0), 100.0);
+    scene.0.world.shapes[0].receiver = Some(ReceiverDescription {
+        name: "air".into(),
+        cells: Some([1, 1]),
+        side: ReceiverSide::Both,
+        location: None,
+    });
+    let scene = scene.scene();
+    let asked = ReceiverRequest::of_scene(&scene, Fineness::Longer(9));
+    let (maps, balance) = maps(&scene, &asked, 1 << 17);
+    let names: Vec<&str> = maps.iter().map(|map| map.name.as_str()).collect();
+    assert_eq!(names, ["air front", "air back"]);
+    // A face of the cube around the point, 4 pi / 6 sr.
+    let front = 100.0 * 4.0 * PI / 6.0 / 4.0;
+    assert!((maps[0].lux[0] - front).abs() < 4.0 * maps[0].errors[0], "{} {front}", maps[0].lux[0]);
+    // The floor sends half of it back, about half of which meets the border from below.
+    assert!(maps[1].lux[0] > 0.05 * front && maps[1].lux[0] < 0.5 * front);
+    assert_eq!(balance.absorbed_by_receivers, 0.0);
+    assert!(balance.closes_to() < 1e-6);
 }
 
 #[test]

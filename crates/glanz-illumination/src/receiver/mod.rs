@@ -6,39 +6,15 @@ mod parameters;
 
 use glanz_geometry::Surface;
 use glanz_math::{DVec2, DVec3};
+use glanz_scene::description::{MAX_RECEIVER_CELLS, ReceiverSide};
 use glanz_scene::{Interaction, Place, PlacedSurface, Scene};
 
 use faces::Faces;
 use flat::Flat;
 use parameters::Parameters;
 
-/// Cells at most along a side of a grid.
-pub const CELLS_LIMIT: u32 = 4096;
-
 /// Triangles at most of a curved mesh that counts by triangles.
 const FACES_LIMIT: usize = 1 << 22;
-
-/// On which side of a surface light is counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Side {
-    /// Where its normal points.
-    #[default]
-    Front,
-    /// The other one.
-    Back,
-    /// Both together.
-    Both,
-}
-
-impl Side {
-    fn counts(self, back: bool) -> bool {
-        match self {
-            Self::Front => !back,
-            Self::Back => back,
-            Self::Both => true,
-        }
-    }
-}
 
 /// How fine a grid is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,15 +28,15 @@ pub enum Fineness {
 }
 
 impl Fineness {
-    /// Cells along both directions of a receiver that is so long, metres; at least 1 and at most [`CELLS_LIMIT`].
+    /// Cells along both directions of a receiver that is so long, metres; at least 1 and at most [`MAX_RECEIVER_CELLS`].
     fn cells(self, size: DVec2) -> [u32; 2] {
         let texel = match self {
-            Self::Cells(cells) => return cells.map(|n| n.clamp(1, CELLS_LIMIT)),
+            Self::Cells(cells) => return cells.map(|n| n.clamp(1, MAX_RECEIVER_CELLS)),
             Self::Longer(n) => size.max_element() / f64::from(n.max(1)),
             Self::Texel(texel) => texel,
         };
         // Texels that are no whole part of the length become a little larger or smaller. A cast from NaN gives 0.
-        (size / texel).to_array().map(|n| (n.round() as u32).clamp(1, CELLS_LIMIT))
+        (size / texel).to_array().map(|n| (n.round() as u32).clamp(1, MAX_RECEIVER_CELLS))
     }
 }
 
@@ -71,10 +47,24 @@ pub struct ReceiverRequest {
     pub name: String,
     /// Number of the shape in the order of the scene file.
     pub shape: u32,
-    /// Which side.
-    pub side: Side,
+    /// Which side; both become a receiver each.
+    pub side: ReceiverSide,
     /// How fine.
     pub fineness: Fineness,
+}
+
+impl ReceiverRequest {
+    /// What a scene asks for; those that say nothing of their cells are divided by `fineness`.
+    #[must_use]
+    pub fn of_scene(scene: &Scene, fineness: Fineness) -> Vec<Self> {
+        let asked = scene.receivers().iter().map(|receiver| Self {
+            name: receiver.name().to_owned(),
+            shape: receiver.shape(),
+            side: receiver.side(),
+            fineness: receiver.cells().map_or(fineness, Fineness::Cells),
+        });
+        asked.collect()
+    }
 }
 
 /// Why a shape cannot receive.
@@ -104,7 +94,7 @@ pub enum ReceiverError {
 pub struct ReceiverPoint {
     /// Metres.
     pub position: DVec3,
-    /// Unit normal on the side that counts; of both sides the front.
+    /// Unit normal on the side that counts.
     pub normal: DVec3,
     /// Area per unit of the cell's own square, m^2.
     pub stretch: f64,
@@ -122,7 +112,8 @@ pub struct Receiver {
     /// Number of the surface, and of its face if it is one facet of several.
     surface: u32,
     face: Option<u32>,
-    side: Side,
+    /// Whether light counts on the side that the normal does not point to.
+    back: bool,
     cells: [u32; 2],
     size: DVec2,
     layout: Layout,
@@ -138,8 +129,13 @@ enum Layout {
 }
 
 impl Receiver {
-    fn new(request: &ReceiverRequest, name: String, found: &FoundShape<'_>) -> Result<Self, ReceiverError> {
-        let layout = found.layout(request)?;
+    fn try_new(
+        request: &ReceiverRequest,
+        name: String,
+        found: &FoundShape<'_>,
+        back: bool,
+    ) -> Result<Self, ReceiverError> {
+        let layout = found.layout(&name, back)?;
         let size = layout.size(&found.surface);
         let cells = match &layout {
             Layout::Faces(faces) => [faces.len(), 1],
@@ -153,8 +149,8 @@ impl Receiver {
         if areas.iter().all(|&area| area <= 0.0) {
             return Err(ReceiverError::NoArea(name));
         }
-        let (shape, surface, face, side) = (request.shape, found.number, found.face, request.side);
-        Ok(Self { name, shape, surface, face, side, cells, size, layout, areas, positions })
+        let (shape, surface, face) = (request.shape, found.number, found.face);
+        Ok(Self { name, shape, surface, face, back, cells, size, layout, areas, positions })
     }
 
     /// What it is called.
@@ -163,10 +159,10 @@ impl Receiver {
         &self.name
     }
 
-    /// Number of its shape in the order of the scene file.
+    /// Its number among [`Scene::placed_surfaces`].
     #[must_use]
-    pub fn shape(&self) -> u32 {
-        self.shape
+    pub fn surface(&self) -> u32 {
+        self.surface
     }
 
     /// Cells along both directions.
@@ -207,7 +203,7 @@ impl Receiver {
 
     /// The place in a cell by numbers in [0, 1]^2 that are its own parameters; `None` where there is no surface.
     ///
-    /// `scene`: that of [`Receivers::try_new`].
+    /// `surface`: that of [`Receiver::surface`].
     #[must_use]
     pub fn place(&self, surface: &PlacedSurface<'_>, cell: usize, at: DVec2) -> Option<ReceiverPoint> {
         let point = match &self.layout {
@@ -215,7 +211,7 @@ impl Receiver {
             Layout::Parameters(parameters) => parameters.place(surface, self.cells, cell, at),
             Layout::Faces(faces) => faces.place(surface, cell, at),
         }?;
-        let normal = if self.side == Side::Back { -point.normal } else { point.normal };
+        let normal = if self.back { -point.normal } else { point.normal };
         Some(ReceiverPoint { normal, ..point })
     }
 
@@ -242,19 +238,18 @@ struct FoundShape<'a> {
 }
 
 impl FoundShape<'_> {
-    fn layout(&self, request: &ReceiverRequest) -> Result<Layout, ReceiverError> {
-        let name = || request.name.clone();
+    fn layout(&self, name: &str, back: bool) -> Result<Layout, ReceiverError> {
         if self.faces.is_empty() {
-            return Err(ReceiverError::NoParameters(name()));
+            return Err(ReceiverError::NoParameters(name.to_owned()));
         }
-        if let Some(flat) = Flat::try_new(&self.surface, &self.faces, request.side == Side::Back) {
+        if let Some(flat) = Flat::try_new(&self.surface, &self.faces, back) {
             return Ok(Layout::Flat(flat));
         }
         if let Some(parameters) = Parameters::try_new(&self.surface) {
             return Ok(Layout::Parameters(parameters));
         }
         if self.faces.len() > FACES_LIMIT {
-            return Err(ReceiverError::TooMany { name: name(), faces: self.faces.len() });
+            return Err(ReceiverError::TooMany { name: name.to_owned(), faces: self.faces.len() });
         }
         Ok(Layout::Faces(Faces::new(&self.faces)))
     }
@@ -301,24 +296,19 @@ impl Receivers {
     pub fn try_new(scene: &Scene, requests: &[ReceiverRequest]) -> Result<Self, ReceiverError> {
         let placed = scene.placed_surfaces();
         let mut receivers = Self { by_surface: vec![Vec::new(); placed.len()], ..Self::default() };
-        let named = |name: &str| requests.iter().filter(|request| request.name == name).count();
         for (number, request) in requests.iter().enumerate() {
             let found = shapes(&placed, request.shape);
             if found.is_empty() {
                 return Err(ReceiverError::NoArea(request.name.clone()));
             }
-            let before = requests[..number].iter().filter(|other| other.name == request.name).count();
-            let shared = named(&request.name) > 1;
-            let facets = found.len() > 1;
-            for (facet, found) in found.iter().enumerate() {
-                let mut name = request.name.clone();
-                if shared {
-                    name += &format!(" {}", before + 1);
+            let alike = |others: &[ReceiverRequest]| others.iter().filter(|r| r.name == request.name).count();
+            let number = (alike(requests) > 1).then(|| alike(&requests[..number]) + 1);
+            for (facet, shape) in (1..).zip(&found) {
+                let facet = (found.len() > 1).then_some(facet);
+                for &back in sides(request.side) {
+                    let name = full_name(request, number, facet, back);
+                    receivers.push(Receiver::try_new(request, name, shape, back)?);
                 }
-                if facets {
-                    name += &format!(" side {}", facet + 1);
-                }
-                receivers.push(Receiver::new(request, name, found)?);
             }
         }
         Ok(receivers)
@@ -360,17 +350,44 @@ impl Receivers {
     #[must_use]
     pub fn met(&self, at: &Interaction, place: &Place) -> Option<Met> {
         let here = self.by_surface.get(place.surface as usize)?;
+        let mut met = None;
         for &number in here {
             let receiver = &self.list[number as usize];
             if receiver.shape != at.id || receiver.face.is_some_and(|face| face != place.face) {
                 continue;
             }
+            let counts = receiver.back == place.back;
             let cell = self.cells_of(number as usize).start + receiver.locate(at, place)?;
-            let counts = receiver.side.counts(place.back);
-            return Some(Met { receiver: number as usize, cell, counts });
+            met = Some(Met { receiver: number as usize, cell, counts });
+            if counts {
+                break;
+            }
         }
-        None
+        met
     }
+}
+
+fn sides(side: ReceiverSide) -> &'static [bool] {
+    match side {
+        ReceiverSide::Front => &[false],
+        ReceiverSide::Back => &[true],
+        ReceiverSide::Both => &[false, true],
+    }
+}
+
+/// The name of a receiver with what tells it from others of that name.
+fn full_name(request: &ReceiverRequest, number: Option<usize>, facet: Option<usize>, back: bool) -> String {
+    let mut name = request.name.clone();
+    if let Some(number) = number {
+        name += &format!(" {number}");
+    }
+    if let Some(facet) = facet {
+        name += &format!(" facet {facet}");
+    }
+    if request.side == ReceiverSide::Both {
+        name += if back { " back" } else { " front" };
+    }
+    name
 }
 
 /// The places of a shape: one, or one per facet of a box or polyhedron; for copies by instances one each.

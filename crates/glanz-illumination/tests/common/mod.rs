@@ -58,6 +58,7 @@ impl Builder {
             material,
             emission: None,
             trim: None,
+            receiver: None,
             location: None,
         });
         self
@@ -98,7 +99,7 @@ impl Builder {
 }
 
 pub(crate) fn request(name: &str, shape: u32, fineness: Fineness) -> ReceiverRequest {
-    ReceiverRequest { name: name.into(), shape, side: Side::Front, fineness }
+    ReceiverRequest { name: name.into(), shape, side: ReceiverSide::Front, fineness }
 }
 
 /// Traces until the goal on all processors.
