@@ -1,6 +1,6 @@
 //! How much light arrives where: lux on receivers, from lamps and by way of mirrors (document 000 chapter 4).
 //!
-//! - [`Receivers`] are grids of cells on surfaces of a scene;
+//! - [`Receivers`] are grids of cells on surfaces of a scene; [`add_walls`] puts the scene into a room of them;
 //! - [`trace()`] sends particles from the lamps and counts what they bring, in a [`Tally`];
 //! - a [`LuxMap`] holds illuminance over the cells of a receiver, with errors;
 //! - a [`FluxBalance`] says where the light went, a [`FarField`] in which directions it left the scene.
@@ -9,6 +9,8 @@ pub mod balance;
 pub mod far_field;
 pub mod lux_map;
 pub mod receiver;
+pub mod room;
+mod state;
 pub mod tally;
 pub mod trace;
 
@@ -16,5 +18,6 @@ pub use balance::FluxBalance;
 pub use far_field::{FarField, FarFieldGrid};
 pub use lux_map::{LuxMap, LuxSummary};
 pub use receiver::{Fineness, Receiver, ReceiverError, ReceiverRequest, Receivers};
+pub use room::add_walls;
 pub use tally::Tally;
 pub use trace::{Goal, ThreadsError, TraceEnd, TraceOutcome, TraceReport, TraceSettings, trace};

@@ -10,6 +10,7 @@ use common::*;
 use glanz_illumination::*;
 use glanz_math::{DMat4, DVec3};
 use glanz_scene::Scene;
+use glanz_transport::codec::{Decoder, Encoder};
 
 /// A lamp above a glossless room of two mirrors and two plates.
 fn scene() -> Scene {
@@ -46,6 +47,11 @@ fn threads_and_interruptions_change_no_bit() {
     assert_eq!(whole.particles(), 50_001);
     assert!(whole == sent(&scene, &receivers, empty(), 50_001, 3));
     let half = sent(&scene, &receivers, empty(), 20_000, 2);
+    let mut encoder = Encoder(Vec::new());
+    half.encode(&mut encoder);
+    let read = |bytes: &[u8], grid| Tally::decode(&mut Decoder(bytes), &receivers, grid);
+    assert!(read(&encoder.0, grid).as_ref() == Some(&half));
+    assert!(read(&encoder.0, None).is_none() && read(&encoder.0[..encoder.0.len() - 1], grid).is_none());
     assert!(whole == sent(&scene, &receivers, half, 50_001, 2));
 }
 
