@@ -24,24 +24,31 @@ pub struct LuxMap {
     pub errors: Vec<f64>,
 }
 
-/// What is said of a receiver as a whole. Minimum and maximum are those of means over cells.
+/// What is said of a receiver as a whole. Minimum and maximum are those of means over cells. For programs the fields
+/// have their units behind their names: `mean_lux`, `area_m2`, `flux_lm`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct LuxSummary {
     /// Least illuminance, lx.
+    #[serde(rename = "minimum_lux")]
     pub minimum: f64,
     /// Mean over the area, lx.
+    #[serde(rename = "mean_lux")]
     pub mean: f64,
     /// Largest illuminance, lx.
+    #[serde(rename = "maximum_lux")]
     pub maximum: f64,
     /// Uniformity U0: least over mean.
     pub u0: f64,
     /// Uniformity U1: least over largest.
     pub u1: f64,
     /// Area, m^2.
+    #[serde(rename = "area_m2")]
     pub area: f64,
     /// What arrives, lm.
+    #[serde(rename = "flux_lm")]
     pub flux: f64,
     /// Standard error of `maximum`, lx.
+    #[serde(rename = "maximum_error_lux")]
     pub maximum_error: f64,
 }
 

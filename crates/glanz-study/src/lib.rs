@@ -26,7 +26,6 @@
 pub mod clock;
 mod densities;
 mod guiding;
-mod lettering;
 mod newton;
 pub mod plot;
 mod reconstruction;
@@ -35,8 +34,8 @@ mod rooms;
 mod sheet;
 mod solvers;
 mod study;
-pub mod table;
 mod tessellation;
 
+pub use glanz_illumination::report::table;
 pub use report::Report;
 pub use study::{Settings, Study, StudyError, StudyOption, Unwatched, Watch, named, studies};

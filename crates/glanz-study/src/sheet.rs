@@ -1,8 +1,7 @@
 //! Pictures side by side, each with its name above.
 
+use glanz_illumination::report::lettering::{ADVANCE, HEIGHT, dots};
 use glanz_light::{Pixels, PixelsError};
-
-use crate::lettering::{ADVANCE, HEIGHT, dots};
 
 /// Small pictures are shown with larger pixels until they are this wide.
 const WIDTH: u32 = 320;

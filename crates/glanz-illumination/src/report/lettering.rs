@@ -1,13 +1,13 @@
 //! Capital letters of 5 x 7 dots, to label pictures with.
 
 /// Dots of a letter and the gap behind it.
-pub(crate) const ADVANCE: u32 = 6;
+pub const ADVANCE: u32 = 6;
 
 /// Rows of a letter.
-pub(crate) const HEIGHT: u32 = 7;
+pub const HEIGHT: u32 = 7;
 
 /// Each letter with its rows from the top; a dot at the left is bit 4.
-const LETTERS: [(char, [u8; 7]); 46] = [
+const LETTERS: [(char, [u8; 7]); 48] = [
     ('A', [0x0e, 0x11, 0x11, 0x1f, 0x11, 0x11, 0x11]),
     ('B', [0x1e, 0x11, 0x11, 0x1e, 0x11, 0x11, 0x1e]),
     ('C', [0x0e, 0x11, 0x10, 0x10, 0x10, 0x11, 0x0e]),
@@ -53,11 +53,13 @@ const LETTERS: [(char, [u8; 7]); 46] = [
     ('(', [0x02, 0x04, 0x08, 0x08, 0x08, 0x04, 0x02]),
     (')', [0x08, 0x04, 0x02, 0x02, 0x02, 0x04, 0x08]),
     ('=', [0, 0, 0x1f, 0, 0x1f, 0, 0]),
+    ('_', [0, 0, 0, 0, 0, 0, 0x1f]),
+    ('%', [0x19, 0x1a, 0x02, 0x04, 0x08, 0x0b, 0x13]),
     ('+', [0, 0x04, 0x04, 0x1f, 0x04, 0x04, 0]),
 ];
 
 /// The dots of `text` as columns and rows from its upper left corner; small letters become capitals, unknown ones blanks.
-pub(crate) fn dots(text: &str) -> impl Iterator<Item = [u32; 2]> {
+pub fn dots(text: &str) -> impl Iterator<Item = [u32; 2]> {
     (0_u32..).zip(text.chars()).flat_map(|(place, letter)| {
         let rows = LETTERS.iter().find(|(known, _)| *known == letter.to_ascii_uppercase());
         let rows = rows.map_or([0; 7], |(_, rows)| *rows);

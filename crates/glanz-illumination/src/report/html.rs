@@ -1,0 +1,214 @@
+//! Reports as pages of HTML that need nothing but themselves.
+
+use super::svg::escaped;
+use super::table::{Cell, Table};
+use super::text::{closing, facts, flux, receivers};
+use super::{Comparison, Report, Scale, isolux};
+
+/// Colours by what the reader prefers; on paper always dark on white.
+const STYLE: &str = "\
+:root { color-scheme: light dark; --paper: #ffffff; --ink: #1a1a1a; --faint: #d0d0d0; }
+@media (prefers-color-scheme: dark) { :root { --paper: #16181c; --ink: #e6e6e6; --faint: #464a52; } }
+@media print { :root { color-scheme: light; --paper: #ffffff; --ink: #000000; --faint: #c0c0c0; } }
+body { background: var(--paper); color: var(--ink); font: 16px/1.5 'DejaVu Sans', Helvetica, Arial, sans-serif;
+  margin: 2rem auto; max-width: 76rem; padding: 0 1rem; }
+h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; }
+.wide { overflow-x: auto; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: 1rem 0; }
+caption { text-align: left; font-weight: bold; padding-bottom: 0.4rem; }
+th, td { border-bottom: 1px solid var(--faint); padding: 0.25rem 0.8rem; text-align: left; vertical-align: top; }
+th.number, td.number { text-align: right; }
+td.number { white-space: nowrap; }
+.figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 33rem), 1fr)); gap: 1.5rem; }
+figure { margin: 0; max-width: 100%; break-inside: avoid; }
+figure svg { max-width: 100%; height: auto; }
+svg .paper { fill: var(--paper); } svg .ink { fill: var(--ink); }
+svg .line { stroke: var(--ink); } svg .halo { stroke: var(--paper); }
+@media print { body { margin: 0; max-width: none; } tr, figure { break-inside: avoid; } h2 { break-after: avoid; } }
+";
+
+impl Report {
+    /// The report as one page: the table of the receivers, a drawing of each, where the light went, candela
+    /// distributions, and how it was calculated. It needs no other file, no script and no network, follows the reader's
+    /// choice of light or dark, and can be printed. Each receiver has its own scale of colours.
+    #[must_use]
+    pub fn html(&self) -> String {
+        let mut body = table(&receivers(&self.maps));
+        if !self.maps.is_empty() {
+            body += "<h2>Receivers</h2>\n";
+            body += &figures(self.maps.iter().map(|map| isolux(map, &Scale::of(&[map]))));
+        }
+        if let Some(balance) = &self.balance {
+            body += "<h2>Flux balance</h2>\n";
+            body += &table(&flux(balance));
+            body += &format!("<p>{}</p>\n", escaped(&closing(balance)));
+        }
+        body += &polars("Candela distributions", self);
+        if !self.how.is_empty() {
+            body += &format!("<h2>Calculation</h2>\n{}", table(&facts(&self.how)));
+        }
+        page(&self.title, &body)
+    }
+}
+
+impl Comparison<'_> {
+    /// Both designs as one page, of the same kind as [`Report::html`]: the figures with their change, then for each
+    /// receiver both maps with one scale and the same contours, and their difference where the cells are the same.
+    #[must_use]
+    pub fn html(&self) -> String {
+        let titles = [("A", self.a), ("B", self.b)];
+        let mut body = "<p>".to_owned();
+        let named = titles.map(|(letter, report)| format!("{letter}: {}", escaped(&report.title)));
+        body += &format!("{}</p>\n{}", named.join("<br>\n"), table(&self.table()));
+        for pair in &self.pairs {
+            body += &format!("<h2>{}</h2>\n", escaped(pair.name()));
+            let [a, b] = pair.isolux();
+            for ((letter, _), map) in titles.iter().zip([&a, &b]) {
+                if map.is_none() {
+                    body += &format!("<p>Design {letter} has no such receiver.</p>\n");
+                }
+            }
+            body += &figures([a, b, pair.difference()].into_iter().flatten());
+            if pair.a.zip(pair.b).is_some_and(|(a, b)| a.cells != b.cells) {
+                body += "<p>The cells differ, so there is no map of the difference.</p>\n";
+            }
+        }
+        for (letter, report) in titles {
+            if let Some(balance) = &report.balance {
+                let sentence = escaped(&closing(balance));
+                body += &format!(
+                    "<h2>Flux balance of {letter}</h2>\n{}<p>{sentence}</p>\n",
+                    table(&flux(balance))
+                );
+            }
+            body += &polars(&format!("Candela distributions of {letter}"), report);
+            if !report.how.is_empty() {
+                body += &format!("<h2>Calculation of {letter}</h2>\n{}", table(&facts(&report.how)));
+            }
+        }
+        page(&format!("{} / {}", self.a.title, self.b.title), &body)
+    }
+}
+
+fn page(title: &str, body: &str) -> String {
+    let title = escaped(title);
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{body}</body>\n</html>\n"
+    )
+}
+
+fn polars(heading: &str, report: &Report) -> String {
+    if report.polars.is_empty() {
+        return String::new();
+    }
+    format!("<h2>{heading}</h2>\n{}", figures(report.polars.iter().map(super::Polar::svg)))
+}
+
+fn figures(drawings: impl Iterator<Item = String>) -> String {
+    let figures: String = drawings.map(|svg| format!("<figure>\n{svg}</figure>\n")).collect();
+    format!("<div class=\"figures\">\n{figures}</div>\n")
+}
+
+/// A table with its caption, numbers to the right.
+fn table(table: &Table) -> String {
+    let is_number = |column: usize| {
+        let mut cells = table.rows().iter().filter_map(|row| row.get(column));
+        cells.any(|cell| matches!(cell, Cell::Number(_) | Cell::Count(_) | Cell::Precise(_)))
+    };
+    let class = |column: usize| if is_number(column) { " class=\"number\"" } else { "" };
+    let heads = table.columns().iter().enumerate();
+    let head: String =
+        heads.map(|(i, c)| format!("<th scope=\"col\"{}>{}</th>", class(i), escaped(c.title))).collect();
+    let row = |cells: &Vec<Cell>| -> String {
+        let cells = cells.iter().enumerate();
+        cells.map(|(i, cell)| format!("<td{}>{}</td>", class(i), escaped(&cell.shown()))).collect()
+    };
+    let rows: String = table.rows().iter().map(|cells| format!("<tr>{}</tr>\n", row(cells))).collect();
+    let caption = escaped(table.caption());
+    format!(
+        "<div class=\"wide\"><table>\n<caption>{caption}</caption>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n\
+         </table></div>\n"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::Polar;
+    use crate::{FluxBalance, LuxMap};
+    use glanz_math::DVec3;
+
+    const NASTY: &str = "<script>alert('1')</script> & \"co\"";
+
+    fn report(title: &str, cells: [u32; 2]) -> Report {
+        let map = LuxMap {
+            name: NASTY.into(),
+            cells,
+            size: [2.0, 1.0],
+            positions: vec![DVec3::ZERO; 4],
+            areas: vec![0.5; 4],
+            lux: vec![100.0, 200.0, 300.0, 400.0],
+            errors: vec![1.0; 4],
+        };
+        Report {
+            title: title.into(),
+            maps: vec![map],
+            balance: Some(FluxBalance { emitted: 500.0, escaped: 500.0, ..FluxBalance::default() }),
+            how: vec![(NASTY.into(), NASTY.into())],
+            polars: vec![Polar::sample(NASTY, None, |_, _| 1.0)],
+        }
+    }
+
+    /// Names of elements that were opened and not closed, or closed and not opened.
+    fn unbalanced(html: &str) -> Vec<String> {
+        let mut open = Vec::new();
+        for tag in html.split('<').skip(1) {
+            let (inner, _) = tag.split_once('>').unwrap();
+            let name = inner.split_whitespace().next().unwrap_or_default().trim_end_matches('/');
+            let is_void = ["!DOCTYPE", "meta", "br"].contains(&name) || inner.ends_with('/');
+            match name.strip_prefix('/') {
+                Some(closed) if open.last().map(String::as_str) == Some(closed) => _ = open.pop(),
+                Some(_) => return vec![name.to_owned()],
+                None if !is_void => open.push(name.to_owned()),
+                None => {}
+            }
+        }
+        open
+    }
+
+    #[test]
+    fn pages_are_well_formed_and_names_stay_names() {
+        let (a, b) = (report(NASTY, [2, 2]), report("B", [2, 2]));
+        for html in [a.html(), Comparison::between(&a, &b).html(), Report::default().html()] {
+            assert_eq!(unbalanced(&html), Vec::<String>::new());
+            assert!(!html.contains("<script") && !html.contains("href") && !html.contains("src="));
+            // The only address is the name of SVG's elements, which nothing fetches.
+            assert_eq!(
+                html.matches("http").count(),
+                html.matches("xmlns=\"http://www.w3.org/2000/svg\"").count()
+            );
+            assert_eq!(html.matches("<svg ").count(), html.matches(" aria-label=\"").count());
+        }
+    }
+
+    #[test]
+    fn a_page_shows_every_map_and_table() {
+        let html = report("office", [2, 2]).html();
+        assert_eq!((html.matches("<svg ").count(), html.matches("<table>").count()), (2, 3));
+        assert!(html.contains("<td class=\"number\">250.0</td>"));
+    }
+
+    #[test]
+    fn maps_of_other_cells_have_no_difference() {
+        let (a, b) = (report("A", [2, 2]), report("B", [4, 1]));
+        let alike = Comparison::between(&a, &a).html();
+        let other = Comparison::between(&a, &b).html();
+        // Two maps, two polar plots and the difference.
+        assert_eq!((alike.matches("<svg ").count(), other.matches("<svg ").count()), (5, 4));
+        assert!(other.contains("The cells differ") && !alike.contains("The cells differ"));
+        let dark = Report { maps: Vec::new(), ..b };
+        assert!(Comparison::between(&a, &dark).html().contains("Design B has no such receiver"));
+    }
+}

@@ -1,0 +1,88 @@
+//! A report for programs.
+
+use serde::Serialize;
+use serde::ser::{SerializeMap, SerializeStruct, Serializer};
+
+use super::Report;
+use crate::{LuxMap, LuxSummary};
+
+/// What is said of a receiver.
+#[derive(Serialize)]
+struct Receiver<'a> {
+    name: &'a str,
+    cells: [u32; 2],
+    size_m: [f64; 2],
+    #[serde(flatten)]
+    summary: LuxSummary,
+}
+
+impl<'a> Receiver<'a> {
+    fn of(map: &'a LuxMap) -> Self {
+        Self { name: &map.name, cells: map.cells, size_m: map.size, summary: map.summary() }
+    }
+}
+
+struct Facts<'a>(&'a [(String, String)]);
+
+impl Serialize for Facts<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for (name, fact) in self.0 {
+            map.serialize_entry(name, fact)?;
+        }
+        map.end()
+    }
+}
+
+impl Serialize for Report {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut fields = serializer.serialize_struct("Report", 4)?;
+        fields.serialize_field("title", &self.title)?;
+        fields.serialize_field("receivers", &self.maps.iter().map(Receiver::of).collect::<Vec<_>>())?;
+        fields.serialize_field("flux_balance", &self.balance)?;
+        fields.serialize_field("how", &Facts(&self.how))?;
+        fields.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::FluxBalance;
+    use glanz_math::DVec3;
+
+    #[test]
+    fn keys_carry_their_units() {
+        let map = LuxMap {
+            name: "a \"desk\"".into(),
+            cells: [2, 1],
+            size: [2.0, 0.5],
+            positions: vec![DVec3::ZERO; 2],
+            areas: vec![0.5; 2],
+            lux: vec![100.0, 300.0],
+            errors: vec![1.0, 2.0],
+        };
+        let report = Report {
+            title: "office".into(),
+            maps: vec![map],
+            balance: Some(FluxBalance { emitted: 400.0, escaped: 400.0, ..FluxBalance::default() }),
+            how: vec![("method".into(), "trace".into())],
+            polars: Vec::new(),
+        };
+        let expected = serde_json::json!({
+            "title": "office",
+            "receivers": [{
+                "name": "a \"desk\"", "cells": [2, 1], "size_m": [2.0, 0.5], "minimum_lux": 100.0, "mean_lux": 200.0,
+                "maximum_lux": 300.0, "u0": 0.5, "u1": 100.0 / 300.0, "area_m2": 1.0, "flux_lm": 200.0,
+                "maximum_error_lux": 2.0,
+            }],
+            "flux_balance": {
+                "emitted_lm": 400.0, "absorbed_by_receivers_lm": 0.0, "absorbed_elsewhere_lm": 0.0,
+                "escaped_lm": 400.0, "given_up_lm": 0.0, "closes_to": 0.0,
+            },
+            "how": { "method": "trace" },
+        });
+        assert_eq!(serde_json::to_value(&report).unwrap(), expected);
+        assert_eq!(serde_json::to_value(Report::default()).unwrap()["flux_balance"], serde_json::Value::Null);
+    }
+}

@@ -1,0 +1,229 @@
+//! Luminous intensity over directions, as lighting people draw it.
+
+use std::fmt::Write;
+
+use super::svg::{escaped, line, opened, shortened, steps, text, tick};
+use super::table::significant;
+
+/// Degrees of gamma between points of a curve.
+const STEP: f64 = 0.5;
+
+/// Share of the largest intensity above the horizontal from which on the upper half is drawn.
+const UPWARD: f64 = 1e-3;
+
+/// Middle of the drawing, its width, and the radius of the outermost ring; pixels.
+const MIDDLE: f64 = 270.0;
+const WIDTH: f64 = 540.0;
+const RADIUS: f64 = 200.0;
+const TOP: f64 = 56.0;
+
+/// The planes and how they are drawn: first and opposite half plane in degrees of C, name, colour of @okabe2008, dashes.
+const PLANES: [([f64; 2], &str, &str, &str); 2] = [
+    ([0.0, 180.0], "C0 - C180", "#d55e00", ""),
+    ([90.0, 270.0], "C90 - C270", "#0072b2", " stroke-dasharray=\"7 4\""),
+];
+
+/// A polar plot of a candela distribution: the planes C0-C180 and C90-C270 over gamma, 0 degrees down, C0 and C90 to
+/// the right.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Polar {
+    title: String,
+    /// For each plane, cd at gamma from 0 to 180 degrees in its first and its opposite half.
+    planes: [[Vec<f64>; 2]; 2],
+    flux: Option<f64>,
+}
+
+impl Polar {
+    /// Samples a distribution at every half degree of the four half planes.
+    ///
+    /// `candela`: luminous intensity in cd at C in {0, 90, 180, 270} and gamma in [0, 180], both in degrees; what is
+    /// below zero or not finite counts as 0. `flux` in lm, if it is above zero, makes it a plot of cd/klm.
+    #[must_use]
+    pub fn sample(title: impl Into<String>, flux: Option<f64>, candela: impl Fn(f64, f64) -> f64) -> Self {
+        let flux = flux.filter(|lumens| lumens.is_finite() && *lumens > 0.0);
+        let factor = flux.map_or(1.0, |lumens| 1000.0 / lumens);
+        let half = |c: f64| -> Vec<f64> {
+            let of = |step: u32| candela(c, STEP * f64::from(step)) * factor;
+            let count = (180.0 / STEP) as u32;
+            (0..=count).map(of).map(|v| if v > 0.0 && v.is_finite() { v } else { 0.0 }).collect()
+        };
+        Self { title: title.into(), planes: PLANES.map(|(halves, ..)| halves.map(half)), flux }
+    }
+
+    /// The title.
+    #[must_use]
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// The text of an SVG file; the same distribution gives the same text.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        let all = || self.planes.iter().flatten();
+        let peak = all().flatten().copied().fold(0.0, f64::max);
+        let level = (90.0 / STEP) as usize;
+        let upward = all().flat_map(|half| half.iter().skip(level + 1)).copied().fold(0.0, f64::max);
+        let is_full = upward > UPWARD * peak;
+        let centre = TOP + if is_full { RADIUS + 30.0 } else { 26.0 };
+        let (rings, outermost) = rings(peak);
+        let bottom = centre + RADIUS + 34.0;
+        let unit = if self.flux.is_some() { "cd/klm" } else { "cd" };
+        let mut svg = opened([WIDTH, bottom + 62.0], &self.title);
+        text(&mut svg, [12.0, 26.0], "start", "font-size=\"16\"", &shortened(&self.title, 52));
+        text(&mut svg, [12.0, 46.0], "start", "", unit);
+        spokes(&mut svg, centre, is_full);
+        let pixels = RADIUS / outermost;
+        ring_lines(&mut svg, centre, is_full, &rings, pixels);
+        for ([first, opposite], (_, name, colour, dashes)) in self.planes.iter().zip(PLANES) {
+            let place = |(step, value): (usize, &f64), side: f64| {
+                let gamma = (STEP * step as f64).to_radians();
+                [MIDDLE + side * value * pixels * gamma.sin(), centre + value * pixels * gamma.cos()]
+            };
+            let shown = if is_full { first.len() } else { level + 1 };
+            let right = first.iter().enumerate().take(shown).map(|at| place(at, 1.0));
+            let left = opposite.iter().enumerate().take(shown).skip(1).map(|at| place(at, -1.0));
+            let points: Vec<[f64; 2]> = left.rev().chain(right).collect();
+            let _ = writeln!(svg, "<g><title>{}</title>", escaped(name));
+            line(
+                &mut svg,
+                &points,
+                colour,
+                &format!("stroke-width=\"2.2\" stroke-linejoin=\"round\"{dashes}"),
+            );
+            svg.push_str("</g>\n");
+        }
+        ring_labels(&mut svg, centre, &rings, pixels);
+        self.legend(&mut svg, bottom, peak, unit);
+        svg + "</svg>\n"
+    }
+
+    fn legend(&self, svg: &mut String, bottom: f64, peak: f64, unit: &str) {
+        for ((_, name, colour, dashes), left) in PLANES.into_iter().zip([12.0, 180.0]) {
+            line(svg, &[[left, bottom + 12.0], [left + 36.0, bottom + 12.0]], colour, dashes);
+            text(svg, [left + 44.0, bottom + 16.5], "start", "", name);
+        }
+        let flux = self.flux.map_or_else(String::new, |lumens| format!(", of {} lm", significant(lumens)));
+        let largest = format!("Largest in these planes: {} {unit}{flux}.", significant(peak));
+        let words = [largest.as_str(), "0 degrees is down; C0 and C90 are at the right."];
+        for (row, words) in words.into_iter().enumerate() {
+            text(svg, [12.0, bottom + 38.0 + 16.0 * row as f64], "start", "font-size=\"12\"", words);
+        }
+    }
+}
+
+/// Values of at most five rings with labels, and the value at the outermost, which is `peak` or beyond.
+fn rings(peak: f64) -> (Vec<(f64, String)>, f64) {
+    let top = if peak > 0.0 && peak.is_finite() { peak } else { 1.0 };
+    let step = steps(0.0, top, 5.0).into_iter().find(|(value, _)| *value > 0.0).map_or(top, |(step, _)| step);
+    let count = (top / step).ceil() as u32;
+    let rings: Vec<(f64, String)> =
+        (1..=count).map(|i| (f64::from(i) * step, tick(f64::from(i) * step, step))).collect();
+    (rings, (f64::from(count) * step).max(top))
+}
+
+/// Lines at every 15 degrees with the angle at every 30.
+fn spokes(svg: &mut String, centre: f64, is_full: bool) {
+    let last = if is_full { 12 } else { 6 };
+    for number in 0..=last {
+        let gamma = 15.0 * f64::from(number);
+        let (sin, cos) = gamma.to_radians().sin_cos();
+        for side in [-1.0, 1.0] {
+            if side < 0.0 && (number == 0 || number == 12) {
+                continue;
+            }
+            let end = [MIDDLE + side * RADIUS * sin, centre + RADIUS * cos];
+            line(svg, &[[MIDDLE, centre], end], "#c8c8c8", "stroke-width=\"1\"");
+            if number % 2 == 0 {
+                let place = [MIDDLE + side * (RADIUS + 20.0) * sin, centre + (RADIUS + 16.0) * cos + 4.5];
+                text(svg, place, "middle", "font-size=\"12\"", &format!("{gamma:.0}\u{b0}"));
+            }
+        }
+    }
+}
+
+/// The rings.
+fn ring_lines(svg: &mut String, centre: f64, is_full: bool, rings: &[(f64, String)], pixels: f64) {
+    for (value, _) in rings {
+        let radius = value * pixels;
+        let (left, right) = (MIDDLE - radius, MIDDLE + radius);
+        let upper = if is_full {
+            format!("A{radius:.1} {radius:.1} 0 0 0 {left:.1} {centre:.1}")
+        } else {
+            String::new()
+        };
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{left:.1} {centre:.1}A{radius:.1} {radius:.1} 0 0 0 {right:.1} {centre:.1}{upper}\" fill=\"none\" \
+             stroke=\"#c8c8c8\"/>"
+        );
+    }
+}
+
+/// The values of the rings, to the left between two spokes.
+fn ring_labels(svg: &mut String, centre: f64, rings: &[(f64, String)], pixels: f64) {
+    for (value, label) in rings {
+        let (sin, cos) = 67.5_f64.to_radians().sin_cos();
+        let place = [MIDDLE - value * pixels * sin, centre + value * pixels * cos + 4.0];
+        let halo = "font-size=\"11\" class=\"halo\" fill=\"none\" stroke=\"white\" stroke-width=\"3\"";
+        text(svg, place, "middle", halo, label);
+        text(svg, place, "middle", "font-size=\"11\"", label);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The points of the curves, pixels.
+    fn curves(svg: &str) -> Vec<Vec<[f64; 2]>> {
+        let lines =
+            svg.split("<g><title>").skip(1).filter_map(|g| g.split("points=\"").nth(1)?.split('"').next());
+        let point = |p: &str| {
+            let (x, y) = p.split_once(',').unwrap();
+            [x.parse().unwrap(), y.parse().unwrap()]
+        };
+        lines.map(|l| l.split(' ').map(point).collect()).collect()
+    }
+
+    #[test]
+    fn a_lambertian_lamp_is_a_circle_below_the_middle() {
+        let polar = Polar::sample("disk", None, |_, gamma| 500.0 * gamma.to_radians().cos().max(0.0));
+        let svg = polar.svg();
+        // The outermost ring of 500 cd has 200 pixels: r = 200 cos gamma is the circle of radius 100 around (270, 182).
+        for curve in curves(&svg) {
+            assert_eq!(curve.len(), 361);
+            assert!(curve.iter().all(|[x, y]| ((x - 270.0).hypot(y - 182.0) - 100.0).abs() < 0.08));
+        }
+        // Without light upwards the upper half is left out.
+        assert!(
+            svg.contains(">500</text>")
+                && svg.contains(">90\u{b0}</text>")
+                && !svg.contains(">120\u{b0}</text>")
+        );
+    }
+
+    #[test]
+    fn c0_is_right_and_candela_go_per_thousand_lumens() {
+        // 100 cd in the half plane C0 only, upwards too; 4000 lm.
+        let polar = Polar::sample("<b>", Some(4000.0), |c, _| if c == 0.0 { 100.0 } else { 0.0 });
+        let svg = polar.svg();
+        assert!(svg.contains("cd/klm") && svg.contains("&lt;b&gt;") && svg.contains(">180\u{b0}</text>"));
+        let [across, along] = &curves(&svg)[..] else { panic!("two curves") };
+        // 25 cd/klm on the ring of 25: 200 pixels around (270, 286), all to the right.
+        assert_eq!(across.iter().map(|[x, _]| *x).fold(0.0, f64::max), 470.0);
+        assert_eq!(across.iter().map(|[x, _]| *x).fold(1e9, f64::min), 270.0);
+        assert!(along.iter().all(|p| *p == [270.0, 286.0]));
+        assert!(!Polar::sample("dark", Some(0.0), |_, _| f64::NAN).svg().contains("NaN"));
+    }
+
+    #[test]
+    fn the_outermost_ring_holds_the_peak_at_a_round_number() {
+        for (peak, count, outermost) in
+            [(500.0, 5, 500.0), (501.0, 3, 600.0), (0.37, 4, 0.4), (1.2e6, 3, 1.5e6)]
+        {
+            let (rings, outer) = rings(peak);
+            assert_eq!((rings.len(), outer), (count, outermost));
+        }
+        assert_eq!(rings(0.0).1, 1.0);
+    }
+}

@@ -1,0 +1,144 @@
+//! Reports as tables, for terminals and pages.
+
+use super::table::{Cell, Table, significant};
+use super::{Comparison, Report};
+use crate::{FluxBalance, LuxMap};
+
+/// What stands on a terminal in place of letters that would control it.
+pub(super) fn tame(words: &str) -> String {
+    words.chars().map(|letter| if letter.is_control() { '\u{fffd}' } else { letter }).collect()
+}
+
+impl Report {
+    /// The summary for a terminal: the title, a line for each receiver, where the light went, and the facts.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = format!("{}\n\n{}", tame(&self.title), receivers(&self.maps).plain());
+        if let Some(balance) = &self.balance {
+            text += &format!("\n{}{}\n", flux(balance).plain(), closing(balance));
+        }
+        if !self.how.is_empty() {
+            text += &format!("\n{}", facts(&self.how).plain());
+        }
+        text
+    }
+}
+
+impl Comparison<'_> {
+    /// The comparison for a terminal: for each receiver the figures of both designs and the change in per cent.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let titles = format!("A: {}\nB: {}\n", tame(&self.a.title), tame(&self.b.title));
+        format!("{titles}\n{}", self.table().plain())
+    }
+}
+
+/// A line for each receiver.
+pub(super) fn receivers(maps: &[LuxMap]) -> Table {
+    let columns = [
+        ("receiver", "receiver"),
+        ("minimum_lux", "min, lx"),
+        ("mean_lux", "mean, lx"),
+        ("maximum_lux", "max, lx"),
+        ("maximum_error_lux", "s.e. of max, lx"),
+        ("u0", "U0"),
+        ("u1", "U1"),
+        ("area_m2", "area, m2"),
+        ("flux_lm", "flux, lm"),
+    ];
+    let mut table = Table::new("receivers", "Illuminance on the receivers", &columns);
+    for map in maps {
+        let told = map.summary();
+        let numbers = [
+            told.minimum,
+            told.mean,
+            told.maximum,
+            told.maximum_error,
+            told.u0,
+            told.u1,
+            told.area,
+            told.flux,
+        ];
+        table.push(std::iter::once(Cell::Text(tame(&map.name))).chain(numbers.map(Cell::Number)));
+    }
+    table
+}
+
+/// Where the light went.
+pub(super) fn flux(balance: &FluxBalance) -> Table {
+    let columns = [("light", "light"), ("flux_lm", "flux, lm"), ("share", "share")];
+    let mut table = Table::new("flux", "Where the light went", &columns);
+    let share = |lumens: f64| match balance.emitted {
+        emitted if emitted > 0.0 => Cell::Text(format!("{:.2} %", 100.0 * lumens / emitted)),
+        _ => Cell::Missing,
+    };
+    let rows = std::iter::once(("emitted", balance.emitted)).chain(balance.ends());
+    for (name, lumens) in rows {
+        table.push([name.into(), lumens.into(), share(lumens)]);
+    }
+    table
+}
+
+/// A sentence on how well the balance closes.
+pub(super) fn closing(balance: &FluxBalance) -> String {
+    format!("The balance closes to {} of what was emitted.", significant(balance.closes_to()))
+}
+
+/// How it was calculated.
+pub(super) fn facts(how: &[(String, String)]) -> Table {
+    let mut table = Table::new("how", "How it was calculated", &[("fact", "calculation"), ("value", "")]);
+    for (name, fact) in how {
+        table.push([Cell::Text(tame(name)), Cell::Text(tame(fact))]);
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glanz_math::DVec3;
+
+    #[test]
+    fn columns_are_aligned_and_names_cannot_control_the_terminal() {
+        let map = |name: &str, lux: [f64; 2]| LuxMap {
+            name: name.into(),
+            cells: [2, 1],
+            size: [1.0, 1.0],
+            positions: vec![DVec3::ZERO; 2],
+            areas: vec![2.0; 2],
+            lux: lux.to_vec(),
+            errors: vec![0.5; 2],
+        };
+        let balance = FluxBalance {
+            emitted: 1000.0,
+            absorbed_by_receivers: 800.0,
+            escaped: 199.0,
+            ..FluxBalance::default()
+        };
+        let report = Report {
+            title: "office".into(),
+            maps: vec![map("desk", [100.0, 300.0]), map("the \u{1b}[2Jwall", [0.0, 0.0])],
+            balance: Some(balance),
+            how: vec![("method".into(), "trace".into()), ("seed".into(), "7".into())],
+            polars: Vec::new(),
+        };
+        // 1 of 1000 lm is missing.
+        let expected = "office\n\n\
+            receiver      min, lx  mean, lx  max, lx  s.e. of max, lx      U0      U1  area, m2  flux, lm\n\
+            desk            100.0     200.0    300.0           0.5000  0.5000  0.3333     4.000     800.0\n\
+            the \u{fffd}[2Jwall        0         0        0           0.5000       0       0     4.000         0\n\
+            \n\
+            light                  flux, lm  share\n\
+            emitted                    1000  100.00 %\n\
+            absorbed by receivers     800.0  80.00 %\n\
+            absorbed elsewhere            0  0.00 %\n\
+            escaped                   199.0  19.90 %\n\
+            given up                      0  0.00 %\n\
+            The balance closes to 0.001000 of what was emitted.\n\
+            \n\
+            calculation\n\
+            method       trace\n\
+            seed         7\n";
+        assert_eq!(report.text(), expected);
+    }
+}
