@@ -93,6 +93,9 @@ impl Cell {
 fn linear(xi: f64, a: f64, b: f64) -> f64 {
     // The root of a x + (b - a) x^2 / 2 = xi (a + b) / 2, without cancellation.
     let root = (a * a * (1.0 - xi) + b * b * xi).sqrt();
+    if a + root <= 0.0 {
+        return 0.0;
+    }
     (xi * (a + b) / (a + root)).clamp(0.0, 1.0)
 }
 
@@ -198,6 +201,20 @@ mod tests {
                     "{cell}: {found:?} {expected:?}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn picks_at_the_dark_border_of_a_cell_are_angles() {
+        let candela = vec![0.0, 0.0, 1.0, 0.0];
+        let d = Distribution::try_new(AngularSystem::A, Symmetry::None, &[0.0, 9.0], vec![0.0, 9.0], candela)
+            .unwrap();
+        for xi in [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE] {
+            let [azimuth, polar] = d.pick(0, xi).unwrap();
+            assert!(
+                (0.0..=9.0).contains(&azimuth) && (0.0..=9.0).contains(&polar),
+                "{xi}: {azimuth} {polar}"
+            );
         }
     }
 
