@@ -6,6 +6,7 @@
 //!   a `Spectrum` when the wavelengths are known. [`named`] has the metals, glasses and illuminants with a name,
 //!   [`cie`] the tables behind it all.
 //! - [`rgb`] converts between CIE XYZ, linear Rec. 709 and sRGB; [`units`] between watts and lumens.
+//! - [`intensity`] is candela over directions, the light of luminaires.
 //! - [`Pixels`] is a picture of named planes, [`Tone`] brings it to a display.
 //! - [`compare`] and [`flip`] say how far a picture is from a reference.
 //!
@@ -39,6 +40,7 @@ pub mod cie;
 pub mod compare;
 pub mod distribution;
 pub mod flip;
+pub mod intensity;
 pub mod named;
 pub mod pixels;
 pub mod rgb;

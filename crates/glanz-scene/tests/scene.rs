@@ -218,7 +218,7 @@ fn power_replaces_the_magnitude_of_the_radiance() {
         emission.power = Some(90.0);
     }
     let scene = resolve(with_shapes(vec![light]));
-    let Light::Area(light) = scene.lights()[0] else { panic!("not an area light") };
+    let Light::Area(light) = &scene.lights()[0] else { panic!("not an area light") };
     // Power = pi L A, A = pi 3^2.
     let hit = scene.intersect(&Ray::new(DVec3::new(1.0, 1.0, 5.0), -DVec3::Z), f64::INFINITY).unwrap();
     let radiance = scene.emitted(&hit, hit.wo).luminance(&Wavelengths::default());

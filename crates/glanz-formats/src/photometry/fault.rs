@@ -1,5 +1,6 @@
 //! What is wrong or odd in a photometric file, and where.
 
+use glanz_light::intensity::IntensityError;
 use glanz_scene::Location;
 use glanz_scene::description::FileId;
 
@@ -102,6 +103,9 @@ pub enum FaultKind {
     /// The planes at 0 and at 360 degrees are one and the same, yet differ.
     #[error("the planes at 0 and at 360 degrees differ; that at 0 is taken")]
     Seam,
+    /// Angles and intensities that are no distribution.
+    #[error(transparent)]
+    Intensity(#[from] IntensityError),
     /// A luminous opening whose signs mean nothing.
     #[error("a luminous opening of {0} by {1} by {2} means nothing; taken as a box")]
     Opening(f64, f64, f64),

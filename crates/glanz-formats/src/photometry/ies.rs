@@ -13,9 +13,11 @@
 //! # Source
 //! @lm63_2019, @lm63_2002; @ashdown1998 for the earlier editions.
 
-use super::distribution::{AngularSystem, Distribution, Symmetry};
+use glanz_light::intensity::{AngularSystem, Distribution, IntensityError, Symmetry};
+
 use super::fault::{Fault, FaultKind};
 use super::mend_negative;
+use super::opening::from_signs;
 use super::text::{Cursor, decode};
 use super::{
     LampGeometry, LampSet, Names, Opening, OpeningShape, Photometry, PhotometryFile, PhotometryFormat, Tilt,
@@ -55,6 +57,8 @@ pub fn read_with(bytes: &[u8], tilt_files: &mut TiltFiles) -> Result<PhotometryF
         let _ = behind.number("end");
         warnings.push(behind.here(FaultKind::Trailing));
     }
+    let distribution =
+        values.distribution(lamps.system).map_err(|error| cursor.here(FaultKind::Intensity(error)))?;
     let is_absolute = lamps.lumens < 0.0;
     let set = LampSet {
         count: lamps.count,
@@ -72,7 +76,7 @@ pub fn read_with(bytes: &[u8], tilt_files: &mut TiltFiles) -> Result<PhotometryF
     };
     let photometry = Photometry {
         format: PhotometryFormat::Ies(head.year),
-        distribution: values.distribution(lamps.system),
+        distribution,
         lamps: vec![set],
         multiplier: lamps.multiplier,
         ballast_factor: lamps.ballast,
@@ -216,7 +220,7 @@ impl LampLine {
         let width = cursor.number("width of the opening")?;
         let length = cursor.number("length of the opening")?;
         let height = cursor.number("height of the opening")?;
-        let opening = Opening::from_signs(width, length, height, metres, year <= 1995).unwrap_or_else(|| {
+        let opening = from_signs(width, length, height, metres, year <= 1995).unwrap_or_else(|| {
             warnings.push(cursor.here(FaultKind::Opening(width, length, height)));
             let size = [length, width, height].map(|v| v.abs() * metres);
             Opening { shape: OpeningShape::Box, size }
@@ -297,13 +301,13 @@ impl Values {
         Ok(Self { verticals, horizontals, symmetry, candela })
     }
 
-    fn distribution(self, system: AngularSystem) -> Distribution {
+    fn distribution(self, system: AngularSystem) -> Result<Distribution, IntensityError> {
         let Self { verticals, horizontals, symmetry, candela } = self;
         let from_pole = |angles: &[f64]| angles.iter().map(|a| a + 90.0).collect::<Vec<f64>>();
         match system {
-            AngularSystem::C => Distribution::new(system, symmetry, &horizontals, verticals, candela),
+            AngularSystem::C => Distribution::try_new(system, symmetry, &horizontals, verticals, candela),
             AngularSystem::A => {
-                Distribution::new(system, symmetry, &horizontals, from_pole(&verticals), candela)
+                Distribution::try_new(system, symmetry, &horizontals, from_pole(&verticals), candela)
             }
             AngularSystem::B => {
                 // The axis of type B is the one that horizontal angles count towards: those become polar angles.
@@ -319,7 +323,7 @@ impl Values {
                 };
                 let turned = (0..n).flat_map(across).collect();
                 let polars: Vec<f64> = columns.iter().map(|(h, _)| h + 90.0).collect();
-                Distribution::new(system, symmetry, &verticals, polars, turned)
+                Distribution::try_new(system, symmetry, &verticals, polars, turned)
             }
         }
     }

@@ -10,7 +10,8 @@
 
 use crate::diagnostic::Diagnostics;
 
-use super::distribution::{AngularSystem, Distribution, Symmetry};
+use glanz_light::intensity::{AngularSystem, Distribution, Symmetry};
+
 use super::fault::{Fault, FaultKind};
 use super::ies::{MAX_CANDELA, ends};
 use super::mend_negative;
@@ -357,7 +358,8 @@ impl Lines<'_> {
             candela.push(value);
         }
         self.warnings.extend(mend_negative(&mut candela).map(|kind| self.cursor.here(kind)));
-        Ok(Distribution::new(AngularSystem::C, planes.symmetry, &azimuths, polars, candela))
+        Distribution::try_new(AngularSystem::C, planes.symmetry, &azimuths, polars, candela)
+            .map_err(|error| self.cursor.here(FaultKind::Intensity(error)))
     }
 
     /// Tells of what follows behind the last value.

@@ -35,7 +35,6 @@
 //! # Source
 //! @lm63_2019, @lm63_2002, @stockmar1990, @cie121, @ashdown1998 for the editions before 2002.
 
-pub mod distribution;
 mod fault;
 pub mod ies;
 pub mod ldt;
@@ -46,9 +45,9 @@ pub mod tm25;
 
 use glanz_math::DVec3;
 
-pub use distribution::{AngularSystem, Distribution, Symmetry};
+pub use glanz_light::intensity::{AngularSystem, Distribution, Opening, OpeningShape, Symmetry};
+
 pub use fault::{Fault, FaultKind};
-pub use opening::{Opening, OpeningShape};
 pub use tilt::{LampGeometry, Tilt};
 
 /// Who made what. Empty where the file is silent.
@@ -196,8 +195,7 @@ impl Photometry {
     /// below zero or not finite.
     #[must_use]
     pub fn scaled_to(&self, lumens: f64) -> Option<Self> {
-        let factor = lumens / self.flux();
-        (factor.is_finite() && factor >= 0.0).then(|| self.scaled_by(factor))
+        self.scaled_by(lumens / self.flux())
     }
 
     /// The same luminaire with another of the sets of lamps of an EULUMDAT file, which then is the first; `None` if
@@ -209,18 +207,18 @@ impl Photometry {
         if !(factor.is_finite() && factor > 0.0) {
             return None;
         }
-        let mut changed = self.scaled_by(factor);
+        let mut changed = self.scaled_by(factor)?;
         changed.lamps.swap(0, set);
         changed.input_watts = changed.lamps.first()?.watts;
         Some(changed)
     }
 
-    /// The same with all intensities times `factor`: dimming, maintenance, or [`Tilt::factor`]. The header stays.
+    /// The same with all intensities times `factor`: dimming, maintenance, or [`Tilt::factor`]. The header stays. `None` if an intensity
+    /// would be negative or no finite number.
     #[must_use]
-    pub fn scaled_by(&self, factor: f64) -> Self {
-        let mut scaled = self.clone();
-        scaled.distribution.scale(factor);
-        scaled
+    pub fn scaled_by(&self, factor: f64) -> Option<Self> {
+        let distribution = self.distribution.scaled(factor)?;
+        Some(Self { distribution, ..self.clone() })
     }
 }
 

@@ -1,76 +1,41 @@
-//! The luminous opening: the part of a luminaire that shines.
+//! The luminous opening as LM-63 writes it.
 
-/// Shape of the luminous opening; sizes are in [`Opening::size`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OpeningShape {
-    /// No extent.
-    Point,
-    /// A rectangle with normal -z; a line if one size is 0.
-    Rectangle,
-    /// A box that shines downwards and sideways; an upright rectangle if one size is 0.
-    Box,
-    /// An ellipse with normal -z; a circle if x and y are equal.
-    Ellipse,
-    /// An upright cylinder with elliptic base.
-    VerticalCylinder,
-    /// A cylinder with its axis along x.
-    CylinderAlongX,
-    /// A cylinder with its axis along y.
-    CylinderAlongY,
-    /// An ellipsoid; a sphere if the sizes are equal.
-    Ellipsoid,
-    /// An upright ellipse with normal +x.
-    EllipseFacingX,
-}
+use glanz_light::intensity::{Opening, OpeningShape};
 
-/// Shape and size of the luminous opening, around the photometric centre.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Opening {
-    /// Its shape.
-    pub shape: OpeningShape,
-    /// Extent along x, y and z in metres, none below zero. For round shapes these are diameters.
-    pub size: [f64; 3],
-}
-
-impl Opening {
-    /// No extent.
-    pub const POINT: Self = Self { shape: OpeningShape::Point, size: [0.0; 3] };
-
-    /// The opening that LM-63 writes as width, length and height with signs for the shape.
-    ///
-    /// Length lies along the photometric horizontal (x), width across it (y). `metres` is the unit of the file.
-    /// `signs_of_1995` tells whether signs are read by the table of the editions to 1995 or by that from 2002; what
-    /// means nothing in one is read by the other. `None` if it means nothing in both.
-    #[must_use]
-    pub fn from_signs(
-        width: f64,
-        length: f64,
-        height: f64,
-        metres: f64,
-        signs_of_1995: bool,
-    ) -> Option<Self> {
-        let sign = |v: f64| if v == 0.0 { 0 } else { v.signum() as i8 };
-        let signs = (sign(width), sign(length), sign(height));
-        let shape = if signs_of_1995 {
-            by_1995(signs).or_else(|| by_2002(signs))
-        } else {
-            by_2002(signs).or_else(|| by_1995(signs))
-        }?;
-        let (mut w, mut l, mut h) = (width.abs() * metres, length.abs() * metres, height.abs() * metres);
-        // The early table leaves out sizes that equal the diameter.
-        match shape {
-            OpeningShape::Ellipse | OpeningShape::VerticalCylinder if l == 0.0 => l = w,
-            OpeningShape::Ellipse | OpeningShape::VerticalCylinder if w == 0.0 => w = l,
-            OpeningShape::Ellipsoid if l == 0.0 => l = w,
-            OpeningShape::CylinderAlongX if w == 0.0 => w = h,
-            OpeningShape::CylinderAlongY if l == 0.0 => l = h,
-            _ => {}
-        }
-        if shape == OpeningShape::Ellipsoid && h == 0.0 {
-            h = w;
-        }
-        Some(Self { shape, size: [l, w, h] })
+/// The opening that LM-63 writes as width, length and height with signs for the shape.
+///
+/// Length lies along the photometric horizontal (x), width across it (y). `metres` is the unit of the file.
+/// `signs_of_1995` tells whether signs are read by the table of the editions to 1995 or by that from 2002; what
+/// means nothing in one is read by the other. `None` if it means nothing in both.
+#[must_use]
+pub(super) fn from_signs(
+    width: f64,
+    length: f64,
+    height: f64,
+    metres: f64,
+    signs_of_1995: bool,
+) -> Option<Opening> {
+    let sign = |v: f64| if v == 0.0 { 0 } else { v.signum() as i8 };
+    let signs = (sign(width), sign(length), sign(height));
+    let shape = if signs_of_1995 {
+        by_1995(signs).or_else(|| by_2002(signs))
+    } else {
+        by_2002(signs).or_else(|| by_1995(signs))
+    }?;
+    let (mut w, mut l, mut h) = (width.abs() * metres, length.abs() * metres, height.abs() * metres);
+    // The early table leaves out sizes that equal the diameter.
+    match shape {
+        OpeningShape::Ellipse | OpeningShape::VerticalCylinder if l == 0.0 => l = w,
+        OpeningShape::Ellipse | OpeningShape::VerticalCylinder if w == 0.0 => w = l,
+        OpeningShape::Ellipsoid if l == 0.0 => l = w,
+        OpeningShape::CylinderAlongX if w == 0.0 => w = h,
+        OpeningShape::CylinderAlongY if l == 0.0 => l = h,
+        _ => {}
     }
+    if shape == OpeningShape::Ellipsoid && h == 0.0 {
+        h = w;
+    }
+    Some(Opening { shape, size: [l, w, h] })
 }
 
 /// Signs of width, length and height from 2002 on; a negative size is round.
@@ -124,23 +89,19 @@ mod tests {
             (2.0, -1.0, -1.0, CylinderAlongY, [1.0, 2.0, 1.0]),
             (-1.0, 0.0, -2.0, EllipseFacingX, [0.0, 1.0, 2.0]),
         ] {
-            assert_eq!(
-                Opening::from_signs(w, l, h, 1.0, false),
-                Some(Opening { shape, size }),
-                "{w} {l} {h}"
-            );
+            assert_eq!(from_signs(w, l, h, 1.0, false), Some(Opening { shape, size }), "{w} {l} {h}");
         }
     }
 
     #[test]
     fn feet_and_the_signs_of_1995_are_known() {
         let circle = Opening { shape: OpeningShape::Ellipse, size: [0.6096, 0.6096, 0.0] };
-        assert_eq!(Opening::from_signs(-2.0, 0.0, 0.0, 0.3048, true), Some(circle));
-        assert_eq!(Opening::from_signs(-2.0, 0.0, 0.0, 0.3048, false), Some(circle));
+        assert_eq!(from_signs(-2.0, 0.0, 0.0, 0.3048, true), Some(circle));
+        assert_eq!(from_signs(-2.0, 0.0, 0.0, 0.3048, false), Some(circle));
         let sphere = Opening { shape: OpeningShape::Ellipsoid, size: [2.0; 3] };
-        assert_eq!(Opening::from_signs(-2.0, 0.0, -2.0, 1.0, true), Some(sphere));
+        assert_eq!(from_signs(-2.0, 0.0, -2.0, 1.0, true), Some(sphere));
         let tube = Opening { shape: OpeningShape::CylinderAlongX, size: [4.0, 0.5, 0.5] };
-        assert_eq!(Opening::from_signs(0.0, 4.0, -0.5, 1.0, true), Some(tube));
-        assert_eq!(Opening::from_signs(0.0, 0.0, -1.0, 1.0, true), None);
+        assert_eq!(from_signs(0.0, 4.0, -0.5, 1.0, true), Some(tube));
+        assert_eq!(from_signs(0.0, 0.0, -1.0, 1.0, true), None);
     }
 }

@@ -47,7 +47,7 @@ fn an_axial_file_is_read_with_all_that_its_header_says() {
     close(scaled.flux(), 1000.0);
     close(scaled.intensity(DVec3::X), 1000.0 / (4.0 * PI));
     assert_eq!((p.scaled_to(-1.0), p.scaled_to(f64::NAN)), (None, None));
-    assert_eq!(p.scaled_by(0.0).scaled_to(10.0), None);
+    assert_eq!(p.scaled_by(0.0).unwrap().scaled_to(10.0), None);
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn tilt_is_read_from_the_file_or_another_one_and_applied_to_nothing() {
     assert_eq!((tilt.factor(0.0), tilt.factor(45.0), tilt.factor(120.0)), (1.0, 0.9, 0.5));
     close(tilt.factor(-22.5), 0.95);
     close(included.flux(), 20.0 * PI);
-    close(included.scaled_by(tilt.factor(90.0)).flux(), 10.0 * PI);
+    close(included.scaled_by(tilt.factor(90.0)).unwrap().flux(), 10.0 * PI);
 
     let named = with("lamp.tlt");
     let mut asked = Vec::new();

@@ -1,6 +1,9 @@
 //! Lights, surfaces that shine among them.
 
+use std::sync::Arc;
+
 use glanz_light::SpectralDistribution;
+use glanz_light::intensity::{Distribution, Opening};
 use glanz_math::{DMat4, DVec3};
 
 use super::Location;
@@ -10,7 +13,7 @@ use super::Location;
 pub struct LightDescription {
     /// What it does.
     pub kind: LightKind,
-    /// Intensity, radiance or irradiance, see [`LightKind`].
+    /// Intensity, radiance, irradiance or colour, see [`LightKind`].
     pub emission: SpectralDistribution,
     /// Factor on `emission`.
     pub scale: f32,
@@ -42,6 +45,15 @@ pub enum LightKind {
         inner_angle: f64,
         /// How it falls between the two.
         falloff: SpotFalloff,
+    },
+    /// Emits candela as a luminaire was measured; of the emission only the colour counts, not the magnitude.
+    Photometric {
+        /// Candela by direction in light space, which is the [luminaire's frame](glanz_light::intensity).
+        distribution: Arc<Distribution>,
+        /// What shines, all of it alike; `None`: a point.
+        opening: Option<Opening>,
+        /// Where the photometric centre is.
+        from: DVec3,
     },
     /// W/m^2 on a surface that faces it, from one direction.
     Distant {

@@ -8,7 +8,9 @@ use glanz_math::rounding::offset_origin;
 use glanz_math::{DVec2, DVec3, Frame, Ray};
 use glanz_sampling::warp;
 
-use super::{AreaLight, DistantLight, InfiniteLight, Light, LightId, PointLight, SpotLight};
+use super::{
+    AreaLight, DistantLight, InfiniteLight, Light, LightId, PhotometricLight, PointLight, SpotLight,
+};
 use crate::scene::Scene;
 
 /// A ray that leaves a light, picked at random.
@@ -67,6 +69,7 @@ impl Scene {
         let ray = match self.light(id)? {
             Light::Point(light) => Some(light.emit(direction)),
             Light::Spot(light) => light.emit(direction),
+            Light::Photometric(light) => light.emit(place, direction),
             Light::Distant(light) => light.emit(&Around::of(self)?, place),
             Light::Area(light) => light.emit(self, place, direction),
             Light::Infinite(light) => light.emit(&Around::of(self)?, place, direction),
@@ -91,6 +94,14 @@ impl SpotLight {
         let ray = Ray::new(self.position(), Frame::from_z(self.axis()).to_world(local));
         let power = self.intensity(ray.direction) * (1.0 / pdf.0) as f32;
         (one_minus_cos > 0.0).then_some(LightRay { ray, power, from: None, range: None })
+    }
+}
+
+impl PhotometricLight {
+    /// Directions in proportion to the intensity: all rays carry the same.
+    fn emit(&self, place: DVec2, direction: DVec2) -> Option<LightRay> {
+        let ray = Ray::new(self.place(place), self.direction(direction)?);
+        Some(LightRay { ray, power: self.power(), from: None, range: None })
     }
 }
 

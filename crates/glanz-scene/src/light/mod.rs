@@ -4,6 +4,8 @@ mod area;
 mod distant;
 mod emission;
 mod infinite;
+mod opening;
+mod photometric;
 mod point;
 mod select;
 mod spot;
@@ -18,6 +20,7 @@ pub use area::AreaLight;
 pub use distant::DistantLight;
 pub use emission::LightRay;
 pub use infinite::InfiniteLight;
+pub use photometric::PhotometricLight;
 pub use point::PointLight;
 pub(crate) use select::LightSelector;
 pub use select::MAX_LIGHT_GROUPS;
@@ -28,13 +31,15 @@ pub use spot::SpotLight;
 pub struct LightId(pub u32);
 
 /// A light.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum Light {
     /// A point that shines alike in all directions.
     Point(PointLight),
     /// A point that shines into a cone.
     Spot(SpotLight),
+    /// A luminaire as it was measured.
+    Photometric(PhotometricLight),
     /// One direction, from infinitely far.
     Distant(DistantLight),
     /// A surface.
@@ -50,16 +55,21 @@ impl Light {
         match self {
             Self::Point(_) => "point",
             Self::Spot(_) => "spot",
+            Self::Photometric(_) => "photometric",
             Self::Distant(_) => "distant",
             Self::Area(_) => "diffuse",
             Self::Infinite(_) => "infinite",
         }
     }
 
-    /// Whether no ray can meet it by chance.
+    /// Whether all samples from one place are the same; then no ray can meet it by chance either.
     #[must_use]
     pub fn is_delta(&self) -> bool {
-        matches!(self, Self::Point(_) | Self::Spot(_) | Self::Distant(_))
+        match self {
+            Self::Point(_) | Self::Spot(_) | Self::Distant(_) => true,
+            Self::Photometric(light) => light.is_point(),
+            Self::Area(_) | Self::Infinite(_) => false,
+        }
     }
 
     /// Its power as a number for choosing between lights, W; `radius` is that of the scene, metres.
@@ -70,6 +80,7 @@ impl Light {
         match self {
             Self::Point(l) => bright(l.power()),
             Self::Spot(l) => bright(l.power()),
+            Self::Photometric(l) => bright(l.power()),
             Self::Distant(l) => bright(l.irradiance()) * disk,
             Self::Area(l) if !l.can_be_sampled() => 0.0,
             Self::Area(l) => bright(l.power()),
@@ -91,6 +102,7 @@ impl Light {
         match self {
             Self::Point(l) => l.sample(from),
             Self::Spot(l) => l.sample(from),
+            Self::Photometric(l) => l.sample(from, xi),
             Self::Distant(l) => Some(l.sample(from)),
             Self::Area(l) => l.sample(scene, from, xi),
             Self::Infinite(l) => l.sample(from, xi, wavelengths),

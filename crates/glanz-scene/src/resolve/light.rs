@@ -1,13 +1,14 @@
 //! Lights that are not surfaces.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
-use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
+use glanz_light::{SpectralDistribution, Spectrum, Wavelengths, units};
 
 use super::{range_error, transform};
 use crate::description::{LightDescription, LightKind, Location};
 use crate::error::SceneError;
-use crate::light::{DistantLight, InfiniteLight, Light, PointLight, SpotLight};
+use crate::light::{DistantLight, InfiniteLight, Light, PhotometricLight, PointLight, SpotLight};
 
 pub(super) fn light(description: &LightDescription, wavelengths: &Wavelengths) -> Result<Light, SceneError> {
     let location = description.location;
@@ -40,6 +41,16 @@ pub(super) fn light(description: &LightDescription, wavelengths: &Wavelengths) -
             let angles = [*cone_angle, inner_angle.clamp(0.0, *cone_angle)];
             Light::Spot(SpotLight::new(to_world.point(*from), axis, angles, *falloff, emission))
         }
+        LightKind::Photometric { distribution, opening, from } => {
+            let per_candela = per_candela(description, wavelengths)?;
+            let (distribution, opening) = (Arc::clone(distribution), *opening);
+            let light = PhotometricLight::try_new(distribution, opening, *from, &to_world, per_candela);
+            Light::Photometric(light.ok_or_else(|| {
+                let (what, range) =
+                    ("photometric light: transformation", "moves, turns and scales alike in all directions");
+                range_error(location, what, "uneven", range)
+            })?)
+        }
         LightKind::Distant { from, to } => {
             let towards = to_world
                 .vector(*from - *to)
@@ -49,6 +60,16 @@ pub(super) fn light(description: &LightDescription, wavelengths: &Wavelengths) -
         }
         LightKind::Infinite => Light::Infinite(InfiniteLight::new(emission)),
     })
+}
+
+/// The spectrum of one candela of the light's colour times its scale, W/sr.
+fn per_candela(description: &LightDescription, wavelengths: &Wavelengths) -> Result<Spectrum, SceneError> {
+    let location = description.location;
+    let color = emitted(&description.emission, 1.0, wavelengths, "photometric light: colour", location)?;
+    let factor = units::scale_to_photometric(color, wavelengths, 1.0).ok_or_else(|| {
+        range_error(location, "photometric light: colour", format!("{color:?}"), "brighter than black")
+    })?;
+    Ok(color * factor as f32 * description.scale)
 }
 
 /// The light of a distribution times `scale`: finite, in no band negative.

@@ -4,6 +4,45 @@ use std::f64::consts::TAU;
 
 use glanz_math::DVec3;
 
+/// Why numbers are no distribution of intensities.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum IntensityError {
+    /// There are no angles of one kind.
+    #[error("there are no {0}s")]
+    Empty(&'static str),
+    /// An angle out of its range or order.
+    #[error("{what} {second} follows {first}; they must ascend, {allowed}")]
+    Angles {
+        /// Which angles.
+        what: &'static str,
+        /// One angle in degrees.
+        first: f64,
+        /// The next, or the same if it alone is at fault.
+        second: f64,
+        /// Where they may lie.
+        allowed: &'static str,
+    },
+    /// Another number of intensities than directions.
+    #[error("there are {found} intensities for {azimuths} azimuths and {polars} polar angles")]
+    Count {
+        /// Intensities.
+        found: usize,
+        /// Azimuths.
+        azimuths: usize,
+        /// Polar angles.
+        polars: usize,
+    },
+    /// An intensity that is negative or no finite number.
+    #[error("intensity number {index} is {value} cd, it must be finite and not negative")]
+    Intensity {
+        /// Its index.
+        index: usize,
+        /// Candela.
+        value: f64,
+    },
+}
+
 /// How the goniophotometer turned; see the table in [`super`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AngularSystem {
@@ -55,17 +94,21 @@ pub struct Distribution {
 const ROUNDING: f64 = 8.0 * 360.0 * f64::EPSILON;
 
 impl Distribution {
-    /// `azimuths`: of the rows of `candela`, as measured; for types A and C `symmetry` adds the others. Checked by the
-    /// reader: angles ascend, polar angles lie in [0, 180], `candela` has `azimuths.len() * polars.len()` values.
-    pub(super) fn new(
+    /// `azimuths`: of the rows of `candela`, in degrees, as measured; for types A and C `symmetry` adds the others. Those of types A and B
+    /// ascend. `polars`: degrees, ascending, within [0, 180]. `candela`: row by row, one value for each pair of angles.
+    ///
+    /// # Errors
+    /// [`IntensityError`] for numbers that are not so.
+    pub fn try_new(
         system: AngularSystem,
         symmetry: Symmetry,
         azimuths: &[f64],
         polars: Vec<f64>,
         candela: Vec<f64>,
-    ) -> Self {
+    ) -> Result<Self, IntensityError> {
+        check(system, azimuths, &polars, &candela)?;
         let (azimuths, rows) = unfold(system, symmetry, azimuths);
-        Self { system, symmetry, azimuths, rows, polars, candela }
+        Ok(Self { system, symmetry, azimuths, rows, polars, candela })
     }
 
     /// How the goniophotometer turned.
@@ -159,10 +202,15 @@ impl Distribution {
         steps.map(|(i, a)| (a[1] - a[0]).to_radians() * 0.5 * (of_plane(i) + of_plane(i + 1))).sum()
     }
 
-    pub(super) fn scale(&mut self, factor: f64) {
-        for value in &mut self.candela {
+    /// The same with all intensities times `factor`; `None` if one would be negative or no finite number.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Option<Self> {
+        let mut scaled = self.clone();
+        for value in &mut scaled.candela {
             *value *= factor;
         }
+        let holds = |value: &f64| value.is_finite() && *value >= 0.0;
+        scaled.candela.iter().all(holds).then_some(scaled)
     }
 
     /// The axis and the directions of azimuth 0 and 90 at polar angle 90.
@@ -185,6 +233,37 @@ impl Distribution {
     }
 }
 
+fn check(
+    system: AngularSystem,
+    azimuths: &[f64],
+    polars: &[f64],
+    candela: &[f64],
+) -> Result<(), IntensityError> {
+    for (what, angles, allowed, low, high, sorted) in [
+        // Symmetry puts those of type C in order.
+        ("azimuth", azimuths, "finite", -f64::MAX, f64::MAX, system != AngularSystem::C),
+        ("polar angle", polars, "within [0, 180]", 0.0, 180.0, true),
+    ] {
+        if angles.is_empty() {
+            return Err(IntensityError::Empty(what));
+        }
+        if let Some(&angle) = angles.iter().find(|angle| !(low..=high).contains(*angle)) {
+            return Err(IntensityError::Angles { what, first: angle, second: angle, allowed });
+        }
+        if let Some(pair) = angles.windows(2).find(|pair| sorted && pair[0] >= pair[1]) {
+            return Err(IntensityError::Angles { what, first: pair[0], second: pair[1], allowed });
+        }
+    }
+    if candela.len() != azimuths.len() * polars.len() {
+        let (azimuths, polars) = (azimuths.len(), polars.len());
+        return Err(IntensityError::Count { found: candela.len(), azimuths, polars });
+    }
+    match candela.iter().zip(0..).find(|(value, _)| !(value.is_finite() && **value >= 0.0)) {
+        Some((&value, index)) => Err(IntensityError::Intensity { index, value }),
+        None => Ok(()),
+    }
+}
+
 /// The index and position in [0, 1) of an angle among ascending ones; `None` outside them.
 fn cell(angles: &[f64], angle: f64) -> Option<(usize, f64)> {
     let (first, last) = (*angles.first()?, *angles.last()?);
@@ -200,7 +279,7 @@ fn cell(angles: &[f64], angle: f64) -> Option<(usize, f64)> {
 }
 
 /// The integral of v sin t over [a, b], in radians, where v goes linearly from `at_a` to `at_b`.
-fn band(a: f64, b: f64, at_a: f64, at_b: f64) -> f64 {
+pub(super) fn band(a: f64, b: f64, at_a: f64, at_b: f64) -> f64 {
     let half = 0.5 * (b - a);
     let middle = 0.5 * (a + b);
     // cos a - cos b and (sin b - sin a) / (b - a), without cancellation between near angles.
@@ -268,7 +347,8 @@ mod tests {
         ] {
             let polars = degrees(0.0, 180.0, 9);
             let count = azimuths.len() * polars.len();
-            let d = Distribution::new(system, Symmetry::None, &azimuths, polars, vec![2.0; count]);
+            let d =
+                Distribution::try_new(system, Symmetry::None, &azimuths, polars, vec![2.0; count]).unwrap();
             close(d.flux(), 2.0 * expected, 1e-14);
         }
     }
@@ -279,7 +359,7 @@ mod tests {
         for steps in [1, 2, 90] {
             let polars = degrees(0.0, 90.0, steps);
             let values = polars.iter().map(|t| 1.0 - t / 90.0).collect();
-            let d = Distribution::new(AngularSystem::C, Symmetry::Axial, &[0.0], polars, values);
+            let d = Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], polars, values).unwrap();
             close(d.flux(), 2.0 * PI * (1.0 - 2.0 / PI), 1e-13);
         }
     }
@@ -289,7 +369,7 @@ mod tests {
         for steps in [18, 90] {
             let polars = degrees(0.0, 90.0, steps);
             let values = polars.iter().map(|t| t.to_radians().cos()).collect();
-            let d = Distribution::new(AngularSystem::C, Symmetry::Axial, &[0.0], polars, values);
+            let d = Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], polars, values).unwrap();
             // A chord lies below cos by at most h^2 / 8 cos; over the hemisphere that is pi h^2 / 8.
             let step = (90.0 / steps as f64).to_radians();
             assert!(d.flux() < PI && PI - d.flux() < 1.01 * PI * step * step / 8.0, "{}", d.flux());
@@ -299,7 +379,9 @@ mod tests {
     #[test]
     fn axes_of_the_three_systems_are_those_of_the_table() {
         let near = |a: DVec3, b: DVec3| assert!((a - b).length() < 1e-15, "{a} {b}");
-        let of = |system| Distribution::new(system, Symmetry::None, &[0.0, 1.0], vec![0.0], vec![0.0; 2]);
+        let of = |system| {
+            Distribution::try_new(system, Symmetry::None, &[0.0, 1.0], vec![0.0], vec![0.0; 2]).unwrap()
+        };
         let c = of(AngularSystem::C);
         near(c.direction(0.0, 0.0), DVec3::NEG_Z);
         near(c.direction(0.0, 90.0), DVec3::X);
@@ -319,8 +401,14 @@ mod tests {
     fn directions_find_their_own_grid_point_and_planes_repeat_after_a_turn() {
         let (azimuths, polars) = (degrees(0.0, 315.0, 7), degrees(0.0, 180.0, 4));
         let values: Vec<f64> = (0..azimuths.len() * polars.len()).map(|i| 1.0 + i as f64).collect();
-        let d =
-            Distribution::new(AngularSystem::C, Symmetry::None, &azimuths, polars.clone(), values.clone());
+        let d = Distribution::try_new(
+            AngularSystem::C,
+            Symmetry::None,
+            &azimuths,
+            polars.clone(),
+            values.clone(),
+        )
+        .unwrap();
         for (i, &azimuth) in azimuths.iter().enumerate() {
             for (j, &polar) in polars.iter().enumerate() {
                 let expected = values[i * polars.len() + j];
@@ -339,8 +427,33 @@ mod tests {
     }
 
     #[test]
+    fn numbers_that_are_no_distribution_are_refused_with_their_values() {
+        let of = |system, azimuths: &[f64], polars: &[f64], candela: &[f64]| {
+            Distribution::try_new(system, Symmetry::None, azimuths, polars.to_vec(), candela.to_vec())
+                .unwrap_err()
+                .to_string()
+        };
+        let (a, c) = (AngularSystem::A, AngularSystem::C);
+        for (found, expected) in [
+            (of(c, &[], &[0.0], &[]), "there are no azimuth"),
+            (of(c, &[0.0], &[], &[]), "there are no polar angle"),
+            (of(c, &[f64::NAN], &[0.0], &[1.0]), "azimuth NaN"),
+            (of(a, &[5.0, 5.0], &[0.0], &[1.0; 2]), "azimuth 5 follows 5"),
+            (of(c, &[0.0], &[0.0, 181.0], &[1.0; 2]), "polar angle 181"),
+            (of(c, &[0.0], &[2.0, 1.0], &[1.0; 2]), "polar angle 1 follows 2"),
+            (of(c, &[0.0], &[0.0, 1.0], &[1.0; 3]), "there are 3 intensities for 1 azimuths and 2 polar"),
+            (of(c, &[0.0], &[0.0, 1.0], &[1.0, -1.0]), "intensity number 1 is -1 cd"),
+            (of(c, &[0.0], &[0.0], &[f64::INFINITY]), "intensity number 0 is inf cd"),
+        ] {
+            assert!(found.starts_with(expected), "{found}");
+        }
+    }
+
+    #[test]
     fn the_last_angle_belongs_to_the_grid_and_beyond_it_is_dark() {
-        let d = Distribution::new(AngularSystem::C, Symmetry::Axial, &[0.0], vec![0.0, 90.0], vec![5.0; 2]);
+        let d =
+            Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], vec![0.0, 90.0], vec![5.0; 2])
+                .unwrap();
         for azimuth in 0..360 {
             assert_eq!(d.intensity(d.direction(f64::from(azimuth), 90.0)), 5.0);
             assert_eq!(d.intensity(d.direction(f64::from(azimuth), 90.001)), 0.0);

@@ -1,0 +1,101 @@
+//! A luminaire that shines as a goniophotometer measured it.
+
+use std::sync::Arc;
+
+use glanz_light::Spectrum;
+use glanz_light::intensity::{Distribution, Opening, OpeningShape};
+use glanz_math::{DMat3, DVec2, DVec3, Transform};
+use glanz_sampling::discrete::PiecewiseConstant1;
+
+use super::LightSample;
+use super::opening;
+use super::point::sample_point;
+use crate::interaction::Interaction;
+
+/// Lengths may change by this share between directions where a luminaire is placed: matrices printed with four digits pass.
+const SIMILARITY: f64 = 1e-3;
+
+/// A luminaire that sends candela by direction, from a point or from each point of its luminous opening alike.
+///
+/// A goniophotometer stands so far away that it sees no size, and the file tells none of the light of one part of the opening. As an area
+/// every point of the opening is taken to send the same distribution: with intensity I and area A the radiance I / (A cos) grows without
+/// bound along a flat opening, so that the opening is sampled by its points and cannot be met by a ray.
+#[derive(Clone, Debug)]
+pub struct PhotometricLight {
+    position: DVec3,
+    /// The axes of the luminaire in the world; orthonormal, perhaps mirrored.
+    axes: DMat3,
+    distribution: Arc<Distribution>,
+    /// With sizes in the world; `None` for a point.
+    opening: Option<Opening>,
+    /// W/sr for one candela of the distribution.
+    per_candela: Spectrum,
+    /// Lumens of the distribution.
+    flux: f64,
+    /// Cells of the distribution by flux; `None` if it is dark.
+    cells: Option<Arc<PiecewiseConstant1>>,
+}
+
+impl PhotometricLight {
+    /// `from`: the photometric centre in the luminaire's frame, which `to_world` places. `opening`: `None` for a point. `per_candela`: W/sr for one
+    /// candela of the distribution. `None` if `to_world` is no similarity.
+    pub(crate) fn try_new(
+        distribution: Arc<Distribution>,
+        opening: Option<Opening>,
+        from: DVec3,
+        to_world: &Transform,
+        per_candela: Spectrum,
+    ) -> Option<Self> {
+        let scale = to_world.uniform_scale(SIMILARITY)?;
+        let z = to_world.vector(DVec3::Z).try_normalize()?;
+        let x = to_world.vector(DVec3::X).reject_from_normalized(z).try_normalize()?;
+        // A mirror keeps its handedness.
+        let y = z.cross(x) * to_world.forward().matrix3.determinant().signum();
+        let fluxes = distribution.cell_fluxes();
+        let opening = opening.filter(|o| o.shape != OpeningShape::Point && o.size != [0.0; 3]);
+        Some(Self {
+            position: to_world.point(from),
+            axes: DMat3::from_cols(x, y, z),
+            opening: opening.map(|o| Opening { size: o.size.map(|s| s * scale), ..o }),
+            per_candela,
+            flux: fluxes.iter().sum(),
+            cells: PiecewiseConstant1::try_new(&fluxes).ok().map(Arc::new),
+            distribution,
+        })
+    }
+
+    /// Total power, W.
+    #[must_use]
+    pub fn power(&self) -> Spectrum {
+        self.per_candela * self.flux as f32
+    }
+
+    /// What it sends into a direction of the world, W/sr.
+    #[must_use]
+    pub fn intensity(&self, direction: DVec3) -> Spectrum {
+        self.per_candela * self.distribution.intensity(self.axes.transpose() * direction) as f32
+    }
+
+    /// Whether it has no size.
+    #[must_use]
+    pub fn is_point(&self) -> bool {
+        self.opening.is_none()
+    }
+
+    /// A point that it shines from, metres, by two numbers uniform in [0, 1).
+    pub(super) fn place(&self, xi: DVec2) -> DVec3 {
+        let from_center = self.opening.as_ref().map_or(DVec3::ZERO, |o| opening::point(o, xi));
+        self.position + self.axes * from_center
+    }
+
+    /// A unit direction in proportion to the intensity, by two numbers uniform in [0, 1).
+    pub(super) fn direction(&self, xi: DVec2) -> Option<DVec3> {
+        let cell = self.cells.as_ref()?.choose(xi.x);
+        let [azimuth, polar] = self.distribution.pick(cell.index, DVec2::new(cell.xi, xi.y))?;
+        (self.axes * self.distribution.direction(azimuth, polar)).try_normalize()
+    }
+
+    pub(super) fn sample(&self, from: &Interaction, xi: DVec2) -> Option<LightSample> {
+        sample_point(from, self.place(xi), |direction, _| self.intensity(direction))
+    }
+}
