@@ -1,7 +1,7 @@
 //! Photometric files: how much light a luminaire sends in which direction.
 //!
 //! [`ies`] reads IES LM-63 of all editions, [`ldt`] reads EULUMDAT; both give a [`Photometry`], and [`read`] tells one
-//! from the other. [`tm25`] reads ray files. Faults carry line and column, and what is odd but harmless comes as
+//! from the other. [`tm25`] reads ray files. [`mod@write`] writes IES and EULUMDAT files of a distribution. Faults carry line and column, and what is odd but harmless comes as
 //! warnings of the same form.
 //!
 //! # The luminaire's frame
@@ -42,6 +42,7 @@ mod opening;
 mod text;
 mod tilt;
 pub mod tm25;
+pub mod write;
 
 use glanz_math::DVec3;
 

@@ -1,0 +1,90 @@
+//! LM-63.
+
+use super::{Header, Stored, WriteError, digits, one_line};
+use crate::photometry::{Distribution, Opening, OpeningShape};
+
+/// Letters of a line at most, by the standard 256 with its end.
+const LINE: usize = 120;
+const WORDS: usize = 200;
+
+/// A file of IES LM-63-2002: type C, absolute photometry (one lamp of -1 lumens), sizes in metres.
+///
+/// The four keywords that the standard asks for are always there, with `N/A` where nothing is known; the total flux
+/// stands behind `[OTHER]`, for people. Letters that ASCII does not have become question marks. Watts that are not a
+/// finite number above 0 are written as 0.
+///
+/// # Errors
+/// [`WriteError`], but not [`WriteError::Dark`].
+///
+/// # Source
+/// @lm63_2002.
+pub fn ies(distribution: &Distribution, header: &Header) -> Result<Vec<u8>, WriteError> {
+    let stored = Stored::of(distribution)?;
+    let mut lines = vec!["IESNA:LM-63-2002".to_owned()];
+    let names = &header.names;
+    let flux = format!("Absolute photometry of {} lm", digits(distribution.flux()));
+    for (keyword, words, is_owed) in [
+        ("TEST", &names.report, true),
+        ("TESTLAB", &header.laboratory, true),
+        ("ISSUEDATE", &names.issued, true),
+        ("MANUFAC", &names.manufacturer, true),
+        ("LUMCAT", &names.catalog_number, false),
+        ("LUMINAIRE", &names.luminaire, false),
+        ("OTHER", &flux, false),
+    ] {
+        let words = ascii(&one_line(words, WORDS));
+        if !words.is_empty() {
+            lines.push(format!("[{keyword}] {words}"));
+        } else if is_owed {
+            lines.push(format!("[{keyword}] N/A"));
+        }
+    }
+    lines.push("TILT=NONE".to_owned());
+    let (verticals, horizontals) = (distribution.polars(), &stored.planes);
+    let [width, length, height] = signs(header.opening);
+    lines.push(format!("1 -1 1 {} {} 1 2 {width} {length} {height}", verticals.len(), horizontals.len()));
+    let watts = if header.watts.is_finite() { header.watts.max(0.0) } else { 0.0 };
+    lines.push(format!("1 1 {watts}"));
+    numbers(&mut lines, verticals.iter().map(f64::to_string));
+    let azimuths = distribution.azimuths();
+    numbers(&mut lines, horizontals.iter().filter_map(|i| azimuths.get(*i)).map(f64::to_string));
+    for plane in horizontals {
+        numbers(&mut lines, distribution.plane(*plane).iter().copied().map(digits));
+    }
+    Ok((lines.join("\r\n") + "\r\n").into_bytes())
+}
+
+/// Numbers on as many lines as they take.
+fn numbers(lines: &mut Vec<String>, numbers: impl Iterator<Item = String>) {
+    let mut line = String::new();
+    for number in numbers {
+        if !line.is_empty() && line.len() + 1 + number.len() > LINE {
+            lines.push(std::mem::take(&mut line));
+        }
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        line += &number;
+    }
+    lines.push(line);
+}
+
+fn ascii(words: &str) -> String {
+    words.chars().map(|letter| if letter.is_ascii() { letter } else { '?' }).collect()
+}
+
+/// Width (along y), length (along x) and height in metres, negative where round, as the table of 2002 has them.
+fn signs(opening: Opening) -> [f64; 3] {
+    let [x, y, z] = opening.size.map(|size| if size.is_finite() { size.max(0.0) } else { 0.0 });
+    match opening.shape {
+        OpeningShape::Point => [0.0; 3],
+        OpeningShape::Rectangle => [y, x, 0.0],
+        OpeningShape::Box => [y, x, z],
+        OpeningShape::Ellipse => [-y, -x, 0.0],
+        OpeningShape::VerticalCylinder => [-y, -x, z],
+        OpeningShape::Ellipsoid => [-y, -x, -z],
+        OpeningShape::CylinderAlongX => [-y, x, -z],
+        OpeningShape::CylinderAlongY => [y, -x, -z],
+        OpeningShape::EllipseFacingX => [-y, 0.0, -z],
+    }
+}

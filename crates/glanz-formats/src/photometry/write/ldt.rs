@@ -1,0 +1,176 @@
+//! EULUMDAT.
+
+use super::{Header, Stored, WriteError, digits, one_line};
+use crate::photometry::{Distribution, Opening, OpeningShape, Symmetry};
+
+const MILLIMETRES: f64 = 1000.0;
+
+/// Letters of a line of text at most.
+const WORDS: usize = 78;
+
+/// Widest stretch of gamma, in degrees, that the share of light downwards is integrated over at once: three points
+/// then leave an error far below the two decimals of per cent that are written.
+const STRETCH: f64 = 5.0;
+
+/// A file of EULUMDAT for absolute photometry: -1 lamps whose flux is that of the luminaire, light output ratio 100 %,
+/// intensities in cd per 1000 lm of that flux.
+///
+/// Luminaire and luminous area have the size of [`Header::opening`] as far as the format knows its shape: a circle, an
+/// upright round cylinder, a rectangle or a box; other shapes are written as the box around them. The ten direct
+/// ratios are 0: they are not known. Text is Latin-1, with question marks for letters beyond it, and
+/// `TILT=` at the beginning of a line, which would make it a file of LM-63, loses its sign. Watts that are not a
+/// finite number above 0 are written as 0.
+///
+/// # Errors
+/// [`WriteError`].
+///
+/// # Source
+/// @stockmar1990; -1 lamps for absolute photometry as agreed between makers of lighting programs in 2009.
+pub fn ldt(distribution: &Distribution, header: &Header) -> Result<Vec<u8>, WriteError> {
+    let flux = distribution.flux();
+    let planes = Planes::of(distribution)?;
+    if flux.is_nan() || flux <= 0.0 {
+        return Err(WriteError::Dark);
+    }
+    let mut lines = head(distribution, header, &planes);
+    lines.extend([
+        format!("{:.2}", 100.0 * downward(distribution)),
+        // Light output ratio, conversion factor, tilt, sets of lamps, lamps.
+        "100".into(),
+        "1".into(),
+        "0".into(),
+        "1".into(),
+        "-1".into(),
+        "LED".into(),
+        flux.to_string(),
+        // Colour and colour rendering.
+        String::new(),
+        String::new(),
+        if header.watts.is_finite() { header.watts.max(0.0) } else { 0.0 }.to_string(),
+    ]);
+    lines.extend(std::iter::repeat_n("0".to_owned(), 10));
+    lines.extend(planes.listed.iter().map(f64::to_string));
+    lines.extend(distribution.polars().iter().map(f64::to_string));
+    for plane in &planes.stored {
+        lines.extend(distribution.plane(*plane).iter().map(|candela| digits(candela * 1000.0 / flux)));
+    }
+    let text = lines.join("\r\n") + "\r\n";
+    Ok(text.chars().map(|letter| u8::try_from(letter).unwrap_or(b'?')).collect())
+}
+
+/// The lines before the flux downwards.
+fn head(distribution: &Distribution, header: &Header, planes: &Planes) -> Vec<String> {
+    let names = &header.names;
+    let words = |words: &str| {
+        let line = one_line(words, WORDS);
+        // A line that begins so is what tells LM-63 from EULUMDAT.
+        let is_tilt = line.get(..5).is_some_and(|start| start.eq_ignore_ascii_case("TILT="));
+        if is_tilt { line.replacen('=', " ", 1) } else { line }
+    };
+    let (kind, indicator) = match planes.symmetry {
+        Symmetry::Axial => (1, 1),
+        Symmetry::None => (3, 0),
+        Symmetry::AcrossY => (3, 2),
+        Symmetry::AcrossX => (3, 3),
+        Symmetry::Quadrants => (3, 4),
+    };
+    let [length, width, height] = sizes(header.opening);
+    let mut lines = vec![
+        words(&names.manufacturer),
+        kind.to_string(),
+        indicator.to_string(),
+        planes.listed.len().to_string(),
+        distance(&planes.listed).to_string(),
+        distribution.polars().len().to_string(),
+        distance(distribution.polars()).to_string(),
+        words(&names.report),
+        words(&names.luminaire),
+        words(&names.catalog_number),
+        // The name of the file, which whoever writes it may choose.
+        String::new(),
+        words(&names.issued),
+    ];
+    // Size of the luminaire, of the luminous area, and of its four sides.
+    let all = [length, width, height, length, width, height, height, height, height];
+    lines.extend(all.map(|size| size.to_string()));
+    lines
+}
+
+/// Planes as EULUMDAT has them.
+struct Planes {
+    symmetry: Symmetry,
+    /// C angles of all planes, degrees, without the one that closes the round.
+    listed: Vec<f64>,
+    /// Numbers of the planes that are stored, in order.
+    stored: Vec<usize>,
+}
+
+impl Planes {
+    fn of(distribution: &Distribution) -> Result<Self, WriteError> {
+        let Stored { symmetry, mut planes } = Stored::of(distribution)?;
+        let azimuths = distribution.azimuths();
+        let listed: Vec<f64> = azimuths.iter().copied().filter(|c| *c < 360.0).collect();
+        match symmetry {
+            // From C270 by way of C0 to C90: the other half, which is alike.
+            Symmetry::AcrossX => {
+                let planes_of = |of: fn(f64) -> bool| {
+                    let numbered = azimuths.iter().enumerate();
+                    numbered.filter(move |(_, c)| of(**c)).map(|(i, _)| i)
+                };
+                planes = planes_of(|c| (270.0..360.0).contains(&c)).chain(planes_of(|c| c <= 90.0)).collect();
+            }
+            Symmetry::None => planes.truncate(listed.len()),
+            _ => {}
+        }
+        Ok(Self { symmetry, listed, stored: planes })
+    }
+}
+
+/// The distance between neighbours if it is the same everywhere, else 0.
+fn distance(angles: &[f64]) -> f64 {
+    let mut steps = angles.windows(2).map(|pair| pair[1] - pair[0]);
+    let first = steps.next().unwrap_or(0.0);
+    // Differences of two numbers up to 360.
+    let rounding = 2.0 * 360.0 * f64::EPSILON;
+    if steps.all(|step| (step - first).abs() <= rounding) { first } else { 0.0 }
+}
+
+/// Length (along y), width (along x, 0 if round) and height in millimetres, to a thousandth.
+fn sizes(opening: Opening) -> [f64; 3] {
+    let [x, y, z] = opening.size.map(|size| if size.is_finite() { size.max(0.0) } else { 0.0 });
+    let is_round = matches!(opening.shape, OpeningShape::Ellipse | OpeningShape::VerticalCylinder) && x == y;
+    let sizes = match opening.shape {
+        OpeningShape::Point => [0.0; 3],
+        _ => [y, if is_round { 0.0 } else { x }, z],
+    };
+    sizes.map(|metres| (metres * MILLIMETRES * 1000.0).round() / 1000.0)
+}
+
+/// The share of the flux below the horizontal.
+fn downward(distribution: &Distribution) -> f64 {
+    // Gauss-Legendre with three points.
+    let nodes = [(-0.6_f64.sqrt(), 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.6_f64.sqrt(), 5.0 / 9.0)];
+    let azimuths = distribution.azimuths();
+    let last = azimuths.len() - 1;
+    // Linear in azimuth: a plane counts half of the steps beside it.
+    let weight = |i: usize| {
+        let at = |i: usize| azimuths.get(i).copied().unwrap_or(0.0);
+        if last == 0 { 1.0 } else { at((i + 1).min(last)) - at(i.saturating_sub(1)) }
+    };
+    let (mut below, mut whole) = (0.0, 0.0);
+    for pair in distribution.polars().windows(2) {
+        let count = ((pair[1] - pair[0]) / STRETCH).ceil().max(1.0) as u32;
+        let half = 0.5 * (pair[1] - pair[0]) / f64::from(count);
+        for middle in (0..count).map(|n| pair[0] + half * f64::from(2 * n + 1)) {
+            for (node, share) in nodes {
+                let gamma = middle + half * node;
+                let of = |(i, &c): (usize, &f64)| weight(i) * distribution.at(c, gamma);
+                let mean: f64 = azimuths.iter().enumerate().map(of).sum();
+                let flux = share * half * gamma.to_radians().sin() * mean;
+                whole += flux;
+                below += if gamma < 90.0 { flux } else { 0.0 };
+            }
+        }
+    }
+    below / whole
+}

@@ -1,0 +1,161 @@
+//! Photometric files of a distribution: [`ies`] writes LM-63-2002, [`ldt`] EULUMDAT.
+//!
+//! Both state absolute photometry: candela of the luminaire itself, without lamps whose rated flux they would depend
+//! on. Intensities are written with eight digits, so what is read again differs by at most 5e-8 of the value, and below
+//! 1e-20 as 0; angles are written exactly. What mirrors or turns into itself is stored once, as the distribution's [`Symmetry`]
+//! says.
+//!
+//! ```
+//! use glanz_formats::photometry::{self, write};
+//!
+//! let text = "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 3 1 1 2 0 0 0 1 1 12\n0 45 90\n0\n60 50 0\n";
+//! let lamp = photometry::read(text.as_bytes())?.photometry;
+//! let header = write::Header { watts: 12.0, ..write::Header::default() };
+//! let file = write::ldt(&lamp.distribution, &header)?;
+//! let again = photometry::read(&file)?.photometry;
+//! assert!((again.flux() - lamp.flux()).abs() < 1e-6 * lamp.flux());
+//! assert_eq!(again.header_flux(), Some(lamp.flux()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod ies;
+mod ldt;
+
+pub use ies::ies;
+pub use ldt::ldt;
+
+use super::{AngularSystem, Distribution, Names, Opening, Symmetry};
+
+/// Intensities beyond this, in candela, are refused by the readers.
+const MOST: f64 = 1e30;
+
+/// What a file says beside its intensities.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Header {
+    /// Who made what. Line ends and other control characters become blanks, and texts are cut to the length that the
+    /// format allows.
+    pub names: Names,
+    /// Who or what found the intensities: the laboratory of LM-63.
+    pub laboratory: String,
+    /// What shines; sizes in metres.
+    pub opening: Opening,
+    /// Electric power in watts; 0 if not known.
+    pub watts: f64,
+}
+
+impl Default for Header {
+    /// A point of no name.
+    fn default() -> Self {
+        Self { names: Names::default(), laboratory: String::new(), opening: Opening::POINT, watts: 0.0 }
+    }
+}
+
+/// Why a distribution cannot be written.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WriteError {
+    /// Only type C is written.
+    #[error("intensities of type {0:?} cannot be written, only those of type C")]
+    System(AngularSystem),
+    /// Planes that do not begin at C0 or do not go round.
+    #[error(
+        "the planes run from C {first} to {last} degrees; they should run from 0 to 360, or be a single one"
+    )]
+    Planes {
+        /// First azimuth, degrees.
+        first: f64,
+        /// Last azimuth, degrees.
+        last: f64,
+    },
+    /// Polar angles that the formats do not have.
+    #[error(
+        "the {count} gamma angles run from {first} to {last} degrees; they should be 2 at least, from 0 or 90 to 90 or 180"
+    )]
+    Gammas {
+        /// How many.
+        count: usize,
+        /// First, degrees.
+        first: f64,
+        /// Last, degrees.
+        last: f64,
+    },
+    /// An intensity, in candela, that is none.
+    #[error("an intensity is {0} cd; it should be from 0 to 1e30")]
+    Intensity(f64),
+    /// EULUMDAT states intensities per lumen.
+    #[error("the luminaire gives no light, which EULUMDAT cannot say")]
+    Dark,
+}
+
+/// The planes that are stored.
+struct Stored {
+    symmetry: Symmetry,
+    /// Numbers of the planes in the distribution, in the order of the file.
+    planes: Vec<usize>,
+}
+
+impl Stored {
+    /// Checks the distribution and picks those of its planes that its symmetry needs; all of them, where the planes
+    /// that bound its part are missing.
+    fn of(distribution: &Distribution) -> Result<Self, WriteError> {
+        if distribution.system() != AngularSystem::C {
+            return Err(WriteError::System(distribution.system()));
+        }
+        let (azimuths, polars) = (distribution.azimuths(), distribution.polars());
+        let ends = |angles: &[f64]| {
+            (angles.first().copied().unwrap_or(f64::NAN), angles.last().copied().unwrap_or(f64::NAN))
+        };
+        let (first, last) = ends(polars);
+        if polars.len() < 2 || ![0.0, 90.0].contains(&first) || ![90.0, 180.0].contains(&last) {
+            return Err(WriteError::Gammas { count: polars.len(), first, last });
+        }
+        let all = (0..azimuths.len()).flat_map(|i| distribution.plane(i));
+        if let Some(value) = all.copied().find(|value| !(0.0..=MOST).contains(value)) {
+            return Err(WriteError::Intensity(value));
+        }
+        // One plane all round stands for all, too.
+        if azimuths.len() == 1 || azimuths == [0.0, 360.0] {
+            return Ok(Self { symmetry: Symmetry::Axial, planes: vec![0] });
+        }
+        let (from, to) = match distribution.symmetry() {
+            Symmetry::Quadrants => (0.0, 90.0),
+            Symmetry::AcrossY => (0.0, 180.0),
+            Symmetry::AcrossX => (90.0, 270.0),
+            Symmetry::None | Symmetry::Axial => (0.0, 360.0),
+        };
+        let within = |i: &usize| azimuths.get(*i).is_some_and(|c| (from..=to).contains(c));
+        let planes: Vec<usize> = (0..azimuths.len()).filter(within).collect();
+        let at = |i: Option<&usize>| i.and_then(|i| azimuths.get(*i)).copied();
+        if (at(planes.first()), at(planes.last())) == (Some(from), Some(to)) {
+            return Ok(Self { symmetry: distribution.symmetry(), planes });
+        }
+        let (first, last) = ends(azimuths);
+        if (first, last) != (0.0, 360.0) {
+            return Err(WriteError::Planes { first, last });
+        }
+        Ok(Self { symmetry: Symmetry::None, planes: (0..azimuths.len()).collect() })
+    }
+}
+
+/// `words` on one line of at most `most` letters.
+fn one_line(words: &str, most: usize) -> String {
+    let blank = |letter: char| if letter.is_control() { ' ' } else { letter };
+    words.chars().map(blank).take(most).collect::<String>().trim().to_owned()
+}
+
+/// Digits of intensities, and what is so dark that it is written as 0, so that no line becomes too long.
+const DIGITS: usize = 8;
+const LEAST: f64 = 1e-20;
+
+/// An intensity with the digits that are written.
+fn digits(value: f64) -> String {
+    if value < LEAST {
+        return "0".to_owned();
+    }
+    // Reading the rounded number again leaves its digits without an exponent.
+    let rounded: f64 = format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value);
+    rounded.to_string()
+}
+
+#[cfg(test)]
+mod tests;
