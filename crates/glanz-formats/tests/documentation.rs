@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use glanz_formats::{Options, load_str, rib};
+use std::fs;
+
+use glanz_formats::{Options, load, load_str, rib};
 
 const PAGE: &str = include_str!("../../../docs/scene-format.md");
 
@@ -16,13 +18,17 @@ fn blocks(language: &str) -> Vec<&'static str> {
 fn every_scene_of_the_documentation_is_read_without_a_warning() {
     let scenes = blocks("pbrt");
     assert!(scenes.len() >= 3);
+    let folder = std::env::temp_dir().join(format!("glanz-documentation-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    fs::write(folder.join("lamp.ies"), blocks("ies")[0]).unwrap();
     for scene in scenes {
         let whole =
             if scene.contains("WorldBegin") { scene.to_owned() } else { format!("WorldBegin\n{scene}") };
-        let loaded =
-            load_str("scene-format.md", &whole, &Options::default()).unwrap_or_else(|d| panic!("{d}"));
+        fs::write(folder.join("scene.pbrt"), whole).unwrap();
+        let loaded = load(&folder.join("scene.pbrt"), &Options::default()).unwrap_or_else(|d| panic!("{d}"));
         assert!(loaded.diagnostics.is_empty(), "{}", loaded.diagnostics);
     }
+    fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]

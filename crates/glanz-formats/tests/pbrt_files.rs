@@ -7,8 +7,10 @@ use std::path::{Path, PathBuf};
 
 use glanz_formats::image::{self, Format};
 use glanz_formats::{Diagnostics, Loaded, Options, load};
-use glanz_light::{Pixels, Tone};
-use glanz_scene::description::{GeometryDescription, SpectrumInput, TextureKind};
+use glanz_light::intensity::{Distribution, Opening, OpeningShape};
+use glanz_light::{Pixels, SpectralDistribution, Tone};
+use glanz_math::DVec3;
+use glanz_scene::description::{GeometryDescription, LightKind, SpectrumInput, TextureKind};
 
 /// A folder that goes away at the end of a test.
 struct Folder(PathBuf);
@@ -182,7 +184,7 @@ fn a_sky_picture_gives_its_mean() {
         .put("sky.pfm", picture(&[[1.0, 2.0, 3.0]; 8], 4));
     let loaded = folder.load().unwrap_or_else(|d| panic!("{d}"));
     let light = &loaded.description.lights[0];
-    let glanz_light::SpectralDistribution::Rgb(rgb) = light.emission else { panic!() };
+    let SpectralDistribution::Rgb(rgb) = light.emission else { panic!() };
     for (found, expected) in rgb.into_iter().zip([2.0, 4.0, 6.0]) {
         assert!((found - expected).abs() < 1e-5);
     }
@@ -211,4 +213,113 @@ fn folders_and_devices_are_not_read() {
     let errors = folder.load().unwrap_err();
     assert_eq!(errors.iter().map(|d| d.kind).collect::<Vec<_>>(), ["missing-file", "missing-file"]);
     assert!(load(Path::new("/dev/zero"), &Options::default()).is_err());
+}
+
+/// Tilt data: half at 90 degrees. A circle of 0.2 m; 60 cd down, 0 from the horizontal on.
+const IES: &str = "IESNA:LM-63-2002\n[LUMINAIRE] Spot\nTILT=INCLUDE\n1\n2\n0 90\n1 0.5\n1 1000 1 2 1 1 2 -0.2 -0.2 0 1 1 12\n0 90\n0\n60 0\n";
+
+/// 100 cd per 1000 lm everywhere below the horizontal, with lamps of 1000 or of 3000 lm.
+fn ldt() -> String {
+    let mut lines = vec!["Maker", "1", "1", "1", "0", "2", "90", "report", "name", "number", "file", "date"];
+    // Housing, opening and its sides, in mm; shares, factor and tilt; sets of lamps.
+    lines.extend(["100", "0", "50", "0", "0", "0", "0", "0", "0", "100", "62.8", "1", "0", "2"]);
+    lines.extend(["1", "lamp", "1000", "3000", "80", "10", "1", "lamp", "3000", "3000", "80", "30"]);
+    lines.extend(["0"; 10]);
+    lines.extend(["0", "0", "90", "100", "100"]);
+    lines.join("\r\n")
+}
+
+fn luminaire(loaded: &Loaded) -> (&Distribution, Option<Opening>) {
+    match &loaded.description.lights[0].kind {
+        LightKind::Photometric { distribution, opening, .. } => (distribution, *opening),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn photometric_lights_have_the_candela_of_their_file() {
+    let folder = Folder::new("luminaire");
+    folder.put("lamp.ies", IES).put("parts/lamp.ldt", ldt());
+    let read = |parameters: &str| {
+        let text = format!("WorldBegin\nTranslate 0 0 3\nLightSource \"photometric\" {parameters}\n");
+        let loaded = folder.put("scene.pbrt", text).load().unwrap_or_else(|d| panic!("{d}"));
+        assert!(loaded.diagnostics.is_empty(), "{}", loaded.diagnostics);
+        loaded
+    };
+    let down = |loaded: &Loaded| luminaire(loaded).0.intensity(DVec3::NEG_Z);
+    let ies = "\"string filename\" \"lamp.ies\"";
+    let plain = read(&format!("{ies} \"rgb color\" [ 4 2 1 ] \"float scale\" 0.5 \"point3 from\" [ 1 2 3 ]"));
+    assert_eq!(down(&plain), 60.0);
+    let light = &plain.description.lights[0];
+    assert_eq!((&light.emission, light.scale), (&SpectralDistribution::Rgb([4.0, 2.0, 1.0]), 0.5));
+    assert!(matches!(light.kind, LightKind::Photometric { from, .. } if from == DVec3::new(1.0, 2.0, 3.0)));
+    assert_eq!(light.to_world.w_axis.truncate(), DVec3::new(0.0, 0.0, 3.0));
+    assert_eq!(luminaire(&plain).1, None);
+    assert_eq!(down(&read(&format!("{ies} \"float tilt\" -90"))), 30.0);
+    // Linear from 60 cd to 0 over [0, pi / 2] is 60 times 2 pi (1 - 2 / pi) lm.
+    let lumens = 120.0 * (std::f64::consts::PI - 2.0);
+    let doubled = read(&format!("{ies} \"float tilt\" 90 \"float lumens\" {}", 2.0 * lumens));
+    assert!((down(&doubled) / 120.0 - 1.0).abs() < 1e-12);
+    let area = read(&format!("{ies} \"string as\" \"area\""));
+    assert_eq!(luminaire(&area).1, Some(Opening { shape: OpeningShape::Ellipse, size: [0.2, 0.2, 0.0] }));
+    let ldt = "\"string filename\" \"parts/lamp.ldt\"";
+    let (first, second) = (read(ldt), read(&format!("{ldt} \"integer lamps\" 1")));
+    assert!((down(&first) - 100.0).abs() < 1e-12 && (down(&second) - 300.0).abs() < 1e-12);
+    // What the file holds is part of the fingerprint.
+    let before = read(ies).content_hash;
+    folder.put("lamp.ies", IES.replace("60 0", "61 0"));
+    assert_ne!(read(ies).content_hash, before);
+}
+
+#[test]
+fn faults_of_photometric_lights_are_told_with_their_place() {
+    let folder = Folder::new("luminaires");
+    folder.put("lamp.ies", IES).put("bad.ies", IES.replace("60 0", "60 x")).put("lamp.ldt", ldt());
+    folder.put("dark.ies", IES.replace("60 0", "0 0").replace("-0.2 -0.2", "0 0"));
+    let messages = |parameters: &str| {
+        let text = format!("WorldBegin\nLightSource \"photometric\" {parameters}\n");
+        match folder.put("scene.pbrt", text).load() {
+            Ok(loaded) => folder.messages(&loaded.diagnostics),
+            Err(errors) => folder.messages(&errors),
+        }
+    };
+    let ies = "\"string filename\" \"lamp.ies\"";
+    for (parameters, expected) in [
+        (String::new(), "error: scene.pbrt:2:1: light \"photometric\" has no \"string filename\""),
+        (
+            "\"string filename\" \"no.ies\"".to_owned(),
+            "error: scene.pbrt:2:45: light \"photometric\": file \"no.ies\" is not there",
+        ),
+        (
+            "\"string filename\" \"bad.ies\"".to_owned(),
+            "error: scene.pbrt:2:45: light \"photometric\": bad.ies:11:4: \"x\" is not a number; here stands the",
+        ),
+        (
+            format!("{ies} \"integer lamps\" 1"),
+            "error: scene.pbrt:2:72: light \"photometric\": there is no set of lamps 1 with a flux, the file has 1",
+        ),
+        (
+            format!("{ies} \"float lumens\" -1"),
+            "error: scene.pbrt:2:71: light \"photometric\": -1 lm cannot be had from this luminaire",
+        ),
+        (
+            format!("{ies} \"string as\" \"lamp\""),
+            "error: scene.pbrt:2:68: light \"photometric\": \"lamp\" is not known as \"as\"",
+        ),
+        (
+            "\"string filename\" \"lamp.ldt\" \"float tilt\" 30".to_owned(),
+            "warning: scene.pbrt:2:69: light \"photometric\": its file has no tilt data",
+        ),
+        (
+            "\"string filename\" \"dark.ies\" \"string as\" \"area\"".to_owned(),
+            "warning: scene.pbrt:2:45: light \"photometric\": \"dark.ies\" has no light",
+        ),
+        (
+            "\"string filename\" \"lamp.ldt\" \"string as\" \"area\"".to_owned(),
+            "warning: scene.pbrt:2:68: light \"photometric\": its file states no size; a point stands in",
+        ),
+    ] {
+        let found = messages(&parameters);
+        assert!(found.starts_with(expected), "{found}\n{expected}");
+    }
 }

@@ -160,9 +160,21 @@ pub struct PhotometryFile {
 /// # Errors
 /// [`Fault`] with its place.
 pub fn read(bytes: &[u8]) -> Result<PhotometryFile, Fault> {
+    if is_ies(bytes) { ies::read(bytes) } else { ldt::read(bytes) }
+}
+
+/// The same, with a way to the file that a line `TILT=name` of LM-63 names.
+///
+/// # Errors
+/// [`Fault`] with its place.
+pub fn read_with(bytes: &[u8], tilt_files: &mut ies::TiltFiles<'_>) -> Result<PhotometryFile, Fault> {
+    if is_ies(bytes) { ies::read_with(bytes, tilt_files) } else { ldt::read(bytes) }
+}
+
+fn is_ies(bytes: &[u8]) -> bool {
     let mut lines = bytes.split(|&b| b == b'\n').map(<[u8]>::trim_ascii_start);
     let is_tilt = |line: &[u8]| line.get(..5).is_some_and(|l| l.eq_ignore_ascii_case(b"TILT="));
-    if lines.any(is_tilt) { ies::read(bytes) } else { ldt::read(bytes) }
+    lines.any(is_tilt)
 }
 
 impl Photometry {

@@ -20,6 +20,7 @@ impl Lowering {
         let (kind, emission) = match kind {
             "point" => self.point(&mut list, context)?,
             "spot" => self.spot(&mut list, context)?,
+            "photometric" => self.photometric(&mut list, context)?,
             "distant" => self.distant(&mut list, context)?,
             "infinite" | "exinfinite" => self.infinite(&mut list, context)?,
             "goniometric" | "projection" => {
@@ -194,7 +195,7 @@ impl Lowering {
     }
 }
 
-type Lit = (LightKind, Emission);
+pub(super) type Lit = (LightKind, Emission);
 
 /// Mean over the sphere; pixels that are not finite count as black. `None` without colour.
 fn mean_over_sphere(pixels: &Pixels) -> Option<[f32; 3]> {

@@ -6,6 +6,7 @@ mod film;
 mod freeform;
 mod integrator;
 mod light;
+mod luminaire;
 mod material;
 mod material_stand_in;
 mod named;
