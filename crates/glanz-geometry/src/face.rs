@@ -92,6 +92,16 @@ impl Surface {
             Self::Algebraic(_) => None,
         }
     }
+
+    /// As [`Surface::at`], but with what a trimming region cuts away.
+    #[must_use]
+    pub fn untrimmed_at(&self, face: u32, uv: DVec2) -> Option<SurfacePoint> {
+        match self {
+            Self::Trimmed(s) => s.surface().untrimmed_at(face, uv),
+            Self::Freeform(s) => (face < self.faces()).then(|| s.point_at(face, uv.x, uv.y)),
+            _ => self.at(face, uv).map(|at| at.point),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -278,5 +288,8 @@ mod tests {
         // Parameters 1.5 and 0.75, of which the first is kept.
         assert!(trimmed.at(0, DVec2::new(0.75, 0.5)).is_some());
         assert!(trimmed.at(0, DVec2::new(0.375, 0.5)).is_none());
+        let whole = Surface::from(two_quarters()).at(0, DVec2::new(0.375, 0.5)).unwrap().point;
+        assert_eq!(trimmed.untrimmed_at(0, DVec2::new(0.375, 0.5)), Some(whole));
+        assert_eq!(trimmed.untrimmed_at(2, DVec2::ONE), None);
     }
 }

@@ -59,7 +59,7 @@ pub use chart::Chart;
 pub use description::{Description, Location};
 pub use error::{SceneError, SceneErrorKind, SceneWarning};
 pub use interaction::{Interaction, Reference};
-pub use light::{Light, LightId, LightRay, LightSample, MAX_LIGHT_GROUPS};
+pub use light::{ArrivingLight, Light, LightId, LightRay, LightSample, MAX_LIGHT_GROUPS};
 pub use object::Object;
 pub use placed::{Place, PlacedPoint, PlacedSurface};
 pub use receiver::NamedReceiver;

@@ -114,6 +114,13 @@ impl PlacedSurface<'_> {
         self.maps.iter().fold(self.object.bounds(), |bounds, map| map.bounds(&bounds))
     }
 
+    /// From the frame of the surface to the world.
+    #[must_use]
+    pub fn to_world(&self) -> Transform {
+        let own = self.object.to_parent().copied().unwrap_or_default();
+        self.maps.iter().fold(own, |inner, map| map.after(&inner))
+    }
+
     /// One side of the place with such parameters: that of the normal, or the other (`back`). `None` where there is no surface.
     #[must_use]
     pub fn at(&self, face: u32, uv: DVec2, back: bool) -> Option<PlacedPoint> {
@@ -243,6 +250,12 @@ mod tests {
         for (area, expected) in areas.iter().zip([6.0, 6.0, 3.0, 3.0, 2.0, 2.0]) {
             assert!((area - expected).abs() < 1e-12, "{areas:?}");
         }
+        let corner = |surface: &PlacedSurface<'_>| {
+            let local = surface.surface().at(0, DVec2::ZERO).unwrap().point.position;
+            let world = surface.at(0, DVec2::ZERO, false).unwrap().at.point.position;
+            surface.to_world().point(local).distance(world)
+        };
+        assert!(placed.iter().all(|surface| corner(surface) < 1e-12));
         // Twice as large in every direction.
         let tents: Vec<f64> = placed.iter().filter(|p| p.faces() == 2).map(|p| area(p, 0)).collect();
         assert!((tents[1] / tents[0] - 4.0).abs() < 1e-12, "{tents:?}");

@@ -47,6 +47,24 @@ impl Disk {
         0.5 * self.sweep.phi_max() * self.width() * (self.radius + self.inner_radius)
     }
 
+    /// Outer radius, m.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// z, m.
+    #[must_use]
+    pub fn height(&self) -> f64 {
+        self.height
+    }
+
+    /// Whether nothing is cut out of it.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.inner_radius == 0.0 && self.sweep.phi_max() == std::f64::consts::TAU
+    }
+
     fn width(&self) -> f64 {
         self.radius - self.inner_radius
     }

@@ -66,7 +66,15 @@ impl AreaLight {
         self.object
     }
 
-    pub(super) fn is_two_sided(&self) -> bool {
+    /// What leaves its front, W/(m^2 sr).
+    #[must_use]
+    pub fn radiance(&self) -> Spectrum {
+        self.radiance
+    }
+
+    /// Whether the back shines too.
+    #[must_use]
+    pub fn is_two_sided(&self) -> bool {
         self.two_sided
     }
 

@@ -1,6 +1,7 @@
 //! Lights: what they send to a point, and how to pick a direction towards them.
 
 mod area;
+mod arriving;
 mod distant;
 mod emission;
 mod infinite;
@@ -17,6 +18,7 @@ use crate::interaction::Interaction;
 use crate::scene::Scene;
 
 pub use area::AreaLight;
+pub use arriving::ArrivingLight;
 pub use distant::DistantLight;
 pub use emission::LightRay;
 pub use infinite::InfiniteLight;

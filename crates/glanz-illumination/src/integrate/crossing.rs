@@ -1,0 +1,381 @@
+//! Where lines cross the border of a region.
+
+use glanz_math::DVec2;
+
+use super::region::{Rect, Region};
+
+/// Samples along each side of a rectangle.
+pub(super) const GRID: usize = 4;
+
+/// A line along one axis of a plane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    pub(super) part: u32,
+    /// 0 or 1.
+    pub(super) along: usize,
+    /// The coordinate of the other axis.
+    pub(super) across: f64,
+}
+
+/// What is known of a place of a line.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Look<S> {
+    pub(super) at: f64,
+    pub(super) border: f64,
+    branch: u32,
+    /// The integrand, if the place is inside and open.
+    pub(super) value: Option<f64>,
+    seen: S,
+}
+
+impl<S> Look<S> {
+    pub(super) fn is_inside(&self) -> bool {
+        self.value.is_some()
+    }
+}
+
+impl Line {
+    pub(super) fn place(&self, t: f64) -> DVec2 {
+        if self.along == 0 { DVec2::new(t, self.across) } else { DVec2::new(self.across, t) }
+    }
+
+    pub(super) fn look<R: Region>(&self, region: &R, t: f64) -> Look<R::Seen> {
+        let mut look = self.glance(region, t);
+        look.value = (look.border > 0.0).then(|| region.value(self.part, &look.seen)).flatten();
+        look
+    }
+
+    /// A look at the border alone.
+    fn glance<R: Region>(&self, region: &R, t: f64) -> Look<R::Seen> {
+        let seen = region.see(self.part, self.place(t));
+        Look { at: t, border: R::border(&seen), branch: R::branch(&seen), value: None, seen }
+    }
+
+    /// Looks in ascending order, with those added that show the border to be crossed twice between two of them.
+    fn with_extremes<R: Region>(&self, region: &R, looks: &[Look<R::Seen>]) -> Vec<Look<R::Seen>> {
+        let mut all = looks.to_vec();
+        for three in looks.windows(3) {
+            let [a, b, c] = three else { continue };
+            let all_inside = a.is_inside() && b.is_inside() && c.is_inside();
+            if let Some(t) = dip([a, b, c].map(|look| look.border)).filter(|_| all_inside) {
+                let look = self.look(region, b.at + t * (b.at - a.at));
+                if !look.is_inside() {
+                    all.push(look);
+                }
+            }
+        }
+        for (i, pair) in looks.windows(2).enumerate() {
+            let &[left, right] = pair else { continue };
+            let before = i.checked_sub(1).and_then(|i| looks.get(i)).copied();
+            let gap = Gap { before, left, right, after: looks.get(i + 2).copied() };
+            all.extend(self.tip(region, &gap, TIP_LOOKS));
+        }
+        all.sort_by(|a, b| a.at.total_cmp(&b.at));
+        all
+    }
+
+    /// A place inside, between two outside.
+    ///
+    /// Of convex lamps the border function is concave, or nearly so: then it lies below the lines through pairs of looks, continued. These are followed to where
+    /// they meet, which is the tip itself if the border has a corner there.
+    fn tip<R: Region>(&self, region: &R, gap: &Gap<R::Seen>, looks: u32) -> Option<Look<R::Seen>> {
+        let t = gap.guess().filter(|_| looks > 0)?;
+        let look = self.look(region, t);
+        if look.is_inside() {
+            return Some(look);
+        }
+        let left = Gap { right: look, after: Some(gap.right), ..*gap };
+        let right = Gap { left: look, before: Some(gap.left), ..*gap };
+        self.tip(region, &left, looks - 1).or_else(|| self.tip(region, &right, looks - 1))
+    }
+}
+
+/// Times that a gap is divided to find a tip.
+const TIP_LOOKS: u32 = 4;
+
+/// Two looks and their neighbours on a line.
+#[derive(Clone, Copy)]
+struct Gap<S> {
+    before: Option<Look<S>>,
+    left: Look<S>,
+    right: Look<S>,
+    after: Option<Look<S>>,
+}
+
+impl<S: Copy> Gap<S> {
+    /// Where a concave function with such values may be largest, if it may be positive there.
+    fn guess(&self) -> Option<f64> {
+        let (a, b) = (self.left.border, self.right.border);
+        if !(a <= 0.0 && b <= 0.0 && a.is_finite() && b.is_finite()) {
+            return None;
+        }
+        let slope = |from: &Look<S>, to: &Look<S>| (to.border - from.border) / (to.at - from.at);
+        let width = self.right.at - self.left.at;
+        let rise = self.before.map(|before| slope(&before, &self.left));
+        let fall = self.after.map(|after| slope(&self.right, &after));
+        let t = match (rise, fall) {
+            (Some(rise), Some(fall)) => {
+                // a + rise t = b - fall (width - t)
+                let t = (b - fall * width - a) / (rise - fall);
+                (rise > 0.0 && fall < 0.0 && a + rise * t > 0.0).then_some(t)?
+            }
+            (None, Some(fall)) => (b - fall * width > 0.0).then_some(0.5 * width)?,
+            (Some(rise), None) => (a + rise * width > 0.0).then_some(0.5 * width)?,
+            (None, None) => return None,
+        };
+        (t > 0.0 && t < width).then_some(self.left.at + t)
+    }
+}
+
+/// Where in (-1, 1) the parabola through positive values at -1, 0, 1 has a minimum below 0, or so near to it that the function may.
+fn dip([a, b, c]: [f64; 3]) -> Option<f64> {
+    let (slope, bend) = (0.5 * (c - a), a - 2.0 * b + c);
+    if !(bend > 0.0 && bend.is_finite()) {
+        return None;
+    }
+    let t = -slope / bend;
+    // The parabola is off by the third difference: an eighth of what it bends by is allowed for that.
+    (t.abs() < 1.0 && b + 0.5 * slope * t < 0.125 * bend).then_some(t)
+}
+
+/// Iterations after which a root is taken as it is; bisection alone needs 50.
+const MOST_STEPS: usize = 100;
+
+/// Where the line leaves the region between a place inside and one outside.
+pub(super) fn root<R: Region>(
+    region: &R,
+    line: &Line,
+    inside: &Look<R::Seen>,
+    outside: &Look<R::Seen>,
+) -> f64 {
+    let width = (inside.at - outside.at).abs();
+    let smooth = inside.border > 0.0 && outside.border <= 0.0 && (inside.border - outside.border).is_finite();
+    if !smooth {
+        return bisect(region, line, inside.at, outside.at, 1e-9 * width);
+    }
+    let last = illinois(region, line, inside, outside, 1e-10 * width);
+    if region.value(line.part, &last.seen).is_some() {
+        return last.at;
+    }
+    // Something else ends the region before.
+    bisect(region, line, inside.at, last.at, 1e-9 * width)
+}
+
+/// The last place known inside before the zero of the border function.
+///
+/// # Source
+/// @dowell1971, with a bisection after two steps to the same side that did not halve the interval.
+fn illinois<R: Region>(
+    region: &R,
+    line: &Line,
+    inside: &Look<R::Seen>,
+    outside: &Look<R::Seen>,
+    accuracy: f64,
+) -> Look<R::Seen> {
+    let (mut inner, mut outer) = (*inside, *outside);
+    let (mut f, mut g) = (inner.border, outer.border);
+    let mut same_side = 0_i32;
+    for _ in 0..MOST_STEPS {
+        let width = (inner.at - outer.at).abs();
+        if width <= accuracy {
+            break;
+        }
+        let secant = (inner.at * g - outer.at * f) / (g - f);
+        let middle = 0.5 * (inner.at + outer.at);
+        let mut t = if secant.is_finite() && same_side.abs() < 3 { secant } else { middle };
+        // A step beyond the root, by the accuracy, makes the interval collapse from the other side.
+        let towards_outer = (outer.at - inner.at).signum();
+        if (t - inner.at).abs() < 0.5 * accuracy {
+            t = inner.at + 0.5 * accuracy * towards_outer;
+        } else if (t - outer.at).abs() < 0.5 * accuracy {
+            t = outer.at - 0.5 * accuracy * towards_outer;
+        }
+        let look = line.glance(region, t);
+        if look.border > 0.0 {
+            (inner, f) = (look, look.border);
+            same_side = same_side.max(0) + 1;
+            if same_side > 1 {
+                g *= 0.5;
+            }
+        } else if look.border.is_finite() {
+            (outer, g) = (look, look.border);
+            same_side = same_side.min(0) - 1;
+            if same_side < -1 {
+                f *= 0.5;
+            }
+        } else {
+            // No function to follow: halve.
+            (outer, g, same_side) = (look, f64::NEG_INFINITY, 3);
+        }
+    }
+    inner
+}
+
+/// The border by yes and no.
+fn bisect<R: Region>(region: &R, line: &Line, inside: f64, outside: f64, accuracy: f64) -> f64 {
+    let (mut inner, mut outer) = (inside, outside);
+    for _ in 0..MOST_STEPS {
+        if (inner - outer).abs() <= accuracy {
+            break;
+        }
+        let middle = 0.5 * (inner + outer);
+        if line.look(region, middle).is_inside() {
+            inner = middle;
+        } else {
+            outer = middle;
+        }
+    }
+    0.5 * (inner + outer)
+}
+
+/// What a grid over a rectangle shows.
+pub(super) struct Samples<S> {
+    /// By the second coordinate and the first.
+    grid: [[Look<S>; GRID]; GRID],
+    /// The sides of the rectangle: by the axis they run along, then low and high; with extremes.
+    sides: [[(Line, Vec<Look<S>>); 2]; 2],
+}
+
+impl<S: Copy> Samples<S> {
+    pub(super) fn take<R: Region<Seen = S>>(region: &R, part: u32, rect: &Rect) -> Self {
+        let place = |axis: usize, i: usize| {
+            let share = i as f64 / (GRID - 1) as f64;
+            rect.min[axis] + share * rect.size()[axis]
+        };
+        let grid: [[Look<S>; GRID]; GRID] = std::array::from_fn(|j| {
+            let line = Line { part, along: 0, across: place(1, j) };
+            std::array::from_fn(|i| line.look(region, place(0, i)))
+        });
+        let side = |along: usize, end: usize| {
+            let line = Line { part, along, across: place(1 - along, end) };
+            let looks: Vec<Look<S>> = (0..GRID)
+                .map(|i| {
+                    let look = if along == 0 { grid[end][i] } else { grid[i][end] };
+                    Look { at: place(along, i), ..look }
+                })
+                .collect();
+            let looks = line.with_extremes(region, &looks);
+            (line, looks)
+        };
+        let sides = [0, 1].map(|along| [side(along, 0), side(along, GRID - 1)]);
+        Self { grid, sides }
+    }
+
+    fn looks(&self) -> impl Iterator<Item = &Look<S>> {
+        let sides = self.sides.iter().flatten().flat_map(|(_, looks)| looks);
+        self.grid.iter().flatten().chain(sides)
+    }
+
+    pub(super) fn is_inside(&self, i: usize, j: usize) -> bool {
+        self.grid[j][i].is_inside()
+    }
+
+    /// Whether all that was seen is inside, or all outside.
+    pub(super) fn is_uniform(&self) -> bool {
+        let first = self.is_inside(0, 0);
+        self.looks().all(|look| look.is_inside() == first)
+    }
+
+    /// Mean of the integrand inside.
+    pub(super) fn mean(&self) -> f64 {
+        let values: Vec<f64> = self.looks().filter_map(|look| look.value).collect();
+        values.iter().sum::<f64>() / values.len().max(1) as f64
+    }
+
+    /// Largest integrand seen.
+    pub(super) fn largest(&self) -> f64 {
+        self.looks().filter_map(|look| look.value).fold(0.0, f64::max)
+    }
+
+    /// Share of the rectangle that is inside, by the grid.
+    pub(super) fn share(&self) -> f64 {
+        let inside = self.grid.iter().flatten().filter(|look| look.is_inside()).count();
+        inside as f64 / (GRID * GRID) as f64
+    }
+
+    /// The axis along which every line is crossed once at most, always from the same side; the one that is crossed more often if both are such.
+    pub(super) fn height(&self) -> Option<usize> {
+        let of_axis =
+            [0, 1].map(|along| self.crossings(along).filter(|_| !self.is_told() || self.is_monotone(along)));
+        match of_axis {
+            [Some(u), Some(v)] if u == v => Some(usize::from(self.steepness(1) > self.steepness(0))),
+            [Some(u), Some(v)] => Some(usize::from(v > u)),
+            [Some(_), None] => Some(0),
+            [None, Some(_)] => Some(1),
+            [None, None] => None,
+        }
+    }
+
+    /// Whether the border is that of one smooth function: no shadow, no trimming and no corner.
+    pub(super) fn is_smooth(&self) -> bool {
+        let branch = self.grid[0][0].branch;
+        self.looks().all(|look| look.is_inside() == (look.border > 0.0) && look.branch == branch)
+    }
+
+    /// Whether the border function tells the border, alone or in part.
+    fn is_told(&self) -> bool {
+        self.looks().any(|look| look.border <= 0.0)
+    }
+
+    /// Whether the border function only rises or only falls along an axis: else the border may turn back between two samples.
+    fn is_monotone(&self, along: usize) -> bool {
+        let changes = || self.changes(along).filter(|change| change.is_finite());
+        let most = changes().fold(0.0, |most: f64, change| most.max(change.abs()));
+        // What rounding leaves of a border along the axis has no sign.
+        let least = 1e-9 * most;
+        changes().all(|change| change >= -least) || changes().all(|change| change <= least)
+    }
+
+    /// How many lines along an axis the border crosses; `None` if one more than once, or lines from different sides.
+    fn crossings(&self, along: usize) -> Option<usize> {
+        let inner = (1..GRID - 1).map(|j| {
+            let line =
+                (0..GRID).map(|i| if along == 0 { self.is_inside(i, j) } else { self.is_inside(j, i) });
+            line.collect::<Vec<bool>>()
+        });
+        let sides = self.sides[along]
+            .iter()
+            .map(|(_, looks)| looks.iter().map(Look::is_inside).collect::<Vec<bool>>());
+        let (mut count, mut rises) = (0, None);
+        for line in inner.chain(sides) {
+            let mut changes = line.windows(2).filter(|pair| pair[0] != pair[1]);
+            let Some(change) = changes.next() else { continue };
+            let rise = change[1];
+            if changes.next().is_some() || rises.is_some_and(|other| other != rise) {
+                return None;
+            }
+            rises = Some(rise);
+            count += 1;
+        }
+        Some(count)
+    }
+
+    /// How much the border function changes along an axis.
+    fn steepness(&self, along: usize) -> f64 {
+        self.changes(along).map(f64::abs).filter(|change| change.is_finite()).sum()
+    }
+
+    /// Differences of the border function between neighbours along an axis.
+    fn changes(&self, along: usize) -> impl Iterator<Item = f64> + '_ {
+        let border = move |i: usize, j: usize| {
+            if along == 0 { self.grid[j][i].border } else { self.grid[i][j].border }
+        };
+        let pairs = (0..GRID - 1).flat_map(|i| (0..GRID).map(move |j| (i, j)));
+        pairs.map(move |(i, j)| border(i + 1, j) - border(i, j))
+    }
+
+    /// Where the border crosses the two sides along an axis.
+    pub(super) fn stops<R: Region<Seen = S>>(&self, region: &R, along: usize) -> Vec<f64> {
+        let mut stops = Vec::new();
+        for (line, looks) in &self.sides[along] {
+            for pair in looks.windows(2) {
+                match pair {
+                    [a, b] if a.is_inside() && !b.is_inside() => stops.push(root(region, line, a, b)),
+                    [a, b] if b.is_inside() && !a.is_inside() => stops.push(root(region, line, b, a)),
+                    _ => {}
+                }
+            }
+        }
+        stops
+    }
+}

@@ -1,0 +1,189 @@
+//! Lamps seen directly.
+
+use glanz_light::Wavelengths;
+use glanz_light::units::photometric;
+use glanz_math::DVec3;
+use glanz_math::{DVec2, Ray};
+use glanz_scene::{Light, Scene};
+
+use super::contour::Receiver;
+use super::lamp::{Form, Lamp};
+use super::region::{Rect, Region, Sum, Tolerance, integrate};
+
+/// Rays per side of each part of a lamp that look whether something hides it.
+const LOOKS: u32 = 8;
+/// Share of the way to a lamp that belongs to the lamp, so that rounding does not make it shadow itself.
+pub(super) const LAMP_SHELL: f64 = 1e-9;
+/// Rectangles that are looked at where something hides a part of a lamp.
+const BUDGET: usize = 4096;
+
+/// What of a lamp can be seen, as a flat figure.
+enum Figure<'a> {
+    Disk { center: DVec3, normal: DVec3, radius: f64 },
+    Polygon { corners: &'a [DVec3], normal: DVec3 },
+}
+
+impl<'a> Figure<'a> {
+    /// `None` where no side that shines is seen.
+    fn of(lamp: &'a Lamp, from: DVec3) -> Option<Self> {
+        if lamp.is_dark_in(from, 0.0) {
+            return None;
+        }
+        match &lamp.form {
+            Form::Sphere { center, radius } => {
+                // The disk that fills the same cone: its rim is where the cone touches the sphere.
+                let to = *center - from;
+                let share = radius * radius / to.length_squared();
+                let normal = to.try_normalize().filter(|_| share < 1.0)?;
+                Some(Self::Disk {
+                    center: *center - to * share,
+                    normal: -normal,
+                    radius: radius * (1.0 - share).sqrt(),
+                })
+            }
+            Form::Disk { center, normal, radius } => {
+                Some(Self::Disk { center: *center, normal: *normal, radius: *radius })
+            }
+            Form::Polygon { polygon, normal } => {
+                Some(Self::Polygon { corners: polygon.corners(), normal: *normal })
+            }
+        }
+    }
+
+    fn parts(&self) -> u32 {
+        match self {
+            Self::Disk { .. } => 1,
+            Self::Polygon { corners, .. } => corners.len().saturating_sub(2) as u32,
+        }
+    }
+
+    /// A point of a part, by the unit square, with the area per unit of that and the normal.
+    fn at(&self, part: u32, at: DVec2) -> (DVec3, f64, DVec3) {
+        match self {
+            Self::Disk { center, normal, radius } => {
+                let (x, y) = normal.any_orthonormal_pair();
+                let (sin, cos) = (std::f64::consts::TAU * at.y).sin_cos();
+                let stretch = std::f64::consts::TAU * radius * radius * at.x;
+                (*center + radius * at.x * (cos * x + sin * y), stretch, *normal)
+            }
+            Self::Polygon { corners, normal } => {
+                let part = part as usize;
+                let (Some(&a), Some(&b), Some(&c)) =
+                    (corners.first(), corners.get(part + 1), corners.get(part + 2))
+                else {
+                    return (DVec3::ZERO, 0.0, *normal);
+                };
+                let stretch = at.x * (b - a).cross(c - a).length();
+                (a + at.x * ((b - a).lerp(c - a, at.y)), stretch, *normal)
+            }
+        }
+    }
+}
+
+/// A lamp as seen from a place.
+struct Sight<'a> {
+    scene: &'a Scene,
+    receiver: Receiver,
+    /// Where rays start: off the surface.
+    origin: DVec3,
+    lamp: &'a Lamp,
+    figure: Figure<'a>,
+}
+
+#[derive(Clone, Copy)]
+struct Seen {
+    offset: DVec3,
+    cos: f64,
+    weight: f64,
+}
+
+impl Region for Sight<'_> {
+    type Seen = Seen;
+
+    fn see(&self, part: u32, at: DVec2) -> Seen {
+        let (point, stretch, normal) = self.figure.at(part, at);
+        let offset = point - self.receiver.point;
+        let squared = offset.length_squared();
+        let cos = offset.dot(self.receiver.normal) / squared.sqrt();
+        let weight = stretch * (offset.dot(normal) / squared.sqrt()).abs() * cos / squared;
+        Seen { offset, cos, weight }
+    }
+
+    fn border(seen: &Seen) -> f64 {
+        seen.cos
+    }
+
+    fn value(&self, _part: u32, seen: &Seen) -> Option<f64> {
+        let direction = seen.offset.try_normalize()?;
+        let way = self.lamp.distance(self.receiver.point, direction);
+        let target = self.receiver.point + direction * way;
+        let ray = Ray::new(self.origin, target - self.origin);
+        (!self.scene.occluded(&ray, 1.0 - LAMP_SHELL)).then_some(seen.weight)
+    }
+}
+
+/// Projected solid angle of what can be seen of a lamp, sr.
+///
+/// In closed form if every ray of a grid reaches it, or none; what is smaller than an eighth of the lamp in its shadow may go unseen.
+pub(super) fn of_lamp(
+    scene: &Scene,
+    receiver: Receiver,
+    origin: DVec3,
+    lamp: &Lamp,
+    tolerance: Tolerance,
+) -> Sum {
+    let Some(figure) = Figure::of(lamp, receiver.point) else { return Sum::default() };
+    let whole = match &figure {
+        Figure::Disk { center, normal, radius } => receiver.of_disk(*center, *normal, *radius),
+        Figure::Polygon { corners, .. } => receiver.of_polygon(corners),
+    };
+    if whole <= 0.0 {
+        return Sum::default();
+    }
+    let sight = Sight { scene, receiver, origin, lamp, figure };
+    let (mut open, mut hidden) = (false, false);
+    for part in 0..sight.figure.parts() {
+        for (i, j) in (0..LOOKS).flat_map(|i| (0..LOOKS).map(move |j| (i, j))) {
+            let at = (DVec2::new(f64::from(i), f64::from(j)) + 0.5) / f64::from(LOOKS);
+            let seen = sight.see(part, at);
+            if seen.cos > 0.0 {
+                let is_open = sight.value(part, &seen).is_some();
+                open |= is_open;
+                hidden |= !is_open;
+            }
+        }
+    }
+    match (open, hidden) {
+        // Of a sliver above the horizon no ray may tell.
+        (false, false) => Sum { value: whole, error: whole },
+        (true, false) => Sum { value: whole, error: 1e-9 * whole },
+        (false, true) => Sum::default(),
+        (true, true) => {
+            let halves = Rect::UNIT.quarters();
+            let cells = (0..sight.figure.parts()).flat_map(|part| halves.map(|rect| (part, rect)));
+            integrate(&sight, cells, Sum::default(), tolerance, BUDGET)
+        }
+    }
+}
+
+/// Illuminance by a light that is seen in one direction, lx.
+pub(super) fn of_point(
+    scene: &Scene,
+    receiver: Receiver,
+    origin: DVec3,
+    light: &Light,
+    wavelengths: &Wavelengths,
+) -> f64 {
+    let Some(arriving) = light.arriving(receiver.point) else { return 0.0 };
+    let cos = receiver.normal.dot(arriving.towards);
+    if cos <= 0.0 {
+        return 0.0;
+    }
+    let (ray, end) = if arriving.distance.is_finite() {
+        let target = receiver.point + arriving.towards * arriving.distance;
+        (Ray::new(origin, target - origin), 1.0)
+    } else {
+        (Ray::new(origin, arriving.towards), f64::INFINITY)
+    };
+    if scene.occluded(&ray, end) { 0.0 } else { cos * photometric(arriving.irradiance, wavelengths) }
+}

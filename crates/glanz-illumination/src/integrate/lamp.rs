@@ -1,0 +1,182 @@
+//! Lamps that have a border function: whether a ray meets them, and by how much.
+
+use glanz_geometry::{Surface, SurfacePoint};
+use glanz_light::Spectrum;
+use glanz_math::rounding::gamma;
+use glanz_math::{DVec2, DVec3};
+use glanz_scene::light::AreaLight;
+use glanz_scene::{LightId, PlacedSurface};
+
+use super::error::IntegrateError;
+use super::polygon::ConvexPolygon;
+
+/// A surface of uniform radiance.
+#[derive(Clone, Debug)]
+pub(super) struct Lamp {
+    pub(super) form: Form,
+    /// W/(m^2 sr).
+    pub(super) radiance: Spectrum,
+    /// Whether a flat one shines to both sides.
+    two_sided: bool,
+}
+
+/// The forms; normals of flat ones point to where they shine.
+#[derive(Clone, Debug)]
+pub(super) enum Form {
+    Sphere { center: DVec3, radius: f64 },
+    Disk { center: DVec3, normal: DVec3, radius: f64 },
+    Polygon { polygon: ConvexPolygon, normal: DVec3 },
+}
+
+impl Lamp {
+    /// The light `id` that `placed` is.
+    ///
+    /// # Errors
+    /// [`IntegrateError::Form`] if it is neither a whole sphere that shines outwards nor a full disk nor a flat convex polygon.
+    pub(super) fn try_new(
+        id: LightId,
+        light: &AreaLight,
+        placed: &PlacedSurface<'_>,
+    ) -> Result<Self, IntegrateError> {
+        let (kind, shape) = (placed.surface().kind(), placed.shape(0));
+        let form = form(placed).map_err(|fault| IntegrateError::Form { light: id, shape, kind, fault })?;
+        if light.is_two_sided() && matches!(form, Form::Sphere { .. }) {
+            let fault = "shines inwards";
+            return Err(IntegrateError::Form { light: id, shape, kind, fault });
+        }
+        Ok(Self { form, radiance: light.radiance(), two_sided: light.is_two_sided() })
+    }
+
+    pub(super) fn center(&self) -> DVec3 {
+        match &self.form {
+            Form::Sphere { center, .. } | Form::Disk { center, .. } => *center,
+            Form::Polygon { polygon, .. } => polygon.center(),
+        }
+    }
+
+    /// Radius of a ball around it.
+    pub(super) fn outer_radius(&self) -> f64 {
+        match &self.form {
+            Form::Sphere { radius, .. } | Form::Disk { radius, .. } => *radius,
+            Form::Polygon { polygon, .. } => polygon.reach(),
+        }
+    }
+
+    /// Radius of a ball or disk that fits into it.
+    pub(super) fn inner_radius(&self) -> f64 {
+        match &self.form {
+            Form::Sphere { radius, .. } | Form::Disk { radius, .. } => *radius,
+            Form::Polygon { polygon, .. } => polygon.inner_radius(),
+        }
+    }
+
+    /// Whether no point of the ball is on a side that shines.
+    pub(super) fn is_dark_in(&self, center: DVec3, radius: f64) -> bool {
+        match &self.form {
+            Form::Sphere { .. } => false,
+            Form::Disk { normal, .. } | Form::Polygon { normal, .. } => {
+                !self.two_sided && (center - self.center()).dot(*normal) <= -radius
+            }
+        }
+    }
+
+    /// Positive where the ray meets the lamp on a side that shines, 0 at its rim; of the size of 1 within.
+    ///
+    /// Smooth for spheres and disks, for polygons by sides, of which the number is the second result; negative infinity where the ray goes the
+    /// other way, or meets the dark side.
+    pub(super) fn border(&self, origin: DVec3, direction: DVec3) -> (f64, u32) {
+        let plane = |normal: DVec3| {
+            let towards = direction.dot(normal);
+            let t = (self.center() - origin).dot(normal) / towards;
+            let is_lit = t > 0.0 && (self.two_sided || towards < 0.0);
+            is_lit.then(|| origin + t * direction)
+        };
+        match &self.form {
+            Form::Sphere { center, radius } => {
+                let to = *center - origin;
+                let along = to.dot(direction);
+                // Behind, the least distance from the ray is that from its origin.
+                let distance_squared =
+                    if along > 0.0 { to.cross(direction).length_squared() } else { to.length_squared() };
+                if to.length_squared() <= radius * radius {
+                    return (f64::NEG_INFINITY, 0);
+                }
+                (1.0 - distance_squared / (radius * radius), 0)
+            }
+            Form::Disk { center, normal, radius } => {
+                let rim = |at: DVec3| 1.0 - at.distance_squared(*center) / (radius * radius);
+                (plane(*normal).map_or(f64::NEG_INFINITY, rim), 0)
+            }
+            Form::Polygon { polygon, normal } => {
+                let Some(at) = plane(*normal) else { return (f64::NEG_INFINITY, 0) };
+                let (depth, side) = polygon.depth(at);
+                (depth / polygon.inner_radius(), side)
+            }
+        }
+    }
+
+    /// How far a ray of unit direction goes to the lamp that it meets.
+    pub(super) fn distance(&self, origin: DVec3, direction: DVec3) -> f64 {
+        let to = self.center() - origin;
+        match &self.form {
+            Form::Sphere { radius, .. } => {
+                let half_chord = (radius * radius - to.cross(direction).length_squared()).max(0.0).sqrt();
+                to.dot(direction) - half_chord
+            }
+            Form::Disk { normal, .. } | Form::Polygon { normal, .. } => {
+                to.dot(*normal) / direction.dot(*normal)
+            }
+        }
+    }
+}
+
+/// The form of a surface, or what is wrong with it.
+fn form(placed: &PlacedSurface<'_>) -> Result<Form, &'static str> {
+    if placed.is_trimmed() {
+        return Err("is trimmed");
+    }
+    let to_world = placed.to_world();
+    let point = |uv: DVec2| placed.at(0, uv, false).map(|at| at.at.point);
+    let inner: SurfacePoint = point(DVec2::splat(0.25)).ok_or("has no parameters")?;
+    // As for sampling: what is not exactly round has another rim.
+    let scale = to_world.uniform_scale(gamma(64));
+    match placed.surface() {
+        Surface::Sphere(sphere) => {
+            let scale = scale.filter(|_| sphere.is_whole()).ok_or("is not a whole sphere")?;
+            let center = to_world.point(DVec3::ZERO);
+            if inner.normal.dot(inner.position - center) < 0.0 {
+                return Err("shines inwards");
+            }
+            Ok(Form::Sphere { center, radius: scale * sphere.radius() })
+        }
+        Surface::Disk(disk) => {
+            let scale = scale.filter(|_| disk.is_whole()).ok_or("is not a full disk")?;
+            let center = to_world.point(DVec3::Z * disk.height());
+            Ok(Form::Disk { center, normal: inner.normal, radius: scale * disk.radius() })
+        }
+        Surface::Plane(_) | Surface::Bilinear(_) => {
+            let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y].map(point);
+            flat(corners.into_iter().map(|p| p.map(|p| p.position)).collect(), &inner)
+        }
+        Surface::Triangle(_) => {
+            let corners = [DVec2::ZERO, DVec2::X, DVec2::Y].map(point);
+            flat(corners.into_iter().map(|p| p.map(|p| p.position)).collect(), &inner)
+        }
+        Surface::Mesh(mesh) => {
+            let polygon = ConvexPolygon::of_mesh(mesh, |p| to_world.point(p));
+            let polygon = polygon.ok_or("is not a flat convex polygon")?;
+            Ok(Form::Polygon { normal: facing(&polygon, &inner), polygon })
+        }
+        _ => Err("is of such a form"),
+    }
+}
+
+fn flat(corners: Option<Vec<DVec3>>, inner: &SurfacePoint) -> Result<Form, &'static str> {
+    let polygon = corners.and_then(ConvexPolygon::try_new).ok_or("is not a flat convex polygon")?;
+    Ok(Form::Polygon { normal: facing(&polygon, inner), polygon })
+}
+
+/// The normal of the polygon on the side of that of the surface.
+fn facing(polygon: &ConvexPolygon, inner: &SurfacePoint) -> DVec3 {
+    if polygon.normal().dot(inner.normal) < 0.0 { -polygon.normal() } else { polygon.normal() }
+}

@@ -1,0 +1,130 @@
+//! Means over the cells of a receiver.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use glanz_math::{DVec2, DVec3};
+
+use super::Reflections;
+use super::region::{Rect, Tolerance};
+
+/// Nodes and weights of Gauss' rules of two and three points in [0, 1].
+const TWO: [(f64, f64); 2] = [(0.211_324_865_405_187_1, 0.5), (0.788_675_134_594_812_9, 0.5)];
+const THREE: [(f64, f64); 3] =
+    [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+/// Points of both rules in a square.
+const POINTS: usize = TWO.len() * TWO.len() + THREE.len() * THREE.len();
+/// Share of the tolerance that is left for the illuminance at the points.
+const SHARE: f64 = 0.25;
+
+/// Illuminance over a part of a receiver.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CellMean {
+    /// Mean, lx; 0 without area.
+    pub mean: f64,
+    /// Estimated bound on the error of `mean`, lx.
+    pub error: f64,
+    /// m^2.
+    pub area: f64,
+}
+
+/// A rectangle of the cell: integrals of the illuminance by both rules, lm, of its own error, and of the area.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    rect: Rect,
+    flux: f64,
+    /// Difference of the rules, lm.
+    difference: f64,
+    /// Of the illuminance at the points, lm.
+    inner: f64,
+    area: f64,
+}
+
+impl PartialEq for Piece {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Piece {}
+
+impl PartialOrd for Piece {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Piece {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.difference.total_cmp(&other.difference)
+    }
+}
+
+impl Reflections<'_> {
+    /// The mean of [`Reflections::illuminance`] over a part of a surface.
+    ///
+    /// `patch`: position in metres, unit normal and area per unit of the parameters (m^2) by parameters in the unit square; `None` where there is no
+    /// surface. `points`: about how many places are looked at most. Squares are quartered where Gauss' rules of two and three points differ most,
+    /// until that fits the `tolerance`; what is smaller than the distance of these points (a fifth of the cell at first) may be missed.
+    pub fn cell_mean(
+        &self,
+        patch: impl Fn(DVec2) -> Option<(DVec3, DVec3, f64)>,
+        tolerance: Tolerance,
+        points: usize,
+    ) -> CellMean {
+        let at_points =
+            Tolerance { relative: SHARE * tolerance.relative, absolute: SHARE * tolerance.absolute };
+        let first = self.piece(&patch, Rect::UNIT, at_points);
+        let mut heap = BinaryHeap::from([first]);
+        let mut looked_at = POINTS;
+        loop {
+            let result = total(&heap);
+            let allowed = tolerance.absolute.max(tolerance.relative * result.mean);
+            if result.error <= allowed || looked_at + 4 * POINTS > points {
+                return result;
+            }
+            let Some(worst) = heap.pop() else { return result };
+            heap.extend(worst.rect.quarters().map(|rect| self.piece(&patch, rect, at_points)));
+            looked_at += 4 * POINTS;
+        }
+    }
+
+    fn piece(
+        &self,
+        patch: &impl Fn(DVec2) -> Option<(DVec3, DVec3, f64)>,
+        rect: Rect,
+        tolerance: Tolerance,
+    ) -> Piece {
+        let scale = rect.size().x * rect.size().y;
+        let look = |x: f64, y: f64| {
+            let (point, normal, stretch) = patch(rect.min + rect.size() * DVec2::new(x, y))?;
+            let found = self.illuminance(point, normal, tolerance);
+            let area = stretch * scale;
+            Some([found.total() * area, found.error * area, area])
+        };
+        let rule = |nodes: &[(f64, f64)]| {
+            let mut sums = [0.0; 3];
+            for &(x, at_x) in nodes {
+                for &(y, at_y) in nodes {
+                    let values = look(x, y).unwrap_or_default();
+                    for (sum, value) in sums.iter_mut().zip(values) {
+                        *sum += at_x * at_y * value;
+                    }
+                }
+            }
+            sums
+        };
+        let ([flux, inner, area], [coarse, ..]) = (rule(&THREE), rule(&TWO));
+        Piece { rect, flux, difference: (flux - coarse).abs(), inner, area }
+    }
+}
+
+fn total(heap: &BinaryHeap<Piece>) -> CellMean {
+    let sum = |of: fn(&Piece) -> f64| heap.iter().map(of).sum::<f64>();
+    let area = sum(|p| p.area);
+    if area <= 0.0 {
+        return CellMean::default();
+    }
+    let error = sum(|p| p.difference) + sum(|p| p.inner);
+    CellMean { mean: sum(|p| p.flux) / area, error: error / area, area }
+}

@@ -1,0 +1,141 @@
+//! Faces that reflect as a mirror does.
+
+use glanz_geometry::FaceDomain;
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::{DVec2, DVec3, Transform};
+use glanz_scene::{PlacedPoint, PlacedSurface, Scene};
+use glanz_shading::bsdf::{Lobe, TransportMode};
+
+/// Places along each side of a face that are asked for what it is made of, where trimming cuts the first away.
+const LOOKS: u32 = 32;
+
+/// A face, or a triangle of one whose parameters are a polygon, over the unit square.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Face {
+    surface: u32,
+    face: u32,
+    /// Corners of the triangle; the first is a whole side of the square.
+    triangle: Option<[DVec2; 3]>,
+}
+
+/// All faces that reflect.
+#[derive(Debug)]
+pub(super) struct Mirrors<'a> {
+    scene: &'a Scene,
+    wavelengths: Wavelengths,
+    surfaces: Vec<(PlacedSurface<'a>, Transform)>,
+    faces: Vec<Face>,
+}
+
+impl<'a> Mirrors<'a> {
+    pub(super) fn of(scene: &'a Scene) -> Self {
+        let surfaces: Vec<(PlacedSurface<'a>, Transform)> = scene
+            .placed_surfaces()
+            .into_iter()
+            .map(|placed| {
+                let map = placed.to_world();
+                (placed, map)
+            })
+            .collect();
+        let mut mirrors = Self { scene, wavelengths: Wavelengths::default(), surfaces, faces: Vec::new() };
+        for (number, (placed, _)) in (0..).zip(&mirrors.surfaces) {
+            // Faces of one shape are of one material.
+            let mut shape = None;
+            for face in 0..placed.faces() {
+                let id = placed.shape(face);
+                let reflects = match shape {
+                    Some((known, reflects)) if known == id => reflects,
+                    _ => mirrors.reflects(placed, face),
+                };
+                shape = Some((id, reflects));
+                if reflects {
+                    mirrors.faces.extend(parts(number, face, &placed.face_domain(face)));
+                }
+            }
+        }
+        mirrors
+    }
+
+    /// Whether a face reflects into single directions.
+    fn reflects(&self, placed: &PlacedSurface<'_>, face: u32) -> bool {
+        let corners = match placed.face_domain(face) {
+            FaceDomain::Square => vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y],
+            FaceDomain::Polygon(corners) => corners,
+        };
+        let middle = corners.iter().sum::<DVec2>() / corners.len().max(1) as f64;
+        let grid = (0..LOOKS * LOOKS)
+            .map(|k| (DVec2::new(f64::from(k % LOOKS), f64::from(k / LOOKS)) + 0.5) / f64::from(LOOKS));
+        let mut places = [middle].into_iter().chain(grid).filter_map(|uv| placed.at(face, uv, false));
+        let bsdf = places.next().and_then(|place| place.at.bsdf(self.scene, &self.wavelengths));
+        bsdf.is_some_and(|bsdf| bsdf.is_delta())
+    }
+
+    pub(super) fn faces(&self) -> &[Face] {
+        &self.faces
+    }
+
+    pub(super) fn surface(&self, face: &Face) -> Option<(&PlacedSurface<'a>, &Transform)> {
+        self.surfaces.get(face.surface as usize).map(|(placed, map)| (placed, map))
+    }
+
+    /// Position and unit normal at a place of the unit square, with what trimming cuts away.
+    pub(super) fn place(&self, face: &Face, at: DVec2) -> Option<(DVec3, DVec3)> {
+        let (placed, map) = self.surface(face)?;
+        let point = placed.surface().untrimmed_at(face.face, face.uv(at).0)?;
+        Some((map.point(point.position), map.normal(point.shading_normal).try_normalize()?))
+    }
+
+    /// The same with all that is known of it, and the area per unit of the square; `None` where it is cut away.
+    pub(super) fn point(&self, face: &Face, at: DVec2) -> Option<PlacedPoint> {
+        let (placed, _) = self.surface(face)?;
+        let (uv, scale) = face.uv(at);
+        let mut point = placed.at(face.face, uv, false)?;
+        point.stretch *= scale;
+        Some(point)
+    }
+
+    /// Share of the light towards `direction` that comes as from a mirror.
+    pub(super) fn reflectance(&self, point: &PlacedPoint, direction: DVec3) -> Option<Spectrum> {
+        let bsdf = point.at.bsdf(self.scene, &self.wavelengths)?;
+        let wo = point.at.frame().to_local(direction);
+        let branches = bsdf.delta_branches(wo, TransportMode::Radiance);
+        let mirrored = branches.into_iter().flatten().find(|branch| branch.lobe == Lobe::SPECULAR_REFLECTION);
+        mirrored.map(|branch| branch.weight)
+    }
+}
+
+impl Face {
+    pub(super) fn number(&self) -> u32 {
+        self.face
+    }
+
+    /// Whether places of the unit square are parameters themselves.
+    pub(super) fn is_square(&self) -> bool {
+        self.triangle.is_none()
+    }
+
+    /// Parameters at a place of the unit square, and their area per unit of that.
+    fn uv(&self, at: DVec2) -> (DVec2, f64) {
+        match self.triangle {
+            None => (at, 1.0),
+            Some([a, b, c]) => {
+                let uv = a + at.x * (b - a).lerp(c - a, at.y);
+                (uv, at.x * (b - a).perp_dot(c - a).abs())
+            }
+        }
+    }
+}
+
+fn parts(surface: u32, face: u32, domain: &FaceDomain) -> Vec<Face> {
+    match domain {
+        FaceDomain::Square => vec![Face { surface, face, triangle: None }],
+        FaceDomain::Polygon(corners) => corners
+            .windows(2)
+            .skip(1)
+            .filter_map(|pair| match (corners.first(), pair) {
+                (Some(&a), &[b, c]) => Some(Face { surface, face, triangle: Some([a, b, c]) }),
+                _ => None,
+            })
+            .collect(),
+    }
+}
