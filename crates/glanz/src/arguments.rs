@@ -7,12 +7,14 @@ use std::time::Duration;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use glanz_sampling::SamplerKind;
 use glanz_sampling::exact::MAX_TERMS;
-use glanz_scene::description::GuideSettings;
+use glanz_scene::description::{GuideSettings, MAX_RECEIVER_CELLS};
 use glanz_study::studies;
 use glanz_transport::{Aov, INTEGRATORS};
 
+mod illuminate;
 mod values;
 
+pub(crate) use illuminate::{IlluminateArguments, MethodName};
 use values::{bound, one_of, positive, sample_range, seconds, size, stops, switch};
 
 /// Exact light for exact surfaces: renders pbrt scenes without turning curved surfaces into facets.
@@ -29,6 +31,7 @@ Examples:
   glanz render room.pbrt -o room.exr           a scene file, as it says itself
   glanz render room.pbrt -o room.png --time 60 the best picture of one minute
   glanz bake room.pbrt -o room.glb             the light on its surfaces, for other programs
+  glanz illuminate room.pbrt -o lux            how many lux arrive where
   glanz compare room.exr reference.exr         how far apart two pictures are
 
 Exit status: 0 done, 1 failed, 2 wrong usage, 130 interrupted after saving.";
@@ -42,6 +45,9 @@ const MAX_SAMPLES: i64 = MAX_TERMS as i64;
 /// Rays of a study, which keeps all of a kind in memory.
 const MAX_RAYS: u64 = 30_000_000;
 
+/// Cells along a side of a receiver.
+const RECEIVER_CELLS: i64 = MAX_RECEIVER_CELLS as i64;
+
 /// Elements of which a study computes the form factors of all pairs.
 const MAX_ELEMENTS: i64 = 50_000;
 
@@ -53,6 +59,8 @@ pub(crate) enum Command {
     Render(RenderArguments),
     /// Bake the light of a scene onto its surfaces: a model with light maps
     Bake(BakeArguments),
+    /// Say how many lux arrive where: on receivers of a scene or the walls of a room
+    Illuminate(IlluminateArguments),
     /// Join checkpoints of disjoint sample ranges into one picture
     Merge(MergeArguments),
     /// Say what is in a scene: shapes, lights, materials, bounds, units, warnings

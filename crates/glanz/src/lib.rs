@@ -11,7 +11,8 @@
 //!
 //! Below them lie [`geometry`] (surfaces and the hierarchy over their boxes), [`shading`] (materials and textures),
 //! [`light`] (spectra, colour, pictures in memory and their comparison), [`sampling`] (where samples lie) and [`math`]
-//! (vectors, transforms, roots of polynomials); above them [`study`] measures what came out. Lengths are metres and
+//! (vectors, transforms, roots of polynomials); above them [`illumination`] counts what light arrives where, and
+//! [`study`] measures what came out. Lengths are metres and
 //! angles radians; positions are `f64`, light is `f32`, sums are exact. A picture depends on scene, settings and seed
 //! alone.
 //!
@@ -65,6 +66,8 @@
 pub use glanz_formats as formats;
 #[doc(inline)]
 pub use glanz_geometry as geometry;
+#[doc(inline)]
+pub use glanz_illumination as illumination;
 #[doc(inline)]
 pub use glanz_light as light;
 #[doc(inline)]

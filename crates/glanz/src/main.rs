@@ -5,6 +5,7 @@ mod baking;
 mod checkpoint_file;
 mod command;
 mod guide_file;
+mod illumination;
 mod interrupt;
 mod light_file;
 mod light_maps;
@@ -58,6 +59,10 @@ fn main() -> ExitCode {
         Command::Bake(bake) => {
             let messages = Messages::new(bake.talk.quiet);
             (messages, command::bake::run(&bake, messages))
+        }
+        Command::Illuminate(illuminate) => {
+            let messages = Messages::new(illuminate.talk.quiet);
+            (messages, command::illuminate::run(&illuminate, messages))
         }
         Command::Merge(merge) => {
             let messages = Messages::new(merge.talk.quiet);

@@ -113,7 +113,8 @@ impl<'a> Reflections<'a> {
                         lamps.push(Lamp::try_new(id, area, placed)?);
                     }
                 }
-                Light::Point(_) | Light::Spot(_) | Light::Distant(_) => points.push((id, *light)),
+                Light::Point(_) | Light::Spot(_) | Light::Distant(_) => points.push((id, light.clone())),
+                Light::Photometric(luminaire) if luminaire.is_point() => points.push((id, light.clone())),
                 other => return Err(IntegrateError::Kind { light: id, kind: other.kind() }),
             }
         }

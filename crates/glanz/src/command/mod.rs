@@ -3,6 +3,7 @@
 pub(crate) mod bake;
 pub(crate) mod compare;
 pub(crate) mod demo;
+pub(crate) mod illuminate;
 pub(crate) mod info;
 pub(crate) mod merge;
 pub(crate) mod render;

@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod bake;
+mod illuminate;
 mod render;
 mod same_bits;
 mod support;

@@ -1,0 +1,126 @@
+//! Light by particles, with progress and checkpoints.
+
+use std::time::{Duration, Instant};
+
+use glanz_illumination::{Goal, Tally, TraceEnd, TraceSettings, trace};
+
+use super::{Design, far_field_grid, pace, tally_file};
+use crate::arguments::IlluminateArguments;
+use crate::interrupt::Interrupt;
+use crate::messages::{Failure, Messages};
+use crate::plan::CHECKPOINT_INTERVAL;
+use crate::progress::Progress;
+use crate::report::grouped;
+use tally_file::TallyIdentity;
+
+/// Relative standard error that is aimed at if nothing is said.
+const USUAL_ERROR: f64 = 0.01;
+
+/// What particles brought.
+pub(super) struct Traced {
+    pub(super) tally: Tally,
+    pub(super) interrupted: bool,
+    pub(super) how: Vec<(String, String)>,
+}
+
+/// Refuses what cannot end.
+///
+/// # Errors
+/// Why.
+pub(crate) fn check_goal(arguments: &IlluminateArguments) -> Result<(), Failure> {
+    if arguments.error.is_some_and(|error| error < 1e-6) {
+        return Err(Failure::usage("--error: no run would end at less than 1e-6"));
+    }
+    Ok(())
+}
+
+fn goal(arguments: &IlluminateArguments) -> Goal {
+    let error = if arguments.rays.is_none() && arguments.time.is_none() {
+        Some(arguments.error.unwrap_or(USUAL_ERROR))
+    } else {
+        arguments.error
+    };
+    Goal { particles: arguments.rays, time: arguments.time, error }
+}
+
+/// Sends particles until the goal, going on from the checkpoint if that was asked for.
+///
+/// # Errors
+/// Why there is nothing, or why it cannot be kept.
+pub(super) fn traced(
+    design: &Design,
+    arguments: &IlluminateArguments,
+    messages: Messages,
+    interrupt: &Interrupt,
+) -> Result<Traced, Failure> {
+    let identity = TallyIdentity::new(design.hash, arguments.seed, arguments.max_depth);
+    let far_field = far_field_grid(arguments);
+    let (scene, receivers) = (&design.scene, &design.receivers);
+    let checkpoint = arguments.checkpoint.as_deref();
+    let tally = match checkpoint.filter(|path| path.exists()) {
+        Some(path) => {
+            let tally = tally_file::read(path, &identity, receivers, far_field)?;
+            let particles = grouped(tally.particles());
+            messages.note(&format!("{}: going on after {particles} particles", path.display()));
+            tally
+        }
+        None => Tally::new(receivers, far_field),
+    };
+    let goal = goal(arguments);
+    let threads = usize::from(arguments.threads.unwrap_or(0));
+    let settings = TraceSettings { seed: arguments.seed, max_events: arguments.max_depth, threads, goal };
+    let mut progress = Progress::start(messages);
+    let mut last_checkpoint = Instant::now();
+    let mut error = f64::INFINITY;
+    let outcome = trace(
+        scene,
+        receivers,
+        &settings,
+        tally,
+        &mut |report, tally| {
+            error = report.error;
+            let share =
+                report.elapsed.as_secs_f64() / (report.elapsed + bounded(report.remaining)).as_secs_f64();
+            let told =
+                format!("{} particles, {:.2} % error", grouped(report.particles), 100.0 * report.error);
+            progress.show(share, bounded(report.remaining), &told);
+            if let Some(path) = checkpoint
+                && last_checkpoint.elapsed() >= CHECKPOINT_INTERVAL
+            {
+                last_checkpoint = Instant::now();
+                if let Err(failure) = tally_file::write(path, &identity, tally) {
+                    messages.warning(&failure.message);
+                }
+            }
+        },
+        interrupt.flag(),
+    );
+    progress.finish();
+    let outcome = outcome.map_err(|error| Failure::new(error.to_string()))?;
+    if let Some(path) = checkpoint {
+        tally_file::write(path, &identity, &outcome.tally)?;
+    }
+    let interrupted = outcome.end == TraceEnd::Interrupted;
+    let seconds = outcome.elapsed.as_secs_f64();
+    let mut how = vec![
+        ("method".to_owned(), "trace: particles from the lamps, all orders of reflection".to_owned()),
+        ("particles".to_owned(), pace(outcome.particles, seconds, "particles")),
+        ("rays".to_owned(), pace(outcome.counters.rays(), seconds, "rays")),
+        ("seed".to_owned(), arguments.seed.to_string()),
+    ];
+    if outcome.particles < outcome.tally.particles() {
+        how.push(("particles in all".to_owned(), grouped(outcome.tally.particles())));
+    }
+    if error.is_finite() {
+        how.push((
+            "largest relative standard error of peaks and means".to_owned(),
+            format!("{:.3} %", 100.0 * error),
+        ));
+    }
+    Ok(Traced { tally: outcome.tally, interrupted, how })
+}
+
+/// What a bar can show: as long as no light has come, nobody knows.
+fn bounded(remaining: Duration) -> Duration {
+    remaining.min(Duration::from_secs(100 * 3600))
+}
