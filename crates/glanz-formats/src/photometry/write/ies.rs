@@ -7,6 +7,9 @@ use crate::photometry::{Distribution, Opening, OpeningShape};
 const LINE: usize = 120;
 const WORDS: usize = 200;
 
+/// Sizes are written to one of these.
+const MICROMETRES: f64 = 1e6;
+
 /// A file of IES LM-63-2002: type C, absolute photometry (one lamp of -1 lumens), sizes in metres.
 ///
 /// The four keywords that the standard asks for are always there, with `N/A` where nothing is known; the total flux
@@ -75,7 +78,8 @@ fn ascii(words: &str) -> String {
 
 /// Width (along y), length (along x) and height in metres, negative where round, as the table of 2002 has them.
 fn signs(opening: Opening) -> [f64; 3] {
-    let [x, y, z] = opening.size.map(|size| if size.is_finite() { size.max(0.0) } else { 0.0 });
+    let micrometres = |metres: f64| (metres * MICROMETRES).round() / MICROMETRES;
+    let [x, y, z] = opening.size.map(|size| if size.is_finite() { micrometres(size.max(0.0)) } else { 0.0 });
     match opening.shape {
         OpeningShape::Point => [0.0; 3],
         OpeningShape::Rectangle => [y, x, 0.0],
