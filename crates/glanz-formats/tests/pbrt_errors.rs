@@ -57,6 +57,19 @@ fn every_mistake_is_told_with_its_place() {
         ("WorldBegin ObjectInstance \"a\"", "1:27: there is no object \"a\""),
         ("CoordSysTransform \"camera\"", "1:19: there is no coordinate system \"camera\""),
         ("WorldBegin NamedMaterial \"red\"", "1:26: there is no material \"red\""),
+        // Brightness
+        (
+            "WorldBegin LightSource \"point\" \"float lumens\" 9 \"float power\" 3",
+            "1:47: light \"point\": \"power\" and \"lumens\" both say how bright it is",
+        ),
+        (
+            "WorldBegin AreaLightSource \"diffuse\" \"float nits\" 9 \"float candela\" 3",
+            "1:51: area light \"diffuse\": \"candela\" and \"nits\" both say how bright it is",
+        ),
+        (
+            "WorldBegin AreaLightSource \"diffuse\" \"float lumens\" -9",
+            "1:53: area light \"diffuse\": \"lumens\" is -9, it must not be negative",
+        ),
         // Receivers
         (
             "WorldBegin\nShape \"disk\" \"string receiver\" \"desk\" \"integer cells\" 8",
@@ -206,7 +219,7 @@ fn every_mistake_is_told_with_its_place() {
         ),
         (
             "WorldBegin LightSource \"point\" \"rgb I\" [0 0 0] \"float power\" 5",
-            "1:62: light \"point\": a black light cannot have a power",
+            "1:62: light \"point\": a black light cannot have \"power\"",
         ),
         ("Texture \"t\" \"colour\" \"constant\"", "1:1: texture \"t\" has the type \"colour\""),
         (

@@ -14,7 +14,7 @@ use glanz_scene::{Light, LightId, Scene};
 /// Roots of x^5 = x + 1: steps of a sequence that fills four dimensions evenly.
 const STEP: f64 = 1.167_303_978_261_418_7;
 
-const COUNT: u32 = 200_000;
+const COUNT: u32 = 100_000;
 
 /// Two pairs of numbers in [0, 1).
 fn point(i: u32) -> [DVec2; 2] {

@@ -7,9 +7,9 @@ use std::f64::consts::{PI, TAU};
 use glanz_light::{SpectralDistribution, Wavelengths};
 use glanz_math::{DMat4, DVec2, DVec3, Ray};
 use glanz_scene::description::{
-    Description, EmissionDescription, FileId, FloatInput, GeometryDescription, GroupDescription,
-    InstanceDescription, LightDescription, LightKind, Location, MaterialDescription, MaterialKind,
-    ShapeDescription, SpectrumInput,
+    Description, EmissionDescription, EmissionPower, FileId, FloatInput, GeometryDescription,
+    GroupDescription, InstanceDescription, LightDescription, LightKind, Location, MaterialDescription,
+    MaterialKind, ShapeDescription, SpectrumInput,
 };
 use glanz_scene::{Interaction, Light, LightId, Scene, SceneErrorKind};
 use glanz_shading::TransportMode;
@@ -215,7 +215,7 @@ fn sphere_light_around_the_observer_fills_every_direction() {
 fn power_replaces_the_magnitude_of_the_radiance() {
     let mut light = shining(disk(1.0), DMat4::from_scale(DVec3::splat(3.0)));
     if let Some(emission) = &mut light.emission {
-        emission.power = Some(90.0);
+        emission.power = Some(EmissionPower::Watts(90.0));
     }
     let scene = resolve(with_shapes(vec![light]));
     let Light::Area(light) = &scene.lights()[0] else { panic!("not an area light") };

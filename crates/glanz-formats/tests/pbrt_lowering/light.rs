@@ -53,12 +53,34 @@ fn power_and_illuminance_set_what_the_light_gives() {
     // Cone of 60 degrees without a soft border: 2 pi (1 - 1/2) sr.
     let spot = light("\"spot\" \"float coneangle\" 60 \"float conedeltaangle\" 0 \"float power\" 10");
     close(spot, 10.0 / PI);
+    // The same in lumens, 683 of which are a watt; candela are those along the axis.
+    close(light("\"point\" \"rgb I\" [2 2 2] \"float lumens\" 68300"), 100.0 / (4.0 * PI));
+    close(light("\"point\" \"float candela\" 1366 \"float scale\" 3"), 6.0);
+    close(
+        light("\"spot\" \"float coneangle\" 60 \"float conedeltaangle\" 0 \"float lumens\" 6830"),
+        10.0 / PI,
+    );
+    close(light("\"spot\" \"blackbody I\" 3000 \"float candela\" 1366"), 2.0);
+    close(light("\"point\" \"float lumens\" 0"), 0.0);
 }
 
 #[test]
 fn coloured_scale_of_version_3_colours_the_light() {
     let loaded = read_clean("WorldBegin LightSource \"infinite\" \"rgb L\" [1 2 3] \"color scale\" [2 1 0]");
     assert_eq!(rgb(&loaded.description.lights[0].emission), [2.0, 2.0, 0.0]);
+}
+
+#[test]
+fn area_lights_are_given_by_lumens_candela_or_nits() {
+    let light = |text: &str| {
+        let text = format!("Film \"rgb\" WorldBegin AreaLightSource \"diffuse\" {text} Shape \"sphere\"");
+        read_clean(&text).description.world.shapes[0].emission.clone().unwrap()
+    };
+    assert_eq!(light("\"float lumens\" 800").power, Some(EmissionPower::Lumens(800.0)));
+    assert_eq!(light("\"float candela\" 50 \"float scale\" 2").power, Some(EmissionPower::Candela(100.0)));
+    let screen = light("\"rgb L\" [3 3 3] \"float nits\" 341.5 \"float scale\" 4");
+    assert_eq!(screen.power, None);
+    close(f64::from(screen.radiance.luminance() * screen.scale), 2.0);
 }
 
 #[test]
@@ -74,7 +96,7 @@ fn area_lights_hold_for_the_shapes_of_their_block() {
     assert!(shapes[1].emission.is_none());
     let text = "Film \"rgb\" WorldBegin AreaLightSource \"diffuse\" \"float power\" 60 \"float scale\" 2 Shape \"sphere\"";
     let shapes = read_clean(text).description.world.shapes;
-    assert_eq!(shapes[0].emission.as_ref().unwrap().power, Some(120.0));
+    assert_eq!(shapes[0].emission.as_ref().unwrap().power, Some(EmissionPower::Watts(120.0)));
 }
 
 #[test]

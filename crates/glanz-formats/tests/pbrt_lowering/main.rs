@@ -15,8 +15,8 @@ use glanz_formats::{Loaded, Options, load_str};
 use glanz_light::{SpectralDistribution, Wavelengths, named};
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::description::{
-    CameraKind, FilterKind, FloatInput, GeometryDescription, LightKind, MaterialKind, SpectrumInput,
-    SpotFalloff, TextureKind, TextureMapping,
+    CameraKind, EmissionPower, FilterKind, FloatInput, GeometryDescription, LightKind, MaterialKind,
+    SpectrumInput, SpotFalloff, TextureKind, TextureMapping,
 };
 
 fn read(text: &str) -> Loaded {

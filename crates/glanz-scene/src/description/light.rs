@@ -82,8 +82,19 @@ pub struct EmissionDescription {
     pub radiance: SpectralDistribution,
     /// Factor on `radiance`.
     pub scale: f32,
-    /// Total power in W that replaces the magnitude of `radiance`.
-    pub power: Option<f32>,
+    /// What replaces the magnitude of `radiance`.
+    pub power: Option<EmissionPower>,
     /// Whether the back shines too.
     pub two_sided: bool,
+}
+
+/// How much a surface gives off in all.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EmissionPower {
+    /// Radiant flux, of which the luminance counts, W.
+    Watts(f32),
+    /// Luminous flux, lm.
+    Lumens(f64),
+    /// Luminous intensity along the normal of a flat surface, or of a whole sphere in any direction from outside, cd.
+    Candela(f64),
 }

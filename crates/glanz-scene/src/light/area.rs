@@ -9,12 +9,10 @@ use glanz_math::{DVec2, DVec3, Frame, SolidAnglePdf};
 use glanz_sampling::warp;
 
 use super::LightSample;
+use crate::area::area;
 use crate::interaction::{Interaction, Reference};
 use crate::object::Object;
 use crate::scene::Scene;
-
-/// Number of points of the grid that estimates the area of a surface; it only serves the choice between lights.
-const AREA_GRID: u32 = 8;
 
 /// A surface that gives off the same radiance in every direction of its front.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +47,7 @@ impl AreaLight {
         self.area.is_some()
     }
 
-    /// Area, m^2, to a few per cent; `None` if points cannot be picked on the surface.
+    /// Area, m^2, exact for spheres, disks, cylinders and the like, for others to about 1e-6; `None` if points cannot be picked on the surface.
     #[must_use]
     pub fn area(&self) -> Option<f64> {
         self.area
@@ -60,6 +58,11 @@ impl AreaLight {
     pub fn power(&self) -> Spectrum {
         let sides = if self.two_sided { 2.0 } else { 1.0 };
         self.radiance * (PI * sides * self.area.unwrap_or(0.0)) as f32
+    }
+
+    /// Whether it is a whole sphere in the world.
+    pub(crate) fn is_sphere(&self) -> bool {
+        self.sphere.is_some()
     }
 
     pub(super) fn object(&self) -> u32 {
@@ -195,19 +198,6 @@ impl SphereCone {
     fn pdf(&self) -> SolidAnglePdf {
         warp::uniform_cone_pdf(self.one_minus_cos)
     }
-}
-
-/// The mean of 1 / pdf over a regular grid of samples.
-fn area(object: &Object) -> Option<f64> {
-    let n = AREA_GRID;
-    let mut sum = 0.0;
-    for i in 0..n * n {
-        let xi = (DVec2::new(f64::from(i % n), f64::from(i / n)) + 0.5) / f64::from(n);
-        let (_, pdf) = object.sample(xi)?;
-        sum += 1.0 / pdf.0;
-    }
-    let area = sum / f64::from(n * n);
-    (area > 0.0 && area.is_finite()).then_some(area)
 }
 
 fn world_sphere(object: &Object) -> Option<(DVec3, f64)> {

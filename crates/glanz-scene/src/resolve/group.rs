@@ -5,14 +5,14 @@ use glanz_light::Wavelengths;
 use glanz_math::{Bounds3, Transform};
 use glanz_shading::Material;
 
+use super::emission::{area_light, shared};
 use super::join::join_small_meshes;
-use super::light::emitted;
 use super::{LARGEST_COORDINATE, Notes, range_error, shape, transform};
 use crate::description::{
     EmissionDescription, GroupDescription, InstanceDescription, Location, ReceiverDescription,
 };
 use crate::error::{SceneError, SceneErrorKind};
-use crate::light::{AreaLight, Light, LightId};
+use crate::light::{Light, LightId};
 use crate::object::Object;
 use crate::receiver::NamedReceiver;
 use crate::scene::{Group, Instance, MAX_NESTING, Primitive};
@@ -90,7 +90,8 @@ impl Groups {
         let mut lights = Vec::with_capacity(emitters.len());
         for emitter in emitters {
             let mut object = emitter.object;
-            let light = area_light(objects.len(), &object, &emitter.emission, emitter.location, wavelengths)?;
+            let index = objects.len() as u32;
+            let light = area_light(index, &object, &emitter.emission, emitter.location, wavelengths)?;
             if !light.can_be_sampled() {
                 let message = format!(
                     "a {} has no parameters to pick points by: its light is found by chance only, expect noise",
@@ -121,20 +122,24 @@ impl Groups {
             self.next_id = self.next_id.wrapping_add(1);
             reference("material", shape.material, self.passable.len(), shape.location)?;
             let passable = self.passable[shape.material];
-            let (location, emission) = (shape.location, shape.emission.clone());
+            let (location, emission) = (shape.location, shape.emission.take());
             let receiver = shape.receiver.take().map(|r| NamedReceiver::try_new(r, id)).transpose()?;
-            let made = shape::objects(shape, id, notes)?;
+            let mut made = shape::objects(shape, id, notes)?;
             let measures = receiver.is_some();
             self.receivers.extend(receiver.filter(|_| !made.is_empty()));
-            for mut object in made {
+            for object in &mut made {
                 check_extent(&object.bounds(), location)?;
                 object.passable = passable;
-                match &emission {
-                    Some(emission) => emitters.push(Emitter { object, emission: emission.clone(), location }),
-                    // A border that neither shines, stops light nor measures it is not there.
-                    None if passable && !measures => {}
-                    None => objects.push(object),
+            }
+            match emission {
+                Some(emission) => {
+                    let emissions = shared(&emission, &made, location)?;
+                    let shining = made.into_iter().zip(emissions);
+                    emitters.extend(shining.map(|(object, emission)| Emitter { object, emission, location }));
                 }
+                // A border that neither shines, stops light nor measures it is not there.
+                None if passable && !measures => {}
+                None => objects.extend(made),
             }
         }
         let mut instances = Vec::with_capacity(description.instances.len());
@@ -217,26 +222,4 @@ fn reference(
         return Ok(());
     }
     Err(SceneError { location, kind: SceneErrorKind::Reference { what, index, count } })
-}
-
-fn area_light(
-    object_index: usize,
-    object: &Object,
-    emission: &EmissionDescription,
-    location: Option<Location>,
-    wavelengths: &Wavelengths,
-) -> Result<AreaLight, SceneError> {
-    let radiance =
-        emitted(&emission.radiance, emission.scale, wavelengths, "area light: radiance", location)?;
-    let light = AreaLight::new(object_index as u32, object, radiance, emission.two_sided);
-    let Some(power) = emission.power else { return Ok(light) };
-    let present = light.power().luminance(wavelengths);
-    if !(power >= 0.0 && power.is_finite()) {
-        return Err(range_error(location, "area light: power", power, "finite and not negative"));
-    }
-    if present.is_nan() || present <= 0.0 {
-        let what = "area light: radiance that power is to scale";
-        return Err(range_error(location, what, present, "positive, on a surface of known area"));
-    }
-    Ok(AreaLight::new(object_index as u32, object, radiance * (power / present), emission.two_sided))
 }

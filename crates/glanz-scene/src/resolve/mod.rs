@@ -1,5 +1,6 @@
 //! From a description to a scene.
 
+mod emission;
 mod freeform;
 mod group;
 mod join;

@@ -3,16 +3,19 @@
 use std::f64::consts::PI;
 use std::rc::Rc;
 
+use glanz_light::units::LUMINOUS_EFFICACY;
 use glanz_light::{Pixels, SpectralDistribution};
 use glanz_math::DVec3;
-use glanz_scene::description::{EmissionDescription, LightDescription, LightKind, SpotFalloff};
+use glanz_scene::description::{
+    EmissionDescription, EmissionPower, LightDescription, LightKind, SpotFalloff,
+};
 
 use super::spectrum::{Emission, within_gamut};
 use super::{Context, Lowering};
 use crate::image::{self, Encoding};
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, shortened};
-use crate::source::Step;
+use crate::source::{Place, Step};
 
 impl Lowering {
     /// Adds a light.
@@ -122,10 +125,49 @@ impl Lowering {
         Ok((LightKind::Infinite, light))
     }
 
-    /// Scales a light so that it sends out the `power` of version 4; `solid_angle` is the integral of its intensity
-    /// over that of its axis.
+    /// Scales a light so that it sends out the `power` of version 4 or so many `lumens`, or sends `candela` along its axis; `solid_angle` is
+    /// the integral of its intensity over that of its axis.
     fn power(&mut self, list: &mut ParameterList, light: &mut Emission, solid_angle: f64) -> Step<()> {
-        self.target(list, "power", light, solid_angle)
+        self.only_one(list, &["power", "lumens", "candela"])?;
+        self.target(list, "power", light, solid_angle)?;
+        self.photometric_target(list, "lumens", light, LUMINOUS_EFFICACY * solid_angle)?;
+        self.photometric_target(list, "candela", light, LUMINOUS_EFFICACY)
+    }
+
+    /// Refuses a second one of parameters that all say how bright a light is.
+    fn only_one(&mut self, list: &ParameterList, names: &[&str]) -> Step<()> {
+        let mut given = names.iter().filter(|name| list.has(name));
+        let (Some(first), Some(second)) = (given.next(), given.next()) else { return Ok(()) };
+        let message = format!("{}: {first:?} and {second:?} both say how bright it is", list.subject);
+        let (place, help) = (list.value_place(second), Some("give one of them".to_owned()));
+        Err(self.reporter.error_with_help(&place, "parameter-conflict", message, help))
+    }
+
+    /// As [`Lowering::target`], of a number that must not be negative and may be 0.
+    fn photometric_target(
+        &mut self,
+        list: &mut ParameterList,
+        name: &'static str,
+        light: &mut Emission,
+        per_unit: f64,
+    ) -> Step<()> {
+        let place = list.value_place(name);
+        match self.not_negative(list, name)? {
+            Some(target) => self.scale_to(list, &place, name, light, target / per_unit),
+            None => Ok(()),
+        }
+    }
+
+    /// A number that is not negative.
+    fn not_negative(&mut self, list: &mut ParameterList, name: &'static str) -> Step<Option<f64>> {
+        let place = list.value_place(name);
+        match list.float(name, &mut self.reporter)? {
+            Some(value) if value < 0.0 => {
+                let message = format!("{}: {name:?} is {value}, it must not be negative", list.subject);
+                Err(self.reporter.error(&place, "parameter-range", message))
+            }
+            value => Ok(value),
+        }
     }
 
     /// Scales a light to the `illuminance` of version 4 on a surface that faces it; `per_radiance` is that of a light
@@ -147,13 +189,25 @@ impl Lowering {
             // pbrt takes this for "not given".
             return Ok(());
         }
+        self.scale_to(list, &place, name, light, target / per_unit)
+    }
+
+    /// Gives a light the luminance `target`, which `name` asks for, before its `scale`.
+    fn scale_to(
+        &mut self,
+        list: &ParameterList,
+        place: &Place,
+        name: &str,
+        light: &mut Emission,
+        target: f64,
+    ) -> Step<()> {
         let luminance = f64::from(light.spectrum.luminance());
-        if luminance <= 0.0 || per_unit <= 0.0 {
-            let message = format!("{}: a black light cannot have a {name}", list.subject);
-            return Err(self.reporter.error(&place, "parameter-range", message));
+        if luminance <= 0.0 || !target.is_finite() {
+            let message = format!("{}: a black light cannot have {name:?}", list.subject);
+            return Err(self.reporter.error(place, "parameter-range", message));
         }
         // The spectrum's own magnitude goes; `scale` stays as a factor on top.
-        light.normalisation = (target / (per_unit * luminance)) as f32;
+        light.normalisation = (target / luminance) as f32;
         Ok(())
     }
 
@@ -178,20 +232,37 @@ impl Lowering {
             let message = format!("area light {:?} is unknown; \"diffuse\" stands in", shortened(kind));
             self.stand_in(&list.place, "stand-in-light", message);
         }
-        let light = self.emission(&mut list, "L", context.color_space)?;
+        let mut light = self.emission(&mut list, "L", context.color_space)?;
         let two_sided = list.boolean("twosided", &mut self.reporter)?.unwrap_or(false);
         let place = list.value_place("filename");
         if list.text("filename", &mut self.reporter)?.is_some_and(|f| !f.is_empty()) {
             let message = "area light: light with a picture is not available yet; \"L\" stands in";
             self.stand_in(&place, "stand-in-light", message);
         }
-        // pbrt applies `scale` on top of the power.
-        let power = list.float("power", &mut self.reporter)?.filter(|p| *p > 0.0);
-        let power = power.map(|p| p as f32 * light.factor);
+        let power = self.emission_power(&mut list, &mut light)?;
         list.ignore(&["nsamples", "samples"]);
         list.finish(&mut self.reporter);
         let scale = light.scale();
         Ok(Rc::new(EmissionDescription { radiance: light.spectrum, scale, power, two_sided }))
+    }
+}
+
+impl Lowering {
+    /// `power`, `lumens` or `candela`, with the factor `scale` as pbrt has it; `nits` become the radiance of `light`.
+    fn emission_power(
+        &mut self,
+        list: &mut ParameterList,
+        light: &mut Emission,
+    ) -> Step<Option<EmissionPower>> {
+        self.only_one(list, &["power", "lumens", "candela", "nits"])?;
+        self.photometric_target(list, "nits", light, LUMINOUS_EFFICACY)?;
+        let factor = f64::from(light.factor);
+        // pbrt takes a power that is not positive for "not given".
+        let watts = list.float("power", &mut self.reporter)?.filter(|p| *p > 0.0);
+        let watts = watts.map(|p| EmissionPower::Watts(p as f32 * light.factor));
+        let lumens = self.not_negative(list, "lumens")?.map(|l| EmissionPower::Lumens(l * factor));
+        let candela = self.not_negative(list, "candela")?.map(|c| EmissionPower::Candela(c * factor));
+        Ok(watts.or(lumens).or(candela))
     }
 }
 

@@ -65,7 +65,7 @@ impl Lowering {
         }
         if surfaces.len() > 1 && emission.as_ref().is_some_and(|e| e.power.is_some()) {
             let message = format!(
-                "shape {kind:?}: its file makes {} surfaces, which cannot share one \"power\"",
+                "shape {kind:?}: its file makes {} surfaces, which cannot share one power",
                 surfaces.len()
             );
             let help = Some("give the light its radiance \"L\", or one file per kind of surface".to_owned());

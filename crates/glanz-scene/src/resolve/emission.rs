@@ -1,0 +1,73 @@
+//! Surfaces that shine.
+
+use glanz_light::{Wavelengths, units};
+
+use super::light::emitted;
+use super::range_error;
+use crate::area::{area, seen_from_afar};
+use crate::description::{EmissionDescription, EmissionPower, Location};
+use crate::error::SceneError;
+use crate::light::AreaLight;
+use crate::object::Object;
+
+/// The light that the object number `object_index` of the world is.
+pub(super) fn area_light(
+    object_index: u32,
+    object: &Object,
+    emission: &EmissionDescription,
+    location: Option<Location>,
+    wavelengths: &Wavelengths,
+) -> Result<AreaLight, SceneError> {
+    let radiance =
+        emitted(&emission.radiance, emission.scale, wavelengths, "area light: radiance", location)?;
+    let light = AreaLight::new(object_index, object, radiance, emission.two_sided);
+    let Some(power) = emission.power else { return Ok(light) };
+    let (what, wanted, present) = match power {
+        EmissionPower::Watts(watts) => {
+            ("area light: power", f64::from(watts), f64::from(light.power().luminance(wavelengths)))
+        }
+        EmissionPower::Lumens(lumens) => {
+            ("area light: lumens", lumens, units::photometric(light.power(), wavelengths))
+        }
+        EmissionPower::Candela(candela) => {
+            let seen = seen_from_afar(object, light.is_sphere()).ok_or_else(|| {
+                let (what, value) =
+                    ("area light: surface that candela are given for", object.surface().kind());
+                range_error(location, what, value, "flat or a whole sphere; say lumens for others")
+            })?;
+            ("area light: candela", candela, units::photometric(radiance, wavelengths) * seen)
+        }
+    };
+    if !(wanted >= 0.0 && wanted.is_finite()) {
+        return Err(range_error(location, what, wanted, "finite and not negative"));
+    }
+    if present.is_nan() || present <= 0.0 {
+        let what = "area light: radiance that power is to scale";
+        return Err(range_error(location, what, present, "positive, on a surface of known area"));
+    }
+    Ok(AreaLight::new(object_index, object, radiance * (wanted / present) as f32, emission.two_sided))
+}
+
+/// The emission of each of the objects that one shape makes: its power is that of all together, shared by area.
+pub(super) fn shared(
+    emission: &EmissionDescription,
+    objects: &[Object],
+    location: Option<Location>,
+) -> Result<Vec<EmissionDescription>, SceneError> {
+    let (Some(power), [_, _, ..]) = (emission.power, objects) else {
+        return Ok(vec![emission.clone(); objects.len()]);
+    };
+    let areas: Vec<f64> = objects.iter().map(|object| area(object).unwrap_or(0.0)).collect();
+    let whole: f64 = areas.iter().sum();
+    let of = |share: f64| match power {
+        EmissionPower::Watts(watts) => Ok(EmissionPower::Watts(watts * share as f32)),
+        EmissionPower::Lumens(lumens) => Ok(EmissionPower::Lumens(lumens * share)),
+        EmissionPower::Candela(_) => {
+            let (what, range) =
+                ("area light: number of surfaces that candela are given for", "1; say lumens for more");
+            Err(range_error(location, what, objects.len(), range))
+        }
+    };
+    let with = |share| Ok(EmissionDescription { power: Some(of(share)?), ..emission.clone() });
+    areas.iter().map(|area| with(area / whole)).collect()
+}
