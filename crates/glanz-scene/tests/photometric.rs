@@ -117,6 +117,19 @@ fn the_color_has_no_influence_on_lumens_and_scale_has() {
 }
 
 #[test]
+fn a_point_tells_what_arrives_of_it_and_an_area_does_not() {
+    let disk = Opening { shape: OpeningShape::Ellipse, size: [0.2, 0.2, 0.0] };
+    let up = DMat4::from_translation(DVec3::new(0.0, 0.0, 5.0));
+    let scene = scene(vec![light(beam(), None, up), light(beam(), Some(disk), up)]);
+    let arriving = scene.lights()[0].arriving(DVec3::new(0.0, 0.0, 5.0) + 2.0 * beam_axis()).unwrap();
+    // 900 cd at 2 m.
+    let lux = units::photometric(arriving.irradiance, &Wavelengths::default());
+    assert!((lux / 225.0 - 1.0).abs() < 1e-5, "{lux}");
+    assert!((arriving.distance - 2.0).abs() < 1e-12 && (arriving.towards + beam_axis()).length() < 1e-12);
+    assert!(scene.lights()[1].arriving(DVec3::ZERO).is_none());
+}
+
+#[test]
 fn points_of_an_opening_scale_with_the_frame() {
     let disk = Opening { shape: OpeningShape::Ellipse, size: [0.2, 0.2, 0.0] };
     let to_world = DMat4::from_rotation_x(FRAC_PI_2) * DMat4::from_scale(DVec3::splat(10.0));

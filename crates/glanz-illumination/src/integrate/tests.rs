@@ -26,6 +26,7 @@ fn shape(geometry: GeometryDescription, to_parent: DMat4, material: usize) -> Sh
         material,
         emission: None,
         trim: None,
+        receiver: None,
         location: None,
     }
 }
