@@ -3,13 +3,14 @@
 mod area;
 mod distant;
 mod emission;
+mod emission_pdf;
 mod infinite;
 mod point;
 mod select;
 mod spot;
 
 use glanz_light::{Spectrum, Wavelengths};
-use glanz_math::{DVec2, DVec3, Ray, SolidAnglePdf};
+use glanz_math::{AreaPdf, DVec2, DVec3, Ray, SolidAnglePdf};
 
 use crate::interaction::Interaction;
 use crate::scene::Scene;
@@ -113,4 +114,6 @@ pub struct LightSample {
     pub shadow: Ray,
     /// End of `shadow`.
     pub t_max: f64,
+    /// Density with which [`Scene::emit`] picks the place `wi` leads to; `None` if that is not on a surface.
+    pub area_pdf: Option<AreaPdf>,
 }
