@@ -66,6 +66,7 @@
 //! ```
 
 pub mod aov;
+mod channels;
 pub mod checkpoint;
 pub mod codec;
 pub mod film;
@@ -82,6 +83,7 @@ pub mod progress;
 pub mod ranges;
 pub mod render;
 mod settled;
+mod splat;
 
 pub use aov::{Aov, AovSet};
 pub use checkpoint::{Checkpoint, CheckpointError};

@@ -22,7 +22,7 @@ pub struct LightRay {
     /// Where it leaves the light, if that is a surface.
     pub from: Option<SurfacePoint>,
     /// Density of that place.
-    pub(super) area_pdf: Option<AreaPdf>,
+    pub area_pdf: Option<AreaPdf>,
     /// Distance, metres, at which the light has faded to nothing, if it does.
     range: Option<f64>,
 }
