@@ -61,6 +61,12 @@ impl Interaction {
         scene.material(self.material).bsdf(scene.textures(), &at, wavelengths)
     }
 
+    /// Density with which [`Scene::emit`] picks this place, if it is on a light that can be sampled.
+    #[must_use]
+    pub fn area_pdf(&self) -> Option<AreaPdf> {
+        self.area_pdf
+    }
+
     /// The light that this surface is, if it shines.
     #[must_use]
     pub fn light(&self) -> Option<LightId> {

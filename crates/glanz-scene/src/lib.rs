@@ -55,7 +55,7 @@ mod resolve;
 mod scene;
 mod statistics;
 
-pub use camera::Camera;
+pub use camera::{Camera, Projected};
 pub use chart::Chart;
 pub use description::{Description, Location};
 pub use error::{SceneError, SceneErrorKind, SceneWarning};

@@ -122,8 +122,8 @@ fn received(scene: &Scene) -> f64 {
     sum / f64::from(COUNT)
 }
 
-#[test]
-fn what_lights_send_is_what_a_surface_finds() {
+/// Lights by name, and whether their power is known.
+fn cases() -> Vec<(&'static str, Scene, bool)> {
     let disk = GeometryDescription::Disk { height: 0.0, radius: 0.4, inner_radius: 0.0, phi_max: TAU };
     let ball = GeometryDescription::Sphere { radius: 0.2, z: [-0.2, 0.2], phi_max: TAU };
     let up = DMat4::from_translation(DVec3::new(0.4, 0.5, 0.9));
@@ -141,7 +141,7 @@ fn what_lights_send_is_what_a_surface_finds() {
         * DMat4::from_rotation_x(0.4)
         * DMat4::from_rotation_z(1.0);
     let opening = Opening { shape: OpeningShape::Rectangle, size: [0.5, 0.2, 0.0] };
-    let cases: Vec<(&str, Scene, bool)> = vec![
+    vec![
         ("point", scene(None, Some((point_light(None), DMat4::IDENTITY))), true),
         ("fading point", scene(None, Some((point_light(Some(1.0)), DMat4::IDENTITY))), true),
         ("quartic spot", scene(None, Some((spot(SpotFalloff::Quartic), DMat4::IDENTITY))), true),
@@ -153,8 +153,12 @@ fn what_lights_send_is_what_a_surface_finds() {
         ("disk", scene(Some(shape(disk.clone(), Some(false), down)), None), true),
         ("disk of two sides", scene(Some(shape(disk, Some(true), down)), None), true),
         ("sphere", scene(Some(shape(ball, Some(false), up)), None), true),
-    ];
-    for (name, scene, has_power) in cases {
+    ]
+}
+
+#[test]
+fn what_lights_send_is_what_a_surface_finds() {
+    for (name, scene, has_power) in cases() {
         let ((all, met), expected) = (sent(&scene), received(&scene));
         assert!(expected > 0.01, "{name}: nothing to compare");
         assert!((met / expected - 1.0).abs() < 0.005, "{name}: {met} {expected}");
@@ -167,6 +171,97 @@ fn what_lights_send_is_what_a_surface_finds() {
         };
         assert!(has_power && (all / power - 1.0).abs() < 0.005, "{name}: {all} {power}");
     }
+}
+
+/// Two integrals over the square and the directions from which it sees the light, by the rays that the light sends: of the cosine,
+/// and of the cosine times the density of light sampling; for a delta light, twice that of the cosine over the square.
+fn extent_sent(scene: &Scene) -> [f64; 2] {
+    let (mut all, mut sampled) = (0.0, 0.0);
+    for i in 0..COUNT {
+        let [place, direction] = point(i);
+        let Some(light) = scene.emit(LightId(0), place, direction) else { continue };
+        let towards = -light.ray.direction;
+        let Some(hit) = scene.intersect(&light.ray, f64::INFINITY) else { continue };
+        let arrives = towards.z > 0.0 && light.left_at(hit.t) > 0.0;
+        if hit.point.position.z.abs() > 1e-9 || !arrives {
+            continue;
+        }
+        // What the square sees there is the place on the light.
+        let seen = scene.intersect(&hit.spawn(towards), f64::INFINITY);
+        let area_pdf = seen.filter(|seen| seen.light().is_some()).and_then(|seen| seen.area_pdf());
+        let pdf = scene.emission_pdf(LightId(0), hit.point.position, towards, area_pdf);
+        assert!(pdf > 0.0);
+        all += 1.0 / pdf;
+        sampled += scene.light_pdf_of_ray(LightId(0), &hit.reference(), &light).0 / pdf;
+    }
+    [all, sampled].map(|sum| sum / f64::from(COUNT))
+}
+
+/// The same by directions that the square picks.
+fn extent_found(scene: &Scene) -> [f64; 2] {
+    let (mut all, mut sampled) = (0.0, 0.0);
+    for i in 0..COUNT {
+        let [place, xi] = point(i);
+        let ray = Ray::new(DVec3::new(place.x, place.y, 1e-3), -DVec3::Z);
+        let from = scene.intersect(&ray, f64::INFINITY).unwrap();
+        let Some(sample) = scene.sample_light(LightId(0), &from, xi, &Wavelengths::default()) else {
+            continue;
+        };
+        if sample.wi.z > 0.0 && !scene.occluded(&sample.shadow, sample.t_max) {
+            let pdf = scene.emission_pdf(LightId(0), from.point.position, sample.wi, sample.area_pdf);
+            assert!(pdf > 0.0);
+            all += sample.wi.z / sample.pdf.0;
+            sampled += sample.wi.z;
+        }
+    }
+    [all, sampled].map(|sum| sum / f64::from(COUNT))
+}
+
+#[test]
+fn densities_of_rays_are_those_with_which_they_are_sent() {
+    for (name, scene, _) in cases() {
+        let (sent, found) = (extent_sent(&scene), extent_found(&scene));
+        for i in 0..2 {
+            assert!((sent[i] / found[i] - 1.0).abs() < 0.01, "{name}: {sent:?} {found:?}");
+        }
+    }
+}
+
+#[test]
+fn endless_planes_stop_light_from_afar() {
+    let mut description = Description::default();
+    let all = [f64::NEG_INFINITY, f64::INFINITY];
+    let ball = GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 1.0], phi_max: TAU };
+    description.materials.push(MaterialDescription {
+        name: String::new(),
+        kind: MaterialKind::Diffuse {
+            reflectance: SpectrumInput::Value(SpectralDistribution::Constant(0.5)),
+        },
+        location: None,
+    });
+    description.world.shapes.push(shape(ball, None, DMat4::IDENTITY));
+    let below = DMat4::from_translation(DVec3::new(0.0, 0.0, -100.0));
+    description.world.shapes.push(shape(GeometryDescription::Plane { x: all, y: all }, None, below));
+    description.lights.push(LightDescription {
+        kind: LightKind::Infinite,
+        emission: SpectralDistribution::Constant(1.0),
+        scale: 1.0,
+        to_world: DMat4::IDENTITY,
+        location: None,
+    });
+    let scene = Scene::resolve(description).unwrap().0;
+    let rays: Vec<_> = (0..1000)
+        .filter_map(|i| {
+            let [place, direction] = point(i);
+            scene.emit(LightId(0), place, direction)
+        })
+        .collect();
+    assert!(rays.iter().all(|light| light.ray.direction.z <= 0.0));
+    assert!(rays.len() > 450 && rays.len() < 550, "half of all: {}", rays.len());
+    // A place far out on the plane gets none, since rays begin near the ball.
+    let far = DVec3::new(50.0, 0.0, -100.0);
+    assert_eq!(scene.emission_pdf(LightId(0), far, DVec3::Z, None), 0.0);
+    assert!(scene.emission_pdf(LightId(0), DVec3::new(0.0, 0.0, -100.0), DVec3::Z, None) > 0.0);
 }
 
 #[test]

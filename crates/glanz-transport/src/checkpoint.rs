@@ -9,7 +9,7 @@
 //! | 4, 8 each | number of sample ranges; first and end of each, ascending |
 //! | 16 | samples dropped, samples cut |
 //! | | with passes: their weight, samples and last weight (8 each); length (8) and state of the training, see [`Guide`](crate::Guide) |
-//! | 8 each | the sums of all pixels, tile after tile, see [`Film`] |
+//! | 8 each | the sums of all pixels, tile after tile, and of the light splatted to them, row by row, see [`Film`] |
 //! | 4 | CRC-32 (IEEE) of all before |
 //!
 //! Numbers are little-endian; text is a length byte and UTF-8.
@@ -29,7 +29,7 @@ use crate::pixel_rect::PixelRect;
 use crate::ranges::SampleRanges;
 
 const MAGIC: &[u8; 8] = b"GLANZCKP";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// Why bytes are not a checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -178,6 +178,7 @@ fn encode_identity(e: &mut Encoder, identity: &PictureIdentity) {
     e.u8(film.aovs.to_bits());
     e.u8(u8::from(film.signed));
     e.u8(u8::from(film.passes));
+    e.u8(u8::from(film.splats));
     encode_filter(e, &identity.filter);
     e.text(&identity.integrator.full_name());
     e.u32(identity.integrator.max_depth);
@@ -217,6 +218,7 @@ fn decode_format(d: &mut Decoder<'_>) -> Option<FilmFormat> {
         aovs: AovSet::from_bits(d.u8()?),
         signed: d.u8()? != 0,
         passes: d.u8()? != 0,
+        splats: d.u8()? != 0,
     })
 }
 
@@ -266,11 +268,18 @@ mod tests {
 
     pub(crate) fn example() -> Checkpoint {
         let crop = PixelRect { min: [2, 1], size: [20, 3] };
-        let format = FilmFormat { resolution: [30, 8], crop, aovs: AovSet::ALL, signed: true, passes: false };
+        let format = FilmFormat {
+            resolution: [30, 8],
+            crop,
+            aovs: AovSet::ALL,
+            signed: true,
+            passes: false,
+            splats: true,
+        };
         let mut film = Film::try_new(format).unwrap();
         let layout = format.layout();
         let mut rejects = Rejects::default();
-        for (tile, words) in film.parts_mut().0 {
+        for (tile, words) in film.parts_mut().tiles {
             for ([x, y], words) in tile.pixels().zip(words.chunks_exact_mut(layout.words())) {
                 let mut sums = PixelSums::read(&layout, words);
                 let rgb = [x as f32, y as f32 * 0.3, f32::NAN];

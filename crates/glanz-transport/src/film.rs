@@ -3,12 +3,15 @@
 use glanz_light::{Pixels, PixelsError};
 
 use crate::aov::{Aov, AovSet};
+pub use crate::channels::channel_names;
+use crate::channels::channel_values;
 use crate::guide::{Guide, Training};
 use crate::passes::Passes;
-use crate::pixel::{FirstHit, PixelLayout, PixelSums, PixelValue, Rejects};
+use crate::pixel::{PixelLayout, PixelSums, PixelValue, Rejects};
 use crate::pixel_rect::PixelRect;
 use crate::ranges::{OverlapError, SampleRanges};
 use crate::settled::{Blend, FEWEST_SAMPLES};
+use crate::splat::{SplatLayout, SplatRows, SplatSums};
 use glanz_sampling::exact::MAX_TERMS;
 
 /// Why a film cannot be made or joined with another.
@@ -57,6 +60,8 @@ pub struct FilmFormat {
     /// Whether samples come in passes of different variance, from an integrator that
     /// [learns](crate::Integrator::learns).
     pub passes: bool,
+    /// Whether an integrator [splats](crate::Integrator::splats).
+    pub splats: bool,
 }
 
 impl FilmFormat {
@@ -69,6 +74,7 @@ impl FilmFormat {
             aovs: AovSet::NONE,
             signed: false,
             passes: false,
+            splats: false,
         }
     }
 
@@ -76,6 +82,11 @@ impl FilmFormat {
     #[must_use]
     pub fn layout(&self) -> PixelLayout {
         PixelLayout { aovs: self.aovs, signed: self.signed, passes: self.passes }
+    }
+
+    /// The sums of the light that is splatted to each pixel.
+    fn splat_layout(&self) -> SplatLayout {
+        SplatLayout { squares: self.aovs.contains(Aov::Variance) }
     }
 
     /// Number of 64 bit words that a film of this format holds.
@@ -95,8 +106,19 @@ impl FilmFormat {
             let window = [x, x + f64::from(width), y, y + f64::from(height)];
             return Err(FilmError::Crop { window, resolution: self.resolution });
         }
-        Ok(self.crop.len() * self.layout().words() as u64)
+        let splats = if self.splats { self.splat_layout().words() } else { 0 };
+        Ok(self.crop.len() * (self.layout().words() + splats) as u64)
     }
+}
+
+/// A film in parts that threads may fill.
+pub(crate) struct FilmParts<'a> {
+    /// The tiles with their words.
+    pub(crate) tiles: Vec<(PixelRect, &'a mut [u64])>,
+    /// Where light goes that is splatted.
+    pub(crate) splats: SplatRows<'a>,
+    /// What an integrator has learnt.
+    pub(crate) training: Option<&'a Training>,
 }
 
 /// The sums of all pixels, and which samples are in them.
@@ -109,7 +131,7 @@ impl FilmFormat {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     format: FilmFormat,
-    /// Pixel after pixel, tile after tile; every pixel as its layout says.
+    /// Pixel after pixel, tile after tile, every pixel as its layout says; then what is splatted, row by row.
     words: Vec<u64>,
     samples: SampleRanges,
     rejects: Rejects,
@@ -130,11 +152,12 @@ impl Film {
         words.resize(length, 0);
         let layout = format.layout();
         // Not all sums start at the bits of zero: that of the shape's number starts at "none".
-        for pixel in words.chunks_exact_mut(layout.words()) {
+        let (samples, rejects, passes) = Default::default();
+        let mut film = Self { format, words, samples, rejects, passes };
+        for pixel in film.sums_mut().0.chunks_exact_mut(layout.words()) {
             PixelSums::default().write(&layout, pixel);
         }
-        let (samples, rejects, passes) = Default::default();
-        Ok(Self { format, words, samples, rejects, passes })
+        Ok(film)
     }
 
     /// A film from what [`Film::words`] gave.
@@ -191,10 +214,25 @@ impl Film {
         self.rejects
     }
 
-    /// The sums as words, tile after tile.
+    /// The sums as words, tile after tile, then what is splatted, row by row.
     #[must_use]
     pub fn words(&self) -> &[u64] {
         &self.words
+    }
+
+    /// Number of words before those of the splats.
+    fn own_words(&self) -> usize {
+        (self.format.crop.len() as usize * self.format.layout().words()).min(self.words.len())
+    }
+
+    /// The words of the pixels' own samples and those of the splats.
+    fn sums(&self) -> (&[u64], &[u64]) {
+        self.words.split_at(self.own_words())
+    }
+
+    fn sums_mut(&mut self) -> (&mut [u64], &mut [u64]) {
+        let own = self.own_words();
+        self.words.split_at_mut(own)
     }
 
     /// Begins to learn, if it has not.
@@ -207,17 +245,19 @@ impl Film {
         self.format.passes.then(|| self.passes.end_of_pass(next))
     }
 
-    /// The tiles with their words, for threads to fill, and what an integrator has learnt. [`Film::finish_pass`] has to follow.
-    pub(crate) fn parts_mut(&mut self) -> (Vec<(PixelRect, &mut [u64])>, Option<&Training>) {
-        let stride = self.format.layout().words();
-        let mut rest = self.words.as_mut_slice();
+    /// What threads fill. [`Film::finish_pass`] has to follow.
+    pub(crate) fn parts_mut(&mut self) -> FilmParts<'_> {
+        let (format, own) = (self.format, self.own_words());
+        let (mut rest, splats) = self.words.split_at_mut(own);
+        let stride = format.layout().words();
         let mut tiles = Vec::new();
-        for tile in self.format.crop.tiles() {
+        for tile in format.crop.tiles() {
             let (words, tail) = rest.split_at_mut(tile.len() as usize * stride);
             tiles.push((tile, words));
             rest = tail;
         }
-        (tiles, self.passes.training.as_deref())
+        let splats = SplatRows::new(format.crop, format.splat_layout(), splats);
+        FilmParts { tiles, splats, training: self.passes.training.as_deref() }
     }
 
     /// Notes that every pixel got the samples of `range`.
@@ -240,7 +280,7 @@ impl Film {
         self.passes.teach(self.brightness());
         let Some(blend) = self.passes.settled(self.samples.total(), self.precision()) else { return };
         let layout = self.format.layout();
-        for words in self.words.chunks_exact_mut(layout.words()) {
+        for words in self.sums_mut().0.chunks_exact_mut(layout.words()) {
             let mut sums = PixelSums::read(&layout, words);
             sums.settle(&blend);
             sums.write(&layout, words);
@@ -295,13 +335,18 @@ impl Film {
         for range in other.samples.as_slice() {
             samples.insert(range.clone())?;
         }
-        let layout = self.format.layout();
-        let stride = layout.words();
-        for (mine, theirs) in self.words.chunks_exact_mut(stride).zip(other.words.chunks_exact(stride)) {
+        let (layout, splats) = (self.format.layout(), self.format.splat_layout());
+        let ((own, splatted), (theirs, their_splats)) = (self.sums_mut(), other.sums());
+        join(own, theirs, layout.words(), |mine, theirs| {
             let mut sums = PixelSums::read(&layout, mine);
             sums.merge(&PixelSums::read(&layout, theirs));
             sums.write(&layout, mine);
-        }
+        });
+        join(splatted, their_splats, splats.words(), |mine, theirs| {
+            let mut sums = SplatSums::read(mine);
+            sums.merge(&SplatSums::read(theirs));
+            sums.write(mine);
+        });
         self.samples = samples;
         self.rejects.merge(other.rejects);
         Ok(())
@@ -313,13 +358,21 @@ impl Film {
         let origin = self.format.crop.min;
         let places = self.format.crop.tiles().flat_map(|tile| tile.pixels());
         places
-            .zip(self.words.chunks_exact(layout.words()))
+            .zip(self.sums().0.chunks_exact(layout.words()))
             .map(move |([x, y], words)| ([x - origin[0], y - origin[1]], PixelSums::read(&layout, words)))
+    }
+
+    /// What is splatted to the pixel in that row and column of the crop window.
+    fn splatted(&self, row: usize, column: usize) -> Option<[PixelValue; 3]> {
+        let stride = self.format.splat_layout().words();
+        let start = (row * self.format.crop.size[0] as usize + column) * stride;
+        let words = self.sums().1.get(start..start + stride)?;
+        Some(SplatSums::read(words).values(self.samples.total(), self.format.crop.len()))
     }
 
     /// The picture of the crop window: `R G B` and the channels asked for.
     ///
-    /// What [`PixelSums::radiance`] and [`PixelSums::first_hit`] say, rounded to `f32`. Where no sample hit anything,
+    /// What [`PixelSums::radiance`] and [`PixelSums::first_hit`] say, with the light that is splatted, rounded to `f32`. Where no sample hit anything,
     /// geometry and albedo are 0 and `id` is -1. A film without samples is black.
     ///
     /// # Errors
@@ -332,7 +385,15 @@ impl Film {
         let blend = self.blend();
         for ([x, y], sums) in self.pixels() {
             let at = y as usize * width as usize + x as usize;
-            let values = channel_values(self.format.aovs, &sums.blended(&blend), sums.first_hit().as_ref());
+            let mut radiance = sums.blended(&blend);
+            // Splats and own samples come from different numbers: their variances add up.
+            for (own, splatted) in
+                radiance.iter_mut().zip(self.splatted(y as usize, x as usize).into_iter().flatten())
+            {
+                own.mean += splatted.mean;
+                own.variance += splatted.variance;
+            }
+            let values = channel_values(self.format.aovs, &radiance, sums.first_hit().as_ref());
             for (plane, value) in planes.iter_mut().zip(values) {
                 plane[at] = value;
             }
@@ -344,42 +405,11 @@ impl Film {
     }
 }
 
-/// Channels of a picture with `aovs`, in their order.
-#[must_use]
-pub fn channel_names(aovs: AovSet) -> Vec<&'static str> {
-    let mut names = vec!["R", "G", "B"];
-    for aov in Aov::ALL.into_iter().filter(|&a| aovs.contains(a)) {
-        names.extend_from_slice(match aov {
-            Aov::Albedo => &["Albedo.R", "Albedo.G", "Albedo.B"],
-            Aov::Position => &["P.X", "P.Y", "P.Z"],
-            Aov::Normal => &["N.X", "N.Y", "N.Z"],
-            Aov::ShadingNormal => &["Ns.X", "Ns.Y", "Ns.Z"],
-            Aov::Uv => &["u", "v"],
-            Aov::Distance => &["Z"],
-            Aov::Id => &["id"],
-            Aov::Variance => &["Variance.R", "Variance.G", "Variance.B"],
-        });
-    }
-    names
-}
-
-fn channel_values(aovs: AovSet, radiance: &[PixelValue; 3], hit: Option<&FirstHit>) -> Vec<f32> {
-    let mut values: Vec<f32> = radiance.iter().map(|v| v.mean as f32).collect();
-    let vector =
-        |get: fn(&FirstHit) -> glanz_math::DVec3| hit.map_or([0.0; 3], |h| get(h).as_vec3().to_array());
-    for aov in Aov::ALL.into_iter().filter(|&a| aovs.contains(a)) {
-        match aov {
-            Aov::Albedo => values.extend(hit.map_or([0.0; 3], |h| h.albedo)),
-            Aov::Position => values.extend(vector(|h| h.position)),
-            Aov::Normal => values.extend(vector(|h| h.normal)),
-            Aov::ShadingNormal => values.extend(vector(|h| h.shading_normal)),
-            Aov::Uv => values.extend(hit.map_or([0.0; 2], |h| h.uv.as_vec2().to_array())),
-            Aov::Distance => values.push(hit.map_or(0.0, |h| h.distance as f32)),
-            Aov::Id => values.push(hit.map_or(-1.0, |h| h.object as f32)),
-            Aov::Variance => values.extend(radiance.iter().map(|v| v.variance as f32)),
-        }
-    }
-    values
+/// Calls `add` for every `stride` words of two films of one format.
+fn join(mine: &mut [u64], theirs: &[u64], stride: usize, add: impl Fn(&mut [u64], &[u64])) {
+    mine.chunks_exact_mut(stride)
+        .zip(theirs.chunks_exact(stride))
+        .for_each(|(mine, theirs)| add(mine, theirs));
 }
 
 #[cfg(test)]
@@ -391,7 +421,7 @@ mod tests {
     fn expose(film: &mut Film, range: std::ops::Range<u32>) {
         let layout = film.format().layout();
         let mut rejects = Rejects::default();
-        for (tile, words) in film.parts_mut().0 {
+        for (tile, words) in film.parts_mut().tiles {
             for ([x, y], words) in tile.pixels().zip(words.chunks_exact_mut(layout.words())) {
                 let mut sums = PixelSums::read(&layout, words);
                 for index in range.clone() {
@@ -408,7 +438,14 @@ mod tests {
 
     fn format() -> FilmFormat {
         let crop = PixelRect { min: [3, 5], size: [37, 18] };
-        FilmFormat { resolution: [60, 40], crop, aovs: AovSet::ALL, signed: true, passes: false }
+        FilmFormat {
+            resolution: [60, 40],
+            crop,
+            aovs: AovSet::ALL,
+            signed: true,
+            passes: false,
+            splats: false,
+        }
     }
 
     #[test]

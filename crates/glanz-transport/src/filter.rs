@@ -4,10 +4,13 @@
 //! so that every sample weighs the same and belongs to one pixel alone (@ernst2006). Where the filter is negative the
 //! sample counts with the opposite sign.
 
+use std::ops::Range;
+
 use glanz_math::DVec2;
 use glanz_scene::description::{FilterDescription, FilterKind};
 
 use self::profile::{Profile, ProfileError};
+use crate::pixel_rect::PixelRect;
 
 mod profile;
 
@@ -179,6 +182,44 @@ impl Filter {
             Shape::Cone => (1.0 - p.length()).max(0.0) * (3.0 * std::f64::consts::FRAC_1_PI),
         };
         value / area
+    }
+
+    /// A pixel of `pixels` that sees the film point `film`, picked by a number uniform in [0, 1), and what light there counts for it.
+    ///
+    /// Pixels are picked in proportion to the magnitude of their filters there; the factor is the sum of these magnitudes, with the sign of the
+    /// one picked, so that each pixel gets on average what [`Filter::evaluate`] says. `None` if no filter reaches that far.
+    #[must_use]
+    pub fn pick_pixel(&self, film: DVec2, pixels: &PixelRect, xi: f64) -> Option<([u32; 2], f64)> {
+        let [columns, rows] = [0, 1].map(|axis| self.reached(film, pixels, axis));
+        let all = || rows.clone().flat_map(|y| columns.clone().map(move |x| [x, y]));
+        let value = |pixel: [u32; 2]| {
+            let middle = DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
+            self.evaluate(film - middle)
+        };
+        let sum: f64 = all().map(|pixel| value(pixel).abs()).sum();
+        let mut rest = xi * sum;
+        let mut picked = None;
+        for pixel in all() {
+            let own = value(pixel);
+            if own != 0.0 {
+                picked = Some((pixel, sum.copysign(own)));
+                rest -= own.abs();
+                // Rounding may leave a little at the end: the last pixel takes it.
+                if rest < 0.0 {
+                    break;
+                }
+            }
+        }
+        picked
+    }
+
+    /// Columns or rows of `pixels` whose middles are no further than the radius from `film`.
+    fn reached(&self, film: DVec2, pixels: &PixelRect, axis: usize) -> Range<u32> {
+        let first = (film[axis] - self.radius[axis] - 0.5).ceil();
+        let end = (film[axis] + self.radius[axis] - 0.5).floor() + 1.0;
+        let [low, high] = [pixels.min[axis], pixels.min[axis].saturating_add(pixels.size[axis])];
+        // Casts keep to the range of u32, and carry what is not a number to 0.
+        (first as u32).max(low)..(end as u32).min(high)
     }
 
     /// Places a sample from two numbers uniform in [0, 1). (1/2, 1/2) goes to the middle, and neighbours to neighbours,

@@ -67,6 +67,7 @@
 //! ```
 
 pub mod aov;
+mod channels;
 pub mod checkpoint;
 pub mod codec;
 pub mod film;
@@ -83,6 +84,7 @@ pub mod progress;
 pub mod ranges;
 pub mod render;
 mod settled;
+mod splat;
 
 pub use aov::{Aov, AovSet};
 pub use checkpoint::{Checkpoint, CheckpointError};

@@ -41,9 +41,9 @@ pub struct Sample {
 /// Samples that could not be taken as they came.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rejects {
-    /// Samples whose radiance was infinite or not a number: they count as black.
+    /// Samples whose radiance was infinite or not a number, and splats: they count as black.
     pub dropped: u64,
-    /// Samples with a value beyond the range of the sums (2^36): it was cut to that.
+    /// Samples and splats with a value beyond the range of the sums (2^36): it was cut to that.
     pub cut: u64,
 }
 

@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use glanz_light::Wavelengths;
 use glanz_math::DVec2;
 use glanz_sampling::{PixelSampler, SamplerKind};
 use glanz_scene::Scene;
@@ -16,6 +17,7 @@ use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Inte
 use crate::pixel::{PixelSums, Rejects, Sample};
 use crate::pixel_rect::PixelRect;
 use crate::progress::{Progress, ProgressReport};
+use crate::splat::{Splat, SplatBuffer, SplatRows};
 use glanz_sampling::exact::MAX_TERMS;
 
 /// Time that a pass over the picture should take: short enough to stop soon, long enough that threads do not wait.
@@ -75,7 +77,7 @@ pub enum RenderError {
     /// A film made for a filter without negative lobes, and a filter with, or the other way round.
     #[error("the film was made for another kind of filter")]
     Filter,
-    /// A film made for passes and an integrator that does not learn, or the other way round.
+    /// A film made for passes or splats and an integrator without, or the other way round.
     #[error("the film was made for another kind of integrator")]
     Passes,
     /// Samples out of turn, for an integrator that learns.
@@ -117,7 +119,7 @@ pub fn render(
     if film.format().signed != settings.filter.is_signed() {
         return Err(RenderError::Filter);
     }
-    if film.format().passes != integrator.learns() {
+    if film.format().passes != integrator.learns() || film.format().splats != integrator.splats() {
         return Err(RenderError::Passes);
     }
     if integrator.learns() {
@@ -129,7 +131,10 @@ pub fn render(
         return Err(FilmError::Samples(film.samples().total() + new).into());
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
-    let options = ContextOptions::new(film.format().aovs.needs_first_hit());
+    let mut options = ContextOptions::new(film.format().aovs.needs_first_hit());
+    if film.format().splats {
+        options = options.with_splats(&film.format().crop, &settings.filter);
+    }
     let exposure = Exposure { scene, integrator, settings, options };
     let start = Instant::now();
     let mut clock = PassClock::new(settings.time_limit);
@@ -261,6 +266,16 @@ impl Work {
     }
 }
 
+/// Memory that one sample after the other uses.
+#[derive(Default)]
+struct Memory {
+    records: Records,
+    /// Those of the last sample.
+    splats: Vec<Splat>,
+    /// Those of earlier ones, on their way to the film.
+    buffer: SplatBuffer,
+}
+
 #[derive(Clone, Copy)]
 struct Exposure<'a> {
     scene: &'a Scene,
@@ -274,34 +289,47 @@ impl Exposure<'_> {
     fn expose(&self, film: &mut Film, range: &Range<u32>) -> Work {
         let layout = film.format().layout();
         let stride = layout.words();
-        let (tiles, training) = film.parts_mut();
+        let parts = film.parts_mut();
+        let tiles = parts.tiles;
+        let (splats, training) = (parts.splats, parts.training);
         tiles
             .into_par_iter()
             .with_max_len(1)
             .map(|(tile, words): (PixelRect, &mut [u64])| {
                 let mut work = Work::default();
-                let mut records = Records::default();
+                let mut memory = Memory::default();
                 for (pixel, words) in tile.pixels().zip(words.chunks_exact_mut(stride)) {
                     let mut sums = PixelSums::read(&layout, words);
                     for index in range.clone() {
-                        let sample = self.sample(pixel, index, training, &mut records, &mut work.counters);
+                        let sample = self.sample(pixel, index, training, &mut memory, &mut work.counters);
                         sums.add(&layout, &sample, &mut work.rejects);
+                        self.pass_on(&mut memory, &splats, &mut work.rejects);
                     }
                     sums.write(&layout, words);
                 }
+                memory.buffer.flush(&splats, &mut work.rejects);
                 work
             })
             // Counts are integers: the order of this sum does not matter.
             .reduce(Work::default, Work::merged)
     }
 
-    /// `records`: memory that goes from sample to sample.
+    /// Puts what the last sample splatted on its way to the film.
+    fn pass_on(&self, memory: &mut Memory, splats: &SplatRows<'_>, rejects: &mut Rejects) {
+        if !memory.splats.is_empty() {
+            let wavelengths = Wavelengths::default();
+            memory.buffer.take(&memory.splats, &self.settings.filter, &wavelengths, splats, rejects);
+            memory.splats.clear();
+        }
+    }
+
+    /// `memory`: goes from sample to sample.
     fn sample(
         &self,
         pixel: [u32; 2],
         index: u32,
         training: Option<&Training>,
-        records: &mut Records,
+        memory: &mut Memory,
         counters: &mut Counters,
     ) -> Sample {
         let settings = self.settings;
@@ -313,9 +341,11 @@ impl Exposure<'_> {
         sampler.skip_to_dimension(FIRST_DIMENSION);
         let mut context = Context::new(self.scene, ray, sampler, self.options);
         context.training = training;
-        context.records = std::mem::take(records);
+        context.records = std::mem::take(&mut memory.records);
+        context.splats = std::mem::take(&mut memory.splats);
         let radiance = self.integrator.radiance(&mut context);
-        *records = std::mem::take(&mut context.records);
+        memory.records = std::mem::take(&mut context.records);
+        memory.splats = std::mem::take(&mut context.splats);
         counters.merge(context.counters);
         let rgb = radiance.to_rgb(&context.wavelengths);
         Sample { index, rgb, negative: place.negative, first_hit: context.first_hit() }

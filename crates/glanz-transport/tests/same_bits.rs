@@ -35,6 +35,7 @@ fn runs() -> Vec<Run> {
         ("distributed", SamplerKind::Independent),
         ("whitted", SamplerKind::Regular),
         ("path", SamplerKind::Stratified),
+        ("light", SamplerKind::Sobol),
     ] {
         runs.push(Run { sampler, aovs: AovSet::ALL, ..Run::new(integrator, 5, 16) });
     }

@@ -84,6 +84,7 @@ impl Plan {
                 aovs: aovs(&options.aov),
                 signed: filter.is_signed(),
                 passes: learns,
+                splats: integrator.build().splats(),
             },
             filter: description.filter,
             integrator,

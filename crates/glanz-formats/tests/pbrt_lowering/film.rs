@@ -75,6 +75,8 @@ fn samplers_and_integrators_have_the_names_of_the_tables() {
         ("Integrator \"whitted\" \"integer maxdepth\" 9", "whitted", 9),
         ("Integrator \"distributed\" \"integer branching\" 4", "distributed", 5),
         ("SurfaceIntegrator \"path\" \"integer maxdepth\" 0", "path", 0),
+        ("Integrator \"light\"", "light", 5),
+        ("Integrator \"lightpath\" \"integer maxdepth\" 3", "light", 3),
     ] {
         let integrator = read_clean(text).description.integrator;
         assert_eq!((integrator.name.as_str(), integrator.max_depth), (name, Some(depth)), "{text}");

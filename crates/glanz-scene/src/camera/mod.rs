@@ -22,6 +22,19 @@ pub struct Camera {
     lens_radius: f64,
     focal_distance: f64,
     to_world: Transform,
+    /// Volume in the camera's frame over that in the world.
+    inverse_volume: f64,
+}
+
+/// How the camera sees a point of the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projected {
+    /// Place on the film, pixels; it may lie outside the picture.
+    pub film: DVec2,
+    /// Where the ray through the point begins, world space, metres.
+    pub origin: DVec3,
+    /// Density of rays at the point: see [`Camera::density`].
+    pub density: f64,
 }
 
 /// The projections.
@@ -73,6 +86,7 @@ impl Camera {
             lens_radius: camera.lens_radius,
             focal_distance: camera.focal_distance,
             to_world,
+            inverse_volume: to_world.inverse().forward().matrix3.determinant().abs(),
         })
     }
 
@@ -95,6 +109,52 @@ impl Camera {
         }
         let world = self.to_world.ray(&ray);
         Ray::new(world.origin, world.direction.normalize())
+    }
+
+    /// The ray of [`Camera::ray`] with the same `lens` that meets `point` (world space, metres).
+    ///
+    /// `None` for what lies behind the camera or beside all that it can see.
+    #[must_use]
+    pub fn project(&self, point: DVec3, lens: DVec2) -> Option<Projected> {
+        let local = self.to_world.inverse().point(point);
+        if local.z.is_nan() || local.z <= 0.0 {
+            return None;
+        }
+        let (mut on_lens, mut seen) = (DVec2::ZERO, local.truncate());
+        if self.lens_radius > 0.0 {
+            on_lens = self.lens_radius * warp::concentric_disk(lens);
+            // Where the ray of the same film point without a lens is at this depth: both meet in the plane of focus, and are
+            // `on_lens` apart at depth 0.
+            seen -= on_lens * (1.0 - local.z / self.focal_distance);
+        }
+        let (screen, start) = match self.projection {
+            Projection::Perspective(p) => (p.screen(seen, local.z), on_lens),
+            Projection::Orthographic(_) => (seen, seen + on_lens),
+        };
+        let film = self.screen.to_film(screen);
+        let origin = self.to_world.point(start.extend(0.0));
+        let density = self.density(point, (point - origin).try_normalize()?);
+        (film.is_finite() && density > 0.0).then_some(Projected { film, origin, density })
+    }
+
+    /// How dense the rays of the film are at `point` (world space, metres): pixels that a surface of one square metre fills there if it
+    /// faces the ray along the unit `direction`, from one place on the lens; 0 where it is not a number.
+    ///
+    /// A pixel is the mean of the radiance over film and lens. Put as an integral over surfaces it has this density times the cosine as
+    /// factor; for a pinhole, density times squared distance is the importance that @veach1997 gives it per solid angle.
+    #[must_use]
+    pub fn density(&self, point: DVec3, direction: DVec3) -> f64 {
+        let to_local = self.to_world.inverse();
+        let z = to_local.point(point).z;
+        let per_plane = match self.projection {
+            Projection::Perspective(p) => p.screen_density(z),
+            Projection::Orthographic(_) => 1.0,
+        };
+        // In the camera's frame an area across the ray is 1 / cos of it in the plane of depth z. Areas across a ray grow from world to camera as
+        // volumes do, divided by what lengths along the ray do; the cosine is the depth of that length.
+        let depth = to_local.vector(direction).z;
+        let density = per_plane * self.inverse_volume / (depth * self.screen.pixel_area());
+        if density > 0.0 && density.is_finite() { density } else { 0.0 }
     }
 }
 
@@ -154,6 +214,81 @@ mod tests {
         let a = at_focus(DVec2::new(0.1, 0.9));
         let b = at_focus(DVec2::new(0.8, 0.3));
         assert!((a - b).length() < 1e-14);
+    }
+
+    /// Pinhole, lens and both as parallel projections, under a matrix that turns, mirrors and stretches.
+    fn cameras() -> Vec<Camera> {
+        let to_world = DMat4::from_translation(DVec3::new(1.0, -2.0, 0.5))
+            * DMat4::from_rotation_y(0.7)
+            * DMat4::from_scale(DVec3::new(-1.5, 0.8, 1.2));
+        let mut cameras = Vec::new();
+        for kind in [CameraKind::Perspective { field_of_view: 0.9 }, CameraKind::Orthographic] {
+            for lens_radius in [0.0, 0.3] {
+                let description = CameraDescription {
+                    kind,
+                    lens_radius,
+                    focal_distance: 3.0,
+                    to_world,
+                    ..CameraDescription::default()
+                };
+                cameras.push(Camera::try_new(&description, &film(40, 30)).unwrap());
+            }
+        }
+        cameras
+    }
+
+    #[test]
+    fn points_on_a_ray_are_projected_to_where_it_came_from() {
+        for camera in cameras() {
+            for (place, lens, t) in [
+                (DVec2::new(3.5, 20.0), DVec2::new(0.2, 0.7), 0.4),
+                (DVec2::new(39.0, 1.0), DVec2::new(0.9, 0.1), 3.0),
+                (DVec2::new(-8.0, 33.0), DVec2::new(0.5, 0.4), 50.0),
+            ] {
+                let ray = camera.ray(place, lens);
+                let seen = camera.project(ray.at(t), lens).unwrap();
+                assert!((seen.film - place).length() < 1e-11, "{} {place}", seen.film);
+                assert!((seen.origin - ray.origin).length() < 1e-12);
+                assert_eq!(camera.project(ray.at(-t), lens), None);
+                let along = camera.density(ray.at(t), ray.direction);
+                assert!((seen.density / along - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn density_is_the_film_area_of_a_small_surface_across_the_ray() {
+        for camera in cameras() {
+            let lens = DVec2::new(0.3, 0.8);
+            let ray = camera.ray(DVec2::new(9.0, 25.0), lens);
+            let (point, step) = (ray.at(2.5), 1e-5);
+            let [a, b] = {
+                let a = ray.direction.any_orthonormal_vector();
+                [a, ray.direction.cross(a)]
+            };
+            // Central differences err by the square of the step.
+            let side = |way: DVec3| {
+                let place = |sign: f64| camera.project(point + sign * step * way, lens).unwrap().film;
+                (place(1.0) - place(-1.0)) / (2.0 * step)
+            };
+            let area = side(a).perp_dot(side(b)).abs();
+            let density = camera.project(point, lens).unwrap().density;
+            assert!((density / area - 1.0).abs() < 1e-7, "{density} {area}");
+        }
+    }
+
+    #[test]
+    fn importance_of_a_pinhole_grows_with_the_third_power_of_the_cosine() {
+        let kind = CameraKind::Perspective { field_of_view: FRAC_PI_2 };
+        let camera = CameraDescription { kind, ..CameraDescription::default() };
+        let camera = Camera::try_new(&camera, &film(2, 2)).unwrap();
+        // Half angle 45 degrees: a pixel is a unit square of the plane z = 1, and its solid angle cos^3 of that.
+        for place in [DVec3::Z, DVec3::new(0.5, -0.3, 1.0), DVec3::new(-1.0, 1.0, 1.0)] {
+            let (point, cos) = (4.0 * place, 1.0 / place.length());
+            let seen = camera.project(point, DVec2::ZERO).unwrap();
+            let per_solid_angle = seen.density * point.length_squared();
+            assert!((per_solid_angle * cos.powi(3) - 1.0).abs() < 1e-14);
+        }
     }
 
     #[test]

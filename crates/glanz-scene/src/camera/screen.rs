@@ -34,4 +34,15 @@ impl Screen {
     pub fn from_film(&self, film: DVec2) -> DVec2 {
         self.top_left + film * self.per_pixel
     }
+    /// The film point that [`Screen::from_film`] carries to `screen`.
+    #[must_use]
+    pub fn to_film(&self, screen: DVec2) -> DVec2 {
+        (screen - self.top_left) / self.per_pixel
+    }
+
+    /// Area of a pixel on the projection plane.
+    #[must_use]
+    pub fn pixel_area(&self) -> f64 {
+        (self.per_pixel.x * self.per_pixel.y).abs()
+    }
 }

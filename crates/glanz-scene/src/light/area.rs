@@ -1,11 +1,11 @@
 //! A surface that shines.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_PI, PI};
 
 use glanz_geometry::{Surface, SurfacePoint};
 use glanz_light::Spectrum;
 use glanz_math::rounding::gamma;
-use glanz_math::{DVec2, DVec3, Frame, SolidAnglePdf};
+use glanz_math::{AreaPdf, DVec2, DVec3, Frame, SolidAnglePdf};
 use glanz_sampling::warp;
 
 use super::LightSample;
@@ -95,8 +95,8 @@ impl AreaLight {
         let offset = point.position - from.point.position;
         let distance_squared = offset.length_squared();
         let wi = offset.try_normalize()?;
-        let pdf = pdf.to_solid_angle(distance_squared, point.normal.dot(wi));
-        self.finish(from, &point, wi, pdf)
+        let by_angle = pdf.to_solid_angle(distance_squared, point.normal.dot(wi));
+        self.finish(from, &point, wi, by_angle, pdf)
     }
 
     fn finish(
@@ -105,25 +105,31 @@ impl AreaLight {
         point: &SurfacePoint,
         wi: DVec3,
         pdf: SolidAnglePdf,
+        area_pdf: AreaPdf,
     ) -> Option<LightSample> {
         let radiance = self.emitted(point, -wi);
         if radiance.is_black() || !(pdf.0 > 0.0 && pdf.0.is_finite()) {
             return None;
         }
         let shadow = from.spawn_to(point.position, Some((point.error, point.normal)));
-        Some(LightSample { wi, radiance, pdf, is_delta: false, shadow, t_max: 1.0 })
+        let area_pdf = Some(area_pdf);
+        Some(LightSample { wi, radiance, pdf, is_delta: false, shadow, t_max: 1.0, area_pdf })
     }
 
     /// Density per solid angle with which a sample from `from` takes the point of `hit` on this light.
     #[must_use]
     pub fn pdf(&self, from: &Reference, hit: &Interaction) -> SolidAnglePdf {
+        hit.area_pdf.map_or(SolidAnglePdf(0.0), |pdf| self.pdf_at(from, &hit.point, pdf))
+    }
+
+    /// As [`AreaLight::pdf`], of a point whose density per area is `area_pdf`.
+    pub(super) fn pdf_at(&self, from: &Reference, point: &SurfacePoint, area_pdf: AreaPdf) -> SolidAnglePdf {
         if let Some(cone) = self.cone(from.position) {
             return cone.pdf();
         }
-        let Some(pdf) = hit.area_pdf else { return SolidAnglePdf(0.0) };
-        let offset = hit.point.position - from.position;
+        let offset = point.position - from.position;
         let distance_squared = offset.length_squared();
-        pdf.to_solid_angle(distance_squared, hit.point.normal.dot(offset / distance_squared.sqrt()))
+        area_pdf.to_solid_angle(distance_squared, point.normal.dot(offset / distance_squared.sqrt()))
     }
 
     fn cone(&self, from: DVec3) -> Option<SphereCone> {
@@ -168,6 +174,7 @@ impl AreaLight {
             is_delta: false,
             shadow,
             t_max: 1.0,
+            area_pdf: Some(AreaPdf(0.25 * FRAC_1_PI / (cone.radius * cone.radius))),
         })
     }
 }

@@ -1,7 +1,7 @@
 //! What lights without extent send to a place.
 
 use glanz_light::Spectrum;
-use glanz_math::{DVec2, DVec3};
+use glanz_math::DVec3;
 
 use super::Light;
 use super::point::window;
@@ -41,7 +41,7 @@ impl Light {
                 Some(ArrivingLight { towards, irradiance, distance })
             }
             Self::Photometric(light) if light.is_point() => {
-                let (towards, distance) = from_point(light.place(DVec2::ZERO))?;
+                let (towards, distance) = from_point(light.center())?;
                 let irradiance = light.intensity(-towards) * (1.0 / (distance * distance)) as f32;
                 Some(ArrivingLight { towards, irradiance, distance })
             }

@@ -38,6 +38,7 @@ impl DistantLight {
             is_delta: true,
             shadow: from.spawn(self.towards),
             t_max: f64::INFINITY,
+            area_pdf: None,
         }
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glanz_geometry::SurfacePoint;
 use glanz_light::Spectrum;
 use glanz_math::rounding::offset_origin;
-use glanz_math::{DVec2, DVec3, Frame, Ray};
+use glanz_math::{AreaPdf, DVec2, DVec3, Frame, Ray};
 use glanz_sampling::warp;
 
 use super::{
@@ -23,6 +23,8 @@ pub struct LightRay {
     pub power: Spectrum,
     /// Where it leaves the light, if that is a surface.
     pub from: Option<SurfacePoint>,
+    /// Density of that place.
+    pub area_pdf: Option<AreaPdf>,
     /// Distance, metres, at which the light has faded to nothing, if it does.
     range: Option<f64>,
 }
@@ -37,13 +39,13 @@ impl LightRay {
 
 /// A sphere around all of a scene that has an end.
 #[derive(Clone, Copy, Debug)]
-struct Around {
-    center: DVec3,
-    radius: f64,
+pub(super) struct Around {
+    pub(super) center: DVec3,
+    pub(super) radius: f64,
 }
 
 impl Around {
-    fn of(scene: &Scene) -> Option<Self> {
+    pub(super) fn of(scene: &Scene) -> Option<Self> {
         let bounds = scene.bounds();
         let radius = 0.5 * bounds.diagonal().length();
         // Rays along its surface need not meet what touches it.
@@ -63,25 +65,32 @@ impl Scene {
     /// Picks a ray that leaves the light `id` by two pairs of numbers uniform in [0, 1): a place, or of a point a direction, and a direction.
     ///
     /// `None` if the light is black there, or where no place can be picked on it. Of lights that are infinitely far only rays are picked that
-    /// meet the sphere around what has an end: endless planes beyond it get none.
+    /// meet the sphere around what has an end: endless planes beyond it get none, and stop what they hide from it.
     #[must_use]
     pub fn emit(&self, id: LightId, place: DVec2, direction: DVec2) -> Option<LightRay> {
         let ray = match self.light(id)? {
             Light::Point(light) => Some(light.emit(direction)),
             Light::Spot(light) => light.emit(direction),
             Light::Photometric(light) => light.emit(place, direction),
-            Light::Distant(light) => light.emit(&Around::of(self)?, place),
+            Light::Distant(light) => light.emit(&Around::of(self)?, place).filter(|ray| self.sees_afar(ray)),
             Light::Area(light) => light.emit(self, place, direction),
-            Light::Infinite(light) => light.emit(&Around::of(self)?, place, direction),
+            Light::Infinite(light) => {
+                light.emit(&Around::of(self)?, place, direction).filter(|ray| self.sees_afar(ray))
+            }
         };
         ray.filter(|ray| !ray.power.is_black() && ray.power.is_finite())
+    }
+
+    /// Whether nothing endless lies between the sphere around the rest, where the ray begins, and where it comes from.
+    fn sees_afar(&self, light: &LightRay) -> bool {
+        !self.occluded(&Ray::new(light.ray.origin, -light.ray.direction), f64::INFINITY)
     }
 }
 
 impl PointLight {
     fn emit(&self, xi: DVec2) -> LightRay {
         let ray = Ray::new(self.position(), warp::uniform_sphere(xi));
-        LightRay { ray, power: self.power(), from: None, range: self.range() }
+        LightRay { ray, power: self.power(), from: None, area_pdf: None, range: self.range() }
     }
 }
 
@@ -93,7 +102,7 @@ impl SpotLight {
         let pdf = warp::uniform_cone_pdf(one_minus_cos);
         let ray = Ray::new(self.position(), Frame::from_z(self.axis()).to_world(local));
         let power = self.intensity(ray.direction) * (1.0 / pdf.0) as f32;
-        (one_minus_cos > 0.0).then_some(LightRay { ray, power, from: None, range: None })
+        (one_minus_cos > 0.0).then_some(LightRay { ray, power, from: None, area_pdf: None, range: None })
     }
 }
 
@@ -101,14 +110,20 @@ impl PhotometricLight {
     /// Directions in proportion to the intensity: all rays carry the same.
     fn emit(&self, place: DVec2, direction: DVec2) -> Option<LightRay> {
         let ray = Ray::new(self.place(place), self.direction(direction)?);
-        Some(LightRay { ray, power: self.power(), from: None, range: None })
+        Some(LightRay { ray, power: self.power(), from: None, area_pdf: None, range: None })
     }
 }
 
 impl DistantLight {
     fn emit(&self, around: &Around, xi: DVec2) -> Option<LightRay> {
         let (ray, area) = around.ray(self.towards(), xi);
-        Some(LightRay { ray, power: self.irradiance() * area as f32, from: None, range: None })
+        Some(LightRay {
+            ray,
+            power: self.irradiance() * area as f32,
+            from: None,
+            area_pdf: None,
+            range: None,
+        })
     }
 }
 
@@ -116,7 +131,7 @@ impl InfiniteLight {
     fn emit(&self, around: &Around, place: DVec2, direction: DVec2) -> Option<LightRay> {
         let (ray, area) = around.ray(warp::uniform_sphere(direction), place);
         let power = self.radiance() * (4.0 * PI * area) as f32;
-        Some(LightRay { ray, power, from: None, range: None })
+        Some(LightRay { ray, power, from: None, area_pdf: None, range: None })
     }
 }
 
@@ -134,6 +149,6 @@ impl AreaLight {
         let way = Frame::from_z(side * point.normal).to_world(warp::cosine_hemisphere(direction));
         let power = self.emitted(&point, way) * (PI * sides / pdf.0) as f32;
         let ray = Ray::new(offset_origin(point.position, point.error, point.normal, way), way);
-        Some(LightRay { ray, power, from: Some(point), range: None })
+        Some(LightRay { ray, power, from: Some(point), area_pdf: Some(pdf), range: None })
     }
 }

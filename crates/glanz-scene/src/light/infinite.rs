@@ -50,6 +50,7 @@ impl InfiniteLight {
             is_delta: false,
             shadow: from.spawn(wi),
             t_max: f64::INFINITY,
+            area_pdf: None,
         })
     }
 

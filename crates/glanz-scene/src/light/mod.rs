@@ -4,6 +4,7 @@ mod area;
 mod arriving;
 mod distant;
 mod emission;
+mod emission_pdf;
 mod infinite;
 mod opening;
 mod photometric;
@@ -12,7 +13,7 @@ mod select;
 mod spot;
 
 use glanz_light::{Spectrum, Wavelengths};
-use glanz_math::{DVec2, DVec3, Ray, SolidAnglePdf};
+use glanz_math::{AreaPdf, DVec2, DVec3, Ray, SolidAnglePdf};
 
 use crate::interaction::Interaction;
 use crate::scene::Scene;
@@ -74,6 +75,12 @@ impl Light {
         }
     }
 
+    /// Whether a ray can meet it by chance.
+    #[must_use]
+    pub fn can_be_met(&self) -> bool {
+        matches!(self, Self::Area(_) | Self::Infinite(_))
+    }
+
     /// Its power as a number for choosing between lights, W; `radius` is that of the scene, metres.
     pub(crate) fn importance(&self, radius: f64) -> f64 {
         let wavelengths = Wavelengths::default();
@@ -127,4 +134,6 @@ pub struct LightSample {
     pub shadow: Ray,
     /// End of `shadow`.
     pub t_max: f64,
+    /// Density with which [`Scene::emit`] picks the place `wi` leads to; `None` if that is not on a surface.
+    pub area_pdf: Option<AreaPdf>,
 }

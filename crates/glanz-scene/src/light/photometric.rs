@@ -82,6 +82,11 @@ impl PhotometricLight {
         self.opening.is_none()
     }
 
+    /// Its middle, metres.
+    pub(super) fn center(&self) -> DVec3 {
+        self.position
+    }
+
     /// A point that it shines from, metres, by two numbers uniform in [0, 1).
     pub(super) fn place(&self, xi: DVec2) -> DVec3 {
         let from_center = self.opening.as_ref().map_or(DVec3::ZERO, |o| opening::point(o, xi));

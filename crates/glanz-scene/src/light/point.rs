@@ -67,7 +67,15 @@ pub(super) fn sample_point(
         return None;
     }
     let shadow = from.spawn_to(position, None);
-    Some(LightSample { wi, radiance, pdf: SolidAnglePdf(1.0), is_delta: true, shadow, t_max: 1.0 })
+    Some(LightSample {
+        wi,
+        radiance,
+        pdf: SolidAnglePdf(1.0),
+        is_delta: true,
+        shadow,
+        t_max: 1.0,
+        area_pdf: None,
+    })
 }
 
 #[cfg(test)]

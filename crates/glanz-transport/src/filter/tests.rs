@@ -94,6 +94,36 @@ fn filters_are_those_of_their_formulas() {
 }
 
 #[test]
+fn pixels_around_a_place_get_what_their_filters_say() {
+    let n = 20_000;
+    let pixels = PixelRect { min: [2, 1], size: [5, 4] };
+    for kind in kinds() {
+        let filter = filter(kind, [1.7, 1.2]);
+        for place in [DVec2::new(4.3, 2.8), DVec2::new(1.2, 0.4), DVec2::new(7.9, 4.9)] {
+            let mut got = [[0.0; 8]; 8];
+            for i in 0..n {
+                let xi = (f64::from(i) + 0.5) / f64::from(n);
+                if let Some(([x, y], weight)) = filter.pick_pixel(place, &pixels, xi) {
+                    got[x as usize][y as usize] += weight / f64::from(n);
+                }
+            }
+            for [x, y] in PixelRect::full([8, 8]).pixels() {
+                let middle = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+                let inside = (2..7).contains(&x) && (1..5).contains(&y);
+                let expected = if inside { filter.evaluate(place - middle) } else { 0.0 };
+                // Borders between pixels fall between two numbers: an error of one in n of the sum of weights, below 2.
+                let error = (got[x as usize][y as usize] - expected).abs();
+                assert!(error < 4.0 / f64::from(n), "{kind:?} {place} {x} {y}: {error}");
+            }
+        }
+    }
+    let narrow = filter(FilterKind::Box, [0.5, 0.5]);
+    assert_eq!(narrow.pick_pixel(DVec2::new(7.1, 2.0), &pixels, 0.5), None);
+    assert_eq!(narrow.pick_pixel(DVec2::new(-1e30, f64::NAN), &pixels, 0.5), None);
+    assert_eq!(narrow.pick_pixel(DVec2::new(6.9, 1.1), &pixels, 0.5), Some(([6, 1], 1.0)));
+}
+
+#[test]
 fn very_wide_bell_is_a_parabola() {
     // exp(-x^2 / 2 s^2) - exp(-r^2 / 2 s^2) -> (r^2 - x^2) / 2 s^2 for s >> r; its integral over [-1, 1] is 4 / 3.
     let wide = filter(FilterKind::Gaussian { sigma: 1e12 }, [1.0, 1.0]);

@@ -6,18 +6,17 @@
 use std::fmt;
 use std::sync::Arc;
 
-use glanz_light::{Spectrum, Wavelengths};
-use glanz_math::Ray;
-use glanz_sampling::PixelSampler;
+use glanz_light::Spectrum;
+use glanz_scene::Scene;
 use glanz_scene::description::{GuideSettings, IntegratorDescription};
-use glanz_scene::{Interaction, Place, Scene};
 
-use crate::guide::{GridError, Guide, Records, Training};
-use crate::pixel::FirstHit;
+use crate::guide::{GridError, Guide};
 
 mod by_grid;
+mod context;
 mod distributed;
 mod guided;
+mod light;
 mod mirrors;
 mod path;
 mod stored;
@@ -25,8 +24,10 @@ mod vertex;
 mod walk;
 mod whitted;
 
+pub use context::{Context, ContextOptions, Counters, FIRST_DIMENSION};
 pub use distributed::Distributed;
 pub use guided::Guided;
+pub use light::LightPaths;
 pub use mirrors::SMALLEST_WEIGHT;
 pub use path::Path;
 pub use stored::{Stored, StoredLight};
@@ -47,124 +48,18 @@ pub trait Integrator: Send + Sync {
         false
     }
 
+    /// Whether it brings light to pixels other than that of the sample: it needs a film with
+    /// [`FilmFormat::splats`](crate::FilmFormat::splats).
+    fn splats(&self) -> bool {
+        false
+    }
+
     /// A guide for `scene` that knows nothing, of the kind that it learns.
     ///
     /// # Errors
     /// [`GridError`] if a grid cannot be made.
     fn new_guide(&self, scene: &Scene) -> Result<Guide, GridError> {
         Guide::new(scene, &GuideSettings::Tree)
-    }
-}
-
-/// Work done.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counters {
-    /// Rays that looked for the closest hit.
-    pub closest: u64,
-    /// Rays that looked for any hit.
-    pub shadow: u64,
-}
-
-impl Counters {
-    /// All rays.
-    #[must_use]
-    pub fn rays(&self) -> u64 {
-        self.closest + self.shadow
-    }
-
-    /// Adds the counts of `other`.
-    pub fn merge(&mut self, other: Self) {
-        self.closest += other.closest;
-        self.shadow += other.shadow;
-    }
-}
-
-/// What an integrator works with during one sample.
-pub struct Context<'a> {
-    /// The scene.
-    pub scene: &'a Scene,
-    /// The ray whose radiance is asked for; its direction has unit length.
-    pub camera_ray: Ray,
-    /// The numbers of this sample; the camera has taken those up to [`FIRST_DIMENSION`].
-    pub sampler: PixelSampler,
-    /// What the lanes of spectra mean.
-    pub wavelengths: Wavelengths,
-    /// Work done so far.
-    pub counters: Counters,
-    /// What integrators that learn have learnt.
-    pub(crate) training: Option<&'a Training>,
-    /// Memory that is used again by the next sample.
-    pub(crate) records: Records,
-    options: ContextOptions,
-    first_hit: Option<FirstHit>,
-}
-
-/// The sampler's dimension that is the integrator's first: those before belong to pixel and lens.
-pub const FIRST_DIMENSION: u32 = 4;
-
-/// What is the same in all samples of a render.
-#[derive(Clone, Copy, Debug)]
-pub struct ContextOptions {
-    /// Whether [`Context::first_hit`] will be asked for.
-    wants_first_hit: bool,
-}
-
-impl ContextOptions {
-    /// `wants_first_hit`: whether [`Context::first_hit`] will be asked for.
-    #[must_use]
-    pub fn new(wants_first_hit: bool) -> Self {
-        Self { wants_first_hit }
-    }
-}
-
-impl<'a> Context<'a> {
-    /// For one sample.
-    #[must_use]
-    pub fn new(scene: &'a Scene, camera_ray: Ray, sampler: PixelSampler, options: ContextOptions) -> Self {
-        let (wavelengths, counters) = (Wavelengths::default(), Counters::default());
-        let (training, records, first_hit) = (None, Records::default(), None);
-        Self { scene, camera_ray, sampler, wavelengths, counters, training, records, options, first_hit }
-    }
-
-    /// The first thing on `ray`.
-    pub fn intersect(&mut self, ray: &Ray) -> Option<Interaction> {
-        self.counters.closest += 1;
-        self.scene.intersect(ray, f64::INFINITY)
-    }
-
-    /// As [`Context::intersect`], with the place by parameters.
-    pub fn intersect_place(&mut self, ray: &Ray) -> Option<(Interaction, Place)> {
-        self.counters.closest += 1;
-        self.scene.intersect_place(ray, f64::INFINITY)
-    }
-
-    /// Whether nothing that stops light lies on `ray` with `0 < t < t_max`.
-    pub fn is_free(&mut self, ray: &Ray, t_max: f64) -> bool {
-        self.counters.shadow += 1;
-        !self.scene.occluded(ray, t_max)
-    }
-
-    /// What the camera ray met first that scatters light.
-    #[must_use]
-    pub fn first_hit(&self) -> Option<FirstHit> {
-        self.first_hit
-    }
-
-    /// Integrators call this at the scattering surfaces they meet; the first call counts.
-    fn note_first_hit(&mut self, vertex: &Vertex<'_>) {
-        if self.options.wants_first_hit && self.first_hit.is_none() {
-            let point = &vertex.at.point;
-            self.first_hit = Some(FirstHit {
-                position: point.position,
-                normal: point.normal,
-                shading_normal: point.shading_normal,
-                uv: point.uv,
-                // Interfaces may lie between: the parameter of the last ray is not all of it.
-                distance: (point.position - self.camera_ray.origin).length(),
-                object: vertex.at.id,
-                albedo: vertex.albedo().to_rgb(&self.wavelengths),
-            });
-        }
     }
 }
 
@@ -192,7 +87,7 @@ const RADIOSITY: &str = "radiosity";
 /// All integrators. A new one is a file and a line here.
 ///
 /// The default depth is that of pbrt, whose scenes rely on it.
-pub static INTEGRATORS: [IntegratorEntry; 5] = [
+pub static INTEGRATORS: [IntegratorEntry; 6] = [
     IntegratorEntry {
         name: "path",
         description: "unidirectional path tracing with light sampling and multiple importance sampling",
@@ -201,6 +96,15 @@ pub static INTEGRATORS: [IntegratorEntry; 5] = [
         light_sampling_is_optional: true,
         guided: false,
         build: |settings| Box::new(Path::new(settings)),
+    },
+    IntegratorEntry {
+        name: "light",
+        description: "paths from the lamps and from the camera together: light thrown by mirrors and glass",
+        default_max_depth: 5,
+        default_branching: None,
+        light_sampling_is_optional: false,
+        guided: false,
+        build: |settings| Box::new(LightPaths::new(settings)),
     },
     IntegratorEntry {
         name: "guided",
@@ -411,7 +315,7 @@ mod tests {
         let error = IntegratorSettings::resolve(&description("sppm")).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "there is no integrator \"sppm\" (there are path, guided, distributed, whitted, radiosity)"
+            "there is no integrator \"sppm\" (there are path, light, guided, distributed, whitted, radiosity)"
         );
         let deep = IntegratorDescription { max_depth: Some(100_000), ..description("path") };
         assert_eq!(IntegratorSettings::resolve(&deep), Err(IntegratorError::Depth(100_000)));

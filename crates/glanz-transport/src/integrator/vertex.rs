@@ -61,11 +61,26 @@ impl Scattered {
 
 impl<'a> Vertex<'a> {
     pub(crate) fn new(at: &'a Interaction, bsdf: Bsdf) -> Self {
-        let viewer_side = at.point.normal.dot(at.wo);
-        let turned = viewer_side * at.point.shading_normal.dot(at.wo) <= 0.0;
-        let frame =
-            if turned { Frame::from_z_and_tangent(at.point.normal, at.point.dpdu) } else { at.frame() };
-        Self { at, bsdf, frame, wo: frame.to_local(at.wo), viewer_side }
+        Self::from_viewer(at, bsdf, at.wo)
+    }
+
+    fn from_viewer(at: &'a Interaction, bsdf: Bsdf, viewer: DVec3) -> Self {
+        let frame = if is_turned(at, viewer) {
+            Frame::from_z_and_tangent(at.point.normal, at.point.dpdu)
+        } else {
+            at.frame()
+        };
+        Self { at, bsdf, frame, wo: frame.to_local(viewer), viewer_side: at.point.normal.dot(viewer) }
+    }
+
+    /// The same place for a viewer in the unit direction `viewer`.
+    pub(super) fn seen_from(&self, viewer: DVec3) -> Self {
+        Self::from_viewer(self.at, self.bsdf, viewer)
+    }
+
+    /// Whether a viewer in the unit direction `viewer` sees it shaded by the same normal.
+    pub(super) fn is_seen_alike(&self, viewer: DVec3) -> bool {
+        is_turned(self.at, viewer) == is_turned(self.at, self.at.wo)
     }
 
     /// The shading normal on the viewer's side.
@@ -172,6 +187,11 @@ impl<'a> Vertex<'a> {
         }
         light * (weight / sample.pdf.0) as f32
     }
+}
+
+/// Whether `viewer` is on the wrong side of the shading normal.
+fn is_turned(at: &Interaction, viewer: DVec3) -> bool {
+    at.point.normal.dot(viewer) * at.point.shading_normal.dot(viewer) <= 0.0
 }
 
 /// How the ray that is under way was chosen: what light it finds has to be shared with light sampling.

@@ -71,8 +71,9 @@ impl Lowering {
         let place = list.place;
         let r = &mut self.reporter;
         let name = match kind {
-            "whitted" | "distributed" | "path" | "guided" => kind,
+            "whitted" | "distributed" | "path" | "light" | "guided" => kind,
             "simplepath" => "path",
+            "lightpath" => "light",
             "directlighting" => {
                 let message = "integrator \"directlighting\" is not available; \"whitted\", which is nearly the same, \
                     stands in";

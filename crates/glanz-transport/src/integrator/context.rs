@@ -1,0 +1,179 @@
+//! What an integrator works with during one sample.
+
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::{DVec2, Ray};
+use glanz_sampling::PixelSampler;
+use glanz_scene::{Interaction, Place, Scene};
+
+use super::vertex::Vertex;
+use crate::filter::Filter;
+use crate::guide::{Records, Training};
+use crate::pixel::FirstHit;
+use crate::pixel_rect::PixelRect;
+use crate::splat::Splat;
+
+/// Work done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Rays that looked for the closest hit.
+    pub closest: u64,
+    /// Rays that looked for any hit.
+    pub shadow: u64,
+}
+
+impl Counters {
+    /// All rays.
+    #[must_use]
+    pub fn rays(&self) -> u64 {
+        self.closest + self.shadow
+    }
+
+    /// Adds the counts of `other`.
+    pub fn merge(&mut self, other: Self) {
+        self.closest += other.closest;
+        self.shadow += other.shadow;
+    }
+}
+
+/// What an integrator works with during one sample.
+pub struct Context<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The ray whose radiance is asked for; its direction has unit length.
+    pub camera_ray: Ray,
+    /// The numbers of this sample; the camera has taken those up to [`FIRST_DIMENSION`].
+    pub sampler: PixelSampler,
+    /// What the lanes of spectra mean.
+    pub wavelengths: Wavelengths,
+    /// Work done so far.
+    pub counters: Counters,
+    /// What integrators that learn have learnt.
+    pub(crate) training: Option<&'a Training>,
+    /// Memory that is used again by the next sample.
+    pub(crate) records: Records,
+    /// What the sample brings to other pixels.
+    pub(crate) splats: Vec<Splat>,
+    options: ContextOptions,
+    first_hit: Option<FirstHit>,
+}
+
+/// The sampler's dimension that is the integrator's first: those before belong to pixel and lens.
+pub const FIRST_DIMENSION: u32 = 4;
+
+/// What is the same in all samples of a render.
+#[derive(Clone, Copy, Debug)]
+pub struct ContextOptions {
+    /// Whether [`Context::first_hit`] will be asked for.
+    wants_first_hit: bool,
+    splats: SplatWindow,
+}
+
+/// Where on the film light may be splatted.
+#[derive(Clone, Copy, Debug, Default)]
+struct SplatWindow {
+    /// Smallest and largest coordinates, pixels.
+    min: DVec2,
+    max: DVec2,
+    /// Samples with which one place of it is hit by light from a lamp: the pixels that are rendered.
+    samples: f64,
+}
+
+impl ContextOptions {
+    /// `wants_first_hit`: whether [`Context::first_hit`] will be asked for.
+    #[must_use]
+    pub fn new(wants_first_hit: bool) -> Self {
+        Self { wants_first_hit, splats: SplatWindow::default() }
+    }
+
+    /// With splats for a film of the pixels `crop` and that filter; without this call there are none.
+    #[must_use]
+    pub fn with_splats(self, crop: &PixelRect, filter: &Filter) -> Self {
+        let corner = |pixel: [u32; 2]| DVec2::new(f64::from(pixel[0]), f64::from(pixel[1]));
+        // A pixel's filter lies around its middle.
+        let margin = filter.radius() - 0.5;
+        let min = corner(crop.min) - margin;
+        let max = corner(crop.min) + corner(crop.size) + margin;
+        Self { splats: SplatWindow { min, max, samples: crop.len() as f64 }, ..self }
+    }
+}
+
+impl<'a> Context<'a> {
+    /// For one sample.
+    #[must_use]
+    pub fn new(scene: &'a Scene, camera_ray: Ray, sampler: PixelSampler, options: ContextOptions) -> Self {
+        let (wavelengths, counters) = (Wavelengths::default(), Counters::default());
+        let (training, records, splats, first_hit) = (None, Records::default(), Vec::new(), None);
+        Self {
+            scene,
+            camera_ray,
+            sampler,
+            wavelengths,
+            counters,
+            training,
+            records,
+            splats,
+            options,
+            first_hit,
+        }
+    }
+
+    /// The first thing on `ray`.
+    pub fn intersect(&mut self, ray: &Ray) -> Option<Interaction> {
+        self.counters.closest += 1;
+        self.scene.intersect(ray, f64::INFINITY)
+    }
+
+    /// As [`Context::intersect`], with the place by parameters.
+    pub fn intersect_place(&mut self, ray: &Ray) -> Option<(Interaction, Place)> {
+        self.counters.closest += 1;
+        self.scene.intersect_place(ray, f64::INFINITY)
+    }
+
+    /// Whether nothing that stops light lies on `ray` with `0 < t < t_max`.
+    pub fn is_free(&mut self, ray: &Ray, t_max: f64) -> bool {
+        self.counters.shadow += 1;
+        !self.scene.occluded(ray, t_max)
+    }
+
+    /// Number of samples, over all pixels, that together bring one sample to each pixel: as many paths come from lamps. 0 if the film
+    /// takes no splats.
+    pub(super) fn light_paths(&self) -> f64 {
+        self.options.splats.samples
+    }
+
+    /// Whether light at the film point `film`, pixels, counts for any pixel.
+    pub(super) fn takes_splats_at(&self, film: DVec2) -> bool {
+        let window = &self.options.splats;
+        film.cmpge(window.min).all() && film.cmple(window.max).all()
+    }
+
+    /// Brings `light` to the film point `film`, pixels: the radiance that one sample would bring to a pixel that sees nothing else.
+    /// `xi`: a number uniform in [0, 1).
+    pub(super) fn splat(&mut self, film: DVec2, light: Spectrum, xi: f64) {
+        let share = (1.0 / self.light_paths()) as f32;
+        self.splats.push(Splat { film, light: light * share, xi });
+    }
+
+    /// What the camera ray met first that scatters light.
+    #[must_use]
+    pub fn first_hit(&self) -> Option<FirstHit> {
+        self.first_hit
+    }
+
+    /// Integrators call this at the scattering surfaces they meet; the first call counts.
+    pub(super) fn note_first_hit(&mut self, vertex: &Vertex<'_>) {
+        if self.options.wants_first_hit && self.first_hit.is_none() {
+            let point = &vertex.at.point;
+            self.first_hit = Some(FirstHit {
+                position: point.position,
+                normal: point.normal,
+                shading_normal: point.shading_normal,
+                uv: point.uv,
+                // Interfaces may lie between: the parameter of the last ray is not all of it.
+                distance: (point.position - self.camera_ray.origin).length(),
+                object: vertex.at.id,
+                albedo: vertex.albedo().to_rgb(&self.wavelengths),
+            });
+        }
+    }
+}

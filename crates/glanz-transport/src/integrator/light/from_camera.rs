@@ -1,0 +1,153 @@
+//! The walk from the camera.
+
+use glanz_light::Spectrum;
+use glanz_math::{AreaPdf, DVec2, DVec3, Ray};
+use glanz_scene::{Interaction, LightId, Reference};
+
+use super::weights::FromCamera;
+use super::{LightPaths, turn};
+use crate::integrator::vertex::{Scattered, Vertex, roulette};
+use crate::integrator::walk::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
+use crate::integrator::{Context, FIRST_DIMENSION};
+
+/// How the ray that is under way was chosen.
+struct Way {
+    /// Where it was scattered.
+    from: Reference,
+    /// Density per solid angle of its direction; infinite from a mirror.
+    pdf: f64,
+    weights: FromCamera,
+}
+
+impl LightPaths {
+    /// The light that one path from the camera brings home, by the same random decisions as [`Path`](crate::integrator::Path).
+    pub(super) fn gather(&self, context: &mut Context<'_>) -> Spectrum {
+        let mut ray = context.camera_ray;
+        let (mut light, mut throughput) = (Spectrum::BLACK, Spectrum::ONE);
+        let mut eta_scale = 1.0_f32;
+        // `None` while nothing scattered: what is seen directly no other way looks for.
+        let mut way: Option<Way> = None;
+        let (mut depth, mut interfaces) = (0, 0);
+        loop {
+            let Some(hit) = context.intersect(&ray) else {
+                return light + throughput * escaped(context, &ray, way.as_ref());
+            };
+            light += throughput * emitted(context, &hit, way.as_ref());
+            let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
+                interfaces += 1;
+                if interfaces > INTERFACE_LIMIT {
+                    return light;
+                }
+                ray = hit.spawn(ray.direction);
+                continue;
+            };
+            let vertex = Vertex::new(&hit, bsdf);
+            context.note_first_hit(&vertex);
+            if depth >= self.max_depth {
+                return light;
+            }
+            context.sampler.skip_to_dimension(FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(depth));
+            depth += 1;
+            interfaces = 0;
+            let (xi, xi_lobe) = (context.sampler.next_2d(), context.sampler.next_1d());
+            let xi_roulette = context.sampler.next_1d();
+            let weights = way.as_ref().map_or_else(|| first(context, &hit, ray.direction), |way| way.weights);
+            if !vertex.is_delta() {
+                context.sampler.begin_group();
+                let (xi_point, xi_light) = (context.sampler.next_2d(), context.sampler.next_1d());
+                light += throughput * sampled(context, &vertex, &weights, xi_light, xi_point);
+            }
+            let Some(scattered) = vertex.sample(xi, xi_lobe) else { return light };
+            throughput *= scattered.weight;
+            eta_scale *= scattered.eta_scale;
+            if depth >= ROULETTE_FROM {
+                let Some(factor) = roulette(throughput * eta_scale, xi_roulette) else { return light };
+                throughput *= factor;
+            }
+            let weights = passed(&weights, &vertex, &scattered);
+            way = Some(Way { from: hit.reference(), pdf: scattered.pdf, weights });
+            ray = hit.spawn(scattered.direction);
+        }
+    }
+}
+
+/// What is known at the first vertex.
+fn first(context: &Context<'_>, hit: &Interaction, direction: DVec3) -> FromCamera {
+    let density = context.scene.camera().density(hit.point.position, direction);
+    FromCamera::new(context.light_paths(), density)
+}
+
+/// What is known at the vertex that follows after `vertex`.
+fn passed(weights: &FromCamera, vertex: &Vertex<'_>, scattered: &Scattered) -> FromCamera {
+    if scattered.is_delta {
+        weights.mirrored(vertex.is_seen_alike(scattered.direction))
+    } else {
+        weights.scattered(&turn(vertex, scattered.direction, vertex.at.wo, scattered.pdf))
+    }
+}
+
+/// Light that left the scene's infinite lights along `ray`.
+fn escaped(context: &Context<'_>, ray: &Ray, way: Option<&Way>) -> Spectrum {
+    let scene = context.scene;
+    let lights = scene.infinite_lights().iter();
+    lights
+        .map(|&id| {
+            let sampled = |way: &Way| scene.infinite_pdf(id, &way.from, ray.direction).0;
+            scene.infinite_radiance(id, ray)
+                * weight_of_hit(context, id, way, ray.direction, None, sampled) as f32
+        })
+        .sum()
+}
+
+/// Light that the surface at `hit` gives off itself.
+fn emitted(context: &Context<'_>, hit: &Interaction, way: Option<&Way>) -> Spectrum {
+    let Some(id) = hit.light() else { return Spectrum::BLACK };
+    let emitted = context.scene.emitted(hit, hit.wo);
+    if emitted.is_black() {
+        return emitted;
+    }
+    let sampled = |way: &Way| context.scene.light_pdf(id, &way.from, hit).0;
+    emitted * weight_of_hit(context, id, way, -hit.wo, hit.area_pdf(), sampled) as f32
+}
+
+/// Weight of meeting the light `id` in the unit direction `wi`. `area_pdf`: of the place there; `sampled`: density of light sampling.
+fn weight_of_hit(
+    context: &Context<'_>,
+    id: LightId,
+    way: Option<&Way>,
+    wi: DVec3,
+    area_pdf: Option<AreaPdf>,
+    sampled: impl FnOnce(&Way) -> f64,
+) -> f64 {
+    let Some(way) = way else { return 1.0 };
+    let probability = context.scene.light_probability(id);
+    let emission = probability * context.scene.emission_pdf(id, way.from.position, wi, area_pdf);
+    way.weights.weight_of_hit(emission, probability * sampled(way), way.pdf)
+}
+
+/// Direct light from one light picked at random.
+fn sampled(
+    context: &mut Context<'_>,
+    vertex: &Vertex<'_>,
+    weights: &FromCamera,
+    xi_light: f64,
+    xi: DVec2,
+) -> Spectrum {
+    let scene = context.scene;
+    let picked = scene.pick_light(xi_light).filter(|&(_, probability)| probability > 0.0);
+    let Some((id, probability)) = picked else { return Spectrum::BLACK };
+    let Some(sample) = scene.sample_light(id, vertex.at, xi, &context.wavelengths) else {
+        return Spectrum::BLACK;
+    };
+    let (value, light_pdf) = vertex.eval(sample.wi);
+    let light = value * sample.radiance;
+    if light.is_black() || !context.is_free(&sample.shadow, sample.t_max) {
+        return Spectrum::BLACK;
+    }
+    let position = vertex.at.point.position;
+    let emission = probability * scene.emission_pdf(id, position, sample.wi, sample.area_pdf);
+    let density = probability * sample.pdf.0;
+    let turn = turn(vertex, sample.wi, vertex.at.wo, light_pdf);
+    let weight = weights.weight_of_sampled(&turn, emission, density, sample.is_delta);
+    light * (weight / density) as f32
+}

@@ -1,0 +1,161 @@
+//! The walk from a lamp.
+
+use glanz_light::Spectrum;
+use glanz_math::{DVec2, DVec3};
+use glanz_scene::{Light, LightId, LightRay, Reference};
+
+use super::weights::FromLight;
+use super::{LightPaths, turn};
+use crate::integrator::vertex::{Vertex, roulette};
+use crate::integrator::walk::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
+use crate::integrator::{Context, DEPTH_LIMIT, FIRST_DIMENSION};
+
+/// The sampler's first dimension of this walk, after all those of the other.
+const FIRST_LIGHT_DIMENSION: u32 = FIRST_DIMENSION + DIMENSIONS_PER_EVENT * (DEPTH_LIMIT + 1);
+
+/// Where a path begins.
+struct Start {
+    id: LightId,
+    /// With which the light was picked.
+    probability: f64,
+    light: LightRay,
+    is_delta: bool,
+}
+
+impl Start {
+    /// By the first group of numbers: direction and place, then the light.
+    fn pick(context: &mut Context<'_>) -> Option<Self> {
+        context.sampler.skip_to_dimension(FIRST_LIGHT_DIMENSION);
+        let (direction, place) = (context.sampler.next_2d(), context.sampler.next_2d());
+        let scene = context.scene;
+        let (id, probability) = scene.pick_light(context.sampler.next_1d())?;
+        let light = scene.emit(id, place, direction)?;
+        let is_delta = !scene.light(id).is_some_and(Light::can_be_met);
+        (probability > 0.0).then_some(Self { id, probability, light, is_delta })
+    }
+
+    /// At the first vertex.
+    fn weights(&self, context: &Context<'_>, vertex: &Vertex<'_>) -> FromLight {
+        let at = vertex.at.point.position;
+        let pdf = context.scene.emission_pdf(self.id, at, vertex.at.wo, self.light.area_pdf);
+        FromLight::new(context.light_paths(), self.probability * pdf, self.is_delta)
+    }
+
+    /// Density of light sampling from the first vertex, as `seen` from the camera's side.
+    fn sampled(&self, context: &Context<'_>, seen: &Reference) -> f64 {
+        self.probability * context.scene.light_pdf_of_ray(self.id, seen, &self.light).0
+    }
+}
+
+impl LightPaths {
+    /// Sends one path from a lamp and splats what the camera sees of it.
+    pub(super) fn send(&self, context: &mut Context<'_>) {
+        if context.light_paths() <= 0.0 {
+            return;
+        }
+        let Some(start) = Start::pick(context) else { return };
+        let mut ray = start.light.ray;
+        let mut flux = start.light.power * (1.0 / start.probability) as f32;
+        let mut left = Spectrum::ONE;
+        let mut weights: Option<FromLight> = None;
+        let (mut depth, mut interfaces) = (0, 0);
+        while depth < self.max_depth {
+            let Some(hit) = context.intersect(&ray) else { return };
+            let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
+                interfaces += 1;
+                if interfaces > INTERFACE_LIMIT {
+                    return;
+                }
+                ray = hit.spawn(ray.direction);
+                continue;
+            };
+            depth += 1;
+            interfaces = 0;
+            let vertex = Vertex::new(&hit, bsdf);
+            let known = match weights {
+                Some(known) => known,
+                None => {
+                    flux *= start.light.left_at((hit.point.position - start.light.ray.origin).length());
+                    start.weights(context, &vertex)
+                }
+            };
+            let dimension = FIRST_LIGHT_DIMENSION.wrapping_add(DIMENSIONS_PER_EVENT.wrapping_mul(depth));
+            context.sampler.skip_to_dimension(dimension);
+            let (xi, xi_lobe) = (context.sampler.next_2d(), context.sampler.next_1d());
+            let xi_roulette = context.sampler.next_1d();
+            context.sampler.begin_group();
+            let (xi_lens, xi_pixel) = (context.sampler.next_2d(), context.sampler.next_1d());
+            if !vertex.is_delta() {
+                connect(context, &vertex, flux, &start, &known, xi_lens, xi_pixel);
+            }
+            let Some((direction, weight, next)) = go_on(context, &vertex, &start, &known, xi, xi_lobe) else {
+                return;
+            };
+            flux *= weight;
+            left *= weight;
+            weights = Some(next);
+            if depth >= ROULETTE_FROM {
+                let Some(factor) = roulette(left, xi_roulette) else { return };
+                flux *= factor;
+                left *= factor;
+            }
+            ray = hit.spawn(direction);
+        }
+    }
+}
+
+/// Connects `vertex`, at which `flux` arrives, to a point of the lens.
+fn connect(
+    context: &mut Context<'_>,
+    vertex: &Vertex<'_>,
+    flux: Spectrum,
+    start: &Start,
+    weights: &FromLight,
+    xi_lens: DVec2,
+    xi_pixel: f64,
+) {
+    let (at, to_light) = (vertex.at, vertex.at.wo);
+    let Some(seen) = context.scene.camera().project(at.point.position, xi_lens) else { return };
+    let Some(to_camera) = (seen.origin - at.point.position).try_normalize() else { return };
+    if !context.takes_splats_at(seen.film) {
+        return;
+    }
+    // As the camera sees it: the same surface scatters for both walks.
+    let (value, light_pdf) = vertex.seen_from(to_camera).eval(to_light);
+    let light = flux * value;
+    if light.is_black() || !context.is_free(&at.spawn_to(seen.origin, None), 1.0) {
+        return;
+    }
+    let turn = turn(vertex, to_light, to_camera, light_pdf);
+    let reference = Reference { wo: to_camera, ..at.reference() };
+    let weight = weights.weight_of_sent(&turn, seen.density, || start.sampled(context, &reference));
+    // `value` has the cosine to the shading normal, as for light that comes per steradian; flux comes per area across it already
+    // (@veach1997 section 5.3.2).
+    let factor = seen.density * turn.camera_cos / turn.light_cos * weight;
+    context.splat(seen.film, light * factor as f32, xi_pixel);
+}
+
+/// Draws the direction in which flux goes on, with its factor and what the weights know then.
+fn go_on(
+    context: &Context<'_>,
+    vertex: &Vertex<'_>,
+    start: &Start,
+    weights: &FromLight,
+    xi: DVec2,
+    xi_lobe: f64,
+) -> Option<(DVec3, Spectrum, FromLight)> {
+    let scattered = vertex.sample_flux(xi, xi_lobe)?;
+    let (to_light, to_camera) = (vertex.at.wo, scattered.direction);
+    if scattered.is_delta {
+        // No walk from the camera could come this way.
+        let both_ways = vertex.is_seen_alike(to_camera);
+        return both_ways.then(|| (to_camera, scattered.weight, weights.mirrored()));
+    }
+    let (value, light_pdf) = vertex.seen_from(to_camera).eval(to_light);
+    let turn = turn(vertex, to_light, to_camera, light_pdf);
+    let factor = turn.camera_cos / (turn.light_cos * scattered.pdf);
+    let reference = Reference { wo: to_camera, ..vertex.at.reference() };
+    let next = weights.scattered(&turn, || start.sampled(context, &reference));
+    let weight = value * factor as f32;
+    (weight.is_finite() && !weight.is_black()).then_some((to_camera, weight, next))
+}

@@ -1,0 +1,257 @@
+//! Light that paths from lamps bring to the camera, wherever on the film it arrives.
+//!
+//! A sample of the film sends as many paths from lamps as it has pixels, one with each pixel's own sample; what they bring to the film may belong
+//! to any pixel. These sums are kept apart from those of the pixels' own samples. They are exact as well, so that it does not matter
+//! who adds what to them and when.
+
+use std::sync::{Mutex, PoisonError};
+
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::DVec2;
+use glanz_sampling::exact::{SquareSum, WideSum, fits_wide};
+
+use crate::filter::Filter;
+use crate::pixel::{PixelValue, Rejects};
+use crate::pixel_rect::PixelRect;
+
+/// Splats that a thread keeps before it adds them to the film.
+const BUFFERED: usize = 4096;
+
+/// Light of one path that arrives at a place of the film.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Splat {
+    /// Pixels from the top left of the full picture.
+    pub(crate) film: DVec2,
+    /// Radiance of a pixel that gets it all.
+    pub(crate) light: Spectrum,
+    /// A number uniform in [0, 1) that picks the pixel.
+    pub(crate) xi: f64,
+}
+
+/// Which sums are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SplatLayout {
+    /// Whether squares are added up.
+    pub(crate) squares: bool,
+}
+
+impl SplatLayout {
+    /// Number of 64 bit words of one pixel.
+    pub(crate) fn words(self) -> usize {
+        if self.squares { 15 } else { 6 }
+    }
+}
+
+/// The sums of one pixel.
+///
+/// Each holds at least 2^30 terms of the largest magnitude, which nobody renders; of smaller ones as many more.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SplatSums {
+    light: [WideSum; 3],
+    squares: [SquareSum; 3],
+}
+
+impl SplatSums {
+    /// The sums in `words`, of which there are [`SplatLayout::words`].
+    pub(crate) fn read(words: &[u64]) -> Self {
+        let mut words = words.iter().copied();
+        let mut next = || words.next().unwrap_or_default();
+        let light = std::array::from_fn(|_| WideSum::from_words([next(), next()]));
+        let squares = std::array::from_fn(|_| SquareSum::from_words([next(), next(), next()]));
+        Self { light, squares }
+    }
+
+    /// Puts the sums into `words`, as many as there are.
+    pub(crate) fn write(self, words: &mut [u64]) {
+        let light = self.light.into_iter().flat_map(WideSum::to_words);
+        let squares = self.squares.into_iter().flat_map(SquareSum::to_words);
+        words.iter_mut().zip(light.chain(squares)).for_each(|(slot, word)| *slot = word);
+    }
+
+    /// Adds what one path brings to the pixel. What is not finite is dropped and counted.
+    fn add(&mut self, rgb: [f32; 3], rejects: &mut Rejects) {
+        if !rgb.iter().all(|v| v.is_finite()) {
+            rejects.dropped += 1;
+            return;
+        }
+        rejects.cut += u64::from(!rgb.iter().all(|&v| fits_wide(f64::from(v))));
+        for (i, value) in rgb.into_iter().enumerate() {
+            self.light[i].add(f64::from(value));
+            self.squares[i].add_square(value);
+        }
+    }
+
+    /// Adds the sums of other paths.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        for i in 0..3 {
+            self.light[i].merge(other.light[i]);
+            self.squares[i].merge(other.squares[i]);
+        }
+    }
+
+    /// What the paths bring to the pixel and its variance, per band, after `samples` of the film of `pixels` each.
+    ///
+    /// With s samples of N pixels n = s N paths were sent, of which path i brought y_i (most of them nothing), and the pixel is Y = sum y_i / s.
+    /// The y_i are independent and alike, so Var Y = n Var(y) / s^2, with (sum y_i^2 - (sum y_i)^2 / n) / (n - 1) for Var(y).
+    pub(crate) fn values(&self, samples: u64, pixels: u64) -> [PixelValue; 3] {
+        let s = samples.max(1) as f64;
+        let n = s * pixels as f64;
+        std::array::from_fn(|i| {
+            let (sum, squares) = (self.light[i].to_f64(), self.squares[i].to_f64());
+            let deviation = (squares - sum * sum / n).max(0.0);
+            let variance = if n > 1.0 { n / (n - 1.0) * deviation / (s * s) } else { f64::INFINITY };
+            PixelValue { mean: sum / s, variance }
+        })
+    }
+}
+
+/// The sums of a film, for threads to add to.
+pub(crate) struct SplatRows<'a> {
+    crop: PixelRect,
+    layout: SplatLayout,
+    rows: Vec<Mutex<&'a mut [u64]>>,
+}
+
+impl<'a> SplatRows<'a> {
+    /// `words`: of all pixels of `crop`, row by row; none if the film takes no splats.
+    pub(crate) fn new(crop: PixelRect, layout: SplatLayout, words: &'a mut [u64]) -> Self {
+        let row = layout.words() * crop.size[0] as usize;
+        let rows = words.chunks_exact_mut(row.max(1)).map(Mutex::new).collect();
+        Self { crop, layout, rows }
+    }
+}
+
+/// Splats of one thread on their way to the film.
+#[derive(Debug, Default)]
+pub(crate) struct SplatBuffer {
+    /// Row, column and light.
+    splats: Vec<(u32, u32, [f32; 3])>,
+    /// Where those of the last path begin.
+    path: usize,
+}
+
+impl SplatBuffer {
+    /// Takes the splats of one path, each to one of the pixels of `rows` around it, picked in proportion to the magnitude of the filter.
+    pub(crate) fn take(
+        &mut self,
+        splats: &[Splat],
+        filter: &Filter,
+        wavelengths: &Wavelengths,
+        rows: &SplatRows<'_>,
+        rejects: &mut Rejects,
+    ) {
+        self.path = self.splats.len();
+        for splat in splats {
+            let Some((pixel, weight)) = filter.pick_pixel(splat.film, &rows.crop, splat.xi) else { continue };
+            let light = splat.light * weight as f32;
+            self.splats.push((
+                pixel[1] - rows.crop.min[1],
+                pixel[0] - rows.crop.min[0],
+                light.to_rgb(wavelengths),
+            ));
+        }
+        self.join();
+        if self.splats.len() >= BUFFERED {
+            self.flush(rows, rejects);
+        }
+    }
+
+    /// Makes one of splats of the last path in the same pixel: they are not independent, and the variance asks for the square of their sum.
+    fn join(&mut self) {
+        let Some(own) = self.splats.get_mut(self.path..).filter(|own| own.len() > 1) else { return };
+        own.sort_by_key(|&(y, x, _)| (y, x));
+        let joined = own.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).filter_map(|same| {
+            let &(y, x, _) = same.first()?;
+            Some((y, x, std::array::from_fn(|i| same.iter().map(|&(_, _, rgb)| rgb[i]).sum())))
+        });
+        let joined: Vec<_> = joined.collect();
+        self.splats.truncate(self.path);
+        self.splats.extend(joined);
+    }
+
+    /// Adds all to the film.
+    pub(crate) fn flush(&mut self, rows: &SplatRows<'_>, rejects: &mut Rejects) {
+        // Row by row, so that each is locked once.
+        self.splats.sort_unstable_by_key(|&(y, _, _)| y);
+        let stride = rows.layout.words();
+        for same in self.splats.chunk_by(|a, b| a.0 == b.0) {
+            let Some(row) = same.first().and_then(|&(y, _, _)| rows.rows.get(y as usize)) else { continue };
+            // Whoever panicked with the lock has ended the render; sums are whole between two calls.
+            let mut words = row.lock().unwrap_or_else(PoisonError::into_inner);
+            for &(_, x, rgb) in same {
+                let start = x as usize * stride;
+                if let Some(words) = words.get_mut(start..start + stride) {
+                    let mut sums = SplatSums::read(words);
+                    sums.add(rgb, rejects);
+                    sums.write(words);
+                }
+            }
+        }
+        self.splats.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glanz_scene::description::{FilterDescription, FilterKind};
+
+    fn box_filter() -> Filter {
+        Filter::try_new(&FilterDescription { kind: FilterKind::Box, radius: [0.5, 0.5] }).unwrap()
+    }
+
+    /// The sums after paths with these splats were taken by one thread, over a crop window of 3 x 2 pixels at (10, 20).
+    fn sums(paths: &[&[Splat]]) -> (Vec<SplatSums>, Rejects) {
+        let (layout, crop) = (SplatLayout { squares: true }, PixelRect { min: [10, 20], size: [3, 2] });
+        let mut words = vec![0; 6 * layout.words()];
+        let rows = SplatRows::new(crop, layout, &mut words);
+        let (mut buffer, mut rejects) = (SplatBuffer::default(), Rejects::default());
+        for path in paths {
+            buffer.take(path, &box_filter(), &Wavelengths::default(), &rows, &mut rejects);
+        }
+        buffer.flush(&rows, &mut rejects);
+        drop(rows);
+        (words.chunks_exact(layout.words()).map(SplatSums::read).collect(), rejects)
+    }
+
+    fn splat(x: f64, y: f64, light: f32) -> Splat {
+        Splat { film: DVec2::new(x, y), light: Spectrum::splat(light), xi: 0.5 }
+    }
+
+    #[test]
+    fn splats_land_in_their_pixels_and_those_beside_the_window_nowhere() {
+        let (sums, rejects) =
+            sums(&[&[splat(12.3, 21.9, 1.0), splat(9.9, 20.5, 1.0), splat(13.1, 20.5, 1.0)]]);
+        let red: Vec<f64> = sums.iter().map(|s| s.values(1, 6)[0].mean).collect();
+        assert_eq!(red, [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+        assert_eq!(rejects, Rejects::default());
+    }
+
+    #[test]
+    fn variance_is_that_of_what_whole_paths_bring() {
+        // Two samples of 6 pixels: 12 paths, of which one brings 1 + 2 to pixel 0, one 5, the others nothing. Y = 8 / 2;
+        // (9 + 25 - 64 / 12) * 12 / 11 / 4.
+        let (sums, _) = sums(&[&[splat(10.2, 20.2, 1.0), splat(10.8, 20.8, 2.0)], &[splat(10.5, 20.5, 5.0)]]);
+        let value = sums[0].values(2, 6)[1];
+        assert_eq!(value.mean, 4.0);
+        assert!((value.variance - (34.0 - 64.0 / 12.0) * 12.0 / 11.0 / 4.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn splats_that_are_not_finite_are_dropped_and_huge_ones_cut_and_counted() {
+        let path = [splat(10.5, 20.5, f32::NAN), splat(11.5, 20.5, f32::MAX / 4.0), splat(12.5, 20.5, 1.0)];
+        let (sums, rejects) = sums(&[&path]);
+        assert_eq!(rejects, Rejects { dropped: 1, cut: 1 });
+        assert_eq!(sums[0], SplatSums::default());
+        assert_eq!(sums[2].values(1, 6)[2].mean, 1.0);
+    }
+
+    #[test]
+    fn order_of_paths_and_full_buffers_do_not_change_a_bit() {
+        let paths: Vec<Splat> =
+            (0..10_000).map(|i| splat(10.0 + f64::from(i % 7) * 0.4, 21.5, (i as f32).sin())).collect();
+        let forwards: Vec<&[Splat]> = paths.chunks(1).collect();
+        let backwards: Vec<&[Splat]> = paths.chunks(1).rev().collect();
+        assert_eq!(sums(&forwards), sums(&backwards));
+    }
+}
