@@ -23,7 +23,8 @@
 //!   counts.
 //! - The angles kappa and lambda of the direction need the quadrant (acos and atan2), relative to M. For lamps of uniform radiance none is needed.
 //!
-//! What glass lets pass is not looked for; glass casts shadows, and what it reflects counts. Points that shine have no image
+//! Where parameters degenerate, at the pole of a ball, parts of tiny images may be given up for want of bounds: the error then holds all that they could
+//! show. What glass lets pass is not looked for; glass casts shadows, and what it reflects counts. Points that shine have no image
 //! ([`Reflections::unreflected`]).
 
 mod contour;

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glanz_light::SpectralDistribution;
 use glanz_light::units::LUMINOUS_EFFICACY;
-use glanz_math::DMat4;
+use glanz_math::{DMat4, DVec2, Ray};
 use glanz_scene::description::*;
 
 use super::*;
@@ -163,4 +163,287 @@ fn flat_mirror_shows_a_lamp_at_its_image() {
             }
         }
     }
+}
+
+/// Illuminance on the axis of a spherical mirror of radius `curvature` (negative: hollow) by a point of intensity 1 at distance `s` from its vertex,
+/// at distance `q`: the light comes as from an image s' behind the vertex, 1/s' = 1/s + 2/curvature, and its solid angle has grown by (s / s')^2.
+fn by_spherical_mirror(curvature: f64, s: f64, q: f64) -> f64 {
+    let image = 1.0 / (1.0 / s + 2.0 / curvature);
+    (image / s).powi(2) / (q + image).powi(2)
+}
+
+#[test]
+fn spherical_mirrors_follow_their_equation() {
+    // So small that its size matters by less than (radius / image)^2.
+    let radius = 5e-4;
+    let intensity = REFLECTANCE * LUMINANCE * PI * radius * radius;
+    // The axis is that of x, where the parameters of spheres are regular. Lamp and receiver are on one side; of the ball the receiver faces the whole, and
+    // its own front hides its back.
+    let zone = GeometryDescription::Sphere { radius: 10.0, z: [-1.0, 1.0], phi_max: 1.0 };
+    let cases = [
+        ("ball", sphere(1.0), DVec3::X, 1.0, 1.0, 4.0),
+        ("dish", zone.clone(), -DVec3::X, -10.0, -10.0, 3.0),
+        ("dish, real image", zone, -DVec3::X, -10.0, -10.0, 8.0),
+    ];
+    for (what, mirror, axis, curvature, vertex, s) in cases {
+        let shapes = vec![
+            shape(mirror, DMat4::from_rotation_z(-0.5), MIRROR),
+            lamp(sphere(radius), DMat4::from_translation(axis * (vertex + s))),
+        ];
+        let scene = scene(shapes);
+        let reflections = Reflections::new(&scene).unwrap();
+        let q = 2.0;
+        let found =
+            reflections.illuminance(axis * (vertex + q), -axis, Tolerance { relative: 1e-6, absolute: 0.0 });
+        let expected = intensity * by_spherical_mirror(curvature, s, q);
+        close(found.reflected, expected, 1e-5, what);
+        assert!(found.error < 2e-6 * expected, "{what}: {found:?}");
+    }
+}
+
+#[test]
+fn things_in_the_way_hide_the_image() {
+    let mirror = shape(rectangle([-2.0, 2.0], [-2.0, 2.0]), DMat4::IDENTITY, MIRROR);
+    let over = lamp(disk(0.4), at(0.0, 0.0, 1.5) * facing_down());
+    let whole = LUMINANCE * REFLECTANCE * PI * 0.16 / (0.16 + 2.5 * 2.5);
+    // Half of everything; and a disk on the axis, 0.75 m from the receiver, whose image in the mirror is farther away.
+    let curtain = shape(rectangle([-1.9, 0.0], [-2.0, 2.0]), at(0.0, 0.0, 0.5), BLACK);
+    let stop = shape(disk(0.05), at(0.0, 0.0, 0.25), BLACK);
+    let ring = whole - LUMINANCE * REFLECTANCE * PI * 0.0025 / (0.0025 + 0.75 * 0.75);
+    for (hider, expected) in [(curtain, 0.5 * whole), (stop, ring)] {
+        let scene = scene(vec![mirror.clone(), over.clone(), hider]);
+        let reflections = Reflections::new(&scene).unwrap();
+        let tolerance = Tolerance { relative: 1e-3, absolute: 0.0 };
+        let found = reflections.illuminance(DVec3::Z, -DVec3::Z, tolerance);
+        assert!((found.reflected - expected).abs() <= found.error, "{found:?} {expected}");
+        assert!(found.error <= 1e-3 * expected, "{found:?} {expected}");
+    }
+}
+
+#[test]
+fn trimmed_mirror_shows_what_is_left_of_the_image() {
+    // Parameters of a rectangle go from 0 to 1: what is left of the middle.
+    let corners = [[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [0.0, 1.0], [0.0, 0.0]];
+    let points = corners.map(|[x, y]| [x, y, 1.0]).to_vec();
+    let curve = TrimCurveDescription { degree: 1, knots: vec![0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0], points };
+    let mut mirror = shape(rectangle([-2.0, 2.0], [-2.0, 2.0]), DMat4::IDENTITY, MIRROR);
+    mirror.trim = Some(TrimDescription { loops: vec![TrimLoopDescription { curves: vec![curve] }] });
+    let scene = scene(vec![mirror, lamp(disk(0.4), at(0.0, 0.0, 1.5) * facing_down())]);
+    let reflections = Reflections::new(&scene).unwrap();
+    let found = reflections.illuminance(DVec3::Z, -DVec3::Z, Tolerance { relative: 1e-3, absolute: 0.0 });
+    let expected = 0.5 * LUMINANCE * REFLECTANCE * PI * 0.16 / (0.16 + 2.5 * 2.5);
+    assert!((found.reflected - expected).abs() <= found.error, "{found:?} {expected}");
+    assert!(found.error <= 1e-3 * expected);
+}
+
+/// Of a sphere under the half angle `s`, its centre at the angle `w` from the normal, cut by the horizon.
+///
+/// # Source
+/// @howell2011, a plane element and a sphere.
+fn by_cut_sphere(s: f64, w: f64) -> f64 {
+    let h = 1.0 / s.sin();
+    let x = (h * h - 1.0).sqrt();
+    let y = -x / w.tan();
+    let root = (1.0 - y * y).sqrt();
+    let over = (w.cos() * y.acos() - x * w.sin() * root) / (h * h);
+    LUMINANCE * (over + (w.sin() * root / x).atan())
+}
+
+#[test]
+fn horizon_cuts_lamps_and_their_images() {
+    // A mirror on the wall x = 2 with its image of a lamp at x = 1; the receiver at the origin faces up. The lamp itself is seen too.
+    let wall = DMat4::from_translation(DVec3::new(2.0, 0.0, 0.0)) * DMat4::from_rotation_y(-0.5 * PI);
+    for height in [0.0, 0.05, -0.08] {
+        let shapes = vec![
+            shape(rectangle([-1.0, 1.0], [-1.0, 1.0]), wall, MIRROR),
+            lamp(sphere(0.1), at(1.0, 0.5, height)),
+        ];
+        let scene = scene(shapes);
+        let reflections = Reflections::new(&scene).unwrap();
+        let found =
+            reflections.illuminance(DVec3::ZERO, DVec3::Z, Tolerance { relative: 1e-6, absolute: 0.0 });
+        let seen = |x: f64| {
+            let to = DVec3::new(x, 0.5, height);
+            by_cut_sphere((0.1 / to.length()).asin(), to.angle_between(DVec3::Z))
+        };
+        close(found.direct, seen(1.0), 1e-8, "direct");
+        let expected = REFLECTANCE * seen(3.0);
+        assert!(
+            (found.reflected - expected).abs() < 1e-6 * (found.direct + expected),
+            "{found:?} {expected}"
+        );
+    }
+}
+
+#[test]
+fn back_of_a_lamp_is_dark() {
+    // Turned away from the mirror, and from the receiver.
+    let mirror = shape(rectangle([-2.0, 2.0], [-2.0, 2.0]), DMat4::IDENTITY, MIRROR);
+    for form in [disk(0.2), rectangle([-0.1, 0.1], [-0.1, 0.1])] {
+        let away = scene(vec![mirror.clone(), lamp(form.clone(), at(0.0, 0.0, 1.5))]);
+        let mut both = lamp(form, at(0.0, 0.0, 1.5));
+        if let Some(emission) = &mut both.emission {
+            emission.two_sided = true;
+        }
+        let both = scene(vec![mirror.clone(), both]);
+        let seen = |scene: &Scene, normal| {
+            Reflections::new(scene).unwrap().illuminance(DVec3::new(0.3, 0.0, 1.0), normal, EXACT)
+        };
+        assert_eq!(seen(&away, -DVec3::Z), Estimate::default());
+        assert_eq!(seen(&away, DVec3::Z), Estimate::default());
+        assert!(seen(&both, -DVec3::Z).reflected > 0.0 && seen(&both, DVec3::Z).direct > 0.0);
+    }
+}
+
+/// The mirror of document 000 section 4.3, with a lamp of the given radius.
+fn room(radius: f64) -> Scene {
+    let patch = [
+        [6.0, 3.0, 5.0],
+        [6.0, 4.0, 8.0],
+        [5.0, 3.0, 6.0],
+        [6.0, 5.0, 6.0],
+        [4.5, 4.5, 7.0],
+        [4.0, 3.0, 6.0],
+        [6.0, 6.0, 5.0],
+        [5.0, 5.0, 6.0],
+        [4.0, 4.0, 6.0],
+        [3.0, 3.0, 3.0],
+    ];
+    let patches = vec![patch.map(|[x, y, z]| [x, y, z, 1.0]).to_vec()];
+    let patch = GeometryDescription::BezierTriangles(BezierTrianglesDescription { degree: 3, patches });
+    let walls = GeometryDescription::Cuboid { min: DVec3::ZERO, max: DVec3::splat(10.0) };
+    scene(vec![
+        shape(walls, DMat4::IDENTITY, BLACK),
+        shape(patch, DMat4::IDENTITY, MIRROR),
+        lamp(sphere(radius), at(0.25, 5.0, 5.0)),
+    ])
+}
+
+/// What comes by way of a mirror, by rays: those from the place to every square of a grid over a rectangle of the plane x = 1 that is seen along `axis`
+/// are followed to what they meet, and on from there if that is a mirror.
+fn by_rays(
+    scene: &Scene,
+    point: DVec3,
+    normal: DVec3,
+    axis: DVec3,
+    range: [DVec2; 2],
+    side: u32,
+) -> (f64, [DVec2; 2]) {
+    let (x, y) = axis.any_orthonormal_pair();
+    let step = (range[1] - range[0]) / f64::from(side);
+    let (mut sum, mut met) = (0.0, [DVec2::INFINITY, DVec2::NEG_INFINITY]);
+    for k in 0..side * side {
+        let at = range[0] + step * (DVec2::new(f64::from(k % side), f64::from(k / side)) + 0.5);
+        let direction = (axis + x * at.x + y * at.y).normalize();
+        let Some(first) = scene.intersect(&Ray::new(point + 1e-9 * normal, direction), f64::INFINITY) else {
+            continue;
+        };
+        let n = first.point.normal;
+        if !first.bsdf(scene, &Wavelengths::default()).is_some_and(|bsdf| bsdf.is_delta()) {
+            continue;
+        }
+        let mirrored = direction - 2.0 * n * n.dot(direction);
+        let second = scene.intersect(&first.spawn(mirrored), f64::INFINITY);
+        if second.is_some_and(|second| second.light().is_some()) {
+            // A square is seen under its area times the cube of the cosine to the axis.
+            let cos = direction.dot(axis);
+            sum += cos.powi(3) * step.x * step.y * direction.dot(normal);
+            met = [met[0].min(at - 3.0 * step), met[1].max(at + 3.0 * step)];
+        }
+    }
+    (LUMINANCE * REFLECTANCE * sum, met)
+}
+
+#[test]
+fn curved_mirror_agrees_with_rays() {
+    let scene = room(0.3);
+    let reflections = Reflections::new(&scene).unwrap();
+    let mut seen = 0;
+    for (point, normal) in [
+        (DVec3::new(0.0, 3.0, 6.0), DVec3::X),
+        (DVec3::new(2.0, 4.0, 10.0), -DVec3::Z),
+        (DVec3::new(0.0, 6.5, 9.0), DVec3::X),
+        (DVec3::new(3.0, 10.0, 8.0), -DVec3::Y),
+        (DVec3::new(5.0, 0.0, 8.0), DVec3::Y),
+        (DVec3::new(1.0, 4.0, 0.0), DVec3::Z),
+    ] {
+        let found = reflections.illuminance(point, normal, Tolerance { relative: 1e-4, absolute: 1e-6 });
+        let axis = (DVec3::new(4.8, 4.2, 5.8) - point).normalize();
+        let all = [DVec2::splat(-1.0), DVec2::splat(1.0)];
+        let (rough, range) = by_rays(&scene, point, normal, axis, all, 200);
+        if rough == 0.0 {
+            assert!(found.reflected < 0.02, "{point}: {found:?}");
+            continue;
+        }
+        let (expected, _) = by_rays(&scene, point, normal, axis, range, 300);
+        // The image fills at least a thousand squares; those on its border count wholly or not, and most of what that is off cancels.
+        close(found.reflected, expected, 1e-2, &format!("{point}"));
+        assert!(found.error < 2e-4 * found.total(), "{point}: {found:?}");
+        seen += 1;
+    }
+    assert!(seen >= 2, "{seen}");
+}
+
+#[test]
+fn points_light_by_the_cosine_and_have_no_image() {
+    let intensity = SpectralDistribution::Constant(2.0);
+    let kind = LightKind::Point { from: DVec3::new(0.0, 0.0, 2.0), range: None };
+    let light = |kind| LightDescription {
+        kind,
+        emission: intensity.clone(),
+        scale: 1.0,
+        to_world: DMat4::IDENTITY,
+        location: None,
+    };
+    let mirror = shape(rectangle([-9.0, 9.0], [-9.0, 9.0]), at(0.0, 0.0, 3.0), MIRROR);
+    let lit = scene_with(vec![mirror, shape(disk(0.1), at(0.5, 0.0, 1.0), BLACK)], vec![light(kind)]);
+    let reflections = Reflections::new(&lit).unwrap();
+    assert_eq!(reflections.unreflected().collect::<Vec<_>>(), [LightId(0)]);
+    let found = reflections.illuminance(DVec3::new(0.0, 1.5, 0.0), DVec3::Z, EXACT);
+    // I cos / d^2 with d = 2.5 and cos = 0.8.
+    close(found.total(), LUMINANCE * 2.0 * 0.8 / 6.25, 1e-6, "point");
+    assert_eq!(reflections.illuminance(DVec3::X, DVec3::Z, EXACT).total(), 0.0, "in the shadow");
+    // The mean over a square around the foot: I times the solid angle of the square, 4 asin(1 / (1 + 4)) for half sides of 1 m seen from 2 m, over 4 m^2.
+    let square = |uv: DVec2| Some(((2.0 * uv - 1.0).extend(0.0) * DVec3::new(-1.0, 1.0, 1.0), DVec3::Z, 4.0));
+    let bare = scene_with(Vec::new(), lit_by_point());
+    let mean = Reflections::new(&bare).unwrap().cell_mean(
+        square,
+        Tolerance { relative: 1e-6, absolute: 0.0 },
+        10_000,
+    );
+    let expected = LUMINANCE * 2.0 * (0.2_f64).asin();
+    close(mean.mean, expected, 1e-6, "mean");
+    assert!((mean.area - 4.0).abs() < 1e-12 && mean.error < 2e-6 * expected, "{mean:?}");
+}
+
+fn lit_by_point() -> Vec<LightDescription> {
+    let kind = LightKind::Point { from: DVec3::new(0.0, 0.0, 2.0), range: None };
+    let emission = SpectralDistribution::Constant(2.0);
+    vec![LightDescription { kind, emission, scale: 1.0, to_world: DMat4::IDENTITY, location: None }]
+}
+
+#[test]
+fn what_cannot_be_integrated_is_named() {
+    assert_eq!(Reflections::new(&scene(Vec::new())).err(), Some(IntegrateError::NoLamp));
+    let torus = GeometryDescription::Torus { major_radius: 1.0, minor_radius: 0.1, phi_max: TAU };
+    let ring = GeometryDescription::Disk { height: 0.0, radius: 1.0, inner_radius: 0.5, phi_max: TAU };
+    let mut hollow = lamp(sphere(1.0), DMat4::IDENTITY);
+    hollow.reverse_orientation = true;
+    let squeezed = DMat4::from_scale(DVec3::new(1.0, 1.0, 0.5));
+    for (what, shape) in [
+        ("torus", lamp(torus, DMat4::IDENTITY)),
+        ("full disk", lamp(ring, DMat4::IDENTITY)),
+        ("inwards", hollow),
+        ("whole sphere", lamp(sphere(1.0), squeezed)),
+    ] {
+        let scene = scene(vec![shape]);
+        let error = Reflections::new(&scene).err().unwrap();
+        assert!(matches!(error, IntegrateError::Form { light: LightId(0), shape: 0, .. }), "{error}");
+        assert!(error.to_string().contains(what), "{error}");
+    }
+    let kind = LightKind::Infinite;
+    let emission = SpectralDistribution::Constant(1.0);
+    let sky = LightDescription { kind, emission, scale: 1.0, to_world: DMat4::IDENTITY, location: None };
+    let error = Reflections::new(&scene_with(Vec::new(), vec![sky])).err();
+    assert_eq!(error, Some(IntegrateError::Kind { light: LightId(0), kind: "infinite" }));
 }
