@@ -141,7 +141,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// A vertex: scattering, mirror, or a mirror that works from the camera only.
+    /// What happens at a vertex.
     #[derive(Clone, Copy, Debug)]
     enum Event {
         Scattered(Turn),
@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn weights_are_those_of_the_densities() {
-        // k = 3. Densities per area with all squared distances 1: z_2 by c b_2, z_1 by p_2 a... (see the head of the file).
+        // k = 3, all squared distances 1.
         let turn = |light_cos, camera_cos, light_pdf, camera_pdf| Turn {
             light_cos,
             camera_cos,
