@@ -63,7 +63,7 @@ pub(crate) enum Command {
     Illuminate(IlluminateArguments),
     /// Join checkpoints of disjoint sample ranges into one picture
     Merge(MergeArguments),
-    /// Say what is in a scene: shapes, lights, materials, bounds, units, warnings
+    /// Say what is in a scene, or what light the luminaire of a photometric file gives
     Info(InfoArguments),
     /// Measure how far apart two pictures are
     Compare(CompareArguments),
@@ -334,9 +334,12 @@ pub(crate) struct MergeArguments {
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArguments {
-    /// Scene file in pbrt's language (v3 or v4)
-    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
+    /// Scene file in pbrt's language (v3 or v4), or photometric file: .ies, .ldt
+    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) scene: PathBuf,
+    /// Draw the candela distribution of a photometric file: polar plot, .svg
+    #[arg(long, value_name = "SVG", value_hint = ValueHint::FilePath)]
+    pub(crate) plot: Option<PathBuf>,
     /// Refuse a scene that needs a stand-in or a repair
     #[arg(long)]
     pub(crate) strict: bool,

@@ -60,7 +60,7 @@ pub(crate) struct IlluminateArguments {
     #[arg(long, value_name = "E", value_parser = positive)]
     pub(crate) error: Option<f64>,
     /// Relative error that "integrate" aims at in every cell
-    #[arg(long, value_name = "E", default_value_t = 1e-3, hide_short_help = true, value_parser = positive)]
+    #[arg(long, value_name = "E", default_value_t = 1e-2, hide_short_help = true, value_parser = positive)]
     pub(crate) tolerance: f64,
     /// A second design, calculated alike: the first goes to DIR/a, this to DIR/b, and a comparison to DIR
     #[arg(long, value_name = "SCENE", value_hint = ValueHint::FilePath, conflicts_with = "checkpoint")]

@@ -1,4 +1,4 @@
-//! `glanz info`: what is in a scene.
+//! `glanz info`: what is in a scene, or in a photometric file.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::Ending;
 use crate::arguments::InfoArguments;
+use crate::command::luminaire;
 use crate::messages::{Failure, Messages};
 use crate::report::{self, grouped};
 use crate::scene_file::{Input, SceneFile};
@@ -48,6 +49,13 @@ struct Corners {
 /// # Errors
 /// Why it is no scene.
 pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<Ending, Failure> {
+    if luminaire::is_named(&arguments.scene) {
+        luminaire::run(arguments, messages)?;
+        return Ok(Ending::Done);
+    }
+    if arguments.plot.is_some() {
+        return Err(Failure::usage("--plot draws what a photometric file says: .ies or .ldt"));
+    }
     let input = Input::File(&arguments.scene);
     let mut file = SceneFile::read(&input, arguments.strict, messages)?;
     let description = &file.description;

@@ -5,6 +5,7 @@ pub(crate) mod compare;
 pub(crate) mod demo;
 pub(crate) mod illuminate;
 pub(crate) mod info;
+pub(crate) mod luminaire;
 pub(crate) mod merge;
 pub(crate) mod render;
 pub(crate) mod shell;

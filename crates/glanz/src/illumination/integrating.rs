@@ -23,7 +23,7 @@ const PORTION: usize = 16;
 const PROBES: usize = 64;
 
 /// Places of a cell at most: where the image of a lamp has an edge, errors beyond the tolerance are told.
-const POINTS: usize = 2000;
+const POINTS: usize = 300;
 
 /// What was integrated.
 pub(super) struct Integrated {

@@ -154,9 +154,9 @@ impl Design {
     }
 }
 
-/// Directions of a far field: planes and steps of gamma every 5 and 2.5 degrees.
+/// Directions of a far field: planes every 15, gamma every 5 degrees, as luminaires are usually measured.
 pub(crate) fn far_field_grid(arguments: &IlluminateArguments) -> Option<FarFieldGrid> {
-    if arguments.far_field.is_empty() { None } else { FarFieldGrid::try_new(72, 72) }
+    if arguments.far_field.is_empty() { None } else { FarFieldGrid::try_new(24, 36) }
 }
 
 /// How far maps of the same cells are apart, in their combined errors.

@@ -1,0 +1,162 @@
+//! `glanz info` of a photometric file: what a luminaire gives.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use glanz_formats::image::write_atomically;
+use glanz_formats::photometry::{self, Distribution, Photometry, PhotometryFormat};
+use glanz_illumination::report::{Polar, table::significant};
+use serde::Serialize;
+
+use crate::arguments::InfoArguments;
+use crate::messages::{Failure, Messages};
+use crate::outputs;
+use crate::report;
+
+/// Angles between which a beam is looked for, degrees.
+const BEAM_STEP: f64 = 0.1;
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Report {
+    file: String,
+    format: String,
+    luminaire: String,
+    manufacturer: String,
+    /// From the intensities.
+    flux_lm: f64,
+    /// As the header says: EULUMDAT's flux of the luminaire, LM-63's flux of its lamps.
+    header_flux_lm: Option<f64>,
+    peak_cd: f64,
+    /// Full angles within which the intensity is more than half, and a tenth, of the largest of the plane; planes C0 and C90.
+    beam_angle_degrees: [Option<f64>; 2],
+    field_angle_degrees: [Option<f64>; 2],
+    watts: f64,
+    planes: usize,
+    gammas: usize,
+    symmetry: String,
+    opening: String,
+    opening_size_m: [f64; 3],
+    plot: Option<String>,
+    warnings: Vec<String>,
+}
+
+/// Whether the file is named as photometric files are.
+pub(crate) fn is_named(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default();
+    ["ies", "ldt"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+}
+
+/// Reads the file and prints what it says.
+///
+/// # Errors
+/// Why it is no photometry, with line and column.
+pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<(), Failure> {
+    let path = &arguments.scene;
+    let failure = |what: &dyn std::fmt::Display| Failure::new(format!("{}: {what}", path.display()));
+    if let Some(plot) = &arguments.plot {
+        outputs::check_writable(plot)?;
+    }
+    let bytes = std::fs::read(path).map_err(|error| failure(&error))?;
+    let at = |fault: &photometry::Fault| format!("{}:{fault}", path.display());
+    let file = photometry::read(&bytes).map_err(|fault| Failure::new(at(&fault)))?;
+    let warnings: Vec<String> = file.warnings.iter().map(at).collect();
+    warnings.iter().for_each(|warning| messages.warning(warning));
+    let photometry = file.photometry;
+    if let Some(plot) = &arguments.plot {
+        let svg = polar(&photometry, path).svg();
+        write_atomically(plot, svg.as_bytes()).map_err(|error| Failure::new(error.to_string()))?;
+    }
+    let report = told(&photometry, arguments, warnings);
+    if arguments.json { report::print(&report) } else { report::print_text(&text(&report)) }
+}
+
+fn polar(photometry: &Photometry, path: &Path) -> Polar {
+    let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    // Whatever the system of its angles, it is drawn by C and gamma.
+    let candela = |c: f64, gamma: f64| photometry.intensity(by_c(c, gamma));
+    Polar::sample(name, None, candela)
+}
+
+fn by_c(c: f64, gamma: f64) -> glanz_math::DVec3 {
+    let ((sin_c, cos_c), (sin, cos)) = (c.to_radians().sin_cos(), gamma.to_radians().sin_cos());
+    glanz_math::DVec3::new(sin * cos_c, sin * sin_c, -cos)
+}
+
+fn told(photometry: &Photometry, arguments: &InfoArguments, warnings: Vec<String>) -> Report {
+    let distribution = &photometry.distribution;
+    let angles = |share: f64| [0.0, 90.0].map(|c| full_angle(distribution, c, share));
+    Report {
+        file: arguments.scene.display().to_string(),
+        format: match photometry.format {
+            PhotometryFormat::Ies(year) => format!("IES LM-63-{year}"),
+            PhotometryFormat::Eulumdat => "EULUMDAT".to_owned(),
+        },
+        luminaire: photometry.names.luminaire.clone(),
+        manufacturer: photometry.names.manufacturer.clone(),
+        flux_lm: photometry.flux(),
+        header_flux_lm: photometry.header_flux(),
+        peak_cd: distribution.peak(),
+        beam_angle_degrees: angles(0.5),
+        field_angle_degrees: angles(0.1),
+        watts: photometry.input_watts,
+        planes: distribution.azimuths().len(),
+        gammas: distribution.polars().len(),
+        symmetry: format!("{:?}", distribution.symmetry()),
+        opening: format!("{:?}", photometry.opening.shape),
+        opening_size_m: photometry.opening.size,
+        plot: arguments.plot.as_ref().map(|plot| plot.display().to_string()),
+        warnings,
+    }
+}
+
+/// The angle around the brightest direction of the plane of C `c` and its opposite, within which there is at least `share` of that;
+/// `None` in a dark plane.
+fn full_angle(distribution: &Distribution, c: f64, share: f64) -> Option<f64> {
+    let at = |gamma: f64| distribution.intensity(by_c(c, gamma));
+    let steps = (180.0 / BEAM_STEP) as i32;
+    let angle = |step: i32| f64::from(step) * BEAM_STEP;
+    let (top, peak) =
+        (-steps..=steps).map(|step| (step, at(angle(step)))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let reach = |sign: i32| (1..=2 * steps).take_while(|i| at(angle(top + sign * i)) >= share * peak).count();
+    let full = (reach(1) + reach(-1)) as f64 * BEAM_STEP;
+    (peak > 0.0).then_some(full.min(360.0))
+}
+
+fn text(report: &Report) -> String {
+    let mut text = String::new();
+    let mut line = |name: &str, value: &str| {
+        // Writing to a text cannot fail.
+        let _ = writeln!(text, "{name:<12} {value}");
+    };
+    line("file", &report.file);
+    line("format", &report.format);
+    line("luminaire", &report.luminaire);
+    line("made by", &report.manufacturer);
+    line("flux", &format!("{} lm", significant(report.flux_lm)));
+    match report.header_flux_lm {
+        Some(header) => {
+            let percent = 100.0 * report.flux_lm / header;
+            line("header", &format!("{} lm: the intensities give {percent:.2} % of it", significant(header)));
+        }
+        None => line("header", "no flux"),
+    }
+    line("peak", &format!("{} cd", significant(report.peak_cd)));
+    let angles = |[c0, c90]: [Option<f64>; 2]| {
+        let angle = |a: Option<f64>| a.map_or("-".to_owned(), |a| format!("{a:.0}"));
+        format!("{} degrees in C0-C180, {} in C90-C270", angle(c0), angle(c90))
+    };
+    line("beam, 50 %", &angles(report.beam_angle_degrees));
+    line("field, 10 %", &angles(report.field_angle_degrees));
+    line("power", &format!("{} W", significant(report.watts)));
+    line(
+        "angles",
+        &format!("{} planes, {} in each; symmetry: {}", report.planes, report.gammas, report.symmetry),
+    );
+    let [x, y, z] = report.opening_size_m;
+    line("opening", &format!("{}, {x} x {y} x {z} m", report.opening));
+    if let Some(plot) = &report.plot {
+        line("plot", plot);
+    }
+    text
+}
