@@ -153,7 +153,8 @@ fn text(report: &Report) -> String {
         "angles",
         &format!("{} planes, {} in each; symmetry: {}", report.planes, report.gammas, report.symmetry),
     );
-    let [x, y, z] = report.opening_size_m;
+
+    let [x, y, z] = report.opening_size_m.map(significant);
     line("opening", &format!("{}, {x} x {y} x {z} m", report.opening));
     if let Some(plot) = &report.plot {
         line("plot", plot);
