@@ -323,3 +323,48 @@ fn faults_of_photometric_lights_are_told_with_their_place() {
         assert!(found.starts_with(expected), "{found}\n{expected}");
     }
 }
+
+/// A TM-25 file of rays with a start in mm, a direction and watts; with a luminous flux in the header.
+fn tm25(count: u64, lumens: f32, rays: &[[f32; 7]]) -> Vec<u8> {
+    let mut out = b"TM25".to_vec();
+    out.extend([2013_i32, 0].map(i32::to_le_bytes).as_flattened());
+    out.extend([lumens, 4.0].map(f32::to_le_bytes).as_flattened());
+    out.extend(count.to_le_bytes());
+    out.resize(256, 0);
+    // Position, direction, radiant flux.
+    out.extend([1_i32, 1, 1, 0, 0, 0, 0, 0].map(i32::to_le_bytes).as_flattened());
+    out.resize(256 + 32 + 9 * 4000, 0);
+    out.extend(rays.iter().flatten().flat_map(|v| v.to_le_bytes()));
+    out
+}
+
+#[test]
+fn rays_of_a_file_share_its_luminous_flux() {
+    let folder = Folder::new("rays");
+    let rays = [[1000.0, 0.0, 500.0, 0.0, 0.0, 1.0, 1.0], [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 3.0]];
+    folder.put("stated.tm25ray", tm25(2, 800.0, &rays)).put("silent.tm25ray", tm25(2, f32::NAN, &rays));
+    folder.put("cut.tm25ray", tm25(3, 800.0, &rays)).put("huge.tm25ray", tm25(20_000_001, 800.0, &rays));
+    let read = |parameters: &str| {
+        let text = format!("WorldBegin\nLightSource \"photometric\" \"string filename\" {parameters}\n");
+        folder.put("scene.pbrt", text).load()
+    };
+    for (parameters, expected) in [
+        ("\"stated.tm25ray\"", [200.0, 600.0]),
+        ("\"stated.tm25ray\" \"float lumens\" 4", [1.0, 3.0]),
+        ("\"silent.tm25ray\" \"float lumens\" 4", [1.0, 3.0]),
+    ] {
+        let loaded = read(parameters).unwrap_or_else(|d| panic!("{d}"));
+        let LightKind::Rays { rays, .. } = &loaded.description.lights[0].kind else { panic!() };
+        assert_eq!([rays[0].lumens, rays[1].lumens], expected);
+        assert_eq!((rays[0].origin, rays[0].direction), ([1.0, 0.0, 0.5], [0.0, 0.0, 1.0]));
+    }
+    for (parameters, expected) in [
+        ("\"silent.tm25ray\"", "silent.tm25ray states no luminous flux"),
+        ("\"cut.tm25ray\"", "cut.tm25ray: byte 36344: the file ends within ray 2 of 3"),
+        ("\"huge.tm25ray\"", "huge.tm25ray: it has 20000001 rays, at most 20000000 can be used"),
+    ] {
+        let found = folder.messages(&read(parameters).unwrap_err());
+        let expected = format!("error: scene.pbrt:2:45: light \"photometric\": {expected}");
+        assert!(found.starts_with(&expected), "{found}");
+    }
+}

@@ -82,6 +82,8 @@ pub struct Scene {
     pub(crate) lights: Vec<Light>,
     pub(crate) infinite_lights: Vec<LightId>,
     pub(crate) selector: LightSelector,
+    /// For paths that begin at lights.
+    pub(crate) emitters: LightSelector,
     pub(crate) bounds: Bounds3,
     pub(crate) receivers: Vec<NamedReceiver>,
 }
@@ -294,6 +296,20 @@ impl Scene {
     #[must_use]
     pub fn light_probability(&self, id: LightId) -> f64 {
         self.selector.probability(id)
+    }
+
+    /// A light to send a ray from by [`Scene::emit`] and the probability of that choice, by a number uniform in [0, 1).
+    ///
+    /// As [`Scene::pick_light`], with the lights that cannot be looked for. `None` if no light has a known power.
+    #[must_use]
+    pub fn pick_emitter(&self, xi: f64) -> Option<(LightId, f64)> {
+        self.emitters.pick(xi)
+    }
+
+    /// The probability with which [`Scene::pick_emitter`] takes the light `id`.
+    #[must_use]
+    pub fn emitter_probability(&self, id: LightId) -> f64 {
+        self.emitters.probability(id)
     }
 
     /// Number of groups of lights, at most [`MAX_LIGHT_GROUPS`](crate::MAX_LIGHT_GROUPS): who knows which lights matter at a

@@ -148,6 +148,32 @@ fn points_of_an_opening_scale_with_the_frame() {
 }
 
 #[test]
+fn rays_are_sent_by_their_flux_and_cannot_be_looked_for() {
+    let ray = |x: f32, lumens: f32| SourceRay { origin: [x, 0.0, 0.0], direction: [0.0, 0.0, 1.0], lumens };
+    let rays = Arc::new([ray(0.0, 1.0), ray(1.0, 0.0), ray(2.0, 3.0)]);
+    // z goes to -y, lengths are doubled.
+    let to_world = DMat4::from_rotation_x(FRAC_PI_2) * DMat4::from_scale(DVec3::splat(2.0));
+    let description =
+        LightDescription { kind: LightKind::Rays { rays, from: DVec3::Z }, ..light(beam(), None, to_world) };
+    let scene = scene(vec![description]);
+    let mut found = [0_u32; 2];
+    for i in 0..400_u32 {
+        let sent = scene.emit(LightId(0), DVec2::splat((f64::from(i) + 0.5) / 400.0), DVec2::ZERO).unwrap();
+        assert!((sent.ray.direction + DVec3::Y).length() < 1e-12);
+        let lumens = units::photometric(sent.power, &Wavelengths::default());
+        assert!((lumens - 4.0).abs() < 1e-5);
+        let origin = sent.ray.origin + 2.0 * DVec3::Y;
+        found[usize::from(origin.x > 1.0)] += 1;
+        assert!(origin.length() < 1e-12 || (origin - 4.0 * DVec3::X).length() < 1e-12, "{origin}");
+    }
+    assert_eq!(found, [100, 300]);
+    assert_eq!(scene.pick_emitter(0.5), Some((LightId(0), 1.0)));
+    assert_eq!(scene.pick_light(0.5), None);
+    let at = scene.intersect(&Ray::new(DVec3::ZERO, DVec3::X), f64::INFINITY).unwrap();
+    assert!(scene.sample_light(LightId(0), &at, DVec2::splat(0.5), &Wavelengths::default()).is_none());
+}
+
+#[test]
 fn what_cannot_be_a_luminaire_is_refused() {
     let resolve = |light: LightDescription| {
         let description = Description { lights: vec![light], ..Description::default() };

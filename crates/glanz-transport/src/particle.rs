@@ -79,7 +79,7 @@ pub fn send_particle(
     let wavelengths = Wavelengths::default();
     sampler.skip_to_dimension(EMISSION_DIMENSIONS);
     let (xi_direction, xi_place) = (sampler.next_2d(), sampler.next_2d());
-    let (id, probability) = scene.pick_light(sampler.next_1d()).filter(|&(_, p)| p > 0.0)?;
+    let (id, probability) = scene.pick_emitter(sampler.next_1d()).filter(|&(_, p)| p > 0.0)?;
     let start = scene.emit(id, xi_place, xi_direction)?;
     let emitted = start.power * (1.0 / probability) as f32;
     let threshold = ROULETTE_BELOW * emitted.max_component();

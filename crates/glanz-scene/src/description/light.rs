@@ -55,6 +55,13 @@ pub enum LightKind {
         /// Where the photometric centre is.
         from: DVec3,
     },
+    /// Sends rays in proportion to their flux; of the emission only the colour counts, not the magnitude.
+    Rays {
+        /// In light space.
+        rays: Arc<[SourceRay]>,
+        /// Where their origin is.
+        from: DVec3,
+    },
     /// W/m^2 on a surface that faces it, from one direction.
     Distant {
         /// From here ...
@@ -64,6 +71,17 @@ pub enum LightKind {
     },
     /// W/(m^2 sr) from every direction.
     Infinite,
+}
+
+/// A ray of a light source. Sources have millions, hence single precision.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SourceRay {
+    /// Where it starts, metres.
+    pub origin: [f32; 3],
+    /// Where it goes, of length 1.
+    pub direction: [f32; 3],
+    /// Its luminous flux.
+    pub lumens: f32,
 }
 
 /// How a spot light falls between inner and outer angle.

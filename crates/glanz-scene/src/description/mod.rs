@@ -25,7 +25,7 @@ pub use geometry::GeometryDescription;
 pub use group::{GroupDescription, InstanceDescription, ShapeDescription};
 pub use guide::{GridSettings, GuideBasis, GuideSettings, GuideSettingsError};
 pub use integrator::{IntegratorDescription, SamplerDescription};
-pub use light::{EmissionDescription, EmissionPower, LightDescription, LightKind, SpotFalloff};
+pub use light::{EmissionDescription, EmissionPower, LightDescription, LightKind, SourceRay, SpotFalloff};
 pub use material::{MaterialDescription, MaterialKind};
 pub use pass_lengths::{PassLengths, PassLengthsError};
 pub use receiver::{MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide};

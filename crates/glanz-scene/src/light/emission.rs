@@ -9,7 +9,7 @@ use glanz_math::{AreaPdf, DVec2, DVec3, Frame, Ray};
 use glanz_sampling::warp;
 
 use super::{
-    AreaLight, DistantLight, InfiniteLight, Light, LightId, PhotometricLight, PointLight, SpotLight,
+    AreaLight, DistantLight, InfiniteLight, Light, LightId, PhotometricLight, PointLight, RayLight, SpotLight,
 };
 use crate::scene::Scene;
 
@@ -72,6 +72,7 @@ impl Scene {
             Light::Point(light) => Some(light.emit(direction)),
             Light::Spot(light) => light.emit(direction),
             Light::Photometric(light) => light.emit(place, direction),
+            Light::Rays(light) => light.emit(place.x),
             Light::Distant(light) => light.emit(&Around::of(self)?, place).filter(|ray| self.sees_afar(ray)),
             Light::Area(light) => light.emit(self, place, direction),
             Light::Infinite(light) => {
@@ -111,6 +112,12 @@ impl PhotometricLight {
     fn emit(&self, place: DVec2, direction: DVec2) -> Option<LightRay> {
         let ray = Ray::new(self.place(place), self.direction(direction)?);
         Some(LightRay { ray, power: self.power(), from: None, area_pdf: None, range: None })
+    }
+}
+
+impl RayLight {
+    fn emit(&self, xi: f64) -> Option<LightRay> {
+        Some(LightRay { ray: self.pick(xi)?, power: self.power(), from: None, area_pdf: None, range: None })
     }
 }
 

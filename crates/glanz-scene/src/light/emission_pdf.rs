@@ -26,6 +26,8 @@ impl Scene {
             Some(Light::Point(light)) => light.emission_pdf(at),
             Some(Light::Spot(light)) => light.emission_pdf(at),
             Some(Light::Photometric(light)) => light.emission_pdf(at, wi),
+            // Nothing else finds its light: any density will do, as long as it is one.
+            Some(Light::Rays(_)) => 1.0,
             Some(Light::Distant(_)) => far(),
             Some(Light::Area(light)) => area_pdf.map_or(0.0, |pdf| light.emission_pdf(pdf)),
             Some(Light::Infinite(_)) => 0.25 * FRAC_1_PI * far(),
@@ -45,7 +47,7 @@ impl Scene {
             Some(Light::Point(_) | Light::Spot(_) | Light::Photometric(_) | Light::Distant(_)) => {
                 SolidAnglePdf(1.0)
             }
-            None => SolidAnglePdf(0.0),
+            Some(Light::Rays(_)) | None => SolidAnglePdf(0.0),
         }
     }
 }

@@ -9,6 +9,7 @@ mod infinite;
 mod opening;
 mod photometric;
 mod point;
+mod rays;
 mod select;
 mod spot;
 
@@ -25,6 +26,7 @@ pub use emission::LightRay;
 pub use infinite::InfiniteLight;
 pub use photometric::PhotometricLight;
 pub use point::PointLight;
+pub use rays::RayLight;
 pub(crate) use select::LightSelector;
 pub use select::MAX_LIGHT_GROUPS;
 pub use spot::SpotLight;
@@ -43,6 +45,8 @@ pub enum Light {
     Spot(SpotLight),
     /// A luminaire as it was measured.
     Photometric(PhotometricLight),
+    /// Measured rays.
+    Rays(RayLight),
     /// One direction, from infinitely far.
     Distant(DistantLight),
     /// A surface.
@@ -58,7 +62,7 @@ impl Light {
         match self {
             Self::Point(_) => "point",
             Self::Spot(_) => "spot",
-            Self::Photometric(_) => "photometric",
+            Self::Photometric(_) | Self::Rays(_) => "photometric",
             Self::Distant(_) => "distant",
             Self::Area(_) => "diffuse",
             Self::Infinite(_) => "infinite",
@@ -71,7 +75,7 @@ impl Light {
         match self {
             Self::Point(_) | Self::Spot(_) | Self::Distant(_) => true,
             Self::Photometric(light) => light.is_point(),
-            Self::Area(_) | Self::Infinite(_) => false,
+            Self::Rays(_) | Self::Area(_) | Self::Infinite(_) => false,
         }
     }
 
@@ -81,7 +85,7 @@ impl Light {
         matches!(self, Self::Area(_) | Self::Infinite(_))
     }
 
-    /// Its power as a number for choosing between lights, W; `radius` is that of the scene, metres.
+    /// Its power as a number for choosing between lights to send rays from, W; `radius` is that of the scene, metres.
     pub(crate) fn importance(&self, radius: f64) -> f64 {
         let wavelengths = Wavelengths::default();
         let bright = |s: Spectrum| f64::from(s.mean(&wavelengths).max(0.0));
@@ -90,11 +94,17 @@ impl Light {
             Self::Point(l) => bright(l.power()),
             Self::Spot(l) => bright(l.power()),
             Self::Photometric(l) => bright(l.power()),
+            Self::Rays(l) => bright(l.power()),
             Self::Distant(l) => bright(l.irradiance()) * disk,
             Self::Area(l) if !l.can_be_sampled() => 0.0,
             Self::Area(l) => bright(l.power()),
             Self::Infinite(l) => bright(l.radiance()) * std::f64::consts::PI * 4.0 * disk,
         }
+    }
+
+    /// Whether a place can look for it: the rays of a file are met by nothing that does not follow them.
+    pub(crate) fn can_be_looked_for(&self) -> bool {
+        !matches!(self, Self::Rays(_))
     }
 
     /// Picks a direction from `from` towards the light by two numbers uniform in [0, 1).
@@ -112,6 +122,7 @@ impl Light {
             Self::Point(l) => l.sample(from),
             Self::Spot(l) => l.sample(from),
             Self::Photometric(l) => l.sample(from, xi),
+            Self::Rays(_) => None,
             Self::Distant(l) => Some(l.sample(from)),
             Self::Area(l) => l.sample(scene, from, xi),
             Self::Infinite(l) => l.sample(from, xi, wavelengths),

@@ -36,6 +36,15 @@ pub struct PhotometricLight {
     cells: Option<Arc<PiecewiseConstant1>>,
 }
 
+/// Orthonormal axes, mirrored if the map is, and the factor on lengths of a luminaire in the world; `None` if the map is no similarity.
+pub(super) fn luminaire_axes(to_world: &Transform) -> Option<(DMat3, f64)> {
+    let scale = to_world.uniform_scale(SIMILARITY)?;
+    let z = to_world.vector(DVec3::Z).try_normalize()?;
+    let x = to_world.vector(DVec3::X).reject_from_normalized(z).try_normalize()?;
+    let y = z.cross(x) * to_world.forward().matrix3.determinant().signum();
+    Some((DMat3::from_cols(x, y, z), scale))
+}
+
 impl PhotometricLight {
     /// `from`: the photometric centre in the luminaire's frame, which `to_world` places. `opening`: `None` for a point. `per_candela`: W/sr for one
     /// candela of the distribution. `None` if `to_world` is no similarity.
@@ -46,16 +55,12 @@ impl PhotometricLight {
         to_world: &Transform,
         per_candela: Spectrum,
     ) -> Option<Self> {
-        let scale = to_world.uniform_scale(SIMILARITY)?;
-        let z = to_world.vector(DVec3::Z).try_normalize()?;
-        let x = to_world.vector(DVec3::X).reject_from_normalized(z).try_normalize()?;
-        // A mirror keeps its handedness.
-        let y = z.cross(x) * to_world.forward().matrix3.determinant().signum();
+        let (axes, scale) = luminaire_axes(to_world)?;
         let fluxes = distribution.cell_fluxes();
         let opening = opening.filter(|o| o.shape != OpeningShape::Point && o.size != [0.0; 3]);
         Some(Self {
             position: to_world.point(from),
-            axes: DMat3::from_cols(x, y, z),
+            axes,
             opening: opening.map(|o| Opening { size: o.size.map(|s| s * scale), ..o }),
             per_candela,
             flux: fluxes.iter().sum(),

@@ -5,16 +5,25 @@ use std::sync::Arc;
 
 use glanz_light::{SpectralDistribution, Spectrum, Wavelengths, units};
 
-use super::{range_error, transform};
+use super::{Notes, range_error, transform};
 use crate::description::{LightDescription, LightKind, Location};
 use crate::error::SceneError;
-use crate::light::{DistantLight, InfiniteLight, Light, PhotometricLight, PointLight, SpotLight};
+use crate::light::{DistantLight, InfiniteLight, Light, PhotometricLight, PointLight, RayLight, SpotLight};
 
-pub(super) fn light(description: &LightDescription, wavelengths: &Wavelengths) -> Result<Light, SceneError> {
+pub(super) fn light(
+    description: &LightDescription,
+    wavelengths: &Wavelengths,
+    notes: &mut Notes,
+) -> Result<Light, SceneError> {
     let location = description.location;
     let to_world = transform(description.to_world, "light", location)?;
     let emission =
         emitted(&description.emission, description.scale, wavelengths, "light: emission", location)?;
+    let uneven = || {
+        let (what, range) =
+            ("photometric light: transformation", "moves, turns and scales alike in all directions");
+        range_error(location, what, "uneven", range)
+    };
     Ok(match &description.kind {
         LightKind::Point { from, range } => {
             if let Some(range) = *range
@@ -45,11 +54,16 @@ pub(super) fn light(description: &LightDescription, wavelengths: &Wavelengths) -
             let per_candela = per_candela(description, wavelengths)?;
             let (distribution, opening) = (Arc::clone(distribution), *opening);
             let light = PhotometricLight::try_new(distribution, opening, *from, &to_world, per_candela);
-            Light::Photometric(light.ok_or_else(|| {
-                let (what, range) =
-                    ("photometric light: transformation", "moves, turns and scales alike in all directions");
-                range_error(location, what, "uneven", range)
-            })?)
+            Light::Photometric(light.ok_or_else(uneven)?)
+        }
+        LightKind::Rays { rays, from } => {
+            let per_lumen = per_candela(description, wavelengths)?;
+            let light =
+                RayLight::try_new(Arc::clone(rays), *from, &to_world, per_lumen).ok_or_else(uneven)?;
+            let message = "the rays of a file cannot be looked for from surfaces: this light is seen by what begins at the lights only, \
+                           such as glanz illuminate";
+            notes.warn(location, message);
+            Light::Rays(light)
         }
         LightKind::Distant { from, to } => {
             let towards = to_world
@@ -62,7 +76,7 @@ pub(super) fn light(description: &LightDescription, wavelengths: &Wavelengths) -
     })
 }
 
-/// The spectrum of one candela of the light's colour times its scale, W/sr.
+/// The spectrum of one candela of the light's colour times its scale, W/sr; also that of one lumen, W.
 fn per_candela(description: &LightDescription, wavelengths: &Wavelengths) -> Result<Spectrum, SceneError> {
     let location = description.location;
     let color = emitted(&description.emission, 1.0, wavelengths, "photometric light: colour", location)?;

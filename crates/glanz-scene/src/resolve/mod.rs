@@ -55,7 +55,7 @@ impl Scene {
         let Finished { groups, mut lights, receivers } =
             groups.finish(description.world, &wavelengths, &mut notes)?;
         for light in &description.lights {
-            lights.push(light::light(light, &wavelengths)?);
+            lights.push(light::light(light, &wavelengths, &mut notes)?);
         }
         let bounds = groups.last().map(group::finite_bounds).unwrap_or(glanz_math::Bounds3::EMPTY);
         let radius = if bounds.is_empty() { 1.0 } else { 0.5 * bounds.diagonal().length() };
@@ -66,7 +66,12 @@ impl Scene {
             .filter(|(_, light)| matches!(light, Light::Infinite(_)))
             .map(|(index, _)| LightId(index as u32))
             .collect();
-        let selector = LightSelector::new(&importance);
+        let looked_for: Vec<f64> = lights
+            .iter()
+            .zip(&importance)
+            .map(|(light, &importance)| if light.can_be_looked_for() { importance } else { 0.0 })
+            .collect();
+        let (selector, emitters) = (LightSelector::new(&looked_for), LightSelector::new(&importance));
         let scene = Self {
             camera,
             groups,
@@ -75,6 +80,7 @@ impl Scene {
             lights,
             infinite_lights,
             selector,
+            emitters,
             bounds,
             receivers,
         };

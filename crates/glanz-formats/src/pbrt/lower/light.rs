@@ -159,7 +159,7 @@ impl Lowering {
     }
 
     /// A number that is not negative.
-    fn not_negative(&mut self, list: &mut ParameterList, name: &'static str) -> Step<Option<f64>> {
+    pub(super) fn not_negative(&mut self, list: &mut ParameterList, name: &'static str) -> Step<Option<f64>> {
         let place = list.value_place(name);
         match list.float(name, &mut self.reporter)? {
             Some(value) if value < 0.0 => {

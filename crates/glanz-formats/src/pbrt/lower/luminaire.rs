@@ -1,15 +1,17 @@
 //! `LightSource "photometric"`: a luminaire from a photometric file.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use glanz_light::intensity::{Opening, OpeningShape};
 use glanz_math::DVec3;
-use glanz_scene::description::LightKind;
+use glanz_scene::description::{LightKind, SourceRay};
 
 use super::light::Lit;
 use super::spectrum::{Emission, grey};
 use super::{Context, Lowering};
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
+use crate::photometry::tm25::{MAGIC, Rays};
 use crate::photometry::{self, Fault, Photometry, PhotometryFile};
 use crate::source::Step;
 
@@ -22,7 +24,18 @@ impl Lowering {
         };
         let from = list.vec3("from", &mut self.reporter)?.unwrap_or(DVec3::ZERO);
         let emission = self.color_and_scale(list, context)?;
-        let mut photometry = self.photometry(&p, &name)?;
+        let (path, bytes) = match self.read_file(&name) {
+            Ok(read) => read,
+            Err(problem) => {
+                let message = format!("light \"photometric\": {problem}");
+                return Err(self.reporter.error(&p.value_place, "missing-file", message));
+            }
+        };
+        if bytes.starts_with(MAGIC) {
+            let rays = self.source_rays(list, &p, &path, &bytes)?;
+            return Ok((LightKind::Rays { rays: rays.into(), from }, emission));
+        }
+        let mut photometry = self.photometry(&p, &path, &bytes)?;
         self.choose_lamps(list, &mut photometry)?;
         self.tilt(list, &mut photometry)?;
         self.scale_to_lumens(list, &mut photometry)?;
@@ -45,16 +58,9 @@ impl Lowering {
         Ok(Emission { spectrum, factor, normalisation: 1.0 })
     }
 
-    /// Reads the file, and that of its tilt data if it names one.
-    fn photometry(&mut self, p: &Parameter, name: &str) -> Step<Photometry> {
-        let (path, bytes) = match self.read_file(name) {
-            Ok(read) => read,
-            Err(problem) => {
-                let message = format!("light \"photometric\": {problem}");
-                return Err(self.reporter.error(&p.value_place, "missing-file", message));
-            }
-        };
-        let read = photometry::read_with(&bytes, &mut |tilt| self.read_file(tilt).map(|(_, bytes)| bytes));
+    /// The photometry in the file, and in that of its tilt data if it names one.
+    fn photometry(&mut self, p: &Parameter, path: &Path, bytes: &[u8]) -> Step<Photometry> {
+        let read = photometry::read_with(bytes, &mut |tilt| self.read_file(tilt).map(|(_, bytes)| bytes));
         let message = |fault: &Fault| format!("light \"photometric\": {}:{fault}", path.display());
         let help = |fault: &Fault| fault.kind.help().map(str::to_owned);
         match read {
@@ -70,6 +76,40 @@ impl Lowering {
                 Err(r.error_with_help(&p.value_place, "photometry", message(&fault), help(&fault)))
             }
         }
+    }
+
+    /// The rays of a TM-25 file, with its luminous flux or that of `lumens`.
+    fn source_rays(
+        &mut self,
+        list: &mut ParameterList,
+        p: &Parameter,
+        path: &Path,
+        bytes: &[u8],
+    ) -> Step<Vec<SourceRay>> {
+        let place = list.value_place("lumens");
+        let lumens = self.not_negative(list, "lumens")?;
+        let (mut rays, stated) = match read_rays(bytes) {
+            Ok(read) => read,
+            Err(problem) => {
+                let message = format!("light \"photometric\": {}: {problem}", path.display());
+                return Err(self.reporter.error(&p.value_place, "photometry", message));
+            }
+        };
+        let Some(wanted) = lumens.or(stated) else {
+            let message = format!("light \"photometric\": {} states no luminous flux", path.display());
+            let help = Some("say \"float lumens\"".to_owned());
+            return Err(self.reporter.error_with_help(&p.value_place, "photometry", message, help));
+        };
+        let sum: f64 = rays.iter().map(|ray| f64::from(ray.lumens)).sum();
+        let factor = wanted / sum;
+        if !factor.is_finite() {
+            let message = format!("light \"photometric\": {wanted} lm cannot be had from dark rays");
+            return Err(self.reporter.error(&place, "parameter-range", message));
+        }
+        for ray in &mut rays {
+            ray.lumens = (f64::from(ray.lumens) * factor) as f32;
+        }
+        Ok(rays)
     }
 
     /// `lamps`: which set of an EULUMDAT file.
@@ -147,4 +187,27 @@ impl Lowering {
             }
         }
     }
+}
+
+/// Rays of a file at most: they are all kept, at 28 bytes each and 8 for the choice.
+const MAX_RAYS: u64 = 20_000_000;
+
+/// The rays of a file, each with a share of its flux, and the lumens that it states.
+fn read_rays(bytes: &[u8]) -> Result<(Vec<SourceRay>, Option<f64>), String> {
+    let rays = Rays::new(bytes).map_err(|error| error.to_string())?;
+    let header = rays.header().clone();
+    if header.ray_count > MAX_RAYS {
+        return Err(format!("it has {} rays, at most {MAX_RAYS} can be used", header.ray_count));
+    }
+    let single = |v: DVec3| v.as_vec3().to_array();
+    let read = rays.map(|ray| {
+        let ray = ray.map_err(|error| error.to_string())?;
+        // The header knows no other kinds of flux.
+        let lumens = ray.luminous_flux.or(ray.radiant_flux).unwrap_or(0.0);
+        Ok(SourceRay { origin: single(ray.position), direction: single(ray.direction), lumens })
+    });
+    let read: Vec<SourceRay> = read.collect::<Result<_, String>>()?;
+    let of_rays = || read.iter().map(|ray| f64::from(ray.lumens)).sum();
+    let stated = header.luminous_flux.map(f64::from).or_else(|| header.has_luminous_flux.then(of_rays));
+    Ok((read, stated))
 }

@@ -2,7 +2,7 @@
 
 use std::io::{ErrorKind, Read};
 
-use super::{Tm25Error, Tm25ErrorKind};
+use super::{MAGIC, Tm25Error, Tm25ErrorKind};
 
 /// What is known of wavelengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,7 +125,7 @@ struct Bytes<'a, R> {
 impl<R: Read> Bytes<'_, R> {
     fn header(&mut self) -> Result<Header, Tm25ErrorKind> {
         const WHERE: &str = "file header";
-        if self.take::<4>("first four bytes")? != *b"TM25" {
+        if self.take::<4>("first four bytes")? != *MAGIC {
             return Err(Tm25ErrorKind::Magic);
         }
         let version = self.int(WHERE)?;

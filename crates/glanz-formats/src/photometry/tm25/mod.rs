@@ -33,6 +33,9 @@ use glanz_math::DVec3;
 
 pub use header::{Descriptions, Header, SpectralData, SpectralTable};
 
+/// How a ray file begins.
+pub const MAGIC: &[u8] = b"TM25";
+
 /// Why bytes are not a ray file.
 #[derive(Debug, thiserror::Error)]
 #[error("byte {offset}: {kind}")]

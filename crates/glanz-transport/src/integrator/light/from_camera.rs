@@ -121,7 +121,8 @@ fn weight_of_hit(
 ) -> f64 {
     let Some(way) = way else { return 1.0 };
     let probability = context.scene.light_probability(id);
-    let emission = probability * context.scene.emission_pdf(id, way.from.position, wi, area_pdf);
+    let emission = context.scene.emitter_probability(id)
+        * context.scene.emission_pdf(id, way.from.position, wi, area_pdf);
     way.weights.weight_of_hit(emission, probability * sampled(way), way.pdf)
 }
 
@@ -145,7 +146,8 @@ fn sampled(
         return Spectrum::BLACK;
     }
     let position = vertex.at.point.position;
-    let emission = probability * scene.emission_pdf(id, position, sample.wi, sample.area_pdf);
+    let emission =
+        scene.emitter_probability(id) * scene.emission_pdf(id, position, sample.wi, sample.area_pdf);
     let density = probability * sample.pdf.0;
     let turn = turn(vertex, sample.wi, vertex.at.wo, light_pdf);
     let weight = weights.weight_of_sampled(&turn, emission, density, sample.is_delta);

@@ -28,7 +28,7 @@ impl Start {
         context.sampler.skip_to_dimension(FIRST_LIGHT_DIMENSION);
         let (direction, place) = (context.sampler.next_2d(), context.sampler.next_2d());
         let scene = context.scene;
-        let (id, probability) = scene.pick_light(context.sampler.next_1d())?;
+        let (id, probability) = scene.pick_emitter(context.sampler.next_1d())?;
         let light = scene.emit(id, place, direction)?;
         let is_delta = !scene.light(id).is_some_and(Light::can_be_met);
         (probability > 0.0).then_some(Self { id, probability, light, is_delta })
@@ -43,7 +43,8 @@ impl Start {
 
     /// Density of light sampling from the first vertex, as `seen` from the camera's side.
     fn sampled(&self, context: &Context<'_>, seen: &Reference) -> f64 {
-        self.probability * context.scene.light_pdf_of_ray(self.id, seen, &self.light).0
+        let scene = context.scene;
+        scene.light_probability(self.id) * scene.light_pdf_of_ray(self.id, seen, &self.light).0
     }
 }
 
