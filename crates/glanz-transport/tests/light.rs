@@ -9,9 +9,12 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use std::f64::consts::{PI, TAU};
 
 use common::*;
+use glanz_light::intensity::{AngularSystem, Distribution, Opening, OpeningShape, Symmetry};
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::description::*;
 use glanz_transport::{Film, RenderError};
@@ -83,6 +86,13 @@ fn lamps_of_every_kind_light_the_same_picture() {
         falloff: SpotFalloff::Smoothstep,
     };
     let fading = LightKind::Point { from: DVec3::new(-0.5, 0.0, 1.2), range: Some(2.5) };
+    let luminaire = |opening| {
+        let (polars, candela) = (vec![0.0, 60.0, 180.0], vec![4000.0, 3000.0, 500.0]);
+        let all_round = Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], polars, candela);
+        let from = DVec3::new(-0.5, 0.0, 1.2);
+        LightKind::Photometric { distribution: Arc::new(all_round.unwrap()), opening, from }
+    };
+    let plate = Opening { shape: OpeningShape::Rectangle, size: [0.4, 0.2, 0.0] };
     let distant = LightKind::Distant { from: DVec3::new(-1.0, 0.4, 2.0), to: DVec3::ZERO };
     let ball = corner().shape(sphere(0.2), at(-0.4, 0.2, 2.5), diffuse(0.0)).shining([50.0; 3]);
     for (name, scene) in [
@@ -90,6 +100,8 @@ fn lamps_of_every_kind_light_the_same_picture() {
         ("ball", ball),
         ("fading point", corner().light(fading.clone(), 3.0)),
         ("spot", corner().light(spot.clone(), 8.0)),
+        ("luminaire", corner().light(luminaire(None), 1.0)),
+        ("luminaire with a size", corner().light(luminaire(Some(plate)), 1.0)),
         ("distant", corner().light(distant.clone(), 2.0)),
         ("infinite", corner().light(LightKind::Infinite, 0.5)),
         (
