@@ -22,7 +22,7 @@ Usage: cargo xtask COMMAND
                        rays against the reference over the zoo of patches (default 10000000 and 1000000), optimised
   seam [--rays N]      rays across the seam of two trimmed faces (default 100000000), optimised
   unbiased [--samples N]
-                       Z-test of `guided` against `path` in all scenes with N samples per pixel (default 16384), optimised
+                       Z-test of `guided` and `light` against `path` in all scenes with N samples per pixel (default 16384), optimised
   bake [--points N] [--samples M]
                        light maps of scenes/rooms/vase.pbrt against path tracing at N points with M paths each (default 1000 and
                        8192), optimised

@@ -160,15 +160,17 @@ pub(crate) fn seam(rays: u64) -> Result<String, String> {
     Ok(format!("seam: none of {rays} rays slips through"))
 }
 
-/// `guided` against `path` in all scenes with so many samples of each pixel.
+/// `guided` and `light` against `path` in all scenes with so many samples of each pixel.
 ///
 /// # Errors
 /// A sentence if pictures differ, or if it cannot be run.
 pub(crate) fn unbiased(samples: u32) -> Result<String, String> {
     let mut command = optimised_test_of("glanz-study", "unbiased");
     command.env("GLANZ_UNBIASED_SAMPLES", samples.to_string());
-    succeed(&mut command, "guided pictures are not those of path, see above")?;
-    Ok(format!("unbiased: guided pictures are those of path at {samples} samples per pixel"))
+    succeed(&mut command, "pictures are not those of path, see above")?;
+    Ok(format!(
+        "unbiased: guided pictures and those of light are those of path at {samples} samples per pixel"
+    ))
 }
 
 /// Light maps against path tracing at so many points with so many paths each.

@@ -1,9 +1,14 @@
-//! Pictures by `guided` are those by `path`: a Z-test in every room and every other scene of `scenes`.
+//! Pictures by `guided` and `light` are those by `path`: a Z-test in every room and every other scene of `scenes`.
 //!
-//! Both take the same number of independent samples, so that variances are what they seem. `GLANZ_UNBIASED_SAMPLES` says how many
+//! All take the same number of independent samples, so that variances are what they seem. `GLANZ_UNBIASED_SAMPLES` says how many
 //! for each pixel, a power of two, since passes end there; `cargo xtask unbiased` takes 16 384.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test may fail")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    clippy::print_stdout,
+    reason = "a test may fail, and says why"
+)]
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -43,7 +48,12 @@ fn picture(
     let integrator = IntegratorSettings::resolve(&asked).unwrap().build();
     let filter = FilterDescription { kind: FilterKind::Box, radius: [0.5, 0.5] };
     let aovs: AovSet = [Aov::Variance].into_iter().collect();
-    let film = FilmFormat { aovs, passes: integrator.learns(), ..FilmFormat::plain(SIZE) };
+    let film = FilmFormat {
+        aovs,
+        passes: integrator.learns(),
+        splats: integrator.splats(),
+        ..FilmFormat::plain(SIZE)
+    };
     let settings = RenderSettings {
         filter: Filter::try_new(&filter).unwrap(),
         sampler: SamplerKind::Independent,
@@ -76,6 +86,15 @@ fn worst(picture: &[[f64; 2]]) -> f64 {
 
 #[test]
 fn guided_pictures_are_those_of_path() {
+    compare("guided", 12);
+}
+
+#[test]
+fn pictures_of_light_are_those_of_path() {
+    compare("light", 13);
+}
+
+fn compare(integrator: &str, seed: u64) {
     let samples =
         std::env::var("GLANZ_UNBIASED_SAMPLES").ok().and_then(|n| n.parse().ok()).unwrap_or(SAMPLES);
     println!("{samples} samples of each of {} x {} pixels", SIZE[0], SIZE[1]);
@@ -86,13 +105,13 @@ fn guided_pictures_are_those_of_path() {
         description.film.resolution = SIZE;
         let (scene, _) = Scene::resolve(description.clone()).unwrap();
         // With one seed both would see the same points of the scene.
-        let [path, guided] = [("path", 11), ("guided", 12)]
+        let [path, other] = [("path", 11), (integrator, seed)]
             .map(|(name, seed)| picture(&scene, &description, name, samples, seed));
-        let ([mean, error], [other, other_error]) = (average(&path), average(&guided));
-        let z = (other - mean) / error.hypot(other_error);
+        let ([mean, error], [other_mean, other_error]) = (average(&path), average(&other));
+        let z = (other_mean - mean) / error.hypot(other_error);
         let squares: Vec<f64> = path
             .iter()
-            .zip(&guided)
+            .zip(&other)
             .filter(|([_, v], [_, w])| v + w > 0.0)
             .map(|([a, v], [b, w])| (a - b).powi(2) / (v + w))
             .collect();
@@ -101,11 +120,11 @@ fn guided_pictures_are_those_of_path() {
         let largest = squares.iter().copied().fold(0.0, f64::max).sqrt();
         let name = file.file_stem().unwrap().to_string_lossy();
         println!(
-            "{name:9} path {mean:.5} +- {error:.5}, guided {other:.5} +- {other_error:.5}: Z {z:+.2}; pixels: mean Z^2 {spread:.3} of {}, \
+            "{name:9} path {mean:.5} +- {error:.5}, {integrator} {other_mean:.5} +- {other_error:.5}: Z {z:+.2}; pixels: mean Z^2 {spread:.3} of {}, \
              largest |Z| {largest:.2}, largest standard error {:.4} and {:.4}",
             squares.len(),
             worst(&path),
-            worst(&guided)
+            worst(&other)
         );
         // One of 30 000 fair tests fails.
         if z.abs() > 4.0 {
@@ -115,8 +134,8 @@ fn guided_pictures_are_those_of_path() {
         if samples >= MANY && spread > 1.0 + 10.0 * (2.0 / squares.len() as f64).sqrt() {
             faults.push(format!("{name}: mean Z^2 of pixels {spread}"));
         }
-        // Where the guide is off both are the same but for chance, which moves the largest of all by some per cent.
-        if samples >= MANY && worst(&guided) > 1.1 * worst(&path) {
+        // Where a guide is off, and no caustic found, both are the same but for chance, which moves the largest of all by some per cent.
+        if samples >= MANY && worst(&other) > 1.1 * worst(&path) {
             faults.push(format!("{name}: outliers beyond those of path"));
         }
     }
