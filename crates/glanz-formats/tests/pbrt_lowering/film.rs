@@ -73,6 +73,7 @@ fn samplers_and_integrators_have_the_names_of_the_tables() {
     for (text, name, depth) in [
         ("Integrator \"path\"", "path", 5),
         ("Integrator \"whitted\" \"integer maxdepth\" 9", "whitted", 9),
+        ("Integrator \"radiosity\"", "radiosity", 5),
         ("Integrator \"distributed\" \"integer branching\" 4", "distributed", 5),
         ("SurfaceIntegrator \"path\" \"integer maxdepth\" 0", "path", 0),
         ("Integrator \"light\"", "light", 5),

@@ -71,7 +71,7 @@ impl Lowering {
         let place = list.place;
         let r = &mut self.reporter;
         let name = match kind {
-            "whitted" | "distributed" | "path" | "light" | "guided" => kind,
+            "whitted" | "distributed" | "path" | "light" | "guided" | "radiosity" => kind,
             "simplepath" => "path",
             "lightpath" => "light",
             "directlighting" => {
