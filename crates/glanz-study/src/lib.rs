@@ -9,6 +9,7 @@
 //! - `guiding` renders rooms with and without densities that learn (document 003);
 //! - `newton` compares Newton's method with the certified search (document 000);
 //! - `reconstruction` interpolates light that is known per element (document 003);
+//! - `reflector` follows light by way of a freeform mirror (document 000);
 //! - `solvers` compares ways to solve for radiosity (document 003);
 //! - `tessellation` compares triangles with the surface they stand for (document 002).
 //!
@@ -29,6 +30,7 @@ mod guiding;
 mod newton;
 pub mod plot;
 mod reconstruction;
+mod reflector;
 pub mod report;
 mod rooms;
 mod sheet;

@@ -25,6 +25,7 @@ enum Block {
     Table(Table),
     Data(Table),
     Plot { name: String, plot: Plot, caption: String },
+    Drawing { name: String, svg: String, caption: String },
     Picture { name: String, pixels: Pixels, caption: String },
 }
 
@@ -74,6 +75,11 @@ impl Report {
         self.blocks.push(Block::Plot { name: name.into(), plot, caption: caption.into() });
     }
 
+    /// A drawing, the text of an SVG file, written as `name`.svg.
+    pub fn drawing(&mut self, name: impl Into<String>, svg: String, caption: impl Into<String>) {
+        self.blocks.push(Block::Drawing { name: name.into(), svg, caption: caption.into() });
+    }
+
     /// A picture in linear light, written as `name`.png.
     pub fn picture(&mut self, name: impl Into<String>, pixels: Pixels, caption: impl Into<String>) {
         self.blocks.push(Block::Picture { name: name.into(), pixels, caption: caption.into() });
@@ -98,7 +104,9 @@ impl Report {
                 Block::Paragraph(paragraph) => format!("{paragraph}\n\n"),
                 Block::Table(t) => table(t),
                 Block::Data(t) => format!("{} [{name}.csv]({name}.csv).\n\n", t.caption(), name = t.name()),
-                Block::Plot { name, caption, .. } => format!("![{caption}]({name}.svg)\n\n{caption}\n\n"),
+                Block::Plot { name, caption, .. } | Block::Drawing { name, caption, .. } => {
+                    format!("![{caption}]({name}.svg)\n\n{caption}\n\n")
+                }
                 Block::Picture { name, caption, .. } => format!("![{caption}]({name}.png)\n\n{caption}\n\n"),
             };
         }
@@ -127,6 +135,7 @@ impl Report {
                     put(format!("{}.csv", table.name()), table.csv().as_bytes())?
                 }
                 Block::Plot { name, plot, .. } => put(format!("{name}.svg"), plot.svg().as_bytes())?,
+                Block::Drawing { name, svg, .. } => put(format!("{name}.svg"), svg.as_bytes())?,
                 Block::Picture { name, pixels, .. } => {
                     let bytes = image::write(pixels, Format::Png, &Tone::default(), &BTreeMap::new())?;
                     put(format!("{name}.png"), &bytes)?;

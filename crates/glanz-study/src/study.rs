@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glanz_formats::image::ImageError;
 use glanz_formats::newell::NewellError;
 use glanz_geometry::SurfaceError;
+use glanz_illumination::{ReceiverError, ThreadsError};
 use glanz_light::{CompareError, PixelsError};
 use glanz_radiosity::elements::ElementError;
 use glanz_radiosity::reconstruct::ReconstructError;
@@ -14,7 +15,7 @@ use glanz_scene::SceneError;
 use glanz_transport::{FilmError, FilterError, IntegratorError, RenderError};
 
 use crate::report::Report;
-use crate::{densities, guiding, newton, reconstruction, solvers, tessellation};
+use crate::{densities, guiding, newton, reconstruction, reflector, solvers, tessellation};
 
 /// A question, and how it is answered.
 #[derive(Debug)]
@@ -60,7 +61,7 @@ pub enum StudyOption {
 }
 
 /// All studies. A new one is a file and a line here.
-static STUDIES: [Study; 6] = [
+static STUDIES: [Study; 7] = [
     Study {
         name: "densities",
         description: "variance of integrals whose density learns from its own samples (document 003)",
@@ -98,6 +99,13 @@ static STUDIES: [Study; 6] = [
         options: &[StudyOption::Size],
         keeps: false,
         run: reconstruction::run,
+    },
+    Study {
+        name: "reflector",
+        description: "where a lamp's light goes by way of a freeform mirror, exact and as facets (document 000)",
+        options: &[StudyOption::Rays, StudyOption::Threads],
+        keeps: false,
+        run: reflector::run,
     },
     Study {
         name: "solvers",
@@ -141,7 +149,7 @@ impl Study {
 /// What may be chosen; `None` is the study's own choice.
 #[derive(Clone, Debug)]
 pub struct Settings<'a> {
-    /// Random rays, at least 1.
+    /// Random rays or particles, at least 1.
     pub rays: Option<u64>,
     /// Pictures: width and height, pixels.
     pub size: Option<[u32; 2]>,
@@ -259,6 +267,12 @@ pub enum StudyError {
     /// A list of patches was refused.
     #[error(transparent)]
     Patches(#[from] NewellError),
+    /// A wall was not divided.
+    #[error(transparent)]
+    Receiver(#[from] ReceiverError),
+    /// Particles could not be sent.
+    #[error(transparent)]
+    Particles(#[from] ThreadsError),
     /// A scene was refused.
     #[error(transparent)]
     Scene(#[from] SceneError),

@@ -400,7 +400,7 @@ pub(crate) struct StudyArguments {
     /// Folder for the report
     #[arg(short, long, value_name = "DIR", requires = "name", value_hint = ValueHint::DirPath)]
     pub(crate) out: Option<PathBuf>,
-    /// Random rays (newton)
+    /// Random rays or particles (newton, reflector)
     #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u64).range(1..=MAX_RAYS))]
     pub(crate) rays: Option<u64>,
     /// Size of the pictures in pixels (tessellation, guiding, reconstruction)
@@ -430,7 +430,7 @@ pub(crate) struct StudyArguments {
     /// Seconds for each of the pictures that are shown side by side (guiding)
     #[arg(long, value_name = "SECONDS", requires = "name", value_parser = seconds)]
     pub(crate) time: Option<Duration>,
-    /// Threads (guiding, solvers)
+    /// Threads (guiding, reflector, solvers)
     #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
     /// Measure all that the document measured: many hours (guiding)

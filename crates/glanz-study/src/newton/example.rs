@@ -30,7 +30,7 @@ const START_OF_000: [f64; 3] = [0.244_662_274_047_676_35, 0.100_362_969_448_570_
 const LIMIT: f64 = 1e-10;
 
 /// The ray from the lamp at (0, 5, 5) with node (i, j) of a grid of n + 1 angles each; as long as there, 0.1.
-fn fan_ray(n: i32, i: i32, j: i32) -> Ray {
+pub(crate) fn fan_ray(n: i32, i: i32, j: i32) -> Ray {
     let theta = PI * f64::from(2 * i - n) / f64::from(n);
     let phi = FRAC_PI_2 * f64::from(2 * j - n) / f64::from(n);
     let v = 0.1 * DVec3::new(phi.cos() * theta.cos(), phi.cos() * theta.sin(), phi.sin());

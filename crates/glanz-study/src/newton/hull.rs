@@ -8,14 +8,14 @@ const FLAT: f64 = 1e-12;
 
 /// Planes with all points on their inner side: `normal . p <= offset`.
 #[derive(Clone, Debug)]
-pub(super) struct Hull {
+pub(crate) struct Hull {
     planes: Vec<(DVec3, f64)>,
 }
 
 impl Hull {
     /// The hull of `points`, by trying all planes through three of them: n^4 steps for n points, of which there are 16 at
     /// most here. Points in a plane have a flat hull.
-    pub(super) fn of(points: &[DVec3]) -> Self {
+    pub(crate) fn of(points: &[DVec3]) -> Self {
         let extent = points.iter().flat_map(|p| points.iter().map(|q| p.distance(*q))).fold(0.0, f64::max);
         let mut planes: Vec<(DVec3, f64)> = Vec::new();
         for (i, &a) in points.iter().enumerate() {
@@ -41,6 +41,28 @@ impl Hull {
             }
         }
         Self { planes }
+    }
+
+    /// The edges between `points`, those of [`Hull::of`]: pairs that two planes share. Points on an edge beside its ends part it.
+    pub(crate) fn edges(&self, points: &[DVec3]) -> Vec<[DVec3; 2]> {
+        let extent = points.iter().flat_map(|p| points.iter().map(|q| p.distance(*q))).fold(0.0, f64::max);
+        let on = |(normal, offset): &(DVec3, f64), p: DVec3| {
+            (normal.dot(p) - offset).abs() <= 16.0 * FLAT * extent
+        };
+        let mut edges: Vec<[DVec3; 2]> = Vec::new();
+        for (i, &a) in points.iter().enumerate() {
+            for &b in points.iter().skip(i + 1) {
+                let shared = self.planes.iter().filter(|plane| on(plane, a) && on(plane, b)).count();
+                let parted = points.iter().any(|&p| {
+                    let share = (p - a).dot(b - a) / (b - a).length_squared();
+                    share > FLAT && share < 1.0 - FLAT && p.distance(a.lerp(b, share)) <= 16.0 * FLAT * extent
+                });
+                if shared >= 2 && !parted {
+                    edges.push([a, b]);
+                }
+            }
+        }
+        edges
     }
 
     /// The interval of ray parameters, none negative, inside; `None` if the ray misses.
@@ -81,6 +103,9 @@ mod tests {
         assert_eq!(hull.clip(&Ray::new(ray.origin, DVec3::Y)), None);
         assert_eq!(hull.clip(&Ray::new(ray.origin, DVec3::NEG_X)), None);
         assert!(near(hull.clip(&Ray::new(DVec3::splat(0.5), DVec3::X)), [0.0, 0.5]));
+        let edges = hull.edges(&points);
+        assert_eq!(edges.len(), 12);
+        assert!(edges.iter().all(|[a, b]| (a.distance(*b) - 1.0).abs() < 1e-15));
     }
 
     #[test]

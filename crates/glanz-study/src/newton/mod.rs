@@ -6,6 +6,10 @@ mod example;
 mod hull;
 mod patches;
 
+pub(crate) use self::example::fan_ray;
+pub(crate) use self::hull::Hull;
+pub(crate) use self::patches::TRUE_POINTS;
+
 use std::time::Duration;
 
 use self::compare::{Comparison, RESIDUAL, STEPS, STEPS_OF_000, Tally, Truth, Variant, compare};

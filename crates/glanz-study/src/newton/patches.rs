@@ -13,7 +13,7 @@ use super::hull::Hull;
 use crate::study::StudyError;
 
 /// Control points of document 000 section 4.3 in the order 300, 210, 201, 120, 111, 102, 030, 021, 012, 003.
-pub(super) const TRUE_POINTS: [[f64; 3]; 10] = [
+pub(crate) const TRUE_POINTS: [[f64; 3]; 10] = [
     [6.0, 3.0, 5.0],
     [6.0, 4.0, 8.0],
     [5.0, 3.0, 6.0],

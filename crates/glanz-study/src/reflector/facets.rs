@@ -1,0 +1,271 @@
+//! Light by way of facets against that by way of the exact mirror.
+
+use std::time::Duration;
+
+use glanz_geometry::bezier::TrianglePatch;
+use glanz_math::{DMat4, DVec3};
+use glanz_scene::Scene;
+use glanz_scene::description::GeometryDescription;
+
+use super::aimed::{ALL_CELLS, Aim, CELLS, End, follow};
+use super::mesh;
+use super::room::{self, SIDE, alone};
+use crate::clock::{self, Of, Stopwatch};
+use crate::study::{Settings, StudyError};
+
+/// Triangles along an edge of the mirror: about 100, 1000, 10^4, 10^5 and 10^6 in all.
+pub(super) const EDGES: [u32; 5] = [10, 32, 100, 316, 1000];
+
+/// Particles that are made at a time, before those that are timed.
+const BLOCK: u32 = 1 << 16;
+
+/// A mirror in place of the exact one.
+#[derive(Clone, Debug)]
+pub(super) struct Case {
+    /// None for the exact one.
+    pub(super) triangles: Option<u64>,
+    /// Whether normals are interpolated.
+    pub(super) smooth: bool,
+    /// From control points to the scene with its hierarchy.
+    pub(super) build: Duration,
+    /// For all particles.
+    pub(super) time: Duration,
+    pub(super) error: Error,
+}
+
+/// By how much a map of the mirror's light is off.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Error {
+    /// Root of the mean square over the cells that are lit, lx.
+    pub(super) rms: f64,
+    /// The part of it that chance makes, with as many particles: root of the mean variance, lx.
+    pub(super) noise: f64,
+    /// Largest, lx.
+    pub(super) largest: f64,
+    /// Standard error in that cell, lx.
+    pub(super) largest_noise: f64,
+    /// Share of the particles at either mirror that end elsewhere.
+    pub(super) moved: f64,
+}
+
+impl Error {
+    /// The error without chance, lx; 0 if it does not stand out of it.
+    pub(super) fn settled(&self) -> f64 {
+        (self.rms * self.rms - self.noise * self.noise).max(0.0).sqrt()
+    }
+}
+
+/// The light of the exact mirror.
+#[derive(Clone, Debug)]
+pub(super) struct Exact {
+    /// By particle.
+    ends: Vec<End>,
+    /// Illuminance by the mirror alone in all cells, lx.
+    pub(super) lux: Vec<f64>,
+    /// Mean over the cells that it lights, lx.
+    pub(super) mean: f64,
+    /// Its largest, lx.
+    pub(super) peak: f64,
+    /// Root of the mean variance of these cells by themselves, lx.
+    pub(super) noise: f64,
+    /// Share of the particles that met it.
+    pub(super) met: f64,
+}
+
+/// All cases, the exact mirror first.
+pub(super) struct Outcome {
+    pub(super) particles: u32,
+    pub(super) exact: Exact,
+    pub(super) cases: Vec<Case>,
+}
+
+/// The mirror as triangles, with `particles` each; `watch` hears what comes next and how much is done, [0, 1].
+///
+/// # Errors
+/// An end that was wanted.
+pub(super) fn measure(
+    particles: u32,
+    edges: &[u32],
+    settings: &Settings<'_>,
+    watch: &mut dyn FnMut(f64, String),
+) -> Result<Outcome, StudyError> {
+    let patch = room::mirror()?;
+    let aim = Aim::at(ball(&patch), settings.seed);
+    let each = aim.flux() / f64::from(particles);
+    let parts = (1 + 2 * edges.len()) as f64;
+    watch(0.0, "the exact mirror".to_owned());
+    let (exact_case, exact) = {
+        let (scene, build) = built(|| room::described(std::slice::from_ref(&patch)))?;
+        let (ends, time) = run(&scene, &aim, particles, settings)?;
+        let case = Case { triangles: None, smooth: false, build, time, error: Error::default() };
+        (case, Exact::of(ends, each))
+    };
+    let mut cases = vec![exact_case];
+    for (number, (smooth, &n)) in
+        (1..).zip([false, true].into_iter().flat_map(|smooth| edges.iter().map(move |n| (smooth, n))))
+    {
+        let triangles = u64::from(n).pow(2);
+        watch(f64::from(number) / parts, format!("the mirror as {triangles} triangles"));
+        let (scene, build) = built(|| mesh::triangles(&patch, n, smooth))?;
+        let (ends, time) = run(&scene, &aim, particles, settings)?;
+        let error = exact.error(&ends, each);
+        cases.push(Case { triangles: Some(triangles), smooth, build, time, error });
+    }
+    Ok(Outcome { particles, exact, cases })
+}
+
+/// A ball around a patch: middle and radius, metres.
+fn ball(patch: &TrianglePatch) -> (DVec3, f64) {
+    let middle = patch.bounds().center();
+    let distances = patch.control_points().iter().map(|p| (p.truncate() / p.w).distance(middle));
+    (middle, distances.fold(0.0, f64::max))
+}
+
+/// A scene of the mirror, and the time that one thread takes from control points to it.
+fn built(make: impl Fn() -> GeometryDescription + Sync) -> Result<(Scene, Duration), StudyError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    pool.install(|| clock::repeated(|| (), |()| alone(make(), DMat4::IDENTITY)))
+}
+
+/// Where all particles end, and the time of this thread that following them takes.
+fn run(
+    scene: &Scene,
+    aim: &Aim,
+    particles: u32,
+    settings: &Settings<'_>,
+) -> Result<(Vec<End>, Duration), StudyError> {
+    let mut ends = Vec::with_capacity(particles as usize);
+    let mut time = Duration::ZERO;
+    let mut from = 0;
+    while from < particles {
+        settings.go_on()?;
+        let to = from.saturating_add(BLOCK).min(particles);
+        let rays: Vec<_> = (from..to).map(|number| aim.particle(number)).collect();
+        let watch = Stopwatch::start(Of::Thread);
+        ends.extend(rays.iter().map(|ray| follow(scene, ray)));
+        time += watch.elapsed();
+        from = to;
+    }
+    Ok((ends, time))
+}
+
+/// Area of a cell, m^2.
+fn area() -> f64 {
+    (SIDE / f64::from(CELLS)).powi(2)
+}
+
+impl Exact {
+    /// Of particles that carry `each` lm.
+    fn of(ends: Vec<End>, each: f64) -> Self {
+        let mut lux = vec![0.0; ALL_CELLS];
+        let mut variance = vec![0.0; ALL_CELLS];
+        let mut met = 0_u64;
+        for end in &ends {
+            met += u64::from(*end != End::Missed);
+            if let Some((cell, share)) = end.brought()
+                && let (Some(lux), Some(variance)) = (lux.get_mut(cell), variance.get_mut(cell))
+            {
+                let brought = share * each / area();
+                *lux += brought;
+                *variance += brought * brought;
+            }
+        }
+        let lit = lux.iter().filter(|lux| **lux > 0.0).count().max(1) as f64;
+        Self {
+            mean: lux.iter().sum::<f64>() / lit,
+            peak: lux.iter().copied().fold(0.0, f64::max),
+            noise: (variance.iter().sum::<f64>() / lit).sqrt(),
+            met: met as f64 / ends.len().max(1) as f64,
+            lux,
+            ends,
+        }
+    }
+
+    /// The error of the map of the same particles in another mirror. Only particles that end elsewhere make a difference,
+    /// each by itself: its variance is the sum of their squares.
+    fn error(&self, others: &[End], each: f64) -> Error {
+        let mut difference = vec![0.0; ALL_CELLS];
+        let mut variance = vec![0.0; ALL_CELLS];
+        let (mut moved, mut at_either) = (0_u64, 0_u64);
+        for (exact, other) in self.ends.iter().zip(others) {
+            at_either += u64::from(*exact != End::Missed || *other != End::Missed);
+            if exact == other {
+                continue;
+            }
+            moved += 1;
+            for (end, sign) in [(exact, -1.0), (other, 1.0)] {
+                if let Some((cell, share)) = end.brought()
+                    && let (Some(sum), Some(variance)) = (difference.get_mut(cell), variance.get_mut(cell))
+                {
+                    let brought = share * each / area();
+                    *sum += sign * brought;
+                    *variance += brought * brought;
+                }
+            }
+        }
+        let mut error = Error { moved: moved as f64 / at_either.max(1) as f64, ..Error::default() };
+        let (mut lit, mut squares, mut variances) = (0_u64, 0.0, 0.0);
+        for ((lux, difference), variance) in self.lux.iter().zip(&difference).zip(&variance) {
+            if *lux == 0.0 && *variance == 0.0 {
+                continue;
+            }
+            lit += 1;
+            squares += difference * difference;
+            variances += variance;
+            if difference.abs() > error.largest {
+                (error.largest, error.largest_noise) = (difference.abs(), variance.sqrt());
+            }
+        }
+        let lit = lit.max(1) as f64;
+        (error.rms, error.noise) = ((squares / lit).sqrt(), (variances / lit).sqrt());
+        error
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use super::*;
+
+    #[test]
+    fn error_counts_what_ends_elsewhere() {
+        // Reflectance 0.9: of 1 lm on a cell of (10 / 32)^2 m^2 each particle brings 0.9 * 10.24 lx.
+        let lux = 0.9 * 10.24;
+        let ends = vec![End::Cell(5, 1), End::Cell(5, 1), End::Cell(6, 1), End::Missed, End::Lost];
+        let exact = Exact::of(ends, 1.0);
+        assert!((exact.lux[5] - 2.0 * lux).abs() < 1e-9 && (exact.mean - 1.5 * lux).abs() < 1e-9);
+        assert!((exact.peak - 2.0 * lux).abs() < 1e-9 && exact.met == 0.8);
+        // sqrt(3 / 2) of one particle.
+        assert!((exact.noise - 1.5_f64.sqrt() * lux).abs() < 1e-9);
+        let others = [End::Cell(5, 1), End::Cell(7, 1), End::Cell(6, 1), End::Missed, End::Cell(5, 1)];
+        let error = exact.error(&others, 1.0);
+        // Cell 5 lost one and got one, cell 7 got one: squares 0, 1 over the three lit cells; variances 2 and 1.
+        assert!((error.rms - (1.0_f64 / 3.0).sqrt() * lux).abs() < 1e-9, "{error:?}");
+        assert!((error.noise - lux).abs() < 1e-9 && error.settled() == 0.0, "{error:?}");
+        assert!((error.largest - lux).abs() < 1e-9 && (error.largest_noise - lux).abs() < 1e-9);
+        assert_eq!(error.moved, 0.5);
+    }
+
+    #[test]
+    fn finer_facets_move_fewer_particles_and_interpolated_normals_fewer_still() {
+        let stop = AtomicBool::new(false);
+        let found = measure(20_000, &[10, 100], &Settings::new(&stop), &mut |_, _| {}).unwrap();
+        let moved: Vec<f64> = found.cases.iter().map(|case| case.error.moved).collect();
+        let [exact, coarse, fine, coarse_smooth, fine_smooth] = moved[..] else { panic!("{moved:?}") };
+        assert_eq!(exact, 0.0);
+        assert!(coarse > 3.0 * fine && coarse_smooth > 3.0 * fine_smooth, "{moved:?}");
+        assert!(coarse > coarse_smooth && fine > 2.0 * fine_smooth, "{moved:?}");
+    }
+
+    #[test]
+    fn mirrors_light_is_what_meets_it() {
+        // Flux on the walls: that of the particles that meet the mirror times its reflectance, once or for a few twice.
+        let stop = AtomicBool::new(false);
+        let found = measure(20_000, &[], &Settings::new(&stop), &mut |_, _| {}).unwrap();
+        let on_walls: f64 = found.exact.lux.iter().sum::<f64>() * area();
+        let sent = Aim::at(ball(&room::mirror().unwrap()), 0).flux();
+        assert!(on_walls <= sent * found.exact.met * room::REFLECTANCE * (1.0 + 1e-9));
+        assert!(on_walls >= sent * found.exact.met * room::REFLECTANCE.powi(2));
+    }
+}

@@ -1,0 +1,241 @@
+//! The fan of rays of document 000 section 4.3, corrected: what it meets, and where it ends.
+
+use glanz_geometry::bezier::Barycentric;
+use glanz_math::{DVec3, Ray};
+use glanz_scene::Scene;
+
+use super::room::{Arrival, POINT_LAMP, WALLS, arrival};
+use crate::newton::fan_ray;
+use crate::report::Report;
+use crate::table::{Cell, Table, plural};
+
+/// Reflections of a ray that are followed at most.
+const REFLECTIONS: u32 = 100;
+
+/// Components of a direction below this share of its length are roundings: each is a product of two of sine and cosine, of
+/// angles that have half a unit in the last place of pi of their own.
+const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
+
+/// A ray that meets the mirror.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Meeting {
+    /// Ray parameter; the fan's directions have a length of 0.1 m.
+    pub(super) tau: f64,
+    /// Where in the patch.
+    pub(super) at: Barycentric,
+    /// Metres.
+    pub(super) point: DVec3,
+    /// Unit normal on the side that the ray comes from.
+    pub(super) normal: DVec3,
+    /// Unit direction in which it goes on.
+    pub(super) mirrored: DVec3,
+}
+
+/// A ray of the fan.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FanRay {
+    /// Numbers of its angles, from 0.
+    pub(super) nodes: [i32; 2],
+    pub(super) ray: Ray,
+    /// Where it first meets the mirror.
+    pub(super) meeting: Option<Meeting>,
+    /// How often it is reflected.
+    pub(super) reflections: u32,
+    /// Where it ends; `None` if it starts into the wall that the lamp is on.
+    pub(super) arrival: Option<Arrival>,
+    /// Its last way, metres.
+    pub(super) way: f64,
+}
+
+/// The fan of (n + 1)^2 rays, n = 2^k - 1, from [`POINT_LAMP`] at a scene of the mirror alone.
+pub(super) fn fan(scene: &Scene, k: u32) -> Vec<FanRay> {
+    let n = (1 << k) - 1;
+    let nodes = (0..=n).flat_map(|i| (0..=n).map(move |j| [i, j]));
+    nodes.map(|nodes| follow(scene, n, nodes)).collect()
+}
+
+fn follow(scene: &Scene, n: i32, nodes: [i32; 2]) -> FanRay {
+    let v = fan_ray(n, nodes[0], nodes[1]).direction;
+    let limit = ROUNDINGS * v.length();
+    let ray =
+        Ray::new(POINT_LAMP, DVec3::from_array(v.to_array().map(|x| if x.abs() < limit { 0.0 } else { x })));
+    let mut met = FanRay { nodes, ray, meeting: None, reflections: 0, arrival: arrival(&ray), way: 0.0 };
+    if met.arrival.is_none() {
+        return met;
+    }
+    let (mut from, mut last) = (ray, ray);
+    while let Some(at) = scene.intersect(&from, f64::INFINITY) {
+        let normal = at.point.normal * -at.point.normal.dot(from.direction).signum();
+        let incoming = from.direction.normalize();
+        let mirrored = (incoming - 2.0 * normal.dot(incoming) * normal).normalize();
+        let meeting = Meeting {
+            tau: at.t,
+            at: Barycentric::of_parameters(at.point.uv),
+            point: at.point.position,
+            normal,
+            mirrored,
+        };
+        met.meeting.get_or_insert(meeting);
+        met.reflections += 1;
+        // Ways are measured from the point itself; only what is met next is looked for from beside it.
+        last = Ray::new(at.point.position, mirrored);
+        from = at.spawn(mirrored);
+        if met.reflections == REFLECTIONS {
+            break;
+        }
+    }
+    met.arrival = arrival(&last);
+    met.way = met.arrival.map_or(0.0, |end| end.t * last.direction.length());
+    met
+}
+
+const COLUMNS: [(&str, &str); 23] = [
+    ("i", "i"),
+    ("j", "j"),
+    ("theta_rad", "theta, rad"),
+    ("phi_rad", "phi, rad"),
+    ("reflections", "reflections"),
+    ("r", "r"),
+    ("s", "s"),
+    ("t", "t"),
+    ("tau", "tau"),
+    ("point_x_m", "point x, m"),
+    ("point_y_m", "point y, m"),
+    ("point_z_m", "point z, m"),
+    ("normal_x", "normal x"),
+    ("normal_y", "normal y"),
+    ("normal_z", "normal z"),
+    ("mirrored_x", "mirrored x"),
+    ("mirrored_y", "mirrored y"),
+    ("mirrored_z", "mirrored z"),
+    ("wall", "wall"),
+    ("way_m", "last way, m"),
+    ("wall_x_m", "wall x, m"),
+    ("wall_y_m", "wall y, m"),
+    ("wall_z_m", "wall z, m"),
+];
+
+fn row(ray: &FanRay) -> Vec<Cell> {
+    let [x, y, z] = ray.ray.direction.to_array();
+    let angles = [y.atan2(x), z.atan2(x.hypot(y))];
+    let mut cells: Vec<Cell> = ray.nodes.map(|node| Cell::Count(u64::from(node.unsigned_abs()))).into();
+    cells.extend(angles.map(Cell::Precise));
+    cells.push(u64::from(ray.reflections).into());
+    match &ray.meeting {
+        Some(Meeting { tau, at, point, normal, mirrored }) => {
+            cells.extend([at.r, at.s, at.t, *tau].map(Cell::Precise));
+            cells.extend([point, normal, mirrored].into_iter().flat_map(|v| v.to_array()).map(Cell::Precise));
+        }
+        None => cells.extend(std::iter::repeat_n(Cell::Missing, 13)),
+    }
+    if let Some(end) = &ray.arrival {
+        cells.extend([WALLS[end.wall].name.into(), Cell::Precise(ray.way)]);
+        cells.extend(end.point.to_array().map(Cell::Precise));
+    }
+    cells
+}
+
+/// Adds the chapter: `rays` are those with k = 4.
+pub(super) fn tell(rays: &[FanRay], report: &mut Report) {
+    report.heading("The fan of 256 rays (k = 4)");
+    let hits = || rays.iter().filter_map(|ray| Some((ray, ray.meeting.as_ref()?)));
+    let outside = rays.iter().filter(|ray| ray.arrival.is_none()).count() as u64;
+    report.paragraph(format!(
+        "Of {} rays from (0, 5, 5), {} into the wall that this point is on; {} the mirror.",
+        rays.len(),
+        plural(outside, "starts", "start"),
+        plural(hits().count() as u64, "meets", "meet"),
+    ));
+    for (ray, met) in hits() {
+        let Some(end) = &ray.arrival else { continue };
+        report.paragraph(format!(
+            "Ray (i, j) = ({}, {}) meets it at tau = {}, (r, s, t) = ({}, {}, {}), in the point {}; the normal towards it is {}, it \
+             goes on along {} and reaches the {} {} m further, in {}.",
+            ray.nodes[0],
+            ray.nodes[1],
+            met.tau,
+            met.at.r,
+            met.at.s,
+            met.at.t,
+            met.point,
+            met.normal,
+            met.mirrored,
+            WALLS[end.wall].name,
+            ray.way,
+            end.point
+        ));
+    }
+    let columns = [("wall", "wall"), ("direct", "rays, direct"), ("mirrored", "rays by way of the mirror")];
+    let mut counts = Table::new("fan_walls", "Where the rays of the fan end.", &columns);
+    for (number, wall) in WALLS.iter().enumerate() {
+        let on = |mirrored: bool| {
+            let ends = |ray: &&FanRay| ray.arrival.is_some_and(|end| end.wall == number);
+            rays.iter().filter(ends).filter(|ray| ray.meeting.is_some() == mirrored).count() as u64
+        };
+        counts.push([wall.name.into(), on(false).into(), on(true).into()]);
+    }
+    report.table(counts);
+    let mut all = Table::new("fan", "All rays of the fan:", &COLUMNS);
+    rays.iter().for_each(|ray| all.push(row(ray)));
+    report.data(all);
+    for (number, wall) in WALLS.iter().enumerate() {
+        let mut table = Table::new(wall.table, format!("Those that end on the {}:", wall.name), &COLUMNS);
+        let ends = |ray: &&FanRay| ray.arrival.is_some_and(|end| end.wall == number);
+        rays.iter().filter(ends).for_each(|ray| table.push(row(ray)));
+        report.data(table);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_math::DMat4;
+
+    use super::super::room;
+    use super::*;
+
+    #[test]
+    fn one_ray_of_the_fan_meets_the_mirror_and_reaches_the_ceiling_where_the_reference_says() {
+        let scene = room::alone(room::described(&[room::mirror().unwrap()]), DMat4::IDENTITY).unwrap();
+        let rays = fan(&scene, 4);
+        assert_eq!(rays.len(), 256);
+        let hits: Vec<&FanRay> = rays.iter().filter(|ray| ray.meeting.is_some()).collect();
+        let [ray] = hits[..] else { panic!("{} rays hit", hits.len()) };
+        assert_eq!((ray.nodes, ray.reflections), ([7, 8], 1));
+        // reference.json A.fan_k4: roots of the resultant, polished to 30 digits by Newton's method.
+        let Meeting { tau, at, point, normal, mirrored } = ray.meeting.unwrap();
+        for (found, expected) in [
+            (tau, 43.341_790_020_607_25),
+            (at.r, 0.063_797_268_237_841_51),
+            (at.s, 0.354_776_787_529_589_9),
+            (at.t, 0.581_425_944_232_568_5),
+            (ray.way, 5.894_527_449_698_083),
+        ] {
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        }
+        let end = ray.arrival.unwrap();
+        for (found, expected) in [
+            (point, [4.216_242_549_347_14, 4.103_809_980_543_923, 5.453_045_070_612_34]),
+            (normal, [-0.812_378_898_193_333_8, 0.425_688_116_503_215_64, 0.398_535_008_798_637_07]),
+            (mirrored, [-0.386_541_438_004_860_46, 0.505_519_162_027_622_8, 0.771_385_826_631_540_3]),
+            (end.point, [1.937_763_432_581_721, 7.083_606_557_464_118, 10.0]),
+        ] {
+            assert!(found.distance(DVec3::from_array(expected)) < 1e-9, "{found} {expected:?}");
+        }
+        assert_eq!(WALLS[end.wall].name, "ceiling");
+    }
+
+    #[test]
+    fn rays_that_start_into_the_wall_of_the_lamp_have_no_end_and_all_others_have_one() {
+        let scene = room::alone(room::described(&[room::mirror().unwrap()]), DMat4::IDENTITY).unwrap();
+        let rays = fan(&scene, 4);
+        for ray in &rays {
+            assert_eq!(ray.arrival.is_some(), ray.ray.direction.x >= 0.0, "{:?}", ray.nodes);
+        }
+        // theta = pi (2i - 15) / 15: |theta| < pi / 2 for i = 4 to 11. The poles j = 0, 15 go along the wall for all i.
+        let ended = rays.iter().filter(|ray| ray.arrival.is_some()).count();
+        assert_eq!(ended, 8 * 14 + 2 * 16);
+        let ceiling = |ray: &&FanRay| ray.arrival.is_some_and(|end| end.wall == 1);
+        // The poles at least.
+        assert!(rays.iter().filter(ceiling).count() >= 16);
+    }
+}

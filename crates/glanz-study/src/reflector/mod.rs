@@ -1,0 +1,190 @@
+//! Where a lamp's light goes by way of a freeform mirror (document 000 chapter 4).
+
+mod aimed;
+mod conics;
+mod facets;
+mod fan;
+mod lux;
+mod mesh;
+mod revolution;
+mod room;
+mod scene_plot;
+mod speed;
+mod tell;
+
+use glanz_math::DMat4;
+
+use self::conics::{Conic, Made};
+use self::tell::Row;
+use crate::clock;
+use crate::plot::Series;
+use crate::report::Report;
+use crate::study::{Settings, StudyError, Watch};
+use crate::table::grouped;
+
+/// Particles, unless others are asked for.
+const PARTICLES: u64 = 10_000_000;
+
+/// How much is measured.
+struct Plan<'a> {
+    /// Cells along a side of a wall.
+    cells: u32,
+    /// Triangles along an edge of the mirror.
+    edges: &'a [u32],
+    /// Rays at each mirror with a closed form.
+    conic_rays: u32,
+    /// Triangles of these mirrors, about.
+    triangles: &'a [u64],
+    /// Parts of the mirrors' edges whose speed is measured.
+    parts: &'a [u32],
+}
+
+/// The whole study.
+const WHOLE: Plan<'static> = Plan {
+    cells: aimed::CELLS,
+    edges: &facets::EDGES,
+    conic_rays: 100_000,
+    triangles: &[100, 1000, 10_000, 100_000, 1_000_000],
+    parts: &speed::EDGES,
+};
+
+/// Triangles of the spherical mirrors whose aberration is drawn: enough to see, few enough to see them as facets.
+const DRAWN: u64 = 10_000;
+
+/// Shares of the progress at which parts begin.
+const LUX: f64 = 0.01;
+const FACETS: f64 = 0.2;
+const CONICS: f64 = 0.85;
+const SPEED: f64 = 0.95;
+
+/// Runs the study.
+///
+/// # Errors
+/// An end that was wanted, or no particles.
+pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
+    settings.go_on()?;
+    run_plan(&WHOLE, settings, watch)
+}
+
+fn run_plan(plan: &Plan<'_>, settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
+    let wanted = settings.rays.unwrap_or(PARTICLES);
+    let bad = || StudyError::Setting {
+        name: "rays",
+        value: wanted.to_string(),
+        needed: "a number from 1 to 1 000 000 000",
+    };
+    let particles = u32::try_from(wanted).ok().filter(|n| (1..=1_000_000_000).contains(n)).ok_or_else(bad)?;
+    watch.progress(0.0, "the fan of document 000");
+    let mirror = room::alone(room::described(&[room::mirror()?]), DMat4::IDENTITY)?;
+    let fan = fan::fan(&mirror, 4);
+    let (scene, receivers) = lux::room(plan.cells)?;
+    let mut told = |done: f64| watch.progress(LUX + (FACETS - LUX) * done, "lux on the walls");
+    let lux = lux::measure(&scene, &receivers, u64::from(particles), settings, &mut told)?;
+    let mut told = |done: f64, what: String| watch.progress(FACETS + (CONICS - FACETS) * done, &what);
+    let facets = facets::measure(particles, plan.edges, settings, &mut told)?;
+    let rays = plan.conic_rays.min(particles);
+    let mut told = |done: f64, what: String| watch.progress(CONICS + (SPEED - CONICS) * done, &what);
+    let (rows, curves) = measure_conics(rays, plan.triangles, settings, &mut told)?;
+    watch.progress(SPEED, "particles per second");
+    let speeds = speed::measure(plan.parts, settings)?;
+
+    let mut report =
+        Report::new("Study reflector: where a lamp's light goes by way of a freeform mirror", lux.table());
+    report.heading("What was asked");
+    report.paragraph(
+        "Document 000 (chapter 4) puts a lamp and a mirror, a cubic triangular Bézier patch, into a closed room and asks where the \
+         light goes. Its own answer came from a program with faults; here are the rays that it should have found, the light on \
+         all six walls, and what becomes of both if the mirror is made of triangles, as programs for light mostly have it.",
+    );
+    let clock = if clock::counts_processor_time() { "processor times" } else { "wall times" };
+    report.paragraph(format!(
+        "Settings: {} particles, seed {}; times are {clock}.",
+        grouped(u64::from(particles)),
+        settings.seed
+    ));
+    fan::tell(&fan, &mut report);
+    report.drawing(
+        "room",
+        scene_plot::drawing(&fan, &fan::fan(&mirror, 7))?,
+        "The room, seen from above the wall y = 0: lamp, mirror with the hull of its control points, rays, and where they end.",
+    );
+    lux.tell(&mut report, &facets.exact)?;
+    tell::tell_facets(&facets, &mut report);
+    tell::tell_conics(&rows, curves, &mut report);
+    speed::tell(&speeds, &mut report);
+    watch.progress(1.0, "done");
+    Ok(report)
+}
+
+/// Deviations of all mirrors with closed forms, and where rays cross the axis of the spherical one.
+fn measure_conics(
+    rays: u32,
+    triangles: &[u64],
+    settings: &Settings<'_>,
+    watch: &mut dyn FnMut(f64, String),
+) -> Result<(Vec<Row>, Vec<Series>), StudyError> {
+    let made: Vec<Made> = [Made::Quadric, Made::Patches]
+        .into_iter()
+        .chain(triangles.iter().map(|&n| Made::Facets(n)))
+        .chain(triangles.iter().map(|&n| Made::Smooth(n)))
+        .collect();
+    let parts = (Conic::ALL.len() * made.len()) as f64;
+    let mut rows = Vec::new();
+    let mut curves = vec![tell::closed_form_curve()];
+    for conic in Conic::ALL {
+        for &made in &made {
+            watch(rows.len() as f64 / parts, format!("{} mirror, {}", conic.name(), made.name()));
+            let (scene, triangles) = conic.scene(made)?;
+            let deviation = conic.deviations(&scene, rays, settings)?;
+            if conic == Conic::Spherical
+                && matches!(made, Made::Patches | Made::Facets(DRAWN) | Made::Smooth(DRAWN))
+            {
+                let name = match triangles {
+                    Some(n) => format!("{} {}", grouped(n), made.name()),
+                    None => made.name().to_owned(),
+                };
+                curves.push(Series { name, points: conics::crossings(&scene, &tell::heights(41)) });
+            }
+            rows.push(Row { conic, made, triangles, deviation });
+        }
+    }
+    Ok((rows, curves))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use super::*;
+    use crate::study::Unwatched;
+
+    #[test]
+    fn report_has_a_row_for_every_wall_ray_and_mirror() {
+        let stop = AtomicBool::new(false);
+        let settings = Settings { rays: Some(20_000), ..Settings::new(&stop) };
+        let plan = Plan { cells: 2, edges: &[4], conic_rays: 100, triangles: &[100], parts: &[] };
+        let report = run_plan(&plan, &settings, &mut Unwatched).unwrap();
+        assert_eq!(report.summary().rows().len(), 6);
+        let rows =
+            |name: &str| report.tables().find(|table| table.name() == name).map(|table| table.rows().len());
+        assert_eq!(rows("fan"), Some(256));
+        // 112 rays away from the wall of the lamp, 32 along it.
+        let walls = ["fan_floor", "fan_ceiling", "fan_x0", "fan_x10", "fan_y0", "fan_y10"];
+        assert_eq!(walls.iter().map(|name| rows(name).unwrap()).sum::<usize>(), 144);
+        assert_eq!(rows("lux"), Some(6 * 4));
+        // Exact, flat, smooth; quadric, patches, flat, smooth for each of three.
+        assert_eq!((rows("facets"), rows("closed_forms"), rows("speed")), (Some(3), Some(12), Some(0)));
+        let text = report.markdown();
+        assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
+    }
+
+    #[test]
+    fn no_particles_are_refused() {
+        let stop = AtomicBool::new(false);
+        for bad in [0, 1_000_000_001, u64::MAX] {
+            let settings = Settings { rays: Some(bad), ..Settings::new(&stop) };
+            let refused = run(&settings, &mut Unwatched);
+            assert!(matches!(refused, Err(StudyError::Setting { name: "rays", .. })), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! How many particles a second go by way of one and of two mirrors of one and of many patches.
+
+use std::time::{Duration, Instant};
+
+use glanz_geometry::SurfaceError;
+use glanz_geometry::bezier::{Barycentric, TrianglePatch};
+use glanz_math::{DMat4, DVec2, DVec3, Ray};
+use glanz_scene::{Description, Scene};
+use rayon::prelude::*;
+
+use super::aimed::{Aim, End, follow};
+use super::room::{add_mirror, described, mirror};
+use crate::clock::{Of, SHORTEST, Stopwatch};
+use crate::report::Report;
+use crate::study::{Settings, StudyError};
+use crate::table::{Table, grouped, significant};
+
+/// Parts of an edge of a mirror: 1, 100 and 10 000 patches each.
+pub(super) const EDGES: [u32; 3] = [1, 10, 100];
+
+/// Threads.
+const THREADS: [usize; 2] = [1, 2];
+
+/// Mirrors on the way.
+const BOUNCES: [u8; 2] = [1, 2];
+
+/// Particles that are sent again and again.
+const PARTICLES: usize = 20_000;
+
+/// Of those that are tried to find them, at most.
+const TRIED: u32 = 1_000_000;
+
+/// Particles that a thread takes at a time.
+const CHUNK: usize = 256;
+
+/// What one setting gave.
+pub(super) struct Speed {
+    bounces: u8,
+    patches: u64,
+    threads: usize,
+    /// Per second of wall time.
+    per_second: f64,
+    /// Processor time of one.
+    each: Duration,
+}
+
+/// The same surface in n^2 patches.
+///
+/// # Errors
+/// None that can happen: the parts are inside.
+fn divided(patch: &TrianglePatch, n: u32) -> Result<Vec<TrianglePatch>, SurfaceError> {
+    let at =
+        |i: u32, j: u32| Barycentric::of_parameters(DVec2::new(f64::from(i), f64::from(j)) / f64::from(n));
+    let mut parts = Vec::with_capacity((n as usize).pow(2));
+    for (i, j) in (0..n).flat_map(|i| (0..n - i).map(move |j| (i, j))) {
+        parts.push(patch.sub_triangle([at(i, j), at(i + 1, j), at(i, j + 1)])?);
+        if i + j + 1 < n {
+            parts.push(patch.sub_triangle([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)])?);
+        }
+    }
+    Ok(parts)
+}
+
+/// A second mirror, under the ceiling, where the light of the first comes to: a quadratic triangle bulging downwards.
+///
+/// # Errors
+/// None that can happen: the control points are valid.
+fn second() -> Result<TrianglePatch, SurfaceError> {
+    let (z, low) = (9.8, 9.4);
+    let points = [
+        DVec3::new(-4.0, 0.0, z),
+        DVec3::new(2.0, 0.0, low),
+        DVec3::new(-4.0, 7.0, low),
+        DVec3::new(8.0, 0.0, z),
+        DVec3::new(2.0, 7.0, low),
+        DVec3::new(-4.0, 14.0, z),
+    ];
+    TrianglePatch::try_from_points(2, &points, None)
+}
+
+/// Measures all settings; `edges`: parts of the mirrors' edges.
+///
+/// # Errors
+/// An end that was wanted; threads that cannot be started.
+pub(super) fn measure(edges: &[u32], settings: &Settings<'_>) -> Result<Vec<Speed>, StudyError> {
+    let mut speeds = Vec::new();
+    for bounces in BOUNCES {
+        let mirrors = [mirror()?, second()?];
+        let mirrors = mirrors.get(..usize::from(bounces)).unwrap_or_default();
+        let mut particles = Vec::new();
+        for &n in edges {
+            let scene = scene(mirrors, n)?;
+            if particles.is_empty() {
+                particles = chosen(&scene, bounces, settings)?;
+            }
+            for threads in THREADS {
+                let (per_second, each) = timed(&scene, &particles, threads, settings)?;
+                let patches = u64::from(n).pow(2) * mirrors.len() as u64;
+                speeds.push(Speed { bounces, patches, threads, per_second, each });
+            }
+        }
+    }
+    Ok(speeds)
+}
+
+fn scene(mirrors: &[TrianglePatch], n: u32) -> Result<Scene, StudyError> {
+    let mut description = Description::default();
+    for patch in mirrors {
+        add_mirror(&mut description, described(&divided(patch, n)?), DMat4::IDENTITY);
+    }
+    Ok(Scene::resolve(description)?.0)
+}
+
+/// Particles that are reflected so often.
+fn chosen(scene: &Scene, bounces: u8, settings: &Settings<'_>) -> Result<Vec<Ray>, StudyError> {
+    settings.go_on()?;
+    let bounds = mirror()?.bounds();
+    let aim = Aim::at((bounds.center(), 0.5 * bounds.diagonal().length()), settings.seed);
+    let mut particles = Vec::with_capacity(PARTICLES);
+    for number in 0..TRIED {
+        let ray = aim.particle(number);
+        if matches!(follow(scene, &ray), End::Cell(_, reflections) if reflections == bounces) {
+            particles.push(ray);
+        }
+        if particles.len() == PARTICLES {
+            break;
+        }
+    }
+    Ok(particles)
+}
+
+/// Particles per second of wall time, and processor time of one.
+fn timed(
+    scene: &Scene,
+    particles: &[Ray],
+    threads: usize,
+    settings: &Settings<'_>,
+) -> Result<(f64, Duration), StudyError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    // Once to warm up.
+    let send = || -> usize {
+        pool.install(|| {
+            let ended = |ray: &Ray| usize::from(follow(scene, ray) != End::Missed);
+            particles.par_chunks(CHUNK).map(|chunk| chunk.iter().map(ended).sum::<usize>()).sum()
+        })
+    };
+    let mut sent = 0;
+    std::hint::black_box(send());
+    let (watch, begun) = (Stopwatch::start(Of::Process), Instant::now());
+    while sent == 0 || begun.elapsed() < 4 * SHORTEST {
+        settings.go_on()?;
+        std::hint::black_box(send());
+        sent += particles.len().max(1);
+    }
+    let each = watch.elapsed().as_secs_f64() / sent as f64;
+    Ok((sent as f64 / begun.elapsed().as_secs_f64(), Duration::from_secs_f64(each)))
+}
+
+/// Adds the chapter.
+pub(super) fn tell(speeds: &[Speed], report: &mut Report) {
+    report.heading("Speed");
+    report.paragraph(
+        "Particles that meet the mirror once, and such that meet a second one under the ceiling as well, until they reach a wall. \
+         Both mirrors are the same surfaces cut into more and more patches. Processor time does not depend on what else the machine \
+         does; wall time does.",
+    );
+    let columns = [
+        ("bounces", "mirrors met"),
+        ("patches", "patches"),
+        ("threads", "threads"),
+        ("particles_per_s", "particles per second of wall time"),
+        ("rays_per_s", "rays per second of wall time"),
+        ("ns_per_particle", "processor time per particle, ns"),
+    ];
+    let mut table = Table::new("speed", "Particles by way of mirrors.", &columns);
+    for speed in speeds {
+        table.push([
+            u64::from(speed.bounces).into(),
+            speed.patches.into(),
+            (speed.threads as u64).into(),
+            speed.per_second.into(),
+            // One to each mirror, one to the wall.
+            (speed.per_second * f64::from(speed.bounces + 1)).into(),
+            (1e9 * speed.each.as_secs_f64()).into(),
+        ]);
+    }
+    report.table(table);
+    for bounces in BOUNCES {
+        let mut alone = speeds.iter().filter(|speed| speed.bounces == bounces && speed.threads == 1);
+        if let (Some(few), Some(many)) = (alone.next(), alone.next_back()) {
+            report.paragraph(format!(
+                "By way of {} one particle takes {} ns of processor time with {} and {} ns with {} patches.",
+                if bounces == 1 { "one mirror" } else { "two mirrors" },
+                significant(1e9 * few.each.as_secs_f64()),
+                grouped(few.patches),
+                significant(1e9 * many.each.as_secs_f64()),
+                grouped(many.patches)
+            ));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mirror_in_parts_sends_particles_to_the_same_places() {
+        let mirrors = [mirror().unwrap(), second().unwrap()];
+        let (whole, parts) = (scene(&mirrors, 1).unwrap(), scene(&mirrors, 10).unwrap());
+        let aim = Aim::at((DVec3::new(4.5, 4.5, 5.5), 3.0), 0);
+        let (mut same, mut twice) = (0, 0);
+        for number in 0..2000 {
+            let ray = aim.particle(number);
+            let [a, b] = [&whole, &parts].map(|scene| follow(scene, &ray));
+            same += u32::from(a == b);
+            twice += u32::from(matches!(a, End::Cell(_, 2)));
+        }
+        // But for roundings at the borders of cells.
+        assert!(same >= 1999, "{same}");
+        assert!(twice > 20, "{twice}");
+        assert_eq!(divided(&mirrors[0], 10).unwrap().len(), 100);
+    }
+}

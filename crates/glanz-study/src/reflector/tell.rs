@@ -1,0 +1,297 @@
+//! What the report says of facets, each sentence made from the figures.
+
+use super::aimed::CELLS;
+use super::conics::{Conic, Deviation, HEIGHTS, Made, aberration};
+use super::facets::{Case, Outcome};
+use crate::plot::{Axis, Plot, Rule, Series};
+use crate::report::Report;
+use crate::table::{Cell, Table, grouped, significant};
+
+const COLUMNS: [(&str, &str); 12] = [
+    ("kind", "mirror"),
+    ("triangles", "triangles"),
+    ("build_ms", "build, ms"),
+    ("time_s", "time, s"),
+    ("ns_per_particle", "time per particle, ns"),
+    ("moved_percent", "particles that end elsewhere, %"),
+    ("rms_lx", "error, rms, lx"),
+    ("rms_noise_lx", "of it by chance, lx"),
+    ("rms_percent", "error without chance, % of the mean"),
+    ("largest_lx", "largest error, lx"),
+    ("largest_noise_lx", "standard error there, lx"),
+    ("largest_percent", "largest error, % of the peak"),
+];
+
+fn kind(case: &Case) -> &'static str {
+    match (case.triangles, case.smooth) {
+        (None, _) => "exact",
+        (_, false) => "flat facets",
+        (_, true) => "facets, interpolated normals",
+    }
+}
+
+/// The table of the mirrors.
+pub(super) fn facets_table(outcome: &Outcome) -> Table {
+    let caption = format!(
+        "Light by way of the mirror on {CELLS} x {CELLS} cells of each wall: the mirror as triangles against the exact one, the \
+         same {} particles in each case.",
+        grouped(u64::from(outcome.particles))
+    );
+    let mut table = Table::new("facets", caption, &COLUMNS);
+    for case in &outcome.cases {
+        let time = case.time.as_secs_f64();
+        let off = |value: f64| if case.triangles.is_some() { Cell::Number(value) } else { Cell::Missing };
+        table.push([
+            kind(case).into(),
+            case.triangles.into(),
+            (case.build.as_secs_f64() * 1e3).into(),
+            time.into(),
+            (1e9 * time / f64::from(outcome.particles)).into(),
+            off(100.0 * case.error.moved),
+            off(case.error.rms),
+            off(case.error.noise),
+            off(percent(case.error.settled(), outcome)),
+            off(case.error.largest),
+            off(case.error.largest_noise),
+            off(100.0 * case.error.largest / outcome.exact.peak),
+        ]);
+    }
+    table
+}
+
+fn percent(lux: f64, outcome: &Outcome) -> f64 {
+    100.0 * lux / outcome.exact.mean
+}
+
+/// Adds the chapter of the room's mirror.
+pub(super) fn tell_facets(outcome: &Outcome, report: &mut Report) {
+    report.heading("The mirror as triangles");
+    let exact = &outcome.exact;
+    report.paragraph(format!(
+        "{} particles go from the lamp towards the mirror; {} % of them meet it. The light that they bring to the walls by way of \
+         the exact mirror is {} lx in the mean of the cells that it comes to, {} lx at most; by chance the map of so many \
+         particles is off by {} lx (root mean square, as independent particles would be). The same particles are sent to the mirror as \
+         triangles: what differs is what ends elsewhere, and the chance in that is told beside it.",
+        grouped(u64::from(outcome.particles)),
+        significant(100.0 * exact.met),
+        significant(exact.mean),
+        significant(exact.peak),
+        significant(exact.noise),
+    ));
+    report.table(facets_table(outcome));
+    let floor = Rule {
+        name: "chance in the map itself".to_owned(),
+        vertical: false,
+        at: percent(exact.noise, outcome),
+        series: None,
+    };
+    let triangles = |case: &Case| case.triangles.unwrap_or_default() as f64;
+    report.plot(
+        "facets_triangles",
+        Plot {
+            title: "Error of the mirror's light over triangles".to_owned(),
+            x: Axis::logarithmic("triangles"),
+            y: Axis::logarithmic("root mean square error, % of the mean"),
+            series: series(outcome, triangles),
+            rules: vec![floor.clone()],
+        },
+        "Error over the cells that the mirror lights; as measured with the same particles, and the part of it that is chance.",
+    );
+    let seconds = |case: &Case| case.time.as_secs_f64();
+    let mut rules = vec![floor];
+    if let Some(case) = outcome.cases.first() {
+        let name = "time of the exact mirror".to_owned();
+        rules.push(Rule { name, vertical: true, at: seconds(case), series: None });
+    }
+    report.plot(
+        "facets_time",
+        Plot {
+            title: "Error of the mirror's light over time".to_owned(),
+            x: Axis::logarithmic("processor time for all particles, s"),
+            y: Axis::logarithmic("root mean square error, % of the mean"),
+            series: series(outcome, seconds),
+            rules,
+        },
+        "The same over the time that following the particles takes, without that for building.",
+    );
+    facets_findings(outcome).into_iter().for_each(|sentence| report.paragraph(sentence));
+}
+
+fn series(outcome: &Outcome, x: fn(&Case) -> f64) -> Vec<Series> {
+    let of = |name: &str, smooth: bool, y: fn(&Case) -> f64| Series {
+        name: name.to_owned(),
+        points: outcome
+            .cases
+            .iter()
+            .filter(|case| case.triangles.is_some() && case.smooth == smooth)
+            .map(|case| [x(case), percent(y(case), outcome)])
+            .collect(),
+    };
+    vec![
+        of("flat facets", false, |case| case.error.rms),
+        of("interpolated normals", true, |case| case.error.rms),
+        of("chance, flat facets", false, |case| case.error.noise),
+        of("chance, interpolated normals", true, |case| case.error.noise),
+    ]
+}
+
+fn facets_findings(outcome: &Outcome) -> Vec<String> {
+    let mut found = Vec::new();
+    let Some(exact) = outcome.cases.first() else { return found };
+    for smooth in [false, true] {
+        let series: Vec<&Case> =
+            outcome.cases.iter().filter(|case| case.triangles.is_some() && case.smooth == smooth).collect();
+        let Some((first, last)) = series.first().zip(series.last()) else { continue };
+        let one_percent = series.iter().find(|case| percent(case.error.settled(), outcome) < 1.0);
+        let told = |case: &Case| {
+            let error = percent(case.error.settled(), outcome);
+            if error > 0.0 { format!("{} %", significant(error)) } else { "less than chance".to_owned() }
+        };
+        found.push(format!(
+            "{}: the error without chance is {} of the mean with {} triangles and {} with {}; {} particles end elsewhere with the \
+             finest. {} Following a particle takes {} times as long with the finest mesh as with the exact mirror.",
+            if smooth { "Facets with interpolated normals" } else { "Flat facets" },
+            told(first),
+            grouped(first.triangles.unwrap_or_default()),
+            told(last),
+            grouped(last.triangles.unwrap_or_default()),
+            format_args!("{} % of the", significant(100.0 * last.error.moved)),
+            match one_percent {
+                Some(case) => format!(
+                    "An error below 1 % of the mean takes {} triangles of those tried.",
+                    grouped(case.triangles.unwrap_or_default())
+                ),
+                None => "No number of triangles tried brings it below 1 % of the mean.".to_owned(),
+            },
+            significant(last.time.as_secs_f64() / exact.time.as_secs_f64().max(1e-9)),
+        ));
+    }
+    found
+}
+
+/// What was measured of a mirror with a closed form.
+pub(super) struct Row {
+    pub(super) conic: Conic,
+    pub(super) made: Made,
+    pub(super) triangles: Option<u64>,
+    pub(super) deviation: Deviation,
+}
+
+/// Adds the chapter of mirrors with closed forms; `curves`: where rays at several heights cross the axis of the sphere.
+pub(super) fn tell_conics(rows: &[Row], curves: Vec<Series>, report: &mut Report) {
+    report.heading("Mirrors with closed forms");
+    report.paragraph(
+        "A paraboloid (focal length 0.5 m, radius 1 m) with a point at its focus: the angle of the reflected rays to the axis. An \
+         ellipsoid (half axes 0.8 and 1 m): how far from the second focus rays from the first pass. A sphere (radius 1 m) and rays \
+         along its axis at heights from 0.05 to 0.85 m: where the reflected rays cross the axis, against R / (2 cos theta) from the \
+         middle, sin theta = h / R.",
+    );
+    let columns = [
+        ("mirror", "mirror"),
+        ("measure", "measure"),
+        ("made_of", "made of"),
+        ("triangles", "triangles"),
+        ("largest", "largest"),
+        ("rms", "root mean square"),
+        ("rays", "rays"),
+        ("missed", "rays that miss it"),
+    ];
+    let mut table = Table::new("closed_forms", "Deviations from the closed forms.", &columns);
+    for Row { conic, made, triangles, deviation } in rows {
+        table.push([
+            conic.name().into(),
+            conic.measure().into(),
+            made.name().into(),
+            (*triangles).into(),
+            deviation.largest.into(),
+            deviation.rms.into(),
+            deviation.rays.into(),
+            deviation.missed.into(),
+        ]);
+    }
+    report.table(table);
+    for (conic, name, title) in [
+        (Conic::Parabolic, "parabolic", "Divergence of a parabolic mirror's beam"),
+        (Conic::Elliptic, "elliptic", "Blur in the second focus of an elliptic mirror"),
+    ] {
+        report.plot(name, deviation_plot(rows, conic, title), "Largest over all rays.");
+    }
+    report.plot(
+        "aberration",
+        Plot {
+            title: "Longitudinal aberration of a spherical mirror, R = 1 m".to_owned(),
+            x: Axis::linear("height of the ray, m"),
+            y: Axis::linear("crossing of the axis, m from the middle"),
+            series: curves,
+            rules: Vec::new(),
+        },
+        "Where rays parallel to the axis cross it after the mirror.",
+    );
+    for conic in Conic::ALL {
+        report.paragraph(finding(rows, conic));
+    }
+}
+
+fn deviation_plot(rows: &[Row], conic: Conic, title: &str) -> Plot {
+    let of = |name: &str, smooth: bool| Series {
+        name: name.to_owned(),
+        points: rows
+            .iter()
+            .filter(|row| row.conic == conic && matches!(row.made, Made::Smooth(_)) == smooth)
+            .filter_map(|row| Some([row.triangles? as f64, row.deviation.largest]))
+            .collect(),
+    };
+    let exact = rows.iter().filter(|row| row.conic == conic && row.triangles.is_none());
+    let rule = |row: &Row| Rule {
+        name: format!("exact: {}", row.made.name()),
+        vertical: false,
+        at: row.deviation.largest,
+        series: if row.made == Made::Quadric { None } else { Some(2) },
+    };
+    Plot {
+        title: title.to_owned(),
+        x: Axis::logarithmic("triangles"),
+        y: Axis::logarithmic(conic.measure()),
+        series: vec![of("flat facets", false), of("interpolated normals", true)],
+        rules: exact.map(rule).collect(),
+    }
+}
+
+/// The closed form over heights.
+pub(super) fn closed_form_curve() -> Series {
+    let points = heights(76).into_iter().map(|h| [h, aberration(h)]).collect();
+    Series { name: "closed form".to_owned(), points }
+}
+
+/// So many heights over the range.
+pub(super) fn heights(count: u32) -> Vec<f64> {
+    let step = (HEIGHTS[1] - HEIGHTS[0]) / f64::from(count.max(2) - 1);
+    (0..count).map(|i| HEIGHTS[0] + step * f64::from(i)).collect()
+}
+
+fn finding(rows: &[Row], conic: Conic) -> String {
+    let largest = |wanted: fn(Made) -> bool| {
+        let of = rows.iter().filter(|row| row.conic == conic && wanted(row.made));
+        of.map(|row| (row.triangles.unwrap_or_default(), row.deviation.largest)).collect::<Vec<_>>()
+    };
+    let exact = largest(|made| matches!(made, Made::Quadric | Made::Patches));
+    let exact = exact.iter().map(|(_, off)| *off).fold(0.0, f64::max);
+    let ends = |rows: &[(u64, f64)]| match (rows.first(), rows.last()) {
+        (Some(first), Some(last)) => format!(
+            "{} with {} triangles and {} with {}",
+            significant(first.1),
+            grouped(first.0),
+            significant(last.1),
+            grouped(last.0)
+        ),
+        _ => "not measured".to_owned(),
+    };
+    format!(
+        "The {} mirror ({}): at most {} for the exact surfaces; flat facets {}, with interpolated normals {}.",
+        conic.name(),
+        conic.measure(),
+        significant(exact),
+        ends(&largest(|made| matches!(made, Made::Facets(_)))),
+        ends(&largest(|made| matches!(made, Made::Smooth(_)))),
+    )
+}
