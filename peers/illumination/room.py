@@ -138,10 +138,13 @@ def direct(luminaire: Luminaire, points: Array) -> Array:
 
 
 def closed_form(luminaire: Luminaire, height: float, parts: int = 40) -> LuxMap:
-    """Means over cells of what comes straight, of the middles of `parts` times `parts` parts of a cell."""
+    """Means over cells of what comes straight: of a point by chance in each of `parts` times `parts` parts of a cell."""
+    random = numpy.random.default_rng(1)
     corners, sides = corners_of_cells(height)
-    shares = (numpy.indices((parts, parts)).reshape(2, -1).T + 0.5) / parts
-    lux = numpy.mean([direct(luminaire, corners + numpy.append(share, 0) * sides) for share in shares], axis=0)
+    lux = numpy.zeros(len(corners))
+    for part in numpy.indices((parts, parts)).reshape(2, -1).T:
+        shares = numpy.pad((part + random.random((len(corners), 2))) / parts, ((0, 0), (0, 1)))
+        lux += direct(luminaire, corners + shares * sides) / parts**2
     areas = numpy.full(len(corners), sides[0] * sides[1])
     return LuxMap.sorted(corners + sides / 2, areas, lux, numpy.zeros(len(corners)))
 
