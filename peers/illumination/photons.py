@@ -51,8 +51,8 @@ def write(folder: pathlib.Path, mesh: mirror.Mesh) -> pathlib.Path:
 def arrivals(tree: pathlib.Path, kind: str, count: int, cells: int) -> tuple[Array, int, float]:
     """Of about so many photons of a kind lumens by cell and their squares, how many there were, and seconds of the processors.
 
-    A photon's flux is stored in a byte and an exponent, so that all of them may be off by some 0.4 % together. The seconds are
-    those of making and storing them.
+    A photon's flux is stored in a byte and an exponent, so that all of them may be off by half a per cent together. The seconds
+    are those of making and storing them.
     """
     stored = tree.with_name(f"{kind}.pm")
     make = [program("mkpmap"), KINDS[kind], stored.name, count, "-fo+", tree.name]
