@@ -227,14 +227,14 @@ fn add_legend(text: &mut String, ends: &[usize; WALLS.len()]) {
         .iter()
         .zip(ends)
         .filter(|(_, count)| **count > 0)
-        .map(|(wall, count)| format!("{count} on the {}", wall.name))
+        .map(|(wall, count)| format!("{} {count}", wall.name))
         .collect();
     let spots = if spots.is_empty() { "none".to_owned() } else { spots.join(", ") };
     let top = FRAME[3] + 28.0;
     let rows = [
         (DIRECT, "rays of the fan with k = 4 that miss the mirror, and where they end".to_owned()),
         ("black", "the one that meets it".to_owned()),
-        (MIRRORED, format!("rays of the fan with k = 7 by way of the mirror: {spots}")),
+        (MIRRORED, format!("k = 7, by way of the mirror, and where they end: {spots}")),
         (HULL, "convex hull of the control points".to_owned()),
     ];
     for (number, (colour, words)) in rows.iter().enumerate() {
