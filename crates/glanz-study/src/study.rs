@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glanz_formats::image::ImageError;
 use glanz_formats::newell::NewellError;
 use glanz_geometry::SurfaceError;
+use glanz_illumination::integrate::IntegrateError;
 use glanz_illumination::{ReceiverError, ThreadsError};
 use glanz_light::{CompareError, PixelsError};
 use glanz_radiosity::elements::ElementError;
@@ -270,6 +271,9 @@ pub enum StudyError {
     /// A wall was not divided.
     #[error(transparent)]
     Receiver(#[from] ReceiverError),
+    /// Lamps that cannot be integrated.
+    #[error(transparent)]
+    Integrate(#[from] IntegrateError),
     /// Particles could not be sent.
     #[error(transparent)]
     Particles(#[from] ThreadsError),

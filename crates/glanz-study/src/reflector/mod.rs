@@ -1,5 +1,6 @@
 //! Where a lamp's light goes by way of a freeform mirror (document 000 chapter 4).
 
+mod against;
 mod aimed;
 mod conics;
 mod facets;
@@ -29,6 +30,8 @@ const PARTICLES: u64 = 10_000_000;
 struct Plan<'a> {
     /// Cells along a side of a wall.
     cells: u32,
+    /// The same for the comparison with integration, and places of a cell at most.
+    against: (u32, usize),
     /// Triangles along an edge of the mirror.
     edges: &'a [u32],
     /// Rays at each mirror with a closed form.
@@ -42,6 +45,7 @@ struct Plan<'a> {
 /// The whole study.
 const WHOLE: Plan<'static> = Plan {
     cells: aimed::CELLS,
+    against: (against::CELLS, against::POINTS),
     edges: &facets::EDGES,
     conic_rays: 100_000,
     triangles: &[100, 1000, 10_000, 100_000, 1_000_000],
@@ -53,7 +57,8 @@ const DRAWN: u64 = 10_000;
 
 /// Shares of the progress at which parts begin.
 const LUX: f64 = 0.01;
-const FACETS: f64 = 0.2;
+const AGAINST: f64 = 0.15;
+const FACETS: f64 = 0.4;
 const CONICS: f64 = 0.85;
 const SPEED: f64 = 0.95;
 
@@ -78,8 +83,11 @@ fn run_plan(plan: &Plan<'_>, settings: &Settings<'_>, watch: &mut dyn Watch) -> 
     let mirror = room::alone(room::described(&[room::mirror()?]), DMat4::IDENTITY)?;
     let fan = fan::fan(&mirror, 4);
     let (scene, receivers) = lux::room(plan.cells)?;
-    let mut told = |done: f64| watch.progress(LUX + (FACETS - LUX) * done, "lux on the walls");
+    let mut told = |done: f64| watch.progress(LUX + (AGAINST - LUX) * done, "lux on the walls");
     let lux = lux::measure(&scene, &receivers, u64::from(particles), settings, &mut told)?;
+    let mut told =
+        |done: f64| watch.progress(AGAINST + (FACETS - AGAINST) * done, "particles against integration");
+    let against = against::measure(plan.against, u64::from(particles), settings, &mut told)?;
     let mut told = |done: f64, what: String| watch.progress(FACETS + (CONICS - FACETS) * done, &what);
     let facets = facets::measure(particles, plan.edges, settings, &mut told)?;
     let rays = plan.conic_rays.min(particles);
@@ -109,6 +117,7 @@ fn run_plan(plan: &Plan<'_>, settings: &Settings<'_>, watch: &mut dyn Watch) -> 
         "The room, seen from above the wall y = 0: lamp, mirror with the hull of its control points, rays, and where they end.",
     );
     lux.tell(&mut report, &facets.exact)?;
+    against.tell(&mut report);
     tell::tell_facets(&facets, &mut report);
     tell::tell_conics(&rows, curves, &mut report);
     speed::tell(&speeds, &mut report);
@@ -162,7 +171,8 @@ mod tests {
     fn report_has_a_row_for_every_wall_ray_and_mirror() {
         let stop = AtomicBool::new(false);
         let settings = Settings { rays: Some(20_000), ..Settings::new(&stop) };
-        let plan = Plan { cells: 2, edges: &[4], conic_rays: 100, triangles: &[100], parts: &[] };
+        let plan =
+            Plan { cells: 2, against: (1, 13), edges: &[4], conic_rays: 100, triangles: &[100], parts: &[] };
         let report = run_plan(&plan, &settings, &mut Unwatched).unwrap();
         assert_eq!(report.summary().rows().len(), 6);
         let rows =
@@ -172,6 +182,8 @@ mod tests {
         let walls = ["fan_floor", "fan_ceiling", "fan_x0", "fan_x10", "fan_y0", "fan_y10"];
         assert_eq!(walls.iter().map(|name| rows(name).unwrap()).sum::<usize>(), 144);
         assert_eq!(rows("lux"), Some(6 * 4));
+        // Walls, all of them, and the normal distribution.
+        assert_eq!(rows("against"), Some(6 + 2));
         // Exact, flat, smooth; quadric, patches, flat, smooth for each of three.
         assert_eq!((rows("facets"), rows("closed_forms"), rows("speed")), (Some(3), Some(12), Some(0)));
         let text = report.markdown();
