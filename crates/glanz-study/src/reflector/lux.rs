@@ -186,6 +186,17 @@ impl Lux {
                 false_colour(map, &scale)?,
                 format!("Every cell. {caption}"),
             );
+            let alone = LuxMap {
+                name: format!("{}, the mirror's light", map.name),
+                lux: by_mirror.to_vec(),
+                errors: vec![mirror.noise; by_mirror.len()],
+                ..map.clone()
+            };
+            let what = format!(
+                "The light by way of the mirror alone on the {}, by particles aimed at it.",
+                wall.name
+            );
+            report.picture(format!("mirror_{key}"), false_colour(&alone, &Scale::of(&[&alone]))?, what);
         }
         Ok(())
     }

@@ -41,11 +41,8 @@ pub(super) fn integrated(
     messages: Messages,
     interrupt: &Interrupt,
 ) -> Result<Option<Integrated>, Failure> {
-    let scatters = |material: &&Material| match material {
-        Material::Diffuse { .. } | Material::Phong { .. } => true,
-        Material::Mirror { .. } | Material::Conductor { .. } | Material::Dielectric { .. } => false,
-        _ => false,
-    };
+    let scatters =
+        |material: &&Material| matches!(material, Material::Diffuse { .. } | Material::Phong { .. });
     let scattering = design.scene.materials().iter().filter(scatters).count() as u64;
     let Design { file, scene, receivers, .. } = design;
     let start = Instant::now();
@@ -115,8 +112,9 @@ pub(super) fn integrated(
         ("cells".to_owned(), pace(cells.len() as u64, start.elapsed().as_secs_f64(), "cells")),
     ];
     if scattering > 0 {
-        let materials = plural(scattering, "material may", "materials may");
-        how.push(("left out by integration".to_owned(), format!("what {materials} scatter")));
+        let materials =
+            plural(scattering, "material scatters, unless it is", "materials scatter, unless they are");
+        how.push(("left out by integration".to_owned(), format!("what {materials} black")));
     }
     Ok(Some(Integrated { maps, how }))
 }
