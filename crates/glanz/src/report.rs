@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+pub(crate) use glanz_illumination::report::table::{grouped, plural};
 use serde::Serialize;
 
 use crate::messages::Failure;
@@ -38,24 +39,6 @@ pub(crate) fn peak_memory_bytes() -> Option<u64> {
 fn kilobytes(status: &str) -> Option<u64> {
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     line.trim().strip_suffix("kB")?.trim_end().parse().ok()
-}
-
-/// `count` with a blank between groups of three digits.
-pub(crate) fn grouped(count: u64) -> String {
-    let digits = count.to_string();
-    let mut text = String::with_capacity(digits.len() * 4 / 3);
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    text
-}
-
-/// `count` with the word for one or for several.
-pub(crate) fn plural(count: u64, one: &str, several: &str) -> String {
-    format!("{} {}", grouped(count), if count == 1 { one } else { several })
 }
 
 /// A duration in words of the largest fitting unit: `3.2 s`, `4 min 05 s`, `2 h 10 min`.
