@@ -1,12 +1,8 @@
 //! Lux against closed forms: every cell within four of its own standard errors, none of which exceeds one per cent.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot set up its scene has failed")]
-
-mod common;
-
 use std::f64::consts::PI;
 
-use common::*;
+use crate::common::*;
 use glanz_illumination::Fineness::Cells;
 use glanz_math::{DMat4, DVec2, DVec3};
 

@@ -1,12 +1,8 @@
 //! Grids on surfaces: areas, places, sides.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot set up its scene has failed")]
-
-mod common;
-
 use std::f64::consts::PI;
 
-use common::*;
+use crate::common::*;
 use glanz_illumination::*;
 use glanz_math::{DMat4, DVec2, DVec3, Ray};
 use glanz_scene::description::*;

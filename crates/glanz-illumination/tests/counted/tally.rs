@@ -1,12 +1,8 @@
 //! What is counted does not depend on how.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot set up its scene has failed")]
-
-mod common;
-
 use std::sync::atomic::AtomicBool;
 
-use common::*;
+use crate::common::*;
 use glanz_illumination::*;
 use glanz_math::{DMat4, DVec3};
 use glanz_scene::Scene;

@@ -1,7 +1,5 @@
 //! Scenes for tests, and their maps.
 
-#![allow(dead_code, reason = "no test uses all of it")]
-
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
 

@@ -1,0 +1,8 @@
+//! Light that is counted: lux by particles, receivers, tallies.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot set up its scene has failed")]
+
+mod closed_forms;
+mod common;
+mod receivers;
+mod tally;
