@@ -26,6 +26,7 @@ const ROOMS: &[Room] = &[
     Room { floor: 4, name: "glanz-radiosity", may_use: "0-3" },
     Room { floor: 5, name: "glanz-illumination", may_use: "0-4" },
     Room { floor: 6, name: "glanz-study", may_use: "0-5" },
+    Room { floor: 6, name: "glanz-viewer", may_use: "0-5" },
     Room { floor: 7, name: "glanz", may_use: "all" },
 ];
 

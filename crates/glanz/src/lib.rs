@@ -84,3 +84,5 @@ pub use glanz_shading as shading;
 pub use glanz_study as study;
 #[doc(inline)]
 pub use glanz_transport as transport;
+#[doc(inline)]
+pub use glanz_viewer as viewer;

@@ -1,0 +1,1 @@
+//! From a scene to the bytes that the page draws.
