@@ -87,10 +87,13 @@ fn a_render_that_nobody_cancels_is_asked_before_every_sample() {
     assert_eq!(watch.tiles.into_inner(), 6 * watch.passes);
 }
 
+/// Pixels, samples of each, radiance.
+type Tile = (PixelRect, u64, Vec<[f32; 3]>);
+
 /// Puts a picture together from tiles, and compares it with the film after each pass.
 #[derive(Default)]
 struct Mosaic {
-    tiles: Mutex<Vec<(PixelRect, u64, Vec<[f32; 3]>)>>,
+    tiles: Mutex<Vec<Tile>>,
     compared: u64,
 }
 
