@@ -15,6 +15,9 @@ import { create, element } from "./element.js";
 /** How keys are called in the help. @type {Record<string, string>} */
 const KEY_NAMES = { ArrowLeft: "←", ArrowRight: "→", ArrowUp: "↑", ArrowDown: "↓", Escape: "Esc", " ": "Space" };
 
+/** What stands before keys that are pressed with Shift. */
+const SHIFT = "Shift+";
+
 /** Elements that take letters as text. */
 const TEXT_FIELDS = "input:not([type=checkbox], [type=radio], [type=range], [type=button]), textarea, select";
 
@@ -39,7 +42,7 @@ export class Keys {
     const target = event.target instanceof Element ? event.target : null;
     if (target?.matches(TEXT_FIELDS) && event.key !== "Escape") return;
     const onView = target === this.view || target === document.body;
-    const key = event.shiftKey && event.key.length > 1 ? `Shift+${event.key}` : event.key;
+    const key = event.shiftKey && event.key.length > 1 ? `${SHIFT}${event.key}` : event.key;
     const command = this.commands.find(({ keys, onView: only }) => keys.includes(key) && (onView || !only));
     if (!command) return;
     event.preventDefault();
@@ -58,20 +61,15 @@ function helpRows(commands) {
   return [...keysOf].map(([label, keys]) => {
     const row = create("tr");
     const cell = create("td");
-    for (const key of keys) cell.append(...keyCaps(key), " ");
+    const withShift = keys.every((key) => key.startsWith(SHIFT));
+    if (withShift) cell.append(create("kbd", "Shift"), " + ");
+    for (const key of keys) {
+      const plain = withShift ? key.slice(SHIFT.length) : key;
+      cell.append(create("kbd", KEY_NAMES[plain] ?? plain), " ");
+    }
     const heading = create("th", label);
     heading.scope = "row";
     row.append(heading, cell);
     return row;
   });
-}
-
-/**
- * A key as it is drawn, with Shift before it where it needs that.
- * @param {string} key
- */
-function keyCaps(key) {
-  const plain = key.replace(/^Shift\+/, "");
-  const cap = create("kbd", KEY_NAMES[plain] ?? plain);
-  return plain === key ? [cap] : [create("kbd", "Shift"), "+", cap];
 }

@@ -32,7 +32,9 @@ function show(id, shown) {
 export function offerPanels() {
   const narrow = matchMedia(NARROW);
   for (const [panel, button] of PANELS) {
-    element(button, HTMLElement).addEventListener("click", () => show(panel, element(panel, HTMLElement).hidden));
+    element(button, HTMLElement).addEventListener("click", () =>
+      show(panel, element(panel, HTMLElement).hidden !== false),
+    );
   }
   const arrange = () => PANELS.forEach(([panel]) => show(panel, !narrow.matches));
   narrow.addEventListener("change", arrange);
