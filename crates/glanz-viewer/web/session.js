@@ -24,7 +24,7 @@
 
 /**
  * Who is told what comes from the server unasked. `offline`: milliseconds until the next attempt.
- * @typedef {{ online(): void, offline(pause: number): void, scene(message: SceneMessage): void, progress(message: Progress): void,
+ * @typedef {{ online(): void, offline(pause: number): void, scene(message: SceneMessage): void, progress(message: Progress): void, waiting(id: number): void,
  *   tile(tile: Tile): void, stopped(id: number): void, failed(id: number | null, message: string): void }} Listener
  */
 
@@ -161,6 +161,8 @@ export class Session {
         return this.listener.scene(message);
       case "progress":
         return this.listener.progress(message);
+      case "waiting":
+        return this.listener.waiting(message.id);
       case "stopped":
         return this.listener.stopped(message.id);
       case "failed": {

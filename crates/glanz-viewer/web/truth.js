@@ -13,7 +13,11 @@
 /** @typedef {[x: number, y: number, width: number, height: number]} Rectangle */
 /** @typedef {"path" | "guided"} Integrator */
 
-/** @typedef {{ samples: number, noise: number | null, seconds: number, done: boolean, covered: boolean, error: string | null }} TruthStatus */
+/**
+ * `waits`: for pictures of other pages.
+ * @typedef {{ samples: number, noise: number | null, seconds: number, done: boolean, covered: boolean, waits: boolean,
+ *   error: string | null }} TruthStatus
+ */
 
 /** 1 as a half float. */
 const HALF_ONE = 0x3c00;
@@ -25,22 +29,27 @@ const REST = 250;
 const LARGEST_SIDE = 4096;
 
 /**
- * A picture of half floats, RGBA, rows from the top. Where nothing has come yet, A is 0. Who draws it takes the rectangles of `changes` and empties the list.
+ * A picture of half floats, RGBA, rows from the top. Where nothing has come yet, A is 0. Who draws it takes the rectangles of `changed` and empties the list.
  */
 export class Picture {
   /** @param {Size} size */
   constructor(size) {
     this.width = size.width;
     this.height = size.height;
-    this.pixels = new Uint16Array(4 * size.width * size.height);
+    this.data = new Uint16Array(4 * size.width * size.height);
     /** @type {Rectangle[]} */
-    this.changes = [];
+    this.changed = [];
     this.missing = size.width * size.height;
   }
 
   /** Whether all of its pixels have come. */
   get covered() {
     return this.missing === 0;
+  }
+
+  /** Whether nothing of it has come yet. */
+  get empty() {
+    return this.missing === this.width * this.height;
   }
 
   /**
@@ -57,14 +66,14 @@ export class Picture {
       let from = 3 * row * tile.width;
       let to = 4 * ((tile.y + row) * this.width + tile.x);
       for (let column = 0; column < width; column++, from += 3, to += 4) {
-        this.pixels[to] = tile.pixels[from];
-        this.pixels[to + 1] = tile.pixels[from + 1];
-        this.pixels[to + 2] = tile.pixels[from + 2];
-        this.missing -= this.pixels[to + 3] === 0 ? 1 : 0;
-        this.pixels[to + 3] = HALF_ONE;
+        this.data[to] = tile.pixels[from];
+        this.data[to + 1] = tile.pixels[from + 1];
+        this.data[to + 2] = tile.pixels[from + 2];
+        this.missing -= this.data[to + 3] === 0 ? 1 : 0;
+        this.data[to + 3] = HALF_ONE;
       }
     }
-    this.changes.push([tile.x, tile.y, width, height]);
+    this.changed.push([tile.x, tile.y, width, height]);
   }
 }
 
@@ -89,7 +98,7 @@ export class Truth {
    */
   constructor(session, changed) {
     this.session = session;
-    this.changed = changed;
+    this.tell = changed;
     /** @type {Picture | null} */
     this.picture = null;
     /** @type {TruthStatus | null} */
@@ -125,9 +134,9 @@ export class Truth {
     const size = renderSize(asked.size);
     this.id = this.session.nextId();
     this.picture = new Picture(size);
-    this.status = { samples: 0, noise: null, seconds: 0, done: false, covered: false, error: null };
+    this.status = { samples: 0, noise: null, seconds: 0, done: false, covered: false, waits: false, error: null };
     this.session.send({ type: "view", id: this.id, camera, size: [size.width, size.height], hidden, integrator });
-    this.changed();
+    this.tell();
   }
 
   stop() {
@@ -154,12 +163,20 @@ export class Truth {
     }
   }
 
+  /** @param {number} id */
+  waits(id) {
+    if (id === this.id && this.status) {
+      this.status.waits = true;
+      this.tell();
+    }
+  }
+
   /** @param {Tile} tile */
   tile(tile) {
     if (tile.id === this.id && this.picture && this.status) {
       this.picture.put(tile);
       this.status.covered = this.picture.covered;
-      this.changed();
+      this.tell();
     }
   }
 
@@ -167,8 +184,8 @@ export class Truth {
   progress(progress) {
     if (progress.id === this.id && this.status) {
       const { samples, noise, seconds, done } = progress;
-      Object.assign(this.status, { samples, noise, seconds, done });
-      this.changed();
+      Object.assign(this.status, { samples, noise, seconds, done, waits: false });
+      this.tell();
     }
   }
 
@@ -182,7 +199,7 @@ export class Truth {
       return false;
     }
     this.status.error = message;
-    this.changed();
+    this.tell();
     return true;
   }
 }

@@ -123,6 +123,13 @@ export class Viewpoint {
     this.camera = { ...this.camera, distance: this.depth };
   }
 
+  /** Makes sure that what the camera turns about is before it, also after it went past that. */
+  turnAboutWhatIsAhead() {
+    if (dot(subtract(this.center, this.camera.position), this.camera.forward) < this.extent * NEAREST) {
+      this.center = cameras.focus(this.camera);
+    }
+  }
+
   /**
    * Turns with the hand; a way as long as the canvas' shorter side is half a turn.
    * @param {number} dx
