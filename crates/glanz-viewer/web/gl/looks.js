@@ -1,0 +1,200 @@
+/**
+ * Shader text for what becomes of a point of a surface: its look under light, zebra stripes, colours of curvature, normals.
+ *
+ * @module
+ */
+
+import { FRAME_TEXT } from "./frame.js";
+import { SHADING_TEXT, TONE_TEXT } from "./shading.js";
+
+/**
+ * What a program draws. `read`: normals and objects as numbers; `depth`: nothing but depth.
+ * @typedef {"material" | "zebra" | "gaussian" | "mean" | "maximum" | "normals" | "read" | "depth"} Look
+ */
+
+/** Whether a look needs second derivatives. @param {Look} look */
+export function needsCurvature(look) {
+  return look === "zebra" || look === "gaussian" || look === "mean" || look === "maximum";
+}
+
+/** The beginning of all shaders. */
+export const PRECISION_TEXT = `#version 300 es
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+precision highp usampler2D;
+`;
+
+/** What all shaders of surfaces know of an object: two texels of \`objectFacts\`. */
+export const OBJECT_TEXT = `
+uniform usampler2D objectFacts;
+uniform sampler2D objectPlaces;
+struct Facts { uint material, firstCell; ivec2 cells; uint leaf, bits; };
+const uint REVERSED = 1u, REVOLUTION = 2u, FLAT = 4u, MAPPED = 8u;
+Facts factsOf(uint number) {
+  uint at = number * 2u;
+  ivec2 place = ivec2(at & 2047u, at >> 11u);
+  uvec4 a = texelFetch(objectFacts, place, 0), b = texelFetch(objectFacts, place + ivec2(1, 0), 0);
+  return Facts(a.x, a.y, ivec2(a.z & 65535u, a.z >> 16u), b.x, b.y);
+}
+mat4x3 placeOf(uint number) {
+  uint at = number * 4u;
+  ivec2 place = ivec2(at & 2047u, at >> 11u);
+  mat4x3 m;
+  for (int k = 0; k < 4; k++) m[k] = texelFetch(objectPlaces, place + ivec2(k, 0), 0).xyz;
+  return m;
+}
+`;
+
+/** A point that is seen, as the looks need it. */
+const POINT = `
+struct Point {
+  vec3 position, normal;    // camera's axes; the normal towards the eye
+  vec3 normalX, normalY;    // change of the normal from pixel to pixel
+  vec2 principal;           // curvatures, 1/m: the larger one and the smaller one, above 0 where it is convex to the eye
+  bool front;               // seen from the side of the surface's own normal
+  float coverage;           // share of the pixel
+  float line;               // darkness of lines, 0 to 1
+  uint object;
+};
+vec3 toEyeFrom(vec3 p) { return lens.z > 0.0 ? normalize(-p) : vec3(0.0, 0.0, -1.0); }
+vec3 toWorldAxes(vec3 v) { return vec3(dot(axisX.xyz, v), dot(axisY.xyz, v), dot(axisZ.xyz, v)); }
+// Where the ray of a pixel passes w = 1.
+vec2 pixelRay(vec2 at) { return (2.0 * at / picture.xy - 1.0) * lens.xy; }
+`;
+
+const NORMALS = `
+vec4 look(Point point, Facts facts) {
+  return vec4(0.5 + 0.5 * toWorldAxes(point.normal), point.coverage);
+}
+`;
+
+const READ = `
+vec4 look(Point point, Facts facts) {
+  if (point.coverage < 0.5) discard;
+  return vec4(toWorldAxes(point.normal), float(point.object + 1u));
+}
+`;
+
+/** Flat colour with stripes for what is seen from within once a section plane has cut it open, and a tint for what is selected. */
+const MARKS = `
+vec3 marked(vec3 colour, Point point, Facts facts) {
+  if (!point.front && section.xyz != vec3(0.0)) {
+    float stripe = fract((gl_FragCoord.x + gl_FragCoord.y) / 10.0);
+    float hatch = clamp(min(stripe, 1.0 - stripe) * 10.0 - 1.0, 0.0, 1.0);
+    colour = mix(vec3(0.62, 0.30, 0.22), vec3(0.80, 0.50, 0.38), hatch);
+  }
+  if (float(facts.leaf) == picture.w) {
+    float rim = 1.0 - abs(dot(point.normal, toEyeFrom(point.position)));
+    colour = mix(colour, vec3(1.0, 0.62, 0.10), 0.18 + 0.7 * rim * rim * rim);
+  }
+  return mix(colour, vec3(0.04), point.line);
+}
+`;
+
+const MATERIAL = `
+vec4 look(Point point, Facts facts) {
+  Material material = materialOf(facts.material);
+  vec4 light = reflected(material, point.position, point.normal, toEyeFrom(point.position), point.front);
+  vec3 colour = display(light.xyz, picture.z);
+  if (drawn.z > 0.0 && (facts.bits & MAPPED) != 0u) colour = mapColour(colour);
+  colour = marked(colour, point, facts);
+  return vec4(colour, max(light.w, point.line) * point.coverage);
+}
+`;
+
+/** Stripes of equal angle between the mirrored line of sight and the world's up, their borders as wide as a pixel. */
+const ZEBRA = `
+vec4 look(Point point, Facts facts) {
+  vec3 n = point.normal, sight = -toEyeFrom(point.position);
+  vec3 mirrored = reflect(sight, n);
+  float cosine = clamp(dot(mirrored, upward.xyz), -1.0, 1.0);
+  // The mirrored direction is d - 2 (d n) n; the line of sight itself changes by one pixel's angle, along the picture.
+  float turn = lens.z > 0.0 ? 1.0 / (depths.z * length(point.position / point.position.z)) : 0.0;
+  vec2 change;
+  for (int k = 0; k < 2; k++) {
+    vec3 dn = k == 0 ? point.normalX : point.normalY, ds = turn * (k == 0 ? vec3(1, 0, 0) : vec3(0, 1, 0));
+    vec3 dr = ds - 2.0 * (dot(ds, n) + dot(sight, dn)) * n - 2.0 * dot(sight, n) * dn;
+    change[k] = dot(dr, upward.xyz);
+  }
+  float stripes = upward.w / PI;
+  float phase = acos(cosine) * stripes;
+  float width = length(change) * stripes / sqrt(max(1.0 - cosine * cosine, 1e-6));
+  // A wave of triangles, 0.5 within the bright stripes' middle and -0.5 within the dark ones', cut at its borders over one pixel.
+  float wave = abs(fract(phase * 0.5) * 2.0 - 1.0) - 0.5;
+  float bright = mix(0.5, clamp(0.5 + wave / max(width, 1e-6), 0.0, 1.0), clamp(2.0 - 2.0 * width, 0.0, 1.0));
+  float shade = 0.85 + 0.15 * dot(n, -sight);
+  return vec4(marked(mix(vec3(0.05), vec3(0.96), bright) * shade, point, facts), point.coverage);
+}
+`;
+
+/** Blue, grey, red (the ends and the middle of @moreland2009), straight between. */
+const CURVATURE = `
+vec4 look(Point point, Facts facts) {
+  float k1 = point.principal.x, k2 = point.principal.y;
+#if defined(LOOK_GAUSSIAN)
+  float value = sign(k1 * k2) * sqrt(abs(k1 * k2));
+#elif defined(LOOK_MEAN)
+  float value = 0.5 * (k1 + k2);
+#else
+  float value = abs(k1) > abs(k2) ? k1 : k2;
+#endif
+  float x = clamp(value / drawn.w, -1.0, 1.0);
+  vec3 end = x < 0.0 ? vec3(59.0, 76.0, 192.0) : vec3(180.0, 4.0, 38.0);
+  vec3 colour = mix(vec3(221.0), end, abs(x)) / 255.0;
+  colour *= 0.8 + 0.2 * dot(point.normal, toEyeFrom(point.position));
+  return vec4(marked(colour, point, facts), point.coverage);
+}
+`;
+
+/** What the maps of the scene say, in false colours (viridis, @smith2015) or, with three channels, as light. */
+export const MAP_TEXT = `
+uniform sampler2D mapValues;
+uniform vec2 mapScale;    // largest value, number of channels
+const vec3 VIRIDIS[9] = vec3[9](vec3(68, 1, 84), vec3(72, 40, 120), vec3(62, 73, 137), vec3(49, 104, 142), vec3(38, 130, 142),
+  vec3(53, 183, 121), vec3(109, 205, 89), vec3(180, 222, 44), vec3(253, 231, 37));
+vec2 mapPlace;
+vec3 mapColour(vec3 unmapped) {
+  if (mapPlace.x < 0.0) return unmapped;
+  vec3 value = texture(mapValues, mapPlace).xyz;
+  if (mapScale.y > 1.0) return display(value, picture.z);
+  float x = clamp(value.x / mapScale.x, 0.0, 1.0) * 8.0;
+  int k = min(int(x), 7);
+  return mix(VIRIDIS[k], VIRIDIS[k + 1], x - float(k)) / 255.0;
+}
+`;
+
+/** Principal curvatures and the change of the normal from the two fundamental forms. */
+export const CURVATURE_TEXT = `
+// n: unit normal; columns of toParameters: change of (u, v) from pixel to pixel.
+void bend(inout Point point, vec3 su, vec3 sv, vec3 suu, vec3 suv, vec3 svv, mat2 toParameters) {
+  vec3 n = point.normal;
+  float e = dot(su, su), f = dot(su, sv), g = dot(sv, sv);
+  float l = dot(suu, n), m = dot(suv, n), o = dot(svv, n);
+  float det = max(e * g - f * f, 1e-30);
+  float gaussian = (l * o - m * m) / det;
+  // Above 0 where it is convex to the eye, so that a ball has curvatures above 0.
+  float mean = -0.5 * (e * o - 2.0 * f * m + g * l) / det;
+  float root = sqrt(max(mean * mean - gaussian, 0.0));
+  point.principal = vec2(mean + root, mean - root);
+  // Weingarten's equations (@docarmo1976).
+  vec3 nu = ((m * f - l * g) * su + (l * f - m * e) * sv) / det;
+  vec3 nv = ((o * f - m * g) * su + (m * f - o * e) * sv) / det;
+  point.normalX = nu * toParameters[0].x + nv * toParameters[0].y;
+  point.normalY = nu * toParameters[1].x + nv * toParameters[1].y;
+}
+`;
+
+/**
+ * The part of a fragment shader that all kinds of surfaces share: `Point`, and `vec4 look(Point, Facts)`.
+ * @param {Look} look
+ */
+export function lookText(look) {
+  const common = FRAME_TEXT + OBJECT_TEXT + POINT;
+  if (look === "material") return common + SHADING_TEXT + MAP_TEXT + MARKS + MATERIAL;
+  if (look === "zebra") return `${common}const float PI = 3.14159265358979;\n${MARKS}${ZEBRA}`;
+  if (look === "normals") return common + TONE_TEXT + MARKS + NORMALS;
+  if (look === "read") return common + READ;
+  if (look === "depth") return common;
+  return `#define LOOK_${look.toUpperCase()}\n${common}${MARKS}${CURVATURE}`;
+}

@@ -1,0 +1,227 @@
+/**
+ * The program that draws patches of one shape: a grid near the surface, then the surface itself at every pixel.
+ *
+ * @module
+ */
+
+import { jetText, positionText } from "./evaluation.js";
+import { FRAME_TEXT } from "./frame.js";
+import { CURVATURE_TEXT, OBJECT_TEXT, PRECISION_TEXT, lookText, needsCurvature } from "./looks.js";
+import { MAPPING_TEXT, TRIMMING_TEXT } from "./trimming.js";
+
+/** @typedef {import("./evaluation.js").Shape} Shape */
+/** @typedef {import("./looks.js").Look} Look */
+
+/** Words of a grid to be drawn: patch, object, first cell (x + 65536 y), levels of the grid (u, v) and of the four sides (4 bits each). */
+export const INSTANCE_WORDS = 4;
+
+/** @param {Shape} shape */
+export function patchVertexText(shape) {
+  return `${PRECISION_TEXT}precision highp usampler2D;
+${FRAME_TEXT}${OBJECT_TEXT}${positionText(shape)}
+uniform usampler2D patches;
+layout(location = 0) in vec2 cell;
+layout(location = 1) in uvec4 instance;
+out vec2 parameters;
+flat out uvec4 which;    // first point, object, patch, borders
+flat out vec2 cellSize;
+out vec3 eyePoint;
+
+// The number of a point along a side, moved to a point of the side's own, coarser grid.
+uint snapped(uint at, uint level, uint side) {
+  uint shift = level - min(side, level);
+  return (at >> shift) << shift;
+}
+
+void main() {
+  uvec2 at = uvec2(instance.z & 65535u, instance.z >> 16u) + uvec2(cell);
+  uint levels = instance.w;
+  uint levelU = levels & 15u, levelV = (levels >> 4u) & 15u;
+  uvec2 count = uvec2(1u << levelU, 1u << levelV);
+  uvec2 moved = at;
+  if (at.y == 0u) moved.x = snapped(at.x, levelU, (levels >> 8u) & 15u);
+  if (at.y == count.y) moved.x = snapped(at.x, levelU, (levels >> 12u) & 15u);
+  if (at.x == 0u) moved.y = snapped(at.y, levelV, (levels >> 16u) & 15u);
+  if (at.x == count.x) moved.y = snapped(at.y, levelV, (levels >> 20u) & 15u);
+  parameters = vec2(moved) / vec2(count);
+  uint row = instance.x * 4u;
+  uvec4 facts = texelFetch(patches, ivec2(row & 2047u, row >> 11u), 0);
+  which = uvec4(facts.y, instance.y, instance.x, facts.w);
+  cellSize = 1.0 / vec2(count);
+  mat4x3 place = placeOf(instance.y);
+  vec3 p = mat3(place) * position(facts.y, parameters) + place[3];
+  eyePoint = p;
+  gl_Position = vec4(p.xy / lens.xy, depths.x * p.z + depths.y, lens.z * p.z + lens.w);
+}
+`;
+}
+
+const INPUTS = `
+uniform usampler2D patches;
+in vec2 parameters;
+flat in uvec4 which;
+flat in vec2 cellSize;
+`;
+
+/** Newton's method towards the ray of the pixel, which leaves p.xy = ray (a p.z + b). */
+const NEWTON = `
+// Columns: change of the place in the plane across the ray, in metres.
+mat2 acrossRay(vec3 su, vec3 sv, vec2 ray) {
+  return mat2(su.xy - ray * (lens.z * su.z), sv.xy - ray * (lens.z * sv.z));
+}
+// The step is kept within 'reach': at a silhouette the ray may miss the surface.
+vec2 newtonStep(vec3 s, vec3 su, vec3 sv, vec2 ray, vec2 reach) {
+  mat2 j = acrossRay(su, sv, ray);
+  vec2 off = ray * (lens.z * s.z + lens.w) - s.xy;
+  float det = determinant(j);
+  vec2 delta = vec2(off.x * j[1].y - off.y * j[1].x, j[0].x * off.y - j[0].y * off.x);
+  // Compared before dividing: det may be 0.
+  if (!(abs(delta.x) < reach.x * abs(det) && abs(delta.y) < reach.y * abs(det))) {
+    float excess = max(abs(delta.x) / reach.x, abs(delta.y) / reach.y);
+    return excess > 0.0 ? delta * (det < 0.0 ? -1.0 : 1.0) / excess : vec2(0.0);
+  }
+  return delta / det;
+}
+`;
+
+/** Lines of a pixel's width: borders of faces, curves of equal parameters. */
+const LINES = `
+// A line where x = 0; 'gradient': change of x from pixel to pixel. It fades where many would fall into a pixel.
+float lineAt(float x, vec2 gradient, float spacing) {
+  float slope = length(gradient);
+  return clamp(1.2 - abs(x) / max(slope, 1e-20), 0.0, 1.0) * clamp(1.5 - 5.0 * slope / spacing, 0.0, 1.0);
+}
+float borderLines(vec2 w, mat2 toParameters, uint borders) {
+  vec2 gu = vec2(toParameters[0].x, toParameters[1].x), gv = vec2(toParameters[0].y, toParameters[1].y);
+  float line = 0.0;
+  if ((borders & 1u) != 0u) line = max(line, lineAt(w.y, gv, 1.0));
+  if ((borders & 2u) != 0u) line = max(line, lineAt(1.0 - w.y, gv, 1.0));
+  if ((borders & 4u) != 0u) line = max(line, lineAt(w.x, gu, 1.0));
+  if ((borders & 8u) != 0u) line = max(line, lineAt(1.0 - w.x, gu, 1.0));
+  return line;
+}
+float isocurveLines(vec2 share, mat2 toShare, float count) {
+  vec2 off = (fract(share * count + 0.5) - 0.5) / count;
+  float u = lineAt(off.x, vec2(toShare[0].x, toShare[1].x), 1.0 / count);
+  float v = lineAt(off.y, vec2(toShare[0].y, toShare[1].y), 1.0 / count);
+  return max(u, v);
+}
+`;
+
+/** Statements that define `point` at the parameters `w`. */
+const LOCATE = `
+  uint first = which.x;
+  mat4x3 place = placeOf(which.y);
+  mat3 turn = mat3(place);
+  vec2 ray = pixelRay(gl_FragCoord.xy);
+  Jet jet = evaluate(first, parameters);
+  vec2 w = parameters;
+  w += newtonStep(turn * jet.s + place[3], turn * jet.su, turn * jet.sv, ray, cellSize);
+  w = clamp(w, 0.0, 1.0);
+  jet = evaluate(first, w);
+  vec3 su = turn * jet.su, sv = turn * jet.sv;
+  vec3 s = turn * jet.s + place[3];
+  vec2 rest = newtonStep(s, su, sv, ray, 0.1 * cellSize);
+  Point point;
+  point.object = which.y;
+  point.position = s + su * rest.x + sv * rest.y;
+  vec3 n = cross(su, sv);
+  // At a pole the tangents give no normal: the one beside it is taken.
+  float longest = max(dot(su, su), dot(sv, sv));
+  if (!(dot(n, n) > 1e-7 * longest * longest)) {
+    Jet beside = evaluate(first, mix(w, vec2(0.5), 4e-3));
+    n = cross(turn * beside.su, turn * beside.sv);
+  }
+  n = normalize(n) * depths.w * ((facts.bits & REVERSED) != 0u ? -1.0 : 1.0);
+  point.front = dot(n, toEyeFrom(point.position)) >= 0.0;
+  point.normal = point.front ? n : -n;
+  point.normalX = point.normalY = vec3(0.0);
+  point.principal = vec2(0.0);
+  point.coverage = 1.0;
+  point.line = 0.0;
+  w += rest;
+  // Change of the place in the picture with the parameters, and the other way round.
+  float enlarged = depths.z / (lens.z * point.position.z + lens.w);
+  mat2 toPixels = enlarged * acrossRay(su, sv, ray);
+  float size = max(dot(toPixels[0], toPixels[0]), dot(toPixels[1], toPixels[1]));
+  float area = determinant(toPixels);
+  if (abs(area) < 1e-6 * size) area = area < 0.0 ? -1e-6 * size : 1e-6 * size;
+  mat2 toParameters = mat2(toPixels[1].y, -toPixels[0].y, -toPixels[1].x, toPixels[0].x) / area;
+`;
+
+/** Statements that leave out what is cut away. */
+const SECTION = `
+  if (section.xyz != vec3(0.0)) {
+    float over = dot(section.xyz, point.position) - section.w;
+    vec2 slope = vec2(dot(section.xyz, su), dot(section.xyz, sv)) * toParameters;
+    point.coverage *= clamp(0.5 - over / max(length(slope), 1e-20), 0.0, 1.0);
+  }
+`;
+
+const TRIM = `
+  mat2 toSurface;
+  vec2 at = surfaceParameters(which.z, (facts.bits & REVOLUTION) != 0u, w, toSurface);
+  mat2 back = toPixels * inverse(toSurface);
+  float border = trimmingDistance(facts.firstCell, facts.cells, at, back, true);
+  point.coverage *= clamp(border + 0.5, 0.0, 1.0);
+  point.line = drawn.x * clamp(1.2 - abs(border), 0.0, 1.0);
+`;
+
+const SHARES = `
+  if (drawn.y > 0.0) {
+    mat2 toShare = toParameters;
+    vec2 share = w;
+    if ((facts.bits & REVOLUTION) != 0u) {
+      vec4 angles = patchWords(which.z, 2u);
+      vec2 x = sweptShare(w.x, angles.x), y = sweptShare(w.y, angles.y);
+      share = vec2(x.x, y.x);
+      toShare = mat2(x.y, 0.0, 0.0, y.y) * toParameters;
+    }
+    point.line = max(point.line, 0.6 * isocurveLines(share, toShare, drawn.y));
+  }
+`;
+
+/**
+ * @param {Shape} shape
+ * @param {boolean} trimmed
+ * @param {Look} look
+ */
+export function patchFragmentText(shape, trimmed, look) {
+  if (look === "depth") return depthText(trimmed);
+  const second = needsCurvature(look);
+  const lines = look !== "read" && look !== "normals";
+  return `${PRECISION_TEXT}${lookText(look)}${INPUTS}${jetText(shape, second)}${trimmed ? TRIMMING_TEXT : MAPPING_TEXT}
+${second ? CURVATURE_TEXT : ""}${NEWTON}${LINES}
+layout(location = 0) out vec4 colour;
+void main() {
+  Facts facts = factsOf(which.y);
+${LOCATE}${trimmed ? TRIM : ""}${SECTION}
+  if (point.coverage <= 0.0) discard;
+${lines ? `  if (drawn.x > 0.0) point.line = max(point.line, borderLines(w, toParameters, which.w));\n${SHARES}` : ""}
+${second ? "  bend(point, su, sv, turn * jet.suu, turn * jet.suv, turn * jet.svv, toParameters);" : ""}
+${look === "material" ? MAP_PLACE : ""}
+  colour = look(point, facts);
+}
+`;
+}
+
+const MAP_PLACE = `
+  vec4 mapRectangle = patchWords(which.z, 3u);
+  mapPlace = mapRectangle.z > 0.0 ? mapRectangle.xy + w * mapRectangle.zw : vec2(-1.0);
+`;
+
+/** For shadow maps: the grid's own parameters are near enough. @param {boolean} trimmed */
+function depthText(trimmed) {
+  const trim = `
+  Facts facts = factsOf(which.y);
+  mat2 toSurface;
+  vec2 at = surfaceParameters(which.z, (facts.bits & REVOLUTION) != 0u, parameters, toSurface);
+  if (trimmingDistance(facts.firstCell, facts.cells, at, mat2(1.0), false) < 0.0) discard;
+`;
+  return `${PRECISION_TEXT}${lookText("depth")}${INPUTS}${trimmed ? TRIMMING_TEXT : ""}
+in vec3 eyePoint;
+void main() {
+  if (section.xyz != vec3(0.0) && dot(section.xyz, eyePoint) > section.w) discard;
+${trimmed ? trim : ""}}
+`;
+}

@@ -1,0 +1,287 @@
+/**
+ * The patches of a model: which are in sight, how fine their grids are, and drawing them.
+ *
+ * @module
+ */
+
+import { largestStretch } from "../linear.js";
+import { patchFacts } from "../model.js";
+import { Grids } from "./grids.js";
+import { LARGEST_GRID, gridLevels, sideLevel } from "./levels.js";
+import { SIDE, SIDES, STRIDE, measurePatches } from "./measures.js";
+import { INSTANCE_WORDS, patchFragmentText, patchVertexText } from "./patch_shader.js";
+import { Pieces } from "./pieces.js";
+
+/** @typedef {import("../model.js").Model} Model */
+/** @typedef {import("./frame.js").Frame} Frame */
+/** @typedef {import("./looks.js").Look} Look */
+/** @typedef {import("./programs.js").Programs} Programs */
+/** @typedef {import("./evaluation.js").Shape} Shape */
+
+/** How far the grid may be off the surface, pixels. The surface is found again at every pixel: this is about silhouettes. */
+const TOLERANCE = 0.25;
+
+/** Grids of one kind are drawn from front to back in this many steps of depth. */
+const STEPS = 16;
+
+/** Of a patch that fills the picture, at most so many parts are drawn at once; else its grid gets coarser. */
+const MOST_PIECES = 48;
+
+/** @typedef {{ patches: number, quads: number, triangles: number, draws: number }} FrameStatistics */
+
+export class Patches {
+  /**
+   * @param {WebGL2RenderingContext} gl
+   * @param {Model} model
+   */
+  constructor(gl, model) {
+    this.gl = gl;
+    this.model = model;
+    this.grids = new Grids(gl);
+    this.measures = measurePatches(model);
+    this.pieces = new Pieces(model, this.measures);
+    /** @type {{ shape: Shape, trimmed: boolean, name: string }[]} */
+    this.classes = [];
+    this.classOf = this.classify();
+    this.stretch = model.objects.map((object) => largestStretch(object.toWorld));
+    /** Number of grids in sight, and of what: `INSTANCE_WORDS` words, class and level, step of depth. */
+    this.count = 0;
+    this.words = new Uint32Array(1024 * INSTANCE_WORDS);
+    this.kinds = new Uint32Array(1024);
+    this.depths = new Float32Array(1024);
+    this.sorted = new Uint32Array(1024 * INSTANCE_WORDS);
+    this.starts = new Uint32Array(this.classes.length * 64 * STEPS + 1);
+  }
+
+  /** The class of every patch, 2 i + 1 where its surface is trimmed. */
+  classify() {
+    const { model } = this;
+    const classOf = new Uint16Array(model.blocks.patches.length / 16);
+    /** @type {Map<string, number>} */
+    const numbers = new Map();
+    for (const surface of model.surfaces) {
+      if (surface.kind !== "patches") continue;
+      const trimmed = surface.region !== null;
+      for (let patch = surface.first; patch < surface.first + surface.count; patch++) {
+        const { degreeU, degreeV, rational } = patchFacts(model, patch);
+        const name = `patch ${degreeU} ${degreeV}${rational ? " rational" : ""}${trimmed ? " trimmed" : ""}`;
+        let number = numbers.get(name);
+        if (number === undefined) {
+          number = this.classes.length;
+          numbers.set(name, number);
+          this.classes.push({ shape: { degreeU, degreeV, rational }, trimmed, name });
+        }
+        classOf[patch] = number;
+      }
+    }
+    return classOf;
+  }
+
+  /**
+   * Finds what is in sight, and how finely it has to be drawn.
+   * @param {Frame} frame
+   * @param {Float64Array} places of objects, twelve numbers each
+   * @param {number[]} objects the numbers of those to be drawn
+   */
+  cull(frame, places, objects) {
+    this.count = 0;
+    for (const number of objects) {
+      const surface = this.model.surfaces[this.model.objects[number].surface];
+      if (surface.kind !== "patches") continue;
+      for (let patch = surface.first; patch < surface.first + surface.count; patch++) {
+        this.cullPatch(frame, places, number, patch);
+      }
+    }
+    this.sort();
+    this.grids.write(this.sorted, this.count * INSTANCE_WORDS);
+  }
+
+  /** @param {Frame} frame @param {Float64Array} places @param {number} object @param {number} patch */
+  cullPatch(frame, places, object, patch) {
+    const { measures, pieces } = this;
+    const at = patch * STRIDE;
+    const stretch = this.stretch[object];
+    const place = 12 * object;
+    const radius = measures[at + 3] * stretch;
+    const x = measures[at];
+    const y = measures[at + 1];
+    const z = measures[at + 2];
+    const cx = places[place] * x + places[place + 3] * y + places[place + 6] * z + places[place + 9];
+    const cy = places[place + 1] * x + places[place + 4] * y + places[place + 7] * z + places[place + 10];
+    const cz = places[place + 2] * x + places[place + 5] * y + places[place + 8] * z + places[place + 11];
+    if (!frame.sees(cx, cy, cz, radius)) return;
+    let near = cz - radius;
+    let far = cz + radius;
+    let least = near;
+    if (frame.a === 1 && near < radius) {
+      // So close that parts of the patch differ: the nearest part in sight decides.
+      const range = pieces.depthRange(frame, places, object, stretch, patch);
+      if (range === null) return;
+      [near, far, least] = range;
+    }
+    frame.include(near, far);
+    const resolution = (frame.pixelsPerMetre(least) * stretch) / TOLERANCE;
+    const side0 = this.levelOfSide(frame, places, object, at + SIDES, stretch);
+    const side1 = this.levelOfSide(frame, places, object, at + SIDES + SIDE, stretch);
+    const side2 = this.levelOfSide(frame, places, object, at + SIDES + 2 * SIDE, stretch);
+    const side3 = this.levelOfSide(frame, places, object, at + SIDES + 3 * SIDE, stretch);
+    const levels = gridLevels(
+      measures[at + 4],
+      measures[at + 5],
+      measures[at + 6],
+      resolution,
+      Math.max(side0, side1),
+      Math.max(side2, side3),
+    );
+    const sides = (side0 << 8) | (side1 << 12) | (side2 << 16) | (side3 << 20);
+    const levelU = levels & 15;
+    const levelV = levels >> 4;
+    if (levelU <= LARGEST_GRID && levelV <= LARGEST_GRID) {
+      this.add(object, patch, 0, levels | sides, near);
+    } else {
+      this.addPieces(frame, places, object, patch, levelU, levelV, sides);
+    }
+  }
+
+  /**
+   * The level of a side, from what its neighbour knows as well.
+   * @param {Frame} frame
+   * @param {Float64Array} places
+   * @param {number} object
+   * @param {number} at where the side's measures begin
+   * @param {number} stretch
+   */
+  levelOfSide(frame, places, object, at, stretch) {
+    const { measures } = this;
+    if (measures[at + 4] === 0) return 0;
+    const place = 12 * object;
+    const radius = measures[at + 3] * stretch;
+    const x = measures[at];
+    const y = measures[at + 1];
+    const z = measures[at + 2];
+    const cx = places[place] * x + places[place + 3] * y + places[place + 6] * z + places[place + 9];
+    const cy = places[place + 1] * x + places[place + 4] * y + places[place + 7] * z + places[place + 10];
+    const cz = places[place + 2] * x + places[place + 5] * y + places[place + 8] * z + places[place + 11];
+    if (!frame.sees(cx, cy, cz, radius)) return 0;
+    const nearest = frame.a === 1 ? Math.max(cz - radius, 0.05 * radius) : 1;
+    return sideLevel(measures[at + 4], (frame.pixelsPerMetre(nearest) * stretch) / TOLERANCE);
+  }
+
+  /**
+   * Draws a fine grid in parts, those in sight.
+   * @param {Frame} frame
+   * @param {Float64Array} places
+   * @param {number} object
+   * @param {number} patch
+   * @param {number} levelU
+   * @param {number} levelV
+   * @param {number} sides
+   */
+  addPieces(frame, places, object, patch, levelU, levelV, sides) {
+    const stretch = this.stretch[object];
+    for (;;) {
+      const partsU = Math.max(0, levelU - LARGEST_GRID);
+      const partsV = Math.max(0, levelV - LARGEST_GRID);
+      const found = this.pieces.inSight(frame, places, object, stretch, patch, partsU, partsV, MOST_PIECES);
+      if (found) {
+        const cellsU = 1 << Math.min(levelU, LARGEST_GRID);
+        const cellsV = 1 << Math.min(levelV, LARGEST_GRID);
+        for (let k = 0; k < this.pieces.found; k++) {
+          const first = (this.pieces.cells[2 * k] * cellsU) | ((this.pieces.cells[2 * k + 1] * cellsV) << 16);
+          this.add(object, patch, first >>> 0, levelU | (levelV << 4) | sides, this.pieces.nearest[k]);
+        }
+        return;
+      }
+      levelU = Math.max(levelU - 1, LARGEST_GRID);
+      levelV = Math.max(levelV - 1, LARGEST_GRID);
+    }
+  }
+
+  /** @param {number} object @param {number} patch @param {number} first @param {number} levels @param {number} depth */
+  add(object, patch, first, levels, depth) {
+    if (this.count === this.kinds.length) this.grow();
+    const at = this.count * INSTANCE_WORDS;
+    this.words[at] = patch;
+    this.words[at + 1] = object;
+    this.words[at + 2] = first;
+    this.words[at + 3] = levels;
+    const gridU = Math.min(levels & 15, LARGEST_GRID);
+    const gridV = Math.min((levels >> 4) & 15, LARGEST_GRID);
+    this.kinds[this.count] = this.classOf[patch] * 64 + gridU * 8 + gridV;
+    this.depths[this.count] = depth;
+    this.count += 1;
+  }
+
+  grow() {
+    const double = (/** @type {Uint32Array} */ old) => {
+      const longer = new Uint32Array(2 * old.length);
+      longer.set(old);
+      return longer;
+    };
+    this.words = double(this.words);
+    this.kinds = double(this.kinds);
+    this.sorted = new Uint32Array(this.words.length);
+    const depths = new Float32Array(2 * this.depths.length);
+    depths.set(this.depths);
+    this.depths = depths;
+  }
+
+  /** Brings grids of a kind together, near ones first. */
+  sort() {
+    const { starts, kinds, depths, count } = this;
+    let near = Infinity;
+    let far = -Infinity;
+    for (let k = 0; k < count; k++) {
+      near = Math.min(near, depths[k]);
+      far = Math.max(far, depths[k]);
+    }
+    const steps = far > near ? (STEPS * 0.999) / (far - near) : 0;
+    starts.fill(0);
+    for (let k = 0; k < count; k++) {
+      kinds[k] = kinds[k] * STEPS + Math.floor((depths[k] - near) * steps);
+      starts[kinds[k] + 1] += 1;
+    }
+    for (let k = 1; k < starts.length; k++) starts[k] += starts[k - 1];
+    // While sorting, a start moves on to the next free place, which in the end is where the next kind begins.
+    for (let k = 0; k < count; k++) {
+      const to = starts[kinds[k]]++ * INSTANCE_WORDS;
+      const from = k * INSTANCE_WORDS;
+      for (let word = 0; word < INSTANCE_WORDS; word++) this.sorted[to + word] = this.words[from + word];
+    }
+  }
+
+  /**
+   * Draws what `cull` found.
+   * @param {Programs} programs
+   * @param {Look} look
+   * @param {boolean} wait for programs that are being compiled
+   * @param {FrameStatistics} statistics
+   */
+  draw(programs, look, wait, statistics) {
+    let first = 0;
+    for (let kind = 0; kind < this.classes.length * 64; kind++) {
+      const end = this.starts[kind * STEPS + STEPS - 1];
+      const count = end - first;
+      if (count === 0) continue;
+      const gridU = (kind >> 3) & 7;
+      const gridV = kind & 7;
+      const { shape, trimmed, name } = this.classes[kind >> 6];
+      const text = () => ({ vertex: patchVertexText(shape), fragment: patchFragmentText(shape, trimmed, look) });
+      const program = programs.get(`${name} ${look}`, text, wait);
+      if (program) {
+        program.use();
+        this.grids.draw(gridU, gridV, first, count);
+        const quads = count * 2 ** (gridU + gridV);
+        statistics.patches += count;
+        statistics.quads += quads;
+        statistics.triangles += 2 * quads;
+        statistics.draws += 1;
+      }
+      first = end;
+    }
+  }
+
+  delete() {
+    this.grids.delete();
+  }
+}

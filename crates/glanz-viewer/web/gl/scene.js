@@ -1,0 +1,144 @@
+/**
+ * A model on the graphics card, and how it is drawn.
+ *
+ * @module
+ */
+
+import { dot } from "../linear.js";
+import { FRAME_FLOATS, Frame, PLACE } from "./frame.js";
+import { Lights } from "./lights.js";
+import { Meshes } from "./meshes.js";
+import { Patches } from "./patches.js";
+import { FRAME_BINDING, UNITS } from "./programs.js";
+import { SceneTables } from "./scene_tables.js";
+import { Shadows } from "./shadows.js";
+import { Table } from "./table.js";
+
+/** @typedef {import("../model.js").Model} Model */
+/** @typedef {import("./looks.js").Look} Look */
+/** @typedef {import("./patches.js").FrameStatistics} FrameStatistics */
+/** @typedef {import("./programs.js").Programs} Programs */
+/** @typedef {import("./renderer.js").View} View */
+
+export class Scene {
+  /**
+   * @param {WebGL2RenderingContext} gl
+   * @param {Programs} programs
+   * @param {Model} model
+   */
+  constructor(gl, programs, model) {
+    this.gl = gl;
+    this.programs = programs;
+    this.model = model;
+    this.tables = new SceneTables(gl, model);
+    this.places = new Table(gl, "RGBA32F");
+    this.rows = new Float32Array(model.objects.length * PLACE);
+    this.positions = new Float64Array(model.objects.length * 12);
+    this.patches = new Patches(gl, model);
+    this.meshes = new Meshes(gl, model);
+    this.lights = new Lights(model);
+    this.shadows = new Shadows(gl, model, this.lights.main);
+    this.block = new Float32Array(FRAME_FLOATS);
+    this.uniforms = gl.createBuffer();
+    gl.bindBuffer(gl.UNIFORM_BUFFER, this.uniforms);
+    gl.bufferData(gl.UNIFORM_BUFFER, this.block.byteLength, gl.DYNAMIC_DRAW);
+  }
+
+  /** Objects to be drawn. @param {View} view */
+  opaqueObjects(view) {
+    const { objects, materials } = this.model;
+    return objects.flatMap((object, i) =>
+      view.hidden.has(object.leaf) || materials[object.material].opacity < 1 ? [] : [i],
+    );
+  }
+
+  /**
+   * Draws the view into the target that is bound and cleared.
+   * @param {View} view
+   * @param {Look} look
+   * @param {boolean} wait for programs that are being compiled
+   * @returns {FrameStatistics}
+   */
+  draw(view, look, wait) {
+    const { gl } = this;
+    const statistics = { patches: 0, quads: 0, triangles: 0, draws: 0 };
+    const frame = new Frame(view.camera, view.width, view.height);
+    this.prepare(frame, this.opaqueObjects(view));
+    this.writeLook(frame, view);
+    this.shadows.write(this.block, frame);
+    this.lights.write(this.block, frame, this.shadows.known);
+    this.upload();
+    gl.enable(gl.DEPTH_TEST);
+    if (look !== "read") gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
+    this.patches.draw(this.programs, look, wait, statistics);
+    this.meshes.draw(this.programs, look, wait, statistics);
+    gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
+    return statistics;
+  }
+
+  /** Finds what a frame shows, and puts it and the places of objects on the graphics card. @param {Frame} frame @param {number[]} objects */
+  prepare(frame, objects) {
+    frame.place(this.model.objects, this.rows, this.positions);
+    this.places.write(this.rows);
+    this.patches.cull(frame, this.positions, objects);
+    this.meshes.cull(frame, this.positions, objects);
+    frame.write(this.block);
+  }
+
+  /** Makes the shadow map if it is not that of what is to be seen. @param {View} view @param {boolean} wait */
+  updateShadows(view, wait) {
+    const key = JSON.stringify([[...view.hidden].sort((a, b) => a - b), view.section]);
+    const { objects } = this.model;
+    const casters = this.opaqueObjects(view).filter((i) => !objects[i].light);
+    this.shadows.update(key, (frame) => {
+      this.prepare(frame, casters);
+      this.writeSection(frame, view);
+      this.upload();
+      this.gl.enable(this.gl.DEPTH_TEST);
+      const before = this.programs.pending;
+      const statistics = { patches: 0, quads: 0, triangles: 0, draws: 0 };
+      this.patches.draw(this.programs, "depth", wait, statistics);
+      this.meshes.draw(this.programs, "depth", wait, statistics);
+      return this.programs.pending === before;
+    });
+  }
+
+  /** @param {Frame} frame @param {View} view */
+  writeSection(frame, view) {
+    const { section } = view;
+    if (!section) {
+      this.block.fill(0, 12, 16);
+      return;
+    }
+    const offset = section.offset - dot(section.normal, frame.camera.position);
+    this.block.set([...frame.turn(section.normal), offset], 12);
+  }
+
+  /** @param {Frame} frame @param {View} view */
+  writeLook(frame, view) {
+    this.writeSection(frame, view);
+    this.block.set([2 ** view.exposure, view.selected ?? -1], 10);
+    this.block.set([...frame.turn(this.model.up), view.stripes], 16);
+    this.block.set([view.edges ? 1 : 0, view.isocurves, view.maps ? 1 : 0, view.curvature || 1], 20);
+  }
+
+  /** Sends the shared block, and binds all textures. */
+  upload() {
+    const { gl } = this;
+    gl.bindBuffer(gl.UNIFORM_BUFFER, this.uniforms);
+    gl.bufferSubData(gl.UNIFORM_BUFFER, 0, this.block);
+    gl.bindBufferBase(gl.UNIFORM_BUFFER, FRAME_BINDING, this.uniforms);
+    this.tables.bind();
+    this.places.bind(UNITS.objectPlaces);
+    this.shadows.map.bind(UNITS.shadowMap);
+  }
+
+  delete() {
+    this.tables.delete();
+    this.places.delete();
+    this.patches.delete();
+    this.meshes.delete();
+    this.shadows.delete();
+    this.gl.deleteBuffer(this.uniforms);
+  }
+}

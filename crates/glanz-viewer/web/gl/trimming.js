@@ -1,0 +1,142 @@
+/**
+ * Shader text that decides whether a point of a surface is there, from the surface's trimming curves.
+ *
+ * @module
+ */
+
+/** Parameters of the region for those of a patch, with derivatives. Needs `patches`. */
+const MAPPING = `
+vec4 patchWords(uint number, uint texel) {
+  uint at = number * 4u + texel;
+  return uintBitsToFloat(texelFetch(patches, ivec2(at & 2047u, at >> 11u), 0));
+}
+
+// Share of the angle swept at x along an arc that sweeps 2 halfAngle, and its derivative.
+vec2 sweptShare(float x, float halfAngle) {
+  if (halfAngle == 0.0) return vec2(x, 1.0);
+  float s = sin(halfAngle), c = cos(halfAngle), y = 1.0 - x;
+  float p = (x - y) * s, q = (x * x + y * y) * c + 2.0 * x * y;
+  float dp = 2.0 * s, dq = 2.0 * (x - y) * (c - 1.0);
+  return vec2(0.5 + 0.5 * atan(p, q) / halfAngle, 0.5 * (dp * q - p * dq) / ((p * p + q * q) * halfAngle));
+}
+
+// Parameters of the surface at w; columns of d: derivatives along w.x and w.y.
+vec2 surfaceParameters(uint patchNumber, bool revolution, vec2 w, out mat2 d) {
+  vec4 low = patchWords(patchNumber, 1u), high = patchWords(patchNumber, 2u);
+  if (revolution) {
+    vec2 x = sweptShare(w.x, high.x), y = sweptShare(w.y, high.y);
+    vec2 size = low.yw - low.xz;
+    d = mat2(size.x * x.y, 0.0, 0.0, size.y * y.y);
+    return low.xz + size * vec2(x.x, y.x);
+  }
+  vec2 bottom = mix(low.xy, low.zw, w.x), top = mix(high.xy, high.zw, w.x);
+  d = mat2(mix(low.zw - low.xy, high.zw - high.xy, w.y), top - bottom);
+  return mix(bottom, top, w.y);
+}
+`;
+
+/** Winding numbers, and the distance from the nearest curve. */
+const WINDING = `
+uniform usampler2D regionCells;
+uniform sampler2D regionEntries;
+uniform sampler2D regionSteps;
+uniform sampler2D regionParts;
+uniform sampler2D regionPoints;
+
+vec4 fetchAt(sampler2D data, uint at) {
+  return texelFetch(data, ivec2(at & 2047u, at >> 11u), 0);
+}
+
+// The rational curve of a part at t: value (w u, w v, w), and its derivative.
+void partAt(uint first, int degree, float t, out vec3 h, out vec3 dh) {
+  // Horner's scheme on the Bernstein form, for the two halves of de Casteljau's last step.
+  float s = 1.0 - t, power = 1.0, choose = 1.0;
+  vec3 low = fetchAt(regionPoints, first).xyz, high = fetchAt(regionPoints, first + 1u).xyz, next = high;
+  int n = degree - 1;
+  for (int k = 1; k <= n; k++) {
+    power *= t;
+    choose *= float(n + 1 - k) / float(k);
+    low = low * s + power * choose * next;
+    next = fetchAt(regionPoints, first + uint(k) + 1u).xyz;
+    high = high * s + power * choose * next;
+  }
+  h = s * low + t * high;
+  dh = float(degree) * (high - low);
+}
+
+// Whether the part, which is monotone, is right of p at its height. Newton's method, kept within what is left of [0, 1].
+bool isRightOf(uint first, int degree, bool ascends, vec2 p) {
+  float low = 0.0, high = 1.0, t = 0.5;
+  vec3 h, dh;
+  for (int k = 0; k < 24; k++) {
+    partAt(first, degree, t, h, dh);
+    float f = h.y - p.y * h.z;
+    if ((f < 0.0) == ascends) low = t; else high = t;
+    float slope = dh.y - p.y * dh.z;
+    float next = t - f / slope;
+    // Also where the slope is zero and next is no number.
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (abs(next - t) < 2e-7) break;
+    t = next;
+  }
+  return h.x > p.x * h.z;
+}
+
+// Squared distance of p from the part in pixels, if below 'limit', else 'limit'; 'toPixels' takes differences of p to pixels.
+float partDistance(uint first, int degree, vec2 p, mat2 toPixels, float limit) {
+  vec3 h = fetchAt(regionPoints, first).xyz, dh;
+  vec3 e = fetchAt(regionPoints, first + uint(degree)).xyz;
+  vec2 begin = toPixels * (h.xy / h.z - p), chord = toPixels * (e.xy / e.z - p) - begin;
+  float t = clamp(-dot(begin, chord) / max(dot(chord, chord), 1e-30), 0.0, 1.0);
+  vec2 off = begin;
+  for (int k = 0; k < 5; k++) {
+    partAt(first, degree, t, h, dh);
+    vec2 c = h.xy / h.z;
+    off = toPixels * (c - p);
+    vec2 tangent = toPixels * ((dh.xy - c * dh.z) / h.z);
+    float next = clamp(t - dot(off, tangent) / max(dot(tangent, tangent), 1e-30), 0.0, 1.0);
+    if (abs(next - t) < 1e-7) break;
+    t = next;
+  }
+  return min(limit, dot(off, off));
+}
+
+// Whether p is kept, and its distance from the nearest border in pixels up to REACH: above 0 where it is kept.
+const float REACH = 2.0;
+float trimmingDistance(uint firstCell, ivec2 cells, vec2 p, mat2 toPixels, bool measured) {
+  ivec2 cell = clamp(ivec2(floor(p * vec2(cells))), ivec2(0), cells - 1);
+  uint at = firstCell + uint(cell.y * cells.x + cell.x);
+  uvec4 facts = texelFetch(regionCells, ivec2(at & 2047u, at >> 11u), 0);
+  int winding = int(facts.w >> 16u) - 128;
+  uint steps = facts.w & 65535u;
+  for (uint k = 0u; k < steps; k++) {
+    vec2 step = fetchAt(regionSteps, facts.z + k).xy;
+    if (step.x > p.y) break;
+    winding += int(step.y);
+  }
+  // The least stretch of toPixels: a bound from below on distances in pixels.
+  float half2 = 0.5 * (dot(toPixels[0], toPixels[0]) + dot(toPixels[1], toPixels[1]));
+  float det = determinant(toPixels);
+  float least = max(0.0, half2 - sqrt(max(0.0, half2 * half2 - det * det)));
+  float nearest = REACH * REACH;
+  for (uint k = 0u; k < facts.y; k++) {
+    vec4 entry = fetchAt(regionEntries, facts.x + k);
+    uint part = uint(entry.x);
+    vec4 box = fetchAt(regionParts, 2u * part), more = fetchAt(regionParts, 2u * part + 1u);
+    uint first = uint(more.x);
+    int degree = int(more.y);
+    if (entry.y <= p.y && p.y < entry.z && p.x < box.z) {
+      if (p.x < box.x || isRightOf(first, degree, entry.w > 0.0, p)) winding += int(entry.w);
+    }
+    vec2 away = max(max(box.xy - p, p - box.zw), 0.0);
+    if (measured && dot(away, away) * least < nearest) nearest = partDistance(first, degree, p, toPixels, nearest);
+  }
+  return winding > 0 ? sqrt(nearest) : -sqrt(nearest);
+}
+`;
+
+/** `surfaceParameters` alone. */
+export const MAPPING_TEXT = MAPPING;
+
+/** `surfaceParameters` and `trimmingDistance`. */
+export const TRIMMING_TEXT = MAPPING + WINDING;
