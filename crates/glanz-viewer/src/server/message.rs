@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
+use crate::query::Hit;
 use crate::stream::{IntegratorName, ViewCamera};
 
 /// What a page asks for. `id` comes back with the answer.
@@ -24,6 +25,19 @@ pub(crate) enum Request {
     },
     /// End rendering.
     Stop { id: u32 },
+    /// Say what a ray meets.
+    Pick {
+        id: u32,
+        /// World space, metres.
+        origin: [f64; 3],
+        /// Of any length above 0.
+        direction: [f64; 3],
+        #[serde(default)]
+        hidden: BTreeSet<u32>,
+        /// (a, b, c, d): only what has a x + b y + c z <= d is there.
+        #[serde(default)]
+        section: Option<[f64; 4]>,
+    },
     /// Send the picture so far as OpenEXR.
     Save { id: u32 },
 }
@@ -64,6 +78,8 @@ pub(crate) enum Answer {
     Waiting { id: u32 },
     /// Rendering has ended.
     Stopped { id: u32 },
+    /// What a ray met.
+    Hit { id: u32, hit: Option<Box<Hit>> },
     /// A request that cannot be served.
     Failed { id: u32, message: String },
 }

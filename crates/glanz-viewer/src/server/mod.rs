@@ -8,6 +8,7 @@
 mod address;
 mod guard;
 mod headers;
+mod house;
 mod key;
 mod message;
 mod models;
@@ -21,8 +22,8 @@ mod watch;
 
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use axum::Router;
@@ -33,7 +34,7 @@ use axum::http::header::{CONTENT_TYPE, HeaderValue, SET_COOKIE};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
-use glanz_formats::{Diagnostics, Options};
+use glanz_formats::Diagnostics;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
@@ -41,11 +42,8 @@ use tokio::sync::Semaphore;
 use tokio::time::{sleep, timeout};
 
 use self::guard::{Admission, Guard};
+use self::house::House;
 use self::key::Key;
-use self::message::SceneNews;
-use self::models::{Models, Posted};
-use self::session::Sessions;
-use crate::stream::{IntegratorName, Processors};
 
 pub use self::settings::{DEFAULT_PORT, Limits, ServerSettings};
 pub use self::shown::Shown;
@@ -82,72 +80,6 @@ pub enum News {
 /// Someone who wants to know what becomes of a scene whose files change.
 pub type Listener = Box<dyn Fn(&News) + Send + Sync>;
 
-/// What all requests share.
-pub(crate) struct House {
-    guard: Guard,
-    pub(crate) limits: Limits,
-    pub(crate) options: Options,
-    pub(crate) integrator: IntegratorName,
-    pub(crate) processors: Arc<Processors>,
-    pub(crate) models: Models,
-    pub(crate) sessions: Arc<Sessions>,
-    pub(crate) uploads: Semaphore,
-    posted: Mutex<Posted>,
-    closing: AtomicBool,
-    listener: Listener,
-}
-
-impl House {
-    /// What pages show that have opened no file of their own.
-    pub(crate) fn posted(&self) -> Posted {
-        self.posted.lock().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-
-    /// What a page of that name is told of a scene.
-    pub(crate) fn news(&self, session: &Key, posted: &Posted) -> SceneNews {
-        SceneNews {
-            model: Some(posted.path()),
-            name: posted.shown.name.clone(),
-            session: session.to_string(),
-            integrator: self.integrator,
-            error: None,
-        }
-    }
-
-    /// Tells pages and listener what became of the file `scene`.
-    fn publish(&self, scene: &Path, news: News) {
-        let posted = match &news {
-            News::Read(shown) => self.models.post(Arc::clone(shown)).ok(),
-            News::Refused(_) => None,
-        };
-        match (&posted, &news) {
-            (Some(posted), _) => {
-                *self.posted.lock().unwrap_or_else(PoisonError::into_inner) = posted.clone();
-                self.sessions.tell(Some(posted), |session| self.news(session, posted));
-            }
-            (None, News::Refused(diagnostics)) => {
-                let name =
-                    scene.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-                self.sessions.tell(None, |session| SceneNews {
-                    model: None,
-                    name: name.clone(),
-                    session: session.to_string(),
-                    integrator: self.integrator,
-                    error: Some(diagnostics.to_string()),
-                });
-            }
-            // Without a name for the model pages keep what they have.
-            (None, News::Read(_)) => return,
-        }
-        (self.listener)(&news);
-    }
-
-    /// Whether the server ends.
-    pub(crate) fn is_closing(&self) -> bool {
-        self.closing.load(Ordering::Relaxed)
-    }
-}
-
 /// A server with an open port.
 pub struct Server {
     listener: TcpListener,
@@ -176,22 +108,7 @@ impl Server {
                 (Guard::with_token(host, port, key), format!("{base}?token={key}"))
             }
         };
-        let models = Models::default();
-        let posted = models.post(Arc::new(shown))?;
-        let limits = settings.limits;
-        let house = House {
-            guard,
-            limits,
-            options: settings.options.clone(),
-            integrator: settings.integrator,
-            processors: Arc::new(Processors::new(settings.threads)),
-            models,
-            sessions: Arc::new(Sessions::new(limits.sessions)),
-            uploads: Semaphore::new(limits.uploads),
-            posted: Mutex::new(posted),
-            closing: AtomicBool::new(false),
-            listener,
-        };
+        let house = House::new(settings, guard, shown, listener)?;
         let watched = settings.watch.then(|| scene.to_owned());
         Ok(Self { listener: socket, house: Arc::new(house), address, watched })
     }
@@ -229,21 +146,7 @@ impl Server {
 }
 
 /// Time between two looks whether to stop.
-const STOP_INTERVAL: Duration = Duration::from_millis(50);
-
-impl House {
-    /// Sends all pages away, and waits a moment until they are.
-    async fn close(&self) {
-        self.closing.store(true, Ordering::Relaxed);
-        self.sessions.wake();
-        for _ in 0..20 {
-            if self.sessions.count() == 0 {
-                break;
-            }
-            sleep(STOP_INTERVAL).await;
-        }
-    }
-}
+pub(crate) const STOP_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Takes in connections, for ever.
 async fn accept(listener: tokio::net::TcpListener, house: Arc<House>) {

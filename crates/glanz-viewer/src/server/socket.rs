@@ -1,17 +1,21 @@
 //! The conversation with a page.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::ws::{CloseFrame, Message, WebSocket, close_code};
 use glanz_formats::image::{self, Format};
 use glanz_light::Tone;
+use glanz_math::{DVec3, Ray};
 use tokio::task::spawn_blocking;
 use tokio::time::{Instant, MissedTickBehavior, interval, timeout};
 
-use super::House;
+use super::house::House;
 use super::message::{Answer, Malformed, Progress, Request};
 use super::session::{Seat, Session};
+use super::shown::Shown;
+use crate::query;
 use crate::stream::{Order, Outbox, Parcel, Picture, Status, Stream, Surroundings, Visible, file};
 
 /// Why a conversation ends.
@@ -103,10 +107,11 @@ impl Conversation {
         if self.house.is_closing() {
             return Err(End::SentAway(close_code::AWAY, "the server ends"));
         }
-        match self.session.take_news() {
-            Some(news) => self.say(Answer::Scene(news)).await,
-            None => Ok(()),
+        let Some(news) = self.session.take_news() else { return Ok(()) };
+        if news.model.is_some() {
+            self.visible.forget();
         }
+        self.say(Answer::Scene(news)).await
     }
 
     async fn hear(&mut self, message: Message) -> Result<(), End> {
@@ -149,6 +154,14 @@ impl Conversation {
                 }
                 self.say(Answer::Stopped { id }).await
             }
+            Request::Pick { id, origin, direction, hidden, section } => {
+                let shown = self.session.posted().shown;
+                let answer = match ray(origin, direction) {
+                    Some(ray) => find(id, shown, ray, hidden, section).await,
+                    None => Answer::Failed { id, message: "the ray has no direction".to_owned() },
+                };
+                self.say(answer).await
+            }
             Request::Save { id } => match save(id, Arc::clone(&self.picture)).await {
                 Ok(bytes) => self.send(Message::binary(bytes)).await,
                 Err(message) => self.say(Answer::Failed { id, message }).await,
@@ -174,6 +187,28 @@ impl Conversation {
             picture: Arc::clone(&self.picture),
             processors: Arc::clone(&self.house.processors),
         }
+    }
+}
+
+/// The ray of a request, its direction of length 1.
+fn ray(origin: [f64; 3], direction: [f64; 3]) -> Option<Ray> {
+    let [origin, direction] = [origin, direction].map(DVec3::from_array);
+    let direction = direction.try_normalize().filter(|_| origin.is_finite())?;
+    Some(Ray::new(origin, direction))
+}
+
+/// What a ray meets. Areas may take a while the first time: others are served meanwhile.
+async fn find(
+    id: u32,
+    shown: Arc<Shown>,
+    ray: Ray,
+    hidden: BTreeSet<u32>,
+    section: Option<[f64; 4]>,
+) -> Answer {
+    let look = move || query::pick(&shown.scene, &shown.model, &ray, &hidden, section);
+    match spawn_blocking(look).await {
+        Ok(hit) => Answer::Hit { id, hit: hit.map(Box::new) },
+        Err(error) => Answer::Failed { id, message: error.to_string() },
     }
 }
 

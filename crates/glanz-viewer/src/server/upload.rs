@@ -14,7 +14,7 @@ use tempfile::TempDir;
 use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
-use super::House;
+use super::house::House;
 use super::key::Key;
 use super::message::Answer;
 use super::settings::Limits;

@@ -7,8 +7,8 @@ use std::time::{Duration, SystemTime};
 use tokio::task::spawn_blocking;
 use tokio::time::sleep;
 
-use super::House;
 use super::News;
+use super::house::House;
 use super::shown::{Shown, refusal};
 
 /// Time between two looks at the files.
