@@ -14,10 +14,13 @@ mod mesh;
 mod patches;
 mod region;
 mod surfaces;
+#[cfg(test)]
+mod tests;
 mod tree;
 mod view;
 
 use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{Bounds3, DVec3};
@@ -38,6 +41,8 @@ pub struct Model {
     leaves: Vec<Leaf>,
     /// For each surface of [`Scene::placed_surfaces`] its objects, as (first face, object), by ascending faces.
     objects: Vec<Vec<(u32, u32)>>,
+    /// Areas of leaves that were asked for.
+    areas: Arc<Mutex<HashMap<u32, Option<f64>>>>,
 }
 
 impl Model {
@@ -85,7 +90,13 @@ impl Model {
             maps: Vec::new(),
             notes,
         };
-        Ok(Self { head, blocks: surfaces.blocks, leaves: tree.leaves, objects: objects.by_surface })
+        Ok(Self {
+            head,
+            blocks: surfaces.blocks,
+            leaves: tree.leaves,
+            objects: objects.by_surface,
+            areas: Arc::default(),
+        })
     }
 
     /// The file that the page loads.
@@ -109,6 +120,40 @@ impl Model {
     #[must_use]
     pub fn leaf_of(&self, object: u32) -> Option<u32> {
         self.head.objects.get(object as usize).map(|object| object.leaf)
+    }
+
+    /// What scene files call the surface of an object.
+    #[must_use]
+    pub fn kind_of(&self, object: u32) -> &'static str {
+        self.head.objects.get(object as usize).map_or("", |object| object.kind)
+    }
+
+    /// Name of the material of an object, or its kind if it has none.
+    #[must_use]
+    pub fn material_of(&self, object: u32) -> &str {
+        let material = self.head.objects.get(object as usize).map(|object| object.material);
+        let material = material.and_then(|number| self.head.materials.get(number));
+        material.map_or("", |material| if material.name.is_empty() { material.kind } else { &material.name })
+    }
+
+    /// Area of a leaf, m^2, in the scene whose surfaces `placed` are all of; `None` if it has none. It is found once.
+    #[must_use]
+    pub fn area_of(&self, leaf: u32, placed: &[PlacedSurface<'_>]) -> Option<f64> {
+        let known = || self.areas.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(&area) = known().get(&leaf) {
+            return area;
+        }
+        let mut sum = None;
+        for (parts, surface) in self.objects.iter().zip(placed) {
+            let ends = parts.iter().skip(1).map(|&(end, _)| end).chain([surface.faces()]);
+            for (&(first, object), end) in parts.iter().zip(ends) {
+                if self.leaf_of(object) == Some(leaf) {
+                    sum = Some(sum.unwrap_or(0.0) + surface.area(first..end)?);
+                }
+            }
+        }
+        known().insert(leaf, sum);
+        sum
     }
 
     /// What the tree calls a leaf.
