@@ -136,7 +136,9 @@ impl Scene {
         &self.materials[index as usize]
     }
 
-    pub(crate) fn textures(&self) -> &Textures {
+    /// All textures.
+    #[must_use]
+    pub fn textures(&self) -> &Textures {
         &self.textures
     }
 
