@@ -22,7 +22,7 @@ ${FRAME_TEXT}${OBJECT_TEXT}${positionText(shape)}
 uniform usampler2D patches;
 layout(location = 0) in vec2 cell;
 layout(location = 1) in uvec4 instance;
-out vec2 parameters;
+centroid out vec2 parameters;
 flat out uvec4 which;    // first point, object, patch, borders
 flat out vec2 cellSize;
 out vec3 eyePoint;
@@ -58,7 +58,8 @@ void main() {
 
 const INPUTS = `
 uniform usampler2D patches;
-in vec2 parameters;
+// Of slivers beside a border that cover a sample, but not the middle of the pixel, not to be extrapolated.
+centroid in vec2 parameters;
 flat in uvec4 which;
 flat in vec2 cellSize;
 `;
@@ -114,8 +115,8 @@ const LOCATE = `
   mat4x3 place = placeOf(which.y);
   mat3 turn = mat3(place);
   vec2 ray = pixelRay(gl_FragCoord.xy);
-  Jet jet = evaluate(first, parameters);
-  vec2 w = parameters;
+  vec2 w = clamp(parameters, 0.0, 1.0);
+  Jet jet = evaluate(first, w);
   w += newtonStep(turn * jet.s + place[3], turn * jet.su, turn * jet.sv, ray, cellSize);
   w = clamp(w, 0.0, 1.0);
   jet = evaluate(first, w);
@@ -132,7 +133,8 @@ const LOCATE = `
     Jet beside = evaluate(first, mix(w, vec2(0.5), 4e-3));
     n = cross(turn * beside.su, turn * beside.sv);
   }
-  n = normalize(n) * depths.w * ((facts.bits & REVERSED) != 0u ? -1.0 : 1.0);
+  // The inverse transposed but for a positive factor, as meshes have it.
+  n = normalize(n) * sign(determinant(turn)) * ((facts.bits & REVERSED) != 0u ? -1.0 : 1.0);
   point.front = dot(n, toEyeFrom(point.position)) >= 0.0;
   point.normal = point.front ? n : -n;
   point.normalX = point.normalY = vec3(0.0);
@@ -173,7 +175,7 @@ const SHARES = `
     vec2 share = w;
     if ((facts.bits & REVOLUTION) != 0u) {
       vec4 angles = patchWords(which.z, 2u);
-      vec2 x = sweptShare(w.x, angles.x), y = sweptShare(w.y, angles.y);
+      vec2 x = parameterShare(w.x, angles.x, 0.0), y = parameterShare(w.y, angles.y, angles.z);
       share = vec2(x.x, y.x);
       toShare = mat2(x.y, 0.0, 0.0, y.y) * toParameters;
     }

@@ -5,6 +5,7 @@
  */
 
 import { dot } from "../linear.js";
+import { AlgebraicSurfaces } from "./algebraic.js";
 import { FRAME_FLOATS, Frame, PLACE } from "./frame.js";
 import { Lights } from "./lights.js";
 import { Meshes } from "./meshes.js";
@@ -36,6 +37,7 @@ export class Scene {
     this.positions = new Float64Array(model.objects.length * 12);
     this.patches = new Patches(gl, model);
     this.meshes = new Meshes(gl, model);
+    this.algebraic = new AlgebraicSurfaces(gl, model);
     this.lights = new Lights(model);
     this.shadows = new Shadows(gl, model, this.lights.main);
     this.block = new Float32Array(FRAME_FLOATS);
@@ -70,10 +72,16 @@ export class Scene {
     this.upload();
     gl.enable(gl.DEPTH_TEST);
     if (look !== "read") gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
-    this.patches.draw(this.programs, look, wait, statistics);
-    this.meshes.draw(this.programs, look, wait, statistics);
+    this.drawSurfaces(look, wait, statistics);
     gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
     return statistics;
+  }
+
+  /** Draws what `prepare` found. @param {Look} look @param {boolean} wait @param {FrameStatistics} statistics */
+  drawSurfaces(look, wait, statistics) {
+    this.patches.draw(this.programs, look, wait, statistics);
+    this.meshes.draw(this.programs, look, wait, statistics);
+    this.algebraic.draw(this.programs, look, wait, statistics, this.positions);
   }
 
   /** Finds what a frame shows, and puts it and the places of objects on the graphics card. @param {Frame} frame @param {number[]} objects */
@@ -82,6 +90,7 @@ export class Scene {
     this.places.write(this.rows);
     this.patches.cull(frame, this.positions, objects);
     this.meshes.cull(frame, this.positions, objects);
+    this.algebraic.cull(frame, this.positions, objects);
     frame.write(this.block);
   }
 
@@ -97,8 +106,7 @@ export class Scene {
       this.gl.enable(this.gl.DEPTH_TEST);
       const before = this.programs.pending;
       const statistics = { patches: 0, quads: 0, triangles: 0, draws: 0 };
-      this.patches.draw(this.programs, "depth", wait, statistics);
-      this.meshes.draw(this.programs, "depth", wait, statistics);
+      this.drawSurfaces("depth", wait, statistics);
       return this.programs.pending === before;
     });
   }
@@ -138,6 +146,7 @@ export class Scene {
     this.places.delete();
     this.patches.delete();
     this.meshes.delete();
+    this.algebraic.delete();
     this.shadows.delete();
     this.gl.deleteBuffer(this.uniforms);
   }
