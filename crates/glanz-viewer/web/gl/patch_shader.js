@@ -64,6 +64,11 @@ flat in uvec4 which;
 flat in vec2 cellSize;
 `;
 
+/** How near to the middle of the pixel the surface is looked for, pixels; what is left is made up for to first order; and from where on the grid is no help. */
+const NEAR = `const float NEAR = 0.005;
+const float LOST = 4.0;
+`;
+
 /** Newton's method towards the ray of the pixel, which leaves p.xy = ray (a p.z + b). */
 const NEWTON = `
 // Columns: change of the place in the plane across the ray, in metres.
@@ -115,14 +120,30 @@ const LOCATE = `
   mat4x3 place = placeOf(which.y);
   mat3 turn = mat3(place);
   vec2 ray = pixelRay(gl_FragCoord.xy);
-  vec2 w = clamp(parameters, 0.0, 1.0);
-  Jet jet = evaluate(first, w);
-  w += newtonStep(turn * jet.s + place[3], turn * jet.su, turn * jet.sv, ray, cellSize);
-  w = clamp(w, 0.0, 1.0);
-  jet = evaluate(first, w);
-  vec3 su = turn * jet.su, sv = turn * jet.sv;
-  vec3 s = turn * jet.s + place[3];
-  vec2 rest = newtonStep(s, su, sv, ray, 0.1 * cellSize);
+  vec2 w = clamp(parameters, 0.0, 1.0), rest = vec2(0.0);
+  vec3 s, su, sv;
+  Jet jet;
+  vec2 reach = cellSize;
+  int most = 3;
+  // One step is usual. At a silhouette, where the ray may miss the surface, there are as many as there may be.
+  for (int k = 0; k <= most; k++) {
+    w = clamp(w + rest, 0.0, 1.0);
+    jet = evaluate(first, w);
+    s = turn * jet.s + place[3];
+    su = turn * jet.su;
+    sv = turn * jet.sv;
+    float miss = length(s.xy - ray * (lens.z * s.z + lens.w)) * depths.z / (lens.z * s.z + lens.w);
+    if (miss < NEAR) { rest = newtonStep(s, su, sv, ray, reach); break; }
+    if (k == 0 && miss > LOST) {
+      // A sliver of the grid says little about parameters: they are looked for in all of the patch, off its sides, which may be points.
+      reach = vec2(0.5);
+      most = 9;
+      rest = 0.02 * (0.5 - w);
+      continue;
+    }
+    rest = newtonStep(s, su, sv, ray, reach);
+  }
+  rest = clamp(rest, -0.1 * cellSize, 0.1 * cellSize);
   Point point;
   point.object = which.y;
   point.position = s + su * rest.x + sv * rest.y;
@@ -193,7 +214,7 @@ export function patchFragmentText(shape, trimmed, look) {
   const second = needsCurvature(look);
   const lines = look !== "read" && look !== "normals";
   return `${PRECISION_TEXT}${lookText(look)}${INPUTS}${jetText(shape, second)}${trimmed ? TRIMMING_TEXT : MAPPING_TEXT}
-${second ? CURVATURE_TEXT : ""}${NEWTON}${LINES}
+${second ? CURVATURE_TEXT : ""}${NEAR}${NEWTON}${LINES}
 layout(location = 0) out vec4 colour;
 void main() {
   Facts facts = factsOf(which.y);
