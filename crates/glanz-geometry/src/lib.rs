@@ -17,6 +17,7 @@ mod line;
 pub mod mesh;
 pub mod polyhedron;
 pub mod quadric;
+pub mod rational;
 pub mod spline;
 pub mod surface;
 pub mod torus;

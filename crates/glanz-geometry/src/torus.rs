@@ -10,6 +10,7 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 use crate::error::{SurfaceError, finite, positive};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::line::Line;
+use crate::rational::Profile;
 use crate::surface::RaySurface;
 
 /// A torus around the z axis, whole or swept through an angle, without caps; its normal points out of the tube.
@@ -79,6 +80,15 @@ impl Torus {
     #[must_use]
     pub fn area(&self) -> f64 {
         self.phi_max * self.major * TAU * self.minor
+    }
+
+    pub(crate) fn phi_max(&self) -> f64 {
+        self.phi_max
+    }
+
+    /// What is swept about the axis.
+    pub(crate) fn profiles(&self) -> Vec<Profile> {
+        Profile::circle(self.major, self.minor, [0.0, TAU])
     }
 
     /// The part of the line, by arc length, beyond the ray's origin and around the surface, if it begins before `t_max`.

@@ -36,7 +36,9 @@ impl Trimmed {
         &self.surface
     }
 
-    pub(crate) fn region(&self) -> &TrimRegion {
+    /// What is kept of its parameters.
+    #[must_use]
+    pub fn region(&self) -> &Arc<TrimRegion> {
         &self.region
     }
 

@@ -86,6 +86,18 @@ impl PlacedSurface<'_> {
         self.object.role(face).id
     }
 
+    /// Number of the material of a face.
+    #[must_use]
+    pub fn material(&self, face: u32) -> u32 {
+        self.object.role(face).material
+    }
+
+    /// Whether the normal of a face is turned round.
+    #[must_use]
+    pub fn is_reversed(&self, face: u32) -> bool {
+        self.object.role(face).reversed
+    }
+
     /// The light that it is, if it shines.
     #[must_use]
     pub fn light(&self) -> Option<LightId> {

@@ -3,3 +3,6 @@
 //! `docs/viewer.md` says how the parts hang together and what goes between them.
 
 pub mod model;
+pub mod query;
+pub mod server;
+pub mod stream;

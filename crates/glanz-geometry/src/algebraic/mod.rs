@@ -97,6 +97,24 @@ impl AlgebraicSurface {
         Ok(Self { polynomial: Polynomial3::new(&cube, degree), bounds, center, scale })
     }
 
+    /// Terms in coordinates relative to [`AlgebraicSurface::center`] and in units of [`AlgebraicSurface::scale`], up to a common factor: far from the
+    /// origin they keep their digits.
+    pub fn centered_terms(&self) -> impl Iterator<Item = Term> + '_ {
+        self.polynomial.terms().filter(|term| term.coefficient != 0.0)
+    }
+
+    /// Center of the box, metres.
+    #[must_use]
+    pub fn center(&self) -> DVec3 {
+        self.center
+    }
+
+    /// Unit of [`AlgebraicSurface::centered_terms`], metres: in it, half the longest edge of the box is between 1/2 and 1.
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
     /// The hits in ascending order, until `visit` breaks.
     ///
     /// The polynomial along the ray is formed about the ray's origin if that lies in the box: its constant term then

@@ -3,7 +3,7 @@
 use glanz_math::polynomial::compensated::{two_product, two_sum};
 use glanz_math::{DMat3, DVec3};
 
-use super::MAX_DEGREE;
+use super::{MAX_DEGREE, Term};
 
 /// Coefficients of a univariate polynomial, ascending.
 pub(super) type Univariate = [f64; MAX_DEGREE + 1];
@@ -87,6 +87,15 @@ impl Polynomial3 {
             }
         }
         Self { degree, coefficients }
+    }
+
+    /// All terms, also those with the factor 0.
+    pub(super) fn terms(&self) -> impl Iterator<Item = Term> + '_ {
+        let n = self.degree as u32;
+        let exponents = (0..=n).rev().flat_map(move |i| {
+            (0..=n - i).rev().flat_map(move |j| (0..=n - i - j).rev().map(move |k| [i, j, k]))
+        });
+        exponents.zip(&self.coefficients).map(|(exponents, &coefficient)| Term { exponents, coefficient })
     }
 
     /// The polynomial in s on the line `origin + s direction`.

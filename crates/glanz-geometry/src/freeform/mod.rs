@@ -97,6 +97,12 @@ impl Freeform {
         self.region.as_ref().is_none_or(|region| region.contains(uv))
     }
 
+    /// What is kept of its parameters, if not all.
+    #[must_use]
+    pub fn region(&self) -> Option<&Arc<TrimRegion>> {
+        self.region.as_ref()
+    }
+
     /// Whether it is what a region keeps of another.
     #[must_use]
     pub fn is_trimmed(&self) -> bool {

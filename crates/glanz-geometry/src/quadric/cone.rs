@@ -8,6 +8,7 @@ use super::revolution::Revolution;
 use super::swept::{Bending, Swept, impl_ray_surface};
 use crate::error::{SurfaceError, positive};
 use crate::hit::SurfacePoint;
+use crate::rational::Profile;
 
 /// A cone about the z axis, open at its base in z = 0, apex at z = height.
 ///
@@ -51,6 +52,14 @@ impl Cone {
 impl Swept for Cone {
     fn quadric(&self) -> &Revolution {
         &self.quadric
+    }
+
+    fn sweep(&self) -> Sweep {
+        self.sweep
+    }
+
+    fn profiles(&self) -> Vec<Profile> {
+        vec![Profile::line(self.position(DVec2::ZERO, DVec3::ZERO), self.position(DVec2::Y, DVec3::ZERO))]
     }
 
     fn extent(&self) -> Bounds3 {

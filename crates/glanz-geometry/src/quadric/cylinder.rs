@@ -7,6 +7,7 @@ use super::revolution::Revolution;
 use super::swept::{Swept, impl_ray_surface};
 use crate::error::{SurfaceError, finite, positive};
 use crate::hit::SurfacePoint;
+use crate::rational::Profile;
 
 /// An open cylinder about the z axis.
 ///
@@ -58,6 +59,14 @@ impl Cylinder {
 impl Swept for Cylinder {
     fn quadric(&self) -> &Revolution {
         &self.quadric
+    }
+
+    fn sweep(&self) -> Sweep {
+        self.sweep
+    }
+
+    fn profiles(&self) -> Vec<Profile> {
+        vec![Profile::line(self.position(DVec2::ZERO, DVec3::ZERO), self.position(DVec2::Y, DVec3::ZERO))]
     }
 
     fn extent(&self) -> Bounds3 {

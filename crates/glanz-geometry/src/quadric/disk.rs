@@ -7,6 +7,7 @@ use super::clip::Sweep;
 use super::revolution::follow;
 use crate::error::{SurfaceError, finite, positive};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
+use crate::rational::Profile;
 use crate::surface::RaySurface;
 
 /// A disk at constant z about the z axis, with an optional hole.
@@ -63,6 +64,16 @@ impl Disk {
     #[must_use]
     pub fn is_whole(&self) -> bool {
         self.inner_radius == 0.0 && self.sweep.phi_max() == std::f64::consts::TAU
+    }
+
+    pub(crate) fn phi_max(&self) -> f64 {
+        self.sweep.phi_max()
+    }
+
+    /// What is swept about the axis.
+    pub(crate) fn profile(&self) -> Profile {
+        let at = |radius: f64| DVec3::new(radius, 0.0, self.height);
+        Profile::line(at(self.radius), at(self.inner_radius))
     }
 
     fn width(&self) -> f64 {

@@ -7,6 +7,7 @@ use super::revolution::{Revolution, follow};
 use super::swept::{Swept, impl_ray_surface, parameter_density};
 use crate::error::{SurfaceError, finite};
 use crate::hit::SurfacePoint;
+use crate::rational::Profile;
 
 /// The segment from `p1` to `p2` swept about the z axis: a one-sheeted hyperboloid, or a cone, a double cone or a
 /// cylinder where the segment lies so.
@@ -79,6 +80,14 @@ impl Swept for Hyperboloid {
 
     fn side(&self) -> f64 {
         (self.p2.z - self.p1.z).signum()
+    }
+
+    fn sweep(&self) -> Sweep {
+        self.sweep
+    }
+
+    fn profiles(&self) -> Vec<Profile> {
+        vec![Profile::line(self.p1, self.p2)]
     }
 
     fn extent(&self) -> Bounds3 {

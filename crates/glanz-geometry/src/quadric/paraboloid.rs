@@ -7,6 +7,7 @@ use super::revolution::Revolution;
 use super::swept::{Swept, impl_ray_surface};
 use crate::error::{SurfaceError, finite, positive};
 use crate::hit::SurfacePoint;
+use crate::rational::Profile;
 
 /// A paraboloid about the z axis that opens to +z, apex at the origin.
 ///
@@ -78,6 +79,14 @@ impl Paraboloid {
 impl Swept for Paraboloid {
     fn quadric(&self) -> &Revolution {
         &self.quadric
+    }
+
+    fn sweep(&self) -> Sweep {
+        self.sweep
+    }
+
+    fn profiles(&self) -> Vec<Profile> {
+        vec![Profile::parabola(self.rise, self.z.map(|z| (self.rise * z).sqrt()))]
     }
 
     fn extent(&self) -> Bounds3 {

@@ -7,6 +7,7 @@ use super::revolution::Revolution;
 use super::swept::{Swept, impl_ray_surface};
 use crate::error::{SurfaceError, finite, positive};
 use crate::hit::SurfacePoint;
+use crate::rational::Profile;
 
 /// A sphere about the origin, or the part of it in a range of z and of azimuth.
 ///
@@ -100,6 +101,16 @@ fn at_height(radius: f64, z: f64) -> f64 {
 impl Swept for Sphere {
     fn quadric(&self) -> &Revolution {
         &self.quadric
+    }
+
+    fn sweep(&self) -> Sweep {
+        self.sweep
+    }
+
+    fn profiles(&self) -> Vec<Profile> {
+        // Latitudes.
+        let [from, to] = self.theta.map(|theta| std::f64::consts::FRAC_PI_2 - theta);
+        Profile::circle(0.0, self.radius, [from, to])
     }
 
     fn extent(&self) -> Bounds3 {

@@ -2,8 +2,10 @@
 
 use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
+use super::clip::Sweep;
 use super::revolution::{Crossing, Revolution, follow};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
+use crate::rational::Profile;
 
 /// Unit normal and its derivatives by the two parameters.
 pub(super) struct Bending {
@@ -16,6 +18,12 @@ pub(super) struct Bending {
 pub(super) trait Swept {
     /// The whole quadric.
     fn quadric(&self) -> &Revolution;
+
+    /// How far it is swept about the axis.
+    fn sweep(&self) -> Sweep;
+
+    /// What is swept, by ascending v.
+    fn profiles(&self) -> Vec<Profile>;
 
     /// A box around the kept part.
     fn extent(&self) -> Bounds3;
@@ -128,6 +136,11 @@ macro_rules! impl_ray_surface {
             /// The surface at its parameters.
             pub(crate) fn at(&self, uv: glanz_math::DVec2) -> crate::hit::SurfacePoint {
                 super::swept::at(self, uv)
+            }
+
+            pub(crate) fn rational_patches(&self) -> Option<Vec<crate::rational::RationalPatch>> {
+                use super::swept::Swept;
+                crate::rational::revolved(self.sweep().phi_max(), &self.profiles())
             }
         }
 

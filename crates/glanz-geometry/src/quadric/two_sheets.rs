@@ -7,6 +7,7 @@ use super::revolution::Revolution;
 use super::swept::{Swept, impl_ray_surface, parameter_density};
 use crate::error::{SurfaceError, finite, positive};
 use crate::hit::SurfacePoint;
+use crate::rational::Profile;
 
 /// The surface `z^2 / c^2 - (x^2 + y^2) / a^2 = 1` about the z axis, with apices at z = c and z = -c.
 ///
@@ -79,6 +80,23 @@ fn angle(a: f64, rho: f64, z: f64) -> f64 {
 impl Swept for TwoSheetedHyperboloid {
     fn quadric(&self) -> &Revolution {
         &self.quadric
+    }
+
+    fn sweep(&self) -> Sweep {
+        self.sweep
+    }
+
+    fn profiles(&self) -> Vec<Profile> {
+        let [low, high] = self.s;
+        let v = |s: f64| (s - low) / self.turn();
+        let arcs = |upper, from: f64, to: f64| {
+            if from < to {
+                Profile::hyperbola([self.a, self.c], upper, [from, to], [v(from), v(to)])
+            } else {
+                Vec::new()
+            }
+        };
+        [arcs(false, low, high.min(0.0)), arcs(true, low.max(0.0), high)].concat()
     }
 
     fn extent(&self) -> Bounds3 {

@@ -1,6 +1,6 @@
 //! Which part of the domain is left.
 
-use glanz_math::DVec2;
+use glanz_math::{DVec2, DVec3};
 
 use super::curve::check_range;
 use super::error::{TrimError, not_negative};
@@ -133,6 +133,21 @@ impl TrimRegion {
         self.domain
     }
 
+    /// The winding number far outside.
+    #[must_use]
+    pub fn outermost(&self) -> i32 {
+        self.outermost
+    }
+
+    /// The borders of the loops, cut into pieces monotone in u and in v; one of a loop ends, to the bit, where its next begins.
+    pub fn monotone_pieces(&self) -> impl ExactSizeIterator<Item = MonotonePiece> + '_ {
+        self.pieces.pieces.iter().map(|piece| MonotonePiece {
+            start: piece.start,
+            end: piece.end,
+            control_points: self.pieces.control_points(piece),
+        })
+    }
+
     /// The distance from a curve within which points are kept, parameter units.
     #[must_use]
     pub fn border(&self) -> f64 {
@@ -145,6 +160,17 @@ impl TrimRegion {
         let (cells, crossed_cells, entries) = self.tree.sizes();
         TrimSizes { pieces: self.pieces.pieces.len(), cells, crossed_cells, entries }
     }
+}
+
+/// A part of the border of a region: a rational Bézier curve that is monotone in u and in v, up to rounding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MonotonePiece {
+    /// Where it begins. What is kept is on its left.
+    pub start: DVec2,
+    /// Where it ends.
+    pub end: DVec2,
+    /// Homogeneous, (w u, w v, w), degree + 1 of them.
+    pub control_points: Vec<DVec3>,
 }
 
 /// How much there is of a region's parts.

@@ -35,5 +35,5 @@ mod tree;
 
 pub use curve::{MAX_DEGREE, TrimCurve};
 pub use error::TrimError;
-pub use locate::{Cell, TrimRegion, TrimSizes};
+pub use locate::{Cell, MonotonePiece, TrimRegion, TrimSizes};
 pub use loops::TrimLoop;

@@ -65,6 +65,11 @@ impl Pieces {
         self.terms.get(first..first + piece.degree as usize + 1).unwrap_or(&[])
     }
 
+    /// Homogeneous control points.
+    pub(super) fn control_points(&self, piece: &Piece) -> Vec<DVec3> {
+        self.terms(piece).iter().zip(binomials(piece.degree as usize)).map(|(&term, b)| term / b).collect()
+    }
+
     /// The point at `t`: Horner's rule with powers of `t` and `1 - t`, all terms of one sign.
     ///
     /// # Source

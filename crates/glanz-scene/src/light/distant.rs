@@ -26,7 +26,9 @@ impl DistantLight {
         self.irradiance
     }
 
-    pub(super) fn towards(&self) -> DVec3 {
+    /// Unit direction to the light.
+    #[must_use]
+    pub fn towards(&self) -> DVec3 {
         self.towards
     }
 

@@ -81,6 +81,12 @@ impl PhotometricLight {
         self.per_candela * self.distribution.intensity(self.axes.transpose() * direction) as f32
     }
 
+    /// Where the luminaire's axis points in the world: downwards, as most hang.
+    #[must_use]
+    pub fn axis(&self) -> DVec3 {
+        -self.axes.z_axis
+    }
+
     /// Whether it has no size.
     #[must_use]
     pub fn is_point(&self) -> bool {
@@ -88,7 +94,8 @@ impl PhotometricLight {
     }
 
     /// Its middle, metres.
-    pub(super) fn center(&self) -> DVec3 {
+    #[must_use]
+    pub fn center(&self) -> DVec3 {
         self.position
     }
 

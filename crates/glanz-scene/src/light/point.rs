@@ -29,11 +29,21 @@ impl PointLight {
         self.intensity * (4.0 * PI) as f32
     }
 
-    pub(super) fn position(&self) -> DVec3 {
+    /// W/sr in every direction.
+    #[must_use]
+    pub fn intensity(&self) -> Spectrum {
+        self.intensity
+    }
+
+    /// Where it is, metres.
+    #[must_use]
+    pub fn position(&self) -> DVec3 {
         self.position
     }
 
-    pub(super) fn range(&self) -> Option<f64> {
+    /// Distance at which it has faded to nothing, metres, if it does.
+    #[must_use]
+    pub fn range(&self) -> Option<f64> {
         self.range
     }
 

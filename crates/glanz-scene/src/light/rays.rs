@@ -54,6 +54,12 @@ impl RayLight {
         self.power
     }
 
+    /// Where its origin is, metres.
+    #[must_use]
+    pub fn position(&self) -> DVec3 {
+        self.position
+    }
+
     /// One of the rays by its flux, by a number uniform in [0, 1).
     pub(super) fn pick(&self, xi: f64) -> Option<Ray> {
         let SourceRay { origin, direction, .. } = self.rays.get(self.choice.as_ref()?.choose(xi).index)?;

@@ -52,20 +52,33 @@ impl SpotLight {
         sample_point(from, self.position, |direction, _| self.intensity(direction))
     }
 
-    pub(super) fn position(&self) -> DVec3 {
+    /// Where it is, metres.
+    #[must_use]
+    pub fn position(&self) -> DVec3 {
         self.position
     }
 
-    pub(super) fn axis(&self) -> DVec3 {
+    /// Unit direction of its cone.
+    #[must_use]
+    pub fn axis(&self) -> DVec3 {
         self.axis
     }
 
-    pub(super) fn cos_outer(&self) -> f64 {
+    /// Cosine of the half angle of the cone.
+    #[must_use]
+    pub fn cos_outer(&self) -> f64 {
         self.cos_outer
     }
 
+    /// Cosine of the half angle inside which it does not fall.
+    #[must_use]
+    pub fn cos_inner(&self) -> f64 {
+        self.cos_inner
+    }
+
     /// What it sends into a unit direction, W/sr.
-    pub(super) fn intensity(&self, direction: DVec3) -> Spectrum {
+    #[must_use]
+    pub fn intensity(&self, direction: DVec3) -> Spectrum {
         self.intensity * self.share(direction.dot(self.axis))
     }
 

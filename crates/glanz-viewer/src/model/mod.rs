@@ -1,1 +1,239 @@
-//! From a scene to the bytes that the page draws.
+//! From a scene to the bytes that the page draws: `docs/viewer.md` says what is in them.
+//!
+//! A [`Model`] holds every surface of the scene as the graphics card can evaluate it: rational Bézier patches with the parts of trimming
+//! curves that are near each of them, polynomials, and triangles for what is flat. `surfaces` turns surfaces into these, `region`
+//! trimming; `tree` walks through the scene as it was written and numbers its *leaves*: shapes as reached through one chain of instances.
+
+mod appearance;
+mod blocks;
+mod error;
+mod head;
+mod hidden;
+mod lights;
+mod mesh;
+mod patches;
+mod region;
+mod surfaces;
+#[cfg(test)]
+mod tests;
+mod tree;
+mod view;
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::{Bounds3, DVec3};
+use glanz_scene::{Description, Light, Place, PlacedSurface, Scene};
+
+use self::blocks::Blocks;
+pub use self::error::ModelError;
+use self::head::Head;
+pub use self::hidden::without;
+use self::surfaces::{Made, Surfaces};
+use self::tree::{Leaf, Tree};
+
+/// A scene as the page draws it.
+#[derive(Clone, Debug)]
+pub struct Model {
+    head: Head,
+    blocks: Blocks,
+    leaves: Vec<Leaf>,
+    /// For each surface of [`Scene::placed_surfaces`] its objects, as (first face, object), by ascending faces.
+    objects: Vec<Vec<(u32, u32)>>,
+    /// Areas of leaves that were asked for.
+    areas: Arc<Mutex<HashMap<u32, Option<f64>>>>,
+}
+
+impl Model {
+    /// The model of `scene`, which `description` was resolved to.
+    ///
+    /// `name`: what the page calls it; `file_names`: those of the description's files, as people are to read them.
+    ///
+    /// # Errors
+    /// [`ModelError::TooMany`] for a scene of more shapes, with copies, than a page can list, or of more numbers than can be counted.
+    pub fn try_new(
+        name: &str,
+        description: &Description,
+        scene: &Scene,
+        file_names: &[String],
+    ) -> Result<Self, ModelError> {
+        let tree = Tree::try_new(name, description, file_names)?;
+        let placed = scene.placed_surfaces();
+        let mut objects = Objects::default();
+        for (surface, parts) in placed.iter().zip(tree.leaves_of(&placed)) {
+            objects.add(description, scene, surface, &parts, &tree.leaves)?;
+        }
+        let surfaces = objects.surfaces;
+        let mut notes = surfaces.notes;
+        let (lights, left_out) = lights::lights(scene, &placed);
+        if left_out {
+            notes.push("the page is lit by the brightest lights only".to_owned());
+        }
+        notes.sort();
+        notes.dedup();
+        let camera = view::camera(description, scene);
+        let bounds = scene.bounds();
+        let bounds = if bounds.is_empty() { Bounds3 { min: -DVec3::ONE, max: DVec3::ONE } } else { bounds };
+        let head = Head {
+            name: name.to_owned(),
+            up: view::up(&camera),
+            bounds: [bounds.min.to_array(), bounds.max.to_array()],
+            camera,
+            blocks: surfaces.blocks.laid_out().0,
+            surfaces: surfaces.head,
+            regions: surfaces.regions,
+            objects: objects.head,
+            materials: objects.materials,
+            lights,
+            tree: tree.root,
+            maps: Vec::new(),
+            notes,
+        };
+        Ok(Self {
+            head,
+            blocks: surfaces.blocks,
+            leaves: tree.leaves,
+            objects: objects.by_surface,
+            areas: Arc::default(),
+        })
+    }
+
+    /// The file that the page loads.
+    ///
+    /// # Errors
+    /// [`ModelError::Text`].
+    pub fn to_bytes(&self) -> Result<Vec<u8>, ModelError> {
+        let (_, blocks) = self.blocks.laid_out();
+        Ok(blocks::file(&serde_json::to_string(&self.head)?, &blocks))
+    }
+
+    /// The object that holds a place of the scene; `None` if the scene has no such place.
+    #[must_use]
+    pub fn object_of(&self, place: &Place) -> Option<u32> {
+        let parts = self.objects.get(place.surface as usize)?;
+        let after = parts.partition_point(|&(first, _)| first <= place.face);
+        parts.get(after.checked_sub(1)?).map(|&(_, object)| object)
+    }
+
+    /// The leaf of the tree that an object belongs to.
+    #[must_use]
+    pub fn leaf_of(&self, object: u32) -> Option<u32> {
+        self.head.objects.get(object as usize).map(|object| object.leaf)
+    }
+
+    /// What scene files call the surface of an object.
+    #[must_use]
+    pub fn kind_of(&self, object: u32) -> &'static str {
+        self.head.objects.get(object as usize).map_or("", |object| object.kind)
+    }
+
+    /// Name of the material of an object, or its kind if it has none.
+    #[must_use]
+    pub fn material_of(&self, object: u32) -> &str {
+        let material = self.head.objects.get(object as usize).map(|object| object.material);
+        let material = material.and_then(|number| self.head.materials.get(number));
+        material.map_or("", |material| if material.name.is_empty() { material.kind } else { &material.name })
+    }
+
+    /// Area of a leaf, m^2, in the scene whose surfaces `placed` are all of; `None` if it has none. It is found once.
+    #[must_use]
+    pub fn area_of(&self, leaf: u32, placed: &[PlacedSurface<'_>]) -> Option<f64> {
+        let known = || self.areas.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(&area) = known().get(&leaf) {
+            return area;
+        }
+        let mut sum = None;
+        for (parts, surface) in self.objects.iter().zip(placed) {
+            let ends = parts.iter().skip(1).map(|&(end, _)| end).chain([surface.faces()]);
+            for (&(first, object), end) in parts.iter().zip(ends) {
+                if self.leaf_of(object) == Some(leaf) {
+                    sum = Some(sum.unwrap_or(0.0) + surface.area(first..end)?);
+                }
+            }
+        }
+        known().insert(leaf, sum);
+        sum
+    }
+
+    /// What the tree calls a leaf.
+    #[must_use]
+    pub fn name_of(&self, leaf: u32) -> Option<&str> {
+        self.leaves.get(leaf as usize).map(|leaf| leaf.name.as_str())
+    }
+}
+
+/// Objects in the making.
+#[derive(Default)]
+struct Objects {
+    head: Vec<head::Object>,
+    by_surface: Vec<Vec<(u32, u32)>>,
+    materials: Vec<head::Material>,
+    /// By number in the scene and what shines, bit by bit.
+    known_materials: HashMap<(u32, [u32; 3]), usize>,
+    surfaces: Surfaces,
+}
+
+impl Objects {
+    /// The objects of one surface: one for each of `parts`, which are (first face, leaf).
+    fn add(
+        &mut self,
+        description: &Description,
+        scene: &Scene,
+        placed: &PlacedSurface<'_>,
+        parts: &[(u32, u32)],
+        leaves: &[Leaf],
+    ) -> Result<(), ModelError> {
+        let faces: Vec<u32> = parts.iter().map(|&(face, _)| face).collect();
+        let made = self.surfaces.add(placed, &faces, scene.bounds())?;
+        let mut own = Vec::with_capacity(parts.len());
+        for (&(face, leaf), made) in parts.iter().zip(made) {
+            own.push((face, error::number("objects", self.head.len())?));
+            let material = self.material(description, scene, placed, face);
+            self.head.push(head::Object {
+                surface: made.surface,
+                to_world: to_world(placed, &made),
+                material,
+                leaf,
+                kind: leaves.get(leaf as usize).map_or("", |leaf| leaf.what),
+                reversed: placed.is_reversed(face),
+                light: placed.light().is_some(),
+                map: None,
+            });
+        }
+        self.by_surface.push(own);
+        Ok(())
+    }
+
+    fn material(
+        &mut self,
+        description: &Description,
+        scene: &Scene,
+        placed: &PlacedSurface<'_>,
+        face: u32,
+    ) -> usize {
+        let emission = match placed.light().and_then(|id| scene.light(id)) {
+            Some(Light::Area(light)) => light.radiance(),
+            _ => Spectrum::BLACK,
+        };
+        let number = placed.material(face);
+        let shines = appearance::rgb(emission, &Wavelengths::default()).map(f32::to_bits);
+        if let Some(&known) = self.known_materials.get(&(number, shines)) {
+            return known;
+        }
+        let name = description.materials.get(number as usize).map_or("", |m| m.name.as_str());
+        self.materials.push(appearance::material(scene, number, name, (placed, face), emission));
+        self.known_materials.insert((number, shines), self.materials.len() - 1);
+        self.materials.len() - 1
+    }
+}
+
+/// Columns of the map from the model's surface to the world, then where its origin is.
+fn to_world(placed: &PlacedSurface<'_>, made: &Made) -> [f64; 12] {
+    let map = placed.to_world();
+    let axes = map.forward().matrix3 * made.unit;
+    let columns = [axes.x_axis, axes.y_axis, axes.z_axis, map.point(made.origin)];
+    let mut numbers = [0.0; 12];
+    numbers.iter_mut().zip(columns.iter().flat_map(|c| c.to_array())).for_each(|(slot, x)| *slot = x);
+    numbers
+}

@@ -1,0 +1,99 @@
+//! The numbers that go to the graphics card, and how they lie in the file.
+
+use std::collections::BTreeMap;
+
+use super::head::Block;
+
+/// What starts every model.
+const MAGIC: &[u8; 8] = b"GLANZVW1";
+
+/// Blocks start at multiples of this, bytes.
+const ALIGNMENT: usize = 16;
+
+/// The blocks, row by row.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Blocks {
+    pub(super) patches: Vec<[u32; 16]>,
+    pub(super) points: Vec<[f32; 4]>,
+    pub(super) region_cells: Vec<[u32; 4]>,
+    pub(super) region_entries: Vec<[f32; 4]>,
+    pub(super) region_steps: Vec<[f32; 2]>,
+    pub(super) region_parts: Vec<[f32; 8]>,
+    pub(super) region_points: Vec<[f32; 4]>,
+    pub(super) positions: Vec<[f32; 3]>,
+    pub(super) normals: Vec<[f32; 3]>,
+    pub(super) indices: Vec<[u32; 3]>,
+    /// Values of each map, by rows.
+    pub(super) maps: Vec<Vec<[f32; 3]>>,
+}
+
+/// A number as the file has it.
+trait Word: Copy {
+    fn bytes(self) -> [u8; 4];
+}
+
+impl Word for u32 {
+    fn bytes(self) -> [u8; 4] {
+        self.to_le_bytes()
+    }
+}
+
+impl Word for f32 {
+    fn bytes(self) -> [u8; 4] {
+        self.to_le_bytes()
+    }
+}
+
+/// Blocks in the making.
+#[derive(Default)]
+struct Laid {
+    places: BTreeMap<String, Block>,
+    bytes: Vec<u8>,
+}
+
+impl Laid {
+    fn lay<W: Word, const N: usize>(&mut self, name: impl Into<String>, rows: &[[W; N]]) {
+        let offset = self.bytes.len();
+        self.bytes.extend(rows.iter().flatten().flat_map(|word| word.bytes()));
+        self.places.insert(name.into(), Block { offset, length: self.bytes.len() - offset });
+        pad(&mut self.bytes);
+    }
+}
+
+fn pad(bytes: &mut Vec<u8>) {
+    bytes.resize(bytes.len().next_multiple_of(ALIGNMENT), 0);
+}
+
+impl Blocks {
+    /// All blocks as bytes, and where each is in them.
+    pub(super) fn laid_out(&self) -> (BTreeMap<String, Block>, Vec<u8>) {
+        let mut laid = Laid::default();
+        laid.lay("patches", &self.patches);
+        laid.lay("points", &self.points);
+        laid.lay("regionCells", &self.region_cells);
+        laid.lay("regionEntries", &self.region_entries);
+        laid.lay("regionSteps", &self.region_steps);
+        laid.lay("regionParts", &self.region_parts);
+        laid.lay("regionPoints", &self.region_points);
+        laid.lay("positions", &self.positions);
+        laid.lay("normals", &self.normals);
+        laid.lay("indices", &self.indices);
+        for (number, map) in self.maps.iter().enumerate() {
+            laid.lay(format!("map{number}"), map);
+        }
+        (laid.places, laid.bytes)
+    }
+}
+
+/// The file of a text and blocks.
+pub(super) fn file(text: &str, blocks: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(2 * ALIGNMENT + text.len() + blocks.len());
+    bytes.extend(MAGIC);
+    // A text of 4 GiB is out of reach: the number of objects is bounded.
+    bytes.extend((text.len() as u32).to_le_bytes());
+    bytes.extend(0_u32.to_le_bytes());
+    bytes.extend(text.as_bytes());
+    pad(&mut bytes);
+    bytes.extend(blocks);
+    bytes
+}

@@ -1,0 +1,142 @@
+//! The JSON text of the model, field by field as `docs/viewer.md` has it.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+/// What the JSON text says.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Head {
+    pub(super) name: String,
+    pub(super) up: [f64; 3],
+    pub(super) bounds: [[f64; 3]; 2],
+    pub(super) camera: Camera,
+    pub(super) blocks: BTreeMap<String, Block>,
+    pub(super) surfaces: Vec<Surface>,
+    pub(super) regions: Vec<Region>,
+    pub(super) objects: Vec<Object>,
+    pub(super) materials: Vec<Material>,
+    pub(super) lights: Vec<Light>,
+    pub(super) tree: Node,
+    pub(super) maps: Vec<Map>,
+    pub(super) notes: Vec<String>,
+}
+
+/// Bytes, counted from the first block.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct Block {
+    pub(super) offset: usize,
+    pub(super) length: usize,
+}
+
+/// A view of the scene; lengths are metres and angles radians.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Camera {
+    pub(super) kind: &'static str,
+    pub(super) position: [f64; 3],
+    pub(super) right: [f64; 3],
+    pub(super) up: [f64; 3],
+    pub(super) forward: [f64; 3],
+    pub(super) field_of_view: f64,
+    pub(super) height: f64,
+    pub(super) distance: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase", rename_all_fields = "camelCase")]
+pub(super) enum Surface {
+    Patches {
+        first: usize,
+        count: usize,
+        origin: [f64; 3],
+        region: Option<usize>,
+        mapping: Mapping,
+    },
+    Mesh {
+        first_vertex: usize,
+        vertices: usize,
+        first_index: usize,
+        indices: usize,
+        origin: [f64; 3],
+    },
+    Algebraic {
+        /// Exponents of x, y, z and the coefficient.
+        terms: Vec<(u32, u32, u32, f64)>,
+        min: [f64; 3],
+        max: [f64; 3],
+    },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Mapping {
+    Patch,
+    Revolution,
+}
+
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Region {
+    pub(super) cells: [usize; 2],
+    pub(super) first_cell: usize,
+    pub(super) min: [f64; 2],
+    pub(super) max: [f64; 2],
+}
+
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Object {
+    pub(super) surface: usize,
+    pub(super) to_world: [f64; 12],
+    pub(super) material: usize,
+    pub(super) leaf: u32,
+    pub(super) kind: &'static str,
+    pub(super) reversed: bool,
+    pub(super) light: bool,
+    pub(super) map: Option<usize>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct Material {
+    pub(super) name: String,
+    pub(super) kind: &'static str,
+    pub(super) base: [f32; 3],
+    pub(super) metallic: f32,
+    pub(super) roughness: f32,
+    pub(super) opacity: f32,
+    pub(super) specular: [f32; 3],
+    pub(super) exponent: Option<f64>,
+    pub(super) emission: [f32; 3],
+}
+
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Light {
+    pub(super) kind: &'static str,
+    pub(super) position: [f64; 3],
+    pub(super) direction: [f64; 3],
+    pub(super) intensity: [f32; 3],
+    pub(super) cos_inner: f64,
+    pub(super) cos_outer: f64,
+    pub(super) range: Option<f64>,
+}
+
+/// A group or a shape of the scene.
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub(super) enum Node {
+    Group { name: String, place: String, children: Vec<Node> },
+    Shape { name: String, leaf: u32, what: &'static str, place: String },
+}
+
+/// Values to be shown on objects.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Map {
+    pub(super) name: String,
+    pub(super) unit: String,
+    pub(super) block: String,
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) largest: f32,
+}

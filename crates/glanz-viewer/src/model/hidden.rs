@@ -1,0 +1,94 @@
+//! A scene without some of its shapes.
+
+use std::collections::{BTreeSet, HashMap};
+
+use glanz_scene::Description;
+use glanz_scene::description::GroupDescription;
+
+/// The scene without the leaves `hidden`, numbered as in [`Model`](super::Model).
+///
+/// Groups of which copies lose different shapes are doubled.
+#[must_use]
+pub fn without(description: &Description, hidden: &BTreeSet<u32>) -> Description {
+    let mut counts: Vec<u64> = Vec::with_capacity(description.groups.len());
+    for group in &description.groups {
+        let copied = group.instances.iter().filter_map(|instance| counts.get(instance.group));
+        counts.push(copied.fold(group.shapes.len() as u64, |sum, count| sum.saturating_add(*count)));
+    }
+    let mut pruning =
+        Pruning { description, counts, hidden, groups: description.groups.clone(), made: HashMap::new() };
+    let world = pruning.pruned(&description.world, 0);
+    Description {
+        files: description.files.clone(),
+        camera: description.camera.clone(),
+        film: description.film.clone(),
+        filter: description.filter,
+        sampler: description.sampler.clone(),
+        integrator: description.integrator.clone(),
+        images: description.images.clone(),
+        textures: description.textures.clone(),
+        materials: description.materials.clone(),
+        lights: description.lights.clone(),
+        groups: pruning.groups,
+        world,
+    }
+}
+
+struct Pruning<'a> {
+    description: &'a Description,
+    /// Leaves of each group.
+    counts: Vec<u64>,
+    hidden: &'a BTreeSet<u32>,
+    /// Those of the description, then what is left of some.
+    groups: Vec<GroupDescription>,
+    /// By group and what it loses, relative to its first leaf: what is left of it.
+    made: HashMap<(usize, Vec<u64>), usize>,
+}
+
+impl Pruning<'_> {
+    /// What is left of a group whose leaves begin with the number `first`.
+    fn pruned(&mut self, group: &GroupDescription, first: u64) -> GroupDescription {
+        let hidden = self.hidden;
+        let is_hidden = |leaf: u64| u32::try_from(leaf).is_ok_and(|leaf| hidden.contains(&leaf));
+        let kept = (first..).zip(&group.shapes).filter(|&(leaf, _)| !is_hidden(leaf));
+        let shapes = kept.map(|(_, shape)| shape.clone()).collect();
+        let mut instances = Vec::with_capacity(group.instances.len());
+        let mut next = first.saturating_add(group.shapes.len() as u64);
+        for instance in &group.instances {
+            let count = self.counts.get(instance.group).copied().unwrap_or_default();
+            let start = next;
+            next = next.saturating_add(count);
+            let lost = self.lost(start, next);
+            if lost.is_empty() {
+                instances.push(instance.clone());
+            } else if (lost.len() as u64) < count
+                && let Some(group) = self.without(instance.group, start, lost)
+            {
+                let mut instance = instance.clone();
+                instance.group = group;
+                instances.push(instance);
+            }
+        }
+        GroupDescription { name: group.name.clone(), shapes, instances }
+    }
+
+    /// The hidden leaves from `start` to `end` (not included), relative to the first.
+    fn lost(&self, start: u64, end: u64) -> Vec<u64> {
+        let Ok(first) = u32::try_from(start) else { return Vec::new() };
+        let all = self.hidden.range(first..).map(|&leaf| u64::from(leaf));
+        all.take_while(|&leaf| leaf < end).map(|leaf| leaf - start).collect()
+    }
+
+    /// The number of what is left of the group `index`, whose leaves begin with `start`, without `lost`.
+    fn without(&mut self, index: usize, start: u64, lost: Vec<u64>) -> Option<usize> {
+        let key = (index, lost);
+        if let Some(&made) = self.made.get(&key) {
+            return Some(made);
+        }
+        let description = self.description;
+        let left = self.pruned(description.groups.get(index)?, start);
+        self.groups.push(left);
+        self.made.insert(key, self.groups.len() - 1);
+        Some(self.groups.len() - 1)
+    }
+}

@@ -1,0 +1,185 @@
+//! The lights of the scene as few simple ones.
+
+use std::f64::consts::PI;
+
+use glanz_geometry::FaceDomain;
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::{Bounds3, DVec2, DVec3};
+use glanz_scene::light::{AreaLight, PhotometricLight};
+use glanz_scene::{Light, LightId, PlacedSurface, Scene};
+
+use super::appearance::rgb;
+use super::head;
+
+/// Lights that are sent at most, besides the one from everywhere.
+const MOST: usize = 32;
+
+/// Places of a shining surface that are looked at.
+const PLACES: u32 = 4096;
+
+/// A surface whose normals add up to this share of its area shines to one side.
+const ONE_SIDED: f64 = 0.5;
+
+/// A luminaire that sends this share of its light up shines to one side.
+const UPWARDS: f64 = 0.1;
+
+/// The brightest lights of the scene, and whether some were left out.
+pub(super) fn lights(scene: &Scene, placed: &[PlacedSurface<'_>]) -> (Vec<head::Light>, bool) {
+    let wavelengths = Wavelengths::default();
+    let bounds = scene.bounds();
+    let radius = if bounds.is_empty() { 1.0 } else { 0.5 * bounds.diagonal().length() };
+    let mut found: Vec<(f32, head::Light)> = Vec::new();
+    let mut everywhere = Spectrum::BLACK;
+    for (number, light) in (0..).zip(scene.lights()) {
+        let (power, simple) = match light {
+            Light::Point(l) => {
+                let simple = Simple { kind: "point", position: l.position(), ..Simple::of(l.intensity()) };
+                (l.power(), Simple { range: l.range(), ..simple })
+            }
+            Light::Spot(l) => {
+                let cosines = [l.cos_inner(), l.cos_outer()];
+                let aimed = Simple {
+                    position: l.position(),
+                    direction: l.axis(),
+                    cosines,
+                    ..Simple::of(l.intensity(l.axis()))
+                };
+                (l.power(), Simple { kind: "spot", ..aimed })
+            }
+            Light::Photometric(l) => (l.power(), photometric(l)),
+            Light::Rays(l) => {
+                let mean = l.power() * (0.25 / PI) as f32;
+                (l.power(), Simple { kind: "point", position: l.position(), ..Simple::of(mean) })
+            }
+            Light::Distant(l) => {
+                let simple =
+                    Simple { kind: "distant", direction: -l.towards(), ..Simple::of(l.irradiance()) };
+                (l.irradiance() * (PI * radius * radius) as f32, simple)
+            }
+            Light::Area(l) => {
+                let own = placed.iter().find(|surface| surface.light() == Some(LightId(number)));
+                (l.power(), own.map_or_else(|| Simple::of(Spectrum::BLACK), |own| area(l, own, bounds)))
+            }
+            Light::Infinite(l) => {
+                everywhere += l.radiance();
+                continue;
+            }
+            _ => continue,
+        };
+        found.push((power.mean(&wavelengths), simple.head(&wavelengths)));
+    }
+    found.retain(|(_, light)| light.intensity.iter().any(|&x| x > 0.0));
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let left_out = found.len() > MOST;
+    let mut lights: Vec<head::Light> = found.into_iter().take(MOST).map(|(_, light)| light).collect();
+    if !everywhere.is_black() {
+        lights.push(Simple { kind: "infinite", ..Simple::of(everywhere) }.head(&wavelengths));
+    }
+    (lights, left_out)
+}
+
+/// A light of a rasteriser.
+struct Simple {
+    kind: &'static str,
+    position: DVec3,
+    direction: DVec3,
+    intensity: Spectrum,
+    /// Inner, outer.
+    cosines: [f64; 2],
+    range: Option<f64>,
+}
+
+impl Simple {
+    fn of(intensity: Spectrum) -> Self {
+        Self {
+            kind: "point",
+            position: DVec3::ZERO,
+            direction: DVec3::Z,
+            intensity,
+            cosines: [0.0; 2],
+            range: None,
+        }
+    }
+
+    fn head(&self, wavelengths: &Wavelengths) -> head::Light {
+        let [cos_inner, cos_outer] = self.cosines;
+        head::Light {
+            kind: self.kind,
+            position: self.position.to_array(),
+            direction: self.direction.to_array(),
+            intensity: rgb(self.intensity, wavelengths),
+            cos_inner,
+            cos_outer,
+            range: self.range,
+        }
+    }
+}
+
+/// A luminaire of the same flux: one that shines down only by the cosine, others alike in all directions.
+fn photometric(light: &PhotometricLight) -> Simple {
+    let axis = light.axis();
+    let (mut down, mut up) = (0.0, 0.0);
+    // Directions spread evenly by the golden angle.
+    const DIRECTIONS: u32 = 512;
+    let frame = glanz_math::Frame::from_z(axis);
+    for i in 0..DIRECTIONS {
+        let (cos, turn) =
+            (1.0 - 2.0 * (f64::from(i) + 0.5) / f64::from(DIRECTIONS), f64::from(i) * 2.399_963);
+        let sin = (1.0 - cos * cos).sqrt();
+        let direction = frame.to_world(DVec3::new(sin * turn.cos(), sin * turn.sin(), cos));
+        let sum = if cos > 0.0 { &mut down } else { &mut up };
+        *sum += f64::from(light.intensity(direction).max_component());
+    }
+    let position = light.center();
+    if up < UPWARDS * (up + down) {
+        // I cos over the half sphere is pi I.
+        let intensity = light.power() * (1.0 / PI) as f32;
+        Simple { kind: "area", position, direction: axis, ..Simple::of(intensity) }
+    } else {
+        Simple { position, ..Simple::of(light.power() * (0.25 / PI) as f32) }
+    }
+}
+
+/// A shining surface as one light in its middle.
+fn area(light: &AreaLight, placed: &PlacedSurface<'_>, bounds: Bounds3) -> Simple {
+    let (mut area, mut along, mut middle) = (0.0, DVec3::ZERO, DVec3::ZERO);
+    let side = f64::from(PLACES / placed.faces().max(1)).sqrt().floor().clamp(1.0, 32.0);
+    let mut add = |face: u32, uv: DVec2, share: f64| {
+        let Some(found) = placed.at(face, uv, false) else { return };
+        let element = found.stretch * share;
+        area += element;
+        along += found.at.point.normal * element;
+        middle += found.at.point.position * element;
+    };
+    for face in 0..placed.faces() {
+        match placed.face_domain(face) {
+            FaceDomain::Square => {
+                for (i, j) in (0..side as u32).flat_map(|i| (0..side as u32).map(move |j| (i, j))) {
+                    let uv = DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5) / side;
+                    add(face, uv, 1.0 / (side * side));
+                }
+            }
+            FaceDomain::Polygon(corners) => {
+                let next = corners.iter().cycle().skip(1);
+                let extent = 0.5 * corners.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum::<f64>().abs();
+                add(face, corners.iter().sum::<DVec2>() / corners.len().max(1) as f64, extent);
+            }
+        }
+    }
+    if !(area > 0.0 && area.is_finite()) {
+        // No parameters: how large it is nobody knows, that it is there is worth a guess.
+        let own = placed.bounds();
+        let own = if own.is_finite() && !own.is_empty() { own } else { bounds };
+        let quarter = 0.125 * own.surface_area();
+        return Simple { position: own.center(), ..Simple::of(light.radiance() * quarter as f32) };
+    }
+    let position = middle / area;
+    if !light.is_two_sided() && along.length() > ONE_SIDED * area {
+        let intensity = light.radiance() * along.length() as f32;
+        Simple { kind: "area", position, direction: along.normalize(), ..Simple::of(intensity) }
+    } else {
+        // pi L A over all directions.
+        let sides = if light.is_two_sided() { 2.0 } else { 1.0 };
+        Simple { position, ..Simple::of(light.radiance() * (0.25 * sides * area) as f32) }
+    }
+}

@@ -1,0 +1,106 @@
+//! Triangles: meshes, and surfaces of flat facets.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use glanz_geometry::mesh::Mesh;
+use glanz_geometry::triangle::unit_normal;
+use glanz_geometry::{FaceDomain, Surface};
+use glanz_math::{Bounds3, DVec2, DVec3};
+
+use super::error::{ModelError, number};
+use super::head;
+use super::surfaces::{Made, Surfaces};
+
+/// Triangles of one surface, in its own frame.
+#[derive(Default)]
+struct Triangles {
+    positions: Vec<DVec3>,
+    normals: Vec<DVec3>,
+    indices: Vec<[u32; 3]>,
+}
+
+impl Triangles {
+    fn vertex(&mut self, position: DVec3, normal: DVec3) -> Result<u32, ModelError> {
+        self.positions.push(position);
+        self.normals.push(normal);
+        number("vertices", self.positions.len() - 1)
+    }
+}
+
+impl Surfaces {
+    /// The triangles `faces` of a mesh. Those without normals at their vertices have vertices of their own.
+    pub(super) fn mesh(&mut self, mesh: &Mesh, faces: Range<usize>) -> Result<Made, ModelError> {
+        let mut triangles = Triangles::default();
+        let mut shared: HashMap<u32, u32> = HashMap::new();
+        for corners in mesh.indices().get(faces).unwrap_or_default() {
+            let [Some(a), Some(b), Some(c)] = corners.map(|i| mesh.positions().get(i as usize).copied())
+            else {
+                continue;
+            };
+            // A triangle without an area is never met by rays either.
+            let Some(flat) = unit_normal(a, b, c) else { continue };
+            let given = mesh.normals().map(|normals| {
+                corners.map(|i| normals.get(i as usize).and_then(|normal| normal.try_normalize()))
+            });
+            let mut indices = [0; 3];
+            if let Some([Some(na), Some(nb), Some(nc)]) = given {
+                let corner = corners.iter().zip([(a, na), (b, nb), (c, nc)]);
+                for (slot, (&vertex, (position, normal))) in indices.iter_mut().zip(corner) {
+                    *slot = match shared.get(&vertex) {
+                        Some(&known) => known,
+                        None => triangles.vertex(position, normal)?,
+                    };
+                    shared.insert(vertex, *slot);
+                }
+            } else {
+                for (slot, position) in indices.iter_mut().zip([a, b, c]) {
+                    *slot = triangles.vertex(position, flat)?;
+                }
+            }
+            triangles.indices.push(indices);
+        }
+        self.lay(&triangles)
+    }
+
+    /// A surface of flat facets.
+    pub(super) fn flat(&mut self, surface: &Surface) -> Result<Made, ModelError> {
+        let mut triangles = Triangles::default();
+        for face in 0..surface.faces() {
+            let corners = match surface.face_domain(face) {
+                FaceDomain::Square => vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y],
+                FaceDomain::Polygon(corners) => corners,
+            };
+            let mut first = None;
+            for corner in corners {
+                let Some(at) = surface.untrimmed_at(face, corner) else { continue };
+                let vertex = triangles.vertex(at.position, at.normal)?;
+                let first = *first.get_or_insert(vertex);
+                if vertex >= first + 2 {
+                    triangles.indices.push([first, vertex - 1, vertex]);
+                }
+            }
+        }
+        self.lay(&triangles)
+    }
+
+    fn lay(&mut self, triangles: &Triangles) -> Result<Made, ModelError> {
+        let blocks = &mut self.blocks;
+        let bounds = Bounds3::of_points(triangles.positions.iter().copied());
+        let origin = if bounds.is_empty() { DVec3::ZERO } else { bounds.center() };
+        let (first_vertex, first_triangle) = (blocks.positions.len(), blocks.indices.len());
+        let single = |v: DVec3| v.to_array().map(|x| x as f32);
+        blocks.positions.extend(triangles.positions.iter().map(|&p| single(p - origin)));
+        blocks.normals.extend(triangles.normals.iter().map(|&n| single(n)));
+        blocks.indices.extend(&triangles.indices);
+        number("indices of triangles", 3 * blocks.indices.len())?;
+        self.head.push(head::Surface::Mesh {
+            first_vertex,
+            vertices: triangles.positions.len(),
+            first_index: 3 * first_triangle,
+            indices: 3 * triangles.indices.len(),
+            origin: origin.to_array(),
+        });
+        Ok(Made { surface: self.head.len() - 1, origin, unit: 1.0 })
+    }
+}

@@ -1,0 +1,273 @@
+//! What a trimming region keeps, as a grid of cells: near each are few parts of curves.
+
+use glanz_geometry::trim::TrimRegion;
+use glanz_math::{DVec2, DVec3};
+
+use super::blocks::Blocks;
+use super::error::{ModelError, number};
+use super::head;
+
+/// Cells along a side.
+const CELLS: std::ops::RangeInclusive<usize> = 4..=256;
+
+/// A cell lists what comes this near to it, in sizes of the cell.
+const MARGIN: f64 = 0.05;
+
+/// Halvings in search of a point of a curve: down to rounding.
+const HALVINGS: u32 = 60;
+
+/// Added to winding numbers, so that they are not negative.
+const WINDING_OFFSET: i32 = 128;
+
+/// A part of a curve, monotone in both coordinates, over the unit square.
+struct Part {
+    /// Homogeneous.
+    points: Vec<DVec3>,
+    start: DVec2,
+    end: DVec2,
+    /// Smallest and largest v, as the shader has them: parts that meet there agree on them to the bit.
+    rows: [f32; 2],
+    /// +1 if v ascends along it, else -1.
+    direction: i32,
+}
+
+/// From one height (included) to another (not included), possibly none.
+type Heights = [f32; 2];
+
+/// A region over the unit square with its cells.
+pub(super) struct Grid {
+    parts: Vec<Part>,
+    outermost: i32,
+    /// Along each side.
+    cells: usize,
+    domain: [DVec2; 2],
+}
+
+/// What a part has to do with a column of cells.
+struct Crossing {
+    part: usize,
+    /// Heights at which it is left of the right side and not left of the left side.
+    inside: Heights,
+    /// Heights between which it is in the column or near it; the first may be larger than any number, if it is nowhere near.
+    near: [f64; 2],
+}
+
+impl Part {
+    fn point(&self, t: f64) -> DVec2 {
+        // De Casteljau: parts have few points, and there are few of them near a line.
+        let mut points = self.points.clone();
+        for count in (1..points.len()).rev() {
+            for i in 0..count {
+                if let Some(&[a, b]) = points.get(i..i + 2) {
+                    points[i] = a * (1.0 - t) + b * t;
+                }
+            }
+        }
+        points.first().map_or(DVec2::ZERO, |p| p.truncate() / p.z)
+    }
+
+    /// The height at which it passes `u`, the lowest or highest one beyond its ends.
+    fn height(&self, u: f64) -> f64 {
+        let (low, high) = (self.start.x.min(self.end.x), self.start.x.max(self.end.x));
+        let (at_low, at_high) =
+            if self.start.x <= self.end.x { (self.start.y, self.end.y) } else { (self.end.y, self.start.y) };
+        if u <= low {
+            return at_low;
+        }
+        if u >= high {
+            return at_high;
+        }
+        let ascends = self.start.x < self.end.x;
+        let (mut before, mut after) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (before + after);
+            if (self.point(middle).x < u) == ascends {
+                before = middle;
+            } else {
+                after = middle;
+            }
+        }
+        self.point(0.5 * (before + after)).y.clamp(self.start.y.min(self.end.y), self.start.y.max(self.end.y))
+    }
+
+    /// Heights at which it is right of the line at `u`, and at which it is not.
+    fn sides(&self, u: f64) -> (Heights, Heights) {
+        let [low, high] = self.rows;
+        let (left, right) = (self.start.x.min(self.end.x), self.start.x.max(self.end.x));
+        let none = [low, low];
+        if left > u {
+            return (self.rows, none);
+        }
+        if right <= u {
+            return (none, self.rows);
+        }
+        let height = (self.height(u) as f32).clamp(low, high);
+        // Whether it goes to the right upwards.
+        if (self.end.x > self.start.x) == (self.end.y > self.start.y) {
+            ([height, high], [low, height])
+        } else {
+            ([low, height], [height, high])
+        }
+    }
+}
+
+impl Grid {
+    /// The cells of a region; about as many as it has parts, so that each lists few.
+    pub(super) fn of(region: &TrimRegion) -> Self {
+        let [min, max] = region.domain();
+        let scaled = |p: DVec2| (p - min) / (max - min);
+        let parts: Vec<Part> = region
+            .monotone_pieces()
+            .map(|piece| {
+                let (start, end) = (scaled(piece.start), scaled(piece.end));
+                let inner = |p: &DVec3| (scaled(p.truncate() / p.z) * p.z).extend(p.z);
+                let mut points: Vec<DVec3> = piece.control_points.iter().map(inner).collect();
+                // Where the next part begins to the bit.
+                for (slot, place) in [(0, start), (points.len().saturating_sub(1), end)] {
+                    if let Some(point) = points.get_mut(slot) {
+                        *point = (place * point.z).extend(point.z);
+                    }
+                }
+                let rows = [start.y.min(end.y) as f32, start.y.max(end.y) as f32];
+                Part { points, start, end, rows, direction: if end.y > start.y { 1 } else { -1 } }
+            })
+            .collect();
+        let cells = ((2.0 * parts.len() as f64).sqrt() as usize).next_power_of_two();
+        let cells = cells.clamp(*CELLS.start(), *CELLS.end());
+        Self { parts, outermost: region.outermost(), cells, domain: [min, max] }
+    }
+
+    /// Adds the region to the blocks.
+    ///
+    /// # Errors
+    /// [`ModelError::TooMany`] parts or points.
+    pub(super) fn lay(&self, blocks: &mut Blocks) -> Result<head::Region, ModelError> {
+        let first_part = blocks.region_parts.len();
+        self.lay_parts(blocks)?;
+        let first_cell = blocks.region_cells.len();
+        blocks.region_cells.resize(first_cell + self.cells * self.cells, [0; 4]);
+        for column in 0..self.cells {
+            self.lay_column(blocks, column, first_cell, first_part)?;
+        }
+        let [min, max] = self.domain.map(|p| p.to_array());
+        Ok(head::Region { cells: [self.cells; 2], first_cell, min, max })
+    }
+
+    fn lay_parts(&self, blocks: &mut Blocks) -> Result<(), ModelError> {
+        for part in &self.parts {
+            let first = exact("points of trimming curves", blocks.region_points.len())?;
+            let (low, high) = (part.start.min(part.end), part.start.max(part.end));
+            let degree = part.points.len().saturating_sub(1) as f32;
+            let [bottom, top] = part.rows;
+            blocks.region_parts.push([low.x as f32, bottom, high.x as f32, top, first, degree, 0.0, 0.0]);
+            blocks
+                .region_points
+                .extend(part.points.iter().map(|p| [p.x as f32, p.y as f32, p.z as f32, 0.0]));
+        }
+        exact("parts of trimming curves", blocks.region_parts.len()).map(|_| ())
+    }
+
+    /// Side of cells.
+    fn side(&self) -> f64 {
+        1.0 / self.cells as f64
+    }
+
+    fn crossings(&self, column: usize) -> Vec<Crossing> {
+        // Powers of two: exact.
+        let (left, right) = (column as f64 * self.side(), (column + 1) as f64 * self.side());
+        let margin = MARGIN * self.side();
+        let near = |part: &Part| {
+            let (low, high) = (part.start.x.min(part.end.x), part.start.x.max(part.end.x));
+            low <= right + margin && high >= left - margin
+        };
+        let crossing = |(number, part): (usize, &Part)| {
+            let (_, inside) = part.sides(right);
+            // The last column has what is left of it in points of the domain only.
+            let (beyond, _) = part.sides(left);
+            let (a, b) = (part.height(left - margin), part.height(right + margin));
+            Crossing {
+                part: number,
+                inside: [inside[0].max(beyond[0]), inside[1].min(beyond[1])],
+                near: [a.min(b), a.max(b)],
+            }
+        };
+        self.parts.iter().enumerate().filter(|(_, part)| near(part)).map(crossing).collect()
+    }
+
+    /// Winding number along the right side of a column: at the bottom, far down, and its changes by ascending height.
+    fn changes(&self, column: usize) -> Vec<(f32, i32)> {
+        let right = (column + 1) as f64 * self.side();
+        let mut changes: Vec<(f32, i32)> = Vec::new();
+        for part in &self.parts {
+            let ([low, high], _) = part.sides(right);
+            if low < high {
+                changes.extend([(low, part.direction), (high, -part.direction)]);
+            }
+        }
+        changes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Where one part ends and the next begins nothing changes.
+        let runs = changes.chunk_by(|a, b| a.0 == b.0);
+        let sums = runs.filter_map(|run| Some((run.first()?.0, run.iter().map(|c| c.1).sum::<i32>())));
+        sums.filter(|&(_, change)| change != 0).collect()
+    }
+
+    fn lay_column(
+        &self,
+        blocks: &mut Blocks,
+        column: usize,
+        first_cell: usize,
+        first_part: usize,
+    ) -> Result<(), ModelError> {
+        let (crossings, changes) = (self.crossings(column), self.changes(column));
+        let margin = MARGIN * self.side();
+        let mut rows: Vec<Vec<&Crossing>> = vec![Vec::new(); self.cells];
+        for crossing in &crossings {
+            let row = |v: f64| (v / self.side()).floor().clamp(0.0, (self.cells - 1) as f64) as usize;
+            let [low, high] = crossing.near;
+            if high >= -margin && low <= 1.0 + margin {
+                let rows = rows.get_mut(row(low - margin)..=row(high + margin)).unwrap_or_default();
+                rows.iter_mut().for_each(|row| row.push(crossing));
+            }
+        }
+        let (mut winding, mut next) = (self.outermost, 0);
+        for (row, near) in rows.into_iter().enumerate() {
+            let (bottom, top) = ((row as f64 * self.side()) as f32, ((row + 1) as f64 * self.side()) as f32);
+            while let Some(&(_, change)) = changes.get(next).filter(|(v, _)| *v <= bottom) {
+                winding += change;
+                next += 1;
+            }
+            let last = row + 1 == self.cells;
+            let steps = changes.get(next..).unwrap_or_default();
+            let steps = steps.iter().take_while(|(v, _)| *v < top || (last && *v == top));
+            let (first_entry, first_step) = (blocks.region_entries.len(), blocks.region_steps.len());
+            for crossing in near {
+                let Some(part) = self.parts.get(crossing.part) else { continue };
+                let [low, high] = crossing.inside;
+                let number = exact("parts of trimming curves", first_part + crossing.part)?;
+                // Nothing of it counts in these rows: an empty range, whatever the shader's v.
+                let counts = low < high && low <= top && high > bottom;
+                let [low, high] = if counts { [low, high] } else { [0.0; 2] };
+                blocks.region_entries.push([number, low, high, part.direction as f32]);
+            }
+            blocks.region_steps.extend(steps.map(|&(v, change)| [v, change as f32]));
+            let winding = (winding + WINDING_OFFSET).clamp(0, 2 * WINDING_OFFSET - 1) as u32;
+            let steps = number("steps of a cell", blocks.region_steps.len() - first_step)?;
+            if let Some(cell) = blocks.region_cells.get_mut(first_cell + row * self.cells + column) {
+                *cell = [
+                    number("entries of cells", first_entry)?,
+                    number("entries of a cell", blocks.region_entries.len() - first_entry)?,
+                    number("steps of cells", first_step)?,
+                    steps.min(0xffff) | (winding << 16),
+                ];
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `count` as a single-precision number, which is exact up to 2^24.
+fn exact(what: &'static str, count: usize) -> Result<f32, ModelError> {
+    const MOST: u64 = 1 << f32::MANTISSA_DIGITS;
+    let count = count as u64;
+    if count <= MOST { Ok(count as f32) } else { Err(ModelError::TooMany { what, count, most: MOST }) }
+}

@@ -1,0 +1,85 @@
+//! Where the page looks from at first.
+
+use glanz_math::{Bounds3, DVec3, Ray};
+use glanz_scene::camera::Screen;
+use glanz_scene::description::{CameraDescription, CameraKind, FilmDescription};
+use glanz_scene::{Description, Scene};
+
+use super::head::Camera;
+
+/// Field of view where the scene says none, radians.
+const FIELD_OF_VIEW: f64 = 0.6;
+
+/// The scene's camera; where the file has none, one that sees everything from the front, the right and above.
+pub(super) fn camera(description: &Description, scene: &Scene) -> Camera {
+    let bounds = scene.bounds();
+    if description.camera.location.is_none() && !bounds.is_empty() {
+        return overview(bounds);
+    }
+    let of_scene = of_scene(&description.camera, &description.film);
+    let ray = Ray::new(of_scene.position.into(), of_scene.forward.into());
+    let distance = scene.intersect(&ray, f64::INFINITY).map(|at| at.t).or_else(|| {
+        let to_middle = (bounds.center() - ray.origin).dot(ray.direction);
+        (!bounds.is_empty() && to_middle > 0.0).then_some(to_middle)
+    });
+    let distance = distance.filter(|distance| *distance > 0.0 && distance.is_finite()).unwrap_or(1.0);
+    Camera { distance, ..of_scene }
+}
+
+fn of_scene(camera: &CameraDescription, film: &FilmDescription) -> Camera {
+    let [width, height] = film.resolution.map(f64::from);
+    let aspect = camera.aspect.unwrap_or(width / height);
+    let [x0, x1, y0, y1] = camera.screen_window.unwrap_or_else(|| Screen::default_window(aspect));
+    let (across, along) = ((x1 - x0).abs(), (y1 - y0).abs());
+    let axis = |axis: DVec3| camera.to_world.transform_vector3(axis);
+    let forward = axis(DVec3::Z).normalize_or(DVec3::Z);
+    let up = axis(DVec3::Y).reject_from_normalized(forward).normalize_or(forward.any_orthonormal_vector());
+    // Its side stays that of the camera, so that mirrored worlds look as the file says.
+    let side = forward.cross(up);
+    let right = if side.dot(axis(DVec3::X)) < 0.0 { -side } else { side };
+    let half = 0.5 * across.min(along);
+    let (kind, field_of_view) = match camera.kind {
+        CameraKind::Perspective { field_of_view } => {
+            ("perspective", 2.0 * (half * (0.5 * field_of_view).tan()).atan())
+        }
+        CameraKind::Orthographic => ("orthographic", FIELD_OF_VIEW),
+    };
+    let unit = if across < along { axis(DVec3::X).length() } else { axis(DVec3::Y).length() };
+    Camera {
+        kind,
+        position: camera.to_world.transform_point3(DVec3::ZERO).to_array(),
+        right: right.to_array(),
+        up: up.to_array(),
+        forward: forward.to_array(),
+        field_of_view,
+        height: 2.0 * half * unit,
+        distance: 1.0,
+    }
+}
+
+fn overview(bounds: Bounds3) -> Camera {
+    let forward = DVec3::new(-1.0, 2.0, -1.0).normalize();
+    let up = DVec3::Z.reject_from_normalized(forward).normalize();
+    let radius = (0.5 * bounds.diagonal().length()).max(f64::MIN_POSITIVE);
+    let distance = radius / (0.5 * FIELD_OF_VIEW).sin();
+    Camera {
+        kind: "perspective",
+        position: (bounds.center() - forward * distance).to_array(),
+        right: forward.cross(up).to_array(),
+        up: up.to_array(),
+        forward: forward.to_array(),
+        field_of_view: FIELD_OF_VIEW,
+        height: 2.0 * radius,
+        distance,
+    }
+}
+
+/// The axis, with its sign, nearest to the camera's up.
+pub(super) fn up(camera: &Camera) -> [f64; 3] {
+    let up = DVec3::from(camera.up);
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
+    // The first of equals: z last would lose against x and y, which are rarer.
+    let nearest =
+        axes.rev().fold(DVec3::Z, |best, axis| if axis.dot(up) > best.dot(up) { axis } else { best });
+    nearest.to_array()
+}
