@@ -12,9 +12,9 @@ import { FRAME_HEAD, FRAME_LIGHT, MOST_LIGHTS } from "./frame.js";
 /** @typedef {import("../model.js").Model} Model */
 /** @typedef {import("./frame.js").Frame} Frame */
 
-/** Of the light that the lamps send to the middle of the scene, what surroundings that the scene does not have send: to mirrors, and to rough surfaces. */
-const SEEN_IN_MIRRORS = 0.4;
-const FILL = 0.3;
+/** Share of the light that lamps send to the middle of the scene which stands in for surroundings where the scene has none, and share of that for rough surfaces. */
+const SEEN_IN_MIRRORS = 0.2;
+const FILL = 0.6;
 
 /** The surroundings' lower half sends so much of what the upper does, where the scene tells only one number. */
 const GROUND = 0.6;
