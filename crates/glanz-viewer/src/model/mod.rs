@@ -10,9 +10,11 @@ mod error;
 mod head;
 mod hidden;
 mod lights;
+mod map;
 mod mesh;
 mod patches;
 mod region;
+mod shown;
 mod surfaces;
 #[cfg(test)]
 mod tests;
@@ -30,6 +32,7 @@ use self::blocks::Blocks;
 pub use self::error::ModelError;
 use self::head::Head;
 pub use self::hidden::without;
+pub use self::map::MapLabel;
 use self::surfaces::{Made, Surfaces};
 use self::tree::{Leaf, Tree};
 
