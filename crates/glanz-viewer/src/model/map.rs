@@ -111,7 +111,6 @@ impl Model {
             largest,
         });
         self.blocks.maps.push(texels);
-        self.head.blocks = self.blocks.laid_out().0;
     }
 
     /// Gives an object patches of its own, on the same control points, that show a map; other copies of its surface have other values.
