@@ -33,7 +33,7 @@ pub(crate) fn seen_from_afar(object: &Object, is_sphere: bool) -> Option<f64> {
 }
 
 /// Area of a surface in its own frame, where it is known.
-fn closed_form(surface: &Surface) -> Option<f64> {
+pub(crate) fn closed_form(surface: &Surface) -> Option<f64> {
     Some(match surface {
         Surface::Sphere(s) => s.area(),
         Surface::Cylinder(s) => s.area(),
@@ -121,7 +121,7 @@ fn integrated(object: &Object) -> f64 {
 }
 
 /// Area of a polygon in the parameters.
-fn polygon(corners: &[DVec2]) -> f64 {
+pub(crate) fn polygon(corners: &[DVec2]) -> f64 {
     let next = corners.iter().cycle().skip(1);
     0.5 * corners.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum::<f64>().abs()
 }

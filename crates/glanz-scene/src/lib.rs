@@ -50,6 +50,7 @@ mod interaction;
 pub mod light;
 mod object;
 mod placed;
+mod placed_area;
 mod receiver;
 mod resolve;
 mod scene;

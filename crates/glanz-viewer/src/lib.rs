@@ -3,3 +3,4 @@
 //! `docs/viewer.md` says how the parts hang together and what goes between them.
 
 pub mod model;
+pub mod query;

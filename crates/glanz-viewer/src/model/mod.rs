@@ -10,14 +10,19 @@ mod error;
 mod head;
 mod hidden;
 mod lights;
+mod map;
 mod mesh;
 mod patches;
 mod region;
+mod shown;
 mod surfaces;
+#[cfg(test)]
+mod tests;
 mod tree;
 mod view;
 
 use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{Bounds3, DVec3};
@@ -27,6 +32,7 @@ use self::blocks::Blocks;
 pub use self::error::ModelError;
 use self::head::Head;
 pub use self::hidden::without;
+pub use self::map::MapLabel;
 use self::surfaces::{Made, Surfaces};
 use self::tree::{Leaf, Tree};
 
@@ -38,6 +44,8 @@ pub struct Model {
     leaves: Vec<Leaf>,
     /// For each surface of [`Scene::placed_surfaces`] its objects, as (first face, object), by ascending faces.
     objects: Vec<Vec<(u32, u32)>>,
+    /// Areas of leaves that were asked for.
+    areas: Arc<Mutex<HashMap<u32, Option<f64>>>>,
 }
 
 impl Model {
@@ -75,7 +83,6 @@ impl Model {
             up: view::up(&camera),
             bounds: [bounds.min.to_array(), bounds.max.to_array()],
             camera,
-            blocks: surfaces.blocks.laid_out().0,
             surfaces: surfaces.head,
             regions: surfaces.regions,
             objects: objects.head,
@@ -85,7 +92,13 @@ impl Model {
             maps: Vec::new(),
             notes,
         };
-        Ok(Self { head, blocks: surfaces.blocks, leaves: tree.leaves, objects: objects.by_surface })
+        Ok(Self {
+            head,
+            blocks: surfaces.blocks,
+            leaves: tree.leaves,
+            objects: objects.by_surface,
+            areas: Arc::default(),
+        })
     }
 
     /// The file that the page loads.
@@ -93,8 +106,9 @@ impl Model {
     /// # Errors
     /// [`ModelError::Text`].
     pub fn to_bytes(&self) -> Result<Vec<u8>, ModelError> {
-        let (_, blocks) = self.blocks.laid_out();
-        Ok(blocks::file(&serde_json::to_string(&self.head)?, &blocks))
+        let (places, blocks) = self.blocks.laid_out();
+        let text = serde_json::to_string(&head::Text { blocks: &places, head: &self.head })?;
+        Ok(blocks::file(&text, &blocks))
     }
 
     /// The object that holds a place of the scene; `None` if the scene has no such place.
@@ -109,6 +123,48 @@ impl Model {
     #[must_use]
     pub fn leaf_of(&self, object: u32) -> Option<u32> {
         self.head.objects.get(object as usize).map(|object| object.leaf)
+    }
+
+    /// What scene files call the surface of an object.
+    #[must_use]
+    pub fn kind_of(&self, object: u32) -> &'static str {
+        self.head.objects.get(object as usize).map_or("", |object| object.kind)
+    }
+
+    /// Name of the material of an object, or its kind if it has none.
+    #[must_use]
+    pub fn material_of(&self, object: u32) -> &str {
+        let material = self.head.objects.get(object as usize).map(|object| object.material);
+        let material = material.and_then(|number| self.head.materials.get(number));
+        material.map_or("", |material| if material.name.is_empty() { material.kind } else { &material.name })
+    }
+
+    /// Whether an object can be seen: borders that light passes cannot, unless they shine.
+    #[must_use]
+    pub fn is_seen(&self, object: u32) -> bool {
+        let object = self.head.objects.get(object as usize);
+        let material = object.and_then(|object| self.head.materials.get(object.material));
+        material.is_some_and(|material| material.opacity > 0.0) || object.is_some_and(|object| object.light)
+    }
+
+    /// Area of a leaf, m^2, in the scene whose surfaces `placed` are all of; `None` if it has none. It is found once.
+    #[must_use]
+    pub fn area_of(&self, leaf: u32, placed: &[PlacedSurface<'_>]) -> Option<f64> {
+        let known = || self.areas.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(&area) = known().get(&leaf) {
+            return area;
+        }
+        let mut sum = None;
+        for (parts, surface) in self.objects.iter().zip(placed) {
+            let ends = parts.iter().skip(1).map(|&(end, _)| end).chain([surface.faces()]);
+            for (&(first, object), end) in parts.iter().zip(ends) {
+                if self.leaf_of(object) == Some(leaf) {
+                    sum = Some(sum.unwrap_or(0.0) + surface.area(first..end)?);
+                }
+            }
+        }
+        known().insert(leaf, sum);
+        sum
     }
 
     /// What the tree calls a leaf.

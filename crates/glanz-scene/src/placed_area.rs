@@ -1,0 +1,239 @@
+//! How large surfaces are where they stand, trimmed ones too.
+
+use std::ops::Range;
+
+use glanz_geometry::trim::Cell;
+use glanz_geometry::{FaceDomain, Surface};
+use glanz_math::DVec2;
+use glanz_math::rounding::gamma;
+use glanz_sampling::basis::GaussLegendre;
+
+use crate::area::{closed_form, polygon};
+use crate::placed::PlacedSurface;
+
+/// Cells that a surface is cut into at least, besides what a region cuts away.
+const FEWEST_CELLS: u32 = 256;
+
+/// Cells looked at, at most: those on the border of a region are quartered until then.
+const MOST_CELLS: usize = 1 << 14;
+
+/// Nodes along each side of a cell, places along each side of one that a border crosses.
+const NODES: usize = 4;
+
+/// A part of a face.
+#[derive(Clone, Copy)]
+struct Square {
+    face: u32,
+    low: DVec2,
+    side: f64,
+}
+
+impl PlacedSurface<'_> {
+    /// Area of some faces in the world, m^2: to about 1e-6 of itself, to 1e-3 if the surface is trimmed; closed forms are exact. `None` if it has no
+    /// parameters or no end.
+    ///
+    /// Of trimmed meshes those triangles count whose middle is kept.
+    #[must_use]
+    pub fn area(&self, faces: Range<u32>) -> Option<f64> {
+        let surface = self.surface();
+        let whole = faces == (0..self.faces());
+        if faces.is_empty() || faces.end > self.faces() {
+            return None;
+        }
+        let scale = self.to_world().uniform_scale(gamma(64));
+        let closed = scale.and_then(|scale| Some(scale * scale * closed_form(surface)?));
+        let area = closed.filter(|_| whole).unwrap_or_else(|| self.integrated(faces));
+        (area >= 0.0 && area.is_finite()).then_some(area)
+    }
+
+    fn integrated(&self, faces: Range<u32>) -> f64 {
+        let stretch = |face: u32, uv: DVec2| self.at(face, uv, false).map_or(0.0, |found| found.stretch);
+        let (mut area, mut open) = (0.0, Vec::new());
+        for face in faces {
+            match self.face_domain(face) {
+                // These are flat: the area element is the same everywhere.
+                FaceDomain::Polygon(corners) => {
+                    let middle = corners.iter().sum::<DVec2>() / corners.len().max(1) as f64;
+                    area += polygon(&corners) * stretch(face, middle);
+                }
+                FaceDomain::Square => open.push(Square { face, low: DVec2::ZERO, side: 1.0 }),
+            }
+        }
+        let smallest = (open.len() as f64 / f64::from(FEWEST_CELLS)).sqrt().clamp(1.0 / 16.0, 1.0);
+        let (rule, mut looked_at) = (GaussLegendre::new(NODES), open.len());
+        // Level by level, so that cells of one size are left when the budget is spent.
+        while !open.is_empty() {
+            let mut next = Vec::new();
+            for square in open {
+                let Square { face, low, side } = square;
+                let state = self.state(&square);
+                let divide = side > smallest || (state == Cell::Crossed && looked_at < MOST_CELLS);
+                match state {
+                    Cell::Outside => {}
+                    _ if divide => {
+                        next.extend(square.quarters());
+                        looked_at += 4;
+                    }
+                    Cell::Inside => {
+                        let along =
+                            |v: f64| rule.integrate(low.x, low.x + side, |u| stretch(face, DVec2::new(u, v)));
+                        area += rule.integrate(low.y, low.y + side, along);
+                    }
+                    Cell::Crossed => {
+                        let mean = square.places().map(|at| stretch(face, at)).sum::<f64>();
+                        area += mean * side * side / (NODES * NODES) as f64;
+                    }
+                }
+            }
+            open = next;
+        }
+        area
+    }
+
+    /// What trimming does to a part of a face.
+    fn state(&self, square: &Square) -> Cell {
+        let Square { face, low, side } = *square;
+        let high = low + side;
+        match self.surface() {
+            Surface::Freeform(freeform) => {
+                let (Some(region), Some(piece)) = (freeform.region(), freeform.pieces().get(face as usize))
+                else {
+                    return Cell::Inside;
+                };
+                let corners = [low, DVec2::new(high.x, low.y), DVec2::new(low.x, high.y), high];
+                let corners = corners.map(|p| piece.parameters(p.x, p.y));
+                let [first, rest @ ..] = corners;
+                let [low, high] =
+                    rest.iter().fold([first, first], |[low, high], p| [low.min(*p), high.max(*p)]);
+                region.classify(low, high)
+            }
+            // All others have the parameters of their face.
+            Surface::Trimmed(trimmed) => trimmed.region().classify(low, high),
+            _ => Cell::Inside,
+        }
+    }
+}
+
+impl Square {
+    fn quarters(&self) -> [Self; 4] {
+        let side = 0.5 * self.side;
+        [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|at| Self {
+            low: self.low + at * side,
+            side,
+            ..*self
+        })
+    }
+
+    /// Middles of its parts.
+    fn places(&self) -> impl Iterator<Item = DVec2> {
+        let (low, step) = (self.low, self.side / NODES as f64);
+        let at = move |k: usize| (k as f64 + 0.5) * step;
+        (0..NODES * NODES).map(move |k| low + DVec2::new(at(k % NODES), at(k / NODES)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use glanz_light::SpectralDistribution;
+    use glanz_math::{DMat4, DVec3};
+
+    use crate::Scene;
+    use crate::description::*;
+
+    fn area(geometry: GeometryDescription, to_parent: DMat4, trim: Option<TrimDescription>) -> Option<f64> {
+        let mut description = Description::default();
+        description.materials.push(MaterialDescription {
+            name: String::new(),
+            kind: MaterialKind::Diffuse {
+                reflectance: SpectrumInput::Value(SpectralDistribution::Constant(0.5)),
+            },
+            location: None,
+        });
+        description.world.shapes.push(ShapeDescription {
+            geometry,
+            to_parent,
+            reverse_orientation: false,
+            material: 0,
+            emission: None,
+            trim,
+            receiver: None,
+            location: None,
+        });
+        let scene = Scene::resolve(description).unwrap().0;
+        let placed = scene.placed_surfaces();
+        placed[0].area(0..placed[0].faces())
+    }
+
+    fn sphere() -> GeometryDescription {
+        GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 1.0], phi_max: 7.0 }
+    }
+
+    /// Circles about (1/2, 1/2) as four rational quarters each; counter-clockwise, or clockwise for a negative radius.
+    fn rings(radii: &[f64]) -> TrimDescription {
+        let r = 0.5_f64.sqrt();
+        let circle = |radius: f64| {
+            let corners = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
+            let points = corners.iter().enumerate().map(|(i, &(x, y))| {
+                let w = if i % 2 == 0 { 1.0 } else { r };
+                let (x, y) = (f64::from(x) * radius.abs(), f64::from(y) * radius);
+                [w * (0.5 + x), w * (0.5 + y), w]
+            });
+            let curve = TrimCurveDescription {
+                degree: 2,
+                knots: vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0],
+                points: points.collect(),
+            };
+            TrimLoopDescription { curves: vec![curve] }
+        };
+        TrimDescription { loops: radii.iter().map(|&radius| circle(radius)).collect() }
+    }
+
+    fn bilinear_square() -> GeometryDescription {
+        GeometryDescription::BezierPatches(BezierPatchesDescription {
+            degree_u: 1,
+            degree_v: 1,
+            patches: vec![vec![
+                [0.0, 0.0, 0.0, 1.0],
+                [0.0, 1.0, 0.0, 1.0],
+                [1.0, 0.0, 0.0, 1.0],
+                [1.0, 1.0, 0.0, 1.0],
+            ]],
+        })
+    }
+
+    #[test]
+    fn areas_are_those_of_closed_forms() {
+        let turned = DMat4::from_rotation_x(0.7) * DMat4::from_scale(DVec3::splat(2.0));
+        assert!((area(sphere(), turned, None).unwrap() - 16.0 * PI).abs() < 1e-12 * 16.0 * PI);
+        // A prolate spheroid with c = 2, a = 1: 2 pi (1 + (c / e) asin e), e^2 = 3/4.
+        let e = 0.75_f64.sqrt();
+        let expected = 2.0 * PI * (1.0 + 2.0 / e * e.asin());
+        let stretched = area(sphere(), DMat4::from_scale(DVec3::new(1.0, 1.0, 2.0)), None).unwrap();
+        assert!((stretched - expected).abs() < 1e-6 * expected, "{stretched} {expected}");
+        let box_ = GeometryDescription::Cuboid { min: DVec3::ZERO, max: DVec3::ONE };
+        let stretched = area(box_, DMat4::from_scale(DVec3::new(1.0, 2.0, 3.0)), None).unwrap();
+        assert!((stretched - 22.0).abs() < 1e-12 * 22.0);
+        let endless = GeometryDescription::Plane { x: [f64::NEG_INFINITY, f64::INFINITY], y: [0.0, 1.0] };
+        assert_eq!(area(endless, DMat4::IDENTITY, None), None);
+    }
+
+    #[test]
+    fn trimmed_areas_are_those_that_are_kept() {
+        let stretch = DMat4::from_scale(DVec3::new(3.0, 0.5, 2.0));
+        for (rings_of, share) in [
+            (rings(&[0.3]), 0.09 * PI),
+            (rings(&[-0.25]), 1.0 - 0.0625 * PI),
+            (rings(&[0.4, -0.3, 0.02]), PI * (0.16 - 0.09 + 0.0004)),
+            (rings(&[0.01]), 1e-4 * PI),
+        ] {
+            let flat = area(bilinear_square(), stretch, Some(rings_of.clone())).unwrap();
+            assert!((flat - 1.5 * share).abs() < 1e-3 * 1.5 * share, "{flat} {share}");
+            // A cylinder whose parameters have the same area everywhere.
+            let cylinder = GeometryDescription::Cylinder { radius: 0.5, z: [0.0, 2.0], phi_max: 7.0 };
+            let curved = area(cylinder, DMat4::IDENTITY, Some(rings_of)).unwrap();
+            assert!((curved - 2.0 * PI * share).abs() < 1e-3 * 2.0 * PI * share, "{curved} {share}");
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! What is at a ray, asked of the exact surface.
+
+mod curvature;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeSet;
+
+use glanz_geometry::Surface;
+use glanz_math::Ray;
+use glanz_scene::{Interaction, Place, PlacedSurface, Scene};
+use serde::Serialize;
+
+pub use self::curvature::Curvature;
+use crate::model::Model;
+
+/// Surfaces that a ray passes at most on its way to one that is shown.
+const MOST_PASSED: usize = 1 << 12;
+
+/// A place of a shape, in the world.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Hit {
+    /// Number of the shape, with its copies, in the order of the tree.
+    pub leaf: u32,
+    /// Number of the object of the model.
+    pub object: u32,
+    /// What scene files call the surface.
+    pub kind: &'static str,
+    /// What the tree calls the shape.
+    pub name: String,
+    /// Name of the material, or its kind if it has none.
+    pub material: String,
+    /// Degrees of the patch there, if the surface is made of such.
+    pub degree: Option<[usize; 2]>,
+    /// Area of the shape, m^2, without what is trimmed away; `None` if it has none.
+    pub area: Option<f64>,
+    /// Parameters of the surface.
+    pub uv: [f64; 2],
+    /// Face of the surface.
+    pub face: u32,
+    /// The place, metres.
+    pub point: [f64; 3],
+    /// Unit normal of the surface; it may point away from the viewer.
+    pub normal: [f64; 3],
+    /// From the origin of the ray, metres.
+    pub distance: f64,
+    /// `None` for meshes, and where the parameters degenerate.
+    pub curvature: Option<Curvature>,
+}
+
+/// What `ray` meets first that can be seen and is neither on a leaf of `hidden` nor cut away by `section`, which keeps a x + b y + c z <= d.
+///
+/// `model` is that of `scene`. `None` if nothing is met, or only after more than 4096 places that are not shown.
+#[must_use]
+pub fn pick(
+    scene: &Scene,
+    model: &Model,
+    ray: &Ray,
+    hidden: &BTreeSet<u32>,
+    section: Option<[f64; 4]>,
+) -> Option<Hit> {
+    let mut rest = *ray;
+    for _ in 0..MOST_PASSED {
+        let (at, place) = scene.intersect_place(&rest, f64::INFINITY)?;
+        let object = model.object_of(&place)?;
+        let leaf = model.leaf_of(object)?;
+        let point = at.point.position;
+        let cut = section.is_some_and(|[a, b, c, d]| a * point.x + b * point.y + c * point.z > d);
+        if !cut && !hidden.contains(&leaf) && model.is_seen(object) {
+            return Some(hit(scene, model, ray, (object, leaf), &at, &place));
+        }
+        rest = at.spawn(ray.direction);
+    }
+    None
+}
+
+fn hit(
+    scene: &Scene,
+    model: &Model,
+    ray: &Ray,
+    (object, leaf): (u32, u32),
+    at: &Interaction,
+    place: &Place,
+) -> Hit {
+    let placed = scene.placed_surfaces();
+    let surface = placed.get(place.surface as usize);
+    let point = &at.point;
+    Hit {
+        leaf,
+        object,
+        kind: model.kind_of(object),
+        name: model.name_of(leaf).unwrap_or_default().to_owned(),
+        material: model.material_of(object).to_owned(),
+        degree: surface.and_then(|surface| degree(surface, place.face)),
+        area: model.area_of(leaf, &placed),
+        uv: point.uv.to_array(),
+        face: place.face,
+        point: point.position.to_array(),
+        normal: point.normal.to_array(),
+        distance: point.position.distance(ray.origin),
+        curvature: surface.and_then(|surface| curvature(surface, at)),
+    }
+}
+
+fn degree(placed: &PlacedSurface<'_>, face: u32) -> Option<[usize; 2]> {
+    let Surface::Freeform(freeform) = placed.surface() else { return None };
+    let (u, v) = freeform.pieces().get(face as usize)?.patch().degrees();
+    Some([u, v])
+}
+
+fn curvature(placed: &PlacedSurface<'_>, at: &Interaction) -> Option<Curvature> {
+    let surface = match placed.surface() {
+        Surface::Trimmed(trimmed) => trimmed.surface(),
+        other => other,
+    };
+    // A mesh stands for a surface that nobody knows; its normals bend as they were given, which need not fit its shape.
+    if matches!(surface, Surface::Mesh(_)) {
+        return None;
+    }
+    let size = placed.bounds().diagonal().length();
+    Curvature::of(&at.point, if size.is_finite() { size } else { at.t })
+}
