@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import * as cameras from "../web/camera.js";
+import { between } from "../web/transition.js";
 
 /** @typedef {import("../web/camera.js").Camera} Camera */
 /** @typedef {import("../web/camera.js").Vector} Vector */
@@ -244,7 +245,7 @@ test("withdrawn orthographic camera has the whole box before it, and the same pi
 
 test("half way between views at right angles are 45 degrees and the geometric mean of the distances", () => {
   const right = { ...cameras.standard(FRONT, UP, [0, 0, 0], "right"), position: /** @type {Vector} */ ([40, 0, 0]) };
-  const middle = cameras.between(FRONT, { ...right, distance: 40 }, 0.5);
+  const middle = between(FRONT, { ...right, distance: 40 }, 0.5);
   near(middle.forward, [-1 / SQRT2, 1 / SQRT2, 0]);
   near(middle.position, [20 / SQRT2, -20 / SQRT2, 0], 1e-9);
   orthonormal(middle);
@@ -252,9 +253,9 @@ test("half way between views at right angles are 45 degrees and the geometric me
 
 test("half way between opposite views is a quarter turn", () => {
   const back = cameras.standard(FRONT, UP, [0, 0, 0], "back");
-  const middle = cameras.between(FRONT, back, 0.5);
+  const middle = between(FRONT, back, 0.5);
   near([middle.forward[0] * FRONT.forward[0] + middle.forward[1] * FRONT.forward[1] + middle.forward[2]], [0], 1e-9);
-  near(cameras.between(FRONT, back, 1).position, back.position);
+  near(between(FRONT, back, 1).position, back.position);
 });
 
 test("camera of the server without field of view or height gets them at its distance", () => {

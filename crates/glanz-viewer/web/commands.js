@@ -213,7 +213,7 @@ function fileName(page, extension) {
 /** @param {Page} page */
 function savePng(page) {
   // The browser clears the canvas once it was shown: only right after drawing there is something to read.
-  page.draw();
+  page.draw(true);
   page.canvas.toBlob((blob) => {
     if (blob) download(blob, fileName(page, "png"));
   }, "image/png");

@@ -14,6 +14,7 @@ import { Truth } from "./truth.js";
 import { announce, create, element } from "./ui/element.js";
 import { showProblem } from "./ui/files.js";
 import { Hands } from "./ui/hands.js";
+import { showLegend } from "./ui/legend.js";
 import { Measure } from "./ui/measure.js";
 import { Properties } from "./ui/properties.js";
 import { Status } from "./ui/status.js";
@@ -117,6 +118,7 @@ export class Page {
    */
   async enter(message) {
     this.scene.session = message.session ?? "";
+    if (this.model === null && message.integrator) this.settings.integrator = message.integrator;
     if (message.error !== null) showProblem(`${message.name} cannot be shown`, message.error);
     if (message.model === null || message.model === this.scene.model) {
       // After the connection was made anew, the picture has to be asked for again.
@@ -217,7 +219,10 @@ export class Page {
 
   settingsChanged() {
     const { extent } = this.viewpoint;
-    this.tools.describe(extent, this.section, (this.model?.maps.length ?? 0) > 0);
+    const maps = this.model?.maps ?? [];
+    this.tools.describe(extent, this.section, maps.length > 0);
+    const scalar = maps.filter(({ width, height }, i) => this.model?.mapValues[i].length === width * height);
+    showLegend(this.settings, fullColour(this.settings, extent), scalar);
     // Exposure works on the picture that is there.
     if (this.rendering === this.rendered) this.invalidate();
     else this.viewChanged();
@@ -251,7 +256,8 @@ export class Page {
     else this.tileTimer ??= setTimeout(() => this.invalidate(), pause);
   }
 
-  draw() {
+  /** @param {boolean} whole whether to wait for programs that the browser still compiles */
+  draw(whole = false) {
     clearTimeout(this.tileTimer);
     this.tileTimer = undefined;
     this.drawnAt = performance.now();
@@ -262,7 +268,7 @@ export class Page {
     if (!this.model) return;
     const view = this.view();
     const glance = this.drawnAt < this.glanceUntil;
-    if (glance || !picture?.covered) this.drawScene(view);
+    if (glance || !picture?.covered) this.drawScene(view, whole);
     if (picture && !glance && !picture.empty) this.renderer.drawTruth(picture, view);
     this.measure.draw(view.camera, this.viewpoint.size);
     if (this.frame?.pending === 0) this.isReady();
@@ -271,9 +277,10 @@ export class Page {
   /**
    * Draws in real time; again soon, if the browser still compiles some of the programs.
    * @param {import("./gl/renderer.js").View} view
+   * @param {boolean} whole
    */
-  drawScene(view) {
-    this.frame = this.renderer.draw(view);
+  drawScene(view, whole) {
+    this.frame = whole ? this.renderer.drawWhole(view) : this.renderer.draw(view);
     if (this.frame.pending > 0) setTimeout(() => this.invalidate(), COMPILE_PAUSE);
   }
 

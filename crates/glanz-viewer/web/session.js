@@ -14,7 +14,7 @@
  *   curvature: Curvature | null }} Hit
  */
 
-/** @typedef {{ type: "scene", model: string | null, name: string, error: string | null, session?: string, integrator?: string }} SceneMessage */
+/** @typedef {{ type: "scene", model: string | null, name: string, error: string | null, session?: string, integrator?: "path" | "guided" }} SceneMessage */
 /** @typedef {{ type: "progress", id: number, samples: number, noise: number | null, seconds: number, done: boolean }} Progress */
 
 /**

@@ -5,6 +5,7 @@
  */
 
 import * as cameras from "./camera.js";
+import { between } from "./transition.js";
 import { add, dot, length, scale, subtract } from "./linear.js";
 
 /** @typedef {import("./linear.js").Vector} Vector */
@@ -104,7 +105,7 @@ export class Viewpoint {
     const step = () => {
       const share = Math.min(1, (performance.now() - start) / TRANSITION);
       // Begins and ends at rest.
-      this.camera = cameras.between(from, target, share * share * (3 - 2 * share));
+      this.camera = between(from, target, share * share * (3 - 2 * share));
       this.frame = share < 1 ? requestAnimationFrame(step) : null;
       this.changed();
     };

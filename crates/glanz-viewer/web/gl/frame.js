@@ -26,7 +26,7 @@ struct Light {
 };
 layout(std140) uniform Frame {
   vec4 lens;       // half width and half height at w = 1; a, b with w = a z + b
-  vec4 depths;     // clip z = x z + y; z: pixels per metre at w = 1; w: -1 if the camera's axes are right-handed (the usual), else 1
+  vec4 depths;     // clip z = x z + y; z: pixels per metre at w = 1
   vec4 picture;    // width, height, gain of the exposure, number of the selected leaf or -1
   vec4 section;    // what has dot(xyz, p) > w is cut away
   vec4 upward;     // the world's up; w: number of stripes
@@ -136,6 +136,15 @@ export class Frame {
     );
   }
 
+  /** Whether a sphere is in sight as a whole. @param {number} x @param {number} y @param {number} z @param {number} radius */
+  contains(x, y, z, radius) {
+    const w = this.a * z + this.b;
+    return (
+      (Math.abs(x) - this.halfWidth * w) * this.cosX <= -radius &&
+      (Math.abs(y) - this.halfHeight * w) * this.cosY <= -radius
+    );
+  }
+
   /** Pixels per metre at a depth. @param {number} z metres, above 0 in perspective */
   pixelsPerMetre(z) {
     return this.scale / (this.a * z + this.b);
@@ -179,12 +188,8 @@ export class Frame {
   write(block) {
     const { slope, offset } = this.depths();
     const { right, up, forward } = this.camera;
-    const x = right[1] * up[2] - right[2] * up[1];
-    const y = right[2] * up[0] - right[0] * up[2];
-    const z = right[0] * up[1] - right[1] * up[0];
-    const hand = x * forward[0] + y * forward[1] + z * forward[2] < 0 ? -1 : 1;
     block.set([this.halfWidth, this.halfHeight, this.a, this.b], 0);
-    block.set([slope, offset, this.scale, hand], 4);
+    block.set([slope, offset, this.scale, 0], 4);
     block.set([this.width, this.height], 8);
     for (let axis = 0; axis < 3; axis++) block.set([right[axis], up[axis], forward[axis], 0], 24 + 4 * axis);
   }

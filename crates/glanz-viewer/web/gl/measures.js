@@ -4,15 +4,26 @@
  * @module
  */
 
+import { cross, dot, length, normalize } from "../linear.js";
 import { patchFacts } from "../model.js";
 
+/** @typedef {import("../linear.js").Vector} Vector */
 /** @typedef {import("../model.js").Model} Model */
 
-/** Numbers kept per patch: sphere (4), bending along u, mixed, along v (3), then `SIDE` numbers for each of four sides. */
-export const STRIDE = 27;
+/** Heights that single numbers round to, as a share of the size. */
+const FLAT = 2e-7;
+
+/** Numbers kept per patch: sphere (4), bending along u, mixed, along v (3), `SIDE` numbers for each of four sides, the least level of its grid. */
+export const STRIDE = 28;
 
 /** Numbers kept per side: sphere (4), bending. */
 export const SIDE = 5;
+
+/** Where the least level of the grid is. */
+export const LEAST = 27;
+
+/** The grid of a flat patch with curved borders is fine enough that Newton's method finds parameters from it. */
+const LEAST_OF_FLAT = 3;
 
 /** Where the first side's numbers begin. Sides: v = 0, v = 1, u = 0, u = 1. */
 export const SIDES = 7;
@@ -41,6 +52,11 @@ export function measurePatches(model) {
     measures[at + 5] = bend(1, 1);
     measures[at + 6] = bend(0, 2);
     measureSides(model, patch, measures);
+    if (net.isFlat(measures, at, degreeU + 1, degreeV + 1) && measures[at + 4] + measures[at + 6] > 0) {
+      // Within its borders a flat patch is on its triangles, however its parameters run.
+      measures.fill(0, at + 4, at + SIDES);
+      measures[at + LEAST] = LEAST_OF_FLAT;
+    }
   }
   return measures;
 }
@@ -159,6 +175,38 @@ class Net {
     });
     const factor = du === 1 ? degreeU * degreeV : du === 2 ? degreeU * (degreeU - 1) : degreeV * (degreeV - 1);
     return (factor * (Math.sqrt(longest) + radius * heaviest)) / lightest;
+  }
+
+  /**
+   * Whether all points are in a plane, but for the rounding of single numbers.
+   * @param {Float64Array} sphere about them, at
+   * @param {number} at
+   * @param {number} countU
+   * @param {number} countV
+   */
+  isFlat(sphere, at, countU, countV) {
+    const { points } = this;
+    const at0 = this.first * 4;
+    /** From the first point to another. @param {number} k @returns {Vector} */
+    const off = (k) => [
+      points[k] / points[k + 3] - points[at0] / points[at0 + 3],
+      points[k + 1] / points[k + 3] - points[at0 + 1] / points[at0 + 3],
+      points[k + 2] / points[k + 3] - points[at0 + 2] / points[at0 + 3],
+    ];
+    // The plane of the first point, the one farthest from it, and the one that makes the largest triangle with them.
+    let far = off(at0);
+    let normal = far;
+    this.each(countU, countV, (k) => (far = length(off(k)) > length(far) ? off(k) : far));
+    this.each(countU, countV, (k) => {
+      const across = cross(far, off(k));
+      if (length(across) > length(normal)) normal = across;
+    });
+    if (length(normal) === 0) return true;
+    const unit = normalize(normal);
+    let highest = 0;
+    this.each(countU, countV, (k) => (highest = Math.max(highest, Math.abs(dot(off(k), unit)))));
+    const size = sphere[at + 3] + Math.hypot(sphere[at], sphere[at + 1], sphere[at + 2]);
+    return highest <= FLAT * size;
   }
 
   /** Second difference of the points beginning at k, into `sum`; symmetric, so that it reads the same backwards. @param {number} k @param {number} du @param {number} dv */

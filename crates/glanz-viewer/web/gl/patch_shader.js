@@ -22,7 +22,7 @@ ${FRAME_TEXT}${OBJECT_TEXT}${positionText(shape)}
 uniform usampler2D patches;
 layout(location = 0) in vec2 cell;
 layout(location = 1) in uvec4 instance;
-out vec2 parameters;
+centroid out vec2 parameters;
 flat out uvec4 which;    // first point, object, patch, borders
 flat out vec2 cellSize;
 out vec3 eyePoint;
@@ -58,9 +58,15 @@ void main() {
 
 const INPUTS = `
 uniform usampler2D patches;
-in vec2 parameters;
+// Of slivers beside a border that cover a sample, but not the middle of the pixel, not to be extrapolated.
+centroid in vec2 parameters;
 flat in uvec4 which;
 flat in vec2 cellSize;
+`;
+
+/** How near to the middle of the pixel the surface is looked for, pixels; what is left is made up for to first order; and from where on the grid is no help. */
+const NEAR = `const float NEAR = 0.005;
+const float LOST = 4.0;
 `;
 
 /** Newton's method towards the ray of the pixel, which leaves p.xy = ray (a p.z + b). */
@@ -114,14 +120,30 @@ const LOCATE = `
   mat4x3 place = placeOf(which.y);
   mat3 turn = mat3(place);
   vec2 ray = pixelRay(gl_FragCoord.xy);
-  Jet jet = evaluate(first, parameters);
-  vec2 w = parameters;
-  w += newtonStep(turn * jet.s + place[3], turn * jet.su, turn * jet.sv, ray, cellSize);
-  w = clamp(w, 0.0, 1.0);
-  jet = evaluate(first, w);
-  vec3 su = turn * jet.su, sv = turn * jet.sv;
-  vec3 s = turn * jet.s + place[3];
-  vec2 rest = newtonStep(s, su, sv, ray, 0.1 * cellSize);
+  vec2 w = clamp(parameters, 0.0, 1.0), rest = vec2(0.0);
+  vec3 s, su, sv;
+  Jet jet;
+  vec2 reach = cellSize;
+  int most = 3;
+  // One step is usual. At a silhouette, where the ray may miss the surface, there are as many as there may be.
+  for (int k = 0; k <= most; k++) {
+    w = clamp(w + rest, 0.0, 1.0);
+    jet = evaluate(first, w);
+    s = turn * jet.s + place[3];
+    su = turn * jet.su;
+    sv = turn * jet.sv;
+    float miss = length(s.xy - ray * (lens.z * s.z + lens.w)) * depths.z / (lens.z * s.z + lens.w);
+    if (miss < NEAR) { rest = newtonStep(s, su, sv, ray, reach); break; }
+    if (k == 0 && miss > LOST) {
+      // A sliver of the grid says little about parameters: they are looked for in all of the patch, off its sides, which may be points.
+      reach = vec2(0.5);
+      most = 9;
+      rest = 0.02 * (0.5 - w);
+      continue;
+    }
+    rest = newtonStep(s, su, sv, ray, reach);
+  }
+  rest = clamp(rest, -0.1 * cellSize, 0.1 * cellSize);
   Point point;
   point.object = which.y;
   point.position = s + su * rest.x + sv * rest.y;
@@ -132,7 +154,8 @@ const LOCATE = `
     Jet beside = evaluate(first, mix(w, vec2(0.5), 4e-3));
     n = cross(turn * beside.su, turn * beside.sv);
   }
-  n = normalize(n) * depths.w * ((facts.bits & REVERSED) != 0u ? -1.0 : 1.0);
+  // The inverse transposed but for a positive factor, as meshes have it.
+  n = normalize(n) * sign(determinant(turn)) * ((facts.bits & REVERSED) != 0u ? -1.0 : 1.0);
   point.front = dot(n, toEyeFrom(point.position)) >= 0.0;
   point.normal = point.front ? n : -n;
   point.normalX = point.normalY = vec3(0.0);
@@ -173,7 +196,7 @@ const SHARES = `
     vec2 share = w;
     if ((facts.bits & REVOLUTION) != 0u) {
       vec4 angles = patchWords(which.z, 2u);
-      vec2 x = sweptShare(w.x, angles.x), y = sweptShare(w.y, angles.y);
+      vec2 x = parameterShare(w.x, angles.x, 0.0), y = parameterShare(w.y, angles.y, angles.z);
       share = vec2(x.x, y.x);
       toShare = mat2(x.y, 0.0, 0.0, y.y) * toParameters;
     }
@@ -191,7 +214,7 @@ export function patchFragmentText(shape, trimmed, look) {
   const second = needsCurvature(look);
   const lines = look !== "read" && look !== "normals";
   return `${PRECISION_TEXT}${lookText(look)}${INPUTS}${jetText(shape, second)}${trimmed ? TRIMMING_TEXT : MAPPING_TEXT}
-${second ? CURVATURE_TEXT : ""}${NEWTON}${LINES}
+${second ? CURVATURE_TEXT : ""}${NEAR}${NEWTON}${LINES}
 layout(location = 0) out vec4 colour;
 void main() {
   Facts facts = factsOf(which.y);

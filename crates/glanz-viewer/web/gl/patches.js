@@ -7,8 +7,8 @@
 import { largestStretch } from "../linear.js";
 import { patchFacts } from "../model.js";
 import { Grids } from "./grids.js";
-import { LARGEST_GRID, gridLevels, sideLevel } from "./levels.js";
-import { SIDE, SIDES, STRIDE, measurePatches } from "./measures.js";
+import { LARGEST_GRID, gridLevels, lengthLevel, sideLevel } from "./levels.js";
+import { LEAST, SIDE, SIDES, STRIDE, measurePatches } from "./measures.js";
 import { INSTANCE_WORDS, patchFragmentText, patchVertexText } from "./patch_shader.js";
 import { Pieces } from "./pieces.js";
 
@@ -24,8 +24,8 @@ const TOLERANCE = 0.25;
 /** Grids of one kind are drawn from front to back in this many steps of depth. */
 const STEPS = 16;
 
-/** Of a patch that fills the picture, at most so many parts are drawn at once; else its grid gets coarser. */
-const MOST_PIECES = 48;
+/** Grids of 2^10 cells and more are drawn in parts if the patch is only partly in sight. */
+const LARGEST_WHOLE = 10;
 
 /** @typedef {{ patches: number, quads: number, triangles: number, draws: number }} FrameStatistics */
 
@@ -130,14 +130,15 @@ export class Patches {
       measures[at + 5],
       measures[at + 6],
       resolution,
-      Math.max(side0, side1),
-      Math.max(side2, side3),
+      Math.max(side0, side1, measures[at + LEAST]),
+      Math.max(side2, side3, measures[at + LEAST]),
     );
     const sides = (side0 << 8) | (side1 << 12) | (side2 << 16) | (side3 << 20);
     const levelU = levels & 15;
     const levelV = levels >> 4;
-    if (levelU <= LARGEST_GRID && levelV <= LARGEST_GRID) {
-      this.add(object, patch, 0, levels | sides, near);
+    const small = levelU + levelV < LARGEST_WHOLE || frame.contains(cx, cy, cz, radius);
+    if (small && levelU <= LARGEST_GRID && levelV <= LARGEST_GRID) {
+      this.add(object, patch, 0, levels | sides, levelU, levelV, near);
     } else {
       this.addPieces(frame, places, object, patch, levelU, levelV, sides);
     }
@@ -153,7 +154,6 @@ export class Patches {
    */
   levelOfSide(frame, places, object, at, stretch) {
     const { measures } = this;
-    if (measures[at + 4] === 0) return 0;
     const place = 12 * object;
     const radius = measures[at + 3] * stretch;
     const x = measures[at];
@@ -164,11 +164,12 @@ export class Patches {
     const cz = places[place + 2] * x + places[place + 5] * y + places[place + 8] * z + places[place + 11];
     if (!frame.sees(cx, cy, cz, radius)) return 0;
     const nearest = frame.a === 1 ? Math.max(cz - radius, 0.05 * radius) : 1;
-    return sideLevel(measures[at + 4], (frame.pixelsPerMetre(nearest) * stretch) / TOLERANCE);
+    const scale = frame.pixelsPerMetre(nearest);
+    return Math.max(sideLevel(measures[at + 4], (scale * stretch) / TOLERANCE), lengthLevel(2 * radius * scale));
   }
 
   /**
-   * Draws a fine grid in parts, those in sight.
+   * Draws a fine grid in parts, those in sight; coarser, if they are too many.
    * @param {Frame} frame
    * @param {Float64Array} places
    * @param {number} object
@@ -178,35 +179,34 @@ export class Patches {
    * @param {number} sides
    */
   addPieces(frame, places, object, patch, levelU, levelV, sides) {
-    const stretch = this.stretch[object];
-    for (;;) {
-      const partsU = Math.max(0, levelU - LARGEST_GRID);
-      const partsV = Math.max(0, levelV - LARGEST_GRID);
-      const found = this.pieces.inSight(frame, places, object, stretch, patch, partsU, partsV, MOST_PIECES);
-      if (found) {
-        const cellsU = 1 << Math.min(levelU, LARGEST_GRID);
-        const cellsV = 1 << Math.min(levelV, LARGEST_GRID);
-        for (let k = 0; k < this.pieces.found; k++) {
-          const first = (this.pieces.cells[2 * k] * cellsU) | ((this.pieces.cells[2 * k + 1] * cellsV) << 16);
-          this.add(object, patch, first >>> 0, levelU | (levelV << 4) | sides, this.pieces.nearest[k]);
-        }
-        return;
-      }
-      levelU = Math.max(levelU - 1, LARGEST_GRID);
-      levelV = Math.max(levelV - 1, LARGEST_GRID);
+    const { pieces } = this;
+    while (!pieces.inSight(frame, places, object, this.stretch[object], patch, levelU, levelV, sides)) {
+      if (levelU >= levelV) levelU -= 1;
+      else levelV -= 1;
+    }
+    for (let k = 0; k < pieces.found; k++) {
+      const { [4 * k]: cellU, [4 * k + 1]: cellV, [4 * k + 2]: gridU, [4 * k + 3]: gridV } = pieces.parts;
+      const first = (cellU | (cellV << 16)) >>> 0;
+      this.add(object, patch, first, levelU | (levelV << 4) | sides, gridU, gridV, pieces.depths[k]);
     }
   }
 
-  /** @param {number} object @param {number} patch @param {number} first @param {number} levels @param {number} depth */
-  add(object, patch, first, levels, depth) {
+  /**
+   * @param {number} object
+   * @param {number} patch
+   * @param {number} first cell
+   * @param {number} levels
+   * @param {number} gridU level of what is drawn of the grid
+   * @param {number} gridV
+   * @param {number} depth
+   */
+  add(object, patch, first, levels, gridU, gridV, depth) {
     if (this.count === this.kinds.length) this.grow();
     const at = this.count * INSTANCE_WORDS;
     this.words[at] = patch;
     this.words[at + 1] = object;
     this.words[at + 2] = first;
     this.words[at + 3] = levels;
-    const gridU = Math.min(levels & 15, LARGEST_GRID);
-    const gridV = Math.min((levels >> 4) & 15, LARGEST_GRID);
     this.kinds[this.count] = this.classOf[patch] * 64 + gridU * 8 + gridV;
     this.depths[this.count] = depth;
     this.count += 1;

@@ -5,6 +5,7 @@
  */
 
 import { patchFacts } from "../model.js";
+import { FINEST, LARGEST_GRID } from "./levels.js";
 import { STRIDE } from "./measures.js";
 
 /** @typedef {import("../model.js").Model} Model */
@@ -12,6 +13,12 @@ import { STRIDE } from "./measures.js";
 
 /** Parts of a patch are looked at in this many steps of halving, to tell how near it comes. */
 const LOOKS = 2;
+
+/** Parts that are partly in sight are halved down to 2^4 cells along a side. */
+const SMALLEST_GRID = 4;
+
+/** No more parts of a patch are drawn. */
+const MOST = 128;
 
 export class Pieces {
   /**
@@ -21,10 +28,10 @@ export class Pieces {
   constructor(model, measures) {
     this.model = model;
     this.measures = measures;
-    /** What `inSight` found: numbers of parts along u and v, and their depths. */
+    /** What `inSight` found: for every part its first cell along u and v and its levels, and its depth. */
     this.found = 0;
-    this.cells = new Uint16Array(0);
-    this.nearest = new Float32Array(0);
+    this.parts = new Uint16Array(4 * MOST);
+    this.depths = new Float32Array(MOST);
     /** Scratch: corners and the sphere about them. */
     this.corner = new Float64Array(3);
     this.sphere = new Float64Array(4);
@@ -58,44 +65,49 @@ export class Pieces {
   }
 
   /**
-   * Finds those of 2^partsU x 2^partsV parts that are in sight.
+   * Cuts a grid into parts that are in sight, by halving what is only partly so.
    * @param {Frame} frame
    * @param {Float64Array} places
    * @param {number} object
    * @param {number} stretch
    * @param {number} patch
-   * @param {number} partsU
-   * @param {number} partsV
-   * @param {number} most
-   * @returns {boolean} false if there are more than `most` and it could be fewer
+   * @param {number} levelU of the whole grid
+   * @param {number} levelV
+   * @param {number} sides levels of the sides, as in `INSTANCE_WORDS`
+   * @returns {boolean} false if there are more parts than `MOST`
    */
-  inSight(frame, places, object, stretch, patch, partsU, partsV, most) {
+  inSight(frame, places, object, stretch, patch, levelU, levelV, sides) {
     this.found = 0;
-    if (this.nearest.length < most) {
-      this.nearest = new Float32Array(most);
-      this.cells = new Uint16Array(2 * most);
-    }
-    const deepest = Math.max(partsU, partsV);
-    /** @param {number} depth @param {number} i @param {number} j @returns {boolean} */
-    const descend = (depth, i, j) => {
-      const [depthU, depthV] = [Math.min(depth, partsU), Math.min(depth, partsV)];
-      const [sizeU, sizeV] = [2 ** -depthU, 2 ** -depthV];
-      this.locate(patch, i * sizeU, j * sizeV, sizeU, sizeV);
+    /** @param {number} gridU level of the part @param {number} gridV @param {number} i number of the part @param {number} j @returns {boolean} */
+    const descend = (gridU, gridV, i, j) => {
+      const sizeU = 2 ** (gridU - levelU);
+      const sizeV = 2 ** (gridV - levelV);
+      const u = range(i, sizeU, j === 0 ? sides >> 8 : FINEST, (j + 1) * sizeV === 1 ? sides >> 12 : FINEST);
+      const v = range(j, sizeV, i === 0 ? sides >> 16 : FINEST, (i + 1) * sizeU === 1 ? sides >> 20 : FINEST);
+      this.locate(patch, u[0], v[0], u[1] - u[0], v[1] - v[0]);
       if (!this.isInSight(frame, places, object, stretch)) return true;
-      if (depth === deepest) {
-        if (this.found === most) return false;
-        this.cells[2 * this.found] = i;
-        this.cells[2 * this.found + 1] = j;
-        this.nearest[this.found++] = this.sphere[2] - this.sphere[3];
-        return true;
-      }
-      const [stepsU, stepsV] = [depth < partsU ? 2 : 1, depth < partsV ? 2 : 1];
+      const { 0: x, 1: y, 2: z, 3: radius } = this.sphere;
+      const smallest = frame.contains(x, y, z, radius) ? LARGEST_GRID : SMALLEST_GRID;
+      const stepsU = gridU > smallest ? 2 : 1;
+      const stepsV = gridV > smallest ? 2 : 1;
+      if (stepsU === 1 && stepsV === 1) return this.keep(i << gridU, j << gridV, gridU, gridV, z - radius);
       for (let a = 0; a < stepsU; a++) {
-        for (let b = 0; b < stepsV; b++) if (!descend(depth + 1, i * stepsU + a, j * stepsV + b)) return false;
+        for (let b = 0; b < stepsV; b++) {
+          if (!descend(gridU + 1 - stepsU, gridV + 1 - stepsV, i * stepsU + a, j * stepsV + b)) return false;
+        }
       }
       return true;
     };
-    return descend(0, 0, 0);
+    return descend(levelU, levelV, 0, 0);
+  }
+
+  /** @param {number} cellU @param {number} cellV @param {number} gridU @param {number} gridV @param {number} depth */
+  keep(cellU, cellV, gridU, gridV, depth) {
+    if (this.found === MOST) return false;
+    this.parts.set([cellU, cellV, gridU, gridV], 4 * this.found);
+    this.depths[this.found] = depth;
+    this.found += 1;
+    return true;
   }
 
   /**
@@ -155,6 +167,19 @@ export class Pieces {
     this.corner[1] = y / w;
     this.corner[2] = z / w;
   }
+}
+
+/**
+ * What a part draws along one direction: its own range, and where it lies at a side, whole segments of that side's own grid.
+ * @param {number} number of the part
+ * @param {number} size
+ * @param {number} lowSide level of the side that it lies at, in the lowest four bits
+ * @param {number} highSide
+ * @returns {[number, number]}
+ */
+function range(number, size, lowSide, highSide) {
+  const count = 2 ** Math.min(lowSide & 15, highSide & 15);
+  return [Math.floor(number * size * count) / count, Math.ceil((number + 1) * size * count) / count];
 }
 
 /**

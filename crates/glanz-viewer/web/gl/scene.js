@@ -5,9 +5,11 @@
  */
 
 import { dot } from "../linear.js";
+import { AlgebraicSurfaces } from "./algebraic.js";
 import { FRAME_FLOATS, Frame, PLACE } from "./frame.js";
 import { Lights } from "./lights.js";
 import { Meshes } from "./meshes.js";
+import { Nets } from "./nets.js";
 import { Patches } from "./patches.js";
 import { FRAME_BINDING, UNITS } from "./programs.js";
 import { SceneTables } from "./scene_tables.js";
@@ -36,6 +38,8 @@ export class Scene {
     this.positions = new Float64Array(model.objects.length * 12);
     this.patches = new Patches(gl, model);
     this.meshes = new Meshes(gl, model);
+    this.algebraic = new AlgebraicSurfaces(gl, model);
+    this.nets = new Nets(gl, model);
     this.lights = new Lights(model);
     this.shadows = new Shadows(gl, model, this.lights.main);
     this.block = new Float32Array(FRAME_FLOATS);
@@ -44,12 +48,17 @@ export class Scene {
     gl.bufferData(gl.UNIFORM_BUFFER, this.block.byteLength, gl.DYNAMIC_DRAW);
   }
 
-  /** Objects to be drawn. @param {View} view */
-  opaqueObjects(view) {
+  /** Numbers of the objects that are not hidden, opaque ones and those that let light through. @param {View} view */
+  shownObjects(view) {
     const { objects, materials } = this.model;
-    return objects.flatMap((object, i) =>
-      view.hidden.has(object.leaf) || materials[object.material].opacity < 1 ? [] : [i],
-    );
+    /** @type {{ opaque: number[], clear: number[] }} */
+    const shown = { opaque: [], clear: [] };
+    objects.forEach((object, i) => {
+      if (view.hidden.has(object.leaf)) return;
+      const list = materials[object.material].opacity < 1 ? shown.clear : shown.opaque;
+      list.push(i);
+    });
+    return shown;
   }
 
   /**
@@ -62,43 +71,93 @@ export class Scene {
   draw(view, look, wait) {
     const { gl } = this;
     const statistics = { patches: 0, quads: 0, triangles: 0, draws: 0 };
+    const { opaque, clear } = this.shownObjects(view);
+    const blended = look === "material" ? clear : [];
+    const solid = look === "material" ? opaque : [...opaque, ...clear];
     const frame = new Frame(view.camera, view.width, view.height);
-    this.prepare(frame, this.opaqueObjects(view));
+    this.place(frame);
+    // For the depths of the clipping planes alone: what is blended is found again, one object at a time.
+    if (blended.length > 0) this.cull(frame, blended);
+    this.cull(frame, solid);
+    frame.write(this.block);
     this.writeLook(frame, view);
     this.shadows.write(this.block, frame);
     this.lights.write(this.block, frame, this.shadows.known);
     this.upload();
     gl.enable(gl.DEPTH_TEST);
     if (look !== "read") gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
-    this.patches.draw(this.programs, look, wait, statistics);
-    this.meshes.draw(this.programs, look, wait, statistics);
+    this.drawSurfaces(look, wait, statistics);
     gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
+    if (view.net && look !== "read") this.drawNets(view, wait, statistics);
+    this.drawBlended(frame, blended, wait, statistics);
     return statistics;
   }
 
-  /** Finds what a frame shows, and puts it and the places of objects on the graphics card. @param {Frame} frame @param {number[]} objects */
-  prepare(frame, objects) {
+  /** @param {View} view @param {boolean} wait @param {FrameStatistics} statistics */
+  drawNets(view, wait, statistics) {
+    const { opaque, clear } = this.shownObjects(view);
+    const { objects } = this.model;
+    const chosen = [...opaque, ...clear].filter((i) => view.selected === null || objects[i].leaf === view.selected);
+    this.nets.draw(this.programs, chosen, wait, statistics);
+  }
+
+  /**
+   * Draws objects that let light through over what is there, far ones first.
+   * @param {Frame} frame
+   * @param {number[]} objects
+   * @param {boolean} wait
+   * @param {FrameStatistics} statistics
+   */
+  drawBlended(frame, objects, wait, statistics) {
+    if (objects.length === 0) return;
+    const { gl } = this;
+    const depth = (/** @type {number} */ i) => this.positions[12 * i + 11];
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.depthMask(false);
+    for (const number of [...objects].sort((a, b) => depth(b) - depth(a))) {
+      this.cull(frame, [number]);
+      this.drawSurfaces("material", wait, statistics);
+    }
+    gl.depthMask(true);
+    gl.disable(gl.BLEND);
+  }
+
+  /** Draws what `prepare` found. @param {Look} look @param {boolean} wait @param {FrameStatistics} statistics */
+  drawSurfaces(look, wait, statistics) {
+    this.patches.draw(this.programs, look, wait, statistics);
+    this.meshes.draw(this.programs, look, wait, statistics);
+    this.algebraic.draw(this.programs, look, wait, statistics, this.positions);
+  }
+
+  /** Puts the places of objects, as seen from a frame's camera, on the graphics card. @param {Frame} frame */
+  place(frame) {
     frame.place(this.model.objects, this.rows, this.positions);
     this.places.write(this.rows);
+  }
+
+  /** Finds what a frame shows of these objects. @param {Frame} frame @param {number[]} objects */
+  cull(frame, objects) {
     this.patches.cull(frame, this.positions, objects);
     this.meshes.cull(frame, this.positions, objects);
-    frame.write(this.block);
+    this.algebraic.cull(frame, this.positions, objects);
   }
 
   /** Makes the shadow map if it is not that of what is to be seen. @param {View} view @param {boolean} wait */
   updateShadows(view, wait) {
     const key = JSON.stringify([[...view.hidden].sort((a, b) => a - b), view.section]);
     const { objects } = this.model;
-    const casters = this.opaqueObjects(view).filter((i) => !objects[i].light);
+    const casters = this.shownObjects(view).opaque.filter((i) => !objects[i].light);
     this.shadows.update(key, (frame) => {
-      this.prepare(frame, casters);
+      this.place(frame);
+      this.cull(frame, casters);
+      frame.write(this.block);
       this.writeSection(frame, view);
       this.upload();
       this.gl.enable(this.gl.DEPTH_TEST);
       const before = this.programs.pending;
       const statistics = { patches: 0, quads: 0, triangles: 0, draws: 0 };
-      this.patches.draw(this.programs, "depth", wait, statistics);
-      this.meshes.draw(this.programs, "depth", wait, statistics);
+      this.drawSurfaces("depth", wait, statistics);
       return this.programs.pending === before;
     });
   }
@@ -138,6 +197,8 @@ export class Scene {
     this.places.delete();
     this.patches.delete();
     this.meshes.delete();
+    this.algebraic.delete();
+    this.nets.delete();
     this.shadows.delete();
     this.gl.deleteBuffer(this.uniforms);
   }

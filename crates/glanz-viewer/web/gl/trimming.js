@@ -11,20 +11,24 @@ vec4 patchWords(uint number, uint texel) {
   return uintBitsToFloat(texelFetch(patches, ivec2(at & 2047u, at >> 11u), 0));
 }
 
-// Share of the angle swept at x along an arc that sweeps 2 halfAngle, and its derivative.
-vec2 sweptShare(float x, float halfAngle) {
-  if (halfAngle == 0.0) return vec2(x, 1.0);
-  float s = sin(halfAngle), c = cos(halfAngle), y = 1.0 - x;
+// Share of the parameter's range at x, and its derivative, for half the angle of an arc (above 0) or of a hyperbola (below 0), else for a parabola's bend.
+vec2 parameterShare(float x, float halfAngle, float bend) {
+  if (halfAngle == 0.0) return vec2(x + bend * x * (x - 1.0), 1.0 + bend * (2.0 * x - 1.0));
+  float a = abs(halfAngle), y = 1.0 - x;
+  bool arc = halfAngle > 0.0;
+  float s = arc ? sin(a) : sinh(a), c = arc ? cos(a) : cosh(a);
   float p = (x - y) * s, q = (x * x + y * y) * c + 2.0 * x * y;
   float dp = 2.0 * s, dq = 2.0 * (x - y) * (c - 1.0);
-  return vec2(0.5 + 0.5 * atan(p, q) / halfAngle, 0.5 * (dp * q - p * dq) / ((p * p + q * q) * halfAngle));
+  float angle = arc ? atan(p, q) : atanh(p / q);
+  float square = arc ? p * p + q * q : q * q - p * p;
+  return vec2(0.5 + 0.5 * angle / a, 0.5 * (dp * q - p * dq) / (square * a));
 }
 
 // Parameters of the surface at w; columns of d: derivatives along w.x and w.y.
 vec2 surfaceParameters(uint patchNumber, bool revolution, vec2 w, out mat2 d) {
   vec4 low = patchWords(patchNumber, 1u), high = patchWords(patchNumber, 2u);
   if (revolution) {
-    vec2 x = sweptShare(w.x, high.x), y = sweptShare(w.y, high.y);
+    vec2 x = parameterShare(w.x, high.x, 0.0), y = parameterShare(w.y, high.y, high.z);
     vec2 size = low.yw - low.xz;
     d = mat2(size.x * x.y, 0.0, 0.0, size.y * y.y);
     return low.xz + size * vec2(x.x, y.x);
@@ -103,10 +107,11 @@ float partDistance(uint first, int degree, vec2 p, mat2 toPixels, float limit) {
 
 // Whether p is kept, and its distance from the nearest border in pixels up to REACH: above 0 where it is kept.
 const float REACH = 2.0;
-float trimmingDistance(uint firstCell, ivec2 cells, vec2 p, mat2 toPixels, bool measured) {
+float trimmingDistance(uint firstCell, ivec2 cells, vec2 at, mat2 toPixels, bool measured) {
+  vec2 p = clamp(at, 0.0, 1.0);
   ivec2 cell = clamp(ivec2(floor(p * vec2(cells))), ivec2(0), cells - 1);
-  uint at = firstCell + uint(cell.y * cells.x + cell.x);
-  uvec4 facts = texelFetch(regionCells, ivec2(at & 2047u, at >> 11u), 0);
+  uint number = firstCell + uint(cell.y * cells.x + cell.x);
+  uvec4 facts = texelFetch(regionCells, ivec2(number & 2047u, number >> 11u), 0);
   int winding = int(facts.w >> 16u) - 128;
   uint steps = facts.w & 65535u;
   for (uint k = 0u; k < steps; k++) {

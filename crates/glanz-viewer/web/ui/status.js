@@ -24,10 +24,10 @@ export class Status {
   /**
    * @param {TruthStatus | null} truth
    * @param {string} integrator
-   * @param {string | null} why why only the picture in real time is shown
+   * @param {string | null} why what shows in real time only, if something is chosen that does
    */
   show(truth, integrator, why) {
-    this.renderer.textContent = truth ? truthText(truth, integrator) : `Real time${why ? ` only: ${why}` : ""}`;
+    this.renderer.textContent = truth ? truthText(truth, integrator) : realTimeText(why);
     this.busy.hidden = !truth || truth.done || truth.error !== null;
     const done = truth?.done ?? false;
     if (done && !this.done) announce("Rendering is done");
@@ -38,6 +38,11 @@ export class Status {
   point(point) {
     this.cursor.textContent = point ? pointText(point) : "";
   }
+}
+
+/** @param {string | null} why */
+function realTimeText(why) {
+  return why === null ? "Real time" : `Real time only (${why})`;
 }
 
 /**
