@@ -30,7 +30,7 @@ export const OBJECT_TEXT = `
 uniform usampler2D objectFacts;
 uniform sampler2D objectPlaces;
 struct Facts { uint material, firstCell; ivec2 cells; uint leaf, bits; };
-const uint REVERSED = 1u, REVOLUTION = 2u, FLAT = 4u, MAPPED = 8u;
+const uint REVERSED = 1u, REVOLUTION = 2u, MAPPED = 4u;
 Facts factsOf(uint number) {
   uint at = number * 2u;
   ivec2 place = ivec2(at & 2047u, at >> 11u);
@@ -147,18 +147,18 @@ vec4 look(Point point, Facts facts) {
 }
 `;
 
-/** What the maps of the scene say, in false colours (viridis, @smith2015) or, with three channels, as light. */
+/** What the maps of the scene say, in false colours (viridis, @smith2015) or as light. */
 export const MAP_TEXT = `
 uniform sampler2D mapValues;
-uniform vec2 mapScale;    // largest value, number of channels
+uniform vec2 mapScale;    // largest value; 1 for false colours, 0 for light
 const vec3 VIRIDIS[9] = vec3[9](vec3(68, 1, 84), vec3(72, 40, 120), vec3(62, 73, 137), vec3(49, 104, 142), vec3(38, 130, 142),
   vec3(53, 183, 121), vec3(109, 205, 89), vec3(180, 222, 44), vec3(253, 231, 37));
 vec2 mapPlace;
 vec3 mapColour(vec3 unmapped) {
   if (mapPlace.x < 0.0) return unmapped;
-  vec3 value = texture(mapValues, mapPlace).xyz;
-  if (mapScale.y > 1.0) return display(value, picture.z);
-  float x = clamp(value.x / mapScale.x, 0.0, 1.0) * 8.0;
+  vec3 share = texture(mapValues, mapPlace).xyz;
+  if (mapScale.y == 0.0) return display(share * mapScale.x, picture.z);
+  float x = clamp(share.x, 0.0, 1.0) * 8.0;
   int k = min(int(x), 7);
   return mix(VIRIDIS[k], VIRIDIS[k + 1], x - float(k)) / 255.0;
 }
