@@ -6,6 +6,7 @@ mod layers;
 mod references;
 mod scenes;
 mod steps;
+mod web;
 mod workspace;
 
 use std::path::Path;
@@ -14,7 +15,7 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 Usage: cargo xtask COMMAND
 
-  test [STEP...]       every check of the project: format, clippy, layers, references, docs, tests
+  test [STEP...]       every check of the project: format, clippy, layers, references, web, docs, tests
   layers               which crate uses which, against the floors of docs/ARCHITECTURE.md
   references           every @key cited in the sources against docs/references.bib
   contract [--rays N]  the surface contract with N random rays per surface kind (default 10000000), optimised

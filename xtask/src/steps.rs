@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, IsTerminal, Write};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::{layers, references, workspace};
+use crate::{layers, references, web, workspace};
 
 /// What became of a step of the test run.
 struct Outcome {
@@ -22,6 +22,7 @@ const STEPS: &[Step] = &[
     ("clippy", clippy),
     ("layers", || layers::check().map_err(|breaches| breaches.join("\n"))),
     ("references", || references::check().map_err(|missing| missing.join("\n"))),
+    ("web", web::check),
     ("docs", docs),
     ("tests", tests),
 ];
@@ -196,7 +197,11 @@ fn optimised_test_of(package: &str, name: &str) -> Command {
     command
 }
 
-fn succeed(command: &mut Command, otherwise: &str) -> Result<String, String> {
+/// Runs a command that says itself what is wrong.
+///
+/// # Errors
+/// `otherwise` if it fails, the system's words if it cannot be run.
+pub(crate) fn succeed(command: &mut Command, otherwise: &str) -> Result<String, String> {
     match command.status() {
         Ok(status) if status.success() => Ok(String::new()),
         Ok(_) => Err(otherwise.to_owned()),

@@ -17,6 +17,11 @@ pub struct Options {
     pub strict: bool,
     /// Where files are that the scene names; by default the folder of the scene file.
     pub folder: Option<PathBuf>,
+    /// Whether files outside of that folder are refused, for scenes of people who may not read them: names that are absolute or go up,
+    /// and links that lead out. Messages name files relative to the folder then.
+    ///
+    /// The folder has to be one that those people cannot change while it is read.
+    pub confined: bool,
 }
 
 /// What was read.
@@ -72,7 +77,8 @@ impl SceneFormat {
     }
 }
 
-fn failure(name: &str, kind: &'static str, message: String) -> Diagnostics {
+/// One error about a file as a whole.
+pub(crate) fn failure(name: &str, kind: &'static str, message: String) -> Diagnostics {
     let mut diagnostics = Diagnostics::default();
     diagnostics.push(Diagnostic {
         severity: Severity::Error,
@@ -100,9 +106,21 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         Ok(_) => {}
         Err(error) => return Err(unreadable(format!("the file cannot be read: {error}"))),
     }
+    if options.confined && !lies_in(path, options.folder.as_deref().or_else(|| path.parent())) {
+        return Err(unreadable("the file is outside the folder of the scene".to_owned()));
+    }
     let bytes =
         std::fs::read(path).map_err(|error| unreadable(format!("the file cannot be read: {error}")))?;
     load_bytes(&name, Some(path), bytes.into(), options)
+}
+
+/// Whether `path`, followed through links, is in `folder`.
+fn lies_in(path: &Path, folder: Option<&Path>) -> bool {
+    let real = |path: &Path| std::fs::canonicalize(path).ok();
+    match (real(path), folder.and_then(real)) {
+        (Some(path), Some(folder)) => path.starts_with(folder),
+        _ => false,
+    }
 }
 
 /// Reads a scene from memory. `name`: what messages call it. Files it refers to are found in [`Options::folder`] only.

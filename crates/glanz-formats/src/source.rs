@@ -14,6 +14,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Excerpt, Severity};
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     files: Vec<Source>,
+    paths: Vec<PathBuf>,
 }
 
 #[derive(Clone, Debug)]
@@ -28,6 +29,17 @@ impl Sources {
     #[must_use]
     pub fn names(&self) -> Vec<String> {
         self.files.iter().map(|f| f.name.clone()).collect()
+    }
+
+    /// The paths of all files on disk that were read: those with [names](Sources::names), meshes, pictures, spectra and so on.
+    #[must_use]
+    pub fn paths(&self) -> &[PathBuf] {
+        &self.paths
+    }
+
+    /// Notes what was read.
+    pub(crate) fn set_paths(&mut self, paths: impl IntoIterator<Item = PathBuf>) {
+        self.paths = paths.into_iter().collect();
     }
 
     /// A message about a place of one of the files, with the line if it can still be read.

@@ -1,5 +1,7 @@
 //! The scene: immutable, and asked by rays.
 
+use std::sync::Arc;
+
 use glanz_geometry::Hit;
 use glanz_geometry::bvh::Bvh;
 use glanz_light::{Spectrum, Wavelengths};
@@ -72,20 +74,22 @@ struct Found {
 }
 
 /// A scene in which nothing can be invalid and nothing changes.
+///
+/// Everything but the camera is shared with the scenes of [`Scene::with_camera`].
 #[derive(Debug)]
 pub struct Scene {
     pub(crate) camera: Camera,
     /// All groups; the last is the world.
-    pub(crate) groups: Vec<Group>,
-    pub(crate) materials: Vec<Material>,
-    pub(crate) textures: Textures,
-    pub(crate) lights: Vec<Light>,
-    pub(crate) infinite_lights: Vec<LightId>,
-    pub(crate) selector: LightSelector,
+    pub(crate) groups: Arc<[Group]>,
+    pub(crate) materials: Arc<[Material]>,
+    pub(crate) textures: Arc<Textures>,
+    pub(crate) lights: Arc<[Light]>,
+    pub(crate) infinite_lights: Arc<[LightId]>,
+    pub(crate) selector: Arc<LightSelector>,
     /// For paths that begin at lights.
-    pub(crate) emitters: LightSelector,
+    pub(crate) emitters: Arc<LightSelector>,
     pub(crate) bounds: Bounds3,
-    pub(crate) receivers: Vec<NamedReceiver>,
+    pub(crate) receivers: Arc<[NamedReceiver]>,
 }
 
 impl Scene {
@@ -93,6 +97,23 @@ impl Scene {
     #[must_use]
     pub fn camera(&self) -> &Camera {
         &self.camera
+    }
+
+    /// The same scene seen by another camera. Nothing is copied: both share what they show.
+    #[must_use]
+    pub fn with_camera(&self, camera: Camera) -> Self {
+        Self {
+            camera,
+            groups: Arc::clone(&self.groups),
+            materials: Arc::clone(&self.materials),
+            textures: Arc::clone(&self.textures),
+            lights: Arc::clone(&self.lights),
+            infinite_lights: Arc::clone(&self.infinite_lights),
+            selector: Arc::clone(&self.selector),
+            emitters: Arc::clone(&self.emitters),
+            bounds: self.bounds,
+            receivers: Arc::clone(&self.receivers),
+        }
     }
 
     /// A box around everything that has an end; empty if there is nothing.

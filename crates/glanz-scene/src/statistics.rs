@@ -43,7 +43,7 @@ impl Scene {
             materials: self.materials.len(),
             ..Statistics::default()
         };
-        for group in &self.groups {
+        for group in self.groups.iter() {
             statistics.instances += group.instances.len();
             for object in &group.objects {
                 *statistics.surfaces.entry(object.surface().kind()).or_default() += object.shape_count();
@@ -52,7 +52,7 @@ impl Scene {
                 }
             }
         }
-        for light in &self.lights {
+        for light in self.lights.iter() {
             *statistics.lights.entry(light.kind()).or_default() += 1;
         }
         statistics

@@ -7,11 +7,11 @@ use std::f64::consts::{PI, TAU};
 use glanz_light::{SpectralDistribution, Wavelengths};
 use glanz_math::{DMat4, DVec2, DVec3, Ray};
 use glanz_scene::description::{
-    Description, EmissionDescription, EmissionPower, FileId, FloatInput, GeometryDescription,
-    GroupDescription, InstanceDescription, LightDescription, LightKind, Location, MaterialDescription,
-    MaterialKind, ShapeDescription, SpectrumInput,
+    CameraDescription, Description, EmissionDescription, EmissionPower, FileId, FilmDescription, FloatInput,
+    GeometryDescription, GroupDescription, InstanceDescription, LightDescription, LightKind, Location,
+    MaterialDescription, MaterialKind, ShapeDescription, SpectrumInput,
 };
-use glanz_scene::{Interaction, Light, LightId, Scene, SceneErrorKind};
+use glanz_scene::{Camera, Interaction, Light, LightId, Scene, SceneErrorKind};
 use glanz_shading::TransportMode;
 
 const HERE: Location = Location { file: FileId(0), line: 7, column: 3 };
@@ -417,4 +417,21 @@ fn thin_glass_lets_a_ray_straight_through() {
         let through = branches.iter().flatten().find(|branch| branch.wi.z < 0.0).unwrap();
         assert!((through.wi.x + sine_inside).abs() < 1e-6, "{:?}", through.wi);
     }
+}
+
+#[test]
+fn another_camera_sees_the_same_scene_from_elsewhere() {
+    let scene = resolve(with_shapes(vec![shining(unit_sphere(), DMat4::IDENTITY)]));
+    let film = FilmDescription { resolution: [2, 2], ..FilmDescription::default() };
+    let to_world = DMat4::from_translation(DVec3::new(0.0, 0.0, -5.0));
+    let camera = CameraDescription { to_world, ..CameraDescription::default() };
+    let other = scene.with_camera(Camera::try_new(&camera, &film).unwrap());
+    let [here, there] = [&scene, &other].map(|s| s.camera().ray(DVec2::ONE, DVec2::ZERO));
+    assert_eq!((here.origin, there.origin), (DVec3::ZERO, DVec3::new(0.0, 0.0, -5.0)));
+    // The sphere about the origin ends 4 m in front of the other camera. Lists at the same address are one list.
+    assert_eq!(other.intersect(&there, f64::INFINITY).map(|hit| hit.t), Some(4.0));
+    assert!(
+        std::ptr::eq(scene.lights(), other.lights()) && std::ptr::eq(scene.materials(), other.materials())
+    );
+    assert_eq!(scene.bounds(), other.bounds());
 }

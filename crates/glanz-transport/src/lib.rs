@@ -100,6 +100,6 @@ pub use merge::{MergeError, merge};
 pub use particle::{Arrival, End, Flight, send_particle};
 pub use pixel::{FirstHit, Rejects};
 pub use pixel_rect::PixelRect;
-pub use progress::{Progress, ProgressReport, Silent};
+pub use progress::{FinishedTile, Progress, ProgressReport, Silent, Watch};
 pub use ranges::{OverlapError, SampleRanges};
 pub use render::{Finished, RenderError, RenderOutcome, RenderSettings, render};

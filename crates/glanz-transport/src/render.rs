@@ -16,7 +16,7 @@ use crate::guide::{GridError, Records, Training};
 use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Integrator};
 use crate::pixel::{PixelSums, Rejects, Sample};
 use crate::pixel_rect::PixelRect;
-use crate::progress::{Progress, ProgressReport};
+use crate::progress::{FinishedTile, Progress, ProgressReport, Watch};
 use crate::splat::{Splat, SplatBuffer, SplatRows};
 use glanz_sampling::exact::MAX_TERMS;
 
@@ -95,6 +95,9 @@ pub enum RenderError {
     /// The film refused a pass.
     #[error(transparent)]
     Film(#[from] FilmError),
+    /// [`Watch::is_cancelled`] said so in the midst of a pass.
+    #[error("the render was cancelled")]
+    Cancelled,
 }
 
 /// Takes the samples that `settings` asks for and `film` does not have.
@@ -103,11 +106,11 @@ pub enum RenderError {
 /// or so. Sums are exact, so that the film depends on which samples it has, never on passes, threads, interruptions or
 /// whether it was begun by another run. An integrator that learns takes its samples in order; a pass over the picture ends where one
 /// of its own does, so that the same holds. After each pass `progress` is told, and the loop ends if `stop` is
-/// set, but not with an empty film.
+/// set, but not with an empty film. If its [`Progress::watch`] says that the render is cancelled, it ends at once, and the film is lost.
 ///
 /// # Errors
 /// [`RenderError`] before the first pass, if the film does not go with the filter or the integrator, samples are out of turn, it would get more samples than it can
-/// hold, its guide cannot be made, or the threads cannot be started.
+/// hold, its guide cannot be made, or the threads cannot be started; [`RenderError::Cancelled`] at any time.
 pub fn render(
     scene: &Scene,
     integrator: &dyn Integrator,
@@ -162,11 +165,14 @@ pub fn render(
         }
         let length = range.end - range.start;
         let begun = Instant::now();
-        let work = pool.install(|| exposure.expose(&mut film, &range));
+        let watch = progress.watch();
+        let work =
+            pool.install(|| exposure.expose(&mut film, &range, watch)).ok_or(RenderError::Cancelled)?;
         clock.note(length, begun.elapsed());
         film.finish_pass(range, work.rejects)?;
         counters.merge(work.counters);
         taken += u64::from(length);
+        progress.exposed(&film);
         progress.report(&report(&film, settings, &clock, counters, start.elapsed()));
     };
     let samples = taken * film.format().crop.len();
@@ -285,10 +291,11 @@ struct Exposure<'a> {
 }
 
 impl Exposure<'_> {
-    /// One pass: the samples of `range` for every pixel.
-    fn expose(&self, film: &mut Film, range: &Range<u32>) -> Work {
+    /// One pass: the samples of `range` for every pixel. `None` if it was cancelled; the film is of no use then.
+    fn expose(&self, film: &mut Film, range: &Range<u32>, watch: &dyn Watch) -> Option<Work> {
         let layout = film.format().layout();
         let stride = layout.words();
+        let samples = film.samples().total() + range.len() as u64;
         let parts = film.parts_mut();
         let tiles = parts.tiles;
         let (splats, training) = (parts.splats, parts.training);
@@ -301,6 +308,9 @@ impl Exposure<'_> {
                 for (pixel, words) in tile.pixels().zip(words.chunks_exact_mut(stride)) {
                     let mut sums = PixelSums::read(&layout, words);
                     for index in range.clone() {
+                        if watch.is_cancelled() {
+                            return None;
+                        }
                         let sample = self.sample(pixel, index, training, &mut memory, &mut work.counters);
                         sums.add(&layout, &sample, &mut work.rejects);
                         self.pass_on(&mut memory, &splats, &mut work.rejects);
@@ -308,10 +318,11 @@ impl Exposure<'_> {
                     sums.write(&layout, words);
                 }
                 memory.buffer.flush(&splats, &mut work.rejects);
-                work
+                watch.tile(&FinishedTile { rect: tile, pass: range.clone(), samples, layout, words });
+                Some(work)
             })
             // Counts are integers: the order of this sum does not matter.
-            .reduce(Work::default, Work::merged)
+            .try_reduce(Work::default, |a, b| Some(a.merged(b)))
     }
 
     /// Puts what the last sample splatted on its way to the film.

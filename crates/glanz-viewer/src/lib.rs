@@ -4,3 +4,5 @@
 
 pub mod model;
 pub mod query;
+pub mod server;
+pub mod stream;

@@ -13,9 +13,11 @@ use glanz_transport::{Aov, INTEGRATORS};
 
 mod illuminate;
 mod values;
+mod view;
 
 pub(crate) use illuminate::{IlluminateArguments, MethodName};
 use values::{bound, one_of, positive, sample_range, seconds, size, stops, switch};
+pub(crate) use view::ViewArguments;
 
 /// Exact light for exact surfaces: renders pbrt scenes without turning curved surfaces into facets.
 #[derive(Debug, Parser)]
@@ -32,6 +34,7 @@ Examples:
   glanz render room.pbrt -o room.png --time 60 the best picture of one minute
   glanz bake room.pbrt -o room.glb             the light on its surfaces, for other programs
   glanz illuminate room.pbrt -o lux            how many lux arrive where
+  glanz view room.pbrt                         a page that shows it and lets you look around
   glanz compare room.exr reference.exr         how far apart two pictures are
 
 Exit status: 0 done, 1 failed, 2 wrong usage, 130 interrupted after saving.";
@@ -65,6 +68,8 @@ pub(crate) enum Command {
     Merge(MergeArguments),
     /// Say what is in a scene, or what light the luminaire of a photometric file gives
     Info(InfoArguments),
+    /// Show a scene in the browser: surfaces exact at any zoom, then the rendered picture
+    View(ViewArguments),
     /// Measure how far apart two pictures are
     Compare(CompareArguments),
     /// Measure again what the documents behind Glanz claimed; without a name, list the studies
@@ -526,6 +531,10 @@ mod tests {
             "glanz study guiding --out a --samples 0",
             "glanz study guiding --rooms open",
             "glanz study solvers --out a --elements 0",
+            "glanz view",
+            "glanz view a.pbrt --port 65536",
+            "glanz view a.pbrt --integrator whitted",
+            "glanz view a.pbrt --threads 0",
         ] {
             assert_eq!(parse(line).map(|_| ()).map_err(|e| e.exit_code()), Err(2), "{line}");
         }

@@ -76,6 +76,10 @@ fn main() -> ExitCode {
             let messages = Messages::new(study.talk.quiet);
             (messages, command::study::run(&study, messages))
         }
+        Command::View(view) => {
+            let messages = Messages::new(view.quiet);
+            (messages, command::view::run(&view, messages))
+        }
         Command::Compare(compare) => (Messages::new(false), command::compare::run(&compare)),
         Command::Completions { shell } => (Messages::new(false), command::shell::completions(shell)),
         Command::Man { command } => (Messages::new(false), command::shell::manual(command.as_deref())),

@@ -112,7 +112,8 @@ impl SceneFile {
     }
 }
 
-fn say_all(diagnostics: &Diagnostics, messages: Messages) {
+/// Says all messages about a scene, and how many there are beside.
+pub(crate) fn say_all(diagnostics: &Diagnostics, messages: Messages) {
     for diagnostic in diagnostics {
         messages.diagnostic(diagnostic.severity, &diagnostic.to_string());
     }

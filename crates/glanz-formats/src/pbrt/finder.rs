@@ -1,7 +1,8 @@
 //! Files that a scene refers to.
 
+use std::collections::BTreeSet;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use crate::content_hash::ContentHash;
 
@@ -10,39 +11,118 @@ use crate::content_hash::ContentHash;
 pub(crate) struct Finder {
     /// Folders to look in, in order: the scene's, those of `SearchPath`.
     folders: Vec<PathBuf>,
+    confinement: Option<Confinement>,
+    /// Everything that was read.
+    pub(crate) paths: BTreeSet<PathBuf>,
     pub(crate) hash: ContentHash,
+}
+
+/// The folder that no file may lie outside of.
+#[derive(Clone, Debug)]
+struct Confinement {
+    /// As it was given.
+    folder: PathBuf,
+    /// As the system names it, without links.
+    real: PathBuf,
+}
+
+/// Why there is no file of a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NotFound {
+    /// None of the folders has it.
+    Missing,
+    /// It is not in the folder that a scene is confined to: see [`crate::Options::confined`].
+    Outside,
+}
+
+impl NotFound {
+    /// What is wrong with a file, after its name.
+    pub(crate) fn what(self) -> &'static str {
+        match self {
+            Self::Missing => "is not there",
+            Self::Outside => "is outside the folder of the scene",
+        }
+    }
+
+    /// What to do.
+    pub(crate) fn help(self) -> &'static str {
+        match self {
+            Self::Missing => "names are relative to the folder of the scene file",
+            Self::Outside => {
+                "give the file together with the scene, and name it without \"..\" or a leading slash"
+            }
+        }
+    }
 }
 
 impl Finder {
     /// Looks in the folder of the scene first.
     pub(crate) fn new(folder: Option<&Path>) -> Self {
-        Self { folders: folder.map(Path::to_owned).into_iter().collect(), hash: ContentHash::default() }
+        Self { folders: folder.map(Path::to_owned).into_iter().collect(), ..Self::default() }
+    }
+
+    /// Finds nothing outside of `folder`.
+    ///
+    /// # Errors
+    /// Those of the file system, if there is no such folder.
+    pub(crate) fn confined_to(folder: &Path) -> io::Result<Self> {
+        let confinement = Confinement { folder: folder.to_owned(), real: std::fs::canonicalize(folder)? };
+        Ok(Self { confinement: Some(confinement), ..Self::new(Some(folder)) })
     }
 
     /// Looks in `folder` too, after the others.
-    pub(crate) fn add_folder(&mut self, folder: &str) {
+    ///
+    /// # Errors
+    /// [`NotFound::Outside`] if it leads out of the folder that the scene is confined to.
+    pub(crate) fn add_folder(&mut self, folder: &str) -> Result<(), NotFound> {
+        self.check_name(folder)?;
         let base = self.folders.first().cloned().unwrap_or_default();
         let folder = base.join(folder);
         if self.folders.len() < MAX_FOLDERS && !self.folders.contains(&folder) {
             self.folders.push(folder);
         }
+        Ok(())
+    }
+
+    /// Whether a name may stand for something in the folder that the scene is confined to.
+    fn check_name(&self, name: &str) -> Result<(), NotFound> {
+        let slashed = name.replace('\\', "/");
+        let inside = |c: Component<'_>| matches!(c, Component::Normal(_) | Component::CurDir);
+        let leads_out = || !Path::new(&slashed).components().all(inside);
+        if self.confinement.is_some() && leads_out() { Err(NotFound::Outside) } else { Ok(()) }
+    }
+
+    /// A path as messages show it: relative to the folder that the scene is confined to, which is nobody's business.
+    pub(crate) fn shown<'a>(&self, path: &'a Path) -> &'a Path {
+        self.confinement.as_ref().and_then(|c| path.strip_prefix(&c.folder).ok()).unwrap_or(path)
     }
 
     /// The file of that name: in the scene's folder as pbrt has it, in the folders of `SearchPath`, beside the file
     /// that asks for it, or one above the scene's folder, where it is if a part of a scene is opened alone. Backslashes
     /// count as slashes if there is no such file otherwise.
-    pub(crate) fn find(&self, name: &str, asking: Option<&Path>) -> Option<PathBuf> {
+    ///
+    /// # Errors
+    /// [`NotFound`].
+    pub(crate) fn find(&self, name: &str, asking: Option<&Path>) -> Result<PathBuf, NotFound> {
         if name.is_empty() || name.contains('\0') {
-            return None;
+            return Err(NotFound::Missing);
         }
+        self.check_name(name)?;
         let slashed = name.replace('\\', "/");
         let beside = asking.and_then(Path::parent);
-        let above = self.folders.first().map(|f| f.join(".."));
+        let above = self.folders.first().filter(|_| self.confinement.is_none()).map(|f| f.join(".."));
         let folders = || self.folders.iter().map(PathBuf::as_path).chain(beside).chain(above.as_deref());
-        [name, slashed.as_str()]
+        let path = [name, slashed.as_str()]
             .iter()
             .flat_map(|name| folders().map(move |f| f.join(name)))
             .find(|path| path.is_file())
+            .ok_or(NotFound::Missing)?;
+        // A link inside may still lead out.
+        let is_inside = |real: &Path| std::fs::canonicalize(&path).is_ok_and(|p| p.starts_with(real));
+        match &self.confinement {
+            Some(confinement) if !is_inside(&confinement.real) => Err(NotFound::Outside),
+            _ => Ok(path),
+        }
     }
 
     /// The bytes of a file, which enter the fingerprint.
@@ -54,6 +134,7 @@ impl Finder {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));
         }
         let bytes = std::fs::read(path)?;
+        self.paths.insert(path.to_owned());
         self.hash.add_file(&bytes);
         Ok(bytes)
     }

@@ -20,7 +20,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::diagnostic::Diagnostics;
-use crate::registry::{Loaded, Options};
+use crate::registry::{Loaded, Options, failure};
 use crate::source::Reporter;
 use finder::Finder;
 use lower::Lowering;
@@ -35,12 +35,18 @@ pub(crate) fn load(
 ) -> Result<Loaded, Diagnostics> {
     let reporter = Reporter { strict: options.strict, ..Reporter::default() };
     let folder = options.folder.as_deref().or_else(|| path.and_then(Path::parent));
-    let mut finder = Finder::new(folder);
+    let mut finder = match folder {
+        Some(folder) if options.confined => Finder::confined_to(folder)
+            .map_err(|error| failure(name, "missing-file", format!("the folder cannot be read: {error}")))?,
+        folder => Finder::new(folder),
+    };
+    finder.paths.extend(path.map(Path::to_owned));
     finder.hash.add_file(&bytes);
     let dialect = dialect::detect(&bytes);
     let mut parser = Parser::new(Lowering::new(reporter, dialect, finder));
     parser.run(name, path, bytes);
-    let Lowering { description, reporter, finder, .. } = parser.lowering;
+    let Lowering { description, mut reporter, finder, .. } = parser.lowering;
+    reporter.sources.set_paths(finder.paths);
     if reporter.diagnostics.has_errors() {
         return Err(reporter.diagnostics);
     }

@@ -74,15 +74,15 @@ impl Scene {
         let (selector, emitters) = (LightSelector::new(&looked_for), LightSelector::new(&importance));
         let scene = Self {
             camera,
-            groups,
-            materials,
-            textures,
-            lights,
+            groups: groups.into(),
+            materials: materials.into(),
+            textures: textures.into(),
+            lights: lights.into(),
             infinite_lights,
-            selector,
-            emitters,
+            selector: selector.into(),
+            emitters: emitters.into(),
             bounds,
-            receivers,
+            receivers: receivers.into(),
         };
         Ok((scene, notes.warnings))
     }

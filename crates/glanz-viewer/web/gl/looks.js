@@ -4,6 +4,7 @@
  * @module
  */
 
+import { DIVERGING, shaderArray, VIRIDIS } from "../colours.js";
 import { FRAME_TEXT } from "./frame.js";
 import { SHADING_TEXT, TONE_TEXT } from "./shading.js";
 
@@ -128,7 +129,7 @@ vec4 look(Point point, Facts facts) {
 }
 `;
 
-/** Blue, grey, red (the ends and the middle of @moreland2009), straight between. */
+/** Blue, grey, red. */
 const CURVATURE = `
 vec4 look(Point point, Facts facts) {
   float k1 = point.principal.x, k2 = point.principal.y;
@@ -140,19 +141,18 @@ vec4 look(Point point, Facts facts) {
   float value = abs(k1) > abs(k2) ? k1 : k2;
 #endif
   float x = clamp(value / drawn.w, -1.0, 1.0);
-  vec3 end = x < 0.0 ? vec3(59.0, 76.0, 192.0) : vec3(180.0, 4.0, 38.0);
-  vec3 colour = mix(vec3(221.0), end, abs(x)) / 255.0;
+  const vec3 ENDS[3] = ${shaderArray(DIVERGING)};
+  vec3 colour = mix(ENDS[1], x < 0.0 ? ENDS[0] : ENDS[2], abs(x)) / 255.0;
   colour *= 0.8 + 0.2 * dot(point.normal, toEyeFrom(point.position));
   return vec4(marked(colour, point, facts), point.coverage);
 }
 `;
 
-/** What the maps of the scene say, in false colours (viridis, @smith2015) or as light. */
+/** What the maps of the scene say, in false colours or as light. */
 export const MAP_TEXT = `
 uniform sampler2D mapValues;
 uniform vec2 mapScale;    // largest value; 1 for false colours, 0 for light
-const vec3 VIRIDIS[9] = vec3[9](vec3(68, 1, 84), vec3(72, 40, 120), vec3(62, 73, 137), vec3(49, 104, 142), vec3(38, 130, 142),
-  vec3(53, 183, 121), vec3(109, 205, 89), vec3(180, 222, 44), vec3(253, 231, 37));
+const vec3 VIRIDIS[9] = ${shaderArray(VIRIDIS)};
 vec2 mapPlace;
 vec3 mapColour(vec3 unmapped) {
   if (mapPlace.x < 0.0) return unmapped;

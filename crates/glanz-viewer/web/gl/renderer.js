@@ -112,7 +112,7 @@ export class Renderer {
   }
 
   /**
-   * Draws the rendered picture instead, enlarged or reduced to the view's size. Takes over what has changed in it.
+   * Draws the rendered picture over what is drawn, enlarged or reduced to the view's size. Takes over what has changed in it.
    * @param {Truth} truth
    * @param {View} view
    */

@@ -12,7 +12,7 @@ import { SCRATCH_UNIT } from "./table.js";
 /** @typedef {import("./programs.js").Programs} Programs */
 
 /**
- * The picture so far: three half floats a pixel, rows from the top; `changed`: rectangles that differ since it was drawn last.
+ * The picture so far: four half floats a pixel, rows from the top; the fourth is 0 where nothing has come yet. `changed`: rectangles that differ since it was drawn last.
  * @typedef {{ width: number, height: number, data: Uint16Array, changed: [x: number, y: number, width: number, height: number][] }} Truth
  */
 
@@ -30,7 +30,9 @@ void main() {
   vec2 at = vec2(gl_FragCoord.x, shown.y - gl_FragCoord.y) / shown.xy;
   ivec2 size = textureSize(picture, 0);
   ivec2 texel = clamp(ivec2(at * vec2(size)), ivec2(0), size - 1);
-  colour = vec4(display(texelFetch(picture, texel, 0).xyz, shown.z), 1.0);
+  vec4 light = texelFetch(picture, texel, 0);
+  if (light.w == 0.0) discard;
+  colour = vec4(display(light.xyz, shown.z), 1.0);
 }
 `;
 
@@ -51,10 +53,9 @@ export class TruthPicture {
     const { gl } = this;
     gl.activeTexture(gl.TEXTURE0 + SCRATCH_UNIT);
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 2);
     if (truth.data !== this.data || truth.width !== this.width || truth.height !== this.height) {
       const { width, height, data } = truth;
-      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB16F, width, height, 0, gl.RGB, gl.HALF_FLOAT, data);
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA16F, width, height, 0, gl.RGBA, gl.HALF_FLOAT, data);
       for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) {
         gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
       }
@@ -64,15 +65,14 @@ export class TruthPicture {
       for (const [x, y, width, height] of truth.changed) {
         gl.pixelStorei(gl.UNPACK_SKIP_PIXELS, x);
         gl.pixelStorei(gl.UNPACK_SKIP_ROWS, y);
-        gl.texSubImage2D(gl.TEXTURE_2D, 0, x, y, width, height, gl.RGB, gl.HALF_FLOAT, truth.data);
+        gl.texSubImage2D(gl.TEXTURE_2D, 0, x, y, width, height, gl.RGBA, gl.HALF_FLOAT, truth.data);
       }
       for (const name of [gl.UNPACK_ROW_LENGTH, gl.UNPACK_SKIP_PIXELS, gl.UNPACK_SKIP_ROWS]) gl.pixelStorei(name, 0);
     }
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
     truth.changed.length = 0;
   }
 
-  /** Fills the canvas. @param {Programs} programs @param {number} width @param {number} height @param {number} gain */
+  /** Draws over the canvas what has come. @param {Programs} programs @param {number} width @param {number} height @param {number} gain */
   draw(programs, width, height, gain) {
     const { gl } = this;
     const program = programs.get("truth", () => ({ vertex: VERTEX, fragment: FRAGMENT }), true);

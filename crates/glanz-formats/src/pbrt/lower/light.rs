@@ -11,7 +11,7 @@ use glanz_scene::description::{
 };
 
 use super::spectrum::{Emission, within_gamut};
-use super::{Context, Lowering};
+use super::{Context, FileProblem, Lowering};
 use crate::image::{self, Encoding};
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, shortened};
@@ -113,7 +113,7 @@ impl Lowering {
                 Err(problem) => {
                     let message =
                         format!("light \"infinite\": {problem}; the same light in all directions stands in");
-                    self.stand_in(&p.value_place, "missing-file", message);
+                    self.without_file(&p.value_place, &problem, message)?;
                 }
             }
         }
@@ -213,12 +213,13 @@ impl Lowering {
 
     /// The mean of a picture over the sphere of directions: a square one as version 4's equal-area map, others as
     /// longitude and latitude.
-    fn mean_radiance(&mut self, name: &str) -> Result<[f32; 3], String> {
+    fn mean_radiance(&mut self, name: &str) -> Result<[f32; 3], FileProblem> {
         let (path, bytes) = self.read_file(name)?;
         let picture = image::read(&bytes, Some(&path), Encoding::Srgb)
             .map_err(|error| format!("picture {name:?}: {error}"))?;
-        mean_over_sphere(&picture.pixels)
-            .ok_or_else(|| format!("picture {name:?} has neither the channels R, G, B nor the channel Y"))
+        mean_over_sphere(&picture.pixels).ok_or_else(|| {
+            format!("picture {name:?} has neither the channels R, G, B nor the channel Y").into()
+        })
     }
 
     /// The light that the shapes to come give off.

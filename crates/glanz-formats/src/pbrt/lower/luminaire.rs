@@ -60,7 +60,9 @@ impl Lowering {
 
     /// The photometry in the file, and in that of its tilt data if it names one.
     fn photometry(&mut self, p: &Parameter, path: &Path, bytes: &[u8]) -> Step<Photometry> {
-        let read = photometry::read_with(bytes, &mut |tilt| self.read_file(tilt).map(|(_, bytes)| bytes));
+        let read = photometry::read_with(bytes, &mut |tilt| {
+            self.read_file(tilt).map(|(_, bytes)| bytes).map_err(|problem| problem.message)
+        });
         let message = |fault: &Fault| format!("light \"photometric\": {}:{fault}", path.display());
         let help = |fault: &Fault| fault.kind.help().map(str::to_owned);
         match read {

@@ -28,8 +28,8 @@ use glanz_scene::description::{EmissionDescription, GroupDescription};
 
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::dialect::Dialect;
-use crate::pbrt::finder::Finder;
-use crate::source::{Place, Reporter};
+use crate::pbrt::finder::{Finder, NotFound};
+use crate::source::{Place, Reporter, Step};
 
 pub(crate) use film::finish_film;
 pub(crate) use material::NamedMaterial;
@@ -57,6 +57,26 @@ pub(crate) struct Lowering {
     pub(crate) images: BTreeMap<ImageKey, Option<usize>>,
     pub(crate) has_film: bool,
     pub(crate) has_filter: bool,
+}
+
+/// Why a file that a parameter names cannot be had.
+#[derive(Clone, Debug)]
+struct FileProblem {
+    message: String,
+    /// Whether it is one that the scene may not have.
+    refused: bool,
+}
+
+impl From<String> for FileProblem {
+    fn from(message: String) -> Self {
+        Self { message, refused: false }
+    }
+}
+
+impl std::fmt::Display for FileProblem {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.message)
+    }
 }
 
 /// The part of the graphics state that a thing takes with it.
@@ -100,20 +120,35 @@ impl Lowering {
     }
 
     /// Finds a file that a parameter names.
-    fn find(&self, name: &str) -> Option<PathBuf> {
+    fn find(&self, name: &str) -> Result<PathBuf, NotFound> {
         let asking = self.reading.last().and_then(Option::as_deref);
         self.finder.find(name, asking)
     }
 
-    /// Finds and reads a file that a parameter names, or says why not.
-    fn read_file(&mut self, name: &str) -> Result<(PathBuf, Vec<u8>), String> {
-        let Some(path) = self.find(name) else {
-            return Err(format!("file {name:?} is not there"));
-        };
+    /// Finds and reads a file that a parameter names, or says why not. The path is as messages show it.
+    fn read_file(&mut self, name: &str) -> Result<(PathBuf, Vec<u8>), FileProblem> {
+        let path = self.find(name).map_err(|fault| FileProblem {
+            message: format!("file {name:?} {}", fault.what()),
+            refused: fault == NotFound::Outside,
+        })?;
         match self.finder.read(&path) {
-            Ok(bytes) => Ok((path, bytes)),
-            Err(error) => Err(format!("file {name:?} cannot be read: {error}")),
+            Ok(bytes) => Ok((self.finder.shown(&path).to_owned(), bytes)),
+            Err(error) => Err(format!("file {name:?} cannot be read: {error}").into()),
         }
+    }
+
+    /// Reports that something stands in for a file which cannot be had: `message` begins with the problem and goes on with that.
+    ///
+    /// # Errors
+    /// If the file is refused: nothing stands in for that.
+    fn without_file(&mut self, place: &Place, problem: &FileProblem, message: String) -> Step<()> {
+        if problem.refused {
+            let help = Some(NotFound::Outside.help().to_owned());
+            let reporter = &mut self.reporter;
+            return Err(reporter.error_with_help(place, "missing-file", problem.message.clone(), help));
+        }
+        self.stand_in(place, "missing-file", message);
+        Ok(())
     }
 
     /// Reports that something is shown as something else.

@@ -243,7 +243,7 @@ impl Lowering {
             Encoding::Linear => (1, 0),
             Encoding::Gamma(g) => (2, g.to_bits()),
         };
-        let key = self.find(name).map(|path| ImageKey { path, encoding: tag });
+        let key = self.find(name).ok().map(|path| ImageKey { path, encoding: tag });
         if let Some(known) = key.as_ref().and_then(|key| self.images.get(key))
             && known.is_some()
         {
@@ -254,7 +254,9 @@ impl Lowering {
                 image::read(&bytes, Some(&path), encoding).map_err(|e| format!("picture {name:?}: {e}"))?;
             match picture.pixels.to_rgb() {
                 Some(_) => Ok(picture.pixels),
-                None => Err(format!("picture {name:?} has neither the channels R, G, B nor the channel Y")),
+                None => {
+                    Err(format!("picture {name:?} has neither the channels R, G, B nor the channel Y").into())
+                }
             }
         });
         let index = match picture {
@@ -265,7 +267,7 @@ impl Lowering {
             }
             Err(problem) => {
                 let message = format!("texture \"imagemap\": {problem}; grey of {MISSING_PICTURE} stands in");
-                self.stand_in(&p.value_place, "missing-file", message);
+                self.without_file(&p.value_place, &problem, message)?;
                 None
             }
         };

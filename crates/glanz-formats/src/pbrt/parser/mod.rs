@@ -218,9 +218,11 @@ impl Parser {
             "Include" | "Import" => self.include(word, place),
             "Attribute" => self.attribute(place),
             "SearchPath" => {
-                let (folder, _) = self.name(word, &place)?;
-                self.lowering.finder.add_folder(&folder);
-                Ok(())
+                let (folder, name_place) = self.name(word, &place)?;
+                self.lowering.finder.add_folder(&folder).map_err(|fault| {
+                    let message = format!("SearchPath: folder {:?} {}", shortened(&folder), fault.what());
+                    self.lowering.reporter.error(&name_place, "missing-file", message)
+                })
             }
             "ReverseOrientation" => {
                 self.state.now.reverse_orientation = !self.state.now.reverse_orientation;

@@ -72,10 +72,13 @@ impl Parser {
             return Err(r.error(&name_place, "include", message));
         }
         let asking = self.files.last().and_then(|f| f.path.as_deref());
-        let Some(path) = self.lowering.finder.find(&name, asking) else {
-            let message = format!("{word}: file {:?} is not there", shortened(&name));
-            let help = Some("names are relative to the folder of the scene file".to_owned());
-            return Err(r.error_with_help(&name_place, "missing-file", message, help));
+        let path = match self.lowering.finder.find(&name, asking) {
+            Ok(path) => path,
+            Err(fault) => {
+                let message = format!("{word}: file {:?} {}", shortened(&name), fault.what());
+                let help = Some(fault.help().to_owned());
+                return Err(r.error_with_help(&name_place, "missing-file", message, help));
+            }
         };
         let real = |p: &Path| std::fs::canonicalize(p).ok();
         let cycle = self.files.iter().filter_map(|f| f.path.as_deref()).any(|open| real(open) == real(&path));
@@ -91,7 +94,7 @@ impl Parser {
             }
         };
         let import = (word == "Import").then(|| (self.state.now.clone(), self.state.levels.len()));
-        let shown = path.display().to_string();
+        let shown = self.lowering.finder.shown(&path).display().to_string();
         self.push_file(&shown, Some(&path), bytes, import);
         Ok(())
     }

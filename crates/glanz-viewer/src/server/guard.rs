@@ -1,0 +1,225 @@
+//! Who is admitted.
+//!
+//! Three things are asked of a request. *Host*: the name under which the browser believes to speak to this server must be one that
+//! the server has. A page elsewhere whose own name was pointed at this machine after it had been loaded (DNS rebinding) says its own.
+//! *Origin*: a browser says which page a request comes from; it must be ours. *Token*, where others can reach the server: it stands in
+//! the printed address; the page that is got by it brings a cookie that admits all that follows.
+
+use std::net::IpAddr;
+
+use axum::http::header::{COOKIE, HOST, HeaderName, ORIGIN};
+use axum::http::{HeaderMap, StatusCode};
+
+use super::key::Key;
+
+/// What is asked of requests.
+#[derive(Clone, Debug)]
+pub(crate) struct Guard {
+    /// A name of this machine that is no number, as given for `--host`.
+    name: Option<String>,
+    /// Whether other machines may speak to the server by any of its numbers.
+    others: bool,
+    token: Option<Token>,
+}
+
+/// A secret, and the name of the cookie that carries it.
+#[derive(Clone, Debug)]
+struct Token {
+    key: Key,
+    /// Cookies are kept by host, not by port: two servers need two names.
+    cookie: String,
+}
+
+/// What a request is let do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Admission {
+    /// Go on.
+    Granted,
+    /// Go on, and set this cookie.
+    WithCookie(String),
+    /// Be refused, with the reason.
+    Refused(StatusCode, &'static str),
+}
+
+impl Guard {
+    /// A guard for a server that only this machine reaches.
+    pub(crate) fn local() -> Self {
+        Self { name: None, others: false, token: None }
+    }
+
+    /// A guard for a server at `host` and `port` that asks for `key`.
+    pub(crate) fn with_token(host: &str, port: u16, key: Key) -> Self {
+        let name = host.parse::<IpAddr>().is_err().then(|| host.to_ascii_lowercase());
+        Self { name, others: true, token: Some(Token { key, cookie: format!("glanz-{port}") }) }
+    }
+
+    /// Looks at a request for `path` with its `query`.
+    pub(crate) fn admit(&self, path: &str, query: Option<&str>, headers: &HeaderMap) -> Admission {
+        let Some(host) = only(headers, &HOST) else {
+            return Admission::Refused(StatusCode::BAD_REQUEST, "one Host header is needed");
+        };
+        if !self.knows(host) {
+            return Admission::Refused(StatusCode::MISDIRECTED_REQUEST, "this server has another name");
+        }
+        if headers.contains_key(ORIGIN) && !is_own(only(headers, &ORIGIN), host) {
+            return Admission::Refused(
+                StatusCode::FORBIDDEN,
+                "the request comes from a page of another server",
+            );
+        }
+        self.token.as_ref().map_or(Admission::Granted, |token| token.admit(path, query, headers))
+    }
+
+    /// Whether `host` (a `Host` header) is one of this server's names, with any port: it may be forwarded.
+    fn knows(&self, host: &str) -> bool {
+        let Some(name) = without_port(host) else { return false };
+        let name = name.to_ascii_lowercase();
+        if name == "localhost" || self.name.as_ref() == Some(&name) {
+            return true;
+        }
+        let number = name.strip_prefix('[').and_then(|n| n.strip_suffix(']')).unwrap_or(&name);
+        // A number is no name that somebody could have pointed here.
+        number.parse::<IpAddr>().is_ok_and(|ip| self.others || ip.is_loopback())
+    }
+}
+
+impl Token {
+    fn admit(&self, path: &str, query: Option<&str>, headers: &HeaderMap) -> Admission {
+        let is_right = |text: &str| Key::parse(text).is_some_and(|key| key.is(&self.key));
+        let given = query.into_iter().flat_map(|q| q.split('&')).find_map(|pair| pair.strip_prefix("token="));
+        if path == "/" && given.is_some_and(is_right) {
+            let Self { key, cookie } = self;
+            return Admission::WithCookie(format!("{cookie}={key}; Path=/; HttpOnly; SameSite=Strict"));
+        }
+        let cookies = headers.get_all(COOKIE).iter().filter_map(|value| value.to_str().ok());
+        let mut pairs =
+            cookies.flat_map(|value| value.split(';')).filter_map(|pair| pair.trim().split_once('='));
+        if pairs.any(|(name, value)| name == self.cookie && is_right(value)) {
+            return Admission::Granted;
+        }
+        Admission::Refused(StatusCode::UNAUTHORIZED, "open the address that was printed, with its token")
+    }
+}
+
+/// The value of a header that comes once.
+fn only<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> {
+    let mut values = headers.get_all(name).iter();
+    let first = values.next()?.to_str().ok()?;
+    values.next().is_none().then_some(first)
+}
+
+/// Whether `origin` is that of a page which this server gave out under the name `host`.
+fn is_own(origin: Option<&str>, host: &str) -> bool {
+    let page = origin.and_then(|o| o.strip_prefix("http://").or_else(|| o.strip_prefix("https://")));
+    page.is_some_and(|page| page.eq_ignore_ascii_case(host))
+}
+
+/// A host without `:PORT`; numbers of IPv6 keep their brackets. `None` if it is no host.
+fn without_port(host: &str) -> Option<&str> {
+    let end = match host.starts_with('[') {
+        true => host.find(']')? + 1,
+        false => host.find(':').unwrap_or(host.len()),
+    };
+    let (name, port) = host.split_at_checked(end)?;
+    let port_is_fine = port.is_empty() || port.strip_prefix(':').is_some_and(|p| p.parse::<u16>().is_ok());
+    (!name.is_empty() && port_is_fine).then_some(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn headers(pairs: &[(HeaderName, &str)]) -> HeaderMap {
+        let mut map = HeaderMap::new();
+        for (name, value) in pairs {
+            map.append(name, value.parse().unwrap());
+        }
+        map
+    }
+
+    fn status(admission: Admission) -> Option<StatusCode> {
+        match admission {
+            Admission::Refused(status, _) => Some(status),
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn a_local_server_answers_to_local_names_only() {
+        let ask = |host| status(Guard::local().admit("/", None, &headers(&[(HOST, host)])));
+        for host in ["localhost", "LOCALHOST:9000", "127.0.0.1:80", "127.5.5.5", "[::1]:7878", "[::1]"] {
+            assert_eq!(ask(host), None, "{host}");
+        }
+        for host in [
+            "evil.example",
+            "localhost.evil.example",
+            "127.0.0.1.evil.example:80",
+            "192.168.0.7",
+            "[::2]",
+            "[::1",
+            "localhost:x",
+            "localhost:80:80",
+            ":80",
+            "",
+            "user@localhost",
+        ] {
+            assert_eq!(ask(host), Some(StatusCode::MISDIRECTED_REQUEST), "{host}");
+        }
+        assert_eq!(status(Guard::local().admit("/", None, &HeaderMap::new())), Some(StatusCode::BAD_REQUEST));
+        let two = headers(&[(HOST, "localhost"), (HOST, "evil.example")]);
+        assert_eq!(status(Guard::local().admit("/", None, &two)), Some(StatusCode::BAD_REQUEST));
+    }
+
+    #[test]
+    fn requests_from_pages_of_others_are_refused() {
+        let ask = |origin| {
+            let headers = headers(&[(HOST, "localhost:7878"), (ORIGIN, origin)]);
+            status(Guard::local().admit("/ws", None, &headers))
+        };
+        assert_eq!(ask("http://localhost:7878"), None);
+        for origin in
+            ["http://evil.example", "http://localhost:7879", "http://localhost", "null", "localhost:7878", ""]
+        {
+            assert_eq!(ask(origin), Some(StatusCode::FORBIDDEN), "{origin}");
+        }
+    }
+
+    #[test]
+    fn a_server_for_others_asks_for_its_token() {
+        let key = Key::random().unwrap();
+        let guard = Guard::with_token("box.example", 80, key);
+        let ask = |path: &str, query: Option<&str>, cookie: &str| {
+            guard.admit(path, query, &headers(&[(HOST, "box.example"), (COOKIE, cookie)]))
+        };
+        let cookie = format!("glanz-80={key}");
+        let query = format!("token={key}");
+        assert_eq!(
+            ask("/", Some(&query), "a=b"),
+            Admission::WithCookie(format!("{cookie}; Path=/; HttpOnly; SameSite=Strict"))
+        );
+        assert_eq!(ask("/ws", None, &format!("a=b; {cookie}")), Admission::Granted);
+        let other = Key::random().unwrap();
+        for (path, query, cookie) in [
+            ("/", None, String::new()),
+            ("/", Some(format!("token={other}")), String::new()),
+            ("/", Some("token=".to_owned()), String::new()),
+            // The address admits to the page; all else comes from the page.
+            ("/ws", Some(format!("token={key}")), String::new()),
+            ("/ws", None, format!("glanz-81={key}")),
+            ("/ws", None, format!("glanz-80={other}")),
+        ] {
+            let admission = ask(path, query.as_deref(), &cookie);
+            assert_eq!(status(admission), Some(StatusCode::UNAUTHORIZED), "{path} {query:?} {cookie}");
+        }
+    }
+
+    #[test]
+    fn a_server_for_others_answers_to_its_name_and_to_numbers() {
+        let guard = Guard::with_token("Box.example", 80, Key::random().unwrap());
+        let knows = |host| guard.knows(host);
+        assert!(
+            knows("box.EXAMPLE") && knows("192.168.0.7:80") && knows("[fe80::1]:80") && knows("localhost")
+        );
+        assert!(!knows("evil.example"));
+    }
+}

@@ -1,0 +1,172 @@
+//! What page and server say to one another; `docs/viewer.md` has the list.
+
+use std::collections::BTreeSet;
+
+use serde::{Deserialize, Serialize};
+
+use crate::query::Hit;
+use crate::stream::{IntegratorName, ViewCamera};
+
+/// What a page asks for. `id` comes back with the answer.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(tag = "type", rename_all = "lowercase")]
+pub(crate) enum Request {
+    /// Render this view; end what was rendered before.
+    View {
+        id: u32,
+        camera: ViewCamera,
+        /// Width and height, pixels.
+        size: [u32; 2],
+        /// Leaves of the tree that are not to be seen.
+        #[serde(default)]
+        hidden: BTreeSet<u32>,
+        /// The server's own choice, if the page makes none.
+        integrator: Option<IntegratorName>,
+    },
+    /// End rendering.
+    Stop { id: u32 },
+    /// Say what a ray meets.
+    Pick {
+        id: u32,
+        /// World space, metres.
+        origin: [f64; 3],
+        /// Of any length above 0.
+        direction: [f64; 3],
+        #[serde(default)]
+        hidden: BTreeSet<u32>,
+        /// (a, b, c, d): only what has a x + b y + c z <= d is there.
+        #[serde(default)]
+        section: Option<[f64; 4]>,
+    },
+    /// Send the picture so far as OpenEXR.
+    Save { id: u32 },
+}
+
+/// A request that is none.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Malformed {
+    /// Its number, if that can be made out.
+    pub(crate) id: u32,
+    /// What is wrong.
+    pub(crate) message: String,
+}
+
+impl Request {
+    /// Reads a message.
+    ///
+    /// # Errors
+    /// [`Malformed`] with what a person can make of it.
+    pub(crate) fn parse(text: &str) -> Result<Self, Malformed> {
+        serde_json::from_str(text).map_err(|error| {
+            let value: Option<serde_json::Value> = serde_json::from_str(text).ok();
+            let id = value.as_ref().and_then(|v| v.get("id")).and_then(serde_json::Value::as_u64);
+            let id = id.and_then(|id| u32::try_from(id).ok()).unwrap_or(0);
+            Malformed { id, message: format!("the message is not understood: {error}") }
+        })
+    }
+}
+
+/// What the server says in words.
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "type", rename_all = "lowercase")]
+pub(crate) enum Answer {
+    /// Draw this.
+    Scene(SceneNews),
+    /// How far the picture is.
+    Progress(Progress),
+    /// Rendering waits for that of other pages.
+    Waiting { id: u32 },
+    /// Rendering has ended.
+    Stopped { id: u32 },
+    /// What a ray met.
+    Hit { id: u32, hit: Option<Box<Hit>> },
+    /// A request that cannot be served.
+    Failed { id: u32, message: String },
+}
+
+/// The scene that a page shows from now on, or why there is none.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct SceneNews {
+    /// Where the model is.
+    pub(crate) model: Option<String>,
+    pub(crate) name: String,
+    /// The name under which the page sends files.
+    pub(crate) session: String,
+    /// What renders unless the page chooses.
+    pub(crate) integrator: IntegratorName,
+    /// Messages about a file that cannot be read.
+    pub(crate) error: Option<String>,
+}
+
+/// How far a picture is, after a pass.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(crate) struct Progress {
+    pub(crate) id: u32,
+    /// Per pixel.
+    pub(crate) samples: u64,
+    /// Root mean square of the standard errors of the pixels over the mean luminance; `None` while that is not known.
+    pub(crate) noise: Option<f64>,
+    /// Since rendering began, without the time that it waited.
+    pub(crate) seconds: f64,
+    pub(crate) done: bool,
+}
+
+impl Answer {
+    /// The text that is sent.
+    pub(crate) fn to_text(&self) -> String {
+        // Only maps with keys that are no text fail to become JSON.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_of_the_contract_are_understood() {
+        let camera = r#"{"kind":"perspective","position":[0,0,5],"right":[1,0,0],"up":[0,1,0],"forward":[0,0,-1],"fieldOfView":1,"height":1,"distance":5}"#;
+        let view = format!(
+            r#"{{"type":"view","id":7,"camera":{camera},"size":[4,3],"hidden":[2,1],"integrator":"guided"}}"#
+        );
+        let Ok(Request::View { id: 7, size: [4, 3], hidden, integrator, .. }) = Request::parse(&view) else {
+            panic!("{:?}", Request::parse(&view));
+        };
+        assert_eq!((hidden, integrator), (BTreeSet::from([1, 2]), Some(IntegratorName::Guided)));
+        assert_eq!(Request::parse(r#"{"type":"stop","id":1}"#), Ok(Request::Stop { id: 1 }));
+        assert_eq!(Request::parse(r#"{"type":"save","id":2}"#), Ok(Request::Save { id: 2 }));
+        let pick =
+            r#"{"type":"pick","id":3,"origin":[0,0,0],"direction":[0,0,1],"hidden":[],"section":null}"#;
+        assert!(matches!(Request::parse(pick), Ok(Request::Pick { id: 3, section: None, .. })));
+    }
+
+    #[test]
+    fn what_is_malformed_is_answered_under_its_number_if_it_has_one() {
+        for (text, id) in [
+            ("", 0),
+            ("[]", 0),
+            ("{\"type\":\"dance\",\"id\":5}", 5),
+            ("{\"type\":\"stop\",\"id\":-5}", 0),
+            ("{\"type\":\"stop\",\"id\":5000000000}", 0),
+            ("{\"type\":\"stop\"}", 0),
+            ("{\"type\":\"view\",\"id\":9,\"size\":[1]}", 9),
+            ("{\"type\":\"pick\",\"id\":4,\"origin\":[1e999,0,0],\"direction\":[0,0,1]}", 0),
+            ("{\"type\":\"pick\",\"id\":4,\"origin\":[null,0,0],\"direction\":[0,0,1]}", 4),
+        ] {
+            assert_eq!(Request::parse(text).map_err(|m| m.id), Err(id), "{text}");
+        }
+        // Nesting is bounded by the reader of JSON itself.
+        assert!(Request::parse(&"[".repeat(60_000)).is_err());
+    }
+
+    #[test]
+    fn answers_are_those_of_the_contract() {
+        let progress = Progress { id: 3, samples: 1, noise: None, seconds: 0.5, done: false };
+        assert_eq!(
+            Answer::Progress(progress).to_text(),
+            r#"{"type":"progress","id":3,"samples":1,"noise":null,"seconds":0.5,"done":false}"#
+        );
+        assert_eq!(Answer::Stopped { id: 4 }.to_text(), r#"{"type":"stopped","id":4}"#);
+        assert_eq!(Answer::Hit { id: 5, hit: None }.to_text(), r#"{"type":"hit","id":5,"hit":null}"#);
+    }
+}

@@ -1,0 +1,152 @@
+//! The files of the page, which are part of the program.
+//!
+//! Only what stands in the table can be got: there is no way from a request to a path on disk.
+
+use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, ETAG, HeaderMap, IF_NONE_MATCH};
+use axum::http::{StatusCode, Uri};
+use axum::response::{IntoResponse, Response};
+use glanz_formats::ContentHash;
+
+/// A file of the page.
+#[derive(Clone, Copy, Debug)]
+struct File {
+    /// As the request says it, without the slash in front.
+    path: &'static str,
+    bytes: &'static [u8],
+}
+
+/// Files of the folder `web`, by their paths in it.
+macro_rules! files {
+    ($($path:literal),* $(,)?) => {
+        &[$(File { path: $path, bytes: include_bytes!(concat!("../../web/", $path)) }),*]
+    };
+}
+
+/// All of them; a test compares the table with the folder.
+static FILES: &[File] = files![
+    "camera.js",
+    "commands.js",
+    "extent.js",
+    "gl/evaluation.js",
+    "gl/frame.js",
+    "gl/grids.js",
+    "gl/levels.js",
+    "gl/lights.js",
+    "gl/looks.js",
+    "gl/measures.js",
+    "gl/meshes.js",
+    "gl/patch_shader.js",
+    "gl/patches.js",
+    "gl/pieces.js",
+    "gl/programs.js",
+    "gl/renderer.js",
+    "gl/scene.js",
+    "gl/scene_tables.js",
+    "gl/shading.js",
+    "gl/shadows.js",
+    "gl/table.js",
+    "gl/targets.js",
+    "gl/trimming.js",
+    "gl/truth_picture.js",
+    "handle.js",
+    "icon.svg",
+    "index.html",
+    "linear.js",
+    "main.js",
+    "model.js",
+    "page.js",
+    "parts.js",
+    "session.js",
+    "settings.js",
+    "style.css",
+    "truth.js",
+    "ui/element.js",
+    "ui/files.js",
+    "ui/hands.js",
+    "ui/keys.js",
+    "ui/measure.js",
+    "ui/panels.js",
+    "ui/properties.js",
+    "ui/status.js",
+    "ui/theme.js",
+    "ui/tools.js",
+    "ui/tree.js",
+    "ui/units.js",
+    "viewpoint.js",
+];
+
+/// The file that stands for the folder.
+const INDEX: &str = "index.html";
+
+/// What a file is, by the end of its name.
+fn content_type(path: &str) -> Option<&'static str> {
+    Some(match path.rsplit_once('.')?.1 {
+        "html" => "text/html; charset=utf-8",
+        "js" => "text/javascript; charset=utf-8",
+        "css" => "text/css; charset=utf-8",
+        "svg" => "image/svg+xml",
+        "png" => "image/png",
+        "json" | "webmanifest" => "application/json",
+        "glsl" | "txt" => "text/plain; charset=utf-8",
+        _ => return None,
+    })
+}
+
+/// Gives out a file of the page; browsers keep it, and ask each time whether it is still the same.
+pub(crate) async fn serve(uri: Uri, headers: HeaderMap) -> Response {
+    let path = uri.path().strip_prefix('/').unwrap_or_default();
+    if path == "favicon.ico" {
+        // Browsers ask for it whether or not the page has one, and would note its absence as a fault.
+        return StatusCode::NO_CONTENT.into_response();
+    }
+    let path = if path.is_empty() { INDEX } else { path };
+    let file = FILES.iter().find(|file| file.path == path);
+    let Some((file, kind)) = file.and_then(|file| Some((file, content_type(file.path)?))) else {
+        return (StatusCode::NOT_FOUND, "there is no such file").into_response();
+    };
+    let mut hash = ContentHash::default();
+    hash.add_file(file.bytes);
+    let tag = format!("\"{:032x}\"", hash.value());
+    let known = headers.get_all(IF_NONE_MATCH).iter().filter_map(|value| value.to_str().ok());
+    let is_known = known.flat_map(|value| value.split(',')).any(|t| t.trim().trim_start_matches("W/") == tag);
+    let about = [(ETAG, tag), (CACHE_CONTROL, "no-cache".to_owned())];
+    if is_known {
+        return (StatusCode::NOT_MODIFIED, about).into_response();
+    }
+    (about, [(CONTENT_TYPE, kind)], file.bytes).into_response()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    use super::*;
+
+    /// Paths of all files below `folder`, with `prefix` in front.
+    fn walk(folder: &Path, prefix: &str, found: &mut BTreeSet<String>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let entry = entry.unwrap();
+            let path = format!("{prefix}{}", entry.file_name().to_str().unwrap());
+            if entry.file_type().unwrap().is_dir() {
+                walk(&entry.path(), &format!("{path}/"), found);
+            } else {
+                found.insert(path);
+            }
+        }
+    }
+
+    #[test]
+    fn the_table_has_every_file_of_the_page_and_no_other() {
+        let mut found = BTreeSet::new();
+        walk(&Path::new(env!("CARGO_MANIFEST_DIR")).join("web"), "", &mut found);
+        let listed: BTreeSet<String> = FILES.iter().map(|file| file.path.to_owned()).collect();
+        assert_eq!(listed, found, "put the files of web/ into the table FILES");
+        assert_eq!(listed.len(), FILES.len());
+    }
+
+    #[test]
+    fn every_file_has_a_type() {
+        assert!(FILES.iter().all(|file| content_type(file.path).is_some()));
+    }
+}

@@ -1,0 +1,85 @@
+//! A scene that pages show.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use axum::body::Bytes;
+use glanz_formats::{Diagnostic, Diagnostics, Options, Severity, load};
+use glanz_scene::{Description, Scene};
+
+use crate::model::Model;
+
+/// A scene that was read, with the model that pages draw. It does not change.
+#[derive(Debug)]
+pub struct Shown {
+    pub(crate) name: String,
+    pub(crate) description: Arc<Description>,
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) model: Model,
+    /// The model as it is sent.
+    pub(crate) bytes: Bytes,
+    /// The files that it was read from.
+    pub(crate) paths: Vec<PathBuf>,
+    warnings: Diagnostics,
+}
+
+impl Shown {
+    /// Reads the scene file at `path`, builds the scene and makes the model.
+    ///
+    /// # Errors
+    /// Diagnostics with at least one error.
+    pub fn read(path: &Path, options: &Options) -> Result<Self, Diagnostics> {
+        let loaded = load(path, options)?;
+        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let sources = &loaded.sources;
+        let refuse = |location, message| {
+            let mut diagnostics = Diagnostics::default();
+            diagnostics.push(sources.diagnostic(Severity::Error, "scene", location, message));
+            diagnostics
+        };
+        let description = Arc::new(loaded.description);
+        let (scene, repairs) = Scene::resolve(Description::clone(&description))
+            .map_err(|error| refuse(error.location, error.kind.to_string()))?;
+        let mut warnings = loaded.diagnostics;
+        let severity = if options.strict { Severity::Error } else { Severity::Warning };
+        for repair in repairs {
+            warnings.push(sources.diagnostic(severity, "scene", repair.location, repair.message));
+        }
+        if warnings.has_errors() {
+            return Err(warnings);
+        }
+        let broken = |error: crate::model::ModelError| refuse(None, error.to_string());
+        let model = Model::try_new(&name, &description, &scene, &sources.names()).map_err(broken)?;
+        let bytes = Bytes::from(model.to_bytes().map_err(broken)?);
+        let (scene, paths) = (Arc::new(scene), sources.paths().to_vec());
+        Ok(Self { name, description, scene, model, bytes, paths, warnings })
+    }
+
+    /// What was mended or left out.
+    #[must_use]
+    pub fn warnings(&self) -> &Diagnostics {
+        &self.warnings
+    }
+
+    /// The files that it was read from.
+    #[must_use]
+    pub fn paths(&self) -> &[PathBuf] {
+        &self.paths
+    }
+}
+
+/// One error that is about no file.
+pub(crate) fn refusal(name: &str, message: String) -> Diagnostics {
+    let mut diagnostics = Diagnostics::default();
+    let (severity, file) = (Severity::Error, name.to_owned());
+    diagnostics.push(Diagnostic {
+        severity,
+        kind: "scene",
+        file,
+        location: None,
+        message,
+        excerpt: None,
+        help: None,
+    });
+    diagnostics
+}

@@ -1,0 +1,238 @@
+//! Files that are dropped on a page.
+
+use std::io;
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+use axum::extract::multipart::{Field, Multipart, MultipartError};
+use axum::extract::{RawQuery, State};
+use axum::http::StatusCode;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::{IntoResponse, Response};
+use glanz_formats::Options;
+use tempfile::TempDir;
+use tokio::task::spawn_blocking;
+use tokio::time::timeout;
+
+use super::house::House;
+use super::key::Key;
+use super::message::Answer;
+use super::settings::Limits;
+use super::shown::Shown;
+
+/// Folders that a file may lie in, one in the other.
+const MAX_DEPTH: usize = 8;
+
+/// Bytes of the name of a file or folder.
+const MAX_NAME: usize = 200;
+
+/// Why files are not shown.
+#[derive(Debug)]
+enum Refusal {
+    /// A request that makes no sense, or asks for too much.
+    Request(StatusCode, String),
+    /// Messages of the reader.
+    Scene(String),
+}
+
+impl Refusal {
+    fn bad(message: impl Into<String>) -> Self {
+        Self::Request(StatusCode::BAD_REQUEST, message.into())
+    }
+
+    fn busy(message: &str) -> Self {
+        Self::Request(StatusCode::SERVICE_UNAVAILABLE, message.to_owned())
+    }
+}
+
+impl From<MultipartError> for Refusal {
+    fn from(error: MultipartError) -> Self {
+        Self::Request(error.status(), error.body_text())
+    }
+}
+
+impl From<io::Error> for Refusal {
+    fn from(error: io::Error) -> Self {
+        Self::Request(StatusCode::INTERNAL_SERVER_ERROR, format!("the files cannot be kept: {error}"))
+    }
+}
+
+impl IntoResponse for Refusal {
+    fn into_response(self) -> Response {
+        match self {
+            Self::Request(status, text) => (status, text).into_response(),
+            Self::Scene(text) => (StatusCode::UNPROCESSABLE_ENTITY, text).into_response(),
+        }
+    }
+}
+
+/// Reads a scene from the files of a request, and shows it on the page that sent them.
+pub(crate) async fn open(
+    State(house): State<Arc<House>>,
+    RawQuery(query): RawQuery,
+    multipart: Multipart,
+) -> Response {
+    match take_in(&house, query.as_deref(), multipart).await {
+        Ok(text) => ([(CONTENT_TYPE, "application/json")], text).into_response(),
+        Err(refusal) => refusal.into_response(),
+    }
+}
+
+async fn take_in(house: &House, query: Option<&str>, multipart: Multipart) -> Result<String, Refusal> {
+    let named = query.into_iter().flat_map(|q| q.split('&')).find_map(|pair| pair.strip_prefix("session="));
+    let session = named
+        .and_then(Key::parse)
+        .and_then(|key| house.sessions.get(&key))
+        .ok_or_else(|| Refusal::bad("?session= has to be the name that the page was given"))?;
+    let Ok(_one) = session.uploading.try_lock() else {
+        return Err(Refusal::busy("the page is opening files already"));
+    };
+    let Ok(_some) = house.uploads.try_acquire() else {
+        return Err(Refusal::busy("too many pages are opening files, try again"));
+    };
+    let folder = TempDir::with_prefix("glanz-")?;
+    let arriving = receive(multipart, folder.path(), &house.limits);
+    let names = timeout(house.limits.upload_time, arriving)
+        .await
+        .map_err(|_| Refusal::Request(StatusCode::REQUEST_TIMEOUT, "the files took too long".to_owned()))??;
+    let options = house.options.clone();
+    let shown = spawn_blocking(move || read(&folder, &names, options))
+        .await
+        .map_err(|error| Refusal::Scene(format!("error: the scene cannot be read: {error}\n")))?
+        .map_err(Refusal::Scene)?;
+    let posted = house.models.post(Arc::new(shown)).map_err(|error| Refusal::busy(&error.to_string()))?;
+    let news = house.news(&session.key, &posted);
+    session.show_own(posted, news.clone());
+    Ok(Answer::Scene(news).to_text())
+}
+
+/// Puts the files into `folder`; gives their paths in there.
+async fn receive(mut multipart: Multipart, folder: &Path, limits: &Limits) -> Result<Vec<PathBuf>, Refusal> {
+    let mut names: Vec<PathBuf> = Vec::new();
+    while let Some(field) = multipart.next_field().await? {
+        if names.len() == limits.upload_files {
+            let message = format!("more than {} files at once", limits.upload_files);
+            return Err(Refusal::Request(StatusCode::PAYLOAD_TOO_LARGE, message));
+        }
+        let name = field.file_name().and_then(inside);
+        let Some(name) = name else {
+            return Err(Refusal::bad(format!(
+                "{:?} is no name for a file",
+                field.file_name().unwrap_or_default()
+            )));
+        };
+        if names.contains(&name) {
+            return Err(Refusal::bad(format!("the file {:?} comes twice", name.display())));
+        }
+        keep(field, &folder.join(&name)).await?;
+        names.push(name);
+    }
+    Ok(names)
+}
+
+/// Writes a file as it comes.
+async fn keep(mut field: Field<'_>, path: &Path) -> Result<(), Refusal> {
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    let mut file = std::fs::File::create_new(path)?;
+    while let Some(chunk) = field.chunk().await? {
+        // Into the memory of the system, a piece at a time: not worth a thread.
+        io::Write::write_all(&mut file, &chunk)?;
+    }
+    Ok(())
+}
+
+/// The path that a file's name stands for within a folder; `None` if it leads out of it, or is none.
+fn inside(name: &str) -> Option<PathBuf> {
+    if name.contains(['\\', '\0', ':']) {
+        return None;
+    }
+    let path = PathBuf::from(name);
+    let is_plain =
+        |c: Component<'_>| matches!(c, Component::Normal(part) if part.len() <= MAX_NAME && !part.is_empty());
+    let depth = path.components().count();
+    ((1..=MAX_DEPTH).contains(&depth) && path.components().all(is_plain) && !name.ends_with('/'))
+        .then_some(path)
+}
+
+/// Reads the scene among the files; on failure, what is wrong as people read it.
+fn read(folder: &TempDir, names: &[PathBuf], options: Options) -> Result<Shown, String> {
+    let scene = scene_among(folder.path(), names).map_err(|message| format!("error: {message}\n"))?;
+    let options = Options { folder: Some(folder.path().to_owned()), confined: true, ..options };
+    Shown::read(&folder.path().join(scene), &options).map_err(|diagnostics| diagnostics.to_string())
+}
+
+/// The file that is the scene: the only one that ends in .pbrt, or of several the only one that begins a world.
+fn scene_among<'a>(folder: &Path, names: &'a [PathBuf]) -> Result<&'a Path, String> {
+    let is_scene = |name: &&PathBuf| name.extension().is_some_and(|end| end.eq_ignore_ascii_case("pbrt"));
+    let scenes: Vec<&PathBuf> = names.iter().filter(is_scene).collect();
+    if let [scene] = scenes.as_slice() {
+        return Ok(scene);
+    }
+    let begins_world = |name: &&&PathBuf| {
+        let bytes = std::fs::read(folder.join(name)).unwrap_or_default();
+        bytes.split(u8::is_ascii_whitespace).any(|word| word == b"WorldBegin")
+    };
+    let worlds: Vec<&&PathBuf> = scenes.iter().filter(begins_world).collect();
+    match (worlds.as_slice(), scenes.len()) {
+        ([scene], _) => Ok(scene),
+        (_, 0) => Err("none of the files is a scene: its name would end in .pbrt".to_owned()),
+        (several, _) => {
+            let list: Vec<String> = several.iter().map(|name| name.display().to_string()).collect();
+            let which = if list.is_empty() { "none begins a world".to_owned() } else { list.join(", ") };
+            Err(format!("several files may be the scene ({which}); drop one with what it includes"))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_files_stay_in_the_folder() {
+        for name in ["a.pbrt", "textures/wood.png", "a/b/c/d/e/f/g/h", ".hidden", "\u{e4} b.ply"] {
+            assert_eq!(inside(name), Some(PathBuf::from(name)), "{name}");
+        }
+        let long = "x".repeat(MAX_NAME + 1);
+        for name in [
+            "",
+            ".",
+            "..",
+            "/",
+            "/etc/passwd",
+            "../a",
+            "a/../../b",
+            "a/..",
+            "C:\\a",
+            "a\\b",
+            "a\0",
+            "a/",
+            &long,
+            "1/2/3/4/5/6/7/8/9",
+        ] {
+            assert_eq!(inside(name), None, "{name}");
+        }
+    }
+
+    #[test]
+    fn the_scene_is_the_file_that_begins_a_world() {
+        let folder = TempDir::new().unwrap();
+        let put = |name: &str, text: &str| {
+            std::fs::write(folder.path().join(name), text).unwrap();
+            PathBuf::from(name)
+        };
+        let (part, whole) =
+            (put("part.pbrt", "Shape \"sphere\"\n"), put("whole.pbrt", "WorldBegin\nInclude \"part.pbrt\""));
+        let (other, mesh) = (put("other.PBRT", "WorldBegin\n"), put("mesh.ply", "ply\n"));
+        let among = |names: &[&PathBuf]| {
+            let names: Vec<PathBuf> = names.iter().map(|name| (*name).clone()).collect();
+            scene_among(folder.path(), &names).map(Path::to_owned)
+        };
+        assert_eq!(among(&[&mesh, &part]), Ok(part.clone()));
+        assert_eq!(among(&[&part, &mesh, &whole]), Ok(whole.clone()));
+        assert!(among(&[&mesh]).unwrap_err().contains("none of the files"));
+        assert!(among(&[&other, &whole]).unwrap_err().contains("other.PBRT, whole.pbrt"));
+    }
+}

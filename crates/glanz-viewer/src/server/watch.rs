@@ -1,0 +1,107 @@
+//! Reading a scene again when one of its files changes.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, SystemTime};
+
+use tokio::task::spawn_blocking;
+use tokio::time::sleep;
+
+use super::News;
+use super::house::House;
+use super::shown::{Shown, refusal};
+
+/// Time between two looks at the files.
+const INTERVAL: Duration = Duration::from_millis(500);
+
+/// When each file was last written, and its length; `None` where there is none.
+type Snapshot = Vec<Option<(SystemTime, u64)>>;
+
+fn snapshot(paths: &[PathBuf]) -> Snapshot {
+    let look = |path: &PathBuf| {
+        let found = std::fs::metadata(path).ok()?;
+        Some((found.modified().ok()?, found.len()))
+    };
+    paths.iter().map(look).collect()
+}
+
+/// Decides when to read: when the files differ from what was read, and have been the same for two looks. Programs write in pieces.
+#[derive(Debug)]
+struct Settling {
+    read: Snapshot,
+    seen: Snapshot,
+}
+
+impl Settling {
+    fn new(read: Snapshot) -> Self {
+        Self { seen: read.clone(), read }
+    }
+
+    /// Takes a look, and says whether it is time to read.
+    fn look(&mut self, now: Snapshot) -> bool {
+        let is_time = now != self.read && now == self.seen;
+        if is_time {
+            self.read.clone_from(&now);
+        }
+        self.seen = now;
+        is_time
+    }
+}
+
+/// Looks at the files of the scene, for ever; tells the pages when it has been read again, or why it cannot be.
+pub(crate) async fn watch(house: Arc<House>, scene: PathBuf) {
+    let mut paths = house.posted().shown.paths.clone();
+    let mut settling = Settling::new(snapshot(&paths));
+    loop {
+        sleep(INTERVAL).await;
+        if !settling.look(snapshot(&paths)) {
+            continue;
+        }
+        let news = read(&house, &scene).await;
+        if let News::Read(shown) = &news {
+            let same = shown.paths() == paths;
+            if !same {
+                paths = shown.paths().to_vec();
+                settling = Settling::new(snapshot(&paths));
+            }
+        }
+        house.publish(&scene, news);
+    }
+}
+
+async fn read(house: &House, scene: &Path) -> News {
+    let (path, options) = (scene.to_owned(), house.options.clone());
+    match spawn_blocking(move || Shown::read(&path, &options)).await {
+        Ok(Ok(shown)) => News::Read(Arc::new(shown)),
+        Ok(Err(diagnostics)) => News::Refused(diagnostics),
+        Err(error) => News::Refused(refusal(&scene.display().to_string(), error.to_string())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_read_when_they_have_changed_and_settled() {
+        let at = |second: u64| vec![Some((SystemTime::UNIX_EPOCH + Duration::from_secs(second), 1))];
+        let mut settling = Settling::new(at(1));
+        let looks = [at(1), at(2), at(3), at(3), at(3), vec![None], vec![None], at(3), at(3)];
+        let read = looks.map(|now| settling.look(now));
+        assert_eq!(read, [false, false, false, true, false, false, true, false, true]);
+    }
+
+    #[test]
+    fn a_file_that_goes_or_grows_has_changed() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let paths = ["a", "b"].map(|name| folder.path().join(name));
+        std::fs::write(&paths[0], "x").unwrap();
+        let first = snapshot(&paths);
+        assert!(first[0].is_some() && first[1].is_none());
+        std::fs::write(&paths[0], "xy").unwrap();
+        let second = snapshot(&paths);
+        assert_ne!(first, second);
+        std::fs::remove_file(&paths[0]).unwrap();
+        assert_eq!(snapshot(&paths), [None, None]);
+    }
+}

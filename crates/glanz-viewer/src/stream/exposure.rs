@@ -1,0 +1,179 @@
+//! A turn of a render.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use glanz_light::Pixels;
+use glanz_scene::Scene;
+use glanz_transport::{Film, FinishedTile, Integrator, Progress, ProgressReport, RenderError, Watch, render};
+
+use super::cancel::Cancel;
+use super::noise::noise;
+use super::order::{MAX_SAMPLES, Plan};
+use super::outbox::{Outbox, Status};
+use super::picture::Picture;
+use super::processors::{Processors, TURN};
+use super::tile::Tile;
+
+/// Side of the tiles in which a whole picture is sent: few messages, none of them long.
+const SIDE: u32 = 128;
+
+/// All that the turns of one view have in common.
+pub(crate) struct View {
+    /// Its number.
+    pub(crate) id: u32,
+    /// With the camera of the view.
+    pub(crate) scene: Scene,
+    pub(crate) plan: Plan,
+    pub(crate) integrator: Box<dyn Integrator>,
+    pub(crate) cancel: Arc<Cancel>,
+    pub(crate) outbox: Arc<Outbox>,
+    pub(crate) picture: Arc<Picture>,
+    pub(crate) processors: Arc<Processors>,
+}
+
+/// What a turn leaves.
+pub(crate) struct Turn {
+    pub(crate) film: Film,
+    /// Time spent rendering so far.
+    pub(crate) seconds: f64,
+}
+
+impl View {
+    /// Goes on with what an earlier turn left until the view has all samples, or others want the processors.
+    ///
+    /// # Errors
+    /// [`RenderError::Cancelled`] if the stream is to end; others if there is no way to render.
+    pub(crate) fn take_turn(&self, before: Turn) -> Result<Turn, RenderError> {
+        let over = AtomicBool::new(false);
+        let samples = before.film.samples().total();
+        let mut teller = Teller {
+            view: self,
+            over: &over,
+            begun: Instant::now(),
+            before: before.seconds,
+            samples,
+            noise: None,
+        };
+        let settings = &self.plan.settings;
+        let outcome =
+            render(&self.scene, self.integrator.as_ref(), settings, before.film, &mut teller, &over)?;
+        Ok(Turn { film: outcome.film, seconds: before.seconds + outcome.elapsed.as_secs_f64() })
+    }
+}
+
+/// Whether a view with this film needs no further turn.
+pub(crate) fn is_done(film: &Film) -> bool {
+    film.samples().total() >= u64::from(MAX_SAMPLES)
+}
+
+/// Puts what a render tells into the outbox.
+struct Teller<'a> {
+    view: &'a View,
+    /// Set when the turn is over.
+    over: &'a AtomicBool,
+    begun: Instant,
+    /// Seconds of earlier turns.
+    before: f64,
+    /// Samples that every pixel had after the last pass.
+    samples: u64,
+    noise: Option<f64>,
+}
+
+impl Teller<'_> {
+    /// Whether a pass of so many samples is shown tile by tile: passes of one sample may take long, others take half a second or so.
+    fn is_tiled(&self, length: u64) -> bool {
+        // Passes of an integrator that learns have to be weighed against one another first.
+        length == 1 && !self.view.plan.format.passes
+    }
+}
+
+impl Progress for Teller<'_> {
+    fn exposed(&mut self, film: &Film) {
+        let samples = film.samples().total();
+        let length = samples - self.samples;
+        self.samples = samples;
+        if self.is_cancelled() {
+            return;
+        }
+        // A picture is refused for its size alone, which is that of the film.
+        let Ok(pixels) = film.to_pixels() else { return };
+        self.noise = noise(&pixels);
+        if !self.is_tiled(length) {
+            self.view.outbox.put_picture(tiles(self.view.id, &pixels, samples));
+        }
+        self.view.picture.set(pixels, samples);
+    }
+
+    fn report(&mut self, _: &ProgressReport) {
+        let elapsed = self.begun.elapsed();
+        let status = Status::Progress {
+            samples: self.samples,
+            noise: self.noise,
+            seconds: self.before + elapsed.as_secs_f64(),
+            done: self.samples >= u64::from(MAX_SAMPLES),
+        };
+        self.view.outbox.put_status(self.view.id, status);
+        if elapsed >= TURN && self.view.processors.are_wanted() {
+            self.over.store(true, Ordering::Relaxed);
+        }
+    }
+
+    fn watch(&self) -> &dyn Watch {
+        self
+    }
+}
+
+impl Watch for Teller<'_> {
+    fn tile(&self, tile: &FinishedTile<'_>) {
+        if self.is_tiled(tile.pass.len() as u64) && !self.is_cancelled() {
+            let radiance = tile.radiance().into_iter();
+            let tile = Tile::new(self.view.id, tile.rect.min, tile.rect.size, tile.samples, radiance);
+            self.view.outbox.put_tile(tile);
+        }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.view.cancel.is_raised()
+    }
+}
+
+/// A whole picture, cut into tiles.
+fn tiles(id: u32, pixels: &Pixels, samples: u64) -> Vec<Tile> {
+    let [width, height] = [pixels.width(), pixels.height()];
+    let bands = ["R", "G", "B"].map(|name| pixels.channel(name).unwrap_or_default());
+    let at = |x: u32, y: u32| {
+        let index = y as usize * width as usize + x as usize;
+        bands.map(|band| band.get(index).copied().unwrap_or_default())
+    };
+    let starts = |length: u32| (0..length).step_by(SIDE as usize);
+    let places = starts(height).flat_map(|y| starts(width).map(move |x| [x, y]));
+    let tile = |[x, y]: [u32; 2]| {
+        let size = [(width - x).min(SIDE), (height - y).min(SIDE)];
+        let radiance = (y..y + size[1]).flat_map(|row| (x..x + size[0]).map(move |column| at(column, row)));
+        Tile::new(id, [x, y], size, samples, radiance)
+    };
+    places.map(tile).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_of_a_picture_cover_it_once_in_rows() {
+        let (width, height) = (300, 130);
+        let rgb: Vec<[f32; 3]> =
+            (0..width * height).map(|i| [(i % 300) as f32, (i / 300) as f32, 1.0]).collect();
+        let pixels = Pixels::try_from_rgb(width, height, &rgb).unwrap();
+        let tiles = tiles(9, &pixels, 5);
+        let places: Vec<_> = tiles.iter().map(|tile| tile.min).collect();
+        assert_eq!(places, [[0, 0], [128, 0], [256, 0], [0, 128], [128, 128], [256, 128]]);
+        // 20 bytes before the pixels, 6 each: 44 x 2 pixels in the last corner.
+        assert_eq!(tiles[5].bytes.len(), 20 + 6 * 44 * 2);
+        // Its second row begins at (256, 129). 256 and 129 as half floats: 2^8 is 0x5c00, 129 = 2^7 (1 + 8/1024) is 0x5808.
+        let second = 20 + 6 * 44;
+        assert_eq!(tiles[5].bytes[second..second + 4], [0x00, 0x5c, 0x08, 0x58]);
+    }
+}

@@ -1,0 +1,201 @@
+//! What a page orders.
+
+use std::collections::BTreeSet;
+
+use glanz_sampling::SamplerKind;
+use glanz_scene::description::{CameraDescription, FilmDescription, IntegratorDescription};
+use glanz_scene::{Camera, Description, SceneError};
+use glanz_transport::{
+    Aov, AovSet, Film, FilmError, FilmFormat, Filter, FilterError, IntegratorError, IntegratorSettings,
+    RenderSettings,
+};
+use serde::{Deserialize, Serialize};
+
+use super::camera::{ViewCamera, ViewCameraError};
+
+/// Pixels along a side of a view; the page asks for no more.
+pub const MAX_SIDE: u32 = 4096;
+
+/// Samples per pixel after which a view is done: a picture that still has visible noise then is one for `glanz render`.
+pub const MAX_SAMPLES: u32 = 4096;
+
+/// The integrators that a page can choose from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum IntegratorName {
+    /// Path tracing.
+    #[default]
+    Path,
+    /// Path tracing that learns where light comes from.
+    Guided,
+}
+
+impl IntegratorName {
+    /// Its name in the table of integrators.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Path => "path",
+            Self::Guided => "guided",
+        }
+    }
+}
+
+/// A view to be rendered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Order {
+    /// Its number; what is sent about it carries it.
+    pub id: u32,
+    /// From where.
+    pub camera: ViewCamera,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Leaves of the tree that are not seen.
+    pub hidden: BTreeSet<u32>,
+    /// How.
+    pub integrator: IntegratorName,
+}
+
+/// Why an order cannot be carried out.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OrderError {
+    /// A size that is nothing or too much.
+    #[error("a picture of {0} x {1} pixels is not rendered here: sides are 1 to {MAX_SIDE} pixels")]
+    Size(u32, u32),
+    /// A camera that cannot be.
+    #[error(transparent)]
+    Camera(#[from] ViewCameraError),
+    /// A camera that the scene refuses, or a scene that cannot be without what is hidden.
+    #[error("{0}")]
+    Scene(String),
+    /// Settings of the scene that the integrator refuses.
+    #[error(transparent)]
+    Integrator(#[from] IntegratorError),
+    /// A filter that cannot be.
+    #[error(transparent)]
+    Filter(#[from] FilterError),
+    /// A film that cannot be.
+    #[error(transparent)]
+    Film(#[from] FilmError),
+}
+
+impl From<SceneError> for OrderError {
+    fn from(error: SceneError) -> Self {
+        Self::Scene(error.kind.to_string())
+    }
+}
+
+/// Everything that is known before the first ray.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    pub(crate) camera: Camera,
+    pub(crate) integrator: IntegratorSettings,
+    pub(crate) settings: RenderSettings,
+    pub(crate) format: FilmFormat,
+}
+
+impl Order {
+    /// Number of pixels.
+    pub(crate) fn pixels(&self) -> u64 {
+        self.size.map(u64::from).iter().product()
+    }
+
+    /// Looks at all that can be wrong with the order itself.
+    ///
+    /// # Errors
+    /// [`OrderError::Size`], [`OrderError::Camera`].
+    pub(crate) fn check(&self) -> Result<CameraDescription, OrderError> {
+        let [width, height] = self.size;
+        if !self.size.iter().all(|side| (1..=MAX_SIDE).contains(side)) {
+            return Err(OrderError::Size(width, height));
+        }
+        Ok(self.camera.describe(self.size)?)
+    }
+
+    /// How to carry the order out in a scene with this `description`: with its filter, seed and depth, and `threads`.
+    ///
+    /// # Errors
+    /// [`OrderError`].
+    pub(crate) fn plan(&self, description: &Description, threads: usize) -> Result<Plan, OrderError> {
+        let camera = self.check()?;
+        let film = FilmDescription { resolution: self.size, ..FilmDescription::default() };
+        let camera = Camera::try_new(&camera, &film)?;
+        let integrator = IntegratorSettings::resolve(&IntegratorDescription {
+            name: self.integrator.name().to_owned(),
+            ..description.integrator.clone()
+        })?;
+        let filter = Filter::try_new(&description.filter)?;
+        let aovs = AovSet::NONE.with(Aov::Variance);
+        let format = FilmFormat {
+            aovs,
+            signed: filter.is_signed(),
+            passes: integrator.is_guided(),
+            ..FilmFormat::plain(self.size)
+        };
+        let settings = RenderSettings {
+            filter,
+            // Every number of samples is well spread: nobody knows when the camera moves on.
+            sampler: SamplerKind::Sobol,
+            seed: description.sampler.seed,
+            samples_per_pixel: MAX_SAMPLES,
+            samples: 0..MAX_SAMPLES,
+            threads,
+            time_limit: None,
+            checkpoint_interval: None,
+        };
+        Ok(Plan { camera, integrator, settings, format })
+    }
+}
+
+impl Plan {
+    /// A film without samples.
+    ///
+    /// # Errors
+    /// [`FilmError::Memory`].
+    pub(crate) fn film(&self) -> Result<Film, FilmError> {
+        Film::try_new(self.format)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::camera::ViewCameraKind;
+    use super::*;
+
+    fn order(size: [u32; 2]) -> Order {
+        let camera = ViewCamera {
+            kind: ViewCameraKind::Perspective,
+            position: [0.0; 3],
+            right: [1.0, 0.0, 0.0],
+            up: [0.0, 1.0, 0.0],
+            forward: [0.0, 0.0, 1.0],
+            field_of_view: Some(1.0),
+            height: None,
+            distance: None,
+        };
+        Order { id: 1, camera, size, hidden: BTreeSet::new(), integrator: IntegratorName::Guided }
+    }
+
+    #[test]
+    fn sizes_are_bounded() {
+        for size in [[1, 1], [4096, 4096], [4096, 1]] {
+            assert!(order(size).check().is_ok(), "{size:?}");
+        }
+        for size in [[0, 5], [5, 0], [4097, 1], [1, 4097], [u32::MAX, u32::MAX]] {
+            assert!(matches!(order(size).check(), Err(OrderError::Size(..))), "{size:?}");
+        }
+    }
+
+    #[test]
+    fn the_plan_keeps_what_the_scene_says_of_depth_and_seed() {
+        let mut description = Description::default();
+        description.integrator.max_depth = Some(9);
+        description.integrator.name = "whitted".to_owned();
+        description.sampler.seed = 77;
+        let plan = order([6, 4]).plan(&description, 3).unwrap();
+        assert_eq!((plan.integrator.name(), plan.integrator.max_depth), ("guided", 9));
+        assert_eq!((plan.settings.seed, plan.settings.threads), (77, 3));
+        assert!(plan.format.passes && plan.format.resolution == [6, 4]);
+    }
+}

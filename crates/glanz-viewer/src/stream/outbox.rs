@@ -1,0 +1,150 @@
+//! What is to be sent to a page.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use tokio::sync::Notify;
+
+use super::tile::Tile;
+
+/// How a stream is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Status {
+    /// A pass has ended.
+    Progress {
+        /// Per pixel.
+        samples: u64,
+        /// Root mean square of the standard errors of the pixels over the mean luminance; `None` while that is not known.
+        noise: Option<f64>,
+        /// Time that was spent rendering.
+        seconds: f64,
+        /// Whether there are no more to come.
+        done: bool,
+    },
+    /// It waits for its turn.
+    Waiting,
+    /// It cannot go on.
+    Failed(String),
+}
+
+/// One thing to send.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Parcel {
+    /// The bytes of a tile.
+    Tile(Vec<u8>),
+    /// The state of the view of that number.
+    Status(u32, Status),
+}
+
+/// What streams leave for a page: the newest of each tile, and the newest status. It holds one picture at most, however slowly it is
+/// emptied.
+///
+/// Tiles leave in the order in which they came first, the status after all tiles.
+#[derive(Debug, Default)]
+pub struct Outbox {
+    content: Mutex<Content>,
+    news: Notify,
+}
+
+#[derive(Debug, Default)]
+struct Content {
+    tiles: BTreeMap<[u16; 2], Vec<u8>>,
+    order: VecDeque<[u16; 2]>,
+    status: Option<(u32, Status)>,
+}
+
+impl Outbox {
+    fn content(&self) -> MutexGuard<'_, Content> {
+        // What is in it is whole between any two statements.
+        self.content.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Puts a tile in place of an earlier one there.
+    pub(crate) fn put_tile(&self, tile: Tile) {
+        let mut content = self.content();
+        if content.tiles.insert(tile.min, tile.bytes).is_none() {
+            content.order.push_back(tile.min);
+        }
+        drop(content);
+        self.news.notify_one();
+    }
+
+    /// Puts a whole picture in place of all tiles.
+    pub(crate) fn put_picture(&self, tiles: Vec<Tile>) {
+        let mut content = self.content();
+        content.order = tiles.iter().map(|tile| tile.min).collect();
+        content.tiles = tiles.into_iter().map(|tile| (tile.min, tile.bytes)).collect();
+        drop(content);
+        self.news.notify_one();
+    }
+
+    /// Puts the status of the view `id` in place of an earlier one.
+    pub(crate) fn put_status(&self, id: u32, status: Status) {
+        self.content().status = Some((id, status));
+        self.news.notify_one();
+    }
+
+    /// Throws away what has not been sent.
+    pub(crate) fn clear(&self) {
+        *self.content() = Content::default();
+    }
+
+    fn take(&self) -> Option<Parcel> {
+        let mut content = self.content();
+        while let Some(place) = content.order.pop_front() {
+            if let Some(bytes) = content.tiles.remove(&place) {
+                return Some(Parcel::Tile(bytes));
+            }
+        }
+        content.status.take().map(|(id, status)| Parcel::Status(id, status))
+    }
+
+    /// The next thing to send, when there is one. One task at a time may wait.
+    pub(crate) async fn next(&self) -> Parcel {
+        loop {
+            if let Some(parcel) = self.take() {
+                return parcel;
+            }
+            self.news.notified().await;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tile(x: u32, samples: u64) -> Tile {
+        Tile::new(1, [x, 0], [1, 1], samples, [[0.0; 3]].into_iter())
+    }
+
+    #[test]
+    fn newer_tiles_take_the_place_of_older_ones_and_the_status_comes_last() {
+        let outbox = Outbox::default();
+        outbox.put_status(1, Status::Waiting);
+        for (x, samples) in [(7, 1), (3, 1), (7, 2)] {
+            outbox.put_tile(tile(x, samples));
+        }
+        outbox.put_status(1, Status::Failed("x".to_owned()));
+        let expected = [
+            Some(Parcel::Tile(tile(7, 2).bytes)),
+            Some(Parcel::Tile(tile(3, 1).bytes)),
+            Some(Parcel::Status(1, Status::Failed("x".to_owned()))),
+            None,
+        ];
+        assert_eq!([(); 4].map(|()| outbox.take()), expected);
+    }
+
+    #[test]
+    fn a_picture_takes_the_place_of_all_tiles() {
+        let outbox = Outbox::default();
+        outbox.put_tile(tile(7, 1));
+        outbox.put_picture(vec![tile(2, 5)]);
+        assert_eq!(outbox.take(), Some(Parcel::Tile(tile(2, 5).bytes)));
+        assert_eq!(outbox.take(), None);
+        outbox.put_tile(tile(7, 1));
+        outbox.put_status(1, Status::Waiting);
+        outbox.clear();
+        assert_eq!(outbox.take(), None);
+    }
+}

@@ -1,0 +1,148 @@
+//! The processors of the machine, shared by all streams.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+
+/// Renders at a time. The system shares the processors between their threads; more would only make all of them slow together.
+const PLACES: usize = 4;
+
+/// How long a render keeps its place while others wait, unless a pass takes longer.
+pub(crate) const TURN: Duration = Duration::from_secs(2);
+
+/// Pixels of all films at a time, about 100 bytes each.
+const PIXELS: usize = 1 << 25;
+
+/// Pixels that are counted as one.
+const UNIT: usize = 1 << 10;
+
+/// The right to render, for a few streams at a time; those that wait get it in the order in which they came.
+#[derive(Debug)]
+pub struct Processors {
+    threads: usize,
+    places: Arc<Semaphore>,
+    films: Arc<Semaphore>,
+    waiting: AtomicUsize,
+}
+
+/// Something that one stream has of all.
+#[derive(Debug)]
+pub(crate) struct Share {
+    _permit: OwnedSemaphorePermit,
+}
+
+impl Processors {
+    /// `threads`: of each render; 0 means as many as the machine has.
+    #[must_use]
+    pub fn new(threads: usize) -> Self {
+        Self {
+            threads,
+            places: Arc::new(Semaphore::new(PLACES)),
+            films: Arc::new(Semaphore::new(PIXELS / UNIT)),
+            waiting: AtomicUsize::new(0),
+        }
+    }
+
+    /// Threads of a render, as [`glanz_transport::RenderSettings::threads`].
+    pub(crate) fn threads(&self) -> usize {
+        self.threads
+    }
+
+    /// Whether somebody waits for a place.
+    pub(crate) fn are_wanted(&self) -> bool {
+        self.waiting.load(Ordering::Relaxed) > 0
+    }
+
+    /// A place to render, at once or never.
+    pub(crate) fn try_place(&self) -> Option<Share> {
+        Arc::clone(&self.places).try_acquire_owned().ok().map(|permit| Share { _permit: permit })
+    }
+
+    /// A place to render, when it is the caller's turn.
+    pub(crate) async fn place(&self) -> Option<Share> {
+        let _waiting = Waiting::new(&self.waiting);
+        let permit = Arc::clone(&self.places).acquire_owned().await.ok()?;
+        Some(Share { _permit: permit })
+    }
+
+    /// Memory for a film of so many pixels, at once or never.
+    pub(crate) fn try_film(&self, pixels: u64) -> Option<Share> {
+        Arc::clone(&self.films)
+            .try_acquire_many_owned(units(pixels))
+            .ok()
+            .map(|permit| Share { _permit: permit })
+    }
+
+    /// Memory for a film of so many pixels, when there is some.
+    pub(crate) async fn film(&self, pixels: u64) -> Option<Share> {
+        let permit = Arc::clone(&self.films).acquire_many_owned(units(pixels)).await.ok()?;
+        Some(Share { _permit: permit })
+    }
+}
+
+fn units(pixels: u64) -> u32 {
+    u32::try_from(pixels.div_ceil(UNIT as u64)).unwrap_or(u32::MAX)
+}
+
+/// Counts one who waits, also if he stops waiting.
+struct Waiting<'a>(&'a AtomicUsize);
+
+impl<'a> Waiting<'a> {
+    fn new(count: &'a AtomicUsize) -> Self {
+        count.fetch_add(1, Ordering::Relaxed);
+        Self(count)
+    }
+}
+
+impl Drop for Waiting<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::order::MAX_SIDE;
+    use super::*;
+
+    #[test]
+    fn places_are_few_and_come_back() {
+        let processors = Processors::new(1);
+        let places: Vec<_> = std::iter::from_fn(|| processors.try_place()).collect();
+        assert_eq!(places.len(), PLACES);
+        drop(places);
+        assert!(processors.try_place().is_some());
+    }
+
+    #[test]
+    fn memory_is_bounded_and_holds_the_largest_picture() {
+        let processors = Processors::new(1);
+        let largest = u64::from(MAX_SIDE) * u64::from(MAX_SIDE);
+        let films: Vec<_> = std::iter::from_fn(|| processors.try_film(largest)).collect();
+        assert_eq!(films.len() as u64, PIXELS as u64 / largest);
+        assert!(!films.is_empty() && processors.try_film(1).is_none());
+    }
+
+    #[test]
+    fn who_waits_is_counted_until_it_is_his_turn_or_he_leaves() {
+        let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
+        runtime.block_on(async {
+            let processors = Arc::new(Processors::new(1));
+            let places: Vec<_> = std::iter::from_fn(|| processors.try_place()).collect();
+            let [first, second] = [(); 2].map(|()| {
+                let processors = Arc::clone(&processors);
+                tokio::spawn(async move { processors.place().await })
+            });
+            tokio::task::yield_now().await;
+            assert_eq!(processors.waiting.load(Ordering::Relaxed), 2);
+            first.abort();
+            assert!(first.await.is_err());
+            assert_eq!(processors.waiting.load(Ordering::Relaxed), 1);
+            drop(places);
+            assert!(second.await.unwrap().is_some());
+            assert!(!processors.are_wanted());
+        });
+    }
+}

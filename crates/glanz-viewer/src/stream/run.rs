@@ -1,0 +1,146 @@
+//! A view being rendered.
+
+use std::sync::Arc;
+
+use glanz_scene::{Description, Scene};
+use glanz_transport::RenderError;
+use tokio::task::{JoinHandle, spawn_blocking};
+
+use super::cancel::Cancel;
+use super::exposure::{Turn, View, is_done};
+use super::order::{Order, OrderError};
+use super::outbox::{Outbox, Status};
+use super::picture::Picture;
+use super::processors::{Processors, Share};
+use super::visible::Visible;
+
+/// What a stream needs of the page that it belongs to and of the server.
+#[derive(Clone, Debug)]
+pub struct Surroundings {
+    /// The scene that the page shows, as it was described.
+    pub description: Arc<Description>,
+    /// The same, built.
+    pub scene: Arc<Scene>,
+    /// What is kept of the scene without what is hidden.
+    pub visible: Arc<Visible>,
+    /// Where tiles and status go.
+    pub outbox: Arc<Outbox>,
+    /// Where the last picture goes.
+    pub picture: Arc<Picture>,
+    /// Shared with all streams.
+    pub processors: Arc<Processors>,
+}
+
+/// A view that is rendered until it is done, stopped or dropped.
+#[derive(Debug)]
+pub struct Stream {
+    id: u32,
+    cancel: Arc<Cancel>,
+    task: JoinHandle<()>,
+}
+
+impl Stream {
+    /// Begins to render `order`; to be called within a runtime of tokio.
+    ///
+    /// # Errors
+    /// [`OrderError::Size`], [`OrderError::Camera`]. What is found out later becomes [`Status::Failed`].
+    pub fn start(order: Order, surroundings: Surroundings) -> Result<Self, OrderError> {
+        order.check()?;
+        let id = order.id;
+        let cancel = Arc::new(Cancel::default());
+        let task = tokio::spawn({
+            let cancel = Arc::clone(&cancel);
+            async move {
+                let outbox = Arc::clone(&surroundings.outbox);
+                if let Err(Stop::Failed(message)) = carry_out(order, surroundings, cancel).await {
+                    outbox.put_status(id, Status::Failed(message));
+                }
+            }
+        });
+        Ok(Self { id, cancel, task })
+    }
+
+    /// The number of its view.
+    #[must_use]
+    pub fn id(&self) -> u32 {
+        self.id
+    }
+
+    /// Ends it. When this returns, nothing more comes into the outbox.
+    pub async fn stop(mut self) {
+        self.cancel.raise();
+        // The task has nothing to give back.
+        let _ = (&mut self.task).await;
+    }
+}
+
+/// A page that leaves takes its stream with it.
+impl Drop for Stream {
+    fn drop(&mut self) {
+        self.cancel.raise();
+    }
+}
+
+/// Why a stream ends before it is done.
+enum Stop {
+    /// Somebody wished so.
+    Cancelled,
+    /// It cannot go on.
+    Failed(String),
+}
+
+impl<E: std::error::Error> From<E> for Stop {
+    fn from(error: E) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
+/// Waits for what comes next, or for the wish to end.
+async fn unless<T>(cancel: &Cancel, next: impl Future<Output = T>) -> Result<T, Stop> {
+    tokio::select! {
+        biased;
+        () = cancel.raised() => Err(Stop::Cancelled),
+        value = next => Ok(value),
+    }
+}
+
+/// Renders a view turn by turn.
+async fn carry_out(order: Order, surroundings: Surroundings, cancel: Arc<Cancel>) -> Result<(), Stop> {
+    let Surroundings { description, scene, visible, outbox, picture, processors } = surroundings;
+    let id = order.id;
+    let plan = order.plan(&description, processors.threads())?;
+    let _memory: Option<Share> = match processors.try_film(order.pixels()) {
+        Some(share) => Some(share),
+        None => {
+            outbox.put_status(id, Status::Waiting);
+            unless(&cancel, processors.film(order.pixels())).await?
+        }
+    };
+    let scene = unless(&cancel, visible.scene(scene, description, order.hidden)).await??;
+    let film = plan.film()?;
+    let scene = scene.with_camera(plan.camera.clone());
+    let integrator = plan.integrator.build();
+    let view = View { id, scene, plan, integrator, cancel, outbox, picture, processors };
+    let (view, mut turn) = (Arc::new(view), Turn { film, seconds: 0.0 });
+    while !is_done(&turn.film) {
+        let place = match view.processors.try_place() {
+            Some(place) => Some(place),
+            None => {
+                view.outbox.put_status(id, Status::Waiting);
+                unless(&view.cancel, view.processors.place()).await?
+            }
+        };
+        // Not left alone when it is cancelled: its threads are gone before the stream is.
+        let taken = spawn_blocking({
+            let view = Arc::clone(&view);
+            move || view.take_turn(turn)
+        });
+        turn = match taken.await? {
+            Ok(turn) => turn,
+            Err(RenderError::Cancelled) => return Err(Stop::Cancelled),
+            Err(error) => return Err(error.into()),
+        };
+        drop(place);
+    }
+    Ok(())
+}

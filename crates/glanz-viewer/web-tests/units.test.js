@@ -1,0 +1,37 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { angleText, areaText, directionText, lengthText, plain, timeText } from "../web/ui/units.js";
+
+test("lengths are said in the largest unit that makes them at least 1", () => {
+  assert.equal(lengthText(0.0125), "12.5 mm");
+  assert.equal(lengthText(1), "1 m");
+  assert.equal(lengthText(0.99999), "999.99 mm");
+  assert.equal(lengthText(-0.002), "−2 mm");
+  assert.equal(lengthText(4.2e-7), "420 nm");
+  assert.equal(lengthText(1e-12), "0.001 nm");
+  assert.equal(lengthText(12500), "12.5 km");
+  assert.equal(lengthText(0), "0 m");
+});
+
+test("areas take the unit of their square's side", () => {
+  assert.equal(areaText(2.5e-5), "25 mm²");
+  assert.equal(areaText(6), "6 m²");
+});
+
+test("numbers have no zeros at their end and no digits beyond those asked for", () => {
+  assert.equal(plain(1 / 3), "0.333333");
+  assert.equal(plain(2.5), "2.5");
+  assert.equal(plain(-Infinity), "−∞");
+  assert.equal(plain(NaN), "–");
+});
+
+test("directions show rounding errors as zero", () => {
+  assert.equal(directionText([1e-17, -0.6, 0.8]), "0, −0.6, 0.8");
+});
+
+test("angles are degrees, times minutes and seconds", () => {
+  assert.equal(angleText(Math.PI / 3), "60°");
+  assert.equal(timeText(4.25), "4.3 s");
+  assert.equal(timeText(125.9), "2 min 5 s");
+});

@@ -1,0 +1,243 @@
+/**
+ * What the page can be told to do, by keys and buttons.
+ *
+ * @module
+ */
+
+import { leafBounds } from "./extent.js";
+import { shareThrough } from "./settings.js";
+import { announce, element } from "./ui/element.js";
+import { download, showProblem, upload } from "./ui/files.js";
+
+/** @typedef {import("./page.js").Page} Page */
+/** @typedef {import("./ui/keys.js").Command} Command */
+/** @typedef {import("./camera.js").StandardView} StandardView */
+/** @typedef {import("./settings.js").Shading} Shading */
+
+/** CSS pixels that a key moves the scene by, or turns it. */
+const STEP = 24;
+
+/** By what factor a key zooms. */
+const ZOOM = 0.8;
+
+/**
+ * All commands of the page.
+ * @param {Page} page
+ * @returns {Command[]}
+ */
+export function commandsOf(page) {
+  return [...handCommands(page), ...viewCommands(page), ...partCommands(page), ...toolCommands(page)];
+}
+
+/**
+ * What hands do, by keys.
+ * @param {Page} page
+ * @returns {Command[]}
+ */
+function handCommands({ viewpoint }) {
+  /** @type {[way: string, x: number, y: number][]} */
+  const ways = [
+    ["Left", -STEP, 0],
+    ["Right", STEP, 0],
+    ["Up", 0, -STEP],
+    ["Down", 0, STEP],
+  ];
+  const turns = ways.map(([way, x, y]) => ({
+    name: `turn${way}`,
+    keys: [`Arrow${way}`],
+    label: "Turn",
+    onView: true,
+    run: () => viewpoint.orbit(x, y),
+  }));
+  const moves = ways.map(([way, x, y]) => ({
+    name: `move${way}`,
+    keys: [`Shift+Arrow${way}`],
+    label: "Move",
+    onView: true,
+    run: () => viewpoint.pan(x, y),
+  }));
+  return [
+    ...turns,
+    ...moves,
+    { name: "zoomIn", keys: ["+", "="], label: "Nearer", run: () => viewpoint.zoom(ZOOM) },
+    { name: "zoomOut", keys: ["-", "_"], label: "Farther", run: () => viewpoint.zoom(1 / ZOOM) },
+  ];
+}
+
+/**
+ * @param {Page} page
+ * @returns {Command[]}
+ */
+function viewCommands(page) {
+  const { viewpoint } = page;
+  /** @type {StandardView[]} */
+  const views = ["front", "back", "left", "right", "top", "bottom", "isometric"];
+  const standard = views.map((view, i) => ({
+    name: view,
+    keys: [String(i + 1)],
+    label: view === "isometric" ? "Isometric view" : `View from the ${view}`,
+    run: () => viewpoint.look(view),
+  }));
+  const fit = () => {
+    const { selected } = page.parts ?? {};
+    const bounds = page.model && selected ? leafBounds(page.model, selected.first, selected.end) : null;
+    viewpoint.fit(bounds ?? viewpoint.bounds);
+  };
+  return [
+    { name: "fit", keys: ["f"], label: "Fit what is selected, else everything", run: fit },
+    ...standard,
+    { name: "reset", keys: ["0"], label: "The scene's own view", run: () => viewpoint.reset() },
+    {
+      name: "projection",
+      keys: ["o"],
+      label: "Perspective or orthographic",
+      run: () => {
+        viewpoint.switchProjection();
+        announce(viewpoint.camera.kind);
+      },
+    },
+  ];
+}
+
+/**
+ * @param {Page} page
+ * @returns {Command[]}
+ */
+function partCommands(page) {
+  /** @param {(parts: import("./parts.js").Parts, item: import("./parts.js").Item) => void} act on what is selected */
+  const onSelected = (act) => () => {
+    const { parts } = page;
+    if (!parts?.selected) {
+      announce("Nothing is selected");
+      return;
+    }
+    act(parts, parts.selected);
+    page.visibilityChanged();
+  };
+  const showAll = () => {
+    page.parts?.showAll();
+    page.visibilityChanged();
+  };
+  const pickMiddle = () => page.click(viewpoint.size.width / 2, viewpoint.size.height / 2);
+  const { viewpoint } = page;
+  const escape = () => {
+    if (page.measure.active) toggleMeasure(page);
+    else page.select(null, null);
+  };
+  return [
+    { name: "pick", keys: ["Enter"], label: "Pick what is in the middle", onView: true, run: pickMiddle },
+    {
+      name: "hide",
+      keys: ["h"],
+      label: "Hide or show what is selected",
+      run: onSelected((parts, item) => parts.show(item, parts.visibility(item) !== "shown")),
+    },
+    {
+      name: "isolate",
+      keys: ["i"],
+      label: "Show only what is selected, and back",
+      run: onSelected((parts, item) => parts.isolate(item)),
+    },
+    { name: "showAll", keys: ["a"], label: "Show all", run: showAll },
+    { name: "escape", keys: ["Escape"], label: "End measuring, select nothing", run: escape },
+  ];
+}
+
+/**
+ * @param {Page} page
+ * @returns {Command[]}
+ */
+function toolCommands(page) {
+  const { settings } = page;
+  /** @param {() => void} change */
+  const setting = (change) => () => {
+    change();
+    page.settingsSet();
+  };
+  /** @param {Shading[]} order the next one of these is shown */
+  const next = (order) => () => (settings.shading = order[(order.indexOf(settings.shading) + 1) % order.length]);
+  return [
+    {
+      name: "section",
+      keys: ["s"],
+      label: "Section plane",
+      run: setting(() => (settings.section = !settings.section)),
+    },
+    { name: "zebra", keys: ["z"], label: "Zebra stripes", run: setting(next(["material", "zebra"])) },
+    {
+      name: "curvature",
+      keys: ["c"],
+      label: "Curvature: Gaussian, mean, largest",
+      run: setting(next(["material", "gaussian", "mean", "maximum"])),
+    },
+    { name: "edges", keys: ["e"], label: "Edges", run: setting(() => (settings.edges = !settings.edges)) },
+    { name: "net", keys: ["n"], label: "Control net", run: setting(() => (settings.net = !settings.net)) },
+    { name: "measure", keys: ["m"], label: "Measure between two points", run: () => toggleMeasure(page) },
+    { name: "savePng", keys: ["p"], label: "Save what is seen as PNG", run: () => savePng(page) },
+    { name: "saveExr", keys: ["x"], label: "Save the rendered picture as OpenEXR", run: () => saveExr(page) },
+    { name: "help", keys: ["?"], label: "Show this", run: () => element("help", HTMLDialogElement).showModal() },
+  ];
+}
+
+/** @param {Page} page */
+function toggleMeasure(page) {
+  page.measure.activate(!page.measure.active);
+  for (const button of document.querySelectorAll('[data-command="measure"]')) {
+    button.setAttribute("aria-pressed", String(page.measure.active));
+  }
+  page.invalidate();
+}
+
+/**
+ * Puts the section plane through the picked point, across its normal.
+ * @param {Page} page
+ */
+export function sectionThroughPicked(page) {
+  const { settings, hit, viewpoint } = page;
+  if (!hit) return;
+  settings.section = true;
+  settings.sectionAxis = "picked";
+  settings.sectionShare = shareThrough(settings, hit.normal, viewpoint.bounds, hit.point);
+  page.settingsSet();
+}
+
+/**
+ * The name of a file with what is seen.
+ * @param {Page} page
+ * @param {string} extension
+ */
+function fileName(page, extension) {
+  return `${page.scene.name.replace(/\.[^.]*$/, "") || "glanz"}.${extension}`;
+}
+
+/** @param {Page} page */
+function savePng(page) {
+  // The browser clears the canvas once it was shown: only right after drawing there is something to read.
+  page.draw(true);
+  page.canvas.toBlob((blob) => {
+    if (blob) download(blob, fileName(page, "png"));
+  }, "image/png");
+}
+
+/** @param {Page} page */
+async function saveExr(page) {
+  try {
+    const bytes = await page.session.request({ type: "save" });
+    download(new Blob([bytes], { type: "image/x-exr" }), fileName(page, "exr"));
+  } catch (error) {
+    showProblem("Not saved", error instanceof Error ? error.message : String(error));
+  }
+}
+
+/**
+ * Opens files in place of the scene.
+ * @param {Page} page
+ * @param {File[]} files
+ */
+export async function openFiles(page, files) {
+  page.say(`Opening ${files.map(({ name }) => name).join(", ")}`);
+  const url = new URL(`open?session=${encodeURIComponent(page.scene.session)}`, location.href);
+  const problem = await upload(url, files);
+  page.say("");
+  if (problem !== null) showProblem("Not opened", problem);
+}

@@ -1,0 +1,344 @@
+/**
+ * What the page shows, and all that changes it.
+ *
+ * @module
+ */
+
+import { rayThrough } from "./camera.js";
+import { Renderer } from "./gl/renderer.js";
+import { decodeModel } from "./model.js";
+import { Parts } from "./parts.js";
+import { Session } from "./session.js";
+import { defaultSettings, fullColour, realTimeOnly, sectionPlane } from "./settings.js";
+import { Truth } from "./truth.js";
+import { announce, create, element } from "./ui/element.js";
+import { showProblem } from "./ui/files.js";
+import { Hands } from "./ui/hands.js";
+import { showLegend } from "./ui/legend.js";
+import { Measure } from "./ui/measure.js";
+import { Properties } from "./ui/properties.js";
+import { Status } from "./ui/status.js";
+import { backgroundColour } from "./ui/theme.js";
+import { Tools } from "./ui/tools.js";
+import { Tree } from "./ui/tree.js";
+import { pointText } from "./ui/units.js";
+import { Viewpoint } from "./viewpoint.js";
+
+/** @typedef {import("./linear.js").Vector} Vector */
+/** @typedef {import("./model.js").Model} Model */
+/** @typedef {import("./parts.js").Item} Item */
+/** @typedef {import("./session.js").Hit} Hit */
+/** @typedef {import("./session.js").SceneMessage} SceneMessage */
+
+/** Milliseconds between pictures while tiles come in over a scene that must be drawn below them. */
+const TILE_PAUSE = 250;
+
+/** Milliseconds between pictures while programs are compiled. */
+const COMPILE_PAUSE = 40;
+
+/** Milliseconds that what was just selected is shown marked, before the rendered picture comes back. */
+const GLANCE = 1000;
+
+export class Page {
+  constructor() {
+    this.canvas = element("view", HTMLCanvasElement);
+    this.renderer = new Renderer(this.canvas);
+    this.renderer.onRestored = () => this.invalidate();
+    this.settings = defaultSettings();
+    /** @type {Model | null} */
+    this.model = null;
+    this.scene = { model: "", name: "", session: "" };
+    /** @type {Parts | null} */
+    this.parts = null;
+    /** What was picked last. @type {Hit | null} */
+    this.hit = null;
+    /** @type {ReturnType<Renderer["draw"]> | null} */
+    this.frame = null;
+    this.drawRequested = false;
+    this.drawnAt = 0;
+    /** Until when what is selected is seen rather than what is rendered. */
+    this.glanceUntil = 0;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.tileTimer = undefined;
+    this.rendered = "";
+    this.saveExr = element("save-exr", HTMLButtonElement);
+    this.isReady = () => {};
+    /** Once the first scene is drawn, with all of its programs. @type {Promise<void>} */
+    this.ready = new Promise((resolve) => (this.isReady = resolve));
+    this.viewpoint = new Viewpoint(() => this.viewChanged());
+    this.session = new Session(new URL("ws", location.href.replace(/^http/, "ws")), this.listener());
+    this.truth = new Truth(this.session, () => this.truthChanged());
+    this.tree = new Tree({
+      selected: (item) => this.select(item, null),
+      visibility: () => this.visibilityChanged(),
+    });
+    this.properties = new Properties();
+    this.measure = new Measure();
+    this.status = new Status();
+    this.tools = new Tools(this.settings, () => this.settingsChanged());
+    this.hands = new Hands(this.canvas, this.viewpoint, {
+      pick: async (x, y) => (await this.pick(x, y))?.point ?? null,
+      clicked: (x, y) => this.click(x, y),
+      hover: (place) => this.hover(place),
+      // A click without a move leaves the rendered picture as it is.
+      released: () => this.truth.id === null && this.viewChanged(),
+    });
+    new ResizeObserver(() => this.resize()).observe(this.canvas);
+    this.resize();
+  }
+
+  /** @returns {import("./session.js").Listener} */
+  listener() {
+    return {
+      online: () => this.say(""),
+      offline: (pause) => {
+        this.truth.lost();
+        this.say(`The server is gone. Next attempt to reach it in ${Math.round(pause / 1000) || "less than 1"} s.`);
+      },
+      scene: (message) => this.enter(message),
+      progress: (message) => this.truth.progress(message),
+      waiting: (id) => this.truth.waits(id),
+      tile: (tile) => this.truth.tile(tile),
+      stopped: (id) => this.truth.stopped(id),
+      failed: (id, text) => this.truth.failed(id, text) || announce(text),
+    };
+  }
+
+  /** @param {string} text over the view; nothing if it is empty */
+  say(text) {
+    const message = element("message", HTMLElement);
+    message.textContent = text;
+    message.hidden = text === "";
+    if (text) announce(text);
+  }
+
+  /**
+   * Takes over a scene that the server has for this page.
+   * @param {SceneMessage} message
+   */
+  async enter(message) {
+    this.scene.session = message.session ?? "";
+    if (this.model === null && message.integrator) this.settings.integrator = message.integrator;
+    if (message.error !== null) showProblem(`${message.name} cannot be shown`, message.error);
+    if (message.model === null || message.model === this.scene.model) {
+      // After the connection was made anew, the picture has to be asked for again.
+      this.viewChanged();
+      return;
+    }
+    const isSame = message.name === this.scene.name;
+    this.scene = { model: message.model, name: message.name, session: this.scene.session };
+    try {
+      const response = await fetch(message.model);
+      if (!response.ok) throw new Error(`The server answered with ${response.status} ${response.statusText}.`);
+      const bytes = await response.arrayBuffer();
+      if (this.scene.model === message.model) this.show(decodeModel(bytes), isSame);
+    } catch (error) {
+      this.scene.model = "";
+      showProblem(`${message.name} cannot be shown`, error instanceof Error ? error.message : String(error));
+    }
+  }
+
+  /**
+   * @param {Model} model
+   * @param {boolean} isSame it is that of the same scene, after a change
+   */
+  show(model, isSame) {
+    this.renderer.setModel(model);
+    this.model = model;
+    const parts = new Parts(model.tree);
+    if (isSame && this.parts) parts.inherit(this.parts);
+    this.parts = parts;
+    this.tree.set(parts);
+    if (!isSame) this.settings.maps = model.maps.length > 0;
+    this.tools.write();
+    this.measure.activate(false);
+    this.select(parts.selected, null);
+    element("name", HTMLElement).textContent = model.name;
+    document.title = `${model.name} – Glanz`;
+    this.canvas.setAttribute("aria-label", `${model.name}, ${parts.count} shapes`);
+    element("notes", HTMLElement).hidden = model.notes.length === 0;
+    element("note-list", HTMLElement).replaceChildren(...model.notes.map((note) => create("li", note)));
+    announce(`${model.name} is open, ${parts.count} shapes`);
+    this.viewpoint.enter(model, isSame);
+    this.settingsChanged();
+  }
+
+  resize() {
+    const { clientWidth, clientHeight } = this.canvas;
+    const width = Math.max(1, Math.round(clientWidth * devicePixelRatio));
+    const height = Math.max(1, Math.round(clientHeight * devicePixelRatio));
+    this.viewpoint.size = { width: Math.max(1, clientWidth), height: Math.max(1, clientHeight) };
+    if (width !== this.canvas.width || height !== this.canvas.height) {
+      this.canvas.width = width;
+      this.canvas.height = height;
+      this.viewChanged();
+    }
+  }
+
+  /** The plane that cuts the scene, `null` if none does. */
+  get section() {
+    return sectionPlane(this.settings, this.hit?.normal ?? null, this.viewpoint.bounds);
+  }
+
+  /** @returns {import("./gl/renderer.js").View} */
+  view() {
+    const { exposure, shading, stripes, isocurves, edges, net, maps } = this.settings;
+    return {
+      camera: this.viewpoint.camera,
+      width: this.canvas.width,
+      height: this.canvas.height,
+      hidden: this.parts?.hidden ?? new Set(),
+      selected: this.parts?.selectedLeaf ?? null,
+      curvature: fullColour(this.settings, this.viewpoint.extent),
+      section: this.section,
+      background: backgroundColour(),
+      ...{ exposure, shading, stripes, isocurves, edges, net, maps },
+    };
+  }
+
+  /** What the server is to render now, `null` for nothing. */
+  wanted() {
+    const { integrator } = this.settings;
+    if (!this.parts || integrator === "none" || this.hands.isDragging || this.viewpoint.isMoving) return null;
+    const { camera } = this.viewpoint;
+    return { camera, size: this.canvas, hidden: [...this.parts.hidden], integrator };
+  }
+
+  /** Another picture is to be seen: drawn at once, and rendered once all is at rest. */
+  viewChanged() {
+    this.rendered = this.rendering;
+    this.truth.restart(this.rendered.startsWith("by") ? () => this.wanted() : null);
+    this.invalidate();
+  }
+
+  /** What of the settings the rendered picture depends on. */
+  get rendering() {
+    if (!this.model) return "no scene";
+    return realTimeOnly(this.settings) ?? `by ${this.settings.integrator}`;
+  }
+
+  settingsChanged() {
+    const { extent } = this.viewpoint;
+    const maps = this.model?.maps ?? [];
+    this.tools.describe(extent, this.section, maps.length > 0);
+    const scalar = maps.filter(({ unit }) => unit === "lx");
+    showLegend(this.settings, fullColour(this.settings, extent), scalar);
+    // Exposure works on the picture that is there.
+    if (this.rendering === this.rendered) this.invalidate();
+    else this.viewChanged();
+  }
+
+  /** The settings were changed by something else than their controls. */
+  settingsSet() {
+    this.tools.write();
+    this.settingsChanged();
+  }
+
+  visibilityChanged() {
+    this.tree.refresh();
+    this.viewChanged();
+  }
+
+  /** Has the page drawn before the browser shows it next. */
+  invalidate() {
+    if (this.drawRequested) return;
+    this.drawRequested = true;
+    requestAnimationFrame(() => {
+      this.drawRequested = false;
+      this.draw();
+    });
+  }
+
+  /** There is more of the rendered picture. As long as it has holes, all has to be drawn below it, which would keep the machine from rendering. */
+  truthChanged() {
+    const pause = this.truth.picture?.covered ? 0 : TILE_PAUSE - (performance.now() - this.drawnAt);
+    if (pause <= 0) this.invalidate();
+    else this.tileTimer ??= setTimeout(() => this.invalidate(), pause);
+  }
+
+  /** @param {boolean} whole whether to wait for programs that the browser still compiles */
+  draw(whole = false) {
+    clearTimeout(this.tileTimer);
+    this.tileTimer = undefined;
+    this.drawnAt = performance.now();
+    const { picture, status } = this.truth;
+    this.status.show(status, this.settings.integrator, realTimeOnly(this.settings));
+    element("orthographic", HTMLInputElement).checked = this.viewpoint.camera.kind === "orthographic";
+    this.saveExr.disabled = (status?.samples ?? 0) === 0;
+    if (!this.model) return;
+    const view = this.view();
+    const glance = this.drawnAt < this.glanceUntil;
+    if (glance || !picture?.covered) this.drawScene(view, whole);
+    if (picture && !glance && !picture.empty) this.renderer.drawTruth(picture, view);
+    this.measure.draw(view.camera, this.viewpoint.size);
+    if (this.frame?.pending === 0) this.isReady();
+  }
+
+  /**
+   * Draws in real time; again soon, if the browser still compiles some of the programs.
+   * @param {import("./gl/renderer.js").View} view
+   * @param {boolean} whole
+   */
+  drawScene(view, whole) {
+    this.frame = whole ? this.renderer.drawWhole(view) : this.renderer.draw(view);
+    if (this.frame.pending > 0) setTimeout(() => this.invalidate(), COMPILE_PAUSE);
+  }
+
+  /**
+   * Selects a part, and shows what is known of it.
+   * @param {Item | null} item
+   * @param {Hit | null} hit where it was picked
+   */
+  select(item, hit) {
+    this.hit = hit;
+    this.parts?.select(item);
+    this.tree.reveal();
+    this.properties.show(hit, item);
+    this.tools.allowPicked(hit !== null);
+    if (item) announce(hit ? `${item.label}, ${hit.kind}, at ${pointText(hit.point)}` : item.label);
+    // The rendered picture does not show what is selected.
+    this.glanceUntil = performance.now() + GLANCE;
+    setTimeout(() => this.invalidate(), GLANCE);
+    this.settingsChanged();
+  }
+
+  /**
+   * What is at a place of the canvas, CSS pixels; `null` also while there is no server to ask.
+   * @param {number} x
+   * @param {number} y
+   * @returns {Promise<Hit | null>}
+   */
+  async pick(x, y) {
+    const { origin, direction } = rayThrough(this.viewpoint.camera, this.viewpoint.size, x, y);
+    const plane = this.section;
+    const section = plane && [...plane.normal, plane.offset];
+    const hidden = [...(this.parts?.hidden ?? [])];
+    try {
+      return (await this.session.request({ type: "pick", origin, direction, hidden, section })).hit;
+    } catch {
+      return null;
+    }
+  }
+
+  /**
+   * A click: the next end of a distance while measuring, else what is to be selected.
+   * @param {number} x
+   * @param {number} y
+   */
+  async click(x, y) {
+    const hit = await this.pick(x, y);
+    if (this.measure.active) {
+      if (hit) this.measure.add(hit);
+      this.invalidate();
+      return;
+    }
+    if (!hit) announce("Nothing there");
+    this.select(hit ? (this.parts?.shape(hit.leaf) ?? null) : null, hit);
+  }
+
+  /** @param {{ x: number, y: number } | null} place */
+  async hover(place) {
+    const hit = place && this.model ? await this.pick(place.x, place.y) : null;
+    this.status.point(hit?.point ?? null);
+  }
+}

@@ -1,0 +1,186 @@
+/**
+ * The WebSocket to the server: requests and their answers, and connecting again when it goes.
+ *
+ * @module
+ */
+
+/** @typedef {import("./linear.js").Vector} Vector */
+
+/**
+ * What a ray met on the exact surface; lengths in metres, curvatures in 1/m, in the world.
+ * @typedef {{ minimum: number, maximum: number, gaussian: number, mean: number, radius: number | null }} Curvature
+ * @typedef {{ leaf: number, object: number, kind: string, name: string, material: string, degree: [number, number] | null,
+ *   area: number | null, uv: [number, number], face: number, point: Vector, normal: Vector, distance: number,
+ *   curvature: Curvature | null }} Hit
+ */
+
+/** @typedef {{ type: "scene", model: string | null, name: string, error: string | null, session?: string, integrator?: "path" | "guided" }} SceneMessage */
+/** @typedef {{ type: "progress", id: number, samples: number, noise: number | null, seconds: number, done: boolean }} Progress */
+
+/**
+ * Part of the rendered picture: half floats, three a pixel, rows from the top.
+ * @typedef {{ id: number, x: number, y: number, width: number, height: number, samples: number, pixels: Uint16Array }} Tile
+ */
+
+/**
+ * Who is told what comes from the server unasked. `offline`: milliseconds until the next attempt.
+ * @typedef {{ online(): void, offline(pause: number): void, scene(message: SceneMessage): void, progress(message: Progress): void, waiting(id: number): void,
+ *   tile(tile: Tile): void, stopped(id: number): void, failed(id: number | null, message: string): void }} Listener
+ */
+
+/** @typedef {{ resolve(answer: any): void, reject(error: Error): void }} Waiting */
+
+const TILE = 1;
+const FILE = 2;
+
+/** Bytes before the pixels of a tile and before a file. */
+const TILE_HEADER = 20;
+const FILE_HEADER = 8;
+
+/** Milliseconds before the first attempt to connect again, and the longest pause. */
+const FIRST_PAUSE = 500;
+const LONGEST_PAUSE = 15000;
+
+/**
+ * A tile from its bytes; `null` if they are not those of one.
+ * @param {ArrayBuffer} bytes
+ * @returns {Tile | null}
+ */
+export function tileFromBytes(bytes) {
+  if (bytes.byteLength < TILE_HEADER) {
+    return null;
+  }
+  const header = new DataView(bytes);
+  const [width, height] = [header.getUint16(12, true), header.getUint16(14, true)];
+  if (header.getUint8(0) !== TILE || bytes.byteLength !== TILE_HEADER + width * height * 6) {
+    return null;
+  }
+  return {
+    id: header.getUint32(4, true),
+    x: header.getUint16(8, true),
+    y: header.getUint16(10, true),
+    width,
+    height,
+    samples: header.getUint32(16, true),
+    pixels: new Uint16Array(bytes, TILE_HEADER),
+  };
+}
+
+/** One page's connection. It is made anew as long as the page lives. */
+export class Session {
+  /**
+   * @param {URL} url
+   * @param {Listener} listener
+   */
+  constructor(url, listener) {
+    this.url = url;
+    this.listener = listener;
+    /** @type {WebSocket | null} */
+    this.socket = null;
+    this.lastId = 0;
+    this.pause = FIRST_PAUSE;
+    /** @type {Map<number, Waiting>} */
+    this.waiting = new Map();
+    this.connect();
+  }
+
+  get isOnline() {
+    return this.socket?.readyState === WebSocket.OPEN;
+  }
+
+  connect() {
+    const socket = new WebSocket(this.url);
+    socket.binaryType = "arraybuffer";
+    this.socket = socket;
+    socket.onopen = () => {
+      this.pause = FIRST_PAUSE;
+      this.listener.online();
+    };
+    socket.onmessage = (event) => this.receive(event.data);
+    socket.onclose = () => {
+      for (const { reject } of this.waiting.values()) {
+        reject(new Error("the connection to the server is gone"));
+      }
+      this.waiting.clear();
+      this.listener.offline(this.pause);
+      setTimeout(() => this.connect(), this.pause);
+      this.pause = Math.min(2 * this.pause, LONGEST_PAUSE);
+    };
+  }
+
+  /** A number for a request that no other has. */
+  nextId() {
+    this.lastId += 1;
+    return this.lastId;
+  }
+
+  /**
+   * Sends a message; while there is no connection it is lost.
+   * @param {Record<string, unknown>} message
+   */
+  send(message) {
+    if (this.isOnline) {
+      this.socket?.send(JSON.stringify(message));
+    }
+  }
+
+  /**
+   * What the server says to a request: a message, or the bytes of a file.
+   * @param {Record<string, unknown>} message
+   * @returns {Promise<any>} rejected with what the server says against it, or when the connection goes
+   */
+  request(message) {
+    if (!this.isOnline) {
+      return Promise.reject(new Error("there is no connection to the server"));
+    }
+    const id = this.nextId();
+    return new Promise((resolve, reject) => {
+      this.waiting.set(id, { resolve, reject });
+      this.send({ ...message, id });
+    });
+  }
+
+  /** @param {string | ArrayBuffer} data */
+  receive(data) {
+    if (typeof data === "string") {
+      this.receiveText(JSON.parse(data));
+      return;
+    }
+    const tile = tileFromBytes(data);
+    if (tile) {
+      this.listener.tile(tile);
+    } else if (data.byteLength >= FILE_HEADER && new Uint8Array(data)[0] === FILE) {
+      this.settle(new DataView(data).getUint32(4, true))?.resolve(data.slice(FILE_HEADER));
+    }
+  }
+
+  /** @param {any} message */
+  receiveText(message) {
+    switch (message.type) {
+      case "scene":
+        return this.listener.scene(message);
+      case "progress":
+        return this.listener.progress(message);
+      case "waiting":
+        return this.listener.waiting(message.id);
+      case "stopped":
+        return this.listener.stopped(message.id);
+      case "failed": {
+        const asked = this.settle(message.id);
+        return asked ? asked.reject(new Error(message.message)) : this.listener.failed(message.id, message.message);
+      }
+      default:
+        return this.settle(message.id)?.resolve(message);
+    }
+  }
+
+  /**
+   * Who waits for the answer to this request; nobody does from now on.
+   * @param {number} id
+   */
+  settle(id) {
+    const waiting = this.waiting.get(id);
+    this.waiting.delete(id);
+    return waiting;
+  }
+}

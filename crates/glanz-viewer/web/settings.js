@@ -1,0 +1,115 @@
+/**
+ * What of the picture the user chooses.
+ *
+ * @module
+ */
+
+import { add, dot, scale } from "./linear.js";
+
+/** @typedef {import("./linear.js").Vector} Vector */
+/** @typedef {import("./camera.js").Bounds} Bounds */
+/** @typedef {"material" | "zebra" | "gaussian" | "mean" | "maximum" | "normals"} Shading */
+
+/**
+ * `exposure`: stops. `stripes`: of the zebra. `curvature`: power of ten of what gets full colour, as a multiple of one over the scene's size. `isocurves`: per
+ * patch. `sectionShare`: place of the plane between the ends of the scene's bounds.
+ * @typedef {{ exposure: number, integrator: "none" | "path" | "guided", shading: Shading, stripes: number, curvature: number,
+ *   isocurves: number, edges: boolean, net: boolean, maps: boolean, section: boolean, sectionAxis: "x" | "y" | "z" | "picked",
+ *   sectionShare: number, sectionFlip: boolean }} Settings
+ */
+
+/** @typedef {{ normal: Vector, offset: number }} Plane what is kept has `dot(normal, point) <= offset` */
+
+/** @returns {Settings} */
+export function defaultSettings() {
+  return {
+    exposure: 0,
+    integrator: "path",
+    shading: "material",
+    stripes: 16,
+    curvature: 1,
+    isocurves: 0,
+    edges: false,
+    net: false,
+    maps: false,
+    section: false,
+    sectionAxis: "x",
+    sectionShare: 0.5,
+    sectionFlip: false,
+  };
+}
+
+/**
+ * Why these settings show what is drawn in real time only, `null` if they do not.
+ * @param {Settings} settings
+ */
+export function realTimeOnly(settings) {
+  if (settings.integrator === "none") return "chosen";
+  if (settings.section) return "section plane";
+  if (settings.shading !== "material") return "surface colours";
+  if (settings.maps) return "illuminance";
+  if (settings.net || settings.isocurves > 0 || settings.edges) return "lines on surfaces";
+  return null;
+}
+
+/**
+ * 1/m at which a curvature gets full colour.
+ * @param {Settings} settings
+ * @param {number} extent metres, of the scene
+ */
+export function fullColour(settings, extent) {
+  return 10 ** settings.curvature / extent;
+}
+
+/** @type {Record<"x" | "y" | "z", Vector>} */
+const AXES = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };
+
+/**
+ * The direction across the section plane, before it is turned around.
+ * @param {Settings} settings
+ * @param {Vector | null} picked normal of the picked point
+ * @returns {Vector}
+ */
+function sectionNormal(settings, picked) {
+  return settings.sectionAxis === "picked" ? (picked ?? AXES.x) : AXES[settings.sectionAxis];
+}
+
+/**
+ * From where to where a section plane across a direction cuts a box: values of `dot(normal, point)`.
+ * @param {Vector} normal
+ * @param {Bounds} bounds
+ * @returns {[number, number]}
+ */
+function reach(normal, bounds) {
+  const middle = dot(normal, scale(add(bounds[0], bounds[1]), 0.5));
+  const half = normal.reduce((sum, n, i) => sum + (Math.abs(n) * (bounds[1][i] - bounds[0][i])) / 2, 0);
+  return [middle - half, middle + half];
+}
+
+/**
+ * The section plane, `null` if there is none.
+ * @param {Settings} settings
+ * @param {Vector | null} picked
+ * @param {Bounds} bounds
+ * @returns {Plane | null}
+ */
+export function sectionPlane(settings, picked, bounds) {
+  if (!settings.section) return null;
+  const normal = sectionNormal(settings, picked);
+  const [low, high] = reach(normal, bounds);
+  const offset = low + (high - low) * settings.sectionShare;
+  return settings.sectionFlip ? { normal: scale(normal, -1), offset: -offset } : { normal, offset };
+}
+
+/**
+ * The share of `sectionShare` at which the plane goes through a point.
+ * @param {Settings} settings
+ * @param {Vector | null} picked
+ * @param {Bounds} bounds
+ * @param {Vector} point
+ */
+export function shareThrough(settings, picked, bounds, point) {
+  const normal = sectionNormal(settings, picked);
+  const [low, high] = reach(normal, bounds);
+  return high > low ? Math.min(1, Math.max(0, (dot(normal, point) - low) / (high - low))) : 0.5;
+}

@@ -1,0 +1,205 @@
+/**
+ * The rendered picture: asked for when the camera rests, collected from tiles, forgotten when it moves.
+ *
+ * @module
+ */
+
+/** @typedef {import("./camera.js").Camera} Camera */
+/** @typedef {import("./camera.js").Size} Size */
+/** @typedef {import("./session.js").Session} Session */
+/** @typedef {import("./session.js").Tile} Tile */
+/** @typedef {import("./session.js").Progress} Progress */
+
+/** @typedef {[x: number, y: number, width: number, height: number]} Rectangle */
+/** @typedef {"path" | "guided"} Integrator */
+
+/**
+ * `waits`: for pictures of other pages.
+ * @typedef {{ samples: number, noise: number | null, seconds: number, done: boolean, covered: boolean, waits: boolean,
+ *   error: string | null }} TruthStatus
+ */
+
+/** 1 as a half float. */
+const HALF_ONE = 0x3c00;
+
+/** Milliseconds that the camera rests before rendering begins. */
+const REST = 250;
+
+/** Longest side of a picture that the server renders. */
+const LARGEST_SIDE = 4096;
+
+/**
+ * A picture of half floats, RGBA, rows from the top. Where nothing has come yet, A is 0. Who draws it takes the rectangles of `changed` and empties the list.
+ */
+export class Picture {
+  /** @param {Size} size */
+  constructor(size) {
+    this.width = size.width;
+    this.height = size.height;
+    this.data = new Uint16Array(4 * size.width * size.height);
+    /** @type {Rectangle[]} */
+    this.changed = [];
+    this.missing = size.width * size.height;
+  }
+
+  /** Whether all of its pixels have come. */
+  get covered() {
+    return this.missing === 0;
+  }
+
+  /** Whether nothing of it has come yet. */
+  get empty() {
+    return this.missing === this.width * this.height;
+  }
+
+  /**
+   * Takes over the pixels of a tile; what lies outside of the picture is left out.
+   * @param {Tile} tile
+   */
+  put(tile) {
+    const width = Math.min(tile.width, this.width - tile.x);
+    const height = Math.min(tile.height, this.height - tile.y);
+    if (width <= 0 || height <= 0) {
+      return;
+    }
+    for (let row = 0; row < height; row++) {
+      let from = 3 * row * tile.width;
+      let to = 4 * ((tile.y + row) * this.width + tile.x);
+      for (let column = 0; column < width; column++, from += 3, to += 4) {
+        this.data[to] = tile.pixels[from];
+        this.data[to + 1] = tile.pixels[from + 1];
+        this.data[to + 2] = tile.pixels[from + 2];
+        this.missing -= this.data[to + 3] === 0 ? 1 : 0;
+        this.data[to + 3] = HALF_ONE;
+      }
+    }
+    this.changed.push([tile.x, tile.y, width, height]);
+  }
+}
+
+/**
+ * The size to render at: that of the canvas, or as large as the server goes at the same ratio.
+ * @param {Size} canvas
+ * @returns {Size}
+ */
+export function renderSize(canvas) {
+  const shrink = Math.min(1, LARGEST_SIDE / Math.max(canvas.width, canvas.height));
+  return {
+    width: Math.max(1, Math.round(canvas.width * shrink)),
+    height: Math.max(1, Math.round(canvas.height * shrink)),
+  };
+}
+
+/** What one page has rendered. */
+export class Truth {
+  /**
+   * @param {Session} session
+   * @param {() => void} changed called when there is something new to show or to say
+   */
+  constructor(session, changed) {
+    this.session = session;
+    this.tell = changed;
+    /** @type {Picture | null} */
+    this.picture = null;
+    /** @type {TruthStatus | null} */
+    this.status = null;
+    /** The request that is being rendered. @type {number | null} */
+    this.id = null;
+    /** Milliseconds from the last stop until the server had stopped. @type {number | null} */
+    this.latency = null;
+    /** @type {{ id: number, at: number } | null} */
+    this.stopping = null;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.timer = undefined;
+  }
+
+  /**
+   * Forgets the picture and ends its rendering: the view is another now. `ask` tells, after a rest, what is to be rendered.
+   * @param {(() => { camera: Camera, size: Size, hidden: number[], integrator: Integrator } | null) | null} ask
+   */
+  restart(ask) {
+    this.stop();
+    clearTimeout(this.timer);
+    if (ask) {
+      this.timer = setTimeout(() => this.begin(ask()), REST);
+    }
+  }
+
+  /** @param {{ camera: Camera, size: Size, hidden: number[], integrator: Integrator } | null} asked */
+  begin(asked) {
+    if (!asked || !this.session.isOnline) {
+      return;
+    }
+    const { camera, hidden, integrator } = asked;
+    const size = renderSize(asked.size);
+    this.id = this.session.nextId();
+    this.picture = new Picture(size);
+    this.status = { samples: 0, noise: null, seconds: 0, done: false, covered: false, waits: false, error: null };
+    this.session.send({ type: "view", id: this.id, camera, size: [size.width, size.height], hidden, integrator });
+    this.tell();
+  }
+
+  stop() {
+    if (this.id !== null) {
+      this.stopping = { id: this.id, at: performance.now() };
+      this.session.send({ type: "stop", id: this.id });
+      this.id = null;
+    }
+    this.picture = null;
+    this.status = null;
+  }
+
+  /** The connection is gone, and with it what was being rendered. */
+  lost() {
+    this.id = null;
+    this.stopping = null;
+  }
+
+  /** @param {number} id */
+  stopped(id) {
+    if (this.stopping?.id === id) {
+      this.latency = performance.now() - this.stopping.at;
+      this.stopping = null;
+    }
+  }
+
+  /** @param {number} id */
+  waits(id) {
+    if (id === this.id && this.status) {
+      this.status.waits = true;
+      this.tell();
+    }
+  }
+
+  /** @param {Tile} tile */
+  tile(tile) {
+    if (tile.id === this.id && this.picture && this.status) {
+      this.picture.put(tile);
+      this.status.covered = this.picture.covered;
+      this.tell();
+    }
+  }
+
+  /** @param {Progress} progress */
+  progress(progress) {
+    if (progress.id === this.id && this.status) {
+      const { samples, noise, seconds, done } = progress;
+      Object.assign(this.status, { samples, noise, seconds, done, waits: false });
+      this.tell();
+    }
+  }
+
+  /**
+   * Whether this was about the picture, which is then not rendered.
+   * @param {number | null} id
+   * @param {string} message
+   */
+  failed(id, message) {
+    if (id === null || id !== this.id || !this.status) {
+      return false;
+    }
+    this.status.error = message;
+    this.tell();
+    return true;
+  }
+}

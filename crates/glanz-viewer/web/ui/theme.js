@@ -1,0 +1,56 @@
+/**
+ * Dark, light, or as the system has it.
+ *
+ * @module
+ */
+
+import { element } from "./element.js";
+
+const STORED = "glanz-theme";
+
+/**
+ * Has the control switch between dark, light, and what the system has.
+ * @param {() => void} changed called when colours are others now
+ */
+export function offerThemes(changed) {
+  const control = element("theme", HTMLSelectElement);
+  const apply = () => {
+    document.documentElement.dataset["theme"] = control.value;
+    changed();
+  };
+  control.value = remembered() ?? "auto";
+  // A word that no option has leaves the control empty.
+  if (!control.value) control.value = "auto";
+  apply();
+  control.addEventListener("change", () => {
+    remember(control.value);
+    apply();
+  });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", changed);
+}
+
+/** @param {string} theme */
+function remember(theme) {
+  try {
+    localStorage.setItem(STORED, theme);
+  } catch {
+    // Browsers that keep nothing for this page start it with the system's colours again.
+  }
+}
+
+function remembered() {
+  try {
+    return localStorage.getItem(STORED);
+  } catch {
+    return null;
+  }
+}
+
+/**
+ * The colour behind the scene, red, green and blue as the display shows them, 0 to 1.
+ * @returns {[number, number, number]}
+ */
+export function backgroundColour() {
+  const [red, green, blue] = getComputedStyle(element("view", HTMLElement)).backgroundColor.match(/[\d.]+/g) ?? [];
+  return [Number(red) / 255, Number(green) / 255, Number(blue) / 255];
+}

@@ -1,0 +1,99 @@
+/**
+ * The settings of the picture as controls.
+ *
+ * @module
+ */
+
+import { fullColour } from "../settings.js";
+import { element } from "./element.js";
+import { lengthText, plain } from "./units.js";
+
+/** @typedef {import("../settings.js").Settings} Settings */
+/** @typedef {import("../settings.js").Plane} Plane */
+
+/** Shadings whose colours are curvatures. */
+const CURVATURES = ["gaussian", "mean", "maximum"];
+
+export class Tools {
+  /**
+   * @param {Settings} settings changed in place by the controls
+   * @param {() => void} changed
+   */
+  constructor(settings, changed) {
+    this.settings = settings;
+    this.form = element("settings", HTMLFormElement);
+    this.form.addEventListener("submit", (event) => event.preventDefault());
+    this.form.addEventListener("input", () => {
+      this.read();
+      changed();
+    });
+    this.write();
+  }
+
+  /** Controls whose names are those of settings. */
+  *controls() {
+    for (const control of this.form.elements) {
+      if ((control instanceof HTMLInputElement || control instanceof HTMLSelectElement) && control.name) yield control;
+    }
+  }
+
+  /** Takes the settings over from the controls. */
+  read() {
+    /** @type {Record<string, unknown>} */
+    const values = {};
+    for (const control of this.controls()) {
+      if (control instanceof HTMLSelectElement) values[control.name] = control.value;
+      else if (control.type === "checkbox") values[control.name] = control.checked;
+      else if (control.type === "range") values[control.name] = control.valueAsNumber;
+      else if (control.checked) values[control.name] = control.value;
+    }
+    Object.assign(this.settings, values);
+  }
+
+  /** Has the controls show the settings. */
+  write() {
+    /** @type {Record<string, unknown>} */
+    const values = this.settings;
+    for (const control of this.controls()) {
+      const value = values[control.name];
+      if (control.type === "checkbox" && control instanceof HTMLInputElement) control.checked = value === true;
+      else if (control.type === "radio" && control instanceof HTMLInputElement)
+        control.checked = control.value === value;
+      else control.value = String(value);
+    }
+  }
+
+  /** @param {boolean} isPicked whether a section can go through a picked point */
+  allowPicked(isPicked) {
+    element("section-here", HTMLButtonElement).disabled = !isPicked;
+    element("section-picked", HTMLOptionElement).disabled = !isPicked;
+    if (!isPicked && this.settings.sectionAxis === "picked") {
+      this.settings.sectionAxis = "x";
+      this.write();
+    }
+  }
+
+  /**
+   * Says the values beside the sliders, and hides what the scene has no use for.
+   * @param {number} extent metres, of the scene
+   * @param {Plane | null} section
+   * @param {boolean} hasMaps
+   */
+  describe(extent, section, hasMaps) {
+    const { exposure, stripes, isocurves, shading, sectionFlip } = this.settings;
+    /** @param {string} id @param {string} text */
+    const say = (id, text) => {
+      element(`${id}-value`, HTMLElement).textContent = text;
+      element(id, HTMLInputElement).setAttribute("aria-valuetext", text);
+    };
+    say("exposure", `${exposure > 0 ? "+" : ""}${plain(exposure)} EV`);
+    say("stripes", String(stripes));
+    const curvature = fullColour(this.settings, extent);
+    say("curvature", `radius ${lengthText(Number((1 / curvature).toPrecision(3)))}`);
+    say("isocurves", isocurves === 0 ? "none" : String(isocurves));
+    say("section-offset", section ? lengthText(sectionFlip ? -section.offset : section.offset) : "");
+    element("stripes-row", HTMLElement).hidden = shading !== "zebra";
+    element("curvature-row", HTMLElement).hidden = !CURVATURES.includes(shading);
+    element("maps-row", HTMLElement).hidden = !hasMaps;
+  }
+}
