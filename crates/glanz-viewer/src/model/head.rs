@@ -4,14 +4,13 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-/// What the JSON text says.
+/// What the JSON text says, but for where the blocks are.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Head {
     pub(super) name: String,
     pub(super) up: [f64; 3],
     pub(super) bounds: [[f64; 3]; 2],
     pub(super) camera: Camera,
-    pub(super) blocks: BTreeMap<String, Block>,
     pub(super) surfaces: Vec<Surface>,
     pub(super) regions: Vec<Region>,
     pub(super) objects: Vec<Object>,
@@ -20,6 +19,14 @@ pub(super) struct Head {
     pub(super) tree: Node,
     pub(super) maps: Vec<Map>,
     pub(super) notes: Vec<String>,
+}
+
+/// The text as it is written.
+#[derive(Serialize)]
+pub(super) struct Text<'a> {
+    pub(super) blocks: &'a BTreeMap<String, Block>,
+    #[serde(flatten)]
+    pub(super) head: &'a Head,
 }
 
 /// Bytes, counted from the first block.

@@ -28,54 +28,59 @@ pub(super) fn lights(scene: &Scene, placed: &[PlacedSurface<'_>]) -> (Vec<head::
     let wavelengths = Wavelengths::default();
     let bounds = scene.bounds();
     let radius = if bounds.is_empty() { 1.0 } else { 0.5 * bounds.diagonal().length() };
-    let mut found: Vec<(f32, head::Light)> = Vec::new();
-    let mut everywhere = Spectrum::BLACK;
-    for (number, light) in (0..).zip(scene.lights()) {
-        let (power, simple) = match light {
-            Light::Point(l) => {
-                let simple = Simple { kind: "point", position: l.position(), ..Simple::of(l.intensity()) };
-                (l.power(), Simple { range: l.range(), ..simple })
-            }
-            Light::Spot(l) => {
-                let cosines = [l.cos_inner(), l.cos_outer()];
-                let aimed = Simple {
-                    position: l.position(),
-                    direction: l.axis(),
-                    cosines,
-                    ..Simple::of(l.intensity(l.axis()))
-                };
-                (l.power(), Simple { kind: "spot", ..aimed })
-            }
-            Light::Photometric(l) => (l.power(), photometric(l)),
-            Light::Rays(l) => {
-                let mean = l.power() * (0.25 / PI) as f32;
-                (l.power(), Simple { kind: "point", position: l.position(), ..Simple::of(mean) })
-            }
-            Light::Distant(l) => {
-                let simple =
-                    Simple { kind: "distant", direction: -l.towards(), ..Simple::of(l.irradiance()) };
-                (l.irradiance() * (PI * radius * radius) as f32, simple)
-            }
-            Light::Area(l) => {
-                let own = placed.iter().find(|surface| surface.light() == Some(LightId(number)));
-                (l.power(), own.map_or_else(|| Simple::of(Spectrum::BLACK), |own| area(l, own, bounds)))
-            }
-            Light::Infinite(l) => {
-                everywhere += l.radiance();
-                continue;
-            }
-            _ => continue,
-        };
-        found.push((power.mean(&wavelengths), simple.head(&wavelengths)));
-    }
-    found.retain(|(_, light)| light.intensity.iter().any(|&x| x > 0.0));
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let left_out = found.len() > MOST;
-    let mut lights: Vec<head::Light> = found.into_iter().take(MOST).map(|(_, light)| light).collect();
+    let with_place = scene.lights().iter().filter(|light| !matches!(light, Light::Infinite(_)));
+    let mut by_power: Vec<(f32, &Light)> =
+        with_place.map(|light| (power(light, radius).mean(&wavelengths), light)).collect();
+    by_power.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let simple = by_power.iter().take(MOST).filter_map(|&(_, light)| simple(scene, placed, light));
+    let mut lights: Vec<head::Light> = simple.map(|light| light.head(&wavelengths)).collect();
+    lights.retain(|light| light.intensity.iter().any(|&x| x > 0.0));
+    let everywhere: Spectrum = scene
+        .lights()
+        .iter()
+        .map(|light| if let Light::Infinite(light) = light { light.radiance() } else { Spectrum::BLACK })
+        .sum();
     if !everywhere.is_black() {
         lights.push(Simple { kind: "infinite", ..Simple::of(everywhere) }.head(&wavelengths));
     }
-    (lights, left_out)
+    (lights, by_power.len() > MOST)
+}
+
+/// What a light sends into a scene of that radius, W; black if nobody knows.
+fn power(light: &Light, radius: f64) -> Spectrum {
+    match light {
+        Light::Point(l) => l.power(),
+        Light::Spot(l) => l.power(),
+        Light::Photometric(l) => l.power(),
+        Light::Rays(l) => l.power(),
+        Light::Distant(l) => l.irradiance() * (PI * radius * radius) as f32,
+        Light::Area(l) => l.power(),
+        _ => Spectrum::BLACK,
+    }
+}
+
+/// The light as a rasteriser knows such; `None` for those without a place or a direction.
+fn simple(scene: &Scene, placed: &[PlacedSurface<'_>], light: &Light) -> Option<Simple> {
+    Some(match light {
+        Light::Point(l) => Simple { position: l.position(), range: l.range(), ..Simple::of(l.intensity()) },
+        Light::Spot(l) => Simple {
+            kind: "spot",
+            position: l.position(),
+            direction: l.axis(),
+            cosines: [l.cos_inner(), l.cos_outer()],
+            ..Simple::of(l.intensity(l.axis()))
+        },
+        Light::Photometric(l) => photometric(l),
+        Light::Rays(l) => Simple { position: l.position(), ..Simple::of(l.power() * (0.25 / PI) as f32) },
+        Light::Distant(l) => {
+            Simple { kind: "distant", direction: -l.towards(), ..Simple::of(l.irradiance()) }
+        }
+        Light::Area(l) => {
+            let is_it = |id: LightId| scene.light(id).is_some_and(|other| std::ptr::eq(other, light));
+            area(l, placed.iter().find(|surface| surface.light().is_some_and(is_it))?, scene.bounds())
+        }
+        _ => return None,
+    })
 }
 
 /// A light of a rasteriser.

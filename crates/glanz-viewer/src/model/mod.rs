@@ -10,9 +10,11 @@ mod error;
 mod head;
 mod hidden;
 mod lights;
+mod map;
 mod mesh;
 mod patches;
 mod region;
+mod shown;
 mod surfaces;
 #[cfg(test)]
 mod tests;
@@ -30,6 +32,7 @@ use self::blocks::Blocks;
 pub use self::error::ModelError;
 use self::head::Head;
 pub use self::hidden::without;
+pub use self::map::MapLabel;
 use self::surfaces::{Made, Surfaces};
 use self::tree::{Leaf, Tree};
 
@@ -80,7 +83,6 @@ impl Model {
             up: view::up(&camera),
             bounds: [bounds.min.to_array(), bounds.max.to_array()],
             camera,
-            blocks: surfaces.blocks.laid_out().0,
             surfaces: surfaces.head,
             regions: surfaces.regions,
             objects: objects.head,
@@ -104,8 +106,9 @@ impl Model {
     /// # Errors
     /// [`ModelError::Text`].
     pub fn to_bytes(&self) -> Result<Vec<u8>, ModelError> {
-        let (_, blocks) = self.blocks.laid_out();
-        Ok(blocks::file(&serde_json::to_string(&self.head)?, &blocks))
+        let (places, blocks) = self.blocks.laid_out();
+        let text = serde_json::to_string(&head::Text { blocks: &places, head: &self.head })?;
+        Ok(blocks::file(&text, &blocks))
     }
 
     /// The object that holds a place of the scene; `None` if the scene has no such place.
@@ -134,6 +137,14 @@ impl Model {
         let material = self.head.objects.get(object as usize).map(|object| object.material);
         let material = material.and_then(|number| self.head.materials.get(number));
         material.map_or("", |material| if material.name.is_empty() { material.kind } else { &material.name })
+    }
+
+    /// Whether an object can be seen: borders that light passes cannot, unless they shine.
+    #[must_use]
+    pub fn is_seen(&self, object: u32) -> bool {
+        let object = self.head.objects.get(object as usize);
+        let material = object.and_then(|object| self.head.materials.get(object.material));
+        material.is_some_and(|material| material.opacity > 0.0) || object.is_some_and(|object| object.light)
     }
 
     /// Area of a leaf, m^2, in the scene whose surfaces `placed` are all of; `None` if it has none. It is found once.

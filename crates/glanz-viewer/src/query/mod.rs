@@ -48,7 +48,7 @@ pub struct Hit {
     pub curvature: Option<Curvature>,
 }
 
-/// What `ray` meets first that is neither on a leaf of `hidden` nor cut away by `section`, which keeps a x + b y + c z <= d.
+/// What `ray` meets first that can be seen and is neither on a leaf of `hidden` nor cut away by `section`, which keeps a x + b y + c z <= d.
 ///
 /// `model` is that of `scene`. `None` if nothing is met, or only after more than 4096 places that are not shown.
 #[must_use]
@@ -66,7 +66,7 @@ pub fn pick(
         let leaf = model.leaf_of(object)?;
         let point = at.point.position;
         let cut = section.is_some_and(|[a, b, c, d]| a * point.x + b * point.y + c * point.z > d);
-        if !cut && !hidden.contains(&leaf) {
+        if !cut && !hidden.contains(&leaf) && model.is_seen(object) {
             return Some(hit(scene, model, ray, (object, leaf), &at, &place));
         }
         rest = at.spawn(ray.direction);

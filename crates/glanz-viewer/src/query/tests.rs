@@ -144,3 +144,17 @@ fn area_is_that_of_the_whole_shape() {
     close(area(&format!("Shape \"disk\" \"float radius\" 2 {trim}")), 4.0 * PI - 0.25 * PI, 1e-3);
     assert_eq!(area("Shape \"plane\""), None);
 }
+
+#[test]
+fn what_light_passes_cannot_be_picked() {
+    let scene = modelled(
+        "WorldBegin
+        Material \"interface\"
+        Shape \"disk\" \"float height\" 1 \"string receiver\" \"air\"
+        Material \"diffuse\"
+        Shape \"disk\"",
+    );
+    let found = pick_from(&scene, [0.1, 0.2, 5.0], [0.0, 0.0, -1.0]).unwrap();
+    assert_eq!((found.leaf, found.distance), (1, 5.0));
+    assert!(!scene.1.is_seen(0) && scene.1.is_seen(1) && !scene.1.is_seen(2));
+}

@@ -12,12 +12,13 @@ import { FRAME_HEAD, FRAME_LIGHT, MOST_LIGHTS } from "./frame.js";
 /** @typedef {import("../model.js").Model} Model */
 /** @typedef {import("./frame.js").Frame} Frame */
 
-/** Share of the light that lamps send to the middle of the scene which stands in for surroundings where the scene has none, and share of that for rough surfaces. */
-const SEEN_IN_MIRRORS = 0.2;
-const FILL = 0.6;
+/** Where a scene has no surroundings, mirrors see this share of the light that lamps send to what is looked at, and rough surfaces get this share of that. */
+const SEEN_IN_MIRRORS = 0.45;
+const FILL = 0.3;
 
-/** The surroundings' lower half sends so much of what the upper does, where the scene tells only one number. */
+/** What the lower half of the surroundings sends of what the upper does: where a scene tells one radiance for both, and where it tells none. */
 const GROUND = 0.6;
+const GROUND_OF_NONE = 0.15;
 
 /** Irradiance of the light at the eye in scenes without any, W/m^2: a white surface shows 0.8. */
 const HEADLIGHT = 0.8 * Math.PI;
@@ -33,16 +34,17 @@ export class Lights {
   /** @param {Model} model */
   constructor(model) {
     this.model = model;
-    const middle = scale(add(model.bounds[0], model.bounds[1]), 0.5);
+    const { position, forward, distance } = model.camera;
+    const middle = add(position, scale(forward, distance));
     const size = length(subtract(model.bounds[1], model.bounds[0])) / 2 || 1;
-    /** Lamps, the brightest at the middle of the scene first. */
+    /** Lamps, the brightest at what the scene's camera looks at first. */
     this.lamps = model.lights
       .filter((light) => light.kind !== "infinite")
       .map((light) => ({ light, bright: irradianceAt(light, middle, size) }))
       .sort((a, b) => b.bright - a.bright)
       .slice(0, MOST_LIGHTS)
       .map(({ light }) => light);
-    /** Irradiance of all lamps at the middle, by channel. */
+    /** Irradiance of all lamps there, by channel. */
     const lit = this.lamps.reduce(
       (sum, light) =>
         add(sum, scale(light.intensity, irradianceAt(light, middle, size) / (luminance(light.intensity) || 1))),
@@ -75,7 +77,7 @@ export class Lights {
   write(block, frame, shadows) {
     const lamps = this.isDark ? [headlight(frame)] : this.lamps;
     block.set([...this.sky, lamps.length], 36);
-    block.set([...scale(this.sky, GROUND), 0], 40);
+    block.set([...scale(this.sky, this.hasSurroundings ? GROUND : GROUND_OF_NONE), 0], 40);
     block.fill(this.hasSurroundings ? 1 : FILL, 44, 48);
     lamps.forEach((light, k) => {
       const at = FRAME_HEAD + k * FRAME_LIGHT;

@@ -73,7 +73,7 @@ float lit(vec3 p, vec3 n, float cosine) {
 const REFLECTION = `
 const float PI = 3.14159265358979;
 vec3 surroundings(vec3 direction) {
-  return mix(ground.xyz, sky.xyz, smoothstep(-0.15, 0.15, dot(direction, upward.xyz)));
+  return mix(ground.xyz, sky.xyz, smoothstep(-0.2, 0.6, dot(direction, upward.xyz)));
 }
 float squared(float x) { return x * x; }
 
@@ -110,8 +110,7 @@ vec4 reflected(Material m, vec3 p, vec3 n, vec3 toEye, bool front) {
   vec3 f0 = mix(phong ? vec3(0.0) : m.specular, m.base, m.metallic);
   if (m.glass) f0 = max(f0, vec3(0.04));
   bool shiny = any(greaterThan(f0, vec3(0.0)));
-  // A lamp has a size; a point of light in a mirror would be seen in no pixel.
-  float alpha = max(squared(m.roughness), 0.004);
+  float alpha = squared(m.roughness);
   vec3 mirrored = reflect(-toEye, n);
   vec3 rough = vec3(0.0), bright = vec3(0.0);
   int count = int(sky.w);
@@ -122,7 +121,8 @@ vec4 reflected(Material m, vec3 p, vec3 n, vec3 toEye, bool front) {
     if (cosine <= 0.0 || e == vec3(0.0)) continue;
     if (lights[k].reach.y > 0.0) e *= lit(p, n, cosine);
     rough += diffuse * e * cosine;
-    if (shiny) bright += glossy(f0, alpha, n, toEye, toLight) * e;
+    // A lamp has a size; a point of light in a mirror would be seen in no pixel.
+    if (shiny) bright += glossy(f0, max(alpha, lights[k].position.w == 3.0 ? 0.08 : 0.004), n, toEye, toLight) * e;
     if (phong) {
       float lobe = (m.exponent + 2.0) / (2.0 * PI) * pow(max(dot(mirrored, toLight), 0.0), m.exponent);
       bright += m.specular * lobe * cosine * e;

@@ -1,6 +1,7 @@
 //! Models of small scenes, read back from their bytes.
 
 mod leaves;
+mod map;
 mod region;
 mod scene_parts;
 mod surfaces;

@@ -163,3 +163,45 @@ fn materials_look_like_those_of_the_scene() {
     assert_eq!(of(4)["exponent"], 62.0);
     assert!((of(4)["roughness"].as_f64().unwrap() - (1.0_f64 / 32.0).sqrt()).abs() < 1e-6);
 }
+
+#[test]
+fn luminaires_keep_their_flux() {
+    use std::sync::Arc;
+
+    use glanz_light::SpectralDistribution;
+    use glanz_light::intensity::{AngularSystem, Distribution, Symmetry};
+    use glanz_math::{DMat4, DVec3};
+    use glanz_scene::description::{LightDescription, LightKind};
+
+    // 100 cd straight down, falling by the cosine: I_0 pi lm in all, as of a light of 100 cd along its axis. Another one shines 50 cd everywhere.
+    let angles: Vec<f64> = (0..=90).map(f64::from).collect();
+    let cosine: Vec<f64> = angles.iter().map(|angle| 100.0 * angle.to_radians().cos()).collect();
+    let down = Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], angles, cosine).unwrap();
+    let even =
+        Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], vec![0.0, 180.0], vec![50.0; 2])
+            .unwrap();
+    let (mut description, _) = load("WorldBegin\nShape \"sphere\"");
+    let lamp = |distribution: Distribution, x: f64| LightDescription {
+        kind: LightKind::Photometric {
+            distribution: Arc::new(distribution),
+            opening: None,
+            from: DVec3::ZERO,
+        },
+        emission: SpectralDistribution::Constant(1.0),
+        scale: 1.0,
+        to_world: DMat4::from_translation(DVec3::X * x),
+        location: None,
+    };
+    description.lights = vec![lamp(down, 1.0), lamp(even, 2.0)];
+    let scene = Scene::resolve(description.clone()).unwrap().0;
+    let model = Model::try_new("test", &description, &scene, &[]).unwrap();
+    let file = File::read(&model.to_bytes().unwrap());
+    let of = |kind: &str| file.list("lights").iter().find(|light| light["kind"] == kind).unwrap();
+    let (down, even) = (of("area"), of("point"));
+    assert!(
+        close(&down["position"], &[1.0, 0.0, 0.0], 1e-12)
+            && close(&down["direction"], &[0.0, 0.0, -1.0], 1e-12)
+    );
+    let ratio = numbers(&down["intensity"])[0] / numbers(&even["intensity"])[0];
+    assert!((ratio - 2.0).abs() < 1e-3, "{ratio}");
+}

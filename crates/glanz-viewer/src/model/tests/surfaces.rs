@@ -252,3 +252,39 @@ fn what_cannot_be_sent_as_it_is_is_noted() {
     let corner = &points[4 * first..4 * first + 2];
     assert!(corner[0] == -2.0 && corner[1] < -10.0 && corner[1] > -100.0, "{corner:?}");
 }
+
+#[test]
+fn faces_that_are_small_parts_of_their_surface_have_patches_of_their_own() {
+    // A hundredth of a millimetre out of a square of ten metres, and out of a plane without end; of the spline, in pieces of 2 m by 10 m, most is
+    // left out.
+    let net: String = (0..6 * 2).map(|k| format!("{} {} {} ", 2 * (k % 6), 10 * (k / 6), k % 2)).collect();
+    let text = format!(
+        r#"
+        WorldBegin
+        Shape "bilinearmesh" "point3 P" [0 0 0  10 0 0  0 10 0  10 10 0]
+            "float trimellipse" [.25 .75 1e-6 1e-6] "string trimside" "inside"
+        Shape "plane" "float trimellipse" [40 50 1e-5 1e-5] "string trimside" "inside"
+        Shape "nurbs" "integer nu" 6 "integer nv" 2 "integer uorder" 2 "integer vorder" 2
+            "float uknots" [0 0 1 2 3 4 5 5] "float vknots" [0 0 1 1] "point3 P" [{net}]
+            "float trimellipse" [2.5 .5 .1 .1] "string trimside" "inside""#
+    );
+    let (_, file, _) = model(&text);
+    assert!(file.list("notes").is_empty());
+    let (patches, points) = (file.words("patches"), file.floats("points"));
+    assert_eq!(patches.len(), 3 * 16);
+    for object in file.list("objects") {
+        let surface = &file.list("surfaces")[number(&object["surface"])];
+        let words = &patches[16 * number(&surface["first"])..][..16];
+        // The circle with a tenth of its width on each side is the region, and all of the patch.
+        for (x, y) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+            let corner = parameters(words, false, x, y);
+            assert!(corner.distance(DVec2::new(x, y)) < 1e-5, "{object} {corner}");
+        }
+        let across = |x, y| point(words, &points, x, y).distance(point(words, &points, 0.0, 0.0));
+        let (face, width, height) =
+            if object["kind"] == "nurbs" { (2, 0.48_f64.hypot(0.24), 2.4) } else { (0, 2.4e-5, 2.4e-5) };
+        assert_eq!(words[2], face);
+        assert!((across(1.0, 0.0) - width).abs() < 1e-4 * width, "{object}");
+        assert!((across(0.0, 1.0) - height).abs() < 1e-4 * height, "{object}");
+    }
+}

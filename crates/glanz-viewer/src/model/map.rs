@@ -1,0 +1,179 @@
+//! Values to be shown on surfaces: light that was counted or baked.
+
+use glanz_math::DVec2;
+use glanz_scene::Scene;
+
+use super::error::ModelError;
+use super::shown::{Shown, shown};
+use super::{Model, head};
+
+/// Texels along a side of a map at most: every graphics card takes that.
+const LARGEST: usize = 4096;
+
+/// Words of a patch that say which part of the map is its own.
+const WORDS: std::ops::Range<usize> = 12..16;
+
+/// What a map is called.
+#[derive(Clone, Copy, Debug)]
+pub struct MapLabel<'a> {
+    /// Such as "lux on the floor".
+    pub name: &'a str,
+    /// Such as "lx".
+    pub unit: &'a str,
+}
+
+/// Values of one patch, row by row along its x.
+struct Sheet {
+    object: usize,
+    /// Number of the patch among those of its surface.
+    patch: usize,
+    values: Vec<[f32; 3]>,
+}
+
+impl Model {
+    /// The model with values on its surfaces.
+    ///
+    /// `value`: what is at parameters of a face of a surface, by its number in [`Scene::placed_surfaces`], the parameters being those of
+    /// [`PlacedSurface::at`](glanz_scene::PlacedSurface::at); `None` where nothing is known. Surfaces on which it knows nothing at all show none, and so do those that are sent as triangles or
+    /// polynomials. `side`: values along each side of a patch, at least 2; fewer are taken if there are very many patches. `scene` is that of the model.
+    ///
+    /// # Errors
+    /// [`ModelError::TooMany`] patches for one map.
+    pub fn with_map(
+        mut self,
+        label: MapLabel<'_>,
+        scene: &Scene,
+        side: usize,
+        value: impl Fn(u32, u32, DVec2) -> Option<[f32; 3]>,
+    ) -> Result<Self, ModelError> {
+        let placed = scene.placed_surfaces();
+        let count = self.head.objects.iter().map(|object| self.patch_count(object.surface)).sum::<usize>();
+        let side = side_of(side, count)?;
+        let mut sheets = Vec::new();
+        for (number, (surface, parts)) in (0..).zip(placed.iter().zip(&self.objects)) {
+            // Only meshes have several parts.
+            let [(_, object)] = parts.as_slice() else { continue };
+            let object = *object as usize;
+            let patches = self.head.objects.get(object).map_or(0, |object| self.patch_count(object.surface));
+            let shown = shown(surface, scene.bounds()).unwrap_or_default();
+            if patches == shown.len() {
+                let sampled = sampled(&shown, side, |face, uv| value(number, face, uv));
+                let own = |(patch, values)| Sheet { object, patch, values };
+                sheets.extend(sampled.into_iter().flatten().enumerate().map(own));
+            }
+        }
+        self.add_map(label, side, &sheets);
+        Ok(self)
+    }
+
+    fn patch_count(&self, surface: usize) -> usize {
+        match self.head.surfaces.get(surface) {
+            Some(head::Surface::Patches { count, .. }) => *count,
+            _ => 0,
+        }
+    }
+
+    fn add_map(&mut self, label: MapLabel<'_>, side: usize, sheets: &[Sheet]) {
+        let columns = (sheets.len() as f64).sqrt().ceil().max(1.0) as usize;
+        let rows = sheets.len().div_ceil(columns).max(1);
+        let (width, height) = (columns * side, rows * side);
+        let mut texels = vec![[0.0; 3]; width * height];
+        let number = self.head.maps.len();
+        let mut last = None;
+        for (slot, sheet) in sheets.iter().enumerate() {
+            if last != Some(sheet.object) {
+                self.own_patches(sheet.object, number);
+                last = Some(sheet.object);
+            }
+            let corner = [slot % columns * side, slot / columns * side];
+            for (row, values) in sheet.values.chunks(side).enumerate() {
+                let start = (corner[1] + row) * width + corner[0];
+                if let Some(texels) = texels.get_mut(start..start + values.len()) {
+                    texels.copy_from_slice(values);
+                }
+            }
+            // From the middle of the first texel to that of the last: what lies between never sees a neighbour's.
+            let shares = [(corner[0], width), (corner[1], height)];
+            let begins = shares.map(|(at, size)| (at as f64 + 0.5) / size as f64);
+            let sizes = shares.map(|(_, size)| (side - 1) as f64 / size as f64);
+            let words = begins.into_iter().chain(sizes).map(|share| (share as f32).to_bits());
+            if let Some(row) = self.patch_of(sheet) {
+                row.iter_mut().zip(words).for_each(|(slot, word)| *slot = word);
+            }
+        }
+        let largest = texels.iter().flatten().fold(0.0, |most: f32, x| most.max(*x));
+        self.head.maps.push(head::Map {
+            name: label.name.to_owned(),
+            unit: label.unit.to_owned(),
+            block: format!("map{number}"),
+            width,
+            height,
+            largest,
+        });
+        self.blocks.maps.push(texels);
+    }
+
+    /// Gives an object patches of its own, on the same control points, that show a map; other copies of its surface have other values.
+    fn own_patches(&mut self, object: usize, map: usize) {
+        let Some(object) = self.head.objects.get_mut(object) else { return };
+        object.map = Some(map);
+        let Some(head::Surface::Patches { first, count, origin, region, mapping }) =
+            self.head.surfaces.get(object.surface)
+        else {
+            return;
+        };
+        let copy = head::Surface::Patches {
+            first: self.blocks.patches.len(),
+            count: *count,
+            origin: *origin,
+            region: *region,
+            mapping: *mapping,
+        };
+        let range = *first..*first + *count;
+        if range.end <= self.blocks.patches.len() {
+            self.blocks.patches.extend_from_within(range);
+        }
+        object.surface = self.head.surfaces.len();
+        self.head.surfaces.push(copy);
+    }
+
+    fn patch_of(&mut self, sheet: &Sheet) -> Option<&mut [u32]> {
+        let surface = self.head.objects.get(sheet.object)?.surface;
+        let Some(head::Surface::Patches { first, .. }) = self.head.surfaces.get(surface) else { return None };
+        self.blocks.patches.get_mut(first + sheet.patch)?.get_mut(WORDS)
+    }
+}
+
+/// Values along the side of a patch, such that all patches fit into a map.
+fn side_of(side: usize, count: usize) -> Result<usize, ModelError> {
+    let columns = (count as f64).sqrt().ceil().max(1.0) as usize;
+    let most = LARGEST / columns;
+    if most < 2 {
+        let most = ((LARGEST / 2) * (LARGEST / 2)) as u64;
+        return Err(ModelError::TooMany { what: "patches that show values", count: count as u64, most });
+    }
+    Ok(side.clamp(2, most))
+}
+
+/// The values of each patch; `None` if nothing is known of any.
+fn sampled(
+    patches: &[Shown<'_>],
+    side: usize,
+    value: impl Fn(u32, DVec2) -> Option<[f32; 3]>,
+) -> Option<Vec<Vec<[f32; 3]>>> {
+    let mut known = false;
+    let at = |k: usize| k as f64 / (side - 1) as f64;
+    let mut values = Vec::with_capacity(patches.len());
+    for patch in patches {
+        let grid = (0..side).flat_map(|row| (0..side).map(move |column| (at(column), at(row))));
+        let of_patch: Vec<[f32; 3]> = grid
+            .map(|(x, y)| {
+                let found = value(patch.face, patch.parameters.of_face(x, y));
+                known |= found.is_some();
+                found.unwrap_or([0.0; 3])
+            })
+            .collect();
+        values.push(of_patch);
+    }
+    known.then_some(values)
+}

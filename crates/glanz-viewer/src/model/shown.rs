@@ -1,0 +1,181 @@
+//! The patches of a surface that are sent, and which of its parameters they have.
+
+use std::borrow::Cow;
+
+use glanz_geometry::bezier::TensorPatch;
+use glanz_geometry::quadric::Plane;
+use glanz_geometry::rational::{Along, Pace, RationalPatch, bilinear};
+use glanz_geometry::trim::{Cell, TrimRegion};
+use glanz_geometry::{RaySurface, Surface};
+use glanz_math::{Bounds3, DVec2, DVec3};
+use glanz_scene::PlacedSurface;
+
+/// How far a plane without end is drawn, in diagonals of the scene.
+const FAR: f64 = 4.0;
+
+/// A patch is cut to what its region can keep if that is less than this share of it, along u or along v.
+const WORTHWHILE: f64 = 0.5;
+
+/// A patch, or the part of it that may be kept.
+pub(super) struct Shown<'a> {
+    pub(super) patch: Cow<'a, TensorPatch>,
+    /// As hits count.
+    pub(super) face: u32,
+    pub(super) parameters: Parameters,
+}
+
+/// What the parameters (x, y) of a patch are.
+#[derive(Clone, Copy)]
+pub(super) enum Parameters {
+    /// Bilinear between those at (0, 0), (1, 0), (0, 1), (1, 1).
+    Corners {
+        /// Parameters of the surface.
+        surface: [DVec2; 4],
+        /// Parameters of the face, as [`PlacedSurface::at`] takes them.
+        face: [DVec2; 4],
+    },
+    /// Each along one side; those of the face are the same.
+    Sides { u: Along, v: Along },
+}
+
+/// The patches of a surface; `None` if it is no such surface. What its region surely cuts away is left out.
+///
+/// `bounds`: of the scene, in the world, for planes without end.
+pub(super) fn shown<'a>(placed: &'a PlacedSurface<'_>, bounds: Bounds3) -> Option<Vec<Shown<'a>>> {
+    let (surface, region) = untrimmed(placed.surface());
+    let all: Vec<Shown<'a>> = match surface {
+        Surface::Freeform(freeform) => {
+            let square = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
+            let pieces = (0..).zip(freeform.pieces());
+            let shown = pieces.map(|(face, piece)| {
+                let surface = square.map(|at| piece.parameters(at.x, at.y));
+                let parameters = Parameters::Corners { surface, face: square };
+                Shown { patch: Cow::Borrowed(piece.patch()), face, parameters }
+            });
+            shown.collect()
+        }
+        Surface::Plane(plane) if !plane.area().is_finite() => {
+            endless(plane, placed, bounds, region).into_iter().map(Shown::from).collect()
+        }
+        other => other.rational_patches()?.into_iter().map(Shown::from).collect(),
+    };
+    let Some(region) = region else { return Some(all) };
+    Some(all.into_iter().filter_map(|shown| shown.kept(region)).collect())
+}
+
+/// The surface without trimming, and what trims it.
+pub(super) fn untrimmed(surface: &Surface) -> (&Surface, Option<&std::sync::Arc<TrimRegion>>) {
+    match surface {
+        Surface::Trimmed(trimmed) => (trimmed.surface(), Some(trimmed.region())),
+        Surface::Freeform(freeform) => (surface, freeform.region()),
+        other => (other, None),
+    }
+}
+
+impl From<RationalPatch> for Shown<'_> {
+    fn from(patch: RationalPatch) -> Self {
+        let RationalPatch { patch, u, v } = patch;
+        let parameters = if u.pace == Pace::Proportional && v.pace == Pace::Proportional {
+            let ends = |i: usize, j: usize| DVec2::new(u.ends[i], v.ends[j]);
+            let corners = [ends(0, 0), ends(1, 0), ends(0, 1), ends(1, 1)];
+            Parameters::Corners { surface: corners, face: corners }
+        } else {
+            Parameters::Sides { u, v }
+        };
+        Self { patch: Cow::Owned(patch), face: 0, parameters }
+    }
+}
+
+fn between([a, b, c, d]: [DVec2; 4], at: DVec2) -> DVec2 {
+    a.lerp(b, at.x).lerp(c.lerp(d, at.x), at.y)
+}
+
+impl Parameters {
+    /// Parameters of the face at (x, y) of the patch.
+    pub(super) fn of_face(&self, x: f64, y: f64) -> DVec2 {
+        match self {
+            Self::Corners { face, .. } => between(*face, DVec2::new(x, y)),
+            Self::Sides { u, v } => DVec2::new(u.parameter(x), v.parameter(y)),
+        }
+    }
+
+    /// Smallest and largest parameters of the surface.
+    fn range(&self) -> [DVec2; 2] {
+        let corners = match self {
+            Self::Corners { surface, .. } => surface.to_vec(),
+            Self::Sides { u, v } => {
+                vec![DVec2::new(u.ends[0], v.ends[0]), DVec2::new(u.ends[1], v.ends[1])]
+            }
+        };
+        let (low, high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        [corners.iter().fold(low, |a, b| a.min(*b)), corners.iter().fold(high, |a, b| a.max(*b))]
+    }
+}
+
+impl Shown<'_> {
+    /// The patch, cut to what `region` may keep; `None` if that is nothing.
+    ///
+    /// Numbers of single precision reach from side to side of a patch: where a face is a small part of its surface, its trimming needs them for itself.
+    fn kept(self, region: &TrimRegion) -> Option<Self> {
+        let [low, high] = self.parameters.range();
+        if region.classify(low, high) == Cell::Outside {
+            return None;
+        }
+        let Parameters::Corners { surface, face } = self.parameters else { return Some(self) };
+        let [a, b, c, d] = surface;
+        let upright = a.x == c.x && b.x == d.x && a.y == b.y && c.y == d.y && a.x < b.x && a.y < c.y;
+        if region.outermost() != 0 || !upright {
+            return Some(self);
+        }
+        let [min, max] =
+            region.domain().map(|corner| ((corner - low) / (high - low)).clamp(DVec2::ZERO, DVec2::ONE));
+        let cut = |min: f64, max: f64| if max - min < WORTHWHILE && min < max { min..max } else { 0.0..1.0 };
+        let (x, y) = (cut(min.x, max.x), cut(min.y, max.y));
+        let at = |x: f64, y: f64| DVec2::new(x, y);
+        let corners = [at(x.start, y.start), at(x.end, y.start), at(x.start, y.end), at(x.end, y.end)];
+        let patch = self.patch.sub_rectangle(x, y);
+        let Ok(patch) = patch else { return Some(self) };
+        let parameters = Parameters::Corners {
+            surface: corners.map(|at| between(surface, at)),
+            face: corners.map(|at| between(face, at)),
+        };
+        Some(Self { patch: Cow::Owned(patch), parameters, ..self })
+    }
+}
+
+/// A rectangle of a plane without end: that of the region, if it keeps what is inside of loops, or one that reaches far beyond the scene.
+fn endless(
+    plane: &Plane,
+    placed: &PlacedSurface<'_>,
+    bounds: Bounds3,
+    region: Option<&std::sync::Arc<TrimRegion>>,
+) -> Option<RationalPatch> {
+    let own = plane.bounds();
+    let inverse = placed.to_world().inverse();
+    let columns = inverse.forward().matrix3;
+    let stretch = [columns.x_axis, columns.y_axis, columns.z_axis];
+    let stretch = stretch.into_iter().fold(0.0, |most: f64, column| most.max(column.length()));
+    let (middle, reach) = if bounds.is_empty() {
+        (DVec3::ZERO, 1.0)
+    } else {
+        (inverse.point(bounds.center()), bounds.diagonal().length())
+    };
+    let reach = FAR * stretch * reach.max(f64::MIN_POSITIVE);
+    let kept = region.filter(|region| region.outermost() == 0).map(|region| region.domain());
+    let axis = |low: f64, high: f64, middle: f64, kept: Option<[f64; 2]>| {
+        // The parameter of an axis with two ends goes from 0 to 1, that of others is the coordinate.
+        if (high - low).is_finite() {
+            return ([low, high], [0.0, 1.0]);
+        }
+        // Half a plane may end beyond the scene.
+        let middle = middle.clamp(low, high);
+        let [first, last] = kept.unwrap_or([middle - reach, middle + reach]);
+        let ends = [first.clamp(low, high), last.clamp(low, high)];
+        (ends, ends)
+    };
+    let (x, u) = axis(own.min.x, own.max.x, middle.x, kept.map(|[min, max]| [min.x, max.x]));
+    let (y, v) = axis(own.min.y, own.max.y, middle.y, kept.map(|[min, max]| [min.y, max.y]));
+    let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| DVec3::new(x[i], y[j], 0.0));
+    let along = |ends| Along { ends, pace: Pace::Proportional };
+    bilinear(corners, along(u), along(v))
+}

@@ -1,0 +1,96 @@
+//! Values on surfaces, looked up as the page does.
+
+use glanz_math::DVec2;
+
+use super::super::MapLabel;
+use super::*;
+
+/// What is shown at a place of a patch, by linear interpolation between the middles of texels.
+fn shown(file: &File, words: &[u32], x: f64, y: f64) -> [f64; 3] {
+    let map = &file.head["maps"][0];
+    let (width, height) = (number(&map["width"]), number(&map["height"]));
+    let texels = file.floats(map["block"].as_str().unwrap());
+    assert_eq!(texels.len(), 3 * width * height);
+    let part: Vec<f64> = words[12..16].iter().map(|&word| f32::from_bits(word).into()).collect();
+    let at = [(part[0] + x * part[2]) * width as f64 - 0.5, (part[1] + y * part[3]) * height as f64 - 0.5];
+    let texel = |i: f64, j: f64, k: usize| texels[3 * (j as usize * width + i as usize) + k];
+    let [(i, s), (j, t)] = at.map(|a| ((a + 1e-5).floor(), a - (a + 1e-5).floor()));
+    [0, 1, 2].map(|k| {
+        let (next_i, next_j) = ((i + 1.0).min(width as f64 - 1.0), (j + 1.0).min(height as f64 - 1.0));
+        let row = |j: f64| texel(i, j, k) * (1.0 - s) + texel(next_i, j, k) * s;
+        row(j) * (1.0 - t) + row(next_j) * t
+    })
+}
+
+#[test]
+fn values_are_shown_where_they_belong() {
+    let text = r#"
+        WorldBegin
+        ObjectBegin "pair"
+            Shape "nurbs" "integer nu" 3 "integer nv" 2 "integer uorder" 2 "integer vorder" 2
+                "float uknots" [0 0 1 2 2] "float vknots" [0 0 1 1]
+                "point3 P" [0 0 0  1 0 0  2 0 0   0 1 0  1 1 0  2 1 0]
+            Shape "plane" "float x" [0 1] "float y" [2 5]
+        ObjectEnd
+        ObjectInstance "pair"
+        Translate 5 0 0  ObjectInstance "pair"
+        Shape "sphere"  Shape "box""#;
+    let (description, scene) = load(text);
+    let model = Model::try_new("test", &description, &scene, &description.files).unwrap();
+    // Linear in the parameters, so that interpolation is exact; nothing is known of the sphere.
+    let value = |surface: u32, face: u32, uv: DVec2| {
+        let kind = scene.placed_surfaces()[surface as usize].surface().kind();
+        let numbers = [f64::from(surface) * 10.0 + f64::from(face), uv.x, 3.0 - uv.y];
+        (kind != "sphere").then(|| numbers.map(|x| x as f32))
+    };
+    let label = MapLabel { name: "numbers", unit: "1" };
+    let file = File::read(&model.with_map(label, &scene, 5, value).unwrap().to_bytes().unwrap());
+    let map = &file.head["maps"][0];
+    assert_eq!((&map["name"], &map["unit"]), (&"numbers".into(), &"1".into()));
+    let patches = file.words("patches");
+    let mut seen = 0;
+    let placed = scene.placed_surfaces();
+    for (surface, object) in file.list("objects").iter().enumerate() {
+        let kind = placed[surface].surface().kind();
+        if kind == "sphere" || kind == "box" {
+            assert_eq!(object["map"], Value::Null, "{kind}");
+            continue;
+        }
+        assert_eq!(object["map"], 0);
+        let of = &file.list("surfaces")[number(&object["surface"])];
+        let rows = patches.chunks(16).skip(number(&of["first"])).take(number(&of["count"]));
+        for words in rows {
+            for (x, y) in [(0.0, 0.0), (1.0, 0.0), (0.3, 0.9), (1.0, 1.0)] {
+                // All these have the parameters of their patches.
+                let expected = [surface as f64 * 10.0 + f64::from(words[2]), x, 3.0 - y];
+                let found = shown(&file, words, x, y);
+                assert!(
+                    found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-4),
+                    "{found:?} {expected:?}"
+                );
+            }
+            seen += 1;
+        }
+    }
+    // Two copies of two pieces and a rectangle.
+    assert_eq!(seen, 6);
+    // Sphere, box, and two copies of two.
+    assert_eq!(map["largest"], 50.0);
+}
+
+#[test]
+fn patches_on_a_map_keep_their_points() {
+    let (description, scene) = load("WorldBegin\nShape \"sphere\"");
+    let bare = Model::try_new("test", &description, &scene, &[]).unwrap();
+    let before = File::read(&bare.to_bytes().unwrap());
+    let label = MapLabel { name: "", unit: "" };
+    let with = bare.with_map(label, &scene, 4, |_, _, _| Some([1.0; 3])).unwrap();
+    let after = File::read(&with.to_bytes().unwrap());
+    assert_eq!(before.words("points"), after.words("points"));
+    let of = &after.list("surfaces")[number(&after.list("objects")[0]["surface"])];
+    let (first, old) = (16 * number(&of["first"]), before.words("patches"));
+    for (patch, old) in after.words("patches")[first..].chunks(16).zip(old.chunks(16)) {
+        assert_eq!(patch[..12], old[..12]);
+        assert!(patch[14] > 0 && old[14] == 0);
+    }
+}
