@@ -232,10 +232,10 @@ async function saveExr(page) {
 /**
  * Opens files in place of the scene.
  * @param {Page} page
- * @param {File[]} files
+ * @param {import("./ui/files.js").Named[]} files
  */
 export async function openFiles(page, files) {
-  page.say(`Opening ${files.map(({ name }) => name).join(", ")}`);
+  page.say(files.length === 1 ? `Opening ${files[0].name}` : `Opening ${files.length} files`);
   const url = new URL(`open?session=${encodeURIComponent(page.scene.session)}`, location.href);
   const problem = await upload(url, files);
   page.say("");
