@@ -197,7 +197,8 @@ export function sectionThroughPicked(page) {
   if (!hit) return;
   settings.section = true;
   settings.sectionAxis = "picked";
-  settings.sectionShare = shareThrough(settings, hit.normal, viewpoint.bounds, hit.point);
+  settings.pickedNormal = hit.normal;
+  settings.sectionShare = shareThrough(settings, viewpoint.bounds, hit.point);
   page.settingsSet();
 }
 
