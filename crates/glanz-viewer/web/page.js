@@ -228,7 +228,7 @@ export class Page {
     const { extent } = this.viewpoint;
     const maps = this.model?.maps ?? [];
     this.tools.describe(extent, this.section, maps.length > 0);
-    const scalar = maps.filter(({ width, height }, i) => this.model?.mapValues[i].length === width * height);
+    const scalar = maps.filter(({ unit }) => unit === "lx");
     showLegend(this.settings, fullColour(this.settings, extent), scalar);
     // Exposure works on the picture that is there.
     if (this.rendering === this.rendered) this.invalidate();

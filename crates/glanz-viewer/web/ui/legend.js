@@ -36,7 +36,7 @@ function scale(title, colours, ends) {
  * Shows the legend of what is chosen, or none.
  * @param {Settings} settings
  * @param {number} curvature 1/m, at full colour
- * @param {LightMap[]} maps with one value a texel; those with three are light, which has no scale
+ * @param {LightMap[]} maps of numbers; those of light have no scale
  */
 export function showLegend(settings, curvature, maps) {
   const legend = element("legend", HTMLElement);
