@@ -180,7 +180,7 @@ export class Page {
 
   /** The plane that cuts the scene, `null` if none does. */
   get section() {
-    return sectionPlane(this.settings, this.hit?.normal ?? null, this.viewpoint.bounds);
+    return sectionPlane(this.settings, this.viewpoint.bounds);
   }
 
   /**
