@@ -57,6 +57,7 @@ pub(super) fn shown<'a>(placed: &'a PlacedSurface<'_>, bounds: Bounds3) -> Optio
         Surface::Plane(plane) if !plane.area().is_finite() => {
             endless(plane, placed, bounds, region).into_iter().map(Shown::from).collect()
         }
+        Surface::Cuboid(_) => (0..surface.faces()).filter_map(|face| side(surface, face)).collect(),
         other => other.rational_patches()?.into_iter().map(Shown::from).collect(),
     };
     let Some(region) = region else { return Some(all) };
@@ -70,6 +71,17 @@ pub(super) fn untrimmed(surface: &Surface) -> (&Surface, Option<&std::sync::Arc<
         Surface::Freeform(freeform) => (surface, freeform.region()),
         other => (other, None),
     }
+}
+
+/// A side of a box.
+fn side<'a>(surface: &Surface, face: u32) -> Option<Shown<'a>> {
+    let square = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
+    let mut corners = [DVec3::ZERO; 4];
+    for (corner, at) in corners.iter_mut().zip(square) {
+        *corner = surface.untrimmed_at(face, at)?.position;
+    }
+    let along = Along { ends: [0.0, 1.0], pace: Pace::Proportional };
+    bilinear(corners, along, along).map(|patch| Shown { face, ..Shown::from(patch) })
 }
 
 impl From<RationalPatch> for Shown<'_> {

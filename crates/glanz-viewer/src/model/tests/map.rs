@@ -34,7 +34,8 @@ fn values_are_shown_where_they_belong() {
         ObjectEnd
         ObjectInstance "pair"
         Translate 5 0 0  ObjectInstance "pair"
-        Shape "sphere"  Shape "box""#;
+        Shape "sphere"  Shape "box"
+        Shape "trianglemesh" "point3 P" [0 0 0  1 0 0  0 1 0]"#;
     let (description, scene) = load(text);
     let model = Model::try_new("test", &description, &scene, &description.files).unwrap();
     // Linear in the parameters, so that interpolation is exact; nothing is known of the sphere.
@@ -52,7 +53,7 @@ fn values_are_shown_where_they_belong() {
     let placed = scene.placed_surfaces();
     for (surface, object) in file.list("objects").iter().enumerate() {
         let kind = placed[surface].surface().kind();
-        if kind == "sphere" || kind == "box" {
+        if kind == "sphere" || kind == "trianglemesh" {
             assert_eq!(object["map"], Value::Null, "{kind}");
             continue;
         }
@@ -72,10 +73,10 @@ fn values_are_shown_where_they_belong() {
             seen += 1;
         }
     }
-    // Two copies of two pieces and a rectangle.
-    assert_eq!(seen, 6);
-    // Sphere, box, and two copies of two.
-    assert_eq!(map["largest"], 50.0);
+    // Two copies of two pieces and a rectangle, and the sides of the box.
+    assert_eq!(seen, 12);
+    // Sphere, box, triangle, and two copies of two.
+    assert_eq!(map["largest"], 60.0);
 }
 
 #[test]

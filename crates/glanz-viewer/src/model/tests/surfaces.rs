@@ -110,14 +110,15 @@ fn patches_are_the_surfaces_where_they_stand() {
         Shape "torus"
         Shape "plane" "float x" [-1 3] "float y" [0 2]
         Shape "bilinearmesh" "point3 P" [0 0 0  1 0 0  0 1 0  1 1 0.5]
+        Shape "box" "point3 min" [0 0 0] "point3 max" [1 2 3]
         Shape "nurbs" "integer nu" 4 "integer nv" 3 "integer uorder" 3 "integer vorder" 2
             "float uknots" [0 0 0 2 5 5 5] "float vknots" [-1 -1 0 1 1]
             "point3 P" [0 0 0 1 0 1 2 0 1 3 0 0  0 1 1 1 1 2 2 1 2 3 1 1  0 2 0 1 2 0 2 2 1 3 2 1]
             "float weights" [1 2 1 1  1 1 1 1  1 1 1 0.5]
         Shape "beziertriangle" "integer degree" 2
             "point3 P" [0 0 0  1 0 1  0 1 1  2 0 0  1 1 2  0 2 0]"#;
-    // Sphere zone of 120 degrees, cylinder of two arcs, two sheets, 4 x 4 of the torus; 2 x 2 pieces of the spline, 3 of the triangle.
-    assert_patches(text, 4 + 2 + 4 + 4 + 2 * 4 + 4 + 16 + 1 + 1 + 4 + 3);
+    // Sphere zone of 120 degrees, cylinder of two arcs, two sheets, 4 x 4 of the torus, 6 sides of the box; 2 x 2 pieces of the spline, 3 of the triangle.
+    assert_patches(text, 4 + 2 + 4 + 4 + 2 * 4 + 4 + 16 + 1 + 1 + 6 + 4 + 3);
 }
 
 #[test]
@@ -165,7 +166,6 @@ fn triangles_are_those_of_the_scene() {
     let text = r#"
         WorldBegin
         Translate 1 2 3
-        Shape "box" "point3 min" [0 0 0] "point3 max" [1 2 3]
         Shape "polyhedron" "normal N" [ -1 0 0  0 -1 0  1 1 0  0 0 -1  0 0 1 ] "float d" [ 0 0 1 0 2 ]
         Shape "trianglemesh" "point3 P" [0 0 0  1 0 0  1 1 0  0 1 1] "integer indices" [0 1 2  0 2 3]
         Shape "trianglemesh" "point3 P" [5 0 0  6 0 0  6 1 0] "normal N" [0 0 1  0 1 1  1 0 1]
@@ -175,7 +175,6 @@ fn triangles_are_those_of_the_scene() {
     let indices = file.words("indices");
     // Triangles, vertices and area; flat facets have vertices of their own. The two meshes without normals are one surface of the scene.
     let expected = [
-        ("box", 12, 24, 22.0),
         ("polyhedron", 8, 18, 2.0 * 0.5 + 2.0 * (2.0 + 2.0_f64.sqrt())),
         ("trianglemesh", 2, 6, 0.5 + 0.5 * 3.0_f64.sqrt()),
         ("trianglemesh", 1, 3, 0.5),
@@ -237,15 +236,19 @@ fn what_cannot_be_sent_as_it_is_is_noted() {
     let text = r#"
         WorldBegin
         Shape "sphere"
-        Shape "box" "float trimellipse" [.5 .5 .2 .3]
+        Shape "polyhedron" "normal N" [ -1 0 0  0 -1 0  1 1 0  0 0 -1  0 0 1 ] "float d" [ 1 1 1 1 1 ]
+            "float trimellipse" [.5 .5 .2 .3]
         Shape "plane" "float x" [-2 2]"#;
     let (_, file, _) = model(text);
     let notes: Vec<&str> = file.list("notes").iter().map(|note| note.as_str().unwrap()).collect();
     assert_eq!(
         notes,
-        ["a plane without end is drawn as a large rectangle", "a trimmed box is drawn without its trimming"]
+        [
+            "a plane without end is drawn as a large rectangle",
+            "a trimmed polyhedron is drawn without its trimming"
+        ]
     );
-    // Sphere and box are 2 m across; the strip reaches several times as far, but not beyond its sides.
+    // Sphere and prism are 2 to 4 m across; the strip reaches several times as far, but not beyond its sides.
     let surface = file.list("surfaces").iter().find(|s| s["mapping"] == "patch").unwrap();
     let points = file.floats("points");
     let first = file.words("patches")[16 * number(&surface["first"]) + 1] as usize;
