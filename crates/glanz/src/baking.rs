@@ -76,13 +76,7 @@ pub(crate) fn elements<'a>(
     file: &mut SceneFile,
     messages: Messages,
 ) -> Result<Elements<'a>, Failure> {
-    let diagonal = scene.bounds().diagonal().length();
-    let side = if diagonal > 0.0 { SIDE.min(SIDE_OF_SCENE * diagonal) } else { SIDE };
-    let not_divided = |error| Failure::new(format!("the scene cannot be divided: {error}"));
-    let mut elements = Elements::new(scene, &ElementSettings { side }).map_err(not_divided)?;
-    if density.is_finite() {
-        elements.cut_at_walls(density).map_err(not_divided)?;
-    }
+    let elements = divided(scene, density)?;
     let is_diffuse =
         |material: &&Material| matches!(material, Material::Diffuse { .. } | Material::Interface);
     let others = scene.materials().iter().filter(|material| !is_diffuse(material)).count();
@@ -99,6 +93,21 @@ pub(crate) fn elements<'a>(
             &format!("{surfaces} no parameters or no end: such throw shadows, but carry no light"),
             messages,
         );
+    }
+    Ok(elements)
+}
+
+/// The elements of a scene for light maps of a density, texels per metre.
+///
+/// # Errors
+/// Why there are none.
+pub(crate) fn divided(scene: &Scene, density: f64) -> Result<Elements<'_>, Failure> {
+    let diagonal = scene.bounds().diagonal().length();
+    let side = if diagonal > 0.0 { SIDE.min(SIDE_OF_SCENE * diagonal) } else { SIDE };
+    let not_divided = |error| Failure::new(format!("the scene cannot be divided: {error}"));
+    let mut elements = Elements::new(scene, &ElementSettings { side }).map_err(not_divided)?;
+    if density.is_finite() {
+        elements.cut_at_walls(density).map_err(not_divided)?;
     }
     Ok(elements)
 }

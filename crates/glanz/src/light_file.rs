@@ -171,6 +171,11 @@ impl LightFile {
         }
     }
 
+    /// Texels per metre.
+    pub(crate) fn density(&self) -> f64 {
+        self.identity.settings.density
+    }
+
     /// The light maps of `elements`, after [`LightFile::check`].
     ///
     /// # Errors

@@ -15,6 +15,7 @@ mod plan;
 mod progress;
 mod report;
 mod scene_file;
+mod surface_light;
 mod view;
 
 use std::process::ExitCode;

@@ -8,6 +8,7 @@ use glanz_formats::Options;
 use tokio::sync::Semaphore;
 use tokio::time::sleep;
 
+use super::dress::Dress;
 use super::guard::Guard;
 use super::key::Key;
 use super::message::SceneNews;
@@ -22,6 +23,7 @@ pub(crate) struct House {
     pub(crate) guard: Guard,
     pub(crate) limits: Limits,
     pub(crate) options: Options,
+    pub(crate) dress: Option<Arc<dyn Dress>>,
     pub(crate) integrator: IntegratorName,
     pub(crate) processors: Arc<Processors>,
     pub(crate) models: Models,
@@ -50,6 +52,7 @@ impl House {
             guard,
             limits,
             options: settings.options.clone(),
+            dress: settings.dress.clone(),
             integrator: settings.integrator,
             processors: Arc::new(Processors::new(settings.threads)),
             models,

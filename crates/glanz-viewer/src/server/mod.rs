@@ -6,6 +6,7 @@
 //! the [`Limits`].
 
 mod address;
+mod dress;
 mod guard;
 mod headers;
 mod house;
@@ -46,6 +47,7 @@ use self::guard::{Admission, Guard};
 use self::house::House;
 use self::key::Key;
 
+pub use self::dress::Dress;
 pub use self::settings::{DEFAULT_PORT, Limits, ServerSettings};
 pub use self::shown::Shown;
 

@@ -1,9 +1,11 @@
 //! How the server is set up.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use glanz_formats::Options;
 
+use super::dress::Dress;
 use crate::stream::IntegratorName;
 
 /// How the server is set up.
@@ -20,6 +22,8 @@ pub struct ServerSettings {
     pub integrator: IntegratorName,
     /// How scenes are read, also those that are dropped on a page.
     pub options: Options,
+    /// What is added to the scene whenever it is read; not to those that are dropped on a page.
+    pub dress: Option<Arc<dyn Dress>>,
     /// Whether the scene is read again when one of its files changes.
     pub watch: bool,
     /// What visitors may use.

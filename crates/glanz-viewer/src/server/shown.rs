@@ -7,6 +7,7 @@ use axum::body::Bytes;
 use glanz_formats::{Diagnostic, Diagnostics, Options, Severity, load};
 use glanz_scene::{Description, Scene};
 
+use super::dress::Dress;
 use crate::model::Model;
 
 /// A scene that was read, with the model that pages draw. It does not change.
@@ -24,11 +25,11 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// Reads the scene file at `path`, builds the scene and makes the model.
+    /// Reads the scene file at `path`, builds the scene and makes the model, both as `dress` wants them.
     ///
     /// # Errors
     /// Diagnostics with at least one error.
-    pub fn read(path: &Path, options: &Options) -> Result<Self, Diagnostics> {
+    pub fn read(path: &Path, options: &Options, dress: Option<&dyn Dress>) -> Result<Self, Diagnostics> {
         let loaded = load(path, options)?;
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let sources = &loaded.sources;
@@ -37,7 +38,11 @@ impl Shown {
             diagnostics.push(sources.diagnostic(Severity::Error, "scene", location, message));
             diagnostics
         };
-        let description = Arc::new(loaded.description);
+        let mut description = loaded.description;
+        if let Some(dress) = dress {
+            dress.furnish(&mut description);
+        }
+        let description = Arc::new(description);
         let (scene, repairs) = Scene::resolve(Description::clone(&description))
             .map_err(|error| refuse(error.location, error.kind.to_string()))?;
         let mut warnings = loaded.diagnostics;
@@ -50,6 +55,13 @@ impl Shown {
         }
         let broken = |error: crate::model::ModelError| refuse(None, error.to_string());
         let model = Model::try_new(&name, &description, &scene, &sources.names()).map_err(broken)?;
+        let model = match dress {
+            Some(dress) => {
+                let dressed = dress.dress(&scene, loaded.content_hash, model);
+                dressed.map_err(|message| refuse(None, message))?
+            }
+            None => model,
+        };
         let bytes = Bytes::from(model.to_bytes().map_err(broken)?);
         let (scene, paths) = (Arc::new(scene), sources.paths().to_vec());
         Ok(Self { name, description, scene, model, bytes, paths, warnings })

@@ -160,7 +160,7 @@ fn inside(name: &str) -> Option<PathBuf> {
 fn read(folder: &TempDir, names: &[PathBuf], options: Options) -> Result<Shown, String> {
     let scene = scene_among(folder.path(), names).map_err(|message| format!("error: {message}\n"))?;
     let options = Options { folder: Some(folder.path().to_owned()), confined: true, ..options };
-    Shown::read(&folder.path().join(scene), &options).map_err(|diagnostics| diagnostics.to_string())
+    Shown::read(&folder.path().join(scene), &options, None).map_err(|diagnostics| diagnostics.to_string())
 }
 
 /// The file that is the scene: the only one that ends in .pbrt, or of several the only one that begins a world.

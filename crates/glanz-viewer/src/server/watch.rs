@@ -70,8 +70,8 @@ pub(crate) async fn watch(house: Arc<House>, scene: PathBuf) {
 }
 
 async fn read(house: &House, scene: &Path) -> News {
-    let (path, options) = (scene.to_owned(), house.options.clone());
-    match spawn_blocking(move || Shown::read(&path, &options)).await {
+    let (path, options, dress) = (scene.to_owned(), house.options.clone(), house.dress.clone());
+    match spawn_blocking(move || Shown::read(&path, &options, dress.as_deref())).await {
         Ok(Ok(shown)) => News::Read(Arc::new(shown)),
         Ok(Err(diagnostics)) => News::Refused(diagnostics),
         Err(error) => News::Refused(refusal(&scene.display().to_string(), error.to_string())),

@@ -45,7 +45,7 @@ impl House {
         let folder = TempDir::new().unwrap();
         let path = folder.path().join("scene.pbrt");
         fs::write(&path, scene).unwrap();
-        let shown = Shown::read(&path, &Options::default()).unwrap_or_else(|d| panic!("{d}"));
+        let shown = Shown::read(&path, &Options::default(), None).unwrap_or_else(|d| panic!("{d}"));
         let settings = ServerSettings { port: Some(0), threads: 2, ..settings };
         let server = Server::bind(&settings, &path, shown, Box::new(|_| {})).unwrap();
         let address = server.address().to_owned();

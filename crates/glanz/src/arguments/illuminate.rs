@@ -104,9 +104,14 @@ pub(crate) enum MethodName {
 impl IlluminateArguments {
     /// Size of the room, metres.
     pub(crate) fn room(&self) -> Option<DVec3> {
-        match self.room.as_deref() {
-            Some(&[x, y, z]) => Some(DVec3::new(x, y, z)),
-            _ => None,
-        }
+        room(self.room.as_deref())
+    }
+}
+
+/// Sides of a room from its three arguments.
+pub(super) fn room(sides: Option<&[f64]>) -> Option<DVec3> {
+    match sides {
+        Some(&[x, y, z]) => Some(DVec3::new(x, y, z)),
+        _ => None,
     }
 }

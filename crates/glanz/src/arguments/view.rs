@@ -3,8 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
+use glanz_math::DVec3;
 use glanz_viewer::server::DEFAULT_PORT;
 use glanz_viewer::stream::IntegratorName;
+
+use super::illuminate::room;
+use super::values::positive;
 
 const VIEW_HELP: &str = "\
 The page draws the surfaces themselves, not facets of them, and when the camera rests the picture
@@ -21,6 +25,8 @@ other file of this machine.
 Examples:
   glanz view room.pbrt
   glanz view room.pbrt --watch                      shows every change of the file when it is saved
+  glanz view room.pbrt --light room.light           what glanz bake --checkpoint room.light found
+  glanz view lamp.pbrt --lux lux --room 10 10 10    what glanz illuminate -o lux found
   glanz view room.pbrt --host 0.0.0.0 --no-open     for other machines
   ssh -L 7870:localhost:7870 far glanz view room.pbrt --no-open";
 
@@ -50,12 +56,28 @@ pub(crate) struct ViewArguments {
     /// Threads of a render; all processors if not given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
+    /// Show the light of this checkpoint of `glanz bake` on the surfaces
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "lux")]
+    pub(crate) light: Option<PathBuf>,
+    /// Show the lux maps that `glanz illuminate` wrote into this folder
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub(crate) lux: Option<PathBuf>,
+    /// Add the walls of a box from the origin, metres, as `glanz illuminate` does
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = positive)]
+    room: Option<Vec<f64>>,
     /// Refuse a scene that needs a stand-in or a repair
     #[arg(long)]
     pub(crate) strict: bool,
     /// Say nothing but errors
     #[arg(short, long)]
     pub(crate) quiet: bool,
+}
+
+impl ViewArguments {
+    /// Size of the room, metres.
+    pub(crate) fn room(&self) -> Option<DVec3> {
+        room(self.room.as_deref())
+    }
 }
 
 /// The integrators that a page can choose from.

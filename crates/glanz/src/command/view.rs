@@ -1,9 +1,10 @@
 //! `glanz view`: the page that shows a scene.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use glanz_formats::{Diagnostics, Options};
-use glanz_viewer::server::{News, Server, ServerError, ServerSettings, Shown};
+use glanz_viewer::server::{Dress, News, Server, ServerError, ServerSettings, Shown};
 
 use crate::Ending;
 use crate::arguments::ViewArguments;
@@ -11,6 +12,7 @@ use crate::interrupt::Interrupt;
 use crate::messages::{Failure, Messages};
 use crate::report;
 use crate::scene_file::say_all;
+use crate::surface_light::SurfaceLight;
 
 /// Serves the page until it is interrupted.
 ///
@@ -19,17 +21,22 @@ use crate::scene_file::say_all;
 pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Ending, Failure> {
     let interrupt = Interrupt::listen().map_err(|error| Failure::new(format!("signals: {error}")))?;
     let options = Options { strict: arguments.strict, ..Options::default() };
+    let light: Option<Arc<dyn Dress>> = match SurfaceLight::read(arguments)? {
+        Some(light) => Some(Arc::new(light)),
+        None => None,
+    };
     let settings = ServerSettings {
         host: arguments.host.clone(),
         port: arguments.port,
         threads: arguments.threads.map_or(0, usize::from),
         integrator: arguments.integrator.into(),
         options: options.clone(),
+        dress: light.clone(),
         watch: arguments.watch,
         ..ServerSettings::default()
     };
-    let shown =
-        Shown::read(&arguments.scene, &options).map_err(|diagnostics| refused(&diagnostics, messages))?;
+    let shown = Shown::read(&arguments.scene, &options, light.as_deref())
+        .map_err(|diagnostics| refused(&diagnostics, messages))?;
     say_all(shown.warnings(), messages);
     let name = arguments.scene.display().to_string();
     let listener = Box::new(move |news: &News| tell(&name, news, messages));

@@ -11,6 +11,9 @@ use glanz_light::{Pixels, Tone};
 use super::Found;
 use crate::messages::Failure;
 
+/// The report for programs.
+pub(crate) const REPORT: &str = "report.json";
+
 /// Makes the folder if it is not there.
 ///
 /// # Errors
@@ -51,10 +54,10 @@ pub(crate) fn write_all(folder: &Path, found: &Found) -> Result<Vec<String>, Fai
 
 fn write_reports(folder: &Path, report: &Report, written: &mut Vec<String>) -> Result<(), Failure> {
     let mut json = serde_json::to_string_pretty(report)
-        .map_err(|error| Failure::new(format!("{}: {error}", folder.join("report.json").display())))?;
+        .map_err(|error| Failure::new(format!("{}: {error}", folder.join(REPORT).display())))?;
     json.push('\n');
     write(&folder.join("report.html"), report.html().as_bytes(), written)?;
-    write(&folder.join("report.json"), json.as_bytes(), written)?;
+    write(&folder.join(REPORT), json.as_bytes(), written)?;
     write(&folder.join("summary.txt"), report.text().as_bytes(), written)
 }
 
@@ -82,12 +85,12 @@ fn encoded(pixels: &Pixels, format: Format, path: &Path) -> Result<Vec<u8>, Fail
 
 /// File names for receivers, none twice.
 #[derive(Default)]
-struct Names(HashSet<String>);
+pub(crate) struct Names(HashSet<String>);
 
 impl Names {
     /// Letters, digits, `-`, `_`, `.` and `=` stay, all else becomes `-`; names are told apart without regard to case, as some
     /// file systems do.
-    fn file_of(&mut self, name: &str, more: &str) -> String {
+    pub(crate) fn file_of(&mut self, name: &str, more: &str) -> String {
         let keep = |c: char| if c.is_alphanumeric() || "-_.=".contains(c) { c } else { '-' };
         let plain: String = format!("{name}{more}").chars().take(100).map(keep).collect();
         let plain = plain.trim_start_matches(['.', '-']);
