@@ -45,7 +45,7 @@ export function showLegend(settings, curvature, maps) {
   let content = [];
   if (title) {
     const end = Number(curvature.toPrecision(3));
-    content = scale(title, DIVERGING, [curvatureText(-end), "0", curvatureText(end)]);
+    content = scale(title, DIVERGING, [`concave ${curvatureText(-end)}`, "0", `convex ${curvatureText(end)}`]);
   } else if (settings.maps && settings.shading === "material") {
     content = maps.flatMap(({ name, unit, largest }) => scale(name, VIRIDIS, ["0", `${plain(largest, 3)} ${unit}`]));
   }
