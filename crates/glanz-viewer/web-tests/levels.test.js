@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
+import { isCut } from "../web/gl/extents.js";
 import { gridOf } from "../web/gl/grids.js";
 import { gridLevels, sideLevel } from "../web/gl/levels.js";
 import { BOUNDS, SIDE, SIDES, findBorders, measurePatches } from "../web/gl/measures.js";
@@ -123,4 +124,15 @@ test("a_grid_covers_its_square_once", () => {
     area += twice / 2;
   }
   assert.equal(area, 4 * 2);
+});
+
+test("a_plane_cuts_a_turned_box_up_to_its_corner", () => {
+  // A cube of half side 1, turned by 45 degrees about z and moved to x = 5: its edge is at x = 5 - sqrt(2).
+  const c = Math.SQRT1_2;
+  const toWorld = [c, c, 0, -c, c, 0, 0, 0, 1, 5, 0, 0];
+  /** @type {import("../web/gl/extents.js").Box} */
+  const box = { middle: [0, 0, 0], half: [1, 1, 1] };
+  const at = (/** @type {number} */ offset) => isCut(box, toWorld, { normal: [1, 0, 0], offset });
+  assert.ok(at(5 - Math.SQRT2 + 1e-9));
+  assert.ok(!at(5 - Math.SQRT2 - 1e-9));
 });

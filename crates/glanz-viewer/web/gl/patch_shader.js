@@ -17,7 +17,7 @@ export const INSTANCE_WORDS = 4;
 
 /** @param {Shape} shape */
 export function patchVertexText(shape) {
-  return `${PRECISION_TEXT}precision highp usampler2D;
+  return `${PRECISION_TEXT}
 ${FRAME_TEXT}${OBJECT_TEXT}${positionText(shape)}
 uniform usampler2D patches;
 layout(location = 0) in vec2 cell;
