@@ -47,6 +47,24 @@ function pixel(camera, point) {
   return [seen.x, seen.y];
 }
 
+test("a picture of another shape shows all that the scene's own does", () => {
+  // Twice as wide as tall, 90 degrees over its height: tangents 2 and 1.
+  for (const [width, height, x, y] of [
+    [800, 400, 2, 1],
+    [400, 400, 2, 2],
+    [300, 600, 2, 4],
+    [900, 300, 3, 1],
+  ]) {
+    const size = { width, height };
+    const half = cameras.halfSides(cameras.framed(FRONT, 2, size), size);
+    assert.ok(Math.abs(half.x - x) < 1e-12 && Math.abs(half.y - y) < 1e-12, `${width} ${height}`);
+    const flat = cameras.framed({ ...FRONT, kind: "orthographic" }, 0.5, size);
+    const across = cameras.halfSides(flat, size);
+    // 20 m across its width, 40 m along its height.
+    assert.ok(across.x >= 10 - 1e-12 && across.y >= 20 - 1e-12 && Math.min(across.x - 10, across.y - 20) < 1e-12);
+  }
+});
+
 test("ray through the upper middle of a square angle of 90 degrees rises by 45 degrees", () => {
   const ray = cameras.rayThrough(FRONT, SIZE, 200, 0);
   near(ray.origin, FRONT.position);

@@ -44,6 +44,21 @@ export function completed(told) {
 }
 
 /**
+ * The camera with as wide a field as shows the whole of a picture of another shape, whose shorter side its field spans.
+ * @param {Camera} camera
+ * @param {number} aspect width over height of that picture
+ * @param {Size} size of the one that is drawn
+ * @returns {Camera}
+ */
+export function framed(camera, aspect, size) {
+  const ratio = size.width / size.height;
+  const [x, y] = aspect >= 1 ? [aspect, 1] : [1, 1 / aspect];
+  const wider = ratio >= 1 ? Math.max(y, x / ratio) : Math.max(x, y * ratio);
+  const fieldOfView = 2 * Math.atan(wider * Math.tan(camera.fieldOfView / 2));
+  return { ...camera, fieldOfView, height: wider * camera.height };
+}
+
+/**
  * Half of the picture's sides as tangents (perspective) or metres (orthographic).
  * @param {Camera} camera
  * @param {Size} size

@@ -48,6 +48,7 @@
  * @property {Vector} up
  * @property {[Vector, Vector]} bounds
  * @property {Camera} camera
+ * @property {number} aspect width over height of the picture that the scene asks for
  * @property {Surface[]} surfaces
  * @property {Region[]} regions
  * @property {SceneObject[]} objects

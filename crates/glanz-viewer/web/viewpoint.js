@@ -47,7 +47,10 @@ export class Viewpoint {
       [-1, -1, -1],
       [1, 1, 1],
     ];
-    this.home = this.camera;
+    /** As the scene has it, for a picture of its own shape. */
+    this.told = this.camera;
+    /** Width over height of that picture. */
+    this.aspect = 1;
     /** CSS pixels of the canvas. @type {Size} */
     this.size = { width: 1, height: 1 };
     /** @type {number | null} */
@@ -56,17 +59,23 @@ export class Viewpoint {
 
   /**
    * Takes over a scene. The camera stays where it is if `keep`.
-   * @param {{ camera: Parameters<typeof cameras.completed>[0], up: Vector, bounds: Bounds }} model
+   * @param {{ camera: Parameters<typeof cameras.completed>[0], aspect?: number, up: Vector, bounds: Bounds }} model
    * @param {boolean} keep
    */
   enter(model, keep) {
     this.up = model.up;
     this.bounds = model.bounds;
-    this.home = cameras.completed(model.camera);
+    this.told = cameras.completed(model.camera);
+    this.aspect = model.aspect || 1;
     if (!keep) {
       this.center = cameras.focus(this.home);
       this.set(this.home);
     }
+  }
+
+  /** The scene's camera, with all that it sees. */
+  get home() {
+    return cameras.framed(this.told, this.aspect, this.size);
   }
 
   /** Diagonal of the scene, metres. */

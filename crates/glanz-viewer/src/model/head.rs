@@ -10,6 +10,7 @@ pub(super) struct Head {
     pub(super) name: String,
     pub(super) up: [f64; 3],
     pub(super) bounds: [[f64; 3]; 2],
+    pub(super) aspect: f64,
     pub(super) camera: Camera,
     pub(super) surfaces: Vec<Surface>,
     pub(super) regions: Vec<Region>,

@@ -82,6 +82,7 @@ impl Model {
             name: name.to_owned(),
             up: view::up(&camera),
             bounds: [bounds.min.to_array(), bounds.max.to_array()],
+            aspect: view::aspect(description),
             camera,
             surfaces: surfaces.head,
             regions: surfaces.regions,

@@ -26,10 +26,24 @@ pub(super) fn camera(description: &Description, scene: &Scene) -> Camera {
     Camera { distance, ..of_scene }
 }
 
-fn of_scene(camera: &CameraDescription, film: &FilmDescription) -> Camera {
+/// Width over height of the picture that the scene asks for; of an overview it is the page's matter, so that its shorter side decides.
+pub(super) fn aspect(description: &Description) -> f64 {
+    if description.camera.location.is_none() {
+        return 1.0;
+    }
+    let [x0, x1, y0, y1] = window(&description.camera, &description.film);
+    (x1 - x0).abs() / (y1 - y0).abs()
+}
+
+/// Sides of the screen.
+fn window(camera: &CameraDescription, film: &FilmDescription) -> [f64; 4] {
     let [width, height] = film.resolution.map(f64::from);
     let aspect = camera.aspect.unwrap_or(width / height);
-    let [x0, x1, y0, y1] = camera.screen_window.unwrap_or_else(|| Screen::default_window(aspect));
+    camera.screen_window.unwrap_or_else(|| Screen::default_window(aspect))
+}
+
+fn of_scene(camera: &CameraDescription, film: &FilmDescription) -> Camera {
+    let [x0, x1, y0, y1] = window(camera, film);
     let (across, along) = ((x1 - x0).abs(), (y1 - y0).abs());
     let axis = |axis: DVec3| camera.to_world.transform_vector3(axis);
     let forward = axis(DVec3::Z).normalize_or(DVec3::Z);

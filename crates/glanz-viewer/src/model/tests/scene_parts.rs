@@ -36,6 +36,7 @@ fn camera_is_that_of_the_scene() {
     let narrow = text.replacen("40", r#"40 "float screenwindow" [-1 1 -0.5 0.5]"#, 1);
     let field = model(&narrow).1.head["camera"]["fieldOfView"].as_f64().unwrap();
     assert!((field - 2.0 * (0.5 * 20.0_f64.to_radians().tan()).atan()).abs() < 1e-12);
+    assert_eq!(model(&narrow).1.head["aspect"], 2.0);
 }
 
 #[test]
