@@ -8,7 +8,7 @@ import { largestStretch } from "../linear.js";
 import { patchFacts } from "../model.js";
 import { Grids } from "./grids.js";
 import { LARGEST_GRID, gridLevels, lengthLevel, sideLevel } from "./levels.js";
-import { LEAST, SIDE, SIDES, STRIDE, measurePatches } from "./measures.js";
+import { SIDE, SIDES, STRIDE, measurePatches } from "./measures.js";
 import { INSTANCE_WORDS, patchFragmentText, patchVertexText } from "./patch_shader.js";
 import { Pieces } from "./pieces.js";
 import { UNITS } from "./programs.js";
@@ -140,8 +140,8 @@ export class Patches {
       measures[at + 5],
       measures[at + 6],
       resolution,
-      Math.max(side0, side1, measures[at + LEAST]),
-      Math.max(side2, side3, measures[at + LEAST]),
+      Math.max(side0, side1),
+      Math.max(side2, side3),
     );
     const sides = (side0 << 8) | (side1 << 12) | (side2 << 16) | (side3 << 20);
     const levelU = levels & 15;
