@@ -41,7 +41,15 @@ fn a_server_for_others_lets_in_who_has_its_token() {
     let house = House::open_with(BALL, settings);
     let (_, token) = house.address.split_once("/?token=").expect("an address with a token");
     assert_eq!(token.len(), 32);
-    for path in ["/", "/main.js", "/model/x", "/ws", "/nowhere", "/?token=", "/?token=0123456789abcdef0123456789abcdef"] {
+    for path in [
+        "/",
+        "/main.js",
+        "/model/x",
+        "/ws",
+        "/nowhere",
+        "/?token=",
+        "/?token=0123456789abcdef0123456789abcdef",
+    ] {
         assert_eq!(house.get(path).status, 401, "{path}");
     }
     assert_eq!(house.ask("POST /open?session=x", &[], b"x").status, 401);
@@ -103,7 +111,8 @@ fn a_page_that_does_not_answer_is_gone() {
 
 #[test]
 fn a_request_that_never_ends_is_cut_off() {
-    let house = House::open_limited(BALL, Limits { header_time: Duration::from_millis(100), ..Limits::default() });
+    let house =
+        House::open_limited(BALL, Limits { header_time: Duration::from_millis(100), ..Limits::default() });
     let mut slow = house.connect();
     slow.write_all(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX-").unwrap();
     let mut rest = Vec::new();

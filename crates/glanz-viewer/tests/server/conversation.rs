@@ -9,13 +9,14 @@ use super::house::{BALL, Heard, House, view};
 fn a_pick_tells_what_the_ray_meets() {
     let house = House::open(BALL);
     let mut page = house.visit();
-    let pick = |id: u32, hidden: &[u32], section: Value| {
-        json!({ "type": "pick", "id": id, "origin": [0, -4, 0], "direction": [0, 2, 0], "hidden": hidden, "section": section })
-    };
+    let pick = |id: u32, hidden: &[u32], section: Value| json!({ "type": "pick", "id": id, "origin": [0, -4, 0], "direction": [0, 2, 0], "hidden": hidden, "section": section });
     page.say(pick(1, &[], Value::Null));
     let hit = page.hear_text("hit");
     // The ray along +y meets the unit ball at y = -1, 3 m from where it begins.
-    assert_eq!((&hit["id"], &hit["hit"]["leaf"], &hit["hit"]["kind"]), (&json!(1), &json!(0), &json!("sphere")));
+    assert_eq!(
+        (&hit["id"], &hit["hit"]["leaf"], &hit["hit"]["kind"]),
+        (&json!(1), &json!(0), &json!("sphere"))
+    );
     assert!((hit["hit"]["distance"].as_f64().unwrap() - 3.0).abs() < 1e-9, "{hit}");
     // With y <= -2 alone nothing is left of it, and with the ball hidden there is nothing behind.
     page.say(pick(2, &[], json!([0, 1, 0, -2])));
@@ -53,7 +54,16 @@ fn malformed_messages_are_answered_and_too_many_end_the_conversation() {
     let nonsense = ["", "{}", "[]", "\u{0}", "{\"type\":\"view\",\"id\":7}", "{\"type\":\"dance\",\"id\":8}"];
     for text in nonsense {
         page.say(text);
-        assert_eq!(page.hear_text("failed")["id"], if text.ends_with("7}") { 7 } else if text.ends_with("8}") { 8 } else { 0 });
+        assert_eq!(
+            page.hear_text("failed")["id"],
+            if text.ends_with("7}") {
+                7
+            } else if text.ends_with("8}") {
+                8
+            } else {
+                0
+            }
+        );
     }
     page.socket.send(Message::binary(vec![0; 100])).unwrap();
     page.hear_text("failed");
@@ -76,12 +86,8 @@ fn messages_that_are_too_long_end_the_conversation() {
         let mut page = house.visit();
         // The server need not take all of it.
         let _ = page.socket.send(Message::text("x".repeat(length)));
-        loop {
-            match page.hear() {
-                Heard::Closed(_) => break,
-                heard => panic!("{heard:?}"),
-            }
-        }
+        let heard = page.hear();
+        assert!(matches!(heard, Heard::Closed(_)), "{heard:?}");
     }
     other.say(json!({ "type": "stop", "id": 1 }));
     other.hear_text("stopped");

@@ -21,8 +21,7 @@ pub(crate) const BALL: &str = "LookAt 0 -4 0  0 0 0  0 0 1\nCamera \"perspective
     LightSource \"infinite\" \"rgb L\" [1 1 1]\nShape \"sphere\"\nTranslate 0 0 3\nShape \"sphere\"\n";
 
 /// The same in a closed room of nearly white walls, where every path is as long as it may be: a picture takes minutes, a sample does not.
-pub(crate) const ENDLESS: &str =
-    "LookAt 0 -4 0  0 0 0  0 0 1\nCamera \"perspective\" \"float fov\" 60\nIntegrator \"path\" \"integer maxdepth\" 600\n\
+pub(crate) const ENDLESS: &str = "LookAt 0 -4 0  0 0 0  0 0 1\nCamera \"perspective\" \"float fov\" 60\nIntegrator \"path\" \"integer maxdepth\" 100\n\
     WorldBegin\nMaterial \"diffuse\" \"rgb reflectance\" [0.9999 0.9999 0.9999]\nShape \"sphere\"\n\
     AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nReverseOrientation\nShape \"sphere\" \"float radius\" 9\n";
 

@@ -1,6 +1,11 @@
 //! The server as its visitors see it: over the network.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot set up its server has failed")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot set up its server has failed"
+)]
 
 mod admission;
 mod conversation;

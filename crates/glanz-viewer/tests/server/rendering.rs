@@ -13,7 +13,8 @@ fn picture(page: &mut Page, id: u32, size: [u16; 2]) -> (u32, Vec<Option<u16>>) 
         match page.hear() {
             Heard::Tile(tile) => {
                 assert_eq!(tile.id, id);
-                let [x, y, columns, rows] = [tile.min[0], tile.min[1], tile.size[0], tile.size[1]].map(usize::from);
+                let [x, y, columns, rows] =
+                    [tile.min[0], tile.min[1], tile.size[0], tile.size[1]].map(usize::from);
                 assert_eq!(tile.values.len(), 3 * rows * columns);
                 for (i, rgb) in tile.values.chunks_exact(3).enumerate() {
                     pixels[(y + i / columns) * width + x + i % columns] = Some(rgb[1]);
@@ -84,7 +85,9 @@ fn what_is_hidden_is_not_rendered() {
         let (_, pixels) = loop {
             // What is left of the view before may still be on its way.
             match page.hear() {
-                Heard::Tile(tile) if tile.id == id => break ((), tile.values.chunks_exact(3).map(|rgb| rgb[1]).collect::<Vec<_>>()),
+                Heard::Tile(tile) if tile.id == id => {
+                    break ((), tile.values.chunks_exact(3).map(|rgb| rgb[1]).collect::<Vec<_>>());
+                }
                 _ => {}
             }
         };

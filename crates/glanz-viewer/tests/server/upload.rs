@@ -67,9 +67,18 @@ fn what_is_wrong_with_a_dropped_scene_is_said() {
     let house = House::open(BALL);
     let page = house.visit();
     for (files, said) in [
-        (vec![("a.pbrt", "WorldBegin\nShape \"blob\"\nShape\n")], "error: a.pbrt:3:1: Shape needs a name in quotes"),
-        (vec![("a.pbrt", "WorldBegin\nInclude \"/etc/passwd\"\n")], "a.pbrt:2:9: Include: file \"/etc/passwd\" is outside"),
-        (vec![("a.pbrt", "WorldBegin\nInclude \"../../etc/passwd\"\n")], "is outside the folder of the scene"),
+        (
+            vec![("a.pbrt", "WorldBegin\nShape \"blob\"\nShape\n")],
+            "error: a.pbrt:3:1: Shape needs a name in quotes",
+        ),
+        (
+            vec![("a.pbrt", "WorldBegin\nInclude \"/etc/passwd\"\n")],
+            "a.pbrt:2:9: Include: file \"/etc/passwd\" is outside",
+        ),
+        (
+            vec![("a.pbrt", "WorldBegin\nInclude \"../../etc/passwd\"\n")],
+            "is outside the folder of the scene",
+        ),
         (vec![("a.pbrt", "WorldBegin\nInclude \"b.pbrt\"\n")], "file \"b.pbrt\" is not there"),
         (vec![("a.pbrt", "WorldBegin\nShape \"sphere\" \"float radius\" -1\n")], "a.pbrt:2:1: "),
         (vec![("a.pbrt", "\u{0}\u{1}")], "no scene format that is known"),
@@ -109,13 +118,17 @@ fn uploads_that_ask_for_too_much_are_refused() {
     }
     let line = format!("POST /open?session={}", page.session());
     assert_eq!(house.ask(&line, &["Content-Type: text/plain"], b"x").status, 400);
-    assert_eq!(house.ask(&line, &["Content-Type: multipart/form-data; boundary=XX"], b"--XX\r\nnonsense").status, 400);
+    assert_eq!(
+        house.ask(&line, &["Content-Type: multipart/form-data; boundary=XX"], b"--XX\r\nnonsense").status,
+        400
+    );
     assert_eq!(drop_on(&house, &page, &[("a.pbrt", BALL)]).status, 200);
 }
 
 #[test]
 fn an_upload_that_does_not_come_is_given_up() {
-    let house = House::open_limited(BALL, Limits { upload_time: Duration::from_millis(100), ..Limits::default() });
+    let house =
+        House::open_limited(BALL, Limits { upload_time: Duration::from_millis(100), ..Limits::default() });
     let page = house.visit();
     let head = format!(
         "POST /open?session={} HTTP/1.1\r\nHost: {}\r\nContent-Type: multipart/form-data; boundary=XX\r\n\

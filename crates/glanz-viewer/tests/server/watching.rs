@@ -19,7 +19,10 @@ fn pages_are_told_when_the_scene_changes_and_when_it_cannot_be_read() {
     fs::write(house.scene(), "WorldBegin\nShape\n").unwrap();
     let broken = page.hear_text("scene");
     assert!(broken["model"].is_null());
-    assert!(broken["error"].as_str().unwrap().contains("scene.pbrt:2:1: Shape needs a name in quotes"), "{broken}");
+    assert!(
+        broken["error"].as_str().unwrap().contains("scene.pbrt:2:1: Shape needs a name in quotes"),
+        "{broken}"
+    );
     // The old one stays, for this page and for those to come.
     page.say(r#"{"type":"pick","id":1,"origin":[0,-4,0],"direction":[0,1,0]}"#);
     assert_eq!(page.hear_text("hit")["hit"]["distance"], 3.0);
