@@ -15,7 +15,7 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 Usage: cargo xtask COMMAND
 
-  test [STEP...]       every check of the project: format, clippy, layers, references, web, docs, tests
+  test [STEP...]       every check of the project: format, clippy, layers, references, web, docs, browser, tests
   layers               which crate uses which, against the floors of docs/ARCHITECTURE.md
   references           every @key cited in the sources against docs/references.bib
   contract [--rays N]  the surface contract with N random rays per surface kind (default 10000000), optimised
@@ -27,6 +27,8 @@ Usage: cargo xtask COMMAND
   bake [--points N] [--samples M]
                        light maps of scenes/rooms/vase.pbrt against path tracing at N points with M paths each (default 1000 and
                        8192), optimised
+  soak [--pages N] [--seconds S]
+                       N pages that come, orbit, misbehave and leave `glanz view` for S seconds (default 100 and 300), optimised
   pbrt-scenes DIR      loads every pbrt scene below DIR with `glanz info` and lists what came of it";
 
 /// Rays per surface kind of `cargo xtask contract`: what a release is checked with.
@@ -43,6 +45,9 @@ const UNBIASED_SAMPLES: u32 = 16_384;
 
 /// Points and paths of `cargo xtask bake`.
 const BAKE: [u32; 2] = [1000, 8192];
+
+/// Pages and seconds of `cargo xtask soak`.
+const SOAK: [u32; 2] = [100, 300];
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -73,9 +78,13 @@ fn main() -> ExitCode {
             Ok(samples) => steps::unbiased(samples),
             Err(_) => return usage(&format!("\"{count}\" is not a number of samples")),
         },
-        ["bake", ref options @ ..] => match bake_options(options) {
+        ["bake", ref options @ ..] => match two_numbers(["--points", "--samples"], BAKE, options) {
             Ok(counts) => steps::bake(counts),
-            Err(complaint) => return usage(&complaint),
+            Err(complaint) => return usage(&format!("bake: {complaint}")),
+        },
+        ["soak", ref options @ ..] => match two_numbers(["--pages", "--seconds"], SOAK, options) {
+            Ok(counts) => steps::soak(counts),
+            Err(complaint) => return usage(&format!("soak: {complaint}")),
         },
         ["pbrt-scenes", folder] => scenes::load_all(Path::new(folder)),
         ["help" | "--help" | "-h"] => {
@@ -114,18 +123,18 @@ fn zoo_options<'a>(mut options: &'a [&'a str]) -> Result<([u64; 2], &'a [&'a str
     }
 }
 
-/// Points, and paths from each.
-fn bake_options(mut options: &[&str]) -> Result<[u32; 2], String> {
-    let mut counts = BAKE;
+/// Two numbers that options of these names set, in any order, or what they are otherwise.
+fn two_numbers(names: [&str; 2], otherwise: [u32; 2], mut options: &[&str]) -> Result<[u32; 2], String> {
+    let mut numbers = otherwise;
     loop {
         options = match *options {
-            [] => return Ok(counts),
-            [name @ ("--points" | "--samples"), count, ref rest @ ..] => {
-                let slot = usize::from(name == "--samples");
-                counts[slot] = count.parse().map_err(|_| format!("\"{count}\" is not a number"))?;
+            [] => return Ok(numbers),
+            [name, number, ref rest @ ..] if names.contains(&name) => {
+                let slot = usize::from(name == names[1]);
+                numbers[slot] = number.parse().map_err(|_| format!("\"{number}\" is not a number"))?;
                 rest
             }
-            [other, ..] => return Err(format!("bake knows no \"{other}\" there")),
+            [other, ..] => return Err(format!("\"{other}\" is not known there")),
         };
     }
 }
@@ -144,10 +153,19 @@ mod tests {
         assert_eq!(zoo_options(&[]), Ok((ZOO_RAYS, &[][..])));
         let words = ["--adversarial", "5", "--rays", "7", "--patches", "a.rib", "b.txt"];
         assert_eq!(zoo_options(&words), Ok(([7, 5], &["a.rib", "b.txt"][..])));
-        assert_eq!(bake_options(&["--samples", "5"]), Ok([BAKE[0], 5]));
-        assert!(bake_options(&["--points"]).is_err());
         for wrong in [&["--rays"][..], &["--rays", "many"], &["--patches"], &["7"]] {
             assert!(zoo_options(wrong).is_err(), "{wrong:?}");
+        }
+    }
+
+    #[test]
+    fn two_numbers_come_in_any_order_and_keep_what_is_not_said() {
+        let read = |words: &[&str]| two_numbers(["--pages", "--seconds"], [100, 300], words);
+        assert_eq!(read(&[]), Ok([100, 300]));
+        assert_eq!(read(&["--seconds", "5"]), Ok([100, 5]));
+        assert_eq!(read(&["--seconds", "5", "--pages", "7"]), Ok([7, 5]));
+        for wrong in [&["--pages"][..], &["--pages", "many"], &["--points", "7"], &["7"]] {
+            assert!(read(wrong).is_err(), "{wrong:?}");
         }
     }
 }

@@ -24,6 +24,7 @@ const STEPS: &[Step] = &[
     ("references", || references::check().map_err(|missing| missing.join("\n"))),
     ("web", web::check),
     ("docs", docs),
+    ("browser", browser),
     ("tests", tests),
 ];
 
@@ -83,6 +84,20 @@ fn docs() -> Result<String, String> {
     let mut command = workspace::cargo();
     command.args(["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings");
     succeed(&mut command, "the documentation has faults, see above")
+}
+
+/// Whether there is a browser for the tests of the viewer, and which.
+fn browser() -> Result<String, String> {
+    // The names that the tests look for.
+    let names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+    let chosen = std::env::var("CHROMIUM");
+    let programs = chosen.as_deref().map_or(names.to_vec(), |chosen| vec![chosen]);
+    let version = programs.iter().find_map(|program| Command::new(program).arg("--version").output().ok());
+    match version {
+        Some(said) if said.status.success() => Ok(String::from_utf8_lossy(&said.stdout).trim().to_owned()),
+        _ => Err("Chromium is missing, which tests of the viewer drive: apt-get install chromium, or name one in CHROMIUM"
+            .to_owned()),
+    }
 }
 
 /// Runs all tests, those in documentation too, shows what they print as it comes, and counts them.
@@ -183,6 +198,18 @@ pub(crate) fn bake([points, samples]: [u32; 2]) -> Result<String, String> {
     command.env("GLANZ_BAKE_POINTS", points.to_string()).env("GLANZ_BAKE_SAMPLES", samples.to_string());
     succeed(&mut command, "light maps are not what path tracing finds, see above")?;
     Ok(format!("bake: light maps are what path tracing finds at {points} points with {samples} paths each"))
+}
+
+/// Pages that come and go for so many seconds.
+///
+/// # Errors
+/// A sentence if the server dies, keeps something or puts up with mischief, or if it cannot be run.
+pub(crate) fn soak([pages, seconds]: [u32; 2]) -> Result<String, String> {
+    let mut command = optimised_test_of("glanz", "viewer");
+    command.arg("pages_that_come_and_go_leave_nothing_behind");
+    command.env("GLANZ_SOAK_PAGES", pages.to_string()).env("GLANZ_SOAK_SECONDS", seconds.to_string());
+    succeed(&mut command, "the viewer's server does not get over it, see above")?;
+    Ok(format!("soak: {pages} pages came and went for {seconds} s and left nothing behind"))
 }
 
 /// An integration test of the surfaces, as fast as it can be.

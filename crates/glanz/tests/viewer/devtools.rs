@@ -1,0 +1,95 @@
+//! The DevTools protocol: commands and events as JSON over a WebSocket.
+
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+use tungstenite::client::client_with_config;
+use tungstenite::protocol::WebSocketConfig;
+use tungstenite::{Error, Message, WebSocket};
+
+/// How long an answer may take: a picture may have to be drawn for it, in software, beside other tests.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Bytes of a message at most: pictures come as one.
+const LARGEST: usize = 256 << 20;
+
+/// A connection to a browser.
+pub(crate) struct DevTools {
+    socket: WebSocket<TcpStream>,
+    last: u64,
+    events: Vec<Value>,
+}
+
+impl DevTools {
+    /// Connects to `ws://127.0.0.1:port` + `path`.
+    pub(crate) fn connect(port: u16, path: &str) -> Self {
+        let stream = TcpStream::connect(("127.0.0.1", port)).expect("the browser listens");
+        stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+        stream.set_nodelay(true).expect("a connection");
+        let sizes = WebSocketConfig::default().max_message_size(Some(LARGEST)).max_frame_size(Some(LARGEST));
+        let address = format!("ws://127.0.0.1:{port}{path}");
+        let (socket, _) = client_with_config(address, stream, Some(sizes)).expect("the browser speaks");
+        // From here on short waits, so that whoever waits for something else than an answer gets its turn.
+        socket.get_ref().set_read_timeout(Some(Duration::from_millis(100))).expect("a timeout");
+        Self { socket, last: 0, events: Vec::new() }
+    }
+
+    /// What a command answers. `session`: that of a page, or none for the browser itself.
+    pub(crate) fn call(&mut self, session: Option<&str>, method: &str, parameters: Value) -> Value {
+        self.last += 1;
+        let id = self.last;
+        let mut command = json!({ "id": id, "method": method, "params": parameters });
+        if let Some(session) = session {
+            command["sessionId"] = session.into();
+        }
+        self.socket.send(Message::text(command.to_string())).expect("the browser is there");
+        let start = Instant::now();
+        while start.elapsed() < PATIENCE {
+            let Some(mut message) = self.read() else { continue };
+            if message["id"] != id {
+                continue;
+            }
+            if let Some(error) = message.get("error") {
+                panic!("{method}: {error}");
+            }
+            return message["result"].take();
+        }
+        panic!("{method} is not answered");
+    }
+
+    /// Takes in what has come meanwhile, for about `time`.
+    pub(crate) fn wait(&mut self, time: Duration) {
+        let start = Instant::now();
+        while start.elapsed() < time {
+            self.read();
+        }
+    }
+
+    /// The events so far, of all pages.
+    pub(crate) fn events(&self) -> &[Value] {
+        &self.events
+    }
+
+    /// The next message, if one comes soon. Events are kept.
+    fn read(&mut self) -> Option<Value> {
+        match self.socket.read() {
+            Ok(Message::Text(text)) => {
+                let message: Value = serde_json::from_str(&text).expect("JSON");
+                if message.get("method").is_some() {
+                    self.events.push(message);
+                    return None;
+                }
+                Some(message)
+            }
+            Ok(_) => None,
+            Err(Error::Io(error)) if is_timeout(&error) => None,
+            Err(error) => panic!("the browser is gone: {error}"),
+        }
+    }
+}
+
+/// Whether nothing came in time.
+pub(crate) fn is_timeout(error: &std::io::Error) -> bool {
+    matches!(error.kind(), std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut)
+}

@@ -1,0 +1,41 @@
+//! What the system says of a process.
+
+use std::time::{Duration, Instant};
+
+/// Threads and resident memory of a process at one time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Usage {
+    pub(crate) threads: u64,
+    /// MiB.
+    pub(crate) memory: f64,
+}
+
+impl Usage {
+    /// That of a process that runs, from `/proc`.
+    pub(crate) fn of(process: u32) -> Option<Self> {
+        let status = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
+        let number = |name: &str| {
+            let line = status.lines().find_map(|line| line.strip_prefix(name))?;
+            line.split_whitespace().next()?.parse::<u64>().ok()
+        };
+        Some(Self { threads: number("Threads:")?, memory: number("VmRSS:")? as f64 / 1024.0 })
+    }
+
+    /// That of a process once it has no more than `threads`, or after `patience`.
+    pub(crate) fn settled(process: u32, threads: u64, patience: Duration) -> Option<Self> {
+        let start = Instant::now();
+        loop {
+            let usage = Self::of(process)?;
+            if usage.threads <= threads || start.elapsed() > patience {
+                return Some(usage);
+            }
+            std::thread::sleep(Duration::from_millis(200));
+        }
+    }
+}
+
+impl std::fmt::Display for Usage {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "{} threads, {:.1} MiB", self.threads, self.memory)
+    }
+}
