@@ -35,6 +35,8 @@ const SHADOW = `
 uniform highp sampler2DShadow shadowMap;
 float depthSample(vec2 at, vec2 low, vec2 high, float depth) {
   vec2 texel = 1.0 / vec2(textureSize(shadowMap, 0));
+  // Beyond the map nothing is known to throw a shadow; its depths end at 1.
+  depth = min(depth, 1.0);
   float sum = 0.0;
   // Each is a mean of four texels by itself.
   for (int k = 0; k < 4; k++) {
