@@ -1,13 +1,22 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { defaultSettings, fullColour, realTimeOnly, sectionPlane, shareThrough } from "../web/settings.js";
+import { defaultSettings, fullColour, nextShading, realTimeOnly, sectionPlane, shareThrough } from "../web/settings.js";
 
 /** @type {import("../web/camera.js").Bounds} */
 const BOX = [
   [-1, 0, 2],
   [3, 8, 4],
 ];
+
+test("a key turns its own shading on whichever other is shown, and off again", () => {
+  /** @type {import("../web/settings.js").Shading[]} */
+  const order = ["material", "gaussian", "mean"];
+  assert.equal(nextShading("material", order), "gaussian");
+  assert.equal(nextShading("zebra", order), "gaussian");
+  assert.equal(nextShading("gaussian", order), "mean");
+  assert.equal(nextShading("mean", order), "material");
+});
 
 test("untouched settings are rendered, and everything that rendering does not show is a reason not to", () => {
   assert.equal(realTimeOnly(defaultSettings()), null);

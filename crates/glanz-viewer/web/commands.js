@@ -5,7 +5,7 @@
  */
 
 import { leafBounds } from "./extent.js";
-import { shareThrough } from "./settings.js";
+import { nextShading, shareThrough } from "./settings.js";
 import { announce, element } from "./ui/element.js";
 import { download, showProblem, upload } from "./ui/files.js";
 
@@ -155,8 +155,8 @@ function toolCommands(page) {
     change();
     page.settingsSet();
   };
-  /** @param {Shading[]} order the next one of these is shown */
-  const next = (order) => () => (settings.shading = order[(order.indexOf(settings.shading) + 1) % order.length]);
+  /** @param {Shading[]} order */
+  const next = (order) => () => (settings.shading = nextShading(settings.shading, order));
   return [
     {
       name: "section",

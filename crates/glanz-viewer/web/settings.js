@@ -41,6 +41,17 @@ export function defaultSettings() {
 }
 
 /**
+ * What follows in a round that begins and ends with the materials; one that is not part of it counts as they do.
+ * @param {Shading} shading
+ * @param {Shading[]} order
+ * @returns {Shading}
+ */
+export function nextShading(shading, order) {
+  const at = Math.max(0, order.indexOf(shading));
+  return order[(at + 1) % order.length];
+}
+
+/**
  * Why these settings show what is drawn in real time only, `null` if they do not.
  * @param {Settings} settings
  */
