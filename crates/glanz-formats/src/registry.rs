@@ -97,7 +97,9 @@ pub(crate) fn failure(name: &str, kind: &'static str, message: String) -> Diagno
 /// # Errors
 /// Diagnostics with at least one error.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
-    let name = path.display().to_string();
+    let folder = options.folder.as_deref().or_else(|| path.parent());
+    let shown = folder.filter(|_| options.confined).and_then(|folder| path.strip_prefix(folder).ok());
+    let name = shown.unwrap_or(path).display().to_string();
     let unreadable = |what: String| failure(&name, "missing-file", what);
     match std::fs::metadata(path) {
         Ok(metadata) if !metadata.is_file() => {
@@ -106,7 +108,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         Ok(_) => {}
         Err(error) => return Err(unreadable(format!("the file cannot be read: {error}"))),
     }
-    if options.confined && !lies_in(path, options.folder.as_deref().or_else(|| path.parent())) {
+    if options.confined && !lies_in(path, folder) {
         return Err(unreadable("the file is outside the folder of the scene".to_owned()));
     }
     let bytes =

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { Parts } from "../web/parts.js";
+import { Parts, ranges } from "../web/parts.js";
 
 /** @typedef {import("../web/model.js").TreeNode} TreeNode */
 
@@ -98,4 +98,9 @@ test("changed file keeps what is hidden and selected if it has as many shapes", 
   const other = new Parts({ name: "one", kind: "group", children: [shape("only", 0)] });
   other.inherit(before);
   assert.equal(other.hidden.size, 0);
+});
+
+test("runs of leaves become their first and last", () => {
+  assert.deepEqual(ranges(new Set([7, 3, 1, 2, 9, 10])), [[1, 3], 7, [9, 10]]);
+  assert.deepEqual(ranges(new Set()), []);
 });

@@ -26,14 +26,14 @@ test("untouched settings are rendered, and everything that rendering does not sh
 
 test("section plane goes from one end of the box to the other", () => {
   const settings = { ...defaultSettings(), section: true, sectionAxis: /** @type {const} */ ("y") };
-  assert.equal(sectionPlane({ ...settings, section: false }, null, BOX), null);
-  assert.deepEqual(sectionPlane({ ...settings, sectionShare: 0 }, null, BOX), { normal: [0, 1, 0], offset: 0 });
-  assert.deepEqual(sectionPlane({ ...settings, sectionShare: 0.25 }, null, BOX), { normal: [0, 1, 0], offset: 2 });
+  assert.equal(sectionPlane({ ...settings, section: false }, BOX), null);
+  assert.deepEqual(sectionPlane({ ...settings, sectionShare: 0 }, BOX), { normal: [0, 1, 0], offset: 0 });
+  assert.deepEqual(sectionPlane({ ...settings, sectionShare: 0.25 }, BOX), { normal: [0, 1, 0], offset: 2 });
 });
 
 test("other side of a section plane is cut by the same plane", () => {
   const settings = { ...defaultSettings(), section: true, sectionFlip: true, sectionShare: 0.75 };
-  const plane = sectionPlane(settings, null, BOX);
+  const plane = sectionPlane(settings, BOX);
   // x = -1 + 0.75 * 4 = 2: what is kept has -x <= -2.
   assert.equal(plane?.normal[0], -1);
   assert.equal(plane?.offset, -2);
@@ -42,11 +42,16 @@ test("other side of a section plane is cut by the same plane", () => {
 test("section through a picked point has it on the plane", () => {
   /** @type {import("../web/linear.js").Vector} */
   const normal = [0.6, 0, 0.8];
-  const settings = { ...defaultSettings(), section: true, sectionAxis: /** @type {const} */ ("picked") };
+  const settings = {
+    ...defaultSettings(),
+    section: true,
+    sectionAxis: /** @type {const} */ ("picked"),
+    pickedNormal: normal,
+  };
   // 0.6 * 1 + 0.8 * 3 = 3: the middle of the box.
-  assert.ok(Math.abs(shareThrough(settings, normal, BOX, [1, 5, 3]) - 0.5) < 1e-12);
-  const share = shareThrough(settings, normal, BOX, [2, 0, 2.5]);
-  const plane = sectionPlane({ ...settings, sectionShare: share }, normal, BOX);
+  assert.ok(Math.abs(shareThrough(settings, BOX, [1, 5, 3]) - 0.5) < 1e-12);
+  const share = shareThrough(settings, BOX, [2, 0, 2.5]);
+  const plane = sectionPlane({ ...settings, sectionShare: share }, BOX);
   assert.ok(Math.abs((plane?.offset ?? 0) - 3.2) < 1e-12);
 });
 

@@ -14,8 +14,8 @@ import { download, showProblem, upload } from "./ui/files.js";
 /** @typedef {import("./camera.js").StandardView} StandardView */
 /** @typedef {import("./settings.js").Shading} Shading */
 
-/** CSS pixels that a key moves the scene by, or turns it. */
-const STEP = 24;
+/** Of the view's shorter side: what a key moves the scene by, and turns it as a hand does that moves so far, by 7.5 degrees. */
+const STEP = 1 / 24;
 
 /** By what factor a key zooms. */
 const ZOOM = 0.8;
@@ -37,24 +37,25 @@ export function commandsOf(page) {
 function handCommands({ viewpoint }) {
   /** @type {[way: string, x: number, y: number][]} */
   const ways = [
-    ["Left", -STEP, 0],
-    ["Right", STEP, 0],
-    ["Up", 0, -STEP],
-    ["Down", 0, STEP],
+    ["Left", -1, 0],
+    ["Right", 1, 0],
+    ["Up", 0, -1],
+    ["Down", 0, 1],
   ];
+  const step = () => STEP * Math.min(viewpoint.size.width, viewpoint.size.height);
   const turns = ways.map(([way, x, y]) => ({
     name: `turn${way}`,
     keys: [`Arrow${way}`],
     label: "Turn",
     onView: true,
-    run: () => viewpoint.orbit(x, y),
+    run: () => viewpoint.orbit(x * step(), y * step()),
   }));
   const moves = ways.map(([way, x, y]) => ({
     name: `move${way}`,
     keys: [`Shift+Arrow${way}`],
     label: "Move",
     onView: true,
-    run: () => viewpoint.pan(x, y),
+    run: () => viewpoint.pan(x * step(), y * step()),
   }));
   return [
     ...turns,
@@ -197,7 +198,8 @@ export function sectionThroughPicked(page) {
   if (!hit) return;
   settings.section = true;
   settings.sectionAxis = "picked";
-  settings.sectionShare = shareThrough(settings, hit.normal, viewpoint.bounds, hit.point);
+  settings.pickedNormal = hit.normal;
+  settings.sectionShare = shareThrough(settings, viewpoint.bounds, hit.point);
   page.settingsSet();
 }
 
@@ -232,10 +234,10 @@ async function saveExr(page) {
 /**
  * Opens files in place of the scene.
  * @param {Page} page
- * @param {File[]} files
+ * @param {import("./ui/files.js").Named[]} files
  */
 export async function openFiles(page, files) {
-  page.say(`Opening ${files.map(({ name }) => name).join(", ")}`);
+  page.say(files.length === 1 ? `Opening ${files[0].name}` : `Opening ${files.length} files`);
   const url = new URL(`open?session=${encodeURIComponent(page.scene.session)}`, location.href);
   const problem = await upload(url, files);
   page.say("");

@@ -24,7 +24,7 @@ export function handle(page) {
     state: () => ({
       camera: page.viewpoint.camera,
       center: page.viewpoint.center,
-      size: { width: page.canvas.width, height: page.canvas.height },
+      size: page.size,
       scene: page.scene.name,
       online: page.session.isOnline,
       hidden: [...(page.parts?.hidden ?? [])],

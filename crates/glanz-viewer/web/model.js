@@ -57,7 +57,7 @@
  * @property {LightMap[]} maps
  * @property {string[]} notes
  * @property {Blocks} blocks
- * @property {Float32Array[]} mapValues values of the maps, in the order of `maps`
+ * @property {Float32Array[]} mapValues values of the maps, in the order of `maps`, three each
  */
 
 const MAGIC = "GLANZVW1";
@@ -107,7 +107,7 @@ export function decodeModel(bytes) {
   };
   /** @type {LightMap[]} */
   const maps = head.maps ?? [];
-  const mapValues = maps.map((map) => new Float32Array(...block(map.block, 1)));
+  const mapValues = maps.map((map) => new Float32Array(...block(map.block, 3)));
   const model = { ...head, maps, notes: head.notes ?? [], blocks, mapValues };
   checkReferences(model);
   return model;
@@ -163,6 +163,10 @@ function checkReferences(model) {
   }
   regions.forEach((region, i) => {
     within(region.firstCell + region.cells[0] * region.cells[1], blocks.regionCells.length / 4, `cells of region ${i}`);
+  });
+  model.maps.forEach((map, i) => {
+    if (model.mapValues[i].length !== 3 * map.width * map.height)
+      throw damaged(`map ${i} has another size than it says`);
   });
   model.objects.forEach((object, i) => {
     within(object.surface + 1, surfaces.length, `surface of object ${i}`);

@@ -7,7 +7,8 @@
 import { rayThrough } from "./camera.js";
 import { Renderer } from "./gl/renderer.js";
 import { decodeModel } from "./model.js";
-import { Parts } from "./parts.js";
+import { Pace } from "./pace.js";
+import { Parts, ranges } from "./parts.js";
 import { Session } from "./session.js";
 import { defaultSettings, fullColour, realTimeOnly, sectionPlane } from "./settings.js";
 import { Truth } from "./truth.js";
@@ -54,6 +55,9 @@ export class Page {
     this.hit = null;
     /** @type {ReturnType<Renderer["draw"]> | null} */
     this.frame = null;
+    /** Pixels of the canvas when nothing moves. @type {import("./camera.js").Size} */
+    this.size = { width: 1, height: 1 };
+    this.pace = new Pace();
     this.drawRequested = false;
     this.drawnAt = 0;
     /** Until when what is selected is seen rather than what is rendered. */
@@ -168,25 +172,27 @@ export class Page {
     const width = Math.max(1, Math.round(clientWidth * devicePixelRatio));
     const height = Math.max(1, Math.round(clientHeight * devicePixelRatio));
     this.viewpoint.size = { width: Math.max(1, clientWidth), height: Math.max(1, clientHeight) };
-    if (width !== this.canvas.width || height !== this.canvas.height) {
-      this.canvas.width = width;
-      this.canvas.height = height;
+    if (width !== this.size.width || height !== this.size.height) {
+      this.size = { width, height };
       this.viewChanged();
     }
   }
 
   /** The plane that cuts the scene, `null` if none does. */
   get section() {
-    return sectionPlane(this.settings, this.hit?.normal ?? null, this.viewpoint.bounds);
+    return sectionPlane(this.settings, this.viewpoint.bounds);
   }
 
-  /** @returns {import("./gl/renderer.js").View} */
-  view() {
+  /**
+   * @param {number} share of the sides' pixels
+   * @returns {import("./gl/renderer.js").View}
+   */
+  view(share = 1) {
     const { exposure, shading, stripes, isocurves, edges, net, maps } = this.settings;
     return {
       camera: this.viewpoint.camera,
-      width: this.canvas.width,
-      height: this.canvas.height,
+      width: Math.ceil(this.size.width * share),
+      height: Math.ceil(this.size.height * share),
       hidden: this.parts?.hidden ?? new Set(),
       selected: this.parts?.selectedLeaf ?? null,
       curvature: fullColour(this.settings, this.viewpoint.extent),
@@ -201,11 +207,12 @@ export class Page {
     const { integrator } = this.settings;
     if (!this.parts || integrator === "none" || this.hands.isDragging || this.viewpoint.isMoving) return null;
     const { camera } = this.viewpoint;
-    return { camera, size: this.canvas, hidden: [...this.parts.hidden], integrator };
+    return { camera, size: this.size, hidden: ranges(this.parts.hidden), integrator };
   }
 
   /** Another picture is to be seen: drawn at once, and rendered once all is at rest. */
   viewChanged() {
+    this.pace.moved(performance.now());
     this.rendered = this.rendering;
     this.truth.restart(this.rendered.startsWith("by") ? () => this.wanted() : null);
     this.invalidate();
@@ -221,7 +228,7 @@ export class Page {
     const { extent } = this.viewpoint;
     const maps = this.model?.maps ?? [];
     this.tools.describe(extent, this.section, maps.length > 0);
-    const scalar = maps.filter(({ width, height }, i) => this.model?.mapValues[i].length === width * height);
+    const scalar = maps.filter(({ unit }) => unit === "lx");
     showLegend(this.settings, fullColour(this.settings, extent), scalar);
     // Exposure works on the picture that is there.
     if (this.rendering === this.rendered) this.invalidate();
@@ -266,9 +273,10 @@ export class Page {
     element("orthographic", HTMLInputElement).checked = this.viewpoint.camera.kind === "orthographic";
     this.saveExr.disabled = (status?.samples ?? 0) === 0;
     if (!this.model) return;
-    const view = this.view();
+    const share = whole ? 1 : this.pace.shareAt(this.drawnAt);
+    const view = this.view(share);
     const glance = this.drawnAt < this.glanceUntil;
-    if (glance || !picture?.covered) this.drawScene(view, whole);
+    if (glance || !picture?.covered) this.drawScene(view, share, whole);
     if (picture && !glance && !picture.empty) this.renderer.drawTruth(picture, view);
     this.measure.draw(view.camera, this.viewpoint.size);
     if (this.frame?.pending === 0) this.isReady();
@@ -277,10 +285,15 @@ export class Page {
   /**
    * Draws in real time; again soon, if the browser still compiles some of the programs.
    * @param {import("./gl/renderer.js").View} view
+   * @param {number} share of the sides' pixels, as in `view`
    * @param {boolean} whole
    */
-  drawScene(view, whole) {
+  drawScene(view, share, whole) {
+    const start = performance.now();
     this.frame = whole ? this.renderer.drawWhole(view) : this.renderer.draw(view);
+    // The browser holds frames back until the graphics card has done with those before.
+    requestAnimationFrame(() => requestAnimationFrame(() => this.pace.took(share, performance.now() - start)));
+    if (share < 1) setTimeout(() => this.invalidate(), this.pace.untilRest(start));
     if (this.frame.pending > 0) setTimeout(() => this.invalidate(), COMPILE_PAUSE);
   }
 
@@ -312,7 +325,7 @@ export class Page {
     const { origin, direction } = rayThrough(this.viewpoint.camera, this.viewpoint.size, x, y);
     const plane = this.section;
     const section = plane && [...plane.normal, plane.offset];
-    const hidden = [...(this.parts?.hidden ?? [])];
+    const hidden = ranges(this.parts?.hidden ?? new Set());
     try {
       return (await this.session.request({ type: "pick", origin, direction, hidden, section })).hit;
     } catch {

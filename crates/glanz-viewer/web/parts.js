@@ -174,3 +174,19 @@ function matches(item, wanted) {
   const { node } = item;
   return [item.label, node.what, node.place].some((text) => text?.toLowerCase().includes(wanted));
 }
+
+/**
+ * Leaves as the server reads them: runs of several as first and last, so that a message about very many is short.
+ * @param {Set<number>} leaves
+ * @returns {(number | [first: number, last: number])[]} ascending
+ */
+export function ranges(leaves) {
+  /** @type {[number, number][]} */
+  const runs = [];
+  for (const leaf of [...leaves].sort((a, b) => a - b)) {
+    const run = runs.at(-1);
+    if (run && run[1] === leaf - 1) run[1] = leaf;
+    else runs.push([leaf, leaf]);
+  }
+  return runs.map(([first, last]) => (first === last ? first : [first, last]));
+}

@@ -12,10 +12,10 @@ import { add, dot, scale } from "./linear.js";
 
 /**
  * `exposure`: stops. `stripes`: of the zebra. `curvature`: power of ten of what gets full colour, as a multiple of one over the scene's size. `isocurves`: per
- * patch. `sectionShare`: place of the plane between the ends of the scene's bounds.
+ * patch. `sectionShare`: place of the plane between the ends of the scene's bounds. `pickedNormal`: of the point that a plane was put through.
  * @typedef {{ exposure: number, integrator: "none" | "path" | "guided", shading: Shading, stripes: number, curvature: number,
  *   isocurves: number, edges: boolean, net: boolean, maps: boolean, section: boolean, sectionAxis: "x" | "y" | "z" | "picked",
- *   sectionShare: number, sectionFlip: boolean }} Settings
+ *   sectionShare: number, sectionFlip: boolean, pickedNormal: Vector | null }} Settings
  */
 
 /** @typedef {{ normal: Vector, offset: number }} Plane what is kept has `dot(normal, point) <= offset` */
@@ -36,6 +36,7 @@ export function defaultSettings() {
     sectionAxis: "x",
     sectionShare: 0.5,
     sectionFlip: false,
+    pickedNormal: null,
   };
 }
 
@@ -67,11 +68,10 @@ const AXES = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };
 /**
  * The direction across the section plane, before it is turned around.
  * @param {Settings} settings
- * @param {Vector | null} picked normal of the picked point
  * @returns {Vector}
  */
-function sectionNormal(settings, picked) {
-  return settings.sectionAxis === "picked" ? (picked ?? AXES.x) : AXES[settings.sectionAxis];
+function sectionNormal(settings) {
+  return settings.sectionAxis === "picked" ? (settings.pickedNormal ?? AXES.x) : AXES[settings.sectionAxis];
 }
 
 /**
@@ -89,13 +89,12 @@ function reach(normal, bounds) {
 /**
  * The section plane, `null` if there is none.
  * @param {Settings} settings
- * @param {Vector | null} picked
  * @param {Bounds} bounds
  * @returns {Plane | null}
  */
-export function sectionPlane(settings, picked, bounds) {
+export function sectionPlane(settings, bounds) {
   if (!settings.section) return null;
-  const normal = sectionNormal(settings, picked);
+  const normal = sectionNormal(settings);
   const [low, high] = reach(normal, bounds);
   const offset = low + (high - low) * settings.sectionShare;
   return settings.sectionFlip ? { normal: scale(normal, -1), offset: -offset } : { normal, offset };
@@ -104,12 +103,11 @@ export function sectionPlane(settings, picked, bounds) {
 /**
  * The share of `sectionShare` at which the plane goes through a point.
  * @param {Settings} settings
- * @param {Vector | null} picked
  * @param {Bounds} bounds
  * @param {Vector} point
  */
-export function shareThrough(settings, picked, bounds, point) {
-  const normal = sectionNormal(settings, picked);
+export function shareThrough(settings, bounds, point) {
+  const normal = sectionNormal(settings);
   const [low, high] = reach(normal, bounds);
   return high > low ? Math.min(1, Math.max(0, (dot(normal, point) - low) / (high - low))) : 0.5;
 }

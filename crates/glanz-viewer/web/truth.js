@@ -12,6 +12,7 @@
 
 /** @typedef {[x: number, y: number, width: number, height: number]} Rectangle */
 /** @typedef {"path" | "guided"} Integrator */
+/** @typedef {{ camera: Camera, size: Size, hidden: ReturnType<typeof import("./parts.js").ranges>, integrator: Integrator }} Order what to render */
 
 /**
  * `waits`: for pictures of other pages.
@@ -115,7 +116,7 @@ export class Truth {
 
   /**
    * Forgets the picture and ends its rendering: the view is another now. `ask` tells, after a rest, what is to be rendered.
-   * @param {(() => { camera: Camera, size: Size, hidden: number[], integrator: Integrator } | null) | null} ask
+   * @param {(() => Order | null) | null} ask
    */
   restart(ask) {
     this.stop();
@@ -125,7 +126,7 @@ export class Truth {
     }
   }
 
-  /** @param {{ camera: Camera, size: Size, hidden: number[], integrator: Integrator } | null} asked */
+  /** @param {Order | null} asked */
   begin(asked) {
     if (!asked || !this.session.isOnline) {
       return;

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
+use super::leaves::leaves;
 use crate::query::Hit;
 use crate::stream::{IntegratorName, ViewCamera};
 
@@ -18,7 +19,7 @@ pub(crate) enum Request {
         /// Width and height, pixels.
         size: [u32; 2],
         /// Leaves of the tree that are not to be seen.
-        #[serde(default)]
+        #[serde(default, deserialize_with = "leaves")]
         hidden: BTreeSet<u32>,
         /// The server's own choice, if the page makes none.
         integrator: Option<IntegratorName>,
@@ -32,7 +33,7 @@ pub(crate) enum Request {
         origin: [f64; 3],
         /// Of any length above 0.
         direction: [f64; 3],
-        #[serde(default)]
+        #[serde(default, deserialize_with = "leaves")]
         hidden: BTreeSet<u32>,
         /// (a, b, c, d): only what has a x + b y + c z <= d is there.
         #[serde(default)]
@@ -127,12 +128,12 @@ mod tests {
     fn messages_of_the_contract_are_understood() {
         let camera = r#"{"kind":"perspective","position":[0,0,5],"right":[1,0,0],"up":[0,1,0],"forward":[0,0,-1],"fieldOfView":1,"height":1,"distance":5}"#;
         let view = format!(
-            r#"{{"type":"view","id":7,"camera":{camera},"size":[4,3],"hidden":[2,1],"integrator":"guided"}}"#
+            r#"{{"type":"view","id":7,"camera":{camera},"size":[4,3],"hidden":[4,[1,2]],"integrator":"guided"}}"#
         );
         let Ok(Request::View { id: 7, size: [4, 3], hidden, integrator, .. }) = Request::parse(&view) else {
             panic!("{:?}", Request::parse(&view));
         };
-        assert_eq!((hidden, integrator), (BTreeSet::from([1, 2]), Some(IntegratorName::Guided)));
+        assert_eq!((hidden, integrator), (BTreeSet::from([1, 2, 4]), Some(IntegratorName::Guided)));
         assert_eq!(Request::parse(r#"{"type":"stop","id":1}"#), Ok(Request::Stop { id: 1 }));
         assert_eq!(Request::parse(r#"{"type":"save","id":2}"#), Ok(Request::Save { id: 2 }));
         let pick =

@@ -10,6 +10,7 @@ mod guard;
 mod headers;
 mod house;
 mod key;
+mod leaves;
 mod message;
 mod models;
 mod page;

@@ -57,6 +57,7 @@ static FILES: &[File] = files![
     "linear.js",
     "main.js",
     "model.js",
+    "pace.js",
     "page.js",
     "parts.js",
     "session.js",

@@ -12,8 +12,8 @@ const PLACES: usize = 4;
 /// How long a render keeps its place while others wait, unless a pass takes longer.
 pub(crate) const TURN: Duration = Duration::from_secs(2);
 
-/// Pixels of all films at a time, about 100 bytes each.
-const PIXELS: usize = 1 << 25;
+/// Pixels of all films at a time, 120 to 230 bytes each.
+const PIXELS: usize = 1 << 24;
 
 /// Pixels that are counted as one.
 const UNIT: usize = 1 << 10;

@@ -31,7 +31,7 @@ export const OBJECT_TEXT = `
 uniform usampler2D objectFacts;
 uniform sampler2D objectPlaces;
 struct Facts { uint material, firstCell; ivec2 cells; uint leaf, bits; };
-const uint REVERSED = 1u, REVOLUTION = 2u, FLAT = 4u, MAPPED = 8u;
+const uint REVERSED = 1u, REVOLUTION = 2u, MAPPED = 4u;
 Facts factsOf(uint number) {
   uint at = number * 2u;
   ivec2 place = ivec2(at & 2047u, at >> 11u);
@@ -148,17 +148,17 @@ vec4 look(Point point, Facts facts) {
 }
 `;
 
-/** What the maps of the scene say, in false colours or, with three channels, as light. */
+/** What the maps of the scene say, in false colours or as light. */
 export const MAP_TEXT = `
 uniform sampler2D mapValues;
-uniform vec2 mapScale;    // largest value, number of channels
+uniform vec2 mapScale;    // largest value; 1 for false colours, 0 for light
 const vec3 VIRIDIS[9] = ${shaderArray(VIRIDIS)};
 vec2 mapPlace;
 vec3 mapColour(vec3 unmapped) {
   if (mapPlace.x < 0.0) return unmapped;
-  vec3 value = texture(mapValues, mapPlace).xyz;
-  if (mapScale.y > 1.0) return display(value, picture.z);
-  float x = clamp(value.x / mapScale.x, 0.0, 1.0) * 8.0;
+  vec3 share = texture(mapValues, mapPlace).xyz;
+  if (mapScale.y == 0.0) return display(share * mapScale.x, picture.z);
+  float x = clamp(share.x, 0.0, 1.0) * 8.0;
   int k = min(int(x), 7);
   return mix(VIRIDIS[k], VIRIDIS[k + 1], x - float(k)) / 255.0;
 }

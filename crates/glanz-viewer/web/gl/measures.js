@@ -10,6 +10,9 @@ import { patchFacts } from "../model.js";
 /** @typedef {import("../linear.js").Vector} Vector */
 /** @typedef {import("../model.js").Model} Model */
 
+/** Parameters of a region that count as its border. */
+const AT_BORDER = 1e-5;
+
 /** Heights that single numbers round to, as a share of the size. */
 const FLAT = 2e-7;
 
@@ -222,7 +225,8 @@ class Net {
 }
 
 /**
- * Which sides of patches are borders of their face: one bit per side. A side that another patch of the same face has too, or that is only a point, is none.
+ * Which sides of patches are borders of their surface: one bit per side. A side that another patch of the surface has too, or that is only a point, is none; nor is a side within the
+ * region of a trimmed surface, whose patches may have been cut.
  * @param {Model} model
  * @returns {Uint8Array}
  */
@@ -233,11 +237,10 @@ export function findBorders(model) {
   model.surfaces.forEach((surface, number) => {
     if (surface.kind !== "patches") return;
     for (let patch = surface.first; patch < surface.first + surface.count; patch++) {
-      const face = patchFacts(model, patch).face;
       for (let side = 0; side < 4; side++) {
         const key = sideKey(model, patch, side);
-        if (key === null) continue;
-        const name = `${number} ${face} ${key}`;
+        if (key === null || (surface.region !== null && isWithin(model, patch, side, surface.mapping))) continue;
+        const name = `${number} ${key}`;
         const known = seen.get(name);
         if (known) known.count += 1;
         else seen.set(name, { patch, side, count: 1 });
@@ -246,6 +249,33 @@ export function findBorders(model) {
   });
   for (const { patch, side, count } of seen.values()) if (count === 1) borders[patch] |= 1 << side;
   return borders;
+}
+
+/**
+ * Whether a side of a patch is not on the border of its region, whose parameters run from 0 to 1.
+ * @param {Model} model
+ * @param {number} patch
+ * @param {number} side
+ * @param {"patch" | "revolution"} mapping
+ */
+function isWithin(model, patch, side, mapping) {
+  const { patches } = model.blocks;
+  const words = new Float32Array(patches.buffer, patches.byteOffset + patch * 64 + 16, 8);
+  const [a, b, c, d, e, f, g, h] = words;
+  /** The parameters of the side's ends that are the same for both, if any are. @type {number[]} */
+  let ends;
+  if (mapping === "revolution") ends = [[c], [d], [a], [b]][side];
+  else {
+    const corners = [
+      [a, b],
+      [c, d],
+      [e, f],
+      [g, h],
+    ];
+    const [from, to] = [corners[[0, 2, 0, 1][side]], corners[[1, 3, 2, 3][side]]];
+    ends = [0, 1].filter((axis) => from[axis] === to[axis]).map((axis) => from[axis]);
+  }
+  return !ends.some((x) => x <= AT_BORDER || x >= 1 - AT_BORDER);
 }
 
 /**

@@ -11,11 +11,14 @@ import { LARGEST_GRID, gridLevels, lengthLevel, sideLevel } from "./levels.js";
 import { LEAST, SIDE, SIDES, STRIDE, measurePatches } from "./measures.js";
 import { INSTANCE_WORDS, patchFragmentText, patchVertexText } from "./patch_shader.js";
 import { Pieces } from "./pieces.js";
+import { UNITS } from "./programs.js";
 
 /** @typedef {import("../model.js").Model} Model */
 /** @typedef {import("./frame.js").Frame} Frame */
 /** @typedef {import("./looks.js").Look} Look */
+/** @typedef {import("./programs.js").Program} Program */
 /** @typedef {import("./programs.js").Programs} Programs */
+/** @typedef {import("./scene_tables.js").MapTexture} MapTexture */
 /** @typedef {import("./evaluation.js").Shape} Shape */
 
 /** How far the grid may be off the surface, pixels. The surface is found again at every pixel: this is about silhouettes. */
@@ -33,14 +36,16 @@ export class Patches {
   /**
    * @param {WebGL2RenderingContext} gl
    * @param {Model} model
+   * @param {MapTexture[]} maps
    */
-  constructor(gl, model) {
+  constructor(gl, model, maps) {
     this.gl = gl;
     this.model = model;
+    this.maps = maps;
     this.grids = new Grids(gl);
     this.measures = measurePatches(model);
     this.pieces = new Pieces(model, this.measures);
-    /** @type {{ shape: Shape, trimmed: boolean, name: string }[]} */
+    /** What is drawn by one program with the same textures. @type {{ shape: Shape, trimmed: boolean, map: number | null, name: string }[]} */
     this.classes = [];
     this.classOf = this.classify();
     this.stretch = model.objects.map((object) => largestStretch(object.toWorld));
@@ -53,27 +58,32 @@ export class Patches {
     this.starts = new Uint32Array(this.classes.length * 64 * STEPS + 1);
   }
 
-  /** The class of every patch, 2 i + 1 where its surface is trimmed. */
+  /** The class of every patch. Objects that show a map have patches of their own. */
   classify() {
     const { model } = this;
     const classOf = new Uint16Array(model.blocks.patches.length / 16);
     /** @type {Map<string, number>} */
     const numbers = new Map();
-    for (const surface of model.surfaces) {
-      if (surface.kind !== "patches") continue;
+    /** @type {Map<number, number>} */
+    const mapOf = new Map();
+    for (const { surface, map } of model.objects) if (map !== null) mapOf.set(surface, map);
+    model.surfaces.forEach((surface, index) => {
+      if (surface.kind !== "patches") return;
+      const map = mapOf.get(index) ?? null;
       const trimmed = surface.region !== null;
       for (let patch = surface.first; patch < surface.first + surface.count; patch++) {
         const { degreeU, degreeV, rational } = patchFacts(model, patch);
         const name = `patch ${degreeU} ${degreeV}${rational ? " rational" : ""}${trimmed ? " trimmed" : ""}`;
-        let number = numbers.get(name);
+        const key = `${name} ${map}`;
+        let number = numbers.get(key);
         if (number === undefined) {
           number = this.classes.length;
-          numbers.set(name, number);
-          this.classes.push({ shape: { degreeU, degreeV, rational }, trimmed, name });
+          numbers.set(key, number);
+          this.classes.push({ shape: { degreeU, degreeV, rational }, trimmed, map, name });
         }
         classOf[patch] = number;
       }
-    }
+    });
     return classOf;
   }
 
@@ -265,11 +275,12 @@ export class Patches {
       if (count === 0) continue;
       const gridU = (kind >> 3) & 7;
       const gridV = kind & 7;
-      const { shape, trimmed, name } = this.classes[kind >> 6];
+      const { shape, trimmed, map, name } = this.classes[kind >> 6];
       const text = () => ({ vertex: patchVertexText(shape), fragment: patchFragmentText(shape, trimmed, look) });
       const program = programs.get(`${name} ${look}`, text, wait);
       if (program) {
         program.use();
+        if (look === "material" && map !== null) this.bindMap(program, this.maps[map]);
         this.grids.draw(gridU, gridV, first, count);
         const quads = count * 2 ** (gridU + gridV);
         statistics.patches += count;
@@ -279,6 +290,14 @@ export class Patches {
       }
       first = end;
     }
+  }
+
+  /** @param {Program} program @param {MapTexture} map */
+  bindMap(program, { texture, largest, falseColours }) {
+    const { gl } = this;
+    gl.activeTexture(gl.TEXTURE0 + UNITS.mapValues);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.uniform2f(program.place("mapScale"), largest, falseColours ? 1 : 0);
   }
 
   delete() {

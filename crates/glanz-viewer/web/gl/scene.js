@@ -36,7 +36,7 @@ export class Scene {
     this.places = new Table(gl, "RGBA32F");
     this.rows = new Float32Array(model.objects.length * PLACE);
     this.positions = new Float64Array(model.objects.length * 12);
-    this.patches = new Patches(gl, model);
+    this.patches = new Patches(gl, model, this.tables.maps);
     this.meshes = new Meshes(gl, model);
     this.algebraic = new AlgebraicSurfaces(gl, model);
     this.nets = new Nets(gl, model);

@@ -14,8 +14,7 @@ import { SCRATCH_UNIT, Table } from "./table.js";
 /** Bits of an object's facts, as in \`OBJECT_TEXT\`. */
 const REVERSED = 1;
 const REVOLUTION = 2;
-const FLAT = 4;
-const MAPPED = 8;
+const MAPPED = 4;
 
 export class SceneTables {
   /**
@@ -70,7 +69,6 @@ function objectRows(model) {
     const surface = model.surfaces[object.surface];
     let bits = object.reversed ? REVERSED : 0;
     if (object.map !== null) bits |= MAPPED;
-    if (surface.kind === "mesh") bits |= FLAT;
     rows.set([object.material, 0, 0, 0, object.leaf, bits], i * 8);
     if (surface.kind !== "patches") return;
     if (surface.mapping === "revolution") rows[i * 8 + 5] |= REVOLUTION;
@@ -93,26 +91,25 @@ function materialRows(materials) {
 }
 
 /**
- * @typedef {{ texture: WebGLTexture, largest: number, channels: number }} MapTexture
+ * A map as a texture; `falseColours`: its values are numbers to be read, not light to be seen.
+ * @typedef {{ texture: WebGLTexture, largest: number, falseColours: boolean }} MapTexture
  */
 
 /**
  * @param {WebGL2RenderingContext} gl
  * @param {import("../model.js").LightMap} map
- * @param {Float32Array} values
+ * @param {Float32Array} values three a texel
  * @returns {MapTexture}
  */
 function mapTexture(gl, map, values) {
-  const channels = values.length === 3 * map.width * map.height ? 3 : 1;
   const texture = gl.createTexture();
-  // Half floats, because those can be filtered everywhere.
-  const [inside, format] = channels === 3 ? [gl.RGB16F, gl.RGB] : [gl.R16F, gl.RED];
   gl.activeTexture(gl.TEXTURE0 + SCRATCH_UNIT);
   gl.bindTexture(gl.TEXTURE_2D, texture);
-  gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
-  gl.texImage2D(gl.TEXTURE_2D, 0, inside, map.width, map.height, 0, format, gl.FLOAT, values);
+  // Shares of the largest value as half floats, because those can be filtered everywhere and would end at 65504.
+  const shares = values.map((x) => x / (map.largest || 1));
+  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB16F, map.width, map.height, 0, gl.RGB, gl.FLOAT, shares);
   for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
     gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
   for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, wrap, gl.CLAMP_TO_EDGE);
-  return { texture, largest: map.largest, channels };
+  return { texture, largest: map.largest, falseColours: map.unit === "lx" };
 }

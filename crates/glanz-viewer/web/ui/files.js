@@ -6,16 +6,18 @@
 
 import { announce, element } from "./element.js";
 
+/** @typedef {{ name: string, file: File }} Named a file and its path */
+
 /**
  * Has the button and dropping files on the page open them.
- * @param {(files: File[]) => void} open
+ * @param {(files: Named[]) => void} open
  */
 export function offerOpening(open) {
   const input = element("files", HTMLInputElement);
   const target = element("drop", HTMLElement);
   element("open", HTMLButtonElement).addEventListener("click", () => input.click());
   input.addEventListener("change", () => {
-    const files = [...(input.files ?? [])];
+    const files = [...(input.files ?? [])].map((file) => ({ name: file.name, file }));
     // The same files can be chosen again after they were changed.
     input.value = "";
     if (files.length > 0) open(files);
@@ -35,19 +37,60 @@ export function offerOpening(open) {
     if (!carriesFiles(event)) return;
     event.preventDefault();
     target.hidden = true;
-    open([...(event.dataTransfer?.files ?? [])]);
+    if (event.dataTransfer) dropped(event.dataTransfer).then(open);
   });
+}
+
+/** Most files that are looked for in dropped folders; the server takes fewer, and says so. */
+const MOST_FILES = 1000;
+
+/**
+ * The files that were dropped, those in folders with their paths; a folder that was dropped alone is left out of these.
+ * @param {DataTransfer} transfer
+ * @returns {Promise<Named[]>}
+ */
+async function dropped(transfer) {
+  // Entries must be taken before the first pause: then the browser forgets what was dropped.
+  const entries = [...transfer.items].map((item) => item.webkitGetAsEntry()).filter((entry) => entry !== null);
+  /** @type {Named[]} */
+  const found = [];
+  const [only] = entries;
+  const alone = entries.length === 1 && only?.isDirectory ? `${only.fullPath}/` : "/";
+  for (const entry of entries) await collect(entry, alone, found);
+  return found;
+}
+
+/**
+ * @param {FileSystemEntry} entry
+ * @param {string} prefix of the path, left out of the name
+ * @param {Named[]} found what is added to
+ */
+async function collect(entry, prefix, found) {
+  if (found.length >= MOST_FILES) return;
+  if (entry instanceof FileSystemFileEntry) {
+    const file = await new Promise((resolve, reject) => entry.file(resolve, reject));
+    found.push({ name: entry.fullPath.slice(prefix.length), file });
+  } else if (entry instanceof FileSystemDirectoryEntry) {
+    const reader = entry.createReader();
+    // Folders are read in pieces, the last of which is empty.
+    for (;;) {
+      /** @type {FileSystemEntry[]} */
+      const piece = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
+      if (piece.length === 0) return;
+      for (const child of piece) await collect(child, prefix, found);
+    }
+  }
 }
 
 /**
  * Sends files to the server, which opens the scene among them.
  * @param {URL} url
- * @param {File[]} files
+ * @param {Named[]} files
  * @returns {Promise<string | null>} what is wrong with them, or `null`
  */
 export async function upload(url, files) {
   const form = new FormData();
-  for (const file of files) form.append("files", file, file.name);
+  for (const { name, file } of files) form.append("files", file, name);
   try {
     const response = await fetch(url, { method: "POST", body: form });
     return response.ok ? null : await response.text();

@@ -36,7 +36,7 @@ function scale(title, colours, ends) {
  * Shows the legend of what is chosen, or none.
  * @param {Settings} settings
  * @param {number} curvature 1/m, at full colour
- * @param {LightMap[]} maps with one value a texel; those with three are light, which has no scale
+ * @param {LightMap[]} maps of numbers; those of light have no scale
  */
 export function showLegend(settings, curvature, maps) {
   const legend = element("legend", HTMLElement);
@@ -45,7 +45,7 @@ export function showLegend(settings, curvature, maps) {
   let content = [];
   if (title) {
     const end = Number(curvature.toPrecision(3));
-    content = scale(title, DIVERGING, [curvatureText(-end), "0", curvatureText(end)]);
+    content = scale(title, DIVERGING, [`concave ${curvatureText(-end)}`, "0", `convex ${curvatureText(end)}`]);
   } else if (settings.maps && settings.shading === "material") {
     content = maps.flatMap(({ name, unit, largest }) => scale(name, VIRIDIS, ["0", `${plain(largest, 3)} ${unit}`]));
   }

@@ -66,11 +66,6 @@ export class Tools {
   /** @param {boolean} isPicked whether a section can go through a picked point */
   allowPicked(isPicked) {
     element("section-here", HTMLButtonElement).disabled = !isPicked;
-    element("section-picked", HTMLOptionElement).disabled = !isPicked;
-    if (!isPicked && this.settings.sectionAxis === "picked") {
-      this.settings.sectionAxis = "x";
-      this.write();
-    }
   }
 
   /**
@@ -92,6 +87,7 @@ export class Tools {
     say("curvature", `radius ${lengthText(Number((1 / curvature).toPrecision(3)))}`);
     say("isocurves", isocurves === 0 ? "none" : String(isocurves));
     say("section-offset", section ? lengthText(sectionFlip ? -section.offset : section.offset) : "");
+    element("section-picked", HTMLOptionElement).disabled = this.settings.pickedNormal === null;
     element("stripes-row", HTMLElement).hidden = shading !== "zebra";
     element("curvature-row", HTMLElement).hidden = !CURVATURES.includes(shading);
     element("maps-row", HTMLElement).hidden = !hasMaps;

@@ -1,7 +1,5 @@
 //! `glanz view`: the page that shows a scene.
 
-use std::path::Path;
-
 use glanz_formats::{Diagnostics, Options};
 use glanz_viewer::server::{News, Server, ServerError, ServerSettings, Shown};
 
@@ -76,7 +74,7 @@ fn tell(name: &str, news: &News, messages: Messages) {
 
 /// Opens the browser. Where that cannot be done the address is there to be copied.
 fn show(address: &str, messages: Messages) {
-    if let Err(error) = open::that_detached(Path::new(address)) {
+    if let Err(error) = open::that_detached(address) {
         messages.warning(&format!("the browser cannot be opened: {error}; open the address yourself"));
     }
 }

@@ -9,3 +9,4 @@ mod render;
 mod same_bits;
 mod support;
 mod tools;
+mod view;

@@ -1,0 +1,16 @@
+//! The server as its visitors see it: over the network.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot set up its server has failed"
+)]
+
+mod admission;
+mod conversation;
+mod house;
+mod page;
+mod rendering;
+mod upload;
+mod watching;

@@ -1,0 +1,31 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { decodeModel, patchFacts } from "../web/model.js";
+import { encodeModel, patchModel } from "./small_model.js";
+
+test("a_model_has_the_numbers_that_were_written", () => {
+  const model = decodeModel(encodeModel(patchModel({ degreeU: 1, degreeV: 2, points: [...Array(24).keys()] })));
+  assert.equal(model.name, "small");
+  assert.deepEqual(patchFacts(model, 0), { degreeU: 1, degreeV: 2, rational: true, firstPoint: 0, face: 7 });
+  assert.deepEqual([...model.blocks.points.slice(20)], [20, 21, 22, 23]);
+  assert.equal(model.blocks.regionCells.length, 0);
+});
+
+test("bytes_that_are_no_model_are_refused_with_the_reason", () => {
+  assert.throws(() => decodeModel(new ArrayBuffer(3)), /3 bytes are too few/);
+  assert.throws(() => decodeModel(new TextEncoder().encode("<!doctype html><p>").buffer), /begins with "<!doctyp"/);
+  const bytes = encodeModel(patchModel({ degreeU: 1, degreeV: 1, points: Array(16).fill(1) }));
+  assert.throws(() => decodeModel(bytes.slice(0, 40)), /cut off/);
+});
+
+test("a_patch_with_points_beyond_the_block_is_refused", () => {
+  const bytes = encodeModel(patchModel({ degreeU: 3, degreeV: 3, points: Array(16).fill(1) }));
+  assert.throws(() => decodeModel(bytes), /points of patch 0 end at 16 of 4/);
+});
+
+test("an_object_of_a_surface_that_is_not_there_is_refused", () => {
+  const model = patchModel({ degreeU: 1, degreeV: 1, points: Array(16).fill(1) });
+  model.head.objects[0].surface = 1;
+  assert.throws(() => decodeModel(encodeModel(model)), /surface of object 0 end at 2 of 1/);
+});
