@@ -21,8 +21,10 @@ const WINDING_OFFSET: i32 = 128;
 
 /// A part of a curve, monotone in both coordinates, over the unit square.
 struct Part {
-    /// Homogeneous.
+    /// Homogeneous control points.
     points: Vec<DVec3>,
+    /// The same times their binomials.
+    terms: Vec<DVec3>,
     start: DVec2,
     end: DVec2,
     /// Smallest and largest v, as the shader has them: parts that meet there agree on them to the bit.
@@ -53,17 +55,17 @@ struct Crossing {
 }
 
 impl Part {
+    /// Horner's rule with powers of `t` and `1 - t`.
+    ///
+    /// # Source
+    /// @farin2002 chapter 5.
     fn point(&self, t: f64) -> DVec2 {
-        // De Casteljau: parts have few points, and there are few of them near a line.
-        let mut points = self.points.clone();
-        for count in (1..points.len()).rev() {
-            for i in 0..count {
-                if let Some(&[a, b]) = points.get(i..i + 2) {
-                    points[i] = a * (1.0 - t) + b * t;
-                }
-            }
+        let (mut sum, mut power) = (DVec3::ZERO, 1.0);
+        for &term in &self.terms {
+            sum = sum * (1.0 - t) + term * power;
+            power *= t;
         }
-        points.first().map_or(DVec2::ZERO, |p| p.truncate() / p.z)
+        sum.truncate() / sum.z
     }
 
     /// The height at which it passes `u`, the lowest or highest one beyond its ends.
@@ -129,7 +131,8 @@ impl Grid {
                     }
                 }
                 let rows = [start.y.min(end.y) as f32, start.y.max(end.y) as f32];
-                Part { points, start, end, rows, direction: if end.y > start.y { 1 } else { -1 } }
+                let terms = points.iter().zip(binomials(points.len())).map(|(p, b)| *p * b).collect();
+                Part { points, terms, start, end, rows, direction: if end.y > start.y { 1 } else { -1 } }
             })
             .collect();
         let cells = ((2.0 * parts.len() as f64).sqrt() as usize).next_power_of_two();
@@ -263,6 +266,16 @@ impl Grid {
         }
         Ok(())
     }
+}
+
+/// The binomials of the degree `count - 1`.
+fn binomials(count: usize) -> impl Iterator<Item = f64> {
+    let next = move |b: f64, k: usize| b * (count - 1 - k) as f64 / (k + 1) as f64;
+    (0..count).scan(1.0, move |b, k| {
+        let this = *b;
+        *b = next(this, k);
+        Some(this)
+    })
 }
 
 /// `count` as a single-precision number, which is exact up to 2^24.

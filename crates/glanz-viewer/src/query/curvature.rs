@@ -9,9 +9,9 @@ const DEGENERATE: f64 = 1e-18;
 /// A surface that departs from its tangent plane by less than this share of its size is flat.
 const FLAT: f64 = 1e-9;
 
-/// Curvatures at a point of a surface, 1/m: positive where it bends towards its normal.
+/// Curvatures at a point of a surface, 1/m: positive where it is convex on the side that its normal points to.
 ///
-/// So a sphere with its normal outwards has `minimum = maximum = -1 / r`, and the inside of a bowl, seen from its normal's side, positive ones.
+/// So a sphere with its normal outwards has `minimum = maximum = 1 / r`, and the inside of a bowl negative ones.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Curvature {
     /// The smaller principal curvature.
@@ -39,7 +39,7 @@ impl Curvature {
         if area.is_nan() || area <= DEGENERATE * e * g {
             return None;
         }
-        let (l, m, n) = (-dndu.dot(*dpdu), -0.5 * (dndu.dot(*dpdv) + dndv.dot(*dpdu)), -dndv.dot(*dpdv));
+        let (l, m, n) = (dndu.dot(*dpdu), 0.5 * (dndu.dot(*dpdv) + dndv.dot(*dpdu)), dndv.dot(*dpdv));
         let gaussian = (l * n - m * m) / area;
         let mean = 0.5 * (l * g - 2.0 * m * f + n * e) / area;
         // Rounding makes it negative where both are the same.

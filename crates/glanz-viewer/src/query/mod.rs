@@ -44,7 +44,7 @@ pub struct Hit {
     pub normal: [f64; 3],
     /// From the origin of the ray, metres.
     pub distance: f64,
-    /// `None` for meshes, and where the parameters degenerate.
+    /// Positive where the surface is convex towards the origin of the ray, whatever its normal; `None` for meshes, and where the parameters degenerate.
     pub curvature: Option<Curvature>,
 }
 
@@ -118,5 +118,7 @@ fn curvature(placed: &PlacedSurface<'_>, at: &Interaction) -> Option<Curvature> 
         return None;
     }
     let size = placed.bounds().diagonal().length();
-    Curvature::of(&at.point, if size.is_finite() { size } else { at.t })
+    let from_behind = at.point.normal.dot(at.wo) < 0.0;
+    let point = if from_behind { at.point.reversed() } else { at.point };
+    Curvature::of(&point, if size.is_finite() { size } else { at.t })
 }

@@ -39,17 +39,20 @@ fn close([a, b]: [f64; 2], [c, d]: [f64; 2]) -> bool {
 fn curvatures_are_those_of_closed_forms() {
     let from_x = [[10.0, 0.1, 0.2], [-1.0, 0.0, 0.0]];
     let at = |shape: &str| curvatures(shape, from_x[0], from_x[1]);
-    assert!(close(at("Shape \"sphere\" \"float radius\" 2"), [-0.5; 2]));
-    // Turned inside out it bends towards its normal.
+    assert!(close(at("Shape \"sphere\" \"float radius\" 2"), [0.5; 2]));
+    // Turned inside out it is as convex towards the viewer, who finds it concave from inside.
     assert!(close(at("ReverseOrientation Shape \"sphere\" \"float radius\" 2"), [0.5; 2]));
-    assert!(close(at("Shape \"cylinder\" \"float radius\" 0.25"), [-4.0, 0.0]));
+    assert!(close(at("Shape \"cylinder\" \"float radius\" 0.25"), [0.0, 4.0]));
     assert!(close(at("Rotate 90 0 1 0  Shape \"disk\" \"float radius\" 2"), [0.0; 2]));
-    // Mirrored, the normal stays outside.
-    assert!(close(at("Scale -2 2 2  Shape \"sphere\""), [-0.5; 2]));
+    // So is a mirrored one.
+    assert!(close(at("Scale -2 2 2  Shape \"sphere\""), [0.5; 2]));
+    let inside = |shape: &str| curvatures(shape, [0.1, 0.2, 0.3], [1.0, 0.0, 0.0]);
+    assert!(close(inside("Scale -2 2 2  Shape \"sphere\""), [-0.5; 2]));
+    assert!(close(inside("ReverseOrientation Shape \"sphere\" \"float radius\" 2"), [-0.5; 2]));
     // Seen along x: at the outer equator, and through the hole the inner one.
     let torus = "Shape \"torus\" \"float majorradius\" 2 \"float minorradius\" 0.5";
-    assert!(close(curvatures(torus, [9.0, 0.0, 0.0], [-1.0, 0.0, 0.0]), [-2.0, -0.4]));
-    assert!(close(curvatures(torus, [0.0; 3], [-1.0, 0.0, 0.0]), [-2.0, 1.0 / 1.5]));
+    assert!(close(curvatures(torus, [9.0, 0.0, 0.0], [-1.0, 0.0, 0.0]), [0.4, 2.0]));
+    assert!(close(curvatures(torus, [0.0; 3], [-1.0, 0.0, 0.0]), [-1.0 / 1.5, 2.0]));
     // z = x^2 - y^2 over [-1, 1]^2, its normal up: x = 2u - 1 has x^2 = 1, -1, 1 in Bernstein form.
     let saddle = r#"Shape "bezierpatch" "integer udegree" 2 "integer vdegree" 2
         "point3 P" [-1 -1 0  0 -1 -2  1 -1 0   -1 0 2  0 0 0  1 0 2   -1 1 0  0 1 -2  1 1 0]"#;
@@ -60,8 +63,8 @@ fn curvatures_are_those_of_closed_forms() {
 fn curvatures_of_stretched_surfaces_are_those_in_the_world() {
     // An ellipsoid with half axes a = 3, b = c = 1: a / b^2 at its tip, 1 / b and b / a^2 at its waist.
     let shape = "Scale 3 1 1  Shape \"sphere\"";
-    assert!(close(curvatures(shape, [9.0, 0.0, 1e-7], [-1.0, 0.0, 0.0]), [-3.0; 2]));
-    assert!(close(curvatures(shape, [0.0, 9.0, 0.0], [0.0, -1.0, 0.0]), [-1.0, -1.0 / 9.0]));
+    assert!(close(curvatures(shape, [9.0, 0.0, 1e-7], [-1.0, 0.0, 0.0]), [3.0; 2]));
+    assert!(close(curvatures(shape, [0.0, 9.0, 0.0], [0.0, -1.0, 0.0]), [1.0 / 9.0, 1.0]));
 }
 
 #[test]

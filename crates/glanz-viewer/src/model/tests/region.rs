@@ -227,12 +227,13 @@ fn a_thousand_holes_agree_and_cells_list_few_of_them() {
 #[test]
 fn a_cell_lists_the_parts_that_come_near_it() {
     let mut random = Random(5);
-    let curves =
-        vec![blob(DVec2::splat(0.5), 0.5, &mut random), circle(DVec2::new(0.4, 0.5), 0.1).reversed()];
-    let (blocks, head) = laid(&region(curves, [0.0; 2], [1.0; 2]));
+    // Many ends of parts, some of them just beyond the border of a cell.
+    let mut hole = |_| circle(random.point(), 0.005 + 0.03 * random.next()).reversed();
+    let holes = (0..200).map(&mut hole).collect();
+    let (blocks, head) = laid(&region(holes, [0.0; 2], [1.0; 2]));
     // Less than the twentieth that the lists promise, by the rounding of single precision.
     let near = 0.0499 / head.cells[0] as f64;
-    for i in 0..20_000 {
+    for i in 0..100_000 {
         let number = i % blocks.region_parts.len();
         let [u, v] = point_of(points_of(&blocks, &blocks.region_parts[number]), random.next() as f32);
         let at = DVec2::new(u.into(), v.into()) + (random.point() * 2.0 - 1.0) * near;

@@ -268,7 +268,7 @@ fn faces_that_are_small_parts_of_their_surface_have_patches_of_their_own() {
             "float uknots" [0 0 1 2 3 4 5 5] "float vknots" [0 0 1 1] "point3 P" [{net}]
             "float trimellipse" [2.5 .5 .1 .1] "string trimside" "inside""#
     );
-    let (_, file, _) = model(&text);
+    let (_, file, scene) = model(&text);
     assert!(file.list("notes").is_empty());
     let (patches, points) = (file.words("patches"), file.floats("points"));
     assert_eq!(patches.len(), 3 * 16);
@@ -286,5 +286,11 @@ fn faces_that_are_small_parts_of_their_surface_have_patches_of_their_own() {
         assert_eq!(words[2], face);
         assert!((across(1.0, 0.0) - width).abs() < 1e-4 * width, "{object}");
         assert!((across(0.0, 1.0) - height).abs() < 1e-4 * height, "{object}");
+        // The middle of the patch is that of the circle, and on the surface.
+        let (matrix, origin) = to_world(object);
+        let middle = matrix * point(words, &points, 0.5, 0.5) + origin;
+        let ray = glanz_math::Ray::new(middle + DVec3::Z, -DVec3::Z);
+        let met = scene.intersect(&ray, f64::INFINITY).unwrap().point;
+        assert!(met.position.distance(middle) < 1e-6, "{object}");
     }
 }
