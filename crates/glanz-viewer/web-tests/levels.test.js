@@ -1,9 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
+import { isCut } from "../web/gl/extents.js";
 import { gridOf } from "../web/gl/grids.js";
 import { gridLevels, sideLevel } from "../web/gl/levels.js";
-import { LEAST, SIDE, SIDES, findBorders, measurePatches } from "../web/gl/measures.js";
+import { BOUNDS, SIDE, SIDES, findBorders, measurePatches } from "../web/gl/measures.js";
 import { Pieces } from "../web/gl/pieces.js";
 import { decodeModel } from "../web/model.js";
 import { encodeModel, patchModel } from "./small_model.js";
@@ -36,7 +37,8 @@ test("levels_of_a_parabola_are_the_fewest_that_keep_its_chords_within_the_tolera
     [1, 1, 1],
   ]);
   const measures = measurePatches(modelOf(2, 1, points));
-  assert.deepEqual([...measures.slice(4, 7)], [2, 0, 0]);
+  // The surface's own second derivative is that of z, across it where z' = 0 and less elsewhere.
+  assert.deepEqual([...measures.slice(BOUNDS, BOUNDS + 3)], [2, 0, 0]);
   assert.equal(gridLevels(2, 0, 0, 1000, 0, 0), 4);
   assert.equal(sideLevel(measures[SIDES + 4], 1000), 4);
   assert.equal(sideLevel(measures[SIDES + 2 * SIDE + 4], 1000), 0);
@@ -66,7 +68,7 @@ test("bending_of_an_arc_bounds_the_distance_of_its_chords", () => {
       assert.ok(Math.abs(Math.hypot(...a) - 1) < 1e-6);
       // The sagitta of a chord of a circle of radius 1: 1 minus the distance of its middle from the centre.
       const sagitta = 1 - Math.hypot((a[0] + b[0]) / 2, (a[1] + b[1]) / 2);
-      assert.ok(sagitta <= (measures[4] * h * h) / 8 + 1e-6, `level ${level}, chord ${k}`);
+      assert.ok(sagitta <= (measures[SIDES + 4] * h * h) / 8 + 1e-6, `level ${level}, chord ${k}`);
     }
   }
 });
@@ -87,7 +89,7 @@ test("a_side_has_the_same_measures_read_from_either_end", () => {
   assert.deepEqual(side(measurePatches(along), 2), side(measurePatches(back), 3));
 });
 
-test("a_flat_patch_with_curved_sides_bends_at_its_sides_alone", () => {
+test("a_flat_patch_bends_at_its_curved_sides_alone_but_for_the_share_that_its_parameters_are_allowed", () => {
   // A sector of the unit disk: quarter circle to the centre.
   const arc = [
     [1, 0, 1],
@@ -96,9 +98,9 @@ test("a_flat_patch_with_curved_sides_bends_at_its_sides_alone", () => {
   ];
   const points = arc.flatMap(([x, y, w]) => [x * w, y * w, 0, w, 0, 0, 0, w]);
   const measures = measurePatches(modelOf(2, 1, points));
-  assert.deepEqual([...measures.slice(4, 7)], [0, 0, 0]);
-  assert.ok(measures[LEAST] > 0);
-  assert.ok(measures[SIDES + 4] > 1);
+  for (let k = 0; k < 3; k++) assert.equal(measures[4 + k], measures[BOUNDS + k] / 32);
+  // The largest second derivative of the arc across itself is at its ends: squared speed sqrt(2)^2 over the radius.
+  assert.ok(measures[SIDES + 4] > 2);
 });
 
 test("a_side_that_is_a_point_is_no_border", () => {
@@ -122,4 +124,15 @@ test("a_grid_covers_its_square_once", () => {
     area += twice / 2;
   }
   assert.equal(area, 4 * 2);
+});
+
+test("a_plane_cuts_a_turned_box_up_to_its_corner", () => {
+  // A cube of half side 1, turned by 45 degrees about z and moved to x = 5: its edge is at x = 5 - sqrt(2).
+  const c = Math.SQRT1_2;
+  const toWorld = [c, c, 0, -c, c, 0, 0, 0, 1, 5, 0, 0];
+  /** @type {import("../web/gl/extents.js").Box} */
+  const box = { middle: [0, 0, 0], half: [1, 1, 1] };
+  const at = (/** @type {number} */ offset) => isCut(box, toWorld, { normal: [1, 0, 0], offset });
+  assert.ok(at(5 - Math.SQRT2 + 1e-9));
+  assert.ok(!at(5 - Math.SQRT2 - 1e-9));
 });

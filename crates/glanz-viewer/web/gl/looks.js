@@ -38,6 +38,11 @@ Facts factsOf(uint number) {
   uvec4 a = texelFetch(objectFacts, place, 0), b = texelFetch(objectFacts, place + ivec2(1, 0), 0);
   return Facts(a.x, a.y, ivec2(a.z & 65535u, a.z >> 16u), b.x, b.y);
 }
+// Whether the section plane goes through it.
+bool isCut(uint number) {
+  uint at = number * 4u;
+  return texelFetch(objectPlaces, ivec2(at & 2047u, at >> 11u), 0).w > 0.0;
+}
 mat4x3 placeOf(uint number) {
   uint at = number * 4u;
   ivec2 place = ivec2(at & 2047u, at >> 11u);
@@ -80,7 +85,7 @@ vec4 look(Point point, Facts facts) {
 /** Flat colour with stripes for what is seen from within once a section plane has cut it open, and a tint for what is selected. */
 const MARKS = `
 vec3 marked(vec3 colour, Point point, Facts facts) {
-  if (!point.front && section.xyz != vec3(0.0)) {
+  if (!point.front && isCut(point.object)) {
     float stripe = fract((gl_FragCoord.x + gl_FragCoord.y) / 10.0);
     float hatch = clamp(min(stripe, 1.0 - stripe) * 10.0 - 1.0, 0.0, 1.0);
     colour = mix(vec3(0.62, 0.30, 0.22), vec3(0.80, 0.50, 0.38), hatch);

@@ -4,29 +4,25 @@
  * @module
  */
 
-import { cross, dot, length, normalize } from "../linear.js";
 import { patchFacts } from "../model.js";
+import { curveBending, normalBending } from "./bending.js";
 
-/** @typedef {import("../linear.js").Vector} Vector */
 /** @typedef {import("../model.js").Model} Model */
 
 /** Parameters of a region that count as its border. */
 const AT_BORDER = 1e-5;
 
-/** Heights that single numbers round to, as a share of the size. */
-const FLAT = 2e-7;
+/** Numbers kept per patch: sphere (4), bending along u, mixed, along v (3), `SIDE` numbers for each of four sides, bounds on the second derivatives (3). */
+export const STRIDE = 30;
 
-/** Numbers kept per patch: sphere (4), bending along u, mixed, along v (3), `SIDE` numbers for each of four sides, the least level of its grid. */
-export const STRIDE = 28;
+/** Where the bounds on the second derivatives are. */
+export const BOUNDS = 27;
+
+/** Parameters are found again at every pixel: there the grid may be off by this many times the tolerance. */
+const ALONG = 32;
 
 /** Numbers kept per side: sphere (4), bending. */
 export const SIDE = 5;
-
-/** Where the least level of the grid is. */
-export const LEAST = 27;
-
-/** The grid of a flat patch with curved borders is fine enough that Newton's method finds parameters from it. */
-const LEAST_OF_FLAT = 3;
 
 /** Where the first side's numbers begin. Sides: v = 0, v = 1, u = 0, u = 1. */
 export const SIDES = 7;
@@ -34,10 +30,10 @@ export const SIDES = 7;
 /**
  * The measures of all patches of a model, `STRIDE` numbers each.
  *
- * Bending is a bound on the second derivatives such that a chord over a parameter range h is nowhere farther from the curve than h^2 / 8 times it
- * (@filip1986). For rational curves H = (w p, w): a chord joins the same points as the chord of H, whose error (E, e) is at most h^2 / 8 times the
- * second derivatives of H; the point differs from the chord's by (E - p e) / w, with p counted from the middle of the points
- * (after @zheng2000).
+ * A chord over a parameter range h is nowhere farther from its curve than h^2 / 8 times a bound on the second derivative (@filip1986). For rational curves
+ * H = (w p, w): a chord joins the same points as the chord of H, whose error (E, e) is at most h^2 / 8 times the second derivatives of H; the point differs from
+ * the chord's by (E - p e) / w, with p counted from the middle of the points (after @zheng2000). Bending is the part of that across the surface, or
+ * the curve, as far as a few places tell, but at least 1 / `ALONG` of the bound.
  * @param {Model} model
  * @returns {Float64Array}
  */
@@ -51,15 +47,11 @@ export function measurePatches(model) {
     const { radius, lightest } = net.measureSphere(measures, at, degreeU + 1, degreeV + 1);
     const bend = (/** @type {number} */ du, /** @type {number} */ dv) =>
       net.bending(measures, at, degreeU, degreeV, du, dv, radius, lightest);
-    measures[at + 4] = bend(2, 0);
-    measures[at + 5] = bend(1, 1);
-    measures[at + 6] = bend(0, 2);
+    const bounds = [bend(2, 0), bend(1, 1), bend(0, 2)];
+    measures.set(bounds, at + BOUNDS);
+    const across = normalBending(model.blocks.points, net.shape(degreeU, degreeV));
+    for (let k = 0; k < 3; k++) measures[at + 4 + k] = Math.max(Math.min(across[k], bounds[k]), bounds[k] / ALONG);
     measureSides(model, patch, measures);
-    if (net.isFlat(measures, at, degreeU + 1, degreeV + 1) && measures[at + 4] + measures[at + 6] > 0) {
-      // Within its borders a flat patch is on its triangles, however its parameters run.
-      measures.fill(0, at + 4, at + SIDES);
-      measures[at + LEAST] = LEAST_OF_FLAT;
-    }
   }
   return measures;
 }
@@ -71,7 +63,10 @@ function measureSides(model, patch, measures) {
     const at = patch * STRIDE + SIDES + side * SIDE;
     const net = new Net(model.blocks.points, first, step, 0);
     const { radius, lightest } = net.measureSphere(measures, at, degree + 1, 1);
-    measures[at + 4] = net.bending(measures, at, degree, 0, 2, 0, radius, lightest);
+    const bound = net.bending(measures, at, degree, 0, 2, 0, radius, lightest);
+    const across = curveBending(model.blocks.points, net.shape(degree, 0));
+    // Single precision, so that the same curve in the other direction rounds alike.
+    measures[at + 4] = Math.fround(Math.max(Math.min(across, bound), bound / ALONG));
   }
 }
 
@@ -111,6 +106,11 @@ class Net {
     this.stepV = stepV;
     /** Scratch: one homogeneous vector. */
     this.sum = new Float64Array(4);
+  }
+
+  /** @param {number} degreeU @param {number} degreeV */
+  shape(degreeU, degreeV) {
+    return { first: this.first, stepU: this.stepU, stepV: this.stepV, degreeU, degreeV };
   }
 
   /**
@@ -178,38 +178,6 @@ class Net {
     });
     const factor = du === 1 ? degreeU * degreeV : du === 2 ? degreeU * (degreeU - 1) : degreeV * (degreeV - 1);
     return (factor * (Math.sqrt(longest) + radius * heaviest)) / lightest;
-  }
-
-  /**
-   * Whether all points are in a plane, but for the rounding of single numbers.
-   * @param {Float64Array} sphere about them, at
-   * @param {number} at
-   * @param {number} countU
-   * @param {number} countV
-   */
-  isFlat(sphere, at, countU, countV) {
-    const { points } = this;
-    const at0 = this.first * 4;
-    /** From the first point to another. @param {number} k @returns {Vector} */
-    const off = (k) => [
-      points[k] / points[k + 3] - points[at0] / points[at0 + 3],
-      points[k + 1] / points[k + 3] - points[at0 + 1] / points[at0 + 3],
-      points[k + 2] / points[k + 3] - points[at0 + 2] / points[at0 + 3],
-    ];
-    // The plane of the first point, the one farthest from it, and the one that makes the largest triangle with them.
-    let far = off(at0);
-    let normal = far;
-    this.each(countU, countV, (k) => (far = length(off(k)) > length(far) ? off(k) : far));
-    this.each(countU, countV, (k) => {
-      const across = cross(far, off(k));
-      if (length(across) > length(normal)) normal = across;
-    });
-    if (length(normal) === 0) return true;
-    const unit = normalize(normal);
-    let highest = 0;
-    this.each(countU, countV, (k) => (highest = Math.max(highest, Math.abs(dot(off(k), unit)))));
-    const size = sphere[at + 3] + Math.hypot(sphere[at], sphere[at + 1], sphere[at + 2]);
-    return highest <= FLAT * size;
   }
 
   /** Second difference of the points beginning at k, into `sum`; symmetric, so that it reads the same backwards. @param {number} k @param {number} du @param {number} dv */

@@ -5,11 +5,13 @@
  */
 
 import { largestStretch } from "../linear.js";
+import { boxOfMesh } from "./extents.js";
 import { FRAME_TEXT } from "./frame.js";
 import { OBJECT_TEXT, PRECISION_TEXT, lookText } from "./looks.js";
 
 /** @typedef {import("../model.js").Model} Model */
 /** @typedef {import("../model.js").MeshSurface} MeshSurface */
+/** @typedef {import("./extents.js").Box} Box */
 /** @typedef {import("./frame.js").Frame} Frame */
 /** @typedef {import("./looks.js").Look} Look */
 /** @typedef {import("./patches.js").FrameStatistics} FrameStatistics */
@@ -75,7 +77,7 @@ ${look === "material" ? "  mapPlace = vec2(-1.0);" : ""}
 `;
 }
 
-/** @typedef {{ array: WebGLVertexArrayObject, sphere: [number, number, number, number] }} Drawable */
+/** @typedef {{ array: WebGLVertexArrayObject, box: Box }} Drawable */
 
 export class Meshes {
   /**
@@ -112,7 +114,7 @@ export class Meshes {
     }
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.buffers[2]);
     gl.bindVertexArray(null);
-    return { array, sphere: sphereAbout(this.model.blocks.positions, surface) };
+    return { array, box: boxOfMesh(this.model.blocks.positions, surface) };
   }
 
   /** @param {Frame} frame @param {Float64Array} places @param {number[]} objects */
@@ -121,12 +123,13 @@ export class Meshes {
     for (const number of objects) {
       const drawable = this.drawables[this.model.objects[number].surface];
       if (!drawable) continue;
-      const [x, y, z, size] = drawable.sphere;
+      const { middle, half } = drawable.box;
+      const [x, y, z] = middle;
       const at = 12 * number;
       const c = [0, 1, 2].map(
         (row) => places[at + row] * x + places[at + 3 + row] * y + places[at + 6 + row] * z + places[at + 9 + row],
       );
-      const radius = size * this.stretch[number];
+      const radius = Math.hypot(...half) * this.stretch[number];
       if (!frame.sees(c[0], c[1], c[2], radius)) continue;
       frame.include(c[2] - radius, c[2] + radius);
       this.inSight.push(number);
@@ -156,22 +159,4 @@ export class Meshes {
     for (const buffer of this.buffers) this.gl.deleteBuffer(buffer);
     for (const drawable of this.drawables) if (drawable) this.gl.deleteVertexArray(drawable.array);
   }
-}
-
-/** @param {Float32Array} positions @param {MeshSurface} surface @returns {[number, number, number, number]} middle, radius */
-function sphereAbout(positions, surface) {
-  const low = [Infinity, Infinity, Infinity];
-  const high = [-Infinity, -Infinity, -Infinity];
-  const [first, end] = [surface.firstVertex * 3, (surface.firstVertex + surface.vertices) * 3];
-  for (let k = first; k < end; k++) {
-    const axis = (k - first) % 3;
-    low[axis] = Math.min(low[axis], positions[k]);
-    high[axis] = Math.max(high[axis], positions[k]);
-  }
-  const [x, y, z] = low.map((a, axis) => (a + high[axis]) / 2);
-  let square = 0;
-  for (let k = first; k < end; k += 3) {
-    square = Math.max(square, (positions[k] - x) ** 2 + (positions[k + 1] - y) ** 2 + (positions[k + 2] - z) ** 2);
-  }
-  return [x, y, z, Math.sqrt(square)];
 }

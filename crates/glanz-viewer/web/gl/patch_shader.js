@@ -17,7 +17,7 @@ export const INSTANCE_WORDS = 4;
 
 /** @param {Shape} shape */
 export function patchVertexText(shape) {
-  return `${PRECISION_TEXT}precision highp usampler2D;
+  return `${PRECISION_TEXT}
 ${FRAME_TEXT}${OBJECT_TEXT}${positionText(shape)}
 uniform usampler2D patches;
 layout(location = 0) in vec2 cell;
@@ -66,7 +66,7 @@ flat in vec2 cellSize;
 
 /** How near to the middle of the pixel the surface is looked for, pixels; what is left is made up for to first order; and from where on the grid is no help. */
 const NEAR = `const float NEAR = 0.005;
-const float LOST = 4.0;
+const float LOST = 16.0;
 `;
 
 /** Newton's method towards the ray of the pixel, which leaves p.xy = ray (a p.z + b). */
@@ -123,7 +123,7 @@ const LOCATE = `
   vec2 w = clamp(parameters, 0.0, 1.0), rest = vec2(0.0);
   vec3 s, su, sv;
   Jet jet;
-  vec2 reach = cellSize;
+  vec2 reach = 2.0 * cellSize;
   int most = 3;
   // One step is usual. At a silhouette, where the ray may miss the surface, there are as many as there may be.
   for (int k = 0; k <= most; k++) {

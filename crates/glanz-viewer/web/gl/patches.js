@@ -8,7 +8,7 @@ import { largestStretch } from "../linear.js";
 import { patchFacts } from "../model.js";
 import { Grids } from "./grids.js";
 import { LARGEST_GRID, gridLevels, lengthLevel, sideLevel } from "./levels.js";
-import { LEAST, SIDE, SIDES, STRIDE, measurePatches } from "./measures.js";
+import { SIDE, SIDES, STRIDE, measurePatches } from "./measures.js";
 import { INSTANCE_WORDS, patchFragmentText, patchVertexText } from "./patch_shader.js";
 import { Pieces } from "./pieces.js";
 import { UNITS } from "./programs.js";
@@ -23,6 +23,9 @@ import { UNITS } from "./programs.js";
 
 /** How far the grid may be off the surface, pixels. The surface is found again at every pixel: this is about silhouettes. */
 const TOLERANCE = 0.25;
+
+/** A side that is smaller than this share of its patch is a point. */
+const POINT = 1e-6;
 
 /** Grids of one kind are drawn from front to back in this many steps of depth. */
 const STEPS = 16;
@@ -140,10 +143,14 @@ export class Patches {
       measures[at + 5],
       measures[at + 6],
       resolution,
-      Math.max(side0, side1, measures[at + LEAST]),
-      Math.max(side2, side3, measures[at + LEAST]),
+      Math.max(side0, side1),
+      Math.max(side2, side3),
     );
-    const sides = (side0 << 8) | (side1 << 12) | (side2 << 16) | (side3 << 20);
+    const sides =
+      (this.packed(at, 0, side0) << 8) |
+      (this.packed(at, 1, side1) << 12) |
+      (this.packed(at, 2, side2) << 16) |
+      (this.packed(at, 3, side3) << 20);
     const levelU = levels & 15;
     const levelV = levels >> 4;
     const small = levelU + levelV < LARGEST_WHOLE || frame.contains(cx, cy, cz, radius);
@@ -176,6 +183,17 @@ export class Patches {
     const nearest = frame.a === 1 ? Math.max(cz - radius, 0.05 * radius) : 1;
     const scale = frame.pixelsPerMetre(nearest);
     return Math.max(sideLevel(measures[at + 4], (scale * stretch) / TOLERANCE), lengthLevel(2 * radius * scale));
+  }
+
+  /**
+   * The level of a side as the grid is told. One that is a point, where it may be passed in any parameter, leaves the grid its own: else triangles there would say
+   * nothing about the parameter along it.
+   * @param {number} at where the patch's measures begin
+   * @param {number} side
+   * @param {number} level
+   */
+  packed(at, side, level) {
+    return this.measures[at + SIDES + side * SIDE + 3] > POINT * this.measures[at + 3] ? level : 15;
   }
 
   /**

@@ -5,8 +5,9 @@
  */
 
 import { patchFacts } from "../model.js";
+import { bernstein } from "./bending.js";
 import { FINEST, LARGEST_GRID } from "./levels.js";
-import { STRIDE } from "./measures.js";
+import { BOUNDS, STRIDE } from "./measures.js";
 
 /** @typedef {import("../model.js").Model} Model */
 /** @typedef {import("./frame.js").Frame} Frame */
@@ -130,8 +131,8 @@ export class Pieces {
       const distance = Math.hypot(corner[0] - sphere[0], corner[1] - sphere[1], corner[2] - sphere[2]);
       sphere[3] = Math.max(sphere[3], distance);
     }
-    const at = patch * STRIDE;
-    const { 4: uu, 5: uv, 6: vv } = measures.subarray(at, at + 7);
+    const at = patch * STRIDE + BOUNDS;
+    const [uu, uv, vv] = measures.subarray(at, at + 3);
     sphere[3] += (uu * sizeU * sizeU + 2 * uv * sizeU * sizeV + vv * sizeV * sizeV) / 8;
   }
 
@@ -180,18 +181,4 @@ export class Pieces {
 function range(number, size, lowSide, highSide) {
   const count = 2 ** Math.min(lowSide & 15, highSide & 15);
   return [Math.floor(number * size * count) / count, Math.ceil((number + 1) * size * count) / count];
-}
-
-/**
- * The Bernstein polynomials of a degree at t.
- * @param {number} degree
- * @param {number} t
- */
-function bernstein(degree, t) {
-  const values = [1];
-  for (let n = 1; n <= degree; n++) {
-    values.push(0);
-    for (let k = n; k >= 0; k--) values[k] = (1 - t) * values[k] + (k > 0 ? t * values[k - 1] : 0);
-  }
-  return values;
 }

@@ -6,6 +6,7 @@
 
 import { dot } from "../linear.js";
 import { AlgebraicSurfaces } from "./algebraic.js";
+import { boxesOfSurfaces, isCut } from "./extents.js";
 import { FRAME_FLOATS, Frame, PLACE } from "./frame.js";
 import { Lights } from "./lights.js";
 import { Meshes } from "./meshes.js";
@@ -42,6 +43,7 @@ export class Scene {
     this.nets = new Nets(gl, model);
     this.lights = new Lights(model);
     this.shadows = new Shadows(gl, model, this.lights.main);
+    this.boxes = boxesOfSurfaces(model);
     this.block = new Float32Array(FRAME_FLOATS);
     this.uniforms = gl.createBuffer();
     gl.bindBuffer(gl.UNIFORM_BUFFER, this.uniforms);
@@ -75,6 +77,7 @@ export class Scene {
     const blended = look === "material" ? clear : [];
     const solid = look === "material" ? opaque : [...opaque, ...clear];
     const frame = new Frame(view.camera, view.width, view.height);
+    this.markCut(view);
     this.place(frame);
     // For the depths of the clipping planes alone: what is blended is found again, one object at a time.
     if (blended.length > 0) this.cull(frame, blended);
@@ -134,6 +137,13 @@ export class Scene {
   place(frame) {
     frame.place(this.model.objects, this.rows, this.positions);
     this.places.write(this.rows);
+  }
+
+  /** Marks the objects that the section plane cuts, in a number of their rows that is free. @param {View} view */
+  markCut({ section }) {
+    this.model.objects.forEach(({ surface, toWorld }, i) => {
+      this.rows[PLACE * i + 3] = section !== null && isCut(this.boxes[surface], toWorld, section) ? 1 : 0;
+    });
   }
 
   /** Finds what a frame shows of these objects. @param {Frame} frame @param {number[]} objects */

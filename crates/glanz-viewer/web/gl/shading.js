@@ -36,10 +36,12 @@ uniform highp sampler2DShadow shadowMap;
 float depthSample(vec2 at, vec2 low, vec2 high, float depth) {
   vec2 texel = 1.0 / vec2(textureSize(shadowMap, 0));
   float sum = 0.0;
-  for (int y = -1; y <= 1; y++) {
-    for (int x = -1; x <= 1; x++) sum += texture(shadowMap, vec3(clamp(at + texel * vec2(x, y), low, high), depth));
+  // Each is a mean of four texels by itself.
+  for (int k = 0; k < 4; k++) {
+    vec2 offset = texel * vec2(k % 2 == 0 ? -0.75 : 0.75, k < 2 ? -0.75 : 0.75);
+    sum += texture(shadowMap, vec3(clamp(at + offset, low, high), depth));
   }
-  return sum / 9.0;
+  return 0.25 * sum;
 }
 float lit(vec3 p, vec3 n, float cosine) {
   if (shadow.x == 0.0) return 1.0;

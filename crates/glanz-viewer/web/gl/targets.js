@@ -38,12 +38,16 @@ export class Multisampled {
   /** Brings the picture to the canvas, opaque: coverage was written to alpha. */
   resolve() {
     const { gl, width, height } = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.clearColor(0, 0, 0, 1);
+    // Chromium clears a canvas that was shown before what it counts as drawing next, and a copy does not count: the clear of alpha below would be
+    // that, and take the picture with it, where nothing was drawn.
+    gl.clear(gl.COLOR_BUFFER_BIT);
     gl.bindFramebuffer(gl.READ_FRAMEBUFFER, this.framebuffer);
     gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
     gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT, gl.NEAREST);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.colorMask(false, false, false, true);
-    gl.clearColor(0, 0, 0, 1);
     gl.clear(gl.COLOR_BUFFER_BIT);
     gl.colorMask(true, true, true, true);
   }
