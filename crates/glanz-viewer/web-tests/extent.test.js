@@ -27,7 +27,7 @@ const MODEL = /** @type {import("../web/model.js").Model} */ (
   })
 );
 
-test("bounds are those of the control points' places in the world", () => {
+test("bounds hold the control points where they are in the world", () => {
   // (x, y) becomes (10 - y, x); the point of weight 2 is (2, 0, 0).
   assert.deepEqual(leafBounds(MODEL, 0, 1), [
     [7, 0, 0],

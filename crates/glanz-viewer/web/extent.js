@@ -5,39 +5,11 @@
  */
 
 import { corners } from "./camera.js";
-import { mapPoint } from "./linear.js";
-import { patchFacts } from "./model.js";
+import { boxesOfSurfaces } from "./gl/extents.js";
+import { add, mapPoint, subtract } from "./linear.js";
 
-/** @typedef {import("./linear.js").Vector} Vector */
 /** @typedef {import("./camera.js").Bounds} Bounds */
 /** @typedef {import("./model.js").Model} Model */
-/** @typedef {import("./model.js").SceneObject} SceneObject */
-
-/**
- * Points that span a hull of a surface, relative to its origin: a rational patch lies within that of its control points.
- * @param {Model} model
- * @param {number} index of the surface
- * @returns {Generator<Vector>}
- */
-function* hull(model, index) {
-  const surface = model.surfaces[index];
-  const { points, positions } = model.blocks;
-  if (surface.kind === "algebraic") {
-    yield* corners([surface.min, surface.max]);
-  } else if (surface.kind === "mesh") {
-    for (let i = surface.firstVertex; i < surface.firstVertex + surface.vertices; i++) {
-      yield [positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]];
-    }
-  } else {
-    for (let patch = surface.first; patch < surface.first + surface.count; patch++) {
-      const { degreeU, degreeV, firstPoint } = patchFacts(model, patch);
-      for (let i = firstPoint; i < firstPoint + (degreeU + 1) * (degreeV + 1); i++) {
-        const w = points[4 * i + 3];
-        if (w > 0) yield [points[4 * i] / w, points[4 * i + 1] / w, points[4 * i + 2] / w];
-      }
-    }
-  }
-}
 
 /**
  * A box around the shapes of some leaves.
@@ -52,9 +24,11 @@ export function leafBounds(model, first, end) {
     [Infinity, Infinity, Infinity],
     [-Infinity, -Infinity, -Infinity],
   ];
+  const boxes = boxesOfSurfaces(model);
   for (const object of model.objects) {
     if (object.leaf < first || object.leaf >= end) continue;
-    for (const point of hull(model, object.surface)) {
+    const { middle, half } = boxes[object.surface];
+    for (const point of corners([subtract(middle, half), add(middle, half)])) {
       mapPoint(object.toWorld, point).forEach((x, axis) => {
         box[0][axis] = Math.min(box[0][axis], x);
         box[1][axis] = Math.max(box[1][axis], x);
