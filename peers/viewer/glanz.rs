@@ -53,6 +53,15 @@ fn of_patches(placed: &PlacedSurface<'_>, tolerance: f64) -> Option<Mesh> {
     for normal in &mut mesh.normals {
         *normal = to_world.normal(wide(normal)).normalize_or_zero().as_vec3().to_array();
     }
+    // Viewers take the side from the order of corners, which is of no matter where these triangles were made for.
+    let Mesh { positions, normals, triangles } = &mut mesh;
+    for corners in triangles {
+        let [a, b, c] = corners.map(|i| wide(&positions[i as usize]));
+        let normal: DVec3 = corners.iter().map(|&i| wide(&normals[i as usize])).sum();
+        if (b - a).cross(c - a).dot(normal) < 0.0 {
+            corners.swap(1, 2);
+        }
+    }
     Some(mesh)
 }
 
