@@ -19,7 +19,7 @@ export function table({ first, frames }) {
 }
 
 const [WIDTH, HEIGHT] = [640, 420];
-const [LEFT, RIGHT, TOP, BOTTOM] = [70, 20, 40, 60];
+const [LEFT, RIGHT, TOP, BOTTOM] = [70, 40, 40, 60];
 
 /** Powers of ten that hold all numbers. */
 function decades(numbers) {
@@ -45,7 +45,7 @@ export function plot(frames) {
   }
   const lines = [
     ["glanz", "Glanz", "#0062b1", "", -10],
-    ["three", "three.js", "#b14700", "6 4", 18],
+    ["three", "three.js", "#b14700", "6 4", 24],
   ];
   for (const [key, name, colour, dashes, below] of lines) {
     const points = frames.map((row) => [x(row.patches), y(row[key])]);
