@@ -43,7 +43,7 @@ pub(crate) fn send(host: &str, bytes: &[u8]) -> std::io::Result<Answer> {
 fn is_whole(answer: &[u8]) -> bool {
     let Answer { head, body, .. } = parse(answer);
     let mut lines = head.lines().filter_map(|line| line.split_once(':'));
-    let length = lines.rfind(|(name, _)| name.eq_ignore_ascii_case("content-length"));
+    let length = lines.find(|(name, _)| name.eq_ignore_ascii_case("content-length"));
     length
         .and_then(|(_, value)| value.trim().parse::<usize>().ok())
         .is_some_and(|length| body.len() >= length)
