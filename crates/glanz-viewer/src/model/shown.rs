@@ -10,8 +10,11 @@ use glanz_geometry::{RaySurface, Surface};
 use glanz_math::{Bounds3, DVec2, DVec3};
 use glanz_scene::PlacedSurface;
 
-/// How far a plane without end is drawn, in diagonals of the scene.
-const FAR: f64 = 4.0;
+/// How far a plane without end is drawn as one patch around the scene, in diagonals of it; its numbers are small, so that they are exact near by.
+const NEAR: f64 = 4.0;
+
+/// How far it is drawn at all: its border is a fraction of a pixel below the horizon.
+const FAR: f64 = 1024.0;
 
 /// A patch is cut to what its region can keep if that is less than this share of it, along u or along v.
 const WORTHWHILE: f64 = 0.5;
@@ -155,13 +158,13 @@ impl Shown<'_> {
     }
 }
 
-/// A rectangle of a plane without end: that of the region, if it keeps what is inside of loops, or one that reaches far beyond the scene.
+/// Rectangles of a plane without end: that of the region, if it keeps what is inside of loops, or one around the scene and others far beyond it.
 fn endless(
     plane: &Plane,
     placed: &PlacedSurface<'_>,
     bounds: Bounds3,
     region: Option<&std::sync::Arc<TrimRegion>>,
-) -> Option<RationalPatch> {
+) -> Vec<RationalPatch> {
     let own = plane.bounds();
     let inverse = placed.to_world().inverse();
     let columns = inverse.forward().matrix3;
@@ -172,22 +175,33 @@ fn endless(
     } else {
         (inverse.point(bounds.center()), bounds.diagonal().length())
     };
-    let reach = FAR * stretch * reach.max(f64::MIN_POSITIVE);
+    let reach = stretch * reach.max(f64::MIN_POSITIVE);
     let kept = region.filter(|region| region.outermost() == 0).map(|region| region.domain());
-    let axis = |low: f64, high: f64, middle: f64, kept: Option<[f64; 2]>| {
+    let axis = |low: f64, high: f64, middle: f64, kept: Option<[f64; 2]>| -> Vec<Side> {
         // The parameter of an axis with two ends goes from 0 to 1, that of others is the coordinate.
         if (high - low).is_finite() {
-            return ([low, high], [0.0, 1.0]);
+            return vec![([low, high], [0.0, 1.0])];
         }
         // Half a plane may end beyond the scene.
         let middle = middle.clamp(low, high);
-        let [first, last] = kept.unwrap_or([middle - reach, middle + reach]);
-        let ends = [first.clamp(low, high), last.clamp(low, high)];
-        (ends, ends)
+        let steps = match kept {
+            Some(ends) => ends.to_vec(),
+            None => [-FAR, -NEAR, NEAR, FAR].map(|step| middle + step * reach).to_vec(),
+        };
+        let clamped: Vec<f64> = steps.iter().map(|step| step.clamp(low, high)).collect();
+        let parts = clamped.windows(2).filter_map(|ends| <[f64; 2]>::try_from(ends).ok());
+        parts.filter(|[first, last]| first < last).map(|ends| (ends, ends)).collect()
     };
-    let (x, u) = axis(own.min.x, own.max.x, middle.x, kept.map(|[min, max]| [min.x, max.x]));
-    let (y, v) = axis(own.min.y, own.max.y, middle.y, kept.map(|[min, max]| [min.y, max.y]));
-    let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| DVec3::new(x[i], y[j], 0.0));
+    let columns = axis(own.min.x, own.max.x, middle.x, kept.map(|[min, max]| [min.x, max.x]));
+    let rows = axis(own.min.y, own.max.y, middle.y, kept.map(|[min, max]| [min.y, max.y]));
     let along = |ends| Along { ends, pace: Pace::Proportional };
-    bilinear(corners, along(u), along(v))
+    let patch = |((x, u), (y, v)): (Side, Side)| {
+        let corners =
+            [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j): (usize, usize)| DVec3::new(x[i], y[j], 0.0));
+        bilinear(corners, along(u), along(v))
+    };
+    columns.iter().flat_map(|&column| rows.iter().filter_map(move |&row| patch((column, row)))).collect()
 }
+
+/// Coordinates of the ends of a side of a rectangle, and its parameters there.
+type Side = ([f64; 2], [f64; 2]);

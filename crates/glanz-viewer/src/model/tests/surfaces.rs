@@ -248,12 +248,16 @@ fn what_cannot_be_sent_as_it_is_is_noted() {
             "a trimmed polyhedron is drawn without its trimming"
         ]
     );
-    // Sphere and prism are 2 to 4 m across; the strip reaches several times as far, but not beyond its sides.
+    // Sphere and prism are 2 to 4 m across; the strip reaches a thousand times as far, but not beyond its sides.
     let surface = file.list("surfaces").iter().find(|s| s["mapping"] == "patch").unwrap();
     let points = file.floats("points");
     let first = file.words("patches")[16 * number(&surface["first"]) + 1] as usize;
     let corner = &points[4 * first..4 * first + 2];
-    assert!(corner[0] == -2.0 && corner[1] < -10.0 && corner[1] > -100.0, "{corner:?}");
+    assert!(corner[0] == -2.0 && corner[1] < -2000.0 && corner[1] > -1e5, "{corner:?}");
+    // What is near the scene has small numbers.
+    assert_eq!(surface["count"], 3);
+    let near = file.words("patches")[16 * (number(&surface["first"]) + 1) + 1] as usize;
+    assert!((-100.0..-10.0).contains(&points[4 * near + 1]), "{}", points[4 * near + 1]);
 }
 
 #[test]
