@@ -59,7 +59,7 @@ BLOCK = 16
 
 def built():
     """The path of the command line."""
-    cargo = ["cargo", "build", "--release", "-p", "glanz", "--bin", "glanz", "--message-format=json"]
+    cargo = ["cargo", "build", "--release", "-p", "glanz-cli", "--bin", "glanz", "--message-format=json"]
     messages = subprocess.run(cargo, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
     lines = [json.loads(line) for line in messages.splitlines()]
     return next(line["executable"] for line in lines if line.get("executable"))

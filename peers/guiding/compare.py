@@ -235,7 +235,7 @@ def show(rows):
 
 def all_renderers(arguments):
     """Those that there are; Glanz's path tracer first, for the others are measured by it."""
-    program = arguments.glanz or built("glanz", "glanz", "--bin", "glanz")
+    program = arguments.glanz or built("glanz-cli", "glanz", "--bin", "glanz")
     python, blender = arguments.python, arguments.blender
     known = [Glanz("glanz", program, "path")]
     if "guided" in subprocess.run([program, "render", "--help"], check=True, stdout=subprocess.PIPE, text=True).stdout:

@@ -14,7 +14,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 
 def built() -> str:
     """The path of the command line."""
-    cargo = ["cargo", "build", "--release", "-p", "glanz", "--bin", "glanz", "--message-format=json"]
+    cargo = ["cargo", "build", "--release", "-p", "glanz-cli", "--bin", "glanz", "--message-format=json"]
     messages = subprocess.run(cargo, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
     lines = [json.loads(line) for line in messages.splitlines()]
     return str(next(line["executable"] for line in lines if line.get("executable")))

@@ -68,7 +68,7 @@ const { values, positionals } = parseArgs({
 
 /** The paths of the command line and of glanz.rs. */
 function built() {
-  const cargo = ["build", "--profile", values.profile, "-p", "glanz", "--bin", "glanz", "--example", "viewer", "--message-format=json"];
+  const cargo = ["build", "--profile", values.profile, "-p", "glanz-cli", "--bin", "glanz", "--example", "viewer", "--message-format=json"];
   const said = execFileSync("cargo", cargo, { cwd: root, encoding: "utf8", maxBuffer: 1 << 28, stdio: ["ignore", "pipe", "inherit"] });
   const made = said.split("\n").flatMap((line) => (line.startsWith("{") ? [JSON.parse(line)] : []));
   const path = (name) => made.find((message) => message.executable && message.target?.name === name).executable;

@@ -194,7 +194,7 @@ pub(crate) fn unbiased(samples: u32) -> Result<String, String> {
 /// # Errors
 /// A sentence if they are too far apart, or if it cannot be run.
 pub(crate) fn bake([points, samples]: [u32; 2]) -> Result<String, String> {
-    let mut command = optimised_test_of("glanz", "bake_reference");
+    let mut command = optimised_test_of("glanz-cli", "bake_reference");
     command.env("GLANZ_BAKE_POINTS", points.to_string()).env("GLANZ_BAKE_SAMPLES", samples.to_string());
     succeed(&mut command, "light maps are not what path tracing finds, see above")?;
     Ok(format!("bake: light maps are what path tracing finds at {points} points with {samples} paths each"))
@@ -205,7 +205,7 @@ pub(crate) fn bake([points, samples]: [u32; 2]) -> Result<String, String> {
 /// # Errors
 /// A sentence if the server dies, keeps something or puts up with mischief, or if it cannot be run.
 pub(crate) fn soak([pages, seconds]: [u32; 2]) -> Result<String, String> {
-    let mut command = optimised_test_of("glanz", "viewer");
+    let mut command = optimised_test_of("glanz-cli", "viewer");
     command.arg("pages_that_come_and_go_leave_nothing_behind");
     command.env("GLANZ_SOAK_PAGES", pages.to_string()).env("GLANZ_SOAK_SECONDS", seconds.to_string());
     succeed(&mut command, "the viewer's server does not get over it, see above")?;
