@@ -139,7 +139,7 @@ fn test_counts(line: &str) -> Option<(u64, u64)> {
 /// # Errors
 /// A sentence if it is broken or cannot be run.
 pub(crate) fn contract(rays: u64) -> Result<String, String> {
-    let mut command = optimised_test("contract");
+    let mut command = optimised_test("contract::");
     succeed(
         command.env("GLANZ_CONTRACT_RAYS", rays.to_string()),
         "the surface contract is broken, see above",
@@ -158,7 +158,7 @@ pub(crate) fn zoo(rays: u64, adversarial: u64, patches: &[&str]) -> Result<Strin
         let path = std::path::absolute(file).map_err(|error| format!("{file}: {error}"))?;
         paths.push(path.display().to_string());
     }
-    let mut command = optimised_test("zoo");
+    let mut command = optimised_test("zoo::");
     command.env("GLANZ_ZOO_RAYS", rays.to_string());
     command.env("GLANZ_ZOO_ADVERSARIAL", adversarial.to_string());
     command.env("GLANZ_ZOO_PATCHES", paths.join(":"));
@@ -171,7 +171,7 @@ pub(crate) fn zoo(rays: u64, adversarial: u64, patches: &[&str]) -> Result<Strin
 /// # Errors
 /// A sentence if one slips through, or if it cannot be run.
 pub(crate) fn seam(rays: u64) -> Result<String, String> {
-    let mut command = optimised_test("seam");
+    let mut command = optimised_test("seam::");
     succeed(command.env("GLANZ_SEAM_RAYS", rays.to_string()), "the seam has gaps, see above")?;
     Ok(format!("seam: none of {rays} rays slips through"))
 }
@@ -181,7 +181,7 @@ pub(crate) fn seam(rays: u64) -> Result<String, String> {
 /// # Errors
 /// A sentence if pictures differ, or if it cannot be run.
 pub(crate) fn unbiased(samples: u32) -> Result<String, String> {
-    let mut command = optimised_test_of("glanz-study", "unbiased");
+    let mut command = optimised_test_of("glanz-study", "unbiased::");
     command.env("GLANZ_UNBIASED_SAMPLES", samples.to_string());
     succeed(&mut command, "pictures are not those of path, see above")?;
     Ok(format!(
@@ -194,7 +194,7 @@ pub(crate) fn unbiased(samples: u32) -> Result<String, String> {
 /// # Errors
 /// A sentence if they are too far apart, or if it cannot be run.
 pub(crate) fn bake([points, samples]: [u32; 2]) -> Result<String, String> {
-    let mut command = optimised_test_of("glanz-cli", "bake_reference");
+    let mut command = optimised_test_of("glanz-cli", "bake_reference::");
     command.env("GLANZ_BAKE_POINTS", points.to_string()).env("GLANZ_BAKE_SAMPLES", samples.to_string());
     succeed(&mut command, "light maps are not what path tracing finds, see above")?;
     Ok(format!("bake: light maps are what path tracing finds at {points} points with {samples} paths each"))
@@ -205,22 +205,21 @@ pub(crate) fn bake([points, samples]: [u32; 2]) -> Result<String, String> {
 /// # Errors
 /// A sentence if the server dies, keeps something or puts up with mischief, or if it cannot be run.
 pub(crate) fn soak([pages, seconds]: [u32; 2]) -> Result<String, String> {
-    let mut command = optimised_test_of("glanz-cli", "viewer");
-    command.arg("pages_that_come_and_go_leave_nothing_behind");
+    let mut command = optimised_test_of("glanz-cli", "pages_that_come_and_go_leave_nothing_behind");
     command.env("GLANZ_SOAK_PAGES", pages.to_string()).env("GLANZ_SOAK_SECONDS", seconds.to_string());
     succeed(&mut command, "the viewer's server does not get over it, see above")?;
     Ok(format!("soak: {pages} pages came and went for {seconds} s and left nothing behind"))
 }
 
-/// An integration test of the surfaces, as fast as it can be.
-fn optimised_test(name: &str) -> Command {
-    optimised_test_of("glanz-geometry", name)
+/// The integration tests of the surfaces whose names contain `filter`, optimised.
+fn optimised_test(filter: &str) -> Command {
+    optimised_test_of("glanz-geometry", filter)
 }
 
 /// The same of any package.
-fn optimised_test_of(package: &str, name: &str) -> Command {
+fn optimised_test_of(package: &str, filter: &str) -> Command {
     let mut command = workspace::cargo();
-    command.args(["test", "--release", "--package", package, "--test", name, "--", "--nocapture"]);
+    command.args(["test", "--release", "--package", package, "--test", "it", filter, "--", "--nocapture"]);
     command
 }
 

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test may fail")]
 
-#[path = "command_line/support.rs"]
+#[path = "it/command_line/support.rs"]
 #[expect(dead_code, reason = "the command line's tests need more of it")]
 mod support;
 

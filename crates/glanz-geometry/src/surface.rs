@@ -16,7 +16,7 @@ use crate::torus::Torus;
 use crate::triangle::Triangle;
 use crate::trimmed::Trimmed;
 
-/// The contract of a surface in its local frame. `tests/contract.rs` runs over all of them.
+/// The contract of a surface in its local frame. `tests/it/contract.rs` runs over all of them.
 ///
 /// A hit lies on the surface and on the ray; every root with `0 < t < t_max` counts, from both sides; a ray that
 /// starts on the surface by [`glanz_math::rounding::offset_origin`] does not meet its own point again.

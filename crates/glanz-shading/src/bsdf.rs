@@ -80,7 +80,7 @@ impl BsdfSample {
     }
 }
 
-/// The closed set of scattering models. `tests/contract.rs` runs over all of them.
+/// The closed set of scattering models. `tests/it/contract.rs` runs over all of them.
 ///
 /// The frame: z is the shading normal, all directions have unit length and point away from the surface.
 /// Reflecting models do the same on both sides; only [`Dielectric`] has an inside (z < 0) and an outside.

@@ -1,0 +1,178 @@
+//! `glanz illuminate`.
+
+use crate::command_line::support::Folder;
+
+/// A lamp of a point in the middle of a room of 2 x 2 x 2 m, 1 cd; a small mirror; a shelf that light passes.
+const LAMP: &str = r#"
+WorldBegin
+LightSource "point" "rgb I" [.0014641288 .0014641288 .0014641288] "point3 from" [1 1 1]
+"#;
+
+const SHELF: &str = r#"
+Material "interface"
+Translate 1 1 .5
+Shape "disk" "float radius" .25 "string receiver" "a shelf" "integer cells" [4 4] "string receiverside" "front"
+"#;
+
+/// Numbers of a column of a CSV file.
+fn column(text: &str, name: &str) -> Vec<f64> {
+    let mut lines = text.lines();
+    let at = lines.next().unwrap().split(',').position(|head| head.starts_with(name)).unwrap();
+    lines.map(|line| line.split(',').nth(at).unwrap().parse().unwrap()).collect()
+}
+
+fn text(folder: &Folder, name: &str) -> String {
+    String::from_utf8(folder.bytes(name)).unwrap()
+}
+
+#[test]
+fn room_is_lit_as_a_point_lights_it_and_all_is_written() {
+    let folder = Folder::new();
+    folder.write("lamp.pbrt", [LAMP, SHELF].concat());
+    let report =
+        folder.succeed("illuminate lamp.pbrt --room 2 2 2 --cells 8 --rays 200000 -o lux --json").json();
+    let design = &report["designs"][0];
+    let receivers = design["receivers"].as_array().unwrap();
+    let names: Vec<&str> = receivers.iter().map(|r| r["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["a shelf", "floor", "ceiling", "wall x=0", "wall x=2", "wall y=0", "wall y=2"]);
+    // A sixth of 4 pi lm to every wall: the shelf stops nothing.
+    for receiver in &receivers[1..] {
+        let flux = receiver["flux_lm"].as_f64().unwrap();
+        assert!((flux / (4.0 * std::f64::consts::PI / 6.0) - 1.0).abs() < 0.01, "{receiver}");
+        assert_eq!(receiver["cells"], serde_json::json!([8, 8]));
+    }
+    let balance = &design["flux_balance"];
+    assert!(balance["closes_to"].as_f64().unwrap() < 1e-6);
+    assert!((balance["emitted_lm"].as_f64().unwrap() - 4.0 * std::f64::consts::PI).abs() < 1e-4);
+    for name in ["report.html", "report.json", "summary.txt"] {
+        assert!(folder.has(&format!("lux/{name}")), "{name}");
+    }
+    for name in ["a-shelf", "floor", "wall-x=2"] {
+        for extension in ["csv", "exr", "png", "svg"] {
+            assert!(folder.has(&format!("lux/{name}.{extension}")), "{name}.{extension}");
+        }
+    }
+    // Below the lamp 1 lx, within its errors.
+    let floor = text(&folder, "lux/floor.csv");
+    let (lux, error) = (column(&floor, "illuminance"), column(&floor, "standard"));
+    let (x, y) = (column(&floor, "x_m"), column(&floor, "y_m"));
+    for cell in 0..64 {
+        let r2 = (x[cell] - 1.0).powi(2) + (y[cell] - 1.0).powi(2);
+        // The mean over the cell is that of its middle to a hundredth.
+        let expected = (1.0 + r2).powf(-1.5);
+        assert!((lux[cell] - expected).abs() < 4.0 * error[cell] + 0.01, "{cell}: {} {expected}", lux[cell]);
+    }
+    let picture = folder.picture("lux/floor.exr");
+    assert_eq!((picture.width(), picture.height()), (8, 8));
+}
+
+#[test]
+fn methods_agree_and_designs_are_compared() {
+    let folder = Folder::new();
+    let lamp = r#"
+WorldBegin
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [1 1 1]
+  Translate 1 1 1.5
+  Shape "sphere" "float radius" .1
+AttributeEnd
+Material "mirror" "rgb Kr" [.8 .8 .8]
+"#;
+    let mirror = |radius: &str| {
+        format!("{lamp}\nTranslate 0.5 1 1\nRotate 60 0 1 0\nShape \"disk\" \"float radius\" {radius}\n")
+    };
+    folder.write("one.pbrt", mirror(".3"));
+    folder.write("two.pbrt", mirror(".4"));
+    let both = "illuminate one.pbrt --room 2 2 2 --cells 2 -q";
+    let report = folder.succeed(&format!("{both} --rays 300000 -o both --method both --json")).json();
+    let agreement = report["designs"][0]["how"]["agreement"].as_str().unwrap().to_owned();
+    assert!(agreement.starts_with("0 of 24 cells"), "{agreement}");
+    assert!(folder.has("both/floor.csv") && folder.has("both/floor-integrated.csv"));
+
+    let ran = folder
+        .succeed("illuminate one.pbrt --compare two.pbrt --room 2 2 2 --cells 4 --error 0.05 -o designs");
+    assert!(ran.stdout.contains("change") && ran.stdout.contains("wall x=2"), "{}", ran.stdout);
+    for name in ["comparison.html", "comparison.txt", "a/report.html", "b/report.html", "b/floor.svg"] {
+        assert!(folder.has(&format!("designs/{name}")), "{name}");
+    }
+}
+
+#[test]
+fn what_was_counted_is_gone_on_with_to_the_same_bits() {
+    let folder = Folder::new();
+    folder.write("lamp.pbrt", LAMP);
+    let line = "illuminate lamp.pbrt --room 2 2 2 --cells 4 -q";
+    folder.succeed(&format!("{line} --rays 30000 -o whole --threads 1"));
+    folder.succeed(&format!("{line} --rays 10000 -o part --checkpoint kept"));
+    folder.run(&format!("{line} --rays 30000 -o parts --checkpoint kept")).refused(1, &["kept", "--resume"]);
+    folder.succeed(&format!("{line} --rays 30000 -o parts --checkpoint kept --resume --threads 2"));
+    assert_eq!(folder.bytes("whole/floor.csv"), folder.bytes("parts/floor.csv"));
+    assert_ne!(folder.bytes("whole/floor.csv"), folder.bytes("part/floor.csv"));
+    folder
+        .run(&format!("{line} --seed 1 --rays 30000 -o parts --checkpoint kept --resume"))
+        .refused(1, &["kept", "the seed is 0, not 1"]);
+    folder
+        .run(
+            "illuminate lamp.pbrt --room 2 2 3 --cells 4 --rays 40000 -o parts --checkpoint kept --resume -q",
+        )
+        .refused(1, &["kept", "content hash"]);
+    let mut flipped = folder.bytes("kept");
+    let middle = flipped.len() / 2;
+    flipped[middle] ^= 1;
+    folder.write("kept", &flipped);
+    folder.run(&format!("{line} --rays 40000 -o parts --checkpoint kept --resume")).refused(1, &["damaged"]);
+}
+
+#[test]
+fn what_cannot_be_illuminated_is_refused_with_advice() {
+    let folder = Folder::new();
+    folder.write("lamp.pbrt", LAMP);
+    folder.write("dark.pbrt", "WorldBegin\nShape \"disk\" \"string receiver\" \"desk\"\n");
+    let endless = "WorldBegin\nLightSource \"point\"\nShape \"plane\" \"string receiver\" \"sea\"\n";
+    folder.write("endless.pbrt", endless);
+    folder.run("illuminate lamp.pbrt -o lux").refused(1, &["nothing in this scene receives light", "--room"]);
+    folder.run("illuminate dark.pbrt -o lux").refused(1, &["nothing in this scene shines"]);
+    folder.run("illuminate endless.pbrt -o lux").refused(1, &["sea", "no end"]);
+    folder.run("illuminate lamp.pbrt --room 2 2 -o lux").refused(2, &["--room"]);
+    folder.run("illuminate lamp.pbrt --room 2 2 0 -o lux").refused(2, &["above 0"]);
+    folder.run("illuminate lamp.pbrt --far-field lamp.txt -o lux").refused(2, &["lamp.txt", ".ldt"]);
+    folder.run("illuminate lamp.pbrt --room 2 2 2 --error 1e-9 -o lux").refused(2, &["--error"]);
+}
+
+#[test]
+fn light_on_the_wrong_side_is_told() {
+    let folder = Folder::new();
+    let shelf = SHELF.replace("\"string receiverside\" \"front\"", "\"string receiverside\" \"back\"");
+    folder.write("lamp.pbrt", [LAMP, &shelf].concat());
+    let ran = folder.succeed("illuminate lamp.pbrt --rays 10000 -o lux");
+    assert!(ran.stderr.contains("\"a shelf\"") && ran.stderr.contains("receiverside"), "{}", ran.stderr);
+}
+
+#[test]
+fn far_field_of_a_lamp_is_written_as_photometric_files() {
+    let folder = Folder::new();
+    let lamp = r#"
+WorldBegin
+AreaLightSource "diffuse" "rgb L" [1 1 1]
+Rotate 180 1 0 0
+Shape "disk" "float radius" .1
+"#;
+    folder.write("lamp.pbrt", lamp);
+    folder.succeed("illuminate lamp.pbrt --rays 1000000 -o lux --far-field lamp.ldt --far-field lamp.ies -q");
+    // pi L A 683 lm of a plate of radius 0.1 m, all of it below.
+    let flux = std::f64::consts::PI.powi(2) * 0.01 * 683.0;
+    for name in ["lamp.ldt", "lamp.ies"] {
+        let told = folder.succeed(&format!("info {name} --json")).json();
+        let found = told["flux_lm"].as_f64().unwrap();
+        assert!((found / flux - 1.0).abs() < 0.01, "{name}: {found}, not {flux}");
+        let peak = told["peak_cd"].as_f64().unwrap();
+        assert!((peak / (flux / std::f64::consts::PI) - 1.0).abs() < 0.15, "{name}: {peak}");
+    }
+    assert!(text(&folder, "lux/report.html").contains("C90"));
+    let told = folder.succeed("info lamp.ldt --plot lamp.svg").stdout;
+    assert!(told.contains("EULUMDAT") && told.contains("120 degrees in C0-C180"), "{told}");
+    assert!(text(&folder, "lamp.svg").starts_with("<svg"));
+    folder.write("bad.ldt", "maker\nx\n");
+    folder.run("info bad.ldt").refused(1, &["bad.ldt:2:1"]);
+    folder.run("info lamp.pbrt --plot lamp.svg").refused(2, &["--plot", ".ldt"]);
+}

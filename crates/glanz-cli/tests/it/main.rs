@@ -1,0 +1,13 @@
+//! The program from end to end, as a user runs it.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "a test may fail, and prints figures with `--nocapture`"
+)]
+
+mod bake_reference;
+mod command_line;
+mod viewer;

@@ -1,0 +1,199 @@
+//! A page in the browser: what it evaluates, what hands do to it, what it shows and says.
+
+use std::time::{Duration, Instant};
+
+use data_encoding::BASE64;
+use serde_json::{Value, json};
+
+use crate::viewer::browser::Browser;
+
+/// How long something may take to come about.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A page of the viewer.
+pub(crate) struct Page {
+    browser: Browser,
+    session: String,
+}
+
+impl Page {
+    /// Opens an address in a window of so many pixels, and waits until the page has drawn a first picture.
+    pub(crate) fn open(address: &str, size: [u32; 2]) -> Self {
+        let mut browser = Browser::start();
+        let target = browser.devtools.call(None, "Target.createTarget", json!({ "url": "about:blank" }));
+        let attach = json!({ "targetId": target["targetId"], "flatten": true });
+        let session = browser.devtools.call(None, "Target.attachToTarget", attach);
+        let session = session["sessionId"].as_str().expect("a session").to_owned();
+        let mut page = Self { browser, session };
+        for domain in ["Page", "Runtime", "Log", "Network"] {
+            page.call(&format!("{domain}.enable"), json!({}));
+        }
+        let [width, height] = size;
+        let screen = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+        page.call("Emulation.setDeviceMetricsOverride", screen);
+        // What moves by itself makes pictures depend on the clock.
+        let still = json!({ "features": [{ "name": "prefers-reduced-motion", "value": "reduce" }] });
+        page.call("Emulation.setEmulatedMedia", still);
+        page.call("Page.navigate", json!({ "url": address }));
+        page.until("the page's scripts run", "typeof window.glanz === 'object'");
+        page.evaluate("window.glanz.ready.then(() => true)");
+        page
+    }
+
+    /// The value of an expression, or of what it promises.
+    pub(crate) fn evaluate(&mut self, expression: &str) -> Value {
+        let ask = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
+        let mut answer = self.call("Runtime.evaluate", ask);
+        if let Some(fault) = answer.get("exceptionDetails") {
+            panic!("{expression}: {}\n{}", fault["exception"]["description"], self.console().join("\n"));
+        }
+        answer["result"]["value"].take()
+    }
+
+    /// The bytes of an expression that promises a typed array.
+    pub(crate) fn bytes(&mut self, expression: &str) -> Vec<u8> {
+        let encode = "const bytes = new Uint8Array(array.buffer, array.byteOffset, array.byteLength);
+            let text = '';
+            for (let i = 0; i < bytes.length; i += 32768) text += String.fromCharCode(...bytes.subarray(i, i + 32768));
+            return btoa(text);";
+        let text =
+            self.evaluate(&format!("(async () => {{ const array = await ({expression}); {encode} }})()"));
+        BASE64.decode(text.as_str().expect("text").as_bytes()).expect("base 64")
+    }
+
+    /// Waits until an expression holds.
+    pub(crate) fn until(&mut self, what: &str, expression: &str) {
+        let start = Instant::now();
+        while self.evaluate(expression) != true {
+            assert!(start.elapsed() < PATIENCE, "waited for nothing: {what}\n{}", self.console().join("\n"));
+            self.rest(20);
+        }
+    }
+
+    /// Lets some milliseconds pass.
+    pub(crate) fn rest(&mut self, milliseconds: u64) {
+        self.browser.devtools.wait(Duration::from_millis(milliseconds));
+    }
+
+    /// Presses the left button, moves over places in the window, and lets go.
+    pub(crate) fn drag(&mut self, places: &[[f64; 2]]) {
+        let (Some(first), Some(last)) = (places.first(), places.last()) else { return };
+        self.mouse("mouseMoved", *first, 0);
+        self.mouse("mousePressed", *first, 1);
+        for place in places.iter().skip(1) {
+            self.mouse("mouseMoved", *place, 1);
+        }
+        self.mouse("mouseReleased", *last, 0);
+    }
+
+    /// Clicks a place in the window.
+    pub(crate) fn click(&mut self, place: [f64; 2]) {
+        self.drag(&[place]);
+    }
+
+    fn mouse(&mut self, kind: &str, [x, y]: [f64; 2], buttons: u32) {
+        let button = if kind == "mouseMoved" && buttons == 0 { "none" } else { "left" };
+        let event =
+            json!({ "type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": 1 });
+        self.call("Input.dispatchMouseEvent", event);
+    }
+
+    /// Turns the wheel over a place; `delta`: positive is towards the hand.
+    pub(crate) fn wheel(&mut self, [x, y]: [f64; 2], delta: f64) {
+        let event = json!({ "type": "mouseWheel", "x": x, "y": y, "deltaX": 0, "deltaY": delta });
+        self.call("Input.dispatchMouseEvent", event);
+    }
+
+    /// Presses and lets go a key, by the name that scripts see (`a`, `ArrowLeft`).
+    pub(crate) fn key(&mut self, name: &str) {
+        let text = if name.chars().count() == 1 { name } else { "" };
+        for kind in ["keyDown", "keyUp"] {
+            let text = if kind == "keyDown" { text } else { "" };
+            self.call("Input.dispatchKeyEvent", json!({ "type": kind, "key": name, "text": text }));
+        }
+    }
+
+    /// Moves fingers: each element is where all of them are at one time.
+    pub(crate) fn touch(&mut self, moments: &[Vec<[f64; 2]>]) {
+        for (i, fingers) in moments.iter().enumerate() {
+            let kind = if i == 0 { "touchStart" } else { "touchMove" };
+            let points: Vec<Value> =
+                fingers.iter().enumerate().map(|(id, [x, y])| json!({ "x": x, "y": y, "id": id })).collect();
+            self.call("Input.dispatchTouchEvent", json!({ "type": kind, "touchPoints": points }));
+        }
+        self.call("Input.dispatchTouchEvent", json!({ "type": "touchEnd", "touchPoints": [] }));
+    }
+
+    /// The window as PNG.
+    pub(crate) fn screenshot(&mut self) -> Vec<u8> {
+        let picture = self.call("Page.captureScreenshot", json!({ "format": "png" }));
+        BASE64.decode(picture["data"].as_str().expect("text").as_bytes()).expect("base 64")
+    }
+
+    /// The bytes of the file that the page saves when `action` is done: its name and its content.
+    pub(crate) fn saved(&mut self, action: impl FnOnce(&mut Self)) -> (String, Vec<u8>) {
+        let folder = self.browser.downloads();
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let allow = json!({ "behavior": "allow", "downloadPath": folder.display().to_string(), "eventsEnabled": true });
+        self.browser.devtools.call(None, "Browser.setDownloadBehavior", allow);
+        let before = self.browser.devtools.events().len();
+        action(self);
+        let start = Instant::now();
+        loop {
+            assert!(start.elapsed() < PATIENCE, "nothing is saved\n{}", self.console().join("\n"));
+            self.rest(20);
+            let events = self.browser.devtools.events().get(before..).unwrap_or_default();
+            let is_done = |event: &Value| event["params"]["state"] == "completed";
+            let name = |event: &Value| event["params"]["suggestedFilename"].as_str().map(str::to_owned);
+            // No other event has these fields.
+            if let (true, Some(name)) = (events.iter().any(is_done), events.iter().find_map(name)) {
+                let bytes = std::fs::read(folder.join(&name)).expect("the saved file");
+                return (name, bytes);
+            }
+        }
+    }
+
+    /// All that the page said: what scripts wrote, what they threw and did not catch, what the browser complained of.
+    pub(crate) fn console(&self) -> Vec<String> {
+        let own = self.browser.devtools.events().iter().filter(|event| event["sessionId"] == *self.session);
+        own.filter_map(|event| {
+            let parameters = &event["params"];
+            match event["method"].as_str()? {
+                "Runtime.consoleAPICalled" => {
+                    let words: Vec<String> = parameters["args"].as_array()?.iter().map(said).collect();
+                    Some(format!("{}: {}", parameters["type"].as_str()?, words.join(" ")))
+                }
+                "Runtime.exceptionThrown" => {
+                    let fault = &parameters["exceptionDetails"];
+                    Some(format!("error: {} {}", fault["text"], fault["exception"]["description"]))
+                }
+                "Log.entryAdded" => {
+                    let entry = &parameters["entry"];
+                    Some(format!("{}: {} {}", entry["level"].as_str()?, entry["text"], entry["url"]))
+                }
+                _ => None,
+            }
+        })
+        .collect()
+    }
+
+    /// What of the console is a fault.
+    pub(crate) fn faults(&self) -> Vec<String> {
+        let mut faults = self.console();
+        faults.retain(|line| line.starts_with("error") || line.starts_with("assert"));
+        faults
+    }
+
+    fn call(&mut self, method: &str, parameters: Value) -> Value {
+        let session = self.session.clone();
+        self.browser.devtools.call(Some(&session), method, parameters)
+    }
+}
+
+/// An argument of a line of the console.
+fn said(argument: &Value) -> String {
+    match (&argument["value"], &argument["description"]) {
+        (Value::String(text), _) | (Value::Null, Value::String(text)) => text.clone(),
+        (value, _) => value.to_string(),
+    }
+}

@@ -1,0 +1,184 @@
+//! Many pages at once, well-behaved and not, for a long time: what they held comes back.
+//!
+//! `GLANZ_SOAK_PAGES` says how many and `GLANZ_SOAK_SECONDS` for how long; `cargo xtask soak` takes 100 and 300.
+
+mod mischief;
+mod process;
+mod visitor;
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use crate::viewer::served::{Served, scene_file};
+use process::Usage;
+use visitor::{Fault, Visitor};
+
+/// How long threads may take to end when nobody is there any more. Those that wait for work leave after ten seconds without.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// Share of memory, and MiB, by which a round may leave more behind than the round before it: allocators keep what they may
+/// need again, and every page more that is there at one time adds to that. A picture of the smallest view that were left behind with
+/// each visit would come to more.
+const GROWTH: [f64; 2] = [0.1, 16.0];
+
+/// What came of visits.
+#[derive(Default)]
+struct Tally {
+    visits: u64,
+    tiles: u64,
+    picks: u64,
+    saves: u64,
+    /// How long it took until rendering had ended.
+    stops: Vec<Duration>,
+    refusals: BTreeMap<&'static str, u64>,
+    /// The refusal that took longest.
+    slowest: (Duration, &'static str),
+    faults: Vec<Fault>,
+}
+
+impl Tally {
+    fn add(&mut self, other: Self) {
+        self.visits += other.visits;
+        self.tiles += other.tiles;
+        self.picks += other.picks;
+        self.saves += other.saves;
+        self.stops.extend(other.stops);
+        for (kind, count) in other.refusals {
+            *self.refusals.entry(kind).or_default() += count;
+        }
+        self.slowest = self.slowest.max(other.slowest);
+        self.faults.extend(other.faults);
+    }
+
+    /// What happened, for people.
+    fn tell(&mut self) -> String {
+        self.stops.sort_unstable();
+        let at = |share: f64| {
+            let i = (share * self.stops.len() as f64) as usize;
+            self.stops.get(i.min(self.stops.len().saturating_sub(1))).map_or(0.0, |d| 1e3 * d.as_secs_f64())
+        };
+        let refused: u64 = self.refusals.values().sum();
+        format!(
+            "{} visits, {} tiles, {} picks, {} pictures saved, {} stops (half within {:.0} ms, 95 % within {:.0} ms), {refused} times \
+             mischief (longest {:.1} s: {})",
+            self.visits,
+            self.tiles,
+            self.picks,
+            self.saves,
+            self.stops.len(),
+            at(0.5),
+            at(0.95),
+            self.slowest.0.as_secs_f64(),
+            self.slowest.1
+        )
+    }
+}
+
+/// Numbers that look random, by Weyl's sequence and a mix of its bits; the same for the same seed.
+struct Dice(u64);
+
+impl Dice {
+    fn throw(&mut self, below: u64) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        (x ^ (x >> 31)) % below
+    }
+}
+
+/// What is asked from outside, or this.
+fn setting(name: &str, otherwise: u64) -> u64 {
+    std::env::var(name).map_or(otherwise, |text| text.parse().expect("a number"))
+}
+
+#[test]
+fn pages_that_come_and_go_leave_nothing_behind() {
+    let (pages, seconds) = (setting("GLANZ_SOAK_PAGES", 4), setting("GLANZ_SOAK_SECONDS", 6));
+    let mut served = Served::start(&scene_file("teapot.pbrt"));
+    // One visit, so that what is made once is made.
+    let mut warm = Tally::default();
+    visit(&served.host, &mut Dice(0), &mut warm).unwrap_or_else(|fault| panic!("{fault}\n{}", served.said()));
+    let before = Usage::of(served.id()).expect("the server runs");
+    println!("before: {before}");
+    let half = Duration::from_secs_f64(0.5 * seconds as f64);
+    let [first, second] = [1, 2].map(|number| {
+        let mut tally = round(&served.host, pages, half, number);
+        println!("round {number}: {pages} pages for {} s: {}", half.as_secs(), tally.tell());
+        assert!(served.is_alive(), "the server died\n{}", served.said());
+        let faults = &tally.faults;
+        assert!(faults.is_empty(), "{} faults, first {:?}\n{}", faults.len(), faults.first(), served.said());
+        let left = Usage::settled(served.id(), before.threads, PATIENCE).expect("the server runs");
+        println!("after round {number}: {left}");
+        left
+    });
+    let more = second.threads.saturating_sub(before.threads);
+    assert_eq!(more, 0, "{more} threads stay of {pages} pages");
+    let most = first.memory * (1.0 + GROWTH[0]) + GROWTH[1];
+    assert!(second.memory <= most, "memory grows from {:.1} to {:.1} MiB", first.memory, second.memory);
+    visit(&served.host, &mut Dice(1), &mut warm).unwrap_or_else(|fault| panic!("{fault}\n{}", served.said()));
+}
+
+/// So many pages at once that come and go for some time.
+fn round(host: &str, pages: u64, time: Duration, number: u64) -> Tally {
+    let end = Instant::now() + time;
+    std::thread::scope(|scope| {
+        let pages: Vec<_> = (0..pages)
+            .map(|page| {
+                scope.spawn(move || {
+                    let mut dice = Dice(number << 32 | page << 16);
+                    let mut tally = Tally::default();
+                    // Each page begins with another kind of mischief, so that all kinds have their turn.
+                    let mut kind = page as usize;
+                    while Instant::now() < end && tally.faults.is_empty() {
+                        let (name, does) = mischief::ALL[kind % mischief::ALL.len()];
+                        kind += 1;
+                        let start = Instant::now();
+                        let met = does(host).map_err(|fault| format!("{name}: {fault}"));
+                        *tally.refusals.entry(name).or_default() += 1;
+                        tally.slowest = tally.slowest.max((start.elapsed(), name));
+                        if let Err(fault) = met.and_then(|()| visit(host, &mut dice, &mut tally)) {
+                            tally.faults.push(fault);
+                        }
+                    }
+                    tally
+                })
+            })
+            .collect();
+        let mut sum = Tally::default();
+        for page in pages {
+            sum.add(page.join().expect("a page that does not panic"));
+        }
+        sum
+    })
+}
+
+/// A page that behaves: it comes, turns the camera, looks, picks, and leaves in one way or another.
+fn visit(host: &str, dice: &mut Dice, tally: &mut Tally) -> Result<(), Fault> {
+    let mut visitor = Visitor::try_new(host)?;
+    for step in 0..1 + dice.throw(4) {
+        let size = [48 + dice.throw(80) as u32, 32 + dice.throw(60) as u32];
+        let view = visitor.view(size, 0.1 * step as f64)?;
+        visitor.await_tile(view)?;
+        if dice.throw(2) == 0 {
+            tally.picks += u64::from(visitor.pick()?);
+        }
+        if dice.throw(4) == 0 {
+            let file = visitor.save(view)?;
+            if !file.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+                return Err(format!("{} bytes that are no OpenEXR", file.len()));
+            }
+            tally.saves += 1;
+        }
+        // Often the camera moves on without a word.
+        if dice.throw(2) == 0 {
+            tally.stops.push(visitor.stop(view)?);
+        }
+    }
+    tally.visits += 1;
+    tally.tiles += visitor.tiles;
+    // Some say good-bye, some just go, in the middle of a picture or not.
+    if dice.throw(2) == 0 {
+        let _ = visitor.socket.close(None);
+        let _ = visitor.socket.flush();
+    }
+    Ok(())
+}

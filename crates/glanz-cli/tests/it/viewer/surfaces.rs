@@ -1,0 +1,68 @@
+//! What the page draws is where rays meet the exact surfaces, with their normals.
+
+use glanz::formats::{Options, load};
+use glanz::scene::Scene;
+use glanz::viewer::model::Model;
+
+use crate::viewer::page::Page;
+use crate::viewer::seen::Seen;
+use crate::viewer::served::{Served, scene_file};
+
+/// Pixels of the window; the page's bars leave about 400 x 300 to the picture.
+const SIZE: [u32; 2] = [400, 390];
+
+/// Angle between normals, degrees, and the share of pixels for which it holds.
+const NORMALS: (f64, f64) = (1.0, 0.999);
+
+/// Distance of pixels of another object from an edge, in pixels.
+const SILHOUETTE: f64 = 1.5;
+
+/// Compares normals and silhouettes over the whole picture, and says how near they are.
+fn compare(name: &str) {
+    let file = scene_file(name);
+    let served = Served::start(&file);
+    let mut page = Page::open(&served.address(), SIZE);
+    let drawn = Seen::by_page(&mut page);
+    let camera = page.evaluate("window.glanz.state().camera");
+    let description = load(&file, &Options::default()).unwrap_or_else(|error| panic!("{error}")).description;
+    let (scene, _) = Scene::resolve(description.clone()).expect("a scene");
+    let model = Model::try_new(name, &description, &scene, &[]).expect("a model");
+    let exact = Seen::by_rays(&scene, &model, &camera, drawn.size);
+    let difference = drawn.difference(&exact);
+    let angle = |share: f64| {
+        difference.angles.get((share * difference.angles.len() as f64) as usize).copied().unwrap_or(0.0)
+    };
+    println!(
+        "{name}, {} x {} pixels, {} of the same object: normals of {} that are curved, {:.3} % within {} degree (half within {:.5}, \
+         99.9 % within {:.4} degrees); {} pixels of another object, at most {:.2} pixels from an edge",
+        drawn.size[0],
+        drawn.size[1],
+        difference.same,
+        difference.angles.len(),
+        100.0 * difference.within(NORMALS.0),
+        NORMALS.0,
+        angle(0.5),
+        angle(0.999),
+        difference.other,
+        difference.farthest
+    );
+    assert!(difference.angles.len() > 10_000, "hardly anything is compared");
+    assert!(difference.within(NORMALS.0) >= NORMALS.1, "normals are off, see above");
+    assert!(difference.farthest <= SILHOUETTE, "silhouettes are off, see above");
+    assert_eq!(page.faults(), [""; 0]);
+}
+
+#[test]
+fn the_teapot_is_drawn_where_rays_meet_it_with_its_normals() {
+    compare("teapot.pbrt");
+}
+
+#[test]
+fn the_trimmed_plate_is_drawn_where_rays_meet_it_with_its_normals() {
+    compare("plate.pbrt");
+}
+
+#[test]
+fn quadrics_torus_and_quartic_are_drawn_where_rays_meet_them_with_their_normals() {
+    compare("demo.pbrt");
+}

@@ -1,0 +1,16 @@
+//! Files that are read, good and bad, checked from outside.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot write its files has failed"
+)]
+
+mod confined;
+mod documentation;
+mod mutation;
+mod pbrt_errors;
+mod pbrt_files;
+mod pbrt_freeform;
+mod pbrt_lowering;

@@ -1,0 +1,368 @@
+//! Scenes in more than one file.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use glanz_formats::image::{self, Format};
+use glanz_formats::{Diagnostics, Loaded, Options, load};
+use glanz_light::intensity::{Distribution, Opening, OpeningShape};
+use glanz_light::{Pixels, SpectralDistribution, Tone};
+use glanz_math::DVec3;
+use glanz_scene::description::{GeometryDescription, LightKind, SpectrumInput, TextureKind};
+
+/// A folder that goes away at the end of a test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("glanz-formats-{}-{name}", std::process::id()));
+        fs::create_dir_all(path.join("parts")).unwrap();
+        Self(path)
+    }
+
+    fn put(&self, name: &str, bytes: impl AsRef<[u8]>) -> &Self {
+        fs::write(self.0.join(name), bytes).unwrap();
+        self
+    }
+
+    fn load(&self) -> Result<Loaded, Diagnostics> {
+        load(&self.0.join("scene.pbrt"), &Options::default())
+    }
+
+    /// Messages without the name of the folder.
+    fn messages(&self, d: &Diagnostics) -> String {
+        d.to_string().replace(&format!("{}/", self.0.display()), "")
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn picture(rgb: &[[f32; 3]], width: u32) -> Vec<u8> {
+    let height = rgb.len() as u32 / width;
+    let pixels = Pixels::try_from_rgb(width, height, rgb).unwrap();
+    image::write(&pixels, Format::Pfm, &Tone::default(), &Default::default()).unwrap()
+}
+
+const TRIANGLE: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+    element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
+#[test]
+fn included_files_are_read_in_place_and_relative_to_the_scene() {
+    let folder = Folder::new("include");
+    folder
+        .put("scene.pbrt", "WorldBegin\nTranslate 1 0 0\nInclude \"parts/a.pbrt\"\nShape \"sphere\"\n")
+        .put("parts/a.pbrt", "Translate 1 0 0\nInclude \"parts/b.pbrt\"\n")
+        .put("parts/b.pbrt", "Shape \"sphere\"\nShape \"plymesh\" \"string filename\" \"mesh.ply\"\n")
+        // Beside the file that asks, which pbrt does not look at.
+        .put("parts/mesh.ply", TRIANGLE);
+    let loaded = folder.load().unwrap_or_else(|d| panic!("{d}"));
+    let shapes = &loaded.description.world.shapes;
+    assert_eq!(shapes.len(), 3);
+    assert!(shapes.iter().all(|s| s.to_parent.w_axis.x == 2.0));
+    assert!(
+        matches!(&shapes[1].geometry, GeometryDescription::Triangles { indices, .. } if indices == &[[0, 1, 2]])
+    );
+    assert_eq!(loaded.description.files.len(), 3);
+    let location = shapes[1].location.unwrap();
+    assert_eq!((location.file.0, location.line), (2, 2));
+}
+
+#[test]
+fn imported_files_change_no_state() {
+    let folder = Folder::new("import");
+    folder
+        .put("scene.pbrt", "Film \"rgb\"\nWorldBegin\nImport \"parts/a.pbrt\"\nShape \"sphere\"\n")
+        .put("parts/a.pbrt", "Translate 1 0 0\nMaterial \"dielectric\"\nShape \"sphere\"\n");
+    let d = folder.load().unwrap_or_else(|d| panic!("{d}")).description;
+    let x = |i: usize| d.world.shapes[i].to_parent.w_axis.x;
+    assert_eq!((x(0), x(1)), (1.0, 0.0));
+    assert_ne!(d.world.shapes[0].material, d.world.shapes[1].material);
+}
+
+#[test]
+fn missing_and_circular_includes_are_reported_where_they_are_named() {
+    let folder = Folder::new("circle");
+    folder
+        .put("scene.pbrt", "WorldBegin\nInclude \"parts/a.pbrt\"\n  Include \"nowhere.pbrt\"\n")
+        .put("parts/a.pbrt", "# comes back\nInclude \"scene.pbrt\"\n");
+    let errors = folder.load().unwrap_err();
+    assert_eq!(
+        folder.messages(&errors),
+        "error: parts/a.pbrt:2:9: Include: file \"scene.pbrt\" includes itself\n  \
+           2 | Include \"scene.pbrt\"\n    \
+             |         ^^^^^^^^^^^^\n\
+         error: scene.pbrt:3:11: Include: file \"nowhere.pbrt\" is not there\n  \
+           3 |   Include \"nowhere.pbrt\"\n    \
+             |           ^^^^^^^^^^^^^^\n  \
+           help: names are relative to the folder of the scene file\n"
+    );
+}
+
+#[test]
+fn includes_nest_up_to_a_limit() {
+    let folder = Folder::new("deep");
+    folder.put("scene.pbrt", "WorldBegin\nInclude \"1.pbrt\"\n");
+    for i in 1..40 {
+        folder.put(&format!("{i}.pbrt"), format!("Include \"{}.pbrt\"\n", i + 1));
+    }
+    let errors = folder.load().unwrap_err();
+    assert!(
+        folder.messages(&errors).starts_with("error: 32.pbrt:1:9: files are included more than 32 deep\n")
+    );
+}
+
+#[test]
+fn warnings_about_a_file_that_is_closed_still_show_its_line() {
+    let folder = Folder::new("closed");
+    folder
+        .put("scene.pbrt", "WorldBegin\nInclude \"parts/a.pbrt\"\n")
+        .put("parts/a.pbrt", "# open\n  AttributeBegin\n");
+    let loaded = folder.load().unwrap();
+    assert_eq!(
+        folder.messages(&loaded.diagnostics),
+        "warning: parts/a.pbrt:2:3: AttributeBegin is never ended\n  2 |   AttributeBegin\n    |   ^^^^^^^^^^^^^^\n"
+    );
+}
+
+#[test]
+fn a_mesh_is_faulted_at_its_name_and_in_its_file() {
+    let folder = Folder::new("mesh");
+    let scene = "WorldBegin\nShape \"plymesh\" \"string filename\" \"m.ply\"\n";
+    folder.put("scene.pbrt", scene).put("m.ply", TRIANGLE.replace("3 0 1 2", "3 0 1 7"));
+    let errors = folder.load().unwrap_err();
+    assert_eq!(
+        folder.messages(&errors),
+        "error: scene.pbrt:2:35: shape \"plymesh\": m.ply:13:8: element \"face\" number 0 refers to vertex 7, there are 3\n  \
+           2 | Shape \"plymesh\" \"string filename\" \"m.ply\"\n    \
+             |                                   ^^^^^^^\n"
+    );
+}
+
+#[test]
+fn pictures_are_read_once_and_named_spectra_from_files() {
+    let folder = Folder::new("picture");
+    let texture = |name: &str| {
+        format!(
+            "Texture \"{name}\" \"color\" \"imagemap\" \"string filename\" \"p.pfm\" \"float uscale\" 2 \"string wrap\" \"clamp\"\n"
+        )
+    };
+    let scene = format!(
+        "WorldBegin\n{}{}Material \"matte\" \"spectrum Kd\" \"grey.spd\"\n",
+        texture("a"),
+        texture("b")
+    );
+    folder
+        .put("scene.pbrt", scene)
+        .put("p.pfm", picture(&[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], 2))
+        .put("grey.spd", "# nm value\n700 .5\n400 .5\n");
+    let d = folder.load().unwrap_or_else(|d| panic!("{d}")).description;
+    assert_eq!(d.images.len(), 1);
+    assert_eq!(d.images[0].pixels.to_rgb().unwrap()[1], [4.0, 5.0, 6.0]);
+    assert!(matches!(d.textures[1].kind, TextureKind::Image { image: 0, scale: 1.0, invert: false, .. }));
+    let glanz_scene::description::MaterialKind::Diffuse { reflectance: SpectrumInput::Value(kd) } =
+        &d.materials[0].kind
+    else {
+        panic!()
+    };
+    assert!((kd.luminance() - 0.5).abs() < 1e-3);
+}
+
+#[test]
+fn a_sky_picture_gives_its_mean() {
+    let folder = Folder::new("sky");
+    folder
+        .put(
+            "scene.pbrt",
+            "WorldBegin\nLightSource \"infinite\" \"string mapname\" \"sky.pfm\" \"rgb L\" [2 2 2]\n",
+        )
+        .put("sky.pfm", picture(&[[1.0, 2.0, 3.0]; 8], 4));
+    let loaded = folder.load().unwrap_or_else(|d| panic!("{d}"));
+    let light = &loaded.description.lights[0];
+    let SpectralDistribution::Rgb(rgb) = light.emission else { panic!() };
+    for (found, expected) in rgb.into_iter().zip([2.0, 4.0, 6.0]) {
+        assert!((found - expected).abs() < 1e-5);
+    }
+    assert_eq!(loaded.diagnostics.iter().map(|d| d.kind).collect::<Vec<_>>(), ["stand-in-light"]);
+}
+
+#[test]
+fn the_fingerprint_covers_every_file_and_no_name() {
+    let of = |name: &str, part: &str, bytes: &str| {
+        let folder = Folder::new(name);
+        let scene = "WorldBegin\nInclude \"parts/a.pbrt\"\n";
+        folder.put("scene.pbrt", scene).put("parts/a.pbrt", part).put("m.ply", bytes);
+        folder.load().unwrap_or_else(|d| panic!("{d}")).content_hash
+    };
+    let mesh = "Shape \"plymesh\" \"string filename\" \"m.ply\"";
+    let first = of("hash1", mesh, TRIANGLE);
+    assert_eq!(first, of("hash2", mesh, TRIANGLE));
+    assert_ne!(first, of("hash3", &format!("{mesh} "), TRIANGLE));
+    assert_ne!(first, of("hash4", mesh, &TRIANGLE.replace("1 0 0", "2 0 0")));
+}
+
+#[test]
+fn folders_and_devices_are_not_read() {
+    let folder = Folder::new("device");
+    folder.put("scene.pbrt", "WorldBegin\nInclude \"parts\"\nInclude \"/dev/zero\"\n");
+    let errors = folder.load().unwrap_err();
+    assert_eq!(errors.iter().map(|d| d.kind).collect::<Vec<_>>(), ["missing-file", "missing-file"]);
+    assert!(load(Path::new("/dev/zero"), &Options::default()).is_err());
+}
+
+/// Tilt data: half at 90 degrees. A circle of 0.2 m; 60 cd down, 0 from the horizontal on.
+const IES: &str = "IESNA:LM-63-2002\n[LUMINAIRE] Spot\nTILT=INCLUDE\n1\n2\n0 90\n1 0.5\n1 1000 1 2 1 1 2 -0.2 -0.2 0 1 1 12\n0 90\n0\n60 0\n";
+
+/// 100 cd per 1000 lm everywhere below the horizontal, with lamps of 1000 or of 3000 lm.
+fn ldt() -> String {
+    let mut lines = vec!["Maker", "1", "1", "1", "0", "2", "90", "report", "name", "number", "file", "date"];
+    // Housing, opening and its sides, in mm; shares, factor and tilt; sets of lamps.
+    lines.extend(["100", "0", "50", "0", "0", "0", "0", "0", "0", "100", "62.8", "1", "0", "2"]);
+    lines.extend(["1", "lamp", "1000", "3000", "80", "10", "1", "lamp", "3000", "3000", "80", "30"]);
+    lines.extend(["0"; 10]);
+    lines.extend(["0", "0", "90", "100", "100"]);
+    lines.join("\r\n")
+}
+
+fn luminaire(loaded: &Loaded) -> (&Distribution, Option<Opening>) {
+    match &loaded.description.lights[0].kind {
+        LightKind::Photometric { distribution, opening, .. } => (distribution, *opening),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn photometric_lights_have_the_candela_of_their_file() {
+    let folder = Folder::new("luminaire");
+    folder.put("lamp.ies", IES).put("parts/lamp.ldt", ldt());
+    let read = |parameters: &str| {
+        let text = format!("WorldBegin\nTranslate 0 0 3\nLightSource \"photometric\" {parameters}\n");
+        let loaded = folder.put("scene.pbrt", text).load().unwrap_or_else(|d| panic!("{d}"));
+        assert!(loaded.diagnostics.is_empty(), "{}", loaded.diagnostics);
+        loaded
+    };
+    let down = |loaded: &Loaded| luminaire(loaded).0.intensity(DVec3::NEG_Z);
+    let ies = "\"string filename\" \"lamp.ies\"";
+    let plain = read(&format!("{ies} \"rgb color\" [ 4 2 1 ] \"float scale\" 0.5 \"point3 from\" [ 1 2 3 ]"));
+    assert_eq!(down(&plain), 60.0);
+    let light = &plain.description.lights[0];
+    assert_eq!((&light.emission, light.scale), (&SpectralDistribution::Rgb([4.0, 2.0, 1.0]), 0.5));
+    assert!(matches!(light.kind, LightKind::Photometric { from, .. } if from == DVec3::new(1.0, 2.0, 3.0)));
+    assert_eq!(light.to_world.w_axis.truncate(), DVec3::new(0.0, 0.0, 3.0));
+    assert_eq!(luminaire(&plain).1, None);
+    assert_eq!(down(&read(&format!("{ies} \"float tilt\" -90"))), 30.0);
+    // Linear from 60 cd to 0 over [0, pi / 2] is 60 times 2 pi (1 - 2 / pi) lm.
+    let lumens = 120.0 * (std::f64::consts::PI - 2.0);
+    let doubled = read(&format!("{ies} \"float tilt\" 90 \"float lumens\" {}", 2.0 * lumens));
+    assert!((down(&doubled) / 120.0 - 1.0).abs() < 1e-12);
+    let area = read(&format!("{ies} \"string as\" \"area\""));
+    assert_eq!(luminaire(&area).1, Some(Opening { shape: OpeningShape::Ellipse, size: [0.2, 0.2, 0.0] }));
+    let ldt = "\"string filename\" \"parts/lamp.ldt\"";
+    let (first, second) = (read(ldt), read(&format!("{ldt} \"integer lamps\" 1")));
+    assert!((down(&first) - 100.0).abs() < 1e-12 && (down(&second) - 300.0).abs() < 1e-12);
+    // What the file holds is part of the fingerprint.
+    let before = read(ies).content_hash;
+    folder.put("lamp.ies", IES.replace("60 0", "61 0"));
+    assert_ne!(read(ies).content_hash, before);
+}
+
+#[test]
+fn faults_of_photometric_lights_are_told_with_their_place() {
+    let folder = Folder::new("luminaires");
+    folder.put("lamp.ies", IES).put("bad.ies", IES.replace("60 0", "60 x")).put("lamp.ldt", ldt());
+    folder.put("dark.ies", IES.replace("60 0", "0 0").replace("-0.2 -0.2", "0 0"));
+    let messages = |parameters: &str| {
+        let text = format!("WorldBegin\nLightSource \"photometric\" {parameters}\n");
+        match folder.put("scene.pbrt", text).load() {
+            Ok(loaded) => folder.messages(&loaded.diagnostics),
+            Err(errors) => folder.messages(&errors),
+        }
+    };
+    let ies = "\"string filename\" \"lamp.ies\"";
+    for (parameters, expected) in [
+        (String::new(), "error: scene.pbrt:2:1: light \"photometric\" has no \"string filename\""),
+        (
+            "\"string filename\" \"no.ies\"".to_owned(),
+            "error: scene.pbrt:2:45: light \"photometric\": file \"no.ies\" is not there",
+        ),
+        (
+            "\"string filename\" \"bad.ies\"".to_owned(),
+            "error: scene.pbrt:2:45: light \"photometric\": bad.ies:11:4: \"x\" is not a number; here stands the",
+        ),
+        (
+            format!("{ies} \"integer lamps\" 1"),
+            "error: scene.pbrt:2:72: light \"photometric\": there is no set of lamps 1 with a flux, the file has 1",
+        ),
+        (
+            format!("{ies} \"float lumens\" -1"),
+            "error: scene.pbrt:2:71: light \"photometric\": -1 lm cannot be had from this luminaire",
+        ),
+        (
+            format!("{ies} \"string as\" \"lamp\""),
+            "error: scene.pbrt:2:68: light \"photometric\": \"lamp\" is not known as \"as\"",
+        ),
+        (
+            "\"string filename\" \"lamp.ldt\" \"float tilt\" 30".to_owned(),
+            "warning: scene.pbrt:2:69: light \"photometric\": its file has no tilt data",
+        ),
+        (
+            "\"string filename\" \"dark.ies\" \"string as\" \"area\"".to_owned(),
+            "warning: scene.pbrt:2:45: light \"photometric\": \"dark.ies\" has no light",
+        ),
+        (
+            "\"string filename\" \"lamp.ldt\" \"string as\" \"area\"".to_owned(),
+            "warning: scene.pbrt:2:68: light \"photometric\": its file states no size; a point stands in",
+        ),
+    ] {
+        let found = messages(&parameters);
+        assert!(found.starts_with(expected), "{found}\n{expected}");
+    }
+}
+
+/// A TM-25 file of rays with a start in mm, a direction and watts; with a luminous flux in the header.
+fn tm25(count: u64, lumens: f32, rays: &[[f32; 7]]) -> Vec<u8> {
+    let mut out = b"TM25".to_vec();
+    out.extend([2013_i32, 0].map(i32::to_le_bytes).as_flattened());
+    out.extend([lumens, 4.0].map(f32::to_le_bytes).as_flattened());
+    out.extend(count.to_le_bytes());
+    out.resize(256, 0);
+    // Position, direction, radiant flux.
+    out.extend([1_i32, 1, 1, 0, 0, 0, 0, 0].map(i32::to_le_bytes).as_flattened());
+    out.resize(256 + 32 + 9 * 4000, 0);
+    out.extend(rays.iter().flatten().flat_map(|v| v.to_le_bytes()));
+    out
+}
+
+#[test]
+fn rays_of_a_file_share_its_luminous_flux() {
+    let folder = Folder::new("rays");
+    let rays = [[1000.0, 0.0, 500.0, 0.0, 0.0, 1.0, 1.0], [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 3.0]];
+    folder.put("stated.tm25ray", tm25(2, 800.0, &rays)).put("silent.tm25ray", tm25(2, f32::NAN, &rays));
+    folder.put("cut.tm25ray", tm25(3, 800.0, &rays)).put("huge.tm25ray", tm25(20_000_001, 800.0, &rays));
+    let read = |parameters: &str| {
+        let text = format!("WorldBegin\nLightSource \"photometric\" \"string filename\" {parameters}\n");
+        folder.put("scene.pbrt", text).load()
+    };
+    for (parameters, expected) in [
+        ("\"stated.tm25ray\"", [200.0, 600.0]),
+        ("\"stated.tm25ray\" \"float lumens\" 4", [1.0, 3.0]),
+        ("\"silent.tm25ray\" \"float lumens\" 4", [1.0, 3.0]),
+    ] {
+        let loaded = read(parameters).unwrap_or_else(|d| panic!("{d}"));
+        let LightKind::Rays { rays, .. } = &loaded.description.lights[0].kind else { panic!() };
+        assert_eq!([rays[0].lumens, rays[1].lumens], expected);
+        assert_eq!((rays[0].origin, rays[0].direction), ([1.0, 0.0, 0.5], [0.0, 0.0, 1.0]));
+    }
+    for (parameters, expected) in [
+        ("\"silent.tm25ray\"", "silent.tm25ray states no luminous flux"),
+        ("\"cut.tm25ray\"", "cut.tm25ray: byte 36344: the file ends within ray 2 of 3"),
+        ("\"huge.tm25ray\"", "huge.tm25ray: it has 20000001 rays, at most 20000000 can be used"),
+    ] {
+        let found = folder.messages(&read(parameters).unwrap_err());
+        let expected = format!("error: scene.pbrt:2:45: light \"photometric\": {expected}");
+        assert!(found.starts_with(&expected), "{found}");
+    }
+}

@@ -1,0 +1,15 @@
+//! The surfaces of the library, checked from outside.
+
+// A test may fail by unwrapping and prints its figures; `!(a < b)` holds for NaN, which must be a fault.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::neg_cmp_op_on_partial_ord,
+    unreachable_pub
+)]
+
+mod contract;
+mod seam;
+mod senseless_rays;
+mod zoo;

@@ -1,0 +1,4 @@
+//! Sequences and warps, checked from outside.
+
+mod sequence;
+mod warps;

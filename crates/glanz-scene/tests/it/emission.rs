@@ -1,0 +1,280 @@
+//! Rays that leave lights bring to a surface what the surface finds when it looks for the lights.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use glanz_light::intensity::{AngularSystem, Distribution, Opening, OpeningShape, Symmetry};
+use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
+use glanz_math::{DMat4, DVec2, DVec3, Ray};
+use glanz_scene::description::*;
+use glanz_scene::{Light, LightId, Scene};
+
+/// Roots of x^5 = x + 1: steps of a sequence that fills four dimensions evenly.
+const STEP: f64 = 1.167_303_978_261_418_7;
+
+const COUNT: u32 = 100_000;
+
+/// Two pairs of numbers in [0, 1).
+fn point(i: u32) -> [DVec2; 2] {
+    let x = |d: i32| (0.5 + f64::from(i) * STEP.powi(-d)).fract();
+    [DVec2::new(x(1), x(2)), DVec2::new(x(3), x(4))]
+}
+
+fn bright(light: Spectrum) -> f64 {
+    f64::from(light.mean(&Wavelengths::default()))
+}
+
+fn shape(geometry: GeometryDescription, emission: Option<bool>, to_parent: DMat4) -> ShapeDescription {
+    ShapeDescription {
+        geometry,
+        to_parent,
+        reverse_orientation: false,
+        material: 0,
+        emission: emission.map(|two_sided| EmissionDescription {
+            radiance: SpectralDistribution::Constant(2.0),
+            scale: 1.0,
+            power: None,
+            two_sided,
+        }),
+        trim: None,
+        receiver: None,
+        location: None,
+    }
+}
+
+/// A unit square at z = 0 that faces up, a screen that hides a part of it, and a light.
+fn scene(lamp: Option<ShapeDescription>, light: Option<(LightKind, DMat4)>) -> Scene {
+    let square = |corner: DVec3, side: f64| GeometryDescription::Bilinear {
+        positions: vec![
+            corner,
+            corner + DVec3::X * side,
+            corner + DVec3::Y * side,
+            corner + DVec3::new(side, side, 0.0),
+        ],
+        indices: vec![[0, 1, 2, 3]],
+    };
+    let black = SpectrumInput::Value(SpectralDistribution::Constant(0.0));
+    let mut description = Description {
+        materials: vec![MaterialDescription {
+            name: String::new(),
+            kind: MaterialKind::Diffuse { reflectance: black },
+            location: None,
+        }],
+        ..Description::default()
+    };
+    description.world.shapes.push(shape(square(DVec3::ZERO, 1.0), None, DMat4::IDENTITY));
+    description.world.shapes.push(shape(square(DVec3::new(0.6, 0.5, 0.4), 0.3), None, DMat4::IDENTITY));
+    description.world.shapes.extend(lamp);
+    description.lights.extend(light.map(|(kind, to_world)| LightDescription {
+        kind,
+        emission: SpectralDistribution::Constant(3.0),
+        scale: 1.0,
+        to_world,
+        location: None,
+    }));
+    Scene::resolve(description).unwrap().0
+}
+
+/// A luminaire with different light in every plane, some of it upwards.
+fn luminaire(opening: Option<Opening>) -> LightKind {
+    let azimuths = [0.0, 50.0, 90.0, 200.0, 300.0];
+    let polars = vec![0.0, 15.0, 40.0, 80.0, 130.0, 180.0];
+    let candela: Vec<f64> = (0..30).map(|i| f64::from((i * 7) % 11) * 300.0).collect();
+    let distribution =
+        Distribution::try_new(AngularSystem::C, Symmetry::None, &azimuths, polars, candela).unwrap();
+    LightKind::Photometric { distribution: Arc::new(distribution), opening, from: DVec3::ZERO }
+}
+
+/// Power of all rays, and of those that meet the square from above.
+fn sent(scene: &Scene) -> (f64, f64) {
+    let (mut all, mut met) = (0.0, 0.0);
+    for i in 0..COUNT {
+        let [place, direction] = point(i);
+        let Some(light) = scene.emit(LightId(0), place, direction) else { continue };
+        all += bright(light.power);
+        assert!(light.ray.direction.is_normalized());
+        if let Some(hit) = scene.intersect(&light.ray, f64::INFINITY)
+            && hit.point.position.z.abs() < 1e-9
+            && light.ray.direction.z < 0.0
+        {
+            met += bright(light.power) * f64::from(light.left_at(hit.t));
+        }
+    }
+    (all / f64::from(COUNT), met / f64::from(COUNT))
+}
+
+/// The same found from the square.
+fn received(scene: &Scene) -> f64 {
+    let mut sum = 0.0;
+    for i in 0..COUNT {
+        let [place, xi] = point(i);
+        let ray = Ray::new(DVec3::new(place.x, place.y, 1e-3), -DVec3::Z);
+        let from = scene.intersect(&ray, f64::INFINITY).unwrap();
+        let Some(sample) = scene.sample_light(LightId(0), &from, xi, &Wavelengths::default()) else {
+            continue;
+        };
+        if sample.wi.z > 0.0 && !scene.occluded(&sample.shadow, sample.t_max) {
+            sum += bright(sample.radiance) * sample.wi.z / sample.pdf.0;
+        }
+    }
+    sum / f64::from(COUNT)
+}
+
+/// Lights by name, and whether their power is known.
+fn cases() -> Vec<(&'static str, Scene, bool)> {
+    let disk = GeometryDescription::Disk { height: 0.0, radius: 0.4, inner_radius: 0.0, phi_max: TAU };
+    let ball = GeometryDescription::Sphere { radius: 0.2, z: [-0.2, 0.2], phi_max: TAU };
+    let up = DMat4::from_translation(DVec3::new(0.4, 0.5, 0.9));
+    let down = up * DMat4::from_rotation_x(2.6);
+    let spot = |falloff| LightKind::Spot {
+        from: DVec3::new(0.2, 0.3, 0.9),
+        to: DVec3::new(0.6, 0.5, 0.0),
+        cone_angle: 0.7,
+        inner_angle: 0.3,
+        falloff,
+    };
+    let point_light = |range| LightKind::Point { from: DVec3::new(0.3, 0.4, 0.7), range };
+    let distant = LightKind::Distant { from: DVec3::new(0.3, -0.2, 1.0), to: DVec3::ZERO };
+    let turned = DMat4::from_translation(DVec3::new(0.5, 0.3, 0.8))
+        * DMat4::from_rotation_x(0.4)
+        * DMat4::from_rotation_z(1.0);
+    let opening = Opening { shape: OpeningShape::Rectangle, size: [0.5, 0.2, 0.0] };
+    vec![
+        ("point", scene(None, Some((point_light(None), DMat4::IDENTITY))), true),
+        ("fading point", scene(None, Some((point_light(Some(1.0)), DMat4::IDENTITY))), true),
+        ("quartic spot", scene(None, Some((spot(SpotFalloff::Quartic), DMat4::IDENTITY))), true),
+        ("smooth spot", scene(None, Some((spot(SpotFalloff::Smoothstep), DMat4::IDENTITY))), true),
+        ("luminaire as a point", scene(None, Some((luminaire(None), turned))), true),
+        ("luminaire as an area", scene(None, Some((luminaire(Some(opening)), turned))), true),
+        ("distant", scene(None, Some((distant, DMat4::IDENTITY))), false),
+        ("infinite", scene(None, Some((LightKind::Infinite, DMat4::IDENTITY))), false),
+        ("disk", scene(Some(shape(disk.clone(), Some(false), down)), None), true),
+        ("disk of two sides", scene(Some(shape(disk, Some(true), down)), None), true),
+        ("sphere", scene(Some(shape(ball, Some(false), up)), None), true),
+    ]
+}
+
+#[test]
+fn what_lights_send_is_what_a_surface_finds() {
+    for (name, scene, has_power) in cases() {
+        let ((all, met), expected) = (sent(&scene), received(&scene));
+        assert!(expected > 0.01, "{name}: nothing to compare");
+        assert!((met / expected - 1.0).abs() < 0.005, "{name}: {met} {expected}");
+        let power = match scene.light(LightId(0)).unwrap() {
+            Light::Point(light) => bright(light.power()),
+            Light::Spot(light) => bright(light.power()),
+            Light::Photometric(light) => bright(light.power()),
+            Light::Area(light) => bright(light.power()),
+            _ => continue,
+        };
+        assert!(has_power && (all / power - 1.0).abs() < 0.005, "{name}: {all} {power}");
+    }
+}
+
+/// Two integrals over the square and the directions from which it sees the light, by the rays that the light sends: of the cosine,
+/// and of the cosine times the density of light sampling; for a delta light, twice that of the cosine over the square.
+fn extent_sent(scene: &Scene) -> [f64; 2] {
+    let (mut all, mut sampled) = (0.0, 0.0);
+    for i in 0..COUNT {
+        let [place, direction] = point(i);
+        let Some(light) = scene.emit(LightId(0), place, direction) else { continue };
+        let towards = -light.ray.direction;
+        let Some(hit) = scene.intersect(&light.ray, f64::INFINITY) else { continue };
+        let arrives = towards.z > 0.0 && light.left_at(hit.t) > 0.0;
+        if hit.point.position.z.abs() > 1e-9 || !arrives {
+            continue;
+        }
+        // What the square sees there is the place on the light.
+        let seen = scene.intersect(&hit.spawn(towards), f64::INFINITY);
+        let area_pdf = seen.filter(|seen| seen.light().is_some()).and_then(|seen| seen.area_pdf());
+        let pdf = scene.emission_pdf(LightId(0), hit.point.position, towards, area_pdf);
+        assert!(pdf > 0.0);
+        all += 1.0 / pdf;
+        sampled += scene.light_pdf_of_ray(LightId(0), &hit.reference(), &light).0 / pdf;
+    }
+    [all, sampled].map(|sum| sum / f64::from(COUNT))
+}
+
+/// The same by directions that the square picks.
+fn extent_found(scene: &Scene) -> [f64; 2] {
+    let (mut all, mut sampled) = (0.0, 0.0);
+    for i in 0..COUNT {
+        let [place, xi] = point(i);
+        let ray = Ray::new(DVec3::new(place.x, place.y, 1e-3), -DVec3::Z);
+        let from = scene.intersect(&ray, f64::INFINITY).unwrap();
+        let Some(sample) = scene.sample_light(LightId(0), &from, xi, &Wavelengths::default()) else {
+            continue;
+        };
+        if sample.wi.z > 0.0 && !scene.occluded(&sample.shadow, sample.t_max) {
+            let pdf = scene.emission_pdf(LightId(0), from.point.position, sample.wi, sample.area_pdf);
+            assert!(pdf > 0.0);
+            all += sample.wi.z / sample.pdf.0;
+            sampled += sample.wi.z;
+        }
+    }
+    [all, sampled].map(|sum| sum / f64::from(COUNT))
+}
+
+#[test]
+fn densities_of_rays_are_those_with_which_they_are_sent() {
+    // A luminaire with a size tells the density of one in its middle, which is near enough to weigh by.
+    let exact = cases().into_iter().filter(|(name, ..)| *name != "luminaire as an area");
+    for (name, scene, _) in exact {
+        let (sent, found) = (extent_sent(&scene), extent_found(&scene));
+        for i in 0..2 {
+            assert!((sent[i] / found[i] - 1.0).abs() < 0.01, "{name}: {sent:?} {found:?}");
+        }
+    }
+}
+
+#[test]
+fn endless_planes_stop_light_from_afar() {
+    let mut description = Description::default();
+    let all = [f64::NEG_INFINITY, f64::INFINITY];
+    let ball = GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 1.0], phi_max: TAU };
+    description.materials.push(MaterialDescription {
+        name: String::new(),
+        kind: MaterialKind::Diffuse {
+            reflectance: SpectrumInput::Value(SpectralDistribution::Constant(0.5)),
+        },
+        location: None,
+    });
+    description.world.shapes.push(shape(ball, None, DMat4::IDENTITY));
+    let below = DMat4::from_translation(DVec3::new(0.0, 0.0, -100.0));
+    description.world.shapes.push(shape(GeometryDescription::Plane { x: all, y: all }, None, below));
+    description.lights.push(LightDescription {
+        kind: LightKind::Infinite,
+        emission: SpectralDistribution::Constant(1.0),
+        scale: 1.0,
+        to_world: DMat4::IDENTITY,
+        location: None,
+    });
+    let scene = Scene::resolve(description).unwrap().0;
+    let rays: Vec<_> = (0..1000)
+        .filter_map(|i| {
+            let [place, direction] = point(i);
+            scene.emit(LightId(0), place, direction)
+        })
+        .collect();
+    assert!(rays.iter().all(|light| light.ray.direction.z <= 0.0));
+    assert!(rays.len() > 450 && rays.len() < 550, "half of all: {}", rays.len());
+    // A place far out on the plane gets none, since rays begin near the ball.
+    let far = DVec3::new(50.0, 0.0, -100.0);
+    assert_eq!(scene.emission_pdf(LightId(0), far, DVec3::Z, None), 0.0);
+    assert!(scene.emission_pdf(LightId(0), DVec3::new(0.0, 0.0, -100.0), DVec3::Z, None) > 0.0);
+}
+
+#[test]
+fn rays_from_far_away_fill_the_sphere_around_the_scene() {
+    let scene = scene(None, Some((LightKind::Infinite, DMat4::IDENTITY)));
+    let radius = 1.001 * 0.5 * scene.bounds().diagonal().length();
+    let (all, _) = sent(&scene);
+    // A sphere in even light of radiance 3 gets pi times that on its 4 pi r^2.
+    assert!((all / (4.0 * PI * PI * radius * radius * 3.0) - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn what_cannot_be_picked_sends_nothing() {
+    let scene = scene(None, Some((LightKind::Infinite, DMat4::IDENTITY)));
+    assert!(scene.emit(LightId(1), DVec2::ZERO, DVec2::ZERO).is_none());
+}

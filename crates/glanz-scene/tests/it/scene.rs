@@ -1,0 +1,435 @@
+//! Facts about resolved scenes, from closed forms.
+
+use std::f64::consts::{PI, TAU};
+
+use glanz_light::{SpectralDistribution, Wavelengths};
+use glanz_math::{DMat4, DVec2, DVec3, Ray};
+use glanz_scene::description::{
+    CameraDescription, Description, EmissionDescription, EmissionPower, FileId, FilmDescription, FloatInput,
+    GeometryDescription, GroupDescription, InstanceDescription, LightDescription, LightKind, Location,
+    MaterialDescription, MaterialKind, ShapeDescription, SpectrumInput,
+};
+use glanz_scene::{Camera, Interaction, Light, LightId, Scene, SceneErrorKind};
+use glanz_shading::TransportMode;
+
+const HERE: Location = Location { file: FileId(0), line: 7, column: 3 };
+
+fn shape(geometry: GeometryDescription, to_parent: DMat4) -> ShapeDescription {
+    ShapeDescription {
+        geometry,
+        to_parent,
+        reverse_orientation: false,
+        material: 0,
+        emission: None,
+        trim: None,
+        receiver: None,
+        location: Some(HERE),
+    }
+}
+
+fn shining(geometry: GeometryDescription, to_parent: DMat4) -> ShapeDescription {
+    let emission = EmissionDescription {
+        radiance: SpectralDistribution::Rgb([2.0, 2.0, 2.0]),
+        scale: 1.0,
+        power: None,
+        two_sided: false,
+    };
+    ShapeDescription { emission: Some(emission), ..shape(geometry, to_parent) }
+}
+
+fn unit_sphere() -> GeometryDescription {
+    GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 1.0], phi_max: TAU }
+}
+
+fn disk(radius: f64) -> GeometryDescription {
+    GeometryDescription::Disk { height: 0.0, radius, inner_radius: 0.0, phi_max: TAU }
+}
+
+/// The unit square in z = 0, its normal along +z.
+fn square() -> GeometryDescription {
+    GeometryDescription::Triangles {
+        positions: vec![
+            DVec3::new(-0.5, -0.5, 0.0),
+            DVec3::new(0.5, -0.5, 0.0),
+            DVec3::new(0.5, 0.5, 0.0),
+            DVec3::new(-0.5, 0.5, 0.0),
+        ],
+        indices: vec![[0, 1, 2], [0, 2, 3]],
+        normals: None,
+        uvs: None,
+    }
+}
+
+fn empty() -> Description {
+    Description {
+        materials: vec![MaterialDescription {
+            name: String::new(),
+            kind: MaterialKind::Diffuse {
+                reflectance: SpectrumInput::Value(SpectralDistribution::Constant(0.5)),
+            },
+            location: None,
+        }],
+        ..Description::default()
+    }
+}
+
+fn with_shapes(shapes: Vec<ShapeDescription>) -> Description {
+    Description { world: GroupDescription { shapes, ..GroupDescription::default() }, ..empty() }
+}
+
+fn resolve(description: Description) -> Scene {
+    Scene::resolve(description).unwrap().0
+}
+
+/// A point of a small disk at the origin that faces -z, away from lights at z > 0 unless turned.
+fn observer(scene: &Scene) -> Interaction {
+    scene.intersect(&Ray::new(DVec3::new(0.0, 0.0, -3.0), DVec3::Z), f64::INFINITY).unwrap()
+}
+
+fn translate(x: f64, y: f64, z: f64) -> DMat4 {
+    DMat4::from_translation(DVec3::new(x, y, z))
+}
+
+#[test]
+fn ray_meets_a_copy_of_a_copy_where_it_stands() {
+    let mut description = empty();
+    description.groups = vec![
+        GroupDescription {
+            shapes: vec![shape(unit_sphere(), translate(0.0, 0.0, 1.0))],
+            ..Default::default()
+        },
+        GroupDescription {
+            instances: vec![InstanceDescription {
+                group: 0,
+                to_parent: DMat4::from_scale(DVec3::splat(2.0)),
+                location: None,
+            }],
+            ..Default::default()
+        },
+    ];
+    description.world.instances =
+        vec![InstanceDescription { group: 1, to_parent: translate(5.0, 0.0, 0.0), location: None }];
+    let scene = resolve(description);
+    // The sphere about (0, 0, 1) grows to radius 2 about (0, 0, 2) and moves to (5, 0, 2).
+    let hit = scene.intersect(&Ray::new(DVec3::new(0.0, 0.0, 2.0), DVec3::X), f64::INFINITY).unwrap();
+    assert!((hit.t - 3.0).abs() < 1e-12);
+    assert!((hit.point.position - DVec3::new(3.0, 0.0, 2.0)).length() < 1e-12);
+    assert!((hit.point.normal + DVec3::X).length() < 1e-12);
+    assert!((hit.wo + DVec3::X).length() < 1e-15);
+    assert!(scene.occluded(&Ray::new(DVec3::new(0.0, 0.0, 2.0), DVec3::X), 3.1));
+    assert!(!scene.occluded(&Ray::new(DVec3::new(0.0, 0.0, 2.0), DVec3::X), 2.9));
+    let statistics = scene.statistics();
+    assert_eq!((statistics.groups, statistics.instances, statistics.surfaces["sphere"]), (2, 2, 1));
+}
+
+#[test]
+fn every_copy_of_a_shining_shape_is_a_light() {
+    let mut description = empty();
+    description.groups = vec![GroupDescription {
+        shapes: vec![shining(unit_sphere(), DMat4::IDENTITY), shape(disk(3.0), DMat4::IDENTITY)],
+        ..Default::default()
+    }];
+    for x in [-10.0, 10.0] {
+        description.world.instances.push(InstanceDescription {
+            group: 0,
+            to_parent: translate(x, 0.0, 0.0),
+            location: None,
+        });
+    }
+    let scene = resolve(description);
+    assert_eq!(scene.lights().len(), 2);
+    for (x, light) in [(-10.0, LightId(0)), (10.0, LightId(1))] {
+        let hit = scene.intersect(&Ray::new(DVec3::new(x, 0.0, 5.0), -DVec3::Z), f64::INFINITY).unwrap();
+        assert_eq!(hit.light(), Some(light));
+        assert_eq!(scene.emitted(&hit, hit.wo).max_component(), 2.0);
+        let beside =
+            scene.intersect(&Ray::new(DVec3::new(x + 2.0, 0.0, 5.0), -DVec3::Z), f64::INFINITY).unwrap();
+        assert_eq!(beside.light(), None);
+    }
+}
+
+/// Mean of 1 / pdf over a grid of samples: the solid angle that the light fills.
+fn solid_angle(scene: &Scene, from: &Interaction, n: u32) -> f64 {
+    let mut sum = 0.0;
+    for i in 0..n * n {
+        let xi = (DVec2::new(f64::from(i % n), f64::from(i / n)) + 0.5) / f64::from(n);
+        if let Some(sample) = scene.sample_light(LightId(0), from, xi, &Wavelengths::default()) {
+            assert!((sample.wi.length() - 1.0).abs() < 1e-12);
+            sum += 1.0 / sample.pdf.0;
+            check_sample_against_hit(scene, from, &sample);
+        }
+    }
+    sum / f64::from(n * n)
+}
+
+/// The ray towards the sample meets the light, with the density that was stated, and nothing before it.
+fn check_sample_against_hit(scene: &Scene, from: &Interaction, sample: &glanz_scene::LightSample) {
+    assert!(!scene.occluded(&sample.shadow, sample.t_max), "{sample:?}");
+    // At the rim a ray within rounding may pass by.
+    if let Some(hit) = scene.intersect(&from.spawn(sample.wi), f64::INFINITY) {
+        let pdf = scene.light_pdf(LightId(0), &from.reference(), &hit);
+        assert!((pdf.0 / sample.pdf.0 - 1.0).abs() < 1e-5, "{pdf:?} {sample:?}");
+    }
+}
+
+#[test]
+fn light_samples_fill_the_solid_angle_of_the_light() {
+    // The observer at the origin is seen from below, the light is behind it at z = 4: light samples ignore cosines.
+    let h: f64 = 4.0;
+    let down = translate(0.0, 0.0, h) * DMat4::from_rotation_x(PI);
+    let stretched = translate(0.0, 0.0, h) * DMat4::from_scale(DVec3::new(1.0, 1.0, 2.0));
+    let of_cone = |sin: f64| TAU * (1.0 - (1.0 - sin * sin).sqrt());
+    // An ellipsoid with half axes 1, 1, 2 on the axis seen from distance 4: shrink z by 2; a sphere of radius 1 at 2,
+    // whose cone has tan = 1 / sqrt(3) there and 1 / (2 sqrt 3) here.
+    let tan: f64 = 1.0 / (2.0 * 3.0_f64.sqrt());
+    let of_ellipsoid = of_cone(tan / (1.0 + tan * tan).sqrt());
+    let square_solid_angle = 4.0 * (0.25 / (h * (h * h + 0.5).sqrt())).atan();
+    let of_disk = |r: f64| TAU * (1.0 - h / (h * h + r * r).sqrt());
+    for (name, light, expected, tolerance) in [
+        ("sphere", shining(unit_sphere(), translate(0.0, 0.0, h)), of_cone(1.0 / h), 1e-12),
+        ("ellipsoid", shining(unit_sphere(), stretched), of_ellipsoid, 0.02),
+        ("disk", shining(disk(1.5), down), of_disk(1.5), 1e-3),
+        ("square", shining(square(), down), square_solid_angle, 1e-3),
+    ] {
+        let scene = resolve(with_shapes(vec![shape(disk(0.1), DMat4::IDENTITY), light]));
+        let from = observer(&scene);
+        let found = solid_angle(&scene, &from, 128);
+        assert!((found / expected - 1.0).abs() < tolerance, "{name}: {found} instead of {expected}");
+    }
+}
+
+#[test]
+fn sphere_light_around_the_observer_fills_every_direction() {
+    let mut light = shining(unit_sphere(), DMat4::from_scale(DVec3::splat(2.0)));
+    light.reverse_orientation = true;
+    let scene = resolve(with_shapes(vec![shape(disk(0.1), DMat4::IDENTITY), light]));
+    let ray = Ray::new(DVec3::new(0.0, 0.0, -1.0), DVec3::Z);
+    let from = scene.intersect(&ray, f64::INFINITY).unwrap();
+    let found = solid_angle(&scene, &from, 64);
+    assert!((found / (2.0 * TAU) - 1.0).abs() < 1e-3, "{found}");
+}
+
+#[test]
+fn power_replaces_the_magnitude_of_the_radiance() {
+    let mut light = shining(disk(1.0), DMat4::from_scale(DVec3::splat(3.0)));
+    if let Some(emission) = &mut light.emission {
+        emission.power = Some(EmissionPower::Watts(90.0));
+    }
+    let scene = resolve(with_shapes(vec![light]));
+    let Light::Area(light) = &scene.lights()[0] else { panic!("not an area light") };
+    // Power = pi L A, A = pi 3^2.
+    let hit = scene.intersect(&Ray::new(DVec3::new(1.0, 1.0, 5.0), -DVec3::Z), f64::INFINITY).unwrap();
+    let radiance = scene.emitted(&hit, hit.wo).luminance(&Wavelengths::default());
+    let back = scene.intersect(&Ray::new(DVec3::new(1.0, 1.0, -5.0), DVec3::Z), f64::INFINITY).unwrap();
+    assert!((f64::from(radiance) / (90.0 / (PI * PI * 9.0)) - 1.0).abs() < 1e-3, "{radiance}");
+    assert!((light.area().unwrap() / (PI * 9.0) - 1.0).abs() < 1e-3);
+    assert!(scene.emitted(&back, back.wo).is_black());
+}
+
+#[test]
+fn mirrored_meshes_keep_their_outside_outside() {
+    for (scale, reversed) in [(1.0, false), (-1.0, false), (1.0, true), (-1.0, true)] {
+        let mut square = shape(square(), DMat4::from_scale(DVec3::new(scale, 1.0, 1.0)));
+        square.reverse_orientation = reversed;
+        let scene = resolve(with_shapes(vec![square]));
+        let hit = scene.intersect(&Ray::new(DVec3::new(0.1, 0.2, 1.0), -DVec3::Z), f64::INFINITY).unwrap();
+        let expected = if reversed { -DVec3::Z } else { DVec3::Z };
+        assert_eq!(hit.point.normal, expected, "scale {scale}, reversed {reversed}");
+    }
+}
+
+#[test]
+fn small_meshes_keep_number_material_and_side_when_joined() {
+    let mut description = with_shapes(Vec::new());
+    description.materials.push(MaterialDescription {
+        name: "black".to_owned(),
+        kind: MaterialKind::Diffuse {
+            reflectance: SpectrumInput::Value(SpectralDistribution::Constant(0.0)),
+        },
+        location: None,
+    });
+    for i in 0..6 {
+        let mut square = shape(square(), translate(2.0 * f64::from(i), 0.0, 0.0));
+        square.reverse_orientation = i % 2 == 1;
+        square.material = (i % 2) as usize;
+        description.world.shapes.push(square);
+    }
+    // A light among them is picked by its own number.
+    description.world.shapes.insert(3, shining(square(), translate(6.0, 2.0, 0.0)));
+    let scene = resolve(description);
+    assert_eq!(scene.statistics().surfaces["trianglemesh"], 7);
+    for i in 0..6_u32 {
+        let ray = Ray::new(DVec3::new(2.0 * f64::from(i) + 0.25, 0.125, 1.0), -DVec3::Z);
+        let hit = scene.intersect(&ray, f64::INFINITY).unwrap();
+        assert_eq!(hit.id, if i < 3 { i } else { i + 1 });
+        assert_eq!(hit.point.normal.z, if i % 2 == 1 { -1.0 } else { 1.0 });
+        let bsdf = hit.bsdf(&scene, &Wavelengths::default()).unwrap();
+        assert_eq!(bsdf.albedo(DVec3::Z).is_black(), i % 2 == 1);
+        assert_eq!(hit.light(), None);
+    }
+    let ray = Ray::new(DVec3::new(6.0, 2.0, 1.0), -DVec3::Z);
+    let hit = scene.intersect(&ray, f64::INFINITY).unwrap();
+    assert_eq!((hit.id, hit.light()), (3, Some(LightId(0))));
+    let from = scene.intersect(&Ray::new(DVec3::new(0.25, 0.125, 1.0), -DVec3::Z), f64::INFINITY).unwrap();
+    assert!(scene.light_pdf(LightId(0), &from.reference(), &hit).0 >= 0.0);
+}
+
+#[test]
+fn endless_plane_is_found_beside_bounded_things() {
+    let plane = GeometryDescription::Plane {
+        x: [f64::NEG_INFINITY, f64::INFINITY],
+        y: [f64::NEG_INFINITY, f64::INFINITY],
+    };
+    let scene = resolve(with_shapes(vec![
+        shape(unit_sphere(), DMat4::IDENTITY),
+        shape(plane, translate(0.0, 0.0, -1.0)),
+    ]));
+    let far = scene.intersect(&Ray::new(DVec3::new(1e6, 0.0, 9.0), -DVec3::Z), f64::INFINITY).unwrap();
+    assert_eq!((far.t, far.id), (10.0, 1));
+    let near = scene.intersect(&Ray::new(DVec3::new(0.0, 0.0, 9.0), -DVec3::Z), f64::INFINITY).unwrap();
+    assert_eq!((near.t, near.id), (8.0, 0));
+    assert!(scene.bounds().is_finite());
+}
+
+#[test]
+fn infinite_light_samples_follow_the_cosine_on_the_side_of_the_viewer() {
+    let mut description = with_shapes(vec![shape(disk(1.0), DMat4::IDENTITY)]);
+    description.lights.push(LightDescription {
+        kind: LightKind::Infinite,
+        emission: SpectralDistribution::Constant(1.0),
+        scale: 3.0,
+        to_world: DMat4::IDENTITY,
+        location: None,
+    });
+    let scene = resolve(description);
+    let from = observer(&scene);
+    let sample = scene
+        .sample_light(scene.infinite_lights()[0], &from, DVec2::new(0.3, 0.6), &Wavelengths::default())
+        .unwrap();
+    assert!(sample.wi.z < 0.0);
+    assert!((sample.pdf.0 - -sample.wi.z / PI).abs() < 1e-12);
+    assert!((sample.radiance.luminance(&Wavelengths::default()) - 3.0).abs() < 0.01);
+    assert!(
+        (scene.escaped(&sample.shadow).max_component() / sample.radiance.max_component() - 1.0).abs() < 1e-6
+    );
+}
+
+#[test]
+fn faults_are_told_with_their_place() {
+    let singular = with_shapes(vec![shape(unit_sphere(), DMat4::ZERO)]);
+    let error = Scene::resolve(singular).unwrap_err();
+    assert_eq!(error.location, Some(HERE));
+    assert!(matches!(error.kind, SceneErrorKind::Transform { what: "shape", .. }));
+
+    let mut no_material = with_shapes(vec![shape(unit_sphere(), DMat4::IDENTITY)]);
+    no_material.materials.clear();
+    assert!(matches!(Scene::resolve(no_material).unwrap_err().kind, SceneErrorKind::Reference { .. }));
+
+    let negative = GeometryDescription::Sphere { radius: -1.0, z: [-1.0, 1.0], phi_max: TAU };
+    let error = Scene::resolve(with_shapes(vec![shape(negative, DMat4::IDENTITY)])).unwrap_err();
+    assert!(matches!(error.kind, SceneErrorKind::Surface(_)), "{error}");
+
+    let huge = with_shapes(vec![shape(unit_sphere(), DMat4::from_scale(DVec3::splat(1e31)))]);
+    assert!(matches!(Scene::resolve(huge).unwrap_err().kind, SceneErrorKind::Range { .. }));
+
+    let mut deep = empty();
+    for level in 0..20 {
+        let mut group = GroupDescription::default();
+        if level == 0 {
+            group.shapes.push(shape(unit_sphere(), DMat4::IDENTITY));
+        } else {
+            group.instances.push(InstanceDescription {
+                group: level - 1,
+                to_parent: DMat4::IDENTITY,
+                location: Some(HERE),
+            });
+        }
+        deep.groups.push(group);
+    }
+    let error = Scene::resolve(deep).unwrap_err();
+    assert!(matches!(error.kind, SceneErrorKind::Nesting(_)));
+}
+
+#[test]
+fn degenerate_triangles_are_left_out_and_told() {
+    let mut description = with_shapes(vec![shape(square(), DMat4::IDENTITY)]);
+    if let GeometryDescription::Triangles { indices, .. } = &mut description.world.shapes[0].geometry {
+        indices.push([1, 1, 2]);
+    }
+    let (scene, warnings) = Scene::resolve(description).unwrap();
+    assert_eq!(scene.statistics().triangles, 2);
+    assert_eq!(warnings.len(), 1);
+    assert_eq!(warnings[0].location, Some(HERE));
+}
+
+#[test]
+fn spectra_outside_the_gamut_take_no_light_away_but_negative_light_is_refused() {
+    let infinite = |emission: SpectralDistribution, scale: f32| Description {
+        lights: vec![LightDescription {
+            kind: LightKind::Infinite,
+            emission,
+            scale,
+            to_world: DMat4::IDENTITY,
+            location: Some(HERE),
+        }],
+        ..empty()
+    };
+    let ember = SpectralDistribution::try_blackbody(1200.0, 1.0).unwrap();
+    let laser = SpectralDistribution::try_sampled(vec![(500.0, 0.0), (505.0, 9.0), (510.0, 0.0)]).unwrap();
+    for (spectrum, negative) in [(&ember, 2), (&laser, 0)] {
+        let colour = spectrum.radiance(&Wavelengths::Rgb).to_rgb(&Wavelengths::Rgb);
+        assert!(colour[negative] < 0.0);
+        let scene = resolve(infinite(spectrum.clone(), 2.0));
+        let Some(Light::Infinite(light)) = scene.lights().first() else { unreachable!() };
+        assert_eq!(light.radiance().to_rgb(&Wavelengths::Rgb), colour.map(|x| 2.0 * x.max(0.0)));
+    }
+    let dark = SpectralDistribution::try_sampled(vec![(500.0, -1.0)]).unwrap();
+    let cold = SpectralDistribution::try_blackbody(3000.0, -1.0).unwrap();
+    let colour = SpectralDistribution::Rgb([1.0, 1.0, -0.1]);
+    for (emission, scale) in [(ember, -1.0), (dark, 1.0), (cold, 1.0), (colour, 1.0)] {
+        let error = Scene::resolve(infinite(emission, scale)).unwrap_err();
+        assert_eq!(error.location, Some(HERE));
+        assert!(matches!(error.kind, SceneErrorKind::Range { .. }), "{error:?}");
+    }
+}
+
+#[test]
+fn thin_glass_lets_a_ray_straight_through() {
+    let sine = 0.6;
+    // A pane does not turn the ray, a solid turns it by the law of refraction.
+    for (thin, sine_inside) in [(true, sine), (false, sine / 1.5)] {
+        let one = || SpectrumInput::Value(SpectralDistribution::Constant(1.0));
+        let kind = MaterialKind::Dielectric {
+            eta: FloatInput::Value(1.5),
+            reflectance: one(),
+            transmittance: one(),
+            thin,
+        };
+        let mut description = with_shapes(vec![shape(disk(1.0), DMat4::IDENTITY)]);
+        description.materials[0].kind = kind;
+        let scene = resolve(description);
+        let hit = observer(&scene);
+        let bsdf = hit.bsdf(&scene, &Wavelengths::default()).unwrap();
+        let wo = DVec3::new(sine, 0.0, 0.8);
+        let branches = bsdf.delta_branches(wo, TransportMode::Radiance);
+        let through = branches.iter().flatten().find(|branch| branch.wi.z < 0.0).unwrap();
+        assert!((through.wi.x + sine_inside).abs() < 1e-6, "{:?}", through.wi);
+    }
+}
+
+#[test]
+fn another_camera_sees_the_same_scene_from_elsewhere() {
+    let scene = resolve(with_shapes(vec![shining(unit_sphere(), DMat4::IDENTITY)]));
+    let film = FilmDescription { resolution: [2, 2], ..FilmDescription::default() };
+    let to_world = DMat4::from_translation(DVec3::new(0.0, 0.0, -5.0));
+    let camera = CameraDescription { to_world, ..CameraDescription::default() };
+    let other = scene.with_camera(Camera::try_new(&camera, &film).unwrap());
+    let [here, there] = [&scene, &other].map(|s| s.camera().ray(DVec2::ONE, DVec2::ZERO));
+    assert_eq!((here.origin, there.origin), (DVec3::ZERO, DVec3::new(0.0, 0.0, -5.0)));
+    // The sphere about the origin ends 4 m in front of the other camera. Lists at the same address are one list.
+    assert_eq!(other.intersect(&there, f64::INFINITY).map(|hit| hit.t), Some(4.0));
+    assert!(
+        std::ptr::eq(scene.lights(), other.lights()) && std::ptr::eq(scene.materials(), other.materials())
+    );
+    assert_eq!(scene.bounds(), other.bounds());
+}

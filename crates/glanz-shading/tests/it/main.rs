@@ -1,0 +1,3 @@
+//! BSDFs, checked from outside.
+
+mod contract;

@@ -1,0 +1,305 @@
+//! Paths from lamps: the same picture as `path` where that finds the light, closed forms where it does not.
+//!
+//! Seeds are fixed. Averages may differ by three standard errors: one fair comparison in 370 fails, and there are some sixty. Per pixel the mean
+//! of the squared difference over its variance is 1 if variances are known; the bound of 1.5 is 5 standard deviations of that mean over some
+//! 100 pixels with three bands that tell the same.
+
+use std::sync::Arc;
+
+use std::f64::consts::{PI, TAU};
+
+use crate::common::*;
+use glanz_light::intensity::{AngularSystem, Distribution, Opening, OpeningShape, Symmetry};
+use glanz_math::{DMat4, DVec2, DVec3};
+use glanz_scene::description::*;
+use glanz_transport::{Film, RenderError};
+
+fn glossy() -> MaterialKind {
+    MaterialKind::Phong {
+        ambient: grey(0.0),
+        diffuse: grey(0.3),
+        specular: grey(0.6),
+        exponent: FloatInput::Value(30.0),
+    }
+}
+
+fn mirror(reflectance: f32) -> MaterialKind {
+    MaterialKind::Mirror { reflectance: grey(reflectance) }
+}
+
+/// A floor and a back wall, in front of them a grey and a glossy ball; no light.
+fn corner() -> Builder {
+    Builder::looking(DVec3::new(-3.0, 0.3, 1.2), DVec3::new(0.0, 0.0, 0.3), [12, 9], 0.9)
+        .shape(
+            rectangle(DVec3::new(-2.0, -2.0, 0.0), DVec3::X * 4.0, DVec3::Y * 4.0),
+            DMat4::IDENTITY,
+            diffuse(0.6),
+        )
+        .shape(
+            rectangle(DVec3::new(2.0, -2.0, 0.0), DVec3::Z * 2.0, DVec3::Y * 4.0),
+            DMat4::IDENTITY,
+            diffuse(0.5),
+        )
+        .shape(sphere(0.4), at(0.2, 0.6, 0.4), diffuse(0.7))
+        .shape(sphere(0.4), at(0.0, -0.5, 0.4), glossy())
+}
+
+/// A lamp that faces down, out of sight.
+fn lamp(builder: Builder) -> Builder {
+    builder
+        .shape(disk(0.4), at(-0.3, 0.0, 2.6) * DMat4::from_rotation_x(PI), diffuse(0.2))
+        .shining([19.0, 17.0, 13.0])
+}
+
+fn lens(mut builder: Builder) -> Builder {
+    builder.0.camera.lens_radius = 0.1;
+    builder.0.camera.focal_distance = 2.5;
+    builder
+}
+
+fn parallel(mut builder: Builder) -> Builder {
+    builder.0.camera.kind = CameraKind::Orthographic;
+    builder
+}
+
+/// Fails unless `light` and `path` make the same picture.
+fn compare(name: &str, scene: &Builder, depth: u32, samples: u32, largest_error: f64) {
+    let path = Run { seed: 5, ..Run::new("path", depth, samples) }.picture(scene);
+    let light = Run { seed: 6, ..Run::new("light", depth, samples) }.picture(scene);
+    let spread = assert_same(&path, &light, largest_error, name);
+    println!("{name}: {spread:.2}, averages {:?} {:?}", path.average(1), light.average(1));
+    assert!(spread < 1.5, "{name}: mean Z^2 of pixels {spread}");
+}
+
+#[test]
+fn lamps_of_every_kind_light_the_same_picture() {
+    let spot = LightKind::Spot {
+        from: DVec3::new(-1.0, 1.0, 2.0),
+        to: DVec3::new(0.2, 0.0, 0.2),
+        cone_angle: 0.6,
+        inner_angle: 0.2,
+        falloff: SpotFalloff::Smoothstep,
+    };
+    let fading = LightKind::Point { from: DVec3::new(-0.5, 0.0, 1.2), range: Some(2.5) };
+    let luminaire = |opening| {
+        let (polars, candela) = (vec![0.0, 60.0, 180.0], vec![4000.0, 3000.0, 500.0]);
+        let all_round = Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], polars, candela);
+        let from = DVec3::new(-0.5, 0.0, 1.2);
+        LightKind::Photometric { distribution: Arc::new(all_round.unwrap()), opening, from }
+    };
+    let plate = Opening { shape: OpeningShape::Rectangle, size: [0.4, 0.2, 0.0] };
+    let distant = LightKind::Distant { from: DVec3::new(-1.0, 0.4, 2.0), to: DVec3::ZERO };
+    let ball = corner().shape(sphere(0.2), at(-0.4, 0.2, 2.5), diffuse(0.0)).shining([50.0; 3]);
+    for (name, scene) in [
+        ("disk", lamp(corner())),
+        ("ball", ball),
+        ("fading point", corner().light(fading.clone(), 3.0)),
+        ("spot", corner().light(spot.clone(), 8.0)),
+        ("luminaire", corner().light(luminaire(None), 1.0)),
+        ("luminaire with a size", corner().light(luminaire(Some(plate)), 1.0)),
+        ("distant", corner().light(distant.clone(), 2.0)),
+        ("infinite", corner().light(LightKind::Infinite, 0.5)),
+        (
+            "all",
+            lamp(corner())
+                .light(fading, 2.0)
+                .light(spot, 4.0)
+                .light(distant, 1.0)
+                .light(LightKind::Infinite, 0.2),
+        ),
+    ] {
+        compare(name, &scene, 4, 400, 0.02);
+    }
+}
+
+#[test]
+fn lenses_and_parallel_projection_see_the_same_picture() {
+    let scene = lamp(corner());
+    compare("lens", &lens(scene.clone()), 4, 400, 0.02);
+    compare("parallel", &parallel(scene.clone()), 4, 400, 0.02);
+    compare("parallel lens", &lens(parallel(scene.clone())), 4, 400, 0.02);
+    let mut stretched = lens(scene);
+    stretched.0.camera.to_world *= DMat4::from_scale(DVec3::new(-1.3, 0.8, 1.1));
+    compare("mirrored and stretched camera", &stretched, 4, 400, 0.02);
+}
+
+#[test]
+fn depth_means_the_same() {
+    for depth in [0, 1, 2, 3] {
+        // The lamp itself is seen.
+        let mut scene = lamp(corner());
+        scene.0.camera.kind = CameraKind::Perspective { field_of_view: 2.0 };
+        compare(&format!("depth {depth}"), &scene, depth, 300, 0.15);
+    }
+}
+
+#[test]
+fn endless_planes_and_skies_agree() {
+    // Most of what is seen is beyond the sphere that rays from the sky aim at.
+    let scene = Builder::looking(DVec3::new(-3.0, 0.3, 1.0), DVec3::new(0.0, 0.0, 0.3), [12, 9], 1.4)
+        .shape(plane(), DMat4::IDENTITY, diffuse(0.6))
+        .shape(sphere(0.4), at(0.2, 0.6, 0.4), mirror(0.9))
+        .shape(sphere(0.4), at(0.0, -0.5, 0.4), glass())
+        .light(LightKind::Infinite, 0.6)
+        .light(LightKind::Distant { from: DVec3::new(-1.0, 0.4, 2.0), to: DVec3::ZERO }, 0.3);
+    compare("sky", &scene, 3, 400, 0.02);
+}
+
+#[test]
+fn interpolated_normals_scatter_the_light_of_both_ways_alike() {
+    // Octahedra with the normals of spheres: the adjoint BSDF differs from the BSDF nearly everywhere.
+    let positions = vec![DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z];
+    let mut indices = Vec::new();
+    for (x, y, z) in [(0, 2, 4), (0, 2, 5), (0, 3, 4), (0, 3, 5), (1, 2, 4), (1, 2, 5), (1, 3, 4), (1, 3, 5)]
+    {
+        indices.push(if (x + y + z) % 2 == 0 { [x, y, z] } else { [y, x, z] });
+    }
+    let round =
+        GeometryDescription::Triangles { normals: Some(positions.clone()), positions, indices, uvs: None };
+    for kind in [diffuse(0.8), glossy(), mirror(0.9)] {
+        let name = format!("octahedra {kind:?}");
+        let place = |y| at(0.1, y, 0.45) * DMat4::from_scale(DVec3::splat(0.45));
+        let scene = lamp(
+            Builder::looking(DVec3::new(-3.0, 0.3, 1.2), DVec3::new(0.0, 0.0, 0.3), [12, 9], 0.9)
+                .shape(
+                    rectangle(DVec3::new(-2.0, -2.0, 0.0), DVec3::X * 4.0, DVec3::Y * 4.0),
+                    DMat4::IDENTITY,
+                    diffuse(0.6),
+                )
+                .shape(round.clone(), place(0.5), kind.clone())
+                .shape(round.clone(), place(-0.5), kind),
+        );
+        compare(&name, &scene, 4, 600, 0.02);
+    }
+}
+
+#[test]
+fn signed_filters_and_crop_windows_are_heeded() {
+    let mut scene = lamp(corner());
+    scene.0.filter =
+        FilterDescription { kind: FilterKind::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }, radius: [2.0, 2.0] };
+    compare("filter", &scene, 3, 600, 0.02);
+    scene.0.film.crop = [0.3, 0.8, 0.2, 0.9];
+    compare("crop", &scene, 3, 1000, 0.02);
+}
+
+#[test]
+fn lamps_behind_borders_and_lamps_without_sampling_agree() {
+    let wrapped = lamp(corner())
+        .shape(sphere(0.6), at(-0.3, 0.0, 2.6), MaterialKind::Interface)
+        .shape(sphere(0.6), at(0.0, -0.5, 0.4), MaterialKind::Interface)
+        .shape(sphere(0.5), at(-3.0, 0.3, 1.2), MaterialKind::Interface);
+    compare("borders", &wrapped, 3, 400, 0.02);
+    // Nobody picks points on an algebraic surface: a ball by its equation.
+    let square = |axis: usize| (std::array::from_fn(|i| if i == axis { 2 } else { 0 }), 1.0);
+    let ball = GeometryDescription::Algebraic {
+        terms: vec![square(0), square(1), square(2), ([0, 0, 0], -0.25)],
+        clip: [DVec3::splat(-1.0), DVec3::splat(1.0)],
+    };
+    let scene = corner().shape(ball, at(-0.4, 0.5, 1.2), diffuse(0.0)).shining([3.0; 3]);
+    compare("algebraic lamp", &scene, 3, 600, 0.05);
+}
+
+#[test]
+fn glass_throws_the_light_that_path_finds_by_chance() {
+    let scene = Builder::looking(DVec3::new(-1.5, 0.0, 0.7), DVec3::ZERO, [10, 10], 0.5)
+        .shape(disk(3.0), DMat4::IDENTITY, diffuse(0.6))
+        .shape(sphere(0.4), at(0.0, 0.0, 1.0), glass())
+        .shape(sphere(0.1), at(0.3, 0.0, 3.0), diffuse(0.0))
+        .shining([250.0, 200.0, 150.0]);
+    let path = Run { seed: 5, ..Run::new("path", 6, 8000) }.picture(&scene);
+    let light = Run { seed: 6, ..Run::new("light", 6, 1000) }.picture(&scene);
+    let spread = assert_same(&path, &light, 0.05, "glass");
+    assert!(spread < 1.5, "mean Z^2 of pixels {spread}");
+    // With eight times the samples `path` would have an eighth of the variance if both were as good.
+    let sum = |picture: &Picture| picture.variance[1].iter().sum::<f64>();
+    println!("variance of path with 8 times the samples {}, of light {}", sum(&path), sum(&light));
+    assert!(sum(&light) < sum(&path), "{} {}", sum(&light), sum(&path));
+}
+
+/// Means over each pixel of `radiance` on the floor z = 0, 16 x 16 points.
+fn floor_picture(scene: &Builder, radiance: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    let [width, height] = scene.0.film.resolution;
+    let camera = scene.scene().camera().clone();
+    let mut means = Vec::new();
+    for y in 0..height {
+        for x in 0..width {
+            let mut sum = 0.0;
+            for i in 0..256 {
+                let inside = (DVec2::new(f64::from(i % 16), f64::from(i / 16)) + 0.5) / 16.0;
+                let ray = camera.ray(DVec2::new(f64::from(x), f64::from(y)) + inside, DVec2::ZERO);
+                let p = ray.at(-ray.origin.z / ray.direction.z);
+                sum += radiance(p.x, p.y);
+            }
+            means.push(sum / 256.0);
+        }
+    }
+    means
+}
+
+/// Fails unless pixels are `expected` within 4.5 standard errors each (7e-6 by chance) and 1 % of the brightest stated.
+fn assert_pixels(picture: &Picture, expected: &[f64], name: &str) {
+    let brightest = expected.iter().copied().fold(0.0, f64::max);
+    for (i, &expected) in expected.iter().enumerate() {
+        let (mean, error) = (picture.mean[0][i], picture.variance[0][i].sqrt());
+        assert!(error < 0.02 * brightest, "{name}: pixel {i} has a standard error of {error}");
+        assert!(
+            (mean - expected).abs() <= 4.5 * error,
+            "{name}: pixel {i} is {mean} +- {error}, not {expected}"
+        );
+    }
+}
+
+#[test]
+fn flat_mirror_adds_the_light_of_the_image_source() {
+    let (rho, reflectance, intensity, h, ceiling) = (0.5_f32, 0.8_f32, 3.0_f32, 1.0, 1.5);
+    let scene = Builder::looking(DVec3::new(-2.0, 0.2, 1.2), DVec3::new(0.1, 0.0, 0.0), [6, 5], 0.6)
+        .shape(disk(40.0), DMat4::IDENTITY, diffuse(rho))
+        .shape(disk(200.0), at(0.0, 0.0, ceiling), mirror(reflectance))
+        .point_light(DVec3::new(0.0, 0.0, h), intensity);
+    // I h / d^3 of the lamp and of its image, 2 x 1.5 - 1 = 2 above the floor. Depth 2: the mirror and the floor.
+    let lit = |height: f64, x: f64, y: f64| {
+        f64::from(intensity) * height / (height * height + x * x + y * y).powf(1.5)
+    };
+    let image = 2.0 * ceiling - h;
+    let expected = floor_picture(&scene, |x, y| {
+        f64::from(rho) / PI * (lit(h, x, y) + f64::from(reflectance) * lit(image, x, y))
+    });
+    assert_pixels(&Run::new("light", 2, 3000).picture(&scene), &expected, "flat mirror");
+    // A path from the camera cannot meet a point.
+    let direct = floor_picture(&scene, |x, y| f64::from(rho) / PI * lit(h, x, y));
+    assert_pixels(&Run::new("path", 2, 500).picture(&scene), &direct, "flat mirror by path");
+}
+
+#[test]
+fn parabolic_mirror_lights_the_floor_by_its_closed_form() {
+    let (rho, reflectance, intensity, f, height) = (0.5_f32, 0.9_f32, 2.0_f32, 0.25, 2.0);
+    // Apex up, at height + f; the focus at `height`. Radius 1 at a depth of r^2 / (4 f) = 1.
+    let bowl = GeometryDescription::Paraboloid { radius: 1.0, z: [0.0, 1.0], phi_max: TAU };
+    let scene = Builder::looking(DVec3::new(-2.0, 0.0, 1.1), DVec3::ZERO, [7, 5], 0.5)
+        .shape(disk(9.0), DMat4::IDENTITY, diffuse(rho))
+        .shape(bowl, at(0.0, 0.0, height + f) * DMat4::from_rotation_x(PI), mirror(reflectance))
+        .point_light(DVec3::new(0.0, 0.0, height), intensity);
+    // The rim, 1.25 above the floor, hides the lamp from what is farther out than this.
+    let edge = height / (height - 1.25);
+    // A ray under the angle t to the axis meets the mirror at r = 2 f tan(t / 2) and goes down at that radius: the flux
+    // 2 pi I sin t dt falls on the ring 2 pi r dr, which makes I / (f^2 (1 + r^2 / 4 f^2)^2).
+    let expected = floor_picture(&scene, |x, y| {
+        let r2 = x * x + y * y;
+        let ring = 1.0 + r2 / (4.0 * f * f);
+        let beam = if r2 < 1.0 { f64::from(reflectance) / (f * f * ring * ring) } else { 0.0 };
+        let direct = height / (height * height + r2).powf(1.5);
+        let lit = if r2.sqrt() < edge { direct } else { 0.0 };
+        f64::from(rho) / PI * f64::from(intensity) * (beam + lit)
+    });
+    assert_pixels(&Run::new("light", 2, 4000).picture(&scene), &expected, "parabolic mirror");
+}
+
+#[test]
+fn film_without_splats_is_refused() {
+    let (run, scene) = (Run::new("light", 3, 4), lamp(corner()));
+    let mut format = run.format(&scene.0);
+    format.splats = false;
+    let error = run.go_on(&scene, Film::try_new(format).unwrap(), 0..4, None);
+    assert!(matches!(error, Err(RenderError::Passes)));
+}

@@ -1,0 +1,17 @@
+//! Integrators, films and the render loop, checked from outside.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test that cannot set up its scene has failed, and prints figures to judge a failure by"
+)]
+
+mod common;
+mod furnace;
+mod grid;
+mod guided;
+mod light;
+mod particles;
+mod same_bits;
+mod stored;
+mod watched;

@@ -1,0 +1,96 @@
+//! Light from lamps against closed forms and its own books.
+
+use crate::common::*;
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::{DMat4, DVec3};
+use glanz_sampling::{PixelSampler, SamplerKind};
+use glanz_scene::Scene;
+use glanz_scene::description::MaterialKind;
+use glanz_transport::{Counters, End, send_particle};
+
+fn watts(spectrum: Spectrum) -> f64 {
+    f64::from(spectrum.luminance(&Wavelengths::default()))
+}
+
+/// Sums over particles, W of luminance.
+#[derive(Default)]
+struct Books {
+    emitted: f64,
+    arrived: f64,
+    absorbed: f64,
+    escaped: f64,
+    given_up: f64,
+    particles: f64,
+}
+
+impl Books {
+    fn of(scene: &Scene, particles: u32, max_events: u32) -> Self {
+        let mut books = Self { particles: f64::from(particles), ..Self::default() };
+        let mut counters = Counters::default();
+        for index in 0..particles {
+            let sampler = PixelSampler::new(SamplerKind::Sobol, particles, 5, [0, 0], index);
+            let (mut arrived, mut absorbed) = (0.0, 0.0);
+            let flight = send_particle(scene, sampler, max_events, &mut counters, |arrival| {
+                arrived += watts(arrival.arrived);
+                absorbed += watts(arrival.arrived) - watts(arrival.left);
+            });
+            let Some(flight) = flight else { continue };
+            books.emitted += watts(flight.emitted);
+            books.arrived += arrived;
+            books.absorbed += absorbed + watts(flight.faded);
+            match flight.end {
+                End::Absorbed => {}
+                End::Escaped { power, .. } => books.escaped += watts(power),
+                End::GivenUp(power) => books.given_up += watts(power),
+            }
+        }
+        books
+    }
+
+    fn assert_balance(&self) {
+        let ends = self.absorbed + self.escaped + self.given_up;
+        assert!((ends / self.emitted - 1.0).abs() < 1e-6, "{} of {}", ends, self.emitted);
+    }
+}
+
+#[test]
+fn integrating_sphere_is_lit_by_power_over_absorption() {
+    // Every bounce brings the share rho again: arrived = P (1 + rho + rho^2 + ...) = P / (1 - rho), P = 4 pi I.
+    for rho in [0.3_f32, 0.9, 0.98] {
+        let scene = Builder::looking(DVec3::ZERO, DVec3::X, [1, 1], 1.0)
+            .shape(sphere(2.0), DMat4::IDENTITY, diffuse(rho))
+            .point_light(DVec3::new(0.7, 0.2, -0.3), 1.0)
+            .scene();
+        let books = Books::of(&scene, 4096, 10_000);
+        books.assert_balance();
+        let power = 4.0 * std::f64::consts::PI;
+        assert!((books.emitted / books.particles / power - 1.0).abs() < 1e-6);
+        let ratio = books.arrived / books.emitted * f64::from(1.0 - rho);
+        // Roulette begins at a tenth: the number of bounces after that is geometric, its deviation about its mean, of
+        // at most a tenth of what arrives. 4096 particles: 0.1 / 64.
+        assert!((ratio - 1.0).abs() < 4.0 * 0.1 / 64.0, "{rho}: {ratio}");
+        assert_eq!(books.escaped, 0.0);
+    }
+}
+
+#[test]
+fn books_balance_whatever_stands_in_the_room() {
+    let phong = MaterialKind::Phong {
+        ambient: grey(0.0),
+        diffuse: rgb([0.5, 0.2, 0.1]),
+        specular: grey(0.3),
+        exponent: glanz_scene::description::FloatInput::Value(20.0),
+    };
+    let room = Builder::looking(DVec3::ZERO, DVec3::X, [1, 1], 1.0)
+        .shape(sphere(0.5), at(0.5, 0.0, -0.4), glass())
+        .shape(sphere(0.4), at(-0.6, 0.0, -0.4), phong)
+        .shape(disk(0.3), at(0.0, 0.0, 0.9), diffuse(0.5))
+        .reversed()
+        .shining([3.0, 2.0, 1.0]);
+    let open = Books::of(&room.scene(), 4096, 100);
+    open.assert_balance();
+    assert!(open.escaped > 0.1 * open.emitted);
+    let closed = Books::of(&room.shape(cuboid(1.0), DMat4::IDENTITY, diffuse(0.9)).scene(), 4096, 6);
+    closed.assert_balance();
+    assert!(closed.escaped == 0.0 && closed.given_up > 0.1 * closed.emitted);
+}

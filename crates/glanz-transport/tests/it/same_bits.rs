@@ -1,0 +1,293 @@
+//! A picture depends on scene, settings and seed, and on nothing else.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use crate::common::*;
+use glanz_math::{DMat4, DVec3};
+use glanz_sampling::SamplerKind;
+use glanz_scene::description::{FilterDescription, FilterKind, LightKind};
+use glanz_transport::{
+    AovSet, Checkpoint, Film, FilmError, Finished, MergeError, PictureIdentity, Progress, ProgressReport,
+    RenderError, RenderSettings, Silent, merge, render,
+};
+
+fn scene() -> Builder {
+    let mut builder = Builder::looking(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO, [37, 23], 0.9)
+        .shape(sphere(1.0), DMat4::IDENTITY, diffuse(0.6))
+        .shape(sphere(0.5), at(1.2, 0.0, -0.4), glass())
+        .shape(disk(1.0), at(-1.0, 0.0, 1.0), diffuse(0.3))
+        .light(LightKind::Infinite, 0.7)
+        .point_light(DVec3::new(2.0, 2.0, -3.0), 20.0);
+    builder.0.filter =
+        FilterDescription { kind: FilterKind::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }, radius: [2.0, 2.0] };
+    builder
+}
+
+fn runs() -> Vec<Run> {
+    let mut runs = Vec::new();
+    for (integrator, sampler) in [
+        ("path", SamplerKind::Sobol),
+        ("distributed", SamplerKind::Independent),
+        ("whitted", SamplerKind::Regular),
+        ("path", SamplerKind::Stratified),
+        ("light", SamplerKind::Sobol),
+    ] {
+        runs.push(Run { sampler, aovs: AovSet::ALL, ..Run::new(integrator, 5, 16) });
+    }
+    runs
+}
+
+/// Goes on with `film` under changed settings.
+fn go_on(
+    run: &Run,
+    film: Film,
+    change: impl FnOnce(&mut RenderSettings),
+    progress: &mut dyn Progress,
+    stop: &AtomicBool,
+) -> (Film, Finished) {
+    let builder = scene();
+    let mut settings = run.settings(&builder.0);
+    change(&mut settings);
+    let integrator = run.integrator_settings().build();
+    let outcome = render(&builder.scene(), integrator.as_ref(), &settings, film, progress, stop).unwrap();
+    (outcome.film, outcome.finished)
+}
+
+fn fresh(run: &Run) -> Film {
+    Film::try_new(run.format(&scene().0)).unwrap()
+}
+
+fn part(run: &Run, range: std::ops::Range<u32>) -> Film {
+    let (film, finished) =
+        go_on(run, fresh(run), |s| s.samples = range, &mut Silent, &AtomicBool::new(false));
+    assert_eq!(finished, Finished::Complete);
+    film
+}
+
+fn identity(run: &Run) -> PictureIdentity {
+    let builder = scene();
+    PictureIdentity {
+        scene: 99,
+        film: run.format(&builder.0),
+        filter: builder.0.filter,
+        integrator: run.integrator_settings(),
+        sampler: run.sampler,
+        seed: run.seed,
+        samples_per_pixel: 64,
+        guide: None,
+        version: PictureIdentity::current_version(),
+    }
+}
+
+#[test]
+fn number_of_threads_does_not_change_a_bit() {
+    for run in runs() {
+        let two = run.outcome(&scene()).film;
+        for threads in [1, 5] {
+            let other = Run { threads, ..run.clone() }.outcome(&scene()).film;
+            assert_eq!(other, two, "{}", run.name());
+            assert_eq!(other.to_pixels(), two.to_pixels());
+        }
+    }
+}
+
+#[test]
+fn odd_splits_and_their_order_do_not_change_a_bit() {
+    for run in runs() {
+        let whole = part(&run, 0..16);
+        let mut film = fresh(&run);
+        for range in [5..6, 11..16, 0..3, 3..5, 4..12] {
+            (film, _) = go_on(&run, film, |s| s.samples = range, &mut Silent, &AtomicBool::new(false));
+        }
+        assert_eq!(film, whole, "{}", run.name());
+    }
+}
+
+#[test]
+fn merged_halves_are_one_run() {
+    for run in runs() {
+        let whole = Checkpoint { identity: identity(&run), film: part(&run, 0..16) };
+        let halves = [9..16, 0..9].map(|range| {
+            let bytes = Checkpoint { identity: identity(&run), film: part(&run, range) }.to_bytes();
+            Checkpoint::from_bytes(&bytes).unwrap()
+        });
+        let merged = merge(halves.clone()).unwrap();
+        assert_eq!(merged.to_bytes(), whole.to_bytes());
+        let overlap = merge([halves[0].clone(), whole.clone()]).unwrap_err();
+        assert_eq!(overlap, MergeError::Overlap { first: 0, second: 1, samples: 9..16 });
+        let mut foreign = halves[1].clone();
+        foreign.identity.seed = 7;
+        let error = merge([halves[0].clone(), foreign]).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "part 1 does not go with the first: it is of another picture: the seed is 7, not 2"
+        );
+    }
+    assert_eq!(merge([]), Err(MergeError::Empty));
+}
+
+/// Asks to stop after some passes.
+struct Stopper<'a> {
+    after: u32,
+    stop: &'a AtomicBool,
+    reports: Vec<ProgressReport>,
+}
+
+impl Progress for Stopper<'_> {
+    fn report(&mut self, report: &ProgressReport) {
+        self.reports.push(*report);
+        self.after -= 1;
+        if self.after == 0 {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+#[test]
+fn interrupted_and_resumed_run_is_one_run() {
+    for run in runs() {
+        let whole = part(&run, 0..16);
+        let stop = AtomicBool::new(false);
+        let mut stopper = Stopper { after: 1, stop: &stop, reports: Vec::new() };
+        let (film, finished) = go_on(&run, fresh(&run), |_| {}, &mut stopper, &stop);
+        assert_eq!(finished, Finished::Interrupted);
+        assert_eq!(film.samples().total(), 1);
+        assert_eq!((stopper.reports[0].samples_done, stopper.reports[0].samples_wanted), (1, 16));
+        assert!(stopper.reports[0].fraction() < 1.0);
+        let saved = Checkpoint { identity: identity(&run), film }.to_bytes();
+        let resumed = Checkpoint::from_bytes(&saved).unwrap();
+        assert_eq!(resumed.identity.check(&identity(&run)), Ok(()));
+        let (film, finished) = go_on(&run, resumed.film, |_| {}, &mut Silent, &AtomicBool::new(false));
+        assert_eq!((&film, finished), (&whole, Finished::Complete));
+        // A finished one resumed is finished.
+        let (again, finished) = go_on(&run, film, |_| {}, &mut Silent, &AtomicBool::new(false));
+        assert_eq!((again, finished), (whole, Finished::Complete));
+    }
+}
+
+/// Counts checkpoints and remembers the last.
+#[derive(Default)]
+struct Saver(Vec<Film>);
+
+impl Progress for Saver {
+    fn report(&mut self, _: &ProgressReport) {}
+
+    fn checkpoint(&mut self, film: &Film) {
+        self.0.push(film.clone());
+    }
+}
+
+#[test]
+fn checkpoint_on_the_way_is_a_shorter_run() {
+    let run = &runs()[0];
+    let mut saver = Saver::default();
+    let (film, _) = go_on(
+        run,
+        fresh(run),
+        |s| s.checkpoint_interval = Some(Duration::ZERO),
+        &mut saver,
+        &AtomicBool::new(false),
+    );
+    // One before each pass but the first, which takes one sample.
+    assert_eq!(saver.0[0], part(run, 0..1));
+    for saved in &saver.0 {
+        let taken = saved.samples().total() as u32;
+        assert!(taken < 16);
+        assert_eq!(*saved, part(run, 0..taken));
+    }
+    assert_eq!(film, part(run, 0..16));
+}
+
+#[test]
+fn time_limit_ends_a_run_with_whole_passes() {
+    let run = Run { samples: 0..1_000_000, ..runs()[0].clone() };
+    let limit = Duration::from_millis(300);
+    let begun = std::time::Instant::now();
+    let (film, finished) =
+        go_on(&run, fresh(&run), |s| s.time_limit = Some(limit), &mut Silent, &AtomicBool::new(false));
+    assert_eq!(finished, Finished::TimeUp);
+    // Generous: the machine may be busy. All samples would take hours.
+    assert!(begun.elapsed() < 20 * limit);
+    let taken = film.samples().total() as u32;
+    assert_eq!(film, part(&run, 0..taken));
+    // No time at all: the first pass is still made.
+    let (film, finished) = go_on(
+        &run,
+        fresh(&run),
+        |s| s.time_limit = Some(Duration::ZERO),
+        &mut Silent,
+        &AtomicBool::new(false),
+    );
+    assert_eq!((film.samples().total(), finished), (1, Finished::TimeUp));
+}
+
+#[test]
+fn crop_window_is_a_part_of_the_whole_picture() {
+    let run = &runs()[0];
+    let whole = run.outcome(&scene()).film.to_pixels().unwrap();
+    let mut cropped = scene();
+    cropped.0.film.crop = [0.3, 0.8, 0.1, 0.6];
+    let film = run.outcome(&cropped).film;
+    let (crop, part) = (film.format().crop, film.to_pixels().unwrap());
+    for channel in part.channels() {
+        let full = whole.channel(&channel.name).unwrap();
+        for (i, [x, y]) in crop.pixels().enumerate() {
+            let expected = full[(y * whole.width() + x) as usize];
+            assert_eq!(channel.values[i].to_bits(), expected.to_bits(), "{} at {x} {y}", channel.name);
+        }
+    }
+}
+
+#[test]
+fn geometry_channels_tell_what_the_camera_sees() {
+    // Head on to a sphere of radius 1 at 4 m; the middle pixel sees its pole.
+    let builder = Builder::one_pixel(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO)
+        .shape(plane(), at(0.0, 0.0, 9.0), diffuse(0.2))
+        .shape(sphere(1.0), DMat4::IDENTITY, diffuse(0.6))
+        .light(LightKind::Infinite, 1.0);
+    for integrator in ["path", "distributed", "whitted"] {
+        let run = Run { aovs: AovSet::ALL, sampler: SamplerKind::Center, ..Run::new(integrator, 3, 3) };
+        let pixels = run.outcome(&builder).film.to_pixels().unwrap();
+        let value = |name: &str| pixels.channel(name).unwrap()[0];
+        let pole = DVec3::new(value("P.X").into(), value("P.Y").into(), value("P.Z").into());
+        assert!((pole + DVec3::Z).length() < 1e-15, "{pole}");
+        assert_eq!([value("N.Z"), value("Ns.Z"), value("Z")], [-1.0, -1.0, 3.0]);
+        assert_eq!([value("Albedo.R"), value("Albedo.B"), value("id")], [0.6, 0.6, 1.0]);
+        assert!(value("v") >= 0.0 && value("u") <= 1.0);
+    }
+}
+
+#[test]
+fn film_for_another_filter_is_refused() {
+    let run = &runs()[0];
+    let mut format = run.format(&scene().0);
+    format.signed = false;
+    let builder = scene();
+    let integrator = run.integrator_settings().build();
+    let error = render(
+        &builder.scene(),
+        integrator.as_ref(),
+        &run.settings(&builder.0),
+        Film::try_new(format).unwrap(),
+        &mut Silent,
+        &AtomicBool::new(false),
+    );
+    assert!(matches!(error, Err(RenderError::Filter)));
+}
+
+#[test]
+fn more_samples_than_the_sums_hold_are_refused() {
+    let run = Run { samples: 0..u32::MAX, ..runs()[0].clone() };
+    let builder = scene();
+    let integrator = run.integrator_settings().build();
+    let error = render(
+        &builder.scene(),
+        integrator.as_ref(),
+        &run.settings(&builder.0),
+        fresh(&run),
+        &mut Silent,
+        &AtomicBool::new(false),
+    );
+    assert!(matches!(error, Err(RenderError::Film(FilmError::Samples(4_294_967_295)))));
+}

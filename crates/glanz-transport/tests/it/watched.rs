@@ -1,0 +1,135 @@
+//! What a render tells in the midst of a pass, and how it ends there.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use crate::common::*;
+use glanz_math::{DMat4, DVec3};
+use glanz_scene::description::{FilterDescription, FilterKind, LightKind};
+use glanz_transport::{Film, FinishedTile, PixelRect, Progress, ProgressReport, RenderError, Watch, render};
+
+/// 37 x 23 pixels: six tiles, those at the right and lower border smaller than the others.
+const SIZE: [u32; 2] = [37, 23];
+
+fn scene() -> Builder {
+    let mut builder = Builder::looking(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO, SIZE, 0.9)
+        .shape(sphere(1.0), DMat4::IDENTITY, diffuse(0.6))
+        .light(LightKind::Infinite, 0.7);
+    // Its lobes are negative: some samples count against the mean.
+    builder.0.filter =
+        FilterDescription { kind: FilterKind::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }, radius: [2.0, 2.0] };
+    builder
+}
+
+fn expose(run: &Run, progress: &mut dyn Progress) -> Result<Film, RenderError> {
+    let builder = scene();
+    let film = Film::try_new(run.format(&builder.0)).unwrap();
+    let (settings, integrator) = (run.settings(&builder.0), run.integrator_settings().build());
+    let scene = builder.scene();
+    render(&scene, integrator.as_ref(), &settings, film, progress, &AtomicBool::new(false))
+        .map(|outcome| outcome.film)
+}
+
+/// Cancels when it has been asked so many times.
+#[derive(Default)]
+struct Impatient {
+    patience: u64,
+    asked: AtomicU64,
+    tiles: AtomicU64,
+    passes: u64,
+}
+
+impl Progress for Impatient {
+    fn report(&mut self, _: &ProgressReport) {
+        self.passes += 1;
+    }
+
+    fn watch(&self) -> &dyn Watch {
+        self
+    }
+}
+
+impl Watch for Impatient {
+    fn tile(&self, _: &FinishedTile<'_>) {
+        self.tiles.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.asked.fetch_add(1, Ordering::Relaxed) >= self.patience
+    }
+}
+
+#[test]
+fn a_cancelled_render_takes_no_further_sample() {
+    let pixels = u64::from(SIZE[0] * SIZE[1]);
+    for integrator in ["path", "guided", "light"] {
+        for (patience, passes) in [(0, 0), (1, 0), (300, 0), (pixels - 1, 0), (pixels + 300, 1)] {
+            let mut watch = Impatient { patience, ..Impatient::default() };
+            let outcome = expose(&Run::new(integrator, 5, 64), &mut watch);
+            assert!(matches!(outcome, Err(RenderError::Cancelled)), "{integrator} {patience}");
+            // It asks before every sample; once refused, at most once more per tile.
+            let asked = watch.asked.into_inner();
+            assert!(asked > patience && asked <= patience + 6, "{integrator}: {asked} after {patience}");
+            assert_eq!(watch.passes, passes, "{integrator} {patience}");
+        }
+    }
+}
+
+#[test]
+fn a_render_that_nobody_cancels_is_asked_before_every_sample() {
+    let mut watch = Impatient { patience: u64::MAX, ..Impatient::default() };
+    expose(&Run::new("path", 5, 8), &mut watch).unwrap();
+    assert_eq!(watch.asked.into_inner(), 8 * u64::from(SIZE[0] * SIZE[1]));
+    assert_eq!(watch.tiles.into_inner(), 6 * watch.passes);
+}
+
+/// Pixels, samples of each, radiance.
+type Tile = (PixelRect, u64, Vec<[f32; 3]>);
+
+/// Puts a picture together from tiles, and compares it with the film after each pass.
+#[derive(Default)]
+struct Mosaic {
+    tiles: Mutex<Vec<Tile>>,
+    compared: u64,
+}
+
+impl Progress for Mosaic {
+    fn report(&mut self, _: &ProgressReport) {}
+
+    fn exposed(&mut self, film: &Film) {
+        let pixels = film.to_pixels().unwrap();
+        let [red, green, blue] = ["R", "G", "B"].map(|name| pixels.channel(name).unwrap());
+        let tiles = std::mem::take(self.tiles.get_mut().unwrap());
+        assert_eq!(tiles.len(), 6);
+        let mut seen = 0;
+        for (rect, samples, values) in tiles {
+            assert_eq!(samples, film.samples().total());
+            for ([x, y], value) in rect.pixels().zip(&values) {
+                let at = (y * SIZE[0] + x) as usize;
+                assert_eq!(*value, [red[at], green[at], blue[at]], "{x} {y}");
+                seen += 1;
+            }
+            assert_eq!(values.len() as u64, rect.len());
+        }
+        assert_eq!(seen, SIZE[0] * SIZE[1]);
+        self.compared += 1;
+    }
+
+    fn watch(&self) -> &dyn Watch {
+        self
+    }
+}
+
+impl Watch for Mosaic {
+    fn tile(&self, tile: &FinishedTile<'_>) {
+        self.tiles.lock().unwrap().push((tile.rect, tile.samples, tile.radiance()));
+    }
+}
+
+#[test]
+fn tiles_of_a_pass_are_the_film_after_it() {
+    let mut mosaic = Mosaic::default();
+    expose(&Run::new("path", 5, 16), &mut mosaic).unwrap();
+    // The first pass takes one sample, so that there are two at least.
+    assert!(mosaic.compared >= 2);
+}
