@@ -1,7 +1,7 @@
 //! Readers and writers of scenes, models and images.
 //!
 //! [`registry`] recognises a scene by content and reads it: [`load`] gives a
-//! [`Description`](glanz_scene::Description), which `glanz-scene` turns into a scene, and [`diagnostic::Diagnostics`]
+//! [`Description`](glanz_scene::Description), which `glanz-scene` turns into a scene, and [`Diagnostics`]
 //! that point into the input. [`pbrt`] is the scene language, [`ply`] reads meshes, [`newell`] and [`rib`] lists of
 //! patches, [`photometry`] the light of luminaires, [`image`] reads and writes pictures, [`glb`] writes models. Whatever bytes come, there is a result or an error: no panic, no hang, and no
 //! more memory than the input warrants.
@@ -23,9 +23,9 @@
 //! ```
 
 pub mod content_hash;
-pub mod diagnostic;
 pub mod glb;
 pub mod image;
+mod nearest;
 pub mod newell;
 pub mod pbrt;
 pub mod photometry;
@@ -35,7 +35,7 @@ pub mod rib;
 pub mod source;
 
 pub use content_hash::ContentHash;
-pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use glanz_scene::{Diagnostic, Diagnostics, Severity};
 pub use photometry::Photometry;
 pub use registry::{Loaded, Options, SceneFormat, load, load_str};
 pub use source::Sources;

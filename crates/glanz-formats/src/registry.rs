@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glanz_scene::Description;
+use glanz_scene::{Description, Diagnostic, Diagnostics, Severity};
 
-use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::image;
 use crate::pbrt;
 use crate::source::Sources;

@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use glanz_scene::Location;
 use glanz_scene::description::FileId;
-
-use crate::diagnostic::{Diagnostic, Diagnostics, Excerpt, Severity};
+use glanz_scene::diagnostic::{Diagnostic, Diagnostics, Excerpt, Severity};
 
 /// The files read, in order; the scene file is the first. Index is [`FileId`].
 ///

@@ -19,7 +19,8 @@ mod state;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::diagnostic::Diagnostics;
+use glanz_scene::Diagnostics;
+
 use crate::registry::{Loaded, Options, failure};
 use crate::source::Reporter;
 use finder::Finder;

@@ -3,8 +3,7 @@
 use glanz_light::intensity::IntensityError;
 use glanz_scene::Location;
 use glanz_scene::description::FileId;
-
-use crate::diagnostic::{Diagnostic, Excerpt, Severity};
+use glanz_scene::diagnostic::{Diagnostic, Excerpt, Severity};
 
 /// Something wrong (as an error) or odd (as a warning) at a place of a file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -8,9 +8,8 @@
 //! @stockmar1990; departure: several sets of lamps are read set by set, and field by field only where the numbers do
 //! not fit otherwise, since files of both kinds exist.
 
-use crate::diagnostic::Diagnostics;
-
 use glanz_light::intensity::{AngularSystem, Distribution, Symmetry};
+use glanz_scene::Diagnostics;
 
 use super::fault::{Fault, FaultKind};
 use super::ies::{MAX_CANDELA, ends};

@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use glanz_math::DVec3;
+use glanz_scene::Severity;
 
 use super::*;
-use crate::diagnostic::Severity;
 
 const HEAD: &str = "IESNA:LM-63-2002\r\n[TEST] 17\r\n[MANUFAC] Glanz\r\n[LUMINAIRE] TILT=INCLUDE in name only\r\n\
     [MORE] and more\r\n[LUMCAT] G-1\r\nTILT=NONE\r\n";

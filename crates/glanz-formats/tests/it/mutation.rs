@@ -1,6 +1,6 @@
 //! Whatever bytes come: a result or errors, no panic, no hang, and no more memory than the input warrants.
 
-use glanz_formats::diagnostic::Diagnostics;
+use glanz_formats::Diagnostics;
 use glanz_formats::{Options, load_str, newell, ply, rib};
 use glanz_scene::Description;
 use glanz_scene::description::{GeometryDescription, GroupDescription, TrimDescription};

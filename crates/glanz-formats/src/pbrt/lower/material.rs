@@ -5,7 +5,7 @@ use glanz_scene::description::{FloatInput, MaterialDescription, MaterialKind, Sp
 
 use super::Lowering;
 use super::spectrum::grey;
-use crate::diagnostic::nearest;
+use crate::nearest::nearest;
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::source::{Place, Step};

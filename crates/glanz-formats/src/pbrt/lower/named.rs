@@ -3,7 +3,7 @@
 use glanz_light::named::names;
 use glanz_light::{SpectralDistribution, Wavelengths};
 
-use crate::diagnostic::nearest;
+use crate::nearest::nearest;
 
 /// The yellow line of helium called d, at which catalogues state the index of refraction of glass (@schott2017), nm.
 const HELIUM_D_NM: f64 = 587.5618;

@@ -6,7 +6,7 @@ use glanz_scene::description::{
 };
 
 use super::{Context, Lowering};
-use crate::diagnostic::nearest;
+use crate::nearest::nearest;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
 use crate::ply;
 use crate::source::{Place, Step};

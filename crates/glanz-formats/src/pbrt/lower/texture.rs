@@ -12,8 +12,8 @@ use glanz_scene::description::{
 
 use super::spectrum::grey;
 use super::{Context, Lowering};
-use crate::diagnostic::nearest;
 use crate::image::{self, Encoding};
+use crate::nearest::nearest;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
 use crate::source::Step;

@@ -5,8 +5,9 @@ mod syntax;
 mod tests;
 
 use glanz_math::{DVec2, DVec3};
+use glanz_scene::Severity;
 
-use crate::diagnostic::{Severity, nearest};
+use crate::nearest::nearest;
 use crate::pbrt::lexer::{LexError, Lexer};
 use crate::source::{Place, Reported, Reporter, Step};
 

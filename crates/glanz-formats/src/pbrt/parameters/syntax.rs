@@ -1,6 +1,6 @@
 //! Declarations of parameters and their values, as they are written.
 
-use crate::diagnostic::nearest;
+use crate::nearest::nearest;
 use crate::pbrt::lexer::{LexError, Lexer, Token};
 use crate::source::Place;
 

@@ -7,7 +7,7 @@ mod transformations;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::diagnostic::nearest;
+use crate::nearest::nearest;
 use crate::pbrt::lexer::{LexError, Lexer, Token};
 use crate::pbrt::lower::{Lowering, finish_film};
 use crate::pbrt::parameters::{ParameterList, shortened};

@@ -3,7 +3,7 @@
 use glanz_math::{DMat4, DVec3};
 
 use super::Parser;
-use crate::diagnostic::nearest;
+use crate::nearest::nearest;
 use crate::pbrt::lexer::Token;
 use crate::pbrt::parameters::shortened;
 use crate::pbrt::state::look_at;

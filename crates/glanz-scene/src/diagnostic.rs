@@ -1,9 +1,9 @@
-//! What a reader has to say about its input, in the form people see.
+//! Errors and warnings about a scene, with file, line and column, in the form that people see.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
-use glanz_scene::Location;
+use crate::description::Location;
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -112,7 +112,7 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// Groups messages of one sort, for the cap of [`Diagnostics`]; a few words joined by `-`.
     pub kind: &'static str,
-    /// Name of the file, as the user would write it.
+    /// Name of the file, as the user would write it; empty for a description built in code.
     pub file: String,
     /// Line and column.
     pub location: Option<Location>,
@@ -124,13 +124,22 @@ pub struct Diagnostic {
     pub help: Option<String>,
 }
 
+impl Diagnostic {
+    /// File, line, column and message in one line.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let Self { file, message, .. } = self;
+        match self.location {
+            Some(location) => format!("{file}:{}:{}: {message}", location.line, location.column),
+            None if file.is_empty() => message.clone(),
+            None => format!("{file}: {message}"),
+        }
+    }
+}
+
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.severity, self.file)?;
-        if let Some(location) = self.location {
-            write!(f, ":{}:{}", location.line, location.column)?;
-        }
-        writeln!(f, ": {}", self.message)?;
+        writeln!(f, "{}: {}", self.severity, self.sentence())?;
         if let Some(excerpt) = &self.excerpt {
             let number = excerpt.line.to_string();
             writeln!(f, "  {number} | {}", excerpt.text)?;
@@ -165,19 +174,20 @@ impl Diagnostics {
     }
 
     /// Whether one more message of that kind would be kept.
-    pub(crate) fn keeps(&self, severity: Severity, kind: &'static str) -> bool {
+    #[must_use]
+    pub fn keeps(&self, severity: Severity, kind: &'static str) -> bool {
         self.counts.get(&(severity, kind)).is_none_or(|count| *count < Self::PER_KIND)
     }
 
     /// Counts a message and tells whether it is one to keep; spares making it where it is not.
-    pub(crate) fn admit(&mut self, severity: Severity, kind: &'static str) -> bool {
+    pub fn admit(&mut self, severity: Severity, kind: &'static str) -> bool {
         let count = self.counts.entry((severity, kind)).or_insert(0);
         *count += 1;
         *count <= Self::PER_KIND
     }
 
     /// Adds a message that [`Diagnostics::admit`] has counted already.
-    pub(crate) fn push_admitted(&mut self, diagnostic: Diagnostic) {
+    pub fn push_admitted(&mut self, diagnostic: Diagnostic) {
         self.list.push(diagnostic);
     }
 
@@ -235,49 +245,10 @@ impl fmt::Display for Diagnostics {
 
 impl std::error::Error for Diagnostics {}
 
-/// The candidate that `word` was most likely meant to be: equal but for case, or at most a third of its letters off.
-#[must_use]
-pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let lower = word.to_lowercase();
-    candidates
-        .into_iter()
-        .filter_map(|c| {
-            let distance = edit_distance(&lower, &c.to_lowercase());
-            (distance <= (word.chars().count() / 3).clamp(1, 3)).then_some((distance, c))
-        })
-        .min_by_key(|(distance, _)| *distance)
-        .map(|(_, c)| c)
-}
-
-/// Insertions, deletions, substitutions and swaps of neighbours between two words (optimal string alignment); words
-/// beyond 64 letters count as far apart.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().take(65).collect(), b.chars().take(65).collect());
-    if a.len() > 64 || b.len() > 64 {
-        return usize::MAX;
-    }
-    let mut rows = vec![vec![0usize; b.len() + 1]; a.len() + 1];
-    for i in 0..=a.len() {
-        for j in 0..=b.len() {
-            rows[i][j] = if i == 0 || j == 0 {
-                i + j
-            } else {
-                let same = usize::from(a[i - 1] != b[j - 1]);
-                let mut best = (rows[i - 1][j] + 1).min(rows[i][j - 1] + 1).min(rows[i - 1][j - 1] + same);
-                if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                    best = best.min(rows[i - 2][j - 2] + 1);
-                }
-                best
-            };
-        }
-    }
-    rows[a.len()][b.len()]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glanz_scene::description::FileId;
+    use crate::description::FileId;
 
     fn diagnostic(kind: &'static str) -> Diagnostic {
         let line = br#"Shape "nurbs" "integer uorder" [4] "float uknots" [0 0 0 0 1 0.5 2 2 2 2]"#;
@@ -341,14 +312,5 @@ error: room.pbrt:14:3: shape \"nurbs\": knot vector \"uknots\" must not decrease
         assert_eq!(all.iter().count(), Diagnostics::PER_KIND + 1);
         assert_eq!(all.count(Severity::Error), Diagnostics::PER_KIND + 8);
         assert!(all.to_string().ends_with("error: 7 more of the kind \"a\" are not shown\n"));
-    }
-
-    #[test]
-    fn near_words_are_found_and_far_ones_are_not() {
-        let names = ["radius", "zmin", "phimax"];
-        assert_eq!(nearest("raduis", names), Some("radius"));
-        assert_eq!(nearest("PhiMax", names), Some("phimax"));
-        assert_eq!(nearest("colour", names), None);
-        assert_eq!(nearest(&"x".repeat(1000), names), None);
     }
 }
