@@ -25,10 +25,11 @@ const ROOMS: &[Room] = &[
     Room { floor: 4, name: "glanz-transport", may_use: "0-3" },
     Room { floor: 4, name: "glanz-radiosity", may_use: "0-3" },
     Room { floor: 5, name: "glanz-illumination", may_use: "0-4" },
-    Room { floor: 6, name: "glanz-study", may_use: "0-5" },
+    Room { floor: 5, name: "glanz-terminal", may_use: "formats" },
     Room { floor: 6, name: "glanz-viewer", may_use: "0-5" },
     Room { floor: 7, name: "glanz", may_use: "0-6" },
     Room { floor: 8, name: "glanz-cli", may_use: "all" },
+    Room { floor: 8, name: "glanz-study", may_use: "all" },
 ];
 
 /// Members of the workspace that are no part of the house: they use no crate of it, and none uses them.

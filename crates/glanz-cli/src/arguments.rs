@@ -8,15 +8,14 @@ use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use glanz_sampling::SamplerKind;
 use glanz_sampling::exact::MAX_TERMS;
 use glanz_scene::description::{GuideSettings, MAX_RECEIVER_CELLS};
-use glanz_study::studies;
+use glanz_terminal::Verbosity;
+use glanz_terminal::values::{bound, one_of, positive, sample_range, seconds, size, stops, switch};
 use glanz_transport::{Aov, INTEGRATORS};
 
 mod illuminate;
-mod values;
 mod view;
 
 pub(crate) use illuminate::{IlluminateArguments, MethodName};
-use values::{bound, one_of, positive, sample_range, seconds, size, stops, switch};
 pub(crate) use view::ViewArguments;
 
 /// Exact light for exact surfaces: renders pbrt scenes without turning curved surfaces into facets.
@@ -45,14 +44,8 @@ pub(crate) const ALL_AOVS: &str = "all";
 /// Samples per pixel that a film can hold.
 const MAX_SAMPLES: i64 = MAX_TERMS as i64;
 
-/// Rays of a study, which keeps all of a kind in memory.
-const MAX_RAYS: u64 = 30_000_000;
-
 /// Cells along a side of a receiver.
 const RECEIVER_CELLS: i64 = MAX_RECEIVER_CELLS as i64;
-
-/// Elements of which a study computes the form factors of all pairs.
-const MAX_ELEMENTS: i64 = 50_000;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
@@ -72,8 +65,13 @@ pub(crate) enum Command {
     View(ViewArguments),
     /// Measure how far apart two pictures are
     Compare(CompareArguments),
-    /// Measure again what the documents behind Glanz claimed; without a name, list the studies
-    Study(StudyArguments),
+    /// Name the program that the studies now have
+    #[command(hide = true)]
+    Study {
+        /// Arguments of a study
+        #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
     /// Print a completion script for a shell
     #[command(hide = true)]
     Completions {
@@ -214,18 +212,7 @@ pub(crate) struct RenderOptions {
     #[arg(long)]
     pub(crate) strict: bool,
     #[command(flatten)]
-    pub(crate) talk: Talk,
-}
-
-/// How much is said.
-#[derive(Clone, Copy, Debug, Args)]
-pub(crate) struct Talk {
-    /// Say nothing but errors
-    #[arg(short, long)]
-    pub(crate) quiet: bool,
-    /// Print one JSON object at the end
-    #[arg(long)]
-    pub(crate) json: bool,
+    pub(crate) talk: Verbosity,
 }
 
 /// The tone curves; help on each would make that of the whole command long.
@@ -297,7 +284,7 @@ pub(crate) struct BakeArguments {
     #[arg(long)]
     pub(crate) strict: bool,
     #[command(flatten)]
-    pub(crate) talk: Talk,
+    pub(crate) talk: Verbosity,
 }
 
 /// Formats of light maps beside the model.
@@ -334,7 +321,7 @@ pub(crate) struct MergeArguments {
     #[arg(long, value_name = "NAME", value_enum, default_value_t = ToneName::Linear)]
     pub(crate) tone: ToneName,
     #[command(flatten)]
-    pub(crate) talk: Talk,
+    pub(crate) talk: Verbosity,
 }
 
 #[derive(Debug, Args)]
@@ -382,70 +369,6 @@ pub(crate) struct CompareArguments {
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-const STUDY_HELP: &str = "\
-A study writes report.md with its tables (CSV), plots (SVG) and pictures (PNG) into the folder
-of --out, which is made if it is not there, and prints its summary. Figures depend on options
-and seed alone, except for times. Ctrl-C ends it with 130 and leaves nothing, but for
-guiding, which keeps what is measured and goes on with it when called again.
-
-Examples:
-  glanz study                                            what there is
-  glanz study newton --out newton
-  glanz study tessellation --out triangles --size 640x360 --triangles 1250,20000
-  glanz study guiding --out guiding --rooms uplights --samples 64 --references 1024";
-
-#[derive(Debug, Args)]
-#[command(after_help = STUDY_HELP)]
-pub(crate) struct StudyArguments {
-    /// The study
-    #[arg(value_name = "NAME", requires = "out", value_parser = one_of(studies().iter().map(|study| study.name)))]
-    pub(crate) name: Option<String>,
-    /// Folder for the report
-    #[arg(short, long, value_name = "DIR", requires = "name", value_hint = ValueHint::DirPath)]
-    pub(crate) out: Option<PathBuf>,
-    /// Random rays or particles (newton, reflector)
-    #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u64).range(1..=MAX_RAYS))]
-    pub(crate) rays: Option<u64>,
-    /// Size of the pictures in pixels (tessellation, guiding, reconstruction)
-    #[arg(long, value_name = "WxH", requires = "name", value_parser = size)]
-    pub(crate) size: Option<[u32; 2]>,
-    /// Triangles per surface, each twice a square (tessellation)
-    #[arg(long, value_name = "LIST", requires = "name", value_delimiter = ',')]
-    pub(crate) triangles: Option<Vec<u64>>,
-    /// Scene files, or names of those in scenes/rooms (guiding, solvers)
-    #[arg(long, value_name = "LIST", requires = "name", value_delimiter = ',')]
-    pub(crate) rooms: Option<Vec<String>>,
-    /// What is compared with path: tree, or grids by basis, cells and scale, such as haar-8-3 (guiding)
-    #[arg(long, value_name = "LIST", requires = "name", value_delimiter = ',')]
-    pub(crate) methods: Option<Vec<String>>,
-    /// Samples per pixel at which curves end, a power of two (guiding)
-    #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
-    pub(crate) samples: Option<u32>,
-    /// Samples per pixel of reference pictures (guiding)
-    #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
-    pub(crate) references: Option<u32>,
-    /// Elements of the finest solution by form factors of all pairs, at most (solvers)
-    #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u32).range(1..=MAX_ELEMENTS))]
-    pub(crate) elements: Option<u32>,
-    /// Runs with seeds of their own, whose errors are averaged (guiding)
-    #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub(crate) rounds: Option<u32>,
-    /// Seconds for each of the pictures that are shown side by side (guiding)
-    #[arg(long, value_name = "SECONDS", requires = "name", value_parser = seconds)]
-    pub(crate) time: Option<Duration>,
-    /// Threads (guiding, reflector, solvers)
-    #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u16).range(1..))]
-    pub(crate) threads: Option<u16>,
-    /// Measure all that the document measured: many hours (guiding)
-    #[arg(long, requires = "name")]
-    pub(crate) full: bool,
-    /// Seed of random numbers
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub(crate) seed: u64,
-    #[command(flatten)]
-    pub(crate) talk: Talk,
 }
 
 /// The measures of difference, explained below the options.
@@ -523,14 +446,6 @@ mod tests {
             "glanz bake a.pbrt -o a.glb --threads 0",
             "glanz compare a.exr b.exr --fail-above -1",
             "glanz compare a.exr b.exr --metric beauty",
-            "glanz study alchemy --out a",
-            "glanz study newton",
-            "glanz study --out a",
-            "glanz study newton --out a --rays 0",
-            "glanz study tessellation --out a --triangles many",
-            "glanz study guiding --out a --samples 0",
-            "glanz study guiding --rooms open",
-            "glanz study solvers --out a --elements 0",
             "glanz view",
             "glanz view a.pbrt --port 65536",
             "glanz view a.pbrt --integrator whitted",

@@ -6,13 +6,10 @@ mod checkpoint_file;
 mod command;
 mod guide_file;
 mod illumination;
-mod interrupt;
 mod light_file;
 mod light_maps;
-mod messages;
 mod outputs;
 mod plan;
-mod progress;
 mod report;
 mod scene_file;
 mod surface_light;
@@ -20,33 +17,15 @@ mod view;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use glanz_terminal::{Ending, exit_code, interrupt, messages, progress};
 
 use arguments::{Arguments, Command};
-use messages::Messages;
-
-/// Exit code for wrong usage.
-const WRONG_USAGE: u8 = 2;
-
-/// How a command ended that did not fail.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Ending {
-    /// Everything was done.
-    Done,
-    /// Everything was done, and the answer is no.
-    Refused,
-    /// The user wanted an end; what there was is saved.
-    Interrupted,
-}
+use messages::{Failure, Messages};
 
 fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+    let arguments: Arguments = match glanz_terminal::parse() {
         Ok(arguments) => arguments,
-        Err(error) => {
-            // Help and version come this way too, with the code 0.
-            let _ = error.print();
-            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(WRONG_USAGE));
-        }
+        Err(code) => return code,
     };
     let (messages, outcome) = match arguments.command {
         Command::Demo(demo) => {
@@ -73,10 +52,11 @@ fn main() -> ExitCode {
             let messages = Messages::new(false);
             (messages, command::info::run(&info, messages))
         }
-        Command::Study(study) => {
-            let messages = Messages::new(study.talk.quiet);
-            (messages, command::study::run(&study, messages))
-        }
+        Command::Study { .. } => (
+            Messages::new(false),
+            Err(Failure::usage("studies are a program of their own")
+                .with_help("cargo run --release -p glanz-study -- newton --out newton")),
+        ),
         Command::View(view) => {
             let messages = Messages::new(view.quiet);
             (messages, command::view::run(&view, messages))
@@ -85,13 +65,5 @@ fn main() -> ExitCode {
         Command::Completions { shell } => (Messages::new(false), command::shell::completions(shell)),
         Command::Man { command } => (Messages::new(false), command::shell::manual(command.as_deref())),
     };
-    match outcome {
-        Ok(Ending::Done) => ExitCode::SUCCESS,
-        Ok(Ending::Refused) => ExitCode::FAILURE,
-        Ok(Ending::Interrupted) => ExitCode::from(interrupt::EXIT_CODE),
-        Err(failure) => {
-            messages.error(&failure);
-            if failure.usage { ExitCode::from(WRONG_USAGE) } else { ExitCode::FAILURE }
-        }
-    }
+    exit_code(messages, outcome)
 }

@@ -11,9 +11,8 @@
 //!
 //! Below them lie [`geometry`] (surfaces and the hierarchy over their boxes), [`shading`] (materials and textures),
 //! [`light`] (spectra, colour, pictures in memory and their comparison), [`sampling`] (where samples lie) and [`math`]
-//! (vectors, transforms, roots of polynomials); above them [`illumination`] counts what light arrives where, and
-//! [`study`] measures what came out. Lengths are metres and
-//! angles radians; positions are `f64`, light is `f32`, sums are exact. A picture depends on scene, settings and seed
+//! (vectors, transforms, roots of polynomials); above them [`illumination`] counts what light arrives where. Lengths are metres and angles radians;
+//! positions are `f64`, light is `f32`, sums are exact. A picture depends on scene, settings and seed
 //! alone.
 //!
 //! A tiny scene, from its text to the bytes of a PNG file:
@@ -80,8 +79,6 @@ pub use glanz_sampling as sampling;
 pub use glanz_scene as scene;
 #[doc(inline)]
 pub use glanz_shading as shading;
-#[doc(inline)]
-pub use glanz_study as study;
 #[doc(inline)]
 pub use glanz_transport as transport;
 #[doc(inline)]

@@ -6,8 +6,8 @@ use std::time::Duration;
 use clap::{Args, ValueEnum, ValueHint};
 use glanz_math::DVec3;
 
-use super::values::{positive, seconds};
-use super::{RECEIVER_CELLS, Talk};
+use super::{RECEIVER_CELLS, Verbosity};
+use glanz_terminal::values::{positive, seconds};
 
 const HELP: &str = "\
 Receivers are the shapes of the scene that say \"string receiver\" \"NAME\", and with --room the six
@@ -87,7 +87,7 @@ pub(crate) struct IlluminateArguments {
     #[arg(long)]
     pub(crate) strict: bool,
     #[command(flatten)]
-    pub(crate) talk: Talk,
+    pub(crate) talk: Verbosity,
 }
 
 /// How light is found.

@@ -8,7 +8,7 @@ use glanz_viewer::server::DEFAULT_PORT;
 use glanz_viewer::stream::IntegratorName;
 
 use super::illuminate::room;
-use super::values::positive;
+use glanz_terminal::values::positive;
 
 const VIEW_HELP: &str = "\
 The page draws the surfaces themselves, not facets of them, and when the camera rests the picture

@@ -9,5 +9,4 @@ pub(crate) mod luminaire;
 pub(crate) mod merge;
 pub(crate) mod render;
 pub(crate) mod shell;
-pub(crate) mod study;
 pub(crate) mod view;

@@ -11,3 +11,6 @@
 mod bake_reference;
 mod command_line;
 mod viewer;
+
+/// The program under test.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_glanz");

@@ -5,8 +5,10 @@ use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-use glanz::formats::image;
-use glanz::light::Pixels;
+use glanz_formats::image;
+use glanz_light::Pixels;
+
+use crate::PROGRAM;
 
 /// Longest that any run may take before it counts as hanging.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -97,7 +99,7 @@ impl Folder {
 
     /// The program with the blank-separated words of `line`, in this folder.
     fn command(&self, line: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_glanz"));
+        let mut command = Command::new(PROGRAM);
         command.current_dir(&self.0).args(line.split_whitespace()).stdin(Stdio::null());
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
         command

@@ -70,3 +70,10 @@ fn completions_and_manual_come_from_the_same_definition() {
     let help = folder.succeed("--help").stdout;
     assert!(!help.contains("completions"), "{help}");
 }
+
+#[test]
+fn studies_are_named_as_a_program_of_their_own() {
+    Folder::new()
+        .run("study newton --out a")
+        .refused(2, &["studies", "cargo run --release -p glanz-study -- newton"]);
+}

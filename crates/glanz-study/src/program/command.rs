@@ -1,18 +1,18 @@
-//! `glanz study`: what the documents claimed, measured again.
+//! One study from its arguments to its report.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use glanz_study::table::Table;
 use glanz_study::{Settings, Study, StudyError, StudyOption, Watch, named, studies};
+use glanz_terminal::Ending;
+use glanz_terminal::interrupt::Interrupt;
+use glanz_terminal::messages::{Failure, Messages};
+use glanz_terminal::output;
+use glanz_terminal::progress::Progress;
 use serde::Serialize;
 
-use crate::Ending;
-use crate::arguments::StudyArguments;
-use crate::interrupt::Interrupt;
-use crate::messages::{Failure, Messages};
-use crate::progress::Progress;
-use crate::report;
+use crate::arguments::Arguments;
 
 /// What `--json` prints after a study.
 #[derive(Serialize)]
@@ -47,9 +47,9 @@ struct Listed {
 ///
 /// # Errors
 /// An option that the study has no use for, or a file that cannot be written.
-pub(crate) fn run(arguments: &StudyArguments, messages: Messages) -> Result<Ending, Failure> {
+pub(crate) fn run(arguments: &Arguments, messages: Messages) -> Result<Ending, Failure> {
     let (Some(name), Some(out)) = (&arguments.name, &arguments.out) else {
-        return list(arguments.talk.json);
+        return list(arguments.verbosity.json);
     };
     let study = named(name).ok_or_else(|| Failure::usage(format!("there is no study \"{name}\"")))?;
     check_options(study, arguments)?;
@@ -97,10 +97,10 @@ pub(crate) fn run(arguments: &StudyArguments, messages: Messages) -> Result<Endi
         "wrote {} and {} more files in {}",
         out.join("report.md").display(),
         files.len().saturating_sub(1),
-        report::duration(seconds)
+        output::duration(seconds)
     ));
-    if arguments.talk.json {
-        report::print(&Outcome {
+    if arguments.verbosity.json {
+        output::print(&Outcome {
             study: study.name,
             out: shown_path(out),
             files,
@@ -110,7 +110,7 @@ pub(crate) fn run(arguments: &StudyArguments, messages: Messages) -> Result<Endi
             tables: Tables(report.tables().collect()),
         })?;
     } else {
-        report::print_text(&format!("{}\n\n{}", report.summary().caption(), report.summary().plain()))?;
+        output::print_text(&format!("{}\n\n{}", report.summary().caption(), report.summary().plain()))?;
     }
     Ok(Ending::Done)
 }
@@ -118,16 +118,16 @@ pub(crate) fn run(arguments: &StudyArguments, messages: Messages) -> Result<Endi
 fn list(json: bool) -> Result<Ending, Failure> {
     let listed = studies().iter().map(|study| Listed { name: study.name, description: study.description });
     if json {
-        report::print(&listed.collect::<Vec<_>>())?;
+        output::print(&listed.collect::<Vec<_>>())?;
     } else {
         let width = studies().iter().map(|study| study.name.len()).max().unwrap_or_default();
         let lines = listed.map(|s| format!("{:width$}  {}\n", s.name, s.description));
-        report::print_text(&lines.collect::<String>())?;
+        output::print_text(&lines.collect::<String>())?;
     }
     Ok(Ending::Done)
 }
 
-fn check_options(study: &Study, arguments: &StudyArguments) -> Result<(), Failure> {
+fn check_options(study: &Study, arguments: &Arguments) -> Result<(), Failure> {
     let given = [
         ("--rays", StudyOption::Rays, arguments.rays.is_some()),
         ("--size", StudyOption::Size, arguments.size.is_some()),

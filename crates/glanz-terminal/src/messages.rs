@@ -6,7 +6,7 @@ use glanz_formats::Severity;
 
 /// Where messages go, and how.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Messages {
+pub struct Messages {
     quiet: bool,
     colour: bool,
 }
@@ -19,32 +19,32 @@ const PLAIN: &str = "\x1b[0m";
 impl Messages {
     /// Messages to the standard error stream, errors only if `quiet`; coloured on a terminal unless the variable
     /// `NO_COLOR` is set to something.
-    pub(crate) fn new(quiet: bool) -> Self {
+    pub fn new(quiet: bool) -> Self {
         let refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
         Self { quiet, colour: std::io::stderr().is_terminal() && !refused }
     }
 
     /// Whether only errors are said.
-    pub(crate) fn is_quiet(self) -> bool {
+    pub fn is_quiet(self) -> bool {
         self.quiet
     }
 
     /// Something worth knowing.
-    pub(crate) fn note(self, text: &str) {
+    pub fn note(self, text: &str) {
         if !self.quiet {
             self.say("", "", text);
         }
     }
 
     /// Something that was mended or left out.
-    pub(crate) fn warning(self, text: &str) {
+    pub fn warning(self, text: &str) {
         if !self.quiet {
             self.say(YELLOW, "warning: ", text);
         }
     }
 
     /// A message about the scene, which begins with its severity.
-    pub(crate) fn diagnostic(self, severity: Severity, text: &str) {
+    pub fn diagnostic(self, severity: Severity, text: &str) {
         let (colour, label) = match severity {
             Severity::Error => (RED, "error: "),
             Severity::Warning if self.quiet => return,
@@ -54,7 +54,7 @@ impl Messages {
     }
 
     /// Why the command failed, with `help` on what to do about it.
-    pub(crate) fn error(self, failure: &Failure) {
+    pub fn error(self, failure: &Failure) {
         if !failure.message.is_empty() {
             self.say(RED, "error: ", &failure.message);
         }
@@ -72,33 +72,33 @@ impl Messages {
 
 /// Why a command failed, as sentences.
 #[derive(Debug)]
-pub(crate) struct Failure {
+pub struct Failure {
     /// What is wrong, and where; empty if that was said already.
-    pub(crate) message: String,
+    pub message: String,
     /// What to do about it.
-    pub(crate) help: Option<String>,
+    pub help: Option<String>,
     /// Whether the command line asked for something impossible, rather than that something went wrong.
-    pub(crate) usage: bool,
+    pub usage: bool,
 }
 
 impl Failure {
     /// Something went wrong.
-    pub(crate) fn new(message: impl Into<String>) -> Self {
+    pub fn new(message: impl Into<String>) -> Self {
         Self { message: message.into(), help: None, usage: false }
     }
 
     /// Something went wrong, and it was said what.
-    pub(crate) fn said() -> Self {
+    pub fn said() -> Self {
         Self::new("")
     }
 
     /// The command line asks for something impossible.
-    pub(crate) fn usage(message: impl Into<String>) -> Self {
+    pub fn usage(message: impl Into<String>) -> Self {
         Self { usage: true, ..Self::new(message) }
     }
 
     /// The same with an advice.
-    pub(crate) fn with_help(self, help: impl Into<String>) -> Self {
+    pub fn with_help(self, help: impl Into<String>) -> Self {
         Self { help: Some(help.into()), ..self }
     }
 }

@@ -6,12 +6,12 @@ use std::time::Duration;
 use clap::builder::PossibleValuesParser;
 
 /// Names from the table that knows them; completions and help learn them there too.
-pub(super) fn one_of(names: impl Iterator<Item = &'static str>) -> PossibleValuesParser {
+pub fn one_of(names: impl Iterator<Item = &'static str>) -> PossibleValuesParser {
     PossibleValuesParser::new(names)
 }
 
 /// On or off.
-pub(super) fn switch(text: &str) -> Result<bool, String> {
+pub fn switch(text: &str) -> Result<bool, String> {
     match text {
         "on" => Ok(true),
         "off" => Ok(false),
@@ -20,7 +20,7 @@ pub(super) fn switch(text: &str) -> Result<bool, String> {
 }
 
 /// A time above 0.
-pub(super) fn seconds(text: &str) -> Result<Duration, String> {
+pub fn seconds(text: &str) -> Result<Duration, String> {
     let seconds: f64 = text.parse().map_err(|_| "a number of seconds is needed".to_owned())?;
     if seconds <= 0.0 {
         return Err("it must be above 0".to_owned());
@@ -29,7 +29,7 @@ pub(super) fn seconds(text: &str) -> Result<Duration, String> {
 }
 
 /// Width and height in pixels.
-pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
+pub fn size(text: &str) -> Result<[u32; 2], String> {
     let form = || "width and height in pixels are needed, such as 640x480".to_owned();
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(form)?;
     let side = |text: &str| text.parse::<u32>().ok().filter(|&n| n > 0).ok_or_else(form);
@@ -37,7 +37,7 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 /// Samples from one number to another.
-pub(super) fn sample_range(text: &str) -> Result<Range<u32>, String> {
+pub fn sample_range(text: &str) -> Result<Range<u32>, String> {
     let form = || "two numbers are needed, such as 0..32".to_owned();
     let (start, end) = text.split_once("..").ok_or_else(form)?;
     let number = |text: &str| text.parse::<u32>().map_err(|_| form());
@@ -49,12 +49,12 @@ pub(super) fn sample_range(text: &str) -> Result<Range<u32>, String> {
 }
 
 /// An exposure.
-pub(super) fn stops(text: &str) -> Result<f32, String> {
+pub fn stops(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|x: &f32| x.is_finite()).ok_or_else(|| "a number is needed".to_owned())
 }
 
 /// A number above 0.
-pub(super) fn positive(text: &str) -> Result<f64, String> {
+pub fn positive(text: &str) -> Result<f64, String> {
     text.parse()
         .ok()
         .filter(|x: &f64| *x > 0.0 && x.is_finite())
@@ -62,7 +62,7 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
 }
 
 /// A number of 0 or more.
-pub(super) fn bound(text: &str) -> Result<f64, String> {
+pub fn bound(text: &str) -> Result<f64, String> {
     text.parse()
         .ok()
         .filter(|x: &f64| *x >= 0.0)

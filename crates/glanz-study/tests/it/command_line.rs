@@ -1,21 +1,15 @@
-//! `glanz study`, at sizes that take a second.
+//! The program `glanz-study` from end to end, at sizes that take a second.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test may fail")]
-
-#[path = "it/command_line/support.rs"]
-#[expect(dead_code, reason = "the command line's tests need more of it")]
-mod support;
-
-use support::{Folder, finish, wait_until};
+use crate::support::{Folder, finish, wait_until};
 
 #[test]
 fn studies_are_listed_with_one_line_each() {
     let folder = Folder::new();
-    let ran = folder.succeed("study");
+    let ran = folder.succeed("");
     let names: Vec<&str> =
         ran.stdout.lines().filter_map(|line| line.split("  ").next()).map(str::trim).collect();
     assert!(names.contains(&"newton") && names.contains(&"tessellation"), "{}", ran.stdout);
-    let listed = folder.succeed("study --json").json();
+    let listed = folder.succeed("--json").json();
     assert_eq!(listed.as_array().unwrap().len(), names.len());
     assert_eq!(listed[0]["name"], names[0]);
     assert!(folder.names().is_empty());
@@ -24,7 +18,7 @@ fn studies_are_listed_with_one_line_each() {
 #[test]
 fn study_newton_writes_a_report_whose_figures_the_seed_decides() {
     let folder = Folder::new();
-    let json = folder.succeed("study newton --out a --rays 3000 --json -q").json();
+    let json = folder.succeed("newton --out a --rays 3000 --json -q").json();
     assert_eq!(json["study"], "newton");
     for file in json["files"].as_array().unwrap() {
         assert!(folder.has(&format!("a/{}", file.as_str().unwrap())), "{file}");
@@ -46,13 +40,13 @@ fn study_newton_writes_a_report_whose_figures_the_seed_decides() {
         row["roots"].as_u64().unwrap()
     );
 
-    let again = folder.succeed("study newton --out b --rays 3000 --json").json();
+    let again = folder.succeed("newton --out b --rays 3000 --json").json();
     assert_eq!(folder.bytes("a/found.svg"), folder.bytes("b/found.svg"));
     assert_eq!(folder.bytes("a/example.csv"), folder.bytes("b/example.csv"));
     for key in ["found", "wrong_outside", "steps_mean", "evaluations_per_ray"] {
         assert_eq!(again["summary"][0][key], json["summary"][0][key], "{key}");
     }
-    let other = folder.succeed("study newton --out b --rays 3000 --seed 5");
+    let other = folder.succeed("newton --out b --rays 3000 --seed 5");
     assert_ne!(folder.bytes("a/found.svg"), folder.bytes("b/found.svg"));
     assert!(
         other.stdout.contains("certified") && other.stderr.contains("wrote"),
@@ -65,7 +59,7 @@ fn study_newton_writes_a_report_whose_figures_the_seed_decides() {
 #[test]
 fn study_tessellation_compares_triangles_with_the_exact_surface() {
     let folder = Folder::new();
-    let line = "study tessellation --out t --size 96x54 --triangles 200,5000 --json -q";
+    let line = "tessellation --out t --size 96x54 --triangles 200,5000 --json -q";
     let json = folder.succeed(line).json();
     let rows = json["summary"].as_array().unwrap();
     assert_eq!(rows.len(), 6);
@@ -88,7 +82,7 @@ fn study_guiding_measures_a_room_and_goes_on_with_what_it_kept() {
            WorldBegin  Material "diffuse"  Shape "box" "point3 min" [ -1 -1 -1 ] "point3 max" [ 1 1 1 ]
            AreaLightSource "diffuse" "rgb L" [ 5 5 5 ]  Shape "sphere" "float radius" .3"#,
     );
-    let line = "study guiding --out g --rooms box.pbrt --size 12x8 --samples 8 --references 32 --time 0.02 --threads 1 --json -q";
+    let line = "guiding --out g --rooms box.pbrt --size 12x8 --samples 8 --references 32 --time 0.02 --threads 1 --json -q";
     let json = folder.succeed(line).json();
     let summary = json["summary"].as_array().unwrap();
     assert_eq!((&summary[0]["method"], &summary[0]["light_sampling"]), (&"path".into(), &"no".into()));
@@ -102,7 +96,7 @@ fn study_guiding_measures_a_room_and_goes_on_with_what_it_kept() {
 #[test]
 fn study_reconstruction_makes_textures_of_elements() {
     let folder = Folder::new();
-    let json = folder.succeed("study reconstruction --out r --size 32x32 --json -q").json();
+    let json = folder.succeed("reconstruction --out r --size 32x32 --json -q").json();
     assert_eq!(json["summary"].as_array().unwrap().len(), 12);
     // A step on borders of elements is kept by constant values alone.
     let on = json["tables"]["table_f_5"].as_array().unwrap();
@@ -120,7 +114,7 @@ fn study_solvers_fits_exponents_in_a_room() {
            AreaLightSource "diffuse" "rgb L" [ 5 5 5 ]
            Shape "bilinearmesh" "point3 P" [ -.4 0 .8  -.4 .8 .8  .4 0 .8  .4 .8 .8 ]"#,
     );
-    let json = folder.succeed("study solvers --out s --rooms box.pbrt --elements 120 --json -q").json();
+    let json = folder.succeed("solvers --out s --rooms box.pbrt --elements 120 --json -q").json();
     let summary = json["summary"].as_array().unwrap();
     assert_eq!(summary.len(), 3);
     assert!(summary.iter().all(|row| row["room"] == "box" && row["rays_exponent"].as_f64().unwrap() > 0.5));
@@ -130,23 +124,23 @@ fn study_solvers_fits_exponents_in_a_room() {
 #[test]
 fn wrong_usage_is_told_before_the_work() {
     let folder = Folder::new();
-    folder.run("study newton --out a --size 8x8").refused(2, &["newton", "--size"]);
-    folder.run("study newton --out a --rooms open").refused(2, &["newton", "--rooms"]);
-    folder.run("study newton --out a --elements 9").refused(2, &["newton", "--elements"]);
-    folder.run("study guiding --out a --samples 12").refused(2, &["samples", "12", "power of two"]);
-    folder.run("study guiding --out a --rooms cellar").refused(2, &["rooms", "cellar.pbrt"]);
+    folder.run("newton --out a --size 8x8").refused(2, &["newton", "--size"]);
+    folder.run("newton --out a --rooms open").refused(2, &["newton", "--rooms"]);
+    folder.run("newton --out a --elements 9").refused(2, &["newton", "--elements"]);
+    folder.run("guiding --out a --samples 12").refused(2, &["samples", "12", "power of two"]);
+    folder.run("guiding --out a --rooms cellar").refused(2, &["rooms", "cellar.pbrt"]);
     folder
-        .run("study tessellation --out a --triangles 1251")
+        .run("tessellation --out a --triangles 1251")
         .refused(2, &["triangles", "1251", "twice the square"]);
     folder.write("taken", "no folder");
-    folder.run("study newton --out taken").refused(1, &["taken"]);
+    folder.run("newton --out taken").refused(1, &["taken"]);
 }
 
 #[cfg(unix)]
 #[test]
 fn an_interrupted_study_exits_with_130_and_leaves_no_report() {
     let folder = Folder::new();
-    let line = "study newton --out a --rays 6000000";
+    let line = "newton --out a --rays 6000000";
     let child = folder.start(line);
     // The folder is made when signals are listened to.
     wait_until("the folder", || folder.has("a"));

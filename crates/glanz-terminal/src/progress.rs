@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::messages::Messages;
-use crate::report::duration;
+use crate::output::duration;
 
 /// Time between two plain lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
@@ -15,7 +15,7 @@ const LINE_INTERVAL: Duration = Duration::from_secs(5);
 const STEPS: u64 = 1000;
 
 /// Shows how far a render is.
-pub(crate) struct Progress {
+pub struct Progress {
     shown: Shown,
 }
 
@@ -27,7 +27,7 @@ enum Shown {
 
 impl Progress {
     /// Shows nothing yet; the first plain line comes after a while.
-    pub(crate) fn start(messages: Messages) -> Self {
+    pub fn start(messages: Messages) -> Self {
         let shown = if messages.is_quiet() {
             Shown::Nothing
         } else if std::io::stderr().is_terminal() {
@@ -39,7 +39,7 @@ impl Progress {
     }
 
     /// Shows that `fraction` of the work, [0, 1], is done and `remaining` left, with a word on what that is.
-    pub(crate) fn show(&mut self, fraction: f64, remaining: Duration, what: &str) {
+    pub fn show(&mut self, fraction: f64, remaining: Duration, what: &str) {
         let left = format!("{what}, {} left", duration(remaining.as_secs_f64()));
         match &mut self.shown {
             Shown::Bar(bar) => {
@@ -57,7 +57,7 @@ impl Progress {
     }
 
     /// Takes the bar away.
-    pub(crate) fn finish(self) {
+    pub fn finish(self) {
         if let Shown::Bar(bar) = self.shown {
             bar.finish_and_clear();
         }

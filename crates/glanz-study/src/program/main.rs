@@ -1,0 +1,20 @@
+//! The program `glanz-study`: runs a study and writes its report.
+
+mod arguments;
+mod command;
+
+use std::process::ExitCode;
+
+use glanz_terminal::messages::Messages;
+use glanz_terminal::{exit_code, parse};
+
+use arguments::Arguments;
+
+fn main() -> ExitCode {
+    let arguments: Arguments = match parse() {
+        Ok(arguments) => arguments,
+        Err(code) => return code,
+    };
+    let messages = Messages::new(arguments.verbosity.quiet);
+    exit_code(messages, command::run(&arguments, messages))
+}
