@@ -1,7 +1,5 @@
 //! Which crate may use which.
 
-use cargo_metadata::MetadataCommand;
-
 use crate::workspace;
 
 /// A crate with its place in the house.
@@ -60,17 +58,23 @@ impl Room {
 ///
 /// # Errors
 /// One line per breach.
-pub(crate) fn check() -> Result<String, Vec<String>> {
-    let metadata = MetadataCommand::new()
-        .current_dir(workspace::root())
-        .no_deps()
-        .exec()
-        .map_err(|error| vec![format!("cargo metadata: {error}")])?;
-    let edges: Vec<(String, Vec<String>)> = metadata
-        .packages
-        .iter()
-        .map(|p| (p.name.to_string(), p.dependencies.iter().map(|d| d.name.clone()).collect()))
-        .collect();
+pub(crate) fn check() -> Result<String, String> {
+    let options = [
+        "--depth=1",
+        "--no-dedupe",
+        "--prefix=depth",
+        "--edges=normal,build,dev",
+        "--target=all",
+        "--all-features",
+    ];
+    let tree = workspace::cargo(["tree", "--workspace", "--format={p}"])
+        .args(options)
+        .output()
+        .map_err(|error| format!("cargo tree: {error}"))?;
+    if !tree.status.success() {
+        return Err(format!("cargo tree: {}", String::from_utf8_lossy(&tree.stderr).trim_end()));
+    }
+    let edges = edges(&String::from_utf8_lossy(&tree.stdout));
     let mut breaches = breaches(&edges);
     let path = workspace::root().join("docs/ARCHITECTURE.md");
     match std::fs::read_to_string(&path) {
@@ -79,10 +83,26 @@ pub(crate) fn check() -> Result<String, Vec<String>> {
     }
     if breaches.is_empty() {
         let uses = edges.iter().flat_map(|(_, used)| used).filter(|u| Room::named(u).is_some()).count();
-        Ok(format!("layers: {} crates, {uses} uses, every one of a lower floor", ROOMS.len()))
+        Ok(format!("{} crates, {uses} uses, every one of a lower floor", ROOMS.len()))
     } else {
-        Err(breaches)
+        Err(breaches.join("\n"))
     }
+}
+
+/// The crates of a workspace with those they use, from lines `0glanz v0.1.0 (...)`, after each of which come those with a 1.
+fn edges(tree: &str) -> Vec<(String, Vec<String>)> {
+    let mut edges: Vec<(String, Vec<String>)> = Vec::new();
+    let name = |line: &str| line.split(' ').next().unwrap_or_default().to_owned();
+    for line in tree.lines() {
+        if let Some(member) = line.strip_prefix('0') {
+            edges.push((name(member), Vec::new()));
+        } else if let Some(used) = line.strip_prefix('1')
+            && let Some((_, uses)) = edges.last_mut()
+        {
+            uses.push(name(used));
+        }
+    }
+    edges
 }
 
 /// What is wrong with a workspace of crates and the crates they use.
@@ -165,6 +185,13 @@ mod tests {
         house.retain(|(n, _)| n != name);
         house.push((name.to_owned(), vec![used.to_owned()]));
         house
+    }
+
+    #[test]
+    fn uses_are_read_from_the_tree_that_cargo_prints() {
+        let tree = "0glanz v0.2.0 (/a/glanz)\n1glam v0.34.0\n1glanz-math v0.2.0 (/a/math)\n\n0xtask v0.2.0 (/a/xtask)\n";
+        let glanz = ("glanz".to_owned(), vec!["glam".to_owned(), "glanz-math".to_owned()]);
+        assert_eq!(edges(tree), [glanz, ("xtask".to_owned(), Vec::new())]);
     }
 
     #[test]

@@ -8,15 +8,15 @@ use crate::workspace;
 ///
 /// # Errors
 /// One line per key that is cited but not listed, with the first place that cites it.
-pub(crate) fn check() -> Result<String, Vec<String>> {
+pub(crate) fn check() -> Result<String, String> {
     let list = workspace::root().join("docs/references.bib");
     let listed = match std::fs::read_to_string(&list) {
         Ok(text) => entries(&text),
-        Err(error) => return Err(vec![format!("docs/references.bib: {error}")]),
+        Err(error) => return Err(format!("docs/references.bib: {error}")),
     };
     let mut cited = BTreeMap::new();
     for file in workspace::files_below(&workspace::root().join("crates"), "rs") {
-        let text = std::fs::read_to_string(&file).map_err(|e| vec![format!("{}: {e}", file.display())])?;
+        let text = std::fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
         let shown = file.strip_prefix(workspace::root()).unwrap_or(&file);
         for (number, line) in text.lines().enumerate() {
             for key in citations(line) {
@@ -30,9 +30,9 @@ pub(crate) fn check() -> Result<String, Vec<String>> {
         .map(|(key, place)| format!("{place}: @{key} is not in docs/references.bib"))
         .collect();
     if missing.is_empty() {
-        Ok(format!("references: {} of {} keys cited, every one listed", cited.len(), listed.len()))
+        Ok(format!("{} of {} keys cited, every one listed", cited.len(), listed.len()))
     } else {
-        Err(missing)
+        Err(missing.join("\n"))
     }
 }
 

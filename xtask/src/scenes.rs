@@ -11,7 +11,7 @@ use crate::workspace;
 /// How many scenes did not load, or why nothing could be tried.
 pub(crate) fn load_all(folder: &Path) -> Result<String, String> {
     // The build runs in the workspace; the scenes are named relative to where the user stands.
-    let build = workspace::cargo().args(["build", "--release", "--quiet", "--package", "glanz-cli"]).status();
+    let build = workspace::cargo(["build", "--release", "--quiet", "--package", "glanz-cli"]).status();
     match build {
         Ok(status) if status.success() => {}
         Ok(_) => return Err("glanz does not build".to_owned()),
@@ -24,8 +24,7 @@ pub(crate) fn load_all(folder: &Path) -> Result<String, String> {
             continue;
         }
         let file = file.canonicalize().map_err(|error| format!("{}: {error}", file.display()))?;
-        let said = workspace::cargo()
-            .args(["run", "--release", "--quiet", "--package", "glanz-cli", "--", "info"])
+        let said = workspace::cargo(["run", "--release", "--quiet", "--package", "glanz-cli", "--", "info"])
             .arg(&file)
             .output()
             .map_err(|error| format!("cargo: {error}"))?;

@@ -1,12 +1,14 @@
 //! The code of the viewer's page: its types, its format, its tests that need no browser.
 
+use std::fs;
 use std::process::Command;
+use std::time::SystemTime;
 
-use crate::steps::succeed;
+use crate::suite::succeed;
 use crate::workspace;
 
 /// The folder that npm works in, from the root.
-const FOLDER: &str = "crates/glanz-viewer";
+pub(crate) const FOLDER: &str = "crates/glanz-viewer";
 
 /// What npm runs, and what it means if that fails.
 const SCRIPTS: [(&str, &str); 3] = [
@@ -18,29 +20,27 @@ const SCRIPTS: [(&str, &str); 3] = [
 /// Checks the code of the page.
 ///
 /// # Errors
-/// A sentence for every check that fails, or one that says what is missing to run them, and how to get it.
+/// A sentence for every check that fails.
 pub(crate) fn check() -> Result<String, String> {
-    let there = npm().arg("--version").output().is_ok_and(|output| output.status.success());
-    if !there {
-        return Err(
-            "npm is missing: install Node.js 18 or later, for example apt-get install nodejs npm".to_owned()
-        );
-    }
-    // npm lists what it has installed in this file.
-    let installed = workspace::root().join(FOLDER).join("node_modules/.package-lock.json");
-    if !installed.exists() {
-        return Err(format!("the packages that check the page are missing: npm ci --prefix {FOLDER}"));
-    }
     let outcomes =
-        SCRIPTS.map(|(script, otherwise)| succeed(npm().args(["run", "--silent", script]), otherwise));
+        SCRIPTS.map(|(script, otherwise)| succeed(&mut npm(&["run", "--silent", script]), otherwise));
     let faults: Vec<String> = outcomes.into_iter().filter_map(Result::err).collect();
     if faults.is_empty() { Ok(String::new()) } else { Err(faults.join("\n")) }
 }
 
+/// Whether npm has installed the packages of the present lock file.
+pub(crate) fn packages_are_installed() -> bool {
+    let folder = workspace::root().join(FOLDER);
+    let changed = |file: &str| fs::metadata(folder.join(file)).and_then(|data| data.modified()).ok();
+    // npm lists what it has installed in a file of its own.
+    let installed: Option<SystemTime> = changed("node_modules/.package-lock.json");
+    installed.is_some() && installed >= changed("package-lock.json")
+}
+
 /// npm in the folder of the page.
-fn npm() -> Command {
+pub(crate) fn npm(arguments: &[&str]) -> Command {
     // On Windows it is a script of the command line.
     let mut command = Command::new(if cfg!(windows) { "npm.cmd" } else { "npm" });
-    command.current_dir(workspace::root().join(FOLDER));
+    command.current_dir(workspace::root().join(FOLDER)).args(arguments);
     command
 }

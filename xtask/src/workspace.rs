@@ -16,10 +16,10 @@ pub(crate) fn root() -> &'static Path {
     })
 }
 
-/// The cargo that runs this program, to be run in the workspace root.
-pub(crate) fn cargo() -> Command {
+/// The cargo that runs this program, to be run with these arguments in the workspace root.
+pub(crate) fn cargo<const N: usize>(arguments: [&str; N]) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.current_dir(root());
+    command.current_dir(root()).args(arguments);
     command
 }
 

@@ -192,11 +192,6 @@ impl Run {
         runs
     }
 
-    /// Those of [`Run::all_random`] with light sampling.
-    pub(crate) fn with_light_sampling(depth: u32, samples: u32) -> Vec<Self> {
-        Self::all_random(depth, samples).into_iter().filter(|r| r.light_sampling).collect()
-    }
-
     /// All four, through the middle of the pixel.
     pub(crate) fn all_exact(depth: u32) -> Vec<Self> {
         let run = |name| Self { sampler: SamplerKind::Center, ..Self::new(name, depth, 2) };

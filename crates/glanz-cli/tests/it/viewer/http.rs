@@ -64,3 +64,8 @@ fn parse(answer: &[u8]) -> Answer {
     let status = head.split(' ').nth(1).and_then(|word| word.parse().ok()).unwrap_or(0);
     Answer { status, head, body: rest.get(4..).unwrap_or_default().to_vec() }
 }
+
+/// Tells an answer that did not come in time from other errors.
+pub(crate) fn is_timeout(error: &std::io::Error) -> bool {
+    matches!(error.kind(), std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut)
+}

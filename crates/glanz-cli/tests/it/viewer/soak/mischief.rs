@@ -8,8 +8,8 @@ use serde_json::json;
 use tungstenite::Message;
 
 use super::visitor::{Fault, Visitor, connect};
-use crate::viewer::devtools::is_timeout;
 use crate::viewer::http;
+use crate::viewer::http::is_timeout;
 
 /// Requests for files that are none of the page's.
 const PATHS: [&str; 14] = [

@@ -9,7 +9,7 @@ mod visitor;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use crate::viewer::served::{Served, scene_file};
+use crate::viewer::server::{ViewServer, scene_file};
 use process::Usage;
 use visitor::{Fault, Visitor};
 
@@ -93,7 +93,7 @@ fn setting(name: &str, otherwise: u64) -> u64 {
 #[test]
 fn pages_that_come_and_go_leave_nothing_behind() {
     let (pages, seconds) = (setting("GLANZ_SOAK_PAGES", 4), setting("GLANZ_SOAK_SECONDS", 6));
-    let mut served = Served::start(&scene_file("teapot.pbrt"));
+    let mut served = ViewServer::start(&scene_file("teapot.pbrt"));
     // One visit, so that what is made once is made.
     let mut warm = Tally::default();
     visit(&served.host, &mut Dice(0), &mut warm).unwrap_or_else(|fault| panic!("{fault}\n{}", served.said()));

@@ -9,8 +9,8 @@ use tungstenite::http::HeaderValue;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket, client::client_with_config};
 
-use crate::viewer::devtools::is_timeout;
 use crate::viewer::http;
+use crate::viewer::http::is_timeout;
 
 /// What a visit can fail with, in words.
 pub(crate) type Fault = String;

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use data_encoding::BASE64;
 use serde_json::{Value, json};
 
-use crate::viewer::browser::Browser;
+use super::process::Browser;
 
 /// How long something may take to come about.
 const PATIENCE: Duration = Duration::from_secs(120);

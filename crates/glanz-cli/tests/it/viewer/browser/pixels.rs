@@ -5,13 +5,13 @@ use glanz::scene::Scene;
 use glanz::viewer::model::Model;
 use serde_json::Value;
 
-use crate::viewer::page::Page;
+use super::page::Page;
 
 /// Pixels around one that are searched for a border.
 const REACH: i64 = 8;
 
 /// Objects and normals by pixel, rows from the top.
-pub(crate) struct Seen {
+pub(crate) struct SurfacePixels {
     pub(crate) size: [usize; 2],
     /// Number of the object + 1; 0: nothing.
     objects: Vec<u32>,
@@ -34,7 +34,7 @@ pub(crate) struct Difference {
     pub(crate) farthest: f64,
 }
 
-impl Seen {
+impl SurfacePixels {
     /// What the page draws.
     pub(crate) fn by_page(page: &mut Page) -> Self {
         let size =
@@ -123,11 +123,11 @@ impl Difference {
 
 /// A picture of 20 x 10 pixels whose columns see object 2, and those left of `edge` object 1, with normals turned by an angle.
 #[cfg(test)]
-fn halves(edge: usize, degrees: f64) -> Seen {
+fn halves(edge: usize, degrees: f64) -> SurfacePixels {
     let size = [20, 10];
     let objects = (0..200).map(|i| if i % 20 < edge { 1 } else { 2 }).collect();
     let (sin, cos) = degrees.to_radians().sin_cos();
-    Seen { size, objects, normals: vec![DVec3::new(sin, 0.0, cos); 200], flat: vec![false; 200] }
+    SurfacePixels { size, objects, normals: vec![DVec3::new(sin, 0.0, cos); 200], flat: vec![false; 200] }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::viewer::devtools::DevTools;
+use super::devtools::DevTools;
 
 /// How long it may take to start.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -104,7 +104,7 @@ impl Drop for Process {
     }
 }
 
-/// The program: the one that `CHROMIUM` names, or the first on the search path.
+/// The program: the one that `CHROMIUM` names, or the first on the search path. `cargo xtask test` names the one that it has found or installed.
 fn find() -> PathBuf {
     if let Some(chosen) = std::env::var_os("CHROMIUM") {
         return chosen.into();
@@ -113,7 +113,7 @@ fn find() -> PathBuf {
     let mut places = std::env::split_paths(&path).flat_map(|folder| NAMES.map(|name| folder.join(name)));
     places.find(|place| place.is_file()).unwrap_or_else(|| {
         panic!(
-            "Chromium is missing: apt-get install chromium, or name one in the environment variable CHROMIUM"
+            "Chromium is missing: cargo xtask test installs one; or name one in the environment variable CHROMIUM"
         )
     })
 }

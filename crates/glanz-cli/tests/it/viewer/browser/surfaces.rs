@@ -4,9 +4,9 @@ use glanz::formats::{Options, load};
 use glanz::scene::Scene;
 use glanz::viewer::model::Model;
 
-use crate::viewer::page::Page;
-use crate::viewer::seen::Seen;
-use crate::viewer::served::{Served, scene_file};
+use super::page::Page;
+use super::pixels::SurfacePixels;
+use crate::viewer::server::{ViewServer, scene_file};
 
 /// Pixels of the window; the page's bars leave about 400 x 300 to the picture.
 const SIZE: [u32; 2] = [400, 390];
@@ -20,14 +20,14 @@ const SILHOUETTE: f64 = 1.5;
 /// Compares normals and silhouettes over the whole picture, and says how near they are.
 fn compare(name: &str) {
     let file = scene_file(name);
-    let served = Served::start(&file);
+    let served = ViewServer::start(&file);
     let mut page = Page::open(&served.address(), SIZE);
-    let drawn = Seen::by_page(&mut page);
+    let drawn = SurfacePixels::by_page(&mut page);
     let camera = page.evaluate("window.glanz.state().camera");
     let description = load(&file, &Options::default()).unwrap_or_else(|error| panic!("{error}")).description;
     let (scene, _) = Scene::resolve(description.clone()).expect("a scene");
     let model = Model::try_new(name, &description, &scene, &[]).expect("a model");
-    let exact = Seen::by_rays(&scene, &model, &camera, drawn.size);
+    let exact = SurfacePixels::by_rays(&scene, &model, &camera, drawn.size);
     let difference = drawn.difference(&exact);
     let angle = |share: f64| {
         difference.angles.get((share * difference.angles.len() as f64) as usize).copied().unwrap_or(0.0)

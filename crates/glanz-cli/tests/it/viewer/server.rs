@@ -15,14 +15,14 @@ pub(crate) fn scene_file(name: &str) -> PathBuf {
 }
 
 /// A server that ends with its value.
-pub(crate) struct Served {
+pub(crate) struct ViewServer {
     child: Child,
     said: Arc<Mutex<String>>,
     /// `127.0.0.1:PORT`.
     pub(crate) host: String,
 }
 
-impl Served {
+impl ViewServer {
     /// Serves a scene, and waits until it says where.
     pub(crate) fn start(scene: &Path) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_glanz"))
@@ -67,7 +67,7 @@ impl Served {
     }
 }
 
-impl Drop for Served {
+impl Drop for ViewServer {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();

@@ -6,8 +6,8 @@ use glanz::formats::image;
 use glanz::light::Pixels;
 use serde_json::Value;
 
-use crate::viewer::page::Page;
-use crate::viewer::served::{Served, scene_file};
+use super::page::Page;
+use crate::viewer::server::{ViewServer, scene_file};
 
 /// Pixels of the window; the page's bars leave about 400 x 300 to the picture.
 const SIZE: [u32; 2] = [400, 390];
@@ -53,7 +53,7 @@ fn rendered(page: &mut Page, samples: u32) {
 
 #[test]
 fn mouse_wheel_keys_and_fingers_move_the_camera_and_the_picture() {
-    let served = Served::start(&scene_file("teapot.pbrt"));
+    let served = ViewServer::start(&scene_file("teapot.pbrt"));
     let mut page = Page::open(&served.address(), SIZE);
     let [x, y] = middle(&mut page);
     let home = camera(&mut page);
@@ -88,7 +88,7 @@ fn mouse_wheel_keys_and_fingers_move_the_camera_and_the_picture() {
 
 #[test]
 fn a_click_tells_what_the_surface_is_there() {
-    let served = Served::start(&scene_file("teapot.pbrt"));
+    let served = ViewServer::start(&scene_file("teapot.pbrt"));
     let mut page = Page::open(&served.address(), SIZE);
     let [x, y] = middle(&mut page);
     page.click([x, y]);
@@ -111,7 +111,7 @@ fn a_click_tells_what_the_surface_is_there() {
 
 #[test]
 fn the_rendered_picture_comes_while_the_camera_rests_and_is_saved() {
-    let served = Served::start(&scene_file("teapot.pbrt"));
+    let served = ViewServer::start(&scene_file("teapot.pbrt"));
     let mut page = Page::open(&served.address(), SIZE);
     let [x, y] = middle(&mut page);
     rendered(&mut page, 1);

@@ -8,6 +8,8 @@ use tungstenite::client::client_with_config;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, Message, WebSocket};
 
+use crate::viewer::http::is_timeout;
+
 /// How long an answer may take: a picture may have to be drawn for it, in software, beside other tests.
 const PATIENCE: Duration = Duration::from_secs(120);
 
@@ -87,9 +89,4 @@ impl DevTools {
             Err(error) => panic!("the browser is gone: {error}"),
         }
     }
-}
-
-/// Whether nothing came in time.
-pub(crate) fn is_timeout(error: &std::io::Error) -> bool {
-    matches!(error.kind(), std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut)
 }

@@ -1,0 +1,8 @@
+//! The page in Chromium, driven over its DevTools protocol. `cargo xtask test` runs these tests in a step of their own.
+
+mod devtools;
+mod page;
+mod pixels;
+mod process;
+mod surfaces;
+mod user;

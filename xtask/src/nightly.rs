@@ -1,0 +1,226 @@
+//! Everything heavy: the parts of `cargo xtask nightly`, each a command of its own, too.
+
+use std::process::{Command, ExitCode};
+
+use crate::checks::run_tests;
+use crate::suite::{self, Check, Verdict, succeed};
+use crate::{publish, workspace};
+
+/// Integration tests that take their extent from environment variables, optimised.
+struct Part {
+    name: &'static str,
+    package: &'static str,
+    /// What the names of its tests contain.
+    filter: &'static str,
+    settings: &'static [Setting],
+    help: &'static str,
+}
+
+/// A number that an option of the command sets.
+struct Setting {
+    option: &'static str,
+    variable: &'static str,
+    number: u64,
+}
+
+const fn setting(option: &'static str, variable: &'static str, number: u64) -> Setting {
+    Setting { option, variable, number }
+}
+
+const PARTS: &[Part] = &[
+    Part {
+        name: "contract",
+        package: "glanz-geometry",
+        filter: "contract::",
+        settings: &[setting("--rays", "GLANZ_CONTRACT_RAYS", 10_000_000)],
+        help: "the contract of every kind of surface over random rays",
+    },
+    Part {
+        name: "zoo",
+        package: "glanz-geometry",
+        filter: "zoo::",
+        settings: &[
+            setting("--rays", "GLANZ_ZOO_RAYS", 10_000_000),
+            setting("--adversarial", "GLANZ_ZOO_ADVERSARIAL", 1_000_000),
+        ],
+        help: "roots of rays with freeform patches against a reference of interval arithmetic; --patches FILE... adds patches",
+    },
+    Part {
+        name: "seam",
+        package: "glanz-geometry",
+        filter: "seam::",
+        settings: &[setting("--rays", "GLANZ_SEAM_RAYS", 100_000_000)],
+        help: "rays across the seam of two trimmed faces",
+    },
+    Part {
+        name: "unbiased",
+        package: "glanz-study",
+        filter: "unbiased::",
+        settings: &[setting("--samples", "GLANZ_UNBIASED_SAMPLES", 16_384)],
+        help: "a Z-test of `guided` and `light` against `path` in all scenes, with so many samples per pixel",
+    },
+    Part {
+        name: "bake",
+        package: "glanz-cli",
+        filter: "bake_reference::",
+        settings: &[
+            setting("--points", "GLANZ_BAKE_POINTS", 1000),
+            setting("--samples", "GLANZ_BAKE_SAMPLES", 8192),
+        ],
+        help: "light maps against path tracing at random points, with so many paths each",
+    },
+    Part {
+        name: "soak",
+        package: "glanz-cli",
+        filter: "viewer::soak::",
+        settings: &[
+            setting("--pages", "GLANZ_SOAK_PAGES", 100),
+            setting("--seconds", "GLANZ_SOAK_SECONDS", 300),
+        ],
+        help: "pages that come, misbehave and leave `glanz view`, and whether threads and memory come back",
+    },
+];
+
+/// One line per part: its command with the numbers it has unless others are named, and its purpose.
+pub(crate) fn help() -> String {
+    let line = |part: &Part| {
+        let options: String = part.settings.iter().map(|s| format!(" [{} {}]", s.option, s.number)).collect();
+        format!("  {}{options}\n                       {}\n", part.name, part.help)
+    };
+    PARTS.iter().map(line).collect()
+}
+
+/// Runs a part with the numbers that these words set.
+///
+/// # Errors
+/// An option is unknown or wrong. `None`: there is no part of that name.
+pub(crate) fn part(name: &str, options: &[&str]) -> Option<Result<ExitCode, String>> {
+    let part = PARTS.iter().find(|part| part.name == name)?;
+    Some(part.command(options).map(|mut command| match run_tests(&mut command) {
+        Ok(counts) => {
+            println!("{name}: {counts}");
+            ExitCode::SUCCESS
+        }
+        Err(counts) => {
+            eprintln!("error: {name}: {counts}, see above");
+            ExitCode::FAILURE
+        }
+    }))
+}
+
+/// Runs the parts of these names, or all if there are none.
+///
+/// # Errors
+/// A name that is no part.
+pub(crate) fn nightly(names: &[&str]) -> Result<ExitCode, String> {
+    let mut checks: Vec<Check<'_>> = vec![
+        Check { name: "heavy", run: Box::new(heavy) },
+        Check { name: "benches", run: Box::new(benches) },
+        Check { name: "publish", run: Box::new(|| publish::dry_run().map(Verdict::Passed)) },
+    ];
+    checks.extend(PARTS.iter().map(|part| Check {
+        name: part.name,
+        run: Box::new(|| {
+            part.command(&[]).and_then(|mut command| run_tests(&mut command)).map(Verdict::Passed)
+        }),
+    }));
+    if let Some(unknown) = names.iter().find(|name| checks.iter().all(|check| check.name != **name)) {
+        let known: Vec<&str> = checks.iter().map(|check| check.name).collect();
+        return Err(format!("there is no part \"{unknown}\", choose from {}", known.join(", ")));
+    }
+    checks.retain(|check| names.is_empty() || names.contains(&check.name));
+    Ok(suite::run("nightly", &checks))
+}
+
+/// The tests that are marked as heavy by `#[ignore]`.
+fn heavy() -> Result<Verdict, String> {
+    let mut command = workspace::cargo([
+        "test",
+        "--workspace",
+        "--no-fail-fast",
+        "--lib",
+        "--bins",
+        "--tests",
+        "--",
+        "--ignored",
+    ]);
+    run_tests(&mut command).map(Verdict::Passed)
+}
+
+/// Links examples and benchmarks, which clippy only checks.
+fn benches() -> Result<Verdict, String> {
+    let mut command = workspace::cargo(["build", "--release", "--workspace", "--examples", "--benches"]);
+    succeed(&mut command, "an example or a benchmark does not build").map(|()| Verdict::Passed(String::new()))
+}
+
+impl Part {
+    /// The command that runs it, its tests' figures printed.
+    fn command(&self, mut options: &[&str]) -> Result<Command, String> {
+        let mut command = workspace::cargo(["test", "--release", "--package", self.package, "--test", "it"]);
+        command.args([self.filter, "--", "--nocapture"]);
+        for setting in self.settings {
+            command.env(setting.variable, setting.number.to_string());
+        }
+        loop {
+            options = match *options {
+                [] => return Ok(command),
+                ["--patches", ref files @ ..] if self.name == "zoo" && !files.is_empty() => {
+                    command.env("GLANZ_ZOO_PATCHES", patch_files(files)?);
+                    &[]
+                }
+                [option, number, ref rest @ ..] => {
+                    let setting = self.settings.iter().find(|setting| setting.option == option);
+                    let setting =
+                        setting.ok_or_else(|| format!("{}: there is no option \"{option}\"", self.name))?;
+                    let number: u64 = number.parse().map_err(|_| format!("\"{number}\" is not a number"))?;
+                    command.env(setting.variable, number.to_string());
+                    rest
+                }
+                [option] => return Err(format!("{}: \"{option}\" needs a number", self.name)),
+            };
+        }
+    }
+}
+
+/// Absolute paths with colons between; the test runs in the folder of its crate.
+fn patch_files(files: &[&str]) -> Result<String, String> {
+    let absolute = |file: &&str| match std::path::absolute(file) {
+        Ok(path) => Ok(path.display().to_string()),
+        Err(error) => Err(format!("{file}: {error}")),
+    };
+    Ok(files.iter().map(absolute).collect::<Result<Vec<_>, _>>()?.join(":"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The value of a variable that a part's tests get, with these options.
+    fn variable(name: &str, options: &[&str], variable: &str) -> Result<String, String> {
+        let part = PARTS.iter().find(|part| part.name == name).expect("a part");
+        let command = part.command(options)?;
+        let value = command.get_envs().find(|(name, _)| *name == variable).and_then(|(_, value)| value);
+        Ok(value.expect("a value").to_string_lossy().into_owned())
+    }
+
+    #[test]
+    fn options_come_in_any_order_and_keep_the_numbers_that_are_not_named() {
+        assert_eq!(variable("soak", &[], "GLANZ_SOAK_PAGES"), Ok("100".to_owned()));
+        let options = ["--seconds", "5", "--pages", "7"];
+        assert_eq!(variable("soak", &options, "GLANZ_SOAK_PAGES"), Ok("7".to_owned()));
+        assert_eq!(variable("soak", &options[..2], "GLANZ_SOAK_PAGES"), Ok("100".to_owned()));
+        assert_eq!(variable("soak", &options[..2], "GLANZ_SOAK_SECONDS"), Ok("5".to_owned()));
+        for wrong in [&["--pages"][..], &["--pages", "many"], &["--points", "7"], &["7"], &["--patches", "a"]]
+        {
+            assert!(variable("soak", wrong, "GLANZ_SOAK_PAGES").is_err(), "{wrong:?}");
+        }
+    }
+
+    #[test]
+    fn files_of_patches_stand_last() {
+        let options = ["--adversarial", "5", "--patches", "/a.rib", "/b.txt"];
+        assert_eq!(variable("zoo", &options, "GLANZ_ZOO_ADVERSARIAL"), Ok("5".to_owned()));
+        assert_eq!(variable("zoo", &options, "GLANZ_ZOO_PATCHES"), Ok("/a.rib:/b.txt".to_owned()));
+        assert!(variable("zoo", &["--patches"], "GLANZ_ZOO_RAYS").is_err());
+    }
+}
