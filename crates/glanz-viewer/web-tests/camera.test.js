@@ -245,20 +245,20 @@ test("other projection keeps sizes at the center and returns", () => {
   assert.equal(back.kind, "perspective");
 });
 
-test("withdrawn orthographic camera has the whole box before it, and the same picture", () => {
+test("movedBehind orthographic camera has the whole box before it, and the same picture", () => {
   /** @type {import("../web/camera.js").Bounds} */
   const bounds = [
     [-1, -50, -1],
     [1, 50, 1],
   ];
   const camera = { ...FRONT, kind: /** @type {const} */ ("orthographic") };
-  const back = cameras.withdrawn(camera, bounds);
+  const back = cameras.movedBehind(camera, bounds);
   for (const corner of cameras.corners(bounds)) {
     assert.ok((cameras.project(back, SIZE, corner)?.depth ?? -1) > 0);
     near(pixel(back, corner), pixel(camera, corner), 1e-9);
   }
   near(cameras.focus(back), cameras.focus(camera));
-  assert.equal(cameras.withdrawn(FRONT, bounds), FRONT, "perspective cameras stand where they stand");
+  assert.equal(cameras.movedBehind(FRONT, bounds), FRONT, "perspective cameras stand where they stand");
 });
 
 test("half way between views at right angles are 45 degrees and the geometric mean of the distances", () => {
@@ -278,8 +278,8 @@ test("half way between opposite views is a quarter turn", () => {
 
 test("camera of the server without field of view or height gets them at its distance", () => {
   const { fieldOfView: _unused, ...flat } = { ...FRONT, kind: /** @type {const} */ ("orthographic") };
-  assert.equal(cameras.completed(flat).height, 20);
+  assert.equal(cameras.withDefaults(flat).height, 20);
   const { height: _height, ...deep } = FRONT;
   // tan 45 degrees = 1: as high as twice the distance.
-  near([cameras.completed(deep).height], [20]);
+  near([cameras.withDefaults(deep).height], [20]);
 });

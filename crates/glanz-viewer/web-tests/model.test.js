@@ -1,13 +1,13 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { decodeModel, patchFacts } from "../web/model.js";
+import { decodeModel, patchHeader } from "../web/model.js";
 import { encodeModel, patchModel } from "./small_model.js";
 
 test("a_model_has_the_numbers_that_were_written", () => {
   const model = decodeModel(encodeModel(patchModel({ degreeU: 1, degreeV: 2, points: [...Array(24).keys()] })));
   assert.equal(model.name, "small");
-  assert.deepEqual(patchFacts(model, 0), { degreeU: 1, degreeV: 2, rational: true, firstPoint: 0, face: 7 });
+  assert.deepEqual(patchHeader(model, 0), { degreeU: 1, degreeV: 2, rational: true, firstPoint: 0, face: 7 });
   assert.deepEqual([...model.blocks.points.slice(20)], [20, 21, 22, 23]);
   assert.equal(model.blocks.regionCells.length, 0);
 });

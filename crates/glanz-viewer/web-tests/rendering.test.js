@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { Truth } from "../web/truth.js";
+import { RenderedImage } from "../web/rendered_image.js";
 import { timers } from "./timers.js";
 
 /** A session that remembers what it is told to send. */
@@ -13,7 +13,7 @@ function recorder() {
   return { sent, session: /** @type {import("../web/session.js").Session} */ (/** @type {unknown} */ (session)) };
 }
 
-const ORDER = /** @type {import("../web/truth.js").Order} */ (
+const ORDER = /** @type {import("../web/rendered_image.js").RenderRequest} */ (
   /** @type {unknown} */ ({ camera: "camera", size: { width: 2, height: 1 }, hidden: [], integrator: "path" })
 );
 
@@ -22,11 +22,11 @@ const tile = (id) => ({ id, x: 0, y: 0, width: 2, height: 1, samples: 1, pixels:
 
 test("move ends the rendering of the view before it, and forgets the picture", () => {
   const { sent, session } = recorder();
-  const truth = new Truth(session, () => {});
-  truth.begin(ORDER);
-  truth.tile(tile(1));
-  assert.ok(truth.picture?.covered);
-  truth.restart(null);
+  const image = new RenderedImage(session, () => {});
+  image.begin(ORDER);
+  image.tile(tile(1));
+  assert.ok(image.picture?.covered);
+  image.restart(null);
   assert.deepEqual(
     sent.map(({ type, id }) => [type, id]),
     [
@@ -34,52 +34,52 @@ test("move ends the rendering of the view before it, and forgets the picture", (
       ["stop", 1],
     ],
   );
-  assert.equal(truth.picture, null);
-  assert.equal(truth.status, null);
+  assert.equal(image.picture, null);
+  assert.equal(image.status, null);
 });
 
 test("what comes late of an earlier view changes nothing", () => {
   const { session } = recorder();
-  const truth = new Truth(session, () => {});
-  truth.begin(ORDER);
-  truth.restart(null);
-  truth.begin(ORDER);
-  truth.tile(tile(1));
-  truth.progress({ type: "progress", id: 1, samples: 9, noise: 0.1, seconds: 1, done: true });
-  assert.ok(truth.picture?.empty);
-  assert.equal(truth.status?.samples, 0);
-  truth.tile(tile(2));
-  truth.progress({ type: "progress", id: 2, samples: 1, noise: null, seconds: 1, done: false });
-  assert.deepEqual([truth.status?.samples, truth.status?.covered], [1, true]);
+  const image = new RenderedImage(session, () => {});
+  image.begin(ORDER);
+  image.restart(null);
+  image.begin(ORDER);
+  image.tile(tile(1));
+  image.progress({ type: "progress", id: 1, samples: 9, noise: 0.1, seconds: 1, done: true });
+  assert.ok(image.picture?.empty);
+  assert.equal(image.status?.samples, 0);
+  image.tile(tile(2));
+  image.progress({ type: "progress", id: 2, samples: 1, noise: null, seconds: 1, done: false });
+  assert.deepEqual([image.status?.samples, image.status?.covered], [1, true]);
 });
 
 test("latency is known once the server has stopped what it was told to", () => {
   const { session } = recorder();
-  const truth = new Truth(session, () => {});
-  truth.begin(ORDER);
-  truth.restart(null);
-  truth.stopped(99);
-  assert.equal(truth.latency, null);
-  truth.stopped(1);
-  assert.ok(truth.latency !== null && truth.latency >= 0);
+  const image = new RenderedImage(session, () => {});
+  image.begin(ORDER);
+  image.restart(null);
+  image.stopped(99);
+  assert.equal(image.latency, null);
+  image.stopped(1);
+  assert.ok(image.latency !== null && image.latency >= 0);
 });
 
 test("failure is that of the view only if it has its number", () => {
   const { session } = recorder();
-  const truth = new Truth(session, () => {});
-  truth.begin(ORDER);
-  assert.equal(truth.failed(5, "other"), false);
-  assert.equal(truth.failed(1, "too large"), true);
-  assert.equal(truth.status?.error, "too large");
+  const image = new RenderedImage(session, () => {});
+  image.begin(ORDER);
+  assert.equal(image.failed(5, "other"), false);
+  assert.equal(image.failed(1, "too large"), true);
+  assert.equal(image.status?.error, "too large");
 });
 
 test("rest of 250 ms begins rendering, and every move begins the rest anew", (context) => {
   const clock = timers(context);
   const { sent, session } = recorder();
-  const truth = new Truth(session, () => {});
-  truth.restart(() => ORDER);
+  const image = new RenderedImage(session, () => {});
+  image.restart(() => ORDER);
   clock.tick(200);
-  truth.restart(() => ORDER);
+  image.restart(() => ORDER);
   clock.tick(200);
   assert.equal(sent.length, 0);
   clock.tick(50);
@@ -88,7 +88,7 @@ test("rest of 250 ms begins rendering, and every move begins the rest anew", (co
 
 test("nothing is asked for while there is no connection", () => {
   const { sent, session } = recorder();
-  const truth = new Truth(Object.assign(session, { isOnline: false }), () => {});
-  truth.begin(ORDER);
-  assert.deepEqual([sent.length, truth.status], [0, null]);
+  const image = new RenderedImage(Object.assign(session, { isOnline: false }), () => {});
+  image.begin(ORDER);
+  assert.deepEqual([sent.length, image.status], [0, null]);
 });

@@ -87,7 +87,7 @@ test("lost connection rejects what waits, and is made anew after growing pauses 
   const { session, socket, heard } = connected();
   const request = session.request({ type: "pick" });
   socket.close();
-  await assert.rejects(request, /gone/);
+  await assert.rejects(request, /lost/);
   await assert.rejects(session.request({ type: "pick" }), /no connection/);
   const pauses = [500, 1000, 2000, 4000, 8000, 15000, 15000];
   for (const pause of pauses) {

@@ -73,7 +73,7 @@ test("center goes along with a moved scene, and stays where it is in the picture
 test("camera that went past its center turns about what is before it", () => {
   const view = viewpoint();
   view.camera = { ...view.camera, position: [0, 5, 0] };
-  view.turnAboutWhatIsAhead();
+  view.orbitAboutFocus();
   assert.deepEqual(view.center, [0, 15, 0]);
 });
 

@@ -1,5 +1,5 @@
 /**
- * The camera, and what hands do with it.
+ * The camera and its navigation: orbit, pan, zoom, fit, standard views.
  *
  * Functions from a camera to a new one; none changes its arguments. Positions are in metres and directions of length 1, both in the world, angles in radians,
  * pixels count from the upper left corner of the picture with y downwards. A camera's `right`, `up` and `forward` may be of either handedness:
@@ -32,19 +32,19 @@ const FIT_MARGIN = 0.06;
 const USUAL_FIELD_OF_VIEW = (40 * Math.PI) / 180;
 
 /**
- * A camera as the server tells it, with what its kind does not need filled in.
- * @param {Camera | (Omit<Camera, "fieldOfView" | "height"> & { fieldOfView?: number | null, height?: number | null })} told
+ * A camera as the server sends it, with defaults for the fields that its projection does not use.
+ * @param {Camera | (Omit<Camera, "fieldOfView" | "height"> & { fieldOfView?: number | null, height?: number | null })} sent
  * @returns {Camera}
  */
-export function completed(told) {
-  const distance = told.distance > 0 ? told.distance : 1;
-  const fieldOfView = told.fieldOfView || USUAL_FIELD_OF_VIEW;
-  const height = told.height || 2 * distance * Math.tan(fieldOfView / 2);
-  return { ...told, distance, fieldOfView, height };
+export function withDefaults(sent) {
+  const distance = sent.distance > 0 ? sent.distance : 1;
+  const fieldOfView = sent.fieldOfView || USUAL_FIELD_OF_VIEW;
+  const height = sent.height || 2 * distance * Math.tan(fieldOfView / 2);
+  return { ...sent, distance, fieldOfView, height };
 }
 
 /**
- * The camera with as wide a field as shows the whole of a picture of another shape, whose shorter side its field spans.
+ * The camera with its field of view widened so that the whole of a picture of another aspect ratio is visible.
  * @param {Camera} camera
  * @param {number} aspect width over height of that picture
  * @param {Size} size of the one that is drawn
@@ -101,7 +101,7 @@ export function rayThrough(camera, size, x, y) {
 }
 
 /**
- * Where a point of the world is in the picture, `null` for what is behind the camera.
+ * Pixel of a world point, `null` behind the camera.
  * @param {Camera} camera
  * @param {Size} size
  * @param {Vector} point
@@ -137,7 +137,7 @@ export function pointAt(camera, size, x, y, depth) {
 }
 
 /**
- * What the camera looks at: the point in the middle of the picture at its `distance`.
+ * Focus of the camera: the point in the middle of the picture at its `distance`.
  * @param {Camera} camera
  * @returns {Vector}
  */
@@ -154,11 +154,11 @@ export function handedness(camera) {
 }
 
 /**
- * The same camera with axes of length 1 and at right angles, which rounding takes away bit by bit.
+ * The same camera with orthonormal axes; rounding errors accumulate otherwise.
  * @param {Camera} camera
  * @returns {Camera}
  */
-function straightened(camera) {
+function orthonormalized(camera) {
   const hand = handedness(camera);
   const forward = normalize(camera.forward);
   const up = normalize(subtract(camera.up, scale(forward, dot(camera.up, forward))));
@@ -173,7 +173,7 @@ function straightened(camera) {
  * @returns {Camera}
  */
 export function rotated(camera, center, rotation) {
-  return straightened({
+  return orthonormalized({
     ...camera,
     position: add(center, rotation(subtract(camera.position, center))),
     right: rotation(camera.right),
@@ -199,7 +199,7 @@ export function rotationInPlane(from, to, angle) {
 }
 
 /**
- * How far the camera looks up, and the horizontal direction that it looks along.
+ * Elevation and horizontal heading of the camera.
  * @param {Camera} camera
  * @param {Vector} worldUp
  * @returns {{ elevation: number, ahead: Vector }}
@@ -340,7 +340,7 @@ export function standard(camera, worldUp, center, view) {
   };
   const [along, up] = directions[view];
   const forward = normalize(along);
-  const turned = straightened({ ...camera, forward, up, right: scale(cross(up, forward), hand) });
+  const turned = orthonormalized({ ...camera, forward, up, right: scale(cross(up, forward), hand) });
   const distance = Math.max(dot(subtract(center, camera.position), camera.forward), camera.distance * 1e-3);
   return { ...turned, distance, position: subtract(center, scale(forward, distance)) };
 }
@@ -365,12 +365,12 @@ export function otherProjection(camera, center) {
 }
 
 /**
- * An orthographic camera so far back that all of a box is before it: its picture has no near side.
+ * An orthographic camera moved back until the whole box is in front of it.
  * @param {Camera} camera
  * @param {Bounds} bounds
  * @returns {Camera}
  */
-export function withdrawn(camera, bounds) {
+export function movedBehind(camera, bounds) {
   if (camera.kind === "perspective") {
     return camera;
   }

@@ -1,23 +1,23 @@
 /**
- * What the page can be told to do, by keys and buttons.
+ * Commands of the page, run by keys and buttons.
  *
  * @module
  */
 
-import { leafBounds } from "./extent.js";
+import { leafBounds } from "./leaf_bounds.js";
 import { nextShading, shareThrough } from "./settings.js";
-import { announce, element } from "./ui/element.js";
+import { announce, element } from "./ui/dom.js";
 import { download, showProblem, upload } from "./ui/files.js";
 
 /** @typedef {import("./page.js").Page} Page */
-/** @typedef {import("./ui/keys.js").Command} Command */
+/** @typedef {import("./ui/key_bindings.js").Command} Command */
 /** @typedef {import("./camera.js").StandardView} StandardView */
 /** @typedef {import("./settings.js").Shading} Shading */
 
-/** Of the view's shorter side: what a key moves the scene by, and turns it as a hand does that moves so far, by 7.5 degrees. */
+/** Pan of one key press as a fraction of the view's shorter side; an orbit by the same drag turns the scene by 7.5 degrees. */
 const STEP = 1 / 24;
 
-/** By what factor a key zooms. */
+/** Zoom factor of one key press. */
 const ZOOM = 0.8;
 
 /**
@@ -26,15 +26,15 @@ const ZOOM = 0.8;
  * @returns {Command[]}
  */
 export function commandsOf(page) {
-  return [...handCommands(page), ...viewCommands(page), ...partCommands(page), ...toolCommands(page)];
+  return [...cameraCommands(page), ...viewCommands(page), ...partCommands(page), ...toolCommands(page)];
 }
 
 /**
- * What hands do, by keys.
+ * Camera navigation by keys.
  * @param {Page} page
  * @returns {Command[]}
  */
-function handCommands({ viewpoint }) {
+function cameraCommands({ viewpoint }) {
   /** @type {[way: string, x: number, y: number][]} */
   const ways = [
     ["Left", -1, 0],
@@ -85,7 +85,7 @@ function viewCommands(page) {
     viewpoint.fit(bounds ?? viewpoint.bounds);
   };
   return [
-    { name: "fit", keys: ["f"], label: "Fit what is selected, else everything", run: fit },
+    { name: "fit", keys: ["f"], label: "Fit the selection, or everything", run: fit },
     ...standard,
     { name: "reset", keys: ["0"], label: "The scene's own view", run: () => viewpoint.reset() },
     {
@@ -105,7 +105,7 @@ function viewCommands(page) {
  * @returns {Command[]}
  */
 function partCommands(page) {
-  /** @param {(parts: import("./parts.js").Parts, item: import("./parts.js").Item) => void} act on what is selected */
+  /** @param {(parts: import("./scene_parts.js").SceneParts, item: import("./scene_parts.js").Item) => void} act on what is selected */
   const onSelected = (act) => () => {
     const { parts } = page;
     if (!parts?.selected) {
@@ -126,21 +126,21 @@ function partCommands(page) {
     else page.select(null, null);
   };
   return [
-    { name: "pick", keys: ["Enter"], label: "Pick what is in the middle", onView: true, run: pickMiddle },
+    { name: "pick", keys: ["Enter"], label: "Pick at the centre", onView: true, run: pickMiddle },
     {
       name: "hide",
       keys: ["h"],
-      label: "Hide or show what is selected",
+      label: "Hide or show the selection",
       run: onSelected((parts, item) => parts.show(item, parts.visibility(item) !== "shown")),
     },
     {
       name: "isolate",
       keys: ["i"],
-      label: "Show only what is selected, and back",
+      label: "Isolate the selection, and back",
       run: onSelected((parts, item) => parts.isolate(item)),
     },
     { name: "showAll", keys: ["a"], label: "Show all", run: showAll },
-    { name: "escape", keys: ["Escape"], label: "End measuring, select nothing", run: escape },
+    { name: "escape", keys: ["Escape"], label: "Stop measuring, clear the selection", run: escape },
   ];
 }
 
@@ -173,10 +173,10 @@ function toolCommands(page) {
     },
     { name: "edges", keys: ["e"], label: "Edges", run: setting(() => (settings.edges = !settings.edges)) },
     { name: "net", keys: ["n"], label: "Control net", run: setting(() => (settings.net = !settings.net)) },
-    { name: "measure", keys: ["m"], label: "Measure between two points", run: () => toggleMeasure(page) },
-    { name: "savePng", keys: ["p"], label: "Save what is seen as PNG", run: () => savePng(page) },
+    { name: "measure", keys: ["m"], label: "MeasureTool between two points", run: () => toggleMeasure(page) },
+    { name: "savePng", keys: ["p"], label: "Save the view as PNG", run: () => savePng(page) },
     { name: "saveExr", keys: ["x"], label: "Save the rendered picture as OpenEXR", run: () => saveExr(page) },
-    { name: "help", keys: ["?"], label: "Show this", run: () => element("help", HTMLDialogElement).showModal() },
+    { name: "help", keys: ["?"], label: "Show this help", run: () => element("help", HTMLDialogElement).showModal() },
   ];
 }
 
@@ -234,12 +234,12 @@ async function saveExr(page) {
 /**
  * Opens files in place of the scene.
  * @param {Page} page
- * @param {import("./ui/files.js").Named[]} files
+ * @param {import("./ui/files.js").NamedFile[]} files
  */
 export async function openFiles(page, files) {
-  page.say(files.length === 1 ? `Opening ${files[0].name}` : `Opening ${files.length} files`);
+  page.showMessage(files.length === 1 ? `Opening ${files[0].name}` : `Opening ${files.length} files`);
   const url = new URL(`open?session=${encodeURIComponent(page.scene.session)}`, location.href);
   const problem = await upload(url, files);
-  page.say("");
+  page.showMessage("");
   if (problem !== null) showProblem("Not opened", problem);
 }

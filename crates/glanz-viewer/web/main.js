@@ -1,38 +1,38 @@
 /**
- * Brings the parts of the page together.
+ * Entry point of the page.
  *
  * @module
  */
 
 import { commandsOf, openFiles, sectionThroughPicked } from "./commands.js";
-import { handle } from "./handle.js";
+import { scriptInterface } from "./scripting.js";
 import { Page } from "./page.js";
-import { element } from "./ui/element.js";
-import { offerOpening } from "./ui/files.js";
-import { Keys } from "./ui/keys.js";
-import { offerPanels } from "./ui/panels.js";
-import { offerThemes } from "./ui/theme.js";
+import { element } from "./ui/dom.js";
+import { bindFileOpening } from "./ui/files.js";
+import { KeyBindings } from "./ui/key_bindings.js";
+import { initPanels } from "./ui/panels.js";
+import { initThemes } from "./ui/theme.js";
 
-/** @param {unknown} error what keeps the page from showing anything */
-function giveUp(error) {
+/** @param {unknown} error that prevents the page from starting */
+function showFatalError(error) {
   const message = element("message", HTMLElement);
   message.textContent = error instanceof Error ? error.message : String(error);
   message.hidden = false;
 }
 
 function start() {
-  offerPanels();
+  initPanels();
   const page = new Page();
-  new Keys(commandsOf(page));
-  offerThemes(() => page.invalidate());
-  offerOpening((files) => openFiles(page, files));
+  new KeyBindings(commandsOf(page));
+  initThemes(() => page.invalidate());
+  bindFileOpening((files) => openFiles(page, files));
   element("orthographic", HTMLInputElement).addEventListener("change", () => page.viewpoint.switchProjection());
   element("section-here", HTMLButtonElement).addEventListener("click", () => sectionThroughPicked(page));
-  Object.assign(window, { glanz: handle(page) });
+  Object.assign(window, { glanz: scriptInterface(page) });
 }
 
 try {
   start();
 } catch (error) {
-  giveUp(error);
+  showFatalError(error);
 }

@@ -126,7 +126,7 @@ function readHead(bytes) {
 }
 
 /**
- * Where a block lies, as the arguments of a typed array of 4-byte items.
+ * Position of a block, as the arguments of a typed array of 4-byte items.
  * @param {ArrayBuffer} bytes
  * @param {Record<string, { offset: number, length: number }>} blocks
  * @param {number} start
@@ -159,7 +159,7 @@ function checkReferences(model) {
     }
   });
   for (let i = 0; i < patches; i++) {
-    const { degreeU, degreeV, firstPoint } = patchFacts(model, i);
+    const { degreeU, degreeV, firstPoint } = patchHeader(model, i);
     within(firstPoint + (degreeU + 1) * (degreeV + 1), blocks.points.length / 4, `points of patch ${i}`);
   }
   regions.forEach((region, i) => {
@@ -187,11 +187,11 @@ function damaged(what) {
 }
 
 /**
- * What the first words of a patch say.
+ * Degrees, flags and offsets from the first words of a patch.
  * @param {Model} model
  * @param {number} patch
  */
-export function patchFacts(model, patch) {
+export function patchHeader(model, patch) {
   const words = model.blocks.patches;
   const degrees = words[patch * WORDS.patches];
   return {

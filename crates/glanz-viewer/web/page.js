@@ -1,5 +1,5 @@
 /**
- * What the page shows, and all that changes it.
+ * State of the page, and everything that changes it.
  *
  * @module
  */
@@ -7,27 +7,27 @@
 import { rayThrough } from "./camera.js";
 import { Renderer } from "./gl/renderer.js";
 import { decodeModel } from "./model.js";
-import { Pace } from "./pace.js";
-import { Parts, ranges } from "./parts.js";
+import { AdaptiveResolution } from "./adaptive_resolution.js";
+import { SceneParts, ranges } from "./scene_parts.js";
 import { Session } from "./session.js";
 import { defaultSettings, fullColour, realTimeOnly, sectionPlane } from "./settings.js";
-import { Truth } from "./truth.js";
-import { announce, create, element } from "./ui/element.js";
+import { RenderedImage } from "./rendered_image.js";
+import { announce, create, element } from "./ui/dom.js";
 import { showProblem } from "./ui/files.js";
-import { Hands } from "./ui/hands.js";
+import { PointerControls } from "./ui/pointer_controls.js";
 import { showLegend } from "./ui/legend.js";
-import { Measure } from "./ui/measure.js";
-import { Properties } from "./ui/properties.js";
-import { Status } from "./ui/status.js";
+import { MeasureTool } from "./ui/measure_tool.js";
+import { PropertiesPanel } from "./ui/properties_panel.js";
+import { StatusBar } from "./ui/status_bar.js";
 import { backgroundColour } from "./ui/theme.js";
-import { Tools } from "./ui/tools.js";
-import { Tree } from "./ui/tree.js";
+import { SettingsPanel } from "./ui/settings_panel.js";
+import { SceneTree } from "./ui/scene_tree.js";
 import { pointText } from "./ui/units.js";
 import { Viewpoint } from "./viewpoint.js";
 
 /** @typedef {import("./linear.js").Vector} Vector */
 /** @typedef {import("./model.js").Model} Model */
-/** @typedef {import("./parts.js").Item} Item */
+/** @typedef {import("./scene_parts.js").Item} Item */
 /** @typedef {import("./session.js").Hit} Hit */
 /** @typedef {import("./session.js").SceneMessage} SceneMessage */
 
@@ -49,15 +49,15 @@ export class Page {
     /** @type {Model | null} */
     this.model = null;
     this.scene = { model: "", name: "", session: "" };
-    /** @type {Parts | null} */
+    /** @type {SceneParts | null} */
     this.parts = null;
-    /** What was picked last. @type {Hit | null} */
+    /** The last pick. @type {Hit | null} */
     this.hit = null;
     /** @type {ReturnType<Renderer["draw"]> | null} */
     this.frame = null;
     /** Pixels of the canvas when nothing moves. @type {import("./camera.js").Size} */
     this.size = { width: 1, height: 1 };
-    this.pace = new Pace();
+    this.resolution = new AdaptiveResolution();
     this.drawRequested = false;
     this.drawnAt = 0;
     /** Until when what is selected is seen rather than what is rendered. */
@@ -71,21 +71,21 @@ export class Page {
     this.ready = new Promise((resolve) => (this.isReady = resolve));
     this.viewpoint = new Viewpoint(() => this.viewChanged());
     this.session = new Session(new URL("ws", location.href.replace(/^http/, "ws")), this.listener());
-    this.truth = new Truth(this.session, () => this.truthChanged());
-    this.tree = new Tree({
+    this.renderedImage = new RenderedImage(this.session, () => this.renderedImageChanged());
+    this.tree = new SceneTree({
       selected: (item) => this.select(item, null),
       visibility: () => this.visibilityChanged(),
     });
-    this.properties = new Properties();
-    this.measure = new Measure();
-    this.status = new Status();
-    this.tools = new Tools(this.settings, () => this.settingsChanged());
-    this.hands = new Hands(this.canvas, this.viewpoint, {
+    this.properties = new PropertiesPanel();
+    this.measure = new MeasureTool();
+    this.status = new StatusBar();
+    this.tools = new SettingsPanel(this.settings, () => this.settingsChanged());
+    this.pointer = new PointerControls(this.canvas, this.viewpoint, {
       pick: async (x, y) => (await this.pick(x, y))?.point ?? null,
       clicked: (x, y) => this.click(x, y),
       hover: (place) => this.hover(place),
       // A click without a move leaves the rendered picture as it is.
-      released: () => this.truth.id === null && this.viewChanged(),
+      released: () => this.renderedImage.id === null && this.viewChanged(),
     });
     new ResizeObserver(() => this.resize()).observe(this.canvas);
     this.resize();
@@ -94,22 +94,24 @@ export class Page {
   /** @returns {import("./session.js").Listener} */
   listener() {
     return {
-      online: () => this.say(""),
+      online: () => this.showMessage(""),
       offline: (pause) => {
-        this.truth.lost();
-        this.say(`The server is gone. Next attempt to reach it in ${Math.round(pause / 1000) || "less than 1"} s.`);
+        this.renderedImage.lost();
+        this.showMessage(
+          `Connection to the server lost. Next attempt in ${Math.round(pause / 1000) || "less than 1"} s.`,
+        );
       },
       scene: (message) => this.enter(message),
-      progress: (message) => this.truth.progress(message),
-      waiting: (id) => this.truth.waits(id),
-      tile: (tile) => this.truth.tile(tile),
-      stopped: (id) => this.truth.stopped(id),
-      failed: (id, text) => this.truth.failed(id, text) || announce(text),
+      progress: (message) => this.renderedImage.progress(message),
+      waiting: (id) => this.renderedImage.queued(id),
+      tile: (tile) => this.renderedImage.tile(tile),
+      stopped: (id) => this.renderedImage.stopped(id),
+      failed: (id, text) => this.renderedImage.failed(id, text) || announce(text),
     };
   }
 
   /** @param {string} text over the view; nothing if it is empty */
-  say(text) {
+  showMessage(text) {
     const message = element("message", HTMLElement);
     message.textContent = text;
     message.hidden = text === "";
@@ -149,7 +151,7 @@ export class Page {
   show(model, isSame) {
     this.renderer.setModel(model);
     this.model = model;
-    const parts = new Parts(model.tree);
+    const parts = new SceneParts(model.tree);
     if (isSame && this.parts) parts.inherit(this.parts);
     this.parts = parts;
     this.tree.set(parts);
@@ -202,23 +204,23 @@ export class Page {
     };
   }
 
-  /** What the server is to render now, `null` for nothing. */
+  /** The request for the server, `null` if nothing is to be rendered. */
   wanted() {
     const { integrator } = this.settings;
-    if (!this.parts || integrator === "none" || this.hands.isDragging || this.viewpoint.isMoving) return null;
+    if (!this.parts || integrator === "none" || this.pointer.isDragging || this.viewpoint.isMoving) return null;
     const { camera } = this.viewpoint;
     return { camera, size: this.size, hidden: ranges(this.parts.hidden), integrator };
   }
 
-  /** Another picture is to be seen: drawn at once, and rendered once all is at rest. */
+  /** The view changed: draws at once, and requests a rendering when the camera rests. */
   viewChanged() {
-    this.pace.moved(performance.now());
+    this.resolution.moved(performance.now());
     this.rendered = this.rendering;
-    this.truth.restart(this.rendered.startsWith("by") ? () => this.wanted() : null);
+    this.renderedImage.restart(this.rendered.startsWith("by") ? () => this.wanted() : null);
     this.invalidate();
   }
 
-  /** What of the settings the rendered picture depends on. */
+  /** The settings that the rendered picture depends on, as a key. */
   get rendering() {
     if (!this.model) return "no scene";
     return realTimeOnly(this.settings) ?? `by ${this.settings.integrator}`;
@@ -246,7 +248,7 @@ export class Page {
     this.viewChanged();
   }
 
-  /** Has the page drawn before the browser shows it next. */
+  /** Schedules a draw before the next frame. */
   invalidate() {
     if (this.drawRequested) return;
     this.drawRequested = true;
@@ -256,9 +258,9 @@ export class Page {
     });
   }
 
-  /** There is more of the rendered picture. As long as it has holes, all has to be drawn below it, which would keep the machine from rendering. */
-  truthChanged() {
-    const pause = this.truth.picture?.covered ? 0 : TILE_PAUSE - (performance.now() - this.drawnAt);
+  /** New tiles of the rendered image arrived. While it has holes the scene is drawn below it, so draws are limited to leave time for rendering. */
+  renderedImageChanged() {
+    const pause = this.renderedImage.picture?.covered ? 0 : TILE_PAUSE - (performance.now() - this.drawnAt);
     if (pause <= 0) this.invalidate();
     else this.tileTimer ??= setTimeout(() => this.invalidate(), pause);
   }
@@ -268,16 +270,16 @@ export class Page {
     clearTimeout(this.tileTimer);
     this.tileTimer = undefined;
     this.drawnAt = performance.now();
-    const { picture, status } = this.truth;
+    const { picture, status } = this.renderedImage;
     this.status.show(status, this.settings.integrator, realTimeOnly(this.settings));
     element("orthographic", HTMLInputElement).checked = this.viewpoint.camera.kind === "orthographic";
     this.saveExr.disabled = (status?.samples ?? 0) === 0;
     if (!this.model) return;
-    const share = whole ? 1 : this.pace.shareAt(this.drawnAt);
+    const share = whole ? 1 : this.resolution.shareAt(this.drawnAt);
     const view = this.view(share);
     const glance = this.drawnAt < this.glanceUntil;
     if (glance || !picture?.covered) this.drawScene(view, share, whole);
-    if (picture && !glance && !picture.empty) this.renderer.drawTruth(picture, view);
+    if (picture && !glance && !picture.empty) this.renderer.drawRenderedImage(picture, view);
     this.measure.draw(view.camera, this.viewpoint.size);
     if (this.frame?.pending === 0) this.isReady();
   }
@@ -292,8 +294,8 @@ export class Page {
     const start = performance.now();
     this.frame = whole ? this.renderer.drawWhole(view) : this.renderer.draw(view);
     // The browser holds frames back until the graphics card has done with those before.
-    requestAnimationFrame(() => requestAnimationFrame(() => this.pace.took(share, performance.now() - start)));
-    if (share < 1) setTimeout(() => this.invalidate(), this.pace.untilRest(start));
+    requestAnimationFrame(() => requestAnimationFrame(() => this.resolution.record(share, performance.now() - start)));
+    if (share < 1) setTimeout(() => this.invalidate(), this.resolution.untilRest(start));
     if (this.frame.pending > 0) setTimeout(() => this.invalidate(), COMPILE_PAUSE);
   }
 
@@ -345,7 +347,7 @@ export class Page {
       this.invalidate();
       return;
     }
-    if (!hit) announce("Nothing there");
+    if (!hit) announce("No surface here");
     this.select(hit ? (this.parts?.shape(hit.leaf) ?? null) : null, hit);
   }
 

@@ -1,5 +1,5 @@
 /**
- * The WebSocket to the server: requests and their answers, and connecting again when it goes.
+ * The WebSocket to the server: requests, replies, reconnection.
  *
  * @module
  */
@@ -7,7 +7,7 @@
 /** @typedef {import("./linear.js").Vector} Vector */
 
 /**
- * What a ray met on the exact surface; lengths in metres, curvatures in 1/m, in the world.
+ * A hit on the exact surface; lengths in metres, curvatures in 1/m, in world space.
  * @typedef {{ minimum: number, maximum: number, gaussian: number, mean: number, radius: number | null }} Curvature
  * @typedef {{ leaf: number, object: number, kind: string, name: string, material: string, degree: [number, number] | null,
  *   area: number | null, uv: [number, number], face: number, point: Vector, normal: Vector, distance: number,
@@ -23,12 +23,12 @@
  */
 
 /**
- * Who is told what comes from the server unasked. `offline`: milliseconds until the next attempt.
+ * Callbacks for messages that the server sends without a request. `offline`: milliseconds until the next attempt.
  * @typedef {{ online(): void, offline(pause: number): void, scene(message: SceneMessage): void, progress(message: Progress): void, waiting(id: number): void,
  *   tile(tile: Tile): void, stopped(id: number): void, failed(id: number | null, message: string): void }} Listener
  */
 
-/** @typedef {{ resolve(answer: any): void, reject(error: Error): void }} Waiting */
+/** @typedef {{ resolve(answer: any): void, reject(error: Error): void }} PendingRequest */
 
 const TILE = 1;
 const FILE = 2;
@@ -66,7 +66,7 @@ export function tileFromBytes(bytes) {
   };
 }
 
-/** One page's connection. It is made anew as long as the page lives. */
+/** Connection of the page; it reconnects for the lifetime of the page. */
 export class Session {
   /**
    * @param {URL} url
@@ -79,7 +79,7 @@ export class Session {
     this.socket = null;
     this.lastId = 0;
     this.pause = FIRST_PAUSE;
-    /** @type {Map<number, Waiting>} */
+    /** @type {Map<number, PendingRequest>} */
     this.waiting = new Map();
     this.connect();
   }
@@ -99,7 +99,7 @@ export class Session {
     socket.onmessage = (event) => this.receive(event.data);
     socket.onclose = () => {
       for (const { reject } of this.waiting.values()) {
-        reject(new Error("the connection to the server is gone"));
+        reject(new Error("the connection to the server was lost"));
       }
       this.waiting.clear();
       this.listener.offline(this.pause);
@@ -125,9 +125,9 @@ export class Session {
   }
 
   /**
-   * What the server says to a request: a message, or the bytes of a file.
+   * Sends a request and returns the reply: a message, or the bytes of a file.
    * @param {Record<string, unknown>} message
-   * @returns {Promise<any>} rejected with what the server says against it, or when the connection goes
+   * @returns {Promise<any>} rejected with the server's error, or when the connection is lost
    */
   request(message) {
     if (!this.isOnline) {
@@ -175,7 +175,7 @@ export class Session {
   }
 
   /**
-   * Who waits for the answer to this request; nobody does from now on.
+   * Removes and returns the pending request of this id.
    * @param {number} id
    */
   settle(id) {

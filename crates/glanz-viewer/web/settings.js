@@ -1,5 +1,5 @@
 /**
- * What of the picture the user chooses.
+ * Settings of the view.
  *
  * @module
  */
@@ -41,7 +41,7 @@ export function defaultSettings() {
 }
 
 /**
- * What follows in a round that begins and ends with the materials; one that is not part of it counts as they do.
+ * The next shading mode in a cycle that starts with the materials; a mode outside the cycle counts as its start.
  * @param {Shading} shading
  * @param {Shading[]} order
  * @returns {Shading}
@@ -52,7 +52,7 @@ export function nextShading(shading, order) {
 }
 
 /**
- * Why these settings show what is drawn in real time only, `null` if they do not.
+ * Reason why these settings exclude rendering, `null` if they do not.
  * @param {Settings} settings
  */
 export function realTimeOnly(settings) {
@@ -86,12 +86,12 @@ function sectionNormal(settings) {
 }
 
 /**
- * From where to where a section plane across a direction cuts a box: values of `dot(normal, point)`.
+ * Range of `dot(normal, point)` over a box.
  * @param {Vector} normal
  * @param {Bounds} bounds
  * @returns {[number, number]}
  */
-function reach(normal, bounds) {
+function extentAlong(normal, bounds) {
   const middle = dot(normal, scale(add(bounds[0], bounds[1]), 0.5));
   const half = normal.reduce((sum, n, i) => sum + (Math.abs(n) * (bounds[1][i] - bounds[0][i])) / 2, 0);
   return [middle - half, middle + half];
@@ -106,7 +106,7 @@ function reach(normal, bounds) {
 export function sectionPlane(settings, bounds) {
   if (!settings.section) return null;
   const normal = sectionNormal(settings);
-  const [low, high] = reach(normal, bounds);
+  const [low, high] = extentAlong(normal, bounds);
   const offset = low + (high - low) * settings.sectionShare;
   return settings.sectionFlip ? { normal: scale(normal, -1), offset: -offset } : { normal, offset };
 }
@@ -119,6 +119,6 @@ export function sectionPlane(settings, bounds) {
  */
 export function shareThrough(settings, bounds, point) {
   const normal = sectionNormal(settings);
-  const [low, high] = reach(normal, bounds);
+  const [low, high] = extentAlong(normal, bounds);
   return high > low ? Math.min(1, Math.max(0, (dot(normal, point) - low) / (high - low))) : 0.5;
 }

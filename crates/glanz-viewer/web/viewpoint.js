@@ -1,5 +1,5 @@
 /**
- * Where the page looks from: the camera in use, the point that it turns about, and transitions from one camera to another.
+ * The camera in use, the centre of its orbit, and transitions from one camera to another.
  *
  * @module
  */
@@ -38,7 +38,7 @@ export class Viewpoint {
   constructor(changed) {
     this.changed = changed;
     this.camera = BEFORE_THE_FIRST_SCENE;
-    /** What it turns about. @type {Vector} */
+    /** Centre of the orbit. @type {Vector} */
     this.center = [0, 0, 0];
     /** @type {Vector} */
     this.up = [0, 0, 1];
@@ -59,13 +59,13 @@ export class Viewpoint {
 
   /**
    * Takes over a scene. The camera stays where it is if `keep`.
-   * @param {{ camera: Parameters<typeof cameras.completed>[0], aspect?: number, up: Vector, bounds: Bounds }} model
+   * @param {{ camera: Parameters<typeof cameras.withDefaults>[0], aspect?: number, up: Vector, bounds: Bounds }} model
    * @param {boolean} keep
    */
   enter(model, keep) {
     this.up = model.up;
     this.bounds = model.bounds;
-    this.told = cameras.completed(model.camera);
+    this.told = cameras.withDefaults(model.camera);
     this.aspect = model.aspect || 1;
     if (!keep) {
       this.center = cameras.focus(this.home);
@@ -134,7 +134,7 @@ export class Viewpoint {
   }
 
   /** Makes sure that what the camera turns about is before it, also after it went past that. */
-  turnAboutWhatIsAhead() {
+  orbitAboutFocus() {
     if (dot(subtract(this.center, this.camera.position), this.camera.forward) < this.extent * NEAREST) {
       this.center = cameras.focus(this.camera);
     }
@@ -201,6 +201,6 @@ export class Viewpoint {
 
   /** @param {Camera} camera */
   ready(camera) {
-    return cameras.withdrawn(camera, this.bounds);
+    return cameras.movedBehind(camera, this.bounds);
   }
 }

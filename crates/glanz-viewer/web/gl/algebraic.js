@@ -6,13 +6,13 @@
 
 import { inverseRows, largestStretch } from "../linear.js";
 import { FRAME_TEXT } from "./frame.js";
-import { CURVATURE_TEXT, OBJECT_TEXT, PRECISION_TEXT, lookText, needsCurvature } from "./looks.js";
+import { CURVATURE_TEXT, OBJECT_TEXT, PRECISION_TEXT, shadingModeText, needsCurvature } from "./shading_modes.js";
 
 /** @typedef {import("../linear.js").Vector} Vector */
 /** @typedef {import("../model.js").AlgebraicSurface} AlgebraicSurface */
 /** @typedef {import("../model.js").Model} Model */
 /** @typedef {import("./frame.js").Frame} Frame */
-/** @typedef {import("./looks.js").Look} Look */
+/** @typedef {import("./shading_modes.js").ShadingMode} ShadingMode */
 /** @typedef {import("./patches.js").FrameStatistics} FrameStatistics */
 /** @typedef {import("./programs.js").Programs} Programs */
 
@@ -118,12 +118,12 @@ void derivatives(vec3 p, out vec3 gradient, out mat3 hessian) {
 `;
 
 /** Finds the first root on the ray, in the box and not cut away, as a place in the surface's frame; discards where there is none. */
-const MEET = `
+const INTERSECT = `
 uniform uint object;
 uniform vec3 low, high;
 uniform mat3 fromEye;    // the inverse of the object's matrix
 in vec3 eyePoint;
-vec3 meet(out vec3 position) {
+vec3 intersect(out vec3 position) {
   mat4x3 place = placeOf(object);
   vec2 ray = pixelRay(gl_FragCoord.xy);
   vec3 origin = lens.z > 0.0 ? vec3(0.0) : vec3(ray, 0.0);
@@ -150,7 +150,7 @@ vec3 meet(out vec3 position) {
 `;
 
 /** Curvature from gradient and second derivatives, in two tangents that follow the picture's axes. */
-const BEND = `
+const CURVATURE = `
   mat3 second = transpose(fromEye) * hessian * fromEye;
   float steep = length(gradient) * (dot(normal, point.normal) < 0.0 ? -1.0 : 1.0);
   vec2 sightSlope = vec2(dot(point.normal, vec3(1, 0, 0)), dot(point.normal, vec3(0, 1, 0)));
@@ -165,17 +165,17 @@ const BEND = `
   bend(point, su, sv, -dot(su, second * su) * n, -dot(su, second * sv) * n, -dot(sv, second * sv) * n, mat2(metre, 0.0, 0.0, metre));
 `;
 
-/** @param {Look} look */
-function fragmentText(look) {
-  const beginning = `${PRECISION_TEXT}${lookText(look)}${ROOTS}${POLYNOMIAL}${MEET}`;
-  if (look === "depth") return `${beginning}void main() { vec3 position; meet(position); }\n`;
-  return `${beginning}${needsCurvature(look) ? CURVATURE_TEXT : ""}
+/** @param {ShadingMode} mode */
+function fragmentText(mode) {
+  const beginning = `${PRECISION_TEXT}${shadingModeText(mode)}${ROOTS}${POLYNOMIAL}${INTERSECT}`;
+  if (mode === "depth") return `${beginning}void main() { vec3 position; intersect(position); }\n`;
+  return `${beginning}${needsCurvature(mode) ? CURVATURE_TEXT : ""}
 layout(location = 0) out vec4 colour;
 void main() {
   Facts facts = factsOf(object);
   Point point;
   point.object = object;
-  vec3 inside = meet(point.position);
+  vec3 inside = intersect(point.position);
   vec3 gradient;
   mat3 hessian;
   derivatives(inside, gradient, hessian);
@@ -187,9 +187,9 @@ void main() {
   point.principal = vec2(0.0);
   point.coverage = 1.0;
   point.line = 0.0;
-${needsCurvature(look) ? BEND : ""}
-${look === "material" ? "  mapPlace = vec2(-1.0);" : ""}
-  colour = look(point, facts);
+${needsCurvature(mode) ? CURVATURE : ""}
+${mode === "material" ? "  mapPlace = vec2(-1.0);" : ""}
+  colour = shade(point, facts);
 }
 `;
 }
@@ -239,15 +239,15 @@ export class AlgebraicSurfaces {
 
   /**
    * @param {Programs} programs
-   * @param {Look} look
+   * @param {ShadingMode} mode
    * @param {boolean} wait
    * @param {FrameStatistics} statistics
    * @param {Float64Array} places
    */
-  draw(programs, look, wait, statistics, places) {
+  draw(programs, mode, wait, statistics, places) {
     if (this.inSight.length === 0) return;
     const { gl } = this;
-    const program = programs.get(`algebraic ${look}`, () => ({ vertex: VERTEX, fragment: fragmentText(look) }), wait);
+    const program = programs.get(`algebraic ${mode}`, () => ({ vertex: VERTEX, fragment: fragmentText(mode) }), wait);
     if (!program) return;
     program.use();
     gl.bindVertexArray(this.array);
@@ -281,7 +281,7 @@ export class AlgebraicSurfaces {
   }
 }
 
-/** Whether the camera's axes, seen from the object, are of the other handedness than those of a picture (right, up, forward). @param {Float64Array} m */
+/** True if the camera's axes, seen from the object, have the opposite handedness of (right, up, forward). @param {Float64Array} m */
 function isMirrored(m) {
   const x = m[1] * m[5] - m[2] * m[4];
   const y = m[2] * m[3] - m[0] * m[5];

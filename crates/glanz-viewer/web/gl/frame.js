@@ -13,7 +13,7 @@ import { dot, subtract } from "../linear.js";
 /** Lights that shaders add up; further ones are left out, dimmest first. */
 export const MOST_LIGHTS = 32;
 
-/** Numbers of a row in the texture of places: four texels, of which the last numbers are free. */
+/** Floats per row of the texture of object transforms: four texels, of which the last numbers are free. */
 export const PLACE = 16;
 
 /** The block of uniforms that all programs share; `FRAME_FLOATS` numbers. */

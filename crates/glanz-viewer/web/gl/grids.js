@@ -12,7 +12,7 @@ export class Grids {
   /** @param {WebGL2RenderingContext} gl */
   constructor(gl) {
     this.gl = gl;
-    /** What is drawn of which patch, `INSTANCE_WORDS` each. */
+    /** Instances, `INSTANCE_WORDS` each. */
     this.instances = gl.createBuffer();
     /** @type {Map<number, Grid>} */
     this.grids = new Map();

@@ -12,11 +12,11 @@ import { FRAME_HEAD, FRAME_LIGHT, MOST_LIGHTS } from "./frame.js";
 /** @typedef {import("../model.js").Model} Model */
 /** @typedef {import("./frame.js").Frame} Frame */
 
-/** Where a scene has no surroundings, mirrors see this share of the light that lamps send to what is looked at, and rough surfaces get this share of that. */
+/** Without an environment, mirrors reflect this fraction of the light that arrives at the focus, and rough surfaces receive the same fraction of it. */
 const SEEN_IN_MIRRORS = 0.45;
 const FILL = 0.3;
 
-/** What the lower half of the surroundings sends of what the upper does: where a scene tells one radiance for both, and where it tells none. */
+/** Radiance of the lower half of the environment over that of the upper half: if the scene gives one radiance for both, and if it gives none. */
 const GROUND = 0.6;
 const GROUND_OF_NONE = 0.15;
 
@@ -58,7 +58,7 @@ export class Lights {
     if (this.isDark) this.sky = [0.3, 0.3, 0.3];
   }
 
-  /** Whether nothing in the scene gives light: then a light goes with the eye. */
+  /** True if the scene has no lights; then a headlight is used. */
   get isDark() {
     return this.lamps.length === 0 && !this.hasSurroundings;
   }

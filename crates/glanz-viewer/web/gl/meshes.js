@@ -5,15 +5,15 @@
  */
 
 import { largestStretch } from "../linear.js";
-import { boxOfMesh } from "./extents.js";
+import { boxOfMesh } from "./surface_boxes.js";
 import { FRAME_TEXT } from "./frame.js";
-import { OBJECT_TEXT, PRECISION_TEXT, lookText } from "./looks.js";
+import { OBJECT_TEXT, PRECISION_TEXT, shadingModeText } from "./shading_modes.js";
 
 /** @typedef {import("../model.js").Model} Model */
 /** @typedef {import("../model.js").MeshSurface} MeshSurface */
-/** @typedef {import("./extents.js").Box} Box */
+/** @typedef {import("./surface_boxes.js").Box} Box */
 /** @typedef {import("./frame.js").Frame} Frame */
-/** @typedef {import("./looks.js").Look} Look */
+/** @typedef {import("./shading_modes.js").ShadingMode} ShadingMode */
 /** @typedef {import("./patches.js").FrameStatistics} FrameStatistics */
 /** @typedef {import("./programs.js").Programs} Programs */
 
@@ -34,17 +34,17 @@ void main() {
 }
 `;
 
-/** @param {Look} look */
-function fragmentText(look) {
-  if (look === "depth") {
-    return `${PRECISION_TEXT}${lookText(look)}
+/** @param {ShadingMode} mode */
+function fragmentText(mode) {
+  if (mode === "depth") {
+    return `${PRECISION_TEXT}${shadingModeText(mode)}
 in vec3 eyePoint;
 void main() {
   if (section.xyz != vec3(0.0) && dot(section.xyz, eyePoint) > section.w) discard;
 }
 `;
   }
-  return `${PRECISION_TEXT}${lookText(look)}
+  return `${PRECISION_TEXT}${shadingModeText(mode)}
 uniform uint object;
 in vec3 eyePoint;
 in vec3 eyeNormal;
@@ -71,8 +71,8 @@ void main() {
   float slope = length(vec2(dFdx(over), dFdy(over)));
   if (section.xyz != vec3(0.0)) point.coverage = clamp(0.5 - over / max(slope, 1e-20), 0.0, 1.0);
   if (point.coverage <= 0.0) discard;
-${look === "material" ? "  mapPlace = vec2(-1.0);" : ""}
-  colour = look(point, facts);
+${mode === "material" ? "  mapPlace = vec2(-1.0);" : ""}
+  colour = shade(point, facts);
 }
 `;
 }
@@ -136,11 +136,11 @@ export class Meshes {
     }
   }
 
-  /** @param {Programs} programs @param {Look} look @param {boolean} wait @param {FrameStatistics} statistics */
-  draw(programs, look, wait, statistics) {
+  /** @param {Programs} programs @param {ShadingMode} mode @param {boolean} wait @param {FrameStatistics} statistics */
+  draw(programs, mode, wait, statistics) {
     if (this.inSight.length === 0) return;
     const { gl } = this;
-    const program = programs.get(`mesh ${look}`, () => ({ vertex: VERTEX, fragment: fragmentText(look) }), wait);
+    const program = programs.get(`mesh ${mode}`, () => ({ vertex: VERTEX, fragment: fragmentText(mode) }), wait);
     if (!program) return;
     program.use();
     for (const number of this.inSight) {

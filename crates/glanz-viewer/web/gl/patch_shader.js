@@ -6,11 +6,11 @@
 
 import { jetText, positionText } from "./evaluation.js";
 import { FRAME_TEXT } from "./frame.js";
-import { CURVATURE_TEXT, OBJECT_TEXT, PRECISION_TEXT, lookText, needsCurvature } from "./looks.js";
+import { CURVATURE_TEXT, OBJECT_TEXT, PRECISION_TEXT, shadingModeText, needsCurvature } from "./shading_modes.js";
 import { MAPPING_TEXT, TRIMMING_TEXT } from "./trimming.js";
 
 /** @typedef {import("./evaluation.js").Shape} Shape */
-/** @typedef {import("./looks.js").Look} Look */
+/** @typedef {import("./shading_modes.js").ShadingMode} ShadingMode */
 
 /** Words of a grid to be drawn: patch, object, first cell (x + 65536 y), levels of the grid (u, v) and of the four sides (4 bits each). */
 export const INSTANCE_WORDS = 4;
@@ -64,7 +64,7 @@ flat in uvec4 which;
 flat in vec2 cellSize;
 `;
 
-/** How near to the middle of the pixel the surface is looked for, pixels; what is left is made up for to first order; and from where on the grid is no help. */
+/** Convergence of the pixel's Newton iteration, pixels (the rest is corrected to first order), and the distance from which the grid's parameters are no start value. */
 const NEAR = `const float NEAR = 0.005;
 const float LOST = 16.0;
 `;
@@ -207,13 +207,13 @@ const SHARES = `
 /**
  * @param {Shape} shape
  * @param {boolean} trimmed
- * @param {Look} look
+ * @param {ShadingMode} mode
  */
-export function patchFragmentText(shape, trimmed, look) {
-  if (look === "depth") return depthText(trimmed);
-  const second = needsCurvature(look);
-  const lines = look !== "read" && look !== "normals";
-  return `${PRECISION_TEXT}${lookText(look)}${INPUTS}${jetText(shape, second)}${trimmed ? TRIMMING_TEXT : MAPPING_TEXT}
+export function patchFragmentText(shape, trimmed, mode) {
+  if (mode === "depth") return depthText(trimmed);
+  const second = needsCurvature(mode);
+  const lines = mode !== "read" && mode !== "normals";
+  return `${PRECISION_TEXT}${shadingModeText(mode)}${INPUTS}${jetText(shape, second)}${trimmed ? TRIMMING_TEXT : MAPPING_TEXT}
 ${second ? CURVATURE_TEXT : ""}${NEAR}${NEWTON}${LINES}
 layout(location = 0) out vec4 colour;
 void main() {
@@ -222,8 +222,8 @@ ${LOCATE}${trimmed ? TRIM : ""}${SECTION}
   if (point.coverage <= 0.0) discard;
 ${lines ? `  if (drawn.x > 0.0) point.line = max(point.line, borderLines(w, toParameters, which.w));\n${SHARES}` : ""}
 ${second ? "  bend(point, su, sv, turn * jet.suu, turn * jet.suv, turn * jet.svv, toParameters);" : ""}
-${look === "material" ? MAP_PLACE : ""}
-  colour = look(point, facts);
+${mode === "material" ? MAP_PLACE : ""}
+  colour = shade(point, facts);
 }
 `;
 }
@@ -241,7 +241,7 @@ function depthText(trimmed) {
   vec2 at = surfaceParameters(which.z, (facts.bits & REVOLUTION) != 0u, parameters, toSurface);
   if (trimmingDistance(facts.firstCell, facts.cells, at, mat2(1.0), false) < 0.0) discard;
 `;
-  return `${PRECISION_TEXT}${lookText("depth")}${INPUTS}${trimmed ? TRIMMING_TEXT : ""}
+  return `${PRECISION_TEXT}${shadingModeText("depth")}${INPUTS}${trimmed ? TRIMMING_TEXT : ""}
 in vec3 eyePoint;
 void main() {
   if (section.xyz != vec3(0.0) && dot(section.xyz, eyePoint) > section.w) discard;

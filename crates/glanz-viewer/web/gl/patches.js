@@ -5,23 +5,23 @@
  */
 
 import { largestStretch } from "../linear.js";
-import { patchFacts } from "../model.js";
+import { patchHeader } from "../model.js";
 import { Grids } from "./grids.js";
-import { LARGEST_GRID, gridLevels, lengthLevel, sideLevel } from "./levels.js";
-import { SIDE, SIDES, STRIDE, measurePatches } from "./measures.js";
+import { LARGEST_GRID, gridLevels, lengthLevel, sideLevel } from "./grid_levels.js";
+import { SIDE, SIDES, STRIDE, boundPatches } from "./patch_bounds.js";
 import { INSTANCE_WORDS, patchFragmentText, patchVertexText } from "./patch_shader.js";
-import { Pieces } from "./pieces.js";
+import { Subpatches } from "./subpatches.js";
 import { UNITS } from "./programs.js";
 
 /** @typedef {import("../model.js").Model} Model */
 /** @typedef {import("./frame.js").Frame} Frame */
-/** @typedef {import("./looks.js").Look} Look */
+/** @typedef {import("./shading_modes.js").ShadingMode} ShadingMode */
 /** @typedef {import("./programs.js").Program} Program */
 /** @typedef {import("./programs.js").Programs} Programs */
 /** @typedef {import("./scene_tables.js").MapTexture} MapTexture */
 /** @typedef {import("./evaluation.js").Shape} Shape */
 
-/** How far the grid may be off the surface, pixels. The surface is found again at every pixel: this is about silhouettes. */
+/** Largest distance of the grid from the surface, pixels. The surface is solved for at every pixel, so this matters at silhouettes only. */
 const TOLERANCE = 0.25;
 
 /** A side that is smaller than this share of its patch is a point. */
@@ -30,7 +30,7 @@ const POINT = 1e-6;
 /** Grids of one kind are drawn from front to back in this many steps of depth. */
 const STEPS = 16;
 
-/** Grids of 2^10 cells and more are drawn in parts if the patch is only partly in sight. */
+/** Grids of 2^10 cells and more are split into subpatches if the patch is only partly in view. */
 const LARGEST_WHOLE = 10;
 
 /** @typedef {{ patches: number, quads: number, triangles: number, draws: number }} FrameStatistics */
@@ -46,9 +46,9 @@ export class Patches {
     this.model = model;
     this.maps = maps;
     this.grids = new Grids(gl);
-    this.measures = measurePatches(model);
-    this.pieces = new Pieces(model, this.measures);
-    /** What is drawn by one program with the same textures. @type {{ shape: Shape, trimmed: boolean, map: number | null, name: string }[]} */
+    this.patchBounds = boundPatches(model);
+    this.subpatches = new Subpatches(model, this.patchBounds);
+    /** Classes of patches that share a program and textures. @type {{ shape: Shape, trimmed: boolean, map: number | null, name: string }[]} */
     this.classes = [];
     this.classOf = this.classify();
     this.stretch = model.objects.map((object) => largestStretch(object.toWorld));
@@ -75,7 +75,7 @@ export class Patches {
       const map = mapOf.get(index) ?? null;
       const trimmed = surface.region !== null;
       for (let patch = surface.first; patch < surface.first + surface.count; patch++) {
-        const { degreeU, degreeV, rational } = patchFacts(model, patch);
+        const { degreeU, degreeV, rational } = patchHeader(model, patch);
         const name = `patch ${degreeU} ${degreeV}${rational ? " rational" : ""}${trimmed ? " trimmed" : ""}`;
         const key = `${name} ${map}`;
         let number = numbers.get(key);
@@ -91,7 +91,7 @@ export class Patches {
   }
 
   /**
-   * Finds what is in sight, and how finely it has to be drawn.
+   * Finds the visible patches and the resolution of their grids.
    * @param {Frame} frame
    * @param {Float64Array} places of objects, twelve numbers each
    * @param {number[]} objects the numbers of those to be drawn
@@ -111,7 +111,7 @@ export class Patches {
 
   /** @param {Frame} frame @param {Float64Array} places @param {number} object @param {number} patch */
   cullPatch(frame, places, object, patch) {
-    const { measures, pieces } = this;
+    const { patchBounds: measures, subpatches } = this;
     const at = patch * STRIDE;
     const stretch = this.stretch[object];
     const place = 12 * object;
@@ -128,7 +128,7 @@ export class Patches {
     let least = near;
     if (frame.a === 1 && near < radius) {
       // So close that parts of the patch differ: the nearest part in sight decides.
-      const range = pieces.depthRange(frame, places, object, stretch, patch);
+      const range = subpatches.depthRange(frame, places, object, stretch, patch);
       if (range === null) return;
       [near, far, least] = range;
     }
@@ -157,12 +157,12 @@ export class Patches {
     if (small && levelU <= LARGEST_GRID && levelV <= LARGEST_GRID) {
       this.add(object, patch, 0, levels | sides, levelU, levelV, near);
     } else {
-      this.addPieces(frame, places, object, patch, levelU, levelV, sides);
+      this.addSubpatches(frame, places, object, patch, levelU, levelV, sides);
     }
   }
 
   /**
-   * The level of a side, from what its neighbour knows as well.
+   * Level of a side, computed from data that its neighbour shares.
    * @param {Frame} frame
    * @param {Float64Array} places
    * @param {number} object
@@ -170,7 +170,7 @@ export class Patches {
    * @param {number} stretch
    */
   levelOfSide(frame, places, object, at, stretch) {
-    const { measures } = this;
+    const { patchBounds: measures } = this;
     const place = 12 * object;
     const radius = measures[at + 3] * stretch;
     const x = measures[at];
@@ -193,11 +193,11 @@ export class Patches {
    * @param {number} level
    */
   packed(at, side, level) {
-    return this.measures[at + SIDES + side * SIDE + 3] > POINT * this.measures[at + 3] ? level : 15;
+    return this.patchBounds[at + SIDES + side * SIDE + 3] > POINT * this.patchBounds[at + 3] ? level : 15;
   }
 
   /**
-   * Draws a fine grid in parts, those in sight; coarser, if they are too many.
+   * Draws the visible subpatches of a fine grid; on a coarser grid if there are too many.
    * @param {Frame} frame
    * @param {Float64Array} places
    * @param {number} object
@@ -206,16 +206,16 @@ export class Patches {
    * @param {number} levelV
    * @param {number} sides
    */
-  addPieces(frame, places, object, patch, levelU, levelV, sides) {
-    const { pieces } = this;
-    while (!pieces.inSight(frame, places, object, this.stretch[object], patch, levelU, levelV, sides)) {
+  addSubpatches(frame, places, object, patch, levelU, levelV, sides) {
+    const { subpatches } = this;
+    while (!subpatches.inSight(frame, places, object, this.stretch[object], patch, levelU, levelV, sides)) {
       if (levelU >= levelV) levelU -= 1;
       else levelV -= 1;
     }
-    for (let k = 0; k < pieces.found; k++) {
-      const { [4 * k]: cellU, [4 * k + 1]: cellV, [4 * k + 2]: gridU, [4 * k + 3]: gridV } = pieces.parts;
+    for (let k = 0; k < subpatches.found; k++) {
+      const { [4 * k]: cellU, [4 * k + 1]: cellV, [4 * k + 2]: gridU, [4 * k + 3]: gridV } = subpatches.parts;
       const first = (cellU | (cellV << 16)) >>> 0;
-      this.add(object, patch, first, levelU | (levelV << 4) | sides, gridU, gridV, pieces.depths[k]);
+      this.add(object, patch, first, levelU | (levelV << 4) | sides, gridU, gridV, subpatches.depths[k]);
     }
   }
 
@@ -279,13 +279,13 @@ export class Patches {
   }
 
   /**
-   * Draws what `cull` found.
+   * Draws the result of `cull`.
    * @param {Programs} programs
-   * @param {Look} look
+   * @param {ShadingMode} mode
    * @param {boolean} wait for programs that are being compiled
    * @param {FrameStatistics} statistics
    */
-  draw(programs, look, wait, statistics) {
+  draw(programs, mode, wait, statistics) {
     let first = 0;
     for (let kind = 0; kind < this.classes.length * 64; kind++) {
       const end = this.starts[kind * STEPS + STEPS - 1];
@@ -294,11 +294,11 @@ export class Patches {
       const gridU = (kind >> 3) & 7;
       const gridV = kind & 7;
       const { shape, trimmed, map, name } = this.classes[kind >> 6];
-      const text = () => ({ vertex: patchVertexText(shape), fragment: patchFragmentText(shape, trimmed, look) });
-      const program = programs.get(`${name} ${look}`, text, wait);
+      const text = () => ({ vertex: patchVertexText(shape), fragment: patchFragmentText(shape, trimmed, mode) });
+      const program = programs.get(`${name} ${mode}`, text, wait);
       if (program) {
         program.use();
-        if (look === "material" && map !== null) this.bindMap(program, this.maps[map]);
+        if (mode === "material" && map !== null) this.bindMap(program, this.maps[map]);
         this.grids.draw(gridU, gridV, first, count);
         const quads = count * 2 ** (gridU + gridV);
         statistics.patches += count;

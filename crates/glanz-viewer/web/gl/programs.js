@@ -4,7 +4,7 @@
  * @module
  */
 
-/** Where a program finds its textures: the same units in all programs. */
+/** Texture units, the same in all programs. */
 export const UNITS = {
   points: 0,
   patches: 1,

@@ -6,31 +6,31 @@
 
 import { Programs } from "./programs.js";
 import { Scene } from "./scene.js";
-import { Multisampled, Numbers } from "./targets.js";
-import { TruthPicture } from "./truth_picture.js";
+import { MultisampledTarget, FloatTarget } from "./render_targets.js";
+import { RenderedImageTexture } from "./rendered_image_texture.js";
 
 /** @typedef {import("../linear.js").Vector} Vector */
 /** @typedef {import("../model.js").Camera} Camera */
 /** @typedef {import("../model.js").Model} Model */
 /** @typedef {import("./patches.js").FrameStatistics} FrameStatistics */
-/** @typedef {import("./truth_picture.js").Truth} Truth */
+/** @typedef {import("./rendered_image_texture.js").RenderedImage} RenderedImage */
 
 /**
- * What is to be seen, and how (docs/viewer.md).
+ * The view to draw and its shading (docs/viewer.md).
  * @typedef {{ camera: Camera, width: number, height: number, hidden: Set<number>, selected: number | null, exposure: number,
  *   shading: "material" | "zebra" | "gaussian" | "mean" | "maximum" | "normals", stripes: number, curvature: number,
  *   edges: boolean, isocurves: number, net: boolean, section: { normal: Vector, offset: number } | null, maps: boolean,
  *   background: Vector }} View
  */
 
-/** What has to be made anew when the graphics context was lost. */
+/** Resources that are recreated after the graphics context was lost. */
 class Context {
   /** @param {WebGL2RenderingContext} gl */
   constructor(gl) {
     this.gl = gl;
     this.programs = new Programs(gl);
-    this.target = new Multisampled(gl);
-    this.truth = new TruthPicture(gl);
+    this.target = new MultisampledTarget(gl);
+    this.renderedImage = new RenderedImageTexture(gl);
     /** @type {Scene | null} */
     this.scene = null;
   }
@@ -113,15 +113,15 @@ export class Renderer {
 
   /**
    * Draws the rendered picture over what is drawn, enlarged or reduced to the view's size. Takes over what has changed in it.
-   * @param {Truth} truth
+   * @param {RenderedImage} image
    * @param {View} view
    */
-  drawTruth(truth, view) {
+  drawRenderedImage(image, view) {
     if (this.gl.isContextLost()) return;
-    const { truth: picture, programs } = this.context;
+    const { renderedImage: texture, programs } = this.context;
     this.fit(view);
-    picture.take(truth);
-    picture.draw(programs, view.width, view.height, 2 ** view.exposure);
+    texture.update(image);
+    texture.draw(programs, view.width, view.height, 2 ** view.exposure);
   }
 
   /**
@@ -134,7 +134,7 @@ export class Renderer {
     const { width, height } = view;
     const { scene } = this.context;
     if (gl.isContextLost() || !scene) return { width, height, data: new Float32Array(width * height * 4) };
-    const numbers = new Numbers(gl, width, height);
+    const numbers = new FloatTarget(gl, width, height);
     gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
     gl.clear(gl.DEPTH_BUFFER_BIT);
     scene.draw(view, "read", true);

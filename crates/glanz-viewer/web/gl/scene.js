@@ -6,19 +6,19 @@
 
 import { dot } from "../linear.js";
 import { AlgebraicSurfaces } from "./algebraic.js";
-import { boxesOfSurfaces, isCut } from "./extents.js";
+import { boxesOfSurfaces, isCut } from "./surface_boxes.js";
 import { FRAME_FLOATS, Frame, PLACE } from "./frame.js";
 import { Lights } from "./lights.js";
 import { Meshes } from "./meshes.js";
-import { Nets } from "./nets.js";
+import { ControlNets } from "./control_nets.js";
 import { Patches } from "./patches.js";
 import { FRAME_BINDING, UNITS } from "./programs.js";
 import { SceneTables } from "./scene_tables.js";
 import { Shadows } from "./shadows.js";
-import { Table } from "./table.js";
+import { DataTexture } from "./data_texture.js";
 
 /** @typedef {import("../model.js").Model} Model */
-/** @typedef {import("./looks.js").Look} Look */
+/** @typedef {import("./shading_modes.js").ShadingMode} ShadingMode */
 /** @typedef {import("./patches.js").FrameStatistics} FrameStatistics */
 /** @typedef {import("./programs.js").Programs} Programs */
 /** @typedef {import("./renderer.js").View} View */
@@ -34,13 +34,13 @@ export class Scene {
     this.programs = programs;
     this.model = model;
     this.tables = new SceneTables(gl, model);
-    this.places = new Table(gl, "RGBA32F");
+    this.places = new DataTexture(gl, "RGBA32F");
     this.rows = new Float32Array(model.objects.length * PLACE);
     this.positions = new Float64Array(model.objects.length * 12);
     this.patches = new Patches(gl, model, this.tables.maps);
     this.meshes = new Meshes(gl, model);
     this.algebraic = new AlgebraicSurfaces(gl, model);
-    this.nets = new Nets(gl, model);
+    this.nets = new ControlNets(gl, model);
     this.lights = new Lights(model);
     this.shadows = new Shadows(gl, model, this.lights.main);
     this.boxes = boxesOfSurfaces(model);
@@ -50,7 +50,7 @@ export class Scene {
     gl.bufferData(gl.UNIFORM_BUFFER, this.block.byteLength, gl.DYNAMIC_DRAW);
   }
 
-  /** Numbers of the objects that are not hidden, opaque ones and those that let light through. @param {View} view */
+  /** Indices of the visible objects, split into opaque and transparent ones. @param {View} view */
   shownObjects(view) {
     const { objects, materials } = this.model;
     /** @type {{ opaque: number[], clear: number[] }} */
@@ -66,16 +66,16 @@ export class Scene {
   /**
    * Draws the view into the target that is bound and cleared.
    * @param {View} view
-   * @param {Look} look
+   * @param {ShadingMode} mode
    * @param {boolean} wait for programs that are being compiled
    * @returns {FrameStatistics}
    */
-  draw(view, look, wait) {
+  draw(view, mode, wait) {
     const { gl } = this;
     const statistics = { patches: 0, quads: 0, triangles: 0, draws: 0 };
     const { opaque, clear } = this.shownObjects(view);
-    const blended = look === "material" ? clear : [];
-    const solid = look === "material" ? opaque : [...opaque, ...clear];
+    const blended = mode === "material" ? clear : [];
+    const solid = mode === "material" ? opaque : [...opaque, ...clear];
     const frame = new Frame(view.camera, view.width, view.height);
     this.markCut(view);
     this.place(frame);
@@ -83,15 +83,15 @@ export class Scene {
     if (blended.length > 0) this.cull(frame, blended);
     this.cull(frame, solid);
     frame.write(this.block);
-    this.writeLook(frame, view);
+    this.writeShading(frame, view);
     this.shadows.write(this.block, frame);
     this.lights.write(this.block, frame, this.shadows.known);
     this.upload();
     gl.enable(gl.DEPTH_TEST);
-    if (look !== "read") gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
-    this.drawSurfaces(look, wait, statistics);
+    if (mode !== "read") gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
+    this.drawSurfaces(mode, wait, statistics);
     gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
-    if (view.net && look !== "read") this.drawNets(view, wait, statistics);
+    if (view.net && mode !== "read") this.drawNets(view, wait, statistics);
     this.drawBlended(frame, blended, wait, statistics);
     return statistics;
   }
@@ -126,11 +126,11 @@ export class Scene {
     gl.disable(gl.BLEND);
   }
 
-  /** Draws what `prepare` found. @param {Look} look @param {boolean} wait @param {FrameStatistics} statistics */
-  drawSurfaces(look, wait, statistics) {
-    this.patches.draw(this.programs, look, wait, statistics);
-    this.meshes.draw(this.programs, look, wait, statistics);
-    this.algebraic.draw(this.programs, look, wait, statistics, this.positions);
+  /** Draws what `prepare` found. @param {ShadingMode} mode @param {boolean} wait @param {FrameStatistics} statistics */
+  drawSurfaces(mode, wait, statistics) {
+    this.patches.draw(this.programs, mode, wait, statistics);
+    this.meshes.draw(this.programs, mode, wait, statistics);
+    this.algebraic.draw(this.programs, mode, wait, statistics, this.positions);
   }
 
   /** Puts the places of objects, as seen from a frame's camera, on the graphics card. @param {Frame} frame */
@@ -184,7 +184,7 @@ export class Scene {
   }
 
   /** @param {Frame} frame @param {View} view */
-  writeLook(frame, view) {
+  writeShading(frame, view) {
     this.writeSection(frame, view);
     this.block.set([2 ** view.exposure, view.selected ?? -1], 10);
     this.block.set([...frame.turn(this.model.up), view.stripes], 16);

@@ -1,12 +1,12 @@
 /**
- * What a model puts on the graphics card as tables: control points, patches, regions, objects, materials, maps.
+ * Data textures of a model: control points, patches, regions, objects, materials, maps.
  *
  * @module
  */
 
-import { findBorders } from "./measures.js";
+import { findBorders } from "./patch_bounds.js";
 import { UNITS } from "./programs.js";
-import { SCRATCH_UNIT, Table } from "./table.js";
+import { SCRATCH_UNIT, DataTexture } from "./data_texture.js";
 
 /** @typedef {import("../model.js").Model} Model */
 /** @typedef {import("../model.js").Material} Material */
@@ -24,11 +24,11 @@ export class SceneTables {
   constructor(gl, model) {
     const { blocks } = model;
     this.gl = gl;
-    /** @type {[keyof typeof UNITS, Table][]} */
+    /** @type {[keyof typeof UNITS, DataTexture][]} */
     this.tables = [];
     /** @param {keyof typeof UNITS} name @param {"RGBA32F" | "RG32F" | "RGBA32UI"} format @param {Float32Array | Uint32Array} data */
     const add = (name, format, data) => {
-      const table = new Table(gl, format);
+      const table = new DataTexture(gl, format);
       table.write(data);
       this.tables.push([name, table]);
     };

@@ -4,7 +4,7 @@
  * @module
  */
 
-/** What the eye sees of scene light: exposure, then the linear tone curve and the encoding of sRGB. */
+/** Display transform: exposure, linear tone curve, sRGB encoding. */
 export const TONE_TEXT = `
 vec3 encode(vec3 linear) {
   vec3 x = clamp(linear, 0.0, 1.0);

@@ -6,7 +6,7 @@
 
 import { add, cross, length, normalize, scale, subtract } from "../linear.js";
 import { Frame } from "./frame.js";
-import { DepthMap } from "./targets.js";
+import { DepthTarget } from "./render_targets.js";
 
 /** @typedef {import("../linear.js").Vector} Vector */
 /** @typedef {import("../model.js").Camera} Camera */
@@ -17,7 +17,7 @@ import { DepthMap } from "./targets.js";
 const DISTANT_TEXELS = 2048;
 const FACE_TEXELS = 1024;
 
-/** What is nearer to a lamp than this share of the scene's reach throws no shadow. */
+/** Objects nearer to a light than this fraction of its distance to the farthest corner cast no shadow. */
 const NEAREST = 2e-3;
 
 /** The axes of the world, as the six faces see them: along the axis, beside it the two that follow. */
@@ -39,8 +39,8 @@ export class Shadows {
     this.bounds = model.bounds;
     this.distant = light?.kind === "distant";
     const [width, height] = this.distant ? [DISTANT_TEXELS, DISTANT_TEXELS] : [3 * FACE_TEXELS, 2 * FACE_TEXELS];
-    this.map = light ? new DepthMap(gl, width, height) : new DepthMap(gl, 1, 1);
-    /** What the map was made of; empty when there is none. */
+    this.map = light ? new DepthTarget(gl, width, height) : new DepthTarget(gl, 1, 1);
+    /** Key of the content of the map; empty if there is none. */
     this.key = "";
     this.across = 0;
     this.slope = 0;

@@ -1,18 +1,18 @@
 /**
- * Files that come to the page and leave it.
+ * Opening and saving files.
  *
  * @module
  */
 
-import { announce, element } from "./element.js";
+import { announce, element } from "./dom.js";
 
-/** @typedef {{ name: string, file: File }} Named a file and its path */
+/** @typedef {{ name: string, file: File }} NamedFile a file and its path */
 
 /**
- * Has the button and dropping files on the page open them.
- * @param {(files: Named[]) => void} open
+ * Opens files that are chosen with the button or dropped on the page.
+ * @param {(files: NamedFile[]) => void} open
  */
-export function offerOpening(open) {
+export function bindFileOpening(open) {
   const input = element("files", HTMLInputElement);
   const target = element("drop", HTMLElement);
   element("open", HTMLButtonElement).addEventListener("click", () => input.click());
@@ -47,12 +47,12 @@ const MOST_FILES = 1000;
 /**
  * The files that were dropped, those in folders with their paths; a folder that was dropped alone is left out of these.
  * @param {DataTransfer} transfer
- * @returns {Promise<Named[]>}
+ * @returns {Promise<NamedFile[]>}
  */
 async function dropped(transfer) {
   // Entries must be taken before the first pause: then the browser forgets what was dropped.
   const entries = [...transfer.items].map((item) => item.webkitGetAsEntry()).filter((entry) => entry !== null);
-  /** @type {Named[]} */
+  /** @type {NamedFile[]} */
   const found = [];
   const [only] = entries;
   const alone = entries.length === 1 && only?.isDirectory ? `${only.fullPath}/` : "/";
@@ -63,7 +63,7 @@ async function dropped(transfer) {
 /**
  * @param {FileSystemEntry} entry
  * @param {string} prefix of the path, left out of the name
- * @param {Named[]} found what is added to
+ * @param {NamedFile[]} found what is added to
  */
 async function collect(entry, prefix, found) {
   if (found.length >= MOST_FILES) return;
@@ -72,7 +72,7 @@ async function collect(entry, prefix, found) {
     found.push({ name: entry.fullPath.slice(prefix.length), file });
   } else if (entry instanceof FileSystemDirectoryEntry) {
     const reader = entry.createReader();
-    // Folders are read in pieces, the last of which is empty.
+    // Folders are read in subpatches, the last of which is empty.
     for (;;) {
       /** @type {FileSystemEntry[]} */
       const piece = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
@@ -85,7 +85,7 @@ async function collect(entry, prefix, found) {
 /**
  * Sends files to the server, which opens the scene among them.
  * @param {URL} url
- * @param {Named[]} files
+ * @param {NamedFile[]} files
  * @returns {Promise<string | null>} what is wrong with them, or `null`
  */
 export async function upload(url, files) {
@@ -100,7 +100,7 @@ export async function upload(url, files) {
 }
 
 /**
- * Shows what is wrong with a scene.
+ * Shows an error of a scene.
  * @param {string} heading
  * @param {string} text
  */
@@ -112,7 +112,7 @@ export function showProblem(heading, text) {
 }
 
 /**
- * Has the browser keep a file.
+ * Saves a file through the browser.
  * @param {Blob} content
  * @param {string} name
  */

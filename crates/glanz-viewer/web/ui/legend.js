@@ -1,11 +1,11 @@
 /**
- * What false colours mean.
+ * Legend of the false colours.
  *
  * @module
  */
 
 import { DIVERGING, gradient, VIRIDIS } from "../colours.js";
-import { create, element } from "./element.js";
+import { create, element } from "./dom.js";
 import { curvatureText, plain } from "./units.js";
 
 /** @typedef {import("../colours.js").Colour} Colour */
@@ -33,7 +33,7 @@ function scale(title, colours, ends) {
 }
 
 /**
- * Shows the legend of what is chosen, or none.
+ * Shows the legend of the selected shading mode, or none.
  * @param {Settings} settings
  * @param {number} curvature 1/m, at full colour
  * @param {LightMap[]} maps of numbers; those of light have no scale

@@ -4,9 +4,9 @@
  * @module
  */
 
-import { element } from "./element.js";
+import { element } from "./dom.js";
 
-/** Where the page is narrower than this, panels lie over the view, and only one is open. */
+/** Below this width panels overlay the view and only one is open. */
 const NARROW = "(max-width: 60rem)";
 
 /** @type {[panel: string, button: string][]} */
@@ -28,8 +28,8 @@ function show(id, shown) {
   }
 }
 
-/** Has the buttons show and hide the panels. */
-export function offerPanels() {
+/** Connects the buttons that show and hide the panels. */
+export function initPanels() {
   const narrow = matchMedia(NARROW);
   for (const [panel, button] of PANELS) {
     element(button, HTMLElement).addEventListener("click", () =>

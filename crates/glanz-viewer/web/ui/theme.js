@@ -4,15 +4,15 @@
  * @module
  */
 
-import { element } from "./element.js";
+import { element } from "./dom.js";
 
 const STORED = "glanz-theme";
 
 /**
- * Has the control switch between dark, light, and what the system has.
+ * Connects the control that switches between dark, light and the system's theme.
  * @param {() => void} changed called when colours are others now
  */
-export function offerThemes(changed) {
+export function initThemes(changed) {
   const control = element("theme", HTMLSelectElement);
   const apply = () => {
     document.documentElement.dataset["theme"] = control.value;

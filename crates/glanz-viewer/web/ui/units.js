@@ -1,5 +1,5 @@
 /**
- * Numbers as people read them.
+ * Numbers formatted for people.
  *
  * @module
  */

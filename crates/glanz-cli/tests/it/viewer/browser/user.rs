@@ -48,7 +48,7 @@ fn changed(a: &[u8], b: &[u8]) -> usize {
 
 /// Waits until the picture of where the camera is now has so many samples.
 fn rendered(page: &mut Page, samples: u32) {
-    page.until("the picture is rendered", &format!("(window.glanz.truth()?.samples ?? 0) >= {samples}"));
+    page.until("the picture is rendered", &format!("(window.glanz.renderStatus()?.samples ?? 0) >= {samples}"));
 }
 
 #[test]
@@ -115,7 +115,7 @@ fn the_rendered_picture_comes_while_the_camera_rests_and_is_saved() {
     let mut page = Page::open(&served.address(), SIZE);
     let [x, y] = middle(&mut page);
     rendered(&mut page, 1);
-    let status = page.evaluate("window.glanz.truth()");
+    let status = page.evaluate("window.glanz.renderStatus()");
     println!("rendered: {status}");
 
     // Moving on ends it, and it begins again for where the camera is now.

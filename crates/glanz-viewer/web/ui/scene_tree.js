@@ -5,10 +5,10 @@
  * @module
  */
 
-import { create, element } from "./element.js";
+import { create, element } from "./dom.js";
 
-/** @typedef {import("../parts.js").Parts} Parts */
-/** @typedef {import("../parts.js").Item} Item */
+/** @typedef {import("../scene_parts.js").SceneParts} SceneParts */
+/** @typedef {import("../scene_parts.js").Item} Item */
 
 /** Trees with more leaves than this have a search field. */
 const SEARCHED = 20;
@@ -16,16 +16,16 @@ const SEARCHED = 20;
 /** Rows drawn above and below those in sight. */
 const SPARE = 8;
 
-/** What screen readers and style sheets call the states. */
+/** ARIA names of the states. */
 const CHECKED = { shown: "true", hidden: "false", mixed: "mixed" };
 
-export class Tree {
+export class SceneTree {
   /** @param {{ selected(item: Item): void, visibility(): void }} listener told what the user does to the parts */
   constructor(listener) {
     this.listener = listener;
     this.container = element("tree", HTMLElement);
     this.search = element("search", HTMLInputElement);
-    /** @type {Parts | null} */
+    /** @type {SceneParts | null} */
     this.parts = null;
     /** @type {Item[]} */
     this.rows = [];
@@ -42,7 +42,7 @@ export class Tree {
     new ResizeObserver(() => this.render()).observe(this.container);
   }
 
-  /** @param {Parts} parts */
+  /** @param {SceneParts} parts */
   set(parts) {
     this.parts = parts;
     this.active = null;

@@ -1,5 +1,5 @@
 /**
- * How fine the grid over a patch must be.
+ * Resolution of the grid over a patch.
  *
  * @module
  */
@@ -16,7 +16,7 @@ const MOST_FOR_LENGTH = 4;
 
 /**
  * The level of one direction: 2^level cells, so that a chord is at most the tolerance off.
- * @param {number} bending metres, see `measurePatches`
+ * @param {number} bending metres, see `boundPatches`
  * @param {number} resolution tolerances per metre
  */
 export function sideLevel(bending, resolution) {

@@ -18,14 +18,14 @@ const UNFOLDED = 40;
 /** Most rows that a search shows. */
 const MOST_MATCHES = 500;
 
-export class Parts {
+export class SceneParts {
   /** @param {TreeNode} tree */
   constructor(tree) {
     this.count = 0;
     this.root = this.read(tree, null, 1, 1);
     /** @type {Set<number>} */
     this.hidden = new Set();
-    /** What was hidden before one part was shown alone. @type {Set<number> | null} */
+    /** Hidden leaves before a part was isolated. @type {Set<number> | null} */
     this.beforeIsolation = null;
     /** @type {Item | null} */
     this.selected = null;
@@ -124,7 +124,7 @@ export class Parts {
   }
 
   /**
-   * Shows a part alone; again: what was shown before.
+   * Isolates a part; the second call restores the visibility before.
    * @param {Item} item
    */
   isolate(item) {
@@ -156,7 +156,7 @@ export class Parts {
 
   /**
    * Takes over what is hidden, selected and folded from an earlier state of the same scene, as far as the leaves agree.
-   * @param {Parts} before
+   * @param {SceneParts} before
    */
   inherit(before) {
     if (before.count !== this.count) return;

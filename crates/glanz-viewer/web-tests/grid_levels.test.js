@@ -1,11 +1,11 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { isCut } from "../web/gl/extents.js";
+import { isCut } from "../web/gl/surface_boxes.js";
 import { gridOf } from "../web/gl/grids.js";
-import { gridLevels, sideLevel } from "../web/gl/levels.js";
-import { BOUNDS, SIDE, SIDES, findBorders, measurePatches } from "../web/gl/measures.js";
-import { Pieces } from "../web/gl/pieces.js";
+import { gridLevels, sideLevel } from "../web/gl/grid_levels.js";
+import { BOUNDS, SIDE, SIDES, findBorders, boundPatches } from "../web/gl/patch_bounds.js";
+import { Subpatches } from "../web/gl/subpatches.js";
 import { decodeModel } from "../web/model.js";
 import { encodeModel, patchModel } from "./small_model.js";
 
@@ -36,7 +36,7 @@ test("levels_of_a_parabola_are_the_fewest_that_keep_its_chords_within_the_tolera
     [1, 0, 1],
     [1, 1, 1],
   ]);
-  const measures = measurePatches(modelOf(2, 1, points));
+  const measures = boundPatches(modelOf(2, 1, points));
   // The surface's own second derivative is that of z, across it where z' = 0 and less elsewhere.
   assert.deepEqual([...measures.slice(BOUNDS, BOUNDS + 3)], [2, 0, 0]);
   assert.equal(gridLevels(2, 0, 0, 1000, 0, 0), 4);
@@ -55,11 +55,11 @@ test("levels_never_go_below_those_of_the_sides", () => {
 
 test("bending_of_an_arc_bounds_the_distance_of_its_chords", () => {
   const model = modelOf(2, 1, CYLINDER);
-  const measures = measurePatches(model);
-  const pieces = new Pieces(model, measures);
+  const measures = boundPatches(model);
+  const subpatches = new Subpatches(model, measures);
   const at = (/** @type {number} */ u) => {
-    pieces.evaluate(0, u, 0);
-    return [pieces.corner[0], pieces.corner[1]];
+    subpatches.evaluate(0, u, 0);
+    return [subpatches.corner[0], subpatches.corner[1]];
   };
   for (let level = 0; level < 8; level++) {
     const h = 2 ** -level;
@@ -86,7 +86,7 @@ test("a_side_has_the_same_measures_read_from_either_end", () => {
   const side = (/** @type {Float64Array} */ measures, /** @type {number} */ number) => [
     ...measures.slice(SIDES + number * SIDE, SIDES + (number + 1) * SIDE),
   ];
-  assert.deepEqual(side(measurePatches(along), 2), side(measurePatches(back), 3));
+  assert.deepEqual(side(boundPatches(along), 2), side(boundPatches(back), 3));
 });
 
 test("a_flat_patch_bends_at_its_curved_sides_alone_but_for_the_share_that_its_parameters_are_allowed", () => {
@@ -97,7 +97,7 @@ test("a_flat_patch_bends_at_its_curved_sides_alone_but_for_the_share_that_its_pa
     [0, 1, 1],
   ];
   const points = arc.flatMap(([x, y, w]) => [x * w, y * w, 0, w, 0, 0, 0, w]);
-  const measures = measurePatches(modelOf(2, 1, points));
+  const measures = boundPatches(modelOf(2, 1, points));
   for (let k = 0; k < 3; k++) assert.equal(measures[4 + k], measures[BOUNDS + k] / 32);
   // The largest second derivative of the arc across itself is at its ends: squared speed sqrt(2)^2 over the radius.
   assert.ok(measures[SIDES + 4] > 2);
@@ -130,7 +130,7 @@ test("a_plane_cuts_a_turned_box_up_to_its_corner", () => {
   // A cube of half side 1, turned by 45 degrees about z and moved to x = 5: its edge is at x = 5 - sqrt(2).
   const c = Math.SQRT1_2;
   const toWorld = [c, c, 0, -c, c, 0, 0, 0, 1, 5, 0, 0];
-  /** @type {import("../web/gl/extents.js").Box} */
+  /** @type {import("../web/gl/surface_boxes.js").Box} */
   const box = { middle: [0, 0, 0], half: [1, 1, 1] };
   const at = (/** @type {number} */ offset) => isCut(box, toWorld, { normal: [1, 0, 0], offset });
   assert.ok(at(5 - Math.SQRT2 + 1e-9));

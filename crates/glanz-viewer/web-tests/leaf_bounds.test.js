@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { leafBounds } from "../web/extent.js";
+import { leafBounds } from "../web/leaf_bounds.js";
 
 /** Turned about z by a quarter, then moved to x = 10. */
 const TURNED = [0, 1, 0, -1, 0, 0, 0, 0, 1, 10, 0, 0];

@@ -1,5 +1,5 @@
 /**
- * Mouse, pen and fingers on the view.
+ * Navigation by mouse, pen and touch.
  *
  * @module
  */
@@ -8,9 +8,9 @@
 /** @typedef {import("../linear.js").Vector} Vector */
 
 /**
- * `pick`: what is on the surface at a place of the canvas, in CSS pixels. `clicked`: a click or tap there. `hover`: the pointer rests there, or `null`: it left.
+ * `pick`: the surface point at a canvas position in CSS pixels. `clicked`: a click or tap there. `hover`: the pointer rests there, `null` when it left.
  * @typedef {{ pick(x: number, y: number): Promise<Vector | null>, clicked(x: number, y: number): void,
- *   hover(place: { x: number, y: number } | null): void, released(): void }} HandsListener
+ *   hover(place: { x: number, y: number } | null): void, released(): void }} PointerListener
  */
 
 /** CSS pixels that a pointer may move between going down and up in a click. */
@@ -30,11 +30,11 @@ const WHEEL_UNITS = [1, 16, 400];
 
 /** @typedef {{ x: number, y: number }} Place */
 
-export class Hands {
+export class PointerControls {
   /**
    * @param {HTMLCanvasElement} canvas
    * @param {Viewpoint} viewpoint
-   * @param {HandsListener} listener
+   * @param {PointerListener} listener
    */
   constructor(canvas, viewpoint, listener) {
     this.canvas = canvas;
@@ -43,7 +43,7 @@ export class Hands {
     /** Pointers that are down, by their number. @type {Map<number, Place>} */
     this.pointers = new Map();
     this.panning = false;
-    /** Where the pointer went down, while it may still become a click. @type {Place | null} */
+    /** Position of a press that may still become a click. @type {Place | null} */
     this.click = null;
     /** Counts drags and zooms, so that a late answer about another one's point is left alone. */
     this.gesture = 0;
@@ -80,17 +80,17 @@ export class Hands {
     this.viewpoint.halt();
     this.rest(null);
     if (this.pointers.size === 1) {
-      this.turnAboutWhatIsAt(place);
+      this.orbitAbout(place);
     }
     // The middle button would begin to scroll.
     if (event.button === 1) event.preventDefault();
   }
 
   /** @param {Place} place */
-  async turnAboutWhatIsAt(place) {
+  async orbitAbout(place) {
     this.gesture += 1;
     const gesture = this.gesture;
-    this.viewpoint.turnAboutWhatIsAhead();
+    this.viewpoint.orbitAboutFocus();
     const point = await this.listener.pick(place.x, place.y);
     if (point && gesture === this.gesture) this.viewpoint.turnAbout(point);
   }
@@ -156,7 +156,7 @@ export class Hands {
     const gesture = this.gesture;
     this.wheel.place = place;
     this.wheel.point = null;
-    this.viewpoint.turnAboutWhatIsAhead();
+    this.viewpoint.orbitAboutFocus();
     const point = await this.listener.pick(place.x, place.y);
     if (gesture === this.gesture) this.wheel.point = point;
   }

@@ -1,14 +1,14 @@
 /**
- * What is known of what is selected.
+ * Properties of the selection.
  *
  * @module
  */
 
-import { announce, describe, element } from "./element.js";
+import { announce, describe, element } from "./dom.js";
 import { areaText, curvatureText, directionText, lengthText, plain, pointText } from "./units.js";
 
 /** @typedef {import("../session.js").Hit} Hit */
-/** @typedef {import("../parts.js").Item} Item */
+/** @typedef {import("../scene_parts.js").Item} Item */
 
 /** @typedef {[term: string, description: string][]} Rows */
 
@@ -51,7 +51,7 @@ function itemRows(item) {
   return rows;
 }
 
-export class Properties {
+export class PropertiesPanel {
   constructor() {
     this.list = element("properties", HTMLElement);
     this.nothing = element("nothing", HTMLElement);

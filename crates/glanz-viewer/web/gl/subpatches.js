@@ -1,35 +1,35 @@
 /**
- * Parts of patches: where they lie, which of them are in sight.
+ * Subpatches: where they lie, and which of them are in view.
  *
  * @module
  */
 
-import { patchFacts } from "../model.js";
-import { bernstein } from "./bending.js";
-import { FINEST, LARGEST_GRID } from "./levels.js";
-import { BOUNDS, STRIDE } from "./measures.js";
+import { patchHeader } from "../model.js";
+import { bernstein } from "./deviation.js";
+import { FINEST, LARGEST_GRID } from "./grid_levels.js";
+import { BOUNDS, STRIDE } from "./patch_bounds.js";
 
 /** @typedef {import("../model.js").Model} Model */
 /** @typedef {import("./frame.js").Frame} Frame */
 
-/** Parts of a patch are looked at in this many steps of halving, to tell how near it comes. */
-const LOOKS = 2;
+/** Number of bisections along each parameter with which the depth range of a near patch is found. */
+const DEPTH_LEVELS = 2;
 
-/** Parts that are partly in sight are halved down to 2^4 cells along a side. */
+/** Subpatches that are partly in view are halved down to 2^4 cells along a side. */
 const SMALLEST_GRID = 4;
 
-/** No more parts of a patch are drawn. */
+/** Largest number of subpatches of one patch that are drawn. */
 const MOST = 128;
 
-export class Pieces {
+export class Subpatches {
   /**
    * @param {Model} model
-   * @param {Float64Array} measures of `measurePatches`
+   * @param {Float64Array} measures of `boundPatches`
    */
   constructor(model, measures) {
     this.model = model;
-    this.measures = measures;
-    /** What `inSight` found: for every part its first cell along u and v and its levels, and its depth. */
+    this.patchBounds = measures;
+    /** Result of `inSight`: first cell along u and v and levels of every subpatch, and its depth. */
     this.found = 0;
     this.parts = new Uint16Array(4 * MOST);
     this.depths = new Float32Array(MOST);
@@ -39,7 +39,7 @@ export class Pieces {
   }
 
   /**
-   * The depths of what is in sight of a patch that is near: nearest, farthest, and the nearest to count pixels with, above 0.
+   * Depth range of the visible subpatches of a near patch: nearest, farthest, and the nearest positive depth for the pixel size.
    * @param {Frame} frame
    * @param {Float64Array} places
    * @param {number} object
@@ -51,7 +51,7 @@ export class Pieces {
     let near = Infinity;
     let far = -Infinity;
     let least = Infinity;
-    const parts = 1 << LOOKS;
+    const parts = 1 << DEPTH_LEVELS;
     for (let i = 0; i < parts; i++) {
       for (let j = 0; j < parts; j++) {
         this.locate(patch, i / parts, j / parts, 1 / parts, 1 / parts);
@@ -112,7 +112,7 @@ export class Pieces {
   }
 
   /**
-   * A sphere about a part of a patch, in the surface's own frame: about its corners, as much larger as it bends.
+   * Bounding sphere of a subpatch in the surface's frame: about its corners, enlarged by the bound on its curvature.
    * @param {number} patch
    * @param {number} u0
    * @param {number} v0
@@ -120,7 +120,7 @@ export class Pieces {
    * @param {number} sizeV
    */
   locate(patch, u0, v0, sizeU, sizeV) {
-    const { corner, sphere, measures } = this;
+    const { corner, sphere, patchBounds } = this;
     sphere.fill(0);
     for (let k = 0; k < 4; k++) {
       this.evaluate(patch, u0 + (k & 1) * sizeU, v0 + (k >> 1) * sizeV);
@@ -132,7 +132,7 @@ export class Pieces {
       sphere[3] = Math.max(sphere[3], distance);
     }
     const at = patch * STRIDE + BOUNDS;
-    const [uu, uv, vv] = measures.subarray(at, at + 3);
+    const [uu, uv, vv] = patchBounds.subarray(at, at + 3);
     sphere[3] += (uu * sizeU * sizeU + 2 * uv * sizeU * sizeV + vv * sizeV * sizeV) / 8;
   }
 
@@ -150,7 +150,7 @@ export class Pieces {
 
   /** The point of a patch at (u, v), into `corner`. @param {number} patch @param {number} u @param {number} v */
   evaluate(patch, u, v) {
-    const { degreeU, degreeV, firstPoint } = patchFacts(this.model, patch);
+    const { degreeU, degreeV, firstPoint } = patchHeader(this.model, patch);
     const { points } = this.model.blocks;
     const [bernsteinU, bernsteinV] = [bernstein(degreeU, u), bernstein(degreeV, v)];
     let [x, y, z, w] = [0, 0, 0, 0];
@@ -171,7 +171,7 @@ export class Pieces {
 }
 
 /**
- * What a part draws along one direction: its own range, and where it lies at a side, whole segments of that side's own grid.
+ * Range that a subpatch draws along one direction: its own, and at a side of the patch whole segments of that side's grid.
  * @param {number} number of the part
  * @param {number} size
  * @param {number} lowSide level of the side that it lies at, in the lowest four bits

@@ -1,5 +1,5 @@
 /**
- * `window.glanz`: the page as programs see it, tests among them.
+ * `window.glanz`: the scripting interface, also used by the tests.
  *
  * @module
  */
@@ -9,16 +9,16 @@
 
 /**
  * Places are in CSS pixels from the upper left corner of the canvas.
- * - `ready`: done once the first scene is drawn.
- * - `state()`: what is shown now.
+ * - `ready`: resolves when the first scene is drawn.
+ * - `state()`: the current state of the view.
  * - `setCamera(camera)`: looks from there, without transition.
- * - `pick(x, y)`: what the exact surface is there, as the server says; selects nothing.
+ * - `pick(x, y)`: the server's hit on the exact surface; selects nothing.
  * - `normals()`: normal and number of the object for each pixel of the frame buffer.
- * - `truth()`: how far the rendered picture is, `null` while none is asked for.
+ * - `renderStatus()`: progress of the rendered image, `null` while none is requested.
  * - `latency`: milliseconds from the last stop until the server had ended rendering, `null` before the first.
  * @param {Page} page
  */
-export function handle(page) {
+export function scriptInterface(page) {
   return {
     ready: page.ready,
     state: () => ({
@@ -33,16 +33,16 @@ export function handle(page) {
       settings: { ...page.settings },
       section: page.section,
       frame: page.frame,
-      moving: page.viewpoint.isMoving || page.hands.isDragging,
+      moving: page.viewpoint.isMoving || page.pointer.isDragging,
     }),
     /** @param {Camera} camera */
     setCamera: (camera) => page.viewpoint.set(camera),
     /** @param {number} x @param {number} y */
     pick: (x, y) => page.pick(x, y),
     normals: () => page.renderer.readNormals(page.view()),
-    truth: () => page.truth.status && { ...page.truth.status },
+    renderStatus: () => page.renderedImage.status && { ...page.renderedImage.status },
     get latency() {
-      return page.truth.latency;
+      return page.renderedImage.latency;
     },
   };
 }

@@ -12,7 +12,7 @@ export const SCRATCH_UNIT = 15;
 /**
  * A table of numbers on the graphics card.
  */
-export class Table {
+export class DataTexture {
   /**
    * @param {WebGL2RenderingContext} gl
    * @param {"RGBA32F" | "RG32F" | "RGBA32UI"} format

@@ -4,9 +4,9 @@
  * @module
  */
 
-import { patchFacts } from "../model.js";
+import { patchHeader } from "../model.js";
 import { FRAME_TEXT } from "./frame.js";
-import { OBJECT_TEXT, PRECISION_TEXT } from "./looks.js";
+import { OBJECT_TEXT, PRECISION_TEXT } from "./shading_modes.js";
 
 /** @typedef {import("../model.js").Model} Model */
 /** @typedef {import("./patches.js").FrameStatistics} FrameStatistics */
@@ -77,7 +77,7 @@ void main() {
 }
 `;
 
-export class Nets {
+export class ControlNets {
   /**
    * @param {WebGL2RenderingContext} gl
    * @param {Model} model
@@ -108,7 +108,7 @@ export class Nets {
       const surface = this.model.surfaces[this.model.objects[number].surface];
       if (surface.kind !== "patches") continue;
       for (let patch = surface.first; patch < surface.first + surface.count; patch++) {
-        const { degreeU, degreeV, firstPoint } = patchFacts(this.model, patch);
+        const { degreeU, degreeV, firstPoint } = patchHeader(this.model, patch);
         const degrees = degreeU * 256 + degreeV;
         const words = byDegree.get(degrees) ?? [];
         byDegree.set(degrees, words);

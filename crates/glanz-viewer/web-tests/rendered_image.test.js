@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { tileFromBytes } from "../web/session.js";
-import { Picture, renderSize } from "../web/truth.js";
+import { TileImage, renderSize } from "../web/rendered_image.js";
 
 const ONE = 0x3c00;
 
@@ -42,7 +42,7 @@ test("bytes that are no whole tile are none", () => {
 });
 
 test("picture is covered once every pixel has come, however often some of them come", () => {
-  const picture = new Picture({ width: 3, height: 2 });
+  const picture = new TileImage({ width: 3, height: 2 });
   /** @param {number[]} place @param {number[]} halves */
   const put = (place, halves) => picture.put(/** @type {any} */ (tileFromBytes(tileBytes(place, halves))));
   assert.ok(picture.empty && !picture.covered);
@@ -59,7 +59,7 @@ test("picture is covered once every pixel has come, however often some of them c
 });
 
 test("what of a tile lies outside of the picture is left out", () => {
-  const picture = new Picture({ width: 2, height: 2 });
+  const picture = new TileImage({ width: 2, height: 2 });
   const tile = tileFromBytes(tileBytes([1, 1, 2, 1], [1, 2, 3, 4, 5, 6]));
   assert.ok(tile);
   picture.put(tile);

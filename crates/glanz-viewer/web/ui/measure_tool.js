@@ -6,19 +6,19 @@
 
 import { project } from "../camera.js";
 import { dot, length, subtract } from "../linear.js";
-import { announce, describe, element } from "./element.js";
+import { announce, describe, element } from "./dom.js";
 import { angleText, lengthText } from "./units.js";
 
 /** @typedef {import("../camera.js").Camera} Camera */
 /** @typedef {import("../camera.js").Size} Size */
 /** @typedef {import("../linear.js").Vector} Vector */
 
-/** @typedef {{ point: Vector, normal: Vector }} Spot */
+/** @typedef {{ point: Vector, normal: Vector }} MeasuredPoint */
 
 /**
- * What lies between two points.
- * @param {Spot} from
- * @param {Spot} to
+ * Distance, offset and angle between two points.
+ * @param {MeasuredPoint} from
+ * @param {MeasuredPoint} to
  */
 export function measured(from, to) {
   const step = subtract(to.point, from.point);
@@ -41,13 +41,13 @@ function shape(tag, attributes, text = "") {
   return made;
 }
 
-export class Measure {
+export class MeasureTool {
   constructor() {
     this.overlay = element("overlay", SVGSVGElement);
     this.section = element("measured", HTMLElement);
     this.list = element("distances", HTMLElement);
     this.active = false;
-    /** @type {Spot[]} */
+    /** @type {MeasuredPoint[]} */
     this.spots = [];
   }
 
@@ -59,7 +59,7 @@ export class Measure {
     if (active) announce("Pick two points to measure between them");
   }
 
-  /** @param {Spot} spot */
+  /** @param {MeasuredPoint} spot */
   add(spot) {
     this.spots = this.spots.length === 2 ? [spot] : [...this.spots, spot];
     this.show();

@@ -1,19 +1,19 @@
 /**
- * The line below the view: who renders, and how far it is.
+ * The status bar: renderer, progress, cursor position.
  *
  * @module
  */
 
-import { announce, element } from "./element.js";
+import { announce, element } from "./dom.js";
 import { percentText, pointText, timeText } from "./units.js";
 
-/** @typedef {import("../truth.js").TruthStatus} TruthStatus */
+/** @typedef {import("../rendered_image.js").RenderStatus} RenderStatus */
 /** @typedef {import("../linear.js").Vector} Vector */
 
 /** @type {Record<string, string>} */
 const INTEGRATORS = { path: "Path tracing", guided: "Guided path tracing" };
 
-export class Status {
+export class StatusBar {
   constructor() {
     this.renderer = element("renderer", HTMLElement);
     this.cursor = element("cursor", HTMLElement);
@@ -22,14 +22,14 @@ export class Status {
   }
 
   /**
-   * @param {TruthStatus | null} truth
+   * @param {RenderStatus | null} image
    * @param {string} integrator
    * @param {string | null} why what shows in real time only, if something is chosen that does
    */
-  show(truth, integrator, why) {
-    this.renderer.textContent = truth ? truthText(truth, integrator) : realTimeText(why);
-    this.busy.hidden = !truth || truth.done || truth.error !== null;
-    const done = truth?.done ?? false;
+  show(image, integrator, why) {
+    this.renderer.textContent = image ? renderingText(image, integrator) : realTimeText(why);
+    this.busy.hidden = !image || image.done || image.error !== null;
+    const done = image?.done ?? false;
     if (done && !this.done) announce("Rendering is done");
     this.done = done;
   }
@@ -46,20 +46,20 @@ function realTimeText(why) {
 }
 
 /**
- * @param {TruthStatus} truth
+ * @param {RenderStatus} image
  * @param {string} integrator
  */
-function truthText(truth, integrator) {
+function renderingText(image, integrator) {
   const name = INTEGRATORS[integrator] ?? integrator;
-  if (truth.error !== null) return `${name}: ${truth.error}`;
-  if (truth.waits) return `${name} waits for other pages`;
-  if (truth.samples === 0) return `${name} begins`;
-  const noise = truth.noise === null ? [] : [`noise ${percentText(truth.noise)}`];
+  if (image.error !== null) return `${name}: ${image.error}`;
+  if (image.queued) return `${name} is queued behind other pages`;
+  if (image.samples === 0) return `${name} begins`;
+  const noise = image.noise === null ? [] : [`noise ${percentText(image.noise)}`];
   const parts = [
-    `${truth.samples} ${truth.samples === 1 ? "sample" : "samples"}`,
+    `${image.samples} ${image.samples === 1 ? "sample" : "samples"}`,
     ...noise,
-    timeText(truth.seconds),
-    ...(truth.done ? ["done"] : []),
+    timeText(image.seconds),
+    ...(image.done ? ["done"] : []),
   ];
   return `${name}: ${parts.join(", ")}`;
 }

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { Parts, ranges } from "../web/parts.js";
+import { SceneParts, ranges } from "../web/scene_parts.js";
 
 /** @typedef {import("../web/model.js").TreeNode} TreeNode */
 
@@ -19,11 +19,11 @@ const car = () => ({
   ],
 });
 
-/** @param {Parts} parts @param {string} [search] */
+/** @param {SceneParts} parts @param {string} [search] */
 const labels = (parts, search) => parts.rows(search).map(({ label }) => label);
 
 test("unfolded groups are listed from top to bottom, shapes without a name by their kind", () => {
-  const parts = new Parts(car());
+  const parts = new SceneParts(car());
   assert.deepEqual(labels(parts), ["car", "body", "hood", "door", "nurbs", "wheels", "left", "right"]);
   parts.root.children[0].expanded = false;
   assert.deepEqual(labels(parts), ["car", "body", "nurbs", "wheels", "left", "right"]);
@@ -31,13 +31,13 @@ test("unfolded groups are listed from top to bottom, shapes without a name by th
 
 test("large groups are folded at first, the whole scene is not", () => {
   const many = Array.from({ length: 100 }, (_, i) => shape(`part ${i}`, i));
-  assert.equal(new Parts({ name: "all", kind: "group", children: many }).rows().length, 101);
+  assert.equal(new SceneParts({ name: "all", kind: "group", children: many }).rows().length, 101);
   const nested = { name: "all", kind: /** @type {const} */ ("group"), children: [{ ...car(), children: many }] };
-  assert.deepEqual(labels(new Parts(nested)), ["all", "car"]);
+  assert.deepEqual(labels(new SceneParts(nested)), ["all", "car"]);
 });
 
 test("search finds names, kinds and places without case, in folded groups too", () => {
-  const parts = new Parts(car());
+  const parts = new SceneParts(car());
   parts.root.children[2].expanded = false;
   assert.deepEqual(labels(parts, "RIGHT"), ["right"]);
   assert.deepEqual(labels(parts, "nurbs"), ["hood", "door", "nurbs", "left", "right"]);
@@ -46,7 +46,7 @@ test("search finds names, kinds and places without case, in folded groups too", 
 });
 
 test("shape of a leaf is found, and there is none of other numbers", () => {
-  const parts = new Parts(car());
+  const parts = new SceneParts(car());
   assert.deepEqual(
     [0, 2, 4].map((leaf) => parts.shape(leaf)?.label),
     ["hood", "nurbs", "right"],
@@ -56,7 +56,7 @@ test("shape of a leaf is found, and there is none of other numbers", () => {
 });
 
 test("group of which some shapes are hidden is neither shown nor hidden", () => {
-  const parts = new Parts(car());
+  const parts = new SceneParts(car());
   const [body] = parts.root.children;
   parts.show(body.children[0], false);
   assert.deepEqual([parts.visibility(body), parts.visibility(parts.root)], ["mixed", "mixed"]);
@@ -68,7 +68,7 @@ test("group of which some shapes are hidden is neither shown nor hidden", () => 
 });
 
 test("isolating hides all else, and again brings back what was shown before", () => {
-  const parts = new Parts(car());
+  const parts = new SceneParts(car());
   parts.show(parts.root.children[1], false);
   parts.isolate(parts.root.children[2]);
   assert.deepEqual([...parts.hidden], [0, 1, 2]);
@@ -77,7 +77,7 @@ test("isolating hides all else, and again brings back what was shown before", ()
 });
 
 test("selecting unfolds the groups around, and a group has no leaf", () => {
-  const parts = new Parts(car());
+  const parts = new SceneParts(car());
   parts.root.expanded = false;
   parts.root.children[2].expanded = false;
   parts.select(parts.shape(4));
@@ -88,14 +88,14 @@ test("selecting unfolds the groups around, and a group has no leaf", () => {
 });
 
 test("changed file keeps what is hidden and selected if it has as many shapes", () => {
-  const before = new Parts(car());
+  const before = new SceneParts(car());
   before.show(before.root.children[0], false);
   before.select(before.shape(3));
-  const after = new Parts(car());
+  const after = new SceneParts(car());
   after.inherit(before);
   assert.deepEqual([...after.hidden], [0, 1]);
   assert.equal(after.selected, after.shape(3));
-  const other = new Parts({ name: "one", kind: "group", children: [shape("only", 0)] });
+  const other = new SceneParts({ name: "one", kind: "group", children: [shape("only", 0)] });
   other.inherit(before);
   assert.equal(other.hidden.size, 0);
 });

@@ -1,12 +1,12 @@
 /**
- * How much a surface bends away from its tangents, found at a few places of it.
+ * Deviation of a surface from its tangent plane, estimated from second derivatives at sample parameters.
  *
  * Second derivatives have a part along the surface, which only says how its parameters run; triangles with corners on it are off by the other part.
  *
  * @module
  */
 
-/** Where patches are looked at: near their sides, but not at them, which may be points. */
+/** Sample parameters: near the sides of a patch, but not on them, because a side may be a point. */
 const PLACES = [0.02, 0.25, 0.5, 0.75, 0.98];
 
 /** Second derivatives between the places are taken to be at most this many times as large. */
@@ -104,7 +104,7 @@ function evaluate(points, { first, stepU, stepV, degreeU, degreeV }, placeU, pla
  * @param {{ first: number, stepU: number, stepV: number, degreeU: number, degreeV: number }} net
  * @returns {[number, number, number]}
  */
-export function normalBending(points, net) {
+export function normalDeviation(points, net) {
   /** @type {[number, number, number]} */
   const largest = [0, 0, 0];
   for (let i = 0; i < PLACES.length; i++) {
@@ -130,7 +130,7 @@ export function normalBending(points, net) {
  * @param {Float32Array} points
  * @param {{ first: number, stepU: number, stepV: number, degreeU: number, degreeV: number }} curve a net with degree 0 along v
  */
-export function curveBending(points, curve) {
+export function curveDeviation(points, curve) {
   let largest = 0;
   for (let i = 0; i < PLACES.length; i++) {
     evaluate(points, curve, i, 0);

@@ -5,7 +5,7 @@
  */
 
 import { dot, mapPoint } from "../linear.js";
-import { patchFacts } from "../model.js";
+import { patchHeader } from "../model.js";
 
 /** @typedef {import("../linear.js").Vector} Vector */
 /** @typedef {import("../model.js").Model} Model */
@@ -37,7 +37,7 @@ function boxOfPatches(model, surface) {
   const { points } = model.blocks;
   const [low, high] = nothing();
   for (let patch = surface.first; patch < surface.first + surface.count; patch++) {
-    const { degreeU, degreeV, firstPoint } = patchFacts(model, patch);
+    const { degreeU, degreeV, firstPoint } = patchHeader(model, patch);
     const end = (firstPoint + (degreeU + 1) * (degreeV + 1)) * 4;
     for (let k = firstPoint * 4; k < end; k += 4) {
       for (let axis = 0; axis < 3; axis++) {

@@ -1,5 +1,5 @@
 /**
- * The rendered picture: asked for when the camera rests, collected from tiles, forgotten when it moves.
+ * The rendered image: requested when the camera rests, assembled from tiles, dropped when it moves.
  *
  * @module
  */
@@ -12,12 +12,12 @@
 
 /** @typedef {[x: number, y: number, width: number, height: number]} Rectangle */
 /** @typedef {"path" | "guided"} Integrator */
-/** @typedef {{ camera: Camera, size: Size, hidden: ReturnType<typeof import("./parts.js").ranges>, integrator: Integrator }} Order what to render */
+/** @typedef {{ camera: Camera, size: Size, hidden: ReturnType<typeof import("./scene_parts.js").ranges>, integrator: Integrator }} RenderRequest */
 
 /**
- * `waits`: for pictures of other pages.
- * @typedef {{ samples: number, noise: number | null, seconds: number, done: boolean, covered: boolean, waits: boolean,
- *   error: string | null }} TruthStatus
+ * `queued`: behind the images of other pages.
+ * @typedef {{ samples: number, noise: number | null, seconds: number, done: boolean, covered: boolean, queued: boolean,
+ *   error: string | null }} RenderStatus
  */
 
 /** 1 as a half float. */
@@ -30,9 +30,9 @@ const REST = 250;
 const LARGEST_SIDE = 4096;
 
 /**
- * A picture of half floats, RGBA, rows from the top. Where nothing has come yet, A is 0. Who draws it takes the rectangles of `changed` and empties the list.
+ * An image of half floats, RGBA, rows from the top. A is 0 where no pixel has arrived. The consumer reads the rectangles of `changed` and empties the list.
  */
-export class Picture {
+export class TileImage {
   /** @param {Size} size */
   constructor(size) {
     this.width = size.width;
@@ -43,12 +43,12 @@ export class Picture {
     this.missing = size.width * size.height;
   }
 
-  /** Whether all of its pixels have come. */
+  /** True if all pixels have arrived. */
   get covered() {
     return this.missing === 0;
   }
 
-  /** Whether nothing of it has come yet. */
+  /** True if no pixel has arrived. */
   get empty() {
     return this.missing === this.width * this.height;
   }
@@ -91,18 +91,18 @@ export function renderSize(canvas) {
   };
 }
 
-/** What one page has rendered. */
-export class Truth {
+/** The rendered image of this page, and its request. */
+export class RenderedImage {
   /**
    * @param {Session} session
    * @param {() => void} changed called when there is something new to show or to say
    */
   constructor(session, changed) {
     this.session = session;
-    this.tell = changed;
-    /** @type {Picture | null} */
+    this.notify = changed;
+    /** @type {TileImage | null} */
     this.picture = null;
-    /** @type {TruthStatus | null} */
+    /** @type {RenderStatus | null} */
     this.status = null;
     /** The request that is being rendered. @type {number | null} */
     this.id = null;
@@ -115,8 +115,8 @@ export class Truth {
   }
 
   /**
-   * Forgets the picture and ends its rendering: the view is another now. `ask` tells, after a rest, what is to be rendered.
-   * @param {(() => Order | null) | null} ask
+   * Drops the image and cancels its rendering. After a rest, `ask` returns the next request.
+   * @param {(() => RenderRequest | null) | null} ask
    */
   restart(ask) {
     this.stop();
@@ -126,7 +126,7 @@ export class Truth {
     }
   }
 
-  /** @param {Order | null} asked */
+  /** @param {RenderRequest | null} asked */
   begin(asked) {
     if (!asked || !this.session.isOnline) {
       return;
@@ -134,10 +134,10 @@ export class Truth {
     const { camera, hidden, integrator } = asked;
     const size = renderSize(asked.size);
     this.id = this.session.nextId();
-    this.picture = new Picture(size);
-    this.status = { samples: 0, noise: null, seconds: 0, done: false, covered: false, waits: false, error: null };
+    this.picture = new TileImage(size);
+    this.status = { samples: 0, noise: null, seconds: 0, done: false, covered: false, queued: false, error: null };
     this.session.send({ type: "view", id: this.id, camera, size: [size.width, size.height], hidden, integrator });
-    this.tell();
+    this.notify();
   }
 
   stop() {
@@ -150,7 +150,7 @@ export class Truth {
     this.status = null;
   }
 
-  /** The connection is gone, and with it what was being rendered. */
+  /** The connection was lost, and the request with it. */
   lost() {
     this.id = null;
     this.stopping = null;
@@ -165,10 +165,10 @@ export class Truth {
   }
 
   /** @param {number} id */
-  waits(id) {
+  queued(id) {
     if (id === this.id && this.status) {
-      this.status.waits = true;
-      this.tell();
+      this.status.queued = true;
+      this.notify();
     }
   }
 
@@ -177,7 +177,7 @@ export class Truth {
     if (tile.id === this.id && this.picture && this.status) {
       this.picture.put(tile);
       this.status.covered = this.picture.covered;
-      this.tell();
+      this.notify();
     }
   }
 
@@ -185,13 +185,13 @@ export class Truth {
   progress(progress) {
     if (progress.id === this.id && this.status) {
       const { samples, noise, seconds, done } = progress;
-      Object.assign(this.status, { samples, noise, seconds, done, waits: false });
-      this.tell();
+      Object.assign(this.status, { samples, noise, seconds, done, queued: false });
+      this.notify();
     }
   }
 
   /**
-   * Whether this was about the picture, which is then not rendered.
+   * Records an error of the current request. Returns false if it belongs to another one.
    * @param {number | null} id
    * @param {string} message
    */
@@ -200,7 +200,7 @@ export class Truth {
       return false;
     }
     this.status.error = message;
-    this.tell();
+    this.notify();
     return true;
   }
 }

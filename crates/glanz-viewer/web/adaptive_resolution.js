@@ -1,5 +1,5 @@
 /**
- * How finely to draw while things move: slow graphics get fewer pixels, so that the scene still follows the hand. At rest every pixel is drawn.
+ * Adaptive resolution: on slow graphics fewer pixels are drawn while the camera moves. At rest every pixel is drawn.
  *
  * @module
  */
@@ -14,7 +14,7 @@ const COARSEST = 1 / 8;
 /** Milliseconds without a move after which everything counts as at rest. */
 const REST = 150;
 
-export class Pace {
+export class AdaptiveResolution {
   constructor() {
     /** Share of the canvas' sides that is drawn while moving. */
     this.share = 1;
@@ -43,11 +43,11 @@ export class Pace {
   }
 
   /**
-   * Learns how long a picture took.
+   * Records the time of a frame.
    * @param {number} share that of the picture
    * @param {number} milliseconds
    */
-  took(share, milliseconds) {
+  record(share, milliseconds) {
     if (milliseconds > TOO_LONG && share <= this.share) this.share = Math.max(COARSEST, share / 2);
     else if (milliseconds < SHORT && share >= this.share) this.share = Math.min(1, share * 2);
   }

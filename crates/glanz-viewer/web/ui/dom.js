@@ -43,7 +43,7 @@ export function describe(list, rows) {
 }
 
 /**
- * Has a screen reader say something.
+ * Announces a text to screen readers.
  * @param {string} text
  */
 export function announce(text) {

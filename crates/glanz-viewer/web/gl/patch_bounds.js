@@ -1,30 +1,30 @@
 /**
- * What is known about patches before anything is drawn: where they lie, how much they bend, which sides are borders.
+ * Bounds of patches that do not depend on the view: spheres, deviation from flatness, border sides.
  *
  * @module
  */
 
-import { patchFacts } from "../model.js";
-import { curveBending, normalBending } from "./bending.js";
+import { patchHeader } from "../model.js";
+import { curveDeviation, normalDeviation } from "./deviation.js";
 
 /** @typedef {import("../model.js").Model} Model */
 
 /** Parameters of a region that count as its border. */
 const AT_BORDER = 1e-5;
 
-/** Numbers kept per patch: sphere (4), bending along u, mixed, along v (3), `SIDE` numbers for each of four sides, bounds on the second derivatives (3). */
+/** Floats per patch: sphere (4), deviation along u, mixed, along v (3), `SIDE` numbers for each of four sides, bounds on the second derivatives (3). */
 export const STRIDE = 30;
 
-/** Where the bounds on the second derivatives are. */
+/** Offset of the bounds on the second derivatives. */
 export const BOUNDS = 27;
 
 /** Parameters are found again at every pixel: there the grid may be off by this many times the tolerance. */
 const ALONG = 32;
 
-/** Numbers kept per side: sphere (4), bending. */
+/** Floats per side: sphere (4), deviation. */
 export const SIDE = 5;
 
-/** Where the first side's numbers begin. Sides: v = 0, v = 1, u = 0, u = 1. */
+/** Offset of the first side. Sides: v = 0, v = 1, u = 0, u = 1. */
 export const SIDES = 7;
 
 /**
@@ -37,11 +37,11 @@ export const SIDES = 7;
  * @param {Model} model
  * @returns {Float64Array}
  */
-export function measurePatches(model) {
+export function boundPatches(model) {
   const count = model.blocks.patches.length / 16;
   const measures = new Float64Array(count * STRIDE);
   for (let patch = 0; patch < count; patch++) {
-    const { degreeU, degreeV, firstPoint } = patchFacts(model, patch);
+    const { degreeU, degreeV, firstPoint } = patchHeader(model, patch);
     const net = new Net(model.blocks.points, firstPoint, degreeV + 1, 1);
     const at = patch * STRIDE;
     const { radius, lightest } = net.measureSphere(measures, at, degreeU + 1, degreeV + 1);
@@ -49,35 +49,35 @@ export function measurePatches(model) {
       net.bending(measures, at, degreeU, degreeV, du, dv, radius, lightest);
     const bounds = [bend(2, 0), bend(1, 1), bend(0, 2)];
     measures.set(bounds, at + BOUNDS);
-    const across = normalBending(model.blocks.points, net.shape(degreeU, degreeV));
+    const across = normalDeviation(model.blocks.points, net.shape(degreeU, degreeV));
     for (let k = 0; k < 3; k++) measures[at + 4 + k] = Math.max(Math.min(across[k], bounds[k]), bounds[k] / ALONG);
-    measureSides(model, patch, measures);
+    boundSides(model, patch, measures);
   }
   return measures;
 }
 
 /** @param {Model} model @param {number} patch @param {Float64Array} measures */
-function measureSides(model, patch, measures) {
+function boundSides(model, patch, measures) {
   for (let side = 0; side < 4; side++) {
     const { first, step, degree } = sidePoints(model, patch, side);
     const at = patch * STRIDE + SIDES + side * SIDE;
     const net = new Net(model.blocks.points, first, step, 0);
     const { radius, lightest } = net.measureSphere(measures, at, degree + 1, 1);
     const bound = net.bending(measures, at, degree, 0, 2, 0, radius, lightest);
-    const across = curveBending(model.blocks.points, net.shape(degree, 0));
+    const across = curveDeviation(model.blocks.points, net.shape(degree, 0));
     // Single precision, so that the same curve in the other direction rounds alike.
     measures[at + 4] = Math.fround(Math.max(Math.min(across, bound), bound / ALONG));
   }
 }
 
 /**
- * Where the control points of a side are.
+ * Indices of the control points of a side.
  * @param {Model} model
  * @param {number} patch
  * @param {number} side 0 to 3: v = 0, v = 1, u = 0, u = 1
  */
 export function sidePoints(model, patch, side) {
-  const { degreeU, degreeV, firstPoint } = patchFacts(model, patch);
+  const { degreeU, degreeV, firstPoint } = patchHeader(model, patch);
   const row = degreeV + 1;
   switch (side) {
     case 0:
@@ -154,7 +154,7 @@ class Net {
   }
 
   /**
-   * Bound on a second derivative of the surface, as described at `measurePatches`.
+   * Bound on a second derivative of the surface, as described at `boundPatches`.
    * @param {Float64Array} middle point that the vectors are counted from, at
    * @param {number} at
    * @param {number} degreeU

@@ -5,7 +5,7 @@
  */
 
 import { fullColour } from "../settings.js";
-import { element } from "./element.js";
+import { element } from "./dom.js";
 import { lengthText, plain } from "./units.js";
 
 /** @typedef {import("../settings.js").Settings} Settings */
@@ -14,7 +14,7 @@ import { lengthText, plain } from "./units.js";
 /** Shadings whose colours are curvatures. */
 const CURVATURES = ["gaussian", "mean", "maximum"];
 
-export class Tools {
+export class SettingsPanel {
   /**
    * @param {Settings} settings changed in place by the controls
    * @param {() => void} changed
@@ -50,7 +50,7 @@ export class Tools {
     Object.assign(this.settings, values);
   }
 
-  /** Has the controls show the settings. */
+  /** Writes the settings to the controls. */
   write() {
     /** @type {Record<string, unknown>} */
     const values = this.settings;
@@ -69,7 +69,7 @@ export class Tools {
   }
 
   /**
-   * Says the values beside the sliders, and hides what the scene has no use for.
+   * Updates the values beside the sliders and hides the controls that do not apply to the scene.
    * @param {number} extent metres, of the scene
    * @param {Plane | null} section
    * @param {boolean} hasMaps

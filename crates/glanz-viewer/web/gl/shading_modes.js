@@ -1,5 +1,5 @@
 /**
- * Shader text for what becomes of a point of a surface: its look under light, zebra stripes, colours of curvature, normals.
+ * Shader text of the shading modes: light, zebra stripes, colours of curvature, normals.
  *
  * @module
  */
@@ -9,13 +9,13 @@ import { FRAME_TEXT } from "./frame.js";
 import { SHADING_TEXT, TONE_TEXT } from "./shading.js";
 
 /**
- * What a program draws. `read`: normals and objects as numbers; `depth`: nothing but depth.
- * @typedef {"material" | "zebra" | "gaussian" | "mean" | "maximum" | "normals" | "read" | "depth"} Look
+ * Output of a program. `read`: normals and object numbers; `depth`: depth alone.
+ * @typedef {"material" | "zebra" | "gaussian" | "mean" | "maximum" | "normals" | "read" | "depth"} ShadingMode
  */
 
-/** Whether a look needs second derivatives. @param {Look} look */
-export function needsCurvature(look) {
-  return look === "zebra" || look === "gaussian" || look === "mean" || look === "maximum";
+/** True if a shading mode needs second derivatives. @param {ShadingMode} mode */
+export function needsCurvature(mode) {
+  return mode === "zebra" || mode === "gaussian" || mode === "mean" || mode === "maximum";
 }
 
 /** The beginning of all shaders. */
@@ -26,7 +26,7 @@ precision highp sampler2D;
 precision highp usampler2D;
 `;
 
-/** What all shaders of surfaces know of an object: two texels of \`objectFacts\`. */
+/** Data of an object in all surface shaders: two texels of \`objectFacts\`. */
 export const OBJECT_TEXT = `
 uniform usampler2D objectFacts;
 uniform sampler2D objectPlaces;
@@ -52,7 +52,7 @@ mat4x3 placeOf(uint number) {
 }
 `;
 
-/** A point that is seen, as the looks need it. */
+/** The visible point that the shading modes take. */
 const POINT = `
 struct Point {
   vec3 position, normal;    // camera's axes; the normal towards the eye
@@ -70,13 +70,13 @@ vec2 pixelRay(vec2 at) { return (2.0 * at / picture.xy - 1.0) * lens.xy; }
 `;
 
 const NORMALS = `
-vec4 look(Point point, Facts facts) {
+vec4 shade(Point point, Facts facts) {
   return vec4(0.5 + 0.5 * toWorldAxes(point.normal), point.coverage);
 }
 `;
 
 const READ = `
-vec4 look(Point point, Facts facts) {
+vec4 shade(Point point, Facts facts) {
   if (point.coverage < 0.5) discard;
   return vec4(toWorldAxes(point.normal), float(point.object + 1u));
 }
@@ -99,7 +99,7 @@ vec3 marked(vec3 colour, Point point, Facts facts) {
 `;
 
 const MATERIAL = `
-vec4 look(Point point, Facts facts) {
+vec4 shade(Point point, Facts facts) {
   Material material = materialOf(facts.material);
   vec4 light = reflected(material, point.position, point.normal, toEyeFrom(point.position), point.front);
   vec3 colour = display(light.xyz, picture.z);
@@ -111,7 +111,7 @@ vec4 look(Point point, Facts facts) {
 
 /** Stripes of equal angle between the mirrored line of sight and the world's up, their borders as wide as a pixel. */
 const ZEBRA = `
-vec4 look(Point point, Facts facts) {
+vec4 shade(Point point, Facts facts) {
   vec3 n = point.normal, sight = -toEyeFrom(point.position);
   vec3 mirrored = reflect(sight, n);
   float cosine = clamp(dot(mirrored, upward.xyz), -1.0, 1.0);
@@ -136,11 +136,11 @@ vec4 look(Point point, Facts facts) {
 
 /** Blue, grey, red. */
 const CURVATURE = `
-vec4 look(Point point, Facts facts) {
+vec4 shade(Point point, Facts facts) {
   float k1 = point.principal.x, k2 = point.principal.y;
-#if defined(LOOK_GAUSSIAN)
+#if defined(MODE_GAUSSIAN)
   float value = sign(k1 * k2) * sqrt(abs(k1 * k2));
-#elif defined(LOOK_MEAN)
+#elif defined(MODE_MEAN)
   float value = 0.5 * (k1 + k2);
 #else
   float value = abs(k1) > abs(k2) ? k1 : k2;
@@ -153,7 +153,7 @@ vec4 look(Point point, Facts facts) {
 }
 `;
 
-/** What the maps of the scene say, in false colours or as light. */
+/** Light maps and lux maps of the scene, as radiance or in false colours. */
 export const MAP_TEXT = `
 uniform sampler2D mapValues;
 uniform vec2 mapScale;    // largest value; 1 for false colours, 0 for light
@@ -191,15 +191,15 @@ void bend(inout Point point, vec3 su, vec3 sv, vec3 suu, vec3 suv, vec3 svv, mat
 `;
 
 /**
- * The part of a fragment shader that all kinds of surfaces share: `Point`, and `vec4 look(Point, Facts)`.
- * @param {Look} look
+ * The part of a fragment shader that all kinds of surfaces share: `Point`, and `vec4 shade(Point, Facts)`.
+ * @param {ShadingMode} mode
  */
-export function lookText(look) {
+export function shadingModeText(mode) {
   const common = FRAME_TEXT + OBJECT_TEXT + POINT;
-  if (look === "material") return common + SHADING_TEXT + MAP_TEXT + MARKS + MATERIAL;
-  if (look === "zebra") return `${common}const float PI = 3.14159265358979;\n${MARKS}${ZEBRA}`;
-  if (look === "normals") return common + TONE_TEXT + MARKS + NORMALS;
-  if (look === "read") return common + READ;
-  if (look === "depth") return common;
-  return `#define LOOK_${look.toUpperCase()}\n${common}${MARKS}${CURVATURE}`;
+  if (mode === "material") return common + SHADING_TEXT + MAP_TEXT + MARKS + MATERIAL;
+  if (mode === "zebra") return `${common}const float PI = 3.14159265358979;\n${MARKS}${ZEBRA}`;
+  if (mode === "normals") return common + TONE_TEXT + MARKS + NORMALS;
+  if (mode === "read") return common + READ;
+  if (mode === "depth") return common;
+  return `#define MODE_${mode.toUpperCase()}\n${common}${MARKS}${CURVATURE}`;
 }

@@ -1,10 +1,10 @@
 /**
- * Commands, and the keys that give them.
+ * Commands and their key bindings.
  *
  * @module
  */
 
-import { create, element } from "./element.js";
+import { create, element } from "./dom.js";
 
 /**
  * `keys`: as `KeyboardEvent.key` has them, with "Shift+" before those of which Shift makes no other. `onView`: only where the view has the focus, as
@@ -12,17 +12,17 @@ import { create, element } from "./element.js";
  * @typedef {{ name: string, keys: string[], label: string, onView?: boolean, run(): void }} Command
  */
 
-/** How keys are called in the help. @type {Record<string, string>} */
+/** Names of keys in the help. @type {Record<string, string>} */
 const KEY_NAMES = { ArrowLeft: "←", ArrowRight: "→", ArrowUp: "↑", ArrowDown: "↓", Escape: "Esc", " ": "Space" };
 
-/** What stands before keys that are pressed with Shift. */
+/** Prefix of keys that are pressed with Shift. */
 const SHIFT = "Shift+";
 
 /** Elements that take letters as text. */
 const TEXT_FIELDS = "input:not([type=checkbox], [type=radio], [type=range], [type=button]), textarea, select";
 
-/** Has the page obey commands by keys and by the buttons that carry their name. */
-export class Keys {
+/** Runs commands by their keys and by the buttons that carry their name. */
+export class KeyBindings {
   /** @param {Command[]} commands */
   constructor(commands) {
     this.view = element("view", HTMLElement);

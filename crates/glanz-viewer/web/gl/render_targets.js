@@ -1,16 +1,16 @@
 /**
- * What is drawn into: a multisampled picture, a shadow map, a picture of numbers.
+ * Render targets: multisampled colour, shadow map, float values.
  *
  * @module
  */
 
-import { SCRATCH_UNIT } from "./table.js";
+import { SCRATCH_UNIT } from "./data_texture.js";
 
 /** Samples of a pixel, where the graphics card has as many. */
 const SAMPLES = 4;
 
 /** A picture with several samples a pixel, which is then brought to the canvas. */
-export class Multisampled {
+export class MultisampledTarget {
   /** @param {WebGL2RenderingContext} gl */
   constructor(gl) {
     this.gl = gl;
@@ -60,7 +60,7 @@ export class Multisampled {
 }
 
 /** A picture of four floats a pixel, to be read. */
-export class Numbers {
+export class FloatTarget {
   /** @param {WebGL2RenderingContext} gl @param {number} width @param {number} height */
   constructor(gl, width, height) {
     this.gl = gl;
@@ -96,7 +96,7 @@ export class Numbers {
 }
 
 /** A depth map that is compared with when read. */
-export class DepthMap {
+export class DepthTarget {
   /** @param {WebGL2RenderingContext} gl @param {number} width @param {number} height */
   constructor(gl, width, height) {
     this.gl = gl;

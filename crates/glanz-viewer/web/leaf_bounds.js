@@ -1,11 +1,11 @@
 /**
- * How far parts of a scene reach.
+ * Bounding boxes of leaves of the scene.
  *
  * @module
  */
 
 import { corners } from "./camera.js";
-import { boxesOfSurfaces } from "./gl/extents.js";
+import { boxesOfSurfaces } from "./gl/surface_boxes.js";
 import { add, mapPoint, subtract } from "./linear.js";
 
 /** @typedef {import("./camera.js").Bounds} Bounds */

@@ -4,16 +4,16 @@
  * @module
  */
 
-import { PRECISION_TEXT } from "./looks.js";
+import { PRECISION_TEXT } from "./shading_modes.js";
 import { UNITS } from "./programs.js";
 import { TONE_TEXT } from "./shading.js";
-import { SCRATCH_UNIT } from "./table.js";
+import { SCRATCH_UNIT } from "./data_texture.js";
 
 /** @typedef {import("./programs.js").Programs} Programs */
 
 /**
- * The picture so far: four half floats a pixel, rows from the top; the fourth is 0 where nothing has come yet. `changed`: rectangles that differ since it was drawn last.
- * @typedef {{ width: number, height: number, data: Uint16Array, changed: [x: number, y: number, width: number, height: number][] }} Truth
+ * The image so far: four half floats per pixel, rows from the top; the fourth is 0 where no sample has arrived. `changed`: rectangles that differ since the last draw.
+ * @typedef {{ width: number, height: number, data: Uint16Array, changed: [x: number, y: number, width: number, height: number][] }} RenderedImage
  */
 
 const VERTEX = `#version 300 es
@@ -36,7 +36,7 @@ void main() {
 }
 `;
 
-export class TruthPicture {
+export class RenderedImageTexture {
   /** @param {WebGL2RenderingContext} gl */
   constructor(gl) {
     this.gl = gl;
@@ -48,34 +48,34 @@ export class TruthPicture {
     this.data = null;
   }
 
-  /** Takes over what has changed, and forgets that it has. @param {Truth} truth */
-  take(truth) {
+  /** Uploads the changed rectangles and clears their list. @param {RenderedImage} image */
+  update(image) {
     const { gl } = this;
     gl.activeTexture(gl.TEXTURE0 + SCRATCH_UNIT);
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
-    if (truth.data !== this.data || truth.width !== this.width || truth.height !== this.height) {
-      const { width, height, data } = truth;
+    if (image.data !== this.data || image.width !== this.width || image.height !== this.height) {
+      const { width, height, data } = image;
       gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA16F, width, height, 0, gl.RGBA, gl.HALF_FLOAT, data);
       for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) {
         gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
       }
       Object.assign(this, { width, height, data });
     } else {
-      gl.pixelStorei(gl.UNPACK_ROW_LENGTH, truth.width);
-      for (const [x, y, width, height] of truth.changed) {
+      gl.pixelStorei(gl.UNPACK_ROW_LENGTH, image.width);
+      for (const [x, y, width, height] of image.changed) {
         gl.pixelStorei(gl.UNPACK_SKIP_PIXELS, x);
         gl.pixelStorei(gl.UNPACK_SKIP_ROWS, y);
-        gl.texSubImage2D(gl.TEXTURE_2D, 0, x, y, width, height, gl.RGBA, gl.HALF_FLOAT, truth.data);
+        gl.texSubImage2D(gl.TEXTURE_2D, 0, x, y, width, height, gl.RGBA, gl.HALF_FLOAT, image.data);
       }
       for (const name of [gl.UNPACK_ROW_LENGTH, gl.UNPACK_SKIP_PIXELS, gl.UNPACK_SKIP_ROWS]) gl.pixelStorei(name, 0);
     }
-    truth.changed.length = 0;
+    image.changed.length = 0;
   }
 
-  /** Draws over the canvas what has come. @param {Programs} programs @param {number} width @param {number} height @param {number} gain */
+  /** Draws the received pixels over the canvas. @param {Programs} programs @param {number} width @param {number} height @param {number} gain */
   draw(programs, width, height, gain) {
     const { gl } = this;
-    const program = programs.get("truth", () => ({ vertex: VERTEX, fragment: FRAGMENT }), true);
+    const program = programs.get("rendered image", () => ({ vertex: VERTEX, fragment: FRAGMENT }), true);
     if (!program) return;
     program.use();
     gl.uniform3f(program.place("shown"), width, height, gain);
