@@ -48,7 +48,10 @@ fn changed(a: &[u8], b: &[u8]) -> usize {
 
 /// Waits until the picture of where the camera is now has so many samples.
 fn rendered(page: &mut Page, samples: u32) {
-    page.until("the picture is rendered", &format!("(window.glanz.renderStatus()?.samples ?? 0) >= {samples}"));
+    page.until(
+        "the picture is rendered",
+        &format!("(window.glanz.renderStatus()?.samples ?? 0) >= {samples}"),
+    );
 }
 
 #[test]
