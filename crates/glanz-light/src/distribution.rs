@@ -132,6 +132,19 @@ impl Default for SpectralDistribution {
     }
 }
 
+impl From<f32> for SpectralDistribution {
+    fn from(value: f32) -> Self {
+        Self::Constant(value)
+    }
+}
+
+impl From<[f32; 3]> for SpectralDistribution {
+    /// Linear Rec. 709.
+    fn from(rgb: [f32; 3]) -> Self {
+        Self::Rgb(rgb)
+    }
+}
+
 impl SpectralDistribution {
     /// A sampled spectrum; see [`Samples::try_new`].
     ///

@@ -55,6 +55,14 @@ pub enum SceneErrorKind {
         /// How many there are.
         count: usize,
     },
+    /// A name that a [`SceneBuilder`](crate::SceneBuilder) does not know.
+    #[error("there is no {what} \"{name}\"; add it before it is used")]
+    Name {
+        /// Kind of thing referred to.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
     /// Groups nested beyond the limit.
     #[error("groups are nested more than {0} deep")]
     Nesting(usize),

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use glanz_math::{DMat4, DVec3};
+use glanz_math::DMat4;
 use glanz_scene::description::EmissionDescription;
 
 use crate::pbrt::color_space::ColorSpace;
@@ -124,38 +124,5 @@ impl StateStack {
                 self.now.start_active = start_active;
             }
         }
-    }
-}
-
-/// From the world to a camera at `eye` that looks at `target` with `up` upward: pbrt's frame, x to the right of the
-/// picture, y up, z forward.
-///
-/// `None` if `eye` is `target` or `up` is parallel to the view.
-pub(crate) fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Option<DMat4> {
-    let forward = (target - eye).try_normalize()?;
-    let right = up.try_normalize()?.cross(forward).try_normalize()?;
-    let up = forward.cross(right);
-    let to_world = DMat4::from_cols(right.extend(0.0), up.extend(0.0), forward.extend(0.0), eye.extend(1.0));
-    Some(to_world.inverse())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn look_at_puts_the_target_on_the_axis_and_up_upward() {
-        let m = look_at(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, DVec3::Y).unwrap();
-        // Looking along -z with y up, pbrt's frame (x = up cross forward) has -x to the right.
-        assert_eq!(m.transform_point3(DVec3::ZERO), DVec3::new(0.0, 0.0, 5.0));
-        assert_eq!(m.transform_vector3(DVec3::Y), DVec3::Y);
-        assert_eq!(m.transform_vector3(DVec3::X), DVec3::NEG_X);
-    }
-
-    #[test]
-    fn look_at_refuses_views_without_direction() {
-        assert!(look_at(DVec3::ONE, DVec3::ONE, DVec3::Y).is_none());
-        assert!(look_at(DVec3::ZERO, DVec3::Y, DVec3::Y).is_none());
-        assert!(look_at(DVec3::ZERO, DVec3::Y, DVec3::ZERO).is_none());
     }
 }

@@ -1,6 +1,6 @@
 //! The camera.
 
-use glanz_math::DMat4;
+use glanz_math::{DMat4, DVec3};
 
 use super::Location;
 
@@ -37,6 +37,34 @@ impl Default for CameraDescription {
     }
 }
 
+impl CameraDescription {
+    /// A pinhole with a field of view of 90 degrees at `eye` that looks at `target`, with `up` upwards in its picture.
+    ///
+    /// A view without direction, where `eye` is `target` or `up` is parallel to the view, is an error when the scene is resolved.
+    #[must_use]
+    pub fn look_at(eye: impl Into<DVec3>, target: impl Into<DVec3>, up: impl Into<DVec3>) -> Self {
+        let to_world = look_at(eye.into(), target.into(), up.into()).unwrap_or(DMat4::NAN);
+        Self { to_world, ..Self::default() }
+    }
+
+    /// The camera as a perspective one with this full angle over the shorter side of its screen, radians, in (0, pi).
+    #[must_use]
+    pub fn with_field_of_view(self, field_of_view: f64) -> Self {
+        Self { kind: CameraKind::Perspective { field_of_view }, ..self }
+    }
+}
+
+/// From the frame of a camera at `eye` that looks at `target` to the world: x to the right of the picture, y (towards `up`) up, z forward.
+///
+/// As pbrt's, the frame is left-handed when seen in a right-handed world. `None` if `eye` is `target` or `up` is parallel to the view.
+#[must_use]
+pub fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Option<DMat4> {
+    let forward = (target - eye).try_normalize()?;
+    let right = up.try_normalize()?.cross(forward).try_normalize()?;
+    let up = forward.cross(right);
+    Some(DMat4::from_cols(right.extend(0.0), up.extend(0.0), forward.extend(0.0), eye.extend(1.0)))
+}
+
 /// The projections.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CameraKind {
@@ -47,4 +75,26 @@ pub enum CameraKind {
     },
     /// Parallel projection.
     Orthographic,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn look_at_puts_the_target_on_the_axis_and_up_upward() {
+        // Looking along -z with y up, pbrt's frame (x = up cross forward) has -x to the right.
+        let to_world = look_at(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, DVec3::Y).unwrap();
+        assert_eq!(to_world.transform_point3(DVec3::new(0.0, 0.0, 5.0)), DVec3::ZERO);
+        assert_eq!(to_world.transform_vector3(DVec3::Y), DVec3::Y);
+        assert_eq!(to_world.transform_vector3(DVec3::X), DVec3::NEG_X);
+    }
+
+    #[test]
+    fn look_at_refuses_views_without_direction() {
+        assert!(look_at(DVec3::ONE, DVec3::ONE, DVec3::Y).is_none());
+        assert!(look_at(DVec3::ZERO, DVec3::Y, DVec3::Y).is_none());
+        assert!(look_at(DVec3::ZERO, DVec3::Y, DVec3::ZERO).is_none());
+        assert!(!CameraDescription::look_at(DVec3::ONE, DVec3::ONE, DVec3::Y).to_world.is_finite());
+    }
 }

@@ -23,6 +23,49 @@ pub struct LightDescription {
     pub location: Option<Location>,
 }
 
+impl LightDescription {
+    /// A light in world space.
+    #[must_use]
+    pub fn new(kind: LightKind, emission: impl Into<SpectralDistribution>) -> Self {
+        Self { kind, emission: emission.into(), scale: 1.0, to_world: DMat4::IDENTITY, location: None }
+    }
+
+    /// A point that emits `intensity`, W/sr, in all directions.
+    #[must_use]
+    pub fn point(from: impl Into<DVec3>, intensity: impl Into<SpectralDistribution>) -> Self {
+        Self::new(LightKind::Point { from: from.into(), range: None }, intensity)
+    }
+
+    /// A point that emits `intensity`, W/sr, along an axis, and less towards the border of a cone; `cone_angle` and `inner_angle` are
+    /// half angles, radians.
+    #[must_use]
+    pub fn spot(
+        from: impl Into<DVec3>,
+        to: impl Into<DVec3>,
+        [cone_angle, inner_angle]: [f64; 2],
+        intensity: impl Into<SpectralDistribution>,
+    ) -> Self {
+        let (from, to, falloff) = (from.into(), to.into(), SpotFalloff::Smoothstep);
+        Self::new(LightKind::Spot { from, to, cone_angle, inner_angle, falloff }, intensity)
+    }
+
+    /// Parallel light from `from` towards `to` of an `irradiance`, W/m^2, on surfaces that face it.
+    #[must_use]
+    pub fn distant(
+        from: impl Into<DVec3>,
+        to: impl Into<DVec3>,
+        irradiance: impl Into<SpectralDistribution>,
+    ) -> Self {
+        Self::new(LightKind::Distant { from: from.into(), to: to.into() }, irradiance)
+    }
+
+    /// A sky of the same `radiance`, W/(m^2 sr), in all directions.
+    #[must_use]
+    pub fn infinite(radiance: impl Into<SpectralDistribution>) -> Self {
+        Self::new(LightKind::Infinite, radiance)
+    }
+}
+
 /// The lights that are not surfaces; points and directions in light space.
 #[derive(Clone, Debug)]
 pub enum LightKind {
@@ -104,6 +147,27 @@ pub struct EmissionDescription {
     pub power: Option<EmissionPower>,
     /// Whether the back shines too.
     pub two_sided: bool,
+}
+
+impl From<SpectralDistribution> for EmissionDescription {
+    /// This radiance, W/(m^2 sr), on the front.
+    fn from(radiance: SpectralDistribution) -> Self {
+        Self { radiance, scale: 1.0, power: None, two_sided: false }
+    }
+}
+
+impl From<f32> for EmissionDescription {
+    /// White light of this radiance, W/(m^2 sr), on the front.
+    fn from(radiance: f32) -> Self {
+        SpectralDistribution::from(radiance).into()
+    }
+}
+
+impl From<[f32; 3]> for EmissionDescription {
+    /// This radiance in linear Rec. 709, W/(m^2 sr), on the front.
+    fn from(radiance: [f32; 3]) -> Self {
+        SpectralDistribution::from(radiance).into()
+    }
 }
 
 /// How much a surface gives off in all.

@@ -15,20 +15,22 @@ mod light;
 mod material;
 mod pass_lengths;
 mod receiver;
+mod shape;
 mod texture;
 mod trim;
 
-pub use camera::{CameraDescription, CameraKind};
+pub use camera::{CameraDescription, CameraKind, look_at};
 pub use film::{FilmDescription, FilterDescription, FilterKind};
 pub use freeform::{BezierPatchesDescription, BezierTrianglesDescription, NurbsDescription};
 pub use geometry::GeometryDescription;
-pub use group::{GroupDescription, InstanceDescription, ShapeDescription};
+pub use group::{GroupDescription, InstanceDescription};
 pub use guide::{GridSettings, GuideBasis, GuideSettings, GuideSettingsError};
 pub use integrator::{IntegratorDescription, SamplerDescription};
 pub use light::{EmissionDescription, EmissionPower, LightDescription, LightKind, SourceRay, SpotFalloff};
 pub use material::{MaterialDescription, MaterialKind};
 pub use pass_lengths::{PassLengths, PassLengthsError};
 pub use receiver::{MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide};
+pub use shape::ShapeDescription;
 pub use texture::{
     FloatInput, ImageDescription, ImageFilter, ImageWrap, SpectrumInput, TextureDescription, TextureKind,
     TextureMapping,

@@ -25,6 +25,25 @@ pub enum SpectrumInput {
     Texture(usize),
 }
 
+impl From<SpectralDistribution> for SpectrumInput {
+    fn from(value: SpectralDistribution) -> Self {
+        Self::Value(value)
+    }
+}
+
+impl From<f32> for SpectrumInput {
+    fn from(value: f32) -> Self {
+        Self::Value(value.into())
+    }
+}
+
+impl From<[f32; 3]> for SpectrumInput {
+    /// Linear Rec. 709.
+    fn from(rgb: [f32; 3]) -> Self {
+        Self::Value(rgb.into())
+    }
+}
+
 /// A number or a texture of numbers.
 #[derive(Clone, Debug)]
 pub enum FloatInput {
@@ -32,6 +51,12 @@ pub enum FloatInput {
     Value(f32),
     /// Index into [`Description::textures`](super::Description::textures).
     Texture(usize),
+}
+
+impl From<f32> for FloatInput {
+    fn from(value: f32) -> Self {
+        Self::Value(value)
+    }
 }
 
 /// A texture.

@@ -1,12 +1,12 @@
 //! Directives that move what comes.
 
 use glanz_math::{DMat4, DVec3};
+use glanz_scene::description::look_at;
 
 use super::Parser;
 use crate::nearest::nearest;
 use crate::pbrt::lexer::Token;
 use crate::pbrt::parameters::shortened;
-use crate::pbrt::state::look_at;
 use crate::source::{Place, Step};
 
 impl Parser {
@@ -32,11 +32,11 @@ impl Parser {
             "LookAt" => {
                 let v: [f64; 9] = self.numbers(&place)?;
                 let [eye, target, up] = [0, 3, 6].map(|i| DVec3::new(v[i], v[i + 1], v[i + 2]));
-                let Some(matrix) = look_at(eye, target, up) else {
+                let Some(to_world) = look_at(eye, target, up) else {
                     let message = "LookAt: the eye is the target, or up is parallel to the view";
                     return Err(self.lowering.reporter.error(&place, "transformation", message));
                 };
-                self.state.concatenate(matrix);
+                self.state.concatenate(to_world.inverse());
             }
             "Transform" => {
                 let matrix = DMat4::from_cols_array(&self.numbers(&place)?);
