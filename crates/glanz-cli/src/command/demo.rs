@@ -9,7 +9,7 @@ use crate::messages::{Failure, Messages};
 use crate::scene_file::Input;
 
 /// The scene; it needs no other file.
-const SCENE: &str = include_str!("../../../../scenes/demo.pbrt");
+const SCENE: &str = include_str!("../../scenes/demo.pbrt");
 
 /// Where the picture goes if the command line does not say.
 const PICTURE: &str = "glanz-demo.png";

@@ -201,7 +201,7 @@ pub(super) struct Group {
 
 /// The cubic triangle of document 000, the Newell teapot's bicubic patches, an eighth of a sphere.
 pub(super) fn groups() -> Result<[Group; 3], StudyError> {
-    let mesh = newell::read(include_bytes!("../../../../scenes/newell_teapot.txt"))?;
+    let mesh = newell::read(include_bytes!("../../scenes/newell_teapot.txt"))?;
     let corner = |index: &u32| mesh.positions.get(*index as usize).copied().unwrap_or_default();
     let teapot = mesh.patches.iter().map(|patch| {
         let points: Vec<DVec3> = patch.iter().map(corner).collect();

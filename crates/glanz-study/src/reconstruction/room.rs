@@ -44,7 +44,7 @@ macro_rules! setup {
             name: $name,
             description: $description,
             hard: $hard,
-            text: include_str!(concat!("../../../../scenes/reconstruction/", $name, ".pbrt")),
+            text: include_str!(concat!("../../scenes/reconstruction/", $name, ".pbrt")),
         }
     };
 }

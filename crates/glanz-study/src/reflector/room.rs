@@ -31,7 +31,7 @@ pub(super) const POINT_LAMP: DVec3 = DVec3::new(0.0, 5.0, 5.0);
 /// # Errors
 /// None that can happen: the scene is valid.
 pub(super) fn description() -> Result<Description, StudyError> {
-    let text = include_str!("../../../../scenes/reflector.pbrt");
+    let text = include_str!("../../scenes/reflector.pbrt");
     let loaded = load_str("scenes/reflector.pbrt", text, &Options::default())
         .map_err(|diagnostics| StudyError::Unreadable(diagnostics.to_string()))?;
     Ok(loaded.description)
