@@ -1,11 +1,13 @@
-//! Why a surface cannot be built.
+//! The error of all constructors.
 
-/// What is wrong with the parameters of a surface. Every variant names the parameter and carries its value.
+use glanz_math::DVec2;
+
+/// Invalid parameters of a surface, a spline or a trimming region. Every variant names the parameter and holds its value.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SurfaceError {
     /// A parameter is infinite or not a number.
-    #[error("{parameter} is {value}, it must be finite")]
+    #[error("{parameter} is {value}; it must be finite")]
     NotFinite {
         /// Which parameter.
         parameter: &'static str,
@@ -13,15 +15,15 @@ pub enum SurfaceError {
         value: f64,
     },
     /// A parameter that is a size is zero or negative.
-    #[error("{parameter} is {value}, it must be greater than zero")]
+    #[error("{parameter} is {value}; it must be positive")]
     NotPositive {
         /// Which parameter.
         parameter: &'static str,
         /// Its value.
         value: f64,
     },
-    /// A parameter lies outside the range in which it makes sense.
-    #[error("{parameter} is {value}, it must lie between {min} and {max}")]
+    /// A parameter lies outside its valid range.
+    #[error("{parameter} is {value}; it must lie between {min} and {max}")]
     OutOfRange {
         /// Which parameter.
         parameter: &'static str,
@@ -32,8 +34,8 @@ pub enum SurfaceError {
         /// Largest value allowed.
         max: f64,
     },
-    /// A range keeps nothing of the surface.
-    #[error("{parameter} from {min} to {max} keeps nothing of the surface")]
+    /// A range contains no part of the surface.
+    #[error("{parameter} from {min} to {max} contains no part of the surface")]
     EmptyRange {
         /// Which parameter.
         parameter: &'static str,
@@ -42,22 +44,22 @@ pub enum SurfaceError {
         /// Upper end.
         max: f64,
     },
-    /// The parameters are legal one by one but the surface collapses to a curve, a point or nothing.
+    /// Each parameter is valid but together they make a curve, a point or nothing.
     #[error("the surface has no area: {reason} ({value})")]
     Degenerate {
-        /// What coincides, in words.
+        /// What coincides.
         reason: &'static str,
-        /// The quantity that should be larger, or smaller.
+        /// The measured quantity.
         value: f64,
     },
-    /// Half-spaces leave a way out.
-    #[error("the half-spaces have no end in the direction ({}, {}, {})", direction[0], direction[1], direction[2])]
+    /// The intersection of half-spaces is unbounded.
+    #[error("the half-spaces are unbounded in the direction ({}, {}, {})", direction[0], direction[1], direction[2])]
     Unbounded {
-        /// A direction in which one can go on for ever.
+        /// A direction in which it is unbounded.
         direction: [f64; 3],
     },
-    /// A list is too short for the surface.
-    #[error("{count} {parameter}, at least {min} are needed")]
+    /// A list is too short.
+    #[error("there are {count} {parameter}; at least {min} are needed")]
     TooFew {
         /// Which list.
         parameter: &'static str,
@@ -66,8 +68,8 @@ pub enum SurfaceError {
         /// Entries needed.
         min: usize,
     },
-    /// Two lists that belong together differ in length.
-    #[error("{count} {parameter}, there must be {expected}")]
+    /// A list has the wrong length.
+    #[error("there are {count} {parameter}; {expected} are needed")]
     CountMismatch {
         /// Which list.
         parameter: &'static str,
@@ -77,19 +79,19 @@ pub enum SurfaceError {
         expected: usize,
     },
     /// An index points past the end of its list.
-    #[error("{parameter} {position} refers to entry {index}, there are only {count}")]
+    #[error("{parameter} {position} refers to entry {index}; there are only {count}")]
     BadIndex {
         /// Which list holds the index.
         parameter: &'static str,
-        /// Where in that list.
+        /// Position in that list.
         position: usize,
         /// The index.
         index: u64,
-        /// Length of the list that it points into.
+        /// Length of the list that it refers to.
         count: usize,
     },
     /// A polynomial has a term of too high a degree.
-    #[error("a term of {parameter} has degree {degree}, at most {max} is possible")]
+    #[error("a term of {parameter} has degree {degree}; the largest possible degree is {max}")]
     DegreeTooHigh {
         /// Which polynomial.
         parameter: &'static str,
@@ -99,31 +101,33 @@ pub enum SurfaceError {
         max: u32,
     },
     /// A knot is less than the one before it.
-    #[error("{parameter} {position} is {value}, less than {previous} before it")]
+    #[error("{parameter} {position} is {value}, less than {previous} before it; sort the knots")]
     KnotsDecrease {
         /// Which knot vector.
         parameter: &'static str,
-        /// Where in that vector.
+        /// Position in that vector.
         position: usize,
         /// The knot.
         value: f64,
         /// The knot before it.
         previous: f64,
     },
-    /// A knot stands in its vector too often.
-    #[error("{parameter} {value} would stand there {multiplicity} times, at most {max} are possible")]
+    /// A knot is repeated too often.
+    #[error("{parameter} {value} appears {multiplicity} times; at most {max} are possible")]
     KnotMultiplicity {
         /// Which knot vector.
         parameter: &'static str,
         /// The knot.
         value: f64,
-        /// How often it stands there.
+        /// Number of repetitions.
         multiplicity: usize,
-        /// How often it may.
+        /// Largest number possible.
         max: usize,
     },
-    /// A knot cannot be left out: the shape would change.
-    #[error("without {parameter} {value} the shape would move by up to {deviation}, {tolerance} is allowed")]
+    /// A knot cannot be removed without changing the shape.
+    #[error(
+        "removing {parameter} {value} would move the shape by up to {deviation}; the tolerance is {tolerance}"
+    )]
     KnotNeeded {
         /// Which knot vector.
         parameter: &'static str,
@@ -134,28 +138,73 @@ pub enum SurfaceError {
         /// Distance allowed, metres.
         tolerance: f64,
     },
+    /// A tolerance is negative.
+    #[error("{parameter} is {value}; it must not be negative")]
+    Negative {
+        /// Which parameter.
+        parameter: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A list is longer than its indices can count.
+    #[error("there are {count} {parameter}; at most {max} are possible")]
+    TooMany {
+        /// Which list.
+        parameter: &'static str,
+        /// Entries given.
+        count: usize,
+        /// Entries possible.
+        max: usize,
+    },
+    /// Two consecutive curves of a trimming loop do not meet.
+    #[error(
+        "curve {curve} of the trimming loop ends at ({}, {}) and curve {next} starts at ({}, {}), {gap} away; \
+         the tolerance is {tolerance}",
+        end.x, end.y, start.x, start.y
+    )]
+    OpenLoop {
+        /// Number of the curve that ends, from 0.
+        curve: usize,
+        /// Number of the next curve, from 0.
+        next: usize,
+        /// End of the former.
+        end: DVec2,
+        /// Start of the latter.
+        start: DVec2,
+        /// Their distance, parameter units.
+        gap: f64,
+        /// The distance allowed.
+        tolerance: f64,
+    },
+    /// All curves of a trimming loop are one point.
+    #[error("the trimming loop is the single point ({}, {})", point.x, point.y)]
+    CollapsedLoop {
+        /// The point.
+        point: DVec2,
+    },
 }
 
-/// The checks of single numbers for an error that has the variants `NotFinite` and `NotPositive`.
-///
-/// A macro, as with a type parameter for the error `?` could not tell which one is meant.
-macro_rules! number_checks {
-    ($error:ident) => {
-        /// `value`, if it is finite.
-        pub(crate) fn finite(parameter: &'static str, value: f64) -> Result<f64, $error> {
-            if value.is_finite() { Ok(value) } else { Err($error::NotFinite { parameter, value }) }
-        }
-
-        /// `value`, if it is finite and greater than zero.
-        pub(crate) fn positive(parameter: &'static str, value: f64) -> Result<f64, $error> {
-            let value = finite(parameter, value)?;
-            if value > 0.0 { Ok(value) } else { Err($error::NotPositive { parameter, value }) }
-        }
-    };
+/// `value`, if it is finite.
+pub(crate) fn finite(parameter: &'static str, value: f64) -> Result<f64, SurfaceError> {
+    if value.is_finite() { Ok(value) } else { Err(SurfaceError::NotFinite { parameter, value }) }
 }
-pub(crate) use number_checks;
 
-number_checks!(SurfaceError);
+/// `value`, if it is finite and greater than zero.
+pub(crate) fn positive(parameter: &'static str, value: f64) -> Result<f64, SurfaceError> {
+    let value = finite(parameter, value)?;
+    if value > 0.0 { Ok(value) } else { Err(SurfaceError::NotPositive { parameter, value }) }
+}
+
+/// `value`, if it is finite and not negative.
+pub(crate) fn not_negative(parameter: &'static str, value: f64) -> Result<f64, SurfaceError> {
+    let value = finite(parameter, value)?;
+    if value >= 0.0 { Ok(value) } else { Err(SurfaceError::Negative { parameter, value }) }
+}
+
+/// `point`, if its coordinates are finite.
+pub(crate) fn finite_point(parameter: &'static str, point: DVec2) -> Result<DVec2, SurfaceError> {
+    Ok(DVec2::new(finite(parameter, point.x)?, finite(parameter, point.y)?))
+}
 
 #[cfg(test)]
 mod tests {
@@ -176,6 +225,6 @@ mod tests {
     #[test]
     fn messages_name_parameter_and_value() {
         let error = SurfaceError::NotPositive { parameter: "radius", value: -1.5 };
-        assert_eq!(error.to_string(), "radius is -1.5, it must be greater than zero");
+        assert_eq!(error.to_string(), "radius is -1.5; it must be positive");
     }
 }

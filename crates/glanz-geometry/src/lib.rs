@@ -1,8 +1,17 @@
-//! Exact surfaces, and the hierarchy that finds the ones a ray may meet.
+#![doc = include_str!("../README.md")]
 //!
-//! A surface answers the questions of [`RaySurface`]: where a ray meets it, what it looks like there, how to pick a
-//! point on it. [`Surface`] is the closed set of all surfaces; each lives in its own local frame. [`bvh`] sees boxes
-//! only, never surfaces.
+//! # Modules
+//!
+//! [`RaySurface`] is what all surfaces have in common: where a ray meets them, position and derivatives there, a random
+//! point on them. [`Surface`] is the closed set of all surfaces, each in its own local frame.
+//!
+//! - [`quadric`], [`torus`], [`algebraic`]: surfaces given by equations;
+//! - [`triangle`], [`mesh`], [`bilinear`], [`cuboid`], [`polyhedron`]: flat facets and bilinear patches;
+//! - [`spline`] (NURBS) and [`bezier`] (patches over squares and triangles): control points, evaluation, editing;
+//!   [`freeform`] intersects them with rays; [`rational`] writes other surfaces as such patches;
+//! - [`trim`]: the part of a parameter domain that loops of curves enclose; [`trimmed`] surfaces;
+//! - [`face`]: surfaces by their parameters;
+//! - [`bvh`]: the bounding volume hierarchy, over boxes of anything.
 
 pub mod algebraic;
 pub mod bezier;
@@ -27,5 +36,6 @@ pub mod trimmed;
 
 pub use error::SurfaceError;
 pub use face::{FaceDomain, FacePoint};
+pub use glanz_math::{Bounds3, DVec2, DVec3, DVec4, Ray};
 pub use hit::{Hit, SurfacePoint, SurfaceSample};
 pub use surface::{RaySurface, Surface};

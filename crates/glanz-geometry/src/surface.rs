@@ -38,6 +38,11 @@ pub trait RaySurface {
     /// The surface at a hit of this surface with this ray.
     fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint;
 
+    /// The surface at the first hit: position, normal, parameters and derivatives.
+    fn first_point(&self, ray: &Ray) -> Option<SurfacePoint> {
+        self.intersect(ray, f64::INFINITY).map(|hit| self.point(ray, &hit))
+    }
+
     /// Picks a point of the surface from two numbers uniform in [0, 1).
     ///
     /// `None` if the surface has no finite area or no parameters to pick from.

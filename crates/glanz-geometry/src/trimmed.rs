@@ -18,11 +18,12 @@ pub struct Trimmed {
 }
 
 impl Surface {
-    /// What `region` keeps of the surface, by its parameters [`SurfacePoint::uv`].
+    /// The part of the surface whose parameters [`SurfacePoint::uv`] lie in `region`.
     #[must_use]
-    pub fn trimmed(self, region: Arc<TrimRegion>) -> Self {
+    pub fn trimmed(self, region: impl Into<Arc<TrimRegion>>) -> Self {
+        let region = region.into();
         match self {
-            // They can do it leaf by leaf.
+            // Freeform surfaces trim leaf by leaf, which is faster.
             Self::Freeform(freeform) if !freeform.is_trimmed() => freeform.trimmed(region).into(),
             surface => Trimmed { surface: Box::new(surface), region }.into(),
         }

@@ -1,11 +1,13 @@
-//! Numbers and shapes of numbers that every other crate of Glanz stands on.
+#![doc = include_str!("../README.md")]
 //!
-//! Lengths are metres, angles radians, coordinates `f64`. Vectors are those of [`glam`], re-exported so that the
-//! workspace agrees on one version. What is added here:
+//! # Modules
+//!
+//! Lengths are metres, angles radians, coordinates `f64`. The vectors of [`glam`] are re-exported, so that the workspace
+//! uses one version.
 //!
 //! - [`Ray`], [`Transform`] (affine, always invertible), [`Bounds3`], [`Frame`];
 //! - [`rounding`]: bounds on accumulated rounding errors, used for hits and secondary rays;
-//! - [`polynomial`]: real roots of polynomials of low degree, complete and polished;
+//! - [`polynomial`]: real roots of polynomials of low degree;
 //! - [`AreaPdf`] and [`SolidAnglePdf`]: densities whose measure is part of the type.
 //!
 //! ```
@@ -27,7 +29,7 @@ pub mod transform;
 
 pub use bounds::Bounds3;
 pub use frame::Frame;
-pub use glam::{self, DAffine3, DMat3, DMat4, DVec2, DVec3};
+pub use glam::{self, DAffine3, DMat3, DMat4, DVec2, DVec3, DVec4};
 pub use measure::{AreaPdf, SolidAnglePdf};
 pub use ray::Ray;
 pub use transform::{Transform, TransformError};

@@ -1,7 +1,6 @@
 //! What can be wrong with a description.
 
 use glanz_geometry::SurfaceError;
-use glanz_geometry::trim::TrimError;
 use glanz_math::TransformError;
 use glanz_shading::MaterialError;
 
@@ -32,9 +31,9 @@ pub enum SceneErrorKind {
     /// A surface with impossible parameters.
     #[error("shape: {0}")]
     Surface(#[from] SurfaceError),
-    /// Trimming loops that are none.
+    /// Trimming loops that are invalid.
     #[error("trimming: {0}")]
-    Trim(#[from] TrimError),
+    Trim(SurfaceError),
     /// A parameter outside its range.
     #[error("{what} is {value}, it must be {range}")]
     Range {

@@ -166,7 +166,7 @@ fn turned(profile: &[(f64, f64, f64)], knots: Vec<f64>) -> Result<NurbsSurface, 
     let points = CIRCLE.iter().flat_map(|&(x, y, w)| {
         profile.iter().map(move |&(r, z, v)| DVec3::new(r * x, r * y, z).extend(1.0) * (w * v))
     });
-    Ok(NurbsSurface::try_new(2, 2, CIRCLE_KNOTS.to_vec(), knots, points.collect())?)
+    Ok(NurbsSurface::try_new([2, 2], [CIRCLE_KNOTS.to_vec(), knots], points.collect())?)
 }
 
 /// 16 rational biquadratic patches.

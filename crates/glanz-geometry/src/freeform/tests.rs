@@ -96,10 +96,8 @@ fn spline_surface_has_the_roots_of_the_reference() {
     });
     let knots_u = vec![0.0, 0.0, 0.0, 0.0, 0.4, 0.7, 1.0, 1.0, 1.0, 1.0];
     let knots_v = vec![0.0, 0.0, 0.0, 0.35, 0.6, 1.0, 1.0, 1.0];
-    let spline = NurbsSurface::try_new(3, 2, knots_u, knots_v, points.collect()).unwrap();
-    let pieces = spline.bezier_patches().unwrap();
-    let pieces = pieces.into_iter().map(|p| Piece::over_rectangle(p.patch, p.u, p.v).unwrap());
-    let surface = Freeform::try_new(pieces.collect()).unwrap();
+    let spline = NurbsSurface::try_new([3, 2], [knots_u, knots_v], points.collect()).unwrap();
+    let surface = spline.to_freeform().unwrap();
     /// Origin, direction, and the roots as u, v and t.
     type Expected = ([f64; 3], [f64; 3], &'static [[f64; 3]]);
     let expected: [Expected; 3] = [

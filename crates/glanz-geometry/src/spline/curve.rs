@@ -4,7 +4,7 @@ use glanz_math::DVec3;
 use glanz_math::glam::DVec4;
 
 use super::basis::Basis;
-use super::homogeneous::{binomial, check, deviation, project, with_weights};
+use super::homogeneous::{binomial, check, deviation, lift_all, project};
 use super::knots::KnotVector;
 use super::polygon;
 use crate::error::SurfaceError;
@@ -26,31 +26,31 @@ pub struct BezierArc {
 }
 
 impl RationalCurve {
-    /// The curve with these control points (metres) and weights.
+    /// The curve with control points in space (metres) and as many weights; without weights it is polynomial.
     ///
     /// # Errors
     /// Those of [`KnotVector::try_new`]; lists of lengths that do not match, coordinates that are not finite, weights
     /// that are not positive.
-    pub fn try_new(
+    pub fn try_from_points(
         degree: usize,
         knots: Vec<f64>,
         points: &[DVec3],
-        weights: &[f64],
+        weights: Option<&[f64]>,
     ) -> Result<Self, SurfaceError> {
-        Self::from_homogeneous(KnotVector::try_new(degree, knots)?, with_weights(points, weights)?)
+        Self::from_knots(KnotVector::try_new(degree, knots)?, lift_all(points, weights)?)
     }
 
-    /// The curve with homogeneous control points (w x, w y, w z, w).
+    /// The curve over checked knots with homogeneous control points (w x, w y, w z, w).
     ///
     /// # Errors
     /// The wrong number of points, coordinates that are not finite, weights that are not positive.
-    pub fn from_homogeneous(knots: KnotVector, points: Vec<DVec4>) -> Result<Self, SurfaceError> {
+    pub fn from_knots(knots: KnotVector, points: Vec<DVec4>) -> Result<Self, SurfaceError> {
         check(&points, knots.count())?;
         Ok(Self { knots, points })
     }
 
     fn from_row((knots, points): (KnotVector, Vec<DVec4>)) -> Result<Self, SurfaceError> {
-        Self::from_homogeneous(knots, points)
+        Self::from_knots(knots, points)
     }
 
     /// Knots and degree.

@@ -1,9 +1,10 @@
-//! From B-splines to Bézier patches.
+//! From B-splines to Bézier patches, and to surfaces that rays can meet.
 
 use super::polygon;
 use super::surface::NurbsSurface;
 use crate::bezier::TensorPatch;
 use crate::error::SurfaceError;
+use crate::freeform::{Freeform, Piece};
 
 /// A piece of a surface without inner knots.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,5 +57,16 @@ impl NurbsSurface {
             }
         }
         Ok(pieces)
+    }
+
+    /// The surface in the form that rays meet: its Bézier patches with a hierarchy over them.
+    ///
+    /// [`SurfacePoint::uv`](crate::SurfacePoint::uv) of a hit are the parameters of this surface.
+    ///
+    /// # Errors
+    /// Those of [`NurbsSurface::bezier_patches`] and [`Freeform::try_new`].
+    pub fn to_freeform(&self) -> Result<Freeform, SurfaceError> {
+        let pieces = self.bezier_patches()?.into_iter().map(|p| Piece::over_rectangle(p.patch, p.u, p.v));
+        Freeform::try_new(pieces.collect::<Result<_, _>>()?)
     }
 }

@@ -1,20 +1,10 @@
 //! Points with a weight: (w x, w y, w z, w), w > 0.
 
+use glanz_math::Bounds3;
 use glanz_math::glam::DVec4;
-use glanz_math::{Bounds3, DVec3};
 
 pub(crate) use crate::bezier::bernstein::binomial;
-use crate::bezier::homogeneous::lift_all;
-pub(crate) use crate::bezier::homogeneous::{check_points as check, project};
-use crate::error::SurfaceError;
-
-/// Points in space with their weights.
-///
-/// # Errors
-/// Lists of different lengths.
-pub(crate) fn with_weights(points: &[DVec3], weights: &[f64]) -> Result<Vec<DVec4>, SurfaceError> {
-    lift_all(points, Some(weights))
-}
+pub(crate) use crate::bezier::homogeneous::{check_points as check, lift_all, project};
 
 /// Bound on the distance between the points at equal parameters of two splines over the same knots, metres.
 ///

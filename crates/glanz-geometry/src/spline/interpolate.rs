@@ -169,7 +169,7 @@ impl RationalCurve {
     ) -> Result<Self, SurfaceError> {
         check_points(points, knots.count())?;
         let found = Collocation::try_new(&knots, parameters)?.solve(points);
-        Self::from_homogeneous(knots, found.into_iter().map(|p| p.extend(1.0)).collect())
+        Self::from_knots(knots, found.into_iter().map(|p| p.extend(1.0)).collect())
     }
 
     /// A spline of some degree through `points` (metres) over [0, 1], with parameters in proportion to the distances

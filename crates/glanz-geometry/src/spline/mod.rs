@@ -3,8 +3,8 @@
 //! A [`KnotVector`] parts the parameter interval into pieces; [`basis`] has the functions that weigh control points at
 //! a parameter. [`RationalCurve`] and [`NurbsSurface`] are made of homogeneous control points (w x, w y, w z, w)
 //! with w > 0: they are evaluated with all derivatives, refined, cut, raised in degree (`surface_edit`), put
-//! through given points (`interpolate`), measured (`measure`, `closest`), and taken apart into Bézier patches
-//! (`extract`), which is how rays meet them.
+//! through given points (`interpolate`), measured (`measure`, `closest`), and split into Bézier patches, which rays can
+//! meet (`extract`).
 //!
 //! ```
 //! use glanz_geometry::spline::{Direction, NurbsSurface};
@@ -14,8 +14,8 @@
 //! let arc = [(1.0, 0.0, 1.0), (1.0, 1.0, 0.5_f64.sqrt()), (0.0, 1.0, 1.0)];
 //! let points: Vec<DVec3> = arc.iter().flat_map(|&(x, y, _)| [0.0, 2.0].map(|z| DVec3::new(x, y, z))).collect();
 //! let weights: Vec<f64> = arc.iter().flat_map(|&(_, _, w)| [w, w]).collect();
-//! let (knots_u, knots_v) = (vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], vec![0.0, 0.0, 1.0, 1.0]);
-//! let cylinder = NurbsSurface::try_with_weights(2, 1, knots_u, knots_v, &points, &weights)?;
+//! let knots = [vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], vec![0.0, 0.0, 1.0, 1.0]];
+//! let cylinder = NurbsSurface::try_from_points([2, 1], knots, &points, Some(&weights))?;
 //!
 //! let p = cylinder.point(0.3, 0.5);
 //! assert!((p.truncate().length() - 1.0).abs() < 1e-15 && p.z == 1.0);

@@ -5,7 +5,7 @@ use glanz_math::rounding::{UNIT_ROUNDOFF, gamma};
 use glanz_math::{Bounds3, DVec3};
 
 use super::basis::Basis;
-use super::homogeneous::{binomial, check, project, with_weights};
+use super::homogeneous::{binomial, check, lift_all, project};
 use super::knots::{KnotVector, check_degree};
 use super::polygon;
 use crate::error::{SurfaceError, finite};
@@ -60,10 +60,8 @@ impl NurbsSurface {
     /// Those of [`KnotVector::try_new`] for each direction; the wrong number of points, coordinates that are not
     /// finite, weights that are not positive.
     pub fn try_new(
-        degree_u: usize,
-        degree_v: usize,
-        knots_u: Vec<f64>,
-        knots_v: Vec<f64>,
+        [degree_u, degree_v]: [usize; 2],
+        [knots_u, knots_v]: [Vec<f64>; 2],
         points: Vec<DVec4>,
     ) -> Result<Self, SurfaceError> {
         let knots_u = KnotVector::checked("knot in u", degree_u, knots_u)?;
@@ -71,19 +69,18 @@ impl NurbsSurface {
         Self::from_knots(knots_u, knots_v, points)
     }
 
-    /// The surface with control points in space (metres) and their weights, in the order of [`Self::try_new`].
+    /// The surface with control points in space (metres) and as many weights, in the order of [`Self::try_new`]; without
+    /// weights it is polynomial.
     ///
     /// # Errors
     /// Those of [`Self::try_new`], and lists of different lengths.
-    pub fn try_with_weights(
-        degree_u: usize,
-        degree_v: usize,
-        knots_u: Vec<f64>,
-        knots_v: Vec<f64>,
+    pub fn try_from_points(
+        degrees: [usize; 2],
+        knots: [Vec<f64>; 2],
         points: &[DVec3],
-        weights: &[f64],
+        weights: Option<&[f64]>,
     ) -> Result<Self, SurfaceError> {
-        Self::try_new(degree_u, degree_v, knots_u, knots_v, with_weights(points, weights)?)
+        Self::try_new(degrees, knots, lift_all(points, weights)?)
     }
 
     /// The surface over checked knots.

@@ -119,6 +119,6 @@ impl NurbsSurface {
             let along_u = (first..=first + degree).zip(row);
             along_u.map(|(i, n)| turned.control_points()[i * count + j] * n).sum()
         });
-        RationalCurve::from_homogeneous(turned.knots_v().clone(), points.collect())
+        RationalCurve::from_knots(turned.knots_v().clone(), points.collect())
     }
 }

@@ -4,8 +4,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use glanz_math::{DVec2, DVec3};
 
-use super::error::{TrimError, finite, finite_point, positive};
 use crate::bezier::bernstein;
+use crate::error::{SurfaceError, finite, finite_point, positive};
 
 /// Largest degree of a trimming curve.
 pub const MAX_DEGREE: usize = bernstein::ROW_DEGREE;
@@ -17,40 +17,53 @@ pub const MAX_DEGREE: usize = bernstein::ROW_DEGREE;
 pub struct TrimCurve {
     /// Control points of the pieces; one ends where the next starts.
     pub(super) pieces: Vec<Vec<DVec3>>,
+    /// Smallest and largest coordinates of the control points that the curve was made from.
+    pub(super) bounds: [DVec2; 2],
 }
 
 impl TrimCurve {
+    fn new(pieces: Vec<Vec<DVec3>>, control_points: &[DVec3]) -> Self {
+        let bounds = control_points
+            .iter()
+            .map(|&p| project(p))
+            .fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)]);
+        Self { pieces, bounds }
+    }
+
     /// The straight line from `start` to `end`.
     ///
     /// # Errors
-    /// [`TrimError::NotFinite`].
-    pub fn try_line(start: DVec2, end: DVec2) -> Result<Self, TrimError> {
+    /// [`SurfaceError::NotFinite`].
+    pub fn try_line(start: DVec2, end: DVec2) -> Result<Self, SurfaceError> {
         Self::try_polyline(&[start, end])
     }
 
     /// Straight lines from point to point, at least two points.
     ///
     /// # Errors
-    /// [`TrimError::TooFew`], [`TrimError::NotFinite`].
-    pub fn try_polyline(points: &[DVec2]) -> Result<Self, TrimError> {
+    /// [`SurfaceError::TooFew`], [`SurfaceError::NotFinite`].
+    pub fn try_polyline(points: &[DVec2]) -> Result<Self, SurfaceError> {
         if points.len() < 2 {
-            return Err(TrimError::TooFew { parameter: "points of a polyline", count: points.len(), min: 2 });
+            return Err(SurfaceError::TooFew {
+                parameter: "points of a polyline",
+                count: points.len(),
+                min: 2,
+            });
         }
         for &point in points {
             finite_point("point of a polyline", point)?;
         }
-        Ok(Self {
-            pieces: points.windows(2).map(|ends| ends.iter().map(|p| p.extend(1.0)).collect()).collect(),
-        })
+        let points: Vec<DVec3> = points.iter().map(|p| p.extend(1.0)).collect();
+        Ok(Self::new(points.windows(2).map(<[DVec3]>::to_vec).collect(), &points))
     }
 
     /// The closed polygon with these corners, at least three, back to the first one.
     ///
     /// # Errors
-    /// [`TrimError::TooFew`], [`TrimError::NotFinite`].
-    pub fn try_polygon(corners: &[DVec2]) -> Result<Self, TrimError> {
+    /// [`SurfaceError::TooFew`], [`SurfaceError::NotFinite`].
+    pub fn try_polygon(corners: &[DVec2]) -> Result<Self, SurfaceError> {
         let (Some(&first), true) = (corners.first(), corners.len() >= 3) else {
-            return Err(TrimError::TooFew {
+            return Err(SurfaceError::TooFew {
                 parameter: "corners of a polygon",
                 count: corners.len(),
                 min: 3,
@@ -64,8 +77,8 @@ impl TrimCurve {
     /// The border of the rectangle between two corners, counter-clockwise: the inside is kept.
     ///
     /// # Errors
-    /// [`TrimError::NotFinite`], [`TrimError::EmptyRange`] unless `min < max` in both coordinates.
-    pub fn try_rectangle(min: DVec2, max: DVec2) -> Result<Self, TrimError> {
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::EmptyRange`] unless `min < max` in both coordinates.
+    pub fn try_rectangle(min: DVec2, max: DVec2) -> Result<Self, SurfaceError> {
         check_range("rectangle", min, max)?;
         Self::try_polygon(&[min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)])
     }
@@ -73,8 +86,8 @@ impl TrimCurve {
     /// The full circle, counter-clockwise: the inside is kept.
     ///
     /// # Errors
-    /// [`TrimError::NotFinite`], [`TrimError::NotPositive`].
-    pub fn try_circle(center: DVec2, radius: f64) -> Result<Self, TrimError> {
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`].
+    pub fn try_circle(center: DVec2, radius: f64) -> Result<Self, SurfaceError> {
         let radius = positive("radius", radius)?;
         Self::try_ellipse(center, DVec2::new(radius, 0.0), DVec2::new(0.0, radius))
     }
@@ -84,11 +97,11 @@ impl TrimCurve {
     /// With `b` to the left of `a` it runs counter-clockwise and the inside is kept, otherwise the outside.
     ///
     /// # Errors
-    /// [`TrimError::NotFinite`], [`TrimError::NotPositive`] if the axes span no area.
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] if the axes span no area.
     ///
     /// # Source
     /// @farin2002 chapter 12: quarters of weights 1, sqrt(1/2), 1.
-    pub fn try_ellipse(center: DVec2, a: DVec2, b: DVec2) -> Result<Self, TrimError> {
+    pub fn try_ellipse(center: DVec2, a: DVec2, b: DVec2) -> Result<Self, SurfaceError> {
         for point in [center, a, b] {
             finite_point("ellipse coordinate", point)?;
         }
@@ -99,20 +112,21 @@ impl TrimCurve {
             let corner = (center + from + to) * FRAC_1_SQRT_2;
             vec![(center + from).extend(1.0), corner.extend(FRAC_1_SQRT_2), (center + to).extend(1.0)]
         };
-        Ok(Self { pieces: directions.windows(2).map(quarter).collect() })
+        let quarters: Vec<Vec<DVec3>> = directions.windows(2).map(quarter).collect();
+        let control_points = quarters.concat();
+        Ok(Self::new(quarters, &control_points))
     }
 
     /// The rational Bézier curve with homogeneous control points `(w u, w v, w)`, degree + 1 of them.
     ///
     /// # Errors
-    /// [`TrimError::Degree`], [`TrimError::NotFinite`], and [`TrimError::NotPositive`] for a weight.
-    pub fn try_bezier(control_points: &[DVec3]) -> Result<Self, TrimError> {
+    /// [`SurfaceError::OutOfRange`] for the degree, [`SurfaceError::NotFinite`], and [`SurfaceError::NotPositive`] for a
+    /// weight.
+    pub fn try_bezier(control_points: &[DVec3]) -> Result<Self, SurfaceError> {
         let degree = control_points.len().saturating_sub(1);
-        if degree == 0 || degree > MAX_DEGREE {
-            return Err(TrimError::Degree { degree, max: MAX_DEGREE });
-        }
+        check_degree(degree)?;
         check_control_points(control_points)?;
-        Ok(Self { pieces: vec![control_points.to_vec()] })
+        Ok(Self::new(vec![control_points.to_vec()], control_points))
     }
 
     /// The NURBS curve with homogeneous control points `(w u, w v, w)` over `[knots[degree], knots[n]]`, n the number
@@ -122,14 +136,15 @@ impl TrimCurve {
     /// times.
     ///
     /// # Errors
-    /// [`TrimError::Degree`], [`TrimError::TooFew`], [`TrimError::KnotCount`], [`TrimError::KnotsDecrease`],
-    /// [`TrimError::KnotRepeated`], [`TrimError::EmptyRange`], [`TrimError::NotFinite`], and
-    /// [`TrimError::NotPositive`] for a weight.
+    /// [`SurfaceError::OutOfRange`] for the degree, [`SurfaceError::TooFew`] control points,
+    /// [`SurfaceError::CountMismatch`], [`SurfaceError::KnotsDecrease`], [`SurfaceError::KnotMultiplicity`] or
+    /// [`SurfaceError::EmptyRange`] for the knots, [`SurfaceError::NotFinite`], and [`SurfaceError::NotPositive`] for a
+    /// weight.
     ///
     /// # Source
     /// @farin2002 chapter 8: the control points of a Bézier piece are the curve's polar form at the ends of its
     /// knot interval.
-    pub fn try_nurbs(degree: usize, knots: &[f64], control_points: &[DVec3]) -> Result<Self, TrimError> {
+    pub fn try_nurbs(degree: usize, knots: &[f64], control_points: &[DVec3]) -> Result<Self, SurfaceError> {
         let count = control_points.len();
         check_knots(degree, knots, count)?;
         check_control_points(control_points)?;
@@ -147,7 +162,7 @@ impl TrimCurve {
             }
             pieces.push(piece);
         }
-        Ok(Self { pieces })
+        Ok(Self::new(pieces, control_points))
     }
 
     /// The same curve run the other way.
@@ -205,20 +220,20 @@ pub(super) fn evaluate(points: &[DVec3], t: f64) -> DVec2 {
     bernstein::split(points, t).0.last().map_or(DVec2::ZERO, |&p| project(p))
 }
 
-pub(super) fn check_range(parameter: &'static str, min: DVec2, max: DVec2) -> Result<(), TrimError> {
+pub(super) fn check_range(parameter: &'static str, min: DVec2, max: DVec2) -> Result<(), SurfaceError> {
     finite_point(parameter, min)?;
     finite_point(parameter, max)?;
     for (min, max) in [(min.x, max.x), (min.y, max.y)] {
         // A width that overflows cannot be divided into cells.
         finite(parameter, max - min)?;
         if min >= max {
-            return Err(TrimError::EmptyRange { parameter, min, max });
+            return Err(SurfaceError::EmptyRange { parameter, min, max });
         }
     }
     Ok(())
 }
 
-fn check_control_points(points: &[DVec3]) -> Result<(), TrimError> {
+fn check_control_points(points: &[DVec3]) -> Result<(), SurfaceError> {
     for point in points {
         positive("weight of a trimming curve", point.z)?;
         finite_point("control point of a trimming curve", point.truncate())?;
@@ -227,31 +242,44 @@ fn check_control_points(points: &[DVec3]) -> Result<(), TrimError> {
     Ok(())
 }
 
-fn check_knots(degree: usize, knots: &[f64], points: usize) -> Result<(), TrimError> {
+fn check_degree(degree: usize) -> Result<(), SurfaceError> {
     if degree == 0 || degree > MAX_DEGREE {
-        return Err(TrimError::Degree { degree, max: MAX_DEGREE });
+        let (value, max) = (degree as f64, MAX_DEGREE as f64);
+        return Err(SurfaceError::OutOfRange {
+            parameter: "degree of a trimming curve",
+            value,
+            min: 1.0,
+            max,
+        });
     }
+    Ok(())
+}
+
+fn check_knots(degree: usize, knots: &[f64], points: usize) -> Result<(), SurfaceError> {
+    check_degree(degree)?;
     if points <= degree {
-        return Err(TrimError::TooFew { parameter: "control points", count: points, min: degree + 1 });
+        return Err(SurfaceError::TooFew { parameter: "control points", count: points, min: degree + 1 });
     }
     let expected = points + degree + 1;
     if knots.len() != expected {
-        return Err(TrimError::KnotCount { count: knots.len(), points, degree, expected });
+        return Err(SurfaceError::CountMismatch { parameter: "knots", count: knots.len(), expected });
     }
     for &knot in knots {
         finite("knot", knot)?;
     }
     if let Some(i) = knots.windows(2).position(|pair| pair[1] < pair[0]) {
-        return Err(TrimError::KnotsDecrease { position: i + 1, before: knots[i], after: knots[i + 1] });
+        let (previous, value) = (knots[i], knots[i + 1]);
+        return Err(SurfaceError::KnotsDecrease { parameter: "knot", position: i + 1, value, previous });
     }
     let (min, max) = (knots[degree], knots[points]);
     finite("knot range", max - min)?;
     if min >= max {
-        return Err(TrimError::EmptyRange { parameter: "knot range", min, max });
+        return Err(SurfaceError::EmptyRange { parameter: "knot range", min, max });
     }
     for run in knots.chunk_by(|a, b| a == b) {
         if run.len() > degree && run[0] > min && run[0] < max {
-            return Err(TrimError::KnotRepeated { value: run[0], count: run.len(), max: degree });
+            let (value, multiplicity, max) = (run[0], run.len(), degree);
+            return Err(SurfaceError::KnotMultiplicity { parameter: "knot", value, multiplicity, max });
         }
     }
     Ok(())

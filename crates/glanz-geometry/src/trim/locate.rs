@@ -2,11 +2,22 @@
 
 use glanz_math::{DVec2, DVec3};
 
-use super::curve::check_range;
-use super::error::{TrimError, not_negative};
+use super::curve::{TrimCurve, check_range};
 use super::loops::TrimLoop;
 use super::pieces::Pieces;
 use super::tree::{Found, Tree};
+use crate::error::{SurfaceError, not_negative};
+
+/// Largest gap between consecutive curves of a loop, relative to the extent of all loops: coordinates are often written
+/// with seven digits.
+const LOOP_GAP: f64 = 1e-6;
+
+/// Width of the kept strip along a trimming curve, relative to the extent of all loops: the parameters of one point may
+/// differ by this much in two faces that meet in the curve.
+const BORDER: f64 = 1e-9;
+
+/// Width of the domain around the loops, relative to their extent.
+const DOMAIN_MARGIN: f64 = 0.1;
 
 /// What is known about a rectangle of the domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,9 +59,9 @@ impl TrimRegion {
     /// Loops may leave the domain. Without loops, all of it is kept.
     ///
     /// # Errors
-    /// [`TrimError::NotFinite`], [`TrimError::EmptyRange`] for the domain, [`TrimError::TooMany`] from 2^30 control
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::EmptyRange`] for the domain, [`SurfaceError::TooMany`] from 2^30 control
     /// points on.
-    pub fn try_new(loops: Vec<TrimLoop>, domain: [DVec2; 2]) -> Result<Self, TrimError> {
+    pub fn try_new(loops: Vec<TrimLoop>, domain: [DVec2; 2]) -> Result<Self, SurfaceError> {
         let [min, max] = domain;
         check_range("domain", min, max)?;
         let largest = loops
@@ -63,11 +74,36 @@ impl TrimRegion {
         Ok(Self { pieces, tree, domain, outermost, border: 0.0 })
     }
 
+    /// The region that loops of curves keep, with tolerances in proportion to their extent.
+    ///
+    /// The extent is the longer side of a box around all control points. Consecutive curves may end and start 1e-6 of it
+    /// apart, points within 1e-9 of it from a curve are kept, and the domain is the box widened by a tenth of it: what
+    /// lies beyond is kept or not as the nearest point of the box is.
+    ///
+    /// # Errors
+    /// [`SurfaceError::TooFew`] without curves, [`SurfaceError::OpenLoop`], [`SurfaceError::CollapsedLoop`],
+    /// [`SurfaceError::NotFinite`], and those of [`TrimRegion::try_new`].
+    pub fn try_from_curves(loops: Vec<Vec<TrimCurve>>) -> Result<Self, SurfaceError> {
+        if loops.iter().all(Vec::is_empty) {
+            return Err(SurfaceError::TooFew { parameter: "trimming curves", count: 0, min: 1 });
+        }
+        let [low, high] = loops
+            .iter()
+            .flatten()
+            .map(|curve| curve.bounds)
+            .fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[a, b], [low, high]| [a.min(low), b.max(high)]);
+        let extent = (high - low).max_element();
+        let margin = DVec2::splat(DOMAIN_MARGIN * extent);
+        let loops = loops.into_iter().map(|curves| TrimLoop::try_new(curves, LOOP_GAP * extent));
+        let region = Self::try_new(loops.collect::<Result<_, _>>()?, [low - margin, high + margin])?;
+        region.with_widened_border(BORDER * extent)
+    }
+
     /// The same region, to which the points within `tolerance` (parameter units) of a curve belong too.
     ///
     /// # Errors
-    /// [`TrimError::NotFinite`], [`TrimError::Negative`], [`TrimError::TooMany`].
-    pub fn with_widened_border(self, tolerance: f64) -> Result<Self, TrimError> {
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::Negative`], [`SurfaceError::TooMany`].
+    pub fn with_widened_border(self, tolerance: f64) -> Result<Self, SurfaceError> {
         let border = not_negative("tolerance of the border", tolerance)?;
         let tree = Tree::try_new(&self.pieces, self.domain, self.outermost, margin(&self.pieces, border))?;
         Ok(Self { tree, border, ..self })

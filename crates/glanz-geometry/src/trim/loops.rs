@@ -3,8 +3,8 @@
 use glanz_math::{DVec2, DVec3};
 
 use super::curve::{TrimCurve, evaluate, project};
-use super::error::{TrimError, not_negative};
 use super::monotone::monotone_parts;
+use crate::error::{SurfaceError, not_negative};
 
 /// A closed chain of curves; what lies to its left is kept.
 ///
@@ -29,14 +29,14 @@ impl TrimLoop {
     /// to the point halfway between them.
     ///
     /// # Errors
-    /// [`TrimError::TooFew`] without curves, [`TrimError::Open`] with the ends that do not meet,
-    /// [`TrimError::Collapsed`] if the loop is a point, [`TrimError::NotFinite`] or [`TrimError::Negative`] for the
+    /// [`SurfaceError::TooFew`] without curves, [`SurfaceError::OpenLoop`] with the ends that do not meet,
+    /// [`SurfaceError::CollapsedLoop`] if the loop is a point, [`SurfaceError::NotFinite`] or [`SurfaceError::Negative`] for the
     /// tolerance.
-    pub fn try_new(mut curves: Vec<TrimCurve>, tolerance: f64) -> Result<Self, TrimError> {
+    pub fn try_new(mut curves: Vec<TrimCurve>, tolerance: f64) -> Result<Self, SurfaceError> {
         let tolerance = not_negative("tolerance of a loop", tolerance)?;
         let count = curves.len();
         if count == 0 {
-            return Err(TrimError::TooFew { parameter: "curves of a loop", count, min: 1 });
+            return Err(SurfaceError::TooFew { parameter: "curves of a loop", count, min: 1 });
         }
         let mut joints = Vec::with_capacity(count);
         for (i, curve) in curves.iter().enumerate() {
@@ -44,7 +44,7 @@ impl TrimLoop {
             let (end, start) = (curve.end(), curves[next].start());
             let gap = end.distance(start);
             if gap > tolerance {
-                return Err(TrimError::Open { curve: i, next, end, start, gap, tolerance });
+                return Err(SurfaceError::OpenLoop { curve: i, next, end, start, gap, tolerance });
             }
             joints.push(if end == start { end } else { 0.5 * end + 0.5 * start });
         }
@@ -63,7 +63,7 @@ impl TrimLoop {
         }
         parts.retain(|part| part.start != part.end);
         if parts.is_empty() {
-            return Err(TrimError::Collapsed { point: joints[0] });
+            return Err(SurfaceError::CollapsedLoop { point: joints[0] });
         }
         Ok(Self { parts })
     }
@@ -72,7 +72,7 @@ impl TrimLoop {
     ///
     /// # Errors
     /// As [`TrimLoop::try_new`].
-    pub fn try_closed(curve: TrimCurve, tolerance: f64) -> Result<Self, TrimError> {
+    pub fn try_closed(curve: TrimCurve, tolerance: f64) -> Result<Self, SurfaceError> {
         Self::try_new(vec![curve], tolerance)
     }
 

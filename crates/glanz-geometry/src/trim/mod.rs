@@ -7,10 +7,9 @@
 //! which side of a monotone piece a point lies, one point of the curve above or below it tells.
 //!
 //! ```
+//! use glanz_geometry::DVec2;
 //! use glanz_geometry::trim::{Cell, TrimCurve, TrimLoop, TrimRegion};
-//! use glanz_math::DVec2;
 //!
-//! # fn main() -> Result<(), glanz_geometry::trim::TrimError> {
 //! let center = DVec2::splat(0.5);
 //! let plate = TrimLoop::try_closed(TrimCurve::try_circle(center, 0.4)?, 0.0)?;
 //! let hole = TrimLoop::try_closed(TrimCurve::try_circle(center, 0.2)?.reversed(), 0.0)?;
@@ -19,12 +18,10 @@
 //! assert!(ring.contains(DVec2::new(0.8, 0.5)));
 //! assert!(!ring.contains(center));
 //! assert_eq!(ring.classify(DVec2::splat(0.45), DVec2::splat(0.55)), Cell::Outside);
-//! # Ok(())
-//! # }
+//! # Ok::<(), glanz_geometry::SurfaceError>(())
 //! ```
 
 mod curve;
-mod error;
 mod locate;
 mod loops;
 mod monotone;
@@ -34,6 +31,5 @@ mod tests;
 mod tree;
 
 pub use curve::{MAX_DEGREE, TrimCurve};
-pub use error::TrimError;
 pub use locate::{Cell, MonotonePiece, TrimRegion, TrimSizes};
 pub use loops::TrimLoop;

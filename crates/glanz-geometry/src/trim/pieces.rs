@@ -4,9 +4,9 @@ use glanz_math::rounding::gamma;
 use glanz_math::{DVec2, DVec3};
 
 use super::curve::MAX_DEGREE;
-use super::error::TrimError;
 use super::loops::TrimLoop;
 use crate::bezier::bernstein::{binomials, halve};
+use crate::error::SurfaceError;
 
 /// Where a point lies, seen along a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,14 +40,14 @@ pub(super) struct Pieces {
 
 impl Pieces {
     /// `reach`: the largest coordinates, in magnitude, at which the pieces will be asked.
-    pub(super) fn try_new(loops: &[TrimLoop], reach: DVec2) -> Result<Self, TrimError> {
+    pub(super) fn try_new(loops: &[TrimLoop], reach: DVec2) -> Result<Self, SurfaceError> {
         let (mut pieces, mut terms) = (Vec::new(), Vec::new());
         let (mut reach, mut highest) = (reach, 1);
         for part in loops.iter().flat_map(|l| &l.parts) {
             let degree = part.points.len().saturating_sub(1).min(MAX_DEGREE) as u32;
             let Ok(first) = u32::try_from(terms.len()) else {
                 let max = u32::MAX as usize;
-                return Err(TrimError::TooMany { parameter: "control points", count: terms.len(), max });
+                return Err(SurfaceError::TooMany { parameter: "control points", count: terms.len(), max });
             };
             let (start, end) = (part.start, part.end);
             pieces.push(Piece { start, end, min: start.min(end), max: start.max(end), first, degree });

@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 
 use glanz_math::DVec2;
 
-use super::error::TrimError;
 use super::pieces::{Piece, Pieces, Side};
+use crate::error::SurfaceError;
 
 /// Halvings of the domain's sides at most.
 const MAX_LEVEL: u32 = 20;
@@ -85,7 +85,7 @@ impl Tree {
         [min, max]: [DVec2; 2],
         outermost: i32,
         margin: DVec2,
-    ) -> Result<Self, TrimError> {
+    ) -> Result<Self, SurfaceError> {
         let steps = f64::from(1_u32 << MAX_LEVEL);
         let unit = (max - min) / steps;
         let mut tree = Self {
@@ -128,7 +128,7 @@ impl Tree {
                 [("cells", tree.nodes.len().max(tree.leaves.len())), ("entries of cells", tree.entries.len())]
             {
                 if count >= MAX_INDEX {
-                    return Err(TrimError::TooMany { parameter, count, max: MAX_INDEX });
+                    return Err(SurfaceError::TooMany { parameter, count, max: MAX_INDEX });
                 }
             }
             match cell.parent {

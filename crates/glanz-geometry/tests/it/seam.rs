@@ -5,10 +5,8 @@
 //! curve up to rounding only. `GLANZ_SEAM_RAYS` says how many rays; `cargo xtask seam` shoots 10^8.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use glanz_geometry::freeform::{Freeform, Piece};
 use glanz_geometry::spline::{Direction, NurbsSurface};
 use glanz_geometry::trim::{TrimCurve, TrimLoop, TrimRegion};
 use glanz_geometry::{RaySurface, Surface};
@@ -29,7 +27,7 @@ fn waves() -> NurbsSurface {
         let weight = 1.0 + 0.3 * (2.1 * f64::from(k)).sin();
         (DVec3::new(i, j, 0.1 * (9.0 * i).sin() * (7.0 * j).cos()) * weight).extend(weight)
     });
-    NurbsSurface::try_new(3, 3, knots(), knots(), points.collect::<Vec<DVec4>>()).unwrap()
+    NurbsSurface::try_new([3, 3], [knots(), knots()], points.collect::<Vec<DVec4>>()).unwrap()
 }
 
 /// A circle, as quarters of degree 2, or a flower of degree 3; mapped by `place`, which must be affine.
@@ -56,15 +54,10 @@ fn closed_curve(flower: bool, place: impl Fn(DVec2) -> DVec2) -> TrimCurve {
 }
 
 fn face(surface: &NurbsSurface, curve: TrimCurve) -> Surface {
-    let pieces = surface
-        .bezier_patches()
-        .unwrap()
-        .into_iter()
-        .map(|p| Piece::over_rectangle(p.patch, p.u, p.v).unwrap());
     let lid = TrimLoop::try_closed(curve, 1e-9).unwrap();
     let region = TrimRegion::try_new(vec![lid], [DVec2::ZERO, DVec2::ONE]).unwrap();
     let region = region.with_widened_border(BORDER).unwrap();
-    Surface::from(Freeform::try_new(pieces.collect()).unwrap()).trimmed(Arc::new(region))
+    Surface::from(surface.to_freeform().unwrap()).trimmed(region)
 }
 
 /// A place on the seam: point, tangents.

@@ -1,7 +1,6 @@
 //! Wavy surfaces, and the triangles that stand for them.
 
 use glanz_geometry::SurfaceError;
-use glanz_geometry::freeform::{Freeform, Piece};
 use glanz_geometry::mesh::Mesh;
 use glanz_geometry::spline::{KnotVector, NurbsSurface};
 use glanz_math::DVec3;
@@ -67,8 +66,7 @@ pub(super) fn described(surface: &NurbsSurface) -> GeometryDescription {
 
 /// Bytes that the exact surface takes.
 pub(super) fn exact_bytes(surface: &NurbsSurface) -> Result<usize, SurfaceError> {
-    let pieces = surface.bezier_patches()?.into_iter().map(|p| Piece::over_rectangle(p.patch, p.u, p.v));
-    Ok(Freeform::try_new(pieces.collect::<Result<_, _>>()?)?.bytes())
+    Ok(surface.to_freeform()?.bytes())
 }
 
 /// Vertices on a regular grid of parameters with the surface's normals, and triangles between them.

@@ -9,7 +9,7 @@ fn circle() -> RationalCurve {
     let weights: Vec<f64> =
         (0..9).map(|i: usize| if i.is_multiple_of(2) { 1.0 } else { FRAC_1_SQRT_2 }).collect();
     let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];
-    RationalCurve::try_new(2, knots, &points, &weights).unwrap()
+    RationalCurve::try_from_points(2, knots, &points, Some(&weights)).unwrap()
 }
 
 #[test]

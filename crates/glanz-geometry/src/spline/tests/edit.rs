@@ -6,7 +6,7 @@ fn as_surface(piece: &BezierPiece) -> NurbsSurface {
     let (p, q) = piece.patch.degrees();
     let knots = |n: usize, [a, b]: [f64; 2]| [vec![a; n + 1], vec![b; n + 1]].concat();
     let points = piece.patch.control_points().to_vec();
-    NurbsSurface::try_new(p, q, knots(p, piece.u), knots(q, piece.v), points).unwrap()
+    NurbsSurface::try_new([p, q], [knots(p, piece.u), knots(q, piece.v)], points).unwrap()
 }
 
 #[test]
@@ -132,7 +132,7 @@ fn weights_that_are_one_stay_exactly_one_and_planes_stay_planes() {
 #[test]
 fn unusable_surfaces_are_refused() {
     let knots = || vec![0.0, 0.0, 1.0, 1.0];
-    let with = |points: Vec<DVec4>| NurbsSurface::try_new(1, 1, knots(), knots(), points);
+    let with = |points: Vec<DVec4>| NurbsSurface::try_new([1, 1], [knots(), knots()], points);
     assert!(matches!(with(vec![DVec4::ONE; 3]), Err(SurfaceError::CountMismatch { expected: 4, .. })));
     for (bad, kind) in [(0.0, true), (-1.0, true), (f64::NAN, false), (f64::INFINITY, false)] {
         let refused = with(vec![DVec4::ONE, DVec4::ONE.with_w(bad), DVec4::ONE, DVec4::ONE]).unwrap_err();
@@ -141,9 +141,9 @@ fn unusable_surfaces_are_refused() {
     assert!(with(vec![DVec4::ONE.with_x(f64::NAN); 4]).is_err());
     let tiny = DVec4::new(1e300, 0.0, 0.0, 1e-300);
     assert!(matches!(with(vec![tiny; 4]), Err(SurfaceError::NotFinite { .. })));
-    let named = NurbsSurface::try_new(1, 1, knots(), vec![0.0, 0.0, 1.0, f64::NAN], vec![DVec4::ONE; 4]);
+    let named = NurbsSurface::try_new([1, 1], [knots(), vec![0.0, 0.0, 1.0, f64::NAN]], vec![DVec4::ONE; 4]);
     assert!(matches!(named, Err(SurfaceError::NotFinite { parameter: "knot in v", .. })));
-    let weights = NurbsSurface::try_with_weights(1, 1, knots(), knots(), &[DVec3::X; 4], &[1.0; 3]);
+    let weights = NurbsSurface::try_from_points([1, 1], [knots(), knots()], &[DVec3::X; 4], Some(&[1.0; 3]));
     assert!(matches!(weights, Err(SurfaceError::CountMismatch { parameter: "weights", .. })));
     let surface = reference();
     for bad in [0.0, 1.0, -3.0, f64::NAN] {

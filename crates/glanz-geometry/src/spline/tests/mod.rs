@@ -37,8 +37,8 @@ const WEIGHTS: [[f64; 5]; 6] = [
 fn reference() -> NurbsSurface {
     let at = |i: usize, j: usize| DVec3::new(i as f64, j as f64, HEIGHTS[i][j]);
     let points: Vec<DVec3> = (0..6).flat_map(|i| (0..5).map(move |j| at(i, j))).collect();
-    NurbsSurface::try_with_weights(3, 2, KNOTS_U.to_vec(), KNOTS_V.to_vec(), &points, WEIGHTS.as_flattened())
-        .unwrap()
+    let weights = Some(WEIGHTS.as_flattened());
+    NurbsSurface::try_from_points([3, 2], [KNOTS_U.to_vec(), KNOTS_V.to_vec()], &points, weights).unwrap()
 }
 
 /// Some rational surface whose knots are not clamped and double in places.
@@ -51,7 +51,7 @@ fn open() -> NurbsSurface {
         DVec4::new(x, y, (x * y * 0.3).cos(), 1.0) * w
     };
     let points = (0..7).flat_map(|i| (0..5).map(move |j| point(i, j))).collect();
-    NurbsSurface::try_new(3, 2, knots_u, knots_v, points).unwrap()
+    NurbsSurface::try_new([3, 2], [knots_u, knots_v], points).unwrap()
 }
 
 /// An eighth of the unit sphere as a rational biquadratic: v climbs from the equator to the pole.
@@ -61,7 +61,7 @@ fn octant() -> NurbsSurface {
     let points = arc.iter().flat_map(|&(x, y, wu)| {
         arc.iter().map(move |&(r, z, wv)| DVec3::new(r * x, r * y, z).extend(1.0) * (wu * wv))
     });
-    NurbsSurface::try_new(2, 2, knots(), knots(), points.collect()).unwrap()
+    NurbsSurface::try_new([2, 2], [knots(), knots()], points.collect()).unwrap()
 }
 
 /// Parameters over the closed domain, knots included.

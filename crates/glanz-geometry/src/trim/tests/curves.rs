@@ -1,6 +1,7 @@
 //! Curves and the loops made of them.
 
 use super::*;
+use crate::error::SurfaceError;
 
 #[test]
 fn bezier_pieces_of_a_nurbs_curve_are_the_curve() {
@@ -40,7 +41,7 @@ fn gaps_are_closed_within_the_tolerance_and_named_beyond_it() {
     let (p, q, r) = (at(0.1, 0.1), at(0.9, 0.1), at(0.5, 0.9));
     let curves = || vec![line(p, q), line(q + at(0.0, 1e-4), r), line(r, p)];
     match TrimLoop::try_new(curves(), 1e-5) {
-        Err(TrimError::Open { curve: 0, next: 1, end, gap, .. }) => {
+        Err(SurfaceError::OpenLoop { curve: 0, next: 1, end, gap, .. }) => {
             assert!(end == q && (gap - 1e-4).abs() < 1e-15);
         }
         other => panic!("{other:?}"),
@@ -56,30 +57,36 @@ fn gaps_are_closed_within_the_tolerance_and_named_beyond_it() {
 #[test]
 fn senseless_curves_are_refused() {
     let nan = at(f64::NAN, 0.0);
-    assert!(matches!(TrimCurve::try_line(UNIT[0], nan), Err(TrimError::NotFinite { .. })));
-    assert!(matches!(TrimCurve::try_polygon(&UNIT), Err(TrimError::TooFew { count: 2, .. })));
-    assert!(matches!(TrimCurve::try_circle(CENTER, 0.0), Err(TrimError::NotPositive { .. })));
-    assert!(matches!(TrimCurve::try_ellipse(CENTER, UNIT[1], UNIT[1]), Err(TrimError::NotPositive { .. })));
-    assert!(matches!(TrimCurve::try_rectangle(UNIT[1], UNIT[0]), Err(TrimError::EmptyRange { .. })));
-    assert!(matches!(TrimCurve::try_bezier(&[DVec3::ONE]), Err(TrimError::Degree { degree: 0, .. })));
+    assert!(matches!(TrimCurve::try_line(UNIT[0], nan), Err(SurfaceError::NotFinite { .. })));
+    assert!(matches!(TrimCurve::try_polygon(&UNIT), Err(SurfaceError::TooFew { count: 2, .. })));
+    assert!(matches!(TrimCurve::try_circle(CENTER, 0.0), Err(SurfaceError::NotPositive { .. })));
+    assert!(matches!(
+        TrimCurve::try_ellipse(CENTER, UNIT[1], UNIT[1]),
+        Err(SurfaceError::NotPositive { .. })
+    ));
+    assert!(matches!(TrimCurve::try_rectangle(UNIT[1], UNIT[0]), Err(SurfaceError::EmptyRange { .. })));
+    assert!(matches!(TrimCurve::try_bezier(&[DVec3::ONE]), Err(SurfaceError::OutOfRange { value: 0.0, .. })));
     let points = [DVec3::ONE, DVec3::new(0.0, 0.0, 1.0), DVec3::ONE];
     let weightless = [DVec3::ONE, DVec3::ZERO];
-    assert!(matches!(TrimCurve::try_bezier(&weightless), Err(TrimError::NotPositive { .. })));
+    assert!(matches!(TrimCurve::try_bezier(&weightless), Err(SurfaceError::NotPositive { .. })));
     let nurbs = |degree, knots: &[f64]| TrimCurve::try_nurbs(degree, knots, &points).unwrap_err();
-    assert!(matches!(nurbs(1, &[0.0; 4]), TrimError::KnotCount { expected: 5, .. }));
-    assert!(matches!(nurbs(1, &[0.0; 5]), TrimError::EmptyRange { .. }));
-    assert!(matches!(nurbs(3, &[0.0; 7]), TrimError::TooFew { .. }));
-    assert!(matches!(nurbs(1, &[0.0, 0.0, 2.0, 1.0, 1.0]), TrimError::KnotsDecrease { position: 3, .. }));
-    assert!(matches!(nurbs(1, &[0.0, 0.0, f64::INFINITY, 1.0, 1.0]), TrimError::NotFinite { .. }));
+    assert!(matches!(nurbs(1, &[0.0; 4]), SurfaceError::CountMismatch { count: 4, expected: 5, .. }));
+    assert!(matches!(nurbs(1, &[0.0; 5]), SurfaceError::EmptyRange { .. }));
+    assert!(matches!(nurbs(3, &[0.0; 7]), SurfaceError::TooFew { .. }));
+    assert!(matches!(nurbs(1, &[0.0, 0.0, 2.0, 1.0, 1.0]), SurfaceError::KnotsDecrease { position: 3, .. }));
+    assert!(matches!(nurbs(1, &[0.0, 0.0, f64::INFINITY, 1.0, 1.0]), SurfaceError::NotFinite { .. }));
     let four = [points[0], points[1], points[2], points[0]];
     let apart = TrimCurve::try_nurbs(1, &[0.0, 0.0, 1.0, 1.0, 2.0, 2.0], &four);
-    assert!(matches!(apart, Err(TrimError::KnotRepeated { count: 2, max: 1, .. })));
-    assert!(matches!(TrimLoop::try_new(Vec::new(), 0.0), Err(TrimError::TooFew { .. })));
+    assert!(matches!(apart, Err(SurfaceError::KnotMultiplicity { multiplicity: 2, max: 1, .. })));
+    assert!(matches!(TrimLoop::try_new(Vec::new(), 0.0), Err(SurfaceError::TooFew { .. })));
     let point = TrimCurve::try_line(CENTER, CENTER).unwrap();
-    assert!(matches!(TrimLoop::try_closed(point, 0.0), Err(TrimError::Collapsed { .. })));
-    assert!(matches!(TrimRegion::try_new(Vec::new(), [UNIT[0], nan]), Err(TrimError::NotFinite { .. })));
-    assert!(matches!(TrimRegion::try_new(Vec::new(), [UNIT[0], UNIT[0]]), Err(TrimError::EmptyRange { .. })));
-    assert!(matches!(region(Vec::new()).with_widened_border(-1.0), Err(TrimError::Negative { .. })));
+    assert!(matches!(TrimLoop::try_closed(point, 0.0), Err(SurfaceError::CollapsedLoop { .. })));
+    assert!(matches!(TrimRegion::try_new(Vec::new(), [UNIT[0], nan]), Err(SurfaceError::NotFinite { .. })));
+    assert!(matches!(
+        TrimRegion::try_new(Vec::new(), [UNIT[0], UNIT[0]]),
+        Err(SurfaceError::EmptyRange { .. })
+    ));
+    assert!(matches!(region(Vec::new()).with_widened_border(-1.0), Err(SurfaceError::Negative { .. })));
 }
 
 #[test]
@@ -94,5 +101,34 @@ fn a_curve_of_the_highest_degree_is_as_good_as_a_line() {
         assert!(square.contains(at(u, 1e-9)) && !square.contains(at(u, -1e-9)));
     }
     let higher = vec![DVec3::ONE; MAX_DEGREE + 2];
-    assert_eq!(TrimCurve::try_bezier(&higher), Err(TrimError::Degree { degree: 26, max: 25 }));
+    assert!(matches!(
+        TrimCurve::try_bezier(&higher),
+        Err(SurfaceError::OutOfRange { value: 26.0, max: 25.0, .. })
+    ));
+}
+
+#[test]
+fn region_from_curves_takes_its_tolerances_from_their_extent() {
+    // Quarters of a circle that miss each other by 1e-4, less than 1e-6 of the extent of 600.
+    let (center, radius) = (at(100.0, -50.0), 300.0);
+    let quarter = |a: DVec2, b: DVec2| {
+        let w = std::f64::consts::FRAC_1_SQRT_2;
+        let corner = center + radius * (a + b);
+        TrimCurve::try_bezier(&[
+            (center + radius * a).extend(1.0),
+            (corner * w).extend(w),
+            (center + radius * b + at(1e-4, 0.0)).extend(1.0),
+        ])
+        .unwrap()
+    };
+    let axes = [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y, DVec2::X];
+    let disk: Vec<TrimCurve> = axes.windows(2).map(|pair| quarter(pair[0], pair[1])).collect();
+    let region = TrimRegion::try_from_curves(vec![disk]).unwrap();
+    assert_eq!(region.domain().map(|p| p.x.round()), [-260.0, 460.0]);
+    assert!((region.border() - 600e-9).abs() < 1e-12);
+    assert!(region.contains(center) && !region.contains(center + radius));
+    assert!(!region.contains(at(1e6, 0.0)));
+    assert!(matches!(TrimRegion::try_from_curves(vec![Vec::new()]), Err(SurfaceError::TooFew { .. })));
+    let apart = vec![TrimCurve::try_line(UNIT[0], UNIT[1]).unwrap()];
+    assert!(matches!(TrimRegion::try_from_curves(vec![apart]), Err(SurfaceError::OpenLoop { .. })));
 }
