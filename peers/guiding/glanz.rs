@@ -80,17 +80,19 @@ fn add_shape(
         meshes.entry(look).or_default().append(mesh, &to_world, shape.reverse_orientation);
     };
     match &description.materials[shape.material].kind {
-        MaterialKind::Diffuse { reflectance: SpectrumInput::Texture(texture) } => {
-            let (colours, fields) = checkerboard(description, *texture)?;
-            let (even, odd) = board(&shape.geometry, fields)?;
-            put(look("diffuse", colours[0], emission), &even);
-            put(look("diffuse", colours[1], emission), &odd);
-        }
-        MaterialKind::Diffuse { reflectance } => {
-            put(look("diffuse", constant(reflectance)?, emission), &mesh(&shape.geometry)?);
-        }
-        MaterialKind::Mirror { reflectance } => {
-            put(look("mirror", constant(reflectance)?, emission), &mesh(&shape.geometry)?);
+        MaterialKind::Diffuse(diffuse) => match &diffuse.reflectance {
+            SpectrumInput::Texture(texture) => {
+                let (colours, fields) = checkerboard(description, *texture)?;
+                let (even, odd) = board(&shape.geometry, fields)?;
+                put(look("diffuse", colours[0], emission), &even);
+                put(look("diffuse", colours[1], emission), &odd);
+            }
+            reflectance => {
+                put(look("diffuse", constant(reflectance)?, emission), &mesh(&shape.geometry)?);
+            }
+        },
+        MaterialKind::Mirror(mirror) => {
+            put(look("mirror", constant(&mirror.reflectance)?, emission), &mesh(&shape.geometry)?);
         }
         _ => return Err("a material other than diffuse and mirror".into()),
     }

@@ -10,7 +10,6 @@ use glanz_radiosity::bake::{
 };
 use glanz_radiosity::elements::{ElementSettings, Elements};
 use glanz_scene::{Place, Scene};
-use glanz_shading::Material;
 use glanz_transport::StoredLight;
 
 use crate::interrupt::Interrupt;
@@ -77,9 +76,7 @@ pub(crate) fn elements<'a>(
     messages: Messages,
 ) -> Result<Elements<'a>, Failure> {
     let elements = divided(scene, density)?;
-    let is_diffuse =
-        |material: &&Material| matches!(material, Material::Diffuse { .. } | Material::Interface);
-    let others = scene.materials().iter().filter(|material| !is_diffuse(material)).count();
+    let others = scene.materials().iter().filter(|material| !material.is_diffuse()).count();
     if others > 0 {
         let materials = plural(others as u64, "material is", "materials are");
         file.warn(

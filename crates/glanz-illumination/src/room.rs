@@ -14,7 +14,7 @@ use glanz_scene::description::{
 pub fn add_walls(description: &mut Description, size: DVec3) {
     let material = description.materials.len();
     let black = SpectrumInput::Value(SpectralDistribution::Constant(0.0));
-    let kind = MaterialKind::Diffuse { reflectance: black };
+    let kind = MaterialKind::diffuse(black);
     description.materials.push(MaterialDescription { name: String::new(), kind, location: None });
     for (name, corner, u, v) in walls(size) {
         description.world.shapes.push(ShapeDescription {

@@ -20,7 +20,7 @@ pub(crate) fn scene_with(shapes: Vec<(GeometryDescription, f32, f32)>, lights: V
     for (number, (geometry, reflectance, radiance)) in shapes.into_iter().enumerate() {
         description.materials.push(MaterialDescription {
             name: String::new(),
-            kind: MaterialKind::Diffuse { reflectance: grey(reflectance) },
+            kind: MaterialKind::diffuse(grey(reflectance)),
             location: None,
         });
         let emission = (radiance > 0.0).then_some(EmissionDescription {

@@ -146,7 +146,7 @@ mod tests {
         let mut description = Description::default();
         description.materials.push(MaterialDescription {
             name: String::new(),
-            kind: MaterialKind::Diffuse { reflectance: white },
+            kind: MaterialKind::diffuse(white),
             location: None,
         });
         description.world.shapes = shapes

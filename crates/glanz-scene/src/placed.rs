@@ -164,7 +164,6 @@ impl PlacedSurface<'_> {
 
 #[cfg(test)]
 mod tests {
-    use glanz_light::SpectralDistribution;
     use glanz_math::{DMat4, DVec3, Ray};
 
     use super::*;
@@ -188,9 +187,7 @@ mod tests {
         let mut description = Description::default();
         description.materials.push(MaterialDescription {
             name: String::new(),
-            kind: MaterialKind::Diffuse {
-                reflectance: SpectrumInput::Value(SpectralDistribution::Constant(0.5)),
-            },
+            kind: MaterialKind::diffuse(0.5),
             location: None,
         });
         let cuboid = GeometryDescription::Cuboid { min: DVec3::ZERO, max: DVec3::ONE };

@@ -136,7 +136,6 @@ impl Square {
 mod tests {
     use std::f64::consts::PI;
 
-    use glanz_light::SpectralDistribution;
     use glanz_math::{DMat4, DVec3};
 
     use crate::Scene;
@@ -146,9 +145,7 @@ mod tests {
         let mut description = Description::default();
         description.materials.push(MaterialDescription {
             name: String::new(),
-            kind: MaterialKind::Diffuse {
-                reflectance: SpectrumInput::Value(SpectralDistribution::Constant(0.5)),
-            },
+            kind: MaterialKind::diffuse(0.5),
             location: None,
         });
         description.world.shapes.push(ShapeDescription {

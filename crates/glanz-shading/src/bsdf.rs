@@ -2,10 +2,11 @@
 
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, SolidAnglePdf};
+use glanz_sampling::sequence::{owen, sobol};
 
-use crate::model::{Conductor, Dielectric, Lambert, Mirror, Phong};
+use crate::preview::PreviewSurface;
 
-/// What travels along a path.
+/// The quantity that is transported along a path.
 ///
 /// Radiance changes by the squared ratio of refractive indices when light is refracted, importance does not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -27,7 +28,7 @@ pub enum Spread {
     Specular,
 }
 
-/// The part of a BSDF that a sample was drawn from.
+/// A part of a BSDF that samples are drawn from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Lobe {
     /// How widely it scatters.
@@ -37,7 +38,7 @@ pub struct Lobe {
 }
 
 impl Lobe {
-    /// Lambert's.
+    /// Diffuse reflection.
     pub const DIFFUSE: Self = Self { spread: Spread::Diffuse, transmission: false };
     /// A highlight.
     pub const GLOSSY: Self = Self { spread: Spread::Glossy, transmission: false };
@@ -56,20 +57,21 @@ impl Lobe {
 /// A direction drawn from a BSDF.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BsdfSample {
-    /// Where to go on, away from the surface; unit length.
+    /// The sampled direction, away from the surface; unit length.
     pub wi: DVec3,
-    /// `f |cos| / pdf`, what the throughput is multiplied by; for a delta lobe its share over the probability of its choice.
+    /// `f |cos| / pdf`, the factor on the throughput; for a delta lobe its reflectance or transmittance over the probability of its
+    /// selection.
     pub weight: Spectrum,
-    /// `f |cos|` as of [`Bsdf::eval`]; black for a delta lobe.
+    /// `f |cos|` as of [`BsdfModel::eval`]; black for a delta lobe.
     pub value: Spectrum,
-    /// Density of `wi` as of [`Bsdf::pdf`]; infinite for a delta lobe, so that multiple importance sampling
-    /// gives it all.
+    /// Density of `wi` as of [`BsdfModel::pdf`]; infinite for a delta lobe, so that multiple importance sampling
+    /// gives it all the weight.
     pub pdf: SolidAnglePdf,
-    /// The lobe it comes from.
+    /// The lobe it was drawn from.
     pub lobe: Lobe,
-    /// What undoes the change of radiance by refraction: (eta_i / eta_o)^2 with `TransportMode::Radiance`, else 1.
+    /// The factor that undoes the change of radiance by refraction: (eta_i / eta_o)^2 with `TransportMode::Radiance`, else 1.
     ///
-    /// Russian roulette should look at the throughput times the product of these, or it kills paths inside glass.
+    /// Russian roulette should use the throughput times the product of these, or it ends paths inside glass.
     pub eta_scale: f32,
 }
 
@@ -80,109 +82,80 @@ impl BsdfSample {
     }
 }
 
-/// The closed set of scattering models. `tests/it/contract.rs` runs over all of them.
+/// A scattering model at a point. `tests/it/contract.rs` runs over all of them.
 ///
 /// The frame: z is the shading normal, all directions have unit length and point away from the surface.
-/// Reflecting models do the same on both sides; only [`Dielectric`] has an inside (z < 0) and an outside.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Bsdf {
-    /// Absorbs everything.
-    Black,
-    /// Lambert's law.
-    Lambert(Lambert),
-    /// Perfect mirror.
-    Mirror(Mirror),
-    /// Smooth metal.
-    Conductor(Conductor),
-    /// Smooth glass.
-    Dielectric(Dielectric),
-    /// Modified Phong model.
-    Phong(Phong),
-}
-
-impl Bsdf {
-    /// `f |cos theta_i|` without delta lobes, per steradian.
-    #[must_use]
-    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
-        match self {
-            Self::Lambert(model) => model.eval(wo, wi),
-            Self::Phong(model) => model.eval(wo, wi),
-            Self::Black | Self::Mirror(_) | Self::Conductor(_) | Self::Dielectric(_) => Spectrum::BLACK,
-        }
-    }
-
-    /// The density with which [`Bsdf::sample`] draws `wi`, without delta lobes.
-    #[must_use]
-    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
-        match self {
-            Self::Lambert(model) => model.pdf(wo, wi),
-            Self::Phong(model) => model.pdf(wo, wi),
-            Self::Black | Self::Mirror(_) | Self::Conductor(_) | Self::Dielectric(_) => SolidAnglePdf(0.0),
-        }
-    }
+/// Reflecting models do the same on both sides; only [`Dielectric`](crate::model::Dielectric) has an inside (z < 0) and an outside.
+///
+/// A model has to state its lobes and draw samples. The other methods have defaults: those of a model with delta lobes only, and an
+/// estimate of the albedo.
+pub trait BsdfModel {
+    /// The lobes that [`BsdfModel::sample`] may draw from.
+    const LOBES: &'static [Lobe];
 
     /// Draws a direction; `None` where nothing is scattered.
     ///
-    /// `xi` chooses the direction within a lobe, `xi_lobe` the lobe; all in [0, 1).
-    #[must_use]
-    pub fn sample(&self, wo: DVec3, xi: DVec2, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
-        match self {
-            Self::Black => None,
-            Self::Lambert(model) => model.sample(wo, xi),
-            Self::Mirror(model) => model.sample(wo),
-            Self::Conductor(model) => model.sample(wo),
-            Self::Dielectric(model) => model.sample(wo, xi_lobe, mode),
-            Self::Phong(model) => model.sample(wo, xi, xi_lobe),
-        }
+    /// `xi` selects the direction within a lobe, `xi_lobe` the lobe; all in [0, 1).
+    fn sample(&self, wo: DVec3, xi: DVec2, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample>;
+
+    /// `f |cos theta_i|` without delta lobes, per steradian.
+    fn eval(&self, _wo: DVec3, _wi: DVec3) -> Spectrum {
+        Spectrum::BLACK
     }
 
-    /// Probability with which [`Bsdf::sample`] draws from Lambert's lobe, by the cosine: that it does where `xi_lobe` is less.
-    #[inline]
-    #[must_use]
-    pub fn diffuse_probability(&self) -> f64 {
-        match self {
-            Self::Lambert(_) => 1.0,
-            Self::Phong(model) => model.diffuse_probability(),
-            Self::Black | Self::Mirror(_) | Self::Conductor(_) | Self::Dielectric(_) => 0.0,
-        }
+    /// The density with which [`BsdfModel::sample`] draws `wi`, without delta lobes.
+    fn pdf(&self, _wo: DVec3, _wi: DVec3) -> SolidAnglePdf {
+        SolidAnglePdf(0.0)
     }
 
-    /// All delta lobes, each with the whole share of light it carries as weight: for those who follow every one.
+    /// Whether there are only delta lobes: [`BsdfModel::eval`] is black everywhere, and lights need not be sampled.
+    fn is_delta(&self) -> bool {
+        !Self::LOBES.is_empty() && Self::LOBES.iter().all(|lobe| lobe.is_delta())
+    }
+
+    /// All delta lobes, each with the whole fraction of light it carries as weight, to follow every one of them.
     ///
-    /// Reflection comes first, then transmission; black ones are left out.
-    #[must_use]
-    pub fn delta_branches(&self, wo: DVec3, mode: TransportMode) -> [Option<BsdfSample>; 2] {
-        let only = |sample: Option<BsdfSample>| [sample.filter(|s| !s.weight.is_black()), None];
-        match self {
-            Self::Black | Self::Lambert(_) | Self::Phong(_) => [None; 2],
-            Self::Mirror(model) => only(model.sample(wo)),
-            Self::Conductor(model) => only(model.sample(wo)),
-            Self::Dielectric(model) => model.branches(wo, mode),
-        }
+    /// Reflection comes first, then transmission; black ones are left out. The default is for models of one lobe.
+    fn delta_branches(&self, wo: DVec3, mode: TransportMode) -> [Option<BsdfSample>; 2] {
+        let only =
+            || self.sample(wo, DVec2::splat(0.5), 0.5, mode).filter(|sample| !sample.weight.is_black());
+        [if self.is_delta() { only() } else { None }, None]
     }
 
-    /// Whether there are only delta lobes: [`Bsdf::eval`] is black everywhere, and lights need not be sampled.
-    #[must_use]
-    pub fn is_delta(&self) -> bool {
-        match self {
-            Self::Black | Self::Lambert(_) | Self::Phong(_) => false,
-            Self::Mirror(_) | Self::Conductor(_) | Self::Dielectric(_) => true,
-        }
+    /// Probability with which [`BsdfModel::sample`] draws by the cosine to the normal from [`Lobe::DIFFUSE`]: it does so where `xi_lobe`
+    /// is less.
+    fn diffuse_probability(&self) -> f64 {
+        0.0
     }
 
-    /// Share of the light from `wo` that is scattered into all directions; by reciprocity also what a white sky
-    /// gives back. For pictures of the albedo.
-    #[must_use]
-    pub fn albedo(&self, wo: DVec3) -> Spectrum {
-        match self {
-            Self::Black => Spectrum::BLACK,
-            Self::Lambert(model) => model.reflectance,
-            Self::Mirror(model) => model.reflectance,
-            Self::Conductor(model) => model.reflectance_at(wo.z),
-            Self::Dielectric(model) => model.albedo(wo),
-            Self::Phong(model) => model.albedo(wo),
-        }
+    /// Fraction of the light from `wo` that is scattered into all directions; by reciprocity also the radiance under a white sky.
+    ///
+    /// The default is the mean weight of 64 samples.
+    fn albedo(&self, wo: DVec3) -> Spectrum {
+        estimated_albedo(self, wo)
     }
+
+    /// Whether everything is absorbed, so that no lights need to be sampled.
+    fn is_black(&self) -> bool {
+        false
+    }
+
+    /// The appearance in a rasteriser.
+    fn preview(&self) -> PreviewSurface {
+        let albedo = self.albedo(DVec3::Z);
+        if self.is_delta() { PreviewSurface::metal(albedo) } else { PreviewSurface::diffuse(albedo) }
+    }
+}
+
+/// The mean weight of 64 Sobol' points, in flux: without the change of radiance by refraction.
+pub(crate) fn estimated_albedo<M: BsdfModel + ?Sized>(model: &M, wo: DVec3) -> Spectrum {
+    const COUNT: u32 = 64;
+    let weight = |i| {
+        let [x, y, lobe] = [0, 1, 2].map(|dimension| owen::unit(sobol::coordinate(i, dimension)));
+        model.sample(wo, DVec2::new(x, y), lobe, TransportMode::Importance).map(|sample| sample.weight)
+    };
+    let sum: Spectrum = (0..COUNT).filter_map(weight).sum();
+    (sum * (1.0 / COUNT as f32)).map(|x| x.min(1.0))
 }
 
 /// Whether both directions are strictly on one side of the surface.

@@ -3,9 +3,11 @@
 //! Everything works in a local frame: z is the shading normal, directions have unit length and point away
 //! from the surface. Directions and densities are `f64`, light is `f32`.
 //!
-//! - [`material`]: a [`Material`] has textured parameters; at a [`TexturePoint`] it gives a [`Bsdf`];
-//! - [`bsdf`]: [`Bsdf`], the closed set of scattering models, with `eval`, `pdf` and `sample`;
-//! - [`model`]: the models, one file each; the classical shading of document 001 is [`model::phong::classic`];
+//! - [`model`]: the table of scattering models, one file each with the material that describes it: a [`Material`] has textured parameters
+//!   and at a [`TexturePoint`] a [`Bsdf`]; the classical shading of document 001 is [`model::phong::classic`];
+//! - [`bsdf`]: what a model provides, [`BsdfModel`]: `eval`, `pdf`, `sample` and more;
+//! - [`parameter`]: parameters of materials, checked and converted from the form of a description;
+//! - [`preview`]: materials in a rasteriser;
 //! - [`fresnel`]: reflectance of glass and metal, the directions of reflection and refraction;
 //! - [`texture`]: [`Textures`], their mappings and pictures.
 //!
@@ -21,7 +23,7 @@
 //!     odd: Spectrum::from_rgb([0.2; 3]).into(),
 //!     mapping: Mapping::Uv { scale: DVec2::splat(8.0), offset: DVec2::ZERO },
 //! }))?;
-//! let floor = Material::Diffuse { reflectance: SpectrumInput::Texture(board) };
+//! let floor = Material::diffuse(SpectrumInput::Texture(board));
 //!
 //! let at = TexturePoint::new(DVec2::new(0.05, 0.2), DVec3::ZERO);
 //! let bsdf = floor.bsdf(&textures, &at, &Wavelengths::Rgb).expect("not an interface");
@@ -32,10 +34,13 @@
 
 pub mod bsdf;
 pub mod fresnel;
-pub mod material;
 pub mod model;
+pub mod parameter;
+pub mod preview;
 pub mod texture;
 
-pub use bsdf::{Bsdf, BsdfSample, Lobe, Spread, TransportMode};
-pub use material::{Material, MaterialError};
+pub use bsdf::{BsdfModel, BsdfSample, Lobe, Spread, TransportMode};
+pub use model::{Bsdf, Material};
+pub use parameter::{MaterialError, ParameterForm};
+pub use preview::PreviewSurface;
 pub use texture::{FloatInput, SpectrumInput, Texture, TextureError, TextureId, TexturePoint, Textures};

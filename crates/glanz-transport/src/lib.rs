@@ -25,7 +25,7 @@
 //! description.film.resolution = [16, 16];
 //! description.materials.push(MaterialDescription {
 //!     name: String::new(),
-//!     kind: MaterialKind::Diffuse { reflectance: SpectrumInput::Value(white.clone()) },
+//!     kind: MaterialKind::diffuse(white.clone()),
 //!     location: None,
 //! });
 //! description.world.shapes.push(ShapeDescription {

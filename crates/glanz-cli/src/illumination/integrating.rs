@@ -6,7 +6,6 @@ use glanz_illumination::integrate::{CellMean, Reflections, Tolerance};
 use glanz_illumination::{LuxMap, Receiver};
 use glanz_math::DVec2;
 use glanz_scene::PlacedSurface;
-use glanz_shading::Material;
 use rayon::prelude::*;
 
 use super::{Design, pace};
@@ -41,9 +40,7 @@ pub(super) fn integrated(
     messages: Messages,
     interrupt: &Interrupt,
 ) -> Result<Option<Integrated>, Failure> {
-    let scatters =
-        |material: &&Material| matches!(material, Material::Diffuse { .. } | Material::Phong { .. });
-    let scattering = design.scene.materials().iter().filter(scatters).count() as u64;
+    let scattering = design.scene.materials().iter().filter(|material| material.is_rough()).count() as u64;
     let Design { file, scene, receivers, .. } = design;
     let start = Instant::now();
     let reflections = Reflections::new(scene)

@@ -163,11 +163,8 @@ fn pictures_are_read_once_and_named_spectra_from_files() {
     assert_eq!(d.images.len(), 1);
     assert_eq!(d.images[0].pixels.to_rgb().unwrap()[1], [4.0, 5.0, 6.0]);
     assert!(matches!(d.textures[1].kind, TextureKind::Image { image: 0, scale: 1.0, invert: false, .. }));
-    let glanz_scene::description::MaterialKind::Diffuse { reflectance: SpectrumInput::Value(kd) } =
-        &d.materials[0].kind
-    else {
-        panic!()
-    };
+    let glanz_scene::description::MaterialKind::Diffuse(diffuse) = &d.materials[0].kind else { panic!() };
+    let SpectrumInput::Value(kd) = &diffuse.reflectance else { panic!() };
     assert!((kd.luminance() - 0.5).abs() < 1e-3);
 }
 

@@ -43,10 +43,7 @@ fn scene(shapes: Vec<ShapeDescription>) -> Scene {
 
 fn scene_with(shapes: Vec<ShapeDescription>, lights: Vec<LightDescription>) -> Scene {
     let constant = |value: f64| SpectrumInput::Value(SpectralDistribution::Constant(value as f32));
-    let materials = [
-        MaterialKind::Diffuse { reflectance: constant(0.0) },
-        MaterialKind::Mirror { reflectance: constant(REFLECTANCE) },
-    ];
+    let materials = [MaterialKind::diffuse(constant(0.0)), MaterialKind::mirror(constant(REFLECTANCE))];
     let materials = materials.map(|kind| MaterialDescription { name: String::new(), kind, location: None });
     let mut description = Description { materials: materials.into(), lights, ..Description::default() };
     description.world.shapes = shapes;

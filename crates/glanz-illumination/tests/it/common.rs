@@ -17,11 +17,11 @@ pub(crate) fn grey(value: f32) -> SpectrumInput {
 }
 
 pub(crate) fn diffuse(reflectance: f32) -> MaterialKind {
-    MaterialKind::Diffuse { reflectance: grey(reflectance) }
+    MaterialKind::diffuse(grey(reflectance))
 }
 
 pub(crate) fn mirror(reflectance: f32) -> MaterialKind {
-    MaterialKind::Mirror { reflectance: grey(reflectance) }
+    MaterialKind::mirror(grey(reflectance))
 }
 
 pub(crate) fn sphere(radius: f64) -> GeometryDescription {

@@ -59,9 +59,7 @@ fn trimmed(geometry: GeometryDescription, kept: bool) -> Scene {
     let mut description = Description::default();
     description.materials.push(MaterialDescription {
         name: String::new(),
-        kind: MaterialKind::Diffuse {
-            reflectance: SpectrumInput::Value(glanz_light::SpectralDistribution::Constant(0.5)),
-        },
+        kind: MaterialKind::diffuse(glanz_light::SpectralDistribution::Constant(0.5)),
         location: None,
     });
     description.world.shapes.push(ShapeDescription {

@@ -17,7 +17,7 @@ pub struct ImageDescription {
 }
 
 /// A spectrum or a texture of spectra.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SpectrumInput {
     /// The same everywhere.
     Value(SpectralDistribution),
@@ -45,7 +45,7 @@ impl From<[f32; 3]> for SpectrumInput {
 }
 
 /// A number or a texture of numbers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FloatInput {
     /// The same everywhere.
     Value(f32),

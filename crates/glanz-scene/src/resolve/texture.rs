@@ -2,6 +2,7 @@
 
 use glanz_light::Wavelengths;
 use glanz_shading::Textures;
+use glanz_shading::parameter::ParameterResolver;
 use glanz_shading::texture::{
     Checkerboard, FloatInput, Image, ImageFilter, ImageTexture, Mapping, SpectrumInput, Texture, TextureId,
     Wrap,
@@ -9,7 +10,7 @@ use glanz_shading::texture::{
 
 use super::transform;
 use crate::description as from;
-use crate::description::{Description, Location, TextureDescription, TextureKind, TextureMapping};
+use crate::description::{Described, Description, Location, TextureDescription, TextureKind, TextureMapping};
 use crate::error::{SceneError, SceneErrorKind};
 
 /// The textures of a scene, and what the description's numbers became.
@@ -33,27 +34,38 @@ impl Inputs<'_> {
         })
     }
 
-    /// A share of light, or a factor on light.
-    pub(super) fn reflectance(&self, input: &from::SpectrumInput) -> Result<SpectrumInput, SceneError> {
-        Ok(match input {
-            from::SpectrumInput::Value(value) => SpectrumInput::Constant(value.reflectance(self.wavelengths)),
-            from::SpectrumInput::Texture(index) => SpectrumInput::Texture(self.id(*index)?),
-        })
-    }
-
     /// A quantity of matter without upper bound.
-    pub(super) fn unbounded(&self, input: &from::SpectrumInput) -> Result<SpectrumInput, SceneError> {
+    fn unbounded(&self, input: &from::SpectrumInput) -> Result<SpectrumInput, SceneError> {
         Ok(match input {
             from::SpectrumInput::Value(value) => SpectrumInput::Constant(value.unbounded(self.wavelengths)),
             from::SpectrumInput::Texture(index) => SpectrumInput::Texture(self.id(*index)?),
         })
     }
 
-    pub(super) fn float(&self, input: &from::FloatInput) -> Result<FloatInput, SceneError> {
+    fn number(&self, input: &from::FloatInput) -> Result<FloatInput, SceneError> {
         Ok(match input {
             from::FloatInput::Value(value) => FloatInput::Constant(*value),
             from::FloatInput::Texture(index) => FloatInput::Texture(self.id(*index)?),
         })
+    }
+}
+
+impl ParameterResolver<Described> for Inputs<'_> {
+    fn fraction_input(&self, input: &from::SpectrumInput) -> Option<SpectrumInput> {
+        match input {
+            from::SpectrumInput::Value(value) => {
+                Some(SpectrumInput::Constant(value.reflectance(self.wavelengths)))
+            }
+            from::SpectrumInput::Texture(_) => self.spectrum_input(input),
+        }
+    }
+
+    fn spectrum_input(&self, input: &from::SpectrumInput) -> Option<SpectrumInput> {
+        self.unbounded(input).ok()
+    }
+
+    fn float_input(&self, input: &from::FloatInput) -> Option<FloatInput> {
+        self.number(input).ok()
     }
 }
 
@@ -103,7 +115,7 @@ fn texture_of(
         },
         TextureKind::Scale(a, b) => Texture::Scale(inputs.unbounded(a)?, inputs.unbounded(b)?),
         TextureKind::Mix { a, b, amount } => {
-            Texture::Mix { a: inputs.unbounded(a)?, b: inputs.unbounded(b)?, amount: inputs.float(amount)? }
+            Texture::Mix { a: inputs.unbounded(a)?, b: inputs.unbounded(b)?, amount: inputs.number(amount)? }
         }
         TextureKind::Checkerboard { even, odd, mapping } => Texture::Checkerboard(Checkerboard {
             even: inputs.unbounded(even)?,

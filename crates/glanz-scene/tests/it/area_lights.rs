@@ -29,9 +29,7 @@ fn resolve(shapes: Vec<ShapeDescription>, copy: Option<DMat4>) -> Result<Scene, 
     let mut description = Description::default();
     description.materials.push(MaterialDescription {
         name: String::new(),
-        kind: MaterialKind::Diffuse {
-            reflectance: SpectrumInput::Value(SpectralDistribution::Constant(0.5)),
-        },
+        kind: MaterialKind::diffuse(0.5),
         location: None,
     });
     let group = GroupDescription { shapes, ..GroupDescription::default() };

@@ -57,7 +57,7 @@ fn scene(lamp: Option<ShapeDescription>, light: Option<(LightKind, DMat4)>) -> S
     let mut description = Description {
         materials: vec![MaterialDescription {
             name: String::new(),
-            kind: MaterialKind::Diffuse { reflectance: black },
+            kind: MaterialKind::diffuse(black),
             location: None,
         }],
         ..Description::default()
@@ -234,9 +234,7 @@ fn endless_planes_stop_light_from_afar() {
     let ball = GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 1.0], phi_max: TAU };
     description.materials.push(MaterialDescription {
         name: String::new(),
-        kind: MaterialKind::Diffuse {
-            reflectance: SpectrumInput::Value(SpectralDistribution::Constant(0.5)),
-        },
+        kind: MaterialKind::diffuse(0.5),
         location: None,
     });
     description.world.shapes.push(shape(ball, None, DMat4::IDENTITY));

@@ -25,7 +25,7 @@ fn scene(lights: Vec<LightDescription>) -> Scene {
     let grey = SpectrumInput::Value(SpectralDistribution::Constant(0.5));
     description.materials.push(MaterialDescription {
         name: String::new(),
-        kind: MaterialKind::Diffuse { reflectance: grey },
+        kind: MaterialKind::diffuse(grey),
         location: None,
     });
     description.world.shapes.push(ShapeDescription {

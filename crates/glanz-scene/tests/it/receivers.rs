@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use glanz_light::SpectralDistribution;
 use glanz_math::{DMat4, DVec3, Ray};
 use glanz_scene::description::*;
 use glanz_scene::{Scene, SceneErrorKind};
@@ -48,7 +47,7 @@ fn with(material: MaterialKind, shapes: Vec<ShapeDescription>) -> Description {
 }
 
 fn grey() -> MaterialKind {
-    MaterialKind::Diffuse { reflectance: SpectrumInput::Value(SpectralDistribution::Constant(0.5)) }
+    MaterialKind::diffuse(0.5)
 }
 
 /// The number of the shape that a ray down at x meets.

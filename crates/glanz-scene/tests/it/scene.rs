@@ -5,9 +5,9 @@ use std::f64::consts::{PI, TAU};
 use glanz_light::{SpectralDistribution, Wavelengths};
 use glanz_math::{DMat4, DVec2, DVec3, Ray};
 use glanz_scene::description::{
-    CameraDescription, Description, EmissionDescription, EmissionPower, FileId, FilmDescription, FloatInput,
+    CameraDescription, Description, EmissionDescription, EmissionPower, FileId, FilmDescription,
     GeometryDescription, GroupDescription, InstanceDescription, LightDescription, LightKind, Location,
-    MaterialDescription, MaterialKind, ShapeDescription, SpectrumInput,
+    MaterialDescription, MaterialKind, ShapeDescription,
 };
 use glanz_scene::{Camera, Interaction, Light, LightId, Scene, SceneErrorKind};
 use glanz_shading::TransportMode;
@@ -64,9 +64,7 @@ fn empty() -> Description {
     Description {
         materials: vec![MaterialDescription {
             name: String::new(),
-            kind: MaterialKind::Diffuse {
-                reflectance: SpectrumInput::Value(SpectralDistribution::Constant(0.5)),
-            },
+            kind: MaterialKind::diffuse(0.5),
             location: None,
         }],
         ..Description::default()
@@ -243,9 +241,7 @@ fn small_meshes_keep_number_material_and_side_when_joined() {
     let mut description = with_shapes(Vec::new());
     description.materials.push(MaterialDescription {
         name: "black".to_owned(),
-        kind: MaterialKind::Diffuse {
-            reflectance: SpectrumInput::Value(SpectralDistribution::Constant(0.0)),
-        },
+        kind: MaterialKind::diffuse(0.0),
         location: None,
     });
     for i in 0..6 {
@@ -397,14 +393,9 @@ fn spectra_outside_the_gamut_take_no_light_away_but_negative_light_is_refused() 
 fn thin_glass_lets_a_ray_straight_through() {
     let sine = 0.6;
     // A pane does not turn the ray, a solid turns it by the law of refraction.
-    for (thin, sine_inside) in [(true, sine), (false, sine / 1.5)] {
-        let one = || SpectrumInput::Value(SpectralDistribution::Constant(1.0));
-        let kind = MaterialKind::Dielectric {
-            eta: FloatInput::Value(1.5),
-            reflectance: one(),
-            transmittance: one(),
-            thin,
-        };
+    let (pane, solid) =
+        (MaterialKind::thin_dielectric(1.5, 1.0, 1.0), MaterialKind::dielectric(1.5, 1.0, 1.0));
+    for (kind, sine_inside) in [(pane, sine), (solid, sine / 1.5)] {
         let mut description = with_shapes(vec![shape(disk(1.0), DMat4::IDENTITY)]);
         description.materials[0].kind = kind;
         let scene = resolve(description);

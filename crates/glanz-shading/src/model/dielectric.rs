@@ -1,31 +1,41 @@
 //! Smooth glass.
 
+use std::ops::RangeInclusive;
+
 use glanz_light::Spectrum;
-use glanz_math::DVec3;
+use glanz_math::{DVec2, DVec3};
 
 use super::mirror::mirrored;
-use crate::bsdf::{BsdfSample, Lobe, TransportMode};
+use super::{Material, MaterialModel, TexturedModel};
+use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode};
 use crate::fresnel::{self, DielectricSplit};
+use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, Resolved, TextureEvaluator};
+use crate::preview::PreviewSurface;
+
+/// Relative refractive indices that the material may have.
+const INDICES: RangeInclusive<f32> = 1e-3..=1e3;
+
+/// Opacity in a rasteriser: enough to see that there is glass.
+const PREVIEW_OPACITY: f32 = 0.15;
 
 /// A smooth boundary between two transparent media, or (`thin`) a sheet between two such boundaries.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
     /// Refractive index inside (z < 0) over that outside, > 0.
     pub eta: f64,
-    /// Factor on what is reflected, [0, 1]; 1 for real glass.
+    /// Factor on reflected light, [0, 1]; 1 for real glass.
     pub reflectance: Spectrum,
-    /// Factor on what is transmitted, [0, 1]; 1 for real glass.
+    /// Factor on transmitted light, [0, 1]; 1 for real glass.
     pub transmittance: Spectrum,
     /// Whether this is a sheet too thin to displace a ray: light passes straight on, and is reflected by both faces.
     pub thin: bool,
 }
 
 impl Dielectric {
-    /// The mirrored and the refracted direction, each with the whole share of light it carries as weight.
+    /// The mirrored and the refracted direction, each with the whole fraction of light it carries as weight.
     ///
     /// `None` for one that carries nothing: total reflection, media that agree, black factors.
-    #[must_use]
-    pub fn branches(&self, wo: DVec3, mode: TransportMode) -> [Option<BsdfSample>; 2] {
+    fn branches(&self, wo: DVec3, mode: TransportMode) -> [Option<BsdfSample>; 2] {
         if wo.z == 0.0 {
             return [None; 2];
         }
@@ -38,19 +48,6 @@ impl Dielectric {
             (!reflected.is_black()).then_some(reflection),
             transmission.filter(|_| !split.total && !transmitted.is_black()),
         ]
-    }
-
-    /// The mirrored or the refracted direction, chosen by `xi_lobe` in proportion to the light they carry.
-    #[must_use]
-    pub fn sample(&self, wo: DVec3, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
-        let [reflection, transmission] = self.branches(wo, mode);
-        let flux = |branch: &Option<BsdfSample>| {
-            branch.as_ref().map_or(0.0, |s| f64::from((s.weight * s.eta_scale).max_component()))
-        };
-        let (r, t) = (flux(&reflection), flux(&transmission));
-        let (branch, probability) =
-            if xi_lobe * (r + t) < r { (reflection, r / (r + t)) } else { (transmission, t / (r + t)) };
-        branch.map(|s| BsdfSample { weight: s.weight * (1.0 / probability) as f32, ..s })
     }
 
     fn transmission(
@@ -78,13 +75,6 @@ impl Dielectric {
         Some(BsdfSample { eta_scale, ..BsdfSample::delta(wi, share * (1.0 / eta_scale), lobe) })
     }
 
-    /// Share of the flux that goes on, either way.
-    #[must_use]
-    pub fn albedo(&self, wo: DVec3) -> Spectrum {
-        let r = self.split(wo.z.abs(), self.eta_from(wo)).reflectance as f32;
-        self.reflectance.lerp(self.transmittance, 1.0 - r)
-    }
-
     /// Refractive index on the far side of `wo` over that on its own side.
     fn eta_from(&self, wo: DVec3) -> f64 {
         if wo.z > 0.0 { self.eta } else { 1.0 / self.eta }
@@ -102,10 +92,120 @@ impl Dielectric {
     }
 }
 
+impl BsdfModel for Dielectric {
+    const LOBES: &'static [Lobe] = &[Lobe::SPECULAR_REFLECTION, Lobe::SPECULAR_TRANSMISSION];
+
+    /// The mirrored or the refracted direction, selected by `xi_lobe` in proportion to the light they carry.
+    fn sample(&self, wo: DVec3, _: DVec2, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
+        let [reflection, transmission] = self.branches(wo, mode);
+        let flux = |branch: &Option<BsdfSample>| {
+            branch.as_ref().map_or(0.0, |s| f64::from((s.weight * s.eta_scale).max_component()))
+        };
+        let (r, t) = (flux(&reflection), flux(&transmission));
+        let (branch, probability) =
+            if xi_lobe * (r + t) < r { (reflection, r / (r + t)) } else { (transmission, t / (r + t)) };
+        branch.map(|s| BsdfSample { weight: s.weight * (1.0 / probability) as f32, ..s })
+    }
+
+    fn delta_branches(&self, wo: DVec3, mode: TransportMode) -> [Option<BsdfSample>; 2] {
+        self.branches(wo, mode)
+    }
+
+    fn albedo(&self, wo: DVec3) -> Spectrum {
+        let r = self.split(wo.z.abs(), self.eta_from(wo)).reflectance as f32;
+        self.reflectance.lerp(self.transmittance, 1.0 - r)
+    }
+
+    fn preview(&self) -> PreviewSurface {
+        let upright = ((self.eta - 1.0) / (self.eta + 1.0)).powi(2);
+        PreviewSurface {
+            specular: self.reflectance * upright as f32,
+            roughness: 0.0,
+            opacity: PREVIEW_OPACITY,
+            ..PreviewSurface::diffuse(self.transmittance)
+        }
+    }
+}
+
+/// The material of [`Dielectric`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DielectricMaterial<P: ParameterForm = Resolved> {
+    /// Refractive index inside over outside, in [0.001, 1000] (far beyond any medium; squares still fit `f32`); a
+    /// texture's value outside counts as 1.
+    pub eta: P::Float,
+    /// Factor on reflected light.
+    pub reflectance: P::Spectrum,
+    /// Factor on transmitted light.
+    pub transmittance: P::Spectrum,
+    /// Whether the surface is a pane with two faces, too thin to displace a ray, instead of the border of a solid.
+    pub thin: bool,
+}
+
+impl<P: ParameterForm> MaterialModel<P> for DielectricMaterial<P> {
+    type Resolved = DielectricMaterial;
+
+    fn kind(&self) -> &'static str {
+        if self.thin { "thindielectric" } else { "dielectric" }
+    }
+
+    fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<DielectricMaterial, MaterialError> {
+        Ok(DielectricMaterial {
+            eta: resolver.float("eta", &self.eta, INDICES, "a number between 0.001 and 1000")?,
+            reflectance: resolver.fraction("reflectance", &self.reflectance)?,
+            transmittance: resolver.fraction("transmittance", &self.transmittance)?,
+            thin: self.thin,
+        })
+    }
+}
+
+impl TexturedModel for DielectricMaterial {
+    type Bsdf = Dielectric;
+
+    fn bsdf(&self, at: &TextureEvaluator<'_>) -> Dielectric {
+        let eta = at.float(&self.eta);
+        Dielectric {
+            eta: if INDICES.contains(&eta) { f64::from(eta) } else { 1.0 },
+            reflectance: at.fraction(&self.reflectance),
+            transmittance: at.fraction(&self.transmittance),
+            thin: self.thin,
+        }
+    }
+}
+
+impl<P: ParameterForm> Material<P> {
+    /// Smooth glass of refractive index `eta`, with factors on the light that it reflects and transmits.
+    #[must_use]
+    pub fn dielectric(
+        eta: impl Into<P::Float>,
+        reflectance: impl Into<P::Spectrum>,
+        transmittance: impl Into<P::Spectrum>,
+    ) -> Self {
+        let (eta, reflectance, transmittance) = (eta.into(), reflectance.into(), transmittance.into());
+        Self::Dielectric(DielectricMaterial { eta, reflectance, transmittance, thin: false })
+    }
+
+    /// A pane of smooth glass, too thin to displace a ray, with the parameters of [`Material::dielectric`].
+    #[must_use]
+    pub fn thin_dielectric(
+        eta: impl Into<P::Float>,
+        reflectance: impl Into<P::Spectrum>,
+        transmittance: impl Into<P::Spectrum>,
+    ) -> Self {
+        let (eta, reflectance, transmittance) = (eta.into(), reflectance.into(), transmittance.into());
+        Self::Dielectric(DielectricMaterial { eta, reflectance, transmittance, thin: true })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use glanz_math::SolidAnglePdf;
+
+    impl Dielectric {
+        fn draw(&self, wo: DVec3, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
+            self.sample(wo, DVec2::splat(0.5), xi_lobe, mode)
+        }
+    }
 
     fn glass(thin: bool) -> Dielectric {
         Dielectric { eta: 1.5, reflectance: Spectrum::ONE, transmittance: Spectrum::ONE, thin }
@@ -114,7 +214,7 @@ mod tests {
     #[test]
     fn glass_seen_head_on_reflects_four_percent_of_the_choices_with_weight_one() {
         for (xi, transmission) in [(0.0399, false), (0.0401, true)] {
-            let s = glass(false).sample(DVec3::Z, xi, TransportMode::Importance).unwrap();
+            let s = glass(false).draw(DVec3::Z, xi, TransportMode::Importance).unwrap();
             assert_eq!(s.lobe.transmission, transmission);
             assert!((s.weight - Spectrum::ONE).max_component().abs() < 1e-6);
             assert_eq!(s.pdf, SolidAnglePdf(f64::INFINITY));
@@ -125,17 +225,14 @@ mod tests {
     #[test]
     fn radiance_entering_and_leaving_glass_is_unchanged_and_eta_scale_undoes_each_change() {
         let wo = DVec3::new(0.6, 0.0, 0.8);
-        let enter = glass(false).sample(wo, 0.999, TransportMode::Radiance).unwrap();
+        let enter = glass(false).draw(wo, 0.999, TransportMode::Radiance).unwrap();
         assert!((enter.wi.x + 0.4).abs() < 1e-15, "Snell: 0.6 / 1.5");
         assert!((enter.weight * enter.eta_scale - Spectrum::ONE).max_component().abs() < 1e-6);
         assert!((enter.eta_scale - 2.25).abs() < 1e-6);
         // From inside, `wo` of the next vertex is the way back.
-        let leave = glass(false).sample(-enter.wi, 0.999, TransportMode::Radiance);
-        let outside = glass(false).sample(
-            DVec3::new(0.4, 0.0, -(1.0_f64 - 0.16).sqrt()),
-            0.999,
-            TransportMode::Radiance,
-        );
+        let leave = glass(false).draw(-enter.wi, 0.999, TransportMode::Radiance);
+        let outside =
+            glass(false).draw(DVec3::new(0.4, 0.0, -(1.0_f64 - 0.16).sqrt()), 0.999, TransportMode::Radiance);
         let (leave, outside) = (leave.unwrap(), outside.unwrap());
         assert!((leave.eta_scale * 1.0 - 2.25).abs() < 1e-6, "still seen from outside");
         assert!((outside.eta_scale - 1.0 / 2.25).abs() < 1e-6);
@@ -148,7 +245,7 @@ mod tests {
     fn beyond_the_critical_angle_everything_is_reflected() {
         let wo = DVec3::new(0.8, 0.0, -0.6);
         for xi in [0.0, 0.5, 0.999_999] {
-            let s = glass(false).sample(wo, xi, TransportMode::Radiance).unwrap();
+            let s = glass(false).draw(wo, xi, TransportMode::Radiance).unwrap();
             assert_eq!(s.lobe, Lobe::SPECULAR_REFLECTION);
             assert_eq!(s.weight, Spectrum::ONE);
             assert_eq!(s.wi, DVec3::new(-0.8, 0.0, -0.6));
@@ -160,9 +257,9 @@ mod tests {
         for z in [1.0, -1.0] {
             // 2 * 0.04 / 1.04
             let limit = 0.08 / 1.04;
-            let s = glass(true).sample(DVec3::Z * z, limit - 1e-6, TransportMode::Radiance).unwrap();
+            let s = glass(true).draw(DVec3::Z * z, limit - 1e-6, TransportMode::Radiance).unwrap();
             assert_eq!(s.lobe, Lobe::SPECULAR_REFLECTION);
-            let s = glass(true).sample(DVec3::Z * z, limit + 1e-6, TransportMode::Radiance).unwrap();
+            let s = glass(true).draw(DVec3::Z * z, limit + 1e-6, TransportMode::Radiance).unwrap();
             assert_eq!((s.wi, s.eta_scale), (DVec3::Z * -z, 1.0));
         }
     }
@@ -177,7 +274,7 @@ mod tests {
         let wo = DVec3::new(0.96, 0.0, 0.28);
         let n = 10_000;
         let sum: Spectrum = (0..n)
-            .filter_map(|i| model.sample(wo, (f64::from(i) + 0.5) / f64::from(n), TransportMode::Importance))
+            .filter_map(|i| model.draw(wo, (f64::from(i) + 0.5) / f64::from(n), TransportMode::Importance))
             .map(|s| s.weight)
             .sum();
         let expected = model.albedo(wo);
@@ -195,7 +292,7 @@ mod tests {
             assert!((flux - Spectrum::ONE).map(f32::abs).max_component() < 1e-6);
             for (branch, xi) in branches.into_iter().zip([0.0, 0.999_999]) {
                 let (branch, sample) =
-                    (branch.unwrap(), model.sample(wo, xi, TransportMode::Radiance).unwrap());
+                    (branch.unwrap(), model.draw(wo, xi, TransportMode::Radiance).unwrap());
                 assert_eq!(
                     (branch.wi, branch.lobe, branch.eta_scale),
                     (sample.wi, sample.lobe, sample.eta_scale)
@@ -212,7 +309,7 @@ mod tests {
     #[test]
     fn black_lobes_are_never_chosen() {
         let model = Dielectric { reflectance: Spectrum::BLACK, ..glass(false) };
-        let s = model.sample(DVec3::Z, 0.0, TransportMode::Importance).unwrap();
+        let s = model.draw(DVec3::Z, 0.0, TransportMode::Importance).unwrap();
         assert!(s.lobe.transmission);
         assert!((s.weight - Spectrum::splat(0.96)).max_component().abs() < 1e-6);
     }

@@ -6,19 +6,22 @@ use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, SolidAnglePdf};
 use glanz_sampling::warp;
 
-use crate::bsdf::{BsdfSample, Lobe, same_side};
+use super::{Material, MaterialModel, TexturedModel};
+use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode, same_side};
+use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, Resolved, TextureEvaluator};
 
 /// Lambert's law: the same radiance in every direction of the side the light comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lambert {
-    /// Share of light reflected, [0, 1].
+    /// Fraction of light reflected, [0, 1].
     pub reflectance: Spectrum,
 }
 
-impl Lambert {
+impl BsdfModel for Lambert {
+    const LOBES: &'static [Lobe] = &[Lobe::DIFFUSE];
+
     /// `reflectance / pi |cos|`.
-    #[must_use]
-    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
+    fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
         if !same_side(wo, wi) {
             return Spectrum::BLACK;
         }
@@ -26,14 +29,12 @@ impl Lambert {
     }
 
     /// Proportional to the cosine.
-    #[must_use]
-    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
         if same_side(wo, wi) { warp::cosine_hemisphere_pdf(wi.z.abs()) } else { SolidAnglePdf(0.0) }
     }
 
     /// A direction with density proportional to its cosine: the weight is the reflectance.
-    #[must_use]
-    pub fn sample(&self, wo: DVec3, xi: DVec2) -> Option<BsdfSample> {
+    fn sample(&self, wo: DVec3, xi: DVec2, _: f64, _: TransportMode) -> Option<BsdfSample> {
         let mut wi = warp::cosine_hemisphere(xi);
         wi.z = wi.z.copysign(wo.z);
         if !same_side(wo, wi) {
@@ -47,5 +48,52 @@ impl Lambert {
             lobe: Lobe::DIFFUSE,
             eta_scale: 1.0,
         })
+    }
+
+    fn diffuse_probability(&self) -> f64 {
+        1.0
+    }
+
+    fn albedo(&self, _: DVec3) -> Spectrum {
+        self.reflectance
+    }
+
+    fn is_black(&self) -> bool {
+        self.reflectance.is_black()
+    }
+}
+
+/// The material of [`Lambert`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiffuseMaterial<P: ParameterForm = Resolved> {
+    /// Fraction of light reflected, [0, 1].
+    pub reflectance: P::Spectrum,
+}
+
+impl<P: ParameterForm> MaterialModel<P> for DiffuseMaterial<P> {
+    type Resolved = DiffuseMaterial;
+
+    fn kind(&self) -> &'static str {
+        "diffuse"
+    }
+
+    fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<DiffuseMaterial, MaterialError> {
+        Ok(DiffuseMaterial { reflectance: resolver.fraction("reflectance", &self.reflectance)? })
+    }
+}
+
+impl TexturedModel for DiffuseMaterial {
+    type Bsdf = Lambert;
+
+    fn bsdf(&self, at: &TextureEvaluator<'_>) -> Lambert {
+        Lambert { reflectance: at.fraction(&self.reflectance) }
+    }
+}
+
+impl<P: ParameterForm> Material<P> {
+    /// Lambert's law, with the fraction of light reflected, [0, 1].
+    #[must_use]
+    pub fn diffuse(reflectance: impl Into<P::Spectrum>) -> Self {
+        Self::Diffuse(DiffuseMaterial { reflectance: reflectance.into() })
     }
 }

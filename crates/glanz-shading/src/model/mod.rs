@@ -1,4 +1,4 @@
-//! The scattering models, one file each.
+//! The scattering models and their materials, one file each, and the table of them.
 
 mod conductor;
 mod dielectric;
@@ -6,8 +6,340 @@ mod lambert;
 mod mirror;
 pub mod phong;
 
-pub use conductor::Conductor;
-pub use dielectric::Dielectric;
-pub use lambert::Lambert;
-pub use mirror::Mirror;
-pub use phong::Phong;
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::{DVec2, DVec3, SolidAnglePdf};
+
+use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode};
+use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, Resolved, TextureEvaluator};
+use crate::preview::PreviewSurface;
+use crate::texture::{TexturePoint, Textures};
+
+pub use conductor::{Conductor, ConductorMaterial};
+pub use dielectric::{Dielectric, DielectricMaterial};
+pub use lambert::{DiffuseMaterial, Lambert};
+pub use mirror::{Mirror, MirrorMaterial};
+pub use phong::{Phong, PhongMaterial};
+
+/// The parameters of a scattering model, which may be textured.
+pub trait MaterialModel<P: ParameterForm> {
+    /// The same with parameters for shading.
+    type Resolved: TexturedModel;
+
+    /// The name in scene files.
+    fn kind(&self) -> &'static str;
+
+    /// Checks the parameters and converts them for shading.
+    ///
+    /// # Errors
+    /// [`MaterialError`] for the first parameter that is not possible.
+    fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<Self::Resolved, MaterialError>;
+}
+
+/// Parameters for shading, of which a point has a scattering model.
+pub trait TexturedModel: MaterialModel<Resolved> {
+    /// The scattering model.
+    type Bsdf: BsdfModel;
+
+    /// The scattering model at a point.
+    fn bsdf(&self, at: &TextureEvaluator<'_>) -> Self::Bsdf;
+
+    /// A way in which pictures will differ from what the parameters suggest, for a warning.
+    fn warning(&self) -> Option<String> {
+        None
+    }
+}
+
+// One line per model; the macro writes the delegation, so that no variant can be forgotten in a match.
+macro_rules! bsdfs {
+    ($($(#[$doc:meta])* $material_variant:ident($material:ident) => $variant:ident($model:ident),)*) => {
+        /// The closed set of scattering models at a point, see [`BsdfModel`].
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum Bsdf {
+            /// Absorbs everything.
+            Black,
+            $($(#[$doc])* $variant($model),)*
+        }
+
+        impl Bsdf {
+            /// See [`BsdfModel::eval`].
+            #[must_use]
+            pub fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
+                match self {
+                    Self::Black => Spectrum::BLACK,
+                    $(Self::$variant(model) => model.eval(wo, wi),)*
+                }
+            }
+
+            /// See [`BsdfModel::pdf`].
+            #[must_use]
+            pub fn pdf(&self, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
+                match self {
+                    Self::Black => SolidAnglePdf(0.0),
+                    $(Self::$variant(model) => model.pdf(wo, wi),)*
+                }
+            }
+
+            /// See [`BsdfModel::sample`].
+            #[must_use]
+            pub fn sample(
+                &self,
+                wo: DVec3,
+                xi: DVec2,
+                xi_lobe: f64,
+                mode: TransportMode,
+            ) -> Option<BsdfSample> {
+                match self {
+                    Self::Black => None,
+                    $(Self::$variant(model) => model.sample(wo, xi, xi_lobe, mode),)*
+                }
+            }
+
+            /// See [`BsdfModel::diffuse_probability`].
+            #[inline]
+            #[must_use]
+            pub fn diffuse_probability(&self) -> f64 {
+                match self {
+                    Self::Black => 0.0,
+                    $(Self::$variant(model) => model.diffuse_probability(),)*
+                }
+            }
+
+            /// See [`BsdfModel::delta_branches`].
+            #[must_use]
+            pub fn delta_branches(&self, wo: DVec3, mode: TransportMode) -> [Option<BsdfSample>; 2] {
+                match self {
+                    Self::Black => [None; 2],
+                    $(Self::$variant(model) => model.delta_branches(wo, mode),)*
+                }
+            }
+
+            /// See [`BsdfModel::is_delta`].
+            #[must_use]
+            pub fn is_delta(&self) -> bool {
+                match self {
+                    Self::Black => false,
+                    $(Self::$variant(model) => model.is_delta(),)*
+                }
+            }
+
+            /// See [`BsdfModel::albedo`].
+            #[must_use]
+            pub fn albedo(&self, wo: DVec3) -> Spectrum {
+                match self {
+                    Self::Black => Spectrum::BLACK,
+                    $(Self::$variant(model) => model.albedo(wo),)*
+                }
+            }
+        }
+
+        $(impl From<$model> for Bsdf {
+            fn from(model: $model) -> Self {
+                Self::$variant(model)
+            }
+        })*
+
+        /// The material of a surface; its parameters may be textured.
+        #[derive(Clone, Debug, PartialEq)]
+        #[non_exhaustive]
+        pub enum Material<P: ParameterForm = Resolved> {
+            $($(#[$doc])* $material_variant($material<P>),)*
+            /// No surface at all: rays pass.
+            Interface,
+        }
+
+        impl<P: ParameterForm> Material<P> {
+            /// The name in scene files.
+            #[must_use]
+            pub fn kind(&self) -> &'static str {
+                match self {
+                    $(Self::$material_variant(material) => material.kind(),)*
+                    Self::Interface => "interface",
+                }
+            }
+
+            /// Checks the parameters and converts them for shading.
+            ///
+            /// # Errors
+            /// [`MaterialError`] for the first parameter that is not possible.
+            pub fn resolve(&self, resolver: &impl ParameterResolver<P>) -> Result<Material, MaterialError> {
+                Ok(match self {
+                    $(Self::$material_variant(material) => Material::$material_variant(material.resolve(resolver)?),)*
+                    Self::Interface => Material::Interface,
+                })
+            }
+
+            /// The lobes that its BSDFs may have.
+            #[must_use]
+            pub fn lobes(&self) -> &'static [Lobe] {
+                match self {
+                    $(Self::$material_variant(_) => $model::LOBES,)*
+                    Self::Interface => &[],
+                }
+            }
+        }
+
+        impl Material {
+            /// The BSDF at a point; `None` for [`Material::Interface`].
+            #[must_use]
+            pub fn bsdf(&self, textures: &Textures, at: &TexturePoint, wavelengths: &Wavelengths) -> Option<Bsdf> {
+                let at = TextureEvaluator::new(textures, at, wavelengths);
+                match self {
+                    $(Self::$material_variant(material) => {
+                        let model = material.bsdf(&at);
+                        Some(if model.is_black() { Bsdf::Black } else { Bsdf::$variant(model) })
+                    })*
+                    Self::Interface => None,
+                }
+            }
+
+            /// The appearance in a rasteriser at a point; `None` for [`Material::Interface`].
+            #[must_use]
+            pub fn preview(
+                &self,
+                textures: &Textures,
+                at: &TexturePoint,
+                wavelengths: &Wavelengths,
+            ) -> Option<PreviewSurface> {
+                let at = TextureEvaluator::new(textures, at, wavelengths);
+                match self {
+                    $(Self::$material_variant(material) => Some(material.bsdf(&at).preview()),)*
+                    Self::Interface => None,
+                }
+            }
+
+            /// See [`TexturedModel::warning`].
+            #[must_use]
+            pub fn warning(&self) -> Option<String> {
+                match self {
+                    $(Self::$material_variant(material) => material.warning(),)*
+                    Self::Interface => None,
+                }
+            }
+        }
+
+        $(impl<P: ParameterForm> From<$material<P>> for Material<P> {
+            fn from(material: $material<P>) -> Self {
+                Self::$material_variant(material)
+            }
+        })*
+    };
+}
+
+bsdfs! {
+    /// Lambert's law.
+    Diffuse(DiffuseMaterial) => Lambert(Lambert),
+    /// Perfect mirror.
+    Mirror(MirrorMaterial) => Mirror(Mirror),
+    /// Smooth metal.
+    Conductor(ConductorMaterial) => Conductor(Conductor),
+    /// Smooth glass.
+    Dielectric(DielectricMaterial) => Dielectric(Dielectric),
+    /// Modified Phong model.
+    Phong(PhongMaterial) => Phong(Phong),
+}
+
+impl<P: ParameterForm> Material<P> {
+    /// Whether rays pass as if there were no surface.
+    #[must_use]
+    pub fn is_interface(&self) -> bool {
+        matches!(self, Self::Interface)
+    }
+
+    /// Whether all light is reflected diffusely.
+    #[must_use]
+    pub fn is_diffuse(&self) -> bool {
+        self.lobes().iter().all(|&lobe| lobe == Lobe::DIFFUSE)
+    }
+
+    /// Whether light is scattered into more than single directions.
+    #[must_use]
+    pub fn is_rough(&self) -> bool {
+        self.lobes().iter().any(|lobe| !lobe.is_delta())
+    }
+}
+
+impl Material {
+    /// Checks that every texture exists and every constant is in its range.
+    ///
+    /// # Errors
+    /// [`MaterialError`] for the first parameter that is not possible.
+    pub fn check(&self, textures: &Textures) -> Result<(), MaterialError> {
+        self.resolve(textures).map(|_| ())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::texture::{SpectrumInput, Texture};
+    use glanz_math::{DVec2, DVec3};
+
+    const RGB: Wavelengths = Wavelengths::Rgb;
+
+    fn point() -> TexturePoint {
+        TexturePoint::new(DVec2::ZERO, DVec3::ZERO)
+    }
+
+    fn grey(value: f32) -> SpectrumInput {
+        Spectrum::from_rgb([value; 3]).into()
+    }
+
+    #[test]
+    fn reflectance_out_of_range_is_clamped() {
+        let mut textures = Textures::new();
+        let wild = textures.add(Texture::Constant(Spectrum::from_rgb([1.5, -0.5, f32::NAN]))).unwrap();
+        let material = Material::diffuse(SpectrumInput::Texture(wild));
+        assert_eq!(material.check(&textures), Ok(()));
+        let bsdf = material.bsdf(&textures, &point(), &RGB).unwrap();
+        assert_eq!(bsdf.albedo(DVec3::Z).to_rgb(&RGB), [1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn interface_has_no_bsdf_and_black_absorbs() {
+        let textures = Textures::new();
+        let interface = Material::<Resolved>::Interface;
+        assert_eq!(interface.bsdf(&textures, &point(), &RGB), None);
+        assert!(interface.is_interface());
+        let black = Material::diffuse(grey(0.0));
+        assert_eq!(black.bsdf(&textures, &point(), &RGB), Some(Bsdf::Black));
+    }
+
+    #[test]
+    fn impossible_constants_are_found_with_their_values() {
+        let textures = Textures::new();
+        let glass = |eta: f32| Material::dielectric(eta, grey(1.0), grey(1.0));
+        assert_eq!(glass(1.5).check(&textures), Ok(()));
+        for eta in [0.0, -1.5, 1e-4, 1001.0, f32::INFINITY] {
+            let error = MaterialError::Range {
+                parameter: "eta",
+                value: eta,
+                range: "a number between 0.001 and 1000",
+            };
+            assert_eq!(glass(eta).check(&textures), Err(error));
+        }
+        let negative = Material::mirror(grey(-0.25));
+        assert!(matches!(negative.check(&textures), Err(MaterialError::Range { value: -0.25, .. })));
+        let mut others = Textures::new();
+        let foreign = SpectrumInput::Texture(others.add(Texture::Constant(Spectrum::ONE)).unwrap());
+        let error = Material::mirror(foreign).check(&textures);
+        assert_eq!(error, Err(MaterialError::Texture { parameter: "reflectance" }));
+    }
+
+    #[test]
+    fn phong_that_would_create_energy_says_so() {
+        let warning =
+            |diffuse, specular| Material::phong(grey(0.1), grey(diffuse), grey(specular), 20.0).warning();
+        assert_eq!(warning(0.5, 0.5), None);
+        assert!(warning(0.75, 0.5).is_some_and(|message| message.contains("1.25")));
+    }
+
+    #[test]
+    fn plain_metal_uses_no_lane_beyond_the_colours() {
+        let (eta, k) = (Spectrum::from_rgb([0.143, 0.375, 1.442]), Spectrum::from_rgb([3.983, 2.386, 1.603]));
+        let gold = Material::conductor(eta, k);
+        let albedo = gold.bsdf(&Textures::new(), &point(), &RGB).unwrap().albedo(DVec3::Z);
+        let [r, g, b] = albedo.to_rgb(&RGB);
+        assert!(r > 0.95 && g < 0.85 && b < 0.4, "gold is yellow: {r} {g} {b}");
+        assert!(albedo.max_component() == r, "the fourth lane stays dark");
+    }
+}

@@ -7,8 +7,12 @@ use glanz_math::{DVec2, DVec3, Frame, SolidAnglePdf};
 use glanz_sampling::warp;
 
 use super::mirror::mirrored;
-use crate::bsdf::{BsdfSample, Lobe, same_side};
+use super::{Material, MaterialModel, TexturedModel};
+use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode, same_side};
 use crate::fresnel::reflect;
+use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, Resolved, TextureEvaluator};
+use crate::preview::PreviewSurface;
+use crate::texture::SpectrumInput;
 
 /// The modified Phong model: `kd / pi + ks (n + 2) / (2 pi) max(0, cos alpha)^n`, alpha from the mirrored direction.
 ///
@@ -71,16 +75,33 @@ impl Phong {
         self.energy_scale
     }
 
-    /// Probability to draw from the diffuse lobe.
-    #[inline]
-    #[must_use]
-    pub fn diffuse_probability(&self) -> f64 {
-        self.diffuse_probability
+    /// `max(0, cos alpha)^n`.
+    fn power(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let cos = mirrored(wo).dot(wi);
+        if cos > 0.0 { cos.min(1.0).powf(self.coefficients.exponent) } else { 0.0 }
     }
 
+    /// `f factor` for that power.
+    fn value(&self, power: f64, factor: f64) -> Spectrum {
+        let Coefficients { diffuse, specular, exponent, .. } = self.coefficients;
+        let factor = factor * f64::from(self.energy_scale);
+        diffuse * (FRAC_1_PI * factor) as f32 + specular * ((exponent + 2.0) / TAU * power * factor) as f32
+    }
+
+    /// The density for that power, of directions on one side.
+    fn density(&self, power: f64, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
+        let below = self.power(wo, DVec3::new(wi.x, wi.y, -wi.z));
+        let specular = (self.coefficients.exponent + 1.0) / TAU * (power + below);
+        let diffuse = warp::cosine_hemisphere_pdf(wi.z.abs()).0;
+        SolidAnglePdf(self.diffuse_probability * diffuse + (1.0 - self.diffuse_probability) * specular)
+    }
+}
+
+impl BsdfModel for Phong {
+    const LOBES: &'static [Lobe] = &[Lobe::DIFFUSE, Lobe::GLOSSY];
+
     /// `f |cos|`.
-    #[must_use]
-    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
+    fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
         if !same_side(wo, wi) {
             return Spectrum::BLACK;
         }
@@ -88,8 +109,7 @@ impl Phong {
     }
 
     /// A mixture of the cosine and of the lobe, the latter with what would be below the horizon mirrored up.
-    #[must_use]
-    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
         if !same_side(wo, wi) {
             return SolidAnglePdf(0.0);
         }
@@ -97,8 +117,7 @@ impl Phong {
     }
 
     /// A direction from one of the two lobes, weighted by both.
-    #[must_use]
-    pub fn sample(&self, wo: DVec3, xi: DVec2, xi_lobe: f64) -> Option<BsdfSample> {
+    fn sample(&self, wo: DVec3, xi: DVec2, xi_lobe: f64, _: TransportMode) -> Option<BsdfSample> {
         let (mut wi, lobe) = if xi_lobe < self.diffuse_probability {
             (warp::cosine_hemisphere(xi), Lobe::DIFFUSE)
         } else {
@@ -121,32 +140,95 @@ impl Phong {
         Some(BsdfSample { wi, weight, value, pdf, lobe, eta_scale: 1.0 })
     }
 
-    /// `max(0, cos alpha)^n`.
-    fn power(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let cos = mirrored(wo).dot(wi);
-        if cos > 0.0 { cos.min(1.0).powf(self.coefficients.exponent) } else { 0.0 }
+    fn diffuse_probability(&self) -> f64 {
+        self.diffuse_probability
     }
 
-    /// `f factor` for that power.
-    fn value(&self, power: f64, factor: f64) -> Spectrum {
-        let Coefficients { diffuse, specular, exponent, .. } = self.coefficients;
-        let factor = factor * f64::from(self.energy_scale);
-        diffuse * (FRAC_1_PI * factor) as f32 + specular * ((exponent + 2.0) / TAU * power * factor) as f32
-    }
-
-    /// The density for that power, of directions on one side.
-    fn density(&self, power: f64, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
-        let below = self.power(wo, DVec3::new(wi.x, wi.y, -wi.z));
-        let specular = (self.coefficients.exponent + 1.0) / TAU * (power + below);
-        let diffuse = warp::cosine_hemisphere_pdf(wi.z.abs()).0;
-        SolidAnglePdf(self.diffuse_probability * diffuse + (1.0 - self.diffuse_probability) * specular)
-    }
-
-    /// Share of light scattered; relative accuracy of the specular part about 1e-4.
-    #[must_use]
-    pub fn albedo(&self, wo: DVec3) -> Spectrum {
+    /// Relative accuracy of the specular part about 1e-4.
+    fn albedo(&self, wo: DVec3) -> Spectrum {
         let Coefficients { diffuse, specular, exponent, .. } = self.coefficients;
         (diffuse + specular * specular_albedo(wo.z.abs().min(1.0), exponent) as f32) * self.energy_scale
+    }
+
+    fn preview(&self) -> PreviewSurface {
+        let Coefficients { diffuse, specular, exponent, .. } = self.coefficients;
+        PreviewSurface {
+            specular: specular * self.energy_scale,
+            exponent: Some(exponent),
+            // The width of a microfacet lobe as sharp as cos^n.
+            roughness: (2.0 / (exponent + 2.0)).sqrt() as f32,
+            ..PreviewSurface::diffuse(diffuse * self.energy_scale)
+        }
+    }
+}
+
+/// The material of [`Phong`]; see [`Phong::new`] for coefficients that would create energy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhongMaterial<P: ParameterForm = Resolved> {
+    /// Ambient coefficient, only of the classical model.
+    pub ambient: P::Spectrum,
+    /// Diffuse coefficient.
+    pub diffuse: P::Spectrum,
+    /// Specular coefficient.
+    pub specular: P::Spectrum,
+    /// Sharpness of the highlight, >= 0.
+    pub exponent: P::Float,
+}
+
+impl<P: ParameterForm> MaterialModel<P> for PhongMaterial<P> {
+    type Resolved = PhongMaterial;
+
+    fn kind(&self) -> &'static str {
+        "phong"
+    }
+
+    fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<PhongMaterial, MaterialError> {
+        Ok(PhongMaterial {
+            ambient: resolver.fraction("ambient", &self.ambient)?,
+            diffuse: resolver.fraction("diffuse", &self.diffuse)?,
+            specular: resolver.fraction("specular", &self.specular)?,
+            exponent: resolver.float("exponent", &self.exponent, 0.0..=f32::MAX, "a number of at least 0")?,
+        })
+    }
+}
+
+impl TexturedModel for PhongMaterial {
+    type Bsdf = Phong;
+
+    fn bsdf(&self, at: &TextureEvaluator<'_>) -> Phong {
+        Phong::new(Coefficients {
+            ambient: at.spectrum(&self.ambient),
+            diffuse: at.spectrum(&self.diffuse),
+            specular: at.spectrum(&self.specular),
+            exponent: f64::from(at.float(&self.exponent)),
+        })
+    }
+
+    /// Names the largest sum of constant diffuse and specular coefficients where it is above 1; textured ones do not count.
+    fn warning(&self) -> Option<String> {
+        let (SpectrumInput::Constant(diffuse), SpectrumInput::Constant(specular)) =
+            (self.diffuse, self.specular)
+        else {
+            return None;
+        };
+        let sum = (diffuse + specular).max_component();
+        let message =
+            || format!("diffuse plus specular is {sum}; path-traced light scales both down to a sum of 1");
+        (sum > 1.0).then(message)
+    }
+}
+
+impl<P: ParameterForm> Material<P> {
+    /// The Phong model; `ambient` counts in the classical model only.
+    #[must_use]
+    pub fn phong(
+        ambient: impl Into<P::Spectrum>,
+        diffuse: impl Into<P::Spectrum>,
+        specular: impl Into<P::Spectrum>,
+        exponent: impl Into<P::Float>,
+    ) -> Self {
+        let (ambient, diffuse, specular) = (ambient.into(), diffuse.into(), specular.into());
+        Self::Phong(PhongMaterial { ambient, diffuse, specular, exponent: exponent.into() })
     }
 }
 
@@ -240,7 +322,11 @@ mod tests {
         // 0.6 of 0.6 + 0.2.
         let phong = Phong::new(coefficients(0.6, 0.2, 5.0));
         assert!((phong.diffuse_probability() - 0.75).abs() < 1e-7);
-        let lobe = |xi_lobe| phong.sample(DVec3::Z, DVec2::new(0.3, 0.6), xi_lobe).map(|sample| sample.lobe);
+        let lobe = |xi_lobe| {
+            phong
+                .sample(DVec3::Z, DVec2::new(0.3, 0.6), xi_lobe, TransportMode::Radiance)
+                .map(|sample| sample.lobe)
+        };
         assert_eq!((lobe(0.749), lobe(0.751)), (Some(Lobe::DIFFUSE), Some(Lobe::GLOSSY)));
     }
 
@@ -294,7 +380,7 @@ mod tests {
         assert_eq!(p.coefficients().exponent, 0.0);
         assert_eq!(p.coefficients().diffuse, Spectrum::BLACK);
         let black = Phong::new(coefficients(0.0, 0.0, 5.0));
-        let s = black.sample(DVec3::Z, DVec2::splat(0.3), 0.7).unwrap();
+        let s = black.sample(DVec3::Z, DVec2::splat(0.3), 0.7, TransportMode::Radiance).unwrap();
         assert!(s.weight.is_black());
     }
 }

@@ -68,7 +68,7 @@ pub(super) fn alone(geometry: GeometryDescription, to_world: DMat4) -> Result<Sc
 pub(super) fn add_mirror(description: &mut Description, geometry: GeometryDescription, to_parent: DMat4) {
     let reflectance = SpectrumInput::Value(SpectralDistribution::Constant(REFLECTANCE as f32));
     let material = description.materials.len();
-    let kind = MaterialKind::Mirror { reflectance };
+    let kind = MaterialKind::mirror(reflectance);
     description.materials.push(MaterialDescription { name: String::new(), kind, location: None });
     description.world.shapes.push(ShapeDescription {
         geometry,

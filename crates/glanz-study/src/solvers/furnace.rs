@@ -8,7 +8,7 @@ use glanz_radiosity::solve::{GaussSeidel, Hierarchical, Progressive, gauss_seide
 use glanz_scene::Scene;
 use glanz_scene::description::{
     Description, EmissionDescription, GeometryDescription, MaterialDescription, MaterialKind,
-    ShapeDescription, SpectrumInput,
+    ShapeDescription,
 };
 
 use super::measure::{LEFT, Solver};
@@ -113,9 +113,7 @@ fn scene(reflectance: f32) -> Result<Scene, StudyError> {
     let mut description = Description::default();
     description.materials.push(MaterialDescription {
         name: String::new(),
-        kind: MaterialKind::Diffuse {
-            reflectance: SpectrumInput::Value(SpectralDistribution::Constant(reflectance)),
-        },
+        kind: MaterialKind::diffuse(reflectance),
         location: None,
     });
     for (corner, u, v) in walls {

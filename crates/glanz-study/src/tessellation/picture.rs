@@ -8,7 +8,7 @@ use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_sampling::SamplerKind;
 use glanz_scene::Scene;
 use glanz_scene::description::{
-    CameraDescription, CameraKind, Description, FilmDescription, FilterDescription, FilterKind, FloatInput,
+    CameraDescription, CameraKind, Description, FilmDescription, FilterDescription, FilterKind,
     GeometryDescription, IntegratorDescription, LightDescription, LightKind, MaterialDescription,
     MaterialKind, ShapeDescription, SpectrumInput,
 };
@@ -51,12 +51,7 @@ pub(super) fn description(surfaces: Vec<GeometryDescription>, size: [u32; 2]) ->
         integrator: IntegratorDescription { name: "whitted".to_owned(), ..IntegratorDescription::default() },
         materials: vec![MaterialDescription {
             name: String::new(),
-            kind: MaterialKind::Phong {
-                ambient: grey(0.0),
-                diffuse: grey(DIFFUSE),
-                specular: grey(0.7),
-                exponent: FloatInput::Value(EXPONENT),
-            },
+            kind: MaterialKind::phong(grey(0.0), grey(DIFFUSE), grey(0.7), EXPONENT),
             location: None,
         }],
         lights: vec![LightDescription {

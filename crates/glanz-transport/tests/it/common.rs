@@ -24,16 +24,11 @@ pub(crate) fn rgb(value: [f32; 3]) -> SpectrumInput {
 }
 
 pub(crate) fn diffuse(reflectance: f32) -> MaterialKind {
-    MaterialKind::Diffuse { reflectance: grey(reflectance) }
+    MaterialKind::diffuse(grey(reflectance))
 }
 
 pub(crate) fn glass() -> MaterialKind {
-    MaterialKind::Dielectric {
-        eta: FloatInput::Value(1.5),
-        reflectance: grey(1.0),
-        transmittance: grey(1.0),
-        thin: false,
-    }
+    MaterialKind::dielectric(1.5, grey(1.0), grey(1.0))
 }
 
 pub(crate) fn sphere(radius: f64) -> GeometryDescription {

@@ -17,7 +17,7 @@ fn room(e: f64, rho: f64, depth: u32) -> f64 {
 fn closed_white_room_shines_with_emission_over_absorption() {
     let (e, rho) = ([0.5_f32, 1.0, 2.0], [0.75_f32, 0.5, 0.25]);
     let inside = Builder::looking(DVec3::new(0.3, -0.2, 0.4), DVec3::X, [6, 6], 1.2);
-    let walls = MaterialKind::Diffuse { reflectance: rgb(rho) };
+    let walls = MaterialKind::diffuse(rgb(rho));
     // Depth 80: what is cut off is below 0.75^81 = 1e-10.
     let expected = std::array::from_fn(|i| room(f64::from(e[i]), f64::from(rho[i]), 80));
     assert!((expected[0] - 2.0).abs() < 1e-9 && (expected[1] - 2.0).abs() < 1e-9);
@@ -181,7 +181,7 @@ fn mirror_scene(kind: MaterialKind) -> Builder {
 fn mirror_shows_what_is_there() {
     // The reflected ray meets the wall at (2, 0, 2), 1.5 m in front of the light and head on.
     let wall = 7.0 / (1.5 * 1.5) * 0.5 / PI;
-    let mirror = mirror_scene(MaterialKind::Mirror { reflectance: grey(0.8) });
+    let mirror = mirror_scene(MaterialKind::mirror(grey(0.8)));
     for run in Run::all_exact(2) {
         run.picture(&mirror).assert_exact(0.8 * wall, &run.name());
     }
@@ -191,7 +191,7 @@ fn mirror_shows_what_is_there() {
     }
     // Metal of eta = 0.2, k = 3.9 under 45 degrees: reflectance from the complex Fresnel equations. With
     // n = eta + i k, c' = sqrt(1 - (sin / n)^2): rs = (c - n c') / (c + n c'), rp = (n c - c') / (n c + c').
-    let metal = mirror_scene(MaterialKind::Conductor { eta: grey(0.2), k: grey(3.9) });
+    let metal = mirror_scene(MaterialKind::conductor(grey(0.2), grey(3.9)));
     let reflectance = conductor_at_45_degrees(0.2_f32.into(), 3.9_f32.into());
     for run in Run::all_exact(2) {
         run.picture(&metal).assert_exact(reflectance * wall, &run.name());
@@ -278,12 +278,7 @@ fn light_beyond_the_critical_angle_stays_inside() {
 
 #[test]
 fn phong_in_whitted_is_that_of_document_001() {
-    let phong = MaterialKind::Phong {
-        ambient: grey(0.1),
-        diffuse: grey(0.5),
-        specular: grey(0.4),
-        exponent: glanz_scene::description::FloatInput::Value(5.0),
-    };
+    let phong = MaterialKind::phong(grey(0.1), grey(0.5), grey(0.4), 5.0);
     // The light is 5 m away under cos = 0.8, the viewer straight above: r.v = 0.8.
     let scene = Builder::one_pixel(DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO)
         .shape(plane(), DMat4::IDENTITY, phong)
@@ -342,14 +337,9 @@ fn smooth_shading_normals_let_no_light_through() {
 fn cornell_box(resolution: [u32; 2]) -> Builder {
     let (x, y, z) = (DVec3::X * 2.0, DVec3::Y * 2.0, DVec3::Z * 2.0);
     let o = DVec3::splat(-1.0);
-    let wall = |c: [f32; 3]| MaterialKind::Diffuse { reflectance: rgb(c) };
+    let wall = |c: [f32; 3]| MaterialKind::diffuse(rgb(c));
     let white = [0.73; 3];
-    let glossy = MaterialKind::Phong {
-        ambient: grey(0.0),
-        diffuse: grey(0.3),
-        specular: grey(0.6),
-        exponent: glanz_scene::description::FloatInput::Value(30.0),
-    };
+    let glossy = MaterialKind::phong(grey(0.0), grey(0.3), grey(0.6), 30.0);
     Builder::looking(DVec3::new(-3.4, 0.0, 0.0), DVec3::ZERO, resolution, 0.7)
         .shape(rectangle(o, x, y), DMat4::IDENTITY, wall(white))
         .shape(rectangle(o + z, y, x), DMat4::IDENTITY, wall(white))

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::common::*;
 use glanz_math::{DMat4, DVec3};
 use glanz_sampling::SamplerKind;
-use glanz_scene::description::{FloatInput, GuideSettings, LightKind, MaterialKind};
+use glanz_scene::description::{GuideSettings, LightKind, MaterialKind};
 use glanz_transport::{AovSet, Checkpoint, Film, Guide, PictureIdentity, RenderError, RenderOutcome, merge};
 
 fn guide(text: &str) -> GuideSettings {
@@ -26,12 +26,7 @@ fn room(resolution: [u32; 2]) -> Builder {
 
 /// A room with a lamp that shines up to the ceiling, a glossy, a glass and a dull sphere.
 fn uplight(resolution: [u32; 2]) -> Builder {
-    let glossy = MaterialKind::Phong {
-        ambient: grey(0.0),
-        diffuse: grey(0.4),
-        specular: grey(0.5),
-        exponent: FloatInput::Value(20.0),
-    };
+    let glossy = MaterialKind::phong(grey(0.0), grey(0.4), grey(0.5), 20.0);
     room(resolution)
         .shape(sphere(0.25), at(0.3, 0.4, -0.75), glass())
         .shape(sphere(0.25), at(0.3, -0.4, -0.75), glossy)

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::common::*;
 use glanz_math::{DMat4, DVec3};
 use glanz_sampling::SamplerKind;
-use glanz_scene::description::{FloatInput, MaterialKind};
+use glanz_scene::description::MaterialKind;
 use glanz_transport::{
     AovSet, Checkpoint, Film, Guide, MergeError, PictureIdentity, RenderError, RenderOutcome, merge,
 };
@@ -17,12 +17,7 @@ use glanz_transport::{
 fn gap(resolution: [u32; 2]) -> Builder {
     let (x, y, z) = (DVec3::X * 2.0, DVec3::Y * 2.0, DVec3::Z * 2.0);
     let o = DVec3::splat(-1.0);
-    let glossy = MaterialKind::Phong {
-        ambient: grey(0.0),
-        diffuse: grey(0.3),
-        specular: grey(0.6),
-        exponent: FloatInput::Value(30.0),
-    };
+    let glossy = MaterialKind::phong(grey(0.0), grey(0.3), grey(0.6), 30.0);
     let mut scene = Builder::looking(DVec3::new(-0.9, 0.0, 0.0), DVec3::new(0.3, 0.0, -0.1), resolution, 1.4);
     for (corner, s, t) in [(o, x, y), (o + z, y, x), (o + x, z, y), (o, z, x), (o + y, x, z), (o, y, z)] {
         scene = scene.shape(rectangle(corner, s, t), DMat4::IDENTITY, diffuse(0.7));
@@ -127,12 +122,7 @@ fn guide_does_no_harm_where_light_is_easily_found() {
 #[test]
 fn glossy_and_smooth_surfaces_keep_their_own_sampling() {
     // A mirror-like room: the highlights of Phong's model with exponent 2000 are far smaller than what a cell knows.
-    let glossy = MaterialKind::Phong {
-        ambient: grey(0.0),
-        diffuse: grey(0.0),
-        specular: grey(0.8),
-        exponent: FloatInput::Value(2000.0),
-    };
+    let glossy = MaterialKind::phong(grey(0.0), grey(0.0), grey(0.8), 2000.0);
     let scene = Builder::looking(DVec3::new(-3.0, 0.0, 1.0), DVec3::ZERO, [16, 16], 0.5)
         .shape(sphere(1.0), DMat4::IDENTITY, glossy)
         .shape(

@@ -15,16 +15,11 @@ use glanz_scene::description::*;
 use glanz_transport::{Film, RenderError};
 
 fn glossy() -> MaterialKind {
-    MaterialKind::Phong {
-        ambient: grey(0.0),
-        diffuse: grey(0.3),
-        specular: grey(0.6),
-        exponent: FloatInput::Value(30.0),
-    }
+    MaterialKind::phong(grey(0.0), grey(0.3), grey(0.6), 30.0)
 }
 
 fn mirror(reflectance: f32) -> MaterialKind {
-    MaterialKind::Mirror { reflectance: grey(reflectance) }
+    MaterialKind::mirror(grey(reflectance))
 }
 
 /// A floor and a back wall, in front of them a grey and a glossy ball; no light.

@@ -75,12 +75,7 @@ fn integrating_sphere_is_lit_by_power_over_absorption() {
 
 #[test]
 fn books_balance_whatever_stands_in_the_room() {
-    let phong = MaterialKind::Phong {
-        ambient: grey(0.0),
-        diffuse: rgb([0.5, 0.2, 0.1]),
-        specular: grey(0.3),
-        exponent: glanz_scene::description::FloatInput::Value(20.0),
-    };
+    let phong = MaterialKind::phong(grey(0.0), rgb([0.5, 0.2, 0.1]), grey(0.3), 20.0);
     let room = Builder::looking(DVec3::ZERO, DVec3::X, [1, 1], 1.0)
         .shape(sphere(0.5), at(0.5, 0.0, -0.4), glass())
         .shape(sphere(0.4), at(-0.6, 0.0, -0.4), phong)

@@ -63,7 +63,7 @@ fn mirror_shows_stored_light_and_what_has_none_is_dark() {
     let image = DVec3::new(-0.5, 0.0, -4.0);
     let t = (-2.0 - image.z) / (there.z - image.z);
     let on_floor = image + t * (there - image);
-    let mirror = MaterialKind::Mirror { reflectance: grey(0.8) };
+    let mirror = MaterialKind::mirror(grey(0.8));
     let direct = seen(&diffuse(0.5), eye, there, false);
     let mirrored = seen(&mirror, eye, on_floor, false);
     assert!(direct > 0.3 && (mirrored / direct - 0.8).abs() < 1e-5, "{mirrored} {direct}");

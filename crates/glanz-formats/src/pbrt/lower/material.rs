@@ -69,7 +69,7 @@ impl Lowering {
     }
 
     fn add_default(&mut self, name: &str, place: &Place) -> usize {
-        let kind = MaterialKind::Diffuse { reflectance: SpectrumInput::Value(grey(0.5)) };
+        let kind = MaterialKind::diffuse(grey(0.5));
         let location = Some(place.location);
         self.description.materials.push(MaterialDescription { name: name.to_owned(), kind, location });
         self.description.materials.len() - 1
@@ -115,16 +115,16 @@ impl Lowering {
             "mirror" => {
                 let reflectance = self.spectrum_or(l, "Kr", 0.9, space)?;
                 let reflectance = self.optional_spectrum(l, "reflectance", space)?.unwrap_or(reflectance);
-                MaterialKind::Mirror { reflectance }
+                MaterialKind::mirror(reflectance)
             }
             "conductor" | "metal" => self.conductor(kind, l, ["eta", "k", "reflectance"], space)?,
             "dielectric" | "glass" | "thindielectric" => self.dielectric(kind, l, space)?,
-            "phong" => MaterialKind::Phong {
-                ambient: self.spectrum_or(l, "Ka", 0.0, space)?,
-                diffuse: self.spectrum_or(l, "Kd", 0.5, space)?,
-                specular: self.spectrum_or(l, "Ks", 0.5, space)?,
-                exponent: self.float_or(l, "exponent", 10.0)?,
-            },
+            "phong" => MaterialKind::phong(
+                self.spectrum_or(l, "Ka", 0.0, space)?,
+                self.spectrum_or(l, "Kd", 0.5, space)?,
+                self.spectrum_or(l, "Ks", 0.5, space)?,
+                self.float_or(l, "exponent", 10.0)?,
+            ),
             "" | "none" | "interface" => MaterialKind::Interface,
             other => self.replaced_material(other, l, space)?,
         };
@@ -155,7 +155,7 @@ impl Lowering {
                 format!("material {kind:?}: \"sigma\" is not available yet; Lambert's law stands in");
             self.stand_in(&place, "stand-in-material", message);
         }
-        Ok(MaterialKind::Diffuse { reflectance })
+        Ok(MaterialKind::diffuse(reflectance))
     }
 
     /// A metal from its index and absorption (copper's by default) or, in version 4, from its reflectance at normal
@@ -176,33 +176,33 @@ impl Lowering {
                 SpectrumInput::Texture(_) => None,
             };
             if let Some(k) = known {
-                let (eta, k) = (SpectrumInput::Value(grey(1.0)), SpectrumInput::Value(k));
-                return Ok(MaterialKind::Conductor { eta, k });
+                return Ok(MaterialKind::conductor(grey(1.0), k));
             }
             let message = format!(
                 "material {kind:?}: a {reflectance:?} that is a texture or a black body is not available yet; \"mirror\" stands in"
             );
             self.stand_in(&place, "stand-in-material", message);
-            return Ok(MaterialKind::Mirror { reflectance: input });
+            return Ok(MaterialKind::mirror(input));
         }
         let eta = self.optional_spectrum(list, eta, space)?;
         let k = self.optional_spectrum(list, k, space)?;
         let copper = |name: &str| SpectrumInput::Value(named::spectrum(name).unwrap_or_default());
-        Ok(MaterialKind::Conductor {
-            eta: eta.unwrap_or_else(|| copper("metal-Cu-eta")),
-            k: k.unwrap_or_else(|| copper("metal-Cu-k")),
-        })
+        Ok(MaterialKind::conductor(
+            eta.unwrap_or_else(|| copper("metal-Cu-eta")),
+            k.unwrap_or_else(|| copper("metal-Cu-k")),
+        ))
     }
 
     fn dielectric(&mut self, kind: &str, list: &mut ParameterList, space: ColorSpace) -> Step<MaterialKind> {
         self.smooth(kind, list, 0.0)?;
         let index = self.optional_float(list, "index")?;
         let eta = self.optional_float(list, "eta")?.or(index).unwrap_or(FloatInput::Value(1.5));
-        Ok(MaterialKind::Dielectric {
-            eta,
-            reflectance: self.spectrum_or(list, "Kr", 1.0, space)?,
-            transmittance: self.spectrum_or(list, "Kt", 1.0, space)?,
-            thin: kind == "thindielectric",
+        let reflectance = self.spectrum_or(list, "Kr", 1.0, space)?;
+        let transmittance = self.spectrum_or(list, "Kt", 1.0, space)?;
+        Ok(if kind == "thindielectric" {
+            MaterialKind::thin_dielectric(eta, reflectance, transmittance)
+        } else {
+            MaterialKind::dielectric(eta, reflectance, transmittance)
         })
     }
 

@@ -56,13 +56,13 @@ impl Lowering {
                     "remaproughness",
                 ]);
                 let reflectance = self.spectrum_or(list, "Kd", 0.25, space)?;
-                (MaterialKind::Diffuse { reflectance }, "opaque \"diffuse\" of its \"Kd\"".to_owned())
+                (MaterialKind::diffuse(reflectance), "opaque \"diffuse\" of its \"Kd\"".to_owned())
             }
             "translucent" => self.translucent(list, space)?,
             "shinymetal" => {
                 list.ignore(&["Ks", "roughness"]);
                 let reflectance = self.spectrum_or(list, "Kr", 1.0, space)?;
-                (MaterialKind::Mirror { reflectance }, "\"mirror\"".to_owned())
+                (MaterialKind::mirror(reflectance), "\"mirror\"".to_owned())
             }
             "coatedconductor" => {
                 list.ignore(COAT);
@@ -124,7 +124,7 @@ impl Lowering {
             SpectrumInput::Value(share) => self.product(base, share, list),
             SpectrumInput::Texture(_) => self.scaled(base, 0.5, list),
         };
-        Ok((MaterialKind::Diffuse { reflectance }, "\"diffuse\" of what it reflects".to_owned()))
+        Ok((MaterialKind::diffuse(reflectance), "\"diffuse\" of what it reflects".to_owned()))
     }
 
     /// The reflectance of a material that is shown as a diffuse one, whatever it calls it.
@@ -180,7 +180,7 @@ impl Lowering {
             ]);
             list.ignore(&["beta_n", "alpha", "Kd", "reflectance"]);
         }
-        Ok(MaterialKind::Diffuse { reflectance })
+        Ok(MaterialKind::diffuse(reflectance))
     }
 
     /// The kind of the first material of a mixture.
@@ -242,13 +242,10 @@ impl Lowering {
 
 /// A Phong material. Light of every direction, which the classical model calls ambient, meets the diffuse base as well.
 fn phong(diffuse: SpectrumInput, specular: SpectrumInput, exponent: f32) -> StandIn {
-    let kind = MaterialKind::Phong {
-        ambient: diffuse.clone(),
-        diffuse,
-        specular,
-        exponent: FloatInput::Value(exponent),
-    };
-    (kind, format!("\"phong\" with exponent {exponent:.4}"))
+    (
+        MaterialKind::phong(diffuse.clone(), diffuse, specular, exponent),
+        format!("\"phong\" with exponent {exponent:.4}"),
+    )
 }
 
 /// Sharper lobes than this cannot be told from a mirror in `f32`.

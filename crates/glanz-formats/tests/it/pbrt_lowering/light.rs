@@ -129,17 +129,13 @@ fn light_outside_the_gamut_keeps_its_spectrum_and_takes_none_away_from_colours()
 #[test]
 fn xyz_and_wide_gamut_colours_become_rec709() {
     // The white of D65 is (1, 1, 1).
-    let MaterialKind::Diffuse { reflectance } = material("\"matte\" \"xyz Kd\" [.475 .5 .5445]") else {
-        panic!()
-    };
-    for x in value(&reflectance) {
+    let MaterialKind::Diffuse(diffuse) = material("\"matte\" \"xyz Kd\" [.475 .5 .5445]") else { panic!() };
+    for x in value(&diffuse.reflectance) {
         assert!((x - 0.5).abs() < 1e-3, "{x}");
     }
     let text = "WorldBegin ColorSpace \"rec2020\" Material \"diffuse\" \"rgb reflectance\" [.25 .25 .25]";
-    let MaterialKind::Diffuse { reflectance } = read_clean(text).description.materials[0].kind.clone() else {
-        panic!()
-    };
-    for x in value(&reflectance) {
+    let MaterialKind::Diffuse(diffuse) = &read_clean(text).description.materials[0].kind else { panic!() };
+    for x in value(&diffuse.reflectance) {
         assert!((x - 0.25).abs() < 1e-6, "{x}");
     }
 }

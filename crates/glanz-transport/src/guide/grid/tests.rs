@@ -24,7 +24,7 @@ fn scene() -> Scene {
     let white = SpectrumInput::Value(SpectralDistribution::Constant(1.0));
     description.materials.push(MaterialDescription {
         name: String::new(),
-        kind: MaterialKind::Diffuse { reflectance: white },
+        kind: MaterialKind::diffuse(white),
         location: None,
     });
     let wall = [[0.0, 0.0], [2.0, 0.0], [2.0, 4.0], [0.0, 4.0]].map(|[y, z]| DVec3::new(9.0, y, z));

@@ -13,11 +13,8 @@ const WHITE: SpectralDistribution = SpectralDistribution::Constant(0.5);
 
 fn description() -> Description {
     let reflectance = SpectrumInput::Value(WHITE);
-    let material = MaterialDescription {
-        name: String::new(),
-        kind: MaterialKind::Diffuse { reflectance },
-        location: None,
-    };
+    let material =
+        MaterialDescription { name: String::new(), kind: MaterialKind::diffuse(reflectance), location: None };
     Description { materials: vec![material], ..Description::default() }
 }
 

@@ -1,0 +1,184 @@
+//! Parameters of materials: as described, and ready for shading.
+
+use std::fmt::Debug;
+use std::ops::RangeInclusive;
+
+use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
+
+use crate::texture::{FloatInput, SpectrumInput, TexturePoint, Textures};
+
+/// A form of the parameters of materials: [`Resolved`], or that of a scene description.
+pub trait ParameterForm {
+    /// A spectrum, or a texture of spectra.
+    type Spectrum: Clone + Debug + PartialEq;
+    /// A number, or a texture of numbers.
+    type Float: Clone + Debug + PartialEq;
+}
+
+/// The form for shading: constants at the wavelengths of the render, and textures of [`Textures`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resolved {}
+
+impl ParameterForm for Resolved {
+    type Spectrum = SpectrumInput;
+    type Float = FloatInput;
+}
+
+/// Why a material is not possible.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MaterialError {
+    /// A parameter refers to a texture that does not exist.
+    #[error("{parameter} refers to a texture that does not exist")]
+    Texture {
+        /// Name of the parameter.
+        parameter: &'static str,
+    },
+    /// A constant is not finite or out of range.
+    #[error("{parameter} is {value}, it has to be {range}")]
+    Range {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// The value, of a spectrum the first lane out of range.
+        value: f32,
+        /// The range in words.
+        range: &'static str,
+    },
+}
+
+/// Makes [`Resolved`] parameters from those of another form. Materials call the checked conversions.
+pub trait ParameterResolver<P: ParameterForm> {
+    /// Converts a fraction of light; `None` if its texture does not exist.
+    fn fraction_input(&self, input: &P::Spectrum) -> Option<SpectrumInput>;
+
+    /// Converts a spectrum without upper bound; `None` if its texture does not exist.
+    fn spectrum_input(&self, input: &P::Spectrum) -> Option<SpectrumInput>;
+
+    /// Converts a number; `None` if its texture does not exist.
+    fn float_input(&self, input: &P::Float) -> Option<FloatInput>;
+
+    /// A fraction of light. Constants above 1 are allowed (scene files hold 1.0001): they are clamped where they are used.
+    ///
+    /// # Errors
+    /// [`MaterialError::Texture`] for a texture that does not exist, [`MaterialError::Range`] for a constant that is negative or not finite.
+    fn fraction(&self, parameter: &'static str, input: &P::Spectrum) -> Result<SpectrumInput, MaterialError> {
+        checked_spectrum(parameter, self.fraction_input(input))
+    }
+
+    /// A spectrum of numbers of at least 0, such as refractive indices.
+    ///
+    /// # Errors
+    /// As for [`ParameterResolver::fraction`].
+    fn spectrum(&self, parameter: &'static str, input: &P::Spectrum) -> Result<SpectrumInput, MaterialError> {
+        checked_spectrum(parameter, self.spectrum_input(input))
+    }
+
+    /// A number in `allowed`, which `range` says in words.
+    ///
+    /// # Errors
+    /// [`MaterialError::Texture`] for a texture that does not exist, [`MaterialError::Range`] for a constant out of range.
+    fn float(
+        &self,
+        parameter: &'static str,
+        input: &P::Float,
+        allowed: RangeInclusive<f32>,
+        range: &'static str,
+    ) -> Result<FloatInput, MaterialError> {
+        match self.float_input(input).ok_or(MaterialError::Texture { parameter })? {
+            FloatInput::Constant(value) if !allowed.contains(&value) => {
+                Err(MaterialError::Range { parameter, value, range })
+            }
+            input => Ok(input),
+        }
+    }
+}
+
+/// Only checks that textures exist.
+impl ParameterResolver<Resolved> for Textures {
+    fn fraction_input(&self, input: &SpectrumInput) -> Option<SpectrumInput> {
+        self.spectrum_input(input)
+    }
+
+    fn spectrum_input(&self, input: &SpectrumInput) -> Option<SpectrumInput> {
+        match input {
+            SpectrumInput::Texture(id) => self.get(*id).map(|_| *input),
+            SpectrumInput::Constant(_) => Some(*input),
+        }
+    }
+
+    fn float_input(&self, input: &FloatInput) -> Option<FloatInput> {
+        match input {
+            FloatInput::Texture(id) => self.get(*id).map(|_| *input),
+            FloatInput::Constant(_) => Some(*input),
+        }
+    }
+}
+
+fn checked_spectrum(
+    parameter: &'static str,
+    input: Option<SpectrumInput>,
+) -> Result<SpectrumInput, MaterialError> {
+    let input = input.ok_or(MaterialError::Texture { parameter })?;
+    let outside = match input {
+        SpectrumInput::Constant(value) => first_outside(value),
+        SpectrumInput::Texture(_) => None,
+    };
+    match outside {
+        Some(value) => Err(MaterialError::Range { parameter, value, range: "a number of at least 0" }),
+        None => Ok(input),
+    }
+}
+
+/// The first lane that is negative or not finite.
+fn first_outside(value: Spectrum) -> Option<f32> {
+    let found = std::cell::Cell::new(None);
+    let _ = value.map(|x| {
+        if found.get().is_none() && !(x.is_finite() && x >= 0.0) {
+            found.set(Some(x));
+        }
+        x
+    });
+    found.get()
+}
+
+/// Evaluates the parameters of materials at a point.
+///
+/// Values of textures are brought into their range here, so that a BSDF never creates energy.
+#[derive(Clone, Copy, Debug)]
+pub struct TextureEvaluator<'a> {
+    textures: &'a Textures,
+    at: &'a TexturePoint,
+    wavelengths: &'a Wavelengths,
+}
+
+impl<'a> TextureEvaluator<'a> {
+    /// `textures`: those that the parameters refer to.
+    #[must_use]
+    pub fn new(textures: &'a Textures, at: &'a TexturePoint, wavelengths: &'a Wavelengths) -> Self {
+        Self { textures, at, wavelengths }
+    }
+
+    /// A fraction of light, clamped to [0, 1]; 0 for what is not a number.
+    #[must_use]
+    pub fn fraction(&self, input: &SpectrumInput) -> Spectrum {
+        self.spectrum(input).map(|x| x.min(1.0))
+    }
+
+    /// A spectrum of at least 0; 0 for what is not a number.
+    #[must_use]
+    pub fn spectrum(&self, input: &SpectrumInput) -> Spectrum {
+        self.textures.spectrum(input, self.at, self.wavelengths).map(|x| x.max(0.0))
+    }
+
+    /// A number as it is.
+    #[must_use]
+    pub fn float(&self, input: &FloatInput) -> f32 {
+        self.textures.float(input, self.at, self.wavelengths)
+    }
+
+    /// 1 in the lanes in use, 0 in others.
+    #[must_use]
+    pub fn white(&self) -> Spectrum {
+        SpectralDistribution::Constant(1.0).reflectance(self.wavelengths)
+    }
+}
