@@ -1,8 +1,8 @@
-//! A fingerprint of everything that was read.
+//! Hash of all files of a scene.
 
 /// FNV-1a with 128 bits (@fnv), fed with each file's length and bytes in the order of reading.
 ///
-/// The same on every machine and in every version: checkpoints carry it. Names do not count, so a scene may move. It
+/// Equal on every machine and in every version, because checkpoints store it. File names do not enter it, so a scene may move. It
 /// tells inputs apart by accident, not against an adversary.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ContentHash(u128);

@@ -27,7 +27,7 @@ pub struct NewellMesh {
     pub patches: Vec<[u32; POINTS]>,
 }
 
-/// Why bytes are not a list of patches, and where.
+/// Error of reading a list of patches, with its position.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{line}:{column}: {kind}")]
 pub struct NewellError {
@@ -35,11 +35,11 @@ pub struct NewellError {
     pub line: u32,
     /// Column in bytes, from 1.
     pub column: u32,
-    /// What.
+    /// Kind.
     pub kind: NewellErrorKind,
 }
 
-/// What is wrong with a list of patches.
+/// Kinds of errors of lists of patches.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NewellErrorKind {
@@ -49,15 +49,15 @@ pub enum NewellErrorKind {
     /// Something else than a number.
     #[error("{found:?} stands where {wanted} should")]
     Number {
-        /// What there is.
+        /// The number found.
         found: String,
-        /// What there should be.
+        /// The number expected.
         wanted: &'static str,
     },
     /// More things than the rest of the file can hold.
     #[error("{count} {what} are declared, the file has {bytes} bytes left for them")]
     Count {
-        /// What they are.
+        /// The items.
         what: &'static str,
         /// Declared number.
         count: u32,
@@ -69,7 +69,7 @@ pub enum NewellErrorKind {
     Index {
         /// Counted from 1.
         patch: usize,
-        /// What it refers to.
+        /// The referenced item.
         index: u32,
         /// Number of points.
         count: u32,
@@ -87,7 +87,7 @@ pub enum NewellErrorKind {
 /// # Errors
 /// [`NewellError`] with the place in the file.
 pub fn read(bytes: &[u8]) -> Result<NewellMesh, NewellError> {
-    let mut words = Words { bytes, offset: 0 };
+    let mut words = WordReader { bytes, offset: 0 };
     let patch_count = words.count("patches", "the number of patches", POINTS)?;
     let first_index = words;
     let mut patches = Vec::with_capacity(patch_count as usize);
@@ -131,12 +131,12 @@ fn quoted(word: &[u8]) -> String {
 
 /// Reads forward through words.
 #[derive(Clone, Copy)]
-struct Words<'a> {
+struct WordReader<'a> {
     bytes: &'a [u8],
     offset: usize,
 }
 
-impl<'a> Words<'a> {
+impl<'a> WordReader<'a> {
     /// The next word and where it begins.
     fn next(&mut self) -> Option<(usize, &'a [u8])> {
         let between = |b: &u8| b.is_ascii_whitespace() || *b == b',';
@@ -166,7 +166,7 @@ impl<'a> Words<'a> {
         self.parse(wanted).map(|(_, _, value)| value)
     }
 
-    /// How many things of so many numbers each follow; refused if the file cannot hold them.
+    /// Number of items of the given size that follow; an error if the file cannot hold them.
     fn count(
         &mut self,
         what: &'static str,

@@ -1,4 +1,4 @@
-//! Which format a scene file has, and reading it.
+//! Recognises the format of a scene file and reads it.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,21 +9,21 @@ use crate::image;
 use crate::pbrt;
 use crate::source::Sources;
 
-/// How to read.
+/// Settings of the readers.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Whether a stand-in for something that is not available is an error. Up to 20 errors are collected.
+    /// Turns every stand-in into an error. Up to 20 errors are collected.
     pub strict: bool,
-    /// Where files are that the scene names; by default the folder of the scene file.
+    /// Folder for the files that the scene names; by default that of the scene file.
     pub folder: Option<PathBuf>,
-    /// Whether files outside of that folder are refused, for scenes of people who may not read them: names that are absolute or go up,
+    /// Refuses files outside of that folder, for scenes from untrusted users: names that are absolute or go up,
     /// and links that lead out. Messages name files relative to the folder then.
     ///
     /// The folder has to be one that those people cannot change while it is read.
     pub confined: bool,
 }
 
-/// What was read.
+/// A scene that was read.
 #[derive(Clone, Debug)]
 pub struct Loaded {
     /// The scene as plain data.
@@ -44,7 +44,7 @@ pub enum SceneFormat {
     Pbrt,
 }
 
-/// What other formats begin with, and what can be said of them.
+/// Signatures of other formats, with a description for the error.
 const OTHERS: &[(&[u8], &str)] = &[
     (b"ply\n", "a PLY model; a scene refers to it by Shape \"plymesh\""),
     (b"ply\r", "a PLY model; a scene refers to it by Shape \"plymesh\""),
@@ -115,7 +115,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     load_bytes(&name, Some(path), bytes.into(), options)
 }
 
-/// Whether `path`, followed through links, is in `folder`.
+/// True if `path`, with links resolved, is in `folder`.
 fn lies_in(path: &Path, folder: Option<&Path>) -> bool {
     let real = |path: &Path| std::fs::canonicalize(path).ok();
     match (real(path), folder.and_then(real)) {

@@ -12,12 +12,12 @@ use glanz_scene::diagnostic::{Diagnostic, Diagnostics, Excerpt, Severity};
 /// Bytes of files on disk are let go after reading; an excerpt for a later message reads the file again.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
-    files: Vec<Source>,
+    files: Vec<SourceFile>,
     paths: Vec<PathBuf>,
 }
 
 #[derive(Clone, Debug)]
-struct Source {
+struct SourceFile {
     name: String,
     path: Option<PathBuf>,
     bytes: Option<Arc<[u8]>>,
@@ -54,7 +54,7 @@ impl Sources {
         message: String,
     ) -> Diagnostic {
         let source = self.files.get(location.map_or(0, |l| l.file.0 as usize));
-        let bytes = source.and_then(Source::bytes);
+        let bytes = source.and_then(SourceFile::bytes);
         let excerpt = location.zip(bytes).and_then(|(l, bytes)| {
             let line = bytes.split(|&b| b == b'\n').nth(l.line.checked_sub(1)? as usize)?;
             let offset = offset_of_column(line, l.column);
@@ -71,7 +71,7 @@ impl Sources {
             self.files[i].bytes = bytes;
             return FileId(i as u32);
         }
-        self.files.push(Source { name: name.to_owned(), path: path.map(Path::to_owned), bytes });
+        self.files.push(SourceFile { name: name.to_owned(), path: path.map(Path::to_owned), bytes });
         FileId((self.files.len() - 1) as u32)
     }
 
@@ -84,7 +84,7 @@ impl Sources {
         }
     }
 
-    fn excerpt(&self, place: &Place) -> Option<Excerpt> {
+    fn excerpt(&self, place: &Span) -> Option<Excerpt> {
         let bytes = self.bytes(place.location.file)?;
         let offset = place.offset.min(bytes.len());
         let start = bytes.get(..offset)?.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
@@ -95,7 +95,7 @@ impl Sources {
 
     /// The bytes of a file, if they can still be read.
     pub(crate) fn bytes(&self, file: FileId) -> Option<Arc<[u8]>> {
-        self.files.get(file.0 as usize).and_then(Source::bytes)
+        self.files.get(file.0 as usize).and_then(SourceFile::bytes)
     }
 
     fn name(&self, file: FileId) -> String {
@@ -103,7 +103,7 @@ impl Sources {
     }
 }
 
-impl Source {
+impl SourceFile {
     fn bytes(&self) -> Option<Arc<[u8]>> {
         match (&self.bytes, &self.path) {
             (Some(bytes), _) => Some(Arc::clone(bytes)),
@@ -141,23 +141,23 @@ fn word_length(line: &[u8], offset: usize) -> usize {
     }
 }
 
-/// A stretch of a file.
+/// A range of bytes of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Place {
-    /// Where it begins.
+pub(crate) struct Span {
+    /// Start.
     pub(crate) location: Location,
-    /// The same in bytes from the start of the file.
+    /// Start in bytes from the beginning of the file.
     pub(crate) offset: usize,
     /// Its bytes.
     pub(crate) length: usize,
 }
 
-/// Something failed and has been reported; whoever receives it only has to stop.
+/// Proof that an error has been reported; the receiver only has to stop.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reported;
+pub(crate) struct ReportedError;
 
 /// The result of a step whose failure is already among the diagnostics.
-pub(crate) type Step<T> = Result<T, Reported>;
+pub(crate) type ParseResult<T> = Result<T, ReportedError>;
 
 /// Errors after which reading stops.
 pub(crate) const MAX_ERRORS: usize = 20;
@@ -167,7 +167,7 @@ pub(crate) const MAX_ERRORS: usize = 20;
 pub(crate) struct Reporter {
     pub(crate) sources: Sources,
     pub(crate) diagnostics: Diagnostics,
-    /// Whether a stand-in is an error.
+    /// True if a stand-in is an error.
     pub(crate) strict: bool,
 }
 
@@ -175,35 +175,35 @@ impl Reporter {
     /// Reports what makes the scene unusable.
     pub(crate) fn error(
         &mut self,
-        place: &Place,
+        place: &Span,
         kind: &'static str,
         message: impl Into<String>,
-    ) -> Reported {
+    ) -> ReportedError {
         self.report(Severity::Error, place, kind, message.into(), None);
-        Reported
+        ReportedError
     }
 
-    /// The same with advice.
+    /// Like the method above, with a remedy.
     pub(crate) fn error_with_help(
         &mut self,
-        place: &Place,
+        place: &Span,
         kind: &'static str,
         message: impl Into<String>,
         help: Option<String>,
-    ) -> Reported {
+    ) -> ReportedError {
         self.report(Severity::Error, place, kind, message.into(), help);
-        Reported
+        ReportedError
     }
 
     /// Reports what is odd but harmless.
-    pub(crate) fn warning(&mut self, place: &Place, kind: &'static str, message: impl Into<String>) {
+    pub(crate) fn warning(&mut self, place: &Span, kind: &'static str, message: impl Into<String>) {
         self.report(Severity::Warning, place, kind, message.into(), None);
     }
 
-    /// The same with advice.
+    /// Like the method above, with a remedy.
     pub(crate) fn warning_with_help(
         &mut self,
-        place: &Place,
+        place: &Span,
         kind: &'static str,
         message: impl Into<String>,
         help: Option<String>,
@@ -212,12 +212,12 @@ impl Reporter {
     }
 
     /// Reports that something is shown as something else or not at all; an error where the user wants none of that.
-    pub(crate) fn stand_in(&mut self, place: &Place, kind: &'static str, message: impl Into<String>) {
+    pub(crate) fn stand_in(&mut self, place: &Span, kind: &'static str, message: impl Into<String>) {
         let severity = if self.strict { Severity::Error } else { Severity::Warning };
         self.report(severity, place, kind, message.into(), None);
     }
 
-    /// Whether there are so many errors that going on helps nobody.
+    /// True if the limit of errors is reached.
     pub(crate) fn is_full(&self) -> bool {
         self.diagnostics.count(Severity::Error) >= MAX_ERRORS
     }
@@ -225,7 +225,7 @@ impl Reporter {
     fn report(
         &mut self,
         severity: Severity,
-        place: &Place,
+        place: &Span,
         kind: &'static str,
         message: String,
         help: Option<String>,

@@ -58,7 +58,7 @@ pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<(), F
         outputs::check_writable(plot)?;
     }
     let bytes = std::fs::read(path).map_err(|error| failure(&error))?;
-    let at = |fault: &photometry::Fault| format!("{}:{fault}", path.display());
+    let at = |fault: &photometry::PhotometryError| format!("{}:{fault}", path.display());
     let file = photometry::read(&bytes).map_err(|fault| Failure::new(at(&fault)))?;
     let warnings: Vec<String> = file.warnings.iter().map(at).collect();
     warnings.iter().for_each(|warning| messages.warning(warning));

@@ -1,4 +1,4 @@
-//! Where a model is seen from.
+//! Camera of a model.
 
 use serde_json::{Value, json};
 
@@ -11,9 +11,9 @@ pub struct Camera {
     pub projection: Projection,
     /// Distances of what it sees, metres: nearest and farthest; the nearest is positive in a central projection.
     pub range: [f32; 2],
-    /// Where it is, metres.
+    /// Position, metres.
     pub position: [f32; 3],
-    /// How it is turned: a quaternion of unit length, its real part last.
+    /// Rotation: a unit quaternion, real part last.
     pub rotation: [f32; 4],
 }
 
@@ -53,7 +53,7 @@ impl Camera {
         (camera, node)
     }
 
-    /// Whether the format can hold it.
+    /// True if the format can represent it.
     pub(super) fn is_valid(&self) -> bool {
         let [near, far] = self.range;
         let positive = |x: f32| x > 0.0 && x.is_finite();

@@ -19,7 +19,7 @@ pub struct Model {
     pub pictures: Vec<Vec<u8>>,
     /// Things, each with a name.
     pub nodes: Vec<Node>,
-    /// Where it is seen from.
+    /// The camera.
     pub camera: Option<Camera>,
 }
 
@@ -47,7 +47,7 @@ pub struct Part {
     pub indices: Vec<[u32; 3]>,
 }
 
-/// Why a model cannot be written.
+/// Errors of writing a model.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GlbError {

@@ -30,7 +30,7 @@ fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if existing.as_ref().is_some_and(fs::Permissions::readonly) {
         return Err(io::Error::from(io::ErrorKind::PermissionDenied));
     }
-    let (temporary, mut file) = Temporary::create_beside(&path)?;
+    let (temporary, mut file) = TemporaryFile::create_beside(&path)?;
     file.write_all(bytes)?;
     if let Some(permissions) = existing {
         file.set_permissions(permissions)?;
@@ -42,9 +42,9 @@ fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
 }
 
 /// A file that is removed when dropped, unless it has taken another name.
-struct Temporary(Option<PathBuf>);
+struct TemporaryFile(Option<PathBuf>);
 
-impl Temporary {
+impl TemporaryFile {
     /// A new file in the folder of `path`.
     fn create_beside(path: &Path) -> io::Result<(Self, File)> {
         let name = path.file_name().ok_or_else(|| io::Error::from(io::ErrorKind::InvalidInput))?;
@@ -71,7 +71,7 @@ impl Temporary {
     }
 }
 
-impl Drop for Temporary {
+impl Drop for TemporaryFile {
     fn drop(&mut self) {
         if let Some(path) = self.0.take() {
             // Nobody is left to tell: the error that led here is the one to report.

@@ -6,7 +6,7 @@ use glanz_light::PixelsError;
 
 use super::Format;
 
-/// Why an image could not be read or written.
+/// Errors of reading and writing images.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImageError {
@@ -45,9 +45,9 @@ pub enum ImageError {
     Damaged {
         /// Of the file.
         format: Format,
-        /// Where, in bytes from the start of the file, if known.
+        /// Offset in bytes from the start of the file, if known.
         offset: Option<usize>,
-        /// What is wrong.
+        /// The fault.
         message: String,
     },
     /// The file is (or may be) right, but uses what is not read.
@@ -55,7 +55,7 @@ pub enum ImageError {
     Unsupported {
         /// Of the file.
         format: Format,
-        /// What is not supported.
+        /// The unsupported feature.
         message: String,
     },
     /// A picture that the format cannot hold.
@@ -63,7 +63,7 @@ pub enum ImageError {
     NotWritable {
         /// To be written.
         format: Format,
-        /// Why not.
+        /// The reason.
         message: String,
     },
     /// Channels that do not make a picture.

@@ -29,7 +29,7 @@ const DIRECTIVES: [(&str, Dialect); 10] = [
     ("WorldEnd", Dialect::V3),
 ];
 
-/// Types of things that only one family has, by directive.
+/// Types of objects that only one family has, by directive.
 const NAMES: [(&str, &[&str], &[&str]); 5] = [
     ("Film", &["image", "multiimage"], &["rgb", "gbuffer", "spectral"]),
     (
@@ -115,7 +115,7 @@ pub(crate) fn detect(bytes: &Arc<[u8]>) -> Dialect {
     Dialect::V3
 }
 
-/// What text number `index` of a directive tells.
+/// Evidence for a version in text number `index` of a directive.
 fn evidence(directive: &str, index: usize, before: &str, text: &str) -> Option<Dialect> {
     let pick = |v3: &[&str], v4: &[&str]| {
         if v3.contains(&text) { Some(Dialect::V3) } else { v4.contains(&text).then_some(Dialect::V4) }

@@ -8,7 +8,7 @@ use crate::content_hash::ContentHash;
 
 /// Finds and reads files, and fingerprints what was read.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Finder {
+pub(crate) struct FileFinder {
     /// Folders to look in, in order: the scene's, those of `SearchPath`.
     folders: Vec<PathBuf>,
     confinement: Option<Confinement>,
@@ -26,17 +26,17 @@ struct Confinement {
     real: PathBuf,
 }
 
-/// Why there is no file of a name.
+/// Errors of finding a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum NotFound {
+pub(crate) enum FindError {
     /// None of the folders has it.
     Missing,
     /// It is not in the folder that a scene is confined to: see [`crate::Options::confined`].
     Outside,
 }
 
-impl NotFound {
-    /// What is wrong with a file, after its name.
+impl FindError {
+    /// Message about a file, without its name.
     pub(crate) fn what(self) -> &'static str {
         match self {
             Self::Missing => "is not there",
@@ -44,7 +44,7 @@ impl NotFound {
         }
     }
 
-    /// What to do.
+    /// Remedy.
     pub(crate) fn help(self) -> &'static str {
         match self {
             Self::Missing => "names are relative to the folder of the scene file",
@@ -55,7 +55,7 @@ impl NotFound {
     }
 }
 
-impl Finder {
+impl FileFinder {
     /// Looks in the folder of the scene first.
     pub(crate) fn new(folder: Option<&Path>) -> Self {
         Self { folders: folder.map(Path::to_owned).into_iter().collect(), ..Self::default() }
@@ -73,8 +73,8 @@ impl Finder {
     /// Looks in `folder` too, after the others.
     ///
     /// # Errors
-    /// [`NotFound::Outside`] if it leads out of the folder that the scene is confined to.
-    pub(crate) fn add_folder(&mut self, folder: &str) -> Result<(), NotFound> {
+    /// [`FindError::Outside`] if it leads out of the folder that the scene is confined to.
+    pub(crate) fn add_folder(&mut self, folder: &str) -> Result<(), FindError> {
         self.check_name(folder)?;
         let base = self.folders.first().cloned().unwrap_or_default();
         let folder = base.join(folder);
@@ -84,12 +84,12 @@ impl Finder {
         Ok(())
     }
 
-    /// Whether a name may stand for something in the folder that the scene is confined to.
-    fn check_name(&self, name: &str) -> Result<(), NotFound> {
+    /// True if a name can denote a file in the folder that the scene is confined to.
+    fn check_name(&self, name: &str) -> Result<(), FindError> {
         let slashed = name.replace('\\', "/");
         let inside = |c: Component<'_>| matches!(c, Component::Normal(_) | Component::CurDir);
         let leads_out = || !Path::new(&slashed).components().all(inside);
-        if self.confinement.is_some() && leads_out() { Err(NotFound::Outside) } else { Ok(()) }
+        if self.confinement.is_some() && leads_out() { Err(FindError::Outside) } else { Ok(()) }
     }
 
     /// A path as messages show it: relative to the folder that the scene is confined to, which is nobody's business.
@@ -102,10 +102,10 @@ impl Finder {
     /// count as slashes if there is no such file otherwise.
     ///
     /// # Errors
-    /// [`NotFound`].
-    pub(crate) fn find(&self, name: &str, asking: Option<&Path>) -> Result<PathBuf, NotFound> {
+    /// [`FindError`].
+    pub(crate) fn find(&self, name: &str, asking: Option<&Path>) -> Result<PathBuf, FindError> {
         if name.is_empty() || name.contains('\0') {
-            return Err(NotFound::Missing);
+            return Err(FindError::Missing);
         }
         self.check_name(name)?;
         let slashed = name.replace('\\', "/");
@@ -116,11 +116,11 @@ impl Finder {
             .iter()
             .flat_map(|name| folders().map(move |f| f.join(name)))
             .find(|path| path.is_file())
-            .ok_or(NotFound::Missing)?;
+            .ok_or(FindError::Missing)?;
         // A link inside may still lead out.
         let is_inside = |real: &Path| std::fs::canonicalize(&path).is_ok_and(|p| p.starts_with(real));
         match &self.confinement {
-            Some(confinement) if !is_inside(&confinement.real) => Err(NotFound::Outside),
+            Some(confinement) if !is_inside(&confinement.real) => Err(FindError::Outside),
             _ => Ok(path),
         }
     }

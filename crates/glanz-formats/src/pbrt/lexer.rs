@@ -5,9 +5,9 @@ use std::sync::Arc;
 use glanz_scene::Location;
 use glanz_scene::description::FileId;
 
-use crate::source::Place;
+use crate::source::Span;
 
-/// What stands next in the file.
+/// A token of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Token {
     /// A directive, a number, `true` or `false`: anything without quotes.
@@ -20,10 +20,10 @@ pub(crate) enum Token {
     Close,
 }
 
-/// Why there is no token or value, and where.
+/// Error of the lexer, with its span.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LexError {
-    pub(crate) place: Place,
+    pub(crate) place: Span,
     pub(crate) message: String,
     pub(crate) help: Option<String>,
 }
@@ -41,7 +41,7 @@ pub(crate) struct Lexer {
     offset: usize,
     line: u32,
     line_start: usize,
-    /// Where a column was last computed on this line, so that a line of megabytes is not counted again and again.
+    /// Offset and column of the last column computed on this line, so that a line of megabytes is counted once.
     counted: (usize, u32),
 }
 
@@ -53,7 +53,7 @@ impl Lexer {
     }
 
     /// Reads on from a place that was passed before.
-    pub(crate) fn resume(bytes: Arc<[u8]>, place: &Place) -> Self {
+    pub(crate) fn resume(bytes: Arc<[u8]>, place: &Span) -> Self {
         let Location { file, line, column } = place.location;
         let before = bytes.get(..place.offset).unwrap_or_default();
         let line_start = before.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
@@ -61,7 +61,7 @@ impl Lexer {
     }
 
     /// The place of the word `count` words on, passing over brackets and quotes as if they were words.
-    pub(crate) fn word_after(&mut self, count: usize) -> Place {
+    pub(crate) fn word_after(&mut self, count: usize) -> Span {
         for _ in 0..count {
             if self.peek().is_none() {
                 break;
@@ -100,22 +100,22 @@ impl Lexer {
     }
 
     /// The place of `length` bytes from here.
-    pub(crate) fn place(&mut self, length: usize) -> Place {
+    pub(crate) fn place(&mut self, length: usize) -> Span {
         self.place_at(self.offset, length)
     }
 
-    fn place_at(&mut self, offset: usize, length: usize) -> Place {
+    fn place_at(&mut self, offset: usize, length: usize) -> Span {
         let (from, column) = if offset >= self.counted.0 { self.counted } else { (self.line_start, 1) };
         let between = self.bytes.get(from..offset).unwrap_or_default();
         let count = between.iter().filter(|&&b| b & 0xC0 != 0x80).count();
         let column = column.saturating_add(u32::try_from(count).unwrap_or(u32::MAX));
         self.counted = (offset, column);
         let location = Location { file: self.file, line: self.line, column };
-        Place { location, offset, length }
+        Span { location, offset, length }
     }
 
     /// The next token and its place; `None` at the end.
-    pub(crate) fn next(&mut self) -> Result<Option<(Token, Place)>, LexError> {
+    pub(crate) fn next(&mut self) -> Result<Option<(Token, Span)>, LexError> {
         let Some(first) = self.peek() else { return Ok(None) };
         match first {
             b'[' | b']' => {
@@ -148,7 +148,7 @@ impl Lexer {
     }
 
     /// The quoted text that starts here; its place covers the quotes.
-    pub(crate) fn text(&mut self) -> Result<(String, Place), LexError> {
+    pub(crate) fn text(&mut self) -> Result<(String, Span), LexError> {
         let start = self.offset;
         let bytes = Arc::clone(&self.bytes);
         let rest = bytes.get(start + 1..).unwrap_or_default();
@@ -229,7 +229,7 @@ impl Lexer {
         Err(self.not_a_value(length, problem))
     }
 
-    /// Says what is wrong with the word that starts here, and passes over it.
+    /// Error for the word that starts here; skips it.
     fn not_a_value(&mut self, length: usize, problem: &str) -> LexError {
         let place = self.place(length.max(1));
         let word = self.bytes.get(self.offset..self.offset + length).unwrap_or_default();
@@ -307,7 +307,7 @@ mod tests {
         Lexer::new(Arc::from(text), FileId(0))
     }
 
-    fn position(place: &Place) -> (u32, u32) {
+    fn position(place: &Span) -> (u32, u32) {
         (place.location.line, place.location.column)
     }
 

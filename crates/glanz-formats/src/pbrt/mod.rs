@@ -23,7 +23,7 @@ use glanz_scene::Diagnostics;
 
 use crate::registry::{Loaded, Options, failure};
 use crate::source::Reporter;
-use finder::Finder;
+use finder::FileFinder;
 use lower::Lowering;
 use parser::Parser;
 
@@ -37,9 +37,9 @@ pub(crate) fn load(
     let reporter = Reporter { strict: options.strict, ..Reporter::default() };
     let folder = options.folder.as_deref().or_else(|| path.and_then(Path::parent));
     let mut finder = match folder {
-        Some(folder) if options.confined => Finder::confined_to(folder)
+        Some(folder) if options.confined => FileFinder::confined_to(folder)
             .map_err(|error| failure(name, "missing-file", format!("the folder cannot be read: {error}")))?,
-        folder => Finder::new(folder),
+        folder => FileFinder::new(folder),
     };
     finder.paths.extend(path.map(Path::to_owned));
     finder.hash.add_file(&bytes);

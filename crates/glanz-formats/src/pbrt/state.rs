@@ -8,12 +8,12 @@ use glanz_scene::description::EmissionDescription;
 
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::parameters::Parameter;
-use crate::source::Place;
+use crate::source::Span;
 
 /// Levels of `AttributeBegin`, `TransformBegin`, `ObjectBegin` and `Import` within each other.
 pub(crate) const MAX_NESTING: usize = 256;
 
-/// What a shape, a light, a material, a medium or a texture takes over from `Attribute` (version 4).
+/// Parameters that shapes, lights, materials, media and textures inherit from `Attribute` (version 4).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Attributes {
     pub(crate) shape: Rc<Vec<Parameter>>,
@@ -37,21 +37,21 @@ impl Attributes {
     }
 }
 
-/// What holds at a point of the file.
+/// The graphics state.
 #[derive(Clone, Debug)]
 pub(crate) struct GraphicsState {
     /// The current transformation: from the frame of what comes to that of the world or, before `WorldBegin`, from the
     /// world to the camera. Of animated transformations the one at the start of the exposure.
     pub(crate) ctm: DMat4,
-    /// Whether transformations apply to the start of the exposure.
+    /// True if transformations apply to the start of the exposure.
     pub(crate) start_active: bool,
-    /// Whether normals are turned round.
+    /// True if normals are reversed.
     pub(crate) reverse_orientation: bool,
     /// Index of the material; the default one if there was none.
     pub(crate) material: Option<usize>,
     /// Light that shapes give off.
     pub(crate) emission: Option<Rc<EmissionDescription>>,
-    /// What `rgb` means.
+    /// Colour space of `rgb`.
     pub(crate) color_space: ColorSpace,
     /// Defaults for parameters.
     pub(crate) attributes: Attributes,
@@ -71,9 +71,9 @@ impl Default for GraphicsState {
     }
 }
 
-/// What a level of nesting restores at its end.
+/// State that a block restores at its end.
 #[derive(Clone, Debug)]
-pub(crate) enum Saved {
+pub(crate) enum SavedState {
     /// Everything: `AttributeBegin`, `ObjectBegin`.
     All(GraphicsState),
     /// The transformation: `TransformBegin`.
@@ -82,20 +82,20 @@ pub(crate) enum Saved {
 
 /// One open level.
 #[derive(Clone, Debug)]
-pub(crate) struct Level {
+pub(crate) struct BlockLevel {
     /// The directive that opened it.
     pub(crate) opened_by: &'static str,
-    /// Where.
-    pub(crate) place: Place,
-    /// What it restores.
-    pub(crate) saved: Saved,
+    /// Position.
+    pub(crate) place: Span,
+    /// The state that it restores.
+    pub(crate) saved: SavedState,
 }
 
 /// The state and what is saved.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StateStack {
     pub(crate) now: GraphicsState,
-    pub(crate) levels: Vec<Level>,
+    pub(crate) levels: Vec<BlockLevel>,
     /// Frames with names, as transformations to the world.
     pub(crate) named_frames: BTreeMap<String, DMat4>,
 }
@@ -116,10 +116,10 @@ impl StateStack {
     }
 
     /// Restores what a level saved.
-    pub(crate) fn restore(&mut self, saved: Saved) {
+    pub(crate) fn restore(&mut self, saved: SavedState) {
         match saved {
-            Saved::All(state) => self.now = state,
-            Saved::Transform(ctm, start_active) => {
+            SavedState::All(state) => self.now = state,
+            SavedState::Transform(ctm, start_active) => {
                 self.now.ctm = ctm;
                 self.now.start_active = start_active;
             }

@@ -15,10 +15,10 @@
 
 use glanz_light::intensity::{AngularSystem, Distribution, IntensityError, Symmetry};
 
-use super::fault::{Fault, FaultKind};
-use super::mend_negative;
+use super::clamp_negative;
+use super::error::{PhotometryError, PhotometryErrorKind};
 use super::opening::from_signs;
-use super::text::{Cursor, decode};
+use super::text::{TextCursor, decode};
 use super::{
     LampGeometry, LampSet, Names, Opening, OpeningShape, Photometry, PhotometryFile, PhotometryFormat, Tilt,
 };
@@ -32,33 +32,34 @@ pub(super) const MAX_CANDELA: f64 = 1e30;
 /// Reads a file whose tilt data, if any, are in it.
 ///
 /// # Errors
-/// [`Fault`] with its place.
-pub fn read(bytes: &[u8]) -> Result<PhotometryFile, Fault> {
+/// [`PhotometryError`] with its place.
+pub fn read(bytes: &[u8]) -> Result<PhotometryFile, PhotometryError> {
     read_with(bytes, &mut |_| Err("the reader was given no way to other files".to_owned()))
 }
 
 /// The same, with a way to the file that a line `TILT=name` names.
 ///
 /// # Errors
-/// [`Fault`] with its place.
-pub fn read_with(bytes: &[u8], tilt_files: &mut TiltFiles) -> Result<PhotometryFile, Fault> {
-    let mut cursor = Cursor::new(bytes)?;
+/// [`PhotometryError`] with its place.
+pub fn read_with(bytes: &[u8], tilt_files: &mut TiltFiles) -> Result<PhotometryFile, PhotometryError> {
+    let mut cursor = TextCursor::new(bytes)?;
     let mut warnings = Vec::new();
-    let head = Head::read(&mut cursor, &mut warnings)?;
+    let head = IesHeader::read(&mut cursor, &mut warnings)?;
     let tilt = match head.tilt.to_ascii_uppercase().as_str() {
         "NONE" => None,
         "INCLUDE" => Some(read_tilt(&mut cursor)?),
         _ => Some(tilt_of_file(&head.tilt, &cursor, tilt_files)?),
     };
-    let lamps = LampLine::read(&mut cursor, head.year, &mut warnings)?;
-    let values = Values::read(&mut cursor, &lamps, &mut warnings)?;
+    let lamps = LampFields::read(&mut cursor, head.year, &mut warnings)?;
+    let values = IesValues::read(&mut cursor, &lamps, &mut warnings)?;
     if cursor.has_more() {
         let mut behind = cursor.clone();
         let _ = behind.number("end");
-        warnings.push(behind.here(FaultKind::Trailing));
+        warnings.push(behind.here(PhotometryErrorKind::Trailing));
     }
-    let distribution =
-        values.distribution(lamps.system).map_err(|error| cursor.here(FaultKind::Intensity(error)))?;
+    let distribution = values
+        .distribution(lamps.system)
+        .map_err(|error| cursor.here(PhotometryErrorKind::Intensity(error)))?;
     let is_absolute = lamps.lumens < 0.0;
     let set = LampSet {
         count: lamps.count,
@@ -93,16 +94,16 @@ pub fn read_with(bytes: &[u8], tilt_files: &mut TiltFiles) -> Result<PhotometryF
     Ok(PhotometryFile { photometry, warnings })
 }
 
-/// What stands before the numbers.
-struct Head {
+/// The lines before the numbers.
+struct IesHeader {
     year: u16,
     keywords: Vec<(String, String)>,
-    /// What follows `TILT=`.
+    /// Value of `TILT=`.
     tilt: String,
 }
 
-impl Head {
-    fn read(cursor: &mut Cursor, warnings: &mut Vec<Fault>) -> Result<Self, Fault> {
+impl IesHeader {
+    fn read(cursor: &mut TextCursor, warnings: &mut Vec<PhotometryError>) -> Result<Self, PhotometryError> {
         let mut head = Self { year: 1986, keywords: Vec::new(), tilt: String::new() };
         let mut is_first = true;
         while let Some(line) = cursor.line() {
@@ -113,7 +114,7 @@ impl Head {
             if is_edition {
                 head.year = edition(line).unwrap_or_else(|| {
                     let shown = decode(line.get(..line.len().min(40)).unwrap_or_default());
-                    warnings.push(cursor.here(FaultKind::Edition(shown)));
+                    warnings.push(cursor.here(PhotometryErrorKind::Edition(shown)));
                     2019
                 });
             } else if starts_with(line, b"TILT=") {
@@ -123,7 +124,7 @@ impl Head {
                 head.add(&decode(line));
             }
         }
-        Err(cursor.here(FaultKind::NoTilt))
+        Err(cursor.here(PhotometryErrorKind::NoTilt))
     }
 
     fn add(&mut self, line: &str) {
@@ -160,7 +161,7 @@ fn edition(line: &[u8]) -> Option<u16> {
     })
 }
 
-fn read_tilt(cursor: &mut Cursor) -> Result<Tilt, Fault> {
+fn read_tilt(cursor: &mut TextCursor) -> Result<Tilt, PhotometryError> {
     let geometry = match cursor.whole("lamp-to-luminaire geometry", "1, 2 or 3", 1.0..=3.0)? {
         1.0 => LampGeometry::Vertical,
         2.0 => LampGeometry::Horizontal,
@@ -173,18 +174,22 @@ fn read_tilt(cursor: &mut Cursor) -> Result<Tilt, Fault> {
     Ok(Tilt { geometry, angles, factors })
 }
 
-fn tilt_of_file(name: &str, cursor: &Cursor, tilt_files: &mut TiltFiles) -> Result<Tilt, Fault> {
+fn tilt_of_file(
+    name: &str,
+    cursor: &TextCursor,
+    tilt_files: &mut TiltFiles,
+) -> Result<Tilt, PhotometryError> {
     let read = |bytes: Vec<u8>| {
-        Cursor::new(&bytes).and_then(|mut c| read_tilt(&mut c)).map_err(|fault| fault.to_string())
+        TextCursor::new(&bytes).and_then(|mut c| read_tilt(&mut c)).map_err(|fault| fault.to_string())
     };
     tilt_files(name).and_then(read).map_err(|reason| {
         let name = name.chars().take(200).collect();
-        cursor.here(FaultKind::TiltFile { name, reason })
+        cursor.here(PhotometryErrorKind::TiltFile { name, reason })
     })
 }
 
 /// The thirteen numbers before the angles.
-struct LampLine {
+struct LampFields {
     count: f64,
     lumens: f64,
     multiplier: f64,
@@ -198,12 +203,16 @@ struct LampLine {
     watts: f64,
 }
 
-impl LampLine {
-    fn read(cursor: &mut Cursor, year: u16, warnings: &mut Vec<Fault>) -> Result<Self, Fault> {
+impl LampFields {
+    fn read(
+        cursor: &mut TextCursor,
+        year: u16,
+        warnings: &mut Vec<PhotometryError>,
+    ) -> Result<Self, PhotometryError> {
         let lamp_count = cursor.number("number of lamps")?;
         if lamp_count < 0.0 {
             let (what, allowed) = ("number of lamps", "0 or more");
-            return Err(cursor.here(FaultKind::Value { what, value: lamp_count, allowed }));
+            return Err(cursor.here(PhotometryErrorKind::Value { what, value: lamp_count, allowed }));
         }
         let lumens = cursor.number("lumens per lamp")?;
         let multiplier = positive(cursor, "candela multiplier")?;
@@ -221,7 +230,7 @@ impl LampLine {
         let length = cursor.number("length of the opening")?;
         let height = cursor.number("height of the opening")?;
         let opening = from_signs(width, length, height, metres, year <= 1995).unwrap_or_else(|| {
-            warnings.push(cursor.here(FaultKind::Opening(width, length, height)));
+            warnings.push(cursor.here(PhotometryErrorKind::Opening(width, length, height)));
             let size = [length, width, height].map(|v| v.abs() * metres);
             Opening { shape: OpeningShape::Box, size }
         });
@@ -232,7 +241,7 @@ impl LampLine {
             1986 | 1991 if code > 0.0 => ballast_lamp = code,
             // From 2019 on the field says how the file was made; from 1995 it was kept for later use.
             2019 => generation = Some(code),
-            _ if code != 1.0 => warnings.push(cursor.here(FaultKind::FutureUse(code))),
+            _ if code != 1.0 => warnings.push(cursor.here(PhotometryErrorKind::FutureUse(code))),
             _ => {}
         }
         let watts = cursor.number("input watts")?;
@@ -253,15 +262,19 @@ impl LampLine {
 }
 
 /// Angles and intensities as the file has them, factors applied.
-struct Values {
+struct IesValues {
     verticals: Vec<f64>,
     horizontals: Vec<f64>,
     symmetry: Symmetry,
     candela: Vec<f64>,
 }
 
-impl Values {
-    fn read(cursor: &mut Cursor, lamps: &LampLine, warnings: &mut Vec<Fault>) -> Result<Self, Fault> {
+impl IesValues {
+    fn read(
+        cursor: &mut TextCursor,
+        lamps: &LampFields,
+        warnings: &mut Vec<PhotometryError>,
+    ) -> Result<Self, PhotometryError> {
         let verticals = ascending(cursor, "vertical angle", lamps.verticals)?;
         let (first, last) = ends(&verticals);
         let (least, most, allowed) = match lamps.system {
@@ -269,16 +282,21 @@ impl Values {
             AngularSystem::A | AngularSystem::B => (-90.0, 90.0, "within -90 and 90"),
         };
         if first < least || last > most {
-            return Err(cursor.here(FaultKind::Range { what: "vertical angles", first, last, allowed }));
+            return Err(cursor.here(PhotometryErrorKind::Range {
+                what: "vertical angles",
+                first,
+                last,
+                allowed,
+            }));
         }
         let horizontals = ascending(cursor, "horizontal angle", lamps.horizontals)?;
         let symmetry = symmetry(lamps.system, &horizontals).map_err(|allowed| {
             let (first, last) = ends(&horizontals);
-            cursor.here(FaultKind::Range { what: "horizontal angles", first, last, allowed })
+            cursor.here(PhotometryErrorKind::Range { what: "horizontal angles", first, last, allowed })
         })?;
         let (_, last) = ends(&horizontals);
         if lamps.system == AngularSystem::C && symmetry == Symmetry::None && last < 360.0 {
-            warnings.push(cursor.here(FaultKind::Open(last)));
+            warnings.push(cursor.here(PhotometryErrorKind::Open(last)));
         }
         let factor = lamps.multiplier * lamps.ballast * lamps.ballast_lamp;
         let n = verticals.len();
@@ -287,16 +305,16 @@ impl Values {
             let value = cursor.number("intensity")? * factor;
             if value.abs() > MAX_CANDELA || value.is_nan() {
                 let allowed = "at most 1e30 candela";
-                return Err(cursor.here(FaultKind::Value { what: "intensity", value, allowed }));
+                return Err(cursor.here(PhotometryErrorKind::Value { what: "intensity", value, allowed }));
             }
             candela.push(value);
         }
-        warnings.extend(mend_negative(&mut candela).map(|kind| cursor.here(kind)));
+        warnings.extend(clamp_negative(&mut candela).map(|kind| cursor.here(kind)));
         if lamps.system == AngularSystem::C
             && last == 360.0
             && candela.get(..n) != candela.get(candela.len().saturating_sub(n)..)
         {
-            warnings.push(cursor.here(FaultKind::Seam));
+            warnings.push(cursor.here(PhotometryErrorKind::Seam));
         }
         Ok(Self { verticals, horizontals, symmetry, candela })
     }
@@ -329,7 +347,7 @@ impl Values {
     }
 }
 
-/// What the range of the horizontal angles says about symmetry, or the ranges that would say something.
+/// Symmetry from the range of the horizontal angles, or the valid ranges.
 fn symmetry(system: AngularSystem, horizontals: &[f64]) -> Result<Symmetry, &'static str> {
     let (first, last) = ends(horizontals);
     if system != AngularSystem::C {
@@ -358,17 +376,17 @@ pub(super) fn ends(angles: &[f64]) -> (f64, f64) {
     (angles.first().copied().unwrap_or(0.0), angles.last().copied().unwrap_or(0.0))
 }
 
-fn positive(cursor: &mut Cursor, what: &'static str) -> Result<f64, Fault> {
+fn positive(cursor: &mut TextCursor, what: &'static str) -> Result<f64, PhotometryError> {
     let value = cursor.number(what)?;
     if value > 0.0 {
         Ok(value)
     } else {
-        Err(cursor.here(FaultKind::Value { what, value, allowed: "more than 0" }))
+        Err(cursor.here(PhotometryErrorKind::Value { what, value, allowed: "more than 0" }))
     }
 }
 
 /// A declared number of values; the rest of the file has room for them.
-fn count(cursor: &mut Cursor, what: &'static str, least: f64) -> Result<usize, Fault> {
+fn count(cursor: &mut TextCursor, what: &'static str, least: f64) -> Result<usize, PhotometryError> {
     // Conversions are exact far beyond 1e12.
     let allowed = if least > 1.0 { "a whole number from 2" } else { "a whole number from 1" };
     let count = cursor.whole("number of angles", allowed, least..=1e12)? as usize;
@@ -376,22 +394,22 @@ fn count(cursor: &mut Cursor, what: &'static str, least: f64) -> Result<usize, F
     Ok(count)
 }
 
-fn check_room(cursor: &Cursor, what: &'static str, count: usize) -> Result<(), Fault> {
+fn check_room(cursor: &TextCursor, what: &'static str, count: usize) -> Result<(), PhotometryError> {
     let room = cursor.room();
     if count > room {
-        return Err(cursor.here(FaultKind::Count { what, declared: count as f64, room }));
+        return Err(cursor.here(PhotometryErrorKind::Count { what, declared: count as f64, room }));
     }
     Ok(())
 }
 
-fn ascending(cursor: &mut Cursor, what: &'static str, count: usize) -> Result<Vec<f64>, Fault> {
+fn ascending(cursor: &mut TextCursor, what: &'static str, count: usize) -> Result<Vec<f64>, PhotometryError> {
     let mut angles: Vec<f64> = Vec::with_capacity(count);
     for _ in 0..count {
         let second = cursor.number(what)?;
         if let Some(&first) = angles.last()
             && second <= first
         {
-            return Err(cursor.here(FaultKind::Order { what, first, second }));
+            return Err(cursor.here(PhotometryErrorKind::Order { what, first, second }));
         }
         angles.push(second);
     }

@@ -11,10 +11,10 @@
 use glanz_light::intensity::{AngularSystem, Distribution, Symmetry};
 use glanz_scene::Diagnostics;
 
-use super::fault::{Fault, FaultKind};
+use super::clamp_negative;
+use super::error::{PhotometryError, PhotometryErrorKind};
 use super::ies::{MAX_CANDELA, ends};
-use super::mend_negative;
-use super::text::{Cursor, decode, number};
+use super::text::{TextCursor, decode, number};
 use super::{
     EulumdatExtra, LampSet, Names, Opening, OpeningShape, Photometry, PhotometryFile, PhotometryFormat,
 };
@@ -27,9 +27,9 @@ const MAX_SETS: f64 = 1000.0;
 /// Reads a file.
 ///
 /// # Errors
-/// [`Fault`] with its place.
-pub fn read(bytes: &[u8]) -> Result<PhotometryFile, Fault> {
-    let mut lines = Lines { cursor: Cursor::new(bytes)?, warnings: Vec::new() };
+/// [`PhotometryError`] with its place.
+pub fn read(bytes: &[u8]) -> Result<PhotometryFile, PhotometryError> {
+    let mut lines = LdtReader { cursor: TextCursor::new(bytes)?, warnings: Vec::new() };
     let manufacturer = lines.text("company")?;
     let luminaire_type = lines.whole("type indicator", "0 to 3", 0.0, 3.0)? as u8;
     let symmetry = lines.whole("symmetry indicator", "0 to 4", 0.0, 4.0)? as u8;
@@ -56,7 +56,7 @@ pub fn read(bytes: &[u8]) -> Result<PhotometryFile, Fault> {
     let multiplier = lines.positive("conversion factor")?;
     let measurement_tilt = lines.number("tilt during measurement")?;
     let (lamps, is_absolute) = lines.lamps()?;
-    let stored = Planes::of(symmetry, planes, &lines)?;
+    let stored = StoredPlanes::of(symmetry, planes, &lines)?;
     let direct_ratios = lines.direct_ratios(planes + gammas, stored.count.saturating_mul(gammas))?;
     let distribution = lines.distribution(&stored, gammas, multiplier * lamps.flux / 1000.0)?;
     lines.end();
@@ -106,14 +106,14 @@ fn opening([length, width]: [f64; 2], heights: [f64; 4]) -> Opening {
     Opening { shape, size: extents(length, width, height) }
 }
 
-struct Lamps {
+struct LdtLamps {
     sets: Vec<LampSet>,
     /// Of the first set.
     flux: f64,
 }
 
 /// The planes that are stored under a symmetry.
-struct Planes {
+struct StoredPlanes {
     symmetry: Symmetry,
     /// Of the angles listed.
     listed: usize,
@@ -121,8 +121,8 @@ struct Planes {
     count: usize,
 }
 
-impl Planes {
-    fn of(indicator: u8, listed: usize, lines: &Lines) -> Result<Self, Fault> {
+impl StoredPlanes {
+    fn of(indicator: u8, listed: usize, lines: &LdtReader) -> Result<Self, PhotometryError> {
         let (symmetry, parts) = match indicator {
             0 if listed == 1 => (Symmetry::Axial, 1),
             0 => (Symmetry::None, 1),
@@ -167,23 +167,23 @@ impl Planes {
     }
 }
 
-struct Lines<'a> {
-    cursor: Cursor<'a>,
-    warnings: Vec<Fault>,
+struct LdtReader<'a> {
+    cursor: TextCursor<'a>,
+    warnings: Vec<PhotometryError>,
 }
 
-impl Lines<'_> {
-    fn text(&mut self, what: &'static str) -> Result<String, Fault> {
+impl LdtReader<'_> {
+    fn text(&mut self, what: &'static str) -> Result<String, PhotometryError> {
         match self.cursor.line() {
             Some(line) => Ok(decode(line)),
             None => {
                 self.cursor.last = (self.cursor.bytes.len(), 0);
-                Err(self.cursor.here(FaultKind::End(what)))
+                Err(self.cursor.here(PhotometryErrorKind::End(what)))
             }
         }
     }
 
-    fn number(&mut self, what: &'static str) -> Result<f64, Fault> {
+    fn number(&mut self, what: &'static str) -> Result<f64, PhotometryError> {
         let line = self.text(what)?;
         if line.is_empty() {
             self.empty(what);
@@ -191,14 +191,14 @@ impl Lines<'_> {
         }
         numeric(&line).ok_or_else(|| {
             let text = line.chars().take(40).collect();
-            self.cursor.here(FaultKind::Number { what, text })
+            self.cursor.here(PhotometryErrorKind::Number { what, text })
         })
     }
 
     fn empty(&mut self, what: &'static str) {
         // Each costs a walk through the file to its line.
         if self.warnings.len() < Diagnostics::PER_KIND {
-            self.warnings.push(self.cursor.here(FaultKind::Empty(what)));
+            self.warnings.push(self.cursor.here(PhotometryErrorKind::Empty(what)));
         }
     }
 
@@ -208,7 +208,7 @@ impl Lines<'_> {
         allowed: &'static str,
         least: f64,
         most: f64,
-    ) -> Result<f64, Fault> {
+    ) -> Result<f64, PhotometryError> {
         let value = self.number(what)?;
         if value.fract() == 0.0 && (least..=most).contains(&value) {
             Ok(value)
@@ -217,22 +217,22 @@ impl Lines<'_> {
         }
     }
 
-    fn positive(&mut self, what: &'static str) -> Result<f64, Fault> {
+    fn positive(&mut self, what: &'static str) -> Result<f64, PhotometryError> {
         let value = self.number(what)?;
         if value > 0.0 { Ok(value) } else { Err(self.value(what, value, "more than 0")) }
     }
 
     /// A number of values that the rest of the file has room for.
-    fn count(&mut self, what: &'static str) -> Result<usize, Fault> {
+    fn count(&mut self, what: &'static str) -> Result<usize, PhotometryError> {
         let declared = self.whole("number of angles", "a whole number from 1", 1.0, 1e12)?;
         let (count, room) = (declared as usize, self.cursor.room());
         if count > room {
-            return Err(self.cursor.here(FaultKind::Count { what, declared, room }));
+            return Err(self.cursor.here(PhotometryErrorKind::Count { what, declared, room }));
         }
         Ok(count)
     }
 
-    fn lengths<const N: usize>(&mut self, what: [&'static str; N]) -> Result<[f64; N], Fault> {
+    fn lengths<const N: usize>(&mut self, what: [&'static str; N]) -> Result<[f64; N], PhotometryError> {
         let mut lengths = [0.0; N];
         for (length, what) in lengths.iter_mut().zip(what) {
             *length = self.number(what)? * METRES;
@@ -243,7 +243,7 @@ impl Lines<'_> {
         Ok(lengths)
     }
 
-    fn lamps(&mut self) -> Result<(Lamps, bool), Fault> {
+    fn lamps(&mut self) -> Result<(LdtLamps, bool), PhotometryError> {
         let count = self.whole("number of sets of lamps", "1 to 1000", 1.0, MAX_SETS)? as usize;
         let at = self.cursor.last;
         let mut fields = Vec::with_capacity(6 * count);
@@ -261,7 +261,8 @@ impl Lines<'_> {
         };
         let by_field = count > 1 && !fits(false) && fits(true);
         if by_field {
-            self.warnings.push(Cursor { last: at, ..self.cursor.clone() }.here(FaultKind::FieldByField));
+            self.warnings
+                .push(TextCursor { last: at, ..self.cursor.clone() }.here(PhotometryErrorKind::FieldByField));
         }
         let mut sets = Vec::with_capacity(count);
         for set in 0..count {
@@ -274,7 +275,8 @@ impl Lines<'_> {
                     return Ok(0.0);
                 }
                 let shown = text.chars().take(40).collect();
-                numeric(&text).ok_or_else(|| self.cursor.here(FaultKind::Number { what, text: shown }))
+                numeric(&text)
+                    .ok_or_else(|| self.cursor.here(PhotometryErrorKind::Number { what, text: shown }))
             };
             let count = number(0, "number of lamps")?;
             let watts = number(5, "watts of the lamps")?;
@@ -292,11 +294,15 @@ impl Lines<'_> {
             set.count = set.count.abs();
         }
         let flux = sets.first().and_then(|set| set.lumens).unwrap_or(0.0);
-        Ok((Lamps { sets, flux }, is_absolute))
+        Ok((LdtLamps { sets, flux }, is_absolute))
     }
 
     /// The ten ratios, unless exactly ten lines are missing for `angles` and `intensities`.
-    fn direct_ratios(&mut self, angles: usize, intensities: usize) -> Result<Option<[f64; 10]>, Fault> {
+    fn direct_ratios(
+        &mut self,
+        angles: usize,
+        intensities: usize,
+    ) -> Result<Option<[f64; 10]>, PhotometryError> {
         self.cursor.last = (self.cursor.at.min(self.cursor.bytes.len()), 0);
         let rest = self.cursor.bytes.get(self.cursor.at..).unwrap_or_default();
         let blank = |b: &u8| b.is_ascii_whitespace() || *b == 0x1A;
@@ -308,10 +314,10 @@ impl Lines<'_> {
         let needed = angles.saturating_add(intensities);
         if present < needed {
             let (what, declared) = ("angles and intensities", needed as f64);
-            return Err(self.cursor.here(FaultKind::Count { what, declared, room: present }));
+            return Err(self.cursor.here(PhotometryErrorKind::Count { what, declared, room: present }));
         }
         if present == needed {
-            self.warnings.push(self.cursor.here(FaultKind::NoDirectRatios));
+            self.warnings.push(self.cursor.here(PhotometryErrorKind::NoDirectRatios));
             return Ok(None);
         }
         let mut ratios = [0.0; 10];
@@ -321,32 +327,37 @@ impl Lines<'_> {
         Ok(Some(ratios))
     }
 
-    fn angles(&mut self, what: &'static str, count: usize) -> Result<Vec<f64>, Fault> {
+    fn angles(&mut self, what: &'static str, count: usize) -> Result<Vec<f64>, PhotometryError> {
         let mut angles: Vec<f64> = Vec::with_capacity(count);
         for _ in 0..count {
             let second = self.number(what)?;
             if let Some(&first) = angles.last()
                 && second <= first
             {
-                return Err(self.cursor.here(FaultKind::Order { what, first, second }));
+                return Err(self.cursor.here(PhotometryErrorKind::Order { what, first, second }));
             }
             angles.push(second);
         }
         Ok(angles)
     }
 
-    fn distribution(&mut self, planes: &Planes, gammas: usize, factor: f64) -> Result<Distribution, Fault> {
+    fn distribution(
+        &mut self,
+        planes: &StoredPlanes,
+        gammas: usize,
+        factor: f64,
+    ) -> Result<Distribution, PhotometryError> {
         let listed = self.angles("C angle", planes.listed)?;
         let azimuths = planes.azimuths(&listed).ok_or_else(|| {
             let (first, last) = ends(&listed);
             let allowed = "from 0 to below 360, with planes on those of the symmetry";
-            self.cursor.here(FaultKind::Range { what: "C angles", first, last, allowed })
+            self.cursor.here(PhotometryErrorKind::Range { what: "C angles", first, last, allowed })
         })?;
         let polars = self.angles("gamma angle", gammas)?;
         let (first, last) = ends(&polars);
         if first < 0.0 || last > 180.0 {
             let (what, allowed) = ("gamma angles", "within 0 and 180");
-            return Err(self.cursor.here(FaultKind::Range { what, first, last, allowed }));
+            return Err(self.cursor.here(PhotometryErrorKind::Range { what, first, last, allowed }));
         }
         let mut candela = Vec::with_capacity(planes.count * gammas);
         for _ in 0..planes.count * gammas {
@@ -356,23 +367,23 @@ impl Lines<'_> {
             }
             candela.push(value);
         }
-        self.warnings.extend(mend_negative(&mut candela).map(|kind| self.cursor.here(kind)));
+        self.warnings.extend(clamp_negative(&mut candela).map(|kind| self.cursor.here(kind)));
         Distribution::try_new(AngularSystem::C, planes.symmetry, &azimuths, polars, candela)
-            .map_err(|error| self.cursor.here(FaultKind::Intensity(error)))
+            .map_err(|error| self.cursor.here(PhotometryErrorKind::Intensity(error)))
     }
 
-    /// Tells of what follows behind the last value.
+    /// Warns about content behind the last value.
     fn end(&mut self) {
         while let Some(line) = self.cursor.line() {
             if !line.is_empty() && line != [0x1A] {
-                self.warnings.push(self.cursor.here(FaultKind::Trailing));
+                self.warnings.push(self.cursor.here(PhotometryErrorKind::Trailing));
                 return;
             }
         }
     }
 
-    fn value(&self, what: &'static str, value: f64, allowed: &'static str) -> Fault {
-        self.cursor.here(FaultKind::Value { what, value, allowed })
+    fn value(&self, what: &'static str, value: f64, allowed: &'static str) -> PhotometryError {
+        self.cursor.here(PhotometryErrorKind::Value { what, value, allowed })
     }
 }
 

@@ -29,13 +29,13 @@
 //! assert_eq!(globe.intensity(DVec3::X), 60.0);
 //! assert!((globe.flux() - 60.0 * 4.0 * std::f64::consts::PI).abs() < 1e-9);
 //! assert_eq!(globe.header_flux(), Some(1000.0));
-//! # Ok::<(), photometry::Fault>(())
+//! # Ok::<(), photometry::PhotometryError>(())
 //! ```
 //!
 //! # Source
 //! @lm63_2019, @lm63_2002, @stockmar1990, @cie121, @ashdown1998 for the editions before 2002.
 
-mod fault;
+mod error;
 pub mod ies;
 pub mod ldt;
 mod opening;
@@ -48,10 +48,10 @@ use glanz_math::DVec3;
 
 pub use glanz_light::intensity::{AngularSystem, Distribution, Opening, OpeningShape, Symmetry};
 
-pub use fault::{Fault, FaultKind};
+pub use error::{PhotometryError, PhotometryErrorKind};
 pub use tilt::{LampGeometry, Tilt};
 
-/// Who made what. Empty where the file is silent.
+/// Names and numbers of the luminaire. Empty where the file has none.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Names {
     /// Maker of the luminaire.
@@ -73,7 +73,7 @@ pub struct LampSet {
     pub count: f64,
     /// Rated flux of all lamps together in lumens; `None` for absolute photometry in LM-63.
     pub lumens: Option<f64>,
-    /// What lamps they are.
+    /// Type of the lamps.
     pub name: String,
     /// Colour or colour temperature, as written.
     pub color: String,
@@ -92,14 +92,14 @@ pub enum PhotometryFormat {
     Eulumdat,
 }
 
-/// What only EULUMDAT says.
+/// Data that only EULUMDAT has.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EulumdatExtra {
     /// Type of luminaire: 1 point with axial symmetry, 2 linear, 3 other point.
     pub luminaire_type: u8,
     /// Size of the housing along x, y and z in metres.
     pub housing: [f64; 3],
-    /// Whether the housing is round.
+    /// True if the housing is round.
     pub housing_is_round: bool,
     /// Height of the luminous sides towards C0, C90, C180 and C270 in metres.
     pub side_heights: [f64; 4],
@@ -116,7 +116,7 @@ pub struct EulumdatExtra {
 /// The photometry of a luminaire, whatever file it comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Photometry {
-    /// Where it comes from.
+    /// Format of the file.
     pub format: PhotometryFormat,
     /// Candela by direction, all factors below applied but those of `tilt`.
     pub distribution: Distribution,
@@ -128,21 +128,21 @@ pub struct Photometry {
     pub ballast_factor: f64,
     /// The ballast-lamp photometric factor of LM-63 up to 1991, else 1; in `distribution` already.
     pub ballast_lamp_factor: f64,
-    /// How the file was made, the code of LM-63-2019.
+    /// File generation type of LM-63-2019.
     pub generation: Option<f64>,
     /// Electric power in watts.
     pub input_watts: f64,
-    /// What shines.
+    /// Luminous opening.
     pub opening: Opening,
-    /// Who made what.
+    /// Names and numbers of the luminaire.
     pub names: Names,
     /// Keywords of LM-63 in order, with continuation lines appended; lines without a keyword have an empty one.
     pub keywords: Vec<(String, String)>,
     /// Factors by the tilt of the lamp, not applied.
     pub tilt: Option<Tilt>,
-    /// What only EULUMDAT says.
+    /// Data that only EULUMDAT has.
     pub eulumdat: Option<EulumdatExtra>,
-    /// Whether the luminaire was measured as a whole, so that there is no rated flux of lamps to scale by.
+    /// True for absolute photometry: the luminaire was measured as a whole and has no rated lamp flux.
     pub is_absolute: bool,
 }
 
@@ -151,23 +151,26 @@ pub struct Photometry {
 pub struct PhotometryFile {
     /// The photometry.
     pub photometry: Photometry,
-    /// What was mended or passed over.
-    pub warnings: Vec<Fault>,
+    /// Repairs, and content that was ignored.
+    pub warnings: Vec<PhotometryError>,
 }
 
 /// Reads LM-63 or EULUMDAT, whichever the content is: LM-63 has a line that begins with `TILT=`.
 ///
 /// # Errors
-/// [`Fault`] with its place.
-pub fn read(bytes: &[u8]) -> Result<PhotometryFile, Fault> {
+/// [`PhotometryError`] with its place.
+pub fn read(bytes: &[u8]) -> Result<PhotometryFile, PhotometryError> {
     if is_ies(bytes) { ies::read(bytes) } else { ldt::read(bytes) }
 }
 
 /// The same, with a way to the file that a line `TILT=name` of LM-63 names.
 ///
 /// # Errors
-/// [`Fault`] with its place.
-pub fn read_with(bytes: &[u8], tilt_files: &mut ies::TiltFiles<'_>) -> Result<PhotometryFile, Fault> {
+/// [`PhotometryError`] with its place.
+pub fn read_with(
+    bytes: &[u8],
+    tilt_files: &mut ies::TiltFiles<'_>,
+) -> Result<PhotometryFile, PhotometryError> {
     if is_ies(bytes) { ies::read_with(bytes, tilt_files) } else { ldt::read(bytes) }
 }
 
@@ -236,7 +239,7 @@ impl Photometry {
 }
 
 /// Takes intensities below zero as zero; measured noise has such.
-fn mend_negative(candela: &mut [f64]) -> Option<FaultKind> {
+fn clamp_negative(candela: &mut [f64]) -> Option<PhotometryErrorKind> {
     let mut count = 0;
     for value in candela {
         if *value < 0.0 {
@@ -244,7 +247,7 @@ fn mend_negative(candela: &mut [f64]) -> Option<FaultKind> {
             count += 1;
         }
     }
-    (count > 0).then_some(FaultKind::Negative(count))
+    (count > 0).then_some(PhotometryErrorKind::Negative(count))
 }
 
 #[cfg(test)]

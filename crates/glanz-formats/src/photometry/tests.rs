@@ -76,8 +76,8 @@ fn every_symmetry_of_type_c_is_mirrored_to_where_it_belongs() {
         // Linear from the poles: 7 everywhere, and (I - 7) times a tent in gamma, whose integral with sin is 4 / pi.
         let mean = at.iter().sum::<f64>() / 8.0;
         close(p.flux(), 2.0 * PI * (2.0 * 7.0 + (mean - 7.0) * 4.0 / PI));
-        let told: Vec<&FaultKind> = file.warnings.iter().map(|w| &w.kind).collect();
-        assert_eq!(told, if count == 8 { vec![&FaultKind::Open(315.0)] } else { vec![] });
+        let told: Vec<&PhotometryErrorKind> = file.warnings.iter().map(|w| &w.kind).collect();
+        assert_eq!(told, if count == 8 { vec![&PhotometryErrorKind::Open(315.0)] } else { vec![] });
     }
 }
 
@@ -152,7 +152,7 @@ fn tilt_is_read_from_the_file_or_another_one_and_applied_to_nothing() {
     );
     assert_eq!(
         ies::read_with(named.as_bytes(), &mut |_| Ok(b"1 2 0".to_vec())).unwrap_err().kind,
-        FaultKind::TiltFile {
+        PhotometryErrorKind::TiltFile {
             name: "lamp.tlt".to_owned(),
             reason: "1:3: 2 tilt angles are declared, the file has room for 1".to_owned()
         }
@@ -175,7 +175,7 @@ fn editions_differ_in_their_factors_and_openings() {
         assert_eq!((p.intensity(DVec3::X), p.opening.shape), (intensity, shape), "{head}");
         assert_eq!(p.generation, (year == 2019).then_some(0.5));
         let told = matches!(year, 1995 | 2002);
-        assert_eq!(warnings.iter().any(|w| w.kind == FaultKind::FutureUse(0.5)), told);
+        assert_eq!(warnings.iter().any(|w| w.kind == PhotometryErrorKind::FutureUse(0.5)), told);
     }
     let old = of("First line\n").photometry.keywords;
     assert_eq!(old, [(String::new(), "First line".to_owned())]);
@@ -259,7 +259,7 @@ fn eulumdat_without_direct_ratios_or_of_several_sets_or_absolute_is_read() {
     let one = ldt::read(ldt_text(1, by_set, true, 1).as_bytes()).unwrap();
     let other = ldt::read(ldt_text(1, by_field, true, 1).as_bytes()).unwrap();
     assert_eq!(other.photometry, one.photometry);
-    assert_eq!(other.warnings[0].kind, FaultKind::FieldByField);
+    assert_eq!(other.warnings[0].kind, PhotometryErrorKind::FieldByField);
     close(one.photometry.intensity(along(0.0, 90.0)), 10.0);
     let second = one.photometry.with_lamps(1).unwrap();
     close(second.intensity(along(0.0, 90.0)), 30.0);
@@ -309,8 +309,8 @@ fn faults_are_told_with_place_and_advice() {
     );
     assert_eq!(ies::read(b"\xff\xfeI\0E\0").unwrap_err().to_string(), "1:1: the file is UTF-16 text");
     let odd = read_ies(&replaced("1 2 3", "1 -2 3 4"));
-    let kinds: Vec<FaultKind> = odd.warnings.into_iter().map(|w| w.kind).collect();
-    assert_eq!(kinds, [FaultKind::Negative(1), FaultKind::Trailing]);
+    let kinds: Vec<PhotometryErrorKind> = odd.warnings.into_iter().map(|w| w.kind).collect();
+    assert_eq!(kinds, [PhotometryErrorKind::Negative(1), PhotometryErrorKind::Trailing]);
     let ldt = ldt_text(3, ONE_SET, true, 5);
     // What follows the line, a digit and a line end for each value.
     let room = (ldt.len() - ldt.find("45\n").unwrap()).div_ceil(2);

@@ -1,6 +1,6 @@
 //! Lines and numbers of photometric files.
 
-use super::fault::{Fault, FaultKind};
+use super::error::{PhotometryError, PhotometryErrorKind};
 use crate::source::line_and_column;
 
 /// Text of a file: UTF-8 where it is that, else Windows-1252, which holds Latin-1 and ASCII.
@@ -29,15 +29,15 @@ pub(super) fn number(text: &str) -> Option<f64> {
 }
 
 /// A fault at a stretch of the bytes.
-pub(super) fn fault(bytes: &[u8], at: usize, length: usize, kind: FaultKind) -> Fault {
+pub(super) fn fault(bytes: &[u8], at: usize, length: usize, kind: PhotometryErrorKind) -> PhotometryError {
     let (line, column) = line_and_column(bytes, at);
-    Fault { line, column, length, kind }
+    PhotometryError { line, column, length, kind }
 }
 
 /// Refuses text of two bytes per character; gives the number of bytes to pass over in front.
-pub(super) fn start(bytes: &[u8]) -> Result<usize, Fault> {
+pub(super) fn start(bytes: &[u8]) -> Result<usize, PhotometryError> {
     match bytes {
-        [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => Err(fault(bytes, 0, 2, FaultKind::Utf16)),
+        [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => Err(fault(bytes, 0, 2, PhotometryErrorKind::Utf16)),
         [0xEF, 0xBB, 0xBF, ..] => Ok(3),
         _ => Ok(0),
     }
@@ -45,16 +45,16 @@ pub(super) fn start(bytes: &[u8]) -> Result<usize, Fault> {
 
 /// Goes through a file line by line or number by number.
 #[derive(Clone, Debug)]
-pub(super) struct Cursor<'a> {
+pub(super) struct TextCursor<'a> {
     pub(super) bytes: &'a [u8],
-    /// Where the next line or number is looked for.
+    /// Offset at which the next line or number is searched.
     pub(super) at: usize,
-    /// Where the last line or number began, and its bytes.
+    /// Start and length of the last line or number.
     pub(super) last: (usize, usize),
 }
 
-impl<'a> Cursor<'a> {
-    pub(super) fn new(bytes: &'a [u8]) -> Result<Self, Fault> {
+impl<'a> TextCursor<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Result<Self, PhotometryError> {
         Ok(Self { bytes, at: start(bytes)?, last: (0, 0) })
     }
 
@@ -70,11 +70,11 @@ impl<'a> Cursor<'a> {
     }
 
     /// The next number; blanks, line ends and commas stand between numbers.
-    pub(super) fn number(&mut self, what: &'static str) -> Result<f64, Fault> {
-        let text = self.word().ok_or_else(|| self.here(FaultKind::End(what)))?;
+    pub(super) fn number(&mut self, what: &'static str) -> Result<f64, PhotometryError> {
+        let text = self.word().ok_or_else(|| self.here(PhotometryErrorKind::End(what)))?;
         let shown = || decode(text.get(..text.len().min(40)).unwrap_or_default());
         let value = std::str::from_utf8(text).ok().and_then(number);
-        value.ok_or_else(|| self.here(FaultKind::Number { what, text: shown() }))
+        value.ok_or_else(|| self.here(PhotometryErrorKind::Number { what, text: shown() }))
     }
 
     /// The next number, which must be a whole one of `allowed`.
@@ -83,16 +83,16 @@ impl<'a> Cursor<'a> {
         what: &'static str,
         allowed: &'static str,
         range: std::ops::RangeInclusive<f64>,
-    ) -> Result<f64, Fault> {
+    ) -> Result<f64, PhotometryError> {
         let value = self.number(what)?;
         if value.fract() != 0.0 || !range.contains(&value) {
-            return Err(self.here(FaultKind::Value { what, value, allowed }));
+            return Err(self.here(PhotometryErrorKind::Value { what, value, allowed }));
         }
         Ok(value)
     }
 
-    /// So many numbers; the caller has checked that there is room for them.
-    pub(super) fn numbers(&mut self, what: &'static str, count: usize) -> Result<Vec<f64>, Fault> {
+    /// A fixed number of numbers; the caller has checked that the file can hold them.
+    pub(super) fn numbers(&mut self, what: &'static str, count: usize) -> Result<Vec<f64>, PhotometryError> {
         (0..count).map(|_| self.number(what)).collect()
     }
 
@@ -101,7 +101,7 @@ impl<'a> Cursor<'a> {
         self.bytes.len().saturating_sub(self.at).div_ceil(2)
     }
 
-    /// Whether another number or word follows.
+    /// True if another number or word follows.
     pub(super) fn has_more(&self) -> bool {
         self.clone().word().is_some()
     }
@@ -122,7 +122,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// A fault at the last line or number.
-    pub(super) fn here(&self, kind: FaultKind) -> Fault {
+    pub(super) fn here(&self, kind: PhotometryErrorKind) -> PhotometryError {
         fault(self.bytes, self.last.0, self.last.1, kind)
     }
 }

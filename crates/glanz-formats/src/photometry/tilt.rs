@@ -1,6 +1,6 @@
 //! How a lamp's light changes with its tilt.
 
-/// How the lamp sits in the luminaire.
+/// Geometry of the lamp in the luminaire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LampGeometry {
     /// Upright, base up or down, where the luminaire shines straight down.
@@ -17,7 +17,7 @@ pub enum LampGeometry {
 /// [`Photometry::scaled_by`](super::Photometry::scaled_by) with [`Tilt::factor`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tilt {
-    /// How the lamp sits.
+    /// Geometry of the lamp.
     pub geometry: LampGeometry,
     /// Angles of the lamp from the position of the measurement, in degrees from 0, ascending, at least one.
     pub angles: Vec<f64>,

@@ -2,26 +2,26 @@
 
 use glanz_math::{DVec2, DVec3};
 
-use super::header::{Element, Encoding, Header, Scalar};
+use super::header::{PlyElement, PlyEncoding, PlyHeader, ScalarType};
 use super::{PlyError, PlyErrorKind, PlyMesh, PlyPosition};
 
 /// Reads numbers one after the other, in whatever encoding.
-struct Cursor<'a> {
+struct NumberReader<'a> {
     bytes: &'a [u8],
     offset: usize,
-    encoding: Encoding,
+    encoding: PlyEncoding,
     line: u32,
     line_start: usize,
 }
 
-impl<'a> Cursor<'a> {
+impl<'a> NumberReader<'a> {
     fn remaining(&self) -> usize {
         self.bytes.len().saturating_sub(self.offset)
     }
 
     fn position(&self) -> PlyPosition {
         match self.encoding {
-            Encoding::Ascii => PlyPosition::Text {
+            PlyEncoding::Ascii => PlyPosition::Text {
                 line: self.line,
                 column: u32::try_from(self.offset - self.line_start + 1).unwrap_or(u32::MAX),
             },
@@ -34,15 +34,15 @@ impl<'a> Cursor<'a> {
     }
 
     /// The next number; `None` at the end of the file.
-    fn number(&mut self, scalar: Scalar) -> Result<Option<f64>, PlyError> {
+    fn number(&mut self, scalar: ScalarType) -> Result<Option<f64>, PlyError> {
         match self.encoding {
-            Encoding::Ascii => self.word(),
-            Encoding::LittleEndian => Ok(self.binary(scalar, false)),
-            Encoding::BigEndian => Ok(self.binary(scalar, true)),
+            PlyEncoding::Ascii => self.word(),
+            PlyEncoding::LittleEndian => Ok(self.binary(scalar, false)),
+            PlyEncoding::BigEndian => Ok(self.binary(scalar, true)),
         }
     }
 
-    fn binary(&mut self, scalar: Scalar, big: bool) -> Option<f64> {
+    fn binary(&mut self, scalar: ScalarType, big: bool) -> Option<f64> {
         macro_rules! take {
             ($t:ty) => {{
                 const SIZE: usize = size_of::<$t>();
@@ -52,14 +52,14 @@ impl<'a> Cursor<'a> {
             }};
         }
         Some(match scalar {
-            Scalar::I8 => take!(i8),
-            Scalar::U8 => take!(u8),
-            Scalar::I16 => take!(i16),
-            Scalar::U16 => take!(u16),
-            Scalar::I32 => take!(i32),
-            Scalar::U32 => take!(u32),
-            Scalar::F32 => take!(f32),
-            Scalar::F64 => take!(f64),
+            ScalarType::I8 => take!(i8),
+            ScalarType::U8 => take!(u8),
+            ScalarType::I16 => take!(i16),
+            ScalarType::U16 => take!(u16),
+            ScalarType::I32 => take!(i32),
+            ScalarType::U32 => take!(u32),
+            ScalarType::F32 => take!(f32),
+            ScalarType::F64 => take!(f64),
         })
     }
 
@@ -91,14 +91,14 @@ impl<'a> Cursor<'a> {
 }
 
 /// The records of one element being read.
-struct Records<'a, 'c> {
-    cursor: &'c mut Cursor<'a>,
-    element: &'c Element,
+struct RecordReader<'a, 'c> {
+    cursor: &'c mut NumberReader<'a>,
+    element: &'c PlyElement,
 }
 
-impl<'a, 'c> Records<'a, 'c> {
+impl<'a, 'c> RecordReader<'a, 'c> {
     /// Refuses counts that the rest of the file cannot hold.
-    fn new(cursor: &'c mut Cursor<'a>, element: &'c Element) -> Result<Self, PlyError> {
+    fn new(cursor: &'c mut NumberReader<'a>, element: &'c PlyElement) -> Result<Self, PlyError> {
         let size = element.min_size(cursor.encoding) as u128;
         let bytes = cursor.remaining();
         // One more byte: the blank that may be missing at the end of an ascii file.
@@ -109,7 +109,7 @@ impl<'a, 'c> Records<'a, 'c> {
         Ok(Self { cursor, element })
     }
 
-    fn number(&mut self, scalar: Scalar, index: u64) -> Result<f64, PlyError> {
+    fn number(&mut self, scalar: ScalarType, index: u64) -> Result<f64, PlyError> {
         match self.cursor.number(scalar)? {
             Some(value) => Ok(value),
             None => {
@@ -120,15 +120,15 @@ impl<'a, 'c> Records<'a, 'c> {
     }
 
     /// The length of a list, checked against the rest of the file.
-    fn length(&mut self, count: Scalar, item: Scalar, index: u64) -> Result<usize, PlyError> {
+    fn length(&mut self, count: ScalarType, item: ScalarType, index: u64) -> Result<usize, PlyError> {
         let n = self.number(count, index)?;
         let item_size = match self.cursor.encoding {
-            Encoding::Ascii => 2,
+            PlyEncoding::Ascii => 2,
             _ => item.size(),
         };
         if !(n >= 0.0 && n.fract() == 0.0) || n * item_size as f64 > self.cursor.remaining() as f64 + 1.0 {
             return Err(match self.cursor.encoding {
-                Encoding::Ascii => self.cursor.error(PlyErrorKind::ListLength(n)),
+                PlyEncoding::Ascii => self.cursor.error(PlyErrorKind::ListLength(n)),
                 _ if n >= 0.0 && n.fract() == 0.0 => {
                     let element = self.element.name.clone();
                     let position = PlyPosition::Byte(self.cursor.bytes.len());
@@ -161,8 +161,8 @@ impl<'a, 'c> Records<'a, 'c> {
 }
 
 /// Reads everything after the header.
-pub(super) fn read(bytes: &[u8], header: &Header) -> Result<PlyMesh, PlyError> {
-    let mut cursor = Cursor {
+pub(super) fn read(bytes: &[u8], header: &PlyHeader) -> Result<PlyMesh, PlyError> {
+    let mut cursor = NumberReader {
         bytes,
         offset: header.body,
         encoding: header.encoding,
@@ -171,12 +171,12 @@ pub(super) fn read(bytes: &[u8], header: &Header) -> Result<PlyMesh, PlyError> {
     };
     if !header.elements.iter().any(|e| e.name == "vertex") {
         let position = PlyPosition::Text { line: header.line, column: 1 };
-        return Err(PlyError { position, kind: PlyErrorKind::Element("vertex") });
+        return Err(PlyError { position, kind: PlyErrorKind::PlyElement("vertex") });
     }
     let mut mesh = PlyMesh::default();
-    let mut corners = Corners::default();
+    let mut corners = TriangleBuilder::default();
     for element in &header.elements {
-        let records = Records::new(&mut cursor, element)?;
+        let records = RecordReader::new(&mut cursor, element)?;
         match element.name.as_str() {
             "vertex" => vertices(records, header, &mut mesh)?,
             "face" | "tristrips" => faces(records, &mut corners)?,
@@ -190,7 +190,7 @@ pub(super) fn read(bytes: &[u8], header: &Header) -> Result<PlyMesh, PlyError> {
     Ok(mesh)
 }
 
-/// What the properties of a vertex are for, in the order x y z, nx ny nz, u v.
+/// Slot of a vertex property, in the order x y z, nx ny nz, u v.
 fn vertex_slot(name: &str) -> Option<usize> {
     Some(match name {
         "x" => 0,
@@ -205,7 +205,11 @@ fn vertex_slot(name: &str) -> Option<usize> {
     })
 }
 
-fn vertices(mut records: Records<'_, '_>, header: &Header, mesh: &mut PlyMesh) -> Result<(), PlyError> {
+fn vertices(
+    mut records: RecordReader<'_, '_>,
+    header: &PlyHeader,
+    mesh: &mut PlyMesh,
+) -> Result<(), PlyError> {
     let element = records.element;
     let slots: Vec<Option<usize>> = element
         .properties
@@ -261,14 +265,14 @@ fn vertices(mut records: Records<'_, '_>, header: &Header, mesh: &mut PlyMesh) -
 
 /// Triangles before the number of vertices is known.
 #[derive(Default)]
-struct Corners {
+struct TriangleBuilder {
     triangles: Vec<[u32; 3]>,
     skipped: usize,
     /// The largest index, with what is needed to complain of it.
     largest: Option<(u32, u64, String, PlyPosition)>,
 }
 
-impl Corners {
+impl TriangleBuilder {
     fn check(&self, count: usize) -> Result<(), PlyError> {
         match &self.largest {
             Some((index, face, element, position)) if *index as usize >= count => Err(PlyError {
@@ -302,7 +306,7 @@ impl Corners {
 /// Separates strips; no index, since there are fewer vertices.
 const RESTART: u32 = u32::MAX;
 
-fn faces(mut records: Records<'_, '_>, corners: &mut Corners) -> Result<(), PlyError> {
+fn faces(mut records: RecordReader<'_, '_>, corners: &mut TriangleBuilder) -> Result<(), PlyError> {
     let element = records.element;
     let strip = element.name == "tristrips";
     let is_corners = |name: &str| matches!(name, "vertex_indices" | "vertex_index" | "vertex_indexes");

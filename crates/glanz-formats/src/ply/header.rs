@@ -2,9 +2,9 @@
 
 use super::{PlyError, PlyErrorKind, PlyPosition};
 
-/// How values are stored.
+/// Encoding of the values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Encoding {
+pub(super) enum PlyEncoding {
     Ascii,
     LittleEndian,
     BigEndian,
@@ -12,7 +12,7 @@ pub(super) enum Encoding {
 
 /// A type of stored numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Scalar {
+pub(super) enum ScalarType {
     I8,
     U8,
     I16,
@@ -23,7 +23,7 @@ pub(super) enum Scalar {
     F64,
 }
 
-impl Scalar {
+impl ScalarType {
     fn of_name(name: &str) -> Option<Self> {
         Some(match name {
             "char" | "int8" => Self::I8,
@@ -51,27 +51,27 @@ impl Scalar {
 
 /// One property of an element.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Property {
+pub(super) struct PlyProperty {
     pub(super) name: String,
     /// Type of the length, if it is a list.
-    pub(super) list: Option<Scalar>,
-    pub(super) scalar: Scalar,
+    pub(super) list: Option<ScalarType>,
+    pub(super) scalar: ScalarType,
 }
 
 /// One element: so many records of these properties.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Element {
+pub(super) struct PlyElement {
     pub(super) name: String,
     pub(super) count: u64,
-    pub(super) properties: Vec<Property>,
+    pub(super) properties: Vec<PlyProperty>,
 }
 
-impl Element {
+impl PlyElement {
     /// The fewest bytes a record can take.
-    pub(super) fn min_size(&self, encoding: Encoding) -> usize {
+    pub(super) fn min_size(&self, encoding: PlyEncoding) -> usize {
         match encoding {
             // A digit and a blank each; the last blank of the file may be missing.
-            Encoding::Ascii => 2 * self.properties.len(),
+            PlyEncoding::Ascii => 2 * self.properties.len(),
             _ => self.properties.iter().map(|p| p.list.unwrap_or(p.scalar).size()).sum(),
         }
     }
@@ -79,10 +79,10 @@ impl Element {
 
 /// The whole header.
 #[derive(Clone, Debug)]
-pub(super) struct Header {
-    pub(super) encoding: Encoding,
-    pub(super) elements: Vec<Element>,
-    /// Where the data begin.
+pub(super) struct PlyHeader {
+    pub(super) encoding: PlyEncoding,
+    pub(super) elements: Vec<PlyElement>,
+    /// Offset of the data in bytes.
     pub(super) body: usize,
     /// Their line.
     pub(super) line: u32,
@@ -93,11 +93,11 @@ fn error(line: u32, column: u32, kind: PlyErrorKind) -> PlyError {
 }
 
 /// Reads the header.
-pub(super) fn parse(bytes: &[u8]) -> Result<Header, PlyError> {
+pub(super) fn parse(bytes: &[u8]) -> Result<PlyHeader, PlyError> {
     let mut offset = 0;
     let mut number = 0;
     let mut encoding = None;
-    let mut elements: Vec<Element> = Vec::new();
+    let mut elements: Vec<PlyElement> = Vec::new();
     loop {
         let rest = bytes.get(offset..).unwrap_or_default();
         number += 1;
@@ -123,15 +123,15 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, PlyError> {
             ["format", ref format @ ..] => {
                 let name = format.join(" ");
                 encoding = Some(match name.as_str() {
-                    "ascii 1.0" => Encoding::Ascii,
-                    "binary_little_endian 1.0" => Encoding::LittleEndian,
-                    "binary_big_endian 1.0" => Encoding::BigEndian,
+                    "ascii 1.0" => PlyEncoding::Ascii,
+                    "binary_little_endian 1.0" => PlyEncoding::LittleEndian,
+                    "binary_big_endian 1.0" => PlyEncoding::BigEndian,
                     _ => return Err(error(number, 8, PlyErrorKind::Format(name))),
                 });
             }
             ["element", name, count] => {
                 let count = count.parse().map_err(|_| not_understood())?;
-                elements.push(Element { name: name.to_owned(), count, properties: Vec::new() });
+                elements.push(PlyElement { name: name.to_owned(), count, properties: Vec::new() });
             }
             ["property", ref rest @ ..] => {
                 let property = property(rest).ok_or_else(not_understood)?;
@@ -141,18 +141,18 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, PlyError> {
         }
     }
     let encoding = encoding.ok_or_else(|| error(number, 1, PlyErrorKind::Format(String::new())))?;
-    Ok(Header { encoding, elements, body: offset, line: number + 1 })
+    Ok(PlyHeader { encoding, elements, body: offset, line: number + 1 })
 }
 
-fn property(words: &[&str]) -> Option<Property> {
+fn property(words: &[&str]) -> Option<PlyProperty> {
     match *words {
-        ["list", count, scalar, name] => Some(Property {
+        ["list", count, scalar, name] => Some(PlyProperty {
             name: name.to_owned(),
-            list: Some(Scalar::of_name(count)?),
-            scalar: Scalar::of_name(scalar)?,
+            list: Some(ScalarType::of_name(count)?),
+            scalar: ScalarType::of_name(scalar)?,
         }),
         [scalar, name] => {
-            Some(Property { name: name.to_owned(), list: None, scalar: Scalar::of_name(scalar)? })
+            Some(PlyProperty { name: name.to_owned(), list: None, scalar: ScalarType::of_name(scalar)? })
         }
         _ => None,
     }

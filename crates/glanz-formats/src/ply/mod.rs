@@ -28,7 +28,7 @@ pub struct PlyMesh {
     pub skipped_faces: usize,
 }
 
-/// Where in the file something is wrong.
+/// Position of an error in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlyPosition {
     /// Line and column of text, from 1.
@@ -51,17 +51,17 @@ impl std::fmt::Display for PlyPosition {
     }
 }
 
-/// Why bytes are not a PLY mesh.
+/// Error of reading a PLY mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{position}: {kind}")]
 pub struct PlyError {
-    /// Where.
+    /// Position.
     pub position: PlyPosition,
-    /// What.
+    /// Kind.
     pub kind: PlyErrorKind,
 }
 
-/// What is wrong with a PLY file.
+/// Kinds of errors of PLY files.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlyErrorKind {
@@ -92,7 +92,7 @@ pub enum PlyErrorKind {
     Coordinate(&'static str),
     /// There is no element of that name.
     #[error("there is no element \"{0}\"")]
-    Element(&'static str),
+    PlyElement(&'static str),
     /// The file ends within an element.
     #[error("the file ends within element \"{element}\" number {index}")]
     Truncated {
@@ -117,7 +117,7 @@ pub enum PlyErrorKind {
         element: String,
         /// Counted from 0.
         face: u64,
-        /// What it refers to.
+        /// The referenced item.
         index: u32,
         /// Number of vertices.
         count: usize,
@@ -129,7 +129,7 @@ pub enum PlyErrorKind {
         element: String,
         /// Counted from 0.
         face: u64,
-        /// What it refers to.
+        /// The referenced item.
         value: f64,
     },
     /// More vertices than 32 bits can number.

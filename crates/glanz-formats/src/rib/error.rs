@@ -2,7 +2,7 @@
 
 use super::state::MAX_DEPTH;
 
-/// Why bytes are not a file of surfaces, and where.
+/// Error of reading a RIB file, with its position.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{line}:{column}: {kind}")]
 pub struct RibError {
@@ -10,11 +10,11 @@ pub struct RibError {
     pub line: u32,
     /// Column in bytes, from 1.
     pub column: u32,
-    /// What.
+    /// Kind.
     pub kind: RibErrorKind,
 }
 
-/// What is wrong with a RIB file.
+/// Kinds of errors of RIB files.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RibErrorKind {
@@ -24,9 +24,9 @@ pub enum RibErrorKind {
     /// Something else than what should stand there.
     #[error("{found:?} stands where {wanted} should")]
     Unexpected {
-        /// What there is.
+        /// The number found.
         found: String,
-        /// What there should be.
+        /// The number expected.
         wanted: &'static str,
     },
     /// A number beyond all bounds.
@@ -44,7 +44,7 @@ pub enum RibErrorKind {
     /// An end of a block that is not the innermost.
     #[error("{name}End closes {}", open.map_or("nothing".to_owned(), |o| format!("{o}Begin")))]
     StrayEnd {
-        /// What ends, without `End`.
+        /// The block that ends, without `End`.
         name: &'static str,
         /// The innermost block, if there is one.
         open: Option<&'static str>,
@@ -60,10 +60,10 @@ pub enum RibErrorKind {
     NotAffine([f64; 4]),
     /// An argument is missing or of the wrong kind.
     #[error("{request} needs {wanted}")]
-    Argument {
+    RibArgument {
         /// Which request.
         request: String,
-        /// What it needs.
+        /// The argument expected.
         wanted: &'static str,
     },
     /// Too few things, or too many.
@@ -71,11 +71,11 @@ pub enum RibErrorKind {
     Count {
         /// Which request.
         request: String,
-        /// What is counted.
+        /// The counted items.
         what: &'static str,
-        /// How many there are.
+        /// The number found.
         found: usize,
-        /// How many there should be.
+        /// The number expected.
         needed: usize,
     },
     /// Points of a mesh that do not make whole patches.
@@ -85,7 +85,7 @@ pub enum RibErrorKind {
         axis: char,
         /// Points along it.
         count: usize,
-        /// How many points on the next patch begins.
+        /// Step in points to the next patch.
         step: usize,
     },
     /// A knot less than the one before.
@@ -103,9 +103,9 @@ pub enum RibErrorKind {
         min: f64,
         /// Its end.
         max: f64,
-        /// Where the knots begin to define the surface.
+        /// Lower end of the knots' valid range.
         low: f64,
-        /// Where they end.
+        /// Upper end of the knots' valid range.
         high: f64,
     },
     /// A weight that is not positive.
@@ -117,7 +117,7 @@ pub enum RibErrorKind {
 }
 
 impl RibErrorKind {
-    /// What to do, where that does not go without saying.
+    /// Remedy, where it is not obvious.
     #[must_use]
     pub fn help(&self) -> Option<&'static str> {
         Some(match self {
@@ -125,7 +125,7 @@ impl RibErrorKind {
             Self::OpenText | Self::OpenArray | Self::OpenBlock(_) => "check whether the file is complete",
             Self::Unsupported(_) => "write the file without motion, objects and solids",
             Self::NotAffine(_) => "leave the projection to the camera of the scene",
-            Self::MeshSize { .. } => "the steps are those of Basis, 3 for Bézier patches",
+            Self::MeshSize { .. } => "the steps are those of PatchBasis, 3 for Bézier patches",
             Self::KnotsDecrease { .. } => "sort the knots, or check a missing value",
             Self::Weight(_) => "\"Pw\" has four numbers per point, w x, w y, w z and w",
             _ => return None,

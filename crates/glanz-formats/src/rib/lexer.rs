@@ -8,21 +8,21 @@ pub(super) const QUOTED: usize = 40;
 
 /// A request with the arguments up to the next one.
 #[derive(Debug)]
-pub(super) struct Request<'a> {
+pub(super) struct RibRequest<'a> {
     pub(super) name: &'a str,
-    /// Where it begins, bytes from the start.
+    /// Offset in bytes from the start.
     pub(super) at: usize,
-    pub(super) arguments: Vec<Argument<'a>>,
+    pub(super) arguments: Vec<RibArgument<'a>>,
 }
 
 #[derive(Debug)]
-pub(super) struct Argument<'a> {
+pub(super) struct RibArgument<'a> {
     pub(super) at: usize,
-    pub(super) value: Value<'a>,
+    pub(super) value: RibValue<'a>,
 }
 
 #[derive(Debug)]
-pub(super) enum Value<'a> {
+pub(super) enum RibValue<'a> {
     Number(f64),
     Text(&'a [u8]),
     /// The numbers between brackets.
@@ -33,18 +33,18 @@ pub(super) enum Value<'a> {
 
 /// Reads forward through requests.
 #[derive(Clone, Debug)]
-pub(super) struct Lexer<'a> {
+pub(super) struct RibLexer<'a> {
     bytes: &'a [u8],
     offset: usize,
 }
 
-impl<'a> Lexer<'a> {
+impl<'a> RibLexer<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, offset: 0 }
     }
 
     /// The next request; `None` at the end of the file.
-    pub(super) fn request(&mut self) -> Result<Option<Request<'a>>, RibError> {
+    pub(super) fn request(&mut self) -> Result<Option<RibRequest<'a>>, RibError> {
         let Some(first) = self.peek() else { return Ok(None) };
         let at = self.offset;
         if !first.is_ascii_alphabetic() {
@@ -55,17 +55,17 @@ impl<'a> Lexer<'a> {
         while let Some(byte) = self.peek() {
             let at = self.offset;
             let value = match byte {
-                b'"' => Value::Text(self.text()?),
+                b'"' => RibValue::Text(self.text()?),
                 b'[' => self.array()?,
                 _ if byte.is_ascii_alphabetic() => break,
-                _ => Value::Number(self.number("an argument")?),
+                _ => RibValue::Number(self.number("an argument")?),
             };
-            arguments.push(Argument { at, value });
+            arguments.push(RibArgument { at, value });
         }
-        Ok(Some(Request { name, at, arguments }))
+        Ok(Some(RibRequest { name, at, arguments }))
     }
 
-    /// Where the number `index` of the array at `at` stands.
+    /// Offset of the number `index` of the array at `at`.
     pub(super) fn number_in_array(&self, at: usize, index: usize) -> usize {
         let mut lexer = Self { bytes: self.bytes, offset: at.saturating_add(1) };
         for _ in 0..index {
@@ -119,7 +119,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// What stands between quotes.
+    /// The quoted text.
     fn text(&mut self) -> Result<&'a [u8], RibError> {
         let start = self.offset + 1;
         let mut end = start;
@@ -135,7 +135,7 @@ impl<'a> Lexer<'a> {
         Ok(self.bytes.get(start..end).unwrap_or_default())
     }
 
-    fn array(&mut self) -> Result<Value<'a>, RibError> {
+    fn array(&mut self) -> Result<RibValue<'a>, RibError> {
         let open = self.offset;
         self.offset += 1;
         let (mut numbers, mut texts) = (Vec::new(), false);
@@ -152,10 +152,10 @@ impl<'a> Lexer<'a> {
             }
         }
         self.offset += 1;
-        Ok(if texts { Value::Texts } else { Value::Numbers(numbers) })
+        Ok(if texts { RibValue::Texts } else { RibValue::Numbers(numbers) })
     }
 
-    /// Says what stands at the offset and what should.
+    /// Error with the text at the offset and the expected one.
     fn unexpected(&self, wanted: &'static str) -> RibError {
         let byte = self.bytes.get(self.offset).copied().unwrap_or_default();
         if byte >= 0x80 {

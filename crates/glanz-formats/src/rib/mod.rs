@@ -1,6 +1,6 @@
 //! Surfaces from RenderMan's scene files (RIB), text only.
 //!
-//! Read are `Patch`, `PatchMesh` and `NuPatch`, `Basis`, the blocks `...Begin` and `...End`, `ReverseOrientation` and the
+//! Read are `Patch`, `PatchMesh` and `NuPatch`, `PatchBasis`, the blocks `...Begin` and `...End`, `ReverseOrientation` and the
 //! affine transformations; surfaces come out in the frame of the file as a whole. Every other request is skipped and
 //! named, except those without which surfaces would stand in wrong places. Memory is bounded by the size of the input.
 //!
@@ -38,15 +38,15 @@ pub use error::{RibError, RibErrorKind};
 pub use state::MAX_DEPTH;
 
 use crate::source::line_and_column;
-use lexer::{Lexer, Request, Value};
-use state::{Basis, Block, State, rotation};
+use lexer::{RibLexer, RibRequest, RibValue};
+use state::{PatchBasis, RibBlock, RibState, rotation};
 
 /// The surfaces of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RibFile {
     /// Patches, those of equal degrees together, in the order in which their degrees first come.
     pub patches: Vec<BezierPatchesDescription>,
-    /// What `NuPatch` makes.
+    /// Splines of `NuPatch`.
     pub splines: Vec<NurbsDescription>,
     /// Requests that were skipped, each kind where it comes first.
     pub skipped: Vec<SkippedRequest>,
@@ -63,7 +63,7 @@ pub struct SkippedRequest {
     pub column: u32,
 }
 
-/// Whether bytes, known to list surfaces, are RIB: its first word begins with a letter, or a comment comes first.
+/// True if a file of surfaces is RIB: it starts with a letter or a comment.
 #[must_use]
 pub fn is_rib(bytes: &[u8]) -> bool {
     let first = bytes.iter().find(|b| !b.is_ascii_whitespace());
@@ -75,9 +75,13 @@ pub fn is_rib(bytes: &[u8]) -> bool {
 /// # Errors
 /// [`RibError`] with the place in the file.
 pub fn read(bytes: &[u8]) -> Result<RibFile, RibError> {
-    let mut lexer = Lexer::new(bytes);
-    let mut reader =
-        Reader { places: lexer.clone(), state: State::default(), open: Vec::new(), file: RibFile::default() };
+    let mut lexer = RibLexer::new(bytes);
+    let mut reader = RibReader {
+        places: lexer.clone(),
+        state: RibState::default(),
+        open: Vec::new(),
+        file: RibFile::default(),
+    };
     while let Some(request) = lexer.request()? {
         reader.apply(&request, bytes)?;
     }
@@ -93,17 +97,17 @@ const MAX_SKIPPED: usize = 200;
 /// Names of blocks; `Begin` and `End` come behind.
 const BLOCKS: [&str; 4] = ["Transform", "Attribute", "World", "Frame"];
 
-/// What is known so far.
-struct Reader<'a> {
+/// State of the reader.
+struct RibReader<'a> {
     /// For the places of errors.
-    places: Lexer<'a>,
-    state: State,
-    open: Vec<Block>,
+    places: RibLexer<'a>,
+    state: RibState,
+    open: Vec<RibBlock>,
     file: RibFile,
 }
 
-impl Reader<'_> {
-    fn apply(&mut self, request: &Request<'_>, bytes: &[u8]) -> Result<(), RibError> {
+impl RibReader<'_> {
+    fn apply(&mut self, request: &RibRequest<'_>, bytes: &[u8]) -> Result<(), RibError> {
         let block = |end: &str| BLOCKS.into_iter().find(|b| request.name.strip_suffix(end) == Some(b));
         if let Some(name) = block("Begin") {
             return self.begin(name, request.at);
@@ -131,7 +135,7 @@ impl Reader<'_> {
                 self.state.concatenate(rotation(degrees, DVec3::new(x, y, z)));
             }
             "ReverseOrientation" => self.state.reversed = !self.state.reversed,
-            "Basis" => self.state.bases = self.bases(request)?,
+            "PatchBasis" => self.state.bases = self.bases(request)?,
             "Patch" => self.patch(request)?,
             "PatchMesh" => self.patch_mesh(request)?,
             "NuPatch" => self.nu_patch(request)?,
@@ -150,7 +154,7 @@ impl Reader<'_> {
         if self.open.len() >= MAX_DEPTH {
             return Err(self.places.error(at, RibErrorKind::TooDeep));
         }
-        self.open.push(Block { name, at, outside: self.state });
+        self.open.push(RibBlock { name, at, outside: self.state });
         if name == "World" {
             // What came before placed the camera.
             self.state.to_world = DMat4::IDENTITY;
@@ -185,15 +189,15 @@ impl Reader<'_> {
     }
 
     /// The numbers a request must have, with brackets or without.
-    fn numbers<const N: usize>(&self, request: &Request<'_>) -> Result<[f64; N], RibError> {
+    fn numbers<const N: usize>(&self, request: &RibRequest<'_>) -> Result<[f64; N], RibError> {
         let mut all = Vec::new();
         for argument in &request.arguments {
             match &argument.value {
-                Value::Number(x) => all.push(*x),
-                Value::Numbers(numbers) => all.extend_from_slice(numbers),
+                RibValue::Number(x) => all.push(*x),
+                RibValue::Numbers(numbers) => all.extend_from_slice(numbers),
                 _ => {
                     let kind =
-                        RibErrorKind::Argument { request: request.name.to_owned(), wanted: "a number" };
+                        RibErrorKind::RibArgument { request: request.name.to_owned(), wanted: "a number" };
                     return Err(self.places.error(argument.at, kind));
                 }
             }
@@ -206,7 +210,7 @@ impl Reader<'_> {
         })
     }
 
-    fn matrix(&self, request: &Request<'_>) -> Result<DMat4, RibError> {
+    fn matrix(&self, request: &RibRequest<'_>) -> Result<DMat4, RibError> {
         // A row vector times the matrix there is the transposed matrix times a column here.
         let matrix = DMat4::from_cols_array(&self.numbers(request)?);
         let bottom = matrix.row(3).to_array();
@@ -217,25 +221,25 @@ impl Reader<'_> {
     }
 
     /// The bases along u and v: a name or a matrix, then a step, twice.
-    fn bases(&self, request: &Request<'_>) -> Result<[Basis; 2], RibError> {
+    fn bases(&self, request: &RibRequest<'_>) -> Result<[PatchBasis; 2], RibError> {
         let wrong = |at: usize, wanted: &'static str| {
-            self.places.error(at, RibErrorKind::Argument { request: request.name.to_owned(), wanted })
+            self.places.error(at, RibErrorKind::RibArgument { request: request.name.to_owned(), wanted })
         };
         let mut bases = self.state.bases;
         for (axis, basis) in bases.iter_mut().enumerate() {
             let argument = |i: usize| request.arguments.get(2 * axis + i);
             let Some(kind) = argument(0) else { return Err(wrong(request.at, "two bases with their steps")) };
             *basis = match &kind.value {
-                Value::Text(name) => Basis::by_name(name),
-                Value::Numbers(numbers) => <[f64; 16]>::try_from(numbers.as_slice()).ok().map(|m| {
-                    Basis::of_matrix(std::array::from_fn(|i| std::array::from_fn(|j| m[4 * i + j])))
+                RibValue::Text(name) => PatchBasis::by_name(name),
+                RibValue::Numbers(numbers) => <[f64; 16]>::try_from(numbers.as_slice()).ok().map(|m| {
+                    PatchBasis::of_matrix(std::array::from_fn(|i| std::array::from_fn(|j| m[4 * i + j])))
                 }),
                 _ => None,
             }
             .ok_or_else(|| wrong(kind.at, state::BASIS_NAMES))?;
             let step = argument(1).map(|a| (a.at, &a.value));
             basis.step = match step {
-                Some((_, Value::Number(x))) if (1.0..=4.0).contains(x) && x.fract() == 0.0 => *x as usize,
+                Some((_, RibValue::Number(x))) if (1.0..=4.0).contains(x) && x.fract() == 0.0 => *x as usize,
                 other => return Err(wrong(other.map_or(request.at, |o| o.0), "a step from 1 to 4")),
             };
         }

@@ -7,38 +7,38 @@ pub const MAX_DEPTH: usize = 1_000;
 
 /// A part of the file between `...Begin` and `...End`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Block {
-    /// What it begins with, without `Begin`.
+pub(super) struct RibBlock {
+    /// Its directive, without `Begin`.
     pub(super) name: &'static str,
-    /// Where it begins.
+    /// Start.
     pub(super) at: usize,
-    /// What held before.
-    pub(super) outside: State,
+    /// The state before it.
+    pub(super) outside: RibState,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct State {
+pub(super) struct RibState {
     pub(super) to_world: DMat4,
-    /// Whether the front of a surface is its back.
+    /// True if front and back of surfaces are exchanged.
     pub(super) reversed: bool,
     /// Along u and along v.
-    pub(super) bases: [Basis; 2],
+    pub(super) bases: [PatchBasis; 2],
 }
 
-impl Default for State {
+impl Default for RibState {
     fn default() -> Self {
-        let bezier = Basis { to_bezier: None, step: 3 };
+        let bezier = PatchBasis { to_bezier: None, step: 3 };
         Self { to_world: DMat4::IDENTITY, reversed: false, bases: [bezier; 2] }
     }
 }
 
-impl State {
+impl RibState {
     /// Puts a transformation between the surfaces that follow and those before.
     pub(super) fn concatenate(&mut self, matrix: DMat4) {
         self.to_world *= matrix;
     }
 
-    /// Whether patches must run the other way, so that their front stays where it is: mirrors exchange front and back.
+    /// True if patches must be reversed to keep their front, because a mirror exchanges front and back.
     pub(super) fn turns(&self) -> bool {
         (self.to_world.determinant() < 0.0) != self.reversed
     }
@@ -49,13 +49,13 @@ pub(super) fn rotation(degrees: f64, axis: DVec3) -> DMat4 {
     axis.try_normalize().map_or(DMat4::IDENTITY, |axis| DMat4::from_axis_angle(axis, degrees.to_radians()))
 }
 
-/// What the four control points of a cubic mean.
+/// Basis of a cubic: the meaning of its four control points.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Basis {
+pub(super) struct PatchBasis {
     /// Weights, by row, of the points for three times each Bézier point, and what else to divide by; `None`: they are
     /// Bézier points.
     to_bezier: Option<([[f64; 4]; 4], f64)>,
-    /// How many points on the next patch of a mesh begins.
+    /// Step in points from one patch of a mesh to the next.
     pub(super) step: usize,
 }
 
@@ -93,7 +93,7 @@ const BASES: [Table; 5] = [
     ),
 ];
 
-impl Basis {
+impl PatchBasis {
     /// The basis of that name, with its usual step.
     pub(super) fn by_name(name: &[u8]) -> Option<Self> {
         let (_, rows, divisor, step) = BASES.iter().find(|(known, ..)| known.as_bytes() == name)?;
@@ -127,6 +127,6 @@ impl Basis {
     }
 }
 
-/// What to write for a basis.
+/// Accepted spellings of a basis.
 pub(super) const BASIS_NAMES: &str =
     "sixteen numbers or \"bezier\", \"b-spline\", \"catmull-rom\", \"hermite\" or \"power\"";

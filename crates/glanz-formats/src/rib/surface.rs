@@ -3,16 +3,16 @@
 use glanz_math::glam::DVec4;
 use glanz_scene::description::{BezierPatchesDescription, NurbsDescription};
 
-use super::lexer::{Argument, Request, Value};
-use super::state::Basis;
-use super::{Reader, RibError, RibErrorKind};
+use super::lexer::{RibArgument, RibRequest, RibValue};
+use super::state::PatchBasis;
+use super::{RibError, RibErrorKind, RibReader};
 
 /// The types of patches.
 const TYPES: &str = "the type \"bicubic\" or \"bilinear\"";
 
 /// Control points of a request: homogeneous, those of a mesh with u running fastest.
-struct Points {
-    /// Where their array stands.
+struct MeshPoints {
+    /// Offset of their array.
     at: usize,
     /// Numbers per point in the file.
     size: usize,
@@ -20,17 +20,17 @@ struct Points {
 }
 
 /// One direction of a mesh of patches.
-struct Side {
+struct MeshDirection {
     /// Points.
     count: usize,
     /// Patches.
     patches: usize,
-    /// What the points mean; `None`: corners of bilinear patches.
-    basis: Option<Basis>,
+    /// Basis of the points; `None`: corners of bilinear patches.
+    basis: Option<PatchBasis>,
 }
 
 /// One direction of a `NuPatch`.
-struct Axis {
+struct NurbsDirection {
     count: usize,
     degree: usize,
     knots: Vec<f64>,
@@ -38,16 +38,17 @@ struct Axis {
     part: [f64; 2],
 }
 
-impl Reader<'_> {
+impl RibReader<'_> {
     /// A single patch.
-    pub(super) fn patch(&mut self, request: &Request<'_>) -> Result<(), RibError> {
+    pub(super) fn patch(&mut self, request: &RibRequest<'_>) -> Result<(), RibError> {
         let bases = self.kind(request)?;
-        let side = |basis: Option<Basis>| Side { count: basis.map_or(2, |_| 4), patches: 1, basis };
+        let side =
+            |basis: Option<PatchBasis>| MeshDirection { count: basis.map_or(2, |_| 4), patches: 1, basis };
         self.mesh(request, [side(bases[0]), side(bases[1])])
     }
 
     /// Patches with common points: type, then number of points and wrap along u and v.
-    pub(super) fn patch_mesh(&mut self, request: &Request<'_>) -> Result<(), RibError> {
+    pub(super) fn patch_mesh(&mut self, request: &RibRequest<'_>) -> Result<(), RibError> {
         let bases = self.kind(request)?;
         let u = self.side(request, 'u', 1, bases[0])?;
         let v = self.side(request, 'v', 3, bases[1])?;
@@ -55,25 +56,25 @@ impl Reader<'_> {
     }
 
     /// The bases of a bicubic type, none of a bilinear one.
-    fn kind(&self, request: &Request<'_>) -> Result<[Option<Basis>; 2], RibError> {
+    fn kind(&self, request: &RibRequest<'_>) -> Result<[Option<PatchBasis>; 2], RibError> {
         match request.arguments.first() {
-            Some(Argument { value: Value::Text(b"bicubic"), .. }) => Ok(self.state.bases.map(Some)),
-            Some(Argument { value: Value::Text(b"bilinear"), .. }) => Ok([None; 2]),
+            Some(RibArgument { value: RibValue::Text(b"bicubic"), .. }) => Ok(self.state.bases.map(Some)),
+            Some(RibArgument { value: RibValue::Text(b"bilinear"), .. }) => Ok([None; 2]),
             other => Err(self.wrong(request, other.map_or(request.at, |a| a.at), TYPES)),
         }
     }
 
     fn side(
         &self,
-        request: &Request<'_>,
+        request: &RibRequest<'_>,
         axis: char,
         first: usize,
-        basis: Option<Basis>,
-    ) -> Result<Side, RibError> {
+        basis: Option<PatchBasis>,
+    ) -> Result<MeshDirection, RibError> {
         let count = self.count(request, first, "a number of points of at least 2")?;
         let periodic = match request.arguments.get(first + 1) {
-            Some(Argument { value: Value::Text(b"periodic"), .. }) => true,
-            Some(Argument { value: Value::Text(b"nonperiodic"), .. }) => false,
+            Some(RibArgument { value: RibValue::Text(b"periodic"), .. }) => true,
+            Some(RibArgument { value: RibValue::Text(b"nonperiodic"), .. }) => false,
             other => {
                 let at = other.map_or(request.at, |a| a.at);
                 return Err(self.wrong(request, at, "the wrap \"periodic\" or \"nonperiodic\""));
@@ -82,7 +83,7 @@ impl Reader<'_> {
         let (size, step) = basis.map_or((2, 1), |basis| (4, basis.step));
         let steps = if periodic { Some(count) } else { count.checked_sub(size) };
         match steps.filter(|n| n.is_multiple_of(step)) {
-            Some(n) => Ok(Side { count, patches: n / step + usize::from(!periodic), basis }),
+            Some(n) => Ok(MeshDirection { count, patches: n / step + usize::from(!periodic), basis }),
             None => {
                 let at = request.arguments.get(first).map_or(request.at, |a| a.at);
                 Err(self.places.error(at, RibErrorKind::MeshSize { axis, count, step }))
@@ -91,9 +92,9 @@ impl Reader<'_> {
     }
 
     /// Cuts a mesh into patches.
-    fn mesh(&mut self, request: &Request<'_>, [u, v]: [Side; 2]) -> Result<(), RibError> {
+    fn mesh(&mut self, request: &RibRequest<'_>, [u, v]: [MeshDirection; 2]) -> Result<(), RibError> {
         let points = self.points(request, u.count.saturating_mul(v.count))?;
-        let size = |side: &Side| side.basis.map_or((2, 1), |basis| (4, basis.step));
+        let size = |side: &MeshDirection| side.basis.map_or((2, 1), |basis| (4, basis.step));
         let ((size_u, step_u), (size_v, step_v)) = (size(&u), size(&v));
         for (j, i) in (0..v.patches).flat_map(|j| (0..u.patches).map(move |i| (j, i))) {
             // Both numbers of a place are taken modulo those of points, so that it exists.
@@ -132,7 +133,7 @@ impl Reader<'_> {
     }
 
     /// A spline: number of points, order, knots and ends along u, the same along v.
-    pub(super) fn nu_patch(&mut self, request: &Request<'_>) -> Result<(), RibError> {
+    pub(super) fn nu_patch(&mut self, request: &RibRequest<'_>) -> Result<(), RibError> {
         let (mut u, v) = (self.axis(request, 0)?, self.axis(request, 5)?);
         let found = self.points(request, u.count.saturating_mul(v.count))?;
         let mut points = Vec::with_capacity(found.values.len());
@@ -160,7 +161,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn axis(&self, request: &Request<'_>, first: usize) -> Result<Axis, RibError> {
+    fn axis(&self, request: &RibRequest<'_>, first: usize) -> Result<NurbsDirection, RibError> {
         let count = self.count(request, first, "a number of points of at least 2")?;
         let order = self.count(request, first + 1, "an order of at least 2")?;
         if count < order {
@@ -169,7 +170,7 @@ impl Reader<'_> {
             return Err(self.places.error(request.at, kind));
         }
         let (at, knots) = match request.arguments.get(first + 2) {
-            Some(Argument { at, value: Value::Numbers(knots) }) => (*at, knots.clone()),
+            Some(RibArgument { at, value: RibValue::Numbers(knots) }) => (*at, knots.clone()),
             other => {
                 return Err(self.wrong(request, other.map_or(request.at, |a| a.at), "an array of knots"));
             }
@@ -185,7 +186,7 @@ impl Reader<'_> {
             return Err(self.places.error(self.places.number_in_array(at, i + 1), kind));
         }
         let end = |i: usize| match request.arguments.get(i) {
-            Some(Argument { at, value: Value::Number(x) }) => Ok((*at, *x)),
+            Some(RibArgument { at, value: RibValue::Number(x) }) => Ok((*at, *x)),
             other => Err(self.wrong(request, other.map_or(request.at, |a| a.at), "the ends of a range")),
         };
         let ((at_min, min), (_, max)) = (end(first + 3)?, end(first + 4)?);
@@ -193,13 +194,13 @@ impl Reader<'_> {
         if !(low <= min && min < max && max <= high) {
             return Err(self.places.error(at_min, RibErrorKind::Range { min, max, low, high }));
         }
-        Ok(Axis { count, degree: order - 1, knots, domain: [low, high], part: [min, max] })
+        Ok(NurbsDirection { count, degree: order - 1, knots, domain: [low, high], part: [min, max] })
     }
 
     /// A whole number of at least 2.
-    fn count(&self, request: &Request<'_>, index: usize, wanted: &'static str) -> Result<usize, RibError> {
+    fn count(&self, request: &RibRequest<'_>, index: usize, wanted: &'static str) -> Result<usize, RibError> {
         match request.arguments.get(index) {
-            Some(Argument { value: Value::Number(x), .. })
+            Some(RibArgument { value: RibValue::Number(x), .. })
                 if (2.0..=f64::from(u32::MAX)).contains(x) && x.fract() == 0.0 =>
             {
                 Ok(*x as usize)
@@ -209,11 +210,13 @@ impl Reader<'_> {
     }
 
     /// The array behind `"P"` or `"Pw"`, whatever is declared with the name.
-    fn points(&self, request: &Request<'_>, needed: usize) -> Result<Points, RibError> {
+    fn points(&self, request: &RibRequest<'_>, needed: usize) -> Result<MeshPoints, RibError> {
         let last_word = |text: &[u8]| text.rsplit(u8::is_ascii_whitespace).next() == Some(b"P");
         for pair in request.arguments.windows(2) {
-            let [Argument { value: Value::Text(name), .. }, Argument { at, value: Value::Numbers(numbers) }] =
-                pair
+            let [
+                RibArgument { value: RibValue::Text(name), .. },
+                RibArgument { at, value: RibValue::Numbers(numbers) },
+            ] = pair
             else {
                 continue;
             };
@@ -230,13 +233,13 @@ impl Reader<'_> {
                 return Err(self.places.error(*at, kind));
             }
             let point = |p: &[f64]| [p[0], p[1], p[2], p.get(3).copied().unwrap_or(1.0)];
-            return Ok(Points { at: *at, size, values: numbers.chunks_exact(size).map(point).collect() });
+            return Ok(MeshPoints { at: *at, size, values: numbers.chunks_exact(size).map(point).collect() });
         }
         Err(self.wrong(request, request.at, "control points \"P\" or \"Pw\""))
     }
 
     /// A Bézier or spline point in the frame of the file; `index`: that of a point of the file it comes from.
-    fn placed(&self, points: &Points, index: usize, point: [f64; 4]) -> Result<[f64; 4], RibError> {
+    fn placed(&self, points: &MeshPoints, index: usize, point: [f64; 4]) -> Result<[f64; 4], RibError> {
         let mut point = DVec4::from_array(point);
         if points.size == 3 {
             // Some bases have differences of points among them, of which the weights are none.
@@ -255,8 +258,8 @@ impl Reader<'_> {
         Err(error(0, RibErrorKind::OutOfRange))
     }
 
-    fn wrong(&self, request: &Request<'_>, at: usize, wanted: &'static str) -> RibError {
-        self.places.error(at, RibErrorKind::Argument { request: request.name.to_owned(), wanted })
+    fn wrong(&self, request: &RibRequest<'_>, at: usize, wanted: &'static str) -> RibError {
+        self.places.error(at, RibErrorKind::RibArgument { request: request.name.to_owned(), wanted })
     }
 }
 

@@ -14,7 +14,7 @@ WorldBegin
   LightSource "pointlight" 1 "string names" ["a \"b\"" "c"] "intensity" 5
   AttributeBegin
     Color [ 1 0 0 ]
-    Basis "b-spline" 1 "b-spline" 1
+    PatchBasis "b-spline" 1 "b-spline" 1
     PatchMesh "bicubic" 5 "nonperiodic" 4 "nonperiodic" "vertex point P" [
       0 0 0  1 0 0  2 0 0  3 0 0  4 0 0   0 1 0  1 1 0  2 1 0  3 1 0  4 1 0
       0 2 0  1 2 0  2 2 0  3 2 0  4 2 0   0 3 0  1 3 0  2 3 0  3 3 0  4 3 0 ]
@@ -122,7 +122,7 @@ fn bases_mean_what_their_polynomials_say() {
         ("[1 0 0 0 0 1 0 0 0 0 0 1 0 0 1 0] 4", [2.0, 0.0, 5.0, -1.0], [2.0, 0.0, -1.0, 5.0], [1.0; 4]),
     ] {
         let net = along.iter().flat_map(|y| x.iter().flat_map(move |x| [*x, 0.0, *y]));
-        let text = format!("Basis {basis} \"bezier\" 3 Patch \"bicubic\" \"P\" [{}]", numbers(net));
+        let text = format!("PatchBasis {basis} \"bezier\" 3 Patch \"bicubic\" \"P\" [{}]", numbers(net));
         let found = patches(&text);
         for t in [0.0, 0.2, 0.7, 1.0] {
             let p = point(&found[0].patches[0], 4, t, 0.5);
@@ -146,7 +146,7 @@ fn periodic_meshes_close_without_a_gap() {
     let points = numbers(around);
     for (basis, count) in [("\"b-spline\" 1", 12), ("\"catmull-rom\" 1", 12), ("\"bezier\" 3", 4)] {
         let text = format!(
-            "Basis {basis} \"bezier\" 3 PatchMesh \"bicubic\" 12 \"periodic\" 4 \"nonperiodic\" \"P\" [{points}]"
+            "PatchBasis {basis} \"bezier\" 3 PatchMesh \"bicubic\" 12 \"periodic\" 4 \"nonperiodic\" \"P\" [{points}]"
         );
         let found = patches(&text).remove(0).patches;
         assert_eq!(found.len(), count);
@@ -222,11 +222,11 @@ fn faults_are_told_with_their_place() {
             "1:1: the last numbers of the rows are [0.0, 0.0, 1.0, 1.0], of an affine transformation they are 0 0 0 1",
         ),
         (
-            "Basis \"cubic\" 1 \"bezier\" 3".to_owned(),
-            "1:7: Basis needs sixteen numbers or \"bezier\", \"b-spline\", \
+            "PatchBasis \"cubic\" 1 \"bezier\" 3".to_owned(),
+            "1:7: PatchBasis needs sixteen numbers or \"bezier\", \"b-spline\", \
             \"catmull-rom\", \"hermite\" or \"power\"",
         ),
-        ("Basis \"power\" 0 \"bezier\" 3".to_owned(), "1:15: Basis needs a step from 1 to 4"),
+        ("PatchBasis \"power\" 0 \"bezier\" 3".to_owned(), "1:15: PatchBasis needs a step from 1 to 4"),
         ("Patch \"cubic\"".to_owned(), "1:7: Patch needs the type \"bicubic\" or \"bilinear\""),
         ("Patch \"bilinear\" \"Pz\" [1 2 3 4]".to_owned(), "1:1: Patch needs control points \"P\" or \"Pw\""),
         (format!("Patch \"bicubic\" \"P\" {p4}"), "1:21: Patch has 12 numbers in \"P\", 48 are needed"),

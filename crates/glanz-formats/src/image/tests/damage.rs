@@ -44,7 +44,7 @@ fn corpus() -> Vec<(Vec<u8>, &'static str)> {
     files
 }
 
-/// How many damaged files of each kind are tried; `GLANZ_FUZZ` raises it by a factor.
+/// Number of damaged files of each kind; `GLANZ_FUZZ` multiplies it.
 fn rounds(base: usize) -> usize {
     base * std::env::var("GLANZ_FUZZ").ok().and_then(|v| v.parse().ok()).unwrap_or(1)
 }

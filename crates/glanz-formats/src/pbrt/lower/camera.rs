@@ -5,11 +5,16 @@ use glanz_scene::description::{CameraDescription, CameraKind};
 
 use super::Lowering;
 use crate::pbrt::parameters::{ParameterList, shortened};
-use crate::source::Step;
+use crate::source::ParseResult;
 
 impl Lowering {
     /// Takes over a camera; `to_camera` is the transformation that holds at the directive.
-    pub(crate) fn camera(&mut self, kind: &str, mut list: ParameterList, to_camera: DMat4) -> Step<()> {
+    pub(crate) fn camera(
+        &mut self,
+        kind: &str,
+        mut list: ParameterList,
+        to_camera: DMat4,
+    ) -> ParseResult<()> {
         let to_world = to_camera.inverse();
         if !to_world.is_finite() {
             let message = "the transformation before the camera cannot be inverted";

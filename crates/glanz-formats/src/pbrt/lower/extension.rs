@@ -5,14 +5,18 @@ use glanz_scene::description::GeometryDescription;
 
 use super::Lowering;
 use crate::pbrt::parameters::ParameterList;
-use crate::source::Step;
+use crate::source::ParseResult;
 
 /// The largest total degree of an algebraic surface.
 const MAX_DEGREE: i32 = 4;
 
 impl Lowering {
     /// One of the shapes beyond pbrt.
-    pub(super) fn extension(&mut self, kind: &str, list: &mut ParameterList) -> Step<GeometryDescription> {
+    pub(super) fn extension(
+        &mut self,
+        kind: &str,
+        list: &mut ParameterList,
+    ) -> ParseResult<GeometryDescription> {
         match kind {
             "twosheetedhyperboloid" => self.two_sheeted_hyperboloid(list),
             "plane" => self.plane(list),
@@ -27,7 +31,7 @@ impl Lowering {
         }
     }
 
-    fn two_sheeted_hyperboloid(&mut self, list: &mut ParameterList) -> Step<GeometryDescription> {
+    fn two_sheeted_hyperboloid(&mut self, list: &mut ParameterList) -> ParseResult<GeometryDescription> {
         let a = list.float_or("a", 1.0, &mut self.reporter)?;
         let c = list.float_or("c", 1.0, &mut self.reporter)?;
         Ok(GeometryDescription::TwoSheetedHyperboloid {
@@ -38,14 +42,14 @@ impl Lowering {
         })
     }
 
-    fn plane(&mut self, list: &mut ParameterList) -> Step<GeometryDescription> {
+    fn plane(&mut self, list: &mut ParameterList) -> ParseResult<GeometryDescription> {
         let everything = [f64::NEG_INFINITY, f64::INFINITY];
         let x = list.float_array("x", &mut self.reporter)?.unwrap_or(everything);
         let y = list.float_array("y", &mut self.reporter)?.unwrap_or(everything);
         Ok(GeometryDescription::Plane { x, y })
     }
 
-    fn polyhedron(&mut self, list: &mut ParameterList) -> Step<GeometryDescription> {
+    fn polyhedron(&mut self, list: &mut ParameterList) -> ParseResult<GeometryDescription> {
         let normals = list.vec3s("N", &mut self.reporter)?;
         let offsets = list.floats("d", &mut self.reporter)?;
         let (Some((p, normals)), Some((_, offsets))) = (normals, offsets) else {
@@ -65,7 +69,7 @@ impl Lowering {
     }
 
     /// A box by two corners, or by its size about the origin.
-    fn cuboid(&mut self, list: &mut ParameterList) -> Step<GeometryDescription> {
+    fn cuboid(&mut self, list: &mut ParameterList) -> ParseResult<GeometryDescription> {
         let size_place = list.value_place("size");
         let size = list.vec3("size", &mut self.reporter)?;
         let a = list.vec3("min", &mut self.reporter)?;
@@ -81,7 +85,7 @@ impl Lowering {
         Ok(GeometryDescription::Cuboid { min: a.min(b), max: a.max(b) })
     }
 
-    fn algebraic(&mut self, list: &mut ParameterList) -> Step<GeometryDescription> {
+    fn algebraic(&mut self, list: &mut ParameterList) -> ParseResult<GeometryDescription> {
         let exponents = list.integers("exponents", &mut self.reporter)?;
         let coefficients = list.floats("coefficients", &mut self.reporter)?;
         let (Some((p, exponents)), Some((_, coefficients))) = (exponents, coefficients) else {

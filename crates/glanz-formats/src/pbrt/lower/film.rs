@@ -5,7 +5,7 @@ use glanz_scene::description::{FilmDescription, FilterDescription, FilterKind};
 use super::Lowering;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, shortened};
-use crate::source::Step;
+use crate::source::ParseResult;
 
 /// Parameters of films that change no value of a picture.
 const OF_NO_INFLUENCE: &[&str] = &[
@@ -51,7 +51,7 @@ pub(crate) fn finish_film(lowering: &mut Lowering) {
 
 impl Lowering {
     /// Takes over the size and cut of the picture.
-    pub(crate) fn film(&mut self, kind: &str, mut list: ParameterList) -> Step<()> {
+    pub(crate) fn film(&mut self, kind: &str, mut list: ParameterList) -> ParseResult<()> {
         let place = list.place;
         let r = &mut self.reporter;
         if !matches!(kind, "image" | "rgb" | "gbuffer" | "spectral") {
@@ -82,7 +82,7 @@ impl Lowering {
     }
 
     /// The part of the picture to render, as fractions: `cropwindow`, or `pixelbounds` if there are both.
-    fn crop(&mut self, list: &mut ParameterList, resolution: [u32; 2]) -> Step<[f64; 4]> {
+    fn crop(&mut self, list: &mut ParameterList, resolution: [u32; 2]) -> ParseResult<[f64; 4]> {
         let r = &mut self.reporter;
         let mut crop = [0.0, 1.0, 0.0, 1.0];
         let crop_place = list.value_place("cropwindow");
@@ -116,7 +116,7 @@ impl Lowering {
     }
 
     /// Takes over the pixel filter.
-    pub(crate) fn filter(&mut self, kind: &str, mut list: ParameterList) -> Step<()> {
+    pub(crate) fn filter(&mut self, kind: &str, mut list: ParameterList) -> ParseResult<()> {
         let place = list.place;
         let v4 = self.dialect == Dialect::V4;
         let r = &mut self.reporter;
@@ -160,7 +160,7 @@ impl Lowering {
     }
 
     /// Half the width of the support of a filter along x and y, pixels.
-    fn radii(&mut self, list: &mut ParameterList, default: f64) -> Step<[f64; 2]> {
+    fn radii(&mut self, list: &mut ParameterList, default: f64) -> ParseResult<[f64; 2]> {
         let r = &mut self.reporter;
         let mut radii = [default; 2];
         for (i, names) in [["xradius", "xwidth"], ["yradius", "ywidth"]].into_iter().enumerate() {

@@ -6,16 +6,16 @@ use glanz_scene::description::{
 };
 
 use super::Lowering;
-use super::spline::Knots;
+use super::spline::KnotParameters;
 use crate::newell;
 use crate::pbrt::parameters::ParameterList;
-use crate::source::Step;
+use crate::source::ParseResult;
 
 /// Degree of patches that name none, and of those of a list after Newell.
 const CUBIC: u32 = 3;
 
 /// The parameters that say one direction of a `nurbs`.
-struct AxisNames {
+struct NurbsAxisNames {
     count: &'static str,
     order: &'static str,
     knots: &'static str,
@@ -23,23 +23,29 @@ struct AxisNames {
     to: &'static str,
 }
 
-const U: AxisNames = AxisNames { count: "nu", order: "uorder", knots: "uknots", from: "u0", to: "u1" };
-const V: AxisNames = AxisNames { count: "nv", order: "vorder", knots: "vknots", from: "v0", to: "v1" };
+const U: NurbsAxisNames =
+    NurbsAxisNames { count: "nu", order: "uorder", knots: "uknots", from: "u0", to: "u1" };
+const V: NurbsAxisNames =
+    NurbsAxisNames { count: "nv", order: "vorder", knots: "vknots", from: "v0", to: "v1" };
 
 /// One direction of a `nurbs`.
-struct Axis {
+struct NurbsAxis {
     count: usize,
     degree: usize,
     knots: Vec<f64>,
-    /// What the knots leave.
+    /// Domain of the knots.
     domain: [f64; 2],
-    /// What is kept of it.
+    /// The kept part of the domain.
     part: [f64; 2],
 }
 
 impl Lowering {
     /// One of the freeform surfaces.
-    pub(super) fn freeform(&mut self, kind: &str, list: &mut ParameterList) -> Step<GeometryDescription> {
+    pub(super) fn freeform(
+        &mut self,
+        kind: &str,
+        list: &mut ParameterList,
+    ) -> ParseResult<GeometryDescription> {
         match kind {
             "nurbs" => self.nurbs(list),
             "bezierpatch" => self.bezier_patches(list),
@@ -48,7 +54,7 @@ impl Lowering {
         }
     }
 
-    fn nurbs(&mut self, list: &mut ParameterList) -> Step<GeometryDescription> {
+    fn nurbs(&mut self, list: &mut ParameterList) -> ParseResult<GeometryDescription> {
         let u = self.axis(list, &U)?;
         let v = self.axis(list, &V)?;
         let points = self.net(list, u.count, v.count)?;
@@ -63,7 +69,7 @@ impl Lowering {
         }))
     }
 
-    fn axis(&mut self, list: &mut ParameterList, names: &AxisNames) -> Step<Axis> {
+    fn axis(&mut self, list: &mut ParameterList, names: &NurbsAxisNames) -> ParseResult<NurbsAxis> {
         let count_place = list.value_place(names.count);
         let count = self.count(list, names.count)?;
         let order = self.count(list, names.order)?;
@@ -92,27 +98,32 @@ impl Lowering {
             ));
             return Err(self.reporter.error_with_help(&p.value_place, "parameter-count", message, help));
         }
-        let domain =
-            self.knot_domain(&list.subject, &Knots { parameter: &p, first: 0, order, values: &knots })?;
+        let domain = self
+            .knot_domain(&list.subject, &KnotParameters { parameter: &p, first: 0, order, values: &knots })?;
         let part = self.part(list, names, domain)?;
-        Ok(Axis { count, degree: order.saturating_sub(1), knots, domain, part })
+        Ok(NurbsAxis { count, degree: order.saturating_sub(1), knots, domain, part })
     }
 
     /// A number of points or an order, both at least 2.
-    fn count(&mut self, list: &mut ParameterList, name: &'static str) -> Step<usize> {
+    fn count(&mut self, list: &mut ParameterList, name: &'static str) -> ParseResult<usize> {
         match list.integer_from(name, 2, &mut self.reporter)? {
             Some(count) => Ok(count as usize),
             None => Err(self.missing(list, "integer", name)),
         }
     }
 
-    fn missing(&mut self, list: &ParameterList, kind: &str, name: &str) -> crate::source::Reported {
+    fn missing(&mut self, list: &ParameterList, kind: &str, name: &str) -> crate::source::ReportedError {
         let message = format!("{} has no \"{kind} {name}\"", list.subject);
         self.reporter.error(&list.place, "parameter-missing", message)
     }
 
     /// The part of the domain that is kept along one direction.
-    fn part(&mut self, list: &mut ParameterList, names: &AxisNames, domain: [f64; 2]) -> Step<[f64; 2]> {
+    fn part(
+        &mut self,
+        list: &mut ParameterList,
+        names: &NurbsAxisNames,
+        domain: [f64; 2],
+    ) -> ParseResult<[f64; 2]> {
         let mut part = domain;
         let mut place = list.place;
         for (name, end) in [names.from, names.to].into_iter().zip(&mut part) {
@@ -140,7 +151,7 @@ impl Lowering {
     }
 
     /// The homogeneous control points of a `nurbs` in the order of the file.
-    fn net(&mut self, list: &mut ParameterList, nu: usize, nv: usize) -> Step<Vec<[f64; 4]>> {
+    fn net(&mut self, list: &mut ParameterList, nu: usize, nv: usize) -> ParseResult<Vec<[f64; 4]>> {
         let place = list.value_place("Pw");
         let plain = list.vec3s("P", &mut self.reporter)?;
         let weighted = list.groups::<4>("Pw", &mut self.reporter)?;
@@ -174,7 +185,7 @@ impl Lowering {
         Err(self.reporter.error(&p.value_place, "parameter-count", message))
     }
 
-    fn bezier_patches(&mut self, list: &mut ParameterList) -> Step<GeometryDescription> {
+    fn bezier_patches(&mut self, list: &mut ParameterList) -> ParseResult<GeometryDescription> {
         let degree_u = self.degree(list, "udegree")?;
         let degree_v = self.degree(list, "vdegree")?;
         let count = degree_u.saturating_add(1).saturating_mul(degree_v.saturating_add(1));
@@ -184,7 +195,7 @@ impl Lowering {
         Ok(GeometryDescription::BezierPatches(BezierPatchesDescription { degree_u, degree_v, patches }))
     }
 
-    fn bezier_triangles(&mut self, list: &mut ParameterList) -> Step<GeometryDescription> {
+    fn bezier_triangles(&mut self, list: &mut ParameterList) -> ParseResult<GeometryDescription> {
         let degree = self.degree(list, "degree")?;
         let count = degree.saturating_add(1).saturating_mul(degree.saturating_add(2)) / 2;
         let patches = self.patches(list, count, &format!("a triangle of degree {degree}"))?;
@@ -192,12 +203,12 @@ impl Lowering {
         Ok(GeometryDescription::BezierTriangles(BezierTrianglesDescription { degree, patches }))
     }
 
-    fn degree(&mut self, list: &mut ParameterList, name: &'static str) -> Step<usize> {
+    fn degree(&mut self, list: &mut ParameterList, name: &'static str) -> ParseResult<usize> {
         Ok(list.integer_from(name, 1, &mut self.reporter)?.unwrap_or(CUBIC) as usize)
     }
 
     /// The homogeneous points of one or more patches of `count` points each.
-    fn patches(&mut self, list: &mut ParameterList, count: usize, what: &str) -> Step<Vec<[f64; 4]>> {
+    fn patches(&mut self, list: &mut ParameterList, count: usize, what: &str) -> ParseResult<Vec<[f64; 4]>> {
         let (p, points) = self.positions(list)?;
         let weights = list.floats("weights", &mut self.reporter)?;
         if points.is_empty() || !points.len().is_multiple_of(count) {
@@ -210,7 +221,7 @@ impl Lowering {
     }
 
     /// Bicubic patches with common points.
-    fn patch_mesh(&mut self, list: &mut ParameterList) -> Step<GeometryDescription> {
+    fn patch_mesh(&mut self, list: &mut ParameterList) -> ParseResult<GeometryDescription> {
         if !list.has("P") {
             let message = format!("{} has neither \"string filename\" nor points \"P\"", list.subject);
             return Err(self.reporter.error(&list.place, "parameter-missing", message));
@@ -226,7 +237,7 @@ impl Lowering {
         list: &ParameterList,
         positions: &[DVec3],
         indices: &[[u32; newell::POINTS]],
-    ) -> Step<GeometryDescription> {
+    ) -> ParseResult<GeometryDescription> {
         if indices.is_empty() {
             let message = format!("{} has no patches", list.subject);
             return Err(self.reporter.error(&list.place, "parameter-count", message));

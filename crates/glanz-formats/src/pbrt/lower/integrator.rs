@@ -4,14 +4,14 @@ use glanz_scene::description::{GuideSettings, IntegratorDescription, SamplerDesc
 
 use super::Lowering;
 use crate::pbrt::parameters::{ParameterList, shortened};
-use crate::source::Step;
+use crate::source::ParseResult;
 
 /// Scattering events per path at most, if the file is silent.
 const DEFAULT_DEPTH: u32 = 5;
 
 impl Lowering {
     /// Takes over how samples are spread. All of pbrt's low-discrepancy sequences become the best one there is.
-    pub(crate) fn sampler(&mut self, kind: &str, mut list: ParameterList) -> Step<()> {
+    pub(crate) fn sampler(&mut self, kind: &str, mut list: ParameterList) -> ParseResult<()> {
         let place = list.place;
         let r = &mut self.reporter;
         let seed = list.integer("seed", r)?.unwrap_or(0);
@@ -67,7 +67,7 @@ impl Lowering {
     }
 
     /// Takes over how light is gathered.
-    pub(crate) fn integrator(&mut self, kind: &str, mut list: ParameterList) -> Step<()> {
+    pub(crate) fn integrator(&mut self, kind: &str, mut list: ParameterList) -> ParseResult<()> {
         let place = list.place;
         let r = &mut self.reporter;
         let name = match kind {
@@ -105,7 +105,7 @@ impl Lowering {
             guide,
             location: Some(place.location),
         };
-        // What other integrators want, and what changes noise but not the picture.
+        // Parameters of other integrators, and those that change the noise but not the expected picture.
         list.ignore(&[
             "regularize",
             "lightsampler",

@@ -10,16 +10,21 @@ use glanz_scene::description::{
     EmissionDescription, EmissionPower, LightDescription, LightKind, SpotFalloff,
 };
 
-use super::spectrum::{Emission, within_gamut};
-use super::{Context, FileProblem, Lowering};
+use super::spectrum::{EmissionParameters, within_gamut};
+use super::{Context, FileError, Lowering};
 use crate::image::{self, Encoding};
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, shortened};
-use crate::source::{Place, Step};
+use crate::source::{ParseResult, Span};
 
 impl Lowering {
     /// Adds a light.
-    pub(crate) fn light(&mut self, kind: &str, mut list: ParameterList, context: &Context) -> Step<()> {
+    pub(crate) fn light(
+        &mut self,
+        kind: &str,
+        mut list: ParameterList,
+        context: &Context,
+    ) -> ParseResult<()> {
         let (kind, emission) = match kind {
             "point" => self.point(&mut list, context)?,
             "spot" => self.spot(&mut list, context)?,
@@ -50,14 +55,14 @@ impl Lowering {
         Ok(())
     }
 
-    fn ends(&mut self, list: &mut ParameterList) -> Step<(DVec3, DVec3)> {
+    fn ends(&mut self, list: &mut ParameterList) -> ParseResult<(DVec3, DVec3)> {
         let r = &mut self.reporter;
         let from = list.vec3("from", r)?.unwrap_or(DVec3::ZERO);
         let to = list.vec3("to", r)?.unwrap_or(DVec3::Z);
         Ok((from, to))
     }
 
-    fn point(&mut self, list: &mut ParameterList, context: &Context) -> Step<Lit> {
+    fn point(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<LightParts> {
         let from = list.vec3("from", &mut self.reporter)?.unwrap_or(DVec3::ZERO);
         let range = list.float("range", &mut self.reporter)?;
         let mut light = self.emission(list, "I", context.color_space)?;
@@ -65,7 +70,7 @@ impl Lowering {
         Ok((LightKind::Point { from, range }, light))
     }
 
-    fn spot(&mut self, list: &mut ParameterList, context: &Context) -> Step<Lit> {
+    fn spot(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<LightParts> {
         let (from, to) = self.ends(list)?;
         let cone = list.float_or("coneangle", 30.0, &mut self.reporter)?;
         let delta = list.float_or("conedeltaangle", 5.0, &mut self.reporter)?;
@@ -83,14 +88,14 @@ impl Lowering {
         Ok((LightKind::Spot { from, to, cone_angle, inner_angle, falloff }, light))
     }
 
-    fn distant(&mut self, list: &mut ParameterList, context: &Context) -> Step<Lit> {
+    fn distant(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<LightParts> {
         let (from, to) = self.ends(list)?;
         let mut light = self.emission(list, "L", context.color_space)?;
         self.illuminance(list, &mut light, 1.0)?;
         Ok((LightKind::Distant { from, to }, light))
     }
 
-    fn infinite(&mut self, list: &mut ParameterList, context: &Context) -> Step<Lit> {
+    fn infinite(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<LightParts> {
         let mut light = self.emission(list, "L", context.color_space)?;
         let mut file = None;
         for name in ["filename", "mapname"] {
@@ -127,7 +132,12 @@ impl Lowering {
 
     /// Scales a light so that it sends out the `power` of version 4 or so many `lumens`, or sends `candela` along its axis; `solid_angle` is
     /// the integral of its intensity over that of its axis.
-    fn power(&mut self, list: &mut ParameterList, light: &mut Emission, solid_angle: f64) -> Step<()> {
+    fn power(
+        &mut self,
+        list: &mut ParameterList,
+        light: &mut EmissionParameters,
+        solid_angle: f64,
+    ) -> ParseResult<()> {
         self.only_one(list, &["power", "lumens", "candela"])?;
         self.target(list, "power", light, solid_angle)?;
         self.photometric_target(list, "lumens", light, LUMINOUS_EFFICACY * solid_angle)?;
@@ -135,7 +145,7 @@ impl Lowering {
     }
 
     /// Refuses a second one of parameters that all say how bright a light is.
-    fn only_one(&mut self, list: &ParameterList, names: &[&str]) -> Step<()> {
+    fn only_one(&mut self, list: &ParameterList, names: &[&str]) -> ParseResult<()> {
         let mut given = names.iter().filter(|name| list.has(name));
         let (Some(first), Some(second)) = (given.next(), given.next()) else { return Ok(()) };
         let message = format!("{}: {first:?} and {second:?} both say how bright it is", list.subject);
@@ -148,9 +158,9 @@ impl Lowering {
         &mut self,
         list: &mut ParameterList,
         name: &'static str,
-        light: &mut Emission,
+        light: &mut EmissionParameters,
         per_unit: f64,
-    ) -> Step<()> {
+    ) -> ParseResult<()> {
         let place = list.value_place(name);
         match self.not_negative(list, name)? {
             Some(target) => self.scale_to(list, &place, name, light, target / per_unit),
@@ -159,7 +169,11 @@ impl Lowering {
     }
 
     /// A number that is not negative.
-    pub(super) fn not_negative(&mut self, list: &mut ParameterList, name: &'static str) -> Step<Option<f64>> {
+    pub(super) fn not_negative(
+        &mut self,
+        list: &mut ParameterList,
+        name: &'static str,
+    ) -> ParseResult<Option<f64>> {
         let place = list.value_place(name);
         match list.float(name, &mut self.reporter)? {
             Some(value) if value < 0.0 => {
@@ -172,7 +186,12 @@ impl Lowering {
 
     /// Scales a light to the `illuminance` of version 4 on a surface that faces it; `per_radiance` is that of a light
     /// of 1.
-    fn illuminance(&mut self, list: &mut ParameterList, light: &mut Emission, per_radiance: f64) -> Step<()> {
+    fn illuminance(
+        &mut self,
+        list: &mut ParameterList,
+        light: &mut EmissionParameters,
+        per_radiance: f64,
+    ) -> ParseResult<()> {
         self.target(list, "illuminance", light, per_radiance)
     }
 
@@ -180,9 +199,9 @@ impl Lowering {
         &mut self,
         list: &mut ParameterList,
         name: &'static str,
-        light: &mut Emission,
+        light: &mut EmissionParameters,
         per_unit: f64,
-    ) -> Step<()> {
+    ) -> ParseResult<()> {
         let place = list.value_place(name);
         let Some(target) = list.float(name, &mut self.reporter)? else { return Ok(()) };
         if target <= 0.0 {
@@ -196,11 +215,11 @@ impl Lowering {
     fn scale_to(
         &mut self,
         list: &ParameterList,
-        place: &Place,
+        place: &Span,
         name: &str,
-        light: &mut Emission,
+        light: &mut EmissionParameters,
         target: f64,
-    ) -> Step<()> {
+    ) -> ParseResult<()> {
         let luminance = f64::from(light.spectrum.luminance());
         if luminance <= 0.0 || !target.is_finite() {
             let message = format!("{}: a black light cannot have {name:?}", list.subject);
@@ -213,7 +232,7 @@ impl Lowering {
 
     /// The mean of a picture over the sphere of directions: a square one as version 4's equal-area map, others as
     /// longitude and latitude.
-    fn mean_radiance(&mut self, name: &str) -> Result<[f32; 3], FileProblem> {
+    fn mean_radiance(&mut self, name: &str) -> Result<[f32; 3], FileError> {
         let (path, bytes) = self.read_file(name)?;
         let picture = image::read(&bytes, Some(&path), Encoding::Srgb)
             .map_err(|error| format!("picture {name:?}: {error}"))?;
@@ -228,7 +247,7 @@ impl Lowering {
         kind: &str,
         mut list: ParameterList,
         context: &Context,
-    ) -> Step<Rc<EmissionDescription>> {
+    ) -> ParseResult<Rc<EmissionDescription>> {
         if !matches!(kind, "diffuse" | "area") {
             let message = format!("area light {:?} is unknown; \"diffuse\" stands in", shortened(kind));
             self.stand_in(&list.place, "stand-in-light", message);
@@ -253,8 +272,8 @@ impl Lowering {
     fn emission_power(
         &mut self,
         list: &mut ParameterList,
-        light: &mut Emission,
-    ) -> Step<Option<EmissionPower>> {
+        light: &mut EmissionParameters,
+    ) -> ParseResult<Option<EmissionPower>> {
         self.only_one(list, &["power", "lumens", "candela", "nits"])?;
         self.photometric_target(list, "nits", light, LUMINOUS_EFFICACY)?;
         let factor = f64::from(light.factor);
@@ -267,7 +286,7 @@ impl Lowering {
     }
 }
 
-pub(super) type Lit = (LightKind, Emission);
+pub(super) type LightParts = (LightKind, EmissionParameters);
 
 /// Mean over the sphere; pixels that are not finite count as black. `None` without colour.
 fn mean_over_sphere(pixels: &Pixels) -> Option<[f32; 3]> {

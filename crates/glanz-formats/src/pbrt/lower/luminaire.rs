@@ -7,17 +7,21 @@ use glanz_light::intensity::{Opening, OpeningShape};
 use glanz_math::DVec3;
 use glanz_scene::description::{LightKind, SourceRay};
 
-use super::light::Lit;
-use super::spectrum::{Emission, grey};
+use super::light::LightParts;
+use super::spectrum::{EmissionParameters, grey};
 use super::{Context, Lowering};
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
-use crate::photometry::tm25::{MAGIC, Rays};
-use crate::photometry::{self, Fault, Photometry, PhotometryFile};
-use crate::source::Step;
+use crate::photometry::tm25::{MAGIC, RayReader};
+use crate::photometry::{self, Photometry, PhotometryError, PhotometryFile};
+use crate::source::ParseResult;
 
 impl Lowering {
     /// The light of an IES or EULUMDAT file.
-    pub(super) fn photometric(&mut self, list: &mut ParameterList, context: &Context) -> Step<Lit> {
+    pub(super) fn photometric(
+        &mut self,
+        list: &mut ParameterList,
+        context: &Context,
+    ) -> ParseResult<LightParts> {
         let Some((p, name)) = list.text_parameter("filename", &mut self.reporter)? else {
             let message = "light \"photometric\" has no \"string filename\"";
             return Err(self.reporter.error(&list.place, "parameter-missing", message));
@@ -49,22 +53,26 @@ impl Lowering {
     }
 
     /// `color`, of which the magnitude does not count, and `scale`.
-    fn color_and_scale(&mut self, list: &mut ParameterList, context: &Context) -> Step<Emission> {
+    fn color_and_scale(
+        &mut self,
+        list: &mut ParameterList,
+        context: &Context,
+    ) -> ParseResult<EmissionParameters> {
         let spectrum = match list.take("color") {
             Some(p) => self.distribution(&list.subject, &p, context.color_space)?,
             None => grey(1.0),
         };
         let factor = list.float_or("scale", 1.0, &mut self.reporter)? as f32;
-        Ok(Emission { spectrum, factor, normalisation: 1.0 })
+        Ok(EmissionParameters { spectrum, factor, normalisation: 1.0 })
     }
 
     /// The photometry in the file, and in that of its tilt data if it names one.
-    fn photometry(&mut self, p: &Parameter, path: &Path, bytes: &[u8]) -> Step<Photometry> {
+    fn photometry(&mut self, p: &Parameter, path: &Path, bytes: &[u8]) -> ParseResult<Photometry> {
         let read = photometry::read_with(bytes, &mut |tilt| {
             self.read_file(tilt).map(|(_, bytes)| bytes).map_err(|problem| problem.message)
         });
-        let message = |fault: &Fault| format!("light \"photometric\": {}:{fault}", path.display());
-        let help = |fault: &Fault| fault.kind.help().map(str::to_owned);
+        let message = |fault: &PhotometryError| format!("light \"photometric\": {}:{fault}", path.display());
+        let help = |fault: &PhotometryError| fault.kind.help().map(str::to_owned);
         match read {
             Ok(PhotometryFile { photometry, warnings }) => {
                 for fault in &warnings {
@@ -87,7 +95,7 @@ impl Lowering {
         p: &Parameter,
         path: &Path,
         bytes: &[u8],
-    ) -> Step<Vec<SourceRay>> {
+    ) -> ParseResult<Vec<SourceRay>> {
         let place = list.value_place("lumens");
         let lumens = self.not_negative(list, "lumens")?;
         let (mut rays, stated) = match read_rays(bytes) {
@@ -115,7 +123,7 @@ impl Lowering {
     }
 
     /// `lamps`: which set of an EULUMDAT file.
-    fn choose_lamps(&mut self, list: &mut ParameterList, photometry: &mut Photometry) -> Step<()> {
+    fn choose_lamps(&mut self, list: &mut ParameterList, photometry: &mut Photometry) -> ParseResult<()> {
         let place = list.value_place("lamps");
         let Some(set) = list.integer_from("lamps", 0, &mut self.reporter)?.filter(|&set| set > 0) else {
             return Ok(());
@@ -135,7 +143,7 @@ impl Lowering {
     }
 
     /// `tilt`: degrees that the lamp is turned by, for files that say what that does.
-    fn tilt(&mut self, list: &mut ParameterList, photometry: &mut Photometry) -> Step<()> {
+    fn tilt(&mut self, list: &mut ParameterList, photometry: &mut Photometry) -> ParseResult<()> {
         let place = list.value_place("tilt");
         let Some(degrees) = list.float("tilt", &mut self.reporter)? else { return Ok(()) };
         let Some(factor) = photometry.tilt.as_ref().map(|tilt| tilt.factor(degrees)) else {
@@ -147,7 +155,7 @@ impl Lowering {
     }
 
     /// `lumens`: what the luminaire gives in all, in place of what its file says.
-    fn scale_to_lumens(&mut self, list: &mut ParameterList, photometry: &mut Photometry) -> Step<()> {
+    fn scale_to_lumens(&mut self, list: &mut ParameterList, photometry: &mut Photometry) -> ParseResult<()> {
         let place = list.value_place("lumens");
         let Some(lumens) = list.float("lumens", &mut self.reporter)? else { return Ok(()) };
         self.scale(&place, photometry.scaled_to(lumens), photometry, &format!("{lumens} lm"))
@@ -155,11 +163,11 @@ impl Lowering {
 
     fn scale(
         &mut self,
-        place: &crate::source::Place,
+        place: &crate::source::Span,
         scaled: Option<Photometry>,
         photometry: &mut Photometry,
         what: &str,
-    ) -> Step<()> {
+    ) -> ParseResult<()> {
         match scaled {
             Some(scaled) => *photometry = scaled,
             None => {
@@ -171,7 +179,7 @@ impl Lowering {
     }
 
     /// `as`: a point or the luminous opening.
-    fn opening(&mut self, list: &mut ParameterList, photometry: &Photometry) -> Step<Option<Opening>> {
+    fn opening(&mut self, list: &mut ParameterList, photometry: &Photometry) -> ParseResult<Option<Opening>> {
         let Some((p, kind)) = list.text_parameter("as", &mut self.reporter)? else { return Ok(None) };
         let Opening { shape, size } = photometry.opening;
         match kind.as_str() {
@@ -191,12 +199,12 @@ impl Lowering {
     }
 }
 
-/// Rays of a file at most: they are all kept, at 28 bytes each and 8 for the choice.
+/// RayReader of a file at most: they are all kept, at 28 bytes each and 8 for the choice.
 const MAX_RAYS: u64 = 20_000_000;
 
 /// The rays of a file, each with a share of its flux, and the lumens that it states.
 fn read_rays(bytes: &[u8]) -> Result<(Vec<SourceRay>, Option<f64>), String> {
-    let rays = Rays::new(bytes).map_err(|error| error.to_string())?;
+    let rays = RayReader::new(bytes).map_err(|error| error.to_string())?;
     let header = rays.header().clone();
     if header.ray_count > MAX_RAYS {
         return Err(format!("it has {} rays, at most {MAX_RAYS} can be used", header.ray_count));

@@ -8,19 +8,24 @@ use super::spectrum::grey;
 use crate::nearest::nearest;
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::parameters::{ParameterList, shortened};
-use crate::source::{Place, Step};
+use crate::source::{ParseResult, Span};
 
 /// A material with a name. It may be used before it is made: then its place in the list is kept free.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NamedMaterial {
     pub(crate) index: usize,
-    /// Where it was first used, while it has not been made.
-    pub(crate) awaited: Option<Place>,
+    /// Span of its first use, until it is defined.
+    pub(crate) awaited: Option<Span>,
 }
 
 impl Lowering {
     /// Adds a material and gives its index.
-    pub(crate) fn material(&mut self, kind: &str, list: ParameterList, space: ColorSpace) -> Step<usize> {
+    pub(crate) fn material(
+        &mut self,
+        kind: &str,
+        list: ParameterList,
+        space: ColorSpace,
+    ) -> ParseResult<usize> {
         let location = Some(list.place.location);
         let kind = self.material_kind(kind, list, space)?;
         let materials = &mut self.description.materials;
@@ -34,7 +39,7 @@ impl Lowering {
         name: &str,
         mut list: ParameterList,
         space: ColorSpace,
-    ) -> Step<()> {
+    ) -> ParseResult<()> {
         let location = Some(list.place.location);
         let Some(kind) = list.text("type", &mut self.reporter)? else {
             let message = format!("material {:?} has no \"string type\"", shortened(name));
@@ -59,7 +64,7 @@ impl Lowering {
     }
 
     /// The index of the material of that name, which may come later.
-    pub(crate) fn use_material(&mut self, name: &str, place: &Place) -> usize {
+    pub(crate) fn use_material(&mut self, name: &str, place: &Span) -> usize {
         if let Some(material) = self.materials.get(name) {
             return material.index;
         }
@@ -68,7 +73,7 @@ impl Lowering {
         index
     }
 
-    fn add_default(&mut self, name: &str, place: &Place) -> usize {
+    fn add_default(&mut self, name: &str, place: &Span) -> usize {
         let kind = MaterialKind::diffuse(grey(0.5));
         let location = Some(place.location);
         self.description.materials.push(MaterialDescription { name: name.to_owned(), kind, location });
@@ -76,7 +81,7 @@ impl Lowering {
     }
 
     /// The material of shapes that were given none.
-    pub(crate) fn default_material(&mut self, place: &Place) -> usize {
+    pub(crate) fn default_material(&mut self, place: &Span) -> usize {
         match self.default_material {
             Some(index) => index,
             None => {
@@ -89,7 +94,7 @@ impl Lowering {
 
     /// Complains of materials that were used and never made.
     pub(crate) fn check_materials(&mut self) {
-        let missing: Vec<(String, Place)> = self
+        let missing: Vec<(String, Span)> = self
             .materials
             .iter()
             .filter_map(|(name, m)| m.awaited.map(|place| (name.clone(), place)))
@@ -107,7 +112,7 @@ impl Lowering {
         kind: &str,
         mut list: ParameterList,
         space: ColorSpace,
-    ) -> Step<MaterialKind> {
+    ) -> ParseResult<MaterialKind> {
         let l = &mut list;
         self.surface_detail(l)?;
         let made = match kind {
@@ -133,7 +138,7 @@ impl Lowering {
     }
 
     /// Bumps and the like, which every material may have.
-    fn surface_detail(&mut self, list: &mut ParameterList) -> Step<()> {
+    fn surface_detail(&mut self, list: &mut ParameterList) -> ParseResult<()> {
         for name in ["bumpmap", "displacement", "normalmap"] {
             let place = list.value_place(name);
             if list.take(name).is_some() {
@@ -145,7 +150,12 @@ impl Lowering {
         Ok(())
     }
 
-    fn diffuse(&mut self, kind: &str, list: &mut ParameterList, space: ColorSpace) -> Step<MaterialKind> {
+    fn diffuse(
+        &mut self,
+        kind: &str,
+        list: &mut ParameterList,
+        space: ColorSpace,
+    ) -> ParseResult<MaterialKind> {
         let name = if kind == "matte" { "Kd" } else { "reflectance" };
         let reflectance = self.spectrum_or(list, name, 0.5, space)?;
         let place = list.value_place("sigma");
@@ -166,7 +176,7 @@ impl Lowering {
         list: &mut ParameterList,
         [eta, k, reflectance]: [&'static str; 3],
         space: ColorSpace,
-    ) -> Step<MaterialKind> {
+    ) -> ParseResult<MaterialKind> {
         let rough = if kind == "metal" { 0.01 } else { 0.0 };
         self.smooth(kind, list, rough)?;
         let place = list.value_place(reflectance);
@@ -193,7 +203,12 @@ impl Lowering {
         ))
     }
 
-    fn dielectric(&mut self, kind: &str, list: &mut ParameterList, space: ColorSpace) -> Step<MaterialKind> {
+    fn dielectric(
+        &mut self,
+        kind: &str,
+        list: &mut ParameterList,
+        space: ColorSpace,
+    ) -> ParseResult<MaterialKind> {
         self.smooth(kind, list, 0.0)?;
         let index = self.optional_float(list, "index")?;
         let eta = self.optional_float(list, "eta")?.or(index).unwrap_or(FloatInput::Value(1.5));
@@ -207,7 +222,7 @@ impl Lowering {
     }
 
     /// Takes out the roughness and says that a smooth surface stands in if it is not 0.
-    fn smooth(&mut self, kind: &str, list: &mut ParameterList, default: f32) -> Step<()> {
+    fn smooth(&mut self, kind: &str, list: &mut ParameterList, default: f32) -> ParseResult<()> {
         let place = ["roughness", "uroughness", "vroughness"]
             .into_iter()
             .find(|name| list.has(name))
@@ -224,7 +239,7 @@ impl Lowering {
     }
 
     /// The roughness, the mean of both directions if they differ.
-    pub(super) fn roughness(&mut self, list: &mut ParameterList, default: f32) -> Step<FloatInput> {
+    pub(super) fn roughness(&mut self, list: &mut ParameterList, default: f32) -> ParseResult<FloatInput> {
         list.ignore(&["remaproughness"]);
         let both = self.float_or(list, "roughness", default)?;
         let u = self.optional_float(list, "uroughness")?;

@@ -8,13 +8,13 @@ use super::spectrum::grey;
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, Values, shortened};
-use crate::source::Step;
+use crate::source::ParseResult;
 
 /// Reflectance of the surface of plastic (index 1.5) seen from straight above.
 const PLASTIC_SURFACE: f32 = 0.04;
 
 /// A material and the words for it.
-type StandIn = (MaterialKind, String);
+type MaterialStandIn = (MaterialKind, String);
 
 impl Lowering {
     /// The exponent of a Phong lobe about as wide as pbrt's of that roughness.
@@ -22,7 +22,7 @@ impl Lowering {
     /// A microfacet distribution of width alpha is about as wide as `cos^m` of the half-angle with
     /// `m = 2 / alpha^2 - 2` (@walter2007). The angle from the mirrored direction is twice the half-angle, so that its
     /// exponent is `m / 4`. pbrt maps roughness to alpha by a polynomial unless told not to.
-    fn exponent(&mut self, list: &mut ParameterList, default: f32) -> Step<f32> {
+    fn exponent(&mut self, list: &mut ParameterList, default: f32) -> ParseResult<f32> {
         let remap = list.boolean("remaproughness", &mut self.reporter)?.unwrap_or(true);
         let roughness = match self.roughness(list, default)? {
             FloatInput::Value(x) => x,
@@ -38,7 +38,7 @@ impl Lowering {
         kind: &str,
         list: &mut ParameterList,
         space: ColorSpace,
-    ) -> Step<MaterialKind> {
+    ) -> ParseResult<MaterialKind> {
         let (made, instead) = match kind {
             "plastic" => self.plastic(list, space)?,
             "substrate" => self.substrate(list, space)?,
@@ -88,7 +88,7 @@ impl Lowering {
     }
 
     /// A diffuse base and the reflection of a surface of index 1.5.
-    fn plastic(&mut self, list: &mut ParameterList, space: ColorSpace) -> Step<StandIn> {
+    fn plastic(&mut self, list: &mut ParameterList, space: ColorSpace) -> ParseResult<MaterialStandIn> {
         let exponent = self.exponent(list, 0.1)?;
         let diffuse = self.spectrum_or(list, "Kd", 0.25, space)?;
         let specular = self.spectrum_or(list, "Ks", 0.25, space)?;
@@ -98,7 +98,7 @@ impl Lowering {
 
     /// A diffuse base under a coat. What the coat reflects does not reach the base (Ashikhmin and Shirley's factor
     /// 1 - Ks).
-    fn substrate(&mut self, list: &mut ParameterList, space: ColorSpace) -> Step<StandIn> {
+    fn substrate(&mut self, list: &mut ParameterList, space: ColorSpace) -> ParseResult<MaterialStandIn> {
         let exponent = self.exponent(list, 0.1)?;
         let diffuse = self.spectrum_or(list, "Kd", 0.5, space)?;
         let specular = self.spectrum_or(list, "Ks", 0.5, space)?;
@@ -117,7 +117,7 @@ impl Lowering {
     }
 
     /// The part that is reflected.
-    fn translucent(&mut self, list: &mut ParameterList, space: ColorSpace) -> Step<StandIn> {
+    fn translucent(&mut self, list: &mut ParameterList, space: ColorSpace) -> ParseResult<MaterialStandIn> {
         list.ignore(&["Ks", "roughness", "transmit", "remaproughness"]);
         let base = self.spectrum_or(list, "Kd", 0.25, space)?;
         let reflectance = match self.spectrum_or(list, "reflect", 0.5, space)? {
@@ -128,7 +128,12 @@ impl Lowering {
     }
 
     /// The reflectance of a material that is shown as a diffuse one, whatever it calls it.
-    fn diffuse_of(&mut self, kind: &str, list: &mut ParameterList, space: ColorSpace) -> Step<MaterialKind> {
+    fn diffuse_of(
+        &mut self,
+        kind: &str,
+        list: &mut ParameterList,
+        space: ColorSpace,
+    ) -> ParseResult<MaterialKind> {
         let (name, default) = match kind {
             "diffusetransmission" => ("reflectance", 0.25),
             "coateddiffuse" | "subsurface" => ("reflectance", 0.5),
@@ -184,7 +189,7 @@ impl Lowering {
     }
 
     /// The kind of the first material of a mixture.
-    fn first_of_mix(&mut self, list: &mut ParameterList) -> Step<MaterialKind> {
+    fn first_of_mix(&mut self, list: &mut ParameterList) -> ParseResult<MaterialKind> {
         list.ignore(&["amount", "namedmaterial2"]);
         let first = list.take("namedmaterial1").or_else(|| list.take("materials"));
         let name = first.as_ref().and_then(|p| match &p.values {
@@ -241,7 +246,7 @@ impl Lowering {
 }
 
 /// A Phong material. Light of every direction, which the classical model calls ambient, meets the diffuse base as well.
-fn phong(diffuse: SpectrumInput, specular: SpectrumInput, exponent: f32) -> StandIn {
+fn phong(diffuse: SpectrumInput, specular: SpectrumInput, exponent: f32) -> MaterialStandIn {
     (
         MaterialKind::phong(diffuse.clone(), diffuse, specular, exponent),
         format!("\"phong\" with exponent {exponent:.4}"),

@@ -28,20 +28,20 @@ use glanz_scene::description::{EmissionDescription, GroupDescription};
 
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::dialect::Dialect;
-use crate::pbrt::finder::{Finder, NotFound};
-use crate::source::{Place, Reporter, Step};
+use crate::pbrt::finder::{FileFinder, FindError};
+use crate::source::{ParseResult, Reporter, Span};
 
 pub(crate) use film::finish_film;
 pub(crate) use material::NamedMaterial;
 pub(crate) use texture::{ImageKey, TextureNames};
 
-/// What lowering knows and makes.
+/// State of the lowering.
 #[derive(Debug)]
 pub(crate) struct Lowering {
     pub(crate) description: Description,
     pub(crate) reporter: Reporter,
     pub(crate) dialect: Dialect,
-    pub(crate) finder: Finder,
+    pub(crate) finder: FileFinder,
     /// Paths of the files that are being read, the innermost last; for names relative to them.
     pub(crate) reading: Vec<Option<PathBuf>>,
     /// The group that shapes go to: none for the world.
@@ -49,7 +49,7 @@ pub(crate) struct Lowering {
     pub(crate) groups: BTreeMap<String, usize>,
     /// Shapes that give off light, by group.
     pub(crate) lights_in_groups: BTreeMap<usize, usize>,
-    /// How many lights instances have made of them.
+    /// Number of lights created by instances.
     pub(crate) light_copies: usize,
     pub(crate) materials: BTreeMap<String, NamedMaterial>,
     pub(crate) default_material: Option<usize>,
@@ -59,21 +59,21 @@ pub(crate) struct Lowering {
     pub(crate) has_filter: bool,
 }
 
-/// Why a file that a parameter names cannot be had.
+/// Error of a file that a parameter names.
 #[derive(Clone, Debug)]
-struct FileProblem {
+struct FileError {
     message: String,
-    /// Whether it is one that the scene may not have.
+    /// True if the scene is not allowed to read it.
     refused: bool,
 }
 
-impl From<String> for FileProblem {
+impl From<String> for FileError {
     fn from(message: String) -> Self {
         Self { message, refused: false }
     }
 }
 
-impl std::fmt::Display for FileProblem {
+impl std::fmt::Display for FileError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.message)
     }
@@ -91,7 +91,7 @@ pub(crate) struct Context {
 
 impl Lowering {
     /// Starts with nothing read.
-    pub(crate) fn new(reporter: Reporter, dialect: Dialect, finder: Finder) -> Self {
+    pub(crate) fn new(reporter: Reporter, dialect: Dialect, finder: FileFinder) -> Self {
         Self {
             description: Description::default(),
             reporter,
@@ -111,7 +111,7 @@ impl Lowering {
         }
     }
 
-    /// Where shapes and instances go.
+    /// Target of shapes and instances.
     fn current_group(&mut self) -> &mut GroupDescription {
         match self.group {
             Some(i) if i < self.description.groups.len() => &mut self.description.groups[i],
@@ -120,16 +120,16 @@ impl Lowering {
     }
 
     /// Finds a file that a parameter names.
-    fn find(&self, name: &str) -> Result<PathBuf, NotFound> {
+    fn find(&self, name: &str) -> Result<PathBuf, FindError> {
         let asking = self.reading.last().and_then(Option::as_deref);
         self.finder.find(name, asking)
     }
 
     /// Finds and reads a file that a parameter names, or says why not. The path is as messages show it.
-    fn read_file(&mut self, name: &str) -> Result<(PathBuf, Vec<u8>), FileProblem> {
-        let path = self.find(name).map_err(|fault| FileProblem {
+    fn read_file(&mut self, name: &str) -> Result<(PathBuf, Vec<u8>), FileError> {
+        let path = self.find(name).map_err(|fault| FileError {
             message: format!("file {name:?} {}", fault.what()),
-            refused: fault == NotFound::Outside,
+            refused: fault == FindError::Outside,
         })?;
         match self.finder.read(&path) {
             Ok(bytes) => Ok((self.finder.shown(&path).to_owned(), bytes)),
@@ -141,9 +141,9 @@ impl Lowering {
     ///
     /// # Errors
     /// If the file is refused: nothing stands in for that.
-    fn without_file(&mut self, place: &Place, problem: &FileProblem, message: String) -> Step<()> {
+    fn without_file(&mut self, place: &Span, problem: &FileError, message: String) -> ParseResult<()> {
         if problem.refused {
-            let help = Some(NotFound::Outside.help().to_owned());
+            let help = Some(FindError::Outside.help().to_owned());
             let reporter = &mut self.reporter;
             return Err(reporter.error_with_help(place, "missing-file", problem.message.clone(), help));
         }
@@ -152,7 +152,7 @@ impl Lowering {
     }
 
     /// Reports that something is shown as something else.
-    fn stand_in(&mut self, place: &Place, kind: &'static str, message: impl Into<String>) {
+    fn stand_in(&mut self, place: &Span, kind: &'static str, message: impl Into<String>) {
         self.reporter.stand_in(place, kind, message);
     }
 }

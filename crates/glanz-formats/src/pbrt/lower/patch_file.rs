@@ -4,12 +4,12 @@ use glanz_scene::description::GeometryDescription;
 
 use super::Lowering;
 use crate::pbrt::parameters::{Parameter, ParameterList};
-use crate::source::Step;
+use crate::source::ParseResult;
 use crate::{newell, rib};
 
 impl Lowering {
     /// The surfaces of the file that a shape names: one, or several if some are of other degrees than others.
-    pub(super) fn patch_file(&mut self, list: &mut ParameterList) -> Step<Vec<GeometryDescription>> {
+    pub(super) fn patch_file(&mut self, list: &mut ParameterList) -> ParseResult<Vec<GeometryDescription>> {
         let Some((p, name)) = list.text_parameter("filename", &mut self.reporter)? else {
             return Ok(Vec::new());
         };
@@ -41,7 +41,7 @@ impl Lowering {
         p: &Parameter,
         source: &str,
         bytes: &[u8],
-    ) -> Step<Vec<GeometryDescription>> {
+    ) -> ParseResult<Vec<GeometryDescription>> {
         let file = match rib::read(bytes) {
             Ok(file) => file,
             Err(error) => {

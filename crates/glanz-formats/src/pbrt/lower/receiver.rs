@@ -4,11 +4,11 @@ use glanz_scene::description::{MAX_RECEIVER_CELLS, ReceiverDescription, Receiver
 
 use super::Lowering;
 use crate::pbrt::parameters::{ParameterList, shortened};
-use crate::source::Step;
+use crate::source::ParseResult;
 
 impl Lowering {
     /// `receiver`, `cells` and `receiverside` of a shape; an empty name is none.
-    pub(super) fn receiver(&mut self, list: &mut ParameterList) -> Step<Option<ReceiverDescription>> {
+    pub(super) fn receiver(&mut self, list: &mut ParameterList) -> ParseResult<Option<ReceiverDescription>> {
         let Some((p, name)) = list.text_parameter("receiver", &mut self.reporter)? else {
             return Ok(None);
         };
@@ -29,7 +29,7 @@ impl Lowering {
         Ok(Some(ReceiverDescription { name, cells, side, location: Some(p.value_place.location) }))
     }
 
-    fn cells(&mut self, list: &mut ParameterList) -> Step<Option<[u32; 2]>> {
+    fn cells(&mut self, list: &mut ParameterList) -> ParseResult<Option<[u32; 2]>> {
         let Some((p, [u, v])) = list.integer_array("cells", &mut self.reporter)? else { return Ok(None) };
         let count = |n: i32| u32::try_from(n).ok().filter(|n| (1..=MAX_RECEIVER_CELLS).contains(n));
         match (count(u), count(v)) {
@@ -44,7 +44,7 @@ impl Lowering {
         }
     }
 
-    fn side(&mut self, list: &mut ParameterList) -> Step<ReceiverSide> {
+    fn side(&mut self, list: &mut ParameterList) -> ParseResult<ReceiverSide> {
         let Some((p, side)) = list.text_parameter("receiverside", &mut self.reporter)? else {
             return Ok(ReceiverSide::default());
         };

@@ -9,7 +9,7 @@ use super::{Context, Lowering};
 use crate::nearest::nearest;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
 use crate::ply;
-use crate::source::{Place, Step};
+use crate::source::{ParseResult, Span};
 
 /// The shapes by name, for suggestions.
 const SHAPES: &[&str] = &[
@@ -42,7 +42,12 @@ const MAX_LIGHT_COPIES: usize = 1 << 20;
 
 impl Lowering {
     /// Adds a shape.
-    pub(crate) fn shape(&mut self, kind: &str, mut list: ParameterList, context: &Context) -> Step<()> {
+    pub(crate) fn shape(
+        &mut self,
+        kind: &str,
+        mut list: ParameterList,
+        context: &Context,
+    ) -> ParseResult<()> {
         let place = list.place;
         let surfaces = match kind {
             "bezierpatch" | "patchmesh" if list.has("filename") => self.patch_file(&mut list)?,
@@ -88,7 +93,7 @@ impl Lowering {
     }
 
     /// The surface; `None`, reported, if there is nothing that could stand in.
-    fn geometry(&mut self, kind: &str, list: &mut ParameterList) -> Step<Option<GeometryDescription>> {
+    fn geometry(&mut self, kind: &str, list: &mut ParameterList) -> ParseResult<Option<GeometryDescription>> {
         let made = match kind {
             "sphere" => {
                 let radius = self.float(list, "radius", 1.0)?;
@@ -143,7 +148,7 @@ impl Lowering {
         Ok(Some(made))
     }
 
-    /// Says that nothing can stand in for a shape.
+    /// Warns that a shape has no stand-in.
     fn left_out(&mut self, kind: &str, list: &ParameterList) {
         let known = SHAPES.contains(&kind);
         let what = if known { "is not available yet" } else { "is unknown" };
@@ -158,24 +163,24 @@ impl Lowering {
         }
     }
 
-    fn float(&mut self, list: &mut ParameterList, name: &'static str, default: f64) -> Step<f64> {
+    fn float(&mut self, list: &mut ParameterList, name: &'static str, default: f64) -> ParseResult<f64> {
         list.float_or(name, default, &mut self.reporter)
     }
 
     /// `zmin` and `zmax`, in either order as pbrt has it.
-    pub(super) fn z_range(&mut self, list: &mut ParameterList, default: [f64; 2]) -> Step<[f64; 2]> {
+    pub(super) fn z_range(&mut self, list: &mut ParameterList, default: [f64; 2]) -> ParseResult<[f64; 2]> {
         let a = self.float(list, "zmin", default[0])?;
         let b = self.float(list, "zmax", default[1])?;
         Ok([a.min(b), a.max(b)])
     }
 
     /// `phimax`, degrees, clamped to [0, 360] as pbrt does; in radians.
-    pub(super) fn phi_max(&mut self, list: &mut ParameterList) -> Step<f64> {
+    pub(super) fn phi_max(&mut self, list: &mut ParameterList) -> ParseResult<f64> {
         Ok(self.float(list, "phimax", 360.0)?.clamp(0.0, 360.0).to_radians())
     }
 
     /// Cut-outs, which are not available yet.
-    fn alpha(&mut self, list: &mut ParameterList) -> Step<()> {
+    fn alpha(&mut self, list: &mut ParameterList) -> ParseResult<()> {
         for name in ["alpha", "shadowalpha"] {
             let place = list.value_place(name);
             let Some(p) = list.take(name) else { continue };
@@ -189,7 +194,7 @@ impl Lowering {
         Ok(())
     }
 
-    fn triangle_mesh(&mut self, list: &mut ParameterList) -> Step<GeometryDescription> {
+    fn triangle_mesh(&mut self, list: &mut ParameterList) -> ParseResult<GeometryDescription> {
         let (p, positions) = self.positions(list)?;
         let indices = self.corners::<3>(list, &p, positions.len())?;
         let normals = self.vertex_normals(list, positions.len())?;
@@ -198,7 +203,7 @@ impl Lowering {
         Ok(GeometryDescription::Triangles { positions, indices, normals, uvs })
     }
 
-    fn bilinear_mesh(&mut self, list: &mut ParameterList) -> Step<GeometryDescription> {
+    fn bilinear_mesh(&mut self, list: &mut ParameterList) -> ParseResult<GeometryDescription> {
         let (p, positions) = self.positions(list)?;
         let indices = self.corners::<4>(list, &p, positions.len())?;
         for name in ["N", "uv", "emissionfilename"] {
@@ -214,7 +219,7 @@ impl Lowering {
         Ok(GeometryDescription::Bilinear { positions, indices })
     }
 
-    pub(super) fn positions(&mut self, list: &mut ParameterList) -> Step<(Parameter, Vec<DVec3>)> {
+    pub(super) fn positions(&mut self, list: &mut ParameterList) -> ParseResult<(Parameter, Vec<DVec3>)> {
         if let Some(found) = list.vec3s("P", &mut self.reporter)? {
             return Ok(found);
         }
@@ -228,7 +233,7 @@ impl Lowering {
         list: &mut ParameterList,
         points: &Parameter,
         count: usize,
-    ) -> Step<Vec<[u32; N]>> {
+    ) -> ParseResult<Vec<[u32; N]>> {
         let Some((p, indices)) = list.integers("indices", &mut self.reporter)? else {
             if count == N {
                 return Ok(vec![std::array::from_fn(|i| i as u32)]);
@@ -254,7 +259,7 @@ impl Lowering {
         Ok(indices.chunks_exact(N).map(|c| std::array::from_fn(|i| c[i].unsigned_abs())).collect())
     }
 
-    fn vertex_normals(&mut self, list: &mut ParameterList, count: usize) -> Step<Option<Vec<DVec3>>> {
+    fn vertex_normals(&mut self, list: &mut ParameterList, count: usize) -> ParseResult<Option<Vec<DVec3>>> {
         let Some((p, normals)) = list.vec3s("N", &mut self.reporter)? else { return Ok(None) };
         if normals.len() == count {
             return Ok(Some(normals));
@@ -264,7 +269,7 @@ impl Lowering {
     }
 
     /// `uv`, also called `st`.
-    fn vertex_uvs(&mut self, list: &mut ParameterList, count: usize) -> Step<Option<Vec<DVec2>>> {
+    fn vertex_uvs(&mut self, list: &mut ParameterList, count: usize) -> ParseResult<Option<Vec<DVec2>>> {
         let st = list.vec2s("st", &mut self.reporter)?;
         let Some((p, uvs)) = list.vec2s("uv", &mut self.reporter)?.or(st) else { return Ok(None) };
         if uvs.len() == count {
@@ -274,7 +279,7 @@ impl Lowering {
         Ok(None)
     }
 
-    /// Says that values were left out because there is not one for each point.
+    /// Warns that values were ignored because their number is not that of the points.
     fn not_per_vertex(&mut self, list: &ParameterList, p: &Parameter, found: usize, count: usize) {
         let message = format!(
             "{}: {:?} is given for {found} points, there are {count}; it is left out",
@@ -283,7 +288,7 @@ impl Lowering {
         self.stand_in(&p.value_place, "vertex-count", message);
     }
 
-    fn ply_mesh(&mut self, list: &mut ParameterList) -> Step<GeometryDescription> {
+    fn ply_mesh(&mut self, list: &mut ParameterList) -> ParseResult<GeometryDescription> {
         let Some((p, name)) = list.text_parameter("filename", &mut self.reporter)? else {
             let message = "shape \"plymesh\" has no \"string filename\"";
             return Err(self.reporter.error(&list.place, "parameter-missing", message));
@@ -326,7 +331,7 @@ impl Lowering {
     }
 
     /// Begins a group that instances can refer to.
-    pub(crate) fn begin_object(&mut self, name: &str, place: &Place) -> Step<()> {
+    pub(crate) fn begin_object(&mut self, name: &str, place: &Span) -> ParseResult<()> {
         if self.group.is_some() {
             let message = "ObjectBegin within another object";
             return Err(self.reporter.error(place, "nesting", message));
@@ -351,7 +356,7 @@ impl Lowering {
     }
 
     /// Adds a copy of a group.
-    pub(crate) fn instance(&mut self, name: &str, place: &Place, context: &Context) -> Step<()> {
+    pub(crate) fn instance(&mut self, name: &str, place: &Span, context: &Context) -> ParseResult<()> {
         let Some(&group) = self.groups.get(name) else {
             let message = format!("there is no object {:?}", shortened(name));
             let help =

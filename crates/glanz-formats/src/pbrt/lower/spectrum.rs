@@ -10,7 +10,7 @@ use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::lexer::Lexer;
 use crate::pbrt::parameters::{Parameter, ParameterList, ParameterType, Values, shortened};
-use crate::source::Step;
+use crate::source::ParseResult;
 
 /// A grey that needs no conversion.
 pub(super) fn grey(value: f32) -> SpectralDistribution {
@@ -24,7 +24,7 @@ impl Lowering {
         subject: &str,
         p: &Parameter,
         space: ColorSpace,
-    ) -> Step<SpectralDistribution> {
+    ) -> ParseResult<SpectralDistribution> {
         match (&p.values, p.kind) {
             (Values::Floats(v), ParameterType::Rgb) => self.rgb(subject, p, v, space),
             (Values::Floats(v), ParameterType::Xyz) => match v[..] {
@@ -52,7 +52,7 @@ impl Lowering {
         }
     }
 
-    fn refuse<T>(&mut self, subject: &str, p: &Parameter, what: String) -> Step<T> {
+    fn refuse<T>(&mut self, subject: &str, p: &Parameter, what: String) -> ParseResult<T> {
         let message = format!("{subject}: parameter {:?} {what}", p.name);
         Err(self.reporter.error(&p.value_place, "spectrum", message))
     }
@@ -63,7 +63,7 @@ impl Lowering {
         p: &Parameter,
         v: &[f64],
         space: ColorSpace,
-    ) -> Step<SpectralDistribution> {
+    ) -> ParseResult<SpectralDistribution> {
         let [r, g, b] = *v else {
             return self.refuse(subject, p, format!("has {} values, 3 are needed", v.len()));
         };
@@ -75,7 +75,7 @@ impl Lowering {
 
     /// Temperature, in version 3 with a factor. Both have the value 1 or that factor where they peak; lights of version
     /// 4 are normalised later.
-    fn blackbody(&mut self, subject: &str, p: &Parameter, v: &[f64]) -> Step<SpectralDistribution> {
+    fn blackbody(&mut self, subject: &str, p: &Parameter, v: &[f64]) -> ParseResult<SpectralDistribution> {
         let (kelvin, scale) = match *v {
             [kelvin] => (kelvin, 1.0),
             [kelvin, scale] => (kelvin, scale),
@@ -91,7 +91,7 @@ impl Lowering {
     }
 
     /// Wavelengths in nm with values, in any order.
-    fn pairs(&mut self, subject: &str, p: &Parameter, v: &[f64]) -> Step<SpectralDistribution> {
+    fn pairs(&mut self, subject: &str, p: &Parameter, v: &[f64]) -> ParseResult<SpectralDistribution> {
         if !v.len().is_multiple_of(2) {
             let what = format!("has {} values, pairs of wavelength and value are needed", v.len());
             return self.refuse(subject, p, what);
@@ -103,7 +103,12 @@ impl Lowering {
     }
 
     /// A spectrum that pbrt knows by name, or a file of pairs.
-    fn named_spectrum(&mut self, subject: &str, p: &Parameter, name: &str) -> Step<SpectralDistribution> {
+    fn named_spectrum(
+        &mut self,
+        subject: &str,
+        p: &Parameter,
+        name: &str,
+    ) -> ParseResult<SpectralDistribution> {
         if let Some(spectrum) = named::spectrum(name) {
             return Ok(spectrum);
         }
@@ -141,7 +146,7 @@ impl Lowering {
         list: &mut ParameterList,
         name: &'static str,
         space: ColorSpace,
-    ) -> Step<Option<SpectrumInput>> {
+    ) -> ParseResult<Option<SpectrumInput>> {
         let Some(p) = list.take(name) else { return Ok(None) };
         if p.kind == ParameterType::Texture {
             return self.texture_named(&list.subject, &p, true).map(|t| Some(SpectrumInput::Texture(t)));
@@ -156,7 +161,7 @@ impl Lowering {
         name: &'static str,
         default: f32,
         space: ColorSpace,
-    ) -> Step<SpectrumInput> {
+    ) -> ParseResult<SpectrumInput> {
         let found = self.optional_spectrum(list, name, space)?;
         Ok(found.unwrap_or_else(|| SpectrumInput::Value(grey(default))))
     }
@@ -167,7 +172,7 @@ impl Lowering {
         &mut self,
         list: &mut ParameterList,
         name: &'static str,
-    ) -> Step<Option<FloatInput>> {
+    ) -> ParseResult<Option<FloatInput>> {
         let Some(p) = list.take(name) else { return Ok(None) };
         if p.kind == ParameterType::Texture {
             return self.texture_named(&list.subject, &p, false).map(|t| Some(FloatInput::Texture(t)));
@@ -182,11 +187,11 @@ impl Lowering {
         list: &mut ParameterList,
         name: &'static str,
         default: f32,
-    ) -> Step<FloatInput> {
+    ) -> ParseResult<FloatInput> {
         Ok(self.optional_float(list, name)?.unwrap_or(FloatInput::Value(default)))
     }
 
-    fn texture_named(&mut self, subject: &str, p: &Parameter, spectrum: bool) -> Step<usize> {
+    fn texture_named(&mut self, subject: &str, p: &Parameter, spectrum: bool) -> ParseResult<usize> {
         let name = match &p.values {
             Values::Texts(v) => match &v[..] {
                 [name] => name.clone(),
@@ -215,7 +220,7 @@ impl Lowering {
         list: &mut ParameterList,
         name: &'static str,
         space: ColorSpace,
-    ) -> Step<Emission> {
+    ) -> ParseResult<EmissionParameters> {
         let taken = list.take(name);
         let spectral = taken
             .as_ref()
@@ -224,7 +229,7 @@ impl Lowering {
             Some(p) => self.distribution(&list.subject, &p, space)?,
             None => grey(1.0),
         };
-        let mut light = Emission { spectrum, factor: 1.0, normalisation: 1.0 };
+        let mut light = EmissionParameters { spectrum, factor: 1.0, normalisation: 1.0 };
         if self.dialect == Dialect::V4 && spectral {
             let luminance = light.spectrum.luminance();
             light.normalisation = if luminance > 0.0 { 1.0 / luminance } else { 0.0 };
@@ -242,17 +247,17 @@ impl Lowering {
     }
 }
 
-/// What a light gives off: the spectrum times both factors.
+/// Emission of a light: the spectrum times both factors.
 #[derive(Clone, Debug)]
-pub(super) struct Emission {
+pub(super) struct EmissionParameters {
     pub(super) spectrum: SpectralDistribution,
     /// The `scale` of the scene.
     pub(super) factor: f32,
-    /// What brings the spectrum to the luminance that its version expects.
+    /// Factor that brings the spectrum to the luminance that its version expects.
     pub(super) normalisation: f32,
 }
 
-impl Emission {
+impl EmissionParameters {
     /// Both factors.
     pub(super) fn scale(&self) -> f32 {
         self.factor * self.normalisation

@@ -5,13 +5,13 @@ use glanz_math::DVec3;
 use super::Lowering;
 use crate::pbrt::lexer::Lexer;
 use crate::pbrt::parameters::Parameter;
-use crate::source::{Place, Step};
+use crate::source::{ParseResult, Span};
 
 /// The knots of one curve or axis within a parameter that may list several.
-pub(super) struct Knots<'a> {
+pub(super) struct KnotParameters<'a> {
     /// The parameter.
     pub(super) parameter: &'a Parameter,
-    /// Where in it they begin.
+    /// Index of the first.
     pub(super) first: usize,
     /// Degree + 1.
     pub(super) order: usize,
@@ -20,8 +20,8 @@ pub(super) struct Knots<'a> {
 }
 
 impl Lowering {
-    /// Where a number of a list stands.
-    pub(super) fn number_place(&self, parameter: &Parameter, index: usize) -> Place {
+    /// Span of a number of a list.
+    pub(super) fn number_place(&self, parameter: &Parameter, index: usize) -> Span {
         match self.reporter.sources.bytes(parameter.value_place.location.file) {
             Some(bytes) => Lexer::resume(bytes, &parameter.value_place).word_after(index),
             None => parameter.value_place,
@@ -31,8 +31,8 @@ impl Lowering {
     /// The domain that knots leave: they must not decrease, none more often than the order, and it must not be empty.
     ///
     /// `values` must hold as many knots as points and order together, and no fewer points than the order.
-    pub(super) fn knot_domain(&mut self, subject: &str, knots: &Knots<'_>) -> Step<[f64; 2]> {
-        let Knots { parameter, first, order, values } = *knots;
+    pub(super) fn knot_domain(&mut self, subject: &str, knots: &KnotParameters<'_>) -> ParseResult<[f64; 2]> {
+        let KnotParameters { parameter, first, order, values } = *knots;
         let name = &parameter.name;
         if let Some((i, (a, b))) =
             values.iter().zip(values.iter().skip(1)).enumerate().find(|(_, (a, b))| a > b)
@@ -72,7 +72,7 @@ impl Lowering {
         (parameter, index): (&Parameter, usize),
         coordinates: &[f64],
         weight: f64,
-    ) -> Step<()> {
+    ) -> ParseResult<()> {
         let finite = coordinates.iter().all(|x| x.is_finite() && (x / weight).is_finite());
         if weight > 0.0 && finite {
             return Ok(());
@@ -98,7 +98,7 @@ impl Lowering {
         subject: &str,
         points: &[DVec3],
         weights: Option<(Parameter, Vec<f64>)>,
-    ) -> Step<Vec<[f64; 4]>> {
+    ) -> ParseResult<Vec<[f64; 4]>> {
         let Some((p, weights)) = weights else {
             return Ok(points.iter().map(|p| p.extend(1.0).to_array()).collect());
         };

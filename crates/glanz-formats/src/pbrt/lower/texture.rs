@@ -16,7 +16,7 @@ use crate::image::{self, Encoding};
 use crate::nearest::nearest;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
-use crate::source::Step;
+use crate::source::ParseResult;
 
 /// The textures by name; those of numbers and those of spectra are apart.
 #[derive(Clone, Debug, Default)]
@@ -46,7 +46,7 @@ pub(crate) struct ImageKey {
     encoding: (u8, u32),
 }
 
-/// What stands in for a picture that cannot be had.
+/// Stand-in for a picture that cannot be read.
 const MISSING_PICTURE: f32 = 0.5;
 
 impl Lowering {
@@ -58,7 +58,7 @@ impl Lowering {
         kind: &str,
         mut list: ParameterList,
         context: &Context,
-    ) -> Step<()> {
+    ) -> ParseResult<()> {
         let spectrum = match value_type {
             "spectrum" | "color" => true,
             "float" => false,
@@ -92,7 +92,7 @@ impl Lowering {
     }
 
     /// `tex1 * tex2` (version 3) or `tex * scale` (version 4).
-    fn scale_texture(&mut self, list: &mut ParameterList, context: &Context) -> Step<TextureKind> {
+    fn scale_texture(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<TextureKind> {
         let names = if list.has("tex") || (self.dialect == Dialect::V4 && !list.has("tex1")) {
             ["tex", "scale"]
         } else {
@@ -104,7 +104,7 @@ impl Lowering {
         ))
     }
 
-    fn checkerboard(&mut self, list: &mut ParameterList, context: &Context) -> Step<TextureKind> {
+    fn checkerboard(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<TextureKind> {
         let place = list.value_place("dimension");
         let mapping = match list.integer("dimension", &mut self.reporter)?.unwrap_or(2) {
             2 => self.mapping(list, context)?,
@@ -123,7 +123,7 @@ impl Lowering {
     }
 
     /// From world to texture space; an error if the texture's space is flat.
-    fn texture_space(&mut self, list: &ParameterList, context: &Context) -> Step<DMat4> {
+    fn texture_space(&mut self, list: &ParameterList, context: &Context) -> ParseResult<DMat4> {
         let inverse = context.ctm.inverse();
         if inverse.is_finite() {
             return Ok(inverse);
@@ -132,8 +132,8 @@ impl Lowering {
         Err(self.reporter.error(&list.place, "transformation", message))
     }
 
-    /// Where on the texture a point lies.
-    fn mapping(&mut self, list: &mut ParameterList, context: &Context) -> Step<TextureMapping> {
+    /// Texture mapping.
+    fn mapping(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<TextureMapping> {
         let place = list.value_place("mapping");
         let kind = list.text("mapping", &mut self.reporter)?;
         let r = &mut self.reporter;
@@ -158,7 +158,7 @@ impl Lowering {
         })
     }
 
-    fn image_map(&mut self, list: &mut ParameterList, context: &Context) -> Step<TextureKind> {
+    fn image_map(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<TextureKind> {
         let mapping = self.mapping(list, context)?;
         let Some((p, name)) = list.text_parameter("filename", &mut self.reporter)? else {
             let message = "texture \"imagemap\" has no \"string filename\"";
@@ -176,8 +176,8 @@ impl Lowering {
         })
     }
 
-    /// What the integers of the picture mean: `gamma` in version 3, `encoding` in version 4.
-    fn encoding(&mut self, list: &mut ParameterList) -> Step<Encoding> {
+    /// Encoding of the picture's integers: `gamma` in version 3, `encoding` in version 4.
+    fn encoding(&mut self, list: &mut ParameterList) -> ParseResult<Encoding> {
         if let Some(gamma) = list.boolean("gamma", &mut self.reporter)? {
             return Ok(if gamma { Encoding::Srgb } else { Encoding::Linear });
         }
@@ -197,7 +197,7 @@ impl Lowering {
         })
     }
 
-    fn wrap(&mut self, list: &mut ParameterList) -> Step<ImageWrap> {
+    fn wrap(&mut self, list: &mut ParameterList) -> ParseResult<ImageWrap> {
         let place = list.value_place("wrap");
         let text = list.text("wrap", &mut self.reporter)?;
         Ok(match text.as_deref().unwrap_or("repeat") {
@@ -216,7 +216,7 @@ impl Lowering {
     }
 
     /// Version 3 filters anisotropically unless told otherwise; a pyramid comes nearest.
-    fn image_filter(&mut self, list: &mut ParameterList) -> Step<ImageFilter> {
+    fn image_filter(&mut self, list: &mut ParameterList) -> ParseResult<ImageFilter> {
         list.ignore(&["trilinear"]);
         let place = list.value_place("filter");
         let text = list.text("filter", &mut self.reporter)?;
@@ -237,7 +237,7 @@ impl Lowering {
     }
 
     /// The index of a picture; `None`, reported, if it cannot be had.
-    fn image(&mut self, p: &Parameter, name: &str, encoding: Encoding) -> Step<Option<usize>> {
+    fn image(&mut self, p: &Parameter, name: &str, encoding: Encoding) -> ParseResult<Option<usize>> {
         let tag = match encoding {
             Encoding::Srgb => (0, 0),
             Encoding::Linear => (1, 0),
@@ -283,7 +283,7 @@ impl Lowering {
         kind: &str,
         list: &mut ParameterList,
         context: &Context,
-    ) -> Step<TextureKind> {
+    ) -> ParseResult<TextureKind> {
         let space = context.color_space;
         let (made, instead) = match kind {
             "bilerp" => {

@@ -5,16 +5,16 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use glanz_scene::description::{TrimCurveDescription, TrimDescription, TrimLoopDescription};
 
 use super::Lowering;
-use super::spline::Knots;
+use super::spline::KnotParameters;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
-use crate::source::Step;
+use crate::source::ParseResult;
 
 /// The parameters that say loops of curves, as RenderMan's `TrimCurve` has them.
 const CURVES: [&str; 5] = ["trimloops", "trimorders", "trimcounts", "trimknots", "trimpoints"];
 
 /// Which side of a simple outline is kept; material is on the left of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
+enum TrimSide {
     /// Clockwise: the outline is a hole.
     Outside,
     /// Counterclockwise: the outline is all there is.
@@ -22,15 +22,15 @@ enum Side {
 }
 
 impl Lowering {
-    /// What is kept of a shape, if it says so.
-    pub(super) fn trim(&mut self, list: &mut ParameterList) -> Step<Option<TrimDescription>> {
+    /// The kept side of a shape, if the scene states one.
+    pub(super) fn trim(&mut self, list: &mut ParameterList) -> ParseResult<Option<TrimDescription>> {
         let mut loops = self.trim_curves(list)?;
         loops.extend(self.trim_outlines(list)?);
         Ok((!loops.is_empty()).then_some(TrimDescription { loops }))
     }
 
     /// Loops of rational spline curves.
-    fn trim_curves(&mut self, list: &mut ParameterList) -> Step<Vec<TrimLoopDescription>> {
+    fn trim_curves(&mut self, list: &mut ParameterList) -> ParseResult<Vec<TrimLoopDescription>> {
         let Some(present) = CURVES.iter().find(|name| list.has(name)) else {
             // Asked for all the same, so that a name nearly right is recognised.
             list.ignore(&CURVES);
@@ -86,7 +86,7 @@ impl Lowering {
         list: &mut ParameterList,
         name: &'static str,
         low: i32,
-    ) -> Step<(Parameter, Vec<usize>)> {
+    ) -> ParseResult<(Parameter, Vec<usize>)> {
         let Some((p, values)) = list.integers(name, &mut self.reporter)? else {
             let message = format!("{} has no \"integer {name}\"", list.subject);
             return Err(self.reporter.error(&list.place, "parameter-missing", message));
@@ -105,7 +105,7 @@ impl Lowering {
         list: &mut ParameterList,
         orders: &[usize],
         counts: &[usize],
-    ) -> Step<Vec<TrimCurveDescription>> {
+    ) -> ParseResult<Vec<TrimCurveDescription>> {
         let knots = list.floats("trimknots", &mut self.reporter)?;
         let points = list.groups::<3>("trimpoints", &mut self.reporter)?;
         let (Some((p_knots, knots)), Some((p_points, points))) = (knots, points) else {
@@ -125,7 +125,7 @@ impl Lowering {
         let (mut first, mut values, mut rest) = (0, knots.as_slice(), points.into_iter());
         for (&order, &count) in orders.iter().zip(counts) {
             let Some((of_curve, others)) = values.split_at_checked(order + count) else { break };
-            let knots = Knots { parameter: &p_knots, first, order, values: of_curve };
+            let knots = KnotParameters { parameter: &p_knots, first, order, values: of_curve };
             self.knot_domain(&list.subject, &knots)?;
             let points = rest.by_ref().take(count).collect();
             curves.push(TrimCurveDescription {
@@ -138,25 +138,25 @@ impl Lowering {
         Ok(curves)
     }
 
-    /// Nothing if as many things are given as are needed.
+    /// Nothing if as many objects are given as are needed.
     fn check_count(
         &mut self,
         (list, p): (&ParameterList, &Parameter),
-        (found, things): (usize, &str),
+        (found, objects): (usize, &str),
         needed: usize,
         help: &str,
-    ) -> Step<()> {
+    ) -> ParseResult<()> {
         if found == needed {
             return Ok(());
         }
         let message =
-            format!("{}: parameter {:?} has {found} {things}, {needed} are needed", list.subject, p.name);
+            format!("{}: parameter {:?} has {found} {objects}, {needed} are needed", list.subject, p.name);
         let help = Some(help.to_owned());
         Err(self.reporter.error_with_help(&p.value_place, "parameter-count", message, help))
     }
 
     /// Polygons, ellipses and rectangles; each parameter may be given several times.
-    fn trim_outlines(&mut self, list: &mut ParameterList) -> Step<Vec<TrimLoopDescription>> {
+    fn trim_outlines(&mut self, list: &mut ParameterList) -> ParseResult<Vec<TrimLoopDescription>> {
         let mut polygons = Vec::new();
         while let Some((p, corners)) = list.groups::<2>("trimpolygon", &mut self.reporter)? {
             polygons.push((p, 0, corners));
@@ -210,11 +210,11 @@ impl Lowering {
         Ok(loops)
     }
 
-    fn trim_side(&mut self, list: &mut ParameterList) -> Step<Side> {
+    fn trim_side(&mut self, list: &mut ParameterList) -> ParseResult<TrimSide> {
         match list.text_parameter("trimside", &mut self.reporter)? {
-            None => Ok(Side::Outside),
-            Some((_, side)) if side == "outside" => Ok(Side::Outside),
-            Some((_, side)) if side == "inside" => Ok(Side::Inside),
+            None => Ok(TrimSide::Outside),
+            Some((_, side)) if side == "outside" => Ok(TrimSide::Outside),
+            Some((_, side)) if side == "inside" => Ok(TrimSide::Inside),
             Some((p, side)) => {
                 let message = format!("{}: \"trimside\" is {:?}", list.subject, shortened(&side));
                 let help = Some("the side that is kept is \"outside\" or \"inside\"".to_owned());
@@ -225,7 +225,7 @@ impl Lowering {
 }
 
 /// A closed polygon; `None` if it encloses no area. The first corner may stand at the end again.
-fn polygon(mut corners: Vec<[f64; 2]>, side: Side) -> Option<TrimCurveDescription> {
+fn polygon(mut corners: Vec<[f64; 2]>, side: TrimSide) -> Option<TrimCurveDescription> {
     corners.dedup();
     while corners.len() > 1 && corners.first() == corners.last() {
         corners.pop();
@@ -245,7 +245,7 @@ fn polygon(mut corners: Vec<[f64; 2]>, side: Side) -> Option<TrimCurveDescriptio
         return None;
     }
     corners.push(start);
-    if (area > 0.0) != (side == Side::Inside) {
+    if (area > 0.0) != (side == TrimSide::Inside) {
         corners.reverse();
     }
     let last = (corners.len() - 1) as f64;
@@ -256,7 +256,7 @@ fn polygon(mut corners: Vec<[f64; 2]>, side: Side) -> Option<TrimCurveDescriptio
 }
 
 /// An ellipse from centre and radii: four exact quarters of a rational quadratic.
-fn ellipse([cu, cv, ru, rv]: [f64; 4], side: Side) -> TrimCurveDescription {
+fn ellipse([cu, cv, ru, rv]: [f64; 4], side: TrimSide) -> TrimCurveDescription {
     let around: [[f64; 2]; 9] = [
         [1.0, 0.0],
         [1.0, 1.0],
@@ -276,7 +276,7 @@ fn ellipse([cu, cv, ru, rv]: [f64; 4], side: Side) -> TrimCurveDescription {
             [w * (cu + ru * u), w * (cv + rv * v), w]
         })
         .collect();
-    if side == Side::Outside {
+    if side == TrimSide::Outside {
         points.reverse();
     }
     let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];

@@ -9,7 +9,7 @@ use glanz_scene::Severity;
 
 use crate::nearest::nearest;
 use crate::pbrt::lexer::{LexError, Lexer};
-use crate::source::{Place, Reported, Reporter, Step};
+use crate::source::{ParseResult, ReportedError, Reporter, Span};
 
 use syntax::parse_parameter;
 pub(crate) use syntax::{Parameter, ParameterType, Values, shortened};
@@ -17,10 +17,10 @@ pub(crate) use syntax::{Parameter, ParameterType, Values, shortened};
 /// The parameters of one directive. Whoever asks for one takes it out; what is left at the end was not used.
 #[derive(Clone, Debug)]
 pub(crate) struct ParameterList {
-    /// Whose parameters: `shape "sphere"`.
+    /// The owner in messages: `shape "sphere"`.
     pub(crate) subject: String,
-    /// Where the directive began.
-    pub(crate) place: Place,
+    /// Span of the directive.
+    pub(crate) place: Span,
     items: Vec<Parameter>,
     asked: Vec<&'static str>,
 }
@@ -33,7 +33,7 @@ const UNUSED: &str = "unused-parameter";
 
 impl ParameterList {
     /// Reads parameters up to the next directive.
-    pub(crate) fn parse(lexer: &mut Lexer, subject: String, place: Place) -> Result<Self, LexError> {
+    pub(crate) fn parse(lexer: &mut Lexer, subject: String, place: Span) -> Result<Self, LexError> {
         let mut items = Vec::new();
         while lexer.peek() == Some(b'"') {
             if items.len() == MAX_PARAMETERS {
@@ -59,7 +59,7 @@ impl ParameterList {
         self.items
     }
 
-    /// Whether a parameter of that name is there.
+    /// True if a parameter of that name is present.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.items.iter().any(|p| p.name == name)
     }
@@ -101,13 +101,13 @@ impl ParameterList {
         }
     }
 
-    fn wrong_type(&self, p: &Parameter, expected: &str, reporter: &mut Reporter) -> Reported {
+    fn wrong_type(&self, p: &Parameter, expected: &str, reporter: &mut Reporter) -> ReportedError {
         let message = format!("{}: parameter {:?} is of type {}", self.subject, p.name, p.kind.name());
         let help = Some(format!("write it as \"{expected} {}\"", p.name));
         reporter.error_with_help(&p.place, "parameter-type", message, help)
     }
 
-    fn wrong_count(&self, p: &Parameter, expected: &str, reporter: &mut Reporter) -> Reported {
+    fn wrong_count(&self, p: &Parameter, expected: &str, reporter: &mut Reporter) -> ReportedError {
         let (n, s) = (p.values.len(), if p.values.len() == 1 { "" } else { "s" });
         let message = format!("{}: parameter {:?} has {n} value{s}, {expected}", self.subject, p.name);
         reporter.error(&p.value_place, "parameter-count", message)
@@ -119,7 +119,7 @@ impl ParameterList {
         name: &'static str,
         types: &[ParameterType],
         reporter: &mut Reporter,
-    ) -> Step<Option<(Parameter, Vec<f64>)>> {
+    ) -> ParseResult<Option<(Parameter, Vec<f64>)>> {
         let Some(mut p) = self.take(name) else { return Ok(None) };
         let fits = types.contains(&p.kind)
             || (p.kind == ParameterType::Integer && types.contains(&ParameterType::Float));
@@ -138,7 +138,7 @@ impl ParameterList {
     }
 
     /// One number.
-    pub(crate) fn float(&mut self, name: &'static str, reporter: &mut Reporter) -> Step<Option<f64>> {
+    pub(crate) fn float(&mut self, name: &'static str, reporter: &mut Reporter) -> ParseResult<Option<f64>> {
         let Some((p, v)) = self.numbers(name, &[ParameterType::Float], reporter)? else { return Ok(None) };
         match v[..] {
             [x] => Ok(Some(x)),
@@ -152,7 +152,7 @@ impl ParameterList {
         name: &'static str,
         default: f64,
         reporter: &mut Reporter,
-    ) -> Step<f64> {
+    ) -> ParseResult<f64> {
         Ok(self.float(name, reporter)?.unwrap_or(default))
     }
 
@@ -161,7 +161,7 @@ impl ParameterList {
         &mut self,
         name: &'static str,
         reporter: &mut Reporter,
-    ) -> Step<Option<(Parameter, Vec<f64>)>> {
+    ) -> ParseResult<Option<(Parameter, Vec<f64>)>> {
         self.numbers(name, &[ParameterType::Float], reporter)
     }
 
@@ -170,7 +170,7 @@ impl ParameterList {
         &mut self,
         name: &'static str,
         reporter: &mut Reporter,
-    ) -> Step<Option<[f64; N]>> {
+    ) -> ParseResult<Option<[f64; N]>> {
         let Some((p, v)) = self.floats(name, reporter)? else { return Ok(None) };
         match <[f64; N]>::try_from(&v[..]) {
             Ok(values) => Ok(Some(values)),
@@ -184,7 +184,7 @@ impl ParameterList {
         values: Vec<f64>,
         expected: &str,
         reporter: &mut Reporter,
-    ) -> Reported {
+    ) -> ReportedError {
         p.values = Values::Floats(values);
         self.wrong_count(&p, expected, reporter)
     }
@@ -194,7 +194,7 @@ impl ParameterList {
         &mut self,
         name: &'static str,
         reporter: &mut Reporter,
-    ) -> Step<Option<(Parameter, Vec<i32>)>> {
+    ) -> ParseResult<Option<(Parameter, Vec<i32>)>> {
         let Some(mut p) = self.take(name) else { return Ok(None) };
         match std::mem::replace(&mut p.values, Values::Bools(Vec::new())) {
             Values::Integers(v) => Ok(Some((p, v))),
@@ -210,7 +210,7 @@ impl ParameterList {
         &mut self,
         name: &'static str,
         reporter: &mut Reporter,
-    ) -> Step<Option<(Parameter, [i32; N])>> {
+    ) -> ParseResult<Option<(Parameter, [i32; N])>> {
         let Some((mut p, v)) = self.integers(name, reporter)? else { return Ok(None) };
         match <[i32; N]>::try_from(&v[..]) {
             Ok(values) => Ok(Some((p, values))),
@@ -222,7 +222,11 @@ impl ParameterList {
     }
 
     /// One integer.
-    pub(crate) fn integer(&mut self, name: &'static str, reporter: &mut Reporter) -> Step<Option<i32>> {
+    pub(crate) fn integer(
+        &mut self,
+        name: &'static str,
+        reporter: &mut Reporter,
+    ) -> ParseResult<Option<i32>> {
         let Some((mut p, v)) = self.integers(name, reporter)? else { return Ok(None) };
         match v[..] {
             [x] => Ok(Some(x)),
@@ -239,7 +243,7 @@ impl ParameterList {
         name: &'static str,
         low: i32,
         reporter: &mut Reporter,
-    ) -> Step<Option<u32>> {
+    ) -> ParseResult<Option<u32>> {
         let place = self.value_place(name);
         match self.integer(name, reporter)? {
             Some(x) if x < low => {
@@ -252,7 +256,11 @@ impl ParameterList {
     }
 
     /// One truth value.
-    pub(crate) fn boolean(&mut self, name: &'static str, reporter: &mut Reporter) -> Step<Option<bool>> {
+    pub(crate) fn boolean(
+        &mut self,
+        name: &'static str,
+        reporter: &mut Reporter,
+    ) -> ParseResult<Option<bool>> {
         let Some(p) = self.take(name) else { return Ok(None) };
         match &p.values {
             Values::Bools(v) => match v[..] {
@@ -268,7 +276,7 @@ impl ParameterList {
         &mut self,
         name: &'static str,
         reporter: &mut Reporter,
-    ) -> Step<Option<(Parameter, String)>> {
+    ) -> ParseResult<Option<(Parameter, String)>> {
         let Some(mut p) = self.take(name) else { return Ok(None) };
         match &mut p.values {
             Values::Texts(v) if p.kind == ParameterType::Text => match v.pop() {
@@ -284,12 +292,16 @@ impl ParameterList {
     }
 
     /// One text.
-    pub(crate) fn text(&mut self, name: &'static str, reporter: &mut Reporter) -> Step<Option<String>> {
+    pub(crate) fn text(
+        &mut self,
+        name: &'static str,
+        reporter: &mut Reporter,
+    ) -> ParseResult<Option<String>> {
         Ok(self.text_parameter(name, reporter)?.map(|(_, text)| text))
     }
 
     /// One point or vector.
-    pub(crate) fn vec3(&mut self, name: &'static str, reporter: &mut Reporter) -> Step<Option<DVec3>> {
+    pub(crate) fn vec3(&mut self, name: &'static str, reporter: &mut Reporter) -> ParseResult<Option<DVec3>> {
         Ok(match self.vec3s(name, reporter)? {
             None => None,
             Some((p, v)) => match v[..] {
@@ -307,7 +319,7 @@ impl ParameterList {
         &mut self,
         name: &'static str,
         reporter: &mut Reporter,
-    ) -> Step<Option<(Parameter, Vec<DVec3>)>> {
+    ) -> ParseResult<Option<(Parameter, Vec<DVec3>)>> {
         let types =
             [ParameterType::Point3, ParameterType::Vector3, ParameterType::Normal, ParameterType::Float];
         let Some((p, v)) = self.numbers(name, &types, reporter)? else { return Ok(None) };
@@ -323,7 +335,7 @@ impl ParameterList {
         &mut self,
         name: &'static str,
         reporter: &mut Reporter,
-    ) -> Step<Option<(Parameter, Vec<DVec2>)>> {
+    ) -> ParseResult<Option<(Parameter, Vec<DVec2>)>> {
         let types = [ParameterType::Point2, ParameterType::Vector2, ParameterType::Float];
         let Some((p, v)) = self.numbers(name, &types, reporter)? else { return Ok(None) };
         if !v.len().is_multiple_of(2) {
@@ -338,7 +350,7 @@ impl ParameterList {
         &mut self,
         name: &'static str,
         reporter: &mut Reporter,
-    ) -> Step<Option<(Parameter, Vec<[f64; N]>)>> {
+    ) -> ParseResult<Option<(Parameter, Vec<[f64; N]>)>> {
         let types: &[ParameterType] =
             if N == 2 { &[ParameterType::Float, ParameterType::Point2] } else { &[ParameterType::Float] };
         let Some((p, v)) = self.numbers(name, types, reporter)? else { return Ok(None) };
@@ -351,8 +363,8 @@ impl ParameterList {
         Ok(Some((p, groups)))
     }
 
-    /// Where the value of a parameter stands, or the directive if there is no such parameter.
-    pub(crate) fn value_place(&self, name: &str) -> Place {
+    /// Span of a parameter's value, or of the directive if there is no such parameter.
+    pub(crate) fn value_place(&self, name: &str) -> Span {
         self.items.iter().find(|p| p.name == name).map_or(self.place, |p| p.value_place)
     }
 }

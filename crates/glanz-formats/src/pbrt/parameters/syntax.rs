@@ -2,7 +2,7 @@
 
 use crate::nearest::nearest;
 use crate::pbrt::lexer::{LexError, Lexer, Token};
-use crate::source::Place;
+use crate::source::Span;
 
 /// The declared type of a parameter; the dialects' names for the same thing are one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,9 +82,9 @@ pub(crate) struct Parameter {
     pub(crate) kind: ParameterType,
     pub(crate) name: String,
     /// Of the declaration.
-    pub(crate) place: Place,
+    pub(crate) place: Span,
     /// Of the first value, or of the declaration if there is none.
-    pub(crate) value_place: Place,
+    pub(crate) value_place: Span,
     pub(crate) values: Values,
 }
 
@@ -123,7 +123,7 @@ pub(super) fn parse_parameter(lexer: &mut Lexer) -> Result<Parameter, LexError> 
     } else {
         value_place.length
     };
-    Ok(Parameter { kind, name, place, value_place: Place { length, ..value_place }, values })
+    Ok(Parameter { kind, name, place, value_place: Span { length, ..value_place }, values })
 }
 
 fn parse_values(lexer: &mut Lexer, kind: ParameterType, bracket: bool) -> Result<Values, LexError> {

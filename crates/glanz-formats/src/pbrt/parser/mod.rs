@@ -1,7 +1,7 @@
 //! The directives of pbrt's scene language.
 
 mod blocks;
-mod things;
+mod objects;
 mod transformations;
 
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::pbrt::lexer::{LexError, Lexer, Token};
 use crate::pbrt::lower::{Lowering, finish_film};
 use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::pbrt::state::{GraphicsState, StateStack};
-use crate::source::{Place, Reported, Step};
+use crate::source::{ParseResult, ReportedError, Span};
 
 /// Every directive of the versions 1 to 4.
 const DIRECTIVES: &[&str] = &[
@@ -75,7 +75,7 @@ struct OpenFile {
 
 /// Which part of the scene is being read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Block {
+enum OpenBlock {
     Options,
     World,
     /// The world, without `WorldBegin`: a file meant to be included.
@@ -90,7 +90,7 @@ pub(crate) struct Parser {
     pub(crate) lowering: Lowering,
     state: StateStack,
     files: Vec<OpenFile>,
-    block: Block,
+    block: OpenBlock,
     includes: usize,
     media_reported: bool,
 }
@@ -102,7 +102,7 @@ impl Parser {
             lowering,
             state: StateStack::default(),
             files: Vec::new(),
-            block: Block::Options,
+            block: OpenBlock::Options,
             includes: 0,
             media_reported: false,
         }
@@ -115,7 +115,7 @@ impl Parser {
             match self.step() {
                 Ok(true) => {}
                 Ok(false) => break,
-                Err(Reported) => {
+                Err(ReportedError) => {
                     if let Some(file) = self.files.last_mut() {
                         file.lexer.skip_to_directive();
                     }
@@ -148,7 +148,7 @@ impl Parser {
     }
 
     /// Reads one directive; `false` at the end.
-    fn step(&mut self) -> Step<bool> {
+    fn step(&mut self) -> ParseResult<bool> {
         let Some(file) = self.files.last_mut() else { return Ok(false) };
         match file.lexer.next() {
             Ok(Some((Token::Word(word), place))) => {
@@ -180,11 +180,11 @@ impl Parser {
         }
     }
 
-    fn syntax(&mut self, error: LexError) -> Reported {
+    fn syntax(&mut self, error: LexError) -> ReportedError {
         self.lowering.reporter.error_with_help(&error.place, "syntax", error.message, error.help)
     }
 
-    fn lexer(&mut self, place: &Place) -> Step<&mut Lexer> {
+    fn lexer(&mut self, place: &Span) -> ParseResult<&mut Lexer> {
         match self.files.last_mut() {
             Some(file) => Ok(&mut file.lexer),
             None => Err(self.lowering.reporter.error(place, "syntax", "the file has ended")),
@@ -192,17 +192,17 @@ impl Parser {
     }
 
     /// Does what a directive says.
-    fn directive(&mut self, word: &str, place: Place) -> Step<()> {
-        if self.block == Block::Done {
+    fn directive(&mut self, word: &str, place: Span) -> ParseResult<()> {
+        if self.block == OpenBlock::Done {
             self.lowering.reporter.warning(&place, "after-world", "what follows WorldEnd is not read");
             self.files.truncate(0);
             return Ok(());
         }
-        if self.block == Block::Options && begins_world(word) {
+        if self.block == OpenBlock::Options && begins_world(word) {
             let message = format!("{word} before WorldBegin: the file is read as part of a world");
             self.lowering.reporter.warning(&place, "no-world", message);
             self.begin_world();
-            self.block = Block::Fragment;
+            self.block = OpenBlock::Fragment;
         }
         match word {
             "Identity" | "Translate" | "Scale" | "Rotate" | "LookAt" | "Transform" | "ConcatTransform"
@@ -239,8 +239,8 @@ impl Parser {
         }
     }
 
-    /// So many numbers, in brackets or not.
-    fn numbers<const N: usize>(&mut self, place: &Place) -> Step<[f64; N]> {
+    /// A fixed number of numbers, with or without brackets.
+    fn numbers<const N: usize>(&mut self, place: &Span) -> ParseResult<[f64; N]> {
         let read = |lexer: &mut Lexer| {
             let bracket = lexer.peek() == Some(b'[');
             if bracket {
@@ -268,7 +268,7 @@ impl Parser {
     }
 
     /// A quoted name.
-    fn name(&mut self, directive: &str, place: &Place) -> Step<(String, Place)> {
+    fn name(&mut self, directive: &str, place: &Span) -> ParseResult<(String, Span)> {
         let lexer = self.lexer(place)?;
         let bracket = lexer.peek() == Some(b'[');
         let mut next = lexer.next();
@@ -290,13 +290,13 @@ impl Parser {
     }
 
     /// The parameters up to the next directive.
-    fn parameters(&mut self, subject: String, place: Place) -> Step<ParameterList> {
+    fn parameters(&mut self, subject: String, place: Span) -> ParseResult<ParameterList> {
         let result = ParameterList::parse(self.lexer(&place)?, subject, place);
         result.map_err(|error| self.syntax(error))
     }
 }
 
-/// Whether a directive stands in the world only.
+/// True if a directive is allowed in the world block only.
 fn begins_world(directive: &str) -> bool {
     matches!(
         directive,

@@ -7,10 +7,10 @@ use super::Parser;
 use crate::nearest::nearest;
 use crate::pbrt::lexer::Token;
 use crate::pbrt::parameters::shortened;
-use crate::source::{Place, Step};
+use crate::source::{ParseResult, Span};
 
 impl Parser {
-    pub(super) fn transformation(&mut self, word: &str, place: Place) -> Step<()> {
+    pub(super) fn transformation(&mut self, word: &str, place: Span) -> ParseResult<()> {
         match word {
             "Identity" => self.state.replace(DMat4::IDENTITY),
             "Translate" => {
@@ -70,7 +70,7 @@ impl Parser {
         Ok(())
     }
 
-    fn active_transform(&mut self, place: Place) -> Step<()> {
+    fn active_transform(&mut self, place: Span) -> ParseResult<()> {
         let next = self.lexer(&place)?.next();
         let which = match &next {
             Ok(Some((Token::Word(which), _))) => which.as_str(),
@@ -90,7 +90,7 @@ impl Parser {
         Ok(())
     }
 
-    fn animation(&mut self, place: &Place) {
+    fn animation(&mut self, place: &Span) {
         let message = "motion is not available yet; everything stands where it is at the start";
         self.lowering.reporter.stand_in(place, "stand-in-motion", message);
     }

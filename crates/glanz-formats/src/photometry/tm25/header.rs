@@ -1,10 +1,10 @@
-//! What stands before the rays.
+//! The header.
 
 use std::io::{ErrorKind, Read};
 
 use super::{MAGIC, Tm25Error, Tm25ErrorKind};
 
-/// What is known of wavelengths.
+/// Spectral data of the rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SpectralData {
     /// Nothing.
@@ -24,31 +24,31 @@ pub type SpectralTable = Vec<[f32; 2]>;
 
 /// Texts about the source. Empty where the file is silent.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Descriptions {
+pub struct SourceDescriptions {
     /// Name of the light source.
     pub name: String,
     /// Its maker.
     pub manufacturer: String,
-    /// Who made the model of it.
+    /// Creator of the model.
     pub model_creator: String,
-    /// Who made the file.
+    /// Creator of the file.
     pub file_creator: String,
     /// Equipment or program.
     pub equipment: String,
     /// Camera.
     pub camera: String,
-    /// How the source was operated.
+    /// Operating conditions of the source.
     pub operation: String,
     /// More.
     pub information: String,
-    /// Where the data are described.
+    /// Reference to a description of the data.
     pub reference: String,
 }
 
 /// The header of a ray file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Header {
-    /// How the rays were made: 0 by simulation, 1 by measurement; some makers write other numbers.
+pub struct RayFileHeader {
+    /// Creation method: 0 simulation, 1 measurement; some files have other numbers.
     pub creation: i32,
     /// Lumens of all rays; `None` where the file gives none.
     pub luminous_flux: Option<f32>,
@@ -60,7 +60,7 @@ pub struct Header {
     pub date: String,
     /// On what surface rays start, as coded by the standard.
     pub start_position: i32,
-    /// What is known of wavelengths.
+    /// Spectral data of the rays.
     pub spectral_data: SpectralData,
     /// Least and largest wavelength in nanometres, as written; not a number where unknown.
     pub wavelengths: [f32; 2],
@@ -77,7 +77,7 @@ pub struct Header {
     /// Rays have the number of a spectral table.
     pub has_spectrum_index: bool,
     /// Texts about the source.
-    pub descriptions: Descriptions,
+    pub descriptions: SourceDescriptions,
     /// Spectral tables.
     pub spectra: Vec<SpectralTable>,
     /// Names of additional columns.
@@ -86,8 +86,8 @@ pub struct Header {
     pub additional_text: String,
 }
 
-impl Header {
-    /// Bytes of a ray.
+impl RayFileHeader {
+    /// HeaderReader of a ray.
     #[must_use]
     pub fn ray_bytes(&self) -> usize {
         let single =
@@ -109,21 +109,21 @@ const MAX_COLUMNS: i32 = 1 << 10;
 const MAX_TEXT: i32 = 1 << 24;
 
 /// Reads the header; gives it with its length in bytes.
-pub(super) fn read(source: &mut impl Read) -> Result<(Header, u64), Tm25Error> {
-    let mut bytes = Bytes { source, offset: 0 };
+pub(super) fn read(source: &mut impl Read) -> Result<(RayFileHeader, u64), Tm25Error> {
+    let mut bytes = HeaderReader { source, offset: 0 };
     match bytes.header() {
         Ok(header) => Ok((header, bytes.offset)),
         Err(kind) => Err(Tm25Error { offset: bytes.offset, kind }),
     }
 }
 
-struct Bytes<'a, R> {
+struct HeaderReader<'a, R> {
     source: &'a mut R,
     offset: u64,
 }
 
-impl<R: Read> Bytes<'_, R> {
-    fn header(&mut self) -> Result<Header, Tm25ErrorKind> {
+impl<R: Read> HeaderReader<'_, R> {
+    fn header(&mut self) -> Result<RayFileHeader, Tm25ErrorKind> {
         const WHERE: &str = "file header";
         if self.take::<4>("first four bytes")? != *MAGIC {
             return Err(Tm25ErrorKind::Magic);
@@ -174,7 +174,7 @@ impl<R: Read> Bytes<'_, R> {
             has_spectrum_index,
         ] = flags;
         let mut description = || self.text(4000, "descriptions");
-        let descriptions = Descriptions {
+        let descriptions = SourceDescriptions {
             name: description()?,
             manufacturer: description()?,
             model_creator: description()?,
@@ -189,7 +189,7 @@ impl<R: Read> Bytes<'_, R> {
         let additional_columns =
             (0..columns).map(|_| self.text(512, "names of additional columns")).collect::<Result<_, _>>()?;
         let additional_text = self.text(text_bytes, "additional text")?;
-        Ok(Header {
+        Ok(RayFileHeader {
             creation,
             luminous_flux,
             radiant_flux,

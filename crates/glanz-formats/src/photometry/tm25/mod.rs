@@ -1,6 +1,6 @@
 //! Ray files of IES TM-25-13 (`.tm25ray`): a light source as many rays, near field and all.
 //!
-//! [`Rays`] reads the header at once and then ray by ray, in memory that does not grow with their number. All is
+//! [`RayReader`] reads the header at once and then ray by ray, in memory that does not grow with their number. All is
 //! little-endian, numbers are of 32 bits but for the count of rays, text is UTF-32 and ends with a zero.
 //!
 //! | bytes | what |
@@ -11,7 +11,7 @@
 //! | padded to 32 | spectral tables: number of pairs, then pairs of wavelength and weight |
 //! | 512 each | names of additional columns |
 //! | as declared | additional text |
-//! | rest | rays: x y z (mm), direction, then what the flags say, as [`Ray`] has it in order |
+//! | rest | rays: x y z (mm), direction, then what the flags say, as [`SourceRay`] has it in order |
 //!
 //! The file header is magic `TM25`, version, creation, luminous and radiant flux, number of rays (64 bits), date (28
 //! bytes), start position, spectral identifier, single, least and largest wavelength, numbers of spectral tables and of
@@ -31,22 +31,22 @@ use std::io::{BufReader, Read};
 
 use glanz_math::DVec3;
 
-pub use header::{Descriptions, Header, SpectralData, SpectralTable};
+pub use header::{RayFileHeader, SourceDescriptions, SpectralData, SpectralTable};
 
-/// How a ray file begins.
+/// Magic number of a ray file.
 pub const MAGIC: &[u8] = b"TM25";
 
-/// Why bytes are not a ray file.
+/// Error of reading a ray file.
 #[derive(Debug, thiserror::Error)]
 #[error("byte {offset}: {kind}")]
 pub struct Tm25Error {
-    /// Where it was found, in bytes from the start.
+    /// Offset in bytes from the start.
     pub offset: u64,
-    /// What.
+    /// Kind.
     pub kind: Tm25ErrorKind,
 }
 
-/// What is wrong with a ray file.
+/// Kinds of errors of ray files.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Tm25ErrorKind {
@@ -72,9 +72,9 @@ pub enum Tm25ErrorKind {
     Value {
         /// Which number.
         what: &'static str,
-        /// What it is.
+        /// The value.
         value: f64,
-        /// What it may be.
+        /// The allowed values.
         allowed: &'static str,
     },
     /// Flags that contradict one another.
@@ -82,14 +82,14 @@ pub enum Tm25ErrorKind {
     Flags(&'static str),
     /// A number of a ray that cannot be.
     #[error("the {what} of ray {ray} is {value}, it should be {allowed}")]
-    Ray {
+    SourceRay {
         /// Counted from 0.
         ray: u64,
         /// Which number.
         what: &'static str,
-        /// What it is.
+        /// The value.
         value: f32,
-        /// What it may be.
+        /// The allowed values.
         allowed: &'static str,
     },
     /// Reading failed.
@@ -99,10 +99,10 @@ pub enum Tm25ErrorKind {
 
 /// A ray, in the file's frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Ray {
-    /// Where it starts, in metres.
+pub struct SourceRay {
+    /// Origin, metres.
     pub position: DVec3,
-    /// Where it goes, of length 1.
+    /// Unit direction.
     pub direction: DVec3,
     /// Its radiant flux in watts.
     pub radiant_flux: Option<f32>,
@@ -116,7 +116,7 @@ pub struct Ray {
     pub tristimulus: Option<[f32; 2]>,
     /// The spectral table it has, counted from 0.
     pub spectrum: Option<u32>,
-    /// The additional columns, named by [`Header::additional_columns`].
+    /// The additional columns, named by [`RayFileHeader::additional_columns`].
     pub additional: Vec<f32>,
 }
 
@@ -134,17 +134,17 @@ const UNIT_LENGTH: f64 = 1e-3;
 
 /// The rays of a file, one after the other; ends after the declared number, or with the first error.
 #[derive(Debug)]
-pub struct Rays<R> {
+pub struct RayReader<R> {
     source: BufReader<R>,
-    header: Header,
-    /// Bytes of a ray; reused.
+    header: RayFileHeader,
+    /// HeaderReader of a ray; reused.
     record: Vec<u8>,
     offset: u64,
     next: u64,
     has_failed: bool,
 }
 
-impl<R: Read> Rays<R> {
+impl<R: Read> RayReader<R> {
     /// Reads the header.
     ///
     /// # Errors
@@ -156,13 +156,13 @@ impl<R: Read> Rays<R> {
         Ok(Self { source, header, record, offset, next: 0, has_failed: false })
     }
 
-    /// What stands before the rays.
+    /// The header.
     #[must_use]
-    pub fn header(&self) -> &Header {
+    pub fn header(&self) -> &RayFileHeader {
         &self.header
     }
 
-    fn read(&mut self) -> Result<Ray, Tm25Error> {
+    fn read(&mut self) -> Result<SourceRay, Tm25Error> {
         let (ray, count) = (self.next, self.header.ray_count);
         let at = self.offset;
         let fail = |kind| Tm25Error { offset: at, kind };
@@ -173,13 +173,13 @@ impl<R: Read> Rays<R> {
             })
         })?;
         self.offset += self.record.len() as u64;
-        let mut columns = Columns { rest: &self.record, ray };
+        let mut columns = RayColumns { rest: &self.record, ray };
         columns.ray(&self.header).map_err(fail)
     }
 }
 
-impl<R: Read> Iterator for Rays<R> {
-    type Item = Result<Ray, Tm25Error>;
+impl<R: Read> Iterator for RayReader<R> {
+    type Item = Result<SourceRay, Tm25Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.has_failed || self.next >= self.header.ray_count {
@@ -193,13 +193,13 @@ impl<R: Read> Iterator for Rays<R> {
 }
 
 /// The numbers of one ray.
-struct Columns<'a> {
+struct RayColumns<'a> {
     rest: &'a [u8],
     ray: u64,
 }
 
-impl Columns<'_> {
-    fn ray(&mut self, header: &Header) -> Result<Ray, Tm25ErrorKind> {
+impl RayColumns<'_> {
+    fn ray(&mut self, header: &RayFileHeader) -> Result<SourceRay, Tm25ErrorKind> {
         const METRES: f64 = 1e-3;
         let position = DVec3::from_array(self.finite("position")?.map(f64::from)) * METRES;
         let direction = DVec3::from_array(self.finite("direction")?.map(f64::from));
@@ -207,7 +207,7 @@ impl Columns<'_> {
         if (length - 1.0).abs() > UNIT_LENGTH {
             return Err(self.wrong("length of the direction", length as f32, "1"));
         }
-        let ray = Ray {
+        let ray = SourceRay {
             position,
             direction: direction / length,
             radiant_flux: self.positive(header.has_radiant_flux, "radiant flux")?,
@@ -265,7 +265,7 @@ impl Columns<'_> {
         }
     }
 
-    fn spectrum(&mut self, header: &Header) -> Result<Option<u32>, Tm25ErrorKind> {
+    fn spectrum(&mut self, header: &RayFileHeader) -> Result<Option<u32>, Tm25ErrorKind> {
         if !header.has_spectrum_index {
             return Ok(None);
         }
@@ -278,6 +278,6 @@ impl Columns<'_> {
     }
 
     fn wrong(&self, what: &'static str, value: f32, allowed: &'static str) -> Tm25ErrorKind {
-        Tm25ErrorKind::Ray { ray: self.ray, what, value, allowed }
+        Tm25ErrorKind::SourceRay { ray: self.ray, what, value, allowed }
     }
 }

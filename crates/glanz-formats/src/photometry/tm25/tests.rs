@@ -56,7 +56,7 @@ const ALL: [f32; 16] = [1., 2., 3., 0., 0.6, 0.8, 2., 500., 683., 0.1, 0.2, 0.3,
 fn header_and_rays_come_out_as_they_were_written() {
     let second: Vec<f32> = ALL.iter().enumerate().map(|(i, v)| if i == 15 { f32::NAN } else { *v }).collect();
     let bytes = file(3, [1, 1, 1, 1, 0, 0], &[&ALL, &second]);
-    let mut rays = Rays::new(&bytes[..]).unwrap();
+    let mut rays = RayReader::new(&bytes[..]).unwrap();
     let header = rays.header().clone();
     assert_eq!((header.luminous_flux, header.radiant_flux, header.ray_count), (None, Some(2.5), 2));
     assert_eq!((header.creation, header.start_position), (1, 7));
@@ -84,11 +84,11 @@ fn header_and_rays_come_out_as_they_were_written() {
 #[test]
 fn tristimulus_and_spectrum_index_have_their_columns() {
     let tristimulus = file(0, [0, 0, 1, 0, 1, 0], &[&[0., 0., 0., 0., 0., 1., 10., 8., 3., 0.]]);
-    let ray = Rays::new(&tristimulus[..]).unwrap().next().unwrap().unwrap();
+    let ray = RayReader::new(&tristimulus[..]).unwrap().next().unwrap().unwrap();
     assert_eq!((ray.luminous_flux, ray.tristimulus), (Some(10.0), Some([8.0, 3.0])));
     let index = |i: f32| file(4, [1, 0, 0, 0, 0, 1], &[&[0., 0., 0., 0., 0., 1., 10., i, 0.]]);
-    assert_eq!(Rays::new(&index(2.0)[..]).unwrap().next().unwrap().unwrap().spectrum, Some(1));
-    let error = Rays::new(&index(3.0)[..]).unwrap().next().unwrap().unwrap_err();
+    assert_eq!(RayReader::new(&index(2.0)[..]).unwrap().next().unwrap().unwrap().spectrum, Some(1));
+    let error = RayReader::new(&index(3.0)[..]).unwrap().next().unwrap().unwrap_err();
     assert_eq!(
         error.to_string(),
         "byte 36864: the spectrum index of ray 0 is 3, it should be the number of a spectral table, from 1"
@@ -101,7 +101,10 @@ fn faults_are_told_with_their_byte() {
     let with = |at: usize, four: [u8; 4]| {
         let mut bytes = good.clone();
         bytes[at..at + 4].copy_from_slice(&four);
-        Rays::new(&bytes[..]).and_then(|rays| rays.collect::<Result<Vec<_>, _>>()).unwrap_err().to_string()
+        RayReader::new(&bytes[..])
+            .and_then(|rays| rays.collect::<Result<Vec<_>, _>>())
+            .unwrap_err()
+            .to_string()
     };
     for (message, at, four) in [
         ("byte 4: not a TM-25 ray file: it does not begin with \"TM25\"", 0, *b"TM26"),
@@ -163,7 +166,7 @@ fn damaged_files_end_and_stay_within_what_is_there() {
             _ => bytes[at] = 0x7F,
         }
         let mut seen = 0;
-        let result = Rays::new(&bytes[..]).and_then(|rays| {
+        let result = RayReader::new(&bytes[..]).and_then(|rays| {
             for ray in rays {
                 ray?;
                 seen += 1;

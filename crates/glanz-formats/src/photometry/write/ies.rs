@@ -1,6 +1,6 @@
 //! LM-63.
 
-use super::{Header, Stored, WriteError, digits, one_line};
+use super::{Header, PlaneSelection, WriteError, digits, one_line};
 use crate::photometry::{Distribution, Opening, OpeningShape};
 
 /// Letters of a line at most, by the standard 256 with its end.
@@ -22,7 +22,7 @@ const MICROMETRES: f64 = 1e6;
 /// # Source
 /// @lm63_2002.
 pub fn ies(distribution: &Distribution, header: &Header) -> Result<Vec<u8>, WriteError> {
-    let stored = Stored::of(distribution)?;
+    let stored = PlaneSelection::of(distribution)?;
     let mut lines = vec!["IESNA:LM-63-2002".to_owned()];
     let names = &header.names;
     let flux = format!("Absolute photometry of {} lm", digits(distribution.flux()));

@@ -1,6 +1,6 @@
 //! EULUMDAT.
 
-use super::{Header, Stored, WriteError, digits, one_line};
+use super::{Header, PlaneSelection, WriteError, digits, one_line};
 use crate::photometry::{Distribution, Opening, OpeningShape, Symmetry};
 
 const MILLIMETRES: f64 = 1000.0;
@@ -28,7 +28,7 @@ const STRETCH: f64 = 5.0;
 /// @stockmar1990; -1 lamps for absolute photometry as agreed between makers of lighting programs in 2009.
 pub fn ldt(distribution: &Distribution, header: &Header) -> Result<Vec<u8>, WriteError> {
     let flux = distribution.flux();
-    let planes = Planes::of(distribution)?;
+    let planes = EulumdatPlanes::of(distribution)?;
     if flux.is_nan() || flux <= 0.0 {
         return Err(WriteError::Dark);
     }
@@ -59,7 +59,7 @@ pub fn ldt(distribution: &Distribution, header: &Header) -> Result<Vec<u8>, Writ
 }
 
 /// The lines before the flux downwards.
-fn head(distribution: &Distribution, header: &Header, planes: &Planes) -> Vec<String> {
+fn head(distribution: &Distribution, header: &Header, planes: &EulumdatPlanes) -> Vec<String> {
     let names = &header.names;
     let words = |words: &str| {
         let line = one_line(words, WORDS);
@@ -96,8 +96,8 @@ fn head(distribution: &Distribution, header: &Header, planes: &Planes) -> Vec<St
     lines
 }
 
-/// Planes as EULUMDAT has them.
-struct Planes {
+/// EulumdatPlanes as EULUMDAT has them.
+struct EulumdatPlanes {
     symmetry: Symmetry,
     /// C angles of all planes, degrees, without the one that closes the round.
     listed: Vec<f64>,
@@ -105,9 +105,9 @@ struct Planes {
     stored: Vec<usize>,
 }
 
-impl Planes {
+impl EulumdatPlanes {
     fn of(distribution: &Distribution) -> Result<Self, WriteError> {
-        let Stored { symmetry, mut planes } = Stored::of(distribution)?;
+        let PlaneSelection { symmetry, mut planes } = PlaneSelection::of(distribution)?;
         let azimuths = distribution.azimuths();
         let listed: Vec<f64> = azimuths.iter().copied().filter(|c| *c < 360.0).collect();
         match symmetry {

@@ -29,15 +29,15 @@ use super::{AngularSystem, Distribution, Names, Opening, Symmetry};
 /// Intensities beyond this, in candela, are refused by the readers.
 const MOST: f64 = 1e30;
 
-/// What a file says beside its intensities.
+/// Header data of a photometric file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Header {
-    /// Who made what. Line ends and other control characters become blanks, and texts are cut to the length that the
+    /// Names and numbers of the luminaire. Line ends and other control characters become blanks, and texts are cut to the length that the
     /// format allows.
     pub names: Names,
-    /// Who or what found the intensities: the laboratory of LM-63.
+    /// Source of the intensities: the laboratory of LM-63.
     pub laboratory: String,
-    /// What shines; sizes in metres.
+    /// Luminous opening; sizes in metres.
     pub opening: Opening,
     /// Electric power in watts; 0 if not known.
     pub watts: f64,
@@ -50,14 +50,14 @@ impl Default for Header {
     }
 }
 
-/// Why a distribution cannot be written.
+/// Errors of writing a distribution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
-    /// Only type C is written.
+    /// The type of the intensities; only type C is written.
     #[error("intensities of type {0:?} cannot be written, only those of type C")]
     System(AngularSystem),
-    /// Planes that do not begin at C0 or do not go round.
+    /// Planes that do not start at C0 or do not cover 360 degrees.
     #[error(
         "the planes run from C {first} to {last} degrees; they should run from 0 to 360, or be a single one"
     )]
@@ -67,19 +67,19 @@ pub enum WriteError {
         /// Last azimuth, degrees.
         last: f64,
     },
-    /// Polar angles that the formats do not have.
+    /// Polar angles that the formats cannot represent.
     #[error(
         "the {count} gamma angles run from {first} to {last} degrees; they should be 2 at least, from 0 or 90 to 90 or 180"
     )]
     Gammas {
-        /// How many.
+        /// Number.
         count: usize,
         /// First, degrees.
         first: f64,
         /// Last, degrees.
         last: f64,
     },
-    /// An intensity, in candela, that is none.
+    /// An intensity, in candela, that is negative or too large.
     #[error("an intensity is {0} cd; it should be from 0 to 1e30")]
     Intensity(f64),
     /// EULUMDAT states intensities per lumen.
@@ -88,13 +88,13 @@ pub enum WriteError {
 }
 
 /// The planes that are stored.
-struct Stored {
+struct PlaneSelection {
     symmetry: Symmetry,
     /// Numbers of the planes in the distribution, in the order of the file.
     planes: Vec<usize>,
 }
 
-impl Stored {
+impl PlaneSelection {
     /// Checks the distribution and picks those of its planes that its symmetry needs; all of them, where the planes
     /// that bound its part are missing.
     fn of(distribution: &Distribution) -> Result<Self, WriteError> {

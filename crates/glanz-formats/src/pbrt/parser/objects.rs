@@ -4,11 +4,11 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use super::{Block, Parser};
+use super::{OpenBlock, Parser};
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::lower::Context;
 use crate::pbrt::parameters::shortened;
-use crate::source::{Place, Step};
+use crate::source::{ParseResult, Span};
 
 /// Files that include each other, one within the other.
 pub(crate) const MAX_INCLUDE_DEPTH: usize = 32;
@@ -21,7 +21,7 @@ const MAX_ATTRIBUTE_VALUES: usize = 64;
 const MAX_ATTRIBUTES: usize = 32;
 
 impl Parser {
-    pub(super) fn option(&mut self, word: &str, place: Place) -> Step<()> {
+    pub(super) fn option(&mut self, word: &str, place: Span) -> ParseResult<()> {
         if word == "Option" {
             return self.parameters("Option".to_owned(), place).map(drop);
         }
@@ -38,7 +38,9 @@ impl Parser {
         }
         let subject = format!("{} {:?}", subject(word), shortened(&kind));
         let list = self.parameters(subject, place)?;
-        if self.block != Block::Options && !matches!(word, "Accelerator" | "VolumeIntegrator" | "Renderer") {
+        if self.block != OpenBlock::Options
+            && !matches!(word, "Accelerator" | "VolumeIntegrator" | "Renderer")
+        {
             let message = format!("{word} has no effect after WorldBegin");
             self.lowering.reporter.warning(&place, "late-option", message);
             return Ok(());
@@ -59,7 +61,7 @@ impl Parser {
         }
     }
 
-    pub(super) fn include(&mut self, word: &str, place: Place) -> Step<()> {
+    pub(super) fn include(&mut self, word: &str, place: Span) -> ParseResult<()> {
         let (name, name_place) = self.name(word, &place)?;
         let r = &mut self.lowering.reporter;
         if self.files.len() > MAX_INCLUDE_DEPTH {
@@ -100,7 +102,7 @@ impl Parser {
     }
 
     /// `Attribute "target" parameters`: defaults for what comes.
-    pub(super) fn attribute(&mut self, place: Place) -> Step<()> {
+    pub(super) fn attribute(&mut self, place: Span) -> ParseResult<()> {
         let (target, name_place) = self.name("Attribute", &place)?;
         let list = self.parameters(format!("Attribute {:?}", shortened(&target)), place)?;
         let Some(attributes) = self.state.now.attributes.of(&target) else {
@@ -132,7 +134,7 @@ impl Parser {
     }
 
     /// Media are read and left out.
-    pub(super) fn medium(&mut self, word: &str, place: Place) -> Step<()> {
+    pub(super) fn medium(&mut self, word: &str, place: Span) -> ParseResult<()> {
         let (kind, _) = self.name(word, &place)?;
         // The second name of MediumInterface looks like a parameter without type; take both alike.
         if word == "MediumInterface" {
@@ -162,8 +164,8 @@ impl Parser {
         }
     }
 
-    /// What makes something or chooses what is made.
-    pub(super) fn thing(&mut self, word: &str, place: Place) -> Step<()> {
+    /// Handles the directives that create objects or select a kind.
+    pub(super) fn thing(&mut self, word: &str, place: Span) -> ParseResult<()> {
         let (name, name_place) = self.name(word, &place)?;
         match word {
             "NamedMaterial" => {
@@ -201,7 +203,7 @@ impl Parser {
         }
     }
 
-    fn texture(&mut self, name: &str, place: Place) -> Step<()> {
+    fn texture(&mut self, name: &str, place: Span) -> ParseResult<()> {
         let (value_type, _) = self.name("Texture", &place)?;
         let (kind, _) = self.name("Texture", &place)?;
         let mut list = self.parameters(format!("texture {:?}", shortened(&kind)), place)?;
@@ -211,7 +213,7 @@ impl Parser {
     }
 }
 
-/// What a directive makes, as messages call it.
+/// Name in messages of the object that a directive creates.
 fn subject(directive: &str) -> &'static str {
     match directive {
         "Camera" => "camera",

@@ -1,28 +1,28 @@
-//! What is wrong or odd in a photometric file, and where.
+//! Errors and warnings of photometric files, with their positions.
 
 use glanz_light::intensity::IntensityError;
 use glanz_scene::Location;
 use glanz_scene::description::FileId;
 use glanz_scene::diagnostic::{Diagnostic, Excerpt, Severity};
 
-/// Something wrong (as an error) or odd (as a warning) at a place of a file.
+/// An error or a warning at a position of a photometric file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{line}:{column}: {kind}")]
-pub struct Fault {
+pub struct PhotometryError {
     /// Line, from 1.
     pub line: u32,
     /// Column in bytes, from 1.
     pub column: u32,
     /// Bytes at fault.
     pub length: usize,
-    /// What.
-    pub kind: FaultKind,
+    /// Kind.
+    pub kind: PhotometryErrorKind,
 }
 
-/// What is wrong or odd.
+/// Kinds of errors and warnings.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum FaultKind {
+pub enum PhotometryErrorKind {
     /// The text is in a code of two bytes per character.
     #[error("the file is UTF-16 text")]
     Utf16,
@@ -46,9 +46,9 @@ pub enum FaultKind {
     /// Something that is not a finite number.
     #[error("{text:?} is not a number; here stands the {what}")]
     Number {
-        /// What should stand here.
+        /// The expected item.
         what: &'static str,
-        /// What does.
+        /// The text found.
         text: String,
     },
     /// A number that cannot be.
@@ -56,9 +56,9 @@ pub enum FaultKind {
     Value {
         /// Which number.
         what: &'static str,
-        /// What it is.
+        /// The value.
         value: f64,
-        /// What it may be.
+        /// The allowed values.
         allowed: &'static str,
     },
     /// More numbers declared than the file can hold.
@@ -96,7 +96,7 @@ pub enum FaultKind {
     /// An intensity below zero, taken as zero.
     #[error("{0} intensities are below zero; taken as zero")]
     Negative(usize),
-    /// The planes do not reach round to the first one.
+    /// The planes do not close the circle.
     #[error("the last plane is at {0} degrees; the first one is taken again at 360")]
     Open(f64),
     /// The planes at 0 and at 360 degrees are one and the same, yet differ.
@@ -125,8 +125,8 @@ pub enum FaultKind {
     FieldByField,
 }
 
-impl FaultKind {
-    /// What to do about it.
+impl PhotometryErrorKind {
+    /// Remedy.
     #[must_use]
     pub fn help(&self) -> Option<&'static str> {
         Some(match self {
@@ -144,7 +144,7 @@ impl FaultKind {
     }
 }
 
-impl Fault {
+impl PhotometryError {
     /// The same as a message with the line it is about.
     ///
     /// `file`: its name as the user would write it; `bytes`: what was read.
