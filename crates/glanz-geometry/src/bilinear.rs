@@ -39,7 +39,7 @@ impl BilinearPatch {
         for x in corners.iter().flat_map(DVec3::to_array) {
             finite("corner coordinate", x)?;
         }
-        let bounds = Bounds3::of_points(corners);
+        let bounds = Bounds3::from_points(corners);
         let size = corners.iter().flat_map(|p| corners.map(|q| p.distance(q))).fold(0.0, f64::max);
         let mut patch = Self { corners, bounds, center: bounds.center(), size, weights: [0.0; 4] };
         patch.weights =

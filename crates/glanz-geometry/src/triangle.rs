@@ -252,7 +252,7 @@ impl Triangle {
 
 impl RaySurface for Triangle {
     fn bounds(&self) -> Bounds3 {
-        Bounds3::of_points(self.vertices)
+        Bounds3::from_points(self.vertices)
     }
 
     fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {

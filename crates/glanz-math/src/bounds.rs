@@ -22,7 +22,7 @@ impl Bounds3 {
     }
 
     /// The smallest box around `points`.
-    pub fn of_points(points: impl IntoIterator<Item = DVec3>) -> Self {
+    pub fn from_points(points: impl IntoIterator<Item = DVec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, Self::including)
     }
 
@@ -114,6 +114,6 @@ mod tests {
         let cube = Bounds3::new(DVec3::ZERO, DVec3::ONE);
         assert_eq!(cube.surface_area(), 6.0);
         assert!(cube.corners().iter().all(|&c| cube.contains(c)));
-        assert_eq!(Bounds3::of_points(cube.corners()), cube);
+        assert_eq!(Bounds3::from_points(cube.corners()), cube);
     }
 }

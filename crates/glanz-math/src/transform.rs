@@ -143,7 +143,7 @@ impl Transform {
         if bounds.is_empty() {
             return Bounds3::EMPTY;
         }
-        let image = Bounds3::of_points(bounds.corners().map(|c| self.point(c)));
+        let image = Bounds3::from_points(bounds.corners().map(|c| self.point(c)));
         let reach = bounds.min.abs().max(bounds.max.abs());
         let error = self.point_error(reach, DVec3::ZERO);
         Bounds3 { min: image.min - error, max: image.max + error }

@@ -64,7 +64,7 @@ impl Chart {
         let range = faces.start as usize..(faces.end as usize).min(mesh.indices().len());
         let triangles = mesh.indices().get(range).unwrap_or_default();
         let corners = triangles.iter().flatten().filter_map(|&i| mesh.positions().get(i as usize));
-        Self::Projections(Bounds3::of_points(corners.copied()))
+        Self::Projections(Bounds3::from_points(corners.copied()))
     }
 
     /// A chart for the places of both.

@@ -1,37 +1,35 @@
-//! Bernstein polynomials in one variable, summed, differentiated and cut: the tools that patches, splines and trimming
-//! curves have in common.
+//! Bernstein polynomials in one variable: sums, derivatives, subdivision; shared by patches, splines and trimming curves.
 //!
-//! Splines go from `a` to `b` by their own `a + (b - a) t`, which leaves equal weights as they are; [`mix`] here gives the
-//! same bits from both ends.
+//! Two interpolations from `a` to `b` exist: `a + (b - a) t` in splines keeps equal weights equal, [`mix`] here gives the same
+//! bits from both ends.
 
 use std::ops::{Add, Mul, Range};
 
 use glanz_math::glam::DVec4;
 
-/// Largest degree, in one direction, of what has its place in rows of a fixed size: splines, the patches that rays meet
-/// and trimming curves. That of the common CAD kernels.
+/// Largest degree, in one direction, of splines, trimming curves and patches for rays, whose rows of control points have a
+/// fixed size. CAD kernels commonly have the same limit.
 ///
-/// Up to here the coefficients of a product of two such polynomials, binomials of up to 50, are exact.
+/// Up to this degree the coefficients of a product of two such polynomials, binomials of up to 50, are exact.
 pub(crate) const ROW_DEGREE: usize = 25;
 
-/// Largest degree, in one direction, of a patch that is only evaluated, cut and converted.
+/// Largest degree, in one direction, of a patch that is only evaluated, split and converted.
 ///
-/// That needs no rows of a fixed size, and the degree must be more than [`ROW_DEGREE`] as some conversions add the two
-/// of a patch. A limit there is all the same: the slope of a polynomial and its rounding grow with the degree, and
-/// binomials leave the range of numbers at 1030.
+/// It is larger than [`ROW_DEGREE`], since some conversions add the two degrees of a patch. The slope of a polynomial and its
+/// rounding errors grow with the degree, and binomials overflow at 1030.
 pub(crate) const NET_DEGREE: usize = 128;
 
-/// What control points can be made of: numbers, points of the plane or of space, homogeneous points.
-pub(crate) trait Coefficient: Copy + Add<Output = Self> + Mul<f64, Output = Self> {}
+/// A type of Bernstein coefficients: numbers, points of the plane or of space, homogeneous points.
+pub(crate) trait BernsteinCoefficient: Copy + Add<Output = Self> + Mul<f64, Output = Self> {}
 
-impl<T> Coefficient for T where T: Copy + Add<Output = T> + Mul<f64, Output = T> {}
+impl<T> BernsteinCoefficient for T where T: Copy + Add<Output = T> + Mul<f64, Output = T> {}
 
 /// n over k, exact below 2^53.
 pub(crate) fn binomial(n: usize, k: usize) -> f64 {
     if k > n {
         return 0.0;
     }
-    // Every partial product is a binomial coefficient itself, so that the division leaves no rest.
+    // Every partial product is a binomial coefficient, so that the division has no remainder.
     (0..k.min(n - k)).fold(1.0, |c, i| c * (n - i) as f64 / (i + 1) as f64)
 }
 
@@ -44,12 +42,12 @@ pub(crate) fn binomials(n: usize) -> impl Iterator<Item = f64> {
     })
 }
 
-/// n (n - 1) ... (n - k + 1).
+/// The falling factorial n (n - 1) ... (n - k + 1).
 pub(super) fn falling(n: usize, k: usize) -> f64 {
     (0..k).fold(1.0, |f, i| f * n.saturating_sub(i) as f64)
 }
 
-/// The sum of `binomial(n, i) s^(n - i) t^i p_i`, point by point and without a buffer.
+/// The sum of `binomial(n, i) s^(n - i) t^i p_i`, accumulated point by point.
 pub(super) struct BernsteinSum {
     degree: usize,
     s: f64,
@@ -57,7 +55,7 @@ pub(super) struct BernsteinSum {
     count: usize,
     binomial: f64,
     power: f64,
-    /// The sum, once degree + 1 points were pushed.
+    /// The sum, after degree + 1 points were pushed.
     pub(super) sum: DVec4,
 }
 
@@ -95,8 +93,8 @@ pub(super) fn curve_derivatives(points: &[DVec4], t: f64, order: usize) -> Vec<D
         .collect()
 }
 
-/// `a (1 - t) + b t`; exchanging a with b and t with 1 - t changes no bit where 1 - t is exact.
-pub(crate) fn mix<P: Coefficient>(a: P, b: P, t: f64) -> P {
+/// Linear interpolation `a (1 - t) + b t`; exchanging a with b and t with 1 - t changes no bit where 1 - t is exact.
+pub(crate) fn mix<P: BernsteinCoefficient>(a: P, b: P, t: f64) -> P {
     a * (1.0 - t) + b * t
 }
 
@@ -104,9 +102,9 @@ pub(crate) fn mix<P: Coefficient>(a: P, b: P, t: f64) -> P {
 ///
 /// # Source
 /// @farin2002 section 4.3 (de Casteljau).
-pub(crate) fn split<P: Coefficient>(points: &[P], t: f64) -> (Vec<P>, Vec<P>) {
+pub(crate) fn split<P: BernsteinCoefficient>(points: &[P], t: f64) -> (Vec<P>, Vec<P>) {
     let (mut before, mut after) = (Vec::with_capacity(points.len()), points.to_vec());
-    // What is finished of the later part stays at the end.
+    // Finished points of the second part stay at the end of `after`.
     for left in (0..points.len()).rev() {
         before.extend(after.first());
         for i in 0..left {
@@ -116,11 +114,11 @@ pub(crate) fn split<P: Coefficient>(points: &[P], t: f64) -> (Vec<P>, Vec<P>) {
     (before, after)
 }
 
-/// Replaces the control points `row` of a curve by those of its first half; `later` takes those of the second half and
-/// must be as long.
+/// Replaces the control points `row` of a curve by those of its first half, and `later`, of the same length, by those of
+/// its second half.
 ///
 /// The additions are symmetric, so that a row and its reverse give the same bits.
-pub(crate) fn halve<P: Coefficient>(row: &mut [P], later: &mut [P]) {
+pub(crate) fn halve<P: BernsteinCoefficient>(row: &mut [P], later: &mut [P]) {
     let last = row.len().saturating_sub(1);
     for (done, end) in later.iter_mut().rev().enumerate() {
         *end = row[last];
@@ -132,8 +130,7 @@ pub(crate) fn halve<P: Coefficient>(row: &mut [P], later: &mut [P]) {
 
 /// Control points of the part of a curve over `range`.
 ///
-/// The blossom at k starts and n - k ends of the range, k from 0 to n: parts that meet at a parameter have the same
-/// bits there.
+/// The blossom at k starts and n - k ends of the range, k from 0 to n. Parts have the same bits at a common end.
 pub(super) fn part(points: &[DVec4], range: &Range<f64>) -> Vec<DVec4> {
     let mut from_start = points.to_vec();
     let mut part = Vec::with_capacity(points.len());
@@ -149,13 +146,13 @@ pub(super) fn part(points: &[DVec4], range: &Range<f64>) -> Vec<DVec4> {
     part
 }
 
-/// Control points of the same curve, one degree higher.
+/// Control points of the same curve with its degree raised by one.
 pub(super) fn elevate(points: &[DVec4]) -> Vec<DVec4> {
     let count = points.len();
     let point = |i: usize| points.get(i).copied().unwrap_or(DVec4::ZERO);
     (0..=count)
         .map(|i| {
-            // The ends as they are, the others in an order that reversal keeps.
+            // The ends stay, the others are summed in an order that does not change with reversal.
             if i == 0 {
                 return point(0);
             }
@@ -167,14 +164,14 @@ pub(super) fn elevate(points: &[DVec4]) -> Vec<DVec4> {
         .collect()
 }
 
-/// The mean of `value(m)` over all ways to mark i and j out of n things, m of them with both marks.
-pub(super) fn mean_of_ways(n: usize, i: usize, j: usize, value: impl Fn(usize) -> DVec4) -> DVec4 {
-    let ways = (i + j).saturating_sub(n)..=i.min(j);
-    // Of a single term, as on the borders of a net, not even the last bit may change.
-    if ways.start() == ways.end() {
-        return value(*ways.start());
+/// The mean of `value(m)` over all pairs of subsets of i and of j out of n elements, with m elements in common.
+pub(super) fn mean_over_subsets(n: usize, i: usize, j: usize, value: impl Fn(usize) -> DVec4) -> DVec4 {
+    let common = (i + j).saturating_sub(n)..=i.min(j);
+    // A single term, as on the borders of a net, must keep its bits.
+    if common.start() == common.end() {
+        return value(*common.start());
     }
-    let sum: DVec4 = ways.map(|m| value(m) * (binomial(i, m) * binomial(n - i, j - m))).sum();
+    let sum: DVec4 = common.map(|m| value(m) * (binomial(i, m) * binomial(n - i, j - m))).sum();
     sum / binomial(n, j)
 }
 
@@ -198,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn halves_are_the_parts_before_and_after_the_middle_and_turn_round_with_the_row() {
+    fn halves_agree_with_split_and_with_those_of_the_reversed_row() {
         let row = [0.1, 0.7, -0.3, 0.9, 0.2];
         let (mut first, mut second) = (row, [0.0; 5]);
         halve(&mut first, &mut second);

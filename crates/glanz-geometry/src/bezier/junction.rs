@@ -1,4 +1,4 @@
-//! How two patches meet along an edge, and patches made to meet another one smoothly.
+//! Continuity of two patches along a common edge, and construction of smooth neighbours.
 
 use std::f64::consts::PI;
 
@@ -10,73 +10,74 @@ use super::tensor::{TensorEdge, TensorPatch};
 use super::triangle::{TriangleEdge, TrianglePatch, edge_row_indices};
 use crate::error::SurfaceError;
 
-/// A border of a patch, run with the patch on its left.
+/// A border of a patch, in the direction that has the patch on its left.
 #[derive(Clone, Copy, Debug)]
-pub enum Border<'a> {
-    /// Of a patch over the unit square.
+pub enum PatchBorder<'a> {
+    /// Border of a patch over the unit square.
     Tensor(&'a TensorPatch, TensorEdge),
-    /// Of a patch over a triangle.
+    /// Border of a patch over a triangle.
     Triangle(&'a TrianglePatch, TriangleEdge),
 }
 
-/// What lies on both sides of a border: how the derivative across it goes on beyond.
+/// The relation of the derivatives across a border on both of its sides.
 ///
-/// With D the derivative into the first patch, T that along the border and e from 0 to 1 along it, the derivative into
-/// the second is `-across D + ((1 - e) along_start + e along_end) T`. Into a triangle is from the start of the edge
-/// (as run by the first patch) to the opposite corner; into a square is straight.
+/// With D the derivative into the first patch, T the derivative along the border and e from 0 to 1 along it, the derivative
+/// into the second patch is `-across D + ((1 - e) along_start + e along_end) T`. The direction into a triangle is from the start
+/// of the edge (in the direction of the first patch) to the opposite corner; into a square it is perpendicular to the edge.
 ///
-/// If both `along` are the same, this is an affine map of the domains, and patches that agree with it are C1: the
-/// opposite corner of the second triangle is at (-across, 1 + across - along, along) in the first one's coordinates for
-/// (opposite corner, start, end). Otherwise they are G1.
+/// If `along_start` and `along_end` are equal, this is an affine map of the domains, and patches that satisfy it are C1: the
+/// opposite corner of the second triangle is at (-across, 1 + across - along, along) in the coordinates (opposite corner,
+/// start, end) of the first. Otherwise they are G1.
 ///
 /// # Source
 /// @pumberger2010 section 2.2.6.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Continuation {
+pub struct BorderContinuation {
     /// Factor of the derivative across, greater than 0.
     pub across: f64,
     /// Factor of the derivative along, at the start of the edge of the first patch.
     pub along_start: f64,
-    /// The same at its end.
+    /// Factor of the derivative along, at the end of that edge.
     pub along_end: f64,
 }
 
-impl Continuation {
-    /// The map that is affine across the border.
+impl BorderContinuation {
+    /// The relation of an affine map of the domains.
     #[must_use]
     pub fn affine(across: f64, along: f64) -> Self {
         Self { across, along_start: along, along_end: along }
     }
 }
 
-/// Largest deviations found along a common edge.
+/// Largest deviations from continuity along a common edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Junction {
+pub struct JunctionDeviation {
     /// Distance between points of equal parameter, metres.
     pub position: f64,
-    /// Angle between the tangent plane of one patch and that of the other, radians: 0 is smooth, pi a fold.
+    /// Angle between the tangent planes of both patches, radians: 0 is smooth, pi is a fold.
     pub angle: f64,
-    /// Places in which a patch has no tangent plane; they do not count in `angle`.
+    /// Number of points where a patch has no tangent plane, which do not count in `angle`.
     pub undecided: usize,
 }
 
-impl Junction {
-    /// Measures at `samples` places, at least 2: the ends of the edge and between. The edges may run either way.
+impl JunctionDeviation {
+    /// Measures at `samples` points, at least 2: the ends of the edge and points between them. The edges may have either
+    /// direction.
     #[must_use]
-    pub fn measured(a: Border<'_>, b: Border<'_>, samples: usize) -> Self {
-        let mut found = Self { position: 0.0, angle: 0.0, undecided: 0 };
-        for (p, q) in pairs(a, b, samples) {
-            found.position = found.position.max(p.point.distance(q.point));
+    pub fn measure(a: PatchBorder<'_>, b: PatchBorder<'_>, samples: usize) -> Self {
+        let mut largest = Self { position: 0.0, angle: 0.0, undecided: 0 };
+        for (p, q) in point_pairs(a, b, samples) {
+            largest.position = largest.position.max(p.point.distance(q.point));
             match (p.conormal(), q.conormal()) {
                 // The smaller angle by its chord, which keeps the digits near 0.
                 (Some(m), Some(n)) => {
                     let bend = 2.0 * (m + n).length().atan2((m - n).length());
-                    found.angle = found.angle.max(bend.min(PI));
+                    largest.angle = largest.angle.max(bend.min(PI));
                 }
-                _ => found.undecided += 1,
+                _ => largest.undecided += 1,
             }
         }
-        found
+        largest
     }
 
     /// Whether the patches meet, to `distance` metres.
@@ -85,51 +86,51 @@ impl Junction {
         self.position <= distance
     }
 
-    /// Whether they meet, to `distance` metres, in common tangent planes, to `angle` radians.
+    /// Whether the patches meet, to `distance` metres, with common tangent planes, to `angle` radians.
     #[must_use]
     pub fn is_g1(&self, distance: f64, angle: f64) -> bool {
         self.is_c0(distance) && self.undecided == 0 && self.angle <= angle
     }
 }
 
-/// The largest distance between the derivative across into `b` and that which `continuation` makes of `a`, metres per
-/// parameter, at `samples` places (at least 2). Zero, to rounding, where C0 patches are C1 (see [`Continuation`]).
+/// The largest difference between the derivative into `b` and the one that `continuation` predicts from `a`, metres per
+/// parameter, at `samples` points (at least 2). Zero, up to rounding, where C0 patches are C1 (see [`BorderContinuation`]).
 #[must_use]
 pub fn derivative_deviation(
-    a: Border<'_>,
-    b: Border<'_>,
-    continuation: &Continuation,
+    a: PatchBorder<'_>,
+    b: PatchBorder<'_>,
+    continuation: &BorderContinuation,
     samples: usize,
 ) -> f64 {
     let samples = samples.max(2);
-    let deviation = |(number, (p, q)): (usize, (Place, Place))| {
+    let deviation = |(number, (p, q)): (usize, (BorderPoint, BorderPoint))| {
         let e = number as f64 / (samples - 1) as f64;
         let along = continuation.along_start * (1.0 - e) + continuation.along_end * e;
         q.inward.distance(p.along * along - p.inward * continuation.across)
     };
-    pairs(a, b, samples).enumerate().map(deviation).fold(0.0, f64::max)
+    point_pairs(a, b, samples).enumerate().map(deviation).fold(0.0, f64::max)
 }
 
-/// `b` with its border and the row next to it moved so that it goes on from `a` as `continuation` says: C1 where that is
-/// affine, G1 otherwise.
+/// `b` with its border and the adjacent row of control points moved so that it continues `a` as `continuation` requires: C1 if
+/// that is affine, G1 otherwise.
 ///
-/// Both are turned the same way, so that the border is run in opposite directions. With n the degree of `a`, affine
-/// continuations want `b` of degree n or n + 1, others of n + 1. Rational patches are joined in homogeneous space, which
-/// is sufficient, but not necessary.
+/// Both patches have the same orientation, so that their borders have opposite directions. With n the degree of `a`, `b` has the
+/// degree n or n + 1 for an affine continuation, n + 1 for others. Rational patches are joined in homogeneous space, which is
+/// sufficient, but not necessary.
 ///
 /// # Errors
-/// [`SurfaceError::CountMismatch`] if the degree of `b` is another one; [`SurfaceError::NotPositive`] if `across` is
-/// not, or if a weight becomes so; [`SurfaceError::NotFinite`].
+/// [`SurfaceError::CountMismatch`] for another degree of `b`; [`SurfaceError::NotPositive`] if `across` or a resulting weight is
+/// not positive; [`SurfaceError::NotFinite`].
 ///
 /// # Source
-/// @pumberger2010 section 2.2.6, with the roles of r and t in g_j put right; the G1 condition given there for squares
-/// holds on triangles, where the derivative across has the degree n - 1, after one degree elevation.
-pub fn joined(
+/// @pumberger2010 section 2.2.6, with the roles of r and t in g_j corrected; the G1 condition given there for squares holds for
+/// triangles, where the derivative across has the degree n - 1, after one degree elevation.
+pub fn join(
     a: &TrianglePatch,
     edge_a: TriangleEdge,
     b: &TrianglePatch,
     edge_b: TriangleEdge,
-    continuation: &Continuation,
+    continuation: &BorderContinuation,
 ) -> Result<TrianglePatch, SurfaceError> {
     crate::error::positive("across", continuation.across)?;
     let affine = continuation.along_start == continuation.along_end;
@@ -137,7 +138,7 @@ pub fn joined(
     if degree != n + 1 && !(affine && degree == n) {
         let expected = if affine { n } else { n + 1 };
         return Err(SurfaceError::CountMismatch {
-            parameter: "degrees of the neighbour",
+            parameter: "degrees of the neighbouring patch",
             count: degree,
             expected,
         });
@@ -168,7 +169,7 @@ pub fn joined(
     TrianglePatch::try_new(degree, points)
 }
 
-/// Control points of `(start (1 - e) + end e) c(e)`, one degree above the curve c.
+/// Control points of the curve `(start (1 - e) + end e) c(e)`, one degree above the curve c.
 fn times_linear(points: &[DVec4], start: f64, end: f64) -> Vec<DVec4> {
     let count = points.len();
     let point = |i: Option<usize>| i.and_then(|i| points.get(i)).copied().unwrap_or(DVec4::ZERO);
@@ -180,15 +181,15 @@ fn times_linear(points: &[DVec4], start: f64, end: f64) -> Vec<DVec4> {
         .collect()
 }
 
-/// A place on a border.
+/// A point of a border with two derivatives.
 #[derive(Clone, Copy)]
-struct Place {
+struct BorderPoint {
     point: DVec3,
     along: DVec3,
     inward: DVec3,
 }
 
-impl Place {
+impl BorderPoint {
     /// The unit tangent into the patch, at right angles to the border.
     fn conormal(&self) -> Option<DVec3> {
         let along = self.along.try_normalize()?;
@@ -196,20 +197,24 @@ impl Place {
     }
 }
 
-/// The same places on two borders, in the direction of `a`.
-fn pairs<'a>(a: Border<'a>, b: Border<'a>, samples: usize) -> impl Iterator<Item = (Place, Place)> + use<'a> {
+/// Corresponding points of two borders, in the direction of `a`.
+fn point_pairs<'a>(
+    a: PatchBorder<'a>,
+    b: PatchBorder<'a>,
+    samples: usize,
+) -> impl Iterator<Item = (BorderPoint, BorderPoint)> + use<'a> {
     let samples = samples.max(2);
-    let gap = |e: f64, reversed: bool| a.place(e, false).point.distance(b.place(e, reversed).point);
+    let gap = |e: f64, reversed: bool| a.at(e, false).point.distance(b.at(e, reversed).point);
     let reversed = gap(0.0, true) + gap(1.0, true) <= gap(0.0, false) + gap(1.0, false);
     (0..samples).map(move |i| {
         let e = i as f64 / (samples - 1) as f64;
-        (a.place(e, false), b.place(e, reversed))
+        (a.at(e, false), b.at(e, reversed))
     })
 }
 
-impl Border<'_> {
-    /// The place at `e` from 0 to 1 along the border, run backwards if `reversed`.
-    fn place(&self, e: f64, reversed: bool) -> Place {
+impl PatchBorder<'_> {
+    /// The point at `e` from 0 to 1 along the border, in the opposite direction if `reversed`.
+    fn at(&self, e: f64, reversed: bool) -> BorderPoint {
         let (mut start, mut end, opposite) = match self {
             Self::Triangle(_, edge) => {
                 let (a, b, c) = (DVec2::ZERO, DVec2::X, DVec2::Y);
@@ -224,7 +229,7 @@ impl Border<'_> {
             Self::Tensor(_, TensorEdge::VOne) => (DVec2::ONE, DVec2::Y, None),
             Self::Tensor(_, TensorEdge::UZero) => (DVec2::Y, DVec2::ZERO, None),
         };
-        // Straight into a square is to the left.
+        // The direction into a square: to the left.
         let left = (end - start).perp();
         if reversed {
             std::mem::swap(&mut start, &mut end);
@@ -236,6 +241,6 @@ impl Border<'_> {
             Self::Triangle(patch, _) => patch.point_and_tangents(at.x, at.y),
         };
         let directed = |d: DVec2| du * d.x + dv * d.y;
-        Place { point, along: directed(along), inward: directed(inward) }
+        BorderPoint { point, along: directed(along), inward: directed(inward) }
     }
 }

@@ -1,13 +1,12 @@
 //! Bézier patches over rectangles and triangles.
 //!
-//! A patch is a net of control points with weights. [`TensorPatch`] spans the unit square, [`TrianglePatch`] a triangle;
-//! both lie in the convex hull of their points, can be evaluated with all derivatives, cut and raised in degree. Each can
-//! be written as the other, and a triangular patch as three square ones of its own degree ([`TrianglePatch::to_quads`]), so
-//! that a program which knows squares only needs no more. [`junction`] measures how two patches meet and makes
-//! smooth neighbours.
+//! A patch is a net of control points with weights: [`TensorPatch`] over the unit square, [`TrianglePatch`] over a triangle.
+//! Both lie in the convex hull of their points and can be evaluated with all derivatives, split and raised in degree. Each
+//! converts to the other, and a triangular patch also to three square ones of its own degree ([`TrianglePatch::to_quads`]), for
+//! programs that handle squares only. [`junction`] measures the continuity of two patches and constructs smooth neighbours.
 //!
-//! Patches that share the control points of an edge share the bits of every point and part of it that is made by
-//! halving: no gap opens between them.
+//! Patches that share the control points of an edge also share the bits of its points and of its parts after halving, so that
+//! no gap opens between them.
 //!
 //! ```
 //! use glanz_geometry::bezier::TrianglePatch;
@@ -37,7 +36,7 @@ mod tests;
 pub mod triangle;
 
 pub use homogeneous::{Derivatives, MAX_DEGREE};
-pub use junction::{Border, Continuation, Junction};
+pub use junction::{BorderContinuation, JunctionDeviation, PatchBorder};
 pub use quads::TriangleQuad;
 pub use tensor::{TensorEdge, TensorPatch};
 pub use triangle::{Barycentric, TriangleEdge, TrianglePatch};

@@ -7,14 +7,15 @@ use glanz_math::{Bounds3, DVec3};
 
 use super::bernstein::{BernsteinSum, curve_derivatives, elevate, part, split};
 use super::homogeneous::{
-    self, Derivatives, check_points, checked_degree, keep_weight, lift_all, project, slot,
+    self, Derivatives, check_points, checked_degree, derivative_index, homogeneous_points, keep_weight,
+    project,
 };
 use crate::error::{SurfaceError, finite};
 
 /// A Bézier patch over (u, v) in the unit square.
 ///
-/// Control points are homogeneous, (w x, w y, w z, w) with w > 0; all w are 1 where the patch is polynomial.
-/// Parameters out of the unit square are allowed in evaluation: there the same rational functions go on.
+/// Control points are homogeneous, (w x, w y, w z, w) with w > 0; all w are 1 if the patch is polynomial. Evaluation outside
+/// the unit square extrapolates the same rational functions.
 ///
 /// # Source
 /// @farin2002 chapters 14 and 16.
@@ -25,7 +26,7 @@ pub struct TensorPatch {
     points: Vec<DVec4>,
 }
 
-/// The four borders of a [`TensorPatch`]. Each is run with the patch on its left.
+/// The four borders of a [`TensorPatch`], each in the direction that has the patch on its left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TensorEdge {
     /// v = 0, from u = 0 to u = 1.
@@ -39,10 +40,10 @@ pub enum TensorEdge {
 }
 
 impl TensorPatch {
-    /// A patch from (degree_u + 1) (degree_v + 1) homogeneous control points, those of equal u side by side.
+    /// A patch from (degree_u + 1) (degree_v + 1) homogeneous control points, those of equal u next to each other.
     ///
     /// # Errors
-    /// A degree of 0 or above [`super::MAX_DEGREE`], the wrong number of points, coordinates that are not finite,
+    /// A degree of 0 or above [`super::MAX_DEGREE`], a wrong number of points, coordinates that are not finite,
     /// weights that are not positive.
     pub fn try_new(degree_u: usize, degree_v: usize, points: Vec<DVec4>) -> Result<Self, SurfaceError> {
         checked_degree("degree in u", degree_u)?;
@@ -61,11 +62,11 @@ impl TensorPatch {
         points: &[DVec3],
         weights: Option<&[f64]>,
     ) -> Result<Self, SurfaceError> {
-        Self::try_new(degree_u, degree_v, lift_all(points, weights)?)
+        Self::try_new(degree_u, degree_v, homogeneous_points(points, weights)?)
     }
 
-    /// A patch from means of points that were checked.
-    pub(super) fn of_means(degree_u: usize, degree_v: usize, source: &[DVec4], points: Vec<DVec4>) -> Self {
+    /// A patch from means of checked points.
+    pub(super) fn from_means(degree_u: usize, degree_v: usize, source: &[DVec4], points: Vec<DVec4>) -> Self {
         Self { degree_u, degree_v, points: keep_weight(source, points) }
     }
 
@@ -75,7 +76,7 @@ impl TensorPatch {
         (self.degree_u, self.degree_v)
     }
 
-    /// Homogeneous control points; that of (i, j) stands at i (degree in v + 1) + j.
+    /// Homogeneous control points; point (i, j) is at i (degree in v + 1) + j.
     #[must_use]
     pub fn control_points(&self) -> &[DVec4] {
         &self.points
@@ -87,7 +88,7 @@ impl TensorPatch {
         homogeneous::is_rational(&self.points)
     }
 
-    /// A box around the control points, metres; the patch lies within.
+    /// A box around the control points, metres, which also contains the patch.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         homogeneous::bounds(&self.points)
@@ -96,13 +97,13 @@ impl TensorPatch {
     /// The homogeneous point at (u, v).
     #[must_use]
     pub fn homogeneous_point(&self, u: f64, v: f64) -> DVec4 {
-        let mut along_u = BernsteinSum::new(self.degree_u, 1.0 - u, u);
+        let mut sum_u = BernsteinSum::new(self.degree_u, 1.0 - u, u);
         for row in self.rows() {
-            let mut along_v = BernsteinSum::new(self.degree_v, 1.0 - v, v);
-            row.iter().for_each(|p| along_v.push(*p));
-            along_u.push(along_v.sum);
+            let mut sum_v = BernsteinSum::new(self.degree_v, 1.0 - v, v);
+            row.iter().for_each(|p| sum_v.push(*p));
+            sum_u.push(sum_v.sum);
         }
-        along_u.sum
+        sum_u.sum
     }
 
     /// The point at (u, v), metres.
@@ -117,16 +118,16 @@ impl TensorPatch {
         let mut value = BernsteinSum::new(self.degree_u, 1.0 - u, u);
         let mut by_v = BernsteinSum::new(self.degree_u, 1.0 - u, u);
         let mut by_u = BernsteinSum::new(self.degree_u - 1, 1.0 - u, u);
-        let mut before: Option<DVec4> = None;
+        let mut previous: Option<DVec4> = None;
         for row in self.rows() {
-            let mut along = BernsteinSum::new(self.degree_v, 1.0 - v, v);
+            let mut point = BernsteinSum::new(self.degree_v, 1.0 - v, v);
             let mut slope = BernsteinSum::new(self.degree_v - 1, 1.0 - v, v);
-            row.iter().for_each(|p| along.push(*p));
+            row.iter().for_each(|p| point.push(*p));
             row.windows(2).for_each(|p| slope.push(p[1] - p[0]));
-            value.push(along.sum);
+            value.push(point.sum);
             by_v.push(slope.sum);
-            if let Some(last) = before.replace(along.sum) {
-                by_u.push(along.sum - last);
+            if let Some(last) = previous.replace(point.sum) {
+                by_u.push(point.sum - last);
             }
         }
         let (point, weight) = (project(value.sum), value.sum.w);
@@ -138,20 +139,20 @@ impl TensorPatch {
     #[must_use]
     pub fn derivatives(&self, u: f64, v: f64, order: usize) -> Derivatives {
         let rows: Vec<_> = self.rows().map(|row| curve_derivatives(row, v, order)).collect();
-        let mut homogeneous = vec![DVec4::ZERO; slot(0, order) + 1];
+        let mut homogeneous = vec![DVec4::ZERO; derivative_index(0, order) + 1];
         for l in 0..=order {
             let curve: Vec<_> = rows.iter().map(|row| row[l]).collect();
             for (k, value) in curve_derivatives(&curve, u, order - l).into_iter().enumerate() {
-                homogeneous[slot(k, l)] = value;
+                homogeneous[derivative_index(k, l)] = value;
             }
         }
-        Derivatives::of_quotient(order, &homogeneous)
+        Derivatives::project(order, &homogeneous)
     }
 
     /// The unit normal along dp/du x dp/dv.
     ///
-    /// Where the tangents vanish or align, as at a collapsed border, that of a neighbour towards the middle, of which
-    /// half of the digits are right; `None` if that has none either.
+    /// Where the tangents vanish or are parallel, as at a collapsed border, it is the normal of a nearby point towards the
+    /// middle, with half of the digits; `None` if that point has no normal either.
     #[must_use]
     pub fn normal(&self, u: f64, v: f64) -> Option<DVec3> {
         let net = (self.control_points(), self.degree_u.max(self.degree_v));
@@ -159,10 +160,10 @@ impl TensorPatch {
         homogeneous::normal(net, (u, v), inner, |u, v| self.point_and_tangents(u, v))
     }
 
-    /// Parts for u up to `t` and from `t`, each over the unit square again.
+    /// The parts below and above u = `t`, each over the unit square again.
     ///
-    /// The border in between has the same bits in both. So have the borders of two patches that meet in an edge, both
-    /// cut there, whatever way it is run in, if `1 - t` is exact (as for 1/2).
+    /// Their common border has the same bits in both. Two patches with a common edge that are both split there, in either
+    /// direction, keep the same bits if `1 - t` is exact (as for 1/2).
     ///
     /// # Errors
     /// [`SurfaceError::OutOfRange`] if `t` is not in [0, 1].
@@ -171,12 +172,12 @@ impl TensorPatch {
         Ok((before.transposed(), after.transposed()))
     }
 
-    /// Parts for v up to `t` and from `t`; otherwise as [`TensorPatch::split_u`].
+    /// The parts below and above v = `t`; otherwise as [`TensorPatch::split_u`].
     ///
     /// # Errors
     /// [`SurfaceError::OutOfRange`] if `t` is not in [0, 1].
     pub fn split_v(&self, t: f64) -> Result<(Self, Self), SurfaceError> {
-        in_unit("split parameter", t)?;
+        check_unit("split parameter", t)?;
         Ok(self.cut_v(t))
     }
 
@@ -195,14 +196,14 @@ impl TensorPatch {
 
     /// The part over a rectangle of the unit square, over the unit square again.
     ///
-    /// Rectangles side by side, of the same extent along their border, have the same bits there.
+    /// Neighbouring rectangles of the same extent along their common border have the same bits there.
     ///
     /// # Errors
     /// [`SurfaceError::OutOfRange`] if an end is not in [0, 1], [`SurfaceError::EmptyRange`] if a range has no extent.
     pub fn sub_rectangle(&self, u: Range<f64>, v: Range<f64>) -> Result<Self, SurfaceError> {
         for (parameter, range) in [("u", &u), ("v", &v)] {
-            in_unit(parameter, range.start)?;
-            in_unit(parameter, range.end)?;
+            check_unit(parameter, range.start)?;
+            check_unit(parameter, range.end)?;
             if range.is_empty() {
                 return Err(SurfaceError::EmptyRange { parameter, min: range.start, max: range.end });
             }
@@ -211,33 +212,33 @@ impl TensorPatch {
         Ok(strip.transposed().mapped_v(self.degree_u, |row| part(row, &u)).transposed())
     }
 
-    /// The same patch, one degree higher in u.
+    /// The same patch with its degree in u raised by one.
     #[must_use]
     pub fn elevated_u(&self) -> Self {
         self.transposed().elevated_v().transposed()
     }
 
-    /// The same patch, one degree higher in v.
+    /// The same patch with its degree in v raised by one.
     #[must_use]
     pub fn elevated_v(&self) -> Self {
         self.mapped_v(self.degree_v + 1, elevate)
     }
 
-    /// The patch at (1 - u, v); its normal is turned over.
+    /// The patch with u replaced by 1 - u; its normal points to the other side.
     #[must_use]
     pub fn reversed_u(&self) -> Self {
         let points = self.rows().rev().flatten().copied().collect();
         Self { points, ..*self }
     }
 
-    /// The patch at (u, 1 - v); its normal is turned over.
+    /// The patch with v replaced by 1 - v; its normal points to the other side.
     #[must_use]
     pub fn reversed_v(&self) -> Self {
         let points = self.rows().flat_map(|row| row.iter().rev()).copied().collect();
         Self { points, ..*self }
     }
 
-    /// The patch at (v, u); its normal is turned over.
+    /// The patch with u and v exchanged; its normal points to the other side.
     #[must_use]
     pub fn transposed(&self) -> Self {
         let columns = 0..=self.degree_v;
@@ -245,7 +246,7 @@ impl TensorPatch {
         Self { degree_u: self.degree_v, degree_v: self.degree_u, points }
     }
 
-    /// Homogeneous control points of a border, in the direction in which it is run.
+    /// Homogeneous control points of a border, in its direction.
     #[must_use]
     pub fn edge(&self, edge: TensorEdge) -> Vec<DVec4> {
         let (p, q) = (self.degree_u, self.degree_v);
@@ -275,12 +276,12 @@ impl TensorPatch {
     }
 
     fn with_degree_v(&self, degree_v: usize, points: Vec<DVec4>) -> Self {
-        Self::of_means(self.degree_u, degree_v, &self.points, points)
+        Self::from_means(self.degree_u, degree_v, &self.points, points)
     }
 }
 
-/// Nothing if `value` is in [0, 1].
-fn in_unit(parameter: &'static str, value: f64) -> Result<(), SurfaceError> {
+/// Checks that `value` is in [0, 1].
+fn check_unit(parameter: &'static str, value: f64) -> Result<(), SurfaceError> {
     finite(parameter, value)?;
     if (0.0..=1.0).contains(&value) {
         Ok(())

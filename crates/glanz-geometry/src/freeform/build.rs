@@ -61,7 +61,7 @@ impl Freeform {
         let points =
             || pieces.iter().flat_map(|piece| piece.patch.control_points()).map(|p| p.truncate() / p.w);
         let size = points().fold(DVec3::ZERO, |most, p| most.max(p.abs())).max_element();
-        let hull = glanz_math::Bounds3::of_points(points());
+        let hull = glanz_math::Bounds3::from_points(points());
         let extent = hull.diagonal().length();
         if !(extent > 0.0 && extent.is_finite()) {
             return Err(SurfaceError::Degenerate {

@@ -3,7 +3,7 @@
 use glanz_math::DVec3;
 use glanz_math::glam::DVec4;
 
-use crate::bezier::bernstein::{Coefficient, ROW_DEGREE, halve, mix};
+use crate::bezier::bernstein::{BernsteinCoefficient, ROW_DEGREE, halve, mix};
 use crate::bvh::simd::{Isa, Simd, Task};
 
 /// The largest degree of a patch in one direction; that of the common CAD kernels.
@@ -276,7 +276,7 @@ impl Jet {
 /// Halves of the net `points` of (p + 1) (q + 1) coefficients, across the first direction or the second.
 pub(super) fn split<T>(points: &[T], (p, q): (usize, usize), across_first: bool) -> [Vec<T>; 2]
 where
-    T: Coefficient,
+    T: BernsteinCoefficient,
 {
     let (mut low, mut high) = (points.to_vec(), points.to_vec());
     let (rows, length) = if across_first { (q + 1, p + 1) } else { (p + 1, q + 1) };
@@ -302,11 +302,11 @@ pub(super) struct Poly<T> {
     pub(super) coefficients: Vec<T>,
 }
 
-impl<T: Coefficient> Poly<T> {
+impl<T: BernsteinCoefficient> Poly<T> {
     /// The product with a bilinear function, given at (0, 0), (1, 0) and at (0, 1), (1, 1); degrees are one higher.
     pub(super) fn times_bilinear<U>(&self, corners: [[U; 2]; 2]) -> Poly<U>
     where
-        U: Coefficient + std::ops::Mul<T, Output = U>,
+        U: BernsteinCoefficient + std::ops::Mul<T, Output = U>,
     {
         let (p, q) = self.degrees;
         let mut coefficients = Vec::with_capacity((p + 2) * (q + 2));

@@ -209,7 +209,7 @@ fn triangle_boxes(positions: &[DVec3], indices: &[[u32; 3]]) -> Vec<Bounds3> {
     let bounds = |triangle: &[u32; 3]| {
         let [a, b, c] = triangle.map(|i| positions[i as usize]);
         match unit_normal(a, b, c) {
-            Some(_) => Bounds3::of_points([a, b, c]),
+            Some(_) => Bounds3::from_points([a, b, c]),
             None => Bounds3::EMPTY,
         }
     };

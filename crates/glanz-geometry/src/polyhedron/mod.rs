@@ -145,7 +145,7 @@ impl Polyhedron {
             });
         }
         let slack = facets.iter().fold(solid.error, |a, f| a.max(f.error));
-        let bounds = Bounds3::of_points(vertices.iter().copied()).expanded(slack);
+        let bounds = Bounds3::from_points(vertices.iter().copied()).expanded(slack);
         Ok(Self { facets, vertices, pieces, bounds, area, volume })
     }
 

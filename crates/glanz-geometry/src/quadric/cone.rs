@@ -3,31 +3,31 @@
 use glanz_math::rounding::gamma;
 use glanz_math::{Bounds3, DVec2, DVec3};
 
-use super::clip::Sweep;
-use super::revolution::Revolution;
-use super::swept::{Bending, Swept, impl_ray_surface};
+use super::azimuth::AzimuthRange;
+use super::revolution::QuadricOfRevolution;
+use super::surface_of_revolution::{NormalDerivatives, SurfaceOfRevolution, impl_ray_surface};
 use crate::error::{SurfaceError, positive};
 use crate::hit::SurfacePoint;
 use crate::rational::Profile;
 
 /// A cone about the z axis, open at its base in z = 0, apex at z = height.
 ///
-/// `u` is the azimuth as a share of its range, `v` runs from the base to the apex. The normal points outward. At the
-/// apex it is the one of the azimuth that `u` says. Sampled uniformly by area.
+/// `u` is the azimuth as a fraction of its range, `v` runs from the base to the apex. The normal points outward; at the
+/// apex it is the limit at the azimuth of `u`. Sampled uniformly by area.
 ///
 /// # Source
 /// @pbrt3 section 3.5.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
-    quadric: Revolution,
-    sweep: Sweep,
+    quadric: QuadricOfRevolution,
+    azimuth: AzimuthRange,
     radius: f64,
     height: f64,
 }
 
 impl Cone {
-    /// The cone of `radius` (m) at its base and the given `height` (m) with azimuth up to `phi_max` (radians; more than
-    /// a turn is a turn).
+    /// The cone of `radius` (m) at its base and the given `height` (m) with azimuth up to `phi_max` (radians, limited to
+    /// 2 pi).
     ///
     /// # Errors
     /// [`SurfaceError`] if a value is not finite or not positive.
@@ -35,8 +35,8 @@ impl Cone {
         let (radius, height) = (positive("radius", radius)?, positive("height", height)?);
         let slope = radius / height;
         Ok(Self {
-            quadric: Revolution::new([slope * slope, 0.0, 0.0], height, [0.0, height], radius),
-            sweep: Sweep::try_new(phi_max)?,
+            quadric: QuadricOfRevolution::new([slope * slope, 0.0, 0.0], height, [0.0, height], radius),
+            azimuth: AzimuthRange::try_new(phi_max)?,
             radius,
             height,
         })
@@ -45,17 +45,17 @@ impl Cone {
     /// Area, m^2.
     #[must_use]
     pub fn area(&self) -> f64 {
-        0.5 * self.sweep.phi_max() * self.radius * self.radius.hypot(self.height)
+        0.5 * self.azimuth.phi_max() * self.radius * self.radius.hypot(self.height)
     }
 }
 
-impl Swept for Cone {
-    fn quadric(&self) -> &Revolution {
+impl SurfaceOfRevolution for Cone {
+    fn quadric(&self) -> &QuadricOfRevolution {
         &self.quadric
     }
 
-    fn sweep(&self) -> Sweep {
-        self.sweep
+    fn azimuth(&self) -> AzimuthRange {
+        self.azimuth
     }
 
     fn profiles(&self) -> Vec<Profile> {
@@ -63,30 +63,30 @@ impl Swept for Cone {
     }
 
     fn extent(&self) -> Bounds3 {
-        self.sweep.bounds([0.0, self.radius], [0.0, self.height])
+        self.azimuth.bounds([0.0, self.radius], [0.0, self.height])
     }
 
     fn parameters(&self, p: DVec3) -> Option<DVec2> {
-        // The other nappe begins at the apex. There the z of a crossing is known to a few roundings of coordinates of
-        // up to four heights, and a ray through the apex must not be lost to them.
+        // The other nappe begins at the apex. There z is accurate to a few roundings of coordinates up to four heights, and a
+        // ray through the apex must still hit.
         if !(p.z >= 0.0 && p.z - self.height <= gamma(16) * self.height) {
             return None;
         }
-        let u = self.sweep.parameter(p.x, p.y)?;
+        let u = self.azimuth.parameter(p.x, p.y)?;
         Some(DVec2::new(u, (p.z / self.height).min(1.0)))
     }
 
     fn tangents(&self, p: DVec3, uv: DVec2) -> [DVec3; 2] {
-        let radial = self.sweep.direction_of(p, uv.x);
-        [self.sweep.derivative(p), (radial * -self.radius).extend(self.height)]
+        let radial = self.azimuth.direction_at(p, uv.x);
+        [self.azimuth.derivative(p), (radial * -self.radius).extend(self.height)]
     }
 
-    fn bending(&self, p: DVec3, uv: DVec2, _tangents: [DVec3; 2]) -> Bending {
-        // From the azimuth alone, so that it holds up to the apex.
-        let radial = self.sweep.direction_of(p, uv.x);
+    fn normal_derivatives(&self, p: DVec3, uv: DVec2, _tangents: [DVec3; 2]) -> NormalDerivatives {
+        // From the azimuth alone, so that it is valid up to the apex.
+        let radial = self.azimuth.direction_at(p, uv.x);
         let side = self.radius.hypot(self.height);
-        let turn = self.sweep.phi_max() * self.height / side;
-        Bending {
+        let turn = self.azimuth.phi_max() * self.height / side;
+        NormalDerivatives {
             normal: (radial * self.height).extend(self.radius).normalize(),
             dndu: DVec3::new(-radial.y, radial.x, 0.0) * turn,
             dndv: DVec3::ZERO,
@@ -94,10 +94,10 @@ impl Swept for Cone {
     }
 
     fn position(&self, uv: DVec2, _near: DVec3) -> DVec3 {
-        (self.sweep.direction(uv.x) * (self.radius * (1.0 - uv.y))).extend(uv.y * self.height)
+        (self.azimuth.direction(uv.x) * (self.radius * (1.0 - uv.y))).extend(uv.y * self.height)
     }
 
-    fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
+    fn sample_point(&self, xi: DVec2) -> (DVec3, DVec2) {
         // Area grows with the square of the distance from the apex.
         let uv = DVec2::new(xi.x, 1.0 - (1.0 - xi.y).sqrt());
         (self.position(uv, DVec3::ZERO), uv)

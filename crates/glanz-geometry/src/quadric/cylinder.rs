@@ -2,31 +2,31 @@
 
 use glanz_math::{Bounds3, DVec2, DVec3};
 
-use super::clip::Sweep;
-use super::revolution::Revolution;
-use super::swept::{Swept, impl_ray_surface};
+use super::azimuth::AzimuthRange;
+use super::revolution::QuadricOfRevolution;
+use super::surface_of_revolution::{SurfaceOfRevolution, impl_ray_surface};
 use crate::error::{SurfaceError, finite, positive};
 use crate::hit::SurfacePoint;
 use crate::rational::Profile;
 
 /// An open cylinder about the z axis.
 ///
-/// `u` is the azimuth as a share of its range, `v` runs from the smallest z to the largest. The normal points outward.
+/// `u` is the azimuth as a fraction of its range, `v` runs from the smallest z to the largest. The normal points outward.
 /// Sampled uniformly by area.
 ///
 /// # Source
 /// @pharr2023 section 6.3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
-    quadric: Revolution,
-    sweep: Sweep,
+    quadric: QuadricOfRevolution,
+    azimuth: AzimuthRange,
     radius: f64,
     z: [f64; 2],
 }
 
 impl Cylinder {
     /// The cylinder of `radius` (m) between the two values of `z` (m, any order) with azimuth up to `phi_max`
-    /// (radians; more than a turn is a turn).
+    /// (radians, limited to 2 pi).
     ///
     /// # Errors
     /// [`SurfaceError`] if a value is not finite, `radius` or `phi_max` is not positive, or both z are the same.
@@ -38,8 +38,8 @@ impl Cylinder {
         }
         let z = [a.min(b), a.max(b)];
         Ok(Self {
-            quadric: Revolution::new([0.0, 0.0, radius * radius], 0.0, z, radius),
-            sweep: Sweep::try_new(phi_max)?,
+            quadric: QuadricOfRevolution::new([0.0, 0.0, radius * radius], 0.0, z, radius),
+            azimuth: AzimuthRange::try_new(phi_max)?,
             radius,
             z,
         })
@@ -48,7 +48,7 @@ impl Cylinder {
     /// Area, m^2.
     #[must_use]
     pub fn area(&self) -> f64 {
-        self.sweep.phi_max() * self.radius * self.height()
+        self.azimuth.phi_max() * self.radius * self.height()
     }
 
     fn height(&self) -> f64 {
@@ -56,13 +56,13 @@ impl Cylinder {
     }
 }
 
-impl Swept for Cylinder {
-    fn quadric(&self) -> &Revolution {
+impl SurfaceOfRevolution for Cylinder {
+    fn quadric(&self) -> &QuadricOfRevolution {
         &self.quadric
     }
 
-    fn sweep(&self) -> Sweep {
-        self.sweep
+    fn azimuth(&self) -> AzimuthRange {
+        self.azimuth
     }
 
     fn profiles(&self) -> Vec<Profile> {
@@ -70,26 +70,26 @@ impl Swept for Cylinder {
     }
 
     fn extent(&self) -> Bounds3 {
-        self.sweep.bounds([self.radius; 2], self.z)
+        self.azimuth.bounds([self.radius; 2], self.z)
     }
 
     fn parameters(&self, p: DVec3) -> Option<DVec2> {
         if !(p.z >= self.z[0] && p.z <= self.z[1]) {
             return None;
         }
-        let u = self.sweep.parameter(p.x, p.y)?;
+        let u = self.azimuth.parameter(p.x, p.y)?;
         Some(DVec2::new(u, ((p.z - self.z[0]) / self.height()).min(1.0)))
     }
 
     fn tangents(&self, p: DVec3, _uv: DVec2) -> [DVec3; 2] {
-        [self.sweep.derivative(p), DVec3::Z * self.height()]
+        [self.azimuth.derivative(p), DVec3::Z * self.height()]
     }
 
     fn position(&self, uv: DVec2, _near: DVec3) -> DVec3 {
-        (self.sweep.direction(uv.x) * self.radius).extend(self.z[0] + uv.y * self.height())
+        (self.azimuth.direction(uv.x) * self.radius).extend(self.z[0] + uv.y * self.height())
     }
 
-    fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
+    fn sample_point(&self, xi: DVec2) -> (DVec3, DVec2) {
         (self.position(xi, DVec3::ZERO), xi)
     }
 

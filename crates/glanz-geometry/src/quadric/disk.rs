@@ -3,8 +3,8 @@
 use glanz_math::rounding::gamma;
 use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
-use super::clip::Sweep;
-use super::revolution::follow;
+use super::azimuth::AzimuthRange;
+use super::revolution::point_on_ray;
 use crate::error::{SurfaceError, finite, positive};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::rational::Profile;
@@ -12,8 +12,8 @@ use crate::surface::RaySurface;
 
 /// A disk at constant z about the z axis, with an optional hole.
 ///
-/// `u` is the azimuth as a share of its range, `v` runs from the outer border (0) to the inner one (1). The normal is
-/// +z. A ray within the plane does not meet it. Sampled uniformly by area.
+/// `u` is the azimuth as a fraction of its range, `v` runs from the outer border (0) to the inner one (1). The normal is
+/// +z. Rays in its plane do not hit it. Sampled uniformly by area.
 ///
 /// # Source
 /// @pharr2023 section 6.4.
@@ -22,12 +22,12 @@ pub struct Disk {
     height: f64,
     radius: f64,
     inner_radius: f64,
-    sweep: Sweep,
+    azimuth: AzimuthRange,
 }
 
 impl Disk {
     /// The disk at z = `height` (m) from `inner_radius` (m, may be 0) to `radius` (m) with azimuth up to `phi_max`
-    /// (radians; more than a turn is a turn).
+    /// (radians, limited to 2 pi).
     ///
     /// # Errors
     /// [`SurfaceError`] if a value is not finite, `radius` or `phi_max` is not positive, or `inner_radius` is not in
@@ -39,13 +39,13 @@ impl Disk {
             let (parameter, value) = ("inner_radius", inner_radius);
             return Err(SurfaceError::OutOfRange { parameter, value, min: 0.0, max: radius });
         }
-        Ok(Self { height, radius, inner_radius, sweep: Sweep::try_new(phi_max)? })
+        Ok(Self { height, radius, inner_radius, azimuth: AzimuthRange::try_new(phi_max)? })
     }
 
     /// Area, m^2.
     #[must_use]
     pub fn area(&self) -> f64 {
-        0.5 * self.sweep.phi_max() * self.width() * (self.radius + self.inner_radius)
+        0.5 * self.azimuth.phi_max() * self.width() * (self.radius + self.inner_radius)
     }
 
     /// Outer radius, m.
@@ -54,23 +54,23 @@ impl Disk {
         self.radius
     }
 
-    /// z, m.
+    /// Its z, m.
     #[must_use]
     pub fn height(&self) -> f64 {
         self.height
     }
 
-    /// Whether nothing is cut out of it.
+    /// Whether it is a full disk, without a hole and with the full azimuth.
     #[must_use]
     pub fn is_whole(&self) -> bool {
-        self.inner_radius == 0.0 && self.sweep.phi_max() == std::f64::consts::TAU
+        self.inner_radius == 0.0 && self.azimuth.phi_max() == std::f64::consts::TAU
     }
 
     pub(crate) fn phi_max(&self) -> f64 {
-        self.sweep.phi_max()
+        self.azimuth.phi_max()
     }
 
-    /// What is swept about the axis.
+    /// The profile curve.
     pub(crate) fn profile(&self) -> Profile {
         let at = |radius: f64| DVec3::new(radius, 0.0, self.height);
         Profile::line(at(self.radius), at(self.inner_radius))
@@ -82,15 +82,15 @@ impl Disk {
 
     pub(crate) fn at(&self, uv: DVec2) -> SurfacePoint {
         let rho = self.radius - uv.y * self.width();
-        let position = (self.sweep.direction(uv.x) * rho).extend(self.height);
+        let position = (self.azimuth.direction(uv.x) * rho).extend(self.height);
         SurfacePoint {
             position,
             error: position.abs() * gamma(2),
             normal: DVec3::Z,
             shading_normal: DVec3::Z,
             uv,
-            dpdu: self.sweep.derivative(position),
-            dpdv: (self.sweep.direction_of(position, uv.x) * -self.width()).extend(0.0),
+            dpdu: self.azimuth.derivative(position),
+            dpdv: (self.azimuth.direction_at(position, uv.x) * -self.width()).extend(0.0),
             dndu: DVec3::ZERO,
             dndv: DVec3::ZERO,
         }
@@ -99,7 +99,7 @@ impl Disk {
 
 impl RaySurface for Disk {
     fn bounds(&self) -> Bounds3 {
-        self.sweep.bounds([self.inner_radius, self.radius], [self.height; 2])
+        self.azimuth.bounds([self.inner_radius, self.radius], [self.height; 2])
     }
 
     fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
@@ -107,12 +107,12 @@ impl RaySurface for Disk {
         if !(t > 0.0 && t < t_max) {
             return None;
         }
-        let p = follow(ray.origin, ray.direction, t).truncate();
+        let p = point_on_ray(ray.origin, ray.direction, t).truncate();
         let rho = p.length();
         if !(rho <= self.radius && rho >= self.inner_radius) {
             return None;
         }
-        let u = self.sweep.parameter(p.x, p.y)?;
+        let u = self.azimuth.parameter(p.x, p.y)?;
         Some(Hit { t, u, v: (self.radius - rho) / self.width(), face: 0 })
     }
 

@@ -2,32 +2,32 @@
 
 use glanz_math::{Bounds3, DVec2, DVec3};
 
-use super::clip::{Sweep, grown};
-use super::revolution::{Revolution, follow};
-use super::swept::{Swept, impl_ray_surface, parameter_density};
+use super::azimuth::{AzimuthRange, widened};
+use super::revolution::{QuadricOfRevolution, point_on_ray};
+use super::surface_of_revolution::{SurfaceOfRevolution, impl_ray_surface, parameter_density};
 use crate::error::{SurfaceError, finite};
 use crate::hit::SurfacePoint;
 use crate::rational::Profile;
 
-/// The segment from `p1` to `p2` swept about the z axis: a one-sheeted hyperboloid, or a cone, a double cone or a
-/// cylinder where the segment lies so.
+/// The surface that the segment from `p1` to `p2` sweeps about the z axis: a one-sheeted hyperboloid or, as special cases, a
+/// cone, a double cone or a cylinder.
 ///
-/// `u` is the angle of the sweep as a share of its range, `v` runs from `p1` to `p2`. The normal points away from the
+/// `u` is the angle of the rotation as a fraction of its range, `v` runs from `p1` to `p2`. The normal points away from the
 /// axis if `p2` is above `p1`, and to the axis otherwise. Sampled uniformly in (u, v).
 ///
 /// # Source
-/// @pbrt3 section 3.5. Departures: any segment that is not horizontal is possible, while pbrt's implicit equation
-/// holds only for those that are closest to the axis in z = 0; `p1` and `p2` are never swapped.
+/// @pbrt3 section 3.5. Departures: the segment need only not be horizontal, while pbrt's implicit equation
+/// is valid only if the line is closest to the axis at z = 0; `p1` and `p2` are never swapped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hyperboloid {
-    quadric: Revolution,
-    sweep: Sweep,
+    quadric: QuadricOfRevolution,
+    azimuth: AzimuthRange,
     p1: DVec3,
     p2: DVec3,
 }
 
 impl Hyperboloid {
-    /// The segment from `p1` to `p2` (m) swept by `phi_max` (radians; more than a turn is a turn).
+    /// The segment from `p1` to `p2` (m) swept by `phi_max` (radians, limited to 2 pi).
     ///
     /// # Errors
     /// [`SurfaceError`] if a value is not finite, `phi_max` is not positive, both ends have the same z (a ring is a
@@ -48,21 +48,21 @@ impl Hyperboloid {
             let reason = "the segment lies on the axis";
             return Err(SurfaceError::Degenerate { reason, value: widest });
         }
-        // The equation is written about the point of the segment next to the axis: at a waist or an apex its terms
-        // are as small as the surface there.
+        // The equation is centred at the point of the segment nearest to the axis: at a waist or an apex its terms are as
+        // small as the surface there.
         let flat = d.truncate();
         let to_waist = -p1.truncate().dot(flat) / flat.length_squared();
         let waist = if to_waist > 0.0 && to_waist < 1.0 { to_waist } else { f64::from(to_waist >= 1.0) };
-        let next = follow(p1, d, waist);
+        let next = point_on_ray(p1, d, waist);
         let next = if waist == 1.0 { p2 } else { next };
-        // Inside the segment the line is perpendicular to the axis' distance there: no linear term.
+        // Inside the segment, the nearest point has no linear term.
         let beta = if waist == to_waist { 0.0 } else { 2.0 * next.truncate().dot(flat) / d.z };
         let alpha = flat.length_squared() / (d.z * d.z);
         let gamma = next.truncate().length_squared();
         let heights = [p1.z.min(p2.z), p1.z.max(p2.z)];
         Ok(Self {
-            quadric: Revolution::new([alpha, beta, gamma], next.z, heights, widest),
-            sweep: Sweep::try_new(phi_max)?,
+            quadric: QuadricOfRevolution::new([alpha, beta, gamma], next.z, heights, widest),
+            azimuth: AzimuthRange::try_new(phi_max)?,
             p1,
             p2,
         })
@@ -73,17 +73,17 @@ impl Hyperboloid {
     }
 }
 
-impl Swept for Hyperboloid {
-    fn quadric(&self) -> &Revolution {
+impl SurfaceOfRevolution for Hyperboloid {
+    fn quadric(&self) -> &QuadricOfRevolution {
         &self.quadric
     }
 
-    fn side(&self) -> f64 {
+    fn orientation(&self) -> f64 {
         (self.p2.z - self.p1.z).signum()
     }
 
-    fn sweep(&self) -> Sweep {
-        self.sweep
+    fn azimuth(&self) -> AzimuthRange {
+        self.azimuth
     }
 
     fn profiles(&self) -> Vec<Profile> {
@@ -93,22 +93,22 @@ impl Swept for Hyperboloid {
     fn extent(&self) -> Bounds3 {
         let (a, b) = (self.p1.truncate(), self.p2.truncate());
         let widest = a.length().max(b.length());
-        // Where the segment begins and how far it turns: below pi, as a line sees its projection from the axis.
-        let begin = a.to_angle();
+        // Azimuth of the start and signed angle to the end, below pi in magnitude.
+        let start = a.to_angle();
         let turn = if a.length() > 0.0 && b.length() > 0.0 { a.angle_to(b) } else { 0.0 };
         let crosses_axis = a.length() == 0.0 || b.length() == 0.0 || turn.abs() > 3.0;
-        let (low, high) = (begin + turn.min(0.0), begin + turn.max(0.0) + self.sweep.phi_max());
-        let sin_cos = self.sweep.direction(1.0);
+        let (low, high) = (start + turn.min(0.0), start + turn.max(0.0) + self.azimuth.phi_max());
+        let sin_cos = self.azimuth.direction(1.0);
         let mut points = vec![a, b, sin_cos.rotate(a), sin_cos.rotate(b)];
         for (quarter, axis) in [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y].into_iter().enumerate() {
             let phi = quarter as f64 * std::f64::consts::FRAC_PI_2;
             let turns = ((low - phi) / std::f64::consts::TAU).ceil();
-            // The circle of the wider end bounds all arcs that pass the axis: simple, and tight for most.
+            // The circle of the wider end bounds every arc that crosses a coordinate axis: simple, and tight for most.
             if crosses_axis || phi + turns * std::f64::consts::TAU <= high {
                 points.push(axis * widest);
             }
         }
-        grown(Bounds3::of_points(points.iter().flat_map(|p| [p.extend(self.p1.z), p.extend(self.p2.z)])))
+        widened(Bounds3::from_points(points.iter().flat_map(|p| [p.extend(self.p1.z), p.extend(self.p2.z)])))
     }
 
     fn parameters(&self, p: DVec3) -> Option<DVec2> {
@@ -118,22 +118,22 @@ impl Swept for Hyperboloid {
         }
         let start = self.on_segment(v).truncate();
         let here = p.truncate();
-        let u = self.sweep.parameter(start.dot(here), start.perp_dot(here))?;
+        let u = self.azimuth.parameter(start.dot(here), start.perp_dot(here))?;
         Some(DVec2::new(u, v))
     }
 
     fn tangents(&self, p: DVec3, uv: DVec2) -> [DVec3; 2] {
         let d = self.p2 - self.p1;
-        let dpdv = self.sweep.direction(uv.x).rotate(d.truncate()).extend(d.z);
-        [self.sweep.derivative(p), dpdv]
+        let dpdv = self.azimuth.direction(uv.x).rotate(d.truncate()).extend(d.z);
+        [self.azimuth.derivative(p), dpdv]
     }
 
     fn position(&self, uv: DVec2, _near: DVec3) -> DVec3 {
         let p = self.on_segment(uv.y);
-        self.sweep.direction(uv.x).rotate(p.truncate()).extend(p.z)
+        self.azimuth.direction(uv.x).rotate(p.truncate()).extend(p.z)
     }
 
-    fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
+    fn sample_point(&self, xi: DVec2) -> (DVec3, DVec2) {
         (self.position(xi, DVec3::ZERO), xi)
     }
 

@@ -1,13 +1,13 @@
-//! Quadrics about the z axis, and the flat pieces that go with them.
+//! Quadrics of revolution about the z axis, disks and planes.
 //!
-//! The curved ones share one solver: all are `x^2 + y^2 = alpha w^2 + beta w + gamma` with `w = z - z0`, cut by a
-//! range of z and a sweep of the azimuth. Each file holds what is its own: the checks, the range, the parameters.
-//! Parameters follow pbrt (@pharr2023 chapter 6) where pbrt has the shape; angles are in radians.
+//! The curved surfaces share one solver: all are `x^2 + y^2 = alpha w^2 + beta w + gamma` with `w = z - z0`, clipped to ranges of
+//! z and of the azimuth. Each file holds the checks, the ranges and the parameters of its surface. Parameters follow pbrt
+//! (@pharr2023 chapter 6) where pbrt has the shape; angles are in radians.
 
-// `!(a < b)` holds for NaN, `a >= b` does not: what is not a number must fail the checks.
+// `!(a < b)` holds for NaN, `a >= b` does not: NaN must fail the checks.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-mod clip;
+mod azimuth;
 pub mod cone;
 pub mod cylinder;
 pub mod disk;
@@ -16,7 +16,7 @@ pub mod paraboloid;
 pub mod plane;
 mod revolution;
 pub mod sphere;
-mod swept;
+mod surface_of_revolution;
 pub mod two_sheets;
 
 pub use cone::Cone;

@@ -2,26 +2,26 @@
 
 use glanz_math::{Bounds3, DVec2, DVec3};
 
-use super::clip::Sweep;
-use super::revolution::Revolution;
-use super::swept::{Swept, impl_ray_surface};
+use super::azimuth::AzimuthRange;
+use super::revolution::QuadricOfRevolution;
+use super::surface_of_revolution::{SurfaceOfRevolution, impl_ray_surface};
 use crate::error::{SurfaceError, finite, positive};
 use crate::hit::SurfacePoint;
 use crate::rational::Profile;
 
 /// A paraboloid about the z axis that opens to +z, apex at the origin.
 ///
-/// `u` is the azimuth as a share of its range, `v` runs from the smallest z to the largest. The normal points to the
+/// `u` is the azimuth as a fraction of its range, `v` runs from the smallest z to the largest. The normal points to the
 /// convex side: away from the axis, down at the apex. Sampled uniformly by area.
 ///
 /// # Source
-/// @pbrt3 section 3.5; departure: a negative smaller z is cut to 0 (pbrt counts `v` from below the apex).
+/// @pbrt3 section 3.5; departure: a negative smaller z is replaced by 0 (in pbrt `v` starts below the apex).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paraboloid {
-    quadric: Revolution,
-    sweep: Sweep,
+    quadric: QuadricOfRevolution,
+    azimuth: AzimuthRange,
     z: [f64; 2],
-    /// What z must not be below: minus infinity if the apex is kept, where rounding must not clip.
+    /// Lower bound on z of a hit: minus infinity at the apex, where rounding must not clip.
     z_clip: f64,
     /// x^2 + y^2 = rise * z.
     rise: f64,
@@ -29,7 +29,7 @@ pub struct Paraboloid {
 
 impl Paraboloid {
     /// The paraboloid with the given `radius` (m) at the larger z, between the two values of `z` (m, any order), with
-    /// azimuth up to `phi_max` (radians; more than a turn is a turn).
+    /// azimuth up to `phi_max` (radians, limited to 2 pi).
     ///
     /// # Errors
     /// [`SurfaceError`] if a value is not finite, `radius`, `phi_max` or the larger z is not positive, or both z are
@@ -44,8 +44,8 @@ impl Paraboloid {
         }
         let rise = radius / top * radius;
         Ok(Self {
-            quadric: Revolution::new([0.0, rise, 0.0], 0.0, z, radius),
-            sweep: Sweep::try_new(phi_max)?,
+            quadric: QuadricOfRevolution::new([0.0, rise, 0.0], 0.0, z, radius),
+            azimuth: AzimuthRange::try_new(phi_max)?,
             z,
             z_clip: if z[0] > 0.0 { z[0] } else { f64::NEG_INFINITY },
             rise,
@@ -58,15 +58,15 @@ impl Paraboloid {
         let [s0, s1] = self.arms();
         // s1^3 - s0^3 without cancellation, where s1 - s0 = rise (z1 - z0) / (s1 + s0).
         let cubes = self.rise * self.height() / (s1 + s0) * (s1 * s1 + s1 * s0 + s0 * s0);
-        self.sweep.phi_max() * 2.0 / (3.0 * self.rise) * cubes
+        self.azimuth.phi_max() * 2.0 / (3.0 * self.rise) * cubes
     }
 
     fn height(&self) -> f64 {
         self.z[1] - self.z[0]
     }
 
-    /// Area up to z is phi_max integral of sqrt(rise z + rise^2 / 4) dz = phi_max 2 s^3 / (3 rise): the root at both
-    /// ends.
+    /// The root s at both ends; the area up to z is phi_max times the integral of sqrt(rise z + rise^2 / 4) dz, which is
+    /// phi_max 2 s^3 / (3 rise).
     fn arms(&self) -> [f64; 2] {
         self.z.map(|z| (self.rise * (z + 0.25 * self.rise)).sqrt())
     }
@@ -76,13 +76,13 @@ impl Paraboloid {
     }
 }
 
-impl Swept for Paraboloid {
-    fn quadric(&self) -> &Revolution {
+impl SurfaceOfRevolution for Paraboloid {
+    fn quadric(&self) -> &QuadricOfRevolution {
         &self.quadric
     }
 
-    fn sweep(&self) -> Sweep {
-        self.sweep
+    fn azimuth(&self) -> AzimuthRange {
+        self.azimuth
     }
 
     fn profiles(&self) -> Vec<Profile> {
@@ -90,33 +90,33 @@ impl Swept for Paraboloid {
     }
 
     fn extent(&self) -> Bounds3 {
-        self.sweep.bounds(self.z.map(|z| (self.rise * z).sqrt()), self.z)
+        self.azimuth.bounds(self.z.map(|z| (self.rise * z).sqrt()), self.z)
     }
 
     fn parameters(&self, p: DVec3) -> Option<DVec2> {
         if !(p.z >= self.z_clip && p.z <= self.z[1]) {
             return None;
         }
-        let u = self.sweep.parameter(p.x, p.y)?;
-        // By the distance from the axis, which next to the apex is known better than z.
+        let u = self.azimuth.parameter(p.x, p.y)?;
+        // From the distance from the axis, which is more accurate than z near the apex.
         Some(DVec2::new(u, self.v_of(p.truncate().length_squared() / self.rise)))
     }
 
     fn tangents(&self, p: DVec3, uv: DVec2) -> [DVec3; 2] {
-        let radial = self.sweep.direction_of(p, uv.x);
-        // d rho / dz = rise / (2 rho); it has no limit at the apex.
+        let radial = self.azimuth.direction_at(p, uv.x);
+        // d rho / dz = rise / (2 rho), which is infinite at the apex.
         let dpdv = (radial * (0.5 * self.rise / p.truncate().length())).extend(1.0) * self.height();
-        [self.sweep.derivative(p), if dpdv.is_finite() { dpdv } else { DVec3::ZERO }]
+        [self.azimuth.derivative(p), if dpdv.is_finite() { dpdv } else { DVec3::ZERO }]
     }
 
     fn position(&self, uv: DVec2, _near: DVec3) -> DVec3 {
         let z = self.z[0] + uv.y * self.height();
-        (self.sweep.direction(uv.x) * (self.rise * z).sqrt()).extend(z)
+        (self.azimuth.direction(uv.x) * (self.rise * z).sqrt()).extend(z)
     }
 
-    fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
+    fn sample_point(&self, xi: DVec2) -> (DVec3, DVec2) {
         let [s0, s1] = self.arms();
-        // s^3 = s0^3 + xi (s1^3 - s0^3) and s^2 - s0^2 = rise (z - z0), without subtracting like numbers.
+        // s^3 = s0^3 + xi (s1^3 - s0^3) and s^2 - s0^2 = rise (z - z0), without cancellation.
         let grown = self.rise * self.height() / (s1 + s0) * (s1 * s1 + s1 * s0 + s0 * s0) / (s0 * s0 * s0);
         let rise = s0 * s0 * (2.0 / 3.0 * (xi.y * grown).ln_1p()).exp_m1() / self.rise;
         let z = (self.z[0] + rise).clamp(self.z[0], self.z[1]);

@@ -2,15 +2,15 @@
 
 use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
-use super::revolution::follow;
+use super::revolution::point_on_ray;
 use crate::error::SurfaceError;
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::surface::RaySurface;
 
-/// The plane z = 0, cut to an axis-parallel rectangle whose sides may be infinitely far.
+/// The plane z = 0, clipped to an axis-parallel rectangle whose sides may be infinitely far.
 ///
 /// Along an axis with two finite sides the parameter runs from 0 to 1 between them; otherwise it is the coordinate
-/// itself in metres. The normal is +z. A ray within the plane does not meet it. Sampled uniformly by area; an infinite
+/// itself in metres. The normal is +z. Rays in the plane do not hit it. Sampled uniformly by area; an infinite
 /// plane cannot be sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
@@ -50,7 +50,7 @@ impl Plane {
         size.x * size.y
     }
 
-    /// Lower end and length of the parameters in metres, per axis.
+    /// Lower end and length of the parameter ranges, metres, per axis.
     fn scale(&self) -> (DVec2, DVec2) {
         let axis = |min: f64, max: f64| {
             let length = max - min;
@@ -64,7 +64,7 @@ impl Plane {
         let (_, length) = self.scale();
         SurfacePoint {
             position: p.extend(0.0),
-            // z = 0 has no rounding, and t of a ray from it is 0, which is no hit.
+            // z = 0 is exact, and a ray from there has t = 0, which is not a hit.
             error: DVec3::ZERO,
             normal: DVec3::Z,
             shading_normal: DVec3::Z,
@@ -87,7 +87,7 @@ impl RaySurface for Plane {
         if !(t > 0.0 && t < t_max) {
             return None;
         }
-        let p = follow(ray.origin, ray.direction, t).truncate();
+        let p = point_on_ray(ray.origin, ray.direction, t).truncate();
         if !(p.cmpge(self.min).all() && p.cmple(self.max).all() && p.is_finite()) {
             return None;
         }
@@ -101,7 +101,7 @@ impl RaySurface for Plane {
     }
 
     fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        let p = follow(ray.origin, ray.direction, hit.t).truncate();
+        let p = point_on_ray(ray.origin, ray.direction, hit.t).truncate();
         self.at(p.clamp(self.min, self.max), DVec2::new(hit.u, hit.v))
     }
 
@@ -117,7 +117,7 @@ impl RaySurface for Plane {
 }
 
 impl Plane {
-    /// The point with such parameters; `None` if the plane has no end.
+    /// The point with the given parameters; `None` if the plane is infinite.
     pub(crate) fn at_parameters(&self, uv: DVec2) -> Option<SurfacePoint> {
         let p = (self.min + uv * (self.max - self.min)).min(self.max);
         p.is_finite().then(|| self.at(p, uv))

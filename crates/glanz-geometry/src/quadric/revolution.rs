@@ -1,19 +1,20 @@
-//! The quadric of revolution about the z axis, and where a ray meets it.
+//! The quadric of revolution about the z axis and its intersection with rays.
 
 use glanz_math::polynomial::quadratic::difference_of_products;
 use glanz_math::rounding::gamma;
 use glanz_math::{DVec3, Ray};
 
-/// Rays that start further than so many half extents from the kept part are followed to it before the equation is
-/// formed. Any value well above sqrt(2) (where the corners of the extent are) serves; secondary rays must be below.
+/// Distance, in half extents of the kept part, beyond which the equation is formed at the point of the ray nearest to that part
+/// instead of its origin. Any value well above sqrt(2), the distance of the corners, will do; secondary rays start closer.
 const FAR: f64 = 4.0;
 
-/// Two roots are close together if their distance is less than a tenth of that of their middle from the start.
+/// Ratio of the discriminant to the squared linear coefficient below which two roots are close together: their distance is
+/// then less than a tenth of the distance of their middle.
 const CLOSE: f64 = 0.01;
 
-/// `x^2 + y^2 = alpha w^2 + beta w + gamma` with `w = z - z0`; the side where the left is larger is called outside.
+/// `x^2 + y^2 = alpha w^2 + beta w + gamma` with `w = z - z0`; outside, the left side is larger.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Revolution {
+pub(super) struct QuadricOfRevolution {
     alpha: f64,
     beta: f64,
     gamma: f64,
@@ -22,30 +23,30 @@ pub(super) struct Revolution {
     center: f64,
     /// Largest distance of the kept part from the axis, squared.
     radius_squared: f64,
-    /// Makes lengths along the axis comparable: squared ratio of radius to half height of the kept part.
+    /// Squared ratio of radius to half height of the kept part, which makes lengths along the axis comparable to radii.
     weight: f64,
 }
 
-/// Where a ray meets the quadric.
+/// A point where a ray meets the quadric.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Crossing {
+pub(super) struct QuadricCrossing {
     /// Ray parameter.
     pub(super) t: f64,
-    /// The point, more accurate than the ray at `t` where the ray comes from afar.
+    /// The point, more accurate than the ray at `t` if the origin is distant.
     pub(super) p: DVec3,
 }
 
-/// A root as an offset from a point of the ray next to it, so that no digits go into the way from the origin.
+/// A root as an offset from a nearby point of the ray, so that a distant origin costs no digits.
 #[derive(Clone, Copy)]
-struct Root {
+struct OffsetRoot {
     base: DVec3,
     t_base: f64,
     t: f64,
 }
 
-impl Revolution {
-    /// The quadric with the given coefficients, of which the part with z in `heights` and up to `radius` from the axis
-    /// is kept.
+impl QuadricOfRevolution {
+    /// The quadric with the given coefficients and the kept part, with z in `heights` and distances from the axis up to
+    /// `radius`.
     pub(super) fn new([alpha, beta, gamma]: [f64; 3], z0: f64, heights: [f64; 2], radius: f64) -> Self {
         let half_height = 0.5 * (heights[1] - heights[0]);
         let ratio = radius / half_height;
@@ -60,13 +61,13 @@ impl Revolution {
         }
     }
 
-    /// The points where the ray meets the whole quadric next to the kept part, with t > 0, in ascending order.
+    /// The points with t > 0, ascending, where the ray meets the whole quadric close to the kept part.
     ///
-    /// From an origin next to the surface, whether the near root is positive follows from the side on which the origin
-    /// is computed to be, so a ray that starts off the surface by the bound of [`Revolution::error`] cannot meet its
-    /// own point. From afar the equation is formed where the ray comes closest to the kept part, and roots close
-    /// together are found from their middle, which is where digits would cancel (@haines2019).
-    pub(super) fn crossings(&self, ray: &Ray) -> [Option<Crossing>; 2] {
+    /// For an origin close to the surface, the sign of the near root follows from the side on which the origin is computed to
+    /// be, so that a ray that starts off the surface by the bound of [`QuadricOfRevolution::error`] does not meet its own point.
+    /// For a distant origin the equation is formed at the point of the ray nearest to the kept part, and roots close together
+    /// are computed from their middle to avoid cancellation (@haines2019).
+    pub(super) fn crossings(&self, ray: &Ray) -> [Option<QuadricCrossing>; 2] {
         let Some((base, t_base)) = self.approach(ray) else { return [None; 2] };
         let Some(roots) = self.roots(base, t_base, ray.direction) else { return [None; 2] };
         let [first, second] = roots.map(|root| self.crossing(root, ray.direction));
@@ -78,7 +79,7 @@ impl Revolution {
         }
     }
 
-    /// The point of the ray from which to solve, and its parameter; `None` if the ray passes the kept part.
+    /// The point of the ray at which to form the equation, and its parameter; `None` if the ray misses the kept part.
     fn approach(&self, ray: &Ray) -> Option<(DVec3, f64)> {
         let (o, d) = (ray.origin, ray.direction);
         if self.distance_squared(o) <= FAR * FAR * self.radius_squared {
@@ -89,86 +90,86 @@ impl Revolution {
         if !(t > 0.0) {
             return None;
         }
-        // The fused product rounds the small result only: the point is on the ray to its own last digits.
-        let near = follow(o, d, t);
+        // The fused product rounds only the small result: the point is on the ray up to its own last digits.
+        let near = point_on_ray(o, d, t);
         self.is_near(near).then_some((near, t))
     }
 
-    /// Squared distance from the middle of the kept part, in a measure where its half extents are all its radius.
+    /// Squared distance from the middle of the kept part, scaled so that all its half extents equal its radius.
     fn distance_squared(&self, p: DVec3) -> f64 {
         let z = p.z - self.center;
         p.x * p.x + p.y * p.y + self.weight * (z * z)
     }
 
-    /// Whether `p` may belong to the kept part: that is within sqrt(2) half extents, the rest is room for rounding.
+    /// Whether `p` may belong to the kept part, which extends sqrt(2) half extents; the rest is a margin for rounding.
     fn is_near(&self, p: DVec3) -> bool {
         self.distance_squared(p) <= 4.0 * self.radius_squared
     }
 
-    /// Half the derivative of the equation along `d`, and the equation itself, at `p`.
-    fn along(&self, p: DVec3, d: DVec3) -> (f64, f64) {
+    /// Half the derivative of the equation along `d`, and its value, at `p`.
+    fn half_slope_and_value(&self, p: DVec3, d: DVec3) -> (f64, f64) {
         let w = p.z - self.z0;
         let half = p.x * d.x + p.y * d.y - (self.alpha * w + 0.5 * self.beta) * d.z;
         (half, self.value(p))
     }
 
-    /// Left minus right side of the equation: positive outside.
+    /// Left minus right side of the equation, positive outside.
     fn value(&self, p: DVec3) -> f64 {
         let w = p.z - self.z0;
         p.x * p.x + p.y * p.y - (self.alpha * w + self.beta) * w - self.gamma
     }
 
-    /// Both roots `a t^2 + 2 half t + c = 0` from `base`; not sorted.
-    fn roots(&self, base: DVec3, t_base: f64, d: DVec3) -> Option<[Root; 2]> {
+    /// Both roots of `a t^2 + 2 half t + c = 0`, formed at `base`; not sorted.
+    fn roots(&self, base: DVec3, t_base: f64, d: DVec3) -> Option<[OffsetRoot; 2]> {
         let a = self.leading(d);
-        let (half, c) = self.along(base, d);
+        let (half, c) = self.half_slope_and_value(base, d);
         if a == 0.0 {
-            let root = Root { base, t_base, t: -0.5 * c / half };
+            let root = OffsetRoot { base, t_base, t: -0.5 * c / half };
             return Some([root, root]);
         }
         let discriminant = difference_of_products(half, half, a, c);
         if discriminant.abs() > CLOSE * half * half {
             let [t0, t1] = stable_roots(a, half, c, discriminant)?;
-            return Some([t0, t1].map(|t| Root { base, t_base, t }));
+            return Some([t0, t1].map(|t| OffsetRoot { base, t_base, t }));
         }
-        // Both roots lie on one side of the start and far from it, so their middle may be a new start. There `half`
-        // almost vanishes, and the discriminant is as good as the equation at that point.
+        // Both roots are far from the base on the same side, so their middle becomes the new base. There `half` almost
+        // vanishes, and the discriminant is as accurate as the equation at that point.
         let to_middle = -half / a;
-        let middle = follow(base, d, to_middle);
-        let (half, c) = self.along(middle, d);
+        let middle = point_on_ray(base, d, to_middle);
+        let (half, c) = self.half_slope_and_value(middle, d);
         let mut discriminant = difference_of_products(half, half, a, c);
-        // A line steeper than a cone always meets it: where it passes the apex, the two roots are one. `a` has four
-        // roundings; one that may be zero says nothing.
+        // A line steeper than a cone always meets it: at the apex the two roots coincide. `a` has four roundings; an `a` that
+        // may be zero decides nothing.
         let a_error = gamma(4) * (d.x * d.x + d.y * d.y + self.alpha * (d.z * d.z));
         if self.beta == 0.0 && self.gamma == 0.0 && a < -a_error {
             discriminant = discriminant.max(0.0);
         }
         let roots = stable_roots(a, half, c, discriminant)?;
-        Some(roots.map(|t| Root { base: middle, t_base: t_base + to_middle, t }))
+        Some(roots.map(|t| OffsetRoot { base: middle, t_base: t_base + to_middle, t }))
     }
 
-    /// The root as a crossing, if it is in front of the origin and next to the kept part.
-    fn crossing(&self, root: Root, d: DVec3) -> Option<Crossing> {
-        let made = |t: f64| Crossing { t: root.t_base + t, p: follow(root.base, d, t) };
-        let mut best = made(root.t);
+    /// The root as a crossing, if it is in front of the origin and close to the kept part.
+    fn crossing(&self, root: OffsetRoot, d: DVec3) -> Option<QuadricCrossing> {
+        let at = |t: f64| QuadricCrossing { t: root.t_base + t, p: point_on_ray(root.base, d, t) };
+        let mut best = at(root.t);
         if !(best.t > 0.0 && self.is_near(best.p)) {
             return None;
         }
         if self.alpha <= 0.0 {
             return Some(best);
         }
-        // Along an asymptote `a` cancels, and next to an apex the surface is smaller than the coordinates of the
-        // start: Newton steps judged by the equation at the point itself restore the digits.
+        // Along an asymptote `a` cancels, and near an apex the surface is small compared with the coordinates of the base:
+        // Newton steps with the equation at the point itself restore the digits.
         let a = self.leading(d);
         let (mut t, mut residual) = (root.t, self.value(best.p).abs());
         for _ in 0..3 {
-            let (half, value) = self.along(best.p, d);
-            // Kantorovich: from here Newton's iteration stays with this root (half his bound).
+            let (half, value) = self.half_slope_and_value(best.p, d);
+            // Kantorovich's condition, with half of its bound: Newton's iteration converges to this root.
             if 2.0 * (a * value).abs() > half * half {
                 break;
             }
             t -= 0.5 * value / half;
-            let better = made(t);
+            let better = at(t);
             let left = self.value(better.p).abs();
             if !(left < residual && better.t > 0.0) {
                 break;
@@ -189,8 +190,8 @@ impl Revolution {
         DVec3::new(2.0 * p.x, 2.0 * p.y, -2.0 * self.alpha * w - self.beta)
     }
 
-    /// The point of the quadric next to `p`, which is close to it: two Newton steps along the gradient, of which each
-    /// squares the distance.
+    /// The point of the quadric nearest to `p`, which is close to it: two Newton steps along the gradient, each of which squares
+    /// the relative distance.
     pub(super) fn refined(&self, p: DVec3) -> DVec3 {
         let step = |p: DVec3| {
             let gradient = self.gradient(p);
@@ -202,11 +203,10 @@ impl Revolution {
 
     /// The bound of [`crate::SurfacePoint::error`] at a refined point.
     ///
-    /// Evaluating the equation rounds at most 8 times in a row, so its error is below gamma(8) M with M the sum of the
-    /// absolute terms. The point itself may be off by the residual found plus that much; the origin of the next ray
-    /// must be so far off that the equation there has the right sign in spite of the same error again: together
-    /// (|residual| + 2 gamma(8) M) / |gradient|. gamma(20) pays for the roundings of this bound and of the normal. The
-    /// term with |p| is the rounding of the coordinates.
+    /// Evaluating the equation chains at most 8 roundings, so its error is below gamma(8) M, where M is the sum of the absolute
+    /// terms. The distance of the point from the surface is up to (|residual| + gamma(8) M) / |gradient|; the origin of the
+    /// next ray must be so far away that the equation has the right sign there despite another gamma(8) M. gamma(20) also
+    /// covers the roundings of this bound and of the normal. The term with |p| is the rounding of the coordinates.
     pub(super) fn error(&self, p: DVec3) -> DVec3 {
         let w = p.z - self.z0;
         let terms = p.x * p.x
@@ -219,16 +219,16 @@ impl Revolution {
         DVec3::splat(off) + p.abs() * gamma(2)
     }
 
-    /// Unit normal to the outside, +z where there is none.
+    /// Unit outward normal; +z where the gradient vanishes.
     pub(super) fn normal(&self, p: DVec3) -> DVec3 {
         self.gradient(p).try_normalize().unwrap_or(DVec3::Z)
     }
 
-    /// Change of the unit outward normal along `tangent`, zero where there is no normal.
+    /// Derivative of the unit outward normal along `tangent`; zero where there is no normal.
     ///
-    /// The Weingarten map by the Hessian of the equation, which unlike the one by fundamental forms does not mind
-    /// degenerate parameters (@docarmo1976 section 3.2).
-    pub(super) fn bend(&self, p: DVec3, normal: DVec3, tangent: DVec3) -> DVec3 {
+    /// The Weingarten map from the Hessian of the equation, which is valid at degenerate parameters too, unlike the one from
+    /// fundamental forms (@docarmo1976 section 3.2).
+    pub(super) fn normal_derivative(&self, p: DVec3, normal: DVec3, tangent: DVec3) -> DVec3 {
         let slope = self.gradient(p).length();
         if slope == 0.0 {
             return DVec3::ZERO;
@@ -239,7 +239,7 @@ impl Revolution {
 }
 
 /// `o + t d` with one rounding per coordinate.
-pub(super) fn follow(o: DVec3, d: DVec3, t: f64) -> DVec3 {
+pub(super) fn point_on_ray(o: DVec3, d: DVec3, t: f64) -> DVec3 {
     DVec3::new(t.mul_add(d.x, o.x), t.mul_add(d.y, o.y), t.mul_add(d.z, o.z))
 }
 
@@ -256,12 +256,12 @@ fn stable_roots(a: f64, half: f64, c: f64, discriminant: f64) -> Option<[f64; 2]
 mod tests {
     use super::*;
 
-    fn unit_sphere() -> Revolution {
-        Revolution::new([-1.0, 0.0, 1.0], 0.0, [-1.0, 1.0], 1.0)
+    fn unit_sphere() -> QuadricOfRevolution {
+        QuadricOfRevolution::new([-1.0, 0.0, 1.0], 0.0, [-1.0, 1.0], 1.0)
     }
 
-    fn cone() -> Revolution {
-        Revolution::new([1.0, 0.0, 0.0], 1.0, [0.0, 1.0], 1.0)
+    fn cone() -> QuadricOfRevolution {
+        QuadricOfRevolution::new([1.0, 0.0, 0.0], 1.0, [0.0, 1.0], 1.0)
     }
 
     #[test]

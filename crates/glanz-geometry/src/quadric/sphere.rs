@@ -2,35 +2,35 @@
 
 use glanz_math::{Bounds3, DVec2, DVec3};
 
-use super::clip::Sweep;
-use super::revolution::Revolution;
-use super::swept::{Swept, impl_ray_surface};
+use super::azimuth::AzimuthRange;
+use super::revolution::QuadricOfRevolution;
+use super::surface_of_revolution::{SurfaceOfRevolution, impl_ray_surface};
 use crate::error::{SurfaceError, finite, positive};
 use crate::hit::SurfacePoint;
 use crate::rational::Profile;
 
 /// A sphere about the origin, or the part of it in a range of z and of azimuth.
 ///
-/// `u` is the azimuth as a share of its range, `v` the polar angle as a share of the way from the smallest z to the
+/// `u` is the azimuth as a fraction of its range, `v` the polar angle as a fraction of its range, from the smallest z to the
 /// largest. The normal points outward. Sampled uniformly by area.
 ///
 /// # Source
 /// @pharr2023 section 6.2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
-    quadric: Revolution,
-    sweep: Sweep,
+    quadric: QuadricOfRevolution,
+    azimuth: AzimuthRange,
     radius: f64,
     z: [f64; 2],
-    /// What a hit must lie in: infinite on a side that ends in a pole, where rounding must not clip.
+    /// Range of z that a hit must lie in: infinite at a pole, where rounding must not clip.
     z_clip: [f64; 2],
     /// Polar angles of the two ends.
     theta: [f64; 2],
 }
 
 impl Sphere {
-    /// The part of the sphere of `radius` (m) with z between the two values of `z` (m, any order, cut to the sphere)
-    /// and azimuth up to `phi_max` (radians; more than a turn is a turn).
+    /// The part of the sphere of `radius` (m) with z between the two values of `z` (m, any order, clipped to the sphere)
+    /// and azimuth up to `phi_max` (radians, limited to 2 pi).
     ///
     /// # Errors
     /// [`SurfaceError`] if a value is not finite, `radius` or `phi_max` is not positive, or the range of z misses the
@@ -45,11 +45,11 @@ impl Sphere {
         let widest = if cut[0] <= 0.0 && cut[1] >= 0.0 {
             radius
         } else {
-            at_height(radius, cut[0]).max(at_height(radius, cut[1]))
+            radius_at(radius, cut[0]).max(radius_at(radius, cut[1]))
         };
         Ok(Self {
-            quadric: Revolution::new([-1.0, 0.0, radius * radius], 0.0, cut, widest),
-            sweep: Sweep::try_new(phi_max)?,
+            quadric: QuadricOfRevolution::new([-1.0, 0.0, radius * radius], 0.0, cut, widest),
+            azimuth: AzimuthRange::try_new(phi_max)?,
             radius,
             z: cut,
             z_clip: [
@@ -77,34 +77,34 @@ impl Sphere {
     /// Area, m^2.
     #[must_use]
     pub fn area(&self) -> f64 {
-        self.sweep.phi_max() * self.radius * (self.z[1] - self.z[0])
+        self.azimuth.phi_max() * self.radius * (self.z[1] - self.z[0])
     }
 
-    /// Whether nothing is cut off.
+    /// Whether it is a full sphere.
     #[must_use]
     pub fn is_whole(&self) -> bool {
-        self.z == [-self.radius, self.radius] && self.sweep.phi_max() >= std::f64::consts::TAU
+        self.z == [-self.radius, self.radius] && self.azimuth.phi_max() >= std::f64::consts::TAU
     }
 
     fn v_of(&self, rho: f64, z: f64) -> f64 {
-        // The arc tangent keeps its digits at the poles, where the arc cosine of z / r has half of them.
+        // The arc tangent is accurate at the poles, where the arc cosine of z / r loses half of the digits.
         let theta = rho.atan2(z);
         ((theta - self.theta[0]) / (self.theta[1] - self.theta[0])).clamp(0.0, 1.0)
     }
 }
 
 /// Distance from the axis at height `z`.
-fn at_height(radius: f64, z: f64) -> f64 {
+fn radius_at(radius: f64, z: f64) -> f64 {
     ((radius - z) * (radius + z)).max(0.0).sqrt()
 }
 
-impl Swept for Sphere {
-    fn quadric(&self) -> &Revolution {
+impl SurfaceOfRevolution for Sphere {
+    fn quadric(&self) -> &QuadricOfRevolution {
         &self.quadric
     }
 
-    fn sweep(&self) -> Sweep {
-        self.sweep
+    fn azimuth(&self) -> AzimuthRange {
+        self.azimuth
     }
 
     fn profiles(&self) -> Vec<Profile> {
@@ -114,37 +114,37 @@ impl Swept for Sphere {
     }
 
     fn extent(&self) -> Bounds3 {
-        let ends = self.z.map(|z| at_height(self.radius, z));
+        let ends = self.z.map(|z| radius_at(self.radius, z));
         let widest = if self.z[0] <= 0.0 && self.z[1] >= 0.0 { self.radius } else { ends[0].max(ends[1]) };
-        self.sweep.bounds([ends[0].min(ends[1]), widest], self.z)
+        self.azimuth.bounds([ends[0].min(ends[1]), widest], self.z)
     }
 
     fn parameters(&self, p: DVec3) -> Option<DVec2> {
         if !(p.z >= self.z_clip[0] && p.z <= self.z_clip[1]) {
             return None;
         }
-        let u = self.sweep.parameter(p.x, p.y)?;
+        let u = self.azimuth.parameter(p.x, p.y)?;
         Some(DVec2::new(u, self.v_of(p.truncate().length(), p.z)))
     }
 
     fn tangents(&self, p: DVec3, uv: DVec2) -> [DVec3; 2] {
-        let radial = self.sweep.direction_of(p, uv.x);
+        let radial = self.azimuth.direction_at(p, uv.x);
         let rho = p.truncate().length();
         let dpdv = (radial * p.z).extend(-rho) * (self.theta[1] - self.theta[0]);
-        [self.sweep.derivative(p), dpdv]
+        [self.azimuth.derivative(p), dpdv]
     }
 
     fn position(&self, uv: DVec2, _near: DVec3) -> DVec3 {
         let (sin, cos) = (self.theta[0] + uv.y * (self.theta[1] - self.theta[0])).sin_cos();
         let z = (self.radius * cos).clamp(self.z[0], self.z[1]);
-        (self.sweep.direction(uv.x) * (self.radius * sin)).extend(z)
+        (self.azimuth.direction(uv.x) * (self.radius * sin)).extend(z)
     }
 
-    fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
+    fn sample_point(&self, xi: DVec2) -> (DVec3, DVec2) {
         // Archimedes: the area between two heights is proportional to their difference.
         let z = self.z[0] + xi.y * (self.z[1] - self.z[0]);
-        let rho = at_height(self.radius, z);
-        ((self.sweep.direction(xi.x) * rho).extend(z), DVec2::new(xi.x, self.v_of(rho, z)))
+        let rho = radius_at(self.radius, z);
+        ((self.azimuth.direction(xi.x) * rho).extend(z), DVec2::new(xi.x, self.v_of(rho, z)))
     }
 
     fn density(&self, _point: &SurfacePoint) -> f64 {

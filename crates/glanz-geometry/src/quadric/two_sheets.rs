@@ -2,28 +2,28 @@
 
 use glanz_math::{Bounds3, DVec2, DVec3};
 
-use super::clip::Sweep;
-use super::revolution::Revolution;
-use super::swept::{Swept, impl_ray_surface, parameter_density};
+use super::azimuth::AzimuthRange;
+use super::revolution::QuadricOfRevolution;
+use super::surface_of_revolution::{SurfaceOfRevolution, impl_ray_surface, parameter_density};
 use crate::error::{SurfaceError, finite, positive};
 use crate::hit::SurfacePoint;
 use crate::rational::Profile;
 
 /// The surface `z^2 / c^2 - (x^2 + y^2) / a^2 = 1` about the z axis, with apices at z = c and z = -c.
 ///
-/// The range of z picks one sheet or both. `u` is the azimuth as a share of its range. `v` is linear in the hyperbolic
+/// The range of z selects one sheet or both. `u` is the azimuth as a fraction of its range. `v` is linear in the hyperbolic
 /// angle s of the profile `(a sinh |s|, sign(s) c cosh s)`, from the smallest z to the largest: regular at the apices,
-/// where z is not a parameter; with both sheets kept it jumps from one apex to the other at s = 0. The normal points to
-/// the convex side of each sheet, into the gap between them. Sampled uniformly in (u, v).
+/// where z is not a regular parameter; with both sheets it jumps from one apex to the other at s = 0. The normal points to the
+/// convex side of each sheet, into the gap between them. Sampled uniformly in (u, v).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoSheetedHyperboloid {
-    quadric: Revolution,
-    sweep: Sweep,
+    quadric: QuadricOfRevolution,
+    azimuth: AzimuthRange,
     a: f64,
     c: f64,
-    /// What a hit must lie in; 0 stands for the end at an apex, where rounding must not clip.
+    /// Range of z that a hit must lie in; 0 stands for an end at an apex, where rounding must not clip.
     z_clip: [f64; 2],
-    /// The z of both ends.
+    /// z of both ends.
     heights: [f64; 2],
     /// Hyperbolic angles of both ends.
     s: [f64; 2],
@@ -31,7 +31,7 @@ pub struct TwoSheetedHyperboloid {
 
 impl TwoSheetedHyperboloid {
     /// The hyperboloid with half axes `a` (radial, m) and `c` (along z, m) between the two values of `z` (m, any
-    /// order), with azimuth up to `phi_max` (radians; more than a turn is a turn).
+    /// order), with azimuth up to `phi_max` (radians, limited to 2 pi).
     ///
     /// # Errors
     /// [`SurfaceError`] if a value is not finite, `a`, `c` or `phi_max` is not positive, or the range of z keeps
@@ -47,8 +47,13 @@ impl TwoSheetedHyperboloid {
         let heights = heights(c, z_clip);
         let slope = a / c;
         Ok(Self {
-            quadric: Revolution::new([slope * slope, 0.0, -a * a], 0.0, heights, radii[0].max(radii[1])),
-            sweep: Sweep::try_new(phi_max)?,
+            quadric: QuadricOfRevolution::new(
+                [slope * slope, 0.0, -a * a],
+                0.0,
+                heights,
+                radii[0].max(radii[1]),
+            ),
+            azimuth: AzimuthRange::try_new(phi_max)?,
             a,
             c,
             z_clip,
@@ -67,7 +72,7 @@ fn radius_at(a: f64, c: f64, z: f64) -> f64 {
     a / c * ((z.abs() - c) * (z.abs() + c)).max(0.0).sqrt()
 }
 
-/// The z of both ends, with the apex where the clip says 0.
+/// z of both ends, with that of the apex in place of 0.
 fn heights(c: f64, [low, high]: [f64; 2]) -> [f64; 2] {
     [if low == 0.0 { c } else { low }, if high == 0.0 { -c } else { high }]
 }
@@ -77,13 +82,13 @@ fn angle(a: f64, rho: f64, z: f64) -> f64 {
     (rho / a).asinh().copysign(z)
 }
 
-impl Swept for TwoSheetedHyperboloid {
-    fn quadric(&self) -> &Revolution {
+impl SurfaceOfRevolution for TwoSheetedHyperboloid {
+    fn quadric(&self) -> &QuadricOfRevolution {
         &self.quadric
     }
 
-    fn sweep(&self) -> Sweep {
-        self.sweep
+    fn azimuth(&self) -> AzimuthRange {
+        self.azimuth
     }
 
     fn profiles(&self) -> Vec<Profile> {
@@ -102,40 +107,40 @@ impl Swept for TwoSheetedHyperboloid {
     fn extent(&self) -> Bounds3 {
         let radii = self.z_clip.map(|z| radius_at(self.a, self.c, z));
         let inner = if self.z_clip[0] * self.z_clip[1] > 0.0 { radii[0].min(radii[1]) } else { 0.0 };
-        self.sweep.bounds([inner, radii[0].max(radii[1])], self.heights)
+        self.azimuth.bounds([inner, radii[0].max(radii[1])], self.heights)
     }
 
     fn parameters(&self, p: DVec3) -> Option<DVec2> {
         if !(p.z >= self.z_clip[0] && p.z <= self.z_clip[1]) {
             return None;
         }
-        let u = self.sweep.parameter(p.x, p.y)?;
+        let u = self.azimuth.parameter(p.x, p.y)?;
         let s = angle(self.a, p.truncate().length(), p.z);
         Some(DVec2::new(u, ((s - self.s[0]) / self.turn()).clamp(0.0, 1.0)))
     }
 
     fn tangents(&self, p: DVec3, uv: DVec2) -> [DVec3; 2] {
-        let radial = self.sweep.direction_of(p, uv.x);
+        let radial = self.azimuth.direction_at(p, uv.x);
         // d/ds of (a sinh |s|, sign(s) c cosh s) by the point itself: a cosh s = a |z| / c, c sinh |s| = c rho / a.
         let outward = self.a / self.c * p.z;
         let up = self.c / self.a * p.truncate().length();
-        [self.sweep.derivative(p), (radial * outward).extend(up) * self.turn()]
+        [self.azimuth.derivative(p), (radial * outward).extend(up) * self.turn()]
     }
 
     fn position(&self, uv: DVec2, near: DVec3) -> DVec3 {
         let s = self.s[0] + uv.y * self.turn();
         let z = (self.c * s.cosh()).copysign(near.z).clamp(self.heights[0], self.heights[1]);
-        (self.sweep.direction(uv.x) * (self.a * s.abs().sinh())).extend(z)
+        (self.azimuth.direction(uv.x) * (self.a * s.abs().sinh())).extend(z)
     }
 
     fn near(&self, uv: DVec2) -> DVec3 {
         let s = self.s[0] + uv.y * self.turn();
-        // At s = 0 itself the sheet is the one that is kept, the upper one if both are.
+        // At s = 0 the sheet is the one that is kept, or the upper one of two.
         let lower = s < 0.0 || (s == 0.0 && self.s[1] <= 0.0);
         if lower { -DVec3::Z } else { DVec3::Z }
     }
 
-    fn pick(&self, xi: DVec2) -> (DVec3, DVec2) {
+    fn sample_point(&self, xi: DVec2) -> (DVec3, DVec2) {
         (self.position(xi, self.near(xi)), xi)
     }
 

@@ -1,4 +1,4 @@
-//! The point of a spline surface that is nearest to a given one.
+//! The point of a spline surface nearest to a given point.
 
 use glanz_math::glam::DVec4;
 use glanz_math::rounding::UNIT_ROUNDOFF;
@@ -12,51 +12,51 @@ use crate::error::{SurfaceError, finite, positive};
 /// The nearest point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosestPoint {
-    /// Its parameters.
+    /// Its first parameter.
     pub u: f64,
-    /// Its parameters.
+    /// Its second parameter.
     pub v: f64,
     /// Its position, metres.
     pub point: DVec3,
     /// Its distance, metres.
     pub distance: f64,
-    /// No point of the surface is nearer than that, metres (but for rounding).
-    pub at_least: f64,
+    /// Lower bound on the distance of all points of the surface, metres, up to rounding.
+    pub lower_bound: f64,
 }
 
-/// After that many parts the search ends with the bound reached. Where many points are equally near, as from the
-/// middle of a sphere, no bound can part them.
-const MAX_PARTS: usize = 4096;
+/// Largest number of halved parts, after which the search ends with the bound reached. Where many points are equally near,
+/// as from the middle of a sphere, no bound separates them.
+const MAX_HALVINGS: usize = 4096;
 
-/// Newton steps; from a good start, four are enough.
-const MAX_STEPS: usize = 32;
+/// Largest number of Newton steps; from a good start, four are enough.
+const MAX_NEWTON_STEPS: usize = 32;
 
-/// A part of a Bézier piece.
-struct Part {
-    /// The piece's ranges, in which the parameters may be improved.
+/// A part of a Bézier piece, with a bound on its distance.
+struct PatchPart {
+    /// Parameter ranges of the whole piece, in which Newton's method may move.
     piece: [[f64; 2]; 2],
     range: [[f64; 2]; 2],
     counts: [usize; 2],
     points: Vec<DVec4>,
-    at_least: f64,
+    lower_bound: f64,
 }
 
-impl Part {
+impl PatchPart {
     fn center(&self) -> [f64; 2] {
         self.range.map(|[a, b]| 0.5 * (a + b))
     }
 
-    /// A bound on the distance from `query`: that of a box around the control points, or of the plane in front of
-    /// them as seen towards `towards`.
+    /// A lower bound on the distance from `query`: that of a box around the control points, or of the plane in front of all
+    /// of them at right angles to the direction to `towards`, whichever is greater.
     fn bound(&self, query: DVec3, towards: DVec3) -> f64 {
         let points = || self.points.iter().map(|p| project(*p) - query);
-        let bounds = Bounds3::of_points(points());
+        let bounds = Bounds3::from_points(points());
         let outside = bounds.min.max(-bounds.max).max(DVec3::ZERO).length();
         let direction = (towards - query).normalize_or_zero();
         points().map(|p| p.dot(direction)).fold(f64::INFINITY, f64::min).max(outside)
     }
 
-    /// Both halves, cut across the direction in which the control points go further.
+    /// Both halves, cut across the direction in which the control polygons are longer.
     fn halves(&self) -> [Self; 2] {
         let [rows, columns] = self.counts;
         let length = |a: usize, b: usize| project(self.points[a]).distance(project(self.points[b]));
@@ -72,7 +72,7 @@ impl Part {
             if cut_u { (0..columns).collect() } else { (0..rows).map(|i| i * columns).collect() };
         let (mut low, mut high) = (self.points.clone(), self.points.clone());
         for start in starts {
-            // De Casteljau at 1/2: the first points of the levels are one half, the last ones the other.
+            // De Casteljau at 1/2: the first points of all levels are the lower half, the last ones the upper half.
             let at = |i: usize| start + i * stride;
             for level in 1..steps {
                 low[at(level - 1)] = high[at(0)];
@@ -87,7 +87,7 @@ impl Part {
         [(low, 1), (high, 0)].map(|(points, end)| {
             let mut range = self.range;
             range[axis][end] = middle;
-            Self { piece: self.piece, range, counts: self.counts, points, at_least: self.at_least }
+            Self { piece: self.piece, range, counts: self.counts, points, lower_bound: self.lower_bound }
         })
     }
 }
@@ -95,29 +95,29 @@ impl Part {
 impl NurbsSurface {
     /// The point nearest to `query`, up to a difference in distance of `tolerance` (metres).
     ///
-    /// Parts of the surface are halved, those of which the control points show that they are too far away left out, the
-    /// others searched by Newton's method. Where very many points are equally near, the search ends early:
-    /// `distance - at_least` says what is open.
+    /// Parts of the surface are halved; those whose control points prove that they are too far away are dropped, the others
+    /// are searched by Newton's method. Where very many points are equally near, the search ends early, and
+    /// `distance - lower_bound` is greater than `tolerance`.
     ///
     /// # Errors
     /// A query that is not finite, a tolerance that is not positive.
     ///
     /// # Source
-    /// Newton's equations: @piegl1997 section 6.1; departure: the bounds.
+    /// Newton's equations: @piegl1997 section 6.1; departure: halving with bounds, which makes the minimum global.
     pub fn closest_point(&self, query: DVec3, tolerance: f64) -> Result<ClosestPoint, SurfaceError> {
         for value in query.to_array() {
             finite("query", value)?;
         }
         positive("tolerance of the distance", tolerance)?;
-        let mut open: Vec<Part> = Vec::new();
+        let mut open: Vec<PatchPart> = Vec::new();
         let mut best: Option<([f64; 2], DVec3, f64)> = None;
-        let mut add = |mut part: Part, open: &mut Vec<Part>| {
+        let mut add = |mut part: PatchPart, open: &mut Vec<PatchPart>| {
             let found = self.improve(query, part.center(), part.piece);
             if best.is_none_or(|(_, _, distance)| found.2 < distance) {
                 best = Some(found);
             }
             let [u, v] = part.center();
-            part.at_least = part.bound(query, self.point(u, v)).max(part.at_least);
+            part.lower_bound = part.bound(query, self.point(u, v)).max(part.lower_bound);
             open.push(part);
             best.map_or(f64::INFINITY, |b| b.2)
         };
@@ -125,34 +125,36 @@ impl NurbsSurface {
         for piece in self.bezier_patches()? {
             let (range, (p, q)) = ([piece.u, piece.v], piece.patch.degrees());
             let points = piece.patch.control_points().to_vec();
-            let part = Part { piece: range, range, counts: [p + 1, q + 1], points, at_least: 0.0 };
+            let part = PatchPart { piece: range, range, counts: [p + 1, q + 1], points, lower_bound: 0.0 };
             least = add(part, &mut open);
         }
-        let mut at_least = least;
-        for _ in 0..MAX_PARTS {
-            open.retain(|part| part.at_least < least - tolerance);
-            let nearest = (0..open.len()).min_by(|a, b| open[*a].at_least.total_cmp(&open[*b].at_least));
+        let mut lower_bound = least;
+        for _ in 0..MAX_HALVINGS {
+            open.retain(|part| part.lower_bound < least - tolerance);
+            let nearest =
+                (0..open.len()).min_by(|a, b| open[*a].lower_bound.total_cmp(&open[*b].lower_bound));
             let Some(nearest) = nearest else { break };
             for half in open.swap_remove(nearest).halves() {
                 least = add(half, &mut open);
             }
         }
-        if let Some(bound) = open.iter().map(|part| part.at_least).min_by(f64::total_cmp) {
-            at_least = at_least.min(bound);
+        if let Some(bound) = open.iter().map(|part| part.lower_bound).min_by(f64::total_cmp) {
+            lower_bound = lower_bound.min(bound);
         }
-        at_least = at_least.min(least - tolerance).max(0.0);
+        lower_bound = lower_bound.min(least - tolerance).max(0.0);
         let ([u, v], point, distance) = best.unwrap_or(([f64::NAN; 2], DVec3::NAN, f64::INFINITY));
-        Ok(ClosestPoint { u, v, point, distance, at_least })
+        Ok(ClosestPoint { u, v, point, distance, lower_bound })
     }
 
-    /// A local minimum of the distance within `ranges`, by Newton's method with steps halved until they improve.
+    /// A local minimum of the distance within `ranges`, by Newton's method; each step is halved until the distance
+    /// decreases.
     fn improve(&self, query: DVec3, start: [f64; 2], ranges: [[f64; 2]; 2]) -> ([f64; 2], DVec3, f64) {
         let [mut u, mut v] = start;
         let mut point = self.point(u, v);
-        for _ in 0..MAX_STEPS {
+        for _ in 0..MAX_NEWTON_STEPS {
             let Some((du, dv)) = self.newton_step(query, [u, v], ranges) else { break };
             let distance2 = (point - query).length_squared();
-            let shorter = (0..MAX_STEPS).find_map(|halvings| {
+            let shorter = (0..MAX_NEWTON_STEPS).find_map(|halvings| {
                 let scale = 0.5_f64.powi(halvings as i32);
                 let at = |x: f64, d: f64, [a, b]: [f64; 2]| (x + d * scale).clamp(a, b);
                 let (u, v) = (at(u, du, ranges[0]), at(v, dv, ranges[1]));
@@ -169,8 +171,8 @@ impl NurbsSurface {
         ([u, v], point, point.distance(query))
     }
 
-    /// Newton's step for `|S - q|^2`, or Gauss's where the second derivatives do not point to a minimum. A parameter
-    /// at the end of its range that would leave it stands still. `None` where nothing is left to improve.
+    /// Newton's step for `|S - q|^2`, or the Gauss-Newton step where the Hessian is not positive definite. A parameter that
+    /// would leave its range stays at its end. `None` at a stationary point.
     fn newton_step(&self, query: DVec3, [u, v]: [f64; 2], ranges: [[f64; 2]; 2]) -> Option<(f64, f64)> {
         let d = self.derivatives(u, v, 2);
         let (r, du, dv) = (d.at(0, 0) - query, d.at(1, 0), d.at(0, 1));
@@ -179,14 +181,14 @@ impl NurbsSurface {
         let (held_u, held_v) = (held(u, gu, ranges[0]), held(v, gv, ranges[1]));
         let (e, f, g) = (du.dot(du), du.dot(dv), dv.dot(dv));
         let (a, b, c) = (e + r.dot(d.at(2, 0)), f + r.dot(d.at(1, 1)), g + r.dot(d.at(0, 2)));
-        let along = |gradient: f64, newton: f64, gauss: f64| {
+        let one_parameter = |gradient: f64, newton: f64, gauss: f64| {
             let curvature = if newton > 0.0 { newton } else { gauss };
             (gradient != 0.0 && curvature > 0.0).then(|| -gradient / curvature)
         };
         match (held_u, held_v) {
             (true, true) => None,
-            (true, false) => along(gv, c, g).map(|s| (0.0, s)),
-            (false, true) => along(gu, a, e).map(|s| (s, 0.0)),
+            (true, false) => one_parameter(gv, c, g).map(|s| (0.0, s)),
+            (false, true) => one_parameter(gu, a, e).map(|s| (s, 0.0)),
             (false, false) => {
                 let newton = a > 0.0 && a * c - b * b > 0.0;
                 let (a, b, c) = if newton { (a, b, c) } else { (e, f, g) };
@@ -194,8 +196,10 @@ impl NurbsSurface {
                 if determinant > 0.0 && (gu != 0.0 || gv != 0.0) {
                     return Some(((b * gv - c * gu) / determinant, (b * gu - a * gv) / determinant));
                 }
-                // At a pole one direction says nothing.
-                along(gu, a, e).map(|s| (s, 0.0)).or_else(|| along(gv, c, g).map(|s| (0.0, s)))
+                // At a pole one of the derivatives vanishes.
+                one_parameter(gu, a, e)
+                    .map(|s| (s, 0.0))
+                    .or_else(|| one_parameter(gv, c, g).map(|s| (0.0, s)))
             }
         }
     }

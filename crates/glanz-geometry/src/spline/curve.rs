@@ -4,28 +4,29 @@ use glanz_math::DVec3;
 use glanz_math::glam::DVec4;
 
 use super::basis::Basis;
-use super::homogeneous::{binomial, check, deviation, lift_all, project};
+use super::homogeneous::{check, deviation, homogeneous_points, project};
 use super::knots::KnotVector;
 use super::polygon;
+use crate::bezier::homogeneous::project_derivatives;
 use crate::error::SurfaceError;
 
 /// A NURBS curve `sum N_i(u) w_i P_i / sum N_i(u) w_i`, metres.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RationalCurve {
+pub struct NurbsCurve {
     knots: KnotVector,
     points: Vec<DVec4>,
 }
 
-/// A piece of a curve without inner knots.
+/// A piece of a curve between two neighbouring knots.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BezierArc {
-    /// Where the piece begins and ends in the parameter of the curve.
+pub struct BezierSegment {
+    /// Start and end of the piece in the parameter of the curve.
     pub u: [f64; 2],
     /// Homogeneous Bézier points (w x, w y, w z, w), degree + 1 of them.
     pub points: Vec<DVec4>,
 }
 
-impl RationalCurve {
+impl NurbsCurve {
     /// The curve with control points in space (metres) and as many weights; without weights it is polynomial.
     ///
     /// # Errors
@@ -37,13 +38,13 @@ impl RationalCurve {
         points: &[DVec3],
         weights: Option<&[f64]>,
     ) -> Result<Self, SurfaceError> {
-        Self::from_knots(KnotVector::try_new(degree, knots)?, lift_all(points, weights)?)
+        Self::from_knots(KnotVector::try_new(degree, knots)?, homogeneous_points(points, weights)?)
     }
 
     /// The curve over checked knots with homogeneous control points (w x, w y, w z, w).
     ///
     /// # Errors
-    /// The wrong number of points, coordinates that are not finite, weights that are not positive.
+    /// A wrong number of points, coordinates that are not finite, weights that are not positive.
     pub fn from_knots(knots: KnotVector, points: Vec<DVec4>) -> Result<Self, SurfaceError> {
         check(&points, knots.count())?;
         Ok(Self { knots, points })
@@ -65,7 +66,7 @@ impl RationalCurve {
         &self.points
     }
 
-    /// The point at `u`, metres; parameters outside of the domain count as its ends.
+    /// The point at `u`, metres; parameters outside the domain are clamped to it.
     #[must_use]
     pub fn point(&self, u: f64) -> DVec3 {
         project(self.homogeneous(&Basis::at(&self.knots, u), 0))
@@ -74,20 +75,11 @@ impl RationalCurve {
     /// The point and its derivatives by u of the orders 1 to `order`.
     ///
     /// At a knot they are those of the piece that starts there.
-    ///
-    /// # Source
-    /// @markgraf2019 eq. 14.
     #[must_use]
     pub fn derivatives(&self, u: f64, order: usize) -> Vec<DVec3> {
         let basis = Basis::at(&self.knots, u);
-        let mut found: Vec<DVec3> = Vec::with_capacity(order + 1);
-        let numerators: Vec<DVec4> = (0..=order).map(|k| self.homogeneous(&basis, k)).collect();
-        let weight = numerators[0].w;
-        for (k, a) in numerators.iter().enumerate() {
-            let known = (1..=k).map(|i| binomial(k, i) * numerators[i].w * found[k - i]).sum::<DVec3>();
-            found.push((a.truncate() - known) / weight);
-        }
-        found
+        let homogeneous: Vec<DVec4> = (0..=order).map(|k| self.homogeneous(&basis, k)).collect();
+        project_derivatives(&homogeneous)
     }
 
     fn homogeneous(&self, basis: &Basis<'_>, order: usize) -> DVec4 {
@@ -96,24 +88,24 @@ impl RationalCurve {
         points.iter().zip(row).map(|(p, n)| *p * n).sum()
     }
 
-    /// The same curve with the knot `u` `times` times more.
+    /// The same curve after inserting the knot `u` `times` times.
     ///
     /// # Errors
-    /// `u` not strictly inside the domain, or there more than `degree` times then.
+    /// `u` not strictly inside the domain, or a knot that would then appear more than `degree` times.
     pub fn insert_knot(&self, u: f64, times: usize) -> Result<Self, SurfaceError> {
         Self::from_row(polygon::insert(&self.knots, &self.points, u, times)?)
     }
 
-    /// The curve without one of the knots `u`, and a bound on the distance by which points move, metres.
+    /// The curve after removing one of the knots `u`, and a bound on the distance by which points move, metres.
     ///
     /// # Errors
-    /// `u` not strictly inside the domain or no knot; [`SurfaceError::KnotNeeded`] if the bound is greater than
-    /// `tolerance` (metres), infinite where a weight would not stay positive.
+    /// `u` is not a knot strictly inside the domain; [`SurfaceError::KnotNeeded`] if the bound is greater than `tolerance`
+    /// (metres); it is infinite where a weight would not stay positive.
     pub fn remove_knot(&self, u: f64, tolerance: f64) -> Result<(Self, f64), SurfaceError> {
         let needed =
             |deviation| SurfaceError::KnotNeeded { parameter: "knot", value: u, deviation, tolerance };
         let removed = match Self::from_row(polygon::remove(&self.knots, &self.points, u)?) {
-            // A denominator that vanishes somewhere.
+            // The denominator would vanish somewhere.
             Err(SurfaceError::NotPositive { .. }) => return Err(needed(f64::INFINITY)),
             other => other?,
         };
@@ -122,23 +114,23 @@ impl RationalCurve {
         if deviation <= tolerance { Ok((removed, deviation)) } else { Err(needed(deviation)) }
     }
 
-    /// The same curve one degree higher.
+    /// The same curve with its degree raised by one.
     ///
     /// # Errors
-    /// A degree that is the highest already.
+    /// A degree that is already the highest possible.
     pub fn elevate(&self) -> Result<Self, SurfaceError> {
         Self::from_row(polygon::elevate(&self.knots, &self.points)?)
     }
 
-    /// The part between two parameters, clamped.
+    /// The part between two parameters, with clamped knots.
     ///
     /// # Errors
-    /// Parameters outside of the domain or not ascending.
+    /// Parameters outside the domain or not ascending.
     pub fn restrict(&self, range: [f64; 2]) -> Result<Self, SurfaceError> {
         Self::from_row(polygon::restrict(&self.knots, &self.points, range)?)
     }
 
-    /// The parts before and after `u`, clamped; the last control point of one is the first of the other.
+    /// The parts before and after `u`, with clamped knots; the last control point of the first part is the first of the second.
     ///
     /// # Errors
     /// `u` not strictly inside the domain.
@@ -147,7 +139,7 @@ impl RationalCurve {
         Ok((self.restrict([start, u])?, self.restrict([u, end])?))
     }
 
-    /// The same curve run through backwards over the same domain.
+    /// The same curve over the same domain, reversed.
     ///
     /// # Errors
     /// Those of [`KnotVector::reversed`].
@@ -155,17 +147,17 @@ impl RationalCurve {
         Self::from_row(polygon::reverse(&self.knots, &self.points)?)
     }
 
-    /// The pieces between knots; where two meet, their control points are equal to the last bit.
+    /// The pieces between knots; the control points of neighbours at their common end are equal to the last bit.
     ///
     /// # Errors
     /// Knots so close together that a weight underflows.
-    pub fn bezier_arcs(&self) -> Result<Vec<BezierArc>, SurfaceError> {
+    pub fn bezier_segments(&self) -> Result<Vec<BezierSegment>, SurfaceError> {
         let (breaks, points) = polygon::bezier(&self.knots, &self.points)?;
         let p = self.knots.degree();
-        let arcs = breaks
+        let segments = breaks
             .windows(2)
             .enumerate()
-            .map(|(i, u)| BezierArc { u: [u[0], u[1]], points: points[i * p..=(i + 1) * p].to_vec() });
-        Ok(arcs.collect())
+            .map(|(i, u)| BezierSegment { u: [u[0], u[1]], points: points[i * p..=(i + 1) * p].to_vec() });
+        Ok(segments.collect())
     }
 }

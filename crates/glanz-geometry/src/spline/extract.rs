@@ -1,4 +1,4 @@
-//! From B-splines to Bézier patches, and to surfaces that rays can meet.
+//! Conversion of B-spline surfaces to Bézier patches, and to surfaces for rays.
 
 use super::polygon;
 use super::surface::NurbsSurface;
@@ -6,28 +6,28 @@ use crate::bezier::TensorPatch;
 use crate::error::SurfaceError;
 use crate::freeform::{Freeform, Piece};
 
-/// A piece of a surface without inner knots.
+/// A piece of a surface between neighbouring knots.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BezierPiece {
-    /// The range of the surface's u; 0 and 1 in the patch are its ends.
+    /// Range of the surface's u; its ends are 0 and 1 in the patch.
     pub u: [f64; 2],
-    /// The range of the surface's v.
+    /// Range of the surface's v.
     pub v: [f64; 2],
-    /// The same points over the unit square.
+    /// The same points, over the unit square.
     pub patch: TensorPatch,
 }
 
 impl NurbsSurface {
-    /// The pieces between knots, those of equal u side by side.
+    /// The pieces between knots, those of equal u next to each other.
     ///
-    /// Where two pieces meet, their control points are equal to the last bit. Weights that are all 1 stay 1, and so
-    /// do coordinates that all points share.
+    /// The control points of neighbours along their common border are equal to the last bit. Weights that are all 1 stay 1,
+    /// and coordinates that all points share stay as they are.
     ///
     /// # Errors
     /// Knots so close together that a weight underflows.
     ///
     /// # Source
-    /// Knots are inserted until every one stands there `degree` times (@boehm1980).
+    /// Every knot is inserted until it appears `degree` times (@boehm1980).
     pub fn bezier_patches(&self) -> Result<Vec<BezierPiece>, SurfaceError> {
         let (p, q) = (self.knots_u().degree(), self.knots_v().degree());
         let (count_u, count_v) = self.counts();
@@ -59,7 +59,7 @@ impl NurbsSurface {
         Ok(pieces)
     }
 
-    /// The surface in the form that rays meet: its Bézier patches with a hierarchy over them.
+    /// The surface as Bézier patches with a hierarchy over them, for intersection with rays.
     ///
     /// [`SurfacePoint::uv`](crate::SurfacePoint::uv) of a hit are the parameters of this surface.
     ///

@@ -3,26 +3,25 @@
 use glanz_math::DVec3;
 
 use super::basis::Basis;
-use super::curve::RationalCurve;
+use super::curve::NurbsCurve;
 use super::knots::{KnotVector, check_degree, clamped};
 use super::polygon::ControlPoint;
 use super::surface::NurbsSurface;
 use crate::error::{SurfaceError, finite};
 
-/// The matrix of the basis functions at the parameters of interpolation, factored.
+/// The LU factors of the matrix of all basis functions at the interpolation parameters.
 ///
-/// Such matrices are totally positive: elimination without exchange of rows is stable, keeps the band, and meets
-/// no pivot of 0.
+/// The matrix is totally positive: elimination without pivoting is stable, keeps the band, and no pivot is zero.
 ///
 /// # Source
 /// @deboor1977; solvability: @pumberger2010 theorem 2.1.2.4 (Schoenberg and Whitney).
-struct Collocation {
+struct CollocationMatrix {
     degree: usize,
-    /// Row i has its columns i - degree to i + degree; left of the diagonal stand the factors of elimination.
+    /// Row i holds the columns i - degree to i + degree; the factors of elimination are left of the diagonal.
     band: Vec<f64>,
 }
 
-impl Collocation {
+impl CollocationMatrix {
     fn try_new(knots: &KnotVector, parameters: &[f64]) -> Result<Self, SurfaceError> {
         let (p, count, expected) = (knots.degree(), parameters.len(), knots.count());
         if count != expected {
@@ -35,9 +34,9 @@ impl Collocation {
             finite("interpolation parameter", value)?;
             let basis = Basis::at(knots, value);
             let (first, row) = (basis.first(), basis.values());
-            let met = i >= first && i <= first + p && row[i - first] > 0.0;
-            if !met || value < start || value > end {
-                // N_i must not vanish there.
+            let is_positive = i >= first && i <= first + p && row[i - first] > 0.0;
+            if !is_positive || value < start || value > end {
+                // N_i must not vanish at parameter i.
                 let (min, max) = (knots.knots()[i].max(start), knots.knots()[i + p + 1].min(end));
                 return Err(SurfaceError::OutOfRange {
                     parameter: "interpolation parameter",
@@ -52,7 +51,7 @@ impl Collocation {
         }
         for pair in parameters.windows(2) {
             if pair[0] >= pair[1] {
-                let parameter = "the interval of interpolation";
+                let parameter = "the interval between interpolation parameters";
                 return Err(SurfaceError::EmptyRange { parameter, min: pair[0], max: pair[1] });
             }
         }
@@ -61,6 +60,7 @@ impl Collocation {
         Ok(matrix)
     }
 
+    /// Index of the entry (i, j) in the band.
     fn at(&self, i: usize, j: usize) -> usize {
         i * (2 * self.degree + 1) + j + self.degree - i
     }
@@ -69,14 +69,14 @@ impl Collocation {
         for k in 0..count {
             let pivot = self.band[self.at(k, k)];
             if pivot.is_nan() || pivot <= 0.0 {
-                let reason = "the parameters of interpolation crowd, pivot";
+                let reason = "the interpolation parameters are too close together, pivot";
                 return Err(SurfaceError::Degenerate { reason, value: pivot });
             }
             let end = (k + self.degree).min(count - 1);
             for i in k + 1..=end {
                 let factor = self.band[self.at(i, k)] / pivot;
-                let place = self.at(i, k);
-                self.band[place] = factor;
+                let position = self.at(i, k);
+                self.band[position] = factor;
                 for j in k + 1..=end {
                     let (from, to) = (self.at(k, j), self.at(i, j));
                     self.band[to] -= factor * self.band[from];
@@ -86,7 +86,7 @@ impl Collocation {
         Ok(())
     }
 
-    /// The control points for these values, one for each parameter.
+    /// The control points of the spline that takes these values, one per parameter.
     fn solve<P: ControlPoint>(&self, values: &[P]) -> Vec<P> {
         let mut found = values.to_vec();
         let (p, count) = (self.degree, values.len());
@@ -105,10 +105,10 @@ impl Collocation {
     }
 }
 
-/// Clamped knots that follow the parameters, so that interpolation there is possible.
+/// Clamped knots at averages of the parameters, for which interpolation at the parameters is possible.
 ///
 /// # Errors
-/// A degree out of range, not more parameters than the degree, those of [`KnotVector::try_new`].
+/// A degree out of range, no more parameters than the degree, those of [`KnotVector::try_new`].
 ///
 /// # Source
 /// @pumberger2010 section 2.1.2, second remark; @piegl1997 eq. 9.8.
@@ -136,7 +136,7 @@ fn chord_parameters(points: impl Iterator<Item = DVec3>) -> Option<Vec<f64>> {
     (length > 0.0 && length.is_finite()).then(|| lengths.into_iter().map(|l| l / length).collect())
 }
 
-/// The mean of the parameters of several rows of points.
+/// The mean of the chord parameters of several rows of points.
 fn mean_parameters(rows: impl Iterator<Item = Option<Vec<f64>>>) -> Result<Vec<f64>, SurfaceError> {
     let mut used = 0.0;
     let mut sums: Vec<f64> = Vec::new();
@@ -147,36 +147,36 @@ fn mean_parameters(rows: impl Iterator<Item = Option<Vec<f64>>>) -> Result<Vec<f
     }
     if sums.is_empty() {
         return Err(SurfaceError::Degenerate {
-            reason: "the points to interpolate coincide, length",
+            reason: "the points to interpolate coincide, chord length",
             value: 0.0,
         });
     }
     Ok(sums.into_iter().map(|s| s / used).collect())
 }
 
-impl RationalCurve {
-    /// The spline with these knots that is at `points` (metres) at the `parameters`, all weights 1.
+impl NurbsCurve {
+    /// The spline with these knots that passes through `points` (metres) at `parameters`, all weights 1.
     ///
-    /// The Greville abscissae of the knots are always good parameters.
+    /// The Greville abscissae of the knots are always valid parameters.
     ///
     /// # Errors
-    /// Parameters that do not ascend, or of which the i-th is not where the i-th basis function is positive; numbers
-    /// of parameters or points other than `knots.count()`; points that are not finite.
+    /// Parameters that do not ascend, or where the basis function of the same number is not positive; other than
+    /// `knots.count()` parameters or points; points that are not finite.
     pub fn interpolate_at(
         knots: KnotVector,
         parameters: &[f64],
         points: &[DVec3],
     ) -> Result<Self, SurfaceError> {
         check_points(points, knots.count())?;
-        let found = Collocation::try_new(&knots, parameters)?.solve(points);
+        let found = CollocationMatrix::try_new(&knots, parameters)?.solve(points);
         Self::from_knots(knots, found.into_iter().map(|p| p.extend(1.0)).collect())
     }
 
-    /// A spline of some degree through `points` (metres) over [0, 1], with parameters in proportion to the distances
-    /// and knots that follow them, all weights 1.
+    /// A spline of this degree through `points` (metres) over [0, 1], with chord-length parameters and averaged knots, all
+    /// weights 1.
     ///
     /// # Errors
-    /// A degree out of range, not more points than the degree, neighbours that coincide, points that are not finite.
+    /// A degree out of range, no more points than the degree, neighbours that coincide, points that are not finite.
     pub fn interpolate(degree: usize, points: &[DVec3]) -> Result<Self, SurfaceError> {
         check_points(points, points.len())?;
         let parameters = mean_parameters(std::iter::once(chord_parameters(points.iter().copied())))?;
@@ -185,11 +185,11 @@ impl RationalCurve {
 }
 
 impl NurbsSurface {
-    /// The surface with these knots that is at the points `i * count_v + j` (metres) at the parameters i of u and j of
-    /// v, all weights 1.
+    /// The surface with these knots that passes through point `i * count_v + j` (metres) at parameter i in u and j in v, all
+    /// weights 1.
     ///
     /// # Errors
-    /// Those of [`RationalCurve::interpolate_at`] in each direction.
+    /// Those of [`NurbsCurve::interpolate_at`] in each direction.
     ///
     /// # Source
     /// @pumberger2010 section 2.1.2; departure: `Q = A P B^T`.
@@ -200,8 +200,8 @@ impl NurbsSurface {
     ) -> Result<Self, SurfaceError> {
         let (count_u, count_v) = (knots_u.count(), knots_v.count());
         check_points(points, count_u.saturating_mul(count_v))?;
-        let in_u = Collocation::try_new(&knots_u, parameters_u)?;
-        let in_v = Collocation::try_new(&knots_v, parameters_v)?;
+        let in_u = CollocationMatrix::try_new(&knots_u, parameters_u)?;
+        let in_v = CollocationMatrix::try_new(&knots_v, parameters_v)?;
         let rows: Vec<Vec<DVec3>> = points.chunks_exact(count_v).map(|row| in_v.solve(row)).collect();
         let columns: Vec<Vec<DVec3>> =
             (0..count_v).map(|j| in_u.solve(&rows.iter().map(|row| row[j]).collect::<Vec<_>>())).collect();
@@ -211,18 +211,19 @@ impl NurbsSurface {
         Self::from_knots(knots_u, knots_v, net)
     }
 
-    /// A surface of these degrees through `counts[0]` times `counts[1]` points (metres, that of (i, j) at
-    /// `i * counts[1] + j`) over the unit square, with parameters in proportion to the mean distances of rows and
-    /// columns and knots that follow them, all weights 1.
+    /// A surface of these degrees over the unit square through `counts[0]` times `counts[1]` points (metres, point (i, j) at
+    /// `i * counts[1] + j`), with parameters from the mean chord lengths of rows and columns and averaged knots, all
+    /// weights 1.
     ///
     /// # Errors
-    /// Degrees out of range, not more points than the degree in a direction, rows or columns that coincide,
-    /// points that are not finite.
+    /// Degrees out of range, no more points than the degree in a direction, rows or columns that coincide, points that are
+    /// not finite.
     pub fn interpolate(
         [degree_u, degree_v]: [usize; 2],
-        [count_u, count_v]: [usize; 2],
+        counts: [usize; 2],
         points: &[DVec3],
     ) -> Result<Self, SurfaceError> {
+        let [count_u, count_v] = counts;
         check_points(points, count_u.saturating_mul(count_v))?;
         let row = |i: usize| chord_parameters((0..count_v).map(move |j| points[i * count_v + j]));
         let column = |j: usize| chord_parameters((0..count_u).map(move |i| points[i * count_v + j]));

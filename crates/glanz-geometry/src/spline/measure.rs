@@ -3,28 +3,28 @@
 use super::surface::NurbsSurface;
 use crate::error::{SurfaceError, positive};
 
-/// How a surface bends at a point, 1/m and 1/m^2. Positive where it bends towards its normal: a sphere of radius r
-/// whose normal points outwards has the principal curvatures -1/r.
+/// Curvatures of a surface at a point. They are positive where it bends towards its normal: a sphere of radius r whose
+/// normal points outwards has the principal curvatures -1/r.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Curvature {
+pub struct SurfaceCurvature {
     /// Product of the principal curvatures, 1/m^2.
     pub gaussian: f64,
     /// Mean of the principal curvatures, 1/m.
     pub mean: f64,
-    /// The least and the greatest curvature of a normal section, 1/m.
+    /// Smallest and largest curvature of a normal section, 1/m.
     pub principal: [f64; 2],
 }
 
 /// An area with an estimate of its error, m^2.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Area {
+pub struct AreaEstimate {
     /// The area.
     pub value: f64,
-    /// Estimate of its error: by how much the last refinement changed it.
+    /// Estimate of its error: the change by the last refinement.
     pub error: f64,
 }
 
-/// Abscissae and weights of Gauss's rule with 8 points over [-1, 1], of which this is the right half.
+/// Nodes and weights of Gauss's rule with 8 points over [-1, 1]; the positive half.
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -32,17 +32,17 @@ const GAUSS: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
 ];
 
-/// After that many rectangles the rest is taken as it is, with its error.
-const MAX_CELLS: usize = 1 << 15;
+/// Largest number of quartered rectangles; the rest is added as it is, with its error.
+const MAX_RECTANGLES: usize = 1 << 15;
 
-/// A rectangle of the domain with the integral over it.
-struct Cell {
+/// A rectangle of the domain with the integral of the area element over it.
+struct IntegrationCell {
     u: [f64; 2],
     v: [f64; 2],
     integral: f64,
 }
 
-impl Cell {
+impl IntegrationCell {
     fn new(surface: &NurbsSurface, u: [f64; 2], v: [f64; 2]) -> Self {
         let half = |[a, b]: [f64; 2]| (0.5 * (a + b), 0.5 * (b - a));
         let ((cu, hu), (cv, hv)) = (half(u), half(v));
@@ -68,23 +68,23 @@ impl Cell {
 }
 
 impl NurbsSurface {
-    /// The area, by Gauss's rule on rectangles that are quartered until that changes it by less than `tolerance` (m^2).
+    /// The area, by Gauss's rule on rectangles that are quartered until the sum changes by less than `tolerance` (m^2).
     ///
     /// # Errors
-    /// A tolerance that is not positive. A tolerance that cannot be reached is no error: see [`Area::error`].
+    /// A tolerance that is not positive. A tolerance that cannot be reached is not an error: see [`AreaEstimate::error`].
     ///
     /// # Source
     /// @pumberger2010 eq. 2.1.
-    pub fn area(&self, tolerance: f64) -> Result<Area, SurfaceError> {
+    pub fn area(&self, tolerance: f64) -> Result<AreaEstimate, SurfaceError> {
         positive("tolerance of the area", tolerance)?;
         let ([u0, u1], [v0, v1]) = (self.knots_u().domain(), self.knots_v().domain());
         let mut open = Vec::new();
         for u in self.knots_u().breaks().windows(2) {
             for v in self.knots_v().breaks().windows(2) {
-                open.push(Cell::new(self, [u[0], u[1]], [v[0], v[1]]));
+                open.push(IntegrationCell::new(self, [u[0], u[1]], [v[0], v[1]]));
             }
         }
-        let limit = open.len() + MAX_CELLS;
+        let limit = open.len() + MAX_RECTANGLES;
         let (mut value, mut error, mut cells) = (0.0, 0.0, 0);
         while let Some(cell) = open.pop() {
             let quarters = cell.quarters(self);
@@ -99,7 +99,7 @@ impl NurbsSurface {
                 open.extend(quarters);
             }
         }
-        Ok(Area { value, error })
+        Ok(AreaEstimate { value, error })
     }
 
     /// The curvature at (u, v); `None` where the first derivatives vanish or are parallel.
@@ -107,7 +107,7 @@ impl NurbsSurface {
     /// # Source
     /// @docarmo1976 section 3.3.
     #[must_use]
-    pub fn curvature(&self, u: f64, v: f64) -> Option<Curvature> {
+    pub fn curvature(&self, u: f64, v: f64) -> Option<SurfaceCurvature> {
         let d = self.derivatives(u, v, 2);
         let (du, dv) = (d.at(1, 0), d.at(0, 1));
         let normal = du.cross(dv).try_normalize()?;
@@ -117,10 +117,10 @@ impl NurbsSurface {
         let area2 = du.cross(dv).length_squared();
         let gaussian = (l * n - m * m) / area2;
         let mean = (e * n - 2.0 * f * m + g * l) / (2.0 * area2);
-        // Never negative but for rounding.
+        // Negative by rounding only.
         let spread = (mean * mean - gaussian).max(0.0).sqrt();
         let all = [gaussian, mean, spread];
         let principal = [mean - spread, mean + spread];
-        all.iter().all(|x| x.is_finite()).then_some(Curvature { gaussian, mean, principal })
+        all.iter().all(|x| x.is_finite()).then_some(SurfaceCurvature { gaussian, mean, principal })
     }
 }

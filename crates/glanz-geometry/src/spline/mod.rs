@@ -1,13 +1,12 @@
 //! Splines: knot vectors, basis functions, rational curves and surfaces (NURBS).
 //!
-//! A [`KnotVector`] parts the parameter interval into pieces; [`basis`] has the functions that weigh control points at
-//! a parameter. [`RationalCurve`] and [`NurbsSurface`] are made of homogeneous control points (w x, w y, w z, w)
-//! with w > 0: they are evaluated with all derivatives, refined, cut, raised in degree (`surface_edit`), put
-//! through given points (`interpolate`), measured (`measure`, `closest`), and split into Bézier patches, which rays can
-//! meet (`extract`).
+//! A [`KnotVector`] divides the parameter interval into pieces; [`basis`] holds the functions that weight control points.
+//! [`NurbsCurve`] and [`NurbsSurface`] have homogeneous control points (w x, w y, w z, w) with w > 0. Surfaces are evaluated
+//! with all derivatives (`surface`), refined, cut and raised in degree (`surface_edit`), interpolated through points
+//! (`interpolate`), measured (`measure`, `closest`), and split into Bézier patches for rays (`extract`).
 //!
 //! ```
-//! use glanz_geometry::spline::{Direction, NurbsSurface};
+//! use glanz_geometry::spline::{ParameterDirection, NurbsSurface};
 //! use glanz_math::DVec3;
 //!
 //! // A quarter of a cylinder of radius 1 and height 2 (metres): a circular arc in u, a straight line in v.
@@ -21,7 +20,7 @@
 //! assert!((p.truncate().length() - 1.0).abs() < 1e-15 && p.z == 1.0);
 //! let area = cylinder.area(1e-9)?.value;
 //! assert!((area - std::f64::consts::PI).abs() < 1e-9);
-//! let finer = cylinder.insert_knot(Direction::U, 0.4, 1)?;
+//! let finer = cylinder.insert_knot(ParameterDirection::U, 0.4, 1)?;
 //! assert_eq!(finer.bezier_patches()?.len(), 2);
 //! # Ok::<(), glanz_geometry::SurfaceError>(())
 //! ```
@@ -41,10 +40,10 @@ pub mod surface_edit;
 mod tests;
 
 pub use closest::ClosestPoint;
-pub use curve::{BezierArc, RationalCurve};
+pub use curve::{BezierSegment, NurbsCurve};
 pub use extract::BezierPiece;
 pub use interpolate::averaged_knots;
 pub use knots::{KnotVector, MAX_DEGREE};
-pub use measure::{Area, Curvature};
-pub use surface::{Derivatives, NurbsSurface};
-pub use surface_edit::Direction;
+pub use measure::{AreaEstimate, SurfaceCurvature};
+pub use surface::NurbsSurface;
+pub use surface_edit::ParameterDirection;

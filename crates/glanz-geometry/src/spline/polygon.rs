@@ -1,25 +1,24 @@
-//! Knots moved in and out of one row of control points: what curves and surfaces have in common.
+//! Knot insertion and removal in one row of control points, for curves and surfaces.
 //!
-//! Every step goes from `a` to `b` by `a + (b - a) t`, so that coordinates and weights that are equal stay so to the
-//! last bit.
+//! Every step interpolates by `a + (b - a) t`, so that coordinates and weights that are equal stay so to the last bit.
 
 use std::ops::Sub;
 
 use super::knots::{KnotVector, clamped};
-use crate::bezier::bernstein::Coefficient;
+use crate::bezier::bernstein::BernsteinCoefficient;
 use crate::error::SurfaceError;
 
-/// What control points can be made of: numbers, points of the plane or of space, homogeneous points.
-pub(crate) trait ControlPoint: Coefficient + Sub<Output = Self> {}
+/// A type of control points: numbers, points of the plane or of space, homogeneous points.
+pub(crate) trait ControlPoint: BernsteinCoefficient + Sub<Output = Self> {}
 
-impl<T> ControlPoint for T where T: Coefficient + Sub<Output = T> {}
+impl<T> ControlPoint for T where T: BernsteinCoefficient + Sub<Output = T> {}
 
-/// From `a` to `b`, exact at both ends.
+/// Linear interpolation from `a` to `b`, exact at both ends.
 pub(crate) fn mix<P: ControlPoint>(a: P, b: P, t: f64) -> P {
     if t <= 0.5 { a + (b - a) * t } else { b + (a - b) * (1.0 - t) }
 }
 
-/// Adds the knot `u` of the domain once, unless it stands there `degree` times already.
+/// Inserts the knot `u` of the domain once, unless it appears `degree` times already.
 ///
 /// # Source
 /// @boehm1980.
@@ -37,10 +36,10 @@ fn insert_once<P: ControlPoint>(p: usize, t: &mut Vec<f64>, points: &mut Vec<P>,
     t.insert(end, u);
 }
 
-/// The same row with the knot `u`, strictly inside the domain, `times` times more.
+/// The row after inserting the knot `u`, strictly inside the domain, `times` times.
 ///
 /// # Errors
-/// `u` outside of the open domain, or there more than `degree` times.
+/// `u` outside the open domain, or a knot that would then appear more than `degree` times.
 pub(crate) fn insert<P: ControlPoint>(
     knots: &KnotVector,
     points: &[P],
@@ -59,10 +58,10 @@ pub(crate) fn insert<P: ControlPoint>(
     Ok((KnotVector::try_new(knots.degree(), t)?, points))
 }
 
-/// The part of the row between two parameters of the domain, clamped there.
+/// The part of the row between two parameters of the domain, with clamped knots.
 ///
 /// # Errors
-/// Parameters outside of the domain or not ascending.
+/// Parameters outside the domain or not ascending.
 pub(crate) fn restrict<P: ControlPoint>(
     knots: &KnotVector,
     points: &[P],
@@ -84,7 +83,7 @@ pub(crate) fn restrict<P: ControlPoint>(
             insert_once(p, &mut t, &mut points, u);
         }
     }
-    // With p copies of a knot from index f on, point f - 1 lies on the spline.
+    // With p copies of a knot, the first at index f, control point f - 1 lies on the spline.
     let first = t.partition_point(|&k| k <= start) - 1 - p;
     let last = t.partition_point(|&k| k < end) - 1;
     let inner = t.iter().copied().filter(|k| *k > start && *k < end).collect();
@@ -92,11 +91,11 @@ pub(crate) fn restrict<P: ControlPoint>(
     Ok((knots, points[first..=last].to_vec()))
 }
 
-/// The ends of the pieces and their Bézier points, of which neighbours share one: piece i has those from
+/// The ends of the pieces and their Bézier points, of which neighbours share one: piece i has the points from
 /// `degree * i` to `degree * (i + 1)`.
 ///
 /// # Errors
-/// None for points that belong to the knots.
+/// Those of [`restrict`].
 pub(crate) fn bezier<P: ControlPoint>(
     knots: &KnotVector,
     points: &[P],
@@ -112,13 +111,13 @@ pub(crate) fn bezier<P: ControlPoint>(
     Ok((breaks, points))
 }
 
-/// The same row one degree higher.
+/// The row with its degree raised by one.
 ///
-/// A new control point is the mean of the polar form over all ways to leave out one of its knots. The polar form is
-/// that of the longest piece on which the point acts: from there, the others are reached with the smallest factors.
+/// A new control point is the mean of the polar form over all ways to omit one of its knots. The polar form is that of the
+/// longest piece on which the point acts, from which extrapolation to the others needs the smallest factors.
 ///
 /// # Errors
-/// A degree that is too high already.
+/// A degree that is already the highest possible.
 ///
 /// # Source
 /// @prautzsch1984; @farin2002 section 8.
@@ -129,7 +128,7 @@ pub(crate) fn elevate<P: ControlPoint>(
     let (p, [start, end]) = (knots.degree(), knots.domain());
     let distinct = knots.distinct();
     let raised: Vec<f64> = distinct.iter().flat_map(|&(k, n)| std::iter::repeat_n(k, n + 1)).collect();
-    // Each value outside of the domain has brought a knot too many.
+    // Each value outside the domain has added one knot too many.
     let before = distinct.iter().filter(|(k, _)| *k < start).count();
     let after = distinct.iter().filter(|(k, _)| *k > end).count();
     let raised = KnotVector::try_new(p + 1, raised[before..raised.len() - after].to_vec())?;
@@ -148,7 +147,7 @@ pub(crate) fn elevate<P: ControlPoint>(
     Ok((raised, points))
 }
 
-/// The longest span of the domain within [from, to], or the one next to it.
+/// The longest knot span of the domain within [from, to], or the nearest one.
 fn longest_span(knots: &KnotVector, from: f64, to: f64) -> usize {
     let t = knots.knots();
     let nearest = knots.find_span(from);
@@ -158,7 +157,7 @@ fn longest_span(knots: &KnotVector, from: f64, to: f64) -> usize {
         .fold(nearest, |best, i| if length(i) > length(best) { i } else { best })
 }
 
-/// The multi-affine symmetric function that on its diagonal is the polynomial piece over `span`.
+/// The polar form of the polynomial piece over `span`: the symmetric multi-affine function that equals it on the diagonal.
 fn polar_form<P: ControlPoint>(
     knots: &KnotVector,
     points: &[P],
@@ -176,17 +175,16 @@ fn polar_form<P: ControlPoint>(
     work[0]
 }
 
-/// The row without one of the knots `u`, strictly inside the domain: nearly the same spline if it is smooth enough
-/// there.
+/// The row after removing one of the knots `u`, strictly inside the domain; the same spline if it is smooth enough there.
 ///
-/// The points of the new row are computed from both sides, each with the equations that it may divide by 1/2 or more;
-/// the one equation that is left over is not fulfilled but measures the error.
+/// The points of the new row are computed from both ends, with those equations whose divisor is 1/2 or more; the one
+/// equation that remains is not solved, its residual is the error.
 ///
 /// # Errors
-/// `u` outside of the open domain, or no knot.
+/// `u` outside the open domain, or not a knot.
 ///
 /// # Source
-/// @tiller1992; departure: where the two sides meet.
+/// @tiller1992; departure: the equation that remains.
 pub(crate) fn remove<P: ControlPoint>(
     knots: &KnotVector,
     points: &[P],
@@ -201,23 +199,23 @@ pub(crate) fn remove<P: ControlPoint>(
     let last = t.partition_point(|&k| k <= u) - 1;
     t.remove(last);
     let (from, to) = (last - p, last - multiplicity);
-    let share = |i: usize| (u - t[i]) / (t[i + p] - t[i]);
-    // points[i] = share(i) new[i] + (1 - share(i)) new[i - 1] for from <= i <= to.
-    let meet = (from..to).find(|i| share(*i) < 0.5).unwrap_or(to);
+    let weight = |i: usize| (u - t[i]) / (t[i + p] - t[i]);
+    // points[i] = weight(i) new[i] + (1 - weight(i)) new[i - 1] for from <= i <= to.
+    let split = (from..to).find(|i| weight(*i) < 0.5).unwrap_or(to);
     let mut new = points.to_vec();
     new.remove(to);
-    for i in from..meet {
-        let a = share(i);
+    for i in from..split {
+        let a = weight(i);
         new[i] = new[i - 1] + (points[i] - new[i - 1]) * (1.0 / a);
     }
-    for i in (meet + 1..=to).rev() {
-        let a = share(i);
+    for i in (split + 1..=to).rev() {
+        let a = weight(i);
         new[i - 1] = new[i] + (points[i] - new[i]) * (1.0 / (1.0 - a));
     }
     Ok((KnotVector::try_new(p, t)?, new))
 }
 
-/// The same row run through backwards.
+/// The same spline reversed.
 ///
 /// # Errors
 /// See [`KnotVector::reversed`].

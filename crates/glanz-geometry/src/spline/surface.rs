@@ -5,12 +5,14 @@ use glanz_math::rounding::{UNIT_ROUNDOFF, gamma};
 use glanz_math::{Bounds3, DVec3};
 
 use super::basis::Basis;
-use super::homogeneous::{binomial, check, lift_all, project};
+use super::homogeneous::{check, homogeneous_points, project};
 use super::knots::{KnotVector, check_degree};
 use super::polygon;
+use crate::bezier::Derivatives;
+use crate::bezier::homogeneous::derivative_index;
 use crate::error::{SurfaceError, finite};
 
-/// A NURBS surface `sum N_i(u) N_j(v) w_ij P_ij / sum N_i(u) N_j(v) w_ij`, metres; its normal is that of
+/// A NURBS surface `sum N_i(u) N_j(v) w_ij P_ij / sum N_i(u) N_j(v) w_ij`, metres; its normal points along
 /// `dS/du x dS/dv`.
 ///
 /// # Source
@@ -19,51 +21,24 @@ use crate::error::{SurfaceError, finite};
 pub struct NurbsSurface {
     knots_u: KnotVector,
     knots_v: KnotVector,
-    /// Homogeneous; that of (i, j) at i * count_v + j.
+    /// Homogeneous control points; (i, j) is at i * count_v + j.
     points: Vec<DVec4>,
     bounds: Bounds3,
 }
 
-/// The partial derivatives of a surface at one point up to some total order.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Derivatives {
-    order: usize,
-    /// That of (k, l) at k (order + 1) + l.
-    values: Vec<DVec3>,
-}
-
-impl Derivatives {
-    /// The derivative k times by u and l times by v, metres; `None` where k + l is greater than the order.
-    #[must_use]
-    pub fn get(&self, k: usize, l: usize) -> Option<DVec3> {
-        let known = k <= self.order && l <= self.order - k;
-        known.then(|| self.values[k * (self.order + 1) + l])
-    }
-
-    /// Highest total order.
-    #[must_use]
-    pub fn order(&self) -> usize {
-        self.order
-    }
-
-    /// The derivative of an order that was asked for.
-    pub(crate) fn at(&self, k: usize, l: usize) -> DVec3 {
-        self.get(k, l).unwrap_or(DVec3::ZERO)
-    }
-}
-
 impl NurbsSurface {
-    /// The surface with homogeneous control points (w x, w y, w z, w), those of equal u side by side: that of (i, j)
-    /// stands at `i * count_v + j`, where `count_v = knots_v.len() - degree_v - 1`.
+    /// The surface with homogeneous control points (w x, w y, w z, w), those of equal u next to each other: point (i, j) is
+    /// at `i * count_v + j`, where `count_v = knots_v.len() - degree_v - 1`. `degrees` and `knots` are those in u and in v.
     ///
     /// # Errors
-    /// Those of [`KnotVector::try_new`] for each direction; the wrong number of points, coordinates that are not
-    /// finite, weights that are not positive.
+    /// Those of [`KnotVector::try_new`] for each direction; a wrong number of points, coordinates that are not finite,
+    /// weights that are not positive.
     pub fn try_new(
-        [degree_u, degree_v]: [usize; 2],
-        [knots_u, knots_v]: [Vec<f64>; 2],
+        degrees: [usize; 2],
+        knots: [Vec<f64>; 2],
         points: Vec<DVec4>,
     ) -> Result<Self, SurfaceError> {
+        let ([degree_u, degree_v], [knots_u, knots_v]) = (degrees, knots);
         let knots_u = KnotVector::checked("knot in u", degree_u, knots_u)?;
         let knots_v = KnotVector::checked("knot in v", degree_v, knots_v)?;
         Self::from_knots(knots_u, knots_v, points)
@@ -80,20 +55,20 @@ impl NurbsSurface {
         points: &[DVec3],
         weights: Option<&[f64]>,
     ) -> Result<Self, SurfaceError> {
-        Self::try_new(degrees, knots, lift_all(points, weights)?)
+        Self::try_new(degrees, knots, homogeneous_points(points, weights)?)
     }
 
-    /// The surface over checked knots.
+    /// The surface over checked knots, with homogeneous control points in the order of [`Self::try_new`].
     ///
     /// # Errors
-    /// The wrong number of points, coordinates that are not finite, weights that are not positive.
+    /// A wrong number of points, coordinates that are not finite, weights that are not positive.
     pub fn from_knots(
         knots_u: KnotVector,
         knots_v: KnotVector,
         points: Vec<DVec4>,
     ) -> Result<Self, SurfaceError> {
         check(&points, knots_u.count().saturating_mul(knots_v.count()))?;
-        let bounds = Bounds3::of_points(points.iter().map(|p| project(*p)));
+        let bounds = Bounds3::from_points(points.iter().map(|p| project(*p)));
         Ok(Self { knots_u, knots_v, points, bounds })
     }
 
@@ -115,7 +90,7 @@ impl NurbsSurface {
         (self.knots_u.count(), self.knots_v.count())
     }
 
-    /// Homogeneous control points; that of (i, j) stands at `i * count_v + j`.
+    /// Homogeneous control points; point (i, j) is at `i * count_v + j`.
     #[must_use]
     pub fn control_points(&self) -> &[DVec4] {
         &self.points
@@ -127,13 +102,13 @@ impl NurbsSurface {
         self.points.iter().all(|p| p.w == 1.0)
     }
 
-    /// A box around all control points, and so around the surface.
+    /// A box around all control points, which also contains the surface.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         self.bounds
     }
 
-    /// The point at (u, v), metres; parameters outside of the domain count as its nearer end.
+    /// The point at (u, v), metres; parameters outside the domain are clamped to it.
     #[must_use]
     pub fn point(&self, u: f64, v: f64) -> DVec3 {
         project(self.homogeneous([&Basis::at(&self.knots_u, u), &Basis::at(&self.knots_v, v)], [0, 0]))
@@ -148,52 +123,30 @@ impl NurbsSurface {
         let bases = [&Basis::at(&self.knots_u, u), &Basis::at(&self.knots_v, v)];
         let value = self.homogeneous(bases, [0, 0]);
         let point = project(value);
-        let along = |orders| {
+        let tangent = |orders| {
             let a = self.homogeneous(bases, orders);
             (a.truncate() - a.w * point) / value.w
         };
-        (point, along([1, 0]), along([0, 1]))
+        (point, tangent([1, 0]), tangent([0, 1]))
     }
 
     /// All partial derivatives up to a total `order`.
     ///
     /// At a knot they are those of the piece that starts there.
-    ///
-    /// # Source
-    /// @markgraf2019 eq. 22.
     #[must_use]
     pub fn derivatives(&self, u: f64, v: f64, order: usize) -> Derivatives {
         let bases = [&Basis::at(&self.knots_u, u), &Basis::at(&self.knots_v, v)];
-        let side = order + 1;
-        let at = |k: usize, l: usize| k * side + l;
-        let mut numerators = vec![DVec4::ZERO; side * side];
-        let mut values = vec![DVec3::ZERO; side * side];
-        for k in 0..=order {
-            for l in 0..=order - k {
-                numerators[at(k, l)] = self.homogeneous(bases, [k, l]);
-            }
+        let mut homogeneous = vec![DVec4::ZERO; derivative_index(0, order) + 1];
+        for (k, l) in (0..=order).flat_map(|k| (0..=order - k).map(move |l| (k, l))) {
+            homogeneous[derivative_index(k, l)] = self.homogeneous(bases, [k, l]);
         }
-        let weight = numerators[0].w;
-        for k in 0..=order {
-            for l in 0..=order - k {
-                let mut rest = numerators[at(k, l)].truncate();
-                for i in 0..=k {
-                    // The term with i = j = 0 is the one that is looked for.
-                    for j in usize::from(i == 0)..=l {
-                        let factor = binomial(k, i) * binomial(l, j) * numerators[at(i, j)].w;
-                        rest -= factor * values[at(k - i, l - j)];
-                    }
-                }
-                values[at(k, l)] = rest / weight;
-            }
-        }
-        Derivatives { order, values }
+        Derivatives::project(order, &homogeneous)
     }
 
-    /// The unit normal, that of `dS/du x dS/dv`.
+    /// The unit normal along `dS/du x dS/dv`.
     ///
-    /// Where the derivatives vanish or are parallel, as in the pole of a sphere, it is the limit on the way to the
-    /// middle of the domain. `None` where there is no such limit within two orders or a small step.
+    /// Where the derivatives vanish or are parallel, as at the pole of a sphere, it is the limit along the line to the
+    /// middle of the domain. `None` where the limit does not exist up to second order nor after a small step.
     ///
     /// # Source
     /// @markgraf2019 eq. 27, corrected: first derivatives, u before v.
@@ -202,8 +155,8 @@ impl NurbsSurface {
         let (u, v) = (self.knots_u.clamp(u), self.knots_v.clamp(v));
         let (_, du, dv) = self.tangents(u, v);
         let ([u0, u1], [v0, v1]) = (self.knots_u.domain(), self.knots_v.domain());
-        // The area per parameters of a surface of this size that is run through evenly; the derivatives carry about
-        // as many roundings as the degrees have steps.
+        // The area element of a surface of this size at constant speed; the derivatives carry a few roundings per step of
+        // the recursion.
         let usual = self.bounds.min.distance_squared(self.bounds.max) / ((u1 - u0) * (v1 - v0));
         let steps = 8 * (self.knots_u.degree() + self.knots_v.degree()) as u32;
         let negligible = gamma(steps) * usual;
@@ -219,7 +172,7 @@ impl NurbsSurface {
         if limit.length() > negligible {
             return limit.try_normalize();
         }
-        // Of a zero of higher order, a step of the root of the roundoff leaves half of the digits.
+        // At a zero of higher order, a step of the root of the roundoff leaves half of the digits.
         let step = UNIT_ROUNDOFF.sqrt();
         let (_, du, dv) = self.tangents(u + to_u * step, v + to_v * step);
         du.cross(dv).try_normalize()
@@ -237,12 +190,12 @@ impl NurbsSurface {
         sum
     }
 
-    /// A surface that is closed in u, in v, or in both, from control points that are given once.
+    /// A surface that is closed in u, in v, or in both, from control points that are not repeated.
     ///
-    /// In a periodic direction with `n` control points there are `n + 1` knots: those of one period, the first and
-    /// the last being the same place. Point i acts between the knots `i - degree` and `i + 1`, counted round. In the
-    /// other direction knots are as in [`Self::try_new`]. The surface is clamped; at the seam its control points are
-    /// equal to the last bit.
+    /// In a periodic direction with `n` control points there are `n + 1` knots: one period, whose first and last knot
+    /// coincide. Point i acts between the knots `i - degree` and `i + 1`, modulo the period. In the other direction, knots
+    /// are as in [`Self::try_new`]. The result is clamped; its control points on both sides of the seam are equal to the
+    /// last bit.
     ///
     /// # Errors
     /// Those of [`Self::try_new`], and fewer than 2 knots in a periodic direction.
@@ -285,8 +238,8 @@ impl NurbsSurface {
         Ok(closed)
     }
 
-    /// The row operation `change` done to every row of control points that runs along v.
-    pub(crate) fn along_v(
+    /// Applies `change` to every row of control points along v.
+    pub(super) fn map_rows_v(
         &self,
         change: impl Fn(&KnotVector, &[DVec4]) -> Result<(KnotVector, Vec<DVec4>), SurfaceError>,
     ) -> Result<Self, SurfaceError> {
@@ -300,9 +253,9 @@ impl NurbsSurface {
         Self::from_knots(self.knots_u.clone(), knots, points)
     }
 
-    /// The same surface with u and v exchanged; its normal points to the other side.
+    /// The surface with u and v exchanged; its normal points to the other side.
     #[must_use]
-    pub fn swapped(&self) -> Self {
+    pub fn transposed(&self) -> Self {
         let (count_u, count_v) = self.counts();
         let points = (0..count_v).flat_map(|j| (0..count_u).map(move |i| self.points[i * count_v + j]));
         Self {
@@ -313,17 +266,17 @@ impl NurbsSurface {
         }
     }
 
-    /// The part over a rectangle of the domain, [u, v], clamped.
+    /// The part over the rectangle [u, v] of the domain, with clamped knots.
     ///
     /// # Errors
-    /// Parameters outside of the domain or not ascending.
+    /// Parameters outside the domain or not ascending.
     pub fn restrict(&self, [range_u, range_v]: [[f64; 2]; 2]) -> Result<Self, SurfaceError> {
-        let along_v = self.along_v(|t, row| polygon::restrict(t, row, range_v))?;
-        Ok(along_v.swapped().along_v(|t, row| polygon::restrict(t, row, range_u))?.swapped())
+        let strip = self.map_rows_v(|t, row| polygon::restrict(t, row, range_v))?;
+        Ok(strip.transposed().map_rows_v(|t, row| polygon::restrict(t, row, range_u))?.transposed())
     }
 }
 
-/// The knots of one period, continued by `degree` knots on either side.
+/// The knots of one period, continued by `degree` knots on each side.
 fn unroll(parameter: &'static str, degree: usize, period: &[f64]) -> Result<Vec<f64>, SurfaceError> {
     let (count, min) = (period.len(), 2);
     if count < min {

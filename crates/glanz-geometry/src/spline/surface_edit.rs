@@ -1,71 +1,76 @@
-//! Changes of a surface that leave its shape alone, and curves on it.
+//! Edits of a surface that keep its shape, and curves on it.
 
 use glanz_math::glam::DVec4;
 
 use super::basis::Basis;
-use super::curve::RationalCurve;
+use super::curve::NurbsCurve;
 use super::homogeneous::deviation;
 use super::knots::KnotVector;
 use super::polygon;
 use super::surface::NurbsSurface;
 use crate::error::SurfaceError;
 
-/// One of the two directions of a surface.
+/// One of the two parameter directions of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
-    /// That of the first parameter.
+pub enum ParameterDirection {
+    /// Along the first parameter.
     U,
-    /// That of the second parameter.
+    /// Along the second parameter.
     V,
 }
 
 impl NurbsSurface {
     /// Knots and degree in one direction.
     #[must_use]
-    pub fn knots(&self, direction: Direction) -> &KnotVector {
+    pub fn knots(&self, direction: ParameterDirection) -> &KnotVector {
         match direction {
-            Direction::U => self.knots_u(),
-            Direction::V => self.knots_v(),
+            ParameterDirection::U => self.knots_u(),
+            ParameterDirection::V => self.knots_v(),
         }
     }
 
-    fn along(
+    fn map_rows(
         &self,
-        direction: Direction,
+        direction: ParameterDirection,
         change: impl Fn(&KnotVector, &[DVec4]) -> Result<(KnotVector, Vec<DVec4>), SurfaceError>,
     ) -> Result<Self, SurfaceError> {
         match direction {
-            Direction::U => Ok(self.swapped().along_v(change)?.swapped()),
-            Direction::V => self.along_v(change),
+            ParameterDirection::U => Ok(self.transposed().map_rows_v(change)?.transposed()),
+            ParameterDirection::V => self.map_rows_v(change),
         }
     }
 
-    /// The same surface with the knot `value` `times` times more.
+    /// The same surface after inserting the knot `value` `times` times.
     ///
     /// # Errors
-    /// A value not strictly inside the domain, or there more than `degree` times then.
-    pub fn insert_knot(&self, direction: Direction, value: f64, times: usize) -> Result<Self, SurfaceError> {
-        self.along(direction, |t, row| polygon::insert(t, row, value, times))
+    /// A value not strictly inside the domain, or one that would then appear more than `degree` times.
+    pub fn insert_knot(
+        &self,
+        direction: ParameterDirection,
+        value: f64,
+        times: usize,
+    ) -> Result<Self, SurfaceError> {
+        self.map_rows(direction, |t, row| polygon::insert(t, row, value, times))
     }
 
-    /// The surface without one of the knots `value`, and a bound on the distance by which points move, metres.
+    /// The surface after removing one of the knots `value`, and a bound on the distance by which points move, metres.
     ///
     /// # Errors
-    /// A value not strictly inside the domain or no knot; [`SurfaceError::KnotNeeded`] if the bound is greater than
-    /// `tolerance` (metres), infinite where a weight would not stay positive.
+    /// A value that is not a knot strictly inside the domain; [`SurfaceError::KnotNeeded`] if the bound is greater than
+    /// `tolerance` (metres); it is infinite where a weight would not stay positive.
     pub fn remove_knot(
         &self,
-        direction: Direction,
+        direction: ParameterDirection,
         value: f64,
         tolerance: f64,
     ) -> Result<(Self, f64), SurfaceError> {
         let parameter = match direction {
-            Direction::U => "knot in u",
-            Direction::V => "knot in v",
+            ParameterDirection::U => "knot in u",
+            ParameterDirection::V => "knot in v",
         };
         let needed = |deviation| SurfaceError::KnotNeeded { parameter, value, deviation, tolerance };
-        let removed = match self.along(direction, |t, row| polygon::remove(t, row, value)) {
-            // A denominator that vanishes somewhere.
+        let removed = match self.map_rows(direction, |t, row| polygon::remove(t, row, value)) {
+            // The denominator would vanish somewhere.
             Err(SurfaceError::NotPositive { .. }) => return Err(needed(f64::INFINITY)),
             other => other?,
         };
@@ -74,51 +79,49 @@ impl NurbsSurface {
         if deviation <= tolerance { Ok((removed, deviation)) } else { Err(needed(deviation)) }
     }
 
-    /// The same surface one degree higher in one direction.
+    /// The same surface with its degree raised by one in one direction.
     ///
     /// # Errors
-    /// A degree that is the highest already.
-    pub fn elevate(&self, direction: Direction) -> Result<Self, SurfaceError> {
-        self.along(direction, polygon::elevate)
+    /// A degree that is already the highest possible.
+    pub fn elevate(&self, direction: ParameterDirection) -> Result<Self, SurfaceError> {
+        self.map_rows(direction, polygon::elevate)
     }
 
-    /// The parts before and after a parameter, clamped there and at the ends of that direction; at the cut their
-    /// control points are equal to the last bit.
+    /// The parts before and after a parameter, both with clamped knots in that direction; their control points at the cut
+    /// are equal to the last bit.
     ///
     /// # Errors
     /// A value not strictly inside the domain.
-    pub fn split(&self, direction: Direction, value: f64) -> Result<(Self, Self), SurfaceError> {
+    pub fn split(&self, direction: ParameterDirection, value: f64) -> Result<(Self, Self), SurfaceError> {
         let [start, end] = self.knots(direction).domain();
-        let part = |range| self.along(direction, |t, row| polygon::restrict(t, row, range));
+        let part = |range| self.map_rows(direction, |t, row| polygon::restrict(t, row, range));
         Ok((part([start, value])?, part([value, end])?))
     }
 
-    /// The same surface run through backwards in one direction over the same domain; its normal points to the other
-    /// side.
+    /// The same surface over the same domain, reversed in one direction; its normal points to the other side.
     ///
     /// # Errors
     /// Those of [`KnotVector::reversed`].
-    pub fn reversed(&self, direction: Direction) -> Result<Self, SurfaceError> {
-        self.along(direction, polygon::reverse)
+    pub fn reversed(&self, direction: ParameterDirection) -> Result<Self, SurfaceError> {
+        self.map_rows(direction, polygon::reverse)
     }
 
-    /// The curve on which the parameter of `fixed` has this value and the other one runs; values outside of the domain
-    /// count as its nearer end.
+    /// The isoparametric curve on which the parameter of `fixed` has this value; values outside the domain are clamped to
+    /// it.
     ///
     /// # Errors
-    /// None but for weights that underflow.
-    pub fn isocurve(&self, fixed: Direction, value: f64) -> Result<RationalCurve, SurfaceError> {
-        let turned = match fixed {
-            Direction::U => self.clone(),
-            Direction::V => self.swapped(),
+    /// Weights that underflow.
+    pub fn isocurve(&self, fixed: ParameterDirection, value: f64) -> Result<NurbsCurve, SurfaceError> {
+        let oriented = match fixed {
+            ParameterDirection::U => self.clone(),
+            ParameterDirection::V => self.transposed(),
         };
-        let basis = Basis::at(turned.knots_u(), value);
+        let basis = Basis::at(oriented.knots_u(), value);
         let (row, first) = (basis.values(), basis.first());
-        let (count, degree) = (turned.knots_v().count(), turned.knots_u().degree());
+        let (count, degree) = (oriented.knots_v().count(), oriented.knots_u().degree());
         let points = (0..count).map(|j| {
-            let along_u = (first..=first + degree).zip(row);
-            along_u.map(|(i, n)| turned.control_points()[i * count + j] * n).sum()
+            (first..=first + degree).zip(row).map(|(i, n)| oriented.control_points()[i * count + j] * n).sum()
         });
-        RationalCurve::from_knots(turned.knots_v().clone(), points.collect())
+        NurbsCurve::from_knots(oriented.knots_v().clone(), points.collect())
     }
 }

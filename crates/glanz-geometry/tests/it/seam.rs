@@ -7,7 +7,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use glanz_geometry::spline::{Direction, NurbsSurface};
+use glanz_geometry::spline::{NurbsSurface, ParameterDirection};
 use glanz_geometry::trim::{TrimCurve, TrimLoop, TrimRegion};
 use glanz_geometry::{RaySurface, Surface};
 use glanz_math::glam::DVec4;
@@ -92,7 +92,7 @@ fn ray(targets: &[Target], index: u64) -> Ray {
 fn no_ray_slips_through_a_seam_of_trimmed_faces() {
     let rays = std::env::var("GLANZ_SEAM_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(400_000_u64);
     let waves = waves();
-    let other = waves.reversed(Direction::U).unwrap().elevate(Direction::V).unwrap();
+    let other = waves.reversed(ParameterDirection::U).unwrap().elevate(ParameterDirection::V).unwrap();
     for (flower, count) in [(false, rays / 2), (true, rays - rays / 2)] {
         let curve = closed_curve(flower, |p| p);
         let targets: Vec<Target> = (0..curve.piece_count())

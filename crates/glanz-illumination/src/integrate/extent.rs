@@ -76,7 +76,7 @@ impl Patch {
     /// `size`: that of the part in the parameters of the face.
     fn bounds(&self, size: DVec2) -> (Extent, Rates) {
         let places = || self.points.values().iter().map(|p| p.truncate() / p.w);
-        let center = Bounds3::of_points(places()).center();
+        let center = Bounds3::from_points(places()).center();
         let radius = places().fold(0.0, |most: f64, p| most.max(p.distance(center)));
         let longest = self.normals.values().iter().fold(0.0, |most: f64, n| most.max(n.length()));
         // What rounding leaves of a control point that is zero has no direction.
@@ -170,7 +170,7 @@ fn estimate(rect: &Rect, at: impl Fn(DVec2) -> Option<(DVec3, DVec3)>) -> (Exten
         .map(|k| at(rect.min + rect.size() * DVec2::new((k % GRID) as f64, (k / GRID) as f64) / steps))
         .collect();
     let known = || grid.iter().flatten().copied();
-    let center = Bounds3::of_points(known().map(|(p, _)| p)).center();
+    let center = Bounds3::from_points(known().map(|(p, _)| p)).center();
     let axis = known().map(|(_, n)| n).sum::<DVec3>().try_normalize().unwrap_or(DVec3::Z);
     // Twice the largest steps between neighbours along u and along v.
     let largest = |next: usize, skip: fn(usize) -> bool, apart: fn(DVec3, DVec3) -> f64, normal: bool| {

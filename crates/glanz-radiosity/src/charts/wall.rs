@@ -91,7 +91,11 @@ pub(super) fn faces(surfaces: &[PlacedSurface<'_>]) -> Vec<Face> {
                 && corners.iter().copied().chain(inside).all(lies)
                 && (0..corners.len()).all(is_straight);
             if is_flat {
-                faces.push(Face { bounds: Bounds3::of_points(corners.iter().copied()), corners, is_closed });
+                faces.push(Face {
+                    bounds: Bounds3::from_points(corners.iter().copied()),
+                    corners,
+                    is_closed,
+                });
             }
         }
     }
@@ -243,7 +247,7 @@ impl Plane {
             normal: side * normal,
             axes,
             first: a,
-            bounds: Bounds3::of_points(points.iter().map(|(_, at)| at.point.position)),
+            bounds: Bounds3::from_points(points.iter().map(|(_, at)| at.point.position)),
             texel: wide,
         };
         let is_flat = points.iter().all(|(sheet, at)| {

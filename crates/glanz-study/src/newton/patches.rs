@@ -128,7 +128,7 @@ impl Target {
     pub(super) fn try_new(shape: Shape) -> Result<Self, SurfaceError> {
         let points = shape.points();
         let search = Freeform::try_new(shape.pieces()?)?;
-        Ok(Self { hull: Hull::of(&points), bounds: Bounds3::of_points(points), search, shape })
+        Ok(Self { hull: Hull::of(&points), bounds: Bounds3::from_points(points), search, shape })
     }
 
     /// Diagonal of the box around the control points, metres.

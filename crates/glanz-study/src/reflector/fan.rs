@@ -70,7 +70,7 @@ fn follow(scene: &Scene, n: i32, nodes: [i32; 2]) -> FanRay {
         let mirrored = (incoming - 2.0 * normal.dot(incoming) * normal).normalize();
         let meeting = Meeting {
             tau: at.t,
-            at: Barycentric::of_parameters(at.point.uv),
+            at: Barycentric::from_parameters(at.point.uv),
             point: at.point.position,
             normal,
             mirrored,

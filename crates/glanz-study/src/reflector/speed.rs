@@ -50,7 +50,7 @@ pub(super) struct Speed {
 /// None that can happen: the parts are inside.
 fn divided(patch: &TrianglePatch, n: u32) -> Result<Vec<TrianglePatch>, SurfaceError> {
     let at =
-        |i: u32, j: u32| Barycentric::of_parameters(DVec2::new(f64::from(i), f64::from(j)) / f64::from(n));
+        |i: u32, j: u32| Barycentric::from_parameters(DVec2::new(f64::from(i), f64::from(j)) / f64::from(n));
     let mut parts = Vec::with_capacity((n as usize).pow(2));
     for (i, j) in (0..n).flat_map(|i| (0..n - i).map(move |j| (i, j))) {
         parts.push(patch.sub_triangle([at(i, j), at(i + 1, j), at(i, j + 1)])?);

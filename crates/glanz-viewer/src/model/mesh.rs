@@ -86,7 +86,7 @@ impl Surfaces {
 
     fn lay(&mut self, triangles: &Triangles) -> Result<Made, ModelError> {
         let blocks = &mut self.blocks;
-        let bounds = Bounds3::of_points(triangles.positions.iter().copied());
+        let bounds = Bounds3::from_points(triangles.positions.iter().copied());
         let origin = if bounds.is_empty() { DVec3::ZERO } else { bounds.center() };
         let (first_vertex, first_triangle) = (blocks.positions.len(), blocks.indices.len());
         let single = |v: DVec3| v.to_array().map(|x| x as f32);

@@ -33,7 +33,7 @@ impl Sheet {
     /// [`ModelError::TooMany`] control points.
     pub(super) fn lay(blocks: &mut Blocks, faces: &[Face<'_>]) -> Result<Self, ModelError> {
         let points = || faces.iter().flat_map(|face| face.patch.control_points());
-        let bounds = Bounds3::of_points(points().map(|p| p.truncate() / p.w));
+        let bounds = Bounds3::from_points(points().map(|p| p.truncate() / p.w));
         let origin = if bounds.is_empty() { DVec3::ZERO } else { bounds.center() };
         let largest = points().fold(0.0_f64, |most, p| most.max(p.w));
         let first = blocks.patches.len();

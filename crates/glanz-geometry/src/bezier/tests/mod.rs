@@ -1,6 +1,6 @@
 //! Patches against closed forms, identities and each other.
 
-mod joints;
+mod junctions;
 mod parts;
 mod quads;
 mod values;
@@ -8,11 +8,11 @@ mod values;
 use glanz_math::glam::DVec4;
 use glanz_math::{DVec2, DVec3};
 
-use super::junction::{derivative_deviation, joined};
+use super::junction::{derivative_deviation, join};
 use super::*;
 use crate::error::SurfaceError;
 
-/// Numbers in [0, 1), the same in every run.
+/// A linear congruential generator of numbers in [0, 1).
 struct Random(u64);
 
 impl Random {
@@ -50,7 +50,7 @@ fn square_grid() -> impl Iterator<Item = (f64, f64)> {
     (0..=4).flat_map(|i| (0..=4).map(move |j| (f64::from(i) / 4.0, f64::from(j) / 4.0)))
 }
 
-/// Bits of a net, -0 and 0 being the same.
+/// Bits of the coordinates of a net, with -0 as 0.
 fn bits(points: &[DVec4]) -> Vec<[u64; 4]> {
     points.iter().map(|p| p.to_array().map(|x| (x + 0.0).to_bits())).collect()
 }
@@ -77,7 +77,7 @@ fn pumberger() -> TrianglePatch {
     TrianglePatch::try_from_points(3, &points.map(DVec3::from_array), None).unwrap()
 }
 
-/// An octant of the unit sphere as (q(u), q(v)) tensor of quarter circles, its border v = 1 collapsed to the pole.
+/// An octant of the unit sphere as a tensor product of quarter circles; its border v = 1 collapses to the pole.
 fn octant() -> TensorPatch {
     // A quarter circle is (1, 0), (1, 1), (0, 1) with weights 1, 1, 2, in homogeneous form (1 - t^2, 2 t, 1 + t^2).
     let quarter = [[1.0, 0.0, 1.0], [1.0, 1.0, 1.0], [0.0, 2.0, 2.0]];

@@ -1,4 +1,4 @@
-//! Parts, other forms of the same patch, and what is no patch.
+//! Parts and other forms of the same patch, and invalid nets.
 
 use super::*;
 
@@ -34,12 +34,12 @@ fn parts_of_a_triangle_keep_the_surface() {
         let [a, b, c] = corner;
         let (ab, bc, ca) = ((a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5);
         let center = DVec2::new(0.2, 0.5);
-        let at = Barycentric::of_parameters(center);
+        let at = Barycentric::from_parameters(center);
         let three = patch.split_at(at).unwrap();
         let quarters = patch.quarters();
         let halves = patch.halves();
         let inner = [DVec2::new(0.1, 0.1), DVec2::new(0.7, 0.2), DVec2::new(0.3, 0.6)];
-        let sub = patch.sub_triangle(inner.map(Barycentric::of_parameters)).unwrap();
+        let sub = patch.sub_triangle(inner.map(Barycentric::from_parameters)).unwrap();
         let parts = [
             (&three[0], [center, b, c]),
             (&three[1], [a, center, c]),

@@ -64,7 +64,7 @@ fn paraboloid_has_its_derivatives() {
         assert_eq!((d.order(), d.get(2, 2)), (3, None));
     }
     let blossom = |x: DVec2, y: DVec2| {
-        patch.blossom(&[Barycentric::of_parameters(x), Barycentric::of_parameters(y)]).unwrap()
+        patch.blossom(&[Barycentric::from_parameters(x), Barycentric::from_parameters(y)]).unwrap()
     };
     let (x, y) = (DVec2::new(0.3, -0.4), DVec2::new(2.0, 0.7));
     assert!((blossom(x, y).z - x.dot(y)).abs() < 1e-15 && blossom(x, y).distance(blossom(y, x)) < 1e-15);

@@ -3,13 +3,13 @@
 use super::*;
 
 /// The unit circle in four arcs.
-fn circle() -> RationalCurve {
+fn circle() -> NurbsCurve {
     let corners = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
     let points = corners.map(|(x, y)| DVec3::new(f64::from(x), f64::from(y), 0.0));
     let weights: Vec<f64> =
         (0..9).map(|i: usize| if i.is_multiple_of(2) { 1.0 } else { FRAC_1_SQRT_2 }).collect();
     let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];
-    RationalCurve::try_from_points(2, knots, &points, Some(&weights)).unwrap()
+    NurbsCurve::try_from_points(2, knots, &points, Some(&weights)).unwrap()
 }
 
 #[test]
@@ -33,7 +33,7 @@ fn circle_is_round_with_exact_tangents_under_every_change() {
             assert!((d[0].dot(d[2]) + d[1].length_squared()).abs() < 1e-12);
         }
     }
-    let arcs = circle.bezier_arcs().unwrap();
+    let arcs = circle.bezier_segments().unwrap();
     assert_eq!(arcs.len(), 4);
     for pair in arcs.windows(2) {
         assert!(pair[0].points.last() == pair[1].points.first() && pair[0].u[1] == pair[1].u[0]);
@@ -45,7 +45,7 @@ fn circle_is_round_with_exact_tangents_under_every_change() {
 
 #[test]
 fn curve_derivatives_are_differences_of_the_order_below() {
-    let curve = open().isocurve(Direction::V, 2.2).unwrap();
+    let curve = open().isocurve(ParameterDirection::V, 2.2).unwrap();
     let h = 1e-5;
     for u in [0.1, 0.35, 0.77, 1.5] {
         let (d, low, high) =

@@ -1,4 +1,4 @@
-//! Knots, degrees and parts: what changes and what must not.
+//! Edits of knots and degrees keep the surface.
 
 use super::*;
 
@@ -10,18 +10,18 @@ fn as_surface(piece: &BezierPiece) -> NurbsSurface {
 }
 
 #[test]
-fn inserting_elevating_cutting_and_turning_keep_the_surface() {
+fn insertion_elevation_splitting_and_reversal_keep_the_surface() {
     for surface in [reference(), open()] {
-        let inserted = surface.insert_knot(Direction::U, 0.55, 3).unwrap();
+        let inserted = surface.insert_knot(ParameterDirection::U, 0.55, 3).unwrap();
         let [c, d] = surface.knots_v().domain();
-        let inserted = inserted.insert_knot(Direction::V, c + 0.9 * (d - c), 1).unwrap();
+        let inserted = inserted.insert_knot(ParameterDirection::V, c + 0.9 * (d - c), 1).unwrap();
         assert_eq!(inserted.counts(), (surface.counts().0 + 3, surface.counts().1 + 1));
         assert!(distance(&inserted, &surface) < 1e-12);
-        let raised = surface.elevate(Direction::U).unwrap().elevate(Direction::V).unwrap();
+        let raised = surface.elevate(ParameterDirection::U).unwrap().elevate(ParameterDirection::V).unwrap();
         assert_eq!((raised.knots_u().degree(), raised.knots_v().degree()), (4, 3));
         assert_eq!(raised.knots_u().domain(), surface.knots_u().domain());
         assert!(distance(&raised, &surface) < 1e-12, "{}", distance(&raised, &surface));
-        for direction in [Direction::U, Direction::V] {
+        for direction in [ParameterDirection::U, ParameterDirection::V] {
             let [a, b] = surface.knots(direction).domain();
             for cut in [a + 0.37 * (b - a), surface.knots(direction).inner()[0]] {
                 let (low, high) = surface.split(direction, cut).unwrap();
@@ -29,22 +29,24 @@ fn inserting_elevating_cutting_and_turning_keep_the_surface() {
                     (low.knots(direction).domain(), high.knots(direction).domain()),
                     ([a, cut], [cut, b])
                 );
-                // At the cut itself the pieces have one value, the closed end of the lower one too.
+                // The lower part is closed, so that both have a value at the cut.
                 assert!(distance(&low, &surface) < 1e-12 && distance(&high, &surface) < 1e-12);
             }
             let turned = surface.reversed(direction).unwrap().reversed(direction).unwrap();
             assert!(distance(&turned, &surface) < 1e-12);
         }
-        let backwards = surface.reversed(Direction::U).unwrap();
+        let backwards = surface.reversed(ParameterDirection::U).unwrap();
         let ([a, b], [c, d]) = (surface.knots_u().domain(), surface.knots_v().domain());
         for (u, v) in grid(surface.knots_u()).into_iter().zip(grid(surface.knots_v())) {
             assert!(backwards.point(a + (b - u), v).distance(surface.point(u, v)) < 1e-12);
-            assert!(surface.swapped().point(v, u).distance(surface.point(u, v)) < 1e-14);
+            assert!(surface.transposed().point(v, u).distance(surface.point(u, v)) < 1e-14);
             assert!(
-                surface.isocurve(Direction::U, u).unwrap().point(v).distance(surface.point(u, v)) < 1e-13
+                surface.isocurve(ParameterDirection::U, u).unwrap().point(v).distance(surface.point(u, v))
+                    < 1e-13
             );
             assert!(
-                surface.isocurve(Direction::V, v).unwrap().point(u).distance(surface.point(u, v)) < 1e-13
+                surface.isocurve(ParameterDirection::V, v).unwrap().point(u).distance(surface.point(u, v))
+                    < 1e-13
             );
         }
         let part = surface.restrict([[a + 0.2 * (b - a), b], [c, c + 0.7 * (d - c)]]).unwrap();
@@ -54,9 +56,9 @@ fn inserting_elevating_cutting_and_turning_keep_the_surface() {
 }
 
 #[test]
-fn inserted_knots_can_be_removed_and_needed_ones_cannot() {
+fn inserted_knots_can_be_removed_and_necessary_ones_cannot() {
     for surface in [reference(), open()] {
-        for direction in [Direction::U, Direction::V] {
+        for direction in [ParameterDirection::U, ParameterDirection::V] {
             let [a, b] = surface.knots(direction).domain();
             let new = a + 0.81 * (b - a);
             let finer = surface.insert_knot(direction, new, 2).unwrap();
@@ -69,15 +71,15 @@ fn inserted_knots_can_be_removed_and_needed_ones_cannot() {
             let refused = surface.remove_knot(direction, needed, 1e-6).unwrap_err();
             let SurfaceError::KnotNeeded { deviation, .. } = refused else { panic!("{refused}") };
             if deviation.is_infinite() {
-                // Without it, a weight would be negative.
+                // After removal a weight would be negative.
                 continue;
             }
             let (rougher, bound) = surface.remove_knot(direction, needed, 2.0 * deviation).unwrap();
             let true_deviation = distance(&rougher, &surface);
             assert!(bound == deviation && true_deviation <= bound && true_deviation > 1e-3 * bound);
         }
-        assert!(surface.remove_knot(Direction::U, 0.123, 1.0).is_err());
-        assert!(surface.remove_knot(Direction::U, f64::NAN, 1.0).is_err());
+        assert!(surface.remove_knot(ParameterDirection::U, 0.123, 1.0).is_err());
+        assert!(surface.remove_knot(ParameterDirection::U, f64::NAN, 1.0).is_err());
     }
 }
 
@@ -118,11 +120,11 @@ fn weights_that_are_one_stay_exactly_one_and_planes_stay_planes() {
     for piece in surface.bezier_patches().unwrap() {
         assert!(is_plane(piece.patch.control_points()));
     }
-    let raised = surface.elevate(Direction::U).unwrap().elevate(Direction::V).unwrap();
-    let cut = raised.split(Direction::U, 0.77).unwrap().0;
+    let raised = surface.elevate(ParameterDirection::U).unwrap().elevate(ParameterDirection::V).unwrap();
+    let cut = raised.split(ParameterDirection::U, 0.77).unwrap().0;
     let (removed, _) = surface
-        .insert_knot(Direction::V, 2.5, 1)
-        .and_then(|s| s.remove_knot(Direction::V, 2.5, 1e-12))
+        .insert_knot(ParameterDirection::V, 2.5, 1)
+        .and_then(|s| s.remove_knot(ParameterDirection::V, 2.5, 1e-12))
         .unwrap();
     for changed in [raised, cut, removed] {
         assert!(is_plane(changed.control_points()));
@@ -148,15 +150,16 @@ fn unusable_surfaces_are_refused() {
     let surface = reference();
     for bad in [0.0, 1.0, -3.0, f64::NAN] {
         assert!(
-            surface.split(Direction::U, bad).is_err() && surface.insert_knot(Direction::U, bad, 1).is_err()
+            surface.split(ParameterDirection::U, bad).is_err()
+                && surface.insert_knot(ParameterDirection::U, bad, 1).is_err()
         );
     }
     assert!(matches!(
-        surface.insert_knot(Direction::U, 0.4, 3),
+        surface.insert_knot(ParameterDirection::U, 0.4, 3),
         Err(SurfaceError::KnotMultiplicity { multiplicity: 4, max: 3, .. })
     ));
-    assert!(surface.insert_knot(Direction::U, 0.5, usize::MAX).is_err());
-    // Outside of the domain the nearest point of it answers; what is no number gives no number, and no panic.
+    assert!(surface.insert_knot(ParameterDirection::U, 0.5, usize::MAX).is_err());
+    // Parameters are clamped to the domain; NaN gives NaN, not a panic.
     assert_eq!(surface.point(-1.0, 7.0), surface.point(0.0, 1.0));
     assert!(surface.point(f64::NAN, 0.5).is_nan());
 }

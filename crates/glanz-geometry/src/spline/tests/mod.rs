@@ -13,7 +13,7 @@ use glanz_math::glam::DVec4;
 use super::*;
 use crate::SurfaceError;
 
-/// Of the surface with published values, degrees 3 and 2.
+/// Knots of the surface with published values, degrees 3 and 2.
 const KNOTS_U: [f64; 10] = [0.0, 0.0, 0.0, 0.0, 0.4, 0.7, 1.0, 1.0, 1.0, 1.0];
 const KNOTS_V: [f64; 8] = [0.0, 0.0, 0.0, 0.35, 0.6, 1.0, 1.0, 1.0];
 /// z of the control points (i, j, z), i = 0 to 5, j = 0 to 4.
@@ -41,7 +41,7 @@ fn reference() -> NurbsSurface {
     NurbsSurface::try_from_points([3, 2], [KNOTS_U.to_vec(), KNOTS_V.to_vec()], &points, weights).unwrap()
 }
 
-/// Some rational surface whose knots are not clamped and double in places.
+/// A rational surface with unclamped knots, some of them double.
 fn open() -> NurbsSurface {
     let knots_u = vec![-1.3, -0.5, -0.2, 0.0, 0.4, 0.4, 1.0, 1.7, 2.0, 2.2, 3.1];
     let knots_v = vec![0.0, 1.0, 1.5, 2.0, 2.0, 3.0, 3.5, 4.0];

@@ -1,6 +1,7 @@
-//! A surface of which every value is known.
+//! A surface with published values.
 
 use super::*;
+use crate::bezier::Derivatives;
 
 // 40-digit Cox-de Boor recursion (half-open spans, the last one closed) with @markgraf2019 eq. 8 and 22 to 25, done in
 // mpmath; agrees with geomdl to 2.5e-14.

@@ -1,4 +1,4 @@
-//! Spheres, tori and what goes through given points.
+//! Spheres, tori and interpolated points.
 
 use super::*;
 
@@ -28,7 +28,7 @@ fn area_of_a_sphere_octant_is_half_of_pi() {
         let area = octant().area(tolerance).unwrap();
         assert!(area.error <= tolerance && (area.value - FRAC_PI_2).abs() <= tolerance, "{area:?}");
     }
-    let parted = octant().insert_knot(Direction::U, 0.21, 2).unwrap();
+    let parted = octant().insert_knot(ParameterDirection::U, 0.21, 2).unwrap();
     assert!((parted.area(1e-10).unwrap().value - FRAC_PI_2).abs() < 1e-10);
     assert!(octant().area(0.0).is_err() && octant().area(f64::NAN).is_err());
 }
@@ -106,7 +106,7 @@ fn interpolation_reproduces_polynomials_of_its_degree() {
 }
 
 #[test]
-fn interpolation_meets_its_points_at_parameters_that_follow_the_distances() {
+fn interpolation_passes_through_its_points_at_chord_length_parameters() {
     let point = |i: usize, j: usize| {
         let (x, y) = (i as f64 * 0.7, j as f64);
         DVec3::new(x + 0.1 * y.sin(), y * y * 0.2, (x * 1.3).sin() + y.cos())
@@ -118,7 +118,7 @@ fn interpolation_meets_its_points_at_parameters_that_follow_the_distances() {
     }
     let row: Vec<DVec3> = (0..9).map(|i| point(i, 0)).collect();
     for degree in 1..=8 {
-        let curve = RationalCurve::interpolate(degree, &row).unwrap();
+        let curve = NurbsCurve::interpolate(degree, &row).unwrap();
         let lengths: Vec<f64> = row.windows(2).map(|w| w[0].distance(w[1])).collect();
         let whole: f64 = lengths.iter().sum();
         let mut run = 0.0;
@@ -127,24 +127,24 @@ fn interpolation_meets_its_points_at_parameters_that_follow_the_distances() {
             run += lengths.get(i).copied().unwrap_or(0.0);
         }
     }
-    assert!(RationalCurve::interpolate(9, &row).is_err());
-    assert!(RationalCurve::interpolate(3, &[DVec3::X; 5]).is_err());
+    assert!(NurbsCurve::interpolate(9, &row).is_err());
+    assert!(NurbsCurve::interpolate(3, &[DVec3::X; 5]).is_err());
 }
 
 #[test]
 fn interpolation_is_refused_where_a_basis_function_vanishes() {
     let knots = KnotVector::try_new(2, KNOTS_V.to_vec()).unwrap();
     let points = [DVec3::X; 5];
-    // The last basis function begins at 0.6.
-    let crowded = RationalCurve::interpolate_at(knots.clone(), &[0.0, 0.1, 0.4, 0.5, 0.6], &points);
+    // The last basis function is positive from 0.6 on.
+    let crowded = NurbsCurve::interpolate_at(knots.clone(), &[0.0, 0.1, 0.4, 0.5, 0.6], &points);
     assert!(
         matches!(crowded, Err(SurfaceError::OutOfRange { value: 0.6, min: 0.6, max: 1.0, .. })),
         "{crowded:?}"
     );
-    let twice = RationalCurve::interpolate_at(knots.clone(), &[0.0, 0.4, 0.4, 0.7, 1.0], &points);
+    let twice = NurbsCurve::interpolate_at(knots.clone(), &[0.0, 0.4, 0.4, 0.7, 1.0], &points);
     assert!(matches!(twice, Err(SurfaceError::EmptyRange { .. })), "{twice:?}");
-    assert!(RationalCurve::interpolate_at(knots.clone(), &[0.0, 0.2, f64::NAN, 0.7, 1.0], &points).is_err());
-    assert!(RationalCurve::interpolate_at(knots, &[0.0, 0.2, 0.5, 0.7, 1.1], &points).is_err());
+    assert!(NurbsCurve::interpolate_at(knots.clone(), &[0.0, 0.2, f64::NAN, 0.7, 1.0], &points).is_err());
+    assert!(NurbsCurve::interpolate_at(knots, &[0.0, 0.2, 0.5, 0.7, 1.1], &points).is_err());
 }
 
 #[test]
@@ -154,7 +154,7 @@ fn closest_point_of_a_sphere_lies_under_the_query() {
         let direction = DVec3::new(0.5, 0.3, 0.6).normalize();
         let found = sphere.closest_point(direction * query, 1e-9).unwrap();
         assert!(found.point.distance(direction) < 1e-9, "{found:?}");
-        assert!((found.distance - distance).abs() < 1e-12 && found.distance - found.at_least <= 2e-9);
+        assert!((found.distance - distance).abs() < 1e-12 && found.distance - found.lower_bound <= 2e-9);
         assert!(sphere.point(found.u, found.v) == found.point);
     }
     // Past the border: the nearest point is the corner (1, 0, 0), and from below the pole's side the pole itself.
@@ -162,9 +162,9 @@ fn closest_point_of_a_sphere_lies_under_the_query() {
     assert!(corner.point.distance(DVec3::X) < 1e-12);
     let pole = sphere.closest_point(DVec3::new(-1.0, -1.0, 2.0), 1e-9).unwrap();
     assert!(pole.point.distance(DVec3::Z) < 1e-9, "{pole:?}");
-    // From the centre all are equally near: the answer is right, the bound stays open.
+    // From the centre all points are equally near: the distance is right, the bound stays below it.
     let center = sphere.closest_point(DVec3::ZERO, 1e-9).unwrap();
-    assert!((center.distance - 1.0).abs() < 1e-14 && center.at_least > 0.99 && center.at_least <= 1.0);
+    assert!((center.distance - 1.0).abs() < 1e-14 && center.lower_bound > 0.99 && center.lower_bound <= 1.0);
     assert!(sphere.closest_point(DVec3::NAN, 1e-9).is_err());
     assert!(sphere.closest_point(DVec3::X, 0.0).is_err());
 }
@@ -183,6 +183,6 @@ fn closest_point_is_no_farther_than_any_of_a_dense_grid() {
             .map(|(u, v)| surface.point(u, v).distance(query))
             .fold(f64::INFINITY, f64::min);
         assert!(found.distance <= least && least - found.distance < 0.01, "{found:?} {least}");
-        assert!(found.distance - found.at_least <= 2e-9, "{found:?}");
+        assert!(found.distance - found.lower_bound <= 2e-9, "{found:?}");
     }
 }

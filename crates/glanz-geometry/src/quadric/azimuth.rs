@@ -1,4 +1,4 @@
-//! The sweep of the azimuth about the z axis.
+//! The range of the azimuth about the z axis.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -7,14 +7,14 @@ use glanz_math::{Bounds3, DVec2, DVec3};
 
 use crate::error::{SurfaceError, positive};
 
-/// Azimuths from 0 to `phi_max`, measured from +x to +y.
+/// The azimuths from 0 to `phi_max`, measured from +x to +y.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Sweep {
+pub(super) struct AzimuthRange {
     phi_max: f64,
 }
 
-impl Sweep {
-    /// Checks `phi_max`; more than a turn is a turn, as in pbrt.
+impl AzimuthRange {
+    /// Checks `phi_max`; values above 2 pi are a full turn, as in pbrt.
     pub(super) fn try_new(phi_max: f64) -> Result<Self, SurfaceError> {
         Ok(Self { phi_max: positive("phi_max", phi_max)?.min(TAU) })
     }
@@ -24,31 +24,31 @@ impl Sweep {
         self.phi_max
     }
 
-    /// Share of the sweep at which the direction `(x, y)` lies; `None` outside.
+    /// The azimuth of `(x, y)` as a fraction of the range; `None` outside.
     pub(super) fn parameter(self, x: f64, y: f64) -> Option<f64> {
         let phi = y.atan2(x);
         let phi = if phi < 0.0 { phi + TAU } else { phi };
-        // A full turn has no border, so that rounding at the seam cannot open one.
+        // A full turn has no border, so that rounding cannot open a gap at the seam.
         (phi <= self.phi_max || self.phi_max >= TAU).then(|| (phi / self.phi_max).min(1.0))
     }
 
-    /// The unit vector at share `u` of the sweep.
+    /// The unit vector at the fraction `u` of the range.
     pub(super) fn direction(self, u: f64) -> DVec2 {
         let (sin, cos) = (u * self.phi_max).sin_cos();
         DVec2::new(cos, sin)
     }
 
-    /// The unit vector below `p`; the one at `u` on the axis.
-    pub(super) fn direction_of(self, p: DVec3, u: f64) -> DVec2 {
+    /// The unit vector from the axis towards `p`; on the axis, the unit vector at `u`.
+    pub(super) fn direction_at(self, p: DVec3, u: f64) -> DVec2 {
         p.truncate().try_normalize().unwrap_or_else(|| self.direction(u))
     }
 
-    /// Derivative of a swept point by the share of the sweep.
+    /// Derivative of a revolved point by the fraction of the range.
     pub(super) fn derivative(self, p: DVec3) -> DVec3 {
         DVec3::new(-p.y, p.x, 0.0) * self.phi_max
     }
 
-    /// A box around what lies at radii and heights in the given ranges.
+    /// A box around all points with radius and height in the given ranges.
     pub(super) fn bounds(self, radii: [f64; 2], heights: [f64; 2]) -> Bounds3 {
         let ends = [0.0, 1.0].map(|u| self.direction(u));
         let mut flat = ends.iter().flat_map(|&e| radii.map(|r| e * r)).collect::<Vec<_>>();
@@ -59,14 +59,14 @@ impl Sweep {
             }
         }
         let [low, high] = heights;
-        let bounds = Bounds3::of_points(flat.iter().flat_map(|p| [p.extend(low), p.extend(high)]));
-        grown(bounds)
+        let bounds = Bounds3::from_points(flat.iter().flat_map(|p| [p.extend(low), p.extend(high)]));
+        widened(bounds)
     }
 }
 
-/// The box with room for the rounding of points that lie in it: refined hits are within a few units in the last place
-/// of the largest coordinate.
-pub(super) fn grown(bounds: Bounds3) -> Bounds3 {
+/// The box widened by the rounding errors of points in it: refined hits are within a few units in the last place of the
+/// largest coordinate.
+pub(super) fn widened(bounds: Bounds3) -> Bounds3 {
     let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
     bounds.expanded(gamma(64) * reach)
 }
@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn azimuths_run_from_x_over_y() {
-        let half = Sweep::try_new(std::f64::consts::PI).unwrap();
+        let half = AzimuthRange::try_new(std::f64::consts::PI).unwrap();
         assert_eq!(half.parameter(1.0, 0.0), Some(0.0));
         assert_eq!(half.parameter(0.0, 2.0), Some(0.5));
         assert_eq!(half.parameter(-1.0, 0.0), Some(1.0));
@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn a_full_turn_has_no_seam() {
-        let full = Sweep::try_new(7.0).unwrap();
+        let full = AzimuthRange::try_new(7.0).unwrap();
         assert_eq!(full.phi_max(), TAU);
         for y in [-1e-300, -0.0, 0.0, 1e-300] {
             assert!(full.parameter(1.0, y).is_some());
@@ -95,16 +95,16 @@ mod tests {
 
     #[test]
     fn bounds_of_a_quarter_ring_are_its_own() {
-        let quarter = Sweep::try_new(FRAC_PI_2).unwrap();
+        let quarter = AzimuthRange::try_new(FRAC_PI_2).unwrap();
         let b = quarter.bounds([1.0, 2.0], [3.0, 4.0]);
         assert!((b.min - DVec3::new(0.0, 0.0, 3.0)).abs().max_element() < 1e-13);
         assert!((b.max - DVec3::new(2.0, 2.0, 4.0)).abs().max_element() < 1e-13);
     }
 
     #[test]
-    fn empty_negative_and_infinite_sweeps_are_refused() {
-        assert!(Sweep::try_new(0.0).is_err());
-        assert!(Sweep::try_new(-1.0).is_err());
-        assert!(Sweep::try_new(f64::NAN).is_err());
+    fn empty_negative_and_infinite_ranges_are_refused() {
+        assert!(AzimuthRange::try_new(0.0).is_err());
+        assert!(AzimuthRange::try_new(-1.0).is_err());
+        assert!(AzimuthRange::try_new(f64::NAN).is_err());
     }
 }

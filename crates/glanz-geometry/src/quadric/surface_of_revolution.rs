@@ -1,0 +1,185 @@
+//! The implementation shared by all quadrics of revolution: hits, points and samples.
+
+use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
+
+use super::azimuth::AzimuthRange;
+use super::revolution::{QuadricCrossing, QuadricOfRevolution, point_on_ray};
+use crate::hit::{Hit, SurfacePoint, SurfaceSample};
+use crate::rational::Profile;
+
+/// Unit normal and its derivatives by both parameters.
+pub(super) struct NormalDerivatives {
+    pub(super) normal: DVec3,
+    pub(super) dndu: DVec3,
+    pub(super) dndv: DVec3,
+}
+
+/// A parameterized part of a [`QuadricOfRevolution`].
+pub(super) trait SurfaceOfRevolution {
+    /// The whole quadric.
+    fn quadric(&self) -> &QuadricOfRevolution;
+
+    /// The range of its azimuth.
+    fn azimuth(&self) -> AzimuthRange;
+
+    /// The profile curves, by ascending v.
+    fn profiles(&self) -> Vec<Profile>;
+
+    /// A box around the part.
+    fn extent(&self) -> Bounds3;
+
+    /// Parameters of a point on the quadric; `None` if the part does not contain it.
+    fn parameters(&self, p: DVec3) -> Option<DVec2>;
+
+    /// Derivatives of the position.
+    fn tangents(&self, p: DVec3, uv: DVec2) -> [DVec3; 2];
+
+    /// +1 if the cross product of the tangents points to the outside of the quadric, -1 if to the inside.
+    fn orientation(&self) -> f64 {
+        1.0
+    }
+
+    /// Normal and its derivatives.
+    fn normal_derivatives(&self, p: DVec3, _uv: DVec2, [dpdu, dpdv]: [DVec3; 2]) -> NormalDerivatives {
+        let (quadric, sign) = (self.quadric(), self.orientation());
+        let normal = quadric.normal(p);
+        NormalDerivatives {
+            normal: normal * sign,
+            dndu: quadric.normal_derivative(p, normal, dpdu) * sign,
+            dndv: quadric.normal_derivative(p, normal, dpdv) * sign,
+        }
+    }
+
+    /// The point with the given parameters; the one next to `near` if there are several.
+    fn position(&self, uv: DVec2, near: DVec3) -> DVec3;
+
+    /// The argument `near` of [`SurfaceOfRevolution::position`] without a ray.
+    fn near(&self, _uv: DVec2) -> DVec3 {
+        DVec3::ZERO
+    }
+
+    /// A random point from two uniform numbers.
+    fn sample_point(&self, xi: DVec2) -> (DVec3, DVec2);
+
+    /// Density of [`SurfaceOfRevolution::sample_point`] at a point, per m^2.
+    fn density(&self, point: &SurfacePoint) -> f64;
+}
+
+/// The first hit before `t_max`.
+pub(super) fn first(surface: &impl SurfaceOfRevolution, ray: &Ray, t_max: f64) -> Option<Hit> {
+    surface.quadric().crossings(ray).into_iter().flatten().find_map(|c| hit_in_range(surface, &c, t_max))
+}
+
+/// All hits before `t_max`.
+pub(super) fn all(surface: &impl SurfaceOfRevolution, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
+    hits.extend(
+        surface
+            .quadric()
+            .crossings(ray)
+            .into_iter()
+            .flatten()
+            .filter_map(|c| hit_in_range(surface, &c, t_max)),
+    );
+}
+
+fn hit_in_range(surface: &impl SurfaceOfRevolution, crossing: &QuadricCrossing, t_max: f64) -> Option<Hit> {
+    if !(crossing.t < t_max) {
+        return None;
+    }
+    let uv = surface.parameters(crossing.p)?;
+    Some(Hit { t: crossing.t, u: uv.x, v: uv.y, face: 0 })
+}
+
+/// The surface at a hit.
+///
+/// The position is computed from the parameters, not from t, whose digits depend on the distance of the origin: so it is
+/// within the borders, and as accurate for a distant camera as for a close one.
+pub(super) fn point_of_hit(surface: &impl SurfaceOfRevolution, ray: &Ray, hit: &Hit) -> SurfacePoint {
+    let uv = DVec2::new(hit.u, hit.v);
+    point(surface, surface.position(uv, point_on_ray(ray.origin, ray.direction, hit.t)), uv)
+}
+
+/// The surface at the given parameters.
+pub(super) fn at(surface: &impl SurfaceOfRevolution, uv: DVec2) -> SurfacePoint {
+    point(surface, surface.position(uv, surface.near(uv)), uv)
+}
+
+fn point(surface: &impl SurfaceOfRevolution, close: DVec3, uv: DVec2) -> SurfacePoint {
+    let position = surface.quadric().refined(close);
+    let tangents = surface.tangents(position, uv);
+    let NormalDerivatives { normal, dndu, dndv } = surface.normal_derivatives(position, uv, tangents);
+    SurfacePoint {
+        position,
+        error: surface.quadric().error(position),
+        normal,
+        shading_normal: normal,
+        uv,
+        dpdu: tangents[0],
+        dpdv: tangents[1],
+        dndu,
+        dndv,
+    }
+}
+
+/// A random point.
+pub(super) fn sample(surface: &impl SurfaceOfRevolution, xi: DVec2) -> SurfaceSample {
+    let (position, uv) = surface.sample_point(xi);
+    let point = point(surface, position, uv);
+    let hit = Hit { t: 0.0, u: uv.x, v: uv.y, face: 0 };
+    SurfaceSample { hit, point, pdf: AreaPdf(surface.density(&point)) }
+}
+
+/// Density per m^2 of points with uniform parameters.
+pub(super) fn parameter_density(point: &SurfacePoint) -> f64 {
+    1.0 / point.dpdu.cross(point.dpdv).length()
+}
+
+/// Implements [`crate::RaySurface`] by the functions above.
+macro_rules! impl_ray_surface {
+    ($surface:ty) => {
+        impl $surface {
+            /// The surface at the given parameters.
+            pub(crate) fn at(&self, uv: glanz_math::DVec2) -> crate::hit::SurfacePoint {
+                super::surface_of_revolution::at(self, uv)
+            }
+
+            pub(crate) fn rational_patches(&self) -> Option<Vec<crate::rational::RationalPatch>> {
+                use super::surface_of_revolution::SurfaceOfRevolution;
+                crate::rational::revolved(self.azimuth().phi_max(), &self.profiles())
+            }
+        }
+
+        impl crate::surface::RaySurface for $surface {
+            fn bounds(&self) -> glanz_math::Bounds3 {
+                super::surface_of_revolution::SurfaceOfRevolution::extent(self)
+            }
+
+            fn intersect(&self, ray: &glanz_math::Ray, t_max: f64) -> Option<crate::hit::Hit> {
+                super::surface_of_revolution::first(self, ray, t_max)
+            }
+
+            fn all_hits(&self, ray: &glanz_math::Ray, t_max: f64, hits: &mut Vec<crate::hit::Hit>) {
+                super::surface_of_revolution::all(self, ray, t_max, hits);
+            }
+
+            fn point(&self, ray: &glanz_math::Ray, hit: &crate::hit::Hit) -> crate::hit::SurfacePoint {
+                super::surface_of_revolution::point_of_hit(self, ray, hit)
+            }
+
+            fn sample(&self, xi: glanz_math::DVec2) -> Option<crate::hit::SurfaceSample> {
+                Some(super::surface_of_revolution::sample(self, xi))
+            }
+
+            fn area_pdf(
+                &self,
+                _hit: &crate::hit::Hit,
+                point: &crate::hit::SurfacePoint,
+            ) -> Option<glanz_math::AreaPdf> {
+                Some(glanz_math::AreaPdf(super::surface_of_revolution::SurfaceOfRevolution::density(
+                    self, point,
+                )))
+            }
+        }
+    };
+}
+pub(super) use impl_ray_surface;
