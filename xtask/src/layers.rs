@@ -14,6 +14,7 @@ struct Room {
 /// The floors. `docs/ARCHITECTURE.md` shows the same table to people; [`check`] compares the two.
 const ROOMS: &[Room] = &[
     Room { floor: 0, name: "glanz-math", may_use: "-" },
+    Room { floor: 0, name: "glanz-job", may_use: "-" },
     Room { floor: 1, name: "glanz-geometry", may_use: "math" },
     Room { floor: 1, name: "glanz-light", may_use: "math" },
     Room { floor: 1, name: "glanz-sampling", may_use: "math" },
@@ -23,7 +24,7 @@ const ROOMS: &[Room] = &[
     Room { floor: 4, name: "glanz-transport", may_use: "0-3" },
     Room { floor: 4, name: "glanz-radiosity", may_use: "0-3" },
     Room { floor: 5, name: "glanz-illumination", may_use: "0-4" },
-    Room { floor: 5, name: "glanz-terminal", may_use: "formats" },
+    Room { floor: 5, name: "glanz-terminal", may_use: "job, formats" },
     Room { floor: 6, name: "glanz-viewer", may_use: "0-5" },
     Room { floor: 7, name: "glanz", may_use: "0-6" },
     Room { floor: 8, name: "glanz-cli", may_use: "all" },

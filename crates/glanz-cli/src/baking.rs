@@ -2,22 +2,18 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
+use glanz_job::CancelFlag;
 use glanz_light::Spectrum;
-use glanz_radiosity::bake::{
-    BakeError, BakeReport, BakeSettings, BakeState, LightMap, LightMaps, Stage, go_on_with,
-};
+use glanz_radiosity::bake::{BakeError, BakeSettings, BakeState, LightMap, LightMaps, resume};
 use glanz_radiosity::elements::{ElementSettings, Elements};
 use glanz_scene::{Place, Scene};
 use glanz_transport::StoredLight;
 
-use crate::interrupt::Interrupt;
 use crate::light_file::{Keeper, LightFile};
 use crate::messages::{Failure, Messages};
-use crate::plan::CHECKPOINT_INTERVAL;
-use crate::progress::Progress;
 use crate::report::plural;
+use crate::saving::{SaveState, SavingProgress};
 use crate::scene_file::SceneFile;
 
 /// Largest side of an element: metres, and per the diagonal of the scene.
@@ -53,13 +49,13 @@ pub(crate) fn stored(
     given: Option<(&Path, &LightFile)>,
     file: &mut SceneFile,
     messages: Messages,
-    interrupt: &Interrupt,
+    cancel: &CancelFlag,
 ) -> Result<Option<Arc<dyn StoredLight>>, Failure> {
     let settings = BakeSettings::default();
     let elements = elements(scene, settings.density, file, messages)?;
     let maps = match given {
         Some((path, light)) => Some(light.maps(path, &elements)?),
-        None => baked(BakeState::default(), &elements, &settings, None, messages, interrupt)?,
+        None => baked(BakeState::default(), &elements, &settings, None, messages, cancel)?,
     };
     let Some(maps) = maps else { return Ok(None) };
     Ok(Some(Arc::new(Stored(LightMaps::new(&elements, maps)))))
@@ -119,69 +115,23 @@ pub(crate) fn baked(
     settings: &BakeSettings,
     keeper: Option<&Keeper<'_>>,
     messages: Messages,
-    interrupt: &Interrupt,
+    cancel: &CancelFlag,
 ) -> Result<Option<Vec<LightMap>>, Failure> {
-    let mut watch = Watch {
-        progress: Progress::start(messages),
-        begun: (Stage::Direct, Instant::now()),
-        keeper,
-        kept: Instant::now(),
-        outcome: Ok(()),
-        messages,
-    };
-    let outcome =
-        go_on_with(state, elements, None, settings, &mut |report| watch.go_on(report, interrupt.is_raised()));
-    watch.progress.finish();
+    let save =
+        keeper.map(|keeper| -> SaveState<'_, BakeState> { Box::new(|state| keeper.keep_state(state)) });
+    let mut sink = SavingProgress::start(save, cancel, messages);
+    let outcome = resume(state, elements, None, settings, &mut sink, cancel);
+    let saved = sink.finish();
     match outcome {
         Ok(maps) => {
             // Before anything else is written: it is what cannot be had again.
             keeper.map_or(Ok(()), |keeper| keeper.keep(&maps))?;
             Ok(Some(maps))
         }
-        Err(BakeError::Stopped) => watch.outcome.map(|()| None),
+        Err(BakeError::Interrupted(_)) => saved.map(|()| None),
         Err(error @ BakeError::TooMany(..)) => {
             Err(Failure::new(error.to_string()).with_help("choose fewer with --texels-per-metre"))
         }
         Err(error) => Err(Failure::new(error.to_string())),
-    }
-}
-
-/// Watches a bake.
-struct Watch<'a> {
-    progress: Progress,
-    /// The stage, and since when.
-    begun: (Stage, Instant),
-    keeper: Option<&'a Keeper<'a>>,
-    kept: Instant,
-    /// Whether what was found is kept.
-    outcome: Result<(), Failure>,
-    messages: Messages,
-}
-
-impl Watch<'_> {
-    fn go_on(&mut self, report: &BakeReport<'_>, is_end: bool) -> bool {
-        let BakeReport { stage, fraction, .. } = *report;
-        if stage != self.begun.0 {
-            self.begun = (stage, Instant::now());
-        }
-        let what = match stage {
-            Stage::Direct => "1 of 3: light from lamps",
-            Stage::Between => "2 of 3: light between surfaces",
-            Stage::Gather => "3 of 3: indirect light",
-        };
-        let passed = self.begun.1.elapsed().as_secs_f64();
-        let left = if fraction > 0.0 { passed * (1.0 - fraction) / fraction } else { 0.0 };
-        let left = Duration::try_from_secs_f64(left).unwrap_or_default();
-        self.progress.show(fraction, left, what);
-        let is_time = is_end || self.kept.elapsed() >= CHECKPOINT_INTERVAL;
-        if let Some(keeper) = self.keeper.filter(|_| is_time) {
-            self.outcome = keeper.keep_state(&report.state());
-            self.kept = Instant::now();
-            // A disk that is full now may have room later: only the last time has to succeed.
-            if let (Err(failure), false) = (&self.outcome, is_end) {
-                self.messages.warning(&failure.message);
-            }
-        }
-        !is_end
     }
 }

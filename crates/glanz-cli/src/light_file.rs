@@ -15,9 +15,9 @@ use std::path::Path;
 
 use glanz_formats::ContentHash;
 use glanz_formats::image::write_atomically;
+use glanz_job::{IdentityMismatch, JobIdentity, current_version};
 use glanz_radiosity::bake::{BakeSettings, BakeState, LightMap, stored};
 use glanz_radiosity::elements::Elements;
-use glanz_transport::PictureIdentity;
 use glanz_transport::codec::{Decoder, EnvelopeError, open, seal};
 
 use crate::messages::Failure;
@@ -38,39 +38,31 @@ pub(crate) struct LightIdentity {
 impl LightIdentity {
     /// Of a bake by this program.
     pub(crate) fn new(scene: u128, settings: BakeSettings) -> Self {
-        Self { version: PictureIdentity::current_version(), scene, settings }
+        Self { version: current_version(), scene, settings }
     }
 
     /// Whether this is light of a scene, by this program.
     ///
     /// # Errors
     /// What differs.
-    fn check_scene(&self, scene: u128) -> Result<(), String> {
+    fn check_scene(&self, scene: u128) -> Result<(), IdentityMismatch> {
         let wanted = Self::new(scene, self.settings);
         self.check(&wanted)
     }
+}
 
-    /// Whether this is the bake `wanted`.
-    ///
-    /// # Errors
-    /// What differs.
-    fn check(&self, wanted: &Self) -> Result<(), String> {
-        let text = |of: &Self| {
-            let BakeSettings { density, rays, shadow_rays } = of.settings;
-            [
-                ("the Glanz version", of.version.clone()),
-                ("the scene (content hash)", format!("{:032x}", of.scene)),
-                ("the number of texels per metre", density.to_string()),
-                ("the number of rays", rays.to_string()),
-                ("the number of shadow rays", shadow_rays.to_string()),
-            ]
-        };
-        for ((what, found), (_, wanted)) in text(self).into_iter().zip(text(wanted)) {
-            if found != wanted {
-                return Err(format!("it holds other light: {what} is {found}, not {wanted}"));
-            }
-        }
-        Ok(())
+impl JobIdentity for LightIdentity {
+    const FOREIGN: &'static str = "it holds other light";
+
+    fn fields(&self) -> Vec<(&'static str, String)> {
+        let BakeSettings { density, rays, shadow_rays } = self.settings;
+        vec![
+            ("the Glanz version", self.version.clone()),
+            ("the scene (content hash)", format!("{:032x}", self.scene)),
+            ("the number of texels per metre", density.to_string()),
+            ("the number of rays", rays.to_string()),
+            ("the number of shadow rays", shadow_rays.to_string()),
+        ]
     }
 }
 
@@ -242,11 +234,11 @@ mod tests {
         let settings = BakeSettings::default();
         let identity = LightIdentity::new(7, settings);
         assert_eq!(identity.check(&identity.clone()), Ok(()));
-        assert!(identity.check_scene(8).unwrap_err().contains("the scene"));
+        assert!(identity.check_scene(8).unwrap_err().to_string().contains("the scene"));
         let finer = LightIdentity::new(7, BakeSettings { density: 26.0, ..settings });
-        assert!(identity.check(&finer).unwrap_err().contains("per metre is 25, not 26"));
+        assert!(identity.check(&finer).unwrap_err().to_string().contains("per metre is 25, not 26"));
         let older = LightIdentity { version: "0.0.0".to_owned(), ..identity.clone() };
-        assert!(older.check(&identity).unwrap_err().contains("version"));
+        assert!(older.check(&identity).unwrap_err().to_string().contains("version"));
         assert_eq!(finer.check_scene(7), Ok(()));
     }
 }

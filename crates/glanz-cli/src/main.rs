@@ -11,6 +11,7 @@ mod light_maps;
 mod outputs;
 mod plan;
 mod report;
+mod saving;
 mod scene_file;
 mod surface_light;
 mod view;

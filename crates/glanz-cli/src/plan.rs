@@ -20,9 +20,6 @@ use crate::messages::Failure;
 use crate::report::grouped;
 use crate::scene_file::SceneFile;
 
-/// Time between two checkpoints.
-pub(crate) const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
-
 /// Everything that is known before the first ray.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
@@ -92,7 +89,7 @@ impl Plan {
             seed: options.seed.unwrap_or(description.sampler.seed),
             samples_per_pixel: options.spp.unwrap_or(description.sampler.samples_per_pixel),
             guide: guide.as_ref().map(|guide| guide.hash).or(light.as_ref().map(|light| light.hash)),
-            version: PictureIdentity::current_version(),
+            version: glanz_job::current_version(),
         };
         identity.film.words().map_err(|error| match options.size {
             Some([width, height]) => Failure::new(format!("--size {width}x{height}: {error}")),
@@ -121,7 +118,7 @@ impl Plan {
     }
 
     /// The same for the render loop.
-    pub(crate) fn settings(&self, checkpoint_interval: Option<Duration>) -> RenderSettings {
+    pub(crate) fn settings(&self) -> RenderSettings {
         RenderSettings {
             filter: self.filter.clone(),
             sampler: self.identity.sampler,
@@ -130,7 +127,6 @@ impl Plan {
             samples: self.samples.clone(),
             threads: self.threads,
             time_limit: self.time_limit,
-            checkpoint_interval,
         }
     }
 }

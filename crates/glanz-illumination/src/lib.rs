@@ -24,4 +24,4 @@ pub use lux_map::{LuxMap, LuxSummary};
 pub use receiver::{Fineness, Receiver, ReceiverError, ReceiverRequest, Receivers};
 pub use room::add_walls;
 pub use tally::Tally;
-pub use trace::{Goal, ThreadsError, TraceEnd, TraceOutcome, TraceReport, TraceSettings, trace};
+pub use trace::{Goal, ThreadsError, TraceOutcome, TraceSettings, trace};

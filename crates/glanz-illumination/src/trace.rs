@@ -1,8 +1,9 @@
 //! Light by particles: from the lamps until it is absorbed.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use glanz_job::{CancelFlag, CheckpointTimer, JobEnd, JobProgress, ProgressSink, WorkCount};
 use glanz_sampling::{PixelSampler, SamplerKind};
 use glanz_scene::Scene;
 use glanz_transport::{Counters, send_particle};
@@ -43,37 +44,13 @@ pub struct TraceSettings {
     pub goal: Goal,
 }
 
-/// Why a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TraceEnd {
-    /// A goal is reached.
-    Reached,
-    /// Time was up first.
-    TimeUp,
-    /// It was told to stop.
-    Interrupted,
-}
-
-/// How far a run is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TraceReport {
-    /// Particles so far, those of earlier runs included.
-    pub particles: u64,
-    /// The largest of the relative standard errors that [`Goal::error`] names.
-    pub error: f64,
-    /// Since this run began.
-    pub elapsed: Duration,
-    /// Until it ends, as it seems now.
-    pub remaining: Duration,
-}
-
 /// What a run gave.
 #[derive(Clone, Debug)]
 pub struct TraceOutcome {
     /// All that was brought so far.
     pub tally: Tally,
     /// Why it ended.
-    pub end: TraceEnd,
+    pub end: JobEnd,
     /// Particles of this run.
     pub particles: u64,
     /// Rays of this run.
@@ -90,7 +67,8 @@ pub struct ThreadsError(#[from] rayon::ThreadPoolBuildError);
 /// Sends particles until a goal is reached, adding to what `tally` has.
 ///
 /// Particles are numbered, and a run goes on after the last one of `tally`: what is brought depends on seed and number of
-/// particles alone, not on threads or interruptions. `report` is called about twice a second with what was brought so far.
+/// particles alone, not on threads or interruptions. A cancelled run returns what it has, but at least one round of particles.
+/// The error in its progress is the largest of the relative standard errors that [`Goal::error`] names.
 ///
 /// # Errors
 /// [`ThreadsError`] before the first particle.
@@ -99,13 +77,14 @@ pub fn trace(
     receivers: &Receivers,
     settings: &TraceSettings,
     mut tally: Tally,
-    report: &mut dyn FnMut(&TraceReport, &Tally),
-    stop: &AtomicBool,
+    sink: &mut dyn ProgressSink<Tally>,
+    cancel: &CancelFlag,
 ) -> Result<TraceOutcome, ThreadsError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
     let start = Instant::now();
     let first = tally.particles();
     let mut counters = Counters::default();
+    let mut timer = CheckpointTimer::new(sink.checkpoint_interval());
     let end = loop {
         let error = worst_error(&tally, receivers);
         let done = tally.particles();
@@ -113,17 +92,24 @@ pub fn trace(
         let pace = pace(done - first, elapsed);
         if done > first {
             let remaining = settings.goal.remaining(done, error, elapsed, pace);
-            report(&TraceReport { particles: done, error, elapsed, remaining }, &tally);
+            let unit = ["particle", "particles"];
+            let count = WorkCount { done, wanted: settings.goal.particles, unit };
+            let progress = JobProgress::by_time("particles from lamps", elapsed, remaining);
+            sink.on_progress(&progress.with_count(count).with_error(error));
+            if timer.is_due() {
+                sink.on_checkpoint(&tally);
+                timer.restart();
+            }
         }
         let goal = &settings.goal;
         if goal.particles.is_some_and(|wanted| done >= wanted) || goal.error.is_some_and(|e| error <= e) {
-            break TraceEnd::Reached;
+            break JobEnd::Complete;
         }
-        if stop.load(Ordering::Relaxed) && done > 0 {
-            break TraceEnd::Interrupted;
+        if cancel.is_cancelled() && done > 0 {
+            break JobEnd::Interrupted;
         }
         if done > first && goal.time.is_some_and(|limit| elapsed >= limit) {
-            break TraceEnd::TimeUp;
+            break JobEnd::TimeUp;
         }
         let length = settings.goal.round(done, elapsed, pace);
         let (brought, work) = pool.install(|| round(scene, receivers, settings, &tally, done..done + length));
@@ -155,7 +141,8 @@ impl Goal {
         self.particles.map_or(length, |wanted| length.min(wanted - done))
     }
 
-    fn remaining(&self, done: u64, error: f64, elapsed: Duration, pace: Option<f64>) -> Duration {
+    /// Time until the end; `None` while nothing is known of it.
+    fn remaining(&self, done: u64, error: f64, elapsed: Duration, pace: Option<f64>) -> Option<Duration> {
         let mut seconds = f64::INFINITY;
         let by_pace = |particles: f64| particles / pace.unwrap_or(f64::INFINITY);
         if let Some(wanted) = self.particles {
@@ -168,7 +155,7 @@ impl Goal {
         if let Some(limit) = self.time {
             seconds = seconds.min(limit.saturating_sub(elapsed).as_secs_f64());
         }
-        Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
+        Duration::try_from_secs_f64(seconds).ok()
     }
 }
 

@@ -4,6 +4,7 @@
 use std::f64::consts::TAU;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use glanz_job::{CancelFlag, Silent};
 use glanz_math::DVec3;
 use glanz_radiosity::elements::{ElementSettings, Elements};
 use glanz_radiosity::form_factor::FormFactors;
@@ -66,6 +67,7 @@ fn start(scene: &Scene, side: f64) -> Option<Elements<'_>> {
 
 fn solvers(c: &mut Criterion) {
     let scene = room();
+    let cancel = CancelFlag::default();
     let mut group = c.benchmark_group("room");
     group.sample_size(10);
     for side in [2.0, 1.0] {
@@ -73,8 +75,8 @@ fn solvers(c: &mut Criterion) {
         let count = elements.list.len();
         group.bench_function(BenchmarkId::new("full", count), |b| {
             b.iter(|| {
-                let factors = FormFactors::new(&elements, |_| true)?;
-                Some(gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), |_, _| true))
+                let factors = FormFactors::new(&elements, &cancel)?;
+                gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &cancel)
             });
         });
         group.bench_function(BenchmarkId::new("progressive", count), |b| {
@@ -87,7 +89,7 @@ fn solvers(c: &mut Criterion) {
     }
     for bound in [1e-3, 1e-4, 1e-5] {
         let settings = Hierarchical { bound, side: 0.05, ..Hierarchical::default() };
-        let solve = || hierarchical(start(&scene, 100.0)?, &settings, |_| true).ok();
+        let solve = || hierarchical(start(&scene, 100.0)?, &settings, &mut Silent, &cancel).ok();
         let Some(solved) = solve() else { return };
         let name = BenchmarkId::new("hierarchical", solved.elements.list.len());
         group.bench_function(name, |b| b.iter(solve));

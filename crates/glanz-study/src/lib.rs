@@ -14,12 +14,12 @@
 //! - `tessellation` compares triangles with the surface they stand for (document 002).
 //!
 //! ```
-//! use std::sync::atomic::AtomicBool;
-//! use glanz_study::{Settings, Unwatched, named};
+//! use glanz_job::Silent;
+//! use glanz_study::{Settings, named};
 //!
-//! let stop = AtomicBool::new(false);
-//! let settings = Settings { rays: Some(300), ..Settings::new(&stop) };
-//! let report = named("newton").ok_or("no such study")?.run(&settings, &mut Unwatched)?;
+//!
+//! let settings = Settings { rays: Some(300), ..Settings::default() };
+//! let report = named("newton").ok_or("no such study")?.run(&settings, &mut Silent)?;
 //! assert_eq!(report.summary().rows()[0].len(), report.summary().columns().len());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -40,4 +40,4 @@ mod tessellation;
 
 pub use glanz_illumination::report::table;
 pub use report::Report;
-pub use study::{Settings, Study, StudyError, StudyOption, Unwatched, Watch, named, studies};
+pub use study::{Settings, Study, StudyError, StudyOption, named, studies};

@@ -1,13 +1,14 @@
 //! What a study is, and the table of all.
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 use glanz_formats::image::ImageError;
 use glanz_formats::newell::NewellError;
 use glanz_geometry::SurfaceError;
 use glanz_illumination::integrate::IntegrateError;
 use glanz_illumination::{ReceiverError, ThreadsError};
+use glanz_job::{CancelFlag, Interrupted, JobProgress, ProgressSink};
 use glanz_light::{CompareError, PixelsError};
 use glanz_radiosity::elements::ElementError;
 use glanz_radiosity::reconstruct::ReconstructError;
@@ -29,7 +30,7 @@ pub struct Study {
     pub options: &'static [StudyOption],
     /// Whether it keeps what it measured in [`Settings::keep`].
     pub keeps: bool,
-    run: fn(&Settings<'_>, &mut dyn Watch) -> Result<Report, StudyError>,
+    run: fn(&Settings, &mut StudyProgress<'_>) -> Result<Report, StudyError>,
 }
 
 /// Settings that not every study has a use for.
@@ -137,19 +138,19 @@ pub fn named(name: &str) -> Option<&'static Study> {
 }
 
 impl Study {
-    /// Answers the question, in one thread unless [`Settings::threads`] says otherwise; `watch` is told how far it is.
+    /// Answers the question, in one thread unless [`Settings::threads`] says otherwise; `sink` receives the progress.
     ///
     /// # Errors
-    /// [`StudyError::Interrupted`] if [`Settings::stop`] was raised, [`StudyError::Setting`] for settings that make no
+    /// [`StudyError::Interrupted`] if [`Settings::cancel`] was raised, [`StudyError::Setting`] for settings that make no
     /// sense; others if a part of the library refuses what it should take.
-    pub fn run(&self, settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
-        (self.run)(settings, watch)
+    pub fn run(&self, settings: &Settings, sink: &mut dyn ProgressSink) -> Result<Report, StudyError> {
+        (self.run)(settings, &mut StudyProgress::new(sink))
     }
 }
 
 /// What may be chosen; `None` is the study's own choice.
-#[derive(Clone, Debug)]
-pub struct Settings<'a> {
+#[derive(Clone, Debug, Default)]
+pub struct Settings {
     /// Random rays or particles, at least 1.
     pub rays: Option<u64>,
     /// Pictures: width and height, pixels.
@@ -178,60 +179,35 @@ pub struct Settings<'a> {
     pub keep: Option<PathBuf>,
     /// Seed of random numbers.
     pub seed: u64,
-    /// Raised by whoever wants an end.
-    pub stop: &'a AtomicBool,
+    /// Ends the study when it is raised.
+    pub cancel: CancelFlag,
 }
 
-impl<'a> Settings<'a> {
-    /// The studies' own choices with seed 0.
-    #[must_use]
-    pub fn new(stop: &'a AtomicBool) -> Self {
-        Self {
-            rays: None,
-            size: None,
-            triangles: None,
-            rooms: None,
-            methods: None,
-            samples: None,
-            references: None,
-            elements: None,
-            rounds: None,
-            seconds: None,
-            threads: None,
-            full: false,
-            keep: None,
-            seed: 0,
-            stop,
-        }
+/// Progress of a study on its way to the sink.
+pub(crate) struct StudyProgress<'a> {
+    sink: &'a mut dyn ProgressSink,
+    begun: Instant,
+}
+
+impl<'a> StudyProgress<'a> {
+    /// Progress of a study that begins now.
+    pub(crate) fn new(sink: &'a mut dyn ProgressSink) -> Self {
+        Self { sink, begun: Instant::now() }
     }
 
-    /// Asked often: nothing, or [`StudyError::Interrupted`].
-    pub(crate) fn go_on(&self) -> Result<(), StudyError> {
-        if self.stop.load(Ordering::Relaxed) { Err(StudyError::Interrupted) } else { Ok(()) }
+    /// Reports that `fraction` of the work, [0, 1], is done and `phase` comes next.
+    pub(crate) fn report(&mut self, fraction: f64, phase: &str) {
+        self.sink.on_progress(&JobProgress::by_work(phase, fraction, self.begun.elapsed()));
     }
-}
-
-/// Someone who wants to know how far a study is.
-pub trait Watch {
-    /// `fraction` of the work, [0, 1], is done; `what` comes next.
-    fn progress(&mut self, fraction: f64, what: &str);
-}
-
-/// Nobody wants to know.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Unwatched;
-
-impl Watch for Unwatched {
-    fn progress(&mut self, _: f64, _: &str) {}
 }
 
 /// Why a study has no report.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
-    /// Somebody wanted an end.
-    #[error("interrupted")]
-    Interrupted,
+    /// The study was cancelled.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// A setting that makes no sense.
     #[error("{name}: {value} is not {needed}")]
     Setting {
@@ -316,6 +292,8 @@ pub enum StudyError {
 
 #[cfg(test)]
 mod tests {
+    use glanz_job::Silent;
+
     use super::*;
 
     #[test]
@@ -330,10 +308,11 @@ mod tests {
 
     #[test]
     fn a_raised_flag_ends_every_study() {
-        let stop = AtomicBool::new(true);
+        let settings = Settings::default();
+        settings.cancel.cancel();
         for study in studies() {
-            let ended = study.run(&Settings::new(&stop), &mut Unwatched);
-            assert!(matches!(ended, Err(StudyError::Interrupted)), "{}", study.name);
+            let ended = study.run(&settings, &mut Silent);
+            assert!(matches!(ended, Err(StudyError::Interrupted(_))), "{}", study.name);
         }
     }
 }

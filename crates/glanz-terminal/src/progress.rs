@@ -1,8 +1,9 @@
-//! How far a render is: a bar on a terminal, plain lines elsewhere, nothing if quiet.
+//! How far a job is: a bar on a terminal, plain lines elsewhere, nothing if quiet.
 
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
+use glanz_job::{JobProgress, ProgressSink};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::messages::Messages;
@@ -14,7 +15,7 @@ const LINE_INTERVAL: Duration = Duration::from_secs(5);
 /// Steps of the bar: finer than its width on any terminal.
 const STEPS: u64 = 1000;
 
-/// Shows how far a render is.
+/// Shows how far a job is.
 pub struct Progress {
     shown: Shown,
 }
@@ -38,18 +39,18 @@ impl Progress {
         Self { shown }
     }
 
-    /// Shows that `fraction` of the work, [0, 1], is done and `remaining` left, with a word on what that is.
-    pub fn show(&mut self, fraction: f64, remaining: Duration, what: &str) {
-        let left = format!("{what}, {} left", duration(remaining.as_secs_f64()));
+    /// Shows how far the job is.
+    pub fn show(&mut self, progress: &JobProgress<'_>) {
+        let (text, fraction) = (text(progress), progress.fraction);
         match &mut self.shown {
             Shown::Bar(bar) => {
                 bar.set_position((fraction * STEPS as f64) as u64);
-                bar.set_message(left);
+                bar.set_message(text);
             }
             Shown::Lines { messages, last } => {
                 if last.elapsed() >= LINE_INTERVAL {
                     *last = Instant::now();
-                    messages.note(&format!("{:3.0} % {left}", 100.0 * fraction));
+                    messages.note(&format!("{:3.0} % {text}", 100.0 * fraction));
                 }
             }
             Shown::Nothing => {}
@@ -62,6 +63,28 @@ impl Progress {
             bar.finish_and_clear();
         }
     }
+}
+
+impl ProgressSink for Progress {
+    fn on_progress(&mut self, progress: &JobProgress<'_>) {
+        self.show(progress);
+    }
+}
+
+/// What is done, and the time left.
+fn text(progress: &JobProgress<'_>) -> String {
+    let mut text = match (progress.count, progress.step) {
+        (Some(count), _) => count.to_string(),
+        (None, [_, 1]) => progress.phase.to_owned(),
+        (None, [number, phases]) => format!("{number} of {phases}: {}", progress.phase),
+    };
+    if let Some(error) = progress.error {
+        text += &format!(", {:.2} % error", 100.0 * error);
+    }
+    if let Some(remaining) = progress.remaining {
+        text += &format!(", {} left", duration(remaining.as_secs_f64()));
+    }
+    text
 }
 
 fn bar() -> ProgressBar {

@@ -264,6 +264,7 @@ mod tests {
     use super::*;
     use crate::codec::{CRC_LENGTH, PREFIX_LENGTH, resealed};
     use crate::pixel::{PixelSums, Sample};
+    use glanz_job::JobIdentity;
     use proptest::prelude::*;
 
     pub(crate) fn example() -> Checkpoint {
@@ -298,7 +299,7 @@ mod tests {
             seed: 5,
             samples_per_pixel: 64,
             guide: None,
-            version: PictureIdentity::current_version(),
+            version: glanz_job::current_version(),
         };
         Checkpoint { identity, film }
     }
@@ -351,7 +352,7 @@ mod tests {
     fn claims_that_the_file_does_not_back_are_refused_before_memory_is_taken() {
         let bytes = example().to_bytes();
         // Version text, 16 bytes of hash, then the resolution and the crop.
-        let resolution = PREFIX_LENGTH + 1 + PictureIdentity::current_version().len() + 16;
+        let resolution = PREFIX_LENGTH + 1 + glanz_job::current_version().len() + 16;
         let mut huge = bytes.clone();
         for offset in [0, 4, 16, 20] {
             huge[resolution + offset..resolution + offset + 4].copy_from_slice(&40_000_u32.to_le_bytes());

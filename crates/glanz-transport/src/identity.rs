@@ -1,5 +1,6 @@
 //! What a picture depends on.
 
+use glanz_job::JobIdentity;
 use glanz_sampling::SamplerKind;
 use glanz_scene::description::FilterDescription;
 
@@ -32,59 +33,11 @@ pub struct PictureIdentity {
     pub version: String,
 }
 
-/// The first thing in which two pictures differ.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("it is of another picture: {what} is {found}, not {wanted}")]
-pub struct Mismatch {
-    /// What differs.
-    pub what: &'static str,
-    /// As it is in the picture looked at.
-    pub found: String,
-    /// As it is in the picture wanted.
-    pub wanted: String,
-}
-
 impl PictureIdentity {
-    /// The version of this program.
-    #[must_use]
-    pub fn current_version() -> String {
-        env!("CARGO_PKG_VERSION").to_owned()
-    }
-
     /// Whether the sampler's strata depend on the planned number of samples.
     #[must_use]
     pub fn plan_matters(&self) -> bool {
         matches!(self.sampler, SamplerKind::Stratified | SamplerKind::Regular)
-    }
-
-    /// Whether this is the picture `wanted`.
-    ///
-    /// # Errors
-    /// [`Mismatch`] with the first difference.
-    pub fn check(&self, wanted: &Self) -> Result<(), Mismatch> {
-        let text = |i: &Self| {
-            let ([width, height], [x, y], [w, h]) = (i.film.resolution, i.film.crop.min, i.film.crop.size);
-            // Numbers are compared by the text shown, which for `f64` tells every bit but the sign of NaN.
-            [
-                ("the Glanz version", i.version.clone()),
-                ("the scene (content hash)", format!("{:032x}", i.scene)),
-                ("the picture size", format!("{width} x {height}")),
-                ("the crop window", format!("{w} x {h} pixels at ({x}, {y})")),
-                ("the list of extra channels", i.film.aovs.to_string()),
-                ("the filter", format!("{:?}", i.filter)),
-                ("the integrator", i.integrator.to_string()),
-                ("the sampler", i.sampler.name().to_owned()),
-                ("the seed", i.seed.to_string()),
-                ("the number of samples planned per pixel", i.plan()),
-                i.given(),
-            ]
-        };
-        for ((what, found), (_, wanted)) in text(self).into_iter().zip(text(wanted)) {
-            if found != wanted {
-                return Err(Mismatch { what, found, wanted });
-            }
-        }
-        Ok(())
     }
 
     /// What was given in a file, or made or learnt by the way.
@@ -99,5 +52,28 @@ impl PictureIdentity {
     /// The planned number of samples, where it matters.
     fn plan(&self) -> String {
         if self.plan_matters() { self.samples_per_pixel.to_string() } else { String::new() }
+    }
+}
+
+impl JobIdentity for PictureIdentity {
+    const FOREIGN: &'static str = "it is of another picture";
+
+    fn fields(&self) -> Vec<(&'static str, String)> {
+        let ([width, height], [x, y], [w, h]) =
+            (self.film.resolution, self.film.crop.min, self.film.crop.size);
+        // The text of an `f64` shows every bit but the sign of NaN.
+        vec![
+            ("the Glanz version", self.version.clone()),
+            ("the scene (content hash)", format!("{:032x}", self.scene)),
+            ("the picture size", format!("{width} x {height}")),
+            ("the crop window", format!("{w} x {h} pixels at ({x}, {y})")),
+            ("the list of extra channels", self.film.aovs.to_string()),
+            ("the filter", format!("{:?}", self.filter)),
+            ("the integrator", self.integrator.to_string()),
+            ("the sampler", self.sampler.name().to_owned()),
+            ("the seed", self.seed.to_string()),
+            ("the number of samples planned per pixel", self.plan()),
+            self.given(),
+        ]
     }
 }

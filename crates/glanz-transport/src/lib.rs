@@ -11,14 +11,14 @@
 //!
 //! A white sphere in a white sky cannot be told from the sky:
 //! ```
-//! use std::sync::atomic::AtomicBool;
+//! use glanz_job::{CancelFlag, Silent};
 //!
 //! use glanz_light::SpectralDistribution;
 //! use glanz_math::{DMat4, DVec3};
 //! use glanz_sampling::SamplerKind;
 //! use glanz_scene::Scene;
 //! use glanz_scene::description::*;
-//! use glanz_transport::{Film, FilmFormat, Filter, IntegratorSettings, RenderSettings, Silent, render};
+//! use glanz_transport::{Film, FilmFormat, Filter, IntegratorSettings, RenderSettings, render};
 //!
 //! let white = SpectralDistribution::Constant(1.0);
 //! let mut description = Description::default();
@@ -58,9 +58,8 @@
 //!     samples: 0..4,
 //!     threads: 1,
 //!     time_limit: None,
-//!     checkpoint_interval: None,
 //! };
-//! let outcome = render(&scene, integrator.as_ref(), &settings, film, &mut Silent, &AtomicBool::new(false))?;
+//! let outcome = render(&scene, integrator.as_ref(), &settings, film, &mut Silent, &CancelFlag::default())?;
 //! let picture = outcome.film.to_pixels()?;
 //! assert!(picture.channel("G").ok_or("no G")?.iter().all(|g| (g - 1.0).abs() < 1e-5));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -91,7 +90,7 @@ pub use checkpoint::{Checkpoint, CheckpointError};
 pub use film::{Film, FilmError, FilmFormat};
 pub use filter::{Filter, FilterError};
 pub use guide::{GridError, GridGuide, Guide, GuideFileError, GuideSize, Training};
-pub use identity::{Mismatch, PictureIdentity};
+pub use identity::PictureIdentity;
 pub use integrator::{
     Context, ContextOptions, Counters, INTEGRATORS, Integrator, IntegratorEntry, IntegratorError,
     IntegratorSettings, StoredLight,
@@ -100,6 +99,6 @@ pub use merge::{MergeError, merge};
 pub use particle::{Arrival, End, Flight, send_particle};
 pub use pixel::{FirstHit, Rejects};
 pub use pixel_rect::PixelRect;
-pub use progress::{FinishedTile, Progress, ProgressReport, Silent, Watch};
+pub use progress::{FinishedTile, RenderSink, TileSink};
 pub use ranges::{OverlapError, SampleRanges};
-pub use render::{Finished, RenderError, RenderOutcome, RenderSettings, render};
+pub use render::{RenderError, RenderOutcome, RenderSettings, render};

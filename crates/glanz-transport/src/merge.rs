@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
+use glanz_job::{IdentityMismatch, JobIdentity};
+
 use crate::checkpoint::Checkpoint;
 use crate::film::{Film, FilmError};
-use crate::identity::Mismatch;
 use crate::ranges::SampleRanges;
 
 /// Why checkpoints cannot be joined. Parts are numbered from 0 in the order given.
@@ -20,7 +21,7 @@ pub enum MergeError {
         /// Its number.
         part: usize,
         /// How it differs.
-        mismatch: Mismatch,
+        mismatch: IdentityMismatch,
     },
     /// A part whose samples build on one another.
     #[error("part {part} learnt its own guide while it was rendered, and cannot be joined with others")]

@@ -1,36 +1,13 @@
-//! What a render tells while it runs.
+//! What a render reports while it runs, beyond what every job does.
 
 use std::ops::Range;
-use std::time::Duration;
+
+use glanz_job::{ProgressSink, Silent};
 
 use crate::film::Film;
 use crate::pixel::{PixelLayout, PixelSums};
 use crate::pixel_rect::PixelRect;
 use crate::settled::Blend;
-
-/// How far a render is, after a pass.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ProgressReport {
-    /// Samples per pixel that the film has of those wanted, also from earlier runs.
-    pub samples_done: u64,
-    /// Samples per pixel wanted.
-    pub samples_wanted: u64,
-    /// Rays of this run so far.
-    pub rays: u64,
-    /// Since the render began.
-    pub elapsed: Duration,
-    /// Until it ends, by samples or by the time limit, whichever comes first.
-    pub remaining: Duration,
-}
-
-impl ProgressReport {
-    /// Share of the render's time that has passed, [0, 1].
-    #[must_use]
-    pub fn fraction(&self) -> f64 {
-        let (elapsed, remaining) = (self.elapsed.as_secs_f64(), self.remaining.as_secs_f64());
-        if remaining == 0.0 { 1.0 } else { elapsed / (elapsed + remaining) }
-    }
-}
 
 /// A tile to which a pass has added its samples.
 #[derive(Clone, Debug)]
@@ -60,48 +37,35 @@ impl FinishedTile<'_> {
     }
 }
 
-/// Someone who wants to know. Called between passes, by the thread that called [`crate::render()`].
-pub trait Progress {
-    /// A pass has ended.
-    fn report(&mut self, report: &ProgressReport);
-
-    /// The interval between checkpoints is over: `film` has everything so far. Not called after the last pass, whose
-    /// film [`crate::render()`] returns.
-    fn checkpoint(&mut self, film: &Film) {
+/// Receiver of a render's progress and films. Called between passes, by the thread that called [`crate::render()`].
+///
+/// The film of a checkpoint has all samples so far; the last one is returned by [`crate::render()`] instead.
+pub trait RenderSink: ProgressSink<Film> {
+    /// Receives the film after each pass, before [`ProgressSink::on_progress`].
+    fn on_pass(&mut self, film: &Film) {
         let _ = film;
     }
 
-    /// A pass has ended, after which there is this film. Called before [`Progress::report`].
-    fn exposed(&mut self, film: &Film) {
-        let _ = film;
-    }
-
-    /// Who wants to know more, and at once.
-    fn watch(&self) -> &dyn Watch {
+    /// Receiver of the tiles of a pass.
+    fn tiles(&self) -> &dyn TileSink {
         &Silent
     }
 }
 
-/// Someone who looks on in the midst of a pass. Called by the threads that render, which wait for the answer.
-pub trait Watch: Sync {
-    /// A tile has got the samples of the pass.
-    fn tile(&self, tile: &FinishedTile<'_>) {
+/// Receiver of finished tiles in the midst of a pass. Called by the threads that render, which wait for it to return.
+pub trait TileSink: Sync {
+    /// Receives a tile that has the samples of the pass.
+    fn on_tile(&self, tile: &FinishedTile<'_>) {
         let _ = tile;
     }
 
-    /// Whether the film is of no use any more: asked before every sample. The render ends with
-    /// [`RenderError::Cancelled`](crate::RenderError::Cancelled) then.
-    fn is_cancelled(&self) -> bool {
+    /// Whether the film has become useless: queried before every sample. The render then ends at once, with
+    /// [`RenderError::Interrupted`](crate::RenderError::Interrupted).
+    fn is_abandoned(&self) -> bool {
         false
     }
 }
 
-/// Nobody wants to know.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Silent;
+impl RenderSink for Silent {}
 
-impl Progress for Silent {
-    fn report(&mut self, _: &ProgressReport) {}
-}
-
-impl Watch for Silent {}
+impl TileSink for Silent {}

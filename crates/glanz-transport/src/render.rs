@@ -1,9 +1,9 @@
 //! The loop that exposes a film.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use glanz_job::{CancelFlag, CheckpointTimer, Interrupted, JobEnd, JobProgress, WorkCount};
 use glanz_light::Wavelengths;
 use glanz_math::DVec2;
 use glanz_sampling::{PixelSampler, SamplerKind};
@@ -16,7 +16,7 @@ use crate::guide::{GridError, Records, Training};
 use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Integrator};
 use crate::pixel::{PixelSums, Rejects, Sample};
 use crate::pixel_rect::PixelRect;
-use crate::progress::{FinishedTile, Progress, ProgressReport, Watch};
+use crate::progress::{FinishedTile, RenderSink, TileSink};
 use crate::splat::{Splat, SplatBuffer, SplatRows};
 use glanz_sampling::exact::MAX_TERMS;
 
@@ -40,28 +40,15 @@ pub struct RenderSettings {
     pub threads: usize,
     /// No pass starts that would end later than this after the beginning, except the first.
     pub time_limit: Option<Duration>,
-    /// Time between two calls of [`Progress::checkpoint`]; `None` means never.
-    pub checkpoint_interval: Option<Duration>,
 }
 
-/// Why a render ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Finished {
-    /// The film has all samples asked for.
-    Complete,
-    /// The time limit would not hold another pass.
-    TimeUp,
-    /// Somebody asked to stop.
-    Interrupted,
-}
-
-/// What a render leaves.
+/// Film of a render, and what it took.
 #[derive(Clone, Debug)]
 pub struct RenderOutcome {
-    /// The film, whatever the reason of the end: every pixel has the same samples.
+    /// The film, whatever the reason for the end: every pixel has the same samples.
     pub film: Film,
-    /// Why it ended.
-    pub finished: Finished,
+    /// Why it ended; by time if the limit would not hold another pass.
+    pub end: JobEnd,
     /// Wall time of the loop.
     pub elapsed: Duration,
     /// Rays traced.
@@ -95,9 +82,9 @@ pub enum RenderError {
     /// The film refused a pass.
     #[error(transparent)]
     Film(#[from] FilmError),
-    /// [`Watch::is_cancelled`] said so in the midst of a pass.
-    #[error("the render was cancelled")]
-    Cancelled,
+    /// The film was abandoned in the midst of a pass, see [`TileSink::is_abandoned`].
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 /// Takes the samples that `settings` asks for and `film` does not have.
@@ -105,19 +92,19 @@ pub enum RenderError {
 /// Passes over all pixels follow one another; each takes one or more samples of every pixel, as many as fit in half a second
 /// or so. Sums are exact, so that the film depends on which samples it has, never on passes, threads, interruptions or
 /// whether it was begun by another run. An integrator that learns takes its samples in order; a pass over the picture ends where one
-/// of its own does, so that the same holds. After each pass `progress` is told, and the loop ends if `stop` is
-/// set, but not with an empty film. If its [`Progress::watch`] says that the render is cancelled, it ends at once, and the film is lost.
+/// of its own does, so that the same holds. After each pass `sink` receives the film and the progress, and the loop ends if `cancel` is
+/// raised, but not with an empty film. If the tile sink abandons the film, the render ends at once, and the film is lost.
 ///
 /// # Errors
 /// [`RenderError`] before the first pass, if the film does not go with the filter or the integrator, samples are out of turn, it would get more samples than it can
-/// hold, its guide cannot be made, or the threads cannot be started; [`RenderError::Cancelled`] at any time.
+/// hold, its guide cannot be made, or the threads cannot be started; [`RenderError::Interrupted`] at any time.
 pub fn render(
     scene: &Scene,
     integrator: &dyn Integrator,
     settings: &RenderSettings,
     mut film: Film,
-    progress: &mut dyn Progress,
-    stop: &AtomicBool,
+    sink: &mut dyn RenderSink,
+    cancel: &CancelFlag,
 ) -> Result<RenderOutcome, RenderError> {
     if film.format().signed != settings.filter.is_signed() {
         return Err(RenderError::Filter);
@@ -142,22 +129,22 @@ pub fn render(
     let start = Instant::now();
     let mut clock = PassClock::new(settings.time_limit);
     let mut counters = Counters::default();
-    let mut last_checkpoint = start;
+    let mut timer = CheckpointTimer::new(sink.checkpoint_interval());
     let mut taken = 0;
-    let finished = loop {
+    let end = loop {
         let Some(gap) = film.samples().missing(settings.samples.clone()).into_iter().next() else {
-            break Finished::Complete;
+            break JobEnd::Complete;
         };
-        // Whoever stops a render wants what there is: one sample per pixel at least.
-        if stop.load(Ordering::Relaxed) && !film.samples().is_empty() {
-            break Finished::Interrupted;
+        // A cancelled render returns a picture: one sample per pixel at least.
+        if cancel.is_cancelled() && !film.samples().is_empty() {
+            break JobEnd::Interrupted;
         }
-        if taken > 0 && settings.checkpoint_interval.is_some_and(|i| last_checkpoint.elapsed() >= i) {
-            progress.checkpoint(&film);
-            last_checkpoint = Instant::now();
+        if taken > 0 && timer.is_due() {
+            sink.on_checkpoint(&film);
+            timer.restart();
         }
         let Some(length) = clock.next_pass(gap.end - gap.start, start.elapsed()) else {
-            break Finished::TimeUp;
+            break JobEnd::TimeUp;
         };
         let mut range = gap.start..gap.start + length;
         if let Some(end) = film.end_of_pass(range.start) {
@@ -165,18 +152,17 @@ pub fn render(
         }
         let length = range.end - range.start;
         let begun = Instant::now();
-        let watch = progress.watch();
-        let work =
-            pool.install(|| exposure.expose(&mut film, &range, watch)).ok_or(RenderError::Cancelled)?;
+        let tiles = sink.tiles();
+        let work = pool.install(|| exposure.expose(&mut film, &range, tiles))?;
         clock.note(length, begun.elapsed());
         film.finish_pass(range, work.rejects)?;
         counters.merge(work.counters);
         taken += u64::from(length);
-        progress.exposed(&film);
-        progress.report(&report(&film, settings, &clock, counters, start.elapsed()));
+        sink.on_pass(&film);
+        sink.on_progress(&progress(&film, settings, &clock, start.elapsed()));
     };
     let samples = taken * film.format().crop.len();
-    Ok(RenderOutcome { film, finished, elapsed: start.elapsed(), counters, samples })
+    Ok(RenderOutcome { film, end, elapsed: start.elapsed(), counters, samples })
 }
 
 /// An integrator that learns takes samples in the order of their numbers, without a gap.
@@ -193,22 +179,21 @@ fn missing(film: &Film, settings: &RenderSettings) -> u64 {
     missing.iter().map(|r| u64::from(r.end - r.start)).sum()
 }
 
-fn report(
+/// The progress after a pass. Samples are wanted in number only where no time limit ends the render first.
+fn progress(
     film: &Film,
     settings: &RenderSettings,
     clock: &PassClock,
-    counters: Counters,
     elapsed: Duration,
-) -> ProgressReport {
+) -> JobProgress<'static> {
     let missing = missing(film, settings);
     let wanted = u64::from(settings.samples.end.saturating_sub(settings.samples.start));
-    ProgressReport {
-        samples_done: wanted - missing,
-        samples_wanted: wanted,
-        rays: counters.rays(),
-        elapsed,
-        remaining: clock.remaining(missing, elapsed),
-    }
+    let remaining = clock.remaining(missing, elapsed);
+    JobProgress::by_time("rendering", elapsed, Some(remaining)).with_count(WorkCount {
+        done: wanted - missing,
+        wanted: settings.time_limit.is_none().then_some(wanted),
+        unit: ["sample per pixel", "samples per pixel"],
+    })
 }
 
 /// Decides how many samples a pass takes.
@@ -291,8 +276,11 @@ struct Exposure<'a> {
 }
 
 impl Exposure<'_> {
-    /// One pass: the samples of `range` for every pixel. `None` if it was cancelled; the film is of no use then.
-    fn expose(&self, film: &mut Film, range: &Range<u32>, watch: &dyn Watch) -> Option<Work> {
+    /// One pass: the samples of `range` for every pixel.
+    ///
+    /// # Errors
+    /// [`Interrupted`] if `sink` abandons the film, which is useless then.
+    fn expose(&self, film: &mut Film, range: &Range<u32>, sink: &dyn TileSink) -> Result<Work, Interrupted> {
         let layout = film.format().layout();
         let stride = layout.words();
         let samples = film.samples().total() + range.len() as u64;
@@ -308,8 +296,8 @@ impl Exposure<'_> {
                 for (pixel, words) in tile.pixels().zip(words.chunks_exact_mut(stride)) {
                     let mut sums = PixelSums::read(&layout, words);
                     for index in range.clone() {
-                        if watch.is_cancelled() {
-                            return None;
+                        if sink.is_abandoned() {
+                            return Err(Interrupted);
                         }
                         let sample = self.sample(pixel, index, training, &mut memory, &mut work.counters);
                         sums.add(&layout, &sample, &mut work.rejects);
@@ -318,11 +306,11 @@ impl Exposure<'_> {
                     sums.write(&layout, words);
                 }
                 memory.buffer.flush(&splats, &mut work.rejects);
-                watch.tile(&FinishedTile { rect: tile, pass: range.clone(), samples, layout, words });
-                Some(work)
+                sink.on_tile(&FinishedTile { rect: tile, pass: range.clone(), samples, layout, words });
+                Ok(work)
             })
             // Counts are integers: the order of this sum does not matter.
-            .try_reduce(Work::default, |a, b| Some(a.merged(b)))
+            .try_reduce(Work::default, |a, b| Ok(a.merged(b)))
     }
 
     /// Puts what the last sample splatted on its way to the film.

@@ -10,8 +10,8 @@
 //! 4. [`formats::image`] writes the picture.
 //!
 //! Below them lie [`geometry`] (surfaces and the hierarchy over their boxes), [`shading`] (materials and textures),
-//! [`light`] (spectra, colour, pictures in memory and their comparison), [`sampling`] (where samples lie) and [`math`]
-//! (vectors, transforms, roots of polynomials); above them [`illumination`] counts what light arrives where. Lengths are metres and angles radians;
+//! [`light`] (spectra, colour, pictures in memory and their comparison), [`sampling`] (where samples lie) [`math`]
+//! (vectors, transforms, roots of polynomials) and [`job`] (progress, cancelling and checkpoints of long computations); above them [`illumination`] counts what light arrives where. Lengths are metres and angles radians;
 //! positions are `f64`, light is `f32`, sums are exact. A picture depends on scene, settings and seed
 //! alone.
 //!
@@ -19,13 +19,13 @@
 //!
 //! ```
 //! use std::collections::BTreeMap;
-//! use std::sync::atomic::AtomicBool;
 //!
 //! use glanz::formats::{Options, image, load_str};
+//! use glanz::job::{CancelFlag, Silent};
 //! use glanz::light::Tone;
 //! use glanz::sampling::SamplerKind;
 //! use glanz::scene::Scene;
-//! use glanz::transport::{Film, FilmFormat, Filter, IntegratorSettings, RenderSettings, Silent, render};
+//! use glanz::transport::{Film, FilmFormat, Filter, IntegratorSettings, RenderSettings, render};
 //!
 //! let text = r#"
 //!     LookAt 0 -5 1  0 0 0  0 0 1
@@ -50,9 +50,8 @@
 //!     samples: 0..4,
 //!     threads: 0,
 //!     time_limit: None,
-//!     checkpoint_interval: None,
 //! };
-//! let outcome = render(&scene, integrator.as_ref(), &settings, film, &mut Silent, &AtomicBool::new(false))?;
+//! let outcome = render(&scene, integrator.as_ref(), &settings, film, &mut Silent, &CancelFlag::default())?;
 //! let picture = outcome.film.to_pixels()?;
 //! let png = image::write(&picture, image::Format::Png, &Tone::default(), &BTreeMap::new())?;
 //! assert!(png.starts_with(b"\x89PNG"));
@@ -67,6 +66,8 @@ pub use glanz_formats as formats;
 pub use glanz_geometry as geometry;
 #[doc(inline)]
 pub use glanz_illumination as illumination;
+#[doc(inline)]
+pub use glanz_job as job;
 #[doc(inline)]
 pub use glanz_light as light;
 #[doc(inline)]

@@ -15,7 +15,7 @@ use crate::Ending;
 use crate::arguments::{BakeArguments, LightMapName};
 use crate::baking;
 use crate::checkpoint_file;
-use crate::interrupt::Interrupt;
+use crate::interrupt;
 use crate::light_file::{self, Keeper, LightIdentity, Start};
 use crate::light_maps::{self, Axes, Making};
 use crate::messages::{Failure, Messages};
@@ -52,7 +52,7 @@ struct Report {
 /// # Errors
 /// Why there is no model.
 pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Ending, Failure> {
-    let interrupt = Interrupt::listen().map_err(|error| Failure::new(format!("signals: {error}")))?;
+    let cancel = interrupt::listen()?;
     let output = &arguments.output;
     if !output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb")) {
         return Err(Failure::usage(format!("{}: no format for models has this extension", output.display()))
@@ -87,7 +87,7 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Endin
     let maps = match start_of(keeper.as_ref(), &elements, messages)? {
         Start::Finished(maps) => maps,
         Start::State(state) => {
-            match baking::baked(state, &elements, &settings, keeper.as_ref(), messages, &interrupt)? {
+            match baking::baked(state, &elements, &settings, keeper.as_ref(), messages, &cancel)? {
                 Some(maps) => maps,
                 None => {
                     messages.note(&ended(keeper.as_ref()));

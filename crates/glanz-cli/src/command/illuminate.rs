@@ -8,7 +8,7 @@ use crate::Ending;
 use crate::arguments::IlluminateArguments;
 use crate::checkpoint_file;
 use crate::illumination::{Design, Found, check_goal, far_field_file, files};
-use crate::interrupt::Interrupt;
+use crate::interrupt;
 use crate::messages::{Failure, Messages};
 use crate::outputs;
 use crate::report;
@@ -28,7 +28,7 @@ struct Told<'a> {
 /// # Errors
 /// Why there is no result.
 pub(crate) fn run(arguments: &IlluminateArguments, messages: Messages) -> Result<Ending, Failure> {
-    let interrupt = Interrupt::listen().map_err(|error| Failure::new(format!("signals: {error}")))?;
+    let cancel = interrupt::listen()?;
     check_goal(arguments)?;
     for path in &arguments.far_field {
         far_field_file::check(path)?;
@@ -42,7 +42,7 @@ pub(crate) fn run(arguments: &IlluminateArguments, messages: Messages) -> Result
     let (mut found, mut warnings) = (Vec::new(), Vec::new());
     for path in &paths {
         let mut design = Design::read(path, arguments, messages)?;
-        let Some(one) = design.illuminate(arguments, messages, &interrupt)? else {
+        let Some(one) = design.illuminate(arguments, messages, &cancel)? else {
             messages.note("interrupted; nothing was written");
             return Ok(Ending::Interrupted);
         };

@@ -1,13 +1,11 @@
 //! `glanz render`: from a scene to pictures.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use glanz_job::{CancelFlag, JobEnd, JobIdentity};
 use glanz_light::PixelsError;
 use glanz_scene::Scene;
-use glanz_transport::{
-    AovSet, Film, FilmError, Finished, GuideSize, Integrator, Progress, ProgressReport, RenderError,
-    RenderOutcome, render,
-};
+use glanz_transport::{AovSet, Film, FilmError, GuideSize, Integrator, RenderError, RenderOutcome, render};
 use serde::Serialize;
 
 use crate::Ending;
@@ -15,12 +13,12 @@ use crate::arguments::{RenderArguments, RenderOptions};
 use crate::baking;
 use crate::checkpoint_file;
 use crate::guide_file;
-use crate::interrupt::Interrupt;
+use crate::interrupt;
 use crate::messages::{Failure, Messages};
 use crate::outputs::{self, Outputs};
-use crate::plan::{CHECKPOINT_INTERVAL, Plan};
-use crate::progress;
-use crate::report::{self, grouped, plural};
+use crate::plan::Plan;
+use crate::report::{self, plural};
+use crate::saving::{SaveState, SavingProgress};
 use crate::scene_file::{Input, SceneFile};
 
 /// Renders the scene file.
@@ -89,7 +87,7 @@ pub(crate) fn render_input(
     default_output: Option<&Path>,
     messages: Messages,
 ) -> Result<Ending, Failure> {
-    let interrupt = Interrupt::listen().map_err(|error| Failure::new(format!("signals: {error}")))?;
+    let cancel = interrupt::listen()?;
     // All that can be refused without the scene is refused before it is read, which may take long.
     let tone = outputs::tone(options.exposure, options.tone);
     let named = Outputs::try_new(&options.output, tone)?;
@@ -110,7 +108,7 @@ pub(crate) fn render_input(
     }
     let film = starting_film(&plan, options, messages)?;
     let scene = file.resolve(options.strict, messages)?;
-    if interrupt.is_raised() {
+    if cancel.is_cancelled() {
         messages.note("interrupted before rendering; nothing was written");
         return Ok(Ending::Interrupted);
     }
@@ -119,14 +117,14 @@ pub(crate) fn render_input(
     let mut light = None;
     if plan.identity.integrator.shows_stored_light() {
         baking::use_threads(options.threads)?;
-        light = baking::stored(&scene, plan.light(options), &mut file, messages, &interrupt)?;
+        light = baking::stored(&scene, plan.light(options), &mut file, messages, &cancel)?;
         if light.is_none() {
             messages.note("interrupted before rendering; nothing was written");
             return Ok(Ending::Interrupted);
         }
     }
     let integrator = plan.integrator(light);
-    let outcome = expose(&scene, integrator.as_ref(), &plan, options, film, messages, &interrupt)?;
+    let outcome = expose(&scene, integrator.as_ref(), &plan, options, film, messages, &cancel)?;
     let undecided = scene.undecided();
     finish(&Order { input, options, plan: &plan, outputs: &outputs, undecided }, file, &outcome, messages)
 }
@@ -158,38 +156,6 @@ fn film_failure(error: &FilmError) -> Failure {
     }
 }
 
-/// Watches a render.
-struct Watch<'a> {
-    progress: progress::Progress,
-    plan: &'a Plan,
-    checkpoint: Option<&'a PathBuf>,
-    messages: Messages,
-}
-
-impl Progress for Watch<'_> {
-    fn report(&mut self, report: &ProgressReport) {
-        let what = if self.plan.time_limit.is_some() {
-            plural(report.samples_done, "sample per pixel", "samples per pixel")
-        } else {
-            format!(
-                "{} of {} samples per pixel",
-                grouped(report.samples_done),
-                grouped(report.samples_wanted)
-            )
-        };
-        self.progress.show(report.fraction(), report.remaining, &what);
-    }
-
-    fn checkpoint(&mut self, film: &Film) {
-        // A disk that is full now may have room later: the render goes on, only the last checkpoint has to succeed.
-        if let Some(path) = self.checkpoint
-            && let Err(failure) = checkpoint_file::write(path, &self.plan.identity, film)
-        {
-            self.messages.warning(&failure.message);
-        }
-    }
-}
-
 fn expose(
     scene: &Scene,
     integrator: &dyn Integrator,
@@ -197,14 +163,15 @@ fn expose(
     options: &RenderOptions,
     film: Film,
     messages: Messages,
-    interrupt: &Interrupt,
+    cancel: &CancelFlag,
 ) -> Result<RenderOutcome, Failure> {
-    let progress = progress::Progress::start(messages);
-    let checkpoint = options.checkpoint.as_ref();
-    let mut watch = Watch { progress, plan, checkpoint, messages };
-    let settings = plan.settings(checkpoint.map(|_| CHECKPOINT_INTERVAL));
-    let outcome = render(scene, integrator, &settings, film, &mut watch, interrupt.flag());
-    watch.progress.finish();
+    let save = options.checkpoint.as_ref().map(|path| -> SaveState<'_, Film> {
+        Box::new(|film| checkpoint_file::write(path, &plan.identity, film))
+    });
+    let mut sink = SavingProgress::start(save, cancel, messages);
+    let outcome = render(scene, integrator, &plan.settings(), film, &mut sink, cancel);
+    // The last checkpoint is still to come; only that has to succeed.
+    let _ = sink.finish();
     outcome.map_err(|error| match error {
         RenderError::Order { next } => Failure::usage(format!(
             "--samples: the samples of \"guided\" build on those before; the next is {next}"
@@ -236,7 +203,7 @@ fn finish(
 ) -> Result<Ending, Failure> {
     let Order { options, plan, outputs, undecided, .. } = *order;
     let film = &outcome.film;
-    let interrupted = outcome.finished == Finished::Interrupted;
+    let interrupted = outcome.end == JobEnd::Interrupted;
     if film.samples().is_empty() {
         messages.note("interrupted before the first pass; nothing was written");
         return Ok(Ending::Interrupted);
@@ -301,7 +268,7 @@ impl Order<'_> {
             scene: self.input.name().to_owned(),
             outputs: self.outputs.names(),
             checkpoint: self.options.checkpoint.as_ref().map(|path| path.display().to_string()),
-            interrupted: outcome.finished == Finished::Interrupted,
+            interrupted: outcome.end == JobEnd::Interrupted,
             width,
             height,
             integrator: identity.integrator.to_string(),

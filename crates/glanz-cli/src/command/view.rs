@@ -7,7 +7,7 @@ use glanz_viewer::server::{Dress, News, Server, ServerError, ServerSettings, Sho
 
 use crate::Ending;
 use crate::arguments::ViewArguments;
-use crate::interrupt::Interrupt;
+use crate::interrupt;
 use crate::messages::{Failure, Messages};
 use crate::report;
 use crate::scene_file::say_all;
@@ -18,7 +18,7 @@ use crate::surface_light::SurfaceLight;
 /// # Errors
 /// Why there is nothing to show, or no way to.
 pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Ending, Failure> {
-    let interrupt = Interrupt::listen().map_err(|error| Failure::new(format!("signals: {error}")))?;
+    let cancel = interrupt::listen()?;
     let options = Options { strict: arguments.strict, ..Options::default() };
     let light: Option<Arc<dyn Dress>> = match SurfaceLight::read(arguments)? {
         Some(light) => Some(Arc::new(light)),
@@ -46,7 +46,7 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Endin
     if !arguments.no_open {
         show(server.address(), messages);
     }
-    server.run(interrupt.flag()).map_err(|error| failure(&error))?;
+    server.run(&cancel).map_err(|error| failure(&error))?;
     // Nothing was cut short: this is how the command ends.
     Ok(Ending::Done)
 }

@@ -4,16 +4,16 @@ use std::time::Instant;
 
 use glanz_illumination::integrate::{CellMean, Reflections, Tolerance};
 use glanz_illumination::{LuxMap, Receiver};
+use glanz_job::{CancelFlag, JobProgress, WorkCount};
 use glanz_math::DVec2;
 use glanz_scene::PlacedSurface;
 use rayon::prelude::*;
 
 use super::{Design, pace};
 use crate::arguments::IlluminateArguments;
-use crate::interrupt::Interrupt;
 use crate::messages::{Failure, Messages};
 use crate::progress::Progress;
-use crate::report::{grouped, plural};
+use crate::report::plural;
 
 /// Cells between two looks at the clock, for every thread.
 const PORTION: usize = 16;
@@ -38,7 +38,7 @@ pub(super) fn integrated(
     design: &mut Design,
     arguments: &IlluminateArguments,
     messages: Messages,
-    interrupt: &Interrupt,
+    cancel: &CancelFlag,
 ) -> Result<Option<Integrated>, Failure> {
     let scattering = design.scene.materials().iter().filter(|material| material.is_rough()).count() as u64;
     let Design { file, scene, receivers, .. } = design;
@@ -76,14 +76,15 @@ pub(super) fn integrated(
     let mut progress = Progress::start(messages);
     let mut found: Vec<CellMean> = Vec::with_capacity(cells.len());
     for portion in cells.chunks(PORTION * rayon::current_num_threads()) {
-        if interrupt.is_raised() {
+        if cancel.is_cancelled() {
             progress.finish();
             return Ok(None);
         }
         found.par_extend(portion.par_iter().map(|cell| mean(cell, tolerance)));
         let share = found.len() as f64 / cells.len() as f64;
-        let remaining = start.elapsed().mul_f64((1.0 - share) / share);
-        progress.show(share, remaining, &format!("{} cells integrated", grouped(found.len() as u64)));
+        let (done, wanted) = (found.len() as u64, Some(cells.len() as u64));
+        let count = WorkCount { done, wanted, unit: ["cell integrated", "cells integrated"] };
+        progress.show(&JobProgress::by_work("integration", share, start.elapsed()).with_count(count));
     }
     progress.finish();
     let mut rest = found.as_slice();

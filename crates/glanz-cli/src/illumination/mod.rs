@@ -12,10 +12,10 @@ use std::path::Path;
 use glanz_formats::ContentHash;
 use glanz_illumination::report::{Report, table::significant};
 use glanz_illumination::{FarFieldGrid, Fineness, LuxMap, ReceiverRequest, Receivers, Tally, add_walls};
+use glanz_job::CancelFlag;
 use glanz_scene::Scene;
 
 use crate::arguments::{IlluminateArguments, MethodName};
-use crate::interrupt::Interrupt;
 use crate::messages::{Failure, Messages};
 use crate::report::{duration, grouped, plural};
 use crate::scene_file::{Input, SceneFile};
@@ -102,7 +102,7 @@ impl Design {
         &mut self,
         arguments: &IlluminateArguments,
         messages: Messages,
-        interrupt: &Interrupt,
+        cancel: &CancelFlag,
     ) -> Result<Option<Found>, Failure> {
         let count = self.receivers.as_slice().len() as u64;
         messages.note(&format!(
@@ -114,7 +114,7 @@ impl Design {
         let mut report = Report { title: self.title.clone(), ..Report::default() };
         let mut integrated = Vec::new();
         if arguments.method != MethodName::Trace {
-            let Some(found) = integrating::integrated(self, arguments, messages, interrupt)? else {
+            let Some(found) = integrating::integrated(self, arguments, messages, cancel)? else {
                 return Ok(None);
             };
             integrated = found.maps;
@@ -124,7 +124,7 @@ impl Design {
             report.maps = integrated;
             return Ok(Some(Found { report, integrated: Vec::new(), tally: None, interrupted: false }));
         }
-        let Traced { tally, interrupted, how } = tracing::traced(self, arguments, messages, interrupt)?;
+        let Traced { tally, interrupted, how } = tracing::traced(self, arguments, messages, cancel)?;
         report.how.extend(how);
         report.maps = tally.lux_maps(&self.receivers);
         report.balance = Some(tally.balance());

@@ -14,7 +14,7 @@ use std::path::Path;
 
 use glanz_formats::image::write_atomically;
 use glanz_illumination::{FarFieldGrid, Receivers, Tally};
-use glanz_transport::PictureIdentity;
+use glanz_job::{JobIdentity, current_version};
 use glanz_transport::codec::{Decoder, EnvelopeError, open, seal};
 
 use crate::messages::Failure;
@@ -34,28 +34,20 @@ pub(crate) struct TallyIdentity {
 impl TallyIdentity {
     /// Of a calculation by this program; `scene`: fingerprint of the scene and its receivers.
     pub(crate) fn new(scene: u128, seed: u64, max_depth: u32) -> Self {
-        Self { version: PictureIdentity::current_version(), scene, seed, max_depth }
+        Self { version: current_version(), scene, seed, max_depth }
     }
+}
 
-    /// Whether this is what is `wanted`.
-    ///
-    /// # Errors
-    /// What differs.
-    fn check(&self, wanted: &Self) -> Result<(), String> {
-        let text = |of: &Self| {
-            [
-                ("the Glanz version", of.version.clone()),
-                ("the scene with its receivers (content hash)", format!("{:032x}", of.scene)),
-                ("the seed", of.seed.to_string()),
-                ("the depth", of.max_depth.to_string()),
-            ]
-        };
-        for ((what, found), (_, wanted)) in text(self).into_iter().zip(text(wanted)) {
-            if found != wanted {
-                return Err(format!("it holds another calculation: {what} is {found}, not {wanted}"));
-            }
-        }
-        Ok(())
+impl JobIdentity for TallyIdentity {
+    const FOREIGN: &'static str = "it holds another calculation";
+
+    fn fields(&self) -> Vec<(&'static str, String)> {
+        vec![
+            ("the Glanz version", self.version.clone()),
+            ("the scene with its receivers (content hash)", format!("{:032x}", self.scene)),
+            ("the seed", self.seed.to_string()),
+            ("the depth", self.max_depth.to_string()),
+        ]
     }
 }
 
@@ -103,6 +95,6 @@ pub(crate) fn read(
             max_depth: decoder.u32()?,
         })
     };
-    identity(&mut decoder).ok_or_else(senseless)?.check(wanted).map_err(|what| failure(&what))?;
+    identity(&mut decoder).ok_or_else(senseless)?.check(wanted).map_err(|mismatch| failure(&mismatch))?;
     Tally::decode(&mut decoder, receivers, far_field).ok_or_else(senseless)
 }

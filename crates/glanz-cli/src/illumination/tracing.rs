@@ -1,16 +1,15 @@
 //! Light by particles, with progress and checkpoints.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use glanz_illumination::{Goal, Tally, TraceEnd, TraceSettings, trace};
+use glanz_illumination::{Goal, Tally, TraceSettings, trace};
+use glanz_job::{CancelFlag, JobEnd, JobProgress, ProgressSink};
 
 use super::{Design, far_field_grid, pace, tally_file};
 use crate::arguments::IlluminateArguments;
-use crate::interrupt::Interrupt;
 use crate::messages::{Failure, Messages};
-use crate::plan::CHECKPOINT_INTERVAL;
-use crate::progress::Progress;
 use crate::report::grouped;
+use crate::saving::{SaveState, SavingProgress};
 use tally_file::TallyIdentity;
 
 /// Relative standard error that is aimed at if nothing is said.
@@ -51,7 +50,7 @@ pub(super) fn traced(
     design: &Design,
     arguments: &IlluminateArguments,
     messages: Messages,
-    interrupt: &Interrupt,
+    cancel: &CancelFlag,
 ) -> Result<Traced, Failure> {
     let identity = TallyIdentity::new(design.hash, arguments.seed, arguments.max_depth);
     let far_field = far_field_grid(arguments);
@@ -69,38 +68,18 @@ pub(super) fn traced(
     let goal = goal(arguments);
     let threads = usize::from(arguments.threads.unwrap_or(0));
     let settings = TraceSettings { seed: arguments.seed, max_events: arguments.max_depth, threads, goal };
-    let mut progress = Progress::start(messages);
-    let mut last_checkpoint = Instant::now();
-    let mut error = f64::INFINITY;
-    let outcome = trace(
-        scene,
-        receivers,
-        &settings,
-        tally,
-        &mut |report, tally| {
-            error = report.error;
-            let share =
-                report.elapsed.as_secs_f64() / (report.elapsed + bounded(report.remaining)).as_secs_f64();
-            let told =
-                format!("{} particles, {:.2} % error", grouped(report.particles), 100.0 * report.error);
-            progress.show(share, bounded(report.remaining), &told);
-            if let Some(path) = checkpoint
-                && last_checkpoint.elapsed() >= CHECKPOINT_INTERVAL
-            {
-                last_checkpoint = Instant::now();
-                if let Err(failure) = tally_file::write(path, &identity, tally) {
-                    messages.warning(&failure.message);
-                }
-            }
-        },
-        interrupt.flag(),
-    );
-    progress.finish();
+    let save = checkpoint
+        .map(|path| -> SaveState<'_, Tally> { Box::new(|tally| tally_file::write(path, &identity, tally)) });
+    let mut sink = TraceProgress { shown: SavingProgress::start(save, cancel, messages), error: None };
+    let outcome = trace(scene, receivers, &settings, tally, &mut sink, cancel);
+    let error = sink.error;
+    // The last checkpoint is still to come; only that has to succeed.
+    let _ = sink.shown.finish();
     let outcome = outcome.map_err(|error| Failure::new(error.to_string()))?;
     if let Some(path) = checkpoint {
         tally_file::write(path, &identity, &outcome.tally)?;
     }
-    let interrupted = outcome.end == TraceEnd::Interrupted;
+    let interrupted = outcome.end == JobEnd::Interrupted;
     let seconds = outcome.elapsed.as_secs_f64();
     let mut how = vec![
         ("method".to_owned(), "trace: particles from the lamps, all orders of reflection".to_owned()),
@@ -111,7 +90,7 @@ pub(super) fn traced(
     if outcome.particles < outcome.tally.particles() {
         how.push(("particles in all".to_owned(), grouped(outcome.tally.particles())));
     }
-    if error.is_finite() {
+    if let Some(error) = error.filter(|error| error.is_finite()) {
         how.push((
             "largest relative standard error of peaks and means".to_owned(),
             format!("{:.3} %", 100.0 * error),
@@ -120,7 +99,23 @@ pub(super) fn traced(
     Ok(Traced { tally: outcome.tally, interrupted, how })
 }
 
-/// What a bar can show: as long as no light has come, nobody knows.
-fn bounded(remaining: Duration) -> Duration {
-    remaining.min(Duration::from_secs(100 * 3600))
+/// Shows and saves, and remembers the last error.
+struct TraceProgress<'a> {
+    shown: SavingProgress<'a, Tally>,
+    error: Option<f64>,
+}
+
+impl ProgressSink<Tally> for TraceProgress<'_> {
+    fn on_progress(&mut self, progress: &JobProgress<'_>) {
+        self.error = progress.error;
+        self.shown.on_progress(progress);
+    }
+
+    fn checkpoint_interval(&self) -> Option<Duration> {
+        self.shown.checkpoint_interval()
+    }
+
+    fn on_checkpoint(&mut self, tally: &Tally) {
+        self.shown.on_checkpoint(tally);
+    }
 }

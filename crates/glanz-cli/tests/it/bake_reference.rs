@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use glanz::formats::{Options, load};
+use glanz::job::{CancelFlag, Silent};
 use glanz::light::{Spectrum, Wavelengths};
 use glanz::math::{DVec2, Frame};
 use glanz::radiosity::bake::{BakeSettings, LightMap, LightMaps, bake};
@@ -74,7 +75,7 @@ fn light_maps_are_what_path_tracing_finds() {
     let mut elements = Elements::new(&scene, &ElementSettings { side: 0.3 }).unwrap();
     elements.cut_at_walls(settings.density).unwrap();
     let start = std::time::Instant::now();
-    let maps = bake(&elements, None, &settings, &mut |_, _| true).unwrap();
+    let maps = bake(&elements, None, &settings, &mut Silent, &CancelFlag::default()).unwrap();
     let texels: usize = maps.iter().map(|map| map.irradiance.len()).sum();
     println!("{texels} texels in {:.1} s", start.elapsed().as_secs_f64());
     let walk = IntegratorDescription {

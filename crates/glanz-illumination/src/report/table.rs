@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+pub use glanz_job::grouped;
 use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 
 /// Significant digits that people see; programs get all.
@@ -217,20 +218,6 @@ impl Serialize for Table {
         }
         list.end()
     }
-}
-
-/// `count` with a blank between groups of three digits.
-#[must_use]
-pub fn grouped(count: u64) -> String {
-    let digits = count.to_string();
-    let mut text = String::with_capacity(digits.len() * 4 / 3);
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 /// `count` with the word for one or for several.

@@ -1,9 +1,9 @@
 //! Scenes for tests, and their maps.
 
 use std::f64::consts::TAU;
-use std::sync::atomic::AtomicBool;
 
 use glanz_illumination::*;
+use glanz_job::{CancelFlag, Silent};
 use glanz_light::SpectralDistribution;
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::Scene;
@@ -104,7 +104,7 @@ pub(crate) fn request(name: &str, shape: u32, fineness: Fineness) -> ReceiverReq
 pub(crate) fn traced(scene: &Scene, receivers: &Receivers, goal: Goal) -> TraceOutcome {
     let settings = TraceSettings { seed: 3, max_events: 1000, threads: 0, goal };
     let tally = Tally::new(receivers, None);
-    trace(scene, receivers, &settings, tally, &mut |_, _| {}, &AtomicBool::new(false)).unwrap()
+    trace(scene, receivers, &settings, tally, &mut Silent, &CancelFlag::default()).unwrap()
 }
 
 /// Maps of as many particles, and the balance.

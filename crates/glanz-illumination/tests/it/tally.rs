@@ -1,9 +1,8 @@
 //! What is counted does not depend on how.
 
-use std::sync::atomic::AtomicBool;
-
 use crate::common::*;
 use glanz_illumination::*;
+use glanz_job::{CancelFlag, JobEnd, Silent};
 use glanz_math::{DMat4, DVec3};
 use glanz_scene::Scene;
 use glanz_transport::codec::{Decoder, Encoder};
@@ -30,7 +29,7 @@ fn receivers(scene: &Scene) -> Receivers {
 fn sent(scene: &Scene, receivers: &Receivers, tally: Tally, particles: u64, threads: usize) -> Tally {
     let goal = Goal { particles: Some(particles), ..Goal::default() };
     let settings = TraceSettings { seed: 1, max_events: 100, threads, goal };
-    trace(scene, receivers, &settings, tally, &mut |_, _| {}, &AtomicBool::new(false)).unwrap().tally
+    trace(scene, receivers, &settings, tally, &mut Silent, &CancelFlag::default()).unwrap().tally
 }
 
 #[test]
@@ -61,7 +60,7 @@ fn errors_are_those_of_repeated_runs() {
         let goal = Goal { particles: Some(4096), ..Goal::default() };
         let settings = TraceSettings { seed, max_events: 100, threads: 1, goal };
         let tally = Tally::new(&receivers, None);
-        let outcome = trace(&scene, &receivers, &settings, tally, &mut |_, _| {}, &AtomicBool::new(false));
+        let outcome = trace(&scene, &receivers, &settings, tally, &mut Silent, &CancelFlag::default());
         let map = outcome.unwrap().tally.lux_maps(&receivers).swap_remove(0);
         (map.lux[27], map.errors[27])
     };
@@ -79,16 +78,17 @@ fn runs_end_at_the_error_asked_for() {
     let receivers = receivers(&scene);
     let goal = Goal { error: Some(0.02), particles: Some(10_000_000), ..Goal::default() };
     let outcome = traced(&scene, &receivers, goal);
-    assert_eq!(outcome.end, TraceEnd::Reached);
+    assert_eq!(outcome.end, JobEnd::Complete);
     for map in outcome.tally.lux_maps(&receivers) {
         let summary = map.summary();
         assert!(summary.maximum_error <= 0.02 * summary.maximum);
     }
     assert!(outcome.particles < 10_000_000);
-    let stopped = AtomicBool::new(true);
+    let cancelled = CancelFlag::default();
+    cancelled.cancel();
     let settings = TraceSettings { seed: 1, max_events: 9, threads: 1, goal: Goal::default() };
-    let outcome = trace(&scene, &receivers, &settings, outcome.tally, &mut |_, _| {}, &stopped).unwrap();
-    assert_eq!((outcome.end, outcome.particles), (TraceEnd::Interrupted, 0));
+    let outcome = trace(&scene, &receivers, &settings, outcome.tally, &mut Silent, &cancelled).unwrap();
+    assert_eq!((outcome.end, outcome.particles), (JobEnd::Interrupted, 0));
 }
 
 #[test]

@@ -13,8 +13,9 @@ use rayon::prelude::*;
 use super::closed::dark_insides;
 use super::direct::{DirectMap, luminance};
 use super::lookup::Index;
+use super::progress::BakeProgress;
 use super::state::{BakeState, Memory};
-use super::{BakeError, PASSED, Spot, Stage};
+use super::{BakeError, PASSED, Spot};
 use crate::charts::Chart;
 use crate::elements::{Element, Elements, Part};
 
@@ -102,8 +103,8 @@ impl<'a> Gather<'a> {
         }
     }
 
-    /// Goes on with what was found before; `false` if that is of other elements.
-    pub(super) fn go_on_with(&mut self, state: BakeState) -> bool {
+    /// Resumes what was found before; `false` if that is of other elements.
+    pub(super) fn resume(&mut self, state: BakeState) -> bool {
         let BakeState { indirect, gathered } = state;
         self.memory = Memory::new(gathered);
         let Some(indirect) = indirect else { return true };
@@ -155,13 +156,12 @@ impl<'a> Gather<'a> {
     }
 
     /// Elements gather light from one another until it no longer changes.
-    pub(super) fn solve(&mut self, go_on: &mut dyn FnMut(Stage, f64) -> bool) -> Result<(), BakeError> {
+    pub(super) fn solve(&mut self, progress: &mut BakeProgress<'_>) -> Result<(), BakeError> {
         let list = &self.elements.list;
         let mut rows: Vec<Row> = Vec::with_capacity(list.len());
         for group in list.chunks(256) {
-            if !go_on(Stage::Between, rows.len() as f64 / list.len() as f64) {
-                return Err(BakeError::Stopped);
-            }
+            // Nothing of this phase is kept.
+            progress.report(rows.len() as f64 / list.len() as f64, BakeState::default)?;
             let found: Vec<Row> = group.par_iter().map(|element| self.row(element)).collect();
             rows.extend(found);
         }

@@ -8,7 +8,8 @@ use rayon::prelude::*;
 
 use super::direct::{self, DirectMap, luminance};
 use super::gather::{Gather, Gathered};
-use super::{BakeError, Spot, Stage};
+use super::progress::BakeProgress;
+use super::{BakeError, Spot};
 use crate::charts::BLOCK;
 
 /// Largest side of a block per the distance of what is around, which bounds the change within it (@ward1988).
@@ -65,13 +66,17 @@ type Known = HashMap<(usize, usize), Option<Gathered>>;
 pub(super) fn of_charts(
     gather: &Gather<'_>,
     direct: &[DirectMap],
-    go_on: &mut dyn FnMut(Stage, f64) -> bool,
+    progress: &mut BakeProgress<'_>,
 ) -> Result<Vec<Vec<Option<Spectrum>>>, BakeError> {
     let found = gather.charts.iter().map(|chart| vec![None; chart.texels()]).collect();
     let mut filling = Filling { gather, direct, known: Known::new(), found, done: 0 };
     let charts = || 0..gather.charts.len();
-    filling.fill(charts().flat_map(|chart| first(gather, chart)).collect(), DIFFERENT, go_on)?;
-    filling.fill(charts().flat_map(|chart| borders(gather, chart)).collect(), DIFFERENT_ON_BORDER, go_on)?;
+    filling.fill(charts().flat_map(|chart| first(gather, chart)).collect(), DIFFERENT, progress)?;
+    filling.fill(
+        charts().flat_map(|chart| borders(gather, chart)).collect(),
+        DIFFERENT_ON_BORDER,
+        progress,
+    )?;
     Ok(filling.found)
 }
 
@@ -91,7 +96,7 @@ impl Filling<'_> {
         &mut self,
         mut blocks: Vec<Block>,
         different: f32,
-        go_on: &mut dyn FnMut(Stage, f64) -> bool,
+        progress: &mut BakeProgress<'_>,
     ) -> Result<(), BakeError> {
         let (gather, direct) = (self.gather, self.direct);
         let all: usize = gather.charts.iter().map(crate::charts::Chart::texels).sum();
@@ -101,9 +106,7 @@ impl Filling<'_> {
             wanted.dedup();
             wanted.retain(|key| !self.known.contains_key(key));
             for group in wanted.chunks(AT_ONCE) {
-                if !go_on(Stage::Gather, self.done as f64 / all as f64) {
-                    return Err(BakeError::Stopped);
-                }
+                progress.report(self.done as f64 / all as f64, || gather.state())?;
                 let one = |&key: &(usize, usize)| (key, at_texel(gather, direct, key));
                 let light: Vec<_> = group.par_iter().map(one).collect();
                 self.known.extend(light);

@@ -7,6 +7,7 @@
 //!
 //! Texels from which nothing but dark sides can be seen lie inside of something, and are filled from their neighbours.
 
+use glanz_job::{CancelFlag, Interrupted, ProgressSink};
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_scene::{Interaction, Place, Scene};
 use rayon::prelude::*;
@@ -22,6 +23,7 @@ mod gather;
 mod indirect;
 mod lookup;
 mod maps;
+mod progress;
 #[cfg(test)]
 mod resume_tests;
 mod state;
@@ -34,6 +36,7 @@ use direct::Lamps;
 use gather::Gather;
 use lookup::Index;
 pub use maps::LightMaps;
+use progress::BakeProgress;
 pub use state::BakeState;
 
 /// How carefully light maps are made.
@@ -75,38 +78,9 @@ pub enum BakeError {
     /// What was found before belongs to something else.
     #[error("what was found before is of other elements")]
     State,
-    /// The caller wanted an end.
-    #[error("stopped")]
-    Stopped,
-}
-
-/// What is being done.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// Light from the lights.
-    Direct,
-    /// Light between the elements.
-    Between,
-    /// The final gather.
-    Gather,
-}
-
-/// How far a bake is.
-#[derive(Clone, Copy)]
-pub struct BakeReport<'a> {
-    /// What is being done.
-    pub stage: Stage,
-    /// How much of that is done, [0, 1].
-    pub fraction: f64,
-    state: &'a dyn Fn() -> BakeState,
-}
-
-impl BakeReport<'_> {
-    /// What was found so far, to go on with; it is copied.
-    #[must_use]
-    pub fn state(&self) -> BakeState {
-        (self.state)()
-    }
+    /// The bake was cancelled.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 /// One chart with its light.
@@ -158,8 +132,7 @@ impl Spot {
 /// Light maps of all surfaces of `elements`: the two sides of a chart follow one another.
 ///
 /// `radiosity`: of each element, in units of radiance times pi, as the solvers find it; without it the elements gather light from one another
-/// here, along the rays of the final gather. What a material reflects in whatever way counts as if it were diffuse. `go_on`: asked now and
-/// then, with what is done of a stage.
+/// here, along the rays of the final gather. What a material reflects in whatever way counts as if it were diffuse. `sink`: see [`resume`].
 ///
 /// # Errors
 /// [`BakeError`].
@@ -167,26 +140,26 @@ pub fn bake(
     elements: &Elements<'_>,
     radiosity: Option<&[Spectrum]>,
     settings: &BakeSettings,
-    go_on: &mut dyn FnMut(Stage, f64) -> bool,
+    sink: &mut dyn ProgressSink<BakeState>,
+    cancel: &CancelFlag,
 ) -> Result<Vec<LightMap>, BakeError> {
-    go_on_with(BakeState::default(), elements, radiosity, settings, &mut |report| {
-        go_on(report.stage, report.fraction)
-    })
+    resume(BakeState::default(), elements, radiosity, settings, sink, cancel)
 }
 
 /// As [`bake`], from what an earlier call for the same elements, radiosity and settings had found: the answer is the same to the bit as that of one
 /// call. Light straight from lights is found again.
 ///
-/// `go_on`: may take what is found from the report, also when it says no.
+/// `sink`: receives the progress of three phases, and what was found so far after each interval and when the bake is cancelled.
 ///
 /// # Errors
 /// [`BakeError`].
-pub fn go_on_with(
+pub fn resume(
     state: BakeState,
     elements: &Elements<'_>,
     radiosity: Option<&[Spectrum]>,
     settings: &BakeSettings,
-    go_on: &mut dyn FnMut(&BakeReport<'_>) -> bool,
+    sink: &mut dyn ProgressSink<BakeState>,
+    cancel: &CancelFlag,
 ) -> Result<Vec<LightMap>, BakeError> {
     let BakeSettings { density, rays, shadow_rays } = *settings;
     if !(density > 0.0 && density.is_finite()) {
@@ -203,32 +176,29 @@ pub fn go_on_with(
     let lamps = Lamps::new(elements, shadow_rays);
     let mut direct = Vec::with_capacity(charts.len());
     let mut done = 0;
+    let mut progress = BakeProgress::new(sink, cancel);
     for group in charts.chunks(64) {
-        let fraction = done as f64 / texels as f64;
-        if !go_on(&BakeReport { stage: Stage::Direct, fraction, state: &|| state.clone() }) {
-            return Err(BakeError::Stopped);
-        }
+        progress.report(done as f64 / texels as f64, || state.clone())?;
         let found: Vec<_> = group.par_iter().map(|chart| direct::of_chart(elements, &lamps, chart)).collect();
         direct.extend(found);
         done += group.iter().map(Chart::texels).sum::<usize>();
     }
     let index = Index::new(elements, &charts);
     let mut gather = Gather::new(elements, &index, &charts, &direct, rays);
-    if !gather.go_on_with(state) {
+    if !gather.resume(state) {
         return Err(BakeError::State);
     }
     match radiosity {
         Some(radiosity) => gather.take(radiosity),
         None if gather.is_solved() => {}
         // Nothing is gathered before elements have found their light.
-        None => gather.solve(&mut |stage, fraction| {
-            go_on(&BakeReport { stage, fraction, state: &BakeState::default })
-        })?,
+        None => {
+            progress.begin(2, "light between surfaces");
+            gather.solve(&mut progress)?;
+        }
     }
-    let found = || gather.state();
-    let indirect = indirect::of_charts(&gather, &direct, &mut |stage, fraction| {
-        go_on(&BakeReport { stage, fraction, state: &found })
-    })?;
+    progress.begin(3, "indirect light");
+    let indirect = indirect::of_charts(&gather, &direct, &mut progress)?;
     let finish = |((number, direct), indirect)| finish(&gather, number, direct, indirect);
     Ok((0..charts.len()).into_par_iter().zip(&direct).zip(indirect).map(finish).collect())
 }

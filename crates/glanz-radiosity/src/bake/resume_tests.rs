@@ -1,5 +1,8 @@
 //! Bakes that stop and go on.
 
+use std::time::Duration;
+
+use glanz_job::{JobProgress, Silent};
 use glanz_math::DVec3;
 use glanz_scene::description::GeometryDescription;
 
@@ -37,26 +40,61 @@ fn assert_same(a: &[LightMap], b: &[LightMap]) {
     }
 }
 
-/// Bakes until it was asked `asked` times; the light, or what was found.
+/// Cancels a bake at a number of reports, and keeps what was found.
+struct Stopper {
+    reports: usize,
+    cancel: CancelFlag,
+    last: Option<BakeState>,
+}
+
+impl ProgressSink<BakeState> for Stopper {
+    fn on_progress(&mut self, _: &JobProgress<'_>) {
+        self.reports -= 1;
+        if self.reports == 0 {
+            self.cancel.cancel();
+        }
+    }
+
+    fn on_checkpoint(&mut self, state: &BakeState) {
+        assert!(self.last.replace(state.clone()).is_none());
+    }
+}
+
+/// Keeps every state, and the phases.
+#[derive(Default)]
+struct Keeper {
+    last: BakeState,
+    phases: Vec<u32>,
+}
+
+impl ProgressSink<BakeState> for Keeper {
+    fn on_progress(&mut self, progress: &JobProgress<'_>) {
+        self.phases.push(progress.step[0]);
+    }
+
+    fn checkpoint_interval(&self) -> Option<Duration> {
+        Some(Duration::ZERO)
+    }
+
+    fn on_checkpoint(&mut self, state: &BakeState) {
+        self.last = state.clone();
+    }
+}
+
+/// Bakes until the progress was reported `reports` times; the light, or what was found.
 fn until(
-    asked: usize,
+    reports: usize,
     elements: &Elements<'_>,
     radiosity: Option<&[Spectrum]>,
     state: BakeState,
 ) -> Result<Vec<LightMap>, BakeState> {
-    let (mut count, mut last) = (0, BakeState::default());
-    let go_on = &mut |report: &BakeReport<'_>| {
-        count += 1;
-        if count == asked {
-            last = report.state();
-        }
-        count < asked
-    };
-    match go_on_with(state, elements, radiosity, &COARSE, go_on) {
+    let cancel = CancelFlag::default();
+    let mut stopper = Stopper { reports, cancel: cancel.clone(), last: None };
+    match resume(state, elements, radiosity, &COARSE, &mut stopper, &cancel) {
         Ok(maps) => Ok(maps),
         Err(error) => {
-            assert_eq!(error, BakeError::Stopped);
-            Err(last)
+            assert_eq!(error, BakeError::Interrupted(Interrupted));
+            Err(stopper.last.unwrap())
         }
     }
 }
@@ -65,11 +103,11 @@ fn until(
 fn stopped_bake_comes_to_the_same_bits_from_any_moment() {
     let scene = room();
     let elements = elements(&scene);
-    let whole = bake(&elements, None, &COARSE, &mut |_, _| true).unwrap();
+    let whole = bake(&elements, None, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
     let mut stages = Vec::new();
-    let mut asked = 1;
+    let mut reports = 1;
     loop {
-        let state = match until(asked, &elements, None, BakeState::default()) {
+        let state = match until(reports, &elements, None, BakeState::default()) {
             Ok(maps) => {
                 assert_same(&maps, &whole);
                 break;
@@ -80,7 +118,7 @@ fn stopped_bake_comes_to_the_same_bits_from_any_moment() {
         let read = BakeState::from_bytes(&state.to_bytes()).unwrap();
         assert_eq!(read, state);
         assert_same(&until(usize::MAX, &elements, None, read).unwrap(), &whole);
-        asked += 1;
+        reports += 1;
     }
     // Moments before the final gather, at its beginning and within it.
     assert!(stages.contains(&(false, 0)) && stages.contains(&(true, 0)), "{stages:?}");
@@ -92,15 +130,16 @@ fn stopped_bake_comes_to_the_same_bits_from_any_moment() {
 fn bake_that_stops_again_and_again_arrives() {
     let scene = room();
     let elements = elements(&scene);
-    let factors = FormFactors::new(&elements, |_| true).unwrap();
-    let solved = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), |_, _| true);
+    let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
+    let solved =
+        gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &CancelFlag::default()).unwrap();
     let radiosity = Some(solved.radiosity.as_slice());
-    let whole = bake(&elements, radiosity, &COARSE, &mut |_, _| true).unwrap();
-    let (mut state, mut asked) = (BakeState::default(), 1);
+    let whole = bake(&elements, radiosity, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
+    let (mut state, mut reports) = (BakeState::default(), 1);
     let maps = loop {
-        match until(asked, &elements, radiosity, state) {
+        match until(reports, &elements, radiosity, state) {
             Ok(maps) => break maps,
-            Err(found) => (state, asked) = (found, asked + 1),
+            Err(found) => (state, reports) = (found, reports + 1),
         }
     };
     assert_same(&maps, &whole);
@@ -110,20 +149,13 @@ fn bake_that_stops_again_and_again_arrives() {
 fn what_was_found_is_not_found_again() {
     let scene = room();
     let elements = elements(&scene);
-    let mut last = BakeState::default();
-    let keep = &mut |report: &BakeReport<'_>| {
-        last = report.state();
-        true
-    };
-    go_on_with(BakeState::default(), &elements, None, &COARSE, keep).unwrap();
-    let before = last.places();
-    let mut stages = Vec::new();
-    let go_on = &mut |report: &BakeReport<'_>| {
-        stages.push(report.stage);
-        true
-    };
-    go_on_with(last, &elements, None, &COARSE, go_on).unwrap();
-    assert!(before > 100 && !stages.contains(&Stage::Between));
+    let cancel = CancelFlag::default();
+    let (mut first, mut second) = (Keeper::default(), Keeper::default());
+    resume(BakeState::default(), &elements, None, &COARSE, &mut first, &cancel).unwrap();
+    let before = first.last.places();
+    resume(first.last, &elements, None, &COARSE, &mut second, &cancel).unwrap();
+    // The second phase, light between surfaces, is not made again.
+    assert!(before > 100 && first.phases.contains(&2) && !second.phases.contains(&2));
 }
 
 #[test]
@@ -131,7 +163,7 @@ fn state_of_something_else_is_refused() {
     let scene = room();
     let elements = elements(&scene);
     let other = BakeState { indirect: Some(vec![Spectrum::ONE; 3]), ..BakeState::default() };
-    let refused = go_on_with(other.clone(), &elements, None, &COARSE, &mut |_| true);
+    let refused = resume(other.clone(), &elements, None, &COARSE, &mut Silent, &CancelFlag::default());
     assert_eq!(refused.err(), Some(BakeError::State));
     let bytes = other.to_bytes();
     assert!((0..bytes.len()).all(|length| BakeState::from_bytes(&bytes[..length]).is_none()));
@@ -144,7 +176,7 @@ fn state_of_something_else_is_refused() {
 fn stored_maps_are_the_maps() {
     let scene = room();
     let elements = elements(&scene);
-    let maps = bake(&elements, None, &COARSE, &mut |_, _| true).unwrap();
+    let maps = bake(&elements, None, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
     let bytes = stored::to_bytes(&maps);
     assert_same(&stored::from_bytes(&elements, COARSE.density, &bytes).unwrap(), &maps);
     assert!(stored::from_bytes(&elements, 2.0 * COARSE.density, &bytes).is_none());

@@ -1,5 +1,6 @@
 use std::f64::consts::PI;
 
+use glanz_job::Silent;
 use glanz_light::Wavelengths;
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::description::{GeometryDescription, LightKind};
@@ -13,7 +14,7 @@ use crate::solve::{GaussSeidel, gauss_seidel};
 const COARSE: BakeSettings = BakeSettings { density: 6.0, rays: 256, shadow_rays: 256 };
 
 fn baked(scene: &Scene, side: f64, settings: &BakeSettings) -> Vec<LightMap> {
-    bake(&divided(scene, side, settings), None, settings, &mut |_, _| true).unwrap()
+    bake(&divided(scene, side, settings), None, settings, &mut Silent, &CancelFlag::default()).unwrap()
 }
 
 fn divided<'a>(scene: &'a Scene, side: f64, settings: &BakeSettings) -> Elements<'a> {
@@ -138,7 +139,10 @@ fn no_light_comes_beneath_a_thin_wall_on_a_floor_in_one_piece() {
     for (x, end) in [(2.1, 2.1), (1.9, 2.4)] {
         let scene = parted_room(x, end, 1.0);
         let elements = divided(&scene, 0.5, &COARSE);
-        let maps = LightMaps::new(&elements, bake(&elements, None, &COARSE, &mut |_, _| true).unwrap());
+        let maps = LightMaps::new(
+            &elements,
+            bake(&elements, None, &COARSE, &mut Silent, &CancelFlag::default()).unwrap(),
+        );
         let (mut dark, mut lit) = (0, 0);
         for (surface, i) in (0..6).flat_map(|surface| (0..400).map(move |i| (surface, i))) {
             let uv = DVec2::new(f64::from(i % 20) + 0.5, f64::from(i / 20) + 0.5) / 20.0;
@@ -170,7 +174,10 @@ fn parts_of_a_chart_agree_where_the_wall_has_ended() {
     let scene = parted_room(2.1, 2.1, 0.59);
     let settings = BakeSettings { density: 20.0, ..COARSE };
     let elements = divided(&scene, 0.5, &settings);
-    let maps = LightMaps::new(&elements, bake(&elements, None, &settings, &mut |_, _| true).unwrap());
+    let maps = LightMaps::new(
+        &elements,
+        bake(&elements, None, &settings, &mut Silent, &CancelFlag::default()).unwrap(),
+    );
     assert_eq!(maps.as_slice().iter().filter(|map| map.chart.surface == 4 && !map.is_dark()).count(), 2);
     let light = |x: f64, y: f64| {
         // The floor is over y and x.
@@ -254,10 +261,12 @@ fn light_from_a_solution_is_that_which_elements_gather() {
     shapes.push((parallelogram(DVec3::new(0.8, 0.7, 1.9), DVec3::Y * 0.5, DVec3::X * 0.5), 0.3, 10.0));
     let scene = scene(shapes);
     let elements = Elements::new(&scene, &ElementSettings { side: 0.4 }).unwrap();
-    let factors = FormFactors::new(&elements, |_| true).unwrap();
-    let solved = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), |_, _| true);
-    let gathered = bake(&elements, None, &COARSE, &mut |_, _| true).unwrap();
-    let taken = bake(&elements, Some(&solved.radiosity), &COARSE, &mut |_, _| true).unwrap();
+    let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
+    let solved =
+        gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &CancelFlag::default()).unwrap();
+    let gathered = bake(&elements, None, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
+    let taken =
+        bake(&elements, Some(&solved.radiosity), &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
     let (mut sum, mut count) = (0.0, 0.0);
     for ((_, p, a), (_, q, b)) in texels(&scene, &gathered).zip(texels(&scene, &taken)) {
         assert_eq!(p, q);
@@ -301,14 +310,16 @@ fn pages_repeat_the_borders_of_charts() {
 }
 
 #[test]
-fn nonsense_is_refused_and_the_caller_can_stop() {
+fn nonsense_is_refused_and_a_bake_can_be_cancelled() {
     let scene = scene(vec![(parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y), 0.5, 1.0)]);
     let elements = Elements::new(&scene, &ElementSettings { side: 1.0 }).unwrap();
-    let run = |density: f64, radiosity: Option<&[Spectrum]>, go_on: bool| {
-        bake(&elements, radiosity, &BakeSettings { density, ..COARSE }, &mut |_, _| go_on).map(|_| ())
+    let run = |density: f64, radiosity: Option<&[Spectrum]>, cancel: &CancelFlag| {
+        bake(&elements, radiosity, &BakeSettings { density, ..COARSE }, &mut Silent, cancel).map(|_| ())
     };
-    assert_eq!(run(0.0, None, true), Err(BakeError::Density(0.0)));
-    assert_eq!(run(1.0, Some(&[]), true), Err(BakeError::Radiosity(2, 0)));
-    assert_eq!(run(1.0, None, false), Err(BakeError::Stopped));
-    assert_eq!(run(1.0, None, true), Ok(()));
+    let (open, cancelled) = (CancelFlag::default(), CancelFlag::default());
+    cancelled.cancel();
+    assert_eq!(run(0.0, None, &open), Err(BakeError::Density(0.0)));
+    assert_eq!(run(1.0, Some(&[]), &open), Err(BakeError::Radiosity(2, 0)));
+    assert_eq!(run(1.0, None, &cancelled), Err(BakeError::Interrupted(Interrupted)));
+    assert_eq!(run(1.0, None, &open), Ok(()));
 }

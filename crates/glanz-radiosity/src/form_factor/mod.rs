@@ -5,6 +5,7 @@
 
 use std::f64::consts::PI;
 
+use glanz_job::{CancelFlag, Interrupted};
 use glanz_math::rounding::offset_origin;
 use glanz_math::{DVec3, Ray};
 use glanz_scene::Scene;
@@ -61,11 +62,11 @@ type Row = (Vec<(u32, f64)>, u64);
 impl FormFactors {
     /// All of them, by all threads; memory grows with the square of the number of elements.
     ///
-    /// `go_on`: asked after each row, from any thread, with the number of rows that are finished. `None` if it says no.
-    pub fn new(elements: &Elements<'_>, go_on: impl Fn(usize) -> bool + Sync) -> Option<Self> {
+    /// # Errors
+    /// [`Interrupted`] if `cancel` is raised, which is checked after each row.
+    pub fn new(elements: &Elements<'_>, cancel: &CancelFlag) -> Result<Self, Interrupted> {
         let list = &elements.list;
-        let finished = std::sync::atomic::AtomicUsize::new(0);
-        let upper: Option<Vec<Row>> = list
+        let upper: Result<Vec<Row>, Interrupted> = list
             .par_iter()
             .enumerate()
             .map(|(i, a)| {
@@ -76,8 +77,7 @@ impl FormFactors {
                     (exchanged > 0.0).then_some((j, exchanged))
                 });
                 let row = row.collect();
-                let count = 1 + finished.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-                go_on(count).then_some((row, rays))
+                cancel.check().map(|()| (row, rays))
             })
             .collect();
         let mut rows: Vec<Vec<(u32, f32)>> = vec![Vec::new(); list.len()];
@@ -90,7 +90,7 @@ impl FormFactors {
             }
         }
         rows.iter_mut().for_each(|row| row.sort_unstable_by_key(|&(j, _)| j));
-        Some(Self { rows, rays })
+        Ok(Self { rows, rays })
     }
 
     /// Elements that one sees, and the share of the light that it sends to each.

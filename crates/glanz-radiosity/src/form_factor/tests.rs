@@ -126,7 +126,7 @@ fn exchange_is_the_same_both_ways_and_rows_of_a_closed_room_sum_to_one() {
     let scene = scene(walls(DVec3::new(4.0, 3.0, 2.5)).into_iter().map(|w| (w, 0.5, 0.0)).collect());
     let elements = elements(&scene, 1.0);
     let inside: Vec<usize> = (0..elements.list.len()).filter(|&i| !elements.list[i].patch.back).collect();
-    let factors = FormFactors::new(&elements, |_| true).unwrap();
+    let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
     assert_eq!(factors.len(), elements.list.len());
     for &i in &inside {
         let sum = factors.sum(i);
@@ -137,7 +137,9 @@ fn exchange_is_the_same_both_ways_and_rows_of_a_closed_room_sum_to_one() {
         let (there, back) = (exchange(&elements, a, b), exchange(&elements, b, a));
         assert!((there - back).abs() <= 1e-9 * a.area, "{there} {back}");
     }
-    assert!(FormFactors::new(&elements, |done| done < 5).is_none());
+    let cancelled = CancelFlag::default();
+    cancelled.cancel();
+    assert_eq!(FormFactors::new(&elements, &cancelled), Err(Interrupted));
 }
 
 #[test]
@@ -145,7 +147,7 @@ fn rows_inside_a_sphere_sum_to_one() {
     let sphere = GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 1.0], phi_max: TAU };
     let scene = scene(vec![(sphere, 0.5, 0.0)]);
     let elements = elements(&scene, 0.5);
-    let factors = FormFactors::new(&elements, |_| true).unwrap();
+    let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
     // Any two places of a sphere exchange the same, 1 / (4 pi r^2): each row is the share of the rest, for an element does not
     // see itself.
     for (i, element) in elements.list.iter().enumerate().filter(|(_, element)| element.patch.back) {

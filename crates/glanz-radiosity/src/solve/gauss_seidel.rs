@@ -1,5 +1,6 @@
 //! All elements gather from all, over and over.
 
+use glanz_job::{CancelFlag, Interrupted};
 use glanz_light::Spectrum;
 
 use crate::elements::Element;
@@ -33,14 +34,16 @@ pub struct Solved {
 
 /// Gauss and Seidel's method: each sweep uses what it has found itself (@cohen1993 section 5.3).
 ///
-/// It converges, as every element reflects less than it receives; more slowly, the lighter the room. `go_on`: asked after each sweep
-/// with its number and its change.
+/// It converges, as every element reflects less than it receives; more slowly, the lighter the room.
+///
+/// # Errors
+/// [`Interrupted`] if `cancel` is raised, which is checked after each sweep.
 pub fn gauss_seidel(
     elements: &[Element],
     factors: &FormFactors,
     settings: &GaussSeidel,
-    mut go_on: impl FnMut(u32, f64) -> bool,
-) -> Solved {
+    cancel: &CancelFlag,
+) -> Result<Solved, Interrupted> {
     let mut radiosity: Vec<Spectrum> = elements.iter().map(|element| element.emission).collect();
     let (mut sweeps, mut change) = (0, f64::INFINITY);
     while sweeps < settings.sweeps && change > settings.tolerance {
@@ -61,9 +64,7 @@ pub fn gauss_seidel(
         }
         sweeps += 1;
         change = if largest > 0.0 { f64::from(most_changed / largest) } else { 0.0 };
-        if !go_on(sweeps, change) {
-            break;
-        }
+        cancel.check()?;
     }
-    Solved { radiosity, sweeps, change }
+    Ok(Solved { radiosity, sweeps, change })
 }

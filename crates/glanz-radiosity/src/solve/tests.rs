@@ -1,3 +1,4 @@
+use glanz_job::CancelFlag;
 use glanz_light::Wavelengths;
 use glanz_math::DVec3;
 use glanz_scene::Scene;
@@ -27,8 +28,9 @@ fn furnace_is_as_bright_as_it_is() {
         let shapes = walls(DVec3::new(3.0, 2.0, 2.5)).into_iter().map(|wall| (wall, reflectance, 1.0));
         let scene = scene(shapes.collect());
         let elements = elements(&scene, 0.8);
-        let factors = FormFactors::new(&elements, |_| true).unwrap();
-        let solved = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), |_, _| true);
+        let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
+        let solved =
+            gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &CancelFlag::default()).unwrap();
         let expected = std::f64::consts::PI / (1.0 - f64::from(reflectance));
         for (element, &radiosity) in elements.list.iter().zip(&solved.radiosity) {
             if !element.patch.back {
@@ -44,8 +46,9 @@ fn furnace_is_as_bright_as_it_is() {
 fn shooting_comes_to_what_gathering_finds() {
     let scene = room(0.6);
     let elements = elements(&scene, 1.0);
-    let factors = FormFactors::new(&elements, |_| true).unwrap();
-    let gathered = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), |_, _| true);
+    let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
+    let gathered =
+        gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &CancelFlag::default()).unwrap();
     let mut shot = Progressive::new(&elements);
     assert!((shot.left(&elements) - 1.0).abs() < 1e-12);
     let mut count = 0;
@@ -63,7 +66,7 @@ fn shooting_comes_to_what_gathering_finds() {
 fn known_form_factors_shoot_as_new_ones_do() {
     let scene = room(0.6);
     let elements = elements(&scene, 1.0);
-    let factors = FormFactors::new(&elements, |_| true).unwrap();
+    let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
     let (mut new, mut known) = (Progressive::new(&elements), Progressive::new(&elements));
     for _ in 0..40 {
         assert!(new.shoot(&elements) && known.shoot_known(&elements, &factors));
@@ -82,8 +85,10 @@ fn ambient_term_guesses_what_is_on_its_way() {
     // After the ceiling has shot, the estimate is nearer to the end than what has arrived.
     let scene = room(0.6);
     let elements = elements(&scene, 1.0);
-    let factors = FormFactors::new(&elements, |_| true).unwrap();
-    let end = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), |_, _| true).radiosity;
+    let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
+    let end = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &CancelFlag::default())
+        .unwrap()
+        .radiosity;
     let mut shot = Progressive::new(&elements);
     for _ in 0..6 {
         assert!(shot.shoot(&elements));
@@ -111,8 +116,9 @@ fn no_light_leaks_through_a_wall() {
     shapes.push((lamp, 0.0, 1.0));
     let scene = scene(shapes);
     let elements = elements(&scene, 0.5);
-    let factors = FormFactors::new(&elements, |_| true).unwrap();
-    let solved = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), |_, _| true);
+    let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
+    let solved =
+        gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &CancelFlag::default()).unwrap();
     let (mut lit, mut dark) = (0, 0);
     for (element, &radiosity) in elements.list.iter().zip(&solved.radiosity) {
         let at = element.center;

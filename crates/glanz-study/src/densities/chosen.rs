@@ -22,7 +22,7 @@ const COLUMNS: [(&str, &str); 6] = [
 ];
 
 /// Densities that are chosen, one, two and four samples.
-pub(super) fn table_2_1(settings: &Settings<'_>) -> Result<Table, StudyError> {
+pub(super) fn table_2_1(settings: &Settings) -> Result<Table, StudyError> {
     let mut table = Table::new(
         "table_2_1",
         "Variance of the mean of one, two and four samples, sin(pi x / 2).",

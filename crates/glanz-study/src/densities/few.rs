@@ -59,7 +59,7 @@ impl FewSamples {
 }
 
 /// Figure 2.9: hat functions with few samples a pass, learnt as in the document and in other ways.
-pub(super) fn few_samples(ladder: &Ladder<2>, settings: &Settings<'_>) -> Result<FewSamples, StudyError> {
+pub(super) fn few_samples(ladder: &Ladder<2>, settings: &Settings) -> Result<FewSamples, StudyError> {
     let mut table = Table::new(
         "convergence",
         "Exact variance of a single sample from the density that three passes have learnt, 41 runs, and what as many further \
@@ -72,7 +72,7 @@ pub(super) fn few_samples(ladder: &Ladder<2>, settings: &Settings<'_>) -> Result
             let (mut exact, mut shown) = (Vec::new(), Vec::new());
             let mut last = None;
             for run in 0..41 {
-                settings.go_on()?;
+                settings.cancel.check()?;
                 let mut plan = ladder.plan(samples, combine(settings.seed, 1000 + run));
                 (plan.learning, plan.sampling) = (learning, sampling);
                 let result = integrate_adaptively(&ladder.scales, &plan, plane)?;

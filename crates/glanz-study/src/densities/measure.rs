@@ -47,12 +47,12 @@ pub(super) fn variance_of_means(
     sampling: Sampling,
     count: u32,
     total: u64,
-    settings: &Settings<'_>,
+    settings: &Settings,
 ) -> Result<Measured, StudyError> {
     let means = (total / u64::from(count) / GROUPS).max(2);
     let mut variances = Vec::new();
     for group in 0..GROUPS {
-        settings.go_on()?;
+        settings.cancel.check()?;
         let (mut sum, mut squares) = (0.0, 0.0);
         for i in 0..means {
             let seed = combine(combine(settings.seed, u64::from(count)), group * means + i);

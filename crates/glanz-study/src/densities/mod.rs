@@ -17,7 +17,7 @@ use self::few::{FewSamples, few_samples};
 use self::measure::{plane, sine};
 use self::passes::{PASS_COLUMNS, Passes, RUNS, findings, ladder, measure, push_passes, variances};
 use crate::report::Report;
-use crate::study::{Settings, StudyError, Watch};
+use crate::study::{Settings, StudyError, StudyProgress};
 use crate::table::Table;
 
 /// Samples of a pass, as in the document.
@@ -30,9 +30,9 @@ const TITLES: [&str; 2] = ["Haar's boxes", "Hat functions"];
 ///
 /// # Errors
 /// An end that was wanted.
-pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
-    settings.go_on()?;
-    watch.progress(0.0, "table 2.1");
+pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
+    settings.cancel.check()?;
+    progress.report(0.0, "table 2.1");
     let chosen = table_2_1(settings)?;
     let line = [
         ladder("Haar's boxes", MultiResolution::haar(3)?, [1, 2, 3], [0.0947, 0.0388, 0.0132, 0.004_32]),
@@ -52,11 +52,11 @@ pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Repo
             [0.0857, 0.005, 0.000_251, 0.000_073_3],
         ),
     ];
-    watch.progress(0.1, "table 2.2");
+    progress.report(0.1, "table 2.2");
     let (on_line, line_runs) = measure(&line, FRAC_2_PI, sine, settings)?;
-    watch.progress(0.4, "table 2.4");
+    progress.report(0.4, "table 2.4");
     let (on_square, square_runs) = measure(&square, FRAC_2_PI * FRAC_2_PI, plane, settings)?;
-    watch.progress(0.9, "figure 2.9");
+    progress.report(0.9, "figure 2.9");
     let few = few_samples(&square[1], settings)?;
 
     let mut summary = Table::new(
@@ -80,7 +80,7 @@ pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Repo
     for sentence in found {
         report.paragraph(sentence);
     }
-    watch.progress(1.0, "done");
+    progress.report(1.0, "done");
     Ok(report)
 }
 
@@ -142,7 +142,7 @@ fn tell_few(few: FewSamples, report: &mut Report) {
     );
 }
 
-fn introduce(settings: &Settings<'_>, report: &mut Report) {
+fn introduce(settings: &Settings, report: &mut Report) {
     report.heading("What was asked");
     report.paragraph(
         "Document 003 lets the samples of a Monte Carlo integral teach the density of the samples to come: coefficients in a \

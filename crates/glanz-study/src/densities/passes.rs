@@ -51,7 +51,7 @@ pub(super) fn measure<const D: usize>(
     ladders: &[Ladder<D>],
     integral: f64,
     f: fn(&[f64]) -> f64,
-    settings: &Settings<'_>,
+    settings: &Settings,
 ) -> Result<(Vec<Passes>, Vec<AdaptiveResult<D>>), StudyError> {
     let (mut all, mut last_runs) = (Vec::new(), Vec::new());
     for ladder in ladders {
@@ -60,7 +60,7 @@ pub(super) fn measure<const D: usize>(
         let mut seen = [const { Vec::new() }; 4];
         let mut last = None;
         for run in 0..RUNS {
-            settings.go_on()?;
+            settings.cancel.check()?;
             let plan = ladder.plan(SAMPLES, combine(settings.seed, run));
             let result = integrate_adaptively(&ladder.scales, &plan, f)?;
             for (seen, pass) in seen.iter_mut().zip(&result.passes) {

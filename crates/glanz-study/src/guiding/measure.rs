@@ -3,35 +3,39 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use glanz_job::{JobProgress, ProgressSink};
 use glanz_light::Pixels;
 use glanz_sampling::exact::MAX_TERMS;
-use glanz_transport::{Film, PictureIdentity, Progress, ProgressReport};
+use glanz_transport::{Film, PictureIdentity, RenderSink};
 
 use super::curve::{Error, Point};
 use super::kept::{Kept, Run};
 use super::method::{Entry, FROZEN_SAMPLES, Method};
 use super::room::{Exposed, Room, Way};
-use crate::study::{StudyError, Watch};
+use crate::study::{StudyError, StudyProgress};
 
 /// Seeds of references, of measured pictures, of pictures by frozen guides and at equal time are apart by this, so that no two
 /// share their samples.
 const SEED_STEP: u64 = 1 << 32;
 
+/// Time between two checkpoints.
+const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(60);
+
 /// How much of the work is done; its unit is one sample of each pixel.
-pub(super) struct Work<'a> {
-    watch: &'a mut dyn Watch,
+pub(super) struct Work<'a, 'p> {
+    progress: &'a mut StudyProgress<'p>,
     done: f64,
     total: f64,
 }
 
-impl<'a> Work<'a> {
-    pub(super) fn new(watch: &'a mut dyn Watch, total: f64) -> Self {
-        Self { watch, done: 0.0, total: total.max(1.0) }
+impl<'a, 'p> Work<'a, 'p> {
+    pub(super) fn new(progress: &'a mut StudyProgress<'p>, total: f64) -> Self {
+        Self { progress, done: 0.0, total: total.max(1.0) }
     }
 
-    /// Says what comes next.
-    pub(super) fn tell(&mut self, more: f64, what: &str) {
-        self.watch.progress(((self.done + more) / self.total).min(1.0), what);
+    /// Reports what comes next.
+    pub(super) fn report(&mut self, more: f64, what: &str) {
+        self.progress.report(((self.done + more) / self.total).min(1.0), what);
     }
 
     /// `more` of the work is done.
@@ -41,8 +45,8 @@ impl<'a> Work<'a> {
 }
 
 /// One render, a part of the work.
-struct Part<'a, 'b> {
-    work: &'a mut Work<'b>,
+struct Part<'a, 'b, 'p> {
+    work: &'a mut Work<'b, 'p>,
     what: &'a str,
     /// Work of the render, samples.
     weight: f64,
@@ -50,12 +54,18 @@ struct Part<'a, 'b> {
     keep: Option<&'a dyn Fn(&Film)>,
 }
 
-impl Progress for Part<'_, '_> {
-    fn report(&mut self, report: &ProgressReport) {
-        self.work.tell(self.weight * report.fraction(), self.what);
+impl RenderSink for Part<'_, '_, '_> {}
+
+impl ProgressSink<Film> for Part<'_, '_, '_> {
+    fn on_progress(&mut self, progress: &JobProgress<'_>) {
+        self.work.report(self.weight * progress.fraction, self.what);
     }
 
-    fn checkpoint(&mut self, film: &Film) {
+    fn checkpoint_interval(&self) -> Option<Duration> {
+        self.keep.map(|_| CHECKPOINT_INTERVAL)
+    }
+
+    fn on_checkpoint(&mut self, film: &Film) {
         if let Some(keep) = self.keep {
             keep(film);
         }
@@ -95,7 +105,7 @@ pub(super) fn reference(
     samples: u32,
     seed: u64,
     kept: &Kept,
-    work: &mut Work<'_>,
+    work: &mut Work<'_, '_>,
 ) -> Result<Reference, StudyError> {
     let (way, name, identity) = reference_plan(room, seed)?;
     let mut film = match kept.film(&name, &identity)? {
@@ -187,7 +197,7 @@ impl Case<'_> {
         &self,
         reference: &Reference,
         kept: &Kept,
-        work: &mut Work<'_>,
+        work: &mut Work<'_, '_>,
     ) -> Result<Run, StudyError> {
         match self.measured(reference.samples, kept)? {
             Some(run) => Ok(run),
@@ -199,7 +209,12 @@ impl Case<'_> {
     ///
     /// # Errors
     /// A way of rendering that is refused; an end that was wanted.
-    fn measure(&self, reference: &Reference, kept: &Kept, work: &mut Work<'_>) -> Result<Run, StudyError> {
+    fn measure(
+        &self,
+        reference: &Reference,
+        kept: &Kept,
+        work: &mut Work<'_, '_>,
+    ) -> Result<Run, StudyError> {
         let way = self.way()?;
         let what = self.what();
         let mut film = self.room.film(&way)?;
@@ -230,7 +245,7 @@ impl Case<'_> {
         way: &Way,
         learnt: u32,
         reference: &Reference,
-        work: &mut Work<'_>,
+        work: &mut Work<'_, '_>,
     ) -> Result<Point, StudyError> {
         let guide = film.training().map(|training| Arc::new(training.guide().clone()));
         let way = Way { seed: way.seed.wrapping_add(2 * SEED_STEP), guide, ..way.clone() };
@@ -252,7 +267,7 @@ impl Case<'_> {
         &self,
         seconds: f64,
         kept: &Kept,
-        work: &mut Work<'_>,
+        work: &mut Work<'_, '_>,
     ) -> Result<(Pixels, u64), StudyError> {
         let way = Way { seed: self.seed.wrapping_add(3 * SEED_STEP), ..self.way()? };
         let about = format!("{} {seconds} s", self.about(&way, 0)?);

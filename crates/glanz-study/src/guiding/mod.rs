@@ -22,7 +22,7 @@ use self::room::Room;
 use self::tell::tell_all;
 use crate::report::Report;
 use crate::sheet::{Panel, sheet};
-use crate::study::{Settings, StudyError, Watch};
+use crate::study::{Settings, StudyError, StudyProgress};
 
 /// Rooms after the three scenes of document 003.
 const ROOMS: [&str; 3] = ["direct", "uplights", "open"];
@@ -45,7 +45,7 @@ struct Plan {
 }
 
 impl Plan {
-    fn new(settings: &Settings<'_>) -> Result<Self, StudyError> {
+    fn new(settings: &Settings) -> Result<Self, StudyError> {
         let full = settings.full;
         let samples = settings.samples.unwrap_or(if full { 2048 } else { 128 });
         if !samples.is_power_of_two() {
@@ -99,23 +99,27 @@ fn chosen(mut entries: Vec<Entry>, keys: Option<&[String]>) -> Result<Vec<Entry>
 ///
 /// # Errors
 /// An end that was wanted, or rooms that cannot be read.
-pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
-    settings.go_on()?;
-    carry_out(&Plan::new(settings)?, settings, watch)
+pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
+    settings.cancel.check()?;
+    carry_out(&Plan::new(settings)?, settings, progress)
 }
 
-fn carry_out(plan: &Plan, settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
+fn carry_out(
+    plan: &Plan,
+    settings: &Settings,
+    progress: &mut StudyProgress<'_>,
+) -> Result<Report, StudyError> {
     let kept = Kept::within(settings.keep.as_deref())?;
     let read = |name: &String| Room::read(name, plan.size, plan.threads, settings);
     let rooms = plan.rooms.iter().map(read).collect::<Result<Vec<_>, _>>()?;
-    let mut work = Work::new(watch, work_left(plan, &rooms, &kept)?);
+    let mut work = Work::new(progress, work_left(plan, &rooms, &kept)?);
     let mut outcomes = Vec::new();
     for room in &rooms {
         let reference = reference(room, plan.references, plan.seed, &kept, &mut work)?;
         outcomes.push(in_room(room, plan, &reference, &kept, &mut work)?);
     }
     let report = tell_all(outcomes, plan);
-    watch.progress(1.0, "done");
+    progress.report(1.0, "done");
     Ok(report)
 }
 
@@ -139,7 +143,7 @@ fn in_room(
     plan: &Plan,
     reference: &Reference,
     kept: &Kept,
-    work: &mut Work<'_>,
+    work: &mut Work<'_, '_>,
 ) -> Result<RoomOutcome, StudyError> {
     let mut outcomes = Vec::new();
     let cases: Vec<Case<'_>> = plan.cases(room).collect();
@@ -175,7 +179,7 @@ fn side_by_side(
     outcome: &RoomOutcome,
     reference: &Reference,
     kept: &Kept,
-    work: &mut Work<'_>,
+    work: &mut Work<'_, '_>,
 ) -> Result<Pixels, StudyError> {
     let mut rows = Vec::new();
     for lights in [false, true] {

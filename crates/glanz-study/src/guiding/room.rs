@@ -8,8 +8,8 @@ use glanz_sampling::SamplerKind;
 use glanz_scene::Scene;
 use glanz_scene::description::{FilterDescription, IntegratorDescription, LightKind};
 use glanz_transport::{
-    Film, FilmFormat, Filter, Finished, Guide, Integrator, IntegratorSettings, PictureIdentity, Progress,
-    RenderOutcome, RenderSettings, render,
+    Film, FilmFormat, Filter, Guide, Integrator, IntegratorSettings, PictureIdentity, RenderOutcome,
+    RenderSettings, RenderSink, render,
 };
 
 use super::method::Method;
@@ -17,16 +17,13 @@ use crate::clock::{Of, Stopwatch};
 use crate::rooms::{self, Read};
 use crate::study::{Settings, StudyError};
 
-/// Time between two checkpoints.
-const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(60);
-
 /// A room to render.
 pub(super) struct Room<'a> {
     /// The file's name without folder and extension.
     pub(super) name: String,
     pub(super) size: [u32; 2],
     pub(super) threads: usize,
-    settings: &'a Settings<'a>,
+    settings: &'a Settings,
     scene: Scene,
     integrator: IntegratorDescription,
     filter: FilterDescription,
@@ -58,7 +55,7 @@ impl<'a> Room<'a> {
         named: &str,
         size: [u32; 2],
         threads: usize,
-        settings: &'a Settings<'a>,
+        settings: &'a Settings,
     ) -> Result<Self, StudyError> {
         let Read { path, name, loaded } = rooms::read(named)?;
         let mut description = loaded.description;
@@ -107,7 +104,7 @@ impl<'a> Room<'a> {
             seed: way.seed,
             samples_per_pixel: 1,
             guide: None,
-            version: PictureIdentity::current_version(),
+            version: glanz_job::current_version(),
         })
     }
 
@@ -129,7 +126,7 @@ impl<'a> Room<'a> {
         film: Film,
         samples: Range<u32>,
         limit: Option<Duration>,
-        progress: &mut dyn Progress,
+        sink: &mut dyn RenderSink,
     ) -> Result<Exposed, StudyError> {
         let integrator: Box<dyn Integrator> = match &way.guide {
             Some(guide) => way.integrator.build_with_guide(guide.clone()),
@@ -143,21 +140,20 @@ impl<'a> Room<'a> {
             samples,
             threads: self.threads,
             time_limit: limit,
-            checkpoint_interval: Some(CHECKPOINT_INTERVAL),
         };
         let watch = Stopwatch::start(Of::Process);
-        let outcome =
-            render(&self.scene, integrator.as_ref(), &settings, film, progress, self.settings.stop)?;
+        let outcome = render(&self.scene, integrator.as_ref(), &settings, film, sink, &self.settings.cancel)?;
         Ok(Exposed { outcome, processors: watch.elapsed() })
     }
 }
 
 impl Exposed {
-    /// Itself, unless somebody wanted an end.
+    /// Itself, unless it was cancelled.
     ///
     /// # Errors
     /// [`StudyError::Interrupted`].
     pub(super) fn complete(self) -> Result<Self, StudyError> {
-        if self.outcome.finished == Finished::Interrupted { Err(StudyError::Interrupted) } else { Ok(self) }
+        self.outcome.end.check()?;
+        Ok(self)
     }
 }

@@ -1,13 +1,13 @@
 //! The study itself, in a box of a few pixels.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use glanz_scene::description::GridSettings;
 
 use super::*;
-use crate::study::Unwatched;
+use crate::study::StudyProgress;
 use crate::table::Cell;
+use glanz_job::{CancelFlag, JobProgress, ProgressSink, Silent};
 
 /// A closed box with a lamp that shines at the ceiling alone.
 const BOX: &str = r#"
@@ -51,7 +51,7 @@ impl Drop for Folder {
     }
 }
 
-fn settings<'a>(folder: &Path, stop: &'a AtomicBool) -> Settings<'a> {
+fn settings(folder: &Path) -> Settings {
     Settings {
         rooms: Some(vec![folder.join("box.pbrt").display().to_string()]),
         size: Some([16, 12]),
@@ -62,16 +62,15 @@ fn settings<'a>(folder: &Path, stop: &'a AtomicBool) -> Settings<'a> {
         seconds: Some(0.05),
         threads: Some(1),
         keep: Some(folder.join("out")),
-        ..Settings::new(stop)
+        ..Settings::default()
     }
 }
 
 #[test]
 fn study_of_a_box_writes_tables_plots_and_pictures() {
     let folder = Folder::new("all");
-    let stop = AtomicBool::new(false);
-    let settings = settings(&folder.0, &stop);
-    let report = run(&settings, &mut Unwatched).unwrap();
+    let settings = settings(&folder.0);
+    let report = run(&settings, &mut StudyProgress::new(&mut Silent)).unwrap();
     let names = report.write(&folder.0.join("out")).unwrap();
     for name in ["summary.csv", "speed_up.csv", "speed_ups.csv", "curves.csv", "frozen.csv", "report.md"] {
         assert!(names.iter().any(|n| n == name) && folder.has(name), "{name}");
@@ -99,17 +98,17 @@ fn study_of_a_box_writes_tables_plots_and_pictures() {
     assert!(error(&curves.rows()[4]) > error(&curves.rows()[9]));
 
     // Times are part of the report: only what is kept can give them again.
-    let again = run(&settings, &mut Unwatched).unwrap();
+    let again = run(&settings, &mut StudyProgress::new(&mut Silent)).unwrap();
     assert_eq!(again.markdown(), report.markdown());
 }
 
-/// Raises a flag when a room is rendered by some method.
-struct Stopper<'a>(&'a AtomicBool, &'static str);
+/// Cancels when a room is rendered by some method.
+struct Stopper<'a>(&'a CancelFlag, &'static str);
 
-impl Watch for Stopper<'_> {
-    fn progress(&mut self, _: f64, what: &str) {
-        if what.contains(self.1) {
-            self.0.store(true, Ordering::Relaxed);
+impl ProgressSink for Stopper<'_> {
+    fn on_progress(&mut self, progress: &JobProgress<'_>) {
+        if progress.phase.contains(self.1) {
+            self.0.cancel();
         }
     }
 }
@@ -117,27 +116,28 @@ impl Watch for Stopper<'_> {
 #[test]
 fn a_study_that_was_stopped_goes_on_where_it_was() {
     let folder = Folder::new("stopped");
-    let stop = AtomicBool::new(false);
-    let settings = settings(&folder.0, &stop);
-    let stopped = run(&settings, &mut Stopper(&stop, "tree"));
-    assert!(matches!(stopped, Err(StudyError::Interrupted)));
+    let settings = settings(&folder.0);
+    let mut stopper = Stopper(&settings.cancel, "tree");
+    let stopped = run(&settings, &mut StudyProgress::new(&mut stopper));
+    assert!(matches!(stopped, Err(StudyError::Interrupted(_))));
     let before = folder.kept();
     assert!(before.iter().any(|name| name.starts_with("reference-box-16x12-")), "{before:?}");
     assert!(before.iter().any(|name| name.contains("-path-chance-1")), "{before:?}");
     assert!(before.iter().all(|name| !name.contains("-tree-")), "{before:?}");
-    stop.store(false, Ordering::Relaxed);
+    let again = Settings { cancel: CancelFlag::default(), ..settings };
     // The reference is there: its samples are not taken again.
-    let done = run(&settings, &mut Stopper(&stop, "reference"));
+    let mut stopper = Stopper(&again.cancel, "reference");
+    let done = run(&again, &mut StudyProgress::new(&mut stopper));
     assert!(done.is_ok() && folder.kept().len() > before.len());
 }
 
 #[test]
 fn more_samples_add_to_the_reference_and_measure_again() {
     let folder = Folder::new("more");
-    let stop = AtomicBool::new(false);
-    let first = Settings { rounds: None, ..settings(&folder.0, &stop) };
-    let one = run(&first, &mut Unwatched).unwrap();
-    let two = run(&Settings { references: Some(512), ..first }, &mut Unwatched).unwrap();
+    let first = Settings { rounds: None, ..settings(&folder.0) };
+    let one = run(&first, &mut StudyProgress::new(&mut Silent)).unwrap();
+    let two =
+        run(&Settings { references: Some(512), ..first }, &mut StudyProgress::new(&mut Silent)).unwrap();
     let errors =
         |report: &Report| report.summary().rows().iter().map(|row| row[5].clone()).collect::<Vec<_>>();
     assert_ne!(errors(&one), errors(&two));
@@ -147,12 +147,11 @@ fn more_samples_add_to_the_reference_and_measure_again() {
 #[test]
 fn settings_that_make_no_sense_are_refused() {
     let folder = Folder::new("refused");
-    let stop = AtomicBool::new(false);
-    let refused = |settings: Settings<'_>, told: &str| {
-        let error = run(&settings, &mut Unwatched).unwrap_err();
+    let refused = |settings: Settings, told: &str| {
+        let error = run(&settings, &mut StudyProgress::new(&mut Silent)).unwrap_err();
         assert!(error.to_string().contains(told), "{error}");
     };
-    let sound = || Settings { keep: None, ..settings(&folder.0, &stop) };
+    let sound = || Settings { keep: None, ..settings(&folder.0) };
     refused(Settings { samples: Some(12), ..sound() }, "power of two");
     refused(Settings { methods: Some(vec!["haar".into()]), ..sound() }, "haar-8-3");
     refused(Settings { rooms: Some(vec!["cellar".into()]), ..sound() }, "scenes/rooms");
@@ -168,9 +167,7 @@ fn settings_that_make_no_sense_are_refused() {
 #[test]
 fn a_grid_too_large_for_the_room_is_left_out_and_said() {
     let folder = Folder::new("large");
-    let stop = AtomicBool::new(false);
-    let settings =
-        Settings { keep: None, samples: Some(2), references: Some(4), ..settings(&folder.0, &stop) };
+    let settings = Settings { keep: None, samples: Some(2), references: Some(4), ..settings(&folder.0) };
     // 30 shapes with 64 x 64 cells of 64 x 64 coefficients each.
     let spheres = "Shape \"sphere\" \"float radius\" .01\n".repeat(30);
     std::fs::write(folder.0.join("box.pbrt"), BOX.to_owned() + &spheres).unwrap();
@@ -178,7 +175,7 @@ fn a_grid_too_large_for_the_room_is_left_out_and_said() {
     let grid = GridSettings { cells: 64, scale: 6, ..GridSettings::default() };
     let large = Entry { method: Method::of(grid), samples: 2, frozen: vec![2] };
     plan.entries = vec![Entry { method: Method::path(), samples: 2, frozen: Vec::new() }, large];
-    let report = carry_out(&plan, &settings, &mut Unwatched).unwrap();
+    let report = carry_out(&plan, &settings, &mut StudyProgress::new(&mut Silent)).unwrap();
     assert_eq!(report.summary().rows().len(), 2);
     assert!(report.markdown().contains("Left out of room box: the guide grid=64"), "{}", report.markdown());
 }

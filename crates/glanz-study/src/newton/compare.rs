@@ -9,7 +9,7 @@ use glanz_sampling::hash::{combine, unit_f64};
 
 use super::patches::{Group, Meeting, Shape, Target};
 use crate::clock::{Of, Stopwatch};
-use crate::study::{Settings, StudyError, Watch};
+use crate::study::{Settings, StudyError, StudyProgress};
 
 /// Residual below which document 000 takes a point for a root, there in units, here relative to the patch.
 pub(super) const RESIDUAL: f64 = 1e-10;
@@ -121,7 +121,7 @@ impl<'a> Shots<'a> {
         group: &'a Group,
         number: u64,
         count: u64,
-        settings: &Settings<'_>,
+        settings: &Settings,
     ) -> Result<Self, StudyError> {
         let key = combine(settings.seed, number);
         let rays: Vec<Ray> =
@@ -169,7 +169,7 @@ impl<'a> Shots<'a> {
     }
 
     /// What `variant` does with the rays.
-    pub(super) fn tally(&self, variant: Variant, settings: &Settings<'_>) -> Result<Tally, StudyError> {
+    pub(super) fn tally(&self, variant: Variant, settings: &Settings) -> Result<Tally, StudyError> {
         let mut outcomes = Vec::with_capacity(self.rays.len());
         let watch = Stopwatch::start(Of::Thread);
         for (i, (ray, target, _)) in self.each().enumerate() {
@@ -252,8 +252,11 @@ fn random(target: &Target, key: u64, index: u64) -> Ray {
     target.ray(std::array::from_fn(|i| unit_f64(combine(of_ray, i as u64))))
 }
 
-fn pause(index: usize, settings: &Settings<'_>) -> Result<(), StudyError> {
-    if index.is_multiple_of(BATCH) { settings.go_on() } else { Ok(()) }
+fn pause(index: usize, settings: &Settings) -> Result<(), StudyError> {
+    if index.is_multiple_of(BATCH) {
+        settings.cancel.check()?;
+    }
+    Ok(())
 }
 
 /// All groups: what is true, and what the variants did.
@@ -268,14 +271,14 @@ pub(super) fn compare(
     groups: &[Group],
     rays: u64,
     from: f64,
-    settings: &Settings<'_>,
-    watch: &mut dyn Watch,
+    settings: &Settings,
+    progress: &mut StudyProgress<'_>,
 ) -> Result<Comparison, StudyError> {
     let mut all = Comparison { groups: Vec::new(), truth: Truth::default(), tallies: Default::default() };
     let parts = (groups.len() * (Variant::ALL.len() + 1)) as f64;
     let mut done = 0.0;
     let mut tell = |what: &str| {
-        watch.progress(from + (1.0 - from) * done / parts, what);
+        progress.report(from + (1.0 - from) * done / parts, what);
         done += 1.0;
     };
     for (number, group) in groups.iter().enumerate() {
@@ -299,17 +302,16 @@ pub(super) fn compare(
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicBool;
-
     use super::*;
     use crate::newton::patches::groups;
-    use crate::study::Unwatched;
+    use crate::study::StudyProgress;
+    use glanz_job::Silent;
 
     #[test]
     fn what_newton_finds_inside_is_known_to_the_certified_search() {
-        let stop = AtomicBool::new(false);
-        let settings = Settings::new(&stop);
-        let all = compare(&groups().unwrap(), 30_000, 0.0, &settings, &mut Unwatched).unwrap();
+        let settings = Settings::default();
+        let all = compare(&groups().unwrap(), 30_000, 0.0, &settings, &mut StudyProgress::new(&mut Silent))
+            .unwrap();
         let Truth { rays, hit, roots, worst, undecided, .. } = all.truth;
         assert_eq!((rays, undecided), (30_000, 0));
         assert!(hit > 3_000 && roots >= hit && worst < 1e-9, "{hit} {roots} {worst}");
@@ -329,10 +331,10 @@ mod tests {
 
     #[test]
     fn figures_depend_on_the_seed_alone() {
-        let stop = AtomicBool::new(false);
         let run = |seed| {
-            let settings = Settings { seed, ..Settings::new(&stop) };
-            let all = compare(&groups().unwrap(), 900, 0.0, &settings, &mut Unwatched).unwrap();
+            let settings = Settings { seed, ..Settings::default() };
+            let all = compare(&groups().unwrap(), 900, 0.0, &settings, &mut StudyProgress::new(&mut Silent))
+                .unwrap();
             all.tallies.map(|t| (t.started, t.found, t.outside, t.evaluations, t.found_after))
         };
         assert_eq!(run(1), run(1));

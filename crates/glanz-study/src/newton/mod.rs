@@ -16,7 +16,7 @@ use self::compare::{Comparison, RESIDUAL, STEPS, STEPS_OF_000, Tally, Truth, Var
 use crate::clock;
 use crate::plot::{Axis, Plot, Rule, Series};
 use crate::report::Report;
-use crate::study::{Settings, StudyError, Watch};
+use crate::study::{Settings, StudyError, StudyProgress};
 use crate::table::{Cell, Table, grouped, plural, significant};
 
 /// Random rays, unless others are asked for.
@@ -46,16 +46,16 @@ const COLUMNS: [(&str, &str); 14] = [
 ///
 /// # Errors
 /// An end that was wanted, or no rays.
-pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
-    settings.go_on()?;
+pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
+    settings.cancel.check()?;
     let rays = settings.rays.unwrap_or(RAYS);
     if rays == 0 {
         return Err(StudyError::Setting { name: "rays", value: rays.to_string(), needed: "1 or more" });
     }
-    watch.progress(0.0, "the example of document 000");
+    progress.report(0.0, "the example of document 000");
     let example = example::solve()?;
     let groups = patches::groups()?;
-    let all = compare(&groups, rays, EXAMPLE, settings, watch)?;
+    let all = compare(&groups, rays, EXAMPLE, settings, progress)?;
 
     let caption = format!(
         "{} random rays at patches of all kinds: roots by the certified search, and what Newton's method makes of them from \
@@ -84,11 +84,11 @@ pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Repo
     for sentence in findings(&all) {
         report.paragraph(sentence);
     }
-    watch.progress(1.0, "done");
+    progress.report(1.0, "done");
     Ok(report)
 }
 
-fn settings_paragraph(rays: u64, settings: &Settings<'_>, report: &mut Report) {
+fn settings_paragraph(rays: u64, settings: &Settings, report: &mut Report) {
     let clock = if clock::counts_processor_time() { "processor time of the thread" } else { "wall time" };
     report.paragraph(format!(
         "Settings: {} rays in three equal parts at the cubic triangle of document 000, the 32 bicubic patches of the Newell \

@@ -1,12 +1,12 @@
 //! One study from its arguments to its report.
 
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use glanz_study::table::Table;
-use glanz_study::{Settings, Study, StudyError, StudyOption, Watch, named, studies};
+use glanz_study::{Settings, Study, StudyError, StudyOption, named, studies};
 use glanz_terminal::Ending;
-use glanz_terminal::interrupt::Interrupt;
+use glanz_terminal::interrupt;
 use glanz_terminal::messages::{Failure, Messages};
 use glanz_terminal::output;
 use glanz_terminal::progress::Progress;
@@ -53,8 +53,7 @@ pub(crate) fn run(arguments: &Arguments, messages: Messages) -> Result<Ending, F
     };
     let study = named(name).ok_or_else(|| Failure::usage(format!("there is no study \"{name}\"")))?;
     check_options(study, arguments)?;
-    let interrupt =
-        Interrupt::listen().map_err(|error| Failure::new(format!("cannot listen to signals: {error}")))?;
+    let cancel = interrupt::listen()?;
     // Before the work, so that an hour is not lost to a folder that cannot be.
     std::fs::create_dir_all(out).map_err(|error| Failure::new(format!("{}: {error}", out.display())))?;
     let settings = Settings {
@@ -72,15 +71,15 @@ pub(crate) fn run(arguments: &Arguments, messages: Messages) -> Result<Ending, F
         full: arguments.full,
         keep: Some(out.clone()),
         seed: arguments.seed,
-        ..Settings::new(interrupt.flag())
+        cancel,
     };
     let begun = Instant::now();
-    let mut shown = Shown { progress: Progress::start(messages), begun };
-    let outcome = study.run(&settings, &mut shown);
-    shown.progress.finish();
+    let mut progress = Progress::start(messages);
+    let outcome = study.run(&settings, &mut progress);
+    progress.finish();
     let report = match outcome {
         Ok(report) => report,
-        Err(StudyError::Interrupted) => {
+        Err(StudyError::Interrupted(_)) => {
             messages.note(if study.keeps {
                 "interrupted; no report was written, the same command goes on with what is kept"
             } else {
@@ -150,19 +149,4 @@ fn check_options(study: &Study, arguments: &Arguments) -> Result<(), Failure> {
 
 fn shown_path(path: &Path) -> String {
     path.display().to_string()
-}
-
-/// Tells the user how far a study is.
-struct Shown {
-    progress: Progress,
-    begun: Instant,
-}
-
-impl Watch for Shown {
-    fn progress(&mut self, fraction: f64, what: &str) {
-        let elapsed = self.begun.elapsed().as_secs_f64();
-        // Nothing is known before the first part is done.
-        let left = if fraction > 0.0 { elapsed * (1.0 - fraction) / fraction } else { 0.0 };
-        self.progress.show(fraction, Duration::try_from_secs_f64(left).unwrap_or_default(), what);
-    }
 }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use glanz_job::CancelFlag;
 use glanz_math::{DVec2, DVec3};
 use glanz_radiosity::form_factor::polygon::in_front;
 
@@ -75,18 +76,14 @@ impl Exact {
     /// Means over `size[0]` x `size[1]` texels.
     ///
     /// # Errors
-    /// That of `go_on`, which is asked before each row.
-    pub(super) fn reference(
-        &self,
-        size: [usize; 2],
-        go_on: &dyn Fn() -> Result<(), StudyError>,
-    ) -> Result<Reference, StudyError> {
+    /// [`StudyError::Interrupted`] if `cancel` is raised, which is checked before each row.
+    pub(super) fn reference(&self, size: [usize; 2], cancel: &CancelFlag) -> Result<Reference, StudyError> {
         let unit = self.largest();
         let step = DVec2::new(1.0 / size[0] as f64, 1.0 / size[1] as f64);
         let mut texels = Vec::with_capacity(size[0] * size[1]);
         let (mut squares, mut most) = (0.0, 0.0_f64);
         for y in 0..size[1] {
-            go_on()?;
+            cancel.check()?;
             for x in 0..size[0] {
                 let [coarse, fine] = self.mean(DVec2::new(x as f64, y as f64) * step, step, unit, 0);
                 texels.push(fine / unit);
@@ -275,7 +272,7 @@ mod tests {
         let lamp = down(square([0.4999; 2], [0.5001; 2], 2.0));
         let panel = square([-3.0, -3.0], [0.475, 3.0], 1.0);
         let exact = Exact::new(floor(), vec![(lamp, 1.0)], vec![panel]);
-        let reference = exact.reference([10, 10], &|| Ok(())).unwrap();
+        let reference = exact.reference([10, 10], &CancelFlag::default()).unwrap();
         for row in reference.texels.chunks(10) {
             assert!(row[..4].iter().all(|&x| x == 0.0), "{row:?}");
             assert!((row[4] / row[5] - 0.5).abs() < 0.05, "{row:?}");

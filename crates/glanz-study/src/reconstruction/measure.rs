@@ -67,16 +67,15 @@ impl OfDivision {
 pub(super) fn measure(
     setup: &'static Setup,
     size: [usize; 2],
-    settings: &Settings<'_>,
+    settings: &Settings,
     tell: &mut dyn FnMut(String),
 ) -> Result<Outcome, StudyError> {
     tell(format!("scene {}: reference", setup.number));
     let scene = setup.scene()?;
     let room = Room::new(&scene, halved(size))?;
-    let go_on = || settings.go_on();
     let exact = room.exact();
     let watch = Stopwatch::start(Of::Thread);
-    let reference = exact.reference(size, &go_on)?;
+    let reference = exact.reference(size, &settings.cancel)?;
     let reference_time = watch.elapsed();
     let quiet = setup.hard.then(|| away_from_borders(&reference.texels, size));
     let mut divisions = Vec::new();
@@ -86,12 +85,12 @@ pub(super) fn measure(
     for (division, rules) in [(Division::Grid, GRID), (Division::Quadtree, quadtree)] {
         tell(format!("scene {}: {}", setup.number, division.name()));
         let watch = Stopwatch::start(Of::Thread);
-        let divided = room.divided(&rules, reference.unit, &go_on)?;
+        let divided = room.divided(&rules, reference.unit, &settings.cancel)?;
         let time = watch.elapsed();
         let off = off(&exact, &divided.cells, reference.unit);
         let mut made = Vec::new();
         for method in methods(division) {
-            settings.go_on()?;
+            settings.cancel.check()?;
             made.push(make(method, &divided.cells, size, &reference, quiet.as_deref())?);
         }
         divisions.push(OfDivision { division, divided, time, off, made });

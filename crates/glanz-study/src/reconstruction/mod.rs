@@ -15,7 +15,7 @@ use self::measure::measure;
 use self::parameters::Parameters;
 use self::room::SETUPS;
 use crate::report::Report;
-use crate::study::{Settings, StudyError, Watch};
+use crate::study::{Settings, StudyError, StudyProgress};
 
 /// Texels of the document's textures.
 const SIZE: [u32; 2] = [400, 400];
@@ -27,8 +27,8 @@ const LEAST: u32 = 16;
 ///
 /// # Errors
 /// An end that was wanted, or textures that are too small.
-pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
-    settings.go_on()?;
+pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
+    settings.cancel.check()?;
     let size = settings.size.unwrap_or(SIZE);
     if size.iter().any(|&n| n < LEAST) {
         return Err(StudyError::Setting {
@@ -44,15 +44,15 @@ pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Repo
     let mut outcomes = Vec::new();
     for setup in &SETUPS {
         let mut tell = |what: String| {
-            watch.progress(done / parts, &what);
+            progress.report(done / parts, &what);
             done += 1.0;
         };
         outcomes.push(measure(setup, size, settings, &mut tell)?);
     }
-    watch.progress(done / parts, "other exponents");
+    progress.report(done / parts, "other exponents");
     let parameters = Parameters::measure(&outcomes, size, settings)?;
     let report = tell::tell_all(&outcomes, parameters, size)?;
-    watch.progress(1.0, "done");
+    progress.report(1.0, "done");
     Ok(report)
 }
 

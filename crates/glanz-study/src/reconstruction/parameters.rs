@@ -33,7 +33,7 @@ impl Parameters {
     pub(super) fn measure(
         outcomes: &[Outcome],
         size: [usize; 2],
-        settings: &Settings<'_>,
+        settings: &Settings,
     ) -> Result<Self, StudyError> {
         let mut table = Table::new(
             "parameters",
@@ -63,7 +63,7 @@ impl Parameters {
                     vec![division.name().into(), name(interpolation).into(), exponent.into()];
                 let mut sum = 0.0;
                 for outcome in outcomes {
-                    settings.go_on()?;
+                    settings.cancel.check()?;
                     let method = Method { interpolation, border: Border::Sampled };
                     let l2 = l2(outcome, division, method, size)?;
                     sum += l2.unwrap_or(0.0);

@@ -1,6 +1,7 @@
 //! The six scenes, and what their floors receive.
 
 use glanz_formats::{Options, load_str};
+use glanz_job::CancelFlag;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::DVec3;
 use glanz_radiosity::elements::Part;
@@ -146,16 +147,19 @@ impl<'a> Room<'a> {
     /// The floor divided where light changes, values per `unit`.
     ///
     /// # Errors
-    /// That of `go_on`, or settings that make no sense.
+    /// [`StudyError::Interrupted`] if `cancel` is raised, or settings that make no sense.
     pub(super) fn divided(
         &self,
         settings: &QuadtreeSettings,
         unit: f64,
-        go_on: &dyn Fn() -> Result<(), StudyError>,
+        cancel: &CancelFlag,
     ) -> Result<Divided, StudyError> {
         let patch = self.floor.patch;
         let settings = QuadtreeSettings { threshold: settings.threshold * unit, ..*settings };
-        let value = |element: &Element| go_on().map(|()| self.radiosity(element));
+        let value = |element: &Element| {
+            cancel.check()?;
+            Ok::<_, StudyError>(self.radiosity(element))
+        };
         let tree = self.elements.refined((patch.surface, patch.face, patch.back), &settings, value)?;
         let wavelengths = Wavelengths::default();
         let cell = |part: Part, value: Spectrum| match part {

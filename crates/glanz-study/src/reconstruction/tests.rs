@@ -1,10 +1,9 @@
 //! The study at the size of a stamp, and what it is made of.
 
-use std::sync::atomic::AtomicBool;
-
 use super::*;
-use crate::study::Unwatched;
+use crate::study::StudyProgress;
 use crate::table::{Cell, Table};
+use glanz_job::Silent;
 
 fn number(table: &Table, row: usize, key: &str) -> f64 {
     let column = table.columns().iter().position(|c| c.key == key).unwrap();
@@ -17,9 +16,8 @@ fn number(table: &Table, row: usize, key: &str) -> f64 {
 
 #[test]
 fn six_scenes_are_measured_and_told() {
-    let stop = AtomicBool::new(false);
-    let settings = Settings { size: Some([32, 32]), ..Settings::new(&stop) };
-    let report = run(&settings, &mut Unwatched).unwrap();
+    let settings = Settings { size: Some([32, 32]), ..Settings::default() };
+    let report = run(&settings, &mut StudyProgress::new(&mut Silent)).unwrap();
     assert_eq!(report.summary().rows().len(), 12);
     let named = |name: &str| report.tables().find(|table| table.name() == name).unwrap();
     // Borders on borders of elements: constant values are right but for light that fades, and all else smears them.
@@ -46,7 +44,9 @@ fn six_scenes_are_measured_and_told() {
 
 #[test]
 fn textures_smaller_than_the_grid_are_refused() {
-    let stop = AtomicBool::new(false);
-    let settings = Settings { size: Some([400, 15]), ..Settings::new(&stop) };
-    assert!(matches!(run(&settings, &mut Unwatched), Err(StudyError::Setting { name: "size", .. })));
+    let settings = Settings { size: Some([400, 15]), ..Settings::default() };
+    assert!(matches!(
+        run(&settings, &mut StudyProgress::new(&mut Silent)),
+        Err(StudyError::Setting { name: "size", .. })
+    ));
 }

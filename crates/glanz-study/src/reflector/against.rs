@@ -44,19 +44,19 @@ pub(super) struct Against {
     time: Duration,
 }
 
-/// Sends `particles` to walls of `cells` x `cells` cells and integrates over them with so many places each at most; `watch` hears
-/// the share of that which is done.
+/// Sends `particles` to walls of `cells` x `cells` cells and integrates over them with so many places each at most; `on_progress`
+/// receives the share of that which is done, [0, 1].
 ///
 /// # Errors
 /// An end that was wanted; threads that cannot be started.
 pub(super) fn measure(
     (cells, points): (u32, usize),
     particles: u64,
-    settings: &Settings<'_>,
-    watch: &mut dyn FnMut(f64),
+    settings: &Settings,
+    on_progress: &mut dyn FnMut(f64),
 ) -> Result<Against, StudyError> {
     let (scene, receivers) = lux::room(cells)?;
-    let traced = lux::measure(&scene, &receivers, particles, settings, &mut |done| watch(0.1 * done))?;
+    let traced = lux::measure(&scene, &receivers, particles, settings, &mut |done| on_progress(0.1 * done))?;
     let maps = &traced.maps;
     let stopwatch = Stopwatch::start(Of::Process);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads.unwrap_or(1)).build()?;
@@ -78,9 +78,9 @@ pub(super) fn measure(
         };
         let mut found: Vec<CellMean> = Vec::with_capacity(receiver.len());
         while found.len() < receiver.len() {
-            settings.go_on()?;
+            settings.cancel.check()?;
             let done = (number as f64 + found.len() as f64 / receiver.len() as f64) / maps.len() as f64;
-            watch(0.1 + 0.9 * done);
+            on_progress(0.1 + 0.9 * done);
             let portion = found.len()..(found.len() + PORTION).min(receiver.len());
             found.extend(pool.install(|| portion.into_par_iter().map(mean).collect::<Vec<_>>()));
         }
@@ -192,8 +192,6 @@ impl Against {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicBool;
-
     use super::*;
 
     #[test]
@@ -207,8 +205,7 @@ mod tests {
     #[test]
     fn particles_and_integration_agree_in_the_room() {
         // 24 independent differences, none above 4 but in one run of 650.
-        let stop = AtomicBool::new(false);
-        let settings = Settings::new(&stop);
+        let settings = Settings::default();
         let against = measure((2, 65), 100_000, &settings, &mut |_| {}).unwrap();
         let (cells, beyond, largest, _) = counted(&against.all());
         assert_eq!((cells, beyond[2]), (24, 0), "{largest}");

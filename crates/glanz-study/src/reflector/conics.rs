@@ -161,13 +161,13 @@ impl Conic {
         self,
         scene: &Scene,
         rays: u32,
-        settings: &Settings<'_>,
+        settings: &Settings,
     ) -> Result<Deviation, StudyError> {
         let mut all = Deviation::default();
         let mut squares = 0.0;
         for number in 0..rays {
             if number % 4096 == 0 {
-                settings.go_on()?;
+                settings.cancel.check()?;
             }
             let mut sampler = PixelSampler::new(SamplerKind::Sobol, 1, settings.seed, [0, 0], number);
             let ray = self.ray(sampler.next_2d());
@@ -216,15 +216,12 @@ pub(super) fn crossings(scene: &Scene, heights: &[f64]) -> Vec<[f64; 2]> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicBool;
-
     use super::*;
 
     fn exact(conic: Conic, made: Made) -> Deviation {
-        let stop = AtomicBool::new(false);
         let (scene, triangles) = conic.scene(made).unwrap();
         assert_eq!(triangles, None);
-        let found = conic.deviations(&scene, 4000, &Settings::new(&stop)).unwrap();
+        let found = conic.deviations(&scene, 4000, &Settings::default()).unwrap();
         assert_eq!((found.rays, found.missed), (4000, 0), "{conic:?} {made:?}");
         found
     }
@@ -261,11 +258,10 @@ mod tests {
         // At its ends a facet of length l is off the normal by kappa l / 2, the ray by twice that. Along the profile
         // z = r^2 / 2 the curvature is at most 1 per metre, at the apex, where l = 1 m / 50; around the rim the sectors are
         // pi times as long, with a curvature of 1 / sqrt(2) per metre: together between 1 and 4 times 1 / 50.
-        let stop = AtomicBool::new(false);
         let (scene, triangles) = Conic::Parabolic.scene(Made::Facets(10_000)).unwrap();
         // 50 rings of 100 sectors.
         assert_eq!(triangles, Some(2 * 50 * 100 - 100));
-        let found = Conic::Parabolic.deviations(&scene, 4000, &Settings::new(&stop)).unwrap();
+        let found = Conic::Parabolic.deviations(&scene, 4000, &Settings::default()).unwrap();
         assert!((1.0 / 50.0..4.0 / 50.0).contains(&found.largest), "{found:?}");
     }
 }

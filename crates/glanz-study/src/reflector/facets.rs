@@ -79,21 +79,21 @@ pub(super) struct Outcome {
     pub(super) cases: Vec<Case>,
 }
 
-/// The mirror as triangles, with `particles` each; `watch` hears what comes next and how much is done, [0, 1].
+/// The mirror as triangles, with `particles` each; `on_progress` receives the share that is done, [0, 1], and what comes next.
 ///
 /// # Errors
 /// An end that was wanted.
 pub(super) fn measure(
     particles: u32,
     edges: &[u32],
-    settings: &Settings<'_>,
-    watch: &mut dyn FnMut(f64, String),
+    settings: &Settings,
+    on_progress: &mut dyn FnMut(f64, String),
 ) -> Result<Outcome, StudyError> {
     let patch = room::mirror()?;
     let aim = Aim::at(ball(&patch), settings.seed);
     let each = aim.flux() / f64::from(particles);
     let parts = (1 + 2 * edges.len()) as f64;
-    watch(0.0, "the exact mirror".to_owned());
+    on_progress(0.0, "the exact mirror".to_owned());
     let (exact_case, exact) = {
         let (scene, build) = built(|| room::described(std::slice::from_ref(&patch)))?;
         let (ends, time) = run(&scene, &aim, particles, settings)?;
@@ -105,7 +105,7 @@ pub(super) fn measure(
         (1..).zip([false, true].into_iter().flat_map(|smooth| edges.iter().map(move |n| (smooth, n))))
     {
         let triangles = u64::from(n).pow(2);
-        watch(f64::from(number) / parts, format!("the mirror as {triangles} triangles"));
+        on_progress(f64::from(number) / parts, format!("the mirror as {triangles} triangles"));
         let (scene, build) = built(|| mesh::triangles(&patch, n, smooth))?;
         let (ends, time) = run(&scene, &aim, particles, settings)?;
         let error = exact.error(&ends, each);
@@ -132,13 +132,13 @@ fn run(
     scene: &Scene,
     aim: &Aim,
     particles: u32,
-    settings: &Settings<'_>,
+    settings: &Settings,
 ) -> Result<(Vec<End>, Duration), StudyError> {
     let mut ends = Vec::with_capacity(particles as usize);
     let mut time = Duration::ZERO;
     let mut from = 0;
     while from < particles {
-        settings.go_on()?;
+        settings.cancel.check()?;
         let to = from.saturating_add(BLOCK).min(particles);
         let rays: Vec<_> = (from..to).map(|number| aim.particle(number)).collect();
         let watch = Stopwatch::start(Of::Thread);
@@ -224,8 +224,6 @@ impl Exact {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicBool;
-
     use super::*;
 
     #[test]
@@ -249,8 +247,7 @@ mod tests {
 
     #[test]
     fn finer_facets_move_fewer_particles_and_interpolated_normals_fewer_still() {
-        let stop = AtomicBool::new(false);
-        let found = measure(20_000, &[10, 100], &Settings::new(&stop), &mut |_, _| {}).unwrap();
+        let found = measure(20_000, &[10, 100], &Settings::default(), &mut |_, _| {}).unwrap();
         let moved: Vec<f64> = found.cases.iter().map(|case| case.error.moved).collect();
         let [exact, coarse, fine, coarse_smooth, fine_smooth] = moved[..] else { panic!("{moved:?}") };
         assert_eq!(exact, 0.0);
@@ -261,8 +258,7 @@ mod tests {
     #[test]
     fn mirrors_light_is_what_meets_it() {
         // Flux on the walls: that of the particles that meet the mirror times its reflectance, once or for a few twice.
-        let stop = AtomicBool::new(false);
-        let found = measure(20_000, &[], &Settings::new(&stop), &mut |_, _| {}).unwrap();
+        let found = measure(20_000, &[], &Settings::default(), &mut |_, _| {}).unwrap();
         let on_walls: f64 = found.exact.lux.iter().sum::<f64>() * area();
         let sent = Aim::at(ball(&room::mirror().unwrap()), 0).flux();
         assert!(on_walls <= sent * found.exact.met * room::REFLECTANCE * (1.0 + 1e-9));

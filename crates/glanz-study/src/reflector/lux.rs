@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use glanz_illumination::report::{Scale, false_colour, isolux};
 use glanz_illumination::{
-    Fineness, FluxBalance, Goal, LuxMap, ReceiverRequest, Receivers, Tally, TraceEnd, TraceReport,
-    TraceSettings, add_walls, trace,
+    Fineness, FluxBalance, Goal, LuxMap, ReceiverRequest, Receivers, Tally, TraceSettings, add_walls, trace,
 };
+use glanz_job::{JobProgress, ProgressSink};
 use glanz_math::DVec3;
 use glanz_scene::Scene;
 
@@ -52,7 +52,20 @@ pub(super) fn room(cells: u32) -> Result<(Scene, Receivers), StudyError> {
     Ok((scene, receivers))
 }
 
-/// Sends `particles`; `watch` hears the share that is done.
+/// Share of the particles that were sent.
+struct LuxProgress<'a> {
+    particles: u64,
+    on_progress: &'a mut dyn FnMut(f64),
+}
+
+impl ProgressSink<Tally> for LuxProgress<'_> {
+    fn on_progress(&mut self, progress: &JobProgress<'_>) {
+        let sent = progress.count.map_or(0, |count| count.done);
+        (self.on_progress)(sent as f64 / self.particles as f64);
+    }
+}
+
+/// Sends `particles`; `on_progress` receives the share that is done, [0, 1].
 ///
 /// # Errors
 /// An end that was wanted; threads that cannot be started.
@@ -60,21 +73,17 @@ pub(super) fn measure(
     scene: &Scene,
     receivers: &Receivers,
     particles: u64,
-    settings: &Settings<'_>,
-    watch: &mut dyn FnMut(f64),
+    settings: &Settings,
+    on_progress: &mut dyn FnMut(f64),
 ) -> Result<Lux, StudyError> {
     let threads = settings.threads.unwrap_or(1);
     let goal = Goal { particles: Some(particles), ..Goal::default() };
     let how = TraceSettings { seed: settings.seed, max_events: EVENTS, threads, goal };
     let stopwatch = Stopwatch::start(Of::Process);
-    let mut report = |so_far: &TraceReport, _: &Tally| {
-        watch(so_far.particles as f64 / particles as f64);
-    };
-    let outcome = trace(scene, receivers, &how, Tally::new(receivers, None), &mut report, settings.stop)?;
+    let mut sink = LuxProgress { particles, on_progress };
+    let outcome = trace(scene, receivers, &how, Tally::new(receivers, None), &mut sink, &settings.cancel)?;
     let time = stopwatch.elapsed();
-    if outcome.end == TraceEnd::Interrupted {
-        return Err(StudyError::Interrupted);
-    }
+    outcome.end.check()?;
     let tally = outcome.tally;
     Ok(Lux {
         particles: tally.particles(),
@@ -204,15 +213,12 @@ impl Lux {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicBool;
-
     use super::*;
 
     #[test]
     fn all_light_of_the_lamp_is_accounted_for() {
-        let stop = AtomicBool::new(false);
         let (scene, receivers) = room(4).unwrap();
-        let lux = measure(&scene, &receivers, 100_000, &Settings::new(&stop), &mut |_| {}).unwrap();
+        let lux = measure(&scene, &receivers, 100_000, &Settings::default(), &mut |_| {}).unwrap();
         // The lamp of 1000 lm that particles are aimed from; the scene file has six digits.
         assert!((lux.balance.emitted / room::LAMP.2 - 1.0).abs() < 1e-5, "{}", lux.balance.emitted);
         assert!(lux.balance.closes_to() < 1e-6 && lux.balance.escaped == 0.0);

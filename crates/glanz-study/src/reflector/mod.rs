@@ -20,7 +20,7 @@ use self::tell::Row;
 use crate::clock;
 use crate::plot::Series;
 use crate::report::Report;
-use crate::study::{Settings, StudyError, Watch};
+use crate::study::{Settings, StudyError, StudyProgress};
 use crate::table::grouped;
 
 /// Particles, unless others are asked for.
@@ -66,12 +66,16 @@ const SPEED: f64 = 0.95;
 ///
 /// # Errors
 /// An end that was wanted, or no particles.
-pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
-    settings.go_on()?;
-    run_plan(&WHOLE, settings, watch)
+pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
+    settings.cancel.check()?;
+    run_plan(&WHOLE, settings, progress)
 }
 
-fn run_plan(plan: &Plan<'_>, settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
+fn run_plan(
+    plan: &Plan<'_>,
+    settings: &Settings,
+    progress: &mut StudyProgress<'_>,
+) -> Result<Report, StudyError> {
     let wanted = settings.rays.unwrap_or(PARTICLES);
     let bad = || StudyError::Setting {
         name: "rays",
@@ -79,21 +83,21 @@ fn run_plan(plan: &Plan<'_>, settings: &Settings<'_>, watch: &mut dyn Watch) -> 
         needed: "a number from 1 to 1 000 000 000",
     };
     let particles = u32::try_from(wanted).ok().filter(|n| (1..=1_000_000_000).contains(n)).ok_or_else(bad)?;
-    watch.progress(0.0, "the fan of document 000");
+    progress.report(0.0, "the fan of document 000");
     let mirror = room::alone(room::described(&[room::mirror()?]), DMat4::IDENTITY)?;
     let fan = fan::fan(&mirror, 4);
     let (scene, receivers) = lux::room(plan.cells)?;
-    let mut told = |done: f64| watch.progress(LUX + (AGAINST - LUX) * done, "lux on the walls");
+    let mut told = |done: f64| progress.report(LUX + (AGAINST - LUX) * done, "lux on the walls");
     let lux = lux::measure(&scene, &receivers, u64::from(particles), settings, &mut told)?;
     let mut told =
-        |done: f64| watch.progress(AGAINST + (FACETS - AGAINST) * done, "particles against integration");
+        |done: f64| progress.report(AGAINST + (FACETS - AGAINST) * done, "particles against integration");
     let against = against::measure(plan.against, u64::from(particles), settings, &mut told)?;
-    let mut told = |done: f64, what: String| watch.progress(FACETS + (CONICS - FACETS) * done, &what);
+    let mut told = |done: f64, what: String| progress.report(FACETS + (CONICS - FACETS) * done, &what);
     let facets = facets::measure(particles, plan.edges, settings, &mut told)?;
     let rays = plan.conic_rays.min(particles);
-    let mut told = |done: f64, what: String| watch.progress(CONICS + (SPEED - CONICS) * done, &what);
+    let mut told = |done: f64, what: String| progress.report(CONICS + (SPEED - CONICS) * done, &what);
     let (rows, curves) = measure_conics(rays, plan.triangles, settings, &mut told)?;
-    watch.progress(SPEED, "particles per second");
+    progress.report(SPEED, "particles per second");
     let speeds = speed::measure(plan.parts, settings)?;
 
     let mut report =
@@ -121,7 +125,7 @@ fn run_plan(plan: &Plan<'_>, settings: &Settings<'_>, watch: &mut dyn Watch) -> 
     tell::tell_facets(&facets, &mut report);
     tell::tell_conics(&rows, curves, &mut report);
     speed::tell(&speeds, &mut report);
-    watch.progress(1.0, "done");
+    progress.report(1.0, "done");
     Ok(report)
 }
 
@@ -129,8 +133,8 @@ fn run_plan(plan: &Plan<'_>, settings: &Settings<'_>, watch: &mut dyn Watch) -> 
 fn measure_conics(
     rays: u32,
     triangles: &[u64],
-    settings: &Settings<'_>,
-    watch: &mut dyn FnMut(f64, String),
+    settings: &Settings,
+    on_progress: &mut dyn FnMut(f64, String),
 ) -> Result<(Vec<Row>, Vec<Series>), StudyError> {
     let made: Vec<Made> = [Made::Quadric, Made::Patches]
         .into_iter()
@@ -142,7 +146,7 @@ fn measure_conics(
     let mut curves = vec![tell::closed_form_curve()];
     for conic in Conic::ALL {
         for &made in &made {
-            watch(rows.len() as f64 / parts, format!("{} mirror, {}", conic.name(), made.name()));
+            on_progress(rows.len() as f64 / parts, format!("{} mirror, {}", conic.name(), made.name()));
             let (scene, triangles) = conic.scene(made)?;
             let deviation = conic.deviations(&scene, rays, settings)?;
             if conic == Conic::Spherical
@@ -162,18 +166,16 @@ fn measure_conics(
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicBool;
-
     use super::*;
-    use crate::study::Unwatched;
+    use crate::study::StudyProgress;
+    use glanz_job::Silent;
 
     #[test]
     fn report_has_a_row_for_every_wall_ray_and_mirror() {
-        let stop = AtomicBool::new(false);
-        let settings = Settings { rays: Some(20_000), ..Settings::new(&stop) };
+        let settings = Settings { rays: Some(20_000), ..Settings::default() };
         let plan =
             Plan { cells: 2, against: (1, 13), edges: &[4], conic_rays: 100, triangles: &[100], parts: &[] };
-        let report = run_plan(&plan, &settings, &mut Unwatched).unwrap();
+        let report = run_plan(&plan, &settings, &mut StudyProgress::new(&mut Silent)).unwrap();
         assert_eq!(report.summary().rows().len(), 6);
         let rows =
             |name: &str| report.tables().find(|table| table.name() == name).map(|table| table.rows().len());
@@ -192,10 +194,9 @@ mod tests {
 
     #[test]
     fn no_particles_are_refused() {
-        let stop = AtomicBool::new(false);
         for bad in [0, 1_000_000_001, u64::MAX] {
-            let settings = Settings { rays: Some(bad), ..Settings::new(&stop) };
-            let refused = run(&settings, &mut Unwatched);
+            let settings = Settings { rays: Some(bad), ..Settings::default() };
+            let refused = run(&settings, &mut StudyProgress::new(&mut Silent));
             assert!(matches!(refused, Err(StudyError::Setting { name: "rays", .. })), "{bad}");
         }
     }

@@ -82,7 +82,7 @@ fn second() -> Result<TrianglePatch, SurfaceError> {
 ///
 /// # Errors
 /// An end that was wanted; threads that cannot be started.
-pub(super) fn measure(edges: &[u32], settings: &Settings<'_>) -> Result<Vec<Speed>, StudyError> {
+pub(super) fn measure(edges: &[u32], settings: &Settings) -> Result<Vec<Speed>, StudyError> {
     let mut speeds = Vec::new();
     for bounces in BOUNCES {
         let mirrors = [mirror()?, second()?];
@@ -112,8 +112,8 @@ fn scene(mirrors: &[TrianglePatch], n: u32) -> Result<Scene, StudyError> {
 }
 
 /// Particles that are reflected so often.
-fn chosen(scene: &Scene, bounces: u8, settings: &Settings<'_>) -> Result<Vec<Ray>, StudyError> {
-    settings.go_on()?;
+fn chosen(scene: &Scene, bounces: u8, settings: &Settings) -> Result<Vec<Ray>, StudyError> {
+    settings.cancel.check()?;
     let bounds = mirror()?.bounds();
     let aim = Aim::at((bounds.center(), 0.5 * bounds.diagonal().length()), settings.seed);
     let mut particles = Vec::with_capacity(PARTICLES);
@@ -134,7 +134,7 @@ fn timed(
     scene: &Scene,
     particles: &[Ray],
     threads: usize,
-    settings: &Settings<'_>,
+    settings: &Settings,
 ) -> Result<(f64, Duration), StudyError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     // Once to warm up.
@@ -148,7 +148,7 @@ fn timed(
     std::hint::black_box(send());
     let (watch, begun) = (Stopwatch::start(Of::Process), Instant::now());
     while sent == 0 || begun.elapsed() < 4 * SHORTEST {
-        settings.go_on()?;
+        settings.cancel.check()?;
         std::hint::black_box(send());
         sent += particles.len().max(1);
     }

@@ -38,7 +38,7 @@ pub(super) fn descent(
     elements: &Elements<'_>,
     factors: &FormFactors,
     end: &[Spectrum],
-    settings: &Settings<'_>,
+    settings: &Settings,
 ) -> Result<Descent, StudyError> {
     let list = &elements.list;
     let error = |found: &[Spectrum]| error_of(list, found, end);
@@ -56,7 +56,7 @@ pub(super) fn descent(
             break;
         }
         if step as f64 >= next {
-            settings.go_on()?;
+            settings.cancel.check()?;
             next = (step as f64 * APART).max(next + 1.0);
             let left = shot.left(elements);
             made.shooting.push([step as f64, error(shot.radiosity())]);
@@ -69,7 +69,7 @@ pub(super) fn descent(
     }
     for sweeps in 1..=SWEEPS {
         let way = GaussSeidel { tolerance: 0.0, sweeps };
-        let solved = gauss_seidel(list, factors, &way, |_, _| true);
+        let solved = gauss_seidel(list, factors, &way, &settings.cancel)?;
         made.gathering.push([(sweeps as usize * list.len()) as f64, error(&solved.radiosity)]);
     }
     Ok(made)

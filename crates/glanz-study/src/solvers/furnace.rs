@@ -1,5 +1,6 @@
 //! A closed box whose walls all shine and reflect alike: what each place sends is E / (1 - rho).
 
+use glanz_job::Silent;
 use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
 use glanz_math::{DMat4, DVec3};
 use glanz_radiosity::elements::{Element, ElementSettings, Elements};
@@ -42,16 +43,15 @@ pub(super) struct Furnace {
 ///
 /// # Errors
 /// An end that was wanted.
-pub(super) fn measure(settings: &Settings<'_>) -> Result<Vec<Furnace>, StudyError> {
+pub(super) fn measure(settings: &Settings) -> Result<Vec<Furnace>, StudyError> {
     let mut made = Vec::new();
     for reflectance in REFLECTANCES {
-        settings.go_on()?;
+        settings.cancel.check()?;
         let scene = scene(reflectance)?;
         let expected = std::f64::consts::PI / (1.0 - f64::from(reflectance));
         let elements = Elements::new(&scene, &ElementSettings { side: SIDE })?;
-        let factors = FormFactors::new(&elements, |_| settings.go_on().is_ok());
-        let factors = factors.ok_or(StudyError::Interrupted)?;
-        let solved = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), |_, _| true);
+        let factors = FormFactors::new(&elements, &settings.cancel)?;
+        let solved = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &settings.cancel)?;
         let inside = (0..elements.list.len()).filter(|&i| elements.list.get(i).is_some_and(is_inside));
         let sums = range(inside.map(|i| factors.sum(i)));
         let one = |solver, elements: &Elements<'_>, radiosity: &[Spectrum]| {
@@ -64,9 +64,9 @@ pub(super) fn measure(settings: &Settings<'_>) -> Result<Vec<Furnace>, StudyErro
         made.push(Furnace { left, ..one(Solver::Progressive, &elements, shot.radiosity()) });
         let start = Elements::new(&scene, &ElementSettings { side: SIZE.max_element() })?;
         let way = Hierarchical { bound: BOUND, ..Hierarchical::default() };
-        let solved = hierarchical(start, &way, |_| settings.go_on().is_ok())
+        let solved = hierarchical(start, &way, &mut Silent, &settings.cancel)
             .map_err(|error| StudyError::Unreadable(error.to_string()))?;
-        settings.go_on()?;
+        settings.cancel.check()?;
         made.push(one(Solver::Hierarchical, &solved.elements, &solved.radiosity));
     }
     Ok(made)

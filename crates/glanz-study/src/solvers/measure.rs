@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
+use glanz_job::Silent;
 use glanz_radiosity::elements::{ElementSettings, Elements};
 use glanz_radiosity::form_factor::FormFactors;
-use glanz_radiosity::solve::hierarchical::Progress;
 use glanz_radiosity::solve::{GaussSeidel, Hierarchical, Progressive, gauss_seidel, hierarchical};
 use glanz_scene::Scene;
 use rayon::ThreadPool;
@@ -134,7 +134,7 @@ pub(super) fn measure(
     name: &str,
     scene: &Scene,
     most: usize,
-    settings: &Settings<'_>,
+    settings: &Settings,
     pool: &ThreadPool,
     tell: &mut dyn FnMut(f64, &str),
 ) -> Result<Outcome, StudyError> {
@@ -180,7 +180,7 @@ pub(super) fn measure(
     for (run, elements, light) in
         all.chain(of_links.iter().map(|(run, elements, light)| (run, elements, light)))
     {
-        settings.go_on()?;
+        settings.cancel.check()?;
         let field = Field::new(elements, light);
         let itself = |reference: &Field<'_>| {
             reference.is_on(elements) && matches!(run.solver, Solver::Full | Solver::Hierarchical)
@@ -199,12 +199,11 @@ type Light = Vec<glanz_light::Spectrum>;
 fn all_pairs(
     side: f64,
     elements: &Elements<'_>,
-    settings: &Settings<'_>,
+    settings: &Settings,
 ) -> Result<(Solved, FormFactors, Light), StudyError> {
     let solve = || {
-        let factors = FormFactors::new(elements, |_| settings.go_on().is_ok());
-        let factors = factors.ok_or(StudyError::Interrupted)?;
-        let solved = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), |_, _| true);
+        let factors = FormFactors::new(elements, &settings.cancel)?;
+        let solved = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &settings.cancel)?;
         Ok::<_, StudyError>((factors, solved))
     };
     let (made, processors, wall) = timed(solve);
@@ -228,12 +227,12 @@ fn all_pairs(
 fn progressive(
     side: f64,
     elements: &Elements<'_>,
-    settings: &Settings<'_>,
+    settings: &Settings,
 ) -> Result<(Solved, Light), StudyError> {
     let solve = || {
         let (mut shot, mut steps) = (Progressive::new(elements), 0);
         while shot.left(elements) > LEFT && shot.shoot(elements) {
-            settings.go_on()?;
+            settings.cancel.check()?;
             steps += 1;
         }
         Ok::<_, StudyError>((shot, steps))
@@ -260,19 +259,19 @@ fn progressive(
 fn by_links<'a>(
     scene: &'a Scene,
     bound: f64,
-    settings: &Settings<'_>,
+    settings: &Settings,
 ) -> Result<(Solved, Elements<'a>, Light), StudyError> {
     // Faces in one piece.
     let side = 2.0 * scene.bounds().diagonal().length();
     let way = Hierarchical { bound, ..Hierarchical::default() };
     let solve = || {
         let start = Elements::new(scene, &ElementSettings { side })?;
-        hierarchical(start, &way, |_: &Progress| settings.go_on().is_ok())
+        hierarchical(start, &way, &mut Silent, &settings.cancel)
             .map_err(|error| StudyError::Unreadable(error.to_string()))
     };
     let (made, processors, wall) = timed(solve);
     let solved = made?;
-    settings.go_on()?;
+    settings.cancel.check()?;
     let run = Solved {
         solver: Solver::Hierarchical,
         setting: bound,

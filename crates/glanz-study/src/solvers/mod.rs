@@ -13,7 +13,7 @@ use self::furnace::Furnace;
 use self::measure::measure;
 use crate::report::Report;
 use crate::rooms;
-use crate::study::{Settings, StudyError, Watch};
+use crate::study::{Settings, StudyError, StudyProgress};
 
 /// Elements of the finest solution by all pairs, at most.
 const ELEMENTS: u32 = 3000;
@@ -22,8 +22,8 @@ const ELEMENTS: u32 = 3000;
 ///
 /// # Errors
 /// An end that was wanted, or rooms that cannot be read or divided.
-pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
-    settings.go_on()?;
+pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
+    settings.cancel.check()?;
     let most = settings.elements.unwrap_or(ELEMENTS) as usize;
     let rooms = settings.rooms.clone().unwrap_or_else(|| vec!["direct".to_owned()]);
     let mut scenes = Vec::new();
@@ -33,18 +33,18 @@ pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Repo
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads.unwrap_or(2).max(1)).build()?;
     let parts = (scenes.len() + 1) as f64;
-    watch.progress(0.0, "furnaces");
+    progress.report(0.0, "furnaces");
     let furnaces = pool.install(|| furnace::measure(settings))?;
     let mut outcomes = Vec::new();
     for (number, (name, scene)) in scenes.iter().enumerate() {
         let mut tell = |share: f64, what: &str| {
-            watch.progress((number as f64 + 1.0 + share) / parts, &format!("{name}, {what}"));
+            progress.report((number as f64 + 1.0 + share) / parts, &format!("{name}, {what}"));
         };
         // The pool's threads cannot tell how far they are: each run is told before it begins.
         outcomes.push(measure(name, scene, most, settings, &pool, &mut tell)?);
     }
     let report = tell::tell_all(&outcomes, &furnaces, most, pool.current_num_threads());
-    watch.progress(1.0, "done");
+    progress.report(1.0, "done");
     Ok(report)
 }
 

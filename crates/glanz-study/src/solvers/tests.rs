@@ -1,11 +1,10 @@
 //! The study at the size of a stamp.
 
-use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
-
 use super::*;
-use crate::study::Unwatched;
+use crate::study::StudyProgress;
 use crate::table::{Cell, Table};
+use glanz_job::Silent;
+use std::path::PathBuf;
 
 /// A box with a lamp and a thing in it.
 const BOX: &str = r#"
@@ -46,14 +45,13 @@ fn column(table: &Table, key: &str) -> Vec<Option<f64>> {
 
 #[test]
 fn box_is_solved_in_all_ways() {
-    let stop = AtomicBool::new(false);
     let file = File::new("solvers", BOX);
     let settings = Settings {
         rooms: Some(vec![file.0.display().to_string()]),
         elements: Some(300),
-        ..Settings::new(&stop)
+        ..Settings::default()
     };
-    let report = run(&settings, &mut Unwatched).unwrap();
+    let report = run(&settings, &mut StudyProgress::new(&mut Silent)).unwrap();
     let named = |name: &str| report.tables().find(|table| table.name() == name).unwrap();
     assert_eq!(report.summary().rows().len(), 3);
     let [rays, ends] = ["rays_exponent", "elements_max"].map(|key| column(report.summary(), key));
@@ -105,7 +103,9 @@ fn box_is_solved_in_all_ways() {
 
 #[test]
 fn unknown_rooms_are_refused() {
-    let stop = AtomicBool::new(false);
-    let settings = Settings { rooms: Some(vec!["cellar".to_owned()]), ..Settings::new(&stop) };
-    assert!(matches!(run(&settings, &mut Unwatched), Err(StudyError::Setting { name: "rooms", .. })));
+    let settings = Settings { rooms: Some(vec!["cellar".to_owned()]), ..Settings::default() };
+    assert!(matches!(
+        run(&settings, &mut StudyProgress::new(&mut Silent)),
+        Err(StudyError::Setting { name: "rooms", .. })
+    ));
 }

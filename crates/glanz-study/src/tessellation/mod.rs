@@ -9,7 +9,7 @@ use self::picture::difference_picture;
 use self::stage::Stage;
 use self::tell::{GAIN, Outcome, tell_all};
 use crate::report::Report;
-use crate::study::{Settings, StudyError, Watch};
+use crate::study::{Settings, StudyError, StudyProgress};
 use crate::table::grouped;
 
 /// Triangles per surface: those of document 002, and two that a modern machine would take.
@@ -24,8 +24,8 @@ const SURFACES: [usize; 2] = [1, 3];
 ///
 /// # Errors
 /// An end that was wanted, or numbers of triangles that are not twice a square.
-pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Report, StudyError> {
-    settings.go_on()?;
+pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
+    settings.cancel.check()?;
     let size = settings.size.unwrap_or(SIZE);
     let counts = settings.triangles.clone().unwrap_or_else(|| TRIANGLES.to_vec());
     let mut grids = counts.iter().map(|&count| grid(count)).collect::<Result<Vec<u32>, _>>()?;
@@ -35,7 +35,7 @@ pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Repo
     let parts = (SURFACES.len() * (grids.len() + 3)) as f64;
     let mut done = 0.0;
     let mut tell = |what: String| {
-        watch.progress(done / parts, &what);
+        progress.report(done / parts, &what);
         done += 1.0;
     };
     let mut results = Vec::new();
@@ -64,7 +64,7 @@ pub(crate) fn run(settings: &Settings<'_>, watch: &mut dyn Watch) -> Result<Repo
         results.push(Outcome { surfaces, exact: stage.exact, cases, smallest, length, coverage });
     }
     let report = tell_all(&results, pictures, size, settings);
-    watch.progress(1.0, "done");
+    progress.report(1.0, "done");
     Ok(report)
 }
 
@@ -84,11 +84,10 @@ fn grid(count: u64) -> Result<u32, StudyError> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicBool;
-
     use super::*;
-    use crate::study::Unwatched;
+    use crate::study::StudyProgress;
     use crate::table::Cell;
+    use glanz_job::Silent;
 
     #[test]
     fn numbers_of_triangles_are_twice_a_square() {
@@ -101,10 +100,9 @@ mod tests {
 
     #[test]
     fn report_has_a_row_for_every_picture() {
-        let stop = AtomicBool::new(false);
         let settings =
-            Settings { size: Some([48, 27]), triangles: Some(vec![200, 72]), ..Settings::new(&stop) };
-        let report = run(&settings, &mut Unwatched).unwrap();
+            Settings { size: Some([48, 27]), triangles: Some(vec![200, 72]), ..Settings::default() };
+        let report = run(&settings, &mut StudyProgress::new(&mut Silent)).unwrap();
         let kinds: Vec<&Cell> = report.summary().rows().iter().map(|row| &row[2]).collect();
         let count = |n: u64| Cell::Count(n);
         assert_eq!(

@@ -1,8 +1,8 @@
 //! The scene, its picture, and what rays through the middles of pixels see.
 
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use glanz_job::Silent;
 use glanz_light::{Pixels, SpectralDistribution, Tone};
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_sampling::SamplerKind;
@@ -12,9 +12,7 @@ use glanz_scene::description::{
     GeometryDescription, IntegratorDescription, LightDescription, LightKind, MaterialDescription,
     MaterialKind, ShapeDescription, SpectrumInput,
 };
-use glanz_transport::{
-    Film, FilmFormat, Filter, Finished, IntegratorSettings, RenderSettings, Silent, render,
-};
+use glanz_transport::{Film, FilmFormat, Filter, IntegratorSettings, RenderSettings, render};
 
 use crate::clock::{Of, Stopwatch};
 use crate::study::{Settings, StudyError};
@@ -84,7 +82,7 @@ pub(super) fn description(surfaces: Vec<GeometryDescription>, size: [u32; 2]) ->
 pub(super) fn picture(
     scene: &Scene,
     description: &Description,
-    settings: &Settings<'_>,
+    settings: &Settings,
 ) -> Result<(Pixels, Duration), StudyError> {
     let integrator = IntegratorSettings::resolve(&description.integrator)?.build();
     let film = Film::try_new(FilmFormat::plain(description.film.resolution))?;
@@ -96,15 +94,11 @@ pub(super) fn picture(
         samples: 0..SAMPLES,
         threads: 1,
         time_limit: None,
-        checkpoint_interval: None,
     };
-    let stop: &AtomicBool = settings.stop;
     let watch = Stopwatch::start(Of::Process);
-    let outcome = render(scene, integrator.as_ref(), &render_settings, film, &mut Silent, stop)?;
+    let outcome = render(scene, integrator.as_ref(), &render_settings, film, &mut Silent, &settings.cancel)?;
     let time = watch.elapsed();
-    if outcome.finished == Finished::Interrupted {
-        return Err(StudyError::Interrupted);
-    }
+    outcome.end.check()?;
     Ok((outcome.film.to_pixels()?, time))
 }
 
@@ -141,10 +135,10 @@ pub(super) struct Difference {
 }
 
 impl Sights {
-    pub(super) fn of(scene: &Scene, size: [u32; 2], settings: &Settings<'_>) -> Result<Self, StudyError> {
+    pub(super) fn of(scene: &Scene, size: [u32; 2], settings: &Settings) -> Result<Self, StudyError> {
         let mut pixels = Vec::with_capacity(size[0] as usize * size[1] as usize);
         for y in 0..size[1] {
-            settings.go_on()?;
+            settings.cancel.check()?;
             for x in 0..size[0] {
                 let film = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
                 let hit = scene.intersect(&scene.camera().ray(film, DVec2::ZERO), f64::INFINITY);

@@ -42,7 +42,7 @@ impl Case {
 
 /// One or more surfaces with their exact picture.
 pub(super) struct Stage<'a> {
-    settings: &'a Settings<'a>,
+    settings: &'a Settings,
     size: [u32; 2],
     pool: ThreadPool,
     surfaces: Vec<NurbsSurface>,
@@ -52,7 +52,7 @@ pub(super) struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    pub(super) fn set(count: usize, size: [u32; 2], settings: &'a Settings<'a>) -> Result<Self, StudyError> {
+    pub(super) fn set(count: usize, size: [u32; 2], settings: &'a Settings) -> Result<Self, StudyError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
         let surfaces: Vec<NurbsSurface> =
             places(count).iter().map(wavy).collect::<Result<_, SurfaceError>>()?;
@@ -68,7 +68,7 @@ impl<'a> Stage<'a> {
 
     /// Surfaces of 2 n^2 triangles each.
     pub(super) fn triangles(&self, n: u32) -> Result<(Case, Pixels), StudyError> {
-        self.settings.go_on()?;
+        self.settings.cancel.check()?;
         let make = || self.surfaces.iter().map(|s| Triangles::of(s, n).described()).collect();
         let (scene, build) = build(&self.pool, &make, self.size)?;
         let (pixels, render) = picture(&scene, &description(Vec::new(), self.size), self.settings)?;
@@ -131,14 +131,11 @@ fn build(
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicBool;
-
     use super::*;
 
     #[test]
     fn errors_fall_with_the_square_of_the_grid() {
-        let stop = AtomicBool::new(false);
-        let settings = Settings::new(&stop);
+        let settings = Settings::default();
         let stage = Stage::set(1, [160, 90], &settings).unwrap();
         let (coarse, _) = stage.triangles(40).unwrap();
         let (fine, _) = stage.triangles(80).unwrap();
@@ -153,8 +150,7 @@ mod tests {
 
     #[test]
     fn pictures_of_the_surface_itself_do_not_differ() {
-        let stop = AtomicBool::new(false);
-        let settings = Settings::new(&stop);
+        let settings = Settings::default();
         let stage = Stage::set(3, [96, 54], &settings).unwrap();
         let again = Stage::set(3, [96, 54], &settings).unwrap();
         assert_eq!(grey_rmse(&stage.pixels, &again.pixels, None), 0.0);
@@ -164,8 +160,7 @@ mod tests {
 
     #[test]
     fn smallest_number_is_the_border_between_enough_and_too_few() {
-        let stop = AtomicBool::new(false);
-        let settings = Settings::new(&stop);
+        let settings = Settings::default();
         let stage = Stage::set(1, [96, 54], &settings).unwrap();
         let measured: Vec<(u32, Case)> = [8, 200].map(|n| (n, stage.triangles(n).unwrap().0)).to_vec();
         let best = stage.smallest(&measured).unwrap().unwrap();

@@ -68,7 +68,7 @@ pub(super) fn tell_all(
     results: &[Outcome],
     pictures: Vec<(usize, Pixels, Pixels, Pixels)>,
     size: [u32; 2],
-    settings: &Settings<'_>,
+    settings: &Settings,
 ) -> Report {
     let caption = format!(
         "Pictures of {} x {} pixels, {SAMPLES} samples per pixel: the exact surface, and triangles with the surface's normals \
@@ -112,7 +112,7 @@ pub(super) fn tell_all(
     report
 }
 
-fn settings_text(results: &[Outcome], settings: &Settings<'_>) -> String {
+fn settings_text(results: &[Outcome], settings: &Settings) -> String {
     let clock = if clock::counts_processor_time() { "processor time" } else { "wall time" };
     let seen: Vec<String> = results
         .iter()

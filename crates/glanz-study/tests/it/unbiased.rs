@@ -4,15 +4,13 @@
 //! for each pixel, a power of two, since passes end there; `cargo xtask unbiased` takes 16 384.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 use glanz_formats::{Options, load};
+use glanz_job::{CancelFlag, Silent};
 use glanz_sampling::SamplerKind;
 use glanz_scene::Scene;
 use glanz_scene::description::{Description, FilterDescription, FilterKind, IntegratorDescription};
-use glanz_transport::{
-    Aov, AovSet, Film, FilmFormat, Filter, IntegratorSettings, RenderSettings, Silent, render,
-};
+use glanz_transport::{Aov, AovSet, Film, FilmFormat, Filter, IntegratorSettings, RenderSettings, render};
 
 const SIZE: [u32; 2] = [24, 18];
 
@@ -55,11 +53,10 @@ fn picture(
         samples: 0..samples,
         threads: 2,
         time_limit: None,
-        checkpoint_interval: None,
     };
     let film = Film::try_new(film).unwrap();
-    let stop = AtomicBool::new(false);
-    let outcome = render(scene, integrator.as_ref(), &settings, film, &mut Silent, &stop).unwrap();
+    let outcome =
+        render(scene, integrator.as_ref(), &settings, film, &mut Silent, &CancelFlag::default()).unwrap();
     let pixels = outcome.film.to_pixels().unwrap();
     let plane = |name: &str| pixels.channel(name).unwrap().iter().map(|&value| f64::from(value));
     plane("G").zip(plane("Variance.G")).map(|(mean, variance)| [mean, variance]).collect()

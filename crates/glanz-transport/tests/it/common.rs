@@ -3,16 +3,16 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
+use glanz_job::{CancelFlag, JobEnd, Silent};
 use glanz_light::SpectralDistribution;
 use glanz_math::{DMat4, DVec3};
 use glanz_sampling::SamplerKind;
 use glanz_scene::Scene;
 use glanz_scene::description::*;
 use glanz_transport::{
-    Aov, AovSet, Film, FilmFormat, Filter, Finished, Guide, Integrator, IntegratorSettings, PixelRect,
-    RenderError, RenderOutcome, RenderSettings, Silent, render,
+    Aov, AovSet, Film, FilmFormat, Filter, Guide, Integrator, IntegratorSettings, PixelRect, RenderError,
+    RenderOutcome, RenderSettings, render,
 };
 
 pub(crate) fn grey(value: f32) -> SpectrumInput {
@@ -218,7 +218,6 @@ impl Run {
             samples: self.samples.clone(),
             threads: self.threads,
             time_limit: None,
-            checkpoint_interval: None,
         }
     }
 
@@ -241,15 +240,15 @@ impl Run {
     pub(crate) fn outcome_with(&self, builder: &Builder, integrator: &dyn Integrator) -> RenderOutcome {
         let film = Film::try_new(self.format(&builder.0)).unwrap();
         let settings = self.settings(&builder.0);
-        let stop = AtomicBool::new(false);
+        let stop = CancelFlag::default();
         let outcome = render(&builder.scene(), integrator, &settings, film, &mut Silent, &stop).unwrap();
-        assert_eq!(outcome.finished, Finished::Complete);
+        assert_eq!(outcome.end, JobEnd::Complete);
         assert_eq!(outcome.film.rejects(), Default::default());
         outcome
     }
 
-    /// Goes on with `film`, by a guide that is learnt or that one.
-    pub(crate) fn go_on(
+    /// Resumes `film`, by a guide that is learnt or that one.
+    pub(crate) fn resume(
         &self,
         builder: &Builder,
         film: Film,
@@ -262,7 +261,7 @@ impl Run {
             Some(guide) => self.integrator_settings().build_with_guide(guide.clone()),
             None => self.integrator_settings().build(),
         };
-        render(&builder.scene(), integrator.as_ref(), &settings, film, &mut Silent, &AtomicBool::new(false))
+        render(&builder.scene(), integrator.as_ref(), &settings, film, &mut Silent, &CancelFlag::default())
     }
 
     pub(crate) fn picture(&self, builder: &Builder) -> Picture {

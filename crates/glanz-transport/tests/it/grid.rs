@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::common::*;
+use glanz_job::JobIdentity;
 use glanz_math::{DMat4, DVec3};
 use glanz_sampling::SamplerKind;
 use glanz_scene::description::{GuideSettings, LightKind, MaterialKind};
@@ -171,14 +172,14 @@ fn directions_that_a_grid_has_learnt_find_a_lamp_more_often() {
     assert!(guided < 0.6 * path, "standard errors {guided}, {path}");
 }
 
-/// Goes on with `film` of the small scene, by a guide that is learnt or that one.
-fn go_on(
+/// Resumes `film` of the small scene, by a guide that is learnt or that one.
+fn resume(
     run: &Run,
     film: Film,
     samples: Range<u32>,
     guide: Option<&Arc<Guide>>,
 ) -> Result<RenderOutcome, RenderError> {
-    run.go_on(&small(), film, samples, guide)
+    run.resume(&small(), film, samples, guide)
 }
 
 fn fresh(run: &Run, passes: bool) -> Film {
@@ -197,7 +198,7 @@ fn through_bytes(film: Film, run: &Run, guide: Option<u128>) -> Checkpoint {
         seed: run.seed,
         samples_per_pixel: 64,
         guide,
-        version: PictureIdentity::current_version(),
+        version: glanz_job::current_version(),
     };
     Checkpoint::from_bytes(&Checkpoint { identity, film }.to_bytes()).unwrap()
 }
@@ -225,10 +226,10 @@ fn number_of_threads_does_not_change_a_bit() {
 fn resumed_anywhere_is_one_run() {
     for settings in KINDS {
         let run = run(settings, 80);
-        let whole = go_on(&run, fresh(&run, true), 0..80, None).unwrap().film;
+        let whole = resume(&run, fresh(&run, true), 0..80, None).unwrap().film;
         let mut film = fresh(&run, true);
         for end in [1, 3, 9, 16, 17, 70, 80] {
-            film = go_on(&run, film, 0..end, None).unwrap().film;
+            film = resume(&run, film, 0..end, None).unwrap().film;
             let checkpoint = through_bytes(film, &run, None);
             assert_eq!(checkpoint.identity.integrator, run.integrator_settings());
             film = checkpoint.film;
@@ -242,12 +243,12 @@ fn resumed_anywhere_is_one_run() {
 fn parts_with_one_guide_are_the_whole() {
     for settings in KINDS {
         let run = run(settings, 80);
-        let learning = go_on(&run, fresh(&run, true), 0..64, None).unwrap().film;
+        let learning = resume(&run, fresh(&run, true), 0..64, None).unwrap().film;
         let learnt = learning.training().unwrap().guide();
         let guide = Arc::new(Guide::from_bytes(&learnt.to_bytes()).unwrap());
         assert_eq!(&*guide, learnt);
         assert!(guide.size().active > 0 && guide.settings() == run.guide);
-        let part = |range| go_on(&run, fresh(&run, false), range, Some(&guide)).unwrap().film;
+        let part = |range| resume(&run, fresh(&run, false), range, Some(&guide)).unwrap().film;
         let parts = [5..16, 0..5].map(|range| through_bytes(part(range), &run, Some(7)));
         assert_eq!(merge(parts).unwrap().film, part(0..16));
     }
@@ -259,14 +260,14 @@ fn guide_with_listed_passes_learns_no_more_after_the_last() {
     let mut film = fresh(&run, true);
     let mut guides = Vec::new();
     for end in [1, 4, 10, 22, 23, 80] {
-        film = go_on(&run, film, 0..end, None).unwrap().film;
+        film = resume(&run, film, 0..end, None).unwrap().film;
         guides.push(film.training().unwrap().guide().clone());
     }
     // The first pass learns without a guide; each of the three changes it, what comes after does not.
     let changes: Vec<bool> = guides.windows(2).map(|pair| pair[0] != pair[1]).collect();
     assert_eq!(changes, [true, true, true, false, false]);
     let records = film.training().unwrap().records();
-    let at_the_end = go_on(&run, fresh(&run, true), 0..22, None).unwrap().film.training().unwrap().records();
+    let at_the_end = resume(&run, fresh(&run, true), 0..22, None).unwrap().film.training().unwrap().records();
     assert_eq!(records, at_the_end);
 }
 
@@ -274,7 +275,7 @@ fn guide_with_listed_passes_learns_no_more_after_the_last() {
 fn pictures_by_other_guides_are_other_pictures() {
     let identities = ["grid=2", "grid=3", "grid=2,mixture=on", "grid=2,passes=1-2", "tree"].map(|settings| {
         let run = run(settings, 4);
-        through_bytes(go_on(&run, fresh(&run, true), 0..4, None).unwrap().film, &run, None).identity
+        through_bytes(resume(&run, fresh(&run, true), 0..4, None).unwrap().film, &run, None).identity
     });
     for (i, a) in identities.iter().enumerate() {
         for (j, b) in identities.iter().enumerate() {
@@ -286,6 +287,6 @@ fn pictures_by_other_guides_are_other_pictures() {
 #[test]
 fn guide_that_does_not_fit_is_refused_before_the_first_ray() {
     let run = run("grid=64,scale=6,basis=haar", 4);
-    let error = go_on(&run, fresh(&run, true), 0..4, None).unwrap_err();
+    let error = resume(&run, fresh(&run, true), 0..4, None).unwrap_err();
     assert!(matches!(error, RenderError::Guide(_)) && error.to_string().contains("GiB"), "{error}");
 }

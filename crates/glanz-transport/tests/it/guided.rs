@@ -49,14 +49,14 @@ fn run(samples: u32) -> Run {
     }
 }
 
-/// Goes on with `film` of the small scene, by a guide that is learnt or that one.
-fn go_on(
+/// Resumes `film` of the small scene, by a guide that is learnt or that one.
+fn resume(
     run: &Run,
     film: Film,
     samples: Range<u32>,
     guide: Option<&Arc<Guide>>,
 ) -> Result<RenderOutcome, RenderError> {
-    run.go_on(&small(), film, samples, guide)
+    run.resume(&small(), film, samples, guide)
 }
 
 fn fresh(run: &Run) -> Film {
@@ -80,7 +80,7 @@ fn identity(run: &Run, film: &Film, guide: Option<u128>) -> PictureIdentity {
         seed: run.seed,
         samples_per_pixel: 64,
         guide,
-        version: PictureIdentity::current_version(),
+        version: glanz_job::current_version(),
     }
 }
 
@@ -150,10 +150,10 @@ fn number_of_threads_does_not_change_a_bit() {
 #[test]
 fn resumed_anywhere_is_one_run() {
     let run = run(80);
-    let whole = go_on(&run, fresh(&run), 0..80, None).unwrap().film;
+    let whole = resume(&run, fresh(&run), 0..80, None).unwrap().film;
     let mut film = fresh(&run);
     for end in [1, 3, 9, 16, 17, 70, 80] {
-        film = go_on(&run, film, 0..end, None).unwrap().film;
+        film = resume(&run, film, 0..end, None).unwrap().film;
         film = through_bytes(film, &run, None).film;
     }
     assert_eq!(film, whole);
@@ -163,23 +163,23 @@ fn resumed_anywhere_is_one_run() {
 #[test]
 fn samples_out_of_turn_are_refused() {
     let run = run(80);
-    let begun = go_on(&run, fresh(&run), 0..6, None).unwrap().film;
-    assert!(matches!(go_on(&run, begun.clone(), 7..9, None), Err(RenderError::Order { next: 6 })));
-    assert!(matches!(go_on(&run, fresh(&run), 1..9, None), Err(RenderError::Order { next: 0 })));
-    assert!(go_on(&run, begun, 6..9, None).is_ok());
-    assert!(matches!(go_on(&run, plain(&run), 0..9, None), Err(RenderError::Passes)));
+    let begun = resume(&run, fresh(&run), 0..6, None).unwrap().film;
+    assert!(matches!(resume(&run, begun.clone(), 7..9, None), Err(RenderError::Order { next: 6 })));
+    assert!(matches!(resume(&run, fresh(&run), 1..9, None), Err(RenderError::Order { next: 0 })));
+    assert!(resume(&run, begun, 6..9, None).is_ok());
+    assert!(matches!(resume(&run, plain(&run), 0..9, None), Err(RenderError::Passes)));
 }
 
 #[test]
 fn parts_with_one_guide_are_the_whole_and_parts_that_learn_are_refused() {
     let run = run(80);
-    let learning = go_on(&run, fresh(&run), 0..64, None).unwrap().film;
+    let learning = resume(&run, fresh(&run), 0..64, None).unwrap().film;
     let guide = learning.training().unwrap().guide().clone();
     let guide = Arc::new(Guide::from_bytes(&guide.to_bytes()).unwrap());
     assert_eq!(&*guide, learning.training().unwrap().guide());
     assert!(guide.size().active > 0);
 
-    let part = |range| go_on(&run, plain(&run), range, Some(&guide)).unwrap().film;
+    let part = |range| resume(&run, plain(&run), range, Some(&guide)).unwrap().film;
     let parts = [5..16, 0..5].map(|range| through_bytes(part(range), &run, Some(7)));
     let merged = merge(parts.clone()).unwrap();
     assert_eq!(merged.film, part(0..16));
@@ -196,9 +196,9 @@ fn parts_with_one_guide_are_the_whole_and_parts_that_learn_are_refused() {
 #[test]
 fn fixed_guide_gives_the_expected_picture_too() {
     let run = Run { sampler: SamplerKind::Sobol, ..Run::new("guided", 6, 64) };
-    let learning = go_on(&run, fresh(&run), 0..64, None).unwrap().film;
+    let learning = resume(&run, fresh(&run), 0..64, None).unwrap().film;
     let guide = Arc::new(learning.training().unwrap().guide().clone());
-    let film = go_on(&run, plain(&run), 0..512, Some(&guide)).unwrap().film;
+    let film = resume(&run, plain(&run), 0..512, Some(&guide)).unwrap().film;
     let pixels = film.to_pixels().unwrap();
     let path = Run { seed: 9, ..Run::new("path", 6, 4096) }.picture(&small());
     let mean = |name: &str| {

@@ -295,6 +295,6 @@ fn film_without_splats_is_refused() {
     let (run, scene) = (Run::new("light", 3, 4), lamp(corner()));
     let mut format = run.format(&scene.0);
     format.splats = false;
-    let error = run.go_on(&scene, Film::try_new(format).unwrap(), 0..4, None);
+    let error = run.resume(&scene, Film::try_new(format).unwrap(), 0..4, None);
     assert!(matches!(error, Err(RenderError::Passes)));
 }

@@ -1,15 +1,15 @@
 //! A picture depends on scene, settings and seed, and on nothing else.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use crate::common::*;
+use glanz_job::{CancelFlag, JobEnd, JobIdentity, JobProgress, ProgressSink, Silent, WorkCount};
 use glanz_math::{DMat4, DVec3};
 use glanz_sampling::SamplerKind;
 use glanz_scene::description::{FilterDescription, FilterKind, LightKind};
 use glanz_transport::{
-    AovSet, Checkpoint, Film, FilmError, Finished, MergeError, PictureIdentity, Progress, ProgressReport,
-    RenderError, RenderSettings, Silent, merge, render,
+    AovSet, Checkpoint, Film, FilmError, MergeError, PictureIdentity, RenderError, RenderSettings,
+    RenderSink, merge, render,
 };
 
 fn scene() -> Builder {
@@ -38,20 +38,20 @@ fn runs() -> Vec<Run> {
     runs
 }
 
-/// Goes on with `film` under changed settings.
-fn go_on(
+/// Resumes `film` under changed settings.
+fn resume(
     run: &Run,
     film: Film,
     change: impl FnOnce(&mut RenderSettings),
-    progress: &mut dyn Progress,
-    stop: &AtomicBool,
-) -> (Film, Finished) {
+    sink: &mut dyn RenderSink,
+    cancel: &CancelFlag,
+) -> (Film, JobEnd) {
     let builder = scene();
     let mut settings = run.settings(&builder.0);
     change(&mut settings);
     let integrator = run.integrator_settings().build();
-    let outcome = render(&builder.scene(), integrator.as_ref(), &settings, film, progress, stop).unwrap();
-    (outcome.film, outcome.finished)
+    let outcome = render(&builder.scene(), integrator.as_ref(), &settings, film, sink, cancel).unwrap();
+    (outcome.film, outcome.end)
 }
 
 fn fresh(run: &Run) -> Film {
@@ -60,8 +60,8 @@ fn fresh(run: &Run) -> Film {
 
 fn part(run: &Run, range: std::ops::Range<u32>) -> Film {
     let (film, finished) =
-        go_on(run, fresh(run), |s| s.samples = range, &mut Silent, &AtomicBool::new(false));
-    assert_eq!(finished, Finished::Complete);
+        resume(run, fresh(run), |s| s.samples = range, &mut Silent, &CancelFlag::default());
+    assert_eq!(finished, JobEnd::Complete);
     film
 }
 
@@ -76,7 +76,7 @@ fn identity(run: &Run) -> PictureIdentity {
         seed: run.seed,
         samples_per_pixel: 64,
         guide: None,
-        version: PictureIdentity::current_version(),
+        version: glanz_job::current_version(),
     }
 }
 
@@ -98,7 +98,7 @@ fn odd_splits_and_their_order_do_not_change_a_bit() {
         let whole = part(&run, 0..16);
         let mut film = fresh(&run);
         for range in [5..6, 11..16, 0..3, 3..5, 4..12] {
-            (film, _) = go_on(&run, film, |s| s.samples = range, &mut Silent, &AtomicBool::new(false));
+            (film, _) = resume(&run, film, |s| s.samples = range, &mut Silent, &CancelFlag::default());
         }
         assert_eq!(film, whole, "{}", run.name());
     }
@@ -130,39 +130,42 @@ fn merged_halves_are_one_run() {
 /// Asks to stop after some passes.
 struct Stopper<'a> {
     after: u32,
-    stop: &'a AtomicBool,
-    reports: Vec<ProgressReport>,
+    cancel: &'a CancelFlag,
+    reports: Vec<(WorkCount, f64)>,
 }
 
-impl Progress for Stopper<'_> {
-    fn report(&mut self, report: &ProgressReport) {
-        self.reports.push(*report);
+impl ProgressSink<Film> for Stopper<'_> {
+    fn on_progress(&mut self, progress: &JobProgress<'_>) {
+        self.reports.push((progress.count.unwrap(), progress.fraction));
         self.after -= 1;
         if self.after == 0 {
-            self.stop.store(true, Ordering::Relaxed);
+            self.cancel.cancel();
         }
     }
 }
+
+impl RenderSink for Stopper<'_> {}
 
 #[test]
 fn interrupted_and_resumed_run_is_one_run() {
     for run in runs() {
         let whole = part(&run, 0..16);
-        let stop = AtomicBool::new(false);
-        let mut stopper = Stopper { after: 1, stop: &stop, reports: Vec::new() };
-        let (film, finished) = go_on(&run, fresh(&run), |_| {}, &mut stopper, &stop);
-        assert_eq!(finished, Finished::Interrupted);
+        let cancel = CancelFlag::default();
+        let mut stopper = Stopper { after: 1, cancel: &cancel, reports: Vec::new() };
+        let (film, finished) = resume(&run, fresh(&run), |_| {}, &mut stopper, &cancel);
+        assert_eq!(finished, JobEnd::Interrupted);
         assert_eq!(film.samples().total(), 1);
-        assert_eq!((stopper.reports[0].samples_done, stopper.reports[0].samples_wanted), (1, 16));
-        assert!(stopper.reports[0].fraction() < 1.0);
+        let (count, fraction) = stopper.reports[0];
+        assert_eq!((count.done, count.wanted), (1, Some(16)));
+        assert!(fraction < 1.0);
         let saved = Checkpoint { identity: identity(&run), film }.to_bytes();
         let resumed = Checkpoint::from_bytes(&saved).unwrap();
         assert_eq!(resumed.identity.check(&identity(&run)), Ok(()));
-        let (film, finished) = go_on(&run, resumed.film, |_| {}, &mut Silent, &AtomicBool::new(false));
-        assert_eq!((&film, finished), (&whole, Finished::Complete));
+        let (film, finished) = resume(&run, resumed.film, |_| {}, &mut Silent, &CancelFlag::default());
+        assert_eq!((&film, finished), (&whole, JobEnd::Complete));
         // A finished one resumed is finished.
-        let (again, finished) = go_on(&run, film, |_| {}, &mut Silent, &AtomicBool::new(false));
-        assert_eq!((again, finished), (whole, Finished::Complete));
+        let (again, finished) = resume(&run, film, |_| {}, &mut Silent, &CancelFlag::default());
+        assert_eq!((again, finished), (whole, JobEnd::Complete));
     }
 }
 
@@ -170,25 +173,23 @@ fn interrupted_and_resumed_run_is_one_run() {
 #[derive(Default)]
 struct Saver(Vec<Film>);
 
-impl Progress for Saver {
-    fn report(&mut self, _: &ProgressReport) {}
+impl ProgressSink<Film> for Saver {
+    fn checkpoint_interval(&self) -> Option<Duration> {
+        Some(Duration::ZERO)
+    }
 
-    fn checkpoint(&mut self, film: &Film) {
+    fn on_checkpoint(&mut self, film: &Film) {
         self.0.push(film.clone());
     }
 }
+
+impl RenderSink for Saver {}
 
 #[test]
 fn checkpoint_on_the_way_is_a_shorter_run() {
     let run = &runs()[0];
     let mut saver = Saver::default();
-    let (film, _) = go_on(
-        run,
-        fresh(run),
-        |s| s.checkpoint_interval = Some(Duration::ZERO),
-        &mut saver,
-        &AtomicBool::new(false),
-    );
+    let (film, _) = resume(run, fresh(run), |_| {}, &mut saver, &CancelFlag::default());
     // One before each pass but the first, which takes one sample.
     assert_eq!(saver.0[0], part(run, 0..1));
     for saved in &saver.0 {
@@ -205,21 +206,21 @@ fn time_limit_ends_a_run_with_whole_passes() {
     let limit = Duration::from_millis(300);
     let begun = std::time::Instant::now();
     let (film, finished) =
-        go_on(&run, fresh(&run), |s| s.time_limit = Some(limit), &mut Silent, &AtomicBool::new(false));
-    assert_eq!(finished, Finished::TimeUp);
+        resume(&run, fresh(&run), |s| s.time_limit = Some(limit), &mut Silent, &CancelFlag::default());
+    assert_eq!(finished, JobEnd::TimeUp);
     // Generous: the machine may be busy. All samples would take hours.
     assert!(begun.elapsed() < 20 * limit);
     let taken = film.samples().total() as u32;
     assert_eq!(film, part(&run, 0..taken));
     // No time at all: the first pass is still made.
-    let (film, finished) = go_on(
+    let (film, finished) = resume(
         &run,
         fresh(&run),
         |s| s.time_limit = Some(Duration::ZERO),
         &mut Silent,
-        &AtomicBool::new(false),
+        &CancelFlag::default(),
     );
-    assert_eq!((film.samples().total(), finished), (1, Finished::TimeUp));
+    assert_eq!((film.samples().total(), finished), (1, JobEnd::TimeUp));
 }
 
 #[test]
@@ -271,7 +272,7 @@ fn film_for_another_filter_is_refused() {
         &run.settings(&builder.0),
         Film::try_new(format).unwrap(),
         &mut Silent,
-        &AtomicBool::new(false),
+        &CancelFlag::default(),
     );
     assert!(matches!(error, Err(RenderError::Filter)));
 }
@@ -287,7 +288,7 @@ fn more_samples_than_the_sums_hold_are_refused() {
         &run.settings(&builder.0),
         fresh(&run),
         &mut Silent,
-        &AtomicBool::new(false),
+        &CancelFlag::default(),
     );
     assert!(matches!(error, Err(RenderError::Film(FilmError::Samples(4_294_967_295)))));
 }

@@ -1,12 +1,13 @@
 //! What a render tells in the midst of a pass, and how it ends there.
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::common::*;
+use glanz_job::{CancelFlag, JobProgress, ProgressSink};
 use glanz_math::{DMat4, DVec3};
 use glanz_scene::description::{FilterDescription, FilterKind, LightKind};
-use glanz_transport::{Film, FinishedTile, PixelRect, Progress, ProgressReport, RenderError, Watch, render};
+use glanz_transport::{Film, FinishedTile, PixelRect, RenderError, RenderSink, TileSink, render};
 
 /// 37 x 23 pixels: six tiles, those at the right and lower border smaller than the others.
 const SIZE: [u32; 2] = [37, 23];
@@ -21,16 +22,16 @@ fn scene() -> Builder {
     builder
 }
 
-fn expose(run: &Run, progress: &mut dyn Progress) -> Result<Film, RenderError> {
+fn expose(run: &Run, sink: &mut dyn RenderSink) -> Result<Film, RenderError> {
     let builder = scene();
     let film = Film::try_new(run.format(&builder.0)).unwrap();
     let (settings, integrator) = (run.settings(&builder.0), run.integrator_settings().build());
     let scene = builder.scene();
-    render(&scene, integrator.as_ref(), &settings, film, progress, &AtomicBool::new(false))
+    render(&scene, integrator.as_ref(), &settings, film, sink, &CancelFlag::default())
         .map(|outcome| outcome.film)
 }
 
-/// Cancels when it has been asked so many times.
+/// Abandons the film after `patience` queries.
 #[derive(Default)]
 struct Impatient {
     patience: u64,
@@ -39,34 +40,36 @@ struct Impatient {
     passes: u64,
 }
 
-impl Progress for Impatient {
-    fn report(&mut self, _: &ProgressReport) {
+impl ProgressSink<Film> for Impatient {
+    fn on_progress(&mut self, _: &JobProgress<'_>) {
         self.passes += 1;
     }
+}
 
-    fn watch(&self) -> &dyn Watch {
+impl RenderSink for Impatient {
+    fn tiles(&self) -> &dyn TileSink {
         self
     }
 }
 
-impl Watch for Impatient {
-    fn tile(&self, _: &FinishedTile<'_>) {
+impl TileSink for Impatient {
+    fn on_tile(&self, _: &FinishedTile<'_>) {
         self.tiles.fetch_add(1, Ordering::Relaxed);
     }
 
-    fn is_cancelled(&self) -> bool {
+    fn is_abandoned(&self) -> bool {
         self.asked.fetch_add(1, Ordering::Relaxed) >= self.patience
     }
 }
 
 #[test]
-fn a_cancelled_render_takes_no_further_sample() {
+fn an_abandoned_render_takes_no_further_sample() {
     let pixels = u64::from(SIZE[0] * SIZE[1]);
     for integrator in ["path", "guided", "light"] {
         for (patience, passes) in [(0, 0), (1, 0), (300, 0), (pixels - 1, 0), (pixels + 300, 1)] {
             let mut watch = Impatient { patience, ..Impatient::default() };
             let outcome = expose(&Run::new(integrator, 5, 64), &mut watch);
-            assert!(matches!(outcome, Err(RenderError::Cancelled)), "{integrator} {patience}");
+            assert!(matches!(outcome, Err(RenderError::Interrupted(_))), "{integrator} {patience}");
             // It asks before every sample; once refused, at most once more per tile.
             let asked = watch.asked.into_inner();
             assert!(asked > patience && asked <= patience + 6, "{integrator}: {asked} after {patience}");
@@ -76,7 +79,7 @@ fn a_cancelled_render_takes_no_further_sample() {
 }
 
 #[test]
-fn a_render_that_nobody_cancels_is_asked_before_every_sample() {
+fn a_render_queries_before_every_sample() {
     let mut watch = Impatient { patience: u64::MAX, ..Impatient::default() };
     expose(&Run::new("path", 5, 8), &mut watch).unwrap();
     assert_eq!(watch.asked.into_inner(), 8 * u64::from(SIZE[0] * SIZE[1]));
@@ -93,10 +96,10 @@ struct Mosaic {
     compared: u64,
 }
 
-impl Progress for Mosaic {
-    fn report(&mut self, _: &ProgressReport) {}
+impl ProgressSink<Film> for Mosaic {}
 
-    fn exposed(&mut self, film: &Film) {
+impl RenderSink for Mosaic {
+    fn on_pass(&mut self, film: &Film) {
         let pixels = film.to_pixels().unwrap();
         let [red, green, blue] = ["R", "G", "B"].map(|name| pixels.channel(name).unwrap());
         let tiles = std::mem::take(self.tiles.get_mut().unwrap());
@@ -115,13 +118,13 @@ impl Progress for Mosaic {
         self.compared += 1;
     }
 
-    fn watch(&self) -> &dyn Watch {
+    fn tiles(&self) -> &dyn TileSink {
         self
     }
 }
 
-impl Watch for Mosaic {
-    fn tile(&self, tile: &FinishedTile<'_>) {
+impl TileSink for Mosaic {
+    fn on_tile(&self, tile: &FinishedTile<'_>) {
         self.tiles.lock().unwrap().push((tile.rect, tile.samples, tile.radiance()));
     }
 }

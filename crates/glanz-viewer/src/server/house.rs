@@ -1,10 +1,10 @@
 //! What all requests share.
 
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glanz_formats::Options;
+use glanz_job::CancelFlag;
 use tokio::sync::Semaphore;
 use tokio::time::sleep;
 
@@ -30,7 +30,7 @@ pub(crate) struct House {
     pub(crate) sessions: Arc<Sessions>,
     pub(crate) uploads: Semaphore,
     posted: Mutex<Posted>,
-    closing: AtomicBool,
+    closing: CancelFlag,
     listener: Listener,
 }
 
@@ -59,7 +59,7 @@ impl House {
             sessions: Arc::new(Sessions::new(limits.sessions)),
             uploads: Semaphore::new(limits.uploads),
             posted: Mutex::new(posted),
-            closing: AtomicBool::new(false),
+            closing: CancelFlag::default(),
             listener,
         })
     }
@@ -110,12 +110,12 @@ impl House {
 
     /// Whether the server ends.
     pub(crate) fn is_closing(&self) -> bool {
-        self.closing.load(Ordering::Relaxed)
+        self.closing.is_cancelled()
     }
 
     /// Sends all pages away, and waits a moment until they are.
     pub(crate) async fn close(&self) {
-        self.closing.store(true, Ordering::Relaxed);
+        self.closing.cancel();
         self.sessions.wake();
         for _ in 0..20 {
             if self.sessions.count() == 0 {

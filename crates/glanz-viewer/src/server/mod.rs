@@ -25,7 +25,6 @@ mod watch;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use axum::Router;
@@ -37,6 +36,7 @@ use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use glanz_formats::Diagnostics;
+use glanz_job::CancelFlag;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
@@ -122,11 +122,11 @@ impl Server {
         &self.address
     }
 
-    /// Serves until `stop` is set, then sends all pages away.
+    /// Serves until `cancel` is raised, then sends all pages away.
     ///
     /// # Errors
     /// [`ServerError::Start`].
-    pub fn run(self, stop: &AtomicBool) -> Result<(), ServerError> {
+    pub fn run(self, cancel: &CancelFlag) -> Result<(), ServerError> {
         let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
         let Self { listener, house, watched, .. } = self;
         runtime.block_on(async {
@@ -134,7 +134,7 @@ impl Server {
             let listener = tokio::net::TcpListener::from_std(listener)?;
             let serving = tokio::spawn(accept(listener, Arc::clone(&house)));
             let watching = watched.map(|scene| tokio::spawn(watch::watch(Arc::clone(&house), scene)));
-            while !stop.load(Ordering::Relaxed) {
+            while !cancel.is_cancelled() {
                 sleep(STOP_INTERVAL).await;
             }
             serving.abort();

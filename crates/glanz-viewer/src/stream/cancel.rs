@@ -1,33 +1,32 @@
-//! The wish that a stream ends.
+//! The end of a stream by request.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
+use glanz_job::CancelFlag;
 use tokio::sync::Notify;
 
-/// Raised once, seen by the threads that render and by the one task that waits.
+/// Flag for the threads that render, which also wakes the one task that waits.
 #[derive(Debug, Default)]
-pub(crate) struct Cancel {
-    raised: AtomicBool,
-    news: Notify,
+pub(crate) struct StreamCancel {
+    flag: CancelFlag,
+    raised: Notify,
 }
 
-impl Cancel {
-    /// From now on the stream is to end.
-    pub(crate) fn raise(&self) {
-        self.raised.store(true, Ordering::Relaxed);
+impl StreamCancel {
+    /// Requests the end of the stream.
+    pub(crate) fn cancel(&self) {
+        self.flag.cancel();
         // Kept for the task if it does not wait right now.
-        self.news.notify_one();
+        self.raised.notify_one();
     }
 
-    /// Whether it is to end.
-    pub(crate) fn is_raised(&self) -> bool {
-        self.raised.load(Ordering::Relaxed)
+    /// Whether the end was requested.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.flag.is_cancelled()
     }
 
-    /// Waits until it is to end.
-    pub(crate) async fn raised(&self) {
-        while !self.is_raised() {
-            self.news.notified().await;
+    /// Waits until the end is requested.
+    pub(crate) async fn cancelled(&self) {
+        while !self.is_cancelled() {
+            self.raised.notified().await;
         }
     }
 }

@@ -1,14 +1,14 @@
 //! A turn of a render.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use glanz_job::{CancelFlag, JobProgress, ProgressSink};
 use glanz_light::Pixels;
 use glanz_scene::Scene;
-use glanz_transport::{Film, FinishedTile, Integrator, Progress, ProgressReport, RenderError, Watch, render};
+use glanz_transport::{Film, FinishedTile, Integrator, RenderError, RenderSink, TileSink, render};
 
-use super::cancel::Cancel;
+use super::cancel::StreamCancel;
 use super::noise::noise;
 use super::order::{MAX_SAMPLES, Plan};
 use super::outbox::{Outbox, Status};
@@ -27,7 +27,7 @@ pub(crate) struct View {
     pub(crate) scene: Scene,
     pub(crate) plan: Plan,
     pub(crate) integrator: Box<dyn Integrator>,
-    pub(crate) cancel: Arc<Cancel>,
+    pub(crate) cancel: Arc<StreamCancel>,
     pub(crate) outbox: Arc<Outbox>,
     pub(crate) picture: Arc<Picture>,
     pub(crate) processors: Arc<Processors>,
@@ -44,9 +44,9 @@ impl View {
     /// Goes on with what an earlier turn left until the view has all samples, or others want the processors.
     ///
     /// # Errors
-    /// [`RenderError::Cancelled`] if the stream is to end; others if there is no way to render.
+    /// [`RenderError::Interrupted`] if the stream is to end; others if there is no way to render.
     pub(crate) fn take_turn(&self, before: Turn) -> Result<Turn, RenderError> {
-        let over = AtomicBool::new(false);
+        let over = CancelFlag::default();
         let samples = before.film.samples().total();
         let mut teller = Teller {
             view: self,
@@ -71,8 +71,8 @@ pub(crate) fn is_done(film: &Film) -> bool {
 /// Puts what a render tells into the outbox.
 struct Teller<'a> {
     view: &'a View,
-    /// Set when the turn is over.
-    over: &'a AtomicBool,
+    /// Raised when the turn is over.
+    over: &'a CancelFlag,
     begun: Instant,
     /// Seconds of earlier turns.
     before: f64,
@@ -89,12 +89,12 @@ impl Teller<'_> {
     }
 }
 
-impl Progress for Teller<'_> {
-    fn exposed(&mut self, film: &Film) {
+impl RenderSink for Teller<'_> {
+    fn on_pass(&mut self, film: &Film) {
         let samples = film.samples().total();
         let length = samples - self.samples;
         self.samples = samples;
-        if self.is_cancelled() {
+        if self.is_abandoned() {
             return;
         }
         // A picture is refused for its size alone, which is that of the film.
@@ -106,7 +106,13 @@ impl Progress for Teller<'_> {
         self.view.picture.set(pixels, samples);
     }
 
-    fn report(&mut self, _: &ProgressReport) {
+    fn tiles(&self) -> &dyn TileSink {
+        self
+    }
+}
+
+impl ProgressSink<Film> for Teller<'_> {
+    fn on_progress(&mut self, _: &JobProgress<'_>) {
         let elapsed = self.begun.elapsed();
         let status = Status::Progress {
             samples: self.samples,
@@ -116,26 +122,22 @@ impl Progress for Teller<'_> {
         };
         self.view.outbox.put_status(self.view.id, status);
         if elapsed >= TURN && self.view.processors.are_wanted() {
-            self.over.store(true, Ordering::Relaxed);
+            self.over.cancel();
         }
-    }
-
-    fn watch(&self) -> &dyn Watch {
-        self
     }
 }
 
-impl Watch for Teller<'_> {
-    fn tile(&self, tile: &FinishedTile<'_>) {
-        if self.is_tiled(tile.pass.len() as u64) && !self.is_cancelled() {
+impl TileSink for Teller<'_> {
+    fn on_tile(&self, tile: &FinishedTile<'_>) {
+        if self.is_tiled(tile.pass.len() as u64) && !self.is_abandoned() {
             let radiance = tile.radiance().into_iter();
             let tile = Tile::new(self.view.id, tile.rect.min, tile.rect.size, tile.samples, radiance);
             self.view.outbox.put_tile(tile);
         }
     }
 
-    fn is_cancelled(&self) -> bool {
-        self.view.cancel.is_raised()
+    fn is_abandoned(&self) -> bool {
+        self.view.cancel.is_cancelled()
     }
 }
 

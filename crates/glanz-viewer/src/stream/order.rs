@@ -142,7 +142,6 @@ impl Order {
             samples: 0..MAX_SAMPLES,
             threads,
             time_limit: None,
-            checkpoint_interval: None,
         };
         Ok(Plan { camera, integrator, settings, format })
     }

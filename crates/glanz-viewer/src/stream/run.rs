@@ -6,7 +6,7 @@ use glanz_scene::{Description, Scene};
 use glanz_transport::RenderError;
 use tokio::task::{JoinHandle, spawn_blocking};
 
-use super::cancel::Cancel;
+use super::cancel::StreamCancel;
 use super::exposure::{Turn, View, is_done};
 use super::order::{Order, OrderError};
 use super::outbox::{Outbox, Status};
@@ -35,7 +35,7 @@ pub struct Surroundings {
 #[derive(Debug)]
 pub struct Stream {
     id: u32,
-    cancel: Arc<Cancel>,
+    cancel: Arc<StreamCancel>,
     task: JoinHandle<()>,
 }
 
@@ -47,7 +47,7 @@ impl Stream {
     pub fn start(order: Order, surroundings: Surroundings) -> Result<Self, OrderError> {
         order.check()?;
         let id = order.id;
-        let cancel = Arc::new(Cancel::default());
+        let cancel = Arc::new(StreamCancel::default());
         let task = tokio::spawn({
             let cancel = Arc::clone(&cancel);
             async move {
@@ -68,7 +68,7 @@ impl Stream {
 
     /// Ends it. When this returns, nothing more comes into the outbox.
     pub async fn stop(mut self) {
-        self.cancel.raise();
+        self.cancel.cancel();
         // The task has nothing to give back.
         let _ = (&mut self.task).await;
     }
@@ -77,14 +77,14 @@ impl Stream {
 /// A page that leaves takes its stream with it.
 impl Drop for Stream {
     fn drop(&mut self) {
-        self.cancel.raise();
+        self.cancel.cancel();
     }
 }
 
 /// Why a stream ends before it is done.
 enum Stop {
-    /// Somebody wished so.
-    Cancelled,
+    /// It was cancelled.
+    Interrupted,
     /// It cannot go on.
     Failed(String),
 }
@@ -96,16 +96,16 @@ impl<E: std::error::Error> From<E> for Stop {
 }
 
 /// Waits for what comes next, or for the wish to end.
-async fn unless<T>(cancel: &Cancel, next: impl Future<Output = T>) -> Result<T, Stop> {
+async fn unless<T>(cancel: &StreamCancel, next: impl Future<Output = T>) -> Result<T, Stop> {
     tokio::select! {
         biased;
-        () = cancel.raised() => Err(Stop::Cancelled),
+        () = cancel.cancelled() => Err(Stop::Interrupted),
         value = next => Ok(value),
     }
 }
 
 /// Renders a view turn by turn.
-async fn carry_out(order: Order, surroundings: Surroundings, cancel: Arc<Cancel>) -> Result<(), Stop> {
+async fn carry_out(order: Order, surroundings: Surroundings, cancel: Arc<StreamCancel>) -> Result<(), Stop> {
     let Surroundings { description, scene, visible, outbox, picture, processors } = surroundings;
     let id = order.id;
     let plan = order.plan(&description, processors.threads())?;
@@ -137,7 +137,7 @@ async fn carry_out(order: Order, surroundings: Surroundings, cancel: Arc<Cancel>
         });
         turn = match taken.await? {
             Ok(turn) => turn,
-            Err(RenderError::Cancelled) => return Err(Stop::Cancelled),
+            Err(RenderError::Interrupted(_)) => return Err(Stop::Interrupted),
             Err(error) => return Err(error.into()),
         };
         drop(place);

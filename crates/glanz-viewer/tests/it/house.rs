@@ -4,12 +4,11 @@ use std::fs;
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 use glanz_formats::Options;
+use glanz_job::CancelFlag;
 use glanz_viewer::server::{Limits, Server, ServerSettings, Shown};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -35,7 +34,7 @@ pub(crate) struct House {
     pub(crate) host: String,
     /// As printed.
     pub(crate) address: String,
-    stop: Arc<AtomicBool>,
+    cancel: CancelFlag,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -50,10 +49,10 @@ impl House {
         let server = Server::bind(&settings, &path, shown, Box::new(|_| {})).unwrap();
         let address = server.address().to_owned();
         let host = address.strip_prefix("http://").and_then(|a| a.split('/').next()).unwrap().to_owned();
-        let stop = Arc::new(AtomicBool::new(false));
-        let flag = Arc::clone(&stop);
+        let cancel = CancelFlag::default();
+        let flag = cancel.clone();
         let thread = std::thread::spawn(move || server.run(&flag).unwrap());
-        Self { folder, host, address, stop, thread: Some(thread) }
+        Self { folder, host, address, cancel, thread: Some(thread) }
     }
 
     pub(crate) fn open(scene: &str) -> Self {
@@ -118,7 +117,7 @@ impl House {
 
 impl Drop for House {
     fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
+        self.cancel.cancel();
         let ended = self.thread.take().unwrap().join();
         assert!(ended.is_ok() || std::thread::panicking(), "the server has failed");
     }

@@ -19,6 +19,9 @@
 //! wall ([`Elements::cut_at_walls`]). Surfaces that lie in one another, as the bottom of a box on a floor, both count where the box is
 //! seen from inside.
 
+use std::time::Instant;
+
+use glanz_job::{CancelFlag, Interrupted, JobProgress, ProgressSink};
 use glanz_light::Spectrum;
 
 use crate::elements::Elements;
@@ -80,19 +83,6 @@ pub enum HierarchicalError {
     NotPositive(&'static str, f64),
 }
 
-/// How far the solver is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
-    /// Rounds that are finished.
-    pub rounds: u32,
-    /// Rounds that were asked for; there may be some more.
-    pub all_rounds: u32,
-    /// Links of the round so far.
-    pub links: usize,
-    /// Rays of all rounds so far.
-    pub rays: u64,
-}
-
 /// How wrong the answer may be.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Errors {
@@ -145,8 +135,8 @@ pub struct Refined<'a> {
 
 /// Solves on elements that it divides itself, from `start`: whole faces, or whatever is there.
 ///
-/// The answer does not depend on the number of threads. `go_on`: asked now and then; after a no, the answer is what there is, with
-/// its errors.
+/// The answer does not depend on the number of threads. `sink` receives the rounds that are finished; after
+/// `cancel` is raised, the answer is what there is, with its errors.
 ///
 /// # Errors
 /// [`HierarchicalError`].
@@ -157,7 +147,8 @@ pub struct Refined<'a> {
 pub fn hierarchical<'a>(
     start: Elements<'a>,
     settings: &Hierarchical,
-    mut go_on: impl FnMut(&Progress) -> bool,
+    sink: &mut dyn ProgressSink,
+    cancel: &CancelFlag,
 ) -> Result<Refined<'a>, HierarchicalError> {
     let Hierarchical { bound, side, tolerance, .. } = *settings;
     for (name, value) in [("the bound", bound), ("the smallest side", side), ("the tolerance", tolerance)] {
@@ -167,26 +158,31 @@ pub fn hierarchical<'a>(
     }
     let mut solver = Solver::new(start, side);
     let rounds = settings.rounds.max(1);
+    let begun = Instant::now();
+    let mut report_round = |round: u32| {
+        let fraction = (f64::from(round) / f64::from(rounds + 1)).min(1.0);
+        sink.on_progress(&JobProgress::by_work("light between surfaces", fraction, begun.elapsed()));
+        cancel.check()
+    };
     for round in 0..rounds + LAST - 1 {
         let is_last = round + 1 >= rounds;
         let coarser = if is_last { 1.0 } else { STEP.powi(round as i32 + 1 - rounds as i32) };
         let before = (round >= rounds).then_some(solver.refinement.links.len());
         let demand = Demand { error: bound * coarser * solver.tree.flux(), links: settings.links };
-        let mut ask = |links, rays| go_on(&Progress { rounds: round, all_rounds: rounds, links, rays });
-        solver.refinement.refine(&mut solver.tree, &demand, &mut ask);
+        let mut pause = || report_round(round);
+        solver.refinement.refine(&mut solver.tree, &demand, &mut pause);
         if before == Some(solver.refinement.links.len()) {
             break;
         }
         let enough = tolerance.max(BETWEEN);
-        solver.solve(enough, settings.sweeps, &mut ask);
+        solver.solve(enough, settings.sweeps, &mut pause);
         solver.effort.rounds += 1;
         if solver.refinement.stopped {
             break;
         }
     }
     let rounds_made = solver.effort.rounds;
-    let ask = |links, rays| go_on(&Progress { rounds: rounds_made, all_rounds: rounds, links, rays });
-    solver.solve_at_leaves(settings, ask);
+    solver.solve_at_leaves(settings, &mut || report_round(rounds_made));
     Ok(solver.finish(bound))
 }
 
@@ -207,7 +203,7 @@ impl<'a> Solver<'a> {
     }
 
     /// Sweeps until the change is small enough: each node gathers over its links, then all is pushed down and pulled up.
-    fn solve(&mut self, enough: f64, sweeps: u32, go_on: impl FnMut(usize, u64) -> bool) {
+    fn solve(&mut self, enough: f64, sweeps: u32, pause: &mut dyn FnMut() -> Result<(), Interrupted>) {
         let neighbours = Neighbours::new(&self.tree, &self.refinement.links, false);
         let gather = |tree: &mut Tree<'_>| {
             let pushed = tree.push(&neighbours.gather(tree));
@@ -216,26 +212,30 @@ impl<'a> Solver<'a> {
                 irradiance * branch.scale(sum)
             })
         };
-        self.sweep(gather, enough, sweeps, go_on);
+        self.sweep(gather, enough, sweeps, pause);
     }
 
     /// Sweeps with form factors of the leaves to the other ends of links, unless these are too many.
-    fn solve_at_leaves(&mut self, settings: &Hierarchical, go_on: impl FnMut(usize, u64) -> bool) {
+    fn solve_at_leaves(
+        &mut self,
+        settings: &Hierarchical,
+        pause: &mut dyn FnMut() -> Result<(), Interrupted>,
+    ) {
         let Hierarchical { tolerance, sweeps, links, .. } = *settings;
         if self.refinement.stopped {
             // Whoever stops does not want to wait for many more rays.
-            return self.solve(tolerance, sweeps, go_on);
+            return self.solve(tolerance, sweeps, pause);
         }
         let neighbours = Neighbours::new(&self.tree, &self.refinement.links, true);
         let Some(leaves) = Leaves::new(&self.tree, &neighbours, PER_LINK * links) else {
-            return self.solve(tolerance, sweeps, go_on);
+            return self.solve(tolerance, sweeps, pause);
         };
         self.refinement.rays += leaves.rays;
         let gather = |tree: &mut Tree<'_>| {
             let gathered = leaves.gather(tree);
             tree.pull(|leaf, _| gathered[leaf])
         };
-        self.sweep(gather, tolerance, sweeps, go_on);
+        self.sweep(gather, tolerance, sweeps, pause);
     }
 
     /// There is one sweep in any case, so that what was divided has its light.
@@ -244,7 +244,7 @@ impl<'a> Solver<'a> {
         gather: impl Fn(&mut Tree<'_>) -> f32,
         enough: f64,
         sweeps: u32,
-        mut go_on: impl FnMut(usize, u64) -> bool,
+        pause: &mut dyn FnMut() -> Result<(), Interrupted>,
     ) {
         let last = self.effort.sweeps + sweeps;
         loop {
@@ -256,7 +256,7 @@ impl<'a> Solver<'a> {
             if self.change <= enough || self.effort.sweeps >= last || self.refinement.stopped {
                 break;
             }
-            self.refinement.stopped |= !go_on(self.refinement.links.len(), self.refinement.rays);
+            self.refinement.stopped |= pause().is_err();
         }
     }
 

@@ -1,5 +1,6 @@
 //! Links whose error is too large become links between what is below.
 
+use glanz_job::Interrupted;
 use rayon::prelude::*;
 
 use super::link::{Geometry, Link};
@@ -120,13 +121,13 @@ impl Refinement {
 
     /// Divides until the demand is met or nodes are as small as they may be.
     ///
-    /// Level by level: which nodes are divided, and so their numbers, does not depend on threads. `go_on`: asked now and then with the
-    /// number of links and rays so far; after a no every link stays where it is, and those without rays get some.
+    /// Level by level: which nodes are divided, and so their numbers, does not depend on threads. `pause`: called now and then; after
+    /// an error every link stays where it is, and those without rays get some.
     pub(super) fn refine(
         &mut self,
         tree: &mut Tree<'_>,
         demand: &Demand,
-        mut go_on: impl FnMut(usize, u64) -> bool,
+        pause: &mut dyn FnMut() -> Result<(), Interrupted>,
     ) {
         let links = std::mem::take(&mut self.links);
         let mut open = Vec::new();
@@ -145,8 +146,7 @@ impl Refinement {
             tree.divide(&whole);
             let mut next = Vec::new();
             for chunk in open.chunks(CHUNK) {
-                self.stopped |=
-                    self.links.len() + next.len() > demand.links || !go_on(self.links.len(), self.rays);
+                self.stopped |= self.links.len() + next.len() > demand.links || pause().is_err();
                 if self.stopped {
                     next.extend_from_slice(chunk);
                     continue;

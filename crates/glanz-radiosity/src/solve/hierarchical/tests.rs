@@ -1,5 +1,6 @@
 use std::f64::consts::{PI, TAU};
 
+use glanz_job::{CancelFlag, JobProgress, ProgressSink, Silent};
 use glanz_light::Wavelengths;
 use glanz_math::DVec3;
 use glanz_scene::Scene;
@@ -17,7 +18,7 @@ fn whole(scene: &Scene) -> Elements<'_> {
 }
 
 fn solved<'a>(scene: &'a Scene, settings: &Hierarchical) -> Refined<'a> {
-    let solved = hierarchical(whole(scene), settings, |_| true).unwrap();
+    let solved = hierarchical(whole(scene), settings, &mut Silent, &CancelFlag::default()).unwrap();
     assert!(solved.finished);
     solved
 }
@@ -81,8 +82,8 @@ fn all_pairs_of_its_elements_come_to_the_same() {
         let settings = Hierarchical { bound, side: 0.4, ..Hierarchical::default() };
         let solved = solved(&scene, &settings);
         let list = &solved.elements.list;
-        let factors = FormFactors::new(&solved.elements, |_| true).unwrap();
-        let twin = gauss_seidel(list, &factors, &GaussSeidel::default(), |_, _| true);
+        let factors = FormFactors::new(&solved.elements, &CancelFlag::default()).unwrap();
+        let twin = gauss_seidel(list, &factors, &GaussSeidel::default(), &CancelFlag::default()).unwrap();
         let found = difference(list, &solved.radiosity, &twin.radiosity);
         assert!(found < 0.06, "{name}: {found}");
         assert!(found < solved.errors.sum / (1.0 - 0.6));
@@ -120,6 +121,21 @@ fn threads_do_not_matter() {
     assert_eq!(run(1), run(2));
 }
 
+/// Cancels after a number of reports.
+struct Stopper {
+    reports: u32,
+    cancel: CancelFlag,
+}
+
+impl ProgressSink for Stopper {
+    fn on_progress(&mut self, _: &JobProgress<'_>) {
+        match self.reports.checked_sub(1) {
+            Some(left) => self.reports = left,
+            None => self.cancel.cancel(),
+        }
+    }
+}
+
 #[test]
 fn stopping_leaves_an_answer_with_its_errors() {
     let scene = room(0.5, vec![(cuboid(), 0.3, 0.0)]);
@@ -128,12 +144,9 @@ fn stopping_leaves_an_answer_with_its_errors() {
     let end = solved(&scene, &settings);
     let mut before = f64::INFINITY;
     for asked in [0, 3, 10] {
-        let mut count = 0;
-        let go_on = |_: &Progress| {
-            count += 1;
-            count <= asked
-        };
-        let stopped = hierarchical(whole(&scene), &settings, go_on).unwrap();
+        let cancel = CancelFlag::default();
+        let mut stopper = Stopper { reports: asked, cancel: cancel.clone() };
+        let stopped = hierarchical(whole(&scene), &settings, &mut stopper, &cancel).unwrap();
         assert!(!stopped.finished);
         assert!(stopped.errors.largest > settings.bound && stopped.errors.largest <= before);
         before = stopped.errors.largest;
@@ -141,7 +154,13 @@ fn stopping_leaves_an_answer_with_its_errors() {
         assert!(stopped.radiosity.iter().all(|light| light.is_finite()));
         assert_eq!(stopped.radiosity.len(), stopped.elements.list.len());
     }
-    let few = hierarchical(whole(&scene), &Hierarchical { links: 2000, ..settings }, |_| true).unwrap();
+    let few = hierarchical(
+        whole(&scene),
+        &Hierarchical { links: 2000, ..settings },
+        &mut Silent,
+        &CancelFlag::default(),
+    )
+    .unwrap();
     assert!(!few.finished && few.effort.links < 2000 * 16, "{:?}", few.effort);
 }
 
@@ -161,7 +180,7 @@ fn what_leaks_behind_a_thin_wall_goes_down_with_the_smallest_side() {
             start.cut_at_walls(20.0).unwrap();
         }
         let settings = Hierarchical { bound: 1e-4, side, ..Hierarchical::default() };
-        let solved = hierarchical(start, &settings, |_| true).unwrap();
+        let solved = hierarchical(start, &settings, &mut Silent, &CancelFlag::default()).unwrap();
         let (mut lit, mut dark) = ([0.0; 2], [0.0; 2]);
         for (element, &irradiance) in solved.elements.list.iter().zip(&solved.irradiance) {
             let at = element.center.position + element.center.normal * 1e-3;
@@ -261,7 +280,7 @@ fn senseless_settings_are_refused() {
             Hierarchical { side: value, ..good },
             Hierarchical { tolerance: value, ..good },
         ] {
-            let refused = hierarchical(whole(&scene), &bad, |_| true);
+            let refused = hierarchical(whole(&scene), &bad, &mut Silent, &CancelFlag::default());
             assert!(matches!(refused, Err(HierarchicalError::NotPositive(..))), "{bad:?}");
         }
     }

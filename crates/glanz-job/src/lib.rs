@@ -1,0 +1,66 @@
+//! Long computations: progress, cancelling, checkpoints and identity.
+//!
+//! Rendering, baking, illuminating and studies are *jobs*. A function that runs one takes two arguments for it:
+//!
+//! - a [`ProgressSink`], which receives [`JobProgress`] now and then and, if it asks for it by
+//!   [`ProgressSink::checkpoint_interval`], the state to save; [`Silent`] ignores both;
+//! - a [`CancelFlag`], which a signal handler, another thread or the sink itself may raise.
+//!
+//! A cancelled job that has a partial result returns it with [`JobEnd::Interrupted`]; one that has none returns an error whose variant
+//! `Interrupted` holds [`Interrupted`]. A saved state belongs to a [`JobIdentity`]: resuming under another one is refused by an
+//! [`IdentityMismatch`], which names the first field that differs.
+//!
+//! ```
+//! use std::time::{Duration, Instant};
+//!
+//! use glanz_job::{CancelFlag, CheckpointTimer, Interrupted, JobProgress, ProgressSink};
+//!
+//! fn sum(numbers: &[u64], sink: &mut dyn ProgressSink<u64>, cancel: &CancelFlag) -> Result<u64, Interrupted> {
+//!     let begun = Instant::now();
+//!     let mut timer = CheckpointTimer::new(sink.checkpoint_interval());
+//!     let mut sum = 0;
+//!     for (done, number) in numbers.iter().enumerate() {
+//!         cancel.check()?;
+//!         sum += number;
+//!         let fraction = (done + 1) as f64 / numbers.len() as f64;
+//!         sink.on_progress(&JobProgress::by_work("summation", fraction, begun.elapsed()));
+//!         if timer.is_due() {
+//!             sink.on_checkpoint(&sum);
+//!             timer.restart();
+//!         }
+//!     }
+//!     Ok(sum)
+//! }
+//!
+//! /// Cancels the job after the first checkpoint.
+//! struct Stopper {
+//!     cancel: CancelFlag,
+//!     saved: u64,
+//! }
+//!
+//! impl ProgressSink<u64> for Stopper {
+//!     fn checkpoint_interval(&self) -> Option<Duration> {
+//!         Some(Duration::ZERO)
+//!     }
+//!
+//!     fn on_checkpoint(&mut self, state: &u64) {
+//!         self.saved = *state;
+//!         self.cancel.cancel();
+//!     }
+//! }
+//!
+//! let cancel = CancelFlag::default();
+//! let mut stopper = Stopper { cancel: cancel.clone(), saved: 0 };
+//! assert_eq!(sum(&[3, 4, 5], &mut stopper, &cancel), Err(Interrupted));
+//! assert_eq!(stopper.saved, 3);
+//! ```
+
+mod cancel;
+mod checkpoint;
+mod identity;
+mod progress;
+
+pub use cancel::{CancelFlag, Interrupted, JobEnd};
+pub use checkpoint::CheckpointTimer;
+pub use identity::{IdentityMismatch, JobIdentity, current_version};
+pub use progress::{JobProgress, ProgressSink, Silent, WorkCount, grouped};

@@ -1,0 +1,52 @@
+//! Progress of a bake, phase by phase.
+
+use std::time::Instant;
+
+use glanz_job::{CancelFlag, CheckpointTimer, Interrupted, JobProgress, ProgressSink};
+
+use super::BakeState;
+
+/// Phases of a bake.
+const PHASES: u32 = 3;
+
+/// The phase that a bake is in, on its way to the sink.
+pub(super) struct BakeProgress<'a> {
+    sink: &'a mut dyn ProgressSink<BakeState>,
+    cancel: &'a CancelFlag,
+    timer: CheckpointTimer,
+    number: u32,
+    phase: &'static str,
+    begun: Instant,
+}
+
+impl<'a> BakeProgress<'a> {
+    /// The first phase: light from lamps.
+    pub(super) fn new(sink: &'a mut dyn ProgressSink<BakeState>, cancel: &'a CancelFlag) -> Self {
+        let timer = CheckpointTimer::new(sink.checkpoint_interval());
+        Self { sink, cancel, timer, number: 1, phase: "light from lamps", begun: Instant::now() }
+    }
+
+    /// Begins the phase of this number.
+    pub(super) fn begin(&mut self, number: u32, phase: &'static str) {
+        (self.number, self.phase, self.begun) = (number, phase, Instant::now());
+    }
+
+    /// Reports that `fraction` of the phase, [0, 1], is done, and passes the state on if a checkpoint is due or the bake is cancelled.
+    ///
+    /// # Errors
+    /// [`Interrupted`] if it is cancelled.
+    pub(super) fn report(
+        &mut self,
+        fraction: f64,
+        state: impl FnOnce() -> BakeState,
+    ) -> Result<(), Interrupted> {
+        let progress = JobProgress::by_work(self.phase, fraction, self.begun.elapsed());
+        self.sink.on_progress(&progress.with_step(self.number, PHASES));
+        let outcome = self.cancel.check();
+        if outcome.is_err() || self.timer.is_due() {
+            self.sink.on_checkpoint(&state());
+            self.timer.restart();
+        }
+        outcome
+    }
+}
