@@ -156,8 +156,10 @@ impl Tool {
             Self::Rustfmt | Self::Clippy => find_program("rustup").map(|_| "rustup"),
             Self::Node => may_use_apt().then_some("apt-get"),
             Self::NodePackages => (Self::Node.is_there() || may_use_apt()).then_some("npm ci"),
-            Self::Chromium if may_use_apt() => Some("apt-get"),
-            Self::Chromium => (chromium::has_package() && Self::Node.is_there()).then_some("npm"),
+            Self::Chromium if chromium::has_package() && Self::NodePackages.installer().is_some() => {
+                Some("npm")
+            }
+            Self::Chromium => may_use_apt().then_some("apt-get"),
         }
     }
 
@@ -167,8 +169,9 @@ impl Tool {
             Self::Clippy => run_quietly(Command::new("rustup").args(["component", "add", "clippy"])),
             Self::Node => apt_install(&["nodejs", "npm"]),
             Self::NodePackages => run_quietly(&mut web::npm(&["ci", "--no-audit", "--no-fund"])),
-            Self::Chromium => apt_install(&["chromium"])
-                .or_else(|why| chromium::install_package().map_err(|e| format!("{why}; {e}"))),
+            // A package of npm changes nothing outside of this folder, and comes in seconds.
+            Self::Chromium => chromium::install_package()
+                .or_else(|why| apt_install(&["chromium"]).map_err(|other| format!("{why}; {other}"))),
         }
     }
 
