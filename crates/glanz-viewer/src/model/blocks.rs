@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::head::Block;
 
-/// What starts every model.
+/// Magic number of a model.
 const MAGIC: &[u8; 8] = b"GLANZVW1";
 
 /// Blocks start at multiples of this, bytes.

@@ -1,8 +1,8 @@
-//! Why there is no model.
+//! Errors of building a model.
 
 use std::num::TryFromIntError;
 
-/// Why a scene cannot be made a model.
+/// Errors of building the model of a scene.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
@@ -11,9 +11,9 @@ pub enum ModelError {
     TooMany {
         /// Of what.
         what: &'static str,
-        /// How many there are.
+        /// The number found.
         count: u64,
-        /// How many there may be.
+        /// The largest number allowed.
         most: u64,
     },
     /// The text of the model could not be written.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-/// What the JSON text says, but for where the blocks are.
+/// Content of the JSON text without the positions of the blocks.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Head {
     pub(super) name: String,

@@ -46,7 +46,7 @@ struct Pruning<'a> {
 }
 
 impl Pruning<'_> {
-    /// What is left of a group whose leaves begin with the number `first`.
+    /// Visible part of a group whose first leaf has the number `first`.
     fn pruned(&mut self, group: &GroupDescription, first: u64) -> GroupDescription {
         let hidden = self.hidden;
         let is_hidden = |leaf: u64| u32::try_from(leaf).is_ok_and(|leaf| hidden.contains(&leaf));

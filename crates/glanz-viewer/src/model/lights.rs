@@ -46,7 +46,7 @@ pub(super) fn lights(scene: &Scene, placed: &[PlacedSurface<'_>]) -> (Vec<head::
     (lights, by_power.len() > MOST)
 }
 
-/// What a light sends into a scene of that radius, W; black if nobody knows.
+/// Power that a light emits into a scene of that radius, W; black if unknown.
 fn power(light: &Light, radius: f64) -> Spectrum {
     match light {
         Light::Point(l) => l.power(),

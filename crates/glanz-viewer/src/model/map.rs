@@ -13,7 +13,7 @@ const LARGEST: usize = 4096;
 /// Words of a patch that say which part of the map is its own.
 const WORDS: std::ops::Range<usize> = 12..16;
 
-/// What a map is called.
+/// Name and unit of a map.
 #[derive(Clone, Copy, Debug)]
 pub struct MapLabel<'a> {
     /// Such as "lux on the floor".
@@ -113,7 +113,7 @@ impl Model {
         self.blocks.maps.push(texels);
     }
 
-    /// Gives an object patches of its own, on the same control points, that show a map; other copies of its surface have other values.
+    /// Gives an object its own patches on the same control points to show a map; other instances of its surface have other values.
     fn own_patches(&mut self, object: usize, map: usize) {
         let Some(object) = self.head.objects.get_mut(object) else { return };
         object.map = Some(map);

@@ -126,7 +126,7 @@ impl Model {
         self.head.objects.get(object as usize).map(|object| object.leaf)
     }
 
-    /// What scene files call the surface of an object.
+    /// Name of an object's surface in scene files.
     #[must_use]
     pub fn kind_of(&self, object: u32) -> &'static str {
         self.head.objects.get(object as usize).map_or("", |object| object.kind)
@@ -140,7 +140,7 @@ impl Model {
         material.map_or("", |material| if material.name.is_empty() { material.kind } else { &material.name })
     }
 
-    /// Whether an object can be seen: borders that light passes cannot, unless they shine.
+    /// True if an object is visible: interfaces are not, unless they emit light.
     #[must_use]
     pub fn is_seen(&self, object: u32) -> bool {
         let object = self.head.objects.get(object as usize);
@@ -168,7 +168,7 @@ impl Model {
         sum
     }
 
-    /// What the tree calls a leaf.
+    /// Name of a leaf in the tree.
     #[must_use]
     pub fn name_of(&self, leaf: u32) -> Option<&str> {
         self.leaves.get(leaf as usize).map(|leaf| leaf.name.as_str())

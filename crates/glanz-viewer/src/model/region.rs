@@ -1,4 +1,4 @@
-//! What a trimming region keeps, as a grid of cells: near each are few parts of curves.
+//! The trimming region as a grid of cells, each with the few curve segments near it.
 
 use glanz_geometry::trim::TrimRegion;
 use glanz_math::{DVec2, DVec3};
@@ -45,7 +45,7 @@ pub(super) struct Grid {
     domain: [DVec2; 2],
 }
 
-/// What a part has to do with a column of cells.
+/// Intersection of a monotone curve segment with a column of cells.
 struct Crossing {
     part: usize,
     /// Heights at which it is left of the right side and not left of the left side.
@@ -104,7 +104,7 @@ impl Part {
             return (none, self.rows);
         }
         let height = (self.height(u) as f32).clamp(low, high);
-        // Whether it goes to the right upwards.
+        // True if u grows with v.
         if (self.end.x > self.start.x) == (self.end.y > self.start.y) {
             ([height, high], [low, height])
         } else {
@@ -124,7 +124,7 @@ impl Grid {
                 let (start, end) = (scaled(piece.start), scaled(piece.end));
                 let inner = |p: &DVec3| (scaled(p.truncate() / p.z) * p.z).extend(p.z);
                 let mut points: Vec<DVec3> = piece.control_points.iter().map(inner).collect();
-                // Where the next part begins to the bit.
+                // Exactly the start of the next segment.
                 for (slot, place) in [(0, start), (points.len().saturating_sub(1), end)] {
                     if let Some(point) = points.get_mut(slot) {
                         *point = (place * point.z).extend(point.z);
@@ -208,7 +208,7 @@ impl Grid {
             }
         }
         changes.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Where one part ends and the next begins nothing changes.
+        // The winding number does not change where one segment ends and the next begins.
         let runs = changes.chunk_by(|a, b| a.0 == b.0);
         let sums = runs.filter_map(|run| Some((run.first()?.0, run.iter().map(|c| c.1).sum::<i32>())));
         sums.filter(|&(_, change)| change != 0).collect()

@@ -10,10 +10,10 @@ use glanz_geometry::{RaySurface, Surface};
 use glanz_math::{Bounds3, DVec2, DVec3};
 use glanz_scene::PlacedSurface;
 
-/// How far a plane without end is drawn as one patch around the scene, in diagonals of it; its numbers are small, so that they are exact near by.
+/// Half side of the patch that represents an infinite plane near the scene, in scene diagonals; small coordinates are accurate.
 const NEAR: f64 = 4.0;
 
-/// How far it is drawn at all: its border is a fraction of a pixel below the horizon.
+/// Half side of the whole drawn plane: its border is a fraction of a pixel below the horizon.
 const FAR: f64 = 1024.0;
 
 /// A patch is cut to what its region can keep if that is less than this share of it, along u or along v.
@@ -27,7 +27,7 @@ pub(super) struct Shown<'a> {
     pub(super) parameters: Parameters,
 }
 
-/// What the parameters (x, y) of a patch are.
+/// Meaning of the parameters (x, y) of a patch.
 #[derive(Clone, Copy)]
 pub(super) enum Parameters {
     /// Bilinear between those at (0, 0), (1, 0), (0, 1), (1, 1).

@@ -24,7 +24,7 @@ pub(super) struct Surfaces {
     pub(super) regions: Vec<head::Region>,
     pub(super) blocks: Blocks,
     pub(super) notes: Vec<String>,
-    /// What was made of a surface, by where it is kept: copies by instances share it.
+    /// Built surfaces by address: instances share them.
     known: HashMap<usize, Vec<Made>>,
     known_regions: HashMap<usize, usize>,
 }
@@ -34,7 +34,7 @@ pub(super) struct Surfaces {
 pub(super) struct Made {
     /// Number of the surface of the model.
     pub(super) surface: usize,
-    /// Where its coordinates have their origin, in the frame of the scene's surface, metres ...
+    /// Origin of its coordinates in the frame of the scene's surface, metres ...
     pub(super) origin: DVec3,
     /// ... and what their unit is, metres.
     pub(super) unit: f64,
@@ -140,7 +140,7 @@ impl Surfaces {
     }
 }
 
-/// Where a surface is kept.
+/// Address of a surface.
 fn address(surface: &Surface) -> usize {
     match surface {
         Surface::Freeform(freeform) => Arc::as_ptr(freeform).addr(),

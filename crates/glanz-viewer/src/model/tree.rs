@@ -9,7 +9,7 @@ use super::head::Node;
 /// Leaves, or surfaces, of a model at most: each has a line of text in it.
 const MOST_LEAVES: u64 = 1 << 18;
 
-/// What a walk through the description found.
+/// Result of the traversal of the description.
 pub(super) struct Tree {
     pub(super) root: Node,
     /// By number.
@@ -22,7 +22,7 @@ pub(super) struct Tree {
 #[derive(Clone, Debug)]
 pub(super) struct Leaf {
     pub(super) name: String,
-    /// What scene files call its surface.
+    /// Name of its surface in scene files.
     pub(super) what: &'static str,
 }
 
@@ -165,7 +165,7 @@ impl Walk<'_> {
     }
 }
 
-/// What scene files call a surface.
+/// Name of a surface in scene files.
 fn kind(geometry: &GeometryDescription) -> &'static str {
     match geometry {
         GeometryDescription::Sphere { .. } => "sphere",

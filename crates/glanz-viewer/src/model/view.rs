@@ -1,4 +1,4 @@
-//! Where the page looks from at first.
+//! The initial camera of the page.
 
 use glanz_math::{Bounds3, DVec3, Ray};
 use glanz_scene::camera::Screen;

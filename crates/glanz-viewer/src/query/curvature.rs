@@ -1,4 +1,4 @@
-//! How a surface bends at a point.
+//! Curvature of a surface at a point.
 
 use glanz_geometry::SurfacePoint;
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! What is at a ray, asked of the exact surface.
+//! Picking: the hit of a ray on the exact surface.
 
 mod curvature;
 #[cfg(test)]
@@ -24,9 +24,9 @@ pub struct Hit {
     pub leaf: u32,
     /// Number of the object of the model.
     pub object: u32,
-    /// What scene files call the surface.
+    /// Name of the surface in scene files.
     pub kind: &'static str,
-    /// What the tree calls the shape.
+    /// Name of the shape in the tree.
     pub name: String,
     /// Name of the material, or its kind if it has none.
     pub material: String,
@@ -48,7 +48,7 @@ pub struct Hit {
     pub curvature: Option<Curvature>,
 }
 
-/// What `ray` meets first that can be seen and is neither on a leaf of `hidden` nor cut away by `section`, which keeps a x + b y + c z <= d.
+/// First visible hit of `ray` that is neither on a leaf of `hidden` nor cut away by `section`, which keeps a x + b y + c z <= d.
 ///
 /// `model` is that of `scene`. `None` if nothing is met, or only after more than 4096 places that are not shown.
 #[must_use]

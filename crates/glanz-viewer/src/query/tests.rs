@@ -115,7 +115,7 @@ fn hidden_and_cut_away_places_are_passed() {
     at(x(&[0], None), 1, 4.0 - half);
     at(x(&[0, 1], None), 2, 8.0 - half);
     assert_eq!(x(&[0, 1, 2], None), None);
-    // What is left of x = 0 is cut away, then of x = 4: the insides of balls are seen.
+    // x < 0 is cut away, then x < 4: the insides of the spheres are visible.
     at(x(&[], Some([-1.0, 0.0, 0.0, 0.0])), 0, half);
     at(x(&[2], Some([-2.0, 0.0, 0.0, -8.0])), 1, 4.0 + half);
     assert_eq!(x(&[], Some([1.0, 0.0, 0.0, -5.0])), None);

@@ -1,4 +1,4 @@
-//! Where the server is.
+//! Address of the server.
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener, UdpSocket};
@@ -67,7 +67,7 @@ mod tests {
         assert_ne!(port, 0);
         assert!(matches!(bind(None, Some(port)), Err(ServerError::Address { .. })));
         assert_eq!(shown(&first, None).unwrap(), format!("http://127.0.0.1:{port}/"));
-        // Whether the usual port is free or not, there is one.
+        // A port is found whether or not the usual one is free.
         assert!(bind(None, None).is_ok());
     }
 

@@ -1,4 +1,4 @@
-//! What a page shows that is in no scene file: the walls of a room, light that was counted or baked before.
+//! Overlays on a scene that are in no scene file: walls of a room, lux maps, baked light.
 
 use std::fmt;
 
@@ -6,14 +6,14 @@ use glanz_scene::{Description, Scene};
 
 use crate::model::Model;
 
-/// Adds to a scene what is known of it elsewhere, whenever it is read.
+/// Adds shapes and maps to a scene whenever it is read.
 pub trait Dress: fmt::Debug + Send + Sync {
     /// Adds shapes that are not in the file.
     fn furnish(&self, description: &mut Description);
 
-    /// Puts values on the surfaces of the scene, which was read from files with this [fingerprint](glanz_formats::ContentHash).
+    /// Adds maps to the surfaces of the scene, which was read from files with this [hash](glanz_formats::ContentHash).
     ///
     /// # Errors
-    /// Why they do not go with it, a sentence for people.
+    /// A message if they do not match the scene.
     fn dress(&self, scene: &Scene, content_hash: u128, model: Model) -> Result<Model, String>;
 }

@@ -2,7 +2,7 @@
 
 use axum::http::header::{CACHE_CONTROL, HeaderMap, HeaderName, HeaderValue};
 
-/// What the page may do: run and load what this server has, speak to it, and nothing else.
+/// Content security policy: the page may load from and connect to this server only.
 const POLICY: &str = "default-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'; \
                       form-action 'none'; frame-ancestors 'none'";
 

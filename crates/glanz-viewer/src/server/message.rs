@@ -1,17 +1,17 @@
-//! What page and server say to one another; `docs/viewer.md` has the list.
+//! Messages between page and server; `docs/viewer.md` has the list.
 
 use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
-use super::leaves::leaves;
+use super::leaf_ranges::leaves;
 use crate::query::Hit;
 use crate::stream::{IntegratorName, ViewCamera};
 
-/// What a page asks for. `id` comes back with the answer.
+/// Request of a page. The reply carries its `id`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "type", rename_all = "lowercase")]
-pub(crate) enum Request {
+pub(crate) enum PageRequest {
     /// Render this view; end what was rendered before.
     View {
         id: u32,
@@ -24,9 +24,9 @@ pub(crate) enum Request {
         /// The server's own choice, if the page makes none.
         integrator: Option<IntegratorName>,
     },
-    /// End rendering.
+    /// ConnectionEnd rendering.
     Stop { id: u32 },
-    /// Say what a ray meets.
+    /// Return the hit of a ray.
     Pick {
         id: u32,
         /// World space, metres.
@@ -43,43 +43,43 @@ pub(crate) enum Request {
     Save { id: u32 },
 }
 
-/// A request that is none.
+/// A malformed request.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Malformed {
+pub(crate) struct MalformedRequest {
     /// Its number, if that can be made out.
     pub(crate) id: u32,
-    /// What is wrong.
+    /// The fault.
     pub(crate) message: String,
 }
 
-impl Request {
+impl PageRequest {
     /// Reads a message.
     ///
     /// # Errors
-    /// [`Malformed`] with what a person can make of it.
-    pub(crate) fn parse(text: &str) -> Result<Self, Malformed> {
+    /// [`MalformedRequest`] with what a person can make of it.
+    pub(crate) fn parse(text: &str) -> Result<Self, MalformedRequest> {
         serde_json::from_str(text).map_err(|error| {
             let value: Option<serde_json::Value> = serde_json::from_str(text).ok();
             let id = value.as_ref().and_then(|v| v.get("id")).and_then(serde_json::Value::as_u64);
             let id = id.and_then(|id| u32::try_from(id).ok()).unwrap_or(0);
-            Malformed { id, message: format!("the message is not understood: {error}") }
+            MalformedRequest { id, message: format!("the message is not understood: {error}") }
         })
     }
 }
 
-/// What the server says in words.
+/// Text message of the server.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "type", rename_all = "lowercase")]
-pub(crate) enum Answer {
+pub(crate) enum ServerMessage {
     /// Draw this.
-    Scene(SceneNews),
-    /// How far the picture is.
-    Progress(Progress),
+    Scene(SceneMessage),
+    /// Progress of the image.
+    Progress(ProgressMessage),
     /// Rendering waits for that of other pages.
     Waiting { id: u32 },
     /// Rendering has ended.
     Stopped { id: u32 },
-    /// What a ray met.
+    /// Hit of a ray.
     Hit { id: u32, hit: Option<Box<Hit>> },
     /// A request that cannot be served.
     Failed { id: u32, message: String },
@@ -87,21 +87,21 @@ pub(crate) enum Answer {
 
 /// The scene that a page shows from now on, or why there is none.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct SceneNews {
-    /// Where the model is.
+pub(crate) struct SceneMessage {
+    /// Path of the model.
     pub(crate) model: Option<String>,
     pub(crate) name: String,
     /// The name under which the page sends files.
     pub(crate) session: String,
-    /// What renders unless the page chooses.
+    /// Default integrator.
     pub(crate) integrator: IntegratorName,
     /// Messages about a file that cannot be read.
     pub(crate) error: Option<String>,
 }
 
-/// How far a picture is, after a pass.
+/// Progress of an image after a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct Progress {
+pub(crate) struct ProgressMessage {
     pub(crate) id: u32,
     /// Per pixel.
     pub(crate) samples: u64,
@@ -112,7 +112,7 @@ pub(crate) struct Progress {
     pub(crate) done: bool,
 }
 
-impl Answer {
+impl ServerMessage {
     /// The text that is sent.
     pub(crate) fn to_text(&self) -> String {
         // Only maps with keys that are no text fail to become JSON.
@@ -130,15 +130,16 @@ mod tests {
         let view = format!(
             r#"{{"type":"view","id":7,"camera":{camera},"size":[4,3],"hidden":[4,[1,2]],"integrator":"guided"}}"#
         );
-        let Ok(Request::View { id: 7, size: [4, 3], hidden, integrator, .. }) = Request::parse(&view) else {
-            panic!("{:?}", Request::parse(&view));
+        let Ok(PageRequest::View { id: 7, size: [4, 3], hidden, integrator, .. }) = PageRequest::parse(&view)
+        else {
+            panic!("{:?}", PageRequest::parse(&view));
         };
         assert_eq!((hidden, integrator), (BTreeSet::from([1, 2, 4]), Some(IntegratorName::Guided)));
-        assert_eq!(Request::parse(r#"{"type":"stop","id":1}"#), Ok(Request::Stop { id: 1 }));
-        assert_eq!(Request::parse(r#"{"type":"save","id":2}"#), Ok(Request::Save { id: 2 }));
+        assert_eq!(PageRequest::parse(r#"{"type":"stop","id":1}"#), Ok(PageRequest::Stop { id: 1 }));
+        assert_eq!(PageRequest::parse(r#"{"type":"save","id":2}"#), Ok(PageRequest::Save { id: 2 }));
         let pick =
             r#"{"type":"pick","id":3,"origin":[0,0,0],"direction":[0,0,1],"hidden":[],"section":null}"#;
-        assert!(matches!(Request::parse(pick), Ok(Request::Pick { id: 3, section: None, .. })));
+        assert!(matches!(PageRequest::parse(pick), Ok(PageRequest::Pick { id: 3, section: None, .. })));
     }
 
     #[test]
@@ -154,20 +155,20 @@ mod tests {
             ("{\"type\":\"pick\",\"id\":4,\"origin\":[1e999,0,0],\"direction\":[0,0,1]}", 0),
             ("{\"type\":\"pick\",\"id\":4,\"origin\":[null,0,0],\"direction\":[0,0,1]}", 4),
         ] {
-            assert_eq!(Request::parse(text).map_err(|m| m.id), Err(id), "{text}");
+            assert_eq!(PageRequest::parse(text).map_err(|m| m.id), Err(id), "{text}");
         }
         // Nesting is bounded by the reader of JSON itself.
-        assert!(Request::parse(&"[".repeat(60_000)).is_err());
+        assert!(PageRequest::parse(&"[".repeat(60_000)).is_err());
     }
 
     #[test]
     fn answers_are_those_of_the_contract() {
-        let progress = Progress { id: 3, samples: 1, noise: None, seconds: 0.5, done: false };
+        let progress = ProgressMessage { id: 3, samples: 1, noise: None, seconds: 0.5, done: false };
         assert_eq!(
-            Answer::Progress(progress).to_text(),
+            ServerMessage::Progress(progress).to_text(),
             r#"{"type":"progress","id":3,"samples":1,"noise":null,"seconds":0.5,"done":false}"#
         );
-        assert_eq!(Answer::Stopped { id: 4 }.to_text(), r#"{"type":"stopped","id":4}"#);
-        assert_eq!(Answer::Hit { id: 5, hit: None }.to_text(), r#"{"type":"hit","id":5,"hit":null}"#);
+        assert_eq!(ServerMessage::Stopped { id: 4 }.to_text(), r#"{"type":"stopped","id":4}"#);
+        assert_eq!(ServerMessage::Hit { id: 5, hit: None }.to_text(), r#"{"type":"hit","id":5,"hit":null}"#);
     }
 }

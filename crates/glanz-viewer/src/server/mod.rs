@@ -1,17 +1,16 @@
 //! HTTP and WebSocket: the page, its model, its conversation, its files.
 //!
-//! [`Server::bind`] opens the port and says the address, [`Server::run`] serves until it is told to stop. Requests come first to `guard`
+//! [`Server::bind`] opens the port and says the address, [`Server::run`] serves until it is told to stop. Requests come first to `access`
 //! (who is admitted) and end in `headers`; `page` gives out the files of the page, `models` what it draws, `socket` speaks with it, `upload`
 //! takes in files that are dropped on it, `watch` reads the scene again when it changes. Everything that visitors can make grow has one of
 //! the [`Limits`].
 
+mod access;
+mod access_key;
 mod address;
 mod dress;
-mod guard;
 mod headers;
-mod house;
-mod key;
-mod leaves;
+mod leaf_ranges;
 mod message;
 mod models;
 mod page;
@@ -19,6 +18,7 @@ mod session;
 mod settings;
 mod shown;
 mod socket;
+mod state;
 mod upload;
 mod watch;
 
@@ -43,15 +43,15 @@ use hyper_util::service::TowerToHyperService;
 use tokio::sync::Semaphore;
 use tokio::time::{sleep, timeout};
 
-use self::guard::{Admission, Guard};
-use self::house::House;
-use self::key::Key;
+use self::access::{AccessControl, AccessDecision};
+use self::access_key::AccessKey;
+use self::state::AppState;
 
 pub use self::dress::Dress;
 pub use self::settings::{DEFAULT_PORT, Limits, ServerSettings};
 pub use self::shown::Shown;
 
-/// Why there is no server.
+/// Errors of starting the server.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ServerError {
@@ -60,7 +60,7 @@ pub enum ServerError {
     Address {
         /// Host and port.
         address: String,
-        /// Why.
+        /// The reason.
         source: std::io::Error,
     },
     /// The system gives no threads or timers.
@@ -71,7 +71,7 @@ pub enum ServerError {
     Random(#[from] getrandom::Error),
 }
 
-/// What became of a scene whose files changed.
+/// Result of reading a changed scene again.
 #[derive(Clone, Debug)]
 pub enum News {
     /// It was read again, and pages show it.
@@ -80,13 +80,13 @@ pub enum News {
     Refused(Diagnostics),
 }
 
-/// Someone who wants to know what becomes of a scene whose files change.
+/// Callback for changes of the scene's files.
 pub type Listener = Box<dyn Fn(&News) + Send + Sync>;
 
 /// A server with an open port.
 pub struct Server {
     listener: TcpListener,
-    house: Arc<House>,
+    app: Arc<AppState>,
     address: String,
     watched: Option<PathBuf>,
 }
@@ -104,16 +104,16 @@ impl Server {
     ) -> Result<Self, ServerError> {
         let (socket, port) = address::bind(settings.host.as_deref(), settings.port)?;
         let base = address::shown(&socket, settings.host.as_deref())?;
-        let (guard, address) = match &settings.host {
-            None => (Guard::local(), base),
+        let (access, address) = match &settings.host {
+            None => (AccessControl::local(), base),
             Some(host) => {
-                let key = Key::random()?;
-                (Guard::with_token(host, port, key), format!("{base}?token={key}"))
+                let key = AccessKey::random()?;
+                (AccessControl::with_token(host, port, key), format!("{base}?token={key}"))
             }
         };
-        let house = House::new(settings, guard, shown, listener)?;
+        let app = AppState::new(settings, access, shown, listener)?;
         let watched = settings.watch.then(|| scene.to_owned());
-        Ok(Self { listener: socket, house: Arc::new(house), address, watched })
+        Ok(Self { listener: socket, app: Arc::new(app), address, watched })
     }
 
     /// The address of the page, with its token if it needs one.
@@ -128,34 +128,34 @@ impl Server {
     /// [`ServerError::Start`].
     pub fn run(self, cancel: &CancelFlag) -> Result<(), ServerError> {
         let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
-        let Self { listener, house, watched, .. } = self;
+        let Self { listener, app, watched, .. } = self;
         runtime.block_on(async {
             listener.set_nonblocking(true)?;
             let listener = tokio::net::TcpListener::from_std(listener)?;
-            let serving = tokio::spawn(accept(listener, Arc::clone(&house)));
-            let watching = watched.map(|scene| tokio::spawn(watch::watch(Arc::clone(&house), scene)));
+            let serving = tokio::spawn(accept(listener, Arc::clone(&app)));
+            let watching = watched.map(|scene| tokio::spawn(watch::watch(Arc::clone(&app), scene)));
             while !cancel.is_cancelled() {
                 sleep(STOP_INTERVAL).await;
             }
             serving.abort();
             watching.inspect(tokio::task::JoinHandle::abort);
-            house.close().await;
+            app.close().await;
             Ok::<_, std::io::Error>(())
         })?;
-        // What is still built then is of no use to anybody.
+        // Unfinished builds are abandoned.
         runtime.shutdown_timeout(Duration::from_secs(1));
         Ok(())
     }
 }
 
-/// Time between two looks whether to stop.
+/// Interval between checks of the cancel flag.
 pub(crate) const STOP_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Takes in connections, for ever.
-async fn accept(listener: tokio::net::TcpListener, house: Arc<House>) {
-    let connections = Arc::new(Semaphore::new(house.limits.connections));
-    let limits = house.limits;
-    let app = router(house);
+/// Accepts connections until the task is aborted.
+async fn accept(listener: tokio::net::TcpListener, app: Arc<AppState>) {
+    let connections = Arc::new(Semaphore::new(app.limits.connections));
+    let limits = app.limits;
+    let app = router(app);
     loop {
         let Ok(permit) = Arc::clone(&connections).acquire_owned().await else { return };
         let Ok((stream, _)) = listener.accept().await else {
@@ -183,51 +183,51 @@ async fn accept(listener: tokio::net::TcpListener, house: Arc<House>) {
 /// Bytes of the headers of a request, about.
 const MAX_HEADERS: usize = 32 << 10;
 
-/// All that can be asked for.
-fn router(house: Arc<House>) -> Router {
-    // What is around the files in a request takes some space too.
-    let upload = DefaultBodyLimit::max(house.limits.upload_bytes + (house.limits.upload_files << 10));
+/// Routes of the server.
+fn router(app: Arc<AppState>) -> Router {
+    // The multipart headers of the files need space, too.
+    let upload = DefaultBodyLimit::max(app.limits.upload_bytes + (app.limits.upload_files << 10));
     Router::new()
         .route("/model/{key}", get(model))
         .route("/ws", get(socket))
         .route("/open", post(upload::open).layer(upload))
         .fallback_service(get(page::serve))
-        .layer(from_fn_with_state(Arc::clone(&house), check))
-        .with_state(house)
+        .layer(from_fn_with_state(Arc::clone(&app), check))
+        .with_state(app)
 }
 
-/// Lets the guard look at a request, and secures the answer.
-async fn check(State(house): State<Arc<House>>, request: Request, next: Next) -> Response {
+/// Checks the access of a request and adds the security headers to the response.
+async fn check(State(app): State<Arc<AppState>>, request: Request, next: Next) -> Response {
     let uri = request.uri();
-    let mut response = match house.guard.admit(uri.path(), uri.query(), request.headers()) {
-        Admission::Granted => next.run(request).await,
-        Admission::WithCookie(cookie) => {
+    let mut response = match app.access.admit(uri.path(), uri.query(), request.headers()) {
+        AccessDecision::Granted => next.run(request).await,
+        AccessDecision::WithCookie(cookie) => {
             let mut response = next.run(request).await;
             if let Ok(cookie) = HeaderValue::from_str(&cookie) {
                 response.headers_mut().insert(SET_COOKIE, cookie);
             }
             response
         }
-        Admission::Refused(status, reason) => (status, reason).into_response(),
+        AccessDecision::Refused(status, reason) => (status, reason).into_response(),
     };
     headers::secure(response.headers_mut());
     response
 }
 
-async fn model(State(house): State<Arc<House>>, UrlPath(key): UrlPath<String>) -> Response {
-    match Key::parse(&key).and_then(|key| house.models.get(&key)) {
+async fn model(State(app): State<Arc<AppState>>, UrlPath(key): UrlPath<String>) -> Response {
+    match AccessKey::parse(&key).and_then(|key| app.models.get(&key)) {
         Some(bytes) => ([(CONTENT_TYPE, "application/octet-stream")], bytes).into_response(),
         None => (StatusCode::NOT_FOUND, "there is no such model any more").into_response(),
     }
 }
 
-async fn socket(State(house): State<Arc<House>>, upgrade: WebSocketUpgrade) -> Response {
-    let Some(seat) = house.sessions.join(house.posted()) else {
+async fn socket(State(app): State<Arc<AppState>>, upgrade: WebSocketUpgrade) -> Response {
+    let Some(slot) = app.sessions.join(app.published()) else {
         return (StatusCode::SERVICE_UNAVAILABLE, "there are too many pages").into_response();
     };
-    let bytes = house.limits.message_bytes;
+    let bytes = app.limits.message_bytes;
     upgrade
         .max_message_size(bytes)
         .max_frame_size(bytes)
-        .on_upgrade(move |socket| socket::converse(house, seat, socket))
+        .on_upgrade(move |socket| socket::serve_page(app, slot, socket))
 }

@@ -1,46 +1,46 @@
-//! The models that can be got.
+//! The published models.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use axum::body::Bytes;
 
-use super::key::Key;
+use super::access_key::AccessKey;
 use super::shown::Shown;
 
-/// A scene under the name that nobody guesses: only who was told it gets the model.
+/// A published scene under an unguessable key.
 #[derive(Clone, Debug)]
-pub(crate) struct Posted {
-    pub(crate) key: Key,
+pub(crate) struct PublishedModel {
+    pub(crate) key: AccessKey,
     pub(crate) shown: Arc<Shown>,
 }
 
-impl Posted {
-    /// Where the model is.
+impl PublishedModel {
+    /// Path of the model.
     pub(crate) fn path(&self) -> String {
         format!("/model/{}", self.key)
     }
 }
 
-/// The models by their names, as long as somebody shows them.
+/// Published models by key, kept as long as a page shows them.
 #[derive(Debug, Default)]
-pub(crate) struct Models(Mutex<BTreeMap<Key, Weak<Shown>>>);
+pub(crate) struct ModelStore(Mutex<BTreeMap<AccessKey, Weak<Shown>>>);
 
-impl Models {
-    /// Makes the model of a scene available.
+impl ModelStore {
+    /// Publishes the model of a scene.
     ///
     /// # Errors
     /// If the system has no random numbers to give.
-    pub(crate) fn post(&self, shown: Arc<Shown>) -> Result<Posted, getrandom::Error> {
-        let key = Key::random()?;
+    pub(crate) fn post(&self, shown: Arc<Shown>) -> Result<PublishedModel, getrandom::Error> {
+        let key = AccessKey::random()?;
         let mut models = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         models.retain(|_, shown| shown.strong_count() > 0);
         models.insert(key, Arc::downgrade(&shown));
-        Ok(Posted { key, shown })
+        Ok(PublishedModel { key, shown })
     }
 
-    /// The model of that name.
-    pub(crate) fn get(&self, key: &Key) -> Option<Bytes> {
+    /// The model with this key.
+    pub(crate) fn get(&self, key: &AccessKey) -> Option<Bytes> {
         let models = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         models.get(key)?.upgrade().map(|shown| shown.bytes.clone())
     }

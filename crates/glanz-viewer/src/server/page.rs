@@ -9,7 +9,7 @@ use glanz_formats::ContentHash;
 
 /// A file of the page.
 #[derive(Clone, Copy, Debug)]
-struct File {
+struct PageFile {
     /// As the request says it, without the slash in front.
     path: &'static str,
     bytes: &'static [u8],
@@ -18,12 +18,12 @@ struct File {
 /// Files of the folder `web`, by their paths in it.
 macro_rules! files {
     ($($path:literal),* $(,)?) => {
-        &[$(File { path: $path, bytes: include_bytes!(concat!("../../web/", $path)) }),*]
+        &[$(PageFile { path: $path, bytes: include_bytes!(concat!("../../web/", $path)) }),*]
     };
 }
 
 /// All of them; a test compares the table with the folder.
-static FILES: &[File] = files![
+static FILES: &[PageFile] = files![
     "adaptive_resolution.js",
     "camera.js",
     "colours.js",
@@ -88,7 +88,7 @@ static FILES: &[File] = files![
 /// The file that stands for the folder.
 const INDEX: &str = "index.html";
 
-/// What a file is, by the end of its name.
+/// Media type by file extension.
 fn content_type(path: &str) -> Option<&'static str> {
     Some(match path.rsplit_once('.')?.1 {
         "html" => "text/html; charset=utf-8",
@@ -102,7 +102,7 @@ fn content_type(path: &str) -> Option<&'static str> {
     })
 }
 
-/// Gives out a file of the page; browsers keep it, and ask each time whether it is still the same.
+/// Serves a file of the page with an entity tag for revalidation.
 pub(crate) async fn serve(uri: Uri, headers: HeaderMap) -> Response {
     let path = uri.path().strip_prefix('/').unwrap_or_default();
     if path == "favicon.ico" {

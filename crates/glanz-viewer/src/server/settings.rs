@@ -1,4 +1,4 @@
-//! How the server is set up.
+//! Settings of the server.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,7 +8,7 @@ use glanz_formats::Options;
 use super::dress::Dress;
 use crate::stream::IntegratorName;
 
-/// How the server is set up.
+/// Settings of the server.
 #[derive(Clone, Debug, Default)]
 pub struct ServerSettings {
     /// The name or number of this machine under which others reach the server, who then need the token of its address; without one only this
@@ -20,20 +20,20 @@ pub struct ServerSettings {
     pub threads: usize,
     /// What renders unless a page chooses.
     pub integrator: IntegratorName,
-    /// How scenes are read, also those that are dropped on a page.
+    /// Options of reading scenes, uploaded ones included.
     pub options: Options,
-    /// What is added to the scene whenever it is read; not to those that are dropped on a page.
+    /// Overlay applied to the scene whenever it is read; not to uploaded scenes.
     pub dress: Option<Arc<dyn Dress>>,
-    /// Whether the scene is read again when one of its files changes.
+    /// Reads the scene again when one of its files changes.
     pub watch: bool,
-    /// What visitors may use.
+    /// Resource limits of clients.
     pub limits: Limits,
 }
 
 /// The port that is tried first: one that no service has registered.
 pub const DEFAULT_PORT: u16 = 7870;
 
-/// What visitors may use.
+/// Resource limits of clients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Pages at a time.

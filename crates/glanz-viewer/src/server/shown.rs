@@ -67,7 +67,7 @@ impl Shown {
         Ok(Self { name, description, scene, model, bytes, paths, warnings })
     }
 
-    /// What was mended or left out.
+    /// Repairs and omissions.
     #[must_use]
     pub fn warnings(&self) -> &Diagnostics {
         &self.warnings

@@ -11,39 +11,42 @@ use glanz_math::{DVec3, Ray};
 use tokio::task::spawn_blocking;
 use tokio::time::{Instant, MissedTickBehavior, interval, timeout};
 
-use super::house::House;
-use super::message::{Answer, Malformed, Progress, Request};
-use super::session::{Seat, Session};
+use super::message::{MalformedRequest, PageRequest, ProgressMessage, ServerMessage};
+use super::session::{Session, SessionSlot};
 use super::shown::Shown;
+use super::state::AppState;
 use crate::query;
-use crate::stream::{Order, Outbox, Parcel, Picture, Status, Stream, Surroundings, Visible, file};
+use crate::stream::{
+    LatestImage, Outbox, OutboxMessage, RenderRequest, Stream, StreamContext, StreamStatus, VisibleScene,
+    file,
+};
 
-/// Why a conversation ends.
-enum End {
+/// Reasons for the end of a connection.
+enum ConnectionEnd {
     /// The page is gone.
     Gone,
     /// It is sent away, with a code and the reason.
     SentAway(u16, &'static str),
 }
 
-/// What a page has going.
-struct Conversation {
-    house: Arc<House>,
+/// Connection of a page with its stream.
+struct PageConnection {
+    app: Arc<AppState>,
     session: Arc<Session>,
     socket: WebSocket,
     outbox: Arc<Outbox>,
-    picture: Arc<Picture>,
-    visible: Arc<Visible>,
+    picture: Arc<LatestImage>,
+    visible: Arc<VisibleScene>,
     stream: Option<Stream>,
     malformed: usize,
     last_sign: Instant,
 }
 
 /// Speaks with a page until it goes; what was rendered for it ends then.
-pub(crate) async fn converse(house: Arc<House>, seat: Seat, socket: WebSocket) {
-    let mut conversation = Conversation {
-        house,
-        session: Arc::clone(&seat.session),
+pub(crate) async fn serve_page(app: Arc<AppState>, slot: SessionSlot, socket: WebSocket) {
+    let mut conversation = PageConnection {
+        app,
+        session: Arc::clone(&slot.session),
         socket,
         outbox: Arc::default(),
         picture: Arc::default(),
@@ -56,34 +59,34 @@ pub(crate) async fn converse(house: Arc<House>, seat: Seat, socket: WebSocket) {
     if let Some(stream) = conversation.stream.take() {
         stream.stop().await;
     }
-    if let Err(End::SentAway(code, reason)) = end {
+    if let Err(ConnectionEnd::SentAway(code, reason)) = end {
         let farewell = Message::Close(Some(CloseFrame { code, reason: reason.into() }));
-        // Who does not take it is gone anyway.
+        // A page that does not receive it is disconnected already.
         let _ = timeout(Duration::from_secs(1), conversation.socket.send(farewell)).await;
     }
 }
 
-impl Conversation {
-    async fn run(&mut self) -> Result<(), End> {
-        let limits = self.house.limits;
+impl PageConnection {
+    async fn run(&mut self) -> Result<(), ConnectionEnd> {
+        let limits = self.app.limits;
         let mut ping = interval(limits.ping_interval);
         ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
-        let posted = self.session.posted();
-        self.say(Answer::Scene(self.house.news(&self.session.key, &posted))).await?;
+        let published = self.session.published();
+        self.say(ServerMessage::Scene(self.app.scene_message(&self.session.key, &published))).await?;
         loop {
             tokio::select! {
                 biased;
                 // Requests first: the wish to stop must not wait behind the picture that it is about.
                 message = self.socket.recv() => match message {
                     Some(Ok(message)) => self.hear(message).await?,
-                    Some(Err(_)) => return Err(End::SentAway(close_code::SIZE, "the message is too long or broken")),
+                    Some(Err(_)) => return Err(ConnectionEnd::SentAway(close_code::SIZE, "the message is too long or broken")),
                     None => return Ok(()),
                 },
                 () = self.session.news.notified() => self.tell().await?,
                 parcel = self.outbox.next() => self.send(message_of(parcel)).await?,
                 _ = ping.tick() => {
                     if self.last_sign.elapsed() > limits.silence {
-                        return Err(End::Gone);
+                        return Err(ConnectionEnd::Gone);
                     }
                     self.send(Message::Ping(Default::default())).await?;
                 }
@@ -91,80 +94,83 @@ impl Conversation {
         }
     }
 
-    async fn send(&mut self, message: Message) -> Result<(), End> {
-        match timeout(self.house.limits.silence, self.socket.send(message)).await {
+    async fn send(&mut self, message: Message) -> Result<(), ConnectionEnd> {
+        match timeout(self.app.limits.silence, self.socket.send(message)).await {
             Ok(Ok(())) => Ok(()),
-            _ => Err(End::Gone),
+            _ => Err(ConnectionEnd::Gone),
         }
     }
 
-    async fn say(&mut self, answer: Answer) -> Result<(), End> {
+    async fn say(&mut self, answer: ServerMessage) -> Result<(), ConnectionEnd> {
         self.send(Message::text(answer.to_text())).await
     }
 
-    /// Tells the page of another scene, or that the server ends.
-    async fn tell(&mut self) -> Result<(), End> {
-        if self.house.is_closing() {
-            return Err(End::SentAway(close_code::AWAY, "the server ends"));
+    /// Sends the page a new scene, or the shutdown of the server.
+    async fn tell(&mut self) -> Result<(), ConnectionEnd> {
+        if self.app.is_closing() {
+            return Err(ConnectionEnd::SentAway(close_code::AWAY, "the server ends"));
         }
         let Some(news) = self.session.take_news() else { return Ok(()) };
         if news.model.is_some() {
             self.visible.forget();
         }
-        self.say(Answer::Scene(news)).await
+        self.say(ServerMessage::Scene(news)).await
     }
 
-    async fn hear(&mut self, message: Message) -> Result<(), End> {
+    async fn hear(&mut self, message: Message) -> Result<(), ConnectionEnd> {
         self.last_sign = Instant::now();
         let request = match &message {
-            Message::Text(text) => Request::parse(text.as_str()),
-            Message::Binary(_) => Err(Malformed { id: 0, message: "messages are texts".to_owned() }),
+            Message::Text(text) => PageRequest::parse(text.as_str()),
+            Message::Binary(_) => Err(MalformedRequest { id: 0, message: "messages are texts".to_owned() }),
             Message::Ping(_) | Message::Pong(_) => return Ok(()),
-            Message::Close(_) => return Err(End::Gone),
+            Message::Close(_) => return Err(ConnectionEnd::Gone),
         };
         match request {
             Ok(request) => self.serve(request).await,
-            Err(Malformed { id, message }) => {
+            Err(MalformedRequest { id, message }) => {
                 self.malformed += 1;
-                if self.malformed > self.house.limits.malformed_messages {
-                    return Err(End::SentAway(close_code::POLICY, "too many messages are not understood"));
+                if self.malformed > self.app.limits.malformed_messages {
+                    return Err(ConnectionEnd::SentAway(
+                        close_code::POLICY,
+                        "too many messages are not understood",
+                    ));
                 }
-                self.say(Answer::Failed { id, message }).await
+                self.say(ServerMessage::Failed { id, message }).await
             }
         }
     }
 
-    async fn serve(&mut self, request: Request) -> Result<(), End> {
+    async fn serve(&mut self, request: PageRequest) -> Result<(), ConnectionEnd> {
         match request {
-            Request::View { id, camera, size, hidden, integrator } => {
+            PageRequest::View { id, camera, size, hidden, integrator } => {
                 self.end_stream().await;
                 self.picture.clear();
-                let integrator = integrator.unwrap_or(self.house.integrator);
-                let order = Order { id, camera, size, hidden, integrator };
-                match Stream::start(order, self.surroundings()) {
+                let integrator = integrator.unwrap_or(self.app.integrator);
+                let order = RenderRequest { id, camera, size, hidden, integrator };
+                match Stream::start(order, self.stream_context()) {
                     Ok(stream) => self.stream = Some(stream),
-                    Err(error) => self.say(Answer::Failed { id, message: error.to_string() }).await?,
+                    Err(error) => self.say(ServerMessage::Failed { id, message: error.to_string() }).await?,
                 }
                 Ok(())
             }
-            Request::Stop { id } => {
+            PageRequest::Stop { id } => {
                 // It may come late, when the next view is rendered already.
                 if self.stream.as_ref().is_some_and(|stream| stream.id() == id) {
                     self.end_stream().await;
                 }
-                self.say(Answer::Stopped { id }).await
+                self.say(ServerMessage::Stopped { id }).await
             }
-            Request::Pick { id, origin, direction, hidden, section } => {
-                let shown = self.session.posted().shown;
+            PageRequest::Pick { id, origin, direction, hidden, section } => {
+                let shown = self.session.published().shown;
                 let answer = match ray(origin, direction) {
                     Some(ray) => find(id, shown, ray, hidden, section).await,
-                    None => Answer::Failed { id, message: "the ray has no direction".to_owned() },
+                    None => ServerMessage::Failed { id, message: "the ray has no direction".to_owned() },
                 };
                 self.say(answer).await
             }
-            Request::Save { id } => match save(id, Arc::clone(&self.picture)).await {
+            PageRequest::Save { id } => match save(id, Arc::clone(&self.picture)).await {
                 Ok(bytes) => self.send(Message::binary(bytes)).await,
-                Err(message) => self.say(Answer::Failed { id, message }).await,
+                Err(message) => self.say(ServerMessage::Failed { id, message }).await,
             },
         }
     }
@@ -177,15 +183,15 @@ impl Conversation {
         self.outbox.clear();
     }
 
-    fn surroundings(&self) -> Surroundings {
-        let shown = self.session.posted().shown;
-        Surroundings {
+    fn stream_context(&self) -> StreamContext {
+        let shown = self.session.published().shown;
+        StreamContext {
             description: Arc::clone(&shown.description),
             scene: Arc::clone(&shown.scene),
             visible: Arc::clone(&self.visible),
             outbox: Arc::clone(&self.outbox),
             picture: Arc::clone(&self.picture),
-            processors: Arc::clone(&self.house.processors),
+            processors: Arc::clone(&self.app.processors),
         }
     }
 }
@@ -197,23 +203,23 @@ fn ray(origin: [f64; 3], direction: [f64; 3]) -> Option<Ray> {
     Some(Ray::new(origin, direction))
 }
 
-/// What a ray meets. Areas may take a while the first time: others are served meanwhile.
+/// Hit of a ray. Areas may take a while the first time, so this runs on a blocking thread.
 async fn find(
     id: u32,
     shown: Arc<Shown>,
     ray: Ray,
     hidden: BTreeSet<u32>,
     section: Option<[f64; 4]>,
-) -> Answer {
+) -> ServerMessage {
     let look = move || query::pick(&shown.scene, &shown.model, &ray, &hidden, section);
     match spawn_blocking(look).await {
-        Ok(hit) => Answer::Hit { id, hit: hit.map(Box::new) },
-        Err(error) => Answer::Failed { id, message: error.to_string() },
+        Ok(hit) => ServerMessage::Hit { id, hit: hit.map(Box::new) },
+        Err(error) => ServerMessage::Failed { id, message: error.to_string() },
     }
 }
 
 /// The picture so far as OpenEXR, as it is sent.
-async fn save(id: u32, picture: Arc<Picture>) -> Result<Vec<u8>, String> {
+async fn save(id: u32, picture: Arc<LatestImage>) -> Result<Vec<u8>, String> {
     let Some(shot) = picture.get() else { return Err("there is no picture yet".to_owned()) };
     let attributes = [("samplesPerPixel".to_owned(), shot.samples.to_string())].into();
     let write = move || {
@@ -223,17 +229,17 @@ async fn save(id: u32, picture: Arc<Picture>) -> Result<Vec<u8>, String> {
     spawn_blocking(write).await.map_err(|error| error.to_string())?
 }
 
-fn message_of(parcel: Parcel) -> Message {
+fn message_of(parcel: OutboxMessage) -> Message {
     let (id, status) = match parcel {
-        Parcel::Tile(bytes) => return Message::binary(bytes),
-        Parcel::Status(id, status) => (id, status),
+        OutboxMessage::Tile(bytes) => return Message::binary(bytes),
+        OutboxMessage::Status(id, status) => (id, status),
     };
     let answer = match status {
-        Status::Progress { samples, noise, seconds, done } => {
-            Answer::Progress(Progress { id, samples, noise, seconds, done })
+        StreamStatus::Progress { samples, noise, seconds, done } => {
+            ServerMessage::Progress(ProgressMessage { id, samples, noise, seconds, done })
         }
-        Status::Waiting => Answer::Waiting { id },
-        Status::Failed(message) => Answer::Failed { id, message },
+        StreamStatus::Waiting => ServerMessage::Waiting { id },
+        StreamStatus::Failed(message) => ServerMessage::Failed { id, message },
     };
     Message::text(answer.to_text())
 }

@@ -1,4 +1,4 @@
-//! Files that are dropped on a page.
+//! Upload of files that are dropped on a page.
 
 use std::io;
 use std::path::{Component, Path, PathBuf};
@@ -14,11 +14,11 @@ use tempfile::TempDir;
 use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
-use super::house::House;
-use super::key::Key;
-use super::message::Answer;
+use super::access_key::AccessKey;
+use super::message::ServerMessage;
 use super::settings::Limits;
 use super::shown::Shown;
+use super::state::AppState;
 
 /// Folders that a file may lie in, one in the other.
 const MAX_DEPTH: usize = 8;
@@ -26,16 +26,16 @@ const MAX_DEPTH: usize = 8;
 /// Bytes of the name of a file or folder.
 const MAX_NAME: usize = 200;
 
-/// Why files are not shown.
+/// Errors of an upload.
 #[derive(Debug)]
-enum Refusal {
+enum UploadError {
     /// A request that makes no sense, or asks for too much.
     Request(StatusCode, String),
     /// Messages of the reader.
     Scene(String),
 }
 
-impl Refusal {
+impl UploadError {
     fn bad(message: impl Into<String>) -> Self {
         Self::Request(StatusCode::BAD_REQUEST, message.into())
     }
@@ -45,19 +45,19 @@ impl Refusal {
     }
 }
 
-impl From<MultipartError> for Refusal {
+impl From<MultipartError> for UploadError {
     fn from(error: MultipartError) -> Self {
         Self::Request(error.status(), error.body_text())
     }
 }
 
-impl From<io::Error> for Refusal {
+impl From<io::Error> for UploadError {
     fn from(error: io::Error) -> Self {
         Self::Request(StatusCode::INTERNAL_SERVER_ERROR, format!("the files cannot be kept: {error}"))
     }
 }
 
-impl IntoResponse for Refusal {
+impl IntoResponse for UploadError {
     fn into_response(self) -> Response {
         match self {
             Self::Request(status, text) => (status, text).into_response(),
@@ -66,63 +66,68 @@ impl IntoResponse for Refusal {
     }
 }
 
-/// Reads a scene from the files of a request, and shows it on the page that sent them.
+/// Reads a scene from the uploaded files and shows it on the page that sent them.
 pub(crate) async fn open(
-    State(house): State<Arc<House>>,
+    State(app): State<Arc<AppState>>,
     RawQuery(query): RawQuery,
     multipart: Multipart,
 ) -> Response {
-    match take_in(&house, query.as_deref(), multipart).await {
+    match take_in(&app, query.as_deref(), multipart).await {
         Ok(text) => ([(CONTENT_TYPE, "application/json")], text).into_response(),
         Err(refusal) => refusal.into_response(),
     }
 }
 
-async fn take_in(house: &House, query: Option<&str>, multipart: Multipart) -> Result<String, Refusal> {
+async fn take_in(app: &AppState, query: Option<&str>, multipart: Multipart) -> Result<String, UploadError> {
     let named = query.into_iter().flat_map(|q| q.split('&')).find_map(|pair| pair.strip_prefix("session="));
     let session = named
-        .and_then(Key::parse)
-        .and_then(|key| house.sessions.get(&key))
-        .ok_or_else(|| Refusal::bad("?session= has to be the name that the page was given"))?;
+        .and_then(AccessKey::parse)
+        .and_then(|key| app.sessions.get(&key))
+        .ok_or_else(|| UploadError::bad("?session= has to be the name that the page was given"))?;
     let Ok(_one) = session.uploading.try_lock() else {
-        return Err(Refusal::busy("the page is opening files already"));
+        return Err(UploadError::busy("the page is opening files already"));
     };
-    let Ok(_some) = house.uploads.try_acquire() else {
-        return Err(Refusal::busy("too many pages are opening files, try again"));
+    let Ok(_some) = app.uploads.try_acquire() else {
+        return Err(UploadError::busy("too many pages are opening files, try again"));
     };
     let folder = TempDir::with_prefix("glanz-")?;
-    let arriving = receive(multipart, folder.path(), &house.limits);
-    let names = timeout(house.limits.upload_time, arriving)
-        .await
-        .map_err(|_| Refusal::Request(StatusCode::REQUEST_TIMEOUT, "the files took too long".to_owned()))??;
-    let options = house.options.clone();
+    let arriving = receive(multipart, folder.path(), &app.limits);
+    let names = timeout(app.limits.upload_time, arriving).await.map_err(|_| {
+        UploadError::Request(StatusCode::REQUEST_TIMEOUT, "the files took too long".to_owned())
+    })??;
+    let options = app.options.clone();
     let shown = spawn_blocking(move || read(&folder, &names, options))
         .await
-        .map_err(|error| Refusal::Scene(format!("error: the scene cannot be read: {error}\n")))?
-        .map_err(Refusal::Scene)?;
-    let posted = house.models.post(Arc::new(shown)).map_err(|error| Refusal::busy(&error.to_string()))?;
-    let news = house.news(&session.key, &posted);
-    session.show_own(posted, news.clone());
-    Ok(Answer::Scene(news).to_text())
+        .map_err(|error| UploadError::Scene(format!("error: the scene cannot be read: {error}\n")))?
+        .map_err(UploadError::Scene)?;
+    let published =
+        app.models.post(Arc::new(shown)).map_err(|error| UploadError::busy(&error.to_string()))?;
+    let news = app.scene_message(&session.key, &published);
+    session.show_own(published, news.clone());
+    Ok(ServerMessage::Scene(news).to_text())
 }
 
-/// Puts the files into `folder`; gives their paths in there.
-async fn receive(mut multipart: Multipart, folder: &Path, limits: &Limits) -> Result<Vec<PathBuf>, Refusal> {
+/// Writes the files to `folder` and returns their relative paths.
+async fn receive(
+    mut multipart: Multipart,
+    folder: &Path,
+    limits: &Limits,
+) -> Result<Vec<PathBuf>, UploadError> {
     let mut names: Vec<PathBuf> = Vec::new();
     while let Some(field) = multipart.next_field().await? {
         if names.len() == limits.upload_files {
             let message = format!("more than {} files at once", limits.upload_files);
-            return Err(Refusal::Request(StatusCode::PAYLOAD_TOO_LARGE, message));
+            return Err(UploadError::Request(StatusCode::PAYLOAD_TOO_LARGE, message));
         }
         let name = field.file_name().and_then(inside);
         let Some(name) = name else {
-            return Err(Refusal::bad(format!(
+            return Err(UploadError::bad(format!(
                 "{:?} is no name for a file",
                 field.file_name().unwrap_or_default()
             )));
         };
         if names.contains(&name) {
-            return Err(Refusal::bad(format!("the file {:?} comes twice", name.display())));
+            return Err(UploadError::bad(format!("the file {:?} comes twice", name.display())));
         }
         keep(field, &folder.join(&name)).await?;
         names.push(name);
@@ -130,8 +135,8 @@ async fn receive(mut multipart: Multipart, folder: &Path, limits: &Limits) -> Re
     Ok(names)
 }
 
-/// Writes a file as it comes.
-async fn keep(mut field: Field<'_>, path: &Path) -> Result<(), Refusal> {
+/// Writes a file as it arrives.
+async fn keep(mut field: Field<'_>, path: &Path) -> Result<(), UploadError> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)?;
     }

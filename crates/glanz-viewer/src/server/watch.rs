@@ -1,4 +1,4 @@
-//! Reading a scene again when one of its files changes.
+//! Reloads a scene when one of its files changes.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -8,10 +8,10 @@ use tokio::task::spawn_blocking;
 use tokio::time::sleep;
 
 use super::News;
-use super::house::House;
 use super::shown::{Shown, refusal};
+use super::state::AppState;
 
-/// Time between two looks at the files.
+/// Interval between snapshots of the files.
 const INTERVAL: Duration = Duration::from_millis(500);
 
 /// When each file was last written, and its length; `None` where there is none.
@@ -25,19 +25,19 @@ fn snapshot(paths: &[PathBuf]) -> Snapshot {
     paths.iter().map(look).collect()
 }
 
-/// Decides when to read: when the files differ from what was read, and have been the same for two looks. Programs write in pieces.
+/// Decides when to read: when the files differ from those read and were equal in two snapshots, because programs write in pieces.
 #[derive(Debug)]
-struct Settling {
+struct ChangeDebouncer {
     read: Snapshot,
     seen: Snapshot,
 }
 
-impl Settling {
+impl ChangeDebouncer {
     fn new(read: Snapshot) -> Self {
         Self { seen: read.clone(), read }
     }
 
-    /// Takes a look, and says whether it is time to read.
+    /// Records a snapshot and returns true if it is time to read.
     fn look(&mut self, now: Snapshot) -> bool {
         let is_time = now != self.read && now == self.seen;
         if is_time {
@@ -48,29 +48,29 @@ impl Settling {
     }
 }
 
-/// Looks at the files of the scene, for ever; tells the pages when it has been read again, or why it cannot be.
-pub(crate) async fn watch(house: Arc<House>, scene: PathBuf) {
-    let mut paths = house.posted().shown.paths.clone();
-    let mut settling = Settling::new(snapshot(&paths));
+/// Polls the files of the scene until the task is aborted; reports to the pages when it was read again, or why it cannot be.
+pub(crate) async fn watch(app: Arc<AppState>, scene: PathBuf) {
+    let mut paths = app.published().shown.paths.clone();
+    let mut settling = ChangeDebouncer::new(snapshot(&paths));
     loop {
         sleep(INTERVAL).await;
         if !settling.look(snapshot(&paths)) {
             continue;
         }
-        let news = read(&house, &scene).await;
+        let news = read(&app, &scene).await;
         if let News::Read(shown) = &news {
             let same = shown.paths() == paths;
             if !same {
                 paths = shown.paths().to_vec();
-                settling = Settling::new(snapshot(&paths));
+                settling = ChangeDebouncer::new(snapshot(&paths));
             }
         }
-        house.publish(&scene, news);
+        app.publish(&scene, news);
     }
 }
 
-async fn read(house: &House, scene: &Path) -> News {
-    let (path, options, dress) = (scene.to_owned(), house.options.clone(), house.dress.clone());
+async fn read(app: &AppState, scene: &Path) -> News {
+    let (path, options, dress) = (scene.to_owned(), app.options.clone(), app.dress.clone());
     match spawn_blocking(move || Shown::read(&path, &options, dress.as_deref())).await {
         Ok(Ok(shown)) => News::Read(Arc::new(shown)),
         Ok(Err(diagnostics)) => News::Refused(diagnostics),
@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn files_are_read_when_they_have_changed_and_settled() {
         let at = |second: u64| vec![Some((SystemTime::UNIX_EPOCH + Duration::from_secs(second), 1))];
-        let mut settling = Settling::new(at(1));
+        let mut settling = ChangeDebouncer::new(at(1));
         let looks = [at(1), at(2), at(3), at(3), at(3), vec![None], vec![None], at(3), at(3)];
         let read = looks.map(|now| settling.look(now));
         assert_eq!(read, [false, false, false, true, false, false, true, false, true]);

@@ -5,7 +5,7 @@ use glanz_scene::camera::Screen;
 use glanz_scene::description::{CameraDescription, CameraKind};
 use serde::{Deserialize, Serialize};
 
-/// How far the axes of a page's camera may be from orthonormal: dot products, and squared lengths less 1. They are computed in double
+/// Tolerance of the camera's axes against orthonormality: dot products, and squared lengths minus 1. They are computed in double
 /// precision there; more than this is no rounding.
 const ORTHONORMAL: f64 = 1e-6;
 
@@ -44,7 +44,7 @@ pub enum ViewCameraKind {
     Orthographic,
 }
 
-/// Why a page's camera cannot be.
+/// Errors of a page's camera.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ViewCameraError {
@@ -60,7 +60,7 @@ pub enum ViewCameraError {
 }
 
 impl ViewCamera {
-    /// The same for `glanz-scene`, for a picture of `size` pixels.
+    /// The camera as a description for `glanz-scene`, for an image of `size` pixels.
     ///
     /// # Errors
     /// [`ViewCameraError`] with what cannot be.

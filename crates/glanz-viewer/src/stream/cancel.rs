@@ -18,7 +18,7 @@ impl StreamCancel {
         self.raised.notify_one();
     }
 
-    /// Whether the end was requested.
+    /// True if the end was requested.
     pub(crate) fn is_cancelled(&self) -> bool {
         self.flag.is_cancelled()
     }

@@ -1,4 +1,4 @@
-//! How noisy a picture is.
+//! Noise of an image.
 
 use glanz_light::Pixels;
 

@@ -1,4 +1,4 @@
-//! What is to be sent to a page.
+//! Messages queued for a page.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -7,9 +7,9 @@ use tokio::sync::Notify;
 
 use super::tile::Tile;
 
-/// How a stream is.
+/// Status of a stream.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Status {
+pub enum StreamStatus {
     /// A pass has ended.
     Progress {
         /// Per pixel.
@@ -18,7 +18,7 @@ pub enum Status {
         noise: Option<f64>,
         /// Time that was spent rendering.
         seconds: f64,
-        /// Whether there are no more to come.
+        /// True if no more samples follow.
         done: bool,
     },
     /// It waits for its turn.
@@ -29,37 +29,37 @@ pub enum Status {
 
 /// One thing to send.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Parcel {
+pub(crate) enum OutboxMessage {
     /// The bytes of a tile.
     Tile(Vec<u8>),
     /// The state of the view of that number.
-    Status(u32, Status),
+    Status(u32, StreamStatus),
 }
 
-/// What streams leave for a page: the newest of each tile, and the newest status. It holds one picture at most, however slowly it is
+/// Outbox of a page: the newest version of each tile, and the newest status. It holds one image at most, however slowly it is
 /// emptied.
 ///
 /// Tiles leave in the order in which they came first, the status after all tiles.
 #[derive(Debug, Default)]
 pub struct Outbox {
-    content: Mutex<Content>,
+    content: Mutex<OutboxContent>,
     news: Notify,
 }
 
 #[derive(Debug, Default)]
-struct Content {
+struct OutboxContent {
     tiles: BTreeMap<[u16; 2], Vec<u8>>,
     order: VecDeque<[u16; 2]>,
-    status: Option<(u32, Status)>,
+    status: Option<(u32, StreamStatus)>,
 }
 
 impl Outbox {
-    fn content(&self) -> MutexGuard<'_, Content> {
-        // What is in it is whole between any two statements.
+    fn content(&self) -> MutexGuard<'_, OutboxContent> {
+        // Its content is consistent between any two statements.
         self.content.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Puts a tile in place of an earlier one there.
+    /// Replaces an earlier tile at the same position.
     pub(crate) fn put_tile(&self, tile: Tile) {
         let mut content = self.content();
         if content.tiles.insert(tile.min, tile.bytes).is_none() {
@@ -69,7 +69,7 @@ impl Outbox {
         self.news.notify_one();
     }
 
-    /// Puts a whole picture in place of all tiles.
+    /// Replaces all tiles by a whole image.
     pub(crate) fn put_picture(&self, tiles: Vec<Tile>) {
         let mut content = self.content();
         content.order = tiles.iter().map(|tile| tile.min).collect();
@@ -78,29 +78,29 @@ impl Outbox {
         self.news.notify_one();
     }
 
-    /// Puts the status of the view `id` in place of an earlier one.
-    pub(crate) fn put_status(&self, id: u32, status: Status) {
+    /// Replaces the status by that of the view `id`.
+    pub(crate) fn put_status(&self, id: u32, status: StreamStatus) {
         self.content().status = Some((id, status));
         self.news.notify_one();
     }
 
     /// Throws away what has not been sent.
     pub(crate) fn clear(&self) {
-        *self.content() = Content::default();
+        *self.content() = OutboxContent::default();
     }
 
-    fn take(&self) -> Option<Parcel> {
+    fn take(&self) -> Option<OutboxMessage> {
         let mut content = self.content();
         while let Some(place) = content.order.pop_front() {
             if let Some(bytes) = content.tiles.remove(&place) {
-                return Some(Parcel::Tile(bytes));
+                return Some(OutboxMessage::Tile(bytes));
             }
         }
-        content.status.take().map(|(id, status)| Parcel::Status(id, status))
+        content.status.take().map(|(id, status)| OutboxMessage::Status(id, status))
     }
 
     /// The next thing to send, when there is one. One task at a time may wait.
-    pub(crate) async fn next(&self) -> Parcel {
+    pub(crate) async fn next(&self) -> OutboxMessage {
         loop {
             if let Some(parcel) = self.take() {
                 return parcel;
@@ -121,15 +121,15 @@ mod tests {
     #[test]
     fn newer_tiles_take_the_place_of_older_ones_and_the_status_comes_last() {
         let outbox = Outbox::default();
-        outbox.put_status(1, Status::Waiting);
+        outbox.put_status(1, StreamStatus::Waiting);
         for (x, samples) in [(7, 1), (3, 1), (7, 2)] {
             outbox.put_tile(tile(x, samples));
         }
-        outbox.put_status(1, Status::Failed("x".to_owned()));
+        outbox.put_status(1, StreamStatus::Failed("x".to_owned()));
         let expected = [
-            Some(Parcel::Tile(tile(7, 2).bytes)),
-            Some(Parcel::Tile(tile(3, 1).bytes)),
-            Some(Parcel::Status(1, Status::Failed("x".to_owned()))),
+            Some(OutboxMessage::Tile(tile(7, 2).bytes)),
+            Some(OutboxMessage::Tile(tile(3, 1).bytes)),
+            Some(OutboxMessage::Status(1, StreamStatus::Failed("x".to_owned()))),
             None,
         ];
         assert_eq!([(); 4].map(|()| outbox.take()), expected);
@@ -140,10 +140,10 @@ mod tests {
         let outbox = Outbox::default();
         outbox.put_tile(tile(7, 1));
         outbox.put_picture(vec![tile(2, 5)]);
-        assert_eq!(outbox.take(), Some(Parcel::Tile(tile(2, 5).bytes)));
+        assert_eq!(outbox.take(), Some(OutboxMessage::Tile(tile(2, 5).bytes)));
         assert_eq!(outbox.take(), None);
         outbox.put_tile(tile(7, 1));
-        outbox.put_status(1, Status::Waiting);
+        outbox.put_status(1, StreamStatus::Waiting);
         outbox.clear();
         assert_eq!(outbox.take(), None);
     }

@@ -9,8 +9,8 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 /// Renders at a time. The system shares the processors between their threads; more would only make all of them slow together.
 const PLACES: usize = 4;
 
-/// How long a render keeps its place while others wait, unless a pass takes longer.
-pub(crate) const TURN: Duration = Duration::from_secs(2);
+/// Time slice of a render while others wait, unless a pass takes longer.
+pub(crate) const TIME_SLICE: Duration = Duration::from_secs(2);
 
 /// Pixels of all films at a time, 120 to 230 bytes each.
 const PIXELS: usize = 1 << 24;
@@ -29,7 +29,7 @@ pub struct Processors {
 
 /// Something that one stream has of all.
 #[derive(Debug)]
-pub(crate) struct Share {
+pub(crate) struct ProcessorShare {
     _permit: OwnedSemaphorePermit,
 }
 
@@ -50,35 +50,35 @@ impl Processors {
         self.threads
     }
 
-    /// Whether somebody waits for a place.
+    /// True if another render waits.
     pub(crate) fn are_wanted(&self) -> bool {
         self.waiting.load(Ordering::Relaxed) > 0
     }
 
     /// A place to render, at once or never.
-    pub(crate) fn try_place(&self) -> Option<Share> {
-        Arc::clone(&self.places).try_acquire_owned().ok().map(|permit| Share { _permit: permit })
+    pub(crate) fn try_place(&self) -> Option<ProcessorShare> {
+        Arc::clone(&self.places).try_acquire_owned().ok().map(|permit| ProcessorShare { _permit: permit })
     }
 
     /// A place to render, when it is the caller's turn.
-    pub(crate) async fn place(&self) -> Option<Share> {
+    pub(crate) async fn place(&self) -> Option<ProcessorShare> {
         let _waiting = Waiting::new(&self.waiting);
         let permit = Arc::clone(&self.places).acquire_owned().await.ok()?;
-        Some(Share { _permit: permit })
+        Some(ProcessorShare { _permit: permit })
     }
 
     /// Memory for a film of so many pixels, at once or never.
-    pub(crate) fn try_film(&self, pixels: u64) -> Option<Share> {
+    pub(crate) fn try_film(&self, pixels: u64) -> Option<ProcessorShare> {
         Arc::clone(&self.films)
             .try_acquire_many_owned(units(pixels))
             .ok()
-            .map(|permit| Share { _permit: permit })
+            .map(|permit| ProcessorShare { _permit: permit })
     }
 
     /// Memory for a film of so many pixels, when there is some.
-    pub(crate) async fn film(&self, pixels: u64) -> Option<Share> {
+    pub(crate) async fn film(&self, pixels: u64) -> Option<ProcessorShare> {
         let permit = Arc::clone(&self.films).acquire_many_owned(units(pixels)).await.ok()?;
-        Some(Share { _permit: permit })
+        Some(ProcessorShare { _permit: permit })
     }
 }
 
@@ -104,7 +104,7 @@ impl Drop for Waiting<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::order::MAX_SIDE;
+    use super::super::request::MAX_SIDE;
     use super::*;
 
     #[test]

@@ -7,26 +7,26 @@ use glanz_transport::RenderError;
 use tokio::task::{JoinHandle, spawn_blocking};
 
 use super::cancel::StreamCancel;
-use super::exposure::{Turn, View, is_done};
-use super::order::{Order, OrderError};
-use super::outbox::{Outbox, Status};
-use super::picture::Picture;
-use super::processors::{Processors, Share};
-use super::visible::Visible;
+use super::latest_image::LatestImage;
+use super::outbox::{Outbox, StreamStatus};
+use super::processors::{ProcessorShare, Processors};
+use super::request::{RenderRequest, RenderRequestError};
+use super::time_slice::{StreamView, TimeSlice, is_done};
+use super::visible_scene::VisibleScene;
 
-/// What a stream needs of the page that it belongs to and of the server.
+/// Context of a stream: data of its page and of the server.
 #[derive(Clone, Debug)]
-pub struct Surroundings {
+pub struct StreamContext {
     /// The scene that the page shows, as it was described.
     pub description: Arc<Description>,
-    /// The same, built.
+    /// The resolved scene.
     pub scene: Arc<Scene>,
-    /// What is kept of the scene without what is hidden.
-    pub visible: Arc<Visible>,
-    /// Where tiles and status go.
+    /// Cache of the scene without hidden leaves.
+    pub visible: Arc<VisibleScene>,
+    /// Target of tiles and status.
     pub outbox: Arc<Outbox>,
-    /// Where the last picture goes.
-    pub picture: Arc<Picture>,
+    /// Target of the latest image.
+    pub picture: Arc<LatestImage>,
     /// Shared with all streams.
     pub processors: Arc<Processors>,
 }
@@ -43,8 +43,8 @@ impl Stream {
     /// Begins to render `order`; to be called within a runtime of tokio.
     ///
     /// # Errors
-    /// [`OrderError::Size`], [`OrderError::Camera`]. What is found out later becomes [`Status::Failed`].
-    pub fn start(order: Order, surroundings: Surroundings) -> Result<Self, OrderError> {
+    /// [`RenderRequestError::Size`], [`RenderRequestError::Camera`]. What is found out later becomes [`StreamStatus::Failed`].
+    pub fn start(order: RenderRequest, surroundings: StreamContext) -> Result<Self, RenderRequestError> {
         order.check()?;
         let id = order.id;
         let cancel = Arc::new(StreamCancel::default());
@@ -53,7 +53,7 @@ impl Stream {
             async move {
                 let outbox = Arc::clone(&surroundings.outbox);
                 if let Err(Stop::Failed(message)) = carry_out(order, surroundings, cancel).await {
-                    outbox.put_status(id, Status::Failed(message));
+                    outbox.put_status(id, StreamStatus::Failed(message));
                 }
             }
         });
@@ -81,7 +81,7 @@ impl Drop for Stream {
     }
 }
 
-/// Why a stream ends before it is done.
+/// Reasons for the early end of a stream.
 enum Stop {
     /// It was cancelled.
     Interrupted,
@@ -105,14 +105,18 @@ async fn unless<T>(cancel: &StreamCancel, next: impl Future<Output = T>) -> Resu
 }
 
 /// Renders a view turn by turn.
-async fn carry_out(order: Order, surroundings: Surroundings, cancel: Arc<StreamCancel>) -> Result<(), Stop> {
-    let Surroundings { description, scene, visible, outbox, picture, processors } = surroundings;
+async fn carry_out(
+    order: RenderRequest,
+    surroundings: StreamContext,
+    cancel: Arc<StreamCancel>,
+) -> Result<(), Stop> {
+    let StreamContext { description, scene, visible, outbox, picture, processors } = surroundings;
     let id = order.id;
     let plan = order.plan(&description, processors.threads())?;
-    let _memory: Option<Share> = match processors.try_film(order.pixels()) {
+    let _memory: Option<ProcessorShare> = match processors.try_film(order.pixels()) {
         Some(share) => Some(share),
         None => {
-            outbox.put_status(id, Status::Waiting);
+            outbox.put_status(id, StreamStatus::Waiting);
             unless(&cancel, processors.film(order.pixels())).await?
         }
     };
@@ -120,20 +124,20 @@ async fn carry_out(order: Order, surroundings: Surroundings, cancel: Arc<StreamC
     let film = plan.film()?;
     let scene = scene.with_camera(plan.camera.clone());
     let integrator = plan.integrator.build();
-    let view = View { id, scene, plan, integrator, cancel, outbox, picture, processors };
-    let (view, mut turn) = (Arc::new(view), Turn { film, seconds: 0.0 });
+    let view = StreamView { id, scene, plan, integrator, cancel, outbox, picture, processors };
+    let (view, mut turn) = (Arc::new(view), TimeSlice { film, seconds: 0.0 });
     while !is_done(&turn.film) {
         let place = match view.processors.try_place() {
             Some(place) => Some(place),
             None => {
-                view.outbox.put_status(id, Status::Waiting);
+                view.outbox.put_status(id, StreamStatus::Waiting);
                 unless(&view.cancel, view.processors.place()).await?
             }
         };
         // Not left alone when it is cancelled: its threads are gone before the stream is.
         let taken = spawn_blocking({
             let view = Arc::clone(&view);
-            move || view.take_turn(turn)
+            move || view.run_time_slice(turn)
         });
         turn = match taken.await? {
             Ok(turn) => turn,

@@ -3,15 +3,15 @@
 use serde_json::{Value, json};
 use tungstenite::Message;
 
-use super::house::{BALL, Heard, House, view};
+use super::client::{BALL, ReceivedMessage, TestServer, view};
 
 #[test]
 fn a_pick_tells_what_the_ray_meets() {
-    let house = House::open(BALL);
-    let mut page = house.visit();
+    let server = TestServer::open(BALL);
+    let mut page = server.connect_page();
     let pick = |id: u32, hidden: &[u32], section: Value| json!({ "type": "pick", "id": id, "origin": [0, -4, 0], "direction": [0, 2, 0], "hidden": hidden, "section": section });
-    page.say(pick(1, &[], Value::Null));
-    let hit = page.hear_text("hit");
+    page.send(pick(1, &[], Value::Null));
+    let hit = page.receive_text("hit");
     // The ray along +y meets the unit ball at y = -1, 3 m from where it begins.
     assert_eq!(
         (&hit["id"], &hit["hit"]["leaf"], &hit["hit"]["kind"]),
@@ -19,43 +19,43 @@ fn a_pick_tells_what_the_ray_meets() {
     );
     assert!((hit["hit"]["distance"].as_f64().unwrap() - 3.0).abs() < 1e-9, "{hit}");
     // With y <= -2 alone nothing is left of it, and with the ball hidden there is nothing behind.
-    page.say(pick(2, &[], json!([0, 1, 0, -2])));
-    assert_eq!(page.hear_text("hit"), json!({ "type": "hit", "id": 2, "hit": null }));
-    page.say(pick(3, &[0], Value::Null));
-    assert_eq!(page.hear_text("hit"), json!({ "type": "hit", "id": 3, "hit": null }));
-    page.say(json!({ "type": "pick", "id": 4, "origin": [0, 0, 0], "direction": [0, 0, 0] }));
-    assert_eq!(page.hear_text("failed")["id"], 4);
+    page.send(pick(2, &[], json!([0, 1, 0, -2])));
+    assert_eq!(page.receive_text("hit"), json!({ "type": "hit", "id": 2, "hit": null }));
+    page.send(pick(3, &[0], Value::Null));
+    assert_eq!(page.receive_text("hit"), json!({ "type": "hit", "id": 3, "hit": null }));
+    page.send(json!({ "type": "pick", "id": 4, "origin": [0, 0, 0], "direction": [0, 0, 0] }));
+    assert_eq!(page.receive_text("failed")["id"], 4);
 }
 
 #[test]
 fn requests_that_cannot_be_served_are_answered() {
-    let house = House::open(BALL);
-    let mut page = house.visit();
-    page.say(json!({ "type": "save", "id": 1 }));
-    assert_eq!(page.hear_text("failed")["id"], 1);
-    page.say(json!({ "type": "stop", "id": 2 }));
-    assert_eq!(page.hear_text("stopped")["id"], 2);
+    let server = TestServer::open(BALL);
+    let mut page = server.connect_page();
+    page.send(json!({ "type": "save", "id": 1 }));
+    assert_eq!(page.receive_text("failed")["id"], 1);
+    page.send(json!({ "type": "stop", "id": 2 }));
+    assert_eq!(page.receive_text("stopped")["id"], 2);
     for (id, size) in [(3, [0, 5]), (4, [5000, 5]), (5, [u32::MAX, u32::MAX])] {
-        page.say(view(id, size, &[]));
-        assert_eq!(page.hear_text("failed")["id"], id);
+        page.send(view(id, size, &[]));
+        assert_eq!(page.receive_text("failed")["id"], id);
     }
     let mut odd = view(6, [8, 8], &[]);
     odd["camera"]["up"] = json!([1, 0, 0]);
-    page.say(&odd);
-    let failed = page.hear_text("failed");
+    page.send(&odd);
+    let failed = page.receive_text("failed");
     assert_eq!(failed["id"], 6);
     assert!(failed["message"].as_str().unwrap().contains("orthonormal"), "{failed}");
 }
 
 #[test]
 fn malformed_messages_are_answered_and_too_many_end_the_conversation() {
-    let house = House::open(BALL);
-    let (mut page, mut other) = (house.visit(), house.visit());
+    let server = TestServer::open(BALL);
+    let (mut page, mut other) = (server.connect_page(), server.connect_page());
     let nonsense = ["", "{}", "[]", "\u{0}", "{\"type\":\"view\",\"id\":7}", "{\"type\":\"dance\",\"id\":8}"];
     for text in nonsense {
-        page.say(text);
+        page.send(text);
         assert_eq!(
-            page.hear_text("failed")["id"],
+            page.receive_text("failed")["id"],
             if text.ends_with("7}") {
                 7
             } else if text.ends_with("8}") {
@@ -66,29 +66,29 @@ fn malformed_messages_are_answered_and_too_many_end_the_conversation() {
         );
     }
     page.socket.send(Message::binary(vec![0; 100])).unwrap();
-    page.hear_text("failed");
+    page.receive_text("failed");
     // 16 are borne.
     for _ in nonsense.len() + 1..16 {
-        page.say("?");
-        page.hear_text("failed");
+        page.send("?");
+        page.receive_text("failed");
     }
-    page.say("?");
-    assert!(matches!(page.hear(), Heard::Closed(Some(1008))));
-    other.say(json!({ "type": "stop", "id": 1 }));
-    other.hear_text("stopped");
+    page.send("?");
+    assert!(matches!(page.receive(), ReceivedMessage::Closed(Some(1008))));
+    other.send(json!({ "type": "stop", "id": 1 }));
+    other.receive_text("stopped");
 }
 
 #[test]
 fn messages_that_are_too_long_end_the_conversation() {
-    let house = House::open(BALL);
-    let mut other = house.visit();
+    let server = TestServer::open(BALL);
+    let mut other = server.connect_page();
     for length in [(64 << 10) + 1, 10 << 20] {
-        let mut page = house.visit();
+        let mut page = server.connect_page();
         // The server need not take all of it.
         let _ = page.socket.send(Message::text("x".repeat(length)));
-        let heard = page.hear();
-        assert!(matches!(heard, Heard::Closed(_)), "{heard:?}");
+        let heard = page.receive();
+        assert!(matches!(heard, ReceivedMessage::Closed(_)), "{heard:?}");
     }
-    other.say(json!({ "type": "stop", "id": 1 }));
-    other.hear_text("stopped");
+    other.send(json!({ "type": "stop", "id": 1 }));
+    other.receive_text("stopped");
 }

@@ -8,8 +8,8 @@
 )]
 
 mod admission;
+mod client;
 mod conversation;
-mod house;
 mod page;
 mod rendering;
 mod upload;

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use super::house::{BALL, House};
+use super::client::{BALL, TestServer};
 
 /// Paths of all files below `folder`, with `prefix` in front.
 fn walk(folder: &Path, prefix: &str, found: &mut Vec<String>) {
@@ -20,12 +20,12 @@ fn walk(folder: &Path, prefix: &str, found: &mut Vec<String>) {
 
 #[test]
 fn every_file_of_the_page_is_served_with_its_type_and_a_tag() {
-    let house = House::open(BALL);
+    let server = TestServer::open(BALL);
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("web");
     let mut files = Vec::new();
     walk(&folder, "", &mut files);
     for file in &files {
-        let answer = house.get(&format!("/{file}"));
+        let answer = server.get(&format!("/{file}"));
         assert_eq!(answer.status, 200, "{file}");
         assert_eq!(answer.body, fs::read(folder.join(file)).unwrap(), "{file}");
         let kind = match file.rsplit_once('.').unwrap().1 {
@@ -37,19 +37,19 @@ fn every_file_of_the_page_is_served_with_its_type_and_a_tag() {
         };
         assert_eq!(answer.header("content-type"), Some(kind), "{file}");
         let tag = answer.header("etag").unwrap();
-        let again = house.ask(&format!("GET /{file}"), &[&format!("If-None-Match: \"x\", {tag}")], &[]);
+        let again = server.request(&format!("GET /{file}"), &[&format!("If-None-Match: \"x\", {tag}")], &[]);
         assert_eq!((again.status, again.body.len()), (304, 0), "{file}");
         assert_eq!(answer.header("cache-control"), Some("no-cache"), "{file}");
     }
-    assert_eq!(house.get("/").body, fs::read(folder.join("index.html")).unwrap());
-    assert_eq!(house.get("/?x=y").status, 200);
-    let head = house.ask("HEAD /main.js", &[], &[]);
+    assert_eq!(server.get("/").body, fs::read(folder.join("index.html")).unwrap());
+    assert_eq!(server.get("/?x=y").status, 200);
+    let head = server.request("HEAD /main.js", &[], &[]);
     assert_eq!((head.status, head.body.len()), (200, 0));
 }
 
 #[test]
 fn paths_that_lead_elsewhere_lead_nowhere() {
-    let house = House::open(BALL);
+    let server = TestServer::open(BALL);
     for path in [
         "/../Cargo.toml",
         "/gl/../../Cargo.toml",
@@ -68,33 +68,33 @@ fn paths_that_lead_elsewhere_lead_nowhere() {
         "/model/00000000000000000000000000000000",
         "/open/x",
     ] {
-        let answer = house.get(path);
+        let answer = server.get(path);
         assert!(matches!(answer.status, 404), "{path}: {}", answer.status);
         assert!(answer.body.len() < 64, "{path}");
     }
     for line in ["GET ../Cargo.toml", "GET \\..\\Cargo.toml", "GET /\u{e4}\u{0}"] {
-        assert!(matches!(house.ask(line, &[], &[]).status, 400 | 404), "{line}");
+        assert!(matches!(server.request(line, &[], &[]).status, 400 | 404), "{line}");
     }
-    assert_eq!(house.ask("POST /", &[], &[]).status, 405);
-    assert_eq!(house.ask("DELETE /main.js", &[], &[]).status, 405);
-    assert_eq!(house.ask("GET /open", &[], &[]).status, 405);
+    assert_eq!(server.request("POST /", &[], &[]).status, 405);
+    assert_eq!(server.request("DELETE /main.js", &[], &[]).status, 405);
+    assert_eq!(server.request("GET /open", &[], &[]).status, 405);
     // Nothing of it hurt the server.
-    assert_eq!(house.get("/").status, 200);
+    assert_eq!(server.get("/").status, 200);
 }
 
 #[test]
 fn every_answer_tells_the_browser_to_be_careful() {
-    let house = House::open(BALL);
-    let model = house.visit().scene["model"].as_str().unwrap().to_owned();
+    let server = TestServer::open(BALL);
+    let model = server.connect_page().scene["model"].as_str().unwrap().to_owned();
     let answers = [
-        house.get("/"),
-        house.get("/main.js"),
-        house.get(&model),
-        house.get("/nowhere"),
-        house.get("/ws"),
-        house.ask("POST /", &[], &[]),
-        house.ask("POST /open", &[], b"x"),
-        house.ask_as("GET /", &["Host: evil.example"], &[]),
+        server.get("/"),
+        server.get("/main.js"),
+        server.get(&model),
+        server.get("/nowhere"),
+        server.get("/ws"),
+        server.request("POST /", &[], &[]),
+        server.request("POST /open", &[], b"x"),
+        server.request_with("GET /", &["Host: evil.example"], &[]),
     ];
     for answer in answers {
         let policy = answer.header("content-security-policy").expect("a policy");
@@ -114,12 +114,12 @@ fn every_answer_tells_the_browser_to_be_careful() {
 
 #[test]
 fn the_model_is_got_under_the_name_that_the_page_is_told() {
-    let house = House::open(BALL);
-    let page = house.visit();
+    let server = TestServer::open(BALL);
+    let page = server.connect_page();
     assert_eq!(page.scene["name"], "scene.pbrt");
     assert_eq!(page.scene["integrator"], "path");
     assert!(page.scene["error"].is_null());
-    let answer = house.get(page.scene["model"].as_str().unwrap());
+    let answer = server.get(page.scene["model"].as_str().unwrap());
     assert_eq!(answer.status, 200);
     assert!(answer.body.starts_with(b"GLANZVW1"));
     assert_eq!(answer.header("content-type"), Some("application/octet-stream"));

@@ -2,16 +2,16 @@
 
 use serde_json::json;
 
-use super::house::{BALL, ENDLESS, Heard, House, Page, view};
+use super::client::{BALL, ENDLESS, ReceivedMessage, TestPage, TestServer, view};
 
 /// The first whole picture of a view: samples of its pixels, and green half floats, `None` where nothing came.
-fn picture(page: &mut Page, id: u32, size: [u16; 2]) -> (u32, Vec<Option<u16>>) {
+fn picture(page: &mut TestPage, id: u32, size: [u16; 2]) -> (u32, Vec<Option<u16>>) {
     let [width, height] = size.map(usize::from);
     let mut pixels = vec![None; width * height];
     let mut samples = 0;
     loop {
-        match page.hear() {
-            Heard::Tile(tile) => {
+        match page.receive() {
+            ReceivedMessage::Tile(tile) => {
                 assert_eq!(tile.id, id);
                 let [x, y, columns, rows] =
                     [tile.min[0], tile.min[1], tile.size[0], tile.size[1]].map(usize::from);
@@ -21,7 +21,7 @@ fn picture(page: &mut Page, id: u32, size: [u16; 2]) -> (u32, Vec<Option<u16>>) 
                 }
                 samples = tile.samples;
             }
-            Heard::Text(text) if text["type"] == "progress" => {
+            ReceivedMessage::Text(text) if text["type"] == "progress" => {
                 assert_eq!(text["id"], id);
                 return (samples, pixels);
             }
@@ -35,9 +35,9 @@ const ONE: u16 = 0x3c00;
 
 #[test]
 fn tiles_cover_the_picture_and_progress_follows() {
-    let house = House::open(BALL);
-    let mut page = house.visit();
-    page.say(view(5, [50, 30], &[]));
+    let server = TestServer::open(BALL);
+    let mut page = server.connect_page();
+    page.send(view(5, [50, 30], &[]));
     let (samples, pixels) = picture(&mut page, 5, [50, 30]);
     assert!(samples >= 1 && pixels.iter().all(Option::is_some));
     // The sky is 1 in the corner; the ball in the middle reflects half of it.
@@ -45,7 +45,7 @@ fn tiles_cover_the_picture_and_progress_follows() {
     assert!(pixels[15 * 50 + 25].is_some_and(|value| value < ONE));
     let mut last = json!(0);
     for _ in 0..3 {
-        let progress = page.hear_text("progress");
+        let progress = page.receive_text("progress");
         assert_eq!(progress["id"], 5);
         assert!(progress["samples"].as_u64() > last.as_u64());
         // Known from two samples on.
@@ -59,15 +59,15 @@ fn tiles_cover_the_picture_and_progress_follows() {
 
 #[test]
 fn a_view_ends_with_all_samples_and_is_saved_as_it_is() {
-    let house = House::open(BALL);
-    let mut page = house.visit();
-    page.say(view(1, [6, 4], &[]));
-    while page.hear_text("progress")["done"] != true {}
-    page.say(json!({ "type": "save", "id": 2 }));
+    let server = TestServer::open(BALL);
+    let mut page = server.connect_page();
+    page.send(view(1, [6, 4], &[]));
+    while page.receive_text("progress")["done"] != true {}
+    page.send(json!({ "type": "save", "id": 2 }));
     let file = loop {
-        match page.hear() {
-            Heard::File(2, bytes) => break bytes,
-            Heard::Tile(_) => {}
+        match page.receive() {
+            ReceivedMessage::File(2, bytes) => break bytes,
+            ReceivedMessage::Tile(_) => {}
             heard => panic!("{heard:?}"),
         }
     };
@@ -78,14 +78,14 @@ fn a_view_ends_with_all_samples_and_is_saved_as_it_is() {
 
 #[test]
 fn what_is_hidden_is_not_rendered() {
-    let house = House::open(BALL);
-    let mut page = house.visit();
+    let server = TestServer::open(BALL);
+    let mut page = server.connect_page();
     for (id, hidden, is_sky) in [(1, &[][..], false), (2, &[0], true), (3, &[1], false), (4, &[0, 1], true)] {
-        page.say(view(id, [9, 9], hidden));
+        page.send(view(id, [9, 9], hidden));
         let (_, pixels) = loop {
-            // What is left of the view before may still be on its way.
-            match page.hear() {
-                Heard::Tile(tile) if tile.id == id => {
+            // Messages of the view before may still arrive.
+            match page.receive() {
+                ReceivedMessage::Tile(tile) if tile.id == id => {
                     break ((), tile.values.chunks_exact(3).map(|rgb| rgb[1]).collect::<Vec<_>>());
                 }
                 _ => {}
@@ -97,28 +97,28 @@ fn what_is_hidden_is_not_rendered() {
 
 #[test]
 fn guided_pictures_come_whole() {
-    let house = House::open(BALL);
-    let mut page = house.visit();
+    let server = TestServer::open(BALL);
+    let mut page = server.connect_page();
     let mut order = view(1, [40, 20], &[]);
     order["integrator"] = json!("guided");
-    page.say(&order);
+    page.send(&order);
     // 40 x 20 pixels fit in one tile of a whole picture, and are three of those that a pass fills.
-    let Heard::Tile(tile) = page.hear() else { panic!("a tile comes first") };
+    let ReceivedMessage::Tile(tile) = page.receive() else { panic!("a tile comes first") };
     assert_eq!((tile.min, tile.size), ([0, 0], [40, 20]));
 }
 
 #[test]
 fn a_stop_ends_a_pass_before_it_is_over() {
-    let house = House::open(ENDLESS);
-    let mut page = house.visit();
-    page.say(view(1, [400, 300], &[]));
-    assert!(matches!(page.hear(), Heard::Tile(_)));
-    page.say(json!({ "type": "stop", "id": 1 }));
+    let server = TestServer::open(ENDLESS);
+    let mut page = server.connect_page();
+    page.send(view(1, [400, 300], &[]));
+    assert!(matches!(page.receive(), ReceivedMessage::Tile(_)));
+    page.send(json!({ "type": "stop", "id": 1 }));
     loop {
-        match page.hear() {
-            Heard::Tile(tile) => assert_eq!(tile.id, 1),
+        match page.receive() {
+            ReceivedMessage::Tile(tile) => assert_eq!(tile.id, 1),
             // Progress comes after a pass only, and this one would take minutes.
-            Heard::Text(text) => {
+            ReceivedMessage::Text(text) => {
                 assert_eq!(text, json!({ "type": "stopped", "id": 1 }));
                 break;
             }
@@ -126,56 +126,56 @@ fn a_stop_ends_a_pass_before_it_is_over() {
         }
     }
     // Nothing comes after it, until something is asked for.
-    page.say(json!({ "type": "stop", "id": 2 }));
-    assert!(matches!(page.hear(), Heard::Text(text) if text["id"] == 2));
+    page.send(json!({ "type": "stop", "id": 2 }));
+    assert!(matches!(page.receive(), ReceivedMessage::Text(text) if text["id"] == 2));
 }
 
 #[test]
 fn a_new_view_takes_the_place_of_the_last() {
-    let house = House::open(ENDLESS);
-    let mut page = house.visit();
-    page.say(view(1, [400, 300], &[]));
-    assert!(matches!(page.hear(), Heard::Tile(_)));
-    page.say(view(2, [400, 300], &[]));
+    let server = TestServer::open(ENDLESS);
+    let mut page = server.connect_page();
+    page.send(view(1, [400, 300], &[]));
+    assert!(matches!(page.receive(), ReceivedMessage::Tile(_)));
+    page.send(view(2, [400, 300], &[]));
     let mut changed = false;
     for _ in 0..20 {
-        let Heard::Tile(tile) = page.hear() else { panic!("only tiles come") };
+        let ReceivedMessage::Tile(tile) = page.receive() else { panic!("only tiles come") };
         assert!(tile.id == 2 || !changed, "a tile of the first view after one of the second");
         changed |= tile.id == 2;
     }
     assert!(changed);
     // A stop that comes late is about a view that has ended already: the other goes on.
-    page.say(json!({ "type": "stop", "id": 1 }));
-    page.hear_text("stopped");
-    assert!(matches!(page.hear(), Heard::Tile(tile) if tile.id == 2));
+    page.send(json!({ "type": "stop", "id": 1 }));
+    page.receive_text("stopped");
+    assert!(matches!(page.receive(), ReceivedMessage::Tile(tile) if tile.id == 2));
 }
 
 #[test]
 fn a_page_that_leaves_frees_the_processors_for_others() {
-    let house = House::open(ENDLESS);
-    let mut pages: Vec<Page> = (0..4).map(|_| house.visit()).collect();
+    let server = TestServer::open(ENDLESS);
+    let mut pages: Vec<TestPage> = (0..4).map(|_| server.connect_page()).collect();
     for page in &mut pages {
-        page.say(view(1, [400, 300], &[]));
-        assert!(matches!(page.hear(), Heard::Tile(_)));
+        page.send(view(1, [400, 300], &[]));
+        assert!(matches!(page.receive(), ReceivedMessage::Tile(_)));
     }
     // Four render at a time, for minutes.
-    let mut last = house.visit();
-    last.say(view(9, [16, 16], &[]));
-    assert_eq!(last.hear_text("waiting")["id"], 9);
+    let mut last = server.connect_page();
+    last.send(view(9, [16, 16], &[]));
+    assert_eq!(last.receive_text("waiting")["id"], 9);
     drop(pages.pop());
-    assert!(matches!(last.hear(), Heard::Tile(tile) if tile.id == 9));
+    assert!(matches!(last.receive(), ReceivedMessage::Tile(tile) if tile.id == 9));
 }
 
 #[test]
 fn a_page_that_waits_can_stop() {
-    let house = House::open(ENDLESS);
-    let mut pages: Vec<Page> = (0..5).map(|_| house.visit()).collect();
+    let server = TestServer::open(ENDLESS);
+    let mut pages: Vec<TestPage> = (0..5).map(|_| server.connect_page()).collect();
     for page in &mut pages[..4] {
-        page.say(view(1, [400, 300], &[]));
-        assert!(matches!(page.hear(), Heard::Tile(_)));
+        page.send(view(1, [400, 300], &[]));
+        assert!(matches!(page.receive(), ReceivedMessage::Tile(_)));
     }
-    pages[4].say(view(1, [16, 16], &[]));
-    pages[4].hear_text("waiting");
-    pages[4].say(json!({ "type": "stop", "id": 1 }));
-    assert!(matches!(pages[4].hear(), Heard::Text(text) if text["type"] == "stopped"));
+    pages[4].send(view(1, [16, 16], &[]));
+    pages[4].receive_text("waiting");
+    pages[4].send(json!({ "type": "stop", "id": 1 }));
+    assert!(matches!(pages[4].receive(), ReceivedMessage::Text(text) if text["type"] == "stopped"));
 }

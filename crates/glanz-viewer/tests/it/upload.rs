@@ -1,11 +1,11 @@
-//! Files that are dropped on a page.
+//! Upload of files that are dropped on a page.
 
 use std::time::Duration;
 
 use glanz_viewer::server::Limits;
 use serde_json::Value;
 
-use super::house::{Answer, BALL, House, Page};
+use super::client::{BALL, HttpResponse, TestPage, TestServer};
 
 const TRIANGLE: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
     element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
@@ -23,49 +23,49 @@ fn form(files: &[(&str, &str)]) -> Vec<u8> {
     body.into_bytes()
 }
 
-fn send(house: &House, session: &str, files: &[(&str, &str)]) -> Answer {
+fn send(server: &TestServer, session: &str, files: &[(&str, &str)]) -> HttpResponse {
     let line = format!("POST /open?session={session}");
-    house.ask(&line, &["Content-Type: multipart/form-data; boundary=XX"], &form(files))
+    server.request(&line, &["Content-Type: multipart/form-data; boundary=XX"], &form(files))
 }
 
-fn drop_on(house: &House, page: &Page, files: &[(&str, &str)]) -> Answer {
-    send(house, page.session(), files)
+fn drop_on(server: &TestServer, page: &TestPage, files: &[(&str, &str)]) -> HttpResponse {
+    send(server, page.session(), files)
 }
 
 #[test]
 fn a_dropped_scene_is_shown_on_that_page_alone() {
-    let house = House::open(BALL);
-    let (mut page, mut other) = (house.visit(), house.visit());
+    let server = TestServer::open(BALL);
+    let (mut page, mut other) = (server.connect_page(), server.connect_page());
     let scene = "WorldBegin\nInclude \"parts/a.pbrt\"\n";
     let part = "Shape \"plymesh\" \"string filename\" \"mesh.ply\"\n";
     let files = [("parts/a.pbrt", part), ("own.pbrt", scene), ("mesh.ply", TRIANGLE)];
-    let answer = drop_on(&house, &page, &files);
+    let answer = drop_on(&server, &page, &files);
     assert_eq!(answer.status, 200, "{}", answer.text());
     let told: Value = serde_json::from_slice(&answer.body).unwrap();
-    assert_eq!(told, page.hear_text("scene"));
+    assert_eq!(told, page.receive_text("scene"));
     assert_eq!((&told["name"], &told["session"]), (&Value::from("own.pbrt"), &page.scene["session"]));
     assert_ne!(told["model"], page.scene["model"]);
-    assert_eq!(house.get(told["model"].as_str().unwrap()).status, 200);
-    // What is picked is the triangle now: it lies in the plane z = 0.
+    assert_eq!(server.get(told["model"].as_str().unwrap()).status, 200);
+    // The pick hits the triangle now: it lies in the plane z = 0.
     let pick = r#"{"type":"pick","id":1,"origin":[0.2,0.2,9],"direction":[0,0,-1]}"#;
-    page.say(pick);
-    assert_eq!(page.hear_text("hit")["hit"]["distance"], 9.0);
+    page.send(pick);
+    assert_eq!(page.receive_text("hit")["hit"]["distance"], 9.0);
     // The other page still shows the ball, of radius 1, and the one above it.
-    other.say(pick);
-    assert!(other.hear_text("hit")["hit"]["distance"].as_f64().is_some_and(|d| d < 6.0));
-    assert_eq!(house.visit().scene["name"], "scene.pbrt");
+    other.send(pick);
+    assert!(other.receive_text("hit")["hit"]["distance"].as_f64().is_some_and(|d| d < 6.0));
+    assert_eq!(server.connect_page().scene["name"], "scene.pbrt");
     // Nobody needs the model when the page has gone.
     drop(page);
     let gone = told["model"].as_str().unwrap();
-    while house.get(gone).status == 200 {
+    while server.get(gone).status == 200 {
         std::thread::sleep(Duration::from_millis(10));
     }
 }
 
 #[test]
 fn what_is_wrong_with_a_dropped_scene_is_said() {
-    let house = House::open(BALL);
-    let page = house.visit();
+    let server = TestServer::open(BALL);
+    let page = server.connect_page();
     for (files, said) in [
         (
             vec![("a.pbrt", "WorldBegin\nShape \"blob\"\nShape\n")],
@@ -86,10 +86,10 @@ fn what_is_wrong_with_a_dropped_scene_is_said() {
         (vec![("a.pbrt", BALL), ("b.pbrt", BALL)], "several files may be the scene (a.pbrt, b.pbrt)"),
         (vec![], "none of the files is a scene"),
     ] {
-        let answer = drop_on(&house, &page, &files);
+        let answer = drop_on(&server, &page, &files);
         assert_eq!(answer.status, 422, "{files:?} {}", answer.text());
         assert!(answer.text().contains(said), "{}", answer.text());
-        // Where files are kept meanwhile is nobody's business.
+        // The temporary folder must not be revealed.
         assert!(!answer.text().contains("glanz-"), "{}", answer.text());
     }
 }
@@ -97,8 +97,8 @@ fn what_is_wrong_with_a_dropped_scene_is_said() {
 #[test]
 fn uploads_that_ask_for_too_much_are_refused() {
     let limits = Limits { upload_bytes: 10_000, upload_files: 3, ..Limits::default() };
-    let house = House::open_limited(BALL, limits);
-    let page = house.visit();
+    let server = TestServer::open_limited(BALL, limits);
+    let page = server.connect_page();
     let long = "x".repeat(20_000);
     for (files, status) in [
         (vec![("a.pbrt", long.as_str())], 413),
@@ -110,36 +110,40 @@ fn uploads_that_ask_for_too_much_are_refused() {
         (vec![("a.pbrt", BALL), ("a.pbrt", BALL)], 400),
         (vec![("a", BALL), ("a/b", BALL)], 500),
     ] {
-        let answer = drop_on(&house, &page, &files);
+        let answer = drop_on(&server, &page, &files);
         assert_eq!(answer.status, status, "{}", answer.text());
     }
     for session in ["", "x", "00000000000000000000000000000000"] {
-        assert_eq!(send(&house, session, &[("a.pbrt", BALL)]).status, 400, "{session}");
+        assert_eq!(send(&server, session, &[("a.pbrt", BALL)]).status, 400, "{session}");
     }
     let line = format!("POST /open?session={}", page.session());
-    assert_eq!(house.ask(&line, &["Content-Type: text/plain"], b"x").status, 400);
+    assert_eq!(server.request(&line, &["Content-Type: text/plain"], b"x").status, 400);
     assert_eq!(
-        house.ask(&line, &["Content-Type: multipart/form-data; boundary=XX"], b"--XX\r\nnonsense").status,
+        server
+            .request(&line, &["Content-Type: multipart/form-data; boundary=XX"], b"--XX\r\nnonsense")
+            .status,
         400
     );
-    assert_eq!(drop_on(&house, &page, &[("a.pbrt", BALL)]).status, 200);
+    assert_eq!(drop_on(&server, &page, &[("a.pbrt", BALL)]).status, 200);
 }
 
 #[test]
 fn an_upload_that_does_not_come_is_given_up() {
-    let house =
-        House::open_limited(BALL, Limits { upload_time: Duration::from_millis(100), ..Limits::default() });
-    let page = house.visit();
+    let server = TestServer::open_limited(
+        BALL,
+        Limits { upload_time: Duration::from_millis(100), ..Limits::default() },
+    );
+    let page = server.connect_page();
     let head = format!(
         "POST /open?session={} HTTP/1.1\r\nHost: {}\r\nContent-Type: multipart/form-data; boundary=XX\r\n\
          Content-Length: 1000\r\n\r\n--XX\r\n",
         page.session(),
-        house.host
+        server.host
     );
-    let mut stream = house.connect();
+    let mut stream = server.connect();
     std::io::Write::write_all(&mut stream, head.as_bytes()).unwrap();
     let mut first = [0; 12];
     std::io::Read::read_exact(&mut stream, &mut first).unwrap();
     assert_eq!(&first, b"HTTP/1.1 408");
-    assert_eq!(drop_on(&house, &page, &[("a.pbrt", BALL)]).status, 200);
+    assert_eq!(drop_on(&server, &page, &[("a.pbrt", BALL)]).status, 200);
 }

@@ -129,7 +129,7 @@ fn copies_that_lose_the_same_share_a_group() {
     let hidden = BTreeSet::from([9, 13]);
     let left = without(&description, &hidden);
     let added = left.groups.len() - description.groups.len();
-    // What is left of the group, and of the one that held its second copy.
+    // The rest of the group, and of the one with its second copy.
     assert_eq!(added, 2);
 }
 

@@ -5,7 +5,7 @@ use glanz_math::DVec2;
 use super::super::MapLabel;
 use super::*;
 
-/// What is shown at a place of a patch, by linear interpolation between the middles of texels.
+/// Map value at a point of a patch, by linear interpolation between texel centres.
 fn shown(file: &File, words: &[u32], x: f64, y: f64) -> [f64; 3] {
     let map = &file.head["maps"][0];
     let (width, height) = (number(&map["width"]), number(&map["height"]));

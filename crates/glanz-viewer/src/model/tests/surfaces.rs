@@ -4,7 +4,7 @@ use glanz_math::{DMat3, DVec2, DVec3};
 
 use super::*;
 
-/// What the words of a patch say about its parameters, over the region if there is one.
+/// Parameters of a patch, decoded from its words, over the region if there is one.
 fn parameters(words: &[u32], revolution: bool, x: f64, y: f64) -> DVec2 {
     let w: Vec<f64> = words.iter().map(|&word| f32::from_bits(word).into()).collect();
     if !revolution {
@@ -254,7 +254,7 @@ fn what_cannot_be_sent_as_it_is_is_noted() {
     let first = file.words("patches")[16 * number(&surface["first"]) + 1] as usize;
     let corner = &points[4 * first..4 * first + 2];
     assert!(corner[0] == -2.0 && corner[1] < -2000.0 && corner[1] > -1e5, "{corner:?}");
-    // What is near the scene has small numbers.
+    // Coordinates near the scene are small.
     assert_eq!(surface["count"], 3);
     let near = file.words("patches")[16 * (number(&surface["first"]) + 1) + 1] as usize;
     assert!((-100.0..-10.0).contains(&points[4 * near + 1]), "{}", points[4 * near + 1]);

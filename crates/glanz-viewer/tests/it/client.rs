@@ -1,4 +1,4 @@
-//! A server of a test, and visitors.
+//! Test server and test pages.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -19,7 +19,7 @@ use tungstenite::{Message, WebSocket};
 pub(crate) const BALL: &str = "LookAt 0 -4 0  0 0 0  0 0 1\nCamera \"perspective\" \"float fov\" 60\nWorldBegin\n\
     LightSource \"infinite\" \"rgb L\" [1 1 1]\nShape \"sphere\"\nTranslate 0 0 3\nShape \"sphere\"\n";
 
-/// The same in a closed room of nearly white walls, where every path is as long as it may be: a picture takes minutes, a sample does not.
+/// The same sphere in a closed, nearly white room, where every path has the maximal length: an image takes minutes, a sample does not.
 pub(crate) const ENDLESS: &str = "LookAt 0 -4 0  0 0 0  0 0 1\nCamera \"perspective\" \"float fov\" 60\nIntegrator \"path\" \"integer maxdepth\" 100\n\
     WorldBegin\nMaterial \"diffuse\" \"rgb reflectance\" [0.9999 0.9999 0.9999]\nShape \"sphere\"\n\
     AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nReverseOrientation\nShape \"sphere\" \"float radius\" 9\n";
@@ -28,7 +28,7 @@ pub(crate) const ENDLESS: &str = "LookAt 0 -4 0  0 0 0  0 0 1\nCamera \"perspect
 pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A running server.
-pub(crate) struct House {
+pub(crate) struct TestServer {
     pub(crate) folder: TempDir,
     /// Such as `127.0.0.1:4711`.
     pub(crate) host: String,
@@ -38,7 +38,7 @@ pub(crate) struct House {
     thread: Option<JoinHandle<()>>,
 }
 
-impl House {
+impl TestServer {
     /// Shows a scene with these settings.
     pub(crate) fn open_with(scene: &str, settings: ServerSettings) -> Self {
         let folder = TempDir::new().unwrap();
@@ -68,13 +68,13 @@ impl House {
     }
 
     /// Sends `head` (request line and headers, without the empty line) and `body`, with the right host, and takes all of the answer.
-    pub(crate) fn ask(&self, line: &str, headers: &[&str], body: &[u8]) -> Answer {
+    pub(crate) fn request(&self, line: &str, headers: &[&str], body: &[u8]) -> HttpResponse {
         let host = format!("Host: {}", self.host);
-        self.ask_as(line, &[&[host.as_str()], headers].concat(), body)
+        self.request_with(line, &[&[host.as_str()], headers].concat(), body)
     }
 
-    /// The same with all headers as given.
-    pub(crate) fn ask_as(&self, line: &str, headers: &[&str], body: &[u8]) -> Answer {
+    /// The same with exactly these headers.
+    pub(crate) fn request_with(&self, line: &str, headers: &[&str], body: &[u8]) -> HttpResponse {
         let mut stream = self.connect();
         let mut head = format!("{line} HTTP/1.1\r\nConnection: close\r\n");
         headers.iter().for_each(|header| head.extend([header, "\r\n"]));
@@ -87,11 +87,11 @@ impl House {
         let _ = stream.write_all(body);
         let mut bytes = Vec::new();
         let _ = stream.read_to_end(&mut bytes);
-        Answer::parse(&bytes)
+        HttpResponse::parse(&bytes)
     }
 
-    pub(crate) fn get(&self, path: &str) -> Answer {
-        self.ask(&format!("GET {path}"), &[], &[])
+    pub(crate) fn get(&self, path: &str) -> HttpResponse {
+        self.request(&format!("GET {path}"), &[], &[])
     }
 
     pub(crate) fn connect(&self) -> TcpStream {
@@ -101,21 +101,21 @@ impl House {
         stream
     }
 
-    /// A page that has been told its scene; `None` if it is not let in.
-    pub(crate) fn try_visit(&self) -> Option<Page> {
+    /// A page that has received its scene; `None` if it is not admitted.
+    pub(crate) fn try_connect_page(&self) -> Option<TestPage> {
         let request = format!("ws://{}/ws", self.host).into_client_request().unwrap();
         let (socket, _) = tungstenite::client(request, self.connect()).ok()?;
-        let mut page = Page { socket, scene: Value::Null };
-        page.scene = page.hear_text("scene");
+        let mut page = TestPage { socket, scene: Value::Null };
+        page.scene = page.receive_text("scene");
         Some(page)
     }
 
-    pub(crate) fn visit(&self) -> Page {
-        self.try_visit().expect("the page is let in")
+    pub(crate) fn connect_page(&self) -> TestPage {
+        self.try_connect_page().expect("the page is let in")
     }
 }
 
-impl Drop for House {
+impl Drop for TestServer {
     fn drop(&mut self) {
         self.cancel.cancel();
         let ended = self.thread.take().unwrap().join();
@@ -123,16 +123,16 @@ impl Drop for House {
     }
 }
 
-/// What the server answers.
+/// Response of the server.
 #[derive(Debug)]
-pub(crate) struct Answer {
+pub(crate) struct HttpResponse {
     pub(crate) status: u16,
     /// Names in lower case.
     pub(crate) headers: Vec<(String, String)>,
     pub(crate) body: Vec<u8>,
 }
 
-impl Answer {
+impl HttpResponse {
     fn parse(bytes: &[u8]) -> Self {
         let end = bytes.windows(4).position(|w| w == b"\r\n\r\n").expect("an answer");
         let head = std::str::from_utf8(&bytes[..end]).unwrap();
@@ -153,7 +153,7 @@ impl Answer {
 }
 
 /// A connected page.
-pub(crate) struct Page {
+pub(crate) struct TestPage {
     pub(crate) socket: WebSocket<TcpStream>,
     /// The scene that it was told first.
     pub(crate) scene: Value,
@@ -161,7 +161,7 @@ pub(crate) struct Page {
 
 /// A part of a picture as it was sent.
 #[derive(Debug)]
-pub(crate) struct Tile {
+pub(crate) struct ReceivedTile {
     pub(crate) id: u32,
     pub(crate) min: [u16; 2],
     pub(crate) size: [u16; 2],
@@ -170,43 +170,45 @@ pub(crate) struct Tile {
     pub(crate) values: Vec<u16>,
 }
 
-/// What a page hears.
+/// Message received by a page.
 #[derive(Debug)]
-pub(crate) enum Heard {
+pub(crate) enum ReceivedMessage {
     Text(Value),
-    Tile(Tile),
+    Tile(ReceivedTile),
     /// A file, and the number of the request.
     File(u32, Vec<u8>),
     /// The end, with its code.
     Closed(Option<u16>),
 }
 
-impl Page {
-    pub(crate) fn say(&mut self, text: impl ToString) {
+impl TestPage {
+    pub(crate) fn send(&mut self, text: impl ToString) {
         self.socket.send(Message::text(text.to_string())).unwrap();
     }
 
-    pub(crate) fn hear(&mut self) -> Heard {
+    pub(crate) fn receive(&mut self) -> ReceivedMessage {
         loop {
             return match self.socket.read() {
-                Ok(Message::Text(text)) => Heard::Text(serde_json::from_str(text.as_str()).unwrap()),
+                Ok(Message::Text(text)) => {
+                    ReceivedMessage::Text(serde_json::from_str(text.as_str()).unwrap())
+                }
                 Ok(Message::Binary(bytes)) => binary(&bytes),
-                Ok(Message::Close(frame)) => Heard::Closed(frame.map(|frame| frame.code.into())),
+                Ok(Message::Close(frame)) => ReceivedMessage::Closed(frame.map(|frame| frame.code.into())),
                 Ok(_) => continue,
                 Err(tungstenite::Error::Io(error)) if error.kind() == std::io::ErrorKind::WouldBlock => {
                     panic!("nothing comes from the server")
                 }
-                Err(_) => Heard::Closed(None),
+                Err(_) => ReceivedMessage::Closed(None),
             };
         }
     }
 
     /// The next text of that type; tiles and other texts before it are passed over.
-    pub(crate) fn hear_text(&mut self, kind: &str) -> Value {
+    pub(crate) fn receive_text(&mut self, kind: &str) -> Value {
         loop {
-            match self.hear() {
-                Heard::Text(value) if value["type"] == kind => return value,
-                Heard::Closed(code) => panic!("closed with {code:?} while waiting for {kind}"),
+            match self.receive() {
+                ReceivedMessage::Text(value) if value["type"] == kind => return value,
+                ReceivedMessage::Closed(code) => panic!("closed with {code:?} while waiting for {kind}"),
                 _ => {}
             }
         }
@@ -217,16 +219,16 @@ impl Page {
     }
 }
 
-fn binary(bytes: &[u8]) -> Heard {
+fn binary(bytes: &[u8]) -> ReceivedMessage {
     let short = |at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
     let long = |at: usize| u32::from(short(at)) + (u32::from(short(at + 2)) << 16);
     match bytes[0] {
         1 => {
             let values = (20..bytes.len()).step_by(2).map(short).collect();
             let (min, size) = ([short(8), short(10)], [short(12), short(14)]);
-            Heard::Tile(Tile { id: long(4), min, size, samples: long(16), values })
+            ReceivedMessage::Tile(ReceivedTile { id: long(4), min, size, samples: long(16), values })
         }
-        2 => Heard::File(long(4), bytes[8..].to_vec()),
+        2 => ReceivedMessage::File(long(4), bytes[8..].to_vec()),
         kind => panic!("binary messages have no kind {kind}"),
     }
 }

@@ -11,7 +11,7 @@ const MOST: u64 = 1 << 20;
 /// One leaf, or a run of them.
 #[derive(Deserialize)]
 #[serde(untagged)]
-enum Entry {
+enum LeafRange {
     One(u32),
     /// First and last.
     Run([u32; 2]),
@@ -24,10 +24,10 @@ enum Entry {
 pub(crate) fn leaves<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeSet<u32>, D::Error> {
     let mut named = BTreeSet::new();
     let mut left = MOST;
-    for entry in Vec::<Entry>::deserialize(deserializer)? {
+    for entry in Vec::<LeafRange>::deserialize(deserializer)? {
         let (first, last) = match entry {
-            Entry::One(leaf) => (leaf, leaf),
-            Entry::Run([first, last]) => (first, last),
+            LeafRange::One(leaf) => (leaf, leaf),
+            LeafRange::Run([first, last]) => (first, last),
         };
         if last < first {
             return Err(D::Error::custom(format_args!(

@@ -6,26 +6,26 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use glanz_scene::{Description, Scene};
 use tokio::task::spawn_blocking;
 
-use super::order::OrderError;
+use super::request::RenderRequestError;
 use crate::model;
 
-/// Makes scenes without some leaves, and keeps the last: a page that turns its camera hides the same all the time.
+/// Builds scenes without hidden leaves and caches the last one: the hidden leaves seldom change between views.
 #[derive(Debug, Default)]
-pub struct Visible {
-    last: Mutex<Option<Made>>,
+pub struct VisibleScene {
+    last: Mutex<Option<ResolvedSubset>>,
     /// Held while a scene is built, which nothing can interrupt: one at a time.
     building: Arc<tokio::sync::Mutex<()>>,
 }
 
 #[derive(Debug)]
-struct Made {
+struct ResolvedSubset {
     whole: Arc<Scene>,
     hidden: BTreeSet<u32>,
     scene: Arc<Scene>,
 }
 
-impl Visible {
-    fn last(&self) -> MutexGuard<'_, Option<Made>> {
+impl VisibleScene {
+    fn last(&self) -> MutexGuard<'_, Option<ResolvedSubset>> {
         self.last.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -38,13 +38,13 @@ impl Visible {
     /// The scene of `description`, which is `whole`, without the leaves `hidden`. It may take as long as to build the scene.
     ///
     /// # Errors
-    /// [`OrderError::Scene`] if what is left is none.
+    /// [`RenderRequestError::Scene`] if what is left is none.
     pub(crate) async fn scene(
         self: Arc<Self>,
         whole: Arc<Scene>,
         description: Arc<Description>,
         hidden: BTreeSet<u32>,
-    ) -> Result<Arc<Scene>, OrderError> {
+    ) -> Result<Arc<Scene>, RenderRequestError> {
         if hidden.is_empty() {
             return Ok(whole);
         }
@@ -56,13 +56,13 @@ impl Visible {
             let _guard = guard;
             let (scene, _) = Scene::resolve(model::without(&description, &hidden))?;
             let scene = Arc::new(scene);
-            *self.last() = Some(Made { whole, hidden, scene: Arc::clone(&scene) });
+            *self.last() = Some(ResolvedSubset { whole, hidden, scene: Arc::clone(&scene) });
             Ok(scene)
         };
-        spawn_blocking(build).await.map_err(|error| OrderError::Scene(error.to_string()))?
+        spawn_blocking(build).await.map_err(|error| RenderRequestError::Scene(error.to_string()))?
     }
 
-    /// Lets go of the scene that is kept.
+    /// Drops the cached scene.
     pub(crate) fn forget(&self) {
         *self.last() = None;
     }

@@ -1,4 +1,4 @@
-//! What all requests share.
+//! State shared by all requests.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -8,48 +8,48 @@ use glanz_job::CancelFlag;
 use tokio::sync::Semaphore;
 use tokio::time::sleep;
 
+use super::access::AccessControl;
+use super::access_key::AccessKey;
 use super::dress::Dress;
-use super::guard::Guard;
-use super::key::Key;
-use super::message::SceneNews;
-use super::models::{Models, Posted};
+use super::message::SceneMessage;
+use super::models::{ModelStore, PublishedModel};
 use super::session::Sessions;
 use super::settings::{Limits, ServerSettings};
 use super::{Listener, News, STOP_INTERVAL, Shown};
 use crate::stream::{IntegratorName, Processors};
 
-/// What all requests share.
-pub(crate) struct House {
-    pub(crate) guard: Guard,
+/// State shared by all requests.
+pub(crate) struct AppState {
+    pub(crate) access: AccessControl,
     pub(crate) limits: Limits,
     pub(crate) options: Options,
     pub(crate) dress: Option<Arc<dyn Dress>>,
     pub(crate) integrator: IntegratorName,
     pub(crate) processors: Arc<Processors>,
-    pub(crate) models: Models,
+    pub(crate) models: ModelStore,
     pub(crate) sessions: Arc<Sessions>,
     pub(crate) uploads: Semaphore,
-    posted: Mutex<Posted>,
+    published: Mutex<PublishedModel>,
     closing: CancelFlag,
     listener: Listener,
 }
 
-impl House {
+impl AppState {
     /// A server of pages that show `shown`.
     ///
     /// # Errors
     /// If the system has no random numbers to give.
     pub(crate) fn new(
         settings: &ServerSettings,
-        guard: Guard,
+        access: AccessControl,
         shown: Shown,
         listener: Listener,
     ) -> Result<Self, getrandom::Error> {
         let limits = settings.limits;
-        let models = Models::default();
-        let posted = models.post(Arc::new(shown))?;
+        let models = ModelStore::default();
+        let published = models.post(Arc::new(shown))?;
         Ok(Self {
-            guard,
+            access,
             limits,
             options: settings.options.clone(),
             dress: settings.dress.clone(),
@@ -58,43 +58,43 @@ impl House {
             models,
             sessions: Arc::new(Sessions::new(limits.sessions)),
             uploads: Semaphore::new(limits.uploads),
-            posted: Mutex::new(posted),
+            published: Mutex::new(published),
             closing: CancelFlag::default(),
             listener,
         })
     }
 
-    /// What pages show that have opened no file of their own.
-    pub(crate) fn posted(&self) -> Posted {
-        self.posted.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    /// The model of pages that have not opened a file of their own.
+    pub(crate) fn published(&self) -> PublishedModel {
+        self.published.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// What a page of that name is told of a scene.
-    pub(crate) fn news(&self, session: &Key, posted: &Posted) -> SceneNews {
-        SceneNews {
-            model: Some(posted.path()),
-            name: posted.shown.name.clone(),
+    /// The scene message for the page of that session.
+    pub(crate) fn scene_message(&self, session: &AccessKey, published: &PublishedModel) -> SceneMessage {
+        SceneMessage {
+            model: Some(published.path()),
+            name: published.shown.name.clone(),
             session: session.to_string(),
             integrator: self.integrator,
             error: None,
         }
     }
 
-    /// Tells pages and listener what became of the file `scene`.
+    /// Sends a change of the file `scene` to the pages and the listener.
     pub(crate) fn publish(&self, scene: &Path, news: News) {
-        let posted = match &news {
+        let published = match &news {
             News::Read(shown) => self.models.post(Arc::clone(shown)).ok(),
             News::Refused(_) => None,
         };
-        match (&posted, &news) {
-            (Some(posted), _) => {
-                *self.posted.lock().unwrap_or_else(PoisonError::into_inner) = posted.clone();
-                self.sessions.tell(Some(posted), |session| self.news(session, posted));
+        match (&published, &news) {
+            (Some(published), _) => {
+                *self.published.lock().unwrap_or_else(PoisonError::into_inner) = published.clone();
+                self.sessions.tell(Some(published), |session| self.scene_message(session, published));
             }
             (None, News::Refused(diagnostics)) => {
                 let name =
                     scene.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-                self.sessions.tell(None, |session| SceneNews {
+                self.sessions.tell(None, |session| SceneMessage {
                     model: None,
                     name: name.clone(),
                     session: session.to_string(),
@@ -108,7 +108,7 @@ impl House {
         (self.listener)(&news);
     }
 
-    /// Whether the server ends.
+    /// True if the server is shutting down.
     pub(crate) fn is_closing(&self) -> bool {
         self.closing.is_cancelled()
     }

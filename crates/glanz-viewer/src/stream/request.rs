@@ -1,4 +1,4 @@
-//! What a page orders.
+//! Render requests of a page.
 
 use std::collections::BTreeSet;
 
@@ -43,7 +43,7 @@ impl IntegratorName {
 
 /// A view to be rendered.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Order {
+pub struct RenderRequest {
     /// Its number; what is sent about it carries it.
     pub id: u32,
     /// From where.
@@ -52,14 +52,14 @@ pub struct Order {
     pub size: [u32; 2],
     /// Leaves of the tree that are not seen.
     pub hidden: BTreeSet<u32>,
-    /// How.
+    /// The integrator.
     pub integrator: IntegratorName,
 }
 
-/// Why an order cannot be carried out.
+/// Errors of a render request.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum OrderError {
+pub enum RenderRequestError {
     /// A size that is nothing or too much.
     #[error("a picture of {0} x {1} pixels is not rendered here: sides are 1 to {MAX_SIDE} pixels")]
     Size(u32, u32),
@@ -80,7 +80,7 @@ pub enum OrderError {
     Film(#[from] FilmError),
 }
 
-impl From<SceneError> for OrderError {
+impl From<SceneError> for RenderRequestError {
     fn from(error: SceneError) -> Self {
         Self::Scene(error.kind.to_string())
     }
@@ -88,14 +88,14 @@ impl From<SceneError> for OrderError {
 
 /// Everything that is known before the first ray.
 #[derive(Clone, Debug)]
-pub(crate) struct Plan {
+pub(crate) struct StreamPlan {
     pub(crate) camera: Camera,
     pub(crate) integrator: IntegratorSettings,
     pub(crate) settings: RenderSettings,
     pub(crate) format: FilmFormat,
 }
 
-impl Order {
+impl RenderRequest {
     /// Number of pixels.
     pub(crate) fn pixels(&self) -> u64 {
         self.size.map(u64::from).iter().product()
@@ -104,20 +104,24 @@ impl Order {
     /// Looks at all that can be wrong with the order itself.
     ///
     /// # Errors
-    /// [`OrderError::Size`], [`OrderError::Camera`].
-    pub(crate) fn check(&self) -> Result<CameraDescription, OrderError> {
+    /// [`RenderRequestError::Size`], [`RenderRequestError::Camera`].
+    pub(crate) fn check(&self) -> Result<CameraDescription, RenderRequestError> {
         let [width, height] = self.size;
         if !self.size.iter().all(|side| (1..=MAX_SIDE).contains(side)) {
-            return Err(OrderError::Size(width, height));
+            return Err(RenderRequestError::Size(width, height));
         }
         Ok(self.camera.describe(self.size)?)
     }
 
-    /// How to carry the order out in a scene with this `description`: with its filter, seed and depth, and `threads`.
+    /// Plan of the request for a scene with this `description`: with its filter, seed and depth, and `threads`.
     ///
     /// # Errors
-    /// [`OrderError`].
-    pub(crate) fn plan(&self, description: &Description, threads: usize) -> Result<Plan, OrderError> {
+    /// [`RenderRequestError`].
+    pub(crate) fn plan(
+        &self,
+        description: &Description,
+        threads: usize,
+    ) -> Result<StreamPlan, RenderRequestError> {
         let camera = self.check()?;
         let film = FilmDescription { resolution: self.size, ..FilmDescription::default() };
         let camera = Camera::try_new(&camera, &film)?;
@@ -143,11 +147,11 @@ impl Order {
             threads,
             time_limit: None,
         };
-        Ok(Plan { camera, integrator, settings, format })
+        Ok(StreamPlan { camera, integrator, settings, format })
     }
 }
 
-impl Plan {
+impl StreamPlan {
     /// A film without samples.
     ///
     /// # Errors
@@ -162,7 +166,7 @@ mod tests {
     use super::super::camera::ViewCameraKind;
     use super::*;
 
-    fn order(size: [u32; 2]) -> Order {
+    fn order(size: [u32; 2]) -> RenderRequest {
         let camera = ViewCamera {
             kind: ViewCameraKind::Perspective,
             position: [0.0; 3],
@@ -173,7 +177,7 @@ mod tests {
             height: None,
             distance: None,
         };
-        Order { id: 1, camera, size, hidden: BTreeSet::new(), integrator: IntegratorName::Guided }
+        RenderRequest { id: 1, camera, size, hidden: BTreeSet::new(), integrator: IntegratorName::Guided }
     }
 
     #[test]
@@ -182,7 +186,7 @@ mod tests {
             assert!(order(size).check().is_ok(), "{size:?}");
         }
         for size in [[0, 5], [5, 0], [4097, 1], [1, 4097], [u32::MAX, u32::MAX]] {
-            assert!(matches!(order(size).check(), Err(OrderError::Size(..))), "{size:?}");
+            assert!(matches!(order(size).check(), Err(RenderRequestError::Size(..))), "{size:?}");
         }
     }
 

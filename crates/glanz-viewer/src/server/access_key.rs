@@ -5,11 +5,11 @@ use std::hint::black_box;
 
 /// 128 random bits, written as 32 hexadecimal digits: the name of a model, a session, or the token that admits.
 ///
-/// What it is compared with is looked at to its end, so that the time says nothing of where the first difference lies.
+/// Comparisons take constant time, so that the time does not reveal the first difference.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(crate) struct Key([u8; 16]);
+pub(crate) struct AccessKey([u8; 16]);
 
-impl Key {
+impl AccessKey {
     /// A new one.
     ///
     /// # Errors
@@ -34,7 +34,7 @@ impl Key {
         Some(Self(bytes))
     }
 
-    /// Whether both are the same, in a time that does not depend on them.
+    /// Equality in constant time.
     pub(crate) fn is(&self, other: &Self) -> bool {
         let different = self.0.iter().zip(&other.0).fold(0, |bits, (a, b)| black_box(bits | (a ^ b)));
         black_box(different) == 0
@@ -50,14 +50,14 @@ fn digit(byte: u8) -> Option<u8> {
     }
 }
 
-impl fmt::Display for Key {
+impl fmt::Display for AccessKey {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
     }
 }
 
 /// Without its bits: it may end in a log.
-impl fmt::Debug for Key {
+impl fmt::Debug for AccessKey {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("Key(..)")
     }
@@ -69,25 +69,25 @@ mod tests {
 
     #[test]
     fn keys_are_read_as_they_are_written_and_nothing_else_is() {
-        let key = Key([0, 1, 2, 0xab, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 0xff]);
+        let key = AccessKey([0, 1, 2, 0xab, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 0xff]);
         assert_eq!(key.to_string(), "000102ab0405060708090a0b0c0d0eff");
-        assert_eq!(Key::parse(&key.to_string()), Some(key));
+        assert_eq!(AccessKey::parse(&key.to_string()), Some(key));
         for wrong in
             ["", "00", "000102AB0405060708090a0b0c0d0eff", "000102ab0405060708090a0b0c0d0eff0", "\u{e4}"]
         {
-            assert_eq!(Key::parse(wrong), None, "{wrong}");
+            assert_eq!(AccessKey::parse(wrong), None, "{wrong}");
         }
     }
 
     #[test]
     fn keys_that_differ_in_one_bit_are_not_the_same() {
-        let key = Key::random().unwrap();
+        let key = AccessKey::random().unwrap();
         assert!(key.is(&key));
         for i in 0..128 {
             let mut other = key;
             other.0[i / 8] ^= 1 << (i % 8);
             assert!(!key.is(&other), "bit {i}");
         }
-        assert!(!key.is(&Key::random().unwrap()));
+        assert!(!key.is(&AccessKey::random().unwrap()));
     }
 }

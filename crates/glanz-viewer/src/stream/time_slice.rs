@@ -1,4 +1,4 @@
-//! A turn of a render.
+//! Time slices of a render.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -9,46 +9,46 @@ use glanz_scene::Scene;
 use glanz_transport::{Film, FinishedTile, Integrator, RenderError, RenderSink, TileSink, render};
 
 use super::cancel::StreamCancel;
+use super::latest_image::LatestImage;
 use super::noise::noise;
-use super::order::{MAX_SAMPLES, Plan};
-use super::outbox::{Outbox, Status};
-use super::picture::Picture;
-use super::processors::{Processors, TURN};
+use super::outbox::{Outbox, StreamStatus};
+use super::processors::{Processors, TIME_SLICE};
+use super::request::{MAX_SAMPLES, StreamPlan};
 use super::tile::Tile;
 
 /// Side of the tiles in which a whole picture is sent: few messages, none of them long.
 const SIDE: u32 = 128;
 
-/// All that the turns of one view have in common.
-pub(crate) struct View {
+/// State shared by the time slices of one view.
+pub(crate) struct StreamView {
     /// Its number.
     pub(crate) id: u32,
     /// With the camera of the view.
     pub(crate) scene: Scene,
-    pub(crate) plan: Plan,
+    pub(crate) plan: StreamPlan,
     pub(crate) integrator: Box<dyn Integrator>,
     pub(crate) cancel: Arc<StreamCancel>,
     pub(crate) outbox: Arc<Outbox>,
-    pub(crate) picture: Arc<Picture>,
+    pub(crate) picture: Arc<LatestImage>,
     pub(crate) processors: Arc<Processors>,
 }
 
-/// What a turn leaves.
-pub(crate) struct Turn {
+/// State after a time slice.
+pub(crate) struct TimeSlice {
     pub(crate) film: Film,
     /// Time spent rendering so far.
     pub(crate) seconds: f64,
 }
 
-impl View {
-    /// Goes on with what an earlier turn left until the view has all samples, or others want the processors.
+impl StreamView {
+    /// Continues from an earlier time slice until the view has all samples or another render waits.
     ///
     /// # Errors
     /// [`RenderError::Interrupted`] if the stream is to end; others if there is no way to render.
-    pub(crate) fn take_turn(&self, before: Turn) -> Result<Turn, RenderError> {
+    pub(crate) fn run_time_slice(&self, before: TimeSlice) -> Result<TimeSlice, RenderError> {
         let over = CancelFlag::default();
         let samples = before.film.samples().total();
-        let mut teller = Teller {
+        let mut sink = StreamSink {
             view: self,
             over: &over,
             begun: Instant::now(),
@@ -57,20 +57,19 @@ impl View {
             noise: None,
         };
         let settings = &self.plan.settings;
-        let outcome =
-            render(&self.scene, self.integrator.as_ref(), settings, before.film, &mut teller, &over)?;
-        Ok(Turn { film: outcome.film, seconds: before.seconds + outcome.elapsed.as_secs_f64() })
+        let outcome = render(&self.scene, self.integrator.as_ref(), settings, before.film, &mut sink, &over)?;
+        Ok(TimeSlice { film: outcome.film, seconds: before.seconds + outcome.elapsed.as_secs_f64() })
     }
 }
 
-/// Whether a view with this film needs no further turn.
+/// True if a view with this film is finished.
 pub(crate) fn is_done(film: &Film) -> bool {
     film.samples().total() >= u64::from(MAX_SAMPLES)
 }
 
-/// Puts what a render tells into the outbox.
-struct Teller<'a> {
-    view: &'a View,
+/// Progress sink that writes tiles and status to the outbox.
+struct StreamSink<'a> {
+    view: &'a StreamView,
     /// Raised when the turn is over.
     over: &'a CancelFlag,
     begun: Instant,
@@ -81,15 +80,15 @@ struct Teller<'a> {
     noise: Option<f64>,
 }
 
-impl Teller<'_> {
-    /// Whether a pass of so many samples is shown tile by tile: passes of one sample may take long, others take half a second or so.
+impl StreamSink<'_> {
+    /// True if a pass of `length` samples is sent tile by tile: passes of one sample may take long, longer ones take about half a second.
     fn is_tiled(&self, length: u64) -> bool {
         // Passes of an integrator that learns have to be weighed against one another first.
         length == 1 && !self.view.plan.format.passes
     }
 }
 
-impl RenderSink for Teller<'_> {
+impl RenderSink for StreamSink<'_> {
     fn on_pass(&mut self, film: &Film) {
         let samples = film.samples().total();
         let length = samples - self.samples;
@@ -111,23 +110,23 @@ impl RenderSink for Teller<'_> {
     }
 }
 
-impl ProgressSink<Film> for Teller<'_> {
+impl ProgressSink<Film> for StreamSink<'_> {
     fn on_progress(&mut self, _: &JobProgress<'_>) {
         let elapsed = self.begun.elapsed();
-        let status = Status::Progress {
+        let status = StreamStatus::Progress {
             samples: self.samples,
             noise: self.noise,
             seconds: self.before + elapsed.as_secs_f64(),
             done: self.samples >= u64::from(MAX_SAMPLES),
         };
         self.view.outbox.put_status(self.view.id, status);
-        if elapsed >= TURN && self.view.processors.are_wanted() {
+        if elapsed >= TIME_SLICE && self.view.processors.are_wanted() {
             self.over.cancel();
         }
     }
 }
 
-impl TileSink for Teller<'_> {
+impl TileSink for StreamSink<'_> {
     fn on_tile(&self, tile: &FinishedTile<'_>) {
         if self.is_tiled(tile.pass.len() as u64) && !self.is_abandoned() {
             let radiance = tile.radiance().into_iter();
@@ -141,7 +140,7 @@ impl TileSink for Teller<'_> {
     }
 }
 
-/// A whole picture, cut into tiles.
+/// An image cut into tiles.
 fn tiles(id: u32, pixels: &Pixels, samples: u64) -> Vec<Tile> {
     let [width, height] = [pixels.width(), pixels.height()];
     let bands = ["R", "G", "B"].map(|name| pixels.channel(name).unwrap_or_default());

@@ -1,8 +1,8 @@
-//! Who is admitted.
+//! Access control.
 //!
 //! Three things are asked of a request. *Host*: the name under which the browser believes to speak to this server must be one that
 //! the server has. A page elsewhere whose own name was pointed at this machine after it had been loaded (DNS rebinding) says its own.
-//! *Origin*: a browser says which page a request comes from; it must be ours. *Token*, where others can reach the server: it stands in
+//! *Origin*: a browser says which page a request comes from; it must be ours. *AccessToken*, where others can reach the server: it stands in
 //! the printed address; the page that is got by it brings a cookie that admits all that follows.
 
 use std::net::IpAddr;
@@ -10,29 +10,29 @@ use std::net::IpAddr;
 use axum::http::header::{COOKIE, HOST, HeaderName, ORIGIN};
 use axum::http::{HeaderMap, StatusCode};
 
-use super::key::Key;
+use super::access_key::AccessKey;
 
-/// What is asked of requests.
+/// Rules that requests are checked against.
 #[derive(Clone, Debug)]
-pub(crate) struct Guard {
+pub(crate) struct AccessControl {
     /// A name of this machine that is no number, as given for `--host`.
     name: Option<String>,
-    /// Whether other machines may speak to the server by any of its numbers.
+    /// True if other machines may connect by any IP address of this one.
     others: bool,
-    token: Option<Token>,
+    token: Option<AccessToken>,
 }
 
 /// A secret, and the name of the cookie that carries it.
 #[derive(Clone, Debug)]
-struct Token {
-    key: Key,
+struct AccessToken {
+    key: AccessKey,
     /// Cookies are kept by host, not by port: two servers need two names.
     cookie: String,
 }
 
-/// What a request is let do.
+/// Result of an access check.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Admission {
+pub(crate) enum AccessDecision {
     /// Go on.
     Granted,
     /// Go on, and set this cookie.
@@ -41,36 +41,36 @@ pub(crate) enum Admission {
     Refused(StatusCode, &'static str),
 }
 
-impl Guard {
-    /// A guard for a server that only this machine reaches.
+impl AccessControl {
+    /// A access for a server that only this machine reaches.
     pub(crate) fn local() -> Self {
         Self { name: None, others: false, token: None }
     }
 
-    /// A guard for a server at `host` and `port` that asks for `key`.
-    pub(crate) fn with_token(host: &str, port: u16, key: Key) -> Self {
+    /// A access for a server at `host` and `port` that asks for `key`.
+    pub(crate) fn with_token(host: &str, port: u16, key: AccessKey) -> Self {
         let name = host.parse::<IpAddr>().is_err().then(|| host.to_ascii_lowercase());
-        Self { name, others: true, token: Some(Token { key, cookie: format!("glanz-{port}") }) }
+        Self { name, others: true, token: Some(AccessToken { key, cookie: format!("glanz-{port}") }) }
     }
 
     /// Looks at a request for `path` with its `query`.
-    pub(crate) fn admit(&self, path: &str, query: Option<&str>, headers: &HeaderMap) -> Admission {
+    pub(crate) fn admit(&self, path: &str, query: Option<&str>, headers: &HeaderMap) -> AccessDecision {
         let Some(host) = only(headers, &HOST) else {
-            return Admission::Refused(StatusCode::BAD_REQUEST, "one Host header is needed");
+            return AccessDecision::Refused(StatusCode::BAD_REQUEST, "one Host header is needed");
         };
         if !self.knows(host) {
-            return Admission::Refused(StatusCode::MISDIRECTED_REQUEST, "this server has another name");
+            return AccessDecision::Refused(StatusCode::MISDIRECTED_REQUEST, "this server has another name");
         }
         if headers.contains_key(ORIGIN) && !is_own(only(headers, &ORIGIN), host) {
-            return Admission::Refused(
+            return AccessDecision::Refused(
                 StatusCode::FORBIDDEN,
                 "the request comes from a page of another server",
             );
         }
-        self.token.as_ref().map_or(Admission::Granted, |token| token.admit(path, query, headers))
+        self.token.as_ref().map_or(AccessDecision::Granted, |token| token.admit(path, query, headers))
     }
 
-    /// Whether `host` (a `Host` header) is one of this server's names, with any port: it may be forwarded.
+    /// True if `host` (a `Host` header) names this server, with any port: it may be forwarded.
     fn knows(&self, host: &str) -> bool {
         let Some(name) = without_port(host) else { return false };
         let name = name.to_ascii_lowercase();
@@ -83,21 +83,21 @@ impl Guard {
     }
 }
 
-impl Token {
-    fn admit(&self, path: &str, query: Option<&str>, headers: &HeaderMap) -> Admission {
-        let is_right = |text: &str| Key::parse(text).is_some_and(|key| key.is(&self.key));
+impl AccessToken {
+    fn admit(&self, path: &str, query: Option<&str>, headers: &HeaderMap) -> AccessDecision {
+        let is_right = |text: &str| AccessKey::parse(text).is_some_and(|key| key.is(&self.key));
         let given = query.into_iter().flat_map(|q| q.split('&')).find_map(|pair| pair.strip_prefix("token="));
         if path == "/" && given.is_some_and(is_right) {
             let Self { key, cookie } = self;
-            return Admission::WithCookie(format!("{cookie}={key}; Path=/; HttpOnly; SameSite=Strict"));
+            return AccessDecision::WithCookie(format!("{cookie}={key}; Path=/; HttpOnly; SameSite=Strict"));
         }
         let cookies = headers.get_all(COOKIE).iter().filter_map(|value| value.to_str().ok());
         let mut pairs =
             cookies.flat_map(|value| value.split(';')).filter_map(|pair| pair.trim().split_once('='));
         if pairs.any(|(name, value)| name == self.cookie && is_right(value)) {
-            return Admission::Granted;
+            return AccessDecision::Granted;
         }
-        Admission::Refused(StatusCode::UNAUTHORIZED, "open the address that was printed, with its token")
+        AccessDecision::Refused(StatusCode::UNAUTHORIZED, "open the address that was printed, with its token")
     }
 }
 
@@ -108,7 +108,7 @@ fn only<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> {
     values.next().is_none().then_some(first)
 }
 
-/// Whether `origin` is that of a page which this server gave out under the name `host`.
+/// True if `origin` is that of a page served by this server under the name `host`.
 fn is_own(origin: Option<&str>, host: &str) -> bool {
     let page = origin.and_then(|o| o.strip_prefix("http://").or_else(|| o.strip_prefix("https://")));
     page.is_some_and(|page| page.eq_ignore_ascii_case(host))
@@ -137,16 +137,16 @@ mod tests {
         map
     }
 
-    fn status(admission: Admission) -> Option<StatusCode> {
+    fn status(admission: AccessDecision) -> Option<StatusCode> {
         match admission {
-            Admission::Refused(status, _) => Some(status),
+            AccessDecision::Refused(status, _) => Some(status),
             _ => None,
         }
     }
 
     #[test]
     fn a_local_server_answers_to_local_names_only() {
-        let ask = |host| status(Guard::local().admit("/", None, &headers(&[(HOST, host)])));
+        let ask = |host| status(AccessControl::local().admit("/", None, &headers(&[(HOST, host)])));
         for host in ["localhost", "LOCALHOST:9000", "127.0.0.1:80", "127.5.5.5", "[::1]:7878", "[::1]"] {
             assert_eq!(ask(host), None, "{host}");
         }
@@ -165,16 +165,19 @@ mod tests {
         ] {
             assert_eq!(ask(host), Some(StatusCode::MISDIRECTED_REQUEST), "{host}");
         }
-        assert_eq!(status(Guard::local().admit("/", None, &HeaderMap::new())), Some(StatusCode::BAD_REQUEST));
+        assert_eq!(
+            status(AccessControl::local().admit("/", None, &HeaderMap::new())),
+            Some(StatusCode::BAD_REQUEST)
+        );
         let two = headers(&[(HOST, "localhost"), (HOST, "evil.example")]);
-        assert_eq!(status(Guard::local().admit("/", None, &two)), Some(StatusCode::BAD_REQUEST));
+        assert_eq!(status(AccessControl::local().admit("/", None, &two)), Some(StatusCode::BAD_REQUEST));
     }
 
     #[test]
     fn requests_from_pages_of_others_are_refused() {
         let ask = |origin| {
             let headers = headers(&[(HOST, "localhost:7878"), (ORIGIN, origin)]);
-            status(Guard::local().admit("/ws", None, &headers))
+            status(AccessControl::local().admit("/ws", None, &headers))
         };
         assert_eq!(ask("http://localhost:7878"), None);
         for origin in
@@ -186,19 +189,19 @@ mod tests {
 
     #[test]
     fn a_server_for_others_asks_for_its_token() {
-        let key = Key::random().unwrap();
-        let guard = Guard::with_token("box.example", 80, key);
+        let key = AccessKey::random().unwrap();
+        let access = AccessControl::with_token("box.example", 80, key);
         let ask = |path: &str, query: Option<&str>, cookie: &str| {
-            guard.admit(path, query, &headers(&[(HOST, "box.example"), (COOKIE, cookie)]))
+            access.admit(path, query, &headers(&[(HOST, "box.example"), (COOKIE, cookie)]))
         };
         let cookie = format!("glanz-80={key}");
         let query = format!("token={key}");
         assert_eq!(
             ask("/", Some(&query), "a=b"),
-            Admission::WithCookie(format!("{cookie}; Path=/; HttpOnly; SameSite=Strict"))
+            AccessDecision::WithCookie(format!("{cookie}; Path=/; HttpOnly; SameSite=Strict"))
         );
-        assert_eq!(ask("/ws", None, &format!("a=b; {cookie}")), Admission::Granted);
-        let other = Key::random().unwrap();
+        assert_eq!(ask("/ws", None, &format!("a=b; {cookie}")), AccessDecision::Granted);
+        let other = AccessKey::random().unwrap();
         for (path, query, cookie) in [
             ("/", None, String::new()),
             ("/", Some(format!("token={other}")), String::new()),
@@ -215,8 +218,8 @@ mod tests {
 
     #[test]
     fn a_server_for_others_answers_to_its_name_and_to_numbers() {
-        let guard = Guard::with_token("Box.example", 80, Key::random().unwrap());
-        let knows = |host| guard.knows(host);
+        let access = AccessControl::with_token("Box.example", 80, AccessKey::random().unwrap());
+        let knows = |host| access.knows(host);
         assert!(
             knows("box.EXAMPLE") && knows("192.168.0.7:80") && knows("[fe80::1]:80") && knows("localhost")
         );
