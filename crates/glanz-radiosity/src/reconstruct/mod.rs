@@ -20,6 +20,7 @@ use glanz_math::{DVec2, DVec3};
 
 mod bilinear;
 mod cells;
+mod dense;
 mod lattice;
 mod multiquadrics;
 mod natural;

@@ -1,9 +1,8 @@
 //! Sums of radial functions.
 
-use faer::Mat;
-use faer::linalg::solvers::Solve;
 use glanz_math::{DVec2, DVec3};
 
+use super::dense::solve;
 use super::{Interpolant, ReconstructError, Sample};
 
 /// Largest residual of a solution that is taken for one, relative to the largest value.
@@ -45,30 +44,27 @@ impl Multiquadrics {
             let radius = if nearest.is_finite() { nearest } else { 1.0 };
             functions.push(Function { point: sample.point, radius, factor: DVec3::ZERO });
         }
-        let system = Mat::from_fn(n, n, |row, column| {
-            let function = &functions[column];
-            power(samples[row].point.distance_squared(function.point) + function.radius, exponent)
+        let entry = |row: &Sample, column: &Function| {
+            power(row.point.distance_squared(column.point) + column.radius, exponent)
+        };
+        let system: Vec<f64> =
+            samples.iter().flat_map(|row| functions.iter().map(move |column| entry(row, column))).collect();
+        let values: Vec<DVec3> = samples.iter().map(|sample| sample.value).collect();
+        let factors = solve(system.clone(), &values).ok_or(ReconstructError::Singular(n))?;
+        let rest = system.chunks_exact(n.max(1)).zip(&values).map(|(row, value)| {
+            row.iter().zip(&factors).map(|(entry, factor)| *entry * *factor).sum::<DVec3>() - *value
         });
-        let values = Mat::from_fn(n, 3, |row, band| samples[row].value[band]);
-        let factors = system.partial_piv_lu().solve(&values);
-        let rest = &system * &factors - &values;
-        let largest =
-            |m: &Mat<f64>| (0..n).flat_map(|i| (0..3).map(move |j| m[(i, j)].abs())).fold(0.0, nan_max);
+        let largest = values.iter().map(|value| value.abs().max_element()).fold(0.0, f64::max);
         // Not so for what is no number.
-        let solved = largest(&rest) <= RESIDUAL * largest(&values);
-        if !solved {
+        let is_solution = |rest: DVec3| rest.abs().cmple(DVec3::splat(RESIDUAL * largest)).all();
+        if !rest.into_iter().all(is_solution) {
             return Err(ReconstructError::Singular(n));
         }
-        for (i, function) in functions.iter_mut().enumerate() {
-            function.factor = DVec3::new(factors[(i, 0)], factors[(i, 1)], factors[(i, 2)]);
+        for (function, factor) in functions.iter_mut().zip(factors) {
+            function.factor = factor;
         }
         Ok(Self { functions, exponent })
     }
-}
-
-/// The larger one, or what is no number.
-fn nan_max(a: f64, b: f64) -> f64 {
-    if b > a || b.is_nan() { b } else { a }
 }
 
 fn power(x: f64, exponent: f64) -> f64 {
