@@ -1,4 +1,4 @@
-//! Bilinear patches: the surface that four points span.
+//! Bilinear patches.
 
 use glanz_math::polynomial::quadratic;
 use glanz_math::rounding::{UNIT_ROUNDOFF, gamma};
@@ -6,14 +6,14 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
 use crate::error::{SurfaceError, finite};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
-use crate::line::Line;
+use crate::ray_line::RayLine;
 use crate::surface::RaySurface;
 use crate::triangle::ShearedRay;
 
-/// `p = (1 - u)(1 - v) p00 + u (1 - v) p10 + (1 - u) v p01 + u v p11`, u and v from 0 to 1; its normal is that of
+/// The surface `p = (1 - u)(1 - v) p00 + u (1 - v) p10 + (1 - u) v p01 + u v p11`, u and v from 0 to 1, with the normal along
 /// `dpdu x dpdv`.
 ///
-/// Flat or twisted; corners may coincide as long as some area is left.
+/// It may be flat or twisted; corners may coincide as long as the area is positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BilinearPatch {
     /// p00, p10, p01, p11.
@@ -26,14 +26,14 @@ pub struct BilinearPatch {
     weights: [f64; 4],
 }
 
-/// Two roots at most, each with (t, u, v).
-type Found = [Option<(f64, f64, f64)>; 2];
+/// At most two roots (t, u, v).
+type BilinearRoots = [Option<(f64, f64, f64)>; 2];
 
 impl BilinearPatch {
     /// The patch with these corners, metres.
     ///
     /// # Errors
-    /// [`SurfaceError::NotFinite`], and [`SurfaceError::Degenerate`] if all corners lie on a line within rounding.
+    /// [`SurfaceError::NotFinite`], and [`SurfaceError::Degenerate`] if all corners lie on a line up to rounding.
     pub fn try_new(p00: DVec3, p10: DVec3, p01: DVec3, p11: DVec3) -> Result<Self, SurfaceError> {
         let corners = [p00, p10, p01, p11];
         for x in corners.iter().flat_map(DVec3::to_array) {
@@ -45,8 +45,8 @@ impl BilinearPatch {
         patch.weights =
             [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(u, v)| patch.area_vector(u, v).length());
         let largest = patch.weights.iter().fold(0.0, |a: f64, w| a.max(*w));
-        // The normal is an affine function of (u, v): if it vanishes at the corners it does everywhere. The edges
-        // carry one rounding each, their cross product two more.
+        // The area vector is an affine function of (u, v): if it vanishes at the corners, it vanishes everywhere. The edges
+        // have one rounding each, their cross product two more.
         if largest <= gamma(8) * size * size || !largest.is_finite() {
             return Err(SurfaceError::Degenerate {
                 reason: "the corners lie on a line, area",
@@ -72,14 +72,14 @@ impl BilinearPatch {
         du.cross(dv)
     }
 
-    /// The nearest parameters towards the middle at which the surface has a normal: (u, v) except at collapsed corners.
+    /// The nearest parameters towards the middle where the surface has a normal, and the area vector there: (u, v) itself except
+    /// at collapsed corners.
     fn regular(&self, u: f64, v: f64) -> (f64, f64, DVec3) {
         let n = self.area_vector(u, v);
         if n.length() > gamma(8) * self.size * self.size {
             return (u, v, n);
         }
-        // The normal is affine in (u, v): a step of eps leaves eps of it, with half of the digits if eps is the root
-        // of the roundoff.
+        // The area vector is affine in (u, v): after a step of the root of the roundoff, it has half of the digits.
         let step = UNIT_ROUNDOFF.sqrt();
         for (towards_u, towards_v) in [(0.5, 0.5), (0.25, 0.75)] {
             let (u, v) = (u + (towards_u - u) * step, v + (towards_v - v) * step);
@@ -93,36 +93,37 @@ impl BilinearPatch {
 
     /// Both roots in ascending order of t.
     ///
-    /// A shear turns the ray into the z axis; then it is a matter of the plane: the lines of constant u cover the
-    /// origin where the cross product of their ends, a quadratic in u, vanishes. Of both families of lines, the one
-    /// that is seen longer is taken. Roots within rounding of the border belong to it.
+    /// A shear maps the ray to the z axis, which reduces the problem to the plane: the line of constant u contains the origin
+    /// where the cross product of its ends, a quadratic in u, vanishes. Of the two families of lines, the one whose projection
+    /// is longer is used. Roots within rounding of the border belong to it.
     ///
     /// # Source
-    /// @reshetov2019; departure: the shear of @woop2013, so that patches with a common edge see the same numbers
-    /// there, and the choice of the family.
-    fn roots(&self, ray: &Ray) -> Found {
-        // From far away, digits are lost; from near the surface the origin must stay where it is.
+    /// @reshetov2019; departure: the shear of @woop2013, so that patches with a common edge compute the same
+    /// numbers there, and the choice of the family.
+    fn roots(&self, ray: &Ray) -> BilinearRoots {
+        // A distant origin costs digits; an origin near the surface must not be moved.
         let far = ray.origin.distance_squared(self.center) > 16.0 * self.size * self.size;
-        let line = if far { Line::nearest_to(ray, self.center) } else { Line::new(ray, 0.0) };
+        let line = if far { RayLine::nearest_to(ray, self.center) } else { RayLine::new(ray, 0.0) };
         let shear = ShearedRay::new(line.origin, ray.direction);
         let [q00, q10, q01, q11] = self.corners.map(|p| shear.vertex(p));
-        let seen = |a: DVec3, b: DVec3| (b - a).truncate().length_squared();
-        let mut found = if seen(q00, q01) + seen(q10, q11) >= seen(q00, q10) + seen(q01, q11) {
+        let projected = |a: DVec3, b: DVec3| (b - a).truncate().length_squared();
+        let by_u = projected(q00, q01) + projected(q10, q11) >= projected(q00, q10) + projected(q01, q11);
+        let mut roots = if by_u {
             solve([q00, q10, q01, q11])
         } else {
-            solve([q00, q01, q10, q11]).map(|f| f.map(|(t, v, u)| (t, u, v)))
+            solve([q00, q01, q10, q11]).map(|root| root.map(|(t, v, u)| (t, u, v)))
         };
-        for (t, _, _) in found.iter_mut().flatten() {
+        for (t, _, _) in roots.iter_mut().flatten() {
             *t += line.t(0.0);
         }
-        if let [Some(a), Some(b)] = found {
+        if let [Some(a), Some(b)] = roots {
             if a.0 == b.0 {
-                found[1] = None;
+                roots[1] = None;
             } else if a.0 > b.0 {
-                found.swap(0, 1);
+                roots.swap(0, 1);
             }
         }
-        found
+        roots
     }
 
     pub(crate) fn point_at(&self, u: f64, v: f64) -> SurfacePoint {
@@ -135,7 +136,7 @@ impl BilinearPatch {
         let twist = (p11 - p01) - (p10 - p00);
         let bend = |dn: DVec3| (dn - normal * normal.dot(dn)) / length;
         SurfacePoint {
-            // The patch lies within its corners: what rounding adds is cut off.
+            // The patch lies in the bounding box of its corners.
             position: position.clamp(self.bounds.min, self.bounds.max),
             error: self.error(length),
             normal,
@@ -150,11 +151,11 @@ impl BilinearPatch {
 
     /// The absolute error per axis where |dpdu x dpdv| is `area`.
     ///
-    /// The next ray starts on the patch, so that its size L bounds all coordinates. Sheared, they are off by 6 u L. The
-    /// quadratic, three sums of products below 3 L^2, is off by less than 24 u L^2; divided by the length of a line
-    /// of the family that is seen longer, that is the distance from the ray at which a point is taken for a root. Seen
-    /// along the surface, the lines are no shorter than the patch is wide, `area / L`. A patch narrower than the cube
-    /// root of roundoff counts as that wide. The position has six roundings.
+    /// The next ray starts on the patch, so that its size L bounds all coordinates. After the shear their error is 6 u L. The
+    /// error of the quadratic, three sums of products below 3 L^2, is less than 24 u L^2; divided by the length of a line of
+    /// the family with the longer projection, it is the distance from the ray at which a point counts as a root. For a ray along
+    /// the surface, the lines are at least as long as the patch is wide, `area / L`. A patch narrower than the cube root of the
+    /// roundoff counts as that wide. The position has six roundings.
     fn error(&self, area: f64) -> DVec3 {
         let width = (area / (self.size * self.size)).max(UNIT_ROUNDOFF.cbrt());
         let reach = self.bounds.min.abs().max(self.bounds.max.abs());
@@ -170,8 +171,8 @@ impl BilinearPatch {
     }
 }
 
-/// Where the lines from `q00 + u (q10 - q00)` to `q01 + u (q11 - q01)` pass through x = y = 0: (z, u, v).
-fn solve([q00, q10, q01, q11]: [DVec3; 4]) -> Found {
+/// The roots (z, u, v) where the lines from `q00 + u (q10 - q00)` to `q01 + u (q11 - q01)` pass through x = y = 0.
+fn solve([q00, q10, q01, q11]: [DVec3; 4]) -> BilinearRoots {
     let cross = |a: DVec3, b: DVec3| a.x * b.y - a.y * b.x;
     let (at_0, at_1) = (cross(q00, q01), cross(q10, q11));
     let mixed = cross(q00, q11) + cross(q10, q01);
@@ -179,28 +180,28 @@ fn solve([q00, q10, q01, q11]: [DVec3; 4]) -> Found {
     let Some(candidates) = quadratic::roots(a, b, at_0) else { return [None; 2] };
     let size = [q00, q10, q01, q11].iter().fold(0.0_f64, |s, q| s.max(q.truncate().length()));
     let noise = gamma(24) * size * size;
-    candidates.map(|found_u| {
-        let slope = (2.0 * a * found_u + b).abs();
-        let u = near_unit(found_u, if slope > 0.0 { noise / slope } else { 0.0 })?;
+    candidates.map(|root_u| {
+        let slope = (2.0 * a * root_u + b).abs();
+        let u = near_unit(root_u, if slope > 0.0 { noise / slope } else { 0.0 })?;
         let (low, high) = (q00.lerp(q10, u), q01.lerp(q11, u));
-        let along = (high - low).truncate();
-        let length2 = along.length_squared();
-        let found_v = -low.truncate().dot(along) / length2;
-        let v = near_unit(found_v, gamma(24) * size / length2.sqrt())?;
-        let off = (low.truncate() + along * v).length();
-        // What was moved to the border must be met there, to rounding.
-        let moved = u != found_u || v != found_v;
+        let line = (high - low).truncate();
+        let length2 = line.length_squared();
+        let root_v = -low.truncate().dot(line) / length2;
+        let v = near_unit(root_v, gamma(24) * size / length2.sqrt())?;
+        let off = (low.truncate() + line * v).length();
+        // A root that was moved to the border must be a root there, up to rounding.
+        let moved = u != root_u || v != root_v;
         (!moved || off <= gamma(24) * size).then_some((low.z + (high.z - low.z) * v, u, v))
     })
 }
 
-/// `x` in [0, 1], if it is there up to `error`; of which no more than the root of the roundoff is believed.
+/// `x` clamped to [0, 1], if it is within `error`, but at most the root of the roundoff, of that interval.
 fn near_unit(x: f64, error: f64) -> Option<f64> {
     let error = error.min(UNIT_ROUNDOFF.sqrt());
     (x >= -error && x <= 1.0 + error).then(|| x.clamp(0.0, 1.0))
 }
 
-/// The point of [0, 1) below which a share `xi` of a density that goes linearly from `a` to `b` lies.
+/// Samples [0, 1) with a density that is linear between `a` at 0 and `b` at 1.
 ///
 /// # Source
 /// @pharr2023 section 2.3.2.
@@ -231,8 +232,8 @@ impl RaySurface for BilinearPatch {
         self.point_at(hit.u, hit.v)
     }
 
-    /// With a density in (u, v) that goes bilinearly between the area elements at the corners: uniform over the area
-    /// where the patch is a parallelogram, nearly so elsewhere.
+    /// The density in (u, v) is bilinear between the area elements at the corners: uniform by area if the patch is a
+    /// parallelogram, nearly so otherwise.
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
         let [w00, w10, w01, w11] = self.weights;
         let v = sample_linear(xi.y, w00 + w10, w01 + w11);

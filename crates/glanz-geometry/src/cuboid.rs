@@ -1,27 +1,21 @@
-//! A box along the axes.
+//! Axis-aligned boxes.
 
 use glanz_math::rounding::gamma;
 use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
+use crate::convex::{ConvexInterval, FacetCrossing};
 use crate::error::{SurfaceError, finite};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::surface::RaySurface;
 
-/// A box along the axes, its normals outward.
+/// An axis-aligned box with outward normals.
 ///
-/// Facet 2 a is the side of smallest, facet 2 a + 1 that of largest coordinate a (0 = x, 1 = y, 2 = z). On each, `u`
-/// and `v` run from 0 to 1 along two of the axes in positive direction, in the order that makes their cross product
-/// the outward normal: (y, z) on +x, (z, x) on +y, (x, y) on +z, swapped on the opposite side.
+/// Facet 2 a is the side with the smallest, facet 2 a + 1 that with the largest coordinate a (0 = x, 1 = y, 2 = z). On each, `u`
+/// and `v` run from 0 to 1 along two of the axes in positive direction, in the order that makes their cross product the
+/// outward normal: (y, z) on +x, (z, x) on +y, (x, y) on +z, swapped on the opposite sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     bounds: Bounds3,
-}
-
-/// One end of a ray's way through a box.
-#[derive(Clone, Copy, Debug)]
-struct End {
-    t: f64,
-    facet: u32,
 }
 
 impl Cuboid {
@@ -46,16 +40,15 @@ impl Cuboid {
         self.bounds.surface_area()
     }
 
-    /// Where the line of the ray enters and leaves.
+    /// The interval of the ray's line inside the box.
     ///
-    /// The differences have the right sign whatever their rounding, and so has the quotient: a ray that starts
-    /// outside one of the planes, by however little, and moves away from it, does not meet the box.
-    fn ends(&self, ray: &Ray) -> Option<(End, End)> {
+    /// Rounding does not change the sign of the differences or quotients: a ray that starts outside one of the planes, however
+    /// close, and moves away from it, misses the box.
+    fn interval(&self, ray: &Ray) -> Option<ConvexInterval> {
         if !ray.origin.is_finite() || ray.direction.is_nan() || ray.direction == DVec3::ZERO {
             return None;
         }
-        let mut enter = End { t: f64::NEG_INFINITY, facet: 0 };
-        let mut leave = End { t: f64::INFINITY, facet: 0 };
+        let mut interval = ConvexInterval::LINE;
         let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
         let (min, max) = (self.bounds.min.to_array(), self.bounds.max.to_array());
         for (axis, facet) in [(0, 0), (1, 2), (2, 4)] {
@@ -66,26 +59,19 @@ impl Cuboid {
                 continue;
             }
             let (low, high) = ((min[axis] - o[axis]) / d[axis], (max[axis] - o[axis]) / d[axis]);
-            let (near, far) = if d[axis] > 0.0 {
-                (End { t: low, facet }, End { t: high, facet: facet + 1 })
-            } else {
-                (End { t: high, facet: facet + 1 }, End { t: low, facet })
-            };
-            if near.t > enter.t {
-                enter = near;
-            }
-            if far.t < leave.t {
-                leave = far;
-            }
+            let (low, high) = (FacetCrossing { t: low, facet }, FacetCrossing { t: high, facet: facet + 1 });
+            let (near, far) = if d[axis] > 0.0 { (low, high) } else { (high, low) };
+            interval.clip_start(near);
+            interval.clip_end(far);
         }
-        (enter.t <= leave.t).then_some((enter, leave))
+        (!interval.is_empty()).then_some(interval)
     }
 
-    fn hit(&self, ray: &Ray, end: End) -> Hit {
-        let share =
-            ((ray.at(end.t) - self.bounds.min) / self.bounds.diagonal()).clamp(DVec3::ZERO, DVec3::ONE);
-        let (a, b) = tangent_axes(end.facet);
-        Hit { t: end.t, u: share[a], v: share[b], face: end.facet }
+    fn hit(&self, ray: &Ray, FacetCrossing { t, facet }: FacetCrossing) -> Hit {
+        let relative =
+            ((ray.at(t) - self.bounds.min) / self.bounds.diagonal()).clamp(DVec3::ZERO, DVec3::ONE);
+        let (a, b) = tangent_axes(facet);
+        Hit { t, u: relative[a], v: relative[b], face: facet }
     }
 
     pub(crate) fn point_at(&self, facet: u32, u: f64, v: f64) -> SurfacePoint {
@@ -93,7 +79,7 @@ impl Cuboid {
         let (a, b) = tangent_axes(facet);
         let size = self.bounds.diagonal();
         let mut position = if upper { self.bounds.max } else { self.bounds.min };
-        // Interpolated from both ends, so that neither is overshot.
+        // Interpolation from both ends overshoots neither.
         position[a] = (self.bounds.min[a] * (1.0 - u) + self.bounds.max[a] * u)
             .clamp(self.bounds.min[a], self.bounds.max[a]);
         position[b] = (self.bounds.min[b] * (1.0 - v) + self.bounds.max[b] * v)
@@ -101,7 +87,7 @@ impl Cuboid {
         let normal = DVec3::AXES[axis] * if upper { 1.0 } else { -1.0 };
         SurfacePoint {
             position,
-            // The coordinate along the normal is that of the side itself; one unit for the move to the edge.
+            // The coordinate along the normal is exact; one unit covers the offset to the edge of the error box.
             error: self.bounds.min.abs().max(self.bounds.max.abs()) * gamma(3),
             normal,
             shading_normal: normal,
@@ -113,19 +99,19 @@ impl Cuboid {
         }
     }
 
-    /// Area of the two sides across each axis, m^2.
+    /// Area of one side at right angles to each axis, m^2.
     fn side_areas(&self) -> DVec3 {
         let d = self.bounds.diagonal();
         DVec3::new(d.y * d.z, d.z * d.x, d.x * d.y)
     }
 }
 
-/// The ray parameters, of any sign, at which the line of the ray enters and leaves the box, if it meets it.
+/// The ray parameters, of any sign, at which the line of the ray enters and leaves the box; `None` if it misses the box.
 pub(crate) fn clip_to_box(bounds: &Bounds3, ray: &Ray) -> Option<(f64, f64)> {
-    Cuboid { bounds: *bounds }.ends(ray).map(|(enter, leave)| (enter.t, leave.t))
+    Cuboid { bounds: *bounds }.interval(ray).map(|interval| (interval.enter.t, interval.leave.t))
 }
 
-/// The axes along which u and v run on a facet.
+/// The axes of u and v on a facet.
 fn tangent_axes(facet: u32) -> (usize, usize) {
     let axis = (facet as usize / 2) % 3;
     let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -138,26 +124,16 @@ impl RaySurface for Cuboid {
     }
 
     fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
-        let (enter, leave) = self.ends(ray)?;
-        let end = if enter.t > 0.0 { enter } else { leave };
-        (end.t > 0.0 && end.t < t_max).then(|| self.hit(ray, end))
+        Some(self.hit(ray, self.interval(ray)?.first(t_max)?))
     }
 
     fn occluded(&self, ray: &Ray, t_max: f64) -> bool {
-        self.ends(ray).is_some_and(|(enter, leave)| {
-            (enter.t > 0.0 && enter.t < t_max) || (leave.t > 0.0 && leave.t < t_max)
-        })
+        self.interval(ray).is_some_and(|interval| interval.first(t_max).is_some())
     }
 
     fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
-        let Some((enter, leave)) = self.ends(ray) else { return };
-        let inside = |t: f64| t > 0.0 && t < t_max;
-        if inside(enter.t) {
-            hits.push(self.hit(ray, enter));
-        }
-        if inside(leave.t) && leave.t > enter.t {
-            hits.push(self.hit(ray, leave));
-        }
+        let crossings = self.interval(ray).into_iter().flat_map(|interval| interval.all(t_max));
+        hits.extend(crossings.map(|crossing| self.hit(ray, crossing)));
     }
 
     fn point(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {

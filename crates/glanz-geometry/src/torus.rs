@@ -9,13 +9,13 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
 use crate::error::{SurfaceError, finite, positive};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
-use crate::line::Line;
 use crate::rational::Profile;
+use crate::ray_line::RayLine;
 use crate::surface::RaySurface;
 
-/// A torus around the z axis, whole or swept through an angle, without caps; its normal points out of the tube.
+/// A torus around the z axis, full or up to an angle, without caps; its normal points out of the tube.
 ///
-/// `u` is the angle around the axis over `phi_max`, `v` the angle around the tube over 2 pi, from the outer equator
+/// `u` is the angle around the axis divided by `phi_max`, `v` the angle around the tube divided by 2 pi, from the outer equator
 /// upwards:
 ///
 /// `p = ((R + r cos 2 pi v) cos(u phi_max), (R + r cos 2 pi v) sin(u phi_max), r sin 2 pi v)`.
@@ -25,18 +25,18 @@ pub struct Torus {
     minor: f64,
     phi_max: f64,
     bounds: Bounds3,
-    /// Distance from the surface below which the quartic may have the wrong sign, times the distance from the axis.
+    /// Distance from the surface below which the quartic may have a wrong sign, times the distance from the axis.
     quartic_error: f64,
 }
 
 impl Torus {
-    /// A torus with the circle of radius `major` (metres) as the middle of a tube of radius `minor`, swept from
-    /// angle 0 to `phi_max` (radians) around z.
+    /// The torus with a tube of radius `minor` around a circle of radius `major` (metres), from angle 0 to `phi_max` (radians)
+    /// around z.
     ///
     /// # Errors
     /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`], and [`SurfaceError::OutOfRange`] if `phi_max`
-    /// exceeds 2 pi or `minor` is not below `major`: horn and spindle tori have points without a tangent plane and,
-    /// in the spindle, no inside and outside.
+    /// exceeds 2 pi or `minor` is not below `major`: horn and spindle tori have points without a tangent plane, and
+    /// spindle tori have no inside and outside.
     pub fn try_new(major: f64, minor: f64, phi_max: f64) -> Result<Self, SurfaceError> {
         let major = positive("major radius", major)?;
         let minor = positive("minor radius", minor)?;
@@ -69,9 +69,8 @@ impl Torus {
             phi_max,
             // Sines of the ends of the arc are rounded.
             bounds: bounds.expanded(outer * gamma(4)),
-            // The quartic is a sum of terms that nowhere in the bounding ball exceed 8 A^4 for an outer radius A, each
-            // with fewer than 16 roundings; its gradient on the surface is 8 R r rho at the distance rho from the
-            // axis.
+            // The quartic is a sum of terms of at most 8 A^4 in the bounding ball of radius A, each with fewer than 16
+            // roundings; its gradient on the surface is 8 R r rho at the distance rho from the axis.
             quartic_error: gamma(16) * outer.powi(4) / (major * minor),
         })
     }
@@ -86,16 +85,16 @@ impl Torus {
         self.phi_max
     }
 
-    /// What is swept about the axis.
+    /// The profile curves.
     pub(crate) fn profiles(&self) -> Vec<Profile> {
         Profile::circle(self.major, self.minor, [0.0, TAU])
     }
 
-    /// The part of the line, by arc length, beyond the ray's origin and around the surface, if it begins before `t_max`.
+    /// The interval of arc length in front of the ray's origin and close to the surface, if it begins before `t_max`.
     ///
-    /// Ball and slab are a little too large: clipping saves time and digits but must not decide about a crossing. The
-    /// end does not depend on `t_max`, so that a hit has the same digits whatever is asked.
-    fn clip(&self, ray: &Ray, line: &Line, t_max: f64) -> Option<(f64, f64)> {
+    /// The ball and the slab are slightly too large: clipping saves time and digits but must not decide about a crossing. The end
+    /// does not depend on `t_max`, so that a hit always has the same digits.
+    fn clip(&self, ray: &Ray, line: &RayLine, t_max: f64) -> Option<(f64, f64)> {
         let outer = (self.major + self.minor) * (1.0 + 1.0 / 64.0);
         let half2 = outer * outer - line.origin.length_squared();
         if half2 < 0.0 {
@@ -104,7 +103,7 @@ impl Torus {
         let half = half2.sqrt();
         let (mut low, mut high) = (line.s(0.0).max(-half), half);
         let (z, dz) = (line.origin.z, line.direction.z);
-        // The last term: what a far origin costs.
+        // The last term is the rounding error of a distant origin.
         let reach = self.minor * (1.0 + 1.0 / 16.0) + gamma(4) * ray.origin.length();
         if dz != 0.0 {
             let (a, b) = ((-reach - z) / dz, (reach - z) / dz);
@@ -118,9 +117,9 @@ impl Torus {
 
     /// The polynomial in s that vanishes where the line crosses the whole torus.
     ///
-    /// `(|p|^2 + R^2 - r^2)^2 = 4 R^2 (x^2 + y^2)` with `p = c + s d`; the constant term is factored, which keeps
-    /// the digits of thin tubes.
-    fn quartic(&self, line: &Line) -> [f64; 5] {
+    /// `(|p|^2 + R^2 - r^2)^2 = 4 R^2 (x^2 + y^2)` with `p = c + s d`; the constant term is factored, which is accurate for thin
+    /// tubes.
+    fn quartic(&self, line: &RayLine) -> [f64; 5] {
         let (c, d) = (line.origin, line.direction);
         let (big, small) = (self.major, self.minor);
         let cd = c.dot(d);
@@ -137,8 +136,8 @@ impl Torus {
         ]
     }
 
-    /// The crossing at arc length `s` as a hit, if it is one.
-    fn hit(&self, line: &Line, s: f64, t_max: f64) -> Option<Hit> {
+    /// The hit at arc length `s`, if it is in range.
+    fn hit(&self, line: &RayLine, s: f64, t_max: f64) -> Option<Hit> {
         let t = line.t(s);
         let p = line.at(s);
         let phi = angle(p.y, p.x);
@@ -147,22 +146,22 @@ impl Torus {
         inside.then(|| Hit { t, u: phi / self.phi_max, v, face: 0 })
     }
 
-    /// The hits in ascending order, until `visit` breaks.
+    /// Visits the hits in ascending order until `visit` breaks.
     fn visit_hits<B>(
         &self,
         ray: &Ray,
         t_max: f64,
         mut visit: impl FnMut(Hit) -> ControlFlow<B>,
     ) -> Option<B> {
-        let line = Line::nearest_to(ray, DVec3::ZERO);
+        let line = RayLine::nearest_to(ray, DVec3::ZERO);
         let (low, high) = self.clip(ray, &line, t_max)?;
         let mut last = 0.0;
         let end = visit_roots(&self.quartic(&line), low, high, |s| {
             let Some(hit) = self.hit(&line, s, t_max) else { return ControlFlow::Continue(()) };
-            // Two arc lengths may be one parameter of a far ray.
-            let fresh = hit.t > last;
+            // Two arc lengths may round to one parameter of a distant ray.
+            let is_new = hit.t > last;
             last = hit.t;
-            if fresh { visit(hit) } else { ControlFlow::Continue(()) }
+            if is_new { visit(hit) } else { ControlFlow::Continue(()) }
         });
         end.break_value()
     }
@@ -177,8 +176,8 @@ impl Torus {
         let around_axis = DVec3::new(-sin_phi, cos_phi, 0.0);
         SurfacePoint {
             position,
-            // Five roundings of the position, and twice the distance that the quartic cannot tell: it is evaluated
-            // for the hit and again for the next ray.
+            // Five roundings of the position, and twice the distance that the quartic does not resolve: it is evaluated for the
+            // hit and again for the next ray.
             error: DVec3::splat(gamma(6) * (self.major + self.minor) + 2.0 * self.quartic_error / rho),
             normal,
             shading_normal: normal,
@@ -197,7 +196,7 @@ fn angle(y: f64, x: f64) -> f64 {
     if a < 0.0 { (a + TAU).min(TAU.next_down()) } else { a }
 }
 
-/// Smallest and largest x and y of the part of a ring between two radii that is swept from angle 0 to `phi_max`.
+/// Smallest and largest x and y of a ring between two radii, from angle 0 to `phi_max`.
 fn arc_extent(phi_max: f64, inner: f64, outer: f64) -> (DVec2, DVec2) {
     let mut extent = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     let mut include = |direction: DVec2| {
@@ -216,10 +215,10 @@ fn arc_extent(phi_max: f64, inner: f64, outer: f64) -> (DVec2, DVec2) {
     extent
 }
 
-/// The angle around the tube below which a share `xi` of the area lies: `theta + e sin theta = 2 pi xi`.
+/// The angle around the tube below which the fraction `xi` of the area lies: `theta + e sin theta = 2 pi xi`.
 ///
-/// Kepler's equation with the sign of e reversed, e = r / R < 1: the left side rises, so that Newton's step, kept in
-/// a bracket that shrinks, converges.
+/// Kepler's equation with the sign of e reversed, e = r / R < 1: the left side increases, so that Newton's method in a shrinking
+/// bracket converges.
 fn tube_angle(e: f64, xi: f64) -> f64 {
     let target = TAU * xi;
     let (mut low, mut high) = ((target - e).max(0.0), (target + e).min(TAU));
@@ -341,7 +340,7 @@ mod tests {
                 let tangent =
                     p.dpdu.normalize() * f64::from(i).sin() + p.dpdv.normalize() * f64::from(i).cos();
                 let along = p.normal * 10.0_f64.powi(-(i % 12)) + tangent;
-                // Outside of the tube's outer half nothing lies beyond the tangent plane.
+                // Beyond the tangent planes of the outer half there is no surface.
                 if p.position.dot(p.normal) > major * p.normal.z.abs().max(0.0) && v.min(1.0 - v) < 0.2 {
                     let origin = offset_origin(p.position, p.error, p.normal, along);
                     assert!(torus.intersect(&Ray::new(origin, along), f64::INFINITY).is_none());
@@ -356,7 +355,7 @@ mod tests {
     }
 
     #[test]
-    fn part_of_the_ring_is_hit_where_it_is() {
+    fn partial_ring_is_hit_within_its_angle_only() {
         let torus = Torus::try_new(2.0, 0.5, PI).unwrap();
         let down = |x: f64, y: f64| Ray::new(DVec3::new(x, y, 3.0), -DVec3::Z);
         assert_eq!(all(&torus, &down(0.0, 2.0)), [2.5, 3.5]);
@@ -383,7 +382,7 @@ mod tests {
 
     #[test]
     fn samples_are_uniform_over_the_area() {
-        // Share of the area with theta in [0, pi/2] is (pi/2 + e) / 2 pi.
+        // The fraction of the area with theta in [0, pi/2] is (pi/2 + e) / 2 pi.
         let torus = Torus::try_new(1.0, 0.8, TAU).unwrap();
         let n = 1000;
         let count = (0..n)

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glanz_geometry::trim::Cell;
+use glanz_geometry::trim::Containment;
 use glanz_geometry::{FaceDomain, Surface};
 use glanz_math::DVec2;
 use glanz_math::rounding::gamma;
@@ -67,19 +67,19 @@ impl PlacedSurface<'_> {
             for square in open {
                 let Square { face, low, side } = square;
                 let state = self.state(&square);
-                let divide = side > smallest || (state == Cell::Crossed && looked_at < MOST_CELLS);
+                let divide = side > smallest || (state == Containment::Crossed && looked_at < MOST_CELLS);
                 match state {
-                    Cell::Outside => {}
+                    Containment::Outside => {}
                     _ if divide => {
                         next.extend(square.quarters());
                         looked_at += 4;
                     }
-                    Cell::Inside => {
+                    Containment::Inside => {
                         let along =
                             |v: f64| rule.integrate(low.x, low.x + side, |u| stretch(face, DVec2::new(u, v)));
                         area += rule.integrate(low.y, low.y + side, along);
                     }
-                    Cell::Crossed => {
+                    Containment::Crossed => {
                         let mean = square.places().map(|at| stretch(face, at)).sum::<f64>();
                         area += mean * side * side / (NODES * NODES) as f64;
                     }
@@ -91,14 +91,14 @@ impl PlacedSurface<'_> {
     }
 
     /// What trimming does to a part of a face.
-    fn state(&self, square: &Square) -> Cell {
+    fn state(&self, square: &Square) -> Containment {
         let Square { face, low, side } = *square;
         let high = low + side;
         match self.surface() {
             Surface::Freeform(freeform) => {
                 let (Some(region), Some(piece)) = (freeform.region(), freeform.pieces().get(face as usize))
                 else {
-                    return Cell::Inside;
+                    return Containment::Inside;
                 };
                 let corners = [low, DVec2::new(high.x, low.y), DVec2::new(low.x, high.y), high];
                 let corners = corners.map(|p| piece.parameters(p.x, p.y));
@@ -109,7 +109,7 @@ impl PlacedSurface<'_> {
             }
             // All others have the parameters of their face.
             Surface::Trimmed(trimmed) => trimmed.region().classify(low, high),
-            _ => Cell::Inside,
+            _ => Containment::Inside,
         }
     }
 }

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use glanz_geometry::algebraic::{AlgebraicSurface, Term};
+use glanz_geometry::algebraic::{AlgebraicSurface, PolynomialTerm};
 use glanz_geometry::bilinear::BilinearPatch;
 use glanz_geometry::cuboid::Cuboid;
 use glanz_geometry::polyhedron::{HalfSpace, Polyhedron};
@@ -56,8 +56,8 @@ fn rays(bounds: &Bounds3) -> Vec<Ray> {
 }
 
 fn algebraic(terms: &[([u32; 3], f64)], reach: f64) -> Result<Surface, SurfaceError> {
-    let terms: Vec<Term> =
-        terms.iter().map(|&(exponents, coefficient)| Term { exponents, coefficient }).collect();
+    let terms: Vec<PolynomialTerm> =
+        terms.iter().map(|&(exponents, coefficient)| PolynomialTerm { exponents, coefficient }).collect();
     let clip = Bounds3::new(DVec3::splat(-reach), DVec3::splat(reach));
     Ok(AlgebraicSurface::try_new(&terms, clip)?.into())
 }

@@ -1,4 +1,4 @@
-//! Algebraic surfaces: where a polynomial in x, y and z vanishes.
+//! Algebraic surfaces: the zero sets of polynomials in x, y and z.
 
 mod polynomial3;
 
@@ -9,57 +9,57 @@ use glanz_math::polynomial::visit_roots;
 use glanz_math::rounding::{UNIT_ROUNDOFF, gamma};
 use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
-use self::polynomial3::{Cube, Jet, Polynomial3, Univariate, recenter};
+use self::polynomial3::{CoefficientCube, Polynomial3, TaylorExpansion, Univariate, recenter};
 use crate::cuboid::clip_to_box;
 use crate::error::{SurfaceError, finite, positive};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
-use crate::line::Line;
+use crate::ray_line::RayLine;
 use crate::surface::RaySurface;
 
 /// Largest total degree of an [`AlgebraicSurface`].
 pub const MAX_DEGREE: usize = 4;
 
-/// Largest error of a position, in units of half the box: 2^-31.
-const CAP: f64 = 1.0 / 2_147_483_648.0;
+/// Largest reported error of a position, in units of half the box: 2^-31.
+const MAX_POSITION_ERROR: f64 = 1.0 / 2_147_483_648.0;
 
-/// Doubt about a root, in units of half the box, from which it is looked at again: 2^-40.
-const POLISH: f64 = 1.0 / 1_099_511_627_776.0;
+/// Uncertainty of a root, in units of half the box, above which it is refined: 2^-40.
+const POLISH_THRESHOLD: f64 = 1.0 / 1_099_511_627_776.0;
 
-/// The summand `coefficient x^i y^j z^k`.
+/// The term `coefficient x^i y^j z^k` of a polynomial.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Term {
+pub struct PolynomialTerm {
     /// The exponents i, j, k.
     pub exponents: [u32; 3],
-    /// Its factor; x, y and z are metres.
+    /// The coefficient; x, y and z are in metres.
     pub coefficient: f64,
 }
 
-/// The points of a box where `sum c x^i y^j z^k = 0`, of total degree 4 at most.
+/// The points of a box where `sum c x^i y^j z^k = 0`, of total degree at most 4.
 ///
-/// A surface that leaves the box is cut open there. The normal is the direction in which the polynomial rises. `u` and
-/// `v` are spherical angles about the center c of the box: `p = c + r (cos 2 pi u sin pi v, sin 2 pi u sin pi v,
-/// cos pi v)`; several points may have the same. The tangents are zero on the axis and where the surface is seen
-/// edge-on from the center. At points without a normal (of a vanishing gradient) the surface turns towards the ray.
+/// The surface is open where it leaves the box. The normal is the direction in which the polynomial increases. `u` and `v` are
+/// spherical angles about the center c of the box: `p = c + r (cos 2 pi u sin pi v, sin 2 pi u sin pi v, cos pi v)`; several
+/// points may have the same parameters. The tangents are zero on the axis and where the tangent plane contains the center. At
+/// points where the gradient vanishes, the normal points against the ray.
 ///
 /// # Source
-/// @hanrahan1983; departure: coefficients are formed about a point of the ray in the box.
+/// @hanrahan1983; departure: coefficients along the ray are relative to a point of the ray in the box.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AlgebraicSurface {
     /// In coordinates relative to the center of the box, in units of `scale`.
     polynomial: Polynomial3,
     bounds: Bounds3,
     center: DVec3,
-    /// A power of two, metres; half the longest edge of the box is between half and one of it.
+    /// A power of two, metres; half the longest edge of the box is between 1/2 and 1 of it.
     scale: f64,
 }
 
 impl AlgebraicSurface {
-    /// The surface of the sum of `terms`, in the box `bounds` (metres). Terms of the same exponents add up.
+    /// The zero set of the sum of `terms` in the box `bounds` (metres). Terms of equal exponents add up.
     ///
     /// # Errors
     /// [`SurfaceError::NotFinite`]; [`SurfaceError::NotPositive`] if the box has no volume;
-    /// [`SurfaceError::DegreeTooHigh`]; [`SurfaceError::Degenerate`] if nothing but a constant is left.
-    pub fn try_new(terms: &[Term], bounds: Bounds3) -> Result<Self, SurfaceError> {
+    /// [`SurfaceError::DegreeTooHigh`]; [`SurfaceError::Degenerate`] if the polynomial is constant.
+    pub fn try_new(terms: &[PolynomialTerm], bounds: Bounds3) -> Result<Self, SurfaceError> {
         for edge in bounds.diagonal().to_array() {
             positive("edge length of the box", edge)?;
         }
@@ -69,7 +69,7 @@ impl AlgebraicSurface {
         let scale = half.log2().ceil().exp2();
         positive("scale of the box to the fourth power", scale.powi(4))?;
         finite("scale of the box to the fourth power", scale.powi(4))?;
-        let mut cube: Cube = Default::default();
+        let mut cube: CoefficientCube = Default::default();
         for term in terms {
             let coefficient = finite("coefficient", term.coefficient)?;
             let total = term.exponents.iter().fold(0_u32, |a, &e| a.saturating_add(e));
@@ -87,7 +87,7 @@ impl AlgebraicSurface {
         let degree = total_degree(&cube);
         if degree == 0 {
             return Err(SurfaceError::Degenerate {
-                reason: "the polynomial is constant,",
+                reason: "the polynomial is constant, value",
                 value: cube[0][0][0].0,
             });
         }
@@ -97,9 +97,9 @@ impl AlgebraicSurface {
         Ok(Self { polynomial: Polynomial3::new(&cube, degree), bounds, center, scale })
     }
 
-    /// Terms in coordinates relative to [`AlgebraicSurface::center`] and in units of [`AlgebraicSurface::scale`], up to a common factor: far from the
-    /// origin they keep their digits.
-    pub fn centered_terms(&self) -> impl Iterator<Item = Term> + '_ {
+    /// The terms in coordinates relative to [`AlgebraicSurface::center`] and in units of [`AlgebraicSurface::scale`], up to a common
+    /// factor. They keep their digits far from the origin.
+    pub fn centered_terms(&self) -> impl Iterator<Item = PolynomialTerm> + '_ {
         self.polynomial.terms().filter(|term| term.coefficient != 0.0)
     }
 
@@ -115,11 +115,11 @@ impl AlgebraicSurface {
         self.scale
     }
 
-    /// The hits in ascending order, until `visit` breaks.
+    /// Visits the hits in ascending order until `visit` breaks.
     ///
-    /// The polynomial along the ray is formed about the ray's origin if that lies in the box: its constant term then
-    /// tells on which side the ray starts. Otherwise about the middle of the way through the box. Neither depends on
-    /// `t_max`, so that a hit has the same digits whatever is asked.
+    /// The polynomial along the ray is relative to the ray's origin if that lies in the box: the sign of its constant term is then
+    /// that of the side on which the ray starts. Otherwise it is relative to the middle of the ray's interval in the box.
+    /// Neither depends on `t_max`, so that a hit always has the same digits.
     fn visit_hits<B>(
         &self,
         ray: &Ray,
@@ -131,44 +131,48 @@ impl AlgebraicSurface {
             return None;
         }
         let shift = if enter <= 0.0 { 0.0 } else { 0.5 * enter + 0.5 * leave };
-        let line = Line::new(ray, shift);
-        let along = self.polynomial.on_line((line.origin - self.center) / self.scale, line.direction);
+        let line = RayLine::new(ray, shift);
+        let polynomial = self.polynomial.on_line((line.origin - self.center) / self.scale, line.direction);
         let (low, high) = (line.s(enter.max(0.0)) / self.scale, line.s(leave) / self.scale);
         let mut last = 0.0;
-        let end = visit_roots(&along, low, high, |s| {
-            let polished = line.t(self.polish(&along, &line, s) * self.scale);
-            // A step must not make one root of two.
-            let apart = polished > last || polished <= 0.0;
-            let t = if apart { polished } else { line.t(s * self.scale) };
-            // Rounding must not take it out of the box, before the end that decides above.
+        let end = visit_roots(&polynomial, low, high, |s| {
+            let polished = line.t(self.polish(&polynomial, &line, s) * self.scale);
+            // A step must not merge two roots.
+            let is_distinct = polished > last || polished <= 0.0;
+            let t = if is_distinct { polished } else { line.t(s * self.scale) };
+            // Rounding must not move the root out of the box, beyond the end that is tested above.
             let t = t.clamp(enter, leave);
-            // Two arc lengths may be one parameter of a far ray.
-            let fresh = t > last && t < t_max;
+            // Two arc lengths may round to one parameter of a distant ray.
+            let is_new = t > last && t < t_max;
             last = last.max(t);
-            if fresh { visit(self.hit(t, line.at(line.s(t)))) } else { ControlFlow::Continue(()) }
+            if is_new { visit(self.hit(t, line.at(line.s(t)))) } else { ControlFlow::Continue(()) }
         });
         end.break_value()
     }
 
-    /// The root `s` of `along`, with a step of Newton at its own place on the line if rounding of the coefficients may
-    /// have moved it by more than [`POLISH`].
+    /// The root `s` of `polynomial`, refined by a Newton step with the expansion at its own point if rounding of the coefficients
+    /// may have moved it by more than [`POLISH_THRESHOLD`].
     ///
-    /// Next to a singular point the polynomial is flat, and what it is there, far smaller than its coefficients.
-    fn polish(&self, along: &Univariate, line: &Line, s: f64) -> f64 {
+    /// Near a singular point the polynomial is flat, and its value is far smaller than its coefficients.
+    fn polish(&self, polynomial: &Univariate, line: &RayLine, s: f64) -> f64 {
         let (mut size, mut slope, mut value) = (0.0, 0.0, 0.0);
-        for &c in along.iter().rev() {
+        for &c in polynomial.iter().rev() {
             size = size * s.abs() + c.abs();
             slope = slope * s + value;
             value = value * s + c;
         }
-        let doubt = gamma(16) * size;
-        if doubt <= POLISH * slope.abs() {
+        let uncertainty = gamma(16) * size;
+        if uncertainty <= POLISH_THRESHOLD * slope.abs() {
             return s;
         }
-        let jet = self.polynomial.jet((line.at(s * self.scale) - self.center) / self.scale);
-        let step = jet.value / jet.gradient.dot(line.direction);
-        // Tangential rays have no digits to gain.
-        if step.abs() * slope.abs() <= doubt && step.abs() <= POLISH.sqrt() { s - step } else { s }
+        let expansion = self.polynomial.expansion((line.at(s * self.scale) - self.center) / self.scale);
+        let step = expansion.value / expansion.gradient.dot(line.direction);
+        // The roots of tangential rays cannot be improved.
+        if step.abs() * slope.abs() <= uncertainty && step.abs() <= POLISH_THRESHOLD.sqrt() {
+            s - step
+        } else {
+            s
+        }
     }
 
     fn hit(&self, t: f64, p: DVec3) -> Hit {
@@ -178,27 +182,27 @@ impl AlgebraicSurface {
         Hit { t, u, v: d.truncate().length().atan2(d.z) / PI, face: 0 }
     }
 
-    /// The point of the surface nearest to `p` (relative to the center, in units of the scale), which is there but for
-    /// rounding: of the root, and `slack` for that of the position on the ray.
+    /// The point of the surface nearest to `p` (relative to the center, in units of the scale), which is on the surface up to the
+    /// rounding of the root and, by `slack`, of the position on the ray.
     ///
-    /// Newton's step along the gradient; at a side of the box, once more within that side. Next to a singular point
-    /// the step may lead away, or far along the surface: there `p` itself is as good.
-    fn settle(&self, p: DVec3, slack: f64) -> (DVec3, Jet) {
+    /// A Newton step along the gradient; at a side of the box, another step within that side. Near a singular point the step
+    /// may lead away from the surface or far along it: there `p` itself is used.
+    fn project(&self, p: DVec3, slack: f64) -> (DVec3, TaylorExpansion) {
         let (min, max) =
             ((self.bounds.min - self.center) / self.scale, (self.bounds.max - self.center) / self.scale);
         let mut best = p.clamp(min, max);
-        let mut jet = self.polynomial.jet(best);
+        let mut expansion = self.polynomial.expansion(best);
         let mut free = DVec3::ONE;
         for _ in 0..3 {
-            let along = jet.gradient * free;
-            let step = along * (jet.value / along.length_squared());
-            if step.is_nan() || step.length() > CAP.max(slack) {
+            let gradient = expansion.gradient * free;
+            let step = gradient * (expansion.value / gradient.length_squared());
+            if step.is_nan() || step.length() > MAX_POSITION_ERROR.max(slack) {
                 break;
             }
             let moved = (best - step).clamp(min, max);
-            let there = self.polynomial.jet(moved);
-            if there.value.abs() < jet.value.abs() {
-                (best, jet) = (moved, there);
+            let next = self.polynomial.expansion(moved);
+            if next.value.abs() < expansion.value.abs() {
+                (best, expansion) = (moved, next);
             }
             let inside = DVec3::select(moved.cmpgt(min) & moved.cmplt(max), DVec3::ONE, DVec3::ZERO);
             if inside == free {
@@ -206,29 +210,30 @@ impl AlgebraicSurface {
             }
             free = inside;
         }
-        (best, jet)
+        (best, expansion)
     }
 
     /// Absolute error per axis, metres.
     ///
-    /// To what the polynomial is at the point come 16 roundings of the sum of the moduli of its terms, here and again for
-    /// the next ray; the distance this means is the error over the gradient. Where the gradient vanishes the second derivatives limit it.
-    /// No more than [`CAP`] of the box is claimed: within about that distance of a singular point, rays may meet the
+    /// The error of the value is the residual plus 16 roundings of the sum of the moduli of all terms, here and again for the next
+    /// ray; divided by the gradient it is a distance. Where the gradient vanishes, the second derivatives bound the distance.
+    /// The result is at most [`MAX_POSITION_ERROR`] of the box: within about that distance of a singular point, rays may hit the
     /// surface that they start from.
-    fn error(&self, jet: &Jet) -> DVec3 {
-        let value_error = jet.value.abs() + 2.0 * gamma(16) * jet.size;
-        let h = jet.hessian;
+    fn error(&self, expansion: &TaylorExpansion) -> DVec3 {
+        let value_error = expansion.value.abs() + 2.0 * gamma(16) * expansion.size;
+        let h = expansion.hessian;
         let bend = (h.x_axis.length_squared() + h.y_axis.length_squared() + h.z_axis.length_squared()).sqrt();
-        let slope = jet.gradient.length().max((value_error * bend).sqrt());
-        let off = if slope * CAP > value_error { value_error / slope } else { CAP };
-        // Position: into the local coordinates and back.
+        let slope = expansion.gradient.length().max((value_error * bend).sqrt());
+        let off =
+            if slope * MAX_POSITION_ERROR > value_error { value_error / slope } else { MAX_POSITION_ERROR };
+        // The position is converted to local coordinates and back.
         let reach = self.bounds.min.abs().max(self.bounds.max.abs());
         DVec3::splat(off * self.scale + gamma(4) * self.scale) + reach * gamma(4)
     }
 }
 
-/// Largest sum of exponents of a term that is not zero.
-fn total_degree(cube: &Cube) -> usize {
+/// Largest sum of exponents of a nonzero term.
+fn total_degree(cube: &CoefficientCube) -> usize {
     let mut degree = 0;
     for (i, plane) in cube.iter().enumerate() {
         for (j, line) in plane.iter().enumerate() {
@@ -242,8 +247,8 @@ fn total_degree(cube: &Cube) -> usize {
     degree
 }
 
-/// Multiplies by a power of two so that the largest coefficient lies in [1, 2]; returns what it was.
-fn normalise(cube: &mut Cube) -> f64 {
+/// Multiplies by a power of two so that the largest coefficient lies in [1, 2], and returns its former value.
+fn normalise(cube: &mut CoefficientCube) -> f64 {
     let largest = cube
         .iter()
         .flatten()
@@ -276,17 +281,18 @@ impl RaySurface for AlgebraicSurface {
     }
 
     fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        let start = (Line::new(ray, hit.t).origin - self.center) / self.scale;
-        let (local, jet) = self.settle(start, gamma(8) * ray.origin.distance(self.center) / self.scale);
-        let slope = jet.gradient.length();
-        let normal = jet.gradient.try_normalize().unwrap_or_else(|| -ray.direction.normalize());
+        let start = (RayLine::new(ray, hit.t).origin - self.center) / self.scale;
+        let (local, expansion) =
+            self.project(start, gamma(8) * ray.origin.distance(self.center) / self.scale);
+        let slope = expansion.gradient.length();
+        let normal = expansion.gradient.try_normalize().unwrap_or_else(|| -ray.direction.normalize());
         let (sin_phi, cos_phi) = (hit.u * TAU).sin_cos();
         let (sin_theta, cos_theta) = (hit.v * PI).sin_cos();
         let radius = local.length() * self.scale;
         let outward = DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta);
         let cos = normal.dot(outward);
         let tangent = |turn: DVec3| {
-            // p = c + r w with n . dp = 0: dr = -r (n . dw) / (n . w). With half of the digits gone it is noise.
+            // p = c + r w with n . dp = 0: dr = -r (n . dw) / (n . w). Below the root of the roundoff, n . w is noise.
             if cos.abs() <= UNIT_ROUNDOFF.sqrt() {
                 return DVec3::ZERO;
             }
@@ -296,12 +302,12 @@ impl RaySurface for AlgebraicSurface {
         let dpdu = tangent(DVec3::new(-sin_theta * sin_phi, sin_theta * cos_phi, 0.0) * TAU);
         let dpdv = tangent(DVec3::new(cos_theta * cos_phi, cos_theta * sin_phi, -sin_theta) * PI);
         let bend = |dp: DVec3| {
-            let dn = jet.hessian * (dp / self.scale);
+            let dn = expansion.hessian * (dp / self.scale);
             if slope > 0.0 { (dn - normal * normal.dot(dn)) / slope } else { DVec3::ZERO }
         };
         SurfacePoint {
             position: (self.center + local * self.scale).clamp(self.bounds.min, self.bounds.max),
-            error: self.error(&jet),
+            error: self.error(&expansion),
             normal,
             shading_normal: normal,
             uv: DVec2::new(hit.u, hit.v),
@@ -312,7 +318,7 @@ impl RaySurface for AlgebraicSurface {
         }
     }
 
-    /// None: the area has no closed form and the parameters do not name the points.
+    /// Always `None`: the area has no closed form, and the parameters are not unique.
     fn sample(&self, _xi: DVec2) -> Option<SurfaceSample> {
         None
     }

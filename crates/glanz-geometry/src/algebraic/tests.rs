@@ -4,12 +4,12 @@ use super::*;
 use crate::torus::Torus;
 use glanz_math::rounding::offset_origin;
 
-fn term(exponents: [u32; 3], coefficient: f64) -> Term {
-    Term { exponents, coefficient }
+fn term(exponents: [u32; 3], coefficient: f64) -> PolynomialTerm {
+    PolynomialTerm { exponents, coefficient }
 }
 
 /// |p - c|^2 = r^2.
-fn sphere_terms(c: DVec3, r: f64) -> Vec<Term> {
+fn sphere_terms(c: DVec3, r: f64) -> Vec<PolynomialTerm> {
     vec![
         term([2, 0, 0], 1.0),
         term([0, 2, 0], 1.0),
@@ -22,7 +22,7 @@ fn sphere_terms(c: DVec3, r: f64) -> Vec<Term> {
 }
 
 /// (|p|^2 + R^2 - r^2)^2 = 4 R^2 (x^2 + y^2)
-fn torus_terms(major: f64, minor: f64) -> Vec<Term> {
+fn torus_terms(major: f64, minor: f64) -> Vec<PolynomialTerm> {
     let a = major * major - minor * minor;
     let b = 4.0 * major * major;
     vec![

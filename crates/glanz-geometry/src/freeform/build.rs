@@ -14,7 +14,7 @@ use super::subpatches::{self, Forms, Subpatch};
 use super::{Freeform, Piece};
 use crate::bvh::{BuildOptions, Bvh, map};
 use crate::error::SurfaceError;
-use crate::trim::{Cell, TrimRegion};
+use crate::trim::{Containment, TrimRegion};
 
 /// A leaf is halved while the Jacobian strays by more than this from that of its parallelogram, seen along the
 /// normal: below the search's own limit, so that rays from most sides find their leaf certified. Measured: for degrees up
@@ -86,8 +86,8 @@ impl Freeform {
             let Some((piece, part)) = of else { return false };
             let [low, high] = piece.range(&draft.part.within(part).rect());
             let cell = region.classify(low, high);
-            draft.crossed = cell == Cell::Crossed;
-            cell != Cell::Outside
+            draft.crossed = cell == Containment::Crossed;
+            cell != Containment::Outside
         });
         Self::assemble(self.pieces.clone(), self.extent, self.sight, subpatches, &drafts, Some(region))
     }

@@ -9,7 +9,7 @@ use super::subpatches::Place;
 use super::{Freeform, Piece};
 use crate::bilinear::sample_linear;
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
-use crate::trim::{Cell, TrimRegion};
+use crate::trim::{Containment, TrimRegion};
 
 /// Gauss-Legendre points and weights of order 4 on [0, 1]: exact up to degree 7.
 const GAUSS: [(f64, f64); 4] = [
@@ -240,8 +240,8 @@ fn beside(piece: &Piece, x: f64, y: f64, here: &Jet) -> (Jet, DVec3, f64) {
 fn leaf_area(piece: &Piece, rect: &Rect, region: Option<&TrimRegion>) -> f64 {
     let [low, high] = piece.range(rect);
     match region.map(|region| (region, region.classify(low, high))) {
-        Some((_, Cell::Outside)) => 0.0,
-        Some((region, Cell::Crossed)) => {
+        Some((_, Containment::Outside)) => 0.0,
+        Some((region, Containment::Crossed)) => {
             let part = |k: u32| (f64::from(k) / f64::from(PARTS), f64::from(k + 1) / f64::from(PARTS));
             let parts = (0..PARTS).flat_map(|i| (0..PARTS).map(move |j| (i, j)));
             let areas = parts.map(|(i, j)| {

@@ -19,7 +19,7 @@ use super::leaf::{Leaf, Look};
 use super::net;
 use super::part::Part;
 use crate::bvh::simd::Simd;
-use crate::line::Line;
+use crate::ray_line::RayLine;
 
 /// Steps in a certified leaf. Those of the contraction alone would be more; then the slow way is taken.
 const MOST_STEPS: usize = 24;
@@ -40,7 +40,7 @@ pub(super) trait OnRoot {
 
 /// A ray in the frame of the search: two planes through it, and its origin next to the surface.
 pub(super) struct Probe {
-    pub(super) line: Line,
+    pub(super) line: RayLine,
     /// Unit vectors across the ray.
     pub(super) axes: [DVec3; 2],
     /// The centre of the surface as it is seen along the ray.
@@ -107,7 +107,7 @@ impl Sight {
     pub(super) fn probe(&self, ray: &Ray) -> Probe {
         // From far away digits are lost; from near the surface the origin must stay where it is.
         let far = ray.origin.distance_squared(self.center) > self.far_squared;
-        let line = if far { Line::nearest_to(ray, self.center) } else { Line::new(ray, 0.0) };
+        let line = if far { RayLine::nearest_to(ray, self.center) } else { RayLine::new(ray, 0.0) };
         let axes = Axes::from_z(line.direction);
         let noise = self.relative * (self.size + line.origin.abs().max_element());
         let from = self.center - line.origin;

@@ -1,4 +1,4 @@
-//! From half-spaces to facets.
+//! Intersection of half-spaces.
 
 use glanz_math::DVec3;
 use glanz_math::rounding::gamma;
@@ -6,36 +6,36 @@ use glanz_math::rounding::gamma;
 use super::HalfSpace;
 use crate::error::SurfaceError;
 
-/// A corner of a facet, with the half-space whose plane bounds the facet from here to the next corner.
+/// A corner of a facet, and the half-space whose plane bounds the facet between this corner and the next.
 #[derive(Clone, Copy, Debug)]
-struct Corner {
+struct FacetCorner {
     position: DVec3,
     /// Bound on the error of the position, metres.
     error: f64,
-    /// `None` on the square that clipping starts from.
+    /// Number of that half-space; `None` for the initial square.
     edge: Option<usize>,
 }
 
-/// A facet: its half-space, of unit normal, and its corners counterclockwise seen from outside.
-pub(super) struct Outline {
+/// A facet: its half-space with unit normal, and the indices of its corners, counter-clockwise as seen from outside.
+pub(super) struct FacetOutline {
     pub(super) plane: HalfSpace,
     pub(super) corners: Vec<usize>,
 }
 
 /// A bounded polyhedron with volume.
-pub(super) struct Solid {
+pub(super) struct ConvexSolid {
     pub(super) vertices: Vec<DVec3>,
     /// Bound on the error of any vertex, metres.
     pub(super) error: f64,
-    pub(super) outlines: Vec<Outline>,
+    pub(super) outlines: Vec<FacetOutline>,
 }
 
-/// The solid between the planes.
+/// The intersection of half-spaces.
 ///
-/// Every plane is a polygon that all others clip; what is left is a facet. Corners are solved for from their three
-/// planes, not from each other, so that they lose no digits to the size of the square at the start. Half-spaces
-/// whose facet has no width beyond rounding are redundant; the rest is clipped again without them.
-pub(super) fn solid(half_spaces: &[HalfSpace]) -> Result<Solid, SurfaceError> {
+/// On every plane, a large square is clipped by all other half-spaces; the remaining polygon is a facet. Corners are computed
+/// from their three planes, not from other corners, so that the size of the initial square costs no digits. Half-spaces whose
+/// facet is not wider than rounding are redundant; the others are clipped again without them.
+pub(super) fn intersect(half_spaces: &[HalfSpace]) -> Result<ConvexSolid, SurfaceError> {
     let mut planes = distinct(half_spaces)?;
     if let Some(direction) = open_direction(&planes) {
         return Err(SurfaceError::Unbounded { direction: direction.to_array() });
@@ -45,7 +45,7 @@ pub(super) fn solid(half_spaces: &[HalfSpace]) -> Result<Solid, SurfaceError> {
         let keep: Vec<bool> = polygons.iter().map(|p| has_area(p)).collect();
         if keep.iter().filter(|&&k| k).count() < 4 {
             return Err(SurfaceError::Degenerate {
-                reason: "the half-spaces have no volume in common, facets",
+                reason: "the intersection of the half-spaces has no volume, facets",
                 value: keep.iter().filter(|&&k| k).count() as f64,
             });
         }
@@ -57,7 +57,7 @@ pub(super) fn solid(half_spaces: &[HalfSpace]) -> Result<Solid, SurfaceError> {
     }
 }
 
-/// Unit normals; of half-spaces with the same normal, the narrower one.
+/// The half-spaces with unit normals; of those with the same normal, the smallest.
 fn distinct(half_spaces: &[HalfSpace]) -> Result<Vec<HalfSpace>, SurfaceError> {
     let mut planes: Vec<HalfSpace> = Vec::with_capacity(half_spaces.len());
     for h in half_spaces {
@@ -67,7 +67,7 @@ fn distinct(half_spaces: &[HalfSpace]) -> Result<Vec<HalfSpace>, SurfaceError> {
         crate::error::finite("distance", h.distance)?;
         let length = crate::error::positive("length of a normal", h.normal.length())?;
         let plane = HalfSpace { normal: h.normal / length, distance: h.distance / length };
-        // Two normals that were normalised differ by two roundings per axis where they are meant to be the same.
+        // Normals that are meant to be equal differ by up to two roundings per axis after normalization.
         match planes.iter_mut().find(|p| p.normal.distance(plane.normal) <= gamma(4)) {
             Some(same) => same.distance = same.distance.min(plane.distance),
             None => planes.push(plane),
@@ -83,11 +83,10 @@ fn distinct(half_spaces: &[HalfSpace]) -> Result<Vec<HalfSpace>, SurfaceError> {
     Ok(planes)
 }
 
-/// A direction in which one can go on for ever, if there is one.
+/// A direction in which the intersection is unbounded, if there is one.
 ///
-/// These directions form a cone, the solution of `n . x <= 0`. If it is more than a point, it has an extreme ray along
-/// two of the planes, or holds a line along two of them, or all normals are parallel, which four distinct ones are
-/// not.
+/// These directions form the cone of solutions of `n . x <= 0`. If it is more than a point, it has an extreme ray in two of the
+/// planes, or contains the line of two of them, or all normals are parallel, which four distinct ones are not.
 fn open_direction(planes: &[HalfSpace]) -> Option<DVec3> {
     for (i, a) in planes.iter().enumerate() {
         for b in planes.iter().skip(i + 1) {
@@ -96,10 +95,10 @@ fn open_direction(planes: &[HalfSpace]) -> Option<DVec3> {
             if sine <= gamma(8) {
                 continue;
             }
-            let along = cross / sine;
+            let axis = cross / sine;
             // The cross product is off by a few roundings of one.
             let tolerance = gamma(8) / sine;
-            for direction in [along, -along] {
+            for direction in [axis, -axis] {
                 if planes.iter().all(|p| p.normal.dot(direction) <= tolerance) {
                     return Some(direction);
                 }
@@ -109,12 +108,12 @@ fn open_direction(planes: &[HalfSpace]) -> Option<DVec3> {
     None
 }
 
-fn clip_all(planes: &[HalfSpace]) -> Result<Vec<Vec<Corner>>, SurfaceError> {
+fn clip_all(planes: &[HalfSpace]) -> Result<Vec<Vec<FacetCorner>>, SurfaceError> {
     let reach = planes.iter().fold(0.0_f64, |a, p| a.max(p.distance.abs()));
     let mut reach = if reach > 0.0 { 4.0 * reach } else { 1.0 };
-    // Bounded, but by how much nobody knows before: the square grows until nothing of it is left.
+    // The size of the intersection is not known in advance: the initial square grows until no corner of it remains.
     while reach.is_finite() {
-        let polygons: Vec<Vec<Corner>> = (0..planes.len()).map(|i| facet(planes, i, reach)).collect();
+        let polygons: Vec<Vec<FacetCorner>> = (0..planes.len()).map(|i| facet(planes, i, reach)).collect();
         if polygons.iter().flatten().all(|c| c.edge.is_some()) {
             return Ok(polygons);
         }
@@ -123,14 +122,14 @@ fn clip_all(planes: &[HalfSpace]) -> Result<Vec<Vec<Corner>>, SurfaceError> {
     Err(SurfaceError::Unbounded { direction: [0.0; 3] })
 }
 
-/// What the other planes leave of plane `i`.
-fn facet(planes: &[HalfSpace], i: usize, reach: f64) -> Vec<Corner> {
+/// The polygon that the other half-spaces leave of plane `i`.
+fn facet(planes: &[HalfSpace], i: usize, reach: f64) -> Vec<FacetCorner> {
     let Some(plane) = planes.get(i) else { return Vec::new() };
     let (x, y) = plane.normal.any_orthonormal_pair();
     let center = plane.normal * plane.distance;
-    let mut corners: Vec<Corner> = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+    let mut corners: Vec<FacetCorner> = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
         .into_iter()
-        .map(|(u, v)| Corner {
+        .map(|(u, v)| FacetCorner {
             position: center + (x * u + y * v) * reach,
             error: reach * gamma(8),
             edge: None,
@@ -147,13 +146,13 @@ fn facet(planes: &[HalfSpace], i: usize, reach: f64) -> Vec<Corner> {
 /// The part of a polygon in `plane` that lies in the half-space `other`, number `j`.
 fn clip(
     planes: &[HalfSpace],
-    corners: &[Corner],
+    corners: &[FacetCorner],
     plane: &HalfSpace,
     j: usize,
     other: &HalfSpace,
-) -> Vec<Corner> {
-    // Corners that lie in the plane but for rounding stay: four and more planes may share one.
-    let outside = |c: &Corner| {
+) -> Vec<FacetCorner> {
+    // Corners within rounding of the plane are kept: four and more planes may share a corner.
+    let outside = |c: &FacetCorner| {
         let height = other.normal.dot(c.position) - other.distance;
         (height, height > c.error + gamma(8) * (c.position.length() + other.distance.abs()))
     };
@@ -166,30 +165,30 @@ fn clip(
         }
         if out_a != out_b {
             let third = a.edge.and_then(|e| planes.get(e));
-            let (position, error) = third.and_then(|t| meet(plane, other, t)).unwrap_or_else(|| {
-                let share = (height_a / (height_a - height_b)).clamp(0.0, 1.0);
-                (a.position.lerp(b.position, share), a.error.max(b.error) + gamma(8) * a.position.length())
+            let (position, error) = third.and_then(|t| common_point(plane, other, t)).unwrap_or_else(|| {
+                let fraction = (height_a / (height_a - height_b)).clamp(0.0, 1.0);
+                (a.position.lerp(b.position, fraction), a.error.max(b.error) + gamma(8) * a.position.length())
             });
-            result.push(Corner { position, error, edge: if out_b { Some(j) } else { a.edge } });
+            result.push(FacetCorner { position, error, edge: if out_b { Some(j) } else { a.edge } });
         }
     }
     result
 }
 
-/// The point that three planes share, and a bound on its error.
-fn meet(a: &HalfSpace, b: &HalfSpace, c: &HalfSpace) -> Option<(DVec3, f64)> {
+/// The common point of three planes, and a bound on its error.
+fn common_point(a: &HalfSpace, b: &HalfSpace, c: &HalfSpace) -> Option<(DVec3, f64)> {
     let (bc, ca, ab) = (b.normal.cross(c.normal), c.normal.cross(a.normal), a.normal.cross(b.normal));
     let determinant = a.normal.dot(bc);
     if determinant.abs() <= gamma(16) {
         return None;
     }
     let position = (bc * a.distance + ca * b.distance + ab * c.distance) / determinant;
-    // Cramer's rule: products of unit vectors with a dozen roundings each, over the determinant.
+    // Cramer's rule: products of unit vectors with a dozen roundings each, divided by the determinant.
     let size = a.distance.abs() + b.distance.abs() + c.distance.abs() + position.length();
     Some((position, gamma(16) * size / determinant.abs()))
 }
 
-fn doubled_area(corners: &[Corner]) -> f64 {
+fn doubled_area(corners: &[FacetCorner]) -> f64 {
     let Some(first) = corners.first() else { return 0.0 };
     let fan = corners.windows(2).map(|w| match w {
         [a, b] => (a.position - first.position).cross(b.position - first.position),
@@ -199,15 +198,15 @@ fn doubled_area(corners: &[Corner]) -> f64 {
 }
 
 /// Whether a polygon is wider than the error of its corners.
-fn has_area(corners: &[Corner]) -> bool {
+fn has_area(corners: &[FacetCorner]) -> bool {
     let Some(first) = corners.first() else { return false };
     let diameter = corners.iter().fold(0.0_f64, |d, c| d.max(c.position.distance(first.position)));
     let error = corners.iter().fold(0.0_f64, |e, c| e.max(c.error));
     corners.len() >= 3 && doubled_area(corners) > 16.0 * error * diameter
 }
 
-/// Corners that are the same point become one vertex.
-fn assemble(planes: &[HalfSpace], polygons: &[Vec<Corner>]) -> Result<Solid, SurfaceError> {
+/// The solid, with corners at the same position merged into vertices.
+fn assemble(planes: &[HalfSpace], polygons: &[Vec<FacetCorner>]) -> Result<ConvexSolid, SurfaceError> {
     let mut vertices: Vec<(DVec3, f64)> = Vec::new();
     let mut outlines = Vec::with_capacity(planes.len());
     for (plane, polygon) in planes.iter().zip(polygons) {
@@ -231,8 +230,8 @@ fn assemble(planes: &[HalfSpace], polygons: &[Vec<Corner>]) -> Result<Solid, Sur
                 value: corners.len() as f64,
             });
         }
-        outlines.push(Outline { plane: *plane, corners });
+        outlines.push(FacetOutline { plane: *plane, corners });
     }
     let error = vertices.iter().fold(0.0_f64, |a, (_, e)| a.max(*e));
-    Ok(Solid { vertices: vertices.into_iter().map(|(p, _)| p).collect(), error, outlines })
+    Ok(ConvexSolid { vertices: vertices.into_iter().map(|(p, _)| p).collect(), error, outlines })
 }

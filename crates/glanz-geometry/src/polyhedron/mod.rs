@@ -1,10 +1,11 @@
-//! Convex polyhedra, as what half-spaces have in common.
+//! Convex polyhedra as intersections of half-spaces.
 
 mod build;
 
 use glanz_math::rounding::gamma;
 use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Frame, Ray};
 
+use crate::convex::{ConvexInterval, FacetCrossing};
 use crate::error::SurfaceError;
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::surface::RaySurface;
@@ -13,9 +14,9 @@ use crate::triangle::sample_barycentric;
 /// The points with `normal . x <= distance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfSpace {
-    /// Points out; of any length but zero.
+    /// Outward direction, of any length but zero.
     pub normal: DVec3,
-    /// Distance of the plane from the origin along the normal, times its length.
+    /// Distance of the plane from the origin along the normal, times the length of the normal.
     pub distance: f64,
 }
 
@@ -23,8 +24,9 @@ pub struct HalfSpace {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Facet {
     plane: HalfSpace,
-    /// Middle and axes of the facet's own coordinates.
+    /// Origin of the facet's coordinates.
     center: DVec3,
+    /// Axes of the facet's coordinates.
     frame: Frame,
     corners: Vec<usize>,
     area: f64,
@@ -33,13 +35,13 @@ pub struct Facet {
 }
 
 impl Facet {
-    /// The half-space that the facet bounds; its normal has unit length and points out.
+    /// The half-space bounded by the facet; its normal has unit length and points outward.
     #[must_use]
     pub fn half_space(&self) -> HalfSpace {
         self.plane
     }
 
-    /// Numbers of the corners in [`Polyhedron::vertices`], counterclockwise seen from outside.
+    /// Indices of the corners in [`Polyhedron::vertices`], counter-clockwise as seen from outside.
     #[must_use]
     pub fn corners(&self) -> &[usize] {
         &self.corners
@@ -51,22 +53,22 @@ impl Facet {
         self.area
     }
 
-    /// Where the coordinates (0, 0) are: the mean of the corners.
+    /// Origin of the coordinates (u, v): the mean of the corners.
     #[must_use]
     pub fn center(&self) -> DVec3 {
         self.center
     }
 }
 
-/// A triangle of a facet, for picking points.
+/// A triangle of a facet, for sampling.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Piece {
+struct FacetTriangle {
     facet: u32,
     corners: [DVec3; 3],
     area: f64,
 }
 
-/// A convex polyhedron, its normals outward.
+/// A convex polyhedron with outward normals.
 ///
 /// `face` of a hit is the number of the facet. `u` and `v` are lengths in metres in the facet's own coordinates: from
 /// the mean of its corners along the tangents of [`Frame::from_z`] of its normal.
@@ -79,35 +81,28 @@ struct Piece {
 pub struct Polyhedron {
     facets: Vec<Facet>,
     vertices: Vec<DVec3>,
-    pieces: Vec<Piece>,
+    triangles: Vec<FacetTriangle>,
     bounds: Bounds3,
     area: f64,
     volume: f64,
 }
 
-/// One end of a ray's way through the polyhedron.
-#[derive(Clone, Copy, Debug)]
-struct End {
-    t: f64,
-    facet: usize,
-}
-
 impl Polyhedron {
-    /// What the half-spaces have in common.
+    /// The intersection of half-spaces.
     ///
-    /// Half-spaces that do not touch it, or in an edge or a corner only, are dropped; facets keep the order of the
-    /// rest.
+    /// Half-spaces whose plane does not touch it, or only in an edge or a corner, are dropped; facets keep the order of the
+    /// others.
     ///
     /// # Errors
-    /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] for a normal without length,
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] for a normal of length zero,
     /// [`SurfaceError::TooFew`] with fewer than four different normals, [`SurfaceError::Unbounded`], and
-    /// [`SurfaceError::Degenerate`] if nothing, or nothing with a volume beyond rounding, is left.
+    /// [`SurfaceError::Degenerate`] if the intersection has no volume beyond rounding.
     pub fn try_new(half_spaces: &[HalfSpace]) -> Result<Self, SurfaceError> {
-        let solid = build::solid(half_spaces)?;
+        let solid = build::intersect(half_spaces)?;
         let vertices = solid.vertices;
         let corner = |i: usize| vertices.get(i).copied().unwrap_or_default();
         let middle = vertices.iter().sum::<DVec3>() / vertices.len() as f64;
-        let (mut facets, mut pieces) = (Vec::new(), Vec::new());
+        let (mut facets, mut triangles) = (Vec::new(), Vec::new());
         let mut volume = 0.0;
         for outline in solid.outlines {
             let points: Vec<DVec3> = outline.corners.iter().map(|&i| corner(i)).collect();
@@ -120,9 +115,9 @@ impl Polyhedron {
             for pair in points.windows(2).skip(1) {
                 let corners =
                     [first, pair.first().copied().unwrap_or(first), pair.last().copied().unwrap_or(first)];
-                let piece = 0.5 * (corners[1] - first).cross(corners[2] - first).length();
-                pieces.push(Piece { facet: number, corners, area: piece });
-                area += piece;
+                let triangle = 0.5 * (corners[1] - first).cross(corners[2] - first).length();
+                triangles.push(FacetTriangle { facet: number, corners, area: triangle });
+                area += triangle;
             }
             volume += area * (plane.distance - plane.normal.dot(middle)) / 3.0;
             let reach = points.iter().fold(0.0_f64, |r, p| r.max(p.distance(center)));
@@ -132,30 +127,30 @@ impl Polyhedron {
                 frame: Frame::from_z(plane.normal),
                 corners: outline.corners,
                 area,
-                // Center and position: eight roundings each at most; height over the plane, evaluated once more by
-                // the next ray: four.
+                // Center and position have at most eight roundings each; the height above the plane, which the next ray evaluates
+                // again, has four.
                 error: gamma(20) * (center.length() + reach + plane.distance.abs()),
             });
         }
         let area: f64 = facets.iter().map(|f| f.area).sum();
         if volume <= 4.0 * area * solid.error {
             return Err(SurfaceError::Degenerate {
-                reason: "the half-spaces have no volume in common, m^3",
+                reason: "the intersection of the half-spaces has no volume, m^3",
                 value: volume,
             });
         }
         let slack = facets.iter().fold(solid.error, |a, f| a.max(f.error));
         let bounds = Bounds3::from_points(vertices.iter().copied()).expanded(slack);
-        Ok(Self { facets, vertices, pieces, bounds, area, volume })
+        Ok(Self { facets, vertices, triangles, bounds, area, volume })
     }
 
-    /// The sides.
+    /// The facets.
     #[must_use]
     pub fn facets(&self) -> &[Facet] {
         &self.facets
     }
 
-    /// The corners, metres.
+    /// Positions of the vertices, metres.
     #[must_use]
     pub fn vertices(&self) -> &[DVec3] {
         &self.vertices
@@ -173,14 +168,13 @@ impl Polyhedron {
         self.volume
     }
 
-    /// Where the line of the ray enters and leaves.
-    fn ends(&self, ray: &Ray) -> Option<(End, End)> {
+    /// The interval of the ray's line inside the polyhedron.
+    fn interval(&self, ray: &Ray) -> Option<ConvexInterval> {
         if !ray.origin.is_finite() || ray.direction.is_nan() || ray.direction == DVec3::ZERO {
             return None;
         }
-        let mut enter = End { t: f64::NEG_INFINITY, facet: 0 };
-        let mut leave = End { t: f64::INFINITY, facet: 0 };
-        for (facet, f) in self.facets.iter().enumerate() {
+        let mut interval = ConvexInterval::LINE;
+        for (facet, f) in (0..).zip(&self.facets) {
             let depth = f.plane.distance - f.plane.normal.dot(ray.origin);
             let speed = ray.direction.dot(f.plane.normal);
             if speed == 0.0 {
@@ -189,28 +183,26 @@ impl Polyhedron {
                 }
                 continue;
             }
-            let t = depth / speed;
+            let crossing = FacetCrossing { t: depth / speed, facet };
             if speed < 0.0 {
-                if t > enter.t {
-                    enter = End { t, facet };
-                }
-            } else if t < leave.t {
-                leave = End { t, facet };
+                interval.clip_start(crossing);
+            } else {
+                interval.clip_end(crossing);
             }
-            if enter.t > leave.t {
+            if interval.is_empty() {
                 return None;
             }
         }
-        Some((enter, leave))
+        Some(interval)
     }
 
-    fn hit(&self, ray: &Ray, end: End) -> Option<Hit> {
-        let facet = self.facets.get(end.facet)?;
-        let p = facet.frame.to_local(ray.at(end.t) - facet.center);
-        Some(Hit { t: end.t, u: p.x, v: p.y, face: u32::try_from(end.facet).ok()? })
+    fn hit(&self, ray: &Ray, crossing: FacetCrossing) -> Option<Hit> {
+        let facet = self.facets.get(crossing.facet as usize)?;
+        let p = facet.frame.to_local(ray.at(crossing.t) - facet.center);
+        Some(Hit { t: crossing.t, u: p.x, v: p.y, face: crossing.facet })
     }
 
-    /// Corners of a facet in its own coordinates, in order; none if there is no such facet.
+    /// Corners of a facet in its own coordinates, in order; empty beyond the last facet.
     pub(crate) fn facet_corners(&self, facet: usize) -> impl Iterator<Item = DVec2> {
         let facet = self.facets.get(facet);
         let corner = |facet: &Facet, index: usize| {
@@ -242,29 +234,19 @@ impl RaySurface for Polyhedron {
     }
 
     fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
-        let (enter, leave) = self.ends(ray)?;
-        let end = if enter.t > 0.0 { enter } else { leave };
-        if end.t > 0.0 && end.t < t_max { self.hit(ray, end) } else { None }
+        self.hit(ray, self.interval(ray)?.first(t_max)?)
     }
 
     fn occluded(&self, ray: &Ray, t_max: f64) -> bool {
-        self.ends(ray).is_some_and(|(enter, leave)| {
-            (enter.t > 0.0 && enter.t < t_max) || (leave.t > 0.0 && leave.t < t_max)
-        })
+        self.interval(ray).is_some_and(|interval| interval.first(t_max).is_some())
     }
 
     fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
-        let Some((enter, leave)) = self.ends(ray) else { return };
-        let inside = |t: f64| t > 0.0 && t < t_max;
-        if inside(enter.t) {
-            hits.extend(self.hit(ray, enter));
-        }
-        if inside(leave.t) && leave.t > enter.t {
-            hits.extend(self.hit(ray, leave));
-        }
+        let crossings = self.interval(ray).into_iter().flat_map(|interval| interval.all(t_max));
+        hits.extend(crossings.filter_map(|crossing| self.hit(ray, crossing)));
     }
 
-    /// A hit that is none of this polyhedron gives a point of the first facet.
+    /// A hit with an invalid facet number gives a point of the first facet.
     fn point(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {
         // There are at least four facets.
         let number = if (hit.face as usize) < self.facets.len() { hit.face as usize } else { 0 };
@@ -273,21 +255,21 @@ impl RaySurface for Polyhedron {
 
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
         let mut rest = xi.x * self.area;
-        let mut chosen = (self.pieces.last()?, 1.0_f64.next_down());
-        for piece in &self.pieces {
-            if rest < piece.area {
-                chosen = (piece, rest / piece.area);
+        let mut chosen = (self.triangles.last()?, 1.0_f64.next_down());
+        for triangle in &self.triangles {
+            if rest < triangle.area {
+                chosen = (triangle, rest / triangle.area);
                 break;
             }
-            rest -= piece.area;
+            rest -= triangle.area;
         }
-        let (piece, share) = chosen;
-        let [a, b, c] = piece.corners;
-        let weights = sample_barycentric(DVec2::new(share, xi.y));
-        let facet = self.facets.get(piece.facet as usize)?;
+        let (triangle, rest) = chosen;
+        let [a, b, c] = triangle.corners;
+        let weights = sample_barycentric(DVec2::new(rest, xi.y));
+        let facet = self.facets.get(triangle.facet as usize)?;
         let p = facet.frame.to_local(a + weights.x * (b - a) + weights.y * (c - a) - facet.center);
         Some(SurfaceSample {
-            hit: Hit { t: 0.0, u: p.x, v: p.y, face: piece.facet },
+            hit: Hit { t: 0.0, u: p.x, v: p.y, face: triangle.facet },
             point: self.point_at(facet, p.x, p.y),
             pdf: AreaPdf(1.0 / self.area),
         })

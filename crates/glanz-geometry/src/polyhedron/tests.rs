@@ -1,4 +1,4 @@
-//! Platonic solids, whose areas and volumes are known, and half-spaces that make no solid.
+//! Platonic solids, whose areas and volumes are known, and invalid half-spaces.
 
 use super::*;
 use glanz_math::rounding::offset_origin;
@@ -65,7 +65,7 @@ fn platonic_solids_have_their_facets_areas_and_volumes() {
 #[test]
 fn redundant_half_spaces_are_dropped() {
     let mut planes = around(&cube(), 1.0, DVec3::ZERO);
-    // Far away, touching an edge, touching a corner, the same again, the same less narrow.
+    // Far away; touching an edge; touching a corner; a duplicate; a larger duplicate.
     let diagonal = DVec3::new(1.0, 1.0, 0.0);
     planes.insert(2, HalfSpace { normal: diagonal, distance: 5.0 });
     planes.push(HalfSpace { normal: diagonal, distance: 2.0 });
@@ -97,7 +97,7 @@ fn long_wedges_are_bounded() {
 }
 
 #[test]
-fn what_is_open_empty_or_flat_is_refused() {
+fn unbounded_empty_and_flat_intersections_are_refused() {
     let open = around(&cube()[..5], 1.0, DVec3::ZERO);
     match Polyhedron::try_new(&open) {
         Err(SurfaceError::Unbounded { direction }) => assert_eq!(direction, [0.0, 0.0, -1.0]),
@@ -155,7 +155,7 @@ fn leaving_ray_misses() {
 }
 
 #[test]
-fn samples_share_out_the_area() {
+fn samples_are_uniform_over_the_area() {
     // The mean of points uniform over the surface of a brick is its center, and each facet gets its share.
     let planes = [
         HalfSpace { normal: DVec3::X, distance: 3.0 },

@@ -1,7 +1,7 @@
 //! Quadrics, tori, rectangles and bilinear patches as rational Bézier patches: the same points, exactly.
 //!
-//! For programs that draw or write control points. A patch has parameters of its own, in [0, 1]; [`Along`] says which
-//! parameters of the surface they are.
+//! The patches are for programs that draw or write control points. A patch has its own parameters in [0, 1]; [`ParameterMap`]
+//! converts them to those of the surface.
 //!
 //! ```
 //! use glanz_geometry::quadric::Sphere;
@@ -14,7 +14,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod along;
+mod parameter_map;
 mod profile;
 #[cfg(test)]
 mod tests;
@@ -22,21 +22,21 @@ mod tests;
 use glanz_math::glam::DVec4;
 use glanz_math::{DVec2, DVec3};
 
-pub use self::along::{Along, Pace};
+pub use self::parameter_map::{ParameterMap, Reparameterization};
 pub(crate) use self::profile::Profile;
 use self::profile::{arc_count, direction};
 use crate::bezier::TensorPatch;
 use crate::surface::{RaySurface, Surface};
 
-/// A patch that is a part of a surface.
+/// A part of a surface as a rational Bézier patch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RationalPatch {
-    /// The part; its normal, along dp/dx x dp/dy, is that of the surface.
+    /// The patch; its normal, along dp/dx x dp/dy, is that of the surface.
     pub patch: TensorPatch,
-    /// The surface's u along x of the patch.
-    pub u: Along,
-    /// The surface's v along y of the patch.
-    pub v: Along,
+    /// The surface's u as a function of x of the patch.
+    pub u: ParameterMap,
+    /// The surface's v as a function of y of the patch.
+    pub v: ParameterMap,
 }
 
 impl RationalPatch {
@@ -48,10 +48,11 @@ impl RationalPatch {
 }
 
 impl Surface {
-    /// The surface as patches, without what a region cuts away; neighbours share the bits of their border.
+    /// The untrimmed surface as patches; neighbours share the bits of their border.
     ///
-    /// Arcs are at most 120 degrees long, quarters if they make a whole turn. `None` for algebraic surfaces, planes without end, what is made of
-    /// flat facets, freeform surfaces ([`Freeform::pieces`](crate::freeform::Freeform::pieces) are their patches), and if numbers leave the range of `f64`.
+    /// Arcs are at most 120 degrees long, and quarters of a full turn. `None` for algebraic surfaces, infinite planes, meshes and
+    /// polyhedra, freeform surfaces ([`Freeform::pieces`](crate::freeform::Freeform::pieces) are their patches), and where
+    /// numbers overflow.
     ///
     /// # Source
     /// @farin2002 chapters 12 and 16.
@@ -68,14 +69,14 @@ impl Surface {
             Self::Torus(s) => revolved(s.phi_max(), &s.profiles()),
             Self::Bilinear(s) => {
                 let [p00, p10, p01, p11] = s.corners();
-                Some(vec![bilinear([p00, p10, p01, p11], Along::UNIT, Along::UNIT)?])
+                Some(vec![bilinear([p00, p10, p01, p11], ParameterMap::UNIT, ParameterMap::UNIT)?])
             }
             Self::Plane(s) if s.area().is_finite() => {
                 let bounds = s.bounds();
                 let at = |x: f64, y: f64| DVec3::new(x, y, 0.0);
                 let (min, max) = (bounds.min, bounds.max);
                 let corners = [at(min.x, min.y), at(max.x, min.y), at(min.x, max.y), at(max.x, max.y)];
-                Some(vec![bilinear(corners, Along::UNIT, Along::UNIT)?])
+                Some(vec![bilinear(corners, ParameterMap::UNIT, ParameterMap::UNIT)?])
             }
             Self::Trimmed(s) => s.surface().rational_patches(),
             _ => None,
@@ -83,33 +84,36 @@ impl Surface {
     }
 }
 
-/// The patch between corners at (0, 0), (1, 0), (0, 1), (1, 1); `None` if they are not finite.
+/// The bilinear patch with corners at (0, 0), (1, 0), (0, 1), (1, 1); `None` if they are not finite.
 #[must_use]
-pub fn bilinear([p00, p10, p01, p11]: [DVec3; 4], u: Along, v: Along) -> Option<RationalPatch> {
+pub fn bilinear([p00, p10, p01, p11]: [DVec3; 4], u: ParameterMap, v: ParameterMap) -> Option<RationalPatch> {
     let points = [p00, p01, p10, p11].map(|p| p.extend(1.0));
     Some(RationalPatch { patch: TensorPatch::try_new(1, 1, points.to_vec()).ok()?, u, v })
 }
 
-/// Profiles swept about the z axis by `phi_max`, radians.
+/// The patches of profiles revolved about the z axis by `phi_max`, radians.
 pub(crate) fn revolved(phi_max: f64, profiles: &[Profile]) -> Option<Vec<RationalPatch>> {
     let count = arc_count(phi_max);
     let at = |k: f64| direction(phi_max * (k / count));
     let half = 0.5 * phi_max / count;
-    let turned = |p: &DVec4, by: DVec2| {
+    let rotated = |p: &DVec4, by: DVec2| {
         let flat = by.rotate(p.truncate().truncate());
         DVec4::new(flat.x, flat.y, p.z, p.w)
     };
     let mut patches = Vec::new();
     for k in (0..count as u32).map(f64::from) {
         for profile in profiles {
-            // Where the tangents at both ends of the arc meet: 1 / cos(half) further out, with the weight cos(half).
-            let shrunk = |p: &DVec4| DVec4::new(p.x, p.y, p.z * half.cos(), p.w * half.cos());
+            // The intersection of the tangents at both ends of the arc: farther out by 1 / cos(half), with the weight cos(half).
+            let middle_point = |p: &DVec4| DVec4::new(p.x, p.y, p.z * half.cos(), p.w * half.cos());
             let (start, middle, end) = (at(k), at(k + 0.5), at(k + 1.0));
-            let points = profile.points.iter().map(|p| turned(p, start));
-            let points = points.chain(profile.points.iter().map(|p| turned(&shrunk(p), middle)));
-            let points = points.chain(profile.points.iter().map(|p| turned(p, end)));
+            let points = profile.points.iter().map(|p| rotated(p, start));
+            let points = points.chain(profile.points.iter().map(|p| rotated(&middle_point(p), middle)));
+            let points = points.chain(profile.points.iter().map(|p| rotated(p, end)));
             let patch = TensorPatch::try_new(2, profile.points.len() - 1, points.collect()).ok()?;
-            let u = Along { ends: [k / count, (k + 1.0) / count], pace: Pace::Circular(half) };
+            let u = ParameterMap {
+                ends: [k / count, (k + 1.0) / count],
+                reparameterization: Reparameterization::Circular(half),
+            };
             patches.push(RationalPatch { patch, u, v: profile.v });
         }
     }

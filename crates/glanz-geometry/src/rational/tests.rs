@@ -1,4 +1,4 @@
-//! Patches against the surfaces that they are parts of.
+//! Patches against their surfaces.
 
 use std::f64::consts::{PI, TAU};
 
@@ -38,13 +38,13 @@ fn surfaces() -> Vec<Surface> {
 }
 
 #[test]
-fn patches_are_the_surface_at_the_parameters_they_say() {
+fn patches_agree_with_the_surface_at_their_parameters() {
     for surface in surfaces() {
         let size = surface.bounds().diagonal().length();
         for RationalPatch { patch, u, v } in surface.rational_patches().unwrap() {
             for (i, j) in (0..=10).flat_map(|i| (0..=10).map(move |j| (i, j))) {
                 let (x, y) = (f64::from(i) / 10.0, f64::from(j) / 10.0);
-                // Where v jumps from one sheet to the other it stands for both apices.
+                // Where v jumps from one sheet to the other it belongs to both apices.
                 let jumps = surface.kind() == "twosheetedhyperboloid" && patch.point(x, y).x.abs() < 1e-12;
                 if jumps && surface.bounds().min.z < 0.0 {
                     continue;
@@ -65,9 +65,9 @@ fn patches_are_the_surface_at_the_parameters_they_say() {
 #[test]
 fn parameters_cover_the_unit_square_once() {
     for surface in surfaces() {
-        let share = |along: Along| along.ends[1] - along.ends[0];
+        let length = |map: ParameterMap| map.ends[1] - map.ends[0];
         let patches = surface.rational_patches().unwrap();
-        let area: f64 = patches.iter().map(|p| share(p.u) * share(p.v)).sum();
+        let area: f64 = patches.iter().map(|p| length(p.u) * length(p.v)).sum();
         assert!((area - 1.0).abs() < 1e-14, "{}: {area}", surface.kind());
     }
 }
@@ -92,17 +92,22 @@ fn neighbours_share_the_bits_of_their_border() {
 }
 
 #[test]
-fn paces_start_at_0_and_end_at_1() {
-    for pace in [Pace::Proportional, Pace::Circular(1.0), Pace::Hyperbolic(0.7), Pace::Quadratic(0.4)] {
-        assert!(pace.share(0.0).abs() < 1e-15 && (pace.share(1.0) - 1.0).abs() < 1e-15);
-        assert!(pace.share(0.5) > 0.3 && pace.share(0.25) < pace.share(0.3));
+fn reparameterizations_start_at_0_and_end_at_1() {
+    for map in [
+        Reparameterization::Linear,
+        Reparameterization::Circular(1.0),
+        Reparameterization::Hyperbolic(0.7),
+        Reparameterization::Quadratic(0.4),
+    ] {
+        assert!(map.fraction(0.0).abs() < 1e-15 && (map.fraction(1.0) - 1.0).abs() < 1e-15);
+        assert!(map.fraction(0.5) > 0.3 && map.fraction(0.25) < map.fraction(0.3));
     }
     // By symmetry.
-    assert!((Pace::Circular(1.0).share(0.5) - 0.5).abs() < 1e-15);
+    assert!((Reparameterization::Circular(1.0).fraction(0.5) - 0.5).abs() < 1e-15);
 }
 
 #[test]
-fn what_has_no_such_form_says_so() {
+fn infinite_planes_and_boxes_have_no_rational_patches() {
     assert_eq!(Surface::from(Plane::infinite()).rational_patches(), None);
     let cuboid = crate::cuboid::Cuboid::try_new(DVec3::ZERO, DVec3::ONE).unwrap();
     assert_eq!(Surface::from(cuboid).rational_patches(), None);

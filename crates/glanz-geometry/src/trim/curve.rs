@@ -10,12 +10,12 @@ use crate::error::{SurfaceError, finite, finite_point, positive};
 /// Largest degree of a trimming curve.
 pub const MAX_DEGREE: usize = bernstein::ROW_DEGREE;
 
-/// A connected planar curve of rational Bézier pieces in parameter space, with a direction.
+/// A connected, directed curve of rational Bézier pieces in the parameter plane.
 ///
 /// Control points are homogeneous: `(w u, w v, w)` with `w > 0`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrimCurve {
-    /// Control points of the pieces; one ends where the next starts.
+    /// Control points of the pieces; each piece ends where the next starts.
     pub(super) pieces: Vec<Vec<DVec3>>,
     /// Smallest and largest coordinates of the control points that the curve was made from.
     pub(super) bounds: [DVec2; 2],
@@ -38,7 +38,7 @@ impl TrimCurve {
         Self::try_polyline(&[start, end])
     }
 
-    /// Straight lines from point to point, at least two points.
+    /// The polyline through these points, at least two.
     ///
     /// # Errors
     /// [`SurfaceError::TooFew`], [`SurfaceError::NotFinite`].
@@ -57,7 +57,7 @@ impl TrimCurve {
         Ok(Self::new(points.windows(2).map(<[DVec3]>::to_vec).collect(), &points))
     }
 
-    /// The closed polygon with these corners, at least three, back to the first one.
+    /// The closed polygon with these corners, at least three.
     ///
     /// # Errors
     /// [`SurfaceError::TooFew`], [`SurfaceError::NotFinite`].
@@ -74,7 +74,7 @@ impl TrimCurve {
         Self::try_polyline(&points)
     }
 
-    /// The border of the rectangle between two corners, counter-clockwise: the inside is kept.
+    /// The border of the rectangle between two corners, counter-clockwise: it keeps the inside.
     ///
     /// # Errors
     /// [`SurfaceError::NotFinite`], [`SurfaceError::EmptyRange`] unless `min < max` in both coordinates.
@@ -83,7 +83,7 @@ impl TrimCurve {
         Self::try_polygon(&[min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)])
     }
 
-    /// The full circle, counter-clockwise: the inside is kept.
+    /// The full circle, counter-clockwise: it keeps the inside.
     ///
     /// # Errors
     /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`].
@@ -92,9 +92,9 @@ impl TrimCurve {
         Self::try_ellipse(center, DVec2::new(radius, 0.0), DVec2::new(0.0, radius))
     }
 
-    /// The full ellipse with two conjugate half axes, from `center + a` over `center + b`, exact.
+    /// The full ellipse with conjugate half axes `a` and `b`, from `center + a` through `center + b`, exact.
     ///
-    /// With `b` to the left of `a` it runs counter-clockwise and the inside is kept, otherwise the outside.
+    /// With `b` to the left of `a` it runs counter-clockwise and keeps the inside, otherwise the outside.
     ///
     /// # Errors
     /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] if the axes span no area.
@@ -129,11 +129,10 @@ impl TrimCurve {
         Ok(Self::new(vec![control_points.to_vec()], control_points))
     }
 
-    /// The NURBS curve with homogeneous control points `(w u, w v, w)` over `[knots[degree], knots[n]]`, n the number
+    /// The NURBS curve with homogeneous control points `(w u, w v, w)` over `[knots[degree], knots[n]]`, where n is the number
     /// of control points.
     ///
-    /// `knots`: n + degree + 1 values that do not decrease. Clamped or not; a knot inside may be repeated `degree`
-    /// times.
+    /// `knots`: n + degree + 1 values that do not decrease, clamped or not; an inner knot may be repeated `degree` times.
     ///
     /// # Errors
     /// [`SurfaceError::OutOfRange`] for the degree, [`SurfaceError::TooFew`] control points,
@@ -156,7 +155,7 @@ impl TrimCurve {
             }
             let mut piece: Vec<DVec3> =
                 (0..=degree).map(|j| polar_form(degree, knots, control_points, span, j)).collect();
-            // The same point in two ways: rounding must not part the pieces.
+            // The same point computed twice: rounding must not open a gap.
             if let (Some(last), Some(first)) = (pieces.last().and_then(|p| p.last()), piece.first_mut()) {
                 *first = *last;
             }
@@ -165,7 +164,7 @@ impl TrimCurve {
         Ok(Self::new(pieces, control_points))
     }
 
-    /// The same curve run the other way.
+    /// The same curve in the opposite direction.
     #[must_use]
     pub fn reversed(mut self) -> Self {
         self.pieces.reverse();
@@ -175,13 +174,13 @@ impl TrimCurve {
         self
     }
 
-    /// Where it starts.
+    /// Start point.
     #[must_use]
     pub fn start(&self) -> DVec2 {
         self.pieces.first().and_then(|p| p.first()).map_or(DVec2::ZERO, |&p| project(p))
     }
 
-    /// Where it ends.
+    /// End point.
     #[must_use]
     pub fn end(&self) -> DVec2 {
         self.pieces.last().and_then(|p| p.last()).map_or(DVec2::ZERO, |&p| project(p))
@@ -193,13 +192,13 @@ impl TrimCurve {
         self.pieces.len()
     }
 
-    /// The point at parameter `t` in [0, 1] of the Bézier piece `piece`; `None` if there is no such piece.
+    /// The point at parameter `t` in [0, 1] of the Bézier piece number `piece`; `None` beyond the last piece.
     #[must_use]
     pub fn point(&self, piece: usize, t: f64) -> Option<DVec2> {
         self.pieces.get(piece).map(|points| evaluate(points, t))
     }
 
-    /// Puts the first control point at `start` and the last one at `end`.
+    /// Moves the first control point to `start` and the last one to `end`.
     pub(super) fn move_ends(&mut self, start: DVec2, end: DVec2) {
         if let Some(first) = self.pieces.first_mut().and_then(|p| p.first_mut()) {
             *first = (start * first.z).extend(first.z);
@@ -210,12 +209,12 @@ impl TrimCurve {
     }
 }
 
-/// The point of the plane with these homogeneous coordinates.
+/// The point with the homogeneous coordinates `point`.
 pub(super) fn project(point: DVec3) -> DVec2 {
     point.truncate() / point.z
 }
 
-/// The point at `t` of a rational Bézier curve: where the part before it ends.
+/// The point at `t` of a rational Bézier curve: the end of the part before `t`.
 pub(super) fn evaluate(points: &[DVec3], t: f64) -> DVec2 {
     bernstein::split(points, t).0.last().map_or(DVec2::ZERO, |&p| project(p))
 }
@@ -224,7 +223,7 @@ pub(super) fn check_range(parameter: &'static str, min: DVec2, max: DVec2) -> Re
     finite_point(parameter, min)?;
     finite_point(parameter, max)?;
     for (min, max) in [(min.x, max.x), (min.y, max.y)] {
-        // A width that overflows cannot be divided into cells.
+        // A domain whose width overflows cannot be divided into cells.
         finite(parameter, max - min)?;
         if min >= max {
             return Err(SurfaceError::EmptyRange { parameter, min, max });
@@ -276,9 +275,9 @@ fn check_knots(degree: usize, knots: &[f64], points: usize) -> Result<(), Surfac
     if min >= max {
         return Err(SurfaceError::EmptyRange { parameter: "knot range", min, max });
     }
-    for run in knots.chunk_by(|a, b| a == b) {
-        if run.len() > degree && run[0] > min && run[0] < max {
-            let (value, multiplicity, max) = (run[0], run.len(), degree);
+    for equal in knots.chunk_by(|a, b| a == b) {
+        if equal.len() > degree && equal[0] > min && equal[0] < max {
+            let (value, multiplicity, max) = (equal[0], equal.len(), degree);
             return Err(SurfaceError::KnotMultiplicity { parameter: "knot", value, multiplicity, max });
         }
     }
@@ -286,14 +285,14 @@ fn check_knots(degree: usize, knots: &[f64], points: usize) -> Result<(), Surfac
 }
 
 /// Control point `j` of the Bézier piece over `[knots[span], knots[span + 1]]`: the polar form at `degree - j` times the
-/// lower and `j` times the upper knot. All combinations are convex.
+/// lower and `j` times the upper knot, by convex combinations only.
 fn polar_form(degree: usize, knots: &[f64], points: &[DVec3], span: usize, j: usize) -> DVec3 {
     let mut d: Vec<DVec3> = points[span - degree..=span].to_vec();
     for round in 1..=degree {
-        let at = if round > j { knots[span] } else { knots[span + 1] };
+        let knot = if round > j { knots[span] } else { knots[span + 1] };
         for i in (round..=degree).rev() {
             let (low, high) = (knots[span - degree + i], knots[span + 1 + i - round]);
-            let share = (at - low) / (high - low);
+            let share = (knot - low) / (high - low);
             d[i] = bernstein::mix(d[i - 1], d[i], share);
         }
     }

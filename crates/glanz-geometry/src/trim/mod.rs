@@ -1,14 +1,14 @@
-//! Trimming: the part of a parameter domain that closed loops of curves leave.
+//! Trimming: the part of a parameter domain inside closed loops of curves.
 //!
-//! [`TrimCurve`] is a chain of rational Bézier pieces in (u, v), made of lines, ellipses or NURBS. Curves that meet end
-//! to end make a [`TrimLoop`], which keeps what lies to its left and holds its curves cut into pieces monotone in u and
-//! in v. [`TrimRegion`] puts a hierarchy over the domain: most cells are inside or outside as a whole, in the others a
-//! short way to the corner of the cell, of which the winding number is known, counts the pieces that it crosses. On
-//! which side of a monotone piece a point lies, one point of the curve above or below it tells.
+//! [`TrimCurve`] is a chain of rational Bézier pieces in (u, v): lines, ellipses or NURBS. Curves that meet end to end make a
+//! [`TrimLoop`], which keeps the points on its left and splits its curves into pieces monotone in u and in v. [`TrimRegion`]
+//! has a quadtree over the domain: most cells are inside or outside as a whole. In the others, the winding number of a point
+//! is that of the corner of its cell plus the crossings of the pieces on a short path to that corner. A single point of a
+//! monotone piece, to the upper left or lower right, decides on which side of the piece a point lies.
 //!
 //! ```
 //! use glanz_geometry::DVec2;
-//! use glanz_geometry::trim::{Cell, TrimCurve, TrimLoop, TrimRegion};
+//! use glanz_geometry::trim::{Containment, TrimCurve, TrimLoop, TrimRegion};
 //!
 //! let center = DVec2::splat(0.5);
 //! let plate = TrimLoop::try_closed(TrimCurve::try_circle(center, 0.4)?, 0.0)?;
@@ -17,19 +17,20 @@
 //!
 //! assert!(ring.contains(DVec2::new(0.8, 0.5)));
 //! assert!(!ring.contains(center));
-//! assert_eq!(ring.classify(DVec2::splat(0.45), DVec2::splat(0.55)), Cell::Outside);
+//! assert_eq!(ring.classify(DVec2::splat(0.45), DVec2::splat(0.55)), Containment::Outside);
 //! # Ok::<(), glanz_geometry::SurfaceError>(())
 //! ```
 
+mod cell_tree;
 mod curve;
-mod locate;
 mod loops;
 mod monotone;
-mod pieces;
+mod piece_table;
+mod region;
 #[cfg(test)]
 mod tests;
-mod tree;
 
 pub use curve::{MAX_DEGREE, TrimCurve};
-pub use locate::{Cell, MonotonePiece, TrimRegion, TrimSizes};
 pub use loops::TrimLoop;
+pub use monotone::MonotonePiece;
+pub use region::{Containment, TrimRegion, TrimStatistics};

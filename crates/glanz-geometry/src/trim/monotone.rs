@@ -1,4 +1,4 @@
-//! Cutting a rational Bézier piece where it turns in u or in v.
+//! Splitting of rational Bézier pieces at their turning points in u and in v.
 
 use glanz_math::rounding::gamma;
 use glanz_math::{DVec2, DVec3};
@@ -6,36 +6,47 @@ use glanz_math::{DVec2, DVec3};
 use super::curve::project;
 use crate::bezier::bernstein::{binomials, halve, split};
 
-/// How often an interval is halved in search of a turning point: down to 4e-15, where a smooth curve is flat to twice
-/// as many digits.
+/// Largest number of halvings in the search for a turning point: down to 4e-15, where a smooth curve is flat to twice as many
+/// digits.
 const MAX_SPLITS: u32 = 48;
 
-/// The parts of a rational Bézier piece between its turning points: each is monotone in u and in v, up to rounding.
-pub(super) fn monotone_parts(points: &[DVec3]) -> Vec<Vec<DVec3>> {
+/// A rational Bézier curve that is monotone in u and in v, up to rounding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MonotonePiece {
+    /// Start point. The region is on the left.
+    pub start: DVec2,
+    /// End point.
+    pub end: DVec2,
+    /// Homogeneous control points (w u, w v, w), degree + 1 of them.
+    pub control_points: Vec<DVec3>,
+}
+
+/// Control points of the pieces of a rational Bézier piece between its turning points.
+pub(super) fn monotone_pieces(points: &[DVec3]) -> Vec<Vec<DVec3>> {
     let mut cuts = Vec::new();
     for axis in 0..2 {
-        let mut search = Search { known: None, turns: Vec::new() };
+        let mut search = TurningPointSearch { last_sign: None, turning_points: Vec::new() };
         search.interval(&hodograph(points, axis), 0.0, 1.0, MAX_SPLITS);
-        cuts.append(&mut search.turns);
+        cuts.append(&mut search.turning_points);
     }
     cuts.sort_by(f64::total_cmp);
-    let (mut parts, mut rest, mut from) = (Vec::new(), points.to_vec(), 0.0);
+    let (mut pieces, mut rest, mut from) = (Vec::new(), points.to_vec(), 0.0);
     for cut in cuts {
         let share = (cut - from) / (1.0 - from);
         if share > 0.0 && share < 1.0 {
             let (part, after) = split(&rest, share);
-            parts.push(part);
+            pieces.push(part);
             (rest, from) = (after, cut);
         }
     }
-    parts.push(rest);
-    parts
+    pieces.push(rest);
+    pieces
 }
 
-/// Bernstein coefficients of the numerator `x' w - x w'` of the derivative of `x / w` along one axis, of degree 2 n - 1:
-/// each as (value, bound on its error, also after [`MAX_SPLITS`] halvings).
+/// Bernstein coefficients of the numerator `x' w - x w'` of the derivative of `x / w` along one axis, of degree 2 n - 1, each
+/// as (value, bound on its error, which is valid for [`MAX_SPLITS`] halvings).
 ///
-/// The bound goes with the coefficients of its neighbourhood, so that small weights keep their own scale.
+/// The bound is local to the coefficient, so that small weights keep their own scale.
 fn hodograph(points: &[DVec3], axis: usize) -> Vec<DVec2> {
     let n = points.len() - 1;
     let (low, high) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &p| {
@@ -43,7 +54,7 @@ fn hodograph(points: &[DVec3], axis: usize) -> Vec<DVec2> {
         (low.min(x), high.max(x))
     });
     let middle = 0.5 * low + 0.5 * high;
-    // (x relative to the middle, what its rounding is relative to, w).
+    // (x relative to the middle, the magnitude that its rounding is relative to, w).
     let terms: Vec<[f64; 3]> =
         points.iter().map(|p| [p[axis] - middle * p.z, p[axis].abs() + middle.abs() * p.z, p.z]).collect();
     let [slopes, values, products] = [n - 1, n, 2 * n - 1].map(|n| binomials(n).collect::<Vec<_>>());
@@ -61,18 +72,18 @@ fn hodograph(points: &[DVec3], axis: usize) -> Vec<DVec2> {
     coefficients.iter().map(|c| DVec2::new(c.x, c.y * gamma(roundings))).collect()
 }
 
-/// A walk along the parameter: where the sign of a polynomial, as far as it is certain, changes.
-struct Search {
-    /// The latest certain sign (positive?) and the end of the interval that had it.
-    known: Option<(bool, f64)>,
-    turns: Vec<f64>,
+/// A search along the parameter for changes of the sign of a polynomial, as far as the sign is certain.
+struct TurningPointSearch {
+    /// Whether the last certain sign was positive, and the end of its interval.
+    last_sign: Option<(bool, f64)>,
+    turning_points: Vec<f64>,
 }
 
-impl Search {
+impl TurningPointSearch {
     fn interval(&mut self, b: &[DVec2], low: f64, high: f64, splits: u32) {
         let (up, down) = (b.iter().any(|c| c.x > c.y), b.iter().any(|c| c.x < -c.y));
         if up && down {
-            // What is too small to be halved lies between two intervals with a sign of their own.
+            // An interval too short to be halved lies between two intervals of certain sign.
             if splits > 0 {
                 let (mut left, mut right) = (b.to_vec(), b.to_vec());
                 halve(&mut left, &mut right);
@@ -81,12 +92,12 @@ impl Search {
                 self.interval(&right, middle, high, splits - 1);
             }
         } else if up || down {
-            if let Some((before, end)) = self.known
+            if let Some((before, end)) = self.last_sign
                 && before != up
             {
-                self.turns.push(0.5 * end + 0.5 * low);
+                self.turning_points.push(0.5 * end + 0.5 * low);
             }
-            self.known = Some((up, high));
+            self.last_sign = Some((up, high));
         }
     }
 }
@@ -109,33 +120,33 @@ mod tests {
         // u' = 3 (2 (1 - t)^2 - 6 t (1 - t) + 2 t^2) = 6 (1 - 5 t + 5 t^2), roots (5 -+ sqrt(5)) / 10;
         // v = 3 t (1 - t), root 1/2.
         let points = [(0.0, 0.0), (2.0, 1.0), (-1.0, 1.0), (1.0, 0.0)].map(|(u, v)| DVec3::new(u, v, 1.0));
-        let parts = monotone_parts(&points);
-        assert_eq!(parts.len(), 4);
-        assert!(parts.iter().all(|p| monotone(p)));
+        let pieces = monotone_pieces(&points);
+        assert_eq!(pieces.len(), 4);
+        assert!(pieces.iter().all(|p| monotone(p)));
         let root = (5.0 - 5.0_f64.sqrt()) / 10.0;
-        let turn = project(parts[0][3]);
+        let turn = project(pieces[0][3]);
         // Level in u there, so that the uncertainty of the root shows along v only.
         let offset = turn - evaluate(&points, root);
         assert!(offset.x.abs() < 1e-15 && offset.y.abs() < 1e-12, "{offset}");
-        assert_eq!(parts[0][3], parts[1][0]);
+        assert_eq!(pieces[0][3], pieces[1][0]);
     }
 
     #[test]
     fn straight_lines_and_inflections_stay_whole() {
-        let parts = |p: &[DVec3]| monotone_parts(p).len();
+        let pieces = |p: &[DVec3]| monotone_pieces(p).len();
         let on_line = [0.1, 0.3, 0.35, 0.7].map(|t| DVec3::new(3.0 * t, 5.0 - t, 1.0));
-        assert_eq!(parts(&on_line), 1);
-        assert_eq!(parts(&on_line.map(|p| DVec3::new(p.x, 0.3, 1.0))), 1);
+        assert_eq!(pieces(&on_line), 1);
+        assert_eq!(pieces(&on_line.map(|p| DVec3::new(p.x, 0.3, 1.0))), 1);
         // (t, (2 t - 1)^3): level in the middle, but no turn.
         let cubic = [(0.0, -1.0), (1.0 / 3.0, 1.0), (2.0 / 3.0, -1.0), (1.0, 1.0)];
-        assert_eq!(parts(&cubic.map(|(u, v)| DVec3::new(u, v, 1.0))), 1);
+        assert_eq!(pieces(&cubic.map(|(u, v)| DVec3::new(u, v, 1.0))), 1);
     }
 
     #[test]
     fn turn_at_the_middle_of_the_interval_is_found() {
         // The first halving puts the root of the hodograph on the common end of both halves.
         let parabola = [(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)].map(|(u, v)| DVec3::new(u, v, 1.0));
-        assert_eq!(monotone_parts(&parabola).len(), 2);
+        assert_eq!(monotone_pieces(&parabola).len(), 2);
     }
 
     #[test]
@@ -152,9 +163,9 @@ mod tests {
                     DVec3::new(random() * w, random() * w, w)
                 })
                 .collect();
-            let parts = monotone_parts(&points);
-            assert!(parts.iter().all(|p| monotone(p)), "{points:?}");
-            assert!(parts.len() <= 13);
+            let pieces = monotone_pieces(&points);
+            assert!(pieces.iter().all(|p| monotone(p)), "{points:?}");
+            assert!(pieces.len() <= 13);
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use glanz_geometry::RaySurface;
-use glanz_geometry::algebraic::{AlgebraicSurface, Term};
+use glanz_geometry::algebraic::{AlgebraicSurface, PolynomialTerm};
 use glanz_geometry::bilinear::BilinearPatch;
 use glanz_geometry::cuboid::Cuboid;
 use glanz_geometry::polyhedron::{HalfSpace, Polyhedron};
@@ -14,7 +14,7 @@ use glanz_math::{Bounds3, DVec3, Ray};
 fn surfaces() -> Vec<(&'static str, Box<dyn RaySurface>)> {
     let (o, x, y) = (DVec3::ZERO, DVec3::X, DVec3::Y);
     let terms = [([4, 0, 0], 1.0), ([0, 4, 0], 1.0), ([0, 0, 2], 1.0), ([0; 3], -0.5)]
-        .map(|(exponents, coefficient)| Term { exponents, coefficient });
+        .map(|(exponents, coefficient)| PolynomialTerm { exponents, coefficient });
     let planes: Vec<HalfSpace> = DVec3::AXES
         .into_iter()
         .flat_map(|a| [a, -a])

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glanz_geometry::algebraic::{AlgebraicSurface, Term};
+use glanz_geometry::algebraic::{AlgebraicSurface, PolynomialTerm};
 use glanz_geometry::bilinear::BilinearPatch;
 use glanz_geometry::cuboid::Cuboid;
 use glanz_geometry::mesh::Mesh;
@@ -124,9 +124,12 @@ fn surface(geometry: GeometryDescription) -> Result<Surface, SurfaceError> {
         }
         GeometryDescription::Plane { x, y } => Plane::try_new(x, y)?.into(),
         GeometryDescription::Algebraic { terms, clip: [a, b] } => {
-            let terms: Vec<Term> = terms
+            let terms: Vec<PolynomialTerm> = terms
                 .into_iter()
-                .map(|(exponents, coefficient)| Term { exponents: exponents.map(u32::from), coefficient })
+                .map(|(exponents, coefficient)| PolynomialTerm {
+                    exponents: exponents.map(u32::from),
+                    coefficient,
+                })
                 .collect();
             AlgebraicSurface::try_new(&terms, Bounds3::new(a, b))?.into()
         }

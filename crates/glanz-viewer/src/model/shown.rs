@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use glanz_geometry::bezier::TensorPatch;
 use glanz_geometry::quadric::Plane;
-use glanz_geometry::rational::{Along, Pace, RationalPatch, bilinear};
-use glanz_geometry::trim::{Cell, TrimRegion};
+use glanz_geometry::rational::{ParameterMap, RationalPatch, Reparameterization, bilinear};
+use glanz_geometry::trim::{Containment, TrimRegion};
 use glanz_geometry::{RaySurface, Surface};
 use glanz_math::{Bounds3, DVec2, DVec3};
 use glanz_scene::PlacedSurface;
@@ -38,7 +38,7 @@ pub(super) enum Parameters {
         face: [DVec2; 4],
     },
     /// Each along one side; those of the face are the same.
-    Sides { u: Along, v: Along },
+    Sides { u: ParameterMap, v: ParameterMap },
 }
 
 /// The patches of a surface; `None` if it is no such surface. What its region surely cuts away is left out.
@@ -83,14 +83,16 @@ fn side<'a>(surface: &Surface, face: u32) -> Option<Shown<'a>> {
     for (corner, at) in corners.iter_mut().zip(square) {
         *corner = surface.untrimmed_at(face, at)?.position;
     }
-    let along = Along { ends: [0.0, 1.0], pace: Pace::Proportional };
+    let along = ParameterMap { ends: [0.0, 1.0], reparameterization: Reparameterization::Linear };
     bilinear(corners, along, along).map(|patch| Shown { face, ..Shown::from(patch) })
 }
 
 impl From<RationalPatch> for Shown<'_> {
     fn from(patch: RationalPatch) -> Self {
         let RationalPatch { patch, u, v } = patch;
-        let parameters = if u.pace == Pace::Proportional && v.pace == Pace::Proportional {
+        let parameters = if u.reparameterization == Reparameterization::Linear
+            && v.reparameterization == Reparameterization::Linear
+        {
             let ends = |i: usize, j: usize| DVec2::new(u.ends[i], v.ends[j]);
             let corners = [ends(0, 0), ends(1, 0), ends(0, 1), ends(1, 1)];
             Parameters::Corners { surface: corners, face: corners }
@@ -133,7 +135,7 @@ impl Shown<'_> {
     /// Numbers of single precision reach from side to side of a patch: where a face is a small part of its surface, its trimming needs them for itself.
     fn kept(self, region: &TrimRegion) -> Option<Self> {
         let [low, high] = self.parameters.range();
-        if region.classify(low, high) == Cell::Outside {
+        if region.classify(low, high) == Containment::Outside {
             return None;
         }
         let Parameters::Corners { surface, face } = self.parameters else { return Some(self) };
@@ -194,7 +196,7 @@ fn endless(
     };
     let columns = axis(own.min.x, own.max.x, middle.x, kept.map(|[min, max]| [min.x, max.x]));
     let rows = axis(own.min.y, own.max.y, middle.y, kept.map(|[min, max]| [min.y, max.y]));
-    let along = |ends| Along { ends, pace: Pace::Proportional };
+    let along = |ends| ParameterMap { ends, reparameterization: Reparameterization::Linear };
     let patch = |((x, u), (y, v)): (Side, Side)| {
         let corners =
             [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j): (usize, usize)| DVec3::new(x[i], y[j], 0.0));

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use glanz_geometry::algebraic::AlgebraicSurface;
-use glanz_geometry::rational::Pace;
+use glanz_geometry::rational::Reparameterization;
 use glanz_geometry::trim::TrimRegion;
 use glanz_geometry::{RaySurface, Surface};
 use glanz_math::{Bounds3, DVec2, DVec3};
@@ -114,7 +114,7 @@ impl Surfaces {
 
     fn algebraic(&mut self, surface: &AlgebraicSurface) -> Made {
         let (center, scale) = (surface.center(), surface.scale());
-        let term = |term: glanz_geometry::algebraic::Term| {
+        let term = |term: glanz_geometry::algebraic::PolynomialTerm| {
             let [i, j, k] = term.exponents;
             (i, j, k, term.coefficient)
         };
@@ -156,12 +156,12 @@ fn parts_of(parts: &[u32], faces: usize) -> impl Iterator<Item = std::ops::Range
 }
 
 /// Words of the half angle, negative for hyperbolas, and of the quadratic term.
-fn pace_words(pace: Pace) -> (f64, f64) {
-    match pace {
-        Pace::Proportional => (0.0, 0.0),
-        Pace::Circular(half) => (half, 0.0),
-        Pace::Hyperbolic(half) => (-half, 0.0),
-        Pace::Quadratic(k) => (0.0, k),
+fn reparameterization_words(reparameterization: Reparameterization) -> (f64, f64) {
+    match reparameterization {
+        Reparameterization::Linear => (0.0, 0.0),
+        Reparameterization::Circular(half) => (half, 0.0),
+        Reparameterization::Hyperbolic(half) => (-half, 0.0),
+        Reparameterization::Quadratic(k) => (0.0, k),
     }
 }
 
@@ -187,7 +187,10 @@ impl Scaled {
             Parameters::Corners { surface, .. } => surface.map(|uv| self.at(uv).to_array()).concat(),
             Parameters::Sides { u, v } => {
                 let [low, high] = [0, 1].map(|k| self.at(DVec2::new(u.ends[k], v.ends[k])));
-                let ((half_u, _), (half_v, k)) = (pace_words(u.pace), pace_words(v.pace));
+                let ((half_u, _), (half_v, k)) = (
+                    reparameterization_words(u.reparameterization),
+                    reparameterization_words(v.reparameterization),
+                );
                 vec![low.x, high.x, low.y, high.y, half_u, half_v, k, 0.0]
             }
         }

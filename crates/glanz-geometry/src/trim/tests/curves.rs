@@ -1,4 +1,4 @@
-//! Curves and the loops made of them.
+//! Curves and loops.
 
 use super::*;
 use crate::error::SurfaceError;
@@ -55,7 +55,7 @@ fn gaps_are_closed_within_the_tolerance_and_named_beyond_it() {
 }
 
 #[test]
-fn senseless_curves_are_refused() {
+fn invalid_curves_are_refused() {
     let nan = at(f64::NAN, 0.0);
     assert!(matches!(TrimCurve::try_line(UNIT[0], nan), Err(SurfaceError::NotFinite { .. })));
     assert!(matches!(TrimCurve::try_polygon(&UNIT), Err(SurfaceError::TooFew { count: 2, .. })));

@@ -1,4 +1,4 @@
-//! Points next to borders of which the form is known.
+//! Points next to borders of known form.
 
 use super::*;
 
@@ -26,7 +26,7 @@ fn circle_and_ellipse_are_exact_to_a_billionth_next_to_the_curve() {
 }
 
 #[test]
-fn points_level_with_the_ends_of_pieces_are_told_apart() {
+fn points_at_the_height_of_the_ends_of_pieces_are_exact() {
     // The pieces of a circle end at its leftmost, lowest, rightmost and highest points.
     let radius = 0.25;
     for (disk, inside) in [(circle(CENTER, radius), true), (circle(CENTER, radius).reversed(), false)] {

@@ -56,16 +56,16 @@ fn region(loops: Vec<TrimLoop>) -> TrimRegion {
     TrimRegion::try_new(loops, UNIT).unwrap()
 }
 
-/// The slow twin: the winding number of dense polygons, and the distance from them.
-struct Polygons {
+/// A slow reference: the winding number of dense polygons, and the distance from them.
+struct DensePolygons {
     edges: Vec<(DVec2, DVec2)>,
-    /// The polygons are this near to the curves.
+    /// Bound on the distance between polygons and curves.
     sag: f64,
 }
 
-impl Polygons {
-    /// `curves`: closed ones. A chord is cut where the curve's middle is furthest from it, for short chords; ten times
-    /// that is room enough for the others.
+impl DensePolygons {
+    /// Polygons of closed curves. For short chords the curve is farthest from the chord at its middle; ten times that distance is
+    /// margin enough.
     fn new(curves: &[TrimCurve], steps: u32) -> Self {
         let (mut edges, mut sag) = (Vec::new(), 0.0_f64);
         for curve in curves {
@@ -81,7 +81,7 @@ impl Polygons {
         Self { edges, sag: 10.0 * sag + 1e-12 }
     }
 
-    /// `None` too near to say.
+    /// The winding number; `None` too close to a curve.
     fn winding(&self, p: DVec2) -> Option<i32> {
         let mut winding = 0;
         for &(a, b) in &self.edges {
@@ -109,7 +109,7 @@ fn distance(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     p.distance(a.lerp(b, share))
 }
 
-/// A wild closed NURBS curve, periodic with unclamped uneven knots.
+/// A random closed NURBS curve, periodic with unclamped uneven knots; `wild` from 0 to 1.
 fn blob(random: &mut Random, center: DVec2, size: f64, wild: f64) -> TrimCurve {
     let (degree, count) = (2 + (random.bits() % 4) as usize, 8);
     let ring: Vec<DVec3> = (0..count)

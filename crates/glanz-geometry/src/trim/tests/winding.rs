@@ -1,12 +1,18 @@
-//! Loops in loops, and wild ones against dense polygons.
+//! Nested loops, and random loops against dense polygons.
 
 use super::*;
 
-fn compare(region: &TrimRegion, twin: &Polygons, outermost: i32, random: &mut Random, count: usize) {
+fn compare(
+    region: &TrimRegion,
+    reference: &DensePolygons,
+    outermost: i32,
+    random: &mut Random,
+    count: usize,
+) {
     let mut undecided = 0;
     for _ in 0..count {
         let p = random.point();
-        match twin.winding(p) {
+        match reference.winding(p) {
             Some(winding) => assert_eq!(region.contains(p), winding + outermost > 0, "{p}"),
             None => undecided += 1,
         }
@@ -45,13 +51,13 @@ fn random_nurbs_loops_agree_with_dense_polygons() {
             let curve = blob(&mut random, center, size, wild);
             curves.push(if random.unit() < 0.7 { curve.reversed() } else { curve });
         }
-        let twin = Polygons::new(&curves, 100);
+        let reference = DensePolygons::new(&curves, 100);
         let loops: Vec<TrimLoop> =
             curves.iter().map(|c| TrimLoop::try_closed(c.clone(), 1e-12).unwrap()).collect();
         let trimmed = region(loops.clone());
         let largest = loops.iter().map(TrimLoop::approximate_area).max_by(|a, b| a.abs().total_cmp(&b.abs()));
         let outermost = i32::from(largest.unwrap() < 0.0);
-        compare(&trimmed, &twin, outermost, &mut random, 10_000);
+        compare(&trimmed, &reference, outermost, &mut random, 10_000);
         for _ in 0..5_000 {
             let curve = &curves[random.bits() as usize % curves.len()];
             let p = curve.point(random.bits() as usize % curve.piece_count(), random.unit()).unwrap();
@@ -76,7 +82,7 @@ fn one_loop_of_lines_arcs_and_splines_agrees_with_a_dense_polygon() {
         TrimCurve::try_bezier(&arc).unwrap(),
         TrimCurve::try_nurbs(3, &knots, &spline).unwrap(),
     ];
-    let twin = Polygons::new(&curves, 3_000);
+    let reference = DensePolygons::new(&curves, 3_000);
     let trimmed = region(vec![TrimLoop::try_new(curves, 0.0).unwrap()]);
-    compare(&trimmed, &twin, 0, &mut random, 20_000);
+    compare(&trimmed, &reference, 0, &mut random, 20_000);
 }

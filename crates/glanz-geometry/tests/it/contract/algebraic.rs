@@ -1,6 +1,6 @@
 //! Algebraic surfaces of degree 1 to 4, smooth and singular.
 
-use glanz_geometry::algebraic::{AlgebraicSurface, Term};
+use glanz_geometry::algebraic::{AlgebraicSurface, PolynomialTerm};
 use glanz_math::{Bounds3, DVec3};
 
 use super::case::Case;
@@ -13,8 +13,8 @@ fn algebraic(
     bounds: Bounds3,
     implicit: impl Fn(DVec3) -> f64 + 'static,
 ) -> Case {
-    let terms: Vec<Term> =
-        terms.iter().map(|&(exponents, coefficient)| Term { exponents, coefficient }).collect();
+    let terms: Vec<PolynomialTerm> =
+        terms.iter().map(|&(exponents, coefficient)| PolynomialTerm { exponents, coefficient }).collect();
     let [a, .., b] = bounds.corners();
     Case {
         kept: Box::new(move |p| (p - bounds.min).min(bounds.max - p).min_element()),

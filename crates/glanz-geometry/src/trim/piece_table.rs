@@ -1,4 +1,4 @@
-//! All monotone pieces of a region, in flat arrays, and on which side of one a point lies.
+//! All monotone pieces of a region in flat arrays, with the tests of points against them.
 
 use glanz_math::rounding::gamma;
 use glanz_math::{DVec2, DVec3};
@@ -8,65 +8,67 @@ use super::loops::TrimLoop;
 use crate::bezier::bernstein::{binomials, halve};
 use crate::error::SurfaceError;
 
-/// Where a point lies, seen along a piece.
+/// The side of a directed curve on which a point lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Side {
+pub(super) enum CurveSide {
     Left,
     Right,
     /// Within rounding of the curve.
     On,
 }
 
-/// A rational Bézier curve that is monotone in u and in v.
+/// The ends and the bounding box of a monotone piece, and the position of its control points.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub(super) struct PieceRecord {
     pub(super) start: DVec2,
     pub(super) end: DVec2,
     pub(super) min: DVec2,
     pub(super) max: DVec2,
-    /// Its first entry in the terms.
+    /// Index of its first entry in the terms.
     first: u32,
     degree: u32,
 }
 
+/// All monotone pieces of a region.
 #[derive(Clone, Debug)]
-pub(super) struct Pieces {
-    pub(super) pieces: Vec<Piece>,
-    /// Control points times their binomials.
+pub(super) struct PieceTable {
+    pub(super) pieces: Vec<PieceRecord>,
+    /// Control points times their binomial coefficients.
     terms: Vec<DVec3>,
-    /// How far a computed point may be from the curve and the curve from being monotone: along u, along v.
+    /// Bound, in u and in v, on the distance of a computed point from its curve, and on the deviation of a curve from being
+    /// monotone.
     pub(super) slack: DVec2,
 }
 
-impl Pieces {
-    /// `reach`: the largest coordinates, in magnitude, at which the pieces will be asked.
+impl PieceTable {
+    /// The pieces of `loops`. `reach`: the largest magnitudes of the coordinates of tested points.
     pub(super) fn try_new(loops: &[TrimLoop], reach: DVec2) -> Result<Self, SurfaceError> {
         let (mut pieces, mut terms) = (Vec::new(), Vec::new());
         let (mut reach, mut highest) = (reach, 1);
-        for part in loops.iter().flat_map(|l| &l.parts) {
-            let degree = part.points.len().saturating_sub(1).min(MAX_DEGREE) as u32;
+        for piece in loops.iter().flat_map(|l| &l.pieces) {
+            let degree = piece.control_points.len().saturating_sub(1).min(MAX_DEGREE) as u32;
             let Ok(first) = u32::try_from(terms.len()) else {
                 let max = u32::MAX as usize;
                 return Err(SurfaceError::TooMany { parameter: "control points", count: terms.len(), max });
             };
-            let (start, end) = (part.start, part.end);
-            pieces.push(Piece { start, end, min: start.min(end), max: start.max(end), first, degree });
-            terms.extend(part.points.iter().zip(binomials(degree as usize)).map(|(&p, b)| p * b));
+            let (start, end) = (piece.start, piece.end);
+            pieces.push(PieceRecord { start, end, min: start.min(end), max: start.max(end), first, degree });
+            terms.extend(piece.control_points.iter().zip(binomials(degree as usize)).map(|(&p, b)| p * b));
             reach = reach.max(start.abs()).max(end.abs());
             highest = highest.max(degree);
         }
-        // A value has 4 n + 4 roundings, the cuts that made the piece 3 n each; moved ends and the search for turns
-        // (2 n + 4 for each of 48 halvings, of the speed times the width of what stays unknown) are below the rest.
+        // A value has 4 n + 4 roundings, each split of the piece 3 n. The margin covers moved ends and the search for turning
+        // points (2 n + 4 roundings for each of 48 halvings, relative to the speed times the width of the last interval).
         Ok(Self { pieces, terms, slack: reach * gamma(64 * (highest + 4)) })
     }
 
-    fn terms(&self, piece: &Piece) -> &[DVec3] {
+    fn terms(&self, piece: &PieceRecord) -> &[DVec3] {
         let first = piece.first as usize;
         self.terms.get(first..first + piece.degree as usize + 1).unwrap_or(&[])
     }
 
-    /// Homogeneous control points.
-    pub(super) fn control_points(&self, piece: &Piece) -> Vec<DVec3> {
+    /// Homogeneous control points of a piece.
+    pub(super) fn control_points(&self, piece: &PieceRecord) -> Vec<DVec3> {
         self.terms(piece).iter().zip(binomials(piece.degree as usize)).map(|(&term, b)| term / b).collect()
     }
 
@@ -85,26 +87,29 @@ impl Pieces {
         sum.truncate() / sum.z
     }
 
-    /// The side of `piece` on which `p` lies, in or near its box.
+    /// The side of `piece` on which `p` lies, for points in or near its box.
     ///
-    /// Turned so that it climbs, a monotone curve with a point to the upper left of `p` passes `p` there: one such
-    /// point decides. It is sought where the curve crosses the falling diagonal through `p`, by regula falsi in a
-    /// bracket. `Left` and `Right` are only said of points more than the slack away in a coordinate.
+    /// In coordinates in which the curve rises, a point of it to the upper left of `p` proves that the whole curve passes `p`
+    /// on that side. The point is searched where the curve crosses the falling diagonal through `p`, by regula falsi in a
+    /// bracket. Points closer than the slack in both coordinates are `On`.
     ///
     /// # Source
     /// @press2007 section 9.2; departure: halving at every third step.
-    pub(super) fn side(&self, piece: &Piece, p: DVec2) -> Side {
+    pub(super) fn side(&self, piece: &PieceRecord, p: DVec2) -> CurveSide {
         let turn = DVec2::new(
             if piece.end.x < piece.start.x { -1.0 } else { 1.0 },
             if piece.end.y < piece.start.y { -1.0 } else { 1.0 },
         );
-        let (upper_left, lower_right) =
-            if turn.x * turn.y > 0.0 { (Side::Right, Side::Left) } else { (Side::Left, Side::Right) };
-        // In units of the slack.
+        let (upper_left, lower_right) = if turn.x * turn.y > 0.0 {
+            (CurveSide::Right, CurveSide::Left)
+        } else {
+            (CurveSide::Left, CurveSide::Right)
+        };
+        // Relative to p, in units of the slack.
         let (terms, scale) = (self.terms(piece), turn / self.slack);
-        let climb = |q: DVec2| (q - p) * scale;
+        let relative = |q: DVec2| (q - p) * scale;
         let (mut low, mut high) =
-            ((0.0, climb(piece.start).element_sum()), (1.0, climb(piece.end).element_sum()));
+            ((0.0, relative(piece.start).element_sum()), (1.0, relative(piece.end).element_sum()));
         for step in 0..192 {
             let mut t: f64 = low.0 + (high.0 - low.0) * (low.1 / (low.1 - high.1));
             let inside = t > low.0 && t < high.0;
@@ -114,7 +119,7 @@ impl Pieces {
                     break;
                 }
             }
-            let d = climb(Self::point(terms, t));
+            let d = relative(Self::point(terms, t));
             if d.x < -1.0 && d.y > 1.0 {
                 return upper_left;
             }
@@ -123,7 +128,7 @@ impl Pieces {
             }
             let beyond = d.x > 1.0 || d.y > 1.0;
             if !beyond && d.x >= -1.0 && d.y >= -1.0 {
-                return Side::On;
+                return CurveSide::On;
             }
             if beyond {
                 high = (t, d.element_sum());
@@ -131,35 +136,39 @@ impl Pieces {
                 low = (t, d.element_sum());
             }
         }
-        Side::On
+        CurveSide::On
     }
 
     /// Whether `piece` may touch the rectangle; `margin` (at least twice the slack) is added on all sides.
-    pub(super) fn touches(&self, piece: &Piece, min: DVec2, max: DVec2, margin: DVec2) -> bool {
+    pub(super) fn touches(&self, piece: &PieceRecord, min: DVec2, max: DVec2, margin: DVec2) -> bool {
         let (min, max) = (min - margin, max + margin);
         if piece.max.x < min.x || piece.min.x > max.x || piece.max.y < min.y || piece.min.y > max.y {
             return false;
         }
-        // The corners furthest to the two sides of a curve that climbs, or falls.
-        let climbs = (piece.end.x < piece.start.x) == (piece.end.y < piece.start.y);
+        // The corners of the rectangle farthest above and below a rising, or a falling, curve.
+        let rises = (piece.end.x < piece.start.x) == (piece.end.y < piece.start.y);
         let (above, below) =
-            if climbs { (DVec2::new(min.x, max.y), DVec2::new(max.x, min.y)) } else { (max, min) };
-        // Left of a curve that runs to the right is above it.
-        let (side_above, side_below) =
-            if piece.end.x < piece.start.x { (Side::Right, Side::Left) } else { (Side::Left, Side::Right) };
-        // Level or upright pieces are their boxes.
+            if rises { (DVec2::new(min.x, max.y), DVec2::new(max.x, min.y)) } else { (max, min) };
+        // The left side of a curve that runs to the right is above it.
+        let (side_above, side_below) = if piece.end.x < piece.start.x {
+            (CurveSide::Right, CurveSide::Left)
+        } else {
+            (CurveSide::Left, CurveSide::Right)
+        };
+        // Horizontal and vertical pieces equal their boxes.
         if piece.min.x == piece.max.x || piece.min.y == piece.max.y {
             return true;
         }
-        let misses = |corner: DVec2, other: Side| piece.holds(corner) && self.side(piece, corner) == other;
+        let misses =
+            |corner: DVec2, other: CurveSide| piece.holds(corner) && self.side(piece, corner) == other;
         !misses(above, side_below) && !misses(below, side_above)
     }
 
-    /// Whether the curve comes as near to `p` as `tolerance` (by the distance in the plane).
+    /// Whether the curve comes within `tolerance` of `p` (Euclidean distance).
     ///
-    /// Parts lie around their chord no further than their control points do; those for which that does not tell are
-    /// halved, until they are straight to rounding.
-    pub(super) fn is_within(&self, piece: &Piece, p: DVec2, tolerance: f64) -> bool {
+    /// A part is at most as far from its chord as its control points are; parts for which this bound does not decide are halved
+    /// until they are straight up to rounding.
+    pub(super) fn is_within(&self, piece: &PieceRecord, p: DVec2, tolerance: f64) -> bool {
         let terms = self.terms(piece);
         let mut points = [DVec3::ZERO; MAX_DEGREE + 1];
         let Some(points) = points.get_mut(..terms.len()) else { return false };
@@ -195,24 +204,24 @@ fn part_is_within(points: &[DVec3], p: DVec2, tolerance: f64, slack: f64, splits
 
 /// Distance of `q` from the straight line between two points.
 fn segment_distance(start: DVec2, end: DVec2, q: DVec2) -> f64 {
-    let along = end - start;
-    let length2 = along.length_squared();
-    let share = if length2 > 0.0 { ((q - start).dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
-    (start + along * share).distance(q)
+    let chord = end - start;
+    let length2 = chord.length_squared();
+    let fraction = if length2 > 0.0 { ((q - start).dot(chord) / length2).clamp(0.0, 1.0) } else { 0.0 };
+    (start + chord * fraction).distance(q)
 }
 
-impl Piece {
+impl PieceRecord {
     /// Largest extent, each coordinate in units of `size`.
     pub(super) fn extent(&self, size: DVec2) -> f64 {
         ((self.max - self.min) / size).max_element()
     }
 
-    /// Whether `p` lies in the box, its lower and left sides included: both of the piece's crossings depend on the side.
+    /// Whether `p` lies in the box, lower and left sides included. There, crossings depend on the side of the curve.
     pub(super) fn holds(&self, p: DVec2) -> bool {
         p.x >= self.min.x && p.x < self.max.x && p.y >= self.min.y && p.y < self.max.y
     }
 
-    /// Whether `p` is in the box or within `margin` of it, per coordinate.
+    /// Whether `p` is within `margin` of the box, per coordinate.
     pub(super) fn near(&self, p: DVec2, margin: DVec2) -> bool {
         p.x >= self.min.x - margin.x
             && p.x <= self.max.x + margin.x
@@ -222,26 +231,26 @@ impl Piece {
 
     /// Crossings of the ray from `p` to the right: 1 if the piece rises there, -1 if it falls.
     ///
-    /// A point level with an end counts as a little higher and further right, so that every loop is crossed
-    /// consistently. `side`: that of `p` if the piece holds it.
-    pub(super) fn crossings_right(&self, p: DVec2, side: Side) -> i32 {
+    /// A point at the height of an end counts as slightly higher and further right, so that every loop is crossed
+    /// consistently. `side`: the side of `p`, used if the box holds `p`.
+    pub(super) fn crossings_right(&self, p: DVec2, side: CurveSide) -> i32 {
         if p.y < self.min.y || p.y >= self.max.y || p.x >= self.max.x {
             return 0;
         }
         let rises = self.start.y < self.end.y;
-        let met = p.x < self.min.x || (side == Side::Right) != rises;
-        i32::from(met) * if rises { 1 } else { -1 }
+        let crosses = p.x < self.min.x || (side == CurveSide::Right) != rises;
+        i32::from(crosses) * if rises { 1 } else { -1 }
     }
 
     /// Crossings of the upward ray from `p`: 1 if the piece runs to the left there, -1 if it runs to the right.
     ///
-    /// Level points and `side` as for [`Piece::crossings_right`].
-    pub(super) fn crossings_above(&self, p: DVec2, side: Side) -> i32 {
+    /// Ends and `side` are treated as in [`PieceRecord::crossings_right`].
+    pub(super) fn crossings_above(&self, p: DVec2, side: CurveSide) -> i32 {
         if p.x < self.min.x || p.x >= self.max.x || p.y >= self.max.y {
             return 0;
         }
         let leftwards = self.end.x < self.start.x;
-        let met = p.y < self.min.y || (side == Side::Right) != leftwards;
-        i32::from(met) * if leftwards { 1 } else { -1 }
+        let crosses = p.y < self.min.y || (side == CurveSide::Right) != leftwards;
+        i32::from(crosses) * if leftwards { 1 } else { -1 }
     }
 }

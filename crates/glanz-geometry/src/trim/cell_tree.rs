@@ -1,27 +1,27 @@
-//! The hierarchy over the domain: which cells a curve crosses, and what the others are.
+//! The quadtree over the domain: cells that curves cross, and cells inside or outside as a whole.
 
 use std::collections::VecDeque;
 
 use glanz_math::DVec2;
 
-use super::pieces::{Piece, Pieces, Side};
+use super::piece_table::{CurveSide, PieceRecord, PieceTable};
 use crate::error::SurfaceError;
 
-/// Halvings of the domain's sides at most.
+/// Largest depth of the tree.
 const MAX_LEVEL: u32 = 20;
 
-/// A cell with more pieces than these is quartered, as long as the budget lasts.
+/// A cell with more pieces is quartered, within the budget.
 const FEW_PIECES: usize = 3;
 
-/// A cell wider than this share of its largest piece is quartered: what is crossed is then a narrow strip.
+/// A cell wider than this fraction of its largest piece is quartered, so that crossed cells form a narrow strip.
 const STRIP: f64 = 1.0 / 8.0;
 
-/// Entries of all cells together, per piece, at which quartering stops.
+/// Number of entries in all cells, per piece, at which quartering stops.
 const ENTRIES_PER_PIECE: usize = 96;
 
-/// A cell: the index of four quarters or of a leaf, with a tag, or its state.
+/// A reference to a cell: a tag, and the index of its four quarters or of its leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Link(u32);
+struct CellLink(u32);
 
 const TAG_BITS: u32 = 30;
 const TAG_NODE: u32 = 0;
@@ -30,18 +30,20 @@ const TAG_OUTSIDE: u32 = 2;
 const TAG_INSIDE: u32 = 3;
 const MAX_INDEX: usize = (1 << TAG_BITS) - 1;
 
-/// What a point's cell says about it.
-pub(super) enum Found<'a> {
+/// The result of looking up the cell of a point.
+pub(super) enum CellLookup<'a> {
+    /// The whole cell is inside, or outside.
     Uniform(bool),
-    Crossed(&'a Leaf),
+    /// Curves cross the cell or come near.
+    Crossed(&'a CrossedCell),
 }
 
 /// A cell that curves cross or come near.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Leaf {
+pub(super) struct CrossedCell {
     first: u32,
     count: u32,
-    /// Winding number of the cell's lower right corner, less what its pieces contribute above that.
+    /// Winding number of the cell's lower right corner, less the crossings of its pieces above that corner.
     base: i32,
     /// Right side of the cell.
     edge: f64,
@@ -49,17 +51,18 @@ pub(super) struct Leaf {
 
 /// A square of a grid with 2^level cells each way.
 #[derive(Clone, Copy, Debug)]
-struct Square {
+struct GridSquare {
     x: u32,
     y: u32,
     level: u32,
 }
 
+/// A quadtree over the domain of a region.
 #[derive(Clone, Debug)]
-pub(super) struct Tree {
-    root: Link,
-    nodes: Vec<[Link; 4]>,
-    leaves: Vec<Leaf>,
+pub(super) struct CellTree {
+    root: CellLink,
+    nodes: Vec<[CellLink; 4]>,
+    leaves: Vec<CrossedCell>,
     entries: Vec<u32>,
     min: DVec2,
     max: DVec2,
@@ -68,20 +71,20 @@ pub(super) struct Tree {
     per_unit: DVec2,
 }
 
-/// A cell to be decided on.
-struct Pending {
+/// A cell that waits for being classified or quartered.
+struct PendingCell {
     /// Node and quarter that will refer to it.
     parent: Option<(usize, usize)>,
-    square: Square,
+    square: GridSquare,
     pieces: Vec<u32>,
     /// Winding number of its lower right corner.
     winding: i32,
 }
 
-impl Tree {
-    /// `outermost`: winding number far outside. Pieces within `margin` of a cell belong to it.
+impl CellTree {
+    /// The tree over the domain. `outermost`: winding number far outside. Pieces within `margin` of a cell belong to it.
     pub(super) fn try_new(
-        pieces: &Pieces,
+        pieces: &PieceTable,
         [min, max]: [DVec2; 2],
         outermost: i32,
         margin: DVec2,
@@ -89,7 +92,7 @@ impl Tree {
         let steps = f64::from(1_u32 << MAX_LEVEL);
         let unit = (max - min) / steps;
         let mut tree = Self {
-            root: Link(0),
+            root: CellLink(0),
             nodes: Vec::new(),
             leaves: Vec::new(),
             entries: Vec::new(),
@@ -105,22 +108,26 @@ impl Tree {
             + pieces
                 .pieces
                 .iter()
-                .map(|piece| piece.crossings_right(corner, asked(pieces, piece, corner)))
+                .map(|piece| piece.crossings_right(corner, side_in_box(pieces, piece, corner)))
                 .sum::<i32>();
-        let root =
-            Pending { parent: None, square: Square { x: 0, y: 0, level: 0 }, pieces: all.collect(), winding };
+        let root = PendingCell {
+            parent: None,
+            square: GridSquare { x: 0, y: 0, level: 0 },
+            pieces: all.collect(),
+            winding,
+        };
         let budget = 1024 + ENTRIES_PER_PIECE * count;
         let mut live = root.pieces.len();
         let mut queue = VecDeque::from([root]);
         while let Some(cell) = queue.pop_front() {
             let link = if cell.pieces.is_empty() {
-                Link((if cell.winding > 0 { TAG_INSIDE } else { TAG_OUTSIDE }) << TAG_BITS)
+                CellLink((if cell.winding > 0 { TAG_INSIDE } else { TAG_OUTSIDE }) << TAG_BITS)
             } else if live < budget && tree.is_coarse(pieces, &cell) {
                 let quarters = tree.quarters(pieces, &cell, margin);
                 live = live - cell.pieces.len() + quarters.iter().map(|q| q.pieces.len()).sum::<usize>();
                 queue.extend(quarters);
-                tree.nodes.push([Link(0); 4]);
-                Link((TAG_NODE << TAG_BITS) | (tree.nodes.len() - 1) as u32)
+                tree.nodes.push([CellLink(0); 4]);
+                CellLink((TAG_NODE << TAG_BITS) | (tree.nodes.len() - 1) as u32)
             } else {
                 tree.leaf(pieces, &cell)
             };
@@ -139,7 +146,7 @@ impl Tree {
         Ok(tree)
     }
 
-    fn is_coarse(&self, pieces: &Pieces, cell: &Pending) -> bool {
+    fn is_coarse(&self, pieces: &PieceTable, cell: &PendingCell) -> bool {
         if cell.square.level >= MAX_LEVEL {
             return false;
         }
@@ -149,54 +156,54 @@ impl Tree {
         cell.pieces.len() > FEW_PIECES || width > largest * STRIP
     }
 
-    fn quarters(&self, pieces: &Pieces, cell: &Pending, margin: DVec2) -> [Pending; 4] {
-        let Square { x, y, level } = cell.square;
+    fn quarters(&self, pieces: &PieceTable, cell: &PendingCell, margin: DVec2) -> [PendingCell; 4] {
+        let GridSquare { x, y, level } = cell.square;
         let node = self.nodes.len();
         let (_, max) = self.bounds(cell.square);
         let base = cell.winding - pieces.above(&cell.pieces, self.corner(cell.square));
         std::array::from_fn(|quarter| {
-            let square = Square {
+            let square = GridSquare {
                 x: 2 * x + (quarter as u32 & 1),
                 y: 2 * y + (quarter as u32 >> 1),
                 level: level + 1,
             };
             let (low, high) = self.bounds(square);
             let touching = |i: &u32| pieces.touches(&pieces.pieces[*i as usize], low, high, margin);
-            Pending {
+            PendingCell {
                 parent: Some((node, quarter)),
                 square,
                 pieces: cell.pieces.iter().copied().filter(touching).collect(),
-                winding: base + pieces.change(&cell.pieces, self.corner(square), max.x),
+                winding: base + pieces.winding_change_from_left(&cell.pieces, self.corner(square), max.x),
             }
         })
     }
 
-    fn leaf(&mut self, pieces: &Pieces, cell: &Pending) -> Link {
+    fn leaf(&mut self, pieces: &PieceTable, cell: &PendingCell) -> CellLink {
         let corner = self.corner(cell.square);
-        self.leaves.push(Leaf {
+        self.leaves.push(CrossedCell {
             first: self.entries.len() as u32,
             count: cell.pieces.len() as u32,
             base: cell.winding - pieces.above(&cell.pieces, corner),
             edge: corner.x,
         });
         self.entries.extend(&cell.pieces);
-        Link((TAG_LEAF << TAG_BITS) | (self.leaves.len() - 1) as u32)
+        CellLink((TAG_LEAF << TAG_BITS) | (self.leaves.len() - 1) as u32)
     }
 
     /// Corners of a cell; neighbours agree on theirs to the bit.
-    fn bounds(&self, square: Square) -> (DVec2, DVec2) {
+    fn bounds(&self, square: GridSquare) -> (DVec2, DVec2) {
         let shift = MAX_LEVEL - square.level;
         let at =
             |x: u32, y: u32| self.min + DVec2::new(f64::from(x << shift), f64::from(y << shift)) * self.unit;
         (at(square.x, square.y), at(square.x + 1, square.y + 1))
     }
 
-    fn corner(&self, square: Square) -> DVec2 {
+    fn corner(&self, square: GridSquare) -> DVec2 {
         let (low, high) = self.bounds(square);
         DVec2::new(high.x, low.y)
     }
 
-    /// The smallest cell that a point of the domain lies in, or, for rounding, next to.
+    /// The smallest possible cell that contains a point of the domain, up to rounding.
     #[inline]
     fn grid(&self, p: DVec2) -> (u32, u32) {
         let last = (1_u32 << MAX_LEVEL) - 1;
@@ -204,9 +211,9 @@ impl Tree {
         ((at.x as u32).min(last), (at.y as u32).min(last))
     }
 
-    /// What the cell of `p`, a point of the domain, says.
+    /// The cell of `p`, a point of the domain.
     #[inline]
-    pub(super) fn find(&self, p: DVec2) -> Found<'_> {
+    pub(super) fn find(&self, p: DVec2) -> CellLookup<'_> {
         let (x, y) = self.grid(p);
         let (mut link, mut shift) = (self.root.0, MAX_LEVEL);
         while link >> TAG_BITS == TAG_NODE {
@@ -216,23 +223,23 @@ impl Tree {
             link = node[quarter as usize & 3].0;
         }
         match (link >> TAG_BITS, self.leaves.get(link as usize & MAX_INDEX)) {
-            (TAG_LEAF, Some(leaf)) => Found::Crossed(leaf),
-            (tag, _) => Found::Uniform(tag == TAG_INSIDE),
+            (TAG_LEAF, Some(leaf)) => CellLookup::Crossed(leaf),
+            (tag, _) => CellLookup::Uniform(tag == TAG_INSIDE),
         }
     }
 
     /// The pieces of a leaf.
     #[inline]
-    pub(super) fn entries(&self, leaf: &Leaf) -> &[u32] {
+    pub(super) fn entries(&self, leaf: &CrossedCell) -> &[u32] {
         let first = leaf.first as usize;
         self.entries.get(first..first + leaf.count as usize).unwrap_or(&[])
     }
 
-    /// Whether `meets` holds for a piece of a cell that overlaps the rectangle.
+    /// Whether `meets` is true for a piece in a cell that overlaps the rectangle.
     pub(super) fn any_piece(&self, min: DVec2, max: DVec2, meets: impl Fn(u32) -> bool) -> bool {
         let ((x0, y0), (x1, y1)) = (self.grid(min), self.grid(max));
-        let mut stack = vec![(self.root.0, Square { x: 0, y: 0, level: 0 })];
-        while let Some((link, Square { x, y, level })) = stack.pop() {
+        let mut stack = vec![(self.root.0, GridSquare { x: 0, y: 0, level: 0 })];
+        while let Some((link, GridSquare { x, y, level })) = stack.pop() {
             let shift = MAX_LEVEL - level;
             if x > x1 >> shift || x < x0 >> shift || y > y1 >> shift || y < y0 >> shift {
                 continue;
@@ -243,7 +250,7 @@ impl Tree {
                     let node = self.nodes.get(index).into_iter().flatten();
                     stack.extend(node.enumerate().map(|(quarter, link)| {
                         let (right, up) = (quarter as u32 & 1, quarter as u32 >> 1);
-                        (link.0, Square { x: 2 * x + right, y: 2 * y + up, level: level + 1 })
+                        (link.0, GridSquare { x: 2 * x + right, y: 2 * y + up, level: level + 1 })
                     }));
                 }
                 TAG_LEAF => {
@@ -258,51 +265,52 @@ impl Tree {
         false
     }
 
-    /// Cells in all, crossed cells, and their entries.
+    /// Numbers of all cells, of crossed cells, and of their entries.
     pub(super) fn sizes(&self) -> (usize, usize, usize) {
         (1 + 4 * self.nodes.len(), self.leaves.len(), self.entries.len())
     }
 }
 
-/// The side of a piece for a point that it holds; anything for others.
-fn asked(pieces: &Pieces, piece: &Piece, p: DVec2) -> Side {
-    if piece.holds(p) { pieces.side(piece, p) } else { Side::Left }
+/// The side of a piece on which `p` lies; unspecified if its box does not hold `p`.
+fn side_in_box(pieces: &PieceTable, piece: &PieceRecord, p: DVec2) -> CurveSide {
+    if piece.holds(p) { pieces.side(piece, p) } else { CurveSide::Left }
 }
 
-impl Pieces {
+impl PieceTable {
     /// The winding number of `p` less the leaf's base; `None` if `p` lies on a curve.
     ///
-    /// The way leads right to the edge of the cell, then down to its corner. It never leaves the cell, so that other
-    /// pieces contribute nothing, and points on a curve may be put on either side of it as long as the same point is
-    /// always put on the same one.
+    /// The path leads right to the edge of the cell, then down to its corner. It never leaves the cell, so that other pieces
+    /// contribute nothing. Points on a curve may count as being on either side, as long as each point always counts as being
+    /// on the same one.
     #[inline]
-    fn off_curves(&self, list: &[u32], p: DVec2, edge: f64) -> Option<i32> {
+    fn winding_change(&self, list: &[u32], p: DVec2, edge: f64) -> Option<i32> {
         let mut winding = 0;
         for &i in list {
             let Some(piece) = self.pieces.get(i as usize) else { continue };
-            let mut side = Side::Left;
+            let mut side = CurveSide::Left;
             if piece.near(p, self.slack) {
                 side = self.side(piece, p);
-                if side == Side::On {
+                if side == CurveSide::On {
                     return None;
                 }
             }
-            winding += piece.crossings_right(p, side) + self.past_edge(piece, DVec2::new(edge, p.y));
+            winding += piece.crossings_right(p, side) + self.crossings_at_edge(piece, DVec2::new(edge, p.y));
         }
         Some(winding)
     }
 
-    fn past_edge(&self, piece: &Piece, elbow: DVec2) -> i32 {
-        let side = asked(self, piece, elbow);
+    fn crossings_at_edge(&self, piece: &PieceRecord, elbow: DVec2) -> i32 {
+        let side = side_in_box(self, piece, elbow);
         piece.crossings_above(elbow, side) - piece.crossings_right(elbow, side)
     }
 
-    /// [`Pieces::off_curves`] with points on a curve put to its left.
-    fn change(&self, list: &[u32], p: DVec2, edge: f64) -> i32 {
+    /// [`PieceTable::winding_change`], with points on a curve counted as left of it.
+    fn winding_change_from_left(&self, list: &[u32], p: DVec2, edge: f64) -> i32 {
         let pieces = list.iter().filter_map(|&i| self.pieces.get(i as usize));
         pieces
             .map(|piece| {
-                piece.crossings_right(p, asked(self, piece, p)) + self.past_edge(piece, DVec2::new(edge, p.y))
+                piece.crossings_right(p, side_in_box(self, piece, p))
+                    + self.crossings_at_edge(piece, DVec2::new(edge, p.y))
             })
             .sum()
     }
@@ -310,12 +318,12 @@ impl Pieces {
     /// Crossings above `p` of the pieces in the list.
     fn above(&self, list: &[u32], p: DVec2) -> i32 {
         let pieces = list.iter().filter_map(|&i| self.pieces.get(i as usize));
-        pieces.map(|piece| piece.crossings_above(p, asked(self, piece, p))).sum()
+        pieces.map(|piece| piece.crossings_above(p, side_in_box(self, piece, p))).sum()
     }
 
     /// The winding number of `p` in a crossed cell with these entries; `None` if it lies on a curve.
     #[inline]
-    pub(super) fn winding(&self, leaf: &Leaf, list: &[u32], p: DVec2) -> Option<i32> {
-        self.off_curves(list, p, leaf.edge).map(|change| leaf.base + change)
+    pub(super) fn winding(&self, leaf: &CrossedCell, list: &[u32], p: DVec2) -> Option<i32> {
+        self.winding_change(list, p, leaf.edge).map(|change| leaf.base + change)
     }
 }

@@ -1,11 +1,12 @@
-//! Which part of the domain is left.
+//! The trimmed region of a parameter domain.
 
-use glanz_math::{DVec2, DVec3};
+use glanz_math::DVec2;
 
+use super::cell_tree::{CellLookup, CellTree};
 use super::curve::{TrimCurve, check_range};
 use super::loops::TrimLoop;
-use super::pieces::Pieces;
-use super::tree::{Found, Tree};
+use super::monotone::MonotonePiece;
+use super::piece_table::PieceTable;
 use crate::error::{SurfaceError, not_negative};
 
 /// Largest gap between consecutive curves of a loop, relative to the extent of all loops: coordinates are often written
@@ -19,44 +20,44 @@ const BORDER: f64 = 1e-9;
 /// Width of the domain around the loops, relative to their extent.
 const DOMAIN_MARGIN: f64 = 0.1;
 
-/// What is known about a rectangle of the domain.
+/// Relation of a rectangle to a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cell {
-    /// All of it is kept.
+pub enum Containment {
+    /// The whole rectangle is kept.
     Inside,
-    /// All of it is cut away.
+    /// The whole rectangle is cut away.
     Outside,
     /// A curve crosses it, or comes so near that it might.
     Crossed,
 }
 
-/// The part of a rectangular parameter domain that closed loops keep: what lies to their left.
+/// The part of a rectangular parameter domain on the left of closed loops.
 ///
-/// A point is kept if its winding number is greater than zero. The winding number counts how often the loops go round
-/// the point counter-clockwise; 1 is added everywhere if the outermost material is the domain itself, which is so if
-/// the loop of the largest area runs clockwise or if there are no loops. Holes, islands and islands in holes follow from
-/// that. Loops nested against this rule (a counter-clockwise one right inside another, a hole in a hole) add up: what is
-/// wound round twice is kept, what is cut away twice needs two islands to come back. Points on a curve are kept,
-/// whichever side is: two faces with a common border leave no gap.
+/// A point is kept if its winding number is greater than zero. The winding number counts how often the loops go round the point
+/// counter-clockwise; 1 is added everywhere if the domain itself is the outermost material: if the loop of the largest area
+/// runs clockwise, or if there are no loops. Holes, islands and islands in holes follow from this rule. For loops that do not
+/// alternate (a counter-clockwise loop directly inside another, a hole in a hole) winding numbers add up: points inside both
+/// counter-clockwise loops are kept, and a doubly cut hole needs two islands to be filled. Points on a curve are always kept, so
+/// that two faces with a common border leave no gap.
 ///
 /// # Source
-/// @markgraf2019 section 4.3; departure: the winding number, which takes both orientations and nesting, instead of
+/// @markgraf2019 section 4.3; departure: the winding number, which handles both orientations and nesting, instead of
 /// "trimmed if the sum is 1".
 #[derive(Clone, Debug)]
 pub struct TrimRegion {
-    pieces: Pieces,
-    tree: Tree,
+    pieces: PieceTable,
+    cells: CellTree,
     domain: [DVec2; 2],
     /// Winding number far outside.
     outermost: i32,
-    /// Points this near to a curve are kept, parameter units.
+    /// Distance from a curve within which points are kept, parameter units.
     border: f64,
 }
 
 impl TrimRegion {
     /// The region that `loops` keep of the domain from `domain[0]` to `domain[1]`.
     ///
-    /// Loops may leave the domain. Without loops, all of it is kept.
+    /// Loops may leave the domain. Without loops, the whole domain is kept.
     ///
     /// # Errors
     /// [`SurfaceError::NotFinite`], [`SurfaceError::EmptyRange`] for the domain, [`SurfaceError::TooMany`] from 2^30 control
@@ -69,9 +70,9 @@ impl TrimRegion {
             .map(TrimLoop::approximate_area)
             .fold(0.0, |largest: f64, area| if area.abs() > largest.abs() { area } else { largest });
         let outermost = i32::from(loops.is_empty() || largest < 0.0);
-        let pieces = Pieces::try_new(&loops, min.abs().max(max.abs()))?;
-        let tree = Tree::try_new(&pieces, domain, outermost, margin(&pieces, 0.0))?;
-        Ok(Self { pieces, tree, domain, outermost, border: 0.0 })
+        let pieces = PieceTable::try_new(&loops, min.abs().max(max.abs()))?;
+        let cells = CellTree::try_new(&pieces, domain, outermost, margin(&pieces, 0.0))?;
+        Ok(Self { pieces, cells, domain, outermost, border: 0.0 })
     }
 
     /// The region that loops of curves keep, with tolerances in proportion to their extent.
@@ -99,20 +100,20 @@ impl TrimRegion {
         region.with_widened_border(BORDER * extent)
     }
 
-    /// The same region, to which the points within `tolerance` (parameter units) of a curve belong too.
+    /// The region extended by all points within `tolerance` (parameter units) of a curve.
     ///
     /// # Errors
     /// [`SurfaceError::NotFinite`], [`SurfaceError::Negative`], [`SurfaceError::TooMany`].
     pub fn with_widened_border(self, tolerance: f64) -> Result<Self, SurfaceError> {
         let border = not_negative("tolerance of the border", tolerance)?;
-        let tree = Tree::try_new(&self.pieces, self.domain, self.outermost, margin(&self.pieces, border))?;
-        Ok(Self { tree, border, ..self })
+        let cells =
+            CellTree::try_new(&self.pieces, self.domain, self.outermost, margin(&self.pieces, border))?;
+        Ok(Self { cells, border, ..self })
     }
 
-    /// Whether the point `uv` is kept. Exact but for points within rounding of a curve, which are kept.
+    /// Whether the point `uv` is kept; exact except for points within rounding of a curve, which are kept.
     ///
-    /// A point outside the domain is judged as the nearest one of it: rounding puts hits there. What is not a number
-    /// is not kept.
+    /// A point outside the domain, where rounding may put a hit, is clamped to it. NaN is not kept.
     #[inline]
     #[must_use]
     pub fn contains(&self, uv: DVec2) -> bool {
@@ -120,10 +121,10 @@ impl TrimRegion {
             return false;
         }
         let p = uv.max(self.domain[0]).min(self.domain[1]);
-        match self.tree.find(p) {
-            Found::Uniform(inside) => inside,
-            Found::Crossed(leaf) => {
-                let list = self.tree.entries(leaf);
+        match self.cells.find(p) {
+            CellLookup::Uniform(inside) => inside,
+            CellLookup::Crossed(leaf) => {
+                let list = self.cells.entries(leaf);
                 self.pieces.winding(leaf, list, p).is_none_or(|winding| winding > 0)
                     || (self.border > 0.0 && self.is_on_border(list, p))
             }
@@ -138,14 +139,13 @@ impl TrimRegion {
             .any(|piece| self.pieces.is_within(piece, p, self.border))
     }
 
-    /// What is known about the part of the rectangle from `min` to `max` that lies in the domain.
+    /// The relation of the rectangle from `min` to `max`, clamped to the domain, to the region.
     ///
-    /// `Inside` and `Outside` are certain. A rectangle that misses the domain is judged as the nearest part of its
-    /// border; one that is not a number, or of which `min` exceeds `max`, is `Crossed`.
+    /// `Inside` and `Outside` are certain. A rectangle with NaN, or with `min` greater than `max`, is `Crossed`.
     #[must_use]
-    pub fn classify(&self, min: DVec2, max: DVec2) -> Cell {
+    pub fn classify(&self, min: DVec2, max: DVec2) -> Containment {
         if !min.cmple(max).all() {
-            return Cell::Crossed;
+            return Containment::Crossed;
         }
         let [low, high] = self.domain;
         let (min, max) = (min.clamp(low, high), max.clamp(low, high));
@@ -154,12 +154,12 @@ impl TrimRegion {
             let piece = self.pieces.pieces.get(i as usize);
             piece.is_some_and(|piece| self.pieces.touches(piece, min, max, margin))
         };
-        if self.tree.any_piece(min, max, meets) {
-            Cell::Crossed
+        if self.cells.any_piece(min, max, meets) {
+            Containment::Crossed
         } else if self.contains(0.5 * min + 0.5 * max) {
-            Cell::Inside
+            Containment::Inside
         } else {
-            Cell::Outside
+            Containment::Outside
         }
     }
 
@@ -175,7 +175,7 @@ impl TrimRegion {
         self.outermost
     }
 
-    /// The borders of the loops, cut into pieces monotone in u and in v; one of a loop ends, to the bit, where its next begins.
+    /// The curves of all loops, split into pieces monotone in u and in v; each ends, to the bit, where the next of its loop starts.
     pub fn monotone_pieces(&self) -> impl ExactSizeIterator<Item = MonotonePiece> + '_ {
         self.pieces.pieces.iter().map(|piece| MonotonePiece {
             start: piece.start,
@@ -190,39 +190,29 @@ impl TrimRegion {
         self.border
     }
 
-    /// How much there is of the region's parts.
+    /// Numbers of pieces and cells.
     #[must_use]
-    pub fn sizes(&self) -> TrimSizes {
-        let (cells, crossed_cells, entries) = self.tree.sizes();
-        TrimSizes { pieces: self.pieces.pieces.len(), cells, crossed_cells, entries }
+    pub fn statistics(&self) -> TrimStatistics {
+        let (cells, crossed_cells, entries) = self.cells.sizes();
+        TrimStatistics { pieces: self.pieces.pieces.len(), cells, crossed_cells, entries }
     }
 }
 
-/// A part of the border of a region: a rational Bézier curve that is monotone in u and in v, up to rounding.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MonotonePiece {
-    /// Where it begins. What is kept is on its left.
-    pub start: DVec2,
-    /// Where it ends.
-    pub end: DVec2,
-    /// Homogeneous, (w u, w v, w), degree + 1 of them.
-    pub control_points: Vec<DVec3>,
-}
-
-/// How much there is of a region's parts.
+/// Numbers of pieces and cells of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TrimSizes {
+pub struct TrimStatistics {
     /// Monotone pieces of curves.
     pub pieces: usize,
     /// Cells of the hierarchy, on all levels.
     pub cells: usize,
-    /// Cells that curves cross or come near.
+    /// Cells that curves cross or come close to.
     pub crossed_cells: usize,
     /// Pieces in crossed cells, counted once per cell.
     pub entries: usize,
 }
 
-/// A cell's corners, a point's cell and both sides of a piece are each known to the slack.
-fn margin(pieces: &Pieces, border: f64) -> DVec2 {
+/// Distance from a cell within which a piece belongs to it: the corners of a cell, the cell of a point and both sides of a piece
+/// are each accurate to the slack.
+fn margin(pieces: &PieceTable, border: f64) -> DVec2 {
     4.0 * pieces.slack + border
 }

@@ -1,11 +1,11 @@
-//! A ray seen from near the surface, so that far origins cost no digits.
+//! The line of a ray relative to a point near the surface, so that distant origins cost no digits.
 
 use glanz_math::polynomial::compensated::two_product;
 use glanz_math::{DVec3, Ray};
 
-/// The line of a ray by arc length from one of its points.
+/// The line of a ray, parameterized by arc length from one of its points.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Line {
+pub(crate) struct RayLine {
     /// The point of the ray at `s = 0`.
     pub(crate) origin: DVec3,
     /// Unit direction.
@@ -16,25 +16,28 @@ pub(crate) struct Line {
     speed: f64,
 }
 
-impl Line {
-    /// The line with its zero at the ray parameter `shift`.
+impl RayLine {
+    /// The line with arc length 0 at the ray parameter `shift`.
     ///
-    /// The zero is right to a few units of roundoff of its own size plus one of the distance to the ray's origin: the
-    /// products carry their remainders.
+    /// That point is accurate to a few roundings of its own size plus one of the distance to the ray's origin, since the
+    /// remainders of the products are added.
     #[inline]
     pub(crate) fn new(ray: &Ray, shift: f64) -> Self {
         let speed = ray.direction.length();
-        let along = |o: f64, d: f64| {
+        let coordinate = |o: f64, d: f64| {
             let (product, remainder) = two_product(shift, d);
             (o + product) + remainder
         };
         let (o, d) = (ray.origin, ray.direction);
-        let origin =
-            if shift == 0.0 { o } else { DVec3::new(along(o.x, d.x), along(o.y, d.y), along(o.z, d.z)) };
+        let origin = if shift == 0.0 {
+            o
+        } else {
+            DVec3::new(coordinate(o.x, d.x), coordinate(o.y, d.y), coordinate(o.z, d.z))
+        };
         Self { origin, direction: d / speed, shift, speed }
     }
 
-    /// The line with its zero next to `center`.
+    /// The line with arc length 0 at the point nearest to `center`.
     #[inline]
     pub(crate) fn nearest_to(ray: &Ray, center: DVec3) -> Self {
         let d = ray.direction;
@@ -64,7 +67,7 @@ mod tests {
     #[test]
     fn arc_length_and_parameter_are_the_same_point() {
         let ray = Ray::new(DVec3::new(1e5, -3e5, 2e5), DVec3::new(-3.0, 9.0, -6.0));
-        let line = Line::nearest_to(&ray, DVec3::new(1.0, 2.0, 3.0));
+        let line = RayLine::nearest_to(&ray, DVec3::new(1.0, 2.0, 3.0));
         // (1, 2, 3) projected on the line through the origin along (-1, 3, -2): 14 s = -1 + 6 - 6, s = -1/14.
         let expected = DVec3::new(-1.0, 3.0, -2.0) * (-1.0 / 14.0);
         assert!((line.origin - expected).length() < 1e-10);
@@ -75,11 +78,11 @@ mod tests {
     }
 
     #[test]
-    fn far_origins_cost_one_rounding_only() {
+    fn distant_origins_cost_one_rounding_only() {
         // On the line x = 1e9 + t (1/3), the point at t = -3e9: 1/3 is rounded down by 2^-54 / 3 exactly, and that
         // error times 3e9 is 1e9 2^-54; naive arithmetic would add roundings of the product, 2^-24 each.
         let ray = Ray::new(DVec3::new(1e9, 0.0, 0.0), DVec3::new(1.0 / 3.0, 0.0, 0.0));
-        let line = Line::new(&ray, -3e9);
+        let line = RayLine::new(&ray, -3e9);
         assert_eq!(line.origin.x, 1e9 * 2.0_f64.powi(-54));
     }
 }
