@@ -3,7 +3,7 @@
 use glanz_light::units::photometric;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_sampling::exact::{SquareSum, WideSum};
-use glanz_transport::{Arrival, End, Flight};
+use glanz_transport::{Arrival, ParticleFate, ParticlePath};
 
 use crate::balance::FluxBalance;
 use crate::far_field::{FarField, FarFieldGrid};
@@ -225,15 +225,15 @@ impl<'a> Clerk<'a> {
     }
 
     /// The particle has ended; `None`: it never began.
-    pub(crate) fn end(&mut self, flight: Option<&Flight>) {
+    pub(crate) fn end(&mut self, flight: Option<&ParticlePath>) {
         self.tally.particles += 1;
         if let Some(flight) = flight {
             let (emitted, faded) = (self.lumens(flight.emitted), self.lumens(flight.faded));
             self.tally.emitted.add(emitted);
             self.tally.given_up.add(faded);
             match flight.end {
-                End::Absorbed => {}
-                End::Escaped { ray, power } => {
+                ParticleFate::Absorbed => {}
+                ParticleFate::Escaped { ray, power } => {
                     let lumens = self.lumens(power);
                     self.tally.escaped.add(lumens);
                     if let Some(far_field) = &mut self.tally.far_field
@@ -242,7 +242,7 @@ impl<'a> Clerk<'a> {
                         sums.add(lumens);
                     }
                 }
-                End::GivenUp(power) => {
+                ParticleFate::GivenUp(power) => {
                     let lumens = self.lumens(power);
                     self.tally.given_up.add(lumens);
                 }

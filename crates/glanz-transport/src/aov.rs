@@ -25,7 +25,7 @@ pub enum Aov {
 }
 
 impl Aov {
-    /// All kinds, in the order of their channels.
+    /// All AOVs, in the order of their channels.
     pub const ALL: [Self; 8] = [
         Self::Albedo,
         Self::Position,
@@ -75,13 +75,13 @@ impl AovSet {
         Self(self.0 | 1 << aov as u8)
     }
 
-    /// Whether `aov` is in the set.
+    /// True if `aov` is in the set.
     #[must_use]
     pub const fn contains(self, aov: Aov) -> bool {
         self.0 >> aov as u8 & 1 == 1
     }
 
-    /// Whether any channel needs to know what the camera ray hit.
+    /// True if any channel needs the camera ray's first hit.
     #[must_use]
     pub const fn needs_first_hit(self) -> bool {
         self.0 & !Self::NONE.with(Aov::Variance).0 != 0

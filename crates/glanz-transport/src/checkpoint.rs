@@ -31,7 +31,7 @@ use crate::ranges::SampleRanges;
 const MAGIC: &[u8; 8] = b"GLANZCKP";
 const VERSION: u32 = 4;
 
-/// Why bytes are not a checkpoint.
+/// Errors of reading a checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
@@ -79,7 +79,7 @@ impl From<EnvelopeError> for CheckpointError {
 /// A film and what it is a picture of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
-    /// What the picture depends on.
+    /// Identity of the picture.
     pub identity: PictureIdentity,
     /// Its samples so far.
     pub film: Film,

@@ -5,7 +5,7 @@ pub const CRC_LENGTH: usize = 4;
 /// Length of magic, version and length.
 pub const PREFIX_LENGTH: usize = 20;
 
-/// Why bytes are not in the envelope of [`seal`].
+/// Errors of opening the envelope of [`seal`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum EnvelopeError {
     /// Another magic.
@@ -118,12 +118,12 @@ impl Encoder {
     }
 }
 
-/// Takes from the front of bytes; `None` where they end too early.
+/// Decoder that reads from the front of bytes; `None` where they end too early.
 #[derive(Debug)]
 pub struct Decoder<'a>(pub &'a [u8]);
 
 impl<'a> Decoder<'a> {
-    /// So many bytes.
+    /// The next `count` bytes.
     pub fn take(&mut self, count: usize) -> Option<&'a [u8]> {
         let (head, tail) = self.0.split_at_checked(count)?;
         self.0 = tail;
@@ -166,7 +166,7 @@ impl<'a> Decoder<'a> {
         self.u64().map(f64::from_bits)
     }
 
-    /// What [`Encoder::text`] appended.
+    /// Reads what [`Encoder::text`] appended.
     pub fn text(&mut self) -> Option<&'a str> {
         let length = self.u8()?;
         std::str::from_utf8(self.take(usize::from(length))?).ok()

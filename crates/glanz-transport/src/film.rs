@@ -1,4 +1,4 @@
-//! Where samples become pixels.
+//! The film: accumulates samples into pixels.
 
 use glanz_light::{Pixels, PixelsError};
 
@@ -10,11 +10,11 @@ use crate::passes::Passes;
 use crate::pixel::{PixelLayout, PixelSums, PixelValue, Rejects};
 use crate::pixel_rect::PixelRect;
 use crate::ranges::{OverlapError, SampleRanges};
-use crate::settled::{Blend, FEWEST_SAMPLES};
 use crate::splat::{SplatLayout, SplatRows, SplatSums};
+use crate::weighted_sums::{FEWEST_SAMPLES, PassWeights};
 use glanz_sampling::exact::MAX_TERMS;
 
-/// Why a film cannot be made or joined with another.
+/// Errors of creating or merging films.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FilmError {
@@ -55,12 +55,12 @@ pub struct FilmFormat {
     pub crop: PixelRect,
     /// Extra channels.
     pub aovs: AovSet,
-    /// Whether the filter has negative lobes.
+    /// True if the filter has negative lobes.
     pub signed: bool,
-    /// Whether samples come in passes of different variance, from an integrator that
+    /// True if samples come in passes of different variance, from an integrator that
     /// [learns](crate::Integrator::learns).
     pub passes: bool,
-    /// Whether an integrator [splats](crate::Integrator::splats).
+    /// True if the integrator [splats](crate::Integrator::splats).
     pub splats: bool,
 }
 
@@ -115,9 +115,9 @@ impl FilmFormat {
 pub(crate) struct FilmParts<'a> {
     /// The tiles with their words.
     pub(crate) tiles: Vec<(PixelRect, &'a mut [u64])>,
-    /// Where light goes that is splatted.
+    /// Target of splats.
     pub(crate) splats: SplatRows<'a>,
-    /// What an integrator has learnt.
+    /// Training state of the integrator.
     pub(crate) training: Option<&'a Training>,
 }
 
@@ -190,7 +190,7 @@ impl Film {
         &self.passes
     }
 
-    /// What an integrator that learns has learnt.
+    /// Training state of an integrator that learns.
     #[must_use]
     pub fn training(&self) -> Option<&Training> {
         self.passes.training.as_deref()
@@ -240,12 +240,12 @@ impl Film {
         self.passes.training.get_or_insert_with(|| Box::new(Training::new(guide)));
     }
 
-    /// Where the pass ends that sample `next` belongs to; only films with passes have an end.
+    /// End of the pass that contains sample `next`; only films with passes have one.
     pub(crate) fn end_of_pass(&self, next: u32) -> Option<u32> {
         self.format.passes.then(|| self.passes.end_of_pass(next))
     }
 
-    /// What threads fill. [`Film::finish_pass`] has to follow.
+    /// Buffers that threads fill. [`Film::finish_pass`] must follow.
     pub(crate) fn parts_mut(&mut self) -> FilmParts<'_> {
         let (format, own) = (self.format, self.own_words());
         let (mut rest, splats) = self.words.split_at_mut(own);
@@ -299,10 +299,10 @@ impl Film {
         (mean > 0.0 && mean.is_finite()).then(|| 1.0 / mean)
     }
 
-    /// How the samples of the pass under way count beside those of passes that are over.
-    fn blend(&self) -> Blend {
+    /// Weights of the samples of the current pass and of finished passes.
+    fn blend(&self) -> PassWeights {
         if !self.format.passes {
-            return Blend::plain(self.samples.total());
+            return PassWeights::plain(self.samples.total());
         }
         self.passes.blend(self.samples.total(), self.precision())
     }
@@ -362,7 +362,7 @@ impl Film {
             .map(move |([x, y], words)| ([x - origin[0], y - origin[1]], PixelSums::read(&layout, words)))
     }
 
-    /// What is splatted to the pixel in that row and column of the crop window.
+    /// Splatted light of the pixel in that row and column of the crop window.
     fn splatted(&self, row: usize, column: usize) -> Option<[PixelValue; 3]> {
         let stride = self.format.splat_layout().words();
         let start = (row * self.format.crop.size[0] as usize + column) * stride;

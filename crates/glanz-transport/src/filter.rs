@@ -28,7 +28,7 @@ pub enum FilterError {
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be.
+        /// The allowed values.
         range: &'static str,
     },
     /// Negative lobes that outweigh the rest of the filter: the noise would drown the picture.
@@ -36,12 +36,12 @@ pub enum FilterError {
     Lobes(f64, f64),
 }
 
-/// Where a sample lies, and how it counts.
+/// Position and weight of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilterSample {
     /// From the middle of the pixel, pixels.
     pub offset: DVec2,
-    /// Whether the filter is negative there.
+    /// True if the filter is negative there.
     pub negative: bool,
 }
 
@@ -49,12 +49,12 @@ pub struct FilterSample {
 #[derive(Clone, Debug)]
 pub struct Filter {
     radius: DVec2,
-    shape: Shape,
+    shape: FilterShape,
     description: FilterDescription,
 }
 
 #[derive(Clone, Debug)]
-enum Shape {
+enum FilterShape {
     /// Constant over the rectangle.
     Box,
     /// Product of two tents.
@@ -89,11 +89,11 @@ impl Filter {
             return Err(FilterError::Radius(x, y));
         }
         let shape = match description.kind {
-            FilterKind::Box => Shape::Box,
-            FilterKind::Triangle => Shape::Triangle,
-            FilterKind::Cylinder => Shape::Cylinder,
-            FilterKind::Pyramid => Shape::Pyramid,
-            FilterKind::Cone => Shape::Cone,
+            FilterKind::Box => FilterShape::Box,
+            FilterKind::Triangle => FilterShape::Triangle,
+            FilterKind::Cylinder => FilterShape::Cylinder,
+            FilterKind::Pyramid => FilterShape::Pyramid,
+            FilterKind::Cone => FilterShape::Cone,
             FilterKind::Gaussian { sigma } => {
                 if !(sigma > 0.0 && sigma.is_finite()) {
                     return Err(FilterError::Parameter {
@@ -102,7 +102,7 @@ impl Filter {
                         range: "positive and finite",
                     });
                 }
-                Shape::Separable(Box::new([gaussian(x, sigma)?, gaussian(y, sigma)?]))
+                FilterShape::Separable(Box::new([gaussian(x, sigma)?, gaussian(y, sigma)?]))
             }
             FilterKind::Mitchell { b, c } => {
                 for (name, value) in [("B", b), ("C", c)] {
@@ -111,7 +111,7 @@ impl Filter {
                     }
                 }
                 let profile = mitchell(b, c)?;
-                Shape::Separable(Box::new([profile.clone(), profile]))
+                FilterShape::Separable(Box::new([profile.clone(), profile]))
             }
         };
         let filter = Self { radius: DVec2::new(x, y), shape, description: *description };
@@ -122,7 +122,7 @@ impl Filter {
         Ok(filter)
     }
 
-    /// What it was made from.
+    /// The description it was built from.
     #[must_use]
     pub fn description(&self) -> &FilterDescription {
         &self.description
@@ -134,11 +134,11 @@ impl Filter {
         self.radius
     }
 
-    /// Whether it is negative anywhere.
+    /// True if it is negative anywhere.
     #[must_use]
     pub fn is_signed(&self) -> bool {
         match &self.shape {
-            Shape::Separable(profiles) => profiles.iter().any(|p| p.net_weight() < 1.0),
+            FilterShape::Separable(profiles) => profiles.iter().any(|p| p.net_weight() < 1.0),
             _ => false,
         }
     }
@@ -147,7 +147,7 @@ impl Filter {
     #[must_use]
     pub fn net_weight(&self) -> f64 {
         match &self.shape {
-            Shape::Separable(profiles) => profiles.iter().map(Profile::net_weight).product(),
+            FilterShape::Separable(profiles) => profiles.iter().map(Profile::net_weight).product(),
             _ => 1.0,
         }
     }
@@ -172,14 +172,14 @@ impl Filter {
         }
         let area = self.radius.x * self.radius.y;
         let value = match &self.shape {
-            Shape::Box => 0.25,
-            Shape::Triangle => (1.0 - p.x) * (1.0 - p.y),
-            Shape::Separable(profiles) => profiles[0].density(p.x) * profiles[1].density(p.y) * 0.25,
-            Shape::Cylinder if p.length_squared() <= 1.0 => std::f64::consts::FRAC_1_PI,
-            Shape::Cylinder => 0.0,
+            FilterShape::Box => 0.25,
+            FilterShape::Triangle => (1.0 - p.x) * (1.0 - p.y),
+            FilterShape::Separable(profiles) => profiles[0].density(p.x) * profiles[1].density(p.y) * 0.25,
+            FilterShape::Cylinder if p.length_squared() <= 1.0 => std::f64::consts::FRAC_1_PI,
+            FilterShape::Cylinder => 0.0,
             // Volume of a pyramid over a square of side 2, of a cone over the unit disk, both of height 1.
-            Shape::Pyramid => (1.0 - p.max_element()) * (3.0 / 4.0),
-            Shape::Cone => (1.0 - p.length()).max(0.0) * (3.0 * std::f64::consts::FRAC_1_PI),
+            FilterShape::Pyramid => (1.0 - p.max_element()) * (3.0 / 4.0),
+            FilterShape::Cone => (1.0 - p.length()).max(0.0) * (3.0 * std::f64::consts::FRAC_1_PI),
         };
         value / area
     }
@@ -229,17 +229,17 @@ impl Filter {
         let s = 2.0 * xi - 1.0;
         let mut negative = false;
         let unit = match &self.shape {
-            Shape::Box => s,
-            Shape::Triangle => DVec2::new(tent(s.x), tent(s.y)),
-            Shape::Separable(profiles) => {
+            FilterShape::Box => s,
+            FilterShape::Triangle => DVec2::new(tent(s.x), tent(s.y)),
+            FilterShape::Separable(profiles) => {
                 let x = profiles[0].sample(s.x.abs());
                 let y = profiles[1].sample(s.y.abs());
                 negative = x.1 != y.1;
                 DVec2::new(x.0.copysign(s.x), y.0.copysign(s.y))
             }
-            Shape::Cylinder => disk(s),
-            Shape::Pyramid => s * linear_fall(s),
-            Shape::Cone => disk(s) * linear_fall(s),
+            FilterShape::Cylinder => disk(s),
+            FilterShape::Pyramid => s * linear_fall(s),
+            FilterShape::Cone => disk(s) * linear_fall(s),
         };
         FilterSample { offset: unit * self.radius, negative }
     }

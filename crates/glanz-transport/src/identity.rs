@@ -1,4 +1,4 @@
-//! What a picture depends on.
+//! Identity of a picture: everything it depends on.
 
 use glanz_job::JobIdentity;
 use glanz_sampling::SamplerKind;
@@ -20,7 +20,7 @@ pub struct PictureIdentity {
     pub filter: FilterDescription,
     /// The integrator with its settings.
     pub integrator: IntegratorSettings,
-    /// How samples are spread.
+    /// The sampler.
     pub sampler: SamplerKind,
     /// Seed of the samples.
     pub seed: u64,
@@ -34,13 +34,13 @@ pub struct PictureIdentity {
 }
 
 impl PictureIdentity {
-    /// Whether the sampler's strata depend on the planned number of samples.
+    /// True if the sampler's strata depend on the planned number of samples.
     #[must_use]
     pub fn plan_matters(&self) -> bool {
         matches!(self.sampler, SamplerKind::Stratified | SamplerKind::Regular)
     }
 
-    /// What was given in a file, or made or learnt by the way.
+    /// Hash of a guide or of light that was read from a file.
     fn given(&self) -> (&'static str, String) {
         let (what, otherwise) = match self.integrator.shows_stored_light() {
             true => ("the file of light", "made anew"),

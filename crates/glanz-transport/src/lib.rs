@@ -82,8 +82,8 @@ pub mod pixel_rect;
 pub mod progress;
 pub mod ranges;
 pub mod render;
-mod settled;
 mod splat;
+mod weighted_sums;
 
 pub use aov::{Aov, AovSet};
 pub use checkpoint::{Checkpoint, CheckpointError};
@@ -96,7 +96,7 @@ pub use integrator::{
     IntegratorSettings, StoredLight,
 };
 pub use merge::{MergeError, merge};
-pub use particle::{Arrival, End, Flight, send_particle};
+pub use particle::{Arrival, ParticleFate, ParticlePath, send_particle};
 pub use pixel::{FirstHit, Rejects};
 pub use pixel_rect::PixelRect;
 pub use progress::{FinishedTile, RenderSink, TileSink};

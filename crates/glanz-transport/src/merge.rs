@@ -8,7 +8,7 @@ use crate::checkpoint::Checkpoint;
 use crate::film::{Film, FilmError};
 use crate::ranges::SampleRanges;
 
-/// Why checkpoints cannot be joined. Parts are numbered from 0 in the order given.
+/// Errors of merging checkpoints. Parts are numbered from 0 in the order given.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MergeError {
@@ -20,7 +20,7 @@ pub enum MergeError {
     Picture {
         /// Its number.
         part: usize,
-        /// How it differs.
+        /// The difference.
         mismatch: IdentityMismatch,
     },
     /// A part whose samples build on one another.
@@ -65,7 +65,7 @@ pub fn merge(parts: impl IntoIterator<Item = Checkpoint>) -> Result<Checkpoint, 
             return Err(MergeError::Overlap { first, second: part, samples });
         }
         whole.film.merge(&next.film)?;
-        // Where the plan does not matter parts may have different ones.
+        // Parts may have different plans if the plan does not matter.
         whole.identity.samples_per_pixel =
             whole.identity.samples_per_pixel.max(next.identity.samples_per_pixel);
         taken.push(next.film.samples().clone());

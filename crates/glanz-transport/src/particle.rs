@@ -34,16 +34,16 @@ pub struct Arrival<'a> {
     pub left: Spectrum,
 }
 
-/// How the way of a particle ended.
+/// Fate of a particle.
 #[derive(Clone, Copy, Debug)]
-pub enum End {
+pub enum ParticleFate {
     /// In a surface.
     Absorbed,
     /// It left the scene along `ray` with `power`, W.
     Escaped {
         /// Its last way.
         ray: Ray,
-        /// What it carried, W.
+        /// Its power, W.
         power: Spectrum,
     },
     /// It had met as many surfaces as it may, and still carried this, W.
@@ -52,20 +52,20 @@ pub enum End {
 
 /// The whole way of a particle.
 #[derive(Clone, Copy, Debug)]
-pub struct Flight {
-    /// What it left the lamp with, W.
+pub struct ParticlePath {
+    /// Initial power, W.
     pub emitted: Spectrum,
-    /// What was lost of that on the way from a lamp that [fades](glanz_scene::LightRay::left_at), W.
+    /// Power lost on the way from a light that [fades](glanz_scene::LightRay::left_at), W.
     pub faded: Spectrum,
-    /// How it ended.
-    pub end: End,
+    /// Its fate.
+    pub end: ParticleFate,
     /// Surfaces met.
     pub events: u32,
 }
 
 /// Sends one particle from a lamp picked by power, and tells `visit` of every surface it meets.
 ///
-/// The mean of [`Flight::emitted`] over many particles is the power of all lamps that can send particles; a lamp may send
+/// The mean of [`ParticlePath::emitted`] over many particles is the power of all lamps that can send particles; a lamp may send
 /// nothing where it is black, which counts as a particle without power (`None`). `sampler`: the numbers of this particle.
 /// `max_events`: surfaces at most at which it is scattered. In `Arrival`, `arrived` of one surface is `left` of the one before,
 /// so what is emitted, absorbed, escaped and given up adds up but for roundings.
@@ -75,7 +75,7 @@ pub fn send_particle(
     max_events: u32,
     counters: &mut Counters,
     mut visit: impl FnMut(&Arrival<'_>),
-) -> Option<Flight> {
+) -> Option<ParticlePath> {
     let wavelengths = Wavelengths::default();
     sampler.skip_to_dimension(EMISSION_DIMENSIONS);
     let (xi_direction, xi_place) = (sampler.next_2d(), sampler.next_2d());
@@ -83,13 +83,13 @@ pub fn send_particle(
     let start = scene.emit(id, xi_place, xi_direction)?;
     let emitted = start.power * (1.0 / probability) as f32;
     let threshold = ROULETTE_BELOW * emitted.max_component();
-    let mut flight = Flight { emitted, faded: Spectrum::BLACK, end: End::Absorbed, events: 0 };
+    let mut flight = ParticlePath { emitted, faded: Spectrum::BLACK, end: ParticleFate::Absorbed, events: 0 };
     let (mut ray, mut power) = (start.ray, emitted);
     let (mut way, mut interfaces) = (0.0, 0);
     loop {
         counters.closest += 1;
         let Some((at, place)) = scene.intersect_place(&ray, f64::INFINITY) else {
-            flight.end = End::Escaped { ray, power };
+            flight.end = ParticleFate::Escaped { ray, power };
             return Some(flight);
         };
         if flight.events == 0 {
@@ -105,7 +105,7 @@ pub fn send_particle(
             visit(&Arrival { at: &at, place, arrived: power, left: power });
             interfaces += 1;
             if interfaces > INTERFACE_LIMIT {
-                flight.end = End::GivenUp(power);
+                flight.end = ParticleFate::GivenUp(power);
                 return Some(flight);
             }
             ray = at.spawn(ray.direction);
@@ -113,7 +113,7 @@ pub fn send_particle(
         };
         interfaces = 0;
         if flight.events >= max_events {
-            flight.end = End::GivenUp(power);
+            flight.end = ParticleFate::GivenUp(power);
             return Some(flight);
         }
         sampler.skip_to_dimension(
@@ -131,7 +131,7 @@ pub fn send_particle(
     }
 }
 
-/// What goes on of `power`: all of it, or if that is below `threshold`, either that much of the same colour or nothing.
+/// Power that survives Russian roulette: all of `power`, or if that is below `threshold`, either that much of the same colour or nothing.
 fn survivor(power: Spectrum, threshold: f32, xi: f64) -> Spectrum {
     let brightest = power.max_component();
     if brightest >= threshold || !power.is_finite() {

@@ -1,16 +1,16 @@
-//! How far a film with passes is.
+//! Progress of a film with passes.
 
 use crate::guide::Training;
-use crate::settled::Blend;
+use crate::weighted_sums::PassWeights;
 
 /// The state of passes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Passes {
-    /// What the samples of passes that are over weigh, all together.
+    /// Total weight of the samples of finished passes.
     pub(crate) weight: f64,
     /// Their number per pixel.
     pub(crate) samples: u64,
-    /// What one sample of the last of them weighs; 0 before.
+    /// Weight of one sample of the last finished pass; 0 before.
     pub(crate) last: f64,
     /// The guide; `None` before the first sample and for integrators that do not learn.
     pub(crate) training: Option<Box<Training>>,
@@ -22,30 +22,30 @@ impl Passes {
         self.training.as_ref().map_or(u32::MAX, |training| training.pass(sample).end)
     }
 
-    /// Makes what the pass that is over learnt the guide of the next. `brightness`: mean of the picture.
+    /// Fits the guide of the next pass from the finished one. `brightness`: mean of the picture.
     pub(crate) fn teach(&mut self, brightness: f64) {
         if let Some(training) = &mut self.training {
             training.finish_pass(brightness);
         }
     }
 
-    /// Puts the pass that is over to those before: how, if its `precision` (one over the variance of a sample) is known. `total`: all
+    /// Merges the finished pass with those before by its `precision` (one over the variance of a sample), if known. `total`: all
     /// samples of a pixel.
-    pub(crate) fn settled(&mut self, total: u64, precision: Option<f64>) -> Option<Blend> {
+    pub(crate) fn settled(&mut self, total: u64, precision: Option<f64>) -> Option<PassWeights> {
         let weight = precision?.max(self.last);
         let count = total - self.samples;
-        let blend = Blend { count, weight, settled: self.weight };
+        let blend = PassWeights { count, weight, settled: self.weight };
         self.weight += weight * count as f64;
         self.samples = total;
         self.last = weight;
         Some(blend)
     }
 
-    /// How the samples of the pass under way count beside those of passes that are over. Without a `precision` of its own it
+    /// Weights of the samples of the current pass and of finished passes. Without a `precision` of its own it
     /// counts as the last.
-    pub(crate) fn blend(&self, total: u64, precision: Option<f64>) -> Blend {
+    pub(crate) fn blend(&self, total: u64, precision: Option<f64>) -> PassWeights {
         let borrowed = if self.last > 0.0 { self.last } else { 1.0 };
         let weight = precision.map_or(borrowed, |own| own.max(self.last));
-        Blend { count: total - self.samples, weight, settled: self.weight }
+        PassWeights { count: total - self.samples, weight, settled: self.weight }
     }
 }

@@ -1,12 +1,12 @@
-//! What is added up in one pixel.
+//! Sums of one pixel.
 
 use glanz_math::{DVec2, DVec3};
 
 use crate::aov::{Aov, AovSet};
-use crate::settled::{Blend, Settled};
+use crate::weighted_sums::{PassWeights, WeightedSums};
 use glanz_sampling::exact::{NarrowSum, SquareSum, WideSum, fits_wide};
 
-/// What a camera ray met first.
+/// First hit of a camera ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstHit {
     /// World position, metres.
@@ -32,9 +32,9 @@ pub struct Sample {
     pub index: u32,
     /// Linear Rec. 709 radiance.
     pub rgb: [f32; 3],
-    /// Whether it lies in a negative lobe of the filter and counts against the mean.
+    /// True if it lies in a negative lobe of the filter and is subtracted.
     pub negative: bool,
-    /// What the camera ray met.
+    /// First hit of the camera ray.
     pub first_hit: Option<FirstHit>,
 }
 
@@ -60,14 +60,14 @@ impl Rejects {
 pub struct PixelLayout {
     /// The extra channels.
     pub aovs: AovSet,
-    /// Whether samples may lie in negative lobes of the filter.
+    /// True if samples may lie in negative lobes of the filter.
     pub signed: bool,
-    /// Whether samples come in passes of different variance.
+    /// True if samples come in passes of different variance.
     pub passes: bool,
 }
 
 impl PixelLayout {
-    /// Whether the squares of samples are added up.
+    /// True if the squares of samples are summed.
     fn needs_squares(&self) -> bool {
         self.passes || self.aovs.contains(Aov::Variance)
     }
@@ -75,7 +75,7 @@ impl PixelLayout {
     /// Number of 64 bit words of one pixel.
     #[must_use]
     pub fn words(&self) -> usize {
-        let mut counter = Counter(0);
+        let mut counter = WordCounter(0);
         PixelSums::default().visit(self, &mut counter);
         counter.0
     }
@@ -96,45 +96,45 @@ pub struct PixelSums {
     normal: [NarrowSum; 3],
     shading_normal: [NarrowSum; 3],
     albedo: [NarrowSum; 3],
-    identity: Identity,
+    identity: ObjectIdSums,
     /// Radiance of passes that are over, which `radiance` and `squares` have no more.
-    settled: Settled,
+    settled: WeightedSums,
 }
 
 /// Sample number (high half) and shape (low half) of the lowest sample that hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Identity(u64);
+struct ObjectIdSums(u64);
 
-impl Default for Identity {
+impl Default for ObjectIdSums {
     fn default() -> Self {
         Self(u64::MAX)
     }
 }
 
 /// Something that walks over the words of a pixel in their order.
-trait Words {
+trait WordAccess {
     fn word(&mut self, word: &mut u64);
 }
 
-struct Counter(usize);
+struct WordCounter(usize);
 
-impl Words for Counter {
+impl WordAccess for WordCounter {
     fn word(&mut self, _: &mut u64) {
         self.0 += 1;
     }
 }
 
-struct Reader<'a>(std::slice::Iter<'a, u64>);
+struct WordReader<'a>(std::slice::Iter<'a, u64>);
 
-impl Words for Reader<'_> {
+impl WordAccess for WordReader<'_> {
     fn word(&mut self, word: &mut u64) {
         *word = self.0.next().copied().unwrap_or_default();
     }
 }
 
-struct Writer<'a>(std::slice::IterMut<'a, u64>);
+struct WordWriter<'a>(std::slice::IterMut<'a, u64>);
 
-impl Words for Writer<'_> {
+impl WordAccess for WordWriter<'_> {
     fn word(&mut self, word: &mut u64) {
         if let Some(slot) = self.0.next() {
             *slot = *word;
@@ -142,7 +142,7 @@ impl Words for Writer<'_> {
     }
 }
 
-fn visit_wide<const N: usize>(sums: &mut [WideSum; N], words: &mut impl Words) {
+fn visit_wide<const N: usize>(sums: &mut [WideSum; N], words: &mut impl WordAccess) {
     for sum in sums {
         let mut limbs = sum.to_words();
         limbs.iter_mut().for_each(|w| words.word(w));
@@ -150,7 +150,7 @@ fn visit_wide<const N: usize>(sums: &mut [WideSum; N], words: &mut impl Words) {
     }
 }
 
-fn visit_narrow(sums: &mut [NarrowSum; 3], words: &mut impl Words) {
+fn visit_narrow(sums: &mut [NarrowSum; 3], words: &mut impl WordAccess) {
     for sum in sums {
         let mut word = sum.to_word();
         words.word(&mut word);
@@ -160,7 +160,7 @@ fn visit_narrow(sums: &mut [NarrowSum; 3], words: &mut impl Words) {
 
 impl PixelSums {
     /// The one place that knows the order of the words; counting, reading and writing all come through here.
-    fn visit(&mut self, layout: &PixelLayout, words: &mut impl Words) {
+    fn visit(&mut self, layout: &PixelLayout, words: &mut impl WordAccess) {
         visit_wide(&mut self.radiance, words);
         if layout.signed {
             words.word(&mut self.negative_count);
@@ -210,13 +210,13 @@ impl PixelSums {
     #[must_use]
     pub fn read(layout: &PixelLayout, words: &[u64]) -> Self {
         let mut sums = Self::default();
-        sums.visit(layout, &mut Reader(words.iter()));
+        sums.visit(layout, &mut WordReader(words.iter()));
         sums
     }
 
-    /// Puts the sums into `words`, of which there are [`PixelLayout::words`].
+    /// Writes the sums to `words`, whose length is [`PixelLayout::words`].
     pub fn write(mut self, layout: &PixelLayout, words: &mut [u64]) {
-        self.visit(layout, &mut Writer(words.iter_mut()));
+        self.visit(layout, &mut WordWriter(words.iter_mut()));
     }
 
     /// Adds one sample to the sums of `layout`.
@@ -288,17 +288,17 @@ impl PixelSums {
     /// and Sobol points do better, so it is an upper bound in practice. Infinite for a single sample, which says nothing.
     #[must_use]
     pub fn radiance(&self, count: u64) -> [PixelValue; 3] {
-        self.blended(&Blend::plain(count))
+        self.blended(&PassWeights::plain(count))
     }
 
     /// As [`PixelSums::radiance`], together with the passes that are over.
-    pub(crate) fn blended(&self, blend: &Blend) -> [PixelValue; 3] {
+    pub(crate) fn blended(&self, blend: &PassWeights) -> [PixelValue; 3] {
         let (divisor, bands) = self.bands(blend.count);
         self.settled.with(divisor, &bands, blend)
     }
 
     /// Moves the radiance over to the passes that are over.
-    pub(crate) fn settle(&mut self, blend: &Blend) {
+    pub(crate) fn settle(&mut self, blend: &PassWeights) {
         let (divisor, bands) = self.bands(blend.count);
         self.settled.add(divisor, &bands, blend);
         (self.radiance, self.negative, self.squares) = Default::default();

@@ -52,7 +52,7 @@ impl PixelRect {
         u64::from(self.size[0]) * u64::from(self.size[1])
     }
 
-    /// Whether there are none.
+    /// True if the rectangle is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0

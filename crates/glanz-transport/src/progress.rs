@@ -1,4 +1,4 @@
-//! What a render reports while it runs, beyond what every job does.
+//! Reports of a running render beyond those of every job.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use glanz_job::{ProgressSink, Silent};
 use crate::film::Film;
 use crate::pixel::{PixelLayout, PixelSums};
 use crate::pixel_rect::PixelRect;
-use crate::settled::Blend;
+use crate::weighted_sums::PassWeights;
 
 /// A tile to which a pass has added its samples.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ impl FinishedTile<'_> {
     /// of a film with [passes](crate::FilmFormat::passes) this is the pass under way alone.
     #[must_use]
     pub fn radiance(&self) -> Vec<[f32; 3]> {
-        let blend = Blend::plain(self.samples);
+        let blend = PassWeights::plain(self.samples);
         let pixels = self.words.chunks_exact(self.layout.words());
         pixels
             .map(|words| PixelSums::read(&self.layout, words).blended(&blend).map(|v| v.mean as f32))

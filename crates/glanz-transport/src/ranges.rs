@@ -63,7 +63,7 @@ impl SampleRanges {
         self.0.iter().map(|r| u64::from(r.end - r.start)).sum()
     }
 
-    /// Whether the set has no samples.
+    /// True if the set has no samples.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()

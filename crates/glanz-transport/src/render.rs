@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::film::{Film, FilmError};
 use crate::filter::Filter;
-use crate::guide::{GridError, Records, Training};
+use crate::guide::{GridError, PathRecords, Training};
 use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Integrator};
 use crate::pixel::{PixelSums, Rejects, Sample};
 use crate::pixel_rect::PixelRect;
@@ -23,12 +23,12 @@ use glanz_sampling::exact::MAX_TERMS;
 /// Time that a pass over the picture should take: short enough to stop soon, long enough that threads do not wait.
 const PASS_SECONDS: f64 = 0.5;
 
-/// How to expose a film.
+/// Settings of a render.
 #[derive(Clone, Debug)]
 pub struct RenderSettings {
-    /// Where samples lie within and around a pixel.
+    /// The pixel filter.
     pub filter: Filter,
-    /// How samples are spread.
+    /// The sampler.
     pub sampler: SamplerKind,
     /// Seed of the samples.
     pub seed: u64,
@@ -47,7 +47,7 @@ pub struct RenderSettings {
 pub struct RenderOutcome {
     /// The film, whatever the reason for the end: every pixel has the same samples.
     pub film: Film,
-    /// Why it ended; by time if the limit would not hold another pass.
+    /// Reason for the end; the time limit counts as reached if another pass would not fit.
     pub end: JobEnd,
     /// Wall time of the loop.
     pub elapsed: Duration,
@@ -57,7 +57,7 @@ pub struct RenderOutcome {
     pub samples: u64,
 }
 
-/// Why nothing can be rendered.
+/// Errors of rendering.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
@@ -87,7 +87,7 @@ pub enum RenderError {
     Interrupted(#[from] Interrupted),
 }
 
-/// Takes the samples that `settings` asks for and `film` does not have.
+/// Renders the samples of `settings` that `film` does not have.
 ///
 /// Passes over all pixels follow one another; each takes one or more samples of every pixel, as many as fit in half a second
 /// or so. Sums are exact, so that the film depends on which samples it has, never on passes, threads, interruptions or
@@ -125,7 +125,7 @@ pub fn render(
     if film.format().splats {
         options = options.with_splats(&film.format().crop, &settings.filter);
     }
-    let exposure = Exposure { scene, integrator, settings, options };
+    let exposure = PassRenderer { scene, integrator, settings, options };
     let start = Instant::now();
     let mut clock = PassClock::new(settings.time_limit);
     let mut counters = Counters::default();
@@ -244,12 +244,12 @@ impl PassClock {
 
 /// Work of a pass or a part of it.
 #[derive(Clone, Copy, Debug, Default)]
-struct Work {
+struct PassWork {
     counters: Counters,
     rejects: Rejects,
 }
 
-impl Work {
+impl PassWork {
     fn merged(mut self, other: Self) -> Self {
         self.counters.merge(other.counters);
         self.rejects.merge(other.rejects);
@@ -259,8 +259,8 @@ impl Work {
 
 /// Memory that one sample after the other uses.
 #[derive(Default)]
-struct Memory {
-    records: Records,
+struct ThreadBuffers {
+    records: PathRecords,
     /// Those of the last sample.
     splats: Vec<Splat>,
     /// Those of earlier ones, on their way to the film.
@@ -268,19 +268,24 @@ struct Memory {
 }
 
 #[derive(Clone, Copy)]
-struct Exposure<'a> {
+struct PassRenderer<'a> {
     scene: &'a Scene,
     integrator: &'a dyn Integrator,
     settings: &'a RenderSettings,
     options: ContextOptions,
 }
 
-impl Exposure<'_> {
+impl PassRenderer<'_> {
     /// One pass: the samples of `range` for every pixel.
     ///
     /// # Errors
     /// [`Interrupted`] if `sink` abandons the film, which is useless then.
-    fn expose(&self, film: &mut Film, range: &Range<u32>, sink: &dyn TileSink) -> Result<Work, Interrupted> {
+    fn expose(
+        &self,
+        film: &mut Film,
+        range: &Range<u32>,
+        sink: &dyn TileSink,
+    ) -> Result<PassWork, Interrupted> {
         let layout = film.format().layout();
         let stride = layout.words();
         let samples = film.samples().total() + range.len() as u64;
@@ -291,8 +296,8 @@ impl Exposure<'_> {
             .into_par_iter()
             .with_max_len(1)
             .map(|(tile, words): (PixelRect, &mut [u64])| {
-                let mut work = Work::default();
-                let mut memory = Memory::default();
+                let mut work = PassWork::default();
+                let mut memory = ThreadBuffers::default();
                 for (pixel, words) in tile.pixels().zip(words.chunks_exact_mut(stride)) {
                     let mut sums = PixelSums::read(&layout, words);
                     for index in range.clone() {
@@ -310,11 +315,11 @@ impl Exposure<'_> {
                 Ok(work)
             })
             // Counts are integers: the order of this sum does not matter.
-            .try_reduce(Work::default, |a, b| Ok(a.merged(b)))
+            .try_reduce(PassWork::default, |a, b| Ok(a.merged(b)))
     }
 
-    /// Puts what the last sample splatted on its way to the film.
-    fn pass_on(&self, memory: &mut Memory, splats: &SplatRows<'_>, rejects: &mut Rejects) {
+    /// Adds the splats of the last sample to the film's buffer.
+    fn pass_on(&self, memory: &mut ThreadBuffers, splats: &SplatRows<'_>, rejects: &mut Rejects) {
         if !memory.splats.is_empty() {
             let wavelengths = Wavelengths::default();
             memory.buffer.take(&memory.splats, &self.settings.filter, &wavelengths, splats, rejects);
@@ -328,7 +333,7 @@ impl Exposure<'_> {
         pixel: [u32; 2],
         index: u32,
         training: Option<&Training>,
-        memory: &mut Memory,
+        memory: &mut ThreadBuffers,
         counters: &mut Counters,
     ) -> Sample {
         let settings = self.settings;

@@ -31,7 +31,7 @@ pub(crate) struct Splat {
 /// Which sums are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SplatLayout {
-    /// Whether squares are added up.
+    /// True if squares are summed for the variance.
     pub(crate) squares: bool,
 }
 
@@ -61,7 +61,7 @@ impl SplatSums {
         Self { light, squares }
     }
 
-    /// Puts the sums into `words`, as many as there are.
+    /// Writes the sums to `words`.
     pub(crate) fn write(self, words: &mut [u64]) {
         let light = self.light.into_iter().flat_map(WideSum::to_words);
         let squares = self.squares.into_iter().flat_map(SquareSum::to_words);
@@ -89,7 +89,7 @@ impl SplatSums {
         }
     }
 
-    /// What the paths bring to the pixel and its variance, per band, after `samples` of the film of `pixels` each.
+    /// Splatted radiance of the pixel and its variance, per band, after `samples` of the film of `pixels` each.
     ///
     /// With s samples of N pixels n = s N paths were sent, of which path i brought y_i (most of them nothing), and the pixel is Y = sum y_i / s.
     /// The y_i are independent and alike, so Var Y = n Var(y) / s^2, with (sum y_i^2 - (sum y_i)^2 / n) / (n - 1) for Var(y).
@@ -126,12 +126,12 @@ impl<'a> SplatRows<'a> {
 pub(crate) struct SplatBuffer {
     /// Row, column and light.
     splats: Vec<(u32, u32, [f32; 3])>,
-    /// Where those of the last path begin.
+    /// Index of the last path's first splat.
     path: usize,
 }
 
 impl SplatBuffer {
-    /// Takes the splats of one path, each to one of the pixels of `rows` around it, picked in proportion to the magnitude of the filter.
+    /// Adds the splats of one path, each to one pixel of `rows` around it, chosen in proportion to the filter's magnitude.
     pub(crate) fn take(
         &mut self,
         splats: &[Splat],
@@ -156,7 +156,7 @@ impl SplatBuffer {
         }
     }
 
-    /// Makes one of splats of the last path in the same pixel: they are not independent, and the variance asks for the square of their sum.
+    /// Merges splats of the last path in the same pixel: they are correlated, and the variance needs the square of their sum.
     fn join(&mut self) {
         let Some(own) = self.splats.get_mut(self.path..).filter(|own| own.len() > 1) else { return };
         own.sort_by_key(|&(y, x, _)| (y, x));

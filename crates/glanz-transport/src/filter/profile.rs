@@ -7,14 +7,14 @@
 #[derive(Clone, Debug)]
 pub(super) struct Profile {
     /// Ascending from 0 to 1; zeros of the interpolant are nodes, so that no segment changes sign.
-    nodes: Vec<Node>,
+    nodes: Vec<ProfileNode>,
     /// For equal shares of the magnitude: the first node above the lower end of each.
     guide: Vec<u32>,
     net_weight: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct ProfileNode {
     x: f64,
     /// Signed value; the magnitude has an integral of 1 over [0, 1].
     value: f64,
@@ -22,7 +22,7 @@ struct Node {
     below: f64,
 }
 
-/// Why a profile cannot be tabulated.
+/// Errors of tabulating a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ProfileError {
     /// It would need too many nodes.
@@ -45,7 +45,7 @@ impl Profile {
         }
         // Even, so that a break in the middle (Mitchell) is a node.
         let segments = (needed as usize).max(FEWEST_SEGMENTS).next_multiple_of(2);
-        let mut nodes: Vec<Node> = Vec::with_capacity(segments + 3);
+        let mut nodes: Vec<ProfileNode> = Vec::with_capacity(segments + 3);
         for i in 0..=segments {
             let x = i as f64 / segments as f64;
             let value = function(x);
@@ -85,7 +85,7 @@ impl Profile {
         a.value + (b.value - a.value) * ((x - a.x) / (b.x - a.x))
     }
 
-    /// Where the share `u` in [0, 1] of the magnitude lies below, and whether the function is negative there.
+    /// Inverse of the cumulative magnitude at `u` in [0, 1], and true if the function is negative there.
     pub(super) fn sample(&self, u: f64) -> (f64, bool) {
         // The guide leads to the node or a few before it (@chen1974).
         let share = ((u * self.guide.len() as f64) as usize).min(self.guide.len() - 1);
@@ -103,8 +103,8 @@ impl Profile {
     }
 }
 
-fn push(nodes: &mut Vec<Node>, x: f64, value: f64) {
+fn push(nodes: &mut Vec<ProfileNode>, x: f64, value: f64) {
     let below =
         nodes.last().map_or(0.0, |last| last.below + 0.5 * (last.value.abs() + value.abs()) * (x - last.x));
-    nodes.push(Node { x, value, below });
+    nodes.push(ProfileNode { x, value, below });
 }

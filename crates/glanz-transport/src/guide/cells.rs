@@ -11,7 +11,7 @@ const MAX_DEPTH: u32 = 40;
 
 /// An inner node or a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Node {
+pub(crate) enum GuideNode {
     /// Halved across an axis; the lower half is node `low`, the upper the next.
     Halved {
         /// 0, 1 or 2.
@@ -20,22 +20,22 @@ pub(crate) enum Node {
         low: u32,
     },
     /// Cell of this number.
-    Cell(u32),
+    GuideCell(u32),
 }
 
 /// The trees.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Cells {
+pub(crate) struct GuideCells {
     /// Corner of the bounds.
     pub(crate) min: DVec3,
     /// Sides of the bounds, above 0.
     pub(crate) size: DVec3,
     /// The first six are the roots; halves come after what they are halves of.
-    pub(crate) nodes: Vec<Node>,
+    pub(crate) nodes: Vec<GuideNode>,
     count: u32,
 }
 
-impl Cells {
+impl GuideCells {
     /// Six cells over `bounds`; where these are empty or have no extent, a box of 1 m around.
     pub(crate) fn new(bounds: &Bounds3) -> Self {
         let usable = !bounds.is_empty() && bounds.is_finite();
@@ -44,11 +44,11 @@ impl Cells {
         let longest = size.max_element();
         // Flat scenes: the thickness has to be a number to divide by. It need not be more.
         let size = if longest > 0.0 { size.max(DVec3::splat(longest * 1e-6)) } else { DVec3::ONE };
-        Self { min, size, nodes: (0..6).map(Node::Cell).collect(), count: 6 }
+        Self { min, size, nodes: (0..6).map(GuideNode::GuideCell).collect(), count: 6 }
     }
 
     /// The trees of such parts, if they are trees.
-    pub(crate) fn from_parts(min: DVec3, size: DVec3, nodes: Vec<Node>) -> Option<Self> {
+    pub(crate) fn from_parts(min: DVec3, size: DVec3, nodes: Vec<GuideNode>) -> Option<Self> {
         let sound = min.is_finite() && size.is_finite() && size.min_element() > 0.0 && nodes.len() >= 6;
         let mut cells = vec![false; nodes.len()];
         // Depth of each node that has a parent; roots have none and need none.
@@ -56,7 +56,7 @@ impl Cells {
         let mut count = 0;
         for (i, node) in nodes.iter().enumerate() {
             match *node {
-                Node::Halved { axis, low } => {
+                GuideNode::Halved { axis, low } => {
                     let depth = depths.get(i).copied().flatten()? + 1;
                     if axis > 2 || low as usize <= i || depth > MAX_DEPTH {
                         return None;
@@ -68,7 +68,7 @@ impl Cells {
                         }
                     }
                 }
-                Node::Cell(cell) => {
+                GuideNode::GuideCell(cell) => {
                     // Every number once.
                     let seen = cells.get_mut(cell as usize)?;
                     if std::mem::replace(seen, true) {
@@ -100,7 +100,7 @@ impl Cells {
         let mut node = facing(normal);
         loop {
             match self.nodes.get(node) {
-                Some(&Node::Halved { axis, low }) => {
+                Some(&GuideNode::Halved { axis, low }) => {
                     let side = &mut place[usize::from(axis.min(2))];
                     *side *= 2.0;
                     let is_high = *side >= 1.0;
@@ -109,21 +109,27 @@ impl Cells {
                     }
                     node = low as usize + usize::from(is_high);
                 }
-                Some(&Node::Cell(cell)) => return cell,
+                Some(&GuideNode::GuideCell(cell)) => return cell,
                 None => return 0,
             }
         }
     }
 
-    /// The same trees with some cells halved, halves of these halved again and so on.
+    /// The same trees with some cells split, recursively.
     ///
     /// `halvings`: how often to halve a cell. `copied`: called for each cell of the new trees in the order of their numbers with the
     /// number of the old one that it was or is a part of.
     pub(crate) fn halved(&self, halvings: &dyn Fn(u32) -> u32, copied: &mut dyn FnMut(u32)) -> Self {
-        let blank = Node::Cell(0);
+        let blank = GuideNode::GuideCell(0);
         let mut new = Self { min: self.min, size: self.size, nodes: vec![blank; 6], count: 0 };
         for root in 0..6 {
-            new.copy(root, self, Old { node: root, left: None, depth: 0, size: self.size }, halvings, copied);
+            new.copy(
+                root,
+                self,
+                SplitCell { node: root, left: None, depth: 0, size: self.size },
+                halvings,
+                copied,
+            );
         }
         new
     }
@@ -132,30 +138,30 @@ impl Cells {
         &mut self,
         at: usize,
         old: &Self,
-        place: Old,
+        place: SplitCell,
         halvings: &dyn Fn(u32) -> u32,
         copied: &mut dyn FnMut(u32),
     ) {
         let node = old.nodes.get(place.node).copied();
         let (axis, below) = match (node, place.left) {
-            (Some(Node::Halved { axis, low }), _) => (usize::from(axis.min(2)), Some(low as usize)),
-            (Some(Node::Cell(cell)), left) => {
+            (Some(GuideNode::Halved { axis, low }), _) => (usize::from(axis.min(2)), Some(low as usize)),
+            (Some(GuideNode::GuideCell(cell)), left) => {
                 let left = left.unwrap_or_else(|| halvings(cell));
                 if left == 0 || place.depth >= MAX_DEPTH {
                     if let Some(slot) = self.nodes.get_mut(at) {
-                        *slot = Node::Cell(self.count);
+                        *slot = GuideNode::GuideCell(self.count);
                     }
                     self.count += 1;
                     copied(cell);
                     return;
                 }
-                let half = Old { left: Some(left - 1), ..place };
+                let half = SplitCell { left: Some(left - 1), ..place };
                 return self.halve(at, old, [half, half], longest(place.size), halvings, copied);
             }
             (None, _) => return,
         };
         let low = below.unwrap_or(place.node);
-        let child = |i| Old { node: low + i, left: None, ..place };
+        let child = |i| SplitCell { node: low + i, left: None, ..place };
         self.halve(at, old, [child(0), child(1)], axis, halvings, copied);
     }
 
@@ -163,16 +169,16 @@ impl Cells {
         &mut self,
         at: usize,
         old: &Self,
-        halves: [Old; 2],
+        halves: [SplitCell; 2],
         axis: usize,
         halvings: &dyn Fn(u32) -> u32,
         copied: &mut dyn FnMut(u32),
     ) {
         let low = self.nodes.len();
         if let Some(slot) = self.nodes.get_mut(at) {
-            *slot = Node::Halved { axis: axis as u8, low: low as u32 };
+            *slot = GuideNode::Halved { axis: axis as u8, low: low as u32 };
         }
-        self.nodes.extend([Node::Cell(0); 2]);
+        self.nodes.extend([GuideNode::GuideCell(0); 2]);
         for (i, mut half) in halves.into_iter().enumerate() {
             half.depth += 1;
             half.size[axis] *= 0.5;
@@ -183,7 +189,7 @@ impl Cells {
 
 /// A node of the old trees on its way into the new ones.
 #[derive(Clone, Copy)]
-struct Old {
+struct SplitCell {
     node: usize,
     /// Halvings of this cell still to do; `None` if nobody has asked yet.
     left: Option<u32>,
@@ -213,7 +219,7 @@ mod tests {
 
     #[test]
     fn sides_of_a_wall_are_different_cells() {
-        let cells = Cells::new(&bounds());
+        let cells = GuideCells::new(&bounds());
         let found = |normal| cells.find(DVec3::new(0.0, 0.5, 3.0), normal);
         let mut all =
             [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, DVec3::new(0.6, 0.1, -0.79)].map(found);
@@ -225,8 +231,8 @@ mod tests {
     fn cells_are_halved_across_their_longest_side() {
         let mut origin = Vec::new();
         // Thrice the one that faces +y: across x (4 m), x again (2 m, as long as z) and z.
-        let halved =
-            Cells::new(&bounds()).halved(&|cell| if cell == 2 { 3 } else { 0 }, &mut |old| origin.push(old));
+        let halved = GuideCells::new(&bounds())
+            .halved(&|cell| if cell == 2 { 3 } else { 0 }, &mut |old| origin.push(old));
         assert_eq!((halved.count(), origin.len()), (13, 13));
         assert_eq!(origin.iter().filter(|&&old| old == 2).count(), 8);
         let find = |x, z| halved.find(DVec3::new(x, 0.5, z), DVec3::Y);
@@ -242,25 +248,28 @@ mod tests {
         // Halving once more keeps what was halved.
         let again = halved.halved(&|cell| u32::from(cell == find(-0.9, 2.1)), &mut |_| {});
         assert_eq!(again.count(), 14);
-        assert_eq!(Cells::from_parts(again.min, again.size, again.nodes.clone()), Some(again));
+        assert_eq!(GuideCells::from_parts(again.min, again.size, again.nodes.clone()), Some(again));
     }
 
     #[test]
     fn what_is_no_tree_is_refused() {
-        let good = Cells::new(&bounds());
+        let good = GuideCells::new(&bounds());
         let with = |at: usize, node| {
             let mut nodes = good.nodes.clone();
             nodes[at] = node;
-            Cells::from_parts(good.min, good.size, nodes)
+            GuideCells::from_parts(good.min, good.size, nodes)
         };
-        assert!(with(5, Node::Cell(5)).is_some());
-        for node in
-            [Node::Cell(4), Node::Cell(9), Node::Halved { axis: 0, low: 5 }, Node::Halved { axis: 3, low: 4 }]
-        {
+        assert!(with(5, GuideNode::GuideCell(5)).is_some());
+        for node in [
+            GuideNode::GuideCell(4),
+            GuideNode::GuideCell(9),
+            GuideNode::Halved { axis: 0, low: 5 },
+            GuideNode::Halved { axis: 3, low: 4 },
+        ] {
             assert_eq!(with(5, node), None);
         }
-        assert_eq!(with(0, Node::Halved { axis: 0, low: 0 }), None);
-        assert_eq!(Cells::from_parts(good.min, DVec3::ZERO, good.nodes.clone()), None);
+        assert_eq!(with(0, GuideNode::Halved { axis: 0, low: 0 }), None);
+        assert_eq!(GuideCells::from_parts(good.min, DVec3::ZERO, good.nodes.clone()), None);
     }
 
     #[test]
@@ -268,7 +277,7 @@ mod tests {
         for bounds in
             [Bounds3::EMPTY, Bounds3::new(DVec3::ONE, DVec3::ONE), Bounds3::new(DVec3::ZERO, DVec3::X)]
         {
-            assert!(Cells::new(&bounds).find(DVec3::new(1.0, -2.0, 1e300), DVec3::Z) == 4);
+            assert!(GuideCells::new(&bounds).find(DVec3::new(1.0, -2.0, 1e300), DVec3::Z) == 4);
         }
     }
 }

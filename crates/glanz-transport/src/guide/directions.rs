@@ -32,7 +32,7 @@ const WHOLE: u32 = u16::MAX as u32;
 /// halvings in both directions waits for memory once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(align(64))]
-pub(crate) struct Square {
+pub(crate) struct QuadtreeNode {
     /// Share of each part in units of 1 / [`WHOLE`] of the square; all 0 without light.
     pub(crate) share: [u16; 16],
     /// Index of each part's own square, counted from the root, larger than the index of this; [`NONE`] if it is a leaf.
@@ -41,7 +41,7 @@ pub(crate) struct Square {
 
 /// A direction drawn from a tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Draw {
+pub(crate) struct DirectionSample {
     /// Unit direction.
     pub(crate) direction: DVec3,
     /// Its density per steradian.
@@ -52,7 +52,7 @@ pub(crate) struct Draw {
 
 /// The trees of all cells, one after the other.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct DirectionTrees(pub(crate) Vec<Square>);
+pub(crate) struct DirectionTrees(pub(crate) Vec<QuadtreeNode>);
 
 impl DirectionTrees {
     /// Adds a tree of equal leaves without light; its root.
@@ -63,14 +63,14 @@ impl DirectionTrees {
     }
 
     /// Adds a tree, whose first element is the root; its root here.
-    pub(crate) fn push(&mut self, tree: &[Square]) -> u32 {
+    pub(crate) fn push(&mut self, tree: &[QuadtreeNode]) -> u32 {
         let root = self.0.len() as u32;
         self.0.extend(tree);
         root
     }
 
     /// A copy of a tree; its first element is the root.
-    pub(crate) fn tree(&self, root: u32) -> Vec<Square> {
+    pub(crate) fn tree(&self, root: u32) -> Vec<QuadtreeNode> {
         // Children come after their parents, and after those of earlier parts.
         let (mut tree, mut end) = (Vec::new(), 0);
         while let Some(square) = self.0.get(root as usize + tree.len()).filter(|_| tree.len() <= end) {
@@ -80,7 +80,7 @@ impl DirectionTrees {
         tree
     }
 
-    /// Whether the tree holds any light.
+    /// True if the tree holds any light.
     pub(crate) fn is_lit(&self, root: u32) -> bool {
         self.0.get(root as usize).is_some_and(|square| square.share != [0; 16])
     }
@@ -90,11 +90,11 @@ impl DirectionTrees {
     /// Every step uses both sides of `xi` and stretches what is left of them, so that well spread numbers give well spread
     /// directions.
     #[inline]
-    pub(crate) fn sample(&self, root: u32, mut xi: DVec2) -> Option<Draw> {
+    pub(crate) fn sample(&self, root: u32, mut xi: DVec2) -> Option<DirectionSample> {
         let (mut node, mut pdf) = (root, 1.0 / (4.0 * PI));
         let (mut corner, mut side) = (DVec2::ZERO, 1.0);
         loop {
-            let Square { share, child } = self.0.get(node as usize)?;
+            let QuadtreeNode { share, child } = self.0.get(node as usize)?;
             let (columns, _) = share.as_chunks::<4>();
             let sums: [u32; 4] =
                 std::array::from_fn(|i| columns[i].iter().map(|&part| u32::from(part)).sum());
@@ -107,7 +107,7 @@ impl DirectionTrees {
             corner += side * DVec2::new(column as f64, row as f64);
             if child[part] == NONE {
                 let leaf = 16 * node + part as u32;
-                return Some(Draw { direction: to_sphere(corner + side * xi), pdf, leaf });
+                return Some(DirectionSample { direction: to_sphere(corner + side * xi), pdf, leaf });
             }
             node = root + u32::from(child[part]);
         }
@@ -118,7 +118,7 @@ impl DirectionTrees {
     pub(crate) fn pdf(&self, root: u32, direction: DVec3) -> (f64, u32) {
         let (mut node, mut pdf, mut place) = (root, 1.0 / (4.0 * PI), to_square(direction));
         loop {
-            let Some(Square { share, child }) = self.0.get(node as usize) else { return (0.0, 0) };
+            let Some(QuadtreeNode { share, child }) = self.0.get(node as usize) else { return (0.0, 0) };
             place *= 4.0;
             let (column, row) = (place.x as usize & 3, place.y as usize & 3);
             place -= DVec2::new(column as f64, row as f64);
@@ -139,44 +139,50 @@ impl DirectionTrees {
         &self,
         root: u32,
         effective: f64,
-        weight: &dyn Fn(Leaf) -> f64,
-    ) -> Option<Vec<Square>> {
-        let whole = Part::whole(root);
+        weight: &dyn Fn(QuadtreeLeaf) -> f64,
+    ) -> Option<Vec<QuadtreeNode>> {
+        let whole = QuadtreeChild::whole(root);
         let weights = self.gather(root, whole, weight);
         let all: f64 = weights.iter().sum();
         if !(all > 0.0 && all.is_finite()) {
             return None;
         }
-        let mut refinement = Refinement { old: self, root, weight, all, effective, tree: Vec::new() };
+        let mut refinement = TreeRefinement { old: self, root, weight, all, effective, tree: Vec::new() };
         refinement.divide(Some(whole), weights, 1);
         Some(refinement.tree)
     }
 
     /// Weight of the whole tree.
-    pub(crate) fn total(&self, root: u32, weight: &dyn Fn(Leaf) -> f64) -> f64 {
-        self.gather(root, Part::whole(root), weight).iter().sum()
+    pub(crate) fn total(&self, root: u32, weight: &dyn Fn(QuadtreeLeaf) -> f64) -> f64 {
+        self.gather(root, QuadtreeChild::whole(root), weight).iter().sum()
     }
 
     /// Weights of the parts of a square, all leaves below them added up.
-    fn gather(&self, root: u32, of: Part, weight: &dyn Fn(Leaf) -> f64) -> [f64; 16] {
+    fn gather(&self, root: u32, of: QuadtreeChild, weight: &dyn Fn(QuadtreeLeaf) -> f64) -> [f64; 16] {
         std::array::from_fn(|i| match self.part(root, of, i) {
-            (share, None) => weight(Leaf { number: 16 * of.node + i as u32, share, area: of.area / 16.0 }),
+            (share, None) => {
+                weight(QuadtreeLeaf { number: 16 * of.node + i as u32, share, area: of.area / 16.0 })
+            }
             (_, Some(below)) => self.gather(root, below, weight).iter().sum(),
         })
     }
 
     /// Share of a part in the tree, and its own square if it has one.
-    fn part(&self, root: u32, of: Part, i: usize) -> (f64, Option<Part>) {
+    fn part(&self, root: u32, of: QuadtreeChild, i: usize) -> (f64, Option<QuadtreeChild>) {
         let Some(square) = self.0.get(of.node as usize) else { return (0.0, None) };
         let share = of.share * f64::from(square.share[i]) / f64::from(WHOLE);
         let child = square.child[i];
         (
             share,
-            (child != NONE).then_some(Part { node: root + u32::from(child), share, area: of.area / 16.0 }),
+            (child != NONE).then_some(QuadtreeChild {
+                node: root + u32::from(child),
+                share,
+                area: of.area / 16.0,
+            }),
         )
     }
 
-    /// Whether there is a tree at each of these roots: no square below two others, none too deep, none left over; and whether
+    /// True if there is a tree at each of these roots: no node with two parents, none too deep, none unreachable; and whether
     /// shares are shares.
     pub(crate) fn is_valid(&self, roots: impl Iterator<Item = u32>) -> bool {
         let mut levels: Vec<Option<(u32, u32)>> = vec![None; self.0.len()];
@@ -207,7 +213,7 @@ impl DirectionTrees {
 
 /// A leaf of a tree.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Leaf {
+pub(crate) struct QuadtreeLeaf {
     /// Its number among those of all trees.
     pub(crate) number: u32,
     /// Its share in the tree.
@@ -218,35 +224,35 @@ pub(crate) struct Leaf {
 
 /// A square of a tree.
 #[derive(Clone, Copy)]
-struct Part {
+struct QuadtreeChild {
     node: u32,
     /// Its shares in the tree and in the sphere.
     share: f64,
     area: f64,
 }
 
-impl Part {
+impl QuadtreeChild {
     fn whole(root: u32) -> Self {
         Self { node: root, share: 1.0, area: 1.0 }
     }
 }
 
 /// A tree under construction.
-struct Refinement<'a> {
+struct TreeRefinement<'a> {
     old: &'a DirectionTrees,
     root: u32,
-    weight: &'a dyn Fn(Leaf) -> f64,
+    weight: &'a dyn Fn(QuadtreeLeaf) -> f64,
     all: f64,
     effective: f64,
-    tree: Vec<Square>,
+    tree: Vec<QuadtreeNode>,
 }
 
-impl Refinement<'_> {
+impl TreeRefinement<'_> {
     /// Adds the square with these weights of its parts, and what is below it; its index. `old`: the same square in the old tree.
-    fn divide(&mut self, old: Option<Part>, weights: [f64; 16], level: u32) -> u16 {
+    fn divide(&mut self, old: Option<QuadtreeChild>, weights: [f64; 16], level: u32) -> u16 {
         let weights = self.evened(weights);
         let index = self.tree.len();
-        self.tree.push(Square { share: shares(weights), child: [NONE; 16] });
+        self.tree.push(QuadtreeNode { share: shares(weights), child: [NONE; 16] });
         for (i, inside) in weights.into_iter().enumerate() {
             // No more than 1 / SPLIT_SHARE squares on each level: the numbers of all fit.
             if level >= MAX_LEVELS || inside <= SPLIT_SHARE * self.all {
@@ -290,9 +296,9 @@ fn shares(weights: [f64; 16]) -> [u16; 16] {
 }
 
 /// Adds a square without light, of so many levels, and what is below it; its index.
-fn blank(tree: &mut Vec<Square>, levels: u32) -> u16 {
+fn blank(tree: &mut Vec<QuadtreeNode>, levels: u32) -> u16 {
     let index = tree.len();
-    tree.push(Square::default());
+    tree.push(QuadtreeNode::default());
     if levels > 1 {
         let child = std::array::from_fn(|_| blank(tree, levels - 1));
         if let Some(square) = tree.get_mut(index) {

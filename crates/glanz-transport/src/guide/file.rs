@@ -22,13 +22,13 @@
 
 use glanz_math::DVec3;
 
-use super::cells::{Cells, Node};
-use super::directions::{DirectionTrees, Square};
+use super::cells::{GuideCells, GuideNode};
+use super::directions::{DirectionTrees, QuadtreeNode};
 use super::grid::{decode_grid, decode_sums, encode_grid, encode_sums};
-use super::lamps::Lamps;
-use super::mixture::{SHARES, Share};
-use super::training::Sums;
-use super::tree::{Cell, TreeGuide};
+use super::light_groups::LightGroups;
+use super::mixture::{MixtureWeight, SHARES};
+use super::training::PassSums;
+use super::tree::{GuideCell, TreeGuide};
 use super::{Guide, Training};
 use crate::codec::{Decoder, Encoder, EnvelopeError, open, seal};
 
@@ -39,10 +39,10 @@ const VERSION: u32 = 2;
 const TREE: u8 = 0;
 const GRID: u8 = 1;
 
-/// What stands for an axis where there is a cell.
+/// Code of a cell in place of an axis.
 const CELL: u8 = 3;
 
-/// Why bytes are not a guide.
+/// Errors of reading a guide.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GuideFileError {
@@ -117,8 +117,8 @@ fn encode_tree(e: &mut Encoder, tree: &TreeGuide) {
     e.u32(cells.nodes.len() as u32);
     for node in &cells.nodes {
         let (tag, number) = match *node {
-            Node::Halved { axis, low } => (axis, low),
-            Node::Cell(cell) => (CELL, cell),
+            GuideNode::Halved { axis, low } => (axis, low),
+            GuideNode::GuideCell(cell) => (CELL, cell),
         };
         e.u8(tag);
         e.u32(number);
@@ -143,28 +143,32 @@ fn decode_tree(d: &mut Decoder<'_>) -> Option<TreeGuide> {
     let mut nodes = Vec::new();
     for _ in 0..d.u32()? {
         let (tag, number) = (d.u8()?, d.u32()?);
-        nodes.push(if tag == CELL { Node::Cell(number) } else { Node::Halved { axis: tag, low: number } });
+        nodes.push(if tag == CELL {
+            GuideNode::GuideCell(number)
+        } else {
+            GuideNode::Halved { axis: tag, low: number }
+        });
     }
-    let cells = Cells::from_parts(min, size, nodes)?;
+    let cells = GuideCells::from_parts(min, size, nodes)?;
     let mut known = Vec::new();
     for _ in 0..cells.count() {
-        let (root, share) = (d.u32()?, Share(d.u8()?));
-        let mut lamps = Lamps::UNKNOWN;
+        let (root, share) = (d.u32()?, MixtureWeight(d.u8()?));
+        let mut lamps = LightGroups::UNKNOWN;
         for slot in &mut lamps.shares {
             *slot = f32::from_bits(d.u32()?);
         }
-        known.push(Cell { root, share, lamps, effective: d.f64()?, flux: d.f64()? });
+        known.push(GuideCell { root, share, lamps, effective: d.f64()?, flux: d.f64()? });
     }
     let mut trees = Vec::new();
     for _ in 0..d.u32()? {
-        let mut square = Square::default();
+        let mut square = QuadtreeNode::default();
         for slot in square.share.iter_mut().chain(&mut square.child) {
             *slot = d.u16()?;
         }
         trees.push(square);
     }
     let trees = DirectionTrees(trees);
-    let sound = |cell: &Cell| {
+    let sound = |cell: &GuideCell| {
         (cell.root as usize) < trees.0.len()
             && usize::from(cell.share.0) < SHARES
             && (cell.share.0 == 0 || trees.is_lit(cell.root))
@@ -187,12 +191,12 @@ pub(crate) fn encode_training(e: &mut Encoder, training: &Training) {
     encode_guide(e, &training.guide);
     e.f64(training.typical.unwrap_or_default());
     match &training.sums {
-        Sums::Tree(lessons) => lessons.to_words().into_iter().for_each(|word| e.u64(word)),
-        Sums::Grid(sums) => encode_sums(e, sums),
+        PassSums::Tree(lessons) => lessons.to_words().into_iter().for_each(|word| e.u64(word)),
+        PassSums::Grid(sums) => encode_sums(e, sums),
     }
 }
 
-/// What [`encode_training`] wrote; `None` if it did not.
+/// Reads what [`encode_training`] wrote; `None` if malformed.
 pub(crate) fn decode_training(d: &mut Decoder<'_>) -> Option<Training> {
     let guide = decode_guide(d)?;
     let typical = d.f64()?;
@@ -207,9 +211,9 @@ pub(crate) fn decode_training(d: &mut Decoder<'_>) -> Option<Training> {
             let (words, _) = d.take(words.checked_mul(8)?)?.as_chunks::<8>();
             let mut lessons = tree.lessons();
             lessons.set_words(words.iter().map(|word| u64::from_le_bytes(*word)));
-            Sums::Tree(lessons)
+            PassSums::Tree(lessons)
         }
-        Guide::Grid(grid) => Sums::Grid(decode_sums(d, grid)?),
+        Guide::Grid(grid) => PassSums::Grid(decode_sums(d, grid)?),
     };
     Some(Training { guide, sums, typical })
 }
@@ -222,7 +226,7 @@ mod tests {
 
     use super::*;
     use crate::codec::{CRC_LENGTH, PREFIX_LENGTH, resealed};
-    use crate::guide::{Record, Records};
+    use crate::guide::{DirectionRecord, PathRecords};
 
     /// A guide that has learnt twice of light around one direction, and begun to learn again.
     fn example() -> Training {
@@ -241,7 +245,7 @@ mod tests {
                 let direction = DVec3::new(0.3 * xi.y, 0.1 * xi.x, 1.0).normalize();
                 let (guide_pdf, leaf) = tree.pdf(&place, direction);
                 let beyond = Spectrum::splat(0.5);
-                let record = Record {
+                let record = DirectionRecord {
                     cell: place.cell,
                     leaf,
                     cosine: direction.z,
@@ -253,7 +257,7 @@ mod tests {
                     beyond,
                     next: None,
                 };
-                let mut records = Records::default();
+                let mut records = PathRecords::default();
                 records.push(record);
                 training.learn(&records, Spectrum::splat(1.0), &Wavelengths::default());
             }

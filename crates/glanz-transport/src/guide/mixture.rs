@@ -1,4 +1,4 @@
-//! How often the guide draws, and how often the BSDF.
+//! Mixture weights of guide and BSDF.
 //!
 //! Directions have the density a g + (1 - a) b, g that of the guide and b that of the BSDF. Each record tells what the second
 //! moment of the estimator would be under every `a` of a grid: the sum of F^2 / (p p_a), where p is the density that drew and p_a
@@ -24,9 +24,9 @@ const UNSEEN: f64 = 4.0;
 
 /// Number of a share of [`SHARES`]; the share is an eighth of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Share(pub(crate) u8);
+pub(crate) struct MixtureWeight(pub(crate) u8);
 
-impl Share {
+impl MixtureWeight {
     /// Guide and BSDF alike: what a guide begins with that has proved nothing yet.
     pub(crate) const HALF: Self = Self(4);
 
@@ -72,7 +72,7 @@ mod tests {
     /// `guide` (also per cell) or uniformly: sum of f^2 / p_a over the cells, exactly.
     fn moments(f: [f64; 4], guide: [f64; 4]) -> [u64; SHARES] {
         std::array::from_fn(|i| {
-            let a = Share(i as u8).probability();
+            let a = MixtureWeight(i as u8).probability();
             let sum: f64 = f.iter().zip(guide).map(|(f, g)| f * f / density(a, g, 1.0) / 4.0).sum();
             (sum * 1_048_576.0) as u64
         })
@@ -80,14 +80,20 @@ mod tests {
 
     #[test]
     fn guide_that_knows_where_the_light_is_gets_the_largest_share() {
-        assert_eq!(Share(0).better(1e6, &moments([0.0, 0.0, 8.0, 0.1], [0.0, 0.0, 3.9, 0.1])), Share(7));
+        assert_eq!(
+            MixtureWeight(0).better(1e6, &moments([0.0, 0.0, 8.0, 0.1], [0.0, 0.0, 3.9, 0.1])),
+            MixtureWeight(7)
+        );
     }
 
     #[test]
     fn guide_that_errs_or_gains_little_is_off() {
-        assert_eq!(Share::HALF.better(1e6, &moments([1.0, 1.0, 5.0, 1.0], [4.0, 0.0, 0.0, 0.0])), Share(0));
+        assert_eq!(
+            MixtureWeight::HALF.better(1e6, &moments([1.0, 1.0, 5.0, 1.0], [4.0, 0.0, 0.0, 0.0])),
+            MixtureWeight(0)
+        );
         // Constant light: even the perfect guide, g = 1, gains nothing.
-        assert_eq!(Share::HALF.better(1e6, &moments([2.0; 4], [1.0; 4])), Share(0));
+        assert_eq!(MixtureWeight::HALF.better(1e6, &moments([2.0; 4], [1.0; 4])), MixtureWeight(0));
     }
 
     #[test]
@@ -95,17 +101,23 @@ mod tests {
         // f is 1, 1, 0, 0 and g is 4, 0, 0, 0: the moment (1 / (1 + 3 a) + 1 / (1 - a)) / 4 is least where
         // 3 (1 - a)^2 = (1 + 3 a)^2, at a = (sqrt(3) - 1) / (sqrt(3) + 3) = 0.155, and nearest of the grid to 1/8. There it is
         // 0.4675 instead of 0.5: not worth it. With light 3 : 1 it is (9 / (1 + 3 a) + 1 / (1 - a)) / 4, least at a = 0.512.
-        assert_eq!(Share::HALF.better(1e6, &moments([1.0, 1.0, 0.0, 0.0], [4.0, 0.0, 0.0, 0.0])), Share(0));
         assert_eq!(
-            Share::HALF.better(1e6, &moments([3.0, 1.0, 0.0, 0.0], [4.0, 0.0, 0.0, 0.0])),
-            Share::HALF
+            MixtureWeight::HALF.better(1e6, &moments([1.0, 1.0, 0.0, 0.0], [4.0, 0.0, 0.0, 0.0])),
+            MixtureWeight(0)
         );
-        assert_eq!(Share(0).better(1e6, &moments([3.0, 1.0, 0.0, 0.0], [4.0, 0.0, 0.0, 0.0])), Share::HALF);
+        assert_eq!(
+            MixtureWeight::HALF.better(1e6, &moments([3.0, 1.0, 0.0, 0.0], [4.0, 0.0, 0.0, 0.0])),
+            MixtureWeight::HALF
+        );
+        assert_eq!(
+            MixtureWeight(0).better(1e6, &moments([3.0, 1.0, 0.0, 0.0], [4.0, 0.0, 0.0, 0.0])),
+            MixtureWeight::HALF
+        );
     }
 
     #[test]
     fn few_records_and_darkness_change_nothing() {
-        assert_eq!(Share(3).better(10.0, &[9, 8, 7, 6, 5, 4, 3, 2]), Share(3));
-        assert_eq!(Share(3).better(1e6, &[0; SHARES]), Share(3));
+        assert_eq!(MixtureWeight(3).better(10.0, &[9, 8, 7, 6, 5, 4, 3, 2]), MixtureWeight(3));
+        assert_eq!(MixtureWeight(3).better(1e6, &[0; SHARES]), MixtureWeight(3));
     }
 }

@@ -1,4 +1,4 @@
-//! What is known about where light comes from, and how it is learnt.
+//! Path guiding: densities of incident light and their training.
 //!
 //! A [`Guide`] answers for a place and a direction: how dense shall directions be there? It is learnt in passes: pass after pass
 //! takes twice as many samples of each pixel, guided by what the pass before found. During a pass the guide is fixed and
@@ -28,12 +28,12 @@ mod cells;
 mod directions;
 mod file;
 mod grid;
-mod lamps;
-mod lessons;
+mod light_groups;
 mod mixture;
 mod record;
 pub(crate) mod survival;
 mod training;
+mod training_sums;
 mod tree;
 
 pub use file::GuideFileError;
@@ -42,10 +42,10 @@ pub use training::Training;
 pub use tree::TreeGuide;
 
 pub(crate) use file::{decode_training, encode_training};
-pub(crate) use grid::{GridDraw, GridPlace, GridRecord};
+pub(crate) use grid::{GridRecord, GridSample, GridVertex};
 pub(crate) use mixture::density;
-pub(crate) use record::{LampRecord, Record, Records};
-pub(crate) use tree::Place;
+pub(crate) use record::{DirectionRecord, LightGroupRecord, PathRecords};
+pub(crate) use tree::GuidedVertex;
 
 /// Knows where light comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +57,7 @@ pub enum Guide {
     Grid(GridGuide),
 }
 
-/// How large a guide is.
+/// Size of a guide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GuideSize {
     /// Parts of space that learn apart.
@@ -82,7 +82,7 @@ impl Guide {
         })
     }
 
-    /// What it was told.
+    /// Its settings.
     #[must_use]
     pub fn settings(&self) -> GuideSettings {
         match self {
@@ -91,7 +91,7 @@ impl Guide {
         }
     }
 
-    /// How large it is.
+    /// Its size.
     #[must_use]
     pub fn size(&self) -> GuideSize {
         match self {

@@ -1,17 +1,17 @@
-//! What a path remembers of a vertex until it knows how much light came.
+//! Records of a path's vertices until their incident light is known.
 
 use glanz_light::{Spectrum, Wavelengths};
 
-/// What a path remembers of all its vertices.
+/// Records of all vertices of a path.
 #[derive(Debug, Default)]
-pub(crate) struct Records {
-    pub(crate) directions: Vec<Record>,
-    pub(crate) lamps: Vec<LampRecord>,
-    /// Whether the last of the directions leads to the vertex where the path is.
+pub(crate) struct PathRecords {
+    pub(crate) directions: Vec<DirectionRecord>,
+    pub(crate) lamps: Vec<LightGroupRecord>,
+    /// True if the last direction leads to the current vertex.
     leads_here: bool,
 }
 
-impl Records {
+impl PathRecords {
     /// Forgets all.
     pub(crate) fn clear(&mut self) {
         self.directions.clear();
@@ -20,17 +20,17 @@ impl Records {
     }
 
     /// Notes the direction in which the path goes on.
-    pub(crate) fn push(&mut self, record: Record) {
+    pub(crate) fn push(&mut self, record: DirectionRecord) {
         self.directions.push(record);
         self.leads_here = true;
     }
 
-    /// What is known of the vertex where the path is before it goes on: the luminance to `expect` from there beyond what the path finds at the
+    /// Sets the data of the current vertex before the path continues: the luminance to `expect` from there beyond what the path finds at the
     /// vertex itself, if that is known. To be called once at each vertex.
     pub(crate) fn expect(&mut self, expect: Option<f64>) {
         let leads_here = std::mem::take(&mut self.leads_here);
         if let Some(record) = self.directions.last_mut().filter(|_| leads_here) {
-            record.next = expect.map(|beyond| Next { light: None, beyond });
+            record.next = expect.map(|beyond| NextVertex { light: None, beyond });
         }
     }
 
@@ -44,7 +44,7 @@ impl Records {
 
 /// A lamp sampled at a vertex.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LampRecord {
+pub(crate) struct LightGroupRecord {
     /// The cell of the vertex.
     pub(crate) cell: u32,
     /// The group of the lamp.
@@ -57,7 +57,7 @@ pub(crate) struct LampRecord {
 
 /// A direction taken at a vertex.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Record {
+pub(crate) struct DirectionRecord {
     /// The cell of the vertex.
     pub(crate) cell: u32,
     /// The leaf of the direction.
@@ -73,33 +73,33 @@ pub(crate) struct Record {
     /// Throughput up to the vertex, and beyond it.
     pub(crate) throughput: Spectrum,
     pub(crate) beyond: Spectrum,
-    /// What is known of the vertex to which the direction leads; `None` if nothing.
-    pub(crate) next: Option<Next>,
+    /// Data of the vertex to which the direction leads; `None` if unknown.
+    pub(crate) next: Option<NextVertex>,
 }
 
-/// What is known of the next vertex.
+/// Data of the next vertex.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Next {
+pub(crate) struct NextVertex {
     /// Light that the path had found when it went on from there; `None` if it ended.
     light: Option<Spectrum>,
     /// Luminance that is expected from there besides.
     beyond: f64,
 }
 
-impl Record {
+impl DirectionRecord {
     /// The luminance that arrived along the direction, and that which went on to the viewer over the density of the direction;
     /// `all`: the light of the whole path.
     ///
     /// Where something is known of the next vertex, only what was found there counts, and what is expected from beyond instead of what this one
     /// path brought from there: the expectation rests on many paths, and so the guide learns from fewer (@dahm2017).
     ///
-    /// What scatters no red says nothing of the red that arrives: it counts as none.
+    /// A surface that scatters no red gives no information on incident red: it counts as none.
     pub(crate) fn found(&self, all: Spectrum, wavelengths: &Wavelengths) -> (f64, f64) {
         let over = |light: Spectrum, throughput: Spectrum| {
             let ratio = light.zip(throughput, |l, t| if t > 0.0 { l / t } else { 0.0 });
             f64::from(ratio.luminance(wavelengths))
         };
-        let Some(Next { light, beyond }) = self.next else {
+        let Some(NextVertex { light, beyond }) = self.next else {
             let found = all - self.light;
             return (over(found, self.beyond), over(found, self.throughput));
         };
@@ -113,9 +113,9 @@ mod tests {
     use super::*;
 
     /// Light 1 was found before; half of what comes counts at the vertex, an eighth beyond it.
-    fn record() -> Record {
+    fn record() -> DirectionRecord {
         let rgb = Spectrum::from_rgb;
-        Record {
+        DirectionRecord {
             cell: 0,
             leaf: 0,
             cosine: 0.5,
@@ -137,7 +137,7 @@ mod tests {
         let record = record();
         let (arrived, went_on) = record.found(rgb([1.75; 3]), &wavelengths);
         assert!((arrived - 6.0).abs() < 1e-5 && (went_on - 1.5).abs() < 1e-6, "{arrived} {went_on}");
-        let green = Record { beyond: rgb([0.0, 0.125, 0.0]), ..record };
+        let green = DirectionRecord { beyond: rgb([0.0, 0.125, 0.0]), ..record };
         let (arrived, _) = green.found(rgb([1.0, 1.75, 1.0]), &wavelengths);
         assert!((arrived - 6.0 * 0.715_169).abs() < 1e-5, "{arrived}");
     }
@@ -146,8 +146,8 @@ mod tests {
     fn what_is_expected_replaces_what_one_path_found_beyond_the_next_vertex() {
         let rgb = Spectrum::from_rgb;
         let record = record();
-        let found = |steps: &dyn Fn(&mut Records)| {
-            let mut records = Records::default();
+        let found = |steps: &dyn Fn(&mut PathRecords)| {
+            let mut records = PathRecords::default();
             records.expect(Some(7.0));
             records.push(record);
             steps(&mut records);
@@ -155,7 +155,7 @@ mod tests {
         };
         let close = |(a, b): (f64, f64), (c, d): (f64, f64)| (a - c).abs() < 1e-5 && (b - d).abs() < 1e-5;
         // 0.25 was found at the next vertex: radiance 2 from there, and 3 expected.
-        let at_next = |records: &mut Records| {
+        let at_next = |records: &mut PathRecords| {
             records.expect(Some(3.0));
             records.leave(rgb([1.25; 3]));
             // Vertices after that one say nothing more of it.
@@ -166,7 +166,7 @@ mod tests {
         // A path that ended there had found all it has.
         assert!(close(found(&|records| records.expect(Some(3.0))), (9.0, 2.25)));
         // Nothing is known of the vertex, or it was the sky: what the path found.
-        let unknown = |records: &mut Records| {
+        let unknown = |records: &mut PathRecords| {
             records.expect(None);
             records.leave(rgb([1.25; 3]));
         };

@@ -1,10 +1,10 @@
-//! Whether a path is worth going on with.
+//! Russian roulette by the expected contribution of a path.
 //!
 //! A path shall end where what it can still bring is small beside what it is expected to bring as a whole, not where its throughput is small: the
 //! guide knows how much light comes from where (@vorba2016). What is brought counts beside the mean of the path's own expectation and that
 //! of the whole picture: an error of a dark pixel weighs as much as the same of a bright one, but is seen more.
 
-/// How much longer paths live than in proportion to what they bring: the way from the camera to here has cost something too.
+/// Factor by which paths live longer than in proportion to their contribution: the path so far has a cost, too.
 const EAGERNESS: f64 = 3.0;
 
 /// Least probability to go on: what is known may be wrong, and the light of survivors is divided by it.
@@ -13,7 +13,7 @@ const LEAST: f64 = 0.2;
 /// Share of the light that is believed to come from where the BSDF looks, whatever the guide says.
 const DOUBT: f64 = 0.3;
 
-/// What a path is expected to bring, from what is known at its first vertex and the mean of the picture.
+/// Expected contribution of a path, from its first vertex and the mean of the picture.
 pub(crate) fn expected(own: f64, brightness: f64) -> f64 {
     0.5 * (own + brightness)
 }

@@ -8,8 +8,8 @@ use glanz_scene::description::PassLengths;
 
 use super::Guide;
 use super::grid::{GridRecord, GridSums};
-use super::lessons::Lessons;
-use super::record::Records;
+use super::record::PathRecords;
+use super::training_sums::TrainingSums;
 
 /// The pass that a sample of a pixel belongs to, if passes double: 0; 1 to 3; 4 to 7; 8 to 15; and so on.
 ///
@@ -26,7 +26,7 @@ fn doubled(sample: u32) -> Range<u32> {
     }
 }
 
-/// The same, if passes have these lengths. Here too the first tells the brightness; after the last comes one without end.
+/// The same for passes of these lengths. The first measures the brightness here, too; after the last comes one without end.
 fn listed(sample: u32, lengths: &PassLengths) -> Range<u32> {
     let mut start = 0;
     for length in std::iter::once(1).chain(lengths.iter()) {
@@ -40,8 +40,8 @@ fn listed(sample: u32, lengths: &PassLengths) -> Range<u32> {
 
 /// The sums of a pass, of the kind that its guide learns from.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Sums {
-    Tree(Lessons),
+pub(crate) enum PassSums {
+    Tree(TrainingSums),
     Grid(GridSums),
 }
 
@@ -49,7 +49,7 @@ pub(crate) enum Sums {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Training {
     pub(crate) guide: Guide,
-    pub(crate) sums: Sums,
+    pub(crate) sums: PassSums,
     /// A typical luminance of the picture, a power of two; `None` in the first pass, which learns nothing else.
     pub(crate) typical: Option<f64>,
 }
@@ -58,8 +58,8 @@ impl Training {
     /// At the beginning, with a guide that knows nothing.
     pub(crate) fn new(guide: Guide) -> Self {
         let sums = match &guide {
-            Guide::Tree(tree) => Sums::Tree(tree.lessons()),
-            Guide::Grid(grid) => Sums::Grid(grid.sums()),
+            Guide::Tree(tree) => PassSums::Tree(tree.lessons()),
+            Guide::Grid(grid) => PassSums::Grid(grid.sums()),
         };
         Self { guide, sums, typical: None }
     }
@@ -90,14 +90,14 @@ impl Training {
     #[must_use]
     pub fn records(&self) -> u64 {
         match &self.sums {
-            Sums::Tree(lessons) => lessons.records(),
-            Sums::Grid(sums) => sums.records(),
+            PassSums::Tree(lessons) => lessons.records(),
+            PassSums::Grid(sums) => sums.records(),
         }
     }
 
     /// Adds what a path found: its `records`, and all its light.
-    pub(crate) fn learn(&self, records: &Records, all: Spectrum, wavelengths: &Wavelengths) {
-        let (Some(typical), Sums::Tree(lessons)) = (self.typical, &self.sums) else { return };
+    pub(crate) fn learn(&self, records: &PathRecords, all: Spectrum, wavelengths: &Wavelengths) {
+        let (Some(typical), PassSums::Tree(lessons)) = (self.typical, &self.sums) else { return };
         for record in &records.directions {
             lessons.add(record, all, wavelengths, typical);
         }
@@ -108,7 +108,8 @@ impl Training {
 
     /// As [`Training::learn`], with a grid.
     pub(crate) fn learn_on_grid(&self, records: &[GridRecord], all: Spectrum, wavelengths: &Wavelengths) {
-        let (Some(typical), Guide::Grid(grid), Sums::Grid(sums)) = (self.typical, &self.guide, &self.sums)
+        let (Some(typical), Guide::Grid(grid), PassSums::Grid(sums)) =
+            (self.typical, &self.guide, &self.sums)
         else {
             return;
         };
@@ -128,14 +129,14 @@ impl Training {
         let typical = exponent.exp2();
         if let Some(old) = self.typical.replace(typical) {
             (self.guide, self.sums) = match (&self.guide, &self.sums) {
-                (Guide::Tree(tree), Sums::Tree(lessons)) => {
+                (Guide::Tree(tree), PassSums::Tree(lessons)) => {
                     let tree = tree.taught(lessons, old, if known { brightness } else { 0.0 });
                     let lessons = tree.lessons();
-                    (Guide::Tree(tree), Sums::Tree(lessons))
+                    (Guide::Tree(tree), PassSums::Tree(lessons))
                 }
-                (Guide::Grid(grid), Sums::Grid(sums)) => {
+                (Guide::Grid(grid), PassSums::Grid(sums)) => {
                     let (grid, sums) = grid.taught(sums, typical / old);
-                    (Guide::Grid(grid), Sums::Grid(sums))
+                    (Guide::Grid(grid), PassSums::Grid(sums))
                 }
                 // Guide and sums are made together.
                 _ => return,

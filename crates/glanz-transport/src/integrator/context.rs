@@ -1,4 +1,4 @@
-//! What an integrator works with during one sample.
+//! State of one sample for an integrator.
 
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, Ray};
@@ -7,7 +7,7 @@ use glanz_scene::{Interaction, Place, Scene};
 
 use super::vertex::Vertex;
 use crate::filter::Filter;
-use crate::guide::{Records, Training};
+use crate::guide::{PathRecords, Training};
 use crate::pixel::FirstHit;
 use crate::pixel_rect::PixelRect;
 use crate::splat::Splat;
@@ -22,7 +22,7 @@ pub struct Counters {
 }
 
 impl Counters {
-    /// All rays.
+    /// Number of rays.
     #[must_use]
     pub fn rays(&self) -> u64 {
         self.closest + self.shadow
@@ -35,7 +35,7 @@ impl Counters {
     }
 }
 
-/// What an integrator works with during one sample.
+/// State of one sample for an integrator.
 pub struct Context<'a> {
     /// The scene.
     pub scene: &'a Scene,
@@ -43,15 +43,15 @@ pub struct Context<'a> {
     pub camera_ray: Ray,
     /// The numbers of this sample; the camera has taken those up to [`FIRST_DIMENSION`].
     pub sampler: PixelSampler,
-    /// What the lanes of spectra mean.
+    /// Wavelengths of the spectra's lanes.
     pub wavelengths: Wavelengths,
     /// Work done so far.
     pub counters: Counters,
-    /// What integrators that learn have learnt.
+    /// Training state of integrators that learn.
     pub(crate) training: Option<&'a Training>,
     /// Memory that is used again by the next sample.
-    pub(crate) records: Records,
-    /// What the sample brings to other pixels.
+    pub(crate) records: PathRecords,
+    /// Splats of the sample to other pixels.
     pub(crate) splats: Vec<Splat>,
     options: ContextOptions,
     first_hit: Option<FirstHit>,
@@ -102,7 +102,7 @@ impl<'a> Context<'a> {
     #[must_use]
     pub fn new(scene: &'a Scene, camera_ray: Ray, sampler: PixelSampler, options: ContextOptions) -> Self {
         let (wavelengths, counters) = (Wavelengths::default(), Counters::default());
-        let (training, records, splats, first_hit) = (None, Records::default(), Vec::new(), None);
+        let (training, records, splats, first_hit) = (None, PathRecords::default(), Vec::new(), None);
         Self {
             scene,
             camera_ray,

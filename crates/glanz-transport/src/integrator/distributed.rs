@@ -4,8 +4,8 @@ use glanz_light::Spectrum;
 use glanz_math::{DVec2, Ray};
 use glanz_scene::{Interaction, LightId};
 
-use super::vertex::{Origin, Vertex, roulette};
-use super::walk::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
+use super::path_tracer::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
+use super::vertex::{PreviousVertex, Vertex, roulette};
 use super::{Context, FIRST_DIMENSION, Integrator, IntegratorSettings};
 
 /// Several rays from a hit instead of one.
@@ -28,13 +28,13 @@ pub struct Distributed {
 
 /// A path under way.
 #[derive(Clone, Copy)]
-struct Walk {
+struct DistributedTracer {
     ray: Ray,
     /// Factor on what it finds, relative to where it branched off.
     throughput: Spectrum,
     eta_scale: f32,
-    /// Where light was scattered last by a rough surface; `None` behind the camera or a delta lobe.
-    origin: Option<Origin>,
+    /// The last vertex with a rough lobe; `None` after the camera or a delta lobe.
+    origin: Option<PreviousVertex>,
     depth: u32,
     /// Paths that it may still become.
     budget: u32,
@@ -51,20 +51,20 @@ impl Distributed {
     }
 
     /// Share of light that belongs to the rays of the BSDF: all that light sampling cannot find, and nothing else.
-    fn weight(&self, origin: Option<&Origin>, light_pdf: impl FnOnce(&Origin) -> f64) -> f32 {
+    fn weight(&self, origin: Option<&PreviousVertex>, light_pdf: impl FnOnce(&PreviousVertex) -> f64) -> f32 {
         match origin {
             Some(origin) if self.light_sampling && light_pdf(origin) > 0.0 => 0.0,
             _ => 1.0,
         }
     }
 
-    fn escaped(&self, context: &Context<'_>, ray: &Ray, origin: Option<&Origin>) -> Spectrum {
+    fn escaped(&self, context: &Context<'_>, ray: &Ray, origin: Option<&PreviousVertex>) -> Spectrum {
         let scene = context.scene;
         let weight = |id| self.weight(origin, |o| o.infinite_light_pdf(context, id, ray.direction));
         scene.infinite_lights().iter().map(|&id| scene.infinite_radiance(id, ray) * weight(id)).sum()
     }
 
-    fn emitted(&self, context: &Context<'_>, hit: &Interaction, origin: Option<&Origin>) -> Spectrum {
+    fn emitted(&self, context: &Context<'_>, hit: &Interaction, origin: Option<&PreviousVertex>) -> Spectrum {
         match hit.light() {
             None => Spectrum::BLACK,
             Some(id) => {
@@ -92,7 +92,7 @@ impl Distributed {
     }
 
     /// Light that the path brings home.
-    fn follow(&self, context: &mut Context<'_>, mut walk: Walk) -> Spectrum {
+    fn follow(&self, context: &mut Context<'_>, mut walk: DistributedTracer) -> Spectrum {
         let mut light = Spectrum::BLACK;
         let mut interfaces = 0;
         loop {
@@ -141,7 +141,7 @@ impl Distributed {
             }
             walk.ray = hit.spawn(scattered.direction);
             walk.origin =
-                (!scattered.is_delta).then_some(Origin { from: hit.reference(), pdf: scattered.pdf });
+                (!scattered.is_delta).then_some(PreviousVertex { from: hit.reference(), pdf: scattered.pdf });
         }
     }
 
@@ -149,7 +149,7 @@ impl Distributed {
     fn branch(
         &self,
         context: &mut Context<'_>,
-        walk: &Walk,
+        walk: &DistributedTracer,
         vertex: &Vertex<'_>,
         shift: DVec2,
         shift_lobe: f64,
@@ -160,12 +160,12 @@ impl Distributed {
             // The lobe goes through its strata in another order than the direction.
             let xi_lobe = (radical_inverse_3(j) + shift_lobe).fract();
             let Some(scattered) = vertex.sample(spread(j, count, shift), xi_lobe) else { continue };
-            let next = Walk {
+            let next = DistributedTracer {
                 ray: vertex.at.spawn(scattered.direction),
                 throughput: scattered.weight,
                 eta_scale: walk.eta_scale * scattered.eta_scale,
                 origin: (!scattered.is_delta)
-                    .then_some(Origin { from: vertex.at.reference(), pdf: scattered.pdf }),
+                    .then_some(PreviousVertex { from: vertex.at.reference(), pdf: scattered.pdf }),
                 budget: 1,
                 dimension: self.lane(walk, j),
                 ..*walk
@@ -175,12 +175,12 @@ impl Distributed {
         sum * (1.0 / count as f32)
     }
 
-    /// All directions of a surface of delta lobes, the budget divided between them.
-    fn divide(&self, context: &mut Context<'_>, walk: &Walk, vertex: &Vertex<'_>) -> Spectrum {
+    /// Directions of all delta lobes, with the budget divided between them.
+    fn divide(&self, context: &mut Context<'_>, walk: &DistributedTracer, vertex: &Vertex<'_>) -> Spectrum {
         let count = vertex.delta_branches().count() as u32;
         let mut sum = Spectrum::BLACK;
         for (j, branch) in (0..).zip(vertex.delta_branches()) {
-            let next = Walk {
+            let next = DistributedTracer {
                 ray: vertex.at.spawn(branch.direction),
                 throughput: branch.weight,
                 eta_scale: walk.eta_scale * branch.eta_scale,
@@ -195,7 +195,7 @@ impl Distributed {
     }
 
     /// Sampler dimensions of the `j`th branch: every branch has its own, the same in every sample.
-    fn lane(&self, walk: &Walk, j: u32) -> u32 {
+    fn lane(&self, walk: &DistributedTracer, j: u32) -> u32 {
         let length = DIMENSIONS_PER_EVENT.wrapping_mul(self.max_depth.wrapping_add(1));
         walk.dimension.wrapping_add(length.wrapping_mul(j.wrapping_add(1)))
     }
@@ -203,7 +203,7 @@ impl Distributed {
 
 impl Integrator for Distributed {
     fn radiance(&self, context: &mut Context<'_>) -> Spectrum {
-        let walk = Walk {
+        let walk = DistributedTracer {
             ray: context.camera_ray,
             throughput: Spectrum::ONE,
             eta_scale: 1.0,

@@ -8,11 +8,14 @@ use glanz_math::{DVec2, DVec3};
 use glanz_scene::description::GuideSettings;
 use glanz_scene::{LightId, Scene};
 
-use super::path::ByBsdf;
-use super::vertex::{Scattered, Vertex};
-use super::walk::{Directions, Odds, Walk};
-use super::{Context, Integrator, IntegratorSettings, by_grid};
-use crate::guide::{GridError, Guide, LampRecord, Place, Record, Records, TreeGuide, density, survival};
+use super::path::BsdfDirections;
+use super::path_tracer::{DirectionSampler, PathTracer, RouletteState};
+use super::vertex::{ScatteredRay, Vertex};
+use super::{Context, Integrator, IntegratorSettings, grid_guided};
+use crate::guide::{
+    DirectionRecord, GridError, Guide, GuidedVertex, LightGroupRecord, PathRecords, TreeGuide, density,
+    survival,
+};
 
 /// As [`Path`](super::Path), but at rough surfaces a guide draws some of the directions.
 ///
@@ -21,7 +24,7 @@ use crate::guide::{GridError, Guide, LampRecord, Place, Record, Records, TreeGui
 /// picture is that of `path`. Where the guide gains nothing it is off. See [`crate::guide`].
 #[derive(Clone, Debug)]
 pub struct Guided {
-    walk: Walk,
+    walk: PathTracer,
     light_sampling: bool,
     /// The kind of guide to learn.
     guide: GuideSettings,
@@ -34,10 +37,10 @@ impl Guided {
     #[must_use]
     pub fn new(settings: &IntegratorSettings) -> Self {
         let IntegratorSettings { light_sampling, guide, .. } = *settings;
-        Self { walk: Walk::new(settings), light_sampling, guide, fixed: None }
+        Self { walk: PathTracer::new(settings), light_sampling, guide, fixed: None }
     }
 
-    /// The same, by a guide that was learnt before and does not change.
+    /// The same with a fixed guide that does not train.
     #[must_use]
     pub fn with_guide(settings: &IntegratorSettings, guide: Arc<Guide>) -> Self {
         Self { fixed: Some(guide), ..Self::new(settings) }
@@ -49,22 +52,24 @@ impl Integrator for Guided {
         let (guide, training) = match (&self.fixed, context.training) {
             (Some(guide), _) => (&**guide, None),
             (None, Some(training)) => (training.guide(), Some(training)),
-            (None, None) => return self.walk.radiance(context, &mut ByBsdf),
+            (None, None) => return self.walk.radiance(context, &mut BsdfDirections),
         };
         let guide = match guide {
             Guide::Tree(tree) => tree,
             Guide::Grid(grid) => {
-                return by_grid::radiance(&self.walk, self.light_sampling, context, grid, training);
+                return grid_guided::radiance(&self.walk, self.light_sampling, context, grid, training);
             }
         };
         let Some(training) = training else {
-            return self.walk.radiance(context, &mut ByGuide::new(guide, true, None, context.wavelengths));
+            return self
+                .walk
+                .radiance(context, &mut GuideDirections::new(guide, true, None, context.wavelengths));
         };
         let mut records = std::mem::take(&mut context.records);
         records.clear();
         let sample = context.sampler.sample_index();
         let sparse = sample >= SPARSE_FROM && sample % 2 == 1;
-        let mut directions = ByGuide::new(guide, sparse, Some(&mut records), context.wavelengths);
+        let mut directions = GuideDirections::new(guide, sparse, Some(&mut records), context.wavelengths);
         let light = self.walk.radiance(context, &mut directions);
         training.learn(&records, light, &context.wavelengths);
         context.records = records;
@@ -85,13 +90,13 @@ impl Integrator for Guided {
 const SPARSE_FROM: u32 = 16;
 
 /// Directions that guide and BSDF draw together.
-struct ByGuide<'a> {
+struct GuideDirections<'a> {
     guide: &'a TreeGuide,
-    /// Whether to leave out vertices at which the guide is off.
+    /// True to skip vertices at which the guide is off.
     sparse: bool,
-    /// Where to note them, if they are to be learnt from.
-    records: Option<&'a mut Records>,
-    /// What the guide says of the direction drawn last, where it was asked: its density and the leaf.
+    /// Target of training records, if the pass trains.
+    records: Option<&'a mut PathRecords>,
+    /// Density and leaf of the direction drawn last, where the guide was evaluated.
     drawn: Option<(f64, u32)>,
     /// Luminance that the whole path is expected to bring, as known at its first rough vertex.
     expected: Option<f64>,
@@ -100,11 +105,11 @@ struct ByGuide<'a> {
     wavelengths: Wavelengths,
 }
 
-impl<'a> ByGuide<'a> {
+impl<'a> GuideDirections<'a> {
     fn new(
         guide: &'a TreeGuide,
         sparse: bool,
-        records: Option<&'a mut Records>,
+        records: Option<&'a mut PathRecords>,
         wavelengths: Wavelengths,
     ) -> Self {
         Self { guide, sparse, records, drawn: None, expected: None, survival: 1.0, wavelengths }
@@ -115,47 +120,59 @@ impl<'a> ByGuide<'a> {
     }
 
     /// Luminance that a vertex is expected to send to the viewer besides what light sampling finds for it, if that is known.
-    fn expectation(&self, place: &Place, vertex: &Vertex<'_>) -> Option<f64> {
+    fn expectation(&self, place: &GuidedVertex, vertex: &Vertex<'_>) -> Option<f64> {
         let is_known = place.flux > 0.0 && vertex.diffuse_probability() == 1.0;
         is_known.then(|| self.luminance(vertex.albedo()) * place.flux / PI)
     }
 }
 
-impl Directions for ByGuide<'_> {
+impl DirectionSampler for GuideDirections<'_> {
     /// `None` where all directions are delta lobes.
-    type Place = Option<Place>;
+    type VertexData = Option<GuidedVertex>;
 
-    fn arrive(&self, vertex: &Vertex<'_>) -> Self::Place {
+    fn arrive(&self, vertex: &Vertex<'_>) -> Self::VertexData {
         let rough = !vertex.is_delta();
         rough.then(|| self.guide.place(vertex.at.point.position, vertex.normal_to_viewer()))
     }
 
-    fn pick_light(&self, place: &Self::Place, scene: &Scene, xi: f64) -> Option<(LightId, f64)> {
+    fn pick_light(&self, place: &Self::VertexData, scene: &Scene, xi: f64) -> Option<(LightId, f64)> {
         match place {
             Some(place) if scene.light_group_count() > 1 => self.guide.lamps(place).pick(scene, xi),
             _ => scene.pick_light(xi),
         }
     }
 
-    fn light_probability(&self, place: &Self::Place, scene: &Scene, id: LightId) -> f64 {
+    fn light_probability(&self, place: &Self::VertexData, scene: &Scene, id: LightId) -> f64 {
         match place {
             Some(place) if scene.light_group_count() > 1 => self.guide.lamps(place).probability(scene, id),
             _ => scene.light_probability(id),
         }
     }
 
-    fn lit(&mut self, place: &Self::Place, scene: &Scene, id: LightId, probability: f64, luminance: f64) {
+    fn lit(
+        &mut self,
+        place: &Self::VertexData,
+        scene: &Scene,
+        id: LightId,
+        probability: f64,
+        luminance: f64,
+    ) {
         let (Some(records), Some(place)) = (&mut self.records, place) else { return };
         if scene.light_group_count() > 1 {
             let group = scene.light_group(id);
             // The choice within the group belongs to what is learnt of it.
             let inside = scene.light_probability(id) / scene.light_group_probability(group);
             let (luminance, probability) = (luminance / inside, probability / inside);
-            records.lamps.push(LampRecord { cell: place.cell, group: group as u32, luminance, probability });
+            records.lamps.push(LightGroupRecord {
+                cell: place.cell,
+                group: group as u32,
+                luminance,
+                probability,
+            });
         }
     }
 
-    fn pdf(&self, place: &Self::Place, direction: DVec3, bsdf_pdf: f64) -> f64 {
+    fn pdf(&self, place: &Self::VertexData, direction: DVec3, bsdf_pdf: f64) -> f64 {
         match place {
             Some(place) if place.probability > 0.0 => {
                 density(place.probability, self.guide.pdf(place, direction).0, bsdf_pdf)
@@ -166,11 +183,11 @@ impl Directions for ByGuide<'_> {
 
     fn sample(
         &mut self,
-        place: &Self::Place,
+        place: &Self::VertexData,
         vertex: &Vertex<'_>,
         xi: DVec2,
         xi_lobe: f64,
-    ) -> Option<Scattered> {
+    ) -> Option<ScatteredRay> {
         self.drawn = None;
         if self.records.is_some() {
             let expected = place.as_ref().and_then(|place| self.expectation(place, vertex));
@@ -190,12 +207,12 @@ impl Directions for ByGuide<'_> {
                 return None;
             }
             let pdf = density(guided, draw.pdf, bsdf_pdf);
-            return Some(Scattered::drawn(draw.direction, value, bsdf_pdf, pdf));
+            return Some(ScatteredRay::drawn(draw.direction, value, bsdf_pdf, pdf));
         }
         let scattered = vertex.sample(xi, (xi_lobe - guided) / (1.0 - guided))?;
         if scattered.is_delta {
             // The guide leaves delta lobes alone: they come with the probability of the BSDF.
-            return Some(Scattered { weight: scattered.weight / (1.0 - guided) as f32, ..scattered });
+            return Some(ScatteredRay { weight: scattered.weight / (1.0 - guided) as f32, ..scattered });
         }
         let drawn = self.guide.pdf(place, scattered.direction);
         self.drawn = Some(drawn);
@@ -205,10 +222,10 @@ impl Directions for ByGuide<'_> {
 
     fn survival(
         &mut self,
-        place: &Self::Place,
+        place: &Self::VertexData,
         vertex: &Vertex<'_>,
-        scattered: &Scattered,
-        odds: &Odds,
+        scattered: &ScatteredRay,
+        odds: &RouletteState,
     ) -> f64 {
         let known = place.as_ref().filter(|place| place.flux > 0.0 && !scattered.is_delta);
         let luminance = |spectrum: Spectrum| f64::from(spectrum.luminance(&self.wavelengths));
@@ -229,9 +246,9 @@ impl Directions for ByGuide<'_> {
 
     fn take(
         &mut self,
-        place: &Self::Place,
+        place: &Self::VertexData,
         vertex: &Vertex<'_>,
-        scattered: &Scattered,
+        scattered: &ScatteredRay,
         light: Spectrum,
         throughput: Spectrum,
     ) {
@@ -242,7 +259,7 @@ impl Directions for ByGuide<'_> {
             return;
         }
         let (guide_pdf, leaf) = self.drawn.unwrap_or_else(|| self.guide.pdf(place, scattered.direction));
-        records.push(Record {
+        records.push(DirectionRecord {
             cell: place.cell,
             leaf,
             cosine: vertex.cosine(scattered.direction).abs(),

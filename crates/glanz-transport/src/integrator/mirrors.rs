@@ -4,8 +4,8 @@ use glanz_light::Spectrum;
 use glanz_math::Ray;
 use glanz_scene::Place;
 
+use super::path_tracer::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT};
 use super::vertex::Vertex;
-use super::walk::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT};
 use super::{Context, FIRST_DIMENSION};
 
 /// Rays that would carry a smaller share to the viewer are not followed: below what 8 bits per channel can show (1/255).
@@ -14,7 +14,7 @@ use super::{Context, FIRST_DIMENSION};
 pub const SMALLEST_WEIGHT: f32 = 1.0 / 4096.0;
 
 /// A ray still to be followed.
-struct Pending {
+struct DeferredRay {
     ray: Ray,
     weight: Spectrum,
     /// Product of all refractions undone, so that light in glass is not taken for weak.
@@ -33,7 +33,8 @@ pub(super) fn radiance(
 ) -> Spectrum {
     let mut light = Spectrum::BLACK;
     let mut stack = Vec::new();
-    let mut next = Some(Pending { ray: context.camera_ray, weight: Spectrum::ONE, eta_scale: 1.0, depth: 0 });
+    let mut next =
+        Some(DeferredRay { ray: context.camera_ray, weight: Spectrum::ONE, eta_scale: 1.0, depth: 0 });
     while let Some(pending) = next {
         light += pending.weight * follow(context, pending, max_depth, rough, &mut stack);
         next = stack.pop();
@@ -44,10 +45,10 @@ pub(super) fn radiance(
 /// Light from the first surface on the ray, and the rays to go on with.
 fn follow(
     context: &mut Context<'_>,
-    mut pending: Pending,
+    mut pending: DeferredRay,
     max_depth: u32,
     rough: &impl Fn(&mut Context<'_>, &Vertex<'_>, &Place) -> Spectrum,
-    stack: &mut Vec<Pending>,
+    stack: &mut Vec<DeferredRay>,
 ) -> Spectrum {
     let mut light = Spectrum::BLACK;
     for _ in 0..INTERFACE_LIMIT {
@@ -70,7 +71,7 @@ fn follow(
                 let eta_scale = pending.eta_scale * branch.eta_scale;
                 let enough = weight.max_component() * eta_scale >= SMALLEST_WEIGHT;
                 let ray = hit.spawn(branch.direction);
-                enough.then_some(Pending { ray, weight, eta_scale, depth: pending.depth + 1 })
+                enough.then_some(DeferredRay { ray, weight, eta_scale, depth: pending.depth + 1 })
             }));
             return light;
         }

@@ -12,16 +12,16 @@ use glanz_scene::description::{GuideSettings, IntegratorDescription};
 
 use crate::guide::{GridError, Guide};
 
-mod by_grid;
 mod context;
 mod distributed;
+mod grid_guided;
 mod guided;
 mod light;
 mod mirrors;
 mod path;
+mod path_tracer;
 mod stored;
 mod vertex;
-mod walk;
 mod whitted;
 
 pub use context::{Context, ContextOptions, Counters, FIRST_DIMENSION};
@@ -30,9 +30,9 @@ pub use guided::Guided;
 pub use light::LightPaths;
 pub use mirrors::SMALLEST_WEIGHT;
 pub use path::Path;
+pub(crate) use path_tracer::INTERFACE_LIMIT;
 pub use stored::{Stored, StoredLight};
 pub(crate) use vertex::Vertex;
-pub(crate) use walk::INTERFACE_LIMIT;
 pub use whitted::Whitted;
 
 /// Estimates the radiance along camera rays.
@@ -48,7 +48,7 @@ pub trait Integrator: Send + Sync {
         false
     }
 
-    /// Whether it brings light to pixels other than that of the sample: it needs a film with
+    /// True if it splats to pixels other than that of the sample: it needs a film with
     /// [`FilmFormat::splats`](crate::FilmFormat::splats).
     fn splats(&self) -> bool {
         false
@@ -68,15 +68,15 @@ pub trait Integrator: Send + Sync {
 pub struct IntegratorEntry {
     /// Its name in scene files and on the command line.
     pub name: &'static str,
-    /// What it does, one line.
+    /// Description in one line.
     pub description: &'static str,
     /// Scattering events per path at most, unless the scene says otherwise.
     pub default_max_depth: u32,
     /// Rays sent on from a hit, unless the scene says otherwise; `None` if it does not branch.
     pub default_branching: Option<u32>,
-    /// Whether it heeds [`IntegratorSettings::light_sampling`].
+    /// True if it uses [`IntegratorSettings::light_sampling`].
     pub light_sampling_is_optional: bool,
-    /// Whether it uses a [`Guide`].
+    /// True if it uses a [`Guide`].
     pub guided: bool,
     build: fn(&IntegratorSettings) -> Box<dyn Integrator>,
 }
@@ -84,7 +84,7 @@ pub struct IntegratorEntry {
 /// The integrator that shows stored light.
 const RADIOSITY: &str = "radiosity";
 
-/// All integrators. A new one is a file and a line here.
+/// Table of integrators. A new one is a file and a line here.
 ///
 /// The default depth is that of pbrt, whose scenes rely on it.
 pub static INTEGRATORS: [IntegratorEntry; 6] = [
@@ -150,7 +150,7 @@ pub const DEPTH_LIMIT: u32 = 1 << 16;
 /// Largest number of rays that may be sent on from a hit.
 pub const BRANCHING_LIMIT: u32 = 1 << 16;
 
-/// Why a description names no integrator.
+/// Errors of resolving an integrator's description.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum IntegratorError {
@@ -176,7 +176,7 @@ pub struct IntegratorSettings {
     name: &'static str,
     /// Scattering events per path at most: 0 shows lights alone, 1 direct light, 2 light scattered twice.
     pub max_depth: u32,
-    /// Whether lights are sampled at every hit, or found by chance.
+    /// True if lights are sampled at every hit; otherwise they are found by BSDF sampling alone.
     pub light_sampling: bool,
     /// Rays sent on from a hit.
     pub branching: u32,
@@ -244,7 +244,7 @@ impl IntegratorSettings {
         }
     }
 
-    /// Whether the integrator uses a [`Guide`].
+    /// True if the integrator uses a [`Guide`].
     #[must_use]
     pub fn is_guided(&self) -> bool {
         INTEGRATORS.iter().any(|entry| entry.name == self.name && entry.guided)
@@ -257,7 +257,7 @@ impl IntegratorSettings {
         if self.is_guided() { Box::new(Guided::with_guide(self, guide)) } else { self.build() }
     }
 
-    /// Whether the integrator shows [`StoredLight`].
+    /// True if the integrator shows [`StoredLight`].
     #[must_use]
     pub fn shows_stored_light(&self) -> bool {
         self.name == RADIOSITY

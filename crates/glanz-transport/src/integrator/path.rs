@@ -3,8 +3,8 @@
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3};
 
-use super::vertex::{Scattered, Vertex};
-use super::walk::{Directions, Walk};
+use super::path_tracer::{DirectionSampler, PathTracer};
+use super::vertex::{ScatteredRay, Vertex};
 use super::{Context, Integrator, IntegratorSettings};
 
 /// Paths from the camera that go on by the BSDF.
@@ -12,27 +12,27 @@ use super::{Context, Integrator, IntegratorSettings};
 /// At every scattering event one light is sampled too; light that either way would find is shared by the power heuristic
 /// (@veach1995). Without light sampling, light is found by chance alone, and that of points and directions never.
 #[derive(Clone, Copy, Debug)]
-pub struct Path(Walk);
+pub struct Path(PathTracer);
 
 impl Path {
     /// With the depth and the light sampling of `settings`.
     #[must_use]
     pub fn new(settings: &IntegratorSettings) -> Self {
-        Self(Walk::new(settings))
+        Self(PathTracer::new(settings))
     }
 }
 
 impl Integrator for Path {
     fn radiance(&self, context: &mut Context<'_>) -> Spectrum {
-        self.0.radiance(context, &mut ByBsdf)
+        self.0.radiance(context, &mut BsdfDirections)
     }
 }
 
 /// Directions that the BSDF alone draws.
-pub(super) struct ByBsdf;
+pub(super) struct BsdfDirections;
 
-impl Directions for ByBsdf {
-    type Place = ();
+impl DirectionSampler for BsdfDirections {
+    type VertexData = ();
 
     fn arrive(&self, _: &Vertex<'_>) {}
 
@@ -40,9 +40,9 @@ impl Directions for ByBsdf {
         bsdf_pdf
     }
 
-    fn sample(&mut self, (): &(), vertex: &Vertex<'_>, xi: DVec2, xi_lobe: f64) -> Option<Scattered> {
+    fn sample(&mut self, (): &(), vertex: &Vertex<'_>, xi: DVec2, xi_lobe: f64) -> Option<ScatteredRay> {
         vertex.sample(xi, xi_lobe)
     }
 
-    fn take(&mut self, (): &(), _: &Vertex<'_>, _: &Scattered, _: Spectrum, _: Spectrum) {}
+    fn take(&mut self, (): &(), _: &Vertex<'_>, _: &ScatteredRay, _: Spectrum, _: Spectrum) {}
 }

@@ -23,8 +23,8 @@ pub(crate) struct Vertex<'a> {
 
 /// A direction in which to go on.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Scattered {
-    /// Where to go on.
+pub(crate) struct ScatteredRay {
+    /// The continuation ray.
     pub(crate) direction: DVec3,
     /// Factor on the throughput.
     pub(crate) weight: Spectrum,
@@ -38,7 +38,7 @@ pub(crate) struct Scattered {
     pub(super) eta_scale: f32,
 }
 
-impl Scattered {
+impl ScatteredRay {
     /// A direction that something else than the BSDF drew: `value`, `f |cos|`, and `bsdf_pdf` are those of the BSDF, `pdf` is the density of
     /// all that might have drawn it.
     pub(super) fn drawn(direction: DVec3, value: Spectrum, bsdf_pdf: f64, pdf: f64) -> Self {
@@ -73,12 +73,12 @@ impl<'a> Vertex<'a> {
         Self { at, bsdf, frame, wo: frame.to_local(viewer), viewer_side: at.point.normal.dot(viewer) }
     }
 
-    /// The same place for a viewer in the unit direction `viewer`.
+    /// The same vertex for a viewer in the unit direction `viewer`.
     pub(super) fn seen_from(&self, viewer: DVec3) -> Self {
         Self::from_viewer(self.at, self.bsdf, viewer)
     }
 
-    /// Whether a viewer in the unit direction `viewer` sees it shaded by the same normal.
+    /// True if a viewer in the unit direction `viewer` sees the same shading normal.
     pub(super) fn is_seen_alike(&self, viewer: DVec3) -> bool {
         is_turned(self.at, viewer) == is_turned(self.at, self.at.wo)
     }
@@ -93,7 +93,7 @@ impl<'a> Vertex<'a> {
         self.frame.z.dot(direction)
     }
 
-    /// Whether light is scattered into single directions only.
+    /// True if all lobes are delta lobes.
     pub(super) fn is_delta(&self) -> bool {
         self.bsdf.is_delta()
     }
@@ -107,7 +107,7 @@ impl<'a> Vertex<'a> {
         self.bsdf.albedo(self.wo)
     }
 
-    /// Whether shading and surface normal agree on which side `direction` is.
+    /// True if `direction` is on the same side of the shading and the geometric normal.
     fn is_consistent(&self, direction: DVec3, local: DVec3) -> bool {
         let reflects = self.at.point.normal.dot(direction) * self.viewer_side > 0.0;
         reflects == (local.z * self.wo.z > 0.0)
@@ -124,34 +124,34 @@ impl<'a> Vertex<'a> {
     }
 
     /// Draws a direction to go on.
-    pub(super) fn sample(&self, xi: DVec2, xi_lobe: f64) -> Option<Scattered> {
+    pub(super) fn sample(&self, xi: DVec2, xi_lobe: f64) -> Option<ScatteredRay> {
         self.consistent(self.bsdf.sample(self.wo, xi, xi_lobe, TransportMode::Radiance)?)
     }
 
     /// Draws a direction in which flux goes on that comes from the viewer's direction: the way of light, not of sight.
     ///
     /// The weight is that of the adjoint BSDF, which shading normals make different (@veach1997 section 5.3.2).
-    pub(crate) fn sample_flux(&self, xi: DVec2, xi_lobe: f64) -> Option<Scattered> {
+    pub(crate) fn sample_flux(&self, xi: DVec2, xi_lobe: f64) -> Option<ScatteredRay> {
         let drawn = self.consistent(self.bsdf.sample(self.wo, xi, xi_lobe, TransportMode::Importance)?)?;
         let surface = |direction: DVec3| self.at.point.normal.dot(direction);
         let from_light = self.wo.z / self.viewer_side;
         let onwards = surface(drawn.direction) / self.cosine(drawn.direction);
         let adjoint = (from_light * onwards).abs() as f32;
-        adjoint.is_finite().then(|| Scattered { weight: drawn.weight * adjoint, ..drawn })
+        adjoint.is_finite().then(|| ScatteredRay { weight: drawn.weight * adjoint, ..drawn })
     }
 
-    /// All directions of delta lobes, each with the whole share of light it carries as weight.
-    pub(super) fn delta_branches(&self) -> impl Iterator<Item = Scattered> {
+    /// Directions of all delta lobes, each weighted with its full reflectance or transmittance.
+    pub(super) fn delta_branches(&self) -> impl Iterator<Item = ScatteredRay> {
         let branches = self.bsdf.delta_branches(self.wo, TransportMode::Radiance);
         branches.into_iter().flatten().filter_map(|branch| self.consistent(branch))
     }
 
-    fn consistent(&self, sample: BsdfSample) -> Option<Scattered> {
+    fn consistent(&self, sample: BsdfSample) -> Option<ScatteredRay> {
         let direction = self.frame.to_world(sample.wi);
         if sample.weight.is_black() || !self.is_consistent(direction, sample.wi) {
             return None;
         }
-        Some(Scattered {
+        Some(ScatteredRay {
             direction,
             weight: sample.weight,
             bsdf_weight: sample.weight,
@@ -189,27 +189,27 @@ impl<'a> Vertex<'a> {
     }
 }
 
-/// Whether `viewer` is on the wrong side of the shading normal.
+/// True if `viewer` is on the wrong side of the shading normal.
 fn is_turned(at: &Interaction, viewer: DVec3) -> bool {
     at.point.normal.dot(viewer) * at.point.shading_normal.dot(viewer) <= 0.0
 }
 
-/// How the ray that is under way was chosen: what light it finds has to be shared with light sampling.
+/// The vertex before the current ray, with the density of the ray, for the weight of light that it hits.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Origin {
-    /// Where it was scattered.
+pub(super) struct PreviousVertex {
+    /// Position of the vertex.
     pub(super) from: Reference,
     /// Density per solid angle of its direction.
     pub(super) pdf: f64,
 }
 
-impl Origin {
+impl PreviousVertex {
     /// Density with which light sampling would have found this light here; the choice of the light not included.
     pub(super) fn area_light_pdf(&self, context: &Context<'_>, id: LightId, hit: &Interaction) -> f64 {
         context.scene.light_pdf(id, &self.from, hit).0
     }
 
-    /// As [`Origin::area_light_pdf`], for an infinite light along `direction`.
+    /// As [`PreviousVertex::area_light_pdf`], for an infinite light along `direction`.
     pub(super) fn infinite_light_pdf(&self, context: &Context<'_>, id: LightId, direction: DVec3) -> f64 {
         context.scene.infinite_pdf(id, &self.from, direction).0
     }

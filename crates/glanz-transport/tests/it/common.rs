@@ -104,7 +104,7 @@ impl Builder {
         self
     }
 
-    /// Makes the last shape shine from its front.
+    /// Makes the last shape emit from its front.
     pub(crate) fn shining(mut self, radiance: [f32; 3]) -> Self {
         self.0.world.shapes.last_mut().unwrap().emission = Some(EmissionDescription {
             radiance: SpectralDistribution::Rgb(radiance),
@@ -142,7 +142,7 @@ impl Builder {
     }
 }
 
-/// How to render.
+/// Render settings of a test.
 #[derive(Clone)]
 pub(crate) struct Run {
     pub(crate) integrator: &'static str,
@@ -187,7 +187,7 @@ impl Run {
         runs
     }
 
-    /// All four, through the middle of the pixel.
+    /// All four rays, through the centre of the pixel.
     pub(crate) fn all_exact(depth: u32) -> Vec<Self> {
         let run = |name| Self { sampler: SamplerKind::Center, ..Self::new(name, depth, 2) };
         ["path", "guided", "distributed", "whitted"].map(run).to_vec()

@@ -236,7 +236,7 @@ fn glass_slab_transmits_as_fresnel_says() {
     // One more pair of inner reflections adds the factor 1 + R^2.
     whitted(4).picture(&scene).assert_exact(2.0 * (1.0 - r) * (1.0 - r) * (1.0 + r * r), "one echo");
     for run in Run::all_random(20, 20_000) {
-        // All echoes: (1 - R)^2 / (1 - R^2).
+        // All interreflections: (1 - R)^2 / (1 - R^2).
         run.picture(&scene).assert_average([2.0 * (1.0 - r) / (1.0 + r); 3], 0.01, &run.name());
     }
 }

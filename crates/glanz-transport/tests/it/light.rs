@@ -185,7 +185,7 @@ fn lamps_behind_borders_and_lamps_without_sampling_agree() {
         .shape(sphere(0.6), at(0.0, -0.5, 0.4), MaterialKind::Interface)
         .shape(sphere(0.5), at(-3.0, 0.3, 1.2), MaterialKind::Interface);
     compare("borders", &wrapped, 3, 400, 0.02);
-    // Nobody picks points on an algebraic surface: a ball by its equation.
+    // Points on an algebraic surface cannot be sampled: a sphere by its equation.
     let square = |axis: usize| (std::array::from_fn(|i| if i == axis { 2 } else { 0 }), 1.0);
     let ball = GeometryDescription::Algebraic {
         terms: vec![square(0), square(1), square(2), ([0, 0, 0], -0.25)],

@@ -6,7 +6,7 @@ use glanz_math::{DMat4, DVec3};
 use glanz_sampling::{PixelSampler, SamplerKind};
 use glanz_scene::Scene;
 use glanz_scene::description::MaterialKind;
-use glanz_transport::{Counters, End, send_particle};
+use glanz_transport::{Counters, ParticleFate, send_particle};
 
 fn watts(spectrum: Spectrum) -> f64 {
     f64::from(spectrum.luminance(&Wavelengths::default()))
@@ -39,9 +39,9 @@ impl Books {
             books.arrived += arrived;
             books.absorbed += absorbed + watts(flight.faded);
             match flight.end {
-                End::Absorbed => {}
-                End::Escaped { power, .. } => books.escaped += watts(power),
-                End::GivenUp(power) => books.given_up += watts(power),
+                ParticleFate::Absorbed => {}
+                ParticleFate::Escaped { power, .. } => books.escaped += watts(power),
+                ParticleFate::GivenUp(power) => books.given_up += watts(power),
             }
         }
         books

@@ -1,4 +1,4 @@
-//! What a render tells in the midst of a pass, and how it ends there.
+//! Tests of reports and cancelling within a pass.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -89,7 +89,7 @@ fn a_render_queries_before_every_sample() {
 /// Pixels, samples of each, radiance.
 type Tile = (PixelRect, u64, Vec<[f32; 3]>);
 
-/// Puts a picture together from tiles, and compares it with the film after each pass.
+/// Assembles a picture from tiles and compares it with the film after each pass.
 #[derive(Default)]
 struct Mosaic {
     tiles: Mutex<Vec<Tile>>,

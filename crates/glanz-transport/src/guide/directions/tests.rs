@@ -139,7 +139,7 @@ fn trees_without_light_draw_nothing() {
 fn what_is_no_tree_is_refused() {
     let good = lamp();
     assert!(good.is_valid([0].into_iter()));
-    let with = |change: &dyn Fn(&mut Vec<Square>)| {
+    let with = |change: &dyn Fn(&mut Vec<QuadtreeNode>)| {
         let mut trees = good.clone();
         change(&mut trees.0);
         trees.is_valid([0].into_iter())
@@ -149,7 +149,7 @@ fn what_is_no_tree_is_refused() {
     assert!(!with(&|trees| trees[0].child[1] = u16::MAX));
     assert!(!with(&|trees| trees.last_mut().unwrap().child[0] = 1));
     assert!(!with(&|trees| trees[0].share[0] ^= 1));
-    assert!(!with(&|trees| trees.push(Square::default())));
+    assert!(!with(&|trees| trees.push(QuadtreeNode::default())));
     assert!(!good.is_valid([0, 0].into_iter()) && !good.is_valid([1 << 20].into_iter()));
 }
 
@@ -196,13 +196,14 @@ fn few_samples_are_spread_and_many_are_not() {
     let mut trees = DirectionTrees::default();
     trees.push_blank();
     let shares = |effective| {
-        let found = |leaf: Leaf| if leaf.number < 16 { 0.0 } else { light[leaf.number as usize % 16] };
+        let found =
+            |leaf: QuadtreeLeaf| if leaf.number < 16 { 0.0 } else { light[leaf.number as usize % 16] };
         trees.refined(0, effective, &found).unwrap()[0].share
     };
-    // All squares of the second level find the same: the root is even with any number of samples.
+    // All nodes of the second level are equal: the root is uniform with any number of samples.
     assert!(shares(4.0).iter().all(|&share| share.abs_diff(4096) <= 16));
     let one = |effective| {
-        let found = |leaf: Leaf| if leaf.number / 16 == 4 { 1.0 } else { 0.0 };
+        let found = |leaf: QuadtreeLeaf| if leaf.number / 16 == 4 { 1.0 } else { 0.0 };
         trees.refined(0, effective, &found).unwrap()[0].share
     };
     // n samples in one part and four spread evenly: (n + 4/16) / (n + 4).

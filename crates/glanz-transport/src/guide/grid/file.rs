@@ -4,10 +4,10 @@ use glanz_math::{Bounds3, DVec2, DVec3};
 use glanz_scene::Chart;
 use glanz_scene::description::GuideSettings;
 
-use super::{GridGuide, GridSums, Learnt};
+use super::{FittedCells, GridGuide, GridSums};
 use crate::codec::{Decoder, Encoder};
 
-/// What stands for a chart, and for a cell or its sums.
+/// Codes of a chart, and of a cell or its sums.
 const NOTHING: u8 = 0;
 const PARAMETERS: u8 = 1;
 const PROJECTIONS: u8 = 2;
@@ -38,7 +38,7 @@ pub(crate) fn encode_grid(e: &mut Encoder, guide: &GridGuide) {
     }
 }
 
-/// What [`encode_grid`] wrote; `None` if it did not.
+/// Reads what [`encode_grid`] wrote; `None` if malformed.
 pub(crate) fn decode_grid(d: &mut Decoder<'_>) -> Option<GridGuide> {
     let GuideSettings::Grid(settings) = d.text()?.parse().ok()? else { return None };
     let passes = d.u32()?;
@@ -60,7 +60,7 @@ pub(crate) fn decode_grid(d: &mut Decoder<'_>) -> Option<GridGuide> {
         }
         let (words, _) = d.take(4 * functions)?.as_chunks::<4>();
         let coefficients = words.iter().map(|word| f32::from_bits(u32::from_le_bytes(*word))).collect();
-        let learnt = Learnt::new(guide.basis(), coefficients)?;
+        let learnt = FittedCells::new(guide.basis(), coefficients)?;
         *guide.cells.get_mut(i)? = Some(learnt);
     }
     Some(guide)
@@ -93,7 +93,7 @@ pub(crate) fn encode_sums(e: &mut Encoder, sums: &GridSums) {
     }
 }
 
-/// What [`encode_sums`] wrote for sums of `guide`; `None` if it did not.
+/// Reads what [`encode_sums`] wrote for sums of `guide`; `None` if malformed.
 pub(crate) fn decode_sums(d: &mut Decoder<'_>, guide: &GridGuide) -> Option<GridSums> {
     let mut sums = guide.sums();
     let (cells, functions) = sums.shape();

@@ -41,7 +41,7 @@ const FLOOR: Floor = Floor::Constant(0.1);
 /// Most memory that a guide and its sums may come to need, bytes.
 const MOST_BYTES: u64 = 4 << 30;
 
-/// Why there is no grid.
+/// Errors of building a grid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GridError {
@@ -52,19 +52,19 @@ pub enum GridError {
         MOST_BYTES as f64 / GIB
     )]
     Memory {
-        /// What was asked for.
+        /// The requested value.
         settings: GridSettings,
         /// Shapes of the scene.
         shapes: usize,
-        /// What it may need.
+        /// The memory it may need.
         bytes: u64,
     },
     /// A basis that cannot be made.
     #[error("the guide {settings}: {source}")]
     Basis {
-        /// What was asked for.
+        /// The requested value.
         settings: GridSettings,
-        /// Why not.
+        /// The reason.
         source: DensityError,
     },
 }
@@ -74,7 +74,7 @@ const GIB: f64 = (1_u64 << 30) as f64;
 
 /// The density of a cell.
 #[derive(Clone, Debug, PartialEq)]
-struct Learnt {
+struct FittedCells {
     /// The coefficients before they were normalised, for files: normalising again could change a bit.
     coefficients: Vec<f32>,
     density: Density<2>,
@@ -92,17 +92,17 @@ pub struct GridGuide {
     /// That of cells that have learnt nothing: constant.
     constant: Density<2>,
     /// `None` where nothing was learnt yet.
-    cells: Vec<Option<Box<Learnt>>>,
+    cells: Vec<Option<Box<FittedCells>>>,
 }
 
 /// The knowledge that a vertex has at its disposal.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct GridPlace {
+pub(crate) struct GridVertex {
     pub(crate) cell: u32,
     frame: Frame,
 }
 
-impl GridPlace {
+impl GridVertex {
     /// The cosine between `direction` and the shading normal; 0 below the surface.
     #[inline]
     pub(crate) fn cosine(&self, direction: DVec3) -> f64 {
@@ -112,7 +112,7 @@ impl GridPlace {
 
 /// A direction drawn from a density.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct GridDraw {
+pub(crate) struct GridSample {
     pub(crate) direction: DVec3,
     /// Density per steradian.
     pub(crate) pdf: f64,
@@ -160,13 +160,13 @@ impl GridGuide {
         Ok(Self { settings, charts, scales, passes, constant, cells: vec![None; cells] })
     }
 
-    /// What it was told.
+    /// Its settings.
     #[must_use]
     pub fn settings(&self) -> GridSettings {
         self.settings
     }
 
-    /// Whether it has learnt from all passes that its settings list.
+    /// True if it has trained with all passes of its settings.
     pub(crate) fn is_finished(&self) -> bool {
         self.settings.passes.is_some_and(|lengths| self.passes >= lengths.count())
     }
@@ -175,13 +175,13 @@ impl GridGuide {
         self.constant.basis()
     }
 
-    /// What is known at a vertex with this unit normal on the viewer's side; `None` on shapes the guide does not know.
+    /// Guide data of a vertex with this unit normal on the viewer's side; `None` on shapes outside the guide.
     #[inline]
-    pub(crate) fn place(&self, at: &Interaction, normal: DVec3) -> Option<GridPlace> {
+    pub(crate) fn place(&self, at: &Interaction, normal: DVec3) -> Option<GridVertex> {
         let (chart, first) = self.charts.get(at.id as usize)?.as_ref()?;
         let (sheet, place) = chart.locate(at);
         let cell = first + cell_of(self.settings.cells, sheet, place);
-        Some(GridPlace { cell, frame: Frame::from_z_and_tangent(normal, chart.tangent(at)) })
+        Some(GridVertex { cell, frame: Frame::from_z_and_tangent(normal, chart.tangent(at)) })
     }
 
     fn density(&self, cell: u32) -> &Density<2> {
@@ -193,9 +193,9 @@ impl GridGuide {
 
     /// Draws a direction.
     #[inline]
-    pub(crate) fn sample(&self, place: &GridPlace, xi: DVec2) -> GridDraw {
+    pub(crate) fn sample(&self, place: &GridVertex, xi: DVec2) -> GridSample {
         let sample = self.density(place.cell).sample(&xi.to_array());
-        GridDraw {
+        GridSample {
             direction: place.frame.to_world(to_hemisphere(sample.point)),
             pdf: sample.pdf / TAU,
             function: sample.function as u32,
@@ -204,7 +204,7 @@ impl GridGuide {
 
     /// Density per steradian of `direction`; 0 below the surface.
     #[inline]
-    pub(crate) fn pdf(&self, place: &GridPlace, direction: DVec3) -> f64 {
+    pub(crate) fn pdf(&self, place: &GridVertex, direction: DVec3) -> f64 {
         let local = place.frame.to_local(direction);
         if local.z <= 0.0 { 0.0 } else { self.density(place.cell).pdf(&to_square(local)) / TAU }
     }
@@ -221,7 +221,7 @@ impl GridGuide {
     pub(crate) fn taught(&self, sums: &GridSums, growth: f64) -> (Self, GridSums) {
         let passes = self.passes.saturating_add(1);
         let (from, to) = (level(&self.settings, self.passes), level(&self.settings, passes));
-        let mut cells: Vec<Option<Box<Learnt>>> = Vec::with_capacity(self.cells.len());
+        let mut cells: Vec<Option<Box<FittedCells>>> = Vec::with_capacity(self.cells.len());
         let finer = (from != to).then(|| self.scales.basis([to as usize; 2]).ok()).flatten();
         for (cell, old) in (0..).zip(&self.cells) {
             let new = sums.cell(cell).and_then(|words| self.learnt(&words)).or_else(|| old.clone());
@@ -238,7 +238,7 @@ impl GridGuide {
     }
 
     /// The density that follows from number and light of the directions of each function; `None` if none brought light.
-    fn learnt(&self, words: &[(u64, u64)]) -> Option<Box<Learnt>> {
+    fn learnt(&self, words: &[(u64, u64)]) -> Option<Box<FittedCells>> {
         let basis = self.basis();
         let weights = basis.weights();
         let means = words.iter().map(|&(n, light)| if n > 0 { light as f64 / n as f64 } else { 0.0 });
@@ -250,7 +250,7 @@ impl GridGuide {
             samples: words.iter().map(|&(n, _)| n).sum(),
         };
         estimate.fill_from_neighbours(basis).ok()?;
-        // All functions together are a constant: so are their inner products.
+        // The functions sum to a constant, and so do their inner products.
         let mean = estimate.values.iter().sum::<f64>() * basis.unit_coefficient();
         if !(mean > 0.0 && mean.is_finite()) {
             return None;
@@ -259,22 +259,22 @@ impl GridGuide {
         basis.to_primary(&mut approximation).ok()?;
         approximation.iter_mut().for_each(|c| *c /= mean);
         FLOOR.apply(basis, &mut approximation, 1.0);
-        Learnt::new(basis, approximation.iter().map(|&c| c as f32).collect())
+        FittedCells::new(basis, approximation.iter().map(|&c| c as f32).collect())
     }
 
-    /// The same density on a finer level.
+    /// The density on a finer level.
     fn refined(
         &self,
-        learnt: &Learnt,
+        learnt: &FittedCells,
         basis: &Arc<TensorBasis<2>>,
         [from, to]: [u32; 2],
-    ) -> Option<Box<Learnt>> {
+    ) -> Option<Box<FittedCells>> {
         let levels = [from, to].map(|level| [level as usize; 2]);
         let refined = self.scales.refine(learnt.density.coefficients(), levels[0], levels[1]).ok()?;
-        Learnt::new(basis, refined.iter().map(|&c| c as f32).collect())
+        FittedCells::new(basis, refined.iter().map(|&c| c as f32).collect())
     }
 
-    /// How large it is.
+    /// Its size.
     pub(crate) fn size(&self) -> GuideSize {
         let active = self.cells.iter().flatten().count();
         let functions = self.basis().len();
@@ -283,7 +283,7 @@ impl GridGuide {
     }
 }
 
-impl Learnt {
+impl FittedCells {
     fn new(basis: &Arc<TensorBasis<2>>, coefficients: Vec<f32>) -> Option<Box<Self>> {
         let wide = coefficients.iter().map(|&c| f64::from(c)).collect();
         let density = Density::try_new(basis.clone(), wide).ok()?;
@@ -298,7 +298,7 @@ const CELL_OVERHEAD: u64 = 8 + 24;
 /// precisions and a sum of probabilities for the density, for each function and a row of them.
 fn cell_bytes(functions: usize) -> u64 {
     let row = (functions as f64).sqrt().ceil() as u64;
-    CELL_OVERHEAD + size_of::<Learnt>() as u64 + (2 * 8 + 8 + 4 + 8) * functions as u64 + 8 * row
+    CELL_OVERHEAD + size_of::<FittedCells>() as u64 + (2 * 8 + 8 + 4 + 8) * functions as u64 + 8 * row
 }
 
 /// The level of the densities after so many passes.

@@ -1,4 +1,4 @@
-//! What the directions of each function of each density brought home.
+//! Sums of incident light per basis function of each density.
 //!
 //! Sums are integers in units of a small share of a typical luminance, as those of the tree's lessons, so that they depend on
 //! which records were added alone. Light is not divided by a density: a term is what arrived times its cosine.
@@ -27,14 +27,14 @@ pub(crate) struct GridRecord {
     pub(crate) light: Spectrum,
     /// Throughput beyond the vertex.
     pub(crate) beyond: Spectrum,
-    /// What of the light found from here on is not to be learnt; `None`: all of it.
+    /// Light found from here on that is excluded from training; `None`: all of it.
     pub(crate) left_out: Option<Spectrum>,
 }
 
 impl GridRecord {
     /// The luminance to be learnt that arrived along the direction; `all`: the light of the whole path.
     ///
-    /// What scatters no red says nothing of the red that arrives: it counts as none.
+    /// A surface that scatters no red gives no information on incident red: it counts as none.
     fn arrived(&self, all: Spectrum, wavelengths: &Wavelengths) -> f64 {
         let Some(left_out) = self.left_out else { return 0.0 };
         let found = all - self.light - left_out;
@@ -99,7 +99,7 @@ impl GridSums {
         }
     }
 
-    /// The same light in units that are `growth` times as large, a power of two.
+    /// The same light in units larger by the factor `growth`, a power of two.
     pub(super) fn rescaled(&self, growth: f64) -> Self {
         let mut new = Self::new(self.cells.len(), self.functions);
         let scaled = |light: u64| match growth {

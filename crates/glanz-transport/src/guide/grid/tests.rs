@@ -1,4 +1,4 @@
-//! What densities learn from light that is known, and what becomes of them in files.
+//! Tests of densities fitted to known light, and of their files.
 
 use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
 use glanz_math::{DMat4, Ray};
@@ -58,7 +58,7 @@ fn scene() -> Scene {
 }
 
 /// The place that a ray meets.
-fn place(guide: &GridGuide, scene: &Scene, from: [f64; 3], to: [f64; 3]) -> GridPlace {
+fn place(guide: &GridGuide, scene: &Scene, from: [f64; 3], to: [f64; 3]) -> GridVertex {
     let (from, to) = (DVec3::from(from), DVec3::from(to));
     let hit = scene.intersect(&Ray::new(from, (to - from).normalize()), f64::INFINITY).unwrap();
     guide.place(&hit, hit.point.shading_normal * hit.point.shading_normal.dot(hit.wo).signum()).unwrap()
@@ -68,11 +68,11 @@ fn xi(seed: u64, i: u64) -> DVec2 {
     DVec2::new(unit_f64(combine(seed, 2 * i)), unit_f64(combine(seed, 2 * i + 1)))
 }
 
-/// What the pass with `count` directions of `guide` at `place` teaches, where light comes as `light` says of the local direction.
+/// Trains with `count` directions of `guide` at `place` under incident light `light` of the local direction.
 fn taught(
     guide: &GridGuide,
     sums: &GridSums,
-    place: &GridPlace,
+    place: &GridVertex,
     count: u64,
     light: impl Fn(DVec3) -> f64,
 ) -> (GridGuide, GridSums) {
@@ -129,7 +129,7 @@ fn cells_end_at_seams_and_sides() {
     let wall = |y: f64, z: f64| cell([12.0, y, z], [9.0, y, z]) - 4 * n * n;
     assert_eq!([wall(0.01, 0.01), wall(1.99, 0.01), wall(0.01, 3.99)], [0, (n - 1) * n, n - 1]);
     assert_eq!(wall(1.0 - 1e-9, 2.0 + 1e-9), 3 * n + 4);
-    // What is on the border belongs inside.
+    // Points on the border belong inside.
     assert_eq!(cell_of(n, 0, DVec2::ONE), n * n - 1);
     assert_eq!(cell_of(n, 1, DVec2::ZERO), n * n);
 }

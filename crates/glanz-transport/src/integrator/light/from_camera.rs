@@ -4,19 +4,19 @@ use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DVec2, DVec3, Ray};
 use glanz_scene::{Interaction, LightId, Reference};
 
-use super::weights::FromCamera;
+use super::weights::CameraPathWeights;
 use super::{LightPaths, turn};
-use crate::integrator::vertex::{Scattered, Vertex, roulette};
-use crate::integrator::walk::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
+use crate::integrator::path_tracer::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
+use crate::integrator::vertex::{ScatteredRay, Vertex, roulette};
 use crate::integrator::{Context, FIRST_DIMENSION};
 
-/// How the ray that is under way was chosen.
-struct Way {
-    /// Where it was scattered.
+/// Sampling state of the current ray.
+struct CameraRay {
+    /// Position of the vertex.
     from: Reference,
     /// Density per solid angle of its direction; infinite from a mirror.
     pdf: f64,
-    weights: FromCamera,
+    weights: CameraPathWeights,
 }
 
 impl LightPaths {
@@ -26,7 +26,7 @@ impl LightPaths {
         let (mut light, mut throughput) = (Spectrum::BLACK, Spectrum::ONE);
         let mut eta_scale = 1.0_f32;
         // `None` while nothing scattered: what is seen directly no other way looks for.
-        let mut way: Option<Way> = None;
+        let mut way: Option<CameraRay> = None;
         let (mut depth, mut interfaces) = (0, 0);
         loop {
             let Some(hit) = context.intersect(&ray) else {
@@ -65,20 +65,20 @@ impl LightPaths {
                 throughput *= factor;
             }
             let weights = passed(&weights, &vertex, &scattered);
-            way = Some(Way { from: hit.reference(), pdf: scattered.pdf, weights });
+            way = Some(CameraRay { from: hit.reference(), pdf: scattered.pdf, weights });
             ray = hit.spawn(scattered.direction);
         }
     }
 }
 
-/// What is known at the first vertex.
-fn first(context: &Context<'_>, hit: &Interaction, direction: DVec3) -> FromCamera {
+/// State at the first vertex.
+fn first(context: &Context<'_>, hit: &Interaction, direction: DVec3) -> CameraPathWeights {
     let density = context.scene.camera().density(hit.point.position, direction);
-    FromCamera::new(context.light_paths(), density)
+    CameraPathWeights::new(context.light_paths(), density)
 }
 
-/// What is known at the vertex that follows after `vertex`.
-fn passed(weights: &FromCamera, vertex: &Vertex<'_>, scattered: &Scattered) -> FromCamera {
+/// State at the vertex that follows `vertex`.
+fn passed(weights: &CameraPathWeights, vertex: &Vertex<'_>, scattered: &ScatteredRay) -> CameraPathWeights {
     if scattered.is_delta {
         weights.mirrored(vertex.is_seen_alike(scattered.direction))
     } else {
@@ -87,12 +87,12 @@ fn passed(weights: &FromCamera, vertex: &Vertex<'_>, scattered: &Scattered) -> F
 }
 
 /// Light that left the scene's infinite lights along `ray`.
-fn escaped(context: &Context<'_>, ray: &Ray, way: Option<&Way>) -> Spectrum {
+fn escaped(context: &Context<'_>, ray: &Ray, way: Option<&CameraRay>) -> Spectrum {
     let scene = context.scene;
     let lights = scene.infinite_lights().iter();
     lights
         .map(|&id| {
-            let sampled = |way: &Way| scene.infinite_pdf(id, &way.from, ray.direction).0;
+            let sampled = |way: &CameraRay| scene.infinite_pdf(id, &way.from, ray.direction).0;
             scene.infinite_radiance(id, ray)
                 * weight_of_hit(context, id, way, ray.direction, None, sampled) as f32
         })
@@ -100,13 +100,13 @@ fn escaped(context: &Context<'_>, ray: &Ray, way: Option<&Way>) -> Spectrum {
 }
 
 /// Light that the surface at `hit` gives off itself.
-fn emitted(context: &Context<'_>, hit: &Interaction, way: Option<&Way>) -> Spectrum {
+fn emitted(context: &Context<'_>, hit: &Interaction, way: Option<&CameraRay>) -> Spectrum {
     let Some(id) = hit.light() else { return Spectrum::BLACK };
     let emitted = context.scene.emitted(hit, hit.wo);
     if emitted.is_black() {
         return emitted;
     }
-    let sampled = |way: &Way| context.scene.light_pdf(id, &way.from, hit).0;
+    let sampled = |way: &CameraRay| context.scene.light_pdf(id, &way.from, hit).0;
     emitted * weight_of_hit(context, id, way, -hit.wo, hit.area_pdf(), sampled) as f32
 }
 
@@ -114,10 +114,10 @@ fn emitted(context: &Context<'_>, hit: &Interaction, way: Option<&Way>) -> Spect
 fn weight_of_hit(
     context: &Context<'_>,
     id: LightId,
-    way: Option<&Way>,
+    way: Option<&CameraRay>,
     wi: DVec3,
     area_pdf: Option<AreaPdf>,
-    sampled: impl FnOnce(&Way) -> f64,
+    sampled: impl FnOnce(&CameraRay) -> f64,
 ) -> f64 {
     let Some(way) = way else { return 1.0 };
     let probability = context.scene.light_probability(id);
@@ -130,7 +130,7 @@ fn weight_of_hit(
 fn sampled(
     context: &mut Context<'_>,
     vertex: &Vertex<'_>,
-    weights: &FromCamera,
+    weights: &CameraPathWeights,
     xi_light: f64,
     xi: DVec2,
 ) -> Spectrum {

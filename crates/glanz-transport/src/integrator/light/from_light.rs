@@ -4,17 +4,17 @@ use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::{Light, LightId, LightRay, Reference};
 
-use super::weights::FromLight;
+use super::weights::LightPathWeights;
 use super::{LightPaths, turn};
+use crate::integrator::path_tracer::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
 use crate::integrator::vertex::{Vertex, roulette};
-use crate::integrator::walk::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
 use crate::integrator::{Context, DEPTH_LIMIT, FIRST_DIMENSION};
 
 /// The sampler's first dimension of this walk, after all those of the other.
 const FIRST_LIGHT_DIMENSION: u32 = FIRST_DIMENSION + DIMENSIONS_PER_EVENT * (DEPTH_LIMIT + 1);
 
-/// Where a path begins.
-struct Start {
+/// First vertex of a light path.
+struct LightPathStart {
     id: LightId,
     /// With which the light was picked.
     probability: f64,
@@ -22,7 +22,7 @@ struct Start {
     is_delta: bool,
 }
 
-impl Start {
+impl LightPathStart {
     /// By the first group of numbers: direction and place, then the light.
     fn pick(context: &mut Context<'_>) -> Option<Self> {
         context.sampler.skip_to_dimension(FIRST_LIGHT_DIMENSION);
@@ -35,10 +35,10 @@ impl Start {
     }
 
     /// At the first vertex.
-    fn weights(&self, context: &Context<'_>, vertex: &Vertex<'_>) -> FromLight {
+    fn weights(&self, context: &Context<'_>, vertex: &Vertex<'_>) -> LightPathWeights {
         let at = vertex.at.point.position;
         let pdf = context.scene.emission_pdf(self.id, at, vertex.at.wo, self.light.area_pdf);
-        FromLight::new(context.light_paths(), self.probability * pdf, self.is_delta)
+        LightPathWeights::new(context.light_paths(), self.probability * pdf, self.is_delta)
     }
 
     /// Density of light sampling from the first vertex, as `seen` from the camera's side.
@@ -54,11 +54,11 @@ impl LightPaths {
         if context.light_paths() <= 0.0 {
             return;
         }
-        let Some(start) = Start::pick(context) else { return };
+        let Some(start) = LightPathStart::pick(context) else { return };
         let mut ray = start.light.ray;
         let mut flux = start.light.power * (1.0 / start.probability) as f32;
         let mut left = Spectrum::ONE;
-        let mut weights: Option<FromLight> = None;
+        let mut weights: Option<LightPathWeights> = None;
         let (mut depth, mut interfaces) = (0, 0);
         while depth < self.max_depth {
             let Some(hit) = context.intersect(&ray) else { return };
@@ -110,8 +110,8 @@ fn connect(
     context: &mut Context<'_>,
     vertex: &Vertex<'_>,
     flux: Spectrum,
-    start: &Start,
-    weights: &FromLight,
+    start: &LightPathStart,
+    weights: &LightPathWeights,
     xi_lens: DVec2,
     xi_pixel: f64,
 ) {
@@ -140,11 +140,11 @@ fn connect(
 fn go_on(
     context: &Context<'_>,
     vertex: &Vertex<'_>,
-    start: &Start,
-    weights: &FromLight,
+    start: &LightPathStart,
+    weights: &LightPathWeights,
     xi: DVec2,
     xi_lobe: f64,
-) -> Option<(DVec3, Spectrum, FromLight)> {
+) -> Option<(DVec3, Spectrum, LightPathWeights)> {
     let scattered = vertex.sample_flux(xi, xi_lobe)?;
     let (to_light, to_camera) = (vertex.at.wo, scattered.direction);
     if scattered.is_delta {

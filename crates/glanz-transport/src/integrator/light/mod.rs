@@ -7,7 +7,7 @@ mod weights;
 use glanz_light::Spectrum;
 use glanz_math::DVec3;
 
-use self::weights::Turn;
+use self::weights::ScatteringDensities;
 use super::vertex::Vertex;
 use super::{Context, Integrator, IntegratorSettings};
 
@@ -43,9 +43,9 @@ impl Integrator for LightPaths {
 
 /// The vertex of a path with the unit directions to light and camera; `light_pdf`: density with which a walk from the camera goes on
 /// to the light.
-fn turn(vertex: &Vertex<'_>, to_light: DVec3, to_camera: DVec3, light_pdf: f64) -> Turn {
+fn turn(vertex: &Vertex<'_>, to_light: DVec3, to_camera: DVec3, light_pdf: f64) -> ScatteringDensities {
     let normal = vertex.at.point.normal;
-    Turn {
+    ScatteringDensities {
         light_cos: normal.dot(to_light).abs(),
         camera_cos: normal.dot(to_camera).abs(),
         light_pdf,

@@ -30,9 +30,9 @@
 //! # Source
 //! @veach1997 chapters 9 and 10; @georgiev2012 for running quantities in place of whole paths.
 
-/// What the weights need to know of a vertex where light is scattered.
+/// Densities at a scattering vertex that the MIS weights need.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Turn {
+pub(super) struct ScatteringDensities {
     /// Cosine of the direction to the light to the surface, above 0.
     pub(super) light_cos: f64,
     /// Of that to the camera.
@@ -43,29 +43,29 @@ pub(super) struct Turn {
     pub(super) camera_pdf: f64,
 }
 
-/// What a walk from the camera knows when it arrives at a vertex z_j: sent / hit without the factors of z_j and those before.
+/// Partial MIS sums of a camera path at a vertex z_j: sent / hit without the factors of z_j and those before.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FromCamera {
+pub(super) struct CameraPathWeights {
     sent: f64,
-    /// Whether the vertex is the first that the camera sees.
+    /// True for the first vertex after the camera.
     is_first: bool,
 }
 
-impl FromCamera {
+impl CameraPathWeights {
     /// At the first vertex. `light_paths`: N, 0 if none are sent; `density`: c.
     pub(super) fn new(light_paths: f64, density: f64) -> Self {
         Self { sent: if light_paths > 0.0 { light_paths / density } else { 0.0 }, is_first: true }
     }
 
     /// The factor of the vertex, but for the density of going on to the light.
-    fn factor(&self, turn: &Turn) -> f64 {
+    fn factor(&self, turn: &ScatteringDensities) -> f64 {
         // No walk from the light goes on from here to the camera: it is connected.
         let onwards = if self.is_first { 1.0 } else { turn.camera_pdf };
         turn.light_cos / turn.camera_cos * onwards
     }
 
     /// At the next vertex, where light is scattered at this one.
-    pub(super) fn scattered(&self, turn: &Turn) -> Self {
+    pub(super) fn scattered(&self, turn: &ScatteringDensities) -> Self {
         Self { sent: self.sent * self.factor(turn) / turn.light_pdf, is_first: false }
     }
 
@@ -81,23 +81,29 @@ impl FromCamera {
     }
 
     /// Weight of sampling a light from this vertex; `emission` and `sampled` as before.
-    pub(super) fn weight_of_sampled(&self, turn: &Turn, emission: f64, sampled: f64, is_delta: bool) -> f64 {
+    pub(super) fn weight_of_sampled(
+        &self,
+        turn: &ScatteringDensities,
+        emission: f64,
+        sampled: f64,
+        is_delta: bool,
+    ) -> f64 {
         let hit = if is_delta { 0.0 } else { turn.light_pdf };
         weight(self.sent * self.factor(turn) * emission / sampled, hit / sampled)
     }
 }
 
-/// What a walk from a light knows when it arrives at a vertex z_j: hit / sent and sampled / sent without the factors of z_j and those
+/// Partial MIS sums of a light path at a vertex z_j: hit / sent and sampled / sent without the factors of z_j and those
 /// after.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FromLight {
+pub(super) struct LightPathWeights {
     hit: f64,
     sampled: f64,
-    /// Whether the vertex is z_1, whose light sampling is not yet in `sampled`.
+    /// True for the vertex z_1, whose light sampling is not yet in `sampled`.
     is_first: bool,
 }
 
-impl FromLight {
+impl LightPathWeights {
     /// At z_1. `light_paths`: N; `emission`: e, with the probability of the light.
     pub(super) fn new(light_paths: f64, emission: f64, is_delta: bool) -> Self {
         let sent = 1.0 / (light_paths * emission);
@@ -106,14 +112,14 @@ impl FromLight {
 
     /// Both ratios with the factor of the vertex, but for the density of going on to the camera. `sampled`: p_N, with the probability of the
     /// light, asked for at z_1.
-    fn ratios(&self, turn: &Turn, sampled: impl FnOnce() -> f64) -> [f64; 2] {
+    fn ratios(&self, turn: &ScatteringDensities, sampled: impl FnOnce() -> f64) -> [f64; 2] {
         let cosines = turn.camera_cos / turn.light_cos;
         let picked = if self.is_first { sampled() } else { turn.light_pdf };
         [self.hit * cosines * turn.light_pdf, self.sampled * cosines * picked]
     }
 
     /// At the next vertex, where light is scattered at this one.
-    pub(super) fn scattered(&self, turn: &Turn, sampled: impl FnOnce() -> f64) -> Self {
+    pub(super) fn scattered(&self, turn: &ScatteringDensities, sampled: impl FnOnce() -> f64) -> Self {
         let [hit, sampled] = self.ratios(turn, sampled).map(|ratio| ratio / turn.camera_pdf);
         Self { hit, sampled, is_first: false }
     }
@@ -124,7 +130,12 @@ impl FromLight {
     }
 
     /// Weight of connecting this vertex to the camera, `density`: c.
-    pub(super) fn weight_of_sent(&self, turn: &Turn, density: f64, sampled: impl FnOnce() -> f64) -> f64 {
+    pub(super) fn weight_of_sent(
+        &self,
+        turn: &ScatteringDensities,
+        density: f64,
+        sampled: impl FnOnce() -> f64,
+    ) -> f64 {
         let [hit, sampled] = self.ratios(turn, sampled);
         weight(hit * density, sampled * density)
     }
@@ -141,15 +152,15 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// What happens at a vertex.
+    /// Event at a vertex.
     #[derive(Clone, Copy, Debug)]
     enum Event {
-        Scattered(Turn),
+        ScatteredRay(ScatteringDensities),
         Mirrored,
     }
 
     #[derive(Clone, Copy, Debug)]
-    struct Ends {
+    struct PathEnds {
         light_paths: f64,
         density: f64,
         emission: f64,
@@ -158,14 +169,14 @@ mod tests {
     }
 
     /// Weights of hit, sampled and sent of the path through `events`, z_1 first; 0 for ways that do not find it.
-    fn weights(events: &[Event], ends: &Ends) -> [f64; 3] {
-        let Ends { light_paths, density, emission, sampled, is_delta } = *ends;
+    fn weights(events: &[Event], ends: &PathEnds) -> [f64; 3] {
+        let PathEnds { light_paths, density, emission, sampled, is_delta } = *ends;
         let [mut hit, mut picked, mut sent] = [0.0; 3];
-        let mut camera = FromCamera::new(light_paths, density);
+        let mut camera = CameraPathWeights::new(light_paths, density);
         let mut pdf = 0.0;
         for (j, event) in events.iter().enumerate().rev() {
             match event {
-                Event::Scattered(turn) => {
+                Event::ScatteredRay(turn) => {
                     if j == 0 {
                         picked = camera.weight_of_sampled(turn, emission, sampled, is_delta);
                     }
@@ -177,13 +188,13 @@ mod tests {
         if !is_delta {
             hit = camera.weight_of_hit(emission, sampled, pdf);
         }
-        let mut light = FromLight::new(light_paths, emission, is_delta);
+        let mut light = LightPathWeights::new(light_paths, emission, is_delta);
         for (j, event) in events.iter().enumerate() {
             match event {
-                Event::Scattered(turn) if j + 1 == events.len() => {
+                Event::ScatteredRay(turn) if j + 1 == events.len() => {
                     sent = light.weight_of_sent(turn, density, || sampled);
                 }
-                Event::Scattered(turn) => light = light.scattered(turn, || sampled),
+                Event::ScatteredRay(turn) => light = light.scattered(turn, || sampled),
                 Event::Mirrored => light = light.mirrored(),
             }
         }
@@ -193,7 +204,7 @@ mod tests {
     fn event() -> impl Strategy<Value = Event> {
         let pdf = 1e-3..1e3;
         let turn = (0.01..1.0, 0.01..1.0, pdf.clone(), pdf).prop_map(|(light_cos, camera_cos, l, c)| {
-            Event::Scattered(Turn { light_cos, camera_cos, light_pdf: l, camera_pdf: c })
+            Event::ScatteredRay(ScatteringDensities { light_cos, camera_cos, light_pdf: l, camera_pdf: c })
         });
         prop_oneof![2 => turn, 1 => Just(Event::Mirrored)]
     }
@@ -205,7 +216,7 @@ mod tests {
             (light_paths, density, emission, sampled) in (1.0..1e6, 1e-3..1e6, 1e-3..1e3, 1e-3..1e3),
             is_delta: bool,
         ) {
-            let ends = Ends { light_paths, density, emission, sampled, is_delta };
+            let ends = PathEnds { light_paths, density, emission, sampled, is_delta };
             let sum: f64 = weights(&events, &ends).into_iter().sum();
             let is_mirror = |event: Option<&Event>| matches!(event, Some(Event::Mirrored));
             let lost = is_delta && is_mirror(events.first()) && is_mirror(events.last());
@@ -217,14 +228,14 @@ mod tests {
     #[test]
     fn weights_are_those_of_the_densities() {
         // k = 3, all squared distances 1.
-        let turn = |light_cos, camera_cos, light_pdf, camera_pdf| Turn {
+        let turn = |light_cos, camera_cos, light_pdf, camera_pdf| ScatteringDensities {
             light_cos,
             camera_cos,
             light_pdf,
             camera_pdf,
         };
         let (z1, z2) = (turn(0.5, 0.25, 3.0, 2.0), turn(0.8, 0.4, 5.0, 7.0));
-        let ends = Ends { light_paths: 10.0, density: 4.0, emission: 0.3, sampled: 1.5, is_delta: false };
+        let ends = PathEnds { light_paths: 10.0, density: 4.0, emission: 0.3, sampled: 1.5, is_delta: false };
         let cos_0 = 0.9;
         // From the camera: z_2 by density times cosine, z_1 by p_2 b_1, z_0 by p_1 or p_N times its cosine.
         let common = 4.0 * 0.4 * (5.0 * 0.25);
@@ -233,7 +244,7 @@ mod tests {
         let sent = 10.0 * (0.3 * cos_0) * 0.5 * (2.0 * 0.8);
         let squares = [hit, sampled, sent].map(|p: f64| p * p);
         let sum: f64 = squares.iter().sum();
-        let found = weights(&[Event::Scattered(z1), Event::Scattered(z2)], &ends);
+        let found = weights(&[Event::ScatteredRay(z1), Event::ScatteredRay(z2)], &ends);
         for (found, square) in found.into_iter().zip(squares) {
             assert!((found - square / sum).abs() < 1e-12, "{found} {}", square / sum);
         }
@@ -241,8 +252,8 @@ mod tests {
 
     #[test]
     fn without_paths_from_lights_the_weights_are_those_of_light_sampling() {
-        let turn = Turn { light_cos: 0.5, camera_cos: 0.5, light_pdf: 2.0, camera_pdf: 1.0 };
-        let camera = FromCamera::new(0.0, 0.0);
+        let turn = ScatteringDensities { light_cos: 0.5, camera_cos: 0.5, light_pdf: 2.0, camera_pdf: 1.0 };
+        let camera = CameraPathWeights::new(0.0, 0.0);
         assert_eq!(camera.weight_of_sampled(&turn, 3.0, 1.0, false), 0.2);
         assert_eq!(camera.scattered(&turn).weight_of_hit(3.0, 1.0, 2.0), 0.8);
     }

@@ -1,4 +1,4 @@
-//! What the paths of a pass found, added up for the next guide.
+//! Sums over the paths of a pass, from which the next guide is fitted.
 //!
 //! All sums are integers, so that they depend on which records were added, not on the order or on threads (see
 //! [`crate::exact`]). The quantum is set by the scene: 2^-20 of a typical luminance for light and 2^-24 of its square for squares.
@@ -11,9 +11,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_scene::MAX_LIGHT_GROUPS;
 
-use super::directions::Leaf;
-use super::mixture::{SHARES, Share, density};
-use super::record::{LampRecord, Record};
+use super::directions::QuadtreeLeaf;
+use super::mixture::{MixtureWeight, SHARES, density};
+use super::record::{DirectionRecord, LightGroupRecord};
 
 /// Largest number of quanta of one term of light, and of one of squares.
 const LARGEST_LIGHT: f64 = (1_u64 << 40) as f64;
@@ -25,12 +25,12 @@ const MOMENT_QUANTA: f64 = (1_u64 << 24) as f64;
 /// the second moment of each group.
 const CELL_WORDS: usize = LAMP_WORDS + 1 + MAX_LIGHT_GROUPS;
 
-/// Where the words of the lamps begin.
+/// Offset of the words of the light groups.
 const LAMP_WORDS: usize = 3 + SHARES;
 
-/// What the records of a cell say, light and moments in quanta.
+/// Sums of the records of a cell, light and moments in quanta.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct CellLessons {
+pub(crate) struct CellTrainingSums {
     /// Number of records.
     pub(crate) records: u64,
     /// Sums of the light of each over its density, and of the square of that, in quanta of light.
@@ -46,7 +46,7 @@ pub(crate) struct CellLessons {
 
 /// Sums of one pass.
 #[derive(Debug)]
-pub(crate) struct Lessons {
+pub(crate) struct TrainingSums {
     /// [`CELL_WORDS`] for each cell.
     cells: Vec<AtomicU64>,
     /// Square of the light over the density for each leaf of the direction trees.
@@ -63,19 +63,19 @@ fn read(words: &[AtomicU64]) -> Vec<u64> {
     words.iter().map(|word| word.load(Ordering::Relaxed)).collect()
 }
 
-impl Clone for Lessons {
+impl Clone for TrainingSums {
     fn clone(&self) -> Self {
         Self::from_words(&read(&self.cells), &read(&self.leaves), self.cut())
     }
 }
 
-impl PartialEq for Lessons {
+impl PartialEq for TrainingSums {
     fn eq(&self, other: &Self) -> bool {
         self.to_words() == other.to_words() && self.cut() == other.cut()
     }
 }
 
-impl Lessons {
+impl TrainingSums {
     /// Nothing learnt yet.
     pub(crate) fn new(cells: usize, leaves: usize) -> Self {
         Self { cells: zeros(cells * CELL_WORDS), leaves: zeros(leaves), cut: AtomicU64::new(0) }
@@ -86,7 +86,7 @@ impl Lessons {
         Self { cells: atomic(cells), leaves: atomic(leaves), cut: AtomicU64::new(cut) }
     }
 
-    /// All sums, those of cells first; [`Lessons::set_words`] takes them back.
+    /// The sums, those of cells first; [`TrainingSums::set_words`] restores them.
     pub(crate) fn to_words(&self) -> Vec<u64> {
         let mut words = read(&self.cells);
         words.extend(read(&self.leaves));
@@ -94,12 +94,12 @@ impl Lessons {
         words
     }
 
-    /// Number of words of [`Lessons::to_words`] with so many cells and leaves.
+    /// Number of words of [`TrainingSums::to_words`] with so many cells and leaves.
     pub(crate) fn words_for(cells: usize, leaves: usize) -> usize {
         cells * CELL_WORDS + leaves + 1
     }
 
-    /// Replaces all sums by those of [`Lessons::to_words`].
+    /// Replaces all sums by those of [`TrainingSums::to_words`].
     pub(crate) fn set_words(&mut self, mut words: impl Iterator<Item = u64>) {
         let mut next = || AtomicU64::new(words.next().unwrap_or_default());
         self.cells.iter_mut().chain(&mut self.leaves).for_each(|word| *word = next());
@@ -113,7 +113,13 @@ impl Lessons {
 
     /// Adds what the path of `record` found; `all`: the light of the whole path. `typical`: a typical luminance, above 0.
     #[inline]
-    pub(crate) fn add(&self, record: &Record, all: Spectrum, wavelengths: &Wavelengths, typical: f64) {
+    pub(crate) fn add(
+        &self,
+        record: &DirectionRecord,
+        all: Spectrum,
+        wavelengths: &Wavelengths,
+        typical: f64,
+    ) {
         let words = CELL_WORDS * record.cell as usize;
         let Some([count, sum, squares, moments @ ..]) = self.cells.get(words..words + LAMP_WORDS) else {
             return;
@@ -135,7 +141,7 @@ impl Lessons {
         let relative = went_on / typical;
         let square = relative * relative * record.pdf * MOMENT_QUANTA;
         for (i, moment) in (0_u8..).zip(moments) {
-            let mixed = density(Share(i).probability(), record.guide_pdf, record.bsdf_pdf);
+            let mixed = density(MixtureWeight(i).probability(), record.guide_pdf, record.bsdf_pdf);
             if mixed > 0.0 {
                 moment.fetch_add(self.quanta(square / mixed, LARGEST_SQUARE), Ordering::Relaxed);
             }
@@ -144,7 +150,7 @@ impl Lessons {
 
     /// Adds what a lamp brought. `typical`: a typical luminance, above 0.
     #[inline]
-    pub(crate) fn add_lamp(&self, record: &LampRecord, typical: f64) {
+    pub(crate) fn add_lamp(&self, record: &LightGroupRecord, typical: f64) {
         let words = CELL_WORDS * record.cell as usize + LAMP_WORDS;
         let Some([count, moments @ ..]) = self.cells.get(words..words + 1 + MAX_LIGHT_GROUPS) else { return };
         count.fetch_add(1, Ordering::Relaxed);
@@ -167,18 +173,18 @@ impl Lessons {
     ///
     /// The second moment, the sum over all leaves of that integral over the density, is then the least of all densities that are constant in
     /// each leaf (@rath2020); where the light of a leaf is even and always the same it is its light.
-    pub(crate) fn weight(&self, leaf: Leaf) -> f64 {
+    pub(crate) fn weight(&self, leaf: QuadtreeLeaf) -> f64 {
         let square =
             self.leaves.get(leaf.number as usize).map_or(0.0, |word| word.load(Ordering::Relaxed) as f64);
         (square * leaf.area).sqrt()
     }
 
-    /// What the records of a cell say.
-    pub(crate) fn cell(&self, cell: u32) -> CellLessons {
+    /// Sums of the records of a cell.
+    pub(crate) fn cell(&self, cell: u32) -> CellTrainingSums {
         let word = |i: usize| {
             self.cells.get(CELL_WORDS * cell as usize + i).map_or(0, |w| w.load(Ordering::Relaxed))
         };
-        CellLessons {
+        CellTrainingSums {
             records: word(0),
             light: word(1) as f64,
             squared_light: word(2) as f64 * (LIGHT_QUANTA * LIGHT_QUANTA / MOMENT_QUANTA),
@@ -202,9 +208,9 @@ mod tests {
     fn weight_is_the_root_of_mean_squared_light() {
         // Light of 3 and 1 by turns in leaf 0; of 2 in leaf 1, where twice as many directions are drawn, at twice the density, and in leaf 2.
         let even = 0.25 / std::f64::consts::PI;
-        let lessons = Lessons::new(1, 3);
+        let lessons = TrainingSums::new(1, 3);
         let add = |leaf, light: f32, pdf: f64| {
-            let record = Record {
+            let record = DirectionRecord {
                 cell: 0,
                 leaf,
                 cosine: 0.5,
@@ -224,7 +230,7 @@ mod tests {
             add(1, 2.0, 2.0 * even);
             add(2, 2.0, even);
         }
-        let weight = |number, area| lessons.weight(Leaf { number, share: 0.0, area });
+        let weight = |number, area| lessons.weight(QuadtreeLeaf { number, share: 0.0, area });
         let even_light = weight(1, 0.25);
         assert!((weight(0, 0.25) / even_light - (5.0_f64 / 4.0).sqrt()).abs() < 1e-6);
         // The sums are integrals of squared light over a leaf: those of leaves 1 and 2 are equal.

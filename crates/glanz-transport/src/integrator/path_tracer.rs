@@ -5,7 +5,7 @@ use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::mis;
 use glanz_scene::{Interaction, LightId, Scene};
 
-use super::vertex::{Origin, Scattered, Vertex};
+use super::vertex::{PreviousVertex, ScatteredRay, Vertex};
 use super::{Context, FIRST_DIMENSION, IntegratorSettings};
 
 /// Scattering events before Russian roulette may end a path.
@@ -17,104 +17,114 @@ pub(super) const DIMENSIONS_PER_EVENT: u32 = 8;
 /// Interfaces that a ray may pass between two scattering events; more are taken for a ray that does not advance.
 pub(crate) const INTERFACE_LIMIT: u32 = 1000;
 
-/// What draws the directions in which a path goes on.
-pub(super) trait Directions {
-    /// What is looked up once for a vertex.
-    type Place: Copy;
+/// Sampler of the directions in which a path continues.
+pub(super) trait DirectionSampler {
+    /// Data looked up once per vertex.
+    type VertexData: Copy;
 
     /// Looks it up.
-    fn arrive(&self, vertex: &Vertex<'_>) -> Self::Place;
+    fn arrive(&self, vertex: &Vertex<'_>) -> Self::VertexData;
 
     /// A light to sample and the probability of that choice, by a number uniform in [0, 1).
-    fn pick_light(&self, _place: &Self::Place, scene: &Scene, xi: f64) -> Option<(LightId, f64)> {
+    fn pick_light(&self, _place: &Self::VertexData, scene: &Scene, xi: f64) -> Option<(LightId, f64)> {
         scene.pick_light(xi)
     }
 
-    /// The probability with which [`Directions::pick_light`] takes the light `id`.
-    fn light_probability(&self, _place: &Self::Place, scene: &Scene, id: LightId) -> f64 {
+    /// The probability with which [`DirectionSampler::pick_light`] takes the light `id`.
+    fn light_probability(&self, _place: &Self::VertexData, scene: &Scene, id: LightId) -> f64 {
         scene.light_probability(id)
     }
 
     /// Told of what sampling the light `id` brought to the viewer: a luminance, not yet divided by the `probability` of the choice.
-    fn lit(&mut self, _: &Self::Place, _: &Scene, _id: LightId, _probability: f64, _luminance: f64) {}
+    fn lit(&mut self, _: &Self::VertexData, _: &Scene, _id: LightId, _probability: f64, _luminance: f64) {}
 
     /// Density per solid angle of drawing `direction`, which the BSDF alone draws with density `bsdf_pdf`.
-    fn pdf(&self, place: &Self::Place, direction: DVec3, bsdf_pdf: f64) -> f64;
+    fn pdf(&self, place: &Self::VertexData, direction: DVec3, bsdf_pdf: f64) -> f64;
 
     /// Draws a direction.
     fn sample(
         &mut self,
-        place: &Self::Place,
+        place: &Self::VertexData,
         vertex: &Vertex<'_>,
         xi: DVec2,
         xi_lobe: f64,
-    ) -> Option<Scattered>;
+    ) -> Option<ScatteredRay>;
 
-    /// The probability that a path goes on in a direction of [`Directions::sample`], above 0 and at most 1.
-    fn survival(&mut self, _: &Self::Place, _: &Vertex<'_>, _: &Scattered, odds: &Odds) -> f64 {
+    /// The probability that a path goes on in a direction of [`DirectionSampler::sample`], above 0 and at most 1.
+    fn survival(
+        &mut self,
+        _: &Self::VertexData,
+        _: &Vertex<'_>,
+        _: &ScatteredRay,
+        odds: &RouletteState,
+    ) -> f64 {
         odds.by_throughput()
     }
 
-    /// Told of a direction of [`Directions::sample`] that is taken. `light` was found before; what is found from here on
+    /// Told of a direction of [`DirectionSampler::sample`] that is taken. `light` was found before; what is found from here on
     /// counts `throughput`, and `scattered.weight` more beyond the vertex.
     fn take(
         &mut self,
-        place: &Self::Place,
+        place: &Self::VertexData,
         vertex: &Vertex<'_>,
-        scattered: &Scattered,
+        scattered: &ScatteredRay,
         light: Spectrum,
         throughput: Spectrum,
     );
 }
 
-/// What is known when it is to be decided whether a path goes on.
+/// Input of Russian roulette.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Odds {
+pub(super) struct RouletteState {
     /// Scattering events so far.
     pub(super) depth: u32,
     /// Factor on the light of the path before and after the vertex.
     pub(super) before: Spectrum,
     pub(super) after: Spectrum,
-    /// What the throughput would be if the BSDF alone had drawn, changes by refraction undone. A direction that a guide draws
+    /// Throughput as if the BSDF alone had been sampled, without the scaling by refraction. A direction that a guide draws
     /// often has a small throughput because much light comes from there; to end such paths would undo the guide's work.
     pub(super) importance: Spectrum,
 }
 
-impl Odds {
+impl RouletteState {
     /// Survival by what is left of the throughput, from the second event on (document 003 section 3.1.4).
     pub(super) fn by_throughput(&self) -> f64 {
         if self.depth < ROULETTE_FROM { 1.0 } else { f64::from(self.importance.max_component()).min(1.0) }
     }
 }
 
-/// How paths go.
+/// Path tracing with any sampler of directions.
 ///
 /// At every scattering event one light is sampled and the path goes on in one direction; light that either way would find is
 /// shared by the power heuristic (@veach1995). Without light sampling, light is found by chance alone, and that of points
 /// and directions never.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Walk {
+pub(super) struct PathTracer {
     max_depth: u32,
     light_sampling: bool,
 }
 
-impl Walk {
+impl PathTracer {
     /// With the depth and the light sampling of `settings`.
     pub(super) fn new(settings: &IntegratorSettings) -> Self {
         Self { max_depth: settings.max_depth, light_sampling: settings.light_sampling }
     }
 
     /// The light that one path brings home.
-    pub(super) fn radiance(&self, context: &mut Context<'_>, directions: &mut impl Directions) -> Spectrum {
+    pub(super) fn radiance(
+        &self,
+        context: &mut Context<'_>,
+        directions: &mut impl DirectionSampler,
+    ) -> Spectrum {
         let mut ray = context.camera_ray;
         let mut light = Spectrum::BLACK;
         let mut throughput = Spectrum::ONE;
-        // What the throughput would be if the BSDF alone had drawn: the chance of survival. A direction that a guide draws
+        // Throughput as if the BSDF alone had been sampled: the probability of survival. A direction that a guide draws
         // often has a small throughput because much light comes from there; to end such paths would undo the guide's work.
         let mut importance = Spectrum::ONE;
         let mut eta_scale = 1.0_f32;
         // `None` while nothing but delta lobes came before: light sampling could not have found what they find.
-        let mut origin: Option<Way<_>> = None;
+        let mut origin: Option<PathRay<_>> = None;
         let (mut depth, mut interfaces) = (0, 0);
         loop {
             let Some(hit) = context.intersect(&ray) else {
@@ -137,7 +147,7 @@ impl Walk {
             context.sampler.skip_to_dimension(FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(depth));
             depth += 1;
             interfaces = 0;
-            // What belongs together comes from one group of dimensions: lobe, direction and survival; light and point on it.
+            // Related choices use one group of dimensions: lobe, direction and survival; light and point on it.
             let (xi, xi_lobe) = (context.sampler.next_2d(), context.sampler.next_1d());
             let xi_roulette = context.sampler.next_1d();
             let place = directions.arrive(&vertex);
@@ -152,7 +162,7 @@ impl Walk {
             throughput *= scattered.weight;
             importance *= scattered.bsdf_weight;
             eta_scale *= scattered.eta_scale;
-            let odds = Odds { depth, before, after: throughput, importance: importance * eta_scale };
+            let odds = RouletteState { depth, before, after: throughput, importance: importance * eta_scale };
             let survival = directions.survival(&place, &vertex, &scattered, &odds);
             if survival < 1.0 {
                 if xi_roulette >= survival {
@@ -162,32 +172,32 @@ impl Walk {
                 importance *= (1.0 / survival) as f32;
             }
             ray = hit.spawn(scattered.direction);
-            let from = Origin { from: hit.reference(), pdf: scattered.pdf };
-            origin = (!scattered.is_delta).then_some(Way { origin: from, place });
+            let from = PreviousVertex { from: hit.reference(), pdf: scattered.pdf };
+            origin = (!scattered.is_delta).then_some(PathRay { origin: from, place });
         }
     }
 
     /// Light that left the scene's infinite lights along `ray`.
-    fn escaped<D: Directions>(
+    fn escaped<D: DirectionSampler>(
         &self,
         context: &Context<'_>,
         ray: &Ray,
         directions: &D,
-        way: Option<&Way<D::Place>>,
+        way: Option<&PathRay<D::VertexData>>,
     ) -> Spectrum {
         let scene = context.scene;
-        let density = |id| move |o: &Origin| o.infinite_light_pdf(context, id, ray.direction);
+        let density = |id| move |o: &PreviousVertex| o.infinite_light_pdf(context, id, ray.direction);
         let weight = |id| self.weight(context, id, directions, way, density(id));
         scene.infinite_lights().iter().map(|&id| scene.infinite_radiance(id, ray) * weight(id)).sum()
     }
 
     /// Light that the surface at `hit` gives off itself.
-    fn emitted<D: Directions>(
+    fn emitted<D: DirectionSampler>(
         &self,
         context: &Context<'_>,
         hit: &Interaction,
         directions: &D,
-        way: Option<&Way<D::Place>>,
+        way: Option<&PathRay<D::VertexData>>,
     ) -> Spectrum {
         match hit.light() {
             None => Spectrum::BLACK,
@@ -202,16 +212,16 @@ impl Walk {
     }
 
     /// Share of light `id` that does not belong to light sampling.
-    fn weight<D: Directions>(
+    fn weight<D: DirectionSampler>(
         &self,
         context: &Context<'_>,
         id: LightId,
         directions: &D,
-        way: Option<&Way<D::Place>>,
-        light_pdf: impl FnOnce(&Origin) -> f64,
+        way: Option<&PathRay<D::VertexData>>,
+        light_pdf: impl FnOnce(&PreviousVertex) -> f64,
     ) -> f32 {
         match way {
-            Some(Way { origin, place }) if self.light_sampling => {
+            Some(PathRay { origin, place }) if self.light_sampling => {
                 let probability = directions.light_probability(place, context.scene, id);
                 mis::power(origin.pdf, light_pdf(origin) * probability) as f32
             }
@@ -220,19 +230,19 @@ impl Walk {
     }
 }
 
-/// How the ray that is under way was chosen, and what was known where it was.
+/// Sampling state of the current ray, with the guide data of its origin.
 #[derive(Clone, Copy)]
-struct Way<P> {
-    origin: Origin,
+struct PathRay<P> {
+    origin: PreviousVertex,
     place: P,
 }
 
 /// Direct light from one light picked at random, with the weight of the power heuristic against the other way to find it.
-fn direct_light<D: Directions>(
+fn direct_light<D: DirectionSampler>(
     context: &mut Context<'_>,
     vertex: &Vertex<'_>,
     directions: &mut D,
-    place: &D::Place,
+    place: &D::VertexData,
     xi_light: f64,
     xi: DVec2,
 ) -> Spectrum {

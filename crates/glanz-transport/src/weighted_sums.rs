@@ -18,18 +18,18 @@ use crate::pixel::PixelValue;
 /// Samples of all pixels that tell a variance.
 pub(crate) const FEWEST_SAMPLES: u64 = 4096;
 
-/// How the samples of one pass are added to those of others.
+/// Weights with which the samples of one pass are added to those of others.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Blend {
+pub(crate) struct PassWeights {
     /// Samples of the pass, per pixel.
     pub(crate) count: u64,
-    /// What one of them counts.
+    /// Weight of one sample.
     pub(crate) weight: f64,
     /// Weight of all samples of the passes that are over.
     pub(crate) settled: f64,
 }
 
-impl Blend {
+impl PassWeights {
     /// One pass and no other.
     pub(crate) fn plain(count: u64) -> Self {
         Self { count, weight: 1.0, settled: 0.0 }
@@ -38,7 +38,7 @@ impl Blend {
 
 /// Weighted sums of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Settled {
+pub(crate) struct WeightedSums {
     radiance: [f64; 3],
     /// Of the signs.
     divisor: f64,
@@ -46,14 +46,14 @@ pub(crate) struct Settled {
     variance: [f64; 3],
 }
 
-impl Settled {
-    /// All sums, in a fixed order.
+impl WeightedSums {
+    /// The sums in a fixed order.
     pub(crate) fn values_mut(&mut self) -> impl Iterator<Item = &mut f64> {
         self.radiance.iter_mut().chain([&mut self.divisor]).chain(&mut self.variance)
     }
 
     /// Adds a pass: its sum of signs, and sum and squared deviations of each band.
-    pub(crate) fn add(&mut self, divisor: f64, bands: &[(f64, f64); 3], blend: &Blend) {
+    pub(crate) fn add(&mut self, divisor: f64, bands: &[(f64, f64); 3], blend: &PassWeights) {
         for (i, &(sum, deviation)) in bands.iter().enumerate() {
             self.radiance[i] += blend.weight * sum;
             self.variance[i] += blend.weight * blend.weight * spread(deviation, blend);
@@ -62,7 +62,7 @@ impl Settled {
     }
 
     /// Mean and variance of the mean per band, together with a pass that goes on.
-    pub(crate) fn with(&self, divisor: f64, bands: &[(f64, f64); 3], blend: &Blend) -> [PixelValue; 3] {
+    pub(crate) fn with(&self, divisor: f64, bands: &[(f64, f64); 3], blend: &PassWeights) -> [PixelValue; 3] {
         let mut all = *self;
         all.add(divisor, bands, blend);
         let weight = blend.settled + blend.weight * blend.count as f64;
@@ -77,7 +77,7 @@ impl Settled {
 }
 
 /// Variance of a pass's sum. A single sample says nothing of it: infinite, or what the weight says if there were passes before.
-fn spread(deviation: f64, blend: &Blend) -> f64 {
+fn spread(deviation: f64, blend: &PassWeights) -> f64 {
     match blend.count {
         0 => 0.0,
         1 if blend.settled > 0.0 => 1.0 / blend.weight,

@@ -6,13 +6,13 @@ use glanz_sampling::{mis, warp};
 use glanz_scene::{Reference, Scene};
 
 use super::Context;
-use super::vertex::{Scattered, Vertex};
-use super::walk::{Directions, Walk};
-use crate::guide::{GridDraw, GridGuide, GridPlace, GridRecord, Training};
+use super::path_tracer::{DirectionSampler, PathTracer};
+use super::vertex::{ScatteredRay, Vertex};
+use crate::guide::{GridGuide, GridRecord, GridSample, GridVertex, Training};
 
 /// The light of one path whose directions at diffuse surfaces are drawn by `grid`; what it finds is told to `training`.
 pub(super) fn radiance(
-    walk: &Walk,
+    walk: &PathTracer,
     light_sampling: bool,
     context: &mut Context<'_>,
     grid: &GridGuide,
@@ -21,7 +21,8 @@ pub(super) fn radiance(
     let records = training.map(|_| Vec::new());
     let share = if grid.settings().mixture { 0.5 } else { 1.0 };
     let (scene, wavelengths) = (context.scene, context.wavelengths);
-    let mut directions = ByGrid { grid, scene, light_sampling, share, records, drawn: None, leg: None };
+    let mut directions =
+        GridDirections { grid, scene, light_sampling, share, records, drawn: None, leg: None };
     let light = walk.radiance(context, &mut directions);
     if let (Some(training), Some(records)) = (training, &directions.records) {
         training.learn_on_grid(records, light, &wavelengths);
@@ -33,45 +34,45 @@ pub(super) fn radiance(
 /// mirrors are left to the BSDF (document 003 section 3.3.2). The density of all together counts.
 ///
 /// With light sampling, light that comes straight from a lamp is not learnt.
-struct ByGrid<'a> {
+struct GridDirections<'a> {
     grid: &'a GridGuide,
     scene: &'a Scene,
     light_sampling: bool,
     /// Share of the diffuse directions that densities draw.
     share: f64,
-    /// Where to note directions, if they are to be learnt from.
+    /// Target of training records, if the pass trains.
     records: Option<Vec<GridRecord>>,
-    /// What a density has just drawn.
-    drawn: Option<Drawn>,
+    /// The sample drawn last from a density.
+    drawn: Option<DensitySample>,
     /// The way from the last direction that is learnt from, until it meets a surface and that scatters.
-    leg: Option<Leg>,
+    leg: Option<PathSegment>,
 }
 
 /// A direction that a density has drawn: cell and function.
 #[derive(Clone, Copy)]
-struct Drawn {
+struct DensitySample {
     cell: u32,
     function: u32,
 }
 
 /// A way that is to be learnt from.
 #[derive(Clone, Copy)]
-struct Leg {
+struct PathSegment {
     from: Reference,
     pdf: f64,
     /// Radiance that came straight from the surface it met, as it was counted.
     emitted: Spectrum,
 }
 
-/// What is looked up for a vertex with a diffuse lobe.
+/// Guide data of a vertex with a diffuse lobe.
 #[derive(Clone, Copy)]
-struct Diffuse {
-    place: GridPlace,
+struct DiffuseVertex {
+    place: GridVertex,
     /// Probability that a density draws.
     probability: f64,
 }
 
-impl Diffuse {
+impl DiffuseVertex {
     /// Density per steradian of a direction that densities draw with density `own` and the BSDF with `bsdf_pdf`.
     fn density(&self, own: f64, bsdf_pdf: f64, cosine: f64) -> f64 {
         // The BSDF lacks that share of its diffuse lobe. What is left of it is not negative but for rounding.
@@ -80,9 +81,9 @@ impl Diffuse {
     }
 }
 
-impl ByGrid<'_> {
+impl GridDirections<'_> {
     /// Light that came straight from the surface of `vertex` along `leg`, as the walk counted it.
-    fn emitted(&self, leg: &Leg, vertex: &Vertex<'_>) -> Spectrum {
+    fn emitted(&self, leg: &PathSegment, vertex: &Vertex<'_>) -> Spectrum {
         let Some(id) = vertex.at.light() else { return Spectrum::BLACK };
         let emitted = self.scene.emitted(vertex.at, vertex.at.wo);
         if emitted.is_black() {
@@ -92,7 +93,7 @@ impl ByGrid<'_> {
         emitted * mis::power(leg.pdf, light_pdf) as f32
     }
 
-    /// Tells the last record what came straight from the surface that its way met; `throughput`: of the way.
+    /// Adds to the last record the light emitted by the surface that its ray hit; `throughput`: of the path.
     fn leave_out(&mut self, emitted: Spectrum, throughput: Option<Spectrum>) {
         if let Some(record) = self.records.as_mut().and_then(|records| records.last_mut()) {
             record.left_out = Some(emitted * throughput.unwrap_or(record.beyond));
@@ -100,29 +101,29 @@ impl ByGrid<'_> {
     }
 
     /// Notes a direction.
-    fn note(&mut self, drawn: Drawn, cosine: f64, light: Spectrum, beyond: Spectrum) {
+    fn note(&mut self, drawn: DensitySample, cosine: f64, light: Spectrum, beyond: Spectrum) {
         // Until the way meets a surface that scatters, all light it brings comes straight from lamps or from the sky.
         let left_out = (!self.light_sampling).then_some(Spectrum::BLACK);
         if let Some(records) = &mut self.records {
-            let Drawn { cell, function } = drawn;
+            let DensitySample { cell, function } = drawn;
             records.push(GridRecord { cell, function, cosine, light, beyond, left_out });
         }
     }
 }
 
-impl Directions for ByGrid<'_> {
+impl DirectionSampler for GridDirections<'_> {
     /// `None` where nothing is scattered diffusely.
-    type Place = Option<Diffuse>;
+    type VertexData = Option<DiffuseVertex>;
 
-    fn arrive(&self, vertex: &Vertex<'_>) -> Self::Place {
+    fn arrive(&self, vertex: &Vertex<'_>) -> Self::VertexData {
         let probability = self.share * vertex.diffuse_probability();
         if probability <= 0.0 {
             return None;
         }
-        Some(Diffuse { place: self.grid.place(vertex.at, vertex.normal_to_viewer())?, probability })
+        Some(DiffuseVertex { place: self.grid.place(vertex.at, vertex.normal_to_viewer())?, probability })
     }
 
-    fn pdf(&self, place: &Self::Place, direction: DVec3, bsdf_pdf: f64) -> f64 {
+    fn pdf(&self, place: &Self::VertexData, direction: DVec3, bsdf_pdf: f64) -> f64 {
         let Some(diffuse) = place else { return bsdf_pdf };
         let cosine = diffuse.place.cosine(direction);
         diffuse.density(self.grid.pdf(&diffuse.place, direction), bsdf_pdf, cosine)
@@ -130,15 +131,15 @@ impl Directions for ByGrid<'_> {
 
     fn sample(
         &mut self,
-        place: &Self::Place,
+        place: &Self::VertexData,
         vertex: &Vertex<'_>,
         xi: DVec2,
         xi_lobe: f64,
-    ) -> Option<Scattered> {
+    ) -> Option<ScatteredRay> {
         self.drawn = None;
         if self.light_sampling
             && let Some(mut leg) = self.leg.take()
-            // What is black scatters nothing: all light of the way was its own.
+            // A black surface scatters nothing: all light of the path was emitted there.
             && !vertex.albedo().is_black()
         {
             leg.emitted = self.emitted(&leg, vertex);
@@ -147,8 +148,8 @@ impl Directions for ByGrid<'_> {
         }
         let Some(diffuse) = place else { return vertex.sample(xi, xi_lobe) };
         if xi_lobe < diffuse.probability {
-            let GridDraw { direction, pdf, function } = self.grid.sample(&diffuse.place, xi);
-            let drawn = Drawn { cell: diffuse.place.cell, function };
+            let GridSample { direction, pdf, function } = self.grid.sample(&diffuse.place, xi);
+            let drawn = DensitySample { cell: diffuse.place.cell, function };
             let (value, bsdf_pdf) = vertex.eval(direction);
             if value.is_black() {
                 // Directions below the surface, seen by its own normal, bring nothing: that too is to be learnt.
@@ -160,9 +161,9 @@ impl Directions for ByGrid<'_> {
             }
             self.drawn = Some(drawn);
             let pdf = diffuse.density(pdf, bsdf_pdf, diffuse.place.cosine(direction));
-            return Some(Scattered::drawn(direction, value, bsdf_pdf, pdf));
+            return Some(ScatteredRay::drawn(direction, value, bsdf_pdf, pdf));
         }
-        // What is left of the unit interval draws what is left of the diffuse lobe, then highlights.
+        // The rest of the unit interval samples the rest of the diffuse lobe, then the glossy lobes.
         let scattered = vertex.sample(xi, xi_lobe)?;
         if scattered.is_delta {
             return Some(scattered);
@@ -173,9 +174,9 @@ impl Directions for ByGrid<'_> {
 
     fn take(
         &mut self,
-        _: &Self::Place,
+        _: &Self::VertexData,
         vertex: &Vertex<'_>,
-        scattered: &Scattered,
+        scattered: &ScatteredRay,
         light: Spectrum,
         throughput: Spectrum,
     ) {
@@ -187,8 +188,11 @@ impl Directions for ByGrid<'_> {
         let cosine = vertex.cosine(scattered.direction).abs();
         self.note(drawn, cosine, light, throughput * scattered.weight);
         if self.light_sampling {
-            self.leg =
-                Some(Leg { from: vertex.at.reference(), pdf: scattered.pdf, emitted: Spectrum::BLACK });
+            self.leg = Some(PathSegment {
+                from: vertex.at.reference(),
+                pdf: scattered.pdf,
+                emitted: Spectrum::BLACK,
+            });
         }
     }
 }

@@ -12,14 +12,14 @@ const BLIND: f64 = 0.05;
 /// That share times the square root of the number of samples, where these are few.
 const BLIND_AT_FIRST: f64 = 4.0;
 
-/// How often each group of lamps is picked.
+/// Probabilities of the groups of lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Lamps {
+pub(crate) struct LightGroups {
     /// Share of each group; what is missing to 1 is shared as the scene does.
     pub(crate) shares: [f32; MAX_LIGHT_GROUPS],
 }
 
-impl Lamps {
+impl LightGroups {
     /// As the scene does.
     pub(crate) const UNKNOWN: Self = Self { shares: [0.0; MAX_LIGHT_GROUPS] };
 
@@ -35,7 +35,7 @@ impl Lamps {
         Self { shares: roots.map(|root| (known * root / sum) as f32) }
     }
 
-    /// Whether these are shares.
+    /// True if these are valid probabilities.
     pub(crate) fn is_valid(&self) -> bool {
         self.shares.iter().all(|&share| share >= 0.0) && self.known() <= 1.0 + 1e-6
     }
@@ -90,14 +90,14 @@ mod tests {
         // Of 6400 samples 5 % stay blind; the rest is shared 1 : 3.
         let mut squares = [0; MAX_LIGHT_GROUPS];
         (squares[0], squares[2]) = (100, 900);
-        let lamps = Lamps::learnt(6400, &squares);
+        let lamps = LightGroups::learnt(6400, &squares);
         for (group, expected) in [(0, 0.2375), (1, 0.0), (2, 0.7125)] {
             assert!((lamps.shares[group] - expected).abs() < 1e-6);
         }
         assert!(lamps.is_valid());
         // With few samples more stays blind: 4 / sqrt(64).
-        assert!((Lamps::learnt(64, &squares).known() - 0.5).abs() < 1e-6);
-        assert_eq!(Lamps::learnt(9, &squares), Lamps::UNKNOWN);
-        assert_eq!(Lamps::learnt(6400, &[0; MAX_LIGHT_GROUPS]), Lamps::UNKNOWN);
+        assert!((LightGroups::learnt(64, &squares).known() - 0.5).abs() < 1e-6);
+        assert_eq!(LightGroups::learnt(9, &squares), LightGroups::UNKNOWN);
+        assert_eq!(LightGroups::learnt(6400, &[0; MAX_LIGHT_GROUPS]), LightGroups::UNKNOWN);
     }
 }
