@@ -1,24 +1,24 @@
-//! Where the light of the lamps ends.
+//! Balance of the flux of the lamps.
 
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-/// What the lamps sent out and what became of it, all in lumens, none below zero.
+/// Emitted flux and where it ended, in lumens, none below zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FluxBalance {
-    /// What the lamps sent out.
+    /// Emitted flux.
     pub emitted: f64,
-    /// What receivers absorbed.
+    /// Flux absorbed by receivers.
     pub absorbed_by_receivers: f64,
-    /// What other surfaces absorbed.
+    /// Flux absorbed by other surfaces.
     pub absorbed_elsewhere: f64,
-    /// What left the scene.
+    /// Flux that left the scene.
     pub escaped: f64,
-    /// What paths still carried when they were ended, at the largest number of reflections or for lack of a decision.
+    /// Flux of paths that were cut off at the largest number of reflections or undecided.
     pub given_up: f64,
 }
 
 impl FluxBalance {
-    /// What became of the light with the names of where it went, lm.
+    /// The parts of the balance with their names, lm.
     #[must_use]
     pub fn ends(&self) -> [(&'static str, f64); 4] {
         [
@@ -29,7 +29,7 @@ impl FluxBalance {
         ]
     }
 
-    /// What is missing or too much, as a fraction of what was emitted: 0 if the balance is exact, infinity if light
+    /// Error of the balance as a fraction of the emitted flux: 0 if exact, infinity if light
     /// came from nothing.
     #[must_use]
     pub fn closes_to(&self) -> f64 {

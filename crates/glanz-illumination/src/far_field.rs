@@ -93,7 +93,7 @@ impl FarField {
         self.candela.get(self.grid.bin_of(plane, gamma)).copied().unwrap_or_default()
     }
 
-    /// All that is sent out, lm.
+    /// Emitted flux, lm.
     #[must_use]
     pub fn flux(&self) -> f64 {
         self.candela.iter().enumerate().map(|(bin, candela)| candela * self.grid.solid_angle(bin)).sum()

@@ -1,4 +1,4 @@
-//! How much light arrives where: lux on receivers, from lamps and by way of mirrors (document 000 chapter 4).
+//! Illuminance of receivers by lamps, directly and through mirrors (document 000 chapter 4).
 //!
 //! - [`Receivers`] are grids of cells on surfaces of a scene; [`add_walls`] puts the scene into a room of them;
 //! - [`trace()`] sends particles from the lamps and counts what they bring, in a [`Tally`];
@@ -21,7 +21,7 @@ pub mod trace;
 pub use balance::FluxBalance;
 pub use far_field::{FarField, FarFieldGrid};
 pub use lux_map::{LuxMap, LuxSummary};
-pub use receiver::{Fineness, Receiver, ReceiverError, ReceiverRequest, Receivers};
+pub use receiver::{GridResolution, Receiver, ReceiverError, ReceiverRequest, Receivers};
 pub use room::add_walls;
 pub use tally::Tally;
-pub use trace::{Goal, ThreadsError, TraceOutcome, TraceSettings, trace};
+pub use trace::{ThreadsError, TraceGoal, TraceOutcome, TraceSettings, trace};

@@ -44,7 +44,7 @@ pub struct LuxSummary {
     /// Area, m^2.
     #[serde(rename = "area_m2")]
     pub area: f64,
-    /// What arrives, lm.
+    /// Incident flux, lm.
     #[serde(rename = "flux_lm")]
     pub flux: f64,
     /// Standard error of `maximum`, lx.

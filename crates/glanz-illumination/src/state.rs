@@ -5,7 +5,7 @@ use glanz_transport::codec::{Decoder, Encoder};
 
 use crate::far_field::FarFieldGrid;
 use crate::receiver::Receivers;
-use crate::tally::{FarFieldSums, Sums, Tally};
+use crate::tally::{FarFieldSums, Tally, TallySums};
 
 impl Tally {
     /// Appends the tally: number of particles, the six sums of where light went, then the lists of receivers, cells and directions,
@@ -21,7 +21,7 @@ impl Tally {
         encode_list(self.far_field.as_ref().map_or(&[][..], |far_field| &far_field.bins), encoder);
     }
 
-    /// What [`Tally::encode`] wrote for the same receivers and directions; `None` if it is something else.
+    /// Reads what [`Tally::encode`] wrote for the same receivers and directions; `None` if malformed.
     #[must_use]
     pub fn decode(
         decoder: &mut Decoder<'_>,
@@ -60,15 +60,15 @@ fn decode_wide(decoder: &mut Decoder<'_>) -> Option<WideSum> {
     Some(WideSum::from_words([decoder.u64()?, decoder.u64()?]))
 }
 
-fn encode_list(list: &[Sums], encoder: &mut Encoder) {
+fn encode_list(list: &[TallySums], encoder: &mut Encoder) {
     encoder.u64(list.len() as u64);
-    for Sums { sum, squares } in list {
+    for TallySums { sum, squares } in list {
         encode_wide(sum, encoder);
         squares.to_words().into_iter().for_each(|word| encoder.u64(word));
     }
 }
 
-fn decode_list(decoder: &mut Decoder<'_>, wanted: usize) -> Option<Vec<Sums>> {
+fn decode_list(decoder: &mut Decoder<'_>, wanted: usize) -> Option<Vec<TallySums>> {
     if decoder.u64()? != wanted as u64 {
         return None;
     }
@@ -80,7 +80,7 @@ fn decode_list(decoder: &mut Decoder<'_>, wanted: usize) -> Option<Vec<Sums>> {
         .map(|_| {
             let sum = decode_wide(decoder)?;
             let squares = SquareSum::from_words([decoder.u64()?, decoder.u64()?, decoder.u64()?]);
-            Some(Sums { sum, squares })
+            Some(TallySums { sum, squares })
         })
         .collect()
 }

@@ -1,4 +1,4 @@
-//! What particles brought to receivers, added up exactly.
+//! Exact sums of the light that particles carry to receivers.
 
 use glanz_light::units::photometric;
 use glanz_light::{Spectrum, Wavelengths};
@@ -8,16 +8,16 @@ use glanz_transport::{Arrival, ParticleFate, ParticlePath};
 use crate::balance::FluxBalance;
 use crate::far_field::{FarField, FarFieldGrid};
 use crate::lux_map::LuxMap;
-use crate::receiver::{Met, Receivers};
+use crate::receiver::{ReceiverHit, Receivers};
 
 /// Sum and sum of squares of what single particles brought, lm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Sums {
+pub(crate) struct TallySums {
     pub(crate) sum: WideSum,
     pub(crate) squares: SquareSum,
 }
 
-impl Sums {
+impl TallySums {
     fn add(&mut self, lumens: f64) {
         // One rounding for both: squares are those of what is in the sum.
         let lumens = lumens as f32;
@@ -42,17 +42,17 @@ impl Sums {
     }
 }
 
-/// What particles brought to the receivers of a scene and where the rest of their light went.
+/// Sums of the light that particles carried to the receivers of a scene, and the balance of the rest.
 ///
 /// Sums are exact: they depend on which particles were sent, not on order or threads. A particle that comes to a cell several
 /// times counts there as one, with all that it brought.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tally {
     pub(crate) particles: u64,
-    pub(crate) cells: Vec<Sums>,
+    pub(crate) cells: Vec<TallySums>,
     /// Of all cells of each receiver together.
-    pub(crate) receivers: Vec<Sums>,
-    /// What came to the sides of the receivers that do not count.
+    pub(crate) receivers: Vec<TallySums>,
+    /// Light on the excluded sides of the receivers.
     pub(crate) other_sides: Vec<WideSum>,
     pub(crate) emitted: WideSum,
     pub(crate) absorbed_by_receivers: WideSum,
@@ -66,7 +66,7 @@ pub struct Tally {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct FarFieldSums {
     pub(crate) grid: FarFieldGrid,
-    pub(crate) bins: Vec<Sums>,
+    pub(crate) bins: Vec<TallySums>,
 }
 
 impl Tally {
@@ -77,15 +77,16 @@ impl Tally {
         let count = receivers.as_slice().len();
         Self {
             particles: 0,
-            cells: vec![Sums::default(); receivers.cell_count()],
-            receivers: vec![Sums::default(); count],
+            cells: vec![TallySums::default(); receivers.cell_count()],
+            receivers: vec![TallySums::default(); count],
             other_sides: vec![zero; count],
             emitted: zero,
             absorbed_by_receivers: zero,
             absorbed_elsewhere: zero,
             escaped: zero,
             given_up: zero,
-            far_field: far_field.map(|grid| FarFieldSums { bins: vec![Sums::default(); grid.bins()], grid }),
+            far_field: far_field
+                .map(|grid| FarFieldSums { bins: vec![TallySums::default(); grid.bins()], grid }),
         }
     }
 
@@ -150,7 +151,7 @@ impl Tally {
         let one = self.balance().emitted / self.particles.max(1) as f64;
         let map = |(number, receiver): (usize, &crate::receiver::Receiver)| {
             let sums = self.cells.get(receivers.cells_of(number)).unwrap_or_default();
-            let value = |(sums, &area): (&Sums, &f64)| {
+            let value = |(sums, &area): (&TallySums, &f64)| {
                 if area <= 0.0 {
                     return (0.0, 0.0);
                 }
@@ -175,7 +176,7 @@ impl Tally {
     #[must_use]
     pub fn far_field(&self) -> Option<FarField> {
         let far_field = self.far_field.as_ref()?;
-        let value = |(bin, sums): (usize, &Sums)| {
+        let value = |(bin, sums): (usize, &TallySums)| {
             let (lumens, error) = sums.mean(self.particles);
             let solid_angle = far_field.grid.solid_angle(bin);
             (lumens / solid_angle, error / solid_angle)
@@ -186,15 +187,15 @@ impl Tally {
 }
 
 /// Enters particles one after the other.
-pub(crate) struct Clerk<'a> {
+pub(crate) struct ThreadTally<'a> {
     receivers: &'a Receivers,
     wavelengths: Wavelengths,
     tally: Tally,
-    /// What the particle under way brought to cells, lm.
+    /// Light that the current particle carried to cells, lm.
     brought: Vec<(usize, usize, f64)>,
 }
 
-impl<'a> Clerk<'a> {
+impl<'a> ThreadTally<'a> {
     pub(crate) fn new(receivers: &'a Receivers, far_field: Option<FarFieldGrid>) -> Self {
         let (wavelengths, tally) = (Wavelengths::default(), Tally::new(receivers, far_field));
         Self { receivers, wavelengths, tally, brought: Vec::new() }
@@ -212,7 +213,8 @@ impl<'a> Clerk<'a> {
     pub(crate) fn arrival(&mut self, arrival: &Arrival<'_>) {
         let arrived = self.lumens(arrival.arrived);
         let absorbed = arrived - self.lumens(arrival.left);
-        let Some(Met { receiver, cell, counts }) = self.receivers.met(arrival.at, &arrival.place) else {
+        let Some(ReceiverHit { receiver, cell, counts }) = self.receivers.met(arrival.at, &arrival.place)
+        else {
             self.tally.absorbed_elsewhere.add(absorbed);
             return;
         };

@@ -9,7 +9,7 @@ use glanz_scene::Scene;
 use glanz_transport::{Counters, send_particle};
 
 use crate::receiver::Receivers;
-use crate::tally::{Clerk, Tally};
+use crate::tally::{Tally, ThreadTally};
 
 /// Particles that a thread takes at a time.
 const BLOCK: u64 = 1 << 10;
@@ -22,7 +22,7 @@ const FIRST_ROUND: u64 = 1 << 14;
 
 /// When to stop; whatever comes first.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Goal {
+pub struct TraceGoal {
     /// Particles in all, those of earlier runs included.
     pub particles: Option<u64>,
     /// Wall time of this run.
@@ -31,7 +31,7 @@ pub struct Goal {
     pub error: Option<f64>,
 }
 
-/// How particles are sent.
+/// Settings of particle tracing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TraceSettings {
     /// Chooses the particles.
@@ -41,15 +41,15 @@ pub struct TraceSettings {
     /// Threads; 0 for one per processor.
     pub threads: usize,
     /// When to stop.
-    pub goal: Goal,
+    pub goal: TraceGoal,
 }
 
-/// What a run gave.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct TraceOutcome {
-    /// All that was brought so far.
+    /// Sums of all particles so far.
     pub tally: Tally,
-    /// Why it ended.
+    /// Reason for the end.
     pub end: JobEnd,
     /// Particles of this run.
     pub particles: u64,
@@ -64,11 +64,11 @@ pub struct TraceOutcome {
 #[error("cannot start threads: {0}")]
 pub struct ThreadsError(#[from] rayon::ThreadPoolBuildError);
 
-/// Sends particles until a goal is reached, adding to what `tally` has.
+/// Traces particles until a goal is reached and adds them to `tally`.
 ///
 /// Particles are numbered, and a run goes on after the last one of `tally`: what is brought depends on seed and number of
 /// particles alone, not on threads or interruptions. A cancelled run returns what it has, but at least one round of particles.
-/// The error in its progress is the largest of the relative standard errors that [`Goal::error`] names.
+/// The error in its progress is the largest of the relative standard errors that [`TraceGoal::error`] names.
 ///
 /// # Errors
 /// [`ThreadsError`] before the first particle.
@@ -125,7 +125,7 @@ fn pace(particles: u64, elapsed: Duration) -> Option<f64> {
     (particles > 0).then(|| particles as f64 / elapsed.as_secs_f64().max(1e-9))
 }
 
-impl Goal {
+impl TraceGoal {
     /// Particles of the next round.
     fn round(&self, done: u64, elapsed: Duration, pace: Option<f64>) -> u64 {
         let Some(pace) = pace else {
@@ -170,7 +170,7 @@ fn round(
     let far_field = tally.far_field.as_ref().map(|sums| sums.grid);
     let next = AtomicU64::new(range.start);
     let works = rayon::broadcast(|_| {
-        let mut clerk = Clerk::new(receivers, far_field);
+        let mut clerk = ThreadTally::new(receivers, far_field);
         let mut counters = Counters::default();
         loop {
             let from = next.fetch_add(BLOCK, Ordering::Relaxed);
@@ -211,7 +211,7 @@ fn worst_error(tally: &Tally, receivers: &Receivers) -> f64 {
         }
         let sums = tally.cells.get(receivers.cells_of(number)).unwrap_or_default();
         let cells = sums.iter().zip(receiver.areas()).filter(|(_, area)| **area > 0.0);
-        let lux = |(sums, &area): (&crate::tally::Sums, &f64)| {
+        let lux = |(sums, &area): (&crate::tally::TallySums, &f64)| {
             let (lumens, error) = sums.mean(tally.particles());
             (lumens / area, error / lumens)
         };

@@ -11,7 +11,9 @@ use std::path::Path;
 
 use glanz_formats::ContentHash;
 use glanz_illumination::report::{Report, table::significant};
-use glanz_illumination::{FarFieldGrid, Fineness, LuxMap, ReceiverRequest, Receivers, Tally, add_walls};
+use glanz_illumination::{
+    FarFieldGrid, GridResolution, LuxMap, ReceiverRequest, Receivers, Tally, add_walls,
+};
 use glanz_job::CancelFlag;
 use glanz_scene::Scene;
 
@@ -63,7 +65,7 @@ impl Design {
             add_walls(&mut file.description, size);
         }
         let scene = file.resolve(arguments.strict, messages)?;
-        let fineness = arguments.texel.map_or(Fineness::Longer(arguments.cells), Fineness::Texel);
+        let fineness = arguments.texel.map_or(GridResolution::Longer(arguments.cells), GridResolution::Texel);
         let requests = ReceiverRequest::of_scene(&scene, fineness);
         let wants_far_field = !arguments.far_field.is_empty();
         if requests.is_empty() && !wants_far_field {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use glanz_illumination::{Goal, Tally, TraceSettings, trace};
+use glanz_illumination::{Tally, TraceGoal, TraceSettings, trace};
 use glanz_job::{CancelFlag, JobEnd, JobProgress, ProgressSink};
 
 use super::{Design, far_field_grid, pace, tally_file};
@@ -33,13 +33,13 @@ pub(crate) fn check_goal(arguments: &IlluminateArguments) -> Result<(), Failure>
     Ok(())
 }
 
-fn goal(arguments: &IlluminateArguments) -> Goal {
+fn goal(arguments: &IlluminateArguments) -> TraceGoal {
     let error = if arguments.rays.is_none() && arguments.time.is_none() {
         Some(arguments.error.unwrap_or(USUAL_ERROR))
     } else {
         arguments.error
     };
-    Goal { particles: arguments.rays, time: arguments.time, error }
+    TraceGoal { particles: arguments.rays, time: arguments.time, error }
 }
 
 /// Sends particles until the goal, going on from the checkpoint if that was asked for.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glanz_formats::image::{self, Encoding};
-use glanz_illumination::{Fineness, ReceiverRequest, Receivers};
+use glanz_illumination::{GridResolution, ReceiverRequest, Receivers};
 use glanz_math::DVec2;
 use glanz_scene::{Place, PlacedSurface, Scene};
 use serde::Deserialize;
@@ -97,14 +97,14 @@ impl LuxFolder {
     }
 
     /// The ways in which the receivers that say nothing themselves may have been divided.
-    fn finenesses(&self) -> Vec<Fineness> {
+    fn finenesses(&self) -> Vec<GridResolution> {
         let counts = self.maps.iter().map(|map| map.receiver.cells[0].max(map.receiver.cells[1]));
-        let longer = counts.map(Fineness::Longer);
+        let longer = counts.map(GridResolution::Longer);
         let texels = self.maps.iter().map(|map| {
             let StoredReceiver { cells, size_m, .. } = &map.receiver;
-            Fineness::Texel(size_m[0] / f64::from(cells[0].max(1)))
+            GridResolution::Texel(size_m[0] / f64::from(cells[0].max(1)))
         });
-        let mut all: Vec<Fineness> = longer.chain(texels).collect();
+        let mut all: Vec<GridResolution> = longer.chain(texels).collect();
         all.dedup();
         all
     }

@@ -38,7 +38,7 @@ impl Receiver {
     pub(super) fn of_polygon(&self, corners: &[DVec3]) -> f64 {
         let mut sum = 0.0;
         let mut ends: Option<[DVec3; 2]> = None;
-        // What the horizon leaves of each side; then a side along the horizon closes the polygon, which sees the normal at a right angle.
+        // The part of each side above the horizon; a side along the horizon, perpendicular to the normal, closes the polygon.
         for (&a, &b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
             let (at_a, at_b) = (self.height(a), self.height(b));
             if at_a <= 0.0 && at_b <= 0.0 {
@@ -58,7 +58,7 @@ impl Receiver {
         0.5 * sum.abs()
     }
 
-    /// The same of a disk.
+    /// The same for a disk.
     pub(super) fn of_disk(&self, center: DVec3, normal: DVec3, radius: f64) -> f64 {
         let (x, y) = normal.any_orthonormal_pair();
         let at = |angle: f64| {

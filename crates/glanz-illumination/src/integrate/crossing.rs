@@ -1,15 +1,15 @@
-//! Where lines cross the border of a region.
+//! Crossings of lines with the border of a region.
 
 use glanz_math::DVec2;
 
-use super::region::{Rect, Region};
+use super::region::{ParameterRect, Region};
 
 /// Samples along each side of a rectangle.
 pub(super) const GRID: usize = 4;
 
 /// A line along one axis of a plane.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
+pub(super) struct ScanLine {
     pub(super) part: u32,
     /// 0 or 1.
     pub(super) along: usize,
@@ -17,9 +17,9 @@ pub(super) struct Line {
     pub(super) across: f64,
 }
 
-/// What is known of a place of a line.
+/// Sample of a line.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Look<S> {
+pub(super) struct LineSample<S> {
     pub(super) at: f64,
     pub(super) border: f64,
     branch: u32,
@@ -28,31 +28,35 @@ pub(super) struct Look<S> {
     seen: S,
 }
 
-impl<S> Look<S> {
+impl<S> LineSample<S> {
     pub(super) fn is_inside(&self) -> bool {
         self.value.is_some()
     }
 }
 
-impl Line {
+impl ScanLine {
     pub(super) fn place(&self, t: f64) -> DVec2 {
         if self.along == 0 { DVec2::new(t, self.across) } else { DVec2::new(self.across, t) }
     }
 
-    pub(super) fn look<R: Region>(&self, region: &R, t: f64) -> Look<R::Seen> {
+    pub(super) fn look<R: Region>(&self, region: &R, t: f64) -> LineSample<R::Sample> {
         let mut look = self.glance(region, t);
         look.value = (look.border > 0.0).then(|| region.value(self.part, &look.seen)).flatten();
         look
     }
 
     /// A look at the border alone.
-    fn glance<R: Region>(&self, region: &R, t: f64) -> Look<R::Seen> {
+    fn glance<R: Region>(&self, region: &R, t: f64) -> LineSample<R::Sample> {
         let seen = region.see(self.part, self.place(t));
-        Look { at: t, border: R::border(&seen), branch: R::branch(&seen), value: None, seen }
+        LineSample { at: t, border: R::border(&seen), branch: R::branch(&seen), value: None, seen }
     }
 
-    /// Looks in ascending order, with those added that show the border to be crossed twice between two of them.
-    fn with_extremes<R: Region>(&self, region: &R, looks: &[Look<R::Seen>]) -> Vec<Look<R::Seen>> {
+    /// Samples in ascending order, with those added where the border is crossed twice between two of them.
+    fn with_extremes<R: Region>(
+        &self,
+        region: &R,
+        looks: &[LineSample<R::Sample>],
+    ) -> Vec<LineSample<R::Sample>> {
         let mut all = looks.to_vec();
         for three in looks.windows(3) {
             let [a, b, c] = three else { continue };
@@ -67,7 +71,7 @@ impl Line {
         for (i, pair) in looks.windows(2).enumerate() {
             let &[left, right] = pair else { continue };
             let before = i.checked_sub(1).and_then(|i| looks.get(i)).copied();
-            let gap = Gap { before, left, right, after: looks.get(i + 2).copied() };
+            let gap = BorderInterval { before, left, right, after: looks.get(i + 2).copied() };
             all.extend(self.tip(region, &gap, TIP_LOOKS));
         }
         all.sort_by(|a, b| a.at.total_cmp(&b.at));
@@ -78,14 +82,19 @@ impl Line {
     ///
     /// Of convex lamps the border function is concave, or nearly so: then it lies below the lines through pairs of looks, continued. These are followed to where
     /// they meet, which is the tip itself if the border has a corner there.
-    fn tip<R: Region>(&self, region: &R, gap: &Gap<R::Seen>, looks: u32) -> Option<Look<R::Seen>> {
+    fn tip<R: Region>(
+        &self,
+        region: &R,
+        gap: &BorderInterval<R::Sample>,
+        looks: u32,
+    ) -> Option<LineSample<R::Sample>> {
         let t = gap.guess().filter(|_| looks > 0)?;
         let look = self.look(region, t);
         if look.is_inside() {
             return Some(look);
         }
-        let left = Gap { right: look, after: Some(gap.right), ..*gap };
-        let right = Gap { left: look, before: Some(gap.left), ..*gap };
+        let left = BorderInterval { right: look, after: Some(gap.right), ..*gap };
+        let right = BorderInterval { left: look, before: Some(gap.left), ..*gap };
         self.tip(region, &left, looks - 1).or_else(|| self.tip(region, &right, looks - 1))
     }
 }
@@ -95,21 +104,21 @@ const TIP_LOOKS: u32 = 4;
 
 /// Two looks and their neighbours on a line.
 #[derive(Clone, Copy)]
-struct Gap<S> {
-    before: Option<Look<S>>,
-    left: Look<S>,
-    right: Look<S>,
-    after: Option<Look<S>>,
+struct BorderInterval<S> {
+    before: Option<LineSample<S>>,
+    left: LineSample<S>,
+    right: LineSample<S>,
+    after: Option<LineSample<S>>,
 }
 
-impl<S: Copy> Gap<S> {
-    /// Where a concave function with such values may be largest, if it may be positive there.
+impl<S: Copy> BorderInterval<S> {
+    /// Position of the largest possible value of a concave function with these values, if it may be positive.
     fn guess(&self) -> Option<f64> {
         let (a, b) = (self.left.border, self.right.border);
         if !(a <= 0.0 && b <= 0.0 && a.is_finite() && b.is_finite()) {
             return None;
         }
-        let slope = |from: &Look<S>, to: &Look<S>| (to.border - from.border) / (to.at - from.at);
+        let slope = |from: &LineSample<S>, to: &LineSample<S>| (to.border - from.border) / (to.at - from.at);
         let width = self.right.at - self.left.at;
         let rise = self.before.map(|before| slope(&before, &self.left));
         let fall = self.after.map(|after| slope(&self.right, &after));
@@ -127,7 +136,7 @@ impl<S: Copy> Gap<S> {
     }
 }
 
-/// Where in (-1, 1) the parabola through positive values at -1, 0, 1 has a minimum below 0, or so near to it that the function may.
+/// Position in (-1, 1) of the minimum of the parabola through positive values at -1, 0, 1, if it is below 0 or near enough that the function may be.
 fn dip([a, b, c]: [f64; 3]) -> Option<f64> {
     let (slope, bend) = (0.5 * (c - a), a - 2.0 * b + c);
     if !(bend > 0.0 && bend.is_finite()) {
@@ -141,12 +150,12 @@ fn dip([a, b, c]: [f64; 3]) -> Option<f64> {
 /// Iterations after which a root is taken as it is; bisection alone needs 50.
 const MOST_STEPS: usize = 100;
 
-/// Where the line leaves the region between a place inside and one outside.
+/// Position at which the line leaves the region between a point inside and one outside.
 pub(super) fn root<R: Region>(
     region: &R,
-    line: &Line,
-    inside: &Look<R::Seen>,
-    outside: &Look<R::Seen>,
+    line: &ScanLine,
+    inside: &LineSample<R::Sample>,
+    outside: &LineSample<R::Sample>,
 ) -> f64 {
     let width = (inside.at - outside.at).abs();
     let smooth = inside.border > 0.0 && outside.border <= 0.0 && (inside.border - outside.border).is_finite();
@@ -167,11 +176,11 @@ pub(super) fn root<R: Region>(
 /// @dowell1971, with a bisection after two steps to the same side that did not halve the interval.
 fn illinois<R: Region>(
     region: &R,
-    line: &Line,
-    inside: &Look<R::Seen>,
-    outside: &Look<R::Seen>,
+    line: &ScanLine,
+    inside: &LineSample<R::Sample>,
+    outside: &LineSample<R::Sample>,
     accuracy: f64,
-) -> Look<R::Seen> {
+) -> LineSample<R::Sample> {
     let (mut inner, mut outer) = (*inside, *outside);
     let (mut f, mut g) = (inner.border, outer.border);
     let mut same_side = 0_i32;
@@ -212,7 +221,7 @@ fn illinois<R: Region>(
 }
 
 /// The border by yes and no.
-fn bisect<R: Region>(region: &R, line: &Line, inside: f64, outside: f64, accuracy: f64) -> f64 {
+fn bisect<R: Region>(region: &R, line: &ScanLine, inside: f64, outside: f64, accuracy: f64) -> f64 {
     let (mut inner, mut outer) = (inside, outside);
     for _ in 0..MOST_STEPS {
         if (inner - outer).abs() <= accuracy {
@@ -228,30 +237,30 @@ fn bisect<R: Region>(region: &R, line: &Line, inside: f64, outside: f64, accurac
     0.5 * (inner + outer)
 }
 
-/// What a grid over a rectangle shows.
-pub(super) struct Samples<S> {
+/// Samples of a grid over a rectangle.
+pub(super) struct GridSamples<S> {
     /// By the second coordinate and the first.
-    grid: [[Look<S>; GRID]; GRID],
+    grid: [[LineSample<S>; GRID]; GRID],
     /// The sides of the rectangle: by the axis they run along, then low and high; with extremes.
-    sides: [[(Line, Vec<Look<S>>); 2]; 2],
+    sides: [[(ScanLine, Vec<LineSample<S>>); 2]; 2],
 }
 
-impl<S: Copy> Samples<S> {
-    pub(super) fn take<R: Region<Seen = S>>(region: &R, part: u32, rect: &Rect) -> Self {
+impl<S: Copy> GridSamples<S> {
+    pub(super) fn take<R: Region<Sample = S>>(region: &R, part: u32, rect: &ParameterRect) -> Self {
         let place = |axis: usize, i: usize| {
             let share = i as f64 / (GRID - 1) as f64;
             rect.min[axis] + share * rect.size()[axis]
         };
-        let grid: [[Look<S>; GRID]; GRID] = std::array::from_fn(|j| {
-            let line = Line { part, along: 0, across: place(1, j) };
+        let grid: [[LineSample<S>; GRID]; GRID] = std::array::from_fn(|j| {
+            let line = ScanLine { part, along: 0, across: place(1, j) };
             std::array::from_fn(|i| line.look(region, place(0, i)))
         });
         let side = |along: usize, end: usize| {
-            let line = Line { part, along, across: place(1 - along, end) };
-            let looks: Vec<Look<S>> = (0..GRID)
+            let line = ScanLine { part, along, across: place(1 - along, end) };
+            let looks: Vec<LineSample<S>> = (0..GRID)
                 .map(|i| {
                     let look = if along == 0 { grid[end][i] } else { grid[i][end] };
-                    Look { at: place(along, i), ..look }
+                    LineSample { at: place(along, i), ..look }
                 })
                 .collect();
             let looks = line.with_extremes(region, &looks);
@@ -261,7 +270,7 @@ impl<S: Copy> Samples<S> {
         Self { grid, sides }
     }
 
-    fn looks(&self) -> impl Iterator<Item = &Look<S>> {
+    fn looks(&self) -> impl Iterator<Item = &LineSample<S>> {
         let sides = self.sides.iter().flatten().flat_map(|(_, looks)| looks);
         self.grid.iter().flatten().chain(sides)
     }
@@ -270,7 +279,7 @@ impl<S: Copy> Samples<S> {
         self.grid[j][i].is_inside()
     }
 
-    /// Whether all that was seen is inside, or all outside.
+    /// True if all samples are inside, or all outside.
     pub(super) fn is_uniform(&self) -> bool {
         let first = self.is_inside(0, 0);
         self.looks().all(|look| look.is_inside() == first)
@@ -306,27 +315,27 @@ impl<S: Copy> Samples<S> {
         }
     }
 
-    /// Whether the border is that of one smooth function: no shadow, no trimming and no corner.
+    /// True if the border is that of one smooth function: no shadow, no trimming and no corner.
     pub(super) fn is_smooth(&self) -> bool {
         let branch = self.grid[0][0].branch;
         self.looks().all(|look| look.is_inside() == (look.border > 0.0) && look.branch == branch)
     }
 
-    /// Whether the border function tells the border, alone or in part.
+    /// True if the border function defines the border, at least in part.
     fn is_told(&self) -> bool {
         self.looks().any(|look| look.border <= 0.0)
     }
 
-    /// Whether the border function only rises or only falls along an axis: else the border may turn back between two samples.
+    /// True if the border function is monotone along an axis: otherwise the border may turn back between two samples.
     fn is_monotone(&self, along: usize) -> bool {
         let changes = || self.changes(along).filter(|change| change.is_finite());
         let most = changes().fold(0.0, |most: f64, change| most.max(change.abs()));
-        // What rounding leaves of a border along the axis has no sign.
+        // The rounding error of a border along the axis has no sign.
         let least = 1e-9 * most;
         changes().all(|change| change >= -least) || changes().all(|change| change <= least)
     }
 
-    /// How many lines along an axis the border crosses; `None` if one more than once, or lines from different sides.
+    /// Number of lines along an axis that the border crosses; `None` if it crosses one more than once, or lines from different sides.
     fn crossings(&self, along: usize) -> Option<usize> {
         let inner = (1..GRID - 1).map(|j| {
             let line =
@@ -335,7 +344,7 @@ impl<S: Copy> Samples<S> {
         });
         let sides = self.sides[along]
             .iter()
-            .map(|(_, looks)| looks.iter().map(Look::is_inside).collect::<Vec<bool>>());
+            .map(|(_, looks)| looks.iter().map(LineSample::is_inside).collect::<Vec<bool>>());
         let (mut count, mut rises) = (0, None);
         for line in inner.chain(sides) {
             let mut changes = line.windows(2).filter(|pair| pair[0] != pair[1]);
@@ -350,7 +359,7 @@ impl<S: Copy> Samples<S> {
         Some(count)
     }
 
-    /// How much the border function changes along an axis.
+    /// Change of the border function along an axis.
     fn steepness(&self, along: usize) -> f64 {
         self.changes(along).map(f64::abs).filter(|change| change.is_finite()).sum()
     }
@@ -364,8 +373,8 @@ impl<S: Copy> Samples<S> {
         pairs.map(move |(i, j)| border(i + 1, j) - border(i, j))
     }
 
-    /// Where the border crosses the two sides along an axis.
-    pub(super) fn stops<R: Region<Seen = S>>(&self, region: &R, along: usize) -> Vec<f64> {
+    /// Crossings of the border with the two sides along an axis.
+    pub(super) fn stops<R: Region<Sample = S>>(&self, region: &R, along: usize) -> Vec<f64> {
         let mut stops = Vec::new();
         for (line, looks) in &self.sides[along] {
             for pair in looks.windows(2) {

@@ -7,8 +7,8 @@ use glanz_math::{DVec2, Ray};
 use glanz_scene::{Light, Scene};
 
 use super::contour::Receiver;
-use super::lamp::{Form, Lamp};
-use super::region::{Rect, Region, Sum, Tolerance, integrate};
+use super::lamp::{EmitterForm, EmitterShape};
+use super::region::{ParameterRect, Region, RegionIntegral, Tolerance, integrate};
 
 /// Rays per side of each part of a lamp that look whether something hides it.
 const LOOKS: u32 = 8;
@@ -17,20 +17,20 @@ pub(super) const LAMP_SHELL: f64 = 1e-9;
 /// Rectangles that are looked at where something hides a part of a lamp.
 const BUDGET: usize = 4096;
 
-/// What of a lamp can be seen, as a flat figure.
-enum Figure<'a> {
+/// Visible part of a lamp as a flat shape.
+enum VisibleShape<'a> {
     Disk { center: DVec3, normal: DVec3, radius: f64 },
     Polygon { corners: &'a [DVec3], normal: DVec3 },
 }
 
-impl<'a> Figure<'a> {
+impl<'a> VisibleShape<'a> {
     /// `None` where no side that shines is seen.
-    fn of(lamp: &'a Lamp, from: DVec3) -> Option<Self> {
+    fn of(lamp: &'a EmitterShape, from: DVec3) -> Option<Self> {
         if lamp.is_dark_in(from, 0.0) {
             return None;
         }
         match &lamp.form {
-            Form::Sphere { center, radius } => {
+            EmitterForm::Sphere { center, radius } => {
                 // The disk that fills the same cone: its rim is where the cone touches the sphere.
                 let to = *center - from;
                 let share = radius * radius / to.length_squared();
@@ -41,10 +41,10 @@ impl<'a> Figure<'a> {
                     radius: radius * (1.0 - share).sqrt(),
                 })
             }
-            Form::Disk { center, normal, radius } => {
+            EmitterForm::Disk { center, normal, radius } => {
                 Some(Self::Disk { center: *center, normal: *normal, radius: *radius })
             }
-            Form::Polygon { polygon, normal } => {
+            EmitterForm::Polygon { polygon, normal } => {
                 Some(Self::Polygon { corners: polygon.corners(), normal: *normal })
             }
         }
@@ -81,39 +81,39 @@ impl<'a> Figure<'a> {
 }
 
 /// A lamp as seen from a place.
-struct Sight<'a> {
+struct LampRegion<'a> {
     scene: &'a Scene,
     receiver: Receiver,
-    /// Where rays start: off the surface.
+    /// Start of the rays, offset from the surface.
     origin: DVec3,
-    lamp: &'a Lamp,
-    figure: Figure<'a>,
+    lamp: &'a EmitterShape,
+    figure: VisibleShape<'a>,
 }
 
 #[derive(Clone, Copy)]
-struct Seen {
+struct LampSample {
     offset: DVec3,
     cos: f64,
     weight: f64,
 }
 
-impl Region for Sight<'_> {
-    type Seen = Seen;
+impl Region for LampRegion<'_> {
+    type Sample = LampSample;
 
-    fn see(&self, part: u32, at: DVec2) -> Seen {
+    fn see(&self, part: u32, at: DVec2) -> LampSample {
         let (point, stretch, normal) = self.figure.at(part, at);
         let offset = point - self.receiver.point;
         let squared = offset.length_squared();
         let cos = offset.dot(self.receiver.normal) / squared.sqrt();
         let weight = stretch * (offset.dot(normal) / squared.sqrt()).abs() * cos / squared;
-        Seen { offset, cos, weight }
+        LampSample { offset, cos, weight }
     }
 
-    fn border(seen: &Seen) -> f64 {
+    fn border(seen: &LampSample) -> f64 {
         seen.cos
     }
 
-    fn value(&self, _part: u32, seen: &Seen) -> Option<f64> {
+    fn value(&self, _part: u32, seen: &LampSample) -> Option<f64> {
         let direction = seen.offset.try_normalize()?;
         let way = self.lamp.distance(self.receiver.point, direction);
         let target = self.receiver.point + direction * way;
@@ -129,18 +129,18 @@ pub(super) fn of_lamp(
     scene: &Scene,
     receiver: Receiver,
     origin: DVec3,
-    lamp: &Lamp,
+    lamp: &EmitterShape,
     tolerance: Tolerance,
-) -> Sum {
-    let Some(figure) = Figure::of(lamp, receiver.point) else { return Sum::default() };
+) -> RegionIntegral {
+    let Some(figure) = VisibleShape::of(lamp, receiver.point) else { return RegionIntegral::default() };
     let whole = match &figure {
-        Figure::Disk { center, normal, radius } => receiver.of_disk(*center, *normal, *radius),
-        Figure::Polygon { corners, .. } => receiver.of_polygon(corners),
+        VisibleShape::Disk { center, normal, radius } => receiver.of_disk(*center, *normal, *radius),
+        VisibleShape::Polygon { corners, .. } => receiver.of_polygon(corners),
     };
     if whole <= 0.0 {
-        return Sum::default();
+        return RegionIntegral::default();
     }
-    let sight = Sight { scene, receiver, origin, lamp, figure };
+    let sight = LampRegion { scene, receiver, origin, lamp, figure };
     let (mut open, mut hidden) = (false, false);
     for part in 0..sight.figure.parts() {
         for (i, j) in (0..LOOKS).flat_map(|i| (0..LOOKS).map(move |j| (i, j))) {
@@ -155,13 +155,13 @@ pub(super) fn of_lamp(
     }
     match (open, hidden) {
         // Of a sliver above the horizon no ray may tell.
-        (false, false) => Sum { value: whole, error: whole },
-        (true, false) => Sum { value: whole, error: 1e-9 * whole },
-        (false, true) => Sum::default(),
+        (false, false) => RegionIntegral { value: whole, error: whole },
+        (true, false) => RegionIntegral { value: whole, error: 1e-9 * whole },
+        (false, true) => RegionIntegral::default(),
         (true, true) => {
-            let halves = Rect::UNIT.quarters();
+            let halves = ParameterRect::UNIT.quarters();
             let cells = (0..sight.figure.parts()).flat_map(|part| halves.map(|rect| (part, rect)));
-            integrate(&sight, cells, Sum::default(), tolerance, BUDGET)
+            integrate(&sight, cells, RegionIntegral::default(), tolerance, BUDGET)
         }
     }
 }

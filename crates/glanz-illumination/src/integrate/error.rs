@@ -1,8 +1,8 @@
-//! What cannot be integrated.
+//! Errors of the integration.
 
 use glanz_scene::LightId;
 
-/// Why illuminance cannot be integrated in a scene.
+/// Errors of integrating illuminance in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum IntegrateError {
@@ -14,19 +14,19 @@ pub enum IntegrateError {
     Kind {
         /// The light.
         light: LightId,
-        /// As scene files name it.
+        /// Its name in scene files.
         kind: &'static str,
     },
     /// A surface that shines, of a form that has no border function.
     #[error("light {} (shape {shape}, \"{kind}\") {fault}, which cannot be integrated: lamps are spheres, disks, flat convex polygons and points", light.0)]
-    Form {
+    EmitterForm {
         /// The light.
         light: LightId,
         /// Number of the shape, in the order of the scene file.
         shape: u32,
         /// Kind of surface, as scene files name it.
         kind: &'static str,
-        /// What is wrong with it.
+        /// The fault.
         fault: &'static str,
     },
 }

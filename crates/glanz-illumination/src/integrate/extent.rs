@@ -1,4 +1,4 @@
-//! Where a part of a mirror is, and where it faces.
+//! Bounds of position and normal of a part of a mirror.
 //!
 //! Of freeform faces this is known for certain: a patch lies in the hull of its control points, and its normals in the hull of the control points of the
 //! polynomial normal, whose net is computed once and halved with the patch. Of all other faces it is estimated: from samples over a grid, with
@@ -10,11 +10,11 @@ use glanz_math::glam::DVec4;
 use glanz_math::{Bounds3, DVec2, DVec3, Transform};
 
 use super::net::Net;
-use super::region::Rect;
+use super::region::ParameterRect;
 
 /// A ball that holds the points, and a cone that holds the normals or their opposites.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Extent {
+pub(super) struct MirrorExtent {
     pub(super) center: DVec3,
     pub(super) radius: f64,
     pub(super) axis: DVec3,
@@ -22,7 +22,7 @@ pub(super) struct Extent {
     pub(super) angle: f64,
 }
 
-impl Extent {
+impl MirrorExtent {
     /// One that holds both.
     pub(super) fn union(&self, other: &Self) -> Self {
         let center = 0.5 * (self.center + other.center);
@@ -36,27 +36,27 @@ impl Extent {
     }
 }
 
-/// How fast points and normals change at most by each parameter: metres and radians per unit.
+/// Bounds of the derivatives of points and normals by each parameter: metres and radians per unit.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rates {
+pub(super) struct DerivativeBounds {
     pub(super) points: DVec2,
     pub(super) normals: DVec2,
 }
 
 /// A part of a face, to be halved.
-pub(super) enum Part {
-    Certain(Patch),
+pub(super) enum MirrorPart {
+    Certain(MirrorPatch),
     Estimated,
 }
 
 /// A part of a freeform face in the world.
-pub(super) struct Patch {
+pub(super) struct MirrorPatch {
     /// Homogeneous.
     points: Net<DVec4>,
     normals: Net<DVec3>,
 }
 
-impl Patch {
+impl MirrorPatch {
     fn new(patch: &TensorPatch, to_world: &Transform) -> Self {
         let map = to_world.forward();
         let in_world = |p: &DVec4| (map.matrix3 * p.truncate() + map.translation * p.w).extend(p.w);
@@ -74,12 +74,12 @@ impl Patch {
     }
 
     /// `size`: that of the part in the parameters of the face.
-    fn bounds(&self, size: DVec2) -> (Extent, Rates) {
+    fn bounds(&self, size: DVec2) -> (MirrorExtent, DerivativeBounds) {
         let places = || self.points.values().iter().map(|p| p.truncate() / p.w);
         let center = Bounds3::from_points(places()).center();
         let radius = places().fold(0.0, |most: f64, p| most.max(p.distance(center)));
         let longest = self.normals.values().iter().fold(0.0, |most: f64, n| most.max(n.length()));
-        // What rounding leaves of a control point that is zero has no direction.
+        // The rounding error of a zero control point has no direction.
         let proper = || self.normals.values().iter().copied().filter(|n| n.length() > 1e-13 * longest);
         let axis = proper().sum::<DVec3>().try_normalize().unwrap_or(DVec3::Z);
         let angle = proper().fold(0.0, |most: f64, n| most.max(n.angle_between(axis)));
@@ -95,11 +95,11 @@ impl Patch {
                 (about.steepest(first, |d| d.truncate().length()), about.steepest(first, |d| d.w.abs()));
             (space + radius * weight) / lightest
         };
-        let rates = Rates {
+        let rates = DerivativeBounds {
             points: DVec2::new(move_by(true), move_by(false)) / size,
             normals: DVec2::new(turn(true), turn(false)) / size,
         };
-        (Extent { center, radius, axis, angle }, rates)
+        (MirrorExtent { center, radius, axis, angle }, rates)
     }
 }
 
@@ -122,13 +122,13 @@ fn normals(points: &Net<DVec4>) -> Net<DVec3> {
     scaled.minus(&second).minus(&third)
 }
 
-impl Part {
-    /// All of a face.
+impl MirrorPart {
+    /// A whole face.
     pub(super) fn of_face(surface: &Surface, face: u32, to_world: &Transform) -> Self {
         let surface = if let Surface::Trimmed(trimmed) = surface { trimmed.surface() } else { surface };
         match surface {
             Surface::Freeform(freeform) => match freeform.pieces().get(face as usize) {
-                Some(piece) => Self::Certain(Patch::new(piece.patch(), to_world)),
+                Some(piece) => Self::Certain(MirrorPatch::new(piece.patch(), to_world)),
                 None => Self::Estimated,
             },
             _ => Self::Estimated,
@@ -142,20 +142,20 @@ impl Part {
         }
     }
 
-    /// Where it is, if it lies over `rect` of the face whose points and normals `at` tells.
+    /// Its bounds over `rect` of the face with points and normals `at`.
     pub(super) fn bounds(
         &self,
-        rect: &Rect,
+        rect: &ParameterRect,
         at: impl Fn(DVec2) -> Option<(DVec3, DVec3)>,
-    ) -> (Extent, Rates) {
+    ) -> (MirrorExtent, DerivativeBounds) {
         if let Self::Certain(patch) = self {
             let (extent, rates) = patch.bounds(rect.size());
-            // Where a side collapses to a point, normals have no bound by their net.
+            // Where a side collapses to a point, the control net does not bound the normals.
             if rates.normals.is_finite() {
                 return (extent, rates);
             }
             let (_, estimated) = estimate(rect, at);
-            return (extent, Rates { points: rates.points, normals: estimated.normals });
+            return (extent, DerivativeBounds { points: rates.points, normals: estimated.normals });
         }
         estimate(rect, at)
     }
@@ -164,7 +164,10 @@ impl Part {
 /// Samples along each side for an estimate.
 const GRID: usize = 5;
 
-fn estimate(rect: &Rect, at: impl Fn(DVec2) -> Option<(DVec3, DVec3)>) -> (Extent, Rates) {
+fn estimate(
+    rect: &ParameterRect,
+    at: impl Fn(DVec2) -> Option<(DVec3, DVec3)>,
+) -> (MirrorExtent, DerivativeBounds) {
     let steps = (GRID - 1) as f64;
     let grid: Vec<Option<(DVec3, DVec3)>> = (0..GRID * GRID)
         .map(|k| at(rect.min + rect.size() * DVec2::new((k % GRID) as f64, (k / GRID) as f64) / steps))
@@ -196,7 +199,10 @@ fn estimate(rect: &Rect, at: impl Fn(DVec2) -> Option<(DVec3, DVec3)>) -> (Exten
         known().fold(0.0, |most: f64, (_, n)| most.max(n.angle_between(axis))) + 0.5 * normals.element_sum();
     let angle = if angle < std::f64::consts::FRAC_PI_2 { angle } else { std::f64::consts::PI };
     let per = steps / rect.size();
-    (Extent { center, radius, axis, angle }, Rates { points: points * per, normals: normals * per })
+    (
+        MirrorExtent { center, radius, axis, angle },
+        DerivativeBounds { points: points * per, normals: normals * per },
+    )
 }
 
 #[cfg(test)]
@@ -223,14 +229,14 @@ mod tests {
                 let (p, du, dv) = patch.point_and_tangents(uv.x, uv.y);
                 Some((map.point(p), du.cross(dv).normalize()))
             };
-            let whole = Part::Certain(Patch::new(&patch, &map));
+            let whole = MirrorPart::Certain(MirrorPatch::new(&patch, &map));
             let [_, _, _, last] = whole.quarters();
-            let quarter = Rect { min: DVec2::splat(0.5), max: DVec2::ONE };
+            let quarter = ParameterRect { min: DVec2::splat(0.5), max: DVec2::ONE };
             for (part, rect) in [
-                (whole, Rect::UNIT),
+                (whole, ParameterRect::UNIT),
                 (last, quarter),
-                (Part::Estimated, Rect::UNIT),
-                (Part::Estimated, quarter),
+                (MirrorPart::Estimated, ParameterRect::UNIT),
+                (MirrorPart::Estimated, quarter),
             ] {
                 let (extent, rates) = part.bounds(&rect, at);
                 assert!(extent.angle < 1.5 && rates.normals.is_finite(), "{extent:?} {rates:?}");

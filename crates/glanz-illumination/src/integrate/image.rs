@@ -7,18 +7,18 @@ use glanz_scene::Scene;
 
 use super::contour::Receiver;
 use super::direct::LAMP_SHELL;
-use super::lamp::Lamp;
-use super::mirror::{Face, Mirrors};
+use super::lamp::EmitterShape;
+use super::mirror::{MirrorFace, Mirrors};
 use super::region::Region;
 
-/// All lamps in all mirrors, seen from a place. The parts of the region are pairs of them.
+/// Images of all lamps in all mirrors, seen from a point. The parts of the region are pairs of them.
 pub(super) struct Images<'a> {
     pub(super) scene: &'a Scene,
     pub(super) mirrors: &'a Mirrors<'a>,
-    pub(super) lamps: &'a [Lamp],
+    pub(super) lamps: &'a [EmitterShape],
     pub(super) wavelengths: Wavelengths,
     pub(super) receiver: Receiver,
-    /// The same place, off the surface: where rays end.
+    /// The same point, offset from the surface: end of the shadow rays.
     pub(super) origin: DVec3,
     /// By part: numbers of lamp and face.
     pub(super) pairs: Vec<[u32; 2]>,
@@ -29,25 +29,25 @@ const HORIZON: u32 = u32::MAX;
 
 /// A place of a mirror.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seen {
+pub(super) struct ImageSample {
     at: DVec2,
     border: f64,
     branch: u32,
     /// Unit direction from the receiver.
     direction: DVec3,
-    /// Where it goes on from the mirror.
+    /// Direction after the mirror.
     mirrored: DVec3,
     position: DVec3,
     cos: f64,
 }
 
 impl Images<'_> {
-    fn pair(&self, part: u32) -> Option<(&Lamp, &Face)> {
+    fn pair(&self, part: u32) -> Option<(&EmitterShape, &MirrorFace)> {
         let &[lamp, face] = self.pairs.get(part as usize)?;
         Some((self.lamps.get(lamp as usize)?, self.mirrors.faces().get(face as usize)?))
     }
 
-    fn look(&self, part: u32, at: DVec2) -> Option<Seen> {
+    fn look(&self, part: u32, at: DVec2) -> Option<ImageSample> {
         let (lamp, face) = self.pair(part)?;
         let (position, normal) = self.mirrors.place(face, at)?;
         let direction = (position - self.receiver.point).try_normalize()?;
@@ -55,15 +55,15 @@ impl Images<'_> {
         let cos = direction.dot(self.receiver.normal);
         let (rim, side) = lamp.border(position, mirrored);
         let (border, branch) = if cos < rim { (cos, HORIZON) } else { (rim, side) };
-        Some(Seen { at, border, branch, direction, mirrored, position, cos })
+        Some(ImageSample { at, border, branch, direction, mirrored, position, cos })
     }
 }
 
 impl Region for Images<'_> {
-    type Seen = Seen;
+    type Sample = ImageSample;
 
-    fn see(&self, part: u32, at: DVec2) -> Seen {
-        self.look(part, at).unwrap_or(Seen {
+    fn see(&self, part: u32, at: DVec2) -> ImageSample {
+        self.look(part, at).unwrap_or(ImageSample {
             at,
             border: f64::NEG_INFINITY,
             branch: HORIZON,
@@ -74,16 +74,16 @@ impl Region for Images<'_> {
         })
     }
 
-    fn border(seen: &Seen) -> f64 {
+    fn border(seen: &ImageSample) -> f64 {
         seen.border
     }
 
-    fn branch(seen: &Seen) -> u32 {
+    fn branch(seen: &ImageSample) -> u32 {
         seen.branch
     }
 
     /// Lux per unit of the parameters.
-    fn value(&self, part: u32, seen: &Seen) -> Option<f64> {
+    fn value(&self, part: u32, seen: &ImageSample) -> Option<f64> {
         let (lamp, face) = self.pair(part)?;
         let point = self.mirrors.point(face, seen.at)?;
         let back = point.at.spawn_to(self.origin, None);

@@ -12,23 +12,23 @@ use super::polygon::ConvexPolygon;
 
 /// A surface of uniform radiance.
 #[derive(Clone, Debug)]
-pub(super) struct Lamp {
-    pub(super) form: Form,
+pub(super) struct EmitterShape {
+    pub(super) form: EmitterForm,
     /// W/(m^2 sr).
     pub(super) radiance: Spectrum,
-    /// Whether a flat one shines to both sides.
+    /// True if a flat one emits to both sides.
     two_sided: bool,
 }
 
 /// The forms; normals of flat ones point to where they shine.
 #[derive(Clone, Debug)]
-pub(super) enum Form {
+pub(super) enum EmitterForm {
     Sphere { center: DVec3, radius: f64 },
     Disk { center: DVec3, normal: DVec3, radius: f64 },
     Polygon { polygon: ConvexPolygon, normal: DVec3 },
 }
 
-impl Lamp {
+impl EmitterShape {
     /// The light `id` that `placed` is.
     ///
     /// # Errors
@@ -39,42 +39,43 @@ impl Lamp {
         placed: &PlacedSurface<'_>,
     ) -> Result<Self, IntegrateError> {
         let (kind, shape) = (placed.surface().kind(), placed.shape(0));
-        let form = form(placed).map_err(|fault| IntegrateError::Form { light: id, shape, kind, fault })?;
-        if light.is_two_sided() && matches!(form, Form::Sphere { .. }) {
+        let form =
+            form(placed).map_err(|fault| IntegrateError::EmitterForm { light: id, shape, kind, fault })?;
+        if light.is_two_sided() && matches!(form, EmitterForm::Sphere { .. }) {
             let fault = "shines inwards";
-            return Err(IntegrateError::Form { light: id, shape, kind, fault });
+            return Err(IntegrateError::EmitterForm { light: id, shape, kind, fault });
         }
         Ok(Self { form, radiance: light.radiance(), two_sided: light.is_two_sided() })
     }
 
     pub(super) fn center(&self) -> DVec3 {
         match &self.form {
-            Form::Sphere { center, .. } | Form::Disk { center, .. } => *center,
-            Form::Polygon { polygon, .. } => polygon.center(),
+            EmitterForm::Sphere { center, .. } | EmitterForm::Disk { center, .. } => *center,
+            EmitterForm::Polygon { polygon, .. } => polygon.center(),
         }
     }
 
     /// Radius of a ball around it.
     pub(super) fn outer_radius(&self) -> f64 {
         match &self.form {
-            Form::Sphere { radius, .. } | Form::Disk { radius, .. } => *radius,
-            Form::Polygon { polygon, .. } => polygon.reach(),
+            EmitterForm::Sphere { radius, .. } | EmitterForm::Disk { radius, .. } => *radius,
+            EmitterForm::Polygon { polygon, .. } => polygon.reach(),
         }
     }
 
     /// Radius of a ball or disk that fits into it.
     pub(super) fn inner_radius(&self) -> f64 {
         match &self.form {
-            Form::Sphere { radius, .. } | Form::Disk { radius, .. } => *radius,
-            Form::Polygon { polygon, .. } => polygon.inner_radius(),
+            EmitterForm::Sphere { radius, .. } | EmitterForm::Disk { radius, .. } => *radius,
+            EmitterForm::Polygon { polygon, .. } => polygon.inner_radius(),
         }
     }
 
-    /// Whether no point of the ball is on a side that shines.
+    /// True if no point of the ball is on an emitting side.
     pub(super) fn is_dark_in(&self, center: DVec3, radius: f64) -> bool {
         match &self.form {
-            Form::Sphere { .. } => false,
-            Form::Disk { normal, .. } | Form::Polygon { normal, .. } => {
+            EmitterForm::Sphere { .. } => false,
+            EmitterForm::Disk { normal, .. } | EmitterForm::Polygon { normal, .. } => {
                 !self.two_sided && (center - self.center()).dot(*normal) <= -radius
             }
         }
@@ -92,7 +93,7 @@ impl Lamp {
             is_lit.then(|| origin + t * direction)
         };
         match &self.form {
-            Form::Sphere { center, radius } => {
+            EmitterForm::Sphere { center, radius } => {
                 let to = *center - origin;
                 let along = to.dot(direction);
                 // Behind, the least distance from the ray is that from its origin.
@@ -103,11 +104,11 @@ impl Lamp {
                 }
                 (1.0 - distance_squared / (radius * radius), 0)
             }
-            Form::Disk { center, normal, radius } => {
+            EmitterForm::Disk { center, normal, radius } => {
                 let rim = |at: DVec3| 1.0 - at.distance_squared(*center) / (radius * radius);
                 (plane(*normal).map_or(f64::NEG_INFINITY, rim), 0)
             }
-            Form::Polygon { polygon, normal } => {
+            EmitterForm::Polygon { polygon, normal } => {
                 let Some(at) = plane(*normal) else { return (f64::NEG_INFINITY, 0) };
                 let (depth, side) = polygon.depth(at);
                 (depth / polygon.inner_radius(), side)
@@ -115,15 +116,15 @@ impl Lamp {
         }
     }
 
-    /// How far a ray of unit direction goes to the lamp that it meets.
+    /// Distance of a ray of unit direction to the lamp that it hits.
     pub(super) fn distance(&self, origin: DVec3, direction: DVec3) -> f64 {
         let to = self.center() - origin;
         match &self.form {
-            Form::Sphere { radius, .. } => {
+            EmitterForm::Sphere { radius, .. } => {
                 let half_chord = (radius * radius - to.cross(direction).length_squared()).max(0.0).sqrt();
                 to.dot(direction) - half_chord
             }
-            Form::Disk { normal, .. } | Form::Polygon { normal, .. } => {
+            EmitterForm::Disk { normal, .. } | EmitterForm::Polygon { normal, .. } => {
                 to.dot(*normal) / direction.dot(*normal)
             }
         }
@@ -131,14 +132,14 @@ impl Lamp {
 }
 
 /// The form of a surface, or what is wrong with it.
-fn form(placed: &PlacedSurface<'_>) -> Result<Form, &'static str> {
+fn form(placed: &PlacedSurface<'_>) -> Result<EmitterForm, &'static str> {
     if placed.is_trimmed() {
         return Err("is trimmed");
     }
     let to_world = placed.to_world();
     let point = |uv: DVec2| placed.at(0, uv, false).map(|at| at.at.point);
     let inner: SurfacePoint = point(DVec2::splat(0.25)).ok_or("has no parameters")?;
-    // As for sampling: what is not exactly round has another rim.
+    // As for sampling: a shape that is not exactly round has another rim.
     let scale = to_world.uniform_scale(gamma(64));
     match placed.surface() {
         Surface::Sphere(sphere) => {
@@ -147,12 +148,12 @@ fn form(placed: &PlacedSurface<'_>) -> Result<Form, &'static str> {
             if inner.normal.dot(inner.position - center) < 0.0 {
                 return Err("shines inwards");
             }
-            Ok(Form::Sphere { center, radius: scale * sphere.radius() })
+            Ok(EmitterForm::Sphere { center, radius: scale * sphere.radius() })
         }
         Surface::Disk(disk) => {
             let scale = scale.filter(|_| disk.is_whole()).ok_or("is not a full disk")?;
             let center = to_world.point(DVec3::Z * disk.height());
-            Ok(Form::Disk { center, normal: inner.normal, radius: scale * disk.radius() })
+            Ok(EmitterForm::Disk { center, normal: inner.normal, radius: scale * disk.radius() })
         }
         Surface::Plane(_) | Surface::Bilinear(_) => {
             let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y].map(point);
@@ -165,15 +166,15 @@ fn form(placed: &PlacedSurface<'_>) -> Result<Form, &'static str> {
         Surface::Mesh(mesh) => {
             let polygon = ConvexPolygon::of_mesh(mesh, |p| to_world.point(p));
             let polygon = polygon.ok_or("is not a flat convex polygon")?;
-            Ok(Form::Polygon { normal: facing(&polygon, &inner), polygon })
+            Ok(EmitterForm::Polygon { normal: facing(&polygon, &inner), polygon })
         }
         _ => Err("is of such a form"),
     }
 }
 
-fn flat(corners: Option<Vec<DVec3>>, inner: &SurfacePoint) -> Result<Form, &'static str> {
+fn flat(corners: Option<Vec<DVec3>>, inner: &SurfacePoint) -> Result<EmitterForm, &'static str> {
     let polygon = corners.and_then(ConvexPolygon::try_new).ok_or("is not a flat convex polygon")?;
-    Ok(Form::Polygon { normal: facing(&polygon, inner), polygon })
+    Ok(EmitterForm::Polygon { normal: facing(&polygon, inner), polygon })
 }
 
 /// The normal of the polygon on the side of that of the surface.

@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use glanz_math::{DVec2, DVec3};
 
 use super::Reflections;
-use super::region::{Rect, Tolerance};
+use super::region::{ParameterRect, Tolerance};
 
 /// Nodes and weights of Gauss' rules of two and three points in [0, 1].
 const TWO: [(f64, f64); 2] = [(0.211_324_865_405_187_1, 0.5), (0.788_675_134_594_812_9, 0.5)];
@@ -30,8 +30,8 @@ pub struct CellMean {
 
 /// A rectangle of the cell: integrals of the illuminance by both rules, lm, of its own error, and of the area.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
-    rect: Rect,
+struct CellRegion {
+    rect: ParameterRect,
     flux: f64,
     /// Difference of the rules, lm.
     difference: f64,
@@ -40,21 +40,21 @@ struct Piece {
     area: f64,
 }
 
-impl PartialEq for Piece {
+impl PartialEq for CellRegion {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Piece {}
+impl Eq for CellRegion {}
 
-impl PartialOrd for Piece {
+impl PartialOrd for CellRegion {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Piece {
+impl Ord for CellRegion {
     fn cmp(&self, other: &Self) -> Ordering {
         self.difference.total_cmp(&other.difference)
     }
@@ -74,7 +74,7 @@ impl Reflections<'_> {
     ) -> CellMean {
         let at_points =
             Tolerance { relative: SHARE * tolerance.relative, absolute: SHARE * tolerance.absolute };
-        let first = self.piece(&patch, Rect::UNIT, at_points);
+        let first = self.piece(&patch, ParameterRect::UNIT, at_points);
         let mut heap = BinaryHeap::from([first]);
         let mut looked_at = POINTS;
         loop {
@@ -92,9 +92,9 @@ impl Reflections<'_> {
     fn piece(
         &self,
         patch: &impl Fn(DVec2) -> Option<(DVec3, DVec3, f64)>,
-        rect: Rect,
+        rect: ParameterRect,
         tolerance: Tolerance,
-    ) -> Piece {
+    ) -> CellRegion {
         let scale = rect.size().x * rect.size().y;
         let look = |x: f64, y: f64| {
             let (point, normal, stretch) = patch(rect.min + rect.size() * DVec2::new(x, y))?;
@@ -115,12 +115,12 @@ impl Reflections<'_> {
             sums
         };
         let ([flux, inner, area], [coarse, ..]) = (rule(&THREE), rule(&TWO));
-        Piece { rect, flux, difference: (flux - coarse).abs(), inner, area }
+        CellRegion { rect, flux, difference: (flux - coarse).abs(), inner, area }
     }
 }
 
-fn total(heap: &BinaryHeap<Piece>) -> CellMean {
-    let sum = |of: fn(&Piece) -> f64| heap.iter().map(of).sum::<f64>();
+fn total(heap: &BinaryHeap<CellRegion>) -> CellMean {
+    let sum = |of: fn(&CellRegion) -> f64| heap.iter().map(of).sum::<f64>();
     let area = sum(|p| p.area);
     if area <= 0.0 {
         return CellMean::default();

@@ -11,20 +11,20 @@ const LOOKS: u32 = 32;
 
 /// A face, or a triangle of one whose parameters are a polygon, over the unit square.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Face {
+pub(super) struct MirrorFace {
     surface: u32,
     face: u32,
     /// Corners of the triangle; the first is a whole side of the square.
     triangle: Option<[DVec2; 3]>,
 }
 
-/// All faces that reflect.
+/// The reflecting faces.
 #[derive(Debug)]
 pub(super) struct Mirrors<'a> {
     scene: &'a Scene,
     wavelengths: Wavelengths,
     surfaces: Vec<(PlacedSurface<'a>, Transform)>,
-    faces: Vec<Face>,
+    faces: Vec<MirrorFace>,
 }
 
 impl<'a> Mirrors<'a> {
@@ -56,7 +56,7 @@ impl<'a> Mirrors<'a> {
         mirrors
     }
 
-    /// Whether a face reflects into single directions.
+    /// True if a face reflects specularly.
     fn reflects(&self, placed: &PlacedSurface<'_>, face: u32) -> bool {
         let corners = match placed.face_domain(face) {
             FaceDomain::Square => vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y],
@@ -70,23 +70,23 @@ impl<'a> Mirrors<'a> {
         bsdf.is_some_and(|bsdf| bsdf.is_delta())
     }
 
-    pub(super) fn faces(&self) -> &[Face] {
+    pub(super) fn faces(&self) -> &[MirrorFace] {
         &self.faces
     }
 
-    pub(super) fn surface(&self, face: &Face) -> Option<(&PlacedSurface<'a>, &Transform)> {
+    pub(super) fn surface(&self, face: &MirrorFace) -> Option<(&PlacedSurface<'a>, &Transform)> {
         self.surfaces.get(face.surface as usize).map(|(placed, map)| (placed, map))
     }
 
     /// Position and unit normal at a place of the unit square, with what trimming cuts away.
-    pub(super) fn place(&self, face: &Face, at: DVec2) -> Option<(DVec3, DVec3)> {
+    pub(super) fn place(&self, face: &MirrorFace, at: DVec2) -> Option<(DVec3, DVec3)> {
         let (placed, map) = self.surface(face)?;
         let point = placed.surface().untrimmed_at(face.face, face.uv(at).0)?;
         Some((map.point(point.position), map.normal(point.shading_normal).try_normalize()?))
     }
 
-    /// The same with all that is known of it, and the area per unit of the square; `None` where it is cut away.
-    pub(super) fn point(&self, face: &Face, at: DVec2) -> Option<PlacedPoint> {
+    /// The surface point with all its data, and the area per unit of the square; `None` where it is trimmed.
+    pub(super) fn point(&self, face: &MirrorFace, at: DVec2) -> Option<PlacedPoint> {
         let (placed, _) = self.surface(face)?;
         let (uv, scale) = face.uv(at);
         let mut point = placed.at(face.face, uv, false)?;
@@ -104,12 +104,12 @@ impl<'a> Mirrors<'a> {
     }
 }
 
-impl Face {
+impl MirrorFace {
     pub(super) fn number(&self) -> u32 {
         self.face
     }
 
-    /// Whether places of the unit square are parameters themselves.
+    /// True if points of the unit square are parameters themselves.
     pub(super) fn is_square(&self) -> bool {
         self.triangle.is_none()
     }
@@ -126,14 +126,14 @@ impl Face {
     }
 }
 
-fn parts(surface: u32, face: u32, domain: &FaceDomain) -> Vec<Face> {
+fn parts(surface: u32, face: u32, domain: &FaceDomain) -> Vec<MirrorFace> {
     match domain {
-        FaceDomain::Square => vec![Face { surface, face, triangle: None }],
+        FaceDomain::Square => vec![MirrorFace { surface, face, triangle: None }],
         FaceDomain::Polygon(corners) => corners
             .windows(2)
             .skip(1)
             .filter_map(|pair| match (corners.first(), pair) {
-                (Some(&a), &[b, c]) => Some(Face { surface, face, triangle: Some([a, b, c]) }),
+                (Some(&a), &[b, c]) => Some(MirrorFace { surface, face, triangle: Some([a, b, c]) }),
                 _ => None,
             })
             .collect(),

@@ -8,8 +8,8 @@
 //!
 //! where P(u, v) is the mirror, n its unit normal, and rho(P, angle) its reflectance; the integrand counts where the ray from Q to P, mirrored at n,
 //! meets the lamp on a side that shines, with radiance L, and nothing stands in either part of the way. So the image of the lamp in the mirror is integrated
-//! over, in the parameters of the mirror: no ray has to be intersected with it but for shadows. `Tree` finds the parts of the
-//! mirrors that can hold the image; `region` integrates over it with the zeros of a border function as its borders (`Lamp::border`: for a
+//! over, in the parameters of the mirror: no ray has to be intersected with it but for shadows. `MirrorTree` finds the parts of the
+//! mirrors that can hold the image; `region` integrates over it with the zeros of a border function as its borders (`EmitterShape::border`: for a
 //! sphere 1 - b^2 / R^2, with the least distance b of the mirrored ray from the centre).
 //!
 //! # Source
@@ -57,10 +57,10 @@ pub use self::region::Tolerance;
 
 use self::contour::Receiver;
 use self::image::Images;
-use self::lamp::Lamp;
+use self::lamp::EmitterShape;
 use self::mirror::Mirrors;
-use self::region::{Sum, integrate};
-use self::tree::Tree;
+use self::region::{RegionIntegral, integrate};
+use self::tree::MirrorTree;
 
 /// Rectangles of mirrors that are looked at for one place.
 const BUDGET: usize = 8192;
@@ -72,11 +72,11 @@ const ROUNDINGS: u32 = 256;
 pub struct Reflections<'a> {
     scene: &'a Scene,
     wavelengths: Wavelengths,
-    lamps: Vec<Lamp>,
+    lamps: Vec<EmitterShape>,
     /// Lights without extent.
     points: Vec<(LightId, Light)>,
     mirrors: Mirrors<'a>,
-    tree: Tree,
+    tree: MirrorTree,
 }
 
 /// Illuminance at a place.
@@ -91,7 +91,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// All of it, lx.
+    /// Illuminance, lx.
     #[must_use]
     pub fn total(&self) -> f64 {
         self.direct + self.reflected
@@ -111,7 +111,7 @@ impl<'a> Reflections<'a> {
                 Light::Area(area) if area.radiance().is_black() => {}
                 Light::Area(area) => {
                     if let Some(placed) = placed.iter().find(|placed| placed.light() == Some(id)) {
-                        lamps.push(Lamp::try_new(id, area, placed)?);
+                        lamps.push(EmitterShape::try_new(id, area, placed)?);
                     }
                 }
                 Light::Point(_) | Light::Spot(_) | Light::Distant(_) => points.push((id, light.clone())),
@@ -123,7 +123,7 @@ impl<'a> Reflections<'a> {
             return Err(IntegrateError::NoLamp);
         }
         let mirrors = Mirrors::of(scene);
-        let tree = Tree::over(&mirrors);
+        let tree = MirrorTree::over(&mirrors);
         Ok(Self { scene, wavelengths: Wavelengths::default(), lamps, points, mirrors, tree })
     }
 
@@ -148,8 +148,8 @@ impl<'a> Reflections<'a> {
         Estimate { direct: direct.value, reflected: reflected.value, error: direct.error + reflected.error }
     }
 
-    fn direct(&self, receiver: Receiver, origin: DVec3, tolerance: Tolerance) -> Sum {
-        let mut sum = Sum::default();
+    fn direct(&self, receiver: Receiver, origin: DVec3, tolerance: Tolerance) -> RegionIntegral {
+        let mut sum = RegionIntegral::default();
         for lamp in &self.lamps {
             let luminance = photometric(lamp.radiance, &self.wavelengths);
             let share = Tolerance {
@@ -166,7 +166,13 @@ impl<'a> Reflections<'a> {
         sum
     }
 
-    fn reflected(&self, receiver: Receiver, origin: DVec3, direct: Sum, tolerance: Tolerance) -> Sum {
+    fn reflected(
+        &self,
+        receiver: Receiver,
+        origin: DVec3,
+        direct: RegionIntegral,
+        tolerance: Tolerance,
+    ) -> RegionIntegral {
         let (mut pairs, mut cells, mut undecided) = (Vec::new(), Vec::new(), 0.0);
         for (number, lamp) in (0_u32..).zip(&self.lamps) {
             let found = self.tree.showing(&self.mirrors, &receiver, lamp);
@@ -180,7 +186,7 @@ impl<'a> Reflections<'a> {
             }
         }
         if cells.is_empty() {
-            return Sum { value: 0.0, error: undecided };
+            return RegionIntegral { value: 0.0, error: undecided };
         }
         let images = Images {
             scene: self.scene,
@@ -191,8 +197,8 @@ impl<'a> Reflections<'a> {
             origin,
             pairs,
         };
-        let known = Sum { value: direct.value, error: direct.error + undecided };
+        let known = RegionIntegral { value: direct.value, error: direct.error + undecided };
         let sum = integrate(&images, cells, known, tolerance, BUDGET);
-        Sum { value: sum.value, error: sum.error + undecided }
+        RegionIntegral { value: sum.value, error: sum.error + undecided }
     }
 }

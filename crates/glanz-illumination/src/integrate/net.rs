@@ -9,7 +9,7 @@ pub(super) struct Net<T> {
     values: Vec<T>,
 }
 
-/// What coefficients can be.
+/// Types of coefficients.
 pub(super) trait Coefficient:
     Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self>
 {

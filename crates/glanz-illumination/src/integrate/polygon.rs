@@ -40,7 +40,7 @@ impl ConvexPolygon {
         (is_flat && is_convex && polygon.inner_radius > 0.0).then_some(polygon)
     }
 
-    /// What the triangles of a mesh fill, if that is such a polygon and they do not overlap.
+    /// Union of the triangles of a mesh, if it is a convex polygon and they do not overlap.
     pub(super) fn of_mesh(mesh: &Mesh, map: impl Fn(DVec3) -> DVec3) -> Option<Self> {
         // Vertices at one place are one.
         let mut first_at: HashMap<[u64; 3], u32> = HashMap::new();

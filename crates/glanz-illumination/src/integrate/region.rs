@@ -14,37 +14,37 @@ use std::collections::BinaryHeap;
 
 use glanz_math::DVec2;
 
-use super::crossing::{Line, Samples, root};
-use super::rule::{NODES, Pair, integral, sharpened};
+use super::crossing::{GridSamples, ScanLine, root};
+use super::rule::{GaussKronrod, NODES, integral, sharpened};
 
 /// Something to integrate over a part of the plane; there are several such planes, told apart by `part`.
 pub(super) trait Region {
-    /// What is known of a place.
-    type Seen: Copy;
+    /// Data of a sample point.
+    type Sample: Copy;
 
-    /// Looks at a place.
-    fn see(&self, part: u32, at: DVec2) -> Self::Seen;
+    /// Evaluates a sample point.
+    fn see(&self, part: u32, at: DVec2) -> Self::Sample;
 
     /// Positive inside, and smooth near its zeros as far as it is finite.
-    fn border(seen: &Self::Seen) -> f64;
+    fn border(seen: &Self::Sample) -> f64;
 
     /// Which of several smooth functions the border function is here: where they meet, the border has corners.
-    fn branch(_seen: &Self::Seen) -> u32 {
+    fn branch(_seen: &Self::Sample) -> u32 {
         0
     }
 
     /// The integrand; `None` where something hides the place. Only asked where [`Region::border`] is positive.
-    fn value(&self, part: u32, seen: &Self::Seen) -> Option<f64>;
+    fn value(&self, part: u32, seen: &Self::Sample) -> Option<f64>;
 }
 
 /// An axis-parallel rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Rect {
+pub(super) struct ParameterRect {
     pub(super) min: DVec2,
     pub(super) max: DVec2,
 }
 
-impl Rect {
+impl ParameterRect {
     pub(super) const UNIT: Self = Self { min: DVec2::ZERO, max: DVec2::ONE };
 
     pub(super) fn center(&self) -> DVec2 {
@@ -66,7 +66,7 @@ impl Rect {
     }
 }
 
-/// How exact an integral is to be: it ends where the error is below either bound.
+/// Tolerance of an integral: it stops when the error is below either bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     /// Share of the result.
@@ -77,35 +77,35 @@ pub struct Tolerance {
 
 /// An integral.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Sum {
+pub(super) struct RegionIntegral {
     pub(super) value: f64,
     pub(super) error: f64,
 }
 
 /// A rectangle with its part of the integral.
 #[derive(Clone, Copy, Debug)]
-struct Cell {
+struct RegionCell {
     part: u32,
-    rect: Rect,
-    sum: Sum,
+    rect: ParameterRect,
+    sum: RegionIntegral,
     depth: u32,
 }
 
-impl PartialEq for Cell {
+impl PartialEq for RegionCell {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Cell {}
+impl Eq for RegionCell {}
 
-impl PartialOrd for Cell {
+impl PartialOrd for RegionCell {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Cell {
+impl Ord for RegionCell {
     fn cmp(&self, other: &Self) -> Ordering {
         self.sum.error.total_cmp(&other.sum.error)
     }
@@ -119,23 +119,31 @@ const DEEPEST: u32 = 24;
 /// `known`: what is known from elsewhere, which counts for the tolerance but is not in the result. At most about `budget` rectangles are made by dividing these.
 pub(super) fn integrate<R: Region>(
     region: &R,
-    cells: impl IntoIterator<Item = (u32, Rect)>,
-    known: Sum,
+    cells: impl IntoIterator<Item = (u32, ParameterRect)>,
+    known: RegionIntegral,
     tolerance: Tolerance,
     budget: usize,
-) -> Sum {
-    let measured = |part, rect: Rect, depth| Cell { part, rect, sum: measure(region, part, &rect), depth };
-    let mut heap: BinaryHeap<Cell> = cells.into_iter().map(|(part, rect)| measured(part, rect, 0)).collect();
-    let total = |heap: &BinaryHeap<Cell>| {
-        let mut all: Vec<Sum> = heap.iter().map(|cell| cell.sum).collect();
+) -> RegionIntegral {
+    let measured = |part, rect: ParameterRect, depth| RegionCell {
+        part,
+        rect,
+        sum: measure(region, part, &rect),
+        depth,
+    };
+    let mut heap: BinaryHeap<RegionCell> =
+        cells.into_iter().map(|(part, rect)| measured(part, rect, 0)).collect();
+    let total = |heap: &BinaryHeap<RegionCell>| {
+        let mut all: Vec<RegionIntegral> = heap.iter().map(|cell| cell.sum).collect();
         // In an order that does not depend on how the heap lies.
         all.sort_by(|a, b| a.value.total_cmp(&b.value));
-        all.iter()
-            .fold(Sum::default(), |sum, s| Sum { value: sum.value + s.value, error: sum.error + s.error })
+        all.iter().fold(RegionIntegral::default(), |sum, s| RegionIntegral {
+            value: sum.value + s.value,
+            error: sum.error + s.error,
+        })
     };
     let mut sum = total(&heap);
     let mut looked_at = 0;
-    let is_done = |sum: &Sum| {
+    let is_done = |sum: &RegionIntegral| {
         let allowed = tolerance.absolute.max(tolerance.relative * (known.value + sum.value));
         known.error + sum.error <= allowed
     };
@@ -162,10 +170,10 @@ pub(super) fn integrate<R: Region>(
 const UNTOLD: f64 = 0.05;
 
 /// A rectangle in one go.
-fn measure<R: Region>(region: &R, part: u32, rect: &Rect) -> Sum {
-    let samples = Samples::take(region, part, rect);
+fn measure<R: Region>(region: &R, part: u32, rect: &ParameterRect) -> RegionIntegral {
+    let samples = GridSamples::take(region, part, rect);
     if samples.is_uniform() {
-        return if samples.is_inside(0, 0) { whole(region, part, rect) } else { Sum::default() };
+        return if samples.is_inside(0, 0) { whole(region, part, rect) } else { RegionIntegral::default() };
     }
     match samples.height() {
         Some(along) => {
@@ -174,22 +182,25 @@ fn measure<R: Region>(region: &R, part: u32, rect: &Rect) -> Sum {
                 return sum;
             }
             // The border may turn back between samples, by a shadow or at a corner, and nothing would tell.
-            Sum { error: sum.error.max(UNTOLD * samples.largest() * area(rect)), ..sum }
+            RegionIntegral { error: sum.error.max(UNTOLD * samples.largest() * area(rect)), ..sum }
         }
         // No direction is crossed once only: it is to be divided. Anything up to all of it may be inside.
         None => {
             let mean = samples.mean();
-            Sum { value: mean * samples.share() * area(rect), error: samples.largest() * area(rect) }
+            RegionIntegral {
+                value: mean * samples.share() * area(rect),
+                error: samples.largest() * area(rect),
+            }
         }
     }
 }
 
-fn area(rect: &Rect) -> f64 {
+fn area(rect: &ParameterRect) -> f64 {
     rect.size().x * rect.size().y
 }
 
 /// One that the region fills.
-fn whole<R: Region>(region: &R, part: u32, rect: &Rect) -> Sum {
+fn whole<R: Region>(region: &R, part: u32, rect: &ParameterRect) -> RegionIntegral {
     let mut inner_difference = 0.0;
     let outer = integral([rect.min.y, rect.max.y], |v| {
         let inner = integral([rect.min.x, rect.max.x], |u| open_value(region, part, DVec2::new(u, v)));
@@ -202,13 +213,19 @@ fn whole<R: Region>(region: &R, part: u32, rect: &Rect) -> Sum {
 }
 
 /// One that the border crosses once along every line of the direction `along`.
-fn crossed<R: Region>(region: &R, part: u32, rect: &Rect, samples: &Samples<R::Seen>, along: usize) -> Sum {
+fn crossed<R: Region>(
+    region: &R,
+    part: u32,
+    rect: &ParameterRect,
+    samples: &GridSamples<R::Sample>,
+    along: usize,
+) -> RegionIntegral {
     let across = 1 - along;
     let mut stops = samples.stops(region, across);
     stops.extend([rect.min[across], rect.max[across]]);
     stops.sort_by(f64::total_cmp);
     let least = 1e-12 * rect.size()[across];
-    let mut sum = Sum::default();
+    let mut sum = RegionIntegral::default();
     for ends in stops.windows(2) {
         let &[from, to] = ends else { continue };
         if to - from <= least {
@@ -216,7 +233,7 @@ fn crossed<R: Region>(region: &R, part: u32, rect: &Rect, samples: &Samples<R::S
         }
         let mut inner_difference = 0.0;
         let outer = integral([from, to], |t| {
-            let line = Line { part, along, across: t };
+            let line = ScanLine { part, along, across: t };
             let inner = along_line(region, &line, [rect.min[along], rect.max[along]]);
             inner_difference += (inner.fine - inner.coarse).abs();
             inner.fine
@@ -228,10 +245,10 @@ fn crossed<R: Region>(region: &R, part: u32, rect: &Rect, samples: &Samples<R::S
     sum
 }
 
-fn along_line<R: Region>(region: &R, line: &Line, [low, high]: [f64; 2]) -> Pair {
+fn along_line<R: Region>(region: &R, line: &ScanLine, [low, high]: [f64; 2]) -> GaussKronrod {
     let (first, last) = (line.look(region, low), line.look(region, high));
     let range = match (first.is_inside(), last.is_inside()) {
-        (false, false) => return Pair::default(),
+        (false, false) => return GaussKronrod::default(),
         (true, true) => [low, high],
         (true, false) => [low, root(region, line, &first, &last)],
         (false, true) => [root(region, line, &last, &first), high],
@@ -244,9 +261,9 @@ fn open_value<R: Region>(region: &R, part: u32, at: DVec2) -> f64 {
     if R::border(&seen) > 0.0 { region.value(part, &seen).unwrap_or(0.0) } else { 0.0 }
 }
 
-fn estimate(outer: Pair, inner_difference: f64) -> Sum {
+fn estimate(outer: GaussKronrod, inner_difference: f64) -> RegionIntegral {
     let difference = (outer.fine - outer.coarse).abs();
     let rounding = 1e-15 * outer.fine.abs();
     let error = sharpened(difference, outer.fine) + sharpened(inner_difference, outer.fine) + rounding;
-    Sum { value: outer.fine, error }
+    RegionIntegral { value: outer.fine, error }
 }

@@ -22,17 +22,17 @@ pub(super) struct Node {
     pub(super) coarse: f64,
 }
 
-/// An integral, and what the rule of three points makes of it.
+/// An integral by the rule of seven points, and by that of three.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Pair {
+pub(super) struct GaussKronrod {
     pub(super) fine: f64,
     pub(super) coarse: f64,
 }
 
 /// The integral of `f` over an interval.
-pub(super) fn integral([a, b]: [f64; 2], mut f: impl FnMut(f64) -> f64) -> Pair {
+pub(super) fn integral([a, b]: [f64; 2], mut f: impl FnMut(f64) -> f64) -> GaussKronrod {
     let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
-    let mut pair = Pair::default();
+    let mut pair = GaussKronrod::default();
     for node in NODES {
         let value = half * f(middle + half * node.at);
         pair.fine += node.weight * value;

@@ -203,7 +203,7 @@ fn things_in_the_way_hide_the_image() {
     let mirror = shape(rectangle([-2.0, 2.0], [-2.0, 2.0]), DMat4::IDENTITY, MIRROR);
     let over = lamp(disk(0.4), at(0.0, 0.0, 1.5) * facing_down());
     let whole = LUMINANCE * REFLECTANCE * PI * 0.16 / (0.16 + 2.5 * 2.5);
-    // Half of everything; and a disk on the axis, 0.75 m from the receiver, whose image in the mirror is farther away.
+    // Half of the hemisphere; and a disk on the axis, 0.75 m from the receiver, whose image in the mirror is farther away.
     let curtain = shape(rectangle([-1.9, 0.0], [-2.0, 2.0]), at(0.0, 0.0, 0.5), BLACK);
     let stop = shape(disk(0.05), at(0.0, 0.0, 0.25), BLACK);
     let ring = whole - LUMINANCE * REFLECTANCE * PI * 0.0025 / (0.0025 + 0.75 * 0.75);
@@ -435,7 +435,7 @@ fn what_cannot_be_integrated_is_named() {
     ] {
         let scene = scene(vec![shape]);
         let error = Reflections::new(&scene).err().unwrap();
-        assert!(matches!(error, IntegrateError::Form { light: LightId(0), shape: 0, .. }), "{error}");
+        assert!(matches!(error, IntegrateError::EmitterForm { light: LightId(0), shape: 0, .. }), "{error}");
         assert!(error.to_string().contains(what), "{error}");
     }
     let kind = LightKind::Infinite;

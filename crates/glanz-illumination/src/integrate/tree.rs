@@ -5,14 +5,14 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glanz_math::{DVec2, DVec3};
 
 use super::contour::Receiver;
-use super::extent::{Extent, Part, Rates};
-use super::lamp::Lamp;
-use super::mirror::{Face, Mirrors};
-use super::region::Rect;
+use super::extent::{DerivativeBounds, MirrorExtent, MirrorPart};
+use super::lamp::EmitterShape;
+use super::mirror::{MirrorFace, Mirrors};
+use super::region::ParameterRect;
 
 /// Times that a face is quartered beforehand.
 const LEVELS: u32 = 4;
-/// Half angle, radians, of the normals of a part that is not quartered beforehand.
+/// Half angle, radians, of the normals of a part that is not subdivided beforehand.
 const ALMOST_FLAT: f64 = 0.02;
 /// A flat part is not quartered beforehand if the points of no quarter move slower by its parameters than this share.
 const STEADY: f64 = 0.6;
@@ -26,47 +26,47 @@ const FINENESS: f64 = 1.5;
 
 /// A hierarchy over all mirrors and their parts.
 #[derive(Debug, Default)]
-pub(super) struct Tree {
-    nodes: Vec<Node>,
-    root: Option<Node>,
+pub(super) struct MirrorTree {
+    nodes: Vec<MirrorNode>,
+    root: Option<MirrorNode>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Node {
-    extent: Extent,
-    content: Content,
+struct MirrorNode {
+    extent: MirrorExtent,
+    content: NodeContent,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Content {
+enum NodeContent {
     /// These nodes.
     Inner {
         first: u32,
         count: u32,
     },
-    Cell(Cell),
+    SearchCell(SearchCell),
 }
 
 /// A part of a face.
 #[derive(Clone, Copy, Debug)]
-struct Cell {
+struct SearchCell {
     face: u32,
-    rect: Rect,
-    rates: Rates,
+    rect: ParameterRect,
+    rates: DerivativeBounds,
     depth: u32,
 }
 
 /// Parts that show a lamp, or may.
 #[derive(Debug, Default)]
-pub(super) struct Found {
+pub(super) struct ImageCandidates {
     /// By face, with parts small enough to be integrated over.
-    pub(super) cells: Vec<(u32, Rect)>,
+    pub(super) cells: Vec<(u32, ParameterRect)>,
     /// Bound on the projected solid angle, sr, of those that were given up.
     pub(super) undecided: f64,
 }
 
-/// What a part can do.
-enum Verdict {
+/// Classification of a part.
+enum PartClass {
     /// No ray by way of it meets the lamp.
     Dark,
     /// Mirrored rays differ by no more than the lamp allows.
@@ -74,7 +74,7 @@ enum Verdict {
     Coarse,
 }
 
-impl Tree {
+impl MirrorTree {
     pub(super) fn over(mirrors: &Mirrors<'_>) -> Self {
         let mut tree = Self::default();
         let mut roots = Vec::with_capacity(mirrors.faces().len());
@@ -82,12 +82,12 @@ impl Tree {
             let Some((placed, map)) = mirrors.surface(face) else { continue };
             // Parameters of triangles are not those of patches.
             let part = if face.is_square() {
-                Part::of_face(placed.surface(), face.number(), map)
+                MirrorPart::of_face(placed.surface(), face.number(), map)
             } else {
-                Part::Estimated
+                MirrorPart::Estimated
             };
             let at = |uv: DVec2| mirrors.place(face, uv);
-            roots.push(tree.face_node(number, &part, Rect::UNIT, 0, face.is_square(), &at));
+            roots.push(tree.face_node(number, &part, ParameterRect::UNIT, 0, face.is_square(), &at));
         }
         tree.root = tree.group(&mut roots);
         tree
@@ -96,22 +96,23 @@ impl Tree {
     fn face_node(
         &mut self,
         face: u32,
-        part: &Part,
-        rect: Rect,
+        part: &MirrorPart,
+        rect: ParameterRect,
         depth: u32,
         is_patch: bool,
         at: &impl Fn(DVec2) -> Option<(DVec3, DVec3)>,
-    ) -> Node {
+    ) -> MirrorNode {
         let (extent, rates) = part.bounds(&rect, at);
-        let cell = Node { extent, content: Content::Cell(Cell { face, rect, rates, depth }) };
+        let cell =
+            MirrorNode { extent, content: NodeContent::SearchCell(SearchCell { face, rect, rates, depth }) };
         let is_flat = extent.angle < ALMOST_FLAT;
         if depth == LEVELS || is_flat && !is_patch {
             return cell;
         }
         let parts = part.quarters().into_iter().zip(rect.quarters());
-        let quarters: Vec<(Part, Rect)> = parts.collect();
+        let quarters: Vec<(MirrorPart, ParameterRect)> = parts.collect();
         if is_flat {
-            let steady = |(part, rect): &(Part, Rect)| {
+            let steady = |(part, rect): &(MirrorPart, ParameterRect)| {
                 let (_, here) = part.bounds(rect, at);
                 here.points.cmpge(STEADY * rates.points).all()
             };
@@ -119,21 +120,21 @@ impl Tree {
                 return cell;
             }
         }
-        let nodes: Vec<Node> = quarters
+        let nodes: Vec<MirrorNode> = quarters
             .iter()
             .map(|(part, rect)| self.face_node(face, part, *rect, depth + 1, is_patch, at))
             .collect();
-        Node { extent, content: self.push(&nodes) }
+        MirrorNode { extent, content: self.push(&nodes) }
     }
 
-    fn push(&mut self, nodes: &[Node]) -> Content {
+    fn push(&mut self, nodes: &[MirrorNode]) -> NodeContent {
         let first = self.nodes.len() as u32;
         self.nodes.extend_from_slice(nodes);
-        Content::Inner { first, count: nodes.len() as u32 }
+        NodeContent::Inner { first, count: nodes.len() as u32 }
     }
 
     /// Halves by the middle along the direction in which the centres lie farthest apart.
-    fn group(&mut self, nodes: &mut [Node]) -> Option<Node> {
+    fn group(&mut self, nodes: &mut [MirrorNode]) -> Option<MirrorNode> {
         if nodes.len() <= 1 {
             return nodes.first().copied();
         }
@@ -145,32 +146,37 @@ impl Tree {
         let (left, right) = nodes.split_at_mut(nodes.len() / 2);
         let halves = [self.group(left)?, self.group(right)?];
         let extent = halves[0].extent.union(&halves[1].extent);
-        Some(Node { extent, content: self.push(&halves) })
+        Some(MirrorNode { extent, content: self.push(&halves) })
     }
 
     /// The parts in which the lamp may be seen from the receiver.
-    pub(super) fn showing(&self, mirrors: &Mirrors<'_>, receiver: &Receiver, lamp: &Lamp) -> Found {
-        let mut found = Found::default();
-        let mut open: Vec<Node> = self.root.into_iter().collect();
+    pub(super) fn showing(
+        &self,
+        mirrors: &Mirrors<'_>,
+        receiver: &Receiver,
+        lamp: &EmitterShape,
+    ) -> ImageCandidates {
+        let mut found = ImageCandidates::default();
+        let mut open: Vec<MirrorNode> = self.root.into_iter().collect();
         let mut looked_at = 0_usize;
         while let Some(node) = open.pop() {
             looked_at += 1;
             let verdict = judge(&node.extent, receiver, lamp);
-            if matches!(verdict, Verdict::Dark) {
+            if matches!(verdict, PartClass::Dark) {
                 continue;
             }
             match node.content {
-                Content::Inner { first, count } => {
+                NodeContent::Inner { first, count } => {
                     let range = first as usize..(first + count) as usize;
                     open.extend_from_slice(self.nodes.get(range).unwrap_or_default());
                 }
-                Content::Cell(cell) if matches!(verdict, Verdict::Fine) => {
+                NodeContent::SearchCell(cell) if matches!(verdict, PartClass::Fine) => {
                     found.cells.push((cell.face, cell.rect));
                 }
-                Content::Cell(cell) if cell.depth >= DEEPEST || looked_at >= BUDGET => {
+                NodeContent::SearchCell(cell) if cell.depth >= DEEPEST || looked_at >= BUDGET => {
                     found.undecided += largest_share(&node.extent, receiver);
                 }
-                Content::Cell(cell) => {
+                NodeContent::SearchCell(cell) => {
                     let Some(face) = mirrors.faces().get(cell.face as usize) else { continue };
                     open.extend(
                         cell.rect.quarters().into_iter().filter_map(|rect| part(mirrors, face, &cell, rect)),
@@ -183,31 +189,36 @@ impl Tree {
 }
 
 /// A part of a cell, whose rates hold for it too.
-fn part(mirrors: &Mirrors<'_>, face: &Face, cell: &Cell, rect: Rect) -> Option<Node> {
+fn part(
+    mirrors: &Mirrors<'_>,
+    face: &MirrorFace,
+    cell: &SearchCell,
+    rect: ParameterRect,
+) -> Option<MirrorNode> {
     let (center, axis) = mirrors.place(face, rect.center())?;
     let half = 0.5 * rect.size();
     let (radius, angle) = (cell.rates.points.dot(half), cell.rates.normals.dot(half));
     let angle = if angle < FRAC_PI_2 { angle } else { PI };
-    let content = Content::Cell(Cell { rect, depth: cell.depth + 1, ..*cell });
-    Some(Node { extent: Extent { center, radius, axis, angle }, content })
+    let content = NodeContent::SearchCell(SearchCell { rect, depth: cell.depth + 1, ..*cell });
+    Some(MirrorNode { extent: MirrorExtent { center, radius, axis, angle }, content })
 }
 
-/// Whether rays from the receiver by way of such a part can meet the lamp.
+/// True if rays from the receiver reflected by such a part can hit the lamp.
 ///
 /// The directions to a ball of radius rho at distance D are within asin(rho / D) of that to its centre. Mirrored at one normal they keep their angles;
 /// normals that differ by a differ the mirrored directions by 2 a at most, since two mirrors make a rotation by twice the angle between them. And
 /// the lamp, within R of its centre at distance E, is seen from all of the ball within asin((rho + R) / E) of one direction.
-fn judge(extent: &Extent, receiver: &Receiver, lamp: &Lamp) -> Verdict {
-    let Extent { center, radius, axis, angle } = *extent;
+fn judge(extent: &MirrorExtent, receiver: &Receiver, lamp: &EmitterShape) -> PartClass {
+    let MirrorExtent { center, radius, axis, angle } = *extent;
     let to = center - receiver.point;
     if to.dot(receiver.normal) <= -radius || lamp.is_dark_in(center, radius) {
-        return Verdict::Dark;
+        return PartClass::Dark;
     }
     let on = lamp.center() - center;
     let (distance, way) = (to.length(), on.length());
     let reach = lamp.outer_radius();
     if distance <= radius || angle >= FRAC_PI_2 || way <= radius {
-        return Verdict::Coarse;
+        return PartClass::Coarse;
     }
     let direction = to / distance;
     let mirrored = direction - 2.0 * direction.dot(axis) * axis;
@@ -215,16 +226,16 @@ fn judge(extent: &Extent, receiver: &Receiver, lamp: &Lamp) -> Verdict {
     if way > radius + reach {
         let allowed = slack + ((radius + reach) / way).asin();
         if allowed < PI && mirrored.dot(on) < way * allowed.cos() {
-            return Verdict::Dark;
+            return PartClass::Dark;
         }
     }
     let smallest = (lamp.inner_radius() / way).min(1.0).asin();
     let spread = slack + (radius / way).asin();
-    if spread <= FINENESS * smallest { Verdict::Fine } else { Verdict::Coarse }
+    if spread <= FINENESS * smallest { PartClass::Fine } else { PartClass::Coarse }
 }
 
 /// Bound on the projected solid angle of a ball, sr.
-fn largest_share(extent: &Extent, receiver: &Receiver) -> f64 {
+fn largest_share(extent: &MirrorExtent, receiver: &Receiver) -> f64 {
     let squared = extent.center.distance_squared(receiver.point);
     // A ball's is pi times the square of the sine of its half angle, if it is right above.
     PI * (extent.radius * extent.radius / squared).min(1.0)

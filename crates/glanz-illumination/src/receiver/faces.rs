@@ -7,12 +7,12 @@ use super::ReceiverPoint;
 
 /// The triangles of a mesh.
 #[derive(Clone, Debug)]
-pub(super) struct Faces {
+pub(super) struct FaceCells {
     /// Ascending.
     faces: Vec<u32>,
 }
 
-impl Faces {
+impl FaceCells {
     pub(super) fn new(faces: &[u32]) -> Self {
         Self { faces: faces.to_vec() }
     }

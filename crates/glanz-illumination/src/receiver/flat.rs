@@ -16,7 +16,7 @@ const EDGES: usize = 4096;
 
 /// A grid in a plane.
 #[derive(Clone, Debug)]
-pub(super) struct Flat {
+pub(super) struct FlatGrid {
     origin: DVec3,
     /// Unit directions of the grid, at right angles.
     across: DVec3,
@@ -24,11 +24,11 @@ pub(super) struct Flat {
     /// On the front of the surface.
     normal: DVec3,
     size: DVec2,
-    /// What there is of the surface: convex polygons in shares of the grid, [0, 1]^2.
+    /// The surface as convex polygons in grid coordinates, [0, 1]^2.
     polygons: Vec<Vec<DVec2>>,
 }
 
-impl Flat {
+impl FlatGrid {
     /// `None` if the faces do not lie in one plane, facing the same way. `back`: whether it is seen from behind.
     pub(super) fn try_new(surface: &PlacedSurface<'_>, faces: &[u32], back: bool) -> Option<Self> {
         let mut corners = Vec::new();
@@ -70,7 +70,7 @@ impl Flat {
         self.size
     }
 
-    /// Where a point lies in the grid, [0, 1]^2.
+    /// Grid coordinates of a point, [0, 1]^2.
     pub(super) fn share(&self, position: DVec3) -> DVec2 {
         let p = position - self.origin;
         (DVec2::new(p.dot(self.across), p.dot(self.up)) / self.size).clamp(DVec2::ZERO, DVec2::ONE)
@@ -115,7 +115,7 @@ impl Flat {
                 }
             }
         }
-        // What clipping leaves of a border that lies on that of a cell.
+        // Degenerate remains of clipping along the border of a cell.
         for slot in areas.iter_mut().filter(|area| **area < 1e-12 * cell_area) {
             *slot = 0.0;
         }
@@ -216,7 +216,7 @@ fn area(polygon: &[DVec2]) -> f64 {
     0.5 * pairs.map(|(p, q)| p.perp_dot(*q)).sum::<f64>()
 }
 
-/// Whether a convex polygon holds a point; those of its border belong to it.
+/// True if a convex polygon contains a point, its border included.
 fn holds(polygon: &[DVec2], point: DVec2) -> bool {
     let mut turns =
         polygon.iter().zip(polygon.iter().cycle().skip(1)).map(|(p, q)| (*q - *p).perp_dot(point - *p));

@@ -1,4 +1,4 @@
-//! Where light is counted: grids on surfaces.
+//! Receivers: grids of cells on surfaces.
 
 mod faces;
 mod flat;
@@ -9,25 +9,25 @@ use glanz_math::{DVec2, DVec3};
 use glanz_scene::description::{MAX_RECEIVER_CELLS, ReceiverSide};
 use glanz_scene::{Interaction, Place, PlacedSurface, Scene};
 
-use faces::Faces;
-use flat::Flat;
-use parameters::Parameters;
+use faces::FaceCells;
+use flat::FlatGrid;
+use parameters::ParameterGrid;
 
 /// Triangles at most of a curved mesh that counts by triangles.
 const FACES_LIMIT: usize = 1 << 22;
 
-/// How fine a grid is.
+/// Resolution of a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Fineness {
-    /// So many cells along both directions.
+pub enum GridResolution {
+    /// Numbers of cells along both directions.
     Cells([u32; 2]),
-    /// So many along the longer direction, along the other as many of about the same length.
+    /// Number of cells along the longer direction; along the other, cells of about the same length.
     Longer(u32),
     /// Cells of about this length, metres.
     Texel(f64),
 }
 
-impl Fineness {
+impl GridResolution {
     /// Cells along both directions of a receiver that is so long, metres; at least 1 and at most [`MAX_RECEIVER_CELLS`].
     fn cells(self, size: DVec2) -> [u32; 2] {
         let texel = match self {
@@ -40,34 +40,34 @@ impl Fineness {
     }
 }
 
-/// What is asked for: light on a shape.
+/// Request for a receiver on a shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReceiverRequest {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// Number of the shape in the order of the scene file.
     pub shape: u32,
     /// Which side; both become a receiver each.
     pub side: ReceiverSide,
-    /// How fine.
-    pub fineness: Fineness,
+    /// Resolution.
+    pub fineness: GridResolution,
 }
 
 impl ReceiverRequest {
-    /// What a scene asks for; those that say nothing of their cells are divided by `fineness`.
+    /// Receivers that a scene declares; those without cells get the default resolution.
     #[must_use]
-    pub fn of_scene(scene: &Scene, fineness: Fineness) -> Vec<Self> {
+    pub fn of_scene(scene: &Scene, fineness: GridResolution) -> Vec<Self> {
         let asked = scene.receivers().iter().map(|receiver| Self {
             name: receiver.name().to_owned(),
             shape: receiver.shape(),
             side: receiver.side(),
-            fineness: receiver.cells().map_or(fineness, Fineness::Cells),
+            fineness: receiver.cells().map_or(fineness, GridResolution::Cells),
         });
         asked.collect()
     }
 }
 
-/// Why a shape cannot receive.
+/// Errors of building a receiver.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReceiverError {
@@ -112,39 +112,39 @@ pub struct Receiver {
     /// Number of the surface, and of its face if it is one facet of several.
     surface: u32,
     face: Option<u32>,
-    /// Whether light counts on the side that the normal does not point to.
+    /// True if light on the side opposite to the normal counts.
     back: bool,
     cells: [u32; 2],
     size: DVec2,
-    layout: Layout,
+    layout: ReceiverLayout,
     areas: Vec<f64>,
     positions: Vec<DVec3>,
 }
 
 #[derive(Clone, Debug)]
-enum Layout {
-    Flat(Flat),
-    Parameters(Parameters),
-    Faces(Faces),
+enum ReceiverLayout {
+    FlatGrid(FlatGrid),
+    ParameterGrid(ParameterGrid),
+    FaceCells(FaceCells),
 }
 
 impl Receiver {
     fn try_new(
         request: &ReceiverRequest,
         name: String,
-        found: &FoundShape<'_>,
+        found: &ShapeOccurrence<'_>,
         back: bool,
     ) -> Result<Self, ReceiverError> {
         let layout = found.layout(&name, back)?;
         let size = layout.size(&found.surface);
         let cells = match &layout {
-            Layout::Faces(faces) => [faces.len(), 1],
+            ReceiverLayout::FaceCells(faces) => [faces.len(), 1],
             _ => request.fineness.cells(size),
         };
         let (areas, positions) = match &layout {
-            Layout::Flat(flat) => (flat.areas(cells), flat.centers(cells)),
-            Layout::Parameters(parameters) => parameters.measure(&found.surface, cells),
-            Layout::Faces(faces) => faces.measure(&found.surface),
+            ReceiverLayout::FlatGrid(flat) => (flat.areas(cells), flat.centers(cells)),
+            ReceiverLayout::ParameterGrid(parameters) => parameters.measure(&found.surface, cells),
+            ReceiverLayout::FaceCells(faces) => faces.measure(&found.surface),
         };
         if areas.iter().all(|&area| area <= 0.0) {
             return Err(ReceiverError::NoArea(name));
@@ -153,7 +153,7 @@ impl Receiver {
         Ok(Self { name, shape, surface, face, back, cells, size, layout, areas, positions })
     }
 
-    /// What it is called.
+    /// Its name.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -177,7 +177,7 @@ impl Receiver {
         self.areas.len()
     }
 
-    /// Whether it has no cells; it has.
+    /// False: a receiver always has cells.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.areas.is_empty()
@@ -207,9 +207,9 @@ impl Receiver {
     #[must_use]
     pub fn place(&self, surface: &PlacedSurface<'_>, cell: usize, at: DVec2) -> Option<ReceiverPoint> {
         let point = match &self.layout {
-            Layout::Flat(flat) => flat.place(self.cells, cell, at),
-            Layout::Parameters(parameters) => parameters.place(surface, self.cells, cell, at),
-            Layout::Faces(faces) => faces.place(surface, cell, at),
+            ReceiverLayout::FlatGrid(flat) => flat.place(self.cells, cell, at),
+            ReceiverLayout::ParameterGrid(parameters) => parameters.place(surface, self.cells, cell, at),
+            ReceiverLayout::FaceCells(faces) => faces.place(surface, cell, at),
         }?;
         let normal = if self.back { -point.normal } else { point.normal };
         Some(ReceiverPoint { normal, ..point })
@@ -218,9 +218,9 @@ impl Receiver {
     /// The cell that a ray met.
     fn locate(&self, at: &Interaction, place: &Place) -> Option<usize> {
         let share = match &self.layout {
-            Layout::Flat(flat) => flat.share(at.point.position),
-            Layout::Parameters(parameters) => parameters.share(at.point.uv),
-            Layout::Faces(faces) => return faces.cell(place.face),
+            ReceiverLayout::FlatGrid(flat) => flat.share(at.point.position),
+            ReceiverLayout::ParameterGrid(parameters) => parameters.share(at.point.uv),
+            ReceiverLayout::FaceCells(faces) => return faces.cell(place.face),
         };
         let index = |share: f64, n: u32| ((share * f64::from(n)) as u32).min(n - 1) as usize;
         let [nx, ny] = self.cells;
@@ -229,7 +229,7 @@ impl Receiver {
 }
 
 /// A shape, or a facet of one, in its place.
-struct FoundShape<'a> {
+struct ShapeOccurrence<'a> {
     surface: PlacedSurface<'a>,
     number: u32,
     face: Option<u32>,
@@ -237,35 +237,35 @@ struct FoundShape<'a> {
     faces: Vec<u32>,
 }
 
-impl FoundShape<'_> {
-    fn layout(&self, name: &str, back: bool) -> Result<Layout, ReceiverError> {
+impl ShapeOccurrence<'_> {
+    fn layout(&self, name: &str, back: bool) -> Result<ReceiverLayout, ReceiverError> {
         if self.faces.is_empty() {
             return Err(ReceiverError::NoParameters(name.to_owned()));
         }
-        if let Some(flat) = Flat::try_new(&self.surface, &self.faces, back) {
-            return Ok(Layout::Flat(flat));
+        if let Some(flat) = FlatGrid::try_new(&self.surface, &self.faces, back) {
+            return Ok(ReceiverLayout::FlatGrid(flat));
         }
-        if let Some(parameters) = Parameters::try_new(&self.surface) {
-            return Ok(Layout::Parameters(parameters));
+        if let Some(parameters) = ParameterGrid::try_new(&self.surface) {
+            return Ok(ReceiverLayout::ParameterGrid(parameters));
         }
         if self.faces.len() > FACES_LIMIT {
             return Err(ReceiverError::TooMany { name: name.to_owned(), faces: self.faces.len() });
         }
-        Ok(Layout::Faces(Faces::new(&self.faces)))
+        Ok(ReceiverLayout::FaceCells(FaceCells::new(&self.faces)))
     }
 }
 
-impl Layout {
+impl ReceiverLayout {
     fn size(&self, surface: &PlacedSurface<'_>) -> DVec2 {
         match self {
-            Self::Flat(flat) => flat.size(),
-            Self::Parameters(parameters) => parameters.size(surface),
-            Self::Faces(faces) => DVec2::new(f64::from(faces.len()), 1.0),
+            Self::FlatGrid(flat) => flat.size(),
+            Self::ParameterGrid(parameters) => parameters.size(surface),
+            Self::FaceCells(faces) => DVec2::new(f64::from(faces.len()), 1.0),
         }
     }
 }
 
-/// All receivers of a scene, and which of them a ray met.
+/// The receivers of a scene, with lookup by hit.
 #[derive(Clone, Debug, Default)]
 pub struct Receivers {
     list: Vec<Receiver>,
@@ -277,12 +277,12 @@ pub struct Receivers {
 
 /// The cell of a receiver that a ray met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Met {
+pub struct ReceiverHit {
     /// Number of the receiver.
     pub receiver: usize,
     /// Number of the cell among those of all receivers.
     pub cell: usize,
-    /// Whether on the side that counts.
+    /// True on the counted side.
     pub counts: bool,
 }
 
@@ -326,7 +326,7 @@ impl Receivers {
         self.list.push(receiver);
     }
 
-    /// All of them.
+    /// The receivers.
     #[must_use]
     pub fn as_slice(&self) -> &[Receiver] {
         &self.list
@@ -348,7 +348,7 @@ impl Receivers {
     /// The cell that a ray met; `None` where no light is counted.
     #[inline]
     #[must_use]
-    pub fn met(&self, at: &Interaction, place: &Place) -> Option<Met> {
+    pub fn met(&self, at: &Interaction, place: &Place) -> Option<ReceiverHit> {
         let here = self.by_surface.get(place.surface as usize)?;
         let mut met = None;
         for &number in here {
@@ -358,7 +358,7 @@ impl Receivers {
             }
             let counts = receiver.back == place.back;
             let cell = self.cells_of(number as usize).start + receiver.locate(at, place)?;
-            met = Some(Met { receiver: number as usize, cell, counts });
+            met = Some(ReceiverHit { receiver: number as usize, cell, counts });
             if counts {
                 break;
             }
@@ -391,7 +391,7 @@ fn full_name(request: &ReceiverRequest, number: Option<usize>, facet: Option<usi
 }
 
 /// The places of a shape: one, or one per facet of a box or polyhedron; for copies by instances one each.
-fn shapes<'a>(placed: &[PlacedSurface<'a>], shape: u32) -> Vec<FoundShape<'a>> {
+fn shapes<'a>(placed: &[PlacedSurface<'a>], shape: u32) -> Vec<ShapeOccurrence<'a>> {
     let mut found = Vec::new();
     for (number, surface) in (0..).zip(placed) {
         let faces: Vec<u32> = (0..surface.faces()).filter(|&face| surface.shape(face) == shape).collect();
@@ -400,11 +400,15 @@ fn shapes<'a>(placed: &[PlacedSurface<'a>], shape: u32) -> Vec<FoundShape<'a>> {
         }
         let surface = surface.clone();
         if matches!(surface.surface(), Surface::Cuboid(_) | Surface::Polyhedron(_)) {
-            let facet =
-                |&face| FoundShape { surface: surface.clone(), number, face: Some(face), faces: vec![face] };
+            let facet = |&face| ShapeOccurrence {
+                surface: surface.clone(),
+                number,
+                face: Some(face),
+                faces: vec![face],
+            };
             found.extend(faces.iter().map(facet));
         } else {
-            found.push(FoundShape { surface, number, face: None, faces });
+            found.push(ShapeOccurrence { surface, number, face: None, faces });
         }
     }
     found

@@ -19,7 +19,7 @@ const LENGTH_STEPS: u32 = 64;
 
 /// A grid over the rectangle of a surface's parameters (u, v).
 #[derive(Clone, Debug)]
-pub(super) struct Parameters {
+pub(super) struct ParameterGrid {
     min: DVec2,
     max: DVec2,
     /// Rectangles of parameters that faces fill, by face; `None` if a face fills no rectangle.
@@ -27,7 +27,7 @@ pub(super) struct Parameters {
     is_trimmed: bool,
 }
 
-impl Parameters {
+impl ParameterGrid {
     /// `None` if the parameters begin anew on every face.
     pub(super) fn try_new(placed: &PlacedSurface<'_>) -> Option<Self> {
         let is_trimmed = placed.is_trimmed();
@@ -68,7 +68,7 @@ impl Parameters {
         }
     }
 
-    /// Where parameters lie in the grid, [0, 1]^2.
+    /// Grid coordinates of parameters, [0, 1]^2.
     pub(super) fn share(&self, uv: DVec2) -> DVec2 {
         ((uv - self.min) / (self.max - self.min)).clamp(DVec2::ZERO, DVec2::ONE)
     }
@@ -215,7 +215,7 @@ fn nodes(parts: u32) -> Vec<(DVec2, f64)> {
     grid(parts).map(|(i, j)| ((DVec2::new(f64::from(i), f64::from(j)) + 0.5) / n, 1.0 / (n * n))).collect()
 }
 
-/// Whether parameters of hits are those of a facet.
+/// True if the parameters of hits are local to a facet.
 fn is_facetted(surface: &Surface) -> bool {
     matches!(surface, Surface::Mesh(_) | Surface::Triangle(_) | Surface::Polyhedron(_) | Surface::Cuboid(_))
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::common::*;
-use glanz_illumination::Fineness::Cells;
+use glanz_illumination::GridResolution::Cells;
 use glanz_math::{DMat4, DVec2, DVec3};
 
 /// Particles of the tests; cells get 10^4 and more.

@@ -96,12 +96,12 @@ impl Builder {
     }
 }
 
-pub(crate) fn request(name: &str, shape: u32, fineness: Fineness) -> ReceiverRequest {
+pub(crate) fn request(name: &str, shape: u32, fineness: GridResolution) -> ReceiverRequest {
     ReceiverRequest { name: name.into(), shape, side: ReceiverSide::Front, fineness }
 }
 
 /// Traces until the goal on all processors.
-pub(crate) fn traced(scene: &Scene, receivers: &Receivers, goal: Goal) -> TraceOutcome {
+pub(crate) fn traced(scene: &Scene, receivers: &Receivers, goal: TraceGoal) -> TraceOutcome {
     let settings = TraceSettings { seed: 3, max_events: 1000, threads: 0, goal };
     let tally = Tally::new(receivers, None);
     trace(scene, receivers, &settings, tally, &mut Silent, &CancelFlag::default()).unwrap()
@@ -114,7 +114,7 @@ pub(crate) fn maps(
     particles: u64,
 ) -> (Vec<LuxMap>, FluxBalance) {
     let receivers = Receivers::try_new(scene, requests).unwrap();
-    let goal = Goal { particles: Some(particles), ..Goal::default() };
+    let goal = TraceGoal { particles: Some(particles), ..TraceGoal::default() };
     let outcome = traced(scene, &receivers, goal);
     (outcome.tally.lux_maps(&receivers), outcome.tally.balance())
 }

@@ -61,7 +61,7 @@ fn shapes() -> Vec<(GeometryDescription, f64)> {
 fn receivers(
     geometry: GeometryDescription,
     place: DMat4,
-    cells: Fineness,
+    cells: GridResolution,
 ) -> (glanz_scene::Scene, Receivers) {
     let scene = Builder::default().shape(geometry, place, diffuse(0.5)).scene();
     let receivers = Receivers::try_new(&scene, &[request("r", 0, cells)]).unwrap();
@@ -74,7 +74,7 @@ fn cells_share_the_area() {
         [DMat4::IDENTITY, at(1.0, 2.0, 3.0) * DMat4::from_rotation_x(0.7) * DMat4::from_rotation_z(0.4)]
     {
         for (number, (geometry, expected)) in shapes().into_iter().enumerate() {
-            let (_, receivers) = receivers(geometry, place, Fineness::Cells([7, 5]));
+            let (_, receivers) = receivers(geometry, place, GridResolution::Cells([7, 5]));
             let [receiver] = receivers.as_slice() else { panic!("{number}") };
             let area: f64 = receiver.areas().iter().sum();
             assert!((area / expected - 1.0).abs() < 1e-6, "{number}: {area}, not {expected}");
@@ -86,7 +86,7 @@ fn cells_share_the_area() {
 fn rays_meet_the_cells_that_places_lie_in() {
     for (number, (geometry, _)) in shapes().into_iter().enumerate() {
         let place = at(1.0, -2.0, 0.5) * DMat4::from_rotation_y(0.3);
-        let (scene, receivers) = receivers(geometry, place, Fineness::Cells([4, 3]));
+        let (scene, receivers) = receivers(geometry, place, GridResolution::Cells([4, 3]));
         let receiver = &receivers.as_slice()[0];
         let placed = scene.placed_surfaces();
         let mut seen = 0;
@@ -121,7 +121,7 @@ fn walls_are_seen_upright_from_the_side_that_counts() {
     let wall = mesh(vec![o, 4.0 * x, 4.0 * x + 2.0 * z, 2.0 * z], vec![[0, 2, 1], [0, 3, 2]]);
     let scene = Builder::default().shape(wall, DMat4::IDENTITY, diffuse(0.5)).scene();
     let of = |side| {
-        let asked = ReceiverRequest { side, ..request("wall", 0, Fineness::Longer(4)) };
+        let asked = ReceiverRequest { side, ..request("wall", 0, GridResolution::Longer(4)) };
         Receivers::try_new(&scene, &[asked]).unwrap().as_slice()[0].clone()
     };
     let front = of(ReceiverSide::Front);
@@ -132,7 +132,7 @@ fn walls_are_seen_upright_from_the_side_that_counts() {
     assert_eq!(back.positions()[0], DVec3::new(0.5, 0.0, 0.5));
     // A floor has x to the right and y up, seen from above.
     let floor = Builder::default().shape(rectangle(2.0, 2.0), DMat4::IDENTITY, diffuse(0.5)).scene();
-    let floor = Receivers::try_new(&floor, &[request("floor", 0, Fineness::Texel(0.9))]).unwrap();
+    let floor = Receivers::try_new(&floor, &[request("floor", 0, GridResolution::Texel(0.9))]).unwrap();
     assert_eq!(floor.as_slice()[0].cells(), [2, 2]);
     assert_eq!(floor.as_slice()[0].positions()[1], DVec3::new(0.5, -0.5, 0.0));
 }
@@ -144,7 +144,8 @@ fn boxes_count_by_facets_and_names_that_repeat_are_numbered() {
         .shape(cuboid, DMat4::IDENTITY, diffuse(0.5))
         .shape(disk(1.0), at(5.0, 0.0, 0.0), diffuse(0.5))
         .scene();
-    let asked = [request("box", 0, Fineness::Cells([2, 2])), request("box", 1, Fineness::Cells([2, 2]))];
+    let asked =
+        [request("box", 0, GridResolution::Cells([2, 2])), request("box", 1, GridResolution::Cells([2, 2]))];
     let receivers = Receivers::try_new(&scene, &asked).unwrap();
     let names: Vec<&str> = receivers.as_slice().iter().map(Receiver::name).collect();
     assert_eq!(names[0], "box 1 facet 1");
@@ -167,7 +168,7 @@ fn sides_of_a_border_count_by_themselves_and_stop_nothing() {
         location: None,
     });
     let scene = scene.scene();
-    let asked = ReceiverRequest::of_scene(&scene, Fineness::Longer(9));
+    let asked = ReceiverRequest::of_scene(&scene, GridResolution::Longer(9));
     let (maps, balance) = maps(&scene, &asked, 1 << 17);
     let names: Vec<&str> = maps.iter().map(|map| map.name.as_str()).collect();
     assert_eq!(names, ["air front", "air back"]);
@@ -187,7 +188,7 @@ fn shapes_without_end_or_parameters_are_refused() {
         .shape(GeometryDescription::Plane { x: endless, y: endless }, DMat4::IDENTITY, diffuse(0.5))
         .scene();
     let refused =
-        |shape| Receivers::try_new(&scene, &[request("sea", shape, Fineness::Longer(4))]).unwrap_err();
+        |shape| Receivers::try_new(&scene, &[request("sea", shape, GridResolution::Longer(4))]).unwrap_err();
     assert_eq!(refused(0), ReceiverError::NoParameters("sea".into()));
     assert_eq!(refused(1), ReceiverError::NoArea("sea".into()));
 }

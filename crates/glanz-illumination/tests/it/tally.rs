@@ -1,4 +1,4 @@
-//! What is counted does not depend on how.
+//! Tests: sums do not depend on threads, order or interruption.
 
 use crate::common::*;
 use glanz_illumination::*;
@@ -22,12 +22,12 @@ fn scene() -> Scene {
 }
 
 fn receivers(scene: &Scene) -> Receivers {
-    let cells = Fineness::Cells([8, 8]);
+    let cells = GridResolution::Cells([8, 8]);
     Receivers::try_new(scene, &[request("floor", 0, cells), request("ceiling", 1, cells)]).unwrap()
 }
 
 fn sent(scene: &Scene, receivers: &Receivers, tally: Tally, particles: u64, threads: usize) -> Tally {
-    let goal = Goal { particles: Some(particles), ..Goal::default() };
+    let goal = TraceGoal { particles: Some(particles), ..TraceGoal::default() };
     let settings = TraceSettings { seed: 1, max_events: 100, threads, goal };
     trace(scene, receivers, &settings, tally, &mut Silent, &CancelFlag::default()).unwrap().tally
 }
@@ -57,7 +57,7 @@ fn errors_are_those_of_repeated_runs() {
     let scene = scene();
     let receivers = receivers(&scene);
     let of = |seed| {
-        let goal = Goal { particles: Some(4096), ..Goal::default() };
+        let goal = TraceGoal { particles: Some(4096), ..TraceGoal::default() };
         let settings = TraceSettings { seed, max_events: 100, threads: 1, goal };
         let tally = Tally::new(&receivers, None);
         let outcome = trace(&scene, &receivers, &settings, tally, &mut Silent, &CancelFlag::default());
@@ -76,7 +76,7 @@ fn errors_are_those_of_repeated_runs() {
 fn runs_end_at_the_error_asked_for() {
     let scene = scene();
     let receivers = receivers(&scene);
-    let goal = Goal { error: Some(0.02), particles: Some(10_000_000), ..Goal::default() };
+    let goal = TraceGoal { error: Some(0.02), particles: Some(10_000_000), ..TraceGoal::default() };
     let outcome = traced(&scene, &receivers, goal);
     assert_eq!(outcome.end, JobEnd::Complete);
     for map in outcome.tally.lux_maps(&receivers) {
@@ -86,7 +86,7 @@ fn runs_end_at_the_error_asked_for() {
     assert!(outcome.particles < 10_000_000);
     let cancelled = CancelFlag::default();
     cancelled.cancel();
-    let settings = TraceSettings { seed: 1, max_events: 9, threads: 1, goal: Goal::default() };
+    let settings = TraceSettings { seed: 1, max_events: 9, threads: 1, goal: TraceGoal::default() };
     let outcome = trace(&scene, &receivers, &settings, outcome.tally, &mut Silent, &cancelled).unwrap();
     assert_eq!((outcome.end, outcome.particles), (JobEnd::Interrupted, 0));
 }
@@ -98,7 +98,7 @@ fn light_on_the_side_that_does_not_count_is_told() {
         .reversed()
         .point(DVec3::ZERO, 1.0)
         .scene();
-    let receivers = Receivers::try_new(&scene, &[request("floor", 0, Fineness::Longer(4))]).unwrap();
+    let receivers = Receivers::try_new(&scene, &[request("floor", 0, GridResolution::Longer(4))]).unwrap();
     let tally = sent(&scene, &receivers, Tally::new(&receivers, None), 4096, 1);
     assert_eq!(tally.received(0), (0.0, 0.0));
     // A face of a cube around the point, half as wide as that of the cube of edge 2: its solid angle is

@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use glanz_illumination::report::{Scale, false_colour, isolux};
 use glanz_illumination::{
-    Fineness, FluxBalance, Goal, LuxMap, ReceiverRequest, Receivers, Tally, TraceSettings, add_walls, trace,
+    FluxBalance, GridResolution, LuxMap, ReceiverRequest, Receivers, Tally, TraceGoal, TraceSettings,
+    add_walls, trace,
 };
 use glanz_job::{JobProgress, ProgressSink};
 use glanz_math::DVec3;
@@ -47,7 +48,7 @@ pub(super) fn room(cells: u32) -> Result<(Scene, Receivers), StudyError> {
     let mut description = room::description()?;
     add_walls(&mut description, DVec3::splat(SIDE));
     let scene = Scene::resolve(description)?.0;
-    let requests = ReceiverRequest::of_scene(&scene, Fineness::Cells([cells; 2]));
+    let requests = ReceiverRequest::of_scene(&scene, GridResolution::Cells([cells; 2]));
     let receivers = Receivers::try_new(&scene, &requests)?;
     Ok((scene, receivers))
 }
@@ -77,7 +78,7 @@ pub(super) fn measure(
     on_progress: &mut dyn FnMut(f64),
 ) -> Result<Lux, StudyError> {
     let threads = settings.threads.unwrap_or(1);
-    let goal = Goal { particles: Some(particles), ..Goal::default() };
+    let goal = TraceGoal { particles: Some(particles), ..TraceGoal::default() };
     let how = TraceSettings { seed: settings.seed, max_events: EVENTS, threads, goal };
     let stopwatch = Stopwatch::start(Of::Process);
     let mut sink = LuxProgress { particles, on_progress };

@@ -153,7 +153,7 @@ impl Arrival {
 
 #[cfg(test)]
 mod tests {
-    use glanz_illumination::{Fineness, ReceiverRequest, add_walls};
+    use glanz_illumination::{GridResolution, ReceiverRequest, add_walls};
 
     use super::*;
 
@@ -184,7 +184,7 @@ mod tests {
         let mut described = description().unwrap();
         add_walls(&mut described, DVec3::splat(SIDE));
         let scene = Scene::resolve(described).unwrap().0;
-        let requests = ReceiverRequest::of_scene(&scene, Fineness::Longer(4));
+        let requests = ReceiverRequest::of_scene(&scene, GridResolution::Longer(4));
         let names: Vec<&str> = requests.iter().map(|request| request.name.as_str()).collect();
         assert_eq!(names, WALLS.map(|wall| wall.name));
         // A ray through the lamp's middle meets it at its radius.
