@@ -6,47 +6,25 @@ use std::sync::atomic;
 use glanz_math::{DVec2, Ray};
 
 use super::Freeform;
-use super::leaf::Leaf;
-use super::search::{OnRoot, Probe, Root, Scratch};
-use super::subpatches::{Form, Forms, Place};
+use super::search::{Probe, Root, Scratch};
+use super::subpatches::{LeafSearch, Place};
 use crate::bvh::simd::{Simd, Task};
 use crate::bvh::{self, Visit};
 use crate::hit::Hit;
 
-/// Runs `$run` on the subpatches of a surface, whichever kind they are.
-macro_rules! on_forms {
-    ($surface:expr, $forms:ident => $run:expr) => {
-        match &$surface.forms {
-            Forms::Polynomial(list) => {
-                let $forms = &**list;
-                $run
-            }
-            Forms::Rational(list) => {
-                let $forms = &**list;
-                $run
-            }
-            Forms::General(list) => {
-                let $forms = &**list;
-                $run
-            }
-        }
-    };
-}
-
 /// What all queries carry from leaf to leaf.
-struct Walk<'a, F> {
+struct Walk<'a> {
     surface: &'a Freeform,
-    forms: &'a [F],
     ray: &'a Ray,
     /// From the first box on: many rays meet none.
     probe: Option<Probe>,
     scratch: Scratch,
 }
 
-impl<'a, F: Form> Walk<'a, F> {
+impl<'a> Walk<'a> {
     #[inline(always)]
-    fn new(surface: &'a Freeform, forms: &'a [F], ray: &'a Ray) -> Self {
-        Self { surface, forms, ray, probe: None, scratch: Scratch::default() }
+    fn new(surface: &'a Freeform, ray: &'a Ray) -> Self {
+        Self { surface, ray, probe: None, scratch: Scratch::default() }
     }
 
     /// Makes the ray ready for leaves.
@@ -58,11 +36,22 @@ impl<'a, F: Form> Walk<'a, F> {
     /// Tells `report` of every root in a leaf of the hierarchy.
     #[inline(always)]
     fn leaf<S: Simd>(&mut self, simd: S, leaf: bvh::Leaf, report: &mut impl Report) {
-        let Self { surface, forms, probe, scratch, .. } = self;
+        let Self { surface, probe, scratch, .. } = self;
         let (Some(leaf), Some(probe)) = (surface.leaves.get(leaf.ordinal()), probe) else { return };
         let Some(look) = leaf.look(simd, probe) else { return };
-        let Some(form) = forms.get(leaf.subpatch as usize) else { return };
-        form.roots(simd, leaf, &look, probe, scratch, &mut InLeaf { report, surface, probe, leaf });
+        let search = LeafSearch { forms: &surface.forms, leaf, look: &look, probe, scratch: &mut *scratch };
+        let only = simd.outlined(search);
+        let Some(place) = surface.places.get(leaf.subpatch as usize) else { return };
+        let mut found = |root: Root| {
+            if !leaf.crossed || surface.keeps(place, &root) {
+                report.root(probe, place, root);
+            }
+        };
+        if let Some(root) = only {
+            found(root);
+        } else {
+            scratch.roots.drain(..).for_each(found);
+        }
     }
 
     /// Asks the memory for a leaf.
@@ -79,25 +68,7 @@ trait Report {
     fn root(&mut self, probe: &Probe, place: &Place, root: Root);
 }
 
-/// A report of the roots of one leaf.
-struct InLeaf<'a, R> {
-    report: &'a mut R,
-    surface: &'a Freeform,
-    probe: &'a Probe,
-    leaf: &'a Leaf,
-}
-
-impl<R: Report> OnRoot for InLeaf<'_, R> {
-    #[inline(always)]
-    fn root(&mut self, root: Root) {
-        let Some(place) = self.surface.places.get(self.leaf.subpatch as usize) else { return };
-        if !self.leaf.crossed || self.surface.keeps(place, &root) {
-            self.report.root(self.probe, place, root);
-        }
-    }
-}
-
-impl<F> Drop for Walk<'_, F> {
+impl Drop for Walk<'_> {
     #[inline(always)]
     fn drop(&mut self) {
         if self.scratch.undecided > 0 {
@@ -131,17 +102,15 @@ impl Task for Closest<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Option<Hit> {
         let Self { surface, ray, t_max } = self;
-        on_forms!(surface, forms => {
-            let best = Best { hit: None, end: t_max };
-            let mut visit = ClosestVisit { walk: Walk::new(surface, forms, ray), best };
-            surface.bvh.closest_with(simd, ray, t_max, &mut visit);
-            visit.best.hit
-        })
+        let best = Best { hit: None, end: t_max };
+        let mut visit = ClosestVisit { walk: Walk::new(surface, ray), best };
+        surface.bvh.closest_with(simd, ray, t_max, &mut visit);
+        visit.best.hit
     }
 }
 
-struct ClosestVisit<'a, F> {
-    walk: Walk<'a, F>,
+struct ClosestVisit<'a> {
+    walk: Walk<'a>,
     best: Best,
 }
 
@@ -165,7 +134,7 @@ impl Report for Best {
     }
 }
 
-impl<F: Form> Visit for &mut ClosestVisit<'_, F> {
+impl Visit for &mut ClosestVisit<'_> {
     #[inline(always)]
     fn prepare(&mut self) {
         self.walk.prepare();
@@ -196,16 +165,14 @@ impl Task for Occluded<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> bool {
         let Self { surface, ray, t_max } = self;
-        on_forms!(surface, forms => {
-            let before = Before { end: t_max, met: false };
-            let mut visit = OccludedVisit { walk: Walk::new(surface, forms, ray), before };
-            surface.bvh.any_with(simd, ray, t_max, &mut visit)
-        })
+        let before = Before { end: t_max, met: false };
+        let mut visit = OccludedVisit { walk: Walk::new(surface, ray), before };
+        surface.bvh.any_with(simd, ray, t_max, &mut visit)
     }
 }
 
-struct OccludedVisit<'a, F> {
-    walk: Walk<'a, F>,
+struct OccludedVisit<'a> {
+    walk: Walk<'a>,
     before: Before,
 }
 
@@ -223,7 +190,7 @@ impl Report for Before {
     }
 }
 
-impl<F: Form> Visit for &mut OccludedVisit<'_, F> {
+impl Visit for &mut OccludedVisit<'_> {
     #[inline(always)]
     fn prepare(&mut self) {
         self.walk.prepare();
@@ -255,12 +222,10 @@ impl Task for Every<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         let Self { surface, ray, t_max, hits } = self;
-        let mut found = on_forms!(surface, forms => {
-            let walk = Walk::new(surface, forms, ray);
-            let mut visit = EveryVisit { walk, all: All { found: Vec::new(), end: t_max } };
-            surface.bvh.closest_with(simd, ray, t_max, &mut visit);
-            visit.all.found
-        });
+        let walk = Walk::new(surface, ray);
+        let mut visit = EveryVisit { walk, all: All { found: Vec::new(), end: t_max } };
+        surface.bvh.closest_with(simd, ray, t_max, &mut visit);
+        let mut found = visit.all.found;
         found.sort_by(|a, b| order(&a.hit, &b.hit));
         for (index, candidate) in found.iter().enumerate() {
             if !found[..index].iter().any(|earlier| earlier.is_same(candidate)) {
@@ -304,8 +269,8 @@ impl Found {
     }
 }
 
-struct EveryVisit<'a, F> {
-    walk: Walk<'a, F>,
+struct EveryVisit<'a> {
+    walk: Walk<'a>,
     all: All,
 }
 
@@ -326,7 +291,7 @@ impl Report for All {
     }
 }
 
-impl<F: Form> Visit for &mut EveryVisit<'_, F> {
+impl Visit for &mut EveryVisit<'_> {
     #[inline(always)]
     fn prepare(&mut self) {
         self.walk.prepare();
