@@ -12,10 +12,10 @@ pub struct Bounds3 {
 }
 
 impl Bounds3 {
-    /// The box that holds nothing; the neutral element of [`Bounds3::union`].
+    /// The empty box, the neutral element of [`Bounds3::union`].
     pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
 
-    /// The box between two corners, in any order.
+    /// The box between two opposite corners, in any order.
     #[must_use]
     pub fn new(a: DVec3, b: DVec3) -> Self {
         Self { min: a.min(b), max: a.max(b) }
@@ -26,19 +26,19 @@ impl Bounds3 {
         points.into_iter().fold(Self::EMPTY, Self::including)
     }
 
-    /// The smallest box around this one and `point`.
+    /// The smallest box around this box and `point`.
     #[must_use]
     pub fn including(self, point: DVec3) -> Self {
         Self { min: self.min.min(point), max: self.max.max(point) }
     }
 
-    /// The smallest box around both.
+    /// The smallest box around both boxes.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// Whether the box holds no point.
+    /// Whether the box contains no point.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         !(self.min.cmple(self.max).all())
@@ -62,7 +62,7 @@ impl Bounds3 {
         self.min * 0.5 + self.max * 0.5
     }
 
-    /// From smallest to largest corner.
+    /// Vector from the smallest to the largest corner.
     #[must_use]
     pub fn diagonal(&self) -> DVec3 {
         self.max - self.min
@@ -78,13 +78,13 @@ impl Bounds3 {
         2.0 * (d.x * d.y + d.y * d.z + d.z * d.x)
     }
 
-    /// The box grown by `margin` (metres) on every side.
+    /// The box widened by `margin` (metres) on every side.
     #[must_use]
     pub fn expanded(self, margin: f64) -> Self {
         Self { min: self.min - margin, max: self.max + margin }
     }
 
-    /// The eight corners; meaningless if empty.
+    /// The eight corners; unspecified if the box is empty.
     #[must_use]
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|i| {

@@ -2,7 +2,7 @@
 
 use crate::DVec3;
 
-/// A right-handed orthonormal frame; `z` is the normal in shading.
+/// A right-handed orthonormal frame; in shading, `z` is the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// First tangent.
@@ -38,20 +38,20 @@ impl Frame {
     pub fn from_z_and_tangent(z: DVec3, tangent: DVec3) -> Self {
         let x = tangent - z * z.dot(tangent);
         match x.try_normalize() {
-            // Cancellation leaves nothing but noise where the tangent is almost parallel to z.
+            // Where the tangent is almost parallel to z, cancellation leaves only noise.
             Some(x) if x.dot(z).abs() < 1e-3 => Self { x, y: z.cross(x), z },
             _ => Self::from_z(z),
         }
     }
 
-    /// `v` (world) in coordinates of this frame.
+    /// Converts `v` from world coordinates to those of this frame.
     #[inline]
     #[must_use]
     pub fn to_local(&self, v: DVec3) -> DVec3 {
         DVec3::new(v.dot(self.x), v.dot(self.y), v.dot(self.z))
     }
 
-    /// `v` (coordinates of this frame) in the world.
+    /// Converts `v` from coordinates of this frame to those of the world.
     #[inline]
     #[must_use]
     pub fn to_world(&self, v: DVec3) -> DVec3 {

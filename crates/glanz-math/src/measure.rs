@@ -1,4 +1,4 @@
-//! Probability densities that carry their measure in the type.
+//! Probability densities with their measure in the type.
 
 /// Probability per square metre of surface.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]

@@ -4,18 +4,18 @@ use crate::DVec3;
 
 /// A half-line `origin + t * direction`, `t > 0`.
 ///
-/// The direction need not have unit length: a ray keeps its parameter `t` when it is carried into the local frame
-/// of a scaled object.
+/// The direction need not have unit length: the parameter `t` stays the same when a ray is transformed into the local frame of a
+/// scaled object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where the ray starts, metres.
+    /// Origin, metres.
     pub origin: DVec3,
-    /// Where it goes; any length but zero.
+    /// Direction, of any length but zero.
     pub direction: DVec3,
 }
 
 impl Ray {
-    /// A ray from `origin` along `direction`.
+    /// The ray from `origin` along `direction`.
     #[inline]
     #[must_use]
     pub const fn new(origin: DVec3, direction: DVec3) -> Self {

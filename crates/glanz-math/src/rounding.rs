@@ -1,7 +1,7 @@
 //! Bounds on rounding errors.
 //!
-//! Every hit carries a box that is proved to hold the true point; secondary rays start from the edge of that box and
-//! not from a tuned epsilon. The bounds follow @higham2002 chapter 3.
+//! Every hit has an error box that provably contains the true point; secondary rays start at the edge of that box instead of at a
+//! tuned epsilon. The bounds follow @higham2002 chapter 3.
 
 use crate::DVec3;
 
@@ -18,11 +18,11 @@ pub const fn gamma(n: u32) -> f64 {
     nu / (1.0 - nu)
 }
 
-/// Moves `point` out of its error box to the side of the surface that `direction` leaves to.
+/// Moves `point` out of its error box, to the side of the surface that `direction` points to.
 ///
-/// `error` is the absolute error of `point` per axis, `normal` the geometric unit normal of the surface there. The
-/// result lies on the side of the tangent plane that `direction` points into, at a distance of at least the extent of
-/// the box along the normal, and every coordinate is rounded away from the surface.
+/// `error` is the absolute error of `point` per axis, `normal` the geometric unit normal of the surface. The distance of the
+/// result from the tangent plane is at least the extent of the box along the normal, and every coordinate is rounded away from
+/// the surface.
 ///
 /// # Source
 /// @pharr2023 section 6.8.6.

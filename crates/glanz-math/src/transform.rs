@@ -1,25 +1,25 @@
-//! Affine, invertible maps.
+//! Invertible affine maps.
 
 use crate::rounding::gamma;
 use crate::{Bounds3, DAffine3, DMat3, DMat4, DVec3, Ray};
 
-/// Why a matrix is not a [`Transform`].
+/// The reason why a matrix is not a [`Transform`].
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum TransformError {
     /// An entry is infinite or not a number.
-    #[error("the matrix has an entry that is not finite")]
+    #[error("the matrix has an entry that is not finite; all entries must be finite")]
     NotFinite,
     /// The last row is not (0, 0, 0, w): the map would be projective.
-    #[error("the matrix is projective, only affine maps can place objects")]
+    #[error("the matrix is projective; it must be affine, with the last row (0, 0, 0, w)")]
     Projective,
-    /// The matrix cannot be inverted.
-    #[error("the matrix cannot be inverted (determinant {0:e})")]
+    /// The matrix is not invertible.
+    #[error("the matrix is singular (determinant {0:e}); it must be invertible")]
     Singular(f64),
 }
 
 /// An affine map together with its inverse.
 ///
-/// Points, directions and normals go different ways: normals by the inverse transpose (document 001 section 3.2).
+/// Points, directions and normals transform differently: normals by the inverse transpose (document 001 section 3.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
     forward: DAffine3,
@@ -33,14 +33,14 @@ impl Default for Transform {
 }
 
 impl Transform {
-    /// The map that leaves everything where it is.
+    /// The identity.
     pub const IDENTITY: Self = Self { forward: DAffine3::IDENTITY, backward: DAffine3::IDENTITY };
 
     /// Checks and inverts a homogeneous 4 x 4 matrix (columns as in [`DMat4`]).
     ///
     /// # Errors
     /// [`TransformError`] if an entry is not finite, the last row is not (0, 0, 0, w) with w != 0, or the linear part
-    /// has a condition number beyond 1 / f64 accuracy.
+    /// is singular up to rounding.
     pub fn try_from_matrix(matrix: DMat4) -> Result<Self, TransformError> {
         if !matrix.is_finite() {
             return Err(TransformError::NotFinite);
@@ -62,8 +62,8 @@ impl Transform {
         }
         let m = forward.matrix3;
         let determinant = m.determinant();
-        // Hadamard: |det| <= product of column lengths. Their ratio measures how close the columns are to a plane,
-        // whatever the unit of length.
+        // Hadamard: |det| is at most the product of the column lengths. Their ratio measures, in any unit of length, how close
+        // the columns are to a plane.
         let volume = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
         let backward = forward.inverse();
         if volume == 0.0 || determinant.abs() <= gamma(8) * volume || !backward.is_finite() {
@@ -72,46 +72,46 @@ impl Transform {
         Ok(Self { forward, backward })
     }
 
-    /// Moves by `offset`, metres.
+    /// The translation by `offset`, metres.
     #[must_use]
     pub fn translate(offset: DVec3) -> Self {
         Self { forward: DAffine3::from_translation(offset), backward: DAffine3::from_translation(-offset) }
     }
 
-    /// The linear part and the offset of the map.
+    /// The map as linear part and translation.
     #[must_use]
     pub fn forward(&self) -> DAffine3 {
         self.forward
     }
 
-    /// The map back.
+    /// The inverse map.
     #[inline]
     #[must_use]
     pub fn inverse(&self) -> Self {
         Self { forward: self.backward, backward: self.forward }
     }
 
-    /// First `inner`, then this map.
+    /// The composition: first `inner`, then this map.
     #[must_use]
     pub fn after(&self, inner: &Self) -> Self {
         Self { forward: self.forward * inner.forward, backward: inner.backward * self.backward }
     }
 
-    /// Where `point` goes.
+    /// Transforms a point.
     #[inline]
     #[must_use]
     pub fn point(&self, point: DVec3) -> DVec3 {
         self.forward.transform_point3(point)
     }
 
-    /// Where the direction or difference `vector` goes.
+    /// Transforms a direction or a difference of points.
     #[inline]
     #[must_use]
     pub fn vector(&self, vector: DVec3) -> DVec3 {
         self.forward.transform_vector3(vector)
     }
 
-    /// Where a normal goes (inverse transpose); not normalised.
+    /// Transforms a normal, by the inverse transpose; the result is not normalized.
     #[inline]
     #[must_use]
     pub fn normal(&self, normal: DVec3) -> DVec3 {
@@ -119,16 +119,16 @@ impl Transform {
         DVec3::new(m.x_axis.dot(normal), m.y_axis.dot(normal), m.z_axis.dot(normal))
     }
 
-    /// The ray in the target frame; its parameter t keeps its meaning.
+    /// Transforms a ray; its parameter t stays the same.
     #[inline]
     #[must_use]
     pub fn ray(&self, ray: &Ray) -> Ray {
         Ray::new(self.point(ray.origin), self.vector(ray.direction))
     }
 
-    /// A bound, per axis, on the error of [`Transform::point`] for a `point` known to `error` per axis.
+    /// Bound, per axis, on the error of [`Transform::point`] for a `point` with the given `error` per axis.
     ///
-    /// Three products and three sums: `gamma(4)` covers the roundings (@higham2002 section 3.1).
+    /// `gamma(4)` covers the roundings of three products and three sums (@higham2002 section 3.1).
     #[inline]
     #[must_use]
     pub fn point_error(&self, point: DVec3, error: DVec3) -> DVec3 {
@@ -149,7 +149,7 @@ impl Transform {
         Bounds3 { min: image.min - error, max: image.max + error }
     }
 
-    /// How much a surface element with unit normal `normal` grows: |det M| |M^-T n|.
+    /// Factor by which the area of a surface element with unit normal `normal` grows: |det M| |M^-T n|.
     #[inline]
     #[must_use]
     pub fn area_scale(&self, normal: DVec3) -> f64 {
@@ -158,7 +158,7 @@ impl Transform {
 
     /// The factor by which every length grows, if the map is a similarity (rotation, uniform scale, mirror).
     ///
-    /// `None` if lengths change by more than a relative `tolerance` between directions.
+    /// `None` if the factors of different directions differ by more than `tolerance`, relative.
     #[must_use]
     pub fn uniform_scale(&self, tolerance: f64) -> Option<f64> {
         let m = self.forward.matrix3;
@@ -226,7 +226,7 @@ mod tests {
         assert_eq!(Transform::try_from_matrix(projective), Err(TransformError::Projective));
         let infinite = DMat4::from_translation(DVec3::new(f64::NAN, 0.0, 0.0));
         assert_eq!(Transform::try_from_matrix(infinite), Err(TransformError::NotFinite));
-        // A micrometre is a small unit, not a singular map.
+        // A scale to micrometres is not singular.
         assert!(Transform::try_from_matrix(DMat4::from_scale(DVec3::splat(1e-6))).is_ok());
     }
 

@@ -1,7 +1,7 @@
 //! Rays per second of every kind of surface: `cargo bench -p glanz-geometry --bench surfaces`.
 //!
 //! Rays start anywhere on a sphere of three sizes and aim at a point of the surface's box drawn at random, so that hits and misses
-//! mix; the share of hits stands in the name. Each figure is that of the closest hit alone, without what only the winner pays.
+//! mix; the fraction of hits is part of the name. Only the closest hit is measured, without the point and its derivatives.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -62,7 +62,7 @@ fn algebraic(terms: &[([u32; 3], f64)], reach: f64) -> Result<Surface, SurfaceEr
     Ok(AlgebraicSurface::try_new(&terms, clip)?.into())
 }
 
-/// Every kind of surface but the mesh, which has a benchmark of its own.
+/// Every kind of surface except the mesh, which has its own benchmark.
 fn surfaces() -> Result<Vec<(&'static str, Surface)>, SurfaceError> {
     let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
     let octahedron: Vec<HalfSpace> = (0..8)

@@ -10,6 +10,6 @@
 )]
 
 mod contract;
+mod degenerate_rays;
 mod seam;
-mod senseless_rays;
 mod zoo;

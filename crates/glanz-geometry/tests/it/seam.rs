@@ -1,8 +1,8 @@
-//! Two faces that meet in a common trimming curve: no ray slips through between them.
+//! Two faces that meet in a common trimming curve leave no gap.
 //!
-//! One face keeps what lies within a closed curve on a wavy spline surface. The other is the same piece of space with
-//! other parameters, of other degree, turned round, and keeps what lies outside, so that the two agree about the
-//! curve up to rounding only. `GLANZ_SEAM_RAYS` says how many rays; `cargo xtask seam` shoots 10^8.
+//! One face keeps the inside of a closed curve on a wavy spline surface. The other is the same surface with other parameters and
+//! another degree, reversed, and keeps the outside, so that the two agree about the curve up to rounding only.
+//! `GLANZ_SEAM_RAYS` is the number of rays; `cargo xtask seam` shoots 10^8.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,10 +13,10 @@ use glanz_geometry::{RaySurface, Surface};
 use glanz_math::glam::DVec4;
 use glanz_math::{DVec2, DVec3, Ray};
 
-/// What rounding may move parameters by, with room.
+/// Bound on the rounding errors of parameters, with a margin.
 const BORDER: f64 = 1e-9;
 
-/// Half of the length of the rays: a surface of these radii of curvature crosses it once.
+/// Half of the length of the rays: at these radii of curvature, the surface crosses a ray once.
 const REACH: f64 = 1e-3;
 
 /// 8 x 8 control points of degree 3, rational, over the unit square of parameters.
@@ -60,7 +60,7 @@ fn face(surface: &NurbsSurface, curve: TrimCurve) -> Surface {
     Surface::from(surface.to_freeform().unwrap()).trimmed(region)
 }
 
-/// A place on the seam: point, tangents.
+/// A point on the seam with its tangents.
 struct Target([DVec3; 3]);
 
 /// Numbers in [0, 1) that depend on the counter alone.
@@ -71,14 +71,14 @@ fn random(counter: u64) -> f64 {
     ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// A short ray that passes the seam by 3e-4 to 3e-12 of the size.
+/// A short ray at a distance of 3e-4 to 3e-12 of the size from the seam.
 fn ray(targets: &[Target], index: u64) -> Ray {
     let number = |k: u64| random(index * 8 + k);
     let Target([point, su, sv]) = &targets[(number(0) * targets.len() as f64) as usize];
     let offset = 0.3 * REACH * 10.0_f64.powf(-8.0 * number(1));
     let angle = TAU * number(2);
     let target = *point + (*su * angle.cos() + *sv * angle.sin()) * offset;
-    // Not along the surface, which would be met more than once.
+    // Not along the surface, where a ray would cross it more than once.
     let (z, turn) = (0.1 + 0.9 * number(3), TAU * number(4));
     let side = if number(5) < 0.5 { -z } else { z };
     let normal = su.cross(*sv).normalize();
@@ -103,7 +103,7 @@ fn no_ray_slips_through_a_seam_of_trimmed_faces() {
                 Target([point, su, sv])
             })
             .collect();
-        // Turned round, the curve goes clockwise, and its right side is kept: a hole.
+        // Reversed, the curve runs clockwise and is a hole.
         let turned = closed_curve(flower, |p| DVec2::new(1.0 - p.x, p.y));
         let faces = [face(&waves, curve), face(&other, turned)];
         let (slipped, both) = (AtomicU64::new(0), AtomicU64::new(0));
@@ -127,7 +127,7 @@ fn no_ray_slips_through_a_seam_of_trimmed_faces() {
         let (slipped, both) = (slipped.into_inner(), both.into_inner());
         println!("{count} rays, {slipped} slip through, {both} meet both faces");
         assert_eq!(slipped, 0);
-        // Most offsets are far above the border, which is all that both keep.
+        // Both faces keep the border only, and most offsets are far larger.
         assert!(both > count / 100 && both < count / 2, "{both}");
     }
 }

@@ -1,4 +1,4 @@
-//! Values of polynomials, each with a bound on its error, at once and twice the working precision.
+//! Values of polynomials with error bounds, in working precision and in twice the working precision.
 
 use crate::rounding::{UNIT_ROUNDOFF, gamma};
 
@@ -12,7 +12,7 @@ pub struct Bounded {
 }
 
 impl Bounded {
-    /// 1 or -1 where the sign of the exact number is certain, otherwise 0.
+    /// 1 or -1 if the sign of the exact number is certain, otherwise 0.
     #[must_use]
     pub fn sign(self) -> i8 {
         if self.value > self.error {
@@ -39,7 +39,7 @@ pub fn two_sum(a: f64, b: f64) -> (f64, f64) {
 /// `a b` as a rounded product and the exact remainder, for magnitudes between about 1e-140 and 1e150.
 ///
 /// # Source
-/// @dekker1971; with a fused product where the machine has one.
+/// @dekker1971; with a fused product on machines that have one.
 #[must_use]
 pub fn two_product(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
@@ -54,7 +54,7 @@ pub fn two_product(a: f64, b: f64) -> (f64, f64) {
     }
 }
 
-/// Upper and lower half of the digits of `a`.
+/// Splits `a` into the upper and the lower half of its digits.
 #[cfg(not(target_feature = "fma"))]
 fn split(a: f64) -> (f64, f64) {
     // 2^27 + 1: half of the 53 digits, rounded up.
@@ -81,7 +81,7 @@ pub fn horner(coefficients: &[f64], t: f64) -> Bounded {
         y = y * t + c;
         bound = bound * size + y.abs();
     }
-    // 2 bound - |y| as in the source; the 2 is rounded up for the roundings of the bound itself.
+    // Instead of 2 bound - |y| as in the source, with the 2 rounded up for the roundings of the bound.
     Bounded { value: y, error: UNIT_ROUNDOFF * (2.0 + 64.0 * f64::EPSILON) * bound }
 }
 
@@ -100,8 +100,8 @@ pub fn horner_with_slope(coefficients: &[f64], t: f64) -> (Bounded, f64) {
 
 /// The value of `sum c_i t^i` as if computed with twice the digits and rounded once.
 ///
-/// The bound adds what is lost in the correction term: the sum of the moduli of all remainders, carried along, times
-/// `gamma(4 n + 8)` for a degree of n, which is theorem 4 of the source with some room for the bound's own roundings.
+/// The bound includes the rounding errors of the correction term: the sum of the moduli of all remainders times `gamma(4 n + 8)`
+/// for the degree n, which is theorem 4 of the source with a margin for the roundings of the bound.
 ///
 /// # Source
 /// @graillat2009 algorithm 7.

@@ -1,4 +1,4 @@
-//! The solver against two independent judges: Sturm's count in exact integers, and signs from exact expansions.
+//! The solver against two independent references: Sturm's count in exact integers, and signs from exact expansions.
 
 use super::super::compensated::{compensated_horner, two_product, two_sum};
 use super::*;
@@ -107,7 +107,7 @@ fn sturm_count(coefficients: &[i128], low: i128, high: i128) -> usize {
 }
 
 #[test]
-fn expansion_knows_the_sign_where_doubles_do_not() {
+fn expansion_has_the_sign_that_doubles_lose() {
     assert_eq!(exact_sign(&[-1.0, 3.0, -3.0, 1.0], 1.0 + f64::EPSILON), 1);
     assert_eq!(exact_sign(&[-1.0, 3.0, -3.0, 1.0], 1.0 - f64::EPSILON), -1);
     assert_eq!(exact_sign(&[-1.0, 3.0, -3.0, 1.0], 1.0), 0);
@@ -247,7 +247,7 @@ fn known_roots_are_found_at_every_scale() {
 }
 
 #[test]
-fn clusters_are_told_apart() {
+fn roots_in_clusters_are_separated() {
     let mut random = Random(4);
     for i in 0..2_000 {
         let scale = 10.0_f64.powi(i % 13 - 6);
@@ -298,7 +298,7 @@ fn roots_at_the_ends_belong_to_the_interval() {
 }
 
 #[test]
-fn lower_degrees_and_senseless_input() {
+fn lower_degrees_and_invalid_input() {
     assert_eq!(*roots(&[3.0, -1.5, 0.0, 0.0, 0.0], -10.0, 10.0), [2.0]);
     assert_eq!(*roots(&[1.0, 0.0, 0.0], -10.0, 10.0), []);
     assert_eq!(*roots(&[0.0; 5], -10.0, 10.0), []);
@@ -330,7 +330,7 @@ fn subdivision_and_derivatives_agree() {
 }
 
 #[test]
-fn first_root_is_the_same_whether_others_are_wanted_or_not() {
+fn first_root_does_not_depend_on_later_ones() {
     let mut random = Random(7);
     for _ in 0..5_000 {
         let known: [f64; 4] = std::array::from_fn(|_| random.signed());

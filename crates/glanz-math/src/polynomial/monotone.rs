@@ -1,17 +1,17 @@
-//! Roots between critical points: slower than subdivision, and sure where that cannot decide.
+//! Roots between critical points: slower than subdivision, but certain where subdivision is not.
 
 use super::compensated::{Bounded, compensated_horner, horner, horner_with_slope, two_product, value};
 use super::isolate::{MAX_DEGREE, Roots};
 use super::quadratic;
 use crate::rounding::UNIT_ROUNDOFF;
 
-/// All roots of `p` in [low, high], whose last coefficient is not zero.
+/// All roots in [low, high] of `p`, whose leading coefficient is not zero.
 pub(super) fn solve(p: &[f64], low: f64, high: f64) -> Roots {
     let degree = p.len() - 1;
     if degree == 0 {
         return Roots::NONE;
     }
-    // Derivatives from the second lowest up: the roots of each cut the interval for the next.
+    // The roots of each derivative, from the quadratic one on, divide the interval for the next.
     let mut cuts = Roots::NONE;
     for order in (1..degree).rev() {
         let mut derivative = [0.0; MAX_DEGREE + 1];
@@ -26,14 +26,14 @@ pub(super) fn solve(p: &[f64], low: f64, high: f64) -> Roots {
     }
     sharpen(p, &mut cuts, low, high);
     let ends = with_ends(&cuts, low, high);
-    cut_at_roots(p, &ends, decide)
+    cut_at_roots(p, &ends, adaptive_value)
 }
 
-/// The value of `p`, with twice the digits where the plain one has no certain sign.
+/// The value of `p`, in twice the precision where its sign is uncertain in working precision.
 ///
-/// The bound then includes what `p` changes over the last digit of `t`: a zero means a root at `t` as near as a number
-/// can come to it.
-pub(super) fn decide(p: &[f64], t: f64) -> Bounded {
+/// The bound then includes the change of `p` over the last digit of `t`: a sign of 0 means that `t` is as close to a root as a
+/// number can be.
+pub(super) fn adaptive_value(p: &[f64], t: f64) -> Bounded {
     let (plain, slope) = horner_with_slope(p, t);
     if plain.sign() != 0 {
         return plain;
@@ -42,11 +42,10 @@ pub(super) fn decide(p: &[f64], t: f64) -> Bounded {
     Bounded { error: fine.error + slope.abs() * UNIT_ROUNDOFF * t.abs(), ..fine }
 }
 
-/// Moves the cuts at which `p` almost vanishes onto its critical points, with a step of Newton in twice the precision.
+/// Refines the cuts where `p` almost vanishes by a Newton step for its critical points in twice the precision.
 ///
-/// The value at a cut that is off by d is wrong by `p'' d^2 / 2`, which hides a double root unless d is the last digit.
-///
-/// The derivative is taken with the remainders of its rounded coefficients, without which its digits would be of no use.
+/// An error d of a cut changes the value by `p'' d^2 / 2`, which hides a double root unless d is in the last digit. The derivative
+/// includes the remainders of its rounded coefficients, as its additional digits would be wrong without them.
 fn sharpen(p: &[f64], cuts: &mut Roots, low: f64, high: f64) {
     let mut first = [0.0; MAX_DEGREE + 1];
     let mut remainders = [0.0; MAX_DEGREE + 1];
@@ -70,20 +69,20 @@ fn sharpen(p: &[f64], cuts: &mut Roots, low: f64, high: f64) {
         }
         let slope = compensated_horner(first.get(..degree).unwrap_or(&[]), t).value + value(&remainders, t);
         let moved = t - slope / value(second.get(..degree.saturating_sub(1)).unwrap_or(&[]), t);
-        // Only the last digits may change: elsewhere, as at a multiple root of the derivative, the step is noise.
+        // Only the last digits may change: a larger step, as at a multiple root of the derivative, is noise.
         if (moved - t).abs() <= UNIT_ROUNDOFF.sqrt() * t.abs()
-            && let Some(place) = cuts.values.get_mut(i)
+            && let Some(cut) = cuts.values.get_mut(i)
         {
-            *place = moved.clamp(low, high);
+            *cut = moved.clamp(low, high);
         }
     }
-    // Neighbours may have met.
+    // Neighbours may have been exchanged.
     if let Some(used) = cuts.values.get_mut(..cuts.count) {
         used.sort_by(f64::total_cmp);
     }
 }
 
-/// The derivative of the given order, in the first places of `derivative`.
+/// Writes the coefficients of the derivative of the given order to the start of `derivative`.
 fn differentiate(p: &[f64], order: usize, derivative: &mut [f64]) {
     for (i, (&c, d)) in p.iter().skip(order).zip(derivative).enumerate() {
         // (i + 1) ... (i + order), exact.
@@ -111,35 +110,35 @@ fn with_ends(cuts: &Roots, low: f64, high: f64) -> Roots {
     ends
 }
 
-/// The roots of `p`, monotone between neighbours in `ends`, whose signs `evaluate` tells.
+/// The roots of `p`, which is monotone between neighbours in `ends`, with the signs of `evaluate`.
 fn cut_at_roots(p: &[f64], ends: &[f64], evaluate: impl Fn(&[f64], f64) -> Bounded) -> Roots {
-    let mut found = Roots::NONE;
+    let mut roots = Roots::NONE;
     let Some((&first, rest)) = ends.split_first() else {
-        return found;
+        return roots;
     };
     let (mut a, mut sign_a) = (first, evaluate(p, first).sign());
     if sign_a == 0 {
-        found.push(a);
+        roots.push(a);
     }
     for &b in rest {
         let sign_b = evaluate(p, b).sign();
         if sign_b == 0 {
-            // Monotone and zero at both ends: the same root.
+            // A monotone function that is zero at both ends: the same root.
             if sign_a != 0 {
-                found.push(b);
+                roots.push(b);
             }
         } else if sign_a * sign_b < 0 {
-            found.push(refine(p, a, b, sign_a, 0.5 * a + 0.5 * b, &evaluate));
+            roots.push(refine(p, a, b, sign_a, 0.5 * a + 0.5 * b, &evaluate));
         }
         (a, sign_a) = (b, sign_b);
     }
-    found
+    roots
 }
 
-/// The root between `a`, where the sign is `sign_a`, and `b`, where it is the opposite, looked for from `start` on.
+/// The root between `a`, where the sign is `sign_a`, and `b`, where it is the opposite, searched from `start`.
 ///
-/// Newton's step is taken while it stays in the bracket and at least halves from one to the next, otherwise the
-/// bracket is halved: one or the other shrinks geometrically, so the loop ends.
+/// Newton's step is used if it stays in the bracket and is at most half of the previous step; otherwise the bracket is halved. One
+/// or the other shrinks geometrically, so that the loop ends.
 pub(super) fn refine(
     p: &[f64],
     mut a: f64,
@@ -152,7 +151,7 @@ pub(super) fn refine(
     let mut last_step = b - a;
     loop {
         let (plain, slope) = horner_with_slope(p, t);
-        // Where the digits run out, the caller's arithmetic decides: compensated for the polynomial itself.
+        // Where working precision is not enough, `evaluate` decides: in twice the precision for the polynomial itself.
         let y = if plain.sign() == 0 { evaluate(p, t) } else { plain };
         let sign = y.sign();
         if sign == 0 {

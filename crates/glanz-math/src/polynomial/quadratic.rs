@@ -2,9 +2,9 @@
 
 /// The real roots of `a t^2 + b t + c`, ascending.
 ///
-/// `None` if there is no real root or every number is one. A linear equation (`a = 0`) has its root twice. Each root
-/// is accurate to a few units in the last place of the coefficients: no two numbers of like size and sign are
-/// subtracted outside the discriminant, and that one is evaluated with a fused product.
+/// `None` if there is no real root or if all coefficients but `c` are zero. The root of a linear equation (`a = 0`) is returned
+/// twice. Each root is accurate to a few units in the last place of the coefficients: cancellation is possible only in the
+/// discriminant, which is evaluated with a fused product.
 ///
 /// # Source
 /// @higham2002 section 1.8; discriminant after @kahan2004.
@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn double_root_is_found_where_the_discriminant_cancels() {
-        // (t - 1.1)^2 with rounded coefficients: the root is right to half the digits at least.
+        // (t - 1.1)^2 with rounded coefficients: the root is accurate to at least half of the digits.
         if let Some([t0, t1]) = roots(1.0, -2.2, 1.21) {
             assert!((t0 - 1.1).abs() < 1e-7 && (t1 - 1.1).abs() < 1e-7);
         }

@@ -3,27 +3,27 @@
 use glanz_geometry::algebraic::{AlgebraicSurface, PolynomialTerm};
 use glanz_math::{Bounds3, DVec3};
 
-use super::case::Case;
+use super::case::ContractCase;
 use super::harness::check_kind;
 
-/// `terms`: x, y and z exponents and the coefficient. `implicit`: the same polynomial, written down once more.
+/// `terms`: x, y and z exponents and the coefficient. `implicit`: the same polynomial as a closure.
 fn algebraic(
     name: &str,
     terms: &[([u32; 3], f64)],
     bounds: Bounds3,
     implicit: impl Fn(DVec3) -> f64 + 'static,
-) -> Case {
+) -> ContractCase {
     let terms: Vec<PolynomialTerm> =
         terms.iter().map(|&(exponents, coefficient)| PolynomialTerm { exponents, coefficient }).collect();
     let [a, .., b] = bounds.corners();
-    Case {
+    ContractCase {
         kept: Box::new(move |p| (p - bounds.min).min(bounds.max - p).min_element()),
         samples: false,
         center: bounds.center(),
         size: 0.5 * bounds.diagonal().length(),
         targets: vec![[a, b], [a, DVec3::new(b.x, a.y, a.z)], [b, DVec3::new(b.x, a.y, b.z)]],
         directions: vec![DVec3::X, DVec3::ONE, DVec3::new(1e-9, 0.0, 1.0), DVec3::new(1.0, -1.0, 0.0)],
-        ..Case::new(name, AlgebraicSurface::try_new(&terms, bounds).unwrap(), implicit)
+        ..ContractCase::new(name, AlgebraicSurface::try_new(&terms, bounds).unwrap(), implicit)
     }
 }
 
@@ -35,7 +35,7 @@ const X2: [u32; 3] = [2, 0, 0];
 const Y2: [u32; 3] = [0, 2, 0];
 const Z2: [u32; 3] = [0, 0, 2];
 
-fn sphere(center: DVec3, radius: f64) -> Case {
+fn sphere(center: DVec3, radius: f64) -> ContractCase {
     // Centers and radii are chosen so that every coefficient is exact.
     let terms = [
         (X2, 1.0),
@@ -47,13 +47,13 @@ fn sphere(center: DVec3, radius: f64) -> Case {
         ([0; 3], center.length_squared() - radius * radius),
     ];
     let bounds = Bounds3::new(center - 1.25 * radius, center + 1.5 * radius);
-    Case {
+    ContractCase {
         convex: true,
         ..algebraic("sphere", &terms, bounds, move |p| p.distance_squared(center) - radius * radius)
     }
 }
 
-fn torus(major: f64, minor: f64) -> Case {
+fn torus(major: f64, minor: f64) -> ContractCase {
     let (a, b) = (major * major - minor * minor, 4.0 * major * major);
     let terms = [
         ([4, 0, 0], 1.0),
@@ -110,7 +110,7 @@ fn smooth_algebraic_surfaces_keep_the_contract() {
             cube(3.0),
             move |p| p.to_array().iter().map(|&x| square(x) * (square(x) - 5.0)).sum::<f64>() + 11.75,
         ),
-        // Small and far from round numbers: x^4 + y^4 + z^4 = 1e-12 / 16.
+        // Small, with coefficients that are not round: x^4 + y^4 + z^4 = 1e-12 / 16.
         algebraic(
             "rounded cube",
             &[([4, 0, 0], 1.0), ([0, 4, 0], 1.0), ([0, 0, 4], 1.0), ([0; 3], -0.0625e-12)],

@@ -3,19 +3,19 @@
 use glanz_geometry::bilinear::BilinearPatch;
 use glanz_math::{DMat3, DVec3};
 
-use super::case::Case;
+use super::case::ContractCase;
 use super::harness::check_kind;
 
-/// The patch of the saddle z = x y over the unit square, mapped by `m` and moved by `offset`: every patch that does not
-/// lie in a plane is one of these.
-fn twisted(m: DMat3, offset: DVec3) -> Case {
+/// The patch of the saddle z = x y over the unit square, mapped by `m` and moved by `offset`: every non-planar patch has
+/// this form.
+fn twisted(m: DMat3, offset: DVec3) -> ContractCase {
     let back = m.inverse();
     let at = move |x: f64, y: f64| offset + m * DVec3::new(x, y, x * y);
     let (p00, p10, p01, p11) = (at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 1.0));
     let center = at(0.5, 0.5);
-    // A step out of the domain is as long as the shortest axis of the map at most.
+    // A step out of the domain is at most as long as the shortest axis of the map.
     let unit = m.x_axis.length().min(m.y_axis.length());
-    Case {
+    ContractCase {
         kept: Box::new(move |p| {
             let q = back * (p - offset);
             q.x.min(1.0 - q.x).min(q.y).min(1.0 - q.y) * unit
@@ -32,7 +32,7 @@ fn twisted(m: DMat3, offset: DVec3) -> Case {
             m.x_axis + m.y_axis,
             (p11 - p01) + m.z_axis * 1e-9,
         ],
-        ..Case::new(
+        ..ContractCase::new(
             format!("bilinear patch {m:?}"),
             BilinearPatch::try_new(p00, p10, p01, p11).unwrap(),
             move |p| {
@@ -60,13 +60,13 @@ fn twisted_patches_keep_the_contract() {
 }
 
 /// A convex quadrilateral in a plane.
-fn flat(name: &str, [p00, p10, p01, p11]: [DVec3; 4]) -> Case {
+fn flat(name: &str, [p00, p10, p01, p11]: [DVec3; 4]) -> ContractCase {
     let n = ((p10 - p00).cross(p11 - p00) + (p11 - p00).cross(p01 - p00)).normalize();
     let edges = [[p00, p10], [p10, p11], [p11, p01], [p01, p00]];
     let center = 0.25 * (p00 + p10 + p01 + p11);
     let doubled = (p11 - p00).cross(p01 - p10).length();
     let at = move |u: f64, v: f64| p00.lerp(p10, u).lerp(p01.lerp(p11, u), v);
-    Case {
+    ContractCase {
         kept: Box::new(move |x| {
             let to_edge = |[a, b]: [DVec3; 2]| {
                 let along = b - a;
@@ -82,7 +82,9 @@ fn flat(name: &str, [p00, p10, p01, p11]: [DVec3; 4]) -> Case {
         convex: true,
         targets: edges.to_vec(),
         directions: vec![n, p10 - p01, p11 - p00, (p11 - p10) + n * 1e-9],
-        ..Case::new(name, BilinearPatch::try_new(p00, p10, p01, p11).unwrap(), move |x| n.dot(x - center))
+        ..ContractCase::new(name, BilinearPatch::try_new(p00, p10, p01, p11).unwrap(), move |x| {
+            n.dot(x - center)
+        })
     }
 }
 

@@ -1,21 +1,21 @@
-//! What the contract test knows about a surface without asking its code.
+//! Descriptions of surfaces under test that are independent of the code.
 
 use glanz_geometry::RaySurface;
 use glanz_math::{DVec2, DVec3};
 
 /// An independent description of a surface under test.
-pub struct Case {
-    /// Printed with a breach.
+pub struct ContractCase {
+    /// Printed with each breach.
     pub name: String,
     /// The surface under test.
     pub surface: Box<dyn RaySurface>,
-    /// Zero exactly on the surface continued beyond its borders, with a change of sign across it; smooth except
-    /// where the surface is not.
+    /// A function that is zero exactly on the surface continued beyond its borders, with a change of sign across it; smooth
+    /// wherever the surface is.
     pub implicit: Box<dyn Fn(DVec3) -> f64>,
-    /// Of a point on the continued surface: positive on the part that is kept, negative on the part clipped away. The
-    /// amount is a length in metres that does not exceed the distance to the border by more than a factor of about 10.
+    /// A function of points on the continued surface: positive on the kept part, negative on the clipped part. Its magnitude is a
+    /// length in metres, at most about 10 times the distance to the border.
     pub kept: Box<dyn Fn(DVec3) -> f64>,
-    /// Position at the texture coordinates; must make sense a little beyond [0, 1] too. `None` if there are none.
+    /// Position at the texture coordinates, valid slightly beyond [0, 1] too. `None` if there are no texture coordinates.
     pub position: Option<Box<dyn Fn(DVec2) -> DVec3>>,
     /// Area in m^2 from a closed form; `None` if there is none.
     pub area: Option<f64>,
@@ -32,23 +32,22 @@ pub struct Case {
     pub targets: Vec<[DVec3; 2]>,
     /// Points where the surface has no tangent plane. Roots next to them need only be on surface and ray.
     pub singular: Vec<DVec3>,
-    /// Segments along which the surface has no tangent plane: edges, lines of self-intersection. As `singular`.
+    /// Segments along which the surface has no tangent plane: edges, lines of self-intersection; treated as `singular`.
     pub ridges: Vec<[DVec3; 2]>,
-    /// How far `implicit`, or the function that the surface computes with, may be off by rounding.
+    /// Bound on the rounding error of `implicit` and of the function that the surface evaluates.
     pub noise: f64,
-    /// Samples that the slow solver takes of a ray in the ball. Three crossings closer together than two samples may
-    /// escape it.
+    /// Number of samples of a ray in the ball by the reference solver, which may miss three crossings between two samples.
     pub resolution: usize,
-    /// Planes, as normal and offset, across which the gradient of `implicit` jumps: the slow solver looks there too.
+    /// Planes, as normal and offset, across which the gradient of `implicit` jumps: additional samples of the reference solver.
     pub kinks: Vec<(DVec3, f64)>,
-    /// Further points where only the parameters degenerate: no derivatives are compared next to them.
+    /// Further points where only the parameters degenerate; derivatives are not compared near them.
     pub parameter_singular: Vec<DVec3>,
-    /// Directions that adversarial rays like to take: rulings, asymptotes.
+    /// Special directions for adversarial rays: rulings, asymptotes.
     pub directions: Vec<DVec3>,
 }
 
-impl Case {
-    /// A closed case about the unit ball, to be completed with the `..` syntax by the fields that differ.
+impl ContractCase {
+    /// A closed surface in the unit ball; other fields are set with the `..` syntax.
     pub fn new(
         name: impl Into<String>,
         surface: impl RaySurface + 'static,
@@ -79,9 +78,9 @@ impl Case {
     /// Distance of `p` from the nearest singular point.
     pub fn distance_to_singular(&self, p: DVec3) -> f64 {
         let to_ridge = |&[a, b]: &[DVec3; 2]| {
-            let along = b - a;
-            let share = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
-            p.distance(a + along * share)
+            let edge = b - a;
+            let fraction = ((p - a).dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
+            p.distance(a + edge * fraction)
         };
         let points = self.singular.iter().map(|&s| s.distance(p));
         points.chain(self.ridges.iter().map(to_ridge)).fold(f64::INFINITY, f64::min)

@@ -5,17 +5,17 @@ use glanz_geometry::polyhedron::{HalfSpace, Polyhedron};
 use glanz_geometry::triangle::Triangle;
 use glanz_math::{Bounds3, DVec3};
 
-use super::case::Case;
+use super::case::ContractCase;
 use super::harness::check_kind;
 
-/// Without its parametrisation, whose domain is not a square; see the tests beside the code.
-fn triangle(p: [DVec3; 3]) -> Case {
+/// Without parameterization, since its domain is not a square; the unit tests check it.
+fn triangle(p: [DVec3; 3]) -> ContractCase {
     let n = (p[1] - p[0]).cross(p[2] - p[0]);
     let unit = n.normalize();
     let edges = [[p[0], p[1]], [p[1], p[2]], [p[2], p[0]]];
     let center = (p[0] + p[1] + p[2]) / 3.0;
-    Case {
-        // Of an edge from a to b, the inside is on its left.
+    ContractCase {
+        // The inside is on the left of an edge from a to b.
         kept: Box::new(move |x| {
             let to_edge = |[a, b]: [DVec3; 2]| unit.cross((b - a).normalize()).dot(x - a);
             edges.map(to_edge).into_iter().fold(f64::INFINITY, f64::min)
@@ -26,9 +26,11 @@ fn triangle(p: [DVec3; 3]) -> Case {
         convex: true,
         targets: edges.to_vec(),
         directions: vec![p[1] - p[0], unit, (p[2] - p[0]) + unit * 1e-9],
-        ..Case::new(format!("triangle {p:?}"), Triangle::try_new(p[0], p[1], p[2]).unwrap(), move |x| {
-            unit.dot(x - center)
-        })
+        ..ContractCase::new(
+            format!("triangle {p:?}"),
+            Triangle::try_new(p[0], p[1], p[2]).unwrap(),
+            move |x| unit.dot(x - center),
+        )
     }
 }
 
@@ -46,7 +48,7 @@ fn triangles_keep_the_contract() {
     check_kind("triangle", 23, &cases);
 }
 
-fn cuboid(a: DVec3, b: DVec3) -> Case {
+fn cuboid(a: DVec3, b: DVec3) -> ContractCase {
     let bounds = Bounds3::new(a, b);
     let d = bounds.diagonal();
     let corners = bounds.corners();
@@ -58,7 +60,7 @@ fn cuboid(a: DVec3, b: DVec3) -> Case {
             }
         }
     }
-    Case {
+    ContractCase {
         area: Some(2.0 * (d.x * d.y + d.y * d.z + d.z * d.x)),
         center: bounds.center(),
         size: 0.55 * d.length(),
@@ -66,7 +68,7 @@ fn cuboid(a: DVec3, b: DVec3) -> Case {
         targets: edges.clone(),
         ridges: edges,
         directions: vec![DVec3::X, DVec3::new(0.0, 1.0, 1e-9), DVec3::new(1.0, 1.0, 0.0)],
-        ..Case::new(format!("cuboid {a} {b}"), Cuboid::try_new(a, b).unwrap(), move |p| {
+        ..ContractCase::new(format!("cuboid {a} {b}"), Cuboid::try_new(a, b).unwrap(), move |p| {
             (bounds.min - p).max(p - bounds.max).max_element()
         })
     }
@@ -83,7 +85,7 @@ fn cuboids_keep_the_contract() {
     check_kind("cuboid", 24, &cases);
 }
 
-fn polyhedron(name: &str, planes: &[HalfSpace], area: Option<f64>) -> Case {
+fn polyhedron(name: &str, planes: &[HalfSpace], area: Option<f64>) -> ContractCase {
     let solid = Polyhedron::try_new(planes).unwrap();
     let vertices = solid.vertices();
     let center = vertices.iter().sum::<DVec3>() / vertices.len() as f64;
@@ -99,7 +101,7 @@ fn polyhedron(name: &str, planes: &[HalfSpace], area: Option<f64>) -> Case {
     // Independent of the constructor: all half-spaces as they were given.
     let planes: Vec<(DVec3, f64)> =
         planes.iter().map(|h| (h.normal.normalize(), h.distance / h.normal.length())).collect();
-    Case {
+    ContractCase {
         area,
         center,
         size,
@@ -107,7 +109,7 @@ fn polyhedron(name: &str, planes: &[HalfSpace], area: Option<f64>) -> Case {
         targets: edges.clone(),
         ridges: edges.clone(),
         directions: edges.iter().take(3).map(|[a, b]| *b - *a).chain([DVec3::X]).collect(),
-        ..Case::new(name, solid, move |p| {
+        ..ContractCase::new(name, solid, move |p| {
             planes.iter().map(|(n, d)| n.dot(p) - d).fold(f64::NEG_INFINITY, f64::max)
         })
     }

@@ -7,7 +7,7 @@ use glanz_geometry::freeform::{Freeform, Piece};
 use glanz_math::glam::DVec4;
 use glanz_math::{DMat3, DVec2, DVec3};
 
-use super::case::Case;
+use super::case::ContractCase;
 use super::harness::check_kind;
 
 fn choose(n: usize, k: usize) -> f64 {
@@ -26,7 +26,7 @@ fn value(c: &[f64], (p, q): (usize, usize), x: f64, y: f64) -> f64 {
 }
 
 /// The graph z = f(x, y) over the unit square, mapped by `m` and moved by `offset`.
-fn graph(name: &str, degrees: (usize, usize), c: Vec<f64>, m: DMat3, offset: DVec3) -> Case {
+fn graph(name: &str, degrees: (usize, usize), c: Vec<f64>, m: DMat3, offset: DVec3) -> ContractCase {
     let (p, q) = degrees;
     let place = move |x: f64, y: f64, z: f64| offset + m * DVec3::new(x, y, z);
     let points = c.iter().enumerate().map(|(k, &c)| {
@@ -42,7 +42,7 @@ fn graph(name: &str, degrees: (usize, usize), c: Vec<f64>, m: DMat3, offset: DVe
     let radius = grid.map(|(x, y)| at(x, y).distance(center)).fold(0.0, f64::max);
     let unit = m.x_axis.length().min(m.y_axis.length());
     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| at(x, y));
-    Case {
+    ContractCase {
         kept: Box::new(move |p| {
             let q = back * (p - offset);
             q.x.min(1.0 - q.x).min(q.y).min(1.0 - q.y) * unit
@@ -61,14 +61,14 @@ fn graph(name: &str, degrees: (usize, usize), c: Vec<f64>, m: DMat3, offset: DVe
         ],
         directions: vec![m.x_axis, m.y_axis, m.z_axis, m.x_axis + m.z_axis * 1e-9],
         position: Some(Box::new(move |uv: DVec2| at(uv.x, uv.y))),
-        ..Case::new(name, Freeform::try_new(vec![piece]).unwrap(), move |p| {
+        ..ContractCase::new(name, Freeform::try_new(vec![piece]).unwrap(), move |p| {
             let q = back * (p - offset);
             (q.z - value(&c2, degrees, q.x, q.y)) * m.z_axis.length()
         })
     }
 }
 
-/// Coefficients that wave without a pattern.
+/// Irregular wavy coefficients.
 fn waves(degrees: (usize, usize), height: f64) -> Vec<f64> {
     (0..(degrees.0 + 1) * (degrees.1 + 1)).map(|k| height * (2.4 * k as f64 + 0.3).sin()).collect()
 }
@@ -92,7 +92,7 @@ fn graphs_of_polynomials_keep_the_contract() {
     check_kind("polynomial patch", 41, &cases);
 }
 
-/// A quarter of the unit circle from the first quadrant on, homogeneous (w x, w y, w).
+/// The quarter of the unit circle in quadrant `index`, homogeneous (w x, w y, w).
 fn quarter(index: usize) -> [DVec3; 3] {
     // Exact at the quarters, so that neighbours have the same bits.
     let unit = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y];
@@ -115,7 +115,7 @@ fn revolved(profiles: &[[DVec3; 3]]) -> Freeform {
     Freeform::try_new(pieces.collect()).unwrap()
 }
 
-fn ball(radius: f64, stretch: f64) -> Case {
+fn ball(radius: f64, stretch: f64) -> ContractCase {
     // From the south pole to the equator to the north pole; a projective map of the parameters changes weights only.
     let profile = |points: [DVec3; 3]| {
         let mut share = 1.0;
@@ -127,14 +127,14 @@ fn ball(radius: f64, stretch: f64) -> Case {
     };
     let surface = revolved(&[profile(quarter(3)), profile(quarter(0))]);
     let poles = [DVec3::Z * radius, DVec3::NEG_Z * radius];
-    Case {
+    ContractCase {
         size: radius,
         area: Some(4.0 * PI * radius * radius),
         convex: true,
         parameter_singular: poles.to_vec(),
         targets: vec![[poles[0]; 2], [poles[1]; 2], [DVec3::X * radius; 2], [poles[0], DVec3::X * radius]],
         directions: vec![DVec3::X, DVec3::Z],
-        ..Case::new(format!("ball {radius} {stretch}"), surface, move |p| {
+        ..ContractCase::new(format!("ball {radius} {stretch}"), surface, move |p| {
             p.length_squared() / radius - radius
         })
     }
@@ -145,13 +145,13 @@ fn rational_patches_keep_the_contract() {
     let (major, minor) = (1.0, 0.4);
     let tube: Vec<[DVec3; 3]> =
         (0..4).map(|k| quarter(k).map(|p| DVec3::new(major * p.z + minor * p.x, minor * p.y, p.z))).collect();
-    let torus = Case {
+    let torus = ContractCase {
         size: major + minor,
         area: Some(4.0 * PI * PI * major * minor),
         resolution: 100,
         targets: vec![[DVec3::X * (major + minor); 2], [DVec3::X * (major - minor), DVec3::Y * major]],
         directions: vec![DVec3::X, DVec3::Z],
-        ..Case::new("torus", revolved(&tube), move |p| {
+        ..ContractCase::new("torus", revolved(&tube), move |p| {
             let r = p.truncate().length() - major;
             r * r + p.z * p.z - minor * minor
         })

@@ -1,20 +1,20 @@
-//! Shoots the rays and counts the breaches.
+//! Checks of the contract, which count breaches.
 
 use glanz_geometry::{Hit, SurfacePoint};
 use glanz_math::rounding::offset_origin;
 use glanz_math::{DVec2, DVec3, Ray};
 
-use super::case::Case;
+use super::case::ContractCase;
 use super::rays::{Family, Pcg};
 use super::sampling;
 use super::solver::{self, Roots, Status};
 
-/// Derivatives are compared at one hit in so many: differences cost a hundred evaluations.
+/// Derivatives are compared at every 16th hit: differences cost a hundred evaluations.
 const DERIVATIVES_EVERY: u64 = 16;
 
-/// What was seen of a kind.
+/// Counts for one kind of surface.
 #[derive(Default)]
-struct Tally {
+struct ContractTally {
     rays: u64,
     hits: u64,
     spawned: u64,
@@ -22,7 +22,7 @@ struct Tally {
     first_breaches: Vec<String>,
 }
 
-impl Tally {
+impl ContractTally {
     fn breach(&mut self, message: impl FnOnce() -> String) {
         self.breaches += 1;
         if self.first_breaches.len() < 8 {
@@ -34,10 +34,10 @@ impl Tally {
 /// Runs the contract over all `cases` of a kind.
 ///
 /// Panics with the first breaches, rays in full precision.
-pub fn check_kind(kind: &str, seed: u64, cases: &[Case]) {
+pub fn check_kind(kind: &str, seed: u64, cases: &[ContractCase]) {
     let wanted = std::env::var("GLANZ_CONTRACT_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(20_000_u64);
     let per_case = wanted.div_ceil(cases.len() as u64);
-    let mut tally = Tally::default();
+    let mut tally = ContractTally::default();
     for (i, case) in cases.iter().enumerate() {
         let mut pcg = Pcg::new(seed * 1000 + i as u64);
         for family in Family::ALL {
@@ -61,11 +61,11 @@ pub fn check_kind(kind: &str, seed: u64, cases: &[Case]) {
         tally.spawned,
         tally.breaches
     );
-    assert!(tally.hits * 20 > tally.rays, "{kind}: the rays hardly meet the surface, the test says nothing");
+    assert!(tally.hits * 20 > tally.rays, "{kind}: too few rays hit the surface for a meaningful test");
     assert!(tally.breaches == 0, "{kind}: {} breaches\n{}", tally.breaches, tally.first_breaches.join("\n"));
 }
 
-fn check_ray(case: &Case, ray: &Ray, pcg: &mut Pcg, tally: &mut Tally) -> Result<(), String> {
+fn check_ray(case: &ContractCase, ray: &Ray, pcg: &mut Pcg, tally: &mut ContractTally) -> Result<(), String> {
     let mut hits = Vec::new();
     case.surface.all_hits(ray, f64::INFINITY, &mut hits);
     tally.hits += hits.len() as u64;
@@ -84,8 +84,8 @@ fn check_ray(case: &Case, ray: &Ray, pcg: &mut Pcg, tally: &mut Tally) -> Result
     check_roots(case, ray, &hits)
 }
 
-/// `intersect`, `occluded` and `all_hits` tell the same, and the range of t is respected.
-fn check_queries_agree(case: &Case, ray: &Ray, hits: &[Hit]) -> Result<(), String> {
+/// Checks that `intersect`, `occluded` and `all_hits` agree and respect the range of t.
+fn check_queries_agree(case: &ContractCase, ray: &Ray, hits: &[Hit]) -> Result<(), String> {
     let surface = &case.surface;
     if !hits.iter().all(|h| h.t > 0.0 && h.t.is_finite() && h.u.is_finite() && h.v.is_finite()) {
         return Err(format!("a hit is out of range: {hits:?}"));
@@ -121,7 +121,7 @@ fn check_queries_agree(case: &Case, ray: &Ray, hits: &[Hit]) -> Result<(), Strin
     Ok(())
 }
 
-/// Whether `found` is the first of `hits`, or one of the faces that are met there.
+/// Whether `found` is the first of `hits`, or another face with the same t.
 fn is_first_of(found: Option<Hit>, hits: &[Hit]) -> bool {
     match (found, hits.first()) {
         (None, None) => true,
@@ -130,15 +130,15 @@ fn is_first_of(found: Option<Hit>, hits: &[Hit]) -> bool {
     }
 }
 
-/// The hit lies on ray and surface, within the bounds, and its frame is one.
-pub fn check_point(case: &Case, ray: &Ray, hit: &Hit, point: &SurfacePoint) -> Result<(), String> {
+/// Checks that the hit lies on ray and surface and within the bounds, and that its frame is valid.
+pub fn check_point(case: &ContractCase, ray: &Ray, hit: &Hit, point: &SurfacePoint) -> Result<(), String> {
     let p = point.position;
     let finite =
         [p, point.error, point.normal, point.shading_normal, point.dpdu, point.dpdv, point.dndu, point.dndv];
     if !finite.iter().all(|v| v.is_finite()) || !point.uv.is_finite() {
         return Err(format!("not finite: {hit:?} {point:?}"));
     }
-    // Infinite surfaces are met so far out that coordinates have fewer digits.
+    // Distant hits of infinite surfaces have fewer digits.
     let reach = 1e-9 * case.size + 1e-15 * p.distance(case.center);
     let on_ray = (p - ray.origin).cross(ray.direction).length() / ray.direction.length();
     let along = p.distance(ray.at(hit.t));
@@ -148,11 +148,11 @@ pub fn check_point(case: &Case, ray: &Ray, hit: &Hit, point: &SurfacePoint) -> R
     check_on_surface(case, point)
 }
 
-/// The point lies on the surface, in the bounds; the error bound holds; normal and tangents agree.
-pub fn check_on_surface(case: &Case, point: &SurfacePoint) -> Result<(), String> {
+/// Checks that the point lies on the surface and in the bounds, the error bound is valid, and normal and tangents agree.
+pub fn check_on_surface(case: &ContractCase, point: &SurfacePoint) -> Result<(), String> {
     let (p, size) = (point.position, case.size);
     let gradient = case.gradient(p).length();
-    // Next to singular points the gradient vanishes, and rounding hides where the function does.
+    // Near singular points the gradient vanishes, and rounding hides the zero of the function.
     let regular = case.distance_to_singular(p) > 1e-4 * size && case.noise <= 1e-9 * size * gradient;
     if regular {
         let distance = (case.implicit)(p).abs() / gradient;
@@ -173,7 +173,7 @@ pub fn check_on_surface(case: &Case, point: &SurfacePoint) -> Result<(), String>
         return Err(format!("outside the bounds {:?}: {point:?}", case.surface.bounds()));
     }
     if !(point.error.min_element() >= 0.0 && point.error.max_element() <= 1e-9 * size) {
-        return Err(format!("the error is no bound worth its name: {point:?}"));
+        return Err(format!("the error bound is negative or too large: {point:?}"));
     }
     for n in [point.normal, point.shading_normal] {
         if (n.length() - 1.0).abs() > 1e-14 {
@@ -193,17 +193,17 @@ pub fn difference(f: impl Fn(f64) -> DVec3, h: f64) -> DVec3 {
     ((f(h) - f(-h)) * 8.0 - (f(2.0 * h) - f(-2.0 * h))) / (12.0 * h)
 }
 
-/// Both tangents at `uv` by differences of the parametrisation.
+/// Both tangents at `uv` by differences of the parameterization.
 pub fn tangents(position: &dyn Fn(DVec2) -> DVec3, uv: DVec2) -> [DVec3; 2] {
     // Rounding 1e-12, truncation below 1e-12 for one turn of a circle: ((2 pi)^5 h^4 / 30).
     let h = 1e-4;
     [DVec2::X, DVec2::Y].map(|axis| difference(|s| position(uv + axis * s), h))
 }
 
-fn check_derivatives(case: &Case, point: &SurfacePoint) -> Result<(), String> {
+fn check_derivatives(case: &ContractCase, point: &SurfacePoint) -> Result<(), String> {
     let Some(position) = case.position.as_deref() else { return Ok(()) };
-    // Far out on an infinite surface the parameters have no digits for differences; at the point itself where they
-    // degenerate they may belong to another one.
+    // Far out on an infinite surface the parameters have too few digits for differences; at a degenerate point they may belong to
+    // another point.
     if point.position.distance(case.center) > 2.0 * case.size
         || case.distance_to_degenerate(point.position) < 1e-12 * case.size
     {
@@ -236,9 +236,9 @@ fn check_derivatives(case: &Case, point: &SurfacePoint) -> Result<(), String> {
     Ok(())
 }
 
-/// The surface reports what the slow solver finds.
-fn check_roots(case: &Case, ray: &Ray, hits: &[Hit]) -> Result<(), String> {
-    // A ray that starts on the surface within rounding may or may not meet it at once.
+/// Checks that the surface reports the roots of the reference solver.
+fn check_roots(case: &ContractCase, ray: &Ray, hits: &[Hit]) -> Result<(), String> {
+    // A ray that starts on the surface up to rounding may or may not hit it at once.
     let height = (case.implicit)(ray.origin).abs() / case.gradient(ray.origin).length();
     let starts_on_surface =
         !(height > 1e-9 * case.size) || case.distance_to_singular(ray.origin) < 1e-5 * case.size;
@@ -250,7 +250,7 @@ fn claimed(hits: &[Hit]) -> Vec<f64> {
     hits.iter().map(|h| h.t).collect()
 }
 
-fn compare(case: &Case, ray: &Ray, hits: &[Hit], found: &Roots, beyond: f64) -> Result<(), String> {
+fn compare(case: &ContractCase, ray: &Ray, hits: &[Hit], found: &Roots, beyond: f64) -> Result<(), String> {
     let length = ray.direction.length();
     let counted: Vec<&Hit> = hits
         .iter()
@@ -269,8 +269,8 @@ fn compare(case: &Case, ray: &Ray, hits: &[Hit], found: &Roots, beyond: f64) -> 
     Ok(())
 }
 
-/// A ray started by `offset_origin` does not meet the place that it starts from, and meets all else.
-fn check_spawned(case: &Case, point: &SurfacePoint, pcg: &mut Pcg) -> Result<(), String> {
+/// Checks that a ray started by `offset_origin` does not hit its own point, and hits everything else.
+fn check_spawned(case: &ContractCase, point: &SurfacePoint, pcg: &mut Pcg) -> Result<(), String> {
     let mut direction = pcg.direction();
     while direction.dot(point.normal).abs() < 0.01 {
         direction = pcg.direction();
@@ -284,7 +284,7 @@ fn check_spawned(case: &Case, point: &SurfacePoint, pcg: &mut Pcg) -> Result<(),
     if case.convex && rises > 0.0 && !hits.is_empty() {
         return Err(format!("a ray that leaves meets {hits:?}: {spawned:?} from {point:?}"));
     }
-    // After a tenth of a micrometre (of a metre) the sign tells whether another sheet lies between.
+    // After 1e-7 of the size, the sign shows whether another sheet lies between.
     let near = 1e-7 * case.size;
     let there = (case.implicit)(origin + direction * near);
     if there * rises <= 0.0 {

@@ -1,19 +1,19 @@
-//! Triangle meshes: bodies whose hull is known, and a height field.
+//! Triangle meshes: convex bodies with a known hull, and a height field.
 
 use glanz_geometry::mesh::Mesh;
 use glanz_math::{DVec2, DVec3};
 
-use super::case::Case;
+use super::case::ContractCase;
 use super::harness::check_kind;
 
-/// What every case of a mesh says, whatever its shape.
+/// The fields that all meshes have in common.
 fn mesh(
     name: &str,
     positions: Vec<DVec3>,
     indices: Vec<[u32; 3]>,
     normals: Option<Vec<DVec3>>,
     implicit: impl Fn(DVec3) -> f64 + 'static,
-) -> Case {
+) -> ContractCase {
     let corners = |t: &[u32; 3]| t.map(|i| positions[i as usize]);
     let area = indices.iter().map(corners).map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
     let mut edges: Vec<[DVec3; 2]> = Vec::new();
@@ -27,19 +27,19 @@ fn mesh(
     let center = positions.iter().sum::<DVec3>() / positions.len() as f64;
     let size = 1.1 * positions.iter().map(|p| p.distance(center)).fold(0.0, f64::max);
     let uvs = positions.iter().map(|p| DVec2::new(p.x + 0.3 * p.z, p.y)).collect();
-    Case {
+    ContractCase {
         area: Some(area),
         center,
         size,
         targets: edges.clone(),
         directions: edges.iter().take(5).map(|[a, b]| *b - *a).chain([DVec3::X, DVec3::Z]).collect(),
         ridges: edges,
-        ..Case::new(name, Mesh::try_new(positions, indices, normals, Some(uvs)).unwrap(), implicit)
+        ..ContractCase::new(name, Mesh::try_new(positions, indices, normals, Some(uvs)).unwrap(), implicit)
     }
 }
 
 /// The inside of a convex body is that of all planes of its triangles.
-fn convex(name: &str, positions: Vec<DVec3>, indices: Vec<[u32; 3]>, smooth: bool) -> Case {
+fn convex(name: &str, positions: Vec<DVec3>, indices: Vec<[u32; 3]>, smooth: bool) -> ContractCase {
     let center = positions.iter().sum::<DVec3>() / positions.len() as f64;
     let planes: Vec<(DVec3, f64)> = indices
         .iter()
@@ -51,7 +51,7 @@ fn convex(name: &str, positions: Vec<DVec3>, indices: Vec<[u32; 3]>, smooth: boo
         .collect();
     let normals = smooth.then(|| positions.iter().map(|p| *p - center).collect());
     let signed = move |p: DVec3| planes.iter().map(|(n, d)| n.dot(p) - d).fold(f64::NEG_INFINITY, f64::max);
-    Case { convex: true, ..mesh(name, positions, indices, normals, signed) }
+    ContractCase { convex: true, ..mesh(name, positions, indices, normals, signed) }
 }
 
 /// An octahedron of which every triangle is split into four, `levels` times, with corners on a sphere.
@@ -78,7 +78,7 @@ fn ball(levels: u32, center: DVec3, radius: f64) -> (Vec<DVec3>, Vec<[u32; 3]>) 
 }
 
 /// A height field over a square of `n` x `n` cells, two triangles each.
-fn landscape(n: usize, half: f64, height: impl Fn(DVec2) -> f64) -> Case {
+fn landscape(n: usize, half: f64, height: impl Fn(DVec2) -> f64) -> ContractCase {
     let side = n + 1;
     let at = move |i: usize, j: usize| {
         DVec2::new(i as f64, j as f64) * (2.0 * half / n as f64) - DVec2::splat(half)
@@ -96,7 +96,7 @@ fn landscape(n: usize, half: f64, height: impl Fn(DVec2) -> f64) -> Case {
     let heights: Vec<f64> = positions.iter().map(|p| p.z).collect();
     let surface = move |p: DVec3| {
         let cells = (p.truncate() + DVec2::splat(half)) * (n as f64 / (2.0 * half));
-        // Beyond the border the triangles of the last cells go on.
+        // Beyond the border the triangles of the last cells are continued.
         let cell = |x: f64| (x.floor().max(0.0) as usize).min(n - 1);
         let (i, j) = (cell(cells.x), cell(cells.y));
         let (x, y) = (cells.x - i as f64, cells.y - j as f64);
@@ -114,7 +114,7 @@ fn landscape(n: usize, half: f64, height: impl Fn(DVec2) -> f64) -> Case {
     let straight = (0..=n_cells).map(|k| f64::from(k).mul_add(cell, -half));
     let diagonal = (-n_cells..=n_cells).map(|k| (DVec3::new(1.0, -1.0, 0.0), f64::from(k) * cell));
     let kinks = straight.flat_map(|at| [(DVec3::X, at), (DVec3::Y, at)]).chain(diagonal).collect();
-    Case {
+    ContractCase {
         kept: Box::new(move |p| half - p.x.abs().max(p.y.abs())),
         kinks,
         ..mesh(&format!("landscape {n} {half}"), positions, indices, None, surface)

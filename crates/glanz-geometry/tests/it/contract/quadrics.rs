@@ -7,7 +7,7 @@ use glanz_geometry::quadric::{
 };
 use glanz_math::{DVec2, DVec3};
 
-use super::case::Case;
+use super::case::ContractCase;
 use super::harness::check_kind;
 
 /// Ranges of azimuth: a turn, less than half, more than half.
@@ -18,14 +18,14 @@ pub fn polar(rho: f64, phi: f64, z: f64) -> DVec3 {
     DVec3::new(rho * phi.cos(), rho * phi.sin(), z)
 }
 
-/// Metres from the nearest border of the sweep, negative outside it. Next to the axis a small sector has its border
-/// everywhere nearby, so the distance from the axis bounds the result.
-pub fn inside_sweep(p: DVec3, phi_max: f64) -> f64 {
+/// Distance from the nearest border of the azimuth range, metres, negative outside. Near the axis every border is close, so that
+/// the distance from the axis bounds the result.
+pub fn inside_azimuth(p: DVec3, phi_max: f64) -> f64 {
     if phi_max >= TAU {
         return f64::INFINITY;
     }
     let rho = p.x.hypot(p.y);
-    // By sines of differences and not by comparing azimuths as the surfaces do.
+    // By sines of differences instead of comparing azimuths, as the surfaces do.
     let from_start = p.y.atan2(p.x).rem_euclid(TAU);
     let inside = from_start <= phi_max;
     let line = |phi: f64| {
@@ -37,12 +37,12 @@ pub fn inside_sweep(p: DVec3, phi_max: f64) -> f64 {
     if inside { distance } else { -distance }
 }
 
-/// Metres from the nearer end of a range, negative outside.
+/// Distance from the nearer end of a range, metres, negative outside.
 fn inside_range(x: f64, min: f64, max: f64) -> f64 {
     (x - min).min(max - x)
 }
 
-fn sphere(radius: f64, z: [f64; 2], phi_max: f64) -> Case {
+fn sphere(radius: f64, z: [f64; 2], phi_max: f64) -> ContractCase {
     let [low, high] = [z[0].max(-radius), z[1].min(radius)];
     let theta = [(low / radius).acos(), (high / radius).acos()];
     let mut targets = vec![[DVec3::Z * radius; 2], [DVec3::Z * -radius; 2]];
@@ -50,12 +50,12 @@ fn sphere(radius: f64, z: [f64; 2], phi_max: f64) -> Case {
         let rho = (radius * radius - z * z).max(0.0).sqrt();
         [polar(rho, 0.0, z), polar(rho, phi_max, z)]
     }));
-    Case {
+    ContractCase {
         // Poles clip nothing.
         kept: Box::new(move |p| {
             let low = if low <= -radius { f64::INFINITY } else { p.z - low };
             let high = if high >= radius { f64::INFINITY } else { high - p.z };
-            low.min(high).min(inside_sweep(p, phi_max))
+            low.min(high).min(inside_azimuth(p, phi_max))
         }),
         position: Some(Box::new(move |uv| {
             let theta = theta[0] + uv.y * (theta[1] - theta[0]);
@@ -66,7 +66,7 @@ fn sphere(radius: f64, z: [f64; 2], phi_max: f64) -> Case {
         convex: true,
         targets,
         singular: vec![],
-        ..Case::new(
+        ..ContractCase::new(
             format!("sphere {radius} {z:?} {phi_max}"),
             Sphere::try_new(radius, z, phi_max).unwrap(),
             move |p| p.length_squared() - radius * radius,
@@ -84,16 +84,16 @@ fn spheres_keep_the_contract() {
         cases.push(sphere(1e-6, [-1.0, 0.0], phi_max));
     }
     for case in &mut cases {
-        // Parameters have no derivative at the poles; hits there are as good as elsewhere.
+        // Parameters have no derivative at the poles; hits are as accurate as elsewhere.
         let radius = case.size / 1.1;
         case.parameter_singular = vec![DVec3::Z * radius, DVec3::Z * -radius];
     }
     check_kind("sphere", 1, &cases);
 }
 
-fn cylinder(radius: f64, z: [f64; 2], phi_max: f64) -> Case {
-    Case {
-        kept: Box::new(move |p| inside_range(p.z, z[0], z[1]).min(inside_sweep(p, phi_max))),
+fn cylinder(radius: f64, z: [f64; 2], phi_max: f64) -> ContractCase {
+    ContractCase {
+        kept: Box::new(move |p| inside_range(p.z, z[0], z[1]).min(inside_azimuth(p, phi_max))),
         position: Some(Box::new(move |uv| polar(radius, uv.x * phi_max, z[0] + uv.y * (z[1] - z[0])))),
         area: Some(phi_max * radius * (z[1] - z[0])),
         center: DVec3::Z * (0.5 * (z[0] + z[1])),
@@ -105,7 +105,7 @@ fn cylinder(radius: f64, z: [f64; 2], phi_max: f64) -> Case {
             [polar(radius, 0.5 * phi_max, z[0]), polar(radius, 0.5 * phi_max, z[1])],
         ],
         directions: vec![DVec3::Z, -DVec3::Z, DVec3::new(1e-9, 0.0, 1.0), DVec3::X],
-        ..Case::new(
+        ..ContractCase::new(
             format!("cylinder {radius} {z:?} {phi_max}"),
             Cylinder::try_new(radius, z, phi_max).unwrap(),
             move |p| p.x * p.x + p.y * p.y - radius * radius,
@@ -125,11 +125,11 @@ fn cylinders_keep_the_contract() {
     check_kind("cylinder", 2, &cases);
 }
 
-fn cone(radius: f64, height: f64, phi_max: f64) -> Case {
+fn cone(radius: f64, height: f64, phi_max: f64) -> ContractCase {
     let slope = radius / height;
     let apex = DVec3::Z * height;
-    Case {
-        kept: Box::new(move |p| inside_range(p.z, 0.0, height).min(inside_sweep(p, phi_max))),
+    ContractCase {
+        kept: Box::new(move |p| inside_range(p.z, 0.0, height).min(inside_azimuth(p, phi_max))),
         position: Some(Box::new(move |uv| polar(radius * (1.0 - uv.y), uv.x * phi_max, uv.y * height))),
         area: Some(0.5 * phi_max * radius * radius.hypot(height)),
         center: DVec3::Z * (0.4 * height),
@@ -146,7 +146,7 @@ fn cone(radius: f64, height: f64, phi_max: f64) -> Case {
             .flat_map(|phi| [polar(radius, phi, height), polar(-radius, phi, -height)])
             .chain([DVec3::Z, -DVec3::Z])
             .collect(),
-        ..Case::new(
+        ..ContractCase::new(
             format!("cone {radius} {height} {phi_max}"),
             Cone::try_new(radius, height, phi_max).unwrap(),
             move |p| {
@@ -168,7 +168,7 @@ fn cones_keep_the_contract() {
     check_kind("cone", 3, &cases);
 }
 
-fn paraboloid(radius: f64, z: [f64; 2], phi_max: f64) -> Case {
+fn paraboloid(radius: f64, z: [f64; 2], phi_max: f64) -> ContractCase {
     let rise = radius * radius / z[1];
     let [low, high] = z;
     // pi r / (6 h^2) ((r^2 + 4 h^2)^(3/2) - r^3) between two heights.
@@ -176,10 +176,10 @@ fn paraboloid(radius: f64, z: [f64; 2], phi_max: f64) -> Case {
         let r = (rise * h).sqrt();
         if h > 0.0 { PI * r / (6.0 * h * h) * ((r * r + 4.0 * h * h).powf(1.5) - r.powi(3)) } else { 0.0 }
     };
-    Case {
+    ContractCase {
         kept: Box::new(move |p| {
             let low = if low <= 0.0 { f64::INFINITY } else { p.z - low };
-            low.min(high - p.z).min(inside_sweep(p, phi_max))
+            low.min(high - p.z).min(inside_azimuth(p, phi_max))
         }),
         position: Some(Box::new(move |uv| {
             let z = low + uv.y * (high - low);
@@ -196,7 +196,7 @@ fn paraboloid(radius: f64, z: [f64; 2], phi_max: f64) -> Case {
         ],
         parameter_singular: vec![DVec3::ZERO],
         directions: vec![DVec3::Z, -DVec3::Z, DVec3::new(1e-9, 0.0, 1.0)],
-        ..Case::new(
+        ..ContractCase::new(
             format!("paraboloid {radius} {z:?} {phi_max}"),
             Paraboloid::try_new(radius, z, phi_max).unwrap(),
             move |p| p.x * p.x + p.y * p.y - rise * p.z,
@@ -216,10 +216,10 @@ fn paraboloids_keep_the_contract() {
     check_kind("paraboloid", 4, &cases);
 }
 
-fn hyperboloid(p1: DVec3, p2: DVec3, phi_max: f64) -> Case {
+fn hyperboloid(p1: DVec3, p2: DVec3, phi_max: f64) -> ContractCase {
     let on_line = move |v: f64| p1 + (p2 - p1) * v;
     let v_at = move |z: f64| (z - p1.z) / (p2.z - p1.z);
-    // The sweep of a point starts where the line is at its height.
+    // The rotation of a point starts at the point of the line at the same height.
     let turned_back = move |p: DVec3| {
         let start = on_line(v_at(p.z)).truncate();
         DVec3::new(start.x * p.x + start.y * p.y, start.x * p.y - start.y * p.x, 0.0)
@@ -231,9 +231,9 @@ fn hyperboloid(p1: DVec3, p2: DVec3, phi_max: f64) -> Case {
     let waist = on_line(v_waist);
     let is_cone = waist.truncate().length() < 1e-9;
     let middle = 0.5 * (p1 + p2);
-    Case {
+    ContractCase {
         kept: Box::new(move |p| {
-            inside_range(p.z, p1.z.min(p2.z), p1.z.max(p2.z)).min(inside_sweep(turned_back(p), phi_max))
+            inside_range(p.z, p1.z.min(p2.z), p1.z.max(p2.z)).min(inside_azimuth(turned_back(p), phi_max))
         }),
         position: Some(Box::new(move |uv| {
             let p = on_line(uv.y);
@@ -259,7 +259,7 @@ fn hyperboloid(p1: DVec3, p2: DVec3, phi_max: f64) -> Case {
             DVec2::from_angle(4.0).rotate(d.truncate()).extend(d.z),
             DVec3::Z,
         ],
-        ..Case::new(
+        ..ContractCase::new(
             format!("hyperboloid {p1} {p2} {phi_max}"),
             Hyperboloid::try_new(p1, p2, phi_max).unwrap(),
             move |p| {
@@ -312,18 +312,18 @@ fn hyperboloids_keep_the_contract() {
     check_kind("hyperboloid", 5, &cases);
 }
 
-fn two_sheets(a: f64, c: f64, z: [f64; 2], phi_max: f64) -> Case {
+fn two_sheets(a: f64, c: f64, z: [f64; 2], phi_max: f64) -> ContractCase {
     let s_of = move |z: f64| if z.abs() <= c { 0.0 } else { (z.abs() / c).acosh().copysign(z) };
     let (s0, s1) = (s_of(z[0]), s_of(z[1]));
     let upper_only = z[0] > -c;
     let reach = z[0].abs().max(z[1].abs());
     let widest = a / c * (reach * reach - c * c).sqrt();
-    Case {
+    ContractCase {
         // The apices clip nothing of their sheet; zero lies in the gap.
         kept: Box::new(move |p| {
             let low = if z[0] >= -c && z[0] <= c { p.z } else { p.z - z[0] };
             let high = if z[1] >= -c && z[1] <= c { -p.z } else { z[1] - p.z };
-            low.min(high).min(inside_sweep(p, phi_max))
+            low.min(high).min(inside_azimuth(p, phi_max))
         }),
         position: Some(Box::new(move |uv| {
             let s = s0 + uv.y * (s1 - s0);
@@ -340,7 +340,7 @@ fn two_sheets(a: f64, c: f64, z: [f64; 2], phi_max: f64) -> Case {
         ],
         parameter_singular: vec![DVec3::Z * c, DVec3::Z * -c],
         directions: vec![DVec3::Z, -DVec3::Z, polar(a, 0.3, c), polar(a, 2.0, -c)],
-        ..Case::new(
+        ..ContractCase::new(
             format!("two-sheeted hyperboloid {a} {c} {z:?} {phi_max}"),
             TwoSheetedHyperboloid::try_new(a, c, z, phi_max).unwrap(),
             move |p| p.x * p.x + p.y * p.y - (a / c).powi(2) * (p.z - c) * (p.z + c),
@@ -373,12 +373,12 @@ fn two_sheeted_hyperboloids_keep_the_contract() {
     check_kind("two-sheeted hyperboloid", 6, &cases);
 }
 
-fn disk(height: f64, radius: f64, inner: f64, phi_max: f64) -> Case {
-    Case {
+fn disk(height: f64, radius: f64, inner: f64, phi_max: f64) -> ContractCase {
+    ContractCase {
         kept: Box::new(move |p| {
             let rho = p.x.hypot(p.y);
             let hole = if inner == 0.0 { f64::INFINITY } else { rho - inner };
-            hole.min(radius - rho).min(inside_sweep(p, phi_max))
+            hole.min(radius - rho).min(inside_azimuth(p, phi_max))
         }),
         position: Some(Box::new(move |uv| polar(radius - uv.y * (radius - inner), uv.x * phi_max, height))),
         area: Some(0.5 * phi_max * (radius * radius - inner * inner)),
@@ -392,7 +392,7 @@ fn disk(height: f64, radius: f64, inner: f64, phi_max: f64) -> Case {
             [polar(inner, phi_max, height), polar(radius, phi_max, height)],
         ],
         directions: vec![DVec3::X, DVec3::new(1.0, 0.0, 1e-9), DVec3::Z],
-        ..Case::new(
+        ..ContractCase::new(
             format!("disk {height} {radius} {inner} {phi_max}"),
             Disk::try_new(height, radius, inner, phi_max).unwrap(),
             move |p| p.z - height,
@@ -411,14 +411,14 @@ fn disks_keep_the_contract() {
     check_kind("disk", 7, &cases);
 }
 
-fn plane(x: [f64; 2], y: [f64; 2]) -> Case {
+fn plane(x: [f64; 2], y: [f64; 2]) -> ContractCase {
     let finite = [x, y].iter().flatten().all(|end| end.is_finite());
     let scale = |[min, max]: [f64; 2]| if (max - min).is_finite() { (min, max - min) } else { (0.0, 1.0) };
     let (sx, sy) = (scale(x), scale(y));
     let end = |value: f64, instead: f64| if value.is_finite() { value } else { instead };
     let corners =
         [DVec3::new(end(x[0], -1.0), end(y[0], -1.0), 0.0), DVec3::new(end(x[1], 1.0), end(y[1], 1.0), 0.0)];
-    Case {
+    ContractCase {
         kept: Box::new(move |p| inside_range(p.x, x[0], x[1]).min(inside_range(p.y, y[0], y[1]))),
         position: Some(Box::new(move |uv| DVec3::new(sx.0 + uv.x * sx.1, sy.0 + uv.y * sy.1, 0.0))),
         area: finite.then(|| (x[1] - x[0]) * (y[1] - y[0])),
@@ -428,7 +428,7 @@ fn plane(x: [f64; 2], y: [f64; 2]) -> Case {
         samples: finite,
         targets: vec![corners, [corners[0]; 2]],
         directions: vec![DVec3::X, DVec3::new(1.0, 0.0, 1e-9), DVec3::Z],
-        ..Case::new(format!("plane {x:?} {y:?}"), Plane::try_new(x, y).unwrap(), move |p| p.z)
+        ..ContractCase::new(format!("plane {x:?} {y:?}"), Plane::try_new(x, y).unwrap(), move |p| p.z)
     }
 }
 

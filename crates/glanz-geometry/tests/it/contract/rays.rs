@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glanz_math::{DVec2, DVec3, Ray};
 
-use super::case::Case;
+use super::case::ContractCase;
 
 /// PCG-XSH-RR 64/32 (O'Neill 2014), so that the rays never depend on another crate.
 pub struct Pcg {
@@ -61,10 +61,10 @@ impl Pcg {
     }
 }
 
-/// How rays are chosen.
+/// Families of rays.
 #[derive(Clone, Copy, Debug)]
 pub enum Family {
-    /// From a few sizes away to somewhere in the ball.
+    /// From a few sizes away to a point in the ball.
     Towards,
     /// From inside the ball.
     Inside,
@@ -81,8 +81,8 @@ impl Family {
     pub const ALL: [Self; 5] =
         [Self::Towards, Self::Inside, Self::Far, Self::AxisParallel, Self::Adversarial];
 
-    /// One ray; its direction is 1e-3 to 1e3 long.
-    pub fn ray(self, case: &Case, pcg: &mut Pcg) -> Ray {
+    /// A ray whose direction has a length from 1e-3 to 1e3.
+    pub fn ray(self, case: &ContractCase, pcg: &mut Pcg) -> Ray {
         let within = |pcg: &mut Pcg| case.center + pcg.in_ball() * case.size;
         let outside = |pcg: &mut Pcg, sizes: f64| case.center + pcg.direction() * (sizes * case.size);
         let (origin, direction) = match self {
@@ -103,7 +103,7 @@ impl Family {
     }
 }
 
-fn axis_parallel(case: &Case, pcg: &mut Pcg) -> (DVec3, DVec3) {
+fn axis_parallel(case: &ContractCase, pcg: &mut Pcg) -> (DVec3, DVec3) {
     let axis = [DVec3::X, DVec3::Y, DVec3::Z][pcg.below(3)] * if pcg.unit() < 0.5 { 1.0 } else { -1.0 };
     let mut target = case.center + pcg.in_ball() * case.size;
     if pcg.unit() < 0.25 {
@@ -119,7 +119,7 @@ fn axis_parallel(case: &Case, pcg: &mut Pcg) -> (DVec3, DVec3) {
     (target - direction * (case.size * pcg.between(0.0, 4.0)), direction)
 }
 
-fn adversarial(case: &Case, pcg: &mut Pcg) -> (DVec3, DVec3) {
+fn adversarial(case: &ContractCase, pcg: &mut Pcg) -> (DVec3, DVec3) {
     let target = if case.targets.is_empty() || pcg.unit() < 0.1 {
         case.center
     } else {

@@ -1,9 +1,9 @@
-//! Samples follow the density that the surface states, and the density is one.
+//! Samples follow the stated density, and the density integrates to 1.
 
 use glanz_geometry::{Hit, SurfacePoint};
 use glanz_math::{DVec2, DVec3, Ray};
 
-use super::case::Case;
+use super::case::ContractCase;
 use super::harness::{check_on_surface, tangents};
 use super::rays::Pcg;
 
@@ -15,7 +15,7 @@ const POINTS: usize = 6;
 const QUANTILE: f64 = 4.753;
 
 /// Checks `sample` and `area_pdf`.
-pub fn check(case: &Case, pcg: &mut Pcg) -> Result<(), String> {
+pub fn check(case: &ContractCase, pcg: &mut Pcg) -> Result<(), String> {
     let surface = &case.surface;
     if !case.samples {
         return match surface.sample(pcg.pair()) {
@@ -56,8 +56,8 @@ pub fn check(case: &Case, pcg: &mut Pcg) -> Result<(), String> {
     Ok(())
 }
 
-/// The mean of 1 / pdf is the area.
-fn check_area(case: &Case, sum: f64, sum_of_squares: f64) -> Result<(), String> {
+/// Checks that the mean of 1 / pdf is the area.
+fn check_area(case: &ContractCase, sum: f64, sum_of_squares: f64) -> Result<(), String> {
     let Some(area) = case.area else { return Ok(()) };
     let n = SAMPLES as f64;
     let mean = sum / n;
@@ -69,9 +69,9 @@ fn check_area(case: &Case, sum: f64, sum_of_squares: f64) -> Result<(), String> 
     Ok(())
 }
 
-/// The density integrates to 1 over the parameters, and to the share of the samples over each cell.
+/// Checks that the density integrates to 1 over the parameters, and to the fraction of samples over each cell.
 fn check_density(
-    case: &Case,
+    case: &ContractCase,
     position: &dyn Fn(DVec2) -> DVec3,
     counts: &[[f64; CELLS]; CELLS],
 ) -> Result<(), String> {
@@ -80,7 +80,7 @@ fn check_density(
     let (mut rest_expected, mut rest_seen) = (0.0, 0.0);
     for (i, column) in counts.iter().enumerate() {
         for (j, &seen) in column.iter().enumerate() {
-            let share = share_of_cell(case, position, i, j)?;
+            let share = fraction_of_cell(case, position, i, j)?;
             total += share;
             if n * share < 8.0 {
                 // Too few for a normal approximation: pooled.
@@ -108,7 +108,12 @@ fn check_density(
     Ok(())
 }
 
-fn share_of_cell(case: &Case, position: &dyn Fn(DVec2) -> DVec3, i: usize, j: usize) -> Result<f64, String> {
+fn fraction_of_cell(
+    case: &ContractCase,
+    position: &dyn Fn(DVec2) -> DVec3,
+    i: usize,
+    j: usize,
+) -> Result<f64, String> {
     let side = (CELLS * POINTS) as f64;
     let mut share = 0.0;
     for k in 0..POINTS * POINTS {
@@ -128,7 +133,7 @@ fn share_of_cell(case: &Case, position: &dyn Fn(DVec2) -> DVec3, i: usize, j: us
 }
 
 /// The surface at a point that is known to lie on it, by a ray along the normal there.
-fn look_up(case: &Case, p: DVec3, normal: DVec3) -> Option<(Hit, SurfacePoint)> {
+fn look_up(case: &ContractCase, p: DVec3, normal: DVec3) -> Option<(Hit, SurfacePoint)> {
     let ray = Ray::new(p + normal * (0.01 * case.size), -normal);
     let mut hits = Vec::new();
     case.surface.all_hits(&ray, f64::INFINITY, &mut hits);

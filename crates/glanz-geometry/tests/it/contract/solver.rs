@@ -1,17 +1,17 @@
-//! A slow solver that knows nothing of the code under test: signs of the implicit function along the ray.
+//! A slow reference solver, independent of the code under test: signs of the implicit function along the ray.
 
 use glanz_math::{DVec3, Ray};
 
-use super::case::Case;
+use super::case::ContractCase;
 
 /// A crossing of the continued surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Root {
     /// Ray parameter.
     pub t: f64,
-    /// How far `t` may be off, metres along the ray.
+    /// Bound on the error of `t`, metres along the ray.
     pub tolerance: f64,
-    /// Whether it can be told that it is a hit: on the kept part, not tangential, not next to a singular point.
+    /// Whether it is certainly a hit: on the kept part, not tangential, not near a singular point.
     pub status: Status,
 }
 
@@ -22,7 +22,7 @@ pub enum Status {
     Hit,
     /// Must not be reported.
     Clipped,
-    /// Too close to call: tangential, at the border of the kept part, or at a singular point.
+    /// Undecided: tangential, at the border of the kept part, or at a singular point.
     Unsure,
 }
 
@@ -34,17 +34,17 @@ pub struct Roots {
     pub near_miss: bool,
 }
 
-/// The ray by arc length from the point next to the middle of the ball.
-struct Line {
+/// The ray, parameterized by arc length from the point nearest to the middle of the ball.
+struct CenteredRay {
     origin: DVec3,
     direction: DVec3,
-    /// Ray parameter of `origin`, and per metre.
+    /// Ray parameter of `origin`, and ray parameter per metre.
     t_shift: f64,
     t_scale: f64,
 }
 
-impl Line {
-    fn new(case: &Case, ray: &Ray) -> Self {
+impl CenteredRay {
+    fn new(case: &ContractCase, ray: &Ray) -> Self {
         let length = ray.direction.length();
         let t_shift = (case.center - ray.origin).dot(ray.direction) / (length * length);
         let at = |o: f64, d: f64| t_shift.mul_add(d, o);
@@ -67,12 +67,12 @@ impl Line {
 
 /// All crossings of `ray` with the continued surface of `case` at more than `beyond` metres from the origin.
 ///
-/// `hits` are the t that the surface claims, ascending. They are not believed, but signs are looked at between them
-/// too: a pair of crossings in a corner may be closer together than the samples.
-pub fn roots(case: &Case, ray: &Ray, beyond: f64, hits: &[f64]) -> Roots {
-    let line = Line::new(case, ray);
+/// `hits`: the t reported by the surface, ascending. They are not trusted, but signs between them are tested too, since a pair of
+/// crossings in a corner may be closer together than the samples.
+pub fn roots(case: &ContractCase, ray: &Ray, beyond: f64, hits: &[f64]) -> Roots {
+    let line = CenteredRay::new(case, ray);
     let mut found = Roots { roots: Vec::new(), near_miss: false };
-    // A little more than the ball, so that the ends are never on the surface.
+    // Slightly more than the ball, so that the ends are never on the surface.
     let radius = 1.05 * case.size;
     let half_chord = (radius * radius - line.origin.distance_squared(case.center)).max(0.0).sqrt();
     let start = (beyond - line.t_shift / line.t_scale).max(-half_chord);
@@ -89,11 +89,11 @@ pub fn roots(case: &Case, ray: &Ray, beyond: f64, hits: &[f64]) -> Roots {
     places.sort_by(f64::total_cmp);
     let samples: Vec<(f64, f64)> = places.into_iter().map(|s| (s, f(s))).collect();
     let slope = case.gradient(line.at(start)).length();
-    // A start on the surface itself: the ray touches it, or the first root is anywhere.
+    // The ray starts on the surface: it touches it, or the first root is undecided.
     found.near_miss |= samples[0].1.abs() <= 1e-10 * case.size * slope
         || case.distance_to_singular(line.at(start)) < 1e-5 * case.size;
     if !case.ridges.is_empty() {
-        // Where lines of self-intersection meet, more crossings may come together than samples can tell apart.
+        // Where lines of self-intersection meet, crossings may be closer together than samples.
         let spacing = s_of(1) - start;
         let passes =
             |p: &DVec3| (*p - line.origin).reject_from_normalized(line.direction).length() < 4.0 * spacing;
@@ -104,7 +104,7 @@ pub fn roots(case: &Case, ray: &Ray, beyond: f64, hits: &[f64]) -> Roots {
         if pair[0].1 * pair[1].1 < 0.0 {
             crossings.push(bisect(&f, pair[0].0, pair[1].0));
         } else if i > 0 && pair[0].1 == 0.0 {
-            // A sample on the surface: a crossing between different signs, else the ray touches or runs along.
+            // A sample on the surface: a crossing if the signs differ, otherwise the ray touches the surface or lies in it.
             if samples[i - 1].1 * pair[1].1 < 0.0 {
                 crossings.push(pair[0].0);
             } else {
@@ -113,7 +113,7 @@ pub fn roots(case: &Case, ray: &Ray, beyond: f64, hits: &[f64]) -> Roots {
         } else if i > 0 {
             search_extremum(case, &line, &f, &samples[i - 1..=i + 1], &mut crossings, &mut found.near_miss);
         } else {
-            // The start may be so close to the surface that the ray dives through it before the first sample.
+            // The start may be so close to the surface that the ray crosses it before the first sample.
             let first = start + 1e-9 * case.size;
             let three = [pair[0], (first, f(first)), pair[1]];
             search_extremum(case, &line, &f, &three, &mut crossings, &mut found.near_miss);
@@ -129,10 +129,10 @@ pub fn roots(case: &Case, ray: &Ray, beyond: f64, hits: &[f64]) -> Roots {
     found
 }
 
-/// Looks between three samples of one sign for a pair of crossings that the samples step over.
+/// Searches between three samples of one sign for a pair of crossings.
 fn search_extremum(
-    case: &Case,
-    line: &Line,
+    case: &ContractCase,
+    line: &CenteredRay,
     f: &impl Fn(f64) -> f64,
     three: &[(f64, f64)],
     crossings: &mut Vec<f64>,
@@ -182,7 +182,7 @@ fn bisect(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
     0.5 * (a + b)
 }
 
-fn judge(case: &Case, line: &Line, s: f64, nearest: f64, origin_distance: f64) -> Root {
+fn judge(case: &ContractCase, line: &CenteredRay, s: f64, nearest: f64, origin_distance: f64) -> Root {
     let p = line.at(s);
     let gradient = case.gradient(p);
     let cos = gradient.dot(line.direction).abs() / gradient.length();

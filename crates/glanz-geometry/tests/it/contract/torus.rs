@@ -1,15 +1,15 @@
-//! Tori, whole and in part.
+//! Full and partial tori.
 
 use std::f64::consts::{PI, TAU};
 
 use glanz_geometry::torus::Torus;
 use glanz_math::DVec3;
 
-use super::case::Case;
+use super::case::ContractCase;
 use super::harness::check_kind;
-use super::quadrics::{inside_sweep, polar};
+use super::quadrics::{inside_azimuth, polar};
 
-fn torus(major: f64, minor: f64, phi_max: f64) -> Case {
+fn torus(major: f64, minor: f64, phi_max: f64) -> ContractCase {
     let ring = move |phi: f64, theta: f64| polar(major + minor * theta.cos(), phi, minor * theta.sin());
     // Along the tube, across the ends of the sweep, and chords that touch the inner equator.
     let mut targets = vec![
@@ -20,12 +20,12 @@ fn torus(major: f64, minor: f64, phi_max: f64) -> Case {
     for theta in [0.0, 1.0, 2.5, PI, 4.0] {
         targets.push([ring(0.0, theta), ring(phi_max, theta)]);
     }
-    Case {
-        kept: Box::new(move |p| inside_sweep(p, phi_max)),
+    ContractCase {
+        kept: Box::new(move |p| inside_azimuth(p, phi_max)),
         position: Some(Box::new(move |uv| ring(uv.x * phi_max, uv.y * TAU))),
         area: Some(phi_max * major * TAU * minor),
         size: 1.1 * (major + minor),
-        // A ray through a narrow hole has two roots close together: the slow solver must not step over both. (One such
+        // A ray through a narrow hole has two roots close together: the reference solver must not step over both. (One such
         // ray in 10^7 did; the torus had all four roots right, as 50 digits confirmed.)
         resolution: if minor > 0.9 * major { 800 } else { 48 },
         targets,
@@ -36,7 +36,7 @@ fn torus(major: f64, minor: f64, phi_max: f64) -> Case {
             DVec3::new(1e-9, 1.0, 0.0),
             DVec3::new(0.0, 1.0, 1e-7),
         ],
-        ..Case::new(
+        ..ContractCase::new(
             format!("torus {major} {minor} {phi_max}"),
             Torus::try_new(major, minor, phi_max).unwrap(),
             move |p| (p.x.hypot(p.y) - major).hypot(p.z) - minor,
