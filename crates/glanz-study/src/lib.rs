@@ -4,7 +4,7 @@
 //! their figures. [`studies()`] is the table of them; a new one is a file and a line there. Figures depend on the
 //! [`Settings`] alone, except for times, which [`clock`] takes from the processor.
 //!
-//! - [`table`], [`plot`] and [`report`] hold results and write them (Markdown, CSV, SVG, PNG);
+//! - [`report`] holds results and writes them (Markdown, CSV, SVG, PNG), with tables and plots of [`glanz_report`];
 //! - `densities` integrates with densities that learn (document 003);
 //! - `guiding` renders rooms with and without densities that learn (document 003);
 //! - `newton` compares Newton's method with the certified search (document 000);
@@ -28,16 +28,13 @@ pub mod clock;
 mod densities;
 mod guiding;
 mod newton;
-pub mod plot;
 mod reconstruction;
 mod reflector;
 pub mod report;
 mod rooms;
-mod sheet;
 mod solvers;
 mod study;
 mod tessellation;
 
-pub use glanz_illumination::report::table;
 pub use report::Report;
 pub use study::{Settings, Study, StudyError, StudyOption, named, studies};

@@ -6,9 +6,8 @@ use std::path::Path;
 use glanz_formats::image::{self, Format, write_atomically};
 use glanz_light::{Pixels, Tone};
 
-use crate::plot::Plot;
 use crate::study::StudyError;
-use crate::table::Table;
+use glanz_report::{Plot, Table};
 
 /// Headings, sentences, tables, plots and pictures in the order in which they are read, and one table that sums up.
 #[derive(Debug)]

@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 use glanz_job::{JobProgress, ProgressSink};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use glanz_report::number::duration;
+
 use crate::messages::Messages;
-use crate::output::duration;
 
 /// Time between two plain lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);

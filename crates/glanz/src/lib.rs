@@ -75,6 +75,8 @@ pub use glanz_math as math;
 #[doc(inline)]
 pub use glanz_radiosity as radiosity;
 #[doc(inline)]
+pub use glanz_report as report;
+#[doc(inline)]
 pub use glanz_sampling as sampling;
 #[doc(inline)]
 pub use glanz_scene as scene;

@@ -1,7 +1,7 @@
 //! `glanz illuminate`: how much light arrives where.
 
 use glanz_illumination::Tally;
-use glanz_illumination::report::{Comparison, Report};
+use glanz_illumination::report::{LuxComparison, LuxReport};
 use serde::Serialize;
 
 use crate::Ending;
@@ -18,7 +18,7 @@ use crate::report;
 struct Told<'a> {
     scenes: Vec<String>,
     outputs: Vec<String>,
-    designs: Vec<&'a Report>,
+    designs: Vec<&'a LuxReport>,
     peak_memory_bytes: Option<u64>,
     warnings: Vec<String>,
 }
@@ -70,7 +70,7 @@ pub(crate) fn run(arguments: &IlluminateArguments, messages: Messages) -> Result
 /// Prints the summary.
 fn tell(found: &[Found]) -> Result<(), Failure> {
     match found {
-        [a, b] => report::print_text(&Comparison::between(&a.report, &b.report).text()),
+        [a, b] => report::print_text(&LuxComparison::between(&a.report, &b.report).text()),
         _ => found.iter().try_for_each(|one| report::print_text(&one.report.text())),
     }
 }
@@ -81,7 +81,7 @@ fn written(arguments: &IlluminateArguments, found: &mut [Found]) -> Result<Vec<S
     match found {
         [a, b] => {
             let mut written = Vec::new();
-            let comparison = Comparison::between(&a.report, &b.report);
+            let comparison = LuxComparison::between(&a.report, &b.report);
             files::write(&folder.join("comparison.html"), comparison.html().as_bytes(), &mut written)?;
             files::write(&folder.join("comparison.txt"), comparison.text().as_bytes(), &mut written)?;
             written.extend(files::write_all(&folder.join("a"), a)?);

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use glanz_formats::image::write_atomically;
 use glanz_formats::photometry::{self, Distribution, Photometry, PhotometryFormat};
-use glanz_illumination::report::{Polar, table::significant};
+use glanz_illumination::report::PolarPlot;
+use glanz_report::number::significant;
 use serde::Serialize;
 
 use crate::arguments::InfoArguments;
@@ -18,7 +19,7 @@ const BEAM_STEP: f64 = 0.1;
 
 /// What `--json` prints.
 #[derive(Serialize)]
-struct Report {
+struct LuxReport {
     file: String,
     format: String,
     luminaire: String,
@@ -71,11 +72,11 @@ pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<(), F
     if arguments.json { report::print(&report) } else { report::print_text(&text(&report)) }
 }
 
-fn polar(photometry: &Photometry, path: &Path) -> Polar {
+fn polar(photometry: &Photometry, path: &Path) -> PolarPlot {
     let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     // Whatever the system of its angles, it is drawn by C and gamma.
     let candela = |c: f64, gamma: f64| photometry.intensity(by_c(c, gamma));
-    Polar::sample(name, None, candela)
+    PolarPlot::sample(name, None, candela)
 }
 
 fn by_c(c: f64, gamma: f64) -> glanz_math::DVec3 {
@@ -83,10 +84,10 @@ fn by_c(c: f64, gamma: f64) -> glanz_math::DVec3 {
     glanz_math::DVec3::new(sin * cos_c, sin * sin_c, -cos)
 }
 
-fn told(photometry: &Photometry, arguments: &InfoArguments, warnings: Vec<String>) -> Report {
+fn told(photometry: &Photometry, arguments: &InfoArguments, warnings: Vec<String>) -> LuxReport {
     let distribution = &photometry.distribution;
     let angles = |share: f64| [0.0, 90.0].map(|c| full_angle(distribution, c, share));
-    Report {
+    LuxReport {
         file: arguments.scene.display().to_string(),
         format: match photometry.format {
             PhotometryFormat::Ies(year) => format!("IES LM-63-{year}"),
@@ -123,7 +124,7 @@ fn full_angle(distribution: &Distribution, c: f64, share: f64) -> Option<f64> {
     (peak > 0.0).then_some(full.min(360.0))
 }
 
-fn text(report: &Report) -> String {
+fn text(report: &LuxReport) -> String {
     let mut text = String::new();
     let mut line = |name: &str, value: &str| {
         // Writing to a text cannot fail.

@@ -5,7 +5,7 @@ use std::path::Path;
 use glanz_formats::photometry::write::{self, Header};
 use glanz_formats::photometry::{AngularSystem, Distribution, Names, Symmetry};
 use glanz_illumination::FarField;
-use glanz_illumination::report::Polar;
+use glanz_illumination::report::PolarPlot;
 
 use crate::messages::Failure;
 
@@ -37,7 +37,7 @@ pub(crate) fn check(path: &Path) -> Result<(), Failure> {
 }
 
 /// The distribution as lighting people draw it.
-pub(crate) fn polar(title: &str, far: &FarField) -> Polar {
+pub(crate) fn polar(title: &str, far: &FarField) -> PolarPlot {
     let (planes, gammas) = (far.grid.planes().len(), far.grid.gammas().len());
     let candela = |c: f64, gamma: f64| {
         let plane = (c / 360.0 * planes as f64).round() as usize;
@@ -45,7 +45,7 @@ pub(crate) fn polar(title: &str, far: &FarField) -> Polar {
         let (low, share) = (place.floor() as usize, place.fract());
         far.at(plane, low) * (1.0 - share) + far.at(plane, (low + 1).min(gammas - 1)) * share
     };
-    Polar::sample(format!("{title}: light that leaves the scene"), None, candela)
+    PolarPlot::sample(format!("{title}: light that leaves the scene"), None, candela)
 }
 
 /// The bytes of the file `path`.

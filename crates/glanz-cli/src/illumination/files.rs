@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glanz_formats::image::{self, Format, write_atomically};
 use glanz_illumination::LuxMap;
-use glanz_illumination::report::{Report, Scale, csv, false_colour, isolux, lux_pixels};
+use glanz_illumination::report::{LuxReport, csv, false_colour, isolux, lux_pixels, lux_scale};
 use glanz_light::{Pixels, Tone};
 
 use super::Found;
@@ -52,7 +52,7 @@ pub(crate) fn write_all(folder: &Path, found: &Found) -> Result<Vec<String>, Fai
     Ok(written)
 }
 
-fn write_reports(folder: &Path, report: &Report, written: &mut Vec<String>) -> Result<(), Failure> {
+fn write_reports(folder: &Path, report: &LuxReport, written: &mut Vec<String>) -> Result<(), Failure> {
     let mut json = serde_json::to_string_pretty(report)
         .map_err(|error| Failure::new(format!("{}: {error}", folder.join(REPORT).display())))?;
     json.push('\n');
@@ -63,7 +63,7 @@ fn write_reports(folder: &Path, report: &Report, written: &mut Vec<String>) -> R
 
 fn write_map(folder: &Path, name: &str, map: &LuxMap, written: &mut Vec<String>) -> Result<(), Failure> {
     let path = |extension: &str| -> PathBuf { folder.join(format!("{name}.{extension}")) };
-    let scale = Scale::of(&[map]);
+    let scale = lux_scale(&[map]);
     write(&path("csv"), csv(map).as_bytes(), written)?;
     write(&path("svg"), isolux(map, &scale).as_bytes(), written)?;
     let failed =

@@ -10,11 +10,12 @@ mod tracing;
 use std::path::Path;
 
 use glanz_formats::ContentHash;
-use glanz_illumination::report::{Report, table::significant};
+use glanz_illumination::report::LuxReport;
 use glanz_illumination::{
     FarFieldGrid, GridResolution, LuxMap, ReceiverRequest, Receivers, Tally, add_walls,
 };
 use glanz_job::CancelFlag;
+use glanz_report::number::significant;
 use glanz_scene::Scene;
 
 use crate::arguments::{IlluminateArguments, MethodName};
@@ -43,7 +44,7 @@ pub(crate) struct Design {
 
 /// What was found of a design.
 pub(crate) struct Found {
-    pub(crate) report: Report,
+    pub(crate) report: LuxReport,
     /// Maps by the other method, if both were asked for.
     pub(crate) integrated: Vec<LuxMap>,
     pub(crate) tally: Option<Tally>,
@@ -113,7 +114,7 @@ impl Design {
             plural(count, "receiver", "receivers"),
             plural(self.receivers.cell_count() as u64, "cell", "cells"),
         ));
-        let mut report = Report { title: self.title.clone(), ..Report::default() };
+        let mut report = LuxReport { title: self.title.clone(), ..LuxReport::default() };
         let mut integrated = Vec::new();
         if arguments.method != MethodName::Trace {
             let Some(found) = integrating::integrated(self, arguments, messages, cancel)? else {

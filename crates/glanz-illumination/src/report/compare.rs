@@ -1,48 +1,46 @@
-//! Two designs side by side.
+//! Comparison of two designs.
 
-use super::drawing::Drawing;
-use super::field::Field;
-use super::levels::levels;
-use super::scale::Scale;
-use super::table::{Cell, Table, significant};
-use super::text::tame;
-use super::{Report, isolux_at};
+use glanz_report::number::significant;
+use glanz_report::{CellField, ColourScale, HeatMap, Table, TableCell, levels};
+
+use super::text::printable;
+use super::{LuxReport, isolux_at, lux_scale};
 use crate::{LuxMap, LuxSummary};
 
-/// A figure of a summary.
-type Figure = fn(&LuxSummary) -> f64;
+/// A quantity of a summary.
+type Quantity = fn(&LuxSummary) -> f64;
 
 /// Two reports and which of their receivers belong together.
 #[derive(Clone, Debug)]
-pub struct Comparison<'a> {
+pub struct LuxComparison<'a> {
     /// The first design.
-    pub a: &'a Report,
+    pub a: &'a LuxReport,
     /// The design that it is compared with.
-    pub b: &'a Report,
+    pub b: &'a LuxReport,
     /// Receivers of one name, in the order of `a`; behind them those that only `b` has.
-    pub pairs: Vec<Pair<'a>>,
+    pub pairs: Vec<ReceiverPair<'a>>,
 }
 
 /// A receiver in both designs; one may be missing.
 #[derive(Clone, Copy, Debug)]
-pub struct Pair<'a> {
+pub struct ReceiverPair<'a> {
     /// In the first design.
     pub a: Option<&'a LuxMap>,
     /// In the second.
     pub b: Option<&'a LuxMap>,
 }
 
-impl<'a> Comparison<'a> {
+impl<'a> LuxComparison<'a> {
     /// Receivers belong together by their names; where several have one name, the first to the first and so on.
     #[must_use]
-    pub fn between(a: &'a Report, b: &'a Report) -> Self {
+    pub fn between(a: &'a LuxReport, b: &'a LuxReport) -> Self {
         let mut left: Vec<&LuxMap> = b.maps.iter().collect();
         let mut pairs = Vec::with_capacity(a.maps.len());
         for map in &a.maps {
             let found = left.iter().position(|other| other.name == map.name);
-            pairs.push(Pair { a: Some(map), b: found.map(|place| left.remove(place)) });
+            pairs.push(ReceiverPair { a: Some(map), b: found.map(|place| left.remove(place)) });
         }
-        pairs.extend(left.into_iter().map(|map| Pair { a: None, b: Some(map) }));
+        pairs.extend(left.into_iter().map(|map| ReceiverPair { a: None, b: Some(map) }));
         Self { a, b, pairs }
     }
 
@@ -52,29 +50,29 @@ impl<'a> Comparison<'a> {
         let columns =
             [("receiver", "receiver"), ("quantity", ""), ("a", "A"), ("b", "B"), ("change", "change")];
         let mut table = Table::new("comparison", "Both designs and the change from A to B", &columns);
-        let quantities: [(&str, Figure); 6] = [
-            ("min, lx", |told| told.minimum),
-            ("mean, lx", |told| told.mean),
-            ("max, lx", |told| told.maximum),
-            ("U0", |told| told.u0),
-            ("U1", |told| told.u1),
-            ("flux, lm", |told| told.flux),
+        let quantities: [(&str, Quantity); 6] = [
+            ("min, lx", |summary| summary.minimum),
+            ("mean, lx", |summary| summary.mean),
+            ("max, lx", |summary| summary.maximum),
+            ("U0", |summary| summary.u0),
+            ("U1", |summary| summary.u1),
+            ("flux, lm", |summary| summary.flux),
         ];
         for pair in &self.pairs {
             let (a, b) = (pair.a.map(LuxMap::summary), pair.b.map(LuxMap::summary));
             for (row, (quantity, of)) in quantities.into_iter().enumerate() {
-                let name = if row == 0 { tame(pair.name()) } else { String::new() };
+                let name = if row == 0 { printable(pair.name()) } else { String::new() };
                 let (a, b) = (a.as_ref().map(of), b.as_ref().map(of));
                 let change = a.zip(b).and_then(|(a, b)| change(a, b));
-                let change = change.map_or(Cell::Missing, Cell::Text);
-                table.push([Cell::Text(name), quantity.into(), a.into(), b.into(), change]);
+                let change = change.map_or(TableCell::Missing, TableCell::Text);
+                table.push([TableCell::Text(name), quantity.into(), a.into(), b.into(), change]);
             }
         }
         table
     }
 }
 
-impl<'a> Pair<'a> {
+impl<'a> ReceiverPair<'a> {
     /// The name of the receiver.
     #[must_use]
     pub fn name(&self) -> &'a str {
@@ -85,10 +83,10 @@ impl<'a> Pair<'a> {
     #[must_use]
     pub fn isolux(&self) -> [Option<String>; 2] {
         let maps: Vec<&LuxMap> = [self.a, self.b].into_iter().flatten().collect();
-        let scale = Scale::of(&maps);
-        let told = || maps.iter().map(|map| map.summary());
-        let low = told().map(|told| told.minimum).fold(f64::INFINITY, f64::min);
-        let high = told().map(|told| told.maximum).fold(0.0, f64::max);
+        let scale = lux_scale(&maps);
+        let summary = || maps.iter().map(|map| map.summary());
+        let low = summary().map(|summary| summary.minimum).fold(f64::INFINITY, f64::min);
+        let high = summary().map(|summary| summary.maximum).fold(0.0, f64::max);
         let levels = levels(low, high);
         [(self.a, "A"), (self.b, "B")].map(|(map, design)| {
             let named = map.map(|map| LuxMap { name: format!("{design}: {}", map.name), ..map.clone() });
@@ -103,17 +101,19 @@ impl<'a> Pair<'a> {
         let (a, b) = self.a.zip(self.b).filter(|(a, b)| a.cells == b.cells)?;
         let numbers: Vec<f64> = a.lux.iter().zip(&b.lux).map(|(a, b)| b - a).collect();
         let areas = a.areas.iter().zip(&b.areas);
-        let areas = areas.map(|(a, b)| if *a > 0.0 && *b > 0.0 { 0.5 * (a + b) } else { 0.0 }).collect();
-        let field = Field::of_values(&LuxMap { areas, ..a.clone() }, &numbers);
+        let areas = areas.map(|(a, b)| if *a > 0.0 && *b > 0.0 { 0.5 * (a + b) } else { 0.0 });
+        let areas: Vec<f64> = areas.collect();
+        let field = CellField::new(a.cells, a.size, &areas, &numbers);
         let (low, high) = field.shown().fold((0.0_f64, 0.0_f64), |(l, h), (v, _)| (l.min(v), h.max(v)));
         let caption = vec![format!(
             "From {} lx (less light in B) to {} lx (more light in B).",
             significant(low),
             significant(high)
         )];
-        let scale = Scale::of_differences(high.max(-low));
+        let scale = ColourScale::of_differences(high.max(-low));
         let title = format!("B - A: {}", a.name);
-        Some(Drawing { title: &title, field, scale, levels: Vec::new(), caption }.svg())
+        let levels = Vec::new();
+        Some(HeatMap { title: &title, unit: "lx", field, scale, levels, caption }.svg())
     }
 }
 
@@ -140,15 +140,15 @@ mod tests {
         }
     }
 
-    fn report(title: &str, maps: Vec<LuxMap>) -> Report {
-        Report { title: title.into(), maps, ..Report::default() }
+    fn report(title: &str, maps: Vec<LuxMap>) -> LuxReport {
+        LuxReport { title: title.into(), maps, ..LuxReport::default() }
     }
 
     #[test]
     fn receivers_of_one_name_belong_together_in_their_order() {
         let a = report("old", vec![map("x", [1.0, 1.0]), map("only a", [0.0, 0.0]), map("x", [2.0, 2.0])]);
         let b = report("new", vec![map("only b", [0.0, 0.0]), map("x", [3.0, 3.0]), map("x", [4.0, 4.0])]);
-        let compared = Comparison::between(&a, &b);
+        let compared = LuxComparison::between(&a, &b);
         let lux = |map: Option<&LuxMap>| map.map(|map| map.lux[0]);
         let pairs: Vec<_> = compared.pairs.iter().map(|p| (p.name(), lux(p.a), lux(p.b))).collect();
         assert_eq!(
@@ -178,23 +178,23 @@ mod tests {
             \u{20}         U0            0  0.6667  -\n\
             \u{20}         U1            0  0.5000  -\n\
             \u{20}         flux, lm  400.0   300.0  -25.0 %\n";
-        assert_eq!(Comparison::between(&a, &b).text(), expected);
+        assert_eq!(LuxComparison::between(&a, &b).text(), expected);
     }
 
     #[test]
     fn differences_have_a_scale_that_is_even_on_both_sides() {
         let (a, b) = (map("desk", [10.0, 400.0]), map("desk", [60.0, 200.0]));
-        let pair = Pair { a: Some(&a), b: Some(&b) };
+        let pair = ReceiverPair { a: Some(&a), b: Some(&b) };
         let svg = pair.difference().unwrap();
         // -200 lx is the lower end; +50 lx lies at 5/8 of the way, in step 40 of 64 from below.
         assert!(svg.contains("From -200.0 lx (less light in B) to 50.00 lx"));
         let step = |number: f64| {
-            super::super::palette::hexadecimal(Scale::of_differences(200.0).colour_at((number + 0.5) / 64.0))
+            glanz_report::hexadecimal(ColourScale::of_differences(200.0).colour_at((number + 0.5) / 64.0))
         };
         assert!(svg.contains(&format!("fill=\"{}\" d=\"M0 0h1v1h-1z\"", step(40.0))), "{svg}");
         assert!(svg.contains(&format!("fill=\"{}\" d=\"M1 0h1v1h-1z\"", step(0.0))));
         let other = LuxMap { cells: [1, 2], ..b.clone() };
-        assert_eq!(Pair { a: Some(&a), b: Some(&other) }.difference(), None);
+        assert_eq!(ReceiverPair { a: Some(&a), b: Some(&other) }.difference(), None);
         // Both maps share the scale of 0 to 400 lx.
         let [first, second] = pair.isolux().map(Option::unwrap);
         let bar = |svg: &str| svg.split("width=\"18\"").nth(1).map(str::to_owned).unwrap();

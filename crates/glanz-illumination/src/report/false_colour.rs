@@ -2,37 +2,36 @@
 
 use glanz_light::rgb::srgb_decode;
 use glanz_light::{Pixels, PixelsError};
+use glanz_report::number::significant;
+use glanz_report::{CellField, ColourScale, LETTER_HEIGHT, Raster, fitting, text_width};
 
-use super::field::Field;
-use super::lettering::{ADVANCE, HEIGHT, dots};
-use super::scale::Scale;
-use super::table::significant;
+use super::scale::lux_field;
 use crate::LuxMap;
 
 /// Pixels along the longer side of a receiver, and at least along the shorter one.
 const LONG: f64 = 800.0;
 const SHORT: f64 = 24.0;
 
-/// Pixels between things.
+/// Pixels between the parts of the picture.
 const GAP: u32 = 16;
 
 /// Pixels per dot of the letters.
 const DOT: u32 = 2;
 
 /// Height of a line of letters with the gap below.
-const LINE: u32 = DOT * HEIGHT + 8;
+const LINE: u32 = DOT * LETTER_HEIGHT + 8;
 
-/// Width of the scale of colours, its height at least, and the room for its numbers.
+/// Width of the scale of colours, its least height, and the letters of its longest number.
 const BAR: u32 = 24;
 const BAR_HEIGHT: u32 = 200;
-const NUMBERS: u32 = 9 * ADVANCE * DOT;
+const NUMBER_LETTERS: usize = 9;
 
 /// sRGB bytes of the background, of cells without area, of letters.
 const PAPER: [u8; 3] = [255; 3];
 const NOTHING: [u8; 3] = [200; 3];
 const INK: [u8; 3] = [20; 3];
 
-/// A lux map in the colours of `scale`, with the scale, its numbers, and what is said of the map as a whole.
+/// A lux map in the colours of `scale`, with the scale, its numbers, and figures of the map as a whole.
 ///
 /// The first direction of the receiver goes to the right, the second one up; the sides have the proportions of
 /// [`LuxMap::size`], up to some 30 to 1, and the longer one has about 800 pixels, or one per cell if there are more
@@ -41,35 +40,34 @@ const INK: [u8; 3] = [20; 3];
 ///
 /// # Errors
 /// [`PixelsError::Size`] if the map has more cells than a picture pixels.
-pub fn false_colour(map: &LuxMap, scale: &Scale) -> Result<Pixels, PixelsError> {
-    let field = Field::of(map);
+pub fn false_colour(map: &LuxMap, scale: &ColourScale) -> Result<Pixels, PixelsError> {
+    let field = lux_field(map);
     let [wide, high] = sides(&field);
     let caption = caption(map, scale);
-    let words = caption.iter().map(|line| line.chars().count() as u32).max().unwrap_or(0) * ADVANCE * DOT;
+    let letters = caption.iter().map(|line| line.chars().count()).max().unwrap_or(0);
     let body = high.max(BAR_HEIGHT);
-    let width = (wide + GAP + BAR + NUMBERS).max(words) + 2 * GAP;
+    let width = (wide + GAP + BAR + text_width(NUMBER_LETTERS, DOT)).max(text_width(letters, DOT)) + 2 * GAP;
     let height = 3 * GAP + LINE + body + LINE * (caption.len() as u32 + 1);
     // Checks the size before anything is allocated for it.
     let _ = Pixels::try_new(width, height)?;
-    let mut canvas = Canvas { width, height, bytes: vec![PAPER; width as usize * height as usize] };
-    let fitting = ((width - 2 * GAP) / (ADVANCE * DOT)) as usize;
-    canvas.write([GAP, GAP - 6], &map.name.chars().take(fitting).collect::<String>());
+    let mut raster = Raster::new([width, height], PAPER);
+    raster.write([GAP, GAP - 6], &fitting(&map.name, width - 2 * GAP, DOT), DOT, INK);
     let top = 2 * GAP + LINE;
     for y in 0..high {
         let row = cell(high - 1 - y, high, field.rows());
         for x in 0..wide {
             let lux = field.at(cell(x, wide, field.columns()), row);
             let colour = lux.map_or(NOTHING, |lux| scale.colour(lux));
-            canvas.fill([GAP + x, top + y], [1, 1], colour);
+            raster.fill([GAP + x, top + y], [1, 1], colour);
         }
     }
-    canvas.bar([GAP + wide + GAP, top], body, scale);
+    draw_scale(&mut raster, [GAP + wide + GAP, top], body, scale);
     for (line, words) in (0_u32..).zip(&caption) {
-        canvas.write([GAP, top + body + LINE * (line + 1)], words);
+        raster.write([GAP, top + body + LINE * (line + 1)], words, DOT, INK);
     }
     let light: Vec<f32> = (0..=255).map(|byte| srgb_decode(f32::from(byte as u8) / 255.0)).collect();
     let decode = |byte: u8| light.get(usize::from(byte)).copied().unwrap_or(0.0);
-    let rgb: Vec<[f32; 3]> = canvas.bytes.iter().map(|colour| colour.map(decode)).collect();
+    let rgb: Vec<[f32; 3]> = raster.pixels().iter().map(|colour| colour.map(decode)).collect();
     Pixels::try_from_rgb(width, height, &rgb)
 }
 
@@ -91,7 +89,7 @@ pub fn lux_pixels(map: &LuxMap) -> Result<Pixels, PixelsError> {
 }
 
 /// Pixels of a map along both directions.
-fn sides(field: &Field) -> [u32; 2] {
+fn sides(field: &CellField) -> [u32; 2] {
     let size = field.size();
     let cells = [field.columns(), field.rows()];
     let long = LONG / size[0].max(size[1]);
@@ -105,65 +103,41 @@ fn cell(pixel: u32, pixels: u32, cells: usize) -> usize {
 }
 
 /// Lines below a map.
-fn caption(map: &LuxMap, scale: &Scale) -> Vec<String> {
-    let told = map.summary();
+fn caption(map: &LuxMap, scale: &ColourScale) -> Vec<String> {
+    let summary = map.summary();
     let [width, height] = map.size.map(significant);
     let mut lines = vec![
         format!(
             "min {}  mean {}  max {} lx",
-            significant(told.minimum),
-            significant(told.mean),
-            significant(told.maximum)
+            significant(summary.minimum),
+            significant(summary.mean),
+            significant(summary.maximum)
         ),
-        format!("U0 {}  U1 {}", significant(told.u0), significant(told.u1)),
+        format!("U0 {}  U1 {}", significant(summary.u0), significant(summary.u1)),
         format!("{width} m x {height} m, {} x {} cells", map.cells[0], map.cells[1]),
     ];
     lines.extend(scale.floor().map(|lux| format!("equal factors from {} lx", significant(lux))));
     lines
 }
 
-struct Canvas {
-    width: u32,
-    height: u32,
-    bytes: Vec<[u8; 3]>,
-}
-
-impl Canvas {
-    /// A rectangle; what lies outside is left out.
-    fn fill(&mut self, [left, top]: [u32; 2], [wide, high]: [u32; 2], colour: [u8; 3]) {
-        for y in top..(top + high).min(self.height) {
-            for x in left..(left + wide).min(self.width) {
-                if let Some(pixel) = self.bytes.get_mut(y as usize * self.width as usize + x as usize) {
-                    *pixel = colour;
-                }
-            }
-        }
+/// Draws the scale of colours, its upper end above, with numbers at the right and the unit on top.
+fn draw_scale(raster: &mut Raster<[u8; 3]>, [left, top]: [u32; 2], height: u32, scale: &ColourScale) {
+    raster.write([left, top - LINE], "lx", DOT, INK);
+    for y in 0..height {
+        let position = 1.0 - (f64::from(y) + 0.5) / f64::from(height);
+        raster.fill([left, top + y], [BAR, 1], scale.colour_at(position));
     }
-
-    fn write(&mut self, [left, top]: [u32; 2], words: &str) {
-        for [x, y] in dots(words) {
-            self.fill([left + DOT * x, top + DOT * y], [DOT, DOT], INK);
-        }
-    }
-
-    /// The scale of colours, its upper end above, with numbers at the right and the unit on top.
-    fn bar(&mut self, [left, top]: [u32; 2], height: u32, scale: &Scale) {
-        self.write([left, top - LINE], "lx");
-        for y in 0..height {
-            let place = 1.0 - (f64::from(y) + 0.5) / f64::from(height);
-            self.fill([left, top + y], [BAR, 1], scale.colour_at(place));
-        }
-        for (place, label) in scale.ticks(f64::from(height) / 60.0) {
-            let y = top + (f64::from(height - 1) * (1.0 - place)).round() as u32;
-            self.fill([left + BAR, y], [5, 1], INK);
-            self.write([left + BAR + 9, y.saturating_sub(DOT * HEIGHT / 2)], &label);
-        }
+    for (position, label) in scale.ticks(f64::from(height) / 60.0) {
+        let y = top + (f64::from(height - 1) * (1.0 - position)).round() as u32;
+        raster.fill([left + BAR, y], [5, 1], INK);
+        raster.write([left + BAR + 9, y.saturating_sub(DOT * LETTER_HEIGHT / 2)], &label, DOT, INK);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::lux_scale;
     use glanz_light::Tone;
     use glanz_math::DVec3;
 
@@ -176,7 +150,7 @@ mod tests {
     #[test]
     fn cells_have_their_colours_with_the_second_direction_up() {
         let map = map([2, 2], [2.0, 1.0], vec![0.0, 100.0, 50.0, 25.0]);
-        let scale = Scale::of(&[&map]);
+        let scale = lux_scale(&[&map]);
         let picture = false_colour(&map, &scale).unwrap();
         let bytes = Tone::default().picture_to_srgb8(&picture).unwrap();
         let at = |x: u32, y: u32| {
@@ -195,13 +169,13 @@ mod tests {
         let mut lux = vec![0.0; 1500];
         lux[1234] = 1e6;
         let row = map([1500, 1], [10.0, 0.01], lux);
-        assert_eq!(sides(&Field::of(&row)), [1500, 24]);
-        let picture = false_colour(&row, &Scale::of(&[&row])).unwrap();
+        assert_eq!(sides(&lux_field(&row)), [1500, 24]);
+        let picture = false_colour(&row, &lux_scale(&[&row])).unwrap();
         let bytes = Tone::default().picture_to_srgb8(&picture).unwrap();
         let i = 3 * ((2 * GAP + LINE) * picture.width() + GAP + 1234) as usize;
         assert_eq!(bytes[i..i + 3], [253, 231, 37]);
         assert_eq!(
-            false_colour(&map([0, 0], [1.0, 1.0], Vec::new()), &Scale::of(&[])).unwrap().height(),
+            false_colour(&map([0, 0], [1.0, 1.0], Vec::new()), &lux_scale(&[])).unwrap().height(),
             958
         );
     }

@@ -1,9 +1,9 @@
-//! Reports as pages of HTML that need nothing but themselves.
+//! Reports as self-contained pages of HTML.
 
-use super::svg::escaped;
-use super::table::{Cell, Table};
+use glanz_report::svg::escaped;
+
 use super::text::{closing, facts, flux, receivers};
-use super::{Comparison, Report, Scale, isolux};
+use super::{LuxComparison, LuxReport, PolarPlot, isolux, lux_scale};
 
 /// Colours by what the reader prefers; on paper always dark on white.
 const STYLE: &str = "\
@@ -27,39 +27,39 @@ svg .line { stroke: var(--ink); } svg .halo { stroke: var(--paper); }
 @media print { body { margin: 0; max-width: none; } tr, figure { break-inside: avoid; } h2 { break-after: avoid; } }
 ";
 
-impl Report {
+impl LuxReport {
     /// The report as one page: the table of the receivers, a drawing of each, where the light went, candela
     /// distributions, and how it was calculated. It needs no other file, no script and no network, follows the reader's
     /// choice of light or dark, and can be printed. Each receiver has its own scale of colours.
     #[must_use]
     pub fn html(&self) -> String {
-        let mut body = table(&receivers(&self.maps));
+        let mut body = receivers(&self.maps).html();
         if !self.maps.is_empty() {
             body += "<h2>Receivers</h2>\n";
-            body += &figures(self.maps.iter().map(|map| isolux(map, &Scale::of(&[map]))));
+            body += &figures(self.maps.iter().map(|map| isolux(map, &lux_scale(&[map]))));
         }
         if let Some(balance) = &self.balance {
             body += "<h2>Flux balance</h2>\n";
-            body += &table(&flux(balance));
+            body += &flux(balance).html();
             body += &format!("<p>{}</p>\n", escaped(&closing(balance)));
         }
         body += &polars("Candela distributions", self);
         if !self.how.is_empty() {
-            body += &format!("<h2>Calculation</h2>\n{}", table(&facts(&self.how)));
+            body += &format!("<h2>Calculation</h2>\n{}", facts(&self.how).html());
         }
         page(&self.title, &body)
     }
 }
 
-impl Comparison<'_> {
-    /// Both designs as one page, of the same kind as [`Report::html`]: the figures with their change, then for each
+impl LuxComparison<'_> {
+    /// Both designs as one page, of the same kind as [`LuxReport::html`]: the figures with their change, then for each
     /// receiver both maps with one scale and the same contours, and their difference where the cells are the same.
     #[must_use]
     pub fn html(&self) -> String {
         let titles = [("A", self.a), ("B", self.b)];
         let mut body = "<p>".to_owned();
         let named = titles.map(|(letter, report)| format!("{letter}: {}", escaped(&report.title)));
-        body += &format!("{}</p>\n{}", named.join("<br>\n"), table(&self.table()));
+        body += &format!("{}</p>\n{}", named.join("<br>\n"), self.table().html());
         for pair in &self.pairs {
             body += &format!("<h2>{}</h2>\n", escaped(pair.name()));
             let [a, b] = pair.isolux();
@@ -78,12 +78,12 @@ impl Comparison<'_> {
                 let sentence = escaped(&closing(balance));
                 body += &format!(
                     "<h2>Flux balance of {letter}</h2>\n{}<p>{sentence}</p>\n",
-                    table(&flux(balance))
+                    flux(balance).html()
                 );
             }
             body += &polars(&format!("Candela distributions of {letter}"), report);
             if !report.how.is_empty() {
-                body += &format!("<h2>Calculation of {letter}</h2>\n{}", table(&facts(&report.how)));
+                body += &format!("<h2>Calculation of {letter}</h2>\n{}", facts(&report.how).html());
             }
         }
         page(&format!("{} / {}", self.a.title, self.b.title), &body)
@@ -99,11 +99,11 @@ fn page(title: &str, body: &str) -> String {
     )
 }
 
-fn polars(heading: &str, report: &Report) -> String {
+fn polars(heading: &str, report: &LuxReport) -> String {
     if report.polars.is_empty() {
         return String::new();
     }
-    format!("<h2>{heading}</h2>\n{}", figures(report.polars.iter().map(super::Polar::svg)))
+    format!("<h2>{heading}</h2>\n{}", figures(report.polars.iter().map(PolarPlot::svg)))
 }
 
 fn figures(drawings: impl Iterator<Item = String>) -> String {
@@ -111,38 +111,15 @@ fn figures(drawings: impl Iterator<Item = String>) -> String {
     format!("<div class=\"figures\">\n{figures}</div>\n")
 }
 
-/// A table with its caption, numbers to the right.
-fn table(table: &Table) -> String {
-    let is_number = |column: usize| {
-        let mut cells = table.rows().iter().filter_map(|row| row.get(column));
-        cells.any(|cell| matches!(cell, Cell::Number(_) | Cell::Count(_) | Cell::Precise(_)))
-    };
-    let class = |column: usize| if is_number(column) { " class=\"number\"" } else { "" };
-    let heads = table.columns().iter().enumerate();
-    let head: String =
-        heads.map(|(i, c)| format!("<th scope=\"col\"{}>{}</th>", class(i), escaped(c.title))).collect();
-    let row = |cells: &Vec<Cell>| -> String {
-        let cells = cells.iter().enumerate();
-        cells.map(|(i, cell)| format!("<td{}>{}</td>", class(i), escaped(&cell.shown()))).collect()
-    };
-    let rows: String = table.rows().iter().map(|cells| format!("<tr>{}</tr>\n", row(cells))).collect();
-    let caption = escaped(table.caption());
-    format!(
-        "<div class=\"wide\"><table>\n<caption>{caption}</caption>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n\
-         </table></div>\n"
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::Polar;
     use crate::{FluxBalance, LuxMap};
     use glanz_math::DVec3;
 
     const NASTY: &str = "<script>alert('1')</script> & \"co\"";
 
-    fn report(title: &str, cells: [u32; 2]) -> Report {
+    fn report(title: &str, cells: [u32; 2]) -> LuxReport {
         let map = LuxMap {
             name: NASTY.into(),
             cells,
@@ -152,12 +129,12 @@ mod tests {
             lux: vec![100.0, 200.0, 300.0, 400.0],
             errors: vec![1.0; 4],
         };
-        Report {
+        LuxReport {
             title: title.into(),
             maps: vec![map],
             balance: Some(FluxBalance { emitted: 500.0, escaped: 500.0, ..FluxBalance::default() }),
             how: vec![(NASTY.into(), NASTY.into())],
-            polars: vec![Polar::sample(NASTY, None, |_, _| 1.0)],
+            polars: vec![PolarPlot::sample(NASTY, None, |_, _| 1.0)],
         }
     }
 
@@ -181,7 +158,7 @@ mod tests {
     #[test]
     fn pages_are_well_formed_and_names_stay_names() {
         let (a, b) = (report(NASTY, [2, 2]), report("B", [2, 2]));
-        for html in [a.html(), Comparison::between(&a, &b).html(), Report::default().html()] {
+        for html in [a.html(), LuxComparison::between(&a, &b).html(), LuxReport::default().html()] {
             assert_eq!(unbalanced(&html), Vec::<String>::new());
             assert!(!html.contains("<script") && !html.contains("href") && !html.contains("src="));
             // The only address is the name of SVG's elements, which nothing fetches.
@@ -203,12 +180,12 @@ mod tests {
     #[test]
     fn maps_of_other_cells_have_no_difference() {
         let (a, b) = (report("A", [2, 2]), report("B", [4, 1]));
-        let alike = Comparison::between(&a, &a).html();
-        let other = Comparison::between(&a, &b).html();
+        let alike = LuxComparison::between(&a, &a).html();
+        let other = LuxComparison::between(&a, &b).html();
         // Two maps, two polar plots and the difference.
         assert_eq!((alike.matches("<svg ").count(), other.matches("<svg ").count()), (5, 4));
         assert!(other.contains("The cells differ") && !alike.contains("The cells differ"));
-        let dark = Report { maps: Vec::new(), ..b };
-        assert!(Comparison::between(&a, &dark).html().contains("Design B has no such receiver"));
+        let dark = LuxReport { maps: Vec::new(), ..b };
+        assert!(LuxComparison::between(&a, &dark).html().contains("Design B has no such receiver"));
     }
 }

@@ -1,49 +1,52 @@
 //! Contours of equal illuminance.
 
-use super::drawing::Drawing;
-use super::field::Field;
-use super::levels::levels;
-use super::scale::Scale;
-use super::table::significant;
+use glanz_report::number::significant;
+use glanz_report::{ColourScale, HeatMap, levels};
+
+use super::scale::lux_field;
 use crate::LuxMap;
 
 /// A lux map as SVG: the colours of `scale`, contours at [`levels`] of the map's own values with their numbers, axes in
 /// metres, the scale in lx, and minimum, mean, maximum and uniformity below.
 ///
 /// The first direction of the receiver goes to the right, the second one up, as if the receiver were flat and its
-/// cells of equal size. Contours go by the middles of the cells, linear between them; beyond the outermost the value of
-/// the nearest cell stands. Where noise would tear contours, or a map has more cells than a drawing can show, two by
-/// two cells (and so on) are taken as one with their mean; the caption says so for contours. The file stays below a
-/// megabyte.
+/// cells of equal size; [`HeatMap`] says how contours are drawn. The file stays below a megabyte.
 #[must_use]
-pub fn isolux(map: &LuxMap, scale: &Scale) -> String {
-    let told = map.summary();
-    isolux_at(map, scale, &levels(told.minimum, told.maximum))
+pub fn isolux(map: &LuxMap, scale: &ColourScale) -> String {
+    let summary = map.summary();
+    isolux_at(map, scale, &levels(summary.minimum, summary.maximum))
 }
 
-/// The same with contours at given levels, lx, with their labels.
+/// The drawing of [`isolux`] with contours at given levels, lx, with their labels.
 #[must_use]
-pub fn isolux_at(map: &LuxMap, scale: &Scale, levels: &[(f64, String)]) -> String {
-    let (field, levels) = (Field::of(map), levels.to_vec());
-    Drawing { title: &map.name, field, scale: *scale, levels, caption: caption(map, scale) }.svg()
+pub fn isolux_at(map: &LuxMap, scale: &ColourScale, levels: &[(f64, String)]) -> String {
+    HeatMap {
+        title: &map.name,
+        unit: "lx",
+        field: lux_field(map),
+        scale: *scale,
+        levels: levels.to_vec(),
+        caption: caption(map, scale),
+    }
+    .svg()
 }
 
-/// What is said of a map as a whole.
-fn caption(map: &LuxMap, scale: &Scale) -> Vec<String> {
-    let told = map.summary();
+/// Sentences on the map as a whole.
+fn caption(map: &LuxMap, scale: &ColourScale) -> Vec<String> {
+    let summary = map.summary();
     let [width, height] = map.size.map(significant);
     let mut lines = vec![
         format!(
             "Minimum {} lx, mean {} lx, maximum {} lx.",
-            significant(told.minimum),
-            significant(told.mean),
-            significant(told.maximum)
+            significant(summary.minimum),
+            significant(summary.mean),
+            significant(summary.maximum)
         ),
         format!(
             "U0 = {}, U1 = {}; standard error of the maximum {} lx.",
-            significant(told.u0),
-            significant(told.u1),
-            significant(told.maximum_error)
+            significant(summary.u0),
+            significant(summary.u1),
+            significant(summary.maximum_error)
         ),
         format!("{width} m x {height} m, {} x {} cells.", map.cells[0], map.cells[1]),
     ];
@@ -56,6 +59,7 @@ fn caption(map: &LuxMap, scale: &Scale) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::lux_scale;
     use glanz_math::DVec3;
 
     fn map(cells: [u32; 2], size: [f64; 2], lux: impl Fn(f64, f64) -> f64) -> LuxMap {
@@ -74,7 +78,7 @@ mod tests {
     }
 
     fn drawn(map: &LuxMap) -> String {
-        isolux(map, &Scale::of(&[map]))
+        isolux(map, &lux_scale(&[map]))
     }
 
     /// The points of all polylines of one stroke width, pixels.

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde::ser::{SerializeMap, SerializeStruct, Serializer};
 
-use super::Report;
+use super::LuxReport;
 use crate::{LuxMap, LuxSummary};
 
 /// What is said of a receiver.
@@ -34,7 +34,7 @@ impl Serialize for Facts<'_> {
     }
 }
 
-impl Serialize for Report {
+impl Serialize for LuxReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut fields = serializer.serialize_struct("Report", 4)?;
         fields.serialize_field("title", &self.title)?;
@@ -62,7 +62,7 @@ mod tests {
             lux: vec![100.0, 300.0],
             errors: vec![1.0, 2.0],
         };
-        let report = Report {
+        let report = LuxReport {
             title: "office".into(),
             maps: vec![map],
             balance: Some(FluxBalance { emitted: 400.0, escaped: 400.0, ..FluxBalance::default() }),
@@ -83,6 +83,9 @@ mod tests {
             "how": { "method": "trace" },
         });
         assert_eq!(serde_json::to_value(&report).unwrap(), expected);
-        assert_eq!(serde_json::to_value(Report::default()).unwrap()["flux_balance"], serde_json::Value::Null);
+        assert_eq!(
+            serde_json::to_value(LuxReport::default()).unwrap()["flux_balance"],
+            serde_json::Value::Null
+        );
     }
 }

@@ -1,9 +1,8 @@
-//! Luminous intensity over directions, as lighting people draw it.
+//! Polar plots of luminous intensity, as the lighting industry draws them.
 
-use std::fmt::Write;
-
-use super::svg::{escaped, line, opened, shortened, steps, text, tick};
-use super::table::significant;
+use glanz_report::Svg;
+use glanz_report::number::{significant, tick_label, ticks};
+use glanz_report::svg::{escaped, shortened};
 
 /// Degrees of gamma between points of a curve.
 const STEP: f64 = 0.5;
@@ -26,14 +25,14 @@ const PLANES: [([f64; 2], &str, &str, &str); 2] = [
 /// A polar plot of a candela distribution: the planes C0-C180 and C90-C270 over gamma, 0 degrees down, C0 and C90 to
 /// the right.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Polar {
+pub struct PolarPlot {
     title: String,
     /// For each plane, cd at gamma from 0 to 180 degrees in its first and its opposite half.
     planes: [[Vec<f64>; 2]; 2],
     flux: Option<f64>,
 }
 
-impl Polar {
+impl PolarPlot {
     /// Samples a distribution at every half degree of the four half planes.
     ///
     /// `candela`: luminous intensity in cd at C in {0, 90, 180, 270} and gamma in [0, 180], both in degrees; what is
@@ -68,9 +67,9 @@ impl Polar {
         let (rings, outermost) = rings(peak);
         let bottom = centre + RADIUS + 34.0;
         let unit = if self.flux.is_some() { "cd/klm" } else { "cd" };
-        let mut svg = opened([WIDTH, bottom + 62.0], &self.title);
-        text(&mut svg, [12.0, 26.0], "start", "font-size=\"16\"", &shortened(&self.title, 52));
-        text(&mut svg, [12.0, 46.0], "start", "", unit);
+        let mut svg = Svg::new([WIDTH, bottom + 62.0], &self.title);
+        svg.text([12.0, 26.0], "start", "font-size=\"16\"", &shortened(&self.title, 52));
+        svg.text([12.0, 46.0], "start", "", unit);
         spokes(&mut svg, centre, is_full);
         let pixels = RADIUS / outermost;
         ring_lines(&mut svg, centre, is_full, &rings, pixels);
@@ -83,30 +82,25 @@ impl Polar {
             let right = first.iter().enumerate().take(shown).map(|at| place(at, 1.0));
             let left = opposite.iter().enumerate().take(shown).skip(1).map(|at| place(at, -1.0));
             let points: Vec<[f64; 2]> = left.rev().chain(right).collect();
-            let _ = writeln!(svg, "<g><title>{}</title>", escaped(name));
-            line(
-                &mut svg,
-                &points,
-                colour,
-                &format!("stroke-width=\"2.2\" stroke-linejoin=\"round\"{dashes}"),
-            );
-            svg.push_str("</g>\n");
+            svg.element(format_args!("<g><title>{}</title>", escaped(name)));
+            svg.line(&points, colour, &format!("stroke-width=\"2.2\" stroke-linejoin=\"round\"{dashes}"));
+            svg.element(format_args!("</g>"));
         }
         ring_labels(&mut svg, centre, &rings, pixels);
         self.legend(&mut svg, bottom, peak, unit);
-        svg + "</svg>\n"
+        svg.finish()
     }
 
-    fn legend(&self, svg: &mut String, bottom: f64, peak: f64, unit: &str) {
+    fn legend(&self, svg: &mut Svg, bottom: f64, peak: f64, unit: &str) {
         for ((_, name, colour, dashes), left) in PLANES.into_iter().zip([12.0, 180.0]) {
-            line(svg, &[[left, bottom + 12.0], [left + 36.0, bottom + 12.0]], colour, dashes);
-            text(svg, [left + 44.0, bottom + 16.5], "start", "", name);
+            svg.line(&[[left, bottom + 12.0], [left + 36.0, bottom + 12.0]], colour, dashes);
+            svg.text([left + 44.0, bottom + 16.5], "start", "", name);
         }
         let flux = self.flux.map_or_else(String::new, |lumens| format!(", of {} lm", significant(lumens)));
         let largest = format!("Largest in these planes: {} {unit}{flux}.", significant(peak));
         let words = [largest.as_str(), "0 degrees is down; C0 and C90 are at the right."];
         for (row, words) in words.into_iter().enumerate() {
-            text(svg, [12.0, bottom + 38.0 + 16.0 * row as f64], "start", "font-size=\"12\"", words);
+            svg.text([12.0, bottom + 38.0 + 16.0 * row as f64], "start", "font-size=\"12\"", words);
         }
     }
 }
@@ -114,15 +108,15 @@ impl Polar {
 /// Values of at most five rings with labels, and the value at the outermost, which is `peak` or beyond.
 fn rings(peak: f64) -> (Vec<(f64, String)>, f64) {
     let top = if peak > 0.0 && peak.is_finite() { peak } else { 1.0 };
-    let step = steps(0.0, top, 5.0).into_iter().find(|(value, _)| *value > 0.0).map_or(top, |(step, _)| step);
+    let step = ticks(0.0, top, 5.0).into_iter().find(|(value, _)| *value > 0.0).map_or(top, |(step, _)| step);
     let count = (top / step).ceil() as u32;
     let rings: Vec<(f64, String)> =
-        (1..=count).map(|i| (f64::from(i) * step, tick(f64::from(i) * step, step))).collect();
+        (1..=count).map(|i| (f64::from(i) * step, tick_label(f64::from(i) * step, step))).collect();
     (rings, (f64::from(count) * step).max(top))
 }
 
 /// Lines at every 15 degrees with the angle at every 30.
-fn spokes(svg: &mut String, centre: f64, is_full: bool) {
+fn spokes(svg: &mut Svg, centre: f64, is_full: bool) {
     let last = if is_full { 12 } else { 6 };
     for number in 0..=last {
         let gamma = 15.0 * f64::from(number);
@@ -132,17 +126,17 @@ fn spokes(svg: &mut String, centre: f64, is_full: bool) {
                 continue;
             }
             let end = [MIDDLE + side * RADIUS * sin, centre + RADIUS * cos];
-            line(svg, &[[MIDDLE, centre], end], "#c8c8c8", "stroke-width=\"1\"");
+            svg.line(&[[MIDDLE, centre], end], "#c8c8c8", "stroke-width=\"1\"");
             if number % 2 == 0 {
                 let place = [MIDDLE + side * (RADIUS + 20.0) * sin, centre + (RADIUS + 16.0) * cos + 4.5];
-                text(svg, place, "middle", "font-size=\"12\"", &format!("{gamma:.0}\u{b0}"));
+                svg.text(place, "middle", "font-size=\"12\"", &format!("{gamma:.0}\u{b0}"));
             }
         }
     }
 }
 
 /// The rings.
-fn ring_lines(svg: &mut String, centre: f64, is_full: bool, rings: &[(f64, String)], pixels: f64) {
+fn ring_lines(svg: &mut Svg, centre: f64, is_full: bool, rings: &[(f64, String)], pixels: f64) {
     for (value, _) in rings {
         let radius = value * pixels;
         let (left, right) = (MIDDLE - radius, MIDDLE + radius);
@@ -151,22 +145,21 @@ fn ring_lines(svg: &mut String, centre: f64, is_full: bool, rings: &[(f64, Strin
         } else {
             String::new()
         };
-        let _ = writeln!(
-            svg,
+        svg.element(format_args!(
             "<path d=\"M{left:.1} {centre:.1}A{radius:.1} {radius:.1} 0 0 0 {right:.1} {centre:.1}{upper}\" fill=\"none\" \
              stroke=\"#c8c8c8\"/>"
-        );
+        ));
     }
 }
 
 /// The values of the rings, to the left between two spokes.
-fn ring_labels(svg: &mut String, centre: f64, rings: &[(f64, String)], pixels: f64) {
+fn ring_labels(svg: &mut Svg, centre: f64, rings: &[(f64, String)], pixels: f64) {
     for (value, label) in rings {
         let (sin, cos) = 67.5_f64.to_radians().sin_cos();
         let place = [MIDDLE - value * pixels * sin, centre + value * pixels * cos + 4.0];
         let halo = "font-size=\"11\" class=\"halo\" fill=\"none\" stroke=\"white\" stroke-width=\"3\"";
-        text(svg, place, "middle", halo, label);
-        text(svg, place, "middle", "font-size=\"11\"", label);
+        svg.text(place, "middle", halo, label);
+        svg.text(place, "middle", "font-size=\"11\"", label);
     }
 }
 
@@ -187,7 +180,7 @@ mod tests {
 
     #[test]
     fn a_lambertian_lamp_is_a_circle_below_the_middle() {
-        let polar = Polar::sample("disk", None, |_, gamma| 500.0 * gamma.to_radians().cos().max(0.0));
+        let polar = PolarPlot::sample("disk", None, |_, gamma| 500.0 * gamma.to_radians().cos().max(0.0));
         let svg = polar.svg();
         // The outermost ring of 500 cd has 200 pixels: r = 200 cos gamma is the circle of radius 100 around (270, 182).
         for curve in curves(&svg) {
@@ -205,7 +198,7 @@ mod tests {
     #[test]
     fn c0_is_right_and_candela_go_per_thousand_lumens() {
         // 100 cd in the half plane C0 only, upwards too; 4000 lm.
-        let polar = Polar::sample("<b>", Some(4000.0), |c, _| if c == 0.0 { 100.0 } else { 0.0 });
+        let polar = PolarPlot::sample("<b>", Some(4000.0), |c, _| if c == 0.0 { 100.0 } else { 0.0 });
         let svg = polar.svg();
         assert!(svg.contains("cd/klm") && svg.contains("&lt;b&gt;") && svg.contains(">180\u{b0}</text>"));
         let [across, along] = &curves(&svg)[..] else { panic!("two curves") };
@@ -213,7 +206,7 @@ mod tests {
         assert_eq!(across.iter().map(|[x, _]| *x).fold(0.0, f64::max), 470.0);
         assert_eq!(across.iter().map(|[x, _]| *x).fold(1e9, f64::min), 270.0);
         assert!(along.iter().all(|p| *p == [270.0, 286.0]));
-        assert!(!Polar::sample("dark", Some(0.0), |_, _| f64::NAN).svg().contains("NaN"));
+        assert!(!PolarPlot::sample("dark", Some(0.0), |_, _| f64::NAN).svg().contains("NaN"));
     }
 
     #[test]

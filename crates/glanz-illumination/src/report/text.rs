@@ -1,19 +1,21 @@
 //! Reports as tables, for terminals and pages.
 
-use super::table::{Cell, Table, significant};
-use super::{Comparison, Report};
+use glanz_report::number::significant;
+use glanz_report::{Table, TableCell};
+
+use super::{LuxComparison, LuxReport};
 use crate::{FluxBalance, LuxMap};
 
-/// What stands on a terminal in place of letters that would control it.
-pub(super) fn tame(words: &str) -> String {
+/// `words` with control characters replaced, so that they cannot control a terminal.
+pub(super) fn printable(words: &str) -> String {
     words.chars().map(|letter| if letter.is_control() { '\u{fffd}' } else { letter }).collect()
 }
 
-impl Report {
+impl LuxReport {
     /// The summary for a terminal: the title, a line for each receiver, where the light went, and the facts.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut text = format!("{}\n\n{}", tame(&self.title), receivers(&self.maps).plain());
+        let mut text = format!("{}\n\n{}", printable(&self.title), receivers(&self.maps).plain());
         if let Some(balance) = &self.balance {
             text += &format!("\n{}{}\n", flux(balance).plain(), closing(balance));
         }
@@ -24,11 +26,11 @@ impl Report {
     }
 }
 
-impl Comparison<'_> {
+impl LuxComparison<'_> {
     /// The comparison for a terminal: for each receiver the figures of both designs and the change in per cent.
     #[must_use]
     pub fn text(&self) -> String {
-        let titles = format!("A: {}\nB: {}\n", tame(&self.a.title), tame(&self.b.title));
+        let titles = format!("A: {}\nB: {}\n", printable(&self.a.title), printable(&self.b.title));
         format!("{titles}\n{}", self.table().plain())
     }
 }
@@ -48,18 +50,20 @@ pub(super) fn receivers(maps: &[LuxMap]) -> Table {
     ];
     let mut table = Table::new("receivers", "Illuminance on the receivers", &columns);
     for map in maps {
-        let told = map.summary();
+        let summary = map.summary();
         let numbers = [
-            told.minimum,
-            told.mean,
-            told.maximum,
-            told.maximum_error,
-            told.u0,
-            told.u1,
-            told.area,
-            told.flux,
+            summary.minimum,
+            summary.mean,
+            summary.maximum,
+            summary.maximum_error,
+            summary.u0,
+            summary.u1,
+            summary.area,
+            summary.flux,
         ];
-        table.push(std::iter::once(Cell::Text(tame(&map.name))).chain(numbers.map(Cell::Number)));
+        table.push(
+            std::iter::once(TableCell::Text(printable(&map.name))).chain(numbers.map(TableCell::Number)),
+        );
     }
     table
 }
@@ -69,8 +73,8 @@ pub(super) fn flux(balance: &FluxBalance) -> Table {
     let columns = [("light", "light"), ("flux_lm", "flux, lm"), ("share", "share")];
     let mut table = Table::new("flux", "Where the light went", &columns);
     let share = |lumens: f64| match balance.emitted {
-        emitted if emitted > 0.0 => Cell::Text(format!("{:.2} %", 100.0 * lumens / emitted)),
-        _ => Cell::Missing,
+        emitted if emitted > 0.0 => TableCell::Text(format!("{:.2} %", 100.0 * lumens / emitted)),
+        _ => TableCell::Missing,
     };
     let rows = std::iter::once(("emitted", balance.emitted)).chain(balance.ends());
     for (name, lumens) in rows {
@@ -88,7 +92,7 @@ pub(super) fn closing(balance: &FluxBalance) -> String {
 pub(super) fn facts(how: &[(String, String)]) -> Table {
     let mut table = Table::new("how", "How it was calculated", &[("fact", "calculation"), ("value", "")]);
     for (name, fact) in how {
-        table.push([Cell::Text(tame(name)), Cell::Text(tame(fact))]);
+        table.push([TableCell::Text(printable(name)), TableCell::Text(printable(fact))]);
     }
     table
 }
@@ -115,7 +119,7 @@ mod tests {
             escaped: 199.0,
             ..FluxBalance::default()
         };
-        let report = Report {
+        let report = LuxReport {
             title: "office".into(),
             maps: vec![map("desk", [100.0, 300.0]), map("the \u{1b}[2Jwall", [0.0, 0.0])],
             balance: Some(balance),

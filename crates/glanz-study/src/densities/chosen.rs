@@ -10,7 +10,7 @@ use glanz_sampling::integrate::Sampling;
 use crate::densities::SAMPLES;
 use crate::densities::measure::{Measured, sine, stratified_variance, variance_of_means};
 use crate::study::{Settings, StudyError};
-use crate::table::Table;
+use glanz_report::Table;
 
 const COLUMNS: [(&str, &str); 6] = [
     ("case", "case"),

@@ -6,7 +6,8 @@ use glanz_sampling::integrate::{Sampling, integrate_adaptively};
 
 use crate::densities::measure::{Ladder, plane};
 use crate::study::{Settings, StudyError};
-use crate::table::{Table, significant};
+use glanz_report::Table;
+use glanz_report::number::significant;
 
 const COLUMNS: [(&str, &str); 7] = [
     ("learning", "learnt from"),

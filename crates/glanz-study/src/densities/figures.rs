@@ -6,7 +6,7 @@ use glanz_sampling::density::Density;
 use glanz_sampling::integrate::AdaptiveResult;
 
 use crate::densities::measure::{plane, sine};
-use crate::plot::{Axis, Plot, Series};
+use glanz_report::{Axis, Plot, Series};
 
 /// Steps of a curve, three in each of the finest segments.
 const STEPS: u32 = 24;
@@ -41,7 +41,7 @@ pub(super) fn approximations(title: &str, result: &AdaptiveResult<1>) -> Plot {
         x: Axis::linear("x"),
         y: Axis::linear("integrand, approximation"),
         series,
-        rules: Vec::new(),
+        reference_lines: Vec::new(),
     }
 }
 
@@ -56,7 +56,7 @@ pub(super) fn densities(title: &str, result: &AdaptiveResult<1>) -> Plot {
         x: Axis::linear("x"),
         y: Axis::linear("probability density"),
         series,
-        rules: Vec::new(),
+        reference_lines: Vec::new(),
     }
 }
 
@@ -68,7 +68,7 @@ pub(super) fn integrand() -> Plot {
         x: Axis::linear("u"),
         y: Axis::linear("integrand"),
         series: series.into(),
-        rules: Vec::new(),
+        reference_lines: Vec::new(),
     }
 }
 
@@ -83,6 +83,6 @@ pub(super) fn along_diagonal(title: &str, densities: &[(String, Density<2>)]) ->
         x: Axis::linear("u, with v = 1 - u"),
         y: Axis::linear("probability density"),
         series,
-        rules: Vec::new(),
+        reference_lines: Vec::new(),
     }
 }

@@ -18,7 +18,7 @@ use self::measure::{plane, sine};
 use self::passes::{PASS_COLUMNS, Passes, RUNS, findings, ladder, measure, push_passes, variances};
 use crate::report::Report;
 use crate::study::{Settings, StudyError, StudyProgress};
-use crate::table::Table;
+use glanz_report::Table;
 
 /// Samples of a pass, as in the document.
 const SAMPLES: u32 = 1_000_000;

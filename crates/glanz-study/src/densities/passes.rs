@@ -9,9 +9,9 @@ use glanz_sampling::multiresolution::MultiResolution;
 
 use crate::densities::SAMPLES;
 use crate::densities::measure::{Ladder, Measured};
-use crate::plot::{Axis, Plot, Series};
 use crate::study::{Settings, StudyError};
-use crate::table::{Cell, Table, significant};
+use glanz_report::number::significant;
+use glanz_report::{Axis, Plot, Series, Table, TableCell};
 
 /// Runs with other random numbers, whose spread gives standard errors.
 pub(super) const RUNS: u64 = 8;
@@ -87,7 +87,7 @@ pub(super) fn push_passes(table: &mut Table, before: &str, all: &[Passes], which
         for i in which.clone() {
             let Measured { mean, standard_error } = passes.measured[i];
             table.push([
-                Cell::from(format!("{before}{}", passes.name).as_str()),
+                TableCell::from(format!("{before}{}", passes.name).as_str()),
                 (i as u64 + 1).into(),
                 passes.published[i].into(),
                 passes.limits[i].into(),
@@ -113,7 +113,7 @@ pub(super) fn variances(title: &str, all: &[Passes]) -> Plot {
         x: Axis::linear("pass"),
         y: Axis::logarithmic("variance, square of the integral's unit"),
         series: series.collect(),
-        rules: Vec::new(),
+        reference_lines: Vec::new(),
     }
 }
 

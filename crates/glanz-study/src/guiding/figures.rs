@@ -3,7 +3,7 @@
 use super::curve::{Clock, Norm, over_samples, over_time, value_at};
 use super::method::{BASES, Distribution, FROZEN_SAMPLES, Group, basis_name, shown_groups};
 use super::outcome::{Outcome, RoomOutcome};
-use crate::plot::{Axis, Plot, Rule, Series};
+use glanz_report::{Axis, Plot, ReferenceLine, Series};
 
 /// A plot with the name of its file and its caption.
 pub(super) struct Figure {
@@ -62,7 +62,7 @@ impl View<'_> {
                 x: Axis::logarithmic(x),
                 y: Axis::logarithmic(y),
                 series: self.shown.iter().map(series).filter(|s| !s.points.is_empty()).collect(),
-                rules: Vec::new(),
+                reference_lines: Vec::new(),
             },
             caption,
         }
@@ -124,10 +124,10 @@ impl View<'_> {
 }
 
 /// The error of the path tracer with as many samples as the pictures by frozen guides have.
-fn path_rule(room: &RoomOutcome, lights: bool) -> Option<Rule> {
+fn path_rule(room: &RoomOutcome, lights: bool) -> Option<ReferenceLine> {
     let path = room.path(lights)?;
     let at = value_at(&over_samples(&path.curve, Norm::Shown), f64::from(FROZEN_SAMPLES))?;
-    Some(Rule { name: format!("path, {FROZEN_SAMPLES} samples"), vertical: false, at, series: None })
+    Some(ReferenceLine { name: format!("path, {FROZEN_SAMPLES} samples"), vertical: false, at, series: None })
 }
 
 /// What densities can reach, over scale and subdivision: a plot for each basis.
@@ -164,7 +164,7 @@ fn reachable(room: &RoomOutcome, lights: bool) -> Vec<Figure> {
                 x: Axis::linear("scale"),
                 y: Axis::logarithmic("modified L2 error"),
                 series,
-                rules: path_rule(room, lights).into_iter().collect(),
+                reference_lines: path_rule(room, lights).into_iter().collect(),
             },
             caption: format!(
                 "Room {}, {words}, {name} basis: error of pictures of {FROZEN_SAMPLES} samples per pixel by guides that have \
@@ -197,7 +197,7 @@ fn distributions(room: &RoomOutcome, lights: bool) -> Vec<Figure> {
                 title: format!("{}, {words}: {name}, samples of three passes", room.name),
                 x: Axis::logarithmic("time of three passes, s"),
                 y: Axis::logarithmic("modified L2 error"),
-                rules: path_rule(room, lights).into_iter().collect(),
+                reference_lines: path_rule(room, lights).into_iter().collect(),
                 series,
             },
             caption: format!(

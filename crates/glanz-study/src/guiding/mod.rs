@@ -21,8 +21,8 @@ use self::room::Room;
 
 use self::tell::tell_all;
 use crate::report::Report;
-use crate::sheet::{Panel, sheet};
 use crate::study::{Settings, StudyError, StudyProgress};
+use glanz_report::{SheetPanel, contact_sheet};
 
 /// Rooms after the three scenes of document 003.
 const ROOMS: [&str; 3] = ["direct", "uplights", "open"];
@@ -191,13 +191,13 @@ fn side_by_side(
             let (pixels, samples) = case.picture(plan.seconds, kept, work)?;
             let error = Error::of(&pixels, &reference.pixels)?;
             let below = format!("{samples} spp L2 {:.4}/{:.4}", error.plain, error.shown);
-            row.push(Panel { lines: [method.key, below], pixels });
+            row.push(SheetPanel { lines: [method.key, below], pixels });
         }
         let lines = ["reference".to_owned(), format!("{} spp", reference.samples)];
-        row.push(Panel { lines, pixels: reference.pixels.clone() });
+        row.push(SheetPanel { lines, pixels: reference.pixels.clone() });
         rows.push(row);
     }
-    Ok(sheet(&rows)?)
+    Ok(contact_sheet(&rows)?)
 }
 
 #[cfg(test)]

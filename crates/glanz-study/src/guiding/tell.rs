@@ -7,7 +7,8 @@ use super::method::{FROZEN_SAMPLES, MOST_LEARNT, Method};
 use super::outcome::{Outcome, Race, RoomOutcome};
 use crate::clock;
 use crate::report::Report;
-use crate::table::{Cell, Table, grouped, plural, significant};
+use glanz_report::number::{grouped, plural, significant};
+use glanz_report::{Table, TableCell};
 
 const SUMMARY: [(&str, &str); 13] = [
     ("room", "room"),
@@ -53,7 +54,7 @@ const PUBLISHED: &str = "Document 003 found factors of 5.20 to 2.76 (scene 2, wi
      with), 16.08 to 3.38 (scene 3, without) and 4.68 to 2.20 (scene 3, with), and none above 1 worth \
      speaking of in scene 1.";
 
-fn yes(lights: bool) -> Cell {
+fn yes(lights: bool) -> TableCell {
     if lights { "yes" } else { "no" }.into()
 }
 

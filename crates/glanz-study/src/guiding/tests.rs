@@ -6,8 +6,8 @@ use glanz_scene::description::GridSettings;
 
 use super::*;
 use crate::study::StudyProgress;
-use crate::table::Cell;
 use glanz_job::{CancelFlag, JobProgress, ProgressSink, Silent};
+use glanz_report::TableCell;
 
 /// A closed box with a lamp that shines at the ceiling alone.
 const BOX: &str = r#"
@@ -82,12 +82,12 @@ fn study_of_a_box_writes_tables_plots_and_pictures() {
     assert!(folder.has("equal_time_box.png"));
     let summary = report.summary();
     assert_eq!(summary.rows().len(), 2 * 3);
-    assert!(summary.rows().iter().all(|row| row[3] == Cell::Count(16)));
+    assert!(summary.rows().iter().all(|row| row[3] == TableCell::Count(16)));
 
     // Errors fall as samples come; those of densities without the BSDF beside them have outliers for long.
     let curves = report.tables().find(|table| table.name() == "curves").unwrap();
-    let error = |row: &[Cell]| match row[6] {
-        Cell::Number(error) => error,
+    let error = |row: &[TableCell]| match row[6] {
+        TableCell::Number(error) => error,
         _ => f64::NAN,
     };
     assert_eq!(curves.rows().len(), 5 * summary.rows().len());

@@ -8,9 +8,9 @@ use glanz_math::{DVec2, DVec3, Ray};
 
 use super::compare::{STEPS, STEPS_OF_000, Variant};
 use super::patches::{Shape, TRUE_POINTS, Target, faulty_points, reflector};
-use crate::plot::{Axis, Plot, Series};
 use crate::report::Report;
-use crate::table::{Cell, Table, plural, significant};
+use glanz_report::number::{plural, significant};
+use glanz_report::{Axis, Plot, Series, Table, TableCell};
 
 /// What the line of the example, continued without end, has in common with the patch that document 000 computed with,
 /// continued beyond its domain: 30 digits from the resultant of two plane cubics (reference.json A.worked_line).
@@ -175,7 +175,7 @@ impl Example {
             x: Axis::linear("steps"),
             y: Axis::logarithmic("distance of patch and ray point, units of the scene"),
             series: self.convergence.clone(),
-            rules: Vec::new(),
+            reference_lines: Vec::new(),
         };
         report.plot(
             "convergence",
@@ -210,10 +210,11 @@ impl Example {
                 Outcome::LeftDomain(_) => "left domain",
                 Outcome::NotConverged(_) => "not converged",
             };
-            let numbers = [Cell::Precise(tau), (1.0 - s - t).into(), s.into(), t.into(), end.residual.into()];
-            let words = [run.patch, run.start, run.variant.name(), how].map(Cell::from);
-            let steps = std::iter::once(Cell::from(u64::from(end.iterations)));
-            let inside = std::iter::once(Cell::from(if run.inside { "yes" } else { "no" }));
+            let numbers =
+                [TableCell::Precise(tau), (1.0 - s - t).into(), s.into(), t.into(), end.residual.into()];
+            let words = [run.patch, run.start, run.variant.name(), how].map(TableCell::from);
+            let steps = std::iter::once(TableCell::from(u64::from(end.iterations)));
+            let inside = std::iter::once(TableCell::from(if run.inside { "yes" } else { "no" }));
             table.push(words.into_iter().chain(steps).chain(numbers).chain(inside));
         }
         table

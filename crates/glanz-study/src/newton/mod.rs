@@ -14,10 +14,10 @@ use std::time::Duration;
 
 use self::compare::{Comparison, RESIDUAL, STEPS, STEPS_OF_000, Tally, Truth, Variant, compare};
 use crate::clock;
-use crate::plot::{Axis, Plot, Rule, Series};
 use crate::report::Report;
 use crate::study::{Settings, StudyError, StudyProgress};
-use crate::table::{Cell, Table, grouped, plural, significant};
+use glanz_report::number::{grouped, plural, significant};
+use glanz_report::{Axis, Plot, ReferenceLine, Series, Table, TableCell};
 
 /// Random rays, unless others are asked for.
 const RAYS: u64 = 1_000_000;
@@ -134,7 +134,7 @@ fn push_rows(table: &mut Table, patches: &str, truth: &Truth, tallies: &[Tally; 
         ("certified, all roots", truth.roots, truth.all),
         ("certified, first root", truth.hit, truth.closest),
     ] {
-        let counted = if found == truth.roots { Cell::from(none) } else { Cell::Missing };
+        let counted = if found == truth.roots { TableCell::from(none) } else { TableCell::Missing };
         table.push([
             patches.into(),
             name.into(),
@@ -145,9 +145,9 @@ fn push_rows(table: &mut Table, patches: &str, truth: &Truth, tallies: &[Tally; 
             none.into(),
             none.into(),
             none.into(),
-            Cell::Missing,
-            Cell::Missing,
-            Cell::Missing,
+            TableCell::Missing,
+            TableCell::Missing,
+            TableCell::Missing,
             per(time, truth.rays).into(),
             per(time, found).into(),
         ]);
@@ -169,9 +169,9 @@ fn found_plot(all: &Comparison) -> Plot {
         x: Axis::linear("steps allowed"),
         y: Axis::linear("roots found, %"),
         series: series.collect(),
-        rules: vec![
-            Rule { name: "certified search".to_owned(), vertical: false, at: 100.0, series: None },
-            Rule {
+        reference_lines: vec![
+            ReferenceLine { name: "certified search".to_owned(), vertical: false, at: 100.0, series: None },
+            ReferenceLine {
                 name: "one root of every ray that has one".to_owned(),
                 vertical: false,
                 at: 100.0 * all.truth.hit as f64 / roots,

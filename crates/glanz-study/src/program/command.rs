@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::time::Instant;
 
-use glanz_study::table::Table;
+use glanz_report::Table;
+use glanz_report::number::duration;
 use glanz_study::{Settings, Study, StudyError, StudyOption, named, studies};
 use glanz_terminal::Ending;
 use glanz_terminal::interrupt;
@@ -96,7 +97,7 @@ pub(crate) fn run(arguments: &Arguments, messages: Messages) -> Result<Ending, F
         "wrote {} and {} more files in {}",
         out.join("report.md").display(),
         files.len().saturating_sub(1),
-        output::duration(seconds)
+        duration(seconds)
     ));
     if arguments.verbosity.json {
         output::print(&Outcome {

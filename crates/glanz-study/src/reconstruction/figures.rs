@@ -5,9 +5,8 @@ use glanz_radiosity::reconstruct::{Border, Cells, Interpolant, Interpolation};
 
 use super::measure::Outcome;
 use super::method::{Division, Method, SCATTERED, name};
-use crate::plot::{Axis, Plot, Rule, Series};
 use crate::study::StudyError;
-use crate::table::Table;
+use glanz_report::{Axis, Plot, ReferenceLine, Series, Table};
 
 /// Cells along a side of the step, as in document 003.
 const SIDE: usize = 8;
@@ -109,7 +108,7 @@ pub(super) fn steps() -> Result<(Vec<Figure>, Table), StudyError> {
             x: Axis::linear("u"),
             y: Axis::linear("value"),
             series,
-            rules: Vec::new(),
+            reference_lines: Vec::new(),
         };
         let caption = format!(
             "A step over 8 x 8 elements along lines of constant v (document 003, figure {number}): through the middles of \
@@ -152,7 +151,7 @@ pub(super) fn profile(outcome: &Outcome, division: Division, size: [usize; 2]) -
             x: Axis::linear("u"),
             y: Axis::linear("radiosity, per the largest"),
             series,
-            rules: Vec::<Rule>::new(),
+            reference_lines: Vec::<ReferenceLine>::new(),
         },
         caption: format!(
             "Scene {number} ({}), {}: light along the line v = 1/2, with border samples.",
@@ -165,14 +164,14 @@ pub(super) fn profile(outcome: &Outcome, division: Division, size: [usize; 2]) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::Cell;
+    use glanz_report::TableCell;
 
     #[test]
     fn steps_are_as_steep_and_as_even_as_theory_has_it() {
         let (figures, table) = steps().unwrap();
         assert_eq!(figures.len(), 5);
         let number = |row: usize, column: usize| match table.rows()[row][column] {
-            Cell::Number(number) => number,
+            TableCell::Number(number) => number,
             _ => f64::NAN,
         };
         // Bilinear: a ramp of one element, of which 0.8 lie between 0.1 and 0.9; to a step of the curve on each side.

@@ -5,7 +5,8 @@ use glanz_radiosity::reconstruct::{Border, Interpolation};
 use super::measure::{Outcome, errors, texture};
 use super::method::{Division, Method, SCATTERED, name};
 use crate::study::{Settings, StudyError};
-use crate::table::{Cell, Table, significant};
+use glanz_report::number::significant;
+use glanz_report::{Table, TableCell};
 
 /// Tried on the elements of all scenes.
 const TRIED: [Interpolation; 7] = [
@@ -59,7 +60,7 @@ impl Parameters {
                     }
                     _ => None,
                 };
-                let mut row: Vec<Cell> =
+                let mut row: Vec<TableCell> =
                     vec![division.name().into(), name(interpolation).into(), exponent.into()];
                 let mut sum = 0.0;
                 for outcome in outcomes {

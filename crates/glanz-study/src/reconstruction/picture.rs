@@ -6,7 +6,7 @@ use glanz_radiosity::reconstruct::{Border, Cells};
 
 use super::measure::{OfDivision, Outcome};
 use super::method::{SCATTERED, name};
-use crate::sheet::{Panel, sheet};
+use glanz_report::{SheetPanel, contact_sheet};
 
 /// Differences from which on colours no longer change: of soft and of hard shadows.
 const FULL: [f64; 2] = [0.05, 0.3];
@@ -72,7 +72,7 @@ fn coloured(size: [usize; 2], colour: impl Fn(usize) -> [f32; 3]) -> Result<Pixe
 
 /// Reference and textures of a division (figures F.2, F.3 and so on).
 pub(super) fn textures(outcome: &Outcome, of: &OfDivision, size: [usize; 2]) -> Result<Pixels, PixelsError> {
-    let panel = |lines: [String; 2], pixels| Panel { lines, pixels };
+    let panel = |lines: [String; 2], pixels| SheetPanel { lines, pixels };
     let mut panels = vec![
         panel(
             [format!("scene {}", outcome.setup.number), "reference".into()],
@@ -100,11 +100,12 @@ pub(super) fn differences(
     let full = full(outcome);
     let scale = coloured(size, |i| false_colour(2.0 * ((i % size[0]) as f64 + 0.5) / size[0] as f64 - 1.0))?;
     let title = format!("scene {} {}", outcome.setup.number, of.division.name());
-    let mut panels = vec![Panel { lines: [title, format!("colours: -{full} to {full}")], pixels: scale }];
+    let mut panels =
+        vec![SheetPanel { lines: [title, format!("colours: -{full} to {full}")], pixels: scale }];
     for made in shown(of) {
         let lines = [made.method.name().to_owned(), format!("largest {:.3}", made.errors[2])];
         let pixels = difference(&made.texels, &outcome.reference.texels, size, full)?;
-        panels.push(Panel { lines, pixels });
+        panels.push(SheetPanel { lines, pixels });
     }
     in_rows(panels)
 }
@@ -115,14 +116,14 @@ fn shown(of: &OfDivision) -> impl Iterator<Item = &super::measure::Made> {
 }
 
 /// Four in a row.
-fn in_rows(mut panels: Vec<Panel>) -> Result<Pixels, PixelsError> {
+fn in_rows(mut panels: Vec<SheetPanel>) -> Result<Pixels, PixelsError> {
     let mut rows = Vec::new();
     while panels.len() > 4 {
         let rest = panels.split_off(if panels.len() < 7 { panels.len().div_ceil(2) } else { 4 });
         rows.push(std::mem::replace(&mut panels, rest));
     }
     rows.push(panels);
-    sheet(&rows)
+    contact_sheet(&rows)
 }
 
 /// Differences of natural neighbours without and with samples at the border: a column for each scene (figures F.31 and F.32).
@@ -140,12 +141,12 @@ pub(super) fn borders(outcomes: &[&Outcome], size: [usize; 2]) -> Result<Pixels,
                     format!("{words} border samples"),
                 ];
                 let pixels = difference(&made.texels, &outcome.reference.texels, size, full(outcome))?;
-                row.push(Panel { lines, pixels });
+                row.push(SheetPanel { lines, pixels });
             }
             rows.push(row);
         }
     }
-    sheet(&rows)
+    contact_sheet(&rows)
 }
 
 /// What the pictures show, for captions.

@@ -12,7 +12,8 @@ use super::{picture, published, verdict};
 use crate::clock;
 use crate::report::Report;
 use crate::study::StudyError;
-use crate::table::{Cell, Table, significant};
+use glanz_report::number::significant;
+use glanz_report::{Table, TableCell};
 
 /// Names of the tables of errors, by scene and division.
 const TABLES: [&str; 12] = [
@@ -172,13 +173,13 @@ fn errors(name: &'static str, scene: usize, outcome: &Outcome, of: &OfDivision) 
             (true, Border::Open) => "no",
             (true, Border::Sampled) => "yes",
         };
-        let mut row: Vec<Cell> = vec![made.method.name().into(), border.into()];
+        let mut row: Vec<TableCell> = vec![made.method.name().into(), border.into()];
         row.extend(
-            made.errors.iter().zip(printed).flat_map(|(ours, theirs)| [*ours, *theirs]).map(Cell::from),
+            made.errors.iter().zip(printed).flat_map(|(ours, theirs)| [*ours, *theirs]).map(TableCell::from),
         );
         row.push(made.away.into());
         // What rounding leaves is none.
-        row.extend(made.overshoot.map(|over| Cell::from(if over < 1e-12 { 0.0 } else { over })));
+        row.extend(made.overshoot.map(|over| TableCell::from(if over < 1e-12 { 0.0 } else { over })));
         table.push(row);
     }
     table
@@ -208,10 +209,10 @@ fn times(outcomes: &[Outcome], size: [usize; 2]) -> Table {
         ],
     );
     let mut push = |what: String, ours: Vec<Option<Duration>>, theirs: Vec<f64>| {
-        let mut row = vec![Cell::Text(what)];
-        row.extend(ours.into_iter().map(|time| Cell::from(time.map(|time| time.as_secs_f64() * 1e3))));
+        let mut row = vec![TableCell::Text(what)];
+        row.extend(ours.into_iter().map(|time| TableCell::from(time.map(|time| time.as_secs_f64() * 1e3))));
         let most = theirs.iter().copied().reduce(f64::max);
-        row.extend([theirs.into_iter().reduce(f64::min), most].map(Cell::from));
+        row.extend([theirs.into_iter().reduce(f64::min), most].map(TableCell::from));
         table.push(row);
     };
     let scenes = 0..outcomes.len();

@@ -2,14 +2,14 @@
 
 use super::*;
 use crate::study::StudyProgress;
-use crate::table::{Cell, Table};
 use glanz_job::Silent;
+use glanz_report::{Table, TableCell};
 
 fn number(table: &Table, row: usize, key: &str) -> f64 {
     let column = table.columns().iter().position(|c| c.key == key).unwrap();
     match &table.rows()[row][column] {
-        Cell::Number(number) => *number,
-        Cell::Count(count) => *count as f64,
+        TableCell::Number(number) => *number,
+        TableCell::Count(count) => *count as f64,
         other => panic!("{key}: {other:?}"),
     }
 }

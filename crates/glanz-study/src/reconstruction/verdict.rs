@@ -5,7 +5,8 @@ use glanz_radiosity::reconstruct::{Border, Interpolation};
 use super::measure::{OfDivision, Outcome};
 use super::method::{Division, SCATTERED, methods, name};
 use super::published::{self, Errors};
-use crate::table::{Cell, Table, significant};
+use glanz_report::number::significant;
+use glanz_report::{Table, TableCell};
 
 /// Names of the norms.
 pub(super) const NORMS: [&str; 3] = ["L1", "L2", "Linf"];
@@ -90,7 +91,7 @@ pub(super) fn summary(outcomes: &[Outcome]) -> Table {
         let [Some(theirs), Some(ours)] = BOTH.map(|whose| Three::of(i, of, Border::Sampled, whose)) else {
             continue;
         };
-        let mut row: Vec<Cell> = vec![
+        let mut row: Vec<TableCell> = vec![
             outcome.setup.number.into(),
             of.division.name().into(),
             (of.divided.cells.as_slice().len() as u64).into(),
@@ -98,7 +99,7 @@ pub(super) fn summary(outcomes: &[Outcome]) -> Table {
             (of.divided.trials as u64).into(),
         ];
         for norm in 0..NORMS.len() {
-            row.extend([&theirs, &ours].map(|three| Cell::from(name(SCATTERED[three.order(norm)[0]]))));
+            row.extend([&theirs, &ours].map(|three| TableCell::from(name(SCATTERED[three.order(norm)[0]]))));
         }
         row.push((0..NORMS.len()).map(|norm| same_pairs(&theirs, &ours, norm)).sum::<u64>().into());
         table.push(row);
@@ -129,8 +130,8 @@ pub(super) fn overall(outcomes: &[Outcome]) -> Table {
             for whose in BOTH {
                 let [mean, worst] = ratios(outcomes, division, norm, whose);
                 let words = if whose == Whose::Document { "document 003" } else { "this study" };
-                let mut row: Vec<Cell> = vec![division.name().into(), (*norm_name).into(), words.into()];
-                row.extend(mean.into_iter().chain(worst).map(Cell::from));
+                let mut row: Vec<TableCell> = vec![division.name().into(), (*norm_name).into(), words.into()];
+                row.extend(mean.into_iter().chain(worst).map(TableCell::from));
                 table.push(row);
             }
         }

@@ -8,10 +8,11 @@ use rayon::prelude::*;
 
 use super::lux;
 use crate::clock::{Of, Stopwatch};
-use crate::plot::{Axis, Plot, Series};
 use crate::report::Report;
 use crate::study::{Settings, StudyError};
-use crate::table::{Table, grouped, plural, significant};
+use glanz_report::Table;
+use glanz_report::number::{grouped, plural, significant};
+use glanz_report::{Axis, Plot, Series};
 
 /// Error that is aimed at, as a share of a cell's illuminance and of the mean of the room: well below that of the particles.
 const TOLERANCE: f64 = 5e-3;
@@ -185,7 +186,7 @@ impl Against {
                 Series { name: "measured".to_owned(), points: measured.collect() },
                 Series { name: "normal distribution".to_owned(), points: normal.collect() },
             ],
-            rules: Vec::new(),
+            reference_lines: Vec::new(),
         }
     }
 }

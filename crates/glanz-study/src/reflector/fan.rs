@@ -7,7 +7,8 @@ use glanz_scene::Scene;
 use super::room::{Arrival, POINT_LAMP, WALLS, arrival};
 use crate::newton::fan_ray;
 use crate::report::Report;
-use crate::table::{Cell, Table, plural};
+use glanz_report::number::plural;
+use glanz_report::{Table, TableCell};
 
 /// Reflections of a ray that are followed at most.
 const REFLECTIONS: u32 = 100;
@@ -115,22 +116,25 @@ const COLUMNS: [(&str, &str); 23] = [
     ("wall_z_m", "wall z, m"),
 ];
 
-fn row(ray: &FanRay) -> Vec<Cell> {
+fn row(ray: &FanRay) -> Vec<TableCell> {
     let [x, y, z] = ray.ray.direction.to_array();
     let angles = [y.atan2(x), z.atan2(x.hypot(y))];
-    let mut cells: Vec<Cell> = ray.nodes.map(|node| Cell::Count(u64::from(node.unsigned_abs()))).into();
-    cells.extend(angles.map(Cell::Precise));
+    let mut cells: Vec<TableCell> =
+        ray.nodes.map(|node| TableCell::Count(u64::from(node.unsigned_abs()))).into();
+    cells.extend(angles.map(TableCell::Precise));
     cells.push(u64::from(ray.reflections).into());
     match &ray.meeting {
         Some(Meeting { tau, at, point, normal, mirrored }) => {
-            cells.extend([at.r, at.s, at.t, *tau].map(Cell::Precise));
-            cells.extend([point, normal, mirrored].into_iter().flat_map(|v| v.to_array()).map(Cell::Precise));
+            cells.extend([at.r, at.s, at.t, *tau].map(TableCell::Precise));
+            cells.extend(
+                [point, normal, mirrored].into_iter().flat_map(|v| v.to_array()).map(TableCell::Precise),
+            );
         }
-        None => cells.extend(std::iter::repeat_n(Cell::Missing, 13)),
+        None => cells.extend(std::iter::repeat_n(TableCell::Missing, 13)),
     }
     if let Some(end) = &ray.arrival {
-        cells.extend([WALLS[end.wall].name.into(), Cell::Precise(ray.way)]);
-        cells.extend(end.point.to_array().map(Cell::Precise));
+        cells.extend([WALLS[end.wall].name.into(), TableCell::Precise(ray.way)]);
+        cells.extend(end.point.to_array().map(TableCell::Precise));
     }
     cells
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use glanz_illumination::report::{Scale, false_colour, isolux};
+use glanz_illumination::report::{false_colour, isolux, lux_scale};
 use glanz_illumination::{
     FluxBalance, GridResolution, LuxMap, ReceiverRequest, Receivers, Tally, TraceGoal, TraceSettings,
     add_walls, trace,
@@ -17,7 +17,8 @@ use super::room::{self, SIDE, WALLS};
 use crate::clock::{Of, Stopwatch};
 use crate::report::Report;
 use crate::study::{Settings, StudyError};
-use crate::table::{Cell, Table, grouped, significant};
+use glanz_report::number::{grouped, plural, significant};
+use glanz_report::{Table, TableCell};
 
 /// Scattering events of a particle at most.
 const EVENTS: u32 = 1000;
@@ -157,7 +158,7 @@ impl Lux {
             significant(balance.closes_to()),
             grouped(self.particles),
             significant(self.time.as_secs_f64()),
-            crate::table::plural(self.threads as u64, "thread", "threads"),
+            plural(self.threads as u64, "thread", "threads"),
             significant(1e9 * self.time.as_secs_f64() / self.particles.max(1) as f64),
         ));
         let columns = [
@@ -171,8 +172,8 @@ impl Lux {
         let mut cells = Table::new("lux", "All cells:", &columns);
         for map in &self.maps {
             for ((p, lux), error) in map.positions.iter().zip(&map.lux).zip(&map.errors) {
-                let place = p.to_array().map(Cell::Number);
-                let values = [Cell::Number(*lux), Cell::Number(*error)];
+                let place = p.to_array().map(TableCell::Number);
+                let values = [TableCell::Number(*lux), TableCell::Number(*error)];
                 cells.push(std::iter::once(map.name.as_str().into()).chain(place).chain(values));
             }
         }
@@ -184,7 +185,7 @@ impl Lux {
                 continue;
             }
             let key = wall.table.trim_start_matches("fan_");
-            let scale = Scale::of(&[map]);
+            let scale = lux_scale(&[map]);
             let caption = format!(
                 "The {}, to which {} % of the light by way of the mirror comes, from inside the room: all light, by particles.",
                 wall.name,
@@ -206,7 +207,7 @@ impl Lux {
                 "The light by way of the mirror alone on the {}, by particles aimed at it.",
                 wall.name
             );
-            report.picture(format!("mirror_{key}"), false_colour(&alone, &Scale::of(&[&alone]))?, what);
+            report.picture(format!("mirror_{key}"), false_colour(&alone, &lux_scale(&[&alone]))?, what);
         }
         Ok(())
     }

@@ -18,10 +18,10 @@ use glanz_math::DMat4;
 use self::conics::{Conic, Made};
 use self::tell::Row;
 use crate::clock;
-use crate::plot::Series;
 use crate::report::Report;
 use crate::study::{Settings, StudyError, StudyProgress};
-use crate::table::grouped;
+use glanz_report::Series;
+use glanz_report::number::grouped;
 
 /// Particles, unless others are asked for.
 const PARTICLES: u64 = 10_000_000;

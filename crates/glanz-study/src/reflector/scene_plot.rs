@@ -1,10 +1,8 @@
 //! The room as a line drawing: hull, mirror, rays and the spots where they end.
 
-use std::fmt::Write;
-
 use glanz_geometry::SurfaceError;
-use glanz_illumination::report::svg;
 use glanz_math::DVec3;
+use glanz_report::{Svg, hexadecimal};
 
 use super::fan::FanRay;
 use super::room::{POINT_LAMP, SIDE, WALLS, mirror};
@@ -61,38 +59,35 @@ impl View {
     }
 }
 
-/// What is drawn, with how near it is: nearer things hide those behind.
+/// The elements of the drawing, each with its depth: nearer elements hide those behind.
 struct Drawing {
     view: View,
-    parts: Vec<(f64, String)>,
+    parts: Vec<(f64, Svg)>,
 }
 
 impl Drawing {
     fn line(&mut self, a: DVec3, b: DVec3, parts: u32, colour: &str, attributes: &str) {
         for part in 0..parts {
             let [from, to] = [part, part + 1].map(|k| a.lerp(b, f64::from(k) / f64::from(parts)));
-            let mut text = String::new();
-            svg::line(&mut text, &[self.view.place(from), self.view.place(to)], colour, attributes);
-            self.parts.push((self.view.nearness(0.5 * (from + to)), text));
+            let mut svg = Svg::fragment();
+            svg.line(&[self.view.place(from), self.view.place(to)], colour, attributes);
+            self.parts.push((self.view.nearness(0.5 * (from + to)), svg));
         }
     }
 
     fn polygon(&mut self, corners: &[DVec3], fill: &str) {
-        let places: Vec<String> =
-            corners.iter().map(|p| self.view.place(*p)).map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
+        let places: Vec<[f64; 2]> = corners.iter().map(|p| self.view.place(*p)).collect();
         let middle = corners.iter().sum::<DVec3>() / corners.len().max(1) as f64;
         // A seam of the same colour: between polygons that only touch, paper shows through.
-        let text = format!(
-            "<polygon points=\"{}\" fill=\"{fill}\" stroke=\"{fill}\" stroke-width=\"0.6\"/>\n",
-            places.join(" ")
-        );
-        self.parts.push((self.view.nearness(middle), text));
+        let mut svg = Svg::fragment();
+        svg.polygon(&places, &format!("fill=\"{fill}\" stroke=\"{fill}\" stroke-width=\"0.6\""));
+        self.parts.push((self.view.nearness(middle), svg));
     }
 
     fn dot(&mut self, at: DVec3, radius: f64, attributes: &str) {
-        let [x, y] = self.view.place(at);
-        let text = format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" {attributes}/>\n");
-        self.parts.push((self.view.nearness(at), text));
+        let mut svg = Svg::fragment();
+        svg.circle(self.view.place(at), radius, attributes);
+        self.parts.push((self.view.nearness(at), svg));
     }
 }
 
@@ -143,20 +138,14 @@ pub(super) fn drawing(coarse: &[FanRay], dense: &[FanRay]) -> Result<String, Sur
     }
     drawing.dot(POINT_LAMP, 6.0, "fill=\"#e69f00\" stroke=\"black\"");
     drawing.parts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut text = svg::opened(SIZE, "A room of 10 m with a lamp, a curved mirror and rays");
-    svg::text(
-        &mut text,
-        [24.0, 30.0],
-        "start",
-        "font-size=\"16\"",
-        "The room of document 000, its mirror and its rays",
-    );
+    let mut svg = Svg::new(SIZE, "A room of 10 m with a lamp, a curved mirror and rays");
+    svg.text([24.0, 30.0], "start", "font-size=\"16\"", "The room of document 000, its mirror and its rays");
     for (_, part) in &drawing.parts {
-        text += part;
+        svg.append(part);
     }
-    add_axes(&drawing.view, &mut text);
-    add_legend(&mut text, &ends);
-    Ok(text + "</svg>\n")
+    add_axes(&drawing.view, &mut svg);
+    add_legend(&mut svg, &ends);
+    Ok(svg.finish())
 }
 
 fn add_room(drawing: &mut Drawing) {
@@ -191,8 +180,8 @@ fn add_mirror(drawing: &mut Drawing) -> Result<(), SurfaceError> {
             let [a, b, c] = corners;
             let shade = (b - a).cross(c - a).normalize_or_zero().dot(light).abs();
             let grey = 90.0 + 150.0 * shade;
-            let [r, g, b] = [0.80 * grey, 0.93 * grey, grey].map(|x| x.min(255.0) as u8);
-            drawing.polygon(&corners, &format!("#{r:02x}{g:02x}{b:02x}"));
+            let colour = [0.80 * grey, 0.93 * grey, grey].map(|x| x.min(255.0) as u8);
+            drawing.polygon(&corners, &hexadecimal(colour));
         };
         facet([at(i, j), at(i + 1, j), at(i, j + 1)]);
         if i + j + 1 < FACETS {
@@ -203,7 +192,7 @@ fn add_mirror(drawing: &mut Drawing) -> Result<(), SurfaceError> {
 }
 
 /// Metres along the edges of the room that are nearest to the lower border of the picture.
-fn add_axes(view: &View, text: &mut String) {
+fn add_axes(view: &View, svg: &mut Svg) {
     // The corner of each axis' edge, and which way labels stand off it.
     let edges = [
         ("x", DVec3::new(0.0, 0.0, 0.0), DVec3::X, DVec3::NEG_Y),
@@ -213,16 +202,16 @@ fn add_axes(view: &View, text: &mut String) {
     for (name, corner, along, off) in edges {
         for metres in (0..=10).step_by(2) {
             let at = corner + f64::from(metres) * along;
-            svg::line(text, &[view.place(at), view.place(at + 0.2 * off)], EDGE, "stroke-width=\"1\"");
+            svg.line(&[view.place(at), view.place(at + 0.2 * off)], EDGE, "stroke-width=\"1\"");
             let [x, y] = view.place(at + 0.6 * off);
-            svg::text(text, [x, y + 4.5], "middle", "", &metres.to_string());
+            svg.text([x, y + 4.5], "middle", "", &metres.to_string());
         }
         let [x, y] = view.place(corner + 0.5 * SIDE * along + 1.5 * off);
-        svg::text(text, [x, y + 4.5], "middle", "font-size=\"15\"", &format!("{name}, m"));
+        svg.text([x, y + 4.5], "middle", "font-size=\"15\"", &format!("{name}, m"));
     }
 }
 
-fn add_legend(text: &mut String, ends: &[usize; WALLS.len()]) {
+fn add_legend(svg: &mut Svg, ends: &[usize; WALLS.len()]) {
     let spots: Vec<String> = WALLS
         .iter()
         .zip(ends)
@@ -239,11 +228,11 @@ fn add_legend(text: &mut String, ends: &[usize; WALLS.len()]) {
     ];
     for (number, (colour, words)) in rows.iter().enumerate() {
         let y = top + 18.0 * number as f64;
-        svg::line(text, &[[24.0, y], [54.0, y]], colour, "");
-        svg::text(text, [62.0, y + 4.5], "start", "", words);
+        svg.line(&[[24.0, y], [54.0, y]], colour, "");
+        svg.text([62.0, y + 4.5], "start", "", words);
     }
-    let _ = writeln!(text, "<circle cx=\"600\" cy=\"{top}\" r=\"6\" fill=\"#e69f00\" stroke=\"black\"/>");
-    svg::text(text, [614.0, top + 4.5], "start", "", "lamp");
+    svg.circle([600.0, top], 6.0, "fill=\"#e69f00\" stroke=\"black\"");
+    svg.text([614.0, top + 4.5], "start", "", "lamp");
 }
 
 #[cfg(test)]

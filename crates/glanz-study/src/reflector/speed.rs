@@ -13,7 +13,8 @@ use super::room::{add_mirror, described, mirror};
 use crate::clock::{Of, SHORTEST, Stopwatch};
 use crate::report::Report;
 use crate::study::{Settings, StudyError};
-use crate::table::{Table, grouped, significant};
+use glanz_report::Table;
+use glanz_report::number::{grouped, significant};
 
 /// Parts of an edge of a mirror: 1, 100 and 10 000 patches each.
 pub(super) const EDGES: [u32; 3] = [1, 10, 100];

@@ -3,9 +3,9 @@
 use super::aimed::CELLS;
 use super::conics::{Conic, Deviation, HEIGHTS, Made, aberration};
 use super::facets::{Case, Outcome};
-use crate::plot::{Axis, Plot, Rule, Series};
 use crate::report::Report;
-use crate::table::{Cell, Table, grouped, significant};
+use glanz_report::number::{grouped, significant};
+use glanz_report::{Axis, Plot, ReferenceLine, Series, Table, TableCell};
 
 const COLUMNS: [(&str, &str); 12] = [
     ("kind", "mirror"),
@@ -40,7 +40,8 @@ pub(super) fn facets_table(outcome: &Outcome) -> Table {
     let mut table = Table::new("facets", caption, &COLUMNS);
     for case in &outcome.cases {
         let time = case.time.as_secs_f64();
-        let off = |value: f64| if case.triangles.is_some() { Cell::Number(value) } else { Cell::Missing };
+        let off =
+            |value: f64| if case.triangles.is_some() { TableCell::Number(value) } else { TableCell::Missing };
         table.push([
             kind(case).into(),
             case.triangles.into(),
@@ -79,7 +80,7 @@ pub(super) fn tell_facets(outcome: &Outcome, report: &mut Report) {
         significant(exact.noise),
     ));
     report.table(facets_table(outcome));
-    let floor = Rule {
+    let floor = ReferenceLine {
         name: "chance in the map itself".to_owned(),
         vertical: false,
         at: percent(exact.noise, outcome),
@@ -93,15 +94,15 @@ pub(super) fn tell_facets(outcome: &Outcome, report: &mut Report) {
             x: Axis::logarithmic("triangles"),
             y: Axis::logarithmic("root mean square error, % of the mean"),
             series: series(outcome, triangles),
-            rules: vec![floor.clone()],
+            reference_lines: vec![floor.clone()],
         },
         "Error over the cells that the mirror lights; as measured with the same particles, and the part of it that is chance.",
     );
     let seconds = |case: &Case| case.time.as_secs_f64();
-    let mut rules = vec![floor];
+    let mut reference_lines = vec![floor];
     if let Some(case) = outcome.cases.first() {
         let name = "time of the exact mirror".to_owned();
-        rules.push(Rule { name, vertical: true, at: seconds(case), series: None });
+        reference_lines.push(ReferenceLine { name, vertical: true, at: seconds(case), series: None });
     }
     report.plot(
         "facets_time",
@@ -110,7 +111,7 @@ pub(super) fn tell_facets(outcome: &Outcome, report: &mut Report) {
             x: Axis::logarithmic("processor time for all particles, s"),
             y: Axis::logarithmic("root mean square error, % of the mean"),
             series: series(outcome, seconds),
-            rules,
+            reference_lines,
         },
         "The same over the time that following the particles takes, without that for building.",
     );
@@ -223,7 +224,7 @@ pub(super) fn tell_conics(rows: &[Row], curves: Vec<Series>, report: &mut Report
             x: Axis::linear("height of the ray, m"),
             y: Axis::linear("crossing of the axis, m from the middle"),
             series: curves,
-            rules: Vec::new(),
+            reference_lines: Vec::new(),
         },
         "Where rays parallel to the axis cross it after the mirror.",
     );
@@ -242,7 +243,7 @@ fn deviation_plot(rows: &[Row], conic: Conic, title: &str) -> Plot {
             .collect(),
     };
     let exact = rows.iter().filter(|row| row.conic == conic && row.triangles.is_none());
-    let rule = |row: &Row| Rule {
+    let rule = |row: &Row| ReferenceLine {
         name: format!("exact: {}", row.made.name()),
         vertical: false,
         at: row.deviation.largest,
@@ -253,7 +254,7 @@ fn deviation_plot(rows: &[Row], conic: Conic, title: &str) -> Plot {
         x: Axis::logarithmic("triangles"),
         y: Axis::logarithmic(conic.measure()),
         series: vec![of("flat facets", false), of("interpolated normals", true)],
-        rules: exact.map(rule).collect(),
+        reference_lines: exact.map(rule).collect(),
     }
 }
 

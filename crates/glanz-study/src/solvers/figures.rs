@@ -2,8 +2,8 @@
 
 use super::descent::Descent;
 use super::measure::{LEFT, Outcome, Solved, Solver};
-use crate::plot::{Axis, Plot, Rule, Series};
-use crate::table::significant;
+use glanz_report::number::significant;
+use glanz_report::{Axis, Plot, ReferenceLine, Series};
 
 /// A plot with its file and what it shows.
 pub(super) struct Figure {
@@ -71,7 +71,7 @@ pub(super) fn figures(outcome: &Outcome) -> Vec<Figure> {
                 y: Axis::logarithmic(y),
                 // Those without points too, so that each solver has its colour everywhere.
                 series: all.into(),
-                rules: Vec::new(),
+                reference_lines: Vec::new(),
             };
             (format!("{what}_{name}"), plot)
         };
@@ -89,7 +89,7 @@ pub(super) fn figures(outcome: &Outcome) -> Vec<Figure> {
         x: Axis::logarithmic("processor time, s"),
         y: Axis::logarithmic("relative L2 error"),
         series: by_time.into(),
-        rules: Vec::new(),
+        reference_lines: Vec::new(),
     };
     vec![
         figure(
@@ -133,7 +133,7 @@ fn convergence(outcome: &Outcome) -> Figure {
     let series =
         |name: &str, points: &Vec<[f64; 2]>| Series { name: name.to_owned(), points: points.clone() };
     let at = shooting.iter().zip(left).find(|(_, left)| **left <= LEFT).map(|(point, _)| point[0]);
-    let rule = |at| Rule {
+    let rule = |at| ReferenceLine {
         name: format!("{} of the light left", significant(LEFT)),
         vertical: true,
         at,
@@ -150,7 +150,7 @@ fn convergence(outcome: &Outcome) -> Figure {
                 series("shooting, with the ambient term", with_ambient),
                 series("gathering, by whole sweeps", gathering),
             ],
-            rules: at.map(rule).into_iter().collect(),
+            reference_lines: at.map(rule).into_iter().collect(),
         },
         caption: "Distance from the solution that no longer changes, after each element that shoots, without and with an estimate of the light \
                   that is still on its way, and after sweeps in which all elements gather (as Cohen and others compare them, 1988)."

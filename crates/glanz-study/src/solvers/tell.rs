@@ -6,7 +6,8 @@ use super::figures::{exponent, figures, kept, over_elements, rays, time};
 use super::measure::{LEFT, Outcome, Solved, Solver};
 use crate::clock;
 use crate::report::Report;
-use crate::table::{Cell, Table, grouped, plural, significant};
+use glanz_report::number::{grouped, plural, significant};
+use glanz_report::{Table, TableCell};
 
 const SUMMARY: [(&str, &str); 12] = [
     ("room", "room"),
@@ -111,7 +112,7 @@ fn summary(outcomes: &[Outcome]) -> Table {
                 exponent(&over_elements(outcome, solver, quantity))
             };
             table.push([
-                Cell::Text(outcome.name.clone()),
+                TableCell::Text(outcome.name.clone()),
                 solver.name().into(),
                 (first.elements as u64).into(),
                 (last.elements as u64).into(),
@@ -135,7 +136,7 @@ fn runs(outcomes: &[Outcome]) -> Table {
     for outcome in outcomes {
         for run in Solver::ALL.into_iter().flat_map(|solver| outcome.of(solver)) {
             table.push([
-                Cell::Text(outcome.name.clone()),
+                TableCell::Text(outcome.name.clone()),
                 run.solver.name().into(),
                 run.setting.into(),
                 (run.elements as u64).into(),
@@ -165,11 +166,11 @@ fn furnace_table(furnaces: &[Furnace]) -> Table {
             ((furnace.reflectance * 1e6).round() / 1e6).into(),
             furnace.solver.name().into(),
             (furnace.elements as u64).into(),
-            Cell::Precise((furnace.mean * 1e7).round() / 1e7),
-            Cell::Precise((least * 1e7).round() / 1e7),
-            Cell::Precise((largest * 1e7).round() / 1e7),
-            furnace.sums.map_or(Cell::Missing, |sums| Cell::Precise((sums[0] * 1e7).round() / 1e7)),
-            furnace.sums.map_or(Cell::Missing, |sums| Cell::Precise((sums[1] * 1e7).round() / 1e7)),
+            TableCell::Precise((furnace.mean * 1e7).round() / 1e7),
+            TableCell::Precise((least * 1e7).round() / 1e7),
+            TableCell::Precise((largest * 1e7).round() / 1e7),
+            furnace.sums.map_or(TableCell::Missing, |sums| TableCell::Precise((sums[0] * 1e7).round() / 1e7)),
+            furnace.sums.map_or(TableCell::Missing, |sums| TableCell::Precise((sums[1] * 1e7).round() / 1e7)),
             furnace.left.into(),
         ]);
     }
@@ -180,12 +181,12 @@ fn convergence(outcomes: &[Outcome]) -> Table {
     let mut table = Table::new("convergence", "The points of the plots of convergence:", &CONVERGENCE);
     for outcome in outcomes {
         let Descent { shooting, with_ambient, gathering, left, .. } = &outcome.descent;
-        let name = || Cell::Text(outcome.name.clone());
+        let name = || TableCell::Text(outcome.name.clone());
         for ((shot, ambient), &left) in shooting.iter().zip(with_ambient).zip(left) {
             table.push([name(), shot[0].into(), shot[1].into(), ambient[1].into(), left.into()]);
         }
         for &[steps, error] in gathering {
-            let none = || Cell::Missing;
+            let none = || TableCell::Missing;
             table.push([name(), steps.into(), none(), none(), none(), error.into()]);
         }
     }

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::study::StudyProgress;
-use crate::table::{Cell, Table};
 use glanz_job::Silent;
+use glanz_report::{Table, TableCell};
 use std::path::PathBuf;
 
 /// A box with a lamp and a thing in it.
@@ -35,9 +35,9 @@ impl Drop for File {
 
 fn column(table: &Table, key: &str) -> Vec<Option<f64>> {
     let column = table.columns().iter().position(|c| c.key == key).unwrap();
-    let number = |cell: &Cell| match cell {
-        Cell::Number(number) | Cell::Precise(number) => Some(*number),
-        Cell::Count(count) => Some(*count as f64),
+    let number = |cell: &TableCell| match cell {
+        TableCell::Number(number) | TableCell::Precise(number) => Some(*number),
+        TableCell::Count(count) => Some(*count as f64),
         _ => None,
     };
     table.rows().iter().map(|row| number(&row[column])).collect()
@@ -61,7 +61,7 @@ fn box_is_solved_in_all_ways() {
     let runs = named("runs");
     let of = |solver: &str, key: &str| -> Vec<Option<f64>> {
         let rows = runs.rows().iter().zip(column(runs, key));
-        rows.filter(|(row, _)| row[1] == Cell::from(solver)).map(|(_, value)| value).collect()
+        rows.filter(|(row, _)| row[1] == TableCell::from(solver)).map(|(_, value)| value).collect()
     };
     // The finest by all pairs is the reference, and the second finest nearer to it than the coarsest.
     let errors = of("all pairs", "error");

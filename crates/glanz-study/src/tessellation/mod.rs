@@ -10,7 +10,7 @@ use self::stage::Stage;
 use self::tell::{GAIN, Outcome, tell_all};
 use crate::report::Report;
 use crate::study::{Settings, StudyError, StudyProgress};
-use crate::table::grouped;
+use glanz_report::number::grouped;
 
 /// Triangles per surface: those of document 002, and two that a modern machine would take.
 const TRIANGLES: [u64; 7] = [1250, 5000, 11_250, 20_000, 31_250, 125_000, 2_000_000];
@@ -86,8 +86,8 @@ fn grid(count: u64) -> Result<u32, StudyError> {
 mod tests {
     use super::*;
     use crate::study::StudyProgress;
-    use crate::table::Cell;
     use glanz_job::Silent;
+    use glanz_report::TableCell;
 
     #[test]
     fn numbers_of_triangles_are_twice_a_square() {
@@ -103,11 +103,11 @@ mod tests {
         let settings =
             Settings { size: Some([48, 27]), triangles: Some(vec![200, 72]), ..Settings::default() };
         let report = run(&settings, &mut StudyProgress::new(&mut Silent)).unwrap();
-        let kinds: Vec<&Cell> = report.summary().rows().iter().map(|row| &row[2]).collect();
-        let count = |n: u64| Cell::Count(n);
+        let kinds: Vec<&TableCell> = report.summary().rows().iter().map(|row| &row[2]).collect();
+        let count = |n: u64| TableCell::Count(n);
         assert_eq!(
             kinds,
-            [&Cell::Missing, &count(72), &count(200), &Cell::Missing, &count(216), &count(600)]
+            [&TableCell::Missing, &count(72), &count(200), &TableCell::Missing, &count(216), &count(600)]
         );
     }
 }

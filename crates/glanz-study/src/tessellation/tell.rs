@@ -5,10 +5,10 @@ use glanz_light::Pixels;
 use super::picture::{Difference, EXPONENT, SAMPLES};
 use super::stage::{Case, LEVEL, NARROW};
 use crate::clock;
-use crate::plot::{Axis, Plot, Rule, Series};
 use crate::report::Report;
 use crate::study::Settings;
-use crate::table::{Cell, Table, grouped, plural, significant};
+use glanz_report::number::{grouped, plural, significant};
+use glanz_report::{Axis, Plot, ReferenceLine, Series, Table, TableCell};
 
 /// Factor on the differences of the difference pictures.
 pub(super) const GAIN: f64 = 8.0;
@@ -40,8 +40,9 @@ pub(super) struct Outcome {
     pub(super) coverage: f64,
 }
 
-fn row(case: &Case, surfaces: usize) -> [Cell; 12] {
-    let error = |value: f64| if case.triangles.is_some() { Cell::Number(value) } else { Cell::Missing };
+fn row(case: &Case, surfaces: usize) -> [TableCell; 12] {
+    let error =
+        |value: f64| if case.triangles.is_some() { TableCell::Number(value) } else { TableCell::Missing };
     let Difference { normal_max, normal_rms, silhouette, .. } = case.difference;
     [
         (surfaces as u64).into(),
@@ -162,19 +163,19 @@ fn plots(results: &[Outcome]) -> Vec<(&'static str, Plot, &'static str)> {
         };
         results.iter().map(of).collect()
     };
-    let rules = |value: fn(&Case) -> f64, vertical: bool| -> Vec<Rule> {
+    let reference_lines = |value: fn(&Case) -> f64, vertical: bool| -> Vec<ReferenceLine> {
         let of = |(i, r): (usize, &Outcome)| {
             let name = format!("{} exact", r.surfaces);
-            Rule { name, vertical, at: value(&r.exact), series: Some(i) }
+            ReferenceLine { name, vertical, at: value(&r.exact), series: Some(i) }
         };
         results.iter().enumerate().map(of).collect()
     };
     let count = |c: &Case| c.triangles.unwrap_or_default() as f64;
     let memory = |c: &Case| c.bytes as f64 / 1e6;
-    let level = Rule { name: "one grey level".to_owned(), vertical: false, at: LEVEL, series: None };
-    let mut over_time = rules(Case::total, true);
+    let level = ReferenceLine { name: "one grey level".to_owned(), vertical: false, at: LEVEL, series: None };
+    let mut over_time = reference_lines(Case::total, true);
     over_time.push(level.clone());
-    let mut over_memory = rules(memory, true);
+    let mut over_memory = reference_lines(memory, true);
     over_memory.push(level);
     let grey = || Axis::logarithmic("highlight RMSE, grey levels");
     vec![
@@ -185,7 +186,7 @@ fn plots(results: &[Outcome]) -> Vec<(&'static str, Plot, &'static str)> {
                 x: Axis::logarithmic("time from control points to picture, s"),
                 y: grey(),
                 series: series(Case::total, |c| c.highlight),
-                rules: over_time,
+                reference_lines: over_time,
             },
             "Highlight error over time of build and render; the exact surfaces have none and stand as vertical lines.",
         ),
@@ -196,7 +197,7 @@ fn plots(results: &[Outcome]) -> Vec<(&'static str, Plot, &'static str)> {
                 x: Axis::logarithmic("memory, MB"),
                 y: grey(),
                 series: series(memory, |c| c.highlight),
-                rules: over_memory,
+                reference_lines: over_memory,
             },
             "Highlight error over memory; the exact surfaces have none and stand as vertical lines.",
         ),
@@ -207,7 +208,7 @@ fn plots(results: &[Outcome]) -> Vec<(&'static str, Plot, &'static str)> {
                 x: Axis::logarithmic("triangles"),
                 y: Axis::logarithmic("largest normal error, degrees"),
                 series: series(count, |c| c.difference.normal_max.to_degrees()),
-                rules: Vec::new(),
+                reference_lines: Vec::new(),
             },
             "Largest angle between the interpolated normal of the triangles and that of the surface.",
         ),
@@ -218,7 +219,7 @@ fn plots(results: &[Outcome]) -> Vec<(&'static str, Plot, &'static str)> {
                 x: Axis::logarithmic("triangles"),
                 y: Axis::logarithmic("mean displacement, pixels"),
                 series: series(count, |c| c.difference.silhouette),
-                rules: Vec::new(),
+                reference_lines: Vec::new(),
             },
             "Mean displacement of the silhouettes; where no pixel differs there is no point.",
         ),

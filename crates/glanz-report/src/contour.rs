@@ -1,36 +1,37 @@
 //! Contours by marching squares.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A line along which a field has one value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contour {
-    /// Points that straight lines connect; of a closed contour the last is the first again.
+    /// The vertices of a polyline; the last one of a closed contour repeats the first.
     pub points: Vec<[f64; 2]>,
-    /// Whether it ends where it begins; others end at the border of the grid or of what is known.
+    /// Whether the line is closed; an open one ends at the border of the grid or of the known values.
     pub is_closed: bool,
 }
 
-/// Values at the crossings of a grid.
+/// Values at the vertices of a rectangular grid.
 #[derive(Clone, Copy, Debug)]
-pub struct Grid<'a> {
+pub struct ContourGrid<'a> {
     /// Positions of the columns, ascending.
     pub xs: &'a [f64],
     /// Positions of the rows, ascending.
     pub ys: &'a [f64],
-    /// Row by row, one per crossing; `None` where there is none.
+    /// Row by row, one per vertex; `None` where the value is unknown.
     pub values: &'a [Option<f64>],
 }
 
-/// Stretches between neighbouring crossings, numbered: that from a crossing to the next of its row, and to that above.
-type Stretch = usize;
+/// Number of an edge of the grid: twice the number of the vertex it begins at, plus 1 if it goes up a column rather than
+/// along a row.
+type GridEdge = usize;
 
-impl Grid<'_> {
-    /// The contours at `level`. Every point lies on a stretch between two crossings, where the linear interpolation
-    /// of their values is `level`. Squares with a missing value have no contour.
+impl ContourGrid<'_> {
+    /// The contours at `level`. Every point lies on an edge between two vertices, where the linear interpolation
+    /// of their values is `level`. Squares with an unknown value have no contour.
     ///
-    /// In a square whose opposite corners lie on the same side of the level and the others on the other one, the mean
-    /// of all four says which pair is connected, so that contours neither cross nor touch.
+    /// In a square whose opposite corners lie on one side of the level and the other two on the other side, the mean of
+    /// all four decides which pair is connected, so that contours neither cross nor touch.
     ///
     /// # Source
     /// Marching squares, the plane case of @lorensen1987; the rule for saddles is that of @nielson1991 with the mean
@@ -38,34 +39,33 @@ impl Grid<'_> {
     #[must_use]
     pub fn contours(&self, level: f64) -> Vec<Contour> {
         let links = self.links(level);
-        let mut seen = std::collections::BTreeSet::new();
-        let mut found = Vec::new();
-        // From the ends first, so that what is left goes round.
+        let mut visited = BTreeSet::new();
+        let mut contours = Vec::new();
+        // Open contours first, from their ends, so that only closed ones are left.
         let ends = links.iter().filter(|(_, [_, second])| second.is_none());
         for (&start, _) in ends.chain(&links) {
-            if !seen.insert(start) {
+            if !visited.insert(start) {
                 continue;
             }
             let mut path = vec![start];
             let mut next = start;
             while let Some(following) =
-                links.get(&next).and_then(|to| to.iter().flatten().find(|stretch| seen.insert(**stretch)))
+                links.get(&next).and_then(|to| to.iter().flatten().find(|edge| visited.insert(**edge)))
             {
                 path.push(*following);
                 next = *following;
             }
             let is_closed = links.get(&start).is_some_and(|to| to[1].is_some());
             let back = is_closed.then_some(start);
-            let points =
-                path.into_iter().chain(back).filter_map(|stretch| self.crossing(stretch, level)).collect();
-            found.push(Contour { points, is_closed });
+            let points = path.into_iter().chain(back).filter_map(|edge| self.crossing(edge, level)).collect();
+            contours.push(Contour { points, is_closed });
         }
-        found
+        contours
     }
 
-    /// How many straight pieces the contours at `level` have.
+    /// Number of straight segments of the contours at `level`.
     #[must_use]
-    pub fn pieces(&self, level: f64) -> usize {
+    pub fn segment_count(&self, level: f64) -> usize {
         self.squares().map(|square| self.segments(square, level).into_iter().flatten().count()).sum()
     }
 
@@ -78,8 +78,8 @@ impl Grid<'_> {
         self.values.get(y * self.xs.len() + x).copied().flatten()
     }
 
-    /// The pieces in a square, each between two stretches.
-    fn segments(&self, [x, y]: [usize; 2], level: f64) -> [Option<[Stretch; 2]>; 2] {
+    /// The segments in a square, each between two edges.
+    fn segments(&self, [x, y]: [usize; 2], level: f64) -> [Option<[GridEdge; 2]>; 2] {
         let corners = [[x, y], [x + 1, y], [x + 1, y + 1], [x, y + 1]].map(|corner| self.at(corner));
         let [Some(a), Some(b), Some(c), Some(d)] = corners else { return [None; 2] };
         let along = |x: usize, y: usize| 2 * (y * self.xs.len() + x);
@@ -100,32 +100,32 @@ impl Grid<'_> {
             (top, c_above != d_above),
             (left, d_above != a_above),
         ];
-        let mut met = sides.into_iter().filter(|(_, meets)| *meets).map(|(side, _)| side);
-        [met.next().zip(met.next()).map(|(from, to)| [from, to]), None]
+        let mut crossed = sides.into_iter().filter(|(_, is_crossed)| *is_crossed).map(|(side, _)| side);
+        [crossed.next().zip(crossed.next()).map(|(from, to)| [from, to]), None]
     }
 
-    /// For each stretch that is met, those that it is connected with.
-    fn links(&self, level: f64) -> BTreeMap<Stretch, [Option<Stretch>; 2]> {
-        let mut links: BTreeMap<Stretch, [Option<Stretch>; 2]> = BTreeMap::new();
+    /// For each edge that contours cross, the edges that segments connect it with.
+    fn links(&self, level: f64) -> BTreeMap<GridEdge, [Option<GridEdge>; 2]> {
+        let mut links: BTreeMap<GridEdge, [Option<GridEdge>; 2]> = BTreeMap::new();
         for [from, to] in self.squares().flat_map(|square| self.segments(square, level)).flatten() {
             for (one, other) in [(from, to), (to, from)] {
                 let known = links.entry(one).or_default();
-                // Two squares meet in a stretch, so there is always room.
+                // At most two squares share an edge, so there is always room.
                 known[usize::from(known[0].is_some())] = Some(other);
             }
         }
         links
     }
 
-    fn crossing(&self, stretch: Stretch, level: f64) -> Option<[f64; 2]> {
-        let (crossing, upwards) = (stretch / 2, stretch % 2);
+    fn crossing(&self, edge: GridEdge, level: f64) -> Option<[f64; 2]> {
+        let (vertex, upwards) = (edge / 2, edge % 2);
         let columns = self.xs.len().max(1);
-        let from = [crossing % columns, crossing / columns];
+        let from = [vertex % columns, vertex / columns];
         let to = [from[0] + 1 - upwards, from[1] + upwards];
         let (a, b) = (self.at(from)?, self.at(to)?);
         let part = ((level - a) / (b - a)).clamp(0.0, 1.0);
-        let place = |[x, y]: [usize; 2]| Some([*self.xs.get(x)?, *self.ys.get(y)?]);
-        let (from, to) = (place(from)?, place(to)?);
+        let position = |[x, y]: [usize; 2]| Some([*self.xs.get(x)?, *self.ys.get(y)?]);
+        let (from, to) = (position(from)?, position(to)?);
         Some([0, 1].map(|axis| from[axis] + part * (to[axis] - from[axis])))
     }
 }
@@ -148,7 +148,7 @@ mod tests {
         // 1000 cd at 2 m: E = 1000 * 2 / (4 + r^2)^1.5, so r = sqrt((2000 / E)^(2/3) - 4).
         let xs = line(201, -5.0, 5.0);
         let values = grid(&xs, &xs, |x, y| Some(2000.0 / (4.0 + x * x + y * y).powf(1.5)));
-        let grid = Grid { xs: &xs, ys: &xs, values: &values };
+        let grid = ContourGrid { xs: &xs, ys: &xs, values: &values };
         for level in [20.0_f64, 50.0, 100.0, 200.0, 240.0] {
             let radius = ((2000.0 / level).powf(2.0 / 3.0) - 4.0).sqrt();
             let contours = grid.contours(level);
@@ -170,7 +170,7 @@ mod tests {
     fn a_contour_that_leaves_the_grid_is_open() {
         let (xs, ys) = (line(4, 0.0, 3.0), line(3, 0.0, 2.0));
         let values = grid(&xs, &ys, |x, _| Some(x));
-        let contours = Grid { xs: &xs, ys: &ys, values: &values }.contours(1.25);
+        let contours = ContourGrid { xs: &xs, ys: &ys, values: &values }.contours(1.25);
         let expected = Contour { points: vec![[1.25, 0.0], [1.25, 1.0], [1.25, 2.0]], is_closed: false };
         assert_eq!(contours, [expected]);
     }
@@ -180,7 +180,7 @@ mod tests {
         let xs = [0.0, 1.0];
         let lines = |values: [f64; 4], level: f64| {
             let values = values.map(Some);
-            Grid { xs: &xs, ys: &xs, values: &values }.contours(level)
+            ContourGrid { xs: &xs, ys: &xs, values: &values }.contours(level)
         };
         // 4 at two opposite corners, 0 at the others; the mean is 2.
         let low = lines([4.0, 0.0, 0.0, 4.0], 1.0);
@@ -195,11 +195,11 @@ mod tests {
     fn there_is_no_contour_beside_what_is_missing() {
         let (xs, ys) = (line(5, 0.0, 4.0), line(3, 0.0, 2.0));
         let values = grid(&xs, &ys, |x, y| (x != 2.0 || y != 2.0).then_some(y));
-        let contours = Grid { xs: &xs, ys: &ys, values: &values }.contours(1.5);
+        let contours = ContourGrid { xs: &xs, ys: &ys, values: &values }.contours(1.5);
         let ends: Vec<[f64; 2]> = contours.iter().map(|c| *c.points.last().unwrap()).collect();
         assert_eq!((contours.len(), ends), (2, vec![[1.0, 1.5], [4.0, 1.5]]));
-        assert_eq!(Grid { xs: &xs, ys: &[], values: &[] }.contours(1.0), []);
-        assert_eq!(Grid { xs: &xs, ys: &ys, values: &[] }.contours(1.0), []);
+        assert_eq!(ContourGrid { xs: &xs, ys: &[], values: &[] }.contours(1.0), []);
+        assert_eq!(ContourGrid { xs: &xs, ys: &ys, values: &[] }.contours(1.0), []);
     }
 
     proptest! {
@@ -210,16 +210,16 @@ mod tests {
         ) {
             let (xs, ys) = (line(9, 0.0, 8.0), line(7, 0.0, 6.0));
             let known: Vec<Option<f64>> = values.iter().map(|v| Some(f64::from(*v))).collect();
-            let grid = Grid { xs: &xs, ys: &ys, values: &known };
+            let grid = ContourGrid { xs: &xs, ys: &ys, values: &known };
             let contours = grid.contours(level);
             let bilinear = |x: f64, y: f64| {
                 let at = |x: f64, y: f64| f64::from(values[y as usize * 9 + x as usize]);
                 let row = |y: f64| at(x.floor(), y) * (1.0 - x.fract()) + at(x.ceil(), y) * x.fract();
                 row(y.floor()) * (1.0 - y.fract()) + row(y.ceil()) * y.fract()
             };
-            let mut pieces = 0;
+            let mut segment_count = 0;
             for contour in &contours {
-                pieces += contour.points.len() - 1;
+                segment_count += contour.points.len() - 1;
                 for [x, y] in &contour.points {
                     prop_assert!((bilinear(*x, *y) - level).abs() < 1e-12);
                 }
@@ -228,7 +228,7 @@ mod tests {
                 let ends_well = if contour.is_closed { first == last } else { on_border(first) && on_border(last) };
                 prop_assert!(ends_well);
             }
-            prop_assert_eq!(pieces, grid.pieces(level));
+            prop_assert_eq!(segment_count, grid.segment_count(level));
         }
     }
 }

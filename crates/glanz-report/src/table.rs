@@ -1,14 +1,13 @@
-//! Tables: for people (Markdown, terminal), for programs (CSV, JSON).
+//! Tables: for people (Markdown, HTML, terminal), for programs (CSV, JSON).
 
 use std::fmt::Write;
 
-pub use glanz_job::grouped;
 use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 
-/// Significant digits that people see; programs get all.
-const DIGITS: i32 = 4;
+use crate::number::{grouped, significant};
+use crate::svg::escaped;
 
-/// What a column holds.
+/// The names of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {
     /// Name for programs, with the unit: `time_ns`.
@@ -17,47 +16,47 @@ pub struct Column {
     pub title: &'static str,
 }
 
-/// An entry.
+/// An entry of a table.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Cell {
+pub enum TableCell {
     /// A word.
     Text(String),
-    /// A number of things.
+    /// A whole number.
     Count(u64),
     /// A measured number.
     Number(f64),
     /// A number of which every digit counts.
     Precise(f64),
-    /// Not measured, or without meaning here.
+    /// Not measured, or without meaning in this row.
     Missing,
 }
 
-impl From<&str> for Cell {
+impl From<&str> for TableCell {
     fn from(text: &str) -> Self {
         Self::Text(text.to_owned())
     }
 }
 
-impl From<u64> for Cell {
+impl From<u64> for TableCell {
     fn from(count: u64) -> Self {
         Self::Count(count)
     }
 }
 
-impl From<f64> for Cell {
+impl From<f64> for TableCell {
     fn from(number: f64) -> Self {
         Self::Number(number)
     }
 }
 
-impl<T: Into<Cell>> From<Option<T>> for Cell {
+impl<T: Into<TableCell>> From<Option<T>> for TableCell {
     fn from(value: Option<T>) -> Self {
         value.map_or(Self::Missing, Into::into)
     }
 }
 
-impl Cell {
-    /// As people read it.
+impl TableCell {
+    /// The entry as people read it.
     #[must_use]
     pub fn shown(&self) -> String {
         match self {
@@ -82,7 +81,7 @@ impl Cell {
     }
 }
 
-impl Serialize for Cell {
+impl Serialize for TableCell {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Text(text) => serializer.serialize_str(text),
@@ -101,11 +100,11 @@ pub struct Table {
     name: &'static str,
     caption: String,
     columns: Vec<Column>,
-    rows: Vec<Vec<Cell>>,
+    rows: Vec<Vec<TableCell>>,
 }
 
 impl Table {
-    /// An empty table; `name` is that of its CSV file, `columns` are pairs of key and title.
+    /// An empty table. `name`: that of its CSV file; `columns`: pairs of key and title.
     #[must_use]
     pub fn new(
         name: &'static str,
@@ -116,10 +115,10 @@ impl Table {
         Self { name, caption: caption.into(), columns, rows: Vec::new() }
     }
 
-    /// Adds a row; cells that are missing at its end stay empty, those beyond the last column are dropped.
-    pub fn push(&mut self, cells: impl IntoIterator<Item = Cell>) {
-        let mut row: Vec<Cell> = cells.into_iter().take(self.columns.len()).collect();
-        row.resize(self.columns.len(), Cell::Missing);
+    /// Adds a row. A row that is too short ends with missing entries; entries beyond the last column are dropped.
+    pub fn push(&mut self, cells: impl IntoIterator<Item = TableCell>) {
+        let mut row: Vec<TableCell> = cells.into_iter().take(self.columns.len()).collect();
+        row.resize(self.columns.len(), TableCell::Missing);
         self.rows.push(row);
     }
 
@@ -129,7 +128,7 @@ impl Table {
         self.name
     }
 
-    /// What it shows.
+    /// A sentence on what the table shows.
     #[must_use]
     pub fn caption(&self) -> &str {
         &self.caption
@@ -141,13 +140,13 @@ impl Table {
         &self.columns
     }
 
-    /// The rows, as long as there are columns.
+    /// The rows; each has as many entries as the table has columns.
     #[must_use]
-    pub fn rows(&self) -> &[Vec<Cell>] {
+    pub fn rows(&self) -> &[Vec<TableCell>] {
         &self.rows
     }
 
-    /// As Markdown, numbers to the right.
+    /// The table in Markdown, numbers right-aligned.
     #[must_use]
     pub fn markdown(&self) -> String {
         let mut text = String::new();
@@ -163,23 +162,23 @@ impl Table {
         text
     }
 
-    /// With the keys in the first line; every digit of every number.
+    /// Comma-separated values: the keys in the first line, then a line per row with every digit of every number.
     #[must_use]
     pub fn csv(&self) -> String {
         let keys: Vec<&str> = self.columns.iter().map(|c| c.key).collect();
         let mut text = keys.join(",") + "\n";
         for row in &self.rows {
-            let cells: Vec<String> = row.iter().map(Cell::csv).collect();
+            let cells: Vec<String> = row.iter().map(TableCell::csv).collect();
             text += &(cells.join(",") + "\n");
         }
         text
     }
 
-    /// For a terminal: columns aligned, numbers to the right.
+    /// The table for a terminal: columns aligned, numbers right-aligned.
     #[must_use]
     pub fn plain(&self) -> String {
         let titles = self.columns.iter().map(|c| c.title.to_owned()).collect();
-        let body = self.rows.iter().map(|row| row.iter().map(Cell::shown).collect());
+        let body = self.rows.iter().map(|row| row.iter().map(TableCell::shown).collect());
         let lines: Vec<Vec<String>> = std::iter::once(titles).chain(body).collect();
         let width = |i: usize| lines.iter().filter_map(|l| l.get(i)).map(|c| c.chars().count()).max();
         let widths: Vec<usize> = (0..self.columns.len()).filter_map(width).collect();
@@ -194,16 +193,40 @@ impl Table {
         text
     }
 
+    /// The table in HTML with its caption, numbers of class `number`, in a `div` of class `wide`.
+    #[must_use]
+    pub fn html(&self) -> String {
+        let class = |column: usize| if self.is_number(column) { " class=\"number\"" } else { "" };
+        let heads = self.columns.iter().enumerate();
+        let head: String =
+            heads.map(|(i, c)| format!("<th scope=\"col\"{}>{}</th>", class(i), escaped(c.title))).collect();
+        let row = |cells: &Vec<TableCell>| -> String {
+            let cells = cells.iter().enumerate();
+            cells.map(|(i, cell)| format!("<td{}>{}</td>", class(i), escaped(&cell.shown()))).collect()
+        };
+        let rows: String = self.rows.iter().map(|cells| format!("<tr>{}</tr>\n", row(cells))).collect();
+        let caption = escaped(&self.caption);
+        format!(
+            "<div class=\"wide\"><table>\n<caption>{caption}</caption>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n\
+             </table></div>\n"
+        )
+    }
+
     fn is_text(&self, column: usize) -> bool {
-        self.rows.iter().any(|row| matches!(row.get(column), Some(Cell::Text(_))))
+        self.rows.iter().any(|row| matches!(row.get(column), Some(TableCell::Text(_))))
+    }
+
+    fn is_number(&self, column: usize) -> bool {
+        let mut cells = self.rows.iter().filter_map(|row| row.get(column));
+        cells.any(|cell| matches!(cell, TableCell::Number(_) | TableCell::Count(_) | TableCell::Precise(_)))
     }
 }
 
-/// A list of rows, each an object by the columns' keys.
+/// A list of rows, each an object with the columns' keys.
 impl Serialize for Table {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        struct Row<'a>(&'a [Column], &'a [Cell]);
-        impl Serialize for Row<'_> {
+        struct TableRow<'a>(&'a [Column], &'a [TableCell]);
+        impl Serialize for TableRow<'_> {
             fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
                 let mut map = serializer.serialize_map(Some(self.0.len()))?;
                 for (column, cell) in self.0.iter().zip(self.1) {
@@ -214,28 +237,9 @@ impl Serialize for Table {
         }
         let mut list = serializer.serialize_seq(Some(self.rows.len()))?;
         for row in &self.rows {
-            list.serialize_element(&Row(&self.columns, row))?;
+            list.serialize_element(&TableRow(&self.columns, row))?;
         }
         list.end()
-    }
-}
-
-/// `count` with the word for one or for several.
-#[must_use]
-pub fn plural(count: u64, one: &str, several: &str) -> String {
-    format!("{} {}", grouped(count), if count == 1 { one } else { several })
-}
-
-/// A number to four significant digits, with a power of ten where it is very large or small.
-#[must_use]
-pub fn significant(number: f64) -> String {
-    if number == 0.0 || !number.is_finite() {
-        return number.to_string();
-    }
-    let exponent = number.abs().log10().floor() as i32;
-    match exponent {
-        -3..=6 => format!("{number:.*}", usize::try_from(DIGITS - 1 - exponent).unwrap_or(0)),
-        _ => format!("{number:.2e}"),
     }
 }
 
@@ -272,20 +276,7 @@ mod tests {
 
     #[test]
     fn precise_numbers_keep_every_digit() {
-        assert_eq!(Cell::Precise(46.012_263_655_548_77).shown(), "46.01226365554877");
-        assert_eq!(Cell::Precise(-2.58e16).shown(), "-2.58e16");
-        assert_eq!(
-            (plural(1, "root", "roots"), plural(3, "root", "roots")),
-            ("1 root".into(), "3 roots".into())
-        );
-    }
-
-    #[test]
-    fn numbers_keep_four_digits_whatever_their_size() {
-        for (number, shown) in
-            [(0.0, "0"), (0.012_345, "0.01235"), (123_456.0, "123456"), (1.5e-7, "1.50e-7"), (3e9, "3.00e9")]
-        {
-            assert_eq!(significant(number), shown);
-        }
+        assert_eq!(TableCell::Precise(46.012_263_655_548_77).shown(), "46.01226365554877");
+        assert_eq!(TableCell::Precise(-2.58e16).shown(), "-2.58e16");
     }
 }

@@ -1,8 +1,7 @@
 //! Plots as SVG: lines and points over linear or logarithmic axes.
 
-use std::fmt::Write;
-
-use glanz_illumination::report::svg::{frame, line, opened, steps, text, wrapped};
+use crate::number::ticks;
+use crate::svg::{Svg, wrapped};
 
 /// Size of the picture, and the frame within it: left, top, right, bottom; pixels.
 const SIZE: [f64; 2] = [820.0, 520.0];
@@ -11,31 +10,31 @@ const FRAME: [f64; 4] = [90.0, 56.0, 600.0, 450.0];
 /// Colours that stay apart for colour-blind eyes too, as @okabe2008 chose them; black is left for text.
 const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d1f"];
 
-/// Points of a series from which on it is a curve of which only some have markers, and how many.
+/// Largest number of points of a series that all have markers, and the number of markers of a longer one.
 const DENSE: usize = 60;
 const MARKS: usize = 12;
 
-/// Letters that fit beside the frame, and intervals between the ticks of a linear axis.
+/// Letters in a line of the legend, and intervals between the ticks of a linear axis.
 const NAMES: usize = 22;
 const INTERVALS: f64 = 7.0;
 
-/// An axis.
+/// An axis of a plot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// Quantity and unit.
+    /// Quantity and unit, such as `time, s`.
     pub title: String,
-    /// Whether equal distances are equal factors.
+    /// Whether equal distances stand for equal factors.
     pub logarithmic: bool,
 }
 
 impl Axis {
-    /// Equal distances are equal differences.
+    /// An axis on which equal distances stand for equal differences.
     #[must_use]
     pub fn linear(title: impl Into<String>) -> Self {
         Self { title: title.into(), logarithmic: false }
     }
 
-    /// Equal distances are equal factors; values that are not positive are left out.
+    /// An axis on which equal distances stand for equal factors; values that are not positive are left out.
     #[must_use]
     pub fn logarithmic(title: impl Into<String>) -> Self {
         Self { title: title.into(), logarithmic: true }
@@ -45,12 +44,12 @@ impl Axis {
         value.is_finite() && (!self.logarithmic || value > 0.0)
     }
 
-    fn place(&self, value: f64) -> f64 {
+    fn coordinate(&self, value: f64) -> f64 {
         if self.logarithmic { value.log10() } else { value }
     }
 }
 
-/// Points in the order in which a line connects them.
+/// Points, connected by a line in their order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
     /// Name in the legend.
@@ -59,20 +58,20 @@ pub struct Series {
     pub points: Vec<[f64; 2]>,
 }
 
-/// A line across the plot at one value.
+/// A dashed line across the plot at one value.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rule {
+pub struct ReferenceLine {
     /// Name in the legend.
     pub name: String,
     /// Whether `at` is an x; otherwise it is a y.
     pub vertical: bool,
-    /// Where.
+    /// The value.
     pub at: f64,
-    /// Position of the series whose colour it has; black without one.
+    /// Index of the series whose colour it has; black if `None`.
     pub series: Option<usize>,
 }
 
-/// A plot.
+/// A plot of series over two axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
     /// Headline.
@@ -81,17 +80,17 @@ pub struct Plot {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// What is drawn.
+    /// The series that are drawn, each in its own colour and with its own markers.
     pub series: Vec<Series>,
     /// Values to compare with.
-    pub rules: Vec<Rule>,
+    pub reference_lines: Vec<ReferenceLine>,
 }
 
-/// Values at the ends of an axis as they are placed (logarithms, if it is one of these), and the ticks between them.
-struct Range {
+/// The ends of an axis in its coordinates (logarithms if it is logarithmic), and the ticks between them.
+struct AxisRange {
     low: f64,
     high: f64,
-    /// Place and label; without one it is a small tick.
+    /// Coordinate and label; a minor tick has none.
     ticks: Vec<(f64, Option<String>)>,
 }
 
@@ -101,21 +100,21 @@ impl Plot {
     pub fn svg(&self) -> String {
         let x = self.range(&self.x, true);
         let y = self.range(&self.y, false);
-        let mut svg = opened(SIZE, &self.title);
-        text(&mut svg, [FRAME[0], 28.0], "start", "font-size=\"16\"", &self.title);
-        self.axes(&mut svg, &x, &y);
+        let mut svg = Svg::new(SIZE, &self.title);
+        svg.text([FRAME[0], 28.0], "start", "font-size=\"16\"", &self.title);
+        self.draw_axes(&mut svg, &x, &y);
         let at = |point: [f64; 2]| {
-            let [px, py] = [self.x.place(point[0]), self.y.place(point[1])];
+            let [px, py] = [self.x.coordinate(point[0]), self.y.coordinate(point[1])];
             [
                 FRAME[0] + (FRAME[2] - FRAME[0]) * (px - x.low) / (x.high - x.low),
                 FRAME[3] - (FRAME[3] - FRAME[1]) * (py - y.low) / (y.high - y.low),
             ]
         };
         let mut legend = FRAME[1] + 8.0;
-        let mut name = |svg: &mut String, draw: &dyn Fn(&mut String, f64), name: &str| {
+        let mut name = |svg: &mut Svg, draw: &dyn Fn(&mut Svg, f64), name: &str| {
             draw(svg, legend);
             for line in wrapped(name, NAMES) {
-                text(svg, [FRAME[2] + 52.0, legend + 4.5], "start", "", line);
+                svg.text([FRAME[2] + 52.0, legend + 4.5], "start", "", line);
                 legend += 17.0;
             }
             legend += 5.0;
@@ -124,49 +123,50 @@ impl Plot {
             let colour = COLOURS[i % COLOURS.len()];
             let shown = |p: &&[f64; 2]| self.x.shows(p[0]) && self.y.shows(p[1]);
             let places: Vec<[f64; 2]> = series.points.iter().filter(shown).map(|p| at(*p)).collect();
-            line(&mut svg, &places, colour, "");
+            svg.line(&places, colour, "");
             let marked = marked(places.len(), i, self.series.len());
-            marked.filter_map(|k| places.get(k)).for_each(|p| marker(&mut svg, *p, i, colour));
-            let sample = |svg: &mut String, y: f64| {
-                line(svg, &[[FRAME[2] + 14.0, y], [FRAME[2] + 44.0, y]], colour, "");
-                marker(svg, [FRAME[2] + 29.0, y], i, colour);
+            marked.filter_map(|k| places.get(k)).for_each(|p| draw_marker(&mut svg, *p, i, colour));
+            let sample = |svg: &mut Svg, y: f64| {
+                svg.line(&[[FRAME[2] + 14.0, y], [FRAME[2] + 44.0, y]], colour, "");
+                draw_marker(svg, [FRAME[2] + 29.0, y], i, colour);
             };
             name(&mut svg, &sample, &series.name);
         }
         let dashed = "stroke-dasharray=\"7 4\"";
-        for rule in &self.rules {
-            let axis = if rule.vertical { &self.x } else { &self.y };
-            if !axis.shows(rule.at) {
+        for reference in &self.reference_lines {
+            let axis = if reference.vertical { &self.x } else { &self.y };
+            if !axis.shows(reference.at) {
                 continue;
             }
-            let (x0, y0) = (axis.place(rule.at), axis.place(rule.at));
-            let ends = if rule.vertical {
+            let (x0, y0) = (axis.coordinate(reference.at), axis.coordinate(reference.at));
+            let ends = if reference.vertical {
                 let x = FRAME[0] + (FRAME[2] - FRAME[0]) * (x0 - x.low) / (x.high - x.low);
                 [[x, FRAME[1]], [x, FRAME[3]]]
             } else {
                 let y = FRAME[3] - (FRAME[3] - FRAME[1]) * (y0 - y.low) / (y.high - y.low);
                 [[FRAME[0], y], [FRAME[2], y]]
             };
-            let colour = rule.series.map_or("#222222", |i| COLOURS[i % COLOURS.len()]);
-            line(&mut svg, &ends, colour, dashed);
-            let sample = |svg: &mut String, y: f64| {
-                line(svg, &[[FRAME[2] + 14.0, y], [FRAME[2] + 44.0, y]], colour, dashed);
+            let colour = reference.series.map_or("#222222", |i| COLOURS[i % COLOURS.len()]);
+            svg.line(&ends, colour, dashed);
+            let sample = |svg: &mut Svg, y: f64| {
+                svg.line(&[[FRAME[2] + 14.0, y], [FRAME[2] + 44.0, y]], colour, dashed);
             };
-            name(&mut svg, &sample, &rule.name);
+            name(&mut svg, &sample, &reference.name);
         }
-        svg + "</svg>\n"
+        svg.finish()
     }
 
-    /// What of the points and rules lies on an axis, widened to look well, with ticks.
-    fn range(&self, axis: &Axis, horizontal: bool) -> Range {
+    /// The range of the points and reference lines along an axis, with margins and ticks.
+    fn range(&self, axis: &Axis, horizontal: bool) -> AxisRange {
         let pick = |p: &[f64; 2]| if horizontal { p[0] } else { p[1] };
         let both = |p: &&[f64; 2]| self.x.shows(p[0]) && self.y.shows(p[1]);
         let points = self.series.iter().flat_map(|s| s.points.iter().filter(both).map(pick));
-        let rules = self.rules.iter().filter(|r| r.vertical == horizontal).map(|r| r.at);
+        let references =
+            self.reference_lines.iter().filter(|line| line.vertical == horizontal).map(|line| line.at);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for value in points.chain(rules).filter(|v| axis.shows(*v)) {
-            low = low.min(axis.place(value));
-            high = high.max(axis.place(value));
+        for value in points.chain(references).filter(|v| axis.shows(*v)) {
+            low = low.min(axis.coordinate(value));
+            high = high.max(axis.coordinate(value));
         }
         if low > high {
             (low, high) = (0.0, 1.0);
@@ -176,38 +176,38 @@ impl Plot {
         let low = if starts_at_zero { 0.0 } else { low - margin };
         let high = high + margin;
         let ticks = if axis.logarithmic { decades(low, high) } else { labelled(low, high) };
-        Range { low, high, ticks }
+        AxisRange { low, high, ticks }
     }
 
-    fn axes(&self, svg: &mut String, x: &Range, y: &Range) {
+    fn draw_axes(&self, svg: &mut Svg, x: &AxisRange, y: &AxisRange) {
         let [left, top, right, bottom] = FRAME;
         for (place, label) in &x.ticks {
             let px = left + (right - left) * (place - x.low) / (x.high - x.low);
             let colour = if label.is_some() { "#dddddd" } else { "#f0f0f0" };
-            line(svg, &[[px, top], [px, bottom]], colour, "stroke-width=\"1\"");
+            svg.line(&[[px, top], [px, bottom]], colour, "stroke-width=\"1\"");
             if let Some(label) = label {
-                text(svg, [px, bottom + 18.0], "middle", "", label);
+                svg.text([px, bottom + 18.0], "middle", "", label);
             }
         }
         for (place, label) in &y.ticks {
             let py = bottom - (bottom - top) * (place - y.low) / (y.high - y.low);
             let colour = if label.is_some() { "#dddddd" } else { "#f0f0f0" };
-            line(svg, &[[left, py], [right, py]], colour, "stroke-width=\"1\"");
+            svg.line(&[[left, py], [right, py]], colour, "stroke-width=\"1\"");
             if let Some(label) = label {
-                text(svg, [left - 7.0, py + 4.5], "end", "", label);
+                svg.text([left - 7.0, py + 4.5], "end", "", label);
             }
         }
-        frame(svg, [left, top, right - left, bottom - top]);
-        text(svg, [0.5 * (left + right), bottom + 44.0], "middle", "", &self.x.title);
+        svg.frame([left, top, right - left, bottom - top]);
+        svg.text([0.5 * (left + right), bottom + 44.0], "middle", "", &self.x.title);
         let middle = 0.5 * (top + bottom);
         let turned = format!("transform=\"rotate(-90 22 {middle})\"");
-        text(svg, [22.0, middle], "middle", &turned, &self.y.title);
+        svg.text([22.0, middle], "middle", &turned, &self.y.title);
     }
 }
 
 /// Ticks of a linear axis.
 fn labelled(low: f64, high: f64) -> Vec<(f64, Option<String>)> {
-    steps(low, high, INTERVALS).into_iter().map(|(value, label)| (value, Some(label))).collect()
+    ticks(low, high, INTERVALS).into_iter().map(|(value, label)| (value, Some(label))).collect()
 }
 
 /// Ticks of a logarithmic axis between two logarithms: labels at powers of ten, and at 2 and 5 times them where there
@@ -249,25 +249,24 @@ fn power_label(digit: i32, power: i32) -> String {
     }
 }
 
-/// Which points have markers: all, or some of a curve that is drawn with many, at other places in each series.
+/// The indices of the points with markers: all, or some of a long series, other ones in each series.
 fn marked(points: usize, series: usize, of: usize) -> impl Iterator<Item = usize> {
     let step = if points > DENSE { points.div_ceil(MARKS) } else { 1 };
     ((series + 1) * step / (of + 1)..points).step_by(step)
 }
 
-/// A small figure, another one for every series, so that colour is not needed to tell them apart.
-fn marker(svg: &mut String, [x, y]: [f64; 2], series: usize, colour: &str) {
+/// Draws a marker. Its shape depends on the series, so that series can be distinguished without colour.
+fn draw_marker(svg: &mut Svg, [x, y]: [f64; 2], series: usize, colour: &str) {
     let corners: &[[f64; 2]] = match series % 4 {
         0 => {
-            let _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{colour}\"/>");
-            return;
+            return svg.circle([x, y], 4.0, &format!("fill=\"{colour}\""));
         }
         1 => &[[-3.6, -3.6], [3.6, -3.6], [3.6, 3.6], [-3.6, 3.6]],
         2 => &[[0.0, -4.8], [4.6, 3.4], [-4.6, 3.4]],
         _ => &[[0.0, -5.2], [5.2, 0.0], [0.0, 5.2], [-5.2, 0.0]],
     };
-    let places: Vec<String> = corners.iter().map(|[dx, dy]| format!("{:.1},{:.1}", x + dx, y + dy)).collect();
-    let _ = writeln!(svg, "<polygon points=\"{}\" fill=\"{colour}\"/>", places.join(" "));
+    let corners: Vec<[f64; 2]> = corners.iter().map(|[dx, dy]| [x + dx, y + dy]).collect();
+    svg.polygon(&corners, &format!("fill=\"{colour}\""));
 }
 
 #[cfg(test)]
@@ -297,7 +296,12 @@ mod tests {
             x: Axis::linear("x, m"),
             y: Axis::logarithmic("y"),
             series: vec![Series { name: "s".into(), points: vec![[0.0, 1.0], [10.0, 100.0], [5.0, 0.0]] }],
-            rules: vec![Rule { name: "r".into(), vertical: false, at: 10.0, series: None }],
+            reference_lines: vec![ReferenceLine {
+                name: "r".into(),
+                vertical: false,
+                at: 10.0,
+                series: None,
+            }],
         };
         let svg = plot.svg();
         assert!(svg.contains("a &lt; b &amp; c") && svg.ends_with("</svg>\n"));
@@ -310,7 +314,7 @@ mod tests {
     #[test]
     fn plot_without_points_is_a_frame() {
         let (x, y) = (Axis::linear("x"), Axis::logarithmic("y"));
-        let plot = Plot { title: String::new(), x, y, series: Vec::new(), rules: Vec::new() };
+        let plot = Plot { title: String::new(), x, y, series: Vec::new(), reference_lines: Vec::new() };
         assert!(!plot.svg().contains("NaN") && !plot.svg().contains("inf"));
     }
 

@@ -1,9 +1,10 @@
-//! Pictures side by side, each with its name above.
+//! Pictures side by side, each with two lines of text above.
 
-use glanz_illumination::report::lettering::{ADVANCE, HEIGHT, dots};
 use glanz_light::{Pixels, PixelsError};
 
-/// Small pictures are shown with larger pixels until they are this wide.
+use crate::raster::{LETTER_HEIGHT, Raster, fitting};
+
+/// Width up to which pictures are enlarged, in whole steps.
 const WIDTH: u32 = 320;
 
 /// Pixels between pictures, and around letters.
@@ -13,65 +14,47 @@ const GAP: u32 = 6;
 const PAPER: [f32; 3] = [0.02; 3];
 const INK: [f32; 3] = [0.9; 3];
 
-/// A picture and the lines above it.
-pub(crate) struct Panel {
-    pub(crate) lines: [String; 2],
-    pub(crate) pixels: Pixels,
+/// A picture of a contact sheet.
+#[derive(Clone, Debug)]
+pub struct SheetPanel {
+    /// The lines above it.
+    pub lines: [String; 2],
+    /// The picture, in linear light.
+    pub pixels: Pixels,
 }
 
-/// Rows of panels in linear light; all pictures have one size, and rows may have different lengths.
+/// Rows of pictures as one picture in linear light. All pictures have the size of the first one; rows may have different
+/// lengths.
 ///
 /// # Errors
 /// [`PixelsError`] if the sheet is too large.
-pub(crate) fn sheet(rows: &[Vec<Panel>]) -> Result<Pixels, PixelsError> {
+pub fn contact_sheet(rows: &[Vec<SheetPanel>]) -> Result<Pixels, PixelsError> {
     let size = rows.iter().flatten().next().map_or([1, 1], |p| [p.pixels.width(), p.pixels.height()]);
     let scale = WIDTH.div_ceil(size[0]);
     let columns = rows.iter().map(Vec::len).max().unwrap_or(1).max(1) as u32;
     let letter = if scale * size[0] >= WIDTH { 2 } else { 1 };
-    let head = 2 * (HEIGHT * letter + GAP) + GAP;
+    let head = 2 * (LETTER_HEIGHT * letter + GAP) + GAP;
     let cell = [scale * size[0] + GAP, scale * size[1] + head];
     let (width, height) = (columns * cell[0] + GAP, rows.len().max(1) as u32 * cell[1] + GAP);
     // Checks the size before anything is allocated for it.
     let _ = Pixels::try_new(width, height)?;
-    let mut canvas = Canvas { width, rgb: vec![PAPER; width as usize * height as usize] };
+    let mut raster = Raster::new([width, height], PAPER);
     for (y, row) in (0_u32..).zip(rows) {
         for (x, panel) in (0_u32..).zip(row) {
             let corner = [GAP + x * cell[0], y * cell[1]];
             for (line, text) in (0_u32..).zip(&panel.lines) {
-                let top = corner[1] + GAP + line * (HEIGHT * letter + GAP);
-                let fitting = (cell[0] - GAP) / (ADVANCE * letter);
-                let text: String = text.chars().take(fitting as usize).collect();
-                for [dx, dy] in dots(&text) {
-                    canvas.fill([corner[0] + letter * dx, top + letter * dy], letter, INK);
-                }
+                let top = corner[1] + GAP + line * (LETTER_HEIGHT * letter + GAP);
+                raster.write([corner[0], top], &fitting(text, cell[0] - GAP, letter), letter, INK);
             }
             let colours = panel.pixels.to_rgb().unwrap_or_default();
             for (i, colour) in (0_u32..).zip(colours) {
                 let (px, py) = (i % size[0], i / size[0]);
-                canvas.fill([corner[0] + scale * px, corner[1] + head + scale * py], scale, colour);
+                let place = [corner[0] + scale * px, corner[1] + head + scale * py];
+                raster.fill(place, [scale, scale], colour);
             }
         }
     }
-    Pixels::try_from_rgb(width, height, &canvas.rgb)
-}
-
-struct Canvas {
-    width: u32,
-    rgb: Vec<[f32; 3]>,
-}
-
-impl Canvas {
-    /// A square; what lies outside is left out.
-    fn fill(&mut self, [left, top]: [u32; 2], side: u32, colour: [f32; 3]) {
-        for y in top..top + side {
-            for x in left..(left + side).min(self.width) {
-                let index = y as usize * self.width as usize + x as usize;
-                if let Some(pixel) = self.rgb.get_mut(index) {
-                    *pixel = colour;
-                }
-            }
-        }
-    }
+    Pixels::try_from_rgb(width, height, raster.pixels())
 }
 
 #[cfg(test)]
@@ -82,11 +65,12 @@ mod tests {
     fn pictures_stand_side_by_side_under_their_names() {
         let grey = |value: f32| Pixels::try_from_rgb(2, 1, &[[value; 3]; 2]).unwrap();
         let (dark, bright) = (grey(0.25), grey(0.5));
-        let panel = |pixels: &Pixels| Panel { lines: ["I".into(), String::new()], pixels: pixels.clone() };
-        let made = sheet(&[vec![panel(&dark), panel(&bright)], vec![panel(&bright)]]).unwrap();
+        let panel =
+            |pixels: &Pixels| SheetPanel { lines: ["I".into(), String::new()], pixels: pixels.clone() };
+        let sheet = contact_sheet(&[vec![panel(&dark), panel(&bright)], vec![panel(&bright)]]).unwrap();
         // Pixels of 160 x 160 under two lines of letters of 14 rows, with 6 around everything.
-        assert_eq!((made.width(), made.height()), (2 * 326 + 6, 2 * (160 + 46) + 6));
-        let rgb = made.to_rgb().unwrap();
+        assert_eq!((sheet.width(), sheet.height()), (2 * 326 + 6, 2 * (160 + 46) + 6));
+        let rgb = sheet.to_rgb().unwrap();
         let at = |x: usize, y: usize| rgb[y * 658 + x][0];
         assert_eq!((at(6, 46), at(325, 205), at(326, 100), at(332, 46)), (0.25, 0.25, 0.02, 0.5));
         assert_eq!((at(6, 252), at(332, 252)), (0.5, 0.02));

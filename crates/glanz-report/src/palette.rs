@@ -1,11 +1,11 @@
-//! Colours for numbers.
+//! Sequences of colours.
 
-/// A row of colours.
+/// A sequence of colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Palette {
     /// From dark violet to bright yellow; equal steps look equal, in grey and to colour-blind eyes too (@smith2015).
     Viridis,
-    /// From blue by way of grey to red, for what lies below and above something (@moreland2009).
+    /// From blue by way of grey to red, for values below and above a reference (@moreland2009).
     CoolWarm,
 }
 
@@ -83,16 +83,15 @@ const COOL_WARM: [[u8; 3]; 33] = [
 ];
 
 impl Palette {
-    /// The sRGB bytes at a place in [0, 1]; places outside have the colour of the nearer end, what is not a number
-    /// that of 0.
+    /// The sRGB bytes at `position` in [0, 1]; positions outside have the colour of the nearer end, NaN that of 0.
     #[must_use]
-    pub fn colour(self, place: f64) -> [u8; 3] {
+    pub fn colour(self, position: f64) -> [u8; 3] {
         let table = match self {
             Self::Viridis => &VIRIDIS,
             Self::CoolWarm => &COOL_WARM,
         };
-        // Clamping keeps what is no number; casting that gives 0, and so does taking the larger.
-        let along = place.clamp(0.0, 1.0) * (table.len() - 1) as f64;
+        // Clamping keeps NaN; casting NaN gives 0, and so does taking the larger.
+        let along = position.clamp(0.0, 1.0) * (table.len() - 1) as f64;
         let index = (along as usize).min(table.len() - 2);
         let part = (along - index as f64).max(0.0);
         let (from, to) = (table[index], table[index + 1]);
@@ -104,16 +103,15 @@ impl Palette {
     }
 }
 
-/// A colour as HTML and SVG write it.
+/// A colour in the notation of HTML and SVG.
 #[must_use]
 pub fn hexadecimal([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Black or white, whichever is read better on a colour: white below the luminance from which on black has the larger
-/// contrast ratio, (1 + 0.05) / (Y + 0.05) = (Y + 0.05) / 0.05.
+/// Black or white, whichever has the larger contrast ratio on a colour: white below the luminance Y at which both are equal, (1 + 0.05) / (Y + 0.05) = (Y + 0.05) / 0.05.
 #[must_use]
-pub fn ink_on(colour: [u8; 3]) -> &'static str {
+pub fn contrasting(colour: [u8; 3]) -> &'static str {
     let linear = colour.map(|byte| f64::from(glanz_light::rgb::srgb_decode(f32::from(byte) / 255.0)));
     let turning = (1.05_f64 * 0.05).sqrt() - 0.05;
     if glanz_light::rgb::luminance(linear) < turning { "#ffffff" } else { "#000000" }
@@ -149,7 +147,7 @@ mod tests {
         };
         assert!((0..64).all(|i| luminance(i) < luminance(i + 1)));
         assert_eq!(
-            (ink_on(Palette::Viridis.colour(0.0)), ink_on(Palette::Viridis.colour(1.0))),
+            (contrasting(Palette::Viridis.colour(0.0)), contrasting(Palette::Viridis.colour(1.0))),
             ("#ffffff", "#000000")
         );
     }

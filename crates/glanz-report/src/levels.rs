@@ -1,26 +1,27 @@
-//! Levels to draw contours at.
+//! Round levels for contours.
 
-use super::scale::round;
+use crate::number::decimal;
 
-/// How many levels there should be; about half as many or half as many again may come.
+/// Number of levels that is aimed at; the result may have half as many, or half as many again.
 const WANTED: usize = 8;
 
-/// Levels beyond this are too many where equal factors part them.
+/// Largest number of levels at equal factors.
 const MOST: usize = 10;
 
-/// From which ratio of the largest to the least on levels are parted by equal factors.
+/// Ratio of the largest value to the least from which on levels have equal factors between them.
 const WIDE: f64 = 10.0;
 
-/// What levels reach down to below the largest, as a factor.
+/// Least level, as a factor of the largest value.
 const DEPTH: f64 = 1e-3;
 
-/// The scale of illuminances of EN 12464-1 (@en12464): each about half as much again, as one can just see.
+/// The scale of illuminances of EN 12464-1 (@en12464): each about 1.5 times the one before, the least difference that is
+/// noticeable.
 const STANDARD: &[&str] = &["1", "1.5", "2", "3", "5", "7.5"];
 
 /// Round numbers between `low` and `high`, with their labels, ascending: steps of 1, 2, 2.5 or 5 times a power of ten
 /// where the largest is less than 10 times the least, else illuminances of EN 12464-1 or every second or so of them.
 ///
-/// None where all is alike.
+/// None if `low` and `high` are equal to within rounding.
 #[must_use]
 pub fn levels(low: f64, high: f64) -> Vec<(f64, String)> {
     // Differences of a few roundings are none.
@@ -33,23 +34,23 @@ pub fn levels(low: f64, high: f64) -> Vec<(f64, String)> {
     let from = low.max(DEPTH * high);
     let powers = from.log10().floor() as i32..=high.log10().floor() as i32;
     let of = |digits: &[&str]| -> Vec<(f64, String)> {
-        let all = powers.clone().flat_map(|power| digits.iter().map(move |d| round(d, power)));
+        let all = powers.clone().flat_map(|power| digits.iter().map(move |d| decimal(d, power)));
         all.filter(|(level, _)| *level > from && *level < high).collect()
     };
     let sets = [STANDARD, &["1", "2", "5"], &["1", "3"]];
     sets.into_iter().map(of).find(|levels| levels.len() <= MOST).unwrap_or_else(|| of(&["1"]))
 }
 
-/// Multiples of the round step that makes about as many levels as wanted.
+/// Multiples of the round step whose number is nearest to [`WANTED`].
 fn evenly(low: f64, high: f64) -> Vec<(f64, String)> {
     let power = ((high - low) / WANTED as f64).log10().floor() as i32;
     let steps = [("1", power), ("2", power), ("2.5", power), ("5", power), ("1", power + 1)];
     let multiples = |(digits, power): (&str, i32)| -> Vec<(f64, String)> {
-        let (step, _) = round(digits, power);
+        let (step, _) = decimal(digits, power);
         let (first, last) = ((low / step).floor() as i64, (high / step).ceil() as i64);
         // Whole multiples of tenths of the power, so that decimals stay exact.
         let tenths = |i: i64| (i as f64 * digits.parse::<f64>().unwrap_or(1.0) * 10.0).round();
-        let all = (first..=last).map(|i| round(&tenths(i).to_string(), power - 1));
+        let all = (first..=last).map(|i| decimal(&tenths(i).to_string(), power - 1));
         all.filter(|(level, _)| *level > low && *level < high).collect()
     };
     let all = steps.into_iter().map(multiples);

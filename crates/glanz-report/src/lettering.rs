@@ -1,10 +1,10 @@
-//! Capital letters of 5 x 7 dots, to label pictures with.
+//! Capital letters of 5 x 7 dots for labels in pictures.
 
 /// Dots of a letter and the gap behind it.
-pub const ADVANCE: u32 = 6;
+pub(crate) const ADVANCE: u32 = 6;
 
 /// Rows of a letter.
-pub const HEIGHT: u32 = 7;
+pub(crate) const HEIGHT: u32 = 7;
 
 /// Each letter with its rows from the top; a dot at the left is bit 4.
 const LETTERS: [(char, [u8; 7]); 48] = [
@@ -58,8 +58,8 @@ const LETTERS: [(char, [u8; 7]); 48] = [
     ('+', [0, 0x04, 0x04, 0x1f, 0x04, 0x04, 0]),
 ];
 
-/// The dots of `text` as columns and rows from its upper left corner; small letters become capitals, unknown ones blanks.
-pub fn dots(text: &str) -> impl Iterator<Item = [u32; 2]> {
+/// The dots of `text` as columns and rows from its upper left corner; lower case becomes upper case, unknown letters become blanks.
+pub(crate) fn dots(text: &str) -> impl Iterator<Item = [u32; 2]> {
     (0_u32..).zip(text.chars()).flat_map(|(place, letter)| {
         let rows = LETTERS.iter().find(|(known, _)| *known == letter.to_ascii_uppercase());
         let rows = rows.map_or([0; 7], |(_, rows)| *rows);

@@ -1,0 +1,54 @@
+//! Tables, plots, contours and colour scales, as text, SVG and pixels.
+//!
+//! Everything here is a pure function from data to text or pixels; nothing writes a file. The same data give the same
+//! bytes.
+//!
+//! - [`Table`] holds rows under named columns: Markdown, CSV, HTML, lines of a terminal, and by `serde` JSON;
+//! - [`Plot`] draws series over linear or logarithmic axes, [`HeatMap`] numbers over the cells of a rectangle with
+//!   contours ([`ContourGrid`]) at round [`levels()`], both as SVG, for which [`Svg`] is the writer;
+//! - [`ColourScale`] assigns colours of a [`Palette`] to numbers;
+//! - [`contact_sheet`] puts pictures side by side, [`Raster`] draws rectangles and letters in pixels;
+//! - [`number`] writes numbers as people read them.
+//!
+//! ```
+//! use glanz_report::{Axis, Plot, Series, Table};
+//!
+//! let mut table = Table::new("errors", "Errors over samples", &[("samples", "samples"), ("rmse", "RMSE")]);
+//! table.push([64_u64.into(), 0.0125.into()]);
+//! assert_eq!(table.csv(), "samples,rmse\n64,0.0125\n");
+//!
+//! let plot = Plot {
+//!     title: "Errors".into(),
+//!     x: Axis::logarithmic("samples per pixel"),
+//!     y: Axis::logarithmic("RMSE"),
+//!     series: vec![Series { name: "path".into(), points: vec![[16.0, 0.025], [64.0, 0.0125]] }],
+//!     reference_lines: Vec::new(),
+//! };
+//! assert!(plot.svg().starts_with("<svg"));
+//! ```
+
+mod cell_field;
+mod colour_scale;
+mod contact_sheet;
+mod contour;
+mod heat_map;
+mod lettering;
+mod levels;
+pub mod number;
+mod palette;
+mod plot;
+mod raster;
+pub mod svg;
+mod table;
+
+pub use cell_field::CellField;
+pub use colour_scale::ColourScale;
+pub use contact_sheet::{SheetPanel, contact_sheet};
+pub use contour::{Contour, ContourGrid};
+pub use heat_map::HeatMap;
+pub use levels::levels;
+pub use palette::{Palette, contrasting, hexadecimal};
+pub use plot::{Axis, Plot, ReferenceLine, Series};
+pub use raster::{LETTER_HEIGHT, Raster, fitting, text_width};
+pub use svg::Svg;
+pub use table::{Column, Table, TableCell};
