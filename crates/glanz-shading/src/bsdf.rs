@@ -151,7 +151,9 @@ pub trait BsdfModel {
 pub(crate) fn estimated_albedo<M: BsdfModel + ?Sized>(model: &M, wo: DVec3) -> Spectrum {
     const COUNT: u32 = 64;
     let weight = |i| {
-        let [x, y, lobe] = [0, 1, 2].map(|dimension| owen::unit(sobol::coordinate(i, dimension)));
+        // Each coordinate takes the multiples of 1 / 64 once: the middles of the steps have less error.
+        let [x, y, lobe] =
+            [0, 1, 2].map(|dimension| owen::unit(sobol::coordinate(i, dimension)) + 0.5 / f64::from(COUNT));
         model.sample(wo, DVec2::new(x, y), lobe, TransportMode::Importance).map(|sample| sample.weight)
     };
     let sum: Spectrum = (0..COUNT).filter_map(weight).sum();
