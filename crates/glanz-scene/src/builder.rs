@@ -98,20 +98,35 @@ impl SceneBuilder {
 
     /// Adds a shape to the world, or to the group under construction.
     #[must_use]
-    pub fn shape(mut self, shape: impl Into<ShapeDescription>, material: impl Into<ShapeMaterial>) -> Self {
+    pub fn shape(self, shape: impl Into<ShapeDescription>, material: impl Into<ShapeMaterial>) -> Self {
+        self.shapes([shape], material)
+    }
+
+    /// Adds shapes of one material to the world, or to the group under construction.
+    #[must_use]
+    pub fn shapes(
+        mut self,
+        shapes: impl IntoIterator<Item = impl Into<ShapeDescription>>,
+        material: impl Into<ShapeMaterial>,
+    ) -> Self {
+        let material = match self.material_index(material.into()) {
+            Ok(index) => index,
+            Err(name) => return self.unknown("material", name),
+        };
+        let shapes = shapes.into_iter().map(|shape| ShapeDescription { material, ..shape.into() });
+        self.description.world.shapes.extend(shapes);
+        self
+    }
+
+    fn material_index(&mut self, material: ShapeMaterial) -> Result<usize, String> {
         let materials = &mut self.description.materials;
-        let material = match material.into() {
+        match material {
             ShapeMaterial::New(kind) => {
                 materials.push(kind.into());
-                materials.len() - 1
+                Ok(materials.len() - 1)
             }
-            ShapeMaterial::Named(name) => match materials.iter().rposition(|known| known.name == name) {
-                Some(index) => index,
-                None => return self.unknown("material", name),
-            },
-        };
-        self.description.world.shapes.push(ShapeDescription { material, ..shape.into() });
-        self
+            ShapeMaterial::Named(name) => materials.iter().rposition(|known| known.name == name).ok_or(name),
+        }
     }
 
     /// Adds a group with a name, which holds what `contents` adds and which instances copy.

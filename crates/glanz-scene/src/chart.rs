@@ -134,35 +134,14 @@ fn share(p: DVec2, min: DVec2, max: DVec2) -> DVec2 {
 
 #[cfg(test)]
 mod tests {
-    use glanz_light::SpectralDistribution;
-    use glanz_math::{DMat4, Ray};
+    use glanz_math::Ray;
 
     use super::*;
-    use crate::Scene;
     use crate::description::*;
+    use crate::{Scene, SceneBuilder};
 
-    fn scene(shapes: Vec<(GeometryDescription, DMat4)>) -> Scene {
-        let white = SpectrumInput::Value(SpectralDistribution::Constant(1.0));
-        let mut description = Description::default();
-        description.materials.push(MaterialDescription {
-            name: String::new(),
-            kind: MaterialKind::diffuse(white),
-            location: None,
-        });
-        description.world.shapes = shapes
-            .into_iter()
-            .map(|(geometry, to_parent)| ShapeDescription {
-                geometry,
-                to_parent,
-                reverse_orientation: false,
-                material: 0,
-                emission: None,
-                trim: None,
-                receiver: None,
-                location: None,
-            })
-            .collect();
-        Scene::resolve(description).unwrap().0
+    fn scene<const N: usize>(shapes: [ShapeDescription; N]) -> Scene {
+        SceneBuilder::new().shapes(shapes, MaterialKind::diffuse(1.0)).resolve().unwrap().0
     }
 
     fn located(scene: &Scene, from: [f64; 3], to: [f64; 3]) -> (u32, DVec2) {
@@ -173,9 +152,7 @@ mod tests {
 
     #[test]
     fn parameters_of_a_sphere_begin_and_end_at_its_seam() {
-        let sphere =
-            GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 1.0], phi_max: std::f64::consts::TAU };
-        let scene = scene(vec![(sphere, DMat4::from_translation(DVec3::X * 10.0))]);
+        let scene = scene([ShapeDescription::sphere(1.0).translated(DVec3::X * 10.0)]);
         // u is the azimuth from the x axis: 0 and 1 meet there.
         let (sheet, before) = located(&scene, [13.0, -1e-3, 0.0], [10.0, -1e-3, 0.0]);
         let (_, after) = located(&scene, [13.0, 1e-3, 0.0], [10.0, 1e-3, 0.0]);
@@ -196,7 +173,7 @@ mod tests {
             points: vec![corner(0.0, 0.0), corner(0.0, 1.0), corner(4.0, 0.0), corner(4.0, 1.0)],
             domain: None,
         };
-        let scene = scene(vec![(GeometryDescription::Nurbs(surface), DMat4::IDENTITY)]);
+        let scene = scene([GeometryDescription::Nurbs(surface).into()]);
         let (_, place) = located(&scene, [1.0, 0.75, 5.0], [1.0, 0.75, 0.0]);
         assert!((place - DVec2::new(0.25, 0.75)).length() < 1e-9, "{place}");
         let (_, corner) = located(&scene, [4.0 - 1e-12, 1e-12, 5.0], [4.0 - 1e-12, 1e-12, 0.0]);
@@ -205,9 +182,8 @@ mod tests {
 
     #[test]
     fn faces_of_a_box_are_sheets_wherever_it_stands() {
-        let cuboid = GeometryDescription::Cuboid { min: DVec3::ZERO, max: DVec3::new(2.0, 4.0, 8.0) };
-        let turned = DMat4::from_rotation_z(std::f64::consts::FRAC_PI_2);
-        let scene = scene(vec![(cuboid, turned)]);
+        let cuboid = ShapeDescription::cuboid([0.0; 3], [2.0, 4.0, 8.0]);
+        let scene = scene([cuboid.rotated(DVec3::Z, std::f64::consts::FRAC_PI_2)]);
         // Own +x is the world's +y; own y, from 0 to 4, is the world's -x.
         let (sheet, place) = located(&scene, [-1.0, 9.0, 2.0], [-1.0, 0.0, 2.0]);
         assert_eq!(sheet, 0);
@@ -220,18 +196,12 @@ mod tests {
 
     #[test]
     fn meshes_that_were_joined_keep_their_own_boxes() {
-        let wall = |x: f64| GeometryDescription::Triangles {
-            positions: vec![
-                DVec3::new(x, 0.0, 0.0),
-                DVec3::new(x, 2.0, 0.0),
-                DVec3::new(x, 2.0, 4.0),
-                DVec3::new(x, 0.0, 4.0),
-            ],
-            indices: vec![[0, 1, 2], [0, 2, 3]],
-            normals: None,
-            uvs: None,
+        let wall = |x: f64| {
+            let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 4.0], [0.0, 4.0]];
+            let positions = corners.iter().map(|&[y, z]| DVec3::new(x, y, z)).collect();
+            ShapeDescription::mesh(positions, vec![[0, 1, 2], [0, 2, 3]])
         };
-        let scene = scene(vec![(wall(0.0), DMat4::IDENTITY), (wall(7.0), DMat4::IDENTITY)]);
+        let scene = scene([wall(0.0), wall(7.0)]);
         let boxes: Vec<_> = scene.charts();
         let of = |x| Chart::Projections(Bounds3::new(DVec3::new(x, 0.0, 0.0), DVec3::new(x, 2.0, 4.0)));
         assert_eq!(boxes, [Some(of(0.0)), Some(of(7.0))]);

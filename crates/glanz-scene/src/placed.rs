@@ -167,52 +167,27 @@ mod tests {
     use glanz_math::{DMat4, DVec3, Ray};
 
     use super::*;
+    use crate::SceneBuilder;
     use crate::description::*;
-
-    fn shape(geometry: GeometryDescription, to_parent: DMat4, reverse_orientation: bool) -> ShapeDescription {
-        ShapeDescription {
-            geometry,
-            to_parent,
-            reverse_orientation,
-            material: 0,
-            emission: None,
-            trim: None,
-            receiver: None,
-            location: None,
-        }
-    }
 
     /// A box that is stretched and turned inside out, a ring, and a mesh twice, once mirrored.
     fn scene() -> Scene {
-        let mut description = Description::default();
-        description.materials.push(MaterialDescription {
-            name: String::new(),
-            kind: MaterialKind::diffuse(0.5),
-            location: None,
-        });
-        let cuboid = GeometryDescription::Cuboid { min: DVec3::ZERO, max: DVec3::ONE };
-        let stretched = DMat4::from_translation(DVec3::new(-5.0, 0.0, 0.0))
-            * DMat4::from_rotation_z(0.3)
-            * DMat4::from_scale(DVec3::new(1.0, 2.0, 3.0));
-        description.world.shapes = vec![shape(cuboid, stretched, true)];
-        let tent = GeometryDescription::Triangles {
-            positions: vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 2.0, 0.0), DVec3::new(0.0, 2.0, 1.0)],
-            indices: vec![[0, 1, 2], [0, 2, 3]],
-            normals: None,
-            uvs: None,
-        };
-        let disk = GeometryDescription::Disk { height: -1.0, radius: 1.0, inner_radius: 0.5, phi_max: 3.0 };
-        description.groups.push(GroupDescription {
-            name: "tent".into(),
-            shapes: vec![shape(tent, DMat4::IDENTITY, false), shape(disk, DMat4::IDENTITY, false)],
-            instances: Vec::new(),
-        });
-        let instance = |to_parent| InstanceDescription { group: 0, to_parent, location: None };
-        description.world.instances = vec![
-            instance(DMat4::from_translation(DVec3::X * 3.0)),
-            instance(DMat4::from_translation(DVec3::X * 9.0) * DMat4::from_scale(DVec3::new(-2.0, 2.0, 2.0))),
-        ];
-        Scene::resolve(description).unwrap().0
+        let grey = || MaterialKind::diffuse(0.5);
+        let cuboid = ShapeDescription::cuboid([0.0; 3], [1.0; 3]).scaled([1.0, 2.0, 3.0]);
+        let tent = ShapeDescription::mesh(
+            vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 2.0, 0.0), DVec3::new(0.0, 2.0, 1.0)],
+            vec![[0, 1, 2], [0, 2, 3]],
+        );
+        let ring = GeometryDescription::Disk { height: -1.0, radius: 1.0, inner_radius: 0.5, phi_max: 3.0 };
+        let right = |x: f64| DMat4::from_translation(DVec3::X * x);
+        SceneBuilder::new()
+            .shape(cuboid.rotated(DVec3::Z, 0.3).translated([-5.0, 0.0, 0.0]).reversed(), grey())
+            .group("tent", |group| group.shapes([tent, ring.into()], grey()))
+            .instance("tent", right(3.0))
+            .instance("tent", right(9.0) * DMat4::from_scale(DVec3::new(-2.0, 2.0, 2.0)))
+            .resolve()
+            .unwrap()
+            .0
     }
 
     #[test]

@@ -136,35 +136,16 @@ impl Square {
 mod tests {
     use std::f64::consts::PI;
 
-    use glanz_math::{DMat4, DVec3};
+    use glanz_geometry::bezier::TensorPatch;
+    use glanz_math::DVec3;
 
-    use crate::Scene;
+    use crate::SceneBuilder;
     use crate::description::*;
 
-    fn area(geometry: GeometryDescription, to_parent: DMat4, trim: Option<TrimDescription>) -> Option<f64> {
-        let mut description = Description::default();
-        description.materials.push(MaterialDescription {
-            name: String::new(),
-            kind: MaterialKind::diffuse(0.5),
-            location: None,
-        });
-        description.world.shapes.push(ShapeDescription {
-            geometry,
-            to_parent,
-            reverse_orientation: false,
-            material: 0,
-            emission: None,
-            trim,
-            receiver: None,
-            location: None,
-        });
-        let scene = Scene::resolve(description).unwrap().0;
+    fn area(shape: impl Into<ShapeDescription>) -> Option<f64> {
+        let scene = SceneBuilder::new().shape(shape, MaterialKind::diffuse(0.5)).resolve().unwrap().0;
         let placed = scene.placed_surfaces();
         placed[0].area(0..placed[0].faces())
-    }
-
-    fn sphere() -> GeometryDescription {
-        GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 1.0], phi_max: 7.0 }
     }
 
     /// Circles about (1/2, 1/2) as four rational quarters each; counter-clockwise, or clockwise for a negative radius.
@@ -187,49 +168,40 @@ mod tests {
         TrimDescription { loops: radii.iter().map(|&radius| circle(radius)).collect() }
     }
 
-    fn bilinear_square() -> GeometryDescription {
-        GeometryDescription::BezierPatches(BezierPatchesDescription {
-            degree_u: 1,
-            degree_v: 1,
-            patches: vec![vec![
-                [0.0, 0.0, 0.0, 1.0],
-                [0.0, 1.0, 0.0, 1.0],
-                [1.0, 0.0, 0.0, 1.0],
-                [1.0, 1.0, 0.0, 1.0],
-            ]],
-        })
+    fn bilinear_square() -> ShapeDescription {
+        let corners = [DVec3::ZERO, DVec3::Y, DVec3::X, DVec3::new(1.0, 1.0, 0.0)];
+        ShapeDescription::bezier_patches(&[TensorPatch::try_from_points(1, 1, &corners, None).unwrap()])
     }
 
     #[test]
     fn areas_are_those_of_closed_forms() {
-        let turned = DMat4::from_rotation_x(0.7) * DMat4::from_scale(DVec3::splat(2.0));
-        assert!((area(sphere(), turned, None).unwrap() - 16.0 * PI).abs() < 1e-12 * 16.0 * PI);
+        let sphere = || ShapeDescription::sphere(1.0);
+        let turned = sphere().scaled([2.0; 3]).rotated(DVec3::X, 0.7);
+        assert!((area(turned).unwrap() - 16.0 * PI).abs() < 1e-12 * 16.0 * PI);
         // A prolate spheroid with c = 2, a = 1: 2 pi (1 + (c / e) asin e), e^2 = 3/4.
         let e = 0.75_f64.sqrt();
         let expected = 2.0 * PI * (1.0 + 2.0 / e * e.asin());
-        let stretched = area(sphere(), DMat4::from_scale(DVec3::new(1.0, 1.0, 2.0)), None).unwrap();
+        let stretched = area(sphere().scaled([1.0, 1.0, 2.0])).unwrap();
         assert!((stretched - expected).abs() < 1e-6 * expected, "{stretched} {expected}");
-        let box_ = GeometryDescription::Cuboid { min: DVec3::ZERO, max: DVec3::ONE };
-        let stretched = area(box_, DMat4::from_scale(DVec3::new(1.0, 2.0, 3.0)), None).unwrap();
+        let cuboid = ShapeDescription::cuboid([0.0; 3], [1.0; 3]);
+        let stretched = area(cuboid.scaled([1.0, 2.0, 3.0])).unwrap();
         assert!((stretched - 22.0).abs() < 1e-12 * 22.0);
-        let endless = GeometryDescription::Plane { x: [f64::NEG_INFINITY, f64::INFINITY], y: [0.0, 1.0] };
-        assert_eq!(area(endless, DMat4::IDENTITY, None), None);
+        let endless = ShapeDescription::rectangle([f64::NEG_INFINITY, f64::INFINITY], [0.0, 1.0]);
+        assert_eq!(area(endless), None);
     }
 
     #[test]
     fn trimmed_areas_are_those_that_are_kept() {
-        let stretch = DMat4::from_scale(DVec3::new(3.0, 0.5, 2.0));
         for (rings_of, share) in [
             (rings(&[0.3]), 0.09 * PI),
             (rings(&[-0.25]), 1.0 - 0.0625 * PI),
             (rings(&[0.4, -0.3, 0.02]), PI * (0.16 - 0.09 + 0.0004)),
             (rings(&[0.01]), 1e-4 * PI),
         ] {
-            let flat = area(bilinear_square(), stretch, Some(rings_of.clone())).unwrap();
+            let flat = area(bilinear_square().scaled([3.0, 0.5, 2.0]).trimmed(rings_of.clone())).unwrap();
             assert!((flat - 1.5 * share).abs() < 1e-3 * 1.5 * share, "{flat} {share}");
             // A cylinder whose parameters have the same area everywhere.
-            let cylinder = GeometryDescription::Cylinder { radius: 0.5, z: [0.0, 2.0], phi_max: 7.0 };
-            let curved = area(cylinder, DMat4::IDENTITY, Some(rings_of)).unwrap();
+            let curved = area(ShapeDescription::cylinder(0.5, [0.0, 2.0]).trimmed(rings_of)).unwrap();
             assert!((curved - 2.0 * PI * share).abs() < 1e-3 * 2.0 * PI * share, "{curved} {share}");
         }
     }

@@ -1,13 +1,13 @@
 //! Rays that leave lights bring to a surface what the surface finds when it looks for the lights.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glanz_light::intensity::{AngularSystem, Distribution, Opening, OpeningShape, Symmetry};
-use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
+use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DMat4, DVec2, DVec3, Ray};
 use glanz_scene::description::*;
-use glanz_scene::{Light, LightId, Scene};
+use glanz_scene::{Light, LightId, Scene, SceneBuilder};
 
 /// Roots of x^5 = x + 1: steps of a sequence that fills four dimensions evenly.
 const STEP: f64 = 1.167_303_978_261_418_7;
@@ -24,55 +24,20 @@ fn bright(light: Spectrum) -> f64 {
     f64::from(light.mean(&Wavelengths::default()))
 }
 
-fn shape(geometry: GeometryDescription, emission: Option<bool>, to_parent: DMat4) -> ShapeDescription {
-    ShapeDescription {
-        geometry,
-        to_parent,
-        reverse_orientation: false,
-        material: 0,
-        emission: emission.map(|two_sided| EmissionDescription {
-            radiance: SpectralDistribution::Constant(2.0),
-            scale: 1.0,
-            power: None,
-            two_sided,
-        }),
-        trim: None,
-        receiver: None,
-        location: None,
-    }
+fn shining(shape: ShapeDescription, two_sided: bool, to_world: DMat4) -> ShapeDescription {
+    shape.emitting(EmissionDescription { two_sided, ..2.0.into() }).transformed(to_world)
 }
 
 /// A unit square at z = 0 that faces up, a screen that hides a part of it, and a light.
 fn scene(lamp: Option<ShapeDescription>, light: Option<(LightKind, DMat4)>) -> Scene {
-    let square = |corner: DVec3, side: f64| GeometryDescription::Bilinear {
-        positions: vec![
-            corner,
-            corner + DVec3::X * side,
-            corner + DVec3::Y * side,
-            corner + DVec3::new(side, side, 0.0),
-        ],
-        indices: vec![[0, 1, 2, 3]],
+    let square = |corner: [f64; 3], side: f64| {
+        ShapeDescription::parallelogram(corner, DVec3::X * side, DVec3::Y * side)
     };
-    let black = SpectrumInput::Value(SpectralDistribution::Constant(0.0));
-    let mut description = Description {
-        materials: vec![MaterialDescription {
-            name: String::new(),
-            kind: MaterialKind::diffuse(black),
-            location: None,
-        }],
-        ..Description::default()
-    };
-    description.world.shapes.push(shape(square(DVec3::ZERO, 1.0), None, DMat4::IDENTITY));
-    description.world.shapes.push(shape(square(DVec3::new(0.6, 0.5, 0.4), 0.3), None, DMat4::IDENTITY));
-    description.world.shapes.extend(lamp);
-    description.lights.extend(light.map(|(kind, to_world)| LightDescription {
-        kind,
-        emission: SpectralDistribution::Constant(3.0),
-        scale: 1.0,
-        to_world,
-        location: None,
-    }));
-    Scene::resolve(description).unwrap().0
+    let shapes = [square([0.0; 3], 1.0), square([0.6, 0.5, 0.4], 0.3)].into_iter().chain(lamp);
+    let builder = SceneBuilder::new().shapes(shapes, MaterialKind::diffuse(0.0));
+    let light =
+        light.map(|(kind, to_world)| LightDescription { to_world, ..LightDescription::new(kind, 3.0) });
+    light.into_iter().fold(builder, SceneBuilder::light).resolve().unwrap().0
 }
 
 /// A luminaire with different light in every plane, some of it upwards.
@@ -122,8 +87,7 @@ fn received(scene: &Scene) -> f64 {
 
 /// Lights by name, and whether their power is known.
 fn cases() -> Vec<(&'static str, Scene, bool)> {
-    let disk = GeometryDescription::Disk { height: 0.0, radius: 0.4, inner_radius: 0.0, phi_max: TAU };
-    let ball = GeometryDescription::Sphere { radius: 0.2, z: [-0.2, 0.2], phi_max: TAU };
+    let (disk, ball) = (ShapeDescription::disk(0.4), ShapeDescription::sphere(0.2));
     let up = DMat4::from_translation(DVec3::new(0.4, 0.5, 0.9));
     let down = up * DMat4::from_rotation_x(2.6);
     let spot = |falloff| LightKind::Spot {
@@ -148,9 +112,9 @@ fn cases() -> Vec<(&'static str, Scene, bool)> {
         ("luminaire as an area", scene(None, Some((luminaire(Some(opening)), turned))), true),
         ("distant", scene(None, Some((distant, DMat4::IDENTITY))), false),
         ("infinite", scene(None, Some((LightKind::Infinite, DMat4::IDENTITY))), false),
-        ("disk", scene(Some(shape(disk.clone(), Some(false), down)), None), true),
-        ("disk of two sides", scene(Some(shape(disk, Some(true), down)), None), true),
-        ("sphere", scene(Some(shape(ball, Some(false), up)), None), true),
+        ("disk", scene(Some(shining(disk.clone(), false, down)), None), true),
+        ("disk of two sides", scene(Some(shining(disk, true, down)), None), true),
+        ("sphere", scene(Some(shining(ball, false, up)), None), true),
     ]
 }
 
@@ -229,25 +193,10 @@ fn densities_of_rays_are_those_with_which_they_are_sent() {
 
 #[test]
 fn endless_planes_stop_light_from_afar() {
-    let mut description = Description::default();
-    let all = [f64::NEG_INFINITY, f64::INFINITY];
-    let ball = GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 1.0], phi_max: TAU };
-    description.materials.push(MaterialDescription {
-        name: String::new(),
-        kind: MaterialKind::diffuse(0.5),
-        location: None,
-    });
-    description.world.shapes.push(shape(ball, None, DMat4::IDENTITY));
-    let below = DMat4::from_translation(DVec3::new(0.0, 0.0, -100.0));
-    description.world.shapes.push(shape(GeometryDescription::Plane { x: all, y: all }, None, below));
-    description.lights.push(LightDescription {
-        kind: LightKind::Infinite,
-        emission: SpectralDistribution::Constant(1.0),
-        scale: 1.0,
-        to_world: DMat4::IDENTITY,
-        location: None,
-    });
-    let scene = Scene::resolve(description).unwrap().0;
+    let ball = ShapeDescription::sphere(1.0);
+    let below = ShapeDescription::plane().translated([0.0, 0.0, -100.0]);
+    let builder = SceneBuilder::new().shapes([ball, below], MaterialKind::diffuse(0.5));
+    let scene = builder.light(LightDescription::infinite(1.0)).resolve().unwrap().0;
     let rays: Vec<_> = (0..1000)
         .filter_map(|i| {
             let [place, direction] = point(i);

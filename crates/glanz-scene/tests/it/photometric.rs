@@ -1,44 +1,24 @@
 //! Luminaires in scenes: which way they shine, and how much.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 use glanz_light::intensity::{AngularSystem, Distribution, Opening, OpeningShape, Symmetry};
 use glanz_light::{SpectralDistribution, Wavelengths, units};
 use glanz_math::{DMat4, DVec2, DVec3, Ray};
 use glanz_scene::description::*;
-use glanz_scene::{Light, LightId, Scene, SceneErrorKind};
+use glanz_scene::{Light, LightId, Scene, SceneBuilder, SceneErrorKind};
 
 fn light(distribution: Distribution, opening: Option<Opening>, to_world: DMat4) -> LightDescription {
-    LightDescription {
-        kind: LightKind::Photometric { distribution: Arc::new(distribution), opening, from: DVec3::ZERO },
-        emission: SpectralDistribution::Rgb([5.0, 3.0, 1.0]),
-        scale: 1.0,
-        to_world,
-        location: None,
-    }
+    let kind = LightKind::Photometric { distribution: Arc::new(distribution), opening, from: DVec3::ZERO };
+    LightDescription { to_world, ..LightDescription::new(kind, [5.0, 3.0, 1.0]) }
 }
 
 /// A ball of radius 10 about the origin, and the lights.
 fn scene(lights: Vec<LightDescription>) -> Scene {
-    let mut description = Description { lights, ..Description::default() };
-    let grey = SpectrumInput::Value(SpectralDistribution::Constant(0.5));
-    description.materials.push(MaterialDescription {
-        name: String::new(),
-        kind: MaterialKind::diffuse(grey),
-        location: None,
-    });
-    description.world.shapes.push(ShapeDescription {
-        geometry: GeometryDescription::Sphere { radius: 10.0, z: [-10.0, 10.0], phi_max: TAU },
-        to_parent: DMat4::IDENTITY,
-        reverse_orientation: true,
-        material: 0,
-        emission: None,
-        trim: None,
-        receiver: None,
-        location: None,
-    });
-    Scene::resolve(description).unwrap().0
+    let ball = ShapeDescription::sphere(10.0).reversed();
+    let builder = SceneBuilder::new().shape(ball, MaterialKind::diffuse(0.5));
+    lights.into_iter().fold(builder, SceneBuilder::light).resolve().unwrap().0
 }
 
 /// 900 cd at C 0 and gamma 30, linearly less up to 20 degrees of C and 10 of gamma beside it.
@@ -173,10 +153,6 @@ fn rays_are_sent_by_their_flux_and_cannot_be_looked_for() {
 
 #[test]
 fn what_cannot_be_a_luminaire_is_refused() {
-    let resolve = |light: LightDescription| {
-        let description = Description { lights: vec![light], ..Description::default() };
-        Scene::resolve(description).unwrap_err().kind
-    };
     let uneven = light(beam(), None, DMat4::from_scale(DVec3::new(1.0, 1.0, 1.01)));
     let black = LightDescription {
         emission: SpectralDistribution::Constant(0.0),
@@ -184,7 +160,7 @@ fn what_cannot_be_a_luminaire_is_refused() {
     };
     let negative = LightDescription { scale: -1.0, ..light(beam(), None, DMat4::IDENTITY) };
     for (light, expected) in [(uneven, "transformation"), (black, "colour"), (negative, "emission")] {
-        match resolve(light) {
+        match SceneBuilder::new().light(light).resolve().unwrap_err().kind {
             SceneErrorKind::Range { what, .. } => assert!(what.ends_with(expected), "{what}"),
             other => unreachable!("{other}"),
         }

@@ -1,10 +1,8 @@
 //! Shapes that are receivers, found again by rays.
 
-use std::f64::consts::TAU;
-
-use glanz_math::{DMat4, DVec3, Ray};
+use glanz_math::{DVec3, Ray};
 use glanz_scene::description::*;
-use glanz_scene::{Scene, SceneErrorKind};
+use glanz_scene::{Scene, SceneBuilder, SceneErrorKind};
 
 const HERE: Location = Location { file: FileId(0), line: 4, column: 2 };
 
@@ -12,38 +10,20 @@ fn receiver(name: &str, cells: Option<[u32; 2]>) -> ReceiverDescription {
     ReceiverDescription { name: name.into(), cells, side: ReceiverSide::Both, location: Some(HERE) }
 }
 
-fn shape(geometry: GeometryDescription, x: f64, receiver: Option<ReceiverDescription>) -> ShapeDescription {
-    ShapeDescription {
-        geometry,
-        to_parent: DMat4::from_translation(DVec3::X * x),
-        reverse_orientation: false,
-        material: 0,
-        emission: None,
-        trim: None,
-        receiver,
-        location: None,
-    }
+fn shape(shape: ShapeDescription, x: f64, receiver: Option<ReceiverDescription>) -> ShapeDescription {
+    ShapeDescription { receiver, ..shape.translated([x, 0.0, 0.0]) }
 }
 
-fn triangle() -> GeometryDescription {
-    GeometryDescription::Triangles {
-        positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
-        indices: vec![[0, 1, 2]],
-        normals: None,
-        uvs: None,
-    }
+fn triangle() -> ShapeDescription {
+    ShapeDescription::mesh(vec![DVec3::ZERO, DVec3::X, DVec3::Y], vec![[0, 1, 2]])
 }
 
-fn disk() -> GeometryDescription {
-    GeometryDescription::Disk { height: 0.0, radius: 1.0, inner_radius: 0.0, phi_max: TAU }
+fn disk() -> ShapeDescription {
+    ShapeDescription::disk(1.0)
 }
 
-fn with(material: MaterialKind, shapes: Vec<ShapeDescription>) -> Description {
-    Description {
-        materials: vec![MaterialDescription { name: String::new(), kind: material, location: None }],
-        world: GroupDescription { shapes, ..GroupDescription::default() },
-        ..Description::default()
-    }
+fn with(material: MaterialKind, shapes: Vec<ShapeDescription>) -> SceneBuilder {
+    SceneBuilder::new().shapes(shapes, material)
 }
 
 fn grey() -> MaterialKind {
@@ -57,15 +37,14 @@ fn met(scene: &Scene, x: f64) -> u32 {
 
 #[test]
 fn rays_meet_receivers_by_their_shape_also_in_joined_meshes_and_behind_objects() {
-    let inner = GroupDescription { shapes: vec![shape(triangle(), 0.0, None)], ..Default::default() };
     let shapes = vec![
         shape(triangle(), 10.0, None),
         shape(triangle(), 20.0, Some(receiver("wall", Some([3, 4])))),
         shape(disk(), 30.0, Some(receiver("desk", None))),
         shape(triangle(), 40.0, Some(receiver("wall", None))),
     ];
-    let description = Description { groups: vec![inner], ..with(grey(), shapes) };
-    let (scene, warnings) = Scene::resolve(description).unwrap();
+    let inner = |group: SceneBuilder| group.shape(triangle(), grey());
+    let (scene, warnings) = with(grey(), shapes).group("triangle", inner).resolve().unwrap();
     assert!(warnings.is_empty());
     let [first, desk, last] = scene.receivers() else { panic!("{:?}", scene.receivers()) };
     assert_eq!([first.name(), desk.name(), last.name()], ["wall", "desk", "wall"]);
@@ -82,7 +61,7 @@ fn rays_meet_receivers_by_their_shape_also_in_joined_meshes_and_behind_objects()
 #[test]
 fn an_interface_that_measures_light_is_met_and_stops_none() {
     let shapes = vec![shape(disk(), 0.0, Some(receiver("plane", None))), shape(disk(), 5.0, None)];
-    let (scene, _) = Scene::resolve(with(MaterialKind::Interface, shapes)).unwrap();
+    let (scene, _) = with(MaterialKind::Interface, shapes).resolve().unwrap();
     let ray = Ray::new(DVec3::Z, -DVec3::Z);
     assert_eq!(scene.intersect(&ray, 2.0).unwrap().id, scene.receivers()[0].shape());
     assert!(!scene.occluded(&ray, 2.0));
@@ -91,32 +70,23 @@ fn an_interface_that_measures_light_is_met_and_stops_none() {
 
 #[test]
 fn a_mesh_without_area_measures_nothing() {
-    let flat = GeometryDescription::Triangles {
-        positions: vec![DVec3::ZERO, DVec3::X, DVec3::X],
-        indices: vec![[0, 1, 2]],
-        normals: None,
-        uvs: None,
-    };
-    let (scene, warnings) =
-        Scene::resolve(with(grey(), vec![shape(flat, 0.0, Some(receiver("none", None)))])).unwrap();
+    let flat = ShapeDescription::mesh(vec![DVec3::ZERO, DVec3::X, DVec3::X], vec![[0, 1, 2]]);
+    let (scene, warnings) = with(grey(), vec![flat.receiver("none")]).resolve().unwrap();
     assert!(scene.receivers().is_empty() && warnings.len() == 1);
 }
 
 #[test]
 fn impossible_receivers_are_told_with_their_place() {
     for cells in [[0, 1], [1, 0], [4097, 1], [1, 4097]] {
-        let error = Scene::resolve(with(grey(), vec![shape(disk(), 0.0, Some(receiver("a", Some(cells))))]));
-        let error = error.unwrap_err();
+        let shapes = vec![shape(disk(), 0.0, Some(receiver("a", Some(cells))))];
+        let error = with(grey(), shapes).resolve().unwrap_err();
         assert_eq!(error.location, Some(HERE));
         assert!(error.to_string().contains("it must be 1 to 4096"), "{error}");
     }
     let named = shape(disk(), 0.0, Some(receiver("", None)));
-    assert!(Scene::resolve(with(grey(), vec![named])).is_err());
-    let inner = GroupDescription {
-        shapes: vec![shape(disk(), 0.0, Some(receiver("a", None)))],
-        ..Default::default()
-    };
-    let error = Scene::resolve(Description { groups: vec![inner], ..with(grey(), Vec::new()) }).unwrap_err();
+    assert!(with(grey(), vec![named]).resolve().is_err());
+    let inner = |group: SceneBuilder| group.shape(shape(disk(), 0.0, Some(receiver("a", None))), grey());
+    let error = SceneBuilder::new().group("disk", inner).resolve().unwrap_err();
     assert_eq!(error.location, Some(HERE));
     assert!(matches!(error.kind, SceneErrorKind::ReceiverInGroup(name) if name == "a"));
 }

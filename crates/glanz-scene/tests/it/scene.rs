@@ -4,79 +4,45 @@ use std::f64::consts::{PI, TAU};
 
 use glanz_light::{SpectralDistribution, Wavelengths};
 use glanz_math::{DMat4, DVec2, DVec3, Ray};
-use glanz_scene::description::{
-    CameraDescription, Description, EmissionDescription, EmissionPower, FileId, FilmDescription,
-    GeometryDescription, GroupDescription, InstanceDescription, LightDescription, LightKind, Location,
-    MaterialDescription, MaterialKind, ShapeDescription,
-};
-use glanz_scene::{Camera, Interaction, Light, LightId, Scene, SceneErrorKind};
+use glanz_scene::description::*;
+use glanz_scene::{Camera, Interaction, Light, LightId, Scene, SceneBuilder, SceneError, SceneErrorKind};
 use glanz_shading::TransportMode;
 
 const HERE: Location = Location { file: FileId(0), line: 7, column: 3 };
 
-fn shape(geometry: GeometryDescription, to_parent: DMat4) -> ShapeDescription {
-    ShapeDescription {
-        geometry,
-        to_parent,
-        reverse_orientation: false,
-        material: 0,
-        emission: None,
-        trim: None,
-        receiver: None,
-        location: Some(HERE),
-    }
+fn located(shape: ShapeDescription) -> ShapeDescription {
+    ShapeDescription { location: Some(HERE), ..shape }
 }
 
-fn shining(geometry: GeometryDescription, to_parent: DMat4) -> ShapeDescription {
-    let emission = EmissionDescription {
-        radiance: SpectralDistribution::Rgb([2.0, 2.0, 2.0]),
-        scale: 1.0,
-        power: None,
-        two_sided: false,
-    };
-    ShapeDescription { emission: Some(emission), ..shape(geometry, to_parent) }
+fn shining(shape: ShapeDescription) -> ShapeDescription {
+    shape.emitting([2.0; 3])
 }
 
-fn unit_sphere() -> GeometryDescription {
-    GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 1.0], phi_max: TAU }
+fn unit_sphere() -> ShapeDescription {
+    ShapeDescription::sphere(1.0)
 }
 
-fn disk(radius: f64) -> GeometryDescription {
-    GeometryDescription::Disk { height: 0.0, radius, inner_radius: 0.0, phi_max: TAU }
+/// The unit square in z = 0 as a mesh, its normal along +z.
+fn square() -> ShapeDescription {
+    let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
+    let positions = corners.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect();
+    ShapeDescription::mesh(positions, vec![[0, 1, 2], [0, 2, 3]])
 }
 
-/// The unit square in z = 0, its normal along +z.
-fn square() -> GeometryDescription {
-    GeometryDescription::Triangles {
-        positions: vec![
-            DVec3::new(-0.5, -0.5, 0.0),
-            DVec3::new(0.5, -0.5, 0.0),
-            DVec3::new(0.5, 0.5, 0.0),
-            DVec3::new(-0.5, 0.5, 0.0),
-        ],
-        indices: vec![[0, 1, 2], [0, 2, 3]],
-        normals: None,
-        uvs: None,
-    }
+fn grey() -> MaterialKind {
+    MaterialKind::diffuse(0.5)
 }
 
-fn empty() -> Description {
-    Description {
-        materials: vec![MaterialDescription {
-            name: String::new(),
-            kind: MaterialKind::diffuse(0.5),
-            location: None,
-        }],
-        ..Description::default()
-    }
+fn with_shapes<const N: usize>(shapes: [ShapeDescription; N]) -> SceneBuilder {
+    SceneBuilder::new().shapes(shapes, grey())
 }
 
-fn with_shapes(shapes: Vec<ShapeDescription>) -> Description {
-    Description { world: GroupDescription { shapes, ..GroupDescription::default() }, ..empty() }
+fn resolve(builder: SceneBuilder) -> Scene {
+    builder.resolve().unwrap().0
 }
 
-fn resolve(description: Description) -> Scene {
-    Scene::resolve(description).unwrap().0
+fn error(builder: SceneBuilder) -> SceneError {
+    builder.resolve().unwrap_err()
 }
 
 /// A point of a small disk at the origin that faces -z, away from lights at z > 0 unless turned.
@@ -90,24 +56,10 @@ fn translate(x: f64, y: f64, z: f64) -> DMat4 {
 
 #[test]
 fn ray_meets_a_copy_of_a_copy_where_it_stands() {
-    let mut description = empty();
-    description.groups = vec![
-        GroupDescription {
-            shapes: vec![shape(unit_sphere(), translate(0.0, 0.0, 1.0))],
-            ..Default::default()
-        },
-        GroupDescription {
-            instances: vec![InstanceDescription {
-                group: 0,
-                to_parent: DMat4::from_scale(DVec3::splat(2.0)),
-                location: None,
-            }],
-            ..Default::default()
-        },
-    ];
-    description.world.instances =
-        vec![InstanceDescription { group: 1, to_parent: translate(5.0, 0.0, 0.0), location: None }];
-    let scene = resolve(description);
+    let inner = |group: SceneBuilder| group.shape(unit_sphere().translated(DVec3::Z), grey());
+    let outer = |group: SceneBuilder| group.instance("inner", DMat4::from_scale(DVec3::splat(2.0)));
+    let builder = SceneBuilder::new().group("inner", inner).group("outer", outer);
+    let scene = resolve(builder.instance("outer", translate(5.0, 0.0, 0.0)));
     // The sphere about (0, 0, 1) grows to radius 2 about (0, 0, 2) and moves to (5, 0, 2).
     let hit = scene.intersect(&Ray::new(DVec3::new(0.0, 0.0, 2.0), DVec3::X), f64::INFINITY).unwrap();
     assert!((hit.t - 3.0).abs() < 1e-12);
@@ -122,19 +74,10 @@ fn ray_meets_a_copy_of_a_copy_where_it_stands() {
 
 #[test]
 fn every_copy_of_a_shining_shape_is_a_light() {
-    let mut description = empty();
-    description.groups = vec![GroupDescription {
-        shapes: vec![shining(unit_sphere(), DMat4::IDENTITY), shape(disk(3.0), DMat4::IDENTITY)],
-        ..Default::default()
-    }];
-    for x in [-10.0, 10.0] {
-        description.world.instances.push(InstanceDescription {
-            group: 0,
-            to_parent: translate(x, 0.0, 0.0),
-            location: None,
-        });
-    }
-    let scene = resolve(description);
+    let shapes = [shining(unit_sphere()), ShapeDescription::disk(3.0)];
+    let builder = SceneBuilder::new().group("lamp", |group| group.shapes(shapes, grey()));
+    let place = |builder: SceneBuilder, x| builder.instance("lamp", translate(x, 0.0, 0.0));
+    let scene = resolve([-10.0, 10.0].into_iter().fold(builder, place));
     assert_eq!(scene.lights().len(), 2);
     for (x, light) in [(-10.0, LightId(0)), (10.0, LightId(1))] {
         let hit = scene.intersect(&Ray::new(DVec3::new(x, 0.0, 5.0), -DVec3::Z), f64::INFINITY).unwrap();
@@ -184,12 +127,12 @@ fn light_samples_fill_the_solid_angle_of_the_light() {
     let square_solid_angle = 4.0 * (0.25 / (h * (h * h + 0.5).sqrt())).atan();
     let of_disk = |r: f64| TAU * (1.0 - h / (h * h + r * r).sqrt());
     for (name, light, expected, tolerance) in [
-        ("sphere", shining(unit_sphere(), translate(0.0, 0.0, h)), of_cone(1.0 / h), 1e-12),
-        ("ellipsoid", shining(unit_sphere(), stretched), of_ellipsoid, 0.02),
-        ("disk", shining(disk(1.5), down), of_disk(1.5), 1e-3),
-        ("square", shining(square(), down), square_solid_angle, 1e-3),
+        ("sphere", unit_sphere().translated([0.0, 0.0, h]), of_cone(1.0 / h), 1e-12),
+        ("ellipsoid", unit_sphere().transformed(stretched), of_ellipsoid, 0.02),
+        ("disk", ShapeDescription::disk(1.5).transformed(down), of_disk(1.5), 1e-3),
+        ("square", square().transformed(down), square_solid_angle, 1e-3),
     ] {
-        let scene = resolve(with_shapes(vec![shape(disk(0.1), DMat4::IDENTITY), light]));
+        let scene = resolve(with_shapes([ShapeDescription::disk(0.1), shining(light)]));
         let from = observer(&scene);
         let found = solid_angle(&scene, &from, 128);
         assert!((found / expected - 1.0).abs() < tolerance, "{name}: {found} instead of {expected}");
@@ -198,9 +141,8 @@ fn light_samples_fill_the_solid_angle_of_the_light() {
 
 #[test]
 fn sphere_light_around_the_observer_fills_every_direction() {
-    let mut light = shining(unit_sphere(), DMat4::from_scale(DVec3::splat(2.0)));
-    light.reverse_orientation = true;
-    let scene = resolve(with_shapes(vec![shape(disk(0.1), DMat4::IDENTITY), light]));
+    let light = shining(unit_sphere().scaled([2.0; 3]).reversed());
+    let scene = resolve(with_shapes([ShapeDescription::disk(0.1), light]));
     let ray = Ray::new(DVec3::new(0.0, 0.0, -1.0), DVec3::Z);
     let from = scene.intersect(&ray, f64::INFINITY).unwrap();
     let found = solid_angle(&scene, &from, 64);
@@ -209,11 +151,8 @@ fn sphere_light_around_the_observer_fills_every_direction() {
 
 #[test]
 fn power_replaces_the_magnitude_of_the_radiance() {
-    let mut light = shining(disk(1.0), DMat4::from_scale(DVec3::splat(3.0)));
-    if let Some(emission) = &mut light.emission {
-        emission.power = Some(EmissionPower::Watts(90.0));
-    }
-    let scene = resolve(with_shapes(vec![light]));
+    let emission = EmissionDescription { power: Some(EmissionPower::Watts(90.0)), ..[2.0; 3].into() };
+    let scene = resolve(with_shapes([ShapeDescription::disk(1.0).scaled([3.0; 3]).emitting(emission)]));
     let Light::Area(light) = &scene.lights()[0] else { panic!("not an area light") };
     // Power = pi L A, A = pi 3^2.
     let hit = scene.intersect(&Ray::new(DVec3::new(1.0, 1.0, 5.0), -DVec3::Z), f64::INFINITY).unwrap();
@@ -227,9 +166,8 @@ fn power_replaces_the_magnitude_of_the_radiance() {
 #[test]
 fn mirrored_meshes_keep_their_outside_outside() {
     for (scale, reversed) in [(1.0, false), (-1.0, false), (1.0, true), (-1.0, true)] {
-        let mut square = shape(square(), DMat4::from_scale(DVec3::new(scale, 1.0, 1.0)));
-        square.reverse_orientation = reversed;
-        let scene = resolve(with_shapes(vec![square]));
+        let square = square().scaled([scale, 1.0, 1.0]);
+        let scene = resolve(with_shapes([if reversed { square.reversed() } else { square }]));
         let hit = scene.intersect(&Ray::new(DVec3::new(0.1, 0.2, 1.0), -DVec3::Z), f64::INFINITY).unwrap();
         let expected = if reversed { -DVec3::Z } else { DVec3::Z };
         assert_eq!(hit.point.normal, expected, "scale {scale}, reversed {reversed}");
@@ -238,21 +176,21 @@ fn mirrored_meshes_keep_their_outside_outside() {
 
 #[test]
 fn small_meshes_keep_number_material_and_side_when_joined() {
-    let mut description = with_shapes(Vec::new());
-    description.materials.push(MaterialDescription {
-        name: "black".to_owned(),
-        kind: MaterialKind::diffuse(0.0),
-        location: None,
-    });
+    let mut builder =
+        SceneBuilder::new().material("grey", grey()).material("black", MaterialKind::diffuse(0.0));
     for i in 0..6 {
-        let mut square = shape(square(), translate(2.0 * f64::from(i), 0.0, 0.0));
-        square.reverse_orientation = i % 2 == 1;
-        square.material = (i % 2) as usize;
-        description.world.shapes.push(square);
+        // A light among them is picked by its own number.
+        if i == 3 {
+            builder = builder.shape(shining(square()).translated([6.0, 2.0, 0.0]), "grey");
+        }
+        let square = square().translated([2.0 * f64::from(i), 0.0, 0.0]);
+        builder = if i % 2 == 1 {
+            builder.shape(square.reversed(), "black")
+        } else {
+            builder.shape(square, "grey")
+        };
     }
-    // A light among them is picked by its own number.
-    description.world.shapes.insert(3, shining(square(), translate(6.0, 2.0, 0.0)));
-    let scene = resolve(description);
+    let scene = resolve(builder);
     assert_eq!(scene.statistics().surfaces["trianglemesh"], 7);
     for i in 0..6_u32 {
         let ray = Ray::new(DVec3::new(2.0 * f64::from(i) + 0.25, 0.125, 1.0), -DVec3::Z);
@@ -272,14 +210,8 @@ fn small_meshes_keep_number_material_and_side_when_joined() {
 
 #[test]
 fn endless_plane_is_found_beside_bounded_things() {
-    let plane = GeometryDescription::Plane {
-        x: [f64::NEG_INFINITY, f64::INFINITY],
-        y: [f64::NEG_INFINITY, f64::INFINITY],
-    };
-    let scene = resolve(with_shapes(vec![
-        shape(unit_sphere(), DMat4::IDENTITY),
-        shape(plane, translate(0.0, 0.0, -1.0)),
-    ]));
+    let plane = ShapeDescription::plane().translated([0.0, 0.0, -1.0]);
+    let scene = resolve(with_shapes([unit_sphere(), plane]));
     let far = scene.intersect(&Ray::new(DVec3::new(1e6, 0.0, 9.0), -DVec3::Z), f64::INFINITY).unwrap();
     assert_eq!((far.t, far.id), (10.0, 1));
     let near = scene.intersect(&Ray::new(DVec3::new(0.0, 0.0, 9.0), -DVec3::Z), f64::INFINITY).unwrap();
@@ -289,15 +221,8 @@ fn endless_plane_is_found_beside_bounded_things() {
 
 #[test]
 fn infinite_light_samples_follow_the_cosine_on_the_side_of_the_viewer() {
-    let mut description = with_shapes(vec![shape(disk(1.0), DMat4::IDENTITY)]);
-    description.lights.push(LightDescription {
-        kind: LightKind::Infinite,
-        emission: SpectralDistribution::Constant(1.0),
-        scale: 3.0,
-        to_world: DMat4::IDENTITY,
-        location: None,
-    });
-    let scene = resolve(description);
+    let light = LightDescription { scale: 3.0, ..LightDescription::infinite(1.0) };
+    let scene = resolve(with_shapes([ShapeDescription::disk(1.0)]).light(light));
     let from = observer(&scene);
     let sample = scene
         .sample_light(scene.infinite_lights()[0], &from, DVec2::new(0.3, 0.6), &Wavelengths::default())
@@ -312,47 +237,36 @@ fn infinite_light_samples_follow_the_cosine_on_the_side_of_the_viewer() {
 
 #[test]
 fn faults_are_told_with_their_place() {
-    let singular = with_shapes(vec![shape(unit_sphere(), DMat4::ZERO)]);
-    let error = Scene::resolve(singular).unwrap_err();
-    assert_eq!(error.location, Some(HERE));
-    assert!(matches!(error.kind, SceneErrorKind::Transform { what: "shape", .. }));
+    let singular = error(with_shapes([located(unit_sphere().transformed(DMat4::ZERO))]));
+    assert_eq!(singular.location, Some(HERE));
+    assert!(matches!(singular.kind, SceneErrorKind::Transform { what: "shape", .. }));
 
-    let mut no_material = with_shapes(vec![shape(unit_sphere(), DMat4::IDENTITY)]);
+    let mut no_material = with_shapes([unit_sphere()]).describe().unwrap();
     no_material.materials.clear();
-    assert!(matches!(Scene::resolve(no_material).unwrap_err().kind, SceneErrorKind::Reference { .. }));
+    assert!(matches!(error(no_material.into()).kind, SceneErrorKind::Reference { .. }));
 
     let negative = GeometryDescription::Sphere { radius: -1.0, z: [-1.0, 1.0], phi_max: TAU };
-    let error = Scene::resolve(with_shapes(vec![shape(negative, DMat4::IDENTITY)])).unwrap_err();
-    assert!(matches!(error.kind, SceneErrorKind::Surface(_)), "{error}");
+    let negative = error(with_shapes([negative.into()]));
+    assert!(matches!(negative.kind, SceneErrorKind::Surface(_)), "{negative}");
 
-    let huge = with_shapes(vec![shape(unit_sphere(), DMat4::from_scale(DVec3::splat(1e31)))]);
-    assert!(matches!(Scene::resolve(huge).unwrap_err().kind, SceneErrorKind::Range { .. }));
+    let huge = error(with_shapes([unit_sphere().scaled([1e31; 3])]));
+    assert!(matches!(huge.kind, SceneErrorKind::Range { .. }));
 
-    let mut deep = empty();
-    for level in 0..20 {
-        let mut group = GroupDescription::default();
-        if level == 0 {
-            group.shapes.push(shape(unit_sphere(), DMat4::IDENTITY));
-        } else {
-            group.instances.push(InstanceDescription {
-                group: level - 1,
-                to_parent: DMat4::IDENTITY,
-                location: Some(HERE),
-            });
-        }
-        deep.groups.push(group);
+    let mut deep = SceneBuilder::new().group("0", |group| group.shape(unit_sphere(), grey()));
+    for level in 1..20 {
+        let inner = (level - 1).to_string();
+        deep = deep.group(level.to_string(), |group| group.instance(&inner, DMat4::IDENTITY));
     }
-    let error = Scene::resolve(deep).unwrap_err();
-    assert!(matches!(error.kind, SceneErrorKind::Nesting(_)));
+    assert!(matches!(error(deep).kind, SceneErrorKind::Nesting(_)));
 }
 
 #[test]
 fn degenerate_triangles_are_left_out_and_told() {
-    let mut description = with_shapes(vec![shape(square(), DMat4::IDENTITY)]);
-    if let GeometryDescription::Triangles { indices, .. } = &mut description.world.shapes[0].geometry {
+    let mut square = located(square());
+    if let GeometryDescription::Triangles { indices, .. } = &mut square.geometry {
         indices.push([1, 1, 2]);
     }
-    let (scene, warnings) = Scene::resolve(description).unwrap();
+    let (scene, warnings) = with_shapes([square]).resolve().unwrap();
     assert_eq!(scene.statistics().triangles, 2);
     assert_eq!(warnings.len(), 1);
     assert_eq!(warnings[0].location, Some(HERE));
@@ -360,15 +274,9 @@ fn degenerate_triangles_are_left_out_and_told() {
 
 #[test]
 fn spectra_outside_the_gamut_take_no_light_away_but_negative_light_is_refused() {
-    let infinite = |emission: SpectralDistribution, scale: f32| Description {
-        lights: vec![LightDescription {
-            kind: LightKind::Infinite,
-            emission,
-            scale,
-            to_world: DMat4::IDENTITY,
-            location: Some(HERE),
-        }],
-        ..empty()
+    let infinite = |emission: SpectralDistribution, scale: f32| {
+        let light = LightDescription { scale, location: Some(HERE), ..LightDescription::infinite(emission) };
+        SceneBuilder::new().light(light)
     };
     let ember = SpectralDistribution::try_blackbody(1200.0, 1.0).unwrap();
     let laser = SpectralDistribution::try_sampled(vec![(500.0, 0.0), (505.0, 9.0), (510.0, 0.0)]).unwrap();
@@ -383,7 +291,7 @@ fn spectra_outside_the_gamut_take_no_light_away_but_negative_light_is_refused() 
     let cold = SpectralDistribution::try_blackbody(3000.0, -1.0).unwrap();
     let colour = SpectralDistribution::Rgb([1.0, 1.0, -0.1]);
     for (emission, scale) in [(ember, -1.0), (dark, 1.0), (cold, 1.0), (colour, 1.0)] {
-        let error = Scene::resolve(infinite(emission, scale)).unwrap_err();
+        let error = error(infinite(emission, scale));
         assert_eq!(error.location, Some(HERE));
         assert!(matches!(error.kind, SceneErrorKind::Range { .. }), "{error:?}");
     }
@@ -396,9 +304,7 @@ fn thin_glass_lets_a_ray_straight_through() {
     let (pane, solid) =
         (MaterialKind::thin_dielectric(1.5, 1.0, 1.0), MaterialKind::dielectric(1.5, 1.0, 1.0));
     for (kind, sine_inside) in [(pane, sine), (solid, sine / 1.5)] {
-        let mut description = with_shapes(vec![shape(disk(1.0), DMat4::IDENTITY)]);
-        description.materials[0].kind = kind;
-        let scene = resolve(description);
+        let scene = resolve(SceneBuilder::new().shape(ShapeDescription::disk(1.0), kind));
         let hit = observer(&scene);
         let bsdf = hit.bsdf(&scene, &Wavelengths::default()).unwrap();
         let wo = DVec3::new(sine, 0.0, 0.8);
@@ -410,7 +316,7 @@ fn thin_glass_lets_a_ray_straight_through() {
 
 #[test]
 fn another_camera_sees_the_same_scene_from_elsewhere() {
-    let scene = resolve(with_shapes(vec![shining(unit_sphere(), DMat4::IDENTITY)]));
+    let scene = resolve(with_shapes([shining(unit_sphere())]));
     let film = FilmDescription { resolution: [2, 2], ..FilmDescription::default() };
     let to_world = DMat4::from_translation(DVec3::new(0.0, 0.0, -5.0));
     let camera = CameraDescription { to_world, ..CameraDescription::default() };
