@@ -1,41 +1,20 @@
 //! The walls of a room as receivers.
 
-use glanz_light::SpectralDistribution;
-use glanz_math::{DMat4, DVec3};
+use glanz_math::DVec3;
 use glanz_scene::Description;
-use glanz_scene::description::{
-    GeometryDescription, MaterialDescription, MaterialKind, ReceiverDescription, ReceiverSide,
-    ShapeDescription, SpectrumInput,
-};
+use glanz_scene::description::{MaterialKind, ShapeDescription};
 
 /// Adds the walls of a box from the origin to `size`, metres, to the shapes of the world.
 ///
 /// They face inwards, absorb everything, and are receivers: "floor", "ceiling", "wall x=0" and so on.
 pub fn add_walls(description: &mut Description, size: DVec3) {
     let material = description.materials.len();
-    let black = SpectrumInput::Value(SpectralDistribution::Constant(0.0));
-    let kind = MaterialKind::diffuse(black);
-    description.materials.push(MaterialDescription { name: String::new(), kind, location: None });
-    for (name, corner, u, v) in walls(size) {
-        description.world.shapes.push(ShapeDescription {
-            geometry: GeometryDescription::Bilinear {
-                positions: vec![corner, corner + u, corner + v, corner + u + v],
-                indices: vec![[0, 1, 2, 3]],
-            },
-            to_parent: DMat4::IDENTITY,
-            reverse_orientation: false,
-            material,
-            emission: None,
-            trim: None,
-            receiver: Some(ReceiverDescription {
-                name,
-                cells: None,
-                side: ReceiverSide::Front,
-                location: None,
-            }),
-            location: None,
-        });
-    }
+    description.materials.push(MaterialKind::diffuse(0.0).into());
+    let shape = |(name, corner, u, v)| ShapeDescription {
+        material,
+        ..ShapeDescription::parallelogram(corner, u, v).receiver(name)
+    };
+    description.world.shapes.extend(walls(size).map(shape));
 }
 
 /// Name, corner and sides of each; their cross product points inwards.

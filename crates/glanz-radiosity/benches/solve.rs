@@ -1,8 +1,6 @@
 //! Solvers over the number of elements, in a furnished room: all form factors with Gauss and Seidel's method, progressive refinement until a
 //! tenth of the light is left, and the hierarchical solver, which chooses its elements by a bound.
 
-use std::f64::consts::TAU;
-
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glanz_job::{CancelFlag, Silent};
 use glanz_math::DVec3;
@@ -10,7 +8,7 @@ use glanz_radiosity::elements::{ElementSettings, Elements};
 use glanz_radiosity::form_factor::FormFactors;
 use glanz_radiosity::solve::{GaussSeidel, Hierarchical, Progressive, gauss_seidel, hierarchical};
 use glanz_scene::Scene;
-use glanz_scene::description::GeometryDescription;
+use glanz_scene::description::ShapeDescription;
 
 // Shared with the tests, which may panic.
 #[allow(clippy::unwrap_used)]
@@ -22,8 +20,8 @@ use scenes::{parallelogram, scene, walls};
 /// Light that is left where progressive refinement ends, as a share of what was emitted.
 const LEFT: f64 = 0.1;
 
-fn cuboid(min: [f64; 3], max: [f64; 3]) -> (GeometryDescription, f32, f32) {
-    (GeometryDescription::Cuboid { min: DVec3::from(min), max: DVec3::from(max) }, 0.4, 0.0)
+fn cuboid(min: [f64; 3], max: [f64; 3]) -> (ShapeDescription, f32, f32) {
+    (ShapeDescription::cuboid(min, max), 0.4, 0.0)
 }
 
 /// 6 m x 5 m x 3 m: two lamps under the ceiling, a table with chairs, shelves with books, a rug and a ball in a corner.
@@ -57,7 +55,7 @@ fn room() -> Scene {
         }
     }
     shapes.push((parallelogram(DVec3::new(4.2, 1.0, 0.01), DVec3::X * 1.5, DVec3::Y * 2.5), 0.3, 0.0));
-    shapes.push((GeometryDescription::Sphere { radius: 0.5, z: [-0.5, 0.5], phi_max: TAU }, 0.6, 0.0));
+    shapes.push((ShapeDescription::sphere(0.5), 0.6, 0.0));
     scene(shapes)
 }
 

@@ -155,6 +155,13 @@ impl SceneBuilder {
         self
     }
 
+    /// Changes anything else of the description, such as the filter or the crop window.
+    #[must_use]
+    pub fn edit(mut self, change: impl FnOnce(&mut Description)) -> Self {
+        change(&mut self.description);
+        self
+    }
+
     fn unknown(mut self, what: &'static str, name: String) -> Self {
         self.error.get_or_insert(SceneErrorKind::Name { what, name });
         self

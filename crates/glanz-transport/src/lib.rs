@@ -13,39 +13,16 @@
 //! ```
 //! use glanz_job::{CancelFlag, Silent};
 //!
-//! use glanz_light::SpectralDistribution;
-//! use glanz_math::{DMat4, DVec3};
 //! use glanz_sampling::SamplerKind;
-//! use glanz_scene::Scene;
-//! use glanz_scene::description::*;
+//! use glanz_scene::description::{LightDescription, MaterialKind, ShapeDescription};
+//! use glanz_scene::{Scene, SceneBuilder};
 //! use glanz_transport::{Film, FilmFormat, Filter, IntegratorSettings, RenderSettings, render};
 //!
-//! let white = SpectralDistribution::Constant(1.0);
-//! let mut description = Description::default();
-//! description.film.resolution = [16, 16];
-//! description.materials.push(MaterialDescription {
-//!     name: String::new(),
-//!     kind: MaterialKind::diffuse(white.clone()),
-//!     location: None,
-//! });
-//! description.world.shapes.push(ShapeDescription {
-//!     geometry: GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 1.0], phi_max: std::f64::consts::TAU },
-//!     to_parent: DMat4::from_translation(DVec3::new(0.0, 0.0, 3.0)),
-//!     reverse_orientation: false,
-//!     material: 0,
-//!     emission: None,
-//!     trim: None,
-//!     receiver: None,
-//!     location: None,
-//! });
-//! description.lights.push(LightDescription {
-//!     kind: LightKind::Infinite,
-//!     emission: white,
-//!     scale: 1.0,
-//!     to_world: DMat4::IDENTITY,
-//!     location: None,
-//! });
-//!
+//! let description = SceneBuilder::new()
+//!     .resolution(16, 16)
+//!     .shape(ShapeDescription::sphere(1.0).translated([0.0, 0.0, 3.0]), MaterialKind::diffuse(1.0))
+//!     .light(LightDescription::infinite(1.0))
+//!     .describe()?;
 //! let filter = Filter::try_new(&description.filter)?;
 //! let integrator = IntegratorSettings::resolve(&description.integrator)?.build();
 //! let film = Film::try_new(FilmFormat::plain(description.film.resolution))?;

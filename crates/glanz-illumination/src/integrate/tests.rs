@@ -2,15 +2,16 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glanz_light::SpectralDistribution;
+use glanz_geometry::bezier::TrianglePatch;
 use glanz_light::units::LUMINOUS_EFFICACY;
 use glanz_math::{DMat4, DVec2, Ray};
+use glanz_scene::SceneBuilder;
 use glanz_scene::description::*;
 
 use super::*;
 
-const BLACK: usize = 0;
-const MIRROR: usize = 1;
+const BLACK: &str = "black";
+const MIRROR: &str = "mirror";
 /// Of the mirrors.
 const REFLECTANCE: f64 = 0.75;
 /// cd/m^2 of a lamp of radiance 1.
@@ -18,56 +19,40 @@ const LUMINANCE: f64 = LUMINOUS_EFFICACY;
 
 const EXACT: Tolerance = Tolerance { relative: 1e-7, absolute: 0.0 };
 
-fn shape(geometry: GeometryDescription, to_parent: DMat4, material: usize) -> ShapeDescription {
-    ShapeDescription {
-        geometry,
-        to_parent,
-        reverse_orientation: false,
-        material,
-        emission: None,
-        trim: None,
-        receiver: None,
-        location: None,
-    }
+/// A shape with the name of its material.
+type NamedShape = (ShapeDescription, &'static str);
+
+fn lamp(shape: ShapeDescription) -> NamedShape {
+    (shape.emitting(1.0), BLACK)
 }
 
-fn lamp(geometry: GeometryDescription, to_parent: DMat4) -> ShapeDescription {
-    let radiance = SpectralDistribution::Constant(1.0);
-    let emission = EmissionDescription { radiance, scale: 1.0, power: None, two_sided: false };
-    ShapeDescription { emission: Some(emission), ..shape(geometry, to_parent, BLACK) }
-}
-
-fn scene(shapes: Vec<ShapeDescription>) -> Scene {
+fn scene(shapes: Vec<NamedShape>) -> Scene {
     scene_with(shapes, Vec::new())
 }
 
-fn scene_with(shapes: Vec<ShapeDescription>, lights: Vec<LightDescription>) -> Scene {
-    let constant = |value: f64| SpectrumInput::Value(SpectralDistribution::Constant(value as f32));
-    let materials = [MaterialKind::diffuse(constant(0.0)), MaterialKind::mirror(constant(REFLECTANCE))];
-    let materials = materials.map(|kind| MaterialDescription { name: String::new(), kind, location: None });
-    let mut description = Description { materials: materials.into(), lights, ..Description::default() };
-    description.world.shapes = shapes;
-    Scene::resolve(description).unwrap().0
+fn scene_with(shapes: Vec<NamedShape>, lights: Vec<LightDescription>) -> Scene {
+    let materials = SceneBuilder::new()
+        .material(BLACK, MaterialKind::diffuse(0.0))
+        .material(MIRROR, MaterialKind::mirror(REFLECTANCE as f32));
+    let builder = shapes.into_iter().fold(materials, |builder, (shape, name)| builder.shape(shape, name));
+    lights.into_iter().fold(builder, SceneBuilder::light).resolve().unwrap().0
 }
 
-fn at(x: f64, y: f64, z: f64) -> DMat4 {
-    DMat4::from_translation(DVec3::new(x, y, z))
+/// A shape that faces down instead of up, moved by `at`.
+fn turned(shape: ShapeDescription, at: [f64; 3]) -> ShapeDescription {
+    shape.rotated(DVec3::X, PI).translated(at)
 }
 
-fn sphere(radius: f64) -> GeometryDescription {
-    GeometryDescription::Sphere { radius, z: [-radius, radius], phi_max: TAU }
+fn disk(radius: f64) -> ShapeDescription {
+    ShapeDescription::disk(radius)
 }
 
-fn disk(radius: f64) -> GeometryDescription {
-    GeometryDescription::Disk { height: 0.0, radius, inner_radius: 0.0, phi_max: TAU }
+fn sphere(radius: f64) -> ShapeDescription {
+    ShapeDescription::sphere(radius)
 }
 
-fn rectangle(x: [f64; 2], y: [f64; 2]) -> GeometryDescription {
-    GeometryDescription::Plane { x, y }
-}
-
-fn facing_down() -> DMat4 {
-    DMat4::from_rotation_x(PI)
+fn rectangle(x: [f64; 2], y: [f64; 2]) -> ShapeDescription {
+    ShapeDescription::rectangle(x, y)
 }
 
 fn close(found: f64, expected: f64, relative: f64, what: &str) {
@@ -104,28 +89,22 @@ fn by_rectangle(h: f64, x: [f64; 2], y: [f64; 2]) -> f64 {
 }
 
 /// The plane z = 0 as a mirror from -2 m to 2 m, as surfaces of several kinds.
-fn flat_mirrors() -> Vec<(&'static str, ShapeDescription)> {
+fn flat_mirrors() -> Vec<(&'static str, NamedShape)> {
     let corners = [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
-    let mesh = GeometryDescription::Triangles {
-        positions: corners.to_vec(),
-        indices: vec![[0, 1, 2], [0, 2, 3]],
-        normals: None,
-        uvs: None,
-    };
+    let mesh = ShapeDescription::mesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]);
     // Bent in its parameters, but flat.
     let patch = BezierPatchesDescription {
         degree_u: 2,
         degree_v: 1,
         patches: vec![[-2.0, 0.5, 2.0].iter().flat_map(|&x| [-2.0, 2.0].map(|y| [x, y, 0.0, 1.0])).collect()],
     };
-    let lid =
-        GeometryDescription::Cuboid { min: DVec3::new(-2.0, -2.0, -1.0), max: DVec3::new(2.0, 2.0, 0.0) };
+    let lid = ShapeDescription::cuboid([-2.0, -2.0, -1.0], [2.0, 2.0, 0.0]);
     vec![
-        ("plane", shape(rectangle([-2.0, 2.0], [-2.0, 2.0]), DMat4::IDENTITY, MIRROR)),
-        ("mesh", shape(mesh, DMat4::IDENTITY, MIRROR)),
-        ("patch", shape(GeometryDescription::BezierPatches(patch), DMat4::IDENTITY, MIRROR)),
-        ("disk", shape(disk(2.5), DMat4::IDENTITY, MIRROR)),
-        ("box", shape(lid, DMat4::IDENTITY, MIRROR)),
+        ("plane", (rectangle([-2.0, 2.0], [-2.0, 2.0]), MIRROR)),
+        ("mesh", (mesh, MIRROR)),
+        ("patch", (GeometryDescription::BezierPatches(patch).into(), MIRROR)),
+        ("disk", (disk(2.5), MIRROR)),
+        ("box", (lid, MIRROR)),
     ]
 }
 
@@ -133,9 +112,9 @@ fn flat_mirrors() -> Vec<(&'static str, ShapeDescription)> {
 fn flat_mirror_shows_a_lamp_at_its_image() {
     // Receivers at z = 1 look down, so that they see the lamps at z = 1.5 by way of the mirror alone: as if they were at z = -1.5.
     let lamps = [
-        ("sphere", lamp(sphere(0.1), at(0.3, 0.2, 1.5))),
-        ("disk", lamp(disk(0.2), at(0.3, 0.2, 1.5) * facing_down())),
-        ("rectangle", lamp(rectangle([-0.3, 0.3], [-0.05, 0.05]), at(0.3, 0.2, 1.5) * facing_down())),
+        ("sphere", lamp(sphere(0.1).translated([0.3, 0.2, 1.5]))),
+        ("disk", lamp(turned(disk(0.2), [0.3, 0.2, 1.5]))),
+        ("rectangle", lamp(turned(rectangle([-0.3, 0.3], [-0.05, 0.05]), [0.3, 0.2, 1.5]))),
     ];
     for (kind, lamp) in lamps {
         for (mirror, shape) in flat_mirrors() {
@@ -177,6 +156,7 @@ fn spherical_mirrors_follow_their_equation() {
     // The axis is that of x, where the parameters of spheres are regular. Lamp and receiver are on one side; of the ball the receiver faces the whole, and
     // its own front hides its back.
     let zone = GeometryDescription::Sphere { radius: 10.0, z: [-1.0, 1.0], phi_max: 1.0 };
+    let zone = ShapeDescription::from(zone);
     let cases = [
         ("ball", sphere(1.0), DVec3::X, 1.0, 1.0, 4.0),
         ("dish", zone.clone(), -DVec3::X, -10.0, -10.0, 3.0),
@@ -184,8 +164,8 @@ fn spherical_mirrors_follow_their_equation() {
     ];
     for (what, mirror, axis, curvature, vertex, s) in cases {
         let shapes = vec![
-            shape(mirror, DMat4::from_rotation_z(-0.5), MIRROR),
-            lamp(sphere(radius), DMat4::from_translation(axis * (vertex + s))),
+            (mirror.transformed(DMat4::from_rotation_z(-0.5)), MIRROR),
+            lamp(sphere(radius).transformed(DMat4::from_translation(axis * (vertex + s)))),
         ];
         let scene = scene(shapes);
         let reflections = Reflections::new(&scene).unwrap();
@@ -200,12 +180,12 @@ fn spherical_mirrors_follow_their_equation() {
 
 #[test]
 fn things_in_the_way_hide_the_image() {
-    let mirror = shape(rectangle([-2.0, 2.0], [-2.0, 2.0]), DMat4::IDENTITY, MIRROR);
-    let over = lamp(disk(0.4), at(0.0, 0.0, 1.5) * facing_down());
+    let mirror = (rectangle([-2.0, 2.0], [-2.0, 2.0]), MIRROR);
+    let over = lamp(turned(disk(0.4), [0.0, 0.0, 1.5]));
     let whole = LUMINANCE * REFLECTANCE * PI * 0.16 / (0.16 + 2.5 * 2.5);
     // Half of the hemisphere; and a disk on the axis, 0.75 m from the receiver, whose image in the mirror is farther away.
-    let curtain = shape(rectangle([-1.9, 0.0], [-2.0, 2.0]), at(0.0, 0.0, 0.5), BLACK);
-    let stop = shape(disk(0.05), at(0.0, 0.0, 0.25), BLACK);
+    let curtain = (rectangle([-1.9, 0.0], [-2.0, 2.0]).translated([0.0, 0.0, 0.5]), BLACK);
+    let stop = (disk(0.05).translated([0.0, 0.0, 0.25]), BLACK);
     let ring = whole - LUMINANCE * REFLECTANCE * PI * 0.0025 / (0.0025 + 0.75 * 0.75);
     for (hider, expected) in [(curtain, 0.5 * whole), (stop, ring)] {
         let scene = scene(vec![mirror.clone(), over.clone(), hider]);
@@ -223,9 +203,9 @@ fn trimmed_mirror_shows_what_is_left_of_the_image() {
     let corners = [[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [0.0, 1.0], [0.0, 0.0]];
     let points = corners.map(|[x, y]| [x, y, 1.0]).to_vec();
     let curve = TrimCurveDescription { degree: 1, knots: vec![0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0], points };
-    let mut mirror = shape(rectangle([-2.0, 2.0], [-2.0, 2.0]), DMat4::IDENTITY, MIRROR);
-    mirror.trim = Some(TrimDescription { loops: vec![TrimLoopDescription { curves: vec![curve] }] });
-    let scene = scene(vec![mirror, lamp(disk(0.4), at(0.0, 0.0, 1.5) * facing_down())]);
+    let mut mirror = (rectangle([-2.0, 2.0], [-2.0, 2.0]), MIRROR);
+    mirror.0.trim = Some(TrimDescription { loops: vec![TrimLoopDescription { curves: vec![curve] }] });
+    let scene = scene(vec![mirror, lamp(turned(disk(0.4), [0.0, 0.0, 1.5]))]);
     let reflections = Reflections::new(&scene).unwrap();
     let found = reflections.illuminance(DVec3::Z, -DVec3::Z, Tolerance { relative: 1e-3, absolute: 0.0 });
     let expected = 0.5 * LUMINANCE * REFLECTANCE * PI * 0.16 / (0.16 + 2.5 * 2.5);
@@ -252,8 +232,8 @@ fn horizon_cuts_lamps_and_their_images() {
     let wall = DMat4::from_translation(DVec3::new(2.0, 0.0, 0.0)) * DMat4::from_rotation_y(-0.5 * PI);
     for height in [0.0, 0.05, -0.08] {
         let shapes = vec![
-            shape(rectangle([-1.0, 1.0], [-1.0, 1.0]), wall, MIRROR),
-            lamp(sphere(0.1), at(1.0, 0.5, height)),
+            (rectangle([-1.0, 1.0], [-1.0, 1.0]).transformed(wall), MIRROR),
+            lamp(sphere(0.1).translated([1.0, 0.5, height])),
         ];
         let scene = scene(shapes);
         let reflections = Reflections::new(&scene).unwrap();
@@ -275,11 +255,11 @@ fn horizon_cuts_lamps_and_their_images() {
 #[test]
 fn back_of_a_lamp_is_dark() {
     // Turned away from the mirror, and from the receiver.
-    let mirror = shape(rectangle([-2.0, 2.0], [-2.0, 2.0]), DMat4::IDENTITY, MIRROR);
+    let mirror = (rectangle([-2.0, 2.0], [-2.0, 2.0]), MIRROR);
     for form in [disk(0.2), rectangle([-0.1, 0.1], [-0.1, 0.1])] {
-        let away = scene(vec![mirror.clone(), lamp(form.clone(), at(0.0, 0.0, 1.5))]);
-        let mut both = lamp(form, at(0.0, 0.0, 1.5));
-        if let Some(emission) = &mut both.emission {
+        let away = scene(vec![mirror.clone(), lamp(form.clone().translated([0.0, 0.0, 1.5]))]);
+        let mut both = lamp(form.translated([0.0, 0.0, 1.5]));
+        if let Some(emission) = &mut both.0.emission {
             emission.two_sided = true;
         }
         let both = scene(vec![mirror.clone(), both]);
@@ -306,14 +286,10 @@ fn room(radius: f64) -> Scene {
         [4.0, 4.0, 6.0],
         [3.0, 3.0, 3.0],
     ];
-    let patches = vec![patch.map(|[x, y, z]| [x, y, z, 1.0]).to_vec()];
-    let patch = GeometryDescription::BezierTriangles(BezierTrianglesDescription { degree: 3, patches });
-    let walls = GeometryDescription::Cuboid { min: DVec3::ZERO, max: DVec3::splat(10.0) };
-    scene(vec![
-        shape(walls, DMat4::IDENTITY, BLACK),
-        shape(patch, DMat4::IDENTITY, MIRROR),
-        lamp(sphere(radius), at(0.25, 5.0, 5.0)),
-    ])
+    let patch = TrianglePatch::try_from_points(3, &patch.map(DVec3::from_array), None).unwrap();
+    let patch = ShapeDescription::bezier_triangles(&[patch]);
+    let walls = ShapeDescription::cuboid([0.0; 3], [10.0; 3]);
+    scene(vec![(walls, BLACK), (patch, MIRROR), lamp(sphere(radius).translated([0.25, 5.0, 5.0]))])
 }
 
 /// What comes by way of a mirror, by rays: those from the place to every square of a grid over a rectangle of the plane x = 1 that is seen along `axis`
@@ -383,17 +359,8 @@ fn curved_mirror_agrees_with_rays() {
 
 #[test]
 fn points_light_by_the_cosine_and_have_no_image() {
-    let intensity = SpectralDistribution::Constant(2.0);
-    let kind = LightKind::Point { from: DVec3::new(0.0, 0.0, 2.0), range: None };
-    let light = |kind| LightDescription {
-        kind,
-        emission: intensity.clone(),
-        scale: 1.0,
-        to_world: DMat4::IDENTITY,
-        location: None,
-    };
-    let mirror = shape(rectangle([-9.0, 9.0], [-9.0, 9.0]), at(0.0, 0.0, 3.0), MIRROR);
-    let lit = scene_with(vec![mirror, shape(disk(0.1), at(0.5, 0.0, 1.0), BLACK)], vec![light(kind)]);
+    let mirror = (rectangle([-9.0, 9.0], [-9.0, 9.0]).translated([0.0, 0.0, 3.0]), MIRROR);
+    let lit = scene_with(vec![mirror, (disk(0.1).translated([0.5, 0.0, 1.0]), BLACK)], vec![lit_by_point()]);
     let reflections = Reflections::new(&lit).unwrap();
     assert_eq!(reflections.unreflected().collect::<Vec<_>>(), [LightId(0)]);
     let found = reflections.illuminance(DVec3::new(0.0, 1.5, 0.0), DVec3::Z, EXACT);
@@ -402,7 +369,7 @@ fn points_light_by_the_cosine_and_have_no_image() {
     assert_eq!(reflections.illuminance(DVec3::X, DVec3::Z, EXACT).total(), 0.0, "in the shadow");
     // The mean over a square around the foot: I times the solid angle of the square, 4 asin(1 / (1 + 4)) for half sides of 1 m seen from 2 m, over 4 m^2.
     let square = |uv: DVec2| Some(((2.0 * uv - 1.0).extend(0.0) * DVec3::new(-1.0, 1.0, 1.0), DVec3::Z, 4.0));
-    let bare = scene_with(Vec::new(), lit_by_point());
+    let bare = scene_with(Vec::new(), vec![lit_by_point()]);
     let mean = Reflections::new(&bare).unwrap().cell_mean(
         square,
         Tolerance { relative: 1e-6, absolute: 0.0 },
@@ -413,34 +380,30 @@ fn points_light_by_the_cosine_and_have_no_image() {
     assert!((mean.area - 4.0).abs() < 1e-12 && mean.error < 2e-6 * expected, "{mean:?}");
 }
 
-fn lit_by_point() -> Vec<LightDescription> {
-    let kind = LightKind::Point { from: DVec3::new(0.0, 0.0, 2.0), range: None };
-    let emission = SpectralDistribution::Constant(2.0);
-    vec![LightDescription { kind, emission, scale: 1.0, to_world: DMat4::IDENTITY, location: None }]
+fn lit_by_point() -> LightDescription {
+    LightDescription::point([0.0, 0.0, 2.0], 2.0)
 }
 
 #[test]
 fn what_cannot_be_integrated_is_named() {
     assert_eq!(Reflections::new(&scene(Vec::new())).err(), Some(IntegrateError::NoLamp));
-    let torus = GeometryDescription::Torus { major_radius: 1.0, minor_radius: 0.1, phi_max: TAU };
+    let torus = ShapeDescription::torus(1.0, 0.1);
     let ring = GeometryDescription::Disk { height: 0.0, radius: 1.0, inner_radius: 0.5, phi_max: TAU };
-    let mut hollow = lamp(sphere(1.0), DMat4::IDENTITY);
-    hollow.reverse_orientation = true;
+    let mut hollow = lamp(sphere(1.0));
+    hollow.0.reverse_orientation = true;
     let squeezed = DMat4::from_scale(DVec3::new(1.0, 1.0, 0.5));
     for (what, shape) in [
-        ("torus", lamp(torus, DMat4::IDENTITY)),
-        ("full disk", lamp(ring, DMat4::IDENTITY)),
+        ("torus", lamp(torus)),
+        ("full disk", lamp(ring.into())),
         ("inwards", hollow),
-        ("whole sphere", lamp(sphere(1.0), squeezed)),
+        ("whole sphere", lamp(sphere(1.0).transformed(squeezed))),
     ] {
         let scene = scene(vec![shape]);
         let error = Reflections::new(&scene).err().unwrap();
         assert!(matches!(error, IntegrateError::EmitterForm { light: LightId(0), shape: 0, .. }), "{error}");
         assert!(error.to_string().contains(what), "{error}");
     }
-    let kind = LightKind::Infinite;
-    let emission = SpectralDistribution::Constant(1.0);
-    let sky = LightDescription { kind, emission, scale: 1.0, to_world: DMat4::IDENTITY, location: None };
+    let sky = LightDescription::infinite(1.0);
     let error = Reflections::new(&scene_with(Vec::new(), vec![sky])).err();
     assert_eq!(error, Some(IntegrateError::Kind { light: LightId(0), kind: "infinite" }));
 }

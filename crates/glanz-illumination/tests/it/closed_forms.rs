@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 use crate::common::*;
 use glanz_illumination::GridResolution::Cells;
 use glanz_math::{DMat4, DVec2, DVec3};
+use glanz_scene::SceneBuilder;
+use glanz_scene::description::ShapeDescription;
 
 /// Particles of the tests; cells get 10^4 and more.
 const PARTICLES: u64 = 1 << 20;
@@ -13,11 +15,12 @@ const PARTICLES: u64 = 1 << 20;
 fn point_and_small_plate_follow_the_third_and_the_fourth_power_of_the_cosine() {
     let (height, candela) = (2.0, 100.0);
     let over = DVec3::new(0.5, -0.2, height);
-    let floor = Builder::default().shape(rectangle(6.0, 4.0), DMat4::IDENTITY, diffuse(0.0));
+    let floor = SceneBuilder::new().shape(rectangle(6.0, 4.0), diffuse(0.0));
     let cosine = |p: DVec2| height / (height * height + (p - over.truncate()).length_squared()).sqrt();
     let asked = [request("floor", 0, Cells([3, 2]))];
     // I cos / d^2 with d = h / cos.
-    let (point, balance) = maps(&floor.clone().point(over, candela as f32).scene(), &asked, PARTICLES);
+    let (point, balance) =
+        maps(&resolved(floor.clone().light(point_light(over, candela as f32))), &asked, PARTICLES);
     let lux = |p: DVec2| candela / (height * height) * cosine(p).powi(3);
     assert_map(&point[0], &cell_means(&point[0], lux), 0.01);
     assert!((balance.emitted / (4.0 * PI * candela) - 1.0).abs() < 1e-6 && balance.closes_to() < 1e-6);
@@ -25,8 +28,11 @@ fn point_and_small_plate_follow_the_third_and_the_fourth_power_of_the_cosine() {
     let radius = 0.01;
     let luminance = candela / (PI * radius * radius);
     let down = DMat4::from_translation(over) * DMat4::from_rotation_x(PI);
-    let plate = floor.shape(disk(radius), down, diffuse(0.0)).shining(luminance as f32);
-    let (plate, balance) = maps(&plate.scene(), &asked, PARTICLES / 2);
+    let plate = floor.shape(
+        ShapeDescription::disk(radius).transformed(down).emitting(candela_per_area(luminance as f32)),
+        diffuse(0.0),
+    );
+    let (plate, balance) = maps(&resolved(plate), &asked, PARTICLES / 2);
     let lux = |p: DVec2| candela / (height * height) * cosine(p).powi(4);
     assert_map(&plate[0], &cell_means(&plate[0], lux), 0.01);
     assert!((balance.emitted / (PI * candela) - 1.0).abs() < 1e-5 && balance.closes_to() < 1e-6);
@@ -35,12 +41,16 @@ fn point_and_small_plate_follow_the_third_and_the_fourth_power_of_the_cosine() {
 #[test]
 fn lambert_disk_lights_a_parallel_plane_as_its_view_factor_says() {
     let (height, radius, luminance) = (1.5, 0.8, 1000.0);
-    let down = at(0.0, 0.0, height) * DMat4::from_rotation_x(PI);
-    let scene = Builder::default()
-        .shape(rectangle(3.0, 3.0), DMat4::IDENTITY, diffuse(0.0))
-        .shape(disk(radius), down, diffuse(0.0))
-        .shining(luminance as f32)
-        .scene();
+    let down = DMat4::from_translation(DVec3::Z * height) * DMat4::from_rotation_x(PI);
+    let scene = SceneBuilder::new()
+        .shape(rectangle(3.0, 3.0), diffuse(0.0))
+        .shape(
+            ShapeDescription::disk(radius).transformed(down).emitting(candela_per_area(luminance as f32)),
+            diffuse(0.0),
+        )
+        .resolve()
+        .unwrap()
+        .0;
     let (maps, balance) = maps(&scene, &[request("floor", 0, Cells([3, 3]))], PARTICLES);
     // @howell2011: a small plane element and a parallel disk.
     let lux = |p: DVec2| {
@@ -58,12 +68,14 @@ fn flat_mirror_adds_an_image_of_the_source() {
     let (reflectance, candela) = (0.75, 100.0);
     let lamp = DVec3::new(0.3, 0.1, 1.0);
     // The mirror stands at x = -1, larger than what the floor can see in it.
-    let mirror_at = at(-1.0, 0.0, 0.0) * DMat4::from_rotation_y(0.5 * PI);
-    let scene = Builder::default()
-        .shape(rectangle(2.0, 2.0), DMat4::IDENTITY, diffuse(0.0))
-        .shape(rectangle(20.0, 20.0), mirror_at, mirror(reflectance as f32))
-        .point(lamp, candela as f32)
-        .scene();
+    let mirror_at = DMat4::from_translation(-DVec3::X) * DMat4::from_rotation_y(0.5 * PI);
+    let scene = SceneBuilder::new()
+        .shape(rectangle(2.0, 2.0), diffuse(0.0))
+        .shape(rectangle(20.0, 20.0).transformed(mirror_at), mirror(reflectance as f32))
+        .light(point_light(lamp, candela as f32))
+        .resolve()
+        .unwrap()
+        .0;
     let (maps, balance) = maps(&scene, &[request("floor", 0, Cells([3, 3]))], PARTICLES);
     let of = |source: DVec3, p: DVec2| {
         let way = source - p.extend(0.0);
@@ -80,11 +92,12 @@ fn integrating_sphere_is_lit_evenly() {
     // All over: E = P / (4 pi R^2 (1 - rho)) by what was reflected at least once, and what comes straight from the lamp in its
     // middle: P / (4 pi R^2). Together P / (4 pi R^2) / (1 - rho).
     let (radius, reflectance, candela) = (0.5, 0.9, 50.0);
-    let scene = Builder::default()
-        .shape(sphere(radius), DMat4::IDENTITY, diffuse(reflectance as f32))
-        .reversed()
-        .point(DVec3::ZERO, candela as f32)
-        .scene();
+    let scene = SceneBuilder::new()
+        .shape(ShapeDescription::sphere(radius).reversed(), diffuse(reflectance as f32))
+        .light(point_light(DVec3::ZERO, candela as f32))
+        .resolve()
+        .unwrap()
+        .0;
     let (maps, balance) = maps(&scene, &[request("sphere", 0, Cells([8, 6]))], PARTICLES / 8);
     let expected = candela / (radius * radius) / (1.0 - reflectance);
     assert_map(&maps[0], &[expected; 48], 0.01);
@@ -97,11 +110,12 @@ fn lamp_off_the_middle_of_an_integrating_sphere_adds_its_direct_light_alone() {
     // Light that a sphere reflects comes to all of it alike: E = direct + P rho / (1 - rho) / (4 pi R^2).
     let (radius, reflectance, candela) = (1.0, 0.6, 50.0);
     let lamp = DVec3::new(0.0, 0.0, 0.5);
-    let scene = Builder::default()
-        .shape(sphere(radius), DMat4::IDENTITY, diffuse(reflectance as f32))
-        .reversed()
-        .point(lamp, candela as f32)
-        .scene();
+    let scene = SceneBuilder::new()
+        .shape(ShapeDescription::sphere(radius).reversed(), diffuse(reflectance as f32))
+        .light(point_light(lamp, candela as f32))
+        .resolve()
+        .unwrap()
+        .0;
     let (maps, _) = maps(&scene, &[request("sphere", 0, Cells([4, 6]))], PARTICLES / 2);
     let indirect = candela * reflectance / (1.0 - reflectance);
     // Flux of the lamp through the cap of a polar angle t seen from the middle: the cosine of its angle at the lamp is

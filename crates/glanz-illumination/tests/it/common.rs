@@ -1,99 +1,39 @@
 //! Scenes for tests, and their maps.
 
-use std::f64::consts::TAU;
-
 use glanz_illumination::*;
 use glanz_job::{CancelFlag, Silent};
-use glanz_light::SpectralDistribution;
-use glanz_math::{DMat4, DVec2, DVec3};
-use glanz_scene::Scene;
+use glanz_math::{DVec2, DVec3};
 use glanz_scene::description::*;
+use glanz_scene::{Scene, SceneBuilder};
 
 /// Radiance, W/(m^2 sr), or intensity, W/sr, of white that is one candela per square metre or one candela.
 pub(crate) const CANDELA: f32 = 1.0 / 683.0;
 
-pub(crate) fn grey(value: f32) -> SpectrumInput {
-    SpectrumInput::Value(SpectralDistribution::Constant(value))
-}
-
 pub(crate) fn diffuse(reflectance: f32) -> MaterialKind {
-    MaterialKind::diffuse(grey(reflectance))
+    MaterialKind::diffuse(reflectance)
 }
 
 pub(crate) fn mirror(reflectance: f32) -> MaterialKind {
-    MaterialKind::mirror(grey(reflectance))
-}
-
-pub(crate) fn sphere(radius: f64) -> GeometryDescription {
-    GeometryDescription::Sphere { radius, z: [-radius, radius], phi_max: TAU }
-}
-
-pub(crate) fn disk(radius: f64) -> GeometryDescription {
-    GeometryDescription::Disk { height: 0.0, radius, inner_radius: 0.0, phi_max: TAU }
+    MaterialKind::mirror(reflectance)
 }
 
 /// The rectangle of these lengths about the origin, facing +z.
-pub(crate) fn rectangle(x: f64, y: f64) -> GeometryDescription {
-    GeometryDescription::Plane { x: [-0.5 * x, 0.5 * x], y: [-0.5 * y, 0.5 * y] }
+pub(crate) fn rectangle(x: f64, y: f64) -> ShapeDescription {
+    ShapeDescription::rectangle([-0.5 * x, 0.5 * x], [-0.5 * y, 0.5 * y])
 }
 
-pub(crate) fn at(x: f64, y: f64, z: f64) -> DMat4 {
-    DMat4::from_translation(DVec3::new(x, y, z))
+/// White light of this luminance, cd/m^2.
+pub(crate) fn candela_per_area(luminance: f32) -> EmissionDescription {
+    EmissionDescription { scale: luminance, ..CANDELA.into() }
 }
 
-/// Collects a scene; shapes are numbered from 0.
-#[derive(Clone, Default)]
-pub(crate) struct Builder(pub(crate) Description);
+/// A point of white light, candela.
+pub(crate) fn point_light(from: DVec3, candela: f32) -> LightDescription {
+    LightDescription { scale: candela, ..LightDescription::point(from, CANDELA) }
+}
 
-impl Builder {
-    pub(crate) fn shape(mut self, geometry: GeometryDescription, place: DMat4, kind: MaterialKind) -> Self {
-        let material = self.0.materials.len();
-        self.0.materials.push(MaterialDescription { name: String::new(), kind, location: None });
-        self.0.world.shapes.push(ShapeDescription {
-            geometry,
-            to_parent: place,
-            reverse_orientation: false,
-            material,
-            emission: None,
-            trim: None,
-            receiver: None,
-            location: None,
-        });
-        self
-    }
-
-    /// The last shape shines with so many cd/m^2 of white.
-    pub(crate) fn shining(mut self, luminance: f32) -> Self {
-        self.0.world.shapes.last_mut().unwrap().emission = Some(EmissionDescription {
-            radiance: SpectralDistribution::Constant(CANDELA),
-            scale: luminance,
-            power: None,
-            two_sided: false,
-        });
-        self
-    }
-
-    pub(crate) fn reversed(mut self) -> Self {
-        let shape = self.0.world.shapes.last_mut().unwrap();
-        shape.reverse_orientation = !shape.reverse_orientation;
-        self
-    }
-
-    /// A point of so many candela.
-    pub(crate) fn point(mut self, from: DVec3, candela: f32) -> Self {
-        self.0.lights.push(LightDescription {
-            kind: LightKind::Point { from, range: None },
-            emission: SpectralDistribution::Constant(CANDELA),
-            scale: candela,
-            to_world: DMat4::IDENTITY,
-            location: None,
-        });
-        self
-    }
-
-    pub(crate) fn scene(&self) -> Scene {
-        Scene::resolve(self.0.clone()).unwrap().0
-    }
+pub(crate) fn resolved(builder: SceneBuilder) -> Scene {
+    builder.resolve().unwrap().0
 }
 
 pub(crate) fn request(name: &str, shape: u32, fineness: GridResolution) -> ReceiverRequest {

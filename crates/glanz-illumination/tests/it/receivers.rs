@@ -5,14 +5,11 @@ use std::f64::consts::PI;
 use crate::common::*;
 use glanz_illumination::*;
 use glanz_math::{DMat4, DVec2, DVec3, Ray};
+use glanz_scene::SceneBuilder;
 use glanz_scene::description::*;
 
-fn mesh(positions: Vec<DVec3>, indices: Vec<[u32; 3]>) -> GeometryDescription {
-    GeometryDescription::Triangles { positions, indices, normals: None, uvs: None }
-}
-
 /// A rational quadratic patch: a quarter of a cylinder of radius 1 about z and height 2, over u in [0, 1] and v in [0, 2].
-fn quarter_cylinder() -> GeometryDescription {
+fn quarter_cylinder() -> ShapeDescription {
     let half = 0.5_f64.sqrt();
     let mut points = Vec::new();
     for (x, y, w) in [(1.0, 0.0, 1.0), (half, half, half), (0.0, 1.0, 1.0)] {
@@ -29,50 +26,49 @@ fn quarter_cylinder() -> GeometryDescription {
         points,
         domain: None,
     })
+    .into()
 }
 
 /// Shapes with their areas.
-fn shapes() -> Vec<(GeometryDescription, f64)> {
+fn shapes() -> Vec<(ShapeDescription, f64)> {
+    let ring = GeometryDescription::Disk { height: 0.2, radius: 2.0, inner_radius: 0.5, phi_max: 3.0 };
     let (o, x, y) = (DVec3::ZERO, DVec3::X, DVec3::Y);
     vec![
         (rectangle(3.0, 2.0), 6.0),
-        (disk(1.5), PI * 2.25),
-        (GeometryDescription::Disk { height: 0.2, radius: 2.0, inner_radius: 0.5, phi_max: 3.0 }, 1.5 * 3.75),
-        (mesh(vec![o, 2.0 * x, 2.0 * x + y, y], vec![[0, 1, 2], [0, 2, 3]]), 2.0),
-        (mesh(vec![o, 2.0 * x, y], vec![[0, 1, 2]]), 1.0),
+        (ShapeDescription::disk(1.5), PI * 2.25),
+        (ring.into(), 1.5 * 3.75),
+        (ShapeDescription::mesh(vec![o, 2.0 * x, 2.0 * x + y, y], vec![[0, 1, 2], [0, 2, 3]]), 2.0),
+        (ShapeDescription::mesh(vec![o, 2.0 * x, y], vec![[0, 1, 2]]), 1.0),
         // Not in a plane: counts by triangles.
-        (mesh(vec![o, x, x + y, y + DVec3::Z], vec![[0, 1, 2], [0, 2, 3]]), 0.5 + 0.5 * 3.0_f64.sqrt()),
         (
-            GeometryDescription::Bilinear {
-                positions: vec![o, 3.0 * x, y, 3.0 * x + y],
-                indices: vec![[0, 1, 2, 3]],
-            },
-            3.0,
+            ShapeDescription::mesh(vec![o, x, x + y, y + DVec3::Z], vec![[0, 1, 2], [0, 2, 3]]),
+            0.5 + 0.5 * 3.0_f64.sqrt(),
         ),
-        (sphere(0.5), PI),
+        (ShapeDescription::parallelogram(o, 3.0 * x, y), 3.0),
+        (ShapeDescription::sphere(0.5), PI),
         (quarter_cylinder(), PI),
-        (
-            GeometryDescription::Torus { major_radius: 2.0, minor_radius: 0.5, phi_max: 2.0 * PI },
-            4.0 * PI * PI,
-        ),
+        (ShapeDescription::torus(2.0, 0.5), 4.0 * PI * PI),
     ]
 }
 
 fn receivers(
-    geometry: GeometryDescription,
+    shape: ShapeDescription,
     place: DMat4,
     cells: GridResolution,
 ) -> (glanz_scene::Scene, Receivers) {
-    let scene = Builder::default().shape(geometry, place, diffuse(0.5)).scene();
+    let scene = SceneBuilder::new().shape(shape.transformed(place), diffuse(0.5)).resolve().unwrap().0;
     let receivers = Receivers::try_new(&scene, &[request("r", 0, cells)]).unwrap();
     (scene, receivers)
 }
 
 #[test]
 fn cells_share_the_area() {
-    for place in
-        [DMat4::IDENTITY, at(1.0, 2.0, 3.0) * DMat4::from_rotation_x(0.7) * DMat4::from_rotation_z(0.4)]
-    {
+    for place in [
+        DMat4::IDENTITY,
+        DMat4::from_translation(DVec3::new(1.0, 2.0, 3.0))
+            * DMat4::from_rotation_x(0.7)
+            * DMat4::from_rotation_z(0.4),
+    ] {
         for (number, (geometry, expected)) in shapes().into_iter().enumerate() {
             let (_, receivers) = receivers(geometry, place, GridResolution::Cells([7, 5]));
             let [receiver] = receivers.as_slice() else { panic!("{number}") };
@@ -85,7 +81,7 @@ fn cells_share_the_area() {
 #[test]
 fn rays_meet_the_cells_that_places_lie_in() {
     for (number, (geometry, _)) in shapes().into_iter().enumerate() {
-        let place = at(1.0, -2.0, 0.5) * DMat4::from_rotation_y(0.3);
+        let place = DMat4::from_translation(DVec3::new(1.0, -2.0, 0.5)) * DMat4::from_rotation_y(0.3);
         let (scene, receivers) = receivers(geometry, place, GridResolution::Cells([4, 3]));
         let receiver = &receivers.as_slice()[0];
         let placed = scene.placed_surfaces();
@@ -118,8 +114,9 @@ fn rays_meet_the_cells_that_places_lie_in() {
 fn walls_are_seen_upright_from_the_side_that_counts() {
     // A wall in the plane y = 0 that faces +y: someone in front, looking along -y, has +x to the left.
     let (o, x, z) = (DVec3::ZERO, DVec3::X, DVec3::Z);
-    let wall = mesh(vec![o, 4.0 * x, 4.0 * x + 2.0 * z, 2.0 * z], vec![[0, 2, 1], [0, 3, 2]]);
-    let scene = Builder::default().shape(wall, DMat4::IDENTITY, diffuse(0.5)).scene();
+    let wall =
+        ShapeDescription::mesh(vec![o, 4.0 * x, 4.0 * x + 2.0 * z, 2.0 * z], vec![[0, 2, 1], [0, 3, 2]]);
+    let scene = SceneBuilder::new().shape(wall, diffuse(0.5)).resolve().unwrap().0;
     let of = |side| {
         let asked = ReceiverRequest { side, ..request("wall", 0, GridResolution::Longer(4)) };
         Receivers::try_new(&scene, &[asked]).unwrap().as_slice()[0].clone()
@@ -131,7 +128,7 @@ fn walls_are_seen_upright_from_the_side_that_counts() {
     let back = of(ReceiverSide::Back);
     assert_eq!(back.positions()[0], DVec3::new(0.5, 0.0, 0.5));
     // A floor has x to the right and y up, seen from above.
-    let floor = Builder::default().shape(rectangle(2.0, 2.0), DMat4::IDENTITY, diffuse(0.5)).scene();
+    let floor = SceneBuilder::new().shape(rectangle(2.0, 2.0), diffuse(0.5)).resolve().unwrap().0;
     let floor = Receivers::try_new(&floor, &[request("floor", 0, GridResolution::Texel(0.9))]).unwrap();
     assert_eq!(floor.as_slice()[0].cells(), [2, 2]);
     assert_eq!(floor.as_slice()[0].positions()[1], DVec3::new(0.5, -0.5, 0.0));
@@ -139,11 +136,13 @@ fn walls_are_seen_upright_from_the_side_that_counts() {
 
 #[test]
 fn boxes_count_by_facets_and_names_that_repeat_are_numbered() {
-    let cuboid = GeometryDescription::Cuboid { min: DVec3::ZERO, max: DVec3::new(1.0, 2.0, 3.0) };
-    let scene = Builder::default()
-        .shape(cuboid, DMat4::IDENTITY, diffuse(0.5))
-        .shape(disk(1.0), at(5.0, 0.0, 0.0), diffuse(0.5))
-        .scene();
+    let cuboid = ShapeDescription::cuboid([0.0; 3], [1.0, 2.0, 3.0]);
+    let scene = SceneBuilder::new()
+        .shape(cuboid, diffuse(0.5))
+        .shape(ShapeDescription::disk(1.0).translated([5.0, 0.0, 0.0]), diffuse(0.5))
+        .resolve()
+        .unwrap()
+        .0;
     let asked =
         [request("box", 0, GridResolution::Cells([2, 2])), request("box", 1, GridResolution::Cells([2, 2]))];
     let receivers = Receivers::try_new(&scene, &asked).unwrap();
@@ -157,17 +156,18 @@ fn boxes_count_by_facets_and_names_that_repeat_are_numbered() {
 #[test]
 fn sides_of_a_border_count_by_themselves_and_stop_nothing() {
     // A point above the middle of a border: what goes down passes it and comes to the floor behind.
-    let mut scene = Builder::default()
-        .shape(rectangle(2.0, 2.0), DMat4::IDENTITY, MaterialKind::Interface)
-        .shape(rectangle(40.0, 40.0), at(0.0, 0.0, -1.0), diffuse(0.5))
-        .point(DVec3::new(0.0, 0.0, 1.0), 100.0);
-    scene.0.world.shapes[0].receiver = Some(ReceiverDescription {
+    let receiver = ReceiverDescription {
         name: "air".into(),
         cells: Some([1, 1]),
         side: ReceiverSide::Both,
         location: None,
-    });
-    let scene = scene.scene();
+    };
+    let border = ShapeDescription { receiver: Some(receiver), ..rectangle(2.0, 2.0) };
+    let scene = SceneBuilder::new()
+        .shape(border, MaterialKind::Interface)
+        .shape(rectangle(40.0, 40.0).translated([0.0, 0.0, -1.0]), diffuse(0.5))
+        .light(point_light(DVec3::new(0.0, 0.0, 1.0), 100.0));
+    let scene = resolved(scene);
     let asked = ReceiverRequest::of_scene(&scene, GridResolution::Longer(9));
     let (maps, balance) = maps(&scene, &asked, 1 << 17);
     let names: Vec<&str> = maps.iter().map(|map| map.name.as_str()).collect();
@@ -183,10 +183,7 @@ fn sides_of_a_border_count_by_themselves_and_stop_nothing() {
 
 #[test]
 fn shapes_without_end_or_parameters_are_refused() {
-    let endless = [f64::NEG_INFINITY, f64::INFINITY];
-    let scene = Builder::default()
-        .shape(GeometryDescription::Plane { x: endless, y: endless }, DMat4::IDENTITY, diffuse(0.5))
-        .scene();
+    let scene = resolved(SceneBuilder::new().shape(ShapeDescription::plane(), diffuse(0.5)));
     let refused =
         |shape| Receivers::try_new(&scene, &[request("sea", shape, GridResolution::Longer(4))]).unwrap_err();
     assert_eq!(refused(0), ReceiverError::NoParameters("sea".into()));

@@ -4,21 +4,23 @@ use crate::common::*;
 use glanz_illumination::*;
 use glanz_job::{CancelFlag, JobEnd, Silent};
 use glanz_math::{DMat4, DVec3};
-use glanz_scene::Scene;
+use glanz_scene::description::ShapeDescription;
+use glanz_scene::{Scene, SceneBuilder};
 use glanz_transport::codec::{Decoder, Encoder};
 
 /// A lamp above a glossless room of two mirrors and two plates.
 fn scene() -> Scene {
-    Builder::default()
-        .shape(rectangle(4.0, 4.0), DMat4::IDENTITY, diffuse(0.7))
+    SceneBuilder::new()
+        .shape(rectangle(4.0, 4.0), diffuse(0.7))
         .shape(
-            rectangle(4.0, 4.0),
-            at(0.0, 0.0, 3.0) * DMat4::from_rotation_x(std::f64::consts::PI),
+            rectangle(4.0, 4.0).rotated(DVec3::X, std::f64::consts::PI).translated([0.0, 0.0, 3.0]),
             diffuse(0.5),
         )
-        .shape(sphere(0.3), at(1.0, 0.0, 1.0), mirror(0.9))
-        .point(DVec3::new(0.0, 0.0, 2.0), 100.0)
-        .scene()
+        .shape(ShapeDescription::sphere(0.3).translated([1.0, 0.0, 1.0]), mirror(0.9))
+        .light(point_light(DVec3::new(0.0, 0.0, 2.0), 100.0))
+        .resolve()
+        .unwrap()
+        .0
 }
 
 fn receivers(scene: &Scene) -> Receivers {
@@ -93,11 +95,12 @@ fn runs_end_at_the_error_asked_for() {
 
 #[test]
 fn light_on_the_side_that_does_not_count_is_told() {
-    let scene = Builder::default()
-        .shape(rectangle(1.0, 1.0), at(0.0, 0.0, -1.0), diffuse(0.0))
-        .reversed()
-        .point(DVec3::ZERO, 1.0)
-        .scene();
+    let scene = SceneBuilder::new()
+        .shape(rectangle(1.0, 1.0).translated([0.0, 0.0, -1.0]).reversed(), diffuse(0.0))
+        .light(point_light(DVec3::ZERO, 1.0))
+        .resolve()
+        .unwrap()
+        .0;
     let receivers = Receivers::try_new(&scene, &[request("floor", 0, GridResolution::Longer(4))]).unwrap();
     let tally = sent(&scene, &receivers, Tally::new(&receivers, None), 4096, 1);
     assert_eq!(tally.received(0), (0.0, 0.0));
@@ -111,7 +114,11 @@ fn light_on_the_side_that_does_not_count_is_told() {
 #[test]
 fn far_field_of_a_lambert_disk_is_a_cosine() {
     let down = DMat4::from_rotation_x(std::f64::consts::PI);
-    let scene = Builder::default().shape(disk(0.1), down, diffuse(0.0)).shining(1000.0).scene();
+    let scene = SceneBuilder::new()
+        .shape(ShapeDescription::disk(0.1).transformed(down).emitting(candela_per_area(1000.0)), diffuse(0.0))
+        .resolve()
+        .unwrap()
+        .0;
     let receivers = Receivers::default();
     let tally = Tally::new(&receivers, FarFieldGrid::try_new(1, 18));
     let far = sent(&scene, &receivers, tally, 400_000, 2).far_field().unwrap();

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use glanz_job::{JobProgress, Silent};
 use glanz_math::DVec3;
-use glanz_scene::description::GeometryDescription;
+use glanz_scene::description::ShapeDescription;
 
 use super::*;
 use crate::elements::ElementSettings;
@@ -18,11 +18,9 @@ const COARSE: BakeSettings = BakeSettings { density: 5.0, rays: 64, shadow_rays:
 fn room() -> Scene {
     let mut shapes: Vec<_> = walls(DVec3::new(2.0, 2.0, 1.5)).into_iter().map(|w| (w, 0.7, 0.0)).collect();
     shapes.push((parallelogram(DVec3::new(0.5, 0.5, 1.4), DVec3::Y, DVec3::X), 0.3, 2.0));
-    let cuboid =
-        GeometryDescription::Cuboid { min: DVec3::new(0.4, 0.3, 0.0), max: DVec3::new(0.9, 0.8, 0.6) };
+    let cuboid = ShapeDescription::cuboid(DVec3::new(0.4, 0.3, 0.0), DVec3::new(0.9, 0.8, 0.6));
     shapes.push((cuboid, 0.5, 0.0));
-    let phi_max = std::f64::consts::TAU;
-    shapes.push((GeometryDescription::Sphere { radius: 0.4, z: [-0.4, 0.4], phi_max }, 0.6, 0.0));
+    shapes.push((ShapeDescription::sphere(0.4), 0.6, 0.0));
     scene(shapes)
 }
 

@@ -3,7 +3,7 @@ use std::f64::consts::PI;
 use glanz_job::Silent;
 use glanz_light::Wavelengths;
 use glanz_math::{DVec2, DVec3};
-use glanz_scene::description::{GeometryDescription, LightKind};
+use glanz_scene::description::{LightKind, ShapeDescription};
 
 use super::*;
 use crate::elements::ElementSettings;
@@ -93,13 +93,7 @@ fn lights_that_are_no_surfaces_shine_by_their_laws() {
 fn no_light_comes_through_a_wall() {
     // Two rooms, whose floors and ceilings end at the wall of 1 cm between them; a lamp in one of them.
     let room = |x: f64, size: DVec3| {
-        walls(size).into_iter().map(move |wall| match wall {
-            GeometryDescription::Bilinear { positions, indices } => {
-                let positions = positions.into_iter().map(|p| p + DVec3::X * x).collect();
-                (GeometryDescription::Bilinear { positions, indices }, 0.7, 0.0)
-            }
-            other => (other, 0.7, 0.0),
-        })
+        walls(size).into_iter().map(move |wall| (wall.translated(DVec3::X * x), 0.7, 0.0))
     };
     let size = DVec3::new(2.0, 2.0, 2.0);
     let mut shapes: Vec<_> = room(0.0, size).chain(room(2.01, size)).collect();
@@ -199,8 +193,7 @@ fn parts_of_a_chart_agree_where_the_wall_has_ended() {
 fn what_stands_on_a_floor_does_not_darken_it() {
     // Under an even sky, a slab so thin that it takes no light away.
     let floor = parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 2.0);
-    let slab =
-        GeometryDescription::Cuboid { min: DVec3::new(0.53, 0.61, 0.0), max: DVec3::new(1.37, 1.43, 0.001) };
+    let slab = ShapeDescription::cuboid(DVec3::new(0.53, 0.61, 0.0), DVec3::new(1.37, 1.43, 0.001));
     let scene = scene_with(vec![(floor, 0.5, 0.0), (slab, 0.5, 0.0)], vec![LightKind::Infinite]);
     let maps = baked(&scene, 0.5, &COARSE);
     let map = maps.iter().find(|map| map.chart.size == [13, 13] && !map.chart.back);
@@ -217,11 +210,7 @@ fn charts_that_meet_agree_on_the_edge() {
     let shapes = vec![
         (parallelogram(DVec3::ZERO, DVec3::X * 1.3, DVec3::Y * 2.0), 0.6, 0.0),
         (parallelogram(DVec3::X * 1.3, DVec3::X * 0.9, DVec3::Y * 2.0), 0.6, 0.0),
-        (
-            GeometryDescription::Cuboid { min: DVec3::new(0.9, 0.8, 0.0), max: DVec3::new(1.6, 1.2, 0.7) },
-            0.8,
-            0.0,
-        ),
+        (ShapeDescription::cuboid(DVec3::new(0.9, 0.8, 0.0), DVec3::new(1.6, 1.2, 0.7)), 0.8, 0.0),
         (parallelogram(DVec3::new(0.2, 0.1, 2.0), DVec3::Y * 0.6, DVec3::X * 0.6), 0.0, 5.0),
     ];
     let scene = scene(shapes);

@@ -23,8 +23,8 @@ fn mixed() -> Scene {
         [[a, b, b + 1], [a, b + 1, a + 1]]
     };
     let indices = (0..n).flat_map(side).collect();
-    let tube = GeometryDescription::Triangles { positions, indices, normals: None, uvs: None };
-    let sphere = GeometryDescription::Sphere { radius: 0.5, z: [-0.5, 0.5], phi_max: std::f64::consts::TAU };
+    let tube = ShapeDescription::mesh(positions, indices);
+    let sphere = ShapeDescription::sphere(0.5);
     let wall = parallelogram(DVec3::Z * 4.0, DVec3::X * 2.0, DVec3::Y);
     scene(vec![(tube, 0.5, 0.0), (sphere, 0.5, 0.0), (wall, 0.5, 0.0)])
 }
@@ -143,17 +143,13 @@ fn both_sides_of_a_room_have_charts() {
 /// A floor of 4 m x 3 m with walls of 1 cm on it: a box, a slanted sheet in two triangles, and a box that is too thick to part texels.
 fn walls_on_a_floor() -> Scene {
     let floor = parallelogram(DVec3::ZERO, DVec3::X * 4.0, DVec3::Y * 3.0);
-    let thin =
-        GeometryDescription::Cuboid { min: DVec3::new(1.5, 0.0, 0.0), max: DVec3::new(1.51, 2.0, 2.0) };
-    let thick =
-        GeometryDescription::Cuboid { min: DVec3::new(3.0, 2.0, 0.0), max: DVec3::new(4.0, 3.0, 2.0) };
+    let thin = ShapeDescription::cuboid(DVec3::new(1.5, 0.0, 0.0), DVec3::new(1.51, 2.0, 2.0));
+    let thick = ShapeDescription::cuboid(DVec3::new(3.0, 2.0, 0.0), DVec3::new(4.0, 3.0, 2.0));
     let corners = [DVec3::new(2.0, 0.5, 0.0), DVec3::new(3.4, 1.9, 0.0)];
-    let sheet = GeometryDescription::Triangles {
-        positions: vec![corners[0], corners[1], corners[1] + DVec3::Z, corners[0] + DVec3::Z],
-        indices: vec![[0, 1, 2], [0, 2, 3]],
-        normals: None,
-        uvs: None,
-    };
+    let sheet = ShapeDescription::mesh(
+        vec![corners[0], corners[1], corners[1] + DVec3::Z, corners[0] + DVec3::Z],
+        vec![[0, 1, 2], [0, 2, 3]],
+    );
     scene([floor, thin, thick, sheet].map(|shape| (shape, 0.5, 0.0)).into())
 }
 

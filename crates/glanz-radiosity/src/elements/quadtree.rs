@@ -137,7 +137,7 @@ mod tests {
     use std::f64::consts::{PI, TAU};
 
     use glanz_math::{DVec2, DVec3};
-    use glanz_scene::description::GeometryDescription;
+    use glanz_scene::description::{GeometryDescription, ShapeDescription};
 
     use super::*;
     use crate::elements::{ElementSettings, Part};
@@ -161,22 +161,17 @@ mod tests {
     }
 
     /// A square, a sphere, a triangle and a five-sided facet.
-    fn shapes() -> Vec<(GeometryDescription, f64)> {
+    fn shapes() -> Vec<(ShapeDescription, f64)> {
         let prism = {
             let side = |k: f64| (DVec3::new((k * TAU / 5.0).cos(), (k * TAU / 5.0).sin(), 0.0), 1.0);
             let mut half_spaces: Vec<_> = [0.0, 1.0, 2.0, 3.0, 4.0].map(side).into();
             half_spaces.extend([(DVec3::Z, 1.0), (-DVec3::Z, 1.0)]);
-            GeometryDescription::Polyhedron { half_spaces }
+            ShapeDescription::from(GeometryDescription::Polyhedron { half_spaces })
         };
-        let triangle = GeometryDescription::Triangles {
-            positions: vec![DVec3::ZERO, DVec3::X * 2.0, DVec3::Y],
-            indices: vec![[0, 1, 2]],
-            normals: None,
-            uvs: None,
-        };
+        let triangle = ShapeDescription::mesh(vec![DVec3::ZERO, DVec3::X * 2.0, DVec3::Y], vec![[0, 1, 2]]);
         vec![
             (parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y), 1.0),
-            (GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 1.0], phi_max: TAU }, 4.0 * PI),
+            (ShapeDescription::sphere(1.0), 4.0 * PI),
             (triangle, 1.0),
             // Its five sides are 2 tan(36 degrees) wide and 2 high.
             (prism, 4.0 * (PI / 5.0).tan()),

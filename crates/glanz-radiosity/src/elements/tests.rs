@@ -1,6 +1,6 @@
 use std::f64::consts::{PI, TAU};
 
-use glanz_scene::description::GeometryDescription;
+use glanz_scene::description::{GeometryDescription, ShapeDescription};
 
 use super::*;
 use crate::scenes::{parallelogram, scene, walls};
@@ -17,11 +17,16 @@ fn area(elements: &Elements<'_>, surface: u32, back: bool) -> f64 {
 
 #[test]
 fn both_sides_of_every_surface_are_covered() {
-    let sphere = GeometryDescription::Sphere { radius: 0.5, z: [-0.5, 0.5], phi_max: TAU };
-    let disk = GeometryDescription::Disk { height: 2.0, radius: 1.0, inner_radius: 0.25, phi_max: TAU };
+    let sphere = ShapeDescription::sphere(0.5);
+    let disk = ShapeDescription::from(GeometryDescription::Disk {
+        height: 2.0,
+        radius: 1.0,
+        inner_radius: 0.25,
+        phi_max: TAU,
+    });
     let octant: Vec<_> = [-DVec3::X, -DVec3::Y, -DVec3::Z].map(|normal| (normal, 0.0)).into();
     let corner = [octant, vec![(DVec3::ONE.normalize(), 1.0 / 3.0_f64.sqrt())]].concat();
-    let solid = GeometryDescription::Polyhedron { half_spaces: corner };
+    let solid = ShapeDescription::from(GeometryDescription::Polyhedron { half_spaces: corner });
     let scene = scene([sphere, disk, solid].into_iter().map(|shape| (shape, 0.5, 0.0)).collect());
     let elements = elements(&scene, 0.2);
     let expected = [PI, PI * (1.0 - 0.0625), 1.5 + 0.5 * 3.0_f64.sqrt()];
@@ -46,11 +51,16 @@ fn sides_are_no_longer_than_was_asked() {
 
 #[test]
 fn flat_polygons_are_told_from_what_is_round_or_twisted() {
-    let twisted = GeometryDescription::Bilinear {
+    let twisted = ShapeDescription::from(GeometryDescription::Bilinear {
         positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(1.0, 1.0, 0.3)],
         indices: vec![[0, 1, 2, 3]],
-    };
-    let disk = GeometryDescription::Disk { height: 2.0, radius: 1.0, inner_radius: 0.25, phi_max: TAU };
+    });
+    let disk = ShapeDescription::from(GeometryDescription::Disk {
+        height: 2.0,
+        radius: 1.0,
+        inner_radius: 0.25,
+        phi_max: TAU,
+    });
     let flat = parallelogram(DVec3::Z, DVec3::X, DVec3::new(0.3, 1.0, 0.0));
     let scene = scene(vec![(twisted, 0.5, 0.0), (disk, 0.5, 0.0), (flat, 0.5, 0.0)]);
     let elements = elements(&scene, 0.5);

@@ -1,6 +1,6 @@
 use std::f64::consts::TAU;
 
-use glanz_scene::description::GeometryDescription;
+use glanz_scene::description::{GeometryDescription, ShapeDescription};
 
 use super::*;
 use crate::elements::ElementSettings;
@@ -80,7 +80,9 @@ fn perpendicular_rectangles_with_a_common_side() {
 
 #[test]
 fn coaxial_disks() {
-    let disk = |height, radius| GeometryDescription::Disk { height, radius, inner_radius: 0.0, phi_max: TAU };
+    let disk = |height, radius| {
+        ShapeDescription::from(GeometryDescription::Disk { height, radius, inner_radius: 0.0, phi_max: TAU })
+    };
     let scene = scene(vec![(disk(0.0, 1.0), 0.5, 0.0), (disk(1.5, 0.7), 0.5, 0.0)]);
     let s = 1.0 + (1.5_f64.powi(2) + 0.7_f64.powi(2));
     let expected = 0.5 * (s - (s * s - 4.0 * 0.7_f64.powi(2)).sqrt());
@@ -92,7 +94,7 @@ fn coaxial_disks() {
 fn sphere_to_a_rectangle() {
     // Its middle is 1 m above a corner.
     let rectangle = parallelogram(DVec3::new(0.0, 0.0, -1.0), DVec3::X * 2.0, DVec3::Y * 1.5);
-    let sphere = GeometryDescription::Sphere { radius: 0.4, z: [-0.4, 0.4], phi_max: TAU };
+    let sphere = ShapeDescription::sphere(0.4);
     let scene = scene(vec![(sphere, 0.5, 0.0), (rectangle, 0.5, 0.0)]);
     let (x, y) = (0.5_f64, 1.0 / 1.5);
     let expected = (1.0 / (x * x + y * y + x * x * y * y).sqrt()).atan() / (4.0 * PI);
@@ -144,7 +146,7 @@ fn exchange_is_the_same_both_ways_and_rows_of_a_closed_room_sum_to_one() {
 
 #[test]
 fn rows_inside_a_sphere_sum_to_one() {
-    let sphere = GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 1.0], phi_max: TAU };
+    let sphere = ShapeDescription::sphere(1.0);
     let scene = scene(vec![(sphere, 0.5, 0.0)]);
     let elements = elements(&scene, 0.5);
     let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();

@@ -1,8 +1,7 @@
 use std::f64::consts::{PI, TAU};
 
-use glanz_math::DMat4;
-use glanz_scene::Scene;
 use glanz_scene::description::*;
+use glanz_scene::{Scene, SceneBuilder};
 
 use super::*;
 use crate::charts::charts;
@@ -24,7 +23,7 @@ fn area(triangles: &Triangles) -> f64 {
 }
 
 /// A shape of which a circle of radius 0.3 in the middle of its parameters is kept, or cut out.
-fn trimmed(geometry: GeometryDescription, kept: bool) -> Scene {
+fn trimmed(shape: ShapeDescription, kept: bool) -> Scene {
     let half = 0.5_f64.sqrt();
     let circle = [
         [1.0, 0.0],
@@ -56,36 +55,20 @@ fn trimmed(geometry: GeometryDescription, kept: bool) -> Scene {
     let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];
     loops
         .push(TrimLoopDescription { curves: vec![TrimCurveDescription { degree: 2, knots, points: round }] });
-    let mut description = Description::default();
-    description.materials.push(MaterialDescription {
-        name: String::new(),
-        kind: MaterialKind::diffuse(glanz_light::SpectralDistribution::Constant(0.5)),
-        location: None,
-    });
-    description.world.shapes.push(ShapeDescription {
-        geometry,
-        to_parent: DMat4::IDENTITY,
-        reverse_orientation: false,
-        material: 0,
-        emission: None,
-        trim: Some(TrimDescription { loops }),
-        receiver: None,
-        location: None,
-    });
-    Scene::resolve(description).unwrap().0
+    let shape = shape.trimmed(TrimDescription { loops });
+    SceneBuilder::new().shape(shape, MaterialKind::diffuse(0.5)).resolve().unwrap().0
 }
 
 #[test]
 fn triangles_are_within_the_tolerance_and_have_the_area() {
-    let sphere = GeometryDescription::Sphere { radius: 0.5, z: [-0.5, 0.5], phi_max: TAU };
-    let torus = GeometryDescription::Torus { major_radius: 1.0, minor_radius: 0.25, phi_max: TAU };
+    let (sphere, torus) = (ShapeDescription::sphere(0.5), ShapeDescription::torus(1.0, 0.25));
     let wall = scenes::parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y);
     for (shape, expected) in [(sphere, PI), (torus, PI * PI), (wall, 2.0)] {
         let scene = scenes::scene(vec![(shape.clone(), 0.5, 0.0)]);
         let made = all(&scene, 1e-3);
         let found: f64 = made.iter().map(area).sum();
         assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
-        if let GeometryDescription::Sphere { radius, .. } = shape {
+        if let GeometryDescription::Sphere { radius, .. } = shape.geometry {
             for triangles in &made {
                 for corners in &triangles.indices {
                     let [a, b, c] = corners.map(|i| triangles.positions[i as usize]);
@@ -122,7 +105,7 @@ fn trimming_curves_are_followed_within_the_tolerance() {
 #[test]
 fn no_triangle_leaves_a_gap_within_a_surface() {
     // Each edge of a closed surface belongs to two triangles; of a trimmed one, those on the border to one.
-    let torus = GeometryDescription::Torus { major_radius: 1.0, minor_radius: 0.25, phi_max: TAU };
+    let torus = ShapeDescription::torus(1.0, 0.25);
     for (scene, is_closed) in
         [(scenes::scene(vec![(torus.clone(), 0.5, 0.0)]), true), (trimmed(torus, true), false)]
     {
@@ -158,9 +141,14 @@ fn by_grid(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
 #[test]
 fn uneven_parameters_cost_no_triangles_and_twisted_ones_get_enough() {
     // A bowl, whose parameter runs with the height, so infinitely fast at its lowest point; and a twisted patch of straight lines.
-    let bowl = GeometryDescription::Paraboloid { radius: 0.15, z: [0.0, 0.075], phi_max: TAU };
+    let bowl = ShapeDescription::from(GeometryDescription::Paraboloid {
+        radius: 0.15,
+        z: [0.0, 0.075],
+        phi_max: TAU,
+    });
     let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(1.0, 1.0, 0.4)];
-    let twisted = GeometryDescription::Bilinear { positions, indices: vec![[0, 1, 2, 3]] };
+    let twisted =
+        ShapeDescription::from(GeometryDescription::Bilinear { positions, indices: vec![[0, 1, 2, 3]] });
     let tolerance = 1e-3;
     for shape in [bowl, twisted] {
         let scene = scenes::scene(vec![(shape, 0.5, 0.0)]);

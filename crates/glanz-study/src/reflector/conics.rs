@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use glanz_math::{DMat4, DVec3, Ray};
+use glanz_math::{DVec3, Ray};
 use glanz_sampling::{PixelSampler, SamplerKind, warp};
 use glanz_scene::Scene;
-use glanz_scene::description::GeometryDescription;
+use glanz_scene::description::{GeometryDescription, ShapeDescription};
 
 use super::revolution::Profile;
 use super::room::alone;
@@ -98,27 +98,24 @@ impl Conic {
     /// # Errors
     /// None that can happen: the surfaces are valid.
     pub(super) fn scene(self, made: Made) -> Result<(Scene, Option<u64>), StudyError> {
-        let mut to_world = DMat4::IDENTITY;
-        let geometry = match (made, self) {
+        let shape: ShapeDescription = match (made, self) {
             (Made::Quadric, Self::Parabolic) => {
                 GeometryDescription::Paraboloid { radius: 1.0, z: [0.0, 0.25 / FOCAL_LENGTH], phi_max: TAU }
+                    .into()
             }
-            (Made::Quadric, Self::Elliptic) => {
-                to_world = DMat4::from_scale(DVec3::new(ACROSS, ACROSS, 1.0));
-                GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 1.0], phi_max: TAU }
-            }
+            (Made::Quadric, Self::Elliptic) => ShapeDescription::sphere(1.0).scaled([ACROSS, ACROSS, 1.0]),
             (Made::Quadric, Self::Spherical) => {
-                GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 0.0], phi_max: TAU }
+                GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 0.0], phi_max: TAU }.into()
             }
-            (Made::Patches, _) => self.profile().patches(),
-            (Made::Facets(count), _) => self.profile().triangles(count, false),
-            (Made::Smooth(count), _) => self.profile().triangles(count, true),
+            (Made::Patches, _) => self.profile().patches().into(),
+            (Made::Facets(count), _) => self.profile().triangles(count, false).into(),
+            (Made::Smooth(count), _) => self.profile().triangles(count, true).into(),
         };
-        let triangles = match &geometry {
+        let triangles = match &shape.geometry {
             GeometryDescription::Triangles { indices, .. } => Some(indices.len() as u64),
             _ => None,
         };
-        Ok((alone(geometry, to_world)?, triangles))
+        Ok((alone(shape)?, triangles))
     }
 
     /// The ray of two numbers in [0, 1).

@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use glanz_geometry::bezier::TrianglePatch;
-use glanz_math::{DMat4, DVec3};
+use glanz_math::DVec3;
 use glanz_scene::Scene;
-use glanz_scene::description::GeometryDescription;
+use glanz_scene::description::ShapeDescription;
 
 use super::aimed::{ALL_CELLS, Aim, CELLS, End, follow};
 use super::mesh;
@@ -95,7 +95,7 @@ pub(super) fn measure(
     let parts = (1 + 2 * edges.len()) as f64;
     on_progress(0.0, "the exact mirror".to_owned());
     let (exact_case, exact) = {
-        let (scene, build) = built(|| room::described(std::slice::from_ref(&patch)))?;
+        let (scene, build) = built(|| ShapeDescription::bezier_triangles(std::slice::from_ref(&patch)))?;
         let (ends, time) = run(&scene, &aim, particles, settings)?;
         let case = Case { triangles: None, smooth: false, build, time, error: Error::default() };
         (case, Exact::of(ends, each))
@@ -106,7 +106,7 @@ pub(super) fn measure(
     {
         let triangles = u64::from(n).pow(2);
         on_progress(f64::from(number) / parts, format!("the mirror as {triangles} triangles"));
-        let (scene, build) = built(|| mesh::triangles(&patch, n, smooth))?;
+        let (scene, build) = built(|| mesh::triangles(&patch, n, smooth).into())?;
         let (ends, time) = run(&scene, &aim, particles, settings)?;
         let error = exact.error(&ends, each);
         cases.push(Case { triangles: Some(triangles), smooth, build, time, error });
@@ -122,9 +122,9 @@ fn ball(patch: &TrianglePatch) -> (DVec3, f64) {
 }
 
 /// A scene of the mirror, and the time that one thread takes from control points to it.
-fn built(make: impl Fn() -> GeometryDescription + Sync) -> Result<(Scene, Duration), StudyError> {
+fn built(make: impl Fn() -> ShapeDescription + Sync) -> Result<(Scene, Duration), StudyError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    pool.install(|| clock::repeated(|| (), |()| alone(make(), DMat4::IDENTITY)))
+    pool.install(|| clock::repeated(|| (), |()| alone(make())))
 }
 
 /// Where all particles end, and the time of this thread that following them takes.

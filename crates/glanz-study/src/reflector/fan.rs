@@ -192,14 +192,14 @@ pub(super) fn tell(rays: &[FanRay], report: &mut Report) {
 
 #[cfg(test)]
 mod tests {
-    use glanz_math::DMat4;
+    use glanz_scene::description::ShapeDescription;
 
     use super::super::room;
     use super::*;
 
     #[test]
     fn one_ray_of_the_fan_meets_the_mirror_and_reaches_the_ceiling_where_the_reference_says() {
-        let scene = room::alone(room::described(&[room::mirror().unwrap()]), DMat4::IDENTITY).unwrap();
+        let scene = room::alone(ShapeDescription::bezier_triangles(&[room::mirror().unwrap()])).unwrap();
         let rays = fan(&scene, 4);
         assert_eq!(rays.len(), 256);
         let hits: Vec<&FanRay> = rays.iter().filter(|ray| ray.meeting.is_some()).collect();
@@ -230,7 +230,7 @@ mod tests {
 
     #[test]
     fn rays_that_start_into_the_wall_of_the_lamp_have_no_end_and_all_others_have_one() {
-        let scene = room::alone(room::described(&[room::mirror().unwrap()]), DMat4::IDENTITY).unwrap();
+        let scene = room::alone(ShapeDescription::bezier_triangles(&[room::mirror().unwrap()])).unwrap();
         let rays = fan(&scene, 4);
         for ray in &rays {
             assert_eq!(ray.arrival.is_some(), ray.ray.direction.x >= 0.0, "{:?}", ray.nodes);

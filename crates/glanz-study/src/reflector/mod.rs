@@ -13,7 +13,7 @@ mod scene_plot;
 mod speed;
 mod tell;
 
-use glanz_math::DMat4;
+use glanz_scene::description::ShapeDescription;
 
 use self::conics::{Conic, Made};
 use self::tell::Row;
@@ -84,7 +84,7 @@ fn run_plan(
     };
     let particles = u32::try_from(wanted).ok().filter(|n| (1..=1_000_000_000).contains(n)).ok_or_else(bad)?;
     progress.report(0.0, "the fan of document 000");
-    let mirror = room::alone(room::described(&[room::mirror()?]), DMat4::IDENTITY)?;
+    let mirror = room::alone(ShapeDescription::bezier_triangles(&[room::mirror()?]))?;
     let fan = fan::fan(&mirror, 4);
     let (scene, receivers) = lux::room(plan.cells)?;
     let mut told = |done: f64| progress.report(LUX + (AGAINST - LUX) * done, "lux on the walls");

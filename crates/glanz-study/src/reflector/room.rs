@@ -3,13 +3,9 @@
 use glanz_formats::{Options, load_str};
 use glanz_geometry::SurfaceError;
 use glanz_geometry::bezier::TrianglePatch;
-use glanz_light::SpectralDistribution;
-use glanz_math::{DMat4, DVec3, Ray};
-use glanz_scene::description::{
-    BezierTrianglesDescription, GeometryDescription, MaterialDescription, MaterialKind, ShapeDescription,
-    SpectrumInput,
-};
-use glanz_scene::{Description, Scene};
+use glanz_math::{DVec3, Ray};
+use glanz_scene::description::{MaterialKind, ShapeDescription};
+use glanz_scene::{Description, Scene, SceneBuilder};
 
 use crate::newton::TRUE_POINTS;
 use crate::study::StudyError;
@@ -45,41 +41,17 @@ pub(super) fn mirror() -> Result<TrianglePatch, SurfaceError> {
     TrianglePatch::try_from_points(3, &TRUE_POINTS.map(DVec3::from_array), None)
 }
 
-/// Triangular patches as scenes take them.
-pub(super) fn described(patches: &[TrianglePatch]) -> GeometryDescription {
-    let points = |patch: &TrianglePatch| patch.control_points().iter().map(|p| p.to_array()).collect();
-    GeometryDescription::BezierTriangles(BezierTrianglesDescription {
-        degree: patches.first().map_or(1, TrianglePatch::degree),
-        patches: patches.iter().map(points).collect(),
-    })
-}
-
 /// A scene of one mirror, alone.
 ///
 /// # Errors
 /// Those of the geometry.
-pub(super) fn alone(geometry: GeometryDescription, to_world: DMat4) -> Result<Scene, StudyError> {
-    let mut description = Description::default();
-    add_mirror(&mut description, geometry, to_world);
-    Ok(Scene::resolve(description)?.0)
+pub(super) fn alone(shape: impl Into<ShapeDescription>) -> Result<Scene, StudyError> {
+    Ok(SceneBuilder::new().shape(shape, material()).resolve()?.0)
 }
 
-/// Adds a mirror to the world.
-pub(super) fn add_mirror(description: &mut Description, geometry: GeometryDescription, to_parent: DMat4) {
-    let reflectance = SpectrumInput::Value(SpectralDistribution::Constant(REFLECTANCE as f32));
-    let material = description.materials.len();
-    let kind = MaterialKind::mirror(reflectance);
-    description.materials.push(MaterialDescription { name: String::new(), kind, location: None });
-    description.world.shapes.push(ShapeDescription {
-        geometry,
-        to_parent,
-        reverse_orientation: false,
-        material,
-        emission: None,
-        trim: None,
-        receiver: None,
-        location: None,
-    });
+/// The material of mirrors.
+pub(super) fn material() -> MaterialKind {
+    MaterialKind::mirror(REFLECTANCE as f32)
 }
 
 /// A wall of the room.

@@ -4,12 +4,13 @@ use std::time::{Duration, Instant};
 
 use glanz_geometry::SurfaceError;
 use glanz_geometry::bezier::{Barycentric, TrianglePatch};
-use glanz_math::{DMat4, DVec2, DVec3, Ray};
-use glanz_scene::{Description, Scene};
+use glanz_math::{DVec2, DVec3, Ray};
+use glanz_scene::description::ShapeDescription;
+use glanz_scene::{Scene, SceneBuilder};
 use rayon::prelude::*;
 
 use super::aimed::{Aim, End, follow};
-use super::room::{add_mirror, described, mirror};
+use super::room::{material, mirror};
 use crate::clock::{Of, SHORTEST, Stopwatch};
 use crate::report::Report;
 use crate::study::{Settings, StudyError};
@@ -105,11 +106,11 @@ pub(super) fn measure(edges: &[u32], settings: &Settings) -> Result<Vec<Speed>, 
 }
 
 fn scene(mirrors: &[TrianglePatch], n: u32) -> Result<Scene, StudyError> {
-    let mut description = Description::default();
+    let mut builder = SceneBuilder::new();
     for patch in mirrors {
-        add_mirror(&mut description, described(&divided(patch, n)?), DMat4::IDENTITY);
+        builder = builder.shape(ShapeDescription::bezier_triangles(&divided(patch, n)?), material());
     }
-    Ok(Scene::resolve(description)?.0)
+    Ok(builder.resolve()?.0)
 }
 
 /// Particles that are reflected so often.

@@ -1,16 +1,13 @@
 //! A closed box whose walls all shine and reflect alike: what each place sends is E / (1 - rho).
 
 use glanz_job::Silent;
-use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
-use glanz_math::{DMat4, DVec3};
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::DVec3;
 use glanz_radiosity::elements::{Element, ElementSettings, Elements};
 use glanz_radiosity::form_factor::FormFactors;
 use glanz_radiosity::solve::{GaussSeidel, Hierarchical, Progressive, gauss_seidel, hierarchical};
-use glanz_scene::Scene;
-use glanz_scene::description::{
-    Description, EmissionDescription, GeometryDescription, MaterialDescription, MaterialKind,
-    ShapeDescription,
-};
+use glanz_scene::description::{MaterialKind, ShapeDescription};
+use glanz_scene::{Scene, SceneBuilder};
 
 use super::measure::{LEFT, Solver};
 use crate::study::{Settings, StudyError};
@@ -110,31 +107,6 @@ fn scene(reflectance: f32) -> Result<Scene, StudyError> {
     let [x, y, z] = [DVec3::X * SIZE.x, DVec3::Y * SIZE.y, DVec3::Z * SIZE.z];
     let walls =
         [(DVec3::ZERO, y, z), (x, z, y), (DVec3::ZERO, z, x), (y, x, z), (DVec3::ZERO, x, y), (z, y, x)];
-    let mut description = Description::default();
-    description.materials.push(MaterialDescription {
-        name: String::new(),
-        kind: MaterialKind::diffuse(reflectance),
-        location: None,
-    });
-    for (corner, u, v) in walls {
-        description.world.shapes.push(ShapeDescription {
-            geometry: GeometryDescription::Bilinear {
-                positions: vec![corner, corner + u, corner + v, corner + u + v],
-                indices: vec![[0, 1, 2, 3]],
-            },
-            to_parent: DMat4::IDENTITY,
-            reverse_orientation: false,
-            material: 0,
-            emission: Some(EmissionDescription {
-                radiance: SpectralDistribution::Constant(1.0),
-                scale: 1.0,
-                power: None,
-                two_sided: false,
-            }),
-            trim: None,
-            receiver: None,
-            location: None,
-        });
-    }
-    Ok(Scene::resolve(description)?.0)
+    let walls = walls.map(|(corner, u, v)| ShapeDescription::parallelogram(corner, u, v).emitting(1.0));
+    Ok(SceneBuilder::new().shapes(walls, MaterialKind::diffuse(reflectance)).resolve()?.0)
 }

@@ -3,15 +3,14 @@
 use std::time::Duration;
 
 use glanz_job::Silent;
-use glanz_light::{Pixels, SpectralDistribution, Tone};
-use glanz_math::{DMat4, DVec2, DVec3};
+use glanz_light::{Pixels, Tone};
+use glanz_math::{DVec2, DVec3};
 use glanz_sampling::SamplerKind;
-use glanz_scene::Scene;
 use glanz_scene::description::{
-    CameraDescription, CameraKind, Description, FilmDescription, FilterDescription, FilterKind,
-    GeometryDescription, IntegratorDescription, LightDescription, LightKind, MaterialDescription,
-    MaterialKind, ShapeDescription, SpectrumInput,
+    CameraDescription, Description, FilterDescription, FilterKind, LightDescription, MaterialKind,
+    ShapeDescription,
 };
+use glanz_scene::{Scene, SceneBuilder};
 use glanz_transport::{Film, FilmFormat, Filter, IntegratorSettings, RenderSettings, render};
 
 use crate::clock::{Of, Stopwatch};
@@ -30,52 +29,29 @@ const DIFFUSE: f32 = 0.15;
 const FOLD: f64 = 0.02;
 
 /// A scene of these surfaces: Phong's model under one light, seen from low enough that waves hide one another.
-pub(super) fn description(surfaces: Vec<GeometryDescription>, size: [u32; 2]) -> Description {
-    let grey = |value: f32| SpectrumInput::Value(SpectralDistribution::Constant(value));
-    let eye = DVec3::new(0.0, -3.0, 1.15);
-    let forward = (DVec3::new(0.0, 0.0, -0.05) - eye).normalize();
-    // As pbrt's frame: x to the right of the picture, y up, z forward.
-    let right = DVec3::Z.cross(forward).normalize();
-    let up = forward.cross(right);
-    let to_world = DMat4::from_cols(right.extend(0.0), up.extend(0.0), forward.extend(0.0), eye.extend(1.0));
-    let mut description = Description {
-        camera: CameraDescription {
-            kind: CameraKind::Perspective { field_of_view: 33.0_f64.to_radians() },
-            to_world,
-            ..CameraDescription::default()
-        },
-        film: FilmDescription { resolution: size, ..FilmDescription::default() },
-        filter: FilterDescription { kind: FilterKind::Box, radius: [0.5, 0.5] },
-        integrator: IntegratorDescription { name: "whitted".to_owned(), ..IntegratorDescription::default() },
-        materials: vec![MaterialDescription {
-            name: String::new(),
-            kind: MaterialKind::phong(grey(0.0), grey(DIFFUSE), grey(0.7), EXPONENT),
-            location: None,
-        }],
-        lights: vec![LightDescription {
-            kind: LightKind::Distant { from: DVec3::new(0.15, 0.5, 1.0), to: DVec3::ZERO },
-            // Irradiance pi: a white diffuse surface that faces the light has radiance 1.
-            emission: SpectralDistribution::Constant(1.0),
-            scale: std::f32::consts::PI,
-            to_world: DMat4::IDENTITY,
-            location: None,
-        }],
-        ..Description::default()
+///
+/// # Errors
+/// None that can happen: no name is used.
+pub(super) fn description(
+    surfaces: Vec<ShapeDescription>,
+    [width, height]: [u32; 2],
+) -> Result<Description, StudyError> {
+    let camera = CameraDescription::look_at([0.0, -3.0, 1.15], [0.0, 0.0, -0.05], DVec3::Z);
+    // Irradiance pi: a white diffuse surface that faces the light has radiance 1.
+    let light = LightDescription {
+        scale: std::f32::consts::PI,
+        ..LightDescription::distant([0.15, 0.5, 1.0], DVec3::ZERO, 1.0)
     };
-    description.world.shapes = surfaces
-        .into_iter()
-        .map(|geometry| ShapeDescription {
-            geometry,
-            to_parent: DMat4::IDENTITY,
-            reverse_orientation: false,
-            material: 0,
-            emission: None,
-            trim: None,
-            receiver: None,
-            location: None,
-        })
-        .collect();
-    description
+    let builder = SceneBuilder::new()
+        .camera(camera.with_field_of_view(33.0_f64.to_radians()))
+        .resolution(width, height)
+        .shapes(surfaces, MaterialKind::phong(0.0, DIFFUSE, 0.7, EXPONENT))
+        .light(light)
+        .edit(|scene| {
+            scene.filter = FilterDescription { kind: FilterKind::Box, radius: [0.5, 0.5] };
+            scene.integrator.name = "whitted".to_owned();
+        });
+    Ok(builder.describe()?)
 }
 
 /// The picture of `scene` by the renderer itself with one thread, and the processor time that the render takes.

@@ -6,11 +6,11 @@ use glanz_geometry::SurfaceError;
 use glanz_geometry::spline::NurbsSurface;
 use glanz_light::Pixels;
 use glanz_scene::Scene;
-use glanz_scene::description::{Description, GeometryDescription};
+use glanz_scene::description::ShapeDescription;
 use rayon::ThreadPool;
 
 use super::picture::{Difference, Sights, description, grey_rmse, highlights, picture};
-use super::surface::{Triangles, described, exact_bytes, places, wavy};
+use super::surface::{Triangles, exact_bytes, places, wavy};
 use crate::clock;
 use crate::study::{Settings, StudyError};
 
@@ -56,9 +56,9 @@ impl<'a> Stage<'a> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
         let surfaces: Vec<NurbsSurface> =
             places(count).iter().map(wavy).collect::<Result<_, SurfaceError>>()?;
-        let make = || surfaces.iter().map(described).collect();
+        let make = || surfaces.iter().map(ShapeDescription::nurbs).collect();
         let (scene, build) = build(&pool, &make, size)?;
-        let (pixels, render) = picture(&scene, &description(Vec::new(), size), settings)?;
+        let (pixels, render) = picture(&scene, &description(Vec::new(), size)?, settings)?;
         let sights = Sights::of(&scene, size, settings)?;
         let bytes = surfaces.iter().map(exact_bytes).sum::<Result<usize, SurfaceError>>()?;
         let difference = Difference::default();
@@ -71,7 +71,7 @@ impl<'a> Stage<'a> {
         self.settings.cancel.check()?;
         let make = || self.surfaces.iter().map(|s| Triangles::of(s, n).described()).collect();
         let (scene, build) = build(&self.pool, &make, self.size)?;
-        let (pixels, render) = picture(&scene, &description(Vec::new(), self.size), self.settings)?;
+        let (pixels, render) = picture(&scene, &description(Vec::new(), self.size)?, self.settings)?;
         let sights = Sights::of(&scene, self.size, self.settings)?;
         drop(scene);
         let bytes =
@@ -115,18 +115,10 @@ impl<'a> Stage<'a> {
 /// The scene of what `make` gives, and the time to make and build it with one thread.
 fn build(
     pool: &ThreadPool,
-    make: &(dyn Fn() -> Vec<GeometryDescription> + Sync),
+    make: &(dyn Fn() -> Vec<ShapeDescription> + Sync),
     size: [u32; 2],
 ) -> Result<(Scene, Duration), StudyError> {
-    pool.install(|| {
-        clock::repeated(
-            || (),
-            |()| {
-                let described: Description = description(make(), size);
-                Ok(Scene::resolve(described)?.0)
-            },
-        )
-    })
+    pool.install(|| clock::repeated(|| (), |()| Ok(Scene::resolve(description(make(), size)?)?.0)))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use glanz_geometry::mesh::Mesh;
 use glanz_geometry::spline::{KnotVector, NurbsSurface};
 use glanz_math::DVec3;
 use glanz_math::glam::DVec4;
-use glanz_scene::description::{GeometryDescription, NurbsDescription};
+use glanz_scene::description::{GeometryDescription, ShapeDescription};
 
 /// Control points along each side: eight by eight bicubic patches.
 const POINTS: usize = 11;
@@ -52,18 +52,6 @@ pub(super) fn wavy(place: &Place) -> Result<NurbsSurface, SurfaceError> {
     NurbsSurface::from_knots(knots.clone(), knots, points)
 }
 
-/// The surface as a scene takes it.
-pub(super) fn described(surface: &NurbsSurface) -> GeometryDescription {
-    GeometryDescription::Nurbs(NurbsDescription {
-        degree_u: surface.knots_u().degree(),
-        degree_v: surface.knots_v().degree(),
-        knots_u: surface.knots_u().knots().to_vec(),
-        knots_v: surface.knots_v().knots().to_vec(),
-        points: surface.control_points().iter().map(|p| p.to_array()).collect(),
-        domain: None,
-    })
-}
-
 /// Bytes that the exact surface takes.
 pub(super) fn exact_bytes(surface: &NurbsSurface) -> Result<usize, SurfaceError> {
     Ok(surface.to_freeform()?.bytes())
@@ -101,9 +89,9 @@ impl Triangles {
     }
 
     /// The mesh as a scene takes it.
-    pub(super) fn described(self) -> GeometryDescription {
+    pub(super) fn described(self) -> ShapeDescription {
         let Self { positions, normals, indices } = self;
-        GeometryDescription::Triangles { positions, indices, normals: Some(normals), uvs: None }
+        GeometryDescription::Triangles { positions, indices, normals: Some(normals), uvs: None }.into()
     }
 
     /// Bytes that the mesh takes.

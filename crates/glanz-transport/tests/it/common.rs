@@ -1,145 +1,56 @@
 //! Scenes from a few words, and what comes out of them.
 
-use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
 use glanz_job::{CancelFlag, JobEnd, Silent};
-use glanz_light::SpectralDistribution;
-use glanz_math::{DMat4, DVec3};
+use glanz_math::DVec3;
 use glanz_sampling::SamplerKind;
-use glanz_scene::Scene;
 use glanz_scene::description::*;
+use glanz_scene::{Scene, SceneBuilder};
 use glanz_transport::{
     Aov, AovSet, Film, FilmFormat, Filter, Guide, Integrator, IntegratorSettings, PixelRect, RenderError,
     RenderOutcome, RenderSettings, render,
 };
 
-pub(crate) fn grey(value: f32) -> SpectrumInput {
-    SpectrumInput::Value(SpectralDistribution::Constant(value))
-}
-
-pub(crate) fn rgb(value: [f32; 3]) -> SpectrumInput {
-    SpectrumInput::Value(SpectralDistribution::Rgb(value))
-}
-
 pub(crate) fn diffuse(reflectance: f32) -> MaterialKind {
-    MaterialKind::diffuse(grey(reflectance))
+    MaterialKind::diffuse(reflectance)
 }
 
 pub(crate) fn glass() -> MaterialKind {
-    MaterialKind::dielectric(1.5, grey(1.0), grey(1.0))
+    MaterialKind::dielectric(1.5, 1.0, 1.0)
 }
 
-pub(crate) fn sphere(radius: f64) -> GeometryDescription {
-    GeometryDescription::Sphere { radius, z: [-radius, radius], phi_max: TAU }
+pub(crate) fn cuboid(half: f64) -> ShapeDescription {
+    ShapeDescription::cuboid(DVec3::splat(-half), DVec3::splat(half))
 }
 
-pub(crate) fn disk(radius: f64) -> GeometryDescription {
-    GeometryDescription::Disk { height: 0.0, radius, inner_radius: 0.0, phi_max: TAU }
+/// A rectangle of two triangles with corner `o` and edges `a` and `b`, its normal along a x b.
+pub(crate) fn rectangle(o: DVec3, a: DVec3, b: DVec3) -> ShapeDescription {
+    ShapeDescription::mesh(vec![o, o + a, o + a + b, o + b], vec![[0, 1, 2], [0, 2, 3]])
 }
 
-pub(crate) fn plane() -> GeometryDescription {
-    let all = [f64::NEG_INFINITY, f64::INFINITY];
-    GeometryDescription::Plane { x: all, y: all }
+/// A scene of one pixel so small that everywhere in it the camera sees the same.
+pub(crate) fn one_pixel(from: DVec3, to: DVec3) -> SceneBuilder {
+    looking(from, to, [1, 1], 1e-6)
 }
 
-pub(crate) fn cuboid(half: f64) -> GeometryDescription {
-    GeometryDescription::Cuboid { min: DVec3::splat(-half), max: DVec3::splat(half) }
+/// A scene without shapes that the box filter weighs; `angle`: field of view, radians.
+pub(crate) fn looking(from: DVec3, to: DVec3, [width, height]: [u32; 2], angle: f64) -> SceneBuilder {
+    let up = if (to - from).normalize().x.abs() < 0.9 { DVec3::X } else { DVec3::Y };
+    let filter = FilterDescription { kind: FilterKind::Box, radius: [0.5, 0.5] };
+    SceneBuilder::new()
+        .camera(CameraDescription::look_at(from, to, up).with_field_of_view(angle))
+        .resolution(width, height)
+        .edit(|scene| scene.filter = filter)
 }
 
-/// A rectangle with corner `o` and edges `a` and `b`, its normal along a x b.
-pub(crate) fn rectangle(o: DVec3, a: DVec3, b: DVec3) -> GeometryDescription {
-    let positions = vec![o, o + a, o + a + b, o + b];
-    GeometryDescription::Triangles {
-        positions,
-        indices: vec![[0, 1, 2], [0, 2, 3]],
-        normals: None,
-        uvs: None,
-    }
+pub(crate) fn described(builder: &SceneBuilder) -> Description {
+    builder.clone().describe().unwrap()
 }
 
-pub(crate) fn at(x: f64, y: f64, z: f64) -> DMat4 {
-    DMat4::from_translation(DVec3::new(x, y, z))
-}
-
-/// A scene under construction.
-#[derive(Clone)]
-pub(crate) struct Builder(pub(crate) Description);
-
-impl Builder {
-    /// One pixel so small that everywhere in it the camera sees the same.
-    pub(crate) fn one_pixel(from: DVec3, to: DVec3) -> Self {
-        Self::looking(from, to, [1, 1], 1e-6)
-    }
-
-    /// `angle`: field of view, radians.
-    pub(crate) fn looking(from: DVec3, to: DVec3, resolution: [u32; 2], angle: f64) -> Self {
-        let forward = (to - from).normalize();
-        let up = if forward.x.abs() < 0.9 { DVec3::X } else { DVec3::Y };
-        let right = up.cross(forward).normalize();
-        let up = forward.cross(right);
-        let mut description = Description::default();
-        description.camera.to_world =
-            DMat4::from_cols(right.extend(0.0), up.extend(0.0), forward.extend(0.0), from.extend(1.0));
-        description.camera.kind = CameraKind::Perspective { field_of_view: angle };
-        description.film.resolution = resolution;
-        description.filter = FilterDescription { kind: FilterKind::Box, radius: [0.5, 0.5] };
-        Self(description)
-    }
-
-    pub(crate) fn shape(mut self, geometry: GeometryDescription, place: DMat4, kind: MaterialKind) -> Self {
-        let material = self.0.materials.len();
-        self.0.materials.push(MaterialDescription { name: String::new(), kind, location: None });
-        self.0.world.shapes.push(ShapeDescription {
-            geometry,
-            to_parent: place,
-            reverse_orientation: false,
-            material,
-            emission: None,
-            trim: None,
-            receiver: None,
-            location: None,
-        });
-        self
-    }
-
-    /// Makes the last shape emit from its front.
-    pub(crate) fn shining(mut self, radiance: [f32; 3]) -> Self {
-        self.0.world.shapes.last_mut().unwrap().emission = Some(EmissionDescription {
-            radiance: SpectralDistribution::Rgb(radiance),
-            scale: 1.0,
-            power: None,
-            two_sided: false,
-        });
-        self
-    }
-
-    /// Turns the last shape inside out.
-    pub(crate) fn reversed(mut self) -> Self {
-        let shape = self.0.world.shapes.last_mut().unwrap();
-        shape.reverse_orientation = !shape.reverse_orientation;
-        self
-    }
-
-    pub(crate) fn light(mut self, kind: LightKind, value: f32) -> Self {
-        self.0.lights.push(LightDescription {
-            kind,
-            emission: SpectralDistribution::Rgb([value; 3]),
-            scale: 1.0,
-            to_world: DMat4::IDENTITY,
-            location: None,
-        });
-        self
-    }
-
-    pub(crate) fn point_light(self, from: DVec3, intensity: f32) -> Self {
-        self.light(LightKind::Point { from, range: None }, intensity)
-    }
-
-    pub(crate) fn scene(&self) -> Scene {
-        Scene::resolve(self.0.clone()).unwrap().0
-    }
+pub(crate) fn resolved(builder: &SceneBuilder) -> Scene {
+    builder.clone().resolve().unwrap().0
 }
 
 /// Render settings of a test.
@@ -209,7 +120,8 @@ impl Run {
         .unwrap()
     }
 
-    pub(crate) fn settings(&self, description: &Description) -> RenderSettings {
+    pub(crate) fn settings(&self, builder: &SceneBuilder) -> RenderSettings {
+        let description = described(builder);
         RenderSettings {
             filter: Filter::try_new(&description.filter).unwrap(),
             sampler: self.sampler,
@@ -221,7 +133,8 @@ impl Run {
         }
     }
 
-    pub(crate) fn format(&self, description: &Description) -> FilmFormat {
+    pub(crate) fn format(&self, builder: &SceneBuilder) -> FilmFormat {
+        let description = described(builder);
         let resolution = description.film.resolution;
         FilmFormat {
             resolution,
@@ -233,15 +146,15 @@ impl Run {
         }
     }
 
-    pub(crate) fn outcome(&self, builder: &Builder) -> RenderOutcome {
+    pub(crate) fn outcome(&self, builder: &SceneBuilder) -> RenderOutcome {
         self.outcome_with(builder, self.integrator_settings().build().as_ref())
     }
 
-    pub(crate) fn outcome_with(&self, builder: &Builder, integrator: &dyn Integrator) -> RenderOutcome {
-        let film = Film::try_new(self.format(&builder.0)).unwrap();
-        let settings = self.settings(&builder.0);
+    pub(crate) fn outcome_with(&self, builder: &SceneBuilder, integrator: &dyn Integrator) -> RenderOutcome {
+        let film = Film::try_new(self.format(builder)).unwrap();
+        let settings = self.settings(builder);
         let stop = CancelFlag::default();
-        let outcome = render(&builder.scene(), integrator, &settings, film, &mut Silent, &stop).unwrap();
+        let outcome = render(&resolved(builder), integrator, &settings, film, &mut Silent, &stop).unwrap();
         assert_eq!(outcome.end, JobEnd::Complete);
         assert_eq!(outcome.film.rejects(), Default::default());
         outcome
@@ -250,21 +163,21 @@ impl Run {
     /// Resumes `film`, by a guide that is learnt or that one.
     pub(crate) fn resume(
         &self,
-        builder: &Builder,
+        builder: &SceneBuilder,
         film: Film,
         samples: Range<u32>,
         guide: Option<&Arc<Guide>>,
     ) -> Result<RenderOutcome, RenderError> {
-        let mut settings = self.settings(&builder.0);
+        let mut settings = self.settings(builder);
         settings.samples = samples;
         let integrator = match guide {
             Some(guide) => self.integrator_settings().build_with_guide(guide.clone()),
             None => self.integrator_settings().build(),
         };
-        render(&builder.scene(), integrator.as_ref(), &settings, film, &mut Silent, &CancelFlag::default())
+        render(&resolved(builder), integrator.as_ref(), &settings, film, &mut Silent, &CancelFlag::default())
     }
 
-    pub(crate) fn picture(&self, builder: &Builder) -> Picture {
+    pub(crate) fn picture(&self, builder: &SceneBuilder) -> Picture {
         self.picture_of(&self.outcome(builder))
     }
 

@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 
 use crate::common::*;
-use glanz_math::{DMat4, DVec3};
+use glanz_math::DVec3;
 use glanz_sampling::SamplerKind;
-use glanz_scene::description::{GeometryDescription, LightKind, MaterialKind, SpotFalloff};
+use glanz_scene::SceneBuilder;
+use glanz_scene::description::*;
 
 /// Radiance in a closed room of albedo `rho` that shines with `e` everywhere, when light is scattered at most `depth` times:
 /// e (1 + rho + ... + rho^depth).
@@ -16,12 +17,12 @@ fn room(e: f64, rho: f64, depth: u32) -> f64 {
 #[test]
 fn closed_white_room_shines_with_emission_over_absorption() {
     let (e, rho) = ([0.5_f32, 1.0, 2.0], [0.75_f32, 0.5, 0.25]);
-    let inside = Builder::looking(DVec3::new(0.3, -0.2, 0.4), DVec3::X, [6, 6], 1.2);
-    let walls = MaterialKind::diffuse(rgb(rho));
+    let inside = looking(DVec3::new(0.3, -0.2, 0.4), DVec3::X, [6, 6], 1.2);
+    let walls = MaterialKind::diffuse(rho);
     // Depth 80: what is cut off is below 0.75^81 = 1e-10.
     let expected = std::array::from_fn(|i| room(f64::from(e[i]), f64::from(rho[i]), 80));
     assert!((expected[0] - 2.0).abs() < 1e-9 && (expected[1] - 2.0).abs() < 1e-9);
-    let round = inside.clone().shape(sphere(2.0), DMat4::IDENTITY, walls.clone()).reversed().shining(e);
+    let round = inside.clone().shape(ShapeDescription::sphere(2.0).reversed().emitting(e), walls.clone());
     for run in Run::all_random(80, 256) {
         run.picture(&round).assert_average(expected, 0.01, &format!("sphere: {}", run.name()));
     }
@@ -30,7 +31,7 @@ fn closed_white_room_shines_with_emission_over_absorption() {
     let o = DVec3::splat(-1.0);
     // Each face turned inwards.
     for (corner, s, t) in [(o, a, b), (o, b, c), (o, c, a), (o + c, b, a), (o + a, c, b), (o + b, a, c)] {
-        square = square.shape(rectangle(corner, s, t), DMat4::IDENTITY, walls.clone()).shining(e);
+        square = square.shape(rectangle(corner, s, t).emitting(e), walls.clone());
     }
     for run in Run::all_random(80, 256) {
         run.picture(&square).assert_average(expected, 0.01, &format!("cube: {}", run.name()));
@@ -39,10 +40,8 @@ fn closed_white_room_shines_with_emission_over_absorption() {
 
 #[test]
 fn depth_counts_scattering_events() {
-    let scene = Builder::looking(DVec3::ZERO, DVec3::X, [4, 4], 1.0)
-        .shape(sphere(2.0), DMat4::IDENTITY, diffuse(0.5))
-        .reversed()
-        .shining([1.0; 3]);
+    let scene = looking(DVec3::ZERO, DVec3::X, [4, 4], 1.0)
+        .shape(ShapeDescription::sphere(2.0).reversed().emitting([1.0; 3]), diffuse(0.5));
     for depth in [0, 1, 2] {
         for run in Run::all_random(depth, 400) {
             let expected = room(1.0, 0.5, depth);
@@ -54,9 +53,9 @@ fn depth_counts_scattering_events() {
 #[test]
 fn convex_diffuse_sphere_reflects_its_share_of_a_constant_sky() {
     // Every pixel sees the sphere.
-    let scene = Builder::looking(DVec3::new(0.0, 0.0, -2.0), DVec3::ZERO, [6, 6], 0.5)
-        .shape(sphere(1.0), DMat4::IDENTITY, diffuse(0.6))
-        .light(LightKind::Infinite, 3.0);
+    let scene = looking(DVec3::new(0.0, 0.0, -2.0), DVec3::ZERO, [6, 6], 0.5)
+        .shape(ShapeDescription::sphere(1.0), diffuse(0.6))
+        .light(LightDescription::infinite([3.0; 3]));
     // The first 64 samples of `guided` happen to be 3.06 standard errors off; 200 other seeds are right, see `guided.rs`.
     for run in Run::all_random(5, 256).into_iter().chain([Run::new("whitted", 5, 64)]) {
         // Cosine sampling is perfect here: rho L0 with every sample, but for the weights of two strategies in `path`.
@@ -71,9 +70,9 @@ fn convex_diffuse_sphere_reflects_its_share_of_a_constant_sky() {
 fn point_light_over_a_plane_gives_the_third_power_of_the_cosine() {
     let (rho, intensity, h) = (0.7, 5.0, 1.5);
     for x in [0.0, 0.8, 3.0] {
-        let scene = Builder::one_pixel(DVec3::new(-1.0, 0.5, 2.0), DVec3::new(x, 0.0, 0.0))
-            .shape(plane(), DMat4::IDENTITY, diffuse(rho))
-            .point_light(DVec3::new(0.0, 0.0, h), intensity);
+        let scene = one_pixel(DVec3::new(-1.0, 0.5, 2.0), DVec3::new(x, 0.0, 0.0))
+            .shape(ShapeDescription::plane(), diffuse(rho))
+            .light(LightDescription::point(DVec3::new(0.0, 0.0, h), [intensity; 3]));
         // I cos / d^2 on the floor with d = h / cos. (The fourth power is for a lamp with Lambert's law itself.)
         let cos = h / (h * h + x * x).sqrt();
         let expected = f64::from(intensity) * cos.powi(3) / (h * h) * f64::from(rho) / PI;
@@ -85,16 +84,13 @@ fn point_light_over_a_plane_gives_the_third_power_of_the_cosine() {
 
 #[test]
 fn light_behind_an_obstacle_or_below_the_floor_does_not_arrive() {
-    let floor = Builder::one_pixel(DVec3::new(-1.0, 0.5, 2.0), DVec3::ZERO).shape(
-        plane(),
-        DMat4::IDENTITY,
-        diffuse(0.7),
-    );
+    let floor =
+        one_pixel(DVec3::new(-1.0, 0.5, 2.0), DVec3::ZERO).shape(ShapeDescription::plane(), diffuse(0.7));
     let hidden = floor
         .clone()
-        .shape(disk(0.1), at(0.0, 0.0, 0.7), diffuse(0.7))
-        .point_light(DVec3::new(0.0, 0.0, 1.5), 5.0);
-    let below = floor.point_light(DVec3::new(0.0, 0.0, -1.5), 5.0);
+        .shape(ShapeDescription::disk(0.1).translated([0.0, 0.0, 0.7]), diffuse(0.7))
+        .light(LightDescription::point(DVec3::new(0.0, 0.0, 1.5), [5.0; 3]));
+    let below = floor.light(LightDescription::point(DVec3::new(0.0, 0.0, -1.5), [5.0; 3]));
     for scene in [hidden, below] {
         for run in Run::all_exact(1) {
             run.picture(&scene).assert_exact(0.0, &run.name());
@@ -104,14 +100,12 @@ fn light_behind_an_obstacle_or_below_the_floor_does_not_arrive() {
 
 #[test]
 fn distant_light_and_spot_follow_their_definitions() {
-    let floor = Builder::one_pixel(DVec3::new(-1.0, 0.5, 2.0), DVec3::ZERO).shape(
-        plane(),
-        DMat4::IDENTITY,
-        diffuse(0.5),
-    );
+    let floor =
+        one_pixel(DVec3::new(-1.0, 0.5, 2.0), DVec3::ZERO).shape(ShapeDescription::plane(), diffuse(0.5));
     let from = DVec3::new(0.0, 3.0, 4.0);
-    let distant = floor.clone().light(LightKind::Distant { from, to: DVec3::ZERO }, 2.0);
-    let spot = floor.light(
+    let distant =
+        floor.clone().light(LightDescription::new(LightKind::Distant { from, to: DVec3::ZERO }, [2.0; 3]));
+    let spot = floor.light(LightDescription::new(
         LightKind::Spot {
             from,
             to: DVec3::ZERO,
@@ -119,8 +113,8 @@ fn distant_light_and_spot_follow_their_definitions() {
             inner_angle: 0.3,
             falloff: SpotFalloff::Smoothstep,
         },
-        2.0,
-    );
+        [2.0; 3],
+    ));
     for run in Run::all_exact(3) {
         // cos theta = 4 / 5; the spot is 5 m away.
         run.picture(&distant).assert_exact(0.5 / PI * 2.0 * 0.8, &run.name());
@@ -132,10 +126,12 @@ fn distant_light_and_spot_follow_their_definitions() {
 fn shining_disk_over_a_floor_gives_the_closed_form() {
     let (l, rho, h, r) = (4.0_f32, 0.5_f32, 1.0, 0.6);
     for a in [0.0, 0.7] {
-        let scene = Builder::one_pixel(DVec3::new(-1.0, 1.5, 0.5), DVec3::new(a, 0.0, 0.0))
-            .shape(disk(50.0), DMat4::IDENTITY, diffuse(rho))
-            .shape(disk(r), at(0.0, 0.0, h) * DMat4::from_rotation_x(PI), diffuse(0.0))
-            .shining([l; 3]);
+        let scene = one_pixel(DVec3::new(-1.0, 1.5, 0.5), DVec3::new(a, 0.0, 0.0))
+            .shape(ShapeDescription::disk(50.0), diffuse(rho))
+            .shape(
+                ShapeDescription::disk(r).rotated(DVec3::X, PI).translated([0.0, 0.0, h]).emitting([l; 3]),
+                diffuse(0.0),
+            );
         // Configuration factor of a parallel disk seen from a point beside its axis (@howell2011, element to parallel disk):
         // (1 - (h^2 + a^2 - r^2) / sqrt((h^2 + a^2 + r^2)^2 - 4 a^2 r^2)) / 2.
         let (h2, a2, r2) = (h * h, a * a, r * r);
@@ -153,10 +149,9 @@ fn shining_disk_over_a_floor_gives_the_closed_form() {
 fn shining_sphere_over_a_floor_gives_the_closed_form() {
     let (l, rho, r) = (4.0_f32, 0.5_f32, 0.6);
     let center = DVec3::new(0.9, 0.0, 1.2);
-    let scene = Builder::one_pixel(DVec3::new(-1.0, 1.5, 0.5), DVec3::ZERO)
-        .shape(disk(50.0), DMat4::IDENTITY, diffuse(rho))
-        .shape(sphere(r), at(center.x, center.y, center.z), diffuse(0.0))
-        .shining([l; 3]);
+    let scene = one_pixel(DVec3::new(-1.0, 1.5, 0.5), DVec3::ZERO)
+        .shape(ShapeDescription::disk(50.0), diffuse(rho))
+        .shape(ShapeDescription::sphere(r).translated(center).emitting([l; 3]), diffuse(0.0));
     // A sphere wholly above the horizon: factor (r / d)^2 cos theta (@howell2011).
     let d = center.length();
     let expected = f64::from(l) * f64::from(rho) * (r / d) * (r / d) * (center.z / d);
@@ -166,22 +161,18 @@ fn shining_sphere_over_a_floor_gives_the_closed_form() {
 }
 
 /// The camera looks down on a mirror on the floor and sees the wall x = 2 in it.
-fn mirror_scene(kind: MaterialKind) -> Builder {
-    Builder::one_pixel(DVec3::new(-1.0, 0.0, 1.0), DVec3::ZERO)
-        .shape(disk(0.2), DMat4::IDENTITY, kind)
-        .shape(
-            rectangle(DVec3::new(2.0, -9.0, -9.0), DVec3::Z * 18.0, DVec3::Y * 18.0),
-            DMat4::IDENTITY,
-            diffuse(0.5),
-        )
-        .point_light(DVec3::new(0.5, 0.0, 2.0), 7.0)
+fn mirror_scene(kind: MaterialKind) -> SceneBuilder {
+    one_pixel(DVec3::new(-1.0, 0.0, 1.0), DVec3::ZERO)
+        .shape(ShapeDescription::disk(0.2), kind)
+        .shape(rectangle(DVec3::new(2.0, -9.0, -9.0), DVec3::Z * 18.0, DVec3::Y * 18.0), diffuse(0.5))
+        .light(LightDescription::point(DVec3::new(0.5, 0.0, 2.0), [7.0; 3]))
 }
 
 #[test]
 fn mirror_shows_what_is_there() {
     // The reflected ray meets the wall at (2, 0, 2), 1.5 m in front of the light and head on.
     let wall = 7.0 / (1.5 * 1.5) * 0.5 / PI;
-    let mirror = mirror_scene(MaterialKind::mirror(grey(0.8)));
+    let mirror = mirror_scene(MaterialKind::mirror(0.8));
     for run in Run::all_exact(2) {
         run.picture(&mirror).assert_exact(0.8 * wall, &run.name());
     }
@@ -191,7 +182,7 @@ fn mirror_shows_what_is_there() {
     }
     // Metal of eta = 0.2, k = 3.9 under 45 degrees: reflectance from the complex Fresnel equations. With
     // n = eta + i k, c' = sqrt(1 - (sin / n)^2): rs = (c - n c') / (c + n c'), rp = (n c - c') / (n c + c').
-    let metal = mirror_scene(MaterialKind::conductor(grey(0.2), grey(3.9)));
+    let metal = mirror_scene(MaterialKind::conductor(0.2, 3.9));
     let reflectance = conductor_at_45_degrees(0.2_f32.into(), 3.9_f32.into());
     for run in Run::all_exact(2) {
         run.picture(&metal).assert_exact(reflectance * wall, &run.name());
@@ -226,10 +217,10 @@ fn conductor_at_45_degrees(eta: f64, k: f64) -> f64 {
 #[test]
 fn glass_slab_transmits_as_fresnel_says() {
     // A shining disk behind a slab, seen head on: R = ((1.5 - 1) / (1.5 + 1))^2 = 0.04.
-    let scene = Builder::one_pixel(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO)
-        .shape(cuboid(0.5), DMat4::IDENTITY, glass())
-        .shape(disk(1.0), at(0.0, 0.0, 2.0) * DMat4::from_rotation_x(PI), diffuse(0.0))
-        .shining([2.0; 3]);
+    let scene = one_pixel(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO).shape(cuboid(0.5), glass()).shape(
+        ShapeDescription::disk(1.0).rotated(DVec3::X, PI).translated([0.0, 0.0, 2.0]).emitting([2.0; 3]),
+        diffuse(0.0),
+    );
     let r: f64 = 0.04;
     let whitted = |depth| Run { sampler: SamplerKind::Center, ..Run::new("whitted", depth, 1) };
     whitted(2).picture(&scene).assert_exact(2.0 * (1.0 - r) * (1.0 - r), "straight through");
@@ -243,9 +234,9 @@ fn glass_slab_transmits_as_fresnel_says() {
 
 #[test]
 fn glass_cannot_be_seen_in_a_constant_sky() {
-    let scene = Builder::looking(DVec3::new(0.0, 0.0, -3.0), DVec3::ZERO, [8, 8], 0.9)
-        .shape(sphere(1.0), DMat4::IDENTITY, glass())
-        .light(LightKind::Infinite, 1.0);
+    let scene = looking(DVec3::new(0.0, 0.0, -3.0), DVec3::ZERO, [8, 8], 0.9)
+        .shape(ShapeDescription::sphere(1.0), glass())
+        .light(LightDescription::infinite([1.0; 3]));
     for run in Run::all_random(60, 64) {
         run.picture(&scene).assert_average([1.0; 3], 0.01, &run.name());
     }
@@ -257,9 +248,9 @@ fn glass_cannot_be_seen_in_a_constant_sky() {
 
 #[test]
 fn radiance_inside_glass_grows_by_the_squared_index() {
-    let scene = Builder::one_pixel(DVec3::ZERO, DVec3::new(0.3, 0.2, 1.0))
-        .shape(sphere(1.0), DMat4::IDENTITY, glass())
-        .light(LightKind::Infinite, 1.0);
+    let scene = one_pixel(DVec3::ZERO, DVec3::new(0.3, 0.2, 1.0))
+        .shape(ShapeDescription::sphere(1.0), glass())
+        .light(LightDescription::infinite([1.0; 3]));
     for run in Run::all_random(60, 4000) {
         run.picture(&scene).assert_average([2.25; 3], 0.01, &run.name());
     }
@@ -268,9 +259,9 @@ fn radiance_inside_glass_grows_by_the_squared_index() {
 #[test]
 fn light_beyond_the_critical_angle_stays_inside() {
     // Along the diagonal of a cube each wall is met under 54.7 degrees; the critical angle is 41.8.
-    let scene = Builder::one_pixel(DVec3::new(0.1, 0.0, -0.05), DVec3::new(1.1, 1.0, 0.95))
-        .shape(cuboid(1.0), DMat4::IDENTITY, glass())
-        .light(LightKind::Infinite, 1.0);
+    let scene = one_pixel(DVec3::new(0.1, 0.0, -0.05), DVec3::new(1.1, 1.0, 0.95))
+        .shape(cuboid(1.0), glass())
+        .light(LightDescription::infinite([1.0; 3]));
     for run in Run::all_exact(50) {
         run.picture(&scene).assert_exact(0.0, &run.name());
     }
@@ -278,32 +269,33 @@ fn light_beyond_the_critical_angle_stays_inside() {
 
 #[test]
 fn phong_in_whitted_is_that_of_document_001() {
-    let phong = MaterialKind::phong(grey(0.1), grey(0.5), grey(0.4), 5.0);
+    let phong = MaterialKind::phong(0.1, 0.5, 0.4, 5.0);
     // The light is 5 m away under cos = 0.8, the viewer straight above: r.v = 0.8.
-    let scene = Builder::one_pixel(DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO)
-        .shape(plane(), DMat4::IDENTITY, phong)
-        .point_light(DVec3::new(3.0, 0.0, 4.0), 50.0);
+    let scene = one_pixel(DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO)
+        .shape(ShapeDescription::plane(), phong)
+        .light(LightDescription::point(DVec3::new(3.0, 0.0, 4.0), [50.0; 3]));
     // L = 50 / 25 / pi.
     let l = 2.0 / PI;
     let lit = l * (0.5 * 0.8 + 0.4 * 0.8_f64.powi(5));
     let whitted = Run { sampler: SamplerKind::Center, ..Run::new("whitted", 3, 1) };
     whitted.picture(&scene).assert_exact(lit, "lit");
-    let ambient = scene.clone().light(LightKind::Infinite, 2.0);
+    let ambient = scene.clone().light(LightDescription::infinite([2.0; 3]));
     whitted.picture(&ambient).assert_exact(lit + 0.1 * 2.0, "with ambient light");
-    let shadowed = scene.shape(sphere(0.2), at(1.5, 0.0, 2.0), diffuse(0.5)).light(LightKind::Infinite, 2.0);
+    let shadowed = scene
+        .shape(ShapeDescription::sphere(0.2).translated([1.5, 0.0, 2.0]), diffuse(0.5))
+        .light(LightDescription::infinite([2.0; 3]));
     whitted.picture(&shadowed).assert_exact(0.2, "in shadow");
 }
 
 #[test]
 fn interfaces_are_not_there() {
-    let bare = Builder::one_pixel(DVec3::new(-1.0, 0.5, 2.0), DVec3::new(0.8, 0.0, 0.0))
-        .shape(plane(), DMat4::IDENTITY, diffuse(0.7))
-        .point_light(DVec3::new(0.0, 0.0, 1.5), 5.0);
-    let wrapped = bare.clone().shape(sphere(0.5), at(0.0, 0.0, 1.5), MaterialKind::Interface).shape(
-        sphere(1.0),
-        at(-1.0, 0.5, 2.0),
-        MaterialKind::Interface,
-    );
+    let bare = one_pixel(DVec3::new(-1.0, 0.5, 2.0), DVec3::new(0.8, 0.0, 0.0))
+        .shape(ShapeDescription::plane(), diffuse(0.7))
+        .light(LightDescription::point(DVec3::new(0.0, 0.0, 1.5), [5.0; 3]));
+    let wrapped = bare
+        .clone()
+        .shape(ShapeDescription::sphere(0.5).translated([0.0, 0.0, 1.5]), MaterialKind::Interface)
+        .shape(ShapeDescription::sphere(1.0).translated([-1.0, 0.5, 2.0]), MaterialKind::Interface);
     for run in Run::all_exact(1) {
         let expected = run.picture(&bare).mean[0][0];
         assert!(expected > 0.0);
@@ -325,31 +317,36 @@ fn smooth_shading_normals_let_no_light_through() {
     }
     let octahedron =
         GeometryDescription::Triangles { normals: Some(positions.clone()), positions, indices, uvs: None };
-    let scene = Builder::looking(DVec3::new(0.1, 0.2, 0.0), DVec3::new(1.0, 0.9, 0.8), [8, 8], 2.0)
-        .shape(octahedron, DMat4::IDENTITY, diffuse(0.9))
-        .light(LightKind::Infinite, 1.0);
+    let scene = looking(DVec3::new(0.1, 0.2, 0.0), DVec3::new(1.0, 0.9, 0.8), [8, 8], 2.0)
+        .shape(octahedron, diffuse(0.9))
+        .light(LightDescription::infinite([1.0; 3]));
     for run in Run::all_random(8, 64).into_iter().chain([Run::new("whitted", 8, 64)]) {
         run.picture(&scene).assert_exact(0.0, &run.name());
     }
 }
 
 /// A room with a lamp under the ceiling, a glass sphere and a glossy one.
-fn cornell_box(resolution: [u32; 2]) -> Builder {
+fn cornell_box(resolution: [u32; 2]) -> SceneBuilder {
     let (x, y, z) = (DVec3::X * 2.0, DVec3::Y * 2.0, DVec3::Z * 2.0);
     let o = DVec3::splat(-1.0);
-    let wall = |c: [f32; 3]| MaterialKind::diffuse(rgb(c));
+    let wall = |c: [f32; 3]| MaterialKind::diffuse(c);
     let white = [0.73; 3];
-    let glossy = MaterialKind::phong(grey(0.0), grey(0.3), grey(0.6), 30.0);
-    Builder::looking(DVec3::new(-3.4, 0.0, 0.0), DVec3::ZERO, resolution, 0.7)
-        .shape(rectangle(o, x, y), DMat4::IDENTITY, wall(white))
-        .shape(rectangle(o + z, y, x), DMat4::IDENTITY, wall(white))
-        .shape(rectangle(o + x, z, y), DMat4::IDENTITY, wall(white))
-        .shape(rectangle(o, z, x), DMat4::IDENTITY, wall([0.65, 0.05, 0.05]))
-        .shape(rectangle(o + y, x, z), DMat4::IDENTITY, wall([0.12, 0.45, 0.15]))
-        .shape(sphere(0.35), at(0.3, -0.45, -0.65), glass())
-        .shape(sphere(0.35), at(0.5, 0.45, -0.65), glossy)
-        .shape(disk(0.3), at(0.0, 0.0, 0.98) * DMat4::from_rotation_x(PI), diffuse(0.0))
-        .shining([12.0, 11.0, 9.0])
+    let glossy = MaterialKind::phong(0.0, 0.3, 0.6, 30.0);
+    looking(DVec3::new(-3.4, 0.0, 0.0), DVec3::ZERO, resolution, 0.7)
+        .shape(rectangle(o, x, y), wall(white))
+        .shape(rectangle(o + z, y, x), wall(white))
+        .shape(rectangle(o + x, z, y), wall(white))
+        .shape(rectangle(o, z, x), wall([0.65, 0.05, 0.05]))
+        .shape(rectangle(o + y, x, z), wall([0.12, 0.45, 0.15]))
+        .shape(ShapeDescription::sphere(0.35).translated([0.3, -0.45, -0.65]), glass())
+        .shape(ShapeDescription::sphere(0.35).translated([0.5, 0.45, -0.65]), glossy)
+        .shape(
+            ShapeDescription::disk(0.3)
+                .rotated(DVec3::X, PI)
+                .translated([0.0, 0.0, 0.98])
+                .emitting([12.0, 11.0, 9.0]),
+            diffuse(0.0),
+        )
 }
 
 #[test]
@@ -378,10 +375,12 @@ fn ways_of_sampling_agree_in_a_room() {
 #[test]
 fn well_spread_samples_have_less_noise() {
     // Direct light of a disk, 64 samples a pixel: Sobol points leave less than half the error of independent ones.
-    let scene = Builder::looking(DVec3::new(-1.0, 1.5, 0.5), DVec3::ZERO, [12, 12], 0.2)
-        .shape(disk(50.0), DMat4::IDENTITY, diffuse(0.5))
-        .shape(disk(0.6), at(0.0, 0.0, 1.0) * DMat4::from_rotation_x(PI), diffuse(0.0))
-        .shining([4.0; 3]);
+    let scene = looking(DVec3::new(-1.0, 1.5, 0.5), DVec3::ZERO, [12, 12], 0.2)
+        .shape(ShapeDescription::disk(50.0), diffuse(0.5))
+        .shape(
+            ShapeDescription::disk(0.6).rotated(DVec3::X, PI).translated([0.0, 0.0, 1.0]).emitting([4.0; 3]),
+            diffuse(0.0),
+        );
     let sobol = |samples| Run { sampler: SamplerKind::Sobol, ..Run::new("path", 1, samples) };
     let reference = sobol(8192).picture(&scene);
     let error = |run: Run| {

@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use crate::common::*;
 use glanz_job::JobIdentity;
-use glanz_math::{DMat4, DVec3};
+use glanz_math::DVec3;
 use glanz_sampling::SamplerKind;
-use glanz_scene::description::{GuideSettings, LightKind, MaterialKind};
+use glanz_scene::SceneBuilder;
+use glanz_scene::description::*;
 use glanz_transport::{AovSet, Checkpoint, Film, Guide, PictureIdentity, RenderError, RenderOutcome, merge};
 
 fn guide(text: &str) -> GuideSettings {
@@ -15,35 +16,39 @@ fn guide(text: &str) -> GuideSettings {
 }
 
 /// Walls of a room of 2 m.
-fn room(resolution: [u32; 2]) -> Builder {
+fn room(resolution: [u32; 2]) -> SceneBuilder {
     let (x, y, z) = (DVec3::X * 2.0, DVec3::Y * 2.0, DVec3::Z * 2.0);
     let o = DVec3::splat(-1.0);
-    let mut scene = Builder::looking(DVec3::new(-0.9, 0.0, 0.0), DVec3::new(0.3, 0.0, -0.2), resolution, 1.4);
+    let mut scene = looking(DVec3::new(-0.9, 0.0, 0.0), DVec3::new(0.3, 0.0, -0.2), resolution, 1.4);
     for (corner, s, t) in [(o, x, y), (o + z, y, x), (o + x, z, y), (o, z, x), (o + y, x, z), (o, y, z)] {
-        scene = scene.shape(rectangle(corner, s, t), DMat4::IDENTITY, diffuse(0.7));
+        scene = scene.shape(rectangle(corner, s, t), diffuse(0.7));
     }
     scene
 }
 
 /// A room with a lamp that shines up to the ceiling, a glossy, a glass and a dull sphere.
-fn uplight(resolution: [u32; 2]) -> Builder {
-    let glossy = MaterialKind::phong(grey(0.0), grey(0.4), grey(0.5), 20.0);
+fn uplight(resolution: [u32; 2]) -> SceneBuilder {
+    let glossy = MaterialKind::phong(0.0, 0.4, 0.5, 20.0);
     room(resolution)
-        .shape(sphere(0.25), at(0.3, 0.4, -0.75), glass())
-        .shape(sphere(0.25), at(0.3, -0.4, -0.75), glossy)
-        .shape(sphere(0.2), at(0.6, 0.0, -0.8), diffuse(0.5))
-        .shape(disk(0.2), at(0.7, 0.7, 0.2), diffuse(0.3))
-        .shining([20.0, 18.0, 15.0])
+        .shape(ShapeDescription::sphere(0.25).translated([0.3, 0.4, -0.75]), glass())
+        .shape(ShapeDescription::sphere(0.25).translated([0.3, -0.4, -0.75]), glossy)
+        .shape(ShapeDescription::sphere(0.2).translated([0.6, 0.0, -0.8]), diffuse(0.5))
+        .shape(
+            ShapeDescription::disk(0.2).translated([0.7, 0.7, 0.2]).emitting([20.0, 18.0, 15.0]),
+            diffuse(0.3),
+        )
 }
 
 /// A floor under a spherical lamp, and a glass sphere.
-fn small() -> Builder {
-    Builder::looking(DVec3::new(-1.0, 1.5, 0.5), DVec3::ZERO, [21, 17], 0.6)
-        .shape(disk(50.0), DMat4::IDENTITY, diffuse(0.5))
-        .shape(sphere(0.2), at(-0.2, 0.3, 0.2), glass())
-        .shape(sphere(0.3), at(0.5, -0.3, 0.3), diffuse(0.7))
-        .shape(sphere(0.4), at(0.0, 0.0, 2.0), diffuse(0.0))
-        .shining([4.0, 5.0, 6.0])
+fn small() -> SceneBuilder {
+    looking(DVec3::new(-1.0, 1.5, 0.5), DVec3::ZERO, [21, 17], 0.6)
+        .shape(ShapeDescription::disk(50.0), diffuse(0.5))
+        .shape(ShapeDescription::sphere(0.2).translated([-0.2, 0.3, 0.2]), glass())
+        .shape(ShapeDescription::sphere(0.3).translated([0.5, -0.3, 0.3]), diffuse(0.7))
+        .shape(
+            ShapeDescription::sphere(0.4).translated([0.0, 0.0, 2.0]).emitting([4.0, 5.0, 6.0]),
+            diffuse(0.0),
+        )
 }
 
 fn run(settings: &str, samples: u32) -> Run {
@@ -90,9 +95,9 @@ fn no_guide_changes_the_expected_picture() {
 #[test]
 fn sphere_in_a_constant_sky_is_as_bright_as_it_is() {
     // As in `furnace`: albedo 0.6 times the sky, whoever draws; without light sampling the density learns the cosine.
-    let scene = Builder::looking(DVec3::new(0.0, 0.0, -2.0), DVec3::ZERO, [6, 6], 0.5)
-        .shape(sphere(1.0), DMat4::IDENTITY, diffuse(0.6))
-        .light(LightKind::Infinite, 3.0);
+    let scene = looking(DVec3::new(0.0, 0.0, -2.0), DVec3::ZERO, [6, 6], 0.5)
+        .shape(ShapeDescription::sphere(1.0), diffuse(0.6))
+        .light(LightDescription::infinite([3.0; 3]));
     for settings in ["grid=4,scale=2,mixture=off", "grid=4,scale=2,basis=spline1,mixture=on,hierarchical=on"]
     {
         for light_sampling in [true, false] {
@@ -107,9 +112,9 @@ fn closed_room_that_shines_itself_is_as_bright_as_the_series_says() {
     // Every wall shines with 1 and scatters 0.5: 1 + 0.5 + 0.25 + 0.125 after three events. No matter how directions are drawn.
     let o = DVec3::splat(-1.0);
     let (x, y, z) = (DVec3::X * 2.0, DVec3::Y * 2.0, DVec3::Z * 2.0);
-    let mut scene = Builder::looking(DVec3::ZERO, DVec3::new(0.3, 0.2, -0.7), [6, 6], 1.0);
+    let mut scene = looking(DVec3::ZERO, DVec3::new(0.3, 0.2, -0.7), [6, 6], 1.0);
     for (corner, s, t) in [(o, x, y), (o + z, y, x), (o + x, z, y), (o, z, x), (o + y, x, z), (o, y, z)] {
-        scene = scene.shape(rectangle(corner, s, t), DMat4::IDENTITY, diffuse(0.5)).shining([1.0; 3]);
+        scene = scene.shape(rectangle(corner, s, t).emitting([1.0; 3]), diffuse(0.5));
     }
     for (settings, light_sampling) in [
         ("grid=2,scale=2", false),
@@ -124,10 +129,9 @@ fn closed_room_that_shines_itself_is_as_bright_as_the_series_says() {
 #[test]
 fn light_that_comes_straight_from_a_lamp_is_learnt_only_where_it_is_not_sampled() {
     // The floor sees the lamp and nothing else, and what the lamp's own surface scatters back is black.
-    let scene = Builder::looking(DVec3::new(-1.0, 1.5, 0.5), DVec3::ZERO, [8, 8], 0.6)
-        .shape(disk(50.0), DMat4::IDENTITY, diffuse(0.5))
-        .shape(sphere(0.4), at(0.0, 0.0, 2.0), diffuse(0.0))
-        .shining([4.0; 3]);
+    let scene = looking(DVec3::new(-1.0, 1.5, 0.5), DVec3::ZERO, [8, 8], 0.6)
+        .shape(ShapeDescription::disk(50.0), diffuse(0.5))
+        .shape(ShapeDescription::sphere(0.4).translated([0.0, 0.0, 2.0]).emitting([4.0; 3]), diffuse(0.0));
     for depth in [1, 4] {
         let run = |light_sampling| Run { light_sampling, depth, ..run("grid=2,scale=2", 256) };
         assert_eq!(active(&run(true).outcome(&scene)), 0, "depth {depth}");
@@ -135,8 +139,7 @@ fn light_that_comes_straight_from_a_lamp_is_learnt_only_where_it_is_not_sampled(
     }
     // A lamp that scatters too sends back what the floor sends up, after three events: both learn that, and what the lamp shines
     // itself is left out to the last digit that counts.
-    let mut grey_lamp = scene.clone();
-    grey_lamp.0.materials[1].kind = diffuse(0.8);
+    let grey_lamp = scene.clone().edit(|scene| scene.materials[1].kind = diffuse(0.8));
     for (depth, learnt) in [(1, 0), (2, 0), (3, 2)] {
         let outcome = Run { light_sampling: true, depth, ..run("grid=1,scale=0", 256) }.outcome(&grey_lamp);
         assert!(outcome.film.training().unwrap().records() > 0);
@@ -150,14 +153,12 @@ fn directions_that_a_grid_has_learnt_find_a_lamp_more_often() {
     // density has 0.025 sr. Expected as in `furnace`: (r / d)^2 cos theta, with the floor's albedo of 0.5.
     let (r, d) = (0.2_f64, 2.0_f64);
     let height = d * std::f64::consts::FRAC_1_SQRT_2;
-    let scene = Builder::looking(DVec3::new(-1.0, 1.5, 0.5), DVec3::ZERO, [8, 8], 1e-3)
+    let scene = looking(DVec3::new(-1.0, 1.5, 0.5), DVec3::ZERO, [8, 8], 1e-3)
+        .shape(rectangle(DVec3::new(-9.0, -9.0, 0.0), DVec3::X * 18.0, DVec3::Y * 18.0), diffuse(0.5))
         .shape(
-            rectangle(DVec3::new(-9.0, -9.0, 0.0), DVec3::X * 18.0, DVec3::Y * 18.0),
-            DMat4::IDENTITY,
-            diffuse(0.5),
-        )
-        .shape(sphere(r), at(height, 0.0, height), diffuse(0.0))
-        .shining([4.0; 3]);
+            ShapeDescription::sphere(r).translated([height, 0.0, height]).emitting([4.0; 3]),
+            diffuse(0.0),
+        );
     let run = Run {
         light_sampling: false,
         guide: guide("grid=1,basis=haar,scale=4"),
@@ -183,7 +184,7 @@ fn resume(
 }
 
 fn fresh(run: &Run, passes: bool) -> Film {
-    let mut format = run.format(&small().0);
+    let mut format = run.format(&small());
     format.passes = passes;
     Film::try_new(format).unwrap()
 }
@@ -192,7 +193,7 @@ fn through_bytes(film: Film, run: &Run, guide: Option<u128>) -> Checkpoint {
     let identity = PictureIdentity {
         scene: 99,
         film: *film.format(),
-        filter: small().0.filter,
+        filter: described(&small()).filter,
         integrator: run.integrator_settings(),
         sampler: run.sampler,
         seed: run.seed,

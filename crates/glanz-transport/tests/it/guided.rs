@@ -5,38 +5,43 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::common::*;
-use glanz_math::{DMat4, DVec3};
+use glanz_math::DVec3;
 use glanz_sampling::SamplerKind;
-use glanz_scene::description::MaterialKind;
+use glanz_scene::SceneBuilder;
+use glanz_scene::description::*;
 use glanz_transport::{
     AovSet, Checkpoint, Film, Guide, MergeError, PictureIdentity, RenderError, RenderOutcome, merge,
 };
 
 /// A room of 2 m with a wall across it that ends 0.3 m below the ceiling. The lamp lies on the floor behind the wall, so that almost all
 /// light in front comes through the gap; there are a glass and a glossy sphere.
-fn gap(resolution: [u32; 2]) -> Builder {
+fn gap(resolution: [u32; 2]) -> SceneBuilder {
     let (x, y, z) = (DVec3::X * 2.0, DVec3::Y * 2.0, DVec3::Z * 2.0);
     let o = DVec3::splat(-1.0);
-    let glossy = MaterialKind::phong(grey(0.0), grey(0.3), grey(0.6), 30.0);
-    let mut scene = Builder::looking(DVec3::new(-0.9, 0.0, 0.0), DVec3::new(0.3, 0.0, -0.1), resolution, 1.4);
+    let glossy = MaterialKind::phong(0.0, 0.3, 0.6, 30.0);
+    let mut scene = looking(DVec3::new(-0.9, 0.0, 0.0), DVec3::new(0.3, 0.0, -0.1), resolution, 1.4);
     for (corner, s, t) in [(o, x, y), (o + z, y, x), (o + x, z, y), (o, z, x), (o + y, x, z), (o, y, z)] {
-        scene = scene.shape(rectangle(corner, s, t), DMat4::IDENTITY, diffuse(0.7));
+        scene = scene.shape(rectangle(corner, s, t), diffuse(0.7));
     }
     scene
-        .shape(rectangle(DVec3::new(0.4, -1.0, -1.0), y, DVec3::Z * 1.7), DMat4::IDENTITY, diffuse(0.7))
-        .shape(sphere(0.25), at(0.0, 0.4, -0.75), glass())
-        .shape(sphere(0.25), at(0.0, -0.4, -0.75), glossy)
-        .shape(disk(0.2), at(0.7, 0.0, -0.98), diffuse(0.0))
-        .shining([20.0, 18.0, 15.0])
+        .shape(rectangle(DVec3::new(0.4, -1.0, -1.0), y, DVec3::Z * 1.7), diffuse(0.7))
+        .shape(ShapeDescription::sphere(0.25).translated([0.0, 0.4, -0.75]), glass())
+        .shape(ShapeDescription::sphere(0.25).translated([0.0, -0.4, -0.75]), glossy)
+        .shape(
+            ShapeDescription::disk(0.2).translated([0.7, 0.0, -0.98]).emitting([20.0, 18.0, 15.0]),
+            diffuse(0.0),
+        )
 }
 
 /// A floor under a spherical lamp, and a glass sphere.
-fn small() -> Builder {
-    Builder::looking(DVec3::new(-1.0, 1.5, 0.5), DVec3::ZERO, [21, 17], 0.6)
-        .shape(disk(50.0), DMat4::IDENTITY, diffuse(0.5))
-        .shape(sphere(0.2), at(-0.2, 0.3, 0.2), glass())
-        .shape(sphere(0.4), at(0.0, 0.0, 2.0), diffuse(0.0))
-        .shining([4.0, 5.0, 6.0])
+fn small() -> SceneBuilder {
+    looking(DVec3::new(-1.0, 1.5, 0.5), DVec3::ZERO, [21, 17], 0.6)
+        .shape(ShapeDescription::disk(50.0), diffuse(0.5))
+        .shape(ShapeDescription::sphere(0.2).translated([-0.2, 0.3, 0.2]), glass())
+        .shape(
+            ShapeDescription::sphere(0.4).translated([0.0, 0.0, 2.0]).emitting([4.0, 5.0, 6.0]),
+            diffuse(0.0),
+        )
 }
 
 /// Without light sampling, which makes much work for a guide.
@@ -60,12 +65,12 @@ fn resume(
 }
 
 fn fresh(run: &Run) -> Film {
-    Film::try_new(run.format(&small().0)).unwrap()
+    Film::try_new(run.format(&small())).unwrap()
 }
 
 /// A film for a guide that does not change.
 fn plain(run: &Run) -> Film {
-    let mut format = run.format(&small().0);
+    let mut format = run.format(&small());
     format.passes = false;
     Film::try_new(format).unwrap()
 }
@@ -74,7 +79,7 @@ fn identity(run: &Run, film: &Film, guide: Option<u128>) -> PictureIdentity {
     PictureIdentity {
         scene: 99,
         film: *film.format(),
-        filter: small().0.filter,
+        filter: described(&small()).filter,
         integrator: run.integrator_settings(),
         sampler: run.sampler,
         seed: run.seed,
@@ -122,15 +127,13 @@ fn guide_does_no_harm_where_light_is_easily_found() {
 #[test]
 fn glossy_and_smooth_surfaces_keep_their_own_sampling() {
     // A mirror-like room: the highlights of Phong's model with exponent 2000 are far smaller than what a cell knows.
-    let glossy = MaterialKind::phong(grey(0.0), grey(0.0), grey(0.8), 2000.0);
-    let scene = Builder::looking(DVec3::new(-3.0, 0.0, 1.0), DVec3::ZERO, [16, 16], 0.5)
-        .shape(sphere(1.0), DMat4::IDENTITY, glossy)
+    let glossy = MaterialKind::phong(0.0, 0.0, 0.8, 2000.0);
+    let scene = looking(DVec3::new(-3.0, 0.0, 1.0), DVec3::ZERO, [16, 16], 0.5)
+        .shape(ShapeDescription::sphere(1.0), glossy)
         .shape(
-            rectangle(DVec3::new(-4.0, -2.0, 3.0), DVec3::Y * 4.0, DVec3::X * 4.0),
-            DMat4::IDENTITY,
+            rectangle(DVec3::new(-4.0, -2.0, 3.0), DVec3::Y * 4.0, DVec3::X * 4.0).emitting([2.0; 3]),
             diffuse(0.5),
-        )
-        .shining([2.0; 3]);
+        );
     let outcome = Run::new("guided", 4, 512).outcome(&scene);
     let size = outcome.film.training().unwrap().guide().size();
     assert!(size.active * 10 <= size.cells, "{size:?}");
@@ -218,10 +221,9 @@ fn lamp_found_by_chance_alone_is_found_by_the_guide() {
     // Without light sampling a lamp of 0.03 sr is found by one direction in a hundred; a guide learns where it is. Expected as
     // in `furnace`: (r / d)^2 cos theta, with the floor's albedo of 0.5.
     let (r, d) = (0.2, 2.0);
-    let scene = Builder::looking(DVec3::new(-1.0, 1.5, 0.5), DVec3::ZERO, [8, 8], 1e-3)
-        .shape(disk(50.0), DMat4::IDENTITY, diffuse(0.5))
-        .shape(sphere(r), at(0.0, 0.0, d), diffuse(0.0))
-        .shining([4.0; 3]);
+    let scene = looking(DVec3::new(-1.0, 1.5, 0.5), DVec3::ZERO, [8, 8], 1e-3)
+        .shape(ShapeDescription::disk(50.0), diffuse(0.5))
+        .shape(ShapeDescription::sphere(r).translated([0.0, 0.0, d]).emitting([4.0; 3]), diffuse(0.0));
     let run = Run { light_sampling: false, ..Run::new("guided", 1, 1024) };
     let guided = run.picture(&scene);
     guided.assert_average([4.0 * 0.5 * (r / d) * (r / d); 3], 0.03, "guided");
@@ -234,9 +236,9 @@ fn lamp_found_by_chance_alone_is_found_by_the_guide() {
 #[test]
 fn sphere_in_a_constant_sky_is_as_bright_as_it_is_in_short_runs_too() {
     // As in `furnace`: 200 pictures of 64 samples, in which the guide has just begun.
-    let scene = Builder::looking(DVec3::new(0.0, 0.0, -2.0), DVec3::ZERO, [6, 6], 0.5)
-        .shape(sphere(1.0), DMat4::IDENTITY, diffuse(0.6))
-        .light(glanz_scene::description::LightKind::Infinite, 3.0);
+    let scene = looking(DVec3::new(0.0, 0.0, -2.0), DVec3::ZERO, [6, 6], 0.5)
+        .shape(ShapeDescription::sphere(1.0), diffuse(0.6))
+        .light(LightDescription::infinite([3.0; 3]));
     let runs = (100..300).map(|seed| Run { seed, ..Run::new("guided", 5, 64) }.picture(&scene).average(1));
     let (sum, variance) = runs.fold((0.0, 0.0), |(s, v), (mean, error)| (s + mean, v + error * error));
     let (mean, error) = (sum / 200.0, variance.sqrt() / 200.0);
@@ -247,21 +249,13 @@ fn sphere_in_a_constant_sky_is_as_bright_as_it_is_in_short_runs_too() {
 #[test]
 fn lamps_of_which_few_are_seen_are_weighed_right() {
     // Forty lamps in a row, all but one behind a wall: groups of lamps, and most of what is picked is picked in vain.
-    let mut scene = Builder::looking(DVec3::new(0.0, -3.0, 1.0), DVec3::ZERO, [8, 6], 0.6)
-        .shape(
-            rectangle(DVec3::new(-4.0, -4.0, 0.0), 8.0 * DVec3::X, 8.0 * DVec3::Y),
-            DMat4::IDENTITY,
-            diffuse(0.7),
-        )
-        .shape(
-            rectangle(DVec3::new(1.0, -4.0, 0.0), 8.0 * DVec3::Y, 3.0 * DVec3::Z),
-            DMat4::IDENTITY,
-            diffuse(0.5),
-        );
+    let mut scene = looking(DVec3::new(0.0, -3.0, 1.0), DVec3::ZERO, [8, 6], 0.6)
+        .shape(rectangle(DVec3::new(-4.0, -4.0, 0.0), 8.0 * DVec3::X, 8.0 * DVec3::Y), diffuse(0.7))
+        .shape(rectangle(DVec3::new(1.0, -4.0, 0.0), 8.0 * DVec3::Y, 3.0 * DVec3::Z), diffuse(0.5));
     for i in 0..40 {
         let corner = DVec3::new(0.5 + 0.7 * f64::from(i), 0.5, 1.5);
         let lamp = rectangle(corner, 0.2 * DVec3::Y, 0.2 * DVec3::X);
-        scene = scene.shape(lamp, DMat4::IDENTITY, diffuse(0.0)).shining([10.0; 3]);
+        scene = scene.shape(lamp.emitting([10.0; 3]), diffuse(0.0));
     }
     let path = Run { seed: 5, ..Run::new("path", 4, 8_000) }.picture(&scene);
     let guided = Run::new("guided", 4, 4_000).picture(&scene);

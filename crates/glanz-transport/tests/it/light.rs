@@ -11,54 +11,48 @@ use std::f64::consts::{PI, TAU};
 use crate::common::*;
 use glanz_light::intensity::{AngularSystem, Distribution, Opening, OpeningShape, Symmetry};
 use glanz_math::{DMat4, DVec2, DVec3};
+use glanz_scene::SceneBuilder;
 use glanz_scene::description::*;
 use glanz_transport::{Film, RenderError};
 
 fn glossy() -> MaterialKind {
-    MaterialKind::phong(grey(0.0), grey(0.3), grey(0.6), 30.0)
+    MaterialKind::phong(0.0, 0.3, 0.6, 30.0)
 }
 
 fn mirror(reflectance: f32) -> MaterialKind {
-    MaterialKind::mirror(grey(reflectance))
+    MaterialKind::mirror(reflectance)
 }
 
 /// A floor and a back wall, in front of them a grey and a glossy ball; no light.
-fn corner() -> Builder {
-    Builder::looking(DVec3::new(-3.0, 0.3, 1.2), DVec3::new(0.0, 0.0, 0.3), [12, 9], 0.9)
-        .shape(
-            rectangle(DVec3::new(-2.0, -2.0, 0.0), DVec3::X * 4.0, DVec3::Y * 4.0),
-            DMat4::IDENTITY,
-            diffuse(0.6),
-        )
-        .shape(
-            rectangle(DVec3::new(2.0, -2.0, 0.0), DVec3::Z * 2.0, DVec3::Y * 4.0),
-            DMat4::IDENTITY,
-            diffuse(0.5),
-        )
-        .shape(sphere(0.4), at(0.2, 0.6, 0.4), diffuse(0.7))
-        .shape(sphere(0.4), at(0.0, -0.5, 0.4), glossy())
+fn corner() -> SceneBuilder {
+    looking(DVec3::new(-3.0, 0.3, 1.2), DVec3::new(0.0, 0.0, 0.3), [12, 9], 0.9)
+        .shape(rectangle(DVec3::new(-2.0, -2.0, 0.0), DVec3::X * 4.0, DVec3::Y * 4.0), diffuse(0.6))
+        .shape(rectangle(DVec3::new(2.0, -2.0, 0.0), DVec3::Z * 2.0, DVec3::Y * 4.0), diffuse(0.5))
+        .shape(ShapeDescription::sphere(0.4).translated([0.2, 0.6, 0.4]), diffuse(0.7))
+        .shape(ShapeDescription::sphere(0.4).translated([0.0, -0.5, 0.4]), glossy())
 }
 
 /// A lamp that faces down, out of sight.
-fn lamp(builder: Builder) -> Builder {
-    builder
-        .shape(disk(0.4), at(-0.3, 0.0, 2.6) * DMat4::from_rotation_x(PI), diffuse(0.2))
-        .shining([19.0, 17.0, 13.0])
+fn lamp(builder: SceneBuilder) -> SceneBuilder {
+    builder.shape(
+        ShapeDescription::disk(0.4)
+            .rotated(DVec3::X, PI)
+            .translated([-0.3, 0.0, 2.6])
+            .emitting([19.0, 17.0, 13.0]),
+        diffuse(0.2),
+    )
 }
 
-fn lens(mut builder: Builder) -> Builder {
-    builder.0.camera.lens_radius = 0.1;
-    builder.0.camera.focal_distance = 2.5;
-    builder
+fn lens(builder: SceneBuilder) -> SceneBuilder {
+    builder.edit(|scene| (scene.camera.lens_radius, scene.camera.focal_distance) = (0.1, 2.5))
 }
 
-fn parallel(mut builder: Builder) -> Builder {
-    builder.0.camera.kind = CameraKind::Orthographic;
-    builder
+fn parallel(builder: SceneBuilder) -> SceneBuilder {
+    builder.edit(|scene| scene.camera.kind = CameraKind::Orthographic)
 }
 
 /// Fails unless `light` and `path` make the same picture.
-fn compare(name: &str, scene: &Builder, depth: u32, samples: u32, largest_error: f64) {
+fn compare(name: &str, scene: &SceneBuilder, depth: u32, samples: u32, largest_error: f64) {
     let path = Run { seed: 5, ..Run::new("path", depth, samples) }.picture(scene);
     let light = Run { seed: 6, ..Run::new("light", depth, samples) }.picture(scene);
     let spread = assert_same(&path, &light, largest_error, name);
@@ -84,23 +78,24 @@ fn lamps_of_every_kind_light_the_same_picture() {
     };
     let plate = Opening { shape: OpeningShape::Rectangle, size: [0.4, 0.2, 0.0] };
     let distant = LightKind::Distant { from: DVec3::new(-1.0, 0.4, 2.0), to: DVec3::ZERO };
-    let ball = corner().shape(sphere(0.2), at(-0.4, 0.2, 2.5), diffuse(0.0)).shining([50.0; 3]);
+    let ball = corner()
+        .shape(ShapeDescription::sphere(0.2).translated([-0.4, 0.2, 2.5]).emitting([50.0; 3]), diffuse(0.0));
     for (name, scene) in [
         ("disk", lamp(corner())),
         ("ball", ball),
-        ("fading point", corner().light(fading.clone(), 3.0)),
-        ("spot", corner().light(spot.clone(), 8.0)),
-        ("luminaire", corner().light(luminaire(None), 1.0)),
-        ("luminaire with a size", corner().light(luminaire(Some(plate)), 1.0)),
-        ("distant", corner().light(distant.clone(), 2.0)),
-        ("infinite", corner().light(LightKind::Infinite, 0.5)),
+        ("fading point", corner().light(LightDescription::new(fading.clone(), [3.0; 3]))),
+        ("spot", corner().light(LightDescription::new(spot.clone(), [8.0; 3]))),
+        ("luminaire", corner().light(LightDescription::new(luminaire(None), [1.0; 3]))),
+        ("luminaire with a size", corner().light(LightDescription::new(luminaire(Some(plate)), [1.0; 3]))),
+        ("distant", corner().light(LightDescription::new(distant.clone(), [2.0; 3]))),
+        ("infinite", corner().light(LightDescription::infinite([0.5; 3]))),
         (
             "all",
             lamp(corner())
-                .light(fading, 2.0)
-                .light(spot, 4.0)
-                .light(distant, 1.0)
-                .light(LightKind::Infinite, 0.2),
+                .light(LightDescription::new(fading, [2.0; 3]))
+                .light(LightDescription::new(spot, [4.0; 3]))
+                .light(LightDescription::new(distant, [1.0; 3]))
+                .light(LightDescription::infinite([0.2; 3])),
         ),
     ] {
         compare(name, &scene, 4, 400, 0.02);
@@ -113,8 +108,8 @@ fn lenses_and_parallel_projection_see_the_same_picture() {
     compare("lens", &lens(scene.clone()), 4, 400, 0.02);
     compare("parallel", &parallel(scene.clone()), 4, 400, 0.02);
     compare("parallel lens", &lens(parallel(scene.clone())), 4, 400, 0.02);
-    let mut stretched = lens(scene);
-    stretched.0.camera.to_world *= DMat4::from_scale(DVec3::new(-1.3, 0.8, 1.1));
+    let stretch = DMat4::from_scale(DVec3::new(-1.3, 0.8, 1.1));
+    let stretched = lens(scene).edit(|scene| scene.camera.to_world *= stretch);
     compare("mirrored and stretched camera", &stretched, 4, 400, 0.02);
 }
 
@@ -122,8 +117,8 @@ fn lenses_and_parallel_projection_see_the_same_picture() {
 fn depth_means_the_same() {
     for depth in [0, 1, 2, 3] {
         // The lamp itself is seen.
-        let mut scene = lamp(corner());
-        scene.0.camera.kind = CameraKind::Perspective { field_of_view: 2.0 };
+        let kind = CameraKind::Perspective { field_of_view: 2.0 };
+        let scene = lamp(corner()).edit(|scene| scene.camera.kind = kind);
         compare(&format!("depth {depth}"), &scene, depth, 300, 0.15);
     }
 }
@@ -131,12 +126,15 @@ fn depth_means_the_same() {
 #[test]
 fn endless_planes_and_skies_agree() {
     // Most of what is seen is beyond the sphere that rays from the sky aim at.
-    let scene = Builder::looking(DVec3::new(-3.0, 0.3, 1.0), DVec3::new(0.0, 0.0, 0.3), [12, 9], 1.4)
-        .shape(plane(), DMat4::IDENTITY, diffuse(0.6))
-        .shape(sphere(0.4), at(0.2, 0.6, 0.4), mirror(0.9))
-        .shape(sphere(0.4), at(0.0, -0.5, 0.4), glass())
-        .light(LightKind::Infinite, 0.6)
-        .light(LightKind::Distant { from: DVec3::new(-1.0, 0.4, 2.0), to: DVec3::ZERO }, 0.3);
+    let scene = looking(DVec3::new(-3.0, 0.3, 1.0), DVec3::new(0.0, 0.0, 0.3), [12, 9], 1.4)
+        .shape(ShapeDescription::plane(), diffuse(0.6))
+        .shape(ShapeDescription::sphere(0.4).translated([0.2, 0.6, 0.4]), mirror(0.9))
+        .shape(ShapeDescription::sphere(0.4).translated([0.0, -0.5, 0.4]), glass())
+        .light(LightDescription::infinite([0.6; 3]))
+        .light(LightDescription::new(
+            LightKind::Distant { from: DVec3::new(-1.0, 0.4, 2.0), to: DVec3::ZERO },
+            [0.3; 3],
+        ));
     compare("sky", &scene, 3, 400, 0.02);
 }
 
@@ -153,16 +151,12 @@ fn interpolated_normals_scatter_the_light_of_both_ways_alike() {
         GeometryDescription::Triangles { normals: Some(positions.clone()), positions, indices, uvs: None };
     for kind in [diffuse(0.8), glossy(), mirror(0.9)] {
         let name = format!("octahedra {kind:?}");
-        let place = |y| at(0.1, y, 0.45) * DMat4::from_scale(DVec3::splat(0.45));
+        let ball = |y| ShapeDescription::from(round.clone()).scaled([0.45; 3]).translated([0.1, y, 0.45]);
         let scene = lamp(
-            Builder::looking(DVec3::new(-3.0, 0.3, 1.2), DVec3::new(0.0, 0.0, 0.3), [12, 9], 0.9)
-                .shape(
-                    rectangle(DVec3::new(-2.0, -2.0, 0.0), DVec3::X * 4.0, DVec3::Y * 4.0),
-                    DMat4::IDENTITY,
-                    diffuse(0.6),
-                )
-                .shape(round.clone(), place(0.5), kind.clone())
-                .shape(round.clone(), place(-0.5), kind),
+            looking(DVec3::new(-3.0, 0.3, 1.2), DVec3::new(0.0, 0.0, 0.3), [12, 9], 0.9)
+                .shape(rectangle(DVec3::new(-2.0, -2.0, 0.0), DVec3::X * 4.0, DVec3::Y * 4.0), diffuse(0.6))
+                .shape(ball(0.5), kind.clone())
+                .shape(ball(-0.5), kind),
         );
         compare(&name, &scene, 4, 600, 0.02);
     }
@@ -170,20 +164,20 @@ fn interpolated_normals_scatter_the_light_of_both_ways_alike() {
 
 #[test]
 fn signed_filters_and_crop_windows_are_heeded() {
-    let mut scene = lamp(corner());
-    scene.0.filter =
+    let filter =
         FilterDescription { kind: FilterKind::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }, radius: [2.0, 2.0] };
+    let scene = lamp(corner()).edit(|scene| scene.filter = filter);
     compare("filter", &scene, 3, 600, 0.02);
-    scene.0.film.crop = [0.3, 0.8, 0.2, 0.9];
+    let scene = scene.edit(|scene| scene.film.crop = [0.3, 0.8, 0.2, 0.9]);
     compare("crop", &scene, 3, 1000, 0.02);
 }
 
 #[test]
 fn lamps_behind_borders_and_lamps_without_sampling_agree() {
     let wrapped = lamp(corner())
-        .shape(sphere(0.6), at(-0.3, 0.0, 2.6), MaterialKind::Interface)
-        .shape(sphere(0.6), at(0.0, -0.5, 0.4), MaterialKind::Interface)
-        .shape(sphere(0.5), at(-3.0, 0.3, 1.2), MaterialKind::Interface);
+        .shape(ShapeDescription::sphere(0.6).translated([-0.3, 0.0, 2.6]), MaterialKind::Interface)
+        .shape(ShapeDescription::sphere(0.6).translated([0.0, -0.5, 0.4]), MaterialKind::Interface)
+        .shape(ShapeDescription::sphere(0.5).translated([-3.0, 0.3, 1.2]), MaterialKind::Interface);
     compare("borders", &wrapped, 3, 400, 0.02);
     // Points on an algebraic surface cannot be sampled: a sphere by its equation.
     let square = |axis: usize| (std::array::from_fn(|i| if i == axis { 2 } else { 0 }), 1.0);
@@ -191,17 +185,20 @@ fn lamps_behind_borders_and_lamps_without_sampling_agree() {
         terms: vec![square(0), square(1), square(2), ([0, 0, 0], -0.25)],
         clip: [DVec3::splat(-1.0), DVec3::splat(1.0)],
     };
-    let scene = corner().shape(ball, at(-0.4, 0.5, 1.2), diffuse(0.0)).shining([3.0; 3]);
+    let ball = ShapeDescription::from(ball);
+    let scene = corner().shape(ball.translated([-0.4, 0.5, 1.2]).emitting([3.0; 3]), diffuse(0.0));
     compare("algebraic lamp", &scene, 3, 600, 0.05);
 }
 
 #[test]
 fn glass_throws_the_light_that_path_finds_by_chance() {
-    let scene = Builder::looking(DVec3::new(-1.5, 0.0, 0.7), DVec3::ZERO, [10, 10], 0.5)
-        .shape(disk(3.0), DMat4::IDENTITY, diffuse(0.6))
-        .shape(sphere(0.4), at(0.0, 0.0, 1.0), glass())
-        .shape(sphere(0.1), at(0.3, 0.0, 3.0), diffuse(0.0))
-        .shining([250.0, 200.0, 150.0]);
+    let scene = looking(DVec3::new(-1.5, 0.0, 0.7), DVec3::ZERO, [10, 10], 0.5)
+        .shape(ShapeDescription::disk(3.0), diffuse(0.6))
+        .shape(ShapeDescription::sphere(0.4).translated([0.0, 0.0, 1.0]), glass())
+        .shape(
+            ShapeDescription::sphere(0.1).translated([0.3, 0.0, 3.0]).emitting([250.0, 200.0, 150.0]),
+            diffuse(0.0),
+        );
     let path = Run { seed: 5, ..Run::new("path", 6, 8000) }.picture(&scene);
     let light = Run { seed: 6, ..Run::new("light", 6, 1000) }.picture(&scene);
     let spread = assert_same(&path, &light, 0.05, "glass");
@@ -213,9 +210,9 @@ fn glass_throws_the_light_that_path_finds_by_chance() {
 }
 
 /// Means over each pixel of `radiance` on the floor z = 0, 16 x 16 points.
-fn floor_picture(scene: &Builder, radiance: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-    let [width, height] = scene.0.film.resolution;
-    let camera = scene.scene().camera().clone();
+fn floor_picture(scene: &SceneBuilder, radiance: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    let [width, height] = described(scene).film.resolution;
+    let camera = resolved(scene).camera().clone();
     let mut means = Vec::new();
     for y in 0..height {
         for x in 0..width {
@@ -248,10 +245,10 @@ fn assert_pixels(picture: &Picture, expected: &[f64], name: &str) {
 #[test]
 fn flat_mirror_adds_the_light_of_the_image_source() {
     let (rho, reflectance, intensity, h, ceiling) = (0.5_f32, 0.8_f32, 3.0_f32, 1.0, 1.5);
-    let scene = Builder::looking(DVec3::new(-2.0, 0.2, 1.2), DVec3::new(0.1, 0.0, 0.0), [6, 5], 0.6)
-        .shape(disk(40.0), DMat4::IDENTITY, diffuse(rho))
-        .shape(disk(200.0), at(0.0, 0.0, ceiling), mirror(reflectance))
-        .point_light(DVec3::new(0.0, 0.0, h), intensity);
+    let scene = looking(DVec3::new(-2.0, 0.2, 1.2), DVec3::new(0.1, 0.0, 0.0), [6, 5], 0.6)
+        .shape(ShapeDescription::disk(40.0), diffuse(rho))
+        .shape(ShapeDescription::disk(200.0).translated([0.0, 0.0, ceiling]), mirror(reflectance))
+        .light(LightDescription::point(DVec3::new(0.0, 0.0, h), [intensity; 3]));
     // I h / d^3 of the lamp and of its image, 2 x 1.5 - 1 = 2 above the floor. Depth 2: the mirror and the floor.
     let lit = |height: f64, x: f64, y: f64| {
         f64::from(intensity) * height / (height * height + x * x + y * y).powf(1.5)
@@ -271,10 +268,13 @@ fn parabolic_mirror_lights_the_floor_by_its_closed_form() {
     let (rho, reflectance, intensity, f, height) = (0.5_f32, 0.9_f32, 2.0_f32, 0.25, 2.0);
     // Apex up, at height + f; the focus at `height`. Radius 1 at a depth of r^2 / (4 f) = 1.
     let bowl = GeometryDescription::Paraboloid { radius: 1.0, z: [0.0, 1.0], phi_max: TAU };
-    let scene = Builder::looking(DVec3::new(-2.0, 0.0, 1.1), DVec3::ZERO, [7, 5], 0.5)
-        .shape(disk(9.0), DMat4::IDENTITY, diffuse(rho))
-        .shape(bowl, at(0.0, 0.0, height + f) * DMat4::from_rotation_x(PI), mirror(reflectance))
-        .point_light(DVec3::new(0.0, 0.0, height), intensity);
+    let scene = looking(DVec3::new(-2.0, 0.0, 1.1), DVec3::ZERO, [7, 5], 0.5)
+        .shape(ShapeDescription::disk(9.0), diffuse(rho))
+        .shape(
+            ShapeDescription::from(bowl).rotated(DVec3::X, PI).translated([0.0, 0.0, height + f]),
+            mirror(reflectance),
+        )
+        .light(LightDescription::point(DVec3::new(0.0, 0.0, height), [intensity; 3]));
     // The rim, 1.25 above the floor, hides the lamp from what is farther out than this.
     let edge = height / (height - 1.25);
     // A ray under the angle t to the axis meets the mirror at r = 2 f tan(t / 2) and goes down at that radius: the flux
@@ -293,7 +293,7 @@ fn parabolic_mirror_lights_the_floor_by_its_closed_form() {
 #[test]
 fn film_without_splats_is_refused() {
     let (run, scene) = (Run::new("light", 3, 4), lamp(corner()));
-    let mut format = run.format(&scene.0);
+    let mut format = run.format(&scene);
     format.splats = false;
     let error = run.resume(&scene, Film::try_new(format).unwrap(), 0..4, None);
     assert!(matches!(error, Err(RenderError::Passes)));

@@ -2,10 +2,11 @@
 
 use crate::common::*;
 use glanz_light::{Spectrum, Wavelengths};
-use glanz_math::{DMat4, DVec3};
+use glanz_math::DVec3;
 use glanz_sampling::{PixelSampler, SamplerKind};
 use glanz_scene::Scene;
-use glanz_scene::description::MaterialKind;
+use glanz_scene::SceneBuilder;
+use glanz_scene::description::*;
 use glanz_transport::{Counters, ParticleFate, send_particle};
 
 fn watts(spectrum: Spectrum) -> f64 {
@@ -57,11 +58,10 @@ impl Books {
 fn integrating_sphere_is_lit_by_power_over_absorption() {
     // Every bounce brings the share rho again: arrived = P (1 + rho + rho^2 + ...) = P / (1 - rho), P = 4 pi I.
     for rho in [0.3_f32, 0.9, 0.98] {
-        let scene = Builder::looking(DVec3::ZERO, DVec3::X, [1, 1], 1.0)
-            .shape(sphere(2.0), DMat4::IDENTITY, diffuse(rho))
-            .point_light(DVec3::new(0.7, 0.2, -0.3), 1.0)
-            .scene();
-        let books = Books::of(&scene, 4096, 10_000);
+        let scene = SceneBuilder::new()
+            .shape(ShapeDescription::sphere(2.0), diffuse(rho))
+            .light(LightDescription::point(DVec3::new(0.7, 0.2, -0.3), [1.0; 3]));
+        let books = Books::of(&resolved(&scene), 4096, 10_000);
         books.assert_balance();
         let power = 4.0 * std::f64::consts::PI;
         assert!((books.emitted / books.particles / power - 1.0).abs() < 1e-6);
@@ -75,17 +75,18 @@ fn integrating_sphere_is_lit_by_power_over_absorption() {
 
 #[test]
 fn books_balance_whatever_stands_in_the_room() {
-    let phong = MaterialKind::phong(grey(0.0), rgb([0.5, 0.2, 0.1]), grey(0.3), 20.0);
-    let room = Builder::looking(DVec3::ZERO, DVec3::X, [1, 1], 1.0)
-        .shape(sphere(0.5), at(0.5, 0.0, -0.4), glass())
-        .shape(sphere(0.4), at(-0.6, 0.0, -0.4), phong)
-        .shape(disk(0.3), at(0.0, 0.0, 0.9), diffuse(0.5))
-        .reversed()
-        .shining([3.0, 2.0, 1.0]);
-    let open = Books::of(&room.scene(), 4096, 100);
+    let phong = MaterialKind::phong(0.0, [0.5, 0.2, 0.1], 0.3, 20.0);
+    let room = looking(DVec3::ZERO, DVec3::X, [1, 1], 1.0)
+        .shape(ShapeDescription::sphere(0.5).translated([0.5, 0.0, -0.4]), glass())
+        .shape(ShapeDescription::sphere(0.4).translated([-0.6, 0.0, -0.4]), phong)
+        .shape(
+            ShapeDescription::disk(0.3).translated([0.0, 0.0, 0.9]).reversed().emitting([3.0, 2.0, 1.0]),
+            diffuse(0.5),
+        );
+    let open = Books::of(&resolved(&room), 4096, 100);
     open.assert_balance();
     assert!(open.escaped > 0.1 * open.emitted);
-    let closed = Books::of(&room.shape(cuboid(1.0), DMat4::IDENTITY, diffuse(0.9)).scene(), 4096, 6);
+    let closed = Books::of(&resolved(&room.shape(cuboid(1.0), diffuse(0.9))), 4096, 6);
     closed.assert_balance();
     assert!(closed.escaped == 0.0 && closed.given_up > 0.1 * closed.emitted);
 }

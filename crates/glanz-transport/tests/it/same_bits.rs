@@ -4,24 +4,25 @@ use std::time::Duration;
 
 use crate::common::*;
 use glanz_job::{CancelFlag, JobEnd, JobIdentity, JobProgress, ProgressSink, Silent, WorkCount};
-use glanz_math::{DMat4, DVec3};
+use glanz_math::DVec3;
 use glanz_sampling::SamplerKind;
-use glanz_scene::description::{FilterDescription, FilterKind, LightKind};
+use glanz_scene::SceneBuilder;
+use glanz_scene::description::*;
 use glanz_transport::{
     AovSet, Checkpoint, Film, FilmError, MergeError, PictureIdentity, RenderError, RenderSettings,
     RenderSink, merge, render,
 };
 
-fn scene() -> Builder {
-    let mut builder = Builder::looking(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO, [37, 23], 0.9)
-        .shape(sphere(1.0), DMat4::IDENTITY, diffuse(0.6))
-        .shape(sphere(0.5), at(1.2, 0.0, -0.4), glass())
-        .shape(disk(1.0), at(-1.0, 0.0, 1.0), diffuse(0.3))
-        .light(LightKind::Infinite, 0.7)
-        .point_light(DVec3::new(2.0, 2.0, -3.0), 20.0);
-    builder.0.filter =
+fn scene() -> SceneBuilder {
+    let filter =
         FilterDescription { kind: FilterKind::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }, radius: [2.0, 2.0] };
-    builder
+    looking(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO, [37, 23], 0.9)
+        .shape(ShapeDescription::sphere(1.0), diffuse(0.6))
+        .shape(ShapeDescription::sphere(0.5).translated([1.2, 0.0, -0.4]), glass())
+        .shape(ShapeDescription::disk(1.0).translated([-1.0, 0.0, 1.0]), diffuse(0.3))
+        .light(LightDescription::infinite([0.7; 3]))
+        .light(LightDescription::point(DVec3::new(2.0, 2.0, -3.0), [20.0; 3]))
+        .edit(|scene| scene.filter = filter)
 }
 
 fn runs() -> Vec<Run> {
@@ -47,15 +48,15 @@ fn resume(
     cancel: &CancelFlag,
 ) -> (Film, JobEnd) {
     let builder = scene();
-    let mut settings = run.settings(&builder.0);
+    let mut settings = run.settings(&builder);
     change(&mut settings);
     let integrator = run.integrator_settings().build();
-    let outcome = render(&builder.scene(), integrator.as_ref(), &settings, film, sink, cancel).unwrap();
+    let outcome = render(&resolved(&builder), integrator.as_ref(), &settings, film, sink, cancel).unwrap();
     (outcome.film, outcome.end)
 }
 
 fn fresh(run: &Run) -> Film {
-    Film::try_new(run.format(&scene().0)).unwrap()
+    Film::try_new(run.format(&scene())).unwrap()
 }
 
 fn part(run: &Run, range: std::ops::Range<u32>) -> Film {
@@ -69,8 +70,8 @@ fn identity(run: &Run) -> PictureIdentity {
     let builder = scene();
     PictureIdentity {
         scene: 99,
-        film: run.format(&builder.0),
-        filter: builder.0.filter,
+        film: run.format(&builder),
+        filter: described(&builder).filter,
         integrator: run.integrator_settings(),
         sampler: run.sampler,
         seed: run.seed,
@@ -227,8 +228,7 @@ fn time_limit_ends_a_run_with_whole_passes() {
 fn crop_window_is_a_part_of_the_whole_picture() {
     let run = &runs()[0];
     let whole = run.outcome(&scene()).film.to_pixels().unwrap();
-    let mut cropped = scene();
-    cropped.0.film.crop = [0.3, 0.8, 0.1, 0.6];
+    let cropped = scene().edit(|scene| scene.film.crop = [0.3, 0.8, 0.1, 0.6]);
     let film = run.outcome(&cropped).film;
     let (crop, part) = (film.format().crop, film.to_pixels().unwrap());
     for channel in part.channels() {
@@ -243,10 +243,10 @@ fn crop_window_is_a_part_of_the_whole_picture() {
 #[test]
 fn geometry_channels_tell_what_the_camera_sees() {
     // Head on to a sphere of radius 1 at 4 m; the middle pixel sees its pole.
-    let builder = Builder::one_pixel(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO)
-        .shape(plane(), at(0.0, 0.0, 9.0), diffuse(0.2))
-        .shape(sphere(1.0), DMat4::IDENTITY, diffuse(0.6))
-        .light(LightKind::Infinite, 1.0);
+    let builder = one_pixel(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO)
+        .shape(ShapeDescription::plane().translated([0.0, 0.0, 9.0]), diffuse(0.2))
+        .shape(ShapeDescription::sphere(1.0), diffuse(0.6))
+        .light(LightDescription::infinite([1.0; 3]));
     for integrator in ["path", "distributed", "whitted"] {
         let run = Run { aovs: AovSet::ALL, sampler: SamplerKind::Center, ..Run::new(integrator, 3, 3) };
         let pixels = run.outcome(&builder).film.to_pixels().unwrap();
@@ -262,14 +262,14 @@ fn geometry_channels_tell_what_the_camera_sees() {
 #[test]
 fn film_for_another_filter_is_refused() {
     let run = &runs()[0];
-    let mut format = run.format(&scene().0);
+    let mut format = run.format(&scene());
     format.signed = false;
     let builder = scene();
     let integrator = run.integrator_settings().build();
     let error = render(
-        &builder.scene(),
+        &resolved(&builder),
         integrator.as_ref(),
-        &run.settings(&builder.0),
+        &run.settings(&builder),
         Film::try_new(format).unwrap(),
         &mut Silent,
         &CancelFlag::default(),
@@ -283,9 +283,9 @@ fn more_samples_than_the_sums_hold_are_refused() {
     let builder = scene();
     let integrator = run.integrator_settings().build();
     let error = render(
-        &builder.scene(),
+        &resolved(&builder),
         integrator.as_ref(),
-        &run.settings(&builder.0),
+        &run.settings(&builder),
         fresh(&run),
         &mut Silent,
         &CancelFlag::default(),

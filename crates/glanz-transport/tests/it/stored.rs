@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use crate::common::*;
 use glanz_light::Spectrum;
-use glanz_math::{DMat4, DVec3};
+use glanz_math::DVec3;
 use glanz_sampling::SamplerKind;
 use glanz_scene::Place;
-use glanz_scene::description::{GeometryDescription, MaterialKind};
+use glanz_scene::description::*;
 use glanz_transport::StoredLight;
 
 /// Irradiance that grows with the first parameter of surfaces , each side with its own, but for the first.
@@ -34,9 +34,9 @@ fn seen(material: &MaterialKind, from: DVec3, to: DVec3, turned: bool) -> f64 {
     let (a, b) = (DVec3::Y * 2.0, DVec3::Z * 2.0);
     let corner = DVec3::new(2.0, -1.0, -1.0);
     let wall = if turned { square(corner, b, a) } else { square(corner, a, b) };
-    let scene = Builder::one_pixel(from, to)
-        .shape(square(DVec3::new(-1.0, -1.0, -2.0), a, DVec3::X * 2.0), DMat4::IDENTITY, material.clone())
-        .shape(wall, DMat4::IDENTITY, diffuse(0.5));
+    let scene = one_pixel(from, to)
+        .shape(square(DVec3::new(-1.0, -1.0, -2.0), a, DVec3::X * 2.0), material.clone())
+        .shape(wall, diffuse(0.5));
     let run = Run { sampler: SamplerKind::Center, ..Run::new("radiosity", 5, 1) };
     let integrator = run.integrator_settings().build_with_light(Arc::new(Slope));
     let outcome = run.outcome_with(&scene, integrator.as_ref());
@@ -63,7 +63,7 @@ fn mirror_shows_stored_light_and_what_has_none_is_dark() {
     let image = DVec3::new(-0.5, 0.0, -4.0);
     let t = (-2.0 - image.z) / (there.z - image.z);
     let on_floor = image + t * (there - image);
-    let mirror = MaterialKind::mirror(grey(0.8));
+    let mirror = MaterialKind::mirror(0.8);
     let direct = seen(&diffuse(0.5), eye, there, false);
     let mirrored = seen(&mirror, eye, on_floor, false);
     assert!(direct > 0.3 && (mirrored / direct - 0.8).abs() < 1e-5, "{mirrored} {direct}");

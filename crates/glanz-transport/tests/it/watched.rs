@@ -5,28 +5,29 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::common::*;
 use glanz_job::{CancelFlag, JobProgress, ProgressSink};
-use glanz_math::{DMat4, DVec3};
-use glanz_scene::description::{FilterDescription, FilterKind, LightKind};
+use glanz_math::DVec3;
+use glanz_scene::SceneBuilder;
+use glanz_scene::description::*;
 use glanz_transport::{Film, FinishedTile, PixelRect, RenderError, RenderSink, TileSink, render};
 
 /// 37 x 23 pixels: six tiles, those at the right and lower border smaller than the others.
 const SIZE: [u32; 2] = [37, 23];
 
-fn scene() -> Builder {
-    let mut builder = Builder::looking(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO, SIZE, 0.9)
-        .shape(sphere(1.0), DMat4::IDENTITY, diffuse(0.6))
-        .light(LightKind::Infinite, 0.7);
+fn scene() -> SceneBuilder {
     // Its lobes are negative: some samples count against the mean.
-    builder.0.filter =
+    let filter =
         FilterDescription { kind: FilterKind::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }, radius: [2.0, 2.0] };
-    builder
+    looking(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO, SIZE, 0.9)
+        .shape(ShapeDescription::sphere(1.0), diffuse(0.6))
+        .light(LightDescription::infinite([0.7; 3]))
+        .edit(|scene| scene.filter = filter)
 }
 
 fn expose(run: &Run, sink: &mut dyn RenderSink) -> Result<Film, RenderError> {
     let builder = scene();
-    let film = Film::try_new(run.format(&builder.0)).unwrap();
-    let (settings, integrator) = (run.settings(&builder.0), run.integrator_settings().build());
-    let scene = builder.scene();
+    let film = Film::try_new(run.format(&builder)).unwrap();
+    let (settings, integrator) = (run.settings(&builder), run.integrator_settings().build());
+    let scene = resolved(&builder);
     render(&scene, integrator.as_ref(), &settings, film, sink, &CancelFlag::default())
         .map(|outcome| outcome.film)
 }

@@ -138,10 +138,8 @@ fn form_factor(leaf: &Branch, to: &Branch) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::TAU;
-
     use glanz_math::DVec3;
-    use glanz_scene::description::GeometryDescription;
+    use glanz_scene::description::ShapeDescription;
 
     use super::*;
     use crate::elements::{ElementSettings, Elements};
@@ -151,7 +149,7 @@ mod tests {
     /// surroundings.
     #[test]
     fn rays_begin_and_end_at_places_that_face_each_other() {
-        let tube = GeometryDescription::Cylinder { radius: 0.1, z: [0.0, 2.0], phi_max: TAU };
+        let tube = ShapeDescription::cylinder(0.1, [0.0, 2.0]);
         let wall = parallelogram(DVec3::new(1.0, -1.0, 0.0), DVec3::Z * 2.0, DVec3::Y * 2.0);
         let scene = scene(vec![(tube, 0.5, 0.0), (wall, 0.5, 0.0)]);
         let elements = Elements::new(&scene, &ElementSettings { side: 9.0 }).unwrap();

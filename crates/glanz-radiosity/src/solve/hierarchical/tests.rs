@@ -4,7 +4,7 @@ use glanz_job::{CancelFlag, JobProgress, ProgressSink, Silent};
 use glanz_light::Wavelengths;
 use glanz_math::DVec3;
 use glanz_scene::Scene;
-use glanz_scene::description::GeometryDescription;
+use glanz_scene::description::{GeometryDescription, ShapeDescription};
 
 use super::*;
 use crate::elements::{Element, ElementSettings, Patch};
@@ -28,19 +28,19 @@ fn luminance(light: Spectrum) -> f64 {
 }
 
 /// Shapes in a room of 3 m x 2 m x 2.5 m of which the ceiling shines.
-fn room(reflectance: f32, inside: Vec<(GeometryDescription, f32, f32)>) -> Scene {
+fn room(reflectance: f32, inside: Vec<(ShapeDescription, f32, f32)>) -> Scene {
     let shine = |i| if i == 5 { 1.0 } else { 0.0 };
     let walls = walls(DVec3::new(3.0, 2.0, 2.5)).into_iter().enumerate();
     scene(walls.map(|(i, wall)| (wall, reflectance, shine(i))).chain(inside).collect())
 }
 
-fn cuboid() -> GeometryDescription {
-    GeometryDescription::Cuboid { min: DVec3::new(0.8, 0.6, 0.0), max: DVec3::new(1.7, 1.3, 0.9) }
+fn cuboid() -> ShapeDescription {
+    ShapeDescription::cuboid(DVec3::new(0.8, 0.6, 0.0), DVec3::new(1.7, 1.3, 0.9))
 }
 
 /// In the corner of the room, through three walls.
-fn sphere() -> GeometryDescription {
-    GeometryDescription::Sphere { radius: 0.8, z: [-0.8, 0.8], phi_max: TAU }
+fn sphere() -> ShapeDescription {
+    ShapeDescription::sphere(0.8)
 }
 
 /// The mean over areas of the difference of two values of each element, as a share of the mean of the second.
@@ -75,7 +75,12 @@ fn furnace_is_as_bright_as_it_is() {
 
 #[test]
 fn all_pairs_of_its_elements_come_to_the_same() {
-    let table = GeometryDescription::Disk { height: 1.0, radius: 0.6, inner_radius: 0.2, phi_max: TAU };
+    let table = ShapeDescription::from(GeometryDescription::Disk {
+        height: 1.0,
+        radius: 0.6,
+        inner_radius: 0.2,
+        phi_max: TAU,
+    });
     for (name, inside, bound) in [("box", cuboid(), 3e-3), ("sphere", sphere(), 1e-2), ("ring", table, 3e-3)]
     {
         let scene = room(0.6, vec![(inside, 0.4, 0.0)]);
@@ -232,7 +237,7 @@ fn many_triangles_are_few_links() {
         let [a, b, c] = [a, b, c].map(|i| positions[i as usize]);
         (b - a).cross(c - a).length() > 1e-9
     });
-    let mesh = GeometryDescription::Triangles { positions, indices, normals: None, uvs: None };
+    let mesh = ShapeDescription::mesh(positions, indices);
     let shapes = walls(DVec3::new(3.0, 2.0, 2.5)).into_iter().chain([mesh]);
     let scene = scene(shapes.map(|shape| (shape, 0.5, 1.0)).collect());
     let solved = solved(&scene, &Hierarchical { bound: 1e-3, side: 0.2, ..Hierarchical::default() });

@@ -1,9 +1,10 @@
 //! Tests of densities fitted to known light, and of their files.
 
-use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
-use glanz_math::{DMat4, Ray};
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::Ray;
 use glanz_sampling::hash::{combine, unit_f64};
 use glanz_sampling::statistics::chi_square;
+use glanz_scene::SceneBuilder;
 use glanz_scene::description::*;
 use proptest::prelude::*;
 
@@ -20,41 +21,13 @@ fn settings(text: &str) -> GridSettings {
 
 /// A sphere of 1 m around the origin, a cylinder around x = 5 m, and a mesh of two triangles at x = 9 m, 2 m by 4 m.
 fn scene() -> Scene {
-    let mut description = Description::default();
-    let white = SpectrumInput::Value(SpectralDistribution::Constant(1.0));
-    description.materials.push(MaterialDescription {
-        name: String::new(),
-        kind: MaterialKind::diffuse(white),
-        location: None,
-    });
     let wall = [[0.0, 0.0], [2.0, 0.0], [2.0, 4.0], [0.0, 4.0]].map(|[y, z]| DVec3::new(9.0, y, z));
     let shapes = [
-        (GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 1.0], phi_max: TAU }, DVec3::ZERO),
-        (GeometryDescription::Cylinder { radius: 1.0, z: [0.0, 2.0], phi_max: TAU }, DVec3::X * 5.0),
-        (
-            GeometryDescription::Triangles {
-                positions: wall.to_vec(),
-                indices: vec![[0, 1, 2], [0, 2, 3]],
-                normals: None,
-                uvs: None,
-            },
-            DVec3::ZERO,
-        ),
+        ShapeDescription::sphere(1.0),
+        ShapeDescription::cylinder(1.0, [0.0, 2.0]).translated([5.0, 0.0, 0.0]),
+        ShapeDescription::mesh(wall.to_vec(), vec![[0, 1, 2], [0, 2, 3]]),
     ];
-    description.world.shapes = shapes
-        .into_iter()
-        .map(|(geometry, place)| ShapeDescription {
-            geometry,
-            to_parent: DMat4::from_translation(place),
-            reverse_orientation: false,
-            material: 0,
-            emission: None,
-            trim: None,
-            receiver: None,
-            location: None,
-        })
-        .collect();
-    Scene::resolve(description).unwrap().0
+    SceneBuilder::new().shapes(shapes, MaterialKind::diffuse(1.0)).resolve().unwrap().0
 }
 
 /// The place that a ray meets.

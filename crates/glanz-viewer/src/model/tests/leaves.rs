@@ -2,50 +2,31 @@
 
 use std::collections::BTreeSet;
 
-use glanz_light::SpectralDistribution;
 use glanz_math::{DMat4, DVec2, DVec3, Ray};
 use glanz_scene::description::*;
 
 use super::super::{ModelError, without};
 use super::*;
 
-const WHITE: SpectralDistribution = SpectralDistribution::Constant(0.5);
-
 fn description() -> Description {
-    let reflectance = SpectrumInput::Value(WHITE);
-    let material =
-        MaterialDescription { name: String::new(), kind: MaterialKind::diffuse(reflectance), location: None };
-    Description { materials: vec![material], ..Description::default() }
+    Description { materials: vec![MaterialKind::diffuse(0.5).into()], ..Description::default() }
 }
 
 /// A shape at `x`, which shines if asked to: a ball, a triangle, or two bilinear patches.
 fn shape(kind: u32, x: f64, shines: bool) -> ShapeDescription {
-    let geometry = match kind % 3 {
-        0 => GeometryDescription::Sphere { radius: 0.1, z: [-0.1, 0.1], phi_max: 7.0 },
-        1 => GeometryDescription::Triangles {
-            positions: vec![DVec3::ZERO, DVec3::X * 0.1, DVec3::Y * 0.1],
-            indices: vec![[0, 1, 2]],
-            normals: None,
-            uvs: None,
-        },
+    let shape = match kind % 3 {
+        0 => ShapeDescription::sphere(0.1),
+        1 => ShapeDescription::mesh(vec![DVec3::ZERO, DVec3::X * 0.1, DVec3::Y * 0.1], vec![[0, 1, 2]]),
         _ => GeometryDescription::Bilinear {
             positions: [(0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (2, 1)]
                 .map(|(i, j)| DVec3::new(f64::from(i), f64::from(j), 0.0) * 0.1)
                 .to_vec(),
             indices: vec![[0, 1, 2, 3], [1, 4, 3, 5]],
-        },
+        }
+        .into(),
     };
-    let emission = EmissionDescription { radiance: WHITE, scale: 1.0, power: None, two_sided: false };
-    ShapeDescription {
-        geometry,
-        to_parent: DMat4::from_translation(DVec3::X * x),
-        reverse_orientation: false,
-        material: 0,
-        emission: shines.then_some(emission),
-        trim: None,
-        receiver: None,
-        location: None,
-    }
+    let shape = shape.translated([x, 0.0, 0.0]);
+    if shines { shape.emitting(0.5) } else { shape }
 }
 
 fn instance(group: usize, x: f64) -> InstanceDescription {

@@ -169,9 +169,8 @@ fn materials_look_like_those_of_the_scene() {
 fn luminaires_keep_their_flux() {
     use std::sync::Arc;
 
-    use glanz_light::SpectralDistribution;
     use glanz_light::intensity::{AngularSystem, Distribution, Symmetry};
-    use glanz_math::{DMat4, DVec3};
+    use glanz_math::DVec3;
     use glanz_scene::description::{LightDescription, LightKind};
 
     // 100 cd straight down, falling by the cosine: I_0 pi lm in all, as of a light of 100 cd along its axis. Another one shines 50 cd everywhere.
@@ -182,16 +181,9 @@ fn luminaires_keep_their_flux() {
         Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], vec![0.0, 180.0], vec![50.0; 2])
             .unwrap();
     let (mut description, _) = load("WorldBegin\nShape \"sphere\"");
-    let lamp = |distribution: Distribution, x: f64| LightDescription {
-        kind: LightKind::Photometric {
-            distribution: Arc::new(distribution),
-            opening: None,
-            from: DVec3::ZERO,
-        },
-        emission: SpectralDistribution::Constant(1.0),
-        scale: 1.0,
-        to_world: DMat4::from_translation(DVec3::X * x),
-        location: None,
+    let lamp = |distribution: Distribution, x: f64| {
+        let (distribution, from) = (Arc::new(distribution), DVec3::X * x);
+        LightDescription::new(LightKind::Photometric { distribution, opening: None, from }, 1.0)
     };
     description.lights = vec![lamp(down, 1.0), lamp(even, 2.0)];
     let scene = Scene::resolve(description.clone()).unwrap().0;
