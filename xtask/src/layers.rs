@@ -25,7 +25,7 @@ const ROOMS: &[Room] = &[
     Room { floor: 4, name: "glanz-transport", may_use: "0-3" },
     Room { floor: 4, name: "glanz-radiosity", may_use: "0-3" },
     Room { floor: 5, name: "glanz-illumination", may_use: "0-4" },
-    Room { floor: 5, name: "glanz-terminal", may_use: "report, job, formats" },
+    Room { floor: 5, name: "glanz-terminal", may_use: "report, job, scene" },
     Room { floor: 6, name: "glanz-viewer", may_use: "0-5" },
     Room { floor: 7, name: "glanz", may_use: "0-6" },
     Room { floor: 8, name: "glanz-cli", may_use: "all" },

@@ -1,27 +1,19 @@
 //! The command line of Glanz: from arguments to exit code.
 
 mod arguments;
-mod baking;
-mod checkpoint_file;
 mod command;
-mod guide_file;
-mod illumination;
-mod light_file;
-mod light_maps;
+mod failure;
+mod notes;
 mod outputs;
-mod plan;
 mod report;
-mod saving;
 mod scene_file;
-mod surface_light;
-mod view;
 
 use std::process::ExitCode;
 
-use glanz_terminal::{Ending, exit_code, interrupt, messages, progress};
+use glanz_terminal::exit_code;
+use glanz_terminal::messages::{Failure, Messages};
 
 use arguments::{Arguments, Command};
-use messages::{Failure, Messages};
 
 fn main() -> ExitCode {
     let arguments: Arguments = match glanz_terminal::parse() {
@@ -30,23 +22,23 @@ fn main() -> ExitCode {
     };
     let (messages, outcome) = match arguments.command {
         Command::Demo(demo) => {
-            let messages = Messages::new(demo.options.talk.quiet);
+            let messages = Messages::new(demo.render.job.verbosity.quiet);
             (messages, command::demo::run(&demo, messages))
         }
         Command::Render(render) => {
-            let messages = Messages::new(render.options.talk.quiet);
+            let messages = Messages::new(render.render.job.verbosity.quiet);
             (messages, command::render::run(&render, messages))
         }
         Command::Bake(bake) => {
-            let messages = Messages::new(bake.talk.quiet);
+            let messages = Messages::new(bake.job.verbosity.quiet);
             (messages, command::bake::run(&bake, messages))
         }
         Command::Illuminate(illuminate) => {
-            let messages = Messages::new(illuminate.talk.quiet);
+            let messages = Messages::new(illuminate.job.verbosity.quiet);
             (messages, command::illuminate::run(&illuminate, messages))
         }
         Command::Merge(merge) => {
-            let messages = Messages::new(merge.talk.quiet);
+            let messages = Messages::new(merge.verbosity.quiet);
             (messages, command::merge::run(&merge, messages))
         }
         Command::Info(info) => {
@@ -62,7 +54,10 @@ fn main() -> ExitCode {
             let messages = Messages::new(view.quiet);
             (messages, command::view::run(&view, messages))
         }
-        Command::Compare(compare) => (Messages::new(false), command::compare::run(&compare)),
+        Command::Compare(compare) => {
+            let messages = Messages::new(false);
+            (messages, command::compare::run(&compare, messages))
+        }
         Command::Completions { shell } => (Messages::new(false), command::shell::completions(shell)),
         Command::Man { command } => (Messages::new(false), command::shell::manual(command.as_deref())),
     };

@@ -1,14 +1,13 @@
-//! The files that a command writes: looked at before the work starts, written when it is done.
+//! The pictures that a command writes: checked before the work starts, written when it is done.
 
-use std::collections::BTreeMap;
-use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-use glanz_formats::image::{self, Format, write_atomically};
-use glanz_light::{Pixels, Tone, ToneCurve};
+use glanz::formats::image::Format;
+use glanz::light::Tone;
+use glanz::{Picture, picture_format};
+use glanz_terminal::messages::{Failure, Messages};
 
-use crate::arguments::ToneName;
-use crate::messages::Failure;
+use crate::failure::failure;
 
 /// Pictures to write, each in the format of its extension.
 #[derive(Debug)]
@@ -18,24 +17,18 @@ pub(crate) struct Outputs {
 }
 
 impl Outputs {
-    /// Checks that each of `paths` has an extension Glanz writes and lies in a folder it can write to.
+    /// Checks that each of `paths` has an extension that Glanz writes and lies in a folder it can write to.
     ///
     /// # Errors
     /// What is wrong with the first path that cannot be written.
-    pub(crate) fn try_new(paths: &[PathBuf], tone: Tone) -> Result<Self, Failure> {
+    pub(crate) fn try_new(paths: &[PathBuf], tone: Tone, messages: Messages) -> Result<Self, Failure> {
         let mut files: Vec<(PathBuf, Format)> = Vec::new();
         for path in paths {
-            let Some(format) = Format::from_path(path).filter(|format| is_written(*format)) else {
-                return Err(Failure::usage(format!(
-                    "{}: no picture format has this extension",
-                    path.display()
-                ))
-                .with_help("the extension decides: .exr, .png, .hdr or .pfm"));
-            };
+            let format = picture_format(path).map_err(failure(messages))?;
             if files.iter().any(|(other, _)| other == path) {
                 return Err(Failure::usage(format!("{}: named twice as output", path.display())));
             }
-            check_writable(path)?;
+            glanz::file::check_writable(path).map_err(failure(messages))?;
             files.push((path.clone(), format));
         }
         Ok(Self { files, tone })
@@ -51,80 +44,23 @@ impl Outputs {
         self.files.iter().map(|(path, _)| path.display().to_string()).collect()
     }
 
-    /// Writes `pixels` to every file, also if one of them fails.
+    /// Writes the picture to every file, also if one of them fails.
     ///
     /// # Errors
     /// What went wrong, one line per file that is not written.
-    pub(crate) fn write(
-        &self,
-        pixels: &Pixels,
-        attributes: &BTreeMap<String, String>,
-    ) -> Result<(), Failure> {
-        let failures: Vec<String> = self
-            .files
-            .iter()
-            .filter_map(|(path, format)| {
-                let bytes = image::write(pixels, *format, &self.tone, attributes);
-                match bytes {
-                    Ok(bytes) => write_atomically(path, &bytes).err().map(|error| error.to_string()),
-                    Err(error) => Some(format!("{}: {error}", path.display())),
-                }
-            })
-            .collect();
+    pub(crate) fn write(&self, picture: &Picture) -> Result<(), Failure> {
+        let saved = self.files.iter().map(|(path, _)| picture.save_with(path, &self.tone));
+        let failures: Vec<String> = saved.filter_map(Result::err).map(|error| error.to_string()).collect();
         if failures.is_empty() { Ok(()) } else { Err(Failure::new(failures.join("\n"))) }
     }
 }
 
-fn is_written(format: Format) -> bool {
-    matches!(format, Format::Exr | Format::Png | Format::Hdr | Format::Pfm)
-}
-
-/// Exposure and curve as the command line names them.
-pub(crate) fn tone(exposure_stops: f32, name: ToneName) -> Tone {
-    let curve = match name {
-        ToneName::Linear => ToneCurve::Linear,
-        ToneName::Reinhard => ToneCurve::Reinhard,
-        ToneName::Filmic => ToneCurve::Filmic,
-    };
-    Tone { exposure_stops, curve }
-}
-
-/// Where the picture of `scene` goes if the command line does not say: under the film's file name, in the current
-/// folder, as EXR if the name's format is not written.
+/// The file for the picture of `scene` unless the command line names one: in the current folder under the film's file name, as EXR if
+/// the format of that name is not written.
 pub(crate) fn default_path(film_name: Option<&str>, scene: &Path) -> PathBuf {
     let named = film_name.map(Path::new).and_then(Path::file_name).or(scene.file_name());
     let path = named.map_or_else(|| PathBuf::from("picture"), PathBuf::from);
-    if Format::from_path(&path).is_some_and(is_written) { path } else { path.with_extension("exr") }
-}
-
-/// Whether a file `path` can be made or replaced, found out without touching it.
-///
-/// # Errors
-/// Why not.
-pub(crate) fn check_writable(path: &Path) -> Result<(), Failure> {
-    let refused =
-        |error: &std::io::Error| Failure::new(format!("{}: cannot be written: {error}", path.display()));
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    if !folder.is_dir() {
-        return Err(Failure::new(format!("{}: there is no folder {}", path.display(), folder.display()))
-            .with_help("make the folder first, or name another"));
-    }
-    match fs::metadata(path) {
-        Ok(found) if found.is_dir() => {
-            return Err(Failure::new(format!("{}: this is a folder, not a file", path.display())));
-        }
-        Ok(found) if found.permissions().readonly() => {
-            return Err(Failure::new(format!("{}: this file is write-protected", path.display())));
-        }
-        _ => {}
-    }
-    // Permissions alone do not tell (read-only file systems, access lists): try it, under a name of our own.
-    let probe = folder.join(format!(".glanz-{}.tmp", std::process::id()));
-    File::create(&probe).map_err(|error| refused(&error))?;
-    fs::remove_file(&probe).map_err(|error| refused(&error))
+    if picture_format(&path).is_ok() { path } else { path.with_extension("exr") }
 }
 
 #[cfg(test)]
@@ -145,7 +81,9 @@ mod tests {
         let folder = std::env::temp_dir();
         let outputs = |names: &[&str]| {
             let paths: Vec<PathBuf> = names.iter().map(|name| folder.join(name)).collect();
-            Outputs::try_new(&paths, Tone::default()).map(|_| ()).map_err(|failure| failure.usage)
+            Outputs::try_new(&paths, Tone::default(), Messages::new(true))
+                .map(|_| ())
+                .map_err(|failure| failure.usage)
         };
         assert_eq!(outputs(&["a.exr", "a.png", "a.hdr"]), Ok(()));
         assert_eq!(outputs(&["a.tiff"]), Err(true));

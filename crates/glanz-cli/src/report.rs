@@ -1,6 +1,6 @@
 //! What `--json` prints, and how its figures are written.
 
-pub(crate) use glanz_report::number::{duration, grouped, plural};
+pub(crate) use glanz::report::number::{duration, grouped, plural};
 pub(crate) use glanz_terminal::output::{print, print_text};
 
 /// The most memory this process has held, in bytes; known on Linux only.
@@ -26,5 +26,12 @@ mod tests {
         if cfg!(target_os = "linux") {
             assert!(peak_memory_bytes() > Some(100_000));
         }
+    }
+
+    #[test]
+    fn numbers_are_easy_to_read() {
+        assert_eq!(grouped(0), "0");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(1_234_567), "1 234 567");
     }
 }

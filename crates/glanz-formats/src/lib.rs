@@ -22,7 +22,6 @@
 //! # Ok::<(), glanz_formats::Diagnostics>(())
 //! ```
 
-pub mod content_hash;
 pub mod glb;
 pub mod image;
 mod nearest;
@@ -34,7 +33,6 @@ pub mod registry;
 pub mod rib;
 pub mod source;
 
-pub use content_hash::ContentHash;
 pub use glanz_scene::{Diagnostic, Diagnostics, Severity};
 pub use photometry::Photometry;
 pub use registry::{Loaded, Options, SceneFormat, load, load_str};

@@ -30,7 +30,7 @@ pub struct Loaded {
     pub description: Description,
     /// Warnings.
     pub diagnostics: Diagnostics,
-    /// Fingerprint of the bytes of all files, see [`crate::content_hash::ContentHash`].
+    /// Fingerprint of the bytes of all files, see [`glanz_job::ContentHash`].
     pub content_hash: u128,
     /// For messages about places of the files that arise later.
     pub sources: Sources,

@@ -62,7 +62,7 @@ pub struct TraceOutcome {
 /// Threads cannot be started.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot start threads: {0}")]
-pub struct ThreadsError(#[from] rayon::ThreadPoolBuildError);
+pub struct ThreadsError(#[from] pub rayon::ThreadPoolBuildError);
 
 /// Traces particles until a goal is reached and adds them to `tally`.
 ///

@@ -8,7 +8,8 @@
 //!
 //! A cancelled job that has a partial result returns it with [`JobEnd::Interrupted`]; one that has none returns an error whose variant
 //! `Interrupted` holds [`Interrupted`]. A saved state belongs to a [`JobIdentity`]: resuming under another one is refused by an
-//! [`IdentityMismatch`], which names the first field that differs.
+//! [`IdentityMismatch`], which names the first field that differs. A [`ContentHash`] stands for the scene in it, and
+//! [`write_atomically`] replaces the file of a state as a whole.
 //!
 //! ```
 //! use std::time::{Duration, Instant};
@@ -55,12 +56,16 @@
 //! assert_eq!(stopper.saved, 3);
 //! ```
 
+mod atomic;
 mod cancel;
 mod checkpoint;
+mod content_hash;
 mod identity;
 mod progress;
 
+pub use atomic::{WriteError, write_atomically};
 pub use cancel::{CancelFlag, Interrupted, JobEnd};
 pub use checkpoint::CheckpointTimer;
+pub use content_hash::ContentHash;
 pub use identity::{IdentityMismatch, JobIdentity, current_version};
 pub use progress::{JobProgress, ProgressSink, Silent, WorkCount, grouped};

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use glanz_formats::image::{self, Format, write_atomically};
+use glanz_formats::image::{self, Format};
+use glanz_job::write_atomically;
 use glanz_light::{Pixels, Tone};
 
 use crate::study::StudyError;

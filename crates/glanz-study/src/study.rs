@@ -8,7 +8,7 @@ use glanz_formats::newell::NewellError;
 use glanz_geometry::SurfaceError;
 use glanz_illumination::integrate::IntegrateError;
 use glanz_illumination::{ReceiverError, ThreadsError};
-use glanz_job::{CancelFlag, Interrupted, JobProgress, ProgressSink};
+use glanz_job::{CancelFlag, Interrupted, JobProgress, ProgressSink, WriteError};
 use glanz_light::{CompareError, PixelsError};
 use glanz_radiosity::elements::ElementError;
 use glanz_radiosity::reconstruct::ReconstructError;
@@ -288,6 +288,12 @@ pub enum StudyError {
         /// Why.
         source: std::io::Error,
     },
+}
+
+impl From<WriteError> for StudyError {
+    fn from(WriteError { path, source }: WriteError) -> Self {
+        Self::File { path: path.display().to_string(), source }
+    }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::io::{IsTerminal, Write};
 
-use glanz_formats::Severity;
+use glanz_scene::Severity;
 
 /// Where messages go, and how.
 #[derive(Clone, Copy, Debug)]

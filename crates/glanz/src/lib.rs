@@ -1,69 +1,72 @@
-//! Exact light for exact surfaces: the parts of Glanz under one roof.
+#![doc = include_str!("../README.md")]
 //!
-//! A scene becomes a picture in four steps, each the work of one part:
+//! # From a scene to a result
+//! [`open`] reads a scene file, [`open_str`] a text, [`LoadedScene::from_description`] takes a description built in code. The
+//! [`LoadedScene`] has the warnings of reading, and three jobs, each a builder that ends with `run`:
 //!
-//! 1. [`formats`] reads a scene file into a [`Description`](scene::Description), plain data with the places where
-//!    everything was said, and messages that point into the file;
-//! 2. [`scene`] checks it and builds the hierarchy: [`Scene::resolve`](scene::Scene::resolve). After that nothing can
-//!    be invalid and nothing changes;
-//! 3. [`transport`] sends rays through the scene and adds the light up in a film;
-//! 4. [`formats::image`] writes the picture.
+//! | job | result |
+//! |---|---|
+//! | [`LoadedScene::render`] | a [`Picture`]: pixels, picture files, a checkpoint |
+//! | [`LoadedScene::bake`] | a [`BakeOutcome`]: light maps, and a model that shows them |
+//! | [`LoadedScene::illuminate`] | an [`IlluminateOutcome`]: lux maps with errors, reports |
 //!
-//! Below them lie [`geometry`] (surfaces and the hierarchy over their boxes), [`shading`] (materials and textures),
-//! [`light`] (spectra, colour, pictures in memory and their comparison), [`sampling`] (where samples lie) [`math`]
-//! (vectors, transforms, roots of polynomials) and [`job`] (progress, cancelling and checkpoints of long computations); above them [`illumination`] counts what light arrives where. Lengths are metres and angles radians;
-//! positions are `f64`, light is `f32`, sums are exact. A picture depends on scene, settings and seed
-//! alone.
+//! Every job reports progress to a [`ProgressSink`](job::ProgressSink) and warnings as a [`JobEvent`], ends when its
+//! [`CancelFlag`](job::CancelFlag) is raised, and saves its state in a checkpoint from which it resumes to the same bits.
+//! [`merge`] joins pictures of disjoint samples. Failures are an [`Error`] with the facts; advice is up to the program.
 //!
-//! A tiny scene, from its text to the bytes of a PNG file:
+//! # The parts
+//! Below these recipes lie the parts, which can be used alone: [`formats`] reads scene files into a
+//! [`Description`](scene::Description), [`scene`] checks it and answers rays, [`transport`] renders, [`radiosity`] and [`illumination`] find light on
+//! surfaces. [`geometry`] has the surfaces and the hierarchy over their boxes, [`shading`] materials and textures, [`light`] spectra,
+//! colour and pictures in memory, [`sampling`] sequences and densities, [`math`] vectors, transforms and roots of polynomials.
+//! Lengths are metres and angles radians; positions are `f64`, light is `f32`, sums are exact.
 //!
-//! ```
-//! use std::collections::BTreeMap;
+//! # Features
+//! | feature | what it adds |
+//! |---|---|
+//! | `formats` | scene files, picture files, models |
+//! | `radiosity` | light maps, and the integrator that shows them |
+//! | `illumination` | lux maps |
+//! | `viewer` | the page that shows a scene, and its server (not among the defaults) |
 //!
-//! use glanz::formats::{Options, image, load_str};
-//! use glanz::job::{CancelFlag, Silent};
-//! use glanz::light::Tone;
-//! use glanz::sampling::SamplerKind;
-//! use glanz::scene::Scene;
-//! use glanz::transport::{Film, FilmFormat, Filter, IntegratorSettings, RenderSettings, render};
-//!
-//! let text = r#"
-//!     LookAt 0 -5 1  0 0 0  0 0 1
-//!     Camera "perspective" "float fov" 40
-//!     Film "rgb" "integer xresolution" 32 "integer yresolution" 24
-//!     PixelFilter "box"
-//!     WorldBegin
-//!     LightSource "distant" "point3 from" [-1 -1 2]
-//!     LightSource "infinite" "rgb L" [0.2 0.2 0.2]
-//!     Shape "torus" "float majorradius" 1 "float minorradius" 0.4
-//! "#;
-//! let description = load_str("torus.pbrt", text, &Options::default())?.description;
-//! let filter = Filter::try_new(&description.filter)?;
-//! let integrator = IntegratorSettings::resolve(&description.integrator)?.build();
-//! let film = Film::try_new(FilmFormat::plain(description.film.resolution))?;
-//! let (scene, _warnings) = Scene::resolve(description)?;
-//! let settings = RenderSettings {
-//!     filter,
-//!     sampler: SamplerKind::Sobol,
-//!     seed: 0,
-//!     samples_per_pixel: 4,
-//!     samples: 0..4,
-//!     threads: 0,
-//!     time_limit: None,
-//! };
-//! let outcome = render(&scene, integrator.as_ref(), &settings, film, &mut Silent, &CancelFlag::default())?;
-//! let picture = outcome.film.to_pixels()?;
-//! let png = image::write(&picture, image::Format::Png, &Tone::default(), &BTreeMap::new())?;
-//! assert!(png.starts_with(b"\x89PNG"));
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
-//!
-//! The program `glanz` does the same from the command line.
+//! Without features the engine renders scenes that are built in code.
 
+#[cfg(feature = "radiosity")]
+mod bake;
+mod error;
+mod event;
+pub mod file;
+#[cfg(feature = "illumination")]
+mod illuminate;
+mod job_options;
+mod loaded_scene;
+#[cfg(feature = "viewer")]
+mod overlay;
+mod render;
+
+#[cfg(feature = "radiosity")]
+pub use bake::{BakeBuilder, BakeOutcome, LightFile};
+#[cfg(all(feature = "radiosity", feature = "formats"))]
+pub use bake::{ModelFiles, ModelSettings, check_model_path};
+pub use error::{Error, FileFault};
+pub use event::{JobEvent, ResumedState, Warning};
+#[cfg(feature = "illumination")]
+pub use illuminate::{IlluminateBuilder, IlluminateMethod, IlluminateOptions, IlluminateOutcome};
+#[cfg(all(feature = "illumination", feature = "formats"))]
+pub use illuminate::{LuxFolder, PlacedLux, check_far_field_path, save_comparison};
+pub use loaded_scene::LoadedScene;
+#[cfg(feature = "viewer")]
+pub use overlay::LightOverlay;
+#[cfg(feature = "formats")]
+pub use render::picture_format;
+pub use render::{Picture, RenderBuilder, RenderOptions, RenderPlan, RenderStatistics, merge};
+
+#[cfg(feature = "formats")]
 #[doc(inline)]
 pub use glanz_formats as formats;
 #[doc(inline)]
 pub use glanz_geometry as geometry;
+#[cfg(feature = "illumination")]
 #[doc(inline)]
 pub use glanz_illumination as illumination;
 #[doc(inline)]
@@ -72,6 +75,7 @@ pub use glanz_job as job;
 pub use glanz_light as light;
 #[doc(inline)]
 pub use glanz_math as math;
+#[cfg(feature = "radiosity")]
 #[doc(inline)]
 pub use glanz_radiosity as radiosity;
 #[doc(inline)]
@@ -84,5 +88,39 @@ pub use glanz_scene as scene;
 pub use glanz_shading as shading;
 #[doc(inline)]
 pub use glanz_transport as transport;
+#[cfg(feature = "viewer")]
 #[doc(inline)]
 pub use glanz_viewer as viewer;
+
+/// Reads the scene file `path`, and all files it refers to.
+///
+/// # Errors
+/// [`Error::Scene`] with the faults and their places.
+#[cfg(feature = "formats")]
+pub fn open(path: impl AsRef<std::path::Path>) -> Result<LoadedScene, Error> {
+    open_with(path, &formats::Options::default())
+}
+
+/// As [`open`], with options: whether repairs are errors, and where files are found.
+///
+/// # Errors
+/// [`Error::Scene`] with the faults and their places.
+#[cfg(feature = "formats")]
+pub fn open_with(
+    path: impl AsRef<std::path::Path>,
+    options: &formats::Options,
+) -> Result<LoadedScene, Error> {
+    let path = path.as_ref();
+    let loaded = formats::load(path, options).map_err(Error::Scene)?;
+    Ok(LoadedScene::from_loaded(path.display().to_string(), loaded, options.strict))
+}
+
+/// Reads a scene from `text`. `name`: what messages call it. Files it refers to are found in [`formats::Options::folder`] only.
+///
+/// # Errors
+/// [`Error::Scene`] with the faults and their places.
+#[cfg(feature = "formats")]
+pub fn open_str(name: &str, text: &str, options: &formats::Options) -> Result<LoadedScene, Error> {
+    let loaded = formats::load_str(name, text, options).map_err(Error::Scene)?;
+    Ok(LoadedScene::from_loaded(name.to_owned(), loaded, options.strict))
+}

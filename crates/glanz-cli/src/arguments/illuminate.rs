@@ -1,13 +1,18 @@
-//! What `glanz illuminate` can be asked.
+//! Arguments of `glanz illuminate`.
 
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum, ValueHint};
-use glanz_math::DVec3;
-
-use super::{RECEIVER_CELLS, Verbosity};
+use glanz::illumination::{GridResolution, TraceGoal};
+use glanz::scene::description::MAX_RECEIVER_CELLS;
+use glanz::{IlluminateMethod, IlluminateOptions};
 use glanz_terminal::values::{positive, seconds};
+
+use super::common::{JobArguments, RoomArgument, SceneArgument};
+
+/// Cells along a side of a receiver.
+const RECEIVER_CELLS: i64 = MAX_RECEIVER_CELLS as i64;
 
 const HELP: &str = "\
 Receivers are the shapes of the scene that say \"string receiver\" \"NAME\", and with --room the six
@@ -32,37 +37,35 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = HELP)]
 pub(crate) struct IlluminateArguments {
-    /// Scene file in pbrt's language (v3 or v4)
-    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
-    pub(crate) scene: PathBuf,
-    /// Folder for the results; made if it is not there
+    #[command(flatten)]
+    pub(crate) scene: SceneArgument,
+    /// Folder for the results; made if it does not exist
     #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(crate) output: PathBuf,
-    /// Walls of a box from the origin, metres: six receivers that absorb all light
-    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = positive)]
-    room: Option<Vec<f64>>,
-    /// Cells along the longer direction of receivers that say nothing themselves
+    #[command(flatten)]
+    room: RoomArgument,
+    /// Cells along the longer side of receivers that do not specify their cells
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=RECEIVER_CELLS))]
-    pub(crate) cells: u32,
+    cells: u32,
     /// Length of their cells in metres instead
     #[arg(long, value_name = "M", conflicts_with = "cells", value_parser = positive)]
-    pub(crate) texel: Option<f64>,
+    texel: Option<f64>,
     /// How light is found
     #[arg(long, value_name = "NAME", value_enum, default_value_t = MethodName::Trace)]
-    pub(crate) method: MethodName,
-    /// Stop after so many particles
+    method: MethodName,
+    /// Stop after this many particles
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    pub(crate) rays: Option<u64>,
+    rays: Option<u64>,
     /// Stop after this time, seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
-    pub(crate) time: Option<Duration>,
+    time: Option<Duration>,
     /// Stop at this relative standard error of the brightest cell and of the mean of every receiver
     #[arg(long, value_name = "E", value_parser = positive)]
-    pub(crate) error: Option<f64>,
+    error: Option<f64>,
     /// Relative error that "integrate" aims at in every cell
     #[arg(long, value_name = "E", default_value_t = 1e-2, hide_short_help = true, value_parser = positive)]
-    pub(crate) tolerance: f64,
-    /// A second design, calculated alike: the first goes to DIR/a, this to DIR/b, and a comparison to DIR
+    tolerance: f64,
+    /// A second design, calculated alike: the first is written to DIR/a, this to DIR/b, and a comparison to DIR
     #[arg(long, value_name = "SCENE", value_hint = ValueHint::FilePath, conflicts_with = "checkpoint")]
     pub(crate) compare: Option<PathBuf>,
     /// Candela distribution of all light that leaves the scene, .ldt or .ies; -z is gamma 0 (repeat for several)
@@ -70,29 +73,33 @@ pub(crate) struct IlluminateArguments {
     pub(crate) far_field: Vec<PathBuf>,
     /// Seed of the particles; another seed gives another, independent result
     #[arg(long, value_name = "N", default_value_t = 0)]
-    pub(crate) seed: u64,
-    /// Surfaces that scatter a particle at most; what it carries then is told as given up
+    seed: u64,
+    /// Largest number of surfaces that scatter a particle; what it carries then is reported as given up
     #[arg(long, value_name = "N", default_value_t = 1000, hide_short_help = true, value_parser = clap::value_parser!(u32).range(1..))]
-    pub(crate) max_depth: u32,
-    /// Threads to use; all processors if not given
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub(crate) threads: Option<u16>,
-    /// File that keeps what the particles brought, written every 30 seconds and at the end
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    pub(crate) checkpoint: Option<PathBuf>,
-    /// Go on from the checkpoint if it is there; without this an existing one is not touched
-    #[arg(long, requires = "checkpoint")]
-    pub(crate) resume: bool,
-    /// Refuse a scene that needs a stand-in or a repair
-    #[arg(long)]
-    pub(crate) strict: bool,
+    max_depth: u32,
     #[command(flatten)]
-    pub(crate) talk: Verbosity,
+    pub(crate) job: JobArguments,
+}
+
+impl IlluminateArguments {
+    /// The same for the engine.
+    pub(crate) fn options(&self) -> IlluminateOptions {
+        IlluminateOptions {
+            room: self.room.size(),
+            resolution: self.texel.map_or(GridResolution::Longer(self.cells), GridResolution::Texel),
+            method: self.method.into(),
+            goal: TraceGoal { particles: self.rays, time: self.time, error: self.error },
+            tolerance: self.tolerance,
+            far_field: !self.far_field.is_empty(),
+            seed: self.seed,
+            max_depth: self.max_depth,
+        }
+    }
 }
 
 /// How light is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MethodName {
+enum MethodName {
     // By particles.
     Trace,
     // By integration over mirrors.
@@ -101,17 +108,12 @@ pub(crate) enum MethodName {
     Both,
 }
 
-impl IlluminateArguments {
-    /// Size of the room, metres.
-    pub(crate) fn room(&self) -> Option<DVec3> {
-        room(self.room.as_deref())
-    }
-}
-
-/// Sides of a room from its three arguments.
-pub(super) fn room(sides: Option<&[f64]>) -> Option<DVec3> {
-    match sides {
-        Some(&[x, y, z]) => Some(DVec3::new(x, y, z)),
-        _ => None,
+impl From<MethodName> for IlluminateMethod {
+    fn from(name: MethodName) -> Self {
+        match name {
+            MethodName::Trace => Self::Trace,
+            MethodName::Integrate => Self::Integrate,
+            MethodName::Both => Self::Both,
+        }
     }
 }

@@ -1,21 +1,22 @@
-//! `glanz compare`: how far apart two pictures are.
+//! `glanz compare`: the differences between two pictures.
 
 use std::fmt::Write;
 use std::path::Path;
 
-use glanz_formats::image::{self, Encoding, Format, Image};
-use glanz_light::compare::{Comparison, RELATIVE_EPSILON, compare};
-use glanz_light::flip;
+use glanz::formats::image::{self, Encoding, Format, Image};
+use glanz::light::compare::{Comparison, RELATIVE_EPSILON, compare};
+use glanz::light::flip;
+use glanz_terminal::Ending;
+use glanz_terminal::messages::{Failure, Messages};
 use serde::Serialize;
 
-use crate::Ending;
 use crate::arguments::{CompareArguments, Metric};
-use crate::messages::Failure;
+use crate::failure::failure;
 use crate::report::{self, plural};
 
 /// What `--json` prints.
 #[derive(Serialize)]
-struct Report {
+struct CompareReport {
     picture: String,
     reference: String,
     width: u32,
@@ -36,12 +37,12 @@ struct Report {
     passed: bool,
 }
 
-/// Measures, prints, and judges if asked to.
+/// Measures and prints the differences, and compares one with a bound if there is one.
 ///
 /// # Errors
-/// Why the pictures cannot be compared.
-pub(crate) fn run(arguments: &CompareArguments) -> Result<Ending, Failure> {
-    let (picture, reference) = (read(&arguments.picture)?, read(&arguments.reference)?);
+/// Pictures that cannot be read or compared.
+pub(crate) fn run(arguments: &CompareArguments, messages: Messages) -> Result<Ending, Failure> {
+    let (picture, reference) = (read(&arguments.picture, messages)?, read(&arguments.reference, messages)?);
     let names = (arguments.picture.display().to_string(), arguments.reference.display().to_string());
     let failed = |error: &dyn std::fmt::Display| {
         Failure::new(format!("{} cannot be compared with {}: {error}", names.0, names.1))
@@ -58,7 +59,7 @@ pub(crate) fn run(arguments: &CompareArguments) -> Result<Ending, Failure> {
     let measured = measure(arguments.metric, &comparison, flip);
     // Not a number is no success.
     let passed = arguments.fail_above.is_none_or(|bound| measured <= bound);
-    let report = Report {
+    let report = CompareReport {
         picture: names.0.clone(),
         reference: names.1.clone(),
         width: picture.pixels.width(),
@@ -84,8 +85,8 @@ pub(crate) fn run(arguments: &CompareArguments) -> Result<Ending, Failure> {
     Ok(if passed { Ending::Done } else { Ending::Refused })
 }
 
-fn read(path: &Path) -> Result<Image, Failure> {
-    let bytes = std::fs::read(path).map_err(|error| Failure::new(format!("{}: {error}", path.display())))?;
+fn read(path: &Path, messages: Messages) -> Result<Image, Failure> {
+    let bytes = glanz::file::read(path).map_err(failure(messages))?;
     image::read(&bytes, Some(path), Encoding::Srgb)
         .map_err(|error| Failure::new(format!("{}: {error}", path.display())))
 }
@@ -110,7 +111,7 @@ fn metric_name(metric: Metric) -> &'static str {
     }
 }
 
-fn table(report: &Report) -> String {
+fn table(report: &CompareReport) -> String {
     let mut text = String::new();
     let (x, y) = report.max_at;
     let [r, g, b] = report.mean;

@@ -2,28 +2,31 @@
 
 use std::path::Path;
 
-use crate::Ending;
+use glanz::formats::Options;
+use glanz_terminal::Ending;
+use glanz_terminal::messages::{Failure, Messages};
+
 use crate::arguments::DemoArguments;
-use crate::command::render::render_input;
-use crate::messages::{Failure, Messages};
-use crate::scene_file::Input;
+use crate::command::render::render_scene;
+use crate::scene_file::print_diagnostics;
 
 /// The scene; it needs no other file.
 const SCENE: &str = include_str!("../../scenes/demo.pbrt");
 
-/// Where the picture goes if the command line does not say.
+/// The picture, unless the command line names another.
 const PICTURE: &str = "glanz-demo.png";
 
-/// Renders the built-in scene and says what it shows.
+/// Renders the built-in scene, after a note on what it shows.
 ///
 /// # Errors
-/// Why there is no picture.
+/// A setting or file that is refused.
 pub(crate) fn run(arguments: &DemoArguments, messages: Messages) -> Result<Ending, Failure> {
     messages.note(
         "The demo: surfaces without facets. A glass sphere, a silver torus, a golden surface of degree four,\n\
          a hyperboloid, paraboloid, cylinder and cone, each met by the rays itself and cut exactly,\n\
          lit by area lights through path tracing.",
     );
-    let input = Input::Text { name: "demo.pbrt", text: SCENE };
-    render_input(&input, &arguments.options, Some(Path::new(PICTURE)), messages)
+    let options = Options { strict: arguments.render.job.strictness.strict, ..Options::default() };
+    let open = || print_diagnostics(glanz::open_str("demo.pbrt", SCENE, &options), messages);
+    render_scene(&arguments.render, Some(Path::new(PICTURE)), messages, open)
 }

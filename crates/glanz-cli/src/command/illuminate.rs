@@ -1,21 +1,24 @@
 //! `glanz illuminate`: how much light arrives where.
 
-use glanz_illumination::Tally;
-use glanz_illumination::report::{LuxComparison, LuxReport};
+use std::path::{Path, PathBuf};
+
+use glanz::illumination::report::{LuxComparison, LuxReport};
+use glanz::job::{CancelFlag, JobEnd};
+use glanz::{Error, IlluminateOutcome, LoadedScene};
+use glanz_terminal::messages::{Failure, Messages};
+use glanz_terminal::progress::Progress;
+use glanz_terminal::{Ending, interrupt};
 use serde::Serialize;
 
-use crate::Ending;
 use crate::arguments::IlluminateArguments;
-use crate::checkpoint_file;
-use crate::illumination::{Design, Found, check_goal, far_field_file, files};
-use crate::interrupt;
-use crate::messages::{Failure, Messages};
-use crate::outputs;
+use crate::failure::failure;
+use crate::notes::note_event;
 use crate::report;
+use crate::scene_file;
 
 /// What `--json` prints.
 #[derive(Serialize)]
-struct Told<'a> {
+struct IlluminateReport<'a> {
     scenes: Vec<String>,
     outputs: Vec<String>,
     designs: Vec<&'a LuxReport>,
@@ -26,79 +29,111 @@ struct Told<'a> {
 /// Illuminates the scene file.
 ///
 /// # Errors
-/// Why there is no result.
+/// A scene, setting or file that is refused.
 pub(crate) fn run(arguments: &IlluminateArguments, messages: Messages) -> Result<Ending, Failure> {
     let cancel = interrupt::listen()?;
-    check_goal(arguments)?;
-    for path in &arguments.far_field {
-        far_field_file::check(path)?;
-        outputs::check_writable(path)?;
-    }
-    checkpoint_file::check(arguments.checkpoint.as_deref(), arguments.resume)?;
-    files::make_folder(&arguments.output)?;
-    crate::baking::use_threads(arguments.threads)?;
-    let mut paths = vec![arguments.scene.as_path()];
+    check_files(arguments).map_err(failure(messages))?;
+    let mut paths = vec![arguments.scene.scene.as_path()];
     paths.extend(arguments.compare.as_deref());
-    let (mut found, mut warnings) = (Vec::new(), Vec::new());
+    let (mut outcomes, mut warnings) = (Vec::new(), Vec::new());
     for path in &paths {
-        let mut design = Design::read(path, arguments, messages)?;
-        let Some(one) = design.illuminate(arguments, messages, &cancel)? else {
-            messages.note("interrupted; nothing was written");
-            return Ok(Ending::Interrupted);
+        let scene = scene_file::open(path, arguments.job.strictness.strict, messages)?;
+        warnings.extend(scene.diagnostics().iter().map(|diagnostic| diagnostic.sentence()));
+        let outcome = match illuminated(scene, arguments, &cancel, messages) {
+            Ok(outcome) => outcome,
+            Err(Error::Interrupted(_)) => {
+                messages.note("interrupted; nothing was written");
+                return Ok(Ending::Interrupted);
+            }
+            Err(error) => return Err(illuminate_failure(error, messages)),
         };
-        warnings.extend(design.file.into_warnings());
-        found.push(one);
+        warnings.extend(outcome.warnings.iter().map(ToString::to_string));
+        outcomes.push(outcome);
     }
-    let written = written(arguments, &mut found)?;
-    let interrupted = found.iter().any(|one| one.interrupted);
-    if !arguments.talk.quiet && !arguments.talk.json {
-        tell(&found)?;
+    let written = saved(arguments, &outcomes).map_err(failure(messages))?;
+    let written: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
+    if !messages.is_quiet() && !arguments.job.verbosity.json {
+        print_summary(&outcomes)?;
     }
     messages.note(&format!("wrote {} and {} more files", written[0], written.len() - 1));
-    if arguments.talk.json {
-        report::print(&Told {
+    if arguments.job.verbosity.json {
+        report::print(&IlluminateReport {
             scenes: paths.iter().map(|path| path.display().to_string()).collect(),
             outputs: written,
-            designs: found.iter().map(|one| &one.report).collect(),
+            designs: outcomes.iter().map(|outcome| &outcome.report).collect(),
             peak_memory_bytes: report::peak_memory_bytes(),
             warnings,
         })?;
     }
+    let interrupted = outcomes.iter().any(|outcome| outcome.end == JobEnd::Interrupted);
     Ok(if interrupted { Ending::Interrupted } else { Ending::Done })
 }
 
-/// Prints the summary.
-fn tell(found: &[Found]) -> Result<(), Failure> {
-    match found {
-        [a, b] => report::print_text(&LuxComparison::between(&a.report, &b.report).text()),
-        _ => found.iter().try_for_each(|one| report::print_text(&one.report.text())),
+/// Refuses files that cannot be written, and makes the folder.
+fn check_files(arguments: &IlluminateArguments) -> Result<(), Error> {
+    for path in &arguments.far_field {
+        glanz::check_far_field_path(path)?;
+        glanz::file::check_writable(path)?;
+    }
+    let checkpoint = &arguments.job.checkpoint;
+    if let Some(path) = &checkpoint.checkpoint {
+        glanz::file::check_checkpoint(path, checkpoint.resume)?;
+    }
+    glanz::file::make_folder(&arguments.output)
+}
+
+fn illuminated(
+    scene: LoadedScene,
+    arguments: &IlluminateArguments,
+    cancel: &CancelFlag,
+    messages: Messages,
+) -> Result<IlluminateOutcome, Error> {
+    let name = scene.name().to_owned();
+    let mut progress = Progress::start(messages);
+    let mut events = |event: glanz::JobEvent<'_>| note_event(event, &name, messages);
+    let job = &arguments.job;
+    let outcome = scene
+        .illuminate()
+        .options(arguments.options())
+        .threads(job.threads.count())
+        .checkpoint(job.checkpoint.checkpoint.clone())
+        .resume(job.checkpoint.resume)
+        .cancel(cancel.clone())
+        .on_progress(&mut progress)
+        .on_event(&mut events)
+        .run();
+    progress.finish();
+    outcome
+}
+
+/// The failure, with the option that it is about.
+fn illuminate_failure(error: Error, messages: Messages) -> Failure {
+    let is_accuracy = matches!(error, Error::Accuracy { .. });
+    let failure = failure(messages)(error);
+    if is_accuracy {
+        Failure { message: format!("--error: {}", failure.message), ..failure }
+    } else {
+        failure
     }
 }
 
-/// Writes all files; returns their names.
-fn written(arguments: &IlluminateArguments, found: &mut [Found]) -> Result<Vec<String>, Failure> {
-    let folder = arguments.output.as_path();
-    match found {
-        [a, b] => {
-            let mut written = Vec::new();
-            let comparison = LuxComparison::between(&a.report, &b.report);
-            files::write(&folder.join("comparison.html"), comparison.html().as_bytes(), &mut written)?;
-            files::write(&folder.join("comparison.txt"), comparison.text().as_bytes(), &mut written)?;
-            written.extend(files::write_all(&folder.join("a"), a)?);
-            written.extend(files::write_all(&folder.join("b"), b)?);
-            Ok(written)
-        }
-        [one, ..] => {
-            let far_field = one.tally.as_ref().and_then(Tally::far_field);
-            if let Some(far) = &far_field {
-                one.report.polars.push(far_field_file::polar(&one.report.title, far));
-            }
-            let mut written = files::write_all(folder, one)?;
-            if let Some(far) = &far_field {
-                for path in &arguments.far_field {
-                    let bytes = far_field_file::bytes(path, &one.report.title, far)?;
-                    files::write(path, &bytes, &mut written)?;
-                }
+fn print_summary(outcomes: &[IlluminateOutcome]) -> Result<(), Failure> {
+    match outcomes {
+        [a, b] => report::print_text(&LuxComparison::between(&a.report, &b.report).text()),
+        _ => outcomes.iter().try_for_each(|outcome| report::print_text(&outcome.report.text())),
+    }
+}
+
+/// Writes all files; returns them.
+fn saved(arguments: &IlluminateArguments, outcomes: &[IlluminateOutcome]) -> Result<Vec<PathBuf>, Error> {
+    let folder: &Path = &arguments.output;
+    match outcomes {
+        [a, b] => glanz::save_comparison(folder, [a, b]),
+        [outcome, ..] => {
+            let mut written = outcome.save(folder)?;
+            for path in &arguments.far_field {
+                outcome.save_far_field(path)?;
+                written.push(path.clone());
             }
             Ok(written)
         }

@@ -1,21 +1,23 @@
-//! `glanz info`: what is in a scene, or in a photometric file.
+//! `glanz info`: a summary of a scene or a photometric file.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use glanz_math::Bounds3;
+use glanz::math::Bounds3;
+use glanz_terminal::Ending;
+use glanz_terminal::messages::{Failure, Messages};
 use serde::Serialize;
 
-use crate::Ending;
 use crate::arguments::InfoArguments;
 use crate::command::luminaire;
-use crate::messages::{Failure, Messages};
+use crate::failure::failure;
+use crate::notes::note_warning;
 use crate::report::{self, grouped};
-use crate::scene_file::{Input, SceneFile};
+use crate::scene_file;
 
 /// What `--json` prints.
 #[derive(Serialize)]
-struct Report {
+struct InfoReport {
     scene: String,
     files: Vec<String>,
     /// Of one length of the scene.
@@ -44,29 +46,34 @@ struct Corners {
     max: [f64; 3],
 }
 
-/// Reads the scene, resolves it, and prints what it holds.
+/// Reads the scene, resolves it, and prints its summary.
 ///
 /// # Errors
-/// Why it is no scene.
+/// A scene that is refused.
 pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<Ending, Failure> {
     if luminaire::is_named(&arguments.scene) {
         luminaire::run(arguments, messages)?;
         return Ok(Ending::Done);
     }
     if arguments.plot.is_some() {
-        return Err(Failure::usage("--plot draws what a photometric file says: .ies or .ldt"));
+        return Err(Failure::usage("--plot draws the distribution of a photometric file: .ies or .ldt"));
     }
-    let input = Input::File(&arguments.scene);
-    let mut file = SceneFile::read(&input, arguments.strict, messages)?;
-    let description = &file.description;
+    let scene = scene_file::open(&arguments.scene, arguments.strictness.strict, messages)?;
+    let name = scene.name().to_owned();
+    let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
+    let description = scene.description();
     let (textures, images) = (description.textures.len(), description.images.len());
     let (resolution, files) = (description.film.resolution, description.files.clone());
     let integrator = description.integrator.name.clone();
     let sampler = description.sampler.clone();
-    let scene = file.resolve(arguments.strict, messages)?;
+    let (scene, resolved) = scene.resolve().map_err(failure(messages))?;
+    for warning in resolved {
+        note_warning(&warning, messages);
+        warnings.push(warning.to_string());
+    }
     let statistics = scene.statistics();
-    let report = Report {
-        scene: input.name().to_owned(),
+    let report = InfoReport {
+        scene: name,
         files,
         units: "metres",
         bounds: corners(&scene.bounds()),
@@ -82,7 +89,7 @@ pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<Endin
         integrator,
         sampler: sampler.name,
         samples_per_pixel: sampler.samples_per_pixel,
-        warnings: file.into_warnings(),
+        warnings,
     };
     if arguments.json {
         report::print(&report)?
@@ -97,7 +104,7 @@ fn corners(bounds: &Bounds3) -> Option<Corners> {
     (!bounds.is_empty()).then_some(Corners { min, max })
 }
 
-fn text(report: &Report) -> String {
+fn text(report: &InfoReport) -> String {
     let mut text = String::new();
     let mut line = |name: &str, value: &str| {
         // Writing to a text cannot fail.

@@ -1,32 +1,31 @@
-//! `glanz info` of a photometric file: what a luminaire gives.
+//! `glanz info` of a photometric file: a summary of a luminaire.
 
 use std::fmt::Write;
 use std::path::Path;
 
-use glanz_formats::image::write_atomically;
-use glanz_formats::photometry::{self, Distribution, Photometry, PhotometryFormat};
-use glanz_illumination::report::PolarPlot;
-use glanz_report::number::significant;
+use glanz::formats::photometry::{self, Distribution, Photometry, PhotometryFormat};
+use glanz::illumination::report::PolarPlot;
+use glanz::report::number::significant;
+use glanz_terminal::messages::{Failure, Messages};
 use serde::Serialize;
 
 use crate::arguments::InfoArguments;
-use crate::messages::{Failure, Messages};
-use crate::outputs;
+use crate::failure::failure;
 use crate::report;
 
-/// Angles between which a beam is looked for, degrees.
+/// Step of the angles at which the edge of a beam is searched, degrees.
 const BEAM_STEP: f64 = 0.1;
 
 /// What `--json` prints.
 #[derive(Serialize)]
-struct LuxReport {
+struct LuminaireReport {
     file: String,
     format: String,
     luminaire: String,
     manufacturer: String,
     /// From the intensities.
     flux_lm: f64,
-    /// As the header says: EULUMDAT's flux of the luminaire, LM-63's flux of its lamps.
+    /// From the header: the flux of the luminaire in EULUMDAT, of its lamps in LM-63.
     header_flux_lm: Option<f64>,
     peak_cd: f64,
     /// Full angles within which the intensity is more than half, and a tenth, of the largest of the plane; planes C0 and C90.
@@ -48,17 +47,16 @@ pub(crate) fn is_named(path: &Path) -> bool {
     ["ies", "ldt"].iter().any(|known| extension.eq_ignore_ascii_case(known))
 }
 
-/// Reads the file and prints what it says.
+/// Reads the file and prints its summary.
 ///
 /// # Errors
-/// Why it is no photometry, with line and column.
+/// A file that is refused, with line and column.
 pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<(), Failure> {
     let path = &arguments.scene;
-    let failure = |what: &dyn std::fmt::Display| Failure::new(format!("{}: {what}", path.display()));
     if let Some(plot) = &arguments.plot {
-        outputs::check_writable(plot)?;
+        glanz::file::check_writable(plot).map_err(failure(messages))?;
     }
-    let bytes = std::fs::read(path).map_err(|error| failure(&error))?;
+    let bytes = glanz::file::read(path).map_err(failure(messages))?;
     let at = |fault: &photometry::PhotometryError| format!("{}:{fault}", path.display());
     let file = photometry::read(&bytes).map_err(|fault| Failure::new(at(&fault)))?;
     let warnings: Vec<String> = file.warnings.iter().map(at).collect();
@@ -66,9 +64,9 @@ pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<(), F
     let photometry = file.photometry;
     if let Some(plot) = &arguments.plot {
         let svg = polar(&photometry, path).svg();
-        write_atomically(plot, svg.as_bytes()).map_err(|error| Failure::new(error.to_string()))?;
+        glanz::file::write(plot, svg.as_bytes()).map_err(failure(messages))?;
     }
-    let report = told(&photometry, arguments, warnings);
+    let report = report_of(&photometry, arguments, warnings);
     if arguments.json { report::print(&report) } else { report::print_text(&text(&report)) }
 }
 
@@ -79,15 +77,15 @@ fn polar(photometry: &Photometry, path: &Path) -> PolarPlot {
     PolarPlot::sample(name, None, candela)
 }
 
-fn by_c(c: f64, gamma: f64) -> glanz_math::DVec3 {
+fn by_c(c: f64, gamma: f64) -> glanz::math::DVec3 {
     let ((sin_c, cos_c), (sin, cos)) = (c.to_radians().sin_cos(), gamma.to_radians().sin_cos());
-    glanz_math::DVec3::new(sin * cos_c, sin * sin_c, -cos)
+    glanz::math::DVec3::new(sin * cos_c, sin * sin_c, -cos)
 }
 
-fn told(photometry: &Photometry, arguments: &InfoArguments, warnings: Vec<String>) -> LuxReport {
+fn report_of(photometry: &Photometry, arguments: &InfoArguments, warnings: Vec<String>) -> LuminaireReport {
     let distribution = &photometry.distribution;
     let angles = |share: f64| [0.0, 90.0].map(|c| full_angle(distribution, c, share));
-    LuxReport {
+    LuminaireReport {
         file: arguments.scene.display().to_string(),
         format: match photometry.format {
             PhotometryFormat::Ies(year) => format!("IES LM-63-{year}"),
@@ -124,7 +122,7 @@ fn full_angle(distribution: &Distribution, c: f64, share: f64) -> Option<f64> {
     (peak > 0.0).then_some(full.min(360.0))
 }
 
-fn text(report: &LuxReport) -> String {
+fn text(report: &LuminaireReport) -> String {
     let mut text = String::new();
     let mut line = |name: &str, value: &str| {
         // Writing to a text cannot fail.

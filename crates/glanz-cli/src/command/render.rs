@@ -1,37 +1,35 @@
 //! `glanz render`: from a scene to pictures.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use glanz_job::{CancelFlag, JobEnd, JobIdentity};
-use glanz_light::PixelsError;
-use glanz_scene::Scene;
-use glanz_transport::{AovSet, Film, FilmError, GuideSize, Integrator, RenderError, RenderOutcome, render};
+use glanz::job::{CancelFlag, JobEnd};
+use glanz::transport::{AovSet, Film, GuideSize};
+use glanz::{Error, LoadedScene, Picture, RenderOptions};
+use glanz_terminal::Ending;
+use glanz_terminal::interrupt;
+use glanz_terminal::messages::{Failure, Messages};
+use glanz_terminal::progress::Progress;
 use serde::Serialize;
 
-use crate::Ending;
-use crate::arguments::{RenderArguments, RenderOptions};
-use crate::baking;
-use crate::checkpoint_file;
-use crate::guide_file;
-use crate::interrupt;
-use crate::messages::{Failure, Messages};
-use crate::outputs::{self, Outputs};
-use crate::plan::Plan;
+use crate::arguments::{RenderArguments, RenderCommandArguments};
+use crate::failure::failure;
+use crate::notes::note_event;
+use crate::outputs::{Outputs, default_path};
 use crate::report::{self, plural};
-use crate::saving::{SaveState, SavingProgress};
-use crate::scene_file::{Input, SceneFile};
+use crate::scene_file;
 
 /// Renders the scene file.
 ///
 /// # Errors
-/// Why there is no picture.
-pub(crate) fn run(arguments: &RenderArguments, messages: Messages) -> Result<Ending, Failure> {
-    render_input(&Input::File(&arguments.scene), &arguments.options, None, messages)
+/// A scene, setting or file that is refused.
+pub(crate) fn run(arguments: &RenderCommandArguments, messages: Messages) -> Result<Ending, Failure> {
+    let (path, render) = (&arguments.scene.scene, &arguments.render);
+    render_scene(render, None, messages, || scene_file::open(path, render.job.strictness.strict, messages))
 }
 
 /// What `--json` prints.
 #[derive(Serialize)]
-struct Report {
+struct RenderReport {
     scene: String,
     outputs: Vec<String>,
     checkpoint: Option<String>,
@@ -46,7 +44,7 @@ struct Report {
     samples_per_pixel: u64,
     /// The same as ranges.
     sample_ranges: String,
-    /// Samples that this run took, over all pixels.
+    /// Samples of this run, over all pixels.
     samples: u64,
     /// Wall time of the render loop.
     seconds: f64,
@@ -55,12 +53,12 @@ struct Report {
     /// Searches for hits on freeform surfaces that were given up.
     undecided: u64,
     peak_memory_bytes: Option<u64>,
-    /// Of an integrator that learns.
+    /// Size of the guide of an integrator that learns.
     guide: Option<GuideReport>,
     warnings: Vec<String>,
 }
 
-/// How large the guide is that a render has learnt.
+/// Size of the guide that a render has learnt.
 #[derive(Serialize)]
 struct GuideReport {
     cells: usize,
@@ -77,160 +75,149 @@ impl GuideReport {
     }
 }
 
-/// Renders `input` as `options` say; into `default_output`, or what the scene names, if they name no file.
+/// Renders the scene that `open` gives; into `default_output`, or the file that the scene names, if the arguments name none.
 ///
 /// # Errors
-/// Why there is no picture.
-pub(crate) fn render_input(
-    input: &Input<'_>,
-    options: &RenderOptions,
+/// A scene, setting or file that is refused.
+pub(crate) fn render_scene(
+    arguments: &RenderArguments,
     default_output: Option<&Path>,
     messages: Messages,
+    open: impl FnOnce() -> Result<LoadedScene, Failure>,
 ) -> Result<Ending, Failure> {
     let cancel = interrupt::listen()?;
     // All that can be refused without the scene is refused before it is read, which may take long.
-    let tone = outputs::tone(options.exposure, options.tone);
-    let named = Outputs::try_new(&options.output, tone)?;
-    checkpoint_file::check(options.checkpoint.as_deref(), options.resume)?;
-    if let Some(path) = &options.guide_out {
-        outputs::check_writable(path)?;
-    }
+    let tone = arguments.tone.tone();
+    let named = Outputs::try_new(&arguments.output, tone, messages)?;
+    check_files(arguments).map_err(failure(messages))?;
 
-    let mut file = SceneFile::read(input, options.strict, messages)?;
-    let plan = Plan::new(options, &mut file)?;
-    let outputs = match default_output {
-        _ if !options.output.is_empty() => named,
-        Some(path) => Outputs::try_new(&[path.to_owned()], tone)?,
-        None => Outputs::try_new(&[outputs::default_path(file.film_name(), Path::new(input.name()))], tone)?,
+    let scene = open()?;
+    let name = scene.name().to_owned();
+    let film_name = scene.description().film.file_name.as_deref();
+    let default = || default_output.map_or_else(|| default_path(film_name, Path::new(&name)), PathBuf::from);
+    let outputs = match arguments.output.is_empty() {
+        true => Outputs::try_new(&[default()], tone, messages)?,
+        false => named,
     };
-    if plan.identity.film.aovs != AovSet::NONE && !outputs.keep_channels() {
-        file.warn("--aov has no effect: only EXR files hold further channels", messages);
+    let options = arguments.options();
+    let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
+    if options.aovs != AovSet::NONE && !outputs.keep_channels() {
+        let text = "--aov has no effect: only EXR files hold further channels";
+        messages.warning(text);
+        warnings.push(text.to_owned());
     }
-    let film = starting_film(&plan, options, messages)?;
-    let scene = file.resolve(options.strict, messages)?;
-    if cancel.is_cancelled() {
-        messages.note("interrupted before rendering; nothing was written");
-        return Ok(Ending::Interrupted);
-    }
-
-    messages.note(&format!("rendering {}: {plan}", input.name()));
-    let mut light = None;
-    if plan.identity.integrator.shows_stored_light() {
-        baking::use_threads(options.threads)?;
-        light = baking::stored(&scene, plan.light(options), &mut file, messages, &cancel)?;
-        if light.is_none() {
-            messages.note("interrupted before rendering; nothing was written");
+    let (picture, saved) = match rendered(scene, options, arguments, cancel, messages) {
+        Ok(picture) => (picture, Ok(())),
+        Err(Error::Unsaved { picture, error }) => (*picture, Err(*error)),
+        Err(Error::Interrupted(_)) => {
+            messages.note("interrupted before the first pass; nothing was written");
             return Ok(Ending::Interrupted);
         }
-    }
-    let integrator = plan.integrator(light);
-    let outcome = expose(&scene, integrator.as_ref(), &plan, options, film, messages, &cancel)?;
-    let undecided = scene.undecided();
-    finish(&Order { input, options, plan: &plan, outputs: &outputs, undecided }, file, &outcome, messages)
+        Err(error) => return Err(render_failure(error, arguments, messages)),
+    };
+    outputs.write(&picture)?;
+    saved.map_err(failure(messages))?;
+    warnings.extend(picture.warnings().iter().map(ToString::to_string));
+    finish(&picture, &name, &outputs, arguments, warnings, messages)
 }
 
-/// The film to go on with: that of the checkpoint, or an empty one.
-fn starting_film(plan: &Plan, options: &RenderOptions, messages: Messages) -> Result<Film, Failure> {
-    let empty = || Film::try_new(plan.identity.film).map_err(|error| film_failure(&error));
-    let Some(path) = options.checkpoint.as_deref().filter(|_| options.resume) else { return empty() };
-    if !path.exists() {
-        messages.note(&format!("{}: there is no checkpoint yet, starting anew", path.display()));
-        return empty();
+/// Refuses files beside the pictures that cannot be written.
+fn check_files(arguments: &RenderArguments) -> Result<(), Error> {
+    let checkpoint = &arguments.job.checkpoint;
+    if let Some(path) = &checkpoint.checkpoint {
+        glanz::file::check_checkpoint(path, checkpoint.resume)?;
     }
-    let checkpoint = checkpoint_file::read(path)?;
-    checkpoint.identity.check(&plan.identity).map_err(|mismatch| {
-        Failure::new(format!("{}: {mismatch}", path.display()))
-            .with_help("use the scene and the settings it was begun with, or another checkpoint file")
-    })?;
-    messages.note(&format!("{}: going on with samples {}", path.display(), checkpoint.film.samples()));
-    Ok(checkpoint.film)
+    arguments.guide_out.as_deref().map_or(Ok(()), glanz::file::check_writable)
 }
 
-fn film_failure(error: &FilmError) -> Failure {
-    let failure = Failure::new(format!("the picture cannot be rendered: {error}"));
-    match error {
-        FilmError::Size(..) | FilmError::Memory(_) => {
-            failure.with_help("choose a smaller picture with --size")
-        }
-        _ => failure,
-    }
-}
-
-fn expose(
-    scene: &Scene,
-    integrator: &dyn Integrator,
-    plan: &Plan,
-    options: &RenderOptions,
-    film: Film,
+fn rendered(
+    scene: LoadedScene,
+    options: RenderOptions,
+    arguments: &RenderArguments,
+    cancel: CancelFlag,
     messages: Messages,
-    cancel: &CancelFlag,
-) -> Result<RenderOutcome, Failure> {
-    let save = options.checkpoint.as_ref().map(|path| -> SaveState<'_, Film> {
-        Box::new(|film| checkpoint_file::write(path, &plan.identity, film))
-    });
-    let mut sink = SavingProgress::start(save, cancel, messages);
-    let outcome = render(scene, integrator, &plan.settings(), film, &mut sink, cancel);
-    // The last checkpoint is still to come; only that has to succeed.
-    let _ = sink.finish();
-    outcome.map_err(|error| match error {
-        RenderError::Order { next } => Failure::usage(format!(
-            "--samples: the samples of \"guided\" build on those before; the next is {next}"
-        ))
-        .with_help("begin there, or give a guide that is not learnt at the same time with --guide-in"),
-        RenderError::Guide(error) => {
-            Failure::new(error.to_string()).with_help("give a smaller grid or scale with --guide")
+) -> Result<Picture, Error> {
+    let name = scene.name().to_owned();
+    let mut progress = Progress::start(messages);
+    let mut events = |event: glanz::JobEvent<'_>| note_event(event, &name, messages);
+    let job = &arguments.job;
+    let picture = scene
+        .render()
+        .options(options)
+        .threads(job.threads.count())
+        .checkpoint(job.checkpoint.checkpoint.clone())
+        .resume(job.checkpoint.resume)
+        .cancel(cancel)
+        .on_progress(&mut progress)
+        .on_event(&mut events)
+        .run();
+    progress.finish();
+    picture
+}
+
+/// The failure, with the option that it is about.
+fn render_failure(error: Error, arguments: &RenderArguments, messages: Messages) -> Failure {
+    let option = match &error {
+        Error::NoGuide { .. } => {
+            let named = [
+                ("--guide", arguments.guide.is_some()),
+                ("--guide-in", arguments.guide_in.is_some()),
+                ("--guide-out", arguments.guide_out.is_some()),
+            ];
+            named.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name.to_owned())
         }
-        error => Failure::new(format!("the render stopped: {error}")),
-    })
+        Error::NoStoredLight { .. } => Some("--light-in".to_owned()),
+        Error::LightSampling { .. } => Some("--samplelights off".to_owned()),
+        Error::SampleRange { .. } | Error::SampleOrder { .. } => {
+            arguments.samples.as_ref().map(|range| format!("--samples {}..{}", range.start, range.end))
+        }
+        Error::Film(_) => arguments.size.map(|[width, height]| format!("--size {width}x{height}")),
+        _ => None,
+    };
+    let failure = failure(messages)(error);
+    match option {
+        Some(option) => Failure { message: format!("{option}: {}", failure.message), ..failure },
+        None => failure,
+    }
 }
 
-/// What was asked for.
-struct Order<'a> {
-    input: &'a Input<'a>,
-    options: &'a RenderOptions,
-    plan: &'a Plan,
-    outputs: &'a Outputs,
-    /// Searches for hits that were given up.
-    undecided: u64,
-}
-
-/// Writes what there is, and says so.
+/// Reports the picture that was written.
 fn finish(
-    order: &Order<'_>,
-    mut file: SceneFile,
-    outcome: &RenderOutcome,
+    picture: &Picture,
+    scene: &str,
+    outputs: &Outputs,
+    arguments: &RenderArguments,
+    warnings: Vec<String>,
     messages: Messages,
 ) -> Result<Ending, Failure> {
-    let Order { options, plan, outputs, undecided, .. } = *order;
-    let film = &outcome.film;
-    let interrupted = outcome.end == JobEnd::Interrupted;
-    if film.samples().is_empty() {
-        messages.note("interrupted before the first pass; nothing was written");
-        return Ok(Ending::Interrupted);
-    }
-    warn_of_rejects(film, &mut file, messages);
-    if undecided > 0 {
-        let rays = plural(undecided, "ray", "rays");
-        file.warn(
-            &format!("{rays} could not be decided against a freeform surface; a point may be missing"),
-            messages,
-        );
-    }
-
-    // The checkpoint first: it is what cannot be had again.
-    let saved = match &options.checkpoint {
-        Some(path) => checkpoint_file::write(path, &plan.identity, film),
-        None => Ok(()),
+    let (identity, film, statistics) = (picture.identity(), picture.film(), picture.statistics());
+    let [width, height] = identity.film.crop.size;
+    let seconds = statistics.elapsed.as_secs_f64();
+    let rays = statistics.counters.rays();
+    let interrupted = statistics.end == JobEnd::Interrupted;
+    let checkpoint = arguments.job.checkpoint.checkpoint.as_ref();
+    let report = RenderReport {
+        scene: scene.to_owned(),
+        outputs: outputs.names(),
+        checkpoint: checkpoint.map(|path| path.display().to_string()),
+        interrupted,
+        width,
+        height,
+        integrator: identity.integrator.to_string(),
+        sampler: identity.sampler.name(),
+        seed: identity.seed,
+        threads: statistics.threads,
+        samples_per_pixel: film.samples().total(),
+        sample_ranges: film.samples().to_string(),
+        samples: statistics.samples,
+        seconds,
+        rays,
+        rays_per_second: if rays == 0 { 0.0 } else { rays as f64 / seconds },
+        undecided: statistics.undecided,
+        peak_memory_bytes: report::peak_memory_bytes(),
+        guide: GuideReport::of(film),
+        warnings,
     };
-    let guide_saved = match (&options.guide_out, film.training()) {
-        (Some(path), Some(training)) => guide_file::write(path, training.guide()),
-        _ => Ok(()),
-    };
-    let pixels = film.to_pixels().map_err(|error: PixelsError| Failure::new(error.to_string()))?;
-    outputs.write(&pixels, &checkpoint_file::attributes(&plan.identity, film))?;
-    saved.and(guide_saved)?;
-
-    let report = order.report(outcome, file.into_warnings());
     messages.note(&format!(
         "{}wrote {}: {} in {}, {:.1} million rays, {:.2} million a second",
         if interrupted { "interrupted; " } else { "" },
@@ -240,51 +227,8 @@ fn finish(
         report.rays as f64 / 1e6,
         report.rays_per_second / 1e6,
     ));
-    if options.talk.json {
+    if arguments.job.verbosity.json {
         report::print(&report)?;
     }
     Ok(if interrupted { Ending::Interrupted } else { Ending::Done })
-}
-
-fn warn_of_rejects(film: &Film, file: &mut SceneFile, messages: Messages) {
-    let rejects = film.rejects();
-    if rejects.dropped > 0 {
-        let samples = plural(rejects.dropped, "sample was", "samples were");
-        file.warn(&format!("{samples} infinite or not a number and counted as black"), messages);
-    }
-    if rejects.cut > 0 {
-        let samples = plural(rejects.cut, "sample was", "samples were");
-        file.warn(&format!("{samples} too bright to be added up and cut"), messages);
-    }
-}
-
-impl Order<'_> {
-    fn report(&self, outcome: &RenderOutcome, warnings: Vec<String>) -> Report {
-        let identity = &self.plan.identity;
-        let [width, height] = identity.film.crop.size;
-        let seconds = outcome.elapsed.as_secs_f64();
-        let rays = outcome.counters.rays();
-        Report {
-            scene: self.input.name().to_owned(),
-            outputs: self.outputs.names(),
-            checkpoint: self.options.checkpoint.as_ref().map(|path| path.display().to_string()),
-            interrupted: outcome.end == JobEnd::Interrupted,
-            width,
-            height,
-            integrator: identity.integrator.to_string(),
-            sampler: identity.sampler.name(),
-            seed: identity.seed,
-            threads: self.plan.threads,
-            samples_per_pixel: outcome.film.samples().total(),
-            sample_ranges: outcome.film.samples().to_string(),
-            samples: outcome.samples,
-            seconds,
-            rays,
-            rays_per_second: if rays == 0 { 0.0 } else { rays as f64 / seconds },
-            undecided: self.undecided,
-            peak_memory_bytes: report::peak_memory_bytes(),
-            guide: GuideReport::of(&outcome.film),
-            warnings,
-        }
-    }
 }

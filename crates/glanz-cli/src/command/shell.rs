@@ -1,10 +1,10 @@
 //! `glanz completions` and `glanz man`: what packagers install beside the program.
 
 use clap::CommandFactory;
+use glanz_terminal::Ending;
+use glanz_terminal::messages::Failure;
 
-use crate::Ending;
 use crate::arguments::Arguments;
-use crate::messages::Failure;
 use crate::report;
 
 /// Prints the completion script of `shell`.

@@ -1,7 +1,5 @@
 //! What can be wrong with an image file.
 
-use std::path::PathBuf;
-
 use glanz_light::PixelsError;
 
 use super::Format;
@@ -69,14 +67,6 @@ pub enum ImageError {
     /// Channels that do not make a picture.
     #[error(transparent)]
     Pixels(#[from] PixelsError),
-    /// The operating system refused.
-    #[error("{}: {source}", .path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// The refusal.
-        source: std::io::Error,
-    },
 }
 
 fn at(offset: Option<usize>) -> String {

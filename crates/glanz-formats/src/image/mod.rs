@@ -1,8 +1,7 @@
 //! Pictures as files.
 //!
 //! [`read`] takes the bytes of a file, recognises the format by content (by extension where the content has no mark)
-//! and returns named planes of linear light. [`write()`] goes the other way. All work is done on bytes in memory;
-//! [`write_atomically`] puts bytes into a file so that a reader sees the old or the new file, never half of one.
+//! and returns named planes of linear light. [`write()`] goes the other way. All work is done on bytes in memory.
 //!
 //! | format | read | written | planes |
 //! |---|---|---|---|
@@ -30,7 +29,6 @@
 //! Whatever bytes come, [`read`] returns a picture or an [`ImageError`]; the size of a picture is limited by
 //! [`MAX_PIXELS`] and [`MAX_SAMPLES`], and a large one must be backed by bytes.
 
-mod atomic;
 mod error;
 mod exr;
 mod hdr;
@@ -44,7 +42,6 @@ use std::path::Path;
 use glanz_light::rgb::srgb_decode;
 use glanz_light::{Pixels, Tone};
 
-pub use atomic::write_atomically;
 pub use error::{ImageError, MAX_PIXELS, MAX_SAMPLES};
 
 /// A picture and what its file says about it.
@@ -170,7 +167,7 @@ impl Encoding {
 /// Reads a picture. `bytes`: the whole file; `path`: its name, where known, for formats without a mark.
 ///
 /// # Errors
-/// Every variant of [`ImageError`] except [`ImageError::Io`] and [`ImageError::NotWritable`].
+/// Every variant of [`ImageError`] except [`ImageError::NotWritable`].
 pub fn read(bytes: &[u8], path: Option<&Path>, encoding: Encoding) -> Result<Image, ImageError> {
     let format = Format::from_content(bytes).or_else(|| path.and_then(Format::from_path));
     match format {

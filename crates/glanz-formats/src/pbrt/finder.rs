@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-use crate::content_hash::ContentHash;
+use glanz_job::ContentHash;
 
 /// Finds and reads files, and fingerprints what was read.
 #[derive(Clone, Debug, Default)]

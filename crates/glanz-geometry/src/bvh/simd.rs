@@ -78,9 +78,8 @@ pub(crate) trait Simd: Copy {
 
     /// Asks for the cache line at `place`; changes nothing else.
     fn prefetch<T>(self, place: &T);
-    /// Runs work in a function of its own, compiled for the same instructions: rare work, and work that several callers
-    /// share and that would take long to compile for each.
-    fn outlined<T: Task>(self, task: T) -> T::Output;
+    /// Runs rare work in a function of its own, compiled for the same instructions.
+    fn apart<T: Task>(self, task: T) -> T::Output;
 }
 
 /// Work that is compiled once per instruction set.
@@ -151,22 +150,15 @@ fn run_avx2<T: Task>(token: Avx2, task: T) -> T::Output {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-fn run_avx2_outlined<T: Task>(token: Avx2, task: T) -> T::Output {
+fn run_avx2_apart<T: Task>(token: Avx2, task: T) -> T::Output {
     task.run(token)
 }
 
-// The instructions are those of AVX2; the compiler knows that they reach 32 registers here, and spills fewer.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq,avx512bw")]
 fn run_avx512<T: Task>(token: Avx512, task: T) -> T::Output {
-    task.run(token)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq,avx512bw")]
-#[inline(never)]
-fn run_avx512_outlined<T: Task>(token: Avx512, task: T) -> T::Output {
-    task.run(token)
+    // The instructions are those of AVX2; the compiler knows that they reach 32 registers here, and spills fewer.
+    task.run(token.avx2())
 }
 
 /// Plain arithmetic on arrays.
@@ -284,7 +276,7 @@ impl Simd for Scalar {
     #[inline(always)]
     fn prefetch<T>(self, _: &T) {}
     #[inline(never)]
-    fn outlined<T: Task>(self, task: T) -> T::Output {
+    fn apart<T: Task>(self, task: T) -> T::Output {
         task.run(self)
     }
 }
@@ -297,16 +289,9 @@ mod avx2 {
     use super::{Lanes8, Simd, Task};
     use std::arch::x86_64::*;
 
-    /// Proof that the processor has AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT; with 32 registers also AVX-512 F, VL, DQ
-    /// and BW.
+    /// Proof that the processor has AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
     #[derive(Clone, Copy, Debug, PartialEq)]
-    pub(crate) struct Avx<const REGISTERS: usize>(());
-
-    /// The proof of AVX2 alone.
-    pub(crate) type Avx2 = Avx<16>;
-
-    /// The proof of AVX-512 as well.
-    pub(crate) type Avx512 = Avx<32>;
+    pub(crate) struct Avx2(());
 
     impl Avx2 {
         /// The token, if the processor has what it stands for.
@@ -321,22 +306,31 @@ mod avx2 {
         }
     }
 
+    /// Proof that the processor has AVX-512 F, VL, DQ and BW, and all of [`Avx2`].
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub(crate) struct Avx512(Avx2);
+
     impl Avx512 {
         /// The token, if the processor has what it stands for.
         pub(super) fn detect() -> Option<Self> {
-            Avx2::detect()?;
+            let avx2 = Avx2::detect()?;
             (is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512vl")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512bw"))
-            .then_some(Self(()))
+            .then_some(Self(avx2))
+        }
+
+        /// The lesser proof that this one includes.
+        pub(super) fn avx2(self) -> Avx2 {
+            self.0
         }
     }
 
     // SAFETY, for every block below: `self` is a token, so the processor has AVX2 and FMA. Loads and stores go through
     // references to exactly as many lanes as the instruction touches; the aligned ones to `Lanes8`, which is
     // 32-byte aligned by its type.
-    impl<const REGISTERS: usize> Simd for Avx<REGISTERS> {
+    impl Simd for Avx2 {
         type F32 = __m256;
         type F64 = __m256d;
 
@@ -484,14 +478,9 @@ mod avx2 {
         }
 
         #[inline(always)]
-        fn outlined<T: Task>(self, task: T) -> T::Output {
-            if REGISTERS == 32 {
-                // SAFETY: a token with 32 registers is the proof of AVX-512.
-                unsafe { super::run_avx512_outlined(Avx(self.0), task) }
-            } else {
-                // SAFETY: every token is a proof of AVX2.
-                unsafe { super::run_avx2_outlined(Avx(self.0), task) }
-            }
+        fn apart<T: Task>(self, task: T) -> T::Output {
+            // SAFETY: as above.
+            unsafe { super::run_avx2_apart(self, task) }
         }
     }
 }

@@ -13,7 +13,7 @@ use super::contract::{Limits, Place};
 use super::leaf::{Leaf, Look};
 use super::net;
 use super::part::Part;
-use super::search::{Probe, Root, Scratch, Tangent};
+use super::search::{OnRoot, Probe, Root, Scratch, Tangent};
 use super::subpatches::Form;
 use super::view::{Aim, MOST_STEPS, View, value};
 use crate::bvh::simd::{Simd, Task};
@@ -209,7 +209,8 @@ impl<const LISTS: usize> Form for Bicubic<LISTS> {
         look: &Look,
         probe: &Probe,
         scratch: &mut Scratch,
-    ) -> Option<Root> {
+        report: &mut impl OnRoot,
+    ) {
         let from = self.center - probe.line.origin;
         // No closures around vectors: they would not be compiled for the instruction set.
         if look.certified {
@@ -217,19 +218,22 @@ impl<const LISTS: usize> Form for Bicubic<LISTS> {
             match view.newton(simd, look.flat, leaf.part, &limits) {
                 Aim::Root(x) => {
                     let blur = look.blur(&limits) * leaf.part.width();
-                    return Some(self.root(simd, probe, x, blur, from));
+                    report.root(self.root(simd, probe, x, blur, from));
+                    return;
                 }
                 Aim::Left { at, f } => {
                     let x = (at - leaf.part.middle()) / leaf.part.width();
                     if look.certificate.excludes(x, f, self.weight(simd, at), look.per, &limits) {
-                        return None;
+                        return;
                     }
                 }
                 Aim::Open => {}
             }
         }
-        simd.outlined(Search { patch: self, leaf, probe, scratch });
-        None
+        simd.apart(Search { patch: self, leaf, probe, scratch: &mut *scratch });
+        for root in scratch.roots.drain(..) {
+            report.root(root);
+        }
     }
 }
 

@@ -147,14 +147,14 @@ pub(super) fn contract(
             continue;
         }
         // As near as rounding tells, or held by the border.
-        if is_met(map, limits, x, &jet) {
+        if is_met(map, limits, x) {
             return found(x);
         }
         let far = simple.abs().cmpgt(blur * (2.0 / (1.0 - q))).any();
         if !far {
             // Seen edge-on, a root that rounding puts beyond the border is beside it by much more than across it.
-            let (nearest, there) = nearest_on_border(map, x, jet);
-            if is_met(map, limits, nearest, &there) {
+            let nearest = nearest_on_border(map, x, jet);
+            if is_met(map, limits, nearest) {
                 return found(nearest);
             }
             stuck += 1;
@@ -174,15 +174,15 @@ pub(super) fn contract(
     Err(GaveUp)
 }
 
-/// Whether the ray passes the place `x`, with this jet, within rounding.
+/// Whether the ray passes the place within rounding.
 #[inline(always)]
-fn is_met(map: &impl Map, limits: &Limits, x: DVec2, jet: &Jet) -> bool {
-    jet.f.length() <= MET * limits.noise * map.weight(x)
+fn is_met(map: &impl Map, limits: &Limits, x: DVec2) -> bool {
+    map.jet(x).f.length() <= MET * limits.noise * map.weight(x)
 }
 
-/// The place on the border nearest to the ray, seen along it, from `x` on that border; with its jet.
+/// The place on the border nearest to the ray, seen along it, from `x` on that border.
 #[inline(always)]
-fn nearest_on_border(map: &impl Map, mut x: DVec2, mut jet: Jet) -> (DVec2, Jet) {
+fn nearest_on_border(map: &impl Map, mut x: DVec2, mut jet: Jet) -> DVec2 {
     for _ in 0..2 {
         let shift = |f: DVec2, along: DVec2| f.dot(along) / along.length_squared();
         if x.x.abs() == 1.0 {
@@ -192,7 +192,7 @@ fn nearest_on_border(map: &impl Map, mut x: DVec2, mut jet: Jet) -> (DVec2, Jet)
         }
         jet = map.jet(x);
     }
-    (x, jet)
+    x
 }
 
 #[cfg(test)]

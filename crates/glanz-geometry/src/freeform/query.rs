@@ -6,25 +6,47 @@ use std::sync::atomic;
 use glanz_math::{DVec2, Ray};
 
 use super::Freeform;
-use super::search::{Probe, Root, Scratch};
-use super::subpatches::{LeafSearch, Place};
+use super::leaf::Leaf;
+use super::search::{OnRoot, Probe, Root, Scratch};
+use super::subpatches::{Form, Forms, Place};
 use crate::bvh::simd::{Simd, Task};
 use crate::bvh::{self, Visit};
 use crate::hit::Hit;
 
+/// Runs `$run` on the subpatches of a surface, whichever kind they are.
+macro_rules! on_forms {
+    ($surface:expr, $forms:ident => $run:expr) => {
+        match &$surface.forms {
+            Forms::Polynomial(list) => {
+                let $forms = &**list;
+                $run
+            }
+            Forms::Rational(list) => {
+                let $forms = &**list;
+                $run
+            }
+            Forms::General(list) => {
+                let $forms = &**list;
+                $run
+            }
+        }
+    };
+}
+
 /// What all queries carry from leaf to leaf.
-struct Walk<'a> {
+struct Walk<'a, F> {
     surface: &'a Freeform,
+    forms: &'a [F],
     ray: &'a Ray,
     /// From the first box on: many rays meet none.
     probe: Option<Probe>,
     scratch: Scratch,
 }
 
-impl<'a> Walk<'a> {
+impl<'a, F: Form> Walk<'a, F> {
     #[inline(always)]
-    fn new(surface: &'a Freeform, ray: &'a Ray) -> Self {
-        Self { surface, ray, probe: None, scratch: Scratch::default() }
+    fn new(surface: &'a Freeform, forms: &'a [F], ray: &'a Ray) -> Self {
+        Self { surface, forms, ray, probe: None, scratch: Scratch::default() }
     }
 
     /// Makes the ray ready for leaves.
@@ -36,22 +58,11 @@ impl<'a> Walk<'a> {
     /// Tells `report` of every root in a leaf of the hierarchy.
     #[inline(always)]
     fn leaf<S: Simd>(&mut self, simd: S, leaf: bvh::Leaf, report: &mut impl Report) {
-        let Self { surface, probe, scratch, .. } = self;
+        let Self { surface, forms, probe, scratch, .. } = self;
         let (Some(leaf), Some(probe)) = (surface.leaves.get(leaf.ordinal()), probe) else { return };
         let Some(look) = leaf.look(simd, probe) else { return };
-        let search = LeafSearch { forms: &surface.forms, leaf, look: &look, probe, scratch: &mut *scratch };
-        let only = simd.outlined(search);
-        let Some(place) = surface.places.get(leaf.subpatch as usize) else { return };
-        let mut found = |root: Root| {
-            if !leaf.crossed || surface.keeps(place, &root) {
-                report.root(probe, place, root);
-            }
-        };
-        if let Some(root) = only {
-            found(root);
-        } else {
-            scratch.roots.drain(..).for_each(found);
-        }
+        let Some(form) = forms.get(leaf.subpatch as usize) else { return };
+        form.roots(simd, leaf, &look, probe, scratch, &mut InLeaf { report, surface, probe, leaf });
     }
 
     /// Asks the memory for a leaf.
@@ -68,7 +79,25 @@ trait Report {
     fn root(&mut self, probe: &Probe, place: &Place, root: Root);
 }
 
-impl Drop for Walk<'_> {
+/// A report of the roots of one leaf.
+struct InLeaf<'a, R> {
+    report: &'a mut R,
+    surface: &'a Freeform,
+    probe: &'a Probe,
+    leaf: &'a Leaf,
+}
+
+impl<R: Report> OnRoot for InLeaf<'_, R> {
+    #[inline(always)]
+    fn root(&mut self, root: Root) {
+        let Some(place) = self.surface.places.get(self.leaf.subpatch as usize) else { return };
+        if !self.leaf.crossed || self.surface.keeps(place, &root) {
+            self.report.root(self.probe, place, root);
+        }
+    }
+}
+
+impl<F> Drop for Walk<'_, F> {
     #[inline(always)]
     fn drop(&mut self) {
         if self.scratch.undecided > 0 {
@@ -102,15 +131,17 @@ impl Task for Closest<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Option<Hit> {
         let Self { surface, ray, t_max } = self;
-        let best = Best { hit: None, end: t_max };
-        let mut visit = ClosestVisit { walk: Walk::new(surface, ray), best };
-        surface.bvh.closest_with(simd, ray, t_max, &mut visit);
-        visit.best.hit
+        on_forms!(surface, forms => {
+            let best = Best { hit: None, end: t_max };
+            let mut visit = ClosestVisit { walk: Walk::new(surface, forms, ray), best };
+            surface.bvh.closest_with(simd, ray, t_max, &mut visit);
+            visit.best.hit
+        })
     }
 }
 
-struct ClosestVisit<'a> {
-    walk: Walk<'a>,
+struct ClosestVisit<'a, F> {
+    walk: Walk<'a, F>,
     best: Best,
 }
 
@@ -134,7 +165,7 @@ impl Report for Best {
     }
 }
 
-impl Visit for &mut ClosestVisit<'_> {
+impl<F: Form> Visit for &mut ClosestVisit<'_, F> {
     #[inline(always)]
     fn prepare(&mut self) {
         self.walk.prepare();
@@ -165,14 +196,16 @@ impl Task for Occluded<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> bool {
         let Self { surface, ray, t_max } = self;
-        let before = Before { end: t_max, met: false };
-        let mut visit = OccludedVisit { walk: Walk::new(surface, ray), before };
-        surface.bvh.any_with(simd, ray, t_max, &mut visit)
+        on_forms!(surface, forms => {
+            let before = Before { end: t_max, met: false };
+            let mut visit = OccludedVisit { walk: Walk::new(surface, forms, ray), before };
+            surface.bvh.any_with(simd, ray, t_max, &mut visit)
+        })
     }
 }
 
-struct OccludedVisit<'a> {
-    walk: Walk<'a>,
+struct OccludedVisit<'a, F> {
+    walk: Walk<'a, F>,
     before: Before,
 }
 
@@ -190,7 +223,7 @@ impl Report for Before {
     }
 }
 
-impl Visit for &mut OccludedVisit<'_> {
+impl<F: Form> Visit for &mut OccludedVisit<'_, F> {
     #[inline(always)]
     fn prepare(&mut self) {
         self.walk.prepare();
@@ -222,10 +255,12 @@ impl Task for Every<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         let Self { surface, ray, t_max, hits } = self;
-        let walk = Walk::new(surface, ray);
-        let mut visit = EveryVisit { walk, all: All { found: Vec::new(), end: t_max } };
-        surface.bvh.closest_with(simd, ray, t_max, &mut visit);
-        let mut found = visit.all.found;
+        let mut found = on_forms!(surface, forms => {
+            let walk = Walk::new(surface, forms, ray);
+            let mut visit = EveryVisit { walk, all: All { found: Vec::new(), end: t_max } };
+            surface.bvh.closest_with(simd, ray, t_max, &mut visit);
+            visit.all.found
+        });
         found.sort_by(|a, b| order(&a.hit, &b.hit));
         for (index, candidate) in found.iter().enumerate() {
             if !found[..index].iter().any(|earlier| earlier.is_same(candidate)) {
@@ -269,8 +304,8 @@ impl Found {
     }
 }
 
-struct EveryVisit<'a> {
-    walk: Walk<'a>,
+struct EveryVisit<'a, F> {
+    walk: Walk<'a, F>,
     all: All,
 }
 
@@ -291,7 +326,7 @@ impl Report for All {
     }
 }
 
-impl Visit for &mut EveryVisit<'_> {
+impl<F: Form> Visit for &mut EveryVisit<'_, F> {
     #[inline(always)]
     fn prepare(&mut self) {
         self.walk.prepare();

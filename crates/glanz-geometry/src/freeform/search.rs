@@ -32,6 +32,12 @@ pub(super) struct Net<'a> {
     pub(super) points: &'a [DVec4],
 }
 
+/// Is told of roots. Not a closure, which would not be compiled for the instruction set of the search.
+pub(super) trait OnRoot {
+    /// Takes a root.
+    fn root(&mut self, root: Root);
+}
+
 /// A ray in the frame of the search: two planes through it, and its origin next to the surface.
 pub(super) struct Probe {
     pub(super) line: RayLine,
@@ -248,7 +254,7 @@ pub(super) struct Scratch {
     pub(super) undecided: u64,
 }
 
-/// Finds every root of the leaf of `net`: the only one, or all of them in `scratch.roots`, in no order.
+/// Reports every root of the leaf of `net`, in no order.
 #[inline(always)]
 pub(super) fn roots<S: Simd>(
     simd: S,
@@ -257,26 +263,27 @@ pub(super) fn roots<S: Simd>(
     look: &Look,
     probe: &Probe,
     scratch: &mut Scratch,
-) -> Option<Root> {
+    report: &mut impl OnRoot,
+) {
     let part = leaf.part;
     if look.certified {
         let limits = Limits { noise: probe.noise, bend: leaf.bend(), weights: [1.0; 2], steps: MOST_STEPS };
         let half = 0.5 * part.width();
         let map = Seen { simd, net, middle: part.at(DVec2::splat(0.5)), half, probe };
         match contract(&map, &look.certificate, &limits, look.flat) {
-            Ok(None) => return None,
+            Ok(None) => return,
             Ok(Some(place)) => {
                 let Tangent { s, su, sv } = map.tangent(place.at);
                 let (at, blur) = (map.middle + half * place.at, half * place.blur);
                 let reach = blur.x * su.length() + blur.y * sv.length();
-                return Some(Root { s: probe.line.direction.dot(s - probe.line.origin), at, blur, reach });
+                report.root(Root { s: probe.line.direction.dot(s - probe.line.origin), at, blur, reach });
+                return;
             }
             Err(GaveUp) => {}
         }
     }
     cells::roots(&NetLeaf { net, part }, probe, scratch);
-    for root in &mut scratch.roots {
-        *root = root.of_part(part);
+    for root in scratch.roots.drain(..) {
+        report.root(root.of_part(part));
     }
-    None
 }

@@ -8,8 +8,8 @@ use super::leaf::{Leaf, Look};
 use super::net;
 use super::part::Part;
 use super::piece::Piece;
-use super::search::{self, Net, Probe, Root, Scratch};
-use crate::bvh::simd::{Simd, Task};
+use super::search::{self, Net, OnRoot, Probe, Scratch};
+use crate::bvh::simd::Simd;
 
 /// Patches are cut until the ratio of their weights is this or less. The rounding of powers is that of the largest
 /// weight, and counts by the smallest; and next to a small weight a bit of a parameter is far on the surface.
@@ -31,7 +31,7 @@ pub(super) struct Place {
     pub(super) part: Part,
 }
 
-/// All of them of one kind, so that the branch on it is predicted.
+/// All of them of one kind, so that the search branches once per ray.
 #[derive(Debug)]
 pub(super) enum Forms {
     /// Degrees up to (3, 3), all weights equal within each patch.
@@ -44,8 +44,7 @@ pub(super) enum Forms {
 
 /// A subpatch whose leaves can be asked for roots.
 pub(super) trait Form {
-    /// Finds every root of the leaf, in the parameters of the subpatch: the only one, or all of them in `scratch.roots`, in
-    /// no order.
+    /// Reports every root of the leaf, in no order and in the parameters of the subpatch.
     fn roots<S: Simd>(
         &self,
         simd: S,
@@ -53,32 +52,8 @@ pub(super) trait Form {
         look: &Look,
         probe: &Probe,
         scratch: &mut Scratch,
-    ) -> Option<Root>;
-}
-
-/// The search for the roots of one leaf: a function of its own for all queries, since it is long.
-pub(super) struct LeafSearch<'a> {
-    pub(super) forms: &'a Forms,
-    pub(super) leaf: &'a Leaf,
-    pub(super) look: &'a Look,
-    pub(super) probe: &'a Probe,
-    pub(super) scratch: &'a mut Scratch,
-}
-
-impl Task for LeafSearch<'_> {
-    /// The only root; several are in the scratch.
-    type Output = Option<Root>;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Option<Root> {
-        let Self { forms, leaf, look, probe, scratch } = self;
-        let index = leaf.subpatch as usize;
-        match forms {
-            Forms::Polynomial(list) => list.get(index)?.roots(simd, leaf, look, probe, scratch),
-            Forms::Rational(list) => list.get(index)?.roots(simd, leaf, look, probe, scratch),
-            Forms::General(list) => list.get(index)?.roots(simd, leaf, look, probe, scratch),
-        }
-    }
+        report: &mut impl OnRoot,
+    );
 }
 
 /// The subpatches of `pieces`, none halved more often than `most_halvings`.
@@ -161,8 +136,9 @@ impl Form for Subpatch {
         look: &Look,
         probe: &Probe,
         scratch: &mut Scratch,
-    ) -> Option<Root> {
+        report: &mut impl OnRoot,
+    ) {
         let net = Net { degrees: self.degrees, points: &self.net };
-        search::roots(simd, net, leaf, look, probe, scratch)
+        search::roots(simd, net, leaf, look, probe, scratch, report);
     }
 }

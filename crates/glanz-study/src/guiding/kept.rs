@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use glanz_formats::image::{self, Encoding, Format, write_atomically};
-use glanz_job::JobIdentity;
+use glanz_formats::image::{self, Encoding, Format};
+use glanz_job::{JobIdentity, write_atomically};
 use glanz_light::{Pixels, Tone};
 use glanz_transport::{Checkpoint, Film, PictureIdentity};
 

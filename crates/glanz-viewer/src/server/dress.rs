@@ -11,7 +11,7 @@ pub trait Dress: fmt::Debug + Send + Sync {
     /// Adds shapes that are not in the file.
     fn furnish(&self, description: &mut Description);
 
-    /// Adds maps to the surfaces of the scene, which was read from files with this [hash](glanz_formats::ContentHash).
+    /// Adds maps to the surfaces of the scene, which was read from files with this [hash](glanz_job::ContentHash).
     ///
     /// # Errors
     /// A message if they do not match the scene.

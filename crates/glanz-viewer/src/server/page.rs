@@ -5,7 +5,7 @@
 use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, ETAG, HeaderMap, IF_NONE_MATCH};
 use axum::http::{StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
-use glanz_formats::ContentHash;
+use glanz_job::ContentHash;
 
 /// A file of the page.
 #[derive(Clone, Copy, Debug)]

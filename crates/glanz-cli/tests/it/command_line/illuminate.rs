@@ -131,7 +131,7 @@ fn what_cannot_be_illuminated_is_refused_with_advice() {
     let endless = "WorldBegin\nLightSource \"point\"\nShape \"plane\" \"string receiver\" \"sea\"\n";
     folder.write("endless.pbrt", endless);
     folder.run("illuminate lamp.pbrt -o lux").refused(1, &["nothing in this scene receives light", "--room"]);
-    folder.run("illuminate dark.pbrt -o lux").refused(1, &["nothing in this scene shines"]);
+    folder.run("illuminate dark.pbrt -o lux").refused(1, &["nothing in this scene gives light"]);
     folder.run("illuminate endless.pbrt -o lux").refused(1, &["sea", "no end"]);
     folder.run("illuminate lamp.pbrt --room 2 2 -o lux").refused(2, &["--room"]);
     folder.run("illuminate lamp.pbrt --room 2 2 0 -o lux").refused(2, &["above 0"]);

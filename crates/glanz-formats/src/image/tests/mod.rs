@@ -1,6 +1,5 @@
 //! Pictures written, read and damaged.
 
-mod atomic;
 mod damage;
 mod exr;
 mod others;

@@ -1,40 +1,28 @@
-//! From light maps to a model with pictures: the triangles of every chart, with its place on the pages.
+//! Models with light maps: the triangles of every chart, with its place on the pages.
 
 use std::collections::BTreeMap;
 
-use glanz_formats::glb::{Camera, GlbError, Model, Node, Part};
-use glanz_formats::image::{self, Format, ImageError};
+use glanz_formats::glb::{Camera, Model, Node, Part};
+use glanz_formats::image::{self, Format};
 use glanz_light::{Pixels, PixelsError, Spectrum, Tone, Wavelengths};
 use glanz_math::{DMat3, DMat4, DVec2, DVec3};
 use glanz_radiosity::bake::{Atlas, LightMap};
 use glanz_radiosity::tessellate::{Triangles, divisions, tessellate};
-use glanz_scene::{Description, PlacedSurface};
+use glanz_scene::PlacedSurface;
+
+use crate::error::Error;
 
 /// Distance of the two sides of a surface in a model, per the tolerance.
 const SHIFT: f64 = 0.25;
 
-/// Why there is no model.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum ModelError {
-    /// A page is no picture.
-    #[error("{0}")]
-    Pixels(#[from] PixelsError),
-    /// A page cannot be written.
-    #[error("{0}")]
-    Image(#[from] ImageError),
-    /// The model cannot be written.
-    #[error("{0}")]
-    Glb(#[from] GlbError),
-}
-
 /// How a scene's axes become those of the model, which is right-handed with y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Axes(DMat3);
+pub(super) struct Axes(DMat3);
 
 impl Axes {
     /// `camera`: to the world. Up is the axis next to the camera's. Where the camera sees the world mirrored, as pbrt's left-handed scenes
     /// are, so is the model.
-    pub(crate) fn of_camera(camera: &DMat4) -> Self {
+    pub(super) fn of_camera(camera: &DMat4) -> Self {
         let up = camera.y_axis.truncate();
         let mirror = if DMat3::from_mat4(*camera).determinant() > 0.0 { -1.0 } else { 1.0 };
         let size = up.abs();
@@ -52,12 +40,12 @@ impl Axes {
     }
 
     /// A matrix whose columns are in the axes of the scene, in those of the model.
-    pub(crate) fn of(&self, matrix: DMat3) -> DMat3 {
+    pub(super) fn of(&self, matrix: DMat3) -> DMat3 {
         self.0 * matrix
     }
 
     /// A point or a direction of the scene in the axes of the model.
-    pub(crate) fn of_point(&self, point: DVec3) -> DVec3 {
+    pub(super) fn of_point(&self, point: DVec3) -> DVec3 {
         self.0 * point
     }
 
@@ -66,33 +54,22 @@ impl Axes {
     }
 }
 
-/// A name for each shape, in the order of the scene file: that of its material, with its number.
-pub(crate) fn names(description: &Description) -> Vec<String> {
-    let groups = description.groups.iter().chain([&description.world]);
-    let shapes = groups.flat_map(|group| &group.shapes).enumerate();
-    let name = |(number, shape): (usize, &glanz_scene::description::ShapeDescription)| {
-        let material = description.materials.get(shape.material).map_or("", |material| &material.name);
-        if material.is_empty() { format!("shape {number}") } else { format!("{material} {number}") }
-    };
-    shapes.map(name).collect()
-}
-
-/// What a model is made of.
-pub(crate) struct Making<'a> {
-    pub(crate) surfaces: &'a [PlacedSurface<'a>],
-    pub(crate) maps: &'a [LightMap],
-    pub(crate) atlas: &'a Atlas,
-    pub(crate) names: &'a [String],
-    pub(crate) axes: Axes,
-    pub(crate) camera: Option<Camera>,
+/// The parts of a model.
+pub(super) struct ModelBuilder<'a> {
+    pub(super) surfaces: &'a [PlacedSurface<'a>],
+    pub(super) maps: &'a [LightMap],
+    pub(super) atlas: &'a Atlas,
+    pub(super) names: &'a [String],
+    pub(super) axes: Axes,
+    pub(super) camera: Option<Camera>,
     /// Metres.
-    pub(crate) tolerance: f64,
-    pub(crate) tone: Tone,
+    pub(super) tolerance: f64,
+    pub(super) tone: Tone,
 }
 
-impl Making<'_> {
+impl ModelBuilder<'_> {
     /// The model, one node for each shape in its place.
-    pub(crate) fn model(&self) -> Result<Model, ModelError> {
+    pub(super) fn build(&self) -> Result<Model, Error> {
         let mut pictures = Vec::new();
         for page in &self.atlas.pages {
             let pixels = pixels(&page.radiance, self.atlas.side)?;
@@ -153,7 +130,7 @@ impl Making<'_> {
 }
 
 /// A page as a picture.
-pub(crate) fn pixels(page: &[Spectrum], side: u32) -> Result<Pixels, PixelsError> {
+pub(super) fn pixels(page: &[Spectrum], side: u32) -> Result<Pixels, PixelsError> {
     let wavelengths = Wavelengths::default();
     let rgb: Vec<[f32; 3]> = page.iter().map(|light| light.to_rgb(&wavelengths)).collect();
     Pixels::try_from_rgb(side, side, &rgb)

@@ -3,23 +3,23 @@
 use super::*;
 
 /// An empty folder, removed at the end.
-struct Folder(std::path::PathBuf);
+struct Folder(PathBuf);
 
 impl Folder {
     fn new(name: &str) -> Self {
         let path = std::env::temp_dir().join(format!("glanz-{}-{name}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
+        fs::create_dir_all(&path).unwrap();
         Self(path)
     }
 
     fn entries(&self) -> usize {
-        std::fs::read_dir(&self.0).unwrap().count()
+        fs::read_dir(&self.0).unwrap().count()
     }
 }
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
+        let _ = fs::remove_dir_all(&self.0);
     }
 }
 
@@ -29,15 +29,15 @@ fn atomic_write_makes_and_replaces_a_file_and_leaves_nothing_else() {
     let file = folder.0.join("picture.exr");
     write_atomically(&file, b"first").unwrap();
     write_atomically(&file, b"second").unwrap();
-    assert_eq!(std::fs::read(&file).unwrap(), b"second");
+    assert_eq!(fs::read(&file).unwrap(), b"second");
     assert_eq!(folder.entries(), 1);
 }
 
 #[test]
 fn atomic_write_into_a_missing_folder_or_over_a_folder_fails() {
     let folder = Folder::new("missing");
-    assert!(matches!(write_atomically(&folder.0.join("no/file"), b"x"), Err(ImageError::Io { .. })));
-    std::fs::create_dir(folder.0.join("taken")).unwrap();
+    assert!(matches!(write_atomically(&folder.0.join("no/file"), b"x"), Err(WriteError { .. })));
+    fs::create_dir(folder.0.join("taken")).unwrap();
     assert!(write_atomically(&folder.0.join("taken"), b"x").is_err());
     assert_eq!(folder.entries(), 1);
 }
@@ -49,14 +49,14 @@ fn atomic_write_keeps_permissions_and_links_and_respects_read_only_files() {
     let folder = Folder::new("permissions");
     let (file, link) = (folder.0.join("file"), folder.0.join("link"));
     write_atomically(&file, b"old").unwrap();
-    std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o640)).unwrap();
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
     symlink("file", &link).unwrap();
     write_atomically(&link, b"new").unwrap();
     assert!(link.is_symlink());
-    assert_eq!(std::fs::read(&file).unwrap(), b"new");
-    assert_eq!(std::fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o640);
-    std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o440)).unwrap();
+    assert_eq!(fs::read(&file).unwrap(), b"new");
+    assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o640);
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o440)).unwrap();
     assert!(write_atomically(&file, b"newer").is_err());
-    assert_eq!(std::fs::read(&file).unwrap(), b"new");
+    assert_eq!(fs::read(&file).unwrap(), b"new");
     assert_eq!(folder.entries(), 2);
 }

@@ -1,20 +1,44 @@
-//! Files that are there whole or not at all.
+//! Files that are written as a whole or not at all.
 
+#[cfg(test)]
+mod tests;
+
+use std::error::Error;
+use std::fmt;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::ImageError;
+/// A file that was not written.
+#[derive(Debug)]
+pub struct WriteError {
+    /// The file.
+    pub path: PathBuf,
+    /// Why it was not.
+    pub source: io::Error,
+}
+
+impl fmt::Display for WriteError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.path.display(), self.source)
+    }
+}
+
+impl Error for WriteError {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        Some(&self.source)
+    }
+}
 
 /// Writes `bytes` to the file `path`, so that at any moment, a crash included, the file has its old content or the new
 /// one: they go into a temporary file of the same folder, which then takes the name. An existing file keeps its
 /// permissions, a symbolic link stays one. What is not a regular file (a pipe, a device) is written directly.
 ///
 /// # Errors
-/// [`ImageError::Io`]; the temporary file is removed then and an old file `path` is untouched. An existing read-only
+/// [`WriteError`]; the temporary file is removed then and an old file `path` is untouched. An existing read-only
 /// file is an error.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
-    replace(path, bytes).map_err(|source| ImageError::Io { path: path.to_owned(), source })
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    replace(path, bytes).map_err(|source| WriteError { path: path.to_owned(), source })
 }
 
 fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {

@@ -5,7 +5,7 @@ use glanz_math::{Bounds3, DMat3, DVec2, DVec3, glam::DQuat};
 use glanz_scene::camera::Screen;
 use glanz_scene::description::{CameraDescription, CameraKind, FilmDescription};
 
-use crate::light_maps::Axes;
+use super::model::Axes;
 
 /// The nearest that is seen, per the diagonal of the scene: nearer is what almost nobody looks at, and depth buffers are the finer.
 const NEAR: f64 = 0.002;
@@ -16,7 +16,7 @@ const SLACK: f64 = 1e-6;
 /// The camera in the axes of the model; `None` if its picture is off the middle, slanted or mirrored, which models do not have.
 ///
 /// The aperture is left out.
-pub(crate) fn camera(
+pub(super) fn camera(
     camera: &CameraDescription,
     film: &FilmDescription,
     axes: Axes,

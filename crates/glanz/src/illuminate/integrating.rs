@@ -1,54 +1,44 @@
-//! Light by integration over mirrors, with progress.
+//! Light by integration over mirrors.
 
 use std::time::Instant;
 
 use glanz_illumination::integrate::{CellMean, Reflections, Tolerance};
 use glanz_illumination::{LuxMap, Receiver};
-use glanz_job::{CancelFlag, JobProgress, WorkCount};
+use glanz_job::{JobProgress, WorkCount};
 use glanz_math::DVec2;
+use glanz_report::number::plural;
 use glanz_scene::PlacedSurface;
+use glanz_shading::Material;
 use rayon::prelude::*;
 
 use super::{Design, pace};
-use crate::arguments::IlluminateArguments;
-use crate::messages::{Failure, Messages};
-use crate::progress::Progress;
-use crate::report::plural;
+use crate::error::Error;
+use crate::event::Warning;
+use crate::job_options::JobOptions;
 
-/// Cells between two looks at the clock, for every thread.
+/// Cells between two reports of progress, for every thread.
 const PORTION: usize = 16;
 
-/// Cells whose middles tell how bright a scene is.
+/// Cells whose mean illuminance stands for that of the scene.
 const PROBES: usize = 64;
 
-/// Places of a cell at most: where the image of a lamp has an edge, errors beyond the tolerance are told.
+/// Places of a cell at most: where the image of a lamp has an edge, errors beyond the tolerance are reported.
 const POINTS: usize = 300;
 
-/// What was integrated.
-pub(super) struct Integrated {
-    pub(super) maps: Vec<LuxMap>,
-    pub(super) how: Vec<(String, String)>,
-}
-
-/// Maps of all receivers; `None` if the user wanted an end.
-///
-/// # Errors
-/// Why there are none.
+/// Maps of all receivers, and facts for the report.
 pub(super) fn integrated(
-    design: &mut Design,
-    arguments: &IlluminateArguments,
-    messages: Messages,
-    cancel: &CancelFlag,
-) -> Result<Option<Integrated>, Failure> {
-    let scattering = design.scene.materials().iter().filter(|material| material.is_rough()).count() as u64;
-    let Design { file, scene, receivers, .. } = design;
+    design: &Design,
+    job: &mut JobOptions<'_>,
+) -> Result<(Vec<LuxMap>, Vec<(String, String)>), Error> {
+    let Design { scene, receivers, options, .. } = design;
+    let scatters =
+        |material: &&Material| matches!(material, Material::Diffuse { .. } | Material::Phong { .. });
+    let scattering = scene.materials().iter().filter(scatters).count() as u64;
     let start = Instant::now();
-    let reflections = Reflections::new(scene)
-        .map_err(|error| Failure::new(error.to_string()).with_help("\"--method trace\" takes every lamp"))?;
+    let reflections = Reflections::new(scene)?;
     let unreflected = reflections.unreflected().count() as u64;
     if unreflected > 0 {
-        let lights = plural(unreflected, "light has", "lights have");
-        file.warn(&format!("{lights} no extent: what mirrors make of them is not integrated"), messages);
+        job.warn(Warning::Unreflected { lights: unreflected });
     }
     let placed = scene.placed_surfaces();
     let mut cells: Vec<(&Receiver, &PlacedSurface<'_>, usize)> = Vec::new();
@@ -67,26 +57,24 @@ pub(super) fn integrated(
         };
         reflections.cell_mean(patch, tolerance, POINTS)
     };
-    // Where it is dark, what matters is small against the mean of all.
+    // Where it is dark, errors that are small against the mean of all cells are tolerated.
     let probes: Vec<_> = cells.iter().step_by(cells.len().div_ceil(PROBES).max(1)).collect();
     let coarse = Tolerance { relative: 0.05, absolute: f64::MAX };
     let bright: f64 =
         probes.par_iter().map(|cell| mean(cell, coarse).mean).sum::<f64>() / probes.len().max(1) as f64;
-    let tolerance = Tolerance { relative: arguments.tolerance, absolute: arguments.tolerance * bright };
-    let mut progress = Progress::start(messages);
+    let relative = options.tolerance;
+    let tolerance = Tolerance { relative, absolute: relative * bright };
     let mut found: Vec<CellMean> = Vec::with_capacity(cells.len());
     for portion in cells.chunks(PORTION * rayon::current_num_threads()) {
-        if cancel.is_cancelled() {
-            progress.finish();
-            return Ok(None);
-        }
+        job.cancel.check()?;
         found.par_extend(portion.par_iter().map(|cell| mean(cell, tolerance)));
-        let share = found.len() as f64 / cells.len() as f64;
-        let (done, wanted) = (found.len() as u64, Some(cells.len() as u64));
-        let count = WorkCount { done, wanted, unit: ["cell integrated", "cells integrated"] };
-        progress.show(&JobProgress::by_work("integration", share, start.elapsed()).with_count(count));
+        if let Some(sink) = &mut job.sink {
+            let (done, all) = (found.len() as u64, cells.len() as u64);
+            let count = WorkCount { done, wanted: Some(all), unit: ["cell", "cells"] };
+            let progress = JobProgress::by_work("integration", done as f64 / all as f64, start.elapsed());
+            sink.on_progress(&progress.with_count(count));
+        }
     }
-    progress.finish();
     let mut rest = found.as_slice();
     let mut maps = Vec::new();
     for receiver in receivers.as_slice() {
@@ -114,5 +102,5 @@ pub(super) fn integrated(
             plural(scattering, "material scatters, unless it is", "materials scatter, unless they are");
         how.push(("left out by integration".to_owned(), format!("what {materials} black")));
     }
-    Ok(Some(Integrated { maps, how }))
+    Ok((maps, how))
 }

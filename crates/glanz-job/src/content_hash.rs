@@ -22,7 +22,8 @@ impl ContentHash {
         self.add(bytes);
     }
 
-    fn add(&mut self, bytes: &[u8]) {
+    /// Adds bytes without their length.
+    pub fn add(&mut self, bytes: &[u8]) {
         self.0 = bytes.iter().fold(self.0, |h, &b| (h ^ u128::from(b)).wrapping_mul(Self::PRIME));
     }
 

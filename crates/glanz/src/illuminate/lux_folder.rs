@@ -1,4 +1,4 @@
-//! The lux maps that `glanz illuminate` wrote into a folder, on the scene they are of.
+//! Lux maps that were written into a folder, on the scene they are of.
 
 use std::path::{Path, PathBuf};
 
@@ -8,15 +8,16 @@ use glanz_math::DVec2;
 use glanz_scene::{Place, PlacedSurface, Scene};
 use serde::Deserialize;
 
-use crate::illumination::files::{Names, REPORT};
-use crate::messages::Failure;
+use super::files::{FileNames, REPORT};
+use crate::error::{Error, FileFault};
+use crate::file;
 
 /// The channel of a lux map's picture.
 const CHANNEL: &str = "lux";
 
 /// Lux maps, and the report that lists them.
 #[derive(Debug)]
-pub(crate) struct LuxFolder {
+pub struct LuxFolder {
     folder: PathBuf,
     maps: Vec<StoredMap>,
 }
@@ -28,7 +29,7 @@ struct StoredMap {
     lux: Vec<f32>,
 }
 
-/// What the report says of a receiver.
+/// A receiver in the report.
 #[derive(Debug, Deserialize)]
 struct StoredReceiver {
     name: String,
@@ -42,30 +43,25 @@ struct StoredReport {
 }
 
 impl LuxFolder {
-    /// Reads all maps of the folder.
+    /// Reads all maps of a folder that [`IlluminateOutcome::save`](super::IlluminateOutcome::save) wrote.
     ///
     /// # Errors
-    /// What is missing or no lux map.
-    pub(crate) fn read(folder: &Path) -> Result<Self, Failure> {
+    /// [`Error::File`].
+    pub fn read(folder: impl AsRef<Path>) -> Result<Self, Error> {
+        let folder = folder.as_ref();
         let path = folder.join(REPORT);
-        let failure = |path: &Path, what: &dyn std::fmt::Display| {
-            Failure::new(format!("{}: {what}", path.display()))
-                .with_help("give the folder that glanz illuminate wrote with -o")
-        };
-        let text = std::fs::read_to_string(&path).map_err(|error| failure(&path, &error))?;
-        let report: StoredReport = serde_json::from_str(&text).map_err(|error| failure(&path, &error))?;
-        let mut names = Names::default();
+        let report: StoredReport =
+            serde_json::from_slice(&file::read(&path)?).map_err(Error::of_file(&path))?;
+        let mut names = FileNames::default();
         let mut maps = Vec::new();
         for receiver in report.receivers {
-            let path = folder.join(format!("{}.exr", names.file_of(&receiver.name, "")));
-            let bytes = std::fs::read(&path).map_err(|error| failure(&path, &error))?;
-            let picture =
-                image::read(&bytes, Some(&path), Encoding::Linear).map_err(|error| failure(&path, &error))?;
-            let pixels = &picture.pixels;
+            let path = folder.join(format!("{}.exr", names.of_map(&receiver.name, "")));
+            let picture = image::read(&file::read(&path)?, Some(&path), Encoding::Linear);
+            let pixels = picture.map_err(Error::of_file(&path))?.pixels;
             let Some(rows) =
                 pixels.channel(CHANNEL).filter(|_| [pixels.width(), pixels.height()] == receiver.cells)
             else {
-                return Err(failure(&path, &"this is not the lux map that the report tells of"));
+                return Err(FileFault::OtherLuxMap.of(&path));
             };
             // The first row of a picture is the upper one.
             let lux = rows.chunks(receiver.cells[0].max(1) as usize).rev().flatten().copied().collect();
@@ -77,27 +73,22 @@ impl LuxFolder {
     /// The maps on the receivers of `scene`.
     ///
     /// # Errors
-    /// A sentence that these are maps of other receivers.
-    pub(super) fn of_scene(&self, scene: &Scene) -> Result<LuxMaps, String> {
-        let laid = self.finenesses().into_iter().find_map(|fineness| {
-            let requests = ReceiverRequest::of_scene(scene, fineness);
+    /// [`Error::File`] with [`FileFault::OtherReceivers`] if these are maps of other receivers; walls of a room have to be in the scene.
+    pub fn place(&self, scene: &Scene) -> Result<PlacedLux, Error> {
+        let laid = self.grid_resolutions().into_iter().find_map(|resolution| {
+            let requests = ReceiverRequest::of_scene(scene, resolution);
             let receivers = Receivers::try_new(scene, &requests).ok()?;
             let found = receivers.as_slice().iter().map(|receiver| (receiver.name(), receiver.cells()));
             found
                 .eq(self.maps.iter().map(|map| (map.receiver.name.as_str(), map.receiver.cells)))
                 .then_some(receivers)
         });
-        let receivers = laid.ok_or_else(|| {
-            format!(
-                "{}: these lux maps are of other receivers than those of the scene; for the walls of a room give --room as well",
-                self.folder.display()
-            )
-        })?;
-        Ok(LuxMaps { receivers, lux: self.maps.iter().flat_map(|map| &map.lux).copied().collect() })
+        let receivers = laid.ok_or_else(|| FileFault::OtherReceivers.of(&self.folder))?;
+        Ok(PlacedLux { receivers, lux: self.maps.iter().flat_map(|map| &map.lux).copied().collect() })
     }
 
-    /// The ways in which the receivers that say nothing themselves may have been divided.
-    fn finenesses(&self) -> Vec<GridResolution> {
+    /// The ways in which receivers that do not specify their cells may have been divided.
+    fn grid_resolutions(&self) -> Vec<GridResolution> {
         let counts = self.maps.iter().map(|map| map.receiver.cells[0].max(map.receiver.cells[1]));
         let longer = counts.map(GridResolution::Longer);
         let texels = self.maps.iter().map(|map| {
@@ -111,21 +102,17 @@ impl LuxFolder {
 }
 
 /// Lux maps on the receivers of a scene.
-pub(super) struct LuxMaps {
+#[derive(Debug)]
+pub struct PlacedLux {
     receivers: Receivers,
     /// Per cell of all receivers, lx.
     lux: Vec<f32>,
 }
 
-impl LuxMaps {
+impl PlacedLux {
     /// Illuminance at a place, on the side that counts, lx.
-    pub(super) fn lux(
-        &self,
-        placed: &[PlacedSurface<'_>],
-        surface: u32,
-        face: u32,
-        uv: DVec2,
-    ) -> Option<f32> {
+    #[must_use]
+    pub fn lux(&self, placed: &[PlacedSurface<'_>], surface: u32, face: u32, uv: DVec2) -> Option<f32> {
         let of_side = |back| {
             let at = placed.get(surface as usize)?.at(face, uv, back)?.at;
             let met = self.receivers.met(&at, &Place { surface, face, back, uv })?;

@@ -1,0 +1,73 @@
+//! Arguments of `glanz bake`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum, ValueHint};
+use glanz::ModelSettings;
+use glanz::formats::image::Format;
+use glanz_terminal::values::positive;
+
+use super::common::{JobArguments, SceneArgument, ToneArguments};
+
+const BAKE_HELP: &str = "\
+The model is binary glTF 2.0 with unlit materials: a picture on each surface shows the light that
+leaves it (TEXCOORD_1); three.js, Blender and others display it without further settings. The
+irradiance itself, in the scene's units of radiance, is written beside it as OpenEXR in the same
+layout. Sides that no light reaches are black and take no texels. The model has the scene's camera.
+
+Light is that of radiosity: mirrors, glass and gloss count as if they reflected diffusely.
+Ctrl-C and SIGTERM end the command with 130. Only the checkpoint is written then, if one is given;
+--resume continues from it to the same bits. A second Ctrl-C ends the program at once. The finished
+checkpoint holds all light: for further models of the same scene, and for `glanz render --light-in`.
+
+Examples:
+  glanz bake room.pbrt -o room.glb
+  glanz bake room.pbrt -o room.glb --checkpoint room.light --resume
+  glanz render room.pbrt --integrator radiosity --light-in room.light
+  glanz bake room.pbrt -o fine.glb --texels-per-metre 100 --tone filmic";
+
+#[derive(Debug, Args)]
+#[command(after_help = BAKE_HELP)]
+pub(crate) struct BakeArguments {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgument,
+    /// Model to write, .glb; light maps are written beside it
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) output: PathBuf,
+    /// Texels of the light maps per metre, where they are least dense
+    #[arg(long, value_name = "N", default_value_t = 25.0, value_parser = positive)]
+    pub(crate) texels_per_metre: f64,
+    /// Format of the irradiance beside the model; PNG is only for viewing
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = LightMapName::Exr)]
+    lightmap: LightMapName,
+    /// Largest distance of triangles from the surface, metres; 0.001, or less in a small scene
+    #[arg(long, value_name = "M", value_parser = positive)]
+    tolerance: Option<f64>,
+    /// Number of rays that gather indirect light at a point
+    #[arg(long, value_name = "N", hide_short_help = true, default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=65536))]
+    pub(crate) rays: u32,
+    #[command(flatten)]
+    pub(crate) tone: ToneArguments,
+    #[command(flatten)]
+    pub(crate) job: JobArguments,
+}
+
+impl BakeArguments {
+    /// How the model is made.
+    pub(crate) fn model(&self) -> ModelSettings {
+        let irradiance = match self.lightmap {
+            LightMapName::Exr => Format::Exr,
+            LightMapName::Png => Format::Png,
+        };
+        ModelSettings { tolerance: self.tolerance, tone: self.tone.tone(), irradiance }
+    }
+}
+
+/// Formats of light maps beside the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum LightMapName {
+    // Floating point.
+    Exr,
+    // Eight bits, as the tone curve makes them.
+    Png,
+}

@@ -1,0 +1,116 @@
+//! Options that several commands have.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum, ValueHint};
+use glanz::light::{Tone, ToneCurve};
+use glanz::math::DVec3;
+use glanz_terminal::Verbosity;
+use glanz_terminal::values::{positive, stops};
+
+/// The scene file of a command.
+#[derive(Debug, Args)]
+pub(crate) struct SceneArgument {
+    /// Scene file in pbrt's language (v3 or v4)
+    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
+    pub(crate) scene: PathBuf,
+}
+
+/// How strictly a scene is read.
+#[derive(Debug, Args)]
+pub(crate) struct Strictness {
+    /// Treat every repair or substitute in the scene as an error
+    #[arg(long)]
+    pub(crate) strict: bool,
+}
+
+/// The number of threads.
+#[derive(Debug, Args)]
+pub(crate) struct ThreadArguments {
+    /// Number of threads; all processors if not given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+}
+
+impl ThreadArguments {
+    /// The number; 0 for all processors.
+    pub(crate) fn count(&self) -> usize {
+        self.threads.map_or(0, usize::from)
+    }
+}
+
+/// The checkpoint of a job.
+#[derive(Debug, Args)]
+pub(crate) struct CheckpointArguments {
+    /// File for the state of the job, written every 30 seconds and at the end
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) checkpoint: Option<PathBuf>,
+    /// Resume the checkpoint if it exists; without this, an existing one is not touched
+    #[arg(long, requires = "checkpoint")]
+    pub(crate) resume: bool,
+}
+
+/// What all long-running commands take.
+#[derive(Debug, Args)]
+pub(crate) struct JobArguments {
+    #[command(flatten)]
+    pub(crate) threads: ThreadArguments,
+    #[command(flatten)]
+    pub(crate) checkpoint: CheckpointArguments,
+    #[command(flatten)]
+    pub(crate) strictness: Strictness,
+    #[command(flatten)]
+    pub(crate) verbosity: Verbosity,
+}
+
+/// How light is shown in eight bits.
+#[derive(Debug, Args)]
+pub(crate) struct ToneArguments {
+    /// Brighten PNG pictures by this many stops
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, default_value_t = 0.0, value_parser = stops)]
+    pub(crate) exposure: f32,
+    /// How PNG pictures show light: bright light cut, or compressed by a curve
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = ToneName::Linear)]
+    tone: ToneName,
+}
+
+impl ToneArguments {
+    /// Exposure and curve.
+    pub(crate) fn tone(&self) -> Tone {
+        let curve = match self.tone {
+            ToneName::Linear => ToneCurve::Linear,
+            ToneName::Reinhard => ToneCurve::Reinhard,
+            ToneName::Filmic => ToneCurve::Filmic,
+        };
+        Tone { exposure_stops: self.exposure, curve }
+    }
+}
+
+/// The tone curves; help on each would make that of the whole command long.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ToneName {
+    // Light up to 1 as it is, brighter light as 1.
+    Linear,
+    // Luminance Y as Y / (1 + Y).
+    Reinhard,
+    // A filmic curve.
+    Filmic,
+}
+
+/// The walls of a room around the scene.
+#[derive(Debug, Args)]
+pub(crate) struct RoomArgument {
+    /// Add the walls of a box from the origin, metres: six receivers that absorb all light
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = positive)]
+    room: Option<Vec<f64>>,
+}
+
+impl RoomArgument {
+    /// Size of the room, metres.
+    pub(crate) fn size(&self) -> Option<DVec3> {
+        match self.room.as_deref() {
+            Some(&[x, y, z]) => Some(DVec3::new(x, y, z)),
+            _ => None,
+        }
+    }
+}

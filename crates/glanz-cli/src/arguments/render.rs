@@ -1,0 +1,162 @@
+//! Arguments of `glanz render` and `glanz demo`.
+
+use std::ops::Range;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, ValueHint};
+use glanz::RenderOptions;
+use glanz::sampling::SamplerKind;
+use glanz::sampling::exact::MAX_TERMS;
+use glanz::scene::description::GuideSettings;
+use glanz::transport::{Aov, AovSet, INTEGRATORS};
+use glanz_terminal::values::{one_of, sample_range, seconds, size, switch};
+
+use super::common::{JobArguments, SceneArgument, ToneArguments};
+
+/// The word for every extra channel.
+const ALL_AOVS: &str = "all";
+
+/// Samples per pixel that a film can hold.
+const MAX_SAMPLES: i64 = MAX_TERMS as i64;
+
+const DEMO_HELP: &str = "\
+Without -o the picture is written to glanz-demo.png in the current folder.
+
+Examples:
+  glanz demo
+  glanz demo --size 1920x1080 --spp 1024 -o big.png -o big.exr";
+
+#[derive(Debug, Args)]
+#[command(after_help = DEMO_HELP)]
+pub(crate) struct DemoArguments {
+    #[command(flatten)]
+    pub(crate) render: RenderArguments,
+}
+
+const RENDER_HELP: &str = "\
+Without -o the picture is written to the current folder under the film's file name in the scene,
+as EXR if the scene has none or names a format that Glanz does not write.
+
+The picture depends on the scene, the settings and the seed alone: not on threads, not on
+interruptions. Ctrl-C and SIGTERM finish the pass, write picture and checkpoint, and exit
+with 130; a second Ctrl-C ends the program at once.
+
+Examples:
+  glanz render room.pbrt -o room.exr -o room.png --spp 256
+  glanz render room.pbrt -o room.exr --checkpoint room.glanz --resume
+
+  half of the samples on each of two machines, with the bits of 256 samples on one:
+  glanz render room.pbrt --samples 0..128 --checkpoint a.glanz
+  glanz render room.pbrt --samples 128..256 --checkpoint b.glanz
+  glanz merge a.glanz b.glanz -o room.exr
+
+  learn once where light comes from, then render parts with that; without --guide-in the
+  samples of \"guided\" build on one another, and parts cannot be merged:
+  glanz render room.pbrt --integrator guided --spp 64 --guide-out room.guide
+  glanz render room.pbrt --integrator guided --guide-in room.guide --samples 0..512
+
+The guide of \"guided\" is \"tree\" unless --guide says otherwise: cells and directions that refine
+themselves, and a learnt share beside the BSDF. Keys with commas make it a fixed grid, as in
+document 003:
+  grid=N            N x N cells on each surface, 1 to 64
+  basis=NAME        functions of the densities: haar (default), spline0, spline1, spline2, spline3
+  scale=J           2^J segments along each axis of the hemisphere, 0 to 6 (3)
+  mixture=on|off    whether the BSDF draws half of the diffuse directions, or none (off)
+  hierarchical=on|off
+                    whether densities start coarse and are refined from pass to pass (off)
+  passes=N-N-...    samples per pixel of each pass that learns, such as 1-2-4, after a first sample
+                    that measures the brightness; without it every pass doubles the last
+With --samplelights on they learn indirect light alone (\"stratification\" in 003), else all light:
+  glanz render room.pbrt --integrator guided --guide grid=8,basis=haar --samplelights off";
+
+#[derive(Debug, Args)]
+#[command(after_help = RENDER_HELP)]
+pub(crate) struct RenderCommandArguments {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgument,
+    #[command(flatten)]
+    pub(crate) render: RenderArguments,
+}
+
+/// How to render; what is not given is as the scene says.
+#[derive(Debug, Args)]
+pub(crate) struct RenderArguments {
+    /// Picture to write; the extension selects the format: exr, png, hdr or pfm (repeat for several)
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) output: Vec<PathBuf>,
+    /// Algorithm that computes the light
+    #[arg(long, value_name = "NAME", value_parser = one_of(INTEGRATORS.iter().map(|entry| entry.name)))]
+    integrator: Option<String>,
+    /// Samples per pixel
+    #[arg(long, value_name = "N", conflicts_with = "time", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
+    spp: Option<u32>,
+    /// Wall time of the render loop in seconds, instead of a number of samples
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    time: Option<Duration>,
+    /// Size of the full picture in pixels
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(crate) size: Option<[u32; 2]>,
+    /// How samples are distributed
+    #[arg(long, value_name = "NAME", value_parser = one_of(SamplerKind::ALL.into_iter().map(SamplerKind::name)))]
+    sampler: Option<String>,
+    /// Seed of the samples; another seed gives another, independent picture
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Further channels for EXR files: all, or a list with commas
+    #[arg(long, value_name = "LIST", value_delimiter = ',', ignore_case = true, value_parser = one_of(
+        Aov::ALL.into_iter().map(Aov::name).chain([ALL_AOVS])
+    ))]
+    pub(crate) aov: Vec<String>,
+    /// Only the samples from A up to, not including, B of every pixel
+    #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with = "time")]
+    pub(crate) samples: Option<Range<u32>>,
+    /// Guide that "guided" learns: tree, or the keys of a grid, which `glanz render --help` explains
+    #[arg(long, value_name = "GUIDE", value_parser = clap::value_parser!(GuideSettings))]
+    pub(crate) guide: Option<GuideSettings>,
+    /// Whether lights are sampled at every hit, or found by chance alone
+    #[arg(long, value_name = "on|off", value_parser = switch)]
+    samplelights: Option<bool>,
+    /// Draw directions from this guide and learn nothing (integrator guided)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "guide_out")]
+    pub(crate) guide_in: Option<PathBuf>,
+    /// Write the guide that the last whole pass left (integrator guided)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) guide_out: Option<PathBuf>,
+    /// Show the light of this checkpoint of `glanz bake` instead of baking it (integrator radiosity)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) light_in: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) tone: ToneArguments,
+    #[command(flatten)]
+    pub(crate) job: JobArguments,
+}
+
+impl RenderArguments {
+    /// The same for the engine.
+    pub(crate) fn options(&self) -> RenderOptions {
+        RenderOptions {
+            integrator: self.integrator.clone(),
+            size: self.size,
+            // The parser lets only known names through.
+            sampler: self.sampler.as_deref().and_then(SamplerKind::from_name),
+            seed: self.seed,
+            samples: self.spp,
+            sample_range: self.samples.clone(),
+            time_limit: self.time,
+            light_sampling: self.samplelights,
+            guide: self.guide,
+            guide_input: self.guide_in.clone(),
+            guide_output: self.guide_out.clone(),
+            light_input: self.light_in.clone(),
+            aovs: self.aovs(),
+        }
+    }
+
+    fn aovs(&self) -> AovSet {
+        if self.aov.iter().any(|name| name.eq_ignore_ascii_case(ALL_AOVS)) {
+            return AovSet::ALL;
+        }
+        self.aov.iter().filter_map(|name| Aov::from_name(name)).collect()
+    }
+}

@@ -1,0 +1,172 @@
+//! Light maps: from a scene to the light on its surfaces, and to models that show it.
+
+mod light_file;
+#[cfg(feature = "formats")]
+mod model;
+#[cfg(feature = "formats")]
+mod model_camera;
+#[cfg(feature = "formats")]
+mod model_files;
+mod outcome;
+
+use std::path::Path;
+use std::time::Instant;
+
+use glanz_radiosity::bake::{Atlas, BakeError, BakeSettings, BakeState, LightMap, resume};
+use glanz_radiosity::elements::{ElementSettings, Elements};
+use glanz_scene::Scene;
+use glanz_shading::Material;
+
+use crate::error::Error;
+use crate::event::{JobEvent, ResumedState, Warning};
+use crate::job_options::{JobOptions, JobSink, job_methods};
+use crate::loaded_scene::LoadedScene;
+use light_file::{BakeStart, LightIdentity};
+
+pub use light_file::LightFile;
+#[cfg(feature = "formats")]
+pub use model_files::{ModelFiles, ModelSettings, check_model_path};
+pub use outcome::BakeOutcome;
+use outcome::ModelView;
+
+/// Largest side of an element: metres, and per the diagonal of the scene.
+const SIDE: f64 = 0.3;
+const SIDE_OF_SCENE: f64 = 1.0 / 24.0;
+
+/// A bake to be run.
+///
+/// Light is that of radiosity: mirrors, glass and gloss count as if they reflected diffusely.
+#[must_use = "nothing is baked before `run`"]
+pub struct BakeBuilder<'a> {
+    scene: LoadedScene,
+    settings: BakeSettings,
+    job: JobOptions<'a>,
+}
+
+impl<'a> BakeBuilder<'a> {
+    pub(crate) fn new(scene: LoadedScene) -> Self {
+        Self { scene, settings: BakeSettings::default(), job: JobOptions::default() }
+    }
+
+    /// Texels of the light maps per metre, where they are least dense; 25 unless set.
+    pub fn density(mut self, texels_per_metre: f64) -> Self {
+        self.settings.density = texels_per_metre;
+        self
+    }
+
+    /// Rays that gather indirect light at a place; 512 unless set.
+    pub fn rays(mut self, count: u32) -> Self {
+        self.settings.rays = count;
+        self
+    }
+
+    job_methods!('a);
+
+    /// Bakes. A cancelled bake ends with [`Error::Interrupted`], after its checkpoint was written.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a description that is not a scene, [`Error::File`] for a checkpoint that cannot be read or written,
+    /// [`Error::Elements`] and [`Error::Bake`] for more elements or texels than can be held.
+    pub fn run(self) -> Result<BakeOutcome, Error> {
+        let Self { scene, settings, mut job } = self;
+        job.check_checkpoint()?;
+        let identity = LightIdentity::new(scene.content_hash(), settings);
+        let view = ModelView::of(&scene.description);
+        let (scene, warnings) = scene.resolve()?;
+        warnings.into_iter().for_each(|warning| job.warn(warning));
+        let start = Instant::now();
+        #[cfg(feature = "formats")]
+        if view.camera(&scene.bounds()).is_none() {
+            job.warn(Warning::CameraLeftOut);
+        }
+        let (maps, elements) = job.in_pool(|job| {
+            let elements = elements(&scene, settings.density, job)?;
+            let count = elements.list.len();
+            job.emit(JobEvent::BakeStarted { density: settings.density, elements: count });
+            let maps = match start_of(&identity, &elements, job)? {
+                BakeStart::Finished(maps) => maps,
+                BakeStart::State(state) => baked_maps(state, &elements, &settings, Some(&identity), job)?,
+            };
+            Ok((maps, count))
+        })?;
+        let coarse = maps.iter().filter(|map| map.chart.is_coarse && !map.is_dark()).count();
+        if coarse > 0 {
+            job.warn(Warning::CoarseCharts { charts: coarse });
+        }
+        let (atlas, elapsed) = (Atlas::new(&maps), start.elapsed());
+        Ok(BakeOutcome { scene, view, maps, atlas, elements, elapsed, warnings: job.warnings })
+    }
+}
+
+/// Where the bake begins: with the checkpoint, if there is one.
+fn start_of(
+    identity: &LightIdentity,
+    elements: &Elements<'_>,
+    job: &mut JobOptions<'_>,
+) -> Result<BakeStart, Error> {
+    let Some(path) = job.resumed() else { return Ok(BakeStart::State(BakeState::default())) };
+    let start = LightFile::read(&path)?.start(identity, elements)?;
+    let state = match &start {
+        BakeStart::Finished(_) => ResumedState::AllLight,
+        BakeStart::State(state) => ResumedState::Places(state.places()),
+    };
+    job.emit(JobEvent::Resumed { path: &path, state: &state });
+    Ok(start)
+}
+
+/// The elements of a scene for light maps of a density, texels per metre; warns of what is not as in a path-traced picture.
+pub(crate) fn elements<'a>(
+    scene: &'a Scene,
+    density: f64,
+    job: &mut JobOptions<'_>,
+) -> Result<Elements<'a>, Error> {
+    let elements = divided(scene, density)?;
+    let is_diffuse =
+        |material: &&Material| matches!(material, Material::Diffuse { .. } | Material::Interface);
+    let others = scene.materials().iter().filter(|material| !is_diffuse(material)).count();
+    if others > 0 {
+        job.warn(Warning::NotDiffuse { materials: others });
+    }
+    if elements.left_out > 0 {
+        job.warn(Warning::LeftOut { surfaces: elements.left_out });
+    }
+    Ok(elements)
+}
+
+/// The elements of a scene for light maps of a density, texels per metre.
+pub(crate) fn divided(scene: &Scene, density: f64) -> Result<Elements<'_>, Error> {
+    let diagonal = scene.bounds().diagonal().length();
+    let side = if diagonal > 0.0 { SIDE.min(SIDE_OF_SCENE * diagonal) } else { SIDE };
+    let mut elements = Elements::new(scene, &ElementSettings { side })?;
+    if density.is_finite() {
+        elements.cut_at_walls(density)?;
+    }
+    Ok(elements)
+}
+
+/// The light maps, from what was found before. `identity`: of the light that the checkpoint of the job keeps, if it keeps light.
+pub(crate) fn baked_maps(
+    state: BakeState,
+    elements: &Elements<'_>,
+    settings: &BakeSettings,
+    identity: Option<&LightIdentity>,
+    job: &mut JobOptions<'_>,
+) -> Result<Vec<LightMap>, Error> {
+    let kept = identity.zip(job.checkpoint.clone());
+    let (cancel, path) = (job.cancel.clone(), kept.as_ref().map(|(_, path)| path.clone()));
+    let write = |path: &Path, state: &BakeState| {
+        identity.map_or(Ok(()), |identity| light_file::write_state(path, identity, state))
+    };
+    let mut sink = JobSink::new(job, path, write);
+    match resume(state, elements, None, settings, &mut sink, &cancel) {
+        Ok(maps) => {
+            // Before anything else is written: it is what cannot be had again.
+            if let Some((identity, path)) = kept {
+                light_file::write_maps(&path, identity, &maps)?;
+            }
+            Ok(maps)
+        }
+        Err(BakeError::Interrupted(interrupted)) => sink.written.and(Err(interrupted.into())),
+        Err(error) => Err(Error::Bake(error)),
+    }
+}

@@ -1,0 +1,322 @@
+//! Reasons why a call of the engine has no result.
+
+use std::io;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use glanz_job::{IdentityMismatch, Interrupted};
+use glanz_scene::description::GuideSettings;
+use glanz_scene::{Diagnostic, Diagnostics, SceneError, Severity};
+use glanz_transport::codec::EnvelopeError;
+use glanz_transport::{CheckpointError, FilmError, GridError, GuideFileError, MergeError, RenderError};
+
+use crate::render::Picture;
+
+/// Reason why a call of the engine has no result: the facts, without advice.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A scene that was refused, with the places of the faults in its file.
+    #[error("{}", .0.to_string().trim_end())]
+    Scene(Diagnostics),
+    /// A file that cannot be read or written, or has the wrong content.
+    #[error("{}: {fault}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        fault: FileFault,
+    },
+    /// A guide for an integrator that has none.
+    #[error("the integrator \"{integrator}\" has no guide")]
+    NoGuide {
+        /// Name of the integrator.
+        integrator: &'static str,
+    },
+    /// Stored light for an integrator that computes light itself.
+    #[error("the integrator \"{integrator}\" shows no stored light")]
+    NoStoredLight {
+        /// Name of the integrator.
+        integrator: &'static str,
+    },
+    /// The integrator shows stored light, of which there is none: this library was built without the feature `radiosity`.
+    #[error("the integrator \"{integrator}\" needs stored light")]
+    LightRequired {
+        /// Name of the integrator.
+        integrator: &'static str,
+    },
+    /// Lights are not to be sampled, by an integrator that always samples them.
+    #[error("the integrator \"{integrator}\" samples all lights")]
+    LightSampling {
+        /// Name of the integrator.
+        integrator: &'static str,
+    },
+    /// Samples beyond those planned, of a sampler that divides the pixel by their number.
+    #[error("samples {}..{} go beyond the {planned} of each pixel", range.start, range.end)]
+    SampleRange {
+        /// The samples wanted.
+        range: Range<u32>,
+        /// Number of samples planned per pixel.
+        planned: u32,
+        /// Name of the sampler.
+        sampler: &'static str,
+    },
+    /// Samples out of order, of an integrator that learns: its samples build on one another.
+    #[error("the integrator learns from its samples in order; the next sample is {next}")]
+    SampleOrder {
+        /// First sample wanted.
+        start: u32,
+        /// The sample that comes next.
+        next: u32,
+    },
+    /// A picture that cannot be held.
+    #[error("the picture cannot be rendered: {0}")]
+    Film(#[from] FilmError),
+    /// The render loop ended without a picture.
+    #[error("the render stopped: {0}")]
+    Render(RenderError),
+    /// Pictures that cannot be joined.
+    #[error(transparent)]
+    Merge(#[from] MergeError),
+    /// A guide that cannot be made.
+    #[error(transparent)]
+    Guide(#[from] GridError),
+    /// The picture is there, but its checkpoint or its guide could not be written.
+    #[error("{error}")]
+    Unsaved {
+        /// The picture, to be saved otherwise.
+        picture: Box<Picture>,
+        /// Why the file was not written.
+        error: Box<Error>,
+    },
+    /// Light maps that cannot be baked.
+    #[cfg(feature = "radiosity")]
+    #[error(transparent)]
+    Bake(glanz_radiosity::bake::BakeError),
+    /// A scene that cannot be divided into elements.
+    #[cfg(feature = "radiosity")]
+    #[error("the scene cannot be divided: {0}")]
+    Elements(#[from] glanz_radiosity::elements::ElementError),
+    /// Planes of numbers that are not a picture.
+    #[error(transparent)]
+    Pixels(#[from] glanz_light::PixelsError),
+    /// A picture of a model that cannot be encoded.
+    #[cfg(feature = "formats")]
+    #[error("the model: {0}")]
+    Image(#[from] glanz_formats::image::ImageError),
+    /// Nothing in the scene is a receiver.
+    #[cfg(feature = "illumination")]
+    #[error("{scene}: nothing in this scene receives light")]
+    NoReceiver {
+        /// Name of the scene.
+        scene: String,
+    },
+    /// Nothing in the scene gives light.
+    #[cfg(feature = "illumination")]
+    #[error("{scene}: nothing in this scene gives light")]
+    NoLight {
+        /// Name of the scene.
+        scene: String,
+    },
+    /// More cells than can be counted.
+    #[cfg(feature = "illumination")]
+    #[error("{scene}: {cells} cells are more than {limit}")]
+    Cells {
+        /// Name of the scene.
+        scene: String,
+        /// Cells of all receivers.
+        cells: usize,
+        /// Largest number of cells.
+        limit: usize,
+    },
+    /// A relative error that no run reaches.
+    #[cfg(feature = "illumination")]
+    #[error("a relative error of {error} is less than {smallest}, which no run reaches")]
+    Accuracy {
+        /// Relative standard error wanted.
+        error: f64,
+        /// Smallest that can be asked for.
+        smallest: f64,
+    },
+    /// A shape that cannot receive light.
+    #[cfg(feature = "illumination")]
+    #[error("{scene}: {error}")]
+    Receiver {
+        /// Name of the scene.
+        scene: String,
+        /// What is wrong with the receiver.
+        error: glanz_illumination::ReceiverError,
+    },
+    /// Lights that cannot be integrated.
+    #[cfg(feature = "illumination")]
+    #[error(transparent)]
+    Integrate(#[from] glanz_illumination::integrate::IntegrateError),
+    /// Directions of light that were not counted.
+    #[cfg(feature = "illumination")]
+    #[error("the directions of light that leaves the scene were not counted")]
+    NoFarField,
+    /// A model that the page cannot show.
+    #[cfg(feature = "viewer")]
+    #[error(transparent)]
+    Model(#[from] glanz_viewer::model::ModelError),
+    /// Threads that cannot be started.
+    #[error("cannot start threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The job was cancelled before it had a result. Its checkpoint, if it has one, was written.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
+}
+
+/// What is wrong with a file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FileFault {
+    /// It cannot be read or written.
+    #[error("{0}")]
+    Io(#[from] io::Error),
+    /// It cannot be made or replaced, as was found out beforehand.
+    #[error("cannot be written: {0}")]
+    NotWritable(io::Error),
+    /// A folder that cannot be made.
+    #[error("cannot be made: {0}")]
+    NotMade(io::Error),
+    /// Its folder does not exist.
+    #[error("there is no folder {}", .0.display())]
+    NoFolder(PathBuf),
+    /// It is a folder.
+    #[error("this is a folder, not a file")]
+    IsFolder,
+    /// It is write-protected.
+    #[error("this file is write-protected")]
+    ReadOnly,
+    /// A checkpoint that exists, in a job that does not resume it.
+    #[error("this checkpoint exists already")]
+    Exists,
+    /// Its extension names no format that is written.
+    #[error("no format for {0} has this extension")]
+    Extension(&'static str),
+    /// It holds something else.
+    #[error("this is not {0}")]
+    Foreign(&'static str),
+    /// It was written in another format.
+    #[error("{what} has format {found}, this program reads format {known}")]
+    Version {
+        /// What the file holds.
+        what: &'static str,
+        /// Its format.
+        found: u32,
+        /// The format that can be read.
+        known: u32,
+    },
+    /// It was cut or changed.
+    #[error("{what} is damaged: {error}")]
+    Damaged {
+        /// What the file holds.
+        what: &'static str,
+        /// How that is known.
+        error: EnvelopeError,
+    },
+    /// It is unchanged, but nothing that this program would write.
+    #[error("{0} makes no sense")]
+    Content(&'static str),
+    /// It is no checkpoint of a picture.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// It is no guide.
+    #[error(transparent)]
+    Guide(#[from] GuideFileError),
+    /// A checkpoint of another job.
+    #[error(transparent)]
+    Identity(#[from] IdentityMismatch),
+    /// A guide of another kind than the integrator's.
+    #[error("this guide is {found}, not {wanted}")]
+    GuideSettings {
+        /// Its kind.
+        found: GuideSettings,
+        /// That of the integrator.
+        wanted: GuideSettings,
+    },
+    /// Baked light of another scene or version.
+    #[error("{0}")]
+    OtherLight(IdentityMismatch),
+    /// Baked light of which a part is missing.
+    #[error("the bake of this light is not finished")]
+    UnfinishedLight,
+    /// A picture that cannot be encoded or decoded.
+    #[cfg(feature = "formats")]
+    #[error(transparent)]
+    Image(#[from] glanz_formats::image::ImageError),
+    /// A model that cannot be encoded.
+    #[cfg(feature = "formats")]
+    #[error(transparent)]
+    Model(#[from] glanz_formats::glb::GlbError),
+    /// Candelas that are not a distribution.
+    #[error(transparent)]
+    Intensity(#[from] glanz_light::intensity::IntensityError),
+    /// A candela distribution that cannot be encoded.
+    #[cfg(feature = "formats")]
+    #[error(transparent)]
+    Photometry(#[from] glanz_formats::photometry::write::WriteError),
+    /// A report that is none.
+    #[cfg(feature = "formats")]
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+    /// A picture that is not the lux map which the report beside it lists.
+    #[error("this is not the lux map that the report lists")]
+    OtherLuxMap,
+    /// Lux maps of other receivers than those of the scene.
+    #[error("these lux maps are of other receivers than those of the scene")]
+    OtherReceivers,
+}
+
+impl FileFault {
+    /// The fault of a sealed file that holds `what`; `kind`: what it should be.
+    pub(crate) fn of_envelope(error: EnvelopeError, [what, kind]: [&'static str; 2], known: u32) -> Self {
+        match error {
+            EnvelopeError::Foreign => Self::Foreign(kind),
+            EnvelopeError::Version(found) => Self::Version { what, found, known },
+            error => Self::Damaged { what, error },
+        }
+    }
+
+    /// The fault as an error of the file `path`.
+    pub(crate) fn of(self, path: &Path) -> Error {
+        Error::File { path: path.to_owned(), fault: self }
+    }
+}
+
+impl Error {
+    /// An error of the file `path`.
+    pub(crate) fn of_file<F: Into<FileFault>>(path: &Path) -> impl FnOnce(F) -> Self + '_ {
+        move |fault| fault.into().of(path)
+    }
+}
+
+impl From<SceneError> for Error {
+    fn from(SceneError { location, kind }: SceneError) -> Self {
+        let (file, message) = (String::new(), kind.to_string());
+        let mut diagnostics = Diagnostics::default();
+        diagnostics.push(Diagnostic {
+            severity: Severity::Error,
+            kind: "scene",
+            file,
+            location,
+            message,
+            excerpt: None,
+            help: None,
+        });
+        Self::Scene(diagnostics)
+    }
+}
+
+impl From<RenderError> for Error {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Guide(error) => Self::Guide(error),
+            RenderError::Film(error) => Self::Film(error),
+            RenderError::Threads(error) => Self::Threads(error),
+            RenderError::Interrupted(interrupted) => Self::Interrupted(interrupted),
+            error => Self::Render(error),
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! What a job reports beside its progress.
+
+use std::fmt;
+use std::path::Path;
+
+use glanz_report::number::plural;
+use glanz_scene::Diagnostic;
+use glanz_transport::SampleRanges;
+
+use crate::error::Error;
+use crate::render::RenderPlan;
+
+/// Something that a job repaired, left out or could not decide. Its result has all of them, too.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// A part of the scene.
+    Scene(Diagnostic),
+    /// More parts of the scene than are listed.
+    SceneOmitted {
+        /// Number of those not listed.
+        count: usize,
+    },
+    /// Materials that are not diffuse, in a job that takes all for diffuse.
+    NotDiffuse {
+        /// Their number.
+        materials: usize,
+    },
+    /// Surfaces without parameters or without end, which cast shadows but carry no light.
+    LeftOut {
+        /// Their number.
+        surfaces: usize,
+    },
+    /// Rays for which it was not decided whether they hit a freeform surface.
+    Undecided {
+        /// Their number.
+        rays: u64,
+    },
+    /// Samples that were infinite or not a number, and counted as black.
+    Dropped {
+        /// Their number.
+        samples: u64,
+    },
+    /// Samples too bright to be added, and cut.
+    Cut {
+        /// Their number.
+        samples: u64,
+    },
+    /// A camera that models do not have: its picture is off-centre, sheared or mirrored.
+    CameraLeftOut,
+    /// Charts with fewer texels than asked for, because a side has no more than 4096.
+    CoarseCharts {
+        /// Their number.
+        charts: usize,
+    },
+    /// Lights without extent, of which reflections are not integrated.
+    Unreflected {
+        /// Their number.
+        lights: u64,
+    },
+    /// A receiver whose counting side gets no light, but whose other side does.
+    DarkSide {
+        /// Name of the receiver.
+        receiver: String,
+        /// Luminous flux on the other side, lm.
+        other_side: f64,
+    },
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scene(diagnostic) => f.write_str(&diagnostic.sentence()),
+            Self::SceneOmitted { count } => write!(f, "{count} more of the kind \"scene\" are not shown"),
+            Self::NotDiffuse { materials } => write!(
+                f,
+                "{} not diffuse; what they reflect or transmit counts as reflected diffusely",
+                plural(*materials as u64, "material is", "materials are")
+            ),
+            Self::LeftOut { surfaces } => write!(
+                f,
+                "{} no parameters or no end: they cast shadows, but carry no light",
+                plural(*surfaces as u64, "surface has", "surfaces have")
+            ),
+            Self::Undecided { rays } => write!(
+                f,
+                "{} could not be decided against a freeform surface; a point may be missing",
+                plural(*rays, "ray", "rays")
+            ),
+            Self::Dropped { samples } => write!(
+                f,
+                "{} infinite or not a number and counted as black",
+                plural(*samples, "sample was", "samples were")
+            ),
+            Self::Cut { samples } => {
+                write!(f, "{} too bright to be added and cut", plural(*samples, "sample was", "samples were"))
+            }
+            Self::CameraLeftOut => {
+                f.write_str("a camera whose picture is off-centre, sheared or mirrored is not in the model")
+            }
+            Self::CoarseCharts { charts } => write!(
+                f,
+                "{} fewer texels than asked for: 4096 along a side is the most",
+                plural(*charts as u64, "chart has", "charts have")
+            ),
+            Self::Unreflected { lights } => write!(
+                f,
+                "{} no extent: reflections of it in mirrors are not integrated",
+                plural(*lights, "light has", "lights have")
+            ),
+            Self::DarkSide { receiver, other_side } => write!(
+                f,
+                "the side of \"{receiver}\" that counts receives no light, the other side {other_side:.4} lm: \
+                 \"string receiverside\" selects the side"
+            ),
+        }
+    }
+}
+
+/// A moment of a job.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub enum JobEvent<'a> {
+    /// Something was repaired, left out or not decided.
+    Warning(&'a Warning),
+    /// There is no checkpoint to resume yet: the job starts anew.
+    NoCheckpoint(&'a Path),
+    /// The job resumes a checkpoint.
+    Resumed {
+        /// The file.
+        path: &'a Path,
+        /// What it has.
+        state: &'a ResumedState,
+    },
+    /// The scene is ready, rays follow.
+    RenderStarted(&'a RenderPlan),
+    /// The scene is divided, light follows.
+    #[cfg(feature = "radiosity")]
+    BakeStarted {
+        /// Texels per metre.
+        density: f64,
+        /// Number of elements.
+        elements: usize,
+    },
+    /// The receivers are ready, light follows.
+    #[cfg(feature = "illumination")]
+    IlluminateStarted {
+        /// Number of receivers.
+        receivers: usize,
+        /// Number of their cells.
+        cells: usize,
+    },
+    /// A checkpoint could not be written while the job runs. It is tried again; only the last one has to succeed.
+    CheckpointFailed(&'a Error),
+}
+
+/// What a checkpoint has of a job's result.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ResumedState {
+    /// Samples of each pixel.
+    Samples(SampleRanges),
+    /// Places at which indirect light was gathered.
+    Places(usize),
+    /// All light maps.
+    AllLight,
+    /// Number of particles.
+    Particles(u64),
+}

@@ -1,0 +1,141 @@
+//! The files of a calculation, for people and programs.
+
+use std::collections::{BTreeMap, HashSet};
+use std::path::{Path, PathBuf};
+
+use glanz_formats::image::{self, Format};
+use glanz_illumination::LuxMap;
+use glanz_illumination::report::{
+    LuxComparison, LuxReport, csv, false_colour, isolux, lux_pixels, lux_scale,
+};
+use glanz_light::{Pixels, Tone};
+
+use super::IlluminateOutcome;
+use crate::error::Error;
+use crate::file;
+
+/// The report for programs.
+pub(super) const REPORT: &str = "report.json";
+
+impl IlluminateOutcome {
+    /// Writes reports and maps into a folder, which is made if it does not exist; returns the files.
+    ///
+    /// The reports are `report.html`, `report.json` and `summary.txt`; each receiver has a table (CSV), its numbers as a picture (EXR),
+    /// false colours (PNG) and isolux lines (SVG).
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    pub fn save(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
+        let mut files = ReportFolder::try_new(folder.as_ref())?;
+        files.write_reports(&self.report)?;
+        let mut names = FileNames::default();
+        for map in &self.report.maps {
+            files.write_map(&names.of_map(&map.name, ""), map)?;
+        }
+        for map in &self.integrated {
+            files.write_map(&names.of_map(&map.name, " integrated"), map)?;
+        }
+        Ok(files.written)
+    }
+}
+
+/// Writes two designs, into the folders `a` and `b` of `folder`, and their comparison; returns the files.
+///
+/// # Errors
+/// [`Error::File`].
+pub fn save_comparison(
+    folder: impl AsRef<Path>,
+    [a, b]: [&IlluminateOutcome; 2],
+) -> Result<Vec<PathBuf>, Error> {
+    let folder = folder.as_ref();
+    let mut files = ReportFolder::try_new(folder)?;
+    let comparison = LuxComparison::between(&a.report, &b.report);
+    files.write("comparison.html", comparison.html().as_bytes())?;
+    files.write("comparison.txt", comparison.text().as_bytes())?;
+    files.written.extend(a.save(folder.join("a"))?);
+    files.written.extend(b.save(folder.join("b"))?);
+    Ok(files.written)
+}
+
+/// A folder that files are written into.
+struct ReportFolder<'a> {
+    folder: &'a Path,
+    written: Vec<PathBuf>,
+}
+
+impl<'a> ReportFolder<'a> {
+    /// Makes the folder if it does not exist.
+    fn try_new(folder: &'a Path) -> Result<Self, Error> {
+        file::make_folder(folder)?;
+        Ok(Self { folder, written: Vec::new() })
+    }
+
+    fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), Error> {
+        let path = self.folder.join(name);
+        file::write(&path, bytes)?;
+        self.written.push(path);
+        Ok(())
+    }
+
+    fn write_pixels(&mut self, name: &str, pixels: &Pixels, format: Format) -> Result<(), Error> {
+        let software = format!("Glanz {}", glanz_job::current_version());
+        let attributes = BTreeMap::from([("software".to_owned(), software)]);
+        let bytes = image::write(pixels, format, &Tone::default(), &attributes);
+        self.write(name, &bytes.map_err(Error::of_file(&self.folder.join(name)))?)
+    }
+
+    fn write_reports(&mut self, report: &LuxReport) -> Result<(), Error> {
+        let json = serde_json::to_string_pretty(report);
+        let mut json = json.map_err(Error::of_file(&self.folder.join(REPORT)))?;
+        json.push('\n');
+        self.write("report.html", report.html().as_bytes())?;
+        self.write(REPORT, json.as_bytes())?;
+        self.write("summary.txt", report.text().as_bytes())
+    }
+
+    fn write_map(&mut self, name: &str, map: &LuxMap) -> Result<(), Error> {
+        let scale = lux_scale(&[map]);
+        self.write(&format!("{name}.csv"), csv(map).as_bytes())?;
+        self.write(&format!("{name}.svg"), isolux(map, &scale).as_bytes())?;
+        self.write_pixels(&format!("{name}.exr"), &lux_pixels(map)?, Format::Exr)?;
+        self.write_pixels(&format!("{name}.png"), &false_colour(map, &scale)?, Format::Png)
+    }
+}
+
+/// File names for receivers, none twice.
+#[derive(Default)]
+pub(super) struct FileNames(HashSet<String>);
+
+impl FileNames {
+    /// The name for a map: letters, digits, `-`, `_`, `.` and `=` stay, all else becomes `-`. Names that differ in case alone count as
+    /// equal, as in some file systems.
+    pub(super) fn of_map(&mut self, name: &str, more: &str) -> String {
+        let keep = |c: char| if c.is_alphanumeric() || "-_.=".contains(c) { c } else { '-' };
+        let plain: String = format!("{name}{more}").chars().take(100).map(keep).collect();
+        let plain = plain.trim_start_matches(['.', '-']);
+        let plain = if plain.is_empty() { "receiver" } else { plain };
+        let mut file = plain.to_owned();
+        let mut number = 2;
+        while !self.0.insert(file.to_lowercase()) {
+            file = format!("{plain}-{number}");
+            number += 1;
+        }
+        file
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn file_names_are_tame_and_differ() {
+        let mut names = FileNames::default();
+        assert_eq!(names.of_map("wall x=10", ""), "wall-x=10");
+        assert_eq!(names.of_map("../Wall x=10", ""), "Wall-x=10-2");
+        assert_eq!(names.of_map("wall x=10", " integrated"), "wall-x=10-integrated");
+        assert_eq!(names.of_map("..", ""), "receiver");
+        assert_eq!(names.of_map("/", ""), "receiver-2");
+        assert_eq!(names.of_map("Größe", ""), "Größe");
+    }
+}

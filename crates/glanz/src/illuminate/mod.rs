@@ -1,0 +1,273 @@
+//! Light on the receivers of a scene: from its description to lux maps, and to files.
+
+#[cfg(feature = "formats")]
+mod far_field_file;
+#[cfg(feature = "formats")]
+mod files;
+mod integrating;
+#[cfg(feature = "formats")]
+mod lux_folder;
+mod outcome;
+mod tally_file;
+mod tracing;
+
+use std::path::Path;
+
+use glanz_illumination::report::LuxReport;
+use glanz_illumination::{
+    FarFieldGrid, GridResolution, ReceiverRequest, Receivers, Tally, TraceGoal, add_walls,
+};
+use glanz_job::ContentHash;
+use glanz_math::DVec3;
+use glanz_report::number::{duration, grouped, significant};
+use glanz_scene::Scene;
+
+use crate::error::Error;
+use crate::event::{JobEvent, Warning};
+use crate::job_options::{JobOptions, job_methods};
+use crate::loaded_scene::LoadedScene;
+use outcome::agreement;
+
+#[cfg(feature = "formats")]
+pub use far_field_file::check_far_field_path;
+#[cfg(feature = "formats")]
+pub use files::save_comparison;
+#[cfg(feature = "formats")]
+pub use lux_folder::{LuxFolder, PlacedLux};
+pub use outcome::IlluminateOutcome;
+
+/// Cells of all receivers at most: their sums take 40 bytes for every thread.
+const CELLS_LIMIT: usize = 1 << 24;
+
+/// Relative standard error at which a run ends if nothing else ends it.
+const USUAL_ERROR: f64 = 0.01;
+
+/// Smallest relative standard error that can be a goal.
+const SMALLEST_ERROR: f64 = 1e-6;
+
+/// How light is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum IlluminateMethod {
+    /// By particles from the lamps: all light.
+    #[default]
+    Trace,
+    /// By integration over the images of lamps in mirrors, without chance: direct light and light by one mirror.
+    Integrate,
+    /// By both, with their difference.
+    Both,
+}
+
+/// A calculation of illuminance to be run.
+#[must_use = "nothing is calculated before `run`"]
+pub struct IlluminateBuilder<'a> {
+    scene: LoadedScene,
+    options: IlluminateOptions,
+    job: JobOptions<'a>,
+}
+
+/// Settings of a calculation of illuminance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IlluminateOptions {
+    /// Adds the walls of a box from the origin to this size, metres: six receivers that absorb all light.
+    pub room: Option<DVec3>,
+    /// Size of the cells of receivers that do not specify it themselves.
+    pub resolution: GridResolution,
+    /// How light is found.
+    pub method: IlluminateMethod,
+    /// What ends it; if nothing is set, a relative standard error of 0.01. Errors below 1e-6 are refused.
+    pub goal: TraceGoal,
+    /// Relative error that integration aims at in every cell.
+    pub tolerance: f64,
+    /// Whether to count in which directions light leaves the scene, see [`IlluminateOutcome::save_far_field`].
+    pub far_field: bool,
+    /// Seed of the particles; another seed gives another, independent result.
+    pub seed: u64,
+    /// Surfaces that scatter a particle at most.
+    pub max_depth: u32,
+}
+
+impl Default for IlluminateOptions {
+    /// Particles until the error is 0.01, on 64 cells along the longer side of each receiver.
+    fn default() -> Self {
+        Self {
+            room: None,
+            resolution: GridResolution::Longer(64),
+            method: IlluminateMethod::default(),
+            goal: TraceGoal::default(),
+            tolerance: 0.01,
+            far_field: false,
+            seed: 0,
+            max_depth: 1000,
+        }
+    }
+}
+
+impl<'a> IlluminateBuilder<'a> {
+    pub(crate) fn new(scene: LoadedScene) -> Self {
+        Self { scene, options: IlluminateOptions::default(), job: JobOptions::default() }
+    }
+
+    /// Replaces all options.
+    pub fn options(mut self, options: IlluminateOptions) -> Self {
+        self.options = options;
+        self
+    }
+
+    /// Adds the walls of a box from the origin to `size`, metres: six receivers that absorb all light.
+    pub fn room(mut self, size: DVec3) -> Self {
+        self.options.room = Some(size);
+        self
+    }
+
+    /// Finds light by `method`; by particles unless set.
+    pub fn method(mut self, method: IlluminateMethod) -> Self {
+        self.options.method = method;
+        self
+    }
+
+    /// Ends after `count` particles.
+    pub fn particles(mut self, count: u64) -> Self {
+        self.options.goal.particles = Some(count);
+        self
+    }
+
+    /// Ends at this relative standard error of the brightest cell and of the mean of every receiver, 1e-6 at least.
+    pub fn relative_error(mut self, error: f64) -> Self {
+        self.options.goal.error = Some(error);
+        self
+    }
+
+    /// Seeds the particles; another seed gives another, independent result.
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.options.seed = seed;
+        self
+    }
+
+    job_methods!('a);
+
+    /// Calculates.
+    ///
+    /// A cancelled calculation returns what its particles brought, if there were any.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a description that is not a scene, [`Error::File`] for a checkpoint that cannot be read or written,
+    /// [`Error::NoReceiver`], [`Error::NoLight`], [`Error::Cells`], [`Error::Receiver`], [`Error::Accuracy`] and [`Error::Integrate`].
+    pub fn run(self) -> Result<IlluminateOutcome, Error> {
+        let Self { scene, mut options, mut job } = self;
+        if let Some(error) = options.goal.error.filter(|error| *error < SMALLEST_ERROR) {
+            return Err(Error::Accuracy { error, smallest: SMALLEST_ERROR });
+        }
+        if options.goal == TraceGoal::default() {
+            options.goal.error = Some(USUAL_ERROR);
+        }
+        job.check_checkpoint()?;
+        let design = Design::new(scene, options, &mut job)?;
+        let (receivers, cells) = (design.receivers.as_slice().len(), design.receivers.cell_count());
+        job.emit(JobEvent::IlluminateStarted { receivers, cells });
+        let mut outcome = design.illuminate(&mut job)?;
+        outcome.warnings = job.warnings;
+        Ok(outcome)
+    }
+}
+
+/// A scene with receivers.
+struct Design {
+    title: String,
+    scene: Scene,
+    receivers: Receivers,
+    /// Fingerprint of both.
+    hash: u128,
+    options: IlluminateOptions,
+}
+
+impl Design {
+    /// Resolves the scene and lays its receivers out.
+    fn new(
+        mut scene: LoadedScene,
+        options: IlluminateOptions,
+        job: &mut JobOptions<'_>,
+    ) -> Result<Self, Error> {
+        let (name, content_hash) = (scene.name().to_owned(), scene.content_hash());
+        if let Some(size) = options.room {
+            add_walls(&mut scene.description, size);
+        }
+        let (scene, warnings) = scene.resolve()?;
+        warnings.into_iter().for_each(|warning| job.warn(warning));
+        let requests = ReceiverRequest::of_scene(&scene, options.resolution);
+        if requests.is_empty() && !options.far_field {
+            return Err(Error::NoReceiver { scene: name });
+        }
+        let receivers = Receivers::try_new(&scene, &requests)
+            .map_err(|error| Error::Receiver { scene: name.clone(), error })?;
+        if receivers.cell_count() > CELLS_LIMIT {
+            return Err(Error::Cells { scene: name, cells: receivers.cell_count(), limit: CELLS_LIMIT });
+        }
+        if scene.lights().is_empty() {
+            return Err(Error::NoLight { scene: name });
+        }
+        let mut hash = ContentHash::default();
+        let names: Vec<(&str, [u32; 2])> =
+            receivers.as_slice().iter().map(|receiver| (receiver.name(), receiver.cells())).collect();
+        let identity = format!("{content_hash:032x} {:?} {names:?} {}", options.room, options.far_field);
+        hash.add_file(identity.as_bytes());
+        let stem = Path::new(&name).file_stem();
+        let title = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        Ok(Self { title, scene, receivers, hash: hash.value(), options })
+    }
+
+    /// Finds the light.
+    fn illuminate(&self, job: &mut JobOptions<'_>) -> Result<IlluminateOutcome, Error> {
+        let method = self.options.method;
+        let mut outcome = IlluminateOutcome {
+            report: LuxReport { title: self.title.clone(), ..LuxReport::default() },
+            ..IlluminateOutcome::default()
+        };
+        if method != IlluminateMethod::Trace {
+            let (maps, how) = job.in_pool(|job| integrating::integrated(self, job))?;
+            outcome.integrated = maps;
+            outcome.report.how.extend(how);
+        }
+        if method == IlluminateMethod::Integrate {
+            outcome.report.maps = std::mem::take(&mut outcome.integrated);
+            return Ok(outcome);
+        }
+        let tracing::Traced { tally, end, how } = tracing::traced(self, job)?;
+        let report = &mut outcome.report;
+        report.how.extend(how);
+        report.maps = tally.lux_maps(&self.receivers);
+        report.balance = Some(tally.balance());
+        self.warn_of_dark_sides(&tally, job);
+        if !outcome.integrated.is_empty() {
+            report.how.push(("agreement".to_owned(), agreement(&report.maps, &outcome.integrated)));
+        }
+        outcome.end = end;
+        outcome.set_far_field(tally.far_field());
+        outcome.tally = Some(tally);
+        Ok(outcome)
+    }
+
+    /// Warns of receivers that may have been turned the wrong way, because nothing arrives there.
+    fn warn_of_dark_sides(&self, tally: &Tally, job: &mut JobOptions<'_>) {
+        for (number, receiver) in self.receivers.as_slice().iter().enumerate() {
+            let other_side = tally.on_other_side(number);
+            if tally.received(number).0 == 0.0 && other_side > 0.0 {
+                job.warn(Warning::DarkSide { receiver: receiver.name().to_owned(), other_side });
+            }
+        }
+    }
+
+    /// Directions of a far field: planes every 15, gamma every 5 degrees, as luminaires are usually measured.
+    fn far_field_grid(&self) -> Option<FarFieldGrid> {
+        if self.options.far_field { FarFieldGrid::try_new(24, 36) } else { None }
+    }
+}
+
+/// A pace in words.
+fn pace(count: u64, seconds: f64, what: &str) -> String {
+    format!(
+        "{} {what} in {}, {} per second",
+        grouped(count),
+        duration(seconds),
+        significant(count as f64 / seconds)
+    )
+}

@@ -1,0 +1,163 @@
+//! A scene that was read or described, ready for its jobs.
+
+use std::fmt::{self, Write};
+
+use glanz_job::ContentHash;
+use glanz_scene::{Description, Diagnostic, Diagnostics, Location, Scene, SceneWarning, Severity};
+
+use crate::error::Error;
+use crate::event::Warning;
+use crate::render::RenderBuilder;
+
+/// Kind of the diagnostics that arise after reading.
+const KIND: &str = "scene";
+
+/// A scene from a file, a text or code, and what was found on reading it.
+///
+/// A job takes the scene, so that a large one is not held twice; clone it for several jobs.
+#[derive(Clone, Debug)]
+pub struct LoadedScene {
+    name: String,
+    pub(crate) description: Description,
+    /// Of the bytes of all files; `None` for a description built in code.
+    content_hash: Option<u128>,
+    #[cfg(feature = "formats")]
+    sources: glanz_formats::Sources,
+    diagnostics: Diagnostics,
+    strict: bool,
+}
+
+impl LoadedScene {
+    /// A scene described in code. `name`: what messages and reports call it.
+    #[must_use]
+    pub fn from_description(name: impl Into<String>, description: Description) -> Self {
+        Self {
+            name: name.into(),
+            description,
+            content_hash: None,
+            #[cfg(feature = "formats")]
+            sources: glanz_formats::Sources::default(),
+            diagnostics: Diagnostics::default(),
+            strict: false,
+        }
+    }
+
+    #[cfg(feature = "formats")]
+    pub(crate) fn from_loaded(name: String, loaded: glanz_formats::Loaded, strict: bool) -> Self {
+        let glanz_formats::Loaded { description, diagnostics, content_hash, sources } = loaded;
+        Self { name, description, content_hash: Some(content_hash), sources, diagnostics, strict }
+    }
+
+    /// Whether a part of the scene that has to be repaired or left out is an error, also when the scene is resolved.
+    #[must_use]
+    pub fn strict(mut self, strict: bool) -> Self {
+        self.strict = strict;
+        self
+    }
+
+    /// The name: that of the file, or as given.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The scene as plain data.
+    #[must_use]
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// The scene as plain data, to be changed; checkpoints and baked light then no longer belong to the file.
+    pub fn description_mut(&mut self) -> &mut Description {
+        self.content_hash = None;
+        &mut self.description
+    }
+
+    /// Warnings from reading.
+    #[must_use]
+    pub fn diagnostics(&self) -> &Diagnostics {
+        &self.diagnostics
+    }
+
+    /// Fingerprint of the scene: of the bytes of its files, or of its description.
+    #[must_use]
+    pub fn content_hash(&self) -> u128 {
+        self.content_hash.unwrap_or_else(|| {
+            let mut text = HashedText::default();
+            // Hashing cannot fail.
+            let _ = write!(text, "{:?}", self.description);
+            text.0.value()
+        })
+    }
+
+    /// The scene as rays see it, with the warnings of its making.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] if the description is not a scene, or a warning arose from a [strict](LoadedScene::strict) one.
+    pub fn resolve(mut self) -> Result<(Scene, Vec<Warning>), Error> {
+        let description = std::mem::take(&mut self.description);
+        let (scene, warnings) = Scene::resolve(description)
+            .map_err(|error| self.fault(error.location, error.kind.to_string()))?;
+        let severity = if self.strict { Severity::Error } else { Severity::Warning };
+        let mut diagnostics = Diagnostics::default();
+        for SceneWarning { location, message } in warnings {
+            if diagnostics.admit(severity, KIND) {
+                diagnostics.push_admitted(self.diagnostic(severity, location, message));
+            }
+        }
+        if diagnostics.has_errors() {
+            return Err(Error::Scene(diagnostics));
+        }
+        let omitted = diagnostics.omitted().map(|(_, _, count)| Warning::SceneOmitted { count });
+        Ok((scene, diagnostics.iter().cloned().map(Warning::Scene).chain(omitted).collect()))
+    }
+
+    /// A picture of the scene.
+    #[must_use]
+    pub fn render<'a>(self) -> RenderBuilder<'a> {
+        RenderBuilder::new(self)
+    }
+
+    /// Light maps of the scene.
+    #[cfg(feature = "radiosity")]
+    #[must_use]
+    pub fn bake<'a>(self) -> crate::bake::BakeBuilder<'a> {
+        crate::bake::BakeBuilder::new(self)
+    }
+
+    /// Illuminance on the receivers of the scene.
+    #[cfg(feature = "illumination")]
+    #[must_use]
+    pub fn illuminate<'a>(self) -> crate::illuminate::IlluminateBuilder<'a> {
+        crate::illuminate::IlluminateBuilder::new(self)
+    }
+
+    /// An error at a place of the scene.
+    pub(crate) fn fault(&self, location: Option<Location>, message: String) -> Error {
+        let mut diagnostics = Diagnostics::default();
+        diagnostics.push(self.diagnostic(Severity::Error, location, message));
+        Error::Scene(diagnostics)
+    }
+
+    #[cfg(feature = "formats")]
+    fn diagnostic(&self, severity: Severity, location: Option<Location>, message: String) -> Diagnostic {
+        self.sources.diagnostic(severity, KIND, location, message)
+    }
+
+    #[cfg(not(feature = "formats"))]
+    fn diagnostic(&self, severity: Severity, location: Option<Location>, message: String) -> Diagnostic {
+        let file = String::new();
+        Diagnostic { severity, kind: KIND, file, location, message, excerpt: None, help: None }
+    }
+}
+
+/// A text of which only the fingerprint is kept.
+#[derive(Default)]
+struct HashedText(ContentHash);
+
+impl Write for HashedText {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.0.add(text.as_bytes());
+        Ok(())
+    }
+}

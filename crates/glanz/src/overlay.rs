@@ -1,0 +1,118 @@
+//! Light that was found before, for the page that shows a scene: baked light, or lux maps.
+
+use std::f32::consts::FRAC_1_PI;
+use std::path::Path;
+
+use glanz_illumination::add_walls;
+use glanz_light::Wavelengths;
+use glanz_math::{DVec2, DVec3};
+use glanz_radiosity::bake::LightMaps;
+use glanz_scene::{Description, Place, PlacedSurface, Scene};
+use glanz_viewer::model::{MapLabel, Model};
+use glanz_viewer::server::Dress;
+
+use crate::bake::{LightFile, divided};
+use crate::error::Error;
+use crate::illuminate::LuxFolder;
+
+/// Values along each side of a patch: as many as light maps have on a patch of some metres.
+const SIDE: usize = 65;
+
+/// What the page adds to a scene: walls of a room, and light on surfaces.
+#[derive(Debug, Default)]
+pub struct LightOverlay {
+    /// Size of a box of walls, metres.
+    room: Option<DVec3>,
+    light: OverlaidLight,
+}
+
+#[derive(Debug, Default)]
+enum OverlaidLight {
+    #[default]
+    None,
+    Baked(Box<LightFile>),
+    Lux(LuxFolder),
+}
+
+impl LightOverlay {
+    /// Adds the walls of a box from the origin to `size`, metres, as
+    /// [`IlluminateBuilder::room`](crate::IlluminateBuilder::room) does.
+    #[must_use]
+    pub fn room(self, size: DVec3) -> Self {
+        Self { room: Some(size), ..self }
+    }
+
+    /// Shows the light of this checkpoint of a finished bake.
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    pub fn baked(self, path: impl AsRef<Path>) -> Result<Self, Error> {
+        Ok(Self { light: OverlaidLight::Baked(Box::new(LightFile::read(path.as_ref())?)), ..self })
+    }
+
+    /// Shows the lux maps of a folder that [`IlluminateOutcome::save`](crate::IlluminateOutcome::save) wrote.
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    pub fn lux(self, folder: impl AsRef<Path>) -> Result<Self, Error> {
+        Ok(Self { light: OverlaidLight::Lux(LuxFolder::read(folder)?), ..self })
+    }
+
+    /// Whether it adds nothing.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.room.is_none() && matches!(self.light, OverlaidLight::None)
+    }
+
+    fn add_light(&self, scene: &Scene, content_hash: u128, model: Model) -> Result<Model, Error> {
+        let placed = scene.placed_surfaces();
+        match &self.light {
+            OverlaidLight::None => Ok(model),
+            OverlaidLight::Baked(light) => {
+                light.check(content_hash)?;
+                let elements = divided(scene, light.density())?;
+                let maps = LightMaps::new(&elements, light.maps(&elements)?);
+                let label = MapLabel { name: "baked light", unit: "W/(m² sr)" };
+                let value = |surface, face, uv| radiance(scene, &placed, &maps, (surface, face, uv));
+                Ok(model.with_map(label, scene, SIDE, value)?)
+            }
+            OverlaidLight::Lux(folder) => {
+                let maps = folder.place(scene)?;
+                let label = MapLabel { name: "illuminance", unit: "lx" };
+                let value = |surface, face, uv| maps.lux(&placed, surface, face, uv).map(|lux| [lux; 3]);
+                Ok(model.with_map(label, scene, SIDE, value)?)
+            }
+        }
+    }
+}
+
+impl Dress for LightOverlay {
+    fn furnish(&self, description: &mut Description) {
+        if let Some(size) = self.room {
+            add_walls(description, size);
+        }
+    }
+
+    fn dress(&self, scene: &Scene, content_hash: u128, model: Model) -> Result<Model, String> {
+        self.add_light(scene, content_hash, model).map_err(|error| error.to_string())
+    }
+}
+
+/// Radiance of a place by its own light and the baked one, on its brighter side: surfaces are drawn alike on both.
+fn radiance(
+    scene: &Scene,
+    placed: &[PlacedSurface<'_>],
+    maps: &LightMaps,
+    (surface, face, uv): (u32, u32, DVec2),
+) -> Option<[f32; 3]> {
+    let wavelengths = Wavelengths::default();
+    let of_side = |back| {
+        let at = placed.get(surface as usize)?.at(face, uv, back)?.at;
+        let irradiance = maps.irradiance(&Place { surface, face, back, uv })?;
+        let toward_viewer = if back { -DVec3::Z } else { DVec3::Z };
+        let albedo = at.bsdf(scene, &wavelengths)?.albedo(toward_viewer);
+        Some((albedo * irradiance * FRAC_1_PI + scene.emitted(&at, at.wo)).to_rgb(&wavelengths))
+    };
+    let sides = [false, true].into_iter().filter_map(of_side);
+    sides.max_by(|a, b| a.iter().sum::<f32>().total_cmp(&b.iter().sum()))
+}

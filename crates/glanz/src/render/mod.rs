@@ -1,0 +1,194 @@
+//! Pictures: from a scene and its settings to a film, and to files.
+
+mod guide_file;
+mod picture;
+mod plan;
+#[cfg(feature = "radiosity")]
+mod stored;
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use glanz_job::JobIdentity;
+use glanz_sampling::SamplerKind;
+use glanz_scene::Scene;
+use glanz_scene::description::GuideSettings;
+use glanz_transport::{
+    AovSet, Checkpoint, Film, Integrator, Rejects, RenderError, RenderOutcome, RenderSink, render,
+};
+
+use crate::error::Error;
+use crate::event::{JobEvent, ResumedState, Warning};
+use crate::file;
+use crate::job_options::{JobOptions, JobSink, job_methods};
+use crate::loaded_scene::LoadedScene;
+
+pub use picture::{Picture, RenderStatistics, merge, picture_format};
+pub use plan::RenderPlan;
+
+/// Settings of a render. What is not set is as the scene says.
+#[derive(Clone, Debug, Default)]
+pub struct RenderOptions {
+    /// Name of the integrator, one of [`INTEGRATORS`](glanz_transport::INTEGRATORS).
+    pub integrator: Option<String>,
+    /// Width and height of the full picture, pixels.
+    pub size: Option<[u32; 2]>,
+    /// How samples are distributed.
+    pub sampler: Option<SamplerKind>,
+    /// Seed of the samples; another seed gives another, independent picture.
+    pub seed: Option<u64>,
+    /// Samples per pixel.
+    pub samples: Option<u32>,
+    /// Takes only these samples of every pixel, a part of a picture that [`merge`] joins.
+    pub sample_range: Option<Range<u32>>,
+    /// Takes the samples that fit into this wall time of the render loop, one at least, instead of a number of them.
+    pub time_limit: Option<Duration>,
+    /// Whether lights are sampled at every hit, or found by chance alone.
+    pub light_sampling: Option<bool>,
+    /// Kind of guide that the integrator `guided` learns.
+    pub guide: Option<GuideSettings>,
+    /// File of a guide that draws directions and learns nothing (integrator `guided`).
+    pub guide_input: Option<PathBuf>,
+    /// File for the guide that the last whole pass leaves (integrator `guided`).
+    pub guide_output: Option<PathBuf>,
+    /// Checkpoint of a finished bake, whose light is shown instead of baking it (integrator `radiosity`).
+    #[cfg(feature = "radiosity")]
+    pub light_input: Option<PathBuf>,
+    /// Channels beside the colour.
+    pub aovs: AovSet,
+}
+
+/// A render to be run.
+///
+/// It prepares the film for the integrator, learns or reads its guide, and bakes or reads the light that it shows.
+#[must_use = "nothing is rendered before `run`"]
+pub struct RenderBuilder<'a> {
+    scene: LoadedScene,
+    options: RenderOptions,
+    job: JobOptions<'a>,
+}
+
+impl<'a> RenderBuilder<'a> {
+    pub(crate) fn new(scene: LoadedScene) -> Self {
+        Self { scene, options: RenderOptions::default(), job: JobOptions::default() }
+    }
+
+    /// Replaces all options.
+    pub fn options(mut self, options: RenderOptions) -> Self {
+        self.options = options;
+        self
+    }
+
+    /// Uses the integrator `name` of [`INTEGRATORS`](glanz_transport::INTEGRATORS).
+    pub fn integrator(mut self, name: impl Into<String>) -> Self {
+        self.options.integrator = Some(name.into());
+        self
+    }
+
+    /// Takes `count` samples per pixel.
+    pub fn samples(mut self, count: u32) -> Self {
+        self.options.samples = Some(count);
+        self
+    }
+
+    /// Renders a picture of this width and height, pixels.
+    pub fn size(mut self, size: [u32; 2]) -> Self {
+        self.options.size = Some(size);
+        self
+    }
+
+    /// Seeds the samples; another seed gives another, independent picture.
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.options.seed = Some(seed);
+        self
+    }
+
+    /// Adds channels beside the colour.
+    pub fn aovs(mut self, aovs: AovSet) -> Self {
+        self.options.aovs = aovs;
+        self
+    }
+
+    job_methods!('a);
+
+    /// Renders.
+    ///
+    /// A cancelled render returns a picture with the samples so far, if there is one.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a description that is not a scene, [`Error::File`] for files that cannot be read or written, the
+    /// variants named after settings for those that contradict one another; [`Error::Unsaved`] holds the picture.
+    pub fn run(self) -> Result<Picture, Error> {
+        let Self { mut scene, options, mut job } = self;
+        job.check_checkpoint()?;
+        options.guide_output.as_deref().map_or(Ok(()), file::check_writable)?;
+        let plan = RenderPlan::new(&options, &mut scene, &job)?;
+        let film = starting_film(&plan, &mut job)?;
+        let (scene, warnings) = scene.resolve()?;
+        warnings.into_iter().for_each(|warning| job.warn(warning));
+        job.cancel.check()?;
+        job.emit(JobEvent::RenderStarted(&plan));
+        let integrator = plan.integrator(&scene, &mut job)?;
+        let outcome = expose(&scene, integrator.as_ref(), &plan, film, &mut job)?;
+        finish(plan, outcome, scene.undecided(), options.guide_output.as_deref(), job)
+    }
+}
+
+/// The film of the checkpoint to resume, or an empty one.
+fn starting_film(plan: &RenderPlan, job: &mut JobOptions<'_>) -> Result<Film, Error> {
+    let Some(path) = job.resumed() else { return Ok(Film::try_new(plan.identity.film)?) };
+    let checkpoint = Checkpoint::from_bytes(&file::read(&path)?).map_err(Error::of_file(&path))?;
+    checkpoint.identity.check(&plan.identity).map_err(Error::of_file(&path))?;
+    let state = &ResumedState::Samples(checkpoint.film.samples().clone());
+    job.emit(JobEvent::Resumed { path: &path, state });
+    Ok(checkpoint.film)
+}
+
+fn expose(
+    scene: &Scene,
+    integrator: &dyn Integrator,
+    plan: &RenderPlan,
+    film: Film,
+    job: &mut JobOptions<'_>,
+) -> Result<RenderOutcome, Error> {
+    let (cancel, path) = (job.cancel.clone(), job.checkpoint.clone());
+    let write = |path: &Path, film: &Film| file::write(path, &Checkpoint::encode(&plan.identity, film));
+    let mut sink = JobSink::new(job, path, write);
+    let outcome = render(scene, integrator, &plan.settings(), film, &mut sink, &cancel);
+    outcome.map_err(|error| match error {
+        RenderError::Order { next } => Error::SampleOrder { start: plan.samples.start, next },
+        error => error.into(),
+    })
+}
+
+fn finish(
+    plan: RenderPlan,
+    outcome: RenderOutcome,
+    undecided: u64,
+    guide: Option<&Path>,
+    mut job: JobOptions<'_>,
+) -> Result<Picture, Error> {
+    let RenderOutcome { film, end, elapsed, counters, samples } = outcome;
+    if film.samples().is_empty() {
+        end.check()?;
+    }
+    let Rejects { dropped, cut } = film.rejects();
+    let counts = [
+        (dropped, Warning::Dropped { samples: dropped }),
+        (cut, Warning::Cut { samples: cut }),
+        (undecided, Warning::Undecided { rays: undecided }),
+    ];
+    counts.into_iter().filter(|(count, _)| *count > 0).for_each(|(_, warning)| job.warn(warning));
+    let threads = plan.threads;
+    let statistics = RenderStatistics { end, elapsed, counters, samples, undecided, threads };
+    let picture = Picture::new(plan.identity, film, statistics, job.warnings);
+    // The checkpoint first: it is what cannot be had again.
+    let saved = job.checkpoint.map_or(Ok(()), |path| picture.save_checkpoint(path));
+    match saved.and(guide.map_or(Ok(()), |path| picture.save_guide(path))) {
+        Ok(()) => Ok(picture),
+        Err(error) => Err(Error::Unsaved { picture: Box::new(picture), error: Box::new(error) }),
+    }
+}
+
+impl<W: FnMut(&Path, &Film) -> Result<(), Error>> RenderSink for JobSink<'_, '_, W> {}

@@ -1,0 +1,180 @@
+//! Pictures: a film with the identity of what it shows, and its files.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Duration;
+
+use glanz_job::JobEnd;
+use glanz_light::Pixels;
+use glanz_transport::{Checkpoint, Counters, Film, PictureIdentity};
+
+use super::guide_file;
+use crate::error::{Error, FileFault};
+use crate::event::Warning;
+use crate::file;
+
+/// A picture, whole or a part of its samples.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    identity: PictureIdentity,
+    film: Film,
+    statistics: RenderStatistics,
+    warnings: Vec<Warning>,
+}
+
+/// Figures of a render.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RenderStatistics {
+    /// Why it ended.
+    pub end: JobEnd,
+    /// Wall time of the render loop.
+    pub elapsed: Duration,
+    /// Rays traced.
+    pub counters: Counters,
+    /// Samples taken, over all pixels.
+    pub samples: u64,
+    /// Searches for hits on freeform surfaces that were given up.
+    pub undecided: u64,
+    /// Number of threads.
+    pub threads: usize,
+}
+
+impl Default for RenderStatistics {
+    /// Of no render.
+    fn default() -> Self {
+        let (elapsed, counters) = Default::default();
+        Self { end: JobEnd::Complete, elapsed, counters, samples: 0, undecided: 0, threads: 0 }
+    }
+}
+
+impl Picture {
+    pub(super) fn new(
+        identity: PictureIdentity,
+        film: Film,
+        statistics: RenderStatistics,
+        warnings: Vec<Warning>,
+    ) -> Self {
+        Self { identity, film, statistics, warnings }
+    }
+
+    /// What the picture depends on.
+    #[must_use]
+    pub fn identity(&self) -> &PictureIdentity {
+        &self.identity
+    }
+
+    /// The film: sums and sample numbers.
+    #[must_use]
+    pub fn film(&self) -> &Film {
+        &self.film
+    }
+
+    /// Figures of the render that ended with this picture; zero for a picture that was merged.
+    #[must_use]
+    pub fn statistics(&self) -> &RenderStatistics {
+        &self.statistics
+    }
+
+    /// Warnings of the render, in the order in which they arose.
+    #[must_use]
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+
+    /// The planes of the picture, linear light.
+    ///
+    /// # Errors
+    /// [`Error::Pixels`] if two channels have one name.
+    pub fn pixels(&self) -> Result<Pixels, Error> {
+        Ok(self.film.to_pixels()?)
+    }
+
+    /// Writes the picture in the format of the extension: OpenEXR, PNG (light above 1 is cut), Radiance HDR or PFM.
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    #[cfg(feature = "formats")]
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        self.save_with(path, &glanz_light::Tone::default())
+    }
+
+    /// As [`Picture::save`], with an exposure and a tone curve for PNG.
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    #[cfg(feature = "formats")]
+    pub fn save_with(&self, path: impl AsRef<Path>, tone: &glanz_light::Tone) -> Result<(), Error> {
+        let path = path.as_ref();
+        let format = picture_format(path)?;
+        let bytes = glanz_formats::image::write(&self.pixels()?, format, tone, &self.attributes());
+        file::write(path, &bytes.map_err(Error::of_file(path))?)
+    }
+
+    /// Writes film and identity to a file, to be resumed by a [`RenderBuilder`](super::RenderBuilder) or [merged](merge).
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    pub fn save_checkpoint(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        file::write(path.as_ref(), &Checkpoint::encode(&self.identity, &self.film))
+    }
+
+    /// Writes the guide that the last whole pass left, for [`RenderOptions::guide_input`](super::RenderOptions::guide_input).
+    ///
+    /// # Errors
+    /// [`Error::NoGuide`] if none was learnt, [`Error::File`].
+    pub fn save_guide(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        let integrator = self.identity.integrator.name();
+        let training = self.film.training().ok_or(Error::NoGuide { integrator })?;
+        guide_file::write(path.as_ref(), training.guide())
+    }
+
+    /// What goes into the header of an EXR file: only what the picture depends on, so that equal pictures are equal files.
+    #[cfg(feature = "formats")]
+    fn attributes(&self) -> BTreeMap<String, String> {
+        let identity = &self.identity;
+        let entries = [
+            ("software", format!("Glanz {}", identity.version)),
+            ("glanz.integrator", identity.integrator.to_string()),
+            ("glanz.sampler", identity.sampler.name().to_owned()),
+            ("glanz.samples", self.film.samples().to_string()),
+            ("glanz.seed", identity.seed.to_string()),
+        ];
+        entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+    }
+}
+
+/// The format in which a picture is written to `path`.
+///
+/// # Errors
+/// [`Error::File`] with [`FileFault::Extension`] if the extension names no format that is written.
+#[cfg(feature = "formats")]
+pub fn picture_format(path: &Path) -> Result<glanz_formats::image::Format, Error> {
+    use glanz_formats::image::Format;
+    Format::from_path(path)
+        .filter(|format| matches!(format, Format::Exr | Format::Png | Format::Hdr | Format::Pfm))
+        .ok_or_else(|| FileFault::Extension("pictures").of(path))
+}
+
+/// Joins checkpoints of disjoint sample ranges into one picture: it has the bits of all samples rendered at once.
+///
+/// # Errors
+/// [`Error::File`] for one that cannot be read, [`Error::Merge`] for those that do not belong together.
+pub fn merge<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Picture, Error> {
+    // Parts are read when it is their turn, so that two of them are in memory at a time; the first that cannot be read
+    // ends the merge.
+    let mut unreadable = None;
+    let parts = paths.into_iter().map_while(|path| {
+        let path = path.as_ref();
+        let bytes = file::read(path);
+        let part = bytes.and_then(|bytes| Checkpoint::from_bytes(&bytes).map_err(Error::of_file(path)));
+        part.map_err(|error| unreadable = Some(error)).ok()
+    });
+    let merged = glanz_transport::merge(parts);
+    match unreadable {
+        Some(error) => Err(error),
+        None => {
+            let Checkpoint { identity, film } = merged?;
+            Ok(Picture { identity, film, statistics: RenderStatistics::default(), warnings: Vec::new() })
+        }
+    }
+}

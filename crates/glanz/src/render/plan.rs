@@ -1,0 +1,226 @@
+//! What is to be rendered: the scene's own settings, overridden by those of the options.
+
+use std::ops::Range;
+use std::sync::Arc;
+use std::time::Duration;
+
+use glanz_sampling::SamplerKind;
+use glanz_sampling::exact::MAX_TERMS;
+use glanz_scene::Scene;
+use glanz_scene::description::FilmDescription;
+use glanz_transport::{
+    FilmFormat, Filter, Integrator, IntegratorSettings, PictureIdentity, PixelRect, RenderSettings,
+    StoredLight,
+};
+
+use super::RenderOptions;
+use super::guide_file::{self, FixedGuide};
+#[cfg(feature = "radiosity")]
+use crate::bake::LightFile;
+use crate::error::{Error, FileFault};
+use crate::job_options::JobOptions;
+use crate::loaded_scene::LoadedScene;
+
+/// Everything that is known of a render before the first ray.
+#[derive(Clone, Debug)]
+pub struct RenderPlan {
+    /// What the picture depends on.
+    pub identity: PictureIdentity,
+    /// Number of threads.
+    pub threads: usize,
+    /// Wall time of the render loop at most.
+    pub time_limit: Option<Duration>,
+    /// Samples to take of each pixel.
+    pub samples: Range<u32>,
+    filter: Filter,
+    /// A guide that does not learn.
+    guide: Option<FixedGuide>,
+    /// Light that need not be baked.
+    #[cfg(feature = "radiosity")]
+    light: Option<LightFile>,
+}
+
+impl RenderPlan {
+    /// Puts the options over the settings of the scene.
+    pub(super) fn new(
+        options: &RenderOptions,
+        scene: &mut LoadedScene,
+        job: &JobOptions<'_>,
+    ) -> Result<Self, Error> {
+        options.apply(scene);
+        let description = &scene.description;
+        let film = &description.film;
+        let at_film = |error: &dyn std::fmt::Display| scene.fault(film.location, format!("film: {error}"));
+        let crop = PixelRect::from_fractions(film.resolution, film.crop).map_err(|error| at_film(&error))?;
+        let integrator = options.integrator(scene)?;
+        let guide = options.fixed_guide(&integrator)?;
+        #[cfg(feature = "radiosity")]
+        let light = options.stored_light_file(&integrator, scene)?;
+        let given = guide.as_ref().map(|guide| guide.hash);
+        #[cfg(feature = "radiosity")]
+        let given = given.or(light.as_ref().map(|light| light.hash));
+        let filter = Filter::try_new(&description.filter)
+            .map_err(|error| scene.fault(None, format!("pixel filter: {error}")))?;
+        let sampler = options.sampler(scene)?;
+        let identity = PictureIdentity {
+            scene: scene.content_hash(),
+            film: FilmFormat {
+                resolution: film.resolution,
+                crop,
+                aovs: options.aovs,
+                signed: filter.is_signed(),
+                passes: integrator.is_guided() && guide.is_none(),
+                splats: integrator.build().splats(),
+            },
+            filter: description.filter,
+            integrator,
+            sampler,
+            seed: options.seed.unwrap_or(description.sampler.seed),
+            samples_per_pixel: options.samples.unwrap_or(description.sampler.samples_per_pixel),
+            guide: given,
+            version: glanz_job::current_version(),
+        };
+        identity.film.words().map_err(|error| match options.size {
+            Some(_) => Error::Film(error),
+            None => at_film(&error),
+        })?;
+        let samples = options.sample_numbers(&identity, job.resume)?;
+        let threads = match job.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            threads => threads,
+        };
+        let time_limit = options.time_limit;
+        Ok(Self {
+            identity,
+            threads,
+            time_limit,
+            samples,
+            filter,
+            guide,
+            #[cfg(feature = "radiosity")]
+            light,
+        })
+    }
+
+    /// The same for the render loop.
+    pub(super) fn settings(&self) -> RenderSettings {
+        RenderSettings {
+            filter: self.filter.clone(),
+            sampler: self.identity.sampler,
+            seed: self.identity.seed,
+            samples_per_pixel: self.identity.samples_per_pixel,
+            samples: self.samples.clone(),
+            threads: self.threads,
+            time_limit: self.time_limit,
+        }
+    }
+
+    /// The integrator, with its guide or the light that it shows: that of the file, or baked here.
+    pub(super) fn integrator(
+        &self,
+        scene: &Scene,
+        job: &mut JobOptions<'_>,
+    ) -> Result<Box<dyn Integrator>, Error> {
+        let integrator = &self.identity.integrator;
+        if integrator.shows_stored_light() {
+            return Ok(integrator.build_with_light(self.stored_light(scene, job)?));
+        }
+        Ok(match &self.guide {
+            Some(FixedGuide { guide, .. }) => integrator.build_with_guide(guide.clone()),
+            None => integrator.build(),
+        })
+    }
+
+    #[cfg(feature = "radiosity")]
+    fn stored_light(&self, scene: &Scene, job: &mut JobOptions<'_>) -> Result<Arc<dyn StoredLight>, Error> {
+        super::stored::stored_light(scene, self.light.as_ref(), job)
+    }
+
+    #[cfg(not(feature = "radiosity"))]
+    fn stored_light(&self, _: &Scene, _: &mut JobOptions<'_>) -> Result<Arc<dyn StoredLight>, Error> {
+        Err(Error::LightRequired { integrator: self.identity.integrator.name() })
+    }
+}
+
+impl RenderOptions {
+    /// Replaces settings of the description.
+    fn apply(&self, scene: &mut LoadedScene) {
+        let FilmDescription { resolution, .. } = &mut scene.description.film;
+        *resolution = self.size.unwrap_or(*resolution);
+        let integrator = &mut scene.description.integrator;
+        if let Some(name) = &self.integrator {
+            integrator.name.clone_from(name);
+        }
+        integrator.guide = self.guide.unwrap_or(integrator.guide);
+        integrator.light_sampling = self.light_sampling.unwrap_or(integrator.light_sampling);
+    }
+
+    fn integrator(&self, scene: &LoadedScene) -> Result<IntegratorSettings, Error> {
+        let description = &scene.description.integrator;
+        let integrator = IntegratorSettings::resolve(description)
+            .map_err(|error| scene.fault(description.location, format!("integrator: {error}")))?;
+        if self.light_sampling.is_some_and(|wanted| wanted != integrator.light_sampling) {
+            return Err(Error::LightSampling { integrator: integrator.name() });
+        }
+        Ok(integrator)
+    }
+
+    fn sampler(&self, scene: &LoadedScene) -> Result<SamplerKind, Error> {
+        let name = &scene.description.sampler.name;
+        let named = || {
+            SamplerKind::from_name(name)
+                .ok_or_else(|| scene.fault(None, format!("there is no sampler \"{name}\"")))
+        };
+        self.sampler.map_or_else(named, Ok)
+    }
+
+    /// The guide of the file, if the integrator has any use for it.
+    fn fixed_guide(&self, integrator: &IntegratorSettings) -> Result<Option<FixedGuide>, Error> {
+        if (self.guide.is_some() || self.guide_input.is_some() || self.guide_output.is_some())
+            && !integrator.is_guided()
+        {
+            return Err(Error::NoGuide { integrator: integrator.name() });
+        }
+        let Some(path) = self.guide_input.as_deref() else { return Ok(None) };
+        let fixed = guide_file::read(path)?;
+        let (found, wanted) = (fixed.guide.settings(), integrator.guide);
+        if found != wanted {
+            return Err(FileFault::GuideSettings { found, wanted }.of(path));
+        }
+        Ok(Some(fixed))
+    }
+
+    /// The light of the file, if the integrator shows any.
+    #[cfg(feature = "radiosity")]
+    fn stored_light_file(
+        &self,
+        integrator: &IntegratorSettings,
+        scene: &LoadedScene,
+    ) -> Result<Option<LightFile>, Error> {
+        if self.light_input.is_some() && !integrator.shows_stored_light() {
+            return Err(Error::NoStoredLight { integrator: integrator.name() });
+        }
+        let Some(path) = self.light_input.as_deref() else { return Ok(None) };
+        let light = LightFile::read(path)?;
+        light.check(scene.content_hash())?;
+        Ok(Some(light))
+    }
+
+    /// The samples to take: those asked for, all that fit into the time, or as many as planned.
+    fn sample_numbers(&self, identity: &PictureIdentity, resume: bool) -> Result<Range<u32>, Error> {
+        let planned = identity.samples_per_pixel;
+        match &self.sample_range {
+            Some(range) if identity.plan_matters() && range.end > planned => {
+                let (range, sampler) = (range.clone(), identity.sampler.name());
+                Err(Error::SampleRange { range, planned, sampler })
+            }
+            // Resumed, they may come in turn: the render loop knows.
+            Some(range) if identity.film.passes && range.start > 0 && !resume => {
+                Err(Error::SampleOrder { start: range.start, next: 0 })
+            }
+            Some(range) => Ok(range.clone()),
+            None if self.time_limit.is_some() => Ok(0..MAX_TERMS),
+            None => Ok(0..planned),
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! Light on surfaces for the integrator that shows it.
+
+use std::sync::Arc;
+
+use glanz_light::Spectrum;
+use glanz_radiosity::bake::{BakeSettings, BakeState, LightMaps};
+use glanz_scene::{Place, Scene};
+use glanz_transport::StoredLight;
+
+use crate::bake::{LightFile, baked_maps, elements};
+use crate::error::Error;
+use crate::job_options::JobOptions;
+
+/// Light maps as the integrator queries them.
+#[derive(Debug)]
+struct StoredMaps(LightMaps);
+
+impl StoredLight for StoredMaps {
+    fn irradiance(&self, place: &Place) -> Option<Spectrum> {
+        self.0.irradiance(place)
+    }
+}
+
+/// The light of a scene, given in a file or baked here.
+pub(super) fn stored_light(
+    scene: &Scene,
+    file: Option<&LightFile>,
+    job: &mut JobOptions<'_>,
+) -> Result<Arc<dyn StoredLight>, Error> {
+    let settings = BakeSettings::default();
+    let maps = job.in_pool(|job| {
+        let elements = elements(scene, settings.density, job)?;
+        let maps = match file {
+            Some(file) => file.maps(&elements)?,
+            None => baked_maps(BakeState::default(), &elements, &settings, None, job)?,
+        };
+        Ok(LightMaps::new(&elements, maps))
+    })?;
+    Ok(Arc::new(StoredMaps(maps)))
+}
