@@ -1,13 +1,14 @@
-//! A ridge over the unit square: boxes across its steep side, quadratic B-splines along its smooth one.
+//! A ridge over the unit square: box functions across its steep side, quadratic B-splines along its smooth side.
 //!
-//! The integrand is 1 / (1 + 400 (u - 1/3)^2) times 1 + v^2; its integral is known. The scales rise along the first axis
-//! only where that pays. Run with `cargo run --release -p glanz-sampling --example adaptive_plane`.
+//! The integrand is 1 / (1 + 400 (u - 1/3)^2) times 1 + v^2, whose integral is known. The levels increase mainly along the first axis. Run with `cargo run --release -p glanz-sampling --example adaptive_plane`.
 
 use std::sync::Arc;
 
 use glanz_sampling::DensityError;
-use glanz_sampling::density::{Density, Floor, Scales, Weighting};
-use glanz_sampling::integrate::{AdaptivePlan, Pass, Plan, Sampling, integrate, integrate_adaptively};
+use glanz_sampling::density::{CoefficientFloor, Density, TensorMultiResolution, Weighting};
+use glanz_sampling::integrate::{
+    AdaptivePlan, IntegrationPass, IntegrationPlan, SamplingPattern, integrate, integrate_adaptively,
+};
 use glanz_sampling::multiresolution::MultiResolution;
 
 fn ridge(x: &[f64]) -> f64 {
@@ -30,26 +31,27 @@ fn main() -> Result<(), DensityError> {
         );
     };
 
-    for sampling in [Sampling::Independent, Sampling::Sobol] {
-        let plan = Plan { samples: 4096, repetitions: 16, sampling, seed: 1 };
+    for sampling in [SamplingPattern::Independent, SamplingPattern::Sobol] {
+        let plan = IntegrationPlan { samples: 4096, repetitions: 16, sampling, seed: 1 };
         row(&format!("uniform, {sampling:?}"), &integrate(&Density::<2>::constant()?, &plan, ridge)?);
     }
 
-    let scales = Arc::new(Scales::new([MultiResolution::haar(5)?, MultiResolution::bspline(2, 1)?]));
+    let analyses =
+        Arc::new(TensorMultiResolution::new([MultiResolution::haar(5)?, MultiResolution::bspline(2, 1)?]));
     let passes = [([2, 0], 256), ([3, 0], 512), ([4, 1], 1024), ([5, 1], 2304)]
-        .map(|(levels, samples)| Pass { levels, samples });
-    for sampling in [Sampling::Independent, Sampling::Sobol] {
+        .map(|(levels, samples)| IntegrationPass { levels, samples });
+    for sampling in [SamplingPattern::Independent, SamplingPattern::Sobol] {
         let plan = AdaptivePlan {
             repetitions: 16,
             sampling,
-            floor: Floor::Constant(0.05),
+            floor: CoefficientFloor::Constant(0.05),
             weighting: Weighting::InverseVariance,
             ..AdaptivePlan::new(passes.to_vec(), 1)
         };
-        let result = integrate_adaptively(&scales, &plan, ridge)?;
+        let result = integrate_adaptively(&analyses, &plan, ridge)?;
         println!();
         for pass in &result.passes {
-            row(&format!("adaptive, {sampling:?}, scales {:?}", pass.levels), &pass.estimate);
+            row(&format!("adaptive, {sampling:?}, levels {:?}", pass.levels), &pass.estimate);
         }
         row(&format!("adaptive, {sampling:?}, all"), &result.estimate);
     }

@@ -1,85 +1,89 @@
-//! Why a basis, a density or an integration cannot be.
+//! The error of bases, densities and integrators.
 
-/// What bases, multiresolution analyses, densities and integrators refuse.
+/// Invalid arguments of bases, multiresolution analyses, densities and integrators.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DensityError {
     /// The degree of a B-spline is above [`crate::basis::MAX_DEGREE`].
-    #[error("degree {degree} is above {max}")]
+    #[error("the degree is {degree}; the largest possible degree is {max}")]
     Degree {
-        /// Degree asked for.
+        /// Degree given.
         degree: usize,
-        /// Highest possible degree.
+        /// Highest degree possible.
         max: usize,
     },
-    /// Too few knots, or none, or too many segments.
-    #[error("{found} knots are no knot vector of degree {degree}")]
+    /// Too few knots, no segments, or too many segments.
+    #[error("{found} knots are too few or too many for a knot vector of degree {degree}")]
     KnotCount {
         /// Knots given.
         found: usize,
-        /// Degree asked for.
+        /// Degree given.
         degree: usize,
     },
-    /// A knot is not a number, decreases, or repeats so often that a function has no support.
-    #[error("knot {index} is {value}, which does not go with its neighbours")]
+    /// A knot is NaN, less than the one before it, or repeated so often that a function has no support.
+    #[error("knot {index} is {value}; knots must not decrease nor repeat more often than the order")]
     Knot {
         /// Its index.
         index: usize,
         /// Its value.
         value: f64,
     },
-    /// The first degree + 1 knots have to be 0, the last ones 1.
-    #[error("the end knot {index} is {value}")]
+    /// One of the first degree + 1 knots is not 0, or one of the last is not 1.
+    #[error("the end knot {index} is {value}; the first degree + 1 knots must be 0, the last must be 1")]
     EndKnot {
         /// Its index.
         index: usize,
         /// Its value.
         value: f64,
     },
-    /// A coarse space does not lie in a finer one.
-    #[error("the finer knots do not contain the coarser ones, or the degrees differ")]
+    /// A coarse space is not a subspace of a finer one.
+    #[error(
+        "the finer knots do not contain the coarser ones, or the degrees differ; refine by inserting knots"
+    )]
     NotNested,
-    /// The number of coefficients is not the dimension of the space.
-    #[error("{found} coefficients for a space of dimension {expected}")]
+    /// The number of coefficients differs from the dimension of the space.
+    #[error("there are {found} coefficients; the dimension of the space is {expected}")]
     Length {
         /// Coefficients given.
         found: usize,
         /// Dimension of the space.
         expected: usize,
     },
-    /// A coefficient of a density is negative, infinite or not a number.
-    #[error("coefficient {index} is {value}, it has to be a number of at least 0")]
+    /// A coefficient of a density is negative, infinite or NaN.
+    #[error("coefficient {index} is {value}; it must be finite and not negative")]
     Coefficient {
         /// Its index.
         index: usize,
         /// Its value.
         value: f64,
     },
-    /// An integral that has to be positive and finite is not.
-    #[error("the integral is {0}, no density can be made of it")]
+    /// An integral is not positive or not finite.
+    #[error("the integral is {0}; it must be positive and finite for a density")]
     Integral(f64),
-    /// A scale that the multiresolution analysis does not have, or a step from a finer to a coarser one.
-    #[error("scale {level} is not between {lowest} and {highest}")]
+    /// A level that the multiresolution analysis does not have, or a step from a finer to a coarser level.
+    #[error("the level is {level}; it must lie between {lowest} and {highest}")]
     Level {
-        /// Scale asked for.
+        /// Level given.
         level: usize,
-        /// Coarsest possible.
+        /// Coarsest level possible.
         lowest: usize,
-        /// Finest possible.
+        /// Finest level possible.
         highest: usize,
     },
-    /// A matrix of inner products is not positive definite within rounding.
-    #[error("inner products are not positive definite: pivot {pivot} is {value}")]
+    /// A matrix of inner products is not positive definite up to rounding.
+    #[error(
+        "the inner products are not positive definite: pivot {pivot} is {value}; use fewer or longer segments"
+    )]
     Pivot {
         /// Row of the pivot.
         pivot: usize,
         /// Its value.
         value: f64,
     },
-    /// No samples, no repetitions or no passes, or more than 2^32 - 1 samples in one of them.
-    #[error("nothing to integrate with: samples, repetitions and passes have to be at least 1")]
+    /// No samples, no repetitions or no passes.
+    #[error("there are no samples, repetitions or passes; at least 1 of each is needed")]
     Samples,
-    /// Two things that should be of one basis are not.
-    #[error("the parts belong to different bases")]
+    /// Two operands belong to different bases.
+    #[error("the operands belong to different bases; they must share one basis")]
     Mismatch,
 }

@@ -1,9 +1,9 @@
-//! Sums that do not depend on the order or the grouping of their terms.
+//! Sums that do not depend on the order or grouping of their terms.
 //!
-//! Floating-point addition rounds, so the last bits of a sum tell in which order its terms came. Here every term is
-//! first rounded to a multiple of a fixed quantum and the multiples are added as integers. Integers do not round: any
-//! order, any split into partial sums and any number of threads give the same bits. The argument holds as long as
-//! no sum overflows, which the limits below exclude for up to [`MAX_TERMS`] terms.
+//! Floating-point addition rounds, so that the last bits of a sum depend on the order of its terms. Here every term is first
+//! rounded to a multiple of a fixed quantum, and the multiples are added as integers, which do not round: any order, any split
+//! into partial sums and any number of threads give the same bits. The limits below exclude overflow for up to [`MAX_TERMS`]
+//! terms.
 //!
 //! | type | quantum | largest term | bits used by [`MAX_TERMS`] terms |
 //! |---|---|---|---|
@@ -11,16 +11,16 @@
 //! | [`SquareSum`] | 2^-88 | (2^36)^2 | 88 + 72 + 30 = 190 of 192 |
 //! | [`NarrowSum`] | 2^-30 | 4 | 30 + 2 + 30 = 62 of 63 |
 //!
-//! An `f32` of magnitude 2^-37 or more is a multiple of 2^-60 already, so a [`WideSum`] of radiance rounds nothing
-//! that could be seen; terms beyond the largest are cut to it, and reported as cut.
+//! An `f32` of magnitude 2^-37 or more is a multiple of 2^-60 already, so that a [`WideSum`] of radiance has no visible rounding;
+//! larger terms are clamped to the largest, and reported as clamped by [`fits_wide`].
 
-/// Largest number of terms a sum may take: samples of one pixel.
+/// Largest number of terms of a sum: samples of one pixel.
 pub const MAX_TERMS: u32 = 1 << 30;
 
-/// Largest magnitude of a term of a [`WideSum`], 2^36; larger ones are cut to it.
+/// Largest magnitude of a term of a [`WideSum`], 2^36; larger ones are clamped to it.
 pub const WIDE_LIMIT: f64 = (1_u64 << 36) as f64;
 
-/// Largest magnitude of a term of a [`NarrowSum`]; larger ones are cut to it.
+/// Largest magnitude of a term of a [`NarrowSum`]; larger ones are clamped to it.
 pub const NARROW_LIMIT: f64 = 4.0;
 
 const WIDE_UNITS: f64 = (1_u64 << 60) as f64;
@@ -28,7 +28,7 @@ const SQUARE_UNITS: f64 = (1_u128 << 88) as f64;
 const NARROW_UNITS: f64 = (1_u64 << 30) as f64;
 const TWO_64: f64 = 18_446_744_073_709_551_616.0;
 
-/// Whether `value` can enter a [`WideSum`] uncut.
+/// Whether `value` is added to a [`WideSum`] without clamping.
 #[must_use]
 pub fn fits_wide(value: f64) -> bool {
     value.abs() <= WIDE_LIMIT
@@ -39,9 +39,9 @@ pub fn fits_wide(value: f64) -> bool {
 pub struct WideSum(i128);
 
 impl WideSum {
-    /// Adds `value`, rounded to the quantum and cut to [`WIDE_LIMIT`]; not a number counts as zero.
+    /// Adds `value`, rounded to the quantum and clamped to [`WIDE_LIMIT`]; NaN counts as zero.
     pub fn add(&mut self, value: f64) {
-        // Scaling by a power of two is exact, so this rounds once. A cast from NaN gives 0.
+        // Scaling by a power of two is exact, so that this rounds once. A cast of NaN gives 0.
         let units = (value.clamp(-WIDE_LIMIT, WIDE_LIMIT) * WIDE_UNITS).round_ties_even() as i128;
         self.0 = self.0.wrapping_add(units);
     }
@@ -57,14 +57,14 @@ impl WideSum {
         self.0 as f64 / WIDE_UNITS
     }
 
-    /// The integer behind the sum as two words, low one first.
+    /// The integer as two words, low word first.
     #[must_use]
     pub fn to_words(self) -> [u64; 2] {
         let bits = self.0 as u128;
         [bits as u64, (bits >> 64) as u64]
     }
 
-    /// The sum of [`WideSum::to_words`].
+    /// The inverse of [`WideSum::to_words`].
     #[must_use]
     pub fn from_words(words: [u64; 2]) -> Self {
         Self((u128::from(words[0]) | (u128::from(words[1]) << 64)) as i128)
@@ -76,9 +76,9 @@ impl WideSum {
 pub struct SquareSum([u64; 3]);
 
 impl SquareSum {
-    /// Adds the square of `value`, rounded to the quantum; `value` is cut to [`WIDE_LIMIT`], not a number counts as zero.
+    /// Adds the square of `value`, rounded to the quantum; `value` is clamped to [`WIDE_LIMIT`], NaN counts as zero.
     ///
-    /// The square of an `f32` is exact in `f64`; nothing is lost of squares above 2^-40.
+    /// The square of an `f32` is exact in `f64`; squares above 2^-40 are not rounded.
     pub fn add_square(&mut self, value: f32) {
         let value = f64::from(value);
         if value.is_nan() {
@@ -106,13 +106,13 @@ impl SquareSum {
         ((high * TWO_64 + middle) * TWO_64 + low) / SQUARE_UNITS
     }
 
-    /// The integer behind the sum, low word first.
+    /// The integer, low word first.
     #[must_use]
     pub fn to_words(self) -> [u64; 3] {
         self.0
     }
 
-    /// The sum of [`SquareSum::to_words`].
+    /// The inverse of [`SquareSum::to_words`].
     #[must_use]
     pub fn from_words(words: [u64; 3]) -> Self {
         Self(words)
@@ -125,7 +125,7 @@ fn to_limbs(units: f64) -> [u64; 3] {
     if units < (1_u64 << 53) as f64 {
         return [units.round_ties_even() as u64, 0, 0];
     }
-    // From 2^53 on every f64 is an integer: its mantissa, shifted.
+    // From 2^53 on every f64 is an integer: its shifted mantissa.
     let bits = units.to_bits();
     let mantissa = u128::from((bits & ((1 << MANTISSA_BITS) - 1)) | (1 << MANTISSA_BITS));
     let shift = ((bits >> MANTISSA_BITS) as u32 & 0x7ff).saturating_sub(1023 + MANTISSA_BITS);
@@ -145,7 +145,7 @@ fn to_limbs(units: f64) -> [u64; 3] {
 pub struct NarrowSum(i64);
 
 impl NarrowSum {
-    /// Adds `value`, rounded to the quantum and cut to [`NARROW_LIMIT`]; not a number counts as zero.
+    /// Adds `value`, rounded to the quantum and clamped to [`NARROW_LIMIT`]; NaN counts as zero.
     pub fn add(&mut self, value: f64) {
         let units = (value.clamp(-NARROW_LIMIT, NARROW_LIMIT) * NARROW_UNITS).round_ties_even() as i64;
         self.0 = self.0.wrapping_add(units);
@@ -162,13 +162,13 @@ impl NarrowSum {
         self.0 as f64 / NARROW_UNITS
     }
 
-    /// The integer behind the sum.
+    /// The integer as a word.
     #[must_use]
     pub fn to_word(self) -> u64 {
         self.0 as u64
     }
 
-    /// The sum of [`NarrowSum::to_word`].
+    /// The inverse of [`NarrowSum::to_word`].
     #[must_use]
     pub fn from_word(word: u64) -> Self {
         Self(word as i64)
@@ -180,7 +180,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// `value` as mantissa and exponent: value = mantissa * 2^exponent, by hand from its bits.
+    /// Decomposes `value` into mantissa and exponent: value = mantissa * 2^exponent.
     fn decompose(value: f32) -> (i128, i32) {
         let bits = value.to_bits();
         let exponent = (bits >> 23 & 0xff) as i32;
@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn not_a_number_counts_as_zero() {
+    fn nan_counts_as_zero() {
         let (mut wide, mut square, mut narrow) =
             (WideSum::default(), SquareSum::default(), NarrowSum::default());
         wide.add(f64::NAN);

@@ -1,13 +1,13 @@
-//! Counter-based random numbers: hashes of who asks, for what, and when.
+//! Counter-based random numbers: hashes of seed, pixel, sample and dimension.
 //!
-//! There is no generator with a state. The same question always gets the same answer, whatever thread asks and in
-//! whatever order, which is what makes pictures reproducible.
+//! There is no generator with a state. The same arguments give the same number on any thread and in any order, so that
+//! pictures are reproducible.
 
 /// 2^-53, the spacing of the values of [`unit_f64`].
 const F64_STEP: f64 = 1.0 / (1_u64 << 53) as f64;
 /// 2^-24, the spacing of the values of [`unit_f32`].
 const F32_STEP: f32 = 1.0 / (1_u32 << 24) as f32;
-/// 2^64 over the golden ratio: multiples of it are spread over all 64 bits.
+/// 2^64 divided by the golden ratio, whose multiples are spread over all 64 bits.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// A bijection of 64 bits whose output bits each depend on every input bit.
@@ -52,9 +52,9 @@ pub const fn combine(key: u64, word: u64) -> u64 {
 #[inline]
 #[must_use]
 pub const fn decision(seed: u64, pixel: [u32; 2], sample: u32, dimension: u32) -> u64 {
-    let place = (pixel[1] as u64) << 32 | pixel[0] as u64;
-    let when = (dimension as u64) << 32 | sample as u64;
-    combine(combine(seed, place), when)
+    let pixel = (pixel[1] as u64) << 32 | pixel[0] as u64;
+    let counter = (dimension as u64) << 32 | sample as u64;
+    combine(combine(seed, pixel), counter)
 }
 
 /// The 53 leading bits as a number in [0, 1).
@@ -71,12 +71,11 @@ pub fn unit_f32(bits: u32) -> f32 {
     (bits >> 8) as f32 * F32_STEP
 }
 
-/// Where `position` (below `length`) goes under the permutation of `0..length` that `key` names.
+/// The image of `position` (below `length`) under the permutation of `0..length` with the given key.
 ///
-/// A keyed bijection on the next power of two is repeated until it lands inside; less than two rounds on
-/// average. Over the keys, pairs of positions go to all pairs of places equally often, as far as the hash is
-/// good. A `position` outside is taken modulo
-/// `length`; a `length` of 0 gives 0.
+/// A keyed bijection on the next power of two is repeated until the result is below `length`, less than twice on average. Over
+/// all keys, a pair of positions is mapped to all pairs equally often, up to the quality of the hash. A `position` beyond is
+/// taken modulo `length`; a `length` of 0 gives 0.
 ///
 /// # Source
 /// The idea of cycle walking: @kensler2013 section 4; departure: other mixing steps.
@@ -119,7 +118,7 @@ mod tests {
 
     #[test]
     fn flipping_any_input_bit_flips_each_output_bit_half_the_time() {
-        // 64 x 64 pairs of bits, 2000 inputs each: the share of flips has standard deviation 0.0112; 5.5 of them
+        // 64 x 64 pairs of bits, 2000 inputs each: the fraction of flips has standard deviation 0.0112; 5.5 of them
         // leave 4096 pairs a chance of 2e-4 to fail.
         let inputs: Vec<u64> = (0..2000).map(|i| combine(7, i)).collect();
         for bit in 0..64 {
@@ -173,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn permuted_neighbours_land_on_all_pairs_of_places_equally_often() {
+    fn permuted_neighbours_are_mapped_to_all_pairs_equally_often() {
         for length in [4_u32, 9, 16] {
             let n = length as usize;
             let mut counts = vec![0_u64; n * n];

@@ -1,20 +1,21 @@
 //! Weights of multiple importance sampling.
 //!
-//! Densities must share a measure. Where a density is infinite (a mirror, a point light), its strategy takes all;
-//! where all vanish, the weight is 0: never NaN.
+//! All densities must have the same measure. An infinite density (a mirror, a point light) gives its strategy the weight 1; if all
+//! densities are zero, the weight is 0: the result is never NaN.
 //!
 //! # Source
 //! @veach1995.
 
-/// Weight of a sample drawn with density `own` where the other strategy has density `other`: own / (own + other).
+/// The balance heuristic: own / (own + other), for a sample drawn with density `own` and the density `other` of the other
+/// strategy.
 #[inline]
 #[must_use]
 pub fn balance(own: f64, other: f64) -> f64 {
     weight(own, other, 1.0)
 }
 
-/// Weight of a sample drawn with density `own` where the other strategy has density `other`:
-/// own^2 / (own^2 + other^2).
+/// The power heuristic: own^2 / (own^2 + other^2), for a sample drawn with density `own` and the density `other` of the other
+/// strategy.
 #[inline]
 #[must_use]
 pub fn power(own: f64, other: f64) -> f64 {
@@ -22,7 +23,7 @@ pub fn power(own: f64, other: f64) -> f64 {
     weight(own, other, ratio)
 }
 
-/// `1 / (1 + ratio * factor)` with the limits; squares are never formed, so nothing overflows.
+/// `1 / (1 + other / own * factor)` with its limits; squares are never formed, so that nothing overflows.
 #[inline]
 fn weight(own: f64, other: f64, factor: f64) -> f64 {
     if own.is_nan() || own <= 0.0 {
@@ -34,15 +35,15 @@ fn weight(own: f64, other: f64, factor: f64) -> f64 {
     1.0 / (1.0 + other / own * factor)
 }
 
-/// Balance heuristic among many strategies: `own` over the sum of `own` and all `others`.
+/// The balance heuristic for many strategies: `own` divided by the sum of `own` and all `others`.
 ///
-/// Densities are to be multiplied by their numbers of samples where these differ.
+/// If the numbers of samples differ, each density must be multiplied by its own.
 #[must_use]
 pub fn balance_of(own: f64, others: &[f64]) -> f64 {
     among(own, others, |ratio| ratio)
 }
 
-/// Power heuristic (exponent 2) among many strategies.
+/// The power heuristic (exponent 2) for many strategies.
 #[must_use]
 pub fn power_of(own: f64, others: &[f64]) -> f64 {
     among(own, others, |ratio| ratio * ratio)
@@ -53,8 +54,8 @@ fn among(own: f64, others: &[f64], shape: impl Fn(f64) -> f64) -> f64 {
         return 0.0;
     }
     if own == f64::INFINITY {
-        let rivals = others.iter().filter(|&&p| p == f64::INFINITY).count();
-        return 1.0 / (1.0 + rivals as f64);
+        let infinite = others.iter().filter(|&&p| p == f64::INFINITY).count();
+        return 1.0 / (1.0 + infinite as f64);
     }
     1.0 / (1.0 + others.iter().map(|&p| shape(p / own)).sum::<f64>())
 }

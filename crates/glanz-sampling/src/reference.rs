@@ -1,9 +1,9 @@
 //! Matrices of B-splines on 2^level equal segments, (degree + 1)-fold end knots, as exact fractions where they fit.
 //!
-//! reference.json B.bspline.*, computed apart in rational arithmetic: inner products, their inverses, knot insertion, and
-//! wavelets of minimal support from the null space of P^T G; columns of Q are integers, to be divided by the norm in L2.
+//! reference.json B.bspline.*, computed independently in rational arithmetic: inner products, their inverses, knot insertion, and
+//! wavelets of minimal support from the null space of P^T G; columns of Q are integers, to be divided by their L2 norm.
 
-/// A matrix by rows, from a text of numbers or fractions with a semicolon between rows.
+/// Parses a matrix by rows from numbers or fractions, with a semicolon between rows.
 pub(crate) fn matrix(text: &str) -> Vec<Vec<f64>> {
     let number = |word: &str| match word.split_once('/') {
         Some((a, b)) => a.parse::<f64>().unwrap() / b.parse::<f64>().unwrap(),
@@ -21,7 +21,7 @@ pub(crate) struct GramCase {
     pub(crate) inverse: &'static str,
 }
 
-/// Filters between `level` - 1 and `level`; no Q for degree 0 and where none was computed.
+/// Filters between `level` - 1 and `level`; Q is empty for degree 0 and where it was not computed.
 pub(crate) struct FilterCase {
     pub(crate) degree: usize,
     pub(crate) level: usize,

@@ -1,11 +1,11 @@
-//! The numbers behind every decision of one sample of one pixel.
+//! The random numbers of one sample of one pixel.
 
 use glanz_math::DVec2;
 
 use crate::hash::{combine, permute, unit_f64};
 use crate::sequence::owen::{ScrambledSobol, unit};
 
-/// How samples are spread.
+/// Sampling patterns of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum SamplerKind {
     /// Owen-scrambled Sobol' points, one sequence per pixel.
@@ -15,10 +15,10 @@ pub enum SamplerKind {
     Independent,
     /// One random point per cell of a grid (document 003 section 5.7.3, `UVSamplerJittered`).
     Stratified,
-    /// The middle of each cell of a grid over the pixel (document 003 section 5.7.3, `UVSamplerRegular`); all other
-    /// decisions as [`SamplerKind::Stratified`].
+    /// The middle of each cell of a grid over the pixel (document 003 section 5.7.3, `UVSamplerRegular`); all other dimensions as
+    /// [`SamplerKind::Stratified`].
     Regular,
-    /// Always the middle of the pixel (document 003 section 5.7.3, `UVSamplerDirect`); all other decisions as
+    /// The middle of the pixel (document 003 section 5.7.3, `UVSamplerDirect`); all other dimensions as
     /// [`SamplerKind::Sobol`].
     Center,
 }
@@ -28,7 +28,7 @@ impl SamplerKind {
     pub const ALL: [Self; 5] =
         [Self::Sobol, Self::Independent, Self::Stratified, Self::Regular, Self::Center];
 
-    /// The name in scene files and on the command line.
+    /// Name in scene files and on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -40,25 +40,25 @@ impl SamplerKind {
         }
     }
 
-    /// The kind of that name.
+    /// The kind with the given name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|k| k.name() == name)
     }
 }
 
-/// Hands out the numbers of one sample of one pixel, one dimension after the other.
+/// Generates the numbers of one sample of one pixel, one dimension after the other.
 ///
-/// A small value without shared state: what it hands out depends on the arguments of [`PixelSampler::new`] and on the
-/// dimension alone. Samples may be taken in any order and in any pieces; the first `n` of more samples are the same
-/// as `n` samples alone (for [`SamplerKind::Stratified`] and [`SamplerKind::Regular`] the grid follows
-/// `samples_per_pixel`, so that this must be the same).
+/// A small value without shared state: the numbers depend only on the arguments of [`PixelSampler::new`] and on the dimension.
+/// Samples may be taken in any order and grouping; the first `n` of more samples equal `n` samples alone (for
+/// [`SamplerKind::Stratified`] and [`SamplerKind::Regular`] the grid depends on `samples_per_pixel`, which must be the
+/// same).
 #[derive(Clone, Copy, Debug)]
 pub struct PixelSampler {
     kind: SamplerKind,
-    /// Cells along each side of the grid of the stratified kinds.
+    /// Number of cells along each side of the grid of the stratified kinds.
     side: u32,
-    /// Strata of a single number in the stratified kinds.
+    /// Number of strata of a single number in the stratified kinds.
     strata: u32,
     key: u64,
     index: u32,
@@ -69,10 +69,10 @@ pub struct PixelSampler {
 const FIRST_DIMENSION: u32 = 2;
 
 impl PixelSampler {
-    /// The numbers of sample `sample_index` of `pixel`.
+    /// The sampler of sample `sample_index` of `pixel`.
     ///
-    /// `samples_per_pixel`: planned number, 0 counts as 1; more samples than planned are allowed. A number that is not
-    /// a square leaves some cells of the grids of the stratified kinds empty, other ones in each pixel.
+    /// `samples_per_pixel`: the planned number, 0 counts as 1; more samples than planned are allowed. If it is not a square, some
+    /// cells of the grids of the stratified kinds stay empty, different ones in each pixel.
     #[must_use]
     pub fn new(
         kind: SamplerKind,
@@ -82,15 +82,15 @@ impl PixelSampler {
         sample_index: u32,
     ) -> Self {
         let strata = samples_per_pixel.max(1);
-        // ceil(sqrt(n)); at most 2^16, whose square still has to fit: 65535 cells a side are enough.
+        // ceil(sqrt(n)), but at most 65535, whose square fits in 32 bits.
         let floor = strata.isqrt();
         let side = if floor * floor == strata { floor } else { floor + 1 }.min(0xffff);
-        let place = u64::from(pixel[1]) << 32 | u64::from(pixel[0]);
-        let key = combine(combine(seed, 0), place);
+        let pixel = u64::from(pixel[1]) << 32 | u64::from(pixel[0]);
+        let key = combine(combine(seed, 0), pixel);
         Self { kind, side, strata, key, index: sample_index, dimension: FIRST_DIMENSION }
     }
 
-    /// Where in the pixel's square [0, 1)^2 the sample lies; does not advance the dimension.
+    /// Position of the sample in the pixel's square [0, 1)^2; does not advance the dimension.
     #[must_use]
     pub fn pixel_2d(&self) -> DVec2 {
         match self.kind {
@@ -119,7 +119,7 @@ impl PixelSampler {
         }
     }
 
-    /// The next two numbers, in [0, 1)^2, well spread together; begins at an even dimension.
+    /// The next two numbers, in [0, 1)^2, well distributed jointly; starts at an even dimension.
     #[inline]
     pub fn next_2d(&mut self) -> DVec2 {
         let d = self.dimension.wrapping_add(self.dimension & 1);
@@ -127,23 +127,22 @@ impl PixelSampler {
         self.point(d)
     }
 
-    /// Goes on with the next group of four dimensions.
+    /// Advances to the next group of four dimensions.
     ///
-    /// Numbers of one group know each other, those of different groups do not: a decision whose parts belong
-    /// together (a lobe and a direction in it, a light and a point on it) should be made in one group,
-    /// [`PixelSampler::next_2d`] first, then up to two times [`PixelSampler::next_1d`]. Split over two
-    /// groups, a choice and what depends on it converge no faster than independent numbers would.
+    /// The numbers of one group are jointly well distributed, those of different groups are independent. Decisions that belong
+    /// together (a lobe and a direction in it, a light and a point on it) should use one group: [`PixelSampler::next_2d`] first,
+    /// then up to two times [`PixelSampler::next_1d`]. In two groups, they converge no faster than with independent numbers.
     pub fn begin_group(&mut self) {
         self.dimension = self.dimension.wrapping_add(3) & !3;
     }
 
-    /// The dimension that is handed out next.
+    /// The dimension of the next number.
     #[must_use]
     pub fn dimension(&self) -> u32 {
         self.dimension
     }
 
-    /// Goes on with `dimension`, so that what follows does not depend on how many numbers were used before.
+    /// Continues at `dimension`, so that later numbers do not depend on how many were used before.
     ///
     /// Dimensions 0 and 1 are those of [`PixelSampler::pixel_2d`].
     pub fn skip_to_dimension(&mut self, dimension: u32) {
@@ -156,7 +155,7 @@ impl PixelSampler {
         self.index
     }
 
-    /// The point of the even dimension `d` and the next.
+    /// The point in the even dimension `d` and the next one.
     #[inline]
     fn point(&self, d: u32) -> DVec2 {
         match self.kind {
@@ -180,7 +179,7 @@ impl PixelSampler {
 
     /// Middle of this sample's cell in the grid of dimension `d`, and the key of this pass over the grid.
     ///
-    /// Cells are visited in an order of their own in each pixel and dimension.
+    /// The order of the cells is different in each pixel and dimension.
     fn cell(&self, d: u32) -> (DVec2, u64) {
         let cells = self.side * self.side;
         let key = combine(self.request_key(d), u64::from(self.index / cells));
@@ -194,7 +193,7 @@ impl PixelSampler {
         combine(self.key, u64::from(dimension))
     }
 
-    /// The copy of the sequence that covers `dimension`: one for every four.
+    /// The copy of the sequence for `dimension`: one for every four dimensions.
     #[inline]
     fn sobol(&self, dimension: u32) -> ScrambledSobol {
         ScrambledSobol::new(self.request_key(dimension / 4))

@@ -1,23 +1,23 @@
-//! Tests of hypotheses, for those who check samplers against densities.
+//! Statistical tests of samplers against densities.
 
-/// Outcome of a chi-square test.
+/// Result of a chi-square test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChiSquare {
-    /// Sum of (observed - expected)^2 / expected over the pooled cells; infinite if a cell that cannot be hit was.
+    /// Sum of (observed - expected)^2 / expected over the pooled cells; infinite if a cell of probability 0 was hit.
     pub statistic: f64,
-    /// Pooled cells less one.
+    /// Number of pooled cells minus one.
     pub degrees_of_freedom: usize,
-    /// Probability of a statistic at least as large if the expectation holds.
+    /// Probability of a statistic at least as large under the expectation.
     pub p_value: f64,
 }
 
-/// Fewest expected hits of a cell that stands alone; the usual rule for the limit distribution to hold.
+/// Smallest expected number of hits of a cell that is not pooled; the usual rule for the limit distribution.
 const FEWEST_EXPECTED: f64 = 5.0;
 
-/// Whether hit counts fit their expectations, cell by cell.
+/// Pearson's chi-square test of hit counts against expected numbers.
 ///
-/// `observed` and `expected` belong together (further entries of the longer one are ignored); the sums should agree.
-/// Cells of less than five expected hits are pooled, smallest first (the order does not depend on `observed`).
+/// `observed` and `expected` have the same order (additional entries of the longer one are ignored); their sums should agree.
+/// Cells with less than five expected hits are pooled, smallest first (the order does not depend on `observed`).
 ///
 /// # Source
 /// @pearson1900; the pooling is that of @jakob2010mitsuba's test suite.
@@ -60,7 +60,7 @@ pub fn gamma_q(a: f64, x: f64) -> f64 {
     let front = (a * x.ln() - x - ln_gamma(a)).exp();
     if x < a + 1.0 {
         let (mut term, mut sum, mut n) = (1.0 / a, 1.0 / a, a);
-        // Terms fall geometrically once n > x; stop where they no longer count.
+        // Terms decrease geometrically once n > x; stop when they are below rounding.
         while term > sum * f64::EPSILON {
             n += 1.0;
             term *= x / n;
@@ -72,7 +72,7 @@ pub fn gamma_q(a: f64, x: f64) -> f64 {
     let mut b = x + 1.0 - a;
     let (mut c, mut d) = (1.0 / tiny, 1.0 / b);
     let mut h = d;
-    // Needs about sqrt(a) steps near x = a and few elsewhere.
+    // About sqrt(a) steps near x = a, few elsewhere.
     for i in 1..100_000 {
         let i = f64::from(i);
         let numerator = -i * (i - a);

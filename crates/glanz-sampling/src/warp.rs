@@ -1,19 +1,19 @@
 //! Maps from uniform numbers to shapes, each with its density.
 //!
-//! Directions are in a local frame around +z. Every map takes numbers in [0, 1) (1 itself does no harm).
+//! Directions are in a local frame around +z. All maps take numbers in [0, 1); 1 is also valid.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 use glanz_math::{DVec2, DVec3, SolidAnglePdf};
 
-/// The direction at height `z` and azimuth 2 pi `turn`, for `sin` the distance from the axis.
+/// The direction at height `z`, distance `sin` from the axis and azimuth 2 pi `turn`.
 #[inline]
 fn direction(z: f64, sin: f64, turn: f64) -> DVec3 {
     let (s, c) = (TAU * turn).sin_cos();
     DVec3::new(sin * c, sin * s, z)
 }
 
-/// Azimuth of (x, y) over 2 pi, in [0, 1).
+/// Azimuth of (x, y) divided by 2 pi, in [0, 1).
 #[inline]
 fn turn(x: f64, y: f64) -> f64 {
     let t = y.atan2(x) / TAU;
@@ -21,7 +21,7 @@ fn turn(x: f64, y: f64) -> f64 {
     if t < 0.0 { (t + 1.0).min(1.0 - f64::EPSILON / 2.0) } else { t.abs() }
 }
 
-/// A point of the unit disk, uniform in area; squares around the middle go to circles.
+/// A point of the unit disk, uniform by area; squares around the middle are mapped to circles.
 ///
 /// # Source
 /// @shirley1997.
@@ -41,7 +41,7 @@ pub fn concentric_disk(xi: DVec2) -> DVec2 {
     radius * DVec2::new(c, s)
 }
 
-/// The numbers that [`concentric_disk`] takes to `p`.
+/// The inverse of [`concentric_disk`].
 #[must_use]
 pub fn concentric_disk_inverse(p: DVec2) -> DVec2 {
     let radius = p.length();
@@ -64,7 +64,7 @@ pub fn concentric_disk_pdf() -> f64 {
     FRAC_1_PI
 }
 
-/// A direction with z > 0, density proportional to its cosine.
+/// A direction with z > 0 whose density is proportional to its cosine.
 ///
 /// # Source
 /// Nusselt's analogue: the projection of a uniform disk.
@@ -73,11 +73,11 @@ pub fn concentric_disk_pdf() -> f64 {
 pub fn cosine_hemisphere(xi: DVec2) -> DVec3 {
     let d = concentric_disk(xi);
     let z2 = 1.0 - d.length_squared();
-    // Next to the rim of the disk z^2 is all rounding error, and may even be negative: stay above the horizon.
+    // At the rim of the disk z^2 is rounding error only and may be negative: keep the direction above the horizon.
     DVec3::new(d.x, d.y, z2.max(0.25 * f64::EPSILON).sqrt())
 }
 
-/// The numbers that [`cosine_hemisphere`] takes to `w`.
+/// The inverse of [`cosine_hemisphere`].
 #[must_use]
 pub fn cosine_hemisphere_inverse(w: DVec3) -> DVec2 {
     concentric_disk_inverse(DVec2::new(w.x, w.y))
@@ -90,7 +90,7 @@ pub fn cosine_hemisphere_pdf(cos: f64) -> SolidAnglePdf {
     SolidAnglePdf(cos.max(0.0) * FRAC_1_PI)
 }
 
-/// A direction, all equally likely.
+/// A uniformly distributed direction.
 #[inline]
 #[must_use]
 pub fn uniform_sphere(xi: DVec2) -> DVec3 {
@@ -99,7 +99,7 @@ pub fn uniform_sphere(xi: DVec2) -> DVec3 {
     direction(z, 2.0 * (xi.x * (1.0 - xi.x)).max(0.0).sqrt(), xi.y)
 }
 
-/// The numbers that [`uniform_sphere`] takes to `w`.
+/// The inverse of [`uniform_sphere`].
 #[must_use]
 pub fn uniform_sphere_inverse(w: DVec3) -> DVec2 {
     DVec2::new((0.5 * (1.0 - w.z)).clamp(0.0, 1.0), turn(w.x, w.y))
@@ -111,14 +111,14 @@ pub fn uniform_sphere_pdf() -> SolidAnglePdf {
     SolidAnglePdf(0.25 * FRAC_1_PI)
 }
 
-/// A direction with z >= 0, all equally likely.
+/// A uniformly distributed direction with z >= 0.
 #[inline]
 #[must_use]
 pub fn uniform_hemisphere(xi: DVec2) -> DVec3 {
     uniform_cone(xi, 1.0)
 }
 
-/// The numbers that [`uniform_hemisphere`] takes to `w`.
+/// The inverse of [`uniform_hemisphere`].
 #[must_use]
 pub fn uniform_hemisphere_inverse(w: DVec3) -> DVec2 {
     DVec2::new((1.0 - w.z).clamp(0.0, 1.0), turn(w.x, w.y))
@@ -132,17 +132,17 @@ pub fn uniform_hemisphere_pdf(cos: f64) -> SolidAnglePdf {
 
 /// 1 - cos of the angle whose squared sine is `sin2` (in [0, 1], angle at most pi / 2), without cancellation.
 ///
-/// What [`uniform_cone`] wants for a sphere of radius r seen from distance d: `one_minus_cos(r^2 / d^2)`.
+/// The argument of [`uniform_cone`] for a sphere of radius r at distance d is `one_minus_cos(r^2 / d^2)`.
 #[inline]
 #[must_use]
 pub fn one_minus_cos(sin2: f64) -> f64 {
     sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt())
 }
 
-/// A direction in a cone around +z, all equally likely.
+/// A uniformly distributed direction in a cone around +z.
 ///
-/// `one_minus_cos_max`: 1 - cos of the half angle of the cone, in [0, 2]; see [`one_minus_cos`]. In this form a cone of
-/// half angle 1e-9 keeps all its digits.
+/// `one_minus_cos_max`: 1 - cos of the half angle of the cone, in [0, 2]; see [`one_minus_cos`]. In this form a cone with a half
+/// angle of 1e-9 has full precision.
 #[inline]
 #[must_use]
 pub fn uniform_cone(xi: DVec2, one_minus_cos_max: f64) -> DVec3 {
@@ -151,7 +151,7 @@ pub fn uniform_cone(xi: DVec2, one_minus_cos_max: f64) -> DVec3 {
     direction(1.0 - drop, (drop * (2.0 - drop)).max(0.0).sqrt(), xi.y)
 }
 
-/// The numbers that [`uniform_cone`] takes to the unit vector `w`.
+/// The inverse of [`uniform_cone`], for a unit vector `w`.
 #[must_use]
 pub fn uniform_cone_inverse(w: DVec3, one_minus_cos_max: f64) -> DVec2 {
     let sin2 = w.x * w.x + w.y * w.y;
@@ -159,17 +159,17 @@ pub fn uniform_cone_inverse(w: DVec3, one_minus_cos_max: f64) -> DVec2 {
     DVec2::new((drop / one_minus_cos_max).clamp(0.0, 1.0), turn(w.x, w.y))
 }
 
-/// Density of [`uniform_cone`] inside the cone; infinite for a cone without width.
+/// Density of [`uniform_cone`] inside the cone; infinite for a half angle of 0.
 #[inline]
 #[must_use]
 pub fn uniform_cone_pdf(one_minus_cos_max: f64) -> SolidAnglePdf {
     SolidAnglePdf(1.0 / (TAU * one_minus_cos_max))
 }
 
-/// Barycentric weights of a point of a triangle, uniform in area.
+/// Barycentric weights of a point of a triangle, uniform by area.
 ///
 /// # Source
-/// @heitz2019: continuous, and the square is bent less than by the square root map.
+/// @heitz2019: continuous, with less distortion of the square than the square root map.
 #[inline]
 #[must_use]
 pub fn triangle(xi: DVec2) -> [f64; 3] {
@@ -183,14 +183,14 @@ pub fn triangle(xi: DVec2) -> [f64; 3] {
     [a, b, 1.0 - a - b]
 }
 
-/// The numbers that [`triangle`] takes to these barycentric weights.
+/// The inverse of [`triangle`].
 #[must_use]
 pub fn triangle_inverse(weights: [f64; 3]) -> DVec2 {
     let [a, b, _] = weights;
     if a < b { DVec2::new(2.0 * a, a + b) } else { DVec2::new(a + b, 2.0 * b) }
 }
 
-/// A number in (-radius, radius), density falling linearly from the middle to the ends.
+/// A number in (-radius, radius) whose density decreases linearly from the middle to the ends.
 #[inline]
 #[must_use]
 pub fn tent(xi: f64, radius: f64) -> f64 {
@@ -201,7 +201,7 @@ pub fn tent(xi: f64, radius: f64) -> f64 {
     }
 }
 
-/// The number that [`tent`] takes to `x`.
+/// The inverse of [`tent`].
 #[must_use]
 pub fn tent_inverse(x: f64, radius: f64) -> f64 {
     let t = (x / radius).clamp(-1.0, 1.0);
@@ -214,19 +214,19 @@ pub fn tent_pdf(x: f64, radius: f64) -> f64 {
     (1.0 - (x / radius).abs()).max(0.0) / radius
 }
 
-/// A direction around +z, density proportional to cos^exponent; `exponent` >= 0.
+/// A direction around +z whose density is proportional to cos^exponent; `exponent` >= 0.
 ///
 /// # Source
 /// @lafortune1994.
 #[inline]
 #[must_use]
 pub fn phong_lobe(xi: DVec2, exponent: f64) -> DVec3 {
-    // cos = (1 - x)^(1 / (n + 1)); its complement by expm1, so that lobes of exponent 1e12 keep their shape.
+    // cos = (1 - x)^(1 / (n + 1)); its complement by expm1, which is accurate for exponents of 1e12.
     let log_cos = (-xi.x).ln_1p() / (exponent + 1.0);
     direction(log_cos.exp(), (-(2.0 * log_cos).exp_m1()).max(0.0).sqrt(), xi.y)
 }
 
-/// The numbers that [`phong_lobe`] takes to `w` (z >= 0).
+/// The inverse of [`phong_lobe`], for z >= 0.
 #[must_use]
 pub fn phong_lobe_inverse(w: DVec3, exponent: f64) -> DVec2 {
     DVec2::new(1.0 - w.z.clamp(0.0, 1.0).powf(exponent + 1.0), turn(w.x, w.y))
@@ -239,9 +239,9 @@ pub fn phong_lobe_pdf(cos: f64, exponent: f64) -> SolidAnglePdf {
     SolidAnglePdf(if cos > 0.0 { (exponent + 1.0) / TAU * cos.powf(exponent) } else { 0.0 })
 }
 
-/// A point of a regular polygon with `blades` >= 3 corners on the unit circle, uniform in area; a lens with an iris.
+/// A point of a regular polygon with `blades` >= 3 corners on the unit circle, uniform by area: the aperture of an iris.
 ///
-/// Fewer than 3 blades give the disk.
+/// Fewer than 3 blades give the full disk.
 #[must_use]
 pub fn regular_polygon(xi: DVec2, blades: u32) -> DVec2 {
     if blades < 3 {

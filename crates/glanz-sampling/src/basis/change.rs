@@ -1,9 +1,9 @@
-//! Coefficients from one basis to another.
+//! Changes of basis.
 
-use crate::basis::{BandedColumns, Basis, GaussLegendre, Gram, check_length};
+use crate::basis::{BandedColumns, FunctionBasis, GaussLegendre, GramMatrix, check_length};
 use crate::error::DensityError;
 
-/// The matrix P of a refinement: column i holds the coefficients of the coarse function i in the fine basis, so that
+/// The refinement matrix P: column i holds the coefficients of the coarse function i in the fine basis, so that
 /// Phi_coarse = Phi_fine P and c_fine = P c_coarse (@pietrek2001 equation C.1).
 ///
 /// # Errors
@@ -11,21 +11,21 @@ use crate::error::DensityError;
 ///
 /// # Source
 /// Second algorithm of @cohen1980.
-pub fn refinement(coarse: &Basis, fine: &Basis) -> Result<BandedColumns, DensityError> {
+pub fn refinement(coarse: &FunctionBasis, fine: &FunctionBasis) -> Result<BandedColumns, DensityError> {
     let d = coarse.degree();
     let (tau, t) = (coarse.knots().knots(), fine.knots().knots());
     if fine.degree() != d || !contains(t, tau) {
         return Err(DensityError::NotNested);
     }
     let ratio = coarse.sum() / fine.sum();
-    // By coarse function: first fine one with a coefficient, and the coefficients.
+    // For each coarse function, the first fine function with a nonzero coefficient, and the coefficients.
     let mut columns: Vec<(usize, Vec<f64>)> = vec![(0, Vec::new()); coarse.len()];
     for k in 0..fine.len() {
         let m = coarse.knots().segment(t[k]);
         let row = coarse.knots().blossoms(m, |r| t[k + r]);
         for (i, &value) in row.iter().take(d + 1).enumerate() {
             let (first, entries) = &mut columns[m - d + i];
-            // Rounding does not make zeros of these products: they are outside the support.
+            // An exact zero is outside the support.
             if entries.is_empty() && value == 0.0 {
                 continue;
             }
@@ -45,27 +45,27 @@ pub fn refinement(coarse: &Basis, fine: &Basis) -> Result<BandedColumns, Density
     Ok(matrix)
 }
 
-/// Whether ascending `all` holds every entry of ascending `some`, as often.
+/// Whether the ascending list `all` contains the ascending list `some`, repetitions included.
 fn contains(all: &[f64], some: &[f64]) -> bool {
     let mut rest = all.iter();
     some.iter().all(|s| rest.any(|a| a == s))
 }
 
-/// The way from the coefficients in one basis to those in another: exact where the function lies in the other space, the
-/// proximum in L2 where not.
+/// The conversion of coefficients from one basis to another: exact if the function lies in the other space, otherwise the
+/// orthogonal projection in L2.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChangeOfBasis {
-    /// Column j holds the inner products of function j of the old basis with the new ones.
+    /// Column j holds the inner products of function j of the old basis with the functions of the new basis.
     mixed: BandedColumns,
-    gram: Gram,
+    gram: GramMatrix,
 }
 
 impl ChangeOfBasis {
-    /// From `from` to `to`; degrees and knots may differ.
+    /// The conversion from `from` to `to`, whose degrees and knots may differ.
     ///
     /// # Errors
-    /// [`DensityError::Pivot`] as [`Basis::gram`].
-    pub fn try_new(from: &Basis, to: &Basis) -> Result<Self, DensityError> {
+    /// [`DensityError::Pivot`] as [`FunctionBasis::gram`].
+    pub fn try_new(from: &FunctionBasis, to: &FunctionBasis) -> Result<Self, DensityError> {
         let mut breaks: Vec<f64> = from.knots().knots().iter().chain(to.knots().knots()).copied().collect();
         breaks.sort_by(f64::total_cmp);
         breaks.dedup();
@@ -126,7 +126,7 @@ mod tests {
                 let mut all = vec![0.0; d + 1];
                 all.extend_from_slice(inner);
                 all.extend(vec![1.0; d + 1]);
-                Basis::bspline(KnotVector::try_new(d, all).unwrap())
+                FunctionBasis::bspline(KnotVector::try_new(d, all).unwrap())
             };
             let coarse = knots(&[0.1, 0.15, 0.8]);
             let fine =
@@ -145,19 +145,19 @@ mod tests {
 
     #[test]
     fn spaces_that_are_not_nested_are_refused() {
-        let of = |degree, segments| Basis::bspline(KnotVector::uniform(degree, segments).unwrap());
+        let of = |degree, segments| FunctionBasis::bspline(KnotVector::uniform(degree, segments).unwrap());
         assert_eq!(refinement(&of(1, 2), &of(1, 3)), Err(DensityError::NotNested));
         assert_eq!(refinement(&of(1, 2), &of(2, 4)), Err(DensityError::NotNested));
     }
 
     #[test]
     fn change_of_basis_is_exact_into_a_larger_space_of_another_degree() {
-        let lines = Basis::uniform_bspline(1, 2).unwrap();
+        let lines = FunctionBasis::uniform_bspline(1, 2).unwrap();
         // Cubics that may bend at the quarters lie over lines that do: knots there three times.
         let mut knots = vec![0.0; 4];
         knots.extend([0.25, 0.5, 0.75].iter().flat_map(|&t| [t; 3]));
         knots.extend(vec![1.0; 4]);
-        let cubics = Basis::bspline(KnotVector::try_new(3, knots).unwrap());
+        let cubics = FunctionBasis::bspline(KnotVector::try_new(3, knots).unwrap());
         let c = wave(lines.len());
         let changed = ChangeOfBasis::try_new(&lines, &cubics).unwrap().apply(&c).unwrap();
         let back = ChangeOfBasis::try_new(&cubics, &lines).unwrap().apply(&changed).unwrap();
@@ -172,8 +172,8 @@ mod tests {
     #[test]
     fn change_of_basis_into_a_smaller_space_is_the_proximum() {
         // x^2 in lines: (-1/6, 5/6) (appendix B of document 003, example B.20).
-        let square = Basis::uniform_bspline(2, 0).unwrap();
-        let lines = Basis::uniform_bspline(1, 0).unwrap();
+        let square = FunctionBasis::uniform_bspline(2, 0).unwrap();
+        let lines = FunctionBasis::uniform_bspline(1, 0).unwrap();
         let found = ChangeOfBasis::try_new(&square, &lines).unwrap().apply(&[0.0, 0.0, 1.0]).unwrap();
         assert!((found[0] + 1.0 / 6.0).abs() < 1e-14 && (found[1] - 5.0 / 6.0).abs() < 1e-14);
     }

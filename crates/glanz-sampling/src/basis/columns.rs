@@ -1,10 +1,10 @@
 //! Matrices whose columns are short and contiguous.
 
-/// A matrix each of whose columns has its nonzero entries in a few rows next to each other.
+/// A matrix whose columns have their nonzero entries in a few consecutive rows.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct BandedColumns {
     rows: usize,
-    /// First row of each column, and where its entries begin in `entries`.
+    /// First row of each column, and index of its first entry in `entries`.
     columns: Vec<(usize, usize)>,
     entries: Vec<f64>,
 }
@@ -32,7 +32,7 @@ impl BandedColumns {
         self.columns.len()
     }
 
-    /// First row and entries of column `j`; no entries if there is no such column.
+    /// First row and entries of column `j`; empty beyond the last column.
     #[must_use]
     pub fn column(&self, j: usize) -> (usize, &[f64]) {
         let Some(&(first, begin)) = self.columns.get(j) else { return (0, &[]) };

@@ -1,23 +1,23 @@
-//! B-splines and Haar's boxes.
+//! Bases of B-splines and of Haar's box functions.
 
-use crate::basis::pieces::Pieces;
-use crate::basis::{GaussLegendre, Gram, KnotVector, ORDER, check_length};
+use crate::basis::distributions::SplineDistributions;
+use crate::basis::{GaussLegendre, GramMatrix, KnotVector, ORDER, check_length};
 use crate::error::DensityError;
 
-/// A basis of functions on [0, 1] none of which is negative: B-splines, or Haar's orthonormal boxes.
+/// A basis of nonnegative functions on [0, 1]: B-splines, or Haar's orthonormal box functions.
 ///
 /// Function j is N_j = w_j p_j with a probability density p_j and the weight w_j, its integral (@pietrek2001 equations
-/// 2.12, 2.13). Functions are numbered from 0; indices of functions must be below [`Basis::len`].
+/// 2.12, 2.13). Functions are numbered from 0; indices of functions must be below [`FunctionBasis::len`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Basis {
+pub struct FunctionBasis {
     knots: KnotVector,
-    /// What the B-splines, which sum to 1, are multiplied by.
+    /// Factor of the B-splines, which sum to 1.
     scale: f64,
     weights: Vec<f64>,
-    pieces: Pieces,
+    pieces: SplineDistributions,
 }
 
-impl Basis {
+impl FunctionBasis {
     /// The B-splines of these knots; they sum to 1 everywhere.
     #[must_use]
     pub fn bspline(knots: KnotVector) -> Self {
@@ -45,7 +45,7 @@ impl Basis {
         let order = knots.degree() + 1;
         let weights =
             knots.knots().windows(order + 1).map(|t| scale * (t[order] - t[0]) / order as f64).collect();
-        let pieces = Pieces::new(&knots);
+        let pieces = SplineDistributions::new(&knots);
         Self { knots, scale, weights, pieces }
     }
 
@@ -67,13 +67,13 @@ impl Basis {
         self.weights.len()
     }
 
-    /// Never: there is at least one function.
+    /// Always `false`: there is at least one function.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         false
     }
 
-    /// The sum of all functions, the same everywhere.
+    /// The sum of all functions, which is constant.
     #[must_use]
     pub fn sum(&self) -> f64 {
         self.scale
@@ -85,7 +85,7 @@ impl Basis {
         &self.weights
     }
 
-    /// Start and end of where function `j` does not vanish.
+    /// Start and end of the support of function `j`.
     #[must_use]
     pub fn support(&self, j: usize) -> [f64; 2] {
         let t = self.knots.knots();
@@ -93,7 +93,7 @@ impl Basis {
     }
 
     /// The first function that does not vanish on the segment of `x`, and the values there of this and the following
-    /// [`Basis::degree`] functions; the rest of the array is 0.
+    /// [`FunctionBasis::degree`] functions; the rest of the array is 0.
     #[inline]
     #[must_use]
     pub fn nonzero(&self, x: f64) -> (usize, [f64; ORDER]) {
@@ -121,15 +121,15 @@ impl Basis {
         self.value(j, x) / self.weights[j]
     }
 
-    /// The point that the number `xi` in [0, 1) goes to, distributed as p_j: rising with `xi`, within the support of the
-    /// function. Inverts its distribution function to about 1e-15.
+    /// A point with the density p_j from the uniform number `xi` in [0, 1), increasing with `xi`, in the support of the function. It
+    /// inverts the distribution function to about 1e-15.
     #[inline]
     #[must_use]
     pub fn sample(&self, j: usize, xi: f64) -> f64 {
         self.pieces.invert(self.knots.knots(), j, xi)
     }
 
-    /// The distribution function of p_j, in [0, 1]: the inverse of [`Basis::sample`].
+    /// The distribution function of p_j, in [0, 1]: the inverse of [`FunctionBasis::sample`].
     #[must_use]
     pub fn cumulative(&self, j: usize, x: f64) -> f64 {
         self.pieces.cumulative(self.knots.knots(), j, x)
@@ -148,11 +148,11 @@ impl Basis {
         Ok(coefficients[first..].iter().zip(values).take(self.degree() + 1).map(|(c, v)| c * v).sum())
     }
 
-    /// The inner products of all functions, exact but for rounding.
+    /// The inner products of all functions, exact up to rounding.
     ///
     /// # Errors
-    /// [`DensityError::Pivot`] if segments are so short that the functions depend on each other within rounding.
-    pub fn gram(&self) -> Result<Gram, DensityError> {
+    /// [`DensityError::Pivot`] if segments are so short that the functions are linearly dependent up to rounding.
+    pub fn gram(&self) -> Result<GramMatrix, DensityError> {
         let d = self.degree();
         let gauss = GaussLegendre::new(d + 1);
         let width = d + 1;
@@ -167,11 +167,11 @@ impl Basis {
                 }
             }
         }
-        Gram::try_new(self.len(), d, entries)
+        GramMatrix::try_new(self.len(), d, entries)
     }
 
-    /// The inner products of `f` with all functions, by a rule of `nodes` nodes on each segment: exact but for rounding
-    /// where f is a polynomial of degree 2 `nodes` - 1 - [`Basis::degree`] on each segment.
+    /// The inner products of `f` with all functions, by a rule of `nodes` nodes on each segment: exact up to rounding
+    /// if f is a polynomial of degree 2 `nodes` - 1 - [`FunctionBasis::degree`] on each segment.
     #[must_use]
     pub fn inner_products(&self, nodes: usize, mut f: impl FnMut(f64) -> f64) -> Vec<f64> {
         let gauss = GaussLegendre::new(nodes);
@@ -179,21 +179,21 @@ impl Basis {
         for (_, a, b) in self.knots.segments() {
             for &(node, weight) in gauss.rule() {
                 let x = a + (b - a) * node;
-                let share = (b - a) * weight * f(x);
+                let term = (b - a) * weight * f(x);
                 let (first, values) = self.nonzero(x);
                 for (p, v) in products[first..].iter_mut().zip(values) {
-                    *p += share * v;
+                    *p += term * v;
                 }
             }
         }
         products
     }
 
-    /// The coefficients of the proximum of `f` in L2 (@pietrek2001 equation B.2); `nodes` as in
-    /// [`Basis::inner_products`].
+    /// The coefficients of the orthogonal projection of `f` in L2 (@pietrek2001 equation B.2); `nodes` as in
+    /// [`FunctionBasis::inner_products`].
     ///
     /// # Errors
-    /// [`DensityError::Pivot`] as [`Basis::gram`].
+    /// [`DensityError::Pivot`] as [`FunctionBasis::gram`].
     pub fn project(&self, nodes: usize, f: impl FnMut(f64) -> f64) -> Result<Vec<f64>, DensityError> {
         let mut coefficients = self.inner_products(nodes, f);
         self.gram()?.solve(&mut coefficients);
@@ -201,7 +201,7 @@ impl Basis {
     }
 }
 
-/// Finest level: 2^24 segments.
+/// The finest level, with 2^24 segments.
 const FINEST: usize = 24;
 
 fn segments_of(level: usize) -> Result<usize, DensityError> {
@@ -221,18 +221,18 @@ mod tests {
     use crate::statistics::chi_square;
 
     /// Bases of all kinds: every degree, Haar, and knots that repeat and crowd.
-    fn zoo() -> Vec<Basis> {
-        let mut zoo = vec![Basis::haar(0).unwrap(), Basis::haar(3).unwrap()];
+    fn zoo() -> Vec<FunctionBasis> {
+        let mut zoo = vec![FunctionBasis::haar(0).unwrap(), FunctionBasis::haar(3).unwrap()];
         for degree in 0..=crate::basis::MAX_DEGREE {
-            zoo.push(Basis::uniform_bspline(degree, 0).unwrap());
-            zoo.push(Basis::uniform_bspline(degree, 3).unwrap());
+            zoo.push(FunctionBasis::uniform_bspline(degree, 0).unwrap());
+            zoo.push(FunctionBasis::uniform_bspline(degree, 3).unwrap());
             let mut knots = vec![0.0; degree + 1];
             knots.extend([0.01, 0.02, 0.4]);
             // As often as possible: the functions are discontinuous there.
             knots.extend(vec![0.7; degree + 1]);
             knots.push(0.999);
             knots.extend(vec![1.0; degree + 1]);
-            zoo.push(Basis::bspline(KnotVector::try_new(degree, knots).unwrap()));
+            zoo.push(FunctionBasis::bspline(KnotVector::try_new(degree, knots).unwrap()));
         }
         zoo
     }
@@ -251,7 +251,7 @@ mod tests {
     #[test]
     fn bernstein_polynomials_are_the_splines_of_one_segment() {
         // C(3, k) x^k (1 - x)^(3 - k).
-        let basis = Basis::uniform_bspline(3, 0).unwrap();
+        let basis = FunctionBasis::uniform_bspline(3, 0).unwrap();
         for i in 0..=20 {
             let x = f64::from(i) / 20.0;
             let y = 1.0 - x;
@@ -265,7 +265,7 @@ mod tests {
     #[test]
     fn weights_inner_products_and_their_inverses_are_the_exact_fractions() {
         for case in GRAMS {
-            let basis = Basis::uniform_bspline(case.degree, case.level).unwrap();
+            let basis = FunctionBasis::uniform_bspline(case.degree, case.level).unwrap();
             let name = format!("degree {}, level {}", case.degree, case.level);
             for (found, expected) in basis.weights().iter().zip(&matrix(case.weights)[0]) {
                 assert!((found - expected).abs() < 1e-15, "{name}");
@@ -288,7 +288,7 @@ mod tests {
     fn haar_boxes_are_orthonormal_with_weights_of_two_to_minus_half_the_level() {
         // B.haar: w = 1, 1/sqrt 2, 1/2, 1/sqrt 8.
         for (level, w) in [1.0, FRAC_1_SQRT_2, 0.5, 0.353_553_390_593_273_8].into_iter().enumerate() {
-            let basis = Basis::haar(level).unwrap();
+            let basis = FunctionBasis::haar(level).unwrap();
             assert!(basis.weights().iter().all(|v| (v - w).abs() < 1e-15));
             let gram = basis.gram().unwrap();
             for i in 0..basis.len() {
@@ -321,24 +321,24 @@ mod tests {
     #[test]
     fn appendix_b_examples_come_out() {
         // B.18: x^2 in Haar's boxes of level 1 is (sqrt 2 / 24, 7 sqrt 2 / 24).
-        let haar = Basis::haar(1).unwrap().project(4, |x| x * x).unwrap();
+        let haar = FunctionBasis::haar(1).unwrap().project(4, |x| x * x).unwrap();
         let root = 2.0_f64.sqrt();
         assert!((haar[0] - root / 24.0).abs() < 1e-15 && (haar[1] - 7.0 * root / 24.0).abs() < 1e-15);
         // B.19: the duals of 1 - x and x are 4 - 6 x = 4 (1 - x) - 2 x and 6 x - 2 = -2 (1 - x) + 4 x.
-        let lines = Basis::uniform_bspline(1, 0).unwrap();
+        let lines = FunctionBasis::uniform_bspline(1, 0).unwrap();
         for (i, row) in lines.gram().unwrap().inverse().iter().enumerate() {
             for (j, value) in row.iter().enumerate() {
                 assert!((value - if i == j { 4.0 } else { -2.0 }).abs() < 1e-14);
             }
         }
         // B.20 (its functions are numbered the other way round): 5/6 x - 1/6 (1 - x).
-        let proximum = lines.project(4, |x| x * x).unwrap();
-        assert!((proximum[0] + 1.0 / 6.0).abs() < 1e-15 && (proximum[1] - 5.0 / 6.0).abs() < 1e-15);
+        let projection = lines.project(4, |x| x * x).unwrap();
+        assert!((projection[0] + 1.0 / 6.0).abs() < 1e-15 && (projection[1] - 5.0 / 6.0).abs() < 1e-15);
     }
 
     #[test]
     fn dual_and_primary_coefficients_of_sine_are_the_computed_ones() {
-        // reference.json B.table2.2_limits: inner products and proxima of sin(pi x / 2) with hat functions.
+        // reference.json B.table2.2_limits: inner products and projections of sin(pi x / 2) with hat functions.
         let dual: [&[f64]; 4] = [
             &[0.231_335_037_798_230_25, 0.405_284_734_569_351_1],
             &[0.063_460_604_116_825_08, 0.335_748_867_362_810_34, 0.237_410_300_887_945_9],
@@ -385,7 +385,7 @@ mod tests {
         ];
         let sine = |x: f64| (FRAC_PI_2 * x).sin();
         for level in 0..4 {
-            let basis = Basis::uniform_bspline(1, level).unwrap();
+            let basis = FunctionBasis::uniform_bspline(1, level).unwrap();
             for (found, expected) in basis.inner_products(20, sine).iter().zip(dual[level]) {
                 assert!((found - expected).abs() < 1e-14, "{level}: {found} {expected}");
             }
@@ -404,7 +404,7 @@ mod tests {
             ],
         ];
         for (level, expected) in [1, 2].into_iter().zip(means) {
-            let basis = Basis::haar(level).unwrap();
+            let basis = FunctionBasis::haar(level).unwrap();
             for (c, mean) in basis.project(20, sine).unwrap().iter().zip(expected) {
                 assert!((c * basis.sum() - mean).abs() < 1e-14);
             }
@@ -412,7 +412,7 @@ mod tests {
     }
 
     #[test]
-    fn projection_reproduces_what_lies_in_the_space() {
+    fn projection_reproduces_functions_of_the_space() {
         for basis in zoo() {
             let coefficients: Vec<f64> = (0..basis.len()).map(|i| (1.7 * i as f64).cos()).collect();
             let projected =
@@ -455,7 +455,7 @@ mod tests {
     #[test]
     fn numbers_near_zero_find_their_point_to_relative_precision() {
         // The first cubic: F(x) = 1 - (1 - x)^4; the last: F(x) = x^4.
-        let basis = Basis::uniform_bspline(3, 0).unwrap();
+        let basis = FunctionBasis::uniform_bspline(3, 0).unwrap();
         for e in 1..60 {
             let xi = 10.0_f64.powi(-e);
             let last = xi.powf(0.25);
@@ -484,9 +484,9 @@ mod tests {
     #[test]
     fn samples_of_every_function_follow_its_density() {
         // 22 functions at 1e-4 each.
-        for basis in [Basis::haar(1).unwrap(), Basis::uniform_bspline(1, 2).unwrap()]
+        for basis in [FunctionBasis::haar(1).unwrap(), FunctionBasis::uniform_bspline(1, 2).unwrap()]
             .into_iter()
-            .chain([2, 3].map(|d| Basis::uniform_bspline(d, 1).unwrap()))
+            .chain([2, 3].map(|d| FunctionBasis::uniform_bspline(d, 1).unwrap()))
             .chain([zoo().swap_remove(13)])
         {
             for j in 0..basis.len() {

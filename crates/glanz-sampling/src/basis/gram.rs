@@ -1,24 +1,24 @@
-//! Matrices of inner products: symmetric, positive definite, banded.
+//! Gram matrices: inner products, symmetric, positive definite and banded.
 
 use crate::error::DensityError;
 
 /// The inner products of the functions of a basis, with their Cholesky factor.
 ///
-/// Multiplying coefficients by it goes from the primary to the dual basis, solving goes back.
+/// Multiplication converts coefficients from the primary to the dual basis, solving converts them back.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Gram {
+pub struct GramMatrix {
     size: usize,
     /// Number of diagonals below the main one.
     band: usize,
-    /// Row by row, `entries[i (band + 1) + k]` is the entry (i, i - k).
+    /// Entries by rows: `entries[i (band + 1) + k]` is the entry (i, i - k).
     entries: Vec<f64>,
-    /// The lower factor in the same order.
+    /// Lower Cholesky factor in the same order.
     factor: Vec<f64>,
 }
 
-impl Gram {
-    /// The matrix with these entries, `band` + 1 in each row from the diagonal to the left (those before the first column
-    /// do not matter).
+impl GramMatrix {
+    /// The matrix with these entries, `band` + 1 in each row from the diagonal to the left (those before the first column are
+    /// ignored).
     ///
     /// # Errors
     /// [`DensityError::Pivot`] if it is not positive definite.
@@ -51,14 +51,14 @@ impl Gram {
         self.size
     }
 
-    /// The inner product of functions i and j; 0 if there are none such.
+    /// The inner product of functions i and j; 0 beyond the last function.
     #[must_use]
     pub fn entry(&self, i: usize, j: usize) -> f64 {
         let (i, j) = (i.max(j), i.min(j));
         if i >= self.size || i - j > self.band { 0.0 } else { self.entries[i * (self.band + 1) + i - j] }
     }
 
-    /// From primary to dual coefficients.
+    /// Converts primary to dual coefficients.
     ///
     /// # Errors
     /// [`DensityError::Length`].
@@ -67,8 +67,8 @@ impl Gram {
         Ok(self.multiply(primary))
     }
 
-    /// From dual to primary coefficients, in place: those of the proximum of a function from its inner products with
-    /// the basis (@pietrek2001 equation 2.19).
+    /// Converts dual to primary coefficients in place: inner products of a function with the basis to the coefficients of its
+    /// projection (@pietrek2001 equation 2.19).
     ///
     /// # Errors
     /// [`DensityError::Length`].
@@ -78,12 +78,12 @@ impl Gram {
         Ok(())
     }
 
-    /// The whole inverse, by rows: column j holds the coefficients of the dual function j in the primary basis.
+    /// The inverse by rows: column j holds the coefficients of the dual function j in the primary basis.
     #[must_use]
     pub fn inverse(&self) -> Vec<Vec<f64>> {
         (0..self.size)
             .map(|i| {
-                // The inverse is symmetric: its columns are its rows.
+                // The inverse is symmetric, so that its columns equal its rows.
                 let mut row = vec![0.0; self.size];
                 row[i] = 1.0;
                 self.solve(&mut row);
@@ -97,7 +97,7 @@ impl Gram {
         self.band
     }
 
-    /// The inner product of two functions whose coefficients begin at an index each.
+    /// The inner product of two functions, each given by the index of its first coefficient and its coefficients.
     pub(crate) fn product(&self, a: (usize, &[f64]), b: (usize, &[f64])) -> f64 {
         let row = |i: usize, x: f64| -> f64 {
             x * b.1.iter().enumerate().map(|(j, y)| y * self.entry(i, b.0 + j)).sum::<f64>()
@@ -105,7 +105,7 @@ impl Gram {
         a.1.iter().enumerate().map(|(i, x)| row(a.0 + i, *x)).sum()
     }
 
-    /// The product with `x`, which has to be of the right length.
+    /// The product with `x`, whose length must match.
     pub(crate) fn multiply(&self, x: &[f64]) -> Vec<f64> {
         (0..self.size)
             .map(|i| {
@@ -115,7 +115,7 @@ impl Gram {
             .collect()
     }
 
-    /// Solves in place; `b` has to be of the right length.
+    /// Solves the linear system in place; the length of `b` must match.
     pub(crate) fn solve(&self, b: &mut [f64]) {
         let width = self.band + 1;
         for i in 0..self.size {
@@ -147,7 +147,7 @@ mod tests {
     fn solving_undoes_multiplying() {
         let n = 40;
         let entries = (0..n).flat_map(|i| [4.0, 1.0, -0.5, 1.0 / (1.0 + i as f64)]).collect();
-        let gram = Gram::try_new(n, 3, entries).unwrap();
+        let gram = GramMatrix::try_new(n, 3, entries).unwrap();
         assert_eq!(
             [gram.entry(5, 4), gram.entry(4, 5), gram.entry(5, 3), gram.entry(5, 1)],
             [1.0, 1.0, -0.5, 0.0]
@@ -162,8 +162,8 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_positive_definite_is_refused() {
-        let found = Gram::try_new(2, 1, vec![1.0, 0.0, 1.0, 2.0]);
+    fn indefinite_matrices_are_refused() {
+        let found = GramMatrix::try_new(2, 1, vec![1.0, 0.0, 1.0, 2.0]);
         assert_eq!(found, Err(DensityError::Pivot { pivot: 1, value: -3.0 }));
     }
 }

@@ -1,25 +1,25 @@
 //! Bases of functions on [0, 1], each function a scaled density.
 //!
-//! - [`KnotVector`] and [`Basis`]: B-splines up to degree [`MAX_DEGREE`] on any knots, and Haar's orthonormal boxes: value,
-//!   integral, sampling and its inverse, function by function;
-//! - [`Gram`]: inner products, and with them the dual basis;
-//! - [`refinement`] and [`ChangeOfBasis`]: coefficients from one basis to another;
+//! - [`KnotVector`] and [`FunctionBasis`]: B-splines up to degree [`MAX_DEGREE`] on any knots, and Haar's orthonormal box functions:
+//!   value, integral, sampling and its inverse for each function;
+//! - [`GramMatrix`]: inner products, and with them the dual basis;
+//! - [`refinement`] and [`ChangeOfBasis`]: conversion of coefficients between bases;
 //! - [`TensorBasis`]: products of bases, one per axis;
 //! - [`GaussLegendre`]: the quadrature behind the inner products.
 
 mod change;
 mod columns;
+mod distributions;
 mod functions;
 mod gram;
 mod knots;
-mod pieces;
 mod quadrature;
 mod tensor;
 
 pub use change::{ChangeOfBasis, refinement};
 pub use columns::BandedColumns;
-pub use functions::Basis;
-pub use gram::Gram;
+pub use functions::FunctionBasis;
+pub use gram::GramMatrix;
 pub use knots::KnotVector;
 pub use quadrature::GaussLegendre;
 pub use tensor::TensorBasis;
@@ -29,7 +29,7 @@ pub(crate) use tensor::map_axis;
 
 /// Highest degree of B-splines.
 pub const MAX_DEGREE: usize = 7;
-/// Functions of the highest degree that do not vanish at a point.
+/// Largest number of functions that do not vanish at a point.
 pub const ORDER: usize = MAX_DEGREE + 1;
 
 /// Largest number below 1.

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-/// Nodes and weights of Gauss and Legendre on [0, 1]: exact for polynomials of degree 2 n - 1 with n nodes.
+/// The Gauss-Legendre rule on [0, 1]: exact for polynomials of degree 2 n - 1 with n nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GaussLegendre {
-    /// Node and weight.
+    /// Nodes and weights.
     rule: Vec<(f64, f64)>,
 }
 
@@ -21,7 +21,7 @@ impl GaussLegendre {
             .map(|i| {
                 let mut x = (PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
                 let mut slope = 1.0;
-                // From this start the error is squared each time; five steps are more than f64 can show.
+                // From this start Newton's method converges quadratically; five steps reach the precision of f64.
                 for _ in 0..6 {
                     let (value, derivative) = legendre(n, x);
                     slope = derivative;

@@ -1,6 +1,6 @@
 //! Products of bases, one per axis of the unit cube.
 
-use crate::basis::{Basis, GaussLegendre, Gram, ORDER, check_length};
+use crate::basis::{FunctionBasis, GaussLegendre, GramMatrix, ORDER, check_length};
 use crate::error::DensityError;
 
 /// The products of the functions of `D` bases, one per axis of [0, 1]^D; the bases may differ.
@@ -9,17 +9,17 @@ use crate::error::DensityError;
 /// [`TensorBasis::len`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct TensorBasis<const D: usize> {
-    axes: [Basis; D],
-    grams: [Gram; D],
+    axes: [FunctionBasis; D],
+    grams: [GramMatrix; D],
     len: usize,
 }
 
 impl<const D: usize> TensorBasis<D> {
-    /// The products of these bases.
+    /// The product of these bases.
     ///
     /// # Errors
-    /// [`DensityError::Pivot`] as [`Basis::gram`]; [`DensityError::Length`] for more than 2^32 - 1 functions.
-    pub fn try_new(axes: [Basis; D]) -> Result<Self, DensityError> {
+    /// [`DensityError::Pivot`] as [`FunctionBasis::gram`]; [`DensityError::Length`] for more than 2^32 - 1 functions.
+    pub fn try_new(axes: [FunctionBasis; D]) -> Result<Self, DensityError> {
         let len = axes.iter().fold(1_usize, |product, basis| product.saturating_mul(basis.len()));
         if u32::try_from(len).is_err() {
             return Err(DensityError::Length { found: len, expected: u32::MAX as usize });
@@ -34,13 +34,13 @@ impl<const D: usize> TensorBasis<D> {
 
     /// The bases of the axes.
     #[must_use]
-    pub fn axes(&self) -> &[Basis; D] {
+    pub fn axes(&self) -> &[FunctionBasis; D] {
         &self.axes
     }
 
-    /// The inner products along each axis; those of the products are their products.
+    /// The Gram matrices of the axes, whose products are the inner products of the basis functions.
     #[must_use]
-    pub fn grams(&self) -> &[Gram; D] {
+    pub fn grams(&self) -> &[GramMatrix; D] {
         &self.grams
     }
 
@@ -56,19 +56,19 @@ impl<const D: usize> TensorBasis<D> {
         self.len
     }
 
-    /// Never: there is at least one function.
+    /// Always `false`: there is at least one function.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         false
     }
 
-    /// The coefficient that all functions have in the constant 1.
+    /// The coefficient of every function in the constant 1.
     #[must_use]
     pub fn unit_coefficient(&self) -> f64 {
         self.axes.iter().map(|b| 1.0 / b.sum()).product()
     }
 
-    /// The integral of the function of this index.
+    /// The integral of function `index`.
     #[must_use]
     pub fn weight(&self, index: usize) -> f64 {
         let mut rest = index;
@@ -106,7 +106,7 @@ impl<const D: usize> TensorBasis<D> {
                 value *= values[a][offset[a]];
             }
             visit(index, value);
-            // Counts on, the last axis fastest.
+            // Advances, the last axis fastest.
             let Some(a) = (0..D).rev().find(|&a| offset[a] < self.axes[a].degree()) else { return };
             offset[a] += 1;
             offset[a + 1..].fill(0);
@@ -122,7 +122,7 @@ impl<const D: usize> TensorBasis<D> {
         Ok(self.sum(coefficients, x))
     }
 
-    /// As [`TensorBasis::evaluate`], for coefficients of the right length.
+    /// As [`TensorBasis::evaluate`], without the check of the length.
     #[inline]
     pub(crate) fn sum(&self, coefficients: &[f64], x: &[f64; D]) -> f64 {
         if !x.iter().all(|x| (0.0..=1.0).contains(x)) {
@@ -133,7 +133,7 @@ impl<const D: usize> TensorBasis<D> {
         sum
     }
 
-    /// From dual to primary coefficients, axis by axis, in place.
+    /// Converts dual to primary coefficients in place, axis by axis.
     ///
     /// # Errors
     /// [`DensityError::Length`].
@@ -143,7 +143,7 @@ impl<const D: usize> TensorBasis<D> {
         Ok(())
     }
 
-    /// From primary to dual coefficients, axis by axis.
+    /// Converts primary to dual coefficients, axis by axis.
     ///
     /// # Errors
     /// [`DensityError::Length`].
@@ -156,16 +156,15 @@ impl<const D: usize> TensorBasis<D> {
         Ok(dual)
     }
 
-    /// Calls `visit` with nodes and weights of a quadrature of `nodes` nodes along each axis of each cell of the grid of
-    /// all knots.
+    /// Calls `visit` with the nodes and weights of a quadrature with `nodes` nodes along each axis of each cell between knots.
     pub fn for_each_node(&self, nodes: usize, mut visit: impl FnMut(&[f64; D], f64)) {
         let gauss = GaussLegendre::new(nodes);
         let lines: [Vec<(f64, f64)>; D] = std::array::from_fn(|a| {
             let segments = self.axes[a].knots().segments();
-            let on = |(_, a, b): (usize, f64, f64)| {
+            let nodes_on = |(_, a, b): (usize, f64, f64)| {
                 gauss.rule().iter().map(move |&(x, w)| (a + (b - a) * x, (b - a) * w))
             };
-            segments.flat_map(on).collect()
+            segments.flat_map(nodes_on).collect()
         });
         let mut at = [0; D];
         loop {
@@ -182,13 +181,13 @@ impl<const D: usize> TensorBasis<D> {
     pub fn inner_products(&self, nodes: usize, mut f: impl FnMut(&[f64; D]) -> f64) -> Vec<f64> {
         let mut products = vec![0.0; self.len];
         self.for_each_node(nodes, |x, weight| {
-            let share = weight * f(x);
-            self.for_each_nonzero(x, |index, value| products[index] += share * value);
+            let term = weight * f(x);
+            self.for_each_nonzero(x, |index, value| products[index] += term * value);
         });
         products
     }
 
-    /// The coefficients of the proximum of `f` in L2, by the quadrature of [`TensorBasis::for_each_node`].
+    /// The coefficients of the orthogonal projection of `f` in L2, by the quadrature of [`TensorBasis::for_each_node`].
     #[must_use]
     pub fn project(&self, nodes: usize, f: impl FnMut(&[f64; D]) -> f64) -> Vec<f64> {
         let mut coefficients = self.inner_products(nodes, f);
@@ -207,7 +206,7 @@ impl<const D: usize> TensorBasis<D> {
     }
 }
 
-/// Applies `map`, which gives lines of one length, to every line along `axis` of an array of this shape, last axis fastest.
+/// Applies `map`, whose results have equal lengths, to every line along `axis` of an array of this shape, last axis fastest.
 pub(crate) fn map_axis(
     values: &[f64],
     shape: &[usize],

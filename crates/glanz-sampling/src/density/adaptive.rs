@@ -1,20 +1,23 @@
-//! Densities that follow an integrand, on one scale or from coarse to fine.
+//! Adaptive densities, on one level or from coarse to fine.
 
 use std::sync::Arc;
 
 use crate::basis::{TensorBasis, map_axis};
-use crate::density::{Density, DensitySample, DualEstimate, Floor, Learner, Learning, Missing, Weighting};
+use crate::density::{
+    CoefficientFloor, Density, DensityFitter, DensitySample, DualEstimate, FittingMethod, MissingCoefficient,
+    Weighting,
+};
 use crate::error::DensityError;
 use crate::multiresolution::MultiResolution;
 
-/// The multiresolution analyses of the axes of [0, 1]^D; they may differ.
+/// A tensor product of multiresolution analyses, one per axis of [0, 1]^D; they may differ.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Scales<const D: usize> {
+pub struct TensorMultiResolution<const D: usize> {
     analyses: [MultiResolution; D],
 }
 
-impl<const D: usize> Scales<D> {
-    /// These analyses, one per axis.
+impl<const D: usize> TensorMultiResolution<D> {
+    /// The product of these analyses, one per axis.
     #[must_use]
     pub fn new(analyses: [MultiResolution; D]) -> Self {
         Self { analyses }
@@ -39,7 +42,7 @@ impl<const D: usize> Scales<D> {
         Ok(Arc::new(TensorBasis::try_new(axes)?))
     }
 
-    /// The coefficients on levels `to` of the function with these coefficients on levels `from`, none of which is finer.
+    /// Converts coefficients from levels `from` to levels `to`, none of which is coarser.
     ///
     /// # Errors
     /// [`DensityError::Level`], [`DensityError::Length`].
@@ -70,22 +73,22 @@ impl<const D: usize> Scales<D> {
     }
 }
 
-/// A density that learns the integrand it samples.
+/// A density that is fitted to the integrand from its own samples.
 ///
-/// Draw points with [`AdaptiveDensity::sample`], tell the integrand's values with [`AdaptiveDensity::record`] (or, from
-/// several threads, with a [`Learner`] for each), and after each pass [`AdaptiveDensity::adapt`] and, for a finer scale in
-/// the next one, [`AdaptiveDensity::refine`]. Estimates f / p are unbiased in every pass.
+/// Draw points with [`AdaptiveDensity::sample`] and record the values of the integrand with [`AdaptiveDensity::record`] (on several
+/// threads, with one [`DensityFitter`] each). After each pass call [`AdaptiveDensity::fit`] and, for finer levels in the next pass,
+/// [`AdaptiveDensity::refine`]. The estimator f / p is unbiased in every pass.
 ///
 /// # Source
-/// @pietrek2001 sections 2.4 (one scale), 2.5 (from coarse to fine), 2.6 (several dimensions).
+/// @pietrek2001 sections 2.4 (one level), 2.5 (from coarse to fine), 2.6 (several dimensions).
 #[derive(Clone, Debug)]
 pub struct AdaptiveDensity<const D: usize> {
-    scales: Arc<Scales<D>>,
+    scales: Arc<TensorMultiResolution<D>>,
     levels: [usize; D],
     density: Density<D>,
-    learner: Learner<D>,
-    learning: Learning,
-    /// What earlier passes on this scale have learnt.
+    fitter: DensityFitter<D>,
+    method: FittingMethod,
+    /// Estimate from earlier passes on these levels.
     past: Option<DualEstimate>,
 }
 
@@ -95,13 +98,13 @@ impl<const D: usize> AdaptiveDensity<D> {
     /// # Errors
     /// [`DensityError::Level`]; those of [`TensorBasis::try_new`].
     pub fn try_new(
-        scales: Arc<Scales<D>>,
+        scales: Arc<TensorMultiResolution<D>>,
         levels: [usize; D],
-        learning: Learning,
+        method: FittingMethod,
     ) -> Result<Self, DensityError> {
         let basis = scales.basis(levels)?;
-        let learner = Learner::new(basis.clone(), learning);
-        Ok(Self { scales, levels, density: Density::uniform(basis), learner, learning, past: None })
+        let fitter = DensityFitter::new(basis.clone(), method);
+        Ok(Self { scales, levels, density: Density::uniform(basis), fitter, method, past: None })
     }
 
     /// The levels, one per axis.
@@ -110,30 +113,30 @@ impl<const D: usize> AdaptiveDensity<D> {
         self.levels
     }
 
-    /// The density as it is now.
+    /// The current density.
     #[must_use]
     pub fn density(&self) -> &Density<D> {
         &self.density
     }
 
-    /// What was recorded since the last adaption.
+    /// The samples recorded since the last fit.
     #[must_use]
-    pub fn learner(&self) -> &Learner<D> {
-        &self.learner
+    pub fn fitter(&self) -> &DensityFitter<D> {
+        &self.fitter
     }
 
-    /// A learner for [`AdaptiveDensity::learn_from`].
+    /// An empty fitter, for [`AdaptiveDensity::merge`].
     #[must_use]
-    pub fn new_learner(&self) -> Learner<D> {
-        Learner::new(self.density.basis().clone(), self.learning)
+    pub fn new_fitter(&self) -> DensityFitter<D> {
+        DensityFitter::new(self.density.basis().clone(), self.method)
     }
 
-    /// Adds what a learner of this scale recorded.
+    /// Adds the samples that another fitter on these levels recorded.
     ///
     /// # Errors
-    /// [`DensityError::Mismatch`] if it is of another scale.
-    pub fn learn_from(&mut self, learner: &Learner<D>) -> Result<(), DensityError> {
-        self.learner.merge(learner)
+    /// [`DensityError::Mismatch`] if it has other levels.
+    pub fn merge(&mut self, fitter: &DensityFitter<D>) -> Result<(), DensityError> {
+        self.fitter.merge(fitter)
     }
 
     /// As [`Density::pdf`].
@@ -150,20 +153,24 @@ impl<const D: usize> AdaptiveDensity<D> {
         self.density.sample(xi)
     }
 
-    /// As [`Learner::record`].
+    /// As [`DensityFitter::record`].
     pub fn record(&mut self, sample: &DensitySample<D>, value: f64) -> bool {
-        self.learner.record(sample, value)
+        self.fitter.record(sample, value)
     }
 
-    /// Makes the density of what was learnt in this and earlier passes on this scale, which are put together by
-    /// `weighting`; returns the coefficients of the approximation of the integrand, as they were before the floor.
+    /// Fits the density to the samples of this and earlier passes on these levels, combined by `weighting`, and returns the
+    /// coefficients of the approximation of the integrand before `floor` is applied.
     ///
-    /// The density stays as it is, and `None` is returned, if nothing was learnt or the integrand was 0 everywhere.
+    /// Without samples, or if the integrand was 0 at all of them, the density stays unchanged and the result is `None`.
     ///
     /// # Errors
     /// Those of [`Density::from_approximation`].
-    pub fn adapt(&mut self, floor: Floor, weighting: Weighting) -> Result<Option<Vec<f64>>, DensityError> {
-        let Some(new) = self.learner.estimate() else { return Ok(None) };
+    pub fn fit(
+        &mut self,
+        floor: CoefficientFloor,
+        weighting: Weighting,
+    ) -> Result<Option<Vec<f64>>, DensityError> {
+        let Some(new) = self.fitter.estimate() else { return Ok(None) };
         let estimate = match self.past.take() {
             Some(mut past) => {
                 past.accumulate(&new, weighting)?;
@@ -171,10 +178,10 @@ impl<const D: usize> AdaptiveDensity<D> {
             }
             None => new,
         };
-        self.learner.clear();
+        self.fitter.clear();
         let basis = self.density.basis().clone();
         let mut filled = estimate.clone();
-        if self.learning == Learning::OwnSamples(Missing::Neighbours) {
+        if self.method == FittingMethod::OwnSamples(MissingCoefficient::Neighbours) {
             filled.fill_from_neighbours(&basis)?;
         }
         self.past = Some(estimate);
@@ -187,8 +194,8 @@ impl<const D: usize> AdaptiveDensity<D> {
         Ok(Some(approximation))
     }
 
-    /// Goes on with the same density on finer levels (none may be coarser); what was learnt on the old ones is in the
-    /// density only.
+    /// Converts the density to finer levels (none may be coarser). Estimates from passes on the old levels remain only in the
+    /// density.
     ///
     /// # Errors
     /// [`DensityError::Level`].
@@ -198,7 +205,7 @@ impl<const D: usize> AdaptiveDensity<D> {
         }
         let coefficients = self.scales.refine(self.density.coefficients(), self.levels, levels)?;
         let basis = self.scales.basis(levels)?;
-        self.learner = Learner::new(basis.clone(), self.learning);
+        self.fitter = DensityFitter::new(basis.clone(), self.method);
         self.density = Density::try_new(basis, coefficients)?;
         self.levels = levels;
         self.past = None;

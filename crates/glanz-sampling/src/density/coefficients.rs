@@ -1,12 +1,13 @@
-//! A density with given coefficients.
+//! Densities from coefficients.
 
 use std::sync::Arc;
 
-use crate::basis::{BELOW_ONE, Basis, TensorBasis, check_length};
-use crate::density::Floor;
+use crate::basis::{BELOW_ONE, FunctionBasis, TensorBasis, check_length};
+use crate::density::CoefficientFloor;
 use crate::error::DensityError;
 
-/// A probability density on [0, 1]^D: a sum of the functions of a tensor product basis with coefficients of at least 0.
+/// A probability density on [0, 1]^D: a linear combination of the functions of a tensor product basis with nonnegative
+/// coefficients.
 ///
 /// # Source
 /// @pietrek2001 sections 2.4.1 and 2.6.1.
@@ -14,18 +15,18 @@ use crate::error::DensityError;
 pub struct Density<const D: usize> {
     basis: Arc<TensorBasis<D>>,
     coefficients: Vec<f64>,
-    /// For each axis and each choice of functions on the axes before it: the distribution function of the choice on it.
+    /// For each axis, and each choice of functions on the axes before it, the cumulative probabilities of the functions on it.
     cumulative: [Vec<f64>; D],
 }
 
 /// A point drawn from a density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DensitySample<const D: usize> {
-    /// Where it is, in [0, 1)^D.
+    /// Position, in [0, 1)^D.
     pub point: [f64; D],
-    /// The density at it.
+    /// Density at the point.
     pub pdf: f64,
-    /// The index of the function of the basis that it was drawn from.
+    /// Index of the basis function that it was drawn from.
     pub function: usize,
 }
 
@@ -47,7 +48,7 @@ impl<const D: usize> Density<D> {
             return Err(DensityError::Integral(total));
         }
         coefficients.iter_mut().for_each(|c| *c /= total);
-        let cumulative = choices(&basis, masses);
+        let cumulative = cumulative_probabilities(&basis, masses);
         Ok(Self { basis, coefficients, cumulative })
     }
 
@@ -57,25 +58,25 @@ impl<const D: usize> Density<D> {
         let unit = basis.unit_coefficient();
         let coefficients = vec![unit; basis.len()];
         let masses: Vec<f64> = basis.weights().iter().map(|w| w * unit).collect();
-        let cumulative = choices(&basis, masses);
+        let cumulative = cumulative_probabilities(&basis, masses);
         Self { basis, coefficients, cumulative }
     }
 
     /// The constant density 1 in the basis of a single function.
     ///
     /// # Errors
-    /// None that can occur; those of [`TensorBasis::try_new`].
+    /// Those of [`TensorBasis::try_new`], which do not occur.
     pub fn constant() -> Result<Self, DensityError> {
         let mut axes = Vec::with_capacity(D);
         for _ in 0..D {
-            axes.push(Basis::haar(0)?);
+            axes.push(FunctionBasis::haar(0)?);
         }
         let axes = axes.try_into().map_err(|_| DensityError::Mismatch)?;
         Ok(Self::uniform(Arc::new(TensorBasis::try_new(axes)?)))
     }
 
-    /// The density of an approximation whose coefficients may be negative: they are raised by `floor`, with `mean` as the
-    /// integral of the function that was approximated, and normalised.
+    /// The density from the coefficients of an approximation, which may be negative: they are raised to `floor`, with `mean` the
+    /// integral of the approximated function, and normalized.
     ///
     /// # Errors
     /// As [`Density::try_new`].
@@ -83,7 +84,7 @@ impl<const D: usize> Density<D> {
         basis: Arc<TensorBasis<D>>,
         mut coefficients: Vec<f64>,
         mean: f64,
-        floor: Floor,
+        floor: CoefficientFloor,
     ) -> Result<Self, DensityError> {
         check_length(&coefficients, basis.len())?;
         floor.apply(&basis, &mut coefficients, mean);
@@ -96,7 +97,7 @@ impl<const D: usize> Density<D> {
         &self.basis
     }
 
-    /// The coefficients, normalised; the last axis fastest.
+    /// The normalized coefficients, the last axis fastest.
     #[must_use]
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
@@ -109,10 +110,9 @@ impl<const D: usize> Density<D> {
         self.basis.sum(&self.coefficients, x)
     }
 
-    /// The point that the numbers `xi` in [0, 1)^D go to.
+    /// A point from the uniform numbers `xi` in [0, 1)^D.
     ///
-    /// Number a chooses the function on axis a and, stretched again to [0, 1), the point in it: numbers that are well
-    /// spread stay so.
+    /// Number a chooses the function on axis a and, rescaled to [0, 1), the coordinate from it, which preserves stratification.
     #[inline]
     #[must_use]
     pub fn sample(&self, xi: &[f64; D]) -> DensitySample<D> {
@@ -122,7 +122,7 @@ impl<const D: usize> Density<D> {
             let n = axis.len();
             let row = &table[function * n..(function + 1) * n];
             let xi = xi[a].clamp(0.0, BELOW_ONE);
-            // The first bound above xi closes an interval of positive length that holds xi.
+            // The first bound above xi is the end of an interval of positive length that contains xi.
             let j = row.partition_point(|&c| c <= xi).min(n - 1);
             let low = if j == 0 { 0.0 } else { row[j - 1] };
             point[a] = axis.sample(j, (xi - low) / (row[j] - low));
@@ -137,20 +137,20 @@ impl<const D: usize> Density<D> {
         self.coefficients.get(index).map_or(0.0, |c| c * self.basis.weight(index))
     }
 
-    /// The density that takes a share of 1 - `share` from this one and `share` from the constant 1.
+    /// The mixture of this density, with the weight 1 - `uniform_weight`, and the constant 1, with `uniform_weight`.
     ///
-    /// With a share above 0 no estimator f / p exceeds f / share. `share` is taken into [0, 1].
+    /// With a positive weight, no estimator f / p exceeds f / `uniform_weight`. The weight is clamped to [0, 1].
     #[must_use]
-    pub fn mixed_with_uniform(&self, share: f64) -> Self {
-        let share = share.clamp(0.0, 1.0);
+    pub fn mixed_with_uniform(&self, uniform_weight: f64) -> Self {
+        let weight = uniform_weight.clamp(0.0, 1.0);
         let unit = self.basis.unit_coefficient();
-        let mixed = self.coefficients.iter().map(|c| (1.0 - share) * c + share * unit).collect();
-        // The mixture of two densities is one: the constructor has nothing to refuse.
+        let mixed = self.coefficients.iter().map(|c| (1.0 - weight) * c + weight * unit).collect();
+        // A mixture of two densities is a density, so that the constructor succeeds.
         Self::try_new(self.basis.clone(), mixed).unwrap_or_else(|_| self.clone())
     }
 
-    /// The variance of f / p for samples from this density (@pietrek2001 equation 2.6), by quadrature with `nodes` nodes
-    /// along each axis of each cell of the knots. Infinite where f is not 0 but the density is.
+    /// The variance of f / p for samples from this density (@pietrek2001 equation 2.6), by quadrature with `nodes` nodes along each
+    /// axis of each cell between knots. It is infinite if the density is 0 where f is not.
     #[must_use]
     pub fn primary_variance(&self, nodes: usize, mut f: impl FnMut(&[f64; D]) -> f64) -> f64 {
         let (mut integral, mut square) = (0.0, 0.0);
@@ -165,25 +165,25 @@ impl<const D: usize> Density<D> {
     }
 }
 
-/// For each axis the distribution functions of the choice on it; `masses` are those of all functions.
-fn choices<const D: usize>(basis: &TensorBasis<D>, mut masses: Vec<f64>) -> [Vec<f64>; D] {
+/// The cumulative probabilities for each axis, from the masses of all functions.
+fn cumulative_probabilities<const D: usize>(basis: &TensorBasis<D>, mut masses: Vec<f64>) -> [Vec<f64>; D] {
     let mut cumulative = [const { Vec::new() }; D];
-    // From the last axis on: what is left of the masses is their sums over the axes done.
+    // From the last axis to the first; the masses are summed over the axes that are done.
     for (table, axis) in cumulative.iter_mut().zip(basis.axes()).rev() {
         let rows = masses.chunks_exact(axis.len());
-        *table = rows.clone().flat_map(running_shares).collect();
+        *table = rows.clone().flat_map(cumulative_fractions).collect();
         masses = rows.map(|row| row.iter().sum()).collect();
     }
     cumulative
 }
 
-/// The running sums of `masses` over their sum; the last is 1.
-fn running_shares(masses: &[f64]) -> impl Iterator<Item = f64> + '_ {
+/// The running sums of `masses` divided by their total; the last is 1.
+fn cumulative_fractions(masses: &[f64]) -> impl Iterator<Item = f64> + '_ {
     let total: f64 = masses.iter().sum();
     let mut sum = 0.0;
     masses.iter().map(move |m| {
         sum += m;
-        // A row without mass is never chosen.
+        // A row of mass 0 is never chosen.
         if total > 0.0 { sum / total } else { 1.0 }
     })
 }

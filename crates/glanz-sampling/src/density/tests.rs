@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_2_PI, PI};
 use std::sync::Arc;
 
 use super::*;
-use crate::basis::{Basis, KnotVector, MAX_DEGREE, TensorBasis};
+use crate::basis::{FunctionBasis, KnotVector, MAX_DEGREE, TensorBasis};
 use crate::error::DensityError;
 use crate::hash::{combine, unit_f64};
 use crate::multiresolution::MultiResolution;
@@ -14,16 +14,16 @@ fn sine(x: f64) -> f64 {
     (0.5 * PI * x).sin()
 }
 
-fn line(basis: Basis) -> Arc<TensorBasis<1>> {
+fn line(basis: FunctionBasis) -> Arc<TensorBasis<1>> {
     Arc::new(TensorBasis::try_new([basis]).unwrap())
 }
 
 fn hats(level: usize) -> Arc<TensorBasis<1>> {
-    line(Basis::uniform_bspline(1, level).unwrap())
+    line(FunctionBasis::uniform_bspline(1, level).unwrap())
 }
 
 fn haar(level: usize) -> Arc<TensorBasis<1>> {
-    line(Basis::haar(level).unwrap())
+    line(FunctionBasis::haar(level).unwrap())
 }
 
 fn close(found: f64, expected: f64) {
@@ -43,11 +43,11 @@ fn densities_of_table_2_1_have_its_variances() {
         close(variance(&hats(level), (0..=1 << level).map(|i| sine(f64::from(i) / n)).collect()), expected);
     }
     let basis = hats(0);
-    let proximum = basis.project(30, |[x]| sine(*x));
-    close(proximum[0], 0.114_770_682_054_218_86);
-    close(proximum[1], 1.158_468_862_680_943_8);
-    close(variance(&basis, proximum.clone()), 0.006_140_480_630_940_152);
-    close(variance(&basis, vec![proximum[1], proximum[0]]), 0.593_480_267_519_844_5);
+    let projection = basis.project(30, |[x]| sine(*x));
+    close(projection[0], 0.114_770_682_054_218_86);
+    close(projection[1], 1.158_468_862_680_943_8);
+    close(variance(&basis, projection.clone()), 0.006_140_480_630_940_152);
+    close(variance(&basis, vec![projection[1], projection[0]]), 0.593_480_267_519_844_5);
 }
 
 #[test]
@@ -56,14 +56,14 @@ fn densities_of_the_example_of_x_squared_have_its_variances() {
     let square = |x: &[f64; 1]| x[0] * x[0];
     let boxes = haar(2);
     close(Density::uniform(boxes.clone()).primary_variance(10, square), 4.0 / 45.0);
-    let proximum = boxes.project(4, square);
-    for (c, e) in proximum.iter().zip([1.0, 7.0, 19.0, 37.0]) {
+    let projection = boxes.project(4, square);
+    for (c, e) in projection.iter().zip([1.0, 7.0, 19.0, 37.0]) {
         close(*c, e / 96.0);
     }
     let variance = |basis: &Arc<TensorBasis<1>>, c: &[f64]| {
         Density::try_new(basis.clone(), c.to_vec()).unwrap().primary_variance(40, square)
     };
-    close(variance(&boxes, &proximum), 0.006_519_959_809_433_49);
+    close(variance(&boxes, &projection), 0.006_519_959_809_433_49);
     close(variance(&boxes, &[0.008_25, 0.0644, 0.191, 0.39]), 0.007_294_481_720_175_16);
     close(variance(&boxes, &[0.008_25, 0.0644, 0.191, 0.39]) / 40.0, 0.000_182_362_043_004_379);
 
@@ -72,33 +72,34 @@ fn densities_of_the_example_of_x_squared_have_its_variances() {
     for (c, e) in dual.iter().zip([1.0 / 96.0, 7.0 / 48.0, 17.0 / 96.0]) {
         close(*c, e);
     }
-    let proximum = hats.project(4, square);
-    for (c, e) in proximum.iter().zip([-1.0, 5.0, 23.0]) {
+    let projection = hats.project(4, square);
+    for (c, e) in projection.iter().zip([-1.0, 5.0, 23.0]) {
         close(*c, e / 24.0);
     }
-    // Negative on [0, 1/12): no density before it is raised.
-    assert!(hats.evaluate(&proximum, &[1.0 / 12.0 - 1e-9]).unwrap() < 0.0);
-    assert!(hats.evaluate(&proximum, &[1.0 / 12.0 + 1e-9]).unwrap() > 0.0);
-    let refused = Density::try_new(hats.clone(), proximum.clone());
+    // Negative on [0, 1/12), so that it is not a density before it is raised.
+    assert!(hats.evaluate(&projection, &[1.0 / 12.0 - 1e-9]).unwrap() < 0.0);
+    assert!(hats.evaluate(&projection, &[1.0 / 12.0 + 1e-9]).unwrap() > 0.0);
+    let refused = Density::try_new(hats.clone(), projection.clone());
     assert!(matches!(refused, Err(DensityError::Coefficient { index: 0, .. })));
     close(variance(&hats, &[0.01, 0.111, 1.05]), 0.007_008_313_048_131_94);
     for (floor, expected) in [
-        (Floor::Weighted(0.1), 0.002_696_024_981_120_27),
-        (Floor::Constant(0.1), 0.004_303_128_028_135_59),
-        (Floor::Weighted(0.01), 0.002_227_584_838_125_36),
-        (Floor::Constant(0.01), 0.002_382_832_247_600_15),
-        (Floor::Absolute(0.01), 0.002_801_149_953_632_01),
+        (CoefficientFloor::Weighted(0.1), 0.002_696_024_981_120_27),
+        (CoefficientFloor::Constant(0.1), 0.004_303_128_028_135_59),
+        (CoefficientFloor::Weighted(0.01), 0.002_227_584_838_125_36),
+        (CoefficientFloor::Constant(0.01), 0.002_382_832_247_600_15),
+        (CoefficientFloor::Absolute(0.01), 0.002_801_149_953_632_01),
     ] {
-        let density = Density::from_approximation(hats.clone(), proximum.clone(), 1.0 / 3.0, floor).unwrap();
+        let density =
+            Density::from_approximation(hats.clone(), projection.clone(), 1.0 / 3.0, floor).unwrap();
         close(density.primary_variance(40, square), expected);
     }
 }
 
 #[test]
-fn exact_adaption_over_scales_has_the_limits_of_table_2_2() {
+fn exact_fits_over_levels_have_the_limits_of_table_2_2() {
     let variance = |basis: Arc<TensorBasis<1>>, floor| {
-        let proximum = basis.project(30, |[x]| sine(*x));
-        let density = Density::from_approximation(basis, proximum, FRAC_2_PI, floor).unwrap();
+        let projection = basis.project(30, |[x]| sine(*x));
+        let density = Density::from_approximation(basis, projection, FRAC_2_PI, floor).unwrap();
         // The density nearly vanishes near 0, where a rule of few nodes is not exact.
         density.primary_variance(400, |[x]| sine(*x))
     };
@@ -106,11 +107,11 @@ fn exact_adaption_over_scales_has_the_limits_of_table_2_2() {
     for (i, e) in
         [0.039_113_712_932_027_3, 0.013_464_935_950_196_1, 0.004_274_434_733_879_67].into_iter().enumerate()
     {
-        close(variance(haar(i + 1), Floor::Zero), e);
+        close(variance(haar(i + 1), CoefficientFloor::Zero), e);
     }
-    let hat: [(Floor, [f64; 4]); 3] = [
+    let hat: [(CoefficientFloor, [f64; 4]); 3] = [
         (
-            Floor::Zero,
+            CoefficientFloor::Zero,
             [
                 0.006_140_480_630_940_15,
                 0.000_284_591_563_847_572,
@@ -119,7 +120,7 @@ fn exact_adaption_over_scales_has_the_limits_of_table_2_2() {
             ],
         ),
         (
-            Floor::Weighted(0.1),
+            CoefficientFloor::Weighted(0.1),
             [
                 0.006_140_480_630_940_15,
                 0.000_368_763_402_343_257,
@@ -128,7 +129,7 @@ fn exact_adaption_over_scales_has_the_limits_of_table_2_2() {
             ],
         ),
         (
-            Floor::Constant(0.1),
+            CoefficientFloor::Constant(0.1),
             [
                 0.006_140_480_630_940_15,
                 0.002_125_103_433_282_54,
@@ -145,8 +146,8 @@ fn exact_adaption_over_scales_has_the_limits_of_table_2_2() {
 }
 
 #[test]
-fn learning_must_not_divide_by_the_density() {
-    // B.eq2.21_2.22_division_test: Haar levels 1 to 3, infinite samples. What a coefficient converges to is w_j times the
+fn fitting_must_not_divide_by_the_density() {
+    // B.eq2.21_2.22_division_test: Haar levels 1 to 3, infinitely many samples. A coefficient converges to w_j times the
     // mean of f over samples from p_j, the integral of f N_j; divided by p as printed, it is that of f N_j / p.
     let expected_1d = [
         [0.039_113_712_932_027_34, 0.013_464_935_950_196_103, 0.004_274_434_733_879_665],
@@ -156,8 +157,8 @@ fn learning_must_not_divide_by_the_density() {
         let mut density = Density::uniform(haar(1));
         for (i, e) in expected.into_iter().enumerate() {
             let basis = haar(i + 1);
-            let learnt = basis.project(20, |x| sine(x[0]) / if divide { density.pdf(x) } else { 1.0 });
-            density = Density::try_new(basis, learnt).unwrap();
+            let fitted = basis.project(20, |x| sine(x[0]) / if divide { density.pdf(x) } else { 1.0 });
+            density = Density::try_new(basis, fitted).unwrap();
             close(density.primary_variance(30, |[x]| sine(*x)), e);
         }
     }
@@ -167,24 +168,26 @@ fn learning_must_not_divide_by_the_density() {
     ];
     let f = |x: &[f64; 2]| sine(1.0 - x[0]) * sine(x[1]);
     for (divide, expected) in [false, true].into_iter().zip(expected_2d) {
-        let basis =
-            |level| Arc::new(TensorBasis::try_new([(); 2].map(|()| Basis::haar(level).unwrap())).unwrap());
+        let basis = |level| {
+            Arc::new(TensorBasis::try_new([(); 2].map(|()| FunctionBasis::haar(level).unwrap())).unwrap())
+        };
         let mut density = Density::uniform(basis(1));
         for (i, e) in expected.into_iter().enumerate() {
             let basis = basis(i + 1);
-            let learnt = basis.project(12, |x| f(x) / if divide { density.pdf(x) } else { 1.0 });
-            density = Density::try_new(basis, learnt).unwrap();
+            let fitted = basis.project(12, |x| f(x) / if divide { density.pdf(x) } else { 1.0 });
+            density = Density::try_new(basis, fitted).unwrap();
             close(density.primary_variance(16, f), e);
         }
     }
 }
 
 /// Bases of each degree, Haar's, and knots that repeat.
-fn axes() -> Vec<Basis> {
-    let mut axes: Vec<Basis> = (0..=MAX_DEGREE).map(|d| Basis::uniform_bspline(d, 2).unwrap()).collect();
-    axes.push(Basis::haar(3).unwrap());
+fn axes() -> Vec<FunctionBasis> {
+    let mut axes: Vec<FunctionBasis> =
+        (0..=MAX_DEGREE).map(|d| FunctionBasis::uniform_bspline(d, 2).unwrap()).collect();
+    axes.push(FunctionBasis::haar(3).unwrap());
     let knots = vec![0.0, 0.0, 0.0, 0.01, 0.3, 0.3, 0.3, 0.8, 1.0, 1.0, 1.0];
-    axes.push(Basis::bspline(KnotVector::try_new(2, knots).unwrap()));
+    axes.push(FunctionBasis::bspline(KnotVector::try_new(2, knots).unwrap()));
     axes
 }
 
@@ -224,7 +227,8 @@ fn samples_of_every_density_follow_it() {
 #[test]
 fn samples_in_three_dimensions_follow_the_density_on_different_bases() {
     let bases =
-        [Basis::haar(2), Basis::uniform_bspline(2, 1), Basis::uniform_bspline(1, 2)].map(Result::unwrap);
+        [FunctionBasis::haar(2), FunctionBasis::uniform_bspline(2, 1), FunctionBasis::uniform_bspline(1, 2)]
+            .map(Result::unwrap);
     let basis = Arc::new(TensorBasis::try_new(bases).unwrap());
     assert_eq!((basis.shape(), basis.len()), ([4, 4, 5], 80));
     let density = random(&basis, 77);
@@ -274,16 +278,16 @@ fn density_of_a_function_in_the_space_leaves_no_variance() {
         let basis = line(axis);
         let c: Vec<f64> = (0..basis.len()).map(|i| 1.5 + (2.0 * i as f64).sin()).collect();
         let f = |x: &[f64; 1]| basis.evaluate(&c, x).unwrap();
-        let proximum = basis.project(MAX_DEGREE + 1, f);
-        assert!(proximum.iter().zip(&c).all(|(a, b)| (a - b).abs() < 1e-11));
-        let density = Density::try_new(basis.clone(), proximum).unwrap();
+        let projection = basis.project(MAX_DEGREE + 1, f);
+        assert!(projection.iter().zip(&c).all(|(a, b)| (a - b).abs() < 1e-11));
+        let density = Density::try_new(basis.clone(), projection).unwrap();
         assert!(density.primary_variance(MAX_DEGREE + 1, f).abs() < 1e-11);
     }
 }
 
 #[test]
-fn mixture_with_the_constant_is_nowhere_below_its_share() {
-    let density = random(&line(Basis::uniform_bspline(2, 3).unwrap()), 3);
+fn mixture_with_the_constant_is_nowhere_below_its_weight() {
+    let density = random(&line(FunctionBasis::uniform_bspline(2, 3).unwrap()), 3);
     let mixed = density.mixed_with_uniform(0.25);
     for i in 0..=100 {
         let x = [f64::from(i) / 100.0];
@@ -293,7 +297,7 @@ fn mixture_with_the_constant_is_nowhere_below_its_share() {
 }
 
 #[test]
-fn nothing_to_choose_from_is_refused() {
+fn invalid_coefficients_are_refused() {
     let basis = hats(1);
     let of = |c: &[f64]| Density::try_new(basis.clone(), c.to_vec());
     assert_eq!(of(&[0.0; 3]), Err(DensityError::Integral(0.0)));
@@ -303,39 +307,39 @@ fn nothing_to_choose_from_is_refused() {
 }
 
 /// Records `n` samples of f.
-fn learn<const D: usize>(
+fn fit<const D: usize>(
     density: &Density<D>,
-    learning: Learning,
+    method: FittingMethod,
     n: u64,
     key: u64,
     f: impl Fn(&[f64; D]) -> f64,
-) -> Learner<D> {
-    let mut learner = Learner::new(density.basis().clone(), learning);
+) -> DensityFitter<D> {
+    let mut fitter = DensityFitter::new(density.basis().clone(), method);
     for i in 0..n {
         let key = combine(key, i);
         let sample = density.sample(&std::array::from_fn(|a| unit_f64(combine(key, a as u64))));
-        assert!(learner.record(&sample, f(&sample.point)));
+        assert!(fitter.record(&sample, f(&sample.point)));
     }
-    learner
+    fitter
 }
 
 #[test]
-fn both_ways_of_learning_find_the_inner_products() {
+fn both_methods_find_the_inner_products() {
     // 5 x 9 coefficients, both ways: 90 normal deviates; 4 standard deviations have a chance of 6e-3 to be left.
-    let axes = [Basis::uniform_bspline(2, 1).unwrap(), Basis::uniform_bspline(1, 3).unwrap()];
+    let axes = [FunctionBasis::uniform_bspline(2, 1).unwrap(), FunctionBasis::uniform_bspline(1, 3).unwrap()];
     let basis = Arc::new(TensorBasis::try_new(axes).unwrap());
     let f = |x: &[f64; 2]| sine(1.0 - x[0]) * sine(x[1]) + 0.1;
     let exact = basis.inner_products(12, f);
     let density = random(&basis, 9).mixed_with_uniform(0.3);
-    for learning in [Learning::OwnSamples(Missing::Constant), Learning::AllSamples] {
-        let estimate = learn(&density, learning, 100_000, 8, f).estimate().unwrap();
+    for method in [FittingMethod::OwnSamples(MissingCoefficient::Constant), FittingMethod::AllSamples] {
+        let estimate = fit(&density, method, 100_000, 8, f).estimate().unwrap();
         let within = |sigmas: f64| {
             let each = estimate.values.iter().zip(&estimate.variances).zip(&exact);
             each.filter(|((v, variance), e)| (*v - **e).abs() < sigmas * variance.sqrt()).count()
         };
-        assert_eq!(within(4.0), exact.len(), "{learning:?}");
+        assert_eq!(within(4.0), exact.len(), "{method:?}");
         // And the variances are not too large: about 0.68 of deviates lie within one.
-        assert!(within(1.0) as f64 > 0.45 * exact.len() as f64 && within(1.0) < exact.len(), "{learning:?}");
+        assert!(within(1.0) as f64 > 0.45 * exact.len() as f64 && within(1.0) < exact.len(), "{method:?}");
         assert!((estimate.integral - (FRAC_2_PI * FRAC_2_PI + 0.1)).abs() < 0.01);
     }
 }
@@ -343,21 +347,30 @@ fn both_ways_of_learning_find_the_inner_products() {
 #[test]
 fn coefficients_without_samples_are_those_of_the_constant() {
     let basis = hats(4);
-    let estimate =
-        learn(&Density::uniform(basis.clone()), Learning::OwnSamples(Missing::Constant), 3, 1, |_| 2.0)
-            .estimate()
-            .unwrap();
+    let estimate = fit(
+        &Density::uniform(basis.clone()),
+        FittingMethod::OwnSamples(MissingCoefficient::Constant),
+        3,
+        1,
+        |_| 2.0,
+    )
+    .estimate()
+    .unwrap();
     for ((value, count), weight) in estimate.values.iter().zip(&estimate.counts).zip(basis.weights()) {
         assert!((value - 2.0 * weight).abs() < 1e-15, "{count}");
     }
-    assert!(Learner::new(basis, Learning::OwnSamples(Missing::Constant)).estimate().is_none());
+    assert!(
+        DensityFitter::new(basis, FittingMethod::OwnSamples(MissingCoefficient::Constant))
+            .estimate()
+            .is_none()
+    );
 }
 
 #[test]
 fn coefficients_without_samples_follow_their_neighbours() {
     // 3 x 3 hat functions of level 1, weights 1/4, 1/2, 1/4 along each axis; samples at the first corner (mean 8) and in the
     // middle of the last row (mean 2).
-    let axes = [(); 2].map(|()| Basis::uniform_bspline(1, 1).unwrap());
+    let axes = [(); 2].map(|()| FunctionBasis::uniform_bspline(1, 1).unwrap());
     let basis = TensorBasis::try_new(axes).unwrap();
     let mut counts = vec![0; 9];
     (counts[0], counts[7]) = (5, 5);
@@ -370,30 +383,35 @@ fn coefficients_without_samples_follow_their_neighbours() {
     for ((value, mean), weight) in estimate.values.iter().zip(means).zip(basis.weights()) {
         assert!((value - mean * weight).abs() < 1e-15, "{:?}", estimate.values);
     }
-    // Nobody knows anything: nothing changes, and it ends.
+    // Without any samples, nothing changes and the loop ends.
     let mut empty = DualEstimate { counts: vec![0; 9], ..estimate.clone() };
     empty.fill_from_neighbours(&basis).unwrap();
     assert_eq!(empty.values, estimate.values);
-    assert!(empty.fill_from_neighbours(&TensorBasis::try_new([Basis::haar(1).unwrap()]).unwrap()).is_err());
+    assert!(
+        empty
+            .fill_from_neighbours(&TensorBasis::try_new([FunctionBasis::haar(1).unwrap()]).unwrap())
+            .is_err()
+    );
 }
 
 #[test]
-fn values_that_are_not_finite_are_not_learnt_and_negative_ones_by_their_size() {
+fn values_that_are_not_finite_are_rejected_and_negative_ones_count_by_magnitude() {
     let density = Density::uniform(hats(0));
-    let mut learner = Learner::new(density.basis().clone(), Learning::OwnSamples(Missing::Constant));
+    let mut fitter =
+        DensityFitter::new(density.basis().clone(), FittingMethod::OwnSamples(MissingCoefficient::Constant));
     let sample = density.sample(&[0.3]);
-    assert!(!learner.record(&sample, f64::NAN) && !learner.record(&sample, f64::INFINITY));
-    assert!(learner.record(&sample, -2.0));
-    let estimate = learner.estimate().unwrap();
-    assert_eq!((learner.samples(), estimate.integral), (1, 2.0));
+    assert!(!fitter.record(&sample, f64::NAN) && !fitter.record(&sample, f64::INFINITY));
+    assert!(fitter.record(&sample, -2.0));
+    let estimate = fitter.estimate().unwrap();
+    assert_eq!((fitter.samples(), estimate.integral), (1, 2.0));
 }
 
 #[test]
-fn merged_learners_know_what_one_would() {
+fn merged_fitters_equal_one() {
     let density = Density::uniform(hats(2));
     let f = |x: &[f64; 1]| sine(x[0]);
-    let mut a = learn(&density, Learning::OwnSamples(Missing::Constant), 500, 1, f);
-    let b = learn(&density, Learning::OwnSamples(Missing::Constant), 700, 2, f);
+    let mut a = fit(&density, FittingMethod::OwnSamples(MissingCoefficient::Constant), 500, 1, f);
+    let b = fit(&density, FittingMethod::OwnSamples(MissingCoefficient::Constant), 700, 2, f);
     let (first, second) = (a.estimate().unwrap(), b.estimate().unwrap());
     a.merge(&b).unwrap();
     let merged = a.estimate().unwrap();
@@ -404,7 +422,7 @@ fn merged_learners_know_what_one_would() {
         assert!((x - y).abs() < 1e-14);
     }
     assert_eq!((merged.samples, &merged.counts), (accumulated.samples, &accumulated.counts));
-    let other = Learner::new(hats(1), Learning::OwnSamples(Missing::Constant));
+    let other = DensityFitter::new(hats(1), FittingMethod::OwnSamples(MissingCoefficient::Constant));
     assert_eq!(a.merge(&other), Err(DensityError::Mismatch));
 }
 
@@ -432,16 +450,19 @@ fn inverse_variances_weigh_the_better_estimate_more() {
 
 #[test]
 fn refined_density_is_the_same_function() {
-    let scales =
-        Arc::new(Scales::new([MultiResolution::haar(4).unwrap(), MultiResolution::bspline(2, 3).unwrap()]));
+    let scales = Arc::new(TensorMultiResolution::new([
+        MultiResolution::haar(4).unwrap(),
+        MultiResolution::bspline(2, 3).unwrap(),
+    ]));
     let mut adaptive =
-        AdaptiveDensity::try_new(scales, [2, 0], Learning::OwnSamples(Missing::Constant)).unwrap();
+        AdaptiveDensity::try_new(scales, [2, 0], FittingMethod::OwnSamples(MissingCoefficient::Constant))
+            .unwrap();
     for i in 0..4000 {
         let key = combine(6, i);
         let sample = adaptive.sample(&[unit_f64(combine(key, 0)), unit_f64(combine(key, 1))]);
         adaptive.record(&sample, sample.point[0] * sine(sample.point[1]));
     }
-    adaptive.adapt(Floor::default(), Weighting::Samples).unwrap().unwrap();
+    adaptive.fit(CoefficientFloor::default(), Weighting::Samples).unwrap().unwrap();
     let coarse = adaptive.density().clone();
     adaptive.refine([4, 3]).unwrap();
     assert_eq!(adaptive.density().basis().shape(), [16, 10]);
@@ -454,31 +475,33 @@ fn refined_density_is_the_same_function() {
 
 #[test]
 fn further_passes_on_one_scale_come_closer_to_the_proximum() {
-    let scales = Arc::new(Scales::new([MultiResolution::bspline(1, 1).unwrap()]));
+    let scales = Arc::new(TensorMultiResolution::new([MultiResolution::bspline(1, 1).unwrap()]));
     let mut adaptive =
-        AdaptiveDensity::try_new(scales, [1], Learning::OwnSamples(Missing::Constant)).unwrap();
-    let proximum = hats(1).project(30, |[x]| sine(*x));
+        AdaptiveDensity::try_new(scales, [1], FittingMethod::OwnSamples(MissingCoefficient::Constant))
+            .unwrap();
+    let projection = hats(1).project(30, |[x]| sine(*x));
     let mut errors = Vec::new();
     for pass in 0..64 {
         for i in 0..1000 {
             let sample = adaptive.sample(&[unit_f64(combine(combine(3, pass), i))]);
             adaptive.record(&sample, sine(sample.point[0]));
         }
-        let found = adaptive.adapt(Floor::default(), Weighting::Samples).unwrap().unwrap();
-        errors.push(found.iter().zip(&proximum).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt());
+        let found = adaptive.fit(CoefficientFloor::default(), Weighting::Samples).unwrap().unwrap();
+        errors.push(found.iter().zip(&projection).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt());
     }
     // A root of 64 is expected.
     assert!(errors[63] < errors[0] / 4.0, "{errors:?}");
 }
 
 #[test]
-fn nothing_learnt_leaves_the_density() {
-    let scales = Arc::new(Scales::new([MultiResolution::haar(2).unwrap()]));
+fn density_stays_without_samples() {
+    let scales = Arc::new(TensorMultiResolution::new([MultiResolution::haar(2).unwrap()]));
     let mut adaptive =
-        AdaptiveDensity::try_new(scales, [2], Learning::OwnSamples(Missing::Constant)).unwrap();
-    assert_eq!(adaptive.adapt(Floor::default(), Weighting::Samples), Ok(None));
+        AdaptiveDensity::try_new(scales, [2], FittingMethod::OwnSamples(MissingCoefficient::Constant))
+            .unwrap();
+    assert_eq!(adaptive.fit(CoefficientFloor::default(), Weighting::Samples), Ok(None));
     let sample = adaptive.sample(&[0.4]);
     adaptive.record(&sample, 0.0);
-    assert_eq!(adaptive.adapt(Floor::default(), Weighting::Samples), Ok(None));
+    assert_eq!(adaptive.fit(CoefficientFloor::default(), Weighting::Samples), Ok(None));
     assert_eq!(adaptive.pdf(&[0.9]), 1.0);
 }

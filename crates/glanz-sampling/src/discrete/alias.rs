@@ -1,23 +1,24 @@
 //! Choice by weight in constant time.
 
-use super::{BELOW_ONE, Choice, WeightsError, checked_sum};
+use super::{BELOW_ONE, DiscreteChoice, WeightsError, checked_sum};
 
-/// Chooses among `n` by weight in constant time; neighbouring numbers do not give neighbouring choices.
+/// A table for choosing among `n` elements by weight in constant time. Neighbouring numbers do not give neighbouring choices.
 ///
 /// # Source
 /// @vose1991.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AliasTable {
-    cells: Vec<Cell>,
+    cells: Vec<AliasCell>,
     probabilities: Vec<f64>,
     sum: f64,
 }
 
+/// One of `n` cells of equal width.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Cell {
-    /// Share of the cell that keeps its own index.
+struct AliasCell {
+    /// Fraction of the cell that belongs to its own index.
     keep: f64,
-    /// Whose the rest is.
+    /// Index that the rest belongs to.
     alias: u32,
 }
 
@@ -25,7 +26,7 @@ impl AliasTable {
     /// A table for `weights`.
     ///
     /// # Errors
-    /// [`WeightsError`] if there is none, one is negative or not finite, all are zero, or there are 2^32 or more.
+    /// [`WeightsError`] if there are no weights, one is negative or not finite, all are zero, or there are 2^32 or more.
     pub fn try_new(weights: &[f64]) -> Result<Self, WeightsError> {
         let sum = checked_sum(weights)?;
         if u32::try_from(weights.len()).is_err() {
@@ -33,36 +34,37 @@ impl AliasTable {
         }
         let n = weights.len() as f64;
         let probabilities: Vec<f64> = weights.iter().map(|w| w / sum).collect();
-        let mut share: Vec<f64> = probabilities.iter().map(|p| p * n).collect();
-        let mut cells: Vec<Cell> = (0..weights.len()).map(|i| Cell { keep: 1.0, alias: i as u32 }).collect();
+        let mut scaled: Vec<f64> = probabilities.iter().map(|p| p * n).collect();
+        let mut cells: Vec<AliasCell> =
+            (0..weights.len()).map(|i| AliasCell { keep: 1.0, alias: i as u32 }).collect();
         let (mut under, mut over): (Vec<usize>, Vec<usize>) =
-            (0..weights.len()).partition(|&i| share[i] < 1.0);
+            (0..weights.len()).partition(|&i| scaled[i] < 1.0);
         while let (Some(&small), Some(&large)) = (under.last(), over.last()) {
             under.pop();
-            cells[small] = Cell { keep: share[small], alias: large as u32 };
-            // What the small one lacks comes from the large one.
-            share[large] -= 1.0 - share[small];
-            if share[large] < 1.0 {
+            cells[small] = AliasCell { keep: scaled[small], alias: large as u32 };
+            // The large weight fills the rest of the small one's cell.
+            scaled[large] -= 1.0 - scaled[small];
+            if scaled[large] < 1.0 {
                 over.pop();
                 under.push(large);
             }
         }
-        // What is left over has share 1 but for rounding and keeps its cell, unless it has no weight at all.
+        // The remaining cells are full up to rounding and keep their index, unless their weight is zero.
         if let Some(heaviest) = (0..weights.len()).max_by(|&a, &b| weights[a].total_cmp(&weights[b])) {
             for i in under.into_iter().filter(|&i| weights[i] == 0.0) {
-                cells[i] = Cell { keep: 0.0, alias: heaviest as u32 };
+                cells[i] = AliasCell { keep: 0.0, alias: heaviest as u32 };
             }
         }
         Ok(Self { cells, probabilities, sum })
     }
 
-    /// Number of things to choose from.
+    /// Number of elements.
     #[must_use]
     pub fn len(&self) -> usize {
         self.cells.len()
     }
 
-    /// Never: there is at least one.
+    /// Always `false`: there is at least one element.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         false
@@ -74,7 +76,7 @@ impl AliasTable {
         self.sum
     }
 
-    /// The probability of `index`; 0 if there is no such.
+    /// The probability of `index`; 0 beyond the last element.
     #[must_use]
     pub fn probability(&self, index: usize) -> f64 {
         self.probabilities.get(index).copied().unwrap_or(0.0)
@@ -82,17 +84,17 @@ impl AliasTable {
 
     /// Chooses by `xi` in [0, 1).
     #[must_use]
-    pub fn choose(&self, xi: f64) -> Choice {
+    pub fn choose(&self, xi: f64) -> DiscreteChoice {
         let scaled = xi.clamp(0.0, BELOW_ONE) * self.cells.len() as f64;
         let index = (scaled as usize).min(self.cells.len() - 1);
         let within = (scaled - index as f64).min(BELOW_ONE);
-        let Cell { keep, alias } = self.cells[index];
+        let AliasCell { keep, alias } = self.cells[index];
         let (index, rest) = if within < keep {
             (index, within / keep)
         } else {
             (alias as usize, (within - keep) / (1.0 - keep))
         };
-        Choice { index, probability: self.probabilities[index], xi: rest.clamp(0.0, BELOW_ONE) }
+        DiscreteChoice { index, probability: self.probabilities[index], xi: rest.clamp(0.0, BELOW_ONE) }
     }
 }
 
@@ -135,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_weight_is_never_chosen() {
+    fn elements_of_weight_zero_are_never_chosen() {
         for weights in [vec![0.0, 1.0], vec![1.0, 0.0, 0.0], vec![0.1, 0.2, 0.0, 0.3, 0.0, 0.7]] {
             let table = AliasTable::try_new(&weights).unwrap();
             for i in 0..=10_000 {

@@ -1,4 +1,4 @@
-//! A density on the unit square that is constant in the cells of a grid.
+//! Piecewise constant densities on the unit square.
 
 use glanz_math::DVec2;
 
@@ -8,14 +8,14 @@ use super::{PiecewiseConstant1, WeightsError};
 #[derive(Clone, Debug, PartialEq)]
 pub struct PiecewiseConstant2 {
     rows: PiecewiseConstant1,
-    /// The density along each row; `None` for a row without weight, which is never chosen.
+    /// The density along each row; `None` for a row of weight 0, which is never chosen.
     columns: Vec<Option<PiecewiseConstant1>>,
     width: usize,
 }
 
 /// A point drawn from a [`PiecewiseConstant2`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GridSample {
+pub struct PiecewiseConstantSample {
     /// The point, in [0, 1)^2.
     pub point: DVec2,
     /// Column and row of its cell.
@@ -25,7 +25,7 @@ pub struct GridSample {
 }
 
 impl PiecewiseConstant2 {
-    /// A density proportional to `weights`: `height` rows of `width` values; x runs along a row, y over the rows.
+    /// The density proportional to `weights`: `height` rows of `width` values; x runs along a row, y over the rows.
     ///
     /// # Errors
     /// [`WeightsError`] if a side is zero, the number of weights is not width * height, a weight is negative or not
@@ -49,12 +49,12 @@ impl PiecewiseConstant2 {
         self.rows.sum()
     }
 
-    /// The point that `xi` goes to.
+    /// A point from the uniform numbers `xi`.
     #[must_use]
-    pub fn sample(&self, xi: DVec2) -> GridSample {
+    pub fn sample(&self, xi: DVec2) -> PiecewiseConstantSample {
         let row = self.rows.choose(xi.y);
         let height = self.rows.len() as f64;
-        // A row without weight is never chosen; if it were, density 0 says that the sample counts nothing.
+        // A row of weight 0 is never chosen; its density would be 0.
         let (x, column, pdf) = match self.columns.get(row.index) {
             Some(Some(columns)) => {
                 let (x, pdf) = columns.sample(xi.x);
@@ -62,7 +62,7 @@ impl PiecewiseConstant2 {
             }
             _ => (xi.x, (xi.x * self.width as f64) as usize, 0.0),
         };
-        GridSample {
+        PiecewiseConstantSample {
             point: DVec2::new(x, ((row.index as f64 + row.xi) / height).min(super::BELOW_ONE)),
             cell: [column.min(self.width - 1), row.index],
             pdf: pdf * row.probability * height,
@@ -72,17 +72,17 @@ impl PiecewiseConstant2 {
     /// The density at `point`; 0 outside [0, 1)^2.
     #[must_use]
     pub fn pdf(&self, point: DVec2) -> f64 {
-        let along_y = self.rows.pdf(point.y);
-        if along_y == 0.0 {
+        let pdf_y = self.rows.pdf(point.y);
+        if pdf_y == 0.0 {
             return 0.0;
         }
         match self.columns.get((point.y * self.rows.len() as f64) as usize) {
-            Some(Some(columns)) => columns.pdf(point.x) * along_y,
+            Some(Some(columns)) => columns.pdf(point.x) * pdf_y,
             _ => 0.0,
         }
     }
 
-    /// The numbers that [`PiecewiseConstant2::sample`] takes to `point`; `None` where the density is 0.
+    /// The inverse of [`PiecewiseConstant2::sample`]; `None` where the density is 0.
     #[must_use]
     pub fn invert(&self, point: DVec2) -> Option<DVec2> {
         let y = self.rows.invert(point.y)?;
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn shapes_that_do_not_fit_are_refused() {
+    fn wrong_shapes_are_refused() {
         assert!(matches!(PiecewiseConstant2::try_new(5, 3, &WEIGHTS), Err(WeightsError::Length { .. })));
         assert_eq!(PiecewiseConstant2::try_new(0, 3, &[]), Err(WeightsError::Empty));
         assert_eq!(PiecewiseConstant2::try_new(2, 1, &[0.0, 0.0]), Err(WeightsError::Sum(0.0)));

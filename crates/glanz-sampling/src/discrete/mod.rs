@@ -1,33 +1,33 @@
-//! Choosing among many by weight.
+//! Choices by weight and piecewise constant densities.
 
 pub mod alias;
-pub mod cumulative;
 pub mod grid;
+pub mod piecewise_constant;
 
 pub use alias::AliasTable;
-pub use cumulative::PiecewiseConstant1;
 pub use grid::PiecewiseConstant2;
+pub use piecewise_constant::PiecewiseConstant1;
 
-/// Why weights cannot be chosen by.
+/// Invalid weights.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WeightsError {
-    /// There is none.
-    #[error("there are no weights")]
+    /// There are no weights.
+    #[error("there are no weights; at least one is needed")]
     Empty,
-    /// A weight is negative, infinite or not a number.
-    #[error("weight {index} is {value}, it has to be a number of at least 0")]
+    /// A weight is negative, infinite or NaN.
+    #[error("weight {index} is {value}; it must be finite and not negative")]
     Weight {
         /// Its index.
         index: usize,
         /// Its value.
         value: f64,
     },
-    /// All are zero, or so large that their sum is infinite.
-    #[error("the weights sum to {0}, nothing can be chosen")]
+    /// All weights are zero, or their sum is infinite.
+    #[error("the sum of the weights is {0}; it must be positive and finite")]
     Sum(f64),
     /// The number of weights is not the product of the sides, or more than 2^32 - 1.
-    #[error("{found} weights do not fill a table of {width} x {height}")]
+    #[error("there are {found} weights; a table of {width} x {height} is needed")]
     Length {
         /// Weights given.
         found: usize,
@@ -38,14 +38,14 @@ pub enum WeightsError {
     },
 }
 
-/// A choice.
+/// A random choice by weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Choice {
-    /// What was chosen.
+pub struct DiscreteChoice {
+    /// Index of the chosen element.
     pub index: usize,
-    /// The probability of this choice.
+    /// Probability of this choice.
     pub probability: f64,
-    /// A number that is again uniform in [0, 1), whatever was chosen.
+    /// A number that is uniform in [0, 1) and independent of the choice.
     pub xi: f64,
 }
 

@@ -1,18 +1,18 @@
-//! An estimate of an integral and how far to trust it.
+//! Estimates of integrals with their variances.
 
 use crate::density::Weighting;
 
-/// An integral as estimated from samples.
+/// An integral estimated from samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// Values of the integrand behind it.
+    /// Number of values of the integrand.
     pub samples: u64,
     /// The mean of f / p: the integral.
     pub mean: f64,
     /// Variance of the primary estimator f / p of a single sample. 0 for a single sample.
     pub primary_variance: f64,
-    /// Variance of [`Estimate::mean`]. For independent samples the primary one over their number (@pietrek2001 equation 2.5);
-    /// for others from the spread of repetitions. Infinite where there is nothing to tell it from.
+    /// Variance of [`Estimate::mean`]. For independent samples, the primary variance divided by their number (@pietrek2001 equation
+    /// 2.5); for others, from the variance of the repetitions. Infinite if it cannot be estimated.
     pub mean_variance: f64,
 }
 
@@ -23,8 +23,8 @@ impl Estimate {
         self.mean_variance.sqrt()
     }
 
-    /// 1 / (time x variance of the mean), in 1 / (s x square of the integral's unit); `seconds` is the time that the
-    /// estimate took. Does not depend on the number of samples where they are independent.
+    /// 1 / (time x variance of the mean), in 1 / (s x square of the integral's unit); `seconds` is the computing time of the estimate.
+    /// For independent samples it does not depend on their number.
     ///
     /// # Source
     /// @pietrek2001 equations 2.10 and 2.11.
@@ -33,9 +33,9 @@ impl Estimate {
         1.0 / (seconds * self.mean_variance)
     }
 
-    /// Estimates of the same integral put together; `None` of none.
+    /// The combination of estimates of the same integral; `None` if there are none.
     ///
-    /// The primary variance is the mean weighted by samples, as in document 003's tables 2.3 and 2.5.
+    /// The primary variance is the mean weighted by samples, as in tables 2.3 and 2.5 of document 003.
     #[must_use]
     pub fn combine(estimates: &[Self], weighting: Weighting) -> Option<Self> {
         let samples: u64 = estimates.iter().map(|e| e.samples).sum();
@@ -54,15 +54,15 @@ impl Estimate {
     }
 }
 
-/// Mean and sum of squared deviations of numbers that come one by one, without cancellation (Welford's recurrences).
+/// Mean and variance of numbers that are added one by one, without cancellation (Welford's recurrences).
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Moments {
+pub(super) struct RunningMoments {
     count: u64,
     mean: f64,
     squares: f64,
 }
 
-impl Moments {
+impl RunningMoments {
     pub(super) fn add(&mut self, x: f64) {
         self.count += 1;
         let before = x - self.mean;
@@ -78,7 +78,7 @@ impl Moments {
         self.mean
     }
 
-    /// The unbiased estimate; `None` of fewer than two numbers.
+    /// The unbiased estimate of the variance; `None` for fewer than two numbers.
     pub(super) fn variance(&self) -> Option<f64> {
         (self.count > 1).then(|| self.squares / (self.count - 1) as f64)
     }
@@ -93,10 +93,10 @@ mod tests {
 
     #[test]
     fn moments_are_those_of_the_numbers() {
-        let mut m = Moments::default();
+        let mut m = RunningMoments::default();
         [1e9 + 1.0, 1e9 + 2.0, 1e9 + 6.0].iter().for_each(|x| m.add(*x));
         assert_eq!((m.mean(), m.variance()), (1e9 + 3.0, Some(7.0)));
-        assert_eq!(Moments::default().variance(), None);
+        assert_eq!(RunningMoments::default().variance(), None);
     }
 
     #[test]

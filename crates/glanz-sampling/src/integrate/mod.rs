@@ -1,20 +1,20 @@
 //! Monte Carlo integration over the unit cube.
 //!
-//! - [`Estimate`]: an integral with its variances, which are told apart by name;
-//! - [`Plan`] and [`integrate`]: samples of one density, independent, stratified or quasi-Monte Carlo;
-//! - [`AdaptivePlan`] and [`integrate_adaptively`]: passes whose density learns from the one before.
+//! - [`Estimate`]: an integral with the variances of a single sample and of the mean;
+//! - [`IntegrationPlan`] and [`integrate`]: samples of one density, independent, stratified or quasi-Monte Carlo;
+//! - [`AdaptivePlan`] and [`integrate_adaptively`]: passes, each with a density fitted to the samples of the previous one.
 //!
 //! # Source
 //! @pietrek2001 sections 2.1 to 2.3, 2.5.1.
 
+mod adaptive;
 mod estimate;
-mod passes;
-mod plain;
-mod points;
+mod sample_points;
+mod single_density;
 #[cfg(test)]
 mod tests;
 
+pub use adaptive::{AdaptivePlan, AdaptiveResult, IntegrationPass, PassResult, integrate_adaptively};
 pub use estimate::Estimate;
-pub use passes::{AdaptivePlan, AdaptiveResult, Pass, PassResult, integrate_adaptively};
-pub use plain::{Plan, integrate};
-pub use points::Sampling;
+pub use sample_points::SamplingPattern;
+pub use single_density::{IntegrationPlan, integrate};

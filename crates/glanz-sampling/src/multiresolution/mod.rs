@@ -1,16 +1,16 @@
 //! Multiresolution analyses: nested spaces V^0, V^1, ... on [0, 1], and the wavelets between them.
 //!
-//! [`MultiResolution`] holds Haar's or B-splines' scaling bases with semiorthogonal wavelets of minimal support and a
-//! [`Step`] of filters between neighbouring levels; it transforms coefficients along one axis. [`plane`] has the two ways to
-//! do so along two.
+//! [`MultiResolution`] has the scaling bases of Haar or of B-splines with semiorthogonal wavelets of minimal support, and a
+//! [`FilterBank`] between neighbouring levels; it transforms coefficients along one axis. [`plane`] has the standard and the
+//! non-standard transform along two axes.
 //!
 //! # Source
 //! @pietrek2001 appendix C.
 
 mod analysis;
+mod filter_bank;
 pub mod plane;
-mod step;
 mod wavelets;
 
 pub use analysis::MultiResolution;
-pub use step::Step;
+pub use filter_bank::FilterBank;

@@ -1,4 +1,4 @@
-//! Wavelet transformations of functions of two variables.
+//! Wavelet transforms of functions of two variables.
 //!
 //! Coefficients are those of a tensor product basis ([`crate::basis::TensorBasis`]), the second axis fastest. The two axes
 //! may have different analyses and levels.
@@ -10,7 +10,7 @@ use crate::basis::{check_length, map_axis};
 use crate::error::DensityError;
 use crate::multiresolution::MultiResolution;
 
-/// The standard construction: the whole transformation along each line of the second axis, then along each of the first.
+/// The standard transform: the whole transform along each line of the second axis, then along each line of the first.
 ///
 /// # Errors
 /// [`DensityError::Level`], [`DensityError::Length`].
@@ -56,8 +56,8 @@ fn both_axes(
     Ok(())
 }
 
-/// The non-standard construction: one step along each line of the second axis and one along each of the first, and again
-/// so in the corner of the coarser coefficients, until an axis is on level 0; the other one goes on alone.
+/// The non-standard transform: one step along each line of the second axis and one along each line of the first, then the same
+/// for the coarser coefficients in the corner, until an axis is on level 0; the other axis continues alone.
 ///
 /// # Errors
 /// [`DensityError::Level`], [`DensityError::Length`].
@@ -74,7 +74,7 @@ pub fn non_standard(
             coefficients,
             stride,
             levels.map(|l| l.saturating_sub(done)),
-            Direction::Analysis,
+            TransformDirection::Analysis,
         )?;
     }
     Ok(())
@@ -97,43 +97,44 @@ pub fn inverse_non_standard(
             coefficients,
             stride,
             levels.map(|l| l.saturating_sub(done)),
-            Direction::Synthesis,
+            TransformDirection::Synthesis,
         )?;
     }
     Ok(())
 }
 
+/// Direction of a wavelet transform.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Direction {
+enum TransformDirection {
     Analysis,
     Synthesis,
 }
 
-/// One step along both axes in the corner that is on these levels; an axis on level 0 stays.
+/// One step along both axes of the corner with these levels; an axis on level 0 stays unchanged.
 fn step_corner(
     analyses: [&MultiResolution; 2],
     coefficients: &mut [f64],
     stride: usize,
     levels: [usize; 2],
-    direction: Direction,
+    direction: TransformDirection,
 ) -> Result<(), DensityError> {
     let rows = analyses[0].basis(levels[0])?.len();
     let columns = analyses[1].basis(levels[1])?.len();
     let mut corner: Vec<f64> =
         coefficients.chunks(stride).take(rows).flat_map(|row| row[..columns].iter().copied()).collect();
-    // The inverse undoes the last step first.
-    let order = if direction == Direction::Analysis { [1, 0] } else { [0, 1] };
+    // The inverse reverses the order of the axes.
+    let order = if direction == TransformDirection::Analysis { [1, 0] } else { [0, 1] };
     for axis in order.into_iter().filter(|&a| levels[a] > 0) {
-        let step = analyses[axis].step(levels[axis])?;
+        let filter_bank = analyses[axis].filter_bank(levels[axis])?;
         corner = map_axis(&corner, &[rows, columns], axis, |line| match direction {
-            Direction::Analysis => {
-                let (mut coarse, details) = step.split(line);
+            TransformDirection::Analysis => {
+                let (mut coarse, details) = filter_bank.split(line);
                 coarse.extend(details);
                 coarse
             }
-            Direction::Synthesis => {
-                let (coarse, details) = line.split_at(step.p().columns());
-                step.join(coarse, details)
+            TransformDirection::Synthesis => {
+                let (coarse, details) = line.split_at(filter_bank.p().columns());
+                filter_bank.join(coarse, details)
             }
         });
     }
@@ -166,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn both_constructions_come_back_on_any_levels() {
+    fn both_transforms_are_invertible_on_any_levels() {
         let [u, v] = analyses();
         for levels in [[0, 0], [4, 3], [1, 3], [4, 0], [0, 2]] {
             let n = u.basis(levels[0]).unwrap().len() * v.basis(levels[1]).unwrap().len();
@@ -187,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn standard_transformation_of_a_product_is_the_product_of_transformations() {
+    fn standard_transform_of_a_product_is_the_product_of_transforms() {
         let [u, v] = analyses();
         let (mut a, mut b) = (wave(16), wave(10));
         let mut product: Vec<f64> = a.iter().flat_map(|x| b.iter().map(move |y| x * y)).collect();

@@ -1,17 +1,21 @@
 //! Semiorthogonal wavelets of minimal support.
 
-use crate::basis::{BandedColumns, Basis, Gram};
+use crate::basis::{BandedColumns, FunctionBasis, GramMatrix};
 
-/// The matrix Q: column k holds wavelet k in the fine basis, of norm 1 in L2, orthogonal to every coarse function.
+/// The matrix Q: column k holds wavelet k in the fine basis, of L2 norm 1 and orthogonal to every coarse function.
 ///
-/// Wavelet k of the first half begins as far left as k and the support 3 degree + 2 of an inner wavelet allow, and ends
-/// as soon as one is possible; those of the second half are their mirror images. Their first (in the second half last)
-/// coefficient is positive.
+/// Wavelet k of the first half starts as far left as k and the support 3 degree + 2 of an inner wavelet allow, and is as short as
+/// possible; the second half mirrors the first. The first coefficient (in the second half, the last) is positive.
 ///
 /// # Source
-/// @pietrek2001 section C.2.2 asks for them; the windows and the numbers follow from there being one more unknown than
-/// conditions, as in @finkelstein1994.
-pub(super) fn wavelets(coarse: &Basis, fine: &Basis, p: &BandedColumns, gram: &Gram) -> BandedColumns {
+/// @pietrek2001 section C.2.2; the supports and coefficients follow from one more unknown than conditions, as in
+/// @finkelstein1994.
+pub(super) fn wavelets(
+    coarse: &FunctionBasis,
+    fine: &FunctionBasis,
+    p: &BandedColumns,
+    gram: &GramMatrix,
+) -> BandedColumns {
     let (d, m) = (coarse.degree(), fine.len());
     let count = m - coarse.len();
     let half = count.div_ceil(2);
@@ -19,10 +23,10 @@ pub(super) fn wavelets(coarse: &Basis, fine: &Basis, p: &BandedColumns, gram: &G
     for k in 0..half {
         let first = k.max((2 * k).saturating_sub(d));
         let mut last = first;
-        let (mut low, mut high) = touched(coarse, fine, first);
+        let (mut low, mut high) = overlapping(coarse, fine, first);
         while last + 1 < m && last - first <= high - low {
             last += 1;
-            let (l, h) = touched(coarse, fine, last);
+            let (l, h) = overlapping(coarse, fine, last);
             (low, high) = (low.min(l), high.max(h));
         }
         let conditions = (low..=high)
@@ -45,16 +49,16 @@ pub(super) fn wavelets(coarse: &Basis, fine: &Basis, p: &BandedColumns, gram: &G
     matrix
 }
 
-/// First and last coarse function whose support meets that of the fine function `r`.
-fn touched(coarse: &Basis, fine: &Basis, r: usize) -> (usize, usize) {
+/// First and last coarse function whose support overlaps that of the fine function `r`.
+fn overlapping(coarse: &FunctionBasis, fine: &FunctionBasis, r: usize) -> (usize, usize) {
     let [a, b] = fine.support(r);
     let d = coarse.degree();
     let low = coarse.knots().segment(a) - d;
-    // Just below the end: the segment that begins there is not met.
+    // Just below the end, since the segment that starts there does not overlap.
     (low, coarse.knots().segment(b.next_down()))
 }
 
-/// A vector of `unknowns` entries that the rows, of which there are fewer, send to 0: elimination with complete pivoting.
+/// A vector of `unknowns` entries in the null space of fewer rows, by elimination with complete pivoting.
 fn null_vector(mut rows: Vec<Vec<f64>>, unknowns: usize) -> Vec<f64> {
     let mut order: Vec<usize> = (0..unknowns).collect();
     let rank = rows.len().min(unknowns.saturating_sub(1));
@@ -89,8 +93,8 @@ fn null_vector(mut rows: Vec<Vec<f64>>, unknowns: usize) -> Vec<f64> {
         x[s] = -known / rows[s][s];
     }
     let mut ordered = vec![0.0; unknowns];
-    for (place, value) in order.into_iter().zip(x) {
-        ordered[place] = value;
+    for (position, value) in order.into_iter().zip(x) {
+        ordered[position] = value;
     }
     ordered
 }

@@ -6,8 +6,8 @@ use crate::sequence::sobol;
 /// 2^-32.
 const STEP: f64 = 1.0 / (1_u64 << 32) as f64;
 
-/// Scrambles a *bit-reversed* 32-bit fraction: each bit is flipped or not by a hash of `seed` and of the bits more
-/// significant (before reversal) than itself. The result is still reversed.
+/// Scrambles a *bit-reversed* 32-bit fraction: each bit is flipped depending on a hash of `seed` and of the more significant bits
+/// (before reversal). The result is reversed too.
 ///
 /// `seed` should be the output of a good hash.
 ///
@@ -17,7 +17,7 @@ const STEP: f64 = 1.0 / (1_u64 << 32) as f64;
 #[inline]
 #[must_use]
 pub fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
-    // Multiplications carry information upwards only, towards bits that were less significant.
+    // Multiplication carries information only upwards, towards bits that were less significant.
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);
@@ -27,18 +27,17 @@ pub fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
 
 /// Nested uniform scrambling of a 32-bit fraction.
 ///
-/// Of an index instead of a fraction, this is a shuffling that keeps every aligned block of 2^k indices together:
-/// prefixes of a shuffled digital sequence are still nets.
+/// Applied to an index, it is a shuffle that keeps every aligned block of 2^k indices together: prefixes of a shuffled digital
+/// sequence are still nets.
 #[inline]
 #[must_use]
 pub fn scramble(x: u32, seed: u32) -> u32 {
     scramble_reversed(x.reverse_bits(), seed).reverse_bits()
 }
 
-/// A scrambled and shuffled copy of the four-dimensional Sobol' sequence; the copy is named by `key`.
+/// A scrambled and shuffled copy of the four-dimensional Sobol' sequence, identified by a key.
 ///
-/// Copies of different keys are (practically) independent, so that any number of them side by side make a sequence of
-/// any dimension: "padding".
+/// Copies with different keys are practically independent, so that several of them make a sequence of any dimension ("padding").
 ///
 /// # Source
 /// @burley2020 section 3.
@@ -48,15 +47,15 @@ pub struct ScrambledSobol {
 }
 
 impl ScrambledSobol {
-    /// The copy that `key` names.
+    /// The copy with the given key.
     #[inline]
     #[must_use]
     pub const fn new(key: u64) -> Self {
         Self { key }
     }
 
-    /// Coordinate `dimension` (0 to 3) of a point, in units of 2^-32; `reversed_index` is its index with the order of
-    /// bits reversed ([`u32::reverse_bits`]).
+    /// Coordinate `dimension` (0 to 3) of a point, in units of 2^-32; `reversed_index` is its index with reversed bits
+    /// ([`u32::reverse_bits`]).
     #[inline]
     #[must_use]
     pub fn coordinate(&self, reversed_index: u32, dimension: usize) -> u32 {
@@ -68,10 +67,10 @@ impl ScrambledSobol {
     /// Coordinates 0 and 1 (`pair` 0) or 2 and 3 (`pair` 1) of a point, in units of 2^-32; `reversed_index` as in
     /// [`ScrambledSobol::coordinate`].
     ///
-    /// Pair 0 is a scrambled (0, 2)-sequence. Pair 1 on its own is worse (by up to 60 % in the error of
-    /// smooth, a third of discontinuous integrands), but pairs of different copies do not know each other,
-    /// while the four coordinates of one copy do: with 64 points the error of a product of a discontinuous
-    /// function of each pair is half of what it is with two copies.
+    /// Pair 0 is a scrambled (0, 2)-sequence. Pair 1 alone is worse (errors of smooth integrands are up to 60 %, of discontinuous
+    /// ones a third larger). But pairs of different copies are independent, while the four coordinates of one copy are jointly
+    /// well distributed: with 64 points the error of a product of discontinuous functions of both pairs is half of that with
+    /// two copies.
     #[inline]
     #[must_use]
     pub fn pair(&self, reversed_index: u32, pair: usize) -> [u32; 2] {
@@ -86,7 +85,7 @@ impl ScrambledSobol {
     /// The seeds of both coordinates of a pair.
     #[inline]
     fn seeds(&self, pair: usize) -> u64 {
-        // One bit apart is far enough for a good hash.
+        // A difference of one bit is enough for a good hash.
         mix64(self.key ^ (1 + pair as u64))
     }
 

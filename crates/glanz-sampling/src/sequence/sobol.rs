@@ -1,4 +1,4 @@
-//! The Sobol' sequence in its first four dimensions.
+//! The first four dimensions of the Sobol' sequence.
 
 /// Number of dimensions.
 pub const DIMENSIONS: usize = 4;
@@ -12,7 +12,7 @@ const POLYNOMIALS: [(usize, u32, [u32; 3]); 3] = [(1, 0, [1, 0, 0]), (2, 1, [1, 
 /// Generator matrices by columns, most significant bit of the coordinate first.
 const DIRECTIONS: [[u32; 32]; DIMENSIONS] = directions();
 
-/// What each byte of a *bit-reversed* index adds to the *bit-reversed* coordinate: `REVERSED[d][position][byte]`.
+/// Contribution of each byte of a *bit-reversed* index to the *bit-reversed* coordinate: `REVERSED[d][position][byte]`.
 static REVERSED: [[[u32; 256]; 4]; DIMENSIONS] = reversed_by_byte();
 
 const fn directions() -> [[u32; 32]; DIMENSIONS] {
@@ -74,8 +74,7 @@ const fn reversed_by_byte() -> [[[u32; 256]; 4]; DIMENSIONS] {
 /// The bit-reversed coordinate `dimension` (0 to 3, taken modulo 4), in units of 2^-32, of the point whose
 /// bit-reversed index is `reversed_index`.
 ///
-/// Reversed is how [`super::owen::scramble_reversed`] wants both, and reversing 32 bits costs more than
-/// scrambling them.
+/// [`super::owen::scramble_reversed`] uses the reversed order, and reversing 32 bits costs more than scrambling them.
 #[inline]
 #[must_use]
 pub fn coordinate_reversed(reversed_index: u32, dimension: usize) -> u32 {

@@ -1,4 +1,4 @@
-//! The scrambled sequence is stratified, unbiased and converges as it should; samplers hand it out in order.
+//! Stratification, unbiasedness and convergence of the scrambled sequence, and the samplers that use it.
 
 use glanz_math::DVec2;
 use glanz_sampling::hash::{combine, unit_f64};
@@ -10,12 +10,12 @@ fn sobol(pixel: [u32; 2], index: u32) -> PixelSampler {
     PixelSampler::new(SamplerKind::Sobol, 16, 5, pixel, index)
 }
 
-/// Whether `points` (a power of two) has one point in each dyadic box of volume 1 / `points`, for all shapes of box.
+/// Whether each dyadic box of volume 1 / n, of any shape, contains one of the n points (n a power of two).
 fn is_net(points: &[[u32; 2]]) -> bool {
     let bits = points.len().trailing_zeros();
     (0..=bits).all(|a| {
         let b = bits - a;
-        // 32 zero bits are all that is left of a coordinate whose bits do not count.
+        // A shift by 32 bits leaves 0.
         let cell = |p: &[u32; 2]| (u64::from(p[0]) >> (32 - a)) << b | u64::from(p[1]) >> (32 - b);
         let mut seen = vec![false; points.len()];
         points.iter().for_each(|p| seen[cell(p) as usize] = true);
@@ -66,7 +66,7 @@ fn scrambling_is_nested_a_bijection_and_flips_half() {
         let seed = combine(33, key) as u32;
         let (x, y) = (combine(34, key) as u32, combine(35, key) as u32);
         for bits in 1..32 {
-            // What agrees in the leading bits agrees there afterwards, and nowhere by accident.
+            // Equal leading bits stay equal, and different ones stay different.
             let other = (x >> bits << bits) | (y & ((1 << bits) - 1));
             assert_eq!(scramble(x, seed) >> bits, scramble(other, seed) >> bits);
             assert_ne!(scramble(x, seed) >> (bits - 1), scramble(x ^ 1 << (bits - 1), seed) >> (bits - 1));
@@ -100,7 +100,7 @@ fn rms_error(n: u32, exact: f64, f: impl Fn(DVec2) -> f64) -> f64 {
 }
 
 #[test]
-fn error_of_a_smooth_integrand_falls_like_n_to_the_minus_three_halves() {
+fn error_of_a_smooth_integrand_decreases_like_n_to_the_minus_three_halves() {
     // Owen: N^-1.5 (log N)^0.5 in two dimensions. x y has mean 1/4, variance 7/144.
     let f = |p: DVec2| p.x * p.y;
     let errors: Vec<f64> = [16, 256, 4096].map(|n| rms_error(n, 0.25, f)).to_vec();
@@ -135,7 +135,7 @@ fn copies_are_unbiased() {
 }
 
 #[test]
-fn samples_do_not_depend_on_what_was_asked_before() {
+fn samples_do_not_depend_on_earlier_requests() {
     for kind in SamplerKind::ALL {
         let mut a = PixelSampler::new(kind, 16, 5, [7, 8], 3);
         let mut b = a;
@@ -148,13 +148,13 @@ fn samples_do_not_depend_on_what_was_asked_before() {
         assert_eq!(a.next_2d(), b.next_2d());
         assert_eq!(a.dimension(), 22);
         assert_eq!(a.next_1d(), b.next_1d());
-        // A pair begins at an even dimension.
+        // A pair starts at an even dimension.
         assert_eq!((a.dimension(), a.next_2d(), a.dimension()), (23, b.next_2d(), 26));
     }
 }
 
 #[test]
-fn groups_begin_at_every_fourth_dimension() {
+fn groups_start_at_every_fourth_dimension() {
     let mut s = sobol([1, 1], 0);
     assert_eq!(s.dimension(), 2);
     s.begin_group();
@@ -168,7 +168,7 @@ fn groups_begin_at_every_fourth_dimension() {
 
 #[test]
 fn choice_and_direction_of_one_group_converge_faster_than_of_two() {
-    // The number decides which of two functions of the pair is meant: their mean is 1/2, and each has variance 7/144
+    // The number selects one of two functions of the pair: their mean is 1/2, and each has variance 7/144
     // + 1/16. The root mean square over 64 pixels of 256 samples.
     let rms = |grouped: bool| {
         let squares: f64 = (0..64)
@@ -197,7 +197,7 @@ fn choice_and_direction_of_one_group_converge_faster_than_of_two() {
 }
 
 #[test]
-fn numbers_lie_in_the_unit_interval_whatever_the_arguments() {
+fn numbers_lie_in_the_unit_interval_for_all_arguments() {
     for kind in SamplerKind::ALL {
         assert_eq!(SamplerKind::from_name(kind.name()), Some(kind));
         for spp in [0, 1, 2, 7, 16, 1000, u32::MAX] {
@@ -259,14 +259,14 @@ fn neighbouring_pixels_and_requests_are_independent() {
             counts[(a * 8.0) as usize * 8 + (b * 8.0) as usize] += 1;
         }
         // Within a pixel the four samples are stratified, which makes counts more even than independent ones:
-        // the test can only err towards acceptance, and would still see a correlation.
+        // the test can only err towards acceptance, and still detects a correlation.
         let test = chi_square(&counts, &[1000.0; 64]);
         assert!(test.p_value > 0.001 / 3.0, "{other}: {test:?}");
     }
 }
 
 #[test]
-fn correlated_pixels_would_be_seen() {
+fn correlated_pixels_are_detected() {
     // The control of the test above: the same sequence in both pixels.
     let mut counts = [0_u64; 64];
     for i in 0..64_000_u32 {
@@ -278,7 +278,7 @@ fn correlated_pixels_would_be_seen() {
 }
 
 #[test]
-fn center_regular_and_stratified_place_samples_as_document_003_says() {
+fn center_regular_and_stratified_follow_document_003() {
     let at = |kind, i| PixelSampler::new(kind, 16, 1, [4, 4], i);
     let cell = |p: DVec2| (p.x * 4.0) as usize * 4 + (p.y * 4.0) as usize;
     assert!((0..16).all(|i| at(SamplerKind::Center, i).pixel_2d() == DVec2::splat(0.5)));
@@ -313,7 +313,7 @@ fn strata_of_two_requests_are_paired_at_random() {
 }
 
 #[test]
-fn samples_beyond_the_planned_number_begin_another_pass() {
+fn samples_beyond_the_planned_number_start_another_pass() {
     let mut cells = [0; 9];
     for i in 0..18 {
         let p = PixelSampler::new(SamplerKind::Stratified, 9, 1, [0, 0], i).pixel_2d();

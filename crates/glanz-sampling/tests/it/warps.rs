@@ -1,4 +1,4 @@
-//! Every warp follows its density, and its inverse undoes it.
+//! Warps against their densities and inverses.
 //!
 //! Significance: 0.001 over all chi-square tests of this file together (Bonferroni).
 
@@ -36,7 +36,7 @@ fn integral(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
     (0..=64).map(|i| weight(i) * f(a + h * f64::from(i))).sum::<f64>() * h / 3.0
 }
 
-/// A density of directions that depends on the height alone, on 20 x 12 cells of equal solid angle.
+/// Compares a density of directions that depends on the height only, on 20 x 12 cells of equal solid angle.
 fn check_directions(name: &str, warp: impl Fn(DVec2) -> DVec3, pdf: impl Fn(f64) -> f64) {
     let mut expected = Vec::new();
     for row in 0..20 {
@@ -103,7 +103,7 @@ fn triangle_is_uniform_in_area() {
 fn polygon_of_four_blades_is_a_uniform_square() {
     check("polygon", &[0.01; 100], |x| {
         let p = regular_polygon(x, 4);
-        // Turned by 45 degrees the square spans [-1, 1]^2 / sqrt(2); |x + y| <= 1.
+        // Rotated by 45 degrees, the square spans [-1, 1]^2 / sqrt(2); |x + y| <= 1.
         let q = 0.5 * DVec2::new(p.x + p.y, p.y - p.x) + 0.5;
         ((q.x * 10.0) as usize).min(9) * 10 + ((q.y * 10.0) as usize).min(9)
     });

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use glanz_sampling::DensityError;
-use glanz_sampling::basis::{Basis, TensorBasis};
+use glanz_sampling::basis::{FunctionBasis, TensorBasis};
 use glanz_sampling::density::Density;
-use glanz_sampling::integrate::Sampling;
+use glanz_sampling::integrate::SamplingPattern;
 
 use crate::densities::SAMPLES;
 use crate::densities::measure::{Measured, sine, stratified_variance, variance_of_means};
@@ -29,7 +29,7 @@ pub(super) fn table_2_1(settings: &Settings) -> Result<Table, StudyError> {
         &COLUMNS,
     );
     let hats = |level| -> Result<_, DensityError> {
-        Ok(Arc::new(TensorBasis::try_new([Basis::uniform_bspline(1, level)?])?))
+        Ok(Arc::new(TensorBasis::try_new([FunctionBasis::uniform_bspline(1, level)?])?))
     };
     let interpolated = |level: usize| -> Result<_, DensityError> {
         let n = f64::from(1_u32 << level);
@@ -61,12 +61,13 @@ pub(super) fn table_2_1(settings: &Settings) -> Result<Table, StudyError> {
     for (name, density, published) in &cases {
         let exact = density.primary_variance(100, |x| sine(x));
         for (samples, published) in [1, 2, 4].into_iter().zip(published) {
-            let measured = variance_of_means(density, Sampling::Independent, samples, total, settings)?;
+            let measured =
+                variance_of_means(density, SamplingPattern::Independent, samples, total, settings)?;
             push(name, samples, *published, exact / f64::from(samples), measured);
         }
     }
     for (samples, published) in [1, 2, 4].into_iter().zip([0.0947, 0.0126, 0.0016]) {
-        let measured = variance_of_means(&uniform, Sampling::Stratified, samples, total, settings)?;
+        let measured = variance_of_means(&uniform, SamplingPattern::Stratified, samples, total, settings)?;
         push("uniform, stratified", samples, published, stratified_variance(samples), measured);
     }
     Ok(table)

@@ -1,8 +1,8 @@
 //! What few samples learn (document 003 figure 2.9), as the document learns and otherwise.
 
-use glanz_sampling::density::{Density, Learning, Missing};
+use glanz_sampling::density::{Density, FittingMethod, MissingCoefficient};
 use glanz_sampling::hash::combine;
-use glanz_sampling::integrate::{Sampling, integrate_adaptively};
+use glanz_sampling::integrate::{SamplingPattern, integrate_adaptively};
 
 use crate::densities::measure::{Ladder, plane};
 use crate::study::{Settings, StudyError};
@@ -20,20 +20,24 @@ const COLUMNS: [(&str, &str); 7] = [
 ];
 
 /// The first is the document's.
-const WAYS: [(&str, Learning, Sampling); 5] = [
+const WAYS: [(&str, FittingMethod, SamplingPattern); 5] = [
     (
         "own samples or neighbours, independent",
-        Learning::OwnSamples(Missing::Neighbours),
-        Sampling::Independent,
+        FittingMethod::OwnSamples(MissingCoefficient::Neighbours),
+        SamplingPattern::Independent,
     ),
     (
         "own samples or the integral, independent",
-        Learning::OwnSamples(Missing::Constant),
-        Sampling::Independent,
+        FittingMethod::OwnSamples(MissingCoefficient::Constant),
+        SamplingPattern::Independent,
     ),
-    ("own samples or neighbours, Sobol'", Learning::OwnSamples(Missing::Neighbours), Sampling::Sobol),
-    ("all samples, independent", Learning::AllSamples, Sampling::Independent),
-    ("all samples, Sobol'", Learning::AllSamples, Sampling::Sobol),
+    (
+        "own samples or neighbours, Sobol'",
+        FittingMethod::OwnSamples(MissingCoefficient::Neighbours),
+        SamplingPattern::Sobol,
+    ),
+    ("all samples, independent", FittingMethod::AllSamples, SamplingPattern::Independent),
+    ("all samples, Sobol'", FittingMethod::AllSamples, SamplingPattern::Sobol),
 ];
 
 /// What was found.
@@ -75,7 +79,7 @@ pub(super) fn few_samples(ladder: &Ladder<2>, settings: &Settings) -> Result<Few
             for run in 0..41 {
                 settings.cancel.check()?;
                 let mut plan = ladder.plan(samples, combine(settings.seed, 1000 + run));
-                (plan.learning, plan.sampling) = (learning, sampling);
+                (plan.method, plan.sampling) = (learning, sampling);
                 let result = integrate_adaptively(&ladder.scales, &plan, plane)?;
                 let Some(pass) = result.passes.last() else { continue };
                 exact.push(pass.density.primary_variance(60, |x| plane(x)));

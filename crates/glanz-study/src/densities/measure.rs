@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use glanz_sampling::DensityError;
 use glanz_sampling::basis::GaussLegendre;
-use glanz_sampling::density::{Density, Floor, Scales};
+use glanz_sampling::density::{CoefficientFloor, Density, TensorMultiResolution};
 use glanz_sampling::hash::combine;
-use glanz_sampling::integrate::{AdaptivePlan, Pass, Plan, Sampling, integrate};
+use glanz_sampling::integrate::{AdaptivePlan, IntegrationPass, IntegrationPlan, SamplingPattern, integrate};
 
 use crate::study::{Settings, StudyError};
 
@@ -44,7 +44,7 @@ impl Measured {
 /// The variance of the mean of `count` samples of the sine from this density, from `total` samples.
 pub(super) fn variance_of_means(
     density: &Density<1>,
-    sampling: Sampling,
+    sampling: SamplingPattern,
     count: u32,
     total: u64,
     settings: &Settings,
@@ -56,7 +56,7 @@ pub(super) fn variance_of_means(
         let (mut sum, mut squares) = (0.0, 0.0);
         for i in 0..means {
             let seed = combine(combine(settings.seed, u64::from(count)), group * means + i);
-            let plan = Plan { samples: count, repetitions: 1, sampling, seed };
+            let plan = IntegrationPlan { samples: count, repetitions: 1, sampling, seed };
             // Distances from the integral: squares of the values themselves would cancel.
             let error = integrate(density, &plan, sine)?.mean - 2.0 / PI;
             sum += error;
@@ -84,7 +84,7 @@ pub(super) fn stratified_variance(strata: u32) -> f64 {
 /// Passes over scales, one more than scales: the first samples the constant density, the last the finest one.
 pub(super) struct Ladder<const D: usize> {
     pub(super) name: &'static str,
-    pub(super) scales: Arc<Scales<D>>,
+    pub(super) scales: Arc<TensorMultiResolution<D>>,
     pub(super) levels: [usize; 3],
     /// Variances as document 003 prints them, by pass.
     pub(super) published: [f64; 4],
@@ -94,14 +94,14 @@ impl<const D: usize> Ladder<D> {
     /// One run; every pass takes `samples`.
     pub(super) fn plan(&self, samples: u32, seed: u64) -> AdaptivePlan<D> {
         let [a, b, c] = self.levels;
-        let passes = [a, b, c, c].map(|level| Pass { levels: [level; D], samples });
+        let passes = [a, b, c, c].map(|level| IntegrationPass { levels: [level; D], samples });
         AdaptivePlan::new(passes.to_vec(), seed)
     }
 
     /// The variance of each pass from infinitely many samples: densities from exact projections.
     pub(super) fn limits(
         &self,
-        floor: Floor,
+        floor: CoefficientFloor,
         integral: f64,
         f: impl Fn(&[f64]) -> f64,
     ) -> Result<[f64; 4], DensityError> {

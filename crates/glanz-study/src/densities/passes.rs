@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glanz_sampling::density::{Floor, Scales};
+use glanz_sampling::density::{CoefficientFloor, TensorMultiResolution};
 use glanz_sampling::hash::combine;
 use glanz_sampling::integrate::{AdaptiveResult, integrate_adaptively};
 use glanz_sampling::multiresolution::MultiResolution;
@@ -43,7 +43,12 @@ pub(super) fn ladder<const D: usize>(
     levels: [usize; 3],
     published: [f64; 4],
 ) -> Ladder<D> {
-    Ladder { name, scales: Arc::new(Scales::new([(); D].map(|()| analysis.clone()))), levels, published }
+    Ladder {
+        name,
+        scales: Arc::new(TensorMultiResolution::new([(); D].map(|()| analysis.clone()))),
+        levels,
+        published,
+    }
 }
 
 /// All ladders: figures, and the last run of each.
@@ -55,8 +60,8 @@ pub(super) fn measure<const D: usize>(
 ) -> Result<(Vec<Passes>, Vec<AdaptiveResult<D>>), StudyError> {
     let (mut all, mut last_runs) = (Vec::new(), Vec::new());
     for ladder in ladders {
-        let limits = ladder.limits(Floor::default(), integral, f)?;
-        let unraised = ladder.limits(Floor::Zero, integral, f)?;
+        let limits = ladder.limits(CoefficientFloor::default(), integral, f)?;
+        let unraised = ladder.limits(CoefficientFloor::Zero, integral, f)?;
         let mut seen = [const { Vec::new() }; 4];
         let mut last = None;
         for run in 0..RUNS {

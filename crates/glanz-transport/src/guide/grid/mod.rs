@@ -20,7 +20,7 @@ use std::sync::Arc;
 use glanz_math::{DVec2, DVec3, Frame};
 use glanz_sampling::DensityError;
 use glanz_sampling::basis::TensorBasis;
-use glanz_sampling::density::{Density, DualEstimate, Floor, Scales};
+use glanz_sampling::density::{CoefficientFloor, Density, DualEstimate, TensorMultiResolution};
 use glanz_sampling::multiresolution::MultiResolution;
 use glanz_scene::description::{GridSettings, GuideBasis};
 use glanz_scene::{Chart, Interaction, Scene};
@@ -36,7 +36,7 @@ pub(crate) use file::{decode_grid, decode_sums, encode_grid, encode_sums};
 pub(crate) use sums::{GridRecord, GridSums};
 
 /// Share of the constant density that every density has at least (document 003 section 2.4.3.2).
-const FLOOR: Floor = Floor::Constant(0.1);
+const FLOOR: CoefficientFloor = CoefficientFloor::Constant(0.1);
 
 /// Most memory that a guide and its sums may come to need, bytes.
 const MOST_BYTES: u64 = 4 << 30;
@@ -86,7 +86,7 @@ pub struct GridGuide {
     settings: GridSettings,
     /// Of each shape: its chart and the number of its first cell.
     charts: Vec<Option<(Chart, u32)>>,
-    scales: Arc<Scales<2>>,
+    scales: Arc<TensorMultiResolution<2>>,
     /// Passes learnt from.
     passes: u32,
     /// That of cells that have learnt nothing: constant.
@@ -306,13 +306,13 @@ fn level(settings: &GridSettings, passes: u32) -> u32 {
     if settings.hierarchical { passes.min(settings.scale) } else { settings.scale }
 }
 
-fn scales(settings: &GridSettings) -> Result<Scales<2>, DensityError> {
+fn scales(settings: &GridSettings) -> Result<TensorMultiResolution<2>, DensityError> {
     let finest = settings.scale as usize;
     let analysis = match settings.basis {
         GuideBasis::Haar => MultiResolution::haar(finest)?,
         GuideBasis::Spline(degree) => MultiResolution::bspline(degree as usize, finest)?,
     };
-    Ok(Scales::new([analysis.clone(), analysis]))
+    Ok(TensorMultiResolution::new([analysis.clone(), analysis]))
 }
 
 /// The cell of a place among those of its shape, with `n` x `n` on a sheet.

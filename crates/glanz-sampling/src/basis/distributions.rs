@@ -1,25 +1,25 @@
-//! Cumulative distributions of B-splines, piece by piece, and their inversion.
+//! Cumulative distribution functions of B-splines and their inversion.
 
 use crate::basis::{BELOW_ONE, KnotVector, ORDER};
 
-/// Most coefficients of a piece: one degree above the highest of the B-splines.
-const MOST: usize = ORDER + 1;
+/// Largest number of coefficients of a piece, whose degree is one above that of the B-splines.
+const MAX_COEFFICIENTS: usize = ORDER + 1;
 
-/// The distribution functions of all B-splines of a knot vector, each divided by its integral.
+/// The distribution functions of all B-splines of a knot vector, each normalized by its integral.
 ///
-/// On a segment they are polynomials of one degree more than the B-splines; in Bernstein form their coefficients do not
-/// decrease, so that rounding cannot make them fall.
+/// On a segment they are polynomials of one degree more than the B-splines. Their Bernstein coefficients do not decrease, so that
+/// they are monotone despite rounding.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Pieces {
-    /// Coefficients of a piece, degree + 2.
+pub(crate) struct SplineDistributions {
+    /// Number of coefficients of a piece, degree + 2.
     count: usize,
-    /// Pieces of a function, degree + 1; those on empty segments are constant.
+    /// Number of pieces of a function, degree + 1; those on empty segments are constant.
     pieces: usize,
-    /// By function, piece, coefficient.
+    /// Coefficients by function, piece and index.
     coefficients: Vec<f64>,
 }
 
-impl Pieces {
+impl SplineDistributions {
     pub(crate) fn new(knots: &KnotVector) -> Self {
         let d = knots.degree();
         let (count, pieces) = (d + 2, d + 1);
@@ -52,7 +52,7 @@ impl Pieces {
         self.coefficients[j * length..(j + 1) * length].chunks_exact(self.count)
     }
 
-    /// The point of the support of function `j` up to which its share `xi` lies; below the end of the support.
+    /// The point below which the fraction `xi` of function `j` lies, in its support.
     #[inline]
     pub(crate) fn invert(&self, knots: &[f64], j: usize, xi: f64) -> f64 {
         let xi = xi.clamp(0.0, BELOW_ONE);
@@ -67,7 +67,7 @@ impl Pieces {
         knots[j + self.pieces].next_down()
     }
 
-    /// The share of function `j` that lies below `x`.
+    /// The fraction of function `j` below `x`.
     #[inline]
     pub(crate) fn cumulative(&self, knots: &[f64], j: usize, x: f64) -> f64 {
         let mut below = 0.0;
@@ -95,9 +95,9 @@ fn de_casteljau<const N: usize>(c: &[f64; N], s: f64) -> (f64, f64) {
     (w[0] + s * difference, (N - 1) as f64 * difference)
 }
 
-/// The value alone, of any number of coefficients up to the most.
+/// The value of a polynomial with up to [`MAX_COEFFICIENTS`] Bernstein coefficients.
 fn value(c: &[f64], s: f64) -> f64 {
-    let mut w = [0.0; MOST];
+    let mut w = [0.0; MAX_COEFFICIENTS];
     w[..c.len()].copy_from_slice(c);
     for r in 1..c.len() {
         for i in 0..c.len() - r {
@@ -107,27 +107,27 @@ fn value(c: &[f64], s: f64) -> f64 {
     w[0]
 }
 
-/// Where in [0, 1] the rising polynomial with Bernstein coefficients `c` reaches `y`, for c first <= y < c last.
+/// The point of [0, 1] where the increasing polynomial with Bernstein coefficients `c` equals `y`, for c first <= y < c last.
 #[inline]
 fn solve(c: &[f64], y: f64) -> f64 {
     match *c {
         [c0, c1] => (y - c0) / (c1 - c0),
         [c0, c1, c2] => {
             let (a, b, g) = (c2 - 2.0 * c1 + c0, c1 - c0, y - c0);
-            // The root in the form that does not cancel: b is not negative.
+            // The form of the root without cancellation, since b is not negative.
             if g <= 0.0 { 0.0 } else { g / (b + (b * b + a * g).max(0.0).sqrt()) }
         }
-        // By length, so that the loops have known ends.
+        // Constant lengths, so that the loops can be unrolled.
         [_, _, _, _] => solve_by_newton::<4>(c, y),
         [_, _, _, _, _] => solve_by_newton::<5>(c, y),
         [_, _, _, _, _, _] => solve_by_newton::<6>(c, y),
         [_, _, _, _, _, _, _] => solve_by_newton::<7>(c, y),
         [_, _, _, _, _, _, _, _] => solve_by_newton::<8>(c, y),
-        _ => solve_by_newton::<MOST>(c, y),
+        _ => solve_by_newton::<MAX_COEFFICIENTS>(c, y),
     }
 }
 
-/// Newton's method, kept between points on both sides of the root by bisection; `c` has N coefficients.
+/// Newton's method in a bracket that is halved where a step leaves it; `c` has N coefficients.
 fn solve_by_newton<const N: usize>(c: &[f64], y: f64) -> f64 {
     let Ok(c) = <&[f64; N]>::try_from(c) else { return 0.0 };
     let rise = y - c[0];
@@ -135,17 +135,17 @@ fn solve_by_newton<const N: usize>(c: &[f64], y: f64) -> f64 {
         return 0.0;
     }
     let whole = c[N - 1] - c[0];
-    // Beginnings flat as a power are the first piece of a function: exact for the last function of all, right of the root
-    // for the others.
+    // The first piece of a function starts flat, as a power: this start is exact for the last function and right of the root for
+    // the others.
     let mut s =
         if c[N - 2] - c[0] < 0.5 * whole { (rise / whole).powf(1.0 / (N - 1) as f64) } else { rise / whole };
     let (mut low, mut high) = (0.0, 1.0);
-    // Newton's method takes about 5 steps; halving alone would take 53, and more where s is small.
+    // Newton's method takes about 5 steps; halving alone takes 53, and more for small s.
     for _ in 0..200 {
         let (value, slope) = de_casteljau(c, s);
         let error = value - y;
         let newton = s - error / slope;
-        // As near as the value can be known. No further step: where the function is flat, rounding would make it a long one.
+        // The value is exact up to rounding. Where the function is flat, a further step would be dominated by rounding.
         if error.abs() <= f64::EPSILON * y {
             return s;
         }

@@ -1,30 +1,30 @@
-//! The filters between two levels.
+//! Filter banks between two levels.
 
-use crate::basis::{BandedColumns, Basis, Gram, check_length, refinement};
+use crate::basis::{BandedColumns, FunctionBasis, GramMatrix, check_length, refinement};
 use crate::error::DensityError;
 use crate::multiresolution::wavelets::wavelets;
 
-/// The filters between a level and the next finer one.
+/// The analysis and synthesis filters between a level and the next finer one.
 ///
 /// Synthesis is c_fine = P c_coarse + Q d, analysis c_coarse = A c_fine and d = B c_fine; \[A; B\] is the inverse of
 /// \[P | Q\] (@pietrek2001 equation C.4). P and Q are banded; A and B are full, and are applied by solving banded systems:
 /// as the wavelets are orthogonal to the coarse functions, A = (P^T G P)^-1 P^T G and B = (Q^T G Q)^-1 Q^T G with the
 /// matrix G of the inner products of the fine basis.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Step {
+pub struct FilterBank {
     p: BandedColumns,
     q: BandedColumns,
-    fine: Gram,
-    coarse: Gram,
-    wavelets: Gram,
+    fine: GramMatrix,
+    coarse: GramMatrix,
+    wavelets: GramMatrix,
 }
 
-impl Step {
-    /// Between these two bases; the finer one halves every segment of the coarser one.
+impl FilterBank {
+    /// The filters between two bases, of which the finer one halves every segment of the coarser one.
     ///
     /// # Errors
     /// [`DensityError::NotNested`], [`DensityError::Pivot`].
-    pub(super) fn try_new(coarse: &Basis, fine: &Basis) -> Result<Self, DensityError> {
+    pub(super) fn try_new(coarse: &FunctionBasis, fine: &FunctionBasis) -> Result<Self, DensityError> {
         let p = refinement(coarse, fine)?;
         let gram = fine.gram()?;
         let q = wavelets(coarse, fine, &p, &gram);
@@ -32,21 +32,21 @@ impl Step {
         Ok(Self { p, q, fine: gram, coarse: coarse.gram()?, wavelets })
     }
 
-    /// P, a fine by coarse matrix: coarse functions in the fine basis.
+    /// The matrix P (fine by coarse): coarse functions in the fine basis.
     #[must_use]
     pub fn p(&self) -> &BandedColumns {
         &self.p
     }
 
-    /// Q, a fine by wavelets matrix: wavelets, of norm 1, in the fine basis.
+    /// The matrix Q (fine by wavelets): wavelets of norm 1 in the fine basis.
     #[must_use]
     pub fn q(&self) -> &BandedColumns {
         &self.q
     }
 
-    /// The inner products of the wavelets of this step.
+    /// The inner products of the wavelets.
     #[must_use]
-    pub fn wavelet_gram(&self) -> &Gram {
+    pub fn wavelet_gram(&self) -> &GramMatrix {
         &self.wavelets
     }
 
@@ -76,7 +76,7 @@ impl Step {
         Ok(self.refined(coarse))
     }
 
-    /// A c and B c: the proximum in the coarse basis, and the details that it lacks.
+    /// A c and B c: the orthogonal projection to the coarse basis, and the details.
     ///
     /// # Errors
     /// [`DensityError::Length`].
@@ -85,7 +85,7 @@ impl Step {
         Ok(self.split(fine))
     }
 
-    /// P c + Q d: what was analysed.
+    /// P c + Q d: the inverse of [`FilterBank::analyse`].
     ///
     /// # Errors
     /// [`DensityError::Length`].
@@ -101,10 +101,10 @@ impl Step {
         fine
     }
 
-    /// As [`Step::analyse`], for the right length.
+    /// As [`FilterBank::analyse`], without the check of the length.
     pub(super) fn split(&self, fine: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let (mut coarse, mut details) = self.projections(fine);
-        // Once more for what is missing: inner products are rounded, P and Q are taken as they are.
+        // One step of iterative refinement, since the inner products are rounded.
         let mut missing = fine.to_vec();
         missing.iter_mut().zip(self.join(&coarse, &details)).for_each(|(m, j)| *m -= j);
         let (c, d) = self.projections(&missing);
@@ -113,7 +113,7 @@ impl Step {
         (coarse, details)
     }
 
-    /// On the coarse functions and on the wavelets.
+    /// The projections on the coarse functions and on the wavelets.
     fn projections(&self, fine: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let dual = self.fine.multiply(fine);
         let mut coarse = self.p.transposed_product(&dual);
@@ -123,7 +123,7 @@ impl Step {
         (coarse, details)
     }
 
-    /// As [`Step::synthesise`], for the right lengths.
+    /// As [`FilterBank::synthesise`], without the check of the lengths.
     pub(super) fn join(&self, coarse: &[f64], details: &[f64]) -> Vec<f64> {
         let mut fine = self.refined(coarse);
         self.q.add_product(details, &mut fine);
@@ -131,10 +131,10 @@ impl Step {
     }
 }
 
-/// Q^T G Q.
-fn gram_of(q: &BandedColumns, gram: &Gram) -> Result<Gram, DensityError> {
+/// The matrix Q^T G Q.
+fn gram_of(q: &BandedColumns, gram: &GramMatrix) -> Result<GramMatrix, DensityError> {
     let count = q.columns();
-    // Columns further apart than this have no inner product: G couples neighbours up to its band.
+    // Columns farther apart have the inner product 0: G couples neighbours up to its band.
     let reach = |k: usize| {
         let (first, entries) = q.column(k);
         let end = first + entries.len() + gram.band();
@@ -147,5 +147,5 @@ fn gram_of(q: &BandedColumns, gram: &Gram) -> Result<Gram, DensityError> {
             entries[i * (band + 1) + k] = gram.product(q.column(i), q.column(i - k));
         }
     }
-    Gram::try_new(count, band, entries)
+    GramMatrix::try_new(count, band, entries)
 }

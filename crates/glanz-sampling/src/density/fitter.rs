@@ -1,4 +1,4 @@
-//! The coefficients of an integrand from samples.
+//! Fitting of coefficients to samples of an integrand.
 
 use std::sync::Arc;
 
@@ -6,55 +6,55 @@ use crate::basis::{TensorBasis, check_length};
 use crate::density::DensitySample;
 use crate::error::DensityError;
 
-/// What stands for the mean of the integrand under a function from which no sample was drawn.
+/// The substitute for the mean of the integrand under a basis function from which no sample was drawn.
 ///
 /// # Source
 /// @pietrek2001 section 2.4.2.3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Missing {
-    /// The integral ("global"): right on average, but far too much where the density is low because the integrand is, which is
+pub enum MissingCoefficient {
+    /// The integral ("global"): right on average, but much too large where the density is low because the integrand is low, which is
     /// where samples are missing.
     Constant,
-    /// The mean over the neighbours along the axes; those that miss samples too ask theirs first ("local").
+    /// The mean of the neighbours along the axes ("local"); neighbours without samples get their own substitutes first.
     #[default]
     Neighbours,
 }
 
-/// Which samples a coefficient is learnt from.
+/// The method of estimating a coefficient from samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Learning {
-    /// Coefficient j from the samples drawn from function j: (w_j / n_j) times the sum of f over them (@pietrek2001 equation
-    /// 2.17; in more dimensions 2.21 and 2.22 without their division). One addition a sample. Functions from which none was
-    /// drawn get their coefficients otherwise.
-    OwnSamples(Missing),
-    /// Coefficient j from all m samples: (1 / m) times the sum of f N_j / p. (degree + 1)^D additions a sample, and a
-    /// coefficient without samples is 0.
+pub enum FittingMethod {
+    /// Coefficient j from the samples drawn from function j: (w_j / n_j) times the sum of f over them (@pietrek2001 equation 2.17;
+    /// in more dimensions 2.21 and 2.22 without their division). One addition per sample. Functions without samples get
+    /// substitutes.
+    OwnSamples(MissingCoefficient),
+    /// Coefficient j from all m samples: (1 / m) times the sum of f N_j / p. (degree + 1)^D additions per sample; a coefficient without
+    /// samples is 0.
     AllSamples,
 }
 
-impl Default for Learning {
-    /// The document's, with its local way for missing coefficients.
+impl Default for FittingMethod {
+    /// The method of document 003, with local substitutes for missing coefficients.
     fn default() -> Self {
-        Self::OwnSamples(Missing::default())
+        Self::OwnSamples(MissingCoefficient::default())
     }
 }
 
-/// How estimates are put together.
+/// Weights for combining estimates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Weighting {
-    /// By their numbers of samples (@pietrek2001 section 2.4.5): always unbiased.
+    /// The numbers of samples (@pietrek2001 section 2.4.5): always unbiased.
     #[default]
     Samples,
-    /// By the inverse of their estimated variances: less variance where passes differ, at the price of a bias that falls with
-    /// the number of samples, as variance and estimate know each other. Where a variance is not known, by samples.
+    /// The inverse of the estimated variances: less variance if passes differ, but a bias that decreases with the number of samples,
+    /// since variance and estimate are correlated. If a variance is unknown, the numbers of samples.
     InverseVariance,
 }
 
-/// Gathers what samples tell about the coefficients of an integrand: sums and counts, one per function.
+/// Sums and counts of samples per basis function, from which the coefficients of an integrand are estimated.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Learner<const D: usize> {
+pub struct DensityFitter<const D: usize> {
     basis: Arc<TensorBasis<D>>,
-    learning: Learning,
+    method: FittingMethod,
     sums: Vec<f64>,
     squares: Vec<f64>,
     counts: Vec<u64>,
@@ -66,27 +66,26 @@ pub struct Learner<const D: usize> {
 /// Estimates of the inner products of a function with the functions of a basis: its coefficients in the dual basis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DualEstimate {
-    /// The inner products; those without samples are the ones of the constant `integral`, unless
-    /// [`DualEstimate::fill_from_neighbours`] gave them others.
+    /// The inner products; without samples, those of the constant `integral` or of [`DualEstimate::fill_from_neighbours`].
     pub values: Vec<f64>,
-    /// Variances of the values; infinite where less than two samples tell of it.
+    /// Variances of the values; infinite with fewer than two samples.
     pub variances: Vec<f64>,
-    /// Samples behind each value.
+    /// Number of samples for each value.
     pub counts: Vec<u64>,
     /// The integral of the function.
     pub integral: f64,
-    /// All samples.
+    /// Number of all samples.
     pub samples: u64,
 }
 
-impl<const D: usize> Learner<D> {
-    /// A learner that knows nothing yet.
+impl<const D: usize> DensityFitter<D> {
+    /// A fitter without samples.
     #[must_use]
-    pub fn new(basis: Arc<TensorBasis<D>>, learning: Learning) -> Self {
+    pub fn new(basis: Arc<TensorBasis<D>>, method: FittingMethod) -> Self {
         let n = basis.len();
         Self {
             basis,
-            learning,
+            method,
             sums: vec![0.0; n],
             squares: vec![0.0; n],
             counts: vec![0; n],
@@ -95,10 +94,10 @@ impl<const D: usize> Learner<D> {
         }
     }
 
-    /// Learns that the integrand is `value` at `sample`, drawn from a density in the same basis.
+    /// Records the value of the integrand at `sample`, which was drawn from a density in the same basis.
     ///
-    /// What is learnt is the absolute value (@pietrek2001 section 2.4.2.1). Returns whether it was: not if it is not finite,
-    /// or the density or the function of the sample cannot be.
+    /// The absolute value is used (@pietrek2001 section 2.4.2.1). Returns `false` if the value is rejected: if it is not finite, or if
+    /// the density or the function of the sample is invalid.
     pub fn record(&mut self, sample: &DensitySample<D>, value: f64) -> bool {
         let value = value.abs();
         let ratio = value / sample.pdf;
@@ -108,12 +107,12 @@ impl<const D: usize> Learner<D> {
         self.samples += 1;
         self.total += ratio;
         self.counts[sample.function] += 1;
-        match self.learning {
-            Learning::OwnSamples(_) => {
+        match self.method {
+            FittingMethod::OwnSamples(_) => {
                 self.sums[sample.function] += value;
                 self.squares[sample.function] += value * value;
             }
-            Learning::AllSamples => {
+            FittingMethod::AllSamples => {
                 let (sums, squares) = (&mut self.sums, &mut self.squares);
                 self.basis.for_each_nonzero(&sample.point, |index, n| {
                     sums[index] += ratio * n;
@@ -124,13 +123,13 @@ impl<const D: usize> Learner<D> {
         true
     }
 
-    /// Adds what another learner knows, of the same basis and kind.
+    /// Adds the samples of another fitter with the same basis and method.
     ///
     /// # Errors
     /// [`DensityError::Mismatch`].
     pub fn merge(&mut self, other: &Self) -> Result<(), DensityError> {
         let same_basis = Arc::ptr_eq(&self.basis, &other.basis) || self.basis == other.basis;
-        if !same_basis || self.learning != other.learning {
+        if !same_basis || self.method != other.method {
             return Err(DensityError::Mismatch);
         }
         self.samples += other.samples;
@@ -141,7 +140,7 @@ impl<const D: usize> Learner<D> {
         Ok(())
     }
 
-    /// Forgets everything.
+    /// Removes all samples.
     pub fn clear(&mut self) {
         self.sums.fill(0.0);
         self.squares.fill(0.0);
@@ -150,7 +149,7 @@ impl<const D: usize> Learner<D> {
         self.total = 0.0;
     }
 
-    /// Samples learnt from.
+    /// Number of recorded samples.
     #[must_use]
     pub fn samples(&self) -> u64 {
         self.samples
@@ -162,7 +161,7 @@ impl<const D: usize> Learner<D> {
         &self.basis
     }
 
-    /// What is known of the inner products with the functions of the basis; `None` without samples.
+    /// The estimates of the inner products with the functions of the basis; `None` without samples.
     #[must_use]
     pub fn estimate(&self) -> Option<DualEstimate> {
         if self.samples == 0 {
@@ -178,9 +177,9 @@ impl<const D: usize> Learner<D> {
             samples: self.samples,
         };
         for (j, w) in weights.iter().enumerate() {
-            let (scale, count) = match self.learning {
-                Learning::OwnSamples(_) => (*w, self.counts[j]),
-                Learning::AllSamples => (1.0, self.samples),
+            let (scale, count) = match self.method {
+                FittingMethod::OwnSamples(_) => (*w, self.counts[j]),
+                FittingMethod::AllSamples => (1.0, self.samples),
             };
             if count == 0 {
                 estimate.values.push(integral * w);
@@ -197,7 +196,7 @@ impl<const D: usize> Learner<D> {
             };
             estimate.variances.push(scale * scale * spread);
         }
-        if self.learning == Learning::AllSamples {
+        if self.method == FittingMethod::AllSamples {
             estimate.counts.fill(self.samples);
         }
         Some(estimate)
@@ -205,7 +204,7 @@ impl<const D: usize> Learner<D> {
 }
 
 impl DualEstimate {
-    /// Puts a further estimate of the same inner products to this one.
+    /// Combines this estimate with another one of the same inner products.
     ///
     /// # Errors
     /// [`DensityError::Length`].
@@ -222,8 +221,8 @@ impl DualEstimate {
                 let [a, b] = [a / sum, b / sum];
                 self.values[j] = a * self.values[j] + b * new.values[j];
                 // An infinite variance of weight 0 does not count.
-                let part = |share: f64, v: f64| if share > 0.0 { share * share * v } else { 0.0 };
-                self.variances[j] = part(a, variances[0]) + part(b, variances[1]);
+                let weighted = |weight: f64, v: f64| if weight > 0.0 { weight * weight * v } else { 0.0 };
+                self.variances[j] = weighted(a, variances[0]) + weighted(b, variances[1]);
             }
             self.counts[j] += new.counts[j];
         }
@@ -233,8 +232,8 @@ impl DualEstimate {
         Ok(())
     }
 
-    /// Gives functions without samples the mean value under the function that those next to them along the axes have, on
-    /// average; the further from samples, the later.
+    /// Gives functions without samples the average mean value of their neighbours along the axes, in rounds of increasing distance
+    /// from functions with samples.
     ///
     /// # Errors
     /// [`DensityError::Length`] if `basis` has another number of functions.
@@ -247,8 +246,8 @@ impl DualEstimate {
         let mut known: Vec<bool> = self.counts.iter().map(|&c| c > 0).collect();
         let mut unknown: Vec<usize> = (0..known.len()).filter(|&j| !known[j]).collect();
         while !unknown.is_empty() && unknown.len() < known.len() {
-            // All of a round look at what was known before it: the result does not depend on their order.
-            let mut found = Vec::new();
+            // A round uses only values known before it, so that the result does not depend on the order.
+            let mut substitutes = Vec::new();
             unknown.retain(|&j| {
                 let (mut sum, mut count) = (0.0, 0.0);
                 for_each_neighbour(basis, j, |k| {
@@ -258,11 +257,11 @@ impl DualEstimate {
                     }
                 });
                 if count > 0.0 {
-                    found.push((j, weights[j] * sum / count));
+                    substitutes.push((j, weights[j] * sum / count));
                 }
                 count == 0.0
             });
-            for (j, value) in found {
+            for (j, value) in substitutes {
                 self.values[j] = value;
                 known[j] = true;
             }
@@ -271,15 +270,15 @@ impl DualEstimate {
     }
 }
 
-/// Calls `visit` with the functions one step from function `j` along an axis.
+/// Calls `visit` with the neighbours of function `j` along each axis.
 fn for_each_neighbour<const D: usize>(basis: &TensorBasis<D>, j: usize, mut visit: impl FnMut(usize)) {
     let mut stride = 1;
     for axis in basis.axes().iter().rev() {
-        let place = j / stride % axis.len();
-        if place > 0 {
+        let position = j / stride % axis.len();
+        if position > 0 {
             visit(j - stride);
         }
-        if place + 1 < axis.len() {
+        if position + 1 < axis.len() {
             visit(j + stride);
         }
         stride *= axis.len();

@@ -1,36 +1,36 @@
-//! Where the numbers of samples come from.
+//! Sampling patterns of the unit cube.
 
 use crate::basis::BELOW_ONE;
 use crate::hash::{combine, unit_f64};
 use crate::sequence::owen::{ScrambledSobol, unit};
 
-/// How the numbers of samples are spread over [0, 1)^D.
+/// Patterns of samples in [0, 1)^D.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub enum Sampling {
+pub enum SamplingPattern {
     /// Independent uniform numbers.
     Independent,
-    /// One random point per cell of a grid of k^D cells (@pietrek2001 section 2.2.3); numbers of samples are rounded up to
-    /// the next k^D.
+    /// One random point per cell of a grid of k^D cells (@pietrek2001 section 2.2.3); the number of samples is rounded up to the
+    /// next k^D.
     Stratified,
     /// Owen-scrambled Sobol' points, padded beyond four dimensions.
     #[default]
     Sobol,
 }
 
-/// The numbers of one repetition: what they are depends on the seed, the index and the dimension alone.
+/// The points of one repetition, which depend only on seed, index and dimension.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Points {
-    sampling: Sampling,
+pub(super) struct SamplePoints {
+    sampling: SamplingPattern,
     key: u64,
     count: u32,
     /// Cells along each axis.
     side: u32,
 }
 
-impl Points {
-    /// For repetition `repetition` of about `samples` points in `dimensions` dimensions.
+impl SamplePoints {
+    /// The points of a repetition, at least `samples` of them in `dimensions` dimensions.
     pub(super) fn new(
-        sampling: Sampling,
+        sampling: SamplingPattern,
         seed: u64,
         repetition: u32,
         samples: u32,
@@ -38,7 +38,7 @@ impl Points {
     ) -> Self {
         let key = combine(seed, u64::from(repetition));
         let (side, count) = match sampling {
-            Sampling::Stratified => grid(samples, dimensions),
+            SamplingPattern::Stratified => grid(samples, dimensions),
             _ => (1, samples),
         };
         Self { sampling, key, count, side }
@@ -49,25 +49,25 @@ impl Points {
         self.count
     }
 
-    /// Point `index` below [`Points::count`].
+    /// Point `index` below [`SamplePoints::count`].
     #[inline]
     pub(super) fn point<const D: usize>(&self, index: u32) -> [f64; D] {
         match self.sampling {
-            Sampling::Independent => {
+            SamplingPattern::Independent => {
                 let key = combine(self.key, u64::from(index));
                 std::array::from_fn(|a| unit_f64(combine(key, a as u64)))
             }
-            Sampling::Stratified => {
+            SamplingPattern::Stratified => {
                 let key = combine(self.key, u64::from(index));
                 let mut cell = index;
                 std::array::from_fn(|a| {
-                    let place = cell % self.side;
+                    let column = cell % self.side;
                     cell /= self.side;
                     let jitter = unit_f64(combine(key, a as u64));
-                    ((f64::from(place) + jitter) / f64::from(self.side)).min(BELOW_ONE)
+                    ((f64::from(column) + jitter) / f64::from(self.side)).min(BELOW_ONE)
                 })
             }
-            Sampling::Sobol => {
+            SamplingPattern::Sobol => {
                 let reversed = index.reverse_bits();
                 std::array::from_fn(|a| {
                     let copy = ScrambledSobol::new(combine(self.key, (a / 4) as u64));
@@ -78,15 +78,15 @@ impl Points {
     }
 }
 
-/// The fewest cells of a cube of `dimensions` dimensions that are at least `samples`: along one axis, and all. Where this
-/// would be more than 2^32 - 1, one fewer along the axes.
+/// The side and the number of cells of the smallest cubic grid with at least `samples` cells. If that has more than 2^32 - 1
+/// cells, the side is smaller by one.
 fn grid(samples: u32, dimensions: usize) -> (u32, u32) {
     let all = |side: u32| {
         (0..dimensions)
             .try_fold(1_u64, |p, _| Some(p * u64::from(side)).filter(|p| *p <= u64::from(u32::MAX)))
     };
     let mut side = f64::from(samples).powf(1.0 / dimensions.max(1) as f64).floor().max(1.0) as u32;
-    // The root is rounded: step until it is right.
+    // Corrects the rounding of the root.
     while side > 1 && all(side - 1).is_none_or(|p| p >= u64::from(samples)) {
         side -= 1;
     }
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn strata_hold_one_point_each() {
-        let points = Points::new(Sampling::Stratified, 5, 0, 64, 3);
+        let points = SamplePoints::new(SamplingPattern::Stratified, 5, 0, 64, 3);
         let mut seen = [0; 64];
         for i in 0..points.count() {
             let cell = points.point::<3>(i).iter().fold(0, |c, x| c * 4 + (x * 4.0) as usize);
@@ -128,8 +128,8 @@ mod tests {
 
     #[test]
     fn any_dimension_of_any_kind_is_uniform_and_repetitions_differ() {
-        for sampling in [Sampling::Independent, Sampling::Stratified, Sampling::Sobol] {
-            let points = Points::new(sampling, 1, 3, 4096, 6);
+        for sampling in [SamplingPattern::Independent, SamplingPattern::Stratified, SamplingPattern::Sobol] {
+            let points = SamplePoints::new(sampling, 1, 3, 4096, 6);
             let mut sums = [0.0; 6];
             for i in 0..points.count() {
                 for (s, x) in sums.iter_mut().zip(points.point::<6>(i)) {
@@ -142,7 +142,7 @@ mod tests {
                 sums.iter().all(|s| (s / f64::from(points.count()) - 0.5).abs() < 0.02),
                 "{sampling:?} {sums:?}"
             );
-            let other = Points::new(sampling, 1, 4, 4096, 6);
+            let other = SamplePoints::new(sampling, 1, 4, 4096, 6);
             assert_ne!(points.point::<6>(0), other.point::<6>(0));
         }
     }

@@ -1,10 +1,10 @@
-//! A density on [0, 1] that is constant in equal cells.
+//! Piecewise constant densities on [0, 1].
 
-use super::{BELOW_ONE, Choice, WeightsError, checked_sum};
+use super::{BELOW_ONE, DiscreteChoice, WeightsError, checked_sum};
 
-/// A density on [0, 1] that is constant in each of `n` cells of equal width; also a choice among `n` by weight.
+/// A density on [0, 1] that is constant in each of `n` cells of equal width; also a choice among `n` elements by weight.
 ///
-/// Neighbouring numbers give neighbouring choices: what is stratified stays so. A choice takes log2(n) steps.
+/// Neighbouring numbers give neighbouring choices, which preserves stratification. A choice takes log2(n) steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PiecewiseConstant1 {
     /// `n + 1` values from 0 to 1.
@@ -13,16 +13,16 @@ pub struct PiecewiseConstant1 {
 }
 
 impl PiecewiseConstant1 {
-    /// A density proportional to `weights`.
+    /// The density proportional to `weights`.
     ///
     /// # Errors
-    /// [`WeightsError`] if there is none, one is negative or not finite, or all are zero.
+    /// [`WeightsError`] if there are no weights, one is negative or not finite, or all are zero.
     pub fn try_new(weights: &[f64]) -> Result<Self, WeightsError> {
         let sum = checked_sum(weights)?;
         let mut cumulative = Vec::with_capacity(weights.len() + 1);
         cumulative.push(0.0);
         let mut running = 0.0;
-        // The same order of summation as in `sum`: the last value is exactly 1.
+        // The same order of summation as for `sum`, so that the last value is exactly 1.
         cumulative.extend(weights.iter().map(|w| {
             running += w;
             running / sum
@@ -36,7 +36,7 @@ impl PiecewiseConstant1 {
         self.cumulative.len() - 1
     }
 
-    /// Never: there is at least one cell.
+    /// Always `false`: there is at least one cell.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         false
@@ -48,7 +48,7 @@ impl PiecewiseConstant1 {
         self.sum
     }
 
-    /// The probability of cell `index`; 0 if there is no such cell.
+    /// The probability of cell `index`; 0 beyond the last cell.
     #[must_use]
     pub fn probability(&self, index: usize) -> f64 {
         match (self.cumulative.get(index), self.cumulative.get(index + 1)) {
@@ -57,18 +57,18 @@ impl PiecewiseConstant1 {
         }
     }
 
-    /// Chooses a cell by `xi` in [0, 1); one of probability 0 is never chosen.
+    /// Chooses a cell by `xi` in [0, 1); cells of probability 0 are never chosen.
     #[must_use]
-    pub fn choose(&self, xi: f64) -> Choice {
+    pub fn choose(&self, xi: f64) -> DiscreteChoice {
         let xi = xi.clamp(0.0, BELOW_ONE);
-        // The first boundary above xi closes a cell of positive width that holds xi.
+        // The first boundary above xi is the end of a cell of positive width that contains xi.
         let above = self.cumulative.partition_point(|&c| c <= xi).clamp(1, self.len());
         let (low, high) = (self.cumulative[above - 1], self.cumulative[above]);
         let probability = high - low;
-        Choice { index: above - 1, probability, xi: ((xi - low) / probability).clamp(0.0, BELOW_ONE) }
+        DiscreteChoice { index: above - 1, probability, xi: ((xi - low) / probability).clamp(0.0, BELOW_ONE) }
     }
 
-    /// The point of [0, 1) that `xi` goes to, and the density there.
+    /// A point of [0, 1) from the uniform number `xi`, and the density there.
     #[must_use]
     pub fn sample(&self, xi: f64) -> (f64, f64) {
         let choice = self.choose(xi);
@@ -85,7 +85,7 @@ impl PiecewiseConstant1 {
         self.probability((x * self.len() as f64) as usize) * self.len() as f64
     }
 
-    /// The number that [`PiecewiseConstant1::sample`] takes to `x`; `None` outside [0, 1).
+    /// The inverse of [`PiecewiseConstant1::sample`]; `None` outside [0, 1).
     #[must_use]
     pub fn invert(&self, x: f64) -> Option<f64> {
         if !(0.0..1.0).contains(&x) {
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_weights_are_refused_with_their_values() {
+    fn invalid_weights_are_refused_with_their_values() {
         assert_eq!(PiecewiseConstant1::try_new(&[]), Err(WeightsError::Empty));
         assert_eq!(PiecewiseConstant1::try_new(&[0.0, 0.0]), Err(WeightsError::Sum(0.0)));
         let negative = PiecewiseConstant1::try_new(&[1.0, -2.0]);

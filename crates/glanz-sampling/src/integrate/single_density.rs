@@ -2,49 +2,49 @@
 
 use crate::density::{Density, DensitySample};
 use crate::error::DensityError;
-use crate::integrate::estimate::{Estimate, Moments};
-use crate::integrate::points::{Points, Sampling};
+use crate::integrate::estimate::{Estimate, RunningMoments};
+use crate::integrate::sample_points::{SamplePoints, SamplingPattern};
 
-/// How many samples, and where.
+/// Numbers of samples and their pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Plan {
-    /// Samples of a repetition, at least 1; [`Sampling::Stratified`] rounds up.
+pub struct IntegrationPlan {
+    /// Number of samples per repetition, at least 1; [`SamplingPattern::Stratified`] rounds up.
     pub samples: u32,
-    /// Repetitions with other random numbers, at least 1. Only their spread tells the variance of the mean where samples are
-    /// not independent; 16 are a good number there, and 1 elsewhere.
+    /// Number of repetitions with different random numbers, at least 1. If samples are not independent, the variance of the mean is
+    /// estimated from the repetitions, and 16 is a good number; otherwise 1 is.
     pub repetitions: u32,
-    /// How samples are spread.
-    pub sampling: Sampling,
-    /// Other seeds give other numbers, the same seed the same.
+    /// Pattern of the samples.
+    pub sampling: SamplingPattern,
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
-/// The integral of `f` over [0, 1]^D, by samples from `density`; `f` gets D numbers.
+/// Integrates `f` over [0, 1]^D by samples from `density`; `f` takes a slice of D numbers.
 ///
-/// Right (unbiased) if the density is 0 only where f is. Values that are not finite count as 0.
+/// Unbiased if the density is 0 only where f is 0. Values that are not finite count as 0.
 ///
 /// # Errors
 /// [`DensityError::Samples`].
 pub fn integrate<const D: usize>(
     density: &Density<D>,
-    plan: &Plan,
+    plan: &IntegrationPlan,
     mut f: impl FnMut(&[f64]) -> f64,
 ) -> Result<Estimate, DensityError> {
     run(density, plan, |sample| f(&sample.point))
 }
 
-/// As [`integrate`], for a function that is told the whole sample.
+/// As [`integrate`], for a function of the whole sample.
 pub(super) fn run<const D: usize>(
     density: &Density<D>,
-    plan: &Plan,
+    plan: &IntegrationPlan,
     mut f: impl FnMut(&DensitySample<D>) -> f64,
 ) -> Result<Estimate, DensityError> {
     if plan.samples == 0 || plan.repetitions == 0 {
         return Err(DensityError::Samples);
     }
-    let (mut primary, mut means) = (Moments::default(), Moments::default());
+    let (mut primary, mut means) = (RunningMoments::default(), RunningMoments::default());
     for repetition in 0..plan.repetitions {
-        let points = Points::new(plan.sampling, plan.seed, repetition, plan.samples, D);
+        let points = SamplePoints::new(plan.sampling, plan.seed, repetition, plan.samples, D);
         let mut sum = 0.0;
         for index in 0..points.count() {
             let sample = density.sample(&points.point(index));
@@ -57,8 +57,10 @@ pub(super) fn run<const D: usize>(
     }
     let primary_variance = primary.variance();
     let mean_variance = match plan.sampling {
-        Sampling::Independent => primary_variance.map(|v| v / primary.count() as f64),
-        Sampling::Stratified | Sampling::Sobol => means.variance().map(|v| v / f64::from(plan.repetitions)),
+        SamplingPattern::Independent => primary_variance.map(|v| v / primary.count() as f64),
+        SamplingPattern::Stratified | SamplingPattern::Sobol => {
+            means.variance().map(|v| v / f64::from(plan.repetitions))
+        }
     };
     Ok(Estimate {
         samples: primary.count(),
