@@ -24,7 +24,7 @@ pub use description::{Description, Location};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use error::{SceneError, SceneErrorKind, SceneWarning};
 pub use interaction::{Interaction, Reference};
-pub use light::{ArrivingLight, Light, LightId, LightRay, LightSample, MAX_LIGHT_GROUPS};
+pub use light::{IncidentLight, Light, LightId, LightRay, LightSample, MAX_LIGHT_GROUPS};
 pub use object::Object;
 pub use placed::{Place, PlacedPoint, PlacedSurface};
 pub use receiver::NamedReceiver;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glanz_geometry::Hit;
 use glanz_geometry::bvh::Bvh;
-use glanz_light::{Spectrum, Wavelengths};
+use glanz_light::Spectrum;
 use glanz_math::{Bounds3, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
 use glanz_shading::{Material, Textures};
 
@@ -311,11 +311,11 @@ impl Scene {
     ///
     /// `None` if there is no light that can be sampled.
     #[must_use]
-    pub fn pick_light(&self, xi: f64) -> Option<(LightId, f64)> {
+    pub fn select_light(&self, xi: f64) -> Option<(LightId, f64)> {
         self.selector.pick(xi)
     }
 
-    /// The probability with which [`Scene::pick_light`] takes the light `id`.
+    /// The probability with which [`Scene::select_light`] takes the light `id`.
     #[must_use]
     pub fn light_probability(&self, id: LightId) -> f64 {
         self.selector.probability(id)
@@ -323,13 +323,13 @@ impl Scene {
 
     /// A light to send a ray from by [`Scene::emit`] and the probability of that choice, by a number uniform in [0, 1).
     ///
-    /// As [`Scene::pick_light`], with the lights that cannot be looked for. `None` if no light has a known power.
+    /// As [`Scene::select_light`], with the lights that cannot be looked for. `None` if no light has a known power.
     #[must_use]
-    pub fn pick_emitter(&self, xi: f64) -> Option<(LightId, f64)> {
+    pub fn select_emitter(&self, xi: f64) -> Option<(LightId, f64)> {
         self.emitters.pick(xi)
     }
 
-    /// The probability with which [`Scene::pick_emitter`] takes the light `id`.
+    /// The probability with which [`Scene::select_emitter`] takes the light `id`.
     #[must_use]
     pub fn emitter_probability(&self, id: LightId) -> f64 {
         self.emitters.probability(id)
@@ -348,7 +348,7 @@ impl Scene {
         self.selector.group(id)
     }
 
-    /// The probability with which [`Scene::pick_light`] takes one of a group.
+    /// The probability with which [`Scene::select_light`] takes one of a group.
     #[must_use]
     pub fn light_group_probability(&self, group: usize) -> f64 {
         self.selector.group_probability(group)
@@ -356,20 +356,14 @@ impl Scene {
 
     /// A light of a group to sample and the probability of that choice within the group, by a number uniform in [0, 1).
     #[must_use]
-    pub fn pick_light_of(&self, group: usize, xi: f64) -> Option<(LightId, f64)> {
+    pub fn select_light_in_group(&self, group: usize, xi: f64) -> Option<(LightId, f64)> {
         self.selector.pick_of(group, xi)
     }
 
     /// Picks a direction from `from` towards the light `id` by two numbers uniform in [0, 1).
     #[must_use]
-    pub fn sample_light(
-        &self,
-        id: LightId,
-        from: &Interaction,
-        xi: DVec2,
-        wavelengths: &Wavelengths,
-    ) -> Option<LightSample> {
-        self.light(id)?.sample(self, from, xi, wavelengths)
+    pub fn sample_light(&self, id: LightId, from: &Interaction, xi: DVec2) -> Option<LightSample> {
+        self.light(id)?.sample(self, from, xi)
     }
 
     /// Density with which [`Scene::sample_light`] from `from` takes the point `hit` of the light `id`; without the

@@ -55,7 +55,7 @@ pub enum ParticleFate {
 pub struct ParticlePath {
     /// Initial power, W.
     pub emitted: Spectrum,
-    /// Power lost on the way from a light that [fades](glanz_scene::LightRay::left_at), W.
+    /// Power lost on the way from a light that [fades](glanz_scene::LightRay::attenuation), W.
     pub faded: Spectrum,
     /// Its fate.
     pub end: ParticleFate,
@@ -79,7 +79,7 @@ pub fn send_particle(
     let wavelengths = Wavelengths::default();
     sampler.skip_to_dimension(EMISSION_DIMENSIONS);
     let (xi_direction, xi_place) = (sampler.next_2d(), sampler.next_2d());
-    let (id, probability) = scene.pick_emitter(sampler.next_1d()).filter(|&(_, p)| p > 0.0)?;
+    let (id, probability) = scene.select_emitter(sampler.next_1d()).filter(|&(_, p)| p > 0.0)?;
     let start = scene.emit(id, xi_place, xi_direction)?;
     let emitted = start.power * (1.0 / probability) as f32;
     let threshold = ROULETTE_BELOW * emitted.max_component();
@@ -94,7 +94,7 @@ pub fn send_particle(
         };
         if flight.events == 0 {
             way += at.t;
-            let left = start.left_at(way);
+            let left = start.attenuation(way);
             if left < 1.0 {
                 let arriving = emitted * left;
                 flight.faded = emitted - arriving;

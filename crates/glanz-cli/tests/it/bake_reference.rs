@@ -34,7 +34,6 @@ fn luminance(light: Spectrum) -> f64 {
 fn reference(scene: &Scene, path: &dyn Integrator, at: &PlacedPoint, samples: u32, number: u32) -> [f64; 2] {
     let at = &at.at;
     let frame = Frame::from_z(at.wo);
-    let wavelengths = Wavelengths::default();
     let (mut sum, mut squares) = (0.0, 0.0);
     for i in 0..samples {
         let mut sampler = PixelSampler::new(SamplerKind::Independent, samples, 7, [number, 0], i);
@@ -42,7 +41,7 @@ fn reference(scene: &Scene, path: &dyn Integrator, at: &PlacedPoint, samples: u3
         let ray = at.spawn(direction);
         let mut light = 0.0;
         for id in (0..scene.lights().len() as u32).map(LightId) {
-            let Some(sample) = scene.sample_light(id, at, sampler.next_2d(), &wavelengths) else { continue };
+            let Some(sample) = scene.sample_light(id, at, sampler.next_2d()) else { continue };
             let cos = at.wo.dot(sample.wi);
             if cos > 0.0 && !scene.occluded(&sample.shadow, sample.t_max) {
                 light += luminance(sample.radiance) * cos / sample.pdf.0;

@@ -174,7 +174,7 @@ pub(super) fn of_point(
     light: &Light,
     wavelengths: &Wavelengths,
 ) -> f64 {
-    let Some(arriving) = light.arriving(receiver.point) else { return 0.0 };
+    let Some(arriving) = light.incident(receiver.point) else { return 0.0 };
     let cos = receiver.normal.dot(arriving.towards);
     if cos <= 0.0 {
         return 0.0;

@@ -131,7 +131,7 @@ impl<'a> Lamps<'a> {
             let is_area = |id| matches!(self.scene.light(id), Some(Light::Area(_)));
             let density = |id| is_area(id).then(|| self.scene.light_probability(id));
             self.sampled(spots, false, &mut sums, |spot, [x, y, z]| {
-                let (id, probability) = self.scene.pick_light(z)?;
+                let (id, probability) = self.scene.select_light(z)?;
                 let light = self.sample(spot, id, DVec2::new(x, y), density(id))?;
                 Some(light * (1.0 / probability) as f32)
             });
@@ -219,7 +219,7 @@ impl<'a> Lamps<'a> {
     /// Irradiance from one direction to a light, over its density. `probability`: with which the light is picked, if rays over the hemisphere
     /// look for it too.
     fn sample(&self, spot: &Spot, id: LightId, xi: DVec2, probability: Option<f64>) -> Option<Spectrum> {
-        let sample = self.scene.sample_light(id, &spot.at, xi, &Wavelengths::default())?;
+        let sample = self.scene.sample_light(id, &spot.at, xi)?;
         let cos = spot.shading.dot(sample.wi);
         if cos <= 0.0
             || spot.normal.dot(sample.wi) <= 0.0

@@ -4,11 +4,11 @@ use std::f64::consts::{FRAC_1_PI, PI};
 
 use glanz_geometry::{Surface, SurfacePoint};
 use glanz_light::Spectrum;
-use glanz_math::rounding::gamma;
-use glanz_math::{AreaPdf, DVec2, DVec3, Frame, SolidAnglePdf};
+use glanz_math::rounding::{gamma, offset_origin};
+use glanz_math::{AreaPdf, DVec2, DVec3, Frame, Ray, SolidAnglePdf};
 use glanz_sampling::warp;
 
-use super::LightSample;
+use super::{LightModel, LightRay, LightSample, brightness};
 use crate::area::area;
 use crate::interaction::{Interaction, Reference};
 use crate::object::Object;
@@ -65,10 +65,6 @@ impl AreaLight {
         self.sphere.is_some()
     }
 
-    pub(super) fn object(&self) -> u32 {
-        self.object
-    }
-
     /// What leaves its front, W/(m^2 sr).
     #[must_use]
     pub fn radiance(&self) -> Spectrum {
@@ -85,18 +81,6 @@ impl AreaLight {
     #[must_use]
     pub fn emitted(&self, point: &SurfacePoint, direction: DVec3) -> Spectrum {
         if self.two_sided || point.normal.dot(direction) > 0.0 { self.radiance } else { Spectrum::BLACK }
-    }
-
-    pub(super) fn sample(&self, scene: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {
-        if let Some(cone) = self.cone(from.point.position) {
-            return self.sample_cone(&cone, from, xi);
-        }
-        let (point, pdf) = scene.world_object(self.object)?.sample(xi)?;
-        let offset = point.position - from.point.position;
-        let distance_squared = offset.length_squared();
-        let wi = offset.try_normalize()?;
-        let by_angle = pdf.to_solid_angle(distance_squared, point.normal.dot(wi));
-        self.finish(from, &point, wi, by_angle, pdf)
     }
 
     fn finish(
@@ -123,7 +107,7 @@ impl AreaLight {
     }
 
     /// As [`AreaLight::pdf`], of a point whose density per area is `area_pdf`.
-    pub(super) fn pdf_at(&self, from: &Reference, point: &SurfacePoint, area_pdf: AreaPdf) -> SolidAnglePdf {
+    fn pdf_at(&self, from: &Reference, point: &SurfacePoint, area_pdf: AreaPdf) -> SolidAnglePdf {
         if let Some(cone) = self.cone(from.position) {
             return cone.pdf();
         }
@@ -176,6 +160,67 @@ impl AreaLight {
             t_max: 1.0,
             area_pdf: Some(AreaPdf(0.25 * FRAC_1_PI / (cone.radius * cone.radius))),
         })
+    }
+}
+
+impl LightModel for AreaLight {
+    const KIND: &'static str = "diffuse";
+
+    fn is_delta(&self) -> bool {
+        false
+    }
+
+    fn can_be_hit(&self) -> bool {
+        true
+    }
+
+    fn can_be_sampled(&self) -> bool {
+        self.area.is_some()
+    }
+
+    fn importance(&self, _: f64) -> f64 {
+        if self.area.is_some() { brightness(self.power()) } else { 0.0 }
+    }
+
+    fn sample(&self, scene: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {
+        if let Some(cone) = self.cone(from.point.position) {
+            return self.sample_cone(&cone, from, xi);
+        }
+        let (point, pdf) = scene.world_object(self.object)?.sample(xi)?;
+        let offset = point.position - from.point.position;
+        let distance_squared = offset.length_squared();
+        let wi = offset.try_normalize()?;
+        let by_angle = pdf.to_solid_angle(distance_squared, point.normal.dot(wi));
+        self.finish(from, &point, wi, by_angle, pdf)
+    }
+
+    /// Directions by the cosine; of a two-sided light on either side.
+    fn emit(&self, scene: &Scene, place: DVec2, mut direction: DVec2) -> Option<LightRay> {
+        let (point, pdf) = scene.world_object(self.object)?.sample(place)?;
+        let (mut side, mut sides) = (1.0, 1.0);
+        if self.two_sided {
+            sides = 2.0;
+            let is_back = direction.x >= 0.5;
+            side = if is_back { -1.0 } else { 1.0 };
+            direction.x = 2.0 * direction.x - f64::from(u8::from(is_back));
+        }
+        let way = Frame::from_z(side * point.normal).to_world(warp::cosine_hemisphere(direction));
+        let power = self.emitted(&point, way) * (PI * sides / pdf.0) as f32;
+        let ray = Ray::new(offset_origin(point.position, point.error, point.normal, way), way);
+        Some(LightRay { from: Some(point), area_pdf: Some(pdf), ..LightRay::new(ray, power) })
+    }
+
+    /// The cosine of the direction's density turns an area of the light into one across the ray.
+    fn emission_pdf(&self, _: &Scene, _: DVec3, _: DVec3, area_pdf: Option<AreaPdf>) -> f64 {
+        let sides = if self.two_sided { 2.0 } else { 1.0 };
+        area_pdf.map_or(0.0, |pdf| pdf.0 * FRAC_1_PI / sides)
+    }
+
+    fn pdf_of_ray(&self, from: &Reference, ray: &LightRay) -> SolidAnglePdf {
+        match (&ray.from, ray.area_pdf) {
+            (Some(point), Some(pdf)) => self.pdf_at(from, point, pdf),
+            _ => SolidAnglePdf(0.0),
+        }
     }
 }
 

@@ -1,10 +1,15 @@
 //! Distant light.
 
-use glanz_light::Spectrum;
-use glanz_math::{DVec3, SolidAnglePdf};
+use std::f64::consts::PI;
 
-use super::LightSample;
+use glanz_light::Spectrum;
+use glanz_math::{AreaPdf, DVec2, DVec3, SolidAnglePdf};
+
+use super::emission::SceneSphere;
+use super::{IncidentLight, LightInput, LightModel, LightRay, LightSample, brightness, range_error};
+use crate::error::SceneErrorKind;
 use crate::interaction::Interaction;
+use crate::scene::Scene;
 
 /// Light from one direction.
 #[derive(Clone, Copy, Debug)]
@@ -32,8 +37,23 @@ impl DistantLight {
         self.towards
     }
 
-    pub(super) fn sample(&self, from: &Interaction) -> LightSample {
-        LightSample {
+    /// `from`, `to`: in the frame of the light.
+    pub(super) fn resolve(input: &LightInput<'_>, from: DVec3, to: DVec3) -> Result<Self, SceneErrorKind> {
+        let towards = input.to_world.vector(from - to).try_normalize();
+        let error = || range_error("distant light: from", from, "different from to");
+        Ok(Self::new(towards.ok_or_else(error)?, input.emission))
+    }
+}
+
+impl LightModel for DistantLight {
+    const KIND: &'static str = "distant";
+
+    fn importance(&self, radius: f64) -> f64 {
+        brightness(self.irradiance) * (PI * radius * radius)
+    }
+
+    fn sample(&self, _: &Scene, from: &Interaction, _: DVec2) -> Option<LightSample> {
+        Some(LightSample {
             wi: self.towards,
             radiance: self.irradiance,
             pdf: SolidAnglePdf(1.0),
@@ -41,6 +61,19 @@ impl DistantLight {
             shadow: from.spawn(self.towards),
             t_max: f64::INFINITY,
             area_pdf: None,
-        }
+        })
+    }
+
+    fn emit(&self, scene: &Scene, place: DVec2, _: DVec2) -> Option<LightRay> {
+        let (ray, area) = SceneSphere::new(scene)?.sample(scene, self.towards, place)?;
+        Some(LightRay::new(ray, self.irradiance * area as f32))
+    }
+
+    fn emission_pdf(&self, scene: &Scene, at: DVec3, wi: DVec3, _: Option<AreaPdf>) -> f64 {
+        SceneSphere::new(scene).map_or(0.0, |sphere| sphere.pdf(at, wi))
+    }
+
+    fn incident(&self, _: DVec3) -> Option<IncidentLight> {
+        Some(IncidentLight { towards: self.towards, irradiance: self.irradiance, distance: f64::INFINITY })
     }
 }

@@ -1,51 +1,55 @@
-//! Rays that leave lights, for paths that begin there.
+//! Rays that leave lights, for paths that start there, and their densities.
 
 use std::f64::consts::PI;
 
 use glanz_geometry::SurfacePoint;
 use glanz_light::Spectrum;
-use glanz_math::rounding::offset_origin;
-use glanz_math::{AreaPdf, DVec2, DVec3, Frame, Ray};
+use glanz_math::{AreaPdf, DVec2, DVec3, Frame, Ray, SolidAnglePdf};
 use glanz_sampling::warp;
 
-use super::{
-    AreaLight, DistantLight, InfiniteLight, Light, LightId, PhotometricLight, PointLight, RayLight, SpotLight,
-};
+use super::LightId;
+use crate::interaction::Reference;
 use crate::scene::Scene;
 
-/// A ray that leaves a light, picked at random.
+/// A sampled ray that leaves a light.
 #[derive(Clone, Copy, Debug)]
 pub struct LightRay {
     /// With a unit direction.
     pub ray: Ray,
-    /// What it stands for, W: the mean of many is the power of the light, of that which reaches the sphere around the scene if the light is
-    /// infinitely far.
+    /// Power over density, W: the mean of many is the power of the light; of an infinitely far one, the power that reaches the sphere around
+    /// the scene.
     pub power: Spectrum,
-    /// Where it leaves the light, if that is a surface.
+    /// The point at which it leaves the light, if that is a surface.
     pub from: Option<SurfacePoint>,
-    /// Density of that place.
+    /// Density of that point.
     pub area_pdf: Option<AreaPdf>,
     /// Distance, metres, at which the light has faded to nothing, if it does.
-    range: Option<f64>,
+    pub(super) range: Option<f64>,
 }
 
 impl LightRay {
-    /// Share of the power that is left at `distance`, metres, of a light that fades.
+    /// A ray that does not leave a surface, of a light without a range.
+    pub(super) fn new(ray: Ray, power: Spectrum) -> Self {
+        Self { ray, power, from: None, area_pdf: None, range: None }
+    }
+
+    /// Fraction of the power that is left at `distance`, metres, of a light that fades.
     #[must_use]
-    pub fn left_at(&self, distance: f64) -> f32 {
+    pub fn attenuation(&self, distance: f64) -> f32 {
         super::point::window(distance, self.range)
     }
 }
 
-/// A sphere around all of a scene that has an end.
+/// A sphere around all bounded parts of a scene.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Around {
-    pub(super) center: DVec3,
-    pub(super) radius: f64,
+pub(super) struct SceneSphere {
+    center: DVec3,
+    radius: f64,
 }
 
-impl Around {
-    pub(super) fn of(scene: &Scene) -> Option<Self> {
+impl SceneSphere {
+    /// `None` if the scene has no bounded part of an extent.
+    pub(super) fn new(scene: &Scene) -> Option<Self> {
         let bounds = scene.bounds();
         let radius = 0.5 * bounds.diagonal().length();
         // Rays along its surface need not meet what touches it.
@@ -53,109 +57,52 @@ impl Around {
     }
 
     /// A ray from its surface towards the disk through its middle that faces `towards`, and the area of that disk, m^2.
-    fn ray(&self, towards: DVec3, xi: DVec2) -> (Ray, f64) {
+    ///
+    /// `None` where something unbounded lies between the sphere and the light.
+    pub(super) fn sample(&self, scene: &Scene, towards: DVec3, xi: DVec2) -> Option<(Ray, f64)> {
         let disk = self.radius * warp::concentric_disk(xi);
-        let frame = Frame::from_z(towards);
-        let origin = self.center + frame.to_world(disk.extend(self.radius));
-        (Ray::new(origin, -towards), PI * self.radius * self.radius)
+        let origin = self.center + Frame::from_z(towards).to_world(disk.extend(self.radius));
+        let is_free = !scene.occluded(&Ray::new(origin, towards), f64::INFINITY);
+        is_free.then(|| (Ray::new(origin, -towards), PI * self.radius * self.radius))
+    }
+
+    /// Density per square metre across them of the rays of [`SceneSphere::sample`] at `at` that come from `towards`.
+    pub(super) fn pdf(&self, at: DVec3, towards: DVec3) -> f64 {
+        let offset = at - self.center;
+        let along = offset.dot(towards);
+        // Rays start where they would enter the sphere at the latest; they do not meet what lies before that.
+        let beside = (offset - along * towards).length_squared();
+        let met = along <= self.radius && beside <= self.radius * self.radius;
+        if met { 1.0 / (PI * self.radius * self.radius) } else { 0.0 }
     }
 }
 
 impl Scene {
-    /// Picks a ray that leaves the light `id` by two pairs of numbers uniform in [0, 1): a place, or of a point a direction, and a direction.
+    /// Samples a ray that leaves the light `id` by two pairs of numbers uniform in [0, 1): a place, or of a point a direction, and a direction.
     ///
-    /// `None` if the light is black there, or where no place can be picked on it. Of lights that are infinitely far only rays are picked that
-    /// meet the sphere around what has an end: endless planes beyond it get none, and stop what they hide from it.
+    /// `None` if the light is black there, or where no place can be sampled on it. Of infinitely far lights only rays are sampled that
+    /// meet the sphere around the bounded parts of the scene: infinite planes beyond it get none, and occlude what they hide.
     #[must_use]
     pub fn emit(&self, id: LightId, place: DVec2, direction: DVec2) -> Option<LightRay> {
-        let ray = match self.light(id)? {
-            Light::Point(light) => Some(light.emit(direction)),
-            Light::Spot(light) => light.emit(direction),
-            Light::Photometric(light) => light.emit(place, direction),
-            Light::Rays(light) => light.emit(place.x),
-            Light::Distant(light) => light.emit(&Around::of(self)?, place).filter(|ray| self.sees_afar(ray)),
-            Light::Area(light) => light.emit(self, place, direction),
-            Light::Infinite(light) => {
-                light.emit(&Around::of(self)?, place, direction).filter(|ray| self.sees_afar(ray))
-            }
-        };
+        let ray = self.light(id)?.emit(self, place, direction);
         ray.filter(|ray| !ray.power.is_black() && ray.power.is_finite())
     }
 
-    /// Whether nothing endless lies between the sphere around the rest, where the ray begins, and where it comes from.
-    fn sees_afar(&self, light: &LightRay) -> bool {
-        !self.occluded(&Ray::new(light.ray.origin, -light.ray.direction), f64::INFINITY)
+    /// Density of the rays of [`Scene::emit`] that arrive at `at` (world space, metres) from the unit direction `wi`.
+    ///
+    /// Of lights that a ray can hit: per square metre across the ray and steradian, the same along all of a ray. Of
+    /// others: per square metre across the ray at `at`. `area_pdf`: density of the point on the light,
+    /// if that is a surface, as of [`LightSample::area_pdf`](crate::LightSample::area_pdf). 0 where no ray of the light arrives; occlusion
+    /// is ignored.
+    #[must_use]
+    pub fn emission_pdf(&self, id: LightId, at: DVec3, wi: DVec3, area_pdf: Option<AreaPdf>) -> f64 {
+        self.light(id).map_or(0.0, |light| light.emission_pdf(self, at, wi, area_pdf))
     }
-}
 
-impl PointLight {
-    fn emit(&self, xi: DVec2) -> LightRay {
-        let ray = Ray::new(self.position(), warp::uniform_sphere(xi));
-        LightRay { ray, power: self.power(), from: None, area_pdf: None, range: self.range() }
-    }
-}
-
-impl SpotLight {
-    /// Directions uniform in the cone.
-    fn emit(&self, xi: DVec2) -> Option<LightRay> {
-        let one_minus_cos = 1.0 - self.cos_outer();
-        let local = warp::uniform_cone(xi, one_minus_cos);
-        let pdf = warp::uniform_cone_pdf(one_minus_cos);
-        let ray = Ray::new(self.position(), Frame::from_z(self.axis()).to_world(local));
-        let power = self.intensity(ray.direction) * (1.0 / pdf.0) as f32;
-        (one_minus_cos > 0.0).then_some(LightRay { ray, power, from: None, area_pdf: None, range: None })
-    }
-}
-
-impl PhotometricLight {
-    /// Directions in proportion to the intensity: all rays carry the same.
-    fn emit(&self, place: DVec2, direction: DVec2) -> Option<LightRay> {
-        let ray = Ray::new(self.place(place), self.direction(direction)?);
-        Some(LightRay { ray, power: self.power(), from: None, area_pdf: None, range: None })
-    }
-}
-
-impl RayLight {
-    fn emit(&self, xi: f64) -> Option<LightRay> {
-        Some(LightRay { ray: self.pick(xi)?, power: self.power(), from: None, area_pdf: None, range: None })
-    }
-}
-
-impl DistantLight {
-    fn emit(&self, around: &Around, xi: DVec2) -> Option<LightRay> {
-        let (ray, area) = around.ray(self.towards(), xi);
-        Some(LightRay {
-            ray,
-            power: self.irradiance() * area as f32,
-            from: None,
-            area_pdf: None,
-            range: None,
-        })
-    }
-}
-
-impl InfiniteLight {
-    fn emit(&self, around: &Around, place: DVec2, direction: DVec2) -> Option<LightRay> {
-        let (ray, area) = around.ray(warp::uniform_sphere(direction), place);
-        let power = self.radiance() * (4.0 * PI * area) as f32;
-        Some(LightRay { ray, power, from: None, area_pdf: None, range: None })
-    }
-}
-
-impl AreaLight {
-    /// Directions by the cosine; of a light with two sides either.
-    fn emit(&self, scene: &Scene, place: DVec2, mut direction: DVec2) -> Option<LightRay> {
-        let (point, pdf) = scene.world_object(self.object())?.sample(place)?;
-        let (mut side, mut sides) = (1.0, 1.0);
-        if self.is_two_sided() {
-            sides = 2.0;
-            let is_back = direction.x >= 0.5;
-            side = if is_back { -1.0 } else { 1.0 };
-            direction.x = 2.0 * direction.x - f64::from(u8::from(is_back));
-        }
-        let way = Frame::from_z(side * point.normal).to_world(warp::cosine_hemisphere(direction));
-        let power = self.emitted(&point, way) * (PI * sides / pdf.0) as f32;
-        let ray = Ray::new(offset_origin(point.position, point.error, point.normal, way), way);
-        Some(LightRay { ray, power, from: Some(point), area_pdf: Some(pdf), range: None })
+    /// Density with which [`Scene::sample_light`] from `from` samples the direction that `ray` came from, which the light `id`
+    /// sent; without the probability of the light itself. 1 for lights that no ray can hit.
+    #[must_use]
+    pub fn light_pdf_of_ray(&self, id: LightId, from: &Reference, ray: &LightRay) -> SolidAnglePdf {
+        self.light(id).map_or(SolidAnglePdf(0.0), |light| light.pdf_of_ray(from, ray))
     }
 }

@@ -1,13 +1,15 @@
-//! Light from everywhere.
+//! Light from all directions.
 
-use std::f64::consts::FRAC_1_PI;
+use std::f64::consts::{FRAC_1_PI, PI};
 
-use glanz_light::{Spectrum, Wavelengths};
-use glanz_math::{DVec2, DVec3, SolidAnglePdf};
+use glanz_light::Spectrum;
+use glanz_math::{AreaPdf, DVec2, DVec3, SolidAnglePdf};
 use glanz_sampling::warp;
 
-use super::LightSample;
+use super::emission::SceneSphere;
+use super::{LightModel, LightRay, LightSample, brightness};
 use crate::interaction::{Interaction, Reference};
+use crate::scene::Scene;
 
 /// The same radiance from every direction.
 #[derive(Clone, Copy, Debug)]
@@ -28,14 +30,34 @@ impl InfiniteLight {
         self.radiance
     }
 
+    /// Density with which a sample from `from` takes the unit direction `wi`.
+    #[must_use]
+    pub fn pdf(&self, from: &Reference, wi: DVec3) -> SolidAnglePdf {
+        let normal = from.shading_normal;
+        let cos = normal.dot(wi) * 1.0_f64.copysign(normal.dot(from.wo));
+        SolidAnglePdf(cos.max(0.0) * FRAC_1_PI)
+    }
+}
+
+impl LightModel for InfiniteLight {
+    const KIND: &'static str = "infinite";
+
+    fn is_delta(&self) -> bool {
+        false
+    }
+
+    fn can_be_hit(&self) -> bool {
+        true
+    }
+
+    fn importance(&self, radius: f64) -> f64 {
+        let disk = PI * radius * radius;
+        brightness(self.radiance) * PI * 4.0 * disk
+    }
+
     /// Directions by the cosine to the shading normal on the side of `wo`: the light is the same everywhere, so the
-    /// cosine is all there is to know. What arrives through a surface is left to BSDF sampling.
-    pub(super) fn sample(
-        &self,
-        from: &Interaction,
-        xi: DVec2,
-        _wavelengths: &Wavelengths,
-    ) -> Option<LightSample> {
+    /// cosine is all that varies. Light through a surface is left to BSDF sampling.
+    fn sample(&self, _: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {
         let frame = from.frame();
         let mut local = warp::cosine_hemisphere(xi);
         if frame.z.dot(from.wo) < 0.0 {
@@ -54,11 +76,17 @@ impl InfiniteLight {
         })
     }
 
-    /// Density with which a sample from `from` takes the unit direction `wi`.
-    #[must_use]
-    pub fn pdf(&self, from: &Reference, wi: DVec3) -> SolidAnglePdf {
-        let normal = from.shading_normal;
-        let cos = normal.dot(wi) * 1.0_f64.copysign(normal.dot(from.wo));
-        SolidAnglePdf(cos.max(0.0) * FRAC_1_PI)
+    fn emit(&self, scene: &Scene, place: DVec2, direction: DVec2) -> Option<LightRay> {
+        let towards = warp::uniform_sphere(direction);
+        let (ray, area) = SceneSphere::new(scene)?.sample(scene, towards, place)?;
+        Some(LightRay::new(ray, self.radiance * (4.0 * PI * area) as f32))
+    }
+
+    fn emission_pdf(&self, scene: &Scene, at: DVec3, wi: DVec3, _: Option<AreaPdf>) -> f64 {
+        SceneSphere::new(scene).map_or(0.0, |sphere| 0.25 * FRAC_1_PI * sphere.pdf(at, wi))
+    }
+
+    fn pdf_of_ray(&self, from: &Reference, ray: &LightRay) -> SolidAnglePdf {
+        self.pdf(from, -ray.ray.direction)
     }
 }

@@ -1,10 +1,9 @@
-//! Lights: what they send to a point, and how to pick a direction towards them.
+//! Lights, one file each with all that a kind does, and the table of them.
 
 mod area;
-mod arriving;
 mod distant;
 mod emission;
-mod emission_pdf;
+mod incident;
 mod infinite;
 mod opening;
 mod photometric;
@@ -14,15 +13,17 @@ mod select;
 mod spot;
 
 use glanz_light::{Spectrum, Wavelengths};
-use glanz_math::{AreaPdf, DVec2, DVec3, Ray, SolidAnglePdf};
+use glanz_math::{AreaPdf, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
 
-use crate::interaction::Interaction;
+use crate::description::{LightDescription, LightKind};
+use crate::error::SceneErrorKind;
+use crate::interaction::{Interaction, Reference};
 use crate::scene::Scene;
 
 pub use area::AreaLight;
-pub use arriving::ArrivingLight;
 pub use distant::DistantLight;
 pub use emission::LightRay;
+pub use incident::IncidentLight;
 pub use infinite::InfiniteLight;
 pub use photometric::PhotometricLight;
 pub use point::PointLight;
@@ -35,15 +36,159 @@ pub use spot::SpotLight;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct LightId(pub u32);
 
-/// A light.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub enum Light {
-    /// A point that shines alike in all directions.
+/// A kind of light. The defaults are those of a point that no ray can hit.
+trait LightModel {
+    /// See [`Light::kind`].
+    const KIND: &'static str;
+
+    /// See [`Light::is_delta`].
+    fn is_delta(&self) -> bool {
+        true
+    }
+
+    /// See [`Light::can_be_hit`].
+    fn can_be_hit(&self) -> bool {
+        false
+    }
+
+    /// See [`Light::can_be_sampled`].
+    fn can_be_sampled(&self) -> bool {
+        true
+    }
+
+    /// See [`Light::importance`].
+    fn importance(&self, radius: f64) -> f64;
+
+    /// See [`Light::sample`].
+    fn sample(&self, scene: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample>;
+
+    /// See [`Scene::emit`].
+    fn emit(&self, scene: &Scene, place: DVec2, direction: DVec2) -> Option<LightRay>;
+
+    /// See [`Scene::emission_pdf`].
+    fn emission_pdf(&self, scene: &Scene, at: DVec3, wi: DVec3, area_pdf: Option<AreaPdf>) -> f64;
+
+    /// See [`Scene::light_pdf_of_ray`].
+    fn pdf_of_ray(&self, _from: &Reference, _ray: &LightRay) -> SolidAnglePdf {
+        SolidAnglePdf(1.0)
+    }
+
+    /// See [`Light::incident`].
+    fn incident(&self, _point: DVec3) -> Option<IncidentLight> {
+        None
+    }
+
+    /// See [`Light::warning`].
+    fn warning(&self) -> Option<&'static str> {
+        None
+    }
+}
+
+// One line per kind; the macro writes the delegation, so that no kind can be forgotten in a match.
+macro_rules! lights {
+    ($($(#[$doc:meta])* $variant:ident($light:ident),)*) => {
+        /// A light.
+        #[derive(Clone, Debug)]
+        #[non_exhaustive]
+        pub enum Light {
+            $($(#[$doc])* $variant($light),)*
+        }
+
+        impl Light {
+            /// Its kind, as scene files name it.
+            #[must_use]
+            pub fn kind(&self) -> &'static str {
+                match self {
+                    $(Self::$variant(_) => $light::KIND,)*
+                }
+            }
+
+            /// Whether all samples from one place are the same; then no ray can hit it by chance either.
+            #[must_use]
+            pub fn is_delta(&self) -> bool {
+                match self {
+                    $(Self::$variant(light) => light.is_delta(),)*
+                }
+            }
+
+            /// Whether a ray can hit it by chance.
+            #[must_use]
+            pub fn can_be_hit(&self) -> bool {
+                match self {
+                    $(Self::$variant(light) => light.can_be_hit(),)*
+                }
+            }
+
+            /// Whether [`Light::sample`] finds directions towards it; if not, only paths that start there or hit it see its light.
+            #[must_use]
+            pub fn can_be_sampled(&self) -> bool {
+                match self {
+                    $(Self::$variant(light) => LightModel::can_be_sampled(light),)*
+                }
+            }
+
+            /// Its mean power over the bands, W, as a weight for its selection to start paths at; 0 if none can start there. `radius`: that of the
+            /// scene, metres.
+            pub(crate) fn importance(&self, radius: f64) -> f64 {
+                match self {
+                    $(Self::$variant(light) => light.importance(radius),)*
+                }
+            }
+
+            /// Samples a direction from `from` towards the light by two numbers uniform in [0, 1).
+            ///
+            /// `None` if nothing can arrive. Occlusion is left to the shadow ray.
+            #[must_use]
+            pub fn sample(&self, scene: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {
+                match self {
+                    $(Self::$variant(light) => LightModel::sample(light, scene, from, xi),)*
+                }
+            }
+
+            /// The light that arrives at `point`, if nothing stands between, from a light that is seen from there in one direction.
+            ///
+            /// `None` for lights with an extent, and at the position of the light.
+            #[must_use]
+            pub fn incident(&self, point: DVec3) -> Option<IncidentLight> {
+                match self {
+                    $(Self::$variant(light) => light.incident(point),)*
+                }
+            }
+
+            /// A way in which it may not be seen as expected, for a warning.
+            pub(crate) fn warning(&self) -> Option<&'static str> {
+                match self {
+                    $(Self::$variant(light) => light.warning(),)*
+                }
+            }
+
+            fn emit(&self, scene: &Scene, place: DVec2, direction: DVec2) -> Option<LightRay> {
+                match self {
+                    $(Self::$variant(light) => light.emit(scene, place, direction),)*
+                }
+            }
+
+            fn emission_pdf(&self, scene: &Scene, at: DVec3, wi: DVec3, area_pdf: Option<AreaPdf>) -> f64 {
+                match self {
+                    $(Self::$variant(light) => light.emission_pdf(scene, at, wi, area_pdf),)*
+                }
+            }
+
+            fn pdf_of_ray(&self, from: &Reference, ray: &LightRay) -> SolidAnglePdf {
+                match self {
+                    $(Self::$variant(light) => light.pdf_of_ray(from, ray),)*
+                }
+            }
+        }
+    };
+}
+
+lights! {
+    /// A point that emits alike in all directions.
     Point(PointLight),
-    /// A point that shines into a cone.
+    /// A point that emits into a cone.
     Spot(SpotLight),
-    /// A luminaire as it was measured.
+    /// A measured luminaire.
     Photometric(PhotometricLight),
     /// Measured rays.
     Rays(RayLight),
@@ -55,89 +200,54 @@ pub enum Light {
     Infinite(InfiniteLight),
 }
 
+/// The parts of a light's description that all kinds have, resolved.
+pub(crate) struct LightInput<'a> {
+    pub(crate) description: &'a LightDescription,
+    pub(crate) to_world: Transform,
+    /// Intensity, radiance or irradiance, see [`LightKind`].
+    pub(crate) emission: Spectrum,
+    /// The spectrum of one candela, W/sr, which is also that of one lumen, W, times the scale of the light.
+    pub(crate) per_candela: Result<Spectrum, SceneErrorKind>,
+}
+
 impl Light {
-    /// Its kind, as scene files name it.
-    #[must_use]
-    pub fn kind(&self) -> &'static str {
-        match self {
-            Self::Point(_) => "point",
-            Self::Spot(_) => "spot",
-            Self::Photometric(_) | Self::Rays(_) => "photometric",
-            Self::Distant(_) => "distant",
-            Self::Area(_) => "diffuse",
-            Self::Infinite(_) => "infinite",
-        }
-    }
-
-    /// Whether all samples from one place are the same; then no ray can meet it by chance either.
-    #[must_use]
-    pub fn is_delta(&self) -> bool {
-        match self {
-            Self::Point(_) | Self::Spot(_) | Self::Distant(_) => true,
-            Self::Photometric(light) => light.is_point(),
-            Self::Rays(_) | Self::Area(_) | Self::Infinite(_) => false,
-        }
-    }
-
-    /// Whether a ray can meet it by chance.
-    #[must_use]
-    pub fn can_be_met(&self) -> bool {
-        matches!(self, Self::Area(_) | Self::Infinite(_))
-    }
-
-    /// Its power as a number for choosing between lights to send rays from, W; `radius` is that of the scene, metres.
-    pub(crate) fn importance(&self, radius: f64) -> f64 {
-        let wavelengths = Wavelengths::default();
-        let bright = |s: Spectrum| f64::from(s.mean(&wavelengths).max(0.0));
-        let disk = std::f64::consts::PI * radius * radius;
-        match self {
-            Self::Point(l) => bright(l.power()),
-            Self::Spot(l) => bright(l.power()),
-            Self::Photometric(l) => bright(l.power()),
-            Self::Rays(l) => bright(l.power()),
-            Self::Distant(l) => bright(l.irradiance()) * disk,
-            Self::Area(l) if !l.can_be_sampled() => 0.0,
-            Self::Area(l) => bright(l.power()),
-            Self::Infinite(l) => bright(l.radiance()) * std::f64::consts::PI * 4.0 * disk,
-        }
-    }
-
-    /// Whether a place can look for it: the rays of a file are met by nothing that does not follow them.
-    pub(crate) fn can_be_looked_for(&self) -> bool {
-        !matches!(self, Self::Rays(_))
-    }
-
-    /// Picks a direction from `from` towards the light by two numbers uniform in [0, 1).
+    /// The light of a description.
     ///
-    /// `None` if nothing can arrive. What stands between is not looked at: the shadow ray asks.
-    #[must_use]
-    pub fn sample(
-        &self,
-        scene: &Scene,
-        from: &Interaction,
-        xi: DVec2,
-        wavelengths: &Wavelengths,
-    ) -> Option<LightSample> {
-        match self {
-            Self::Point(l) => l.sample(from),
-            Self::Spot(l) => l.sample(from),
-            Self::Photometric(l) => l.sample(from, xi),
-            Self::Rays(_) => None,
-            Self::Distant(l) => Some(l.sample(from)),
-            Self::Area(l) => l.sample(scene, from, xi),
-            Self::Infinite(l) => l.sample(from, xi, wavelengths),
-        }
+    /// # Errors
+    /// [`SceneErrorKind::Range`] for the first parameter out of range.
+    pub(crate) fn try_new(input: LightInput<'_>) -> Result<Self, SceneErrorKind> {
+        Ok(match &input.description.kind {
+            LightKind::Point { from, range } => Self::Point(PointLight::resolve(&input, *from, *range)?),
+            LightKind::Spot { from, to, cone_angle, inner_angle, falloff } => {
+                Self::Spot(SpotLight::resolve(&input, [*from, *to], [*cone_angle, *inner_angle], *falloff)?)
+            }
+            LightKind::Photometric { distribution, opening, from } => {
+                Self::Photometric(PhotometricLight::resolve(input, distribution, *opening, *from)?)
+            }
+            LightKind::Rays { rays, from } => Self::Rays(RayLight::resolve(input, rays, *from)?),
+            LightKind::Distant { from, to } => Self::Distant(DistantLight::resolve(&input, *from, *to)?),
+            LightKind::Infinite => Self::Infinite(InfiniteLight::new(input.emission)),
+        })
     }
 }
 
-/// A direction picked towards a light.
+fn range_error(what: &'static str, value: impl ToString, range: &'static str) -> SceneErrorKind {
+    SceneErrorKind::Range { what, value: value.to_string(), range }
+}
+
+/// Mean over the bands, not below 0.
+fn brightness(light: Spectrum) -> f64 {
+    f64::from(light.mean(&Wavelengths::default()).max(0.0))
+}
+
+/// A direction sampled towards a light.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
     /// Unit direction to the light.
     pub wi: DVec3,
     /// Radiance that arrives if nothing stands between; for a delta light the irradiance on a surface that faces it.
     pub radiance: Spectrum,
-    /// Density with which `wi` was picked; 1 for a delta light.
+    /// Density with which `wi` was sampled; 1 for a delta light.
     pub pdf: SolidAnglePdf,
     /// Whether no other strategy can find this direction.
     pub is_delta: bool,
@@ -145,6 +255,6 @@ pub struct LightSample {
     pub shadow: Ray,
     /// End of `shadow`.
     pub t_max: f64,
-    /// Density with which [`Scene::emit`] picks the place `wi` leads to; `None` if that is not on a surface.
+    /// Density with which [`Scene::emit`] samples the point that `wi` leads to; `None` if that is not on a surface.
     pub area_pdf: Option<AreaPdf>,
 }

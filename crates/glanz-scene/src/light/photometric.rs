@@ -2,15 +2,16 @@
 
 use std::sync::Arc;
 
-use glanz_light::Spectrum;
 use glanz_light::intensity::{Distribution, Opening, OpeningShape};
-use glanz_math::{DMat3, DVec2, DVec3, Transform};
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::{AreaPdf, DMat3, DVec2, DVec3, Ray, Transform};
 use glanz_sampling::discrete::PiecewiseConstant1;
 
-use super::LightSample;
-use super::opening;
 use super::point::sample_point;
+use super::{IncidentLight, LightInput, LightModel, LightRay, LightSample, brightness, opening, range_error};
+use crate::error::SceneErrorKind;
 use crate::interaction::Interaction;
+use crate::scene::Scene;
 
 /// Lengths may change by this share between directions where a luminaire is placed: matrices printed with four digits pass.
 const SIMILARITY: f64 = 1e-3;
@@ -45,10 +46,28 @@ pub(super) fn luminaire_axes(to_world: &Transform) -> Option<(DMat3, f64)> {
     Some((DMat3::from_cols(x, y, z), scale))
 }
 
+/// The error of a luminaire in a frame that is no similarity.
+pub(super) fn uneven() -> SceneErrorKind {
+    let range = "moves, turns and scales alike in all directions";
+    range_error("photometric light: transformation", "uneven", range)
+}
+
 impl PhotometricLight {
+    /// `from`: the photometric centre in the luminaire's frame. `opening`: `None` for a point.
+    pub(super) fn resolve(
+        input: LightInput<'_>,
+        distribution: &Arc<Distribution>,
+        opening: Option<Opening>,
+        from: DVec3,
+    ) -> Result<Self, SceneErrorKind> {
+        let per_candela = input.per_candela?;
+        Self::try_new(Arc::clone(distribution), opening, from, &input.to_world, per_candela)
+            .ok_or_else(uneven)
+    }
+
     /// `from`: the photometric centre in the luminaire's frame, which `to_world` places. `opening`: `None` for a point. `per_candela`: W/sr for one
     /// candela of the distribution. `None` if `to_world` is no similarity.
-    pub(crate) fn try_new(
+    fn try_new(
         distribution: Arc<Distribution>,
         opening: Option<Opening>,
         from: DVec3,
@@ -100,19 +119,53 @@ impl PhotometricLight {
     }
 
     /// A point that it shines from, metres, by two numbers uniform in [0, 1).
-    pub(super) fn place(&self, xi: DVec2) -> DVec3 {
+    fn place(&self, xi: DVec2) -> DVec3 {
         let from_center = self.opening.as_ref().map_or(DVec3::ZERO, |o| opening::point(o, xi));
         self.position + self.axes * from_center
     }
 
     /// A unit direction in proportion to the intensity, by two numbers uniform in [0, 1).
-    pub(super) fn direction(&self, xi: DVec2) -> Option<DVec3> {
+    fn direction(&self, xi: DVec2) -> Option<DVec3> {
         let cell = self.cells.as_ref()?.choose(xi.x);
         let [azimuth, polar] = self.distribution.pick(cell.index, DVec2::new(cell.xi, xi.y))?;
         (self.axes * self.distribution.direction(azimuth, polar)).try_normalize()
     }
+}
 
-    pub(super) fn sample(&self, from: &Interaction, xi: DVec2) -> Option<LightSample> {
+impl LightModel for PhotometricLight {
+    const KIND: &'static str = "photometric";
+
+    fn is_delta(&self) -> bool {
+        self.is_point()
+    }
+
+    fn importance(&self, _: f64) -> f64 {
+        brightness(self.power())
+    }
+
+    fn sample(&self, _: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {
         sample_point(from, self.place(xi), |direction, _| self.intensity(direction))
+    }
+
+    /// Directions in proportion to the intensity: all rays carry the same power.
+    fn emit(&self, _: &Scene, place: DVec2, direction: DVec2) -> Option<LightRay> {
+        let ray = Ray::new(self.place(place), self.direction(direction)?);
+        Some(LightRay::new(ray, self.power()))
+    }
+
+    /// The density if all of it were in its middle: a weight for paths has to be the same from both ends, not exact.
+    fn emission_pdf(&self, _: &Scene, at: DVec3, wi: DVec3, _: Option<AreaPdf>) -> f64 {
+        let wavelengths = Wavelengths::default();
+        let mean = |light: Spectrum| f64::from(light.mean(&wavelengths));
+        let fraction = mean(self.intensity(-wi)) / mean(self.power());
+        let pdf = fraction / (at - self.position).length_squared();
+        if pdf.is_finite() { pdf } else { 0.0 }
+    }
+
+    fn incident(&self, point: DVec3) -> Option<IncidentLight> {
+        if !self.is_point() {
+            return None;
+        }
+        IncidentLight::from_position(self.position, point, |direction, _| self.intensity(direction))
     }
 }

@@ -1,14 +1,17 @@
 //! Point light.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_PI, PI};
 
 use glanz_light::Spectrum;
-use glanz_math::{DVec3, SolidAnglePdf};
+use glanz_math::{AreaPdf, DVec2, DVec3, Ray, SolidAnglePdf};
+use glanz_sampling::warp;
 
-use super::LightSample;
+use super::{IncidentLight, LightInput, LightModel, LightRay, LightSample, brightness, range_error};
+use crate::error::SceneErrorKind;
 use crate::interaction::Interaction;
+use crate::scene::Scene;
 
-/// A point that shines alike in all directions, W/sr.
+/// A point that emits alike in all directions, W/sr.
 #[derive(Clone, Copy, Debug)]
 pub struct PointLight {
     position: DVec3,
@@ -47,12 +50,49 @@ impl PointLight {
         self.range
     }
 
-    pub(super) fn sample(&self, from: &Interaction) -> Option<LightSample> {
-        sample_point(from, self.position, |_, distance| self.intensity * window(distance, self.range))
+    /// `from`: in the frame of the light.
+    pub(super) fn resolve(
+        input: &LightInput<'_>,
+        from: DVec3,
+        range: Option<f64>,
+    ) -> Result<Self, SceneErrorKind> {
+        match range {
+            Some(range) if range.is_nan() || range <= 0.0 => {
+                Err(range_error("point light: range", range, "positive"))
+            }
+            _ => Ok(Self::new(input.to_world.point(from), input.emission, range)),
+        }
     }
 }
 
-/// Share of light left at `distance` from a light of finite range: `1 - (distance / range)^4`, not below 0.
+impl LightModel for PointLight {
+    const KIND: &'static str = "point";
+
+    fn importance(&self, _: f64) -> f64 {
+        brightness(self.power())
+    }
+
+    fn sample(&self, _: &Scene, from: &Interaction, _: DVec2) -> Option<LightSample> {
+        sample_point(from, self.position, |_, distance| self.intensity * window(distance, self.range))
+    }
+
+    fn emit(&self, _: &Scene, _: DVec2, direction: DVec2) -> Option<LightRay> {
+        let ray = Ray::new(self.position, warp::uniform_sphere(direction));
+        Some(LightRay { range: self.range, ..LightRay::new(ray, self.power()) })
+    }
+
+    fn emission_pdf(&self, _: &Scene, at: DVec3, _: DVec3, _: Option<AreaPdf>) -> f64 {
+        0.25 * FRAC_1_PI / (at - self.position).length_squared()
+    }
+
+    fn incident(&self, point: DVec3) -> Option<IncidentLight> {
+        IncidentLight::from_position(self.position, point, |_, distance| {
+            self.power() * (window(distance, self.range) / (4.0 * PI) as f32)
+        })
+    }
+}
+
+/// Fraction of light left at `distance` from a light of finite range: `1 - (distance / range)^4`, not below 0.
 ///
 /// # Source
 /// @khr_lights_punctual, attenuation by range.
@@ -60,7 +100,7 @@ pub(super) fn window(distance: f64, range: Option<f64>) -> f32 {
     range.map_or(1.0, |range| (1.0 - (distance / range).powi(4)).max(0.0) as f32)
 }
 
-/// A sample of the point `position` that shines with `intensity(direction from the light, distance)`, W/sr.
+/// A sample of the point `position` that emits `intensity(direction from the light, distance)`, W/sr.
 pub(super) fn sample_point(
     from: &Interaction,
     position: DVec3,

@@ -3,14 +3,17 @@
 use std::f64::consts::PI;
 
 use glanz_light::Spectrum;
-use glanz_math::DVec3;
+use glanz_math::{AreaPdf, DVec2, DVec3, Frame, Ray};
+use glanz_sampling::warp;
 
-use super::LightSample;
 use super::point::sample_point;
+use super::{IncidentLight, LightInput, LightModel, LightRay, LightSample, brightness, range_error};
 use crate::description::SpotFalloff;
+use crate::error::SceneErrorKind;
 use crate::interaction::Interaction;
+use crate::scene::Scene;
 
-/// A point that shines into a cone, W/sr.
+/// A point that emits into a cone, W/sr.
 #[derive(Clone, Copy, Debug)]
 pub struct SpotLight {
     position: DVec3,
@@ -34,6 +37,26 @@ impl SpotLight {
         Self { position, axis, cos_outer: outer.cos(), cos_inner: inner.cos(), falloff, intensity }
     }
 
+    /// `from`, `to`: in the frame of the light; `cone_angle`, `inner_angle`: half angles, radians.
+    pub(super) fn resolve(
+        input: &LightInput<'_>,
+        [from, to]: [DVec3; 2],
+        [cone_angle, inner_angle]: [f64; 2],
+        falloff: SpotFalloff,
+    ) -> Result<Self, SceneErrorKind> {
+        let axis = input
+            .to_world
+            .vector(to - from)
+            .try_normalize()
+            .ok_or_else(|| range_error("spot light: to", to, "different from its position"))?;
+        if !(cone_angle > 0.0 && cone_angle <= PI) {
+            let degrees = cone_angle.to_degrees();
+            return Err(range_error("spot light: cone angle", degrees, "above 0 and at most 180"));
+        }
+        let angles = [cone_angle, inner_angle.clamp(0.0, cone_angle)];
+        Ok(Self::new(input.to_world.point(from), axis, angles, falloff, input.emission))
+    }
+
     /// Total power, W.
     ///
     /// The falloff as a function of the linear share x of the cosine has the mean 1/5 for x^4 and 1/2 for the
@@ -46,10 +69,6 @@ impl SpotLight {
         };
         let solid_angle = 2.0 * PI * ((1.0 - self.cos_inner) + (self.cos_inner - self.cos_outer) * mean);
         self.intensity * solid_angle as f32
-    }
-
-    pub(super) fn sample(&self, from: &Interaction) -> Option<LightSample> {
-        sample_point(from, self.position, |direction, _| self.intensity(direction))
     }
 
     /// Where it is, metres.
@@ -79,11 +98,11 @@ impl SpotLight {
     /// What it sends into a unit direction, W/sr.
     #[must_use]
     pub fn intensity(&self, direction: DVec3) -> Spectrum {
-        self.intensity * self.share(direction.dot(self.axis))
+        self.intensity * self.attenuation(direction.dot(self.axis))
     }
 
-    /// Share of the intensity sent under the cosine `cos` to the axis.
-    fn share(&self, cos: f64) -> f32 {
+    /// Fraction of the intensity sent under the cosine `cos` to the axis.
+    fn attenuation(&self, cos: f64) -> f32 {
         if cos <= self.cos_outer {
             return 0.0;
         }
@@ -99,6 +118,41 @@ impl SpotLight {
     }
 }
 
+impl LightModel for SpotLight {
+    const KIND: &'static str = "spot";
+
+    fn importance(&self, _: f64) -> f64 {
+        brightness(self.power())
+    }
+
+    fn sample(&self, _: &Scene, from: &Interaction, _: DVec2) -> Option<LightSample> {
+        sample_point(from, self.position, |direction, _| self.intensity(direction))
+    }
+
+    /// Directions uniform in the cone.
+    fn emit(&self, _: &Scene, _: DVec2, direction: DVec2) -> Option<LightRay> {
+        let one_minus_cos = 1.0 - self.cos_outer;
+        let local = warp::uniform_cone(direction, one_minus_cos);
+        let pdf = warp::uniform_cone_pdf(one_minus_cos);
+        let ray = Ray::new(self.position, Frame::from_z(self.axis).to_world(local));
+        let power = self.intensity(ray.direction) * (1.0 / pdf.0) as f32;
+        (one_minus_cos > 0.0).then(|| LightRay::new(ray, power))
+    }
+
+    fn emission_pdf(&self, _: &Scene, at: DVec3, _: DVec3, _: Option<AreaPdf>) -> f64 {
+        let offset = at - self.position;
+        let distance_squared = offset.length_squared();
+        if offset.dot(self.axis) < self.cos_outer * distance_squared.sqrt() {
+            return 0.0;
+        }
+        warp::uniform_cone_pdf(1.0 - self.cos_outer).0 / distance_squared
+    }
+
+    fn incident(&self, point: DVec3) -> Option<IncidentLight> {
+        IncidentLight::from_position(self.position, point, |direction, _| self.intensity(direction))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,7 +164,7 @@ mod tests {
             // Midpoint rule over the cosine.
             let n = 100_000;
             let sum: f64 =
-                (0..n).map(|i| f64::from(spot.share(1.0 - (f64::from(i) + 0.5) / f64::from(n)))).sum();
+                (0..n).map(|i| f64::from(spot.attenuation(1.0 - (f64::from(i) + 0.5) / f64::from(n)))).sum();
             let integral = 2.0 * PI * sum / f64::from(n);
             assert!((f64::from(spot.power().max_component()) - integral).abs() < 1e-4);
         }
@@ -119,7 +173,7 @@ mod tests {
     #[test]
     fn sharp_cone_has_no_border_to_divide_by() {
         let spot = SpotLight::new(DVec3::ZERO, DVec3::Z, [0.5, 0.5], SpotFalloff::Smoothstep, Spectrum::ONE);
-        assert_eq!(spot.share(0.49_f64.cos()), 1.0);
-        assert_eq!(spot.share(0.51_f64.cos()), 0.0);
+        assert_eq!(spot.attenuation(0.49_f64.cos()), 1.0);
+        assert_eq!(spot.attenuation(0.51_f64.cos()), 0.0);
     }
 }

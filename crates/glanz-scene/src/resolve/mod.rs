@@ -66,12 +66,12 @@ impl Scene {
             .filter(|(_, light)| matches!(light, Light::Infinite(_)))
             .map(|(index, _)| LightId(index as u32))
             .collect();
-        let looked_for: Vec<f64> = lights
+        let sampled: Vec<f64> = lights
             .iter()
             .zip(&importance)
-            .map(|(light, &importance)| if light.can_be_looked_for() { importance } else { 0.0 })
+            .map(|(light, &importance)| if light.can_be_sampled() { importance } else { 0.0 })
             .collect();
-        let (selector, emitters) = (LightSelector::new(&looked_for), LightSelector::new(&importance));
+        let (selector, emitters) = (LightSelector::new(&sampled), LightSelector::new(&importance));
         let scene = Self {
             camera,
             groups: groups.into(),

@@ -62,7 +62,7 @@ fn sent(scene: &Scene) -> (f64, f64) {
             && hit.point.position.z.abs() < 1e-9
             && light.ray.direction.z < 0.0
         {
-            met += bright(light.power) * f64::from(light.left_at(hit.t));
+            met += bright(light.power) * f64::from(light.attenuation(hit.t));
         }
     }
     (all / f64::from(COUNT), met / f64::from(COUNT))
@@ -75,7 +75,7 @@ fn received(scene: &Scene) -> f64 {
         let [place, xi] = point(i);
         let ray = Ray::new(DVec3::new(place.x, place.y, 1e-3), -DVec3::Z);
         let from = scene.intersect(&ray, f64::INFINITY).unwrap();
-        let Some(sample) = scene.sample_light(LightId(0), &from, xi, &Wavelengths::default()) else {
+        let Some(sample) = scene.sample_light(LightId(0), &from, xi) else {
             continue;
         };
         if sample.wi.z > 0.0 && !scene.occluded(&sample.shadow, sample.t_max) {
@@ -144,7 +144,7 @@ fn extent_sent(scene: &Scene) -> [f64; 2] {
         let Some(light) = scene.emit(LightId(0), place, direction) else { continue };
         let towards = -light.ray.direction;
         let Some(hit) = scene.intersect(&light.ray, f64::INFINITY) else { continue };
-        let arrives = towards.z > 0.0 && light.left_at(hit.t) > 0.0;
+        let arrives = towards.z > 0.0 && light.attenuation(hit.t) > 0.0;
         if hit.point.position.z.abs() > 1e-9 || !arrives {
             continue;
         }
@@ -166,7 +166,7 @@ fn extent_found(scene: &Scene) -> [f64; 2] {
         let [place, xi] = point(i);
         let ray = Ray::new(DVec3::new(place.x, place.y, 1e-3), -DVec3::Z);
         let from = scene.intersect(&ray, f64::INFINITY).unwrap();
-        let Some(sample) = scene.sample_light(LightId(0), &from, xi, &Wavelengths::default()) else {
+        let Some(sample) = scene.sample_light(LightId(0), &from, xi) else {
             continue;
         };
         if sample.wi.z > 0.0 && !scene.occluded(&sample.shadow, sample.t_max) {

@@ -94,7 +94,7 @@ fn solid_angle(scene: &Scene, from: &Interaction, n: u32) -> f64 {
     let mut sum = 0.0;
     for i in 0..n * n {
         let xi = (DVec2::new(f64::from(i % n), f64::from(i / n)) + 0.5) / f64::from(n);
-        if let Some(sample) = scene.sample_light(LightId(0), from, xi, &Wavelengths::default()) {
+        if let Some(sample) = scene.sample_light(LightId(0), from, xi) {
             assert!((sample.wi.length() - 1.0).abs() < 1e-12);
             sum += 1.0 / sample.pdf.0;
             check_sample_against_hit(scene, from, &sample);
@@ -224,9 +224,7 @@ fn infinite_light_samples_follow_the_cosine_on_the_side_of_the_viewer() {
     let light = LightDescription { scale: 3.0, ..LightDescription::infinite(1.0) };
     let scene = resolve(with_shapes([ShapeDescription::disk(1.0)]).light(light));
     let from = observer(&scene);
-    let sample = scene
-        .sample_light(scene.infinite_lights()[0], &from, DVec2::new(0.3, 0.6), &Wavelengths::default())
-        .unwrap();
+    let sample = scene.sample_light(scene.infinite_lights()[0], &from, DVec2::new(0.3, 0.6)).unwrap();
     assert!(sample.wi.z < 0.0);
     assert!((sample.pdf.0 - -sample.wi.z / PI).abs() < 1e-12);
     assert!((sample.radiance.luminance(&Wavelengths::default()) - 3.0).abs() < 0.01);

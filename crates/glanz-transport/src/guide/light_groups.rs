@@ -72,7 +72,7 @@ impl LightGroups {
             // Rounding may carry xi past the end; a group that the scene does not have is never reached.
             if xi < below + probability || group == last {
                 let left = ((xi - below) / probability).clamp(0.0, 1.0 - f64::EPSILON / 2.0);
-                let (id, inside) = scene.pick_light_of(group, left)?;
+                let (id, inside) = scene.select_light_in_group(group, left)?;
                 return Some((id, probability * inside));
             }
             below += probability;

@@ -135,10 +135,10 @@ impl DirectionSampler for GuideDirections<'_> {
         rough.then(|| self.guide.place(vertex.at.point.position, vertex.normal_to_viewer()))
     }
 
-    fn pick_light(&self, place: &Self::VertexData, scene: &Scene, xi: f64) -> Option<(LightId, f64)> {
+    fn select_light(&self, place: &Self::VertexData, scene: &Scene, xi: f64) -> Option<(LightId, f64)> {
         match place {
             Some(place) if scene.light_group_count() > 1 => self.guide.lamps(place).pick(scene, xi),
-            _ => scene.pick_light(xi),
+            _ => scene.select_light(xi),
         }
     }
 

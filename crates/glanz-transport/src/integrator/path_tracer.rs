@@ -26,11 +26,11 @@ pub(super) trait DirectionSampler {
     fn arrive(&self, vertex: &Vertex<'_>) -> Self::VertexData;
 
     /// A light to sample and the probability of that choice, by a number uniform in [0, 1).
-    fn pick_light(&self, _place: &Self::VertexData, scene: &Scene, xi: f64) -> Option<(LightId, f64)> {
-        scene.pick_light(xi)
+    fn select_light(&self, _place: &Self::VertexData, scene: &Scene, xi: f64) -> Option<(LightId, f64)> {
+        scene.select_light(xi)
     }
 
-    /// The probability with which [`DirectionSampler::pick_light`] takes the light `id`.
+    /// The probability with which [`DirectionSampler::select_light`] takes the light `id`.
     fn light_probability(&self, _place: &Self::VertexData, scene: &Scene, id: LightId) -> f64 {
         scene.light_probability(id)
     }
@@ -247,7 +247,7 @@ fn direct_light<D: DirectionSampler>(
     xi: DVec2,
 ) -> Spectrum {
     let scene = context.scene;
-    let picked = directions.pick_light(place, scene, xi_light);
+    let picked = directions.select_light(place, scene, xi_light);
     let Some((id, probability)) = picked.filter(|&(_, probability)| probability > 0.0) else {
         return Spectrum::BLACK;
     };

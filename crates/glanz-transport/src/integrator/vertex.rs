@@ -173,7 +173,7 @@ impl<'a> Vertex<'a> {
         xi: DVec2,
         weight: impl FnOnce(DVec3, f64, f64) -> f64,
     ) -> Spectrum {
-        let Some(sample) = context.scene.sample_light(id, self.at, xi, &context.wavelengths) else {
+        let Some(sample) = context.scene.sample_light(id, self.at, xi) else {
             return Spectrum::BLACK;
         };
         let (value, bsdf_pdf) = self.eval(sample.wi);

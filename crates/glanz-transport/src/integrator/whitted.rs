@@ -65,7 +65,7 @@ fn phong_light(context: &mut Context<'_>, vertex: &Vertex<'_>, surface: &Coeffic
             continue;
         }
         let xi = context.sampler.next_2d();
-        let Some(sample) = context.scene.sample_light(id, vertex.at, xi, &context.wavelengths) else {
+        let Some(sample) = context.scene.sample_light(id, vertex.at, xi) else {
             continue;
         };
         // The back of the surface itself shades, as in `Vertex::eval`.

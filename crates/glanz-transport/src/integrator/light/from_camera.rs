@@ -135,9 +135,9 @@ fn sampled(
     xi: DVec2,
 ) -> Spectrum {
     let scene = context.scene;
-    let picked = scene.pick_light(xi_light).filter(|&(_, probability)| probability > 0.0);
+    let picked = scene.select_light(xi_light).filter(|&(_, probability)| probability > 0.0);
     let Some((id, probability)) = picked else { return Spectrum::BLACK };
-    let Some(sample) = scene.sample_light(id, vertex.at, xi, &context.wavelengths) else {
+    let Some(sample) = scene.sample_light(id, vertex.at, xi) else {
         return Spectrum::BLACK;
     };
     let (value, light_pdf) = vertex.eval(sample.wi);

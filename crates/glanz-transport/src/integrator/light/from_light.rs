@@ -28,9 +28,9 @@ impl LightPathStart {
         context.sampler.skip_to_dimension(FIRST_LIGHT_DIMENSION);
         let (direction, place) = (context.sampler.next_2d(), context.sampler.next_2d());
         let scene = context.scene;
-        let (id, probability) = scene.pick_emitter(context.sampler.next_1d())?;
+        let (id, probability) = scene.select_emitter(context.sampler.next_1d())?;
         let light = scene.emit(id, place, direction)?;
-        let is_delta = !scene.light(id).is_some_and(Light::can_be_met);
+        let is_delta = !scene.light(id).is_some_and(Light::can_be_hit);
         (probability > 0.0).then_some(Self { id, probability, light, is_delta })
     }
 
@@ -76,7 +76,7 @@ impl LightPaths {
             let known = match weights {
                 Some(known) => known,
                 None => {
-                    flux *= start.light.left_at((hit.point.position - start.light.ray.origin).length());
+                    flux *= start.light.attenuation((hit.point.position - start.light.ray.origin).length());
                     start.weights(context, &vertex)
                 }
             };
