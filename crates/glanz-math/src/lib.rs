@@ -8,6 +8,7 @@
 //! - [`Ray`], [`Transform`] (affine, always invertible), [`Bounds3`], [`Frame`];
 //! - [`rounding`]: bounds on accumulated rounding errors, used for hits and secondary rays;
 //! - [`polynomial`]: real roots of polynomials of low degree;
+//! - [`bspline`]: knots of B-splines and the recursion for their basis functions;
 //! - [`AreaPdf`] and [`SolidAnglePdf`]: densities whose measure is part of the type.
 //!
 //! ```
@@ -20,6 +21,7 @@
 //! ```
 
 pub mod bounds;
+pub mod bspline;
 pub mod frame;
 pub mod measure;
 pub mod polynomial;

@@ -7,13 +7,13 @@ pub type BasisRow = [f64; MAX_DEGREE + 1];
 
 /// The basis functions of a knot vector at one parameter.
 #[derive(Clone, Copy, Debug)]
-pub struct Basis<'a> {
+pub struct BasisFunctions<'a> {
     knots: &'a KnotVector,
     span: usize,
     u: f64,
 }
 
-impl<'a> Basis<'a> {
+impl<'a> BasisFunctions<'a> {
     /// The basis at `u`, which is moved into the domain if it lies outside.
     ///
     /// At a knot the piece that starts there counts, at the end of the domain the last one.
@@ -67,20 +67,11 @@ impl<'a> Basis<'a> {
     }
 
     fn of_degree(&self, degree: usize) -> BasisRow {
-        let (t, k, u) = (self.knots.knots(), self.span, self.u);
-        let mut row = [0.0; MAX_DEGREE + 1];
-        row[0] = 1.0;
-        for q in 1..=degree {
-            let mut saved = 0.0;
-            for j in 0..q {
-                let (left, right) = (t[k + 1 + j - q], t[k + 1 + j]);
-                let share = row[j] / (right - left);
-                row[j] = saved + (right - u) * share;
-                saved = (u - left) * share;
-            }
-            row[q] = saved;
-        }
-        row
+        let u = self.u;
+        self.knots.recursion(self.span, degree, |_, value, left, right| {
+            let share = value / (right - left);
+            [(right - u) * share, (u - left) * share]
+        })
     }
 }
 
@@ -115,7 +106,7 @@ mod tests {
     fn functions_are_those_of_the_recursion() {
         for knots in vectors() {
             for u in parameters(&knots).into_iter().filter(|u| *u < knots.domain()[1]) {
-                let basis = Basis::at(&knots, u);
+                let basis = BasisFunctions::at(&knots, u);
                 let row = basis.values();
                 for i in 0..knots.count() {
                     let inside = i >= basis.first() && i <= basis.first() + knots.degree();
@@ -131,7 +122,7 @@ mod tests {
     fn functions_sum_to_one_on_the_closed_domain_and_their_derivatives_to_zero() {
         for knots in vectors() {
             for u in parameters(&knots) {
-                let basis = Basis::at(&knots, u);
+                let basis = BasisFunctions::at(&knots, u);
                 let values = basis.values();
                 assert!(values.iter().all(|v| *v >= 0.0));
                 assert!((values.iter().sum::<f64>() - 1.0).abs() < 1e-15, "{u}");
@@ -152,8 +143,9 @@ mod tests {
                     let u = pair[0] + (pair[1] - pair[0]) * f64::from(i) / 10.0;
                     let h = 1e-6;
                     for order in 1..=knots.degree() {
-                        let row = Basis::at(&knots, u).derivatives(order);
-                        let (low, high) = (Basis::at(&knots, u - h), Basis::at(&knots, u + h));
+                        let row = BasisFunctions::at(&knots, u).derivatives(order);
+                        let (low, high) =
+                            (BasisFunctions::at(&knots, u - h), BasisFunctions::at(&knots, u + h));
                         let (low, high) = (low.derivatives(order - 1), high.derivatives(order - 1));
                         for j in 0..=knots.degree() {
                             let difference = (high[j] - low[j]) / (2.0 * h);
@@ -169,13 +161,13 @@ mod tests {
     fn bezier_knots_give_bernstein_polynomials() {
         let knots = KnotVector::clamped_uniform(3, 4).unwrap();
         let u: f64 = 0.3;
-        let row = Basis::at(&knots, u).values();
+        let row = BasisFunctions::at(&knots, u).values();
         let bernstein = [0.343, 0.441, 0.189, 0.027];
         for (a, b) in row.iter().zip(bernstein) {
             assert!((a - b).abs() < 1e-15);
         }
         // Third derivatives: 3! times the differences of the unit vectors.
-        assert_eq!(Basis::at(&knots, u).derivatives(3)[..4], [-6.0, 18.0, -18.0, 6.0]);
-        assert_eq!(Basis::at(&knots, u).derivatives(4), [0.0; MAX_DEGREE + 1]);
+        assert_eq!(BasisFunctions::at(&knots, u).derivatives(3)[..4], [-6.0, 18.0, -18.0, 6.0]);
+        assert_eq!(BasisFunctions::at(&knots, u).derivatives(4), [0.0; MAX_DEGREE + 1]);
     }
 }

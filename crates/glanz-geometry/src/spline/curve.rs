@@ -3,7 +3,7 @@
 use glanz_math::DVec3;
 use glanz_math::glam::DVec4;
 
-use super::basis::Basis;
+use super::basis::BasisFunctions;
 use super::homogeneous::{check, deviation, homogeneous_points, project};
 use super::knots::KnotVector;
 use super::polygon;
@@ -69,7 +69,7 @@ impl NurbsCurve {
     /// The point at `u`, metres; parameters outside the domain are clamped to it.
     #[must_use]
     pub fn point(&self, u: f64) -> DVec3 {
-        project(self.homogeneous(&Basis::at(&self.knots, u), 0))
+        project(self.homogeneous(&BasisFunctions::at(&self.knots, u), 0))
     }
 
     /// The point and its derivatives by u of the orders 1 to `order`.
@@ -77,12 +77,12 @@ impl NurbsCurve {
     /// At a knot they are those of the piece that starts there.
     #[must_use]
     pub fn derivatives(&self, u: f64, order: usize) -> Vec<DVec3> {
-        let basis = Basis::at(&self.knots, u);
+        let basis = BasisFunctions::at(&self.knots, u);
         let homogeneous: Vec<DVec4> = (0..=order).map(|k| self.homogeneous(&basis, k)).collect();
         project_derivatives(&homogeneous)
     }
 
-    fn homogeneous(&self, basis: &Basis<'_>, order: usize) -> DVec4 {
+    fn homogeneous(&self, basis: &BasisFunctions<'_>, order: usize) -> DVec4 {
         let (row, first) = (basis.derivatives(order), basis.first());
         let points = &self.points[first..=first + self.knots.degree()];
         points.iter().zip(row).map(|(p, n)| *p * n).sum()

@@ -1,10 +1,11 @@
 //! Splines through given points.
 
 use glanz_math::DVec3;
+use glanz_math::bspline::Knots;
 
-use super::basis::Basis;
+use super::basis::BasisFunctions;
 use super::curve::NurbsCurve;
-use super::knots::{KnotVector, check_degree, clamped};
+use super::knots::{KnotVector, check_degree};
 use super::polygon::ControlPoint;
 use super::surface::NurbsSurface;
 use crate::error::{SurfaceError, finite};
@@ -32,7 +33,7 @@ impl CollocationMatrix {
         let mut band = vec![0.0; count * (2 * p + 1)];
         for (i, &value) in parameters.iter().enumerate() {
             finite("interpolation parameter", value)?;
-            let basis = Basis::at(knots, value);
+            let basis = BasisFunctions::at(knots, value);
             let (first, row) = (basis.first(), basis.values());
             let is_positive = i >= first && i <= first + p && row[i - first] > 0.0;
             if !is_positive || value < start || value > end {
@@ -120,7 +121,7 @@ pub fn averaged_knots(degree: usize, parameters: &[f64]) -> Result<KnotVector, S
     }
     let means = parameters[1..count - 1].windows(degree).map(|w| w.iter().sum::<f64>() / degree as f64);
     let ends = [parameters[0], parameters[count - 1]];
-    KnotVector::try_new(degree, clamped(degree, ends, means.take(count - degree - 1).collect()))
+    KnotVector::try_new(degree, Knots::clamped(degree, ends, means.take(count - degree - 1)))
 }
 
 /// Parameters from 0 to 1 in proportion to the lengths of the chords; `None` if all points coincide.

@@ -4,7 +4,9 @@
 
 use std::ops::Sub;
 
-use super::knots::{KnotVector, clamped};
+use glanz_math::bspline::Knots;
+
+use super::knots::KnotVector;
 use crate::bezier::bernstein::BernsteinCoefficient;
 use crate::error::SurfaceError;
 
@@ -86,8 +88,8 @@ pub(crate) fn restrict<P: ControlPoint>(
     // With p copies of a knot, the first at index f, control point f - 1 lies on the spline.
     let first = t.partition_point(|&k| k <= start) - 1 - p;
     let last = t.partition_point(|&k| k < end) - 1;
-    let inner = t.iter().copied().filter(|k| *k > start && *k < end).collect();
-    let knots = KnotVector::try_new(p, clamped(p, [start, end], inner))?;
+    let inner = t.iter().copied().filter(|k| *k > start && *k < end);
+    let knots = KnotVector::try_new(p, Knots::clamped(p, [start, end], inner))?;
     Ok((knots, points[first..=last].to_vec()))
 }
 

@@ -4,7 +4,7 @@ use glanz_math::glam::DVec4;
 use glanz_math::rounding::{UNIT_ROUNDOFF, gamma};
 use glanz_math::{Bounds3, DVec3};
 
-use super::basis::Basis;
+use super::basis::BasisFunctions;
 use super::homogeneous::{check, homogeneous_points, project};
 use super::knots::{KnotVector, check_degree};
 use super::polygon;
@@ -111,7 +111,10 @@ impl NurbsSurface {
     /// The point at (u, v), metres; parameters outside the domain are clamped to it.
     #[must_use]
     pub fn point(&self, u: f64, v: f64) -> DVec3 {
-        project(self.homogeneous([&Basis::at(&self.knots_u, u), &Basis::at(&self.knots_v, v)], [0, 0]))
+        project(self.homogeneous(
+            [&BasisFunctions::at(&self.knots_u, u), &BasisFunctions::at(&self.knots_v, v)],
+            [0, 0],
+        ))
     }
 
     /// The point and its first derivatives by u and v.
@@ -120,7 +123,7 @@ impl NurbsSurface {
     /// @markgraf2019 eq. 20.
     #[must_use]
     pub fn tangents(&self, u: f64, v: f64) -> (DVec3, DVec3, DVec3) {
-        let bases = [&Basis::at(&self.knots_u, u), &Basis::at(&self.knots_v, v)];
+        let bases = [&BasisFunctions::at(&self.knots_u, u), &BasisFunctions::at(&self.knots_v, v)];
         let value = self.homogeneous(bases, [0, 0]);
         let point = project(value);
         let tangent = |orders| {
@@ -135,7 +138,7 @@ impl NurbsSurface {
     /// At a knot they are those of the piece that starts there.
     #[must_use]
     pub fn derivatives(&self, u: f64, v: f64, order: usize) -> Derivatives {
-        let bases = [&Basis::at(&self.knots_u, u), &Basis::at(&self.knots_v, v)];
+        let bases = [&BasisFunctions::at(&self.knots_u, u), &BasisFunctions::at(&self.knots_v, v)];
         let mut homogeneous = vec![DVec4::ZERO; derivative_index(0, order) + 1];
         for (k, l) in (0..=order).flat_map(|k| (0..=order - k).map(move |l| (k, l))) {
             homogeneous[derivative_index(k, l)] = self.homogeneous(bases, [k, l]);
@@ -178,7 +181,7 @@ impl NurbsSurface {
         du.cross(dv).try_normalize()
     }
 
-    fn homogeneous(&self, [in_u, in_v]: [&Basis<'_>; 2], [k, l]: [usize; 2]) -> DVec4 {
+    fn homogeneous(&self, [in_u, in_v]: [&BasisFunctions<'_>; 2], [k, l]: [usize; 2]) -> DVec4 {
         let (row_u, row_v) = (in_u.derivatives(k), in_v.derivatives(l));
         let (p, q) = (self.knots_u.degree(), self.knots_v.degree());
         let (count_v, first_v) = (self.knots_v.count(), in_v.first());

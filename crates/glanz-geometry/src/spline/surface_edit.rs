@@ -2,7 +2,7 @@
 
 use glanz_math::glam::DVec4;
 
-use super::basis::Basis;
+use super::basis::BasisFunctions;
 use super::curve::NurbsCurve;
 use super::homogeneous::deviation;
 use super::knots::KnotVector;
@@ -116,7 +116,7 @@ impl NurbsSurface {
             ParameterDirection::U => self.clone(),
             ParameterDirection::V => self.transposed(),
         };
-        let basis = Basis::at(oriented.knots_u(), value);
+        let basis = BasisFunctions::at(oriented.knots_u(), value);
         let (row, first) = (basis.values(), basis.first());
         let (count, degree) = (oriented.knots_v().count(), oriented.knots_u().degree());
         let points = (0..count).map(|j| {

@@ -21,7 +21,7 @@ pub fn refinement(coarse: &FunctionBasis, fine: &FunctionBasis) -> Result<Banded
     // For each coarse function, the first fine function with a nonzero coefficient, and the coefficients.
     let mut columns: Vec<(usize, Vec<f64>)> = vec![(0, Vec::new()); coarse.len()];
     for k in 0..fine.len() {
-        let m = coarse.knots().segment(t[k]);
+        let m = coarse.knots().find_span(t[k]);
         let row = coarse.knots().blossoms(m, |r| t[k + r]);
         for (i, &value) in row.iter().take(d + 1).enumerate() {
             let (first, entries) = &mut columns[m - d + i];

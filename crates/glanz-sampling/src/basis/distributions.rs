@@ -24,8 +24,8 @@ impl SplineDistributions {
         let d = knots.degree();
         let (count, pieces) = (d + 2, d + 1);
         let t = knots.knots();
-        let mut coefficients = Vec::with_capacity(knots.len() * pieces * count);
-        for j in 0..knots.len() {
+        let mut coefficients = Vec::with_capacity(knots.count() * pieces * count);
+        for j in 0..knots.count() {
             let begin = coefficients.len();
             let mut sum = 0.0;
             for m in j..=j + d {

@@ -97,7 +97,7 @@ impl FunctionBasis {
     #[inline]
     #[must_use]
     pub fn nonzero(&self, x: f64) -> (usize, [f64; ORDER]) {
-        let m = self.knots.segment(x);
+        let m = self.knots.find_span(x);
         let mut values = self.knots.blossoms(m, |_| x);
         if self.scale != 1.0 {
             values = values.map(|v| v * self.scale);
@@ -157,7 +157,7 @@ impl FunctionBasis {
         let gauss = GaussLegendre::new(d + 1);
         let width = d + 1;
         let mut entries = vec![0.0; self.len() * width];
-        for (_, a, b) in self.knots.segments() {
+        for (_, a, b) in self.knots.spans() {
             for &(node, weight) in gauss.rule() {
                 let (first, values) = self.nonzero(a + (b - a) * node);
                 for i in 0..=d {
@@ -176,7 +176,7 @@ impl FunctionBasis {
     pub fn inner_products(&self, nodes: usize, mut f: impl FnMut(f64) -> f64) -> Vec<f64> {
         let gauss = GaussLegendre::new(nodes);
         let mut products = vec![0.0; self.len()];
-        for (_, a, b) in self.knots.segments() {
+        for (_, a, b) in self.knots.spans() {
             for &(node, weight) in gauss.rule() {
                 let x = a + (b - a) * node;
                 let term = (b - a) * weight * f(x);
@@ -471,7 +471,7 @@ mod tests {
         for basis in zoo() {
             for j in 0..basis.len() {
                 let mut sum = 0.0;
-                for (_, a, b) in basis.knots().segments() {
+                for (_, a, b) in basis.knots().spans() {
                     sum += gauss.integrate(a, b, |x| basis.pdf(j, x));
                     let error = basis.cumulative(j, b) - sum;
                     assert!(error.abs() < 1e-12, "degree {} function {j} at {b}: {error:e}", basis.degree());

@@ -160,7 +160,7 @@ impl<const D: usize> TensorBasis<D> {
     pub fn for_each_node(&self, nodes: usize, mut visit: impl FnMut(&[f64; D], f64)) {
         let gauss = GaussLegendre::new(nodes);
         let lines: [Vec<(f64, f64)>; D] = std::array::from_fn(|a| {
-            let segments = self.axes[a].knots().segments();
+            let segments = self.axes[a].knots().spans();
             let nodes_on = |(_, a, b): (usize, f64, f64)| {
                 gauss.rule().iter().map(move |&(x, w)| (a + (b - a) * x, (b - a) * w))
             };

@@ -287,7 +287,7 @@ mod tests {
                 for power in 0..=degree as i32 {
                     let moment: f64 = fine
                         .knots()
-                        .segments()
+                        .spans()
                         .map(|(_, a, b)| {
                             gauss.integrate(a, b, |x| analysis.wavelet(4, k, x).unwrap() * x.powi(power))
                         })

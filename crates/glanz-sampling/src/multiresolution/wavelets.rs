@@ -53,9 +53,9 @@ pub(super) fn wavelets(
 fn overlapping(coarse: &FunctionBasis, fine: &FunctionBasis, r: usize) -> (usize, usize) {
     let [a, b] = fine.support(r);
     let d = coarse.degree();
-    let low = coarse.knots().segment(a) - d;
+    let low = coarse.knots().find_span(a) - d;
     // Just below the end, since the segment that starts there does not overlap.
-    (low, coarse.knots().segment(b.next_down()))
+    (low, coarse.knots().find_span(b.next_down()))
 }
 
 /// A vector of `unknowns` entries in the null space of fewer rows, by elimination with complete pivoting.
