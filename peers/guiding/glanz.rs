@@ -15,8 +15,8 @@ use glanz_formats::{Options, load};
 use glanz_light::SpectralDistribution;
 use glanz_math::{DMat4, DVec2};
 use glanz_scene::description::{
-    CameraKind, Description, GroupDescription, MaterialKind, ShapeDescription, SpectrumInput, TextureKind,
-    TextureMapping,
+    CameraKind, Description, GroupDescription, MappingDescription, MaterialKind, ShapeDescription,
+    SpectrumParameter, TextureKind,
 };
 use shapes::{Mesh, board, mesh};
 
@@ -33,10 +33,10 @@ fn rgb(distribution: &SpectralDistribution) -> Result<[f32; 3], Failure> {
     }
 }
 
-fn constant(input: &SpectrumInput) -> Result<[f32; 3], Failure> {
+fn constant(input: &SpectrumParameter) -> Result<[f32; 3], Failure> {
     match input {
-        SpectrumInput::Value(distribution) => rgb(distribution),
-        SpectrumInput::Texture(_) => Err("a texture where a colour is needed".into()),
+        SpectrumParameter::Value(distribution) => rgb(distribution),
+        SpectrumParameter::Texture(_) => Err("a texture where a colour is needed".into()),
     }
 }
 
@@ -45,7 +45,7 @@ fn checkerboard(description: &Description, texture: usize) -> Result<([[f32; 3];
     let TextureKind::Checkerboard { even, odd, mapping } = &description.textures[texture].kind else {
         return Err("a texture other than a checkerboard".into());
     };
-    let TextureMapping::Uv { scale, offset } = mapping else {
+    let MappingDescription::Uv { scale, offset } = mapping else {
         return Err("a checkerboard that is not over (u, v)".into());
     };
     if *offset != DVec2::ZERO || scale.fract() != DVec2::ZERO || scale.min_element() < 1.0 {
@@ -81,7 +81,7 @@ fn add_shape(
     };
     match &description.materials[shape.material].kind {
         MaterialKind::Diffuse(diffuse) => match &diffuse.reflectance {
-            SpectrumInput::Texture(texture) => {
+            SpectrumParameter::Texture(texture) => {
                 let (colours, fields) = checkerboard(description, *texture)?;
                 let (even, odd) = board(&shape.geometry, fields)?;
                 put(look("diffuse", colours[0], emission), &even);

@@ -20,7 +20,7 @@ use glanz::geometry::Surface;
 use glanz::math::{DVec2, DVec3};
 use glanz::radiosity::charts::charts;
 use glanz::radiosity::tessellate as radiosity;
-use glanz::scene::{Place, PlacedSurface, Scene};
+use glanz::scene::{ParametricPoint, PlacedSurface, Scene};
 use glanz::viewer::model::Model;
 use serde_json::json;
 use tessellate::{Deviation, Mesh, fewest_cells};
@@ -67,7 +67,8 @@ fn of_patches(placed: &PlacedSurface<'_>, tolerance: f64) -> Option<Mesh> {
 
 fn parts(scene: &Scene, model: &Model, tolerance: f64) -> Vec<Part> {
     let surfaces = scene.placed_surfaces();
-    let object = |surface| model.object_of(&Place { surface, face: 0, back: false, uv: DVec2::splat(0.5) });
+    let object =
+        |surface| model.object_of(&ParametricPoint { surface, face: 0, back: false, uv: DVec2::splat(0.5) });
     let mut parts = Vec::new();
     let mut others = Vec::new();
     for (number, placed) in (0..).zip(&surfaces) {

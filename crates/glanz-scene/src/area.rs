@@ -5,7 +5,7 @@ use glanz_math::rounding::gamma;
 use glanz_math::{DVec2, DVec3};
 use glanz_sampling::basis::GaussLegendre;
 
-use crate::object::Object;
+use crate::object::SceneObject;
 
 /// Relative error of an area that is integrated, at which cells are no longer quartered.
 const TOLERANCE: f64 = 1e-9;
@@ -17,7 +17,7 @@ const NODES: usize = 4;
 const FLAT: f64 = 1e-5;
 
 /// Area where the object stands, m^2, to about 1e-6 of itself; closed forms are exact. `None` if it has no end, or no points can be picked on it.
-pub(crate) fn area(object: &Object) -> Option<f64> {
+pub(crate) fn area(object: &SceneObject) -> Option<f64> {
     object.sample(DVec2::splat(0.5))?;
     let surface = object.surface();
     let scale = object.to_parent().map_or(Some(1.0), |map| map.uniform_scale(gamma(64)));
@@ -27,7 +27,7 @@ pub(crate) fn area(object: &Object) -> Option<f64> {
 }
 
 /// The largest area that the object shows to a far observer, m^2, if it shows its whole area or is a whole sphere; `None` for all others.
-pub(crate) fn seen_from_afar(object: &Object, is_sphere: bool) -> Option<f64> {
+pub(crate) fn far_field_area(object: &SceneObject, is_sphere: bool) -> Option<f64> {
     let whole = area(object)?;
     if is_sphere { Some(0.25 * whole) } else { is_flat(object.surface()).then_some(whole) }
 }
@@ -71,7 +71,7 @@ fn is_flat(surface: &Surface) -> bool {
 }
 
 /// A part of a face.
-struct Cell {
+struct QuadratureCell {
     face: u32,
     low: DVec2,
     side: f64,
@@ -79,7 +79,7 @@ struct Cell {
 }
 
 /// The integral of the area element over all faces, by Gauss's rule on squares that are quartered as long as that changes it.
-fn integrated(object: &Object) -> f64 {
+fn integrated(object: &SceneObject) -> f64 {
     let surface = object.surface();
     let stretch = |face: u32, uv: DVec2| {
         surface.at(face, uv).map_or(0.0, |at| {
@@ -89,7 +89,7 @@ fn integrated(object: &Object) -> f64 {
     let rule = GaussLegendre::new(NODES);
     let cell = |face: u32, low: DVec2, side: f64| {
         let along = |v: f64| rule.integrate(low.x, low.x + side, |u| stretch(face, DVec2::new(u, v)));
-        Cell { face, low, side, integral: rule.integrate(low.y, low.y + side, along) }
+        QuadratureCell { face, low, side, integral: rule.integrate(low.y, low.y + side, along) }
     };
     let (mut area, mut open) = (0.0, Vec::new());
     for face in 0..surface.faces() {
@@ -97,7 +97,7 @@ fn integrated(object: &Object) -> f64 {
             // These are flat: the area element is the same everywhere.
             FaceDomain::Polygon(corners) => {
                 let count = corners.len().max(1) as f64;
-                area += polygon(&corners) * stretch(face, corners.iter().sum::<DVec2>() / count);
+                area += polygon_area(&corners) * stretch(face, corners.iter().sum::<DVec2>() / count);
             }
             FaceDomain::Square => open.push(cell(face, DVec2::ZERO, 1.0)),
         }
@@ -105,7 +105,7 @@ fn integrated(object: &Object) -> f64 {
     let whole = area + open.iter().map(|cell| cell.integral).sum::<f64>();
     let each = TOLERANCE * whole / open.len().max(1) as f64;
     let mut left = open.len() + MAX_CELLS;
-    while let Some(Cell { face, low, side, integral }) = open.pop() {
+    while let Some(QuadratureCell { face, low, side, integral }) = open.pop() {
         let half = 0.5 * side;
         let quarters =
             [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|corner| cell(face, low + half * corner, half));
@@ -121,7 +121,7 @@ fn integrated(object: &Object) -> f64 {
 }
 
 /// Area of a polygon in the parameters.
-pub(crate) fn polygon(corners: &[DVec2]) -> f64 {
+pub(crate) fn polygon_area(corners: &[DVec2]) -> f64 {
     let next = corners.iter().cycle().skip(1);
     0.5 * corners.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum::<f64>().abs()
 }

@@ -6,13 +6,13 @@ use glanz_math::rounding::offset_origin;
 use glanz_math::{AreaPdf, DVec3, Frame, Ray};
 use glanz_shading::{Bsdf, TexturePoint};
 
-use crate::chart::OwnPlace;
 use crate::light::LightId;
+use crate::parameterization::LocalPoint;
 use crate::scene::Scene;
 
 /// What the densities of light sampling depend on at the place it starts from.
 #[derive(Clone, Copy, Debug)]
-pub struct Reference {
+pub struct LightSampleContext {
     /// The place, metres.
     pub position: DVec3,
     /// Unit normal for shading.
@@ -33,7 +33,7 @@ pub struct Interaction {
     /// Number of the shape in the order of the scene file.
     pub id: u32,
     /// The place in the shape's own frame.
-    pub(crate) own: OwnPlace,
+    pub(crate) own: LocalPoint,
     /// Density of area sampling here, on lights that can be sampled.
     pub(crate) area_pdf: Option<AreaPdf>,
     pub(crate) material: u32,
@@ -44,8 +44,12 @@ impl Interaction {
     /// What light sampling knows of this place.
     #[inline]
     #[must_use]
-    pub fn reference(&self) -> Reference {
-        Reference { position: self.point.position, shading_normal: self.point.shading_normal, wo: self.wo }
+    pub fn light_sample_context(&self) -> LightSampleContext {
+        LightSampleContext {
+            position: self.point.position,
+            shading_normal: self.point.shading_normal,
+            wo: self.wo,
+        }
     }
 
     /// The frame BSDFs work in: z is the shading normal, x follows the derivative of the position by u.

@@ -5,12 +5,12 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, Ray, Transform};
 
 use std::sync::Arc;
 
-use crate::chart::{Chart, OwnPlace};
 use crate::light::LightId;
+use crate::parameterization::{LocalPoint, ShapeParameterization};
 
 /// What a scene knows of a shape beside its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Role {
+pub(crate) struct ShapeAttributes {
     /// Number in the order of the scene file.
     pub(crate) id: u32,
     pub(crate) material: u32,
@@ -20,57 +20,61 @@ pub(crate) struct Role {
 
 /// A shape that was joined with others into one mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Part {
+pub(crate) struct JoinedShape {
     /// Its faces begin here and end where those of the next part begin.
     pub(crate) first_face: u32,
-    pub(crate) role: Role,
+    pub(crate) attributes: ShapeAttributes,
 }
 
-/// A surface with its place in a group and its role in the scene.
+/// A surface with its place in a group and its attributes in the scene.
 #[derive(Clone, Debug)]
-pub struct Object {
+pub struct SceneObject {
     surface: Surface,
     /// `None` where the frame of the surface is that of the group.
     to_parent: Option<Transform>,
-    role: Role,
+    attributes: ShapeAttributes,
     /// If the surface was joined from several shapes: these, by ascending faces.
-    parts: Option<Arc<[Part]>>,
+    shapes: Option<Arc<[JoinedShape]>>,
     pub(crate) light: Option<LightId>,
     /// Whether it is a mere border that light passes.
     pub(crate) passable: bool,
 }
 
-impl Object {
-    pub(crate) fn new(surface: Surface, to_parent: Transform, role: Role) -> Self {
+impl SceneObject {
+    pub(crate) fn new(surface: Surface, to_parent: Transform, attributes: ShapeAttributes) -> Self {
         let to_parent = (to_parent != Transform::IDENTITY).then_some(to_parent);
-        Self { surface, to_parent, role, parts: None, light: None, passable: false }
+        Self { surface, to_parent, attributes, shapes: None, light: None, passable: false }
     }
 
     /// Several shapes as one surface.
-    pub(crate) fn joined(surface: Surface, parts: Vec<Part>, first: Role) -> Self {
-        Self { parts: Some(parts.into()), ..Self::new(surface, Transform::IDENTITY, first) }
+    pub(crate) fn joined(surface: Surface, shapes: Vec<JoinedShape>, first: ShapeAttributes) -> Self {
+        Self { shapes: Some(shapes.into()), ..Self::new(surface, Transform::IDENTITY, first) }
     }
 
     /// How many shapes the object holds.
     pub(crate) fn shape_count(&self) -> usize {
-        self.parts.as_ref().map_or(1, |parts| parts.len())
+        self.shapes.as_ref().map_or(1, |shapes| shapes.len())
     }
 
-    /// The role of the shape that `face` of the surface belongs to.
+    /// The attributes of the shape that `face` of the surface belongs to.
     #[inline]
-    pub(crate) fn role(&self, face: u32) -> Role {
-        let Some(parts) = &self.parts else { return self.role };
-        let after = parts.partition_point(|part| part.first_face <= face);
-        parts.get(after.wrapping_sub(1)).map_or(self.role, |part| part.role)
+    pub(crate) fn attributes(&self, face: u32) -> ShapeAttributes {
+        let Some(shapes) = &self.shapes else { return self.attributes };
+        let after = shapes.partition_point(|shape| shape.first_face <= face);
+        shapes.get(after.wrapping_sub(1)).map_or(self.attributes, |shape| shape.attributes)
     }
 
     /// The shapes of the object and how their places are numbered.
-    pub(crate) fn charts(&self) -> Vec<(u32, Chart)> {
-        let Some(parts) = &self.parts else { return vec![(self.role.id, Chart::of(&self.surface))] };
-        let ends = parts.iter().skip(1).map(|part| part.first_face).chain([u32::MAX]);
-        let charts = parts.iter().zip(ends);
-        charts
-            .map(|(part, end)| (part.role.id, Chart::of_faces(&self.surface, part.first_face..end)))
+    pub(crate) fn parameterizations(&self) -> Vec<(u32, ShapeParameterization)> {
+        let Some(shapes) = &self.shapes else {
+            return vec![(self.attributes.id, ShapeParameterization::of(&self.surface))];
+        };
+        let ends = shapes.iter().skip(1).map(|shape| shape.first_face).chain([u32::MAX]);
+        let parameterizations = shapes.iter().zip(ends);
+        parameterizations
+            .map(|(shape, end)| {
+                (shape.attributes.id, ShapeParameterization::of_faces(&self.surface, shape.first_face..end))
+            })
             .collect()
     }
 
@@ -95,7 +99,7 @@ impl Object {
     /// Whether the normal is turned round.
     #[must_use]
     pub fn is_reversed(&self) -> bool {
-        self.role.reversed
+        self.attributes.reversed
     }
 
     /// A box that holds the object; infinite where the object is.
@@ -135,14 +139,14 @@ impl Object {
         }
     }
 
-    /// The surface at a hit of this object, in the group's frame; the same in its own; and the density of [`Object::sample`] there
+    /// The surface at a hit of this object, in the group's frame; the same in its own; and the density of [`SceneObject::sample`] there
     /// if the object is a light.
     #[inline]
-    pub(crate) fn point(&self, ray: &Ray, hit: &Hit) -> (SurfacePoint, OwnPlace, Option<AreaPdf>) {
+    pub(crate) fn point(&self, ray: &Ray, hit: &Hit) -> (SurfacePoint, LocalPoint, Option<AreaPdf>) {
         let local_ray = self.local(ray);
         let local = self.surface.point(&local_ray, hit);
         let away = local.normal.dot(local_ray.direction) > 0.0;
-        let own = OwnPlace {
+        let own = LocalPoint {
             position: local.position,
             normal_to_viewer: if away { -local.normal } else { local.normal },
         };
@@ -165,7 +169,7 @@ impl Object {
     #[inline]
     fn to_parent_point(&self, local: SurfacePoint, face: u32) -> SurfacePoint {
         let point = self.to_parent.as_ref().map_or(local, |t| local.transformed(t));
-        if self.role(face).reversed { point.reversed() } else { point }
+        if self.attributes(face).reversed { point.reversed() } else { point }
     }
 
     #[inline]

@@ -3,25 +3,25 @@
 use glanz_geometry::{FaceDomain, Surface};
 use glanz_math::{Bounds3, DVec2, Transform};
 
-use crate::chart::OwnPlace;
 use crate::interaction::Interaction;
 use crate::light::LightId;
-use crate::object::Object;
-use crate::scene::{Group, Scene};
+use crate::object::SceneObject;
+use crate::parameterization::LocalPoint;
+use crate::scene::{Scene, SceneGroup};
 
 /// A surface in its place in the world.
 ///
 /// Its faces are those of [`Surface::at`]; meshes that were joined are one surface of which each face has its own shape.
 #[derive(Clone, Debug)]
 pub struct PlacedSurface<'a> {
-    object: &'a Object,
+    object: &'a SceneObject,
     /// From the group of the object to the world, innermost first.
     maps: Vec<Transform>,
 }
 
 /// Where on the surfaces of [`Scene::placed_surfaces`] a ray met the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct ParametricPoint {
     /// Number of the surface.
     pub surface: u32,
     /// Its face.
@@ -50,7 +50,7 @@ impl Scene {
         placed
     }
 
-    fn place<'a>(&'a self, group: &'a Group, maps: &[Transform], placed: &mut Vec<PlacedSurface<'a>>) {
+    fn place<'a>(&'a self, group: &'a SceneGroup, maps: &[Transform], placed: &mut Vec<PlacedSurface<'a>>) {
         placed.extend(group.objects.iter().map(|object| PlacedSurface { object, maps: maps.to_vec() }));
         for instance in &group.instances {
             if let Some(inner) = self.groups.get(instance.group) {
@@ -83,19 +83,19 @@ impl PlacedSurface<'_> {
     /// Number of the shape that a face belongs to, in the order of the scene file.
     #[must_use]
     pub fn shape(&self, face: u32) -> u32 {
-        self.object.role(face).id
+        self.object.attributes(face).id
     }
 
     /// Number of the material of a face.
     #[must_use]
     pub fn material(&self, face: u32) -> u32 {
-        self.object.role(face).material
+        self.object.attributes(face).material
     }
 
     /// Whether the normal of a face is turned round.
     #[must_use]
     pub fn is_reversed(&self, face: u32) -> bool {
-        self.object.role(face).reversed
+        self.object.attributes(face).reversed
     }
 
     /// The light that it is, if it shines.
@@ -137,25 +137,25 @@ impl PlacedSurface<'_> {
     #[must_use]
     pub fn at(&self, face: u32, uv: DVec2, back: bool) -> Option<PlacedPoint> {
         let local = self.surface().at(face, uv)?;
-        let role = self.object.role(face);
-        let own_normal = if back != role.reversed { -local.point.normal } else { local.point.normal };
-        let own = OwnPlace { position: local.point.position, normal_to_viewer: own_normal };
+        let attributes = self.object.attributes(face);
+        let own_normal = if back != attributes.reversed { -local.point.normal } else { local.point.normal };
+        let own = LocalPoint { position: local.point.position, normal_to_viewer: own_normal };
         let (mut point, mut stretch) = (local.point, local.stretch);
         for map in self.object.to_parent().into_iter().chain(&self.maps) {
             stretch *= map.area_scale(point.normal);
             point = point.transformed(map);
         }
-        if role.reversed {
+        if attributes.reversed {
             point = point.reversed();
         }
         let at = Interaction {
             point,
             t: 0.0,
             wo: if back { -point.normal } else { point.normal },
-            id: role.id,
+            id: attributes.id,
             own,
             area_pdf: None,
-            material: role.material,
+            material: attributes.material,
             light: self.object.light,
         };
         Some(PlacedPoint { at, stretch })
@@ -195,7 +195,7 @@ mod tests {
         let scene = scene();
         let placed = scene.placed_surfaces();
         assert_eq!(placed.len(), 5);
-        let charts = scene.charts();
+        let parameterizations = scene.parameterizations();
         let mut count = 0;
         for (number, surface) in (0..).zip(&placed) {
             for (face, i) in (0..surface.faces()).flat_map(|face| (0..25).map(move |i| (face, i))) {
@@ -204,7 +204,7 @@ mod tests {
                 for back in [false, true] {
                     let PlacedPoint { at, .. } = surface.at(face, uv, back).unwrap();
                     let ray = Ray::new(at.point.position + 0.01 * at.wo, -at.wo);
-                    let (hit, found) = scene.intersect_place(&ray, 0.02).unwrap();
+                    let (hit, found) = scene.intersect_parametric(&ray, 0.02).unwrap();
                     assert_eq!((found.surface, found.face, found.back), (number, face, back));
                     assert!(found.uv.distance(uv) < 1e-9);
                     assert_eq!((hit.id, hit.material, hit.light), (at.id, at.material, at.light));
@@ -212,9 +212,9 @@ mod tests {
                     assert!(hit.point.position.distance(at.point.position) < 1e-12);
                     assert!(hit.point.uv.distance(at.point.uv) < 1e-9);
                     assert!(hit.point.normal.dot(at.point.normal) > 1.0 - 1e-12);
-                    let chart = charts[hit.id as usize].unwrap();
+                    let parameterization = parameterizations[hit.id as usize].unwrap();
                     let ((sheet, place), (expected, expected_place)) =
-                        (chart.locate(&at), chart.locate(&hit));
+                        (parameterization.locate(&at), parameterization.locate(&hit));
                     assert!(sheet == expected && place.distance(expected_place) < 1e-9);
                     count += 1;
                 }

@@ -8,7 +8,7 @@ use glanz_math::DVec2;
 use glanz_math::rounding::gamma;
 use glanz_sampling::basis::GaussLegendre;
 
-use crate::area::{closed_form, polygon};
+use crate::area::{closed_form, polygon_area};
 use crate::placed::PlacedSurface;
 
 /// Cells that a surface is cut into at least, besides what a region cuts away.
@@ -22,7 +22,7 @@ const NODES: usize = 4;
 
 /// A part of a face.
 #[derive(Clone, Copy)]
-struct Square {
+struct FaceSquare {
     face: u32,
     low: DVec2,
     side: f64,
@@ -54,9 +54,9 @@ impl PlacedSurface<'_> {
                 // These are flat: the area element is the same everywhere.
                 FaceDomain::Polygon(corners) => {
                     let middle = corners.iter().sum::<DVec2>() / corners.len().max(1) as f64;
-                    area += polygon(&corners) * stretch(face, middle);
+                    area += polygon_area(&corners) * stretch(face, middle);
                 }
-                FaceDomain::Square => open.push(Square { face, low: DVec2::ZERO, side: 1.0 }),
+                FaceDomain::Square => open.push(FaceSquare { face, low: DVec2::ZERO, side: 1.0 }),
             }
         }
         let smallest = (open.len() as f64 / f64::from(FEWEST_CELLS)).sqrt().clamp(1.0 / 16.0, 1.0);
@@ -65,7 +65,7 @@ impl PlacedSurface<'_> {
         while !open.is_empty() {
             let mut next = Vec::new();
             for square in open {
-                let Square { face, low, side } = square;
+                let FaceSquare { face, low, side } = square;
                 let state = self.state(&square);
                 let divide = side > smallest || (state == Containment::Crossed && looked_at < MOST_CELLS);
                 match state {
@@ -91,8 +91,8 @@ impl PlacedSurface<'_> {
     }
 
     /// What trimming does to a part of a face.
-    fn state(&self, square: &Square) -> Containment {
-        let Square { face, low, side } = *square;
+    fn state(&self, square: &FaceSquare) -> Containment {
+        let FaceSquare { face, low, side } = *square;
         let high = low + side;
         match self.surface() {
             Surface::Freeform(freeform) => {
@@ -114,7 +114,7 @@ impl PlacedSurface<'_> {
     }
 }
 
-impl Square {
+impl FaceSquare {
     fn quarters(&self) -> [Self; 4] {
         let side = 0.5 * self.side;
         [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|at| Self {

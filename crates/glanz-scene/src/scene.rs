@@ -9,11 +9,11 @@ use glanz_math::{Bounds3, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
 use glanz_shading::{Material, Textures};
 
 use crate::camera::Camera;
-use crate::chart::Chart;
-use crate::interaction::{Interaction, Reference};
+use crate::interaction::{Interaction, LightSampleContext};
 use crate::light::{Light, LightId, LightSample, LightSelector};
-use crate::object::Object;
-use crate::placed::Place;
+use crate::object::SceneObject;
+use crate::parameterization::ShapeParameterization;
+use crate::placed::ParametricPoint;
 use crate::receiver::NamedReceiver;
 
 /// How deep groups may be nested in one another.
@@ -21,8 +21,8 @@ pub const MAX_NESTING: usize = 8;
 
 /// Objects and instances with one frame, and the hierarchy over them.
 #[derive(Debug)]
-pub(crate) struct Group {
-    pub(crate) objects: Vec<Object>,
+pub(crate) struct SceneGroup {
+    pub(crate) objects: Vec<SceneObject>,
     pub(crate) instances: Vec<Instance>,
     /// What the numbers in the hierarchy's leaves stand for.
     pub(crate) bounded: Vec<Primitive>,
@@ -67,7 +67,7 @@ impl InstancePath {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Found {
+struct SceneHit {
     hit: Hit,
     object: u32,
     path: InstancePath,
@@ -80,7 +80,7 @@ struct Found {
 pub struct Scene {
     pub(crate) camera: Camera,
     /// All groups; the last is the world.
-    pub(crate) groups: Arc<[Group]>,
+    pub(crate) groups: Arc<[SceneGroup]>,
     pub(crate) materials: Arc<[Material]>,
     pub(crate) textures: Arc<Textures>,
     pub(crate) lights: Arc<[Light]>,
@@ -126,19 +126,22 @@ impl Scene {
     ///
     /// Copies of a shape by instances are numbered alike.
     #[must_use]
-    pub fn charts(&self) -> Vec<Option<Chart>> {
-        let mut charts: Vec<Option<Chart>> = Vec::new();
+    pub fn parameterizations(&self) -> Vec<Option<ShapeParameterization>> {
+        let mut parameterizations: Vec<Option<ShapeParameterization>> = Vec::new();
         let objects = self.groups.iter().flat_map(|group| &group.objects);
-        for (id, chart) in objects.flat_map(Object::charts) {
+        for (id, parameterization) in objects.flat_map(SceneObject::parameterizations) {
             let id = id as usize;
-            if charts.len() <= id {
-                charts.resize(id + 1, None);
+            if parameterizations.len() <= id {
+                parameterizations.resize(id + 1, None);
             }
-            if let Some(slot) = charts.get_mut(id) {
-                *slot = Some(slot.map_or(chart, |other: Chart| other.joined(chart)));
+            if let Some(slot) = parameterizations.get_mut(id) {
+                *slot =
+                    Some(slot.map_or(parameterization, |other: ShapeParameterization| {
+                        other.joined(parameterization)
+                    }));
             }
         }
-        charts
+        parameterizations
     }
 
     /// All lights.
@@ -163,11 +166,11 @@ impl Scene {
         &self.textures
     }
 
-    pub(crate) fn world(&self) -> &Group {
+    pub(crate) fn world(&self) -> &SceneGroup {
         &self.groups[self.groups.len() - 1]
     }
 
-    pub(crate) fn world_object(&self, index: u32) -> Option<&Object> {
+    pub(crate) fn world_object(&self, index: u32) -> Option<&SceneObject> {
         self.world().objects.get(index as usize)
     }
 
@@ -181,7 +184,7 @@ impl Scene {
 
     /// As [`Scene::intersect`], with the place by parameters.
     #[must_use]
-    pub fn intersect_place(&self, ray: &Ray, t_max: f64) -> Option<(Interaction, Place)> {
+    pub fn intersect_parametric(&self, ray: &Ray, t_max: f64) -> Option<(Interaction, ParametricPoint)> {
         let mut found = None;
         self.closest(self.world(), ray, t_max, &mut found);
         let found = found?;
@@ -194,7 +197,7 @@ impl Scene {
         let at = self.interaction(ray, &found);
         let Hit { u, v, face, .. } = found.hit;
         let back = at.point.normal.dot(at.wo) < 0.0;
-        Some((at, Place { surface, face, back, uv: DVec2::new(u, v) }))
+        Some((at, ParametricPoint { surface, face, back, uv: DVec2::new(u, v) }))
     }
 
     /// Whether the ray meets anything with `0 < t < t_max`.
@@ -203,7 +206,7 @@ impl Scene {
         self.any(self.world(), ray, t_max)
     }
 
-    fn closest(&self, group: &Group, ray: &Ray, t_max: f64, found: &mut Option<Found>) -> f64 {
+    fn closest(&self, group: &SceneGroup, ray: &Ray, t_max: f64, found: &mut Option<SceneHit>) -> f64 {
         let mut nearest = t_max;
         for &primitive in &group.unbounded {
             nearest = self.visit(group, primitive, ray, nearest, found);
@@ -221,16 +224,16 @@ impl Scene {
 
     fn visit(
         &self,
-        group: &Group,
+        group: &SceneGroup,
         primitive: Primitive,
         ray: &Ray,
         t_max: f64,
-        found: &mut Option<Found>,
+        found: &mut Option<SceneHit>,
     ) -> f64 {
         match primitive {
             Primitive::Object(object) => match group.objects[object as usize].intersect(ray, t_max) {
                 Some(hit) => {
-                    *found = Some(Found { hit, object, path: InstancePath::default() });
+                    *found = Some(SceneHit { hit, object, path: InstancePath::default() });
                     hit.t
                 }
                 None => t_max,
@@ -249,7 +252,7 @@ impl Scene {
         }
     }
 
-    fn any(&self, group: &Group, ray: &Ray, t_max: f64) -> bool {
+    fn any(&self, group: &SceneGroup, ray: &Ray, t_max: f64) -> bool {
         let blocks = |primitive: Primitive| match primitive {
             Primitive::Object(object) => group.objects[object as usize].occluded(ray, t_max),
             Primitive::Instance(index) => {
@@ -264,7 +267,7 @@ impl Scene {
             })
     }
 
-    fn interaction(&self, ray: &Ray, found: &Found) -> Interaction {
+    fn interaction(&self, ray: &Ray, found: &SceneHit) -> Interaction {
         let mut group = self.world();
         let mut local = *ray;
         let mut maps = [Transform::IDENTITY; MAX_NESTING];
@@ -279,15 +282,15 @@ impl Scene {
         for map in maps[..found.path.length].iter().rev() {
             point = point.transformed(map);
         }
-        let role = object.role(found.hit.face);
+        let attributes = object.attributes(found.hit.face);
         Interaction {
             point,
             t: found.hit.t,
             wo: -ray.direction.normalize(),
-            id: role.id,
+            id: attributes.id,
             own,
             area_pdf,
-            material: role.material,
+            material: attributes.material,
             light: object.light,
         }
     }
@@ -312,7 +315,7 @@ impl Scene {
     /// `None` if there is no light that can be sampled.
     #[must_use]
     pub fn select_light(&self, xi: f64) -> Option<(LightId, f64)> {
-        self.selector.pick(xi)
+        self.selector.select(xi)
     }
 
     /// The probability with which [`Scene::select_light`] takes the light `id`.
@@ -326,7 +329,7 @@ impl Scene {
     /// As [`Scene::select_light`], with the lights that cannot be looked for. `None` if no light has a known power.
     #[must_use]
     pub fn select_emitter(&self, xi: f64) -> Option<(LightId, f64)> {
-        self.emitters.pick(xi)
+        self.emitters.select(xi)
     }
 
     /// The probability with which [`Scene::select_emitter`] takes the light `id`.
@@ -357,7 +360,7 @@ impl Scene {
     /// A light of a group to sample and the probability of that choice within the group, by a number uniform in [0, 1).
     #[must_use]
     pub fn select_light_in_group(&self, group: usize, xi: f64) -> Option<(LightId, f64)> {
-        self.selector.pick_of(group, xi)
+        self.selector.select_in_group(group, xi)
     }
 
     /// Picks a direction from `from` towards the light `id` by two numbers uniform in [0, 1).
@@ -369,7 +372,7 @@ impl Scene {
     /// Density with which [`Scene::sample_light`] from `from` takes the point `hit` of the light `id`; without the
     /// probability of the light itself.
     #[must_use]
-    pub fn light_pdf(&self, id: LightId, from: &Reference, hit: &Interaction) -> SolidAnglePdf {
+    pub fn light_pdf(&self, id: LightId, from: &LightSampleContext, hit: &Interaction) -> SolidAnglePdf {
         match self.light(id) {
             Some(Light::Area(light)) if light.can_be_sampled() => light.pdf(from, hit),
             _ => SolidAnglePdf(0.0),
@@ -394,7 +397,7 @@ impl Scene {
     /// Density with which [`Scene::sample_light`] from `from` takes the unit direction `wi` of the infinite light
     /// `id`; without the probability of the light itself.
     #[must_use]
-    pub fn infinite_pdf(&self, id: LightId, from: &Reference, wi: DVec3) -> SolidAnglePdf {
+    pub fn infinite_pdf(&self, id: LightId, from: &LightSampleContext, wi: DVec3) -> SolidAnglePdf {
         match self.light(id) {
             Some(Light::Infinite(light)) => light.pdf(from, wi),
             _ => SolidAnglePdf(0.0),
@@ -403,7 +406,7 @@ impl Scene {
 
     /// Radiance of all infinite lights along a ray that left the scene.
     #[must_use]
-    pub fn escaped(&self, ray: &Ray) -> Spectrum {
+    pub fn environment_radiance(&self, ray: &Ray) -> Spectrum {
         self.infinite_lights.iter().map(|&id| self.infinite_radiance(id, ray)).sum()
     }
 }

@@ -8,7 +8,7 @@ use crate::scene::Scene;
 
 /// Counts of the parts of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Statistics {
+pub struct SceneStatistics {
     /// Surfaces by kind; a surface in a group counts once, however often the group is copied.
     pub surfaces: BTreeMap<&'static str, usize>,
     /// Triangles of all meshes.
@@ -37,11 +37,11 @@ impl Scene {
 
     /// Counts the parts of the scene.
     #[must_use]
-    pub fn statistics(&self) -> Statistics {
-        let mut statistics = Statistics {
+    pub fn statistics(&self) -> SceneStatistics {
+        let mut statistics = SceneStatistics {
             groups: self.groups.len().saturating_sub(1),
             materials: self.materials.len(),
-            ..Statistics::default()
+            ..SceneStatistics::default()
         };
         for group in self.groups.iter() {
             statistics.instances += group.instances.len();

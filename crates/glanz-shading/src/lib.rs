@@ -14,14 +14,14 @@
 //! ```
 //! use glanz_light::{Spectrum, Wavelengths};
 //! use glanz_math::{DVec2, DVec3};
-//! use glanz_shading::texture::{Checkerboard, Mapping};
+//! use glanz_shading::texture::{Checkerboard, TextureMapping};
 //! use glanz_shading::{Material, SpectrumInput, Texture, TexturePoint, Textures, TransportMode};
 //!
 //! let mut textures = Textures::new();
 //! let board = textures.add(Texture::Checkerboard(Checkerboard {
 //!     even: Spectrum::from_rgb([0.8; 3]).into(),
 //!     odd: Spectrum::from_rgb([0.2; 3]).into(),
-//!     mapping: Mapping::Uv { scale: DVec2::splat(8.0), offset: DVec2::ZERO },
+//!     mapping: TextureMapping::Uv { scale: DVec2::splat(8.0), offset: DVec2::ZERO },
 //! }))?;
 //! let floor = Material::diffuse(SpectrumInput::Texture(board));
 //!

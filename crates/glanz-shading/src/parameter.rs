@@ -7,7 +7,7 @@ use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
 
 use crate::texture::{FloatInput, SpectrumInput, TexturePoint, Textures};
 
-/// A form of the parameters of materials: [`Resolved`], or that of a scene description.
+/// A form of the parameters of materials: [`ShadingForm`], or that of a scene description.
 pub trait ParameterForm {
     /// A spectrum, or a texture of spectra.
     type Spectrum: Clone + Debug + PartialEq;
@@ -17,9 +17,9 @@ pub trait ParameterForm {
 
 /// The form for shading: constants at the wavelengths of the render, and textures of [`Textures`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Resolved {}
+pub enum ShadingForm {}
 
-impl ParameterForm for Resolved {
+impl ParameterForm for ShadingForm {
     type Spectrum = SpectrumInput;
     type Float = FloatInput;
 }
@@ -46,7 +46,7 @@ pub enum MaterialError {
     },
 }
 
-/// Makes [`Resolved`] parameters from those of another form. Materials call the checked conversions.
+/// Makes [`ShadingForm`] parameters from those of another form. Materials call the checked conversions.
 pub trait ParameterResolver<P: ParameterForm> {
     /// Converts a fraction of light; `None` if its texture does not exist.
     fn fraction_input(&self, input: &P::Spectrum) -> Option<SpectrumInput>;
@@ -94,7 +94,7 @@ pub trait ParameterResolver<P: ParameterForm> {
 }
 
 /// Only checks that textures exist.
-impl ParameterResolver<Resolved> for Textures {
+impl ParameterResolver<ShadingForm> for Textures {
     fn fraction_input(&self, input: &SpectrumInput) -> Option<SpectrumInput> {
         self.spectrum_input(input)
     }

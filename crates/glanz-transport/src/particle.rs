@@ -6,7 +6,7 @@
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::Ray;
 use glanz_sampling::PixelSampler;
-use glanz_scene::{Interaction, Place, Scene};
+use glanz_scene::{Interaction, ParametricPoint, Scene};
 
 use crate::integrator::{Counters, INTERFACE_LIMIT, Vertex};
 
@@ -27,7 +27,7 @@ pub struct Arrival<'a> {
     /// The surface, seen from where the particle comes from.
     pub at: &'a Interaction,
     /// The place by parameters.
-    pub place: Place,
+    pub place: ParametricPoint,
     /// Flux that arrives, W.
     pub arrived: Spectrum,
     /// Flux that goes on, W. All of it at mere borders; on average over many particles what the surface scatters.
@@ -88,7 +88,7 @@ pub fn send_particle(
     let (mut way, mut interfaces) = (0.0, 0);
     loop {
         counters.closest += 1;
-        let Some((at, place)) = scene.intersect_place(&ray, f64::INFINITY) else {
+        let Some((at, place)) = scene.intersect_parametric(&ray, f64::INFINITY) else {
             flight.end = ParticleFate::Escaped { ray, power };
             return Some(flight);
         };

@@ -7,7 +7,7 @@ use glanz_illumination::add_walls;
 use glanz_light::Wavelengths;
 use glanz_math::{DVec2, DVec3};
 use glanz_radiosity::bake::LightMaps;
-use glanz_scene::{Description, Place, PlacedSurface, Scene};
+use glanz_scene::{Description, ParametricPoint, PlacedSurface, Scene};
 use glanz_viewer::model::{MapLabel, Model};
 use glanz_viewer::server::Dress;
 
@@ -108,7 +108,7 @@ fn radiance(
     let wavelengths = Wavelengths::default();
     let of_side = |back| {
         let at = placed.get(surface as usize)?.at(face, uv, back)?.at;
-        let irradiance = maps.irradiance(&Place { surface, face, back, uv })?;
+        let irradiance = maps.irradiance(&ParametricPoint { surface, face, back, uv })?;
         let toward_viewer = if back { -DVec3::Z } else { DVec3::Z };
         let albedo = at.bsdf(scene, &wavelengths)?.albedo(toward_viewer);
         Some((albedo * irradiance * FRAC_1_PI + scene.emitted(&at, at.wo)).to_rgb(&wavelengths))

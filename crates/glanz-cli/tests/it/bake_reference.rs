@@ -49,7 +49,7 @@ fn reference(scene: &Scene, path: &dyn Integrator, at: &PlacedPoint, samples: u3
         }
         // What the lamps themselves send has been counted.
         let seen = scene.intersect(&ray, f64::INFINITY);
-        let own = seen.map_or_else(|| scene.escaped(&ray), |hit| scene.emitted(&hit, hit.wo));
+        let own = seen.map_or_else(|| scene.environment_radiance(&ray), |hit| scene.emitted(&hit, hit.wo));
         let mut context = Context::new(scene, ray, sampler, ContextOptions::new(false));
         light += PI * (luminance(path.radiance(&mut context)) - luminance(own));
         sum += light;

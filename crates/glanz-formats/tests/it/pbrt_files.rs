@@ -8,7 +8,7 @@ use glanz_formats::{Diagnostics, Loaded, Options, load};
 use glanz_light::intensity::{Distribution, Opening, OpeningShape};
 use glanz_light::{Pixels, SpectralDistribution, Tone};
 use glanz_math::DVec3;
-use glanz_scene::description::{GeometryDescription, LightKind, SpectrumInput, TextureKind};
+use glanz_scene::description::{GeometryDescription, LightKind, SpectrumParameter, TextureKind};
 
 /// A folder that goes away at the end of a test.
 struct Folder(PathBuf);
@@ -164,7 +164,7 @@ fn pictures_are_read_once_and_named_spectra_from_files() {
     assert_eq!(d.images[0].pixels.to_rgb().unwrap()[1], [4.0, 5.0, 6.0]);
     assert!(matches!(d.textures[1].kind, TextureKind::Image { image: 0, scale: 1.0, invert: false, .. }));
     let glanz_scene::description::MaterialKind::Diffuse(diffuse) = &d.materials[0].kind else { panic!() };
-    let SpectrumInput::Value(kd) = &diffuse.reflectance else { panic!() };
+    let SpectrumParameter::Value(kd) = &diffuse.reflectance else { panic!() };
     assert!((kd.luminance() - 0.5).abs() < 1e-3);
 }
 

@@ -7,7 +7,7 @@ mod parameters;
 use glanz_geometry::Surface;
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::description::{MAX_RECEIVER_CELLS, ReceiverSide};
-use glanz_scene::{Interaction, Place, PlacedSurface, Scene};
+use glanz_scene::{Interaction, ParametricPoint, PlacedSurface, Scene};
 
 use faces::FaceCells;
 use flat::FlatGrid;
@@ -216,7 +216,7 @@ impl Receiver {
     }
 
     /// The cell that a ray met.
-    fn locate(&self, at: &Interaction, place: &Place) -> Option<usize> {
+    fn locate(&self, at: &Interaction, place: &ParametricPoint) -> Option<usize> {
         let share = match &self.layout {
             ReceiverLayout::FlatGrid(flat) => flat.share(at.point.position),
             ReceiverLayout::ParameterGrid(parameters) => parameters.share(at.point.uv),
@@ -348,7 +348,7 @@ impl Receivers {
     /// The cell that a ray met; `None` where no light is counted.
     #[inline]
     #[must_use]
-    pub fn met(&self, at: &Interaction, place: &Place) -> Option<ReceiverHit> {
+    pub fn met(&self, at: &Interaction, place: &ParametricPoint) -> Option<ReceiverHit> {
         let here = self.by_surface.get(place.surface as usize)?;
         let mut met = None;
         for &number in here {

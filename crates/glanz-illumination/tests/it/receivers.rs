@@ -94,7 +94,7 @@ fn rays_meet_the_cells_that_places_lie_in() {
                 let Some(point) = receiver.place(&placed[0], cell, share) else { continue };
                 area += point.stretch / f64::from(n * n);
                 let ray = Ray::new(point.position + 0.01 * point.normal, -point.normal);
-                let (hit, found) = scene.intersect_place(&ray, 0.02).unwrap();
+                let (hit, found) = scene.intersect_parametric(&ray, 0.02).unwrap();
                 let met = receivers.met(&hit, &found).unwrap();
                 assert_eq!((met.cell, met.counts), (cell, true), "shape {number} at {share}");
                 seen += 1;

@@ -7,7 +7,7 @@ use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{Bounds3, DVec2, Frame};
 use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
 use glanz_sampling::{mis, warp};
-use glanz_scene::{Light, LightId, Place, PlacedSurface, Scene};
+use glanz_scene::{Light, LightId, ParametricPoint, PlacedSurface, Scene};
 
 use super::{PASSED, Spot};
 use crate::charts::Chart;
@@ -69,7 +69,7 @@ fn mean(list: &[Spectrum]) -> Spectrum {
 }
 
 /// The places of a texel by its number.
-pub(super) fn places(elements: &Elements<'_>, chart: &Chart, texel: usize) -> Vec<Place> {
+pub(super) fn places(elements: &Elements<'_>, chart: &Chart, texel: usize) -> Vec<ParametricPoint> {
     let width = chart.size[0] as usize;
     let texel = [(texel % width) as u32, (texel / width) as u32];
     elements
@@ -167,7 +167,7 @@ impl<'a> Lamps<'a> {
         for _ in 0..PASSED {
             let Some(hit) = self.scene.intersect(&ray, f64::INFINITY) else { break };
             if let Some((id, probability)) = hit.light().and_then(|id| Some((id, density(id)?))) {
-                let pdf = self.scene.light_pdf(id, &spot.at.reference(), &hit).0 * probability;
+                let pdf = self.scene.light_pdf(id, &spot.at.light_sample_context(), &hit).0 * probability;
                 let weight = mis::power(by_cosine(local.z), pdf);
                 found += self.scene.emitted(&hit, hit.wo) * (PI * weight) as f32;
             }

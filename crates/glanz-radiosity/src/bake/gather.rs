@@ -7,7 +7,7 @@ use glanz_math::{DVec3, Frame};
 use glanz_sampling::hash::permute;
 use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
 use glanz_sampling::warp;
-use glanz_scene::{Interaction, Light, Place, Scene};
+use glanz_scene::{Interaction, Light, ParametricPoint, Scene};
 use rayon::prelude::*;
 
 use super::closed::dark_insides;
@@ -68,7 +68,7 @@ pub(super) struct Gathered {
 /// Where a ray ended.
 struct End {
     at: Interaction,
-    place: Place,
+    place: ParametricPoint,
 }
 
 impl<'a> Gather<'a> {
@@ -134,7 +134,7 @@ impl<'a> Gather<'a> {
         let of_element = |(element, &radiosity): (&Element, &Spectrum)| {
             let patch = &element.patch;
             let corners = patch.part.quarters();
-            let places = corners.iter().flat_map(Part::quarters).map(|part| Place {
+            let places = corners.iter().flat_map(Part::quarters).map(|part| ParametricPoint {
                 surface: patch.surface,
                 face: patch.face,
                 back: patch.back,
@@ -205,7 +205,7 @@ impl<'a> Gather<'a> {
         let patch = &element.patch;
         let mut row = Row { direct: Spectrum::BLACK, links: Vec::new() };
         let mut links: BTreeMap<u32, Spectrum> = BTreeMap::new();
-        let places = patch.part.nodes().into_iter().map(|uv| Place {
+        let places = patch.part.nodes().into_iter().map(|uv| ParametricPoint {
             surface: patch.surface,
             face: patch.face,
             back: patch.back,
@@ -267,7 +267,7 @@ impl<'a> Gather<'a> {
     }
 
     /// Whether a spot sees nothing at all in some direction, or a place that `is_it`, by a few rays.
-    fn sees(&self, spot: &Spot, is_it: impl Fn(&Place) -> bool) -> bool {
+    fn sees(&self, spot: &Spot, is_it: impl Fn(&ParametricPoint) -> bool) -> bool {
         let frame = Frame::from_z(spot.shading);
         self.directions.iter().take(LOOK).any(|&direction| {
             let (_, end) = self.follow(spot, frame.to_world(direction));
@@ -275,12 +275,12 @@ impl<'a> Gather<'a> {
         })
     }
 
-    fn is_dark_at(&self, place: &Place) -> bool {
+    fn is_dark_at(&self, place: &ParametricPoint) -> bool {
         self.index.texel(self.charts, place).is_some_and(|(chart, _)| self.is_dark[chart])
     }
 
     /// Whether light reaches the side of the chart that a place is on; what has no chart is not known.
-    fn is_lit_at(&self, place: &Place) -> bool {
+    fn is_lit_at(&self, place: &ParametricPoint) -> bool {
         self.index.texel(self.charts, place).is_none_or(|(chart, _)| self.is_lit[chart])
     }
 
@@ -294,7 +294,7 @@ impl<'a> Gather<'a> {
         self.is_dark[chart]
     }
 
-    fn direct_at(&self, place: &Place) -> Option<Spectrum> {
+    fn direct_at(&self, place: &ParametricPoint) -> Option<Spectrum> {
         let (chart, texel) = self.index.texel(self.charts, place)?;
         self.direct.get(chart)?.get(texel).copied()
     }
@@ -345,7 +345,9 @@ impl<'a> Gather<'a> {
         let scene = self.elements.scene;
         let mut ray = spot.at.spawn(direction);
         for _ in 0..PASSED {
-            let Some((at, place)) = scene.intersect_place(&ray, f64::INFINITY) else { return (found, None) };
+            let Some((at, place)) = scene.intersect_parametric(&ray, f64::INFINITY) else {
+                return (found, None);
+            };
             if is_found_by_chance(scene, &at) {
                 found += scene.emitted(&at, at.wo) * std::f32::consts::PI;
             }
@@ -368,9 +370,9 @@ fn is_found_by_chance(scene: &Scene, at: &Interaction) -> bool {
 }
 
 /// The middle of an element.
-fn place_of(element: &Element) -> Place {
+fn place_of(element: &Element) -> ParametricPoint {
     let patch = &element.patch;
-    Place { surface: patch.surface, face: patch.face, back: patch.back, uv: patch.part.center() }
+    ParametricPoint { surface: patch.surface, face: patch.face, back: patch.back, uv: patch.part.center() }
 }
 
 /// Irradiance of an element but for direct light: a constant, and shares of that of others.

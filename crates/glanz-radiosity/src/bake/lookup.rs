@@ -1,7 +1,7 @@
 //! From a place to the texel and the element that it lies in.
 
 use glanz_math::DVec2;
-use glanz_scene::Place;
+use glanz_scene::ParametricPoint;
 
 use crate::charts::Chart;
 use crate::elements::Elements;
@@ -62,7 +62,7 @@ impl Index {
         self.sides.get_mut(number)
     }
 
-    fn side(&self, place: &Place) -> Option<&Side> {
+    fn side(&self, place: &ParametricPoint) -> Option<&Side> {
         self.sides.get(self.number(place.surface, place.face, place.back)?)
     }
 
@@ -70,7 +70,7 @@ impl Index {
     pub(super) fn on_chart<'a>(
         &self,
         chart: impl Fn(usize) -> Option<&'a Chart>,
-        place: &Place,
+        place: &ParametricPoint,
     ) -> Option<(usize, DVec2)> {
         self.side(place)?.charts.iter().find_map(|&number| {
             let texel = chart(number as usize)?.to_texel(place.face, place.uv)?;
@@ -79,14 +79,14 @@ impl Index {
     }
 
     /// Chart and number of the texel next to a place.
-    pub(super) fn texel(&self, charts: &[Chart], place: &Place) -> Option<(usize, usize)> {
+    pub(super) fn texel(&self, charts: &[Chart], place: &ParametricPoint) -> Option<(usize, usize)> {
         let (number, texel) = self.on_chart(|number| charts.get(number), place)?;
         let (texel, width) = (texel.round(), charts.get(number)?.size[0]);
         Some((number, texel.y as usize * width as usize + texel.x as usize))
     }
 
     /// The element at a place; the nearest one of the face, where trimming left none.
-    pub(super) fn element(&self, elements: &Elements<'_>, place: &Place) -> Option<u32> {
+    pub(super) fn element(&self, elements: &Elements<'_>, place: &ParametricPoint) -> Option<u32> {
         let side = self.side(place)?;
         let part = |number: u32| elements.list.get(number as usize).map(|element| element.patch.part);
         let cell = side.cells.get(side.cell(place.uv))?;

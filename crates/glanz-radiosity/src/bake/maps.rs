@@ -1,7 +1,7 @@
 //! Light maps that are asked what light there is at a place.
 
 use glanz_light::Spectrum;
-use glanz_scene::Place;
+use glanz_scene::ParametricPoint;
 
 use super::LightMap;
 use super::lookup::Index;
@@ -31,7 +31,7 @@ impl LightMaps {
 
     /// Irradiance at a place in units of radiance, bilinear between the texels; `None` where there is no chart.
     #[must_use]
-    pub fn irradiance(&self, place: &Place) -> Option<Spectrum> {
+    pub fn irradiance(&self, place: &ParametricPoint) -> Option<Spectrum> {
         let (number, texel) =
             self.index.on_chart(|number| self.maps.get(number).map(|map| &map.chart), place)?;
         let map = self.maps.get(number)?;

@@ -9,7 +9,7 @@
 
 use glanz_job::{CancelFlag, Interrupted, ProgressSink};
 use glanz_light::{Spectrum, Wavelengths};
-use glanz_scene::{Interaction, Place, Scene};
+use glanz_scene::{Interaction, ParametricPoint, Scene};
 use rayon::prelude::*;
 
 use crate::charts::{Chart, charts};
@@ -114,7 +114,7 @@ pub(crate) struct Spot {
 }
 
 impl Spot {
-    pub(crate) fn new(elements: &Elements<'_>, place: &Place) -> Option<Self> {
+    pub(crate) fn new(elements: &Elements<'_>, place: &ParametricPoint) -> Option<Self> {
         let surface = elements.surfaces.get(place.surface as usize)?;
         let at = surface.at(place.face, place.uv, place.back)?.at;
         let side = if at.point.normal.dot(at.wo) < 0.0 { -1.0 } else { 1.0 };

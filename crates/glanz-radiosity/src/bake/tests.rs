@@ -147,7 +147,7 @@ fn no_light_comes_beneath_a_thin_wall_on_a_floor_in_one_piece() {
                 if p.cmplt(DVec3::ZERO).any() || p.cmpgt(DVec3::new(4.0, 2.0, 2.0)).any() {
                     continue;
                 }
-                let place = Place { surface: surface as u32, face: 0, uv, back };
+                let place = ParametricPoint { surface: surface as u32, face: 0, uv, back };
                 let light = maps.irradiance(&place).unwrap().luminance(&Wavelengths::default());
                 let beyond = (p.x - (x + (end - x) * p.y / 2.0)) / (1.0 + (0.5 * (end - x)).powi(2)).sqrt();
                 if beyond > 0.01 {
@@ -177,7 +177,7 @@ fn parts_of_a_chart_agree_where_the_wall_has_ended() {
         // The floor is over y and x.
         let uv = DVec2::new(x / 4.0, y / 2.0);
         let back = elements.surfaces[4].at(0, uv, false).unwrap().at.wo.z < 0.0;
-        let place = Place { surface: 4, face: 0, uv, back };
+        let place = ParametricPoint { surface: 4, face: 0, uv, back };
         maps.irradiance(&place).unwrap().luminance(&Wavelengths::default())
     };
     for i in 0..70 {

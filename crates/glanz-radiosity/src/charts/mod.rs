@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use glanz_geometry::FaceDomain;
 use glanz_math::{DVec2, DVec3};
-use glanz_scene::{Place, PlacedSurface};
+use glanz_scene::{ParametricPoint, PlacedSurface};
 use rayon::prelude::*;
 
 mod flat;
@@ -143,9 +143,9 @@ impl Chart {
     /// Places that a texel stands for: four around its middle, along the border if it lies there; if none is on the surface, the
     /// nearest one that is, up to a texel away.
     #[must_use]
-    pub fn places(&self, surface: &PlacedSurface<'_>, texel: [u32; 2]) -> Vec<Place> {
+    pub fn places(&self, surface: &PlacedSurface<'_>, texel: [u32; 2]) -> Vec<ParametricPoint> {
         let middle = DVec2::new(f64::from(texel[0]), f64::from(texel[1]));
-        let mut places: Vec<Place> = Vec::with_capacity(4);
+        let mut places: Vec<ParametricPoint> = Vec::with_capacity(4);
         let spread = |axis: usize| {
             if texel[axis] == 0 || texel[axis] + 1 == self.size[axis] { 0.0 } else { 0.25 }
         };
@@ -176,7 +176,7 @@ impl Chart {
 
     /// The place at a point in texels; `None` where there is no surface, or one behind a wall.
     #[must_use]
-    pub fn place(&self, surface: &PlacedSurface<'_>, texel: DVec2) -> Option<Place> {
+    pub fn place(&self, surface: &PlacedSurface<'_>, texel: DVec2) -> Option<ParametricPoint> {
         let inside = texel.clamp(DVec2::splat(INWARDS), self.last() - INWARDS);
         let point = self.to_sheet(inside);
         if self.is_behind_a_wall(point) {
@@ -186,7 +186,7 @@ impl Chart {
         if surface.is_trimmed() && surface.at(face, uv, self.back).is_none() {
             return None;
         }
-        Some(Place { surface: self.surface, face, back: self.back, uv })
+        Some(ParametricPoint { surface: self.surface, face, back: self.back, uv })
     }
 }
 

@@ -17,7 +17,7 @@ pub use screen::Screen;
 /// A camera with its place in the world; the rays it sends have unit directions.
 #[derive(Clone, Debug)]
 pub struct Camera {
-    projection: Projection,
+    projection: CameraProjection,
     screen: Screen,
     lens_radius: f64,
     focal_distance: f64,
@@ -28,7 +28,7 @@ pub struct Camera {
 
 /// How the camera sees a point of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Projected {
+pub struct FilmProjection {
     /// Place on the film, pixels; it may lie outside the picture.
     pub film: DVec2,
     /// Where the ray through the point begins, world space, metres.
@@ -39,7 +39,7 @@ pub struct Projected {
 
 /// The projections.
 #[derive(Clone, Copy, Debug)]
-enum Projection {
+enum CameraProjection {
     Perspective(Perspective),
     Orthographic(Orthographic),
 }
@@ -74,11 +74,11 @@ impl Camera {
             .ok_or_else(|| range("screen window", window[1] - window[0], "finite and not empty"))?;
         let projection = match camera.kind {
             CameraKind::Perspective { field_of_view } => {
-                Projection::Perspective(Perspective::try_new(field_of_view).ok_or_else(|| {
+                CameraProjection::Perspective(Perspective::try_new(field_of_view).ok_or_else(|| {
                     range("field of view", field_of_view.to_degrees(), "between 0 and 180 degrees")
                 })?)
             }
-            CameraKind::Orthographic => Projection::Orthographic(Orthographic),
+            CameraKind::Orthographic => CameraProjection::Orthographic(Orthographic),
         };
         Ok(Self {
             projection,
@@ -97,8 +97,8 @@ impl Camera {
     pub fn ray(&self, film: DVec2, lens: DVec2) -> Ray {
         let on_screen = self.screen.from_film(film);
         let mut ray = match self.projection {
-            Projection::Perspective(p) => p.ray(on_screen),
-            Projection::Orthographic(o) => o.ray(on_screen),
+            CameraProjection::Perspective(p) => p.ray(on_screen),
+            CameraProjection::Orthographic(o) => o.ray(on_screen),
         };
         if self.lens_radius > 0.0 {
             // All rays of one film point meet in the plane of focus.
@@ -115,7 +115,7 @@ impl Camera {
     ///
     /// `None` for what lies behind the camera or beside all that it can see.
     #[must_use]
-    pub fn project(&self, point: DVec3, lens: DVec2) -> Option<Projected> {
+    pub fn project(&self, point: DVec3, lens: DVec2) -> Option<FilmProjection> {
         let local = self.to_world.inverse().point(point);
         if local.z.is_nan() || local.z <= 0.0 {
             return None;
@@ -128,13 +128,13 @@ impl Camera {
             seen -= on_lens * (1.0 - local.z / self.focal_distance);
         }
         let (screen, start) = match self.projection {
-            Projection::Perspective(p) => (p.screen(seen, local.z), on_lens),
-            Projection::Orthographic(_) => (seen, seen + on_lens),
+            CameraProjection::Perspective(p) => (p.screen(seen, local.z), on_lens),
+            CameraProjection::Orthographic(_) => (seen, seen + on_lens),
         };
         let film = self.screen.to_film(screen);
         let origin = self.to_world.point(start.extend(0.0));
         let density = self.density(point, (point - origin).try_normalize()?);
-        (film.is_finite() && density > 0.0).then_some(Projected { film, origin, density })
+        (film.is_finite() && density > 0.0).then_some(FilmProjection { film, origin, density })
     }
 
     /// How dense the rays of the film are at `point` (world space, metres): pixels that a surface of one square metre fills there if it
@@ -147,8 +147,8 @@ impl Camera {
         let to_local = self.to_world.inverse();
         let z = to_local.point(point).z;
         let per_plane = match self.projection {
-            Projection::Perspective(p) => p.screen_density(z),
-            Projection::Orthographic(_) => 1.0,
+            CameraProjection::Perspective(p) => p.screen_density(z),
+            CameraProjection::Orthographic(_) => 1.0,
         };
         // In the camera's frame an area across the ray is 1 / cos of it in the plane of depth z. Areas across a ray grow from world to camera as
         // volumes do, divided by what lengths along the ray do; the cosine is the depth of that length.

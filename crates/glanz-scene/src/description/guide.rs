@@ -126,12 +126,12 @@ impl FromStr for GuideSettings {
             }
             seen.push(key);
             match key {
-                "grid" => settings.cells = number("grid", value, 1, GridSettings::MOST_CELLS)?,
-                "basis" => settings.basis = basis(value)?,
-                "scale" => settings.scale = number("scale", value, 0, GridSettings::FINEST_SCALE)?,
-                "mixture" => settings.mixture = switch("mixture", value)?,
-                "hierarchical" => settings.hierarchical = switch("hierarchical", value)?,
-                "passes" => settings.passes = Some(passes(value)?),
+                "grid" => settings.cells = parse_number("grid", value, 1, GridSettings::MOST_CELLS)?,
+                "basis" => settings.basis = parse_basis(value)?,
+                "scale" => settings.scale = parse_number("scale", value, 0, GridSettings::FINEST_SCALE)?,
+                "mixture" => settings.mixture = parse_switch("mixture", value)?,
+                "hierarchical" => settings.hierarchical = parse_switch("hierarchical", value)?,
+                "passes" => settings.passes = Some(parse_passes(value)?),
                 _ => return Err(GuideSettingsError::Key(key.to_owned())),
             }
         }
@@ -139,33 +139,33 @@ impl FromStr for GuideSettings {
     }
 }
 
-fn wrong(key: &'static str, value: &str, allowed: String) -> GuideSettingsError {
+fn value_error(key: &'static str, value: &str, allowed: String) -> GuideSettingsError {
     GuideSettingsError::Value { key, value: value.to_owned(), allowed }
 }
 
-fn number(key: &'static str, value: &str, least: u32, most: u32) -> Result<u32, GuideSettingsError> {
+fn parse_number(key: &'static str, value: &str, least: u32, most: u32) -> Result<u32, GuideSettingsError> {
     let number = value.parse().ok().filter(|n| (least..=most).contains(n));
-    number.ok_or_else(|| wrong(key, value, format!("a whole number from {least} to {most}")))
+    number.ok_or_else(|| value_error(key, value, format!("a whole number from {least} to {most}")))
 }
 
-fn switch(key: &'static str, value: &str) -> Result<bool, GuideSettingsError> {
+fn parse_switch(key: &'static str, value: &str) -> Result<bool, GuideSettingsError> {
     match value {
         "on" => Ok(true),
         "off" => Ok(false),
-        _ => Err(wrong(key, value, "on or off".to_owned())),
+        _ => Err(value_error(key, value, "on or off".to_owned())),
     }
 }
 
-fn passes(value: &str) -> Result<PassLengths, GuideSettingsError> {
-    value.parse().map_err(|error: PassLengthsError| wrong("passes", value, error.to_string()))
+fn parse_passes(value: &str) -> Result<PassLengths, GuideSettingsError> {
+    value.parse().map_err(|error: PassLengthsError| value_error("passes", value, error.to_string()))
 }
 
-fn basis(value: &str) -> Result<GuideBasis, GuideSettingsError> {
+fn parse_basis(value: &str) -> Result<GuideBasis, GuideSettingsError> {
     let splines = (0..=GuideBasis::HIGHEST_DEGREE).map(GuideBasis::Spline);
     let all: Vec<GuideBasis> = [GuideBasis::Haar].into_iter().chain(splines).collect();
     all.iter().find(|basis| basis.to_string() == value).copied().ok_or_else(|| {
         let names: Vec<String> = all.iter().map(GuideBasis::to_string).collect();
-        wrong("basis", value, format!("one of {}", names.join(", ")))
+        value_error("basis", value, format!("one of {}", names.join(", ")))
     })
 }
 

@@ -3,7 +3,7 @@
 use glanz_shading::{Material, ParameterForm};
 
 use super::Location;
-use super::texture::{FloatInput, SpectrumInput};
+use super::texture::{FloatParameter, SpectrumParameter};
 
 /// A material.
 #[derive(Clone, Debug)]
@@ -24,12 +24,12 @@ impl From<MaterialKind> for MaterialDescription {
 
 /// The form of parameters in a description: spectral distributions, and textures by their index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Described {}
+pub enum DescriptionForm {}
 
-impl ParameterForm for Described {
-    type Spectrum = SpectrumInput;
-    type Float = FloatInput;
+impl ParameterForm for DescriptionForm {
+    type Spectrum = SpectrumParameter;
+    type Float = FloatParameter;
 }
 
 /// The materials. `glanz_shading::model` has a file for each.
-pub type MaterialKind = Material<Described>;
+pub type MaterialKind = Material<DescriptionForm>;

@@ -23,17 +23,17 @@ pub use camera::{CameraDescription, CameraKind, look_at};
 pub use film::{FilmDescription, FilterDescription, FilterKind};
 pub use freeform::{BezierPatchesDescription, BezierTrianglesDescription, NurbsDescription};
 pub use geometry::GeometryDescription;
+pub use glanz_shading::texture::{ImageFilter, ImageWrap};
 pub use group::{GroupDescription, InstanceDescription};
 pub use guide::{GridSettings, GuideBasis, GuideSettings, GuideSettingsError};
 pub use integrator::{IntegratorDescription, SamplerDescription};
 pub use light::{EmissionDescription, EmissionPower, LightDescription, LightKind, SourceRay, SpotFalloff};
-pub use material::{Described, MaterialDescription, MaterialKind};
+pub use material::{DescriptionForm, MaterialDescription, MaterialKind};
 pub use pass_lengths::{PassLengths, PassLengthsError};
 pub use receiver::{MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide};
 pub use shape::ShapeDescription;
 pub use texture::{
-    FloatInput, ImageDescription, ImageFilter, ImageWrap, SpectrumInput, TextureDescription, TextureKind,
-    TextureMapping,
+    FloatParameter, ImageDescription, MappingDescription, SpectrumParameter, TextureDescription, TextureKind,
 };
 pub use trim::{TrimCurveDescription, TrimDescription, TrimLoopDescription};
 

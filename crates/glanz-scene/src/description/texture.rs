@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glanz_light::{Pixels, SpectralDistribution};
 use glanz_math::{DMat4, DVec2, DVec3};
+use glanz_shading::texture::{ImageFilter, ImageWrap};
 
 use super::Location;
 
@@ -18,26 +19,26 @@ pub struct ImageDescription {
 
 /// A spectrum or a texture of spectra.
 #[derive(Clone, Debug, PartialEq)]
-pub enum SpectrumInput {
+pub enum SpectrumParameter {
     /// The same everywhere.
     Value(SpectralDistribution),
     /// Index into [`Description::textures`](super::Description::textures).
     Texture(usize),
 }
 
-impl From<SpectralDistribution> for SpectrumInput {
+impl From<SpectralDistribution> for SpectrumParameter {
     fn from(value: SpectralDistribution) -> Self {
         Self::Value(value)
     }
 }
 
-impl From<f32> for SpectrumInput {
+impl From<f32> for SpectrumParameter {
     fn from(value: f32) -> Self {
         Self::Value(value.into())
     }
 }
 
-impl From<[f32; 3]> for SpectrumInput {
+impl From<[f32; 3]> for SpectrumParameter {
     /// Linear Rec. 709.
     fn from(rgb: [f32; 3]) -> Self {
         Self::Value(rgb.into())
@@ -46,14 +47,14 @@ impl From<[f32; 3]> for SpectrumInput {
 
 /// A number or a texture of numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum FloatInput {
+pub enum FloatParameter {
     /// The same everywhere.
     Value(f32),
     /// Index into [`Description::textures`](super::Description::textures).
     Texture(usize),
 }
 
-impl From<f32> for FloatInput {
+impl From<f32> for FloatParameter {
     fn from(value: f32) -> Self {
         Self::Value(value)
     }
@@ -74,33 +75,33 @@ pub struct TextureDescription {
 #[derive(Clone, Debug)]
 pub enum TextureKind {
     /// The same everywhere.
-    Constant(SpectrumInput),
+    Constant(SpectrumParameter),
     /// Product of two.
-    Scale(SpectrumInput, SpectrumInput),
+    Scale(SpectrumParameter, SpectrumParameter),
     /// `(1 - amount) a + amount b`.
     Mix {
         /// Where `amount` is 0.
-        a: SpectrumInput,
+        a: SpectrumParameter,
         /// Where `amount` is 1.
-        b: SpectrumInput,
+        b: SpectrumParameter,
         /// Weight of `b`.
-        amount: FloatInput,
+        amount: FloatParameter,
     },
     /// Two alternating in squares.
     Checkerboard {
         /// Where the sum of the cell numbers is even.
-        even: SpectrumInput,
+        even: SpectrumParameter,
         /// Elsewhere.
-        odd: SpectrumInput,
+        odd: SpectrumParameter,
         /// Coordinates in cells.
-        mapping: TextureMapping,
+        mapping: MappingDescription,
     },
     /// A picture.
     Image {
         /// Index into [`Description::images`](super::Description::images).
         image: usize,
         /// Coordinates; the picture fills [0, 1]^2, (0, 0) is its lower left corner.
-        mapping: TextureMapping,
+        mapping: MappingDescription,
         /// What lies outside [0, 1]^2.
         wrap: ImageWrap,
         /// How values between pixels are found.
@@ -114,7 +115,7 @@ pub enum TextureKind {
 
 /// Where on a texture a point of a surface lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TextureMapping {
+pub enum MappingDescription {
     /// `(scale.x u + offset.x, scale.y v + offset.y)`.
     Uv {
         /// Factors on (u, v).
@@ -148,28 +149,4 @@ pub enum TextureMapping {
         /// From world to texture space.
         to_texture: DMat4,
     },
-}
-
-/// What lies outside a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum ImageWrap {
-    /// The picture again.
-    #[default]
-    Repeat,
-    /// Zero.
-    Black,
-    /// The nearest border value.
-    Clamp,
-}
-
-/// How values between pixels are found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum ImageFilter {
-    /// The nearest pixel.
-    Point,
-    /// Bilinear interpolation.
-    #[default]
-    Bilinear,
-    /// Bilinear in two levels of a pyramid.
-    Trilinear,
 }

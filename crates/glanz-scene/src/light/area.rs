@@ -10,8 +10,8 @@ use glanz_sampling::warp;
 
 use super::{LightModel, LightRay, LightSample, brightness};
 use crate::area::area;
-use crate::interaction::{Interaction, Reference};
-use crate::object::Object;
+use crate::interaction::{Interaction, LightSampleContext};
+use crate::object::SceneObject;
 use crate::scene::Scene;
 
 /// A surface that gives off the same radiance in every direction of its front.
@@ -30,7 +30,7 @@ pub struct AreaLight {
 }
 
 impl AreaLight {
-    pub(crate) fn new(object_index: u32, object: &Object, radiance: Spectrum, two_sided: bool) -> Self {
+    pub(crate) fn new(object_index: u32, object: &SceneObject, radiance: Spectrum, two_sided: bool) -> Self {
         Self {
             object: object_index,
             radiance,
@@ -102,12 +102,12 @@ impl AreaLight {
 
     /// Density per solid angle with which a sample from `from` takes the point of `hit` on this light.
     #[must_use]
-    pub fn pdf(&self, from: &Reference, hit: &Interaction) -> SolidAnglePdf {
+    pub fn pdf(&self, from: &LightSampleContext, hit: &Interaction) -> SolidAnglePdf {
         hit.area_pdf.map_or(SolidAnglePdf(0.0), |pdf| self.pdf_at(from, &hit.point, pdf))
     }
 
     /// As [`AreaLight::pdf`], of a point whose density per area is `area_pdf`.
-    fn pdf_at(&self, from: &Reference, point: &SurfacePoint, area_pdf: AreaPdf) -> SolidAnglePdf {
+    fn pdf_at(&self, from: &LightSampleContext, point: &SurfacePoint, area_pdf: AreaPdf) -> SolidAnglePdf {
         if let Some(cone) = self.cone(from.position) {
             return cone.pdf();
         }
@@ -216,7 +216,7 @@ impl LightModel for AreaLight {
         area_pdf.map_or(0.0, |pdf| pdf.0 * FRAC_1_PI / sides)
     }
 
-    fn pdf_of_ray(&self, from: &Reference, ray: &LightRay) -> SolidAnglePdf {
+    fn pdf_of_ray(&self, from: &LightSampleContext, ray: &LightRay) -> SolidAnglePdf {
         match (&ray.from, ray.area_pdf) {
             (Some(point), Some(pdf)) => self.pdf_at(from, point, pdf),
             _ => SolidAnglePdf(0.0),
@@ -252,7 +252,7 @@ impl SphereCone {
     }
 }
 
-fn world_sphere(object: &Object) -> Option<(DVec3, f64)> {
+fn world_sphere(object: &SceneObject) -> Option<(DVec3, f64)> {
     let Surface::Sphere(sphere) = object.surface() else { return None };
     if !sphere.is_whole() {
         return None;

@@ -8,7 +8,7 @@ use glanz_math::{AreaPdf, DVec2, DVec3, Frame, Ray, SolidAnglePdf};
 use glanz_sampling::warp;
 
 use super::LightId;
-use crate::interaction::Reference;
+use crate::interaction::LightSampleContext;
 use crate::scene::Scene;
 
 /// A sampled ray that leaves a light.
@@ -102,7 +102,7 @@ impl Scene {
     /// Density with which [`Scene::sample_light`] from `from` samples the direction that `ray` came from, which the light `id`
     /// sent; without the probability of the light itself. 1 for lights that no ray can hit.
     #[must_use]
-    pub fn light_pdf_of_ray(&self, id: LightId, from: &Reference, ray: &LightRay) -> SolidAnglePdf {
+    pub fn light_pdf_of_ray(&self, id: LightId, from: &LightSampleContext, ray: &LightRay) -> SolidAnglePdf {
         self.light(id).map_or(SolidAnglePdf(0.0), |light| light.pdf_of_ray(from, ray))
     }
 }

@@ -8,7 +8,7 @@ use glanz_sampling::warp;
 
 use super::emission::SceneSphere;
 use super::{LightModel, LightRay, LightSample, brightness};
-use crate::interaction::{Interaction, Reference};
+use crate::interaction::{Interaction, LightSampleContext};
 use crate::scene::Scene;
 
 /// The same radiance from every direction.
@@ -32,7 +32,7 @@ impl InfiniteLight {
 
     /// Density with which a sample from `from` takes the unit direction `wi`.
     #[must_use]
-    pub fn pdf(&self, from: &Reference, wi: DVec3) -> SolidAnglePdf {
+    pub fn pdf(&self, from: &LightSampleContext, wi: DVec3) -> SolidAnglePdf {
         let normal = from.shading_normal;
         let cos = normal.dot(wi) * 1.0_f64.copysign(normal.dot(from.wo));
         SolidAnglePdf(cos.max(0.0) * FRAC_1_PI)
@@ -64,7 +64,7 @@ impl LightModel for InfiniteLight {
             local.z = -local.z;
         }
         let wi = frame.to_world(local);
-        let pdf = self.pdf(&from.reference(), wi);
+        let pdf = self.pdf(&from.light_sample_context(), wi);
         (pdf.0 > 0.0).then(|| LightSample {
             wi,
             radiance: self.radiance,
@@ -86,7 +86,7 @@ impl LightModel for InfiniteLight {
         SceneSphere::new(scene).map_or(0.0, |sphere| 0.25 * FRAC_1_PI * sphere.pdf(at, wi))
     }
 
-    fn pdf_of_ray(&self, from: &Reference, ray: &LightRay) -> SolidAnglePdf {
+    fn pdf_of_ray(&self, from: &LightSampleContext, ray: &LightRay) -> SolidAnglePdf {
         self.pdf(from, -ray.ray.direction)
     }
 }

@@ -17,7 +17,7 @@ use glanz_math::{AreaPdf, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
 
 use crate::description::{LightDescription, LightKind};
 use crate::error::SceneErrorKind;
-use crate::interaction::{Interaction, Reference};
+use crate::interaction::{Interaction, LightSampleContext};
 use crate::scene::Scene;
 
 pub use area::AreaLight;
@@ -69,7 +69,7 @@ trait LightModel {
     fn emission_pdf(&self, scene: &Scene, at: DVec3, wi: DVec3, area_pdf: Option<AreaPdf>) -> f64;
 
     /// See [`Scene::light_pdf_of_ray`].
-    fn pdf_of_ray(&self, _from: &Reference, _ray: &LightRay) -> SolidAnglePdf {
+    fn pdf_of_ray(&self, _from: &LightSampleContext, _ray: &LightRay) -> SolidAnglePdf {
         SolidAnglePdf(1.0)
     }
 
@@ -174,7 +174,7 @@ macro_rules! lights {
                 }
             }
 
-            fn pdf_of_ray(&self, from: &Reference, ray: &LightRay) -> SolidAnglePdf {
+            fn pdf_of_ray(&self, from: &LightSampleContext, ray: &LightRay) -> SolidAnglePdf {
                 match self {
                     $(Self::$variant(light) => light.pdf_of_ray(from, ray),)*
                 }

@@ -10,7 +10,7 @@ use super::photometric::{luminaire_axes, uneven};
 use super::{LightInput, LightModel, LightRay, LightSample, brightness};
 use crate::description::SourceRay;
 use crate::error::SceneErrorKind;
-use crate::interaction::{Interaction, Reference};
+use crate::interaction::{Interaction, LightSampleContext};
 use crate::scene::Scene;
 
 /// A light that emits measured rays, each in proportion to its flux.
@@ -100,7 +100,7 @@ impl LightModel for RayLight {
         1.0
     }
 
-    fn pdf_of_ray(&self, _: &Reference, _: &LightRay) -> SolidAnglePdf {
+    fn pdf_of_ray(&self, _: &LightSampleContext, _: &LightRay) -> SolidAnglePdf {
         SolidAnglePdf(0.0)
     }
 

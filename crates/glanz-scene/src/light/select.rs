@@ -50,7 +50,7 @@ impl LightSelector {
     }
 
     /// A light and its probability, by a number uniform in [0, 1).
-    pub(crate) fn pick(&self, xi: f64) -> Option<(LightId, f64)> {
+    pub(crate) fn select(&self, xi: f64) -> Option<(LightId, f64)> {
         let last = self.cumulative.last()?;
         self.find(xi * last, 0..self.cumulative.len())
     }
@@ -79,13 +79,13 @@ impl LightSelector {
         self.groups.partition_point(|group| group.end <= light.0)
     }
 
-    /// The probability that [`LightSelector::pick`] takes a light of this group.
+    /// The probability that [`LightSelector::select`] takes a light of this group.
     pub(crate) fn group_probability(&self, group: usize) -> f64 {
         self.bounds(group).map_or(0.0, |(low, high)| high - low)
     }
 
     /// A light of a group and its probability among those of the group, by a number uniform in [0, 1).
-    pub(crate) fn pick_of(&self, group: usize, xi: f64) -> Option<(LightId, f64)> {
+    pub(crate) fn select_in_group(&self, group: usize, xi: f64) -> Option<(LightId, f64)> {
         let (low, high) = self.bounds(group)?;
         let range = self.groups.get(group)?;
         let (light, probability) =
@@ -137,7 +137,7 @@ mod tests {
         let n = 10_000;
         let mut counts = [0.0; 3];
         for i in 0..n {
-            let (light, _) = selector.pick((f64::from(i) + 0.5) / f64::from(n)).unwrap();
+            let (light, _) = selector.select((f64::from(i) + 0.5) / f64::from(n)).unwrap();
             counts[light.0 as usize] += 1.0 / f64::from(n);
         }
         // 0.2 / 2 + 0.8 * 3 / 4 = 0.7
@@ -149,8 +149,8 @@ mod tests {
 
     #[test]
     fn no_light_is_picked_where_there_is_none() {
-        assert!(LightSelector::new(&[]).pick(0.5).is_none());
-        assert!(LightSelector::new(&[0.0, 0.0]).pick(0.5).is_none());
+        assert!(LightSelector::new(&[]).select(0.5).is_none());
+        assert!(LightSelector::new(&[0.0, 0.0]).select(0.5).is_none());
     }
 
     #[test]
@@ -161,11 +161,11 @@ mod tests {
         assert!((selector.group_probability(0) - 0.7).abs() < 1e-15);
         for xi in [0.0, 0.5, 1.0 - f64::EPSILON] {
             for (group, light) in [(0, 1), (1, 3)] {
-                let (found, inside) = selector.pick_of(group, xi).unwrap();
+                let (found, inside) = selector.select_in_group(group, xi).unwrap();
                 assert!(found == LightId(light) && (inside - 1.0).abs() < 1e-14);
             }
         }
-        assert_eq!(selector.pick_of(2, 0.5), None);
+        assert_eq!(selector.select_in_group(2, 0.5), None);
     }
 
     #[test]
@@ -178,7 +178,7 @@ mod tests {
             assert!((probability - 1.0 / 16.0).abs() < 0.005, "{group}: {probability}");
             // Groups and lights in them make up the same choice.
             for i in 0..50 {
-                let (light, inside) = selector.pick_of(group, f64::from(i) / 50.0).unwrap();
+                let (light, inside) = selector.select_in_group(group, f64::from(i) / 50.0).unwrap();
                 assert_eq!(selector.group(light), group);
                 assert!((inside * probability - selector.probability(light)).abs() < 1e-15);
             }

@@ -2,24 +2,24 @@
 
 use glanz_light::{Wavelengths, units};
 
-use super::light::emitted;
+use super::light::emitted_spectrum;
 use super::range_error;
-use crate::area::{area, seen_from_afar};
+use crate::area::{area, far_field_area};
 use crate::description::{EmissionDescription, EmissionPower, Location};
 use crate::error::SceneError;
 use crate::light::AreaLight;
-use crate::object::Object;
+use crate::object::SceneObject;
 
 /// The light that the object number `object_index` of the world is.
 pub(super) fn area_light(
     object_index: u32,
-    object: &Object,
+    object: &SceneObject,
     emission: &EmissionDescription,
     location: Option<Location>,
     wavelengths: &Wavelengths,
 ) -> Result<AreaLight, SceneError> {
     let radiance =
-        emitted(&emission.radiance, emission.scale, wavelengths, "area light: radiance", location)?;
+        emitted_spectrum(&emission.radiance, emission.scale, wavelengths, "area light: radiance", location)?;
     let light = AreaLight::new(object_index, object, radiance, emission.two_sided);
     let Some(power) = emission.power else { return Ok(light) };
     let (what, wanted, present) = match power {
@@ -30,7 +30,7 @@ pub(super) fn area_light(
             ("area light: lumens", lumens, units::photometric(light.power(), wavelengths))
         }
         EmissionPower::Candela(candela) => {
-            let seen = seen_from_afar(object, light.is_sphere()).ok_or_else(|| {
+            let seen = far_field_area(object, light.is_sphere()).ok_or_else(|| {
                 let (what, value) =
                     ("area light: surface that candela are given for", object.surface().kind());
                 range_error(location, what, value, "flat or a whole sphere; say lumens for others")
@@ -49,9 +49,9 @@ pub(super) fn area_light(
 }
 
 /// The emission of each of the objects that one shape makes: its power is that of all together, shared by area.
-pub(super) fn shared(
+pub(super) fn emission_per_object(
     emission: &EmissionDescription,
-    objects: &[Object],
+    objects: &[SceneObject],
     location: Option<Location>,
 ) -> Result<Vec<EmissionDescription>, SceneError> {
     let (Some(power), [_, _, ..]) = (emission.power, objects) else {

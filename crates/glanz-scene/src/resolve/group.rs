@@ -5,32 +5,32 @@ use glanz_light::Wavelengths;
 use glanz_math::{Bounds3, Transform};
 use glanz_shading::Material;
 
-use super::emission::{area_light, shared};
+use super::emission::{area_light, emission_per_object};
 use super::join::join_small_meshes;
-use super::{LARGEST_COORDINATE, Notes, range_error, shape, transform};
+use super::{LARGEST_COORDINATE, WarningList, range_error, shape, transform};
 use crate::description::{
     EmissionDescription, GroupDescription, InstanceDescription, Location, ReceiverDescription,
 };
 use crate::error::{SceneError, SceneErrorKind};
 use crate::light::{Light, LightId};
-use crate::object::Object;
+use crate::object::SceneObject;
 use crate::receiver::NamedReceiver;
-use crate::scene::{Group, Instance, MAX_NESTING, Primitive};
+use crate::scene::{Instance, MAX_NESTING, Primitive, SceneGroup};
 
 /// An object that shines, in the frame of its group.
 ///
 /// Every copy of it is a light of its own, so it is kept out of the group and set into the world once per copy.
 #[derive(Clone)]
-struct Emitter {
-    object: Object,
+struct EmissiveObject {
+    object: SceneObject,
     emission: EmissionDescription,
     location: Option<Location>,
 }
 
 /// Groups in the making.
-pub(super) struct Groups {
-    groups: Vec<Group>,
-    emitters: Vec<Vec<Emitter>>,
+pub(super) struct GroupResolver {
+    groups: Vec<SceneGroup>,
+    emitters: Vec<Vec<EmissiveObject>>,
     depths: Vec<usize>,
     /// Per material, whether light passes it.
     passable: Vec<bool>,
@@ -39,14 +39,14 @@ pub(super) struct Groups {
 }
 
 /// All groups, the last of which is the world, and what was found in them.
-pub(super) struct Finished {
-    pub(super) groups: Vec<Group>,
+pub(super) struct ResolvedGroups {
+    pub(super) groups: Vec<SceneGroup>,
     /// One for each copy of a shape that shines.
     pub(super) lights: Vec<Light>,
     pub(super) receivers: Vec<NamedReceiver>,
 }
 
-impl Groups {
+impl GroupResolver {
     pub(super) fn new(materials: &[Material]) -> Self {
         let passable = materials.iter().map(Material::is_interface).collect();
         Self {
@@ -64,14 +64,14 @@ impl Groups {
         &mut self,
         description: GroupDescription,
         index: usize,
-        notes: &mut Notes,
+        warnings: &mut WarningList,
     ) -> Result<(), SceneError> {
         let inner = description.shapes.iter().find_map(|shape| shape.receiver.as_ref());
         if let Some(ReceiverDescription { name, location, .. }) = inner {
             let kind = SceneErrorKind::ReceiverInGroup(name.clone());
             return Err(SceneError { location: *location, kind });
         }
-        let (objects, emitters, instances, depth) = self.parts(description, index, notes)?;
+        let (objects, emitters, instances, depth) = self.parts(description, index, warnings)?;
         self.groups.push(self.build(objects, instances));
         self.emitters.push(emitters);
         self.depths.push(depth);
@@ -83,10 +83,10 @@ impl Groups {
         mut self,
         world: GroupDescription,
         wavelengths: &Wavelengths,
-        notes: &mut Notes,
-    ) -> Result<Finished, SceneError> {
+        warnings: &mut WarningList,
+    ) -> Result<ResolvedGroups, SceneError> {
         let index = self.groups.len();
-        let (mut objects, emitters, instances, _) = self.parts(world, index, notes)?;
+        let (mut objects, emitters, instances, _) = self.parts(world, index, warnings)?;
         let mut lights = Vec::with_capacity(emitters.len());
         for emitter in emitters {
             let mut object = emitter.object;
@@ -97,7 +97,7 @@ impl Groups {
                     "a {} has no parameters to pick points by: its light is found by chance only, expect noise",
                     object.surface().kind()
                 );
-                notes.warn(emitter.location, message);
+                warnings.warn(emitter.location, message);
             }
             object.light = Some(LightId(lights.len() as u32));
             lights.push(Light::Area(light));
@@ -105,7 +105,7 @@ impl Groups {
         }
         let world = self.build(objects, instances);
         self.groups.push(world);
-        Ok(Finished { groups: self.groups, lights, receivers: self.receivers })
+        Ok(ResolvedGroups { groups: self.groups, lights, receivers: self.receivers })
     }
 
     #[allow(clippy::type_complexity)]
@@ -113,8 +113,8 @@ impl Groups {
         &mut self,
         description: GroupDescription,
         index: usize,
-        notes: &mut Notes,
-    ) -> Result<(Vec<Object>, Vec<Emitter>, Vec<Instance>, usize), SceneError> {
+        warnings: &mut WarningList,
+    ) -> Result<(Vec<SceneObject>, Vec<EmissiveObject>, Vec<Instance>, usize), SceneError> {
         let mut objects = Vec::with_capacity(description.shapes.len());
         let mut emitters = Vec::new();
         for mut shape in description.shapes {
@@ -124,7 +124,7 @@ impl Groups {
             let passable = self.passable[shape.material];
             let (location, emission) = (shape.location, shape.emission.take());
             let receiver = shape.receiver.take().map(|r| NamedReceiver::try_new(r, id)).transpose()?;
-            let mut made = shape::objects(shape, id, notes)?;
+            let mut made = shape::objects(shape, id, warnings)?;
             let measures = receiver.is_some();
             self.receivers.extend(receiver.filter(|_| !made.is_empty()));
             for object in &mut made {
@@ -133,9 +133,13 @@ impl Groups {
             }
             match emission {
                 Some(emission) => {
-                    let emissions = shared(&emission, &made, location)?;
+                    let emissions = emission_per_object(&emission, &made, location)?;
                     let shining = made.into_iter().zip(emissions);
-                    emitters.extend(shining.map(|(object, emission)| Emitter { object, emission, location }));
+                    emitters.extend(shining.map(|(object, emission)| EmissiveObject {
+                        object,
+                        emission,
+                        location,
+                    }));
                 }
                 // A border that neither shines, stops light nor measures it is not there.
                 None if passable && !measures => {}
@@ -151,7 +155,7 @@ impl Groups {
             if depth > MAX_NESTING {
                 return Err(SceneError { location, kind: SceneErrorKind::Nesting(MAX_NESTING) });
             }
-            emitters.extend(self.emitters[group].iter().map(|e| Emitter {
+            emitters.extend(self.emitters[group].iter().map(|e| EmissiveObject {
                 object: e.object.placed(&to_parent),
                 emission: e.emission.clone(),
                 location: e.location,
@@ -162,7 +166,7 @@ impl Groups {
         Ok((join_small_meshes(objects), emitters, instances, depth))
     }
 
-    fn build(&self, objects: Vec<Object>, instances: Vec<Instance>) -> Group {
+    fn build(&self, objects: Vec<SceneObject>, instances: Vec<Instance>) -> SceneGroup {
         let mut bounded = Vec::new();
         let mut unbounded = Vec::new();
         let mut boxes = Vec::new();
@@ -187,16 +191,16 @@ impl Groups {
             let inner = self.groups[instance.group].placed_before.last().copied().unwrap_or_default();
             placed_before.push(placed_before.last().copied().unwrap_or_default().saturating_add(inner));
         }
-        Group { objects, instances, bounded, unbounded, bvh, placed_before }
+        SceneGroup { objects, instances, bounded, unbounded, bvh, placed_before }
     }
 }
 
 /// A box around everything in the group that has an end.
-pub(super) fn finite_bounds(group: &Group) -> Bounds3 {
+pub(super) fn finite_bounds(group: &SceneGroup) -> Bounds3 {
     group.bvh.bounds()
 }
 
-fn instance_bounds(group: &Group, to_parent: &Transform) -> Bounds3 {
+fn instance_bounds(group: &SceneGroup, to_parent: &Transform) -> Bounds3 {
     if group.unbounded.is_empty() {
         to_parent.bounds(&group.bvh.bounds())
     } else {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glanz_geometry::Surface;
 use glanz_geometry::mesh::Mesh;
 
-use crate::object::{Object, Part};
+use crate::object::{JoinedShape, SceneObject};
 
 /// Meshes of more triangles have a hierarchy worth keeping, and copying them would cost memory.
 const LARGEST: usize = 256;
@@ -16,9 +16,9 @@ const LARGEST: usize = 256;
 /// Joins the small meshes among `objects`, which keep their numbers, materials and orientation by face.
 ///
 /// Lights stay alone: points are picked on one shape at a time.
-pub(super) fn join_small_meshes(objects: Vec<Object>) -> Vec<Object> {
+pub(super) fn join_small_meshes(objects: Vec<SceneObject>) -> Vec<SceneObject> {
     // Lists by vertex must be there for all or for none: four kinds of meshes.
-    let mut kinds: [Vec<(Arc<Mesh>, Object)>; 4] = Default::default();
+    let mut kinds: [Vec<(Arc<Mesh>, SceneObject)>; 4] = Default::default();
     let mut rest = Vec::with_capacity(objects.len());
     for object in objects {
         match object.surface() {
@@ -38,7 +38,7 @@ pub(super) fn join_small_meshes(objects: Vec<Object>) -> Vec<Object> {
     rest
 }
 
-fn joinable(mesh: &Mesh, object: &Object) -> bool {
+fn joinable(mesh: &Mesh, object: &SceneObject) -> bool {
     mesh.indices().len() <= LARGEST
         && object.to_parent().is_none()
         && object.light.is_none()
@@ -46,14 +46,17 @@ fn joinable(mesh: &Mesh, object: &Object) -> bool {
 }
 
 /// One object of all meshes; `None` if there is nothing to join, or more vertices than can be numbered.
-fn join(meshes: &[(Arc<Mesh>, Object)]) -> Option<Object> {
+fn join(meshes: &[(Arc<Mesh>, SceneObject)]) -> Option<SceneObject> {
     let [(first, object), _, ..] = meshes else { return None };
-    let (mut positions, mut indices, mut parts) = (Vec::new(), Vec::new(), Vec::with_capacity(meshes.len()));
+    let (mut positions, mut indices, mut shapes) = (Vec::new(), Vec::new(), Vec::with_capacity(meshes.len()));
     let mut normals = first.normals().map(|_| Vec::new());
     let mut uvs = first.uvs().map(|_| Vec::new());
     for (mesh, object) in meshes {
         let base = u32::try_from(positions.len()).ok()?;
-        parts.push(Part { first_face: u32::try_from(indices.len()).ok()?, role: object.role(0) });
+        shapes.push(JoinedShape {
+            first_face: u32::try_from(indices.len()).ok()?,
+            attributes: object.attributes(0),
+        });
         base.checked_add(u32::try_from(mesh.positions().len()).ok()?)?;
         positions.extend_from_slice(mesh.positions());
         indices.extend(mesh.indices().iter().map(|triangle| triangle.map(|vertex| base + vertex)));
@@ -65,5 +68,5 @@ fn join(meshes: &[(Arc<Mesh>, Object)]) -> Option<Object> {
         }
     }
     let mesh = Mesh::try_new(positions, indices, normals, uvs).ok()?;
-    Some(Object::joined(Surface::Mesh(Arc::new(mesh)), parts, object.role(0)))
+    Some(SceneObject::joined(Surface::Mesh(Arc::new(mesh)), shapes, object.attributes(0)))
 }

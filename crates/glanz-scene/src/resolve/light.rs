@@ -2,7 +2,7 @@
 
 use glanz_light::{SpectralDistribution, Spectrum, Wavelengths, units};
 
-use super::{Notes, range_error, transform};
+use super::{WarningList, range_error, transform};
 use crate::description::{LightDescription, Location};
 use crate::error::{SceneError, SceneErrorKind};
 use crate::light::{Light, LightInput};
@@ -10,17 +10,17 @@ use crate::light::{Light, LightInput};
 pub(super) fn light(
     description: &LightDescription,
     wavelengths: &Wavelengths,
-    notes: &mut Notes,
+    warnings: &mut WarningList,
 ) -> Result<Light, SceneError> {
     let location = description.location;
     let to_world = transform(description.to_world, "light", location)?;
     let emission =
-        emitted(&description.emission, description.scale, wavelengths, "light: emission", location)?;
+        emitted_spectrum(&description.emission, description.scale, wavelengths, "light: emission", location)?;
     let per_candela = per_candela(description, wavelengths).map_err(|error| error.kind);
     let input = LightInput { description, to_world, emission, per_candela };
     let light = Light::try_new(input).map_err(|kind: SceneErrorKind| SceneError { location, kind })?;
     if let Some(message) = light.warning() {
-        notes.warn(location, message);
+        warnings.warn(location, message);
     }
     Ok(light)
 }
@@ -28,7 +28,8 @@ pub(super) fn light(
 /// The spectrum of one candela of the light's colour times its scale, W/sr; also that of one lumen, W.
 fn per_candela(description: &LightDescription, wavelengths: &Wavelengths) -> Result<Spectrum, SceneError> {
     let location = description.location;
-    let color = emitted(&description.emission, 1.0, wavelengths, "photometric light: colour", location)?;
+    let color =
+        emitted_spectrum(&description.emission, 1.0, wavelengths, "photometric light: colour", location)?;
     let factor = units::scale_to_photometric(color, wavelengths, 1.0).ok_or_else(|| {
         range_error(location, "photometric light: colour", format!("{color:?}"), "brighter than black")
     })?;
@@ -39,7 +40,7 @@ fn per_candela(description: &LightDescription, wavelengths: &Wavelengths) -> Res
 ///
 /// Some spectra have colours outside Rec. 709, such as black bodies below some 1900 K, and with them negative lanes.
 /// These become 0, for no band may take light away. What is negative in the scene itself is an error.
-pub(super) fn emitted(
+pub(super) fn emitted_spectrum(
     distribution: &SpectralDistribution,
     scale: f32,
     wavelengths: &Wavelengths,

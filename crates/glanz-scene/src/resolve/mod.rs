@@ -17,18 +17,18 @@ use crate::description::{Description, Location};
 use crate::error::{SceneError, SceneErrorKind, SceneWarning};
 use crate::light::{Light, LightId, LightSelector};
 use crate::scene::Scene;
-use group::{Finished, Groups};
+use group::{GroupResolver, ResolvedGroups};
 
 /// Coordinates beyond this, in metres, leave the range of the hierarchy's `f32` boxes.
 pub(crate) const LARGEST_COORDINATE: f64 = 1e30;
 
 /// What resolving passes along: the warnings so far.
 #[derive(Default)]
-struct Notes {
+struct WarningList {
     warnings: Vec<SceneWarning>,
 }
 
-impl Notes {
+impl WarningList {
     fn warn(&mut self, location: Option<Location>, message: impl Into<String>) {
         self.warnings.push(SceneWarning { location, message: message.into() });
     }
@@ -43,19 +43,19 @@ impl Scene {
     /// [`SceneError`] with the place in the input for the first part that cannot be.
     pub fn resolve(description: Description) -> Result<(Self, Vec<SceneWarning>), SceneError> {
         let wavelengths = Wavelengths::default();
-        let mut notes = Notes::default();
+        let mut warnings = WarningList::default();
         let camera = Camera::try_new(&description.camera, &description.film)?;
         let textures = texture::textures(&description, &wavelengths)?;
-        let materials = material::materials(&description, &textures, &wavelengths, &mut notes)?;
+        let materials = material::materials(&description, &textures, &wavelengths, &mut warnings)?;
         let textures = textures.textures;
-        let mut groups = Groups::new(&materials);
+        let mut groups = GroupResolver::new(&materials);
         for (index, group) in description.groups.into_iter().enumerate() {
-            groups.add(group, index, &mut notes)?;
+            groups.add(group, index, &mut warnings)?;
         }
-        let Finished { groups, mut lights, receivers } =
-            groups.finish(description.world, &wavelengths, &mut notes)?;
+        let ResolvedGroups { groups, mut lights, receivers } =
+            groups.finish(description.world, &wavelengths, &mut warnings)?;
         for light in &description.lights {
-            lights.push(light::light(light, &wavelengths, &mut notes)?);
+            lights.push(light::light(light, &wavelengths, &mut warnings)?);
         }
         let bounds = groups.last().map(group::finite_bounds).unwrap_or(glanz_math::Bounds3::EMPTY);
         let radius = if bounds.is_empty() { 1.0 } else { 0.5 * bounds.diagonal().length() };
@@ -84,7 +84,7 @@ impl Scene {
             bounds,
             receivers: receivers.into(),
         };
-        Ok((scene, notes.warnings))
+        Ok((scene, warnings.warnings))
     }
 }
 

@@ -14,20 +14,21 @@ use glanz_geometry::torus::Torus;
 use glanz_geometry::{Surface, SurfaceError};
 use glanz_math::{Bounds3, DVec3, Transform};
 
-use super::{Notes, freeform, transform};
+use super::{WarningList, freeform, transform};
 use crate::description::{GeometryDescription, Location, ShapeDescription};
 use crate::error::{SceneError, SceneErrorKind};
-use crate::object::{Object, Role};
+use crate::object::{SceneObject, ShapeAttributes};
 
 /// The objects of one shape: one, except for lists of patches.
 pub(super) fn objects(
     shape: ShapeDescription,
     id: u32,
-    notes: &mut Notes,
-) -> Result<Vec<Object>, SceneError> {
+    warnings: &mut WarningList,
+) -> Result<Vec<SceneObject>, SceneError> {
     let location = shape.location;
     let to_parent = transform(shape.to_parent, "shape", location)?;
-    let role = Role { id, material: shape.material as u32, reversed: shape.reverse_orientation };
+    let attributes =
+        ShapeAttributes { id, material: shape.material as u32, reversed: shape.reverse_orientation };
     let at = |error: SurfaceError| SceneError { location, kind: SceneErrorKind::Surface(error) };
     let trim_error = |error| SceneError { location, kind: SceneErrorKind::Trim(error) };
     let region = shape.trim.map(freeform::region).transpose().map_err(trim_error)?;
@@ -35,12 +36,12 @@ pub(super) fn objects(
         Some(region) => surface.trimmed(Arc::clone(region)),
         None => surface,
     };
-    let placed = |surface: Surface| vec![Object::new(trimmed(surface), to_parent, role)];
+    let placed = |surface: Surface| vec![SceneObject::new(trimmed(surface), to_parent, attributes)];
     let in_parent = |surface: Surface, flipped: bool| {
-        Object::new(
+        SceneObject::new(
             trimmed(surface),
             Transform::IDENTITY,
-            Role { reversed: role.reversed != flipped, ..role },
+            ShapeAttributes { reversed: attributes.reversed != flipped, ..attributes },
         )
     };
     Ok(match shape.geometry {
@@ -52,12 +53,12 @@ pub(super) fn objects(
             let normals = normals.map(|n| n.into_iter().map(|n| to_parent.normal(n)).collect());
             match Mesh::try_new(positions, indices, normals, uvs) {
                 Ok(mesh) => {
-                    note_degenerate(mesh.degenerate(), location, notes);
+                    note_degenerate(mesh.degenerate(), location, warnings);
                     vec![in_parent(Surface::Mesh(Arc::new(mesh)), flipped)]
                 }
                 // Exporters write such meshes, at the poles of a teapot for one: nothing to see is no reason to stop.
                 Err(SurfaceError::Degenerate { .. }) => {
-                    notes.warn(location, "no triangle of this mesh has an area; left out");
+                    warnings.warn(location, "no triangle of this mesh has an area; left out");
                     Vec::new()
                 }
                 Err(error) => return Err(at(error)),
@@ -77,10 +78,10 @@ fn mirrors(to_parent: &Transform) -> bool {
     to_parent.forward().matrix3.determinant() < 0.0
 }
 
-fn note_degenerate(dropped: usize, location: Option<Location>, notes: &mut Notes) {
+fn note_degenerate(dropped: usize, location: Option<Location>, warnings: &mut WarningList) {
     if dropped > 0 {
         let noun = if dropped == 1 { "triangle has" } else { "triangles have" };
-        notes.warn(location, format!("{dropped} {noun} no area; left out"));
+        warnings.warn(location, format!("{dropped} {noun} no area; left out"));
     }
 }
 

@@ -4,13 +4,15 @@ use glanz_light::Wavelengths;
 use glanz_shading::Textures;
 use glanz_shading::parameter::ParameterResolver;
 use glanz_shading::texture::{
-    Checkerboard, FloatInput, Image, ImageFilter, ImageTexture, Mapping, SpectrumInput, Texture, TextureId,
-    Wrap,
+    Checkerboard, FloatInput, ImageFilter, ImageTexture, MipMap, SpectrumInput, Texture, TextureId,
+    TextureMapping,
 };
 
 use super::transform;
-use crate::description as from;
-use crate::description::{Described, Description, Location, TextureDescription, TextureKind, TextureMapping};
+use crate::description::{
+    Description, DescriptionForm, FloatParameter, Location, MappingDescription, SpectrumParameter,
+    TextureDescription, TextureKind,
+};
 use crate::error::{SceneError, SceneErrorKind};
 
 /// The textures of a scene, and what the description's numbers became.
@@ -20,13 +22,13 @@ pub(super) struct ResolvedTextures {
 }
 
 /// Turns inputs of the description into inputs of shading.
-pub(super) struct Inputs<'a> {
+pub(super) struct InputResolver<'a> {
     ids: &'a [TextureId],
     wavelengths: &'a Wavelengths,
     location: Option<Location>,
 }
 
-impl Inputs<'_> {
+impl InputResolver<'_> {
     fn id(&self, index: usize) -> Result<TextureId, SceneError> {
         self.ids.get(index).copied().ok_or(SceneError {
             location: self.location,
@@ -35,36 +37,36 @@ impl Inputs<'_> {
     }
 
     /// A quantity of matter without upper bound.
-    fn unbounded(&self, input: &from::SpectrumInput) -> Result<SpectrumInput, SceneError> {
+    fn unbounded(&self, input: &SpectrumParameter) -> Result<SpectrumInput, SceneError> {
         Ok(match input {
-            from::SpectrumInput::Value(value) => SpectrumInput::Constant(value.unbounded(self.wavelengths)),
-            from::SpectrumInput::Texture(index) => SpectrumInput::Texture(self.id(*index)?),
+            SpectrumParameter::Value(value) => SpectrumInput::Constant(value.unbounded(self.wavelengths)),
+            SpectrumParameter::Texture(index) => SpectrumInput::Texture(self.id(*index)?),
         })
     }
 
-    fn number(&self, input: &from::FloatInput) -> Result<FloatInput, SceneError> {
+    fn number(&self, input: &FloatParameter) -> Result<FloatInput, SceneError> {
         Ok(match input {
-            from::FloatInput::Value(value) => FloatInput::Constant(*value),
-            from::FloatInput::Texture(index) => FloatInput::Texture(self.id(*index)?),
+            FloatParameter::Value(value) => FloatInput::Constant(*value),
+            FloatParameter::Texture(index) => FloatInput::Texture(self.id(*index)?),
         })
     }
 }
 
-impl ParameterResolver<Described> for Inputs<'_> {
-    fn fraction_input(&self, input: &from::SpectrumInput) -> Option<SpectrumInput> {
+impl ParameterResolver<DescriptionForm> for InputResolver<'_> {
+    fn fraction_input(&self, input: &SpectrumParameter) -> Option<SpectrumInput> {
         match input {
-            from::SpectrumInput::Value(value) => {
+            SpectrumParameter::Value(value) => {
                 Some(SpectrumInput::Constant(value.reflectance(self.wavelengths)))
             }
-            from::SpectrumInput::Texture(_) => self.spectrum_input(input),
+            SpectrumParameter::Texture(_) => self.spectrum_input(input),
         }
     }
 
-    fn spectrum_input(&self, input: &from::SpectrumInput) -> Option<SpectrumInput> {
+    fn spectrum_input(&self, input: &SpectrumParameter) -> Option<SpectrumInput> {
         self.unbounded(input).ok()
     }
 
-    fn float_input(&self, input: &from::FloatInput) -> Option<FloatInput> {
+    fn float_input(&self, input: &FloatParameter) -> Option<FloatInput> {
         self.number(input).ok()
     }
 }
@@ -74,8 +76,8 @@ impl ResolvedTextures {
         &'a self,
         wavelengths: &'a Wavelengths,
         location: Option<Location>,
-    ) -> Inputs<'a> {
-        Inputs { ids: &self.ids, wavelengths, location }
+    ) -> InputResolver<'a> {
+        InputResolver { ids: &self.ids, wavelengths, location }
     }
 }
 
@@ -84,27 +86,31 @@ pub(super) fn textures(
     wavelengths: &Wavelengths,
 ) -> Result<ResolvedTextures, SceneError> {
     // The pyramid costs a third more memory: only for pictures that some texture asks it of.
-    let mut images: Vec<Option<Image>> = vec![None; description.images.len()];
+    let mut images: Vec<Option<MipMap>> = vec![None; description.images.len()];
     let mut resolved = ResolvedTextures { textures: Textures::new(), ids: Vec::new() };
     for texture in &description.textures {
-        let built =
-            texture_of(description, texture, &resolved.inputs(wavelengths, texture.location), &mut images)?;
-        let id = resolved.textures.add(built).map_err(|reason| fault(texture, reason))?;
+        let built = self::texture(
+            description,
+            texture,
+            &resolved.inputs(wavelengths, texture.location),
+            &mut images,
+        )?;
+        let id = resolved.textures.add(built).map_err(|reason| texture_error(texture, reason))?;
         resolved.ids.push(id);
     }
     Ok(resolved)
 }
 
-fn fault(texture: &TextureDescription, reason: impl ToString) -> SceneError {
+fn texture_error(texture: &TextureDescription, reason: impl ToString) -> SceneError {
     let kind = SceneErrorKind::Texture { name: texture.name.clone(), reason: reason.to_string() };
     SceneError { location: texture.location, kind }
 }
 
-fn texture_of(
+fn texture(
     description: &Description,
     texture: &TextureDescription,
-    inputs: &Inputs<'_>,
-    images: &mut [Option<Image>],
+    inputs: &InputResolver<'_>,
+    images: &mut [Option<MipMap>],
 ) -> Result<Texture, SceneError> {
     Ok(match &texture.kind {
         TextureKind::Constant(value) => match inputs.unbounded(value)? {
@@ -120,23 +126,15 @@ fn texture_of(
         TextureKind::Checkerboard { even, odd, mapping } => Texture::Checkerboard(Checkerboard {
             even: inputs.unbounded(even)?,
             odd: inputs.unbounded(odd)?,
-            mapping: mapping_of(mapping, texture.location)?,
+            mapping: self::mapping(mapping, texture.location)?,
         }),
         TextureKind::Image { image, mapping, wrap, filter, scale, invert } => {
-            let picture = picture(description, texture, *image, images)?;
+            let image = self::image(description, texture, *image, images)?;
             Texture::Image(ImageTexture {
-                image: picture,
-                mapping: mapping_of(mapping, texture.location)?,
-                wrap: match wrap {
-                    from::ImageWrap::Repeat => Wrap::Repeat,
-                    from::ImageWrap::Black => Wrap::Black,
-                    from::ImageWrap::Clamp => Wrap::Clamp,
-                },
-                filter: match filter {
-                    from::ImageFilter::Point => ImageFilter::Point,
-                    from::ImageFilter::Bilinear => ImageFilter::Bilinear,
-                    from::ImageFilter::Trilinear => ImageFilter::Trilinear,
-                },
+                image,
+                mapping: self::mapping(mapping, texture.location)?,
+                wrap: *wrap,
+                filter: *filter,
                 scale: *scale,
                 invert: *invert,
             })
@@ -145,12 +143,12 @@ fn texture_of(
 }
 
 /// The picture number `index`, shared between the textures that use it.
-fn picture(
+fn image(
     description: &Description,
     texture: &TextureDescription,
     index: usize,
-    images: &mut [Option<Image>],
-) -> Result<Image, SceneError> {
+    images: &mut [Option<MipMap>],
+) -> Result<MipMap, SceneError> {
     let count = description.images.len();
     let missing = || SceneError {
         location: texture.location,
@@ -161,23 +159,26 @@ fn picture(
     if let Some(image) = slot {
         return Ok(image.clone());
     }
-    let asks_for_pyramid = |t: &TextureDescription| matches!(&t.kind, TextureKind::Image { image, filter: from::ImageFilter::Trilinear, .. } if *image == index);
+    let asks_for_pyramid = |t: &TextureDescription| matches!(&t.kind, TextureKind::Image { image, filter: ImageFilter::Trilinear, .. } if *image == index);
     let with_pyramid = description.textures.iter().any(asks_for_pyramid);
-    let image = Image::try_new(&source.pixels, with_pyramid).map_err(|reason| fault(texture, reason))?;
+    let image =
+        MipMap::try_new(&source.pixels, with_pyramid).map_err(|reason| texture_error(texture, reason))?;
     Ok(slot.insert(image).clone())
 }
 
-fn mapping_of(mapping: &TextureMapping, location: Option<Location>) -> Result<Mapping, SceneError> {
+fn mapping(mapping: &MappingDescription, location: Option<Location>) -> Result<TextureMapping, SceneError> {
     let placed = |matrix: &glanz_math::DMat4| transform(*matrix, "texture", location);
     Ok(match mapping {
-        TextureMapping::Uv { scale, offset } => Mapping::Uv { scale: *scale, offset: *offset },
-        TextureMapping::Planar { v1, v2, offset, to_texture } => {
-            Mapping::Planar { v1: *v1, v2: *v2, offset: *offset, to_texture: placed(to_texture)? }
+        MappingDescription::Uv { scale, offset } => TextureMapping::Uv { scale: *scale, offset: *offset },
+        MappingDescription::Planar { v1, v2, offset, to_texture } => {
+            TextureMapping::Planar { v1: *v1, v2: *v2, offset: *offset, to_texture: placed(to_texture)? }
         }
-        TextureMapping::Spherical { to_texture } => Mapping::Spherical { to_texture: placed(to_texture)? },
-        TextureMapping::Cylindrical { to_texture } => {
-            Mapping::Cylindrical { to_texture: placed(to_texture)? }
+        MappingDescription::Spherical { to_texture } => {
+            TextureMapping::Spherical { to_texture: placed(to_texture)? }
         }
-        TextureMapping::Solid { to_texture } => Mapping::Solid { to_texture: placed(to_texture)? },
+        MappingDescription::Cylindrical { to_texture } => {
+            TextureMapping::Cylindrical { to_texture: placed(to_texture)? }
+        }
+        MappingDescription::Solid { to_texture } => TextureMapping::Solid { to_texture: placed(to_texture)? },
     })
 }

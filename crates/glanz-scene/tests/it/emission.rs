@@ -154,7 +154,7 @@ fn extent_sent(scene: &Scene) -> [f64; 2] {
         let pdf = scene.emission_pdf(LightId(0), hit.point.position, towards, area_pdf);
         assert!(pdf > 0.0);
         all += 1.0 / pdf;
-        sampled += scene.light_pdf_of_ray(LightId(0), &hit.reference(), &light).0 / pdf;
+        sampled += scene.light_pdf_of_ray(LightId(0), &hit.light_sample_context(), &light).0 / pdf;
     }
     [all, sampled].map(|sum| sum / f64::from(COUNT))
 }

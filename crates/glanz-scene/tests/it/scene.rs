@@ -108,7 +108,7 @@ fn check_sample_against_hit(scene: &Scene, from: &Interaction, sample: &glanz_sc
     assert!(!scene.occluded(&sample.shadow, sample.t_max), "{sample:?}");
     // At the rim a ray within rounding may pass by.
     if let Some(hit) = scene.intersect(&from.spawn(sample.wi), f64::INFINITY) {
-        let pdf = scene.light_pdf(LightId(0), &from.reference(), &hit);
+        let pdf = scene.light_pdf(LightId(0), &from.light_sample_context(), &hit);
         assert!((pdf.0 / sample.pdf.0 - 1.0).abs() < 1e-5, "{pdf:?} {sample:?}");
     }
 }
@@ -205,7 +205,7 @@ fn small_meshes_keep_number_material_and_side_when_joined() {
     let hit = scene.intersect(&ray, f64::INFINITY).unwrap();
     assert_eq!((hit.id, hit.light()), (3, Some(LightId(0))));
     let from = scene.intersect(&Ray::new(DVec3::new(0.25, 0.125, 1.0), -DVec3::Z), f64::INFINITY).unwrap();
-    assert!(scene.light_pdf(LightId(0), &from.reference(), &hit).0 >= 0.0);
+    assert!(scene.light_pdf(LightId(0), &from.light_sample_context(), &hit).0 >= 0.0);
 }
 
 #[test]
@@ -229,7 +229,9 @@ fn infinite_light_samples_follow_the_cosine_on_the_side_of_the_viewer() {
     assert!((sample.pdf.0 - -sample.wi.z / PI).abs() < 1e-12);
     assert!((sample.radiance.luminance(&Wavelengths::default()) - 3.0).abs() < 0.01);
     assert!(
-        (scene.escaped(&sample.shadow).max_component() / sample.radiance.max_component() - 1.0).abs() < 1e-6
+        (scene.environment_radiance(&sample.shadow).max_component() / sample.radiance.max_component() - 1.0)
+            .abs()
+            < 1e-6
     );
 }
 

@@ -7,7 +7,7 @@ use super::mirror::mirrored;
 use super::{Material, MaterialModel, TexturedModel};
 use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode};
 use crate::fresnel;
-use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, Resolved, TextureEvaluator};
+use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingForm, TextureEvaluator};
 
 /// A smooth metal: a mirror after Fresnel's equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +45,7 @@ impl BsdfModel for Conductor {
 
 /// The material of [`Conductor`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ConductorMaterial<P: ParameterForm = Resolved> {
+pub struct ConductorMaterial<P: ParameterForm = ShadingForm> {
     /// Refractive index relative to the surrounding medium.
     pub eta: P::Spectrum,
     /// Absorption coefficient.
@@ -53,7 +53,7 @@ pub struct ConductorMaterial<P: ParameterForm = Resolved> {
 }
 
 impl<P: ParameterForm> MaterialModel<P> for ConductorMaterial<P> {
-    type Resolved = ConductorMaterial;
+    type Textured = ConductorMaterial;
 
     fn kind(&self) -> &'static str {
         "conductor"

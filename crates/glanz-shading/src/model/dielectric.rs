@@ -9,7 +9,7 @@ use super::mirror::mirrored;
 use super::{Material, MaterialModel, TexturedModel};
 use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode};
 use crate::fresnel::{self, DielectricSplit};
-use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, Resolved, TextureEvaluator};
+use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingForm, TextureEvaluator};
 use crate::preview::PreviewSurface;
 
 /// Relative refractive indices that the material may have.
@@ -129,7 +129,7 @@ impl BsdfModel for Dielectric {
 
 /// The material of [`Dielectric`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DielectricMaterial<P: ParameterForm = Resolved> {
+pub struct DielectricMaterial<P: ParameterForm = ShadingForm> {
     /// Refractive index inside over outside, in [0.001, 1000] (far beyond any medium; squares still fit `f32`); a
     /// texture's value outside counts as 1.
     pub eta: P::Float,
@@ -142,7 +142,7 @@ pub struct DielectricMaterial<P: ParameterForm = Resolved> {
 }
 
 impl<P: ParameterForm> MaterialModel<P> for DielectricMaterial<P> {
-    type Resolved = DielectricMaterial;
+    type Textured = DielectricMaterial;
 
     fn kind(&self) -> &'static str {
         if self.thin { "thindielectric" } else { "dielectric" }

@@ -8,7 +8,7 @@ use glanz_sampling::warp;
 
 use super::{Material, MaterialModel, TexturedModel};
 use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode, same_side};
-use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, Resolved, TextureEvaluator};
+use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingForm, TextureEvaluator};
 
 /// Lambert's law: the same radiance in every direction of the side the light comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,13 +65,13 @@ impl BsdfModel for Lambert {
 
 /// The material of [`Lambert`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DiffuseMaterial<P: ParameterForm = Resolved> {
+pub struct DiffuseMaterial<P: ParameterForm = ShadingForm> {
     /// Fraction of light reflected, [0, 1].
     pub reflectance: P::Spectrum,
 }
 
 impl<P: ParameterForm> MaterialModel<P> for DiffuseMaterial<P> {
-    type Resolved = DiffuseMaterial;
+    type Textured = DiffuseMaterial;
 
     fn kind(&self) -> &'static str {
         "diffuse"

@@ -5,7 +5,7 @@ use glanz_math::{DVec2, DVec3};
 
 use super::{Material, MaterialModel, TexturedModel};
 use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode};
-use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, Resolved, TextureEvaluator};
+use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingForm, TextureEvaluator};
 
 /// A mirror with the same reflectance at every angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,13 +38,13 @@ pub(super) fn mirrored(wo: DVec3) -> DVec3 {
 
 /// The material of [`Mirror`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MirrorMaterial<P: ParameterForm = Resolved> {
+pub struct MirrorMaterial<P: ParameterForm = ShadingForm> {
     /// Fraction of light reflected, [0, 1].
     pub reflectance: P::Spectrum,
 }
 
 impl<P: ParameterForm> MaterialModel<P> for MirrorMaterial<P> {
-    type Resolved = MirrorMaterial;
+    type Textured = MirrorMaterial;
 
     fn kind(&self) -> &'static str {
         "mirror"

@@ -10,7 +10,7 @@ use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3, SolidAnglePdf};
 
 use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode};
-use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, Resolved, TextureEvaluator};
+use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingForm, TextureEvaluator};
 use crate::preview::PreviewSurface;
 use crate::texture::{TexturePoint, Textures};
 
@@ -23,7 +23,7 @@ pub use phong::{Phong, PhongMaterial};
 /// The parameters of a scattering model, which may be textured.
 pub trait MaterialModel<P: ParameterForm> {
     /// The same with parameters for shading.
-    type Resolved: TexturedModel;
+    type Textured: TexturedModel;
 
     /// The name in scene files.
     fn kind(&self) -> &'static str;
@@ -32,11 +32,11 @@ pub trait MaterialModel<P: ParameterForm> {
     ///
     /// # Errors
     /// [`MaterialError`] for the first parameter that is not possible.
-    fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<Self::Resolved, MaterialError>;
+    fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<Self::Textured, MaterialError>;
 }
 
 /// Parameters for shading, of which a point has a scattering model.
-pub trait TexturedModel: MaterialModel<Resolved> {
+pub trait TexturedModel: MaterialModel<ShadingForm> {
     /// The scattering model.
     type Bsdf: BsdfModel;
 
@@ -141,7 +141,7 @@ macro_rules! bsdfs {
         /// The material of a surface; its parameters may be textured.
         #[derive(Clone, Debug, PartialEq)]
         #[non_exhaustive]
-        pub enum Material<P: ParameterForm = Resolved> {
+        pub enum Material<P: ParameterForm = ShadingForm> {
             $($(#[$doc])* $material_variant($material<P>),)*
             /// No surface at all: rays pass.
             Interface,
@@ -297,7 +297,7 @@ mod tests {
     #[test]
     fn interface_has_no_bsdf_and_black_absorbs() {
         let textures = Textures::new();
-        let interface = Material::<Resolved>::Interface;
+        let interface = Material::<ShadingForm>::Interface;
         assert_eq!(interface.bsdf(&textures, &point(), &RGB), None);
         assert!(interface.is_interface());
         let black = Material::diffuse(grey(0.0));

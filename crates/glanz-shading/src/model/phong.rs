@@ -10,7 +10,7 @@ use super::mirror::mirrored;
 use super::{Material, MaterialModel, TexturedModel};
 use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode, same_side};
 use crate::fresnel::reflect;
-use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, Resolved, TextureEvaluator};
+use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingForm, TextureEvaluator};
 use crate::preview::PreviewSurface;
 use crate::texture::SpectrumInput;
 
@@ -22,7 +22,7 @@ use crate::texture::SpectrumInput;
 /// @lafortune1994.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phong {
-    coefficients: Coefficients,
+    coefficients: PhongCoefficients,
     /// Factor that makes diffuse + specular at most 1 in every lane.
     energy_scale: f32,
     /// Probability to sample the diffuse lobe.
@@ -31,7 +31,7 @@ pub struct Phong {
 
 /// The numbers of the classical model (document 001 section 3.4).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coefficients {
+pub struct PhongCoefficients {
     /// Reaction to ambient light.
     pub ambient: Spectrum,
     /// Reaction to light scattered diffusely.
@@ -49,9 +49,9 @@ impl Phong {
     /// both scaled down by [`Phong::energy_scale`], the same in all lanes; the classical numbers stay as they
     /// are. An exponent below 0 or not a number counts as 0.
     #[must_use]
-    pub fn new(coefficients: Coefficients) -> Self {
+    pub fn new(coefficients: PhongCoefficients) -> Self {
         let positive = |s: Spectrum| s.map(|x| x.max(0.0));
-        let coefficients = Coefficients {
+        let coefficients = PhongCoefficients {
             ambient: positive(coefficients.ambient),
             diffuse: positive(coefficients.diffuse),
             specular: positive(coefficients.specular),
@@ -65,7 +65,7 @@ impl Phong {
 
     /// The classical numbers, as given.
     #[must_use]
-    pub fn coefficients(&self) -> &Coefficients {
+    pub fn coefficients(&self) -> &PhongCoefficients {
         &self.coefficients
     }
 
@@ -83,7 +83,7 @@ impl Phong {
 
     /// `f factor` for that power.
     fn value(&self, power: f64, factor: f64) -> Spectrum {
-        let Coefficients { diffuse, specular, exponent, .. } = self.coefficients;
+        let PhongCoefficients { diffuse, specular, exponent, .. } = self.coefficients;
         let factor = factor * f64::from(self.energy_scale);
         diffuse * (FRAC_1_PI * factor) as f32 + specular * ((exponent + 2.0) / TAU * power * factor) as f32
     }
@@ -146,12 +146,12 @@ impl BsdfModel for Phong {
 
     /// Relative accuracy of the specular part about 1e-4.
     fn albedo(&self, wo: DVec3) -> Spectrum {
-        let Coefficients { diffuse, specular, exponent, .. } = self.coefficients;
+        let PhongCoefficients { diffuse, specular, exponent, .. } = self.coefficients;
         (diffuse + specular * specular_albedo(wo.z.abs().min(1.0), exponent) as f32) * self.energy_scale
     }
 
     fn preview(&self) -> PreviewSurface {
-        let Coefficients { diffuse, specular, exponent, .. } = self.coefficients;
+        let PhongCoefficients { diffuse, specular, exponent, .. } = self.coefficients;
         PreviewSurface {
             specular: specular * self.energy_scale,
             exponent: Some(exponent),
@@ -164,7 +164,7 @@ impl BsdfModel for Phong {
 
 /// The material of [`Phong`]; see [`Phong::new`] for coefficients that would create energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PhongMaterial<P: ParameterForm = Resolved> {
+pub struct PhongMaterial<P: ParameterForm = ShadingForm> {
     /// Ambient coefficient, only of the classical model.
     pub ambient: P::Spectrum,
     /// Diffuse coefficient.
@@ -176,7 +176,7 @@ pub struct PhongMaterial<P: ParameterForm = Resolved> {
 }
 
 impl<P: ParameterForm> MaterialModel<P> for PhongMaterial<P> {
-    type Resolved = PhongMaterial;
+    type Textured = PhongMaterial;
 
     fn kind(&self) -> &'static str {
         "phong"
@@ -196,7 +196,7 @@ impl TexturedModel for PhongMaterial {
     type Bsdf = Phong;
 
     fn bsdf(&self, at: &TextureEvaluator<'_>) -> Phong {
-        Phong::new(Coefficients {
+        Phong::new(PhongCoefficients {
             ambient: at.spectrum(&self.ambient),
             diffuse: at.spectrum(&self.diffuse),
             specular: at.spectrum(&self.specular),
@@ -277,7 +277,12 @@ pub struct ClassicLight {
 /// Document 001 section 3.4. Departures (`ERRATA.md`): the power is taken of max(0, r.v), and only where n.l
 /// > 0, so that an even power does not light the back.
 #[must_use]
-pub fn classic(surface: &Coefficients, normal: DVec3, to_viewer: DVec3, light: &ClassicLight) -> Spectrum {
+pub fn classic(
+    surface: &PhongCoefficients,
+    normal: DVec3,
+    to_viewer: DVec3,
+    light: &ClassicLight,
+) -> Spectrum {
     let cos = normal.dot(light.direction);
     if cos <= 0.0 {
         return Spectrum::BLACK;
@@ -292,7 +297,7 @@ pub fn classic(surface: &Coefficients, normal: DVec3, to_viewer: DVec3, light: &
 
 /// What ambient light contributes in the classical model: `Ma Sa`.
 #[must_use]
-pub fn classic_ambient(surface: &Coefficients, ambient_light: Spectrum) -> Spectrum {
+pub fn classic_ambient(surface: &PhongCoefficients, ambient_light: Spectrum) -> Spectrum {
     surface.ambient * ambient_light
 }
 
@@ -300,8 +305,8 @@ pub fn classic_ambient(surface: &Coefficients, ambient_light: Spectrum) -> Spect
 mod tests {
     use super::*;
 
-    fn coefficients(diffuse: f32, specular: f32, exponent: f64) -> Coefficients {
-        Coefficients {
+    fn coefficients(diffuse: f32, specular: f32, exponent: f64) -> PhongCoefficients {
+        PhongCoefficients {
             ambient: Spectrum::splat(0.1),
             diffuse: Spectrum::splat(diffuse),
             specular: Spectrum::splat(specular),

@@ -2,9 +2,9 @@
 
 use glanz_math::DVec3;
 
-use super::{Mapping, SpectrumInput, TexturePoint};
+use super::{SpectrumInput, TextureMapping, TexturePoint};
 
-/// Two textures alternating in unit squares of a flat, or unit cubes of a [`Mapping::Solid`] mapping.
+/// Two textures alternating in unit squares of a flat, or unit cubes of a [`TextureMapping::Solid`] mapping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checkerboard {
     /// Where the sum of the cell numbers is even.
@@ -12,7 +12,7 @@ pub struct Checkerboard {
     /// Elsewhere.
     pub odd: SpectrumInput,
     /// Coordinates in cells.
-    pub mapping: Mapping,
+    pub mapping: TextureMapping,
 }
 
 impl Checkerboard {
@@ -52,7 +52,7 @@ mod tests {
     use glanz_light::Spectrum;
     use glanz_math::{DVec2, Transform};
 
-    fn board(mapping: Mapping) -> Checkerboard {
+    fn board(mapping: TextureMapping) -> Checkerboard {
         Checkerboard { even: Spectrum::ONE.into(), odd: Spectrum::BLACK.into(), mapping }
     }
 
@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn cells_alternate_on_both_sides_of_zero() {
-        let board = board(Mapping::default());
+        let board = board(TextureMapping::default());
         for (u, v, odd) in [
             (0.5, 0.5, 0.0),
             (1.5, 0.5, 1.0),
@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn solid_board_alternates_along_all_axes() {
-        let board = board(Mapping::Solid { to_texture: Transform::IDENTITY });
+        let board = board(TextureMapping::Solid { to_texture: Transform::IDENTITY });
         let at = |x, y, z| board.odd_share(&TexturePoint::new(DVec2::ZERO, DVec3::new(x, y, z)));
         assert_eq!(at(0.5, 0.5, 0.5), 0.0);
         assert_eq!(at(0.5, 0.5, 1.5), 1.0);
@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn footprints_are_averaged_exactly() {
-        let board = board(Mapping::default());
+        let board = board(TextureMapping::default());
         // A square of side 1 around (1, 0.5): half even, half odd.
         assert_eq!(board.odd_share(&uv(1.0, 0.5).with_footprint(1.0, 0.0)), 0.5);
         // Side 0.5 around (0.875, 0.5): x in [0.625, 1.125], of which a quarter lies in the odd cell.
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn values_beyond_all_cells_give_a_share() {
-        let board = board(Mapping::default());
+        let board = board(TextureMapping::default());
         for u in [1e300, f64::INFINITY, f64::NAN, -1e18] {
             for width in [0.0, 1.0, f64::INFINITY] {
                 let share = board.odd_share(&uv(u, 0.5).with_footprint(width, 0.0));

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use glanz_light::{Pixels, Spectrum};
 use glanz_math::DVec2;
 
-use super::{Mapping, TexturePoint};
+use super::{TextureMapping, TexturePoint};
 
 /// Why a picture cannot be a texture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum ImageError {
+pub enum MipMapError {
     /// It has neither R, G and B nor Y.
     #[error("the picture has the channels {0:?}, a texture needs R, G and B, or Y")]
     Channels(Vec<String>),
@@ -26,7 +26,7 @@ pub enum ImageError {
 
 /// What lies outside a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub enum Wrap {
+pub enum ImageWrap {
     /// The picture again.
     #[default]
     Repeat,
@@ -49,7 +49,7 @@ pub enum ImageFilter {
 }
 
 #[derive(Debug)]
-struct Level {
+struct MipLevel {
     width: usize,
     height: usize,
     /// Row by row from the top left.
@@ -58,29 +58,29 @@ struct Level {
 
 /// A picture with its pyramid of ever smaller ones; cheap to clone.
 #[derive(Clone, Debug)]
-pub struct Image {
+pub struct MipMap {
     /// From the full size down to one pixel (or the full size alone).
-    levels: Arc<[Level]>,
+    levels: Arc<[MipLevel]>,
 }
 
-impl Image {
+impl MipMap {
     /// A picture of linear values; the pyramid is built if `with_pyramid`, and needs a third more memory.
     ///
     /// Levels halve in both directions, rounding down; each pixel is the exact mean over its area of the
     /// level before, so that all levels have the mean of the picture.
     ///
     /// # Errors
-    /// [`ImageError`] if the channels are missing or a pixel is not finite.
-    pub fn try_new(pixels: &Pixels, with_pyramid: bool) -> Result<Self, ImageError> {
+    /// [`MipMapError`] if the channels are missing or a pixel is not finite.
+    pub fn try_new(pixels: &Pixels, with_pyramid: bool) -> Result<Self, MipMapError> {
         let texels = pixels.to_rgb().ok_or_else(|| {
-            ImageError::Channels(pixels.channels().iter().map(|c| c.name.clone()).collect())
+            MipMapError::Channels(pixels.channels().iter().map(|c| c.name.clone()).collect())
         })?;
         let (width, height) = (pixels.width() as usize, pixels.height() as usize);
         if let Some(i) = texels.iter().position(|t| t.iter().any(|x| !x.is_finite())) {
-            return Err(ImageError::NotFinite { column: i % width, row: i / width });
+            return Err(MipMapError::NotFinite { column: i % width, row: i / width });
         }
         let mut levels = Vec::new();
-        let mut next = Some(Level { width, height, texels });
+        let mut next = Some(MipLevel { width, height, texels });
         while let Some(level) = next {
             next = (with_pyramid && level.width.max(level.height) > 1).then(|| level.halved());
             levels.push(level);
@@ -98,7 +98,7 @@ impl Image {
     ///
     /// `width`: extent of the footprint in the same units, only used by [`ImageFilter::Trilinear`].
     #[must_use]
-    pub fn lookup(&self, st: DVec2, width: f64, wrap: Wrap, filter: ImageFilter) -> [f32; 3] {
+    pub fn lookup(&self, st: DVec2, width: f64, wrap: ImageWrap, filter: ImageFilter) -> [f32; 3] {
         let Some(first) = self.levels.first() else {
             return [0.0; 3];
         };
@@ -124,33 +124,33 @@ impl Image {
     }
 }
 
-impl Level {
-    fn texel(&self, column: i64, row: i64, wrap: Wrap) -> [f32; 3] {
+impl MipLevel {
+    fn texel(&self, column: i64, row: i64, wrap: ImageWrap) -> [f32; 3] {
         let (width, height) = (self.width as i64, self.height as i64);
         let (column, row) = match wrap {
-            Wrap::Repeat => (column.rem_euclid(width), row.rem_euclid(height)),
-            Wrap::Clamp => (column.clamp(0, width - 1), row.clamp(0, height - 1)),
-            Wrap::Black if (0..width).contains(&column) && (0..height).contains(&row) => (column, row),
-            Wrap::Black => return [0.0; 3],
+            ImageWrap::Repeat => (column.rem_euclid(width), row.rem_euclid(height)),
+            ImageWrap::Clamp => (column.clamp(0, width - 1), row.clamp(0, height - 1)),
+            ImageWrap::Black if (0..width).contains(&column) && (0..height).contains(&row) => (column, row),
+            ImageWrap::Black => return [0.0; 3],
         };
         self.texels.get((row * width + column) as usize).copied().unwrap_or([0.0; 3])
     }
 
     /// Column and row, real, from the top left.
-    fn place(&self, st: DVec2, wrap: Wrap) -> DVec2 {
+    fn place(&self, st: DVec2, wrap: ImageWrap) -> DVec2 {
         // Folding first keeps the fraction where the coordinates are large.
-        let st = if wrap == Wrap::Repeat { st - st.floor() } else { st };
+        let st = if wrap == ImageWrap::Repeat { st - st.floor() } else { st };
         DVec2::new(st.x * self.width as f64, (1.0 - st.y) * self.height as f64)
     }
 
-    fn point(&self, st: DVec2, wrap: Wrap) -> [f32; 3] {
+    fn point(&self, st: DVec2, wrap: ImageWrap) -> [f32; 3] {
         let p = self.place(st, wrap);
         // Rows count downwards: a value on the border between two belongs to the upper one, as columns do to
         // the right.
         self.texel(p.x.floor() as i64, (p.y.ceil() as i64).saturating_sub(1), wrap)
     }
 
-    fn bilinear(&self, st: DVec2, wrap: Wrap) -> [f32; 3] {
+    fn bilinear(&self, st: DVec2, wrap: ImageWrap) -> [f32; 3] {
         let p = self.place(st, wrap) - 0.5;
         let corner = p.floor();
         let (column, row) = (corner.x as i64, corner.y as i64);
@@ -172,7 +172,7 @@ impl Level {
                 let mut sum = [0.0_f64; 3];
                 for &(r, wr) in row {
                     for &(c, wc) in column {
-                        let texel = self.texel(c as i64, r as i64, Wrap::Clamp);
+                        let texel = self.texel(c as i64, r as i64, ImageWrap::Clamp);
                         for (s, t) in sum.iter_mut().zip(texel) {
                             *s += wr * wc * f64::from(t);
                         }
@@ -205,11 +205,11 @@ fn overlaps(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
 #[derive(Clone, Debug)]
 pub struct ImageTexture {
     /// The picture.
-    pub image: Image,
+    pub image: MipMap,
     /// Coordinates; the picture fills [0, 1]^2, (0, 0) is its lower left corner.
-    pub mapping: Mapping,
+    pub mapping: TextureMapping,
     /// What lies outside.
-    pub wrap: Wrap,
+    pub wrap: ImageWrap,
     /// How values between pixels are found.
     pub filter: ImageFilter,
     /// Factor on every value.
@@ -239,22 +239,22 @@ mod tests {
     use glanz_math::DVec3;
 
     /// Two rows of three: top 1 2 3, bottom 4 5 6.
-    fn six() -> Image {
+    fn six() -> MipMap {
         image(3, 2, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
     }
 
-    fn image(width: u32, height: u32, values: &[f32]) -> Image {
+    fn image(width: u32, height: u32, values: &[f32]) -> MipMap {
         let rgb: Vec<[f32; 3]> = values.iter().map(|&v| [v, 10.0 * v, 0.0]).collect();
-        Image::try_new(&Pixels::try_from_rgb(width, height, &rgb).unwrap(), true).unwrap()
+        MipMap::try_new(&Pixels::try_from_rgb(width, height, &rgb).unwrap(), true).unwrap()
     }
 
-    fn at(image: &Image, s: f64, t: f64, wrap: Wrap, filter: ImageFilter) -> f32 {
+    fn at(image: &MipMap, s: f64, t: f64, wrap: ImageWrap, filter: ImageFilter) -> f32 {
         image.lookup(DVec2::new(s, t), 0.0, wrap, filter)[0]
     }
 
     #[test]
     fn origin_is_the_lower_left_pixel() {
-        let (wrap, filter) = (Wrap::Clamp, ImageFilter::Point);
+        let (wrap, filter) = (ImageWrap::Clamp, ImageFilter::Point);
         assert_eq!(at(&six(), 0.0, 0.0, wrap, filter), 4.0);
         assert_eq!(at(&six(), 0.99, 0.0, wrap, filter), 6.0);
         assert_eq!(at(&six(), 0.0, 0.99, wrap, filter), 1.0);
@@ -263,7 +263,7 @@ mod tests {
 
     #[test]
     fn bilinear_is_exact_at_pixel_centres_and_linear_between() {
-        let f = |s, t| at(&six(), s, t, Wrap::Clamp, ImageFilter::Bilinear);
+        let f = |s, t| at(&six(), s, t, ImageWrap::Clamp, ImageFilter::Bilinear);
         assert_eq!(f(0.5 / 3.0, 0.25), 4.0);
         assert_eq!(f(0.5, 0.75), 2.0);
         assert_eq!(f(0.5, 0.5), 3.5);
@@ -273,22 +273,22 @@ mod tests {
     #[test]
     fn outside_follows_the_wrap_mode() {
         let point = ImageFilter::Point;
-        assert_eq!(at(&six(), 1.1, 0.0, Wrap::Repeat, point), 4.0);
-        assert_eq!(at(&six(), -0.1, -0.1, Wrap::Repeat, point), 3.0);
-        assert_eq!(at(&six(), 1.1, 0.0, Wrap::Clamp, point), 6.0);
-        assert_eq!(at(&six(), 1.1, 0.0, Wrap::Black, point), 0.0);
-        assert_eq!(at(&six(), 0.5, -0.1, Wrap::Black, point), 0.0);
+        assert_eq!(at(&six(), 1.1, 0.0, ImageWrap::Repeat, point), 4.0);
+        assert_eq!(at(&six(), -0.1, -0.1, ImageWrap::Repeat, point), 3.0);
+        assert_eq!(at(&six(), 1.1, 0.0, ImageWrap::Clamp, point), 6.0);
+        assert_eq!(at(&six(), 1.1, 0.0, ImageWrap::Black, point), 0.0);
+        assert_eq!(at(&six(), 0.5, -0.1, ImageWrap::Black, point), 0.0);
         // Halfway between the border pixel 6 and black, or 4 on the other side.
         let linear = ImageFilter::Bilinear;
-        assert!((at(&six(), 1.0, 0.25, Wrap::Black, linear) - 3.0).abs() < 1e-6);
-        assert!((at(&six(), 1.0, 0.25, Wrap::Repeat, linear) - 5.0).abs() < 1e-6);
-        assert!((at(&six(), 1.0, 0.25, Wrap::Clamp, linear) - 6.0).abs() < 1e-6);
+        assert!((at(&six(), 1.0, 0.25, ImageWrap::Black, linear) - 3.0).abs() < 1e-6);
+        assert!((at(&six(), 1.0, 0.25, ImageWrap::Repeat, linear) - 5.0).abs() < 1e-6);
+        assert!((at(&six(), 1.0, 0.25, ImageWrap::Clamp, linear) - 6.0).abs() < 1e-6);
     }
 
     #[test]
     fn coordinates_without_bounds_give_values() {
         for filter in [ImageFilter::Point, ImageFilter::Bilinear, ImageFilter::Trilinear] {
-            for wrap in [Wrap::Repeat, Wrap::Black, Wrap::Clamp] {
+            for wrap in [ImageWrap::Repeat, ImageWrap::Black, ImageWrap::Clamp] {
                 for s in [1e300, -1e300, f64::NAN, f64::INFINITY, 1e18] {
                     let v = six().lookup(DVec2::new(s, 0.3), f64::NAN, wrap, filter);
                     assert!((0.0..=6.0).contains(&v[0]), "{s}: {v:?}");
@@ -307,7 +307,7 @@ mod tests {
             let m = level.texels.iter().map(|t| t[0]).sum::<f32>() / level.texels.len() as f32;
             assert!((m - mean).abs() < 1e-5, "{} x {}", level.width, level.height);
         }
-        let whole = image.lookup(DVec2::new(0.2, 0.9), 1.0, Wrap::Repeat, ImageFilter::Trilinear);
+        let whole = image.lookup(DVec2::new(0.2, 0.9), 1.0, ImageWrap::Repeat, ImageFilter::Trilinear);
         assert!((whole[0] - mean).abs() < 1e-5);
     }
 
@@ -316,8 +316,8 @@ mod tests {
         let values: Vec<f32> = (0..64).map(|i| if (i / 8 + i % 8) % 2 == 0 { 1.0 } else { 0.0 }).collect();
         let image = image(8, 8, &values);
         let st = DVec2::new(0.5 / 8.0, 0.5 / 8.0);
-        let f = |width: f64| image.lookup(st, width, Wrap::Repeat, ImageFilter::Trilinear)[0];
-        let exact = image.lookup(st, 0.0, Wrap::Repeat, ImageFilter::Bilinear)[0];
+        let f = |width: f64| image.lookup(st, width, ImageWrap::Repeat, ImageFilter::Trilinear)[0];
+        let exact = image.lookup(st, 0.0, ImageWrap::Repeat, ImageFilter::Bilinear)[0];
         assert_eq!(f(0.0), exact);
         assert_eq!(f(1.0 / 8.0), exact);
         // Level 1 is 0.5 everywhere; at sqrt(2) pixels the two levels have equal shares.
@@ -329,8 +329,8 @@ mod tests {
     fn scale_and_invert_apply_to_values() {
         let texture = |scale, invert| ImageTexture {
             image: image(1, 1, &[0.25]),
-            mapping: Mapping::default(),
-            wrap: Wrap::Repeat,
+            mapping: TextureMapping::default(),
+            wrap: ImageWrap::Repeat,
             filter: ImageFilter::Bilinear,
             scale,
             invert,
@@ -347,10 +347,10 @@ mod tests {
     fn grey_pictures_are_textures_and_others_are_refused() {
         let mut depth = Pixels::try_new(1, 1).unwrap();
         depth.add_channel("Z", vec![1.0]).unwrap();
-        assert_eq!(Image::try_new(&depth, false).unwrap_err(), ImageError::Channels(vec!["Z".to_owned()]));
+        assert_eq!(MipMap::try_new(&depth, false).unwrap_err(), MipMapError::Channels(vec!["Z".to_owned()]));
         depth.add_channel("Y", vec![0.5]).unwrap();
-        assert_eq!(Image::try_new(&depth, false).unwrap().levels(), 1);
+        assert_eq!(MipMap::try_new(&depth, false).unwrap().levels(), 1);
         let bad = Pixels::try_from_rgb(2, 1, &[[0.0; 3], [f32::NAN; 3]]).unwrap();
-        assert_eq!(Image::try_new(&bad, false).unwrap_err(), ImageError::NotFinite { column: 1, row: 0 });
+        assert_eq!(MipMap::try_new(&bad, false).unwrap_err(), MipMapError::NotFinite { column: 1, row: 0 });
     }
 }

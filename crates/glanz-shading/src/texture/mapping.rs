@@ -8,7 +8,7 @@ use super::TexturePoint;
 
 /// Coordinates in a texture, and the extent to be averaged there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coordinates {
+pub struct TextureCoordinates {
     /// The coordinates; the third is 0 for flat textures.
     pub position: DVec3,
     /// Extent in the same units, one number for all directions; 0 without a footprint.
@@ -22,7 +22,7 @@ pub struct Coordinates {
 /// # Source
 /// pbrt, file format: parameter `mapping` of textures.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Mapping {
+pub enum TextureMapping {
     /// `(scale.x u + offset.x, scale.y v + offset.y)`.
     Uv {
         /// Factors on (u, v).
@@ -58,18 +58,21 @@ pub enum Mapping {
     },
 }
 
-impl Default for Mapping {
+impl Default for TextureMapping {
     fn default() -> Self {
         Self::Uv { scale: DVec2::ONE, offset: DVec2::ZERO }
     }
 }
 
-impl Mapping {
+impl TextureMapping {
     /// Coordinates of a point.
     #[must_use]
-    pub fn coordinates(&self, at: &TexturePoint) -> Coordinates {
-        let flat =
-            |x: f64, y: f64, width: f64| Coordinates { position: DVec3::new(x, y, 0.0), width, solid: false };
+    pub fn coordinates(&self, at: &TexturePoint) -> TextureCoordinates {
+        let flat = |x: f64, y: f64, width: f64| TextureCoordinates {
+            position: DVec3::new(x, y, 0.0),
+            width,
+            solid: false,
+        };
         match self {
             Self::Uv { scale, offset } => {
                 let st = *scale * at.uv + *offset;
@@ -98,7 +101,7 @@ impl Mapping {
                 let turn = finite(width / (TAU * p.x.hypot(p.y)));
                 flat((PI + p.y.atan2(p.x)) / TAU, p.z, width.max(turn))
             }
-            Self::Solid { to_texture } => Coordinates {
+            Self::Solid { to_texture } => TextureCoordinates {
                 position: to_texture.point(at.position),
                 width: local_width(to_texture, at),
                 solid: true,
@@ -129,13 +132,13 @@ mod tests {
         TexturePoint::new(DVec2::new(0.25, 0.5), DVec3::new(x, y, z))
     }
 
-    fn flat(mapping: &Mapping, point: &TexturePoint) -> DVec2 {
+    fn flat(mapping: &TextureMapping, point: &TexturePoint) -> DVec2 {
         mapping.coordinates(point).position.truncate()
     }
 
     #[test]
     fn uv_scales_and_shifts() {
-        let mapping = Mapping::Uv { scale: DVec2::new(4.0, -2.0), offset: DVec2::new(0.5, 1.0) };
+        let mapping = TextureMapping::Uv { scale: DVec2::new(4.0, -2.0), offset: DVec2::new(0.5, 1.0) };
         let point = at(9.0, 9.0, 9.0).with_footprint(0.1, 0.0);
         assert_eq!(flat(&mapping, &point), DVec2::new(1.5, 0.0));
         assert!((mapping.coordinates(&point).width - 0.4).abs() < 1e-15);
@@ -143,7 +146,7 @@ mod tests {
 
     #[test]
     fn planar_projects_in_the_space_of_the_texture() {
-        let mapping = Mapping::Planar {
+        let mapping = TextureMapping::Planar {
             v1: DVec3::new(2.0, 0.0, 0.0),
             v2: DVec3::new(0.0, 0.0, 0.5),
             offset: DVec2::new(0.0, 1.0),
@@ -154,7 +157,7 @@ mod tests {
 
     #[test]
     fn spherical_coordinates_of_the_axes() {
-        let mapping = Mapping::Spherical { to_texture: Transform::IDENTITY };
+        let mapping = TextureMapping::Spherical { to_texture: Transform::IDENTITY };
         assert_eq!(flat(&mapping, &at(0.0, 0.0, 2.0)), DVec2::ZERO);
         assert_eq!(flat(&mapping, &at(2.0, 0.0, 0.0)), DVec2::new(0.5, 0.0));
         assert_eq!(flat(&mapping, &at(0.0, 2.0, 0.0)), DVec2::new(0.5, 0.25));
@@ -165,7 +168,7 @@ mod tests {
 
     #[test]
     fn cylindrical_coordinates_of_the_axes() {
-        let mapping = Mapping::Cylindrical { to_texture: Transform::IDENTITY };
+        let mapping = TextureMapping::Cylindrical { to_texture: Transform::IDENTITY };
         assert_eq!(flat(&mapping, &at(2.0, 0.0, 3.0)), DVec2::new(0.5, 3.0));
         assert_eq!(flat(&mapping, &at(0.0, 2.0, -1.0)), DVec2::new(0.75, -1.0));
         assert_eq!(flat(&mapping, &at(-2.0, 0.0, 0.0)), DVec2::new(1.0, 0.0));
@@ -174,8 +177,8 @@ mod tests {
     #[test]
     fn footprints_on_the_axis_of_a_mapping_stay_finite() {
         for mapping in [
-            Mapping::Spherical { to_texture: Transform::IDENTITY },
-            Mapping::Cylindrical { to_texture: Transform::IDENTITY },
+            TextureMapping::Spherical { to_texture: Transform::IDENTITY },
+            TextureMapping::Cylindrical { to_texture: Transform::IDENTITY },
         ] {
             let width = mapping.coordinates(&at(0.0, 0.0, 0.0).with_footprint(0.1, 0.1)).width;
             assert!((0.0..=1.0).contains(&width));

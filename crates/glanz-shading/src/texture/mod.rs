@@ -11,8 +11,8 @@ use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3};
 
 pub use checkerboard::Checkerboard;
-pub use image::{Image, ImageError, ImageFilter, ImageTexture, Wrap};
-pub use mapping::Mapping;
+pub use image::{ImageFilter, ImageTexture, ImageWrap, MipMap, MipMapError};
+pub use mapping::TextureMapping;
 
 /// Where a texture is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]

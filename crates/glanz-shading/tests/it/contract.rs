@@ -9,14 +9,14 @@ use glanz_math::{DVec2, DVec3};
 use glanz_sampling::hash::{combine, unit_f64};
 use glanz_sampling::statistics::chi_square;
 use glanz_sampling::{PixelSampler, SamplerKind, warp};
-use glanz_shading::model::phong::Coefficients;
+use glanz_shading::model::phong::PhongCoefficients;
 use glanz_shading::model::{Conductor, Dielectric, Lambert, Mirror, Phong};
 use glanz_shading::{Bsdf, BsdfModel, BsdfSample, Lobe, TransportMode};
 
 const MODES: [TransportMode; 2] = [TransportMode::Radiance, TransportMode::Importance];
 
 fn phong(diffuse: [f32; 3], specular: [f32; 3], exponent: f64) -> Bsdf {
-    Bsdf::Phong(Phong::new(Coefficients {
+    Bsdf::Phong(Phong::new(PhongCoefficients {
         ambient: Spectrum::BLACK,
         diffuse: Spectrum::from_rgb(diffuse),
         specular: Spectrum::from_rgb(specular),

@@ -3,7 +3,7 @@
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, Ray};
 use glanz_sampling::PixelSampler;
-use glanz_scene::{Interaction, Place, Scene};
+use glanz_scene::{Interaction, ParametricPoint, Scene};
 
 use super::vertex::Vertex;
 use crate::filter::Filter;
@@ -124,9 +124,9 @@ impl<'a> Context<'a> {
     }
 
     /// As [`Context::intersect`], with the place by parameters.
-    pub fn intersect_place(&mut self, ray: &Ray) -> Option<(Interaction, Place)> {
+    pub fn intersect_parametric(&mut self, ray: &Ray) -> Option<(Interaction, ParametricPoint)> {
         self.counters.closest += 1;
-        self.scene.intersect_place(ray, f64::INFINITY)
+        self.scene.intersect_parametric(ray, f64::INFINITY)
     }
 
     /// Whether nothing that stops light lies on `ray` with `0 < t < t_max`.

@@ -140,8 +140,8 @@ impl Distributed {
                 }
             }
             walk.ray = hit.spawn(scattered.direction);
-            walk.origin =
-                (!scattered.is_delta).then_some(PreviousVertex { from: hit.reference(), pdf: scattered.pdf });
+            walk.origin = (!scattered.is_delta)
+                .then_some(PreviousVertex { from: hit.light_sample_context(), pdf: scattered.pdf });
         }
     }
 
@@ -165,7 +165,7 @@ impl Distributed {
                 throughput: scattered.weight,
                 eta_scale: walk.eta_scale * scattered.eta_scale,
                 origin: (!scattered.is_delta)
-                    .then_some(PreviousVertex { from: vertex.at.reference(), pdf: scattered.pdf }),
+                    .then_some(PreviousVertex { from: vertex.at.light_sample_context(), pdf: scattered.pdf }),
                 budget: 1,
                 dimension: self.lane(walk, j),
                 ..*walk

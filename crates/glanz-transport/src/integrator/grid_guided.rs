@@ -3,7 +3,7 @@
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3};
 use glanz_sampling::{mis, warp};
-use glanz_scene::{Reference, Scene};
+use glanz_scene::{LightSampleContext, Scene};
 
 use super::Context;
 use super::path_tracer::{DirectionSampler, PathTracer};
@@ -58,7 +58,7 @@ struct DensitySample {
 /// A way that is to be learnt from.
 #[derive(Clone, Copy)]
 struct PathSegment {
-    from: Reference,
+    from: LightSampleContext,
     pdf: f64,
     /// Radiance that came straight from the surface it met, as it was counted.
     emitted: Spectrum,
@@ -189,7 +189,7 @@ impl DirectionSampler for GridDirections<'_> {
         self.note(drawn, cosine, light, throughput * scattered.weight);
         if self.light_sampling {
             self.leg = Some(PathSegment {
-                from: vertex.at.reference(),
+                from: vertex.at.light_sample_context(),
                 pdf: scattered.pdf,
                 emitted: Spectrum::BLACK,
             });

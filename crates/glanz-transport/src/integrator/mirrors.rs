@@ -2,7 +2,7 @@
 
 use glanz_light::Spectrum;
 use glanz_math::Ray;
-use glanz_scene::Place;
+use glanz_scene::ParametricPoint;
 
 use super::path_tracer::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT};
 use super::vertex::Vertex;
@@ -29,7 +29,7 @@ struct DeferredRay {
 pub(super) fn radiance(
     context: &mut Context<'_>,
     max_depth: u32,
-    rough: &impl Fn(&mut Context<'_>, &Vertex<'_>, &Place) -> Spectrum,
+    rough: &impl Fn(&mut Context<'_>, &Vertex<'_>, &ParametricPoint) -> Spectrum,
 ) -> Spectrum {
     let mut light = Spectrum::BLACK;
     let mut stack = Vec::new();
@@ -47,13 +47,13 @@ fn follow(
     context: &mut Context<'_>,
     mut pending: DeferredRay,
     max_depth: u32,
-    rough: &impl Fn(&mut Context<'_>, &Vertex<'_>, &Place) -> Spectrum,
+    rough: &impl Fn(&mut Context<'_>, &Vertex<'_>, &ParametricPoint) -> Spectrum,
     stack: &mut Vec<DeferredRay>,
 ) -> Spectrum {
     let mut light = Spectrum::BLACK;
     for _ in 0..INTERFACE_LIMIT {
-        let Some((hit, place)) = context.intersect_place(&pending.ray) else {
-            return light + context.scene.escaped(&pending.ray);
+        let Some((hit, place)) = context.intersect_parametric(&pending.ray) else {
+            return light + context.scene.environment_radiance(&pending.ray);
         };
         light += context.scene.emitted(&hit, hit.wo);
         let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {

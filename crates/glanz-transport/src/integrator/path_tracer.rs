@@ -172,7 +172,7 @@ impl PathTracer {
                 importance *= (1.0 / survival) as f32;
             }
             ray = hit.spawn(scattered.direction);
-            let from = PreviousVertex { from: hit.reference(), pdf: scattered.pdf };
+            let from = PreviousVertex { from: hit.light_sample_context(), pdf: scattered.pdf };
             origin = (!scattered.is_delta).then_some(PathRay { origin: from, place });
         }
     }

@@ -5,14 +5,14 @@ use std::fmt;
 use std::sync::Arc;
 
 use glanz_light::Spectrum;
-use glanz_scene::Place;
+use glanz_scene::ParametricPoint;
 
 use super::{Context, Integrator, IntegratorSettings, mirrors};
 
 /// Light on surfaces that does not depend on who looks: a solution of radiosity.
 pub trait StoredLight: fmt::Debug + Send + Sync {
     /// Irradiance at a place in units of radiance; `None` where none is known.
-    fn irradiance(&self, place: &Place) -> Option<Spectrum>;
+    fn irradiance(&self, place: &ParametricPoint) -> Option<Spectrum>;
 }
 
 /// Shows light that is stored on surfaces (document 003 section 5.7.3).

@@ -2,7 +2,7 @@
 
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Frame};
-use glanz_scene::{Interaction, LightId, Reference};
+use glanz_scene::{Interaction, LightId, LightSampleContext};
 use glanz_shading::{Bsdf, BsdfSample, TransportMode};
 
 use super::Context;
@@ -198,7 +198,7 @@ fn is_turned(at: &Interaction, viewer: DVec3) -> bool {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PreviousVertex {
     /// Position of the vertex.
-    pub(super) from: Reference,
+    pub(super) from: LightSampleContext,
     /// Density per solid angle of its direction.
     pub(super) pdf: f64,
 }

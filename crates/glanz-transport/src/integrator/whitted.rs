@@ -3,7 +3,7 @@
 use glanz_light::Spectrum;
 use glanz_scene::{Light, LightId};
 use glanz_shading::Bsdf;
-use glanz_shading::model::phong::{ClassicLight, Coefficients, classic, classic_ambient};
+use glanz_shading::model::phong::{ClassicLight, PhongCoefficients, classic, classic_ambient};
 
 use super::vertex::Vertex;
 use super::{Context, Integrator, IntegratorSettings, mirrors};
@@ -55,7 +55,7 @@ fn direct_light(context: &mut Context<'_>, vertex: &Vertex<'_>) -> Spectrum {
 }
 
 /// Document 001 section 3.4.
-fn phong_light(context: &mut Context<'_>, vertex: &Vertex<'_>, surface: &Coefficients) -> Spectrum {
+fn phong_light(context: &mut Context<'_>, vertex: &Vertex<'_>, surface: &PhongCoefficients) -> Spectrum {
     let normal = vertex.normal_to_viewer();
     let mut ambient = Spectrum::BLACK;
     let mut light = Spectrum::BLACK;

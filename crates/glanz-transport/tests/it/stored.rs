@@ -7,7 +7,7 @@ use crate::common::*;
 use glanz_light::Spectrum;
 use glanz_math::DVec3;
 use glanz_sampling::SamplerKind;
-use glanz_scene::Place;
+use glanz_scene::ParametricPoint;
 use glanz_scene::description::*;
 use glanz_transport::StoredLight;
 
@@ -16,7 +16,7 @@ use glanz_transport::StoredLight;
 struct Slope;
 
 impl StoredLight for Slope {
-    fn irradiance(&self, place: &Place) -> Option<Spectrum> {
+    fn irradiance(&self, place: &ParametricPoint) -> Option<Spectrum> {
         let side = if place.back { 2.0 } else { 1.0 };
         (place.surface + place.face > 0).then(|| Spectrum::splat((side * PI * place.uv.x) as f32))
     }

@@ -26,7 +26,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{Bounds3, DVec3};
-use glanz_scene::{Description, Light, Place, PlacedSurface, Scene};
+use glanz_scene::{Description, Light, ParametricPoint, PlacedSurface, Scene};
 
 use self::blocks::Blocks;
 pub use self::error::ModelError;
@@ -114,7 +114,7 @@ impl Model {
 
     /// The object that holds a place of the scene; `None` if the scene has no such place.
     #[must_use]
-    pub fn object_of(&self, place: &Place) -> Option<u32> {
+    pub fn object_of(&self, place: &ParametricPoint) -> Option<u32> {
         let parts = self.objects.get(place.surface as usize)?;
         let after = parts.partition_point(|&(first, _)| first <= place.face);
         parts.get(after.checked_sub(1)?).map(|&(_, object)| object)

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 use glanz_geometry::Surface;
 use glanz_math::Ray;
-use glanz_scene::{Interaction, Place, PlacedSurface, Scene};
+use glanz_scene::{Interaction, ParametricPoint, PlacedSurface, Scene};
 use serde::Serialize;
 
 pub use self::curvature::Curvature;
@@ -61,7 +61,7 @@ pub fn pick(
 ) -> Option<Hit> {
     let mut rest = *ray;
     for _ in 0..MOST_PASSED {
-        let (at, place) = scene.intersect_place(&rest, f64::INFINITY)?;
+        let (at, place) = scene.intersect_parametric(&rest, f64::INFINITY)?;
         let object = model.object_of(&place)?;
         let leaf = model.leaf_of(object)?;
         let point = at.point.position;
@@ -80,7 +80,7 @@ fn hit(
     ray: &Ray,
     (object, leaf): (u32, u32),
     at: &Interaction,
-    place: &Place,
+    place: &ParametricPoint,
 ) -> Hit {
     let placed = scene.placed_surfaces();
     let surface = placed.get(place.surface as usize);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glanz_light::Spectrum;
 use glanz_radiosity::bake::{BakeSettings, BakeState, LightMaps};
-use glanz_scene::{Place, Scene};
+use glanz_scene::{ParametricPoint, Scene};
 use glanz_transport::StoredLight;
 
 use crate::bake::{LightFile, baked_maps, elements};
@@ -16,7 +16,7 @@ use crate::job_options::JobOptions;
 struct StoredMaps(LightMaps);
 
 impl StoredLight for StoredMaps {
-    fn irradiance(&self, place: &Place) -> Option<Spectrum> {
+    fn irradiance(&self, place: &ParametricPoint) -> Option<Spectrum> {
         self.0.irradiance(place)
     }
 }

@@ -1,7 +1,7 @@
 //! `Material`, `MakeNamedMaterial`, `NamedMaterial`.
 
 use glanz_light::{SpectralDistribution, named};
-use glanz_scene::description::{FloatInput, MaterialDescription, MaterialKind, SpectrumInput};
+use glanz_scene::description::{FloatParameter, MaterialDescription, MaterialKind, SpectrumParameter};
 
 use super::Lowering;
 use super::spectrum::grey;
@@ -160,7 +160,7 @@ impl Lowering {
         let reflectance = self.spectrum_or(list, name, 0.5, space)?;
         let place = list.value_place("sigma");
         let sigma = self.float_or(list, "sigma", 0.0)?;
-        if !matches!(sigma, FloatInput::Value(0.0)) {
+        if !matches!(sigma, FloatParameter::Value(0.0)) {
             let message =
                 format!("material {kind:?}: \"sigma\" is not available yet; Lambert's law stands in");
             self.stand_in(&place, "stand-in-material", message);
@@ -182,8 +182,8 @@ impl Lowering {
         let place = list.value_place(reflectance);
         if let Some(input) = self.optional_spectrum(list, reflectance, space)? {
             let known = match &input {
-                SpectrumInput::Value(spectrum) => absorption_of(spectrum),
-                SpectrumInput::Texture(_) => None,
+                SpectrumParameter::Value(spectrum) => absorption_of(spectrum),
+                SpectrumParameter::Texture(_) => None,
             };
             if let Some(k) = known {
                 return Ok(MaterialKind::conductor(grey(1.0), k));
@@ -196,7 +196,7 @@ impl Lowering {
         }
         let eta = self.optional_spectrum(list, eta, space)?;
         let k = self.optional_spectrum(list, k, space)?;
-        let copper = |name: &str| SpectrumInput::Value(named::spectrum(name).unwrap_or_default());
+        let copper = |name: &str| SpectrumParameter::Value(named::spectrum(name).unwrap_or_default());
         Ok(MaterialKind::conductor(
             eta.unwrap_or_else(|| copper("metal-Cu-eta")),
             k.unwrap_or_else(|| copper("metal-Cu-k")),
@@ -211,7 +211,7 @@ impl Lowering {
     ) -> ParseResult<MaterialKind> {
         self.smooth(kind, list, 0.0)?;
         let index = self.optional_float(list, "index")?;
-        let eta = self.optional_float(list, "eta")?.or(index).unwrap_or(FloatInput::Value(1.5));
+        let eta = self.optional_float(list, "eta")?.or(index).unwrap_or(FloatParameter::Value(1.5));
         let reflectance = self.spectrum_or(list, "Kr", 1.0, space)?;
         let transmittance = self.spectrum_or(list, "Kt", 1.0, space)?;
         Ok(if kind == "thindielectric" {
@@ -229,9 +229,9 @@ impl Lowering {
             .map_or(list.place, |name| list.value_place(name));
         let given = self.roughness(list, default)?;
         let value = match given {
-            FloatInput::Value(0.0) => return Ok(()),
-            FloatInput::Value(x) => format!("roughness {x}"),
-            FloatInput::Texture(_) => "textured roughness".to_owned(),
+            FloatParameter::Value(0.0) => return Ok(()),
+            FloatParameter::Value(x) => format!("roughness {x}"),
+            FloatParameter::Texture(_) => "textured roughness".to_owned(),
         };
         let message = format!("material {kind:?}: {value} is not available yet; a smooth surface stands in");
         self.stand_in(&place, "stand-in-material", message);
@@ -239,14 +239,20 @@ impl Lowering {
     }
 
     /// The roughness, the mean of both directions if they differ.
-    pub(super) fn roughness(&mut self, list: &mut ParameterList, default: f32) -> ParseResult<FloatInput> {
+    pub(super) fn roughness(
+        &mut self,
+        list: &mut ParameterList,
+        default: f32,
+    ) -> ParseResult<FloatParameter> {
         list.ignore(&["remaproughness"]);
         let both = self.float_or(list, "roughness", default)?;
         let u = self.optional_float(list, "uroughness")?;
         let v = self.optional_float(list, "vroughness")?;
         Ok(match (u, v) {
             (None, None) => both,
-            (Some(FloatInput::Value(u)), Some(FloatInput::Value(v))) => FloatInput::Value(0.5 * (u + v)),
+            (Some(FloatParameter::Value(u)), Some(FloatParameter::Value(v))) => {
+                FloatParameter::Value(0.5 * (u + v))
+            }
             (Some(one), _) | (None, Some(one)) => one,
         })
     }

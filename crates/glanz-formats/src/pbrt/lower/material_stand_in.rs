@@ -1,7 +1,9 @@
 //! Materials that something else stands in for.
 
 use glanz_light::SpectralDistribution;
-use glanz_scene::description::{FloatInput, MaterialKind, SpectrumInput, TextureDescription, TextureKind};
+use glanz_scene::description::{
+    FloatParameter, MaterialKind, SpectrumParameter, TextureDescription, TextureKind,
+};
 
 use super::Lowering;
 use super::spectrum::grey;
@@ -25,8 +27,8 @@ impl Lowering {
     fn exponent(&mut self, list: &mut ParameterList, default: f32) -> ParseResult<f32> {
         let remap = list.boolean("remaproughness", &mut self.reporter)?.unwrap_or(true);
         let roughness = match self.roughness(list, default)? {
-            FloatInput::Value(x) => x,
-            FloatInput::Texture(_) => default,
+            FloatParameter::Value(x) => x,
+            FloatParameter::Texture(_) => default,
         };
         let alpha = if remap { roughness_to_alpha(roughness) } else { roughness.max(1e-3) };
         Ok((0.25 * (2.0 / (alpha * alpha) - 2.0)).clamp(0.0, MAX_EXPONENT))
@@ -103,10 +105,10 @@ impl Lowering {
         let diffuse = self.spectrum_or(list, "Kd", 0.5, space)?;
         let specular = self.spectrum_or(list, "Ks", 0.5, space)?;
         let diffuse = match &specular {
-            SpectrumInput::Value(SpectralDistribution::Constant(s)) => {
+            SpectrumParameter::Value(SpectralDistribution::Constant(s)) => {
                 self.scaled(diffuse, 1.0 - s.clamp(0.0, 1.0), list)
             }
-            SpectrumInput::Value(SpectralDistribution::Rgb(rgb)) => {
+            SpectrumParameter::Value(SpectralDistribution::Rgb(rgb)) => {
                 let rest = rgb.map(|s| 1.0 - s.clamp(0.0, 1.0));
                 self.product(diffuse, SpectralDistribution::Rgb(rest), list)
             }
@@ -121,8 +123,8 @@ impl Lowering {
         list.ignore(&["Ks", "roughness", "transmit", "remaproughness"]);
         let base = self.spectrum_or(list, "Kd", 0.25, space)?;
         let reflectance = match self.spectrum_or(list, "reflect", 0.5, space)? {
-            SpectrumInput::Value(share) => self.product(base, share, list),
-            SpectrumInput::Texture(_) => self.scaled(base, 0.5, list),
+            SpectrumParameter::Value(share) => self.product(base, share, list),
+            SpectrumParameter::Texture(_) => self.scaled(base, 0.5, list),
         };
         Ok((MaterialKind::diffuse(reflectance), "\"diffuse\" of what it reflects".to_owned()))
     }
@@ -214,39 +216,43 @@ impl Lowering {
     }
 
     /// An input times a number.
-    fn scaled(&mut self, input: SpectrumInput, factor: f32, list: &ParameterList) -> SpectrumInput {
+    fn scaled(&mut self, input: SpectrumParameter, factor: f32, list: &ParameterList) -> SpectrumParameter {
         self.product(input, grey(factor), list)
     }
 
     /// An input times a spectrum, through a texture where need be.
     fn product(
         &mut self,
-        input: SpectrumInput,
+        input: SpectrumParameter,
         factor: SpectralDistribution,
         list: &ParameterList,
-    ) -> SpectrumInput {
+    ) -> SpectrumParameter {
         use SpectralDistribution::{Constant, Rgb};
         match (&input, &factor) {
-            (SpectrumInput::Value(Constant(a)), Constant(b)) => SpectrumInput::Value(Constant(a * b)),
-            (SpectrumInput::Value(Rgb(a)), Constant(b)) => SpectrumInput::Value(Rgb(a.map(|a| a * b))),
-            (SpectrumInput::Value(Constant(a)), Rgb(b)) => SpectrumInput::Value(Rgb(b.map(|b| a * b))),
-            (SpectrumInput::Value(Rgb(a)), Rgb(b)) => {
-                SpectrumInput::Value(Rgb(std::array::from_fn(|i| a[i] * b[i])))
+            (SpectrumParameter::Value(Constant(a)), Constant(b)) => SpectrumParameter::Value(Constant(a * b)),
+            (SpectrumParameter::Value(Rgb(a)), Constant(b)) => {
+                SpectrumParameter::Value(Rgb(a.map(|a| a * b)))
+            }
+            (SpectrumParameter::Value(Constant(a)), Rgb(b)) => {
+                SpectrumParameter::Value(Rgb(b.map(|b| a * b)))
+            }
+            (SpectrumParameter::Value(Rgb(a)), Rgb(b)) => {
+                SpectrumParameter::Value(Rgb(std::array::from_fn(|i| a[i] * b[i])))
             }
             _ => {
                 self.description.textures.push(TextureDescription {
                     name: String::new(),
-                    kind: TextureKind::Scale(input, SpectrumInput::Value(factor)),
+                    kind: TextureKind::Scale(input, SpectrumParameter::Value(factor)),
                     location: Some(list.place.location),
                 });
-                SpectrumInput::Texture(self.description.textures.len() - 1)
+                SpectrumParameter::Texture(self.description.textures.len() - 1)
             }
         }
     }
 }
 
 /// A Phong material. Light of every direction, which the classical model calls ambient, meets the diffuse base as well.
-fn phong(diffuse: SpectrumInput, specular: SpectrumInput, exponent: f32) -> MaterialStandIn {
+fn phong(diffuse: SpectrumParameter, specular: SpectrumParameter, exponent: f32) -> MaterialStandIn {
     (
         MaterialKind::phong(diffuse.clone(), diffuse, specular, exponent),
         format!("\"phong\" with exponent {exponent:.4}"),

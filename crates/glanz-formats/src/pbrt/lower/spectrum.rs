@@ -2,7 +2,7 @@
 
 use glanz_light::rgb::xyz_to_rgb;
 use glanz_light::{SpectralDistribution, Wavelengths, named};
-use glanz_scene::description::{FloatInput, SpectrumInput};
+use glanz_scene::description::{FloatParameter, SpectrumParameter};
 
 use super::Lowering;
 use super::named::{at_d_line, suggestion};
@@ -146,12 +146,12 @@ impl Lowering {
         list: &mut ParameterList,
         name: &'static str,
         space: ColorSpace,
-    ) -> ParseResult<Option<SpectrumInput>> {
+    ) -> ParseResult<Option<SpectrumParameter>> {
         let Some(p) = list.take(name) else { return Ok(None) };
         if p.kind == ParameterType::Texture {
-            return self.texture_named(&list.subject, &p, true).map(|t| Some(SpectrumInput::Texture(t)));
+            return self.texture_named(&list.subject, &p, true).map(|t| Some(SpectrumParameter::Texture(t)));
         }
-        self.distribution(&list.subject, &p, space).map(|s| Some(SpectrumInput::Value(s)))
+        self.distribution(&list.subject, &p, space).map(|s| Some(SpectrumParameter::Value(s)))
     }
 
     /// A spectrum or a texture, grey if the parameter is not there.
@@ -161,9 +161,9 @@ impl Lowering {
         name: &'static str,
         default: f32,
         space: ColorSpace,
-    ) -> ParseResult<SpectrumInput> {
+    ) -> ParseResult<SpectrumParameter> {
         let found = self.optional_spectrum(list, name, space)?;
-        Ok(found.unwrap_or_else(|| SpectrumInput::Value(grey(default))))
+        Ok(found.unwrap_or_else(|| SpectrumParameter::Value(grey(default))))
     }
 
     /// A number or a texture; `None` if the parameter is not there. Of a spectrum the value at helium's
@@ -172,13 +172,13 @@ impl Lowering {
         &mut self,
         list: &mut ParameterList,
         name: &'static str,
-    ) -> ParseResult<Option<FloatInput>> {
+    ) -> ParseResult<Option<FloatParameter>> {
         let Some(p) = list.take(name) else { return Ok(None) };
         if p.kind == ParameterType::Texture {
-            return self.texture_named(&list.subject, &p, false).map(|t| Some(FloatInput::Texture(t)));
+            return self.texture_named(&list.subject, &p, false).map(|t| Some(FloatParameter::Texture(t)));
         }
         let spectrum = self.distribution(&list.subject, &p, ColorSpace::Rec709)?;
-        Ok(Some(FloatInput::Value(at_d_line(&spectrum))))
+        Ok(Some(FloatParameter::Value(at_d_line(&spectrum))))
     }
 
     /// A number or a texture, or a default.
@@ -187,8 +187,8 @@ impl Lowering {
         list: &mut ParameterList,
         name: &'static str,
         default: f32,
-    ) -> ParseResult<FloatInput> {
-        Ok(self.optional_float(list, name)?.unwrap_or(FloatInput::Value(default)))
+    ) -> ParseResult<FloatParameter> {
+        Ok(self.optional_float(list, name)?.unwrap_or(FloatParameter::Value(default)))
     }
 
     fn texture_named(&mut self, subject: &str, p: &Parameter, spectrum: bool) -> ParseResult<usize> {

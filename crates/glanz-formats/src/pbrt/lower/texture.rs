@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::description::{
-    FloatInput, ImageDescription, ImageFilter, ImageWrap, SpectrumInput, TextureDescription, TextureKind,
-    TextureMapping,
+    FloatParameter, ImageDescription, ImageFilter, ImageWrap, MappingDescription, SpectrumParameter,
+    TextureDescription, TextureKind,
 };
 
 use super::spectrum::grey;
@@ -108,7 +108,7 @@ impl Lowering {
         let place = list.value_place("dimension");
         let mapping = match list.integer("dimension", &mut self.reporter)?.unwrap_or(2) {
             2 => self.mapping(list, context)?,
-            3 => TextureMapping::Solid { to_texture: self.texture_space(list, context)? },
+            3 => MappingDescription::Solid { to_texture: self.texture_space(list, context)? },
             n => {
                 let message = format!("texture \"checkerboard\": \"dimension\" is {n}, it must be 2 or 3");
                 return Err(self.reporter.error(&place, "parameter-range", message));
@@ -133,23 +133,25 @@ impl Lowering {
     }
 
     /// Texture mapping.
-    fn mapping(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<TextureMapping> {
+    fn mapping(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<MappingDescription> {
         let place = list.value_place("mapping");
         let kind = list.text("mapping", &mut self.reporter)?;
         let r = &mut self.reporter;
         Ok(match kind.as_deref().unwrap_or("uv") {
-            "uv" => TextureMapping::Uv {
+            "uv" => MappingDescription::Uv {
                 scale: DVec2::new(list.float_or("uscale", 1.0, r)?, list.float_or("vscale", 1.0, r)?),
                 offset: DVec2::new(list.float_or("udelta", 0.0, r)?, list.float_or("vdelta", 0.0, r)?),
             },
-            "planar" => TextureMapping::Planar {
+            "planar" => MappingDescription::Planar {
                 v1: list.vec3("v1", r)?.unwrap_or(DVec3::X),
                 v2: list.vec3("v2", r)?.unwrap_or(DVec3::Y),
                 offset: DVec2::new(list.float_or("udelta", 0.0, r)?, list.float_or("vdelta", 0.0, r)?),
                 to_texture: self.texture_space(list, context)?,
             },
-            "spherical" => TextureMapping::Spherical { to_texture: self.texture_space(list, context)? },
-            "cylindrical" => TextureMapping::Cylindrical { to_texture: self.texture_space(list, context)? },
+            "spherical" => MappingDescription::Spherical { to_texture: self.texture_space(list, context)? },
+            "cylindrical" => {
+                MappingDescription::Cylindrical { to_texture: self.texture_space(list, context)? }
+            }
             other => {
                 let message = format!("{}: mapping {:?} is unknown", list.subject, shortened(other));
                 let help = Some("mappings are uv, planar, spherical and cylindrical".to_owned());
@@ -172,7 +174,7 @@ impl Lowering {
         list.ignore(&["maxanisotropy", "noiseaware"]);
         Ok(match self.image(&p, &name, encoding)? {
             Some(image) => TextureKind::Image { image, mapping, wrap, filter, scale, invert },
-            None => TextureKind::Constant(SpectrumInput::Value(grey(MISSING_PICTURE))),
+            None => TextureKind::Constant(SpectrumParameter::Value(grey(MISSING_PICTURE))),
         })
     }
 
@@ -290,7 +292,7 @@ impl Lowering {
                 let corner = self.spectrum_or(list, "v00", 0.0, space)?;
                 let opposite = self.spectrum_or(list, "v11", 1.0, space)?;
                 list.ignore(&["v01", "v10"]);
-                let amount = FloatInput::Value(0.5);
+                let amount = FloatParameter::Value(0.5);
                 (TextureKind::Mix { a: corner, b: opposite, amount }, "the mean of two opposite corners")
             }
             "dots" => {
@@ -304,9 +306,9 @@ impl Lowering {
                 list.ignore(&["dir"]);
                 let a = self.spectrum_or(list, "tex1", 0.0, space)?;
                 let b = self.spectrum_or(list, "tex2", 1.0, space)?;
-                (TextureKind::Mix { a, b, amount: FloatInput::Value(0.5) }, "the mean of both")
+                (TextureKind::Mix { a, b, amount: FloatParameter::Value(0.5) }, "the mean of both")
             }
-            _ => (TextureKind::Constant(SpectrumInput::Value(grey(0.5))), "a constant 0.5"),
+            _ => (TextureKind::Constant(SpectrumParameter::Value(grey(0.5))), "a constant 0.5"),
         };
         let known = ["bilerp", "dots", "directionmix", "fbm", "wrinkled", "windy", "marble", "uv", "ptex"]
             .contains(&kind);

@@ -22,15 +22,15 @@ fn materials_of_both_versions_are_lowered() {
     assert!(matches!(material("\"interface\""), MaterialKind::Interface));
     assert!(matches!(material("\"\""), MaterialKind::Interface));
     let MaterialKind::Phong(phong) = material("\"phong\" \"float exponent\" 50") else { panic!() };
-    assert_eq!(phong.exponent, FloatInput::Value(50.0));
+    assert_eq!(phong.exponent, FloatParameter::Value(50.0));
 }
 
 /// The refractive index of solid glass, or of a pane.
 fn index_of(material: &MaterialKind, thin: bool) -> f32 {
     match material {
         MaterialKind::Dielectric(glass) if glass.thin == thin => match glass.eta {
-            FloatInput::Value(eta) => eta,
-            FloatInput::Texture(_) => panic!("{glass:?}"),
+            FloatParameter::Value(eta) => eta,
+            FloatParameter::Texture(_) => panic!("{glass:?}"),
         },
         other => panic!("{other:?}"),
     }
@@ -55,7 +55,7 @@ fn metals_by_name_keep_their_spectrum_and_copper_is_the_default() {
     ] {
         let MaterialKind::Conductor(metal_of) = material(text) else { panic!("{text}") };
         for (input, quantity) in [(metal_of.eta, "eta"), (metal_of.k, "k")] {
-            let SpectrumInput::Value(spectrum) = input else { panic!("{text}") };
+            let SpectrumParameter::Value(spectrum) = input else { panic!("{text}") };
             assert!(matches!(spectrum, SpectralDistribution::Sampled(_)));
             assert_eq!(Some(spectrum), named::spectrum(&format!("metal-{metal}-{quantity}")));
         }
@@ -134,7 +134,7 @@ fn plastic_becomes_a_phong_lobe_of_equal_width() {
     let text = "\"plastic\" \"rgb Kd\" [.5 .5 .5] \"rgb Ks\" [.5 .5 .5] \"float roughness\" .1 \"bool remaproughness\" \"false\"";
     let MaterialKind::Phong(plastic) = material(text) else { panic!() };
     // alpha = 0.1: (2 / 0.01 - 2) / 4; the surface of index 1.5 reflects 4 %.
-    let FloatInput::Value(exponent) = plastic.exponent else { panic!() };
+    let FloatParameter::Value(exponent) = plastic.exponent else { panic!() };
     close(f64::from(exponent), 49.5);
     assert_eq!(value(&plastic.diffuse), [0.5; 3]);
     close(f64::from(value(&plastic.specular)[0]), 0.02);
@@ -172,16 +172,16 @@ fn textures_are_found_by_name_and_mapped() {
         Texture \"m\" \"color\" \"mix\" \"texture tex1\" \"s\" \"float amount\" .25 \
         Material \"matte\" \"texture Kd\" \"m\"";
     let d = read_clean(text).description;
-    assert_eq!(d.materials[0].kind, MaterialKind::diffuse(SpectrumInput::Texture(2)));
+    assert_eq!(d.materials[0].kind, MaterialKind::diffuse(SpectrumParameter::Texture(2)));
     let TextureKind::Checkerboard { even, odd, mapping } = &d.textures[0].kind else { panic!() };
     assert_eq!((value(even), value(odd)), ([1.0, 0.0, 0.0], [0.0; 3]));
-    let TextureMapping::Planar { v1, v2, offset, to_texture } = mapping else { panic!() };
+    let MappingDescription::Planar { v1, v2, offset, to_texture } = mapping else { panic!() };
     assert_eq!((*v1, *v2, *offset), (2.0 * DVec3::X, 3.0 * DVec3::Z, DVec2::new(0.5, 0.0)));
     assert_eq!(to_texture.transform_point3(DVec3::X), DVec3::ZERO);
-    assert!(matches!(&d.textures[1].kind, TextureKind::Scale(SpectrumInput::Texture(0), _)));
+    assert!(matches!(&d.textures[1].kind, TextureKind::Scale(SpectrumParameter::Texture(0), _)));
     assert!(matches!(
         &d.textures[2].kind,
-        TextureKind::Mix { a: SpectrumInput::Texture(1), amount: FloatInput::Value(0.25), .. }
+        TextureKind::Mix { a: SpectrumParameter::Texture(1), amount: FloatParameter::Value(0.25), .. }
     ));
 }
 
@@ -191,8 +191,8 @@ fn textures_of_numbers_and_colours_may_share_a_name() {
         Material \"phong\" \"texture exponent\" \"t\" \"texture Kd\" \"t\"";
     let d = read_clean(text).description;
     let MaterialKind::Phong(phong) = &d.materials[0].kind else { panic!() };
-    assert_eq!(phong.diffuse, SpectrumInput::Texture(1));
-    assert_eq!(phong.exponent, FloatInput::Texture(0));
+    assert_eq!(phong.diffuse, SpectrumParameter::Texture(1));
+    assert_eq!(phong.exponent, FloatParameter::Texture(0));
 }
 
 #[test]

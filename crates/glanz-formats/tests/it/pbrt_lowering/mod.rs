@@ -13,8 +13,8 @@ use glanz_formats::{Loaded, Options, load_str};
 use glanz_light::{SpectralDistribution, Wavelengths, named};
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::description::{
-    CameraKind, EmissionPower, FilterKind, FloatInput, GeometryDescription, LightKind, MaterialKind,
-    SpectrumInput, SpotFalloff, TextureKind, TextureMapping,
+    CameraKind, EmissionPower, FilterKind, FloatParameter, GeometryDescription, LightKind,
+    MappingDescription, MaterialKind, SpectrumParameter, SpotFalloff, TextureKind,
 };
 
 fn read(text: &str) -> Loaded {
@@ -32,10 +32,10 @@ fn material(text: &str) -> MaterialKind {
     read(&format!("WorldBegin Material {text}")).description.materials[0].kind.clone()
 }
 
-fn value(input: &SpectrumInput) -> [f32; 3] {
+fn value(input: &SpectrumParameter) -> [f32; 3] {
     match input {
-        SpectrumInput::Value(s) => rgb(s),
-        SpectrumInput::Texture(i) => panic!("texture {i}"),
+        SpectrumParameter::Value(s) => rgb(s),
+        SpectrumParameter::Texture(i) => panic!("texture {i}"),
     }
 }
 

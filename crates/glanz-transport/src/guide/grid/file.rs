@@ -1,7 +1,7 @@
 //! A grid in a file, see [`crate::guide`].
 
 use glanz_math::{Bounds3, DVec2, DVec3};
-use glanz_scene::Chart;
+use glanz_scene::ShapeParameterization;
 use glanz_scene::description::GuideSettings;
 
 use super::{FittedCells, GridGuide, GridSums};
@@ -17,14 +17,14 @@ const SOMETHING: u8 = 1;
 pub(crate) fn encode_grid(e: &mut Encoder, guide: &GridGuide) {
     e.text(&guide.settings.to_string());
     e.u32(guide.passes);
-    e.u32(guide.charts.len() as u32);
-    for chart in &guide.charts {
-        let (tag, numbers) = match chart {
+    e.u32(guide.parameterizations.len() as u32);
+    for parameterization in &guide.parameterizations {
+        let (tag, numbers) = match parameterization {
             None => (NOTHING, Vec::new()),
-            Some((Chart::Parameters { min, max }, _)) => {
+            Some((ShapeParameterization::Parameters { min, max }, _)) => {
                 (PARAMETERS, [min.to_array(), max.to_array()].concat())
             }
-            Some((Chart::Projections(bounds), _)) => {
+            Some((ShapeParameterization::Projections(bounds), _)) => {
                 (PROJECTIONS, [bounds.min.to_array(), bounds.max.to_array()].concat())
             }
         };
@@ -42,17 +42,21 @@ pub(crate) fn encode_grid(e: &mut Encoder, guide: &GridGuide) {
 pub(crate) fn decode_grid(d: &mut Decoder<'_>) -> Option<GridGuide> {
     let GuideSettings::Grid(settings) = d.text()?.parse().ok()? else { return None };
     let passes = d.u32()?;
-    let mut charts = Vec::new();
+    let mut parameterizations = Vec::new();
     for _ in 0..d.u32()? {
-        charts.push(decode_chart(d)?);
+        parameterizations.push(decode_chart(d)?);
     }
     // A byte for each cell at least, before memory is taken for them.
-    let sheets: u64 = charts.iter().flatten().map(|chart: &Chart| u64::from(chart.sheets())).sum();
+    let sheets: u64 = parameterizations
+        .iter()
+        .flatten()
+        .map(|parameterization: &ShapeParameterization| u64::from(parameterization.sheets()))
+        .sum();
     let cells = sheets * u64::from(settings.cells) * u64::from(settings.cells);
     if cells > d.0.len() as u64 {
         return None;
     }
-    let mut guide = GridGuide::from_charts(charts, &settings, passes).ok()?;
+    let mut guide = GridGuide::from_charts(parameterizations, &settings, passes).ok()?;
     let functions = guide.basis().len();
     for i in 0..guide.cells.len() {
         if d.u8()? == NOTHING {
@@ -66,14 +70,14 @@ pub(crate) fn decode_grid(d: &mut Decoder<'_>) -> Option<GridGuide> {
     Some(guide)
 }
 
-fn decode_chart(d: &mut Decoder<'_>) -> Option<Option<Chart>> {
+fn decode_chart(d: &mut Decoder<'_>) -> Option<Option<ShapeParameterization>> {
     Some(match d.u8()? {
         NOTHING => None,
-        PARAMETERS => Some(Chart::Parameters {
+        PARAMETERS => Some(ShapeParameterization::Parameters {
             min: DVec2::new(d.f64()?, d.f64()?),
             max: DVec2::new(d.f64()?, d.f64()?),
         }),
-        PROJECTIONS => Some(Chart::Projections(Bounds3 {
+        PROJECTIONS => Some(ShapeParameterization::Projections(Bounds3 {
             min: DVec3::new(d.f64()?, d.f64()?, d.f64()?),
             max: DVec3::new(d.f64()?, d.f64()?, d.f64()?),
         })),

@@ -1,6 +1,6 @@
 //! The guide of document 003: a fixed grid of cells on each surface, each with a density over the hemisphere.
 //!
-//! A cell is a square of the parameters of a shape (see [`Chart`]) on one of its sides. Its density lies on the unit square of
+//! A cell is a square of the parameters of a shape (see [`ShapeParameterization`]) on one of its sides. Its density lies on the unit square of
 //! (1 - cos theta, phi / 2 pi), which keeps areas, in a tensor product basis; theta is measured from the shading normal on the
 //! viewer's side and phi from the derivative by u. It learns the light that arrives times its cosine from the directions that
 //! it has drawn itself: the coefficient of function j in the dual basis is w_j times the mean over those drawn from function j.
@@ -23,7 +23,7 @@ use glanz_sampling::basis::TensorBasis;
 use glanz_sampling::density::{CoefficientFloor, Density, DualEstimate, TensorMultiResolution};
 use glanz_sampling::multiresolution::MultiResolution;
 use glanz_scene::description::{GridSettings, GuideBasis};
-use glanz_scene::{Chart, Interaction, Scene};
+use glanz_scene::{Interaction, Scene, ShapeParameterization};
 
 use super::GuideSize;
 
@@ -85,7 +85,7 @@ struct FittedCells {
 pub struct GridGuide {
     settings: GridSettings,
     /// Of each shape: its chart and the number of its first cell.
-    charts: Vec<Option<(Chart, u32)>>,
+    parameterizations: Vec<Option<(ShapeParameterization, u32)>>,
     scales: Arc<TensorMultiResolution<2>>,
     /// Passes learnt from.
     passes: u32,
@@ -126,12 +126,12 @@ impl GridGuide {
     /// # Errors
     /// [`GridError::Memory`] if it may need more than 4 GiB.
     pub fn new(scene: &Scene, settings: &GridSettings) -> Result<Self, GridError> {
-        Self::from_charts(scene.charts(), settings, 0)
+        Self::from_charts(scene.parameterizations(), settings, 0)
     }
 
     /// A guide over shapes with these charts that knows nothing, but has learnt from so many passes.
     fn from_charts(
-        charts: Vec<Option<Chart>>,
+        parameterizations: Vec<Option<ShapeParameterization>>,
         settings: &GridSettings,
         passes: u32,
     ) -> Result<Self, GridError> {
@@ -141,14 +141,14 @@ impl GridGuide {
         let basis = |level: u32| scales.basis([level as usize; 2]);
         let finest = basis(settings.scale).map_err(|source| GridError::Basis { settings, source })?;
         let mut count = 0_u64;
-        let shapes = charts.len();
-        let charts = charts
+        let shapes = parameterizations.len();
+        let parameterizations = parameterizations
             .into_iter()
-            .map(|chart| {
-                let chart = chart?;
+            .map(|parameterization| {
+                let parameterization = parameterization?;
                 let first = count;
-                count += u64::from(chart.sheets() * settings.cells * settings.cells);
-                Some((chart, u32::try_from(first).unwrap_or(u32::MAX)))
+                count += u64::from(parameterization.sheets() * settings.cells * settings.cells);
+                Some((parameterization, u32::try_from(first).unwrap_or(u32::MAX)))
             })
             .collect();
         let bytes = count.saturating_mul(cell_bytes(finest.len()));
@@ -157,7 +157,7 @@ impl GridGuide {
         let level = level(&settings, passes);
         let basis = basis(level).map_err(|source| GridError::Basis { settings, source })?;
         let constant = Density::uniform(basis);
-        Ok(Self { settings, charts, scales, passes, constant, cells: vec![None; cells] })
+        Ok(Self { settings, parameterizations, scales, passes, constant, cells: vec![None; cells] })
     }
 
     /// Its settings.
@@ -178,10 +178,10 @@ impl GridGuide {
     /// Guide data of a vertex with this unit normal on the viewer's side; `None` on shapes outside the guide.
     #[inline]
     pub(crate) fn place(&self, at: &Interaction, normal: DVec3) -> Option<GridVertex> {
-        let (chart, first) = self.charts.get(at.id as usize)?.as_ref()?;
-        let (sheet, place) = chart.locate(at);
+        let (parameterization, first) = self.parameterizations.get(at.id as usize)?.as_ref()?;
+        let (sheet, place) = parameterization.locate(at);
         let cell = first + cell_of(self.settings.cells, sheet, place);
-        Some(GridVertex { cell, frame: Frame::from_z_and_tangent(normal, chart.tangent(at)) })
+        Some(GridVertex { cell, frame: Frame::from_z_and_tangent(normal, parameterization.tangent(at)) })
     }
 
     fn density(&self, cell: u32) -> &Density<2> {
@@ -231,8 +231,9 @@ impl GridGuide {
             });
         }
         let constant = finer.clone().map_or_else(|| self.constant.clone(), Density::uniform);
-        let (settings, charts, scales) = (self.settings, self.charts.clone(), self.scales.clone());
-        let guide = Self { settings, charts, scales, passes, constant, cells };
+        let (settings, parameterizations, scales) =
+            (self.settings, self.parameterizations.clone(), self.scales.clone());
+        let guide = Self { settings, parameterizations, scales, passes, constant, cells };
         let sums = if finer.is_some() { guide.sums() } else { sums.rescaled(growth) };
         (guide, sums)
     }

@@ -2,7 +2,7 @@
 
 use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DVec2, DVec3, Ray};
-use glanz_scene::{Interaction, LightId, Reference};
+use glanz_scene::{Interaction, LightId, LightSampleContext};
 
 use super::weights::CameraPathWeights;
 use super::{LightPaths, turn};
@@ -13,7 +13,7 @@ use crate::integrator::{Context, FIRST_DIMENSION};
 /// Sampling state of the current ray.
 struct CameraRay {
     /// Position of the vertex.
-    from: Reference,
+    from: LightSampleContext,
     /// Density per solid angle of its direction; infinite from a mirror.
     pdf: f64,
     weights: CameraPathWeights,
@@ -65,7 +65,7 @@ impl LightPaths {
                 throughput *= factor;
             }
             let weights = passed(&weights, &vertex, &scattered);
-            way = Some(CameraRay { from: hit.reference(), pdf: scattered.pdf, weights });
+            way = Some(CameraRay { from: hit.light_sample_context(), pdf: scattered.pdf, weights });
             ray = hit.spawn(scattered.direction);
         }
     }

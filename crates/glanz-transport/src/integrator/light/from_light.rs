@@ -2,7 +2,7 @@
 
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3};
-use glanz_scene::{Light, LightId, LightRay, Reference};
+use glanz_scene::{Light, LightId, LightRay, LightSampleContext};
 
 use super::weights::LightPathWeights;
 use super::{LightPaths, turn};
@@ -42,7 +42,7 @@ impl LightPathStart {
     }
 
     /// Density of light sampling from the first vertex, as `seen` from the camera's side.
-    fn sampled(&self, context: &Context<'_>, seen: &Reference) -> f64 {
+    fn sampled(&self, context: &Context<'_>, seen: &LightSampleContext) -> f64 {
         let scene = context.scene;
         scene.light_probability(self.id) * scene.light_pdf_of_ray(self.id, seen, &self.light).0
     }
@@ -128,7 +128,7 @@ fn connect(
         return;
     }
     let turn = turn(vertex, to_light, to_camera, light_pdf);
-    let reference = Reference { wo: to_camera, ..at.reference() };
+    let reference = LightSampleContext { wo: to_camera, ..at.light_sample_context() };
     let weight = weights.weight_of_sent(&turn, seen.density, || start.sampled(context, &reference));
     // `value` has the cosine to the shading normal, as for light that comes per steradian; flux comes per area across it already
     // (@veach1997 section 5.3.2).
@@ -155,7 +155,7 @@ fn go_on(
     let (value, light_pdf) = vertex.seen_from(to_camera).eval(to_light);
     let turn = turn(vertex, to_light, to_camera, light_pdf);
     let factor = turn.camera_cos / (turn.light_cos * scattered.pdf);
-    let reference = Reference { wo: to_camera, ..vertex.at.reference() };
+    let reference = LightSampleContext { wo: to_camera, ..vertex.at.light_sample_context() };
     let next = weights.scattered(&turn, || start.sampled(context, &reference));
     let weight = value * factor as f32;
     (weight.is_finite() && !weight.is_black()).then_some((to_camera, weight, next))

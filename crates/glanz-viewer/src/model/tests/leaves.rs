@@ -80,7 +80,7 @@ fn objects_belong_to_the_leaf_at_their_place() {
     // Rays find the object, and with it the leaf, at the same place.
     for (leaf, x) in (0..).zip(&expected) {
         let ray = Ray::new(DVec3::new(x + 0.02, 0.02, 5.0), -DVec3::Z);
-        let (_, place) = scene.intersect_place(&ray, f64::INFINITY).unwrap();
+        let (_, place) = scene.intersect_parametric(&ray, f64::INFINITY).unwrap();
         assert_eq!(model.leaf_of(model.object_of(&place).unwrap()), Some(leaf));
     }
 }
@@ -150,10 +150,10 @@ fn joined_meshes_are_an_object_each() {
     let (model, file, scene) = modelled(&description);
     assert_eq!((scene.placed_surfaces().len(), file.list("objects").len()), (1, 5));
     for face in 0..5 {
-        let place = glanz_scene::Place { surface: 0, face, back: false, uv: DVec2::ZERO };
+        let place = glanz_scene::ParametricPoint { surface: 0, face, back: false, uv: DVec2::ZERO };
         assert_eq!(model.object_of(&place).and_then(|object| model.leaf_of(object)), Some(face));
     }
-    let nowhere = glanz_scene::Place { surface: 1, face: 0, back: false, uv: DVec2::ZERO };
+    let nowhere = glanz_scene::ParametricPoint { surface: 1, face: 0, back: false, uv: DVec2::ZERO };
     assert_eq!((model.object_of(&nowhere), model.leaf_of(5)), (None, None));
 }
 

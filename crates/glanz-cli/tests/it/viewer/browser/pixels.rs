@@ -63,7 +63,7 @@ impl SurfacePixels {
             let unit = slope / width.min(height);
             let across = (2.0 * x - width) * unit * right + (height - 2.0 * y) * unit * up;
             let ray = Ray::new(position, (forward + across).normalize());
-            let hit = scene.intersect_place(&ray, f64::INFINITY);
+            let hit = scene.intersect_parametric(&ray, f64::INFINITY);
             let object = hit.as_ref().and_then(|(_, place)| model.object_of(place));
             seen.objects.push(object.map_or(0, |object| object + 1));
             let point = hit.map(|(hit, _)| hit.point);

@@ -9,7 +9,7 @@ use crate::interaction::Interaction;
 
 /// A place of a shape in the shape's own frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct OwnPlace {
+pub(crate) struct LocalPoint {
     pub(crate) position: DVec3,
     /// Normal on the side that the ray came from, of any length.
     pub(crate) normal_to_viewer: DVec3,
@@ -19,7 +19,7 @@ pub(crate) struct OwnPlace {
 ///
 /// The two sides of a surface are different sheets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Chart {
+pub enum ShapeParameterization {
     /// By the parameters (u, v) of the surface, from `min` to `max`. Two sheets.
     Parameters {
         /// Smallest parameters.
@@ -33,7 +33,7 @@ pub enum Chart {
     Projections(Bounds3),
 }
 
-impl Chart {
+impl ShapeParameterization {
     /// Of a whole surface.
     pub(crate) fn of(surface: &Surface) -> Self {
         match surface {
@@ -87,7 +87,7 @@ impl Chart {
         }
     }
 
-    /// Sheet of a place, less than [`Chart::sheets`], and the two numbers in [0, 1] there. Places outside are moved to the border.
+    /// Sheet of a place, less than [`ShapeParameterization::sheets`], and the two numbers in [0, 1] there. Places outside are moved to the border.
     #[must_use]
     pub fn locate(&self, at: &Interaction) -> (u32, DVec2) {
         match self {
@@ -96,7 +96,7 @@ impl Chart {
                 (u32::from(back), share(at.point.uv, *min, *max))
             }
             Self::Projections(bounds) => {
-                let OwnPlace { position, normal_to_viewer: normal } = at.own;
+                let LocalPoint { position, normal_to_viewer: normal } = at.own;
                 let axis = nearest_axis(normal);
                 let sheet = 2 * axis as u32 + u32::from(normal[axis] < 0.0);
                 let plane = |v: DVec3| DVec2::new(v[(axis + 1) % 3], v[(axis + 2) % 3]);
@@ -147,7 +147,7 @@ mod tests {
     fn located(scene: &Scene, from: [f64; 3], to: [f64; 3]) -> (u32, DVec2) {
         let (from, to) = (DVec3::from(from), DVec3::from(to));
         let hit = scene.intersect(&Ray::new(from, (to - from).normalize()), f64::INFINITY).unwrap();
-        scene.charts()[hit.id as usize].unwrap().locate(&hit)
+        scene.parameterizations()[hit.id as usize].unwrap().locate(&hit)
     }
 
     #[test]
@@ -202,8 +202,10 @@ mod tests {
             ShapeDescription::mesh(positions, vec![[0, 1, 2], [0, 2, 3]])
         };
         let scene = scene([wall(0.0), wall(7.0)]);
-        let boxes: Vec<_> = scene.charts();
-        let of = |x| Chart::Projections(Bounds3::new(DVec3::new(x, 0.0, 0.0), DVec3::new(x, 2.0, 4.0)));
+        let boxes: Vec<_> = scene.parameterizations();
+        let of = |x| {
+            ShapeParameterization::Projections(Bounds3::new(DVec3::new(x, 0.0, 0.0), DVec3::new(x, 2.0, 4.0)))
+        };
         assert_eq!(boxes, [Some(of(0.0)), Some(of(7.0))]);
         // Both triangles of a wall are one sheet, its sides are two.
         assert_eq!(located(&scene, [5.0, 1.5, 1.0], [9.0, 1.5, 1.0]), (1, DVec2::new(0.75, 0.25)));
