@@ -1,7 +1,7 @@
-//! CIE tables: the 1931 colour matching functions, daylight 65 and the light of a tungsten lamp.
+//! CIE tables: the colour matching functions of 1931 and the standard illuminants D65 and A.
 //!
-//! All tables run from [`FIRST_NM`] to [`LAST_NM`] in steps of [`STEP_NM`] and are read as piecewise linear between
-//! their entries. Source: CIE 015:2018 (@cie015), tables 1, 5 and 6, as distributed with the Python package
+//! All tables run from [`FIRST_NM`] to [`LAST_NM`] in steps of [`STEP_NM`] and are interpolated
+//! linearly. Source: CIE 015:2018 (@cie015), tables 1, 5 and 6, as distributed with the Python package
 //! `colour-science` 0.4.7; the illuminants end there at 780 nm and are continued to 830 nm (D65: CIE 015:2018,
 //! table 6 gives these entries; A: Planck's law at 2848 K with c2 = 0.01435, by which it is defined).
 
@@ -171,7 +171,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn integral_of_the_luminosity_function_is_the_stated_one() {
+    fn sum_over_the_luminosity_function_is_its_stated_integral() {
         let sum: f64 = OBSERVER.windows(2).map(|w| 0.5 * STEP_NM * (w[0][1] + w[1][1])).sum();
         assert!((sum - Y_INTEGRAL).abs() < 1e-6, "{sum}");
         // The sum of the official 1 nm table is 106.856895 nm.
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn tables_are_read_linearly_and_end_at_their_ends() {
+    fn tables_are_linear_between_entries_and_zero_outside() {
         assert_eq!(observer(555.0), OBSERVER[39]);
         assert_eq!(observer(830.0), OBSERVER[94]);
         assert_eq!(observer(359.9), [0.0; 3]);

@@ -1,15 +1,13 @@
-//! How far a picture is from a reference.
-//!
-//! [`compare`] gives the errors that are defined pixel by pixel, in one pass; [`crate::flip`] the visible ones.
+//! Errors of a picture against a reference, pixel by pixel; [`crate::flip`] has the visible ones.
 
 use crate::pixels::Pixels;
 
-/// Why two pictures cannot be compared.
+/// Errors of comparing two pictures.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CompareError {
     /// The pictures differ in size.
-    #[error("a picture of {} x {} pixels cannot be compared with one of {} x {}", test.0, test.1, reference.0, reference.1)]
+    #[error("the picture has {} x {} pixels, the reference {} x {}; they must be equal", test.0, test.1, reference.0, reference.1)]
     Size {
         /// Width and height of the picture under test.
         test: (u32, u32),
@@ -17,41 +15,45 @@ pub enum CompareError {
         reference: (u32, u32),
     },
     /// One of the pictures has neither the channels R, G, B nor the channel Y.
-    #[error("a picture without the channels R, G, B or Y has no colours to compare")]
+    #[error("a picture has no channels R, G and B; these or Y are needed")]
     NoColour,
     /// No pixel is finite in both pictures.
-    #[error("no pixel is finite in both pictures")]
+    #[error("no pixel is finite in both pictures; at least one is needed")]
     NothingFinite,
-    /// Pixels per degree that are not positive and finite.
-    #[error("a resolution of {0} pixels per degree cannot be seen")]
+    /// Pixels per degree of the eye's field that are not positive or above a million.
+    #[error("the resolution is {0} pixels per degree; it must be positive and at most 1000000")]
     Resolution(f64),
 }
 
 /// The colours of a picture.
-pub(crate) struct Colours {
+pub(crate) struct PictureColours {
     pub(crate) size: (u32, u32),
     pub(crate) rgb: Vec<[f32; 3]>,
 }
 
 /// Colours of the picture under test and of the reference.
-pub(crate) fn rgb_pair(test: &Pixels, reference: &Pixels) -> Result<(Colours, Colours), CompareError> {
+pub(crate) fn rgb_pair(
+    test: &Pixels,
+    reference: &Pixels,
+) -> Result<(PictureColours, PictureColours), CompareError> {
     let size = |p: &Pixels| (p.width(), p.height());
     if size(test) != size(reference) {
         return Err(CompareError::Size { test: size(test), reference: size(reference) });
     }
-    let colours =
-        |p: &Pixels| p.to_rgb().map(|rgb| Colours { size: size(p), rgb }).ok_or(CompareError::NoColour);
+    let colours = |p: &Pixels| {
+        p.to_rgb().map(|rgb| PictureColours { size: size(p), rgb }).ok_or(CompareError::NoColour)
+    };
     Ok((colours(test)?, colours(reference)?))
 }
 
 /// Errors of a picture against a reference, over the R, G and B of all pixels that are finite in both.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Comparison {
+pub struct PictureComparison {
     /// Pixels that were compared.
     pub compared: usize,
-    /// Pixels left out because the picture under test is infinite or not a number there.
+    /// Pixels left out because the picture under test is infinite or NaN there.
     pub excluded_test: usize,
-    /// Pixels left out because the reference is so there, and the picture under test is not.
+    /// Pixels left out because only the reference is infinite or NaN there.
     pub excluded_reference: usize,
     /// Square root of the mean squared error.
     pub rmse: f64,
@@ -64,8 +66,8 @@ pub struct Comparison {
     pub max_error: f64,
     /// Column and row of the first pixel with it.
     pub max_at: (u32, u32),
-    /// As `rmse`, after all values above 1 have been set to 1 in both pictures: errors in light that a display shows
-    /// as white anyhow do not count (@pietrek2001 section 3.4.1.2).
+    /// `rmse` with the values above 1 set to 1 in both pictures: errors in light that a display shows as white do not
+    /// count (@pietrek2001 section 3.4.1.2).
     pub clipped_rmse: f64,
     /// Mean of each channel of the picture under test.
     pub mean_test: [f64; 3],
@@ -77,14 +79,14 @@ pub struct Comparison {
 pub const RELATIVE_EPSILON: f64 = 0.01;
 
 /// Compares `test` with `reference`. `epsilon` (positive, usually [`RELATIVE_EPSILON`]) keeps `relative_mse` finite
-/// where the reference is dark; it is in units of squared light.
+/// where the reference is dark; its unit is that of the values, squared.
 ///
 /// # Errors
 /// [`CompareError::Size`], [`CompareError::NoColour`] or [`CompareError::NothingFinite`].
-pub fn compare(test: &Pixels, reference: &Pixels, epsilon: f64) -> Result<Comparison, CompareError> {
+pub fn compare(test: &Pixels, reference: &Pixels, epsilon: f64) -> Result<PictureComparison, CompareError> {
     let width = test.width() as usize;
     let (test, reference) = rgb_pair(test, reference)?;
-    let mut sums = Sums::default();
+    let mut sums = ErrorSums::default();
     for (i, (t, r)) in test.rgb.iter().zip(&reference.rgb).enumerate() {
         if !t.iter().all(|v| v.is_finite()) {
             sums.excluded_test += 1;
@@ -99,7 +101,7 @@ pub fn compare(test: &Pixels, reference: &Pixels, epsilon: f64) -> Result<Compar
     }
     let pixels = sums.compared as f64;
     let values = 3.0 * pixels;
-    Ok(Comparison {
+    Ok(PictureComparison {
         compared: sums.compared,
         excluded_test: sums.excluded_test,
         excluded_reference: sums.excluded_reference,
@@ -114,8 +116,9 @@ pub fn compare(test: &Pixels, reference: &Pixels, epsilon: f64) -> Result<Compar
     })
 }
 
+/// Sums of the errors and values of the compared pixels.
 #[derive(Default)]
-struct Sums {
+struct ErrorSums {
     compared: usize,
     excluded_test: usize,
     excluded_reference: usize,
@@ -129,7 +132,7 @@ struct Sums {
     reference: [f64; 3],
 }
 
-impl Sums {
+impl ErrorSums {
     fn add(&mut self, index: usize, test: [f64; 3], reference: [f64; 3], epsilon: f64) {
         if self.compared == 0 {
             self.max_at = index;
@@ -161,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_of_two_pixels_are_those_computed_by_hand() {
+    fn errors_of_two_pixels_equal_those_computed_by_hand() {
         let reference = picture(&[[0.0, 1.0, 2.0], [0.5, 0.5, 4.0]]);
         let test = picture(&[[0.5, 1.0, 1.0], [0.5, 0.25, 8.0]]);
         let found = compare(&test, &reference, 0.01).unwrap();
@@ -201,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_of_other_sizes_or_without_colour_are_refused() {
+    fn pictures_of_different_sizes_or_without_colour_are_refused() {
         let one = picture(&[[0.0; 3]]);
         let two = picture(&[[0.0; 3]; 2]);
         assert_eq!(compare(&one, &two, 0.01), Err(CompareError::Size { test: (1, 1), reference: (2, 1) }));

@@ -1,4 +1,4 @@
-//! What a scene says about a spectrum, and what becomes of it along a path.
+//! Spectra as functions of the wavelength, as scene descriptions give them.
 
 use std::sync::Arc;
 
@@ -6,15 +6,15 @@ use crate::cie;
 use crate::rgb::{XYZ_TO_RGB, luminance, xyz_to_rgb};
 use crate::spectrum::{Spectrum, Wavelengths};
 
-/// Why numbers do not make a spectrum.
+/// Errors of making spectra.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum DistributionError {
+pub enum SpectrumError {
     /// No sample was given.
-    #[error("a sampled spectrum needs at least one sample")]
+    #[error("a sampled spectrum has no samples; at least one is needed")]
     Empty,
-    /// A wavelength or a value is infinite or not a number.
-    #[error("sample {index} of a spectrum ({nm} nm, {value}) is not finite")]
+    /// A wavelength or a value is infinite or NaN.
+    #[error("sample {index} of a spectrum is {value} at {nm} nm; both must be finite")]
     NotFinite {
         /// Counted from zero.
         index: usize,
@@ -24,7 +24,9 @@ pub enum DistributionError {
         value: f32,
     },
     /// A wavelength is not above the one before it.
-    #[error("wavelengths must ascend: sample {index} is at {nm} nm, the one before at {before} nm")]
+    #[error(
+        "sample {index} of a spectrum is at {nm} nm, the one before at {before} nm; wavelengths must ascend"
+    )]
     Order {
         /// Counted from zero.
         index: usize,
@@ -33,35 +35,35 @@ pub enum DistributionError {
         /// The wavelength before, nm.
         before: f32,
     },
-    /// A temperature that is not positive and finite.
-    #[error("a black body of {0} K does not exist")]
+    /// The temperature of a black body is not positive and finite.
+    #[error("the temperature of a black body is {0} K; it must be positive and finite")]
     Temperature(f32),
-    /// A factor that is not finite.
-    #[error("a spectrum cannot be scaled by {0}")]
+    /// The scale of a black body is not finite.
+    #[error("the scale of a black body is {0}; it must be finite")]
     Scale(f32),
 }
 
 /// Values at ascending wavelengths, linear between them, constant beyond the first and the last.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Samples(Arc<[(f32, f32)]>);
+pub struct SpectralSamples(Arc<[(f32, f32)]>);
 
-impl Samples {
+impl SpectralSamples {
     /// `points`: wavelength in nm and value, at least one, wavelengths ascending.
     ///
     /// # Errors
-    /// [`DistributionError::Empty`], [`DistributionError::NotFinite`] or [`DistributionError::Order`].
-    pub fn try_new(points: impl Into<Arc<[(f32, f32)]>>) -> Result<Self, DistributionError> {
+    /// [`SpectrumError::Empty`], [`SpectrumError::NotFinite`] or [`SpectrumError::Order`].
+    pub fn try_new(points: impl Into<Arc<[(f32, f32)]>>) -> Result<Self, SpectrumError> {
         let points = points.into();
         if points.is_empty() {
-            return Err(DistributionError::Empty);
+            return Err(SpectrumError::Empty);
         }
         let mut before = f32::NEG_INFINITY;
         for (index, &(nm, value)) in points.iter().enumerate() {
             if !nm.is_finite() || !value.is_finite() {
-                return Err(DistributionError::NotFinite { index, nm, value });
+                return Err(SpectrumError::NotFinite { index, nm, value });
             }
             if nm <= before {
-                return Err(DistributionError::Order { index, nm, before });
+                return Err(SpectrumError::Order { index, nm, before });
             }
             before = nm;
         }
@@ -97,33 +99,33 @@ impl Samples {
     /// Every value times `factor`.
     ///
     /// # Errors
-    /// [`DistributionError::NotFinite`] if a product does not fit.
-    pub fn scaled(&self, factor: f32) -> Result<Self, DistributionError> {
+    /// [`SpectrumError::NotFinite`] if a product is out of the range of `f32`.
+    pub fn scaled(&self, factor: f32) -> Result<Self, SpectrumError> {
         Self::try_new(self.0.iter().map(|&(w, v)| (w, v * factor)).collect::<Arc<[_]>>())
     }
 }
 
-/// A spectrum as a scene description states it, before anybody has said at which wavelengths light is carried.
+/// A function of the wavelength, independent of the [`Wavelengths`] at which a path carries light.
 ///
-/// Three questions can be asked of it: what it is as a reflectance ([`reflectance`](Self::reflectance)), as emitted
-/// light ([`radiance`](Self::radiance)) and as any other quantity of the wavelength, such as an index of refraction
-/// ([`unbounded`](Self::unbounded)). The answers for the RGB bands differ: a reflectance is what daylight makes of it.
+/// It becomes a [`Spectrum`] as a reflectance ([`reflectance`](Self::reflectance)), as emitted light
+/// ([`radiance`](Self::radiance)) or as any other quantity, such as an index of refraction
+/// ([`unbounded`](Self::unbounded)). Their RGB values differ: those of a reflectance are measured under daylight.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SpectralDistribution {
-    /// The same in every band: grey as a reflectance, white (D65) as light.
+    /// The same value at every wavelength: grey as a reflectance, white (D65) as light.
     Constant(f32),
     /// Linear Rec. 709 red, green and blue.
     Rgb([f32; 3]),
     /// The light of a black body.
     Blackbody {
-        /// Temperature, K. Not positive: no light.
+        /// Temperature, K; no light unless it is positive.
         kelvin: f32,
         /// Value at the wavelength where the spectrum peaks.
         scale: f32,
     },
     /// Values at wavelengths.
-    Sampled(Samples),
+    Sampled(SpectralSamples),
 }
 
 impl Default for SpectralDistribution {
@@ -146,25 +148,25 @@ impl From<[f32; 3]> for SpectralDistribution {
 }
 
 impl SpectralDistribution {
-    /// A sampled spectrum; see [`Samples::try_new`].
+    /// A sampled spectrum; see [`SpectralSamples::try_new`].
     ///
     /// # Errors
-    /// Those of [`Samples::try_new`].
-    pub fn try_sampled(points: impl Into<Arc<[(f32, f32)]>>) -> Result<Self, DistributionError> {
-        Samples::try_new(points).map(Self::Sampled)
+    /// Those of [`SpectralSamples::try_new`].
+    pub fn try_sampled(points: impl Into<Arc<[(f32, f32)]>>) -> Result<Self, SpectrumError> {
+        SpectralSamples::try_new(points).map(Self::Sampled)
     }
 
     /// The light of a black body of `kelvin`, with the value `scale` where it peaks.
     ///
     /// # Errors
-    /// [`DistributionError::Temperature`] unless `kelvin` is positive and finite, [`DistributionError::Scale`] unless
+    /// [`SpectrumError::Temperature`] unless `kelvin` is positive and finite, [`SpectrumError::Scale`] unless
     /// `scale` is finite.
-    pub fn try_blackbody(kelvin: f32, scale: f32) -> Result<Self, DistributionError> {
+    pub fn try_blackbody(kelvin: f32, scale: f32) -> Result<Self, SpectrumError> {
         if !(kelvin > 0.0 && kelvin.is_finite()) {
-            return Err(DistributionError::Temperature(kelvin));
+            return Err(SpectrumError::Temperature(kelvin));
         }
         if !scale.is_finite() {
-            return Err(DistributionError::Scale(scale));
+            return Err(SpectrumError::Scale(scale));
         }
         Ok(Self::Blackbody { kelvin, scale })
     }
@@ -179,8 +181,8 @@ impl SpectralDistribution {
 
     /// A quantity without upper bound, such as an index of refraction or an absorption.
     ///
-    /// In RGB as [`reflectance`](Self::reflectance), but only kept inside the range of the samples: the bands of
-    /// Rec. 709 weigh some wavelengths negatively, which must not make an index negative.
+    /// In RGB as [`reflectance`](Self::reflectance), but clamped to the range of the samples instead of [0, 1]: the
+    /// bands of Rec. 709 have negative weights at some wavelengths, which must not make an index negative.
     #[must_use]
     pub fn unbounded(&self, wavelengths: &Wavelengths) -> Spectrum {
         match wavelengths {
@@ -199,15 +201,15 @@ impl SpectralDistribution {
         }
     }
 
-    /// Emitted light, in the unit of its values (per metre squared, per steradian, ... as the light has it).
+    /// Emitted light, in the unit of the values.
     ///
     /// In RGB the colour that the CIE 1931 observer sees, as linear Rec. 709, divided by the integral of the
     /// luminosity function: light of the value 1 at every wavelength has the luminance 1. Components may be negative
     /// where a pure colour lies outside Rec. 709.
     ///
     /// # Source
-    /// @pbrt3 section 5.2.2 (`FromSampled`); departure: spectrum times observer is integrated exactly as the
-    /// piecewise linear functions that they are.
+    /// @pbrt3 section 5.2.2 (`FromSampled`); departure: the product of spectrum and observer, both piecewise linear, is
+    /// integrated exactly.
     #[must_use]
     pub fn radiance(&self, wavelengths: &Wavelengths) -> Spectrum {
         match wavelengths {
@@ -247,13 +249,13 @@ impl SpectralDistribution {
     }
 }
 
-/// Planck's law over its value at `peak_nm`. A body so cold that neither is a number sends no light.
+/// Planck's law over its value at `peak_nm`; 0 for a body so cold that both underflow.
 fn blackbody(nm: f64, kelvin: f32, peak_nm: f64) -> f64 {
     let ratio = planck(nm, f64::from(kelvin)) / planck(peak_nm, f64::from(kelvin));
     if ratio.is_finite() { ratio } else { 0.0 }
 }
 
-/// Wien's displacement law (@codata2018), nm; infinite when there is no temperature.
+/// Wien's displacement law (@codata2018), nm; infinite for a temperature that is not positive.
 fn blackbody_peak_nm(kelvin: f32) -> f64 {
     if kelvin > 0.0 { 2.897_771_955e6 / f64::from(kelvin) } else { f64::INFINITY }
 }
@@ -264,7 +266,7 @@ fn planck(nm: f64, kelvin: f64) -> f64 {
     1.0 / (nm.powi(5) * x.exp_m1())
 }
 
-/// `f` as seen in the three Rec. 709 bands under D65, each band normalised to give 1 for 1.
+/// Means of `f` in the three Rec. 709 bands under D65.
 fn under_daylight(f: impl Fn(f64) -> f64, knots: &[(f32, f32)]) -> [f64; 3] {
     let weight = |nm: f64| {
         let daylight = cie::d65(nm);
@@ -358,7 +360,7 @@ mod tests {
     }
 
     #[test]
-    fn black_body_colours_are_those_of_the_planckian_locus() {
+    fn black_body_colours_lie_on_the_planckian_locus() {
         // Temperature and (x, y) of the Planckian locus, Wyszecki and Stiles (1982), table 1(3.11), rounded; with
         // c2 = 1.4388e-2 m K.
         for (kelvin, x, y) in [(2856.0, 0.4475, 0.4074), (5000.0, 0.3451, 0.3516), (6500.0, 0.3135, 0.3237)] {
@@ -379,18 +381,18 @@ mod tests {
     }
 
     #[test]
-    fn black_body_without_temperature_is_dark() {
+    fn black_body_at_absolute_zero_is_dark() {
         for kelvin in [0.0, -5.0, f32::NAN, 1e-30, 1e-3] {
             let body = SpectralDistribution::Blackbody { kelvin, scale: 1.0 };
             assert_eq!(body.radiance(&RGB), Spectrum::BLACK, "{kelvin}");
         }
-        assert_eq!(SpectralDistribution::try_blackbody(0.0, 1.0), Err(DistributionError::Temperature(0.0)));
+        assert_eq!(SpectralDistribution::try_blackbody(0.0, 1.0), Err(SpectrumError::Temperature(0.0)));
         assert!(SpectralDistribution::try_blackbody(f32::NAN, 1.0).is_err());
         assert!(SpectralDistribution::try_blackbody(3000.0, f32::INFINITY).is_err());
     }
 
     #[test]
-    fn narrow_spike_between_two_table_entries_is_not_missed() {
+    fn narrow_spike_between_two_table_entries_is_integrated() {
         // A triangle of width 2 nm and height 1 at 552.5 nm has area 1; the observer is (almost) constant there.
         let spike =
             SpectralDistribution::try_sampled(vec![(551.5, 0.0), (552.5, 1.0), (553.5, 0.0)]).unwrap();
@@ -400,7 +402,7 @@ mod tests {
 
     #[test]
     fn sampled_spectrum_is_linear_between_and_constant_beyond_its_samples() {
-        let samples = Samples::try_new(vec![(400.0, 1.0), (500.0, 3.0)]).unwrap();
+        let samples = SpectralSamples::try_new(vec![(400.0, 1.0), (500.0, 3.0)]).unwrap();
         for (nm, value) in [(300.0, 1.0), (400.0, 1.0), (425.0, 1.5), (500.0, 3.0), (900.0, 3.0)] {
             assert_eq!(samples.at(nm), value);
         }
@@ -410,16 +412,16 @@ mod tests {
 
     #[test]
     fn unordered_and_infinite_samples_are_refused() {
-        assert_eq!(Samples::try_new(vec![]), Err(DistributionError::Empty));
+        assert_eq!(SpectralSamples::try_new(vec![]), Err(SpectrumError::Empty));
         assert_eq!(
-            Samples::try_new(vec![(500.0, 1.0), (500.0, 1.0)]),
-            Err(DistributionError::Order { index: 1, nm: 500.0, before: 500.0 })
+            SpectralSamples::try_new(vec![(500.0, 1.0), (500.0, 1.0)]),
+            Err(SpectrumError::Order { index: 1, nm: 500.0, before: 500.0 })
         );
         assert!(matches!(
-            Samples::try_new(vec![(500.0, f32::NAN)]),
-            Err(DistributionError::NotFinite { index: 0, .. })
+            SpectralSamples::try_new(vec![(500.0, f32::NAN)]),
+            Err(SpectrumError::NotFinite { index: 0, .. })
         ));
-        assert!(Samples::try_new(vec![(f32::INFINITY, 1.0)]).is_err());
+        assert!(SpectralSamples::try_new(vec![(f32::INFINITY, 1.0)]).is_err());
     }
 
     #[test]

@@ -1,12 +1,12 @@
-//! FLIP: how visible the difference between two pictures is to a person who flips between them.
+//! FLIP: the visibility of the differences between two pictures to a viewer who flips between them.
 //!
-//! [`ldr`] compares what a display shows (light from 0 to 1); [`hdr`] compares scene light by showing both pictures at
-//! every exposure at which the reference has something to see, and taking the worst. Both give a map of errors between
-//! 0 (no visible difference) and 1 and its mean.
+//! [`ldr`] compares display light (0 to 1); [`hdr`] compares scene light: it shows both pictures over the range of
+//! exposures of the reference and takes the largest error of each pixel. Both give a map of errors between 0 (no visible
+//! difference) and 1, and its mean.
 //!
 //! # Source
 //! @andersson2020 (LDR), @andersson2021 (HDR); constants and the filmic display curve are those of the authors'
-//! program, version 1.7, whose numbers the tests hold this code to.
+//! program, version 1.7, whose results the tests compare with.
 
 mod colour;
 mod filter;
@@ -21,13 +21,13 @@ pub const PIXELS_PER_DEGREE: f64 = 3840.0 * std::f64::consts::PI / 180.0;
 
 /// Exponent on the colour difference.
 const COLOUR_EXPONENT: f64 = 0.7;
-/// Share of the largest colour difference that is mapped to `KNEE_ERROR`.
+/// Fraction of the largest colour difference that is mapped to `KNEE_ERROR`.
 const KNEE: f64 = 0.4;
 /// Error at the knee.
 const KNEE_ERROR: f64 = 0.95;
 /// Exponent on the difference of edges and points.
 const FEATURE_EXPONENT: f64 = 0.5;
-/// Display value that the median (and the maximum) of the reference is exposed to.
+/// Display value of the median of the reference at the highest exposure, and of its maximum at the lowest.
 const TARGET: f64 = 0.85;
 
 /// Errors of a picture, pixel by pixel.
@@ -45,43 +45,43 @@ pub struct FlipMap {
     pub exposures: Vec<f64>,
 }
 
-/// Compares pictures of display light. Channels are clipped to [0, 1]; what is not a number counts as 0.
-/// `pixels_per_degree`: resolution as seen, see [`PIXELS_PER_DEGREE`].
+/// Compares pictures of display light. Channels are clipped to [0, 1]; NaN counts as 0.
+/// `pixels_per_degree`: resolution for the viewer, see [`PIXELS_PER_DEGREE`].
 ///
 /// # Errors
-/// [`CompareError::Size`], [`CompareError::NoColour`] or, if `pixels_per_degree` is not positive and finite,
-/// [`CompareError::Resolution`].
+/// [`CompareError::Size`], [`CompareError::NoColour`] or, if `pixels_per_degree` is not positive or
+/// above a million, [`CompareError::Resolution`].
 pub fn ldr(test: &Pixels, reference: &Pixels, pixels_per_degree: f64) -> Result<FlipMap, CompareError> {
     let (test, reference) = rgb_pair(test, reference)?;
-    let comparison = Comparison::try_new(reference.size, pixels_per_degree)?;
+    let evaluator = FlipEvaluator::try_new(reference.size, pixels_per_degree)?;
     let shown = |rgb: &[[f32; 3]]| rgb.iter().map(|p| p.map(clip)).collect::<Vec<_>>();
-    let errors = comparison.errors(&shown(&test.rgb), &shown(&reference.rgb));
-    Ok(comparison.map(errors, vec![0.0]))
+    let errors = evaluator.errors(&shown(&test.rgb), &shown(&reference.rgb));
+    Ok(evaluator.map(errors, vec![0.0]))
 }
 
-/// Compares pictures of scene light. Negative light and what is not a number count as 0.
-/// `pixels_per_degree`: resolution as seen, see [`PIXELS_PER_DEGREE`].
+/// Compares pictures of scene light. Negative light and NaN count as 0.
+/// `pixels_per_degree`: resolution for the viewer, see [`PIXELS_PER_DEGREE`].
 ///
 /// The exposures run from the one that shows the brightest pixel of the reference just below white to the one that
-/// shows its median so. Departure: where the median is black, the median of the pixels that are not is taken; a black
+/// does so with its median. Departure: if the median is black, that of the pixels that are not black is taken; a black
 /// reference is compared at exposure 0.
 ///
 /// # Errors
 /// As [`ldr`].
 pub fn hdr(test: &Pixels, reference: &Pixels, pixels_per_degree: f64) -> Result<FlipMap, CompareError> {
     let (test, reference) = rgb_pair(test, reference)?;
-    let comparison = Comparison::try_new(reference.size, pixels_per_degree)?;
+    let evaluator = FlipEvaluator::try_new(reference.size, pixels_per_degree)?;
     let exposures = exposures(&reference.rgb);
     let mut worst = vec![0.0_f32; reference.rgb.len()];
     for &stops in &exposures {
         let gain = stops.exp2();
         let shown = |rgb: &[[f32; 3]]| rgb.iter().map(|p| p.map(|x| display(x, gain))).collect::<Vec<_>>();
-        let errors = comparison.errors(&shown(&test.rgb), &shown(&reference.rgb));
+        let errors = evaluator.errors(&shown(&test.rgb), &shown(&reference.rgb));
         for (worst, error) in worst.iter_mut().zip(errors) {
             *worst = worst.max(error);
         }
     }
-    Ok(comparison.map(worst, exposures))
+    Ok(evaluator.map(worst, exposures))
 }
 
 fn clip(x: f32) -> f64 {
@@ -91,7 +91,7 @@ fn clip(x: f32) -> f64 {
 /// Coefficients of the filmic display curve (a x^2 + b x) / (c x^2 + d x + e), @narkowicz2016 with input times 0.6.
 const FILMIC: [f64; 5] = [0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14];
 
-/// What a display shows of `x` at the exposure `gain`.
+/// Display light of scene light `x` at the exposure `gain`.
 fn display(x: f32, gain: f64) -> f64 {
     let [a, b, c, d, e] = FILMIC;
     let x = if x > 0.0 { f64::from(x.min(f32::MAX)) * gain } else { 0.0 };
@@ -131,8 +131,8 @@ fn exposures(reference: &[[f32; 3]]) -> Vec<f64> {
     (0..count).map(|i| start + (stop - start) * i as f64 / (count - 1) as f64).collect()
 }
 
-/// What comparing two pictures of one size needs.
-struct Comparison {
+/// FLIP of pictures of one size at one resolution.
+struct FlipEvaluator {
     width: usize,
     height: usize,
     /// Kernels of the contrast sensitivity: Y, Cx, and two whose results add up to Cz.
@@ -143,7 +143,7 @@ struct Comparison {
     largest: f64,
 }
 
-impl Comparison {
+impl FlipEvaluator {
     fn try_new((width, height): (u32, u32), pixels_per_degree: f64) -> Result<Self, CompareError> {
         // Beyond this a kernel would be wider than any picture.
         if !(pixels_per_degree > 0.0 && pixels_per_degree <= 1e6) {
@@ -160,6 +160,7 @@ impl Comparison {
         })
     }
 
+    /// The map of `errors` with their mean.
     fn map(&self, errors: Vec<f32>, exposures: Vec<f64>) -> FlipMap {
         let mean = errors.iter().map(|&e| f64::from(e)).sum::<f64>() / errors.len() as f64;
         FlipMap { width: self.width as u32, height: self.height as u32, errors, mean, exposures }
@@ -178,7 +179,7 @@ impl Comparison {
         colour.zip(feature).map(|(colour, feature)| colour.powf(1.0 - feature) as f32).collect()
     }
 
-    /// Colours as seen from the distance, in L*a*b* with the Hunt effect.
+    /// Colours after the eye's blur, in L*a*b* with the Hunt effect.
     fn perceived(&self, [y, cx, cz]: &[Vec<f32>; 3]) -> Vec<[f64; 3]> {
         let blur = |plane: &[f32], kernel: &Kernel| blur(plane, self.width, self.height, kernel, kernel);
         let [ky, kx, kz1, kz2] = &self.spatial;

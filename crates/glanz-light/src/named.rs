@@ -1,8 +1,8 @@
-//! Spectra that a scene may call by name: metals, glasses, illuminants.
+//! Spectra with a name: metals, glasses, illuminants.
 //!
 //! The names are those of pbrt-v4 (@pbrt4, file format, "spectrum" parameters). The values are published measurements,
-//! not always the ones that pbrt has: where pbrt's source is not stated, the published data closest to it were taken.
-//! Normal reflectances of the metals then agree with pbrt's to 0.04.
+//! not always those of pbrt: where pbrt does not state its source, the closest published data are taken. Normal
+//! reflectances of the metals agree with pbrt's to 0.04.
 //!
 //! ```
 //! use glanz_light::{named, Wavelengths};
@@ -18,23 +18,24 @@ mod illuminants;
 mod metals;
 
 use crate::cie;
-use crate::distribution::{DistributionError, Samples, SpectralDistribution};
+use crate::distribution::{SpectralDistribution, SpectralSamples, SpectrumError};
 
-/// Where the values of a name come from.
+/// Source of the values of a named spectrum.
 #[derive(Clone, Copy)]
-enum Source {
+enum SpectrumSource {
     /// Index of refraction in a table of nm, eta, k.
     Eta(&'static [[f32; 3]]),
-    /// Absorption in such a table.
+    /// Absorption in a table of nm, eta, k.
     K(&'static [[f32; 3]]),
-    /// Index from a formula.
-    Formula(&'static Formula),
+    /// Index of refraction by a formula.
+    Formula(&'static DispersionFormula),
     /// No absorption in the visible range.
     Clear,
-    /// Equally spaced values, brought to luminance 1.
+    /// Equally spaced values, scaled to luminance 1.
     Illuminant(Illuminant),
 }
 
+/// Standard illuminants of the CIE, and D60 of ACES.
 #[derive(Clone, Copy)]
 enum Illuminant {
     A,
@@ -45,16 +46,16 @@ enum Illuminant {
     F(usize),
 }
 
-/// n^2 = a + sum b w^2 / (w^2 - c), w the wavelength in micrometres, inside a range of nm.
-struct Formula {
+/// n^2 = a + sum b w^2 / (w^2 - c), w the wavelength in micrometres, within a range.
+struct DispersionFormula {
     a: f64,
     /// Pairs b, c.
     terms: [(f64, f64); 3],
-    /// The range that the source gives for it, nm; beyond it the value at its end is taken.
+    /// Validity range of the source, nm; beyond it the index is constant.
     range: (f64, f64),
 }
 
-impl Formula {
+impl DispersionFormula {
     /// Schott's form, a = 1 (@schott2017).
     const fn sellmeier(b: [f64; 3], c: [f64; 3], first_nm: f64) -> Self {
         Self { a: 1.0, terms: [(b[0], c[0]), (b[1], c[1]), (b[2], c[2])], range: (first_nm, 2500.0) }
@@ -66,37 +67,37 @@ impl Formula {
     }
 }
 
-static N_BK7: Formula = Formula::sellmeier(
+static N_BK7: DispersionFormula = DispersionFormula::sellmeier(
     [1.039_612_12, 0.231_792_344, 1.010_469_45],
     [0.006_000_698_67, 0.020_017_914_4, 103.560_653],
     300.0,
 );
-static N_BAF10: Formula = Formula::sellmeier(
+static N_BAF10: DispersionFormula = DispersionFormula::sellmeier(
     [1.585_149_5, 0.143_559_385, 1.085_212_69],
     [0.009_266_812_82, 0.042_448_980_5, 105.613_573],
     350.0,
 );
-static N_FK51A: Formula = Formula::sellmeier(
+static N_FK51A: DispersionFormula = DispersionFormula::sellmeier(
     [0.971_247_817, 0.216_901_417, 0.904_651_666],
     [0.004_723_019_95, 0.015_357_561_2, 168.681_33],
     290.0,
 );
-static N_LASF9: Formula = Formula::sellmeier(
+static N_LASF9: DispersionFormula = DispersionFormula::sellmeier(
     [2.000_295_47, 0.298_926_886, 1.806_918_43],
     [0.012_142_601_7, 0.053_873_623_6, 156.530_829],
     365.0,
 );
-static N_SF5: Formula = Formula::sellmeier(
+static N_SF5: DispersionFormula = DispersionFormula::sellmeier(
     [1.524_818_89, 0.187_085_527, 1.427_290_15],
     [0.011_254_756, 0.058_899_539_2, 129.141_675],
     370.0,
 );
-static N_SF10: Formula = Formula::sellmeier(
+static N_SF10: DispersionFormula = DispersionFormula::sellmeier(
     [1.621_539_02, 0.256_287_842, 1.644_475_52],
     [0.012_224_145_7, 0.059_573_677_5, 147.468_793],
     380.0,
 );
-static N_SF11: Formula = Formula::sellmeier(
+static N_SF11: DispersionFormula = DispersionFormula::sellmeier(
     [1.737_596_95, 0.313_747_346, 1.898_781_01],
     [0.013_188_707, 0.062_306_814_2, 155.236_29],
     370.0,
@@ -104,88 +105,88 @@ static N_SF11: Formula = Formula::sellmeier(
 
 /// Magnesium oxide, @stephens1952: n^2 = 2.957019 + 0.0216485 / (w^2 - 0.015865) - 0.0101373 w^2. Written with
 /// b / (w^2 - c) = (b / c) (w^2 / (w^2 - c) - 1), and the last term as one that is linear in w^2 over the range.
-static MGO: Formula = Formula {
+static MGO: DispersionFormula = DispersionFormula {
     a: 2.957_019 - 0.021_648_5 / 0.015_865,
     terms: [(0.021_648_5 / 0.015_865, 0.015_865), (0.010_137_3e6, 1e6), (0.0, 1.0)],
     range: (404.7, 767.9),
 };
 
 /// Rutile, extraordinary ray, @devore1951: n^2 = 7.197 + 0.3322 / (w^2 - 0.0843), written as for [`MGO`].
-static TIO2: Formula = Formula {
+static TIO2: DispersionFormula = DispersionFormula {
     a: 7.197 - 0.3322 / 0.0843,
     terms: [(0.3322 / 0.0843, 0.0843), (0.0, 1.0), (0.0, 1.0)],
     range: (430.0, 1530.0),
 };
 
-static TABLE: &[(&str, Source)] = &[
-    ("glass-BAF10", Source::Formula(&N_BAF10)),
-    ("glass-BK7", Source::Formula(&N_BK7)),
-    ("glass-F10", Source::Formula(&N_SF10)),
-    ("glass-F11", Source::Formula(&N_SF11)),
-    ("glass-F5", Source::Formula(&N_SF5)),
-    ("glass-FK51A", Source::Formula(&N_FK51A)),
-    ("glass-LASF9", Source::Formula(&N_LASF9)),
-    ("glass-SF10", Source::Formula(&N_SF10)),
-    ("glass-SF11", Source::Formula(&N_SF11)),
-    ("glass-SF5", Source::Formula(&N_SF5)),
-    ("illum-acesD60", Source::Illuminant(Illuminant::D60)),
-    ("metal-Ag-eta", Source::Eta(metals::SILVER)),
-    ("metal-Ag-k", Source::K(metals::SILVER)),
-    ("metal-Al-eta", Source::Eta(metals::ALUMINIUM)),
-    ("metal-Al-k", Source::K(metals::ALUMINIUM)),
-    ("metal-Au-eta", Source::Eta(metals::GOLD)),
-    ("metal-Au-k", Source::K(metals::GOLD)),
-    ("metal-Cu-eta", Source::Eta(metals::COPPER)),
-    ("metal-Cu-k", Source::K(metals::COPPER)),
-    ("metal-CuZn-eta", Source::Eta(metals::BRASS)),
-    ("metal-CuZn-k", Source::K(metals::BRASS)),
-    ("metal-MgO-eta", Source::Formula(&MGO)),
-    ("metal-MgO-k", Source::Clear),
-    ("metal-TiO2-eta", Source::Formula(&TIO2)),
-    ("metal-TiO2-k", Source::Clear),
-    ("stdillum-A", Source::Illuminant(Illuminant::A)),
-    ("stdillum-D50", Source::Illuminant(Illuminant::D50)),
-    ("stdillum-D65", Source::Illuminant(Illuminant::D65)),
-    ("stdillum-F1", Source::Illuminant(Illuminant::F(0))),
-    ("stdillum-F2", Source::Illuminant(Illuminant::F(1))),
-    ("stdillum-F3", Source::Illuminant(Illuminant::F(2))),
-    ("stdillum-F4", Source::Illuminant(Illuminant::F(3))),
-    ("stdillum-F5", Source::Illuminant(Illuminant::F(4))),
-    ("stdillum-F6", Source::Illuminant(Illuminant::F(5))),
-    ("stdillum-F7", Source::Illuminant(Illuminant::F(6))),
-    ("stdillum-F8", Source::Illuminant(Illuminant::F(7))),
-    ("stdillum-F9", Source::Illuminant(Illuminant::F(8))),
-    ("stdillum-F10", Source::Illuminant(Illuminant::F(9))),
-    ("stdillum-F11", Source::Illuminant(Illuminant::F(10))),
-    ("stdillum-F12", Source::Illuminant(Illuminant::F(11))),
+static NAMED_SPECTRA: &[(&str, SpectrumSource)] = &[
+    ("glass-BAF10", SpectrumSource::Formula(&N_BAF10)),
+    ("glass-BK7", SpectrumSource::Formula(&N_BK7)),
+    ("glass-F10", SpectrumSource::Formula(&N_SF10)),
+    ("glass-F11", SpectrumSource::Formula(&N_SF11)),
+    ("glass-F5", SpectrumSource::Formula(&N_SF5)),
+    ("glass-FK51A", SpectrumSource::Formula(&N_FK51A)),
+    ("glass-LASF9", SpectrumSource::Formula(&N_LASF9)),
+    ("glass-SF10", SpectrumSource::Formula(&N_SF10)),
+    ("glass-SF11", SpectrumSource::Formula(&N_SF11)),
+    ("glass-SF5", SpectrumSource::Formula(&N_SF5)),
+    ("illum-acesD60", SpectrumSource::Illuminant(Illuminant::D60)),
+    ("metal-Ag-eta", SpectrumSource::Eta(metals::SILVER)),
+    ("metal-Ag-k", SpectrumSource::K(metals::SILVER)),
+    ("metal-Al-eta", SpectrumSource::Eta(metals::ALUMINIUM)),
+    ("metal-Al-k", SpectrumSource::K(metals::ALUMINIUM)),
+    ("metal-Au-eta", SpectrumSource::Eta(metals::GOLD)),
+    ("metal-Au-k", SpectrumSource::K(metals::GOLD)),
+    ("metal-Cu-eta", SpectrumSource::Eta(metals::COPPER)),
+    ("metal-Cu-k", SpectrumSource::K(metals::COPPER)),
+    ("metal-CuZn-eta", SpectrumSource::Eta(metals::BRASS)),
+    ("metal-CuZn-k", SpectrumSource::K(metals::BRASS)),
+    ("metal-MgO-eta", SpectrumSource::Formula(&MGO)),
+    ("metal-MgO-k", SpectrumSource::Clear),
+    ("metal-TiO2-eta", SpectrumSource::Formula(&TIO2)),
+    ("metal-TiO2-k", SpectrumSource::Clear),
+    ("stdillum-A", SpectrumSource::Illuminant(Illuminant::A)),
+    ("stdillum-D50", SpectrumSource::Illuminant(Illuminant::D50)),
+    ("stdillum-D65", SpectrumSource::Illuminant(Illuminant::D65)),
+    ("stdillum-F1", SpectrumSource::Illuminant(Illuminant::F(0))),
+    ("stdillum-F2", SpectrumSource::Illuminant(Illuminant::F(1))),
+    ("stdillum-F3", SpectrumSource::Illuminant(Illuminant::F(2))),
+    ("stdillum-F4", SpectrumSource::Illuminant(Illuminant::F(3))),
+    ("stdillum-F5", SpectrumSource::Illuminant(Illuminant::F(4))),
+    ("stdillum-F6", SpectrumSource::Illuminant(Illuminant::F(5))),
+    ("stdillum-F7", SpectrumSource::Illuminant(Illuminant::F(6))),
+    ("stdillum-F8", SpectrumSource::Illuminant(Illuminant::F(7))),
+    ("stdillum-F9", SpectrumSource::Illuminant(Illuminant::F(8))),
+    ("stdillum-F10", SpectrumSource::Illuminant(Illuminant::F(9))),
+    ("stdillum-F11", SpectrumSource::Illuminant(Illuminant::F(10))),
+    ("stdillum-F12", SpectrumSource::Illuminant(Illuminant::F(11))),
 ];
 
-/// All names that [`spectrum`] knows.
+/// Names of all spectra of [`spectrum`].
 pub fn names() -> impl Iterator<Item = &'static str> {
-    TABLE.iter().map(|(name, _)| *name)
+    NAMED_SPECTRA.iter().map(|(name, _)| *name)
 }
 
-/// The spectrum called `name`; upper and lower case count. Illuminants have luminance 1. What pbrt calls `glass-F5`,
-/// `glass-F10` and `glass-F11` are Schott's SF5, SF10 and SF11, which go by these names, too.
+/// The spectrum with the name `name`, case-sensitive. Illuminants have luminance 1. pbrt's `glass-F5`, `glass-F10` and
+/// `glass-F11` are Schott's SF5, SF10 and SF11, which have their own names, too.
 #[must_use]
 pub fn spectrum(name: &str) -> Option<SpectralDistribution> {
-    let (_, source) = TABLE.iter().find(|(known, _)| *known == name)?;
+    let (_, source) = NAMED_SPECTRA.iter().find(|(known, _)| *known == name)?;
     match *source {
-        Source::Eta(table) => column(table, 1),
-        Source::K(table) => column(table, 2),
-        Source::Formula(formula) => from_formula(formula),
-        Source::Clear => Ok(SpectralDistribution::Constant(0.0)),
-        Source::Illuminant(which) => illuminant(which),
+        SpectrumSource::Eta(table) => column(table, 1),
+        SpectrumSource::K(table) => column(table, 2),
+        SpectrumSource::Formula(formula) => from_formula(formula),
+        SpectrumSource::Clear => Ok(SpectralDistribution::Constant(0.0)),
+        SpectrumSource::Illuminant(which) => illuminant(which),
     }
     .ok()
 }
 
-fn column(table: &[[f32; 3]], index: usize) -> Result<SpectralDistribution, DistributionError> {
+fn column(table: &[[f32; 3]], index: usize) -> Result<SpectralDistribution, SpectrumError> {
     SpectralDistribution::try_sampled(table.iter().map(|row| (row[0], row[index])).collect::<Vec<_>>())
 }
 
-fn from_formula(formula: &Formula) -> Result<SpectralDistribution, DistributionError> {
-    // Between samples 5 nm apart the index departs from a line by less than 2e-4.
+fn from_formula(formula: &DispersionFormula) -> Result<SpectralDistribution, SpectrumError> {
+    // Linear interpolation between samples 5 nm apart is off by less than 2e-4.
     let points: Vec<(f32, f32)> = (0..cie::COUNT)
         .map(|i| cie::FIRST_NM + cie::STEP_NM * i as f64)
         .map(|nm| (nm as f32, formula.index(nm) as f32))
@@ -193,7 +194,7 @@ fn from_formula(formula: &Formula) -> Result<SpectralDistribution, DistributionE
     SpectralDistribution::try_sampled(points)
 }
 
-fn illuminant(which: Illuminant) -> Result<SpectralDistribution, DistributionError> {
+fn illuminant(which: Illuminant) -> Result<SpectralDistribution, SpectrumError> {
     let from_cie = |table: &[f64]| table.iter().map(|&v| v as f32).collect::<Vec<_>>();
     let (first, values) = match which {
         Illuminant::A => (cie::FIRST_NM as f32, from_cie(&cie::A)),
@@ -207,7 +208,7 @@ fn illuminant(which: Illuminant) -> Result<SpectralDistribution, DistributionErr
     };
     let points: Vec<(f32, f32)> =
         values.into_iter().enumerate().map(|(i, v)| (first + 5.0 * i as f32, v)).collect();
-    let samples = Samples::try_new(points)?;
+    let samples = SpectralSamples::try_new(points)?;
     let luminance = SpectralDistribution::Sampled(samples.clone()).luminance();
     Ok(SpectralDistribution::Sampled(samples.scaled(1.0 / luminance)?))
 }
@@ -233,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn every_listed_name_is_a_spectrum_and_no_other() {
+    fn only_listed_names_are_spectra() {
         assert_eq!(names().count(), 40);
         for name in names() {
             assert!(spectrum(name).is_some(), "{name}");
@@ -244,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn glasses_have_the_index_of_the_maker_at_the_yellow_helium_line() {
+    fn glasses_have_the_catalogue_index_at_the_yellow_helium_line() {
         // n_d of the Schott catalogue, at 587.5618 nm.
         for (name, formula, expected) in [
             ("glass-BK7", &N_BK7, 1.51680),
@@ -288,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn metals_reflect_as_the_tables_that_renderers_share() {
+    fn metals_reflect_as_those_of_pbrt() {
         // Fresnel reflectances of the eta and k that pbrt distributes, computed from its tables at these wavelengths.
         for (metal, expected) in [
             ("Ag", [(399.948_975, 0.866), (495.936_707, 0.946), (604.8, 0.967)]),

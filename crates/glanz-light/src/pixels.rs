@@ -1,4 +1,4 @@
-//! Pictures in memory.
+//! Pictures as named planes of pixels.
 
 /// One named plane of a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,29 +9,29 @@ pub struct Channel {
     pub values: Vec<f32>,
 }
 
-/// Why channels do not make a picture.
+/// Errors of making a picture.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PixelsError {
-    /// A side is zero, or the product does not fit.
-    #[error("a picture of {0} x {1} pixels cannot be held")]
+    /// Width or height is zero, or there are more than 2^31 pixels.
+    #[error("the picture has {0} x {1} pixels; it must have 1 to 2^31")]
     Size(u32, u32),
     /// The number of values is not width times height.
-    #[error("channel \"{name}\" has {found} values, {expected} are needed")]
+    #[error("channel \"{name}\" has {found} values; {expected} are needed")]
     Length {
         /// Name of the channel.
         name: String,
-        /// Values it came with.
+        /// Its number of values.
         found: usize,
         /// Width times height.
         expected: usize,
     },
     /// The picture already has a channel of that name.
-    #[error("channel \"{0}\" comes twice")]
+    #[error("channel \"{0}\" exists already; names must be unique")]
     Duplicate(String),
 }
 
-/// A picture: planes of `f32` under names, linear light unless a name says otherwise.
+/// A picture of named `f32` planes; R, G, B and Y are linear light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pixels {
     width: u32,
@@ -43,7 +43,7 @@ impl Pixels {
     /// A picture without channels.
     ///
     /// # Errors
-    /// [`PixelsError::Size`] if a side is zero or there are more than 2^31 pixels.
+    /// [`PixelsError::Size`] if width or height is zero or there are more than 2^31 pixels.
     pub fn try_new(width: u32, height: u32) -> Result<Self, PixelsError> {
         let count = u64::from(width) * u64::from(height);
         if count == 0 || count > 1 << 31 {
@@ -98,7 +98,7 @@ impl Pixels {
         self.width as usize * self.height as usize
     }
 
-    /// Never: a picture has at least one pixel.
+    /// `false`: a picture has at least one pixel.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         false
@@ -116,7 +116,7 @@ impl Pixels {
         self.channels.iter().find(|c| c.name == name).map(|c| c.values.as_slice())
     }
 
-    /// The planes R, G and B as triples; a picture with the single plane Y is grey.
+    /// The planes R, G and B as triples, or the plane Y as grey; `None` if there are neither.
     #[must_use]
     pub fn to_rgb(&self) -> Option<Vec<[f32; 3]>> {
         if let (Some(r), Some(g), Some(b)) = (self.channel("R"), self.channel("G"), self.channel("B")) {

@@ -34,7 +34,7 @@ pub fn luminance(rgb: [f64; 3]) -> f64 {
     r * rgb[0] + g * rgb[1] + b * rgb[2]
 }
 
-/// The value a file or display stores for linear light: IEC 61966-2-1 (@srgb), odd for negative light, not clipped.
+/// sRGB value of linear light (IEC 61966-2-1, @srgb), continued as an odd function, not clipped.
 #[must_use]
 pub fn srgb_encode(linear: f32) -> f32 {
     let x = linear.abs();
@@ -42,7 +42,7 @@ pub fn srgb_encode(linear: f32) -> f32 {
     encoded.copysign(linear)
 }
 
-/// Linear light of a stored value; the inverse of [`srgb_encode`].
+/// Linear light of an sRGB value; the inverse of [`srgb_encode`].
 #[must_use]
 pub fn srgb_decode(encoded: f32) -> f32 {
     let x = encoded.abs();
@@ -75,17 +75,17 @@ mod tests {
     }
 
     #[test]
-    fn matrices_are_inverse_to_each_other() {
+    fn matrices_are_inverses() {
         for rgb in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.2, -0.3, 7.0]] {
             let back = xyz_to_rgb(rgb_to_xyz(rgb));
             for i in 0..3 {
-                assert!((back[i] - rgb[i]).abs() < 1e-13, "{rgb:?} came back as {back:?}");
+                assert!((back[i] - rgb[i]).abs() < 1e-13, "{rgb:?} becomes {back:?}");
             }
         }
     }
 
     #[test]
-    fn half_of_the_srgb_scale_is_a_fifth_of_the_light() {
+    fn transfer_function_has_its_standard_values() {
         // ((0.5 + 0.055) / 1.055)^2.4
         assert!((srgb_decode(0.5) - 0.214_041_14).abs() < 1e-7);
         assert!((srgb_encode(0.5) - 0.735_357).abs() < 1e-7);
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn every_byte_survives_decoding_and_encoding() {
+    fn bytes_round_trip() {
         for byte in 0..=255_u8 {
             let back = srgb_encode(srgb_decode(f32::from(byte) / 255.0)) * 255.0;
             assert_eq!(back.round() as u8, byte);

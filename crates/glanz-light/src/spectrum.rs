@@ -3,21 +3,21 @@
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub};
 
-/// Number of lanes a [`Spectrum`] has.
+/// Number of lanes of a [`Spectrum`].
 pub const LANES: usize = 4;
 
-/// What the lanes of a [`Spectrum`] mean along one path.
+/// Meaning of the lanes of a [`Spectrum`] along one path.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[non_exhaustive]
 pub enum Wavelengths {
-    /// Three lanes hold linear Rec. 709 red, green and blue, the fourth is not used and stays zero.
+    /// Three lanes hold linear Rec. 709 red, green and blue, the fourth is unused and zero.
     #[default]
     Rgb,
 }
 
-/// Radiance, throughput or reflectance in a few lanes whose meaning travels as [`Wavelengths`].
+/// Radiance, throughput or reflectance in [`LANES`] lanes; [`Wavelengths`] gives their meaning.
 ///
-/// Arithmetic is lane by lane. Nothing outside this crate may read a lane by number.
+/// Arithmetic is lane by lane. Only this crate reads single lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Spectrum([f32; LANES]);
 
@@ -47,7 +47,7 @@ impl Spectrum {
         }
     }
 
-    /// Luminance relative to that of equal red, green and blue (CIE Y, Rec. 709 primaries).
+    /// Luminance (CIE Y, Rec. 709 primaries); 1 for red, green and blue of 1.
     #[must_use]
     pub fn luminance(self, wavelengths: &Wavelengths) -> f32 {
         let [r, g, b] = self.to_rgb(wavelengths);
@@ -60,7 +60,7 @@ impl Spectrum {
         self.0.iter().all(|&x| x == 0.0)
     }
 
-    /// Whether no lane is infinite or not a number.
+    /// Whether every lane is finite.
     #[must_use]
     pub fn is_finite(self) -> bool {
         self.0.iter().all(|x| x.is_finite())
@@ -86,7 +86,7 @@ impl Spectrum {
         Self(self.0.map(f))
     }
 
-    /// `f` of both in every lane.
+    /// `f` of the lanes of both spectra.
     #[must_use]
     pub fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
         Self(std::array::from_fn(|i| f(self.0[i], other.0[i])))

@@ -3,17 +3,17 @@
 use crate::pixels::Pixels;
 use crate::rgb::{luminance, srgb_encode};
 
-/// How linear light is compressed into the range of a display.
+/// Curve that compresses linear light into the range of a display.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ToneCurve {
-    /// Light up to 1 is shown as it is, everything above as 1.
+    /// No compression: light is clipped at 1.
     #[default]
     Linear,
     /// `Y / (1 + Y)` of the luminance Y, colour ratios kept (@reinhard2002 equation 3).
     Reinhard,
     /// A filmic S-curve for each channel: the rational fit to the ACES reference transform of @narkowicz2016, with
-    /// the factor 0.6 on its input that he gives for the exposure of the transform itself.
+    /// his factor of 0.6 on the input, which gives the exposure of the transform itself.
     Filmic,
 }
 
@@ -27,8 +27,7 @@ pub struct Tone {
 }
 
 impl Tone {
-    /// Linear display light in [0, 1] for linear scene light. Negative light and values that are not numbers become
-    /// 0, infinite ones 1.
+    /// Linear display light in [0, 1] for linear scene light. Negative light and NaN become 0, infinite light 1.
     #[must_use]
     pub fn apply(&self, rgb: [f32; 3]) -> [f32; 3] {
         let gain = self.exposure_stops.exp2();
@@ -51,8 +50,8 @@ impl Tone {
         self.apply(rgb).map(|x| (srgb_encode(x) * 255.0).round() as u8)
     }
 
-    /// The whole picture as sRGB bytes, three a pixel, row by row from the top left; `None` if it has neither the
-    /// channels R, G, B nor the channel Y.
+    /// The picture as sRGB bytes, three per pixel, row by row from the top left; `None` if it has neither the channels
+    /// R, G, B nor the channel Y.
     #[must_use]
     pub fn picture_to_srgb8(&self, pixels: &Pixels) -> Option<Vec<u8>> {
         let rgb = pixels.to_rgb()?;
@@ -60,7 +59,7 @@ impl Tone {
     }
 }
 
-/// The curve of @narkowicz2016; in `f64`, where the squares of the largest `f32` still fit.
+/// The curve of @narkowicz2016, in `f64`, which holds the square of any `f32`.
 fn filmic(x: f32) -> f32 {
     let x = 0.6 * f64::from(x);
     ((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14)) as f32
@@ -75,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn linear_curve_shows_light_below_one_as_plain_srgb() {
+    fn linear_curve_encodes_light_below_one_as_srgb() {
         // 1.055 * 0.5^(1/2.4) - 0.055 = 0.735357, times 255 = 187.516, rounded.
         assert_eq!(Tone::default().to_srgb8([0.0, 0.5, 1.0]), [0, 188, 255]);
     }
@@ -88,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_light_becomes_black_and_infinite_light_white() {
+    fn negative_light_and_nan_become_black_and_infinite_light_white() {
         for curve in [ToneCurve::Linear, ToneCurve::Filmic] {
             assert_eq!(tone(0.0, curve).to_srgb8([f32::NAN, f32::NEG_INFINITY, f32::INFINITY]), [0, 0, 255]);
         }

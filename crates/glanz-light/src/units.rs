@@ -1,16 +1,16 @@
-//! Between watts and lumens.
+//! Conversion between watts and lumens.
 //!
-//! Inside Glanz light is radiometric: a lane of a [`Spectrum`] holds W, W/m^2, W/sr or W/(m^2 sr). A photometric
-//! number is the luminance (CIE Y) of that spectrum times [`LUMINOUS_EFFICACY`].
+//! Light is radiometric in Glanz: a lane of a [`Spectrum`] holds W, W/m^2, W/sr or W/(m^2 sr). A photometric value
+//! is the luminance (CIE Y) of that spectrum times [`LUMINOUS_EFFICACY`].
 
 use crate::{Spectrum, Wavelengths};
 
 /// Lumens per watt at 540 THz, K_cd: exact by the definition of the candela (@bipm2019). For a [`Spectrum`] it
-/// multiplies the luminance, so a watt of white light counts as a watt at the peak of the eye's sensitivity, as
-/// renderers have it.
+/// multiplies the luminance, so that a watt of white light counts as a watt at the peak of the eye's sensitivity, as
+/// usual in renderers.
 pub const LUMINOUS_EFFICACY: f64 = 683.0;
 
-/// lm, lm/m^2, cd or cd/m^2 of a spectrum in W, W/m^2, W/sr or W/(m^2 sr).
+/// Photometric value of a spectrum: lm, lm/m^2, cd or cd/m^2 for W, W/m^2, W/sr or W/(m^2 sr).
 #[must_use]
 pub fn photometric(radiometric: Spectrum, wavelengths: &Wavelengths) -> f64 {
     LUMINOUS_EFFICACY * f64::from(radiometric.luminance(wavelengths))

@@ -18,8 +18,8 @@ use glanz_sampling::exact::MAX_TERMS;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FilmError {
-    /// No pixels, or more than 2^31.
-    #[error("a picture of {0} x {1} pixels cannot be held")]
+    /// Width or height is zero, or there are more than 2^31 pixels.
+    #[error("the picture has {0} x {1} pixels; it must have 1 to 2^31")]
     Size(u32, u32),
     /// A crop window that is empty or leaves the picture.
     #[error("the crop window {window:?} is empty or leaves the picture of {} x {} pixels", .resolution[0], .resolution[1])]
@@ -376,7 +376,7 @@ impl Film {
     /// geometry and albedo are 0 and `id` is -1. A film without samples is black.
     ///
     /// # Errors
-    /// [`PixelsError`] if the picture cannot be held.
+    /// [`PixelsError`] as [`Pixels::try_new`] and [`Pixels::add_channel`].
     pub fn to_pixels(&self) -> Result<Pixels, PixelsError> {
         let [width, height] = self.format.crop.size;
         let mut pixels = Pixels::try_new(width, height)?;

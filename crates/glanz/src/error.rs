@@ -69,7 +69,7 @@ pub enum Error {
         /// The sample that comes next.
         next: u32,
     },
-    /// A picture that cannot be held.
+    /// A film of the wanted size cannot be made.
     #[error("the picture cannot be rendered: {0}")]
     Film(#[from] FilmError),
     /// The render loop ended without a picture.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use glanz::formats::image::{self, Encoding, Format, Image};
-use glanz::light::compare::{Comparison, RELATIVE_EPSILON, compare};
+use glanz::light::compare::{PictureComparison, RELATIVE_EPSILON, compare};
 use glanz::light::flip;
 use glanz_terminal::Ending;
 use glanz_terminal::messages::{Failure, Messages};
@@ -91,7 +91,7 @@ fn read(path: &Path, messages: Messages) -> Result<Image, Failure> {
         .map_err(|error| Failure::new(format!("{}: {error}", path.display())))
 }
 
-fn measure(metric: Metric, comparison: &Comparison, flip: f64) -> f64 {
+fn measure(metric: Metric, comparison: &PictureComparison, flip: f64) -> f64 {
     match metric {
         Metric::Rmse => comparison.rmse,
         Metric::Relmse => comparison.relative_mse,

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use glanz::formats::photometry::{self, Distribution, Photometry, PhotometryFormat};
+use glanz::formats::photometry::{self, IntensityDistribution, Photometry, PhotometryFormat};
 use glanz::illumination::report::PolarPlot;
 use glanz::report::number::significant;
 use glanz_terminal::messages::{Failure, Messages};
@@ -111,7 +111,7 @@ fn report_of(photometry: &Photometry, arguments: &InfoArguments, warnings: Vec<S
 
 /// The angle around the brightest direction of the plane of C `c` and its opposite, within which there is at least `share` of that;
 /// `None` in a dark plane.
-fn full_angle(distribution: &Distribution, c: f64, share: f64) -> Option<f64> {
+fn full_angle(distribution: &IntensityDistribution, c: f64, share: f64) -> Option<f64> {
     let at = |gamma: f64| distribution.intensity(by_c(c, gamma));
     let steps = (180.0 / BEAM_STEP) as i32;
     let angle = |step: i32| f64::from(step) * BEAM_STEP;

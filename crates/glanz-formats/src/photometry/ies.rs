@@ -13,14 +13,15 @@
 //! # Source
 //! @lm63_2019, @lm63_2002; @ashdown1998 for the earlier editions.
 
-use glanz_light::intensity::{AngularSystem, Distribution, IntensityError, Symmetry};
+use glanz_light::intensity::{AngularSystem, IntensityDistribution, IntensityError, Symmetry};
 
 use super::clamp_negative;
 use super::error::{PhotometryError, PhotometryErrorKind};
 use super::opening::from_signs;
 use super::text::{TextCursor, decode};
 use super::{
-    LampGeometry, LampSet, Names, Opening, OpeningShape, Photometry, PhotometryFile, PhotometryFormat, Tilt,
+    LampGeometry, LampSet, LuminousOpening, Names, OpeningShape, Photometry, PhotometryFile,
+    PhotometryFormat, Tilt,
 };
 
 /// Gives the bytes of the file that a line `TILT=name` names, or says why not.
@@ -196,7 +197,7 @@ struct LampFields {
     verticals: usize,
     horizontals: usize,
     system: AngularSystem,
-    opening: Opening,
+    opening: LuminousOpening,
     ballast: f64,
     ballast_lamp: f64,
     generation: Option<f64>,
@@ -232,7 +233,7 @@ impl LampFields {
         let opening = from_signs(width, length, height, metres, year <= 1995).unwrap_or_else(|| {
             warnings.push(cursor.here(PhotometryErrorKind::Opening(width, length, height)));
             let size = [length, width, height].map(|v| v.abs() * metres);
-            Opening { shape: OpeningShape::Box, size }
+            LuminousOpening { shape: OpeningShape::Box, size }
         });
         let ballast = positive(cursor, "ballast factor")?;
         let code = cursor.number("ballast-lamp photometric factor")?;
@@ -319,13 +320,15 @@ impl IesValues {
         Ok(Self { verticals, horizontals, symmetry, candela })
     }
 
-    fn distribution(self, system: AngularSystem) -> Result<Distribution, IntensityError> {
+    fn distribution(self, system: AngularSystem) -> Result<IntensityDistribution, IntensityError> {
         let Self { verticals, horizontals, symmetry, candela } = self;
         let from_pole = |angles: &[f64]| angles.iter().map(|a| a + 90.0).collect::<Vec<f64>>();
         match system {
-            AngularSystem::C => Distribution::try_new(system, symmetry, &horizontals, verticals, candela),
+            AngularSystem::C => {
+                IntensityDistribution::try_new(system, symmetry, &horizontals, verticals, candela)
+            }
             AngularSystem::A => {
-                Distribution::try_new(system, symmetry, &horizontals, from_pole(&verticals), candela)
+                IntensityDistribution::try_new(system, symmetry, &horizontals, from_pole(&verticals), candela)
             }
             AngularSystem::B => {
                 // The axis of type B is the one that horizontal angles count towards: those become polar angles.
@@ -341,7 +344,7 @@ impl IesValues {
                 };
                 let turned = (0..n).flat_map(across).collect();
                 let polars: Vec<f64> = columns.iter().map(|(h, _)| h + 90.0).collect();
-                Distribution::try_new(system, symmetry, &verticals, polars, turned)
+                IntensityDistribution::try_new(system, symmetry, &verticals, polars, turned)
             }
         }
     }

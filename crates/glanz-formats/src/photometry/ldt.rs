@@ -8,7 +8,7 @@
 //! @stockmar1990; departure: several sets of lamps are read set by set, and field by field only where the numbers do
 //! not fit otherwise, since files of both kinds exist.
 
-use glanz_light::intensity::{AngularSystem, Distribution, Symmetry};
+use glanz_light::intensity::{AngularSystem, IntensityDistribution, Symmetry};
 use glanz_scene::Diagnostics;
 
 use super::clamp_negative;
@@ -16,7 +16,8 @@ use super::error::{PhotometryError, PhotometryErrorKind};
 use super::ies::{MAX_CANDELA, ends};
 use super::text::{TextCursor, decode, number};
 use super::{
-    EulumdatExtra, LampSet, Names, Opening, OpeningShape, Photometry, PhotometryFile, PhotometryFormat,
+    EulumdatExtra, LampSet, LuminousOpening, Names, OpeningShape, Photometry, PhotometryFile,
+    PhotometryFormat,
 };
 
 const METRES: f64 = 1e-3;
@@ -94,7 +95,7 @@ fn extents(length: f64, width: f64, height: f64) -> [f64; 3] {
     [if width == 0.0 { length } else { width }, length, height]
 }
 
-fn opening([length, width]: [f64; 2], heights: [f64; 4]) -> Opening {
+fn opening([length, width]: [f64; 2], heights: [f64; 4]) -> LuminousOpening {
     let height = heights.into_iter().fold(0.0, f64::max);
     let shape = match (length == 0.0 && width == 0.0, width == 0.0, height == 0.0) {
         (true, _, true) => OpeningShape::Point,
@@ -103,7 +104,7 @@ fn opening([length, width]: [f64; 2], heights: [f64; 4]) -> Opening {
         (false, true, false) => OpeningShape::VerticalCylinder,
         (false, false, true) => OpeningShape::Rectangle,
     };
-    Opening { shape, size: extents(length, width, height) }
+    LuminousOpening { shape, size: extents(length, width, height) }
 }
 
 struct LdtLamps {
@@ -346,7 +347,7 @@ impl LdtReader<'_> {
         planes: &StoredPlanes,
         gammas: usize,
         factor: f64,
-    ) -> Result<Distribution, PhotometryError> {
+    ) -> Result<IntensityDistribution, PhotometryError> {
         let listed = self.angles("C angle", planes.listed)?;
         let azimuths = planes.azimuths(&listed).ok_or_else(|| {
             let (first, last) = ends(&listed);
@@ -368,7 +369,7 @@ impl LdtReader<'_> {
             candela.push(value);
         }
         self.warnings.extend(clamp_negative(&mut candela).map(|kind| self.cursor.here(kind)));
-        Distribution::try_new(AngularSystem::C, planes.symmetry, &azimuths, polars, candela)
+        IntensityDistribution::try_new(AngularSystem::C, planes.symmetry, &azimuths, polars, candela)
             .map_err(|error| self.cursor.here(PhotometryErrorKind::Intensity(error)))
     }
 

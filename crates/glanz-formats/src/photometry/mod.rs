@@ -46,7 +46,9 @@ pub mod write;
 
 use glanz_math::DVec3;
 
-pub use glanz_light::intensity::{AngularSystem, Distribution, Opening, OpeningShape, Symmetry};
+pub use glanz_light::intensity::{
+    AngularSystem, IntensityDistribution, LuminousOpening, OpeningShape, Symmetry,
+};
 
 pub use error::{PhotometryError, PhotometryErrorKind};
 pub use tilt::{LampGeometry, Tilt};
@@ -119,7 +121,7 @@ pub struct Photometry {
     /// Format of the file.
     pub format: PhotometryFormat,
     /// Candela by direction, all factors below applied but those of `tilt`.
-    pub distribution: Distribution,
+    pub distribution: IntensityDistribution,
     /// One set for LM-63. For EULUMDAT the luminaire can have any one of the sets; the distribution is for the first.
     pub lamps: Vec<LampSet>,
     /// Factor on all values of the file; in `distribution` already.
@@ -133,7 +135,7 @@ pub struct Photometry {
     /// Electric power in watts.
     pub input_watts: f64,
     /// Luminous opening.
-    pub opening: Opening,
+    pub opening: LuminousOpening,
     /// Names and numbers of the luminaire.
     pub names: Names,
     /// Keywords of LM-63 in order, with continuation lines appended; lines without a keyword have an empty one.
@@ -187,7 +189,7 @@ impl Photometry {
         self.distribution.intensity(direction)
     }
 
-    /// Lumens by integration of the intensities; see [`Distribution::flux`].
+    /// Lumens by integration of the intensities; see [`IntensityDistribution::flux`].
     #[must_use]
     pub fn flux(&self) -> f64 {
         self.distribution.flux()

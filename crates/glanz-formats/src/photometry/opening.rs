@@ -1,6 +1,6 @@
 //! The luminous opening as LM-63 writes it.
 
-use glanz_light::intensity::{Opening, OpeningShape};
+use glanz_light::intensity::{LuminousOpening, OpeningShape};
 
 /// The opening that LM-63 writes as width, length and height with signs for the shape.
 ///
@@ -14,7 +14,7 @@ pub(super) fn from_signs(
     height: f64,
     metres: f64,
     signs_of_1995: bool,
-) -> Option<Opening> {
+) -> Option<LuminousOpening> {
     let sign = |v: f64| if v == 0.0 { 0 } else { v.signum() as i8 };
     let signs = (sign(width), sign(length), sign(height));
     let shape = if signs_of_1995 {
@@ -35,7 +35,7 @@ pub(super) fn from_signs(
     if shape == OpeningShape::Ellipsoid && h == 0.0 {
         h = w;
     }
-    Some(Opening { shape, size: [l, w, h] })
+    Some(LuminousOpening { shape, size: [l, w, h] })
 }
 
 /// Signs of width, length and height from 2002 on; a negative size is round.
@@ -89,18 +89,18 @@ mod tests {
             (2.0, -1.0, -1.0, CylinderAlongY, [1.0, 2.0, 1.0]),
             (-1.0, 0.0, -2.0, EllipseFacingX, [0.0, 1.0, 2.0]),
         ] {
-            assert_eq!(from_signs(w, l, h, 1.0, false), Some(Opening { shape, size }), "{w} {l} {h}");
+            assert_eq!(from_signs(w, l, h, 1.0, false), Some(LuminousOpening { shape, size }), "{w} {l} {h}");
         }
     }
 
     #[test]
     fn feet_and_the_signs_of_1995_are_known() {
-        let circle = Opening { shape: OpeningShape::Ellipse, size: [0.6096, 0.6096, 0.0] };
+        let circle = LuminousOpening { shape: OpeningShape::Ellipse, size: [0.6096, 0.6096, 0.0] };
         assert_eq!(from_signs(-2.0, 0.0, 0.0, 0.3048, true), Some(circle));
         assert_eq!(from_signs(-2.0, 0.0, 0.0, 0.3048, false), Some(circle));
-        let sphere = Opening { shape: OpeningShape::Ellipsoid, size: [2.0; 3] };
+        let sphere = LuminousOpening { shape: OpeningShape::Ellipsoid, size: [2.0; 3] };
         assert_eq!(from_signs(-2.0, 0.0, -2.0, 1.0, true), Some(sphere));
-        let tube = Opening { shape: OpeningShape::CylinderAlongX, size: [4.0, 0.5, 0.5] };
+        let tube = LuminousOpening { shape: OpeningShape::CylinderAlongX, size: [4.0, 0.5, 0.5] };
         assert_eq!(from_signs(0.0, 4.0, -0.5, 1.0, true), Some(tube));
         assert_eq!(from_signs(0.0, 0.0, -1.0, 1.0, true), None);
     }

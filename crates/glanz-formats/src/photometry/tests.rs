@@ -37,7 +37,7 @@ fn an_axial_file_is_read_with_all_that_its_header_says() {
     assert_eq!((p.multiplier, p.ballast_factor, p.input_watts, p.is_absolute), (1.5, 0.5, 40.0, false));
     assert_eq!((p.names.manufacturer.as_str(), p.names.report.as_str()), ("Glanz", "17"));
     assert_eq!(p.names.luminaire, "TILT=INCLUDE in name only\nand more");
-    assert_eq!(p.opening, Opening { shape: OpeningShape::Ellipse, size: [0.6096, 0.6096, 0.0] });
+    assert_eq!(p.opening, LuminousOpening { shape: OpeningShape::Ellipse, size: [0.6096, 0.6096, 0.0] });
     assert_eq!((p.lamps[0].count, p.lamps[0].lumens), (2.0, Some(1200.0)));
     // 100 cd times 1.5 times 0.5 everywhere; two lamps of 600 lm at half their flux.
     close(p.flux(), 4.0 * PI * 75.0);
@@ -67,7 +67,7 @@ fn every_symmetry_of_type_c_is_mirrored_to_where_it_belongs() {
         let file = read_ies(&ies_text(&lamp_line, &format!("0 90 180\n{angles}\n{}", planes.join("\n"))));
         let p = file.photometry;
         assert_eq!(p.distribution.symmetry(), symmetry);
-        assert_eq!(p.opening, Opening { shape: OpeningShape::Rectangle, size: [2.0, 1.0, 0.0] });
+        assert_eq!(p.opening, LuminousOpening { shape: OpeningShape::Rectangle, size: [2.0, 1.0, 0.0] });
         for (i, expected) in at.into_iter().enumerate() {
             close(p.intensity(along(45.0 * i as f64, 90.0)), expected);
         }
@@ -241,7 +241,7 @@ fn every_symmetry_of_eulumdat_is_mirrored_to_where_it_belongs() {
         close(p.flux(), 4.0 * PI * (2.0 * 7.0 + (mean - 7.0) * 4.0 / PI));
         close(p.header_flux().unwrap(), 1600.0);
         // Length along y, since C0 lies across.
-        assert_eq!(p.opening, Opening { shape: OpeningShape::Rectangle, size: [0.25, 1.1, 0.0] });
+        assert_eq!(p.opening, LuminousOpening { shape: OpeningShape::Rectangle, size: [0.25, 1.1, 0.0] });
         assert_eq!(p.eulumdat.unwrap().direct_ratios, Some([0.5; 10]));
     }
 }

@@ -205,7 +205,7 @@ fn every_mistake_is_told_with_its_place() {
         ),
         (
             "WorldBegin Material \"matte\" \"spectrum Kd\" [400 1 400 2]",
-            "1:44: material \"matte\": parameter \"Kd\" is no spectrum: wavelengths must ascend: sample 1 is at 400 nm, the one before at 400 nm",
+            "1:44: material \"matte\": parameter \"Kd\" is no spectrum: sample 1 of a spectrum is at 400 nm, the one before at 400 nm; wavelengths must ascend",
         ),
         (
             "WorldBegin Material \"matte\" \"spectrum Kd\" \"red.spd\"",
@@ -213,7 +213,7 @@ fn every_mistake_is_told_with_its_place() {
         ),
         (
             "WorldBegin LightSource \"point\" \"blackbody I\" [0]",
-            "1:47: light \"point\": parameter \"I\" is no spectrum: a black body of 0 K does not exist",
+            "1:47: light \"point\": parameter \"I\" is no spectrum: the temperature of a black body is 0 K; it must be positive and finite",
         ),
         (
             "WorldBegin LightSource \"point\" \"rgb I\" [0 0 0] \"float power\" 5",

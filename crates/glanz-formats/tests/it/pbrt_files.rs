@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glanz_formats::image::{self, Format};
 use glanz_formats::{Diagnostics, Loaded, Options, load};
-use glanz_light::intensity::{Distribution, Opening, OpeningShape};
+use glanz_light::intensity::{IntensityDistribution, LuminousOpening, OpeningShape};
 use glanz_light::{Pixels, SpectralDistribution, Tone};
 use glanz_math::DVec3;
 use glanz_scene::description::{GeometryDescription, LightKind, SpectrumParameter, TextureKind};
@@ -224,7 +224,7 @@ fn ldt() -> String {
     lines.join("\r\n")
 }
 
-fn luminaire(loaded: &Loaded) -> (&Distribution, Option<Opening>) {
+fn luminaire(loaded: &Loaded) -> (&IntensityDistribution, Option<LuminousOpening>) {
     match &loaded.description.lights[0].kind {
         LightKind::Photometric { distribution, opening, .. } => (distribution, *opening),
         other => panic!("{other:?}"),
@@ -256,7 +256,10 @@ fn photometric_lights_have_the_candela_of_their_file() {
     let doubled = read(&format!("{ies} \"float tilt\" 90 \"float lumens\" {}", 2.0 * lumens));
     assert!((down(&doubled) / 120.0 - 1.0).abs() < 1e-12);
     let area = read(&format!("{ies} \"string as\" \"area\""));
-    assert_eq!(luminaire(&area).1, Some(Opening { shape: OpeningShape::Ellipse, size: [0.2, 0.2, 0.0] }));
+    assert_eq!(
+        luminaire(&area).1,
+        Some(LuminousOpening { shape: OpeningShape::Ellipse, size: [0.2, 0.2, 0.0] })
+    );
     let ldt = "\"string filename\" \"parts/lamp.ldt\"";
     let (first, second) = (read(ldt), read(&format!("{ldt} \"integer lamps\" 1")));
     assert!((down(&first) - 100.0).abs() < 1e-12 && (down(&second) - 300.0).abs() < 1e-12);

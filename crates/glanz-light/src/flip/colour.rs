@@ -1,6 +1,6 @@
 //! The colour spaces of FLIP.
 
-/// Linear sRGB to CIE XYZ, as the rational numbers that the authors' program uses.
+/// Linear sRGB to CIE XYZ, as the rational numbers in the authors' program.
 const TO_XYZ: [[f64; 3]; 3] = [
     [10_135_552.0 / 24_577_794.0, 8_788_810.0 / 24_577_794.0, 4_435_075.0 / 24_577_794.0],
     [2_613_072.0 / 12_288_897.0, 8_788_810.0 / 12_288_897.0, 887_015.0 / 12_288_897.0],
@@ -27,7 +27,7 @@ fn relative_xyz(rgb: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| xyz[i] / WHITE[i])
 }
 
-/// Y, Cx, Cz: L*a*b* without its cube root, in which blurring is like blurring light.
+/// Y, Cx, Cz: L*a*b* without its cube root, linear in light, so that it may be blurred.
 pub(super) fn opponent_of(rgb: [f64; 3]) -> [f64; 3] {
     let [x, y, z] = relative_xyz(rgb);
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
@@ -49,7 +49,7 @@ pub(super) fn lab_with_hunt(rgb: [f64; 3]) -> [f64; 3] {
     [lightness, 0.01 * lightness * 500.0 * (x - y), 0.01 * lightness * 200.0 * (y - z)]
 }
 
-/// City block distance of lightness plus Euclidean distance of the rest.
+/// HyAB distance: absolute difference of lightness plus Euclidean distance of a* and b*.
 pub(super) fn hyab(p: [f64; 3], q: [f64; 3]) -> f64 {
     (p[0] - q[0]).abs() + (p[1] - q[1]).hypot(p[2] - q[2])
 }
@@ -60,7 +60,7 @@ mod tests {
 
     #[test]
     // The published matrices have nine decimals.
-    fn opponent_space_is_left_as_it_was_entered() {
+    fn opponent_space_round_trips() {
         for rgb in [[0.0; 3], [1.0; 3], [0.1, 0.7, 0.3]] {
             let back = rgb_of_opponent(opponent_of(rgb));
             assert!((0..3).all(|i| (back[i] - rgb[i]).abs() < 2e-7), "{rgb:?} {back:?}");
@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn white_has_lightness_100_and_black_none_and_neither_has_colour() {
+    fn white_has_lightness_100_and_black_0_without_colour() {
         for (grey, lightness) in [(1.0, 100.0), (0.0, 0.0)] {
             let [l, a, b] = lab_with_hunt([grey; 3]);
             assert!((l - lightness).abs() < 1e-6 && a.abs() < 1e-5 && b.abs() < 1e-5, "{l} {a} {b}");

@@ -1,4 +1,4 @@
-//! The filters of FLIP, as products of one filter along rows and one along columns.
+//! The separable filters of FLIP: one kernel along rows, one along columns.
 
 use std::f64::consts::PI;
 
@@ -19,7 +19,7 @@ impl Kernel {
         Self(values.iter().map(|v| (v * factor) as f32).collect())
     }
 
-    /// Positive weights sum to 1, negative ones to -1.
+    /// Scales positive weights to the sum 1 and negative ones to -1.
     fn balanced(values: &[f64]) -> Self {
         let sum = |sign: f64| values.iter().map(|v| (v * sign).max(0.0)).sum::<f64>();
         let (positive, negative) = (sum(1.0), sum(-1.0));
@@ -30,8 +30,8 @@ impl Kernel {
 /// Contrast sensitivity of the eye: kernels for Y, Cx and the two Gaussians whose sum is that for Cz.
 ///
 /// # Source
-/// @andersson2020 table 1 and equation 5: sums of a sqrt(pi/b) exp(-pi^2 d^2 / b), d in degrees. Written as products
-/// of two kernels, each takes the square root of the amplitude.
+/// @andersson2020 table 1 and equation 5: sums of a sqrt(pi/b) exp(-pi^2 d^2 / b), d in degrees. Each of the two kernels
+/// of a product has the square root of the amplitude.
 pub(super) fn spatial_kernels(pixels_per_degree: f64) -> [Kernel; 4] {
     const Y: f64 = 0.0047;
     const CX: f64 = 0.0053;
@@ -66,7 +66,7 @@ pub(super) fn feature_kernels(pixels_per_degree: f64) -> [Kernel; 3] {
     [Kernel::scaled(&smooth, 1.0 / sum), Kernel::balanced(&first), Kernel::balanced(&second)]
 }
 
-/// The plane filtered with `along_row` and then with `along_column`; beyond the border the border's value goes on.
+/// The plane filtered with `along_row` and then with `along_column`; the values of the border are repeated beyond it.
 pub(super) fn blur(
     plane: &[f32],
     width: usize,
@@ -113,14 +113,14 @@ mod tests {
     }
 
     #[test]
-    fn spatial_kernels_keep_flat_colours() {
+    fn spatial_kernels_preserve_flat_colours() {
         let [y, cx, cz1, cz2] = spatial_kernels(67.0);
         assert!((sum(&y) - 1.0).abs() < 1e-6 && (sum(&cx) - 1.0).abs() < 1e-6);
         assert!((sum(&cz1).powi(2) + sum(&cz2).powi(2) - 1.0).abs() < 1e-6);
     }
 
     #[test]
-    fn derivative_kernels_see_nothing_in_a_flat_picture() {
+    fn derivative_kernels_sum_to_zero() {
         let [smooth, first, second] = feature_kernels(67.0);
         assert!((sum(&smooth) - 1.0).abs() < 1e-6);
         assert!(sum(&first).abs() < 1e-6 && sum(&second).abs() < 1e-6);

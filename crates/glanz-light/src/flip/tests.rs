@@ -40,7 +40,7 @@ fn check(found: &FlipMap, mean: f64, corners: [f32; 4]) {
 }
 
 #[test]
-fn ldr_errors_are_those_of_the_authors() {
+fn ldr_errors_equal_those_of_the_authors_program() {
     let noise = ldr(&noisy_ramp(), &ramp(), PIXELS_PER_DEGREE).unwrap();
     check(&noise, 0.216_234_5, [0.569_907, 0.171_273, 0.149_756, 0.323_896]);
     let edge = ldr(&edge_at(22), &edge_at(20), PIXELS_PER_DEGREE).unwrap();
@@ -54,13 +54,13 @@ fn ldr_errors_are_those_of_the_authors() {
 }
 
 #[test]
-fn ldr_errors_at_another_resolution_are_those_of_the_authors() {
+fn ldr_errors_at_another_resolution_equal_those_of_the_authors_program() {
     let found = ldr(&noisy_ramp(), &ramp(), 20.0).unwrap();
     assert!((found.mean - 0.280_013_17).abs() < 2e-5, "{}", found.mean);
 }
 
 #[test]
-fn hdr_errors_and_exposures_are_those_of_the_authors() {
+fn hdr_errors_and_exposures_equal_those_of_the_authors_program() {
     let light = |x: i32, y: i32, c: i32| ((x * 5 + y * 3 + c) % 13 - 4) as f32;
     let reference = picture(|x, y, c| light(x, y, c).exp2());
     let test =
@@ -92,7 +92,7 @@ fn equal_pictures_have_no_error() {
 }
 
 #[test]
-fn largest_difference_is_one_where_nothing_is_blurred() {
+fn error_between_flat_green_and_flat_blue_is_one() {
     let green = picture(|_, _, c| if c == 1 { 1.0 } else { 0.0 });
     let blue = picture(|_, _, c| if c == 2 { 1.0 } else { 0.0 });
     let found = ldr(&green, &blue, PIXELS_PER_DEGREE).unwrap();
@@ -100,7 +100,7 @@ fn largest_difference_is_one_where_nothing_is_blurred() {
 }
 
 #[test]
-fn every_error_is_a_number_whatever_the_light() {
+fn errors_lie_in_the_unit_interval_for_any_light() {
     let odd = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, f32::MAX, 1e-40, 0.0, 1.0];
     let first = picture(|x, y, c| odd[((x + 3 * y + 5 * c) % 8) as usize]);
     let second = picture(|x, y, c| odd[((3 * x + y + c) % 8) as usize]);

@@ -4,15 +4,15 @@ use std::f64::consts::TAU;
 
 use glanz_math::DVec3;
 
-/// Why numbers are no distribution of intensities.
+/// Errors of making a distribution of intensities.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum IntensityError {
-    /// There are no angles of one kind.
-    #[error("there are no {0}s")]
+    /// No azimuths or no polar angles.
+    #[error("there is no {0}; at least one is needed")]
     Empty(&'static str),
-    /// An angle out of its range or order.
-    #[error("{what} {second} follows {first}; they must ascend, {allowed}")]
+    /// An angle out of range or order.
+    #[error("{what} {second} follows {first}; the angles must be {allowed} and ascend")]
     Angles {
         /// Which angles.
         what: &'static str,
@@ -20,11 +20,13 @@ pub enum IntensityError {
         first: f64,
         /// The next, or the same if it alone is at fault.
         second: f64,
-        /// Where they may lie.
+        /// The condition on each angle.
         allowed: &'static str,
     },
-    /// Another number of intensities than directions.
-    #[error("there are {found} intensities for {azimuths} azimuths and {polars} polar angles")]
+    /// The number of intensities is not that of the directions.
+    #[error(
+        "there are {found} intensities for {azimuths} azimuths and {polars} polar angles; each pair needs one"
+    )]
     Count {
         /// Intensities.
         found: usize,
@@ -33,17 +35,17 @@ pub enum IntensityError {
         /// Polar angles.
         polars: usize,
     },
-    /// An intensity that is negative or no finite number.
-    #[error("intensity number {index} is {value} cd, it must be finite and not negative")]
+    /// An intensity is negative, infinite or NaN.
+    #[error("intensity {index} is {value} cd; it must be finite and not negative")]
     Intensity {
-        /// Its index.
+        /// Index, row by row.
         index: usize,
         /// Candela.
         value: f64,
     },
 }
 
-/// How the goniophotometer turned; see the table in [`super`].
+/// Coordinate system of the goniophotometer; see the table in [`super`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AngularSystem {
     /// Planes share a vertical axis, angles count from the horizontal; headlamps and signals.
@@ -54,18 +56,18 @@ pub enum AngularSystem {
     C,
 }
 
-/// What the file left out because it follows from the rest.
+/// Symmetry by which the measured planes give the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Symmetry {
-    /// Nothing.
+    /// No symmetry: every plane is measured.
     None,
-    /// All planes are alike.
+    /// All planes are equal.
     Axial,
-    /// Alike on both sides of the plane y = 0 (C0-C180).
+    /// Mirror symmetry about the plane y = 0 (C0-C180).
     AcrossY,
-    /// Alike on both sides of the plane x = 0 (C90-C270).
+    /// Mirror symmetry about the plane x = 0 (C90-C270).
     AcrossX,
-    /// Alike on both sides of both planes.
+    /// Mirror symmetry about both planes.
     Quadrants,
 }
 
@@ -73,13 +75,13 @@ pub enum Symmetry {
 ///
 /// A direction has an azimuth about the axis and a polar angle from it, both in degrees. For type C these are C and
 /// gamma, about -z; for type A horizontal angle and vertical angle + 90, about -z; for type B vertical angle and
-/// horizontal angle + 90, about +y. Symmetry is unfolded. Between the angles the intensity is bilinear, outside them
-/// zero.
+/// horizontal angle + 90, about +y. The planes that follow by symmetry are included. Between the angles the intensity is bilinear, outside
+/// them zero.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Distribution {
+pub struct IntensityDistribution {
     system: AngularSystem,
     symmetry: Symmetry,
-    /// Strictly ascending; the last is the first + 360 if the planes go round; a single one stands for all.
+    /// Strictly ascending; the last is the first + 360 if the planes cover the full circle; a single one applies to all azimuths.
     azimuths: Vec<f64>,
     /// For each azimuth its row in `candela`.
     rows: Vec<usize>,
@@ -89,16 +91,18 @@ pub struct Distribution {
     candela: Vec<f64>,
 }
 
-/// An angle computed from a direction is off by a few roundings of a number up to 360 degrees; this many degrees
-/// beyond the last angle of the grid still count as on it.
+/// Rounding error, in degrees, of an angle up to 360 degrees computed from a direction; angles beyond the grid by no more
+/// count as its last.
 const ROUNDING: f64 = 8.0 * 360.0 * f64::EPSILON;
 
-impl Distribution {
-    /// `azimuths`: of the rows of `candela`, in degrees, as measured; for types A and C `symmetry` adds the others. Those of types A and B
-    /// ascend. `polars`: degrees, ascending, within [0, 180]. `candela`: row by row, one value for each pair of angles.
+impl IntensityDistribution {
+    /// A distribution from the measured planes.
+    ///
+    /// `azimuths`: degrees, one for each row of `candela`, ascending for types A and B; for types A and C `symmetry` adds the others.
+    /// `polars`: degrees, ascending, within [0, 180]. `candela`: row by row, one value for each pair of angles.
     ///
     /// # Errors
-    /// [`IntensityError`] for numbers that are not so.
+    /// [`IntensityError`] if the angles or intensities violate these conditions.
     pub fn try_new(
         system: AngularSystem,
         symmetry: Symmetry,
@@ -107,24 +111,24 @@ impl Distribution {
         candela: Vec<f64>,
     ) -> Result<Self, IntensityError> {
         check(system, azimuths, &polars, &candela)?;
-        let (azimuths, rows) = unfold(system, symmetry, azimuths);
+        let (azimuths, rows) = unfolded(system, symmetry, azimuths);
         Ok(Self { system, symmetry, azimuths, rows, polars, candela })
     }
 
-    /// How the goniophotometer turned.
+    /// Coordinate system of the goniophotometer.
     #[must_use]
     pub fn system(&self) -> AngularSystem {
         self.system
     }
 
-    /// What the file left out.
+    /// Symmetry of the measurement.
     #[must_use]
     pub fn symmetry(&self) -> Symmetry {
         self.symmetry
     }
 
-    /// Azimuths of the planes in degrees, ascending, symmetry unfolded; with the first one again, 360 degrees on,
-    /// where they go all round. A single one stands for all.
+    /// Azimuths of the planes in degrees, ascending, those by symmetry included. If they cover the full circle, the last is
+    /// the first + 360. A single one applies to all azimuths.
     #[must_use]
     pub fn azimuths(&self) -> &[f64] {
         &self.azimuths
@@ -153,21 +157,21 @@ impl Distribution {
     /// Candela at angles in degrees.
     #[must_use]
     pub fn at(&self, azimuth: f64, polar: f64) -> f64 {
-        let Some((j, v)) = cell(&self.polars, polar) else { return 0.0 };
+        let Some((j, v)) = interval(&self.polars, polar) else { return 0.0 };
         let in_plane = |plane: usize| {
             let plane = self.plane(plane);
             let value = |k: usize| plane.get(k).copied().unwrap_or(0.0);
-            // Written so that a grid point gives its own value, whatever stands beside it.
+            // A grid point has exactly its own value.
             if v == 0.0 { value(j) } else { value(j) * (1.0 - v) + value(j + 1) * v }
         };
         if self.azimuths.len() == 1 {
             return in_plane(0);
         }
-        let Some((i, u)) = cell(&self.azimuths, self.turned(azimuth)) else { return 0.0 };
+        let Some((i, u)) = interval(&self.azimuths, self.wrapped(azimuth)) else { return 0.0 };
         if u == 0.0 { in_plane(i) } else { in_plane(i) * (1.0 - u) + in_plane(i + 1) * u }
     }
 
-    /// Candela in a direction of any length in the luminaire's frame; 0 for no direction.
+    /// Candela in a direction of any length in the luminaire's frame; 0 for the zero vector and NaN.
     #[must_use]
     pub fn intensity(&self, direction: DVec3) -> f64 {
         let (pole, zero, ninety) = self.axes();
@@ -179,7 +183,7 @@ impl Distribution {
         self.at(y.atan2(x).to_degrees(), polar)
     }
 
-    /// The direction of length 1 of angles in degrees.
+    /// Unit direction at angles in degrees.
     #[must_use]
     pub fn direction(&self, azimuth: f64, polar: f64) -> DVec3 {
         let (pole, zero, ninety) = self.axes();
@@ -187,12 +191,12 @@ impl Distribution {
         pole * cos + (zero * cos_a + ninety * sin_a) * sin
     }
 
-    /// Lumens: the integral of the interpolated intensity over all directions, exact but for roundings.
+    /// Lumens: the integral of the interpolated intensity over all directions, exact up to rounding.
     #[must_use]
     pub fn flux(&self) -> f64 {
         let of_plane = |i: usize| -> f64 {
             let pairs = self.polars.windows(2).zip(self.plane(i).windows(2));
-            pairs.map(|(t, v)| band(t[0].to_radians(), t[1].to_radians(), v[0], v[1])).sum()
+            pairs.map(|(t, v)| zonal_integral(t[0].to_radians(), t[1].to_radians(), v[0], v[1])).sum()
         };
         if self.azimuths.len() == 1 {
             return TAU * of_plane(0);
@@ -202,15 +206,15 @@ impl Distribution {
         steps.map(|(i, a)| (a[1] - a[0]).to_radians() * 0.5 * (of_plane(i) + of_plane(i + 1))).sum()
     }
 
-    /// The same with all intensities times `factor`; `None` if one would be negative or no finite number.
+    /// The distribution with all intensities times `factor`; `None` if one would be negative or not finite.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Option<Self> {
         let mut scaled = self.clone();
         for value in &mut scaled.candela {
             *value *= factor;
         }
-        let holds = |value: &f64| value.is_finite() && *value >= 0.0;
-        scaled.candela.iter().all(holds).then_some(scaled)
+        let valid = |value: &f64| value.is_finite() && *value >= 0.0;
+        scaled.candela.iter().all(valid).then_some(scaled)
     }
 
     /// The axis and the directions of azimuth 0 and 90 at polar angle 90.
@@ -223,8 +227,8 @@ impl Distribution {
         }
     }
 
-    /// The azimuth with full turns added or taken away so that it lies among the planes if it can.
-    fn turned(&self, azimuth: f64) -> f64 {
+    /// The azimuth plus the multiple of 360 that puts it within the planes, if one does.
+    fn wrapped(&self, azimuth: f64) -> f64 {
         let first = self.azimuths.first().copied().unwrap_or(0.0);
         if (first - ROUNDING..first + 360.0).contains(&azimuth) {
             return azimuth;
@@ -240,7 +244,7 @@ fn check(
     candela: &[f64],
 ) -> Result<(), IntensityError> {
     for (what, angles, allowed, low, high, sorted) in [
-        // Symmetry puts those of type C in order.
+        // Azimuths of type C are sorted later, with those by symmetry.
         ("azimuth", azimuths, "finite", -f64::MAX, f64::MAX, system != AngularSystem::C),
         ("polar angle", polars, "within [0, 180]", 0.0, 180.0, true),
     ] {
@@ -264,8 +268,8 @@ fn check(
     }
 }
 
-/// The index and position in [0, 1) of an angle among ascending ones; `None` outside them.
-fn cell(angles: &[f64], angle: f64) -> Option<(usize, f64)> {
+/// Index of the interval of ascending `angles` that holds `angle`, and its position in [0, 1) there; `None` outside them.
+fn interval(angles: &[f64], angle: f64) -> Option<(usize, f64)> {
     let (first, last) = (*angles.first()?, *angles.last()?);
     if !(first - ROUNDING..=last + ROUNDING).contains(&angle) {
         return None;
@@ -278,21 +282,21 @@ fn cell(angles: &[f64], angle: f64) -> Option<(usize, f64)> {
     }
 }
 
-/// The integral of v sin t over [a, b], in radians, where v goes linearly from `at_a` to `at_b`.
-pub(super) fn band(a: f64, b: f64, at_a: f64, at_b: f64) -> f64 {
+/// Integral of v sin t over the zone [a, b], in radians, with v linear from `at_a` to `at_b`.
+pub(super) fn zonal_integral(a: f64, b: f64, at_a: f64, at_b: f64) -> f64 {
     let half = 0.5 * (b - a);
     let middle = 0.5 * (a + b);
-    // cos a - cos b and (sin b - sin a) / (b - a), without cancellation between near angles.
+    // cos a - cos b and (sin b - sin a) / (b - a), without cancellation for angles close together.
     let whole = 2.0 * middle.sin() * half.sin();
     let mean_cos = middle.cos() * if half == 0.0 { 1.0 } else { half.sin() / half };
     let of_b = mean_cos - b.cos();
     at_a * (whole - of_b) + at_b * of_b
 }
 
-/// All azimuths that symmetry gives, and the row of each.
-fn unfold(system: AngularSystem, symmetry: Symmetry, measured: &[f64]) -> (Vec<f64>, Vec<usize>) {
+/// The measured azimuths and those by symmetry, ascending, with the row of each.
+fn unfolded(system: AngularSystem, symmetry: Symmetry, measured: &[f64]) -> (Vec<f64>, Vec<usize>) {
     if system != AngularSystem::C {
-        // Types A and B reach from -90 to 90; only A has its mirrored angle as azimuth.
+        // Azimuths of types A and B lie in [-90, 90]; only those of type A are mirrored by symmetry.
         let mut planes: Vec<(f64, usize)> = measured.iter().copied().zip(0..).collect();
         if system == AngularSystem::A && symmetry == Symmetry::AcrossY {
             let mirrored = planes.iter().filter(|(a, _)| *a > 0.0).map(|&(a, row)| (-a, row));
@@ -338,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_intensity_everywhere_gives_four_pi_in_every_system() {
+    fn flux_of_constant_intensity_is_its_solid_angle_in_every_system() {
         for (system, azimuths, expected) in [
             (AngularSystem::C, degrees(0.0, 360.0, 7), 4.0 * PI),
             (AngularSystem::C, vec![0.0, 17.0, 359.0], 4.0 * PI),
@@ -348,18 +352,20 @@ mod tests {
             let polars = degrees(0.0, 180.0, 9);
             let count = azimuths.len() * polars.len();
             let d =
-                Distribution::try_new(system, Symmetry::None, &azimuths, polars, vec![2.0; count]).unwrap();
+                IntensityDistribution::try_new(system, Symmetry::None, &azimuths, polars, vec![2.0; count])
+                    .unwrap();
             close(d.flux(), 2.0 * expected, 1e-14);
         }
     }
 
     #[test]
-    fn flux_of_an_intensity_linear_in_gamma_is_its_closed_form() {
-        // 1 - 2 t / pi over [0, pi / 2]: 2 pi (1 - 2 / pi), with two angles as with many.
+    fn flux_of_an_intensity_linear_in_gamma_equals_the_closed_form() {
+        // 1 - 2 t / pi over [0, pi / 2]: 2 pi (1 - 2 / pi), for any number of angles.
         for steps in [1, 2, 90] {
             let polars = degrees(0.0, 90.0, steps);
             let values = polars.iter().map(|t| 1.0 - t / 90.0).collect();
-            let d = Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], polars, values).unwrap();
+            let d = IntensityDistribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], polars, values)
+                .unwrap();
             close(d.flux(), 2.0 * PI * (1.0 - 2.0 / PI), 1e-13);
         }
     }
@@ -369,7 +375,8 @@ mod tests {
         for steps in [18, 90] {
             let polars = degrees(0.0, 90.0, steps);
             let values = polars.iter().map(|t| t.to_radians().cos()).collect();
-            let d = Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], polars, values).unwrap();
+            let d = IntensityDistribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], polars, values)
+                .unwrap();
             // A chord lies below cos by at most h^2 / 8 cos; over the hemisphere that is pi h^2 / 8.
             let step = (90.0 / steps as f64).to_radians();
             assert!(d.flux() < PI && PI - d.flux() < 1.01 * PI * step * step / 8.0, "{}", d.flux());
@@ -377,10 +384,11 @@ mod tests {
     }
 
     #[test]
-    fn axes_of_the_three_systems_are_those_of_the_table() {
+    fn axes_of_the_three_systems_agree_with_the_table() {
         let near = |a: DVec3, b: DVec3| assert!((a - b).length() < 1e-15, "{a} {b}");
         let of = |system| {
-            Distribution::try_new(system, Symmetry::None, &[0.0, 1.0], vec![0.0], vec![0.0; 2]).unwrap()
+            IntensityDistribution::try_new(system, Symmetry::None, &[0.0, 1.0], vec![0.0], vec![0.0; 2])
+                .unwrap()
         };
         let c = of(AngularSystem::C);
         near(c.direction(0.0, 0.0), DVec3::NEG_Z);
@@ -398,10 +406,10 @@ mod tests {
     }
 
     #[test]
-    fn directions_find_their_own_grid_point_and_planes_repeat_after_a_turn() {
+    fn grid_points_have_their_values_in_every_turn() {
         let (azimuths, polars) = (degrees(0.0, 315.0, 7), degrees(0.0, 180.0, 4));
         let values: Vec<f64> = (0..azimuths.len() * polars.len()).map(|i| 1.0 + i as f64).collect();
-        let d = Distribution::try_new(
+        let d = IntensityDistribution::try_new(
             AngularSystem::C,
             Symmetry::None,
             &azimuths,
@@ -427,33 +435,44 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_no_distribution_are_refused_with_their_values() {
+    fn invalid_angles_and_intensities_are_reported_with_their_values() {
         let of = |system, azimuths: &[f64], polars: &[f64], candela: &[f64]| {
-            Distribution::try_new(system, Symmetry::None, azimuths, polars.to_vec(), candela.to_vec())
-                .unwrap_err()
-                .to_string()
+            IntensityDistribution::try_new(
+                system,
+                Symmetry::None,
+                azimuths,
+                polars.to_vec(),
+                candela.to_vec(),
+            )
+            .unwrap_err()
+            .to_string()
         };
         let (a, c) = (AngularSystem::A, AngularSystem::C);
         for (found, expected) in [
-            (of(c, &[], &[0.0], &[]), "there are no azimuth"),
-            (of(c, &[0.0], &[], &[]), "there are no polar angle"),
+            (of(c, &[], &[0.0], &[]), "there is no azimuth"),
+            (of(c, &[0.0], &[], &[]), "there is no polar angle"),
             (of(c, &[f64::NAN], &[0.0], &[1.0]), "azimuth NaN"),
             (of(a, &[5.0, 5.0], &[0.0], &[1.0; 2]), "azimuth 5 follows 5"),
             (of(c, &[0.0], &[0.0, 181.0], &[1.0; 2]), "polar angle 181"),
             (of(c, &[0.0], &[2.0, 1.0], &[1.0; 2]), "polar angle 1 follows 2"),
             (of(c, &[0.0], &[0.0, 1.0], &[1.0; 3]), "there are 3 intensities for 1 azimuths and 2 polar"),
-            (of(c, &[0.0], &[0.0, 1.0], &[1.0, -1.0]), "intensity number 1 is -1 cd"),
-            (of(c, &[0.0], &[0.0], &[f64::INFINITY]), "intensity number 0 is inf cd"),
+            (of(c, &[0.0], &[0.0, 1.0], &[1.0, -1.0]), "intensity 1 is -1 cd"),
+            (of(c, &[0.0], &[0.0], &[f64::INFINITY]), "intensity 0 is inf cd"),
         ] {
             assert!(found.starts_with(expected), "{found}");
         }
     }
 
     #[test]
-    fn the_last_angle_belongs_to_the_grid_and_beyond_it_is_dark() {
-        let d =
-            Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], vec![0.0, 90.0], vec![5.0; 2])
-                .unwrap();
+    fn intensity_is_kept_at_the_last_angle_and_zero_beyond() {
+        let d = IntensityDistribution::try_new(
+            AngularSystem::C,
+            Symmetry::Axial,
+            &[0.0],
+            vec![0.0, 90.0],
+            vec![5.0; 2],
+        )
+        .unwrap();
         for azimuth in 0..360 {
             assert_eq!(d.intensity(d.direction(f64::from(azimuth), 90.0)), 5.0);
             assert_eq!(d.intensity(d.direction(f64::from(azimuth), 90.001)), 0.0);

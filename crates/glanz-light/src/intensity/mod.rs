@@ -1,11 +1,11 @@
-//! How much light a luminaire sends in which direction: candela over directions.
+//! Luminous intensity of luminaires, candela over directions.
 //!
-//! [`Distribution`] holds intensities as a goniophotometer measures them, [`Opening`] the size of what shines. Readers of photometric files fill
-//! them, lights of scenes send what they say.
+//! [`IntensityDistribution`] holds intensities as a goniophotometer measures them, [`LuminousOpening`] the shape and size of the
+//! light-emitting part. Readers of photometric files make both, photometric lights of scenes emit by them.
 //!
 //! # The luminaire's frame
 //!
-//! Right-handed, z up, origin in the photometric centre; a luminaire mounted as usual shines towards -z.
+//! Right-handed, z up, origin in the photometric centre; a ceiling luminaire shines towards -z.
 //!
 //! | type | angles | direction |
 //! |---|---|---|
@@ -14,20 +14,20 @@
 //! | B | V about y from -z to +x, H out of the plane of V towards -y | (cos H sin V, -sin H, -cos H cos V) |
 //!
 //! ```
-//! use glanz_light::intensity::{AngularSystem, Distribution, Symmetry};
+//! use glanz_light::intensity::{AngularSystem, IntensityDistribution, Symmetry};
 //! use glanz_math::DVec3;
 //!
-//! // 100 cd straight down, 0 at the horizontal, alike all round.
+//! // 100 cd straight down, 0 at the horizontal, rotationally symmetric.
 //! let (polars, candela) = (vec![0.0, 90.0], vec![100.0, 0.0]);
-//! let lamp = Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], polars, candela)?;
-//! assert_eq!(lamp.intensity(DVec3::NEG_Z), 100.0);
-//! assert!((lamp.intensity(DVec3::new(1.0, 0.0, -1.0)) - 50.0).abs() < 1e-12);
+//! let luminaire = IntensityDistribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], polars, candela)?;
+//! assert_eq!(luminaire.intensity(DVec3::NEG_Z), 100.0);
+//! assert!((luminaire.intensity(DVec3::new(1.0, 0.0, -1.0)) - 50.0).abs() < 1e-12);
 //! # Ok::<(), glanz_light::intensity::IntensityError>(())
 //! ```
 
 mod distribution;
 mod opening;
-mod pick;
+mod sample;
 
-pub use distribution::{AngularSystem, Distribution, IntensityError, Symmetry};
-pub use opening::{Opening, OpeningShape};
+pub use distribution::{AngularSystem, IntensityDistribution, IntensityError, Symmetry};
+pub use opening::{LuminousOpening, OpeningShape};

@@ -1,13 +1,13 @@
-//! The luminous opening: the part of a luminaire that shines.
+//! The luminous opening: the light-emitting part of a luminaire.
 
-/// Shape of the luminous opening; sizes are in [`Opening::size`].
+/// Shape of the luminous opening; sizes are in [`LuminousOpening::size`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OpeningShape {
     /// No extent.
     Point,
     /// A rectangle with normal -z; a line if one size is 0.
     Rectangle,
-    /// A box that shines downwards and sideways; an upright rectangle if one size is 0.
+    /// A box that emits downwards and sideways; an upright rectangle if one size is 0.
     Box,
     /// An ellipse with normal -z; a circle if x and y are equal.
     Ellipse,
@@ -25,14 +25,14 @@ pub enum OpeningShape {
 
 /// Shape and size of the luminous opening, around the photometric centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Opening {
-    /// Its shape.
+pub struct LuminousOpening {
+    /// Shape.
     pub shape: OpeningShape,
-    /// Extent along x, y and z in metres, none below zero. For round shapes these are diameters.
+    /// Extent along x, y and z in metres, not negative: diameters of round shapes.
     pub size: [f64; 3],
 }
 
-impl Opening {
-    /// No extent.
+impl LuminousOpening {
+    /// An opening without extent.
     pub const POINT: Self = Self { shape: OpeningShape::Point, size: [0.0; 3] };
 }

@@ -1,7 +1,7 @@
 //! Measured metals: wavelength in nm, index of refraction, absorption.
 //!
 //! The tables are excerpts of the published ones as collected in the public domain database of refractiveindex.info
-//! (@polyanskiy2024), one entry beyond either end of the visible range.
+//! (@polyanskiy2024), with one entry beyond each end of the visible range.
 
 // A measured 3.14 is not pi.
 #![allow(clippy::approx_constant)]

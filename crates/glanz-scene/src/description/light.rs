@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glanz_light::SpectralDistribution;
-use glanz_light::intensity::{Distribution, Opening};
+use glanz_light::intensity::{IntensityDistribution, LuminousOpening};
 use glanz_math::{DMat4, DVec3};
 
 use super::Location;
@@ -92,9 +92,9 @@ pub enum LightKind {
     /// Emits candela as a luminaire was measured; of the emission only the colour counts, not the magnitude.
     Photometric {
         /// Candela by direction in light space, which is the [luminaire's frame](glanz_light::intensity).
-        distribution: Arc<Distribution>,
+        distribution: Arc<IntensityDistribution>,
         /// What shines, all of it alike; `None`: a point.
-        opening: Option<Opening>,
+        opening: Option<LuminousOpening>,
         /// Where the photometric centre is.
         from: DVec3,
     },

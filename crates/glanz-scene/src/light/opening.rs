@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use glanz_light::intensity::{Opening, OpeningShape};
+use glanz_light::intensity::{LuminousOpening, OpeningShape};
 use glanz_math::{DVec2, DVec3};
 use glanz_sampling::discrete::PiecewiseConstant1;
 use glanz_sampling::warp;
@@ -12,7 +12,7 @@ use glanz_sampling::warp;
 /// Flat openings are picked from evenly. Of solids it is their surface: of a box the bottom and the four sides; of an upright cylinder the bottom
 /// and the side, of a lying one the side alone; of an ellipsoid all of it. Their parts are picked by area and each of them evenly, if its
 /// cross-section is a circle; if that is an ellipse, as a stretched circle.
-pub(super) fn point(opening: &Opening, xi: DVec2) -> DVec3 {
+pub(super) fn point(opening: &LuminousOpening, xi: DVec2) -> DVec3 {
     let size = DVec3::from_array(opening.size);
     let unit = match opening.shape {
         OpeningShape::Point => DVec3::ZERO,
@@ -87,7 +87,7 @@ mod tests {
     const N: u32 = 100;
 
     fn points(shape: OpeningShape, size: [f64; 3]) -> Vec<DVec3> {
-        let opening = Opening { shape, size };
+        let opening = LuminousOpening { shape, size };
         let xi = |i: u32| (f64::from(i) + 0.5) / f64::from(N);
         (0..N * N).map(|i| point(&opening, DVec2::new(xi(i % N), xi(i / N)))).collect()
     }

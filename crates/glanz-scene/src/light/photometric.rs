@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glanz_light::intensity::{Distribution, Opening, OpeningShape};
+use glanz_light::intensity::{IntensityDistribution, LuminousOpening, OpeningShape};
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{AreaPdf, DMat3, DVec2, DVec3, Ray, Transform};
 use glanz_sampling::discrete::PiecewiseConstant1;
@@ -26,9 +26,9 @@ pub struct PhotometricLight {
     position: DVec3,
     /// The axes of the luminaire in the world; orthonormal, perhaps mirrored.
     axes: DMat3,
-    distribution: Arc<Distribution>,
+    distribution: Arc<IntensityDistribution>,
     /// With sizes in the world; `None` for a point.
-    opening: Option<Opening>,
+    opening: Option<LuminousOpening>,
     /// W/sr for one candela of the distribution.
     per_candela: Spectrum,
     /// Lumens of the distribution.
@@ -56,8 +56,8 @@ impl PhotometricLight {
     /// `from`: the photometric centre in the luminaire's frame. `opening`: `None` for a point.
     pub(super) fn resolve(
         input: LightInput<'_>,
-        distribution: &Arc<Distribution>,
-        opening: Option<Opening>,
+        distribution: &Arc<IntensityDistribution>,
+        opening: Option<LuminousOpening>,
         from: DVec3,
     ) -> Result<Self, SceneErrorKind> {
         let per_candela = input.per_candela?;
@@ -68,8 +68,8 @@ impl PhotometricLight {
     /// `from`: the photometric centre in the luminaire's frame, which `to_world` places. `opening`: `None` for a point. `per_candela`: W/sr for one
     /// candela of the distribution. `None` if `to_world` is no similarity.
     fn try_new(
-        distribution: Arc<Distribution>,
-        opening: Option<Opening>,
+        distribution: Arc<IntensityDistribution>,
+        opening: Option<LuminousOpening>,
         from: DVec3,
         to_world: &Transform,
         per_candela: Spectrum,
@@ -80,7 +80,7 @@ impl PhotometricLight {
         Some(Self {
             position: to_world.point(from),
             axes,
-            opening: opening.map(|o| Opening { size: o.size.map(|s| s * scale), ..o }),
+            opening: opening.map(|o| LuminousOpening { size: o.size.map(|s| s * scale), ..o }),
             per_candela,
             flux: fluxes.iter().sum(),
             cells: PiecewiseConstant1::try_new(&fluxes).ok().map(Arc::new),
@@ -127,7 +127,7 @@ impl PhotometricLight {
     /// A unit direction in proportion to the intensity, by two numbers uniform in [0, 1).
     fn direction(&self, xi: DVec2) -> Option<DVec3> {
         let cell = self.cells.as_ref()?.choose(xi.x);
-        let [azimuth, polar] = self.distribution.pick(cell.index, DVec2::new(cell.xi, xi.y))?;
+        let [azimuth, polar] = self.distribution.sample_cell(cell.index, DVec2::new(cell.xi, xi.y))?;
         (self.axes * self.distribution.direction(azimuth, polar)).try_normalize()
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use glanz_light::intensity::{AngularSystem, Distribution, Opening, OpeningShape, Symmetry};
+use glanz_light::intensity::{AngularSystem, IntensityDistribution, LuminousOpening, OpeningShape, Symmetry};
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DMat4, DVec2, DVec3, Ray};
 use glanz_scene::description::*;
@@ -41,12 +41,12 @@ fn scene(lamp: Option<ShapeDescription>, light: Option<(LightKind, DMat4)>) -> S
 }
 
 /// A luminaire with different light in every plane, some of it upwards.
-fn luminaire(opening: Option<Opening>) -> LightKind {
+fn luminaire(opening: Option<LuminousOpening>) -> LightKind {
     let azimuths = [0.0, 50.0, 90.0, 200.0, 300.0];
     let polars = vec![0.0, 15.0, 40.0, 80.0, 130.0, 180.0];
     let candela: Vec<f64> = (0..30).map(|i| f64::from((i * 7) % 11) * 300.0).collect();
     let distribution =
-        Distribution::try_new(AngularSystem::C, Symmetry::None, &azimuths, polars, candela).unwrap();
+        IntensityDistribution::try_new(AngularSystem::C, Symmetry::None, &azimuths, polars, candela).unwrap();
     LightKind::Photometric { distribution: Arc::new(distribution), opening, from: DVec3::ZERO }
 }
 
@@ -102,7 +102,7 @@ fn cases() -> Vec<(&'static str, Scene, bool)> {
     let turned = DMat4::from_translation(DVec3::new(0.5, 0.3, 0.8))
         * DMat4::from_rotation_x(0.4)
         * DMat4::from_rotation_z(1.0);
-    let opening = Opening { shape: OpeningShape::Rectangle, size: [0.5, 0.2, 0.0] };
+    let opening = LuminousOpening { shape: OpeningShape::Rectangle, size: [0.5, 0.2, 0.0] };
     vec![
         ("point", scene(None, Some((point_light(None), DMat4::IDENTITY))), true),
         ("fading point", scene(None, Some((point_light(Some(1.0)), DMat4::IDENTITY))), true),

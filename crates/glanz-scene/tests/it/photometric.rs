@@ -3,13 +3,17 @@
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
-use glanz_light::intensity::{AngularSystem, Distribution, Opening, OpeningShape, Symmetry};
+use glanz_light::intensity::{AngularSystem, IntensityDistribution, LuminousOpening, OpeningShape, Symmetry};
 use glanz_light::{SpectralDistribution, Wavelengths, units};
 use glanz_math::{DMat4, DVec2, DVec3, Ray};
 use glanz_scene::description::*;
 use glanz_scene::{Light, LightId, Scene, SceneBuilder, SceneErrorKind};
 
-fn light(distribution: Distribution, opening: Option<Opening>, to_world: DMat4) -> LightDescription {
+fn light(
+    distribution: IntensityDistribution,
+    opening: Option<LuminousOpening>,
+    to_world: DMat4,
+) -> LightDescription {
     let kind = LightKind::Photometric { distribution: Arc::new(distribution), opening, from: DVec3::ZERO };
     LightDescription { to_world, ..LightDescription::new(kind, [5.0, 3.0, 1.0]) }
 }
@@ -22,11 +26,11 @@ fn scene(lights: Vec<LightDescription>) -> Scene {
 }
 
 /// 900 cd at C 0 and gamma 30, linearly less up to 20 degrees of C and 10 of gamma beside it.
-fn beam() -> Distribution {
+fn beam() -> IntensityDistribution {
     let azimuths = [0.0, 20.0, 340.0];
     let polars = vec![20.0, 30.0, 40.0];
     let candela = vec![0.0, 900.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-    Distribution::try_new(AngularSystem::C, Symmetry::None, &azimuths, polars, candela).unwrap()
+    IntensityDistribution::try_new(AngularSystem::C, Symmetry::None, &azimuths, polars, candela).unwrap()
 }
 
 /// C 0, gamma 30 in the luminaire's frame.
@@ -96,7 +100,7 @@ fn the_color_has_no_influence_on_lumens_and_scale_has() {
 
 #[test]
 fn a_point_tells_what_arrives_of_it_and_an_area_does_not() {
-    let disk = Opening { shape: OpeningShape::Ellipse, size: [0.2, 0.2, 0.0] };
+    let disk = LuminousOpening { shape: OpeningShape::Ellipse, size: [0.2, 0.2, 0.0] };
     let up = DMat4::from_translation(DVec3::new(0.0, 0.0, 5.0));
     let scene = scene(vec![light(beam(), None, up), light(beam(), Some(disk), up)]);
     let incident = scene.lights()[0].incident(DVec3::new(0.0, 0.0, 5.0) + 2.0 * beam_axis()).unwrap();
@@ -109,7 +113,7 @@ fn a_point_tells_what_arrives_of_it_and_an_area_does_not() {
 
 #[test]
 fn points_of_an_opening_scale_with_the_frame() {
-    let disk = Opening { shape: OpeningShape::Ellipse, size: [0.2, 0.2, 0.0] };
+    let disk = LuminousOpening { shape: OpeningShape::Ellipse, size: [0.2, 0.2, 0.0] };
     let to_world = DMat4::from_rotation_x(FRAC_PI_2) * DMat4::from_scale(DVec3::splat(10.0));
     let scene = scene(vec![light(beam(), Some(disk), to_world)]);
     let light = &scene.lights()[0];

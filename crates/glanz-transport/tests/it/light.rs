@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::f64::consts::{PI, TAU};
 
 use crate::common::*;
-use glanz_light::intensity::{AngularSystem, Distribution, Opening, OpeningShape, Symmetry};
+use glanz_light::intensity::{AngularSystem, IntensityDistribution, LuminousOpening, OpeningShape, Symmetry};
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::SceneBuilder;
 use glanz_scene::description::*;
@@ -72,11 +72,12 @@ fn lamps_of_every_kind_light_the_same_picture() {
     let fading = LightKind::Point { from: DVec3::new(-0.5, 0.0, 1.2), range: Some(2.5) };
     let luminaire = |opening| {
         let (polars, candela) = (vec![0.0, 60.0, 180.0], vec![4000.0, 3000.0, 500.0]);
-        let all_round = Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], polars, candela);
+        let all_round =
+            IntensityDistribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], polars, candela);
         let from = DVec3::new(-0.5, 0.0, 1.2);
         LightKind::Photometric { distribution: Arc::new(all_round.unwrap()), opening, from }
     };
-    let plate = Opening { shape: OpeningShape::Rectangle, size: [0.4, 0.2, 0.0] };
+    let plate = LuminousOpening { shape: OpeningShape::Rectangle, size: [0.4, 0.2, 0.0] };
     let distant = LightKind::Distant { from: DVec3::new(-1.0, 0.4, 2.0), to: DVec3::ZERO };
     let ball = corner()
         .shape(ShapeDescription::sphere(0.2).translated([-0.4, 0.2, 2.5]).emitting([50.0; 3]), diffuse(0.0));

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glanz_formats::photometry::write::{self, Header};
-use glanz_formats::photometry::{AngularSystem, Distribution, Names, Symmetry};
+use glanz_formats::photometry::{AngularSystem, IntensityDistribution, Names, Symmetry};
 use glanz_illumination::FarField;
 
 use super::IlluminateOutcome;
@@ -52,8 +52,9 @@ fn bytes(path: &Path, title: &str, far: &FarField) -> Result<Vec<u8>, Error> {
     planes.push(360.0);
     let rows = (0..planes.len()).flat_map(|plane| (0..gammas.len()).map(move |gamma| far.at(plane, gamma)));
     let candela = rows.collect();
-    let distribution = Distribution::try_new(AngularSystem::C, Symmetry::None, &planes, gammas, candela)
-        .map_err(Error::of_file(path))?;
+    let distribution =
+        IntensityDistribution::try_new(AngularSystem::C, Symmetry::None, &planes, gammas, candela)
+            .map_err(Error::of_file(path))?;
     let program = format!("Glanz {}", glanz_job::current_version());
     let names = Names { luminaire: title.to_owned(), ..Names::default() };
     let header = Header { names, laboratory: program, ..Header::default() };

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use glanz_light::intensity::{Opening, OpeningShape};
+use glanz_light::intensity::{LuminousOpening, OpeningShape};
 use glanz_math::DVec3;
 use glanz_scene::description::{LightKind, SourceRay};
 
@@ -179,9 +179,13 @@ impl Lowering {
     }
 
     /// `as`: a point or the luminous opening.
-    fn opening(&mut self, list: &mut ParameterList, photometry: &Photometry) -> ParseResult<Option<Opening>> {
+    fn opening(
+        &mut self,
+        list: &mut ParameterList,
+        photometry: &Photometry,
+    ) -> ParseResult<Option<LuminousOpening>> {
         let Some((p, kind)) = list.text_parameter("as", &mut self.reporter)? else { return Ok(None) };
-        let Opening { shape, size } = photometry.opening;
+        let LuminousOpening { shape, size } = photometry.opening;
         match kind.as_str() {
             "point" => Ok(None),
             "area" if shape == OpeningShape::Point || size == [0.0; 3] => {

@@ -272,7 +272,7 @@ pub(super) fn within_gamut(light: &SpectralDistribution) -> [f32; 3] {
 }
 
 /// A spectrum from pairs in any order.
-fn sampled(pairs: &[f64]) -> Result<SpectralDistribution, glanz_light::DistributionError> {
+fn sampled(pairs: &[f64]) -> Result<SpectralDistribution, glanz_light::SpectrumError> {
     let mut points: Vec<(f32, f32)> =
         pairs.chunks_exact(2).map(|pair| (pair[0] as f32, pair[1] as f32)).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -1,7 +1,7 @@
 //! LM-63.
 
 use super::{Header, PlaneSelection, WriteError, digits, one_line};
-use crate::photometry::{Distribution, Opening, OpeningShape};
+use crate::photometry::{IntensityDistribution, LuminousOpening, OpeningShape};
 
 /// Letters of a line at most, by the standard 256 with its end.
 const LINE: usize = 120;
@@ -21,7 +21,7 @@ const MICROMETRES: f64 = 1e6;
 ///
 /// # Source
 /// @lm63_2002.
-pub fn ies(distribution: &Distribution, header: &Header) -> Result<Vec<u8>, WriteError> {
+pub fn ies(distribution: &IntensityDistribution, header: &Header) -> Result<Vec<u8>, WriteError> {
     let stored = PlaneSelection::of(distribution)?;
     let mut lines = vec!["IESNA:LM-63-2002".to_owned()];
     let names = &header.names;
@@ -77,7 +77,7 @@ fn ascii(words: &str) -> String {
 }
 
 /// Width (along y), length (along x) and height in metres, negative where round, as the table of 2002 has them.
-fn signs(opening: Opening) -> [f64; 3] {
+fn signs(opening: LuminousOpening) -> [f64; 3] {
     let micrometres = |metres: f64| (metres * MICROMETRES).round() / MICROMETRES;
     let [x, y, z] = opening.size.map(|size| if size.is_finite() { micrometres(size.max(0.0)) } else { 0.0 });
     match opening.shape {

@@ -1,7 +1,7 @@
 //! EULUMDAT.
 
 use super::{Header, PlaneSelection, WriteError, digits, one_line};
-use crate::photometry::{Distribution, Opening, OpeningShape, Symmetry};
+use crate::photometry::{IntensityDistribution, LuminousOpening, OpeningShape, Symmetry};
 
 const MILLIMETRES: f64 = 1000.0;
 
@@ -26,7 +26,7 @@ const STRETCH: f64 = 5.0;
 ///
 /// # Source
 /// @stockmar1990; -1 lamps for absolute photometry as agreed between makers of lighting programs in 2009.
-pub fn ldt(distribution: &Distribution, header: &Header) -> Result<Vec<u8>, WriteError> {
+pub fn ldt(distribution: &IntensityDistribution, header: &Header) -> Result<Vec<u8>, WriteError> {
     let flux = distribution.flux();
     let planes = EulumdatPlanes::of(distribution)?;
     if flux.is_nan() || flux <= 0.0 {
@@ -59,7 +59,7 @@ pub fn ldt(distribution: &Distribution, header: &Header) -> Result<Vec<u8>, Writ
 }
 
 /// The lines before the flux downwards.
-fn head(distribution: &Distribution, header: &Header, planes: &EulumdatPlanes) -> Vec<String> {
+fn head(distribution: &IntensityDistribution, header: &Header, planes: &EulumdatPlanes) -> Vec<String> {
     let names = &header.names;
     let words = |words: &str| {
         let line = one_line(words, WORDS);
@@ -106,7 +106,7 @@ struct EulumdatPlanes {
 }
 
 impl EulumdatPlanes {
-    fn of(distribution: &Distribution) -> Result<Self, WriteError> {
+    fn of(distribution: &IntensityDistribution) -> Result<Self, WriteError> {
         let PlaneSelection { symmetry, mut planes } = PlaneSelection::of(distribution)?;
         let azimuths = distribution.azimuths();
         let listed: Vec<f64> = azimuths.iter().copied().filter(|c| *c < 360.0).collect();
@@ -136,7 +136,7 @@ fn distance(angles: &[f64]) -> f64 {
 }
 
 /// Length (along y), width (along x, 0 if round) and height in millimetres, to a thousandth.
-fn sizes(opening: Opening) -> [f64; 3] {
+fn sizes(opening: LuminousOpening) -> [f64; 3] {
     let [x, y, z] = opening.size.map(|size| if size.is_finite() { size.max(0.0) } else { 0.0 });
     let is_round = matches!(opening.shape, OpeningShape::Ellipse | OpeningShape::VerticalCylinder) && x == y;
     let sizes = match opening.shape {
@@ -147,7 +147,7 @@ fn sizes(opening: Opening) -> [f64; 3] {
 }
 
 /// The share of the flux below the horizontal.
-fn downward(distribution: &Distribution) -> f64 {
+fn downward(distribution: &IntensityDistribution) -> f64 {
     // Gauss-Legendre with three points.
     let nodes = [(-0.6_f64.sqrt(), 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.6_f64.sqrt(), 5.0 / 9.0)];
     let azimuths = distribution.azimuths();

@@ -24,7 +24,7 @@ mod ldt;
 pub use ies::ies;
 pub use ldt::ldt;
 
-use super::{AngularSystem, Distribution, Names, Opening, Symmetry};
+use super::{AngularSystem, IntensityDistribution, LuminousOpening, Names, Symmetry};
 
 /// Intensities beyond this, in candela, are refused by the readers.
 const MOST: f64 = 1e30;
@@ -38,7 +38,7 @@ pub struct Header {
     /// Source of the intensities: the laboratory of LM-63.
     pub laboratory: String,
     /// Luminous opening; sizes in metres.
-    pub opening: Opening,
+    pub opening: LuminousOpening,
     /// Electric power in watts; 0 if not known.
     pub watts: f64,
 }
@@ -46,7 +46,12 @@ pub struct Header {
 impl Default for Header {
     /// A point of no name.
     fn default() -> Self {
-        Self { names: Names::default(), laboratory: String::new(), opening: Opening::POINT, watts: 0.0 }
+        Self {
+            names: Names::default(),
+            laboratory: String::new(),
+            opening: LuminousOpening::POINT,
+            watts: 0.0,
+        }
     }
 }
 
@@ -97,7 +102,7 @@ struct PlaneSelection {
 impl PlaneSelection {
     /// Checks the distribution and picks those of its planes that its symmetry needs; all of them, where the planes
     /// that bound its part are missing.
-    fn of(distribution: &Distribution) -> Result<Self, WriteError> {
+    fn of(distribution: &IntensityDistribution) -> Result<Self, WriteError> {
         if distribution.system() != AngularSystem::C {
             return Err(WriteError::System(distribution.system()));
         }

@@ -8,7 +8,7 @@ use super::*;
 use crate::photometry::{OpeningShape, Photometry, PhotometryFile, read};
 
 /// A distribution of type C from its planes, by way of the reader.
-fn distribution(azimuths: &[f64], polars: &[f64], candela: &[f64]) -> Distribution {
+fn distribution(azimuths: &[f64], polars: &[f64], candela: &[f64]) -> IntensityDistribution {
     let row = |values: &[f64]| values.iter().map(|v| format!("{v:?}")).collect::<Vec<_>>().join(" ");
     let (n, m) = (polars.len(), azimuths.len());
     let lists = [polars, azimuths, candela].map(row).join("\n");
@@ -24,7 +24,7 @@ fn header() -> Header {
         report: String::new(),
         issued: "2026-01-02".into(),
     };
-    let opening = Opening { shape: OpeningShape::Rectangle, size: [0.6, 1.2, 0.0] };
+    let opening = LuminousOpening { shape: OpeningShape::Rectangle, size: [0.6, 1.2, 0.0] };
     Header { names, laboratory: "computed".into(), opening, watts: 36.5 }
 }
 
@@ -73,7 +73,7 @@ fn openings_keep_their_shapes() {
         (OpeningShape::Point, [0.0; 3]),
     ];
     for (shape, size) in both.into_iter().chain(in_ies) {
-        let opening = Opening { shape, size };
+        let opening = LuminousOpening { shape, size };
         let header = Header { opening, ..Header::default() };
         assert_eq!(read_well(&ies(&lamp, &header).unwrap()).opening, opening);
         let from_ldt = read_well(&ldt(&lamp, &header).unwrap()).opening;

@@ -169,19 +169,25 @@ fn materials_look_like_those_of_the_scene() {
 fn luminaires_keep_their_flux() {
     use std::sync::Arc;
 
-    use glanz_light::intensity::{AngularSystem, Distribution, Symmetry};
+    use glanz_light::intensity::{AngularSystem, IntensityDistribution, Symmetry};
     use glanz_math::DVec3;
     use glanz_scene::description::{LightDescription, LightKind};
 
     // 100 cd straight down, falling by the cosine: I_0 pi lm in all, as of a light of 100 cd along its axis. Another one shines 50 cd everywhere.
     let angles: Vec<f64> = (0..=90).map(f64::from).collect();
     let cosine: Vec<f64> = angles.iter().map(|angle| 100.0 * angle.to_radians().cos()).collect();
-    let down = Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], angles, cosine).unwrap();
-    let even =
-        Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], vec![0.0, 180.0], vec![50.0; 2])
-            .unwrap();
+    let down =
+        IntensityDistribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], angles, cosine).unwrap();
+    let even = IntensityDistribution::try_new(
+        AngularSystem::C,
+        Symmetry::Axial,
+        &[0.0],
+        vec![0.0, 180.0],
+        vec![50.0; 2],
+    )
+    .unwrap();
     let (mut description, _) = load("WorldBegin\nShape \"sphere\"");
-    let lamp = |distribution: Distribution, x: f64| {
+    let lamp = |distribution: IntensityDistribution, x: f64| {
         let (distribution, from) = (Arc::new(distribution), DVec3::X * x);
         LightDescription::new(LightKind::Photometric { distribution, opening: None, from }, 1.0)
     };

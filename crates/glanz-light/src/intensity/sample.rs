@@ -1,16 +1,16 @@
-//! Directions picked in proportion to intensity.
+//! Directions sampled in proportion to intensity.
 
 use glanz_math::DVec2;
 
-use super::distribution::{Distribution, band};
+use super::distribution::{IntensityDistribution, zonal_integral};
 
-/// Steps of Newton's method within a bracket; each at least halves it, so that the last is below a rounding of 180 degrees.
+/// Largest number of steps of Newton's method within a bracket.
 const STEPS: u32 = 60;
 
-impl Distribution {
-    /// Lumens of each cell between neighbouring angles: those of the first two azimuths by ascending polar angle, then those of the next.
+impl IntensityDistribution {
+    /// Lumens of each cell between neighbouring angles, by azimuth, then by polar angle.
     ///
-    /// Where one plane stands for all, cells reach all round. Empty where a single polar angle leaves no room for light.
+    /// If a single plane applies to all azimuths, a cell covers the full circle. Empty if there is a single polar angle.
     #[must_use]
     pub fn cell_fluxes(&self) -> Vec<f64> {
         let steps = self.azimuth_steps();
@@ -18,27 +18,28 @@ impl Distribution {
         for step in 0..steps {
             for cell in step * self.polar_steps()..(step + 1) * self.polar_steps() {
                 let Some(cell) = self.cell(cell) else { continue };
-                let [first, second] = cell.bands();
+                let [first, second] = cell.fluxes_per_radian();
                 fluxes.push(cell.width().to_radians() * 0.5 * (first + second));
             }
         }
         fluxes
     }
 
-    /// Azimuth and polar angle in degrees of a direction within a cell of [`Distribution::cell_fluxes`], with a density per solid angle in
-    /// proportion to the intensity, by two numbers uniform in [0, 1). `None` if there is no such cell or it is dark.
+    /// Azimuth and polar angle in degrees of a direction in a cell of [`IntensityDistribution::cell_fluxes`], from two uniform
+    /// numbers in [0, 1); its density per solid angle is proportional to the intensity. `None` if the cell is dark or does not
+    /// exist.
     #[must_use]
-    pub fn pick(&self, cell: usize, xi: DVec2) -> Option<[f64; 2]> {
+    pub fn sample_cell(&self, cell: usize, xi: DVec2) -> Option<[f64; 2]> {
         let cell = self.cell(cell)?;
-        let [first, second] = cell.bands();
+        let [first, second] = cell.fluxes_per_radian();
         if first + second <= 0.0 {
             return None;
         }
-        // What leaves between the polar angles is linear in the azimuth.
-        let u = linear(xi.x, first, second);
+        // The flux per radian of azimuth is linear in the azimuth.
+        let u = sample_linear(xi.x, first, second);
         let mix = |[a, b]: [f64; 2]| a * (1.0 - u) + b * u;
         let [low, high] = [mix([cell.low[0], cell.low[1]]), mix([cell.high[0], cell.high[1]])];
-        let polar = polar_of_share(xi.y, cell.polars.map(f64::to_radians), low, high);
+        let polar = polar_at_fraction(xi.y, cell.polars.map(f64::to_radians), low, high);
         Some([cell.azimuths[0] + u * cell.width(), polar.to_degrees().clamp(cell.polars[0], cell.polars[1])])
     }
 
@@ -50,7 +51,7 @@ impl Distribution {
         self.polars().len() - 1
     }
 
-    fn cell(&self, cell: usize) -> Option<Cell> {
+    fn cell(&self, cell: usize) -> Option<IntensityCell> {
         let steps = self.polar_steps();
         let (i, j) = (cell.checked_div(steps)?, cell.checked_rem(steps)?);
         let alone = self.azimuths().len() == 1;
@@ -58,7 +59,7 @@ impl Distribution {
         let first_azimuth = *self.azimuths().get(i)?;
         let last_azimuth = if alone { first_azimuth + 360.0 } else { *self.azimuths().get(second)? };
         let value = |plane: usize, j: usize| self.plane(plane).get(j).copied();
-        Some(Cell {
+        Some(IntensityCell {
             azimuths: [first_azimuth, last_azimuth],
             polars: [*self.polars().get(j)?, *self.polars().get(j + 1)?],
             low: [value(i, j)?, value(second, j)?],
@@ -67,30 +68,30 @@ impl Distribution {
     }
 }
 
-/// The directions between two azimuths and two polar angles, degrees.
-struct Cell {
+/// Directions between two azimuths and two polar angles, degrees, and the intensities at its corners.
+struct IntensityCell {
     azimuths: [f64; 2],
     polars: [f64; 2],
     /// Candela at the smaller polar angle, by azimuth.
     low: [f64; 2],
-    /// Candela at the larger one.
+    /// Candela at the larger polar angle, by azimuth.
     high: [f64; 2],
 }
 
-impl Cell {
+impl IntensityCell {
     fn width(&self) -> f64 {
         self.azimuths[1] - self.azimuths[0]
     }
 
-    /// Lumens per radian of azimuth at either azimuth.
-    fn bands(&self) -> [f64; 2] {
+    /// Lumens per radian of azimuth at both azimuths.
+    fn fluxes_per_radian(&self) -> [f64; 2] {
         let [a, b] = self.polars.map(f64::to_radians);
-        [0, 1].map(|i| band(a, b, self.low[i], self.high[i]))
+        [0, 1].map(|i| zonal_integral(a, b, self.low[i], self.high[i]))
     }
 }
 
-/// Where in [0, 1] the share `xi` of an amount lies below whose density goes linearly from `a` to `b`, both not negative.
-fn linear(xi: f64, a: f64, b: f64) -> f64 {
+/// Inverse at `xi` of the distribution function on [0, 1] whose density is linear from `a` to `b`, both not negative.
+fn sample_linear(xi: f64, a: f64, b: f64) -> f64 {
     // The root of a x + (b - a) x^2 / 2 = xi (a + b) / 2, without cancellation.
     let root = (a * a * (1.0 - xi) + b * b * xi).sqrt();
     if a + root <= 0.0 {
@@ -99,15 +100,16 @@ fn linear(xi: f64, a: f64, b: f64) -> f64 {
     (xi * (a + b) / (a + root)).clamp(0.0, 1.0)
 }
 
-/// The angle in [a, b], radians, below which the share `xi` of the integral of v sin t lies, where v goes linearly from `at_a` to `at_b`.
-fn polar_of_share(xi: f64, [a, b]: [f64; 2], at_a: f64, at_b: f64) -> f64 {
+/// The angle in [a, b], radians, up to which the integral of v sin t is the fraction `xi` of the whole, with v linear from
+/// `at_a` to `at_b`.
+fn polar_at_fraction(xi: f64, [a, b]: [f64; 2], at_a: f64, at_b: f64) -> f64 {
     let value = |t: f64| at_a + (at_b - at_a) * ((t - a) / (b - a));
-    let target = xi * band(a, b, at_a, at_b);
+    let target = xi * zonal_integral(a, b, at_a, at_b);
     let (mut low, mut high) = (a, b);
-    // Near the axis the sine is the angle: a first guess for an even intensity.
+    // First guess: the exact result for constant intensity near the axis, where the sine is the angle.
     let mut t = (a * a + xi * (b * b - a * a)).sqrt().clamp(a, b);
     for _ in 0..STEPS {
-        let over = band(a, t, at_a, value(t)) - target;
+        let over = zonal_integral(a, t, at_a, value(t)) - target;
         if over > 0.0 {
             high = t;
         } else {
@@ -130,15 +132,15 @@ mod tests {
     use super::*;
     use crate::intensity::{AngularSystem, Symmetry};
 
-    fn uneven() -> Distribution {
+    fn uneven() -> IntensityDistribution {
         let (azimuths, polars) = ([0.0, 70.0, 200.0], vec![0.0, 20.0, 90.0, 180.0]);
         let candela = vec![3.0, 1.0, 0.0, 0.0, 3.0, 8.0, 2.0, 0.0, 3.0, 0.0, 0.0, 1.0];
-        Distribution::try_new(AngularSystem::C, Symmetry::None, &azimuths, polars, candela).unwrap()
+        IntensityDistribution::try_new(AngularSystem::C, Symmetry::None, &azimuths, polars, candela).unwrap()
     }
 
     #[test]
-    fn cells_share_the_flux() {
-        let axial = Distribution::try_new(
+    fn fluxes_of_the_cells_sum_to_the_flux() {
+        let axial = IntensityDistribution::try_new(
             AngularSystem::C,
             Symmetry::Axial,
             &[0.0],
@@ -155,9 +157,9 @@ mod tests {
         assert!((fluxes.iter().sum::<f64>() / d.flux() - 1.0).abs() < 1e-14);
     }
 
-    /// Shares of the flux in a part of each cell by the midpoint rule over the intensities themselves against shares of the picks.
+    /// Compares the fraction of samples in halves of each cell with the fraction of its flux by the midpoint rule.
     #[test]
-    fn picks_follow_the_intensity_within_a_cell() {
+    fn samples_are_distributed_as_the_intensity_within_a_cell() {
         let d = uneven();
         for (cell, flux) in (0..).zip(d.cell_fluxes()) {
             let (i, j) = (cell / 3, cell % 3);
@@ -167,7 +169,7 @@ mod tests {
             let middles = |low: f64, high: f64| {
                 (0..n).map(move |k| low + (high - low) * (f64::from(k) + 0.5) / f64::from(n))
             };
-            // The part below the middle azimuth, and that below the middle polar angle.
+            // The halves below the middle azimuth and below the middle polar angle.
             let mut expected = [0.0; 2];
             for azimuth in middles(a0, a1) {
                 for polar in middles(p0, p1) {
@@ -183,7 +185,7 @@ mod tests {
             for x in 0..count {
                 for y in 0..count {
                     let xi = (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / f64::from(count);
-                    let Some([azimuth, polar]) = d.pick(cell, xi) else { continue };
+                    let Some([azimuth, polar]) = d.sample_cell(cell, xi) else { continue };
                     let one = 1.0 / f64::from(count * count);
                     found[0] += if 2.0 * azimuth < a0 + a1 { one } else { 0.0 };
                     found[1] += if 2.0 * polar < p0 + p1 { one } else { 0.0 };
@@ -191,7 +193,7 @@ mod tests {
                 }
             }
             if flux > 0.0 {
-                // A row or column of picks may fall to either side.
+                // A row or column of samples may fall on either side.
                 assert!(
                     (found[0] - expected[0]).abs() < 1.0 / f64::from(count),
                     "{cell}: {found:?} {expected:?}"
@@ -205,12 +207,18 @@ mod tests {
     }
 
     #[test]
-    fn picks_at_the_dark_border_of_a_cell_are_angles() {
+    fn samples_at_the_dark_border_of_a_cell_lie_in_it() {
         let candela = vec![0.0, 0.0, 1.0, 0.0];
-        let d = Distribution::try_new(AngularSystem::A, Symmetry::None, &[0.0, 9.0], vec![0.0, 9.0], candela)
-            .unwrap();
+        let d = IntensityDistribution::try_new(
+            AngularSystem::A,
+            Symmetry::None,
+            &[0.0, 9.0],
+            vec![0.0, 9.0],
+            candela,
+        )
+        .unwrap();
         for xi in [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE] {
-            let [azimuth, polar] = d.pick(0, xi).unwrap();
+            let [azimuth, polar] = d.sample_cell(0, xi).unwrap();
             assert!(
                 (0.0..=9.0).contains(&azimuth) && (0.0..=9.0).contains(&polar),
                 "{xi}: {azimuth} {polar}"
@@ -219,14 +227,20 @@ mod tests {
     }
 
     #[test]
-    fn dark_and_missing_cells_give_nothing() {
-        let dark =
-            Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], vec![0.0, 90.0], vec![0.0; 2]);
+    fn dark_and_missing_cells_give_no_sample() {
+        let dark = IntensityDistribution::try_new(
+            AngularSystem::C,
+            Symmetry::Axial,
+            &[0.0],
+            vec![0.0, 90.0],
+            vec![0.0; 2],
+        );
         let dark = dark.unwrap();
-        assert_eq!(dark.pick(0, DVec2::splat(0.5)), None);
-        assert_eq!(uneven().pick(9, DVec2::splat(0.5)), None);
+        assert_eq!(dark.sample_cell(0, DVec2::splat(0.5)), None);
+        assert_eq!(uneven().sample_cell(9, DVec2::splat(0.5)), None);
         let ray =
-            Distribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], vec![0.0], vec![1.0]).unwrap();
-        assert!(ray.cell_fluxes().is_empty() && ray.pick(0, DVec2::splat(0.5)).is_none());
+            IntensityDistribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], vec![0.0], vec![1.0])
+                .unwrap();
+        assert!(ray.cell_fluxes().is_empty() && ray.sample_cell(0, DVec2::splat(0.5)).is_none());
     }
 }
