@@ -1,12 +1,12 @@
-//! Solvers over the number of elements, in a furnished room: all form factors with Gauss and Seidel's method, progressive refinement until a
-//! tenth of the light is left, and the hierarchical solver, which chooses its elements by a bound.
+//! Solvers over the number of elements, in a furnished room: all form factors with Gauss and Seidel's method, and the hierarchical
+//! solver, which chooses its elements by a bound.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glanz_job::{CancelFlag, Silent};
 use glanz_math::DVec3;
 use glanz_radiosity::elements::{ElementSettings, Elements};
 use glanz_radiosity::form_factor::FormFactors;
-use glanz_radiosity::solve::{GaussSeidel, Hierarchical, Progressive, gauss_seidel, hierarchical};
+use glanz_radiosity::solve::{GaussSeidel, Hierarchical, gauss_seidel, hierarchical};
 use glanz_scene::Scene;
 use glanz_scene::description::ShapeDescription;
 
@@ -16,9 +16,6 @@ use glanz_scene::description::ShapeDescription;
 mod scenes;
 
 use scenes::{parallelogram, scene, walls};
-
-/// Light that is left where progressive refinement ends, as a share of what was emitted.
-const LEFT: f64 = 0.1;
 
 fn cuboid(min: [f64; 3], max: [f64; 3]) -> (ShapeDescription, f32, f32) {
     (ShapeDescription::cuboid(min, max), 0.4, 0.0)
@@ -75,13 +72,6 @@ fn solvers(c: &mut Criterion) {
             b.iter(|| {
                 let factors = FormFactors::new(&elements, &cancel)?;
                 gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &cancel)
-            });
-        });
-        group.bench_function(BenchmarkId::new("progressive", count), |b| {
-            b.iter(|| {
-                let mut shot = Progressive::new(&elements);
-                while shot.left(&elements) > LEFT && shot.shoot(&elements) {}
-                shot
             });
         });
     }

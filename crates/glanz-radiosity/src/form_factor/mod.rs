@@ -30,11 +30,11 @@ const CURVED_PENUMBRA_LEVELS: u32 = 5;
 /// Area times form factor of a pair of elements, m^2: the same both ways.
 #[must_use]
 pub fn exchange(elements: &Elements<'_>, a: &Element, b: &Element) -> f64 {
-    counted(elements, a, b, &mut 0)
+    exchange_counting(elements, a, b, &mut 0)
 }
 
-/// The same; the rays that it takes are added to `rays`.
-pub(crate) fn counted(elements: &Elements<'_>, a: &Element, b: &Element, rays: &mut u64) -> f64 {
+/// As [`exchange`]; adds the number of its shadow rays to `rays`.
+pub fn exchange_counting(elements: &Elements<'_>, a: &Element, b: &Element, rays: &mut u64) -> f64 {
     match (&a.polygon, &b.polygon) {
         (Some(p), Some(q)) => match (Flat::in_front_of(a, p, b), Flat::in_front_of(b, q, a)) {
             (Some(p), Some(q)) => flat(elements.scene, &p, &q, PENUMBRA_LEVELS, rays),
@@ -73,7 +73,7 @@ impl FormFactors {
                 let others = (0_u32..).zip(list).skip(i + 1);
                 let mut rays = 0;
                 let row = others.filter_map(|(j, b)| {
-                    let exchanged = counted(elements, a, b, &mut rays);
+                    let exchanged = exchange_counting(elements, a, b, &mut rays);
                     (exchanged > 0.0).then_some((j, exchanged))
                 });
                 let row = row.collect();

@@ -2,11 +2,9 @@
 
 mod gauss_seidel;
 pub mod hierarchical;
-mod progressive;
 
 pub use gauss_seidel::{GaussSeidel, Solved, gauss_seidel};
 pub use hierarchical::{Hierarchical, hierarchical};
-pub use progressive::Progressive;
 
 #[cfg(test)]
 mod tests;

@@ -16,12 +16,6 @@ fn luminance(light: glanz_light::Spectrum) -> f64 {
     f64::from(light.luminance(&Wavelengths::default()))
 }
 
-/// A room of which the ceiling shines.
-fn room(reflectance: f32) -> Scene {
-    let walls = walls(DVec3::new(3.0, 2.0, 2.5)).into_iter().enumerate();
-    scene(walls.map(|(i, wall)| (wall, reflectance, if i == 5 { 1.0 } else { 0.0 })).collect())
-}
-
 #[test]
 fn furnace_is_as_bright_as_it_is() {
     for reflectance in [0.3_f32, 0.8] {
@@ -40,65 +34,6 @@ fn furnace_is_as_bright_as_it_is() {
         }
         assert!(solved.change <= 1e-6 && solved.sweeps > 3);
     }
-}
-
-#[test]
-fn shooting_comes_to_what_gathering_finds() {
-    let scene = room(0.6);
-    let elements = elements(&scene, 1.0);
-    let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
-    let gathered =
-        gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &CancelFlag::default()).unwrap();
-    let mut shot = Progressive::new(&elements);
-    assert!((shot.left(&elements) - 1.0).abs() < 1e-12);
-    let mut count = 0;
-    while shot.left(&elements) > 1e-4 && shot.shoot(&elements) {
-        count += 1;
-        assert!(count < 5000);
-    }
-    for ((element, &a), &b) in elements.list.iter().zip(&gathered.radiosity).zip(shot.radiosity()) {
-        let (a, b) = (luminance(a), luminance(b));
-        assert!((a - b).abs() < 1e-3 * a.max(0.1), "{:?}: {a} {b}", element.patch);
-    }
-}
-
-#[test]
-fn known_form_factors_shoot_as_new_ones_do() {
-    let scene = room(0.6);
-    let elements = elements(&scene, 1.0);
-    let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
-    let (mut new, mut known) = (Progressive::new(&elements), Progressive::new(&elements));
-    for _ in 0..40 {
-        assert!(new.shoot(&elements) && known.shoot_known(&elements, &factors));
-    }
-    for (&a, &b) in new.radiosity().iter().zip(known.radiosity()) {
-        assert!((luminance(a) - luminance(b)).abs() < 1e-5, "{a:?} {b:?}");
-    }
-    // Inside a convex room 16 rays or so tell that a pair sees each other whole; the other side of a wall takes none.
-    let inside = elements.list.iter().filter(|element| !element.patch.back).count() as u64;
-    assert!(factors.rays() > 0 && factors.rays() <= 16 * inside * inside / 2);
-    assert!(new.rays() > 0 && known.rays() == 0);
-}
-
-#[test]
-fn ambient_term_guesses_what_is_on_its_way() {
-    // After the ceiling has shot, the estimate is nearer to the end than what has arrived.
-    let scene = room(0.6);
-    let elements = elements(&scene, 1.0);
-    let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
-    let end = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &CancelFlag::default())
-        .unwrap()
-        .radiosity;
-    let mut shot = Progressive::new(&elements);
-    for _ in 0..6 {
-        assert!(shot.shoot(&elements));
-    }
-    let error = |found: &[glanz_light::Spectrum]| {
-        let inside = elements.list.iter().zip(found.iter().zip(&end)).filter(|(e, _)| !e.patch.back);
-        inside.map(|(e, (&a, &b))| e.area * (luminance(a) - luminance(b)).powi(2)).sum::<f64>().sqrt()
-    };
-    let (without, with) = (error(shot.radiosity()), error(&shot.with_ambient(&elements)));
-    assert!(with < 0.5 * without, "{with} {without}");
 }
 
 #[test]

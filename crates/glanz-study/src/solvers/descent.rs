@@ -3,9 +3,10 @@
 use glanz_light::Spectrum;
 use glanz_radiosity::elements::Elements;
 use glanz_radiosity::form_factor::FormFactors;
-use glanz_radiosity::solve::{GaussSeidel, Progressive, gauss_seidel};
+use glanz_radiosity::solve::{GaussSeidel, gauss_seidel};
 
 use super::field::error_of;
+use super::progressive::Progressive;
 use crate::study::{Settings, StudyError};
 
 /// Light that is left in the end.

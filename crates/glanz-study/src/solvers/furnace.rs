@@ -5,11 +5,12 @@ use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::DVec3;
 use glanz_radiosity::elements::{Element, ElementSettings, Elements};
 use glanz_radiosity::form_factor::FormFactors;
-use glanz_radiosity::solve::{GaussSeidel, Hierarchical, Progressive, gauss_seidel, hierarchical};
+use glanz_radiosity::solve::{GaussSeidel, Hierarchical, gauss_seidel, hierarchical};
 use glanz_scene::description::{MaterialKind, ShapeDescription};
 use glanz_scene::{Scene, SceneBuilder};
 
 use super::measure::{LEFT, Solver};
+use super::progressive::Progressive;
 use crate::study::{Settings, StudyError};
 
 /// Shares that the walls reflect.
@@ -104,9 +105,14 @@ impl Furnace {
 
 /// The box, fronts of its walls inside.
 fn scene(reflectance: f32) -> Result<Scene, StudyError> {
+    let walls = walls().map(|wall| wall.emitting(1.0));
+    Ok(SceneBuilder::new().shapes(walls, MaterialKind::diffuse(reflectance)).resolve()?.0)
+}
+
+/// The walls of the box: -x, +x, -y, +y, -z, +z.
+pub(super) fn walls() -> [ShapeDescription; 6] {
     let [x, y, z] = [DVec3::X * SIZE.x, DVec3::Y * SIZE.y, DVec3::Z * SIZE.z];
     let walls =
         [(DVec3::ZERO, y, z), (x, z, y), (DVec3::ZERO, z, x), (y, x, z), (DVec3::ZERO, x, y), (z, y, x)];
-    let walls = walls.map(|(corner, u, v)| ShapeDescription::parallelogram(corner, u, v).emitting(1.0));
-    Ok(SceneBuilder::new().shapes(walls, MaterialKind::diffuse(reflectance)).resolve()?.0)
+    walls.map(|(corner, u, v)| ShapeDescription::parallelogram(corner, u, v))
 }

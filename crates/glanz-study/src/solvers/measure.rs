@@ -5,12 +5,13 @@ use std::time::{Duration, Instant};
 use glanz_job::Silent;
 use glanz_radiosity::elements::{ElementSettings, Elements};
 use glanz_radiosity::form_factor::FormFactors;
-use glanz_radiosity::solve::{GaussSeidel, Hierarchical, Progressive, gauss_seidel, hierarchical};
+use glanz_radiosity::solve::{GaussSeidel, Hierarchical, gauss_seidel, hierarchical};
 use glanz_scene::Scene;
 use rayon::ThreadPool;
 
 use super::descent::{Descent, descent};
 use super::field::{Field, error_of};
+use super::progressive::Progressive;
 use crate::clock::{Of, Stopwatch};
 use crate::study::{Settings, StudyError};
 

@@ -5,6 +5,7 @@ mod field;
 mod figures;
 mod furnace;
 mod measure;
+mod progressive;
 mod tell;
 
 use glanz_scene::Scene;
