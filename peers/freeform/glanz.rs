@@ -16,7 +16,7 @@ use std::io::{BufWriter, Write as _};
 use std::path::Path;
 use std::time::Instant;
 
-use glanz_geometry::freeform::Piece;
+use glanz_geometry::freeform::SurfacePatch;
 use glanz_geometry::{RaySurface, Surface};
 use glanz_math::Ray;
 use models::{Failure, Model, NAMES, Source, camera_rays, freeform, holes, shuffled};
@@ -159,7 +159,7 @@ fn compare(surface: &Surface, rays: &[Ray], size: f64, dump: &Path) -> Result<St
 /// What the two sides are made of and how long that takes, as JSON without its last brace.
 fn about(model: &Model, surface: &Surface, mesh: &Mesh, cells: &[Cells]) -> Result<String, Failure> {
     let Some(freeform) = freeform(surface) else { return Err("not a freeform surface".into()) };
-    let pieces = freeform.pieces();
+    let pieces = freeform.patches();
     let deviations =
         pieces.iter().zip(cells).map(|(p, &cells)| deviation(p.patch(), cells, 5, usize::MAX, |_| false));
     let worst = deviations.fold(Deviation::default(), Deviation::max);
@@ -189,7 +189,7 @@ fn about(model: &Model, surface: &Surface, mesh: &Mesh, cells: &[Cells]) -> Resu
     Ok(text)
 }
 
-fn cells_of(pieces: &[Piece], size: f64) -> Vec<Cells> {
+fn cells_of(pieces: &[SurfacePatch], size: f64) -> Vec<Cells> {
     let bounds = Deviation { chord: CHORD * size, normal: NORMAL, facet: f64::INFINITY };
     pieces.iter().map(|piece| fewest_cells(piece.patch(), &bounds)).collect()
 }

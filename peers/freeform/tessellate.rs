@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 
 use glanz_geometry::bezier::TensorPatch;
-use glanz_geometry::freeform::Piece;
+use glanz_geometry::freeform::SurfacePatch;
 use glanz_geometry::trim::TrimRegion;
 use glanz_math::DVec3;
 use glanz_math::glam::DVec4;
@@ -163,7 +163,7 @@ impl Table {
 
 /// The triangles of all patches, each with its cells. Triangles whose middle `region` does not keep are left out, and those of
 /// which a side has shrunk to a point.
-pub(crate) fn tessellate(pieces: &[Piece], cells: &[Cells], region: Option<&TrimRegion>) -> Mesh {
+pub(crate) fn tessellate(pieces: &[SurfacePatch], cells: &[Cells], region: Option<&TrimRegion>) -> Mesh {
     let mut table = Table::default();
     let vertices = cells.iter().map(|(n, m)| (n + 1) * (m + 1)).sum();
     let triangles = cells.iter().map(|(n, m)| 2 * n * m).sum();

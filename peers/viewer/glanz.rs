@@ -42,7 +42,7 @@ fn of_patches(placed: &PlacedSurface<'_>, tolerance: f64) -> Option<Mesh> {
     }
     // Normals are the surface's own, whatever angle triangles have with it.
     let bounds = Deviation { chord: tolerance, normal: f64::INFINITY, facet: f64::INFINITY };
-    let pieces = freeform.pieces();
+    let pieces = freeform.patches();
     let cells: Vec<_> = pieces.iter().map(|piece| fewest_cells(piece.patch(), &bounds)).collect();
     let mut mesh = tessellate::tessellate(pieces, &cells, None);
     let to_world = placed.to_world();

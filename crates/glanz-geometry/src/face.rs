@@ -25,7 +25,7 @@ pub struct FacePoint {
     /// The surface there.
     pub point: SurfacePoint,
     /// Area per unit of the parameters, m^2; 0 where they degenerate.
-    pub stretch: f64,
+    pub area_element: f64,
 }
 
 impl Surface {
@@ -38,7 +38,7 @@ impl Surface {
             Self::Cuboid(_) => 6,
             Self::Polyhedron(polyhedron) => polyhedron.facets().len() as u32,
             Self::Mesh(mesh) => mesh.indices().len() as u32,
-            Self::Freeform(freeform) => freeform.pieces().len() as u32,
+            Self::Freeform(freeform) => freeform.patches().len() as u32,
             Self::Trimmed(trimmed) => trimmed.surface().faces(),
             _ => 1,
         }
@@ -62,8 +62,9 @@ impl Surface {
     #[must_use]
     pub fn at(&self, face: u32, uv: DVec2) -> Option<FacePoint> {
         let DVec2 { x: u, y: v } = uv;
-        let by_tangents =
-            |point: SurfacePoint| Some(FacePoint { point, stretch: point.dpdu.cross(point.dpdv).length() });
+        let by_tangents = |point: SurfacePoint| {
+            Some(FacePoint { point, area_element: point.dpdu.cross(point.dpdv).length() })
+        };
         if face >= self.faces() {
             return None;
         }
@@ -80,13 +81,14 @@ impl Surface {
             Self::Bilinear(s) => by_tangents(s.point_at(u, v)),
             Self::Cuboid(s) => by_tangents(s.point_at(face, u, v)),
             Self::Polyhedron(s) => by_tangents(s.point_at(s.facets().get(face as usize)?, u, v)),
-            Self::Triangle(s) => Some(FacePoint { point: s.point_at(u, v), stretch: 2.0 * s.area() }),
+            Self::Triangle(s) => Some(FacePoint { point: s.point_at(u, v), area_element: 2.0 * s.area() }),
             Self::Mesh(s) => {
-                Some(FacePoint { point: s.point_at(face, u, v), stretch: 2.0 * s.face_area(face) })
+                Some(FacePoint { point: s.point_at(face, u, v), area_element: 2.0 * s.face_area(face) })
             }
             Self::Freeform(s) => {
                 let point = s.point_at(face, u, v);
-                s.keeps_parameters(point.uv).then(|| FacePoint { point, stretch: s.stretch_at(face, u, v) })
+                s.keeps_parameters(point.uv)
+                    .then(|| FacePoint { point, area_element: s.area_element_at(face, u, v) })
             }
             Self::Trimmed(s) => s.surface().at(face, uv).filter(|found| s.region().contains(found.point.uv)),
             Self::Algebraic(_) => None,
@@ -116,7 +118,7 @@ mod tests {
     use crate::bezier::TensorPatch;
     use crate::bilinear::BilinearPatch;
     use crate::cuboid::Cuboid;
-    use crate::freeform::{Freeform, Piece};
+    use crate::freeform::{Freeform, SurfacePatch};
     use crate::mesh::Mesh;
     use crate::polyhedron::{HalfSpace, Polyhedron};
     use crate::quadric::{
@@ -144,7 +146,7 @@ mod tests {
             let points =
                 [row(DVec2::X, 1.0), row(DVec2::ONE, half), row(DVec2::Y, 1.0)].into_iter().flatten();
             let patch = TensorPatch::try_new(2, 1, points.collect()).unwrap();
-            Piece::over_rectangle(patch, u, [0.0, 3.0]).unwrap()
+            SurfacePatch::over_rectangle(patch, u, [0.0, 3.0]).unwrap()
         };
         Freeform::try_new(vec![quarter(DVec2::X, [0.0, 2.0]), quarter(DVec2::Y, [2.0, 4.0])]).unwrap()
     }
@@ -247,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn stretch_adds_up_to_the_area() {
+    fn area_elements_add_up_to_the_area() {
         for (surface, area) in surfaces() {
             let mut sum = 0.0;
             for face in 0..surface.faces() {
@@ -260,7 +262,7 @@ mod tests {
                         let corner = a + x * f64::from(i) + y * f64::from(j);
                         let upper = (i + j + 1 < n).then_some(corner + (x + y) * (2.0 / 3.0));
                         for uv in [Some(corner + (x + y) / 3.0), upper].into_iter().flatten() {
-                            sum += surface.at(face, uv).map_or(0.0, |at| at.stretch) * element;
+                            sum += surface.at(face, uv).map_or(0.0, |at| at.area_element) * element;
                         }
                     }
                 }

@@ -81,14 +81,14 @@ struct QuadratureCell {
 /// The integral of the area element over all faces, by Gauss's rule on squares that are quartered as long as that changes it.
 fn integrated(object: &SceneObject) -> f64 {
     let surface = object.surface();
-    let stretch = |face: u32, uv: DVec2| {
+    let area_element = |face: u32, uv: DVec2| {
         surface.at(face, uv).map_or(0.0, |at| {
-            at.stretch * object.to_parent().map_or(1.0, |map| map.area_scale(at.point.normal))
+            at.area_element * object.to_parent().map_or(1.0, |map| map.area_scale(at.point.normal))
         })
     };
     let rule = GaussLegendre::new(NODES);
     let cell = |face: u32, low: DVec2, side: f64| {
-        let along = |v: f64| rule.integrate(low.x, low.x + side, |u| stretch(face, DVec2::new(u, v)));
+        let along = |v: f64| rule.integrate(low.x, low.x + side, |u| area_element(face, DVec2::new(u, v)));
         QuadratureCell { face, low, side, integral: rule.integrate(low.y, low.y + side, along) }
     };
     let (mut area, mut open) = (0.0, Vec::new());
@@ -97,7 +97,7 @@ fn integrated(object: &SceneObject) -> f64 {
             // These are flat: the area element is the same everywhere.
             FaceDomain::Polygon(corners) => {
                 let count = corners.len().max(1) as f64;
-                area += polygon_area(&corners) * stretch(face, corners.iter().sum::<DVec2>() / count);
+                area += polygon_area(&corners) * area_element(face, corners.iter().sum::<DVec2>() / count);
             }
             FaceDomain::Square => open.push(cell(face, DVec2::ZERO, 1.0)),
         }

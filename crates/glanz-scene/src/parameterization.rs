@@ -45,7 +45,7 @@ impl ShapeParameterization {
             Surface::Freeform(freeform) => {
                 let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
                 let all = || {
-                    let pieces = freeform.pieces().iter();
+                    let pieces = freeform.patches().iter();
                     pieces.flat_map(move |piece| corners.map(|(x, y)| piece.parameters(x, y)))
                 };
                 Self::Parameters {

@@ -38,7 +38,7 @@ pub struct PlacedPoint {
     /// As a ray would meet it that comes along the normal of that side.
     pub at: Interaction,
     /// Area per unit of the parameters, m^2.
-    pub stretch: f64,
+    pub area_element: f64,
 }
 
 impl Scene {
@@ -140,9 +140,9 @@ impl PlacedSurface<'_> {
         let attributes = self.object.attributes(face);
         let own_normal = if back != attributes.reversed { -local.point.normal } else { local.point.normal };
         let own = LocalPoint { position: local.point.position, normal_to_viewer: own_normal };
-        let (mut point, mut stretch) = (local.point, local.stretch);
+        let (mut point, mut area_element) = (local.point, local.area_element);
         for map in self.object.to_parent().into_iter().chain(&self.maps) {
-            stretch *= map.area_scale(point.normal);
+            area_element *= map.area_scale(point.normal);
             point = point.transformed(map);
         }
         if attributes.reversed {
@@ -158,7 +158,7 @@ impl PlacedSurface<'_> {
             material: attributes.material,
             light: self.object.light,
         };
-        Some(PlacedPoint { at, stretch })
+        Some(PlacedPoint { at, area_element })
     }
 }
 
@@ -226,8 +226,9 @@ mod tests {
     #[test]
     fn stretch_is_the_area_in_the_world() {
         let scene = scene();
-        let area =
-            |surface: &PlacedSurface<'_>, face| surface.at(face, DVec2::splat(0.25), false).unwrap().stretch;
+        let area = |surface: &PlacedSurface<'_>, face| {
+            surface.at(face, DVec2::splat(0.25), false).unwrap().area_element
+        };
         let placed = scene.placed_surfaces();
         let cuboid = placed.iter().find(|placed| placed.faces() == 6).unwrap();
         let areas: Vec<f64> = (0..6).map(|face| area(cuboid, face)).collect();

@@ -47,14 +47,15 @@ impl PlacedSurface<'_> {
     }
 
     fn integrated(&self, faces: Range<u32>) -> f64 {
-        let stretch = |face: u32, uv: DVec2| self.at(face, uv, false).map_or(0.0, |found| found.stretch);
+        let area_element =
+            |face: u32, uv: DVec2| self.at(face, uv, false).map_or(0.0, |found| found.area_element);
         let (mut area, mut open) = (0.0, Vec::new());
         for face in faces {
             match self.face_domain(face) {
                 // These are flat: the area element is the same everywhere.
                 FaceDomain::Polygon(corners) => {
                     let middle = corners.iter().sum::<DVec2>() / corners.len().max(1) as f64;
-                    area += polygon_area(&corners) * stretch(face, middle);
+                    area += polygon_area(&corners) * area_element(face, middle);
                 }
                 FaceDomain::Square => open.push(FaceSquare { face, low: DVec2::ZERO, side: 1.0 }),
             }
@@ -75,12 +76,13 @@ impl PlacedSurface<'_> {
                         looked_at += 4;
                     }
                     Containment::Inside => {
-                        let along =
-                            |v: f64| rule.integrate(low.x, low.x + side, |u| stretch(face, DVec2::new(u, v)));
+                        let along = |v: f64| {
+                            rule.integrate(low.x, low.x + side, |u| area_element(face, DVec2::new(u, v)))
+                        };
                         area += rule.integrate(low.y, low.y + side, along);
                     }
                     Containment::Crossed => {
-                        let mean = square.places().map(|at| stretch(face, at)).sum::<f64>();
+                        let mean = square.places().map(|at| area_element(face, at)).sum::<f64>();
                         area += mean * side * side / (NODES * NODES) as f64;
                     }
                 }
@@ -96,7 +98,7 @@ impl PlacedSurface<'_> {
         let high = low + side;
         match self.surface() {
             Surface::Freeform(freeform) => {
-                let (Some(region), Some(piece)) = (freeform.region(), freeform.pieces().get(face as usize))
+                let (Some(region), Some(piece)) = (freeform.region(), freeform.patches().get(face as usize))
                 else {
                     return Containment::Inside;
                 };

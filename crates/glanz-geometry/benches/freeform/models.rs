@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glanz_geometry::Surface;
 use glanz_geometry::bezier::{TensorPatch, TrianglePatch};
-use glanz_geometry::freeform::{Freeform, Piece};
+use glanz_geometry::freeform::{Freeform, SurfacePatch};
 use glanz_geometry::spline::{KnotVector, NurbsSurface};
 use glanz_geometry::trim::{TrimCurve, TrimLoop, TrimRegion};
 use glanz_math::glam::DVec4;
@@ -50,21 +50,21 @@ pub(crate) struct Model {
 
 impl Source {
     /// The Bézier patches.
-    pub(crate) fn pieces(&self) -> Result<Vec<Piece>, Failure> {
+    pub(crate) fn pieces(&self) -> Result<Vec<SurfacePatch>, Failure> {
         let unit = [0.0, 1.0];
         match self {
             Self::Spline(spline) => spline
                 .bezier_patches()?
                 .into_iter()
-                .map(|p| Ok(Piece::over_rectangle(p.patch, p.u, p.v)?))
+                .map(|p| Ok(SurfacePatch::over_rectangle(p.patch, p.u, p.v)?))
                 .collect(),
             Self::Patches(patches) => {
-                patches.iter().map(|p| Ok(Piece::over_rectangle(p.clone(), unit, unit)?)).collect()
+                patches.iter().map(|p| Ok(SurfacePatch::over_rectangle(p.clone(), unit, unit)?)).collect()
             }
             Self::Triangles(patches) => patches
                 .iter()
                 .flat_map(TrianglePatch::to_quads)
-                .map(|quad| Ok(Piece::over_quad(quad.patch, quad.corners)?))
+                .map(|quad| Ok(SurfacePatch::over_quad(quad.patch, quad.corners)?))
                 .collect(),
         }
     }

@@ -1,33 +1,33 @@
 //! The binary tree of boxes, by the surface area heuristic.
 //!
-//! Binary trees are where good splits are found; [`super::collapse`] then makes eight-wide nodes of them. Splitting goes
-//! on down to blocks that are tested at once, and `collapse` decides which of them to gather.
+//! Good splits are found in a binary tree, of which [`super::collapse`] then makes eight-wide nodes. Nodes are split down
+//! to blocks of primitives that are tested at once; `collapse` decides which of them to gather into one leaf.
 //!
-//! A tree of `n` primitives has at most `2 n - 1` nodes and gets as many places, so that the threads that build the two
-//! halves of a node write to two halves of a slice, and the result does not depend on how many there are.
+//! A tree of `n` primitives has at most `2 n - 1` nodes. Room for all of them is allocated beforehand: the threads that
+//! build the two halves of a node write to two halves of a slice, and the result does not depend on their number.
 //!
 //! # Source
 //! @wald2007 for binning.
 
 use super::BuildOptions;
-use super::collapse::Plan;
+use super::collapse::CollapsePlan;
 
-/// Depth that the binary tree never exceeds, so that traversal gets by with a stack of fixed size.
+/// Largest depth of the binary tree, so that traversal needs a stack of fixed size only.
 pub(crate) const MAX_DEPTH: usize = 64;
 
-/// Up to here splits are searched between all neighbours and not between bins.
+/// Largest number of primitives for which splits are searched between all neighbours instead of bins.
 const SWEEP: usize = 8;
 
-/// Up to here there are 8 bins per axis, from here on 16: few primitives are not worth many bins.
+/// Largest number of primitives for which 8 bins per axis are used instead of 16.
 const FEW: usize = 64;
 
-/// From here on the halves of a node are built in parallel.
+/// Smallest number of primitives for which the halves of a node are built in parallel.
 const PARALLEL: usize = 4096;
 
-/// From here on a node's primitives are binned in parallel.
+/// Smallest number of primitives for which a node is binned in parallel.
 const PARALLEL_BINS: usize = 1 << 16;
 
-/// A box in unit coordinates. The fourth lanes are ballast that lets the compiler use whole vectors.
+/// A box in unit coordinates. The fourth lanes are padding, so that the compiler uses whole vectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Box4 {
     pub(crate) min: [f32; 4],
@@ -64,11 +64,11 @@ impl Box4 {
     }
 }
 
-/// A primitive: its box, and in the fourth lane of `min` the bits of its index.
+/// The box of a primitive, with the bits of its index in the fourth lane of `min`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Item(Box4);
+pub(crate) struct BvhPrimitive(Box4);
 
-impl Item {
+impl BvhPrimitive {
     pub(crate) fn new(min: [f32; 3], max: [f32; 3], index: u32) -> Self {
         Self(Box4 {
             min: [min[0], min[1], min[2], f32::from_bits(index)],
@@ -88,11 +88,11 @@ pub(crate) struct BinaryNode {
     pub(crate) max: [f32; 3],
     /// Primitives below.
     pub(crate) count: u32,
-    pub(crate) plan: Plan,
+    pub(crate) plan: CollapsePlan,
 }
 
 impl BinaryNode {
-    pub(crate) const EMPTY: Self = Self { min: [0.0; 3], max: [0.0; 3], count: 0, plan: Plan::EMPTY };
+    pub(crate) const EMPTY: Self = Self { min: [0.0; 3], max: [0.0; 3], count: 0, plan: CollapsePlan::EMPTY };
 
     pub(crate) fn half_area(&self) -> f32 {
         let [x, y, z] = std::array::from_fn(|i| self.max[i] - self.min[i]);
@@ -100,19 +100,24 @@ impl BinaryNode {
     }
 }
 
-/// Builds the tree over `items`, which are sorted by it, into `nodes`, which has `2 items.len() - 1` places.
-pub(crate) fn build(items: &mut [Item], nodes: &mut [BinaryNode], depth: usize, options: &BuildOptions) {
+/// Builds the tree over `items`, which it reorders, into `nodes`, of length `2 items.len() - 1`.
+pub(crate) fn build(
+    items: &mut [BvhPrimitive],
+    nodes: &mut [BinaryNode],
+    depth: usize,
+    options: &BuildOptions,
+) {
     let Some((node, below)) = nodes.split_first_mut() else { return };
-    let extent = Extent::of(items);
+    let extent = PrimitiveExtent::of(items);
     *node = BinaryNode {
         min: [extent.bounds.min[0], extent.bounds.min[1], extent.bounds.min[2]],
         max: [extent.bounds.max[0], extent.bounds.max[1], extent.bounds.max[2]],
         count: items.len() as u32,
-        plan: Plan::EMPTY,
+        plan: CollapsePlan::EMPTY,
     };
-    // A single block is tested as fast as any part of it.
+    // A test of a block costs as much as one of any part of it.
     if items.len() <= options.block.min(options.max_leaf).max(1) {
-        node.plan = Plan::new(node, None, options);
+        node.plan = CollapsePlan::new(node, None, options);
         return;
     }
     let middle = split(items, &extent.middles, depth, options.block).clamp(1, items.len() - 1);
@@ -127,30 +132,30 @@ pub(crate) fn build(items: &mut [Item], nodes: &mut [BinaryNode], depth: usize, 
         build(left_items, left, depth + 1, options);
         build(right_items, right, depth + 1, options);
     }
-    node.plan = Plan::new(node, left.first().zip(right.first()), options);
+    node.plan = CollapsePlan::new(node, left.first().zip(right.first()), options);
 }
 
-/// What testing `count` primitives costs: they go in blocks.
+/// Number of blocks, and so the cost of a test, of `count` primitives.
 fn blocks(count: usize, block: usize) -> f32 {
     count.div_ceil(block.max(1)) as f32
 }
 
-/// The box around some primitives, and that around their (doubled) centres.
+/// The box around some primitives and the box around their (doubled) centres.
 #[derive(Clone, Copy)]
-struct Extent {
+struct PrimitiveExtent {
     bounds: Box4,
     middles: Box4,
 }
 
-impl Extent {
+impl PrimitiveExtent {
     const EMPTY: Self = Self { bounds: Box4::EMPTY, middles: Box4::EMPTY };
 
-    fn of(items: &[Item]) -> Self {
+    fn of(items: &[BvhPrimitive]) -> Self {
         parallel_fold(items, &Self::EMPTY, Self::add, Self::merge)
     }
 
     #[inline(always)]
-    fn add(&mut self, item: &Item) {
+    fn add(&mut self, item: &BvhPrimitive) {
         self.bounds = self.bounds.union(item.0);
         self.middles = self.middles.including(item.0.middle());
     }
@@ -164,13 +169,13 @@ impl Extent {
 /// Folds over many items in parallel. `merge` must be exactly associative and commutative (as minimum, maximum and
 /// counting are), so that the result does not depend on the threads.
 fn parallel_fold<T: Clone + Send + Sync>(
-    items: &[Item],
+    items: &[BvhPrimitive],
     empty: &T,
-    add: impl Fn(&mut T, &Item) + Sync,
+    add: impl Fn(&mut T, &BvhPrimitive) + Sync,
     merge: impl Fn(&mut T, &T) + Sync,
 ) -> T {
     use rayon::prelude::*;
-    let fold = |items: &[Item]| {
+    let fold = |items: &[BvhPrimitive]| {
         let mut all = empty.clone();
         items.iter().for_each(|item| add(&mut all, item));
         all
@@ -188,10 +193,10 @@ fn parallel_fold<T: Clone + Send + Sync>(
     )
 }
 
-/// Sorts `items` into a left and a right part; returns the length of the left one.
-fn split(items: &mut [Item], middles: &Box4, depth: usize, block: usize) -> usize {
+/// Reorders `items` into a left and a right part; returns the length of the left one.
+fn split(items: &mut [BvhPrimitive], middles: &Box4, depth: usize, block: usize) -> usize {
     let half = items.len() / 2;
-    // A tree that halves has ceil(log2 n) levels below this node: where that fills the depth, no worse is allowed.
+    // A tree of exact halves has ceil(log2 n) levels below this node; where these reach the largest depth, halve.
     let levels = usize::BITS - (items.len() - 1).leading_zeros();
     let size: [f32; 3] = std::array::from_fn(|axis| middles.max[axis] - middles.min[axis]);
     if depth + levels as usize >= MAX_DEPTH {
@@ -212,12 +217,12 @@ fn split(items: &mut [Item], middles: &Box4, depth: usize, block: usize) -> usiz
 }
 
 /// Order along an axis; the index decides between equals, so that the order is total.
-fn order(a: &Item, b: &Item, axis: usize) -> std::cmp::Ordering {
+fn order(a: &BvhPrimitive, b: &BvhPrimitive, axis: usize) -> std::cmp::Ordering {
     a.0.middle()[axis].total_cmp(&b.0.middle()[axis]).then(a.index().cmp(&b.index()))
 }
 
 /// The best split of a few items between any two neighbours on any axis.
-fn sweep(items: &mut [Item], block: usize) -> usize {
+fn sweep(items: &mut [BvhPrimitive], block: usize) -> usize {
     let mut best = (f32::INFINITY, 0, items.len() / 2);
     for axis in 0..3 {
         items.sort_unstable_by(|a, b| order(a, b, axis));
@@ -245,7 +250,7 @@ fn sweep(items: &mut [Item], block: usize) -> usize {
     best.2
 }
 
-/// What lies in the bins of the three axes.
+/// Boxes and numbers of the primitives in the bins of the three axes.
 #[derive(Clone)]
 struct Bins<const BINS: usize> {
     bounds: [[Box4; BINS]; 3],
@@ -256,7 +261,7 @@ impl<const BINS: usize> Bins<BINS> {
     const EMPTY: Self = Self { bounds: [[Box4::EMPTY; BINS]; 3], counts: [[0; BINS]; 3] };
 
     #[inline(always)]
-    fn add(&mut self, binning: &Binning<BINS>, item: &Item) {
+    fn add(&mut self, binning: &Binning<BINS>, item: &BvhPrimitive) {
         let middle = item.0.middle();
         let bins: [usize; 4] = std::array::from_fn(|axis| binning.bin(middle[axis], axis));
         for (axis, &bin) in bins[..3].iter().enumerate() {
@@ -275,7 +280,7 @@ impl<const BINS: usize> Bins<BINS> {
     }
 }
 
-/// Which bin a doubled centre falls into: the nearest of `BINS` evenly spaced points from the smallest to the largest.
+/// The map from a doubled centre to its bin: the nearest of `BINS` evenly spaced points from the smallest to the largest.
 #[derive(Clone, Copy)]
 struct Binning<const BINS: usize> {
     start: [f32; 4],
@@ -286,7 +291,7 @@ impl<const BINS: usize> Binning<BINS> {
     fn new(middles: &Box4) -> Self {
         let scale = std::array::from_fn(|axis| {
             let scale = (BINS - 1) as f32 / (middles.max[axis] - middles.min[axis]);
-            // Where the axis has no extent, or one so small that the quotient overflows, all fall into the first.
+            // If the axis has no extent, or one so small that the quotient overflows, all fall into the first bin.
             if scale.is_finite() { scale } else { 0.0 }
         });
         Self { start: middles.min, scale }
@@ -294,15 +299,15 @@ impl<const BINS: usize> Binning<BINS> {
 
     #[inline(always)]
     fn bin(&self, middle: f32, axis: usize) -> usize {
-        // Beyond 2^23 the spacing of floats is 1: the sum is rounded to an integer, which its last bits spell. A
-        // conversion, which has to mind NaN and overflow, takes several times as long.
+        // Beyond 2^23 the spacing of floats is 1: the sum is rounded to an integer, which is in its last bits. A
+        // conversion, which handles NaN and overflow, takes several times as long.
         const ROUND: f32 = (1 << 23) as f32;
         ((middle - self.start[axis]) * self.scale[axis] + ROUND).to_bits() as usize & (BINS - 1)
     }
 }
 
 /// The best split between bins.
-fn binned<const BINS: usize>(items: &mut [Item], middles: &Box4, block: usize) -> usize {
+fn binned<const BINS: usize>(items: &mut [BvhPrimitive], middles: &Box4, block: usize) -> usize {
     let binning = Binning::<BINS>::new(middles);
     let bins = parallel_fold(items, &Bins::<BINS>::EMPTY, |bins, item| bins.add(&binning, item), Bins::merge);
     let Some((axis, first_right)) = best_plane(&bins, block) else { return items.len() / 2 };
@@ -337,9 +342,9 @@ fn best_plane<const BINS: usize>(bins: &Bins<BINS>, block: usize) -> Option<(usi
     best
 }
 
-/// Moves the items that belong to the left to the front; returns their number.
-fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
-    // Every item is swapped, whether it needs to or not: a branch would be mispredicted every other time.
+/// Moves the items of the left part to the front; returns their number.
+fn partition(items: &mut [BvhPrimitive], is_left: impl Fn(&BvhPrimitive) -> bool) -> usize {
+    // Every item is swapped, needed or not: a branch would be mispredicted every other time.
     let mut left = 0;
     for i in 0..items.len() {
         let goes_left = is_left(&items[i]);

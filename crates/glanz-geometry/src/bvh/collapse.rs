@@ -1,27 +1,27 @@
-//! From the binary tree to eight-wide nodes, at the least expected cost.
+//! Conversion of the binary tree to eight-wide nodes, at the least expected cost.
 //!
 //! # Source
 //! @ylitie2017 section 3.1. With `C(n, i)` the least cost of covering the subtree at `n` by at most `i` children of a wide
-//! node, `C(n, 1)` is the cheaper of a leaf and a wide node, and `C(n, i)` the cheapest way to share `i` children out
-//! between the two subtrees. Departure: a leaf costs by blocks, since primitives of one block are tested at once.
+//! node, `C(n, 1)` is the cheaper of a leaf and a wide node, and `C(n, i)` the cheapest way to distribute `i` children
+//! over the two subtrees. Departure: a leaf costs by blocks, since primitives of one block are tested at once.
 
 use super::BuildOptions;
 use super::build::BinaryNode;
-use super::node::{Child, Node, WIDTH};
+use super::node::{NodeChild, WIDTH, WideNode};
 use super::simd::prefer_large_pages;
 
-/// The cheapest ways to cover a subtree.
+/// The cheapest ways to cover a subtree by children of a wide node.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Plan {
+pub(crate) struct CollapsePlan {
     /// Cost of covering it with at most 1, 2 ... 7 children.
     costs: [f32; WIDTH - 1],
-    /// How many of at most 2, 3 ... 8 children go to the left subtree; 0 if one fewer is not worse.
+    /// Number of children for the left subtree, of at most 2, 3 ... 8; 0 if one child fewer costs no more.
     left: [u8; WIDTH - 1],
     /// Whether a single child is a leaf.
     leaf: bool,
 }
 
-impl Plan {
+impl CollapsePlan {
     pub(crate) const EMPTY: Self = Self { costs: [0.0; WIDTH - 1], left: [0; WIDTH - 1], leaf: true };
 
     /// The plan for `node`, from those of its children.
@@ -37,7 +37,7 @@ impl Plan {
             return Self { costs: [leaf_cost; WIDTH - 1], ..Self::EMPTY };
         };
         let mut plan = Self { left: [1; WIDTH - 1], ..Self::EMPTY };
-        // Slot i - 2 of `shared`: the best way to share out exactly i children.
+        // Slot i - 2 of `shared`: the least cost of exactly i children.
         let mut shared = [f32::INFINITY; WIDTH - 1];
         for (i, (best, choice)) in (2..).zip(shared.iter_mut().zip(&mut plan.left)) {
             for k in 1..i {
@@ -68,32 +68,32 @@ impl Plan {
 
 /// The eight-wide tree.
 #[derive(Debug, Default)]
-pub(crate) struct Wide {
-    pub(crate) nodes: Vec<Node>,
+pub(crate) struct WideTree {
+    pub(crate) nodes: Vec<WideNode>,
     /// Leaf `i` holds the items from `leaf_starts[i]` to `leaf_starts[i + 1]`.
     pub(crate) leaf_starts: Vec<u32>,
     /// Levels of nodes above the deepest leaf.
     pub(crate) depth: usize,
 }
 
-/// A subtree of the binary tree: where its nodes and its items begin.
+/// A subtree of the binary tree, by its first node and its first item.
 #[derive(Clone, Copy, Default)]
 struct Subtree {
     node: usize,
     item: u32,
 }
 
-impl Wide {
-    /// Follows the plans from the root of `tree`. The first node is the root, unless `tree` is empty.
+impl WideTree {
+    /// The wide tree by the plans of `tree`. The first node is the root, unless `tree` is empty.
     pub(crate) fn collapse(tree: &[BinaryNode]) -> Self {
         let mut wide = Self::default();
-        // Rarely are there more nodes than this; room that is not used costs nothing.
+        // Rarely are there more nodes than this; unused room costs nothing.
         wide.nodes.reserve(tree.len() / 16);
         prefer_large_pages(&mut wide.nodes);
         if let Some(root) = tree.first() {
             if root.plan.leaf {
-                // A node all the same: the only box wants to be tested too.
-                wide.nodes.push(Node::EMPTY);
+                // A node all the same, so that the only box is tested too.
+                wide.nodes.push(WideNode::EMPTY);
                 let leaf = wide.child(tree, Subtree::default(), 1);
                 wide.nodes[0].set(0, root.min, root.max, leaf);
             } else {
@@ -105,28 +105,28 @@ impl Wide {
         wide
     }
 
-    /// Makes a leaf or a node of a subtree. Nodes and leaves lie in the order of a depth-first walk.
-    fn child(&mut self, tree: &[BinaryNode], subtree: Subtree, level: usize) -> Child {
+    /// Appends a subtree as a leaf or a node. Nodes and leaves are in depth-first order.
+    fn child(&mut self, tree: &[BinaryNode], subtree: Subtree, level: usize) -> NodeChild {
         if tree[subtree.node].plan.leaf {
             let ordinal = self.leaf_starts.len() as u32;
             self.leaf_starts.push(subtree.item);
             self.depth = self.depth.max(level);
-            return Child::leaf(ordinal);
+            return NodeChild::leaf(ordinal);
         }
         let mut children = Vec::with_capacity(WIDTH);
         gather(tree, subtree, WIDTH, &mut children);
         let index = self.nodes.len();
-        self.nodes.push(Node::EMPTY);
+        self.nodes.push(WideNode::EMPTY);
         for (slot, &below) in children.iter().enumerate() {
             let child = self.child(tree, below, level + 1);
             let binary = &tree[below.node];
             self.nodes[index].set(slot, binary.min, binary.max, child);
         }
-        Child::node(index as u32)
+        NodeChild::node(index as u32)
     }
 }
 
-/// The subtrees that become children of a wide node, when `subtree` is given `room` of them.
+/// Collects the subtrees that become children of a wide node, `room` of them at most.
 fn gather(tree: &[BinaryNode], subtree: Subtree, room: usize, children: &mut Vec<Subtree>) {
     if room < 2 {
         children.push(subtree);

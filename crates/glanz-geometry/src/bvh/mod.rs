@@ -1,8 +1,8 @@
-//! The hierarchy that finds what a ray may meet. It sees boxes only, never surfaces.
+//! A bounding volume hierarchy over boxes; it knows nothing of surfaces.
 //!
-//! [`Bvh::build`] takes one box per primitive and sorts the primitives into [`Leaf`]s of a few; a query walks the tree and
-//! hands every leaf whose box the ray may meet to a closure, nearest first. Whatever the ray, no leaf that it meets is
-//! left out: the boxes are rounded outward, and the test in `node.rs` is conservative with a proof.
+//! [`Bvh::build`] takes one box per primitive and groups the primitives into [`BvhLeaf`]s of a few. A query traverses the
+//! tree and calls a closure with every leaf whose box the ray may meet, nearest first. No leaf that the ray meets is ever
+//! culled: the boxes are rounded outward, and the test in `node.rs` is conservative, with a proof.
 //!
 //! ```
 //! use glanz_geometry::bvh::{BuildOptions, Bvh};
@@ -19,14 +19,16 @@
 //! assert!(met.contains(&1));
 //! ```
 //!
-//! How it hangs together: `build` finds a binary tree, `collapse` makes eight-wide nodes of it, `node` tests a ray
-//! against a node, `traverse` walks, `simd` holds the vector instructions and all the unsafe code.
+//! Files: `build` (the binary tree), `collapse` (eight-wide nodes from it), `node` (a ray against a node), `traversal`
+//! (nearest first), `query` (closest hit, any hit and all hits of a surface), `simd` (vector instructions and all the
+//! unsafe code).
 
 mod build;
 mod collapse;
 mod node;
+pub(crate) mod query;
 pub(crate) mod simd;
-mod traverse;
+mod traversal;
 
 #[cfg(test)]
 mod tests;
@@ -34,36 +36,36 @@ mod tests;
 use glanz_math::{Bounds3, Ray};
 use rayon::prelude::*;
 
-use self::build::{BinaryNode, Item};
-use self::collapse::Wide;
-use self::node::{Node, UnitFrame};
+use self::build::{BinaryNode, BvhPrimitive};
+use self::collapse::WideTree;
+use self::node::{UnitFrame, WideNode};
 use self::simd::{Isa, Simd, Task};
-pub(crate) use self::traverse::Visit;
-use self::traverse::{Any, Closest};
+pub(crate) use self::traversal::LeafVisitor;
+use self::traversal::{AnyTraversal, ClosestTraversal};
 
-/// What the tree is built for.
+/// Leaf size and costs for which the tree is built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuildOptions {
     /// Most primitives in a leaf, at least 1.
     pub max_leaf: usize,
     /// Primitives of a leaf that are tested at once, at least 1: a leaf costs by blocks.
     pub block: usize,
-    /// Cost of testing a block relative to that of testing a node.
+    /// Cost of a test of a block relative to that of a node.
     pub leaf_cost: f32,
 }
 
 impl Default for BuildOptions {
-    /// For surfaces of all kinds, tested one by one and each dearer than a node.
+    /// For surfaces of all kinds, tested one by one, each at a higher cost than a node.
     fn default() -> Self {
         Self { max_leaf: 4, block: 1, leaf_cost: 2.0 }
     }
 }
 
-/// A leaf of the tree, by its position in a depth-first walk.
+/// A leaf of the tree, by its position in depth-first order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Leaf(u32);
+pub struct BvhLeaf(u32);
 
-impl Leaf {
+impl BvhLeaf {
     /// The leaf's number, below [`Bvh::leaf_count`].
     #[inline]
     #[must_use]
@@ -72,9 +74,9 @@ impl Leaf {
     }
 }
 
-/// How large a tree came out, and how good.
+/// Size and expected cost of a tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Statistics {
+pub struct BvhStatistics {
     /// Inner nodes of up to eight children.
     pub nodes: usize,
     /// Leaves.
@@ -83,7 +85,7 @@ pub struct Statistics {
     pub primitives: usize,
     /// Inner nodes above the deepest leaf.
     pub depth: usize,
-    /// Expected cost, in tests of a node, of a random line through the root box (surface area heuristic).
+    /// Expected cost of a random line through the root box, in tests of a node (surface area heuristic).
     pub cost: f64,
     /// Memory of nodes and leaves, bytes.
     pub bytes: usize,
@@ -94,7 +96,7 @@ pub struct Statistics {
 pub struct Bvh {
     bounds: Bounds3,
     frame: UnitFrame,
-    nodes: Vec<Node>,
+    nodes: Vec<WideNode>,
     leaf_starts: Vec<u32>,
     items: Vec<u32>,
     depth: usize,
@@ -103,10 +105,10 @@ pub struct Bvh {
 }
 
 impl Bvh {
-    /// Builds the tree over `bounds`; primitives are known by their position in it.
+    /// Builds the tree over `bounds`; a primitive is identified by its position there.
     ///
-    /// Primitives whose box is empty or not finite are left out: no query ever reports them. At most 2^31 boxes are
-    /// looked at. The tree does not depend on the number of threads, and its depth is bounded whatever the boxes.
+    /// Primitives whose box is empty or not finite are left out, and so are all after the first 2^31. The tree does not
+    /// depend on the number of threads, and its depth is bounded for all inputs.
     #[must_use]
     pub fn build(bounds: &[Bounds3], options: &BuildOptions) -> Self {
         let bounds = &bounds[..bounds.len().min(1 << 31)];
@@ -114,18 +116,18 @@ impl Bvh {
         let around = |part: &&[Bounds3]| {
             part.iter().filter(|b| usable(b)).fold(Bounds3::EMPTY, |all, b| all.union(*b))
         };
-        let parts: Vec<_> = bounds.chunks(PART).collect();
-        let all = map(&parts, 1, around).into_iter().fold(Bounds3::EMPTY, Bounds3::union);
+        let parts: Vec<_> = bounds.chunks(PARALLEL_CHUNK).collect();
+        let all = parallel_map(&parts, 1, around).into_iter().fold(Bounds3::EMPTY, Bounds3::union);
         let frame = UnitFrame::around(&all);
         let indices: Vec<u32> =
             (0..).zip(bounds).filter_map(|(index, b)| usable(b).then_some(index)).collect();
-        let mut items = map(&indices, PART, |&index| {
+        let mut items = parallel_map(&indices, PARALLEL_CHUNK, |&index| {
             let (min, max) = frame.bounds(&bounds[index as usize]);
-            Item::new(min, max, index)
+            BvhPrimitive::new(min, max, index)
         });
         let mut tree = vec![BinaryNode::EMPTY; (2 * items.len()).saturating_sub(1)];
         build::build(&mut items, &mut tree, 0, options);
-        let wide = Wide::collapse(&tree);
+        let wide = WideTree::collapse(&tree);
         let cost = tree.first().map_or(0.0, |root| {
             let area = f64::from(root.half_area());
             if area > 0.0 { f64::from(root.plan.cost()) / area } else { 0.0 }
@@ -135,7 +137,7 @@ impl Bvh {
             frame,
             nodes: wide.nodes,
             leaf_starts: wide.leaf_starts,
-            items: map(&items, PART, Item::index),
+            items: parallel_map(&items, PARALLEL_CHUNK, BvhPrimitive::index),
             depth: wide.depth,
             cost,
             isa: Isa::detect(),
@@ -151,50 +153,50 @@ impl Bvh {
     /// The primitives in `leaf`.
     #[inline]
     #[must_use]
-    pub fn leaf(&self, leaf: Leaf) -> &[u32] {
+    pub fn leaf(&self, leaf: BvhLeaf) -> &[u32] {
         let ends = self.leaf_starts.get(leaf.ordinal()).zip(self.leaf_starts.get(leaf.ordinal() + 1));
         ends.and_then(|(&start, &end)| self.items.get(start as usize..end as usize)).unwrap_or_default()
     }
 
-    /// How many leaves there are.
+    /// Number of leaves.
     #[must_use]
     pub fn leaf_count(&self) -> usize {
         self.leaf_starts.len().saturating_sub(1)
     }
 
     /// All leaves, in depth-first order.
-    pub fn leaves(&self) -> impl ExactSizeIterator<Item = Leaf> + Clone + use<> {
-        (0..self.leaf_count() as u32).map(Leaf)
+    pub fn leaves(&self) -> impl ExactSizeIterator<Item = BvhLeaf> + Clone + use<> {
+        (0..self.leaf_count() as u32).map(BvhLeaf)
     }
 
-    /// Walks through the leaves that `ray` may meet at parameters from 0 to `t_max`, nearest first.
+    /// Visits the leaves that `ray` may meet at parameters from 0 to `t_max`, nearest first.
     ///
-    /// `visit` gets a leaf and the present end of the ray, and returns the new one: the parameter of a closer hit, or
-    /// what it got. A hit at exactly `t_max` is not culled, so that ties can be broken by the caller.
+    /// `visit` takes a leaf and the current end of the ray, and returns the new end: the parameter of a closer hit, or the
+    /// current end. A hit at exactly `t_max` is not culled, so that the caller can break ties.
     ///
-    /// Directions need not be of unit length. A ray with NaN in it, or whose direction is zero, meets nothing.
+    /// Directions need not be of unit length. A ray that contains NaN, or whose direction is zero, meets nothing.
     #[inline]
-    pub fn closest(&self, ray: &Ray, t_max: f64, visit: impl FnMut(Leaf, f64) -> f64) {
-        self.isa.run(Closest { bvh: self, ray, t_max, visit: Closure(visit) });
+    pub fn closest(&self, ray: &Ray, t_max: f64, visit: impl FnMut(BvhLeaf, f64) -> f64) {
+        self.isa.run(ClosestTraversal { bvh: self, ray, t_max, visit: ClosestClosure(visit) });
     }
 
-    /// Walks through the leaves that `ray` may meet at parameters from 0 to `t_max` until `visit` says yes; says
-    /// whether it did.
+    /// Visits the leaves that `ray` may meet at parameters from 0 to `t_max` until `visit` returns true; returns whether
+    /// it did.
     #[inline]
-    pub fn any(&self, ray: &Ray, t_max: f64, visit: impl FnMut(Leaf) -> bool) -> bool {
-        self.isa.run(Any { bvh: self, ray, t_max, visit: Question(visit) })
+    pub fn any(&self, ray: &Ray, t_max: f64, visit: impl FnMut(BvhLeaf) -> bool) -> bool {
+        self.isa.run(AnyTraversal { bvh: self, ray, t_max, visit: AnyClosure(visit) })
     }
 
-    /// [`Bvh::closest`] from inside code that is already compiled for `simd`.
+    /// [`Bvh::closest`] for callers that are themselves compiled for `simd`.
     #[inline(always)]
-    pub(crate) fn closest_with<S: Simd>(&self, simd: S, ray: &Ray, t_max: f64, visit: impl Visit) {
-        Closest { bvh: self, ray, t_max, visit }.run(simd);
+    pub(crate) fn closest_with<S: Simd>(&self, simd: S, ray: &Ray, t_max: f64, visit: impl LeafVisitor) {
+        ClosestTraversal { bvh: self, ray, t_max, visit }.run(simd);
     }
 
-    /// [`Bvh::any`] from inside code that is already compiled for `simd`.
+    /// [`Bvh::any`] for callers that are themselves compiled for `simd`.
     #[inline(always)]
-    pub(crate) fn any_with<S: Simd>(&self, simd: S, ray: &Ray, t_max: f64, visit: impl Visit) -> bool {
-        Any { bvh: self, ray, t_max, visit }.run(simd)
+    pub(crate) fn any_with<S: Simd>(&self, simd: S, ray: &Ray, t_max: f64, visit: impl LeafVisitor) -> bool {
+        AnyTraversal { bvh: self, ray, t_max, visit }.run(simd)
     }
 
     /// The instruction set that queries run with.
@@ -208,10 +210,10 @@ impl Bvh {
         Self { isa, ..self }
     }
 
-    /// How large the tree came out, and how good.
+    /// Size and expected cost.
     #[must_use]
-    pub fn statistics(&self) -> Statistics {
-        Statistics {
+    pub fn statistics(&self) -> BvhStatistics {
+        BvhStatistics {
             nodes: self.nodes.len(),
             leaves: self.leaf_count(),
             primitives: self.items.len(),
@@ -222,35 +224,39 @@ impl Bvh {
     }
 }
 
-/// Elements that are worth a task of their own.
-pub(crate) const PART: usize = 1 << 12;
+/// Fewest elements that are worth a parallel task.
+pub(crate) const PARALLEL_CHUNK: usize = 1 << 12;
 
-/// `f` of every element, in parallel if there are more than `part` of them. Scenes have thousands of small meshes: waking
+/// `f` of every element, in parallel if there are more than `chunk` of them. Scenes have thousands of small meshes: waking
 /// a thread would cost more than building one.
-pub(crate) fn map<T: Sync, U: Send>(list: &[T], part: usize, f: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
-    if list.len() <= part {
+pub(crate) fn parallel_map<T: Sync, U: Send>(
+    list: &[T],
+    chunk: usize,
+    f: impl Fn(&T) -> U + Sync + Send,
+) -> Vec<U> {
+    if list.len() <= chunk {
         list.iter().map(f).collect()
     } else {
-        list.par_iter().with_min_len(part).map(f).collect()
+        list.par_iter().with_min_len(chunk).map(f).collect()
     }
 }
 
-/// A closure at the leaves.
-struct Closure<F>(F);
+/// The closure of [`Bvh::closest`] as a visitor.
+struct ClosestClosure<F>(F);
 
-impl<F: FnMut(Leaf, f64) -> f64> Visit for Closure<F> {
+impl<F: FnMut(BvhLeaf, f64) -> f64> LeafVisitor for ClosestClosure<F> {
     #[inline(always)]
-    fn leaf<S: Simd>(&mut self, _: S, leaf: Leaf, t_max: f64) -> f64 {
+    fn leaf<S: Simd>(&mut self, _: S, leaf: BvhLeaf, t_max: f64) -> f64 {
         (self.0)(leaf, t_max)
     }
 }
 
-/// A closure that says yes or no.
-struct Question<F>(F);
+/// The closure of [`Bvh::any`] as a visitor.
+struct AnyClosure<F>(F);
 
-impl<F: FnMut(Leaf) -> bool> Visit for Question<F> {
+impl<F: FnMut(BvhLeaf) -> bool> LeafVisitor for AnyClosure<F> {
     #[inline(always)]
-    fn leaf<S: Simd>(&mut self, _: S, leaf: Leaf, t_max: f64) -> f64 {
+    fn leaf<S: Simd>(&mut self, _: S, leaf: BvhLeaf, t_max: f64) -> f64 {
         if (self.0)(leaf) { f64::NEG_INFINITY } else { t_max }
     }
 }

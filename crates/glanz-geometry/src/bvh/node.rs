@@ -1,4 +1,4 @@
-//! Eight boxes at a time, in coordinates made for `f32`.
+//! Nodes of eight boxes in unit coordinates of type `f32`, and the test of a ray against all eight.
 
 use glanz_math::{Bounds3, DVec3, Ray};
 
@@ -9,9 +9,9 @@ pub(crate) const WIDTH: usize = 8;
 
 /// A child of a node: another node, or a leaf.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Child(pub(crate) u32);
+pub(crate) struct NodeChild(pub(crate) u32);
 
-impl Child {
+impl NodeChild {
     const LEAF: u32 = 1 << 31;
 
     pub(crate) fn node(index: u32) -> Self {
@@ -29,24 +29,24 @@ impl Child {
     }
 }
 
-/// Eight boxes and where they lead: four cache lines, the last of which is only touched if a box is met.
+/// Eight boxes and their children: four cache lines, the last of which is only read if a box is met.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(crate) struct Node {
+pub(crate) struct WideNode {
     /// Planes by axis and by side (smallest, largest coordinate), in unit coordinates (see [`UnitFrame`]).
     pub(crate) planes: [[Lanes8; 2]; 3],
-    pub(crate) children: [Child; WIDTH],
+    pub(crate) children: [NodeChild; WIDTH],
 }
 
-impl Node {
-    /// Boxes that no ray meets: an empty interval on every axis.
+impl WideNode {
+    /// Eight boxes that no ray meets: an empty interval on every axis.
     pub(crate) const EMPTY: Self = Self {
         planes: [[Lanes8([f32::INFINITY; WIDTH]), Lanes8([f32::NEG_INFINITY; WIDTH])]; 3],
-        children: [Child(0); WIDTH],
+        children: [NodeChild(0); WIDTH],
     };
 
-    /// Puts a box into `slot`.
-    pub(crate) fn set(&mut self, slot: usize, min: [f32; 3], max: [f32; 3], child: Child) {
+    /// Sets the box and the child of `slot`.
+    pub(crate) fn set(&mut self, slot: usize, min: [f32; 3], max: [f32; 3], child: NodeChild) {
         for axis in 0..3 {
             self.planes[axis][0].0[slot] = min[axis];
             self.planes[axis][1].0[slot] = max[axis];
@@ -54,7 +54,7 @@ impl Node {
         self.children[slot] = child;
     }
 
-    /// The children whose boxes the ray may meet as bits, and where it enters them.
+    /// The children whose boxes the ray may meet, as bits, and the entries of the ray into them.
     #[inline(always)]
     pub(crate) fn intersect<S: Simd>(&self, simd: S, ray: &UnitRay<S>) -> (u32, S::F32) {
         let [x, y, z] = [self.slab(simd, ray, 0), self.slab(simd, ray, 1), self.slab(simd, ray, 2)];
@@ -64,7 +64,7 @@ impl Node {
         (simd.at_most(near, far), near)
     }
 
-    /// Asks the memory for this node.
+    /// Prefetches this node.
     #[inline(always)]
     pub(crate) fn prefetch<S: Simd>(&self, simd: S) {
         for planes in &self.planes {
@@ -73,7 +73,7 @@ impl Node {
         simd.prefetch(&self.children);
     }
 
-    /// Where the ray enters and leaves the slabs between the planes across `axis`.
+    /// Entries and exits of the ray for the slabs between the planes across `axis`.
     #[inline(always)]
     fn slab<S: Simd>(&self, simd: S, ray: &UnitRay<S>, axis: usize) -> (S::F32, S::F32) {
         let side = ray.far_side[axis];
@@ -87,7 +87,7 @@ impl Node {
 
 /// The map from the world to the coordinates of the boxes, which fill at most [-1, 1]^3.
 ///
-/// Whatever the place and the size of a model, its boxes use the whole precision of `f32` and never overflow.
+/// For models of any position and size, the boxes use the whole precision of `f32` and never overflow.
 /// `unit = (world - center) * scale`, where `scale` is a power of two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct UnitFrame {
@@ -104,9 +104,9 @@ impl UnitFrame {
         let center = bounds.center();
         // From the centre, since the difference of the corners may overflow.
         let extent = (bounds.max - center).max(center - bounds.min).max_element();
-        // Beyond these exponents 1 / scale is not a number any more. A model smaller than 1e-290 m has no size.
+        // Beyond these exponents 1 / scale is not finite. A model smaller than 1e-290 m counts as a point.
         let exponent = extent.max(f64::MIN_POSITIVE).log2().ceil().clamp(-960.0, 1020.0);
-        // From its bits, since no library promises that 2^n comes out exact.
+        // From its bits, since no library guarantees that 2^n is exact.
         Self { center, scale: f64::from_bits(((1023.0 - exponent) as u64) << (f64::MANTISSA_DIGITS - 1)) }
     }
 
@@ -141,18 +141,18 @@ const CARRY: f64 = 64.0 * f64::EPSILON;
 /// The smallest component of a direction, relative to its largest, that is not rounded away from zero.
 const FLATTEST: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// Rays from farther away, in units, are moved to where they enter the unit cube: boxes grow by `4 u NEAR` at most, which
-/// is nothing beside the size of a leaf.
+/// Rays from farther away, in units, are moved to their entry into the unit cube: boxes grow by `4 u NEAR` at most, which
+/// is negligible compared to the size of a leaf.
 const NEAR: f64 = 8.0;
 
 /// Origins more units away than this meet nothing. `f64` places them to no better than 2^27 units, and up to here no
 /// product exceeds the range of `f32`.
 const FARTHEST: f64 = (1u128 << 80) as f64;
 
-/// A ray made ready for boxes in unit coordinates: its box test never misses a box that the `f64` ray meets.
+/// A ray prepared for boxes in unit coordinates: its box test never misses a box that the `f64` ray meets.
 ///
-/// The ray is `o + s d` with `|d| = 1` in the maximum norm and `s >= 0`, counted from its origin, or, if that is not
-/// near, from where it enters the unit cube. A plane at `b`, `|b| <= 1`, is crossed at `s = b i - o i` with `i = 1 / d`. Evaluated in
+/// The ray is `o + s d` with `|d| = 1` in the maximum norm and `s >= 0`, measured from its origin, or, if that is not
+/// near, from its entry into the unit cube. A plane at `b`, `|b| <= 1`, is crossed at `s = b i - o i` with `i = 1 / d`. Evaluated in
 /// `f32`, by a product, a rounded `o i` and a difference, that is wrong by at most `3 u |i| (1 + |o|)` and terms of
 /// second order, with or without fusing (`u`: unit roundoff of `f32`). The ray itself is carried into the frame with
 /// an error below `CARRY` times the distance of its origin. Therefore `near = o i + pad` and `far = o i - pad` with
@@ -166,11 +166,11 @@ const FARTHEST: f64 = (1u128 << 80) as f64;
 pub(crate) struct UnitRay<S: Simd> {
     /// `1 / d` per axis.
     inverse: [S::F32; 3],
-    /// To be subtracted for the plane that is entered through.
+    /// Subtracted for the plane of the entry.
     near: [S::F32; 3],
-    /// To be subtracted for the plane that is left through.
+    /// Subtracted for the plane of the exit.
     far: [S::F32; 3],
-    /// Index of the plane that is left through: 1 where the direction is positive.
+    /// Index of the plane of the exit: 1 where the direction is positive.
     far_side: [usize; 3],
     /// The end of the ray.
     end: S::F32,
@@ -230,11 +230,11 @@ impl<S: Simd> UnitRay<S> {
             slack: carried + start * CARRY,
         };
         unit.shorten(simd, t_max);
-        // Written so that a NaN says no.
+        // Written so that NaN is a miss.
         (unit.last >= 0.0).then_some(unit)
     }
 
-    /// Lets the ray end at `t_max`, rounded up.
+    /// Sets the end of the ray to `t_max`, rounded up.
     #[inline(always)]
     pub(crate) fn shorten(&mut self, simd: S, t_max: f64) {
         let end = t_max * self.rate * (1.0 + CARRY) - self.start + self.slack;
@@ -257,7 +257,7 @@ fn splat<S: Simd>(simd: S, v: S::F64) -> [S::F32; 3] {
     [simd.splat(x), simd.splat(y), simd.splat(z)]
 }
 
-/// Where a ray enters the unit cube, widened by `carried`; never late, since a flattened component only makes it earlier.
+/// Entry of a ray into the unit cube, widened by `carried`; never late, since a flattened component only makes it earlier.
 #[cold]
 fn entry(origin: [f64; 4], inverse: [f64; 4], carried: f64) -> f64 {
     let axis = |i: usize| (-1.0f64.copysign(inverse[i]) * (1.0 + carried) - origin[i]) * inverse[i];

@@ -1,12 +1,12 @@
-//! The few vector operations that traversal and triangles are written in, for every instruction set; and whatever else
-//! of the crate is `unsafe`: a stack that is not cleared, and a word to the system about memory pages.
+//! The few vector operations that traversal, triangles and patches are written in, for every instruction set; and all
+//! other unsafe code of the crate: a stack that is not cleared, and advice to the system about memory pages.
 //!
-//! [`Simd`] is implemented by tokens. A token can only be got from [`Isa::detect`], which asks the processor, so
-//! whoever holds one may use its instructions: that is the proof behind every vector instruction here. Code that is
-//! generic over `Simd` is marked `#[inline(always)]` and run through [`Isa::run`], which compiles one copy of it per
-//! instruction set.
+//! [`Simd`] is implemented by tokens. Only [`Isa::detect`], which queries the processor, creates a token, so its holder
+//! may use its instructions: that is the proof behind every vector instruction here. Code that is generic over `Simd` is
+//! marked `#[inline(always)]` and run through [`Isa::run`], which compiles one copy of it per instruction set; code that
+//! several such callers share is run through [`Simd::outlined`], which compiles one copy for all of them.
 //!
-//! One file in spite of its length: all the unsafe code of the crate is to be found here.
+//! One file in spite of its length: it holds all the unsafe code of the crate.
 //!
 //! All operations are the IEEE ones, lane by lane, so that every instruction set gives the same bits; the exception is
 //! [`Simd::mul_sub`], which may or may not round its product.
@@ -38,7 +38,7 @@ pub(crate) trait Simd: Copy {
     fn min(self, a: Self::F32, b: Self::F32) -> Self::F32;
     /// `if a > b { a } else { b }`.
     fn max(self, a: Self::F32, b: Self::F32) -> Self::F32;
-    /// Bit `i` says whether lane `i` of `a` is at most that of `b`.
+    /// Bit `i` is set if lane `i` of `a` is at most that of `b`.
     fn at_most(self, a: Self::F32, b: Self::F32) -> u32;
 
     /// The same value in every lane.
@@ -59,7 +59,7 @@ pub(crate) trait Simd: Copy {
     fn div64(self, a: Self::F64, b: Self::F64) -> Self::F64;
     /// `a * b + c` with one rounding.
     fn mul_add64(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64;
-    /// Rows become columns.
+    /// The transposed matrix.
     fn transpose64(self, rows: [Self::F64; 4]) -> [Self::F64; 4];
     /// `|a|`.
     fn abs64(self, a: Self::F64) -> Self::F64;
@@ -71,40 +71,41 @@ pub(crate) trait Simd: Copy {
     fn min64(self, a: Self::F64, b: Self::F64) -> Self::F64;
     /// `if a > b { a } else { b }`.
     fn max64(self, a: Self::F64, b: Self::F64) -> Self::F64;
-    /// Bit `i` says whether lane `i` of `a` is less than that of `b`.
+    /// Bit `i` is set if lane `i` of `a` is less than that of `b`.
     fn less64(self, a: Self::F64, b: Self::F64) -> u32;
-    /// Bit `i` says whether lane `i` of `a` is at most that of `b`.
+    /// Bit `i` is set if lane `i` of `a` is at most that of `b`.
     fn at_most64(self, a: Self::F64, b: Self::F64) -> u32;
 
-    /// Asks for the cache line at `place`; changes nothing else.
+    /// Prefetches the cache line at `place`.
     fn prefetch<T>(self, place: &T);
-    /// Runs rare work in a function of its own, compiled for the same instructions.
-    fn apart<T: Task>(self, task: T) -> T::Output;
+    /// Runs work in a function of its own, compiled for the same instructions: rare work, and work that several callers
+    /// share and that would take long to compile for each.
+    fn outlined<T: Task>(self, task: T) -> T::Output;
 }
 
 /// Work that is compiled once per instruction set.
 pub(crate) trait Task {
-    /// What the work yields.
+    /// The result.
     type Output;
     /// Does the work; must be `#[inline(always)]` to be compiled for `simd`.
     fn run<S: Simd>(self, simd: S) -> Self::Output;
 }
 
-/// The instruction sets that there is a copy of the hot code for.
+/// The instruction sets for which there is a copy of the hot code.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Isa {
-    /// Whatever the target has.
-    Scalar(Scalar),
+    /// Instructions that every processor of the target has.
+    Portable(Portable),
     /// AVX2 with fused multiply-add and bit manipulation: x86 processors since 2013.
     #[cfg(target_arch = "x86_64")]
     Avx2(Avx2),
-    /// The same on registers of AVX-512, of which there are twice as many.
+    /// The same with the registers of AVX-512, of which there are twice as many.
     #[cfg(target_arch = "x86_64")]
     Avx512(Avx512),
 }
 
 impl Isa {
-    /// The best one that this processor has.
+    /// The best instruction set that this processor has.
     pub(crate) fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
         if let Some(token) = Avx512::detect() {
@@ -112,13 +113,13 @@ impl Isa {
         } else if let Some(token) = Avx2::detect() {
             return Self::Avx2(token);
         }
-        Self::Scalar(Scalar)
+        Self::Portable(Portable)
     }
 
-    /// Every one that this processor has, for tests that compare them.
+    /// Every instruction set that this processor has, for tests that compare them.
     #[cfg(test)]
     pub(crate) fn all() -> Vec<Self> {
-        let mut all = vec![Self::Scalar(Scalar)];
+        let mut all = vec![Self::Portable(Portable)];
         #[cfg(target_arch = "x86_64")]
         all.extend(Avx2::detect().map(Self::Avx2));
         #[cfg(target_arch = "x86_64")]
@@ -130,7 +131,7 @@ impl Isa {
     #[inline(always)]
     pub(crate) fn run<T: Task>(self, task: T) -> T::Output {
         match self {
-            Self::Scalar(scalar) => task.run(scalar),
+            Self::Portable(scalar) => task.run(scalar),
             // SAFETY: the token proves that the processor has the features that `run_avx2` is compiled for.
             #[cfg(target_arch = "x86_64")]
             Self::Avx2(token) => unsafe { run_avx2(token, task) },
@@ -150,27 +151,34 @@ fn run_avx2<T: Task>(token: Avx2, task: T) -> T::Output {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-fn run_avx2_apart<T: Task>(token: Avx2, task: T) -> T::Output {
+fn run_avx2_outlined<T: Task>(token: Avx2, task: T) -> T::Output {
+    task.run(token)
+}
+
+// The instructions are those of AVX2; the compiler knows that they reach 32 registers here, and spills fewer.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq,avx512bw")]
+fn run_avx512<T: Task>(token: Avx512, task: T) -> T::Output {
     task.run(token)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq,avx512bw")]
-fn run_avx512<T: Task>(token: Avx512, task: T) -> T::Output {
-    // The instructions are those of AVX2; the compiler knows that they reach 32 registers here, and spills fewer.
-    task.run(token.avx2())
+#[inline(never)]
+fn run_avx512_outlined<T: Task>(token: Avx512, task: T) -> T::Output {
+    task.run(token)
 }
 
 /// Plain arithmetic on arrays.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Scalar;
+pub(crate) struct Portable;
 
 #[inline(always)]
 fn mask<const N: usize>(bits: [bool; N]) -> u32 {
     bits.iter().enumerate().fold(0, |m, (i, &b)| m | (u32::from(b) << i))
 }
 
-impl Simd for Scalar {
+impl Simd for Portable {
     type F32 = [f32; 8];
     type F64 = [f64; 4];
 
@@ -276,7 +284,7 @@ impl Simd for Scalar {
     #[inline(always)]
     fn prefetch<T>(self, _: &T) {}
     #[inline(never)]
-    fn apart<T: Task>(self, task: T) -> T::Output {
+    fn outlined<T: Task>(self, task: T) -> T::Output {
         task.run(self)
     }
 }
@@ -289,12 +297,19 @@ mod avx2 {
     use super::{Lanes8, Simd, Task};
     use std::arch::x86_64::*;
 
-    /// Proof that the processor has AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
+    /// Proof that the processor has AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT; with 32 registers also AVX-512 F, VL, DQ
+    /// and BW.
     #[derive(Clone, Copy, Debug, PartialEq)]
-    pub(crate) struct Avx2(());
+    pub(crate) struct Avx<const REGISTERS: usize>(());
+
+    /// The proof of AVX2 alone.
+    pub(crate) type Avx2 = Avx<16>;
+
+    /// The proof of AVX-512 as well.
+    pub(crate) type Avx512 = Avx<32>;
 
     impl Avx2 {
-        /// The token, if the processor has what it stands for.
+        /// The token, if the processor has these instructions.
         pub(super) fn detect() -> Option<Self> {
             (is_x86_feature_detected!("avx2")
                 && is_x86_feature_detected!("fma")
@@ -306,31 +321,22 @@ mod avx2 {
         }
     }
 
-    /// Proof that the processor has AVX-512 F, VL, DQ and BW, and all of [`Avx2`].
-    #[derive(Clone, Copy, Debug, PartialEq)]
-    pub(crate) struct Avx512(Avx2);
-
     impl Avx512 {
-        /// The token, if the processor has what it stands for.
+        /// The token, if the processor has these instructions.
         pub(super) fn detect() -> Option<Self> {
-            let avx2 = Avx2::detect()?;
+            Avx2::detect()?;
             (is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512vl")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512bw"))
-            .then_some(Self(avx2))
-        }
-
-        /// The lesser proof that this one includes.
-        pub(super) fn avx2(self) -> Avx2 {
-            self.0
+            .then_some(Self(()))
         }
     }
 
     // SAFETY, for every block below: `self` is a token, so the processor has AVX2 and FMA. Loads and stores go through
     // references to exactly as many lanes as the instruction touches; the aligned ones to `Lanes8`, which is
     // 32-byte aligned by its type.
-    impl Simd for Avx2 {
+    impl<const REGISTERS: usize> Simd for Avx<REGISTERS> {
         type F32 = __m256;
         type F64 = __m256d;
 
@@ -478,15 +484,20 @@ mod avx2 {
         }
 
         #[inline(always)]
-        fn apart<T: Task>(self, task: T) -> T::Output {
-            // SAFETY: as above.
-            unsafe { super::run_avx2_apart(self, task) }
+        fn outlined<T: Task>(self, task: T) -> T::Output {
+            if REGISTERS == 32 {
+                // SAFETY: a token with 32 registers is the proof of AVX-512.
+                unsafe { super::run_avx512_outlined(Avx(self.0), task) }
+            } else {
+                // SAFETY: every token is a proof of AVX2.
+                unsafe { super::run_avx2_outlined(Avx(self.0), task) }
+            }
         }
     }
 }
 
-/// Asks the system to put the room of `list` on large pages, so that rays that jump about in it miss fewer translations
-/// of addresses. Call it before the room is filled. A system that cannot, or will not, ignores it.
+/// Advises the system to back the capacity of `list` by large pages, so that random access misses fewer address
+/// translations. To be called before the list is filled; a system without support ignores it.
 pub(crate) fn prefer_large_pages<T>(list: &mut Vec<T>) {
     #[cfg(target_os = "linux")]
     {
@@ -511,7 +522,7 @@ pub(crate) fn prefer_large_pages<T>(list: &mut Vec<T>) {
     let _ = list;
 }
 
-/// A stack of fixed room that is not cleared when it is made: clearing it would cost a tenth of a short ray.
+/// A stack of fixed capacity that is not cleared when it is created: clearing would cost a tenth of a short ray.
 pub(crate) struct Stack<const ROOM: usize> {
     entries: [MaybeUninit<u64>; ROOM],
     // Invariant: the first `len` entries are initialised, and `len <= ROOM`.
@@ -525,7 +536,7 @@ impl<const ROOM: usize> Stack<ROOM> {
         Self { entries: [const { MaybeUninit::uninit() }; ROOM], len: 0 }
     }
 
-    /// Puts `entry` on top. Without room for it, it is lost: `ROOM` needs a proof.
+    /// Pushes `entry`. If there is no room, it is lost: `ROOM` needs a proof.
     #[inline(always)]
     pub(crate) fn push(&mut self, entry: u64) {
         if let Some(slot) = self.entries.get_mut(self.len) {
@@ -534,7 +545,7 @@ impl<const ROOM: usize> Stack<ROOM> {
         }
     }
 
-    /// Takes the top entry.
+    /// Removes and returns the top entry.
     #[inline(always)]
     pub(crate) fn pop(&mut self) -> Option<u64> {
         self.len = self.len.checked_sub(1)?;
@@ -543,7 +554,7 @@ impl<const ROOM: usize> Stack<ROOM> {
         Some(unsafe { slot.assume_init() })
     }
 
-    /// Sorts the `count` topmost entries descending, so that the smallest comes off first.
+    /// Sorts the `count` topmost entries descending, so that the smallest is popped first.
     #[inline(always)]
     pub(crate) fn sort_top(&mut self, count: usize) {
         let start = self.len.saturating_sub(count);

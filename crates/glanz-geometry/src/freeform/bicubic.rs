@@ -1,42 +1,41 @@
-//! Patches of degree 3 at most, the most frequent ones: stored so that a ray is done with them in a few vector
-//! instructions.
+//! Patches of degree 3 at most, the most frequent ones, stored for the vector instructions.
 //!
-//! A patch keeps the coefficients of the powers of (s, t) in [-1, 1]^2 about its centre. They are seen along the ray once,
-//! as two bivariate polynomials, in which Newton's method then runs, for whichever leaf it is. Those of a rational patch
-//! are homogeneous coordinates about the centre, divided by the weight there.
+//! A patch is stored as coefficients of the powers of (s, t) in [-1, 1]^2 about its centre. Projected along the ray they are
+//! two bivariate polynomials, to which Newton's method is applied for any leaf of the patch. The coefficients of a rational
+//! patch are homogeneous coordinates about the centre, divided by the weight there.
 
 use glanz_math::glam::DVec4;
 use glanz_math::{DVec2, DVec3};
 
-use super::cells::{self, Patch};
-use super::contract::{Limits, Place};
-use super::leaf::{Leaf, Look};
-use super::net;
-use super::part::Part;
-use super::search::{OnRoot, Probe, Root, Scratch, Tangent};
-use super::subpatches::Form;
-use super::view::{Aim, MOST_STEPS, View, value};
+use super::contraction::{LocalRoot, MapBounds};
+use super::control_net;
+use super::leaf::{LeafProjection, PatchLeaf};
+use super::parameter_rect::DyadicRect;
+use super::projected_bicubic::{MOST_STEPS, NewtonExit, ProjectedBicubic, value};
+use super::ray_space::RaySpace;
+use super::root::{FirstOrderJet, SearchScratch, SurfaceRoot};
+use super::subdivision::{self, SubdividablePatch};
 use crate::bvh::simd::{Simd, Task};
 
-/// Rounding of the powers, in terms of that of the Bernstein form: the absolute values of the factors that convert one row
-/// into the other add up to 5, of both directions to 25, on coefficients that each are worth a few roundings.
+/// Rounding of the powers, relative to that of the Bernstein form: the absolute values of the factors that convert a row
+/// of one into the other add up to 5, for both directions to 25, applied to coefficients with a few roundings each.
 pub(super) const POWERS: f64 = 4.0;
 
-/// A patch of degrees up to (3, 3), with `LISTS` coordinates: 3, or 4 if weights differ.
+/// A patch of degrees up to (3, 3), with 3 coordinates, or 4 if weights differ.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Bicubic<const LISTS: usize> {
+pub(super) struct Bicubic<const COORDINATES: usize> {
     center: DVec3,
-    /// Bound on the half of any second derivative by (s, t), of the point times its weight.
-    bend: f64,
-    /// The same for the weight, whose value at the centre is 1, and bounds on it; rounded outward.
-    weight_bend: f32,
+    /// Bound on half of any second derivative by (s, t) of the point times its weight.
+    curvature_bound: f64,
+    /// The same for the weight, which is 1 at the centre, and bounds on the weight; rounded outward.
+    weight_curvature_bound: f32,
     weights: [f32; 2],
     /// By power of s, coordinate, power of t.
-    powers: [[[f64; 4]; LISTS]; 4],
+    powers: [[[f64; 4]; COORDINATES]; 4],
 }
 
-/// From Bernstein coefficients of degree `n` to the powers of t = 2 x - 1.
+/// Coefficients of the powers of t = 2 x - 1 from Bernstein coefficients of degree `n`.
 fn powers_of(row: [DVec4; 4], n: usize) -> [DVec4; 4] {
     let [a, b, c, d] = row;
     match n {
@@ -51,11 +50,11 @@ fn powers_of(row: [DVec4; 4], n: usize) -> [DVec4; 4] {
     }
 }
 
-impl<const LISTS: usize> Bicubic<LISTS> {
+impl<const COORDINATES: usize> Bicubic<COORDINATES> {
     /// The patch with the homogeneous net `points` of `degrees` up to (3, 3).
     pub(super) fn new(points: &[DVec4], (p, q): (usize, usize)) -> Self {
-        let center = net::jet(points, (p, q), 0.5, 0.5).s;
-        // About the centre, so that small patches keep their digits; a weight that is common to all drops out.
+        let center = control_net::second_order_jet(points, (p, q), 0.5, 0.5).s;
+        // About the centre, so that small patches keep their digits; a common factor of the weights drops out.
         let about = |h: DVec4| (h.truncate() - center * h.w).extend(h.w);
         let mut rows = [[DVec4::ZERO; 4]; 4];
         for (row, points) in rows.iter_mut().zip(points.chunks_exact(q + 1)) {
@@ -73,25 +72,26 @@ impl<const LISTS: usize> Bicubic<LISTS> {
             }
         }
         let per = 1.0 / table[0][0].w;
-        let powers: [[[f64; 4]; LISTS]; 4] = std::array::from_fn(|i| {
+        let powers: [[[f64; 4]; COORDINATES]; 4] = std::array::from_fn(|i| {
             std::array::from_fn(|list| std::array::from_fn(|j| table[i][j][list] * per))
         });
-        let mut patch = Self { center, bend: 0.0, weight_bend: 0.0, weights: [1.0; 2], powers };
-        // The centre itself is rounded as the net is: what is left of it here belongs to it.
+        let mut patch =
+            Self { center, curvature_bound: 0.0, weight_curvature_bound: 0.0, weights: [1.0; 2], powers };
+        // The centre is rounded like the net: its remainder is part of that rounding.
         for list in patch.powers[0].iter_mut().take(3) {
             list[0] = 0.0;
         }
-        patch.bend = patch.second_order(0..3);
-        if LISTS == 4 {
+        patch.curvature_bound = patch.second_order(0..3);
+        if COORDINATES == 4 {
             let weights = || points.iter().map(|p| p.w * per);
             let (low, high) = (weights().fold(f64::INFINITY, f64::min), weights().fold(0.0, f64::max));
             patch.weights = [(low as f32).next_down(), (high as f32).next_up()];
-            patch.weight_bend = (patch.second_order(3..LISTS) as f32).next_up();
+            patch.weight_curvature_bound = (patch.second_order(3..COORDINATES) as f32).next_up();
         }
         patch
     }
 
-    /// Bound on the sum of |f_ss| / 2, |f_st| and |f_tt| / 2 over the square, of the vector of the given lists.
+    /// Bound on the sum of |f_ss| / 2, |f_st| and |f_tt| / 2 over the square, for the vector of some coordinates.
     fn second_order(&self, lists: std::ops::Range<usize>) -> f64 {
         let mut sum = 0.0;
         for (i, row) in self.powers.iter().enumerate() {
@@ -104,20 +104,20 @@ impl<const LISTS: usize> Bicubic<LISTS> {
         sum
     }
 
-    /// The coefficients of the powers i of s, seen along `axis`, of the point times its weight.
+    /// The coefficients of the i-th power of s, in the direction of `axis`, of the point times its weight.
     #[inline(always)]
-    fn seen<S: Simd>(&self, simd: S, axis: DVec3, i: usize) -> S::F64 {
+    fn projected_row<S: Simd>(&self, simd: S, axis: DVec3, i: usize) -> S::F64 {
         let row = &self.powers[i];
         let sum = simd.mul64(simd.load64(&row[0]), simd.splat64(axis.x));
         let sum = simd.mul_add64(simd.load64(&row[1]), simd.splat64(axis.y), sum);
         simd.mul_add64(simd.load64(&row[2]), simd.splat64(axis.z), sum)
     }
 
-    /// Adds `shift`, the centre seen from the ray, times the weight.
+    /// Adds `shift`, the distance of the centre from the ray, times the weight.
     #[inline(always)]
-    fn shifted<S: Simd>(&self, simd: S, seen: [S::F64; 4], shift: f64) -> [S::F64; 4] {
-        let [a, b, c, d] = seen;
-        if LISTS == 4 {
+    fn shifted<S: Simd>(&self, simd: S, rows: [S::F64; 4], shift: f64) -> [S::F64; 4] {
+        let [a, b, c, d] = rows;
+        if COORDINATES == 4 {
             let by = simd.splat64(shift);
             let [p, q, r, s] = self.weight_rows(simd);
             [
@@ -134,207 +134,231 @@ impl<const LISTS: usize> Bicubic<LISTS> {
     /// The weight at (s, t).
     #[inline(always)]
     fn weight<S: Simd>(&self, simd: S, at: DVec2) -> f64 {
-        if LISTS < 4 { 1.0 } else { value(simd, &self.weight_rows(simd), at) }
+        if COORDINATES < 4 { 1.0 } else { value(simd, &self.weight_rows(simd), at) }
     }
 
     #[inline(always)]
     fn weight_rows<S: Simd>(&self, simd: S) -> [S::F64; 4] {
         let [a, b, c, d] = &self.powers;
         [
-            simd.load64(&a[LISTS - 1]),
-            simd.load64(&b[LISTS - 1]),
-            simd.load64(&c[LISTS - 1]),
-            simd.load64(&d[LISTS - 1]),
+            simd.load64(&a[COORDINATES - 1]),
+            simd.load64(&b[COORDINATES - 1]),
+            simd.load64(&c[COORDINATES - 1]),
+            simd.load64(&d[COORDINATES - 1]),
         ]
     }
 
-    /// The patch as the ray sees it, and what is known about it over a leaf; `from` is the centre.
+    /// The patch projected along the ray, with bounds over a leaf; `from` is the vector from the ray to the centre.
     #[inline(always)]
-    fn view<S: Simd>(&self, simd: S, leaf: &Leaf, probe: &Probe, from: DVec3) -> (View<S>, Limits) {
-        let [first, second] = probe.axes;
-        let c = probe.across(from);
+    fn project<S: Simd>(
+        &self,
+        simd: S,
+        leaf: &PatchLeaf,
+        space: &RaySpace,
+        from: DVec3,
+    ) -> (ProjectedBicubic<S>, MapBounds) {
+        let [first, second] = space.axes;
+        let c = space.across(from);
         let first = [
-            self.seen(simd, first, 0),
-            self.seen(simd, first, 1),
-            self.seen(simd, first, 2),
-            self.seen(simd, first, 3),
+            self.projected_row(simd, first, 0),
+            self.projected_row(simd, first, 1),
+            self.projected_row(simd, first, 2),
+            self.projected_row(simd, first, 3),
         ];
         let second = [
-            self.seen(simd, second, 0),
-            self.seen(simd, second, 1),
-            self.seen(simd, second, 2),
-            self.seen(simd, second, 3),
+            self.projected_row(simd, second, 0),
+            self.projected_row(simd, second, 1),
+            self.projected_row(simd, second, 2),
+            self.projected_row(simd, second, 3),
         ];
-        let view = View { first: self.shifted(simd, first, c.x), second: self.shifted(simd, second, c.y) };
-        let bend = if LISTS == 4 {
-            (self.bend + f64::from(self.weight_bend) * c.length()) * leaf.part.width().max_element().powi(2)
+        let projected = ProjectedBicubic {
+            first: self.shifted(simd, first, c.x),
+            second: self.shifted(simd, second, c.y),
+        };
+        let curvature_bound = if COORDINATES == 4 {
+            (self.curvature_bound + f64::from(self.weight_curvature_bound) * c.length())
+                * leaf.part.width().max_element().powi(2)
         } else {
-            leaf.bend()
+            leaf.curvature_bound()
         };
         let weights = self.weights.map(f64::from);
-        (view, Limits { noise: probe.noise * POWERS, bend, weights, steps: MOST_STEPS })
+        (projected, MapBounds { noise: space.noise * POWERS, curvature_bound, weights, steps: MOST_STEPS })
     }
 
-    /// The weight at (s, t), outside of vector code.
+    /// The weight at (s, t), without vector instructions.
     fn weight_at(&self, at: DVec2) -> f64 {
-        if LISTS < 4 {
+        if COORDINATES < 4 {
             return 1.0;
         }
-        cubic(self.powers.map(|row| cubic(row[LISTS - 1], at.y).0), at.x).0
+        cubic(self.powers.map(|row| cubic(row[COORDINATES - 1], at.y).0), at.x).0
     }
 
     #[inline(always)]
-    fn root<S: Simd>(&self, simd: S, probe: &Probe, x: DVec2, blur: DVec2, from: DVec3) -> Root {
-        let along = probe.line.direction;
-        let (a, b) = (self.seen(simd, along, 0), self.seen(simd, along, 1));
-        let (c, d) = (self.seen(simd, along, 2), self.seen(simd, along, 3));
+    fn root<S: Simd>(
+        &self,
+        simd: S,
+        space: &RaySpace,
+        x: DVec2,
+        uncertainty: DVec2,
+        from: DVec3,
+    ) -> SurfaceRoot {
+        let along = space.line.direction;
+        let (a, b) = (self.projected_row(simd, along, 0), self.projected_row(simd, along, 1));
+        let (c, d) = (self.projected_row(simd, along, 2), self.projected_row(simd, along, 3));
         let rows = [a, b, c, d];
         let s = along.dot(from) + value(simd, &rows, x) / self.weight(simd, x);
         let length = |i: usize, j: usize| {
             let row = &self.powers[i];
             DVec3::new(row[0][j], row[1][j], row[2][j]).length()
         };
-        let reach = blur.x * length(1, 0) + blur.y * length(0, 1);
+        let distance_uncertainty = uncertainty.x * length(1, 0) + uncertainty.y * length(0, 1);
         // From parameters in [-1, 1] to those in [0, 1].
-        Root { s, at: 0.5 + 0.5 * x, blur: 0.5 * blur, reach }
+        SurfaceRoot { s, at: 0.5 + 0.5 * x, uncertainty: 0.5 * uncertainty, distance_uncertainty }
     }
 }
 
-impl<const LISTS: usize> Form for Bicubic<LISTS> {
+impl<const COORDINATES: usize> Bicubic<COORDINATES> {
+    /// Finds every root of the leaf: returns the only one, or puts all of them into `scratch.roots`, in no order.
     #[inline(always)]
-    fn roots<S: Simd>(
+    pub(super) fn roots<S: Simd>(
         &self,
         simd: S,
-        leaf: &Leaf,
-        look: &Look,
-        probe: &Probe,
-        scratch: &mut Scratch,
-        report: &mut impl OnRoot,
-    ) {
-        let from = self.center - probe.line.origin;
+        leaf: &PatchLeaf,
+        projection: &LeafProjection,
+        space: &RaySpace,
+        scratch: &mut SearchScratch,
+    ) -> Option<SurfaceRoot> {
+        let from = self.center - space.line.origin;
         // No closures around vectors: they would not be compiled for the instruction set.
-        if look.certified {
-            let (view, limits) = self.view(simd, leaf, probe, from);
-            match view.newton(simd, look.flat, leaf.part, &limits) {
-                Aim::Root(x) => {
-                    let blur = look.blur(&limits) * leaf.part.width();
-                    report.root(self.root(simd, probe, x, blur, from));
-                    return;
+        if projection.certified {
+            let (projected, bounds) = self.project(simd, leaf, space, from);
+            match projected.newton(simd, projection.start, leaf.part, &bounds) {
+                NewtonExit::Converged(x) => {
+                    let uncertainty = projection.uncertainty(&bounds) * leaf.part.width();
+                    return Some(self.root(simd, space, x, uncertainty, from));
                 }
-                Aim::Left { at, f } => {
+                NewtonExit::Left { at, f } => {
                     let x = (at - leaf.part.middle()) / leaf.part.width();
-                    if look.certificate.excludes(x, f, self.weight(simd, at), look.per, &limits) {
-                        return;
+                    if projection.certificate.excludes(
+                        x,
+                        f,
+                        self.weight(simd, at),
+                        projection.inverse_determinant,
+                        &bounds,
+                    ) {
+                        return None;
                     }
                 }
-                Aim::Open => {}
+                NewtonExit::Open => {}
             }
         }
-        simd.apart(Search { patch: self, leaf, probe, scratch: &mut *scratch });
-        for root in scratch.roots.drain(..) {
-            report.root(root);
-        }
+        simd.outlined(BicubicSubdivision { patch: self, leaf, space, scratch });
+        None
     }
 }
 
-/// What is done with a leaf if the first try proves nothing: every root into `scratch.roots`.
-struct Search<'a, const LISTS: usize> {
-    patch: &'a Bicubic<LISTS>,
-    leaf: &'a Leaf,
-    probe: &'a Probe,
-    scratch: &'a mut Scratch,
+/// The search in a leaf for which Newton's method proves nothing: puts every root into `scratch.roots`.
+struct BicubicSubdivision<'a, const COORDINATES: usize> {
+    patch: &'a Bicubic<COORDINATES>,
+    leaf: &'a PatchLeaf,
+    space: &'a RaySpace,
+    scratch: &'a mut SearchScratch,
 }
 
-impl<const LISTS: usize> Task for Search<'_, LISTS> {
+impl<const COORDINATES: usize> Task for BicubicSubdivision<'_, COORDINATES> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { patch, leaf, probe, scratch } = self;
-        let from = patch.center - probe.line.origin;
-        let (view, limits) = patch.view(simd, leaf, probe, from);
+        let Self { patch, leaf, space, scratch } = self;
+        let from = patch.center - space.line.origin;
+        let (projected, bounds) = patch.project(simd, leaf, space, from);
         let (middle, half) = (leaf.part.middle(), leaf.part.width());
         let weight = |at: DVec2| patch.weight_at(middle + half * at);
-        scratch.places.clear();
-        if view.part(simd, middle, half).divide(simd, &limits, &weight, &mut scratch.places).is_err() {
-            cells::roots(&PatchLeaf { patch, part: leaf.part }, probe, scratch);
+        scratch.local_roots.clear();
+        if projected
+            .part(simd, middle, half)
+            .divide(simd, &bounds, &weight, &mut scratch.local_roots)
+            .is_err()
+        {
+            subdivision::roots(&BicubicLeaf { patch, part: leaf.part }, space, scratch);
             for root in &mut scratch.roots {
                 *root = root.of_part(leaf.part);
             }
             return;
         }
-        for index in 0..scratch.places.len() {
-            let Some(&Place { at, blur }) = scratch.places.get(index) else { return };
-            let root = patch.root(simd, probe, middle + half * at, half * blur, from);
+        for index in 0..scratch.local_roots.len() {
+            let Some(&LocalRoot { at, uncertainty }) = scratch.local_roots.get(index) else { return };
+            let root = patch.root(simd, space, middle + half * at, half * uncertainty, from);
             scratch.roots.push(root);
         }
     }
 }
 
-/// A leaf for the slow way.
-struct PatchLeaf<'a, const LISTS: usize> {
-    patch: &'a Bicubic<LISTS>,
-    part: Part,
+/// A leaf for [`subdivision`].
+struct BicubicLeaf<'a, const COORDINATES: usize> {
+    patch: &'a Bicubic<COORDINATES>,
+    part: DyadicRect,
 }
 
-impl<const LISTS: usize> Patch for PatchLeaf<'_, LISTS> {
+impl<const COORDINATES: usize> SubdividablePatch for BicubicLeaf<'_, COORDINATES> {
     fn degrees(&self) -> (usize, usize) {
         (3, 3)
     }
 
-    fn project(&self, probe: &Probe, cells: &mut Vec<f64>) -> f64 {
+    fn project(&self, space: &RaySpace, cells: &mut Vec<f64>) -> f64 {
         cells.clear();
-        let (powers, from) = (&self.patch.powers, self.patch.center - probe.line.origin);
-        for axis in probe.axes {
+        let (powers, from) = (&self.patch.powers, self.patch.center - space.line.origin);
+        for axis in space.axes {
             let shift = axis.dot(from);
             let mut table = powers.map(|row| {
                 std::array::from_fn(|j| {
                     let seen = row[0][j] * axis.x + row[1][j] * axis.y + row[2][j] * axis.z;
-                    seen + if LISTS == 4 { row[LISTS - 1][j] * shift } else { 0.0 }
+                    seen + if COORDINATES == 4 { row[COORDINATES - 1][j] * shift } else { 0.0 }
                 })
             });
-            if LISTS == 3 {
+            if COORDINATES == 3 {
                 table[0][0] += shift;
             }
             cells.extend(self.bernstein(table));
         }
-        if LISTS == 4 {
-            cells.extend(self.bernstein(powers.map(|row| row[LISTS - 1])));
+        if COORDINATES == 4 {
+            cells.extend(self.bernstein(powers.map(|row| row[COORDINATES - 1])));
         }
-        2.0 * POWERS * probe.noise
+        2.0 * POWERS * space.noise
     }
 
-    fn tangent(&self, x: f64, y: f64) -> Tangent {
+    fn jet(&self, x: f64, y: f64) -> FirstOrderJet {
         let (at, width) = (2.0 * self.part.at(DVec2::new(x, y)) - 1.0, self.part.width());
         let mut lists = [[0.0, 0.0, 0.0, 1.0], [0.0; 4], [0.0; 4]];
-        for k in 0..LISTS {
+        for k in 0..COORDINATES {
             let rows = self.patch.powers.map(|row| cubic(row[k], at.y));
             let (by_s, rise) = (cubic(rows.map(|r| r.0), at.x), cubic(rows.map(|r| r.1), at.x));
-            // By (x, y), which are half as long.
+            // By (x, y), whose interval is half as long.
             [lists[0][k], lists[1][k], lists[2][k]] = [by_s.0, 2.0 * by_s.1, 2.0 * rise.0];
         }
         let [h, hu, hv] = lists.map(DVec4::from_array);
         let per = 1.0 / h.w;
         let s = h.truncate() * per;
         let part = |d: DVec4, width: f64| (d.truncate() - s * d.w) * (per * width);
-        Tangent { s: self.patch.center + s, su: part(hu, width.x), sv: part(hv, width.y) }
+        FirstOrderJet { s: self.patch.center + s, su: part(hu, width.x), sv: part(hv, width.y) }
     }
 
-    fn noise(&self, probe: &Probe) -> f64 {
-        POWERS * probe.noise
+    fn noise(&self, space: &RaySpace) -> f64 {
+        POWERS * space.noise
     }
 }
 
-impl<const LISTS: usize> PatchLeaf<'_, LISTS> {
-    /// Bernstein coefficients over the leaf, those along s together, from powers of (s, t) over the patch.
-    fn bernstein(&self, table: [[f64; 4]; 4]) -> impl Iterator<Item = f64> + use<LISTS> {
+impl<const COORDINATES: usize> BicubicLeaf<'_, COORDINATES> {
+    /// Bernstein coefficients over the leaf, those along s consecutive, from powers of (s, t) over the patch.
+    fn bernstein(&self, table: [[f64; 4]; 4]) -> impl Iterator<Item = f64> + use<COORDINATES> {
         let (middle, half) = (self.part.middle(), self.part.width());
         let rows = table.map(|row| bernstein_of(moved_cubic(row, middle.y, half.y)));
         (0..4).flat_map(move |j| bernstein_of(moved_cubic(rows.map(|row| row[j]), middle.x, half.x)))
     }
 }
 
-/// The cubic at m + h x, by powers of x.
+/// The cubic at m + h x, as powers of x.
 fn moved_cubic([a, b, c, d]: [f64; 4], m: f64, h: f64) -> [f64; 4] {
     let [value, slope] = [((d * m + c) * m + b) * m + a, (3.0 * d * m + 2.0 * c) * m + b];
     [value, slope * h, (3.0 * d * m + c) * (h * h), d * (h * h * h)]
@@ -345,7 +369,7 @@ fn cubic([a, b, c, d]: [f64; 4], x: f64) -> (f64, f64) {
     (((d * x + c) * x + b) * x + a, (3.0 * d * x + 2.0 * c) * x + b)
 }
 
-/// From powers of t in [-1, 1] to Bernstein coefficients.
+/// Bernstein coefficients from powers of t in [-1, 1].
 fn bernstein_of([a, b, c, d]: [f64; 4]) -> [f64; 4] {
     let third = 1.0 / 3.0;
     [a - b + c - d, a - (b + c) * third + d, a + (b - c) * third - d, a + b + c + d]

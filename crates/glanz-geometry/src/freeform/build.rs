@@ -1,56 +1,56 @@
-//! From patches to leaves and their hierarchy.
+//! Construction of a surface: leaves of its patches, and the hierarchy over them.
 
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, OnceLock};
 
 use glanz_math::DVec3;
 
-use super::draft::Draft;
-use super::leaf::Leaf;
-use super::net::MAX_DEGREE;
-use super::part::Part;
-use super::search::Sight;
-use super::subpatches::{self, Forms, Subpatch};
-use super::{Freeform, Piece};
-use crate::bvh::{BuildOptions, Bvh, map};
+use super::control_net::MAX_DEGREE;
+use super::leaf::PatchLeaf;
+use super::leaf_builder::LeafBuilder;
+use super::parameter_rect::DyadicRect;
+use super::ray_space::SurfaceFrame;
+use super::subpatches::{self, Subpatch, SubpatchList, SubpatchLocation};
+use super::{Freeform, SurfacePatch};
+use crate::bvh::{BuildOptions, Bvh, parallel_map};
 use crate::error::SurfaceError;
 use crate::trim::{Containment, TrimRegion};
 
-/// A leaf is halved while the Jacobian strays by more than this from that of its parallelogram, seen along the
-/// normal: below the search's own limit, so that rays from most sides find their leaf certified. Measured: for degrees up
-/// to 3 rays cost the same from 0.2 to 0.3, and memory is a third less. A look at a leaf of higher degree is dearer, so
-/// that the better start of 0.2 pays; 0.15 would be 4 % faster with half as much memory again.
-const UNEVEN: [f64; 2] = [0.3, 0.2];
+/// Largest Jacobian deviation of a leaf, projected along its normal, for degrees up to 3 and above: less than the limit of
+/// the search, so that leaves are certified for most rays. Measured: for degrees up to 3 rays cost the same from 0.2 to 0.3,
+/// with a third less memory. Leaves of higher degree cost more to evaluate, so that the better start of 0.2 pays; 0.15 would
+/// be 4 % faster with half as much memory again.
+const MOST_DEVIATION: [f64; 2] = [0.3, 0.2];
 
-/// Halvings of a patch at most.
+/// Most halvings of a patch.
 const MOST_HALVINGS: usize = 12;
 
-/// Halvings after which they must help: two of them should make a part of any smooth patch half as uneven...
+/// Halvings after which they must help: two of them should halve the deviation in any smooth patch...
 const FIRST_HALVINGS: usize = 5;
 
-/// ... and have helped if it is this much of what it was.
+/// ... and have helped if they reduce it to this share.
 const HELPFUL: f64 = 0.75;
 
-/// Leaves smaller than this share of the surface are not halved further: the search does it if a ray comes.
+/// Size, relative to the surface, below which leaves are not halved further; the search halves them if a ray needs it.
 const SMALLEST: f64 = 1e-6;
 
-/// Cost of asking a leaf relative to that of testing a node: between a block of triangles, 1, and other surfaces, 2.
+/// Cost of a leaf relative to a test of a node: between a block of triangles, 1, and other surfaces, 2.
 const LEAF_COST: f32 = 1.5;
 
 impl Freeform {
-    /// A surface of `pieces`.
+    /// A surface of `patches`.
     ///
-    /// Pieces with a common border meet without gap if their control points there are the same bits.
+    /// Patches with a common border meet without a gap if their control points there are the same bits.
     ///
     /// # Errors
-    /// [`SurfaceError::TooFew`] without pieces, [`SurfaceError::DegreeTooHigh`] above [`MAX_DEGREE`],
+    /// [`SurfaceError::TooFew`] without patches, [`SurfaceError::DegreeTooHigh`] above [`MAX_DEGREE`],
     /// [`SurfaceError::Degenerate`] if all control points coincide.
-    pub fn try_new(pieces: Vec<Piece>) -> Result<Self, SurfaceError> {
-        if pieces.is_empty() {
+    pub fn try_new(patches: Vec<SurfacePatch>) -> Result<Self, SurfaceError> {
+        if patches.is_empty() {
             return Err(SurfaceError::TooFew { parameter: "patches", count: 0, min: 1 });
         }
-        let degrees = pieces.iter().fold((0, 0), |(p, q), piece| {
-            let (r, s) = piece.patch.degrees();
+        let degrees = patches.iter().fold((0, 0), |(p, q), patch| {
+            let (r, s) = patch.patch.degrees();
             (p.max(r), q.max(s))
         });
         let highest = degrees.0.max(degrees.1);
@@ -59,7 +59,7 @@ impl Freeform {
             return Err(SurfaceError::DegreeTooHigh { parameter: "the patch", degree, max });
         }
         let points =
-            || pieces.iter().flat_map(|piece| piece.patch.control_points()).map(|p| p.truncate() / p.w);
+            || patches.iter().flat_map(|patch| patch.patch.control_points()).map(|p| p.truncate() / p.w);
         let size = points().fold(DVec3::ZERO, |most, p| most.max(p.abs())).max_element();
         let hull = glanz_math::Bounds3::from_points(points());
         let extent = hull.diagonal().length();
@@ -69,87 +69,87 @@ impl Freeform {
                 value: extent,
             });
         }
-        let sight = Sight::new(&hull, size, degrees);
-        let subpatches = subpatches::cut(&pieces, MOST_HALVINGS);
-        let drafts = drafts(&subpatches, extent);
-        Ok(Self::assemble(pieces, extent, sight, subpatches, &drafts, None))
+        let frame = SurfaceFrame::new(&hull, size, degrees);
+        let subpatches = subpatches::split(&patches, MOST_HALVINGS);
+        let leaves = all_leaves(&subpatches, extent);
+        Ok(Self::assemble(patches, extent, frame, subpatches, &leaves, None))
     }
 
-    /// What `region` keeps of the surface, by its parameters [`SurfacePoint::uv`](crate::SurfacePoint::uv).
+    /// The part of the surface that `region` keeps, by its parameters [`SurfacePoint::uv`](crate::SurfacePoint::uv).
     #[must_use]
     pub fn trimmed(&self, region: Arc<TrimRegion>) -> Self {
-        let subpatches = subpatches::cut(&self.pieces, MOST_HALVINGS);
-        let mut drafts = drafts(&subpatches, self.extent);
-        drafts.retain_mut(|draft| {
-            let place = subpatches.get(draft.subpatch as usize).map(|subpatch| subpatch.place);
-            let of = place.and_then(|place| Some((self.pieces.get(place.piece as usize)?, place.part)));
-            let Some((piece, part)) = of else { return false };
-            let [low, high] = piece.range(&draft.part.within(part).rect());
-            let cell = region.classify(low, high);
-            draft.crossed = cell == Containment::Crossed;
-            cell != Containment::Outside
+        let subpatches = subpatches::split(&self.patches, MOST_HALVINGS);
+        let mut leaves = all_leaves(&subpatches, self.extent);
+        leaves.retain_mut(|leaf| {
+            let Some(subpatch) = subpatches.get(leaf.subpatch as usize) else { return false };
+            let SubpatchLocation { patch, part } = subpatch.location;
+            let Some(patch) = self.patches.get(patch as usize) else { return false };
+            let [low, high] = patch.range(&leaf.part.within(part).rect());
+            let containment = region.classify(low, high);
+            leaf.crossed = containment == Containment::Crossed;
+            containment != Containment::Outside
         });
-        Self::assemble(self.pieces.clone(), self.extent, self.sight, subpatches, &drafts, Some(region))
+        Self::assemble(self.patches.clone(), self.extent, self.frame, subpatches, &leaves, Some(region))
     }
 
-    /// Lays the leaves out in the order of the hierarchy.
+    /// The surface with its leaves in the order of the hierarchy.
     fn assemble(
-        pieces: Vec<Piece>,
+        patches: Vec<SurfacePatch>,
         extent: f64,
-        sight: Sight,
+        frame: SurfaceFrame,
         subpatches: Vec<Subpatch>,
-        drafts: &[Draft],
+        leaves: &[LeafBuilder],
         region: Option<Arc<TrimRegion>>,
     ) -> Self {
-        let boxes: Vec<_> = drafts.iter().map(|d| d.bounds).collect();
+        let boxes: Vec<_> = leaves.iter().map(|leaf| leaf.bounds).collect();
         let options = BuildOptions { max_leaf: 1, block: 1, leaf_cost: LEAF_COST };
         let bvh = Bvh::build(&boxes, &options);
-        // Every leaf of the hierarchy is one of ours.
-        let ordered = bvh.leaves().filter_map(|leaf| drafts.get(*bvh.leaf(leaf).first()? as usize));
-        let leaves = ordered.map(|draft| Leaf::new(draft, sight.center)).collect();
-        let places = subpatches.iter().map(|subpatch| subpatch.place).collect();
-        let forms = Forms::new(subpatches);
+        let ordered = bvh.leaves().filter_map(|leaf| leaves.get(*bvh.leaf(leaf).first()? as usize));
+        let leaves = ordered.map(|leaf| PatchLeaf::new(leaf, frame.center)).collect();
+        let locations = subpatches.iter().map(|subpatch| subpatch.location).collect();
+        let subpatches = SubpatchList::new(subpatches);
         let (undecided, areas) = (AtomicU64::new(0), OnceLock::new());
-        Self { pieces, region, extent, leaves, forms, places, sight, undecided, areas, bvh }
+        Self { patches, region, extent, leaves, subpatches, locations, frame, undecided, areas, bvh }
     }
 }
 
-/// The leaves of all subpatches of a surface of that extent.
-fn drafts(subpatches: &[Subpatch], extent: f64) -> Vec<Draft> {
+/// The leaves of all subpatches of a surface of this extent.
+fn all_leaves(subpatches: &[Subpatch], extent: f64) -> Vec<LeafBuilder> {
     let numbered: Vec<(usize, &Subpatch)> = subpatches.iter().enumerate().collect();
-    map(&numbered, 16, |&(index, subpatch)| leaves(index as u32, subpatch, SMALLEST * extent)).concat()
+    parallel_map(&numbered, 16, |&(index, subpatch)| leaves_of(index as u32, subpatch, SMALLEST * extent))
+        .concat()
 }
 
 /// A part of a subpatch that may be halved further.
-struct Open {
-    draft: Draft,
+struct OpenLeaf {
+    leaf: LeafBuilder,
     halvings: usize,
-    /// Unevenness of the part of which it is a half, and of that of which that was one.
+    /// Deviations of its parent and of the parent of that.
     before: [f64; 2],
 }
 
 /// The leaves of one subpatch.
-fn leaves(index: u32, subpatch: &Subpatch, smallest: f64) -> Vec<Draft> {
+fn leaves_of(index: u32, subpatch: &Subpatch, smallest: f64) -> Vec<LeafBuilder> {
     let degrees = subpatch.degrees;
-    let limit = UNEVEN[usize::from(degrees.0.max(degrees.1) > 3)];
-    let whole = Draft::new(index, Part::WHOLE, subpatch.net.clone(), degrees);
+    let limit = MOST_DEVIATION[usize::from(degrees.0.max(degrees.1) > 3)];
+    let whole = LeafBuilder::new(index, DyadicRect::WHOLE, subpatch.net.clone(), degrees);
     let mut done = Vec::new();
     let mut open =
-        vec![Open { draft: whole, halvings: subpatch.place.part.count(), before: [f64::INFINITY; 2] }];
-    while let Some(Open { draft, halvings, before }) = open.pop() {
-        let large = draft.bounds.diagonal().length() > smallest;
-        // NaN, of a leaf without area, is uneven.
-        let uneven = draft.frame.unevenness();
-        // Next to a collapsed edge or a cusp no part is ever even, however small.
-        let helps = halvings < FIRST_HALVINGS || uneven <= HELPFUL * before[1];
-        if uneven <= limit || !large || !helps || halvings == MOST_HALVINGS {
-            done.push(draft);
+        vec![OpenLeaf { leaf: whole, halvings: subpatch.location.part.count(), before: [f64::INFINITY; 2] }];
+    while let Some(OpenLeaf { leaf, halvings, before }) = open.pop() {
+        let large = leaf.bounds.diagonal().length() > smallest;
+        // NaN, of a leaf without area, is above every limit.
+        let deviation = leaf.parallelogram.jacobian_deviation();
+        // Next to a collapsed edge or a cusp the deviation stays large, however small the part.
+        let helps = halvings < FIRST_HALVINGS || deviation <= HELPFUL * before[1];
+        if deviation <= limit || !large || !helps || halvings == MOST_HALVINGS {
+            done.push(leaf);
         } else {
-            let halves = draft.halves();
-            open.extend(halves.map(|draft| Open {
-                draft,
+            let halves = leaf.halves();
+            open.extend(halves.map(|leaf| OpenLeaf {
+                leaf,
                 halvings: halvings + 1,
-                before: [uneven, before[0]],
+                before: [deviation, before[0]],
             }));
         }
     }

@@ -1,46 +1,46 @@
-//! A leaf of the hierarchy: the first look of a ray, which most often is the last one.
+//! A leaf of the hierarchy, and its projection along a ray, which most often excludes it.
 
 use glanz_math::{DVec2, DVec3};
 
 use super::bicubic::POWERS;
-use super::contract::{Certificate, Limits};
-use super::draft::{Draft, Frame};
-use super::part::Part;
-use super::search::{Probe, cross};
+use super::contraction::{Certificate, MapBounds};
+use super::leaf_builder::{LeafBuilder, ThickParallelogram};
+use super::parameter_rect::DyadicRect;
+use super::ray_space::{RaySpace, cross};
 use crate::bvh::simd::Simd;
 
 /// Largest bound on the change of the Jacobian, relative to that at the centre, at which a leaf is certified.
 const CERTIFIED: f64 = 0.85;
 
-/// A part of a subpatch as a thick parallelogram ([`Frame`]), in one cache line.
+/// A part of a subpatch as a [`ThickParallelogram`], in one cache line.
 ///
-/// Its numbers are rounded to `f32`, which the reach and the strays make up for.
+/// Its numbers are rounded to `f32`; thickness and deviation are enlarged by the rounding.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Leaf {
-    /// By coordinate: the centre, from that of the surface; the half tangents along u and v; and in the fourth lanes reach,
-    /// stray squared and bend, rounded up.
+pub(super) struct PatchLeaf {
+    /// By coordinate: the centre, relative to that of the surface; the half tangents along u and v; and in the fourth lanes
+    /// thickness, squared deviation and curvature bound, rounded up.
     rows: [[f32; 4]; 3],
     pub(super) subpatch: u32,
-    pub(super) part: Part,
-    /// Whether a trimming curve crosses it, so that its points must be asked for one by one.
+    pub(super) part: DyadicRect,
+    /// Whether a trimming curve crosses it, so that each root must be classified.
     pub(super) crossed: bool,
 }
 
-/// A leaf as seen along a ray that may meet it.
+/// A leaf, projected along a ray that may meet it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Look {
-    /// Its half tangents, and how far its Jacobian strays from them, at most.
+pub(super) struct LeafProjection {
+    /// Its half tangents, and the bound on the deviation of its Jacobian from them.
     pub(super) certificate: Certificate,
     /// Inverse of their determinant.
-    pub(super) per: f64,
-    /// Where the ray meets the parallelogram, in (s, t).
-    pub(super) flat: DVec2,
+    pub(super) inverse_determinant: f64,
+    /// The intersection of the ray with the parallelogram, in (s, t).
+    pub(super) start: DVec2,
     /// Whether it has one root at most.
     pub(super) certified: bool,
 }
 
-/// The nearest, and by how much it is off.
+/// The nearest vector of type `f32`, and its distance.
 fn rounded(v: DVec3) -> ([f32; 3], f64) {
     let nearest = v.to_array().map(|x| x as f32);
     (nearest, (v - DVec3::from(nearest.map(f64::from))).length())
@@ -50,70 +50,77 @@ fn up(x: f64) -> f32 {
     (x as f32).next_up()
 }
 
-impl Look {
-    /// By how much rounding may move a root.
+impl LeafProjection {
+    /// Bound on how far rounding may move a root.
     #[inline(always)]
-    pub(super) fn blur(&self, limits: &Limits) -> DVec2 {
-        self.certificate.blur(self.per, limits)
+    pub(super) fn uncertainty(&self, bounds: &MapBounds) -> DVec2 {
+        self.certificate.uncertainty(self.inverse_determinant, bounds)
     }
 }
 
-impl Leaf {
-    /// `origin` is the centre of the surface.
-    pub(super) fn new(draft: &Draft, origin: DVec3) -> Self {
-        let Frame { center, along_u, along_v, reach, stray_squared, bend } = draft.frame;
+impl PatchLeaf {
+    /// The leaf, with coordinates relative to `origin`, the centre of the surface.
+    pub(super) fn new(leaf: &LeafBuilder, origin: DVec3) -> Self {
+        let ThickParallelogram {
+            center,
+            along_u,
+            along_v,
+            thickness,
+            tangent_deviation_squared,
+            curvature_bound,
+        } = leaf.parallelogram;
         let ((c, off_c), (u, off_u), (v, off_v)) =
             (rounded(center - origin), rounded(along_u), rounded(along_v));
         // The difference itself is rounded as well.
         let size = center.abs().max(origin.abs()).max_element();
-        let reach = reach + off_c + off_u + off_v + 4.0 * f64::EPSILON * size;
-        let stray = stray_squared.sqrt() + off_u.hypot(off_v);
-        let last = [up(reach), up(stray * stray * (1.0 + 1e-12)), up(bend)];
+        let thickness = thickness + off_c + off_u + off_v + 4.0 * f64::EPSILON * size;
+        let deviation = tangent_deviation_squared.sqrt() + off_u.hypot(off_v);
+        let last = [up(thickness), up(deviation * deviation * (1.0 + 1e-12)), up(curvature_bound)];
         Self {
             rows: [0, 1, 2].map(|k| [c[k], u[k], v[k], last[k]]),
-            subpatch: draft.subpatch,
-            part: draft.part,
-            crossed: draft.crossed,
+            subpatch: leaf.subpatch,
+            part: leaf.part,
+            crossed: leaf.crossed,
         }
     }
 
-    /// Bound on the half of any second derivative by (s, t); infinite if weights differ.
+    /// Bound on half of any second derivative by (s, t); infinite if weights differ.
     #[inline(always)]
-    pub(super) fn bend(&self) -> f64 {
+    pub(super) fn curvature_bound(&self) -> f64 {
         self.rows[2][3].into()
     }
 
-    /// `None` if the ray passes it.
+    /// The projection along the ray; `None` if the ray misses the leaf.
     #[inline(always)]
-    pub(super) fn look<S: Simd>(&self, simd: S, probe: &Probe) -> Option<Look> {
+    pub(super) fn project<S: Simd>(&self, simd: S, space: &RaySpace) -> Option<LeafProjection> {
         let [x, y, z] = &self.rows;
         let rows = [simd.widen(x), simd.widen(y), simd.widen(z)];
-        let [first, second] = probe.axes;
+        let [first, second] = space.axes;
         let (p, q) = (along(simd, &rows, first), along(simd, &rows, second));
-        let c = DVec2::new(p[0], q[0]) + probe.center;
+        let c = DVec2::new(p[0], q[0]) + space.center;
         let (a, b) = (DVec2::new(p[1], q[1]), DVec2::new(p[2], q[2]));
         let det = cross(a, b);
         let (s, t) = (-cross(c, b), -cross(a, c));
         let (a2, b2) = (a.length_squared(), b.length_squared());
-        // Whichever way the leaf is evaluated.
-        let noise = POWERS * probe.noise;
-        let reach = f64::from(x[3]) + noise;
-        // |s| > 1 + reach |b| / |det| without a division; squares would need a root either way.
+        // For both ways in which the leaf may be evaluated.
+        let noise = POWERS * space.noise;
+        let thickness = f64::from(x[3]) + noise;
+        // |s| > 1 + thickness |b| / |det| without a division; squares would need a root either way.
         let outside = |s: f64, across: f64| {
             let beyond = s.abs() - det.abs();
-            beyond > 0.0 && beyond * beyond > reach * reach * across
+            beyond > 0.0 && beyond * beyond > thickness * thickness * across
         };
         if outside(s, b2) || outside(t, a2) {
             return None;
         }
-        // Where rounding moves the root by more than a part of the leaf, nothing is certified. NaN says no.
+        // If rounding moves the root by more than a part of the leaf, nothing is certified; nor is NaN.
         let unsure = 16.0 * noise;
         let q2 = (f64::from(y[3]) + unsure * unsure) * (a2 + b2);
-        let per = 1.0 / det;
-        Some(Look {
-            certificate: Certificate { a, b, q: q2.sqrt() * per.abs() },
-            per,
-            flat: DVec2::new(s, t) * per,
+        let inverse_determinant = 1.0 / det;
+        Some(LeafProjection {
+            certificate: Certificate { a, b, q: q2.sqrt() * inverse_determinant.abs() },
+            inverse_determinant,
+            start: DVec2::new(s, t) * inverse_determinant,
             certified: q2 < CERTIFIED * CERTIFIED * det * det,
         })
     }

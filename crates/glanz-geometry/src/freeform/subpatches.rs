@@ -1,39 +1,41 @@
-//! What leaves are parts of, as rays need it: patches, cut where their weights differ much.
+//! Subpatches: the patches of a surface, split where their weights differ much, in the form in which rays search them.
 
 use glanz_math::glam::DVec4;
 
 use super::bicubic::Bicubic;
-use super::draft::bends_along_u;
-use super::leaf::{Leaf, Look};
-use super::net;
-use super::part::Part;
-use super::piece::Piece;
-use super::search::{self, Net, OnRoot, Probe, Scratch};
-use crate::bvh::simd::Simd;
+use super::control_net;
+use super::leaf::{LeafProjection, PatchLeaf};
+use super::leaf_builder::is_more_curved_along_u;
+use super::net_search::{self, HomogeneousNet};
+use super::parameter_rect::DyadicRect;
+use super::ray_space::RaySpace;
+use super::root::{SearchScratch, SurfaceRoot};
+use super::surface_patch::SurfacePatch;
+use crate::bvh::simd::{Simd, Task};
 
-/// Patches are cut until the ratio of their weights is this or less. The rounding of powers is that of the largest
-/// weight, and counts by the smallest; and next to a small weight a bit of a parameter is far on the surface.
+/// Largest ratio of the weights of a subpatch. The rounding of powers is that of the largest weight, and counts by the
+/// smallest; and next to a small weight one bit of a parameter is far on the surface.
 const EVEN_WEIGHTS: f64 = 4.0;
 
 /// A patch, or a part of it.
 #[derive(Debug)]
 pub(super) struct Subpatch {
-    pub(super) place: Place,
+    pub(super) location: SubpatchLocation,
     pub(super) degrees: (usize, usize),
-    /// Homogeneous coefficients.
+    /// Homogeneous control points.
     pub(super) net: Vec<DVec4>,
 }
 
-/// Which part of which piece.
+/// The patch and the part of it that a subpatch is.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
-    pub(super) piece: u32,
-    pub(super) part: Part,
+pub(super) struct SubpatchLocation {
+    pub(super) patch: u32,
+    pub(super) part: DyadicRect,
 }
 
-/// All of them of one kind, so that the search branches once per ray.
+/// The subpatches of a surface, all in one representation, so that the branch on it is predicted.
 #[derive(Debug)]
-pub(super) enum Forms {
+pub(super) enum SubpatchList {
     /// Degrees up to (3, 3), all weights equal within each patch.
     Polynomial(Vec<Bicubic<3>>),
     /// Degrees up to (3, 3), weights that vary little.
@@ -42,27 +44,42 @@ pub(super) enum Forms {
     General(Vec<Subpatch>),
 }
 
-/// A subpatch whose leaves can be asked for roots.
-pub(super) trait Form {
-    /// Reports every root of the leaf, in no order and in the parameters of the subpatch.
-    fn roots<S: Simd>(
-        &self,
-        simd: S,
-        leaf: &Leaf,
-        look: &Look,
-        probe: &Probe,
-        scratch: &mut Scratch,
-        report: &mut impl OnRoot,
-    );
+/// The search for the roots of one leaf: a function of its own that all queries share, since it is long.
+pub(super) struct LeafSearch<'a> {
+    pub(super) subpatches: &'a SubpatchList,
+    pub(super) leaf: &'a PatchLeaf,
+    pub(super) projection: &'a LeafProjection,
+    pub(super) space: &'a RaySpace,
+    pub(super) scratch: &'a mut SearchScratch,
 }
 
-/// The subpatches of `pieces`, none halved more often than `most_halvings`.
-pub(super) fn cut(pieces: &[Piece], most_halvings: usize) -> Vec<Subpatch> {
+impl Task for LeafSearch<'_> {
+    /// The only root; several are in `scratch.roots`, in no order. In the parameters of the subpatch.
+    type Output = Option<SurfaceRoot>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Option<SurfaceRoot> {
+        let Self { subpatches, leaf, projection, space, scratch } = self;
+        let index = leaf.subpatch as usize;
+        match subpatches {
+            SubpatchList::Polynomial(list) => list.get(index)?.roots(simd, leaf, projection, space, scratch),
+            SubpatchList::Rational(list) => list.get(index)?.roots(simd, leaf, projection, space, scratch),
+            SubpatchList::General(list) => {
+                let Subpatch { degrees, net, .. } = list.get(index)?;
+                let net = HomogeneousNet { degrees: *degrees, points: net };
+                net_search::roots(simd, net, leaf, projection, space, scratch)
+            }
+        }
+    }
+}
+
+/// The subpatches of `patches`, none halved more often than `most_halvings`.
+pub(super) fn split(patches: &[SurfacePatch], most_halvings: usize) -> Vec<Subpatch> {
     let mut done = Vec::new();
-    for (index, piece) in pieces.iter().enumerate() {
-        let mut open = vec![Subpatch::whole(index as u32, piece)];
+    for (index, patch) in patches.iter().enumerate() {
+        let mut open = vec![Subpatch::whole(index as u32, patch)];
         while let Some(subpatch) = open.pop() {
-            if subpatch.weight_ratio() <= EVEN_WEIGHTS || subpatch.place.part.count() == most_halvings {
+            if subpatch.weight_ratio() <= EVEN_WEIGHTS || subpatch.location.part.count() == most_halvings {
                 done.push(subpatch);
             } else {
                 open.extend(subpatch.halves());
@@ -73,9 +90,9 @@ pub(super) fn cut(pieces: &[Piece], most_halvings: usize) -> Vec<Subpatch> {
 }
 
 impl Subpatch {
-    fn whole(piece: u32, from: &Piece) -> Self {
-        let place = Place { piece, part: Part::WHOLE };
-        Self { place, degrees: from.patch.degrees(), net: from.patch.control_points().to_vec() }
+    fn whole(patch: u32, from: &SurfacePatch) -> Self {
+        let location = SubpatchLocation { patch, part: DyadicRect::WHOLE };
+        Self { location, degrees: from.patch.degrees(), net: from.patch.control_points().to_vec() }
     }
 
     /// Whether all weights are 1.
@@ -89,21 +106,25 @@ impl Subpatch {
         weights().fold(0.0, f64::max) / weights().fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether it can be stored by powers.
+    /// Whether it can be stored as powers.
     fn is_simple(&self) -> bool {
         self.degrees.0.max(self.degrees.1) <= 3 && self.weight_ratio() <= EVEN_WEIGHTS
     }
 
     fn halves(&self) -> [Self; 2] {
-        let Self { place: Place { piece, part }, degrees, ref net } = *self;
-        let across_u = bends_along_u(net, degrees);
+        let Self { location: SubpatchLocation { patch, part }, degrees, ref net } = *self;
+        let across_u = is_more_curved_along_u(net, degrees);
         let [low, high] = part.halves(across_u);
-        let [below, above] = net::split(net, degrees, across_u);
-        [(low, below), (high, above)].map(|(part, net)| Self { place: Place { piece, part }, degrees, net })
+        let [below, above] = control_net::split(net, degrees, across_u);
+        [(low, below), (high, above)].map(|(part, net)| Self {
+            location: SubpatchLocation { patch, part },
+            degrees,
+            net,
+        })
     }
 }
 
-impl Forms {
+impl SubpatchList {
     pub(super) fn new(subpatches: Vec<Subpatch>) -> Self {
         let all = |is: fn(&Subpatch) -> bool| subpatches.iter().all(is);
         if !all(Subpatch::is_simple) {
@@ -124,21 +145,5 @@ impl Forms {
                 size_of_val(&**list) + list.iter().map(|s| size_of_val(&*s.net)).sum::<usize>()
             }
         }
-    }
-}
-
-impl Form for Subpatch {
-    #[inline(always)]
-    fn roots<S: Simd>(
-        &self,
-        simd: S,
-        leaf: &Leaf,
-        look: &Look,
-        probe: &Probe,
-        scratch: &mut Scratch,
-        report: &mut impl OnRoot,
-    ) {
-        let net = Net { degrees: self.degrees, points: &self.net };
-        search::roots(simd, net, leaf, look, probe, scratch, report);
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glanz_math::glam::DVec4;
 use glanz_math::{DVec2, DVec3, Ray};
 
-use super::{Freeform, Piece};
+use super::{Freeform, SurfacePatch};
 use crate::bezier::{TensorPatch, TrianglePatch};
 use crate::bvh::simd::Isa;
 use crate::hit::Hit;
@@ -20,7 +20,8 @@ fn all(surface: &Freeform, ray: &Ray) -> Vec<Hit> {
 }
 
 fn of_triangle(triangle: &TrianglePatch) -> Freeform {
-    let pieces = triangle.to_quads().into_iter().map(|q| Piece::over_quad(q.patch, q.corners).unwrap());
+    let pieces =
+        triangle.to_quads().into_iter().map(|q| SurfacePatch::over_quad(q.patch, q.corners).unwrap());
     Freeform::try_new(pieces.collect()).unwrap()
 }
 
@@ -143,7 +144,7 @@ fn rays_through_the_seam_of_two_patches_meet_it_once() {
         let points = (from..from + 4)
             .flat_map(|i| (0..4).map(move |j| DVec4::new(i as f64 / 3.0, j as f64 / 3.0, height(i, j), 1.0)));
         let patch = TensorPatch::try_new(3, 3, points.collect()).unwrap();
-        Piece::over_rectangle(patch, [from as f64, from as f64 + 3.0], [0.0, 3.0]).unwrap()
+        SurfacePatch::over_rectangle(patch, [from as f64, from as f64 + 3.0], [0.0, 3.0]).unwrap()
     };
     let surface = Freeform::try_new(vec![patch(0), patch(3)]).unwrap();
     for k in 0..50_000 {
@@ -165,7 +166,8 @@ fn tangent_ray_meets_a_parabola_once_and_one_beside_it_twice_or_never() {
     let points = points.iter().flat_map(|&[x, z]| [0.0, 1.0].map(|y| DVec4::new(x, y, z, 1.0)));
     let patch = TensorPatch::try_new(2, 1, points.collect()).unwrap();
     let surface =
-        Freeform::try_new(vec![Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()]).unwrap();
+        Freeform::try_new(vec![SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()])
+            .unwrap();
     let along = |z: f64| all(&surface, &Ray::new(DVec3::new(-3.0, 0.3, z), DVec3::X));
     assert_eq!(along(0.0).len(), 1);
     assert_eq!(along(1e-9), []);
@@ -189,7 +191,8 @@ fn tangency_next_to_a_cusp_does_not_hide_the_root_beside_it() {
     let points = (0..16).map(row).map(|(x, y, z)| DVec4::new(x, y, z, 1.0));
     let patch = TensorPatch::try_new(3, 3, points.collect()).unwrap();
     let surface =
-        Freeform::try_new(vec![Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()]).unwrap();
+        Freeform::try_new(vec![SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()])
+            .unwrap();
     let ray = Ray::new(
         DVec3::new(0.498_859_539_470_083_66, 0.170_785_592_721_375_64, 3.760_954_794_414_791),
         DVec3::new(0.065_010_139_116_226_77, 9.825_831_809_107_976e-13, -171.634_692_525_154_46),
@@ -201,12 +204,13 @@ fn tangency_next_to_a_cusp_does_not_hide_the_root_beside_it() {
 
 #[test]
 fn ray_within_the_plane_of_a_flat_patch_is_no_hit() {
-    // Seen edge-on the Jacobian is nothing but rounding, and must certify nothing.
+    // ProjectedNet edge-on the Jacobian is nothing but rounding, and must certify nothing.
     let third = |k: i32| f64::from(k) / 3.0;
     let points = (0..4).flat_map(|i| (0..4).map(move |j| DVec4::new(third(i), third(j), 0.0, 1.0)));
     let patch = TensorPatch::try_new(3, 3, points.collect()).unwrap();
     let surface =
-        Freeform::try_new(vec![Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()]).unwrap();
+        Freeform::try_new(vec![SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()])
+            .unwrap();
     for (x, y, dx, dy) in [
         (-1.150_881_977_367_205_4, 2.817_548_644_033_872, 1.0, -1.0),
         (
@@ -228,7 +232,7 @@ fn ray_within_the_plane_of_a_flat_patch_is_no_hit() {
 fn what_cannot_be_a_surface_is_refused() {
     assert!(Freeform::try_new(Vec::new()).is_err());
     let point = TensorPatch::try_new(1, 1, vec![DVec4::ONE; 4]).unwrap();
-    let point = Piece::over_rectangle(point, [0.0, 1.0], [0.0, 1.0]).unwrap();
+    let point = SurfacePatch::over_rectangle(point, [0.0, 1.0], [0.0, 1.0]).unwrap();
     assert!(Freeform::try_new(vec![point]).is_err());
 }
 
@@ -250,7 +254,7 @@ fn grazing_rays_pass_a_seam_exactly_once() {
             })
         });
         let patch = TensorPatch::try_new(2, 3, points.collect()).unwrap();
-        Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()
+        SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()
     };
     let surface = Freeform::try_new(vec![half(-1.0), half(0.0)]).unwrap();
     for k in 0..20_000 {
@@ -284,8 +288,8 @@ fn trimmed_surface_has_the_hits_whose_parameters_are_kept() {
         DVec4::new(i / 3.0, j / 3.0, 0.5 * (2.0 * f64::from(k)).sin(), 1.0)
     });
     let patch = TensorPatch::try_new(3, 3, points.collect()).unwrap();
-    let waves =
-        Freeform::try_new(vec![Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()]).unwrap();
+    let waves = Freeform::try_new(vec![SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()])
+        .unwrap();
     for whole in [waves, reflector()] {
         let region = plate(0.15);
         let trimmed = whole.trimmed(region.clone());
@@ -317,8 +321,8 @@ fn trimmed_surface_has_the_hits_whose_parameters_are_kept() {
 fn area_of_a_trimmed_plane_is_that_without_its_holes() {
     let corners = [(0.0, 0.0), (0.0, 2.0), (3.0, 0.0), (3.0, 2.0)].map(|(x, y)| DVec4::new(x, y, 0.0, 1.0));
     let patch = TensorPatch::try_new(1, 1, corners.to_vec()).unwrap();
-    let plane =
-        Freeform::try_new(vec![Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()]).unwrap();
+    let plane = Freeform::try_new(vec![SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()])
+        .unwrap();
     assert!((plane.area() - 6.0).abs() < 1e-12);
     // Parameters are six times as dense as the area.
     let expected = 6.0 * (1.0 - 2.0 * std::f64::consts::PI * 0.15 * 0.15);
@@ -334,7 +338,7 @@ fn every_instruction_set_gives_the_same_bits() {
             (p * weight(k)).extend(weight(k))
         });
         let patch = TensorPatch::try_new(degree, degree, points.collect()).unwrap();
-        Freeform::try_new(vec![Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()]).unwrap()
+        Freeform::try_new(vec![SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()]).unwrap()
     };
     let uneven = |k: usize| 1.0 + 0.5 * (k as f64).cos();
     for mut surface in [wave(3, |_| 1.0), wave(2, uneven), wave(3, uneven), wave(5, uneven)] {
@@ -366,7 +370,7 @@ fn weights_do_not_hide_roots_next_to_the_border_of_a_leaf() {
     });
     let patch = TensorPatch::try_new(3, 3, points.collect()).unwrap();
     let surface =
-        Freeform::try_new(vec![Piece::over_rectangle(patch.clone(), [0.0, 1.0], [0.0, 1.0]).unwrap()])
+        Freeform::try_new(vec![SurfacePatch::over_rectangle(patch.clone(), [0.0, 1.0], [0.0, 1.0]).unwrap()])
             .unwrap();
     for k in 0..100_000 {
         // Next to the borders of leaves, which lie at multiples of powers of two.

@@ -2,8 +2,10 @@
 
 use glanz_math::{DVec3, Ray};
 
+use crate::bvh::query::HitCollector;
 use crate::bvh::simd::{Simd, prefer_large_pages};
-use crate::bvh::{Bvh, PART};
+use crate::bvh::{Bvh, PARALLEL_CHUNK};
+use crate::hit::Hit;
 use crate::triangle::{GRAZING, ShearedRay};
 
 /// Triangles in a block: the `f64` lanes of a vector register.
@@ -52,12 +54,12 @@ impl Coordinate for f64 {
 /// Four triangles, by vertex, axis and triangle.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
-pub(super) struct Block<T> {
+pub(super) struct TriangleBlock<T> {
     corners: [[[T; LANES]; 3]; 3],
     faces: [u32; LANES],
 }
 
-impl<T: Coordinate> Block<T> {
+impl<T: Coordinate> TriangleBlock<T> {
     /// A block of up to four triangles, given by face number and vertices.
     fn new(triangles: impl Iterator<Item = (u32, [DVec3; 3])>) -> Self {
         let mut block = Self { corners: [[[T::NONE; LANES]; 3]; 3], faces: [u32::MAX; LANES] };
@@ -117,9 +119,9 @@ impl<T: Coordinate> Block<T> {
     /// The lanes that the ray hits with `0 < t <= t_max`, as bits, and what it takes to make hits of them.
     ///
     /// Computes the very bits of [`ShearedRay::intersect`], but for its second thoughts: lanes with a zero edge function
-    /// and those seen nearly edge-on are candidates here, and [`hits_in_block`] asks the scalar test.
+    /// and those seen nearly edge-on are candidates here, and [`TriangleBlock::hits`] repeats them with the scalar test.
     #[inline(always)]
-    fn intersect<S: Simd>(&self, simd: S, ray: &BlockRay<S>, t_max: f64) -> Option<Lanes> {
+    fn intersect<S: Simd>(&self, simd: S, ray: &BlockRay<S>, t_max: f64) -> Option<BlockHits> {
         let [a, b, c] = [self.corner(simd, ray, 0), self.corner(simd, ray, 1), self.corner(simd, ray, 2)];
         let (u, v, w) = (edge(simd, c, b), edge(simd, a, c), edge(simd, b, a));
         let zero = simd.splat64(0.0);
@@ -142,7 +144,7 @@ impl<T: Coordinate> Block<T> {
         let limit = simd.mul64(simd.splat64(GRAZING), simd.add64(simd.add64(p, q), r));
         let unsure = at_edge | simd.at_most64(simd.abs64(determinant), limit);
         let hits = inside & (within | unsure);
-        (hits != 0).then(|| Lanes {
+        (hits != 0).then(|| BlockHits {
             hits,
             unsure,
             t: simd.store64(t),
@@ -150,6 +152,36 @@ impl<T: Coordinate> Block<T> {
             w: simd.store64(w),
             determinant: simd.store64(determinant),
         })
+    }
+
+    /// Adds every hit with `0 < t <= collector.end()`, by lane, until the search is over.
+    #[inline(always)]
+    pub(super) fn hits<S: Simd>(&self, simd: S, ray: &BlockRay<S>, collector: &mut impl HitCollector) {
+        let end = collector.end();
+        let Some(lanes) = self.intersect(simd, ray, end) else { return };
+        let mut hits = lanes.hits;
+        while hits != 0 {
+            let lane = hits.trailing_zeros() as usize & (LANES - 1);
+            hits &= hits - 1;
+            let mut hit = Hit {
+                t: lanes.t[lane],
+                u: lanes.v[lane] / lanes.determinant[lane],
+                v: lanes.w[lane] / lanes.determinant[lane],
+                face: self.faces[lane],
+            };
+            if lanes.unsure >> lane & 1 != 0 {
+                let [a, b, c] = self.triangle(lane);
+                // Up to and including the end, as the others.
+                match ray.sheared.intersect(a, b, c, end.next_up()) {
+                    Some((t, u, v)) => hit = Hit { t, u, v, ..hit },
+                    None => continue,
+                }
+            }
+            collector.add(hit);
+            if collector.end() < 0.0 {
+                return;
+            }
+        }
     }
 }
 
@@ -160,9 +192,9 @@ fn edge<S: Simd>(simd: S, p: [S::F64; 3], q: [S::F64; 3]) -> S::F64 {
 }
 
 /// What a ray found in a block.
-struct Lanes {
+struct BlockHits {
     hits: u32,
-    /// Lanes that the scalar test has to decide.
+    /// BlockHits that the scalar test has to decide.
     unsure: u32,
     t: [f64; LANES],
     v: [f64; LANES],
@@ -201,65 +233,16 @@ fn splat<S: Simd>(simd: S, v: [f64; 3]) -> [S::F64; 3] {
     [simd.splat64(v[0]), simd.splat64(v[1]), simd.splat64(v[2])]
 }
 
-/// A hit of a triangle: ray parameter, weights of the second and third vertex, and the face.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Found {
-    pub(super) t: f64,
-    pub(super) u: f64,
-    pub(super) v: f64,
-    pub(super) face: u32,
-}
-
-/// What to do with the hits of a block.
-pub(super) trait Report {
-    /// Takes a hit; says whether no other one is wanted.
-    fn hit(&mut self, found: Found) -> bool;
-}
-
-/// Hands every hit of the block with `0 < t <= t_max` to `report`, by lane, until it wants no other.
-#[inline(always)]
-pub(super) fn hits_in_block<S: Simd, T: Coordinate>(
-    simd: S,
-    block: &Block<T>,
-    ray: &BlockRay<S>,
-    t_max: f64,
-    report: &mut impl Report,
-) {
-    let Some(lanes) = block.intersect(simd, ray, t_max) else { return };
-    let mut hits = lanes.hits;
-    while hits != 0 {
-        let lane = hits.trailing_zeros() as usize & (LANES - 1);
-        hits &= hits - 1;
-        let mut found = Found {
-            t: lanes.t[lane],
-            face: block.faces[lane],
-            u: lanes.v[lane] / lanes.determinant[lane],
-            v: lanes.w[lane] / lanes.determinant[lane],
-        };
-        if lanes.unsure >> lane & 1 != 0 {
-            let [a, b, c] = block.triangle(lane);
-            // Up to and including `t_max`, as the others.
-            match ray.sheared.intersect(a, b, c, t_max.next_up()) {
-                Some((t, u, v)) => found = Found { t, u, v, ..found },
-                None => continue,
-            }
-        }
-        if report.hit(found) {
-            return;
-        }
-    }
-}
-
 /// The blocks of a mesh; block `i` holds the triangles of leaf `i`.
 #[derive(Clone, Debug)]
-pub(super) enum Blocks {
+pub(super) enum TriangleBlocks {
     /// Every coordinate is an `f32`: half the memory, and not one bit is lost.
-    Single(Vec<Block<f32>>),
+    Single(Vec<TriangleBlock<f32>>),
     /// Some are not.
-    Double(Vec<Block<f64>>),
+    Double(Vec<TriangleBlock<f64>>),
 }
 
-impl Blocks {
+impl TriangleBlocks {
     /// Lays out the triangles of `bvh`'s leaves.
     pub(super) fn new(positions: &[DVec3], indices: &[[u32; 3]], bvh: &Bvh) -> Self {
         let single = positions.iter().all(|p| p.to_array().iter().all(|&x| f64::from(x as f32) == x));
@@ -278,21 +261,21 @@ impl Blocks {
     }
 }
 
-fn lay_out<T: Coordinate>(positions: &[DVec3], indices: &[[u32; 3]], bvh: &Bvh) -> Vec<Block<T>> {
+fn lay_out<T: Coordinate>(positions: &[DVec3], indices: &[[u32; 3]], bvh: &Bvh) -> Vec<TriangleBlock<T>> {
     use rayon::prelude::*;
     let leaves: Vec<_> = bvh.leaves().collect();
     let block = |&leaf: &_| {
-        Block::new(
+        TriangleBlock::new(
             bvh.leaf(leaf)
                 .iter()
                 .map(|&face| (face, indices[face as usize].map(|vertex| positions[vertex as usize]))),
         )
     };
-    if leaves.len() <= PART {
+    if leaves.len() <= PARALLEL_CHUNK {
         return leaves.iter().map(block).collect();
     }
     let mut blocks = Vec::with_capacity(leaves.len());
     prefer_large_pages(&mut blocks);
-    leaves.par_iter().with_min_len(PART).map(block).collect_into_vec(&mut blocks);
+    leaves.par_iter().with_min_len(PARALLEL_CHUNK).map(block).collect_into_vec(&mut blocks);
     blocks
 }

@@ -6,7 +6,7 @@
 //! `search` (the queries), `shading` (what a hit looks like).
 
 mod block;
-mod search;
+mod query;
 mod shading;
 #[cfg(test)]
 mod tests;
@@ -16,9 +16,10 @@ use std::sync::OnceLock;
 use glanz_math::rounding::gamma;
 use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
-use self::block::{Blocks, LANES};
-use self::search::{Closest, Every, Occluded};
-use crate::bvh::{BuildOptions, Bvh, PART, Statistics, map};
+use self::block::{LANES, TriangleBlocks};
+use self::query::MeshQuery;
+use crate::bvh::query::{AllHits, AnyHit, ClosestHit, HitCollector};
+use crate::bvh::{BuildOptions, Bvh, BvhStatistics, PARALLEL_CHUNK, parallel_map};
 use crate::error::{SurfaceError, finite};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::surface::RaySurface;
@@ -40,7 +41,7 @@ pub struct Mesh {
     uvs: Option<Vec<DVec2>>,
     degenerate: usize,
     bvh: Bvh,
-    blocks: Blocks,
+    blocks: TriangleBlocks,
     /// Area of the first 1, 2 ... triangles, m^2. Only meshes that shine need it.
     areas: OnceLock<Vec<f64>>,
 }
@@ -78,7 +79,7 @@ impl Mesh {
         }
         let options = BuildOptions { max_leaf: LANES, block: LANES, leaf_cost: BLOCK_COST };
         let bvh = Bvh::build(&boxes, &options);
-        let blocks = Blocks::new(&positions, &indices, &bvh);
+        let blocks = TriangleBlocks::new(&positions, &indices, &bvh);
         Ok(Self { positions, indices, normals, uvs, degenerate, bvh, blocks, areas: OnceLock::new() })
     }
 
@@ -120,7 +121,7 @@ impl Mesh {
 
     /// How large the hierarchy came out, and how good.
     #[must_use]
-    pub fn statistics(&self) -> Statistics {
+    pub fn statistics(&self) -> BvhStatistics {
         self.bvh.statistics()
     }
 
@@ -133,6 +134,10 @@ impl Mesh {
             + self.uvs.as_deref().map_or(0, size_of_val)
             + self.blocks.bytes()
             + self.statistics().bytes
+    }
+
+    fn query<C: HitCollector>(&self, ray: &Ray, collector: C) -> C {
+        self.bvh.isa().run(MeshQuery { mesh: self, ray, collector })
     }
 
     fn corners(&self, face: u32) -> Option<[DVec3; 3]> {
@@ -213,7 +218,7 @@ fn triangle_boxes(positions: &[DVec3], indices: &[[u32; 3]]) -> Vec<Bounds3> {
             None => Bounds3::EMPTY,
         }
     };
-    map(indices, PART, bounds)
+    parallel_map(indices, PARALLEL_CHUNK, bounds)
 }
 
 impl RaySurface for Mesh {
@@ -225,16 +230,16 @@ impl RaySurface for Mesh {
     }
 
     fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
-        self.bvh.isa().run(Closest { mesh: self, ray, t_max })
+        self.query(ray, ClosestHit::before(t_max)).hit()
     }
 
     fn occluded(&self, ray: &Ray, t_max: f64) -> bool {
-        self.bvh.isa().run(Occluded { mesh: self, ray, t_max })
+        self.query(ray, AnyHit::before(t_max)).found()
     }
 
     fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
         let start = hits.len();
-        self.bvh.isa().run(Every { mesh: self, ray, t_max, hits });
+        self.query(ray, AllHits { t_max, hits });
         let Some(new) = hits.get_mut(start..) else { return };
         new.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.face.cmp(&b.face)));
         self.drop_repeated(start, hits);

@@ -122,7 +122,7 @@ fn every_instruction_set_finds_the_bits_that_brute_force_finds() {
             positions.iter_mut().for_each(|p| *p = p.as_vec3().as_dvec3());
         }
         let mesh = mesh((positions, indices));
-        assert_eq!(matches!(mesh.blocks, Blocks::Single(_)), single);
+        assert_eq!(matches!(mesh.blocks, TriangleBlocks::Single(_)), single);
         let mut met = 0;
         for i in 0..500 {
             let mut direction = random.vector();

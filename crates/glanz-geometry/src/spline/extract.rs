@@ -4,7 +4,7 @@ use super::polygon;
 use super::surface::NurbsSurface;
 use crate::bezier::TensorPatch;
 use crate::error::SurfaceError;
-use crate::freeform::{Freeform, Piece};
+use crate::freeform::{Freeform, SurfacePatch};
 
 /// A piece of a surface between neighbouring knots.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,7 +66,8 @@ impl NurbsSurface {
     /// # Errors
     /// Those of [`NurbsSurface::bezier_patches`] and [`Freeform::try_new`].
     pub fn to_freeform(&self) -> Result<Freeform, SurfaceError> {
-        let pieces = self.bezier_patches()?.into_iter().map(|p| Piece::over_rectangle(p.patch, p.u, p.v));
+        let pieces =
+            self.bezier_patches()?.into_iter().map(|p| SurfacePatch::over_rectangle(p.patch, p.u, p.v));
         Freeform::try_new(pieces.collect::<Result<_, _>>()?)
     }
 }

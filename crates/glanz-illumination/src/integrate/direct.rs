@@ -63,8 +63,8 @@ impl<'a> VisibleShape<'a> {
             Self::Disk { center, normal, radius } => {
                 let (x, y) = normal.any_orthonormal_pair();
                 let (sin, cos) = (std::f64::consts::TAU * at.y).sin_cos();
-                let stretch = std::f64::consts::TAU * radius * radius * at.x;
-                (*center + radius * at.x * (cos * x + sin * y), stretch, *normal)
+                let area_element = std::f64::consts::TAU * radius * radius * at.x;
+                (*center + radius * at.x * (cos * x + sin * y), area_element, *normal)
             }
             Self::Polygon { corners, normal } => {
                 let part = part as usize;
@@ -73,8 +73,8 @@ impl<'a> VisibleShape<'a> {
                 else {
                     return (DVec3::ZERO, 0.0, *normal);
                 };
-                let stretch = at.x * (b - a).cross(c - a).length();
-                (a + at.x * ((b - a).lerp(c - a, at.y)), stretch, *normal)
+                let area_element = at.x * (b - a).cross(c - a).length();
+                (a + at.x * ((b - a).lerp(c - a, at.y)), area_element, *normal)
             }
         }
     }
@@ -101,11 +101,11 @@ impl Region for LampRegion<'_> {
     type Sample = LampSample;
 
     fn see(&self, part: u32, at: DVec2) -> LampSample {
-        let (point, stretch, normal) = self.figure.at(part, at);
+        let (point, area_element, normal) = self.figure.at(part, at);
         let offset = point - self.receiver.point;
         let squared = offset.length_squared();
         let cos = offset.dot(self.receiver.normal) / squared.sqrt();
-        let weight = stretch * (offset.dot(normal) / squared.sqrt()).abs() * cos / squared;
+        let weight = area_element * (offset.dot(normal) / squared.sqrt()).abs() * cos / squared;
         LampSample { offset, cos, weight }
     }
 

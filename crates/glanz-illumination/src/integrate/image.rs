@@ -96,6 +96,6 @@ impl Region for Images<'_> {
         let luminance = photometric(lamp.radiance * reflectance, &self.wavelengths);
         let cos_at_mirror = seen.direction.dot(point.at.point.normal).abs();
         let squared = seen.position.distance_squared(self.receiver.point);
-        Some(luminance * seen.cos * cos_at_mirror * point.stretch / squared)
+        Some(luminance * seen.cos * cos_at_mirror * point.area_element / squared)
     }
 }

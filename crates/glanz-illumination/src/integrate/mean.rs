@@ -97,9 +97,9 @@ impl Reflections<'_> {
     ) -> CellRegion {
         let scale = rect.size().x * rect.size().y;
         let look = |x: f64, y: f64| {
-            let (point, normal, stretch) = patch(rect.min + rect.size() * DVec2::new(x, y))?;
+            let (point, normal, area_element) = patch(rect.min + rect.size() * DVec2::new(x, y))?;
             let found = self.illuminance(point, normal, tolerance);
-            let area = stretch * scale;
+            let area = area_element * scale;
             Some([found.total() * area, found.error * area, area])
         };
         let rule = |nodes: &[(f64, f64)]| {

@@ -90,7 +90,7 @@ impl<'a> Mirrors<'a> {
         let (placed, _) = self.surface(face)?;
         let (uv, scale) = face.uv(at);
         let mut point = placed.at(face.face, uv, false)?;
-        point.stretch *= scale;
+        point.area_element *= scale;
         Some(point)
     }
 

@@ -29,7 +29,7 @@ impl FaceCells {
     pub(super) fn measure(&self, surface: &PlacedSurface<'_>) -> (Vec<f64>, Vec<DVec3>) {
         let middle = DVec2::splat(1.0 / 3.0);
         let at = |&face: &u32| surface.at(face, middle, false);
-        let areas = self.faces.iter().map(|face| at(face).map_or(0.0, |at| 0.5 * at.stretch)).collect();
+        let areas = self.faces.iter().map(|face| at(face).map_or(0.0, |at| 0.5 * at.area_element)).collect();
         let position = |face| at(face).map_or(DVec3::ZERO, |at| at.at.point.position);
         (areas, self.faces.iter().map(position).collect())
     }
@@ -40,7 +40,7 @@ impl FaceCells {
         let uv = DVec2::new(at.x * (1.0 - at.y), at.x * at.y);
         let found = surface.at(face, uv, false)?;
         let point = &found.at.point;
-        let stretch = found.stretch * at.x;
-        Some(ReceiverPoint { position: point.position, normal: point.normal, stretch })
+        let area_element = found.area_element * at.x;
+        Some(ReceiverPoint { position: point.position, normal: point.normal, area_element })
     }
 }

@@ -127,8 +127,8 @@ impl FlatGrid {
         let n = DVec2::new(nx as f64, ny as f64);
         let share = (DVec2::new((cell % nx) as f64, (cell / nx) as f64) + at) / n;
         let holds = self.polygons.iter().any(|polygon| holds(polygon, share));
-        let stretch = (self.size / n).element_product();
-        holds.then(|| ReceiverPoint { position: self.position(share), normal: self.normal, stretch })
+        let area_element = (self.size / n).element_product();
+        holds.then(|| ReceiverPoint { position: self.position(share), normal: self.normal, area_element })
     }
 }
 

@@ -97,7 +97,7 @@ pub struct ReceiverPoint {
     /// Unit normal on the side that counts.
     pub normal: DVec3,
     /// Area per unit of the cell's own square, m^2.
-    pub stretch: f64,
+    pub area_element: f64,
 }
 
 /// A grid of cells on one surface.

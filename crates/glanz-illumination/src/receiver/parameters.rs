@@ -34,10 +34,10 @@ impl ParameterGrid {
         let unit = [DVec2::ZERO, DVec2::ONE];
         let freeform = |freeform: &Freeform| {
             let corners = |face: usize| -> Option<[DVec2; 4]> {
-                let piece = freeform.pieces().get(face)?;
+                let piece = freeform.patches().get(face)?;
                 Some([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(x, y)| piece.parameters(x, y)))
             };
-            let all = (0..freeform.pieces().len()).filter_map(corners);
+            let all = (0..freeform.patches().len()).filter_map(corners);
             let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
             let mut rectangles = Some(Vec::new());
             for [a, b, c, d] in all {
@@ -80,9 +80,9 @@ impl ParameterGrid {
         let face = faces.iter().position(inside)?;
         let [low, high] = *faces.get(face)?;
         let found = surface.at(face as u32, (uv - low) / (high - low), false)?;
-        let stretch = found.stretch / (high - low).element_product();
+        let area_element = found.area_element / (high - low).element_product();
         let point = &found.at.point;
-        Some(ReceiverPoint { position: point.position, normal: point.normal, stretch })
+        Some(ReceiverPoint { position: point.position, normal: point.normal, area_element })
     }
 
     pub(super) fn place(
@@ -96,7 +96,7 @@ impl ParameterGrid {
         let step = (self.max - self.min) / DVec2::new(nx as f64, ny as f64);
         let uv = self.min + (DVec2::new((cell % nx) as f64, (cell / nx) as f64) + at) * step;
         let found = self.at(surface, uv)?;
-        Some(ReceiverPoint { stretch: found.stretch * step.element_product(), ..found })
+        Some(ReceiverPoint { area_element: found.area_element * step.element_product(), ..found })
     }
 
     /// Lengths of the lines through the middle, metres.
@@ -163,7 +163,7 @@ impl ParameterGrid {
                     let local = (uv - low) / (high - low);
                     if let Some(found) = surface.at(face, local, false) {
                         let part = ((to - from) / (high - low)).element_product() * weight;
-                        add(cell, found.stretch * part, found.at.point.position);
+                        add(cell, found.area_element * part, found.at.point.position);
                     }
                 }
             }
@@ -185,7 +185,7 @@ impl ParameterGrid {
                 let share = self.share(found.at.point.uv);
                 let (i, j) = ((share.x * f64::from(nx)) as u32, (share.y * f64::from(ny)) as u32);
                 let cell = j.min(ny - 1) as usize * nx as usize + i.min(nx - 1) as usize;
-                add(cell, found.stretch / f64::from(n * n), found.at.point.position);
+                add(cell, found.area_element / f64::from(n * n), found.at.point.position);
             }
         }
     }

@@ -92,7 +92,7 @@ fn rays_meet_the_cells_that_places_lie_in() {
             for k in 0..n * n {
                 let share = (DVec2::new(f64::from(k % n), f64::from(k / n)) + 0.5) / f64::from(n);
                 let Some(point) = receiver.place(&placed[0], cell, share) else { continue };
-                area += point.stretch / f64::from(n * n);
+                area += point.area_element / f64::from(n * n);
                 let ray = Ray::new(point.position + 0.01 * point.normal, -point.normal);
                 let (hit, found) = scene.intersect_parametric(&ray, 0.02).unwrap();
                 let met = receivers.met(&hit, &found).unwrap();

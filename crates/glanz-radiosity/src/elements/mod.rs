@@ -171,7 +171,12 @@ impl<'a> Elements<'a> {
 fn node(surface: &PlacedSurface<'_>, patch: &Patch, uv: DVec2, size: f64) -> Option<Node> {
     let at = surface.at(patch.face, uv, patch.back)?;
     let point = &at.at.point;
-    Some(Node { position: point.position, normal: at.at.wo, error: point.error, area: at.stretch * size })
+    Some(Node {
+        position: point.position,
+        normal: at.at.wo,
+        error: point.error,
+        area: at.area_element * size,
+    })
 }
 
 fn nodes(surface: &PlacedSurface<'_>, patch: &Patch) -> Vec<Node> {

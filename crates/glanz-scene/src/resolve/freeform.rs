@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glanz_geometry::bezier::{TensorPatch, TrianglePatch};
-use glanz_geometry::freeform::{Freeform, Piece};
+use glanz_geometry::freeform::{Freeform, SurfacePatch};
 use glanz_geometry::spline::NurbsSurface;
 use glanz_geometry::trim::{TrimCurve, TrimRegion};
 use glanz_geometry::{Surface, SurfaceError};
@@ -32,7 +32,7 @@ pub(super) fn patches(description: BezierPatchesDescription) -> Result<Surface, 
     let BezierPatchesDescription { degree_u, degree_v, patches } = description;
     let pieces = patches.into_iter().map(|points| {
         let patch = TensorPatch::try_new(degree_u, degree_v, homogeneous(points))?;
-        Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0])
+        SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0])
     });
     Ok(Freeform::try_new(pieces.collect::<Result<_, _>>()?)?.into())
 }
@@ -42,7 +42,7 @@ pub(super) fn triangles(description: BezierTrianglesDescription) -> Result<Surfa
     for points in description.patches {
         let triangle = TrianglePatch::try_new(description.degree, homogeneous(points))?;
         for quad in triangle.to_quads() {
-            pieces.push(Piece::over_quad(quad.patch, quad.corners)?);
+            pieces.push(SurfacePatch::over_quad(quad.patch, quad.corners)?);
         }
     }
     Ok(Freeform::try_new(pieces)?.into())

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use glanz_geometry::freeform::newton::{Limits, Outcome, damped, general, simplified};
 use glanz_geometry::{Hit, RaySurface};
 use glanz_math::Ray;
 use glanz_sampling::hash::{combine, unit_f64};
 
+use super::iteration::{NewtonOutcome, StoppingCriteria, damped, general, simplified};
 use super::patches::{Group, Meeting, Shape, Target};
 use crate::clock::{Of, Stopwatch};
 use crate::study::{Settings, StudyError, StudyProgress};
@@ -50,7 +50,13 @@ impl Variant {
     }
 
     /// From `start` (u, v, ray parameter) towards a meeting of patch and ray.
-    pub(super) fn run(self, shape: &Shape, ray: &Ray, start: [f64; 3], limits: Limits) -> Outcome<3> {
+    pub(super) fn run(
+        self,
+        shape: &Shape,
+        ray: &Ray,
+        start: [f64; 3],
+        limits: StoppingCriteria,
+    ) -> NewtonOutcome<3> {
         let meeting = Meeting { shape, ray: *ray };
         match self {
             Self::General => general(&meeting, start, limits),
@@ -174,7 +180,7 @@ impl<'a> Shots<'a> {
         let watch = Stopwatch::start(Of::Thread);
         for (i, (ray, target, _)) in self.each().enumerate() {
             pause(i, settings)?;
-            let limits = Limits { residual: RESIDUAL * target.size(), iterations: STEPS };
+            let limits = StoppingCriteria { residual: RESIDUAL * target.size(), iterations: STEPS };
             outcomes.push(target.start(ray).map(|start| variant.run(&target.shape, ray, start, limits)));
         }
         let time = watch.elapsed();
@@ -189,10 +195,10 @@ impl<'a> Shots<'a> {
 }
 
 impl Tally {
-    fn add(&mut self, target: &Target, roots: &[Hit], outcome: &Outcome<3>) {
+    fn add(&mut self, target: &Target, roots: &[Hit], outcome: &NewtonOutcome<3>) {
         self.started += 1;
-        self.evaluations += u64::from(outcome.end().evaluations);
-        self.singular += u64::from(matches!(outcome, Outcome::Singular(_)));
+        self.evaluations += u64::from(outcome.iterate().evaluations);
+        self.singular += u64::from(matches!(outcome, NewtonOutcome::Singular(_)));
         let Some(end) = outcome.converged() else { return };
         self.converged += 1;
         self.steps += u64::from(end.iterations);

@@ -2,11 +2,11 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use glanz_geometry::freeform::newton::{Limits, Outcome};
 use glanz_geometry::{Hit, RaySurface, SurfaceError};
 use glanz_math::{DVec2, DVec3, Ray};
 
 use super::compare::{STEPS, STEPS_OF_000, Variant};
+use super::iteration::{NewtonOutcome, StoppingCriteria};
 use super::patches::{Shape, TRUE_POINTS, Target, faulty_points, reflector};
 use crate::report::Report;
 use glanz_report::number::{plural, significant};
@@ -47,7 +47,7 @@ pub(super) struct Run {
     patch: &'static str,
     start: &'static str,
     variant: Variant,
-    outcome: Outcome<3>,
+    outcome: NewtonOutcome<3>,
     inside: bool,
 }
 
@@ -72,7 +72,7 @@ pub(super) fn solve() -> Result<Example, SurfaceError> {
     let (truth, faulty) =
         (Target::try_new(reflector(TRUE_POINTS)?)?, Target::try_new(reflector(faulty_points())?)?);
     let ray = published_ray();
-    let limits = Limits { residual: LIMIT, iterations: STEPS };
+    let limits = StoppingCriteria { residual: LIMIT, iterations: STEPS };
     let mut runs = Vec::new();
     // The true patch gets the coordinates at the corners that they belong to: t of P003 is alpha, s of P030 beta.
     let [beta, gamma, tau] = START_OF_000;
@@ -84,7 +84,7 @@ pub(super) fn solve() -> Result<Example, SurfaceError> {
     ] {
         for variant in Variant::ALL {
             let outcome = variant.run(shape, &ray, from, limits);
-            let [u, v, t] = outcome.end().x;
+            let [u, v, t] = outcome.iterate().x;
             let inside = shape.outside(u, v) == 0.0 && t > 0.0;
             runs.push(Run { patch, start, variant, outcome, inside });
         }
@@ -106,8 +106,9 @@ pub(super) fn solve() -> Result<Example, SurfaceError> {
 fn convergence(variant: Variant, shape: &Shape, ray: &Ray) -> Series {
     let point = |n: u32| {
         // The n-th iterate is the end of a run of n steps without another limit.
-        let outcome = variant.run(shape, ray, START_OF_000, Limits { residual: 0.0, iterations: n });
-        (outcome.end().iterations == n).then_some([f64::from(n), outcome.end().residual])
+        let outcome =
+            variant.run(shape, ray, START_OF_000, StoppingCriteria { residual: 0.0, iterations: n });
+        (outcome.iterate().iterations == n).then_some([f64::from(n), outcome.iterate().residual])
     };
     let points = (0..=20).map_while(point).filter(|p| p[1] < 1e6).collect();
     Series { name: variant.name().to_owned(), points }
@@ -128,7 +129,7 @@ impl Example {
             }));
             let Some(start) = truth.start(&ray) else { continue };
             for (count, variant) in self.fan_newton.iter_mut().zip(Variant::ALL) {
-                let limits = Limits { residual: LIMIT, iterations: STEPS_OF_000 };
+                let limits = StoppingCriteria { residual: LIMIT, iterations: STEPS_OF_000 };
                 if let Some(end) = variant.run(&truth.shape, &ray, start, limits).converged() {
                     count.0 += 1;
                     let [u, v, t] = end.x;
@@ -202,13 +203,13 @@ impl Example {
         let caption = "The example: where the iterations end (at most 50 steps, residual 1e-10).";
         let mut table = Table::new("example", caption, &columns);
         for run in &self.runs {
-            let end = run.outcome.end();
+            let end = run.outcome.iterate();
             let [s, t, tau] = end.x;
             let how = match run.outcome {
-                Outcome::Converged(_) => "converged",
-                Outcome::Singular(_) => "singular",
-                Outcome::LeftDomain(_) => "left domain",
-                Outcome::NotConverged(_) => "not converged",
+                NewtonOutcome::Converged(_) => "converged",
+                NewtonOutcome::Singular(_) => "singular",
+                NewtonOutcome::LeftDomain(_) => "left domain",
+                NewtonOutcome::NotConverged(_) => "not converged",
             };
             let numbers =
                 [TableCell::Precise(tau), (1.0 - s - t).into(), s.into(), t.into(), end.residual.into()];

@@ -4,6 +4,7 @@ mod compare;
 mod evaluate;
 mod example;
 mod hull;
+mod iteration;
 mod patches;
 
 pub(crate) use self::example::fan_ray;

@@ -3,13 +3,13 @@
 use glanz_formats::newell;
 use glanz_geometry::SurfaceError;
 use glanz_geometry::bezier::{TensorPatch, TrianglePatch};
-use glanz_geometry::freeform::newton::{Jacobian, System};
-use glanz_geometry::freeform::{Freeform, Piece};
+use glanz_geometry::freeform::{Freeform, SurfacePatch};
 use glanz_math::glam::DVec4;
 use glanz_math::{Bounds3, DVec2, DVec3, Ray};
 
 use super::evaluate::{Bicubic, CubicTriangle, Linear};
 use super::hull::Hull;
+use super::iteration::{Jacobian, NonlinearSystem};
 use crate::study::StudyError;
 
 /// Control points of document 000 section 4.3 in the order 300, 210, 201, 120, 111, 102, 030, 021, 012, 003.
@@ -90,11 +90,13 @@ impl Shape {
         }
     }
 
-    fn pieces(&self) -> Result<Vec<Piece>, SurfaceError> {
+    fn pieces(&self) -> Result<Vec<SurfacePatch>, SurfaceError> {
         match self {
-            Self::Tensor(patch, _) => Ok(vec![Piece::over_rectangle(patch.clone(), [0.0, 1.0], [0.0, 1.0])?]),
+            Self::Tensor(patch, _) => {
+                Ok(vec![SurfacePatch::over_rectangle(patch.clone(), [0.0, 1.0], [0.0, 1.0])?])
+            }
             Self::Triangle(patch, _) => {
-                patch.to_quads().into_iter().map(|q| Piece::over_quad(q.patch, q.corners)).collect()
+                patch.to_quads().into_iter().map(|q| SurfacePatch::over_quad(q.patch, q.corners)).collect()
             }
         }
     }
@@ -180,7 +182,7 @@ pub(super) struct Meeting<'a> {
     pub(super) ray: Ray,
 }
 
-impl System<3> for Meeting<'_> {
+impl NonlinearSystem<3> for Meeting<'_> {
     fn linear(&self, &[u, v, t]: &[f64; 3]) -> ([f64; 3], Jacobian<3>) {
         let (point, by_u, by_v) = self.shape.linear(u, v);
         let d = self.ray.direction;

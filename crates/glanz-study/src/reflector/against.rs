@@ -73,7 +73,7 @@ pub(super) fn measure(
         let mean = |cell: usize| {
             let patch = |at: DVec2| {
                 let point = receiver.place(surface, cell, at)?;
-                Some((point.position, point.normal, point.stretch))
+                Some((point.position, point.normal, point.area_element))
             };
             reflections.cell_mean(patch, tolerance, points)
         };

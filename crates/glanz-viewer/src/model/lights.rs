@@ -151,7 +151,7 @@ fn area(light: &AreaLight, placed: &PlacedSurface<'_>, bounds: Bounds3) -> Simpl
     let side = f64::from(PLACES / placed.faces().max(1)).sqrt().floor().clamp(1.0, 32.0);
     let mut add = |face: u32, uv: DVec2, share: f64| {
         let Some(found) = placed.at(face, uv, false) else { return };
-        let element = found.stretch * share;
+        let element = found.area_element * share;
         area += element;
         along += found.at.point.normal * element;
         middle += found.at.point.position * element;

@@ -49,7 +49,7 @@ pub(super) fn shown<'a>(placed: &'a PlacedSurface<'_>, bounds: Bounds3) -> Optio
     let all: Vec<Shown<'a>> = match surface {
         Surface::Freeform(freeform) => {
             let square = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
-            let pieces = (0..).zip(freeform.pieces());
+            let pieces = (0..).zip(freeform.patches());
             let shown = pieces.map(|(face, piece)| {
                 let surface = square.map(|at| piece.parameters(at.x, at.y));
                 let parameters = Parameters::Corners { surface, face: square };

@@ -104,7 +104,7 @@ fn hit(
 
 fn degree(placed: &PlacedSurface<'_>, face: u32) -> Option<[usize; 2]> {
     let Surface::Freeform(freeform) = placed.surface() else { return None };
-    let (u, v) = freeform.pieces().get(face as usize)?.patch().degrees();
+    let (u, v) = freeform.patches().get(face as usize)?.patch().degrees();
     Some([u, v])
 }
 

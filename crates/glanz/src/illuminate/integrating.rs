@@ -53,7 +53,7 @@ pub(super) fn integrated(
         }
         let patch = |at: DVec2| {
             let point = receiver.place(surface, cell, at)?;
-            Some((point.position, point.normal, point.stretch))
+            Some((point.position, point.normal, point.area_element))
         };
         reflections.cell_mean(patch, tolerance, POINTS)
     };

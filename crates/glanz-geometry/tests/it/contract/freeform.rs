@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use glanz_geometry::bezier::TensorPatch;
-use glanz_geometry::freeform::{Freeform, Piece};
+use glanz_geometry::freeform::{Freeform, SurfacePatch};
 use glanz_math::glam::DVec4;
 use glanz_math::{DMat3, DVec2, DVec3};
 
@@ -33,7 +33,7 @@ fn graph(name: &str, degrees: (usize, usize), c: Vec<f64>, m: DMat3, offset: DVe
         place((k / (q + 1)) as f64 / p as f64, (k % (q + 1)) as f64 / q as f64, c).extend(1.0)
     });
     let patch = TensorPatch::try_new(p, q, points.collect()).unwrap();
-    let piece = Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap();
+    let piece = SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap();
     let back = m.inverse();
     let (c1, c2) = (c.clone(), c);
     let at = move |x: f64, y: f64| place(x, y, value(&c1, degrees, x, y));
@@ -109,7 +109,7 @@ fn revolved(profiles: &[[DVec3; 3]]) -> Freeform {
                 profile.map(|p| DVec4::new(around.x * p.x, around.y * p.x, p.y * around.z, p.z * around.z))
             });
             let patch = TensorPatch::try_new(2, 2, points.collect()).unwrap();
-            Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()
+            SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()
         })
     });
     Freeform::try_new(pieces.collect()).unwrap()

@@ -1,7 +1,7 @@
 //! A surface under test, and the ways to make one.
 
 use glanz_geometry::bezier::{TensorPatch, TrianglePatch};
-use glanz_geometry::freeform::{Freeform, Piece};
+use glanz_geometry::freeform::{Freeform, SurfacePatch};
 use glanz_math::glam::DVec4;
 use glanz_math::{DVec3, Ray};
 
@@ -24,7 +24,7 @@ pub struct Animal {
 }
 
 impl Animal {
-    pub fn new(name: impl Into<String>, pieces: Vec<Piece>, oriented: bool) -> Self {
+    pub fn new(name: impl Into<String>, pieces: Vec<SurfacePatch>, oriented: bool) -> Self {
         let patches: Vec<Patch> = pieces
             .iter()
             .map(|piece| Patch::new(piece.patch().degrees(), piece.patch().control_points().to_vec()))
@@ -50,7 +50,7 @@ impl Animal {
     pub fn of_nets(name: impl Into<String>, nets: Vec<((usize, usize), Vec<DVec4>)>) -> Self {
         let piece = |((p, q), points): ((usize, usize), Vec<DVec4>)| {
             let patch = TensorPatch::try_new(p, q, points).unwrap();
-            Piece::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()
+            SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()
         };
         Self::new(name, nets.into_iter().map(piece).collect(), true)
     }
@@ -79,7 +79,7 @@ impl Animal {
                     assert!(found.distance(expected) < 1e-13 * (1.0 + expected.length()));
                 }
             }
-            quads.map(|quad| Piece::over_quad(quad.patch, quad.corners).unwrap())
+            quads.map(|quad| SurfacePatch::over_quad(quad.patch, quad.corners).unwrap())
         });
         let pieces = pieces.collect();
         Self::new(name, pieces, false)

@@ -1,75 +1,75 @@
-//! A bicubic patch seen along a ray: two polynomials whose common roots are looked for.
+//! A bicubic patch projected along a ray: two polynomials, whose common zeros are the roots.
 //!
-//! Newton's method from a good start does for most rays. The others see a silhouette, a border or a strongly bent
-//! leaf: [`View::divide`] multiplies by the inverse Jacobian of the centre, so that the polynomials become (s, t)
-//! plus a rest, bounds the rest by the sum of its coefficients, and halves until that excludes the cell or certifies
-//! that it has one root at most.
+//! Newton's method from a good start is enough for most rays. At silhouettes, borders and strongly curved leaves,
+//! [`ProjectedBicubic::divide`] multiplies by the inverse Jacobian of the centre, so that the polynomials become (s, t)
+//! plus a remainder, bounds the remainder by the sum of its coefficients, and halves until the bound excludes the cell or
+//! certifies that it has one root at most.
 
 use glanz_math::DVec2;
 
-use super::contract::{Certificate, GaveUp, Jet, Limits, Map, Place, contract};
-use super::part::Part;
-use super::search::cross;
+use super::contraction::{Certificate, LocalRoot, MapBounds, NoConvergence, PlanarJet, PlanarMap, contract};
+use super::parameter_rect::DyadicRect;
+use super::ray_space::cross;
 use crate::bvh::simd::Simd;
 
 /// Largest bound on the change of the Jacobian, relative to that at the centre, at which a cell is certified.
 const CERTIFIED: f64 = 0.85;
 
-/// Share of a cell by which rounding may move the root of a certified one, half of it.
-const MOST_BLUR: f64 = 0.0625;
+/// Most that rounding may move the root of a certified cell, as a share of half the cell.
+const MOST_UNCERTAINTY: f64 = 0.0625;
 
 /// Steps of Newton's method from a good start.
 const FEW_STEPS: usize = 6;
 
-/// Steps in a certified cell. Those of the contraction alone would be more; then the slow way is taken.
+/// Steps in a certified cell. Cells that contract too slowly for that are left to `subdivision`.
 pub(super) const MOST_STEPS: usize = 24;
 
-/// Halvings. Tangencies need more, and are left to the slow way.
+/// Most halvings. Tangencies need more, and are left to `subdivision`.
 const MOST_HALVINGS: usize = 12;
 
-/// Cells, for the same reason.
+/// Most cells, for the same reason.
 const MOST_CELLS: usize = 64;
 
-/// The leaf over (s, t) in [-1, 1]^2: coefficients by power of s, those of the powers of t in the lanes.
+/// Two polynomials in (s, t), in [-1, 1]^2: coefficients by power of s, with those of the powers of t in the lanes.
 #[derive(Clone, Copy)]
-pub(super) struct View<S: Simd> {
+pub(super) struct ProjectedBicubic<S: Simd> {
     pub(super) first: [S::F64; 4],
     pub(super) second: [S::F64; 4],
 }
 
-/// A part of the leaf, with its own (s, t) in [-1, 1]^2.
+/// A part of the square, with its own (s, t) in [-1, 1]^2.
 #[derive(Clone, Copy)]
-struct Cell<S: Simd> {
-    view: View<S>,
+struct BicubicCell<S: Simd> {
+    polynomials: ProjectedBicubic<S>,
     middle: DVec2,
     half: DVec2,
     halvings: usize,
 }
 
-/// What can be said of a cell.
-enum Verdict {
+/// Number of roots of a cell, as far as a test tells.
+enum BicubicCellClass {
     /// No root.
     Excluded,
-    /// One at most, and next to `start`.
+    /// One at most; the iteration begins at `start`.
     Certified { certificate: Certificate, start: DVec2 },
-    /// Nothing yet.
+    /// Unknown.
     Open,
 }
 
-/// What a few steps of Newton's method came to.
-pub(super) enum Aim {
+/// The end of a few steps of Newton's method.
+pub(super) enum NewtonExit {
     /// The only root.
-    Root(DVec2),
-    /// They lead out of the part, from this place with this value.
+    Converged(DVec2),
+    /// A step left the part, from this point with this value.
     Left { at: DVec2, f: DVec2 },
-    /// They did not end.
+    /// The steps did not converge.
     Open,
 }
 
-/// Value and derivative of four cubics.
+/// Values and derivatives of four cubics.
 #[inline(always)]
 fn horner<S: Simd>(simd: S, [a, b, c, d]: &[S::F64; 4], x: S::F64) -> (S::F64, S::F64) {
-    // In pairs, which takes fewer steps one after the other than Horner's rule.
+    // In pairs, which has a shorter chain of dependent operations than Horner's rule.
     let square = simd.mul64(x, x);
     let (low, high) = (simd.mul_add64(*b, x, *a), simd.mul_add64(*d, x, *c));
     let (two, three) = (simd.add64(*c, *c), simd.mul64(*d, simd.splat64(3.0)));
@@ -86,7 +86,7 @@ pub(super) fn value<S: Simd>(simd: S, rows: &[S::F64; 4], at: DVec2) -> f64 {
     d.mul_add(at.y, c).mul_add(at.y, b).mul_add(at.y, a)
 }
 
-/// The cubics at m + h x, by powers of x.
+/// The cubics at m + h x, as powers of x.
 #[inline(always)]
 fn moved<S: Simd>(simd: S, [a, b, c, d]: [S::F64; 4], m: f64, h: f64) -> [S::F64; 4] {
     let (at, first, second, third) =
@@ -101,26 +101,26 @@ fn moved<S: Simd>(simd: S, [a, b, c, d]: [S::F64; 4], m: f64, h: f64) -> [S::F64
     [a1, simd.mul64(b2, first), simd.mul64(c3, second), simd.mul64(d, third)]
 }
 
-impl<S: Simd> View<S> {
+impl<S: Simd> ProjectedBicubic<S> {
     #[inline(always)]
-    fn jet(&self, simd: S, at: DVec2) -> Jet {
+    fn jet(&self, simd: S, at: DVec2) -> PlanarJet {
         let (f, fs) = horner(simd, &self.first, simd.splat64(at.x));
         let (g, gs) = horner(simd, &self.second, simd.splat64(at.x));
         let by_t = simd.transpose64([f, fs, g, gs]);
         let (value, rise) = horner(simd, &by_t, simd.splat64(at.y));
         let ([f, fs, g, gs], [ft, _, gt, _]) = (simd.store64(value), simd.store64(rise));
-        Jet { f: DVec2::new(f, g), fs: DVec2::new(fs, gs), ft: DVec2::new(ft, gt) }
+        PlanarJet { f: DVec2::new(f, g), fs: DVec2::new(fs, gs), ft: DVec2::new(ft, gt) }
     }
 
-    /// The root in a certified part of the square, by a few steps of Newton's method from `flat`, where the ray meets
-    /// the parallelogram.
+    /// The root in a certified part of the square, by a few steps of Newton's method from `start`, the intersection of the
+    /// ray with the parallelogram.
     #[inline(always)]
-    pub(super) fn newton(&self, simd: S, flat: DVec2, part: Part, limits: &Limits) -> Aim {
+    pub(super) fn newton(&self, simd: S, start: DVec2, part: DyadicRect, bounds: &MapBounds) -> NewtonExit {
         let (middle, half) = (part.middle(), part.width());
         let (low, high) = (middle - half, middle + half);
-        let mut x = middle + half * flat.clamp(DVec2::NEG_ONE, DVec2::ONE);
-        // Two steps are needed most often; no branch between them, so that the processor need not guess. One that leads
-        // outside is as good as any start if it is led back. NaN becomes a corner.
+        let mut x = middle + half * start.clamp(DVec2::NEG_ONE, DVec2::ONE);
+        // Two steps are needed most often; there is no branch between them, so that none is mispredicted. A first step
+        // that leads outside is clamped, and then is as good as any start. NaN becomes a corner.
         x = (x - self.jet(simd, x).newton_step()).clamp(low, high);
         for _ in 0..FEW_STEPS {
             let jet = self.jet(simd, x);
@@ -129,18 +129,18 @@ impl<S: Simd> View<S> {
             // NaN is not inside.
             let inside = next.cmpge(low).all() && next.cmple(high).all();
             if !inside {
-                return Aim::Left { at: x, f: jet.f };
+                return NewtonExit::Left { at: x, f: jet.f };
             }
-            // A step whose error by curvature is below rounding needs no look at its end.
-            if limits.end_with(step, half, &jet) {
-                return Aim::Root(next);
+            // After a step whose error by curvature is below rounding, no evaluation is needed.
+            if bounds.end_with(step, half, &jet) {
+                return NewtonExit::Converged(next);
             }
             x = next;
         }
-        Aim::Open
+        NewtonExit::Open
     }
 
-    /// Over a part of the square, as over the square.
+    /// The polynomials over a part of the square, in the coordinates of that part.
     #[inline(always)]
     pub(super) fn part(&self, simd: S, middle: DVec2, half: DVec2) -> Self {
         self.moved(simd, true, middle.x, half.x).moved(simd, false, middle.y, half.y)
@@ -158,32 +158,39 @@ impl<S: Simd> View<S> {
         Self { first: simd.transpose64(first), second: simd.transpose64(second) }
     }
 
-    /// Every root in the square, into `found`; one on the border of two cells may be there twice. `weight` is that of
-    /// the surface at a place.
+    /// Appends every root in the square to `found`, those on the border of two cells possibly twice. `weight` is the
+    /// weight of the surface at a point.
     #[inline(always)]
     pub(super) fn divide(
         &self,
         simd: S,
-        limits: &Limits,
+        bounds: &MapBounds,
         weight: &impl Fn(DVec2) -> f64,
-        found: &mut Vec<Place>,
-    ) -> Result<(), GaveUp> {
-        let mut stack: [Option<Cell<S>>; MOST_HALVINGS] = [None; MOST_HALVINGS];
+        found: &mut Vec<LocalRoot>,
+    ) -> Result<(), NoConvergence> {
+        let mut stack: [Option<BicubicCell<S>>; MOST_HALVINGS] = [None; MOST_HALVINGS];
         let mut height = 0;
-        let mut cell = Cell { view: *self, middle: DVec2::ZERO, half: DVec2::ONE, halvings: 0 };
+        let mut cell = BicubicCell { polynomials: *self, middle: DVec2::ZERO, half: DVec2::ONE, halvings: 0 };
         for _ in 0..MOST_CELLS {
-            match cell.verdict(simd, limits) {
-                Verdict::Excluded => {}
-                Verdict::Certified { certificate, start } => {
-                    let map = CellMap { simd, cell: &cell, weight };
-                    let limits = Limits { bend: limits.bend * cell.half.max_element().powi(2), ..*limits };
-                    if let Some(Place { at, blur }) = contract(&map, &certificate, &limits, start)? {
-                        found.push(Place { at: cell.middle + cell.half * at, blur: cell.half * blur });
+            match cell.verdict(simd, bounds) {
+                BicubicCellClass::Excluded => {}
+                BicubicCellClass::Certified { certificate, start } => {
+                    let map = BicubicCellMap { simd, cell: &cell, weight };
+                    let bounds = MapBounds {
+                        curvature_bound: bounds.curvature_bound * cell.half.max_element().powi(2),
+                        ..*bounds
+                    };
+                    if let Some(LocalRoot { at, uncertainty }) = contract(&map, &certificate, &bounds, start)?
+                    {
+                        found.push(LocalRoot {
+                            at: cell.middle + cell.half * at,
+                            uncertainty: cell.half * uncertainty,
+                        });
                     }
                 }
-                Verdict::Open => {
+                BicubicCellClass::Open => {
                     let Some(slot) = stack.get_mut(height).filter(|_| cell.halvings < MOST_HALVINGS) else {
-                        return Err(GaveUp);
+                        return Err(NoConvergence);
                     };
                     let across_s = cell.varies_along_s(simd);
                     *slot = Some(cell.halve(simd, across_s, true));
@@ -198,12 +205,12 @@ impl<S: Simd> View<S> {
             height -= 1;
             cell = next;
         }
-        Err(GaveUp)
+        Err(NoConvergence)
     }
 }
 
-/// Which coefficients are of higher order than one, and the order of all of them: the derivatives by s and t add up
-/// to as much.
+/// Coefficients of higher order than one, and the orders of all of them: the sums of the derivatives by s and t have these
+/// factors.
 const HIGHER: [[f64; 4]; 4] = [[0.0, 0.0, 1.0, 1.0], [0.0, 1.0, 1.0, 1.0], [1.0; 4], [1.0; 4]];
 const ORDERS: [[f64; 4]; 4] =
     [[0.0, 0.0, 2.0, 3.0], [0.0, 2.0, 3.0, 4.0], [2.0, 3.0, 4.0, 5.0], [3.0, 4.0, 5.0, 6.0]];
@@ -218,7 +225,7 @@ fn weighted<S: Simd>(simd: S, rows: &[S::F64; 4], weights: &[[f64; 4]; 4]) -> S:
     simd.mul_add64(simd.abs64(rows[3]), simd.load64(d), sum)
 }
 
-impl<S: Simd> Cell<S> {
+impl<S: Simd> BicubicCell<S> {
     #[inline(always)]
     fn halve(&self, simd: S, across_s: bool, upper: bool) -> Self {
         let mut cell = *self;
@@ -230,15 +237,15 @@ impl<S: Simd> Cell<S> {
         };
         *middle += side * *half;
         *half *= 0.5;
-        cell.view = self.view.moved(simd, across_s, side, 0.5);
+        cell.polynomials = self.polynomials.moved(simd, across_s, side, 0.5);
         cell.halvings += 1;
         cell
     }
 
-    /// Whether the polynomials vary more along s than along t: so cells become as wide as long, seen along the ray.
+    /// Whether the polynomials vary more along s than along t, so that projected cells become as wide as long.
     #[inline(always)]
     fn varies_along_s(&self, simd: S) -> bool {
-        let View { first, second } = &self.view;
+        let ProjectedBicubic { first, second } = &self.polynomials;
         let (p0, p1, p2) = (simd.store64(first[0]), simd.store64(first[1]), simd.store64(first[2]));
         let (q0, q1, q2) = (simd.store64(second[0]), simd.store64(second[1]), simd.store64(second[2]));
         let size = |p: f64, q: f64| DVec2::new(p, q).length();
@@ -249,9 +256,9 @@ impl<S: Simd> Cell<S> {
     }
 
     #[inline(always)]
-    fn verdict(&self, simd: S, limits: &Limits) -> Verdict {
-        let View { first, second } = &self.view;
-        let noise = limits.noise * limits.weights[1];
+    fn verdict(&self, simd: S, bounds: &MapBounds) -> BicubicCellClass {
+        let ProjectedBicubic { first, second } = &self.polynomials;
+        let noise = bounds.noise * bounds.weights[1];
         let (p0, p1) = (simd.store64(first[0]), simd.store64(first[1]));
         let (q0, q1) = (simd.store64(second[0]), simd.store64(second[1]));
         let (c, a, b) = (DVec2::new(p0[0], q0[0]), DVec2::new(p1[0], q1[0]), DVec2::new(p0[1], q0[1]));
@@ -273,32 +280,32 @@ impl<S: Simd> Cell<S> {
         if flat.x.abs() > size + rest_u + 1.5 * noise * b_length
             || flat.y.abs() > size + rest_v + 1.5 * noise * a_length
         {
-            return Verdict::Excluded;
+            return BicubicCellClass::Excluded;
         }
         let slope = slope_u.max(slope_v);
-        // A root that rounding may move by more than a part of the cell is next to a tangency.
-        let clear = noise * a_length.max(b_length) <= MOST_BLUR * size;
+        // If rounding may move the root by more than a part of the cell, it is next to a tangency.
+        let clear = noise * a_length.max(b_length) <= MOST_UNCERTAINTY * size;
         if clear && slope < CERTIFIED * size {
-            return Verdict::Certified {
+            return BicubicCellClass::Certified {
                 certificate: Certificate { a, b, q: slope / size },
                 start: flat / det,
             };
         }
-        Verdict::Open
+        BicubicCellClass::Open
     }
 }
 
-/// A cell as what a certificate is about.
-struct CellMap<'a, S: Simd, W> {
+/// A cell as a map for [`contract`].
+struct BicubicCellMap<'a, S: Simd, W> {
     simd: S,
-    cell: &'a Cell<S>,
+    cell: &'a BicubicCell<S>,
     weight: &'a W,
 }
 
-impl<S: Simd, W: Fn(DVec2) -> f64> Map for CellMap<'_, S, W> {
+impl<S: Simd, W: Fn(DVec2) -> f64> PlanarMap for BicubicCellMap<'_, S, W> {
     #[inline(always)]
-    fn jet(&self, x: DVec2) -> Jet {
-        self.cell.view.jet(self.simd, x)
+    fn jet(&self, x: DVec2) -> PlanarJet {
+        self.cell.polynomials.jet(self.simd, x)
     }
 
     #[inline(always)]

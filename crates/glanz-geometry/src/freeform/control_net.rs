@@ -1,4 +1,4 @@
-//! Evaluation, splitting and bounding of Bézier nets, as plain arrays.
+//! Evaluation and subdivision of control nets, as plain arrays.
 
 use glanz_math::DVec3;
 use glanz_math::glam::DVec4;
@@ -9,7 +9,7 @@ use crate::bvh::simd::{Isa, Simd, Task};
 /// The largest degree of a patch in one direction; that of the common CAD kernels.
 pub const MAX_DEGREE: usize = ROW_DEGREE;
 
-/// Runs `$run` with `$n` as the room that rows of the basis of `$degree` need: most are short, and a long row costs.
+/// Runs `$run` with `$n` as the length of rows for bases of `$degree`: most are short, and long rows cost time.
 macro_rules! with_room {
     ($degree:expr, $n:ident => $run:expr) => {
         match $degree {
@@ -22,7 +22,7 @@ macro_rules! with_room {
                 $run
             }
             _ => {
-                const $n: usize = $crate::freeform::net::MAX_DEGREE + 1;
+                const $n: usize = $crate::freeform::control_net::MAX_DEGREE + 1;
                 $run
             }
         }
@@ -46,14 +46,14 @@ const BINOMIALS: [[f64; MAX_DEGREE + 1]; MAX_DEGREE + 1] = {
     rows
 };
 
-/// The powers of x and of 1 - x that Bernstein polynomials of a degree less than `N` are made of.
-pub(super) struct Bernstein<const N: usize> {
+/// The powers of x and of 1 - x in Bernstein polynomials of a degree less than `N`.
+pub(super) struct BernsteinPowers<const N: usize> {
     degree: usize,
     x: [f64; N],
     y: [f64; N],
 }
 
-impl<const N: usize> Bernstein<N> {
+impl<const N: usize> BernsteinPowers<N> {
     #[inline(always)]
     pub(super) fn new(degree: usize, x: f64) -> Self {
         let mut powers = Self { degree, x: [1.0; N], y: [1.0; N] };
@@ -65,7 +65,7 @@ impl<const N: usize> Bernstein<N> {
         powers
     }
 
-    /// The polynomials of a degree lower by `less`; zero if it is not that high.
+    /// The polynomials of a degree lower by `less`; zero if there is no such degree.
     #[inline(always)]
     fn row(&self, less: usize) -> [f64; N] {
         let mut row = [0.0; N];
@@ -84,13 +84,13 @@ impl<const N: usize> Bernstein<N> {
 
     /// First derivatives.
     #[inline(always)]
-    pub(super) fn rises(&self) -> [f64; N] {
+    pub(super) fn first_derivatives(&self) -> [f64; N] {
         differences(&self.row(1), self.degree)
     }
 
     /// Second derivatives.
     #[inline(always)]
-    pub(super) fn bends(&self) -> [f64; N] {
+    pub(super) fn second_derivatives(&self) -> [f64; N] {
         let rise = differences(&self.row(2), self.degree.saturating_sub(1));
         differences(&rise, self.degree)
     }
@@ -108,9 +108,9 @@ fn differences<const N: usize>(row: &[f64; N], degree: usize) -> [f64; N] {
     out
 }
 
-/// A point of a patch with its derivatives by its own parameters.
+/// A point of a patch with its first and second derivatives by the parameters of the patch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Jet {
+pub(super) struct SecondOrderJet {
     pub(super) s: DVec3,
     pub(super) su: DVec3,
     pub(super) sv: DVec3,
@@ -146,8 +146,8 @@ fn first_order_in<S: Simd, const N: usize>(
     u: f64,
     v: f64,
 ) -> [DVec4; 3] {
-    let (by_u, by_v) = (Bernstein::<N>::new(p, u), Bernstein::<N>::new(q, v));
-    let (bu, du, bv, dv) = (by_u.values(), by_u.rises(), by_v.values(), by_v.rises());
+    let (by_u, by_v) = (BernsteinPowers::<N>::new(p, u), BernsteinPowers::<N>::new(q, v));
+    let (bu, du, bv, dv) = (by_u.values(), by_u.first_derivatives(), by_v.values(), by_v.first_derivatives());
     let zero = simd.splat64(0.0);
     let (mut h, mut hu, mut hv) = (zero, zero, zero);
     for ((row, bu), du) in points.chunks_exact(q + 1).zip(bu).zip(du) {
@@ -170,27 +170,33 @@ fn unpack<S: Simd>(simd: S, v: S::F64) -> DVec4 {
 }
 
 /// Point and derivatives up to the second of the homogeneous net `points`, that of (i, j) at i (q + 1) + j.
-pub(super) fn jet(points: &[DVec4], degrees: (usize, usize), u: f64, v: f64) -> Jet {
-    jet_by(Isa::detect(), points, degrees, u, v)
+pub(super) fn second_order_jet(points: &[DVec4], degrees: (usize, usize), u: f64, v: f64) -> SecondOrderJet {
+    second_order_jet_by(Isa::detect(), points, degrees, u, v)
 }
 
-/// The same with the instructions of `isa`, for those who have asked the processor before.
-pub(super) fn jet_by(isa: Isa, points: &[DVec4], degrees: (usize, usize), u: f64, v: f64) -> Jet {
-    isa.run(JetTask { points, degrees, u, v })
+/// The same with the instructions of `isa`, for callers that have detected them before.
+pub(super) fn second_order_jet_by(
+    isa: Isa,
+    points: &[DVec4],
+    degrees: (usize, usize),
+    u: f64,
+    v: f64,
+) -> SecondOrderJet {
+    isa.run(JetEvaluation { points, degrees, u, v })
 }
 
-struct JetTask<'a> {
+struct JetEvaluation<'a> {
     points: &'a [DVec4],
     degrees: (usize, usize),
     u: f64,
     v: f64,
 }
 
-impl Task for JetTask<'_> {
-    type Output = Jet;
+impl Task for JetEvaluation<'_> {
+    type Output = SecondOrderJet;
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Jet {
+    fn run<S: Simd>(self, simd: S) -> SecondOrderJet {
         if let ((3, 3), [a, b, c, d]) = (self.degrees, self.points.as_chunks::<4>().0) {
             // The most frequent degrees, with loops of a fixed length.
             let rows = [a, b, c, d].into_iter().map(|row| row.as_slice());
@@ -200,35 +206,35 @@ impl Task for JetTask<'_> {
     }
 }
 
-impl JetTask<'_> {
+impl JetEvaluation<'_> {
     #[inline(always)]
-    fn run_in<S: Simd, const N: usize>(self, simd: S) -> Jet {
+    fn run_in<S: Simd, const N: usize>(self, simd: S) -> SecondOrderJet {
         let (p, q) = self.degrees;
-        let (by_u, by_v) = (Bernstein::<N>::new(p, self.u), Bernstein::<N>::new(q, self.v));
-        let by_u = [by_u.values(), by_u.rises(), by_u.bends()];
-        let by_v = [by_v.values(), by_v.rises(), by_v.bends()];
+        let (by_u, by_v) = (BernsteinPowers::<N>::new(p, self.u), BernsteinPowers::<N>::new(q, self.v));
+        let by_u = [by_u.values(), by_u.first_derivatives(), by_u.second_derivatives()];
+        let by_v = [by_v.values(), by_v.first_derivatives(), by_v.second_derivatives()];
         second_order(simd, self.points.chunks_exact(q + 1), by_u, by_v)
     }
 }
 
-/// The sums of the rows of a net by bases, their derivatives up to the second among them.
+/// The sums of the rows of a net, weighted by values, first and second derivatives of the bases.
 #[inline(always)]
 fn second_order<'a, S: Simd, const N: usize>(
     simd: S,
     rows: impl Iterator<Item = &'a [DVec4]>,
     [bu, du, ddu]: [[f64; N]; 3],
     [bv, dv, ddv]: [[f64; N]; 3],
-) -> Jet {
+) -> SecondOrderJet {
     let zero = simd.splat64(0.0);
     let (mut h, mut hu, mut hv) = (zero, zero, zero);
     let (mut huu, mut huv, mut hvv) = (zero, zero, zero);
     for (((row, bu), du), ddu) in rows.zip(bu).zip(du).zip(ddu) {
-        let (mut along, mut rise, mut bend) = (zero, zero, zero);
+        let (mut along, mut rise, mut second) = (zero, zero, zero);
         for (((point, bv), dv), ddv) in row.iter().zip(bv).zip(dv).zip(ddv) {
             let point = simd.load64(&point.to_array());
             along = simd.mul_add64(point, simd.splat64(bv), along);
             rise = simd.mul_add64(point, simd.splat64(dv), rise);
-            bend = simd.mul_add64(point, simd.splat64(ddv), bend);
+            second = simd.mul_add64(point, simd.splat64(ddv), second);
         }
         let (bu, du, ddu) = (simd.splat64(bu), simd.splat64(du), simd.splat64(ddu));
         h = simd.mul_add64(along, bu, h);
@@ -236,10 +242,10 @@ fn second_order<'a, S: Simd, const N: usize>(
         huu = simd.mul_add64(along, ddu, huu);
         hv = simd.mul_add64(rise, bu, hv);
         huv = simd.mul_add64(rise, du, huv);
-        hvv = simd.mul_add64(bend, bu, hvv);
+        hvv = simd.mul_add64(second, bu, hvv);
     }
     let (h, hu, hv) = (unpack(simd, h), unpack(simd, hu), unpack(simd, hv));
-    Jet::of(h, [hu, hv], [unpack(simd, huu), unpack(simd, huv), unpack(simd, hvv)])
+    SecondOrderJet::of(h, [hu, hv], [unpack(simd, huu), unpack(simd, huv), unpack(simd, hvv)])
 }
 
 /// Cubic Bernstein polynomials, their first and second derivatives.
@@ -254,7 +260,7 @@ fn cubics(x: f64) -> [[f64; 4]; 3] {
     ]
 }
 
-impl Jet {
+impl SecondOrderJet {
     #[inline(always)]
     fn of(h: DVec4, [hu, hv]: [DVec4; 2], [huu, huv, hvv]: [DVec4; 3]) -> Self {
         // Quotient rule, order by order (@markgraf2019 eq. 14).
@@ -262,7 +268,7 @@ impl Jet {
         let s = h.truncate() * per;
         let su = (hu.truncate() - s * hu.w) * per;
         let sv = (hv.truncate() - s * hv.w) * per;
-        Jet {
+        SecondOrderJet {
             s,
             su,
             sv,
@@ -295,16 +301,16 @@ where
     [low, high]
 }
 
-/// A polynomial in two variables with its degrees: Bernstein coefficient (i, j) at i (q + 1) + j.
+/// A polynomial in two variables with its degrees: the Bernstein coefficient (i, j) is at i (q + 1) + j.
 #[derive(Clone, Debug)]
-pub(super) struct Poly<T> {
+pub(super) struct BivariatePolynomial<T> {
     pub(super) degrees: (usize, usize),
     pub(super) coefficients: Vec<T>,
 }
 
-impl<T: BernsteinCoefficient> Poly<T> {
-    /// The product with a bilinear function, given at (0, 0), (1, 0) and at (0, 1), (1, 1); degrees are one higher.
-    pub(super) fn times_bilinear<U>(&self, corners: [[U; 2]; 2]) -> Poly<U>
+impl<T: BernsteinCoefficient> BivariatePolynomial<T> {
+    /// The product with a bilinear function, given at (0, 0), (1, 0) and at (0, 1), (1, 1); one degree higher.
+    pub(super) fn times_bilinear<U>(&self, corners: [[U; 2]; 2]) -> BivariatePolynomial<U>
     where
         U: BernsteinCoefficient + std::ops::Mul<T, Output = U>,
     {
@@ -312,7 +318,7 @@ impl<T: BernsteinCoefficient> Poly<T> {
         let mut coefficients = Vec::with_capacity((p + 2) * (q + 2));
         for i in 0..=p + 1 {
             for j in 0..=q + 1 {
-                // Shares of the neighbours below and above in both directions.
+                // Weights of the neighbours below and above in both directions.
                 let (x, y) = (i as f64 / (p + 1) as f64, j as f64 / (q + 1) as f64);
                 let mut sum = corners[0][0] * 0.0;
                 for (k, share_x) in [(0, 1.0 - x), (1, x)] {
@@ -326,10 +332,10 @@ impl<T: BernsteinCoefficient> Poly<T> {
                 coefficients.push(sum);
             }
         }
-        Poly { degrees: (p + 1, q + 1), coefficients }
+        BivariatePolynomial { degrees: (p + 1, q + 1), coefficients }
     }
 
-    /// The same of degrees higher by `by`.
+    /// The same polynomial, elevated by degrees `by`.
     pub(super) fn elevated(mut self, by: (usize, usize)) -> Self {
         for _ in 0..by.0 {
             let (p, q) = self.degrees;
@@ -365,7 +371,7 @@ impl<T: BernsteinCoefficient> Poly<T> {
         self
     }
 
-    /// The derivative by the first variable, or the second; of degree 0 there if it was.
+    /// The derivative by the first variable, or the second; degree 0 stays 0.
     pub(super) fn derivative(&self, by_first: bool) -> Self {
         let (p, q) = self.degrees;
         let (m, n) = if by_first { (p.saturating_sub(1), q) } else { (p, q.saturating_sub(1)) };
@@ -392,8 +398,8 @@ mod tests {
     #[test]
     fn bernstein_derivatives_are_differences_in_rows_of_every_room() {
         fn rows<const N: usize>(degree: usize, x: f64) -> [[f64; N]; 3] {
-            let b = Bernstein::<N>::new(degree, x);
-            [b.values(), b.rises(), b.bends()]
+            let b = BernsteinPowers::<N>::new(degree, x);
+            [b.values(), b.first_derivatives(), b.second_derivatives()]
         }
         fn check<const N: usize>(degree: usize) {
             for x in [0.0, 0.3, 0.5, 0.9, 1.0] {
@@ -403,9 +409,9 @@ mod tests {
                 let (up, down) = (rows::<N>(degree, x + h), rows::<N>(degree, x - h));
                 let scale = (degree * degree) as f64;
                 for i in 0..=degree {
-                    let [rise, bend] = [0, 1].map(|k| (up[k][i] - down[k][i]) / (2.0 * h));
+                    let [rise, second_difference] = [0, 1].map(|k| (up[k][i] - down[k][i]) / (2.0 * h));
                     assert!((first[i] - rise).abs() < 1e-8 * scale * scale);
-                    assert!((second[i] - bend).abs() < 1e-8 * scale * scale * scale);
+                    assert!((second[i] - second_difference).abs() < 1e-8 * scale * scale * scale);
                 }
             }
         }
@@ -414,14 +420,14 @@ mod tests {
         }
     }
 
-    fn value(p: &Poly<f64>, u: f64, v: f64) -> f64 {
+    fn value(p: &BivariatePolynomial<f64>, u: f64, v: f64) -> f64 {
         let net: Vec<DVec4> = p.coefficients.iter().map(|&c| DVec4::new(c, 0.0, 0.0, 1.0)).collect();
-        jet(&net, p.degrees, u, v).s.x
+        second_order_jet(&net, p.degrees, u, v).s.x
     }
 
     #[test]
     fn elevated_polynomial_and_its_product_have_the_right_values() {
-        let a = Poly { degrees: (2, 1), coefficients: vec![1.0, 2.0, -1.0, 0.5, 3.0, 0.25] };
+        let a = BivariatePolynomial { degrees: (2, 1), coefficients: vec![1.0, 2.0, -1.0, 0.5, 3.0, 0.25] };
         let product = a.times_bilinear([[0.5, 1.5], [1.0, -2.0]]);
         let higher = a.clone().elevated((2, 3));
         assert_eq!((product.degrees, higher.degrees), ((3, 2), (4, 4)));
@@ -434,9 +440,9 @@ mod tests {
 
     #[test]
     fn derivative_is_the_one_of_the_jet() {
-        let a = Poly { degrees: (2, 1), coefficients: vec![1.0, 2.0, -1.0, 0.5, 3.0, 0.25] };
+        let a = BivariatePolynomial { degrees: (2, 1), coefficients: vec![1.0, 2.0, -1.0, 0.5, 3.0, 0.25] };
         let net: Vec<DVec4> = a.coefficients.iter().map(|&c| DVec4::new(c, 0.0, 0.0, 1.0)).collect();
-        let here = jet(&net, a.degrees, 0.3, 0.8);
+        let here = second_order_jet(&net, a.degrees, 0.3, 0.8);
         assert!((value(&a.derivative(true), 0.3, 0.8) - here.su.x).abs() < 1e-14);
         assert!((value(&a.derivative(false), 0.3, 0.8) - here.sv.x).abs() < 1e-14);
         assert_eq!(value(&a.derivative(false).derivative(false), 0.3, 0.8), 0.0);

@@ -4,25 +4,25 @@ use glanz_math::DVec2;
 
 /// A rectangle of parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Rect {
+pub(super) struct ParameterRect {
     pub(super) u: [f64; 2],
     pub(super) v: [f64; 2],
 }
 
-impl Rect {
-    /// The parameters at those of the rectangle, both in [0, 1]^2. Corners are met exactly.
+impl ParameterRect {
+    /// The parameters at (x, y) of the rectangle, which is in [0, 1]^2; exact at the corners.
     pub(super) fn at(&self, x: f64, y: f64) -> (f64, f64) {
         let mix = |[a, b]: [f64; 2], x: f64| if x == 1.0 { b } else { (b - a) * x + a };
         (mix(self.u, x), mix(self.v, y))
     }
 }
 
-/// A rectangle that halvings of the unit square lead to, at most 16 of them in each direction: its coordinates are exact.
+/// A dyadic rectangle: a result of at most 16 halvings of the unit square in each direction. Its coordinates are exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Part {
-    /// Which of the intervals along u and v.
+pub(super) struct DyadicRect {
+    /// Positions of its intervals along u and v, counted in their own lengths.
     index: [u16; 2],
-    /// 2 to that power are as long as the square.
+    /// Numbers of halvings along u and v.
     halvings: [u8; 2],
 }
 
@@ -32,10 +32,10 @@ fn power(n: u8) -> f64 {
     f64::from_bits((1023 - u64::from(n)) << (f64::MANTISSA_DIGITS - 1))
 }
 
-impl Part {
+impl DyadicRect {
     pub(super) const WHOLE: Self = Self { index: [0; 2], halvings: [0; 2] };
 
-    /// Halves across u or v.
+    /// Its halves along u or v.
     pub(super) fn halves(self, across_u: bool) -> [Self; 2] {
         let axis = usize::from(!across_u);
         let (mut low, mut high) = (self, self);
@@ -46,7 +46,7 @@ impl Part {
         [low, high]
     }
 
-    /// How often the square has been halved.
+    /// Number of halvings in both directions.
     pub(super) fn count(self) -> usize {
         self.halvings.iter().map(|&n| usize::from(n)).sum()
     }
@@ -57,7 +57,7 @@ impl Part {
         Self { index, halvings: [0, 1].map(|k| outer.halvings[k] + self.halvings[k]) }
     }
 
-    /// Its sides.
+    /// Its side lengths.
     #[inline(always)]
     pub(super) fn width(self) -> DVec2 {
         DVec2::new(power(self.halvings[0]), power(self.halvings[1]))
@@ -68,22 +68,22 @@ impl Part {
         DVec2::new(self.index[0].into(), self.index[1].into())
     }
 
-    /// The place of the square at one of the part, both in [0, 1]^2.
+    /// The point of the square at a point of the rectangle, both in [0, 1]^2.
     #[inline(always)]
     pub(super) fn at(self, x: DVec2) -> DVec2 {
         (self.indices() + x) * self.width()
     }
 
-    /// Its middle, if the square is [-1, 1]^2; half its sides are then its [width](Self::width).
+    /// Its centre, if the square is [-1, 1]^2; half its sides are then its [width](Self::width).
     #[inline(always)]
     pub(super) fn middle(self) -> DVec2 {
         (2.0 * self.indices() + 1.0) * self.width() - 1.0
     }
 
     /// As a rectangle.
-    pub(super) fn rect(self) -> Rect {
+    pub(super) fn rect(self) -> ParameterRect {
         let (low, high) = (self.at(DVec2::ZERO), self.at(DVec2::ONE));
-        Rect { u: [low.x, high.x], v: [low.y, high.y] }
+        ParameterRect { u: [low.x, high.x], v: [low.y, high.y] }
     }
 }
 
@@ -93,7 +93,7 @@ mod tests {
 
     #[test]
     fn halves_cover_the_part() {
-        let mut part = Part::WHOLE;
+        let mut part = DyadicRect::WHOLE;
         for (across_u, upper) in [(true, true), (false, false), (true, false), (true, true), (false, true)] {
             let [low, high] = part.halves(across_u);
             assert_eq!(low.at(DVec2::ZERO), part.at(DVec2::ZERO));
@@ -106,16 +106,16 @@ mod tests {
             part = if upper { high } else { low };
         }
         // u: upper, lower, upper of eighths; v: lower, upper of quarters.
-        assert_eq!(part.rect(), Rect { u: [0.625, 0.75], v: [0.25, 0.5] });
+        assert_eq!(part.rect(), ParameterRect { u: [0.625, 0.75], v: [0.25, 0.5] });
         assert_eq!(part.middle(), DVec2::new(2.0 * 0.6875 - 1.0, -0.25));
         assert_eq!(part.count(), 5);
-        assert_eq!(Part::WHOLE.halves(true)[1].within(part), part.halves(true)[1]);
-        assert_eq!(part.within(Part::WHOLE), part);
+        assert_eq!(DyadicRect::WHOLE.halves(true)[1].within(part), part.halves(true)[1]);
+        assert_eq!(part.within(DyadicRect::WHOLE), part);
     }
 
     #[test]
     fn sixteen_halvings_are_exact() {
-        let part = (0..16).fold(Part::WHOLE, |p, _| p.halves(false)[1]);
-        assert_eq!(part.rect(), Rect { u: [0.0, 1.0], v: [1.0 - 0.5_f64.powi(16), 1.0] });
+        let part = (0..16).fold(DyadicRect::WHOLE, |p, _| p.halves(false)[1]);
+        assert_eq!(part.rect(), ParameterRect { u: [0.0, 1.0], v: [1.0 - 0.5_f64.powi(16), 1.0] });
     }
 }

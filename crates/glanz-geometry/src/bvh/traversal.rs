@@ -1,19 +1,19 @@
-//! Walks through the tree, nearest boxes first.
+//! Traversal of the tree, nearest boxes first.
 
 use glanz_math::Ray;
 
 use super::build::MAX_DEPTH;
-use super::node::{Child, Node, UnitRay, WIDTH};
+use super::node::{NodeChild, UnitRay, WIDTH, WideNode};
 use super::simd::{Simd, Stack, Task};
-use super::{Bvh, Leaf};
+use super::{Bvh, BvhLeaf};
 
-/// Every level leaves at most all children but one on the stack, and no wide level is deeper than a binary one.
+/// Every level leaves at most all children but one on the stack, and the wide tree is no deeper than the binary one.
 const ROOM: usize = MAX_DEPTH * (WIDTH - 1) + 1;
 
 /// A stack entry: where the ray enters the box, as the bits of a float that is not negative (they are ordered like
 /// the number), and below that the child.
 #[inline(always)]
-fn entry(near: f32, child: Child) -> u64 {
+fn entry(near: f32, child: NodeChild) -> u64 {
     (u64::from(near.to_bits()) << 32) | u64::from(child.0)
 }
 
@@ -23,32 +23,32 @@ fn near(entry: u64) -> f32 {
 }
 
 #[inline(always)]
-fn child(entry: u64) -> Child {
-    Child(entry as u32)
+fn child(entry: u64) -> NodeChild {
+    NodeChild(entry as u32)
 }
 
-/// What a walk does at the leaves. Methods are `#[inline(always)]`, as a closure cannot be, so that they are compiled for
-/// the instruction set of the walk.
-pub(crate) trait Visit {
-    /// Looks for hits of a leaf up to `t_max`; returns where the ray ends now. If any hit will do, less than `t_max`
-    /// says that there is one.
-    fn leaf<S: Simd>(&mut self, simd: S, leaf: Leaf, t_max: f64) -> f64;
-    /// The ray has met a box: what all leaves need of it can be made ready while the next boxes are tested.
+/// The caller's work at the leaves. Methods are `#[inline(always)]`, as a closure cannot be, so that they are compiled for
+/// the instruction set of the traversal.
+pub(crate) trait LeafVisitor {
+    /// Intersects a leaf up to `t_max`; returns the new end of the ray. Where any hit will do, less than `t_max` stands
+    /// for a hit.
+    fn leaf<S: Simd>(&mut self, simd: S, leaf: BvhLeaf, t_max: f64) -> f64;
+    /// Prepares the ray for leaves; called once the ray has met a box, while the next boxes are tested.
     #[inline(always)]
     fn prepare(&mut self) {}
-    /// Asks the memory for a leaf that will be visited soon.
-    fn prefetch<S: Simd>(&self, _simd: S, _leaf: Leaf) {}
+    /// Prefetches a leaf that will be visited soon.
+    fn prefetch<S: Simd>(&self, _simd: S, _leaf: BvhLeaf) {}
 }
 
-/// Closest hit; see [`Bvh::closest`].
-pub(crate) struct Closest<'a, V> {
+/// Traversal up to the closest hit; see [`Bvh::closest`].
+pub(crate) struct ClosestTraversal<'a, V> {
     pub(crate) bvh: &'a Bvh,
     pub(crate) ray: &'a Ray,
     pub(crate) t_max: f64,
     pub(crate) visit: V,
 }
 
-impl<V: Visit> Task for Closest<'_, V> {
+impl<V: LeafVisitor> Task for ClosestTraversal<'_, V> {
     type Output = ();
 
     #[inline(always)]
@@ -56,14 +56,15 @@ impl<V: Visit> Task for Closest<'_, V> {
         let Self { bvh, ray, mut t_max, mut visit } = self;
         let Some(mut unit) = UnitRay::new(simd, &bvh.frame, ray, t_max) else { return };
         let mut stack = Stack::<ROOM>::new();
-        let Some(mut current) = descend::<S, V, true>(simd, bvh, Child::node(0), &unit, &mut stack, &visit)
+        let Some(mut current) =
+            descend::<S, V, true>(simd, bvh, NodeChild::node(0), &unit, &mut stack, &visit)
         else {
             return;
         };
         visit.prepare();
         loop {
             if let Some(leaf) = current.as_leaf() {
-                let closer = visit.leaf(simd, Leaf(leaf), t_max);
+                let closer = visit.leaf(simd, BvhLeaf(leaf), t_max);
                 if closer < t_max {
                     t_max = closer;
                     unit.shorten(simd, t_max);
@@ -85,14 +86,14 @@ impl<V: Visit> Task for Closest<'_, V> {
 
 /// Tests the children of a node; returns the nearest and pushes the others, if `SORTED` farthest first.
 #[inline(always)]
-fn descend<S: Simd, V: Visit, const SORTED: bool>(
+fn descend<S: Simd, V: LeafVisitor, const SORTED: bool>(
     simd: S,
     bvh: &Bvh,
-    node: Child,
+    node: NodeChild,
     ray: &UnitRay<S>,
     stack: &mut Stack<ROOM>,
     visit: &V,
-) -> Option<Child> {
+) -> Option<NodeChild> {
     let node = bvh.nodes.get(node.0 as usize)?;
     let (mut hits, near) = node.intersect(simd, ray);
     if hits == 0 {
@@ -100,7 +101,7 @@ fn descend<S: Simd, V: Visit, const SORTED: bool>(
     }
     let slot = hits.trailing_zeros() as usize & (WIDTH - 1);
     if hits & (hits - 1) == 0 {
-        // Most often there is one, and then nobody asks where it begins.
+        // Most often there is one, and then its entry is not needed.
         return Some(node.children[slot]);
     }
     let near = simd.store(near).0;
@@ -127,11 +128,11 @@ fn descend<S: Simd, V: Visit, const SORTED: bool>(
     Some(child(nearest))
 }
 
-/// Asks the memory for a child that will be visited soon.
+/// Prefetches a child that will be visited soon.
 #[inline(always)]
-fn prefetch<S: Simd, V: Visit>(simd: S, bvh: &Bvh, visit: &V, child: Child) {
+fn prefetch<S: Simd, V: LeafVisitor>(simd: S, bvh: &Bvh, visit: &V, child: NodeChild) {
     match child.as_leaf() {
-        Some(leaf) => visit.prefetch(simd, Leaf(leaf)),
+        Some(leaf) => visit.prefetch(simd, BvhLeaf(leaf)),
         None => {
             if let Some(node) = bvh.nodes.get(child.0 as usize) {
                 node.prefetch(simd);
@@ -140,23 +141,23 @@ fn prefetch<S: Simd, V: Visit>(simd: S, bvh: &Bvh, visit: &V, child: Child) {
     }
 }
 
-/// Takes the lowest bit off `hits`; returns the entry of its child.
+/// Removes the lowest bit of `hits`; returns the stack entry of its child.
 #[inline(always)]
-fn next(node: &Node, near: &[f32; WIDTH], hits: &mut u32) -> u64 {
+fn next(node: &WideNode, near: &[f32; WIDTH], hits: &mut u32) -> u64 {
     let slot = hits.trailing_zeros() as usize & (WIDTH - 1);
     *hits &= *hits - 1;
     entry(near[slot], node.children[slot])
 }
 
-/// Any hit; see [`Bvh::any`].
-pub(crate) struct Any<'a, V> {
+/// Traversal up to any hit; see [`Bvh::any`].
+pub(crate) struct AnyTraversal<'a, V> {
     pub(crate) bvh: &'a Bvh,
     pub(crate) ray: &'a Ray,
     pub(crate) t_max: f64,
     pub(crate) visit: V,
 }
 
-impl<V: Visit> Task for Any<'_, V> {
+impl<V: LeafVisitor> Task for AnyTraversal<'_, V> {
     type Output = bool;
 
     #[inline(always)]
@@ -164,14 +165,15 @@ impl<V: Visit> Task for Any<'_, V> {
         let Self { bvh, ray, t_max, mut visit } = self;
         let Some(unit) = UnitRay::new(simd, &bvh.frame, ray, t_max) else { return false };
         let mut stack = Stack::<ROOM>::new();
-        let Some(mut current) = descend::<S, V, false>(simd, bvh, Child::node(0), &unit, &mut stack, &visit)
+        let Some(mut current) =
+            descend::<S, V, false>(simd, bvh, NodeChild::node(0), &unit, &mut stack, &visit)
         else {
             return false;
         };
         visit.prepare();
         loop {
             if let Some(leaf) = current.as_leaf() {
-                if visit.leaf(simd, Leaf(leaf), t_max) < t_max {
+                if visit.leaf(simd, BvhLeaf(leaf), t_max) < t_max {
                     return true;
                 }
             } else if let Some(next) = descend::<S, V, false>(simd, bvh, current, &unit, &mut stack, &visit) {

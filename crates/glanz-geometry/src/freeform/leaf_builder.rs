@@ -1,37 +1,36 @@
-//! Leaves while the surface is built: parts of patches that are almost parallelograms, with bounds on how far they are not.
+//! Parts of patches while the surface is built, with bounds on how far they are from parallelograms.
 
 use glanz_math::glam::DVec4;
 use glanz_math::rounding::gamma;
 use glanz_math::{Bounds3, DVec3};
 
-use super::net::{self, Poly};
-use super::part::Part;
+use super::control_net::{self, BivariatePolynomial};
+use super::parameter_rect::DyadicRect;
 
-/// A leaf as a *thick parallelogram*: for (s, t) in [-1, 1]^2 the point of the surface is within `reach` of
+/// A parallelogram with a thickness: for (s, t) in [-1, 1]^2 the point of the leaf is within `thickness` of
 /// `center + s along_u + t along_v`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(super) struct ThickParallelogram {
     pub(super) center: DVec3,
-    /// Half of the derivative by the leaf's u, which goes from 0 to 1.
+    /// Half of the derivative by u, which runs from 0 to 1 over the leaf.
     pub(super) along_u: DVec3,
     /// The same for v.
     pub(super) along_v: DVec3,
     /// Metres.
-    pub(super) reach: f64,
-    /// Sum of the squares of the bounds on how far the half derivatives stray from `along_u` and `along_v`.
-    pub(super) stray_squared: f64,
-    /// Bound on the half of any second derivative by (s, t), so that a linear step of length h is off by at most
-    /// `bend` h^2.
-    pub(super) bend: f64,
+    pub(super) thickness: f64,
+    /// Sum of the squared bounds on the deviation of the half derivatives from `along_u` and `along_v`.
+    pub(super) tangent_deviation_squared: f64,
+    /// Bound on half of any second derivative by (s, t): a linear step of length h is off by at most `curvature_bound` h^2.
+    pub(super) curvature_bound: f64,
 }
 
 /// A leaf while the surface is built.
 #[derive(Clone, Debug)]
-pub(super) struct Draft {
-    pub(super) frame: Frame,
+pub(super) struct LeafBuilder {
+    pub(super) parallelogram: ThickParallelogram,
     pub(super) bounds: Bounds3,
     pub(super) subpatch: u32,
-    pub(super) part: Part,
+    pub(super) part: DyadicRect,
     pub(super) degrees: (usize, usize),
     pub(super) net: Vec<DVec4>,
     /// Whether a trimming curve crosses it.
@@ -42,43 +41,45 @@ fn largest(vectors: impl Iterator<Item = DVec3>) -> f64 {
     vectors.fold(0.0, |most: f64, v| most.max(v.length()))
 }
 
-impl Frame {
-    /// The frame of a net of `degrees`.
+impl ThickParallelogram {
+    /// The parallelogram of a net of `degrees`.
     pub(super) fn new(points: &[DVec4], degrees: (usize, usize)) -> Self {
-        let middle = net::jet(points, degrees, 0.5, 0.5);
+        let middle = control_net::second_order_jet(points, degrees, 0.5, 0.5);
         let (center, a, b) = (middle.s, middle.su * 0.5, middle.sv * 0.5);
-        let (reach, m_a, m_b, bend) = if points.iter().all(|p| p.w == 1.0) {
+        let (thickness, m_a, m_b, curvature_bound) = if points.iter().all(|p| p.w == 1.0) {
             polynomial_bounds(points, degrees, center, a, b)
         } else {
             rational_bounds(points, degrees, center, a, b)
         };
-        // The bounds themselves are rounded, and so is the net of the leaf.
+        // The bounds themselves are rounded, as is the net of the leaf.
         let size = largest(points.iter().map(|p| p.truncate() / p.w));
-        let reach = reach * (1.0 + 1e-12) + gamma(64) * size;
+        let thickness = thickness * (1.0 + 1e-12) + gamma(64) * size;
         Self {
             center,
             along_u: a,
             along_v: b,
-            reach,
-            stray_squared: (m_a * m_a + m_b * m_b) * (1.0 + 1e-12),
-            bend,
+            thickness,
+            tangent_deviation_squared: (m_a * m_a + m_b * m_b) * (1.0 + 1e-12),
+            curvature_bound,
         }
     }
 
-    /// How far from a parallelogram: the bound on the relative change of the Jacobian, seen along the normal.
-    pub(super) fn unevenness(&self) -> f64 {
+    /// The Jacobian deviation: a bound on the relative change of the Jacobian, projected along the normal.
+    pub(super) fn jacobian_deviation(&self) -> f64 {
         let area = self.along_u.cross(self.along_v).length_squared();
-        (self.stray_squared * (self.along_u.length_squared() + self.along_v.length_squared()) / area).sqrt()
+        (self.tangent_deviation_squared * (self.along_u.length_squared() + self.along_v.length_squared())
+            / area)
+            .sqrt()
     }
 
-    /// A box around the parallelogram and its reach.
+    /// A box around the parallelogram and its thickness.
     pub(super) fn bounds(&self) -> Bounds3 {
-        let half = self.along_u.abs() + self.along_v.abs() + DVec3::splat(self.reach);
+        let half = self.along_u.abs() + self.along_v.abs() + DVec3::splat(self.thickness);
         Bounds3::new(self.center - half, self.center + half)
     }
 }
 
-/// Reach, strays and bend of a polynomial patch from its coefficients, which bound it as their hull does.
+/// Thickness, deviations and curvature bound of a polynomial patch, from coefficients whose hull contains it.
 fn polynomial_bounds(
     points: &[DVec4],
     (p, q): (usize, usize),
@@ -90,7 +91,7 @@ fn polynomial_bounds(
     let along = |i: usize, degree: usize| 2.0 * i as f64 / degree as f64 - 1.0;
     let (dp, dq) = (0.5 * p as f64, 0.5 * q as f64);
     let (ddp, ddq) = (0.5 * dp * (p as f64 - 1.0), 0.5 * dq * (q as f64 - 1.0));
-    // Squares: reach, strays, and second derivatives by (s, t), halved where they are pure.
+    // Squares: thickness, deviations, and second derivatives by (s, t), halved where they are pure.
     let mut most = [0.0_f64; 6];
     let mut meet = |k: usize, v: DVec3| most[k] = most[k].max(v.length_squared());
     for i in 0..=p {
@@ -114,11 +115,11 @@ fn polynomial_bounds(
             }
         }
     }
-    let [reach, m_a, m_b, uu, uv, vv] = most.map(f64::sqrt);
-    (reach, m_a, m_b, uu + uv + vv)
+    let [thickness, m_a, m_b, uu, uv, vv] = most.map(f64::sqrt);
+    (thickness, m_a, m_b, uu + uv + vv)
 }
 
-/// The same for a rational patch S = X / W: quotients are bounded by their numerator over the least denominator.
+/// The same for a rational patch S = X / W: a quotient is bounded by its numerator over the least denominator.
 fn rational_bounds(
     points: &[DVec4],
     degrees: (usize, usize),
@@ -126,57 +127,62 @@ fn rational_bounds(
     a: DVec3,
     b: DVec3,
 ) -> (f64, f64, f64, f64) {
-    // About the centre, so that the products cancel as little as they can.
-    let space = Poly { degrees, coefficients: points.iter().map(|p| p.truncate() - center * p.w).collect() };
-    let weight = Poly { degrees, coefficients: points.iter().map(|p| p.w).collect() };
+    // About the centre, so that cancellation in the products is least.
+    let space = BivariatePolynomial {
+        degrees,
+        coefficients: points.iter().map(|p| p.truncate() - center * p.w).collect(),
+    };
+    let weight = BivariatePolynomial { degrees, coefficients: points.iter().map(|p| p.w).collect() };
     let least = points.iter().fold(f64::INFINITY, |least, p| least.min(p.w));
     // s a + t b at the corners.
     let affine = [[-a - b, a - b], [b - a, a + b]];
-    let apart = |x: Poly<DVec3>, y: Poly<DVec3>| {
+    let apart = |x: BivariatePolynomial<DVec3>, y: BivariatePolynomial<DVec3>| {
         largest(x.coefficients.iter().zip(&y.coefficients).map(|(&x, &y)| x - y))
     };
-    let reach = apart(space.clone().elevated((1, 1)), weight.times_bilinear(affine)) / least;
-    // S_s - a = (X_s - S W_s - a W) / W, where S is s a + t b but for the reach.
-    let stray = |by_first: bool, along: DVec3| {
+    let thickness = apart(space.clone().elevated((1, 1)), weight.times_bilinear(affine)) / least;
+    // S_s - a = (X_s - S W_s - a W) / W, where S is s a + t b but for the thickness.
+    let deviation = |by_first: bool, along: DVec3| {
         let rise = weight.derivative(by_first);
         let steepest = rise.coefficients.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
-        let mean =
-            Poly { degrees, coefficients: weight.coefficients.iter().map(|&w| along * (2.0 * w)).collect() };
+        let mean = BivariatePolynomial {
+            degrees,
+            coefficients: weight.coefficients.iter().map(|&w| along * (2.0 * w)).collect(),
+        };
         let mean = mean.elevated(if by_first { (0, 1) } else { (1, 0) });
         let mut fall = rise.times_bilinear(affine);
         for (fall, mean) in fall.coefficients.iter_mut().zip(&mean.coefficients) {
             *fall += *mean;
         }
         // By s, which goes twice as far as u.
-        0.5 * (apart(space.derivative(by_first).elevated((1, 1)), fall) + reach * steepest) / least
+        0.5 * (apart(space.derivative(by_first).elevated((1, 1)), fall) + thickness * steepest) / least
     };
-    (reach, stray(true, a), stray(false, b), f64::INFINITY)
+    (thickness, deviation(true, a), deviation(false, b), f64::INFINITY)
 }
 
-impl Draft {
-    pub(super) fn new(subpatch: u32, part: Part, net: Vec<DVec4>, degrees: (usize, usize)) -> Self {
-        let frame = Frame::new(&net, degrees);
+impl LeafBuilder {
+    pub(super) fn new(subpatch: u32, part: DyadicRect, net: Vec<DVec4>, degrees: (usize, usize)) -> Self {
+        let parallelogram = ThickParallelogram::new(&net, degrees);
         let hull = net.iter().fold(Bounds3::EMPTY, |b, p| b.including(p.truncate() / p.w));
-        // Both hold the leaf. The reach covers the rounding of the net, which the hull does not know of.
+        // Both contain the leaf. The thickness covers the rounding of the net, which the hull does not.
         let size = hull.min.abs().max(hull.max.abs()).max_element();
         let pad = DVec3::splat(gamma(64) * size);
-        let thick = frame.bounds();
+        let thick = parallelogram.bounds();
         let bounds = Bounds3::new((hull.min - pad).max(thick.min), (hull.max + pad).min(thick.max));
-        Self { frame, bounds, subpatch, part, degrees, net, crossed: false }
+        Self { parallelogram, bounds, subpatch, part, degrees, net, crossed: false }
     }
 
-    /// Halves it across the direction in which it bends more.
+    /// Its halves along the direction in which it is more curved.
     pub(super) fn halves(&self) -> [Self; 2] {
         let degrees = self.degrees;
-        let across_u = bends_along_u(&self.net, degrees);
-        let [low, high] = net::split(&self.net, degrees, across_u);
+        let across_u = is_more_curved_along_u(&self.net, degrees);
+        let [low, high] = control_net::split(&self.net, degrees, across_u);
         let [below, above] = self.part.halves(across_u);
         [Self::new(self.subpatch, below, low, degrees), Self::new(self.subpatch, above, high, degrees)]
     }
 }
 
-/// Whether the control polygons along u bend more than those along v; where neither bends, whether they are longer.
-pub(super) fn bends_along_u(points: &[DVec4], (p, q): (usize, usize)) -> bool {
+/// Whether the control polygons along u are more curved than those along v; where neither is curved, whether they are longer.
+pub(super) fn is_more_curved_along_u(points: &[DVec4], (p, q): (usize, usize)) -> bool {
     let at = |i: usize, j: usize| {
         let point = points[i * (q + 1) + j];
         point.truncate() / point.w
@@ -191,15 +197,15 @@ pub(super) fn bends_along_u(points: &[DVec4], (p, q): (usize, usize)) -> bool {
                 v[0] = v[0].max((at(i, j) - at(i, j - 1)).length() * q as f64);
             }
             if i >= 2 {
-                let bend = at(i, j) - at(i - 1, j) * 2.0 + at(i - 2, j);
-                u[1] = u[1].max(bend.length() * (p * (p - 1)) as f64);
+                let second = at(i, j) - at(i - 1, j) * 2.0 + at(i - 2, j);
+                u[1] = u[1].max(second.length() * (p * (p - 1)) as f64);
             }
             if j >= 2 {
-                let bend = at(i, j) - at(i, j - 1) * 2.0 + at(i, j - 2);
-                v[1] = v[1].max(bend.length() * (q * (q - 1)) as f64);
+                let second = at(i, j) - at(i, j - 1) * 2.0 + at(i, j - 2);
+                v[1] = v[1].max(second.length() * (q * (q - 1)) as f64);
             }
         }
     }
-    // A twisted patch without curved lines is cut across its longer side.
+    // A twisted patch without curved lines is halved along its longer side.
     u[1] + 1e-3 * u[0] >= v[1] + 1e-3 * v[0]
 }

@@ -1,29 +1,29 @@
-//! A Bézier patch and where it lies in the parameters of its surface.
+//! A Bézier patch with its part of the parameter domain of a surface.
 
 use glanz_math::DVec2;
 
-use super::part::Rect;
+use super::parameter_rect::ParameterRect;
 use crate::bezier::TensorPatch;
 use crate::error::{SurfaceError, finite};
 
-/// A patch over a part of the parameters (u, v) of a surface.
+/// A Bézier patch over a part of the parameters (u, v) of a surface.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Piece {
+pub struct SurfacePatch {
     pub(super) patch: TensorPatch,
-    domain: Domain,
+    domain: PatchDomain,
     /// Diagonal of a box around the control points, metres.
     extent: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Domain {
-    Rectangle(Rect),
+enum PatchDomain {
+    Rectangle(ParameterRect),
     /// Corners at (0, 0), (1, 0), (0, 1), (1, 1) of the patch.
     Quad([DVec2; 4]),
 }
 
-impl Piece {
-    fn new(patch: TensorPatch, domain: Domain) -> Self {
+impl SurfacePatch {
+    fn new(patch: TensorPatch, domain: PatchDomain) -> Self {
         let extent = patch.bounds().diagonal().length();
         Self { patch, domain, extent }
     }
@@ -44,7 +44,7 @@ impl Piece {
                 return Err(SurfaceError::EmptyRange { parameter, min, max });
             }
         }
-        Ok(Self::new(patch, Domain::Rectangle(Rect { u, v })))
+        Ok(Self::new(patch, PatchDomain::Rectangle(ParameterRect { u, v })))
     }
 
     /// A patch over the convex quadrilateral with `corners` at (0, 0), (1, 0), (0, 1), (1, 1), bilinear between them.
@@ -61,7 +61,7 @@ impl Piece {
         let least = turns.into_iter().fold(f64::INFINITY, f64::min);
         let most = turns.into_iter().fold(f64::NEG_INFINITY, f64::max);
         if least > 0.0 || most < 0.0 {
-            Ok(Self::new(patch, Domain::Quad(corners)))
+            Ok(Self::new(patch, PatchDomain::Quad(corners)))
         } else {
             Err(SurfaceError::Degenerate {
                 reason: "the quadrilateral of parameters is not convex, turn",
@@ -80,25 +80,25 @@ impl Piece {
     #[must_use]
     pub fn parameters(&self, x: f64, y: f64) -> DVec2 {
         match &self.domain {
-            Domain::Rectangle(rect) => rect.at(x, y).into(),
-            Domain::Quad([a, b, c, d]) => a.lerp(*b, x).lerp(c.lerp(*d, x), y),
+            PatchDomain::Rectangle(rect) => rect.at(x, y).into(),
+            PatchDomain::Quad([a, b, c, d]) => a.lerp(*b, x).lerp(c.lerp(*d, x), y),
         }
     }
 
-    /// Smallest and largest parameters (u, v) over a part of the patch.
-    pub(super) fn range(&self, rect: &Rect) -> [DVec2; 2] {
+    /// Smallest and largest parameters (u, v) of the surface over a part of the patch.
+    pub(super) fn range(&self, rect: &ParameterRect) -> [DVec2; 2] {
         let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| self.parameters(rect.u[i], rect.v[j]));
         let (low, high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         [corners.into_iter().fold(low, DVec2::min), corners.into_iter().fold(high, DVec2::max)]
     }
 
-    /// Derivatives of (x, y) by u and by v.
+    /// Derivatives of the parameters (x, y) of the patch by u and by v.
     pub(super) fn rates(&self, x: f64, y: f64) -> [DVec2; 2] {
         match &self.domain {
-            Domain::Rectangle(Rect { u, v }) => {
+            PatchDomain::Rectangle(ParameterRect { u, v }) => {
                 [DVec2::new(1.0 / (u[1] - u[0]), 0.0), DVec2::new(0.0, 1.0 / (v[1] - v[0]))]
             }
-            Domain::Quad([a, b, c, d]) => {
+            PatchDomain::Quad([a, b, c, d]) => {
                 let (by_x, by_y) = ((*b - *a).lerp(*d - *c, y), (*c - *a).lerp(*d - *b, x));
                 let per = 1.0 / by_x.perp_dot(by_y);
                 [DVec2::new(by_y.y, -by_x.y) * per, DVec2::new(-by_y.x, by_x.x) * per]
@@ -119,20 +119,20 @@ mod tests {
             .to_vec();
         let patch = TensorPatch::try_new(1, 1, flat).unwrap();
         let corners = [(0.0, 0.0), (0.5, 0.1), (-0.1, 0.5), (0.4, 0.6)].map(DVec2::from);
-        let pieces = [
-            Piece::over_quad(patch.clone(), corners).unwrap(),
-            Piece::over_rectangle(patch.clone(), [2.0, 5.0], [-1.0, 1.0]).unwrap(),
+        let patches = [
+            SurfacePatch::over_quad(patch.clone(), corners).unwrap(),
+            SurfacePatch::over_rectangle(patch.clone(), [2.0, 5.0], [-1.0, 1.0]).unwrap(),
         ];
-        for piece in pieces {
+        for patch in patches {
             let h = 1e-6;
             let (x, y) = (0.3, 0.8);
-            let by_x = (piece.parameters(x + h, y) - piece.parameters(x - h, y)) / (2.0 * h);
-            let by_y = (piece.parameters(x, y + h) - piece.parameters(x, y - h)) / (2.0 * h);
-            let [by_u, by_v] = piece.rates(x, y);
+            let by_x = (patch.parameters(x + h, y) - patch.parameters(x - h, y)) / (2.0 * h);
+            let by_y = (patch.parameters(x, y + h) - patch.parameters(x, y - h)) / (2.0 * h);
+            let [by_u, by_v] = patch.rates(x, y);
             assert!((by_x * by_u.x + by_y * by_u.y - DVec2::X).length() < 1e-9);
             assert!((by_x * by_v.x + by_y * by_v.y - DVec2::Y).length() < 1e-9);
         }
-        assert!(Piece::over_quad(patch.clone(), [DVec2::ZERO; 4]).is_err());
-        assert!(Piece::over_rectangle(patch, [1.0, 1.0], [0.0, 1.0]).is_err());
+        assert!(SurfacePatch::over_quad(patch.clone(), [DVec2::ZERO; 4]).is_err());
+        assert!(SurfacePatch::over_rectangle(patch, [1.0, 1.0], [0.0, 1.0]).is_err());
     }
 }

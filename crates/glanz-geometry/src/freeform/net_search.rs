@@ -1,0 +1,160 @@
+//! The roots of a ray with a leaf of any degree, point by point.
+//!
+//! The search has three steps, each more expensive and rarer than the one before.
+//!
+//! 1. *The thick parallelogram* ([`PatchLeaf::project`]). If the ray passes the projected parallelogram at more than its
+//!    thickness, there is no root.
+//! 2. *The certificate* ([`contract`]). If the Jacobian of the leaf, projected along the ray, deviates from that of the
+//!    parallelogram by a factor q < 1, the map is injective and its simplified Newton step contracts by q. Clamped to the
+//!    parameter square it still does, so that its fixed point is either the only root or proof that there is none.
+//! 3. *Subdivision* ([`subdivision`]). The coefficients are halved until every cell is excluded, certified, or as small as
+//!    rounding.
+
+use glanz_math::DVec2;
+use glanz_math::glam::DVec4;
+
+use super::contraction::{LocalRoot, MapBounds, NoConvergence, PlanarJet, PlanarMap, contract};
+use super::control_net;
+use super::leaf::{LeafProjection, PatchLeaf};
+use super::parameter_rect::DyadicRect;
+use super::ray_space::RaySpace;
+use super::root::{FirstOrderJet, SearchScratch, SurfaceRoot};
+use super::subdivision::{self, SubdividablePatch};
+use crate::bvh::simd::Simd;
+
+/// Steps in a certified leaf. Leaves that contract too slowly for that are subdivided.
+const MOST_STEPS: usize = 24;
+
+/// The homogeneous control points of a subpatch, that of (i, j) at i (q + 1) + j.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HomogeneousNet<'a> {
+    /// Degrees.
+    pub(super) degrees: (usize, usize),
+    pub(super) points: &'a [DVec4],
+}
+
+/// A leaf of any degree: a part of a net.
+#[derive(Clone, Copy, Debug)]
+struct NetLeaf<'a> {
+    net: HomogeneousNet<'a>,
+    part: DyadicRect,
+}
+
+impl SubdividablePatch for NetLeaf<'_> {
+    fn degrees(&self) -> (usize, usize) {
+        self.net.degrees
+    }
+
+    fn project(&self, space: &RaySpace, cells: &mut Vec<f64>) -> f64 {
+        cells.clear();
+        let HomogeneousNet { degrees: (p, q), points } = self.net;
+        let o = space.line.origin;
+        for axis in space.axes {
+            for j in 0..=q {
+                let column = points.iter().skip(j).step_by(q + 1).take(p + 1);
+                cells.extend(column.map(|h| axis.dot(h.truncate() - o * h.w)));
+            }
+        }
+        if points.iter().any(|h| h.w != 1.0) {
+            for j in 0..=q {
+                cells.extend(points.iter().skip(j).step_by(q + 1).take(p + 1).map(|h| h.w));
+            }
+        }
+        subdivision::restrict(cells, (p, q), self.part);
+        2.0 * space.noise
+    }
+
+    fn jet(&self, x: f64, y: f64) -> FirstOrderJet {
+        let (at, width) = (self.part.at(DVec2::new(x, y)), self.part.width());
+        let jet = control_net::second_order_jet(self.net.points, self.net.degrees, at.x, at.y);
+        FirstOrderJet { s: jet.s, su: jet.su * width.x, sv: jet.sv * width.y }
+    }
+
+    fn noise(&self, space: &RaySpace) -> f64 {
+        space.noise
+    }
+}
+
+/// A leaf of any degree as a map to the plane across the ray.
+struct ProjectedNet<'a, S> {
+    simd: S,
+    net: HomogeneousNet<'a>,
+    /// Centre and half sides of the leaf, in [0, 1]^2.
+    middle: DVec2,
+    half: DVec2,
+    space: &'a RaySpace,
+}
+
+impl<S: Simd> PlanarMap for ProjectedNet<'_, S> {
+    #[inline(always)]
+    fn jet(&self, x: DVec2) -> PlanarJet {
+        let FirstOrderJet { s, su, sv } = self.surface_jet(x);
+        let Self { half, space, .. } = self;
+        PlanarJet {
+            f: space.across(s - space.line.origin),
+            fs: half.x * space.across(su),
+            ft: half.y * space.across(sv),
+        }
+    }
+
+    #[inline(always)]
+    fn weight(&self, _: DVec2) -> f64 {
+        1.0
+    }
+}
+
+impl<S: Simd> ProjectedNet<'_, S> {
+    /// The surface at (s, t) of the leaf, with the derivatives by the parameters of the net.
+    #[inline(always)]
+    fn surface_jet(&self, x: DVec2) -> FirstOrderJet {
+        let Self { simd, net: HomogeneousNet { degrees, points }, middle, half, .. } = *self;
+        let at = middle + half * x;
+        let [h, hu, hv] = control_net::first_order(simd, points, degrees, at.x, at.y);
+        let per = 1.0 / h.w;
+        let s = h.truncate() * per;
+        let derivative = |d: DVec4| (d.truncate() - s * d.w) * per;
+        FirstOrderJet { s, su: derivative(hu), sv: derivative(hv) }
+    }
+}
+
+/// Finds every root of the leaf of `net`: returns the only one, or puts all of them into `scratch.roots`, in no order.
+#[inline(always)]
+pub(super) fn roots<S: Simd>(
+    simd: S,
+    net: HomogeneousNet<'_>,
+    leaf: &PatchLeaf,
+    projection: &LeafProjection,
+    space: &RaySpace,
+    scratch: &mut SearchScratch,
+) -> Option<SurfaceRoot> {
+    let part = leaf.part;
+    if projection.certified {
+        let bounds = MapBounds {
+            noise: space.noise,
+            curvature_bound: leaf.curvature_bound(),
+            weights: [1.0; 2],
+            steps: MOST_STEPS,
+        };
+        let half = 0.5 * part.width();
+        let map = ProjectedNet { simd, net, middle: part.at(DVec2::splat(0.5)), half, space };
+        match contract(&map, &projection.certificate, &bounds, projection.start) {
+            Ok(None) => return None,
+            Ok(Some(LocalRoot { at, uncertainty })) => {
+                let FirstOrderJet { s, su, sv } = map.surface_jet(at);
+                let (at, uncertainty) = (map.middle + half * at, half * uncertainty);
+                return Some(SurfaceRoot {
+                    s: space.line.direction.dot(s - space.line.origin),
+                    at,
+                    uncertainty,
+                    distance_uncertainty: uncertainty.x * su.length() + uncertainty.y * sv.length(),
+                });
+            }
+            Err(NoConvergence) => {}
+        }
+    }
+    subdivision::roots(&NetLeaf { net, part }, space, scratch);
+    for root in &mut scratch.roots {
+        *root = root.of_part(part);
+    }
+    None
+}
