@@ -271,6 +271,7 @@ pub enum FileFault {
 
 impl FileFault {
     /// The fault of a sealed file that holds `what`; `kind`: what it should be.
+    #[cfg(any(feature = "radiosity", feature = "illumination"))]
     pub(crate) fn of_envelope(error: EnvelopeError, [what, kind]: [&'static str; 2], known: u32) -> Self {
         match error {
             EnvelopeError::Foreign => Self::Foreign(kind),

@@ -27,7 +27,6 @@ pub use light_file::LightFile;
 #[cfg(feature = "formats")]
 pub use model_files::{ModelFiles, ModelSettings, check_model_path};
 pub use outcome::BakeOutcome;
-use outcome::ModelView;
 
 /// Largest side of an element: metres, and per the diagonal of the scene.
 const SIDE: f64 = 0.3;
@@ -71,7 +70,8 @@ impl<'a> BakeBuilder<'a> {
         let Self { scene, settings, mut job } = self;
         job.check_checkpoint()?;
         let identity = LightIdentity::new(scene.content_hash(), settings);
-        let view = ModelView::of(&scene.description);
+        #[cfg(feature = "formats")]
+        let view = model_files::ModelView::of(&scene.description);
         let (scene, warnings) = scene.resolve()?;
         warnings.into_iter().for_each(|warning| job.warn(warning));
         let start = Instant::now();
@@ -94,7 +94,16 @@ impl<'a> BakeBuilder<'a> {
             job.warn(Warning::CoarseCharts { charts: coarse });
         }
         let (atlas, elapsed) = (Atlas::new(&maps), start.elapsed());
-        Ok(BakeOutcome { scene, view, maps, atlas, elements, elapsed, warnings: job.warnings })
+        Ok(BakeOutcome {
+            scene,
+            #[cfg(feature = "formats")]
+            view,
+            maps,
+            atlas,
+            elements,
+            elapsed,
+            warnings: job.warnings,
+        })
     }
 }
 

@@ -7,10 +7,12 @@ use glanz_formats::glb::{self, Camera, Model};
 use glanz_formats::image::{self, Format};
 use glanz_light::Tone;
 use glanz_math::Bounds3;
+use glanz_scene::Description;
+use glanz_scene::description::{CameraDescription, FilmDescription};
 
 use super::model::{Axes, ModelBuilder, pixels};
 use super::model_camera;
-use super::outcome::{BakeOutcome, ModelView};
+use super::outcome::BakeOutcome;
 use crate::error::{Error, FileFault};
 use crate::file;
 
@@ -46,7 +48,27 @@ pub struct ModelFiles {
     pub tolerance: f64,
 }
 
+/// What a model takes over from the description.
+#[derive(Clone, Debug)]
+pub(super) struct ModelView {
+    camera: CameraDescription,
+    film: FilmDescription,
+    /// For each shape, in the order of the scene file: the name of its material, with its number.
+    names: Vec<String>,
+}
+
 impl ModelView {
+    pub(super) fn of(description: &Description) -> Self {
+        let groups = description.groups.iter().chain([&description.world]);
+        let shapes = groups.flat_map(|group| &group.shapes).enumerate();
+        let names = shapes.map(|(number, shape)| {
+            let material = description.materials.get(shape.material).map_or("", |material| &material.name);
+            if material.is_empty() { format!("shape {number}") } else { format!("{material} {number}") }
+        });
+        let names = names.collect();
+        Self { camera: description.camera.clone(), film: description.film.clone(), names }
+    }
+
     fn axes(&self) -> Axes {
         Axes::of_camera(&self.camera.to_world)
     }

@@ -2,6 +2,8 @@
 
 mod guide_file;
 mod picture;
+#[cfg(feature = "formats")]
+mod picture_files;
 mod plan;
 #[cfg(feature = "radiosity")]
 mod stored;
@@ -24,7 +26,9 @@ use crate::file;
 use crate::job_options::{JobOptions, JobSink, job_methods};
 use crate::loaded_scene::LoadedScene;
 
-pub use picture::{Picture, RenderStatistics, merge, picture_format};
+pub use picture::{Picture, RenderStatistics, merge};
+#[cfg(feature = "formats")]
+pub use picture_files::picture_format;
 pub use plan::RenderPlan;
 
 /// Settings of a render. What is not set is as the scene says.

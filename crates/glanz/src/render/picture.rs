@@ -1,6 +1,5 @@
-//! Pictures: a film with the identity of what it shows, and its files.
+//! Pictures: a film with the identity of what it shows, and its checkpoint.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
@@ -9,7 +8,7 @@ use glanz_light::Pixels;
 use glanz_transport::{Checkpoint, Counters, Film, PictureIdentity};
 
 use super::guide_file;
-use crate::error::{Error, FileFault};
+use crate::error::Error;
 use crate::event::Warning;
 use crate::file;
 
@@ -89,27 +88,6 @@ impl Picture {
         Ok(self.film.to_pixels()?)
     }
 
-    /// Writes the picture in the format of the extension: OpenEXR, PNG (light above 1 is cut), Radiance HDR or PFM.
-    ///
-    /// # Errors
-    /// [`Error::File`].
-    #[cfg(feature = "formats")]
-    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
-        self.save_with(path, &glanz_light::Tone::default())
-    }
-
-    /// As [`Picture::save`], with an exposure and a tone curve for PNG.
-    ///
-    /// # Errors
-    /// [`Error::File`].
-    #[cfg(feature = "formats")]
-    pub fn save_with(&self, path: impl AsRef<Path>, tone: &glanz_light::Tone) -> Result<(), Error> {
-        let path = path.as_ref();
-        let format = picture_format(path)?;
-        let bytes = glanz_formats::image::write(&self.pixels()?, format, tone, &self.attributes());
-        file::write(path, &bytes.map_err(Error::of_file(path))?)
-    }
-
     /// Writes film and identity to a file, to be resumed by a [`RenderBuilder`](super::RenderBuilder) or [merged](merge).
     ///
     /// # Errors
@@ -127,32 +105,6 @@ impl Picture {
         let training = self.film.training().ok_or(Error::NoGuide { integrator })?;
         guide_file::write(path.as_ref(), training.guide())
     }
-
-    /// What goes into the header of an EXR file: only what the picture depends on, so that equal pictures are equal files.
-    #[cfg(feature = "formats")]
-    fn attributes(&self) -> BTreeMap<String, String> {
-        let identity = &self.identity;
-        let entries = [
-            ("software", format!("Glanz {}", identity.version)),
-            ("glanz.integrator", identity.integrator.to_string()),
-            ("glanz.sampler", identity.sampler.name().to_owned()),
-            ("glanz.samples", self.film.samples().to_string()),
-            ("glanz.seed", identity.seed.to_string()),
-        ];
-        entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
-    }
-}
-
-/// The format in which a picture is written to `path`.
-///
-/// # Errors
-/// [`Error::File`] with [`FileFault::Extension`] if the extension names no format that is written.
-#[cfg(feature = "formats")]
-pub fn picture_format(path: &Path) -> Result<glanz_formats::image::Format, Error> {
-    use glanz_formats::image::Format;
-    Format::from_path(path)
-        .filter(|format| matches!(format, Format::Exr | Format::Png | Format::Hdr | Format::Pfm))
-        .ok_or_else(|| FileFault::Extension("pictures").of(path))
 }
 
 /// Joins checkpoints of disjoint sample ranges into one picture: it has the bits of all samples rendered at once.

@@ -1,0 +1,55 @@
+//! Pictures as files of the field's formats.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use glanz_formats::image::{self, Format};
+use glanz_light::Tone;
+
+use super::picture::Picture;
+use crate::error::{Error, FileFault};
+use crate::file;
+
+impl Picture {
+    /// Writes the picture in the format of the extension: OpenEXR, PNG (light above 1 is cut), Radiance HDR or PFM.
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        self.save_with(path, &Tone::default())
+    }
+
+    /// As [`Picture::save`], with an exposure and a tone curve for PNG.
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    pub fn save_with(&self, path: impl AsRef<Path>, tone: &Tone) -> Result<(), Error> {
+        let path = path.as_ref();
+        let format = picture_format(path)?;
+        let bytes = image::write(&self.pixels()?, format, tone, &attributes(self));
+        file::write(path, &bytes.map_err(Error::of_file(path))?)
+    }
+}
+
+/// What goes into the header of an EXR file: only what the picture depends on, so that equal pictures are equal files.
+fn attributes(picture: &Picture) -> BTreeMap<String, String> {
+    let identity = picture.identity();
+    let entries = [
+        ("software", format!("Glanz {}", identity.version)),
+        ("glanz.integrator", identity.integrator.to_string()),
+        ("glanz.sampler", identity.sampler.name().to_owned()),
+        ("glanz.samples", picture.film().samples().to_string()),
+        ("glanz.seed", identity.seed.to_string()),
+    ];
+    entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+}
+
+/// The format in which a picture is written to `path`.
+///
+/// # Errors
+/// [`Error::File`] with [`FileFault::Extension`] if the extension names no format that is written.
+pub fn picture_format(path: &Path) -> Result<Format, Error> {
+    Format::from_path(path)
+        .filter(|format| matches!(format, Format::Exr | Format::Png | Format::Hdr | Format::Pfm))
+        .ok_or_else(|| FileFault::Extension("pictures").of(path))
+}
