@@ -66,27 +66,30 @@ fn docs() -> Result<String, String> {
     succeed(&mut command, "the documentation has faults, see above").map(|()| String::new())
 }
 
-/// The tests that drive a browser; all others are in [`tests`].
-const BROWSER_TESTS: &str = "viewer::browser::";
+/// The beginning of the names of tests that drive a browser.
+pub(crate) const BROWSER_TESTS: &str = "viewer::browser::";
 
+/// Runs all tests but those of the browser and the heavy ones, then the examples in the documentation.
 fn tests() -> Result<String, String> {
-    // Examples of the sources are compiled by clippy.
-    let all = ["test", "--workspace", "--no-fail-fast", "--lib", "--bins", "--tests"];
-    let tests = run_tests(workspace::cargo(all).args(["--", "--skip", BROWSER_TESTS]));
+    let tests = run_tests(all_tests().args(["--", "--skip", BROWSER_TESTS]));
     let documented = run_tests(&mut workspace::cargo(["test", "--workspace", "--no-fail-fast", "--doc"]));
     let counts = format!("{}; documentation: {}", text(&tests), text(&documented));
     if tests.is_ok() && documented.is_ok() { Ok(counts) } else { Err(counts) }
 }
 
 fn browser() -> Result<String, String> {
-    // The same targets as above, so that nothing is built again; the filter leaves the tests of one.
-    let all = ["test", "--workspace", "--no-fail-fast", "--lib", "--bins", "--tests"];
-    let mut command = workspace::cargo(all);
-    command.args(["--", BROWSER_TESTS]);
+    run_tests(all_tests().args(["--", BROWSER_TESTS]))
+}
+
+/// Cargo with the unit and integration tests of the workspace, always of the same targets, so that nothing is built twice. Examples
+/// are compiled by clippy only.
+pub(crate) fn all_tests() -> Command {
+    let mut command =
+        workspace::cargo(["test", "--workspace", "--no-fail-fast", "--lib", "--bins", "--tests"]);
     if let Some(program) = chromium::find() {
         command.env("CHROMIUM", program);
     }
-    run_tests(&mut command)
+    command
 }
 
 fn text(result: &Result<String, String>) -> &str {

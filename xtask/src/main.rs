@@ -22,7 +22,7 @@ const USAGE: &str = "\
 Usage: cargo xtask COMMAND
 
   test [STEP...]       what a change needs: format, layers, references, clippy, docs, tests, web, browser
-  nightly [PART...]    everything heavy: heavy, benches, publish, and the parts below
+  nightly [PART...]    everything heavy: heavy, browser, benches, publish, and the parts below
   setup                installs what the checks need beyond Rust; `test` does it, too
   layers               which crate uses which, against the floors of docs/ARCHITECTURE.md
   references           every @key cited in the sources against docs/references.bib

@@ -2,7 +2,8 @@
 
 use std::process::{Command, ExitCode};
 
-use crate::checks::run_tests;
+use crate::checks::{BROWSER_TESTS, all_tests, run_tests};
+use crate::setup::{Tool, Toolbox};
 use crate::suite::{self, Check, Verdict, succeed};
 use crate::{publish, workspace};
 
@@ -32,7 +33,7 @@ const PARTS: &[Part] = &[
         name: "contract",
         package: "glanz-geometry",
         filter: "contract::",
-        settings: &[setting("--rays", "GLANZ_CONTRACT_RAYS", 10_000_000)],
+        settings: &[setting("--rays", "GLANZ_CONTRACT_RAYS", 1_000_000)],
         help: "the contract of every kind of surface over random rays",
     },
     Part {
@@ -66,8 +67,10 @@ const PARTS: &[Part] = &[
         settings: &[
             setting("--points", "GLANZ_BAKE_POINTS", 1000),
             setting("--samples", "GLANZ_BAKE_SAMPLES", 8192),
+            setting("--density", "GLANZ_BAKE_DENSITY", 25),
+            setting("--rays", "GLANZ_BAKE_RAYS", 512),
         ],
-        help: "light maps against path tracing at random points, with so many paths each",
+        help: "light maps of so many texels per metre, from so many rays, against path tracing at random points, with so many paths each",
     },
     Part {
         name: "soak",
@@ -113,8 +116,18 @@ pub(crate) fn part(name: &str, options: &[&str]) -> Option<Result<ExitCode, Stri
 /// # Errors
 /// A name that is no part.
 pub(crate) fn nightly(names: &[&str]) -> Result<ExitCode, String> {
+    let needs_browser = names.is_empty() || names.contains(&"browser");
+    let tools: &[Tool] = if needs_browser { &[Tool::Node, Tool::Chromium] } else { &[] };
+    let toolbox = Toolbox::prepare(tools.iter().copied());
     let mut checks: Vec<Check<'_>> = vec![
-        Check { name: "heavy", run: Box::new(heavy) },
+        Check { name: "heavy", run: Box::new(|| heavy(&["--skip", BROWSER_TESTS])) },
+        Check {
+            name: "browser",
+            run: Box::new(|| match toolbox.missing(Tool::Chromium) {
+                Some(why) => Ok(Verdict::Skipped(why)),
+                None => heavy(&[BROWSER_TESTS]),
+            }),
+        },
         Check { name: "benches", run: Box::new(benches) },
         Check { name: "publish", run: Box::new(|| publish::dry_run().map(Verdict::Passed)) },
     ];
@@ -132,19 +145,9 @@ pub(crate) fn nightly(names: &[&str]) -> Result<ExitCode, String> {
     Ok(suite::run("nightly", &checks))
 }
 
-/// The tests that are marked as heavy by `#[ignore]`.
-fn heavy() -> Result<Verdict, String> {
-    let mut command = workspace::cargo([
-        "test",
-        "--workspace",
-        "--no-fail-fast",
-        "--lib",
-        "--bins",
-        "--tests",
-        "--",
-        "--ignored",
-    ]);
-    run_tests(&mut command).map(Verdict::Passed)
+/// The tests that are marked as heavy by `#[ignore]`, with these arguments to select some of them.
+fn heavy(arguments: &[&str]) -> Result<Verdict, String> {
+    run_tests(all_tests().args(["--", "--ignored"]).args(arguments)).map(Verdict::Passed)
 }
 
 /// Links examples and benchmarks, which clippy only checks.

@@ -1,26 +1,11 @@
-//! Readers and writers of scenes, models and images.
+#![doc = include_str!("../README.md")]
 //!
+//! # Modules
 //! [`registry`] recognises a scene by content and reads it: [`load`] gives a
 //! [`Description`](glanz_scene::Description), which `glanz-scene` turns into a scene, and [`Diagnostics`]
 //! that point into the input. [`pbrt`] is the scene language, [`ply`] reads meshes, [`newell`] and [`rib`] lists of
 //! patches, [`photometry`] the light of luminaires, [`image`] reads and writes pictures, [`glb`] writes models. Whatever bytes come, there is a result or an error: no panic, no hang, and no
 //! more memory than the input warrants.
-//!
-//! ```
-//! use glanz_formats::{Options, load_str};
-//!
-//! let text = r#"
-//!     LookAt 0 0 -5  0 0 0  0 1 0
-//!     Camera "perspective" "float fov" 40
-//!     WorldBegin
-//!     LightSource "infinite" "rgb L" [1 1 1]
-//!     Shape "sphere" "float raduis" 2
-//! "#;
-//! let loaded = load_str("ball.pbrt", text, &Options::default())?;
-//! assert_eq!(loaded.description.world.shapes.len(), 1);
-//! assert!(loaded.diagnostics.to_string().contains("did you mean \"radius\"?"));
-//! # Ok::<(), glanz_formats::Diagnostics>(())
-//! ```
 
 pub mod glb;
 pub mod image;

@@ -1,5 +1,6 @@
-//! Illuminance of receivers by lamps, directly and through mirrors (document 000 chapter 4).
+#![doc = include_str!("../README.md")]
 //!
+//! # Modules
 //! - [`Receivers`] are grids of cells on surfaces of a scene; [`add_walls`] puts the scene into a room of them;
 //! - [`trace()`] sends particles from the lamps and counts what they bring, in a [`Tally`];
 //! - [`integrate::Reflections`] integrates over lamps and their images in mirrors, without chance;

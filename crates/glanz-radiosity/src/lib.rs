@@ -1,4 +1,4 @@
-//! Light that stays: what diffuse surfaces send to one another, and the light maps that show it.
+#![doc = include_str!("../README.md")]
 
 pub mod bake;
 pub mod charts;

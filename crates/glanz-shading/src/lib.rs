@@ -1,5 +1,6 @@
-//! BSDFs, Fresnel's equations, materials and textures.
+#![doc = include_str!("../README.md")]
 //!
+//! # Modules
 //! Everything works in a local frame: z is the shading normal, directions have unit length and point away
 //! from the surface. Directions and densities are `f64`, light is `f32`.
 //!
@@ -10,27 +11,6 @@
 //! - [`preview`]: materials in a rasteriser;
 //! - [`fresnel`]: reflectance of glass and metal, the directions of reflection and refraction;
 //! - [`texture`]: [`Textures`], their mappings and pictures.
-//!
-//! ```
-//! use glanz_light::{Spectrum, Wavelengths};
-//! use glanz_math::{DVec2, DVec3};
-//! use glanz_shading::texture::{Checkerboard, TextureMapping};
-//! use glanz_shading::{Material, SpectrumInput, Texture, TexturePoint, Textures, TransportMode};
-//!
-//! let mut textures = Textures::new();
-//! let board = textures.add(Texture::Checkerboard(Checkerboard {
-//!     even: Spectrum::from_rgb([0.8; 3]).into(),
-//!     odd: Spectrum::from_rgb([0.2; 3]).into(),
-//!     mapping: TextureMapping::Uv { scale: DVec2::splat(8.0), offset: DVec2::ZERO },
-//! }))?;
-//! let floor = Material::diffuse(SpectrumInput::Texture(board));
-//!
-//! let at = TexturePoint::new(DVec2::new(0.05, 0.2), DVec3::ZERO);
-//! let bsdf = floor.bsdf(&textures, &at, &Wavelengths::Rgb).expect("not an interface");
-//! let sample = bsdf.sample(DVec3::Z, DVec2::new(0.3, 0.6), 0.5, TransportMode::Radiance).expect("not black");
-//! assert_eq!(sample.weight, Spectrum::from_rgb([0.2; 3]));
-//! # Ok::<(), glanz_shading::texture::TextureError>(())
-//! ```
 
 pub mod bsdf;
 pub mod fresnel;

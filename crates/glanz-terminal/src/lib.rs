@@ -1,5 +1,6 @@
-//! What the programs of Glanz share: the command line `glanz` and the studies.
+#![doc = include_str!("../README.md")]
 //!
+//! # Modules
 //! - [`values`] parses the values of options, [`Verbosity`] holds the options that every command has;
 //! - [`messages`] and [`progress`] write to the standard error stream, [`output`] to the standard output;
 //! - [`interrupt`] turns Ctrl-C and SIGTERM into a flag;

@@ -1,5 +1,6 @@
-//! From a scene to a picture: film, filters, integrators, and the loop that brings them together.
+#![doc = include_str!("../README.md")]
 //!
+//! # Modules
 //! - [`Integrator`]s estimate the radiance along camera rays; [`INTEGRATORS`] is the table of them;
 //! - a [`Filter`] says where around a pixel a sample lies;
 //! - a [`Film`] adds samples up, exactly ([`glanz_sampling::exact`]): the picture depends on which samples were taken, not on
@@ -8,39 +9,6 @@
 //! - [`send_particle()`] sends light from lamps, for all who count what arrives;
 //! - a [`Guide`] tells integrators that learn where light comes from;
 //! - a [`Checkpoint`] is a film in a file with the [`PictureIdentity`] it belongs to; [`merge()`] joins several.
-//!
-//! A white sphere in a white sky cannot be told from the sky:
-//! ```
-//! use glanz_job::{CancelFlag, Silent};
-//!
-//! use glanz_sampling::SamplerKind;
-//! use glanz_scene::description::{LightDescription, MaterialKind, ShapeDescription};
-//! use glanz_scene::{Scene, SceneBuilder};
-//! use glanz_transport::{Film, FilmFormat, Filter, IntegratorSettings, RenderSettings, render};
-//!
-//! let description = SceneBuilder::new()
-//!     .resolution(16, 16)
-//!     .shape(ShapeDescription::sphere(1.0).translated([0.0, 0.0, 3.0]), MaterialKind::diffuse(1.0))
-//!     .light(LightDescription::infinite(1.0))
-//!     .describe()?;
-//! let filter = Filter::try_new(&description.filter)?;
-//! let integrator = IntegratorSettings::resolve(&description.integrator)?.build();
-//! let film = Film::try_new(FilmFormat::plain(description.film.resolution))?;
-//! let (scene, _) = Scene::resolve(description)?;
-//! let settings = RenderSettings {
-//!     filter,
-//!     sampler: SamplerKind::Sobol,
-//!     seed: 0,
-//!     samples_per_pixel: 4,
-//!     samples: 0..4,
-//!     threads: 1,
-//!     time_limit: None,
-//! };
-//! let outcome = render(&scene, integrator.as_ref(), &settings, film, &mut Silent, &CancelFlag::default())?;
-//! let picture = outcome.film.to_pixels()?;
-//! assert!(picture.channel("G").ok_or("no G")?.iter().all(|g| (g - 1.0).abs() < 1e-5));
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 
 pub mod aov;
 mod channels;

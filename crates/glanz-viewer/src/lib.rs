@@ -1,6 +1,6 @@
-//! A page that draws exact surfaces, and the local server behind it.
+#![doc = include_str!("../README.md")]
 //!
-//! `docs/viewer.md` says how the parts hang together and what goes between them.
+//! `docs/viewer.md` in the repository describes the parts and the messages between them.
 
 pub mod model;
 pub mod query;

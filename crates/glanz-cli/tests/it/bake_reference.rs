@@ -1,6 +1,7 @@
 //! Light maps against path tracing at random points of surfaces.
 //!
-//! `GLANZ_BAKE_POINTS` says at how many and `GLANZ_BAKE_SAMPLES` with how many paths each; `cargo xtask bake` takes 1000 and 8192.
+//! `GLANZ_BAKE_POINTS` says at how many and `GLANZ_BAKE_SAMPLES` with how many paths each; `cargo xtask bake` takes 1000 and 8192, and light
+//! maps with the program's own density and number of rays instead of coarser ones.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -63,10 +64,10 @@ fn reference(scene: &Scene, path: &dyn Integrator, at: &PlacedPoint, samples: u3
 fn light_maps_are_what_path_tracing_finds() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let file = root.join(setting("GLANZ_BAKE_SCENE", "scenes/rooms/vase.pbrt"));
-    let (points, samples) = (number("GLANZ_BAKE_POINTS", 300), number("GLANZ_BAKE_SAMPLES", 4096));
+    let (points, samples) = (number("GLANZ_BAKE_POINTS", 100), number("GLANZ_BAKE_SAMPLES", 4096));
     let settings = BakeSettings {
-        density: f64::from(number("GLANZ_BAKE_DENSITY", 25)),
-        rays: number("GLANZ_BAKE_RAYS", 512),
+        density: f64::from(number("GLANZ_BAKE_DENSITY", 16)),
+        rays: number("GLANZ_BAKE_RAYS", 256),
         ..BakeSettings::default()
     };
     let description = load(&file, &Options::default()).unwrap_or_else(|error| panic!("{error}")).description;

@@ -35,7 +35,7 @@ impl ContractTally {
 ///
 /// Panics with the first breaches, rays in full precision.
 pub fn check_kind(kind: &str, seed: u64, cases: &[ContractCase]) {
-    let wanted = std::env::var("GLANZ_CONTRACT_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(20_000_u64);
+    let wanted = std::env::var("GLANZ_CONTRACT_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(4000_u64);
     let per_case = wanted.div_ceil(cases.len() as u64);
     let mut tally = ContractTally::default();
     for (i, case) in cases.iter().enumerate() {

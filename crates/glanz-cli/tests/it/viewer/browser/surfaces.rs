@@ -58,11 +58,13 @@ fn the_teapot_is_drawn_where_rays_meet_it_with_its_normals() {
 }
 
 #[test]
+#[ignore = "heavy"]
 fn the_trimmed_plate_is_drawn_where_rays_meet_it_with_its_normals() {
     compare("plate.pbrt");
 }
 
 #[test]
+#[ignore = "heavy"]
 fn quadrics_torus_and_quartic_are_drawn_where_rays_meet_them_with_their_normals() {
     compare("demo.pbrt");
 }

@@ -55,6 +55,7 @@ fn rendered(page: &mut Page, samples: u32) {
 }
 
 #[test]
+#[ignore = "heavy"]
 fn mouse_wheel_keys_and_fingers_move_the_camera_and_the_picture() {
     let served = ViewServer::start(&scene_file("teapot.pbrt"));
     let mut page = Page::open(&served.address(), SIZE);
@@ -113,6 +114,7 @@ fn a_click_tells_what_the_surface_is_there() {
 }
 
 #[test]
+#[ignore = "heavy"]
 fn the_rendered_picture_comes_while_the_camera_rests_and_is_saved() {
     let served = ViewServer::start(&scene_file("teapot.pbrt"));
     let mut page = Page::open(&served.address(), SIZE);
