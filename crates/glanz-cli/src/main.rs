@@ -1,6 +1,7 @@
 //! The command line of Glanz: from arguments to exit code.
 
 mod arguments;
+mod browser;
 mod command;
 mod failure;
 mod notes;

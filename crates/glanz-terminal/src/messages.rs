@@ -9,6 +9,7 @@ use glanz_scene::Severity;
 pub struct Messages {
     quiet: bool,
     colour: bool,
+    is_terminal: bool,
 }
 
 const RED: &str = "\x1b[1;31m";
@@ -16,12 +17,16 @@ const YELLOW: &str = "\x1b[1;33m";
 const CYAN: &str = "\x1b[1;36m";
 const PLAIN: &str = "\x1b[0m";
 
+/// Goes to the beginning of the line of a terminal and clears it.
+pub(crate) const CLEAR_LINE: &str = "\r\x1b[2K";
+
 impl Messages {
     /// Messages to the standard error stream, errors only if `quiet`; coloured on a terminal unless the variable
     /// `NO_COLOR` is set to something.
     pub fn new(quiet: bool) -> Self {
         let refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-        Self { quiet, colour: std::io::stderr().is_terminal() && !refused }
+        let is_terminal = std::io::stderr().is_terminal();
+        Self { quiet, colour: is_terminal && !refused, is_terminal }
     }
 
     /// Whether only errors are said.
@@ -65,8 +70,10 @@ impl Messages {
 
     fn say(self, colour: &str, label: &str, text: &str) {
         let (on, off) = if self.colour && !label.is_empty() { (colour, PLAIN) } else { ("", "") };
-        // Nobody is left to tell if this stream is closed.
-        let _ = writeln!(std::io::stderr().lock(), "{on}{label}{off}{text}");
+        // A progress bar may be in the line.
+        let clear = if self.is_terminal { CLEAR_LINE } else { "" };
+        // Nobody is left to report to if this stream is closed.
+        let _ = writeln!(std::io::stderr().lock(), "{clear}{on}{label}{off}{text}");
     }
 }
 

@@ -1,28 +1,32 @@
 //! How far a job is: a bar on a terminal, plain lines elsewhere, nothing if quiet.
 
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use glanz_job::{JobProgress, ProgressSink};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-
 use glanz_report::number::duration;
 
-use crate::messages::Messages;
+use crate::messages::{CLEAR_LINE, Messages};
 
 /// Time between two plain lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
 
-/// Steps of the bar: finer than its width on any terminal.
-const STEPS: u64 = 1000;
+/// Time between two drawings of the bar at least.
+const BAR_INTERVAL: Duration = Duration::from_millis(100);
+
+/// Characters of the bar between its brackets.
+const BAR_WIDTH: usize = 32;
+
+/// Width of a terminal that does not tell it.
+const USUAL_WIDTH: usize = 80;
 
 /// Shows how far a job is.
 pub struct Progress {
-    shown: Shown,
+    display: ProgressDisplay,
 }
 
-enum Shown {
-    Bar(ProgressBar),
+enum ProgressDisplay {
+    Bar { drawn: Option<Instant> },
     Lines { messages: Messages, last: Instant },
     Nothing,
 }
@@ -30,38 +34,42 @@ enum Shown {
 impl Progress {
     /// Shows nothing yet; the first plain line comes after a while.
     pub fn start(messages: Messages) -> Self {
-        let shown = if messages.is_quiet() {
-            Shown::Nothing
+        let display = if messages.is_quiet() {
+            ProgressDisplay::Nothing
         } else if std::io::stderr().is_terminal() {
-            Shown::Bar(bar())
+            ProgressDisplay::Bar { drawn: None }
         } else {
-            Shown::Lines { messages, last: Instant::now() }
+            ProgressDisplay::Lines { messages, last: Instant::now() }
         };
-        Self { shown }
+        Self { display }
     }
 
     /// Shows how far the job is.
     pub fn show(&mut self, progress: &JobProgress<'_>) {
         let (text, fraction) = (text(progress), progress.fraction);
-        match &mut self.shown {
-            Shown::Bar(bar) => {
-                bar.set_position((fraction * STEPS as f64) as u64);
-                bar.set_message(text);
+        match &mut self.display {
+            ProgressDisplay::Bar { drawn } => {
+                if drawn.is_none_or(|drawn| drawn.elapsed() >= BAR_INTERVAL) {
+                    *drawn = Some(Instant::now());
+                    let width = terminal_size::terminal_size_of(std::io::stderr());
+                    let width = width.map_or(USUAL_WIDTH, |(width, _)| usize::from(width.0));
+                    draw(&bar(fraction, &text, width));
+                }
             }
-            Shown::Lines { messages, last } => {
+            ProgressDisplay::Lines { messages, last } => {
                 if last.elapsed() >= LINE_INTERVAL {
                     *last = Instant::now();
                     messages.note(&format!("{:3.0} % {text}", 100.0 * fraction));
                 }
             }
-            Shown::Nothing => {}
+            ProgressDisplay::Nothing => {}
         }
     }
 
     /// Takes the bar away.
     pub fn finish(self) {
-        if let Shown::Bar(bar) = self.shown {
-            bar.finish_and_clear();
+        if matches!(self.display, ProgressDisplay::Bar { drawn: Some(_) }) {
+            draw("");
         }
     }
 }
@@ -88,11 +96,32 @@ fn text(progress: &JobProgress<'_>) -> String {
     text
 }
 
-fn bar() -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
-    // The template is a constant; were it refused, indicatif's own style would do.
-    if let Ok(style) = ProgressStyle::with_template("{percent:>3} % [{bar:32}] {msg}") {
-        bar.set_style(style.progress_chars("=> "));
+/// A line of a terminal of `width` characters.
+fn bar(fraction: f64, text: &str, width: usize) -> String {
+    let done = (fraction.clamp(0.0, 1.0) * BAR_WIDTH as f64) as usize;
+    let head = if done < BAR_WIDTH { ">" } else { "" };
+    let bar = format!("{}{head}", "=".repeat(done));
+    let line = format!("{:>3.0} % [{bar:BAR_WIDTH$}] {text}", 100.0 * fraction);
+    // A line that fills the terminal would begin another one.
+    line.chars().take(width.saturating_sub(1)).collect()
+}
+
+/// Replaces the line of the terminal.
+fn draw(line: &str) {
+    let mut stream = std::io::stderr().lock();
+    // Nobody is left to report to if this stream is closed.
+    let _ = write!(stream, "{CLEAR_LINE}{line}").and_then(|()| stream.flush());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bar_fills_with_the_work_and_stays_in_its_line() {
+        assert_eq!(bar(0.0, "a", 80), format!("  0 % [>{}] a", " ".repeat(31)));
+        assert_eq!(bar(0.5, "a", 80), format!(" 50 % [{}>{}] a", "=".repeat(16), " ".repeat(15)));
+        assert_eq!(bar(1.0, "a", 80), format!("100 % [{}] a", "=".repeat(32)));
+        assert_eq!(bar(0.5, "a text that is far too long", 50).chars().count(), 49);
     }
-    bar
 }

@@ -9,6 +9,7 @@ use glanz_terminal::messages::{Failure, Messages};
 use glanz_terminal::{Ending, interrupt};
 
 use crate::arguments::ViewArguments;
+use crate::browser;
 use crate::failure::failure;
 use crate::notes::note_diagnostics;
 use crate::report;
@@ -90,7 +91,7 @@ fn note_news(name: &str, news: &News, messages: Messages) {
 
 /// Opens the browser. Where that fails, the address can be copied.
 fn open_browser(address: &str, messages: Messages) {
-    if let Err(error) = ::open::that_detached(address) {
+    if let Err(error) = browser::open(address) {
         messages.warning(&format!("the browser cannot be opened: {error}; open the address yourself"));
     }
 }
