@@ -8,8 +8,8 @@ use glanz_light::Pixels;
 use glanz_sampling::exact::MAX_TERMS;
 use glanz_transport::{Film, PictureIdentity, RenderSink};
 
+use super::cache::{Kept, Run};
 use super::curve::{Error, Point};
-use super::kept::{Kept, Run};
 use super::method::{Entry, FROZEN_SAMPLES, Method};
 use super::room::{Exposed, Room, Way};
 use crate::study::{StudyError, StudyProgress};

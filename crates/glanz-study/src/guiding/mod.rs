@@ -1,25 +1,25 @@
 //! What densities that learn where light comes from gain in rooms (document 003 chapter 3).
 
+mod cache;
 mod curve;
 mod figures;
-mod kept;
 mod measure;
 mod method;
 mod outcome;
+mod report;
 mod room;
-mod tell;
 
 use glanz_light::Pixels;
 use glanz_transport::RenderError;
 
+use self::cache::{Kept, Run};
 use self::curve::{Error, combined};
-use self::kept::{Kept, Run};
 use self::measure::{Case, Reference, Work, reference};
 use self::method::{Entry, Method, entries};
 use self::outcome::{Outcome, RoomOutcome};
 use self::room::Room;
 
-use self::tell::tell_all;
+use self::report::tell_all;
 use crate::report::Report;
 use crate::study::{Settings, StudyError, StudyProgress};
 use glanz_report::{SheetPanel, contact_sheet};

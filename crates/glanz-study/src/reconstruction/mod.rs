@@ -7,8 +7,8 @@ mod method;
 mod parameters;
 mod picture;
 mod published;
+mod report;
 mod room;
-mod tell;
 mod verdict;
 
 use self::measure::measure;
@@ -51,7 +51,7 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
     }
     progress.report(done / parts, "other exponents");
     let parameters = Parameters::measure(&outcomes, size, settings)?;
-    let report = tell::tell_all(&outcomes, parameters, size)?;
+    let report = report::tell_all(&outcomes, parameters, size)?;
     progress.report(1.0, "done");
     Ok(report)
 }

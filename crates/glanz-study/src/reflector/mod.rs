@@ -1,22 +1,22 @@
 //! Where a lamp's light goes by way of a freeform mirror (document 000 chapter 4).
 
-mod against;
 mod aimed;
+mod comparison;
 mod conics;
 mod facets;
 mod fan;
 mod lux;
 mod mesh;
+mod report;
 mod revolution;
 mod room;
 mod scene_plot;
 mod speed;
-mod tell;
 
 use glanz_scene::description::ShapeDescription;
 
 use self::conics::{Conic, Made};
-use self::tell::Row;
+use self::report::Row;
 use crate::clock;
 use crate::report::Report;
 use crate::study::{Settings, StudyError, StudyProgress};
@@ -45,7 +45,7 @@ struct Plan<'a> {
 /// The whole study.
 const WHOLE: Plan<'static> = Plan {
     cells: aimed::CELLS,
-    against: (against::CELLS, against::POINTS),
+    against: (comparison::CELLS, comparison::POINTS),
     edges: &facets::EDGES,
     conic_rays: 100_000,
     triangles: &[100, 1000, 10_000, 100_000, 1_000_000],
@@ -91,7 +91,7 @@ fn run_plan(
     let lux = lux::measure(&scene, &receivers, u64::from(particles), settings, &mut told)?;
     let mut told =
         |done: f64| progress.report(AGAINST + (FACETS - AGAINST) * done, "particles against integration");
-    let against = against::measure(plan.against, u64::from(particles), settings, &mut told)?;
+    let against = comparison::measure(plan.against, u64::from(particles), settings, &mut told)?;
     let mut told = |done: f64, what: String| progress.report(FACETS + (CONICS - FACETS) * done, &what);
     let facets = facets::measure(particles, plan.edges, settings, &mut told)?;
     let rays = plan.conic_rays.min(particles);
@@ -122,8 +122,8 @@ fn run_plan(
     );
     lux.tell(&mut report, &facets.exact)?;
     against.tell(&mut report);
-    tell::tell_facets(&facets, &mut report);
-    tell::tell_conics(&rows, curves, &mut report);
+    report::tell_facets(&facets, &mut report);
+    report::tell_conics(&rows, curves, &mut report);
     speed::tell(&speeds, &mut report);
     progress.report(1.0, "done");
     Ok(report)
@@ -143,7 +143,7 @@ fn measure_conics(
         .collect();
     let parts = (Conic::ALL.len() * made.len()) as f64;
     let mut rows = Vec::new();
-    let mut curves = vec![tell::closed_form_curve()];
+    let mut curves = vec![report::closed_form_curve()];
     for conic in Conic::ALL {
         for &made in &made {
             on_progress(rows.len() as f64 / parts, format!("{} mirror, {}", conic.name(), made.name()));
@@ -156,7 +156,7 @@ fn measure_conics(
                     Some(n) => format!("{} {}", grouped(n), made.name()),
                     None => made.name().to_owned(),
                 };
-                curves.push(Series { name, points: conics::crossings(&scene, &tell::heights(41)) });
+                curves.push(Series { name, points: conics::crossings(&scene, &report::heights(41)) });
             }
             rows.push(Row { conic, made, triangles, deviation });
         }

@@ -6,7 +6,7 @@ mod figures;
 mod furnace;
 mod measure;
 mod progressive;
-mod tell;
+mod report;
 
 use glanz_scene::Scene;
 
@@ -44,7 +44,7 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
         // The pool's threads cannot tell how far they are: each run is told before it begins.
         outcomes.push(measure(name, scene, most, settings, &pool, &mut tell)?);
     }
-    let report = tell::tell_all(&outcomes, &furnaces, most, pool.current_num_threads());
+    let report = report::tell_all(&outcomes, &furnaces, most, pool.current_num_threads());
     progress.report(1.0, "done");
     Ok(report)
 }

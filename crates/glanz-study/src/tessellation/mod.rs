@@ -1,13 +1,13 @@
 //! Triangles against the surface they stand for (document 002 section 7).
 
 mod picture;
-mod stage;
+mod report;
+mod setup;
 mod surface;
-mod tell;
 
 use self::picture::difference_picture;
-use self::stage::Stage;
-use self::tell::{GAIN, Outcome, tell_all};
+use self::report::{GAIN, Outcome, tell_all};
+use self::setup::Stage;
 use crate::report::Report;
 use crate::study::{Settings, StudyError, StudyProgress};
 use glanz_report::number::grouped;

@@ -3,7 +3,7 @@
 use glanz_light::Pixels;
 
 use super::picture::{Difference, EXPONENT, SAMPLES};
-use super::stage::{Case, LEVEL, NARROW};
+use super::setup::{Case, LEVEL, NARROW};
 use crate::clock;
 use crate::report::Report;
 use crate::study::Settings;
