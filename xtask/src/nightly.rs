@@ -33,7 +33,7 @@ const PARTS: &[Part] = &[
         name: "contract",
         package: "glanz-geometry",
         filter: "contract::",
-        settings: &[setting("--rays", "GLANZ_CONTRACT_RAYS", 1_000_000)],
+        settings: &[setting("--rays", "GLANZ_CONTRACT_RAYS", 10_000_000)],
         help: "the contract of every kind of surface over random rays",
     },
     Part {

@@ -2,12 +2,12 @@
 //!
 //! # Modules
 //! - [`Integrator`]s estimate the radiance along camera rays; [`INTEGRATORS`] is the table of them;
-//! - a [`Filter`] says where around a pixel a sample lies;
+//! - a [`Filter`] places samples around a pixel;
 //! - a [`Film`] adds samples up, exactly ([`glanz_sampling::exact`]): the picture depends on which samples were taken, not on
 //!   threads, passes, interruptions or machines;
-//! - [`render()`] exposes a film, telling a [`Progress`] about it;
-//! - [`send_particle()`] sends light from lamps, for all who count what arrives;
-//! - a [`Guide`] tells integrators that learn where light comes from;
+//! - [`render()`] exposes a film, and reports to a [`RenderSink`];
+//! - [`send_particle()`] traces a particle from a light, for illuminance;
+//! - a [`Guide`] holds the densities of incident light that guided integrators sample;
 //! - a [`Checkpoint`] is a film in a file with the [`PictureIdentity`] it belongs to; [`merge()`] joins several.
 
 pub mod aov;

@@ -113,21 +113,18 @@ impl LoadedScene {
     }
 
     /// A picture of the scene.
-    #[must_use]
     pub fn render<'a>(self) -> RenderBuilder<'a> {
         RenderBuilder::new(self)
     }
 
     /// Light maps of the scene.
     #[cfg(feature = "radiosity")]
-    #[must_use]
     pub fn bake<'a>(self) -> crate::bake::BakeBuilder<'a> {
         crate::bake::BakeBuilder::new(self)
     }
 
     /// Illuminance on the receivers of the scene.
     #[cfg(feature = "illumination")]
-    #[must_use]
     pub fn illuminate<'a>(self) -> crate::illuminate::IlluminateBuilder<'a> {
         crate::illuminate::IlluminateBuilder::new(self)
     }

@@ -487,10 +487,10 @@ mod avx2 {
         fn outlined<T: Task>(self, task: T) -> T::Output {
             if REGISTERS == 32 {
                 // SAFETY: a token with 32 registers is the proof of AVX-512.
-                unsafe { super::run_avx512_outlined(Avx(self.0), task) }
+                unsafe { super::run_avx512_outlined(Avx(()), task) }
             } else {
                 // SAFETY: every token is a proof of AVX2.
-                unsafe { super::run_avx2_outlined(Avx(self.0), task) }
+                unsafe { super::run_avx2_outlined(Avx(()), task) }
             }
         }
     }

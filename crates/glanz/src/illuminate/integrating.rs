@@ -25,11 +25,14 @@ const PROBES: usize = 64;
 /// Places of a cell at most: where the image of a lamp has an edge, errors beyond the tolerance are reported.
 const POINTS: usize = 300;
 
+/// Names and values for the report.
+type ReportFacts = Vec<(String, String)>;
+
 /// Maps of all receivers, and facts for the report.
 pub(super) fn integrated(
     design: &Design,
     job: &mut JobOptions<'_>,
-) -> Result<(Vec<LuxMap>, Vec<(String, String)>), Error> {
+) -> Result<(Vec<LuxMap>, ReportFacts), Error> {
     let Design { scene, receivers, options, .. } = design;
     let scatters =
         |material: &&Material| matches!(material, Material::Diffuse { .. } | Material::Phong { .. });
