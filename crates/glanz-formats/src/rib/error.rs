@@ -125,7 +125,7 @@ impl RibErrorKind {
             Self::OpenText | Self::OpenArray | Self::OpenBlock(_) => "check whether the file is complete",
             Self::Unsupported(_) => "write the file without motion, objects and solids",
             Self::NotAffine(_) => "leave the projection to the camera of the scene",
-            Self::MeshSize { .. } => "the steps are those of PatchBasis, 3 for Bézier patches",
+            Self::MeshSize { .. } => "the steps are those of Basis, 3 for Bézier patches",
             Self::KnotsDecrease { .. } => "sort the knots, or check a missing value",
             Self::Weight(_) => "\"Pw\" has four numbers per point, w x, w y, w z and w",
             _ => return None,

@@ -1,6 +1,6 @@
 //! Surfaces from RenderMan's scene files (RIB), text only.
 //!
-//! Read are `Patch`, `PatchMesh` and `NuPatch`, `PatchBasis`, the blocks `...Begin` and `...End`, `ReverseOrientation` and the
+//! Read are `Patch`, `PatchMesh` and `NuPatch`, `Basis`, the blocks `...Begin` and `...End`, `ReverseOrientation` and the
 //! affine transformations; surfaces come out in the frame of the file as a whole. Every other request is skipped and
 //! named, except those without which surfaces would stand in wrong places. Memory is bounded by the size of the input.
 //!
@@ -135,7 +135,7 @@ impl RibReader<'_> {
                 self.state.concatenate(rotation(degrees, DVec3::new(x, y, z)));
             }
             "ReverseOrientation" => self.state.reversed = !self.state.reversed,
-            "PatchBasis" => self.state.bases = self.bases(request)?,
+            "Basis" => self.state.bases = self.bases(request)?,
             "Patch" => self.patch(request)?,
             "PatchMesh" => self.patch_mesh(request)?,
             "NuPatch" => self.nu_patch(request)?,

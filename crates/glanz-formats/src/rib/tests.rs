@@ -122,7 +122,7 @@ fn bases_mean_what_their_polynomials_say() {
         ("[1 0 0 0 0 1 0 0 0 0 0 1 0 0 1 0] 4", [2.0, 0.0, 5.0, -1.0], [2.0, 0.0, -1.0, 5.0], [1.0; 4]),
     ] {
         let net = along.iter().flat_map(|y| x.iter().flat_map(move |x| [*x, 0.0, *y]));
-        let text = format!("PatchBasis {basis} \"bezier\" 3 Patch \"bicubic\" \"P\" [{}]", numbers(net));
+        let text = format!("Basis {basis} \"bezier\" 3 Patch \"bicubic\" \"P\" [{}]", numbers(net));
         let found = patches(&text);
         for t in [0.0, 0.2, 0.7, 1.0] {
             let p = point(&found[0].patches[0], 4, t, 0.5);
@@ -146,7 +146,7 @@ fn periodic_meshes_close_without_a_gap() {
     let points = numbers(around);
     for (basis, count) in [("\"b-spline\" 1", 12), ("\"catmull-rom\" 1", 12), ("\"bezier\" 3", 4)] {
         let text = format!(
-            "PatchBasis {basis} \"bezier\" 3 PatchMesh \"bicubic\" 12 \"periodic\" 4 \"nonperiodic\" \"P\" [{points}]"
+            "Basis {basis} \"bezier\" 3 PatchMesh \"bicubic\" 12 \"periodic\" 4 \"nonperiodic\" \"P\" [{points}]"
         );
         let found = patches(&text).remove(0).patches;
         assert_eq!(found.len(), count);
@@ -222,11 +222,11 @@ fn faults_are_told_with_their_place() {
             "1:1: the last numbers of the rows are [0.0, 0.0, 1.0, 1.0], of an affine transformation they are 0 0 0 1",
         ),
         (
-            "PatchBasis \"cubic\" 1 \"bezier\" 3".to_owned(),
-            "1:7: PatchBasis needs sixteen numbers or \"bezier\", \"b-spline\", \
+            "Basis \"cubic\" 1 \"bezier\" 3".to_owned(),
+            "1:7: Basis needs sixteen numbers or \"bezier\", \"b-spline\", \
             \"catmull-rom\", \"hermite\" or \"power\"",
         ),
-        ("PatchBasis \"power\" 0 \"bezier\" 3".to_owned(), "1:15: PatchBasis needs a step from 1 to 4"),
+        ("Basis \"power\" 0 \"bezier\" 3".to_owned(), "1:15: Basis needs a step from 1 to 4"),
         ("Patch \"cubic\"".to_owned(), "1:7: Patch needs the type \"bicubic\" or \"bilinear\""),
         ("Patch \"bilinear\" \"Pz\" [1 2 3 4]".to_owned(), "1:1: Patch needs control points \"P\" or \"Pw\""),
         (format!("Patch \"bicubic\" \"P\" {p4}"), "1:21: Patch has 12 numbers in \"P\", 48 are needed"),
