@@ -14,7 +14,7 @@ WorldBegin
   LightSource "pointlight" 1 "string names" ["a \"b\"" "c"] "intensity" 5
   AttributeBegin
     Color [ 1 0 0 ]
-    PatchBasis "b-spline" 1 "b-spline" 1
+    Basis "b-spline" 1 "b-spline" 1
     PatchMesh "bicubic" 5 "nonperiodic" 4 "nonperiodic" "vertex point P" [
       0 0 0  1 0 0  2 0 0  3 0 0  4 0 0   0 1 0  1 1 0  2 1 0  3 1 0  4 1 0
       0 2 0  1 2 0  2 2 0  3 2 0  4 2 0   0 3 0  1 3 0  2 3 0  3 3 0  4 3 0 ]
