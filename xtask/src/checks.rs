@@ -69,16 +69,19 @@ fn docs() -> Result<String, String> {
 /// The beginning of the names of tests that drive a browser.
 pub(crate) const BROWSER_TESTS: &str = "viewer::browser::";
 
+/// Part of the names of tests that only the nightly run takes.
+pub(crate) const HEAVY_TESTS: &str = "heavy::";
+
 /// Runs all tests but those of the browser and the heavy ones, then the examples in the documentation.
 fn tests() -> Result<String, String> {
-    let tests = run_tests(all_tests().args(["--", "--skip", BROWSER_TESTS]));
+    let tests = run_tests(all_tests().args(["--", "--skip", BROWSER_TESTS, "--skip", HEAVY_TESTS]));
     let documented = run_tests(&mut workspace::cargo(["test", "--workspace", "--no-fail-fast", "--doc"]));
     let counts = format!("{}; documentation: {}", text(&tests), text(&documented));
     if tests.is_ok() && documented.is_ok() { Ok(counts) } else { Err(counts) }
 }
 
 fn browser() -> Result<String, String> {
-    run_tests(all_tests().args(["--", BROWSER_TESTS]))
+    run_tests(all_tests().args(["--", BROWSER_TESTS, "--skip", HEAVY_TESTS]))
 }
 
 /// Cargo with the unit and integration tests of the workspace, always of the same targets, so that nothing is built twice. Examples

@@ -2,7 +2,7 @@
 
 use std::process::{Command, ExitCode};
 
-use crate::checks::{BROWSER_TESTS, all_tests, run_tests};
+use crate::checks::{BROWSER_TESTS, HEAVY_TESTS, all_tests, run_tests};
 use crate::setup::{Tool, Toolbox};
 use crate::suite::{self, Check, Verdict, succeed};
 use crate::{publish, workspace};
@@ -120,12 +120,12 @@ pub(crate) fn nightly(names: &[&str]) -> Result<ExitCode, String> {
     let tools: &[Tool] = if needs_browser { &[Tool::Node, Tool::Chromium] } else { &[] };
     let toolbox = Toolbox::prepare(tools.iter().copied());
     let mut checks: Vec<Check<'_>> = vec![
-        Check { name: "heavy", run: Box::new(|| heavy(&["--skip", BROWSER_TESTS])) },
+        Check { name: "heavy", run: Box::new(|| selected_tests(&[HEAVY_TESTS, "--skip", BROWSER_TESTS])) },
         Check {
             name: "browser",
             run: Box::new(|| match toolbox.missing(Tool::Chromium) {
                 Some(why) => Ok(Verdict::Skipped(why)),
-                None => heavy(&[BROWSER_TESTS]),
+                None => selected_tests(&[BROWSER_TESTS]),
             }),
         },
         Check { name: "benches", run: Box::new(benches) },
@@ -145,9 +145,9 @@ pub(crate) fn nightly(names: &[&str]) -> Result<ExitCode, String> {
     Ok(suite::run("nightly", &checks))
 }
 
-/// The tests that are marked as heavy by `#[ignore]`, with these arguments to select some of them.
-fn heavy(arguments: &[&str]) -> Result<Verdict, String> {
-    run_tests(all_tests().args(["--", "--ignored"]).args(arguments)).map(Verdict::Passed)
+/// Tests that these arguments select.
+fn selected_tests(arguments: &[&str]) -> Result<Verdict, String> {
+    run_tests(all_tests().arg("--").args(arguments)).map(Verdict::Passed)
 }
 
 /// Links examples and benchmarks, which clippy only checks.

@@ -164,33 +164,6 @@ fn no_light_comes_beneath_a_thin_wall_on_a_floor_in_one_piece() {
 }
 
 #[test]
-#[ignore = "heavy"]
-fn parts_of_a_chart_agree_where_the_wall_has_ended() {
-    let scene = parted_room(2.1, 2.1, 0.59);
-    let settings = BakeSettings { density: 20.0, ..COARSE };
-    let elements = divided(&scene, 0.5, &settings);
-    let maps = LightMaps::new(
-        &elements,
-        bake(&elements, None, &settings, &mut Silent, &CancelFlag::default()).unwrap(),
-    );
-    assert_eq!(maps.as_slice().iter().filter(|map| map.chart.surface == 4 && !map.is_dark()).count(), 2);
-    let light = |x: f64, y: f64| {
-        // The floor is over y and x.
-        let uv = DVec2::new(x / 4.0, y / 2.0);
-        let back = elements.surfaces[4].at(0, uv, false).unwrap().at.wo.z < 0.0;
-        let place = ParametricPoint { surface: 4, face: 0, uv, back };
-        maps.irradiance(&place).unwrap().luminance(&Wavelengths::default())
-    };
-    for i in 0..70 {
-        let y = 1.27 + 0.01 * f64::from(i);
-        let (left, right) = (light(2.105 - 1e-7, y), light(2.105 + 1e-7, y));
-        assert!((left - right).abs() < 0.002 * left, "{y}: {left} {right}");
-    }
-    // Along the wall they do not.
-    assert!(light(2.09, 0.8) > 2.0 * light(2.12, 0.8), "{} {}", light(2.09, 0.8), light(2.12, 0.8));
-}
-
-#[test]
 fn what_stands_on_a_floor_does_not_darken_it() {
     // Under an even sky, a slab so thin that it takes no light away.
     let floor = parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 2.0);
@@ -312,4 +285,35 @@ fn nonsense_is_refused_and_a_bake_can_be_cancelled() {
     assert_eq!(run(1.0, Some(&[]), &open), Err(BakeError::Radiosity(2, 0)));
     assert_eq!(run(1.0, None, &cancelled), Err(BakeError::Interrupted(Interrupted)));
     assert_eq!(run(1.0, None, &open), Ok(()));
+}
+
+/// Tests of the nightly run.
+mod heavy {
+    use super::*;
+
+    #[test]
+    fn parts_of_a_chart_agree_where_the_wall_has_ended() {
+        let scene = parted_room(2.1, 2.1, 0.59);
+        let settings = BakeSettings { density: 20.0, ..COARSE };
+        let elements = divided(&scene, 0.5, &settings);
+        let maps = LightMaps::new(
+            &elements,
+            bake(&elements, None, &settings, &mut Silent, &CancelFlag::default()).unwrap(),
+        );
+        assert_eq!(maps.as_slice().iter().filter(|map| map.chart.surface == 4 && !map.is_dark()).count(), 2);
+        let light = |x: f64, y: f64| {
+            // The floor is over y and x.
+            let uv = DVec2::new(x / 4.0, y / 2.0);
+            let back = elements.surfaces[4].at(0, uv, false).unwrap().at.wo.z < 0.0;
+            let place = ParametricPoint { surface: 4, face: 0, uv, back };
+            maps.irradiance(&place).unwrap().luminance(&Wavelengths::default())
+        };
+        for i in 0..70 {
+            let y = 1.27 + 0.01 * f64::from(i);
+            let (left, right) = (light(2.105 - 1e-7, y), light(2.105 + 1e-7, y));
+            assert!((left - right).abs() < 0.002 * left, "{y}: {left} {right}");
+        }
+        // Along the wall they do not.
+        assert!(light(2.09, 0.8) > 2.0 * light(2.12, 0.8), "{} {}", light(2.09, 0.8), light(2.12, 0.8));
+    }
 }

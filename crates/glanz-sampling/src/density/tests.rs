@@ -1,4 +1,6 @@
 //! Densities against document 003's numbers (reference.json B.*): exact projections, variances of the primary estimator.
+//!
+//! One file in spite of its length: the tests of densities and of their fitting share bases and helpers.
 
 use std::f64::consts::{FRAC_2_PI, PI};
 use std::sync::Arc;

@@ -57,14 +57,17 @@ fn the_teapot_is_drawn_where_rays_meet_it_with_its_normals() {
     compare("teapot.pbrt");
 }
 
-#[test]
-#[ignore = "heavy"]
-fn the_trimmed_plate_is_drawn_where_rays_meet_it_with_its_normals() {
-    compare("plate.pbrt");
-}
+/// Tests of the nightly run.
+mod heavy {
+    use super::*;
 
-#[test]
-#[ignore = "heavy"]
-fn quadrics_torus_and_quartic_are_drawn_where_rays_meet_them_with_their_normals() {
-    compare("demo.pbrt");
+    #[test]
+    fn the_trimmed_plate_is_drawn_where_rays_meet_it_with_its_normals() {
+        compare("plate.pbrt");
+    }
+
+    #[test]
+    fn quadrics_torus_and_quartic_are_drawn_where_rays_meet_them_with_their_normals() {
+        compare("demo.pbrt");
+    }
 }

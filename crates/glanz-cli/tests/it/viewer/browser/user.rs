@@ -55,42 +55,6 @@ fn rendered(page: &mut Page, samples: u32) {
 }
 
 #[test]
-#[ignore = "heavy"]
-fn mouse_wheel_keys_and_fingers_move_the_camera_and_the_picture() {
-    let served = ViewServer::start(&scene_file("teapot.pbrt"));
-    let mut page = Page::open(&served.address(), SIZE);
-    let [x, y] = middle(&mut page);
-    let home = camera(&mut page);
-    let first = page.screenshot();
-
-    page.drag(&[[x, y], [x + 20.0, y], [x + 40.0, y + 10.0], [x + 60.0, y + 20.0]]);
-    page.rest(300);
-    let turned = camera(&mut page);
-    assert!(distance(&home["position"], &turned["position"]) > 0.5, "{home} {turned}");
-    let second = page.screenshot();
-    assert!(changed(&first, &second) > 1000, "the camera turns, the picture does not");
-
-    page.wheel([x, y], -240.0);
-    page.rest(300);
-    let near = camera(&mut page);
-    let way = |camera: &Value| camera["distance"].as_f64().expect("a number");
-    assert!(distance(&turned["position"], &near["position"]) > 0.1, "{turned} {near}");
-    assert!(way(&near) < way(&turned), "the wheel goes the wrong way: {turned} {near}");
-
-    page.evaluate("document.querySelector('canvas').focus()");
-    page.key("ArrowLeft");
-    page.rest(300);
-    let by_key = camera(&mut page);
-    assert!(distance(&near["position"], &by_key["position"]) > 0.01, "{near} {by_key}");
-
-    page.touch(&[vec![[x, y]], vec![[x + 30.0, y]], vec![[x + 60.0, y]]]);
-    page.rest(300);
-    let by_finger = camera(&mut page);
-    assert!(distance(&by_key["position"], &by_finger["position"]) > 0.1, "{by_key} {by_finger}");
-    assert_eq!(page.faults(), [""; 0]);
-}
-
-#[test]
 fn a_click_tells_what_the_surface_is_there() {
     let served = ViewServer::start(&scene_file("teapot.pbrt"));
     let mut page = Page::open(&served.address(), SIZE);
@@ -113,41 +77,80 @@ fn a_click_tells_what_the_surface_is_there() {
     assert_eq!(page.faults(), [""; 0]);
 }
 
-#[test]
-#[ignore = "heavy"]
-fn the_rendered_picture_comes_while_the_camera_rests_and_is_saved() {
-    let served = ViewServer::start(&scene_file("teapot.pbrt"));
-    let mut page = Page::open(&served.address(), SIZE);
-    let [x, y] = middle(&mut page);
-    rendered(&mut page, 1);
-    let status = page.evaluate("window.glanz.renderStatus()");
-    println!("rendered: {status}");
+/// Tests of the nightly run.
+mod heavy {
+    use super::*;
 
-    // Moving on ends it, and it begins again for where the camera is now.
-    page.drag(&[[x, y], [x + 20.0, y], [x + 40.0, y]]);
-    page.until("rendering stops", "typeof window.glanz.latency === 'number'");
-    println!("milliseconds until rendering has stopped: {}", page.evaluate("window.glanz.latency"));
-    rendered(&mut page, 2);
+    #[test]
+    fn mouse_wheel_keys_and_fingers_move_the_camera_and_the_picture() {
+        let served = ViewServer::start(&scene_file("teapot.pbrt"));
+        let mut page = Page::open(&served.address(), SIZE);
+        let [x, y] = middle(&mut page);
+        let home = camera(&mut page);
+        let first = page.screenshot();
 
-    let size =
-        page.evaluate("[document.querySelector('canvas').width, document.querySelector('canvas').height]");
-    let size = [0, 1].map(|i| size[i].as_u64().expect("a size") as u32);
-    for (command, extension, magic) in
-        [("savePng", "png", &b"\x89PNG"[..]), ("saveExr", "exr", &[0x76, 0x2f, 0x31, 0x01])]
-    {
-        let button = format!("document.querySelector('[data-command={command}]')");
-        page.until("there is something to save", &format!("!{button}.disabled"));
-        let (name, bytes) = page.saved(|page| {
-            page.evaluate(&format!("{button}.click()"));
-        });
-        assert!(name.ends_with(extension), "{name}");
-        assert!(bytes.starts_with(magic), "{name}: {:x?}", bytes.get(..8));
-        let saved = picture(&bytes, &name);
-        assert_eq!([saved.width(), saved.height()], size, "{name}");
-        let colours = saved.to_rgb().expect("colours");
-        let mean = colours.as_flattened().iter().sum::<f32>() / (3 * colours.len()) as f32;
-        println!("{name}: {} x {} pixels, {} bytes, mean {mean}", size[0], size[1], bytes.len());
-        assert!((0.01..10.0).contains(&mean), "{name} is {mean} on average");
+        page.drag(&[[x, y], [x + 20.0, y], [x + 40.0, y + 10.0], [x + 60.0, y + 20.0]]);
+        page.rest(300);
+        let turned = camera(&mut page);
+        assert!(distance(&home["position"], &turned["position"]) > 0.5, "{home} {turned}");
+        let second = page.screenshot();
+        assert!(changed(&first, &second) > 1000, "the camera turns, the picture does not");
+
+        page.wheel([x, y], -240.0);
+        page.rest(300);
+        let near = camera(&mut page);
+        let way = |camera: &Value| camera["distance"].as_f64().expect("a number");
+        assert!(distance(&turned["position"], &near["position"]) > 0.1, "{turned} {near}");
+        assert!(way(&near) < way(&turned), "the wheel goes the wrong way: {turned} {near}");
+
+        page.evaluate("document.querySelector('canvas').focus()");
+        page.key("ArrowLeft");
+        page.rest(300);
+        let by_key = camera(&mut page);
+        assert!(distance(&near["position"], &by_key["position"]) > 0.01, "{near} {by_key}");
+
+        page.touch(&[vec![[x, y]], vec![[x + 30.0, y]], vec![[x + 60.0, y]]]);
+        page.rest(300);
+        let by_finger = camera(&mut page);
+        assert!(distance(&by_key["position"], &by_finger["position"]) > 0.1, "{by_key} {by_finger}");
+        assert_eq!(page.faults(), [""; 0]);
     }
-    assert_eq!(page.faults(), [""; 0]);
+
+    #[test]
+    fn the_rendered_picture_comes_while_the_camera_rests_and_is_saved() {
+        let served = ViewServer::start(&scene_file("teapot.pbrt"));
+        let mut page = Page::open(&served.address(), SIZE);
+        let [x, y] = middle(&mut page);
+        rendered(&mut page, 1);
+        let status = page.evaluate("window.glanz.renderStatus()");
+        println!("rendered: {status}");
+
+        // Moving on ends it, and it begins again for where the camera is now.
+        page.drag(&[[x, y], [x + 20.0, y], [x + 40.0, y]]);
+        page.until("rendering stops", "typeof window.glanz.latency === 'number'");
+        println!("milliseconds until rendering has stopped: {}", page.evaluate("window.glanz.latency"));
+        rendered(&mut page, 2);
+
+        let size = page
+            .evaluate("[document.querySelector('canvas').width, document.querySelector('canvas').height]");
+        let size = [0, 1].map(|i| size[i].as_u64().expect("a size") as u32);
+        for (command, extension, magic) in
+            [("savePng", "png", &b"\x89PNG"[..]), ("saveExr", "exr", &[0x76, 0x2f, 0x31, 0x01])]
+        {
+            let button = format!("document.querySelector('[data-command={command}]')");
+            page.until("there is something to save", &format!("!{button}.disabled"));
+            let (name, bytes) = page.saved(|page| {
+                page.evaluate(&format!("{button}.click()"));
+            });
+            assert!(name.ends_with(extension), "{name}");
+            assert!(bytes.starts_with(magic), "{name}: {:x?}", bytes.get(..8));
+            let saved = picture(&bytes, &name);
+            assert_eq!([saved.width(), saved.height()], size, "{name}");
+            let colours = saved.to_rgb().expect("colours");
+            let mean = colours.as_flattened().iter().sum::<f32>() / (3 * colours.len()) as f32;
+            println!("{name}: {} x {} pixels, {} bytes, mean {mean}", size[0], size[1], bytes.len());
+            assert!((0.01..10.0).contains(&mean), "{name} is {mean} on average");
+        }
+        assert_eq!(page.faults(), [""; 0]);
+    }
 }
