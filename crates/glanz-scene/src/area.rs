@@ -1,4 +1,4 @@
-//! How large the surface of an object is.
+//! Areas of objects.
 
 use glanz_geometry::{FaceDomain, Surface};
 use glanz_math::rounding::gamma;
@@ -7,16 +7,16 @@ use glanz_sampling::basis::GaussLegendre;
 
 use crate::object::SceneObject;
 
-/// Relative error of an area that is integrated, at which cells are no longer quartered.
+/// Relative error of an integrated area below which cells are no longer quartered.
 const TOLERANCE: f64 = 1e-9;
-/// Cells at most: where tangents vanish within a face, quartering would not end.
+/// Limit on the number of cells: where tangents vanish within a face, quartering would not end.
 const MAX_CELLS: usize = 1 << 14;
 /// Nodes along each side of a cell.
 const NODES: usize = 4;
-/// Normals of a flat surface agree to so many radians: coordinates printed with six digits pass.
+/// Angle, radians, by which normals of a flat surface may differ: coordinates printed with six digits pass.
 const FLAT: f64 = 1e-5;
 
-/// Area where the object stands, m^2, to about 1e-6 of itself; closed forms are exact. `None` if it has no end, or no points can be picked on it.
+/// Area in the object's group, m^2, with a relative error of about 1e-6; closed forms are exact. `None` if it is infinite or cannot be sampled.
 pub(crate) fn area(object: &SceneObject) -> Option<f64> {
     object.sample(DVec2::splat(0.5))?;
     let surface = object.surface();
@@ -26,7 +26,7 @@ pub(crate) fn area(object: &SceneObject) -> Option<f64> {
     (area > 0.0 && area.is_finite()).then_some(area)
 }
 
-/// The largest area that the object shows to a far observer, m^2, if it shows its whole area or is a whole sphere; `None` for all others.
+/// The area that a flat object or a whole sphere shows to an observer far away in the direction of its normal, m^2; `None` for others.
 pub(crate) fn far_field_area(object: &SceneObject, is_sphere: bool) -> Option<f64> {
     let whole = area(object)?;
     if is_sphere { Some(0.25 * whole) } else { is_flat(object.surface()).then_some(whole) }
@@ -70,7 +70,7 @@ fn is_flat(surface: &Surface) -> bool {
     }
 }
 
-/// A part of a face.
+/// A square in the parameters of a face.
 struct QuadratureCell {
     face: u32,
     low: DVec2,
@@ -78,7 +78,7 @@ struct QuadratureCell {
     integral: f64,
 }
 
-/// The integral of the area element over all faces, by Gauss's rule on squares that are quartered as long as that changes it.
+/// The integral of the area element over all faces, by Gauss's rule on squares that are quartered while that changes the result.
 fn integrated(object: &SceneObject) -> f64 {
     let surface = object.surface();
     let area_element = |face: u32, uv: DVec2| {

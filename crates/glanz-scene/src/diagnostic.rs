@@ -5,12 +5,12 @@ use std::fmt;
 
 use crate::description::Location;
 
-/// How bad it is.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
     /// The input is refused.
     Error,
-    /// Something was mended, left out or replaced; the rest holds.
+    /// A part of the input was repaired, left out or replaced; the rest is used.
     Warning,
 }
 
@@ -36,11 +36,11 @@ pub struct Excerpt {
     pub width: usize,
 }
 
-/// Characters of a line that an excerpt shows at most.
+/// Largest number of characters of a line in an excerpt.
 const WINDOW: usize = 100;
 /// Characters shown before the place when a line is cut.
 const LEAD: usize = 40;
-/// What stands for a part that was cut.
+/// Replacement for a part that was cut.
 const CUT: &str = "...";
 
 impl Excerpt {
@@ -108,19 +108,19 @@ fn printable(bytes: &[u8]) -> Vec<char> {
 /// One message about the input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// How bad it is.
+    /// Its severity.
     pub severity: Severity,
-    /// Groups messages of one sort, for the cap of [`Diagnostics`]; a few words joined by `-`.
+    /// Kind of the message, for the cap of [`Diagnostics`]; a few words joined by `-`.
     pub kind: &'static str,
     /// Name of the file, as the user would write it; empty for a description built in code.
     pub file: String,
     /// Line and column.
     pub location: Option<Location>,
-    /// What is wrong: one sentence without a full stop.
+    /// The fault: one sentence without a full stop.
     pub message: String,
     /// The line at fault.
     pub excerpt: Option<Excerpt>,
-    /// What to do.
+    /// The remedy.
     pub help: Option<String>,
 }
 
@@ -163,7 +163,7 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
-    /// Messages of one kind that are kept.
+    /// Largest number of messages of one kind that are kept.
     pub const PER_KIND: usize = 100;
 
     /// Adds a message.
@@ -179,7 +179,7 @@ impl Diagnostics {
         self.counts.get(&(severity, kind)).is_none_or(|count| *count < Self::PER_KIND)
     }
 
-    /// Counts a message and tells whether it is one to keep; spares making it where it is not.
+    /// Counts a message and returns whether it is to be kept, so that one beyond the cap need not be built.
     pub fn admit(&mut self, severity: Severity, kind: &'static str) -> bool {
         let count = self.counts.entry((severity, kind)).or_insert(0);
         *count += 1;
@@ -208,7 +208,7 @@ impl Diagnostics {
         self.count(Severity::Error) > 0
     }
 
-    /// Whether there is nothing to say.
+    /// Whether there are no messages.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()

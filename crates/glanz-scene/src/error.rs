@@ -1,4 +1,4 @@
-//! What can be wrong with a description.
+//! Errors and warnings of descriptions.
 
 use glanz_geometry::SurfaceError;
 use glanz_math::TransformError;
@@ -6,26 +6,26 @@ use glanz_shading::MaterialError;
 
 use crate::description::Location;
 
-/// Why a [`crate::description::Description`] is not a scene, and where it said so.
+/// The reason that a [`crate::description::Description`] is not a scene, and its place in the input.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{kind}")]
 pub struct SceneError {
-    /// The part of the input at fault, if it has a place there.
+    /// The place at fault, if the part was read from a file.
     pub location: Option<Location>,
-    /// What is wrong.
+    /// The reason.
     pub kind: SceneErrorKind,
 }
 
-/// What is wrong with a description.
+/// Faults of descriptions.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneErrorKind {
     /// A matrix that is not an invertible affine map.
     #[error("{what}: {source}")]
     Transform {
-        /// What it places.
+        /// The part that it transforms.
         what: &'static str,
-        /// Why not.
+        /// The reason.
         source: TransformError,
     },
     /// A surface with impossible parameters.
@@ -35,29 +35,29 @@ pub enum SceneErrorKind {
     #[error("trimming: {0}")]
     Trim(SurfaceError),
     /// A parameter outside its range.
-    #[error("{what} is {value}, it must be {range}")]
+    #[error("{what} is {value}; it must be {range}")]
     Range {
         /// The parameter.
         what: &'static str,
         /// Its value.
         value: String,
-        /// What it must be.
+        /// The allowed range.
         range: &'static str,
     },
-    /// An index that names nothing; a fault of the reader.
+    /// An index without an entry; a fault of the reader.
     #[error("{what} number {index} does not exist (there are {count})")]
     Reference {
-        /// Kind of thing referred to.
+        /// Kind of the entry.
         what: &'static str,
         /// The index.
         index: usize,
-        /// How many there are.
+        /// Number of entries.
         count: usize,
     },
     /// A name that a [`SceneBuilder`](crate::SceneBuilder) does not know.
     #[error("there is no {what} \"{name}\"; add it before it is used")]
     Name {
-        /// Kind of thing referred to.
+        /// Kind of the entry.
         what: &'static str,
         /// The name.
         name: String,
@@ -75,7 +75,7 @@ pub enum SceneErrorKind {
     Material {
         /// Its name, quoted.
         name: String,
-        /// Why not.
+        /// The reason.
         reason: MaterialError,
     },
     /// A texture that cannot be built.
@@ -83,16 +83,16 @@ pub enum SceneErrorKind {
     Texture {
         /// Its name.
         name: String,
-        /// Why not.
+        /// The reason.
         reason: String,
     },
 }
 
-/// Something odd that was mended or left out, and where.
+/// A fault that was repaired or left out, and its place in the input.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneWarning {
-    /// The part of the input, if it has a place there.
+    /// The place concerned, if the part was read from a file.
     pub location: Option<Location>,
-    /// What was found and what was done.
+    /// The fault and the remedy taken.
     pub message: String,
 }

@@ -1,4 +1,4 @@
-//! A ray that met the scene.
+//! Points where rays hit the scene.
 
 use glanz_geometry::SurfacePoint;
 use glanz_light::Wavelengths;
@@ -10,10 +10,10 @@ use crate::light::LightId;
 use crate::parameterization::LocalPoint;
 use crate::scene::Scene;
 
-/// What the densities of light sampling depend on at the place it starts from.
+/// The point that lights are sampled from, as far as densities depend on it.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSampleContext {
-    /// The place, metres.
+    /// Position, metres.
     pub position: DVec3,
     /// Unit normal for shading.
     pub shading_normal: DVec3,
@@ -21,10 +21,10 @@ pub struct LightSampleContext {
     pub wo: DVec3,
 }
 
-/// The place where a ray met the scene, in world space.
+/// The point where a ray hit the scene, in world space.
 #[derive(Clone, Copy, Debug)]
 pub struct Interaction {
-    /// The surface there.
+    /// The surface at the point.
     pub point: SurfacePoint,
     /// Ray parameter of the hit: the distance, for rays of unit direction.
     pub t: f64,
@@ -32,16 +32,16 @@ pub struct Interaction {
     pub wo: DVec3,
     /// Number of the shape in the order of the scene file.
     pub id: u32,
-    /// The place in the shape's own frame.
+    /// The point in the frame of its shape.
     pub(crate) own: LocalPoint,
-    /// Density of area sampling here, on lights that can be sampled.
+    /// Density of area sampling at the point, on lights that can be sampled.
     pub(crate) area_pdf: Option<AreaPdf>,
     pub(crate) material: u32,
     pub(crate) light: Option<LightId>,
 }
 
 impl Interaction {
-    /// What light sampling knows of this place.
+    /// The point as the origin of light samples.
     #[inline]
     #[must_use]
     pub fn light_sample_context(&self) -> LightSampleContext {
@@ -52,38 +52,38 @@ impl Interaction {
         }
     }
 
-    /// The frame BSDFs work in: z is the shading normal, x follows the derivative of the position by u.
+    /// The frame of the BSDF: z is the shading normal, x follows the derivative of the position by u.
     #[must_use]
     pub fn frame(&self) -> Frame {
         Frame::from_z_and_tangent(self.point.shading_normal, self.point.dpdu)
     }
 
-    /// What the surface does with light here; `None` where it lets every ray pass.
+    /// The BSDF at the point; `None` for an interface, which all rays pass.
     #[must_use]
     pub fn bsdf(&self, scene: &Scene, wavelengths: &Wavelengths) -> Option<Bsdf> {
         let at = TexturePoint::new(self.point.uv, self.point.position);
         scene.material(self.material).bsdf(scene.textures(), &at, wavelengths)
     }
 
-    /// Density with which [`Scene::emit`] picks this place, if it is on a light that can be sampled.
+    /// Density with which [`Scene::emit`] samples this point, if it is on a light that can be sampled.
     #[must_use]
     pub fn area_pdf(&self) -> Option<AreaPdf> {
         self.area_pdf
     }
 
-    /// The light that this surface is, if it shines.
+    /// The light that this surface is, if it emits.
     #[must_use]
     pub fn light(&self) -> Option<LightId> {
         self.light
     }
 
-    /// A ray from here along `direction` that does not meet this surface again at its own origin.
+    /// A ray from the point along `direction` that does not hit this surface again at its own origin.
     #[must_use]
     pub fn spawn(&self, direction: DVec3) -> Ray {
         Ray::new(self.leave(direction), direction)
     }
 
-    /// A ray from here to `point`, which it reaches at t = 1, but for the error box of `point` on a surface.
+    /// A ray from this point to `point`, which it reaches at t = 1, apart from the error box of `point` on a surface.
     ///
     /// `surface`: error box and unit normal of `point`, if it lies on a surface: the ray ends on the near side of it.
     #[must_use]

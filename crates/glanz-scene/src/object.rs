@@ -1,4 +1,4 @@
-//! A surface in its place.
+//! Surfaces with their place in a group.
 
 use glanz_geometry::{Hit, RaySurface, Surface, SurfacePoint};
 use glanz_math::{AreaPdf, Bounds3, DVec2, Ray, Transform};
@@ -8,20 +8,20 @@ use std::sync::Arc;
 use crate::light::LightId;
 use crate::parameterization::{LocalPoint, ShapeParameterization};
 
-/// What a scene knows of a shape beside its surface.
+/// Attributes of a shape besides its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ShapeAttributes {
     /// Number in the order of the scene file.
     pub(crate) id: u32,
     pub(crate) material: u32,
-    /// Whether the normal is turned round.
+    /// Whether the normal is reversed.
     pub(crate) reversed: bool,
 }
 
 /// A shape that was joined with others into one mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct JoinedShape {
-    /// Its faces begin here and end where those of the next part begin.
+    /// Its faces begin here and end where those of the next shape begin.
     pub(crate) first_face: u32,
     pub(crate) attributes: ShapeAttributes,
 }
@@ -30,13 +30,13 @@ pub(crate) struct JoinedShape {
 #[derive(Clone, Debug)]
 pub struct SceneObject {
     surface: Surface,
-    /// `None` where the frame of the surface is that of the group.
+    /// `None` if the frame of the surface is that of the group.
     to_parent: Option<Transform>,
     attributes: ShapeAttributes,
-    /// If the surface was joined from several shapes: these, by ascending faces.
+    /// The shapes that the surface was joined from, by ascending faces; `None` if it is one shape.
     shapes: Option<Arc<[JoinedShape]>>,
     pub(crate) light: Option<LightId>,
-    /// Whether it is a mere border that light passes.
+    /// Whether it is an interface, which light passes.
     pub(crate) passable: bool,
 }
 
@@ -51,7 +51,7 @@ impl SceneObject {
         Self { shapes: Some(shapes.into()), ..Self::new(surface, Transform::IDENTITY, first) }
     }
 
-    /// How many shapes the object holds.
+    /// Number of shapes in the object.
     pub(crate) fn shape_count(&self) -> usize {
         self.shapes.as_ref().map_or(1, |shapes| shapes.len())
     }
@@ -64,7 +64,7 @@ impl SceneObject {
         shapes.get(after.wrapping_sub(1)).map_or(self.attributes, |shape| shape.attributes)
     }
 
-    /// The shapes of the object and how their places are numbered.
+    /// The shapes of the object with their parameterizations.
     pub(crate) fn parameterizations(&self) -> Vec<(u32, ShapeParameterization)> {
         let Some(shapes) = &self.shapes else {
             return vec![(self.attributes.id, ShapeParameterization::of(&self.surface))];
@@ -78,7 +78,7 @@ impl SceneObject {
             .collect()
     }
 
-    /// The same object one level further out.
+    /// The same object in the frame of an outer group.
     pub(crate) fn placed(&self, to_outer: &Transform) -> Self {
         let to_parent = to_outer.after(&self.to_parent.unwrap_or_default());
         Self { to_parent: (to_parent != Transform::IDENTITY).then_some(to_parent), ..self.clone() }
@@ -96,7 +96,7 @@ impl SceneObject {
         self.to_parent.as_ref()
     }
 
-    /// Whether the normal is turned round.
+    /// Whether the normal is reversed.
     #[must_use]
     pub fn is_reversed(&self) -> bool {
         self.attributes.reversed
@@ -107,7 +107,7 @@ impl SceneObject {
     pub fn bounds(&self) -> Bounds3 {
         let bounds = self.surface.bounds();
         match &self.to_parent {
-            // Products of infinity and zero are not numbers: what has no end in its own frame has none anywhere.
+            // Products of infinity and zero are not numbers: an object that is infinite in its own frame is so in every frame.
             Some(_) if !bounds.is_finite() && !bounds.is_empty() => {
                 Bounds3 { min: glanz_math::DVec3::NEG_INFINITY, max: glanz_math::DVec3::INFINITY }
             }
@@ -139,8 +139,8 @@ impl SceneObject {
         }
     }
 
-    /// The surface at a hit of this object, in the group's frame; the same in its own; and the density of [`SceneObject::sample`] there
-    /// if the object is a light.
+    /// The surface at a hit of this object, in the group's frame and in its own, and the density of [`SceneObject::sample`] at it if the
+    /// object is a light.
     #[inline]
     pub(crate) fn point(&self, ray: &Ray, hit: &Hit) -> (SurfacePoint, LocalPoint, Option<AreaPdf>) {
         let local_ray = self.local(ray);
@@ -157,7 +157,7 @@ impl SceneObject {
         (self.to_parent_point(local, hit.face), own, pdf)
     }
 
-    /// Picks a point of the object by two numbers uniform in [0, 1).
+    /// Samples a point of the object by two numbers uniform in [0, 1).
     pub(crate) fn sample(&self, xi: DVec2) -> Option<(SurfacePoint, AreaPdf)> {
         let sample = self.surface.sample(xi)?;
         Some((

@@ -1,4 +1,4 @@
-//! Numbers for the places of a shape, to learn or to keep things by place.
+//! Parameterizations of shapes by a sheet and two numbers, for data that is stored by place.
 
 use std::ops::Range;
 
@@ -7,15 +7,15 @@ use glanz_math::{Bounds3, DVec2, DVec3};
 
 use crate::interaction::Interaction;
 
-/// A place of a shape in the shape's own frame.
+/// A point of a shape in the shape's own frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalPoint {
     pub(crate) position: DVec3,
-    /// Normal on the side that the ray came from, of any length.
+    /// Normal on the side of the ray's origin, of any length.
     pub(crate) normal_to_viewer: DVec3,
 }
 
-/// How the places of a shape are numbered: by a sheet and two numbers in [0, 1].
+/// A map from the points of a shape to a sheet and two numbers in [0, 1].
 ///
 /// The two sides of a surface are different sheets.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,14 +27,14 @@ pub enum ShapeParameterization {
         /// Largest parameters.
         max: DVec2,
     },
-    /// By the position in a box in the shape's own frame, seen along the axis that the normal is nearest to. Six sheets.
+    /// By the position in a box in the shape's own frame, projected along the axis nearest to the normal. Six sheets.
     ///
-    /// For surfaces whose parameters begin anew on every facet (meshes, boxes, polyhedra), or do not fill a rectangle.
+    /// For surfaces with parameters of their own on every facet (meshes, boxes, polyhedra), or that do not fill a rectangle.
     Projections(Bounds3),
 }
 
 impl ShapeParameterization {
-    /// Of a whole surface.
+    /// The parameterization of a whole surface.
     pub(crate) fn of(surface: &Surface) -> Self {
         match surface {
             Surface::Triangle(_)
@@ -58,7 +58,7 @@ impl ShapeParameterization {
         }
     }
 
-    /// Of some facets of a mesh.
+    /// The parameterization of some facets of a mesh.
     pub(crate) fn of_faces(surface: &Surface, faces: Range<u32>) -> Self {
         let Surface::Mesh(mesh) = surface else { return Self::of(surface) };
         let range = faces.start as usize..(faces.end as usize).min(mesh.indices().len());
@@ -67,7 +67,7 @@ impl ShapeParameterization {
         Self::Projections(Bounds3::from_points(corners.copied()))
     }
 
-    /// A chart for the places of both.
+    /// A parameterization for the points of both.
     pub(crate) fn joined(self, other: Self) -> Self {
         match (self, other) {
             (Self::Parameters { min, max }, Self::Parameters { min: a, max: b }) => {
@@ -87,7 +87,7 @@ impl ShapeParameterization {
         }
     }
 
-    /// Sheet of a place, less than [`ShapeParameterization::sheets`], and the two numbers in [0, 1] there. Places outside are moved to the border.
+    /// Sheet of a point, less than [`ShapeParameterization::sheets`], and its two numbers in [0, 1]; those of points outside are clamped.
     #[must_use]
     pub fn locate(&self, at: &Interaction) -> (u32, DVec2) {
         match self {
@@ -105,9 +105,9 @@ impl ShapeParameterization {
         }
     }
 
-    /// A tangent at `at` that hardly changes over a sheet, in world space and of any length.
+    /// A tangent at `at` that varies little over a sheet, in world space and of any length.
     ///
-    /// That of u; where parameters begin anew on every facet, the axis of the world after the one nearest to the normal.
+    /// The derivative by u; for projections, the axis of the world after the one nearest to the normal.
     #[must_use]
     pub fn tangent(&self, at: &Interaction) -> DVec3 {
         match self {
@@ -123,7 +123,7 @@ fn nearest_axis(v: DVec3) -> usize {
     if x >= y && x >= z { 0 } else { usize::from(y < z) + 1 }
 }
 
-/// Where `p` is between `min` and `max`, per axis; 0 where these are the same.
+/// The position of `p` between `min` and `max` per axis, clamped to [0, 1]; 0 where these are the same.
 fn share(p: DVec2, min: DVec2, max: DVec2) -> DVec2 {
     let axis = |p: f64, min: f64, max: f64| {
         let share = (p - min) / (max - min);
@@ -157,12 +157,12 @@ mod tests {
         let (sheet, before) = located(&scene, [13.0, -1e-3, 0.0], [10.0, -1e-3, 0.0]);
         let (_, after) = located(&scene, [13.0, 1e-3, 0.0], [10.0, 1e-3, 0.0]);
         assert!(before.x > 0.999 && after.x < 0.001 && (after.y - 0.5).abs() < 1e-3, "{before} {after}");
-        // From inside it is the other side.
+        // The inside is the other sheet.
         assert_eq!((sheet, located(&scene, [10.0, 0.0, 0.0], [20.0, 0.1, 0.0]).0), (0, 1));
     }
 
     #[test]
-    fn patch_is_numbered_by_its_knots() {
+    fn parameters_of_a_patch_span_its_knots() {
         // A flat spline over u in [2, 6] and v in [-1, 0]: x from 0 to 4 m, y from 0 to 1 m.
         let corner = |x: f64, y: f64| [x, y, 0.0, 1.0];
         let surface = NurbsDescription {
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn faces_of_a_box_are_sheets_wherever_it_stands() {
+    fn faces_of_a_box_are_sheets_under_any_transformation() {
         let cuboid = ShapeDescription::cuboid([0.0; 3], [2.0, 4.0, 8.0]);
         let scene = scene([cuboid.rotated(DVec3::Z, std::f64::consts::FRAC_PI_2)]);
         // Own +x is the world's +y; own y, from 0 to 4, is the world's -x.
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn meshes_that_were_joined_keep_their_own_boxes() {
+    fn joined_meshes_keep_their_own_boxes() {
         let wall = |x: f64| {
             let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 4.0], [0.0, 4.0]];
             let positions = corners.iter().map(|&[y, z]| DVec3::new(x, y, z)).collect();

@@ -1,4 +1,4 @@
-//! Shapes where they stand, place by place: to lay elements on them.
+//! Surfaces in world space, to be evaluated by their parameters.
 
 use glanz_geometry::{FaceDomain, Surface};
 use glanz_math::{Bounds3, DVec2, Transform};
@@ -9,9 +9,9 @@ use crate::object::SceneObject;
 use crate::parameterization::LocalPoint;
 use crate::scene::{Scene, SceneGroup};
 
-/// A surface in its place in the world.
+/// A surface in world space.
 ///
-/// Its faces are those of [`Surface::at`]; meshes that were joined are one surface of which each face has its own shape.
+/// Its faces are those of [`Surface::at`]; joined meshes are one surface, each face of which belongs to its own shape.
 #[derive(Clone, Debug)]
 pub struct PlacedSurface<'a> {
     object: &'a SceneObject,
@@ -19,30 +19,30 @@ pub struct PlacedSurface<'a> {
     maps: Vec<Transform>,
 }
 
-/// Where on the surfaces of [`Scene::placed_surfaces`] a ray met the scene.
+/// A point of the surfaces of [`Scene::placed_surfaces`] by its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParametricPoint {
-    /// Number of the surface.
+    /// Index of the surface.
     pub surface: u32,
-    /// Its face.
+    /// Face of the surface.
     pub face: u32,
-    /// Whether it was met on the side that the normal does not point to.
+    /// Whether it is on the side that the normal points away from.
     pub back: bool,
     /// Parameters of the face.
     pub uv: DVec2,
 }
 
-/// One side of a place.
+/// A point on one side of a placed surface.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedPoint {
-    /// As a ray would meet it that comes along the normal of that side.
+    /// The hit of a ray that arrives along the normal of that side.
     pub at: Interaction,
     /// Area per unit of the parameters, m^2.
     pub area_element: f64,
 }
 
 impl Scene {
-    /// All surfaces of the world, those of instances once for each.
+    /// All surfaces of the world; those of a group once for each instance.
     #[must_use]
     pub fn placed_surfaces(&self) -> Vec<PlacedSurface<'_>> {
         let mut placed = Vec::new();
@@ -80,7 +80,7 @@ impl PlacedSurface<'_> {
         self.surface().face_domain(face)
     }
 
-    /// Number of the shape that a face belongs to, in the order of the scene file.
+    /// Number of the shape of a face in the order of the scene file.
     #[must_use]
     pub fn shape(&self, face: u32) -> u32 {
         self.object.attributes(face).id
@@ -92,25 +92,25 @@ impl PlacedSurface<'_> {
         self.object.attributes(face).material
     }
 
-    /// Whether the normal of a face is turned round.
+    /// Whether the normal of a face is reversed.
     #[must_use]
     pub fn is_reversed(&self, face: u32) -> bool {
         self.object.attributes(face).reversed
     }
 
-    /// The light that it is, if it shines.
+    /// The light that it is, if it emits.
     #[must_use]
     pub fn light(&self) -> Option<LightId> {
         self.object.light
     }
 
-    /// Whether light passes it as if it were not there.
+    /// Whether it is an interface, which light passes.
     #[must_use]
     pub fn is_passable(&self) -> bool {
         self.object.passable
     }
 
-    /// Whether trimming keeps a part of it only.
+    /// Whether trimming cuts a part of it away.
     #[must_use]
     pub fn is_trimmed(&self) -> bool {
         match self.surface() {
@@ -120,7 +120,7 @@ impl PlacedSurface<'_> {
         }
     }
 
-    /// A box around it in the world.
+    /// Its bounding box in the world.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         self.maps.iter().fold(self.object.bounds(), |bounds, map| map.bounds(&bounds))
@@ -133,7 +133,7 @@ impl PlacedSurface<'_> {
         self.maps.iter().fold(own, |inner, map| map.after(&inner))
     }
 
-    /// One side of the place with such parameters: that of the normal, or the other (`back`). `None` where there is no surface.
+    /// The point with these parameters on the side of the normal, or on the other (`back`). `None` where there is no surface.
     #[must_use]
     pub fn at(&self, face: u32, uv: DVec2, back: bool) -> Option<PlacedPoint> {
         let local = self.surface().at(face, uv)?;
@@ -170,7 +170,7 @@ mod tests {
     use crate::SceneBuilder;
     use crate::description::*;
 
-    /// A box that is stretched and turned inside out, a ring, and a mesh twice, once mirrored.
+    /// A stretched box with reversed normals, and twice a ring and a mesh, once mirrored.
     fn scene() -> Scene {
         let grey = || MaterialKind::diffuse(0.5);
         let cuboid = ShapeDescription::cuboid([0.0; 3], [1.0; 3]).scaled([1.0, 2.0, 3.0]);
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_meet_a_place_as_it_is_told() {
+    fn rays_hit_parametric_points_where_they_are_evaluated() {
         let scene = scene();
         let placed = scene.placed_surfaces();
         assert_eq!(placed.len(), 5);

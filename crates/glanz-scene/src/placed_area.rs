@@ -1,4 +1,4 @@
-//! How large surfaces are where they stand, trimmed ones too.
+//! Areas of placed surfaces, also of trimmed ones.
 
 use std::ops::Range;
 
@@ -11,16 +11,16 @@ use glanz_sampling::basis::GaussLegendre;
 use crate::area::{closed_form, polygon_area};
 use crate::placed::PlacedSurface;
 
-/// Cells that a surface is cut into at least, besides what a region cuts away.
+/// Smallest number of squares that a surface is divided into, apart from what a region cuts away.
 const FEWEST_CELLS: u32 = 256;
 
-/// Cells looked at, at most: those on the border of a region are quartered until then.
+/// Largest number of squares tested: those on the border of a region are quartered up to then.
 const MOST_CELLS: usize = 1 << 14;
 
-/// Nodes along each side of a cell, places along each side of one that a border crosses.
+/// Quadrature nodes along each side of a square, and points along each side of one that a border crosses.
 const NODES: usize = 4;
 
-/// A part of a face.
+/// A square in the parameters of a face.
 #[derive(Clone, Copy)]
 struct FaceSquare {
     face: u32,
@@ -29,10 +29,10 @@ struct FaceSquare {
 }
 
 impl PlacedSurface<'_> {
-    /// Area of some faces in the world, m^2: to about 1e-6 of itself, to 1e-3 if the surface is trimmed; closed forms are exact. `None` if it has no
-    /// parameters or no end.
+    /// Area of some faces in the world, m^2, with a relative error of about 1e-6, of 1e-3 if the surface is trimmed; closed forms are exact.
+    /// `None` if it is infinite or has no parameters.
     ///
-    /// Of trimmed meshes those triangles count whose middle is kept.
+    /// A triangle of a trimmed mesh counts if its middle is kept.
     #[must_use]
     pub fn area(&self, faces: Range<u32>) -> Option<f64> {
         let surface = self.surface();
@@ -62,7 +62,7 @@ impl PlacedSurface<'_> {
         }
         let smallest = (open.len() as f64 / f64::from(FEWEST_CELLS)).sqrt().clamp(1.0 / 16.0, 1.0);
         let (rule, mut looked_at) = (GaussLegendre::new(NODES), open.len());
-        // Level by level, so that cells of one size are left when the budget is spent.
+        // Level by level, so that squares of one size are left when the budget is used up.
         while !open.is_empty() {
             let mut next = Vec::new();
             for square in open {
@@ -92,7 +92,7 @@ impl PlacedSurface<'_> {
         area
     }
 
-    /// What trimming does to a part of a face.
+    /// The relation of a square to the trimming region.
     fn state(&self, square: &FaceSquare) -> Containment {
         let FaceSquare { face, low, side } = *square;
         let high = low + side;
@@ -109,7 +109,7 @@ impl PlacedSurface<'_> {
                     rest.iter().fold([first, first], |[low, high], p| [low.min(*p), high.max(*p)]);
                 region.classify(low, high)
             }
-            // All others have the parameters of their face.
+            // The parameters of all others are those of their face.
             Surface::Trimmed(trimmed) => trimmed.region().classify(low, high),
             _ => Containment::Inside,
         }
@@ -126,7 +126,7 @@ impl FaceSquare {
         })
     }
 
-    /// Middles of its parts.
+    /// Midpoints of a regular subdivision.
     fn places(&self) -> impl Iterator<Item = DVec2> {
         let (low, step) = (self.low, self.side / NODES as f64);
         let at = move |k: usize| (k as f64 + 0.5) * step;
@@ -150,7 +150,7 @@ mod tests {
         placed[0].area(0..placed[0].faces())
     }
 
-    /// Circles about (1/2, 1/2) as four rational quarters each; counter-clockwise, or clockwise for a negative radius.
+    /// Circles about (1/2, 1/2) of four rational quarters each; counter-clockwise, or clockwise for a negative radius.
     fn rings(radii: &[f64]) -> TrimDescription {
         let r = 0.5_f64.sqrt();
         let circle = |radius: f64| {
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn trimmed_areas_are_those_that_are_kept() {
+    fn areas_of_trimmed_surfaces_are_those_kept() {
         for (rings_of, share) in [
             (rings(&[0.3]), 0.09 * PI),
             (rings(&[-0.25]), 1.0 - 0.0625 * PI),

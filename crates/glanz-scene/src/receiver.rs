@@ -1,10 +1,10 @@
-//! Shapes on which arriving light is measured.
+//! Shapes on which incident light is measured.
 
 use crate::description::{Location, MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide};
 use crate::error::{SceneError, SceneErrorKind};
 use crate::scene::Scene;
 
-/// A shape that the scene names as a receiver.
+/// A shape that the scene declares as a receiver.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NamedReceiver {
     name: String,
@@ -39,26 +39,26 @@ impl NamedReceiver {
         &self.name
     }
 
-    /// The number of the shape, which is [`Interaction::id`](crate::Interaction::id) of what meets it and
+    /// The number of the shape: [`Interaction::id`](crate::Interaction::id) of its hits and
     /// [`PlacedSurface::shape`](crate::PlacedSurface::shape) of its faces.
     #[must_use]
     pub fn shape(&self) -> u32 {
         self.shape
     }
 
-    /// Numbers of cells along u and v, 1 to [`MAX_RECEIVER_CELLS`] each, if the scene says so.
+    /// Numbers of cells along u and v, 1 to [`MAX_RECEIVER_CELLS`] each, if the scene sets them.
     #[must_use]
     pub fn cells(&self) -> Option<[u32; 2]> {
         self.cells
     }
 
-    /// Where light must arrive to count.
+    /// The side on which light counts.
     #[must_use]
     pub fn side(&self) -> ReceiverSide {
         self.side
     }
 
-    /// Where it was said.
+    /// Its place in the input.
     #[must_use]
     pub fn location(&self) -> Option<Location> {
         self.location
@@ -66,10 +66,10 @@ impl NamedReceiver {
 }
 
 impl Scene {
-    /// The shapes that the scene names as receivers, by ascending number.
+    /// The receivers that the scene declares, by ascending number of the shape.
     ///
-    /// Shapes that are not there, such as meshes without any area, are not in it. A shape of an interface material, which light passes,
-    /// stays in the scene if it is a receiver.
+    /// Shapes that were left out, such as meshes without area, are not in it. A shape of an interface material stays in the scene if it is a
+    /// receiver.
     #[must_use]
     pub fn receivers(&self) -> &[NamedReceiver] {
         &self.receivers

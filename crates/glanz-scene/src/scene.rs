@@ -1,4 +1,4 @@
-//! The scene: immutable, and asked by rays.
+//! The immutable scene and its queries.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use crate::parameterization::ShapeParameterization;
 use crate::placed::ParametricPoint;
 use crate::receiver::NamedReceiver;
 
-/// How deep groups may be nested in one another.
+/// Largest depth to which groups may be nested.
 pub const MAX_NESTING: usize = 8;
 
 /// Objects and instances with one frame, and the hierarchy over them.
@@ -24,12 +24,13 @@ pub const MAX_NESTING: usize = 8;
 pub(crate) struct SceneGroup {
     pub(crate) objects: Vec<SceneObject>,
     pub(crate) instances: Vec<Instance>,
-    /// What the numbers in the hierarchy's leaves stand for.
+    /// The primitives in the order of the hierarchy's indices.
     pub(crate) bounded: Vec<Primitive>,
-    /// What has no finite box.
+    /// Primitives without a finite box.
     pub(crate) unbounded: Vec<Primitive>,
     pub(crate) bvh: Bvh,
-    /// For each instance, how many surfaces [`Scene::placed_surfaces`] lists of this group before its own; and of the whole group.
+    /// For each instance, the number of surfaces of this group that [`Scene::placed_surfaces`] lists before those of the instance; last, the
+    /// number of all.
     pub(crate) placed_before: Vec<u32>,
 }
 
@@ -46,7 +47,7 @@ pub(crate) enum Primitive {
     Instance(u32),
 }
 
-/// Numbers of the instances that lead to an object, from the innermost outwards.
+/// Indices of the instances that lead to an object, from the innermost outwards.
 #[derive(Clone, Copy, Debug, Default)]
 struct InstancePath {
     instances: [u32; MAX_NESTING],
@@ -86,7 +87,7 @@ pub struct Scene {
     pub(crate) lights: Arc<[Light]>,
     pub(crate) infinite_lights: Arc<[LightId]>,
     pub(crate) selector: Arc<LightSelector>,
-    /// For paths that begin at lights.
+    /// For paths that start at lights.
     pub(crate) emitters: Arc<LightSelector>,
     pub(crate) bounds: Bounds3,
     pub(crate) receivers: Arc<[NamedReceiver]>,
@@ -99,7 +100,7 @@ impl Scene {
         &self.camera
     }
 
-    /// The same scene seen by another camera. Nothing is copied: both share what they show.
+    /// The same scene with another camera. Nothing is copied: both share all other data.
     #[must_use]
     pub fn with_camera(&self, camera: Camera) -> Self {
         Self {
@@ -116,15 +117,15 @@ impl Scene {
         }
     }
 
-    /// A box around everything that has an end; empty if there is nothing.
+    /// The bounding box of all bounded objects; empty if there is none.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         self.bounds
     }
 
-    /// How the places of each shape are numbered, by the shape's number; `None` where there is no such shape.
+    /// The parameterization of each shape, by the shape's number; `None` where there is no such shape.
     ///
-    /// Copies of a shape by instances are numbered alike.
+    /// Copies of a shape by instances share it.
     #[must_use]
     pub fn parameterizations(&self) -> Vec<Option<ShapeParameterization>> {
         let mut parameterizations: Vec<Option<ShapeParameterization>> = Vec::new();
@@ -174,7 +175,7 @@ impl Scene {
         self.world().objects.get(index as usize)
     }
 
-    /// The first thing the ray meets with `0 < t < t_max`.
+    /// The first hit of the ray with `0 < t < t_max`.
     #[must_use]
     pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Interaction> {
         let mut found = None;
@@ -182,7 +183,7 @@ impl Scene {
         found.map(|found| self.interaction(ray, &found))
     }
 
-    /// As [`Scene::intersect`], with the place by parameters.
+    /// As [`Scene::intersect`], with the point by its parameters.
     #[must_use]
     pub fn intersect_parametric(&self, ray: &Ray, t_max: f64) -> Option<(Interaction, ParametricPoint)> {
         let mut found = None;
@@ -200,7 +201,7 @@ impl Scene {
         Some((at, ParametricPoint { surface, face, back, uv: DVec2::new(u, v) }))
     }
 
-    /// Whether the ray meets anything with `0 < t < t_max`.
+    /// Whether the ray hits anything with `0 < t < t_max`.
     #[must_use]
     pub fn occluded(&self, ray: &Ray, t_max: f64) -> bool {
         self.any(self.world(), ray, t_max)
@@ -301,7 +302,7 @@ impl Scene {
         self.lights.get(id.0 as usize)
     }
 
-    /// Radiance that leaves the surface at `at` by itself towards `direction`.
+    /// Radiance that the surface at `at` emits towards `direction`.
     #[must_use]
     pub fn emitted(&self, at: &Interaction, direction: DVec3) -> Spectrum {
         match at.light.and_then(|id| self.light(id)) {
@@ -310,7 +311,7 @@ impl Scene {
         }
     }
 
-    /// A light to sample and the probability of that choice, by a number uniform in [0, 1).
+    /// Selects a light to sample by a number uniform in [0, 1); returns it with its probability.
     ///
     /// `None` if there is no light that can be sampled.
     #[must_use]
@@ -318,28 +319,28 @@ impl Scene {
         self.selector.select(xi)
     }
 
-    /// The probability with which [`Scene::select_light`] takes the light `id`.
+    /// The probability with which [`Scene::select_light`] selects the light `id`.
     #[must_use]
     pub fn light_probability(&self, id: LightId) -> f64 {
         self.selector.probability(id)
     }
 
-    /// A light to send a ray from by [`Scene::emit`] and the probability of that choice, by a number uniform in [0, 1).
+    /// Selects a light for [`Scene::emit`] by a number uniform in [0, 1); returns it with its probability.
     ///
-    /// As [`Scene::select_light`], with the lights that cannot be looked for. `None` if no light has a known power.
+    /// As [`Scene::select_light`], including lights that cannot be sampled from a surface. `None` if no light has a known power.
     #[must_use]
     pub fn select_emitter(&self, xi: f64) -> Option<(LightId, f64)> {
         self.emitters.select(xi)
     }
 
-    /// The probability with which [`Scene::select_emitter`] takes the light `id`.
+    /// The probability with which [`Scene::select_emitter`] selects the light `id`.
     #[must_use]
     pub fn emitter_probability(&self, id: LightId) -> f64 {
         self.emitters.probability(id)
     }
 
-    /// Number of groups of lights, at most [`MAX_LIGHT_GROUPS`](crate::MAX_LIGHT_GROUPS): who knows which lights matter at a
-    /// place picks a group first. Every light that can be sampled is in one of them.
+    /// Number of groups of lights, at most [`MAX_LIGHT_GROUPS`](crate::MAX_LIGHT_GROUPS), from which a guide can select first. Every light
+    /// that can be sampled is in one of them.
     #[must_use]
     pub fn light_group_count(&self) -> usize {
         self.selector.group_count()
@@ -351,25 +352,25 @@ impl Scene {
         self.selector.group(id)
     }
 
-    /// The probability with which [`Scene::select_light`] takes one of a group.
+    /// The probability with which [`Scene::select_light`] selects a light of a group.
     #[must_use]
     pub fn light_group_probability(&self, group: usize) -> f64 {
         self.selector.group_probability(group)
     }
 
-    /// A light of a group to sample and the probability of that choice within the group, by a number uniform in [0, 1).
+    /// Selects a light of a group by a number uniform in [0, 1); returns it with its probability within the group.
     #[must_use]
     pub fn select_light_in_group(&self, group: usize, xi: f64) -> Option<(LightId, f64)> {
         self.selector.select_in_group(group, xi)
     }
 
-    /// Picks a direction from `from` towards the light `id` by two numbers uniform in [0, 1).
+    /// Samples a direction from `from` towards the light `id` by two numbers uniform in [0, 1).
     #[must_use]
     pub fn sample_light(&self, id: LightId, from: &Interaction, xi: DVec2) -> Option<LightSample> {
         self.light(id)?.sample(self, from, xi)
     }
 
-    /// Density with which [`Scene::sample_light`] from `from` takes the point `hit` of the light `id`; without the
+    /// Density with which [`Scene::sample_light`] from `from` samples the point `hit` of the light `id`; without the
     /// probability of the light itself.
     #[must_use]
     pub fn light_pdf(&self, id: LightId, from: &LightSampleContext, hit: &Interaction) -> SolidAnglePdf {
@@ -379,7 +380,7 @@ impl Scene {
         }
     }
 
-    /// The lights that shine from infinitely far in every direction.
+    /// The infinite lights, which emit from all directions.
     #[must_use]
     pub fn infinite_lights(&self) -> &[LightId] {
         &self.infinite_lights
@@ -394,7 +395,7 @@ impl Scene {
         }
     }
 
-    /// Density with which [`Scene::sample_light`] from `from` takes the unit direction `wi` of the infinite light
+    /// Density with which [`Scene::sample_light`] from `from` samples the unit direction `wi` of the infinite light
     /// `id`; without the probability of the light itself.
     #[must_use]
     pub fn infinite_pdf(&self, id: LightId, from: &LightSampleContext, wi: DVec3) -> SolidAnglePdf {

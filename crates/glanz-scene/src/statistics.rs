@@ -1,4 +1,4 @@
-//! What a scene consists of, in numbers.
+//! Counts of the parts of a scene.
 
 use std::collections::BTreeMap;
 
@@ -13,9 +13,9 @@ pub struct SceneStatistics {
     pub surfaces: BTreeMap<&'static str, usize>,
     /// Triangles of all meshes.
     pub triangles: usize,
-    /// Groups that copies are made of.
+    /// Groups that instances copy.
     pub groups: usize,
-    /// Copies of groups.
+    /// Instances of groups.
     pub instances: usize,
     /// Lights by kind.
     pub lights: BTreeMap<&'static str, usize>,
@@ -24,8 +24,8 @@ pub struct SceneStatistics {
 }
 
 impl Scene {
-    /// Searches for hits since the scene was built that could not be decided: their pictures may lack a point of a
-    /// freeform surface. It is expected to be 0.
+    /// Number of searches for hits since the scene was built that could not be decided: pictures may lack points of
+    /// freeform surfaces. It is expected to be 0.
     #[must_use]
     pub fn undecided(&self) -> u64 {
         let of_surface = |surface: &Surface| match surface {

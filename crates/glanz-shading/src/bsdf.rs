@@ -1,4 +1,4 @@
-//! What a point of a surface does with light, in its local frame.
+//! Scattering of light at a point of a surface, in its local frame.
 
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, SolidAnglePdf};
@@ -17,7 +17,7 @@ pub enum TransportMode {
     Importance,
 }
 
-/// How widely a lobe scatters.
+/// Angular width of a lobe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Spread {
     /// Over the whole hemisphere.
@@ -31,7 +31,7 @@ pub enum Spread {
 /// A part of a BSDF that samples are drawn from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Lobe {
-    /// How widely it scatters.
+    /// Angular width.
     pub spread: Spread,
     /// Whether it leads to the other side of the surface.
     pub transmission: bool,

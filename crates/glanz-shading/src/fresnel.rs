@@ -2,14 +2,14 @@
 
 use glanz_math::DVec3;
 
-/// How light of one direction divides at a smooth boundary between dielectrics.
+/// Reflected and transmitted fraction of light at a smooth boundary between dielectrics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DielectricSplit {
-    /// Share of the flux that is reflected, [0, 1]; the rest is transmitted.
+    /// Fraction of the flux that is reflected, [0, 1]; the rest is transmitted.
     pub reflectance: f64,
     /// Cosine of the refracted ray to the normal, >= 0; 0 under total reflection.
     pub cos_transmitted: f64,
-    /// Whether nothing is transmitted.
+    /// Whether there is total reflection.
     pub total: bool,
 }
 
@@ -63,7 +63,7 @@ pub fn conductor(cos_incident: f64, eta: f64, k: f64) -> f64 {
     (0.5 * (s + p)).clamp(0.0, 1.0)
 }
 
-/// `a / b`, 0 where both vanish: media that agree at grazing incidence, where nothing is reflected at any angle.
+/// `a / b`, 0 where both vanish: equal media at grazing incidence, which reflect nothing at any angle.
 fn ratio(a: f64, b: f64) -> f64 {
     if b == 0.0 { 0.0 } else { a / b }
 }

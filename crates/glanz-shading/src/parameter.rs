@@ -1,4 +1,4 @@
-//! Parameters of materials: as described, and ready for shading.
+//! Parameters of materials in the form of a description and of shading.
 
 use std::fmt::Debug;
 use std::ops::RangeInclusive;
@@ -24,18 +24,18 @@ impl ParameterForm for ShadingForm {
     type Float = FloatInput;
 }
 
-/// Why a material is not possible.
+/// An error in the parameters of a material.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MaterialError {
     /// A parameter refers to a texture that does not exist.
-    #[error("{parameter} refers to a texture that does not exist")]
+    #[error("{parameter} refers to a texture that does not exist; add the texture")]
     Texture {
         /// Name of the parameter.
         parameter: &'static str,
     },
     /// A constant is not finite or out of range.
-    #[error("{parameter} is {value}, it has to be {range}")]
+    #[error("{parameter} is {value}; it must be {range}")]
     Range {
         /// Name of the parameter.
         parameter: &'static str,
@@ -46,7 +46,7 @@ pub enum MaterialError {
     },
 }
 
-/// Makes [`ShadingForm`] parameters from those of another form. Materials call the checked conversions.
+/// Converts parameters of another form to [`ShadingForm`]. Materials call the checked conversions.
 pub trait ParameterResolver<P: ParameterForm> {
     /// Converts a fraction of light; `None` if its texture does not exist.
     fn fraction_input(&self, input: &P::Spectrum) -> Option<SpectrumInput>;
@@ -73,7 +73,7 @@ pub trait ParameterResolver<P: ParameterForm> {
         checked_spectrum(parameter, self.spectrum_input(input))
     }
 
-    /// A number in `allowed`, which `range` says in words.
+    /// A number in `allowed`, which `range` describes.
     ///
     /// # Errors
     /// [`MaterialError::Texture`] for a texture that does not exist, [`MaterialError::Range`] for a constant out of range.
@@ -143,7 +143,7 @@ fn first_outside(value: Spectrum) -> Option<f32> {
 
 /// Evaluates the parameters of materials at a point.
 ///
-/// Values of textures are brought into their range here, so that a BSDF never creates energy.
+/// Values of textures are clamped to their range, so that a BSDF never creates energy.
 #[derive(Clone, Copy, Debug)]
 pub struct TextureEvaluator<'a> {
     textures: &'a Textures,
@@ -158,19 +158,19 @@ impl<'a> TextureEvaluator<'a> {
         Self { textures, at, wavelengths }
     }
 
-    /// A fraction of light, clamped to [0, 1]; 0 for what is not a number.
+    /// A fraction of light, clamped to [0, 1]; NaN becomes 0.
     #[must_use]
     pub fn fraction(&self, input: &SpectrumInput) -> Spectrum {
         self.spectrum(input).map(|x| x.min(1.0))
     }
 
-    /// A spectrum of at least 0; 0 for what is not a number.
+    /// A spectrum clamped to at least 0; NaN becomes 0.
     #[must_use]
     pub fn spectrum(&self, input: &SpectrumInput) -> Spectrum {
         self.textures.spectrum(input, self.at, self.wavelengths).map(|x| x.max(0.0))
     }
 
-    /// A number as it is.
+    /// A number, not clamped.
     #[must_use]
     pub fn float(&self, input: &FloatInput) -> f32 {
         self.textures.float(input, self.at, self.wavelengths)

@@ -1,4 +1,4 @@
-//! Materials as a rasteriser shows them.
+//! Materials in a rasteriser.
 
 use glanz_light::Spectrum;
 

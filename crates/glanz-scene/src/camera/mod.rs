@@ -1,4 +1,4 @@
-//! Cameras: from a place on the film to a ray.
+//! Cameras, which map a point of the film to a ray.
 
 mod orthographic;
 mod perspective;
@@ -14,7 +14,7 @@ pub use orthographic::Orthographic;
 pub use perspective::Perspective;
 pub use screen::Screen;
 
-/// A camera with its place in the world; the rays it sends have unit directions.
+/// A camera in the world; its rays have unit directions.
 #[derive(Clone, Debug)]
 pub struct Camera {
     projection: CameraProjection,
@@ -26,12 +26,12 @@ pub struct Camera {
     inverse_volume: f64,
 }
 
-/// How the camera sees a point of the scene.
+/// A point of the scene projected on the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmProjection {
-    /// Place on the film, pixels; it may lie outside the picture.
+    /// Position on the film, pixels; it may lie outside the picture.
     pub film: DVec2,
-    /// Where the ray through the point begins, world space, metres.
+    /// Origin of the ray through the point, world space, metres.
     pub origin: DVec3,
     /// Density of rays at the point: see [`Camera::density`].
     pub density: f64,
@@ -92,7 +92,7 @@ impl Camera {
 
     /// The ray through `film` (pixels from the top left of the full picture, y down), with unit direction.
     ///
-    /// `lens`: two numbers uniform in [0, 1) that choose the place on the aperture; without meaning for a pinhole.
+    /// `lens`: two numbers uniform in [0, 1) that select the point of the aperture; without meaning for a pinhole.
     #[must_use]
     pub fn ray(&self, film: DVec2, lens: DVec2) -> Ray {
         let on_screen = self.screen.from_film(film);
@@ -113,7 +113,7 @@ impl Camera {
 
     /// The ray of [`Camera::ray`] with the same `lens` that meets `point` (world space, metres).
     ///
-    /// `None` for what lies behind the camera or beside all that it can see.
+    /// `None` for points behind the camera and for those outside its field of view.
     #[must_use]
     pub fn project(&self, point: DVec3, lens: DVec2) -> Option<FilmProjection> {
         let local = self.to_world.inverse().point(point);
@@ -123,7 +123,7 @@ impl Camera {
         let (mut on_lens, mut seen) = (DVec2::ZERO, local.truncate());
         if self.lens_radius > 0.0 {
             on_lens = self.lens_radius * warp::concentric_disk(lens);
-            // Where the ray of the same film point without a lens is at this depth: both meet in the plane of focus, and are
+            // The ray of the same film point without a lens, at this depth: both meet in the plane of focus, and are
             // `on_lens` apart at depth 0.
             seen -= on_lens * (1.0 - local.z / self.focal_distance);
         }
@@ -137,11 +137,11 @@ impl Camera {
         (film.is_finite() && density > 0.0).then_some(FilmProjection { film, origin, density })
     }
 
-    /// How dense the rays of the film are at `point` (world space, metres): pixels that a surface of one square metre fills there if it
-    /// faces the ray along the unit `direction`, from one place on the lens; 0 where it is not a number.
+    /// Density of the rays of the film at `point` (world space, metres): pixels per square metre of a surface that faces the ray along the
+    /// unit `direction`, for one point of the lens; 0 where it is not a number.
     ///
-    /// A pixel is the mean of the radiance over film and lens. Put as an integral over surfaces it has this density times the cosine as
-    /// factor; for a pinhole, density times squared distance is the importance that @veach1997 gives it per solid angle.
+    /// A pixel is the mean of the radiance over film and lens. As an integral over surfaces it has this density times the cosine as a
+    /// factor; for a pinhole, density times squared distance is the importance per solid angle of @veach1997.
     #[must_use]
     pub fn density(&self, point: DVec3, direction: DVec3) -> f64 {
         let to_local = self.to_world.inverse();
@@ -150,8 +150,8 @@ impl Camera {
             CameraProjection::Perspective(p) => p.screen_density(z),
             CameraProjection::Orthographic(_) => 1.0,
         };
-        // In the camera's frame an area across the ray is 1 / cos of it in the plane of depth z. Areas across a ray grow from world to camera as
-        // volumes do, divided by what lengths along the ray do; the cosine is the depth of that length.
+        // In the camera's frame an area across the ray is 1 / cos of the area in the plane of depth z. From world to camera, areas across a ray
+        // scale as volumes divided by lengths along the ray; the cosine is the depth of that length.
         let depth = to_local.vector(direction).z;
         let density = per_plane * self.inverse_volume / (depth * self.screen.pixel_area());
         if density > 0.0 && density.is_finite() { density } else { 0.0 }
@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn points_on_a_ray_are_projected_to_where_it_came_from() {
+    fn points_on_a_ray_are_projected_to_its_film_point() {
         for camera in cameras() {
             for (place, lens, t) in [
                 (DVec2::new(3.5, 20.0), DVec2::new(0.2, 0.7), 0.4),
@@ -292,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_cameras_are_refused() {
+    fn invalid_cameras_are_refused() {
         let flat = CameraDescription {
             kind: CameraKind::Perspective { field_of_view: std::f64::consts::PI },
             ..CameraDescription::default()

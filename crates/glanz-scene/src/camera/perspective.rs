@@ -23,13 +23,13 @@ impl Perspective {
         let on_plane = screen * self.tan_half;
         Ray::new(DVec3::ZERO, DVec3::new(on_plane.x, on_plane.y, 1.0))
     }
-    /// The place on the screen whose ray passes through `seen` at depth `z` > 0.
+    /// The point of the screen whose ray passes through `seen` at depth `z` > 0.
     #[must_use]
     pub fn screen(&self, seen: DVec2, z: f64) -> DVec2 {
         seen / (z * self.tan_half)
     }
 
-    /// Area of the screen over that of what it shows in the plane of depth `z`.
+    /// Area on the screen over the area that it shows in the plane of depth `z`.
     #[must_use]
     pub fn screen_density(&self, z: f64) -> f64 {
         let scale = z * self.tan_half;

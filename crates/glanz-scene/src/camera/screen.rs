@@ -1,4 +1,4 @@
-//! The window of the projection plane that the film sees.
+//! The window of the projection plane that the film covers.
 
 use glanz_math::DVec2;
 
@@ -18,7 +18,7 @@ impl Screen {
 
     /// `window`: smallest and largest x, then y; `resolution`: pixels of the full picture.
     ///
-    /// `None` if the window is empty or not finite. A window with its ends exchanged mirrors the picture.
+    /// `None` if the window is empty or not finite. A window with exchanged ends mirrors the picture.
     #[must_use]
     pub fn try_new(window: [f64; 4], resolution: [f64; 2]) -> Option<Self> {
         let [x0, x1, y0, y1] = window;
@@ -29,12 +29,12 @@ impl Screen {
         })
     }
 
-    /// The place on the projection plane of the film point `film`.
+    /// The point of the projection plane for the film point `film`.
     #[must_use]
     pub fn from_film(&self, film: DVec2) -> DVec2 {
         self.top_left + film * self.per_pixel
     }
-    /// The film point that [`Screen::from_film`] carries to `screen`.
+    /// The film point that [`Screen::from_film`] maps to `screen`.
     #[must_use]
     pub fn to_film(&self, screen: DVec2) -> DVec2 {
         (screen - self.top_left) / self.per_pixel

@@ -4,7 +4,7 @@ use glanz_math::{DMat4, DVec3};
 
 use super::Location;
 
-/// Projection and place of the camera, which looks along +z with +x to the right of its picture and +y up.
+/// A camera, which looks along +z with +x to the right of its picture and +y up.
 #[derive(Clone, Debug)]
 pub struct CameraDescription {
     /// The projection.
@@ -19,7 +19,7 @@ pub struct CameraDescription {
     pub lens_radius: f64,
     /// Distance of the plane in focus, metres.
     pub focal_distance: f64,
-    /// Where it was said.
+    /// Its place in the input.
     pub location: Option<Location>,
 }
 

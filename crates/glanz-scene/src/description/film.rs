@@ -2,16 +2,16 @@
 
 use super::Location;
 
-/// Size and cut of the picture.
+/// Size and crop window of the picture.
 #[derive(Clone, Debug)]
 pub struct FilmDescription {
     /// Width and height of the full picture, pixels.
     pub resolution: [u32; 2],
-    /// The part to render as fractions: smallest and largest x, then y, from the top left.
+    /// The crop window as fractions: smallest and largest x, then y, from the top left.
     pub crop: [f64; 4],
-    /// The file the scene asks for.
+    /// The file that the scene names.
     pub file_name: Option<String>,
-    /// Where it was said.
+    /// Its place in the input.
     pub location: Option<Location>,
 }
 
@@ -43,7 +43,7 @@ pub enum FilterKind {
     Box,
     /// Linear fall along each axis; product of two tents.
     Triangle,
-    /// Gaussian less its value at the border.
+    /// Gaussian minus its value at the border.
     Gaussian {
         /// Standard deviation, pixels.
         sigma: f64,

@@ -11,7 +11,7 @@ pub struct NurbsDescription {
     pub knots_u: Vec<f64>,
     /// Knots along v, `degree_v + 1` more than points; they do not decrease.
     pub knots_v: Vec<f64>,
-    /// Homogeneous (w x, w y, w z, w), those of equal u side by side: index `i * count_v + j`.
+    /// Homogeneous control points (w x, w y, w z, w), index `i * count_v + j` with i along u.
     pub points: Vec<[f64; 4]>,
     /// The part kept, `[[u0, u1], [v0, v1]]`; `None`: the whole domain.
     pub domain: Option<[[f64; 2]; 2]>,

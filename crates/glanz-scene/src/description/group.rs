@@ -23,6 +23,6 @@ pub struct InstanceDescription {
     pub group: usize,
     /// From the group's frame to that of the group that holds this instance.
     pub to_parent: DMat4,
-    /// Where it was said.
+    /// Its place in the input.
     pub location: Option<Location>,
 }

@@ -1,11 +1,11 @@
-//! Which guide learns where light comes from.
+//! Settings of path guiding.
 
 use std::fmt;
 use std::str::FromStr;
 
 use super::pass_lengths::{PassLengths, PassLengthsError};
 
-/// The functions that densities of directions are made of.
+/// Basis functions of the densities of directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum GuideBasis {
     /// Haar's orthonormal boxes.
@@ -34,27 +34,27 @@ impl fmt::Display for GuideBasis {
 pub struct GridSettings {
     /// Cells along each of the two parameters of a surface, 1 to [`GridSettings::MOST_CELLS`].
     pub cells: u32,
-    /// Functions that a density is made of.
+    /// Basis functions of a density.
     pub basis: GuideBasis,
     /// Finest scale, 0 to [`GridSettings::FINEST_SCALE`]: 2^scale segments along each axis of the hemisphere.
     pub scale: u32,
-    /// Whether density and BSDF draw half of the diffuse directions each; otherwise the density draws all.
+    /// Whether density and BSDF sample half of the diffuse directions each; otherwise the density samples all.
     pub mixture: bool,
-    /// Whether densities begin on scale 0 and become finer from pass to pass; otherwise they begin on the finest.
+    /// Whether densities start on scale 0 and become finer from pass to pass; otherwise they start on the finest.
     pub hierarchical: bool,
-    /// Passes that learn; without a list each takes twice as many samples as the one before, without end.
+    /// Training passes; `None`: an unlimited number, each with twice as many samples as the one before.
     pub passes: Option<PassLengths>,
 }
 
 impl GridSettings {
-    /// Most cells along a parameter.
+    /// Largest number of cells along a parameter.
     pub const MOST_CELLS: u32 = 64;
     /// Finest scale.
     pub const FINEST_SCALE: u32 = 6;
 }
 
 impl Default for GridSettings {
-    /// What served document 003 best: 8 x 8 cells, Haar's basis, scale 3, the density alone, on one scale; passes without end.
+    /// The best settings of document 003: 8 x 8 cells, Haar's basis, scale 3, the density alone, on one scale; an unlimited number of passes.
     fn default() -> Self {
         Self {
             cells: 8,
@@ -67,45 +67,45 @@ impl Default for GridSettings {
     }
 }
 
-/// A guide with everything that it may be told.
+/// A guide with its settings.
 ///
 /// As text: `tree`, or the keys of a grid with their values, such as
 /// `grid=8,basis=haar,scale=3,mixture=off,hierarchical=off,passes=1-2-4`; keys that are left out have the values of
-/// [`GridSettings::default`], but `grid` has to be there.
+/// [`GridSettings::default`], but `grid` is required.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum GuideSettings {
-    /// Cells and directions that refine themselves, and a learnt share beside the BSDF.
+    /// Adaptive cells and directions, with a fitted mixture weight beside the BSDF.
     #[default]
     Tree,
     /// A fixed grid.
     Grid(GridSettings),
 }
 
-/// Why a text names no guide.
+/// An error in the text of guide settings.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GuideSettingsError {
     /// Neither `tree` nor a list of keys.
-    #[error("\"{0}\" is no guide: \"tree\" or keys with values, such as grid=8,basis=haar,scale=3, are")]
+    #[error("\"{0}\" is not a guide; use \"tree\", or keys with values such as grid=8,basis=haar,scale=3")]
     Form(String),
-    /// A key that there is not.
-    #[error("a guide has no \"{0}\": it has grid, basis, scale, mixture, hierarchical and passes")]
+    /// An unknown key.
+    #[error("the key \"{0}\" of a guide is unknown; use grid, basis, scale, mixture, hierarchical or passes")]
     Key(String),
-    /// A key that comes twice.
-    #[error("\"{0}\" comes twice")]
+    /// A duplicate key.
+    #[error("the key \"{0}\" is given twice; keep one")]
     Twice(String),
-    /// A value that the key cannot have.
-    #[error("{key}={value} is not possible: it is {allowed}")]
+    /// A value that is not allowed.
+    #[error("{key} is \"{value}\"; it must be {allowed}")]
     Value {
         /// The key.
         key: &'static str,
-        /// What it was to be.
+        /// The given value.
         value: String,
-        /// What it may be.
+        /// The allowed values.
         allowed: String,
     },
-    /// Keys of a grid, and no grid.
-    #[error("grid=N is missing: the number of cells along each parameter of a surface, 1 to {most}", most = GridSettings::MOST_CELLS)]
+    /// Keys without `grid`.
+    #[error("grid=N is missing; add the number of cells along each parameter of a surface, 1 to {most}", most = GridSettings::MOST_CELLS)]
     NoGrid,
 }
 
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals_name_what_is_allowed() {
+    fn errors_name_the_allowed_values() {
         for (text, told) in [
             ("", "\"tree\""),
             ("forest", "\"tree\""),

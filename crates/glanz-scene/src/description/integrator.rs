@@ -1,8 +1,8 @@
-//! How samples are spread and light is gathered.
+//! Sampler and integrator.
 
 use super::{GuideSettings, Location};
 
-/// How samples are spread.
+/// A sampler.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SamplerDescription {
     /// Name in the table of `glanz-sampling`.
@@ -19,20 +19,20 @@ impl Default for SamplerDescription {
     }
 }
 
-/// How light is gathered.
+/// An integrator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IntegratorDescription {
     /// Name in the table of `glanz-transport`.
     pub name: String,
-    /// Scattering events per path at most.
+    /// Largest number of scattering events per path.
     pub max_depth: Option<u32>,
     /// Whether lights are sampled at every hit.
     pub light_sampling: bool,
-    /// Rays that `distributed` sends on from a hit.
+    /// Number of rays that `distributed` continues with from a hit.
     pub branching: Option<u32>,
-    /// What `guided` learns with.
+    /// Guide of `guided`.
     pub guide: GuideSettings,
-    /// Where it was said.
+    /// Its place in the input.
     pub location: Option<Location>,
 }
 

@@ -1,4 +1,4 @@
-//! Lights, surfaces that shine among them.
+//! Lights and the emission of surfaces.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use super::Location;
 /// A light that is not a surface.
 #[derive(Clone, Debug)]
 pub struct LightDescription {
-    /// What it does.
+    /// Its kind with its parameters.
     pub kind: LightKind,
     /// Intensity, radiance, irradiance or colour, see [`LightKind`].
     pub emission: SpectralDistribution,
@@ -19,7 +19,7 @@ pub struct LightDescription {
     pub scale: f32,
     /// From light to world space.
     pub to_world: DMat4,
-    /// Where it was said.
+    /// Its place in the input.
     pub location: Option<Location>,
 }
 
@@ -71,45 +71,45 @@ impl LightDescription {
 pub enum LightKind {
     /// Emits W/sr alike in all directions.
     Point {
-        /// Where it is.
+        /// Its position.
         from: DVec3,
         /// Distance at which it has faded to nothing, metres.
         range: Option<f64>,
     },
     /// Emits W/sr into a cone.
     Spot {
-        /// Where it is.
+        /// Its position.
         from: DVec3,
-        /// Where its axis goes.
+        /// A point of its axis.
         to: DVec3,
         /// Half angle of the cone, radians.
         cone_angle: f64,
-        /// Half angle inside which it does not fall, radians.
+        /// Half angle inside which the intensity is constant, radians.
         inner_angle: f64,
-        /// How it falls between the two.
+        /// The falloff between the two.
         falloff: SpotFalloff,
     },
-    /// Emits candela as a luminaire was measured; of the emission only the colour counts, not the magnitude.
+    /// Emits the measured candela of a luminaire; of the emission only the colour counts, not the magnitude.
     Photometric {
         /// Candela by direction in light space, which is the [luminaire's frame](glanz_light::intensity).
         distribution: Arc<IntensityDistribution>,
-        /// What shines, all of it alike; `None`: a point.
+        /// The luminous opening, which emits evenly; `None`: a point.
         opening: Option<LuminousOpening>,
-        /// Where the photometric centre is.
+        /// Position of the photometric centre.
         from: DVec3,
     },
-    /// Sends rays in proportion to their flux; of the emission only the colour counts, not the magnitude.
+    /// Emits rays in proportion to their flux; of the emission only the colour counts, not the magnitude.
     Rays {
         /// In light space.
         rays: Arc<[SourceRay]>,
-        /// Where their origin is.
+        /// Position of their origin.
         from: DVec3,
     },
     /// W/m^2 on a surface that faces it, from one direction.
     Distant {
-        /// From here ...
+        /// A point from which the light comes ...
         from: DVec3,
-        /// ... to here the light goes.
+        /// ... and one to which it goes.
         to: DVec3,
     },
     /// W/(m^2 sr) from every direction.
@@ -119,33 +119,33 @@ pub enum LightKind {
 /// A ray of a light source. Sources have millions, hence single precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SourceRay {
-    /// Where it starts, metres.
+    /// Origin, metres.
     pub origin: [f32; 3],
-    /// Where it goes, of length 1.
+    /// Unit direction.
     pub direction: [f32; 3],
     /// Its luminous flux.
     pub lumens: f32,
 }
 
-/// How a spot light falls between inner and outer angle.
+/// Falloff of a spot light between inner and outer angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpotFalloff {
-    /// Fourth power of the linear share of cosines (pbrt v3).
+    /// Fourth power of the linear fraction of cosines (pbrt v3).
     Quartic,
-    /// Cubic with horizontal ends (pbrt v4).
+    /// Smoothstep of the linear fraction of cosines (pbrt v4).
     Smoothstep,
 }
 
-/// Light a surface gives off, the same in all directions of its front.
+/// Emission of a surface, the same in all directions of its front.
 #[derive(Clone, Debug)]
 pub struct EmissionDescription {
     /// W/(m^2 sr).
     pub radiance: SpectralDistribution,
     /// Factor on `radiance`.
     pub scale: f32,
-    /// What replaces the magnitude of `radiance`.
+    /// A power that replaces the magnitude of `radiance`.
     pub power: Option<EmissionPower>,
-    /// Whether the back shines too.
+    /// Whether the back emits light, too.
     pub two_sided: bool,
 }
 
@@ -170,7 +170,7 @@ impl From<[f32; 3]> for EmissionDescription {
     }
 }
 
-/// How much a surface gives off in all.
+/// Total emission of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EmissionPower {
     /// Radiant flux, of which the luminance counts, W.

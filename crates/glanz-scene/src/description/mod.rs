@@ -1,8 +1,8 @@
-//! A scene as plain data: what a file said, checked for syntax but not yet for sense.
+//! A scene as plain data: the contents of a file, checked for syntax but not yet for meaning.
 //!
 //! Readers in `glanz-formats` produce a [`Description`]; [`crate::Scene::resolve`] checks everything through the
 //! constructors of geometry and shading. Lengths are metres and angles radians; matrices map columns and may still be
-//! singular. Every part that can be wrong carries the [`Location`] where it was said.
+//! singular. Every part that can be wrong carries its [`Location`] in the input.
 
 mod camera;
 mod film;
@@ -41,7 +41,7 @@ pub use trim::{TrimCurveDescription, TrimDescription, TrimLoopDescription};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FileId(pub u32);
 
-/// Where in the input something was said.
+/// A place in the input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Location {
     /// The file.
@@ -52,20 +52,20 @@ pub struct Location {
     pub column: u32,
 }
 
-/// Everything a scene file says.
+/// The contents of a scene file.
 #[derive(Clone, Debug, Default)]
 pub struct Description {
     /// Names of the files read, as the user would write them; the scene file is the first.
     pub files: Vec<String>,
-    /// How the picture is taken.
+    /// The camera.
     pub camera: CameraDescription,
-    /// Size and cut of the picture.
+    /// Size and crop window of the picture.
     pub film: FilmDescription,
-    /// How samples are weighted within a pixel's neighbourhood.
+    /// The pixel filter.
     pub filter: FilterDescription,
-    /// How samples are spread.
+    /// The sampler.
     pub sampler: SamplerDescription,
-    /// How light is gathered.
+    /// The integrator.
     pub integrator: IntegratorDescription,
     /// Pictures that textures refer to by index.
     pub images: Vec<ImageDescription>,
@@ -77,6 +77,6 @@ pub struct Description {
     pub lights: Vec<LightDescription>,
     /// Groups that instances refer to by index; one may only refer to those before it.
     pub groups: Vec<GroupDescription>,
-    /// What stands in the world itself.
+    /// Shapes and instances of the world itself.
     pub world: GroupDescription,
 }

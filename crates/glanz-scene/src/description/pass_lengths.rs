@@ -1,10 +1,10 @@
-//! How much a guide learns before it is used.
+//! Lengths of training passes.
 
 use std::fmt;
 use std::num::NonZeroU16;
 use std::str::FromStr;
 
-/// The samples per pixel that passes take one after the other while a guide learns, such as 1-2-4. After the last it learns no more.
+/// Samples per pixel of the training passes of a guide, such as 1-2-4. After the last pass the guide no longer changes.
 ///
 /// # Source
 /// Document 003 section 3.5 (distributions of samples).
@@ -12,9 +12,9 @@ use std::str::FromStr;
 pub struct PassLengths([Option<NonZeroU16>; Self::MOST]);
 
 impl PassLengths {
-    /// Most passes.
+    /// Largest number of passes.
     pub const MOST: usize = 8;
-    /// Most samples per pixel of one.
+    /// Largest number of samples per pixel of a pass.
     pub const LONGEST: u32 = 4096;
 
     /// Passes of these lengths: 1 to [`PassLengths::MOST`] of them, each 1 to [`PassLengths::LONGEST`]; `None` for others.
@@ -40,7 +40,7 @@ impl PassLengths {
     }
 }
 
-/// A text that is no list of passes.
+/// A text that is not a list of passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "samples per pixel of 1 to {most} passes, each 1 to {longest}, with - between them, such as 1-2-4",

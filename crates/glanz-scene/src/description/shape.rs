@@ -1,4 +1,4 @@
-//! Shapes: surfaces with a place, a material and perhaps light of their own.
+//! Shapes: surfaces with a transformation, a material and perhaps emission.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ use super::trim::TrimDescription;
 
 /// A surface with its material.
 ///
-/// Constructors put it into the frame of its group as it is in its own; methods place and complete it:
+/// Constructors give it the frame of its group; methods place and complete it:
 /// ```
 /// use glanz_scene::description::ShapeDescription;
 ///
@@ -44,7 +44,7 @@ pub struct ShapeDescription {
 }
 
 impl From<GeometryDescription> for ShapeDescription {
-    /// The surface where it is in its own frame, with material 0.
+    /// The surface in the frame of its group, with material 0.
     fn from(geometry: GeometryDescription) -> Self {
         Self {
             geometry,
@@ -148,7 +148,7 @@ impl ShapeDescription {
         GeometryDescription::BezierTriangles(BezierTrianglesDescription { degree, patches }).into()
     }
 
-    /// The shape mapped by `matrix` from where it is now.
+    /// The shape transformed by `matrix` after its present transformation.
     #[must_use]
     pub fn transformed(self, matrix: DMat4) -> Self {
         Self { to_parent: matrix * self.to_parent, ..self }

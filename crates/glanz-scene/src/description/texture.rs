@@ -1,4 +1,4 @@
-//! Textures, the pictures they show, and what may be a texture or a value.
+//! Textures and their pictures, and parameters that are a texture or a value.
 
 use std::sync::Arc;
 
@@ -65,9 +65,9 @@ impl From<f32> for FloatParameter {
 pub struct TextureDescription {
     /// Its name in the scene.
     pub name: String,
-    /// What it computes.
+    /// Its kind with its parameters.
     pub kind: TextureKind,
-    /// Where it was said.
+    /// Its place in the input.
     pub location: Option<Location>,
 }
 
@@ -76,22 +76,22 @@ pub struct TextureDescription {
 pub enum TextureKind {
     /// The same everywhere.
     Constant(SpectrumParameter),
-    /// Product of two.
+    /// Product of two inputs.
     Scale(SpectrumParameter, SpectrumParameter),
     /// `(1 - amount) a + amount b`.
     Mix {
-        /// Where `amount` is 0.
+        /// Value for `amount` 0.
         a: SpectrumParameter,
-        /// Where `amount` is 1.
+        /// Value for `amount` 1.
         b: SpectrumParameter,
         /// Weight of `b`.
         amount: FloatParameter,
     },
-    /// Two alternating in squares.
+    /// Two inputs alternating in squares.
     Checkerboard {
-        /// Where the sum of the cell numbers is even.
+        /// Input in cells whose numbers have an even sum.
         even: SpectrumParameter,
-        /// Elsewhere.
+        /// Input in the other cells.
         odd: SpectrumParameter,
         /// Coordinates in cells.
         mapping: MappingDescription,
@@ -102,18 +102,18 @@ pub enum TextureKind {
         image: usize,
         /// Coordinates; the picture fills [0, 1]^2, (0, 0) is its lower left corner.
         mapping: MappingDescription,
-        /// What lies outside [0, 1]^2.
+        /// Values outside [0, 1]^2.
         wrap: ImageWrap,
-        /// How values between pixels are found.
+        /// Interpolation between pixels.
         filter: ImageFilter,
         /// Factor on every value.
         scale: f32,
-        /// Whether 1 - value is meant.
+        /// Whether the value is 1 minus the scaled value.
         invert: bool,
     },
 }
 
-/// Where on a texture a point of a surface lies.
+/// Mapping of a texture to surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MappingDescription {
     /// `(scale.x u + offset.x, scale.y v + offset.y)`.

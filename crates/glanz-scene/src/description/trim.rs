@@ -1,6 +1,6 @@
 //! Trimming.
 
-/// The part of a parameter domain that closed loops of curves leave.
+/// A part of a parameter domain inside closed loops of curves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrimDescription {
     /// The loops, at least one.

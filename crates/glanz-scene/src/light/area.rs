@@ -1,4 +1,4 @@
-//! A surface that shines.
+//! A surface that emits light.
 
 use std::f64::consts::{FRAC_1_PI, PI};
 
@@ -14,18 +14,18 @@ use crate::interaction::{Interaction, LightSampleContext};
 use crate::object::SceneObject;
 use crate::scene::Scene;
 
-/// A surface that gives off the same radiance in every direction of its front.
+/// A surface that emits the same radiance in every direction of its front.
 #[derive(Clone, Copy, Debug)]
 pub struct AreaLight {
     /// Number of the object in the world group.
     object: u32,
     radiance: Spectrum,
     two_sided: bool,
-    /// m^2; `None` if points cannot be picked on the surface.
+    /// m^2; `None` if the surface cannot be sampled.
     area: Option<f64>,
     /// Centre and radius if the surface is a whole sphere in the world too.
     sphere: Option<(DVec3, f64)>,
-    /// Whether the radiance leaves a sphere to its inside.
+    /// Whether a sphere emits to its inside.
     inward: bool,
 }
 
@@ -41,13 +41,14 @@ impl AreaLight {
         }
     }
 
-    /// Whether directions towards it can be picked; if not, only rays that meet it by chance see it.
+    /// Whether directions towards it can be sampled; if not, only rays that hit it by chance find its light.
     #[must_use]
     pub fn can_be_sampled(&self) -> bool {
         self.area.is_some()
     }
 
-    /// Area, m^2, exact for spheres, disks, cylinders and the like, for others to about 1e-6; `None` if points cannot be picked on the surface.
+    /// Area, m^2, exact for spheres, disks, cylinders and other closed forms, with a relative error of about 1e-6 for others; `None` if the
+    /// surface cannot be sampled.
     #[must_use]
     pub fn area(&self) -> Option<f64> {
         self.area
@@ -65,13 +66,13 @@ impl AreaLight {
         self.sphere.is_some()
     }
 
-    /// What leaves its front, W/(m^2 sr).
+    /// Radiance of its front, W/(m^2 sr).
     #[must_use]
     pub fn radiance(&self) -> Spectrum {
         self.radiance
     }
 
-    /// Whether the back shines too.
+    /// Whether the back emits light, too.
     #[must_use]
     pub fn is_two_sided(&self) -> bool {
         self.two_sided
@@ -100,7 +101,7 @@ impl AreaLight {
         Some(LightSample { wi, radiance, pdf, is_delta: false, shadow, t_max: 1.0, area_pdf })
     }
 
-    /// Density per solid angle with which a sample from `from` takes the point of `hit` on this light.
+    /// Density per solid angle with which a sample from `from` is the point of `hit` on this light.
     #[must_use]
     pub fn pdf(&self, from: &LightSampleContext, hit: &Interaction) -> SolidAnglePdf {
         hit.area_pdf.map_or(SolidAnglePdf(0.0), |pdf| self.pdf_at(from, &hit.point, pdf))
@@ -121,7 +122,7 @@ impl AreaLight {
         SphereCone::new(center, radius, from)
     }
 
-    /// Directions uniform in the cone that a sphere fills.
+    /// Directions uniform in the cone that the sphere subtends.
     ///
     /// # Source
     /// @pharr2023 section 6.2.4.
@@ -224,7 +225,7 @@ impl LightModel for AreaLight {
     }
 }
 
-/// The cone under which a sphere is seen from outside.
+/// The cone that a sphere subtends from outside.
 struct SphereCone {
     center: DVec3,
     radius: f64,
@@ -234,7 +235,7 @@ struct SphereCone {
 }
 
 impl SphereCone {
-    /// `None` from inside and from the surface itself.
+    /// `None` inside and on the surface itself.
     fn new(center: DVec3, radius: f64, from: DVec3) -> Option<Self> {
         let offset = center - from;
         let distance_squared = offset.length_squared();

@@ -52,7 +52,7 @@ impl SceneSphere {
     pub(super) fn new(scene: &Scene) -> Option<Self> {
         let bounds = scene.bounds();
         let radius = 0.5 * bounds.diagonal().length();
-        // Rays along its surface need not meet what touches it.
+        // Rays along its surface might miss objects that touch it.
         (!bounds.is_empty() && radius > 0.0).then(|| Self { center: bounds.center(), radius: 1.001 * radius })
     }
 
@@ -70,7 +70,7 @@ impl SceneSphere {
     pub(super) fn pdf(&self, at: DVec3, towards: DVec3) -> f64 {
         let offset = at - self.center;
         let along = offset.dot(towards);
-        // Rays start where they would enter the sphere at the latest; they do not meet what lies before that.
+        // Rays start at the point of entry into the sphere at the latest; they do not hit anything before it.
         let beside = (offset - along * towards).length_squared();
         let met = along <= self.radius && beside <= self.radius * self.radius;
         if met { 1.0 / (PI * self.radius * self.radius) } else { 0.0 }

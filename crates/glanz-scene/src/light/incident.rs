@@ -3,7 +3,7 @@
 use glanz_light::Spectrum;
 use glanz_math::DVec3;
 
-/// Light that arrives from a light that is seen in one direction only.
+/// Irradiance from a light that is seen in one direction only.
 #[derive(Clone, Copy, Debug)]
 pub struct IncidentLight {
     /// Unit direction to the light.

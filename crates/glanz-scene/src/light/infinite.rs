@@ -30,7 +30,7 @@ impl InfiniteLight {
         self.radiance
     }
 
-    /// Density with which a sample from `from` takes the unit direction `wi`.
+    /// Density with which a sample from `from` has the unit direction `wi`.
     #[must_use]
     pub fn pdf(&self, from: &LightSampleContext, wi: DVec3) -> SolidAnglePdf {
         let normal = from.shading_normal;

@@ -155,7 +155,7 @@ macro_rules! lights {
                 }
             }
 
-            /// A way in which it may not be seen as expected, for a warning.
+            /// A warning about light that may differ from what the scene suggests.
             pub(crate) fn warning(&self) -> Option<&'static str> {
                 match self {
                     $(Self::$variant(light) => light.warning(),)*

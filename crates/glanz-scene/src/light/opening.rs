@@ -9,9 +9,9 @@ use glanz_sampling::warp;
 
 /// A point of the opening in the luminaire's frame, metres, by two numbers uniform in [0, 1).
 ///
-/// Flat openings are picked from evenly. Of solids it is their surface: of a box the bottom and the four sides; of an upright cylinder the bottom
-/// and the side, of a lying one the side alone; of an ellipsoid all of it. Their parts are picked by area and each of them evenly, if its
-/// cross-section is a circle; if that is an ellipse, as a stretched circle.
+/// Flat openings are sampled evenly. Of solids it is their surface: of a box the bottom and the four sides; of an upright cylinder the bottom
+/// and the side, of a lying one the side alone; of an ellipsoid all of it. Their parts are selected by area and each of them is sampled evenly
+/// if its cross-section is a circle; if that is an ellipse, as a stretched circle.
 pub(super) fn point(opening: &LuminousOpening, xi: DVec2) -> DVec3 {
     let size = DVec3::from_array(opening.size);
     let unit = match opening.shape {
@@ -42,7 +42,7 @@ fn circle(xi: f64) -> DVec2 {
     0.5 * DVec2::from_angle(TAU * xi)
 }
 
-/// A part by area, and the number that is left over; the first if none has an area.
+/// Selects a part by area, and returns it with the remaining random number; the first part if none has an area.
 fn part(areas: &[f64], xi: f64) -> (usize, f64) {
     match PiecewiseConstant1::try_new(areas) {
         Ok(parts) => {
@@ -53,7 +53,7 @@ fn part(areas: &[f64], xi: f64) -> (usize, f64) {
     }
 }
 
-/// The bottom and the four sides of a box, in units of its size about its middle.
+/// The bottom and the four sides of a box, in units of its size about its centre.
 fn on_box(size: DVec3, xi: DVec2) -> DVec3 {
     let (across_x, across_y) = (size.y * size.z, size.x * size.z);
     let (side, x) = part(&[size.x * size.y, across_x, across_x, across_y, across_y], xi.x);
@@ -67,10 +67,10 @@ fn on_box(size: DVec3, xi: DVec2) -> DVec3 {
     }
 }
 
-/// The bottom and the side of an upright cylinder, in units of its size about its middle.
+/// The bottom and the side of an upright cylinder, in units of its size about its centre.
 fn on_upright_cylinder(size: DVec3, xi: DVec2) -> DVec3 {
     let (rx, ry) = (0.5 * size.x, 0.5 * size.y);
-    // Circumference of a circle of the mean square radius: exact for circles, for the choice between parts of ellipses enough.
+    // Circumference of a circle of the mean square radius: exact for circles, accurate enough to select between parts of ellipses.
     let around = TAU * (0.5 * (rx * rx + ry * ry)).sqrt();
     let (side, x) = part(&[0.5 * TAU * rx * ry, around * size.z], xi.x);
     if side == 0 {

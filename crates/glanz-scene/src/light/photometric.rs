@@ -1,4 +1,4 @@
-//! A luminaire that shines as a goniophotometer measured it.
+//! A luminaire measured by a goniophotometer.
 
 use std::sync::Arc;
 
@@ -13,21 +13,21 @@ use crate::error::SceneErrorKind;
 use crate::interaction::Interaction;
 use crate::scene::Scene;
 
-/// Lengths may change by this share between directions where a luminaire is placed: matrices printed with four digits pass.
+/// Relative difference that is allowed between the scales along different directions: matrices printed with four digits pass.
 const SIMILARITY: f64 = 1e-3;
 
-/// A luminaire that sends candela by direction, from a point or from each point of its luminous opening alike.
+/// A luminaire that emits candela by direction, from a point or evenly from its luminous opening.
 ///
-/// A goniophotometer stands so far away that it sees no size, and the file tells none of the light of one part of the opening. As an area
-/// every point of the opening is taken to send the same distribution: with intensity I and area A the radiance I / (A cos) grows without
-/// bound along a flat opening, so that the opening is sampled by its points and cannot be met by a ray.
+/// A goniophotometer measures from so far away that the luminaire has no size, and the file does not say how the opening shares the light.
+/// Every point of the opening is taken to emit the same distribution: with intensity I and area A the radiance I / (A cos) grows without
+/// bound along a flat opening, so that the opening is sampled by its points and cannot be hit by a ray.
 #[derive(Clone, Debug)]
 pub struct PhotometricLight {
     position: DVec3,
     /// The axes of the luminaire in the world; orthonormal, perhaps mirrored.
     axes: DMat3,
     distribution: Arc<IntensityDistribution>,
-    /// With sizes in the world; `None` for a point.
+    /// Opening with sizes in the world; `None` for a point.
     opening: Option<LuminousOpening>,
     /// W/sr for one candela of the distribution.
     per_candela: Spectrum,
@@ -37,7 +37,7 @@ pub struct PhotometricLight {
     cells: Option<Arc<PiecewiseConstant1>>,
 }
 
-/// Orthonormal axes, mirrored if the map is, and the factor on lengths of a luminaire in the world; `None` if the map is no similarity.
+/// Orthonormal axes, mirrored if the map is, and the factor on lengths of a luminaire in the world; `None` if the map is not a similarity.
 pub(super) fn luminaire_axes(to_world: &Transform) -> Option<(DMat3, f64)> {
     let scale = to_world.uniform_scale(SIMILARITY)?;
     let z = to_world.vector(DVec3::Z).try_normalize()?;
@@ -46,7 +46,7 @@ pub(super) fn luminaire_axes(to_world: &Transform) -> Option<(DMat3, f64)> {
     Some((DMat3::from_cols(x, y, z), scale))
 }
 
-/// The error of a luminaire in a frame that is no similarity.
+/// The error of a luminaire whose transformation is not a similarity.
 pub(super) fn uneven() -> SceneErrorKind {
     let range = "moves, turns and scales alike in all directions";
     range_error("photometric light: transformation", "uneven", range)
@@ -66,7 +66,7 @@ impl PhotometricLight {
     }
 
     /// `from`: the photometric centre in the luminaire's frame, which `to_world` places. `opening`: `None` for a point. `per_candela`: W/sr for one
-    /// candela of the distribution. `None` if `to_world` is no similarity.
+    /// candela of the distribution. `None` if `to_world` is not a similarity.
     fn try_new(
         distribution: Arc<IntensityDistribution>,
         opening: Option<LuminousOpening>,
@@ -94,13 +94,13 @@ impl PhotometricLight {
         self.per_candela * self.flux as f32
     }
 
-    /// What it sends into a direction of the world, W/sr.
+    /// Intensity in a direction of the world, W/sr.
     #[must_use]
     pub fn intensity(&self, direction: DVec3) -> Spectrum {
         self.per_candela * self.distribution.intensity(self.axes.transpose() * direction) as f32
     }
 
-    /// Where the luminaire's axis points in the world: downwards, as most hang.
+    /// Direction of the luminaire's axis in the world: downwards, as most hang.
     #[must_use]
     pub fn axis(&self) -> DVec3 {
         -self.axes.z_axis
@@ -112,13 +112,13 @@ impl PhotometricLight {
         self.opening.is_none()
     }
 
-    /// Its middle, metres.
+    /// Its centre, metres.
     #[must_use]
     pub fn center(&self) -> DVec3 {
         self.position
     }
 
-    /// A point that it shines from, metres, by two numbers uniform in [0, 1).
+    /// A point of its opening, metres, by two numbers uniform in [0, 1).
     fn place(&self, xi: DVec2) -> DVec3 {
         let from_center = self.opening.as_ref().map_or(DVec3::ZERO, |o| opening::point(o, xi));
         self.position + self.axes * from_center
@@ -153,7 +153,7 @@ impl LightModel for PhotometricLight {
         Some(LightRay::new(ray, self.power()))
     }
 
-    /// The density if all of it were in its middle: a weight for paths has to be the same from both ends, not exact.
+    /// The density if all of the opening were at its centre: a weight for paths has to be the same from both ends, not exact.
     fn emission_pdf(&self, _: &Scene, at: DVec3, wi: DVec3, _: Option<AreaPdf>) -> f64 {
         let wavelengths = Wavelengths::default();
         let mean = |light: Spectrum| f64::from(light.mean(&wavelengths));

@@ -38,7 +38,7 @@ impl PointLight {
         self.intensity
     }
 
-    /// Where it is, metres.
+    /// Its position, metres.
     #[must_use]
     pub fn position(&self) -> DVec3 {
         self.position

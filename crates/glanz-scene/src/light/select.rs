@@ -1,28 +1,28 @@
-//! Which light to sample.
+//! Selection of lights.
 
 use std::ops::Range;
 
 use super::LightId;
 
-/// Groups of lights at most; so many numbers say how often each is to be picked.
+/// Largest number of groups of lights.
 pub const MAX_LIGHT_GROUPS: usize = 16;
 
-/// Share of the probability spread evenly, so that no light that matters locally is starved by a strong far one.
+/// Fraction of the probability that is spread evenly, so that a light that matters locally is not starved by a strong distant one.
 const EVEN_SHARE: f64 = 0.2;
 
-/// Chooses lights by power, with an even share for each.
+/// Selects lights by power, with an even minimum for each.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LightSelector {
     /// Probability per light; 0 where it cannot be sampled.
     probabilities: Vec<f64>,
-    /// Running sums, ending in 1; empty if there is nothing to choose.
+    /// Running sums, ending in 1; empty if there is nothing to select.
     cumulative: Vec<f64>,
-    /// Lights with consecutive numbers, without gaps; empty if there is nothing to choose.
+    /// Lights with consecutive numbers, without gaps; empty if there is nothing to select.
     groups: Vec<Range<u32>>,
 }
 
 impl LightSelector {
-    /// `importance` per light, >= 0; a light of importance 0 is never chosen.
+    /// `importance` per light, >= 0; a light of importance 0 is never selected.
     pub(crate) fn new(importance: &[f64]) -> Self {
         let total: f64 = importance.iter().sum();
         let count = importance.iter().filter(|&&i| i > 0.0).count();
@@ -59,7 +59,7 @@ impl LightSelector {
     fn find(&self, sum: f64, range: Range<usize>) -> Option<(LightId, f64)> {
         let (start, inside) = (range.start, self.cumulative.get(range.clone())?);
         let index = start + inside.partition_point(|&c| c <= sum);
-        // Rounding may carry the sum past the end; the last light that can be chosen takes it.
+        // Rounding may carry the sum past the end; the last light that can be selected takes it.
         let index = if index < range.end {
             index
         } else {
@@ -79,7 +79,7 @@ impl LightSelector {
         self.groups.partition_point(|group| group.end <= light.0)
     }
 
-    /// The probability that [`LightSelector::select`] takes a light of this group.
+    /// The probability that [`LightSelector::select`] selects a light of this group.
     pub(crate) fn group_probability(&self, group: usize) -> f64 {
         self.bounds(group).map_or(0.0, |(low, high)| high - low)
     }
@@ -90,11 +90,11 @@ impl LightSelector {
         let range = self.groups.get(group)?;
         let (light, probability) =
             self.find(low + xi * (high - low), range.start as usize..range.end as usize)?;
-        // Differences of sums are off by some roundings.
+        // Differences of sums carry rounding errors.
         Some((light, (probability / (high - low)).min(1.0)))
     }
 
-    /// Running sums where a group begins and ends.
+    /// Running sums at the ends of a group.
     fn bounds(&self, group: usize) -> Option<(f64, f64)> {
         let range = self.groups.get(group)?;
         let before = range.start.checked_sub(1).and_then(|i| self.cumulative.get(i as usize));
@@ -107,9 +107,10 @@ impl LightSelector {
     }
 }
 
-/// Lights in at most [`MAX_LIGHT_GROUPS`] runs: each alone if they are few, of about the same probability if they are many.
+/// Lights in at most [`MAX_LIGHT_GROUPS`] groups of consecutive numbers: one light each if they are few, of about the same probability if
+/// they are many.
 ///
-/// Numbers are those of the scene file, where what hangs together stands together.
+/// Numbers follow the scene file, where related lights are adjacent.
 fn groups(probabilities: &[f64]) -> Vec<Range<u32>> {
     let few = probabilities.iter().filter(|&&p| p > 0.0).count() <= MAX_LIGHT_GROUPS;
     let mut groups: Vec<Range<u32>> = Vec::new();
@@ -118,7 +119,7 @@ fn groups(probabilities: &[f64]) -> Vec<Range<u32>> {
         let shares = groups.len() as f64 / MAX_LIGHT_GROUPS as f64;
         let open = if few { running == 0.0 } else { running < shares || groups.len() == MAX_LIGHT_GROUPS };
         match groups.last_mut() {
-            // What cannot be chosen belongs to any.
+            // A light that is never selected belongs to any group.
             Some(last) if open || probability == 0.0 => last.end = light + 1,
             _ => groups.push(light..light + 1),
         }
@@ -132,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn picks_follow_the_probabilities() {
+    fn selection_follows_the_probabilities() {
         let selector = LightSelector::new(&[3.0, 0.0, 1.0]);
         let n = 10_000;
         let mut counts = [0.0; 3];
@@ -148,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn no_light_is_picked_where_there_is_none() {
+    fn nothing_is_selected_without_lights() {
         assert!(LightSelector::new(&[]).select(0.5).is_none());
         assert!(LightSelector::new(&[0.0, 0.0]).select(0.5).is_none());
     }
@@ -176,7 +177,7 @@ mod tests {
         for group in 0..MAX_LIGHT_GROUPS {
             let probability = selector.group_probability(group);
             assert!((probability - 1.0 / 16.0).abs() < 0.005, "{group}: {probability}");
-            // Groups and lights in them make up the same choice.
+            // Selecting a group and a light in it has the probability of selecting the light.
             for i in 0..50 {
                 let (light, inside) = selector.select_in_group(group, f64::from(i) / 50.0).unwrap();
                 assert_eq!(selector.group(light), group);

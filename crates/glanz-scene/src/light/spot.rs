@@ -59,7 +59,7 @@ impl SpotLight {
 
     /// Total power, W.
     ///
-    /// The falloff as a function of the linear share x of the cosine has the mean 1/5 for x^4 and 1/2 for the
+    /// The falloff as a function of the linear fraction x of the cosine has the mean 1/5 for x^4 and 1/2 for the
     /// smooth step.
     #[must_use]
     pub fn power(&self) -> Spectrum {
@@ -71,7 +71,7 @@ impl SpotLight {
         self.intensity * solid_angle as f32
     }
 
-    /// Where it is, metres.
+    /// Its position, metres.
     #[must_use]
     pub fn position(&self) -> DVec3 {
         self.position
@@ -89,13 +89,13 @@ impl SpotLight {
         self.cos_outer
     }
 
-    /// Cosine of the half angle inside which it does not fall.
+    /// Cosine of the half angle inside which the intensity is constant.
     #[must_use]
     pub fn cos_inner(&self) -> f64 {
         self.cos_inner
     }
 
-    /// What it sends into a unit direction, W/sr.
+    /// Intensity in a unit direction, W/sr.
     #[must_use]
     pub fn intensity(&self, direction: DVec3) -> Spectrum {
         self.intensity * self.attenuation(direction.dot(self.axis))

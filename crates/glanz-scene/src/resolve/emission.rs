@@ -1,4 +1,4 @@
-//! Surfaces that shine.
+//! Surfaces that emit light.
 
 use glanz_light::{Wavelengths, units};
 
@@ -10,7 +10,7 @@ use crate::error::SceneError;
 use crate::light::AreaLight;
 use crate::object::SceneObject;
 
-/// The light that the object number `object_index` of the world is.
+/// The area light of the object with the index `object_index` in the world.
 pub(super) fn area_light(
     object_index: u32,
     object: &SceneObject,
@@ -48,7 +48,7 @@ pub(super) fn area_light(
     Ok(AreaLight::new(object_index, object, radiance * (wanted / present) as f32, emission.two_sided))
 }
 
-/// The emission of each of the objects that one shape makes: its power is that of all together, shared by area.
+/// The emission of each object of one shape: the power of the shape is divided among them by area.
 pub(super) fn emission_per_object(
     emission: &EmissionDescription,
     objects: &[SceneObject],

@@ -48,7 +48,7 @@ pub(super) fn triangles(description: BezierTrianglesDescription) -> Result<Surfa
     Ok(Freeform::try_new(pieces)?.into())
 }
 
-/// The part of the parameters that `trim` keeps.
+/// The region of the parameters that `trim` keeps.
 pub(super) fn region(trim: TrimDescription) -> Result<Arc<TrimRegion>, SurfaceError> {
     let curve = |curve: TrimCurveDescription| {
         let points: Vec<DVec3> = curve.points.into_iter().map(DVec3::from_array).collect();

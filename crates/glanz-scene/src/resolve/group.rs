@@ -1,4 +1,4 @@
-//! Shapes and instances into groups with a hierarchy.
+//! Resolves groups of shapes and instances.
 
 use glanz_geometry::bvh::{BuildOptions, Bvh};
 use glanz_light::Wavelengths;
@@ -17,9 +17,9 @@ use crate::object::SceneObject;
 use crate::receiver::NamedReceiver;
 use crate::scene::{Instance, MAX_NESTING, Primitive, SceneGroup};
 
-/// An object that shines, in the frame of its group.
+/// An object that emits light, in the frame of its group.
 ///
-/// Every copy of it is a light of its own, so it is kept out of the group and set into the world once per copy.
+/// Every copy of it is a separate light: it is left out of the group and added to the world once per copy.
 #[derive(Clone)]
 struct EmissiveObject {
     object: SceneObject,
@@ -27,21 +27,21 @@ struct EmissiveObject {
     location: Option<Location>,
 }
 
-/// Groups in the making.
+/// Resolves groups one after the other.
 pub(super) struct GroupResolver {
     groups: Vec<SceneGroup>,
     emitters: Vec<Vec<EmissiveObject>>,
     depths: Vec<usize>,
-    /// Per material, whether light passes it.
+    /// Per material, whether it is an interface.
     passable: Vec<bool>,
     next_id: u32,
     receivers: Vec<NamedReceiver>,
 }
 
-/// All groups, the last of which is the world, and what was found in them.
+/// All groups, the last of which is the world, with their lights and receivers.
 pub(super) struct ResolvedGroups {
     pub(super) groups: Vec<SceneGroup>,
-    /// One for each copy of a shape that shines.
+    /// One for each copy of a shape that emits light.
     pub(super) lights: Vec<Light>,
     pub(super) receivers: Vec<NamedReceiver>,
 }
@@ -59,7 +59,7 @@ impl GroupResolver {
         }
     }
 
-    /// Adds the group number `index`; what it refers to must have been added before.
+    /// Adds the group with this index, after all groups that it refers to.
     pub(super) fn add(
         &mut self,
         description: GroupDescription,
@@ -78,7 +78,7 @@ impl GroupResolver {
         Ok(())
     }
 
-    /// Adds the world and makes lights of everything that shines.
+    /// Adds the world and makes lights of all objects that emit.
     pub(super) fn finish(
         mut self,
         world: GroupDescription,
@@ -141,7 +141,7 @@ impl GroupResolver {
                         location,
                     }));
                 }
-                // A border that neither shines, stops light nor measures it is not there.
+                // An interface that neither emits nor measures light has no effect.
                 None if passable && !measures => {}
                 None => objects.extend(made),
             }
@@ -195,7 +195,7 @@ impl GroupResolver {
     }
 }
 
-/// A box around everything in the group that has an end.
+/// The bounding box of all bounded objects of the group.
 pub(super) fn finite_bounds(group: &SceneGroup) -> Bounds3 {
     group.bvh.bounds()
 }

@@ -1,7 +1,7 @@
-//! Many small meshes into one.
+//! Joins small meshes.
 //!
-//! Exporters write a mesh per wall or per patch, thousands of two triangles each. Asked one by one, each pays for its own
-//! call and box; joined, they share one hierarchy and are tested four at a time.
+//! Exporters write a mesh per wall or per patch, thousands of two triangles each. Tested one by one, each costs a call and a
+//! box; joined, they share one hierarchy and are tested four at a time.
 
 use std::sync::Arc;
 
@@ -15,9 +15,9 @@ const LARGEST: usize = 256;
 
 /// Joins the small meshes among `objects`, which keep their numbers, materials and orientation by face.
 ///
-/// Lights stay alone: points are picked on one shape at a time.
+/// Lights are not joined: points are sampled on one shape at a time.
 pub(super) fn join_small_meshes(objects: Vec<SceneObject>) -> Vec<SceneObject> {
-    // Lists by vertex must be there for all or for none: four kinds of meshes.
+    // Lists by vertex exist for all or for none: four kinds of meshes.
     let mut kinds: [Vec<(Arc<Mesh>, SceneObject)>; 4] = Default::default();
     let mut rest = Vec::with_capacity(objects.len());
     for object in objects {
@@ -45,7 +45,7 @@ fn joinable(mesh: &Mesh, object: &SceneObject) -> bool {
         && object.shape_count() == 1
 }
 
-/// One object of all meshes; `None` if there is nothing to join, or more vertices than can be numbered.
+/// One object of all meshes; `None` if there are fewer than two, or more vertices than can be numbered.
 fn join(meshes: &[(Arc<Mesh>, SceneObject)]) -> Option<SceneObject> {
     let [(first, object), _, ..] = meshes else { return None };
     let (mut positions, mut indices, mut shapes) = (Vec::new(), Vec::new(), Vec::with_capacity(meshes.len()));

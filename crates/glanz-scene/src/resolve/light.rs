@@ -39,7 +39,7 @@ fn per_candela(description: &LightDescription, wavelengths: &Wavelengths) -> Res
 /// The light of a distribution times `scale`: finite, in no band negative.
 ///
 /// Some spectra have colours outside Rec. 709, such as black bodies below some 1900 K, and with them negative lanes.
-/// These become 0, for no band may take light away. What is negative in the scene itself is an error.
+/// These become 0, since no band may remove light. Negative values in the scene itself are an error.
 pub(super) fn emitted_spectrum(
     distribution: &SpectralDistribution,
     scale: f32,
@@ -55,7 +55,7 @@ pub(super) fn emitted_spectrum(
     Ok(emission)
 }
 
-/// Whether this is a spectrum without a negative value, so that only its colour can have negative components.
+/// Whether the spectrum has no negative value, so that only its colour can have negative components.
 fn is_light(distribution: &SpectralDistribution) -> bool {
     match distribution {
         SpectralDistribution::Blackbody { scale, .. } => *scale >= 0.0,
@@ -64,7 +64,7 @@ fn is_light(distribution: &SpectralDistribution) -> bool {
     }
 }
 
-/// With 0 for what is negative; what is not a number stays.
+/// Replaces negative lanes by 0; lanes that are not a number stay.
 fn clipped(radiance: Spectrum) -> Spectrum {
     radiance.map(|x| if x < 0.0 { 0.0 } else { x })
 }

@@ -1,4 +1,4 @@
-//! From a description to a scene.
+//! Resolves a description to a scene.
 
 mod emission;
 mod freeform;
@@ -22,7 +22,7 @@ use group::{GroupResolver, ResolvedGroups};
 /// Coordinates beyond this, in metres, leave the range of the hierarchy's `f32` boxes.
 pub(crate) const LARGEST_COORDINATE: f64 = 1e30;
 
-/// What resolving passes along: the warnings so far.
+/// Warnings so far.
 #[derive(Default)]
 struct WarningList {
     warnings: Vec<SceneWarning>,
@@ -37,10 +37,10 @@ impl WarningList {
 impl Scene {
     /// Checks a description through the constructors of its parts and builds the hierarchy.
     ///
-    /// The warnings name what was mended or left out.
+    /// The warnings name the parts that were repaired or left out.
     ///
     /// # Errors
-    /// [`SceneError`] with the place in the input for the first part that cannot be.
+    /// [`SceneError`] with the place in the input for the first part that is invalid.
     pub fn resolve(description: Description) -> Result<(Self, Vec<SceneWarning>), SceneError> {
         let wavelengths = Wavelengths::default();
         let mut warnings = WarningList::default();

@@ -19,7 +19,7 @@ use crate::description::{GeometryDescription, Location, ShapeDescription};
 use crate::error::{SceneError, SceneErrorKind};
 use crate::object::{SceneObject, ShapeAttributes};
 
-/// The objects of one shape: one, except for lists of patches.
+/// The objects of one shape: one, except for a list of patches.
 pub(super) fn objects(
     shape: ShapeDescription,
     id: u32,
@@ -45,9 +45,9 @@ pub(super) fn objects(
         )
     };
     Ok(match shape.geometry {
-        // Meshes and patches move into the frame of the group: no ray is carried into theirs.
+        // Meshes and patches are transformed to the frame of the group, so that rays need not be.
         GeometryDescription::Triangles { positions, indices, normals, uvs } => {
-            // Where vertex normals say which side is out, the triangles follow them.
+            // Vertex normals, where given, determine the front side of the triangles.
             let flipped = normals.is_none() && mirrors(&to_parent);
             let positions = positions.into_iter().map(|p| to_parent.point(p)).collect();
             let normals = normals.map(|n| n.into_iter().map(|n| to_parent.normal(n)).collect());
@@ -56,7 +56,7 @@ pub(super) fn objects(
                     note_degenerate(mesh.degenerate(), location, warnings);
                     vec![in_parent(Surface::Mesh(Arc::new(mesh)), flipped)]
                 }
-                // Exporters write such meshes, at the poles of a teapot for one: nothing to see is no reason to stop.
+                // Exporters write such meshes, for instance at the poles of a teapot: they are not an error.
                 Err(SurfaceError::Degenerate { .. }) => {
                     warnings.warn(location, "no triangle of this mesh has an area; left out");
                     Vec::new()

@@ -1,4 +1,4 @@
-//! Textures and pictures.
+//! Resolves textures and their pictures.
 
 use glanz_light::Wavelengths;
 use glanz_shading::Textures;
@@ -15,13 +15,13 @@ use crate::description::{
 };
 use crate::error::{SceneError, SceneErrorKind};
 
-/// The textures of a scene, and what the description's numbers became.
+/// The textures of a scene, and their ids by the index in the description.
 pub(super) struct ResolvedTextures {
     pub(super) textures: Textures,
     ids: Vec<TextureId>,
 }
 
-/// Turns inputs of the description into inputs of shading.
+/// Resolves parameters of the description to inputs of shading.
 pub(super) struct InputResolver<'a> {
     ids: &'a [TextureId],
     wavelengths: &'a Wavelengths,
@@ -36,7 +36,7 @@ impl InputResolver<'_> {
         })
     }
 
-    /// A quantity of matter without upper bound.
+    /// A spectrum without upper bound.
     fn unbounded(&self, input: &SpectrumParameter) -> Result<SpectrumInput, SceneError> {
         Ok(match input {
             SpectrumParameter::Value(value) => SpectrumInput::Constant(value.unbounded(self.wavelengths)),
@@ -85,7 +85,7 @@ pub(super) fn textures(
     description: &Description,
     wavelengths: &Wavelengths,
 ) -> Result<ResolvedTextures, SceneError> {
-    // The pyramid costs a third more memory: only for pictures that some texture asks it of.
+    // The pyramid takes a third more memory: it is built only for pictures that a texture filters by it.
     let mut images: Vec<Option<MipMap>> = vec![None; description.images.len()];
     let mut resolved = ResolvedTextures { textures: Textures::new(), ids: Vec::new() };
     for texture in &description.textures {
@@ -142,7 +142,7 @@ fn texture(
     })
 }
 
-/// The picture number `index`, shared between the textures that use it.
+/// The picture with this index, shared between the textures that use it.
 fn image(
     description: &Description,
     texture: &TextureDescription,
@@ -159,10 +159,10 @@ fn image(
     if let Some(image) = slot {
         return Ok(image.clone());
     }
-    let asks_for_pyramid = |t: &TextureDescription| matches!(&t.kind, TextureKind::Image { image, filter: ImageFilter::Trilinear, .. } if *image == index);
-    let with_pyramid = description.textures.iter().any(asks_for_pyramid);
+    let filters_by_levels = |t: &TextureDescription| matches!(&t.kind, TextureKind::Image { image, filter: ImageFilter::Trilinear, .. } if *image == index);
+    let with_levels = description.textures.iter().any(filters_by_levels);
     let image =
-        MipMap::try_new(&source.pixels, with_pyramid).map_err(|reason| texture_error(texture, reason))?;
+        MipMap::try_new(&source.pixels, with_levels).map_err(|reason| texture_error(texture, reason))?;
     Ok(slot.insert(image).clone())
 }
 

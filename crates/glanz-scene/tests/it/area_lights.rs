@@ -1,4 +1,4 @@
-//! Areas of surfaces that shine, and how bright they are for what they give off.
+//! Areas and luminances of area lights.
 
 use std::f64::consts::{PI, TAU};
 

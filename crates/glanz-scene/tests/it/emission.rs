@@ -1,4 +1,4 @@
-//! Rays that leave lights bring to a surface what the surface finds when it looks for the lights.
+//! Power that light rays bring to a surface, against light samples from the surface.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -68,7 +68,7 @@ fn sent(scene: &Scene) -> (f64, f64) {
     (all / f64::from(COUNT), met / f64::from(COUNT))
 }
 
-/// The same found from the square.
+/// The same by light samples from the square.
 fn received(scene: &Scene) -> f64 {
     let mut sum = 0.0;
     for i in 0..COUNT {
@@ -119,7 +119,7 @@ fn cases() -> Vec<(&'static str, Scene, bool)> {
 }
 
 #[test]
-fn what_lights_send_is_what_a_surface_finds() {
+fn power_of_light_rays_equals_that_of_light_samples() {
     for (name, scene, has_power) in cases() {
         let ((all, met), expected) = (sent(&scene), received(&scene));
         assert!(expected > 0.01, "{name}: nothing to compare");
@@ -135,7 +135,7 @@ fn what_lights_send_is_what_a_surface_finds() {
     }
 }
 
-/// Two integrals over the square and the directions from which it sees the light, by the rays that the light sends: of the cosine,
+/// Two integrals over the square and the directions from which it sees the light, by rays of the light: of the cosine,
 /// and of the cosine times the density of light sampling; for a delta light, twice that of the cosine over the square.
 fn extent_sent(scene: &Scene) -> [f64; 2] {
     let (mut all, mut sampled) = (0.0, 0.0);
@@ -159,7 +159,7 @@ fn extent_sent(scene: &Scene) -> [f64; 2] {
     [all, sampled].map(|sum| sum / f64::from(COUNT))
 }
 
-/// The same by directions that the square picks.
+/// The same by light samples from the square.
 fn extent_found(scene: &Scene) -> [f64; 2] {
     let (mut all, mut sampled) = (0.0, 0.0);
     for i in 0..COUNT {
@@ -180,8 +180,8 @@ fn extent_found(scene: &Scene) -> [f64; 2] {
 }
 
 #[test]
-fn densities_of_rays_are_those_with_which_they_are_sent() {
-    // A luminaire with a size tells the density of one in its middle, which is near enough to weigh by.
+fn emission_pdf_is_the_density_of_emitted_rays() {
+    // A luminaire with a size has the density of one at its centre, an approximation good enough for weights.
     let exact = cases().into_iter().filter(|(name, ..)| *name != "luminaire as an area");
     for (name, scene, _) in exact {
         let (sent, found) = (extent_sent(&scene), extent_found(&scene));
@@ -192,7 +192,7 @@ fn densities_of_rays_are_those_with_which_they_are_sent() {
 }
 
 #[test]
-fn endless_planes_stop_light_from_afar() {
+fn infinite_planes_occlude_infinitely_far_lights() {
     let ball = ShapeDescription::sphere(1.0);
     let below = ShapeDescription::plane().translated([0.0, 0.0, -100.0]);
     let builder = SceneBuilder::new().shapes([ball, below], MaterialKind::diffuse(0.5));
@@ -205,7 +205,7 @@ fn endless_planes_stop_light_from_afar() {
         .collect();
     assert!(rays.iter().all(|light| light.ray.direction.z <= 0.0));
     assert!(rays.len() > 450 && rays.len() < 550, "half of all: {}", rays.len());
-    // A place far out on the plane gets none, since rays begin near the ball.
+    // A distant point of the plane gets none, since rays start near the ball.
     let far = DVec3::new(50.0, 0.0, -100.0);
     assert_eq!(scene.emission_pdf(LightId(0), far, DVec3::Z, None), 0.0);
     assert!(scene.emission_pdf(LightId(0), DVec3::new(0.0, 0.0, -100.0), DVec3::Z, None) > 0.0);
@@ -221,7 +221,7 @@ fn rays_from_far_away_fill_the_sphere_around_the_scene() {
 }
 
 #[test]
-fn what_cannot_be_picked_sends_nothing() {
+fn unknown_lights_emit_nothing() {
     let scene = scene(None, Some((LightKind::Infinite, DMat4::IDENTITY)));
     assert!(scene.emit(LightId(1), DVec2::ZERO, DVec2::ZERO).is_none());
 }

@@ -1,4 +1,4 @@
-//! Scenes that are resolved, checked from outside.
+//! Tests of resolved scenes through the public interface.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its scene has failed")]
 

@@ -1,4 +1,4 @@
-//! Luminaires in scenes: which way they shine, and how much.
+//! Direction and intensity of luminaires in scenes.
 
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -38,7 +38,7 @@ fn beam_axis() -> DVec3 {
     DVec3::new(0.5, 0.0, -0.75_f64.sqrt())
 }
 
-/// Lux on the wall, looked at from the origin along `direction`, from the light alone.
+/// Lux on the wall in `direction` from the origin, from the light alone.
 fn lux(scene: &Scene, direction: DVec3) -> f64 {
     let wavelengths = Wavelengths::default();
     let at = scene.intersect(&Ray::new(DVec3::ZERO, direction), f64::INFINITY).unwrap();
@@ -73,7 +73,7 @@ fn the_beam_goes_where_the_frame_is_turned() {
                 assert_eq!(lux(&scene, dark), 0.0, "{expected} {dark}");
             }
         }
-        // Rays that it sends stay within the beam too.
+        // Its rays stay within the beam, too.
         let mut mean = DVec3::ZERO;
         for i in 0..1000_u32 {
             let xi = DVec2::new(f64::from(i) / 1000.0, (f64::from(i) * 0.618).fract());
@@ -99,7 +99,7 @@ fn the_color_has_no_influence_on_lumens_and_scale_has() {
 }
 
 #[test]
-fn a_point_tells_what_arrives_of_it_and_an_area_does_not() {
+fn incident_light_is_known_of_points_only() {
     let disk = LuminousOpening { shape: OpeningShape::Ellipse, size: [0.2, 0.2, 0.0] };
     let up = DMat4::from_translation(DVec3::new(0.0, 0.0, 5.0));
     let scene = scene(vec![light(beam(), None, up), light(beam(), Some(disk), up)]);
@@ -130,7 +130,7 @@ fn points_of_an_opening_scale_with_the_frame() {
 }
 
 #[test]
-fn rays_are_sent_by_their_flux_and_cannot_be_looked_for() {
+fn rays_are_emitted_by_flux_and_cannot_be_sampled() {
     let ray = |x: f32, lumens: f32| SourceRay { origin: [x, 0.0, 0.0], direction: [0.0, 0.0, 1.0], lumens };
     let rays = Arc::new([ray(0.0, 1.0), ray(1.0, 0.0), ray(2.0, 3.0)]);
     // z goes to -y, lengths are doubled.
@@ -156,7 +156,7 @@ fn rays_are_sent_by_their_flux_and_cannot_be_looked_for() {
 }
 
 #[test]
-fn what_cannot_be_a_luminaire_is_refused() {
+fn invalid_luminaires_are_refused() {
     let uneven = light(beam(), None, DMat4::from_scale(DVec3::new(1.0, 1.0, 1.01)));
     let black = LightDescription {
         emission: SpectralDistribution::Constant(0.0),

@@ -1,4 +1,4 @@
-//! Shapes that are receivers, found again by rays.
+//! Receivers and the rays that hit them.
 
 use glanz_math::{DVec3, Ray};
 use glanz_scene::description::*;
@@ -30,13 +30,13 @@ fn grey() -> MaterialKind {
     MaterialKind::diffuse(0.5)
 }
 
-/// The number of the shape that a ray down at x meets.
+/// The number of the shape that a ray downwards at x hits.
 fn met(scene: &Scene, x: f64) -> u32 {
     scene.intersect(&Ray::new(DVec3::new(x, 0.25, 1.0), -DVec3::Z), 2.0).unwrap().id
 }
 
 #[test]
-fn rays_meet_receivers_by_their_shape_also_in_joined_meshes_and_behind_objects() {
+fn rays_hit_receivers_by_their_shape_also_in_joined_meshes_and_behind_groups() {
     let shapes = vec![
         shape(triangle(), 10.0, None),
         shape(triangle(), 20.0, Some(receiver("wall", Some([3, 4])))),
@@ -59,7 +59,7 @@ fn rays_meet_receivers_by_their_shape_also_in_joined_meshes_and_behind_objects()
 }
 
 #[test]
-fn an_interface_that_measures_light_is_met_and_stops_none() {
+fn an_interface_that_measures_light_is_hit_and_does_not_occlude() {
     let shapes = vec![shape(disk(), 0.0, Some(receiver("plane", None))), shape(disk(), 5.0, None)];
     let (scene, _) = with(MaterialKind::Interface, shapes).resolve().unwrap();
     let ray = Ray::new(DVec3::Z, -DVec3::Z);
@@ -76,7 +76,7 @@ fn a_mesh_without_area_measures_nothing() {
 }
 
 #[test]
-fn impossible_receivers_are_told_with_their_place() {
+fn invalid_receivers_are_reported_with_their_location() {
     for cells in [[0, 1], [1, 0], [4097, 1], [1, 4097]] {
         let shapes = vec![shape(disk(), 0.0, Some(receiver("a", Some(cells))))];
         let error = with(grey(), shapes).resolve().unwrap_err();

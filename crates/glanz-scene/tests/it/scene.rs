@@ -45,7 +45,7 @@ fn error(builder: SceneBuilder) -> SceneError {
     builder.resolve().unwrap_err()
 }
 
-/// A point of a small disk at the origin that faces -z, away from lights at z > 0 unless turned.
+/// A point of a small disk at the origin on the side of -z, away from lights at z > 0.
 fn observer(scene: &Scene) -> Interaction {
     scene.intersect(&Ray::new(DVec3::new(0.0, 0.0, -3.0), DVec3::Z), f64::INFINITY).unwrap()
 }
@@ -55,7 +55,7 @@ fn translate(x: f64, y: f64, z: f64) -> DMat4 {
 }
 
 #[test]
-fn ray_meets_a_copy_of_a_copy_where_it_stands() {
+fn ray_hits_a_nested_instance_in_its_place() {
     let inner = |group: SceneBuilder| group.shape(unit_sphere().translated(DVec3::Z), grey());
     let outer = |group: SceneBuilder| group.instance("inner", DMat4::from_scale(DVec3::splat(2.0)));
     let builder = SceneBuilder::new().group("inner", inner).group("outer", outer);
@@ -73,7 +73,7 @@ fn ray_meets_a_copy_of_a_copy_where_it_stands() {
 }
 
 #[test]
-fn every_copy_of_a_shining_shape_is_a_light() {
+fn every_instance_of_an_emissive_shape_is_a_light() {
     let shapes = [shining(unit_sphere()), ShapeDescription::disk(3.0)];
     let builder = SceneBuilder::new().group("lamp", |group| group.shapes(shapes, grey()));
     let place = |builder: SceneBuilder, x| builder.instance("lamp", translate(x, 0.0, 0.0));
@@ -179,7 +179,7 @@ fn small_meshes_keep_number_material_and_side_when_joined() {
     let mut builder =
         SceneBuilder::new().material("grey", grey()).material("black", MaterialKind::diffuse(0.0));
     for i in 0..6 {
-        // A light among them is picked by its own number.
+        // A light among them keeps its own number.
         if i == 3 {
             builder = builder.shape(shining(square()).translated([6.0, 2.0, 0.0]), "grey");
         }
@@ -209,7 +209,7 @@ fn small_meshes_keep_number_material_and_side_when_joined() {
 }
 
 #[test]
-fn endless_plane_is_found_beside_bounded_things() {
+fn infinite_plane_is_hit_beside_bounded_shapes() {
     let plane = ShapeDescription::plane().translated([0.0, 0.0, -1.0]);
     let scene = resolve(with_shapes([unit_sphere(), plane]));
     let far = scene.intersect(&Ray::new(DVec3::new(1e6, 0.0, 9.0), -DVec3::Z), f64::INFINITY).unwrap();
@@ -236,7 +236,7 @@ fn infinite_light_samples_follow_the_cosine_on_the_side_of_the_viewer() {
 }
 
 #[test]
-fn faults_are_told_with_their_place() {
+fn faults_are_reported_with_their_location() {
     let singular = error(with_shapes([located(unit_sphere().transformed(DMat4::ZERO))]));
     assert_eq!(singular.location, Some(HERE));
     assert!(matches!(singular.kind, SceneErrorKind::Transform { what: "shape", .. }));
@@ -261,7 +261,7 @@ fn faults_are_told_with_their_place() {
 }
 
 #[test]
-fn degenerate_triangles_are_left_out_and_told() {
+fn degenerate_triangles_are_left_out_with_a_warning() {
     let mut square = located(square());
     if let GeometryDescription::Triangles { indices, .. } = &mut square.geometry {
         indices.push([1, 1, 2]);
@@ -273,7 +273,7 @@ fn degenerate_triangles_are_left_out_and_told() {
 }
 
 #[test]
-fn spectra_outside_the_gamut_take_no_light_away_but_negative_light_is_refused() {
+fn spectra_outside_the_gamut_are_clipped_and_negative_light_is_refused() {
     let infinite = |emission: SpectralDistribution, scale: f32| {
         let light = LightDescription { scale, location: Some(HERE), ..LightDescription::infinite(emission) };
         SceneBuilder::new().light(light)
@@ -300,7 +300,7 @@ fn spectra_outside_the_gamut_take_no_light_away_but_negative_light_is_refused() 
 #[test]
 fn thin_glass_lets_a_ray_straight_through() {
     let sine = 0.6;
-    // A pane does not turn the ray, a solid turns it by the law of refraction.
+    // A pane does not deflect the ray, a solid refracts it.
     let (pane, solid) =
         (MaterialKind::thin_dielectric(1.5, 1.0, 1.0), MaterialKind::dielectric(1.5, 1.0, 1.0));
     for (kind, sine_inside) in [(pane, sine), (solid, sine / 1.5)] {
@@ -315,7 +315,7 @@ fn thin_glass_lets_a_ray_straight_through() {
 }
 
 #[test]
-fn another_camera_sees_the_same_scene_from_elsewhere() {
+fn with_camera_shares_the_scene() {
     let scene = resolve(with_shapes([shining(unit_sphere())]));
     let film = FilmDescription { resolution: [2, 2], ..FilmDescription::default() };
     let to_world = DMat4::from_translation(DVec3::new(0.0, 0.0, -5.0));

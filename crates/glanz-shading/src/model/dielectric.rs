@@ -27,14 +27,14 @@ pub struct Dielectric {
     pub reflectance: Spectrum,
     /// Factor on transmitted light, [0, 1]; 1 for real glass.
     pub transmittance: Spectrum,
-    /// Whether this is a sheet too thin to displace a ray: light passes straight on, and is reflected by both faces.
+    /// Whether this is a sheet too thin to displace a ray: light passes straight through and is reflected by both faces.
     pub thin: bool,
 }
 
 impl Dielectric {
     /// The mirrored and the refracted direction, each with the whole fraction of light it carries as weight.
     ///
-    /// `None` for one that carries nothing: total reflection, media that agree, black factors.
+    /// `None` for one that carries nothing: total reflection, equal media, black factors.
     fn branches(&self, wo: DVec3, mode: TransportMode) -> [Option<BsdfSample>; 2] {
         if wo.z == 0.0 {
             return [None; 2];
@@ -68,7 +68,7 @@ impl Dielectric {
         let cos = if eta < 1.0 && z2 > 0.0 { z2.sqrt() } else { cos_transmitted };
         let wi = DVec3::new(x, y, -cos.copysign(wo.z)).try_normalize()?;
         let eta_scale = match mode {
-            // Radiance over the squared index is what refraction keeps.
+            // Refraction preserves radiance over the squared index.
             TransportMode::Radiance => (eta * eta) as f32,
             TransportMode::Importance => 1.0,
         };
@@ -84,7 +84,7 @@ impl Dielectric {
         if !self.thin {
             return fresnel::dielectric(cos, eta);
         }
-        // Between the faces light goes to and fro: r + t^2 r + t^2 r^3 + ... = 2 r / (1 + r). A sheet has the same
+        // Interreflection between the faces: r + t^2 r + t^2 r^3 + ... = 2 r / (1 + r). A sheet has the same
         // medium on both sides: its far side is never the thinner one.
         let face = fresnel::dielectric(cos, self.eta);
         let r = face.reflectance;
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn black_lobes_are_never_chosen() {
+    fn black_lobes_are_never_selected() {
         let model = Dielectric { reflectance: Spectrum::BLACK, ..glass(false) };
         let s = model.draw(DVec3::Z, 0.0, TransportMode::Importance).unwrap();
         assert!(s.lobe.transmission);

@@ -22,7 +22,7 @@ pub use phong::{Phong, PhongMaterial};
 
 /// The parameters of a scattering model, which may be textured.
 pub trait MaterialModel<P: ParameterForm> {
-    /// The same with parameters for shading.
+    /// The same material with parameters for shading.
     type Textured: TexturedModel;
 
     /// The name in scene files.
@@ -31,11 +31,11 @@ pub trait MaterialModel<P: ParameterForm> {
     /// Checks the parameters and converts them for shading.
     ///
     /// # Errors
-    /// [`MaterialError`] for the first parameter that is not possible.
+    /// [`MaterialError`] for the first parameter out of range or without its texture.
     fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<Self::Textured, MaterialError>;
 }
 
-/// Parameters for shading, of which a point has a scattering model.
+/// Parameters for shading, which give the scattering model at a point.
 pub trait TexturedModel: MaterialModel<ShadingForm> {
     /// The scattering model.
     type Bsdf: BsdfModel;
@@ -43,7 +43,7 @@ pub trait TexturedModel: MaterialModel<ShadingForm> {
     /// The scattering model at a point.
     fn bsdf(&self, at: &TextureEvaluator<'_>) -> Self::Bsdf;
 
-    /// A way in which pictures will differ from what the parameters suggest, for a warning.
+    /// A warning about parameters that do not act as they suggest.
     fn warning(&self) -> Option<String> {
         None
     }
@@ -160,7 +160,7 @@ macro_rules! bsdfs {
             /// Checks the parameters and converts them for shading.
             ///
             /// # Errors
-            /// [`MaterialError`] for the first parameter that is not possible.
+            /// [`MaterialError`] for the first parameter out of range or without its texture.
             pub fn resolve(&self, resolver: &impl ParameterResolver<P>) -> Result<Material, MaterialError> {
                 Ok(match self {
                     $(Self::$material_variant(material) => Material::$material_variant(material.resolve(resolver)?),)*
@@ -262,7 +262,7 @@ impl Material {
     /// Checks that every texture exists and every constant is in its range.
     ///
     /// # Errors
-    /// [`MaterialError`] for the first parameter that is not possible.
+    /// [`MaterialError`] for the first parameter out of range or without its texture.
     pub fn check(&self, textures: &Textures) -> Result<(), MaterialError> {
         self.resolve(textures).map(|_| ())
     }
@@ -305,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_constants_are_found_with_their_values() {
+    fn constants_out_of_range_are_reported_with_their_values() {
         let textures = Textures::new();
         let glass = |eta: f32| Material::dielectric(eta, grey(1.0), grey(1.0));
         assert_eq!(glass(1.5).check(&textures), Ok(()));
@@ -326,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn phong_that_would_create_energy_says_so() {
+    fn phong_that_would_create_energy_has_a_warning() {
         let warning =
             |diffuse, specular| Material::phong(grey(0.1), grey(diffuse), grey(specular), 20.0).warning();
         assert_eq!(warning(0.5, 0.5), None);
@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn plain_metal_uses_no_lane_beyond_the_colours() {
+    fn metal_leaves_unused_lanes_black() {
         let (eta, k) = (Spectrum::from_rgb([0.143, 0.375, 1.442]), Spectrum::from_rgb([3.983, 2.386, 1.603]));
         let gold = Material::conductor(eta, k);
         let albedo = gold.bsdf(&Textures::new(), &point(), &RGB).unwrap().albedo(DVec3::Z);

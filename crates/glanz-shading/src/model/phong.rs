@@ -29,25 +29,25 @@ pub struct Phong {
     diffuse_probability: f64,
 }
 
-/// The numbers of the classical model (document 001 section 3.4).
+/// Coefficients of the classical model (document 001 section 3.4).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhongCoefficients {
-    /// Reaction to ambient light.
+    /// Ambient coefficient.
     pub ambient: Spectrum,
-    /// Reaction to light scattered diffusely.
+    /// Diffuse coefficient.
     pub diffuse: Spectrum,
-    /// Reaction to light reflected into the highlight.
+    /// Specular coefficient.
     pub specular: Spectrum,
     /// Sharpness of the highlight, >= 0.
     pub exponent: f64,
 }
 
 impl Phong {
-    /// A model of these numbers.
+    /// A model with these coefficients.
     ///
     /// Negative coefficients count as 0. Where diffuse + specular is above 1 in some lane, transport uses
-    /// both scaled down by [`Phong::energy_scale`], the same in all lanes; the classical numbers stay as they
-    /// are. An exponent below 0 or not a number counts as 0.
+    /// both scaled down by [`Phong::energy_scale`], the same in all lanes; the classical coefficients are not
+    /// changed. An exponent below 0 or not a number counts as 0.
     #[must_use]
     pub fn new(coefficients: PhongCoefficients) -> Self {
         let positive = |s: Spectrum| s.map(|x| x.max(0.0));
@@ -63,7 +63,7 @@ impl Phong {
         Self { coefficients, energy_scale: if most > 1.0 { 1.0 / most } else { 1.0 }, diffuse_probability }
     }
 
-    /// The classical numbers, as given.
+    /// The coefficients as given.
     #[must_use]
     pub fn coefficients(&self) -> &PhongCoefficients {
         &self.coefficients
@@ -108,7 +108,7 @@ impl BsdfModel for Phong {
         self.value(self.power(wo, wi), wi.z.abs())
     }
 
-    /// A mixture of the cosine and of the lobe, the latter with what would be below the horizon mirrored up.
+    /// A mixture of the cosine and the lobe, of which the part below the horizon is mirrored up.
     fn pdf(&self, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
         if !same_side(wo, wi) {
             return SolidAnglePdf(0.0);
@@ -124,7 +124,7 @@ impl BsdfModel for Phong {
             let around = Frame::from_z(mirrored(wo));
             (around.to_world(warp::phong_lobe(xi, self.coefficients.exponent)).normalize(), Lobe::GLOSSY)
         };
-        // Mirroring at the horizon loses no sample and leaves the density of those above it where it was or higher.
+        // Mirroring at the horizon loses no sample and does not lower the density above it.
         wi.z = wi.z.abs().copysign(wo.z);
         if !same_side(wo, wi) {
             return None;
@@ -234,9 +234,9 @@ impl<P: ParameterForm> Material<P> {
 
 /// `(n + 2) / (2 pi)` times the integral of `cos^n(alpha) cos(theta)` over the hemisphere, for a lobe under `cos_axis`.
 ///
-/// Without the horizon the integral over the whole lobe is `cos_axis`. What the horizon cuts off has a closed
-/// form over the azimuth of the lobe; over the uniform variable `cos^(n+1)(alpha)` remains a bounded
-/// function, left to the midpoint rule.
+/// Without the horizon the integral over the whole lobe is `cos_axis`. The part that the horizon cuts off has a closed
+/// form over the azimuth of the lobe; the integral of the remaining bounded function over the uniform variable
+/// `cos^(n+1)(alpha)` is left to the midpoint rule.
 fn specular_albedo(cos_axis: f64, exponent: f64) -> f64 {
     const STEPS: u32 = 32;
     let sin_axis = (1.0 - cos_axis * cos_axis).max(0.0).sqrt();
@@ -244,7 +244,7 @@ fn specular_albedo(cos_axis: f64, exponent: f64) -> f64 {
         .map(|i| {
             let cos = ((f64::from(i) + 0.5) / f64::from(STEPS)).powf(1.0 / (exponent + 1.0));
             let sin = (1.0 - cos * cos).max(0.0).sqrt();
-            // The mean of max(0, a + b cos(phi)) over a turn, less a.
+            // The mean of max(0, a + b cos(phi)) over a turn, minus a.
             let (a, b) = (cos_axis * cos, sin_axis * sin);
             if a >= b {
                 return 0.0;
@@ -256,7 +256,7 @@ fn specular_albedo(cos_axis: f64, exponent: f64) -> f64 {
     (cos_axis + (exponent + 2.0) / (exponent + 1.0) * cut / f64::from(STEPS)).min(1.0)
 }
 
-/// A light as the classical model sees it.
+/// A light of the classical model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClassicLight {
     /// Unit direction to the light.
@@ -267,14 +267,14 @@ pub struct ClassicLight {
     pub specular: Spectrum,
 }
 
-/// What one visible light contributes in the classical model: `Md Ld max(0, n.l) + Ms Ls max(0, r.v)^n`.
+/// Contribution of one visible light in the classical model: `Md Ld max(0, n.l) + Ms Ls max(0, r.v)^n`.
 ///
 /// `normal` is on the side of the viewer; `to_viewer` and all other directions have unit length and point away from the
 /// surface. Intensities are used as they are, without division by pi or by squared distances. An exponent of
 /// 0 gives a highlight wherever `r.v > 0`.
 ///
 /// # Source
-/// Document 001 section 3.4. Departures (`ERRATA.md`): the power is taken of max(0, r.v), and only where n.l
+/// Document 001 section 3.4. Departures: the power is taken of max(0, r.v), and only where n.l
 /// > 0, so that an even power does not light the back.
 #[must_use]
 pub fn classic(
@@ -295,7 +295,7 @@ pub fn classic(
     diffuse + surface.specular * light.specular * highlight.powf(surface.exponent) as f32
 }
 
-/// What ambient light contributes in the classical model: `Ma Sa`.
+/// Contribution of ambient light in the classical model: `Ma Sa`.
 #[must_use]
 pub fn classic_ambient(surface: &PhongCoefficients, ambient_light: Spectrum) -> Spectrum {
     surface.ambient * ambient_light
@@ -323,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn lobes_are_chosen_with_the_stated_probability() {
+    fn lobes_are_selected_with_the_stated_probability() {
         // 0.6 of 0.6 + 0.2.
         let phong = Phong::new(coefficients(0.6, 0.2, 5.0));
         assert!((phong.diffuse_probability() - 0.75).abs() < 1e-7);

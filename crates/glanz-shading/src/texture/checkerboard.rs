@@ -1,4 +1,4 @@
-//! Squares and cubes of two textures.
+//! Checkerboards of two textures.
 
 use glanz_math::DVec3;
 
@@ -7,16 +7,16 @@ use super::{SpectrumInput, TextureMapping, TexturePoint};
 /// Two textures alternating in unit squares of a flat, or unit cubes of a [`TextureMapping::Solid`] mapping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checkerboard {
-    /// Where the sum of the cell numbers is even.
+    /// Input in cells whose numbers have an even sum.
     pub even: SpectrumInput,
-    /// Elsewhere.
+    /// Input in the other cells.
     pub odd: SpectrumInput,
     /// Coordinates in cells.
     pub mapping: TextureMapping,
 }
 
 impl Checkerboard {
-    /// How much of the footprint belongs to [`Checkerboard::odd`]; 0 or 1 without a footprint.
+    /// Fraction of the footprint in [`Checkerboard::odd`] cells; 0 or 1 without a footprint.
     ///
     /// The average over a box is exact: the pattern is a product of square waves, one per axis.
     #[must_use]
@@ -30,7 +30,7 @@ impl Checkerboard {
 
 /// Mean over an interval of length `width` around `x` of the wave that is 1 on even and -1 on odd unit intervals.
 fn wave(x: f64, width: f64) -> f64 {
-    // What is not finite has no cell; far out f64 has no fractions, and neither has the footprint.
+    // A number that is not finite has no cell; a large f64 has no fraction, and neither has the footprint.
     if !x.is_finite() {
         return 1.0;
     }

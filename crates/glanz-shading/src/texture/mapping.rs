@@ -1,4 +1,4 @@
-//! From points of surfaces to coordinates of textures.
+//! Mappings from points of surfaces to coordinates of textures.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,7 +6,7 @@ use glanz_math::{DVec2, DVec3, Transform};
 
 use super::TexturePoint;
 
-/// Coordinates in a texture, and the extent to be averaged there.
+/// Coordinates in a texture, and the extent to average over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureCoordinates {
     /// The coordinates; the third is 0 for flat textures.
@@ -17,7 +17,7 @@ pub struct TextureCoordinates {
     pub solid: bool,
 }
 
-/// How a texture is laid on surfaces.
+/// Mapping of a texture to surfaces.
 ///
 /// # Source
 /// pbrt, file format: parameter `mapping` of textures.

@@ -6,22 +6,24 @@
 pub mod checkerboard;
 pub mod image;
 pub mod mapping;
+pub mod mip_map;
 
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3};
 
 pub use checkerboard::Checkerboard;
-pub use image::{ImageFilter, ImageTexture, ImageWrap, MipMap, MipMapError};
+pub use image::ImageTexture;
 pub use mapping::TextureMapping;
+pub use mip_map::{ImageFilter, ImageWrap, MipMap, MipMapError};
 
-/// Where a texture is asked for.
+/// A point at which a texture is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TexturePoint {
     /// Texture coordinates of the surface.
     pub uv: DVec2,
     /// The point in the world, metres.
     pub position: DVec3,
-    /// Extent of what is to be averaged, in units of `uv`; 0 asks for the point alone.
+    /// Extent of the footprint to average over, in units of `uv`; 0 for the point alone.
     pub uv_width: f64,
     /// The same in metres.
     pub position_width: f64,
@@ -34,7 +36,7 @@ impl TexturePoint {
         Self { uv, position, uv_width: 0.0, position_width: 0.0 }
     }
 
-    /// The same point, asking for an average over the extents `uv_width` and `position_width` (metres), >= 0.
+    /// The same point with a footprint of the extents `uv_width` and `position_width` (metres), >= 0.
     #[must_use]
     pub const fn with_footprint(self, uv_width: f64, position_width: f64) -> Self {
         Self { uv_width, position_width, ..self }
@@ -50,7 +52,7 @@ pub struct TextureId(u32);
 pub enum SpectrumInput {
     /// The same everywhere.
     Constant(Spectrum),
-    /// That of a texture.
+    /// The spectrum of a texture.
     Texture(TextureId),
 }
 
@@ -81,18 +83,18 @@ impl From<f32> for FloatInput {
 pub enum Texture {
     /// The same everywhere.
     Constant(Spectrum),
-    /// Product of two.
+    /// Product of two inputs.
     Scale(SpectrumInput, SpectrumInput),
     /// `(1 - amount) a + amount b`; the amount is not clamped.
     Mix {
-        /// Where `amount` is 0.
+        /// Value for `amount` 0.
         a: SpectrumInput,
-        /// Where `amount` is 1.
+        /// Value for `amount` 1.
         b: SpectrumInput,
         /// Weight of `b`.
         amount: FloatInput,
     },
-    /// Two alternating in squares or cubes.
+    /// Two inputs alternating in squares or cubes.
     Checkerboard(Checkerboard),
     /// A picture.
     Image(ImageTexture),
@@ -119,18 +121,18 @@ impl Texture {
     }
 }
 
-/// Why a texture cannot be added.
+/// An error of [`Textures::add`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TextureError {
-    /// It refers to a texture that is not there (yet).
-    #[error("the texture refers to texture {0}, which is not among the {1} added before it")]
+    /// A reference to a texture that was not added before.
+    #[error("the texture refers to texture {0}, which is not among the {1} added before it; add that first")]
     Unknown(u32, usize),
-    /// One evaluation would evaluate too many others.
-    #[error("one evaluation of the texture would take {0} evaluations, more than {max}", max = Textures::MAX_EVALUATIONS)]
+    /// An evaluation that would take too many others.
+    #[error("one evaluation of the texture would take {0} evaluations; at most {max} are allowed", max = Textures::MAX_EVALUATIONS)]
     Cost(u64),
-    /// There are 2^32 textures.
-    #[error("there are too many textures")]
+    /// More than 2^32 textures.
+    #[error("the scene has more than 2^32 textures; remove some")]
     Full,
 }
 
@@ -138,12 +140,12 @@ pub enum TextureError {
 #[derive(Clone, Debug, Default)]
 pub struct Textures {
     textures: Vec<Texture>,
-    /// Evaluations that one evaluation takes, itself included.
+    /// Number of evaluations per evaluation, including itself.
     costs: Vec<u64>,
 }
 
 impl Textures {
-    /// Most textures that one evaluation may evaluate; bounds the depth of the recursion, too.
+    /// Largest number of textures that one evaluation may evaluate; also bounds the depth of the recursion.
     pub const MAX_EVALUATIONS: u64 = 1000;
 
     /// No texture.
@@ -155,7 +157,8 @@ impl Textures {
     /// Adds a texture that may refer to those added before.
     ///
     /// # Errors
-    /// [`TextureError`] if it refers to others, or if an evaluation would be too costly.
+    /// [`TextureError::Unknown`] if it refers to a texture that was not added before, [`TextureError::Cost`] if an evaluation would take more
+    /// than [`Textures::MAX_EVALUATIONS`], [`TextureError::Full`] after 2^32 textures.
     pub fn add(&mut self, texture: Texture) -> Result<TextureId, TextureError> {
         let mut cost = 1;
         for id in texture.inputs().into_iter().flatten() {
@@ -176,7 +179,7 @@ impl Textures {
         self.textures.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no textures.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.textures.is_empty()
@@ -188,7 +191,7 @@ impl Textures {
         self.textures.get(id.0 as usize)
     }
 
-    /// The value of `input` at a point; black for a texture that is not here.
+    /// The value of `input` at a point; black for a texture of other [`Textures`].
     #[must_use]
     pub fn spectrum(&self, input: &SpectrumInput, at: &TexturePoint, wavelengths: &Wavelengths) -> Spectrum {
         match input {
@@ -197,7 +200,7 @@ impl Textures {
         }
     }
 
-    /// The value of `input` at a point; 0 for a texture that is not here.
+    /// The value of `input` at a point; 0 for a texture of other [`Textures`].
     #[must_use]
     pub fn float(&self, input: &FloatInput, at: &TexturePoint, wavelengths: &Wavelengths) -> f32 {
         match input {
@@ -220,7 +223,7 @@ impl Textures {
             }
             Texture::Checkerboard(board) => {
                 let odd = board.odd_share(at);
-                // Most points lie in one of the two; the other one need not be known.
+                // Most points lie in one of the two; the other one need not be evaluated.
                 if odd <= 0.0 {
                     spectrum(&board.even)
                 } else if odd >= 1.0 {
@@ -263,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn references_to_what_is_not_there_are_refused() {
+    fn references_to_unknown_textures_are_refused() {
         let mut textures = Textures::new();
         let itself = SpectrumInput::Texture(TextureId(0));
         let refused = textures.add(Texture::Scale(itself, itself));

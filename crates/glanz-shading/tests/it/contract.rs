@@ -1,4 +1,4 @@
-//! What every BSDF owes. A new variant gets a line in [`bsdfs`] and inherits all tests.
+//! The contract of BSDFs. A new variant gets a line in [`bsdfs`] and inherits all tests.
 //!
 //! Significance of the chi-square tests: 0.001 together (Bonferroni over BSDFs and directions).
 
@@ -67,7 +67,7 @@ fn bsdfs() -> Vec<(&'static str, Bsdf)> {
     table
 }
 
-/// Names of models above whose albedo is the estimate of [`BsdfModel::albedo`].
+/// Names of BSDFs above whose albedo is the estimate of [`BsdfModel::albedo`].
 const ESTIMATED: &[&str] = &[];
 
 /// A bound on the error of that estimate, for models whose samples have weights as uneven as Phong's.
@@ -153,7 +153,7 @@ fn samples_follow_the_density_which_integrates_to_one() {
 }
 
 #[test]
-fn chi_square_sees_a_density_that_is_slightly_off() {
+fn chi_square_rejects_a_density_that_is_slightly_off() {
     // The control: samples of exponent 20 against the density of exponent 21.
     let (samples, density) = (phong([0.0; 3], [1.0; 3], 20.0), phong([0.0; 3], [1.0; 3], 21.0));
     let wo = direction(0.6, 0.4);
@@ -169,7 +169,7 @@ fn chi_square_sees_a_density_that_is_slightly_off() {
 }
 
 #[test]
-fn sample_says_what_eval_and_pdf_say() {
+fn sample_agrees_with_eval_and_pdf() {
     for (name, bsdf) in smooth() {
         for wo in views() {
             for i in 0..500 {
@@ -222,7 +222,7 @@ fn no_energy_is_created_and_albedo_is_what_is_scattered() {
     }
 }
 
-/// A model that states no more than it has to.
+/// A model with the required methods only.
 struct Minimal(Bsdf);
 
 impl BsdfModel for Minimal {
@@ -277,7 +277,7 @@ fn white_sky_gives_back_the_albedo() {
 }
 
 #[test]
-fn light_goes_both_ways_alike() {
+fn bsdfs_are_reciprocal() {
     for (name, bsdf) in smooth() {
         for i in 0..2000 {
             let (x, y) = xi(i);
@@ -291,7 +291,7 @@ fn light_goes_both_ways_alike() {
 }
 
 #[test]
-fn mirrored_and_refracted_rays_find_their_way_back() {
+fn delta_lobes_are_reciprocal() {
     for (name, bsdf) in bsdfs().into_iter().filter(|(_, b)| b.is_delta()) {
         for wo in views() {
             for lobe in [0.0, 0.999_999] {
@@ -324,7 +324,7 @@ fn delta_lobes_are_neither_evaluated_nor_have_a_density() {
 }
 
 #[test]
-fn delta_branches_carry_the_albedo() {
+fn delta_branches_sum_to_the_albedo() {
     for (name, bsdf) in bsdfs() {
         for wo in views() {
             for mode in MODES {
@@ -379,7 +379,7 @@ fn extreme_directions_and_numbers_give_finite_samples() {
 }
 
 #[test]
-fn radiance_through_a_pane_of_solid_glass_comes_out_as_it_went_in() {
+fn radiance_through_a_slab_of_glass_is_preserved() {
     // Two refractions: the factors 1 / eta^2 and eta^2 cancel, and so do the scales for roulette.
     let glass = glass(1.5, false);
     let wo = direction(0.6, 0.3);

@@ -1,3 +1,3 @@
-//! BSDFs, checked from outside.
+//! Tests of BSDFs through the public interface.
 
 mod contract;
