@@ -9,7 +9,7 @@ pub enum SurfaceError {
     /// A parameter is infinite or not a number.
     #[error("{parameter} is {value}; it must be finite")]
     NotFinite {
-        /// Which parameter.
+        /// The parameter.
         parameter: &'static str,
         /// Its value.
         value: f64,
@@ -17,7 +17,7 @@ pub enum SurfaceError {
     /// A parameter that is a size is zero or negative.
     #[error("{parameter} is {value}; it must be positive")]
     NotPositive {
-        /// Which parameter.
+        /// The parameter.
         parameter: &'static str,
         /// Its value.
         value: f64,
@@ -25,7 +25,7 @@ pub enum SurfaceError {
     /// A parameter lies outside its valid range.
     #[error("{parameter} is {value}; it must lie between {min} and {max}")]
     OutOfRange {
-        /// Which parameter.
+        /// The parameter.
         parameter: &'static str,
         /// Its value.
         value: f64,
@@ -37,7 +37,7 @@ pub enum SurfaceError {
     /// A range contains no part of the surface.
     #[error("{parameter} from {min} to {max} contains no part of the surface")]
     EmptyRange {
-        /// Which parameter.
+        /// The parameter.
         parameter: &'static str,
         /// Lower end.
         min: f64,
@@ -47,7 +47,7 @@ pub enum SurfaceError {
     /// Each parameter is valid but together they make a curve, a point or nothing.
     #[error("the surface has no area: {reason} ({value})")]
     Degenerate {
-        /// What coincides.
+        /// The reason.
         reason: &'static str,
         /// The measured quantity.
         value: f64,
@@ -61,7 +61,7 @@ pub enum SurfaceError {
     /// A list is too short.
     #[error("there are {count} {parameter}; at least {min} are needed")]
     TooFew {
-        /// Which list.
+        /// The list.
         parameter: &'static str,
         /// Entries given.
         count: usize,
@@ -71,7 +71,7 @@ pub enum SurfaceError {
     /// A list has the wrong length.
     #[error("there are {count} {parameter}; {expected} are needed")]
     CountMismatch {
-        /// Which list.
+        /// The list.
         parameter: &'static str,
         /// Entries given.
         count: usize,
@@ -81,7 +81,7 @@ pub enum SurfaceError {
     /// An index points past the end of its list.
     #[error("{parameter} {position} refers to entry {index}; there are only {count}")]
     BadIndex {
-        /// Which list holds the index.
+        /// The list that contains the index.
         parameter: &'static str,
         /// Position in that list.
         position: usize,
@@ -93,7 +93,7 @@ pub enum SurfaceError {
     /// A polynomial has a term of too high a degree.
     #[error("a term of {parameter} has degree {degree}; the largest possible degree is {max}")]
     DegreeTooHigh {
-        /// Which polynomial.
+        /// The polynomial.
         parameter: &'static str,
         /// Degree given.
         degree: u32,
@@ -103,7 +103,7 @@ pub enum SurfaceError {
     /// A knot is less than the one before it.
     #[error("{parameter} {position} is {value}, less than {previous} before it; sort the knots")]
     KnotsDecrease {
-        /// Which knot vector.
+        /// The knot vector.
         parameter: &'static str,
         /// Position in that vector.
         position: usize,
@@ -115,7 +115,7 @@ pub enum SurfaceError {
     /// A knot is repeated too often.
     #[error("{parameter} {value} appears {multiplicity} times; at most {max} are possible")]
     KnotMultiplicity {
-        /// Which knot vector.
+        /// The knot vector.
         parameter: &'static str,
         /// The knot.
         value: f64,
@@ -129,7 +129,7 @@ pub enum SurfaceError {
         "removing {parameter} {value} would move the shape by up to {deviation}; the tolerance is {tolerance}"
     )]
     KnotNeeded {
-        /// Which knot vector.
+        /// The knot vector.
         parameter: &'static str,
         /// The knot.
         value: f64,
@@ -141,7 +141,7 @@ pub enum SurfaceError {
     /// A tolerance is negative.
     #[error("{parameter} is {value}; it must not be negative")]
     Negative {
-        /// Which parameter.
+        /// The parameter.
         parameter: &'static str,
         /// Its value.
         value: f64,
@@ -149,7 +149,7 @@ pub enum SurfaceError {
     /// A list is longer than its indices can count.
     #[error("there are {count} {parameter}; at most {max} are possible")]
     TooMany {
-        /// Which list.
+        /// The list.
         parameter: &'static str,
         /// Entries given.
         count: usize,

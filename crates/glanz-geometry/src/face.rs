@@ -1,7 +1,7 @@
-//! Surfaces by their parameters: to lay elements on them, or to keep anything by place.
+//! Evaluation of surfaces by face and parameters, for elements on surfaces and for data stored by parameters.
 //!
-//! Faces are what [`Hit::face`] counts: triangles of a mesh, facets of a polyhedron or a box, patches of a freeform surface; other
-//! surfaces are one face. The parameters of a face are those of its hits, so that what is kept by place is found again by rays.
+//! Faces are numbered as in [`Hit::face`]: triangles of a mesh, facets of a polyhedron or a box, patches of a freeform surface; other
+//! surfaces are one face. The parameters of a face are those of its hits, so that rays find the data stored at their hits.
 //!
 //! [`Hit::face`]: crate::Hit::face
 
@@ -10,7 +10,7 @@ use glanz_math::DVec2;
 use crate::hit::SurfacePoint;
 use crate::surface::Surface;
 
-/// Which parameters a face has.
+/// Parameter domain of a face.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FaceDomain {
     /// All of [0, 1]^2.
@@ -22,14 +22,14 @@ pub enum FaceDomain {
 /// A point of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FacePoint {
-    /// The surface there.
+    /// The surface at the point.
     pub point: SurfacePoint,
     /// Area per unit of the parameters, m^2; 0 where they degenerate.
     pub area_element: f64,
 }
 
 impl Surface {
-    /// Number of faces; 0 if the surface has no parameters or no end.
+    /// Number of faces; 0 if the surface is infinite or has no parameters.
     #[must_use]
     pub fn faces(&self) -> u32 {
         match self {
@@ -44,7 +44,7 @@ impl Surface {
         }
     }
 
-    /// The parameters of a face.
+    /// The parameter domain of a face.
     #[must_use]
     pub fn face_domain(&self, face: u32) -> FaceDomain {
         match self {
@@ -57,8 +57,7 @@ impl Surface {
         }
     }
 
-    /// The surface at parameters of a face; `None` outside of what a trimming region keeps, and where [`Surface::faces`] does not
-    /// reach.
+    /// The surface at parameters of a face; `None` where a trimming region cuts it away, and for faces from [`Surface::faces`] on.
     #[must_use]
     pub fn at(&self, face: u32, uv: DVec2) -> Option<FacePoint> {
         let DVec2 { x: u, y: v } = uv;
@@ -95,7 +94,7 @@ impl Surface {
         }
     }
 
-    /// As [`Surface::at`], but with what a trimming region cuts away.
+    /// As [`Surface::at`], including the parts that a trimming region cuts away.
     #[must_use]
     pub fn untrimmed_at(&self, face: u32, uv: DVec2) -> Option<SurfacePoint> {
         match self {
@@ -157,7 +156,7 @@ mod tests {
         Arc::new(TrimRegion::try_new(vec![kept], [DVec2::ZERO, DVec2::new(4.0, 3.0)]).unwrap())
     }
 
-    /// Surfaces with the areas that they have, where there is a closed form.
+    /// Surfaces with their areas, where there is a closed form.
     fn surfaces() -> Vec<(Surface, Option<f64>)> {
         let facet = |normal, distance| HalfSpace { normal, distance };
         let octant = [-DVec3::X, -DVec3::Y, -DVec3::Z].map(|normal| facet(normal, 0.0));
@@ -219,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn what_rays_find_is_found_by_its_parameters() {
+    fn parameters_of_a_hit_evaluate_to_its_point() {
         let direction = |i: u32| {
             let (a, z) = (f64::from(i) * 2.399_963, f64::from(i % 211) / 105.5 - 1.0);
             let r = (1.0 - z * z).max(0.0).sqrt();
@@ -281,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_face_has_no_point() {
+    fn missing_faces_have_no_points() {
         let plane = Surface::from(Plane::infinite());
         assert_eq!((plane.faces(), plane.at(0, DVec2::ZERO)), (0, None));
         let cuboid = Surface::from(Cuboid::try_new(DVec3::ZERO, DVec3::ONE).unwrap());

@@ -1,8 +1,8 @@
-//! What a surface says about a ray that meets it.
+//! Intersections of rays with surfaces, and points of surfaces.
 
 use glanz_math::{AreaPdf, DVec2, DVec3, Transform};
 
-/// A bare intersection: enough to compare with others. Only the closest one is worth a [`SurfacePoint`].
+/// An intersection by ray parameter and surface parameters. The [`SurfacePoint`] is computed for the closest one only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Ray parameter, > 0.
@@ -15,7 +15,7 @@ pub struct Hit {
     pub face: u32,
 }
 
-/// A point of a surface with its first-order neighbourhood.
+/// A point of a surface with its error bound, normals and first derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
     /// The point, metres.
@@ -41,10 +41,10 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
-    /// The same point seen in the frame that `to_world` maps to.
+    /// The same point in the frame that `to_world` maps to.
     ///
-    /// The error grows by the roundings of the map and by those of the way back, since the next ray is carried into
-    /// the local frame again.
+    /// The error grows by the roundings of the map and by those of its inverse, since the next ray is transformed to the
+    /// local frame again.
     #[inline]
     #[must_use]
     pub fn transformed(&self, to_world: &Transform) -> Self {
@@ -72,7 +72,7 @@ impl SurfacePoint {
         }
     }
 
-    /// The same point of the surface turned inside out.
+    /// The same point of the surface with reversed orientation: both normals and their derivatives change sign.
     #[inline]
     #[must_use]
     pub fn reversed(self) -> Self {
@@ -86,13 +86,13 @@ impl SurfacePoint {
     }
 }
 
-/// A point picked at random on a surface.
+/// A point sampled on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceSample {
     /// Parameters of the point; `t` is 0.
     pub hit: Hit,
     /// The point.
     pub point: SurfacePoint,
-    /// Density with which it was picked.
+    /// Density with which it was sampled.
     pub pdf: AreaPdf,
 }

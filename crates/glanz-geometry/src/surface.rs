@@ -1,4 +1,4 @@
-//! What every surface can be asked, and the closed set of surfaces.
+//! The queries that every surface answers, and the closed set of surfaces.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ use crate::trimmed::Trimmed;
 /// A hit lies on the surface and on the ray; every root with `0 < t < t_max` counts, from both sides; a ray that
 /// starts on the surface by [`glanz_math::rounding::offset_origin`] does not meet its own point again.
 pub trait RaySurface {
-    /// A box that holds the surface; infinite where the surface is.
+    /// A box that contains the surface; infinite where the surface is.
     fn bounds(&self) -> Bounds3;
 
     /// The first hit with `0 < t < t_max`.
@@ -43,12 +43,12 @@ pub trait RaySurface {
         self.intersect(ray, f64::INFINITY).map(|hit| self.point(ray, &hit))
     }
 
-    /// Picks a point of the surface from two numbers uniform in [0, 1).
+    /// Samples a point of the surface by two numbers uniform in [0, 1).
     ///
-    /// `None` if the surface has no finite area or no parameters to pick from.
+    /// `None` if the surface has no finite area or no parameters to sample by.
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample>;
 
-    /// The density with which [`RaySurface::sample`] picks the point of `hit`; `None` as there.
+    /// The density with which [`RaySurface::sample`] samples the point of `hit`; `None` for surfaces that cannot be sampled.
     fn area_pdf(&self, hit: &Hit, point: &SurfacePoint) -> Option<AreaPdf>;
 }
 
@@ -63,7 +63,7 @@ macro_rules! surfaces {
         }
 
         impl Surface {
-            /// What it is called in scene files.
+            /// The name in scene files.
             #[must_use]
             pub fn kind(&self) -> &'static str {
                 match self {
@@ -157,7 +157,7 @@ surfaces! {
     "trianglemesh" Mesh(Arc<Mesh>),
     /// Bézier patches with a hierarchy of their own, shared between copies.
     "freeform" Freeform(Arc<Freeform>),
-    /// Part of another surface.
+    /// Part of another surface inside trimming loops.
     "trimmed" Trimmed(Trimmed),
 }
 
@@ -186,7 +186,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn surface_answers_what_its_variant_answers() {
+    fn surface_delegates_to_its_variant() {
         let sphere = Sphere::try_full(2.0).unwrap();
         let surface = Surface::from(sphere);
         assert_eq!(surface.kind(), "sphere");
@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn a_surface_fits_in_four_cache_lines() {
-        // Objects keep their surface in place: one large variant would spread them all.
+        // Objects store their surface inline: one large variant would enlarge all of them.
         assert!(size_of::<Surface>() <= 256, "{}", size_of::<Surface>());
     }
 }

@@ -12,13 +12,13 @@ use crate::surface::RaySurface;
 /// which is 1e-11 of the triangle.
 pub(crate) const GRAZING: f64 = 1.0 / 65_536.0;
 
-/// A ray prepared for [`ShearedRay::intersect`]: the shear that turns it into the axis on which it goes furthest.
+/// A ray prepared for [`ShearedRay::intersect`]: the shear that maps its direction to the axis of its largest component.
 ///
 /// # Source
 /// @woop2013 section 3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShearedRay {
-    /// Where the ray starts.
+    /// Origin of the ray.
     pub origin: DVec3,
     /// Numbers of the axes (0 = x, 1 = y, 2 = z) that become x, y and z after the shear; the direction is longest
     /// along the last one.
@@ -47,7 +47,7 @@ impl ShearedRay {
 
     /// `point` in the sheared frame: the ray is the half-line x = y = 0, z > 0 there, and z is its parameter.
     ///
-    /// The result depends on the ray and on this point alone: triangles that share a vertex see the same numbers.
+    /// The result depends on the ray and on this point alone: triangles that share a vertex compute with the same numbers.
     #[must_use]
     pub fn vertex(&self, point: DVec3) -> DVec3 {
         let p = (point - self.origin).to_array();
@@ -55,7 +55,7 @@ impl ShearedRay {
         DVec3::new(p[self.axes[0]] - self.shear.x * z, p[self.axes[1]] - self.shear.y * z, self.shear.z * z)
     }
 
-    /// Where the ray meets the triangle with `0 < t < t_max`: `(t, b1, b2)`, the last two being the barycentric
+    /// Intersection of the ray with the triangle for `0 < t < t_max`: `(t, b1, b2)`, where `b1` and `b2` are the barycentric
     /// weights of `p1` and `p2`. Edges and vertices belong to the triangle, both sides are hit.
     ///
     /// The test is made in the plane, with vertices that were rounded once: an edge function there has the right sign
@@ -65,7 +65,7 @@ impl ShearedRay {
     /// collinear ones may be, to within rounding: drop those without a [`unit_normal`].
     ///
     /// Where the triangle is seen nearly edge-on, the edge functions are computed to the last digit, so that the weights
-    /// name a point next to the ray at any angle.
+    /// are those of a point next to the ray at any angle.
     ///
     /// # Source
     /// @woop2013; departure: the fallback is an exact sign instead of a wider type.
@@ -89,12 +89,12 @@ impl ShearedRay {
             return None;
         }
         let t = (u * a.z + v * b.z + w * c.z) / determinant;
-        // Written so that a number that is none is a miss.
+        // Written so that NaN is a miss.
         (t > 0.0 && t < t_max).then(|| (t, v / determinant, w / determinant))
     }
 }
 
-/// Where the ray `origin + t direction` meets the triangle; [`ShearedRay::intersect`] for a single test.
+/// Intersection of the ray `origin + t direction` with the triangle: [`ShearedRay::intersect`] for a single test.
 #[must_use]
 pub fn intersect_watertight(
     p0: DVec3,
@@ -134,7 +134,7 @@ pub fn unit_normal(p0: DVec3, p1: DVec3, p2: DVec3) -> Option<DVec3> {
 pub(crate) fn normal_and_area(p0: DVec3, p1: DVec3, p2: DVec3) -> Option<(DVec3, f64)> {
     let (e1, e2) = (p1 - p0, p2 - p0);
     let plain = e1.cross(e2);
-    // Where the edges meet at more than 1/32 rad, plain products keep all but five bits, and every hit asks.
+    // At angles above 1/32 rad between the edges, plain products lose five bits at most; they are cheaper, and every hit needs them.
     let is_open = 1024.0 * plain.length_squared() > e1.length_squared() * e2.length_squared();
     let n = if is_open { plain } else { area_vector(p0, p1, p2)? };
     let length = n.length();
@@ -162,14 +162,14 @@ pub(crate) fn position_error_of(p0: DVec3, p1: DVec3, p2: DVec3, twice_area: f64
     let longest2 = e1.length_squared().max(e2.length_squared()).max(e3.length_squared());
     let longest = longest2.sqrt();
     let plane = gamma(6) * longest + gamma(54) * longest * (longest2 / twice_area);
-    // A nearly collinear triangle gets no more than its own size.
+    // The bound of a nearly collinear triangle is limited to its own size.
     let plane = if plane < longest { plane } else { longest };
     let largest = p0.abs().max(p1.abs()).max(p2.abs());
     DVec3::splat(plane) + largest * gamma(4) + (e1.abs() + e2.abs()) * gamma(4)
 }
 
-/// The barycentric weights (of the second and the third vertex) that two numbers uniform in [0, 1) stand for; uniform
-/// over the area of any triangle.
+/// Maps two numbers uniform in [0, 1) to barycentric weights (of the second and the third vertex) that are uniform over the
+/// area of any triangle.
 ///
 /// # Source
 /// @heitz2019.
@@ -200,8 +200,8 @@ impl Triangle {
     /// A triangle of three vertices, metres.
     ///
     /// # Errors
-    /// [`SurfaceError::NotFinite`], or [`SurfaceError::Degenerate`] if the vertices lie on a line as far as their
-    /// edges can tell.
+    /// [`SurfaceError::NotFinite`], or [`SurfaceError::Degenerate`] if the vertices are collinear within the rounding of
+    /// the edges.
     pub fn try_new(p0: DVec3, p1: DVec3, p2: DVec3) -> Result<Self, SurfaceError> {
         for p in [p0, p1, p2] {
             for x in p.to_array() {
@@ -236,7 +236,7 @@ impl Triangle {
         let [p0, p1, p2] = self.vertices;
         let (dpdu, dpdv) = (p1 - p0, p2 - p0);
         SurfacePoint {
-            // The triangle lies within its vertices: what rounding adds is cut off.
+            // Rounding must not move the point out of the box of the vertices.
             position: (p0 + u * dpdu + v * dpdv).clamp(p0.min(p1).min(p2), p0.max(p1).max(p2)),
             error: self.error,
             normal: self.normal,

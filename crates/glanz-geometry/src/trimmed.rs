@@ -1,4 +1,4 @@
-//! A surface of which trimming loops keep a part.
+//! Surfaces trimmed by loops of curves.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::trim::TrimRegion;
 
 /// The part of a surface whose parameters, [`SurfacePoint::uv`], lie in a region; see [`Surface::trimmed`].
 ///
-/// It cannot be sampled: how much of the surface is kept has no closed form.
+/// It cannot be sampled: the area of the kept part has no closed form.
 #[derive(Clone, Debug)]
 pub struct Trimmed {
     surface: Box<Surface>,
@@ -37,7 +37,7 @@ impl Trimmed {
         &self.surface
     }
 
-    /// What is kept of its parameters.
+    /// The region of the parameters that is kept.
     #[must_use]
     pub fn region(&self) -> &Arc<TrimRegion> {
         &self.region
@@ -103,7 +103,7 @@ mod tests {
         assert_eq!(trimmed.intersect(&ray, f64::INFINITY), Some(whole[1]));
         assert_eq!(trimmed.intersect(&ray, whole[1].t), None);
         assert!(trimmed.occluded(&ray, f64::INFINITY) && !trimmed.occluded(&ray, whole[1].t));
-        // Beside the hole both are there.
+        // Beside the hole both sides are hit.
         let beside = Ray::new(DVec3::new(5.0, -0.8, 0.2), DVec3::NEG_X);
         let mut hits = Vec::new();
         trimmed.all_hits(&beside, f64::INFINITY, &mut hits);

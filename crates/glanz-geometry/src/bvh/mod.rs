@@ -1,4 +1,4 @@
-//! A bounding volume hierarchy over boxes; it knows nothing of surfaces.
+//! A bounding volume hierarchy over boxes, independent of surfaces.
 //!
 //! [`Bvh::build`] takes one box per primitive and groups the primitives into [`BvhLeaf`]s of a few. A query traverses the
 //! tree and calls a closure with every leaf whose box the ray may meet, nearest first. No leaf that the ray meets is ever
@@ -11,12 +11,12 @@
 //! let boxes = [0.0, 3.0, 6.0].map(|x| Bounds3::new(DVec3::splat(x), DVec3::splat(x + 1.0)));
 //! let bvh = Bvh::build(&boxes, &BuildOptions::default());
 //! let ray = Ray::new(DVec3::new(3.5, 3.5, -1.0), DVec3::Z);
-//! let mut met = Vec::new();
+//! let mut visited = Vec::new();
 //! bvh.closest(&ray, f64::INFINITY, |leaf, t_max| {
-//!     met.extend_from_slice(bvh.leaf(leaf));
+//!     visited.extend_from_slice(bvh.leaf(leaf));
 //!     t_max
 //! });
-//! assert!(met.contains(&1));
+//! assert!(visited.contains(&1));
 //! ```
 //!
 //! Files: `build` (the binary tree), `collapse` (eight-wide nodes from it), `node` (a ray against a node), `traversal`
@@ -46,7 +46,7 @@ use self::traversal::{AnyTraversal, ClosestTraversal};
 /// Leaf size and costs for which the tree is built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuildOptions {
-    /// Most primitives in a leaf, at least 1.
+    /// Largest number of primitives in a leaf, at least 1.
     pub max_leaf: usize,
     /// Primitives of a leaf that are tested at once, at least 1: a leaf costs by blocks.
     pub block: usize,
@@ -224,11 +224,11 @@ impl Bvh {
     }
 }
 
-/// Fewest elements that are worth a parallel task.
+/// Smallest number of elements that is worth a parallel task.
 pub(crate) const PARALLEL_CHUNK: usize = 1 << 12;
 
 /// `f` of every element, in parallel if there are more than `chunk` of them. Scenes have thousands of small meshes: waking
-/// a thread would cost more than building one.
+/// a thread would take longer than building one of them.
 pub(crate) fn parallel_map<T: Sync, U: Send>(
     list: &[T],
     chunk: usize,

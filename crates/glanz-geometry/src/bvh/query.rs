@@ -95,7 +95,7 @@ impl HitCollector for AnyHit {
     }
 }
 
-/// All hits before `t_max`, in no order.
+/// All hits before `t_max`, unordered.
 pub(crate) struct AllHits<'a> {
     pub(crate) t_max: f64,
     pub(crate) hits: &'a mut Vec<Hit>,

@@ -29,7 +29,7 @@ impl Random {
     }
 }
 
-/// Where a ray enters and leaves a box, with the convention that on a border is inside.
+/// Entry of a ray into a box, whose border counts as inside; `None` if it misses.
 fn slab(b: &Bounds3, ray: &Ray, t_max: f64) -> Option<f64> {
     let (mut enter, mut leave) = (0.0_f64, t_max);
     for axis in 0..3 {
@@ -58,7 +58,7 @@ fn boxes(random: &mut Random, count: usize, size: f64) -> Vec<Bounds3> {
         .collect()
 }
 
-/// A ray through a box, of one of the kinds that go wrong easily.
+/// A ray through a box, of a kind that is numerically difficult.
 fn hard_ray(random: &mut Random, target: &Bounds3) -> Ray {
     let inside =
         target.min + (target.max - target.min) * DVec3::new(random.next(), random.next(), random.next());
@@ -174,7 +174,7 @@ fn far_origins_cost_no_more_than_near_ones() {
 }
 
 #[test]
-fn rays_that_are_not_rays_meet_nothing() {
+fn invalid_rays_hit_nothing() {
     let bvh = Bvh::build(&[Bounds3::new(-DVec3::ONE, DVec3::ONE)], &BuildOptions::default());
     for isa in Isa::all() {
         for (origin, direction, t_max) in [

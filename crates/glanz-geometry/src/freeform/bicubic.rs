@@ -1,4 +1,4 @@
-//! Patches of degree 3 at most, the most frequent ones, stored for the vector instructions.
+//! Patches of degree 3 at most, the most frequent ones, in a layout for vector instructions.
 //!
 //! A patch is stored as coefficients of the powers of (s, t) in [-1, 1]^2 about its centre. Projected along the ray they are
 //! two bivariate polynomials, to which Newton's method is applied for any leaf of the patch. The coefficients of a rational
@@ -218,7 +218,7 @@ impl<const COORDINATES: usize> Bicubic<COORDINATES> {
 }
 
 impl<const COORDINATES: usize> Bicubic<COORDINATES> {
-    /// Finds every root of the leaf: returns the only one, or puts all of them into `scratch.roots`, in no order.
+    /// Finds every root of the leaf: returns the only one, or puts all of them into `scratch.roots`, unordered.
     #[inline(always)]
     pub(super) fn roots<S: Simd>(
         &self,

@@ -22,14 +22,14 @@ use crate::trim::{Containment, TrimRegion};
 /// be 4 % faster with half as much memory again.
 const MOST_DEVIATION: [f64; 2] = [0.3, 0.2];
 
-/// Most halvings of a patch.
+/// Largest number of halvings of a patch.
 const MOST_HALVINGS: usize = 12;
 
-/// Halvings after which they must help: two of them should halve the deviation in any smooth patch...
+/// Number of halvings after which further ones must reduce the deviation: two of them should halve it in any smooth patch...
 const FIRST_HALVINGS: usize = 5;
 
-/// ... and have helped if they reduce it to this share.
-const HELPFUL: f64 = 0.75;
+/// ... and are continued only if they reduce it to this fraction.
+const SUFFICIENT_REDUCTION: f64 = 0.75;
 
 /// Size, relative to the surface, below which leaves are not halved further; the search halves them if a ray needs it.
 const SMALLEST: f64 = 1e-6;
@@ -141,7 +141,7 @@ fn leaves_of(index: u32, subpatch: &Subpatch, smallest: f64) -> Vec<LeafBuilder>
         // NaN, of a leaf without area, is above every limit.
         let deviation = leaf.parallelogram.jacobian_deviation();
         // Next to a collapsed edge or a cusp the deviation stays large, however small the part.
-        let helps = halvings < FIRST_HALVINGS || deviation <= HELPFUL * before[1];
+        let helps = halvings < FIRST_HALVINGS || deviation <= SUFFICIENT_REDUCTION * before[1];
         if deviation <= limit || !large || !helps || halvings == MOST_HALVINGS {
             done.push(leaf);
         } else {

@@ -8,14 +8,14 @@ use glanz_math::DVec2;
 
 use super::ray_space::cross;
 
-/// Distance from the ray, in terms of the noise, within which a point counts as met: the noise of both leaves at a common
+/// Distance from the ray, in units of the noise, within which a point counts as hit: the noise of both leaves at a common
 /// border.
 const MET: f64 = 2.0;
 
 /// Relative error of the terms of a determinant and of a step computed from it.
 const ROUNDED: f64 = 8.0 * f64::EPSILON;
 
-/// Steps shorter than rounding after which a point is believed not to be met.
+/// Steps shorter than rounding after which a point counts as not hit.
 const STUCK: usize = 3;
 
 /// A map of (s, t) in [-1, 1]^2 to the plane across a ray.
@@ -63,7 +63,7 @@ impl Certificate {
         (x - simple).abs().max_element() > 1.0 + ball + uncertainty.max_element()
     }
 
-    /// Bound on how far rounding may move a root.
+    /// Bound on the shift of a root by rounding.
     #[inline(always)]
     pub(super) fn uncertainty(&self, per: f64, bounds: &MapBounds) -> DVec2 {
         DVec2::new(self.b.length(), self.a.length()) * (2.0 * bounds.noise * bounds.weights[1] * per.abs())
@@ -79,7 +79,7 @@ pub(super) struct MapBounds {
     pub(super) curvature_bound: f64,
     /// Bounds on the weight.
     pub(super) weights: [f64; 2],
-    /// Most steps.
+    /// Largest number of steps.
     pub(super) steps: usize,
 }
 
@@ -97,7 +97,7 @@ impl MapBounds {
     }
 }
 
-/// A root in (s, t), and the bound on how far rounding may move it.
+/// A root in (s, t), and the bound on its shift by rounding.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LocalRoot {
     pub(super) at: DVec2,
@@ -174,7 +174,7 @@ pub(super) fn contract(
     Err(NoConvergence)
 }
 
-/// Whether the ray meets the point `x`, with this jet, within rounding.
+/// Whether the ray passes the point `x`, with this jet, within rounding.
 #[inline(always)]
 fn is_met(map: &impl PlanarMap, bounds: &MapBounds, x: DVec2, jet: &PlanarJet) -> bool {
     jet.f.length() <= MET * bounds.noise * map.weight(x)

@@ -51,7 +51,7 @@ fn up(x: f64) -> f32 {
 }
 
 impl LeafProjection {
-    /// Bound on how far rounding may move a root.
+    /// Bound on the shift of a root by rounding.
     #[inline(always)]
     pub(super) fn uncertainty(&self, bounds: &MapBounds) -> DVec2 {
         self.certificate.uncertainty(self.inverse_determinant, bounds)

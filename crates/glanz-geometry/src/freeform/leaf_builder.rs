@@ -1,4 +1,4 @@
-//! Parts of patches while the surface is built, with bounds on how far they are from parallelograms.
+//! Parts of patches while the surface is built, with bounds on their deviation from parallelograms.
 
 use glanz_math::glam::DVec4;
 use glanz_math::rounding::gamma;

@@ -1,11 +1,11 @@
-//! Freeform surfaces: rays against rational Bézier patches, without facets.
+//! Freeform surfaces: ray intersection with rational Bézier patches, without tessellation.
 //!
 //! A [`Freeform`] consists of [`SurfacePatch`]es, patches over parts of a parameter domain: the Bézier patches of a spline
 //! surface, a list of patches, the quadrilaterals of triangular patches. They are split into *leaves* that are almost
 //! parallelograms, and a hierarchy is built over these. Every root of a ray is found, and none is found twice or invented.
 //!
-//! - Building: `subpatches` splits patches whose weights differ much, `leaf_builder` bounds how far a part is from a
-//!   parallelogram, and `build` halves parts until that is little.
+//! - Building: `subpatches` splits patches whose weights differ much, `leaf_builder` bounds the deviation of a part
+//!   from a parallelogram, and `build` halves parts until it is small.
 //! - Searching: `leaf` excludes a leaf, or certifies that it has one root at most. The root is found in the subpatch that
 //!   contains the leaf: `bicubic` and `projected_bicubic` for low degrees, `net_search` for all others, with `contraction`
 //!   near borders. Leaves without a certificate go to `subdivision`.

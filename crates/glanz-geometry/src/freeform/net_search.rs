@@ -117,7 +117,7 @@ impl<S: Simd> ProjectedNet<'_, S> {
     }
 }
 
-/// Finds every root of the leaf of `net`: returns the only one, or puts all of them into `scratch.roots`, in no order.
+/// Finds every root of the leaf of `net`: returns the only one, or puts all of them into `scratch.roots`, unordered.
 #[inline(always)]
 pub(super) fn roots<S: Simd>(
     simd: S,

@@ -15,7 +15,7 @@ use crate::bvh::simd::Simd;
 /// Largest bound on the change of the Jacobian, relative to that at the centre, at which a cell is certified.
 const CERTIFIED: f64 = 0.85;
 
-/// Most that rounding may move the root of a certified cell, as a share of half the cell.
+/// Largest shift by rounding of the root of a certified cell, as a fraction of half the cell.
 const MOST_UNCERTAINTY: f64 = 0.0625;
 
 /// Steps of Newton's method from a good start.
@@ -24,10 +24,10 @@ const FEW_STEPS: usize = 6;
 /// Steps in a certified cell. Cells that contract too slowly for that are left to `subdivision`.
 pub(super) const MOST_STEPS: usize = 24;
 
-/// Most halvings. Tangencies need more, and are left to `subdivision`.
+/// Largest number of halvings. Tangencies need more, and are left to `subdivision`.
 const MOST_HALVINGS: usize = 12;
 
-/// Most cells, for the same reason.
+/// Largest number of cells, for the same reason.
 const MOST_CELLS: usize = 64;
 
 /// Two polynomials in (s, t), in [-1, 1]^2: coefficients by power of s, with those of the powers of t in the lanes.

@@ -1,4 +1,4 @@
-//! Rays against a freeform surface: closest hit, any hit and all hits.
+//! Ray queries of a freeform surface: closest hit, any hit and all hits.
 
 use std::cmp::Ordering;
 use std::sync::atomic;
@@ -246,7 +246,7 @@ impl Task for AllHitsQuery<'_> {
 struct HitCandidate {
     hit: Hit,
     root: SurfaceRoot,
-    /// Bound on how far rounding may move it, in the parameters of the patch.
+    /// Bound on its shift by rounding, in the parameters of the patch.
     uncertainty: [f64; 2],
 }
 

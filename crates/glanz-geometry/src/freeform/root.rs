@@ -12,7 +12,7 @@ pub(super) struct SurfaceRoot {
     pub(super) s: f64,
     /// In [0, 1]^2.
     pub(super) at: DVec2,
-    /// Bound on how far rounding may move the root, in the same parameters.
+    /// Bound on the shift of the root by rounding, in the same parameters.
     pub(super) uncertainty: DVec2,
     /// The same in metres along the surface.
     pub(super) distance_uncertainty: f64,
@@ -34,7 +34,7 @@ pub(super) struct FirstOrderJet {
     pub(super) sv: DVec3,
 }
 
-/// Memory that the searches in all leaves of a ray share, and what they count.
+/// Memory and counters that the searches in all leaves of a ray share.
 #[derive(Default)]
 pub(super) struct SearchScratch {
     /// Coefficients of cells.

@@ -15,16 +15,16 @@ use super::root::{FirstOrderJet, SearchScratch, SurfaceRoot};
 /// Largest contraction at which a cell is certified.
 const CERTIFIED: f64 = 0.75;
 
-/// Most that rounding may move the root of a certified cell, as a share of half the cell.
+/// Largest shift by rounding of the root of a certified cell, as a fraction of half the cell.
 const MOST_UNCERTAINTY: f64 = 0.0625;
 
-/// Most steps in a certified cell: more than the contraction needs for the last bit.
+/// Largest number of steps in a certified cell: more than the contraction needs for the last bit.
 const MOST_STEPS: usize = 200;
 
-/// Most cells of a leaf, after which it counts as undecided: a hundred times as many as tangencies need.
+/// Largest number of cells of a leaf, after which it counts as undecided: a hundred times as many as tangencies need.
 const MOST_CELLS: usize = 20_000;
 
-/// Largest total length of flat cells, in terms of the noise, that is a root. Cells that are flat to within rounding and
+/// Largest total length of flat cells, in units of the noise, that is a root. Cells that are flat to within rounding and
 /// projected to a line or a point are a tangency or a collapsed edge if they are shorter than this; otherwise the ray lies
 /// within the surface, which is no hit. Curvature of radius R is flat to within rounding e over a length of sqrt(e R): with
 /// e of 1e-15 of the size, 3e-8 of the size for R of the size, and 3e-6 for R ten thousand times as large. Along an
@@ -32,7 +32,7 @@ const MOST_CELLS: usize = 20_000;
 /// asymptotic curve has an inflection, (e R^3)^(1/4), 2e-4.
 const TANGENT_LENGTH: f64 = (1_u64 << 36) as f64;
 
-/// Largest distance of a root from the ray, in terms of the noise.
+/// Largest distance of a root from the ray, in units of the noise.
 const BESIDE: f64 = 14.0;
 
 /// Distance in the parameters within which tangencies are one root.
@@ -137,7 +137,7 @@ struct FlatCell {
     width: DVec2,
     /// Its length along the ray, metres.
     stretch: f64,
-    /// Bound on how far rounding may move a root in it.
+    /// Bound on the shift of a root in it by rounding.
     uncertainty: DVec2,
 }
 

@@ -54,7 +54,7 @@ pub(super) struct LeafSearch<'a> {
 }
 
 impl Task for LeafSearch<'_> {
-    /// The only root; several are in `scratch.roots`, in no order. In the parameters of the subpatch.
+    /// The only root; several are in `scratch.roots`, unordered. In the parameters of the subpatch.
     type Output = Option<SurfaceRoot>;
 
     #[inline(always)]

@@ -9,13 +9,13 @@ use crate::hit::SurfacePoint;
 /// Length of the normal S_x x S_y, relative to the square of the size of the patch, below which half of its digits are lost.
 const COLLAPSED: f64 = 1e-8;
 
-/// Largest distance of a hit from the surface, in terms of the noise: up to eight times for the search, and as much for the
+/// Largest distance of a hit from the surface, in units of the noise: up to eight times for the search, and as much for the
 /// rounding of the leaves.
 const ERROR: f64 = 16.0;
 
 impl Freeform {
     pub(crate) fn point_at(&self, face: u32, x: f64, y: f64) -> SurfacePoint {
-        // The hit of another surface may have any face; the first patch stands in.
+        // The hit of another surface may have any face; the first patch replaces a missing one.
         let Some(patch) = self.patches.get(face as usize).or(self.patches.first()) else { return nowhere() };
         let (points, degrees) = (patch.patch.control_points(), patch.patch.degrees());
         let here = second_order_jet_by(self.bvh.isa(), points, degrees, x, y);

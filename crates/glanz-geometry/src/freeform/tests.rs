@@ -178,7 +178,7 @@ fn tangent_ray_meets_a_parabola_once_and_one_beside_it_twice_or_never() {
             assert!((hit.t - 3.0 - x).abs() < 1e-14 / depth.sqrt(), "{depth}: {hit:?}");
         }
     }
-    // In the plane of the rulings, along one of them: no hit, and no end of cells.
+    // In the plane of the rulings, along one of them: no hit, and no unlimited subdivision.
     assert_eq!(all(&surface, &Ray::new(DVec3::new(0.5, -1.0, -0.25), DVec3::Y)), []);
     assert_eq!(surface.undecided(), 0);
 }
@@ -186,7 +186,7 @@ fn tangent_ray_meets_a_parabola_once_and_one_beside_it_twice_or_never() {
 #[test]
 fn tangency_next_to_a_cusp_does_not_hide_the_root_beside_it() {
     // The first derivative along u vanishes at u = 1/2. By 50-digit arithmetic there are roots at u = 0.4999053076
-    // and, nearer to each other than rounding tells, at 0.5001891386 and 0.5001896316.
+    // and, closer to each other than rounding can resolve, at 0.5001891386 and 0.5001896316.
     let row = |k: usize| ([0.0, 1.0, 0.0, 1.0][k / 4], (k % 4) as f64 / 3.0, [0.0, 1.0, 1.0, 0.0][k / 4]);
     let points = (0..16).map(row).map(|(x, y, z)| DVec4::new(x, y, z, 1.0));
     let patch = TensorPatch::try_new(3, 3, points.collect()).unwrap();
@@ -204,7 +204,7 @@ fn tangency_next_to_a_cusp_does_not_hide_the_root_beside_it() {
 
 #[test]
 fn ray_within_the_plane_of_a_flat_patch_is_no_hit() {
-    // ProjectedNet edge-on the Jacobian is nothing but rounding, and must certify nothing.
+    // Projected edge-on, the Jacobian is only rounding and must not certify anything.
     let third = |k: i32| f64::from(k) / 3.0;
     let points = (0..4).flat_map(|i| (0..4).map(move |j| DVec4::new(third(i), third(j), 0.0, 1.0)));
     let patch = TensorPatch::try_new(3, 3, points.collect()).unwrap();
@@ -229,7 +229,7 @@ fn ray_within_the_plane_of_a_flat_patch_is_no_hit() {
 }
 
 #[test]
-fn what_cannot_be_a_surface_is_refused() {
+fn invalid_surfaces_are_refused() {
     assert!(Freeform::try_new(Vec::new()).is_err());
     let point = TensorPatch::try_new(1, 1, vec![DVec4::ONE; 4]).unwrap();
     let point = SurfacePatch::over_rectangle(point, [0.0, 1.0], [0.0, 1.0]).unwrap();

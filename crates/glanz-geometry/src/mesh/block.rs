@@ -11,9 +11,9 @@ use crate::triangle::{GRAZING, ShearedRay};
 /// Triangles in a block: the `f64` lanes of a vector register.
 pub(super) const LANES: usize = 4;
 
-/// A number that coordinates are stored as.
+/// A number type of stored coordinates.
 pub(super) trait Coordinate: Copy + Send + Sync {
-    /// What an unused lane holds: no comparison with it is ever true, so it is never hit.
+    /// The value of unused lanes: no comparison with it is ever true, so they are never hit.
     const NONE: Self;
     /// The nearest stored number.
     fn from_f64(value: f64) -> Self;
@@ -74,7 +74,7 @@ impl<T: Coordinate> TriangleBlock<T> {
         block
     }
 
-    /// Asks the memory for this block.
+    /// Prefetches this block.
     #[inline(always)]
     pub(super) fn prefetch<S: Simd>(&self, simd: S) {
         for corner in &self.corners {
@@ -101,7 +101,7 @@ impl<T: Coordinate> TriangleBlock<T> {
         ]
     }
 
-    /// The axis `axis` of a vertex, as seen from the origin, which has it in place `sheared`.
+    /// The coordinate `axis` of a vertex relative to the origin of the ray, which stores it at the position `sheared`.
     #[inline(always)]
     fn coordinate<S: Simd>(
         &self,
@@ -111,14 +111,14 @@ impl<T: Coordinate> TriangleBlock<T> {
         axis: usize,
         sheared: usize,
     ) -> S::F64 {
-        // The axes are 0, 1 and 2; this says it to the compiler.
+        // The axes are 0, 1 and 2; the test lets the compiler omit the bounds check.
         let axis = if axis < 3 { axis } else { 0 };
         simd.sub64(T::widen(simd, &self.corners[corner][axis]), ray.origin[sheared])
     }
 
-    /// The lanes that the ray hits with `0 < t <= t_max`, as bits, and what it takes to make hits of them.
+    /// The lanes that the ray hits with `0 < t <= t_max`, as bits, with their parameters.
     ///
-    /// Computes the very bits of [`ShearedRay::intersect`], but for its second thoughts: lanes with a zero edge function
+    /// Computes the same bits as [`ShearedRay::intersect`], except for its exact fallback: lanes with a zero edge function
     /// and those seen nearly edge-on are candidates here, and [`TriangleBlock::hits`] repeats them with the scalar test.
     #[inline(always)]
     fn intersect<S: Simd>(&self, simd: S, ray: &BlockRay<S>, t_max: f64) -> Option<BlockHits> {
@@ -171,7 +171,7 @@ impl<T: Coordinate> TriangleBlock<T> {
             };
             if lanes.unsure >> lane & 1 != 0 {
                 let [a, b, c] = self.triangle(lane);
-                // Up to and including the end, as the others.
+                // The end is included, as for the other lanes.
                 match ray.sheared.intersect(a, b, c, end.next_up()) {
                     Some((t, u, v)) => hit = Hit { t, u, v, ..hit },
                     None => continue,
@@ -185,16 +185,16 @@ impl<T: Coordinate> TriangleBlock<T> {
     }
 }
 
-/// The edge function of two sheared vertices: the sign tells on which side of the edge the ray passes.
+/// The edge function of two sheared vertices; its sign is the side of the edge on which the ray passes.
 #[inline(always)]
 fn edge<S: Simd>(simd: S, p: [S::F64; 3], q: [S::F64; 3]) -> S::F64 {
     simd.sub64(simd.mul64(p[0], q[1]), simd.mul64(p[1], q[0]))
 }
 
-/// What a ray found in a block.
+/// Hits of a ray in a block.
 struct BlockHits {
     hits: u32,
-    /// BlockHits that the scalar test has to decide.
+    /// Lanes that the scalar test has to decide.
     unsure: u32,
     t: [f64; LANES],
     v: [f64; LANES],
@@ -205,7 +205,7 @@ struct BlockHits {
 /// The axes in the order that makes a given one the last. A `static`: a constant would be copied for every ray.
 static AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
-/// A ray made ready for blocks.
+/// A ray prepared for blocks.
 pub(super) struct BlockRay<S: Simd> {
     pub(super) simd: S,
     sheared: ShearedRay,

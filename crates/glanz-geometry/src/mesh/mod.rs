@@ -3,7 +3,7 @@
 //! A [`Mesh`] owns its hierarchy and lays its triangles out in the order of the leaves, four to a block. The test is that
 //! of [`crate::triangle::ShearedRay`] bit by bit, so that a ray cannot slip through an edge or a vertex that triangles
 //! share, whatever the instruction set. Files: `block` (the triangles),
-//! `search` (the queries), `shading` (what a hit looks like).
+//! `query` (closest, any and all hits), `shading` (the surface at a hit).
 
 mod block;
 mod query;
@@ -31,8 +31,8 @@ const BLOCK_COST: f32 = 1.0;
 /// Triangles that share vertices.
 ///
 /// `Hit::face` is the position of the triangle in the list of indices, `u` and `v` are the barycentric weights of its
-/// second and third vertex. The normal is that of `(p1 - p0) x (p2 - p0)`, or its opposite where the shading normals
-/// say so.
+/// second and third vertex. The normal is that of `(p1 - p0) x (p2 - p0)`, or its opposite if the shading normals
+/// are on that side.
 #[derive(Clone, Debug)]
 pub struct Mesh {
     positions: Vec<DVec3>,
@@ -42,7 +42,7 @@ pub struct Mesh {
     degenerate: usize,
     bvh: Bvh,
     blocks: TriangleBlocks,
-    /// Area of the first 1, 2 ... triangles, m^2. Only meshes that shine need it.
+    /// Area of the first 1, 2 ... triangles, m^2. Only meshes that emit light need it.
     areas: OnceLock<Vec<f64>>,
 }
 
@@ -119,7 +119,7 @@ impl Mesh {
         self.areas().last().copied().unwrap_or_default()
     }
 
-    /// How large the hierarchy came out, and how good.
+    /// Size and expected cost of the hierarchy.
     #[must_use]
     pub fn statistics(&self) -> BvhStatistics {
         self.bvh.statistics()
@@ -184,7 +184,7 @@ fn check_list<T: Copy>(
 }
 
 fn check_indices(indices: &[[u32; 3]], count: usize) -> Result<(), SurfaceError> {
-    // Half of 2^32, so that leaves and nodes can be told apart by a bit.
+    // Half of 2^32, so that a bit distinguishes leaves from nodes.
     const MOST: usize = 1 << 31;
     if indices.is_empty() {
         return Err(SurfaceError::TooFew { parameter: "triangles", count: 0, min: 1 });
@@ -255,7 +255,7 @@ impl RaySurface for Mesh {
         let target = xi.x * total;
         let face = areas.partition_point(|&area| area <= target).min(areas.len() - 1);
         let before = face.checked_sub(1).map_or(0.0, |previous| areas[previous]);
-        // What is left of the random number after it has chosen the triangle.
+        // The rest of the number that selected the triangle.
         let rest = ((target - before) / (areas[face] - before)).clamp(0.0, 1.0f64.next_down());
         let b = sample_barycentric(DVec2::new(rest, xi.y));
         let hit = Hit { t: 0.0, u: b.x, v: b.y, face: face as u32 };

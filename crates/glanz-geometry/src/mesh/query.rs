@@ -1,4 +1,4 @@
-//! Rays against a mesh.
+//! Ray queries of a mesh.
 
 use glanz_math::Ray;
 

@@ -1,4 +1,4 @@
-//! What a mesh looks like at a hit.
+//! The surface of a mesh at a hit.
 
 use glanz_math::{DVec2, DVec3};
 
@@ -12,7 +12,7 @@ use crate::triangle::{normal_and_area, position_error_of};
 /// @pharr2023 section 6.5.3.
 const DEFAULT_UVS: [DVec2; 3] = [DVec2::ZERO, DVec2::X, DVec2::ONE];
 
-/// A quantity at the vertices of a triangle, as it changes with the texture coordinates.
+/// The map from values at the vertices of a triangle to derivatives by the texture coordinates.
 struct Gradient {
     /// From the differences `q0 - q2` and `q1 - q2` to the derivatives by u and v.
     by_u: DVec2,
@@ -50,7 +50,7 @@ impl Mesh {
 
     /// The surface at the weights `u`, `v` of the second and third vertex of a triangle.
     pub(crate) fn point_at(&self, face: u32, u: f64, v: f64) -> SurfacePoint {
-        // A face of another mesh has no corners here; there is no right answer then, only a harmless one.
+        // A face of another mesh has no corners here: the result is meaningless, but it does not panic.
         let corners = self.corners(face).unwrap_or_default();
         let [p0, p1, p2] = corners;
         let own_uvs = self.at_corners(self.uvs.as_ref(), face);
@@ -74,7 +74,7 @@ impl Mesh {
         if let Some(normals) = self.at_corners(self.normals.as_ref(), face) {
             let smooth = interpolate(normals, u, v);
             let length = smooth.length();
-            // Normals that cancel, or that lie in the triangle, say nothing of its side.
+            // Normals that cancel, or that lie in the plane of the triangle, do not determine its side.
             let side = smooth.dot(flat_normal);
             if length > 0.0 && side != 0.0 {
                 let inverse = 1.0 / length;

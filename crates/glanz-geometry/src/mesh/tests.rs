@@ -1,4 +1,4 @@
-//! Meshes against the scalar triangle test, closed forms and rays that try to slip through.
+//! Meshes against the scalar triangle test and closed forms, also with rays through edges and vertices.
 
 use glanz_math::rounding::offset_origin;
 use glanz_math::{DVec2, DVec3, Ray};
@@ -318,7 +318,7 @@ fn the_normal_takes_the_side_of_the_shading_normals() {
     let down = point(Some(vec![DVec3::new(0.6, 0.0, -0.8) * 5.0; 3]));
     assert_eq!(down.normal, -DVec3::Z);
     assert!((down.shading_normal - DVec3::new(0.6, 0.0, -0.8)).length() < 1e-15);
-    // Normals that say nothing: zero, or in the plane.
+    // Normals that determine no side: zero, or in the plane.
     for useless in [DVec3::ZERO, DVec3::X] {
         let flat = point(Some(vec![useless; 3]));
         assert_eq!((flat.normal, flat.shading_normal), (DVec3::Z, DVec3::Z));
@@ -360,7 +360,7 @@ fn area_of_a_finer_and_finer_sphere_approaches_four_pi() {
 }
 
 #[test]
-fn wrong_lists_are_refused_with_the_values() {
+fn invalid_lists_are_refused_with_their_values() {
     let p = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
     let new = |p: &[DVec3], i: &[[u32; 3]], n, uv| Mesh::try_new(p.to_vec(), i.to_vec(), n, uv).map(|_| ());
     assert_eq!(
@@ -384,7 +384,7 @@ fn wrong_lists_are_refused_with_the_values() {
 }
 
 #[test]
-fn rays_that_are_not_rays_meet_nothing() {
+fn invalid_rays_hit_nothing() {
     let small = mesh((vec![DVec3::ZERO, DVec3::X, DVec3::Y], vec![[0, 1, 2]]));
     for mesh in [small, mesh(sphere(3))] {
         for isa in Isa::all() {
