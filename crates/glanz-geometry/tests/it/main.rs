@@ -1,4 +1,4 @@
-//! The surfaces of the library, checked from outside.
+//! Tests of surfaces through the public interface.
 
 // A test may fail by unwrapping and prints its figures; `!(a < b)` holds for NaN, which must be a fault.
 #![allow(

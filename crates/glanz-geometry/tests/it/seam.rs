@@ -1,8 +1,8 @@
 //! Two faces that meet in a common trimming curve leave no gap.
 //!
 //! One face keeps the inside of a closed curve on a wavy spline surface. The other is the same surface with other parameters and
-//! another degree, reversed, and keeps the outside, so that the two agree about the curve up to rounding only.
-//! `GLANZ_SEAM_RAYS` is the number of rays; `cargo xtask seam` shoots 10^8.
+//! another degree, reversed, and keeps the outside, so that their curves agree only up to rounding.
+//! `GLANZ_SEAM_RAYS` is the number of rays; `cargo xtask seam` traces 10^8.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -34,7 +34,7 @@ fn waves() -> NurbsSurface {
 fn closed_curve(flower: bool, place: impl Fn(DVec2) -> DVec2) -> TrimCurve {
     let center = DVec2::splat(0.5);
     if flower {
-        // Periodic: the first points come again at the end.
+        // Periodic: the first points are repeated at the end.
         let count = 15;
         let petals = (0..count + 3).map(|k| {
             let angle = TAU * f64::from(k % count) / f64::from(count);
@@ -61,7 +61,7 @@ fn face(surface: &NurbsSurface, curve: TrimCurve) -> Surface {
 }
 
 /// A point on the seam with its tangents.
-struct Target([DVec3; 3]);
+struct SeamTarget([DVec3; 3]);
 
 /// Numbers in [0, 1) that depend on the counter alone.
 fn random(counter: u64) -> f64 {
@@ -72,9 +72,9 @@ fn random(counter: u64) -> f64 {
 }
 
 /// A short ray at a distance of 3e-4 to 3e-12 of the size from the seam.
-fn ray(targets: &[Target], index: u64) -> Ray {
+fn ray(targets: &[SeamTarget], index: u64) -> Ray {
     let number = |k: u64| random(index * 8 + k);
-    let Target([point, su, sv]) = &targets[(number(0) * targets.len() as f64) as usize];
+    let SeamTarget([point, su, sv]) = &targets[(number(0) * targets.len() as f64) as usize];
     let offset = 0.3 * REACH * 10.0_f64.powf(-8.0 * number(1));
     let angle = TAU * number(2);
     let target = *point + (*su * angle.cos() + *sv * angle.sin()) * offset;
@@ -95,12 +95,12 @@ fn no_ray_slips_through_a_seam_of_trimmed_faces() {
     let other = waves.reversed(ParameterDirection::U).unwrap().elevate(ParameterDirection::V).unwrap();
     for (flower, count) in [(false, rays / 2), (true, rays - rays / 2)] {
         let curve = closed_curve(flower, |p| p);
-        let targets: Vec<Target> = (0..curve.piece_count())
+        let targets: Vec<SeamTarget> = (0..curve.piece_count())
             .flat_map(|piece| (0..500).map(move |k| (piece, f64::from(k) / 499.0)))
             .filter_map(|(piece, t)| curve.point(piece, t))
             .map(|uv| {
                 let (point, su, sv) = waves.tangents(uv.x, uv.y);
-                Target([point, su, sv])
+                SeamTarget([point, su, sv])
             })
             .collect();
         // Reversed, the curve runs clockwise and is a hole.

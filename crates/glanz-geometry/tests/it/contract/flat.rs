@@ -8,7 +8,7 @@ use glanz_math::{Bounds3, DVec3};
 use super::case::ContractCase;
 use super::harness::check_kind;
 
-/// Without parameterization, since its domain is not a square; the unit tests check it.
+/// A triangle, without parameterization: its domain is not a square, and the unit tests check it.
 fn triangle(p: [DVec3; 3]) -> ContractCase {
     let n = (p[1] - p[0]).cross(p[2] - p[0]);
     let unit = n.normalize();

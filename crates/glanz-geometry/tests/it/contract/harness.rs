@@ -1,13 +1,13 @@
-//! Checks of the contract, which count breaches.
+//! Checks of the contract.
 
 use glanz_geometry::{Hit, SurfacePoint};
 use glanz_math::rounding::offset_origin;
 use glanz_math::{DVec2, DVec3, Ray};
 
 use super::case::ContractCase;
-use super::rays::{Family, Pcg};
+use super::rays::{ContractRays, Pcg};
 use super::sampling;
-use super::solver::{self, Roots, Status};
+use super::solver::{self, ReferenceRoots, RootStatus};
 
 /// Derivatives are compared at every 16th hit: differences cost a hundred evaluations.
 const DERIVATIVES_EVERY: u64 = 16;
@@ -40,7 +40,7 @@ pub fn check_kind(kind: &str, seed: u64, cases: &[ContractCase]) {
     let mut tally = ContractTally::default();
     for (i, case) in cases.iter().enumerate() {
         let mut pcg = Pcg::new(seed * 1000 + i as u64);
-        for family in Family::ALL {
+        for family in ContractRays::ALL {
             for _ in 0..per_case {
                 let ray = family.ray(case, &mut pcg);
                 tally.rays += 1;
@@ -250,19 +250,25 @@ fn claimed(hits: &[Hit]) -> Vec<f64> {
     hits.iter().map(|h| h.t).collect()
 }
 
-fn compare(case: &ContractCase, ray: &Ray, hits: &[Hit], found: &Roots, beyond: f64) -> Result<(), String> {
+fn compare(
+    case: &ContractCase,
+    ray: &Ray,
+    hits: &[Hit],
+    found: &ReferenceRoots,
+    beyond: f64,
+) -> Result<(), String> {
     let length = ray.direction.length();
     let counted: Vec<&Hit> = hits
         .iter()
         .filter(|h| h.t * length > beyond && ray.at(h.t).distance(case.center) < 1.05 * case.size)
         .collect();
-    for root in found.roots.iter().filter(|r| r.status == Status::Hit) {
+    for root in found.roots.iter().filter(|r| r.status == RootStatus::Hit) {
         if !counted.iter().any(|h| (h.t - root.t).abs() * length <= 2.0 * root.tolerance) {
             return Err(format!("the root {root:?} is missing in {hits:?}"));
         }
     }
-    let sure = !found.near_miss && found.roots.iter().all(|r| r.status != Status::Unsure);
-    let expected = found.roots.iter().filter(|r| r.status == Status::Hit).count();
+    let sure = !found.near_miss && found.roots.iter().all(|r| r.status != RootStatus::Undecided);
+    let expected = found.roots.iter().filter(|r| r.status == RootStatus::Hit).count();
     if sure && counted.len() != expected {
         return Err(format!("{hits:?} should be {:?}", found.roots));
     }

@@ -63,7 +63,7 @@ impl Pcg {
 
 /// Families of rays.
 #[derive(Clone, Copy, Debug)]
-pub enum Family {
+pub enum ContractRays {
     /// From a few sizes away to a point in the ball.
     Towards,
     /// From inside the ball.
@@ -76,7 +76,7 @@ pub enum Family {
     Adversarial,
 }
 
-impl Family {
+impl ContractRays {
     /// All of them.
     pub const ALL: [Self; 5] =
         [Self::Towards, Self::Inside, Self::Far, Self::AxisParallel, Self::Adversarial];

@@ -6,30 +6,30 @@ use super::case::ContractCase;
 
 /// A crossing of the continued surface.
 #[derive(Clone, Copy, Debug)]
-pub struct Root {
+pub struct ReferenceRoot {
     /// Ray parameter.
     pub t: f64,
     /// Bound on the error of `t`, metres along the ray.
     pub tolerance: f64,
-    /// Whether it is certainly a hit: on the kept part, not tangential, not near a singular point.
-    pub status: Status,
+    /// Whether the surface must report it.
+    pub status: RootStatus,
 }
 
-/// Whether a root is one that the surface must report.
+/// Whether the surface must report a root.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Status {
-    /// Must be reported.
+pub enum RootStatus {
+    /// Must be reported: on the kept part, not tangential, not near a singular point.
     Hit,
     /// Must not be reported.
     Clipped,
     /// Undecided: tangential, at the border of the kept part, or at a singular point.
-    Unsure,
+    Undecided,
 }
 
 /// The crossings beyond a distance.
-pub struct Roots {
+pub struct ReferenceRoots {
     /// In ascending order.
-    pub roots: Vec<Root>,
+    pub roots: Vec<ReferenceRoot>,
     /// Whether the ray passes so close to the surface without crossing that roots may have been missed.
     pub near_miss: bool,
 }
@@ -69,9 +69,9 @@ impl CenteredRay {
 ///
 /// `hits`: the t reported by the surface, ascending. They are not trusted, but signs between them are tested too, since a pair of
 /// crossings in a corner may be closer together than the samples.
-pub fn roots(case: &ContractCase, ray: &Ray, beyond: f64, hits: &[f64]) -> Roots {
+pub fn roots(case: &ContractCase, ray: &Ray, beyond: f64, hits: &[f64]) -> ReferenceRoots {
     let line = CenteredRay::new(case, ray);
-    let mut found = Roots { roots: Vec::new(), near_miss: false };
+    let mut found = ReferenceRoots { roots: Vec::new(), near_miss: false };
     // Slightly more than the ball, so that the ends are never on the surface.
     let radius = 1.05 * case.size;
     let half_chord = (radius * radius - line.origin.distance_squared(case.center)).max(0.0).sqrt();
@@ -124,7 +124,7 @@ pub fn roots(case: &ContractCase, ray: &Ray, beyond: f64, hits: &[f64]) -> Roots
     for (i, &s) in crossings.iter().enumerate() {
         let gap = |j: usize| crossings.get(j).map_or(f64::INFINITY, |&other| (other - s).abs());
         let nearest = gap(i + 1).min(if i > 0 { gap(i - 1) } else { f64::INFINITY });
-        found.roots.push(judge(case, &line, s, nearest, origin_distance));
+        found.roots.push(classify(case, &line, s, nearest, origin_distance));
     }
     found
 }
@@ -182,7 +182,13 @@ fn bisect(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
     0.5 * (a + b)
 }
 
-fn judge(case: &ContractCase, line: &CenteredRay, s: f64, nearest: f64, origin_distance: f64) -> Root {
+fn classify(
+    case: &ContractCase,
+    line: &CenteredRay,
+    s: f64,
+    nearest: f64,
+    origin_distance: f64,
+) -> ReferenceRoot {
     let p = line.at(s);
     let gradient = case.gradient(p);
     let cos = gradient.dot(line.direction).abs() / gradient.length();
@@ -196,11 +202,11 @@ fn judge(case: &ContractCase, line: &CenteredRay, s: f64, nearest: f64, origin_d
         || case.distance_to_singular(p) < 2e-5 * case.size
         || !(border.abs() > 1e-9 * case.size + 10.0 * tolerance)
     {
-        Status::Unsure
+        RootStatus::Undecided
     } else if border > 0.0 {
-        Status::Hit
+        RootStatus::Hit
     } else {
-        Status::Clipped
+        RootStatus::Clipped
     };
-    Root { t: line.t_shift + s * line.t_scale, tolerance: tolerance.min(case.size), status }
+    ReferenceRoot { t: line.t_shift + s * line.t_scale, tolerance: tolerance.min(case.size), status }
 }

@@ -1,18 +1,18 @@
-//! A rectangle of a patch's parameters with the coefficients of both equations over it.
+//! Rectangles of a patch's parameters with the coefficients of both equations over them.
 
 use super::interval::Interval;
-use super::patch::{Rows, bernstein, restrict, value_at};
+use super::patch::{NetRows, bernstein, restrict, value_at};
 
-/// By how much a box that is certified goes beyond its cell, in widths of the cell.
+/// Margin of a certified box around its cell, in widths of the cell.
 const MARGIN: f64 = 0.125;
 
-/// Widths below this are not halved: with 52 bits the ends of a cell have no more.
+/// Smallest width that is halved: the ends of narrower cells do not fit in 52 bits.
 const NARROWEST: f64 = 1.0 / (1_u64 << 46) as f64;
 
-/// A cell is hidden if what is seen across it is less than this many times what its coefficients are unsure by.
+/// Ratio of the range of the coefficients to their uncertainty below which a cell is hidden.
 const HIDDEN: f64 = 6.0;
 
-pub struct Cell {
+pub struct PatchCell {
     from: [f64; 2],
     width: [f64; 2],
     /// First equation, then second.
@@ -21,27 +21,28 @@ pub struct Cell {
     across_u: bool,
 }
 
-/// What can be said of a cell at once.
+/// Result of [`PatchCell::examine`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Verdict {
+pub enum PatchCellClass {
     /// No root.
     Excluded,
-    /// The map is injective over the cell, to all that its middle values say; worth the effort of a proof.
+    /// The map is probably injective over the cell, by the middles of its coefficients; a proof is tried.
     Injective,
-    /// The coefficients are too unsure to tell more from smaller cells.
+    /// The coefficients are too uncertain: smaller cells would not decide either.
     Hidden,
     Open,
 }
 
-/// What came of the proof.
-pub enum Answer {
+/// Result of [`PatchCell::certify`].
+pub enum CellProof {
+    /// No root.
     Nothing,
-    /// Exactly one root, in this box of the parameters of the whole.
+    /// Exactly one root, in this box of the parameters of the patch.
     Root([Interval; 2]),
     Unknown,
 }
 
-/// x1 y2 - x2 y1 with a vector of numbers.
+/// `x1 y2 - x2 y1`, where y is exact.
 fn cross(x: [Interval; 2], y: [f64; 2]) -> Interval {
     x[0] * y[1] - x[1] * y[0]
 }
@@ -59,7 +60,7 @@ fn one_sided(x: Interval) -> bool {
 }
 
 /// Bounds on I - J0^-1 J over a net, J0 = (a, b): the largest sum of a row.
-fn stray(net: &[Interval], (p, q): (usize, usize), a: [f64; 2], b: [f64; 2]) -> f64 {
+fn jacobian_deviation(net: &[Interval], (p, q): (usize, usize), a: [f64; 2], b: [f64; 2]) -> f64 {
     let (first, second) = net.split_at(net.len() / 2);
     let at = |i: usize, j: usize| [first[i * (q + 1) + j], second[i * (q + 1) + j]];
     let rise = |x: [Interval; 2], y: [Interval; 2], n: usize, mean: [f64; 2]| {
@@ -85,7 +86,7 @@ fn stray(net: &[Interval], (p, q): (usize, usize), a: [f64; 2], b: [f64; 2]) -> 
     if det > 0.0 { (most[0] + most[2]).max(most[1] + most[3]) / det * (1.0 + 1e-12) } else { f64::INFINITY }
 }
 
-/// Means of the derivatives by u and v, roughly.
+/// Approximate means of the derivatives by u and v.
 fn slopes(net: &[Interval], (p, q): (usize, usize)) -> [[f64; 2]; 2] {
     let half = net.len() / 2;
     let at = |list: usize, i: usize, j: usize| net[list * half + i * (q + 1) + j].middle();
@@ -94,35 +95,35 @@ fn slopes(net: &[Interval], (p, q): (usize, usize)) -> [[f64; 2]; 2] {
     [by_u, by_v]
 }
 
-impl Cell {
-    /// The whole of a patch.
+impl PatchCell {
+    /// The cell of a whole patch.
     pub fn whole(coefficients: Vec<Interval>) -> Self {
         Self { from: [0.0; 2], width: [1.0; 2], coefficients, across_u: true }
     }
 
-    /// The box of the cell in the parameters of the whole.
+    /// The box of the cell in the parameters of the patch.
     pub fn sides(&self) -> [Interval; 2] {
         [0, 1].map(|k| Interval { low: self.from[k], high: self.from[k] + self.width[k] })
     }
 
-    /// The value of both equations goes into every direction that may have one sign.
-    pub fn examine(&mut self, degrees: (usize, usize)) -> Verdict {
+    /// Classifies the cell: it has no root if a linear combination of both equations has one sign over it.
+    pub fn examine(&mut self, degrees: (usize, usize)) -> PatchCellClass {
         let (first, second) = self.coefficients.split_at(self.coefficients.len() / 2);
         let hull = |list: &[Interval]| list.iter().fold(list[0], |hull, &x| hull.hull(x));
         let ranges = [hull(first), hull(second)];
         if ranges.iter().any(|&range| one_sided(range)) {
-            return Verdict::Excluded;
+            return PatchCellClass::Excluded;
         }
         let [a, b] = slopes(&self.coefficients, degrees);
         let across = |d: [f64; 2]| {
             let all = first.iter().zip(second).map(|(&x, &y)| cross([x, y], d));
             all.reduce(Interval::hull).unwrap_or(Interval::ONE)
         };
-        // Across a the derivative by u drops out; across the mean value, whatever lies on one side of 0 is seen to.
+        // Across a the derivative by u vanishes; across the mean value, cells on one side of 0 are excluded.
         let sum = |list: &[Interval]| list.iter().map(|x| x.middle()).sum::<f64>();
         let (across_a, across_b) = (across(a), across(b));
         if one_sided(across_a) || one_sided(across_b) || one_sided(across([-sum(second), sum(first)])) {
-            return Verdict::Excluded;
+            return PatchCellClass::Excluded;
         }
         let unsure = self.coefficients.iter().map(|x| x.width()).fold(0.0, f64::max);
         let seen = ranges[0].width().max(ranges[1].width());
@@ -131,19 +132,19 @@ impl Cell {
         };
         let tiny = self.width.iter().all(|&w| w < NARROWEST);
         if seen <= HIDDEN * unsure || hidden(across_a, a) || hidden(across_b, b) || tiny {
-            return Verdict::Hidden;
+            return PatchCellClass::Hidden;
         }
-        if stray(&self.coefficients, degrees, a, b) < 0.6 {
-            return Verdict::Injective;
+        if jacobian_deviation(&self.coefficients, degrees, a, b) < 0.6 {
+            return PatchCellClass::Injective;
         }
         self.across_u = self.varies_by_u(degrees);
-        Verdict::Open
+        PatchCellClass::Open
     }
 
     fn varies_by_u(&self, degrees: (usize, usize)) -> bool {
         let half = self.coefficients.len() / 2;
         let largest = |u: bool| {
-            let Rows { count, length, stride, step } = Rows::along(degrees, u);
+            let NetRows { count, length, stride, step } = NetRows::along(degrees, u);
             let mut most = 0.0_f64;
             for line in 0..2 * count {
                 let start = line / count * half + line % count * stride;
@@ -158,11 +159,11 @@ impl Cell {
         wide(0) && (largest(true) >= largest(false) || !wide(1))
     }
 
-    /// Halves it; the cell becomes the lower half, the upper one is returned in the memory `high`.
+    /// Halves the cell, which becomes the lower half; returns the upper one in the memory of `high`.
     pub fn split(&mut self, degrees: (usize, usize), mut high: Vec<Interval>) -> Self {
         high.clear();
         high.extend_from_slice(&self.coefficients);
-        let Rows { count, length, stride, step } = Rows::along(degrees, self.across_u);
+        let NetRows { count, length, stride, step } = NetRows::along(degrees, self.across_u);
         let half = self.coefficients.len() / 2;
         for line in 0..2 * count {
             let start = line / count * half + line % count * stride;
@@ -184,21 +185,21 @@ impl Cell {
 
     /// Proof that a box around the cell has one root, or that the cell has none.
     ///
-    /// With q the bound of [`stray`] over the box, all roots x in it keep |x - z| <= |J0^-1 f(z)| / (1 - q) for any z there;
+    /// With q the bound of [`jacobian_deviation`] over the box, all roots x in it keep |x - z| <= |J0^-1 f(z)| / (1 - q) for any z there;
     /// and if all of that ball lies in the box, the step x - J0^-1 f(x) maps it into itself: there is one.
-    pub fn certify(&self, degrees: (usize, usize)) -> Answer {
+    pub fn certify(&self, degrees: (usize, usize)) -> CellProof {
         let mut net = self.coefficients.clone();
         let half = net.len() / 2;
         for list in [0..half, half..2 * half] {
             for u in [true, false] {
-                Rows::along(degrees, u)
+                NetRows::along(degrees, u)
                     .map(&mut net[list.clone()], |row| restrict(row, -MARGIN, 1.0 + MARGIN));
             }
         }
         let [a, b] = slopes(&net, degrees);
-        let q = stray(&net, degrees, a, b);
+        let q = jacobian_deviation(&net, degrees, a, b);
         if q >= 0.9 {
-            return Answer::Unknown;
+            return CellProof::Unknown;
         }
         // From here on in the parameters of the box.
         let z = newton(&net, degrees, [a, b]);
@@ -211,19 +212,19 @@ impl Cell {
         // The cell within the box; rounding must not open a gap between neighbours.
         let inner = MARGIN / (1.0 + 2.0 * MARGIN) * (1.0 - 1e-9);
         if sides.iter().any(|side| side.high < inner || side.low > 1.0 - inner) {
-            return Answer::Nothing;
+            return CellProof::Nothing;
         }
         if sides.iter().any(|side| side.low <= 0.0 || side.high >= 1.0) {
-            return Answer::Unknown;
+            return CellProof::Unknown;
         }
-        Answer::Root([0, 1].map(|k| {
+        CellProof::Root([0, 1].map(|k| {
             let own = sides[k] * (1.0 + 2.0 * MARGIN) - Interval::of(MARGIN);
             own * self.width[k] + Interval::of(self.from[k])
         }))
     }
 }
 
-/// A point next to the root, without any promise.
+/// An approximation of the root, without a guarantee.
 fn newton(net: &[Interval], (p, q): (usize, usize), slopes: [[f64; 2]; 2]) -> [f64; 2] {
     let half = net.len() / 2;
     let mut z = [0.5; 2];

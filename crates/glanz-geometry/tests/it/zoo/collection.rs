@@ -1,45 +1,45 @@
-//! The animals.
+//! The surfaces of the collection.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use glanz_math::glam::DVec4;
 use glanz_math::{DVec2, DVec3};
 
-use super::animal::{Animal, net};
 use super::files::bicubic_patches;
 use super::rays::Random;
+use super::test_surface::{TestSurface, net};
 
-/// All that are always there.
-pub fn all() -> Vec<Animal> {
-    let mut zoo = vec![teapot(), sphere(), torus()];
-    zoo.extend([
+/// All built-in surfaces.
+pub fn all() -> Vec<TestSurface> {
+    let mut all = vec![teapot(), sphere(), torus()];
+    all.extend([
         ball("sphere, 1e-3", 1e-3, DVec3::splat(2e-3)),
         ball("sphere, 1e4", 1e4, DVec3::ZERO),
         ball("sphere, far away", 1.0, DVec3::new(-600.0, 700.0, 400.0)),
     ]);
-    zoo.extend(by_degree());
-    zoo.extend(triangles());
-    zoo.extend(weights());
-    zoo.extend(degenerate());
-    zoo.extend(folded());
-    zoo.extend(flat());
-    zoo
+    all.extend(by_degree());
+    all.extend(triangles());
+    all.extend(weights());
+    all.extend(degenerate());
+    all.extend(folded());
+    all.extend(flat());
+    all
 }
 
 /// The unit sphere, eight rational patches.
-pub fn sphere() -> Animal {
+pub fn sphere() -> TestSurface {
     ball("sphere", 1.0, DVec3::ZERO)
 }
 
 /// Bicubic patches of a file.
-pub fn of_file(path: &str) -> Animal {
+pub fn of_file(path: &str) -> TestSurface {
     let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{path}: {error}"));
     let patches = bicubic_patches(&text).unwrap_or_else(|why| panic!("{path}: {why}"));
     let name = path.rsplit('/').next().unwrap_or(path);
-    Animal::of_nets(name, patches.into_iter().map(|points| ((3, 3), points)).collect())
+    TestSurface::of_nets(name, patches.into_iter().map(|points| ((3, 3), points)).collect())
 }
 
-fn teapot() -> Animal {
+fn teapot() -> TestSurface {
     of_file(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/newell_teapot.txt"))
 }
 
@@ -50,8 +50,8 @@ fn quarter(index: usize) -> [DVec3; 3] {
     [a.extend(1.0), ((a + b) * FRAC_1_SQRT_2).extend(FRAC_1_SQRT_2), b.extend(1.0)]
 }
 
-/// What profiles (w r, w z, w) make around the z axis, moved by `offset`.
-fn revolved(name: &str, profiles: &[[DVec3; 3]], offset: DVec3) -> Animal {
+/// The surface of revolution of profiles (w r, w z, w) about the z axis, moved by `offset`.
+fn revolved(name: &str, profiles: &[[DVec3; 3]], offset: DVec3) -> TestSurface {
     let nets = profiles.iter().flat_map(|profile| {
         (0..4).map(move |k| {
             let points = quarter(k).into_iter().flat_map(|around| {
@@ -64,15 +64,15 @@ fn revolved(name: &str, profiles: &[[DVec3; 3]], offset: DVec3) -> Animal {
             ((2, 2), points.collect())
         })
     });
-    Animal::of_nets(name, nets.collect())
+    TestSurface::of_nets(name, nets.collect())
 }
 
-fn ball(name: &str, radius: f64, offset: DVec3) -> Animal {
+fn ball(name: &str, radius: f64, offset: DVec3) -> TestSurface {
     let profile = |k| quarter(k).map(|p| DVec3::new(p.x * radius, p.y * radius, p.z));
     revolved(name, &[profile(3), profile(0)], offset)
 }
 
-fn torus() -> Animal {
+fn torus() -> TestSurface {
     let tube = |k| quarter(k).map(|p| DVec3::new(p.z + 0.4 * p.x, 0.4 * p.y, p.z));
     revolved("torus", &[0, 1, 2, 3].map(tube), DVec3::ZERO)
 }
@@ -83,23 +83,23 @@ fn wavy(random: &mut Random, height: f64, x: f64, y: f64) -> DVec3 {
     DVec3::new(x, y, z) + random.direction() * (0.15 * height)
 }
 
-fn by_degree() -> Vec<Animal> {
+fn by_degree() -> Vec<TestSurface> {
     let pairs =
         [(1, 1), (1, 2), (2, 1), (2, 2), (3, 3), (1, 5), (4, 2), (5, 5), (3, 7), (9, 1), (6, 8), (9, 9)];
-    let animal = |(p, q): (usize, usize)| {
+    let tested = |(p, q): (usize, usize)| {
         let mut random = Random::new((10 * p + q) as u64);
         let nets = (0..3).map(|k| {
             let height = [0.2, 0.6, 1.5][k];
             let point = |x, y| (wavy(&mut random, height, x, y) + DVec3::X * k as f64).extend(1.0);
             ((p, q), net((p, q), point))
         });
-        Animal::of_nets(format!("degrees {p} and {q}"), nets.collect())
+        TestSurface::of_nets(format!("degrees {p} and {q}"), nets.collect())
     };
-    pairs.into_iter().map(animal).collect()
+    pairs.into_iter().map(tested).collect()
 }
 
 /// Triangular patches over the two halves of the unit square, with the control points of the diagonal in common.
-fn triangles() -> Vec<Animal> {
+fn triangles() -> Vec<TestSurface> {
     let pair = |degree: usize, weight: &dyn Fn(f64, f64) -> f64, name: String| {
         let mut patches = Vec::new();
         for upper in [false, true] {
@@ -117,9 +117,9 @@ fn triangles() -> Vec<Animal> {
             }
             patches.push((degree, points));
         }
-        Animal::triangles(name, patches)
+        TestSurface::triangles(name, patches)
     };
-    let mut out: Vec<Animal> =
+    let mut out: Vec<TestSurface> =
         (1..=6).map(|n| pair(n, &|_, _| 1.0, format!("triangles of degree {n}"))).collect();
     for n in [2, 3, 5] {
         let bell = |x: f64, y: f64| 1.0 + 20.0 * (-8.0 * ((x - 0.4).powi(2) + (y - 0.5).powi(2))).exp();
@@ -128,10 +128,10 @@ fn triangles() -> Vec<Animal> {
     out
 }
 
-fn weights() -> Vec<Animal> {
+fn weights() -> Vec<TestSurface> {
     let plate = |name: &str, degrees, weight: &mut dyn FnMut(f64, f64) -> f64| {
         let mut random = Random::new(77);
-        Animal::tensor(name, degrees, |x, y| {
+        TestSurface::tensor(name, degrees, |x, y| {
             let w = weight(x, y);
             (wavy(&mut random, 0.5, x, y) * w).extend(w)
         })
@@ -148,11 +148,11 @@ fn weights() -> Vec<Animal> {
     ]
 }
 
-fn degenerate() -> Vec<Animal> {
+fn degenerate() -> Vec<TestSurface> {
     let plain = |x: f64, y: f64, z: f64| DVec4::new(x, y, z, 1.0);
     let dome = |x: f64, y: f64| 1.5 * x * (1.0 - x) + y * (1.0 - y) - x * y;
-    let one = |name: &str, map: &dyn Fn(f64, f64) -> DVec4| Animal::tensor(name, (3, 3), map);
-    // Parameters go to places at which control points come together.
+    let one = |name: &str, map: &dyn Fn(f64, f64) -> DVec4| TestSurface::tensor(name, (3, 3), map);
+    // Maps parameters so that control points coincide.
     let pull = |x: f64| if x < 0.5 { 0.0 } else { x };
     vec![
         one("coincident control points", &|x, y| plain(pull(x), pull(1.0 - y), dome(x, pull(y)))),
@@ -202,7 +202,7 @@ fn product(f: &[f64], (p, q): (usize, usize), g: &[f64], (r, s): (usize, usize))
 /// A bicubic patch that the z axis meets 18 times, as often as two curves of degrees (3, 3) can cross: x is the product of
 /// three hyperbolas in the parameters, y of three that bend the other way, and each of the first crosses each of the second
 /// twice.
-pub fn eighteen() -> Animal {
+pub fn eighteen() -> TestSurface {
     let hyperbola = |offset: f64, k: f64| -> Vec<f64> {
         [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)]
             .map(|(u, v): (f64, f64)| (u - offset).abs() * (v - offset).abs() - k)
@@ -216,31 +216,31 @@ pub fn eighteen() -> Animal {
     let y = three(1.1, [0.3136, 0.2809, 0.25]);
     let scale = |list: &[f64]| 1.0 / list.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
     let (by_x, by_y) = (scale(&x), scale(&y));
-    Animal::tensor("eighteen roots", (3, 3), |u, v| {
+    TestSurface::tensor("eighteen roots", (3, 3), |u, v| {
         let k = (3.0 * u).round() as usize * 4 + (3.0 * v).round() as usize;
         DVec4::new(x[k] * by_x, y[k] * by_y, u - v, 1.0)
     })
 }
 
-fn folded() -> Vec<Animal> {
-    // x and y run three times to and fro: nine sheets.
+fn folded() -> Vec<TestSurface> {
+    // x and y run back and forth three times: nine sheets.
     let fold = |t: f64| [0.0, 2.2, -1.2, 1.0][(3.0 * t).round() as usize];
     let mut random = Random::new(5);
     vec![
         eighteen(),
-        Animal::tensor("nine sheets", (3, 3), |x, y| DVec4::new(fold(x), fold(y), x + 0.5 * y, 1.0)),
-        Animal::tensor("crumpled, degrees 7 and 7", (7, 7), |_, _| random.direction().extend(1.0)),
-        Animal::tensor("crumpled, rational", (4, 5), |_, _| {
+        TestSurface::tensor("nine sheets", (3, 3), |x, y| DVec4::new(fold(x), fold(y), x + 0.5 * y, 1.0)),
+        TestSurface::tensor("crumpled, degrees 7 and 7", (7, 7), |_, _| random.direction().extend(1.0)),
+        TestSurface::tensor("crumpled, rational", (4, 5), |_, _| {
             let w = random.magnitude(-1.0, 1.0);
             (random.direction() * w).extend(w)
         }),
     ]
 }
 
-fn flat() -> Vec<Animal> {
+fn flat() -> Vec<TestSurface> {
     let plate = |name: &str, height: f64, size: f64, offset: DVec3| {
         let mut random = Random::new(9);
-        Animal::tensor(name, (3, 3), |x, y| {
+        TestSurface::tensor(name, (3, 3), |x, y| {
             let p = DVec3::new(x, y, height * (random.unit() - 0.5)) * size + offset;
             p.extend(1.0)
         })
@@ -254,7 +254,7 @@ fn flat() -> Vec<Animal> {
         plate("plate, 1e-3", 0.8, 1e-3, zero),
         plate("plate, 1e4", 0.8, 1e4, zero),
         plate("plate, far away", 0.8, 1.0, DVec3::new(900.0, -300.0, 500.0)),
-        Animal::tensor("flat and inclined", (2, 2), |x, y| {
+        TestSurface::tensor("flat and inclined", (2, 2), |x, y| {
             DVec4::new(x + 0.3 * y, y - 0.2 * x * x, 0.4 * x + 0.7 * y, 1.0)
         }),
     ]

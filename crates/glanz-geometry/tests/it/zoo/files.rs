@@ -1,9 +1,9 @@
-//! Patches from files, as far as their control points need it.
+//! Control points of patches from files.
 
 use glanz_math::glam::DVec4;
 
 /// The bicubic patches of a text in Newell's format (count, 16 indices from 1 per line, count, a point per line) or in
-/// RIB (`Patch "bicubic" "P" [48 numbers]`, all else is passed over).
+/// RIB (`Patch "bicubic" "P" [48 numbers]`, everything else is skipped).
 pub fn bicubic_patches(text: &str) -> Result<Vec<Vec<DVec4>>, String> {
     let patches = if text.contains("Patch") { of_rib(text) } else { of_newell(text) }?;
     if patches.is_empty() { Err("no patches".to_owned()) } else { Ok(patches) }
@@ -11,7 +11,7 @@ pub fn bicubic_patches(text: &str) -> Result<Vec<Vec<DVec4>>, String> {
 
 fn numbers(text: &str) -> Result<Vec<f64>, String> {
     let words = text.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
-    words.map(|word| word.parse().map_err(|_| format!("{word:?} is no number"))).collect()
+    words.map(|word| word.parse().map_err(|_| format!("{word:?} is not a number"))).collect()
 }
 
 fn of_newell(text: &str) -> Result<Vec<Vec<DVec4>>, String> {

@@ -1,4 +1,4 @@
-//! Intervals that hold the exact result of every operation.
+//! Interval arithmetic with outward rounding.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -9,7 +9,7 @@ pub struct Interval {
     pub high: f64,
 }
 
-/// A bound below what was rounded to `x`: at most the next number down.
+/// A lower bound on the exact value that was rounded to `x`: at most the next number below.
 ///
 /// |x| 2^-52 is at least the distance to the next number and the subtraction, as it is rounded, cannot come out above that
 /// number; `MIN_POSITIVE` covers subnormal ones. It has no branch, unlike `next_down`, so that loops of it are fast.
@@ -17,7 +17,7 @@ fn down(x: f64) -> f64 {
     x - (x.abs() * f64::EPSILON + f64::MIN_POSITIVE)
 }
 
-/// A bound above what was rounded to `x`.
+/// An upper bound on the exact value that was rounded to `x`.
 fn up(x: f64) -> f64 {
     x + (x.abs() * f64::EPSILON + f64::MIN_POSITIVE)
 }

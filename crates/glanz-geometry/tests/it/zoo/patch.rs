@@ -1,37 +1,37 @@
-//! A rational patch as its control points, and what the reference needs of it for any ray.
+//! Rational patches by their control points, for the reference.
 
 use glanz_math::DVec3;
 use glanz_math::glam::DVec4;
 
 use super::interval::Interval;
 
-/// By how much the parameters go on beyond [0, 1], so that roots next to a border are seen from both sides.
-pub const BEYOND: f64 = 1.0 / (1 << 26) as f64;
+/// Extension of the parameters beyond [0, 1], so that roots next to a border are isolated on both sides of it.
+pub const EXTENSION: f64 = 1.0 / (1 << 26) as f64;
 
-/// Room for one row of coefficients.
-const MOST: usize = 26;
+/// Largest number of coefficients in a row.
+const MAX_ROW: usize = 26;
 
-/// A rational tensor patch; nothing but its homogeneous control points.
+/// A rational tensor patch.
 #[derive(Clone, Debug)]
-pub struct Patch {
+pub struct ReferencePatch {
     pub degrees: (usize, usize),
     pub points: Vec<DVec4>,
-    /// Coefficients x, y, z, w over [-`BEYOND`, 1 + `BEYOND`]^2, that of (i, j) at i (q + 1) + j.
+    /// Coefficients x, y, z, w over [-`EXTENSION`, 1 + `EXTENSION`]^2, that of (i, j) at i (q + 1) + j.
     pub net: Vec<[Interval; 4]>,
-    /// A ball around the control points.
+    /// Centre and radius of a ball around the control points.
     pub center: DVec3,
     pub radius: f64,
 }
 
-/// Which rows of a net run along a parameter: how many, how long, from one to the next, from one coefficient to the next.
-pub struct Rows {
+/// The rows of a net along a parameter: their count and length, the distances between rows and between coefficients.
+pub struct NetRows {
     pub count: usize,
     pub length: usize,
     pub stride: usize,
     pub step: usize,
 }
 
-impl Rows {
+impl NetRows {
     pub fn along((p, q): (usize, usize), u: bool) -> Self {
         if u {
             Self { count: q + 1, length: p + 1, stride: 1, step: q + 1 }
@@ -40,9 +40,9 @@ impl Rows {
         }
     }
 
-    /// Changes every row of `net`.
+    /// Applies `change` to every row of `net`.
     pub fn map(&self, net: &mut [Interval], mut change: impl FnMut(&mut [Interval])) {
-        let mut row = [Interval::ONE; MOST];
+        let mut row = [Interval::ONE; MAX_ROW];
         for line in 0..self.count {
             let at = |k: usize| line * self.stride + k * self.step;
             for k in 0..self.length {
@@ -61,9 +61,9 @@ impl Rows {
 pub fn restrict(row: &mut [Interval], a: f64, b: f64) {
     let n = row.len() - 1;
     let (a, b) = (Interval::of(a), Interval::of(b));
-    let mut out = [Interval::ONE; MOST];
+    let mut out = [Interval::ONE; MAX_ROW];
     for (k, out) in out.iter_mut().enumerate().take(n + 1) {
-        let mut work = [Interval::ONE; MOST];
+        let mut work = [Interval::ONE; MAX_ROW];
         work[..=n].copy_from_slice(row);
         for level in 0..n {
             let t = if level < k { b } else { a };
@@ -76,7 +76,7 @@ pub fn restrict(row: &mut [Interval], a: f64, b: f64) {
     row.copy_from_slice(&out[..=n]);
 }
 
-/// The value at `t` of a row, which is spoilt.
+/// The value of a row at `t`; overwrites the row.
 pub fn value(row: &mut [Interval], t: Interval) -> Interval {
     for last in (1..row.len()).rev() {
         for i in 0..last {
@@ -88,9 +88,9 @@ pub fn value(row: &mut [Interval], t: Interval) -> Interval {
 
 /// The value of a net at (u, v), by de Casteljau's scheme along v and then along u.
 pub fn value_at(net: &[Interval], (p, q): (usize, usize), u: Interval, v: Interval) -> Interval {
-    let mut across = [Interval::ONE; MOST];
+    let mut across = [Interval::ONE; MAX_ROW];
     for (across, row) in across.iter_mut().zip(net.chunks_exact(q + 1)) {
-        let mut work = [Interval::ONE; MOST];
+        let mut work = [Interval::ONE; MAX_ROW];
         work[..=q].copy_from_slice(row);
         *across = value(&mut work[..=q], v);
     }
@@ -98,8 +98,8 @@ pub fn value_at(net: &[Interval], (p, q): (usize, usize), u: Interval, v: Interv
 }
 
 /// Bernstein polynomials of degree n at x, and their derivatives.
-pub fn bernstein(n: usize, x: f64) -> [[f64; MOST]; 2] {
-    let mut row = [0.0; MOST];
+pub fn bernstein(n: usize, x: f64) -> [[f64; MAX_ROW]; 2] {
+    let mut row = [0.0; MAX_ROW];
     row[0] = 1.0;
     let mut before = row;
     for d in 1..=n {
@@ -108,7 +108,7 @@ pub fn bernstein(n: usize, x: f64) -> [[f64; MOST]; 2] {
             row[i] = (1.0 - x) * before[i] + if i > 0 { x * before[i - 1] } else { 0.0 };
         }
     }
-    let mut rise = [0.0; MOST];
+    let mut rise = [0.0; MAX_ROW];
     for i in 0..=n {
         let (left, right) = (if i > 0 { before[i - 1] } else { 0.0 }, if i < n { before[i] } else { 0.0 });
         rise[i] = n as f64 * (left - right);
@@ -116,7 +116,7 @@ pub fn bernstein(n: usize, x: f64) -> [[f64; MOST]; 2] {
     [row, rise]
 }
 
-impl Patch {
+impl ReferencePatch {
     pub fn new(degrees: (usize, usize), points: Vec<DVec4>) -> Self {
         let spatial = || points.iter().map(|p| p.truncate() / p.w);
         let low = spatial().fold(DVec3::INFINITY, DVec3::min);
@@ -128,7 +128,7 @@ impl Patch {
             [0, 1, 2, 3].map(|k| points.iter().map(|p| Interval::of(p[k])).collect());
         for list in &mut lists {
             for u in [true, false] {
-                Rows::along(degrees, u).map(list, |row| restrict(row, -BEYOND, 1.0 + BEYOND));
+                NetRows::along(degrees, u).map(list, |row| restrict(row, -EXTENSION, 1.0 + EXTENSION));
             }
         }
         let net = (0..points.len()).map(|k| {

@@ -1,4 +1,4 @@
-//! Random numbers, and the rays: chords, and those that are made to be hard.
+//! Random numbers, and the rays: chords and adversarial rays.
 
 use std::f64::consts::TAU;
 
@@ -6,9 +6,9 @@ use glanz_geometry::RaySurface;
 use glanz_math::rounding::offset_origin;
 use glanz_math::{DVec3, Ray};
 
-use super::animal::Animal;
+use super::test_surface::TestSurface;
 
-/// SplitMix64 (@steele2014): a stream per seed, so that any ray can be shot again alone.
+/// SplitMix64 (@steele2014): a stream per seed, so that any ray can be traced again alone.
 pub struct Random(u64);
 
 impl Random {
@@ -52,9 +52,9 @@ impl Random {
     }
 }
 
-/// How rays are chosen.
+/// Families of rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Family {
+pub enum RayFamily {
     /// Through two random points of the ball around the surface, from outside or from the first.
     Chord,
     /// In a tangent plane, through its point or beside it.
@@ -69,7 +69,7 @@ pub enum Family {
     BorderTangent,
     /// From a point of the surface itself.
     FromSurface,
-    /// From a hit, moved out of its error as a renderer does.
+    /// From a hit, moved out of its error box as a renderer does.
     Spawned,
     /// Exactly through two control points.
     ControlPoints,
@@ -79,7 +79,7 @@ pub enum Family {
     TwoPoints,
 }
 
-impl Family {
+impl RayFamily {
     pub const ADVERSARIAL: [Self; 10] = [
         Self::Tangent,
         Self::Isoline,
@@ -93,10 +93,10 @@ impl Family {
         Self::TwoPoints,
     ];
 
-    pub fn ray(self, animal: &Animal, random: &mut Random) -> Ray {
-        let size = animal.size;
-        let ball = |random: &mut Random| animal.center + random.direction() * (size * random.unit().cbrt());
-        let patch = &animal.patches[random.below(animal.patches.len())];
+    pub fn ray(self, tested: &TestSurface, random: &mut Random) -> Ray {
+        let size = tested.size;
+        let ball = |random: &mut Random| tested.center + random.direction() * (size * random.unit().cbrt());
+        let patch = &tested.patches[random.below(tested.patches.len())];
         let (u, v) = (random.unit(), random.unit());
         let end = |random: &mut Random| if random.unit() < 0.5 { 0.0 } else { 1.0 };
         let (target, direction) = match self {
@@ -141,7 +141,7 @@ impl Family {
             Self::FromSurface => return scaled(patch.tangent(u, v)[0], random.direction(), random),
             Self::Spawned => {
                 let (target, from) = (ball(random), random.direction());
-                return spawned(animal, random, target, from);
+                return spawned(tested, random, target, from);
             }
             Self::ControlPoints => {
                 let point = |random: &mut Random| {
@@ -158,7 +158,7 @@ impl Family {
                     direction[random.below(3)] = 0.0;
                 }
                 let target = match random.below(4) {
-                    0 => animal.center,
+                    0 => tested.center,
                     1 => patch.tangent(end(random), end(random))[0],
                     _ => patch.tangent(u, v)[0],
                 };
@@ -175,18 +175,18 @@ impl Family {
     }
 }
 
-/// With a direction of some length.
+/// A ray with a direction of random length.
 fn scaled(origin: DVec3, direction: DVec3, random: &mut Random) -> Ray {
     let direction = direction.try_normalize().unwrap_or(DVec3::Z);
     Ray::new(origin, direction * random.magnitude(-3.0, 3.0))
 }
 
-fn spawned(animal: &Animal, random: &mut Random, target: DVec3, from: DVec3) -> Ray {
-    let first = Ray::new(target + from * (3.0 * animal.size), -from);
+fn spawned(tested: &TestSurface, random: &mut Random, target: DVec3, from: DVec3) -> Ray {
+    let first = Ray::new(target + from * (3.0 * tested.size), -from);
     let direction = random.direction();
-    match animal.surface.intersect(&first, f64::INFINITY) {
+    match tested.surface.intersect(&first, f64::INFINITY) {
         Some(hit) => {
-            let point = animal.surface.point(&first, &hit);
+            let point = tested.surface.point(&first, &hit);
             scaled(offset_origin(point.position, point.error, point.normal, direction), direction, random)
         }
         None => scaled(target, direction, random),

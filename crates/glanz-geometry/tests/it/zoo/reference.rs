@@ -1,24 +1,24 @@
-//! Every root of a ray with a patch, slowly and for certain.
+//! Isolation of every root of a ray with a patch: slow, but certain.
 //!
-//! The ray is taken as thick: all its parallels within `thickness` are meant at once, by coefficients that are intervals. A
-//! *certified* root is one that each of them has exactly once (an interval Newton step maps a box into itself); what is
-//! excluded none of them has. What is neither, down to cells in which the thickness hides everything, is a *cluster*:
-//! tangencies, collapsed edges, rays within the surface.
+//! Coefficients are intervals that cover the ray and all its parallels within `thickness`. Each of these rays has a *certified*
+//! root exactly once (an interval Newton step maps a box into itself); none has a root in an excluded cell. Cells that are neither
+//! when they have become so small that the thickness hides all differences are *clusters*: tangencies, collapsed edges, rays
+//! within the surface.
 //!
-//! Nothing of the library is used but its rays. The existence test is that of @moore2009 chapter 8.
+//! Of the library, only rays are used. The existence test is that of @moore2009 chapter 8.
 
 use glanz_math::Ray;
 
-use super::cell::{Answer, Cell, Verdict};
+use super::cell::{CellProof, PatchCell, PatchCellClass};
 use super::interval::Interval;
-use super::patch::{BEYOND, Patch, Rows, restrict, value_at};
+use super::patch::{EXTENSION, NetRows, ReferencePatch, restrict, value_at};
 
-/// Cells of a patch at most; what is open then is a cluster.
+/// Largest number of cells of a patch; those that remain count as clusters.
 const MOST_CELLS: usize = 200_000;
 
-/// Where something is.
+/// A box of parameters and ray parameters that may contain a root.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct RootBox {
     /// Index of the patch.
     pub patch: usize,
     pub u: Interval,
@@ -27,37 +27,37 @@ pub struct Place {
     pub t: Interval,
 }
 
-/// Where a certified root lies in the parameters.
+/// Relation of a certified root to the parameter domain.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Zone {
-    /// For certain.
+pub enum DomainRelation {
+    /// Certainly inside.
     Inside,
-    /// In the domain or out of it, by less than the thickness moves it.
+    /// So close to the border that the thickness decides.
     Border,
 }
 
-/// What a ray meets.
+/// Roots and clusters of a ray.
 #[derive(Clone, Debug, Default)]
-pub struct Found {
-    pub roots: Vec<(Place, Zone)>,
-    pub clusters: Vec<Place>,
-    /// Cells that were looked at.
+pub struct IsolatedRoots {
+    pub roots: Vec<(RootBox, DomainRelation)>,
+    pub clusters: Vec<RootBox>,
+    /// Number of cells tested.
     pub cells: usize,
-    /// Patches whose cells became too many.
+    /// Number of patches with more than [`MOST_CELLS`] cells.
     pub given_up: usize,
 }
 
-/// A ray as two equations: what is left of x and y (or two other axes) after a shift along the ray to z = 0.
-pub struct Line {
+/// The two equations of a ray: the coordinates of a point along two axes, after a shift along the ray to 0 on the third.
+pub struct RayEquations {
     origin: [f64; 3],
-    /// Axis along which the direction is largest, and the two others.
+    /// The axis of the direction's largest component, and the two others.
     axes: [usize; 3],
     along: f64,
     ratios: [Interval; 2],
     ray: Ray,
 }
 
-impl Line {
+impl RayEquations {
     pub fn new(ray: &Ray) -> Self {
         let d = ray.direction.to_array();
         let k = (0..3).fold(0, |k, i| if d[i].abs() > d[k].abs() { i } else { k });
@@ -66,15 +66,15 @@ impl Line {
         Self { origin: ray.origin.to_array(), axes, along: d[k], ratios, ray: *ray }
     }
 
-    /// Whether the line passes the ball around the control points, with a millionth to spare.
-    fn misses(&self, patch: &Patch, thickness: f64) -> bool {
+    /// Whether the line misses the ball around the control points, with a margin of a millionth.
+    fn misses(&self, patch: &ReferencePatch, thickness: f64) -> bool {
         let (from, d) = (patch.center - self.ray.origin, self.ray.direction);
         let reach = patch.radius * (1.0 + 1e-6) + 2.0 * thickness + 1e-12 * from.length();
         from.cross(d).length_squared() > reach * reach * d.length_squared()
     }
 
     /// Coefficients of the two equations, one list after the other.
-    fn project(&self, patch: &Patch, thickness: f64) -> Vec<Interval> {
+    fn project(&self, patch: &ReferencePatch, thickness: f64) -> Vec<Interval> {
         let [k, i, j] = self.axes;
         let centered = |point: &[Interval; 4], axis: usize| point[axis] - point[3] * self.origin[axis];
         let list = |axis: usize, ratio: Interval| {
@@ -86,35 +86,36 @@ impl Line {
         list(i, self.ratios[0]).chain(list(j, self.ratios[1])).collect()
     }
 
-    /// The place of the box `u` x `v`, which is in the parameters of the extended net.
-    fn place(&self, index: usize, patch: &Patch, u: Interval, v: Interval) -> Place {
+    /// The box over `u` x `v`, which are parameters of the extended net.
+    fn root_box(&self, index: usize, patch: &ReferencePatch, u: Interval, v: Interval) -> RootBox {
         let k = self.axes[0];
         let list = |c: usize| -> Vec<Interval> { patch.net.iter().map(|p| p[c]).collect() };
         let [mut heights, mut weights] = [k, 3].map(list);
         let height = if u.width().max(v.width()) < 1e-6 {
             value_at(&heights, patch.degrees, u, v) / value_at(&weights, patch.degrees, u, v)
         } else {
-            // Over a wide box the coefficients over it bound the height, those of the whole with wide parameters do not.
+            // Over a wide box, evaluation with interval parameters gives no useful bound; restricted coefficients do.
             for list in [&mut heights, &mut weights] {
                 for (along_u, side) in [(true, u), (false, v)] {
-                    Rows::along(patch.degrees, along_u).map(list, |row| restrict(row, side.low, side.high));
+                    NetRows::along(patch.degrees, along_u)
+                        .map(list, |row| restrict(row, side.low, side.high));
                 }
             }
             let shares = heights.iter().zip(&weights).map(|(&height, &weight)| height / weight);
             shares.reduce(Interval::hull).unwrap_or(Interval::ONE)
         };
         let t = (height - Interval::of(self.origin[k])) / Interval::of(self.along);
-        let own = |x: Interval| x * (1.0 + 2.0 * BEYOND) - Interval::of(BEYOND);
-        Place { patch: index, u: own(u), v: own(v), t }
+        let own = |x: Interval| x * (1.0 + 2.0 * EXTENSION) - Interval::of(EXTENSION);
+        RootBox { patch: index, u: own(u), v: own(v), t }
     }
 }
 
 /// Every root of the line through `ray` with the patches, whatever its sign.
 ///
 /// `thickness` is in metres across the ray.
-pub fn solve(patches: &[Patch], ray: &Ray, thickness: f64) -> Found {
-    let line = Line::new(ray);
-    let mut found = Found::default();
+pub fn solve(patches: &[ReferencePatch], ray: &Ray, thickness: f64) -> IsolatedRoots {
+    let line = RayEquations::new(ray);
+    let mut found = IsolatedRoots::default();
     for (index, patch) in patches.iter().enumerate() {
         if !line.misses(patch, thickness) {
             solve_patch(&line, index, patch, thickness, &mut found);
@@ -123,39 +124,46 @@ pub fn solve(patches: &[Patch], ray: &Ray, thickness: f64) -> Found {
     found
 }
 
-fn solve_patch(line: &Line, index: usize, patch: &Patch, thickness: f64, found: &mut Found) {
+fn solve_patch(
+    line: &RayEquations,
+    index: usize,
+    patch: &ReferencePatch,
+    thickness: f64,
+    found: &mut IsolatedRoots,
+) {
     let first = found.roots.len();
-    let mut stack = vec![Cell::whole(line.project(patch, thickness))];
-    let mut spare = Vec::new();
+    let mut stack = vec![PatchCell::whole(line.project(patch, thickness))];
+    let mut reusable = Vec::new();
     let mut count = 0;
     while let Some(mut cell) = stack.pop() {
         count += 1;
-        let verdict = if count > MOST_CELLS { Verdict::Hidden } else { cell.examine(patch.degrees) };
-        let answer = match verdict {
-            Verdict::Excluded => Answer::Nothing,
-            Verdict::Hidden => {
+        let class = if count > MOST_CELLS { PatchCellClass::Hidden } else { cell.examine(patch.degrees) };
+        let proof = match class {
+            PatchCellClass::Excluded => CellProof::Nothing,
+            PatchCellClass::Hidden => {
                 let [u, v] = cell.sides();
-                found.clusters.push(line.place(index, patch, u, v));
-                Answer::Nothing
+                found.clusters.push(line.root_box(index, patch, u, v));
+                CellProof::Nothing
             }
-            Verdict::Injective => cell.certify(patch.degrees),
-            Verdict::Open => Answer::Unknown,
+            PatchCellClass::Injective => cell.certify(patch.degrees),
+            PatchCellClass::Open => CellProof::Unknown,
         };
-        match answer {
-            Answer::Nothing => spare.push(cell.coefficients),
-            Answer::Root([u, v]) => {
-                let place = line.place(index, patch, u, v);
-                let same =
-                    |(other, _): &(Place, Zone)| other.u.overlaps(place.u) && other.v.overlaps(place.v);
-                if let Some(zone) = zone(&place)
+        match proof {
+            CellProof::Nothing => reusable.push(cell.coefficients),
+            CellProof::Root([u, v]) => {
+                let bounds = line.root_box(index, patch, u, v);
+                let same = |(other, _): &(RootBox, DomainRelation)| {
+                    other.u.overlaps(bounds.u) && other.v.overlaps(bounds.v)
+                };
+                if let Some(relation) = domain_relation(&bounds)
                     && !found.roots[first..].iter().any(same)
                 {
-                    found.roots.push((place, zone));
+                    found.roots.push((bounds, relation));
                 }
-                spare.push(cell.coefficients);
+                reusable.push(cell.coefficients);
             }
-            Answer::Unknown => {
-                let high = cell.split(patch.degrees, spare.pop().unwrap_or_default());
+            CellProof::Unknown => {
+                let high = cell.split(patch.degrees, reusable.pop().unwrap_or_default());
                 stack.extend([cell, high]);
             }
         }
@@ -164,13 +172,13 @@ fn solve_patch(line: &Line, index: usize, patch: &Patch, thickness: f64, found: 
     found.given_up += usize::from(count > MOST_CELLS);
 }
 
-/// `None` if it is out of the domain for certain.
-fn zone(place: &Place) -> Option<Zone> {
+/// `None` if the box is certainly outside the domain.
+fn domain_relation(bounds: &RootBox) -> Option<DomainRelation> {
     let unit = Interval { low: 0.0, high: 1.0 };
     let inside = |x: Interval| x.low > 0.0 && x.high < 1.0;
-    if inside(place.u) && inside(place.v) {
-        Some(Zone::Inside)
+    if inside(bounds.u) && inside(bounds.v) {
+        Some(DomainRelation::Inside)
     } else {
-        (place.u.overlaps(unit) && place.v.overlaps(unit)).then_some(Zone::Border)
+        (bounds.u.overlaps(unit) && bounds.v.overlaps(unit)).then_some(DomainRelation::Border)
     }
 }

@@ -1,4 +1,4 @@
-//! Shoots the rays at an animal on all processors and adds up the verdicts.
+//! Traces the rays of a surface on all processors and adds up the comparisons.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -7,43 +7,45 @@ use std::time::Instant;
 use glanz_geometry::RaySurface;
 use glanz_math::Ray;
 
-use super::animal::Animal;
-use super::rays::{Family, Random};
+use super::comparison::{HitFault, RayComparison, compare};
+use super::rays::{Random, RayFamily};
 use super::reference::solve;
-use super::verdict::{Fault, Verdict, judge};
+use super::test_surface::TestSurface;
 
-/// Rays that a thread takes at once.
-const SHARE: u64 = 500;
+/// Number of rays of one task of a thread.
+const RAYS_PER_TASK: u64 = 500;
 
-/// Failing rays that are told of each surface.
-const TOLD: usize = 3;
+/// Largest number of messages about failing rays per surface.
+const MAX_MESSAGES: usize = 3;
 
-/// What came of all rays of a surface.
+/// Results of all rays of a surface.
 #[derive(Default)]
-pub struct Tally {
+pub struct ZooTally {
     pub rays: u64,
     pub roots: u64,
     pub groups: u64,
     pub faults: [u64; 6],
     pub position: f64,
     pub normal: f64,
-    /// What the surface counted, in three queries per ray.
+    /// Undecided searches that the surface counted, in three queries per ray.
     pub undecided: u64,
-    /// Rays without answer that the reference decides, and such that it does not.
+    /// Undecided rays that the reference decides.
     pub unanswered: u64,
+    /// Undecided rays that the reference does not decide either.
     pub undecidable: u64,
-    /// Seconds.
+    /// Time of the library, seconds.
     library: f64,
+    /// Time of the reference, seconds.
     reference: f64,
-    pub told: Vec<String>,
-    /// Numbers of rays while which a search was undecided, in one thread or another.
+    pub messages: Vec<String>,
+    /// Indices of rays during which a search was undecided, in this thread or another.
     suspects: Vec<u64>,
 }
 
 pub const HEADER: &str = "surface                              rays     roots    groups missed doubled invented place normal \
      queries undecided  position    normal lib us ref us";
 
-impl Tally {
+impl ZooTally {
     fn add(&mut self, other: Self) {
         self.rays += other.rays;
         self.roots += other.roots;
@@ -55,27 +57,27 @@ impl Tally {
         self.normal = self.normal.max(other.normal);
         self.library += other.library;
         self.reference += other.reference;
-        self.told.extend(other.told);
+        self.messages.extend(other.messages);
         self.suspects.extend(other.suspects);
-        self.told.sort();
-        self.told.truncate(TOLD);
+        self.messages.sort();
+        self.messages.truncate(MAX_MESSAGES);
     }
 
-    fn note(&mut self, verdict: Verdict, tell: impl Fn() -> String) {
-        self.roots += verdict.roots;
-        self.groups += verdict.groups;
-        self.position = self.position.max(verdict.position);
-        self.normal = self.normal.max(verdict.normal);
-        for (fault, what) in verdict.faults {
-            self.faults[Fault::ALL.iter().position(|&f| f == fault).unwrap_or(0)] += 1;
-            if self.told.len() < TOLD {
-                self.told.push(format!("{fault:?}: {} {what}", tell()));
+    fn note(&mut self, comparison: RayComparison, describe: impl Fn() -> String) {
+        self.roots += comparison.roots;
+        self.groups += comparison.groups;
+        self.position = self.position.max(comparison.position);
+        self.normal = self.normal.max(comparison.normal);
+        for (fault, what) in comparison.faults {
+            self.faults[HitFault::ALL.iter().position(|&f| f == fault).unwrap_or(0)] += 1;
+            if self.messages.len() < MAX_MESSAGES {
+                self.messages.push(format!("{fault:?}: {} {what}", describe()));
             }
         }
     }
 
-    /// Faults of all kinds, and searches without answer.
-    pub fn bad(&self) -> u64 {
+    /// Number of faults of all kinds and of undecided searches that the reference decides.
+    pub fn failures(&self) -> u64 {
         self.faults.iter().sum::<u64>() + self.unanswered
     }
 
@@ -96,24 +98,24 @@ impl Tally {
     }
 }
 
-/// Shoots `chords` random rays and `adversarial` others, the same every time.
-pub fn shoot(animal: &Animal, chords: u64, adversarial: u64) -> Tally {
-    let total = Mutex::new(Tally::default());
+/// Traces `chords` random rays and `adversarial` others, the same in every run.
+pub fn trace(tested: &TestSurface, chords: u64, adversarial: u64) -> ZooTally {
+    let total = Mutex::new(ZooTally::default());
     let next = AtomicU64::new(0);
     let all = chords + adversarial;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let before = animal.surface.undecided();
+    let before = tested.surface.undecided();
     std::thread::scope(|scope| {
         for _ in 0..threads {
             scope.spawn(|| {
-                let mut own = Tally::default();
+                let mut own = ZooTally::default();
                 loop {
-                    let start = next.fetch_add(SHARE, Ordering::Relaxed);
+                    let start = next.fetch_add(RAYS_PER_TASK, Ordering::Relaxed);
                     if start >= all {
                         break;
                     }
-                    for index in start..all.min(start + SHARE) {
-                        shoot_one(animal, index, chords, &mut own);
+                    for index in start..all.min(start + RAYS_PER_TASK) {
+                        trace_one(tested, index, chords, &mut own);
                     }
                 }
                 if let Ok(mut total) = total.lock() {
@@ -123,52 +125,52 @@ pub fn shoot(animal: &Animal, chords: u64, adversarial: u64) -> Tally {
         }
     });
     let mut tally = total.into_inner().unwrap_or_default();
-    tally.undecided = animal.surface.undecided() - before;
-    // The count is one for all threads: which ray raised it is seen when it is shot alone.
+    tally.undecided = tested.surface.undecided() - before;
+    // The count is shared by all threads: each suspect is traced again alone.
     let mut suspects = std::mem::take(&mut tally.suspects);
     suspects.sort_unstable();
     for index in suspects {
-        let (family, seed, ray) = ray(animal, index, chords);
-        let undecided = animal.surface.undecided();
-        animal.surface.all_hits(&ray, f64::INFINITY, &mut Vec::new());
-        if animal.surface.undecided() > undecided {
-            // A ray within the surface has no end of roots; that nothing can be decided there is no fault.
-            let found = solve(&animal.patches, &ray, animal.thickness(&ray));
+        let (family, seed, ray) = ray(tested, index, chords);
+        let undecided = tested.surface.undecided();
+        tested.surface.all_hits(&ray, f64::INFINITY, &mut Vec::new());
+        if tested.surface.undecided() > undecided {
+            // A ray within the surface has infinitely many roots: an undecided search is not a fault there.
+            let found = solve(&tested.patches, &ray, tested.thickness(&ray));
             tally.undecidable += u64::from(found.given_up > 0);
             tally.unanswered += u64::from(found.given_up == 0);
-            let why = if found.given_up > 0 { ", by the reference neither" } else { "" };
-            if tally.told.len() < 2 * TOLD {
-                tally.told.push(format!("Undecided{why}: {family:?} {seed} {ray:?}"));
+            let why = if found.given_up > 0 { ", also by the reference" } else { "" };
+            if tally.messages.len() < 2 * MAX_MESSAGES {
+                tally.messages.push(format!("Undecided{why}: {family:?} {seed} {ray:?}"));
             }
         }
     }
     tally
 }
 
-/// The ray with this number, the same every time.
-fn ray(animal: &Animal, index: u64, chords: u64) -> (Family, u64, Ray) {
+/// The ray with this index, the same in every run.
+fn ray(tested: &TestSurface, index: u64, chords: u64) -> (RayFamily, u64, Ray) {
     let (family, seed) = match index.checked_sub(chords) {
-        None => (Family::Chord, index),
-        // So that a hard ray keeps its seed, however many easy ones there are.
-        Some(k) => (Family::ADVERSARIAL[(k % 10) as usize], k + (1 << 40)),
+        None => (RayFamily::Chord, index),
+        // The seed of an adversarial ray must not depend on the number of chords.
+        Some(k) => (RayFamily::ADVERSARIAL[(k % 10) as usize], k + (1 << 40)),
     };
-    (family, seed, family.ray(animal, &mut Random::new(seed)))
+    (family, seed, family.ray(tested, &mut Random::new(seed)))
 }
 
-fn shoot_one(animal: &Animal, index: u64, chords: u64, tally: &mut Tally) {
-    let (family, seed, ray) = ray(animal, index, chords);
+fn trace_one(tested: &TestSurface, index: u64, chords: u64, tally: &mut ZooTally) {
+    let (family, seed, ray) = ray(tested, index, chords);
     let mut hits = Vec::new();
-    let undecided = animal.surface.undecided();
+    let undecided = tested.surface.undecided();
     let start = Instant::now();
-    animal.surface.all_hits(&ray, f64::INFINITY, &mut hits);
+    tested.surface.all_hits(&ray, f64::INFINITY, &mut hits);
     let middle = Instant::now();
-    let found = solve(&animal.patches, &ray, animal.thickness(&ray));
+    let found = solve(&tested.patches, &ray, tested.thickness(&ray));
     tally.reference += middle.elapsed().as_secs_f64();
     tally.library += (middle - start).as_secs_f64();
     tally.rays += 1;
-    let tell = || format!("{family:?} {seed} {ray:?}");
-    if animal.surface.undecided() > undecided && tally.suspects.len() < 100 {
+    let describe = || format!("{family:?} {seed} {ray:?}");
+    if tested.surface.undecided() > undecided && tally.suspects.len() < 100 {
         tally.suspects.push(index);
     }
-    tally.note(judge(animal, &ray, &hits, &found), tell);
+    tally.note(compare(tested, &ray, &hits, &found), describe);
 }

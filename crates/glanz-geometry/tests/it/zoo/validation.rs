@@ -1,15 +1,15 @@
-//! The reference and the verdict against what is known without them.
+//! The reference and the comparison against closed forms.
 
 use glanz_geometry::RaySurface;
 use glanz_math::glam::DVec4;
 use glanz_math::{DVec3, Ray};
 
-use super::animal::net;
 use super::collection;
-use super::patch::Patch;
-use super::rays::{Family, Random};
-use super::reference::{Zone, solve};
-use super::verdict::{Fault, judge};
+use super::comparison::{HitFault, compare};
+use super::patch::ReferencePatch;
+use super::rays::{Random, RayFamily};
+use super::reference::{DomainRelation, solve};
+use super::test_surface::net;
 
 #[test]
 fn reference_finds_the_roots_of_a_sphere() {
@@ -17,13 +17,13 @@ fn reference_finds_the_roots_of_a_sphere() {
     let mut random = Random::new(3);
     let mut met = 0;
     for _ in 0..3000 {
-        let ray = Family::Chord.ray(&ball, &mut random);
+        let ray = RayFamily::Chord.ray(&ball, &mut random);
         let (o, d) = (ray.origin, ray.direction);
         let (a, b, c) = (d.length_squared(), o.dot(d), o.length_squared() - 1.0);
         let discriminant = b * b - a * c;
         let found = solve(&ball.patches, &ray, 1e-14);
-        let inside = found.roots.iter().filter(|(_, zone)| *zone == Zone::Inside);
-        let mut t: Vec<_> = inside.map(|(place, _)| place.t).collect();
+        let inside = found.roots.iter().filter(|(_, relation)| *relation == DomainRelation::Inside);
+        let mut t: Vec<_> = inside.map(|(bounds, _)| bounds.t).collect();
         t.sort_by(|x, y| x.low.total_cmp(&y.low));
         if discriminant < 0.0 {
             assert!(t.is_empty() && found.clusters.is_empty(), "{ray:?}");
@@ -43,7 +43,7 @@ fn reference_finds_the_roots_of_a_sphere() {
 }
 
 #[test]
-fn reference_finds_all_roots_of_a_polynomial_that_is_given_by_them() {
+fn reference_finds_all_roots_of_a_polynomial_with_given_roots() {
     // z = (u - 1/8) (u - 1/2) (u - 3/4) over the unit square, every control point dyadic: rays along x in the plane z = 0
     // meet it exactly there. With c_i = blossom of the product: (mean over orders of the arguments).
     let roots = [0.125, 0.5, 0.75];
@@ -58,34 +58,36 @@ fn reference_finds_all_roots_of_a_polynomial_that_is_given_by_them() {
         DVec4::new(k, v, (heights[k as usize] * 64.0).round() / 64.0, 1.0)
     });
     assert!(heights.iter().all(|h| (h * 64.0 - (h * 64.0).round()).abs() < 1e-12), "{heights:?}");
-    let patch = Patch::new((3, 1), points);
+    let patch = ReferencePatch::new((3, 1), points);
     for y in [0.25, 0.7] {
         let ray = Ray::new(DVec3::new(-1.0, y, 0.0), DVec3::new(0.5, 0.0, 0.0));
         let found = solve(std::slice::from_ref(&patch), &ray, 1e-14);
         assert_eq!((found.roots.len(), found.clusters.len()), (3, 0));
         for root in roots {
-            let holds = |(place, zone): &(super::reference::Place, Zone)| {
-                *zone == Zone::Inside
-                    && place.u.contains(root)
-                    && place.v.contains(y)
-                    && place.t.contains(6.0 * root + 2.0)
+            let holds = |(bounds, relation): &(super::reference::RootBox, DomainRelation)| {
+                *relation == DomainRelation::Inside
+                    && bounds.u.contains(root)
+                    && bounds.v.contains(y)
+                    && bounds.t.contains(6.0 * root + 2.0)
             };
             assert_eq!(found.roots.iter().filter(|r| holds(r)).count(), 1, "{root} {found:?}");
         }
     }
-    // Along the border v = 0 it is neither in nor out.
+    // Along the border v = 0 it is neither certainly inside nor outside.
     let ray = Ray::new(DVec3::new(-1.0, 0.0, 0.0), DVec3::X);
     let found = solve(std::slice::from_ref(&patch), &ray, 1e-14);
-    assert!(found.roots.len() == 3 && found.roots.iter().all(|(_, zone)| *zone == Zone::Border));
+    assert!(
+        found.roots.len() == 3 && found.roots.iter().all(|(_, relation)| *relation == DomainRelation::Border)
+    );
     let ray = Ray::new(DVec3::new(-1.0, -1e-10, 0.0), DVec3::X);
     assert!(solve(&[patch], &ray, 1e-14).roots.is_empty());
 }
 
 #[test]
-fn reference_tells_tangencies_and_collapsed_edges() {
+fn tangencies_and_collapsed_edges_are_clusters() {
     // z = -x^2 over [-1, 1] x [0, 1].
     let points = net((2, 1), |u, v| DVec4::new(2.0 * u - 1.0, v, if u == 0.5 { 1.0 } else { -1.0 }, 1.0));
-    let patch = Patch::new((2, 1), points);
+    let patch = ReferencePatch::new((2, 1), points);
     let along =
         |z: f64| solve(std::slice::from_ref(&patch), &Ray::new(DVec3::new(-3.0, 0.3, z), DVec3::X), 1e-14);
     let touching = along(0.0);
@@ -106,36 +108,38 @@ fn reference_tells_tangencies_and_collapsed_edges() {
 }
 
 #[test]
-fn eighteen_roots_are_eighteen() {
-    let animal = collection::eighteen();
+fn eighteen_roots_are_all_found() {
+    let tested = collection::eighteen();
     let ray = Ray::new(DVec3::new(0.0, 0.0, 3.0), DVec3::NEG_Z);
-    let found = solve(&animal.patches, &ray, animal.thickness(&ray));
+    let found = solve(&tested.patches, &ray, tested.thickness(&ray));
     assert_eq!((found.roots.len(), found.clusters.len()), (18, 0));
     let mut hits = Vec::new();
-    animal.surface.all_hits(&ray, f64::INFINITY, &mut hits);
+    tested.surface.all_hits(&ray, f64::INFINITY, &mut hits);
     assert_eq!(hits.len(), 18);
-    assert!(judge(&animal, &ray, &hits, &found).faults.is_empty());
+    assert!(compare(&tested, &ray, &hits, &found).faults.is_empty());
 }
 
 #[test]
-fn verdict_sees_roots_that_are_taken_away_doubled_or_invented() {
-    let animal = collection::eighteen();
+fn comparison_reports_missed_doubled_and_invented_roots() {
+    let tested = collection::eighteen();
     let ray = Ray::new(DVec3::new(0.0, 0.0, 3.0), DVec3::NEG_Z);
-    let found = solve(&animal.patches, &ray, animal.thickness(&ray));
+    let found = solve(&tested.patches, &ray, tested.thickness(&ray));
     let mut hits = Vec::new();
-    animal.surface.all_hits(&ray, f64::INFINITY, &mut hits);
-    let faults = |hits: &[glanz_geometry::Hit]| -> Vec<Fault> {
-        judge(&animal, &ray, hits, &found).faults.into_iter().map(|(fault, _)| fault).collect()
+    tested.surface.all_hits(&ray, f64::INFINITY, &mut hits);
+    let faults = |hits: &[glanz_geometry::Hit]| -> Vec<HitFault> {
+        compare(&tested, &ray, hits, &found).faults.into_iter().map(|(fault, _)| fault).collect()
     };
     let mut fewer = hits.clone();
     fewer.remove(7);
-    assert_eq!(faults(&fewer), [Fault::Missed]);
+    assert_eq!(faults(&fewer), [HitFault::Missed]);
     let mut more = hits.clone();
     more.insert(7, hits[7]);
-    assert_eq!(faults(&more), [Fault::Doubled]);
+    assert_eq!(faults(&more), [HitFault::Doubled]);
     let mut moved = hits.clone();
     moved[7].t += 1e-3;
-    assert!([Fault::Missed, Fault::Invented, Fault::Position].iter().all(|f| faults(&moved).contains(f)));
+    assert!(
+        [HitFault::Missed, HitFault::Invented, HitFault::Position].iter().all(|f| faults(&moved).contains(f))
+    );
     // Through the border of two patches of the sphere, and through its pole: one hit each, not none, not two.
     let ball = collection::sphere();
     for target in [DVec3::X, DVec3::Z, DVec3::new(0.6, 0.8, 0.0)] {
@@ -144,13 +148,13 @@ fn verdict_sees_roots_that_are_taken_away_doubled_or_invented() {
         let found = solve(&ball.patches, &ray, ball.thickness(&ray));
         let mut hits = Vec::new();
         ball.surface.all_hits(&ray, f64::INFINITY, &mut hits);
-        let faults = |hits: &[glanz_geometry::Hit]| -> Vec<Fault> {
-            let of_roots = [Fault::Missed, Fault::Doubled, Fault::Invented];
-            let all = judge(&ball, &ray, hits, &found).faults.into_iter().map(|(fault, _)| fault);
+        let faults = |hits: &[glanz_geometry::Hit]| -> Vec<HitFault> {
+            let of_roots = [HitFault::Missed, HitFault::Doubled, HitFault::Invented];
+            let all = compare(&ball, &ray, hits, &found).faults.into_iter().map(|(fault, _)| fault);
             all.filter(|fault| of_roots.contains(fault)).collect()
         };
         assert_eq!((hits.len(), faults(&hits)), (2, vec![]), "{target}");
-        assert_eq!(faults(&hits[1..]), [Fault::Missed], "{target}");
-        assert_eq!(faults(&[hits[0], hits[0], hits[1]]), [Fault::Doubled], "{target}");
+        assert_eq!(faults(&hits[1..]), [HitFault::Missed], "{target}");
+        assert_eq!(faults(&[hits[0], hits[0], hits[1]]), [HitFault::Doubled], "{target}");
     }
 }

@@ -1,33 +1,35 @@
-//! A surface under test, and the ways to make one.
+//! Surfaces under test.
 
 use glanz_geometry::bezier::{TensorPatch, TrianglePatch};
 use glanz_geometry::freeform::{Freeform, SurfacePatch};
 use glanz_math::glam::DVec4;
 use glanz_math::{DVec3, Ray};
 
-use super::patch::Patch;
+use super::patch::ReferencePatch;
 
-/// A surface of the library, and its patches as the reference sees them.
-pub struct Animal {
+/// A surface of the library, and its patches in the form of the reference.
+pub struct TestSurface {
     pub name: String,
     pub surface: Freeform,
-    /// In the order of `Hit::face`.
-    pub patches: Vec<Patch>,
-    /// A ball around the control points.
+    /// Patches in the order of `Hit::face`.
+    pub patches: Vec<ReferencePatch>,
+    /// Centre of a ball around the control points.
     pub center: DVec3,
     /// Radius of the ball, metres; accuracies are relative to it.
     pub size: f64,
     /// Largest coordinate of a control point.
     reach: f64,
-    /// Whether the parameters of the pieces are turned as those of their patches.
+    /// Whether the parameters of the pieces have the orientation of those of their patches.
     pub oriented: bool,
 }
 
-impl Animal {
+impl TestSurface {
     pub fn new(name: impl Into<String>, pieces: Vec<SurfacePatch>, oriented: bool) -> Self {
-        let patches: Vec<Patch> = pieces
+        let patches: Vec<ReferencePatch> = pieces
             .iter()
-            .map(|piece| Patch::new(piece.patch().degrees(), piece.patch().control_points().to_vec()))
+            .map(|piece| {
+                ReferencePatch::new(piece.patch().degrees(), piece.patch().control_points().to_vec())
+            })
             .collect();
         let points = || patches.iter().flat_map(|patch| &patch.points).map(|p| p.truncate() / p.w);
         let low = points().fold(DVec3::INFINITY, DVec3::min);
@@ -55,7 +57,7 @@ impl Animal {
         Self::new(name, nets.into_iter().map(piece).collect(), true)
     }
 
-    /// One patch with the control point (w x, w y, w z, w) of (i, j), both as shares of the degree.
+    /// One patch with the control point (w x, w y, w z, w) of (i, j), both as fractions of the degree.
     pub fn tensor(
         name: impl Into<String>,
         degrees: (usize, usize),
@@ -75,7 +77,7 @@ impl Animal {
                     let at = quad.triangle_parameters(u, v);
                     let expected = triangle_point(degree, &points, [1.0 - at.x - at.y, at.x, at.y]);
                     let net = quad.patch.control_points().to_vec();
-                    let [found, ..] = Patch::new(quad.patch.degrees(), net).tangent(u, v);
+                    let [found, ..] = ReferencePatch::new(quad.patch.degrees(), net).tangent(u, v);
                     assert!(found.distance(expected) < 1e-13 * (1.0 + expected.length()));
                 }
             }
@@ -85,10 +87,10 @@ impl Animal {
         Self::new(name, pieces, false)
     }
 
-    /// How far across a ray its parallels go that are to have the same roots, metres.
+    /// Radius of the bundle of parallel rays that must have the same roots, metres.
     ///
-    /// The search rounds a few times the degrees, relative to the coordinates of the surface and of the ray, and takes for a
-    /// root what is off by a few times that.
+    /// The search has a few roundings per degree, relative to the coordinates of the surface and of the ray, and accepts roots
+    /// with a few times that error.
     pub fn thickness(&self, ray: &Ray) -> f64 {
         let degrees = self.patches.iter().map(|patch| patch.degrees.0 + patch.degrees.1).max().unwrap_or(0);
         let roundings = 16 * (4 * degrees + 24);
@@ -96,7 +98,7 @@ impl Animal {
     }
 }
 
-/// The net of a patch: the point (i, j), both as shares of the degree, at i (q + 1) + j.
+/// The net of a patch: the point (i, j), both as fractions of the degree, at i (q + 1) + j.
 pub fn net((p, q): (usize, usize), mut point: impl FnMut(f64, f64) -> DVec4) -> Vec<DVec4> {
     let mut points = Vec::new();
     for i in 0..=p {
