@@ -1,4 +1,4 @@
-"""The two sides of a comparison with Embree: programs that answer lines."""
+"""The two sides of a comparison with Embree: programs that answer each line of input with one line of output."""
 
 import json
 import pathlib
@@ -22,7 +22,7 @@ def build(folder, example):
 
 
 class Side:
-    """A program that answers lines. Its first one says what it is about."""
+    """A program that answers each line of input with one line of output. Its first line describes it."""
 
     def __init__(self, name, command):
         self.name = name
@@ -32,7 +32,7 @@ class Side:
     def read(self):
         line = self.process.stdout.readline()
         if not line:
-            sys.exit(f"{self.name} died")
+            sys.exit(f"{self.name} ended unexpectedly")
         return line.strip()
 
     def say(self, *task):
@@ -40,7 +40,7 @@ class Side:
         return self.read()
 
     def ask(self, *task):
-        """Nanoseconds by the clock and of processor time, rays, hits, sum of what was found."""
+        """Wall-clock nanoseconds, nanoseconds of processor time, number of rays, number of hits, sum of the results."""
         clock, processors, rays, hits, total = self.say(*task).split()
         return float(clock), float(processors), int(rays), int(hits), float(total)
 

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Rays per second against a triangle mesh: Glanz and Embree, same mesh, same rays, one run.
+"""Rays per second for a triangle mesh: Glanz and Embree, with the same mesh and the same rays, in one run.
 
     apt-get install libembree-dev        # Embree 3.13
     peers/embree/compare.py [--shape sphere|grid] [--triangles 1000000] [--rounds 7] [--out benches/results/NAME.json]
 
 Both sides are programs that build their hierarchy once and then time one set of rays at a time, one call per ray
-(rtcIntersect1, rtcOccluded1; Mesh::intersect, Mesh::occluded). The calls alternate: Glanz, Embree, Embree robust, Glanz ...
-so that what else happens on the machine meets all of them. What counts is the ratio of medians, of processor time (with
-two threads by the clock too, which shows how they scale, if nothing else runs). Glanz tests in f64
-without gaps between triangles; so does Embree's robust mode in f32; its fast mode does not promise that.
+(rtcIntersect1, rtcOccluded1; Mesh::intersect, Mesh::occluded). The sets alternate (Glanz, Embree, Embree robust, Glanz ...),
+so that other load on the machine affects all programs alike. The result is the ratio of the medians of processor time; with two
+threads the wall-clock time is also measured, which shows the scaling if the machine has no other load. Glanz tests triangles in
+f64 without gaps between them, Embree's robust mode does so in f32, and its fast mode does not guarantee it.
 
-Sets: "coherent" (camera rays, line by line), "bounced" (diffuse, from where those hit), "random" (chords of a sphere).
+Sets: "coherent" (camera rays, line by line), "bounced" (diffuse, from the hits of those), "random" (chords of a sphere).
 """
 
 import argparse
@@ -55,7 +55,7 @@ def main():
             print(f"{side.name}: built in {side.about}")
         results = []
         for task in TASKS:
-            # Million rays per second: of processor time, and by the clock.
+            # Million rays per second of processor time and of wall-clock time.
             rates = {side.name: {"processor": [], "clock": []} for side in sides}
             answers = {}
             for _ in range(arguments.rounds):

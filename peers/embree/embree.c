@@ -1,10 +1,10 @@
-// The side of Embree in the comparison with Glanz; compare.py runs it and explains.
+// Embree's side of the comparison with Glanz; compare.py runs it and describes the comparison.
 //
-// Reads the mesh and the rays that glanz.rs wrote into the folder given, then waits for lines SET QUERY THREADS and
-// answers each with nanoseconds by the clock, nanoseconds of the processors, number of rays, number of hits and sum of
-// the ray parameters. Queries: closest, any; picture (closest, and the cosine between the interpolated normal and the ray, which
-// are summed up instead; wants a file of normals); dump (closest, the ray parameters go to the file t, -1 for a miss).
-// mesh build THREADS builds once more: triangles, 0 and bytes of memory, buffers included, take the place of rays, hits and sum.
+// Reads the mesh and the rays that glanz.rs has written into the given folder, then answers each line SET QUERY THREADS with
+// wall-clock nanoseconds, processor nanoseconds, number of rays, number of hits and sum of the ray parameters. Queries: closest;
+// any; picture (closest, with the sum of the cosines between interpolated normal and ray; needs a file of normals); dump
+// (closest, with the ray parameters written to the file t, -1 for a miss). mesh build THREADS builds the hierarchy again and
+// returns the number of triangles, 0 and bytes of memory, buffers included, in place of rays, hits and sum.
 #include <embree3/rtcore.h>
 #include <math.h>
 #include <pmmintrin.h>
@@ -58,7 +58,7 @@ static Set read_set(const char *folder, const char *name) {
   return set;
 }
 
-// Bytes that Embree holds.
+// Memory of Embree, bytes.
 static ssize_t memory;
 
 static bool count_memory(void *unused, ssize_t bytes, bool post) {
@@ -122,7 +122,7 @@ typedef struct {
   const float *rays;
   unsigned count;
   Query query;
-  // Grey levels or ray parameters, one for each ray.
+  // Grey levels or ray parameters, one per ray.
   float *image;
   unsigned long hits;
   double sum, time;
@@ -139,7 +139,7 @@ static float grey(const Mesh *mesh, const struct RTCRayHit *q) {
 static void *work(void *argument) {
   Job *job = argument;
   double start = seconds(CLOCK_THREAD_CPUTIME_ID);
-  // As Embree's manual advises.
+  // Recommended by Embree's manual.
   _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
   _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
   struct RTCIntersectContext context;
@@ -224,7 +224,7 @@ int main(int count, char **arguments) {
   snprintf(config, sizeof config, "threads=%d", count > 3 ? atoi(arguments[3]) : 2);
   RTCDevice device = rtcNewDevice(config);
   rtcSetDeviceMemoryMonitorFunction(device, count_memory, NULL);
-  // Only who names the sets of rays has written normals.
+  // There are normals only if the sets of rays are given.
   Mesh mesh = read_mesh(folder, count > 3);
   double built, processors;
   RTCScene scene = build(device, &mesh, robust, &built, &processors);

@@ -1,7 +1,7 @@
-//! The side of Glanz in the comparison with Embree; `compare.py` runs it and explains.
+//! Glanz's side of the comparison with Embree; `compare.py` runs it and describes the comparison.
 //!
-//! Writes the mesh and the rays into the folder given, then waits for lines `SET QUERY THREADS` and answers each with
-//! nanoseconds by the clock, nanoseconds of the processors, number of rays, number of hits and sum of the ray parameters.
+//! Writes the mesh and the rays into the given folder, then answers each line `SET QUERY THREADS` with wall-clock nanoseconds,
+//! processor nanoseconds, number of rays, number of hits and sum of the ray parameters.
 
 #[path = "../../crates/glanz-geometry/benches/mesh/landscape.rs"]
 mod landscape;
@@ -53,7 +53,7 @@ fn query(mesh: &Mesh, rays: &[Ray], any: bool) -> (u64, f64) {
     (hits, sum)
 }
 
-/// Nanoseconds that this thread has spent on a processor.
+/// Processor time of this thread, nanoseconds.
 fn processor_time() -> u64 {
     let times = read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     times.split_whitespace().next().and_then(|time| time.parse().ok()).unwrap_or_default()

@@ -1,21 +1,21 @@
 #!/usr/bin/env python3
-"""Freeform surfaces: Glanz meets the surface itself, Embree the triangles that stand in for it. Same rays, one run.
+"""Freeform surfaces: Glanz intersects the surface itself, Embree a tessellation of it, with the same rays in one run.
 
     apt-get install libembree-dev        # Embree 3.13
     peers/freeform/compare.py [--models bicubic teapot ...] [--rounds 7] [--mode fast|robust] [--out benches/results/NAME.json]
                               [--size 1920x1080] [--pictures DIR]
 
-The triangles keep within 1e-4 of the size (diagonal of the box) of the surface, and the normal interpolated between the vertices
-within 0.1 degree, both measured; each patch has its own grid, with the fewest cells that do. The search for that number is not
-timed, and borders of patches with unlike grids are not sewn up, which favours Embree. Trimmed: triangles are left out as a whole.
+The triangles are within 1e-4 of the size (diagonal of the bounding box) of the surface, and their interpolated normals within
+0.1 degree; both are measured. Each patch has its own grid with the smallest sufficient number of cells. The search for that number
+is not timed, and cracks between patches with different grids are not closed, which favours Embree. Trimming drops whole triangles.
 
-Both sides are programs that answer one task at a time, in turn, one call per ray, one thread. What counts is the ratio of the
-medians of processor time.
+Both sides are programs that execute one task at a time, alternately, with one call per ray and one thread. The result is the
+ratio of the medians of processor time.
 
 Tasks: rays of a camera (1920 x 1080) line by line ("coherent") and in random order ("shuffled"); the closest hit and any; the
-picture, which is closest hits and the normal of each (Glanz: with all else that a renderer asks for). Time to the picture is build
-and picture for Glanz; tessellation, build and picture for Embree. Memory is what the surface holds (patches, leaves, hierarchy),
-and Embree's own count with its buffers, plus 12 bytes for each normal.
+picture, which is the closest hits with their normals (Glanz: with all data that a renderer uses). The time to the picture is build
+and picture for Glanz; tessellation, build and picture for Embree. Memory is that of the surface (patches, leaves, hierarchy) for
+Glanz, and for Embree its own count including buffers, plus 12 bytes per normal.
 """
 
 import argparse
@@ -35,7 +35,7 @@ TASKS = [("coherent", "closest"), ("shuffled", "closest"), ("coherent", "any"), 
 
 
 def measure(sides, rounds):
-    """All tasks, `rounds` times in turn; results by task, with medians."""
+    """Runs all tasks `rounds` times, with both sides alternating; returns results by task, with medians."""
     results = []
     for task in TASKS:
         rates = {side.name: [] for side in sides}
@@ -65,7 +65,7 @@ def show(about):
 
 
 def run(model, programs, folder, arguments):
-    """The comparison of one model."""
+    """Compares both sides for one model."""
     glanz = Side("Glanz", [programs[0], folder, model, *arguments.size.split("x")])
     embree = Side("Embree", [programs[1], folder, arguments.mode, 1, "coherent", "shuffled"])
     about = json.loads(glanz.about)
@@ -94,7 +94,7 @@ def run(model, programs, folder, arguments):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--models", nargs="+", help="all, if not said")
+    parser.add_argument("--models", nargs="+", help="default: all")
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--size", default="1920x1080", help="of the picture, pixels")
     parser.add_argument("--mode", choices=["fast", "robust"], default="fast", help="of Embree")

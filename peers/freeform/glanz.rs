@@ -1,9 +1,9 @@
-//! The side of Glanz in the comparison of freeform surfaces; `compare.py` runs it and explains.
+//! Glanz's side of the comparison of freeform surfaces; `compare.py` runs it and describes the comparison.
 //!
-//! Writes the triangles that stand in for the surface and the rays into the folder given, prints what it is about as one
-//! line of JSON, then answers lines `SET QUERY TIMES` with nanoseconds by the clock, nanoseconds of the processor, number of
-//! rays asked, number of hits and a sum: of the ray parameters (closest, all) or of the grey levels (picture).
-//! `SET compare 1` reads the ray parameters that the other side dumped.
+//! Writes the tessellation of the surface and the rays into the given folder, prints a description as one line of JSON, then
+//! answers each line `SET QUERY TIMES` with wall-clock nanoseconds, processor nanoseconds, number of rays, number of hits and
+//! a sum: of the ray parameters (closest, all) or of the grey levels (picture). `SET compare 1` reads the ray parameters that
+//! the other side has written.
 
 #[path = "../../crates/glanz-geometry/benches/freeform/models.rs"]
 mod models;
@@ -22,14 +22,14 @@ use glanz_math::Ray;
 use models::{Failure, Model, NAMES, Source, camera_rays, freeform, holes, shuffled};
 use tessellate::{Cells, Deviation, Mesh, deviation, fewest_cells, tessellate};
 
-/// Asked of the triangles: distance from the surface as a share of the diagonal of its box, angle of the normal in degrees.
+/// Bounds on the tessellation: distance from the surface relative to the diagonal of its box, angle of the normal in degrees.
 const CHORD: f64 = 1e-4;
 const NORMAL: f64 = 0.1;
 
-/// Pixels, if nothing else is said.
+/// Default size of the picture, pixels.
 const PICTURE: [u32; 2] = [1920, 1080];
 
-/// Repetitions of short work last at least so long: the kernel counts in ticks of some milliseconds.
+/// Smallest total time of repeated short work: the kernel counts in ticks of some milliseconds.
 const SHORTEST: u64 = 100_000_000;
 
 fn write_mesh(folder: &Path, mesh: &Mesh) -> Result<(), Failure> {
@@ -59,13 +59,13 @@ fn write_rays(path: &Path, rays: &[Ray]) -> Result<(), Failure> {
     Ok(file.flush()?)
 }
 
-/// Nanoseconds that this thread has spent on a processor.
+/// Processor time of this thread, nanoseconds.
 fn processor_time() -> u64 {
     let times = read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     times.split_whitespace().next().and_then(|time| time.parse().ok()).unwrap_or_default()
 }
 
-/// Seconds of the processor that `work` takes, the median of three means.
+/// Processor time of `work`, seconds: the median of three means.
 fn seconds(mut work: impl FnMut()) -> f64 {
     let mut means = [0.0; 3];
     for mean in &mut means {
@@ -89,7 +89,7 @@ fn any(surface: &impl RaySurface, rays: &[Ray]) -> (u64, f64) {
     (rays.iter().filter(|ray| surface.occluded(ray, f64::INFINITY)).count() as u64, 0.0)
 }
 
-/// Hits of all roots, not only of rays.
+/// All hits of all rays, instead of the number of rays that hit.
 fn all(surface: &Surface, rays: &[Ray]) -> (u64, f64) {
     let mut hits = Vec::new();
     rays.iter().fold((0, 0.0), |(count, sum), ray| {
@@ -99,7 +99,7 @@ fn all(surface: &Surface, rays: &[Ray]) -> (u64, f64) {
     })
 }
 
-/// Grey levels of a lamp at the camera: the cosine of normal and ray. Of a hit all is computed that a renderer asks for.
+/// Grey levels under a light at the camera: the cosine of normal and ray. All data of a hit that a renderer uses is computed.
 fn picture(surface: &Surface, rays: &[Ray], grey: &mut Vec<f32>) -> (u64, f64) {
     let mut hits = 0;
     grey.clear();
@@ -112,7 +112,7 @@ fn picture(surface: &Surface, rays: &[Ray], grey: &mut Vec<f32>) -> (u64, f64) {
 }
 
 fn answer(surface: &Surface, rays: &[Ray], query: &str, grey: &mut Vec<f32>) -> Result<(u64, f64), Failure> {
-    // A scene knows the kind of its objects too: one test per ray, that a loop would not have.
+    // A scene also branches on the kind of its objects: one test per ray.
     Ok(match (query, surface) {
         ("closest", Surface::Freeform(freeform)) => closest(&**freeform, rays),
         ("any", Surface::Freeform(freeform)) => any(&**freeform, rays),
@@ -124,12 +124,12 @@ fn answer(surface: &Surface, rays: &[Ray], query: &str, grey: &mut Vec<f32>) -> 
     })
 }
 
-/// How the ray parameters that the other side dumped differ from those of the surface, as JSON.
+/// Differences of the ray parameters of the other side from those of the surface, as JSON.
 fn compare(surface: &Surface, rays: &[Ray], size: f64, dump: &Path) -> Result<String, Failure> {
     let bytes = read(dump)?;
     let theirs = bytes.chunks_exact(4).map(|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])));
     let (mut both, mut only_glanz, mut only_other, mut apart, mut most) = (0, 0, 0, 0, 0.0_f64);
-    // Where the surface is seen under a flat angle, a small distance across is a long way along the ray.
+    // At grazing angles a small distance from the surface is a large one along the ray.
     let mut most_facing = 0.0_f64;
     for (ray, t) in rays.iter().zip(theirs) {
         match (surface.intersect(ray, f64::INFINITY), t >= 0.0) {
@@ -156,7 +156,7 @@ fn compare(surface: &Surface, rays: &[Ray], size: f64, dump: &Path) -> Result<St
     ))
 }
 
-/// What the two sides are made of and how long that takes, as JSON without its last brace.
+/// Sizes and build times of both sides, as JSON without its last brace.
 fn about(model: &Model, surface: &Surface, mesh: &Mesh, cells: &[Cells]) -> Result<String, Failure> {
     let Some(freeform) = freeform(surface) else { return Err("not a freeform surface".into()) };
     let pieces = freeform.patches();
@@ -194,7 +194,7 @@ fn cells_of(pieces: &[SurfacePatch], size: f64) -> Vec<Cells> {
     pieces.iter().map(|piece| fewest_cells(piece.patch(), &bounds)).collect()
 }
 
-/// The control points of a spline surface and its holes as JSON, for programs that are asked for the same surface.
+/// The control points of a spline surface and its holes as JSON, for other programs.
 fn write_spline(path: &Path, model: &Model) -> Result<(), Failure> {
     let Source::Spline(spline) = &model.source else { return Ok(()) };
     let mut file = BufWriter::new(File::create(path)?);
@@ -221,7 +221,7 @@ fn write_picture(path: &Path, size: [u32; 2], grey: &[f32]) -> Result<(), Failur
     Ok(file.write_all(&bytes)?)
 }
 
-/// Everything runs on one thread, so that its time is the processor's time.
+/// Runs everything on one thread, so that its time is the processor time.
 fn main() -> Result<(), Failure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     pool.install(|| run().map_err(|error| error.to_string()))?;

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Rays against one trimmed rational bicubic face: Glanz and the line-face intersectors of OpenCascade, one run.
+"""Ray intersection of one trimmed rational bicubic face: Glanz and the line-face intersectors of OpenCascade, in one run.
 
     python3 -m venv VENV && VENV/bin/pip install cadquery-ocp
     VENV/bin/python peers/freeform/opencascade.py [--size 480x270] [--rounds 5] [--out benches/results/NAME.json]
 
-25 rational bicubic patches with twelve round holes; the same control points, knots, weights, circles and rays (f32 numbers) on
-both sides, one thread, seconds of the processor. OpenCascade (IntCurvesFace_Intersector and IntCurvesFace_ShapeIntersector,
-lines made beforehand, tolerance 1e-7) is called from Python: the time of as many calls of the same kind (an object and two
-numbers go over, little is done there) is measured beside and subtracted. Its intersector finds all roots; Glanz is asked for the
-closest hit, as a renderer would, and for all hits too.
+The face has 25 rational bicubic patches with twelve round holes; control points, knots, weights, circles and rays (f32 numbers)
+are the same on both sides. One thread; times are processor times. OpenCascade (IntCurvesFace_Intersector and
+IntCurvesFace_ShapeIntersector, lines created beforehand, tolerance 1e-7) is called from Python: the time of the same number of
+calls with the same kinds of arguments (an object and two numbers) but little work is measured as well and subtracted. Its
+intersector finds all roots; Glanz is measured for the closest hit, as renderers use it, and for all hits.
 """
 
 import argparse
@@ -110,7 +110,7 @@ def shape_hits(face):
 
 
 def calls(lines):
-    """As many calls of the same kind that do next to nothing: is the origin within 1e9 of the line, is it a line?"""
+    """The same number of calls with little work: whether the origin is within 1e9 of the line, and the sign of a coordinate."""
     origin = gp_Pnt(0, 0, 0)
     for line in lines:
         line.Contains(origin, FAR)
@@ -139,7 +139,7 @@ class Glanz:
     def read(self):
         line = self.process.stdout.readline()
         if not line:
-            sys.exit("Glanz died")
+            sys.exit("Glanz ended unexpectedly")
         return line
 
     def say(self, *task):
@@ -147,7 +147,7 @@ class Glanz:
         return self.read()
 
     def rate(self, rays, query):
-        """Rays per second; the set again and again until the kernel's ticks do not matter."""
+        """Rays per second; the set is repeated until the resolution of the kernel's clock does not matter."""
         _, processor, count, hits, _ = self.say(rays, query, 20).split()
         return int(count) / float(processor) * 1e9, int(hits)
 

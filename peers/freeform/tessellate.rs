@@ -1,7 +1,7 @@
-//! Triangles that stand in for Bézier patches, and how far off they are.
+//! Tessellation of Bézier patches, and its deviation from them.
 //!
-//! Every patch gets a grid of its own, n x m cells of two triangles, vertices on the surface with the surface's normals. Points
-//! and derivatives come from rows of Bernstein values that are reckoned once per degree and number of cells.
+//! Every patch has its own grid of n x m cells of two triangles; the vertices are on the surface and have its normals. Points and
+//! derivatives are computed from rows of Bernstein values that are tabulated per degree and number of cells.
 
 use std::collections::HashMap;
 
@@ -14,10 +14,10 @@ use glanz_math::glam::DVec4;
 /// Cells of a patch along u and along v.
 pub(crate) type Cells = (usize, usize);
 
-/// Cells per side at most.
+/// Largest number of cells along a side.
 const MOST_CELLS: usize = 200;
 
-/// Shapes of cells that are tried: powers of two, of cells along u to cells along v.
+/// Ratios of cells along u to cells along v that are tried, as powers of two.
 const SHAPES: [f64; 5] = [0.0, 1.0, -1.0, 2.0, -2.0];
 
 /// A mesh with normals at its vertices.
@@ -33,9 +33,9 @@ pub(crate) struct Mesh {
 pub(crate) struct Deviation {
     /// Distance of a point of a triangle from the surface, metres.
     pub(crate) chord: f64,
-    /// Angle of the normal interpolated between vertices with that of the surface next to it, degrees.
+    /// Angle between the interpolated normal and that of the nearest point of the surface, degrees.
     pub(crate) normal: f64,
-    /// The same of the triangle's own normal.
+    /// The same for the triangle's own normal.
     pub(crate) facet: f64,
 }
 
@@ -94,7 +94,7 @@ struct Frame {
 }
 
 impl Frame {
-    /// The unit normal, unless the derivatives hardly span a plane.
+    /// The unit normal; `None` if the derivatives are nearly parallel.
     fn normal(&self) -> Option<DVec3> {
         let n = self.by_u.cross(self.by_v);
         let flat = 1e-6 * self.by_u.length_squared().max(self.by_v.length_squared());
@@ -102,7 +102,7 @@ impl Frame {
     }
 }
 
-/// The patch along one row of constant u: its curve and the derivative of that by u.
+/// A patch along a line of constant u: the curve and its derivative by u.
 struct Curve(Vec<[DVec4; 2]>);
 
 impl Curve {
@@ -138,7 +138,7 @@ fn frame(patch: &TensorPatch, u: f64, v: f64) -> Frame {
     Frame { point, by_u, by_v }
 }
 
-/// The normal at (u, v); where a border has shrunk to a point, that next to it.
+/// The normal at (u, v); on a collapsed edge, that of a nearby point.
 fn normal(patch: &TensorPatch, at: &Frame, u: f64, v: f64) -> DVec3 {
     let beside = || {
         let near = |x: f64| x + (0.5 - x) * 1e-4;
@@ -161,8 +161,8 @@ impl Table {
     }
 }
 
-/// The triangles of all patches, each with its cells. Triangles whose middle `region` does not keep are left out, and those of
-/// which a side has shrunk to a point.
+/// The triangles of all patches, each with its number of cells. Triangles whose middle `region` does not keep are left out, and so
+/// are those with a collapsed side.
 pub(crate) fn tessellate(pieces: &[SurfacePatch], cells: &[Cells], region: Option<&TrimRegion>) -> Mesh {
     let mut table = Table::default();
     let vertices = cells.iter().map(|(n, m)| (n + 1) * (m + 1)).sum();
@@ -204,9 +204,9 @@ pub(crate) fn tessellate(pieces: &[SurfacePatch], cells: &[Cells], region: Optio
     mesh
 }
 
-/// The largest deviations of a patch in n x m cells, looked for at all points of the triangles whose barycentric coordinates are
-/// whole multiples of 1 / `fineness`, except for vertices. Of a row of cells at most `look`, evenly spread, and the last are looked
-/// at; once `enough` says so of what was found, no further.
+/// The largest deviations of a patch in n x m cells, at the points of the triangles whose barycentric coordinates are multiples of
+/// 1 / `fineness`, except for vertices. In a row of cells at most `look`, evenly distributed, and the last one are tested; the search
+/// ends when `enough` returns true for the deviations so far.
 pub(crate) fn deviation(
     patch: &TensorPatch,
     (n, m): Cells,
@@ -249,7 +249,7 @@ fn of_triangle(
     fineness: usize,
 ) -> Deviation {
     let [a, b, c] = vertices.map(|(point, _)| point);
-    // Next to a border that has shrunk to a point there are slivers.
+    // Next to a collapsed edge there are slivers.
     let n = (b - a).cross(c - a);
     let flat = 1e-4 * (b - a).length_squared().max((c - a).length_squared());
     let facet = (n.length() > flat).then(|| n.normalize());
@@ -277,7 +277,7 @@ fn of_triangle(
     most
 }
 
-/// The point of the surface nearest to `point`, and its normal, by Gauss and Newton from (u, v), which is near.
+/// The point of the surface nearest to `point`, and its normal, by the Gauss-Newton method from the nearby (u, v).
 fn next_to(patch: &TensorPatch, point: DVec3, mut u: f64, mut v: f64) -> (DVec3, DVec3) {
     let mut at = frame(patch, u, v);
     for _ in 0..2 {
@@ -294,7 +294,7 @@ fn next_to(patch: &TensorPatch, point: DVec3, mut u: f64, mut v: f64) -> (DVec3,
     (at.point, normal(patch, &at, u, v))
 }
 
-/// The fewest cells of a patch that keep within `bounds` on chord and interpolated normal, over some shapes of cells.
+/// The smallest number of cells of a patch within `bounds` on chord and interpolated normal, over some ratios of cells.
 pub(crate) fn fewest_cells(patch: &TensorPatch, bounds: &Deviation) -> Cells {
     let cells = |n: f64, shape: f64| {
         let (n, m) = (n * 2.0_f64.powf(0.5 * shape), n * 2.0_f64.powf(-0.5 * shape));
@@ -302,7 +302,7 @@ pub(crate) fn fewest_cells(patch: &TensorPatch, bounds: &Deviation) -> Cells {
         (whole(n), whole(m))
     };
     let size = |(n, m): Cells| n * m;
-    // The deviation falls with the square of the number of cells, so that some steps lead near.
+    // The deviation falls with the square of the number of cells, so a few steps come close.
     let near = |shape: f64| {
         let excess = |n| deviation(patch, cells(n, shape), 2, 10, |_| false).excess(bounds);
         let step = |n: f64| (n * excess(n).sqrt()).clamp(0.5, 2.0 * MOST_CELLS as f64);

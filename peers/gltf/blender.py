@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Blender shows a model: blender.py MODEL.glb PICTURE.png WIDTHxHEIGHT [--samples 64] [--threads 2]; compare.py runs it.
+"""Renders a model with Blender: blender.py MODEL.glb PICTURE.png WIDTHxHEIGHT [--samples 64] [--threads 2]; compare.py runs it.
 
-Blender's own importer reads the model, Cycles draws it from the model's camera. The materials shine by themselves, so that nothing is
-lit, and there is no light, no world and no view transform but that to sRGB ("Standard"). Prints one line of JSON."""
+Blender's own importer reads the model, Cycles renders it from the model's camera. All materials are emissive, so that there are no
+lights and no world, and the only view transform is that to sRGB ("Standard"). Prints one line of JSON."""
 
 import argparse
 import contextlib
@@ -21,7 +21,7 @@ parser.add_argument("--threads", type=int, default=2)
 asked = parser.parse_args()
 
 bpy.ops.wm.read_factory_settings(use_empty=True)
-# The importer talks, and standard output is for the answer.
+# The importer prints messages, and standard output is reserved for the result.
 with contextlib.redirect_stdout(sys.stderr):
     bpy.ops.import_scene.gltf(filepath=str(asked.model.resolve()))
 scene = bpy.context.scene

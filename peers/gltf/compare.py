@@ -1,34 +1,34 @@
 #!/usr/bin/env python3
-"""Models with light maps, as `glanz bake` writes them, in other programs: three.js in a browser, and Blender.
+"""Models with light maps from `glanz bake` in other programs: three.js in a browser, and Blender.
 
     apt-get install chromium nodejs npm
     (cd peers/gltf && npm ci)
     pip install numpy OpenEXR pillow                 # in one environment
-    pip install bpy                                  # in another, for its numpy is older
+    pip install bpy                                  # in another: it needs an older numpy
     peers/gltf/compare.py --rooms vase open [--size 640x480] [--samples 256] [--references radiosity path] [--over 4]
         [--chromium /usr/bin/chromium] [--blender OTHER/bin/python] [--glanz PROGRAM] [--threads 2] [--work DIR] [--out FILE.json] [--picture FILE.png]
 
-The scenes are those of scenes/rooms. Each is baked, Khronos' validator reads the model, and three.js and Blender draw it from the
-camera that is in it. page.html is the page that is drawn; served by any server of files it shows a model to look around in:
+The scenes are those of scenes/rooms. Each is baked, Khronos' validator checks the model, and three.js and Blender render it from
+its camera. page.html is the page that three.js uses; served by any file server, it is an interactive viewer of a model:
 
     cd peers/gltf && python3 -m http.server          # http://localhost:8000/page.html?model=room.glb
 
-Glanz renders the same camera twice: by the light maps that are in the model ("radiosity"), so that all differences are those of
-the way through the model, and by paths, so that they are those of what is shown. Light above 1 is cut, as in the model. What
-differs by right: the model's light is rounded to 8 bits of sRGB, and so is the picture; its colours are as fine as its texels;
-triangles are not the surface; mirrors and glass are shown as if they were diffuse; and three.js takes no samples in a pixel, so that its
-picture is drawn larger (`--over`) and averaged in linear light. Figures, of linear values, mean over pixels and channels:
+Glanz renders the same view twice: with the light maps of the model ("radiosity"), where all differences come from the model and the
+other program, and by path tracing, where they include those of the light maps. Light above 1 is clipped, as in the model. Expected
+differences: the model's light and the picture are rounded to 8 bits of sRGB; colours have the resolution of the texels; triangles
+deviate from the surface; mirrors and glass are shown as diffuse; and three.js does not sample pixels, so that its picture is
+rendered larger (`--over`) and averaged in linear light. Figures for linear values, mean over pixels and channels:
 
-    difference   |shown - reference| per reference, or per a hundredth of its mean where less light is
-    light        mean of shown per mean of reference, less 1
-    within       what 95 % of all differences are within
+    difference   |shown - reference| relative to the reference, or to a hundredth of its mean where that is larger
+    light        mean of shown relative to the mean of the reference, minus 1
+    within       95 % quantile of the differences
     blocks       the difference of means of 16 x 16 pixels, in which the noise of paths is small
-    8 bits       the difference that the reference has from itself after rounding to 8 bits of sRGB
+    8 bits       the difference of the reference from itself after rounding to 8 bits of sRGB
 
-Models and Glanz' own pictures that are in the working folder already are not made again: give another after a change.
+Models and pictures of Glanz that exist in the working folder are reused: choose another folder after a change.
 
-A fault of the model, or a word on the browser's console, ends the run. `--picture`: three.js', Blender's and Glanz' pictures side
-by side, of the first room, at half the size. Look at it.
+An invalid model, or any message on the browser's console, ends the run. `--picture`: the pictures of three.js, Blender and Glanz
+side by side, of the first room, at half the size. Look at it.
 """
 
 import argparse
@@ -47,10 +47,10 @@ from PIL import Image
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 
-# What is kept of what `glanz bake` says.
+# Fields of the report of `glanz bake` that are stored.
 TOLD = ["charts", "texels", "side", "pages", "triangles", "tolerance", "warnings"]
 
-# Samples per pixel of the integrators that are asked: of light maps only the borders of things need some.
+# Samples per pixel by integrator: with light maps, only edges need several.
 SAMPLES = {"radiosity": 64, "path": 256}
 
 # Pixels along a side of the blocks over which noise is averaged.
@@ -66,7 +66,7 @@ def built():
 
 
 def answer(command, threads):
-    """The JSON that a program prints at its end, after whatever else it said."""
+    """The JSON that a program prints after all other output."""
     command = [str(word) for word in command]
     print("$", *command, file=sys.stderr, flush=True)
     environment = os.environ | {"RAYON_NUM_THREADS": str(threads)}
@@ -75,7 +75,7 @@ def answer(command, threads):
 
 
 def kept(path, command, threads):
-    """The answer of a program that makes a file; a file that is there already is not made again."""
+    """The result of a program that writes a file; an existing file is reused."""
     said = path.with_suffix(path.suffix + ".json")
     if not (path.exists() and said.exists()):
         said.write_text(json.dumps(answer(command, threads)))
@@ -96,7 +96,7 @@ def encoded(light):
 
 
 def exr(path):
-    """Linear light of a rendered picture, cut as in a model."""
+    """Linear light of a rendered picture, clipped as in a model."""
     channels = OpenEXR.File(str(path), separate_channels=True).channels()
     return numpy.clip(numpy.stack([channels[name].pixels for name in "RGB"], axis=-1).astype(numpy.float64), 0, 1)
 
@@ -128,8 +128,8 @@ def figures(shown, reference):
 
 
 def checked(model, asked):
-    """What the validator says. Two of its infos are meant: coordinates that no material uses, the surface's own, for who needs them;
-    and a picture whose side is no power of two, which has cost nothing since filters without mipmaps and OpenGL ES 3."""
+    """The report of the validator. Two of its infos are intended: coordinates that no material uses, the surface's own parameters;
+    and a picture whose side is not a power of two, which is free of cost without mipmaps and since OpenGL ES 3."""
     report = answer(["node", HERE / "valid.js", model], asked.threads)
     kinds = {message["code"] for message in report.pop("messages")}
     if report["errors"] or report["warnings"] or kinds - {"UNUSED_OBJECT", "IMAGE_NPOT_DIMENSIONS"}:
@@ -173,7 +173,7 @@ def compared(room, glanz, asked):
             found = report[program][integrator] = figures(light, reference)
             print(f"{room:10} {program:8} {integrator:10}", *(f"{name} {100 * x:+.2f} %" for name, x in found.items()),
                   flush=True)
-            # Grey is no difference; white and black are a fifth more and less.
+            # Grey is no difference; white is a fifth more, black a fifth less.
             relative = (light - reference) / numpy.maximum(reference, 0.01 * reference.mean())
             grey = numpy.clip(128 + 635 * relative, 0, 255).astype(numpy.uint8)
             Image.fromarray(grey).save(asked.work / f"{room}-{program}-{integrator}-difference.png")
@@ -191,9 +191,9 @@ def main():
     parser.add_argument("--over", type=int, default=4)
     parser.add_argument("--chromium", default="/usr/bin/chromium")
     parser.add_argument("--blender", type=pathlib.Path, help="a Python that has bpy")
-    parser.add_argument("--glanz", type=pathlib.Path, help="the program, if it is not to be built")
+    parser.add_argument("--glanz", type=pathlib.Path, help="the program; default: it is built")
     parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--work", type=pathlib.Path, help="folder for models and pictures; what Glanz made is kept")
+    parser.add_argument("--work", type=pathlib.Path, help="folder for models and pictures; those of Glanz are reused")
     parser.add_argument("--out", type=pathlib.Path)
     parser.add_argument("--picture", type=pathlib.Path)
     asked = parser.parse_args()

@@ -1,7 +1,7 @@
-// Shows a model in three.js, from the camera that it brings: page.html?model=room.glb&width=640&height=480.
+// Shows a model in three.js from its own camera: page.html?model=room.glb&width=640&height=480.
 //
 // Nothing is added: no lights, no tone mapping, no environment. Without width and height the picture fills the window and the mouse
-// turns the camera; with them it is drawn once, in so many pixels, and `window.picture` becomes a promise of it as a data URL.
+// rotates the camera; with them it is drawn once in that size, and `window.picture` is a promise of it as a data URL.
 
 import { Box3, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
@@ -11,11 +11,11 @@ const asked = new URLSearchParams(location.search);
 const size = [Number(asked.get("width")), Number(asked.get("height"))];
 const isFixed = size[0] > 0 && size[1] > 0;
 
-// By default three.js writes sRGB and maps no tones.
+// By default three.js writes sRGB without tone mapping.
 const renderer = new WebGLRenderer({ antialias: !isFixed, preserveDrawingBuffer: isFixed });
 document.body.append(renderer.domElement);
 
-/** The model's camera, or one that sees all of a model without. */
+/** The model's camera; without one, a camera that shows the whole model. */
 function cameraOf(model) {
   if (model.cameras.length > 0) return model.cameras[0];
   const bounds = new Box3().setFromObject(model.scene);
@@ -40,7 +40,7 @@ async function show() {
     return renderer.domElement.toDataURL("image/png");
   }
   const controls = new OrbitControls(camera, renderer.domElement);
-  // A camera of a room turns where it stands: farther away it would go through the walls. Dragging takes the room along.
+  // The camera of a room rotates in place: an orbit would cross the walls. Dragging moves the room along.
   if (model.cameras.length > 0) {
     controls.target.copy(camera.position).addScaledVector(camera.getWorldDirection(new Vector3()), 0.1);
     controls.rotateSpeed = -0.4;

@@ -1,7 +1,7 @@
-// Draws a model with three.js in a headless Chromium: node three.js MODEL.glb PICTURE.png WIDTHxHEIGHT [--chromium /usr/bin/chromium]
+// Renders a model with three.js in a headless Chromium: node three.js MODEL.glb PICTURE.png WIDTHxHEIGHT [--chromium /usr/bin/chromium]
 //
-// Serves page.html and the model on the loopback, on a port of their own, and nothing else. Prints one line of JSON: the versions, what
-// draws, and all that the browser's console said. OpenGL is the browser's own in software, so that no graphics card is needed.
+// Serves page.html and the model on a free port of the loopback interface. Prints one line of JSON: the versions, the renderer, and all
+// messages of the browser's console. OpenGL is the browser's software renderer, so that no graphics card is needed.
 
 import { createServer } from "node:http";
 import { readFile, writeFile } from "node:fs/promises";
@@ -13,7 +13,7 @@ import { chromium } from "playwright-core";
 const here = import.meta.dirname;
 const kinds = { ".html": "text/html", ".js": "text/javascript", ".glb": "model/gltf-binary" };
 
-/** What is served: the page, its libraries, and the model. */
+/** The files served: the page, its libraries, and the model. */
 function fileOf(path, model) {
   if (path === "/model.glb") return model;
   const isOurs = /^\/(page\.html|page\.js|node_modules\/three\/[\w./-]+\.js)$/.test(path) && !path.includes("..");
@@ -43,7 +43,7 @@ const [width, height] = size.split("x").map(Number);
 const server = await serve(model);
 const browser = await chromium.launch({
   executablePath: values.chromium,
-  // Root has no sandbox; the renderer in software has to be allowed by name.
+  // Root has no sandbox; the software renderer has to be enabled by name.
   args: ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", ...(process.getuid() === 0 ? ["--no-sandbox"] : [])],
 });
 try {

@@ -1,4 +1,4 @@
-// What Khronos' validator says of a model, as one line of JSON: node valid.js MODEL.glb
+// The report of Khronos' validator for a model, as one line of JSON: node valid.js MODEL.glb
 
 import { readFile } from "node:fs/promises";
 

@@ -1,28 +1,28 @@
 #!/usr/bin/env python3
-"""Rooms with little and with much indirect light: error over time of Glanz, with and without learnt densities, and of others.
+"""Error over time of Glanz, with and without path guiding, and of other renderers, in rooms with little and much indirect light.
 
     pip install numpy OpenEXR mitsuba pyluxcore      # in one environment; libllvm22 for Mitsuba's vectorised variant
-    pip install bpy                                  # in another, for its numpy is older
+    pip install bpy                                  # in another: it needs an older numpy
     peers/guiding/compare.py --rooms uplights --times 5 15 45 --size 320x240 --blender OTHER/bin/python
         [--renderers glanz mitsuba ...] [--rounds 3] [--threads 2] [--references 4096 1024] [--work DIR] [--out FILE.json]
 
-The scenes are those of scenes/rooms. glanz.rs reads what Glanz reads and writes triangles, materials, lamps and the camera, and
-every renderer gets these; only Glanz renders the surfaces themselves. All filter pixels by the box of one pixel, follow paths up
-to the scene's depth, and neither clamp nor denoise. Mitsuba's sampler is independent, those of the others are of the Sobol kind.
+The scenes are those of scenes/rooms. glanz.rs reads them as Glanz does and exports triangles, materials, lights and the camera for
+the other renderers; only Glanz renders the surfaces themselves. All renderers use a box filter of one pixel and the path depth of
+the scene, and neither clamp nor denoise. Mitsuba's sampler is independent, the others use Sobol' sequences.
 
-First the pictures must be the same: of every renderer a reference of its own is rendered, in steps that are kept in the
-working folder, so that a run that was cut short goes on and a larger number of samples adds to what is there. Mean and blocks of
-8 x 8 pixels are compared with Glanz's reference, and all references are put side by side in ROOM-SIZE/references.png: look at it.
+First the pictures must agree: each renderer renders a reference of its own, in steps that are stored in the working folder, so
+that an interrupted run is resumed and a larger number of samples adds to those present. Means and blocks of 8 x 8 pixels are
+compared with Glanz's reference, and all references are put side by side in ROOM-SIZE/references.png: look at it.
 
-Then every renderer renders for each of the times, with as many seeds as rounds, in turn. Times are those by the clock that a
-renderer is allowed; what it used is measured too. Building hierarchies and compiling are not counted, but for a tenth of a second
-in Glanz's time of the processors. Errors are medians over the rounds: the root of the mean squared difference per pixel and
-channel (rmse) and the mean squared difference relative to the square of the reference + 0.01 (relmse), both against Glanz's
-reference; and against the renderer's own, which is free of whatever export changed, the same two (own), and relmse without the
-worst thousandth of all pixels (trimmed), which is free of fireflies.
+Then the renderers render in turn for each of the times, with one seed per round. The times are limits of wall-clock time; the time
+used is measured as well. Building hierarchies and compiling are not counted, except for a tenth of a second in Glanz's processor
+time. Errors are medians over the rounds: the root of the mean squared difference per pixel and channel (rmse) and the mean squared
+difference relative to the square of the reference + 0.01 (relmse), both against Glanz's reference; the same two against the
+renderer's own reference, which excludes differences by the export (own); and relmse without the worst thousandth of all pixels,
+which excludes fireflies (trimmed).
 
-Efficiency is 1 / (relmse x seconds of the processors), as a multiple of Glanz's path tracer at the same time: processors that
-are shared with others make the clock unfair. Renderers that learn gain with time; compare them on a machine without other work.
+Efficiency is 1 / (relmse x processor seconds), as a multiple of Glanz's path tracer at the same time: on shared processors,
+wall-clock time is not comparable. Path guiding improves with time; compare it on a machine without other load.
 """
 
 import argparse
@@ -46,7 +46,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 ROOMS = ["direct", "uplights", "open"]
 
-# Seeds of references begin here, those of measurements below.
+# First seed of references; those of measurements are smaller.
 REFERENCE_SEED = 1000
 
 # Samples per pixel of one step of a peer's reference.
@@ -62,11 +62,11 @@ def built(package, name, *kind):
 
 
 class Glanz:
-    """Glanz itself, with one of its integrators."""
+    """Glanz with one of its integrators."""
 
     def __init__(self, name, program, integrator):
         self.name, self.program, self.integrator = name, program, integrator
-        # Whatever finds the paths, the picture is the same.
+        # All integrators converge to the same picture.
         self.reference = "glanz"
 
     def call(self, room, picture, *more):
@@ -86,7 +86,7 @@ class Glanz:
             return self.call(room, pathlib.Path(folder) / "picture.exr", "--time", seconds, "--seed", seed)
 
     def converged(self, room, samples):
-        """Its reference; the checkpoint keeps what is done."""
+        """The reference of Glanz; its checkpoint makes it resumable."""
         kept = room.folder / f"glanz-{room.digest}.checkpoint"
         picture = room.folder / "glanz.exr"
         more = ["--checkpoint", kept, "--resume", "--seed", REFERENCE_SEED, "--spp", samples]
@@ -94,7 +94,7 @@ class Glanz:
 
 
 class Peer:
-    """A program that answers as exported.py says."""
+    """A renderer's program with the interface of exported.py."""
 
     def __init__(self, name, python, program, *more, reference=None):
         self.name, self.reference = name, reference or name
@@ -106,11 +106,11 @@ class Peer:
             picture = pathlib.Path(folder) / "picture.npy"
             command = [*self.command, room.folder, picture, "--size", room.size, "--threads", room.threads, *budget,
                        *self.more]
-            # What they chatter is of interest when they fail.
+            # Their output is of interest only if they fail.
             said = subprocess.run([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
             if said.returncode != 0:
                 sys.exit(f"{self.name} failed:\n{said.stdout}")
-            # Other threads may write behind the last line.
+            # Other threads may write after the last line.
             last = [line for line in said.stdout.splitlines() if line.startswith('{"samples"')][-1]
             return numpy.load(picture).astype(numpy.float64), json.loads(last)
 
@@ -143,7 +143,7 @@ class Room:
         for old in self.folder.glob("*.ply"):
             old.unlink()
         subprocess.run([exporter, self.scene, self.folder], check=True)
-        # References of another scene are not to be gone on with.
+        # References of another scene must not be continued.
         exported = [self.folder / "scene.json", *sorted(self.folder.glob("*.ply"))]
         self.digest = hashlib.sha256(b"".join(file.read_bytes() for file in exported)).hexdigest()[:12]
 
@@ -189,7 +189,7 @@ def write_png(path, picture):
 
 
 def references(room, renderers, samples):
-    """Reference by name, and how the peers' agree with that of Glanz."""
+    """References by name, and the agreement of the peers' with that of Glanz."""
     found, agreements = {}, {}
     for renderer in renderers:
         if renderer.reference not in found:
@@ -234,7 +234,7 @@ def show(rows):
 
 
 def all_renderers(arguments):
-    """Those that there are; Glanz's path tracer first, for the others are measured by it."""
+    """The available renderers; Glanz's path tracer is first, since the others are compared with it."""
     program = arguments.glanz or built("glanz-cli", "glanz", "--bin", "glanz")
     python, blender = arguments.python, arguments.blender
     known = [Glanz("glanz", program, "path")]

@@ -1,4 +1,4 @@
-"""What glanz.rs exported, and how a renderer answers compare.py; no renderer is named here."""
+"""Reader of the scenes that glanz.rs exports, and the interface between compare.py and the renderers' programs."""
 
 import argparse
 import json
@@ -11,7 +11,7 @@ import numpy
 
 
 class Scene:
-    """Camera and meshes of a folder that glanz.rs wrote."""
+    """Camera and meshes of a folder written by glanz.rs."""
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
@@ -45,7 +45,7 @@ def arguments(*more):
     parser.add_argument("--seed", type=int, default=0)
     for name in more:
         parser.add_argument(name, action="store_true")
-    # Blender keeps what stands before "--" for itself.
+    # Arguments before "--" are Blender's own.
     given = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]
     parsed = parser.parse_args(given)
     parsed.width, parsed.height = map(int, parsed.size.split("x"))
@@ -53,7 +53,7 @@ def arguments(*more):
 
 
 class Clock:
-    """Seconds by the clock and of the processors since it was made."""
+    """Wall-clock and processor seconds since its creation."""
 
     def __init__(self):
         self.start = time.perf_counter(), self.processors()
@@ -71,7 +71,7 @@ class Clock:
 
 
 def report(asked, picture, samples, seconds, version):
-    """Writes the picture, and says as the last line how it came to be."""
+    """Writes the picture, and prints its samples, times and version as the last line."""
     numpy.save(asked.picture, numpy.ascontiguousarray(picture[..., :3], dtype=numpy.float32))
     about = {"samples": samples, "seconds": seconds[0], "processor_seconds": seconds[1], "version": version}
     print(json.dumps(about), flush=True)

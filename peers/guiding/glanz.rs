@@ -1,8 +1,8 @@
-//! Writes a scene of Glanz so that other renderers can read it; `compare.py` runs it and explains.
+//! Exports a scene for other renderers; `compare.py` runs it and describes the comparison.
 //!
-//! Into the folder given go `scene.json` and one PLY file per material and lamp: triangles in world space, with normals. What the
-//! other renderers may understand differently is refused: only diffuse surfaces, boards of two diffuse colours, mirrors, and
-//! surfaces that shine on one side.
+//! Writes `scene.json` and one PLY file per material and light into the given folder: triangles in world space, with normals.
+//! Features that renderers interpret differently are refused: only diffuse surfaces, checkerboards of two diffuse colours, mirrors,
+//! and surfaces that emit on one side are exported.
 
 mod shapes;
 
@@ -22,7 +22,7 @@ use shapes::{Mesh, board, mesh};
 
 type Failure = Box<dyn std::error::Error>;
 
-/// What a mesh does with light, as JSON: a mesh for each.
+/// Material and emission of a mesh, as JSON; each combination has a mesh of its own.
 type Meshes = BTreeMap<String, Mesh>;
 
 fn rgb(distribution: &SpectralDistribution) -> Result<[f32; 3], Failure> {
@@ -40,7 +40,7 @@ fn constant(input: &SpectrumParameter) -> Result<[f32; 3], Failure> {
     }
 }
 
-/// The two colours of a checkerboard over the whole patch, and its fields along u and v.
+/// The two colours of a checkerboard over the whole patch, and its numbers of cells along u and v.
 fn checkerboard(description: &Description, texture: usize) -> Result<([[f32; 3]; 2], [usize; 2]), Failure> {
     let TextureKind::Checkerboard { even, odd, mapping } = &description.textures[texture].kind else {
         return Err("a texture other than a checkerboard".into());

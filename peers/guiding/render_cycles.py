@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Cycles, by Blender's module bpy, renders what glanz.rs exported; compare.py runs it. `--guided`: with path guiding.
+"""Renders a scene exported by glanz.rs with Cycles, by Blender's module bpy; compare.py runs it. `--guided`: with path guiding.
 
-All that makes a picture smoother than its samples is off: clamping, filters of glossy paths, denoising. The time limit is Cycles'
-own; what is counted is the whole call less what the same call takes for one sample per pixel."""
+Clamping, filters of glossy paths and denoising are off. The time limit is Cycles' own; the time counted is that of the whole call
+minus that of the same call with one sample per pixel."""
 
 import math
 import pathlib
@@ -18,7 +18,7 @@ ENOUGH = 1 << 24
 
 
 def material(mesh):
-    """Diffuse surface or mirror; it shines on the front only."""
+    """A diffuse surface or a mirror, which emits on the front only."""
     made = bpy.data.materials.new(mesh["file"])
     made.use_nodes = True
     nodes, links = made.node_tree.nodes, made.node_tree.links
@@ -86,7 +86,7 @@ def settings(scene, asked):
 
 
 def rendered():
-    """Seconds by the clock and of the processors that a picture takes."""
+    """Wall-clock and processor seconds of rendering a picture."""
     clock = Clock()
     bpy.ops.render.render(write_still=True)
     return clock.both()

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""LuxCore renders what glanz.rs exported; compare.py runs it. Engine PATHCPU with its own sampler SOBOL."""
+"""Renders a scene exported by glanz.rs with LuxCore; compare.py runs it. Engine PATHCPU with its own sampler SOBOL."""
 
 import time
 
-import numpy  # before pyluxcore, whose allocator does not bear it later
+import numpy  # must precede pyluxcore, whose allocator conflicts with a later import
 import pyluxcore
 
 from exported import Clock, Scene, arguments, report
@@ -19,7 +19,7 @@ def properties(pairs):
 def filled(scene, asked):
     made = pyluxcore.Scene()
     right, up, forward, place = (scene.camera_to_world[:3, i] for i in range(4))
-    # LuxCore's picture sits one pixel low; its window is moved by as much.
+    # LuxCore's picture is one pixel too low; the window compensates.
     aspect, pixel = asked.width / asked.height, 2 / asked.height
     made.Parse(properties({
         "scene.camera.type": "perspective",

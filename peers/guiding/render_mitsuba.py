@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Mitsuba 3 renders what glanz.rs exported; compare.py runs it. Integrator `path`, variant `scalar_rgb`, or `llvm_ad_rgb` with
-`--vectorised`.
+"""Renders a scene exported by glanz.rs with Mitsuba 3; compare.py runs it. Integrator `path`, variant `scalar_rgb`, or `llvm_ad_rgb`
+with `--vectorised`.
 
-Passes of a few samples with seeds of their own are averaged until the time is over. Building the scene and a first pass that
-compiles are not counted."""
+Passes of a few samples with different seeds are averaged until the time is up. Building the scene and a first pass, which
+compiles, are not counted."""
 
 import drjit
 import mitsuba
@@ -19,7 +19,7 @@ def colour(values):
 
 
 def described(scene, asked):
-    # Mitsuba's camera has x to the left.
+    # The x axis of Mitsuba's camera points to the left.
     to_world = scene.camera_to_world @ numpy.diag([-1, 1, 1, 1])
     world = {
         "type": "scene",
@@ -53,7 +53,7 @@ def main():
     def render(seed):
         return numpy.array(mitsuba.render(world, spp=PASS, seed=seed), dtype=numpy.float64)
 
-    # Seeds of passes must not meet those of other runs.
+    # Seeds of passes must differ from those of other runs.
     first = asked.seed << 16
     render(first)
     total, passes, clock = 0.0, 0, Clock()

@@ -1,19 +1,19 @@
-//! Triangles that stand in for the shapes of a description.
+//! Tessellation of the shapes of a description.
 //!
-//! Every shape is given as points over the unit square and cut into a grid. Splines are evaluated from their definition, not by
-//! the code of Glanz, so that a fault of either shows in the comparison.
+//! Every shape is evaluated over the unit square and divided into a grid. Splines are evaluated from their definition, not by
+//! the code of Glanz, so that a fault of either is visible in the comparison.
 
 use std::f64::consts::TAU;
 
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::description::{BezierPatchesDescription, GeometryDescription, NurbsDescription};
 
-/// Cells around the axis of a quadric, along it, and along each side of a patch or a span between knots.
+/// Numbers of cells around the axis of a quadric, along it, and along each side of a patch or knot span.
 const AROUND: usize = 96;
 const ALONG: usize = 32;
 const SPAN: usize = 20;
 
-/// Step of difference quotients, and how far from a collapsed edge its normal is taken; shares of the parameter domain.
+/// Step of difference quotients, and distance from a collapsed edge at which its normal is evaluated; fractions of the domain.
 const STEP: f64 = 1e-5;
 const INWARD: f64 = 1e-3;
 
@@ -46,7 +46,7 @@ impl Mesh {
         }
     }
 
-    /// Appends `other` where `to_world` places it. `reversed`: with its normals turned round.
+    /// Appends `other`, transformed by `to_world` and, if `reversed`, with reversed normals.
     pub(crate) fn append(&mut self, other: &Self, to_world: &DMat4, reversed: bool) {
         let first = self.positions.len() as u32;
         let normals = to_world.inverse().transpose();
@@ -54,12 +54,12 @@ impl Mesh {
         self.positions.extend(other.positions.iter().map(|&p| to_world.transform_point3(p)));
         self.normals
             .extend(other.normals.iter().map(|&n| side * normals.transform_vector3(n).normalize_or_zero()));
-        // Triangles turn with the normals of their corners, mirrored or not.
+        // The orientation of triangles follows the normals of their corners, mirrored or not.
         let turned = (to_world.determinant() < 0.0) != reversed;
         self.triangles.extend(other.triangles.iter().filter_map(|&[a, b, c]| {
             let corners = if turned { [a, c, b] } else { [a, b, c] }.map(|i| i + first);
             let [p, q, r] = corners.map(|i| self.positions[i as usize]);
-            // Cells next to a collapsed edge have one triangle only.
+            // Cells next to a collapsed edge are single triangles.
             ((q - p).cross(r - p).length_squared() > 0.0).then_some(corners)
         }));
     }
@@ -73,7 +73,7 @@ fn normal(surface: &dyn Fn(DVec2) -> DVec3, uv: DVec2) -> DVec3 {
         };
         let (du, dv) = (slope(DVec2::X), slope(DVec2::Y));
         let cross = du.cross(dv);
-        // At a collapsed edge one slope is lost in rounding.
+        // At a collapsed edge one derivative is only rounding.
         (du.length().min(dv.length()) > 1e-4 * du.length().max(dv.length()))
             .then(|| cross.normalize_or_zero())
     };
@@ -96,7 +96,7 @@ fn mix(a: f64, b: f64, t: f64) -> f64 {
     a + (b - a) * t
 }
 
-/// The triangles of a shape in its own frame, or what of it is not known here.
+/// The triangles of a shape in its own frame, or the name of an unsupported feature.
 pub(crate) fn mesh(geometry: &GeometryDescription) -> Result<Mesh, String> {
     let mut mesh = Mesh::default();
     let mut quadric = |surface: &dyn Fn(DVec2) -> DVec3, along| mesh.add(surface, WHOLE, [AROUND, along]);
@@ -142,7 +142,7 @@ fn cuboid(mesh: &mut Mesh, min: DVec3, max: DVec3) {
     for axis in 0..3 {
         for (end, side) in [(0.0, -1.0), (1.0, 1.0)] {
             let face = |uv: DVec2| {
-                // u and v are the two other axes, in the order that turns the normal outwards.
+                // u and v are the two other axes, in the order for which the normal points outwards.
                 let (u, v) = if side > 0.0 { (uv.x, uv.y) } else { (uv.y, uv.x) };
                 let mut share = [0.0; 3];
                 (share[axis], share[(axis + 1) % 3], share[(axis + 2) % 3]) = (end, u, v);
@@ -153,7 +153,7 @@ fn cuboid(mesh: &mut Mesh, min: DVec3, max: DVec3) {
     }
 }
 
-/// A bilinear patch as a board of so many fields along u and v: its even and its odd fields.
+/// The even and the odd cells of a checkerboard on a bilinear patch, with the given numbers of cells along u and v.
 pub(crate) fn board(geometry: &GeometryDescription, fields: [usize; 2]) -> Result<(Mesh, Mesh), String> {
     let GeometryDescription::Bilinear { positions, indices } = geometry else {
         return Err("a pattern on something other than a bilinear patch".into());
@@ -200,7 +200,7 @@ fn bezier(mesh: &mut Mesh, description: &BezierPatchesDescription) {
     }
 }
 
-/// De Boor's algorithm in the span between the knots number `span` and the next.
+/// De Boor's algorithm in the span between the knots `span` and `span + 1`.
 fn boor(points: &[[f64; 4]], knots: &[f64], degree: usize, span: usize, t: f64) -> [f64; 4] {
     let mut d = points[span - degree..=span].to_vec();
     for r in 1..=degree {
@@ -212,7 +212,7 @@ fn boor(points: &[[f64; 4]], knots: &[f64], degree: usize, span: usize, t: f64) 
     d[degree]
 }
 
-/// The spans between different knots inside the domain.
+/// The nonempty knot spans of the domain.
 fn spans(knots: &[f64], degree: usize) -> Vec<usize> {
     (degree..knots.len() - degree - 1).filter(|&i| knots[i] < knots[i + 1]).collect()
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env node
-// The page of `glanz view` beside three.js, which draws triangles of the same surfaces.
+// Comparison of the page of `glanz view` with three.js, which draws a tessellation of the same surfaces.
 //
 //     apt-get install chromium nodejs npm
 //     (cd peers/viewer && npm ci)
@@ -7,16 +7,16 @@
 //     peers/viewer/compare.js measure [--out benches/results/DATE-viewer]
 //         [--chromium /usr/bin/chromium] [--profile release] [--size 400x300] [--frames 12]
 //
-// OpenGL is the browser's own in software, so that no graphics card is needed, and so that times say what processors do.
+// OpenGL is the browser's software renderer, so that no graphics card is needed; times are processor-bound.
 //
-// `zoom`: into a hole and a highlight, 100 times, in both. The triangles are what viewers make when they load a model: within a thousandth
-// of the size of what is looked at, with the surface's own normals at their vertices. Look at the picture.
+// `zoom`: magnifies a hole and a highlight 100 times in both. The triangles are those of viewers that tessellate a model on loading:
+// within a thousandth of the size of the object, with the surface's normals at their vertices. Look at the picture.
 //
-// `measure`: of fields of bicubic patches that fill the picture,
-//   - frame time, the camera turning, each frame waited for, over the number of patches: the page's renderer, and three.js with triangles
-//     within a quarter of a pixel of the surface at the middle of this view, which is what the page keeps to, too. Materials, lights and
-//     samples per pixel are the same, and both have shadows by maps that are drawn once. Rounds of both alternate; medians of frames;
-//   - first picture: from the start of navigation until the page of `glanz view` has drawn 1008 patches, and bytes sent per patch.
+// `measure`: for fields of bicubic patches that fill the picture,
+//   - the frame time over the number of patches, with a rotating camera and each frame completed: the page's renderer, and three.js
+//     with triangles within a quarter of a pixel of the surface at the middle of the view, which is the tolerance of the page. Materials,
+//     lights and samples per pixel are the same, and both draw shadow maps once. Rounds of both alternate; medians of frames;
+//   - the first picture: the time from the start of navigation until the page of `glanz view` has drawn 1008 patches, and bytes per patch.
 
 import { execFileSync, spawn } from "node:child_process";
 import { mkdir, mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
@@ -33,13 +33,13 @@ import { sheet } from "./sheet.js";
 
 const root = join(import.meta.dirname, "../..");
 
-/** What is zoomed into: `target` in shares of the picture from its upper left, `tolerance` a thousandth of the size, metres. */
+/** The magnified objects: `target` in fractions of the picture from its upper left, `tolerance` a thousandth of the size, metres. */
 const ZOOMS = [
   { scene: "plate.pbrt", what: "a hole", target: [0.5486, 0.6454], tolerance: 0.005 },
   { scene: "teapot.pbrt", what: "a highlight", target: [0.7963, 0.5583], tolerance: 0.006 },
 ];
 
-/** How far; and the pictures' size. */
+/** Magnification, and size of the pictures. */
 const ZOOM = 100;
 const ZOOM_SIZE = [480, 360];
 
@@ -51,7 +51,7 @@ const FIELDS = [
   [82, 61],
 ];
 
-/** The field of which the first picture is timed, and how often. */
+/** The field whose first picture is timed, and the number of repetitions. */
 const FIRST = [36, 28];
 const LOADS = 5;
 
@@ -82,7 +82,7 @@ async function modelIn(folder) {
   return { ...JSON.parse(text), bytes: bytes.length };
 }
 
-/** Has glanz.rs write the model and the mesh of a scene; what it says of the mesh. */
+/** Runs glanz.rs to write the model and the mesh of a scene; returns its description of the mesh. */
 async function prepare(program, scene, folder, tolerance) {
   await mkdir(folder, { recursive: true });
   const about = execFileSync(program, [scene, folder, String(tolerance)], { encoding: "utf8" });
@@ -90,7 +90,7 @@ async function prepare(program, scene, folder, tolerance) {
   return JSON.parse(about);
 }
 
-/** A page that fails when its console says something bad. */
+/** A page that fails on errors and warnings of its console. */
 async function quiet(browser, size) {
   const page = await browser.newPage({ viewport: { width: size[0], height: size[1] } });
   const faults = [];
@@ -114,7 +114,7 @@ async function open(browser, address, kind, name, size, more = "") {
 async function picture(page, camera) {
   await page.evaluate(async (camera) => {
     const viewer = await window.viewer;
-    // As long as there are programs to compile, some of the picture is missing.
+    // The picture is incomplete until all programs are compiled.
     while (viewer.draw(camera).pending > 0) await new Promise((later) => setTimeout(later, 20));
     await new Promise((drawn) => requestAnimationFrame(drawn));
     viewer.draw(camera);
@@ -126,7 +126,7 @@ const add = (a, b, factor = 1) => a.map((x, i) => x + factor * b[i]);
 const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);
 const unit = (a) => a.map((x) => x / Math.hypot(...a));
 
-/** A camera at the same place that sees a place of the picture in its middle, magnified. */
+/** A camera at the same position, centred on a point of the picture and magnified. */
 function zoomed(camera, [x, y], [width, height], factor) {
   const half = Math.tan(camera.fieldOfView / 2) / Math.min(width, height);
   const across = add(
@@ -141,7 +141,7 @@ function zoomed(camera, [x, y], [width, height], factor) {
   return { ...camera, forward, right, up, fieldOfView: 2 * Math.atan(Math.tan(camera.fieldOfView / 2) / factor) };
 }
 
-/** A camera turned about the upright axis through a point, radians. */
+/** A camera rotated about the vertical axis through a point, radians. */
 function turned(camera, middle, angle) {
   const [sin, cos] = [Math.sin(angle), Math.cos(angle)];
   const turn = ([x, y, z]) => [cos * x - sin * y, sin * x + cos * y, z];
@@ -197,7 +197,7 @@ async function frames(programs, browser, address, work) {
         const angle = (i) => 0.01 * (i + 1 + round * Number(values.frames));
         const cameras = Array.from({ length: Number(values.frames) }, (_, i) => turned(camera, [columns / 2, lines / 2, 0], angle(i)));
         const found = await page.evaluate(async (cameras) => (await window.viewer).time(cameras), cameras);
-        // What is made once is made in the first round.
+        // One-time work is done in the first round.
         if (round > 0) times[kind].push(...found);
       }
     }
@@ -233,7 +233,7 @@ function view(program, scene) {
   });
 }
 
-/** Milliseconds from the start of navigation to the first picture, of several loads; and bytes sent. */
+/** Milliseconds from the start of navigation to the first picture, for several loads, and bytes sent. */
 async function first(programs, browser, work) {
   const { file } = await writeField(work, ...FIRST);
   const { server, address } = await view(programs.glanz, file);
@@ -299,7 +299,7 @@ const work = await mkdtemp(join(tmpdir(), "glanz-viewer-"));
 const { server, address } = await serve(work);
 const browser = await chromium.launch({
   executablePath: values.chromium,
-  // Root has no sandbox; the renderer in software has to be allowed by name.
+  // Root has no sandbox; the software renderer has to be enabled by name.
   args: ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", ...(process.getuid() === 0 ? ["--no-sandbox"] : [])],
 });
 try {

@@ -1,4 +1,4 @@
-// Scenes of bicubic patches: a field of bumps, seen so that it fills the picture.
+// Scenes of bicubic patches: a field of bumps that fills the picture.
 
 import { writeFile } from "node:fs/promises";
 import { join } from "node:path";
@@ -43,7 +43,7 @@ export async function writeField(folder, columns, rows) {
   }
   const list = points.map((point) => point.map((x) => x.toFixed(9)).join(","));
   await writeFile(join(folder, `${name}.txt`), [patches.length, ...patches, points.length, ...list].join("\n") + "\n");
-  // From above at a slant, near enough that there is field everywhere in the picture.
+  // Obliquely from above, close enough that the field fills the picture.
   const distance = (0.5 * rows) / Math.tan((15 * Math.PI) / 180);
   const middle = [columns / 2, rows / 2, 0];
   const eye = [middle[0], middle[1] - 0.6 * distance, 0.8 * distance];

@@ -1,5 +1,5 @@
-// Draws a model with the page's own renderer: glanz.html?model=work/plate/model&width=400&height=300. `window.viewer` promises what
-// compare.js asks: `draw(camera)`, `time(cameras)`, `about`.
+// Draws a model with the page's own renderer: glanz.html?model=work/plate/model&width=400&height=300. `window.viewer` is a promise
+// of the interface for compare.js: `draw(camera)`, `time(cameras)`, `about`.
 
 import { decodeModel } from "./web/model.js";
 import { Renderer } from "./web/gl/renderer.js";

@@ -1,9 +1,9 @@
-//! The side of Glanz in the comparison of viewers; `compare.js` runs it and explains: SCENE FOLDER TOLERANCE
+//! Glanz's side of the comparison of viewers; `compare.js` runs it and describes the comparison: SCENE FOLDER TOLERANCE
 //!
-//! Writes what the page gets (`model`), and what other viewers would make of the same surfaces when they load them: triangles within
-//! TOLERANCE metres of them, with the surfaces' normals at their vertices (`mesh`: positions, normals, triples of vertices, little-endian
-//! in 32 bits). Prints the numbers of vertices and triangles, and the triangles of each object, as a line of JSON. Patches that are not
-//! trimmed get the fewest cells each that keep to the tolerance, other surfaces are divided as for light maps.
+//! Writes the model of the page (`model`), and a tessellation of the same surfaces as other viewers create it on loading: triangles
+//! within TOLERANCE metres, with the surfaces' normals at their vertices (`mesh`: positions, normals, triples of vertices, little-endian
+//! in 32 bits). Prints the numbers of vertices and triangles, and the triangles of each object, as a line of JSON. Untrimmed patches
+//! have the smallest number of cells within the tolerance, other surfaces are divided as for light maps.
 
 #![allow(clippy::print_stdout, reason = "a program of a comparison talks to it")]
 
@@ -25,22 +25,22 @@ use glanz::viewer::model::Model;
 use serde_json::json;
 use tessellate::{Deviation, Mesh, fewest_cells};
 
-/// Texels per metre of charts, which nothing is shown on here.
+/// Texels per metre of charts, which are not used here.
 const DENSITY: f64 = 1.0;
 
-/// Triangles and what they are of.
+/// Triangles and their objects.
 struct Part {
     object: Option<u32>,
     mesh: Mesh,
 }
 
-/// The triangles of patches without trimming; `None`: the surface is another one.
+/// The triangles of untrimmed patches; `None` for other surfaces.
 fn of_patches(placed: &PlacedSurface<'_>, tolerance: f64) -> Option<Mesh> {
     let Surface::Freeform(freeform) = placed.surface() else { return None };
     if freeform.is_trimmed() {
         return None;
     }
-    // Normals are the surface's own, whatever angle triangles have with it.
+    // Normals are those of the surface, so that the angles of triangles do not matter.
     let bounds = Deviation { chord: tolerance, normal: f64::INFINITY, facet: f64::INFINITY };
     let pieces = freeform.patches();
     let cells: Vec<_> = pieces.iter().map(|piece| fewest_cells(piece.patch(), &bounds)).collect();
@@ -53,7 +53,7 @@ fn of_patches(placed: &PlacedSurface<'_>, tolerance: f64) -> Option<Mesh> {
     for normal in &mut mesh.normals {
         *normal = to_world.normal(wide(normal)).normalize_or_zero().as_vec3().to_array();
     }
-    // Viewers take the side from the order of corners, which is of no matter where these triangles were made for.
+    // Viewers determine the side by the order of corners, which has no meaning in these triangles.
     let Mesh { positions, normals, triangles } = &mut mesh;
     for corners in triangles {
         let [a, b, c] = corners.map(|i| wide(&positions[i as usize]));
@@ -77,7 +77,7 @@ fn parts(scene: &Scene, model: &Model, tolerance: f64) -> Vec<Part> {
             None => others.push(number),
         }
     }
-    // Charts of many patches take long.
+    // Charts of many patches would take long.
     let rest: Vec<_> = others.iter().filter_map(|&number| surfaces.get(number as usize).cloned()).collect();
     for chart in charts(&rest, DENSITY).iter().filter(|chart| !chart.back) {
         let surface = &rest[chart.surface as usize];

@@ -1,4 +1,4 @@
-// What was measured, as a table and as a plot.
+// The measurements as a table and as a plot.
 
 const number = (x) => x.toLocaleString("en", Number.isInteger(x) ? {} : { maximumSignificantDigits: 3 });
 
@@ -21,7 +21,7 @@ export function table({ first, frames }) {
 const [WIDTH, HEIGHT] = [640, 420];
 const [LEFT, RIGHT, TOP, BOTTOM] = [70, 40, 40, 60];
 
-/** Powers of ten that hold all numbers. */
+/** Powers of ten around all numbers. */
 function decades(numbers) {
   return [Math.floor(Math.log10(Math.min(...numbers))), Math.ceil(Math.log10(Math.max(...numbers)))];
 }

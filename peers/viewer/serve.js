@@ -1,4 +1,4 @@
-// Serves the pages of the comparison, the page code of Glanz, three.js, and what is in a working folder; on the loopback, and nothing else.
+// Serves the pages of the comparison, the page code of Glanz, three.js, and a working folder on the loopback interface.
 
 import { createServer } from "node:http";
 import { readFile } from "node:fs/promises";
@@ -8,7 +8,7 @@ const here = import.meta.dirname;
 const web = join(here, "../../crates/glanz-viewer/web");
 const kinds = { ".html": "text/html", ".js": "text/javascript" };
 
-/** The file that a path stands for, `null` if for none. */
+/** The file of a path; `null` if there is none. */
 function fileOf(path, work) {
   if (path.includes("..")) return null;
   if (/^\/(glanz|three)\.(html|js)$/.test(path) || /^\/node_modules\/three\/build\/[\w./-]+\.js$/.test(path)) return join(here, path);
@@ -17,7 +17,7 @@ function fileOf(path, work) {
   return null;
 }
 
-/** A server of these pages and of what is in the folder `work`, once it listens, and its address. */
+/** A listening server of these pages and of the folder `work`, and its address. */
 export function serve(work) {
   const server = createServer(async (request, response) => {
     const file = fileOf(new URL(request.url, "http://localhost").pathname, work);

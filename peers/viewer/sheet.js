@@ -1,6 +1,6 @@
-// Pictures side by side, with words under them.
+// Contact sheet of pictures with captions.
 
-/** Rows of `{ bytes: PNG, caption, mark: place in shares }` as one PNG, made by a browser. */
+/** Rows of `{ bytes: PNG, caption, mark: position in fractions }` as one PNG, made by a browser. */
 export async function sheet(browser, rows, [width, height]) {
   const gap = 12;
   const columns = rows[0].length;

@@ -1,6 +1,6 @@
 // Draws triangles with three.js: three.html?model=work/plate/model&mesh=work/plate/mesh&about=work/plate/about.json&width=400&height=300[&shadows].
-// `window.viewer` promises what compare.js asks, as glanz.js does. Materials, lights and camera are the model's, each in the form that
-// three.js has for it.
+// `window.viewer` is a promise of the same interface as that of glanz.js. Materials, lights and camera are the model's, in the closest
+// form of three.js.
 
 import * as THREE from "three";
 
@@ -31,11 +31,11 @@ function geometryOf(bytes, about) {
 
 const colour = (rgb) => new THREE.Color().setRGB(...rgb, THREE.LinearSRGBColorSpace);
 
-/** What three.js has for a material. */
+/** The closest material of three.js. */
 function materialOf(material) {
   const side = THREE.DoubleSide;
   if (material.exponent !== null) {
-    // Its lobe is about the half vector: four times the exponent is as wide.
+    // Its lobe is about the half vector: four times the exponent gives the same width.
     const shininess = 4 * material.exponent;
     return new THREE.MeshPhongMaterial({ color: colour(material.base), specular: colour(material.specular), shininess, side });
   }
@@ -43,7 +43,7 @@ function materialOf(material) {
   return new THREE.MeshStandardMaterial({ color: colour(material.base), metalness, roughness, side });
 }
 
-/** Lights; those of areas shine like points, as they do towards `target`. */
+/** Lights; area lights become points with the intensity towards `target`. */
 function lightsOf(lights, target) {
   const found = [];
   for (const light of lights) {
@@ -68,8 +68,8 @@ function lightsOf(lights, target) {
   return found;
 }
 
-/** Has lights from far away throw shadows on all of the model, by a map that is drawn once. */
-function throwShadows(renderer, scene, [low, high]) {
+/** Adds shadows of distant lights on the whole model, by a map that is drawn once. */
+function castShadows(renderer, scene, [low, high]) {
   const middle = new THREE.Vector3(...low).add(new THREE.Vector3(...high)).multiplyScalar(0.5);
   const radius = middle.distanceTo(new THREE.Vector3(...high));
   renderer.shadowMap.enabled = true;
@@ -88,7 +88,7 @@ function throwShadows(renderer, scene, [low, high]) {
   });
 }
 
-/** The model's camera; one of a mirrored world is turned around, and the picture has to be. */
+/** The model's camera; for a mirrored world it is rotated, and the picture has to be mirrored. */
 function cameraOf({ position, right, up, forward, fieldOfView }) {
   const [width, height] = size;
   const vertical = 2 * Math.atan(Math.tan(fieldOfView / 2) * (height / Math.min(width, height)));
@@ -115,7 +115,7 @@ async function viewer() {
   scene.background = new THREE.Color().setRGB(0.5, 0.5, 0.5, THREE.SRGBColorSpace);
   const materials = about.parts.map((part) => materialOf(model.materials[model.objects[part.object ?? 0].material]));
   const triangles = new THREE.Mesh(geometryOf(mesh, about), materials);
-  // Never culled: everything is in sight, or nearly.
+  // Not culled: nearly everything is visible.
   triangles.frustumCulled = false;
   scene.add(triangles);
   const { position, forward, distance } = model.camera;
@@ -124,7 +124,7 @@ async function viewer() {
     position.map((x, i) => x + distance * forward[i]),
   ))
     scene.add(light);
-  if (asked.has("shadows")) throwShadows(renderer, scene, model.bounds);
+  if (asked.has("shadows")) castShadows(renderer, scene, model.bounds);
   const gl = renderer.getContext();
   const wait = () => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
   const draw = (camera) => {
