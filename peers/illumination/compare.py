@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Maps of illuminance of Glanz beside those of Radiance and of Mitsuba 3; README.md says how to run this and what came out."""
+"""Compares illuminance maps of Glanz with those of Radiance and Mitsuba 3; README.md describes usage and results."""
 
 import argparse
 import dataclasses
@@ -26,12 +26,12 @@ Report = dict[str, object]
 # Triangles along an edge of the mirror.
 CUTS = {"mitsuba": 1024, "radiance": 256}
 
-# Cells along a wall; fewer for photons, so that there are enough in every one for a normal distribution of their number.
+# Cells along a wall; fewer for photons, so that each has enough of them for a normal distribution.
 CELLS, PHOTON_CELLS = 32, 16
 
 
-def tell(what: str, names: list[str], ours: list[LuxMap], theirs: list[LuxMap]) -> Report:
-    """Prints and returns how maps agree, all together and each by itself."""
+def report_agreement(what: str, names: list[str], ours: list[LuxMap], theirs: list[LuxMap]) -> Report:
+    """Prints and returns the agreement of maps, of all together and of each."""
     found = {"all": Agreement.of(ours, theirs)}
     found |= {name: Agreement.of([a], [b]) for name, a, b in zip(names, ours, theirs, strict=True)}
     for name, agreement in found.items():
@@ -40,7 +40,7 @@ def tell(what: str, names: list[str], ours: list[LuxMap], theirs: list[LuxMap]) 
 
 
 def office(program: str, asked: argparse.Namespace) -> Report:
-    """Light straight from the luminaires, then light of all bounces."""
+    """Direct light of the luminaires, then light of all bounces."""
     luminaire = Luminaire.read(asked.ies) if asked.ies else asymmetric()
     folder = asked.work / "office"
     room.write(folder, luminaire)
@@ -55,10 +55,10 @@ def office(program: str, asked: argparse.Namespace) -> Report:
         peers = [radiance.lux_map(tree, height, parts, bounces, asked.divisions, asked.threads) for height in heights]
         theirs = [one for one, _ in peers]
         used["radiance"] = sum(seconds for _, seconds in peers)
-        report[scene] = {"processor_seconds": used, "agreement": tell(f"{scene}, Radiance", receivers, ours, theirs)}
+        report[scene] = {"processor_seconds": used, "agreement": report_agreement(f"{scene}, Radiance", receivers, ours, theirs)}
         if not bounces:
             exact = [room.closed_form(luminaire, height) for height in heights]
-            report["closed form"] = tell("black, closed form", receivers, ours, exact)
+            report["closed form"] = report_agreement("black, closed form", receivers, ours, exact)
             report["Radiance at points"] = at_points(tree, luminaire, asked.threads)
         if asked.pictures:
             pictures.draw(asked.pictures / f"{scene}-desk.png", f"{scene}, desk", ours[0], theirs[0], "Radiance")
@@ -68,8 +68,8 @@ def office(program: str, asked: argparse.Namespace) -> Report:
 def at_points(tree: pathlib.Path, luminaire: Luminaire, threads: int) -> Report:
     """Radiance's direct light at points of the desk's plane against I cos / d^2.
 
-    Points on the very edge of a shadow are lit in the one and not in the other: a few that are more than a thousandth apart.
-    Then relative differences of the others.
+    Points on the edge of a shadow may be lit in one and not in the other: these differ by more than a thousandth and are
+    counted. The relative differences are those of the others.
     """
     random = numpy.random.default_rng(1)
     points = numpy.append(random.random((10000, 2)) * room.SIZE[:2], numpy.full((10000, 1), room.RECEIVERS["desk"]), axis=1)
@@ -85,7 +85,7 @@ def at_points(tree: pathlib.Path, luminaire: Luminaire, threads: int) -> Report:
 
 
 def reflector(program: str, asked: argparse.Namespace) -> Report:
-    """The room as it is, then with a hood, behind which there is the mirror's light alone; Radiance's photons beside both."""
+    """The room without and with a hood, behind which there is only light of the mirror; Radiance's photons against both."""
     (asked.work / "hooded.pbrt").write_text(mirror.hooded_scene())
     report: Report = {"triangles": {name: cuts**2 for name, cuts in CUTS.items()}}
     report["bare"], bare = by_particles(program, mirror.SCENE, False, asked)
@@ -96,7 +96,7 @@ def reflector(program: str, asked: argparse.Namespace) -> Report:
 
 
 def by_particles(program: str, scene: pathlib.Path, hooded: bool, asked: argparse.Namespace) -> tuple[Report, list[LuxMap]]:
-    """Glanz and Mitsuba in turn, as many rounds as asked; Glanz's maps, means over the rounds."""
+    """Traces Glanz and Mitsuba alternately for all rounds; returns the report and Glanz's maps, means over the rounds."""
     import mitsuba_particles
 
     begun = time.process_time()
@@ -113,7 +113,7 @@ def by_particles(program: str, scene: pathlib.Path, hooded: bool, asked: argpars
         theirs.append(found)
         rounds.append({"glanz": cost(ours[-1], asked.rays, seconds), "mitsuba": cost(found, count, used)})
     means = [[lux_map.mean([seed[wall] for seed in maps]) for wall in range(6)] for maps in (ours, theirs)]
-    report |= {"agreement": tell(f"{scene.stem}, Mitsuba", mirror.WALLS, *means), "rounds": rounds, "medians": medians(rounds)}
+    report |= {"agreement": report_agreement(f"{scene.stem}, Mitsuba", mirror.WALLS, *means), "rounds": rounds, "medians": medians(rounds)}
     if asked.rounds > 1:
         report["variance found per stated"] = {"glanz": lux_map.variance_found(ours), "mitsuba": lux_map.variance_found(theirs)}
     print(report["medians"], report.get("variance found per stated"), flush=True)
@@ -125,7 +125,7 @@ def by_particles(program: str, scene: pathlib.Path, hooded: bool, asked: argpars
 
 
 def by_photons(bare: list[LuxMap], hooded: list[LuxMap], asked: argparse.Namespace) -> Report:
-    """All photons beside all light, and those by way of the mirror beside what the wall x = 0 has of it alone."""
+    """Compares all photons with all light, and those by way of the mirror with the light of the mirror on the wall x = 0."""
     import photons
 
     tree = photons.write(asked.work / "photons", mirror.tessellated(mirror.control_points(), CUTS["radiance"]))
@@ -135,13 +135,13 @@ def by_photons(bare: list[LuxMap], hooded: list[LuxMap], asked: argparse.Namespa
     report["processor_seconds"] = {"direct": direct_seconds, "caustic": caustic_seconds}
     coarse = [[wall.coarser(CELLS // PHOTON_CELLS) for wall in walls] for walls in (bare, hooded)]
     theirs = [mirror.maps(sums[0], sums[1], None, PHOTON_CELLS) for sums in (direct + caustic, caustic)]
-    report["all light"] = tell("reflector, Radiance", mirror.WALLS, coarse[0], theirs[0])
-    report["the mirror's"] = tell("hooded, Radiance", mirror.WALLS[:1], coarse[1], theirs[1][:1])
+    report["all light"] = report_agreement("reflector, Radiance", mirror.WALLS, coarse[0], theirs[0])
+    report["the mirror's"] = report_agreement("hooded, Radiance", mirror.WALLS[:1], coarse[1], theirs[1][:1])
     return report
 
 
 def cost(walls: list[LuxMap], particles: int, seconds: float) -> dict[str, float]:
-    """Rates, and seconds of the processors until the standard error of a wall's brightest cell is one in a hundred."""
+    """Rates, and processor seconds until the standard error of a wall's brightest cell is 1 %."""
     found = {"processor_seconds": seconds, "particles": particles, "particles_per_second": particles / seconds}
     for name in ("wall x=0", "ceiling"):
         wall = walls[mirror.WALLS.index(name)]
@@ -151,7 +151,7 @@ def cost(walls: list[LuxMap], particles: int, seconds: float) -> dict[str, float
 
 
 def medians(rounds: list[dict[str, dict[str, float]]]) -> dict[str, dict[str, float]]:
-    """Over the rounds, of both, and Glanz's per Mitsuba's within each."""
+    """Medians over the rounds for both programs, and of the ratios of Glanz to Mitsuba within each round."""
     keys = list(rounds[0]["glanz"])
     found = {name: {key: statistics.median(one[name][key] for one in rounds) for key in keys} for name in ("glanz", "mitsuba")}
     found["ratio"] = {key: statistics.median(one["glanz"][key] / one["mitsuba"][key] for one in rounds) for key in keys}
@@ -167,16 +167,16 @@ def processor() -> str:
 
 def options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--parts", type=int, default=40, help="Radiance takes twice the square of it points per cell")
+    parser.add_argument("--parts", type=int, default=40, help="Radiance uses twice the square of this number of points per cell")
     parser.add_argument("--only", choices=["office", "reflector"])
-    parser.add_argument("--ies", type=pathlib.Path, help="a file of type C in place of the luminaire that is made up")
-    parser.add_argument("--rays", type=int, default=20_000_000, help="particles of Glanz and of Mitsuba, of every run")
-    parser.add_argument("--rounds", type=int, default=3, help="of the reflector")
-    parser.add_argument("--photons", type=int, default=2_000_000, help="of Radiance, straight from the lamp; 0: none")
-    parser.add_argument("--bounces", type=int, default=24, help="of Radiance")
-    parser.add_argument("--divisions", type=int, default=1, help="rays that Radiance sends on from every point")
+    parser.add_argument("--ies", type=pathlib.Path, help="a file of type C instead of the generated luminaire")
+    parser.add_argument("--rays", type=int, default=20_000_000, help="particles of Glanz and of Mitsuba per run")
+    parser.add_argument("--rounds", type=int, default=3, help="rounds of the reflector")
+    parser.add_argument("--photons", type=int, default=2_000_000, help="direct photons of Radiance; 0: none")
+    parser.add_argument("--bounces", type=int, default=24, help="bounces of Radiance")
+    parser.add_argument("--divisions", type=int, default=1, help="rays that Radiance continues with from every point")
     parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--glanz", help="the program; built, if not said")
+    parser.add_argument("--glanz", help="the program; default: it is built")
     parser.add_argument(
         "--work", type=pathlib.Path, default=glanz.ROOT / "target" / "illumination", help="folder for scenes and maps"
     )

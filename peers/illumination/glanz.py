@@ -1,4 +1,4 @@
-"""`glanz illuminate`, and what it costs."""
+"""Runs `glanz illuminate` and measures its processor time."""
 
 import json
 import os
@@ -21,7 +21,7 @@ def built() -> str:
 
 
 def measured(command: list[object], **more: object) -> float:
-    """Runs a program; seconds of the processors."""
+    """Runs a program; returns its processor seconds."""
     words = [str(word) for word in command]
     print("$", *words, file=sys.stderr, flush=True)
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -31,7 +31,7 @@ def measured(command: list[object], **more: object) -> float:
 
 
 def illuminate(program: str, scene: pathlib.Path, to: pathlib.Path, rays: int, seed: int, threads: int, *more: object) -> float:
-    """Maps of a scene in a folder; seconds of the processors, reading and writing included."""
+    """Writes the maps of a scene to a folder; returns processor seconds, including reading and writing."""
     command = [program, "illuminate", scene, "-o", to, "--rays", rays, "--seed", seed, "--threads", threads, "--quiet", *more]
     return measured(command, env=os.environ | {"RAYON_NUM_THREADS": str(threads)})
 

@@ -1,4 +1,4 @@
-"""A luminaire whose intensity is known everywhere: written as LM-63-2002, type C, and read again."""
+"""Luminaires with known intensity in all directions, written and read as LM-63-2002, type C."""
 
 import dataclasses
 import pathlib
@@ -42,7 +42,7 @@ class Luminaire:
         return float((self.intensity(directions) * numpy.sin(g)).sum() * step**2)
 
     def write(self, path: pathlib.Path) -> None:
-        """As a point without size, which Radiance makes a ball of half a millimetre."""
+        """Writes it as a point without size, which Radiance treats as a ball of half a millimetre."""
         lines = [
             "IESNA:LM-63-2002",
             "[TEST] made up for a comparison of programs",
@@ -60,12 +60,12 @@ class Luminaire:
 
     @classmethod
     def read(cls, path: pathlib.Path) -> Self:
-        """A file of type C without tilt data; symmetry is unfolded, the size of the opening is left out."""
+        """Reads a file of type C without tilt data; symmetry is expanded, the size of the opening is ignored."""
         _, numbers = path.read_text(encoding="latin-1").split("TILT=NONE", 1)
         values = numpy.array([float(word) for word in numbers.replace(",", " ").split()])
         _, _, multiplier, gamma_count, plane_count, kind = values[:6]
         if kind != 1:
-            raise ValueError(f"{path}: only type C can be read here, this is type {kind:g}")
+            raise ValueError(f"{path}: the photometric type is {kind:g}; it must be C (1)")
         factor = multiplier * values[10] * values[11]
         gammas, planes, candela = numpy.split(values[13:], numpy.cumsum([gamma_count, plane_count]).astype(int))
         table = factor * candela.reshape(len(planes), len(gammas))
@@ -78,15 +78,15 @@ class Luminaire:
 
 
 def place(grid: Array, values: Array) -> tuple[NDArray[numpy.intp], Array]:
-    """Between which points of a grid values lie, and at what share of the way."""
+    """Indices of the grid points below the values, and the fractions of the way to the next ones."""
     index = numpy.clip(numpy.searchsorted(grid, values, side="right") - 1, 0, len(grid) - 2)
     return index, (values - grid[index]) / (grid[index + 1] - grid[index])
 
 
 def asymmetric() -> Luminaire:
-    """Smooth, alike on no two sides: a lobe 25 degrees from straight down towards C0, more of it towards C90.
+    """A smooth luminaire without symmetry: a lobe at 25 degrees from straight down towards C0, stronger towards C90.
 
-    Some light goes upwards. Rounded to tenths of candela, as it is in the file.
+    Some light goes upwards. Values are rounded to tenths of candela, as in the file.
     """
     gammas, planes = numpy.arange(0, 181, 5.0), numpy.arange(0, 361, 15.0)
     c, g = numpy.meshgrid(numpy.radians(planes), numpy.radians(gammas), indexing="ij")

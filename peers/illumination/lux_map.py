@@ -1,4 +1,4 @@
-"""Maps of illuminance with their errors, and how two of them agree."""
+"""Illuminance maps with their errors, and the agreement of two of them."""
 
 import csv
 import dataclasses
@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[numpy.float64]
 
-# Standard error of a difference per light from which there are too few particles in a cell: 32 if both maps have as many.
+# Relative standard error of a difference from which a cell has too few particles: 32 if both maps have the same number.
 FEW = 0.25
 
-# Standard errors of the difference beyond which shares of cells are told.
+# Standard errors of the difference beyond which fractions of cells are reported.
 BEYOND = (2, 3, 4)
 
 
@@ -34,19 +34,19 @@ class LuxMap:
 
     @classmethod
     def read(cls, path: pathlib.Path) -> Self:
-        """What `glanz illuminate` wrote."""
+        """Reads a map written by `glanz illuminate`."""
         with path.open(newline="") as file:
             rows = [[float(value) for value in list(row.values())[2:]] for row in csv.DictReader(file)]
         table = numpy.array(rows)
         return cls.sorted(table[:, :3], table[:, 3], table[:, 4], table[:, 5])
 
     def shape(self) -> tuple[int, int]:
-        """Rows and columns."""
+        """Numbers of rows and columns."""
         counts = [len(numpy.unique(numpy.round(axis, 6))) for axis in self.positions.T if numpy.ptp(axis) > 1e-6]
         return counts[1], counts[0]
 
     def coarser(self, side: int) -> Self:
-        """With cells of `side` times `side` of these, which have to be of one size."""
+        """The map with `side` x `side` cells merged to one; all cells must have the same size."""
         rows, columns = (n // side for n in self.shape())
 
         def summed(values: Array) -> Array:
@@ -60,18 +60,18 @@ class LuxMap:
         return float((self.areas * self.lux).sum())
 
     def flux_error(self) -> float:
-        """As if cells were independent; particles make them so but for a share that is as small as a cell's of all light."""
+        """Standard error of the flux for independent cells; their correlation by particles is as small as a cell's fraction of the light."""
         return float(numpy.sqrt(((self.areas * self.errors) ** 2).sum()))
 
 
 def mean(maps: list[LuxMap]) -> LuxMap:
-    """Of equally good maps of the same cells that are independent."""
+    """Mean of independent maps of the same cells with equal weights."""
     errors = numpy.sqrt(sum(one.errors**2 for one in maps)) / len(maps)
     return LuxMap(maps[0].positions, maps[0].areas, numpy.mean([one.lux for one in maps], axis=0), errors)
 
 
 def variance_found(maps: list[list[LuxMap]]) -> float:
-    """How much maps of several seeds vary, per what their standard errors say; for each seed the maps of all receivers."""
+    """Variance of maps between seeds over the variance that they state. `maps`: for each seed the maps of all receivers."""
     lux, errors = (
         numpy.array([numpy.concatenate([getattr(one, what) for one in seed]) for seed in maps]) for what in ("lux", "errors")
     )
@@ -81,7 +81,7 @@ def variance_found(maps: list[list[LuxMap]]) -> float:
 
 @dataclasses.dataclass(frozen=True)
 class Agreement:
-    """How two maps of the same cells differ, in standard errors of the difference."""
+    """Differences of two maps of the same cells, in standard errors of the difference."""
 
     cells: int
     left_out: int
@@ -95,9 +95,9 @@ class Agreement:
 
     @classmethod
     def of(cls, ours: list[LuxMap], theirs: list[LuxMap]) -> Self:
-        """Of all cells where errors are normal, as those of many particles are: below a quarter of the light of both.
+        """Statistics of all cells with normally distributed errors: those below a quarter of the light of both maps.
 
-        `flux` is theirs less ours, per ours, of all cells.
+        `flux` is their flux minus ours, relative to ours, of all cells.
         """
         for a, b in zip(ours, theirs, strict=True):
             if not numpy.allclose(a.positions, b.positions, atol=1e-5):
@@ -106,7 +106,7 @@ class Agreement:
         both = numpy.hypot(*(numpy.concatenate([one.errors for one in maps]) for maps in (ours, theirs)))
         lit = both < FEW * (lux + other) / 2
         if not lit.any():
-            raise ValueError("there are too few particles: no cell has a small enough error")
+            raise ValueError("no cell has a small enough error; trace more particles")
         z = (other - lux)[lit] / both[lit]
         flux = sum(one.flux() for one in ours)
         flux_error = math.hypot(*(one.flux_error() for one in [*ours, *theirs]))
@@ -132,5 +132,5 @@ class Agreement:
 
 
 def expected(standard_errors: float) -> float:
-    """The share of normal deviates beyond so many standard errors."""
+    """Fraction of normal deviates beyond a number of standard errors."""
     return math.erfc(standard_errors / math.sqrt(2))

@@ -1,4 +1,4 @@
-"""The room of document 000: a sphere that shines, and a mirror cut into triangles."""
+"""The room of document 000: a spherical light and a tessellated mirror."""
 
 import dataclasses
 import math
@@ -13,20 +13,20 @@ from lux_map import Array, LuxMap
 
 SCENE = ROOT / "scenes" / "reflector.pbrt"
 
-# What the scene says in numbers, metres; its walls are those of `--room 10 10 10`.
+# Dimensions of the scene, metres; its walls are those of `--room 10 10 10`.
 SIZE = 10.0
 LAMP, RADIUS = (0.25, 5.0, 5.0), 0.1
 RADIANCE = 3.70869
 REFLECTANCE = 0.9
 
-# Of a lamp whose material the scene leaves to the language.
+# Reflectance of the lamp, which has the default material of the scene language.
 LAMP_REFLECTANCE = 0.5
 
 # Walls in the order of x = 0, x = 10, y = 0 and so on.
 WALLS = ["wall x=0", "wall x=10", "wall y=0", "wall y=10", "floor", "ceiling"]
 
-# A black box round the lamp, open towards the mirror and wide enough not to stand between them: low and high corner. With it
-# the wall behind the lamp, x = 0, has light of the mirror alone.
+# A black box around the lamp, open towards the mirror and wide enough not to occlude it: low and high corner. With it, the wall
+# behind the lamp, x = 0, receives only light of the mirror.
 HOOD = numpy.array([[0.1, 4.75, 4.75], [0.4, 5.25, 5.25]])
 
 # Lumens per watt.
@@ -34,12 +34,12 @@ EFFICACY = 683.0
 
 
 def flux() -> float:
-    """Lumens of the lamp."""
+    """Luminous flux of the lamp, lm."""
     return EFFICACY * math.pi * RADIANCE * 4 * math.pi * RADIUS**2
 
 
 def control_points(scene: pathlib.Path = SCENE) -> Array:
-    """Of the scene's Bézier triangle: P_ijk, i descending, then j descending."""
+    """Control points P_ijk of the scene's Bézier triangle, i descending, then j descending."""
     found = re.search(r'"beziertriangle".*?"point3 P" \[(.*?)\]', scene.read_text(), re.DOTALL)
     if not found:
         raise ValueError(f"{scene} has no Bézier triangle")
@@ -48,7 +48,7 @@ def control_points(scene: pathlib.Path = SCENE) -> Array:
 
 
 def hood() -> list[Array]:
-    """Corners of its five faces, counted round."""
+    """Corners of the five faces of the hood, in order."""
     faces = []
     for axis, end in ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1)):
         choice = numpy.zeros((4, 3), dtype=int)
@@ -68,7 +68,7 @@ def hooded_scene() -> str:
 
 @dataclasses.dataclass(frozen=True)
 class Mesh:
-    """Triangles, with the surface's own normals at their corners or with none."""
+    """Triangles, with the surface's normals at their corners or without normals."""
 
     vertices: Array
     normals: Array | None
@@ -76,7 +76,7 @@ class Mesh:
 
 
 def tessellated(points: Array, cuts: int) -> Mesh:
-    """`cuts` squared triangles, between points of a regular grid of the parameters."""
+    """Tessellation into `cuts` squared triangles between points of a regular grid of the parameters."""
     i, j = numpy.indices((cuts + 1, cuts + 1)).reshape(2, -1)
     inside = i + j <= cuts
     i, j = i[inside], j[inside]
@@ -116,10 +116,10 @@ def evaluated(points: Array, r: Array, s: Array) -> tuple[Array, Array, Array]:
 
 
 def maps(flux_of_cells: Array, squares: Array, particles: int | None, cells: int) -> list[LuxMap]:
-    """Lux of what arrived in lumens, `cells` times `cells` to a wall, and of the sums of its squares.
+    """Maps of `cells` x `cells` per wall from the lumens that arrive in each cell and the sums of their squares.
 
-    Every one of the particles arrives once or not at all, so the variance of a sum is the squares less the square of the sum
-    per particle. Without their number it is the squares.
+    Each particle arrives once or not at all, so the variance of a sum is the sum of squares minus the square of the sum divided
+    by the number of particles. If that is unknown, it is the sum of squares.
     """
     area = (SIZE / cells) ** 2
     found = []

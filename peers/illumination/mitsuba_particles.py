@@ -1,7 +1,7 @@
-"""Mitsuba 3 traces particles through the room of document 000.
+"""Particle tracing with Mitsuba 3 through the room of document 000.
 
-Its lamp sends them out, its hierarchy (Embree) finds where they go, its materials turn them round, all in its vectorised
-variant; here they are only added up. Mitsuba's own particle tracer shows them to cameras, which a wall is not.
+Emission, intersection (Embree) and scattering are Mitsuba's, in its vectorised variant; this module only adds up the arriving
+particles. Mitsuba's own particle tracer connects them to cameras, which a wall is not.
 """
 
 import time
@@ -16,10 +16,10 @@ from lux_map import Array, LuxMap
 
 mitsuba.set_variant("llvm_ad_rgb")
 
-# Particles of a step; sums of more would not fit the 24 bits of its numbers.
+# Particles per step; sums of more would exceed the 24 bits of its numbers.
 STEP = 1 << 21
 
-# Surfaces that a particle meets at most. After so many mirrors nothing is left that could be measured.
+# Largest number of surfaces that a particle hits. After so many mirrors its power is negligible.
 DEPTH = 64
 
 
@@ -28,7 +28,7 @@ def grey(value: float) -> dict[str, object]:
 
 
 def triangles(name: str, mesh: mirror.Mesh, surface: dict[str, object]) -> mitsuba.Mesh:
-    """That look the same from both sides."""
+    """A mesh with the same material on both sides."""
     properties = mitsuba.Properties()
     properties["mesh_bsdf"] = mitsuba.load_dict({"type": "twosided", "surface": surface})
     smooth = mesh.normals is not None
@@ -66,7 +66,7 @@ def room(mesh: mirror.Mesh, hooded: bool) -> mitsuba.Scene:
 
 
 def cell(position: mitsuba.Point3f, cells: int) -> mitsuba.UInt32:
-    """Number of the cell that a point on the walls belongs to."""
+    """Index of the cell of a point on the walls."""
     share = position / mirror.SIZE
     near = [drjit.minimum(x, 1 - x) for x in share]
     axis = drjit.select(near[0] < near[1], 0, 1)
@@ -83,7 +83,7 @@ def cell(position: mitsuba.Point3f, cells: int) -> mitsuba.UInt32:
 def step(
     scene: mitsuba.Scene, sampler: mitsuba.Sampler, walls: mitsuba.ShapePtr, cells: int
 ) -> tuple[mitsuba.Float, mitsuba.Float]:
-    """Lumens by cell of the particles of a step, as if each were the only one, and their squares."""
+    """Lumens by cell, summed over the particles of a step as if each were the only one, and the sums of their squares."""
     sums, squares = (drjit.zeros(mitsuba.Float, 6 * cells * cells) for _ in range(2))
     active = mitsuba.Bool(True)
     ray, power, _ = scene.sample_emitter_ray(0, sampler.next_1d(), sampler.next_2d(), sampler.next_2d(), active)
@@ -106,7 +106,7 @@ def step(
 
 
 class Particles:
-    """A room whose maps are asked for more than once; compiling is over when it is made."""
+    """A room that is traced several times; its kernels are compiled on construction."""
 
     def __init__(self, mesh: mirror.Mesh, hooded: bool, cells: int, threads: int) -> None:
         drjit.set_thread_count(threads)
@@ -118,7 +118,7 @@ class Particles:
         next(self.steps(0))
 
     def steps(self, seed: int) -> Iterator[tuple[Array, Array]]:
-        """Sums of one step after the other."""
+        """Sums of successive steps."""
         number = seed << 16
         while True:
             self.sampler.seed(number, STEP)
@@ -128,7 +128,7 @@ class Particles:
             number += 1
 
     def trace(self, particles: int, seed: int) -> tuple[list[LuxMap], int, float]:
-        """Maps of at least so many particles, how many there were, and seconds of the processors."""
+        """Maps of at least `particles` particles, their actual number, and processor seconds."""
         begun = time.process_time()
         sums = squares = numpy.zeros(6 * self.cells**2)
         count = 0

@@ -1,7 +1,7 @@
-"""Radiance's photons in the room of document 000: where mkpmap stores them, not what is estimated from them.
+"""Radiance's photons in the room of document 000: those that mkpmap stores, without its density estimate.
 
-It stores every photon that arrives at a diffuse surface. Those straight from the lamp are one map, those by way of mirrors
-another. Walls are all but black: black ones store nothing, and what they send back would come as if from the mirror.
+mkpmap stores every photon that arrives at a diffuse surface, direct ones in one map, those by way of mirrors in another. The walls
+are nearly black: black ones would store nothing, and light that they reflect would count as light of the mirror.
 """
 
 import pathlib
@@ -15,10 +15,10 @@ from glanz import measured
 from lux_map import Array
 from radiance import ENVIRONMENT, program
 
-# Of the walls, in all three channels.
+# Reflectance of the walls, in all three channels.
 DARK = 1e-4
 
-# Photons that come straight, and those by way of mirrors.
+# Direct photons, and those by way of mirrors.
 KINDS = {"direct": "-apd", "caustic": "-apc"}
 
 
@@ -49,10 +49,10 @@ def write(folder: pathlib.Path, mesh: mirror.Mesh) -> pathlib.Path:
 
 
 def arrivals(tree: pathlib.Path, kind: str, count: int, cells: int) -> tuple[Array, int, float]:
-    """Of about so many photons of a kind lumens by cell and their squares, how many there were, and seconds of the processors.
+    """Lumens by cell and their squares for about `count` photons of a kind, their actual number, and processor seconds.
 
-    A photon's flux is stored in a byte and an exponent, so that all of them may be off by half a per cent together. The seconds
-    are those of making and storing them.
+    A photon's flux is stored as a byte and an exponent, so that all of them may be off by half a per cent. The seconds are those of
+    tracing and storing them.
     """
     stored = tree.with_name(f"{kind}.pm")
     make = [program("mkpmap"), KINDS[kind], stored.name, count, "-fo+", tree.name]
@@ -67,7 +67,7 @@ def arrivals(tree: pathlib.Path, kind: str, count: int, cells: int) -> tuple[Arr
 
 
 def cell(positions: Array, cells: int) -> NDArray[numpy.intp]:
-    """Number of the cell that points on the walls belong to."""
+    """Indices of the cells of points on the walls."""
     shares = positions / mirror.SIZE
     axis = numpy.minimum(shares, 1 - shares).argmin(axis=1)
     far = numpy.take_along_axis(shares, axis[:, None], axis=1)[:, 0] > 0.5

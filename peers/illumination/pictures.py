@@ -12,7 +12,7 @@ from matplotlib import pyplot
 
 
 def draw(path: pathlib.Path, title: str, ours: LuxMap, theirs: LuxMap, name: str) -> None:
-    """Lux of both on one scale, and theirs less ours in standard errors of the difference."""
+    """Draws both maps on one scale, and their difference in standard errors."""
     axes = [axis for axis in range(3) if numpy.ptp(ours.positions[:, axis]) > 1e-6]
     across, up = (numpy.unique(numpy.round(ours.positions[:, axis], 6)) for axis in axes)
     ends = [x for middles in (across, up) for x in (1.5 * middles[0] - middles[1] / 2, 1.5 * middles[-1] - middles[-2] / 2)]

@@ -1,4 +1,4 @@
-"""Radiance: the office by ies2rad, oconv and rtrace, the programs that come with pyradiance."""
+"""The office with Radiance: ies2rad, oconv and rtrace of pyradiance."""
 
 import os
 import pathlib
@@ -14,13 +14,13 @@ from lux_map import Array, LuxMap
 PROGRAMS = pathlib.Path(pyradiance.__file__).parent
 ENVIRONMENT = os.environ | {"RAYPATH": f".:{PROGRAMS / 'lib'}", "LC_ALL": "C"}
 
-# Every light is looked at from every point, and none is guessed.
+# Every point samples every light; none is estimated.
 DIRECT = ["-ds", 0, "-dj", 0, "-dt", 0, "-dc", 1, "-dr", 0]
 
-# Light of all bounces by chance alone: nothing is kept or interpolated (-aa 0), paths end by Russian roulette.
+# Light of all bounces by random paths: no cache and no interpolation (-aa 0); paths end by Russian roulette.
 AMBIENT = ["-aa", 0, "-as", 0, "-av", 0, 0, 0, "-u+", "-lr", -30, "-lw", 2e-4]
 
-# A receiver that is a surface is seen from so far above it, metres.
+# Distance of measurement points above a receiver that is a surface, metres.
 ABOVE = 1e-5
 
 
@@ -34,7 +34,7 @@ def version() -> str:
 
 
 def octree(folder: pathlib.Path, scene: str) -> pathlib.Path:
-    """Of a scene that room.write has written, with the lamps of lamp.ies."""
+    """Builds the octree of a scene written by room.write, with the luminaires of lamp.ies."""
     lamp = [program("ies2rad"), "-dm", "-c", 1, 1, 1, "-o", "lamp", "lamp.ies"]
     measured(lamp, cwd=folder, env=ENVIRONMENT)
     parts = [(folder / f"{scene}.rad").read_text()]
@@ -51,7 +51,7 @@ def octree(folder: pathlib.Path, scene: str) -> pathlib.Path:
 
 
 def illuminance(tree: pathlib.Path, points: Array, bounces: int, divisions: int, threads: int) -> tuple[Array, float]:
-    """Lux at points that look up, and seconds of the processors."""
+    """Illuminance of points that face upwards, lux, and processor seconds."""
     ambient = ["-ab", bounces, "-ad", divisions, *AMBIENT] if bounces else ["-ab", 0]
     command = [program("rtrace"), "-h", "-I+", "-w", "-n", threads, "-fdf", *DIRECT, *ambient, tree.name]
     rays = numpy.hstack([points, numpy.tile([0.0, 0.0, 1.0], (len(points), 1))])
@@ -60,14 +60,14 @@ def illuminance(tree: pathlib.Path, points: Array, bounces: int, divisions: int,
     with asked.open("rb") as from_, answered.open("wb") as to:
         seconds = measured(command, cwd=tree.parent, env=ENVIRONMENT, stdin=from_, stdout=to)
     rgb = numpy.fromfile(answered, "<f4").reshape(-1, 3).astype(numpy.float64)
-    # Radiance's watts are white light of 179 lm; so it reads luminaires, and so it has to be read.
+    # Radiance converts 179 lm of white light to a watt on reading luminaires; the inverse applies to its results.
     return 179 * (rgb @ [0.265, 0.670, 0.065]), seconds
 
 
 def lux_map(tree: pathlib.Path, height: float, parts: int, bounces: int, divisions: int, threads: int) -> tuple[LuxMap, float]:
-    """Means over cells, and seconds of the processors.
+    """Means over cells, and processor seconds.
 
-    Of points by chance: two in each of `parts` times `parts` parts of a cell, whose difference tells the error.
+    They are means of random points, two in each of `parts` x `parts` parts of a cell, whose difference estimates the error.
     """
     random = numpy.random.default_rng(round(1000 * height))
     corners, sides = room.corners_of_cells(height)

@@ -1,4 +1,4 @@
-"""The office: walls, furniture and two luminaires, as Glanz and as Radiance read them."""
+"""The office: walls, furniture and two luminaires, in the formats of Glanz and Radiance."""
 
 import dataclasses
 import pathlib
@@ -12,7 +12,7 @@ from lux_map import Array, LuxMap
 SIZE = numpy.array([6.0, 4.0, 2.8])
 CELLS = (24, 16)
 
-# Height of the planes on which light is measured, metres. That of the desk lets light pass.
+# Heights of the measurement planes, metres. That of the desk is an interface, which light passes.
 RECEIVERS = {"desk": 0.75, "floor": 0.0}
 
 REFLECTANCE = {"wall": 0.5, "ceiling": 0.7, "floor": 0.2, "furniture": 0.4}
@@ -26,7 +26,7 @@ class Box:
     high: tuple[float, float, float]
 
     def faces(self) -> list[Array]:
-        """Four corners each, counted round so that the normal points out."""
+        """Four corners of each face, in the order for which the normal points outwards."""
         low, high = numpy.array(self.low, dtype=float), numpy.array(self.high, dtype=float)
         faces = []
         for axis in range(3):
@@ -40,14 +40,14 @@ class Box:
         return faces
 
     def blocks(self, origin: Array, target: Array) -> NDArray[numpy.bool_]:
-        """Whether it stands between a point and others."""
+        """Whether the box is between `origin` and the targets."""
         with numpy.errstate(divide="ignore"):
             ends = numpy.stack([(numpy.array(end) - origin) / (target - origin) for end in (self.low, self.high)])
         enter, leave = ends.min(axis=0).max(axis=-1), ends.max(axis=0).min(axis=-1)
         return (enter < leave) & (leave > 0) & (enter < 1)
 
 
-# Two table tops below the plane of the desk, and a screen between them that stands through it.
+# Two table tops below the plane of the desk, and a screen between them that crosses it.
 FURNITURE = [
     Box((0.9, 1.2, 0.70), (2.5, 2.0, 0.72)),
     Box((3.6, 1.0, 0.70), (4.4, 2.6, 0.72)),
@@ -57,7 +57,7 @@ FURNITURE = [
 
 @dataclasses.dataclass(frozen=True)
 class Mounted:
-    """A luminaire, turned first about x, then about z, degrees, then moved."""
+    """A luminaire, rotated first about x, then about z (degrees), then moved."""
 
     position: tuple[float, float, float]
     about_x: float
@@ -107,7 +107,7 @@ def scene_of_glanz(luminaire_file: str, black: bool) -> str:
 
 
 def scene_of_radiance(black: bool) -> str:
-    """Without lamps."""
+    """The scene without luminaires."""
     lines = []
     for number, (corners, kind, reflectance) in enumerate(surfaces(black)):
         points = " ".join(f"{x:.10g}" for x in corners.ravel())
@@ -124,13 +124,13 @@ def corners_of_cells(height: float) -> tuple[Array, Array]:
 
 
 def direct(luminaire: Luminaire, points: Array) -> Array:
-    """Lux that comes straight from the luminaires to points that look up: I cos / d^2 where nothing stands between."""
+    """Direct illuminance of points that face upwards, lux: I cos / d^2 without occlusion."""
     lux = numpy.zeros(points.shape[:-1])
     for lamp in MOUNTED:
         position = numpy.array(lamp.position)
         ray = points - position
         distance = numpy.linalg.norm(ray, axis=-1)
-        # Rows times a rotation are turned back by it.
+        # Multiplying rows by a rotation applies its inverse.
         candela = luminaire.intensity(ray / distance[..., None] @ lamp.rotation())
         seen = ~numpy.any([box.blocks(position, points) for box in FURNITURE], axis=0)
         lux += numpy.where(seen, candela * (-ray[..., 2]) / distance**3, 0)
@@ -138,7 +138,7 @@ def direct(luminaire: Luminaire, points: Array) -> Array:
 
 
 def closed_form(luminaire: Luminaire, height: float, parts: int = 40) -> LuxMap:
-    """Means over cells of what comes straight: of a point by chance in each of `parts` times `parts` parts of a cell."""
+    """Means of the direct illuminance over cells, by a random point in each of `parts` x `parts` parts of a cell."""
     random = numpy.random.default_rng(1)
     corners, sides = corners_of_cells(height)
     lux = numpy.zeros(len(corners))
@@ -150,7 +150,7 @@ def closed_form(luminaire: Luminaire, height: float, parts: int = 40) -> LuxMap:
 
 
 def write(folder: pathlib.Path, luminaire: Luminaire) -> None:
-    """All files but those of Radiance's lamps."""
+    """Writes all files except those of Radiance's luminaires."""
     folder.mkdir(parents=True, exist_ok=True)
     luminaire.write(folder / "lamp.ies")
     for name, black in (("black", True), ("office", False)):
