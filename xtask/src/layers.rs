@@ -1,43 +1,43 @@
-//! Which crate may use which.
+//! Permitted dependencies between crates.
 
 use crate::workspace;
 
-/// A crate with its place in the house.
+/// A crate of the product with its layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Room {
-    floor: u8,
+struct LayeredCrate {
+    layer: u8,
     name: &'static str,
-    /// As in the last column of the table in `docs/ARCHITECTURE.md`: `-`, short names, `LOW-HIGH` floors, or `all`.
+    /// As in the last column of the table in `docs/ARCHITECTURE.md`: `-`, short names, `LOW-HIGH` layers, or `all`.
     may_use: &'static str,
 }
 
-/// The floors. `docs/ARCHITECTURE.md` shows the same table to people; [`check`] compares the two.
-const ROOMS: &[Room] = &[
-    Room { floor: 0, name: "glanz-math", may_use: "-" },
-    Room { floor: 0, name: "glanz-job", may_use: "-" },
-    Room { floor: 1, name: "glanz-geometry", may_use: "math" },
-    Room { floor: 1, name: "glanz-light", may_use: "math" },
-    Room { floor: 1, name: "glanz-sampling", may_use: "math" },
-    Room { floor: 2, name: "glanz-report", may_use: "job, light" },
-    Room { floor: 2, name: "glanz-shading", may_use: "math, light, sampling" },
-    Room { floor: 3, name: "glanz-scene", may_use: "0-2" },
-    Room { floor: 4, name: "glanz-formats", may_use: "0-3" },
-    Room { floor: 4, name: "glanz-transport", may_use: "0-3" },
-    Room { floor: 4, name: "glanz-radiosity", may_use: "0-3" },
-    Room { floor: 5, name: "glanz-illumination", may_use: "0-4" },
-    Room { floor: 5, name: "glanz-terminal", may_use: "report, job, scene" },
-    Room { floor: 6, name: "glanz-viewer", may_use: "0-5" },
-    Room { floor: 7, name: "glanz", may_use: "0-6" },
-    Room { floor: 8, name: "glanz-cli", may_use: "all" },
-    Room { floor: 8, name: "glanz-study", may_use: "all" },
+/// The layers. `docs/ARCHITECTURE.md` has the same table for readers; [`check`] compares the two.
+const LAYERS: &[LayeredCrate] = &[
+    LayeredCrate { layer: 0, name: "glanz-math", may_use: "-" },
+    LayeredCrate { layer: 0, name: "glanz-job", may_use: "-" },
+    LayeredCrate { layer: 1, name: "glanz-geometry", may_use: "math" },
+    LayeredCrate { layer: 1, name: "glanz-light", may_use: "math" },
+    LayeredCrate { layer: 1, name: "glanz-sampling", may_use: "math" },
+    LayeredCrate { layer: 2, name: "glanz-report", may_use: "job, light" },
+    LayeredCrate { layer: 2, name: "glanz-shading", may_use: "math, light, sampling" },
+    LayeredCrate { layer: 3, name: "glanz-scene", may_use: "0-2" },
+    LayeredCrate { layer: 4, name: "glanz-formats", may_use: "0-3" },
+    LayeredCrate { layer: 4, name: "glanz-transport", may_use: "0-3" },
+    LayeredCrate { layer: 4, name: "glanz-radiosity", may_use: "0-3" },
+    LayeredCrate { layer: 5, name: "glanz-illumination", may_use: "0-4" },
+    LayeredCrate { layer: 5, name: "glanz-terminal", may_use: "report, job, scene" },
+    LayeredCrate { layer: 6, name: "glanz-viewer", may_use: "0-5" },
+    LayeredCrate { layer: 7, name: "glanz", may_use: "0-6" },
+    LayeredCrate { layer: 8, name: "glanz-cli", may_use: "all" },
+    LayeredCrate { layer: 8, name: "glanz-study", may_use: "all" },
 ];
 
-/// Members of the workspace that are no part of the house: they use no crate of it, and none uses them.
+/// Members of the workspace that are not part of the product: they use none of its crates, and none uses them.
 const OUTSIDE: &[&str] = &["xtask"];
 
-impl Room {
+impl LayeredCrate {
     fn named(name: &str) -> Option<&'static Self> {
-        ROOMS.iter().find(|room| room.name == name)
+        LAYERS.iter().find(|layered| layered.name == name)
     }
 
     fn may_use(&self, other: &Self) -> bool {
@@ -46,17 +46,17 @@ impl Room {
             "all" => true,
             list => list.split(", ").any(|entry| match entry.split_once('-') {
                 Some((low, high)) => match (low.parse::<u8>(), high.parse::<u8>()) {
-                    (Ok(low), Ok(high)) => (low..=high).contains(&other.floor),
+                    (Ok(low), Ok(high)) => (low..=high).contains(&other.layer),
                     _ => false,
                 },
                 None => other.name.strip_prefix("glanz-") == Some(entry),
             }),
         };
-        listed && other.floor < self.floor
+        listed && other.layer < self.layer
     }
 }
 
-/// Compares the dependencies of all kinds with [`ROOMS`], and [`ROOMS`] with the table people read.
+/// Compares the dependencies of all kinds with [`LAYERS`], and [`LAYERS`] with the table of `docs/ARCHITECTURE.md`.
 ///
 /// # Errors
 /// One line per breach.
@@ -84,8 +84,9 @@ pub(crate) fn check() -> Result<String, String> {
         Err(error) => breaches.push(format!("docs/ARCHITECTURE.md: {error}")),
     }
     if breaches.is_empty() {
-        let uses = edges.iter().flat_map(|(_, used)| used).filter(|u| Room::named(u).is_some()).count();
-        Ok(format!("{} crates, {uses} uses, every one of a lower floor", ROOMS.len()))
+        let uses =
+            edges.iter().flat_map(|(_, used)| used).filter(|u| LayeredCrate::named(u).is_some()).count();
+        Ok(format!("{} crates, {uses} uses, every one of a lower layer", LAYERS.len()))
     } else {
         Err(breaches.join("\n"))
     }
@@ -107,67 +108,68 @@ fn edges(tree: &str) -> Vec<(String, Vec<String>)> {
     edges
 }
 
-/// What is wrong with a workspace of crates and the crates they use.
+/// The forbidden uses in a workspace of crates and the crates they use.
 fn breaches(edges: &[(String, Vec<String>)]) -> Vec<String> {
     let mut found = Vec::new();
     for (name, used) in edges {
         let inside: Vec<&str> =
             used.iter().map(String::as_str).filter(|u| edges.iter().any(|(n, _)| n == u)).collect();
-        let Some(room) = Room::named(name) else {
+        let Some(layered) = LayeredCrate::named(name) else {
             if !OUTSIDE.contains(&name.as_str()) {
-                found.push(format!("{name} has no floor; give it one in xtask/src/layers.rs"));
+                found.push(format!("{name} has no layer; give it one in xtask/src/layers.rs"));
             }
-            found.extend(inside.iter().map(|u| format!("{name} uses {u}, but stands outside the house")));
+            found.extend(inside.iter().map(|u| format!("{name} uses {u}, but is not part of the product")));
             continue;
         };
         for used in inside {
-            match Room::named(used) {
-                Some(other) if room.may_use(other) => {}
+            match LayeredCrate::named(used) {
+                Some(other) if layered.may_use(other) => {}
                 Some(other) => found.push(format!(
-                    "{name} (floor {}) uses {used} (floor {}), but may use: {}",
-                    room.floor, other.floor, room.may_use
+                    "{name} (layer {}) uses {used} (layer {}), but may use: {}",
+                    layered.layer, other.layer, layered.may_use
                 )),
-                None => found.push(format!("{name} uses {used}, which has no floor")),
+                None => found.push(format!("{name} uses {used}, which has no layer")),
             }
         }
     }
-    let missing = ROOMS.iter().filter(|room| !edges.iter().any(|(name, _)| name == room.name));
+    let missing = LAYERS.iter().filter(|layered| !edges.iter().any(|(name, _)| name == layered.name));
     found.extend(
-        missing.map(|room| format!("{} is in the table of floors, but not in the workspace", room.name)),
+        missing
+            .map(|layered| format!("{} is in the table of layers, but not in the workspace", layered.name)),
     );
     found
 }
 
-/// Where the table of floors in a text (rows of floor, crate, purpose, may use) differs from [`ROOMS`].
+/// Differences of the table of layers in a text (rows of layer, crate, purpose, may use) from [`LAYERS`].
 fn table_differences(text: &str) -> Vec<String> {
     let rows: Vec<(u8, String, String)> = text.lines().filter_map(table_row).collect();
     let mut found = Vec::new();
-    for room in ROOMS {
-        match rows.iter().find(|(_, name, _)| name == room.name) {
-            None => found.push(format!("docs/ARCHITECTURE.md: the table of floors lacks {}", room.name)),
-            Some((floor, _, may_use)) if (*floor, may_use.as_str()) != (room.floor, room.may_use) => {
+    for layered in LAYERS {
+        match rows.iter().find(|(_, name, _)| name == layered.name) {
+            None => found.push(format!("docs/ARCHITECTURE.md: the table of layers lacks {}", layered.name)),
+            Some((layer, _, may_use)) if (*layer, may_use.as_str()) != (layered.layer, layered.may_use) => {
                 found.push(format!(
-                    "docs/ARCHITECTURE.md: {} on floor {floor} may use \"{may_use}\"; xtask/src/layers.rs says floor {} and \"{}\"",
-                    room.name, room.floor, room.may_use
+                    "docs/ARCHITECTURE.md: {} on layer {layer} may use \"{may_use}\"; xtask/src/layers.rs says layer {} and \"{}\"",
+                    layered.name, layered.layer, layered.may_use
                 ));
             }
             Some(_) => {}
         }
     }
-    let unknown = rows.iter().filter(|(_, name, _)| Room::named(name).is_none());
+    let unknown = rows.iter().filter(|(_, name, _)| LayeredCrate::named(name).is_none());
     found.extend(unknown.map(|(_, name, _)| {
-        format!("docs/ARCHITECTURE.md: {name} is in the table of floors, but not in xtask/src/layers.rs")
+        format!("docs/ARCHITECTURE.md: {name} is in the table of layers, but not in xtask/src/layers.rs")
     }));
     found
 }
 
-/// A row ``| 1 | `glanz-light` | purpose | math |`` as floor, crate and what it may use.
+/// A row ``| 1 | `glanz-light` | purpose | math |`` as layer, crate and the crates it may use.
 fn table_row(line: &str) -> Option<(u8, String, String)> {
     let cells: Vec<&str> = line.trim().trim_matches('|').split('|').map(str::trim).collect();
     match *cells.as_slice() {
-        [floor, name, _, may_use] => {
+        [layer, name, _, may_use] => {
             let name = name.strip_prefix('`')?.strip_suffix('`')?;
-            Some((floor.parse().ok()?, name.to_owned(), may_use.to_owned()))
+            Some((layer.parse().ok()?, name.to_owned(), may_use.to_owned()))
         }
         _ => None,
     }
@@ -177,16 +179,16 @@ fn table_row(line: &str) -> Option<(u8, String, String)> {
 mod tests {
     use super::*;
 
-    /// The house without any use, to which a test adds one.
-    fn empty_house() -> Vec<(String, Vec<String>)> {
-        ROOMS.iter().map(|room| (room.name.to_owned(), Vec::new())).collect()
+    /// All crates without any use, to which a test adds one.
+    fn unused_crates() -> Vec<(String, Vec<String>)> {
+        LAYERS.iter().map(|layered| (layered.name.to_owned(), Vec::new())).collect()
     }
 
     fn with_use(name: &str, used: &str) -> Vec<(String, Vec<String>)> {
-        let mut house = empty_house();
-        house.retain(|(n, _)| n != name);
-        house.push((name.to_owned(), vec![used.to_owned()]));
-        house
+        let mut crates = unused_crates();
+        crates.retain(|(n, _)| n != name);
+        crates.push((name.to_owned(), vec![used.to_owned()]));
+        crates
     }
 
     #[test]
@@ -197,8 +199,8 @@ mod tests {
     }
 
     #[test]
-    fn uses_of_lower_floors_pass() {
-        assert_eq!(breaches(&empty_house()), Vec::<String>::new());
+    fn uses_of_lower_layers_pass() {
+        assert_eq!(breaches(&unused_crates()), Vec::<String>::new());
         for (name, used) in [
             ("glanz-shading", "glanz-light"),
             ("glanz-scene", "glanz-geometry"),
@@ -225,14 +227,15 @@ mod tests {
     }
 
     #[test]
-    fn a_row_that_says_something_else_is_found() {
-        let row =
-            |room: &Room| format!("| {} | `{}` | purpose | {} |\n", room.floor, room.name, room.may_use);
-        let table: String = ROOMS.iter().map(row).collect();
+    fn different_rows_are_reported() {
+        let row = |layered: &LayeredCrate| {
+            format!("| {} | `{}` | purpose | {} |\n", layered.layer, layered.name, layered.may_use)
+        };
+        let table: String = LAYERS.iter().map(row).collect();
         assert_eq!(table_differences(&table), Vec::<String>::new());
         assert_eq!(table_differences(&table.replace("| 3 | `glanz-scene`", "| 2 | `glanz-scene`")).len(), 1);
         assert_eq!(table_differences(&table.replacen("| all |", "| 0-4 |", 1)).len(), 1);
         assert_eq!(table_differences(&(table + "| 4 | `glanz-unlisted` | purpose | 0-3 |")).len(), 1);
-        assert_eq!(table_differences("").len(), ROOMS.len());
+        assert_eq!(table_differences("").len(), LAYERS.len());
     }
 }

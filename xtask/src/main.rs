@@ -24,7 +24,7 @@ Usage: cargo xtask COMMAND
   test [STEP...]       what a change needs: format, layers, references, clippy, docs, tests, web, browser
   nightly [PART...]    everything heavy: heavy, browser, benches, publish, and the parts below
   setup                installs what the checks need beyond Rust; `test` does it, too
-  layers               which crate uses which, against the floors of docs/ARCHITECTURE.md
+  layers               dependencies between crates, against the layers of docs/ARCHITECTURE.md
   references           every @key cited in the sources against docs/references.bib
   words [--report]     banned names, openings and phrases in sources and documents; --report: a list that is no failure
   publish --dry-run    packages every crate and builds it from its package
