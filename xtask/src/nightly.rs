@@ -8,7 +8,7 @@ use crate::suite::{self, Check, Verdict, succeed};
 use crate::{publish, workspace};
 
 /// Integration tests that take their extent from environment variables, optimised.
-struct Part {
+struct NightlyPart {
     name: &'static str,
     package: &'static str,
     /// What the names of its tests contain.
@@ -28,15 +28,15 @@ const fn setting(option: &'static str, variable: &'static str, number: u64) -> S
     Setting { option, variable, number }
 }
 
-const PARTS: &[Part] = &[
-    Part {
+const PARTS: &[NightlyPart] = &[
+    NightlyPart {
         name: "contract",
         package: "glanz-geometry",
         filter: "contract::",
         settings: &[setting("--rays", "GLANZ_CONTRACT_RAYS", 10_000_000)],
         help: "the contract of every kind of surface over random rays",
     },
-    Part {
+    NightlyPart {
         name: "zoo",
         package: "glanz-geometry",
         filter: "zoo::",
@@ -46,21 +46,21 @@ const PARTS: &[Part] = &[
         ],
         help: "roots of rays with freeform patches against a reference of interval arithmetic; --patches FILE... adds patches",
     },
-    Part {
+    NightlyPart {
         name: "seam",
         package: "glanz-geometry",
         filter: "seam::",
         settings: &[setting("--rays", "GLANZ_SEAM_RAYS", 100_000_000)],
         help: "rays across the seam of two trimmed faces",
     },
-    Part {
+    NightlyPart {
         name: "unbiased",
         package: "glanz-study",
         filter: "unbiased::",
         settings: &[setting("--samples", "GLANZ_UNBIASED_SAMPLES", 16_384)],
         help: "a Z-test of `guided` and `light` against `path` in all scenes, with so many samples per pixel",
     },
-    Part {
+    NightlyPart {
         name: "bake",
         package: "glanz-cli",
         filter: "bake_reference::",
@@ -72,7 +72,7 @@ const PARTS: &[Part] = &[
         ],
         help: "light maps of so many texels per metre, from so many rays, against path tracing at random points, with so many paths each",
     },
-    Part {
+    NightlyPart {
         name: "soak",
         package: "glanz-cli",
         filter: "viewer::soak::",
@@ -86,7 +86,7 @@ const PARTS: &[Part] = &[
 
 /// One line per part: its command with the numbers it has unless others are named, and its purpose.
 pub(crate) fn help() -> String {
-    let line = |part: &Part| {
+    let line = |part: &NightlyPart| {
         let options: String = part.settings.iter().map(|s| format!(" [{} {}]", s.option, s.number)).collect();
         format!("  {}{options}\n                       {}\n", part.name, part.help)
     };
@@ -156,7 +156,7 @@ fn benches() -> Result<Verdict, String> {
     succeed(&mut command, "an example or a benchmark does not build").map(|()| Verdict::Passed(String::new()))
 }
 
-impl Part {
+impl NightlyPart {
     /// The command that runs it, its tests' figures printed.
     fn command(&self, mut options: &[&str]) -> Result<Command, String> {
         let mut command = workspace::cargo(["test", "--release", "--package", self.package, "--test", "it"]);

@@ -155,8 +155,7 @@ fn search() -> Result<(usize, Vec<Fault>), String> {
         if shown.ends_with(".rs")
             && !shown.split('/').any(|part| ["tests", "tests.rs", "benches", "examples"].contains(&part))
         {
-            let product = text.split("\n#[cfg(test)]\nmod ").next().unwrap_or_default();
-            for (number, name) in definitions_in(product) {
+            for (number, name) in definitions_in(product_code(&text)) {
                 definitions.entry(name.to_owned()).or_default().push(format!("{shown}:{number}"));
             }
         }
@@ -172,6 +171,13 @@ fn search() -> Result<(usize, Vec<Fault>), String> {
         }
     }
     Ok((files.len(), faults))
+}
+
+/// A source text up to its module of tests, if that is not a file of its own.
+fn product_code(text: &str) -> &str {
+    let mut ends = text.match_indices("\n#[cfg(test)]\nmod ").map(|(start, _)| start);
+    let is_inline = |start: &usize| text[start + 1..].lines().nth(1).is_some_and(|line| line.ends_with('{'));
+    ends.find(is_inline).map_or(text, |end| &text[..end])
 }
 
 /// Banned names of folders and files in a path.
@@ -263,6 +269,13 @@ mod tests {
     fn definitions_are_told_from_uses() {
         let text = "pub(crate) struct House<'a> {\n    type Output = f64;\n    struct Inner;\ntype Pair = [f64; 2];\nlet trait_: House;\nexport class Truth {\n";
         assert_eq!(definitions_in(text), [(1, "House"), (3, "Inner"), (4, "Pair"), (6, "Truth")]);
+    }
+
+    #[test]
+    fn product_code_ends_where_inline_tests_begin() {
+        let code = "struct A;\n#[cfg(test)]\nmod tests;\nstruct B;\n";
+        assert_eq!(product_code(code), code);
+        assert_eq!(product_code("struct A;\n#[cfg(test)]\nmod tests {\n    struct B;\n}\n"), "struct A;");
     }
 
     #[test]

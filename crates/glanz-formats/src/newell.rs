@@ -87,7 +87,7 @@ pub enum NewellErrorKind {
 /// # Errors
 /// [`NewellError`] with the place in the file.
 pub fn read(bytes: &[u8]) -> Result<NewellMesh, NewellError> {
-    let mut words = WordReader { bytes, offset: 0 };
+    let mut words = TokenReader { bytes, offset: 0 };
     let patch_count = words.count("patches", "the number of patches", POINTS)?;
     let first_index = words;
     let mut patches = Vec::with_capacity(patch_count as usize);
@@ -131,12 +131,12 @@ fn quoted(word: &[u8]) -> String {
 
 /// Reads forward through words.
 #[derive(Clone, Copy)]
-struct WordReader<'a> {
+struct TokenReader<'a> {
     bytes: &'a [u8],
     offset: usize,
 }
 
-impl<'a> WordReader<'a> {
+impl<'a> TokenReader<'a> {
     /// The next word and where it begins.
     fn next(&mut self) -> Option<(usize, &'a [u8])> {
         let between = |b: &u8| b.is_ascii_whitespace() || *b == b',';

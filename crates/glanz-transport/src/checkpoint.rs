@@ -263,7 +263,7 @@ fn decode_ranges(d: &mut Decoder<'_>) -> Option<SampleRanges> {
 mod tests {
     use super::*;
     use crate::codec::{CRC_LENGTH, PREFIX_LENGTH, resealed};
-    use crate::pixel::{PixelSums, Sample};
+    use crate::pixel::{PixelSample, PixelSums};
     use glanz_job::JobIdentity;
     use proptest::prelude::*;
 
@@ -284,7 +284,11 @@ mod tests {
             for ([x, y], words) in tile.pixels().zip(words.chunks_exact_mut(layout.words())) {
                 let mut sums = PixelSums::read(&layout, words);
                 let rgb = [x as f32, y as f32 * 0.3, f32::NAN];
-                sums.add(&layout, &Sample { index: 4, rgb, negative: false, first_hit: None }, &mut rejects);
+                sums.add(
+                    &layout,
+                    &PixelSample { index: 4, rgb, negative: false, first_hit: None },
+                    &mut rejects,
+                );
                 sums.write(&layout, words);
             }
         }

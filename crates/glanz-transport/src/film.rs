@@ -415,7 +415,7 @@ fn join(mine: &mut [u64], theirs: &[u64], stride: usize, add: impl Fn(&mut [u64]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pixel::Sample;
+    use crate::pixel::PixelSample;
 
     /// Fills samples `range` with values that differ by pixel and sample.
     fn expose(film: &mut Film, range: std::ops::Range<u32>) {
@@ -428,7 +428,7 @@ mod tests {
                     let value = (x * 100 + y) as f32 + (index as f32 * 0.7).sin();
                     let rgb = [value, value * 1e-6, value * 1e6];
                     let negative = layout.signed && index % 7 == 3;
-                    sums.add(&layout, &Sample { index, rgb, negative, first_hit: None }, &mut rejects);
+                    sums.add(&layout, &PixelSample { index, rgb, negative, first_hit: None }, &mut rejects);
                 }
                 sums.write(&layout, words);
             }

@@ -9,7 +9,7 @@ use std::ops::Range;
 use glanz_math::DVec2;
 use glanz_scene::description::{FilterDescription, FilterKind};
 
-use self::profile::{Profile, ProfileError};
+use self::profile::{FilterProfile, ProfileError};
 use crate::pixel_rect::PixelRect;
 
 mod profile;
@@ -60,7 +60,7 @@ enum FilterShape {
     /// Product of two tents.
     Triangle,
     /// Product of two tabulated profiles over [0, 1], one per axis.
-    Separable(Box<[Profile; 2]>),
+    Separable(Box<[FilterProfile; 2]>),
     /// Constant over the ellipse.
     Cylinder,
     /// `1 - max(|x|, |y|)`.
@@ -147,7 +147,7 @@ impl Filter {
     #[must_use]
     pub fn net_weight(&self) -> f64 {
         match &self.shape {
-            FilterShape::Separable(profiles) => profiles.iter().map(Profile::net_weight).product(),
+            FilterShape::Separable(profiles) => profiles.iter().map(FilterProfile::net_weight).product(),
             _ => 1.0,
         }
     }
@@ -288,7 +288,7 @@ fn disk(s: DVec2) -> DVec2 {
     DVec2::new(radius * cos, radius * sin)
 }
 
-fn gaussian(radius: f64, sigma: f64) -> Result<Profile, FilterError> {
+fn gaussian(radius: f64, sigma: f64) -> Result<FilterProfile, FilterError> {
     let k = radius / sigma;
     let border = -0.5 * k * k;
     let value = |x: f64| {
@@ -298,7 +298,7 @@ fn gaussian(radius: f64, sigma: f64) -> Result<Profile, FilterError> {
     };
     // The second derivative is largest in the middle: k^2, where the peak is 1 - exp(border).
     let curvature = k * k / -border.exp_m1();
-    Profile::try_new(value, curvature).map_err(|error| match error {
+    FilterProfile::try_new(value, curvature).map_err(|error| match error {
         ProfileError::Resolution => FilterError::Parameter {
             name: "sigma",
             value: sigma,
@@ -312,7 +312,7 @@ fn gaussian(radius: f64, sigma: f64) -> Result<Profile, FilterError> {
     })
 }
 
-fn mitchell(b: f64, c: f64) -> Result<Profile, FilterError> {
+fn mitchell(b: f64, c: f64) -> Result<FilterProfile, FilterError> {
     let value = |x: f64| {
         let x = 2.0 * x;
         if x < 1.0 {
@@ -335,7 +335,11 @@ fn mitchell(b: f64, c: f64) -> Result<Profile, FilterError> {
         12.0 * (-b - 6.0 * c) + 2.0 * (6.0 * b + 30.0 * c),
     ];
     let curvature = 4.0 * ends.into_iter().map(f64::abs).fold(0.0, f64::max) / peak;
-    Profile::try_new(value, curvature).map_err(|_| FilterError::Parameter { name: "B", value: b, range })
+    FilterProfile::try_new(value, curvature).map_err(|_| FilterError::Parameter {
+        name: "B",
+        value: b,
+        range,
+    })
 }
 
 #[cfg(test)]

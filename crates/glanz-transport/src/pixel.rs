@@ -27,7 +27,7 @@ pub struct FirstHit {
 
 /// One sample of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub struct PixelSample {
     /// Its number.
     pub index: u32,
     /// Linear Rec. 709 radiance.
@@ -220,7 +220,7 @@ impl PixelSums {
     }
 
     /// Adds one sample to the sums of `layout`.
-    pub fn add(&mut self, layout: &PixelLayout, sample: &Sample, rejects: &mut Rejects) {
+    pub fn add(&mut self, layout: &PixelLayout, sample: &PixelSample, rejects: &mut Rejects) {
         let mut rgb = sample.rgb;
         if !rgb.iter().all(|v| v.is_finite()) {
             rejects.dropped += 1;
@@ -369,8 +369,8 @@ mod tests {
         PixelLayout { aovs, signed, passes: false }
     }
 
-    fn sample(index: u32, value: f32) -> Sample {
-        Sample { index, rgb: [value, 2.0 * value, -value], negative: false, first_hit: None }
+    fn sample(index: u32, value: f32) -> PixelSample {
+        PixelSample { index, rgb: [value, 2.0 * value, -value], negative: false, first_hit: None }
     }
 
     fn hit(object: u32) -> FirstHit {
@@ -405,7 +405,7 @@ mod tests {
         let layout = layout(AovSet::NONE.with(Aov::Variance), true);
         let (mut sums, mut rejects) = (PixelSums::default(), Rejects::default());
         for i in 0..10 {
-            sums.add(&layout, &Sample { negative: i % 5 == 0, ..sample(i, 0.3) }, &mut rejects);
+            sums.add(&layout, &PixelSample { negative: i % 5 == 0, ..sample(i, 0.3) }, &mut rejects);
         }
         let value = sums.radiance(10)[0];
         assert!((value.mean - f64::from(0.3_f32)).abs() < 1e-16);
@@ -417,7 +417,7 @@ mod tests {
         let layout = layout(AovSet::NONE, true);
         let (mut sums, mut rejects) = (PixelSums::default(), Rejects::default());
         sums.add(&layout, &sample(0, 1.0), &mut rejects);
-        sums.add(&layout, &Sample { negative: true, ..sample(1, 0.5) }, &mut rejects);
+        sums.add(&layout, &PixelSample { negative: true, ..sample(1, 0.5) }, &mut rejects);
         assert_eq!(sums.radiance(2)[0].mean, 1.0);
     }
 
@@ -437,9 +437,9 @@ mod tests {
     fn geometry_is_averaged_over_hits_and_the_lowest_sample_names_the_shape() {
         let layout = layout(AovSet::ALL, false);
         let (mut a, mut b, mut rejects) = (PixelSums::default(), PixelSums::default(), Rejects::default());
-        a.add(&layout, &Sample { first_hit: Some(hit(9)), ..sample(5, 1.0) }, &mut rejects);
+        a.add(&layout, &PixelSample { first_hit: Some(hit(9)), ..sample(5, 1.0) }, &mut rejects);
         a.add(&layout, &sample(0, 1.0), &mut rejects);
-        b.add(&layout, &Sample { first_hit: Some(hit(4)), ..sample(3, 1.0) }, &mut rejects);
+        b.add(&layout, &PixelSample { first_hit: Some(hit(4)), ..sample(3, 1.0) }, &mut rejects);
         a.merge(&b);
         assert_eq!(a.first_hit(), Some(hit(4)));
         assert_eq!(PixelSums::default().first_hit(), None);
@@ -453,7 +453,7 @@ mod tests {
                 let (mut sums, mut rejects) = (PixelSums::default(), Rejects::default());
                 for i in 0..3 {
                     let negative = signed && i == 1;
-                    let one = Sample { first_hit: Some(hit(7)), negative, ..sample(i, 1.5) };
+                    let one = PixelSample { first_hit: Some(hit(7)), negative, ..sample(i, 1.5) };
                     sums.add(&layout, &one, &mut rejects);
                 }
                 let mut words = vec![0; layout.words()];

@@ -14,7 +14,7 @@ use crate::film::{Film, FilmError};
 use crate::filter::Filter;
 use crate::guide::{GridError, PathRecords, Training};
 use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Integrator};
-use crate::pixel::{PixelSums, Rejects, Sample};
+use crate::pixel::{PixelSample, PixelSums, Rejects};
 use crate::pixel_rect::PixelRect;
 use crate::progress::{FinishedTile, RenderSink, TileSink};
 use crate::splat::{Splat, SplatBuffer, SplatRows};
@@ -335,7 +335,7 @@ impl PassRenderer<'_> {
         training: Option<&Training>,
         memory: &mut ThreadBuffers,
         counters: &mut Counters,
-    ) -> Sample {
+    ) -> PixelSample {
         let settings = self.settings;
         let mut sampler =
             PixelSampler::new(settings.sampler, settings.samples_per_pixel, settings.seed, pixel, index);
@@ -352,7 +352,7 @@ impl PassRenderer<'_> {
         memory.splats = std::mem::take(&mut context.splats);
         counters.merge(context.counters);
         let rgb = radiance.to_rgb(&context.wavelengths);
-        Sample { index, rgb, negative: place.negative, first_hit: context.first_hit() }
+        PixelSample { index, rgb, negative: place.negative, first_hit: context.first_hit() }
     }
 }
 

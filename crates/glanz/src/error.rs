@@ -256,7 +256,7 @@ pub enum FileFault {
     /// A candela distribution that cannot be encoded.
     #[cfg(feature = "formats")]
     #[error(transparent)]
-    Photometry(#[from] glanz_formats::photometry::write::WriteError),
+    Photometry(#[from] glanz_formats::photometry::write::PhotometryWriteError),
     /// A report that is none.
     #[cfg(feature = "formats")]
     #[error(transparent)]

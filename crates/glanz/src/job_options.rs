@@ -1,4 +1,4 @@
-//! Options that every job takes, and what becomes of them while it runs.
+//! Options that every job takes, and the sink that serves them while it runs.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 /// A camera, which looks along -z of its own axes with +x to the right of its picture and +y up.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Camera {
+pub struct GlbCamera {
     /// Its name.
     pub name: String,
     /// The projection.
@@ -31,7 +31,7 @@ pub enum Projection {
     Orthographic([f32; 2]),
 }
 
-impl Camera {
+impl GlbCamera {
     /// The camera and its node as the format says them; `number`: its place in the list of cameras.
     pub(super) fn values(&self, number: usize) -> (Value, Value) {
         let [near, far] = self.range;

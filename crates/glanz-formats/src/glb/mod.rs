@@ -10,31 +10,31 @@ mod camera;
 #[cfg(test)]
 mod tests;
 
-pub use camera::{Camera, Projection};
+pub use camera::{GlbCamera, Projection};
 
 /// A model to write.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Model {
+pub struct GlbModel {
     /// Pictures, as the bytes of PNG files.
     pub pictures: Vec<Vec<u8>>,
-    /// Things, each with a name.
-    pub nodes: Vec<Node>,
+    /// Named nodes.
+    pub nodes: Vec<GlbNode>,
     /// The camera.
-    pub camera: Option<Camera>,
+    pub camera: Option<GlbCamera>,
 }
 
-/// A thing of a model.
+/// A node of a model: a named list of primitives.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Node {
+pub struct GlbNode {
     /// Its name.
     pub name: String,
-    /// Its surfaces.
-    pub parts: Vec<Part>,
+    /// Its primitives.
+    pub parts: Vec<GlbPrimitive>,
 }
 
-/// Triangles with one look. Lists by vertex are of one length.
+/// Triangles with one material. Lists by vertex are of one length.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Part {
+pub struct GlbPrimitive {
     /// Number of the picture that is seen on it; black without.
     pub picture: Option<usize>,
     /// Metres, y up.
@@ -75,7 +75,7 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 const LINEAR: u32 = 9729;
 const CLAMP_TO_EDGE: u32 = 33071;
 
-/// The binary part with what is said of it.
+/// The binary chunk with its views and accessors.
 #[derive(Default)]
 struct Buffer {
     bytes: Vec<u8>,
@@ -118,7 +118,7 @@ impl Buffer {
         self.accessor(accessor, view)
     }
 
-    fn part(&mut self, part: &Part) -> Value {
+    fn part(&mut self, part: &GlbPrimitive) -> Value {
         let position = self.vectors(&part.positions, true);
         let normal = self.vectors(&part.normals, false);
         let own = self.vectors(&part.coordinates[0], false);
@@ -144,7 +144,7 @@ impl Buffer {
 ///
 /// # Errors
 /// [`GlbError`].
-pub fn write(model: &Model) -> Result<Vec<u8>, GlbError> {
+pub fn write(model: &GlbModel) -> Result<Vec<u8>, GlbError> {
     let mut buffer = Buffer::default();
     let (mut nodes, mut meshes) = (Vec::new(), Vec::new());
     for node in &model.nodes {
@@ -219,7 +219,7 @@ pub fn write(model: &Model) -> Result<Vec<u8>, GlbError> {
     file(document.to_string().into_bytes(), buffer.bytes)
 }
 
-fn check(part: &Part, model: &Model) -> Result<(), fn(String, usize) -> GlbError> {
+fn check(part: &GlbPrimitive, model: &GlbModel) -> Result<(), fn(String, usize) -> GlbError> {
     let count = part.positions.len();
     let [own, light] = &part.coordinates;
     let fits = [part.normals.len(), own.len(), light.len()] == [count; 3];

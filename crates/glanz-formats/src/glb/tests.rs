@@ -1,25 +1,25 @@
 use super::*;
 
-fn model() -> Model {
-    let part = Part {
+fn model() -> GlbModel {
+    let part = GlbPrimitive {
         picture: Some(0),
         positions: vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 3.0, -1.0]],
         normals: vec![[0.0, 0.0, 1.0]; 3],
         coordinates: [vec![[0.0, 0.0]; 3], vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]],
         indices: vec![[0, 1, 2]],
     };
-    let dark = Part { picture: None, ..part.clone() };
+    let dark = GlbPrimitive { picture: None, ..part.clone() };
     let nodes = vec![
-        Node { name: "a \"wall\"".into(), parts: vec![part, dark] },
-        Node { name: "nothing".into(), parts: vec![Part::default()] },
+        GlbNode { name: "a \"wall\"".into(), parts: vec![part, dark] },
+        GlbNode { name: "nothing".into(), parts: vec![GlbPrimitive::default()] },
     ];
-    Model { pictures: vec![b"not really a picture".to_vec()], nodes, camera: None }
+    GlbModel { pictures: vec![b"not really a picture".to_vec()], nodes, camera: None }
 }
 
-fn camera() -> Camera {
+fn camera() -> GlbCamera {
     let projection = Projection::Perspective { field_of_view: 0.75, aspect: 1.5 };
     let half = 0.5_f32.sqrt();
-    Camera {
+    GlbCamera {
         name: "camera".into(),
         projection,
         range: [0.125, 100.0],
@@ -81,7 +81,7 @@ fn what_is_written_can_be_read_by_the_rules_of_the_format() {
 #[test]
 fn a_camera_is_a_node_of_the_scene() {
     for projection in [camera().projection, Projection::Orthographic([4.0, 3.0])] {
-        let seen = Model { camera: Some(Camera { projection, ..camera() }), ..model() };
+        let seen = GlbModel { camera: Some(GlbCamera { projection, ..camera() }), ..model() };
         let (document, _) = read(&write(&seen).unwrap());
         assert_eq!(document["scenes"][0]["nodes"], json!([0, 1]));
         let node = &document["nodes"][1];
@@ -102,7 +102,7 @@ fn a_camera_is_a_node_of_the_scene() {
 
 #[test]
 fn an_empty_model_has_no_empty_lists() {
-    let (document, bytes) = read(&write(&Model::default()).unwrap());
+    let (document, bytes) = read(&write(&GlbModel::default()).unwrap());
     assert!(bytes.is_empty());
     for (name, value) in document.as_object().unwrap() {
         assert!(!value.as_array().is_some_and(Vec::is_empty), "{name}");
@@ -122,14 +122,14 @@ fn models_that_make_no_sense_are_refused() {
     assert_eq!(write(&wrong), Err(GlbError::Picture("a \"wall\"".into(), 0)));
     let projection = Projection::Perspective { field_of_view: 3.2, aspect: 1.5 };
     for camera in [
-        Camera { projection, ..camera() },
-        Camera { projection: Projection::Orthographic([0.0, 1.0]), ..camera() },
-        Camera { range: [0.0, 1.0], ..camera() },
-        Camera { range: [1.0, 1.0], ..camera() },
-        Camera { rotation: [0.0, 1.0, 0.0, 1.0], ..camera() },
-        Camera { position: [0.0, f32::NAN, 0.0], ..camera() },
+        GlbCamera { projection, ..camera() },
+        GlbCamera { projection: Projection::Orthographic([0.0, 1.0]), ..camera() },
+        GlbCamera { range: [0.0, 1.0], ..camera() },
+        GlbCamera { range: [1.0, 1.0], ..camera() },
+        GlbCamera { rotation: [0.0, 1.0, 0.0, 1.0], ..camera() },
+        GlbCamera { position: [0.0, f32::NAN, 0.0], ..camera() },
     ] {
-        let wrong = Model { camera: Some(camera), ..model() };
+        let wrong = GlbModel { camera: Some(camera), ..model() };
         assert_eq!(write(&wrong), Err(GlbError::Camera("camera".into())));
     }
 }

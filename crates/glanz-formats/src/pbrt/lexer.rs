@@ -183,7 +183,7 @@ impl Lexer {
         Ok((String::from_utf8_lossy(&out).into_owned(), place))
     }
 
-    /// Reports a text without end, and goes on with the next line.
+    /// Reports a text without end and continues with the next line.
     fn unterminated(&mut self, start: usize) -> LexError {
         let place = self.place_at(start, 1);
         let rest = self.bytes.get(start..).unwrap_or_default();

@@ -60,12 +60,12 @@ pub(super) struct PatchBasis {
 }
 
 /// Rows for the coefficients of t^3, t^2, t and 1, common divisor, step.
-type Table = (&'static str, [[f64; 4]; 4], f64, usize);
+type BasisTable = (&'static str, [[f64; 4]; 4], f64, usize);
 
 const BEZIER: [[f64; 4]; 4] =
     [[-1.0, 3.0, -3.0, 1.0], [3.0, -6.0, 3.0, 0.0], [-3.0, 3.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]];
 
-const BASES: [Table; 5] = [
+const BASES: [BasisTable; 5] = [
     ("bezier", BEZIER, 1.0, 3),
     (
         "b-spline",

@@ -16,12 +16,12 @@ const PIECES: u32 = 6;
 
 /// A place and the unit normal of the surface there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Receiver {
+pub(super) struct ReceivingPoint {
     pub(super) point: DVec3,
     pub(super) normal: DVec3,
 }
 
-impl Receiver {
+impl ReceivingPoint {
     fn height(&self, point: DVec3) -> f64 {
         (point - self.point).dot(self.normal)
     }
@@ -114,7 +114,7 @@ mod tests {
 
     use super::*;
 
-    const UP: Receiver = Receiver { point: DVec3::ZERO, normal: DVec3::Z };
+    const UP: ReceivingPoint = ReceivingPoint { point: DVec3::ZERO, normal: DVec3::Z };
 
     #[test]
     fn disk_above_is_the_square_of_the_sine() {

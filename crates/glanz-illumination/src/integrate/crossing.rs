@@ -2,7 +2,7 @@
 
 use glanz_math::DVec2;
 
-use super::region::{ParameterRect, Region};
+use super::region::{IntegrationRect, Region};
 
 /// Samples along each side of a rectangle.
 pub(super) const GRID: usize = 4;
@@ -246,7 +246,7 @@ pub(super) struct GridSamples<S> {
 }
 
 impl<S: Copy> GridSamples<S> {
-    pub(super) fn take<R: Region<Sample = S>>(region: &R, part: u32, rect: &ParameterRect) -> Self {
+    pub(super) fn take<R: Region<Sample = S>>(region: &R, part: u32, rect: &IntegrationRect) -> Self {
         let place = |axis: usize, i: usize| {
             let share = i as f64 / (GRID - 1) as f64;
             rect.min[axis] + share * rect.size()[axis]

@@ -6,9 +6,9 @@ use glanz_math::DVec3;
 use glanz_math::{DVec2, Ray};
 use glanz_scene::{Light, Scene};
 
-use super::contour::Receiver;
+use super::contour::ReceivingPoint;
 use super::lamp::{EmitterForm, EmitterShape};
-use super::region::{ParameterRect, Region, RegionIntegral, Tolerance, integrate};
+use super::region::{IntegrationRect, Region, RegionIntegral, Tolerance, integrate};
 
 /// Rays per side of each part of a lamp that look whether something hides it.
 const LOOKS: u32 = 8;
@@ -83,7 +83,7 @@ impl<'a> VisibleShape<'a> {
 /// A lamp as seen from a place.
 struct LampRegion<'a> {
     scene: &'a Scene,
-    receiver: Receiver,
+    receiver: ReceivingPoint,
     /// Start of the rays, offset from the surface.
     origin: DVec3,
     lamp: &'a EmitterShape,
@@ -127,7 +127,7 @@ impl Region for LampRegion<'_> {
 /// In closed form if every ray of a grid reaches it, or none; what is smaller than an eighth of the lamp in its shadow may go unseen.
 pub(super) fn of_lamp(
     scene: &Scene,
-    receiver: Receiver,
+    receiver: ReceivingPoint,
     origin: DVec3,
     lamp: &EmitterShape,
     tolerance: Tolerance,
@@ -159,7 +159,7 @@ pub(super) fn of_lamp(
         (true, false) => RegionIntegral { value: whole, error: 1e-9 * whole },
         (false, true) => RegionIntegral::default(),
         (true, true) => {
-            let halves = ParameterRect::UNIT.quarters();
+            let halves = IntegrationRect::UNIT.quarters();
             let cells = (0..sight.figure.parts()).flat_map(|part| halves.map(|rect| (part, rect)));
             integrate(&sight, cells, RegionIntegral::default(), tolerance, BUDGET)
         }
@@ -169,7 +169,7 @@ pub(super) fn of_lamp(
 /// Illuminance by a light that is seen in one direction, lx.
 pub(super) fn of_point(
     scene: &Scene,
-    receiver: Receiver,
+    receiver: ReceivingPoint,
     origin: DVec3,
     light: &Light,
     wavelengths: &Wavelengths,

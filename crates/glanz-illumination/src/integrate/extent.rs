@@ -10,7 +10,7 @@ use glanz_math::glam::DVec4;
 use glanz_math::{Bounds3, DVec2, DVec3, Transform};
 
 use super::net::Net;
-use super::region::ParameterRect;
+use super::region::IntegrationRect;
 
 /// A ball that holds the points, and a cone that holds the normals or their opposites.
 #[derive(Clone, Copy, Debug)]
@@ -145,7 +145,7 @@ impl MirrorPart {
     /// Its bounds over `rect` of the face with points and normals `at`.
     pub(super) fn bounds(
         &self,
-        rect: &ParameterRect,
+        rect: &IntegrationRect,
         at: impl Fn(DVec2) -> Option<(DVec3, DVec3)>,
     ) -> (MirrorExtent, DerivativeBounds) {
         if let Self::Certain(patch) = self {
@@ -165,7 +165,7 @@ impl MirrorPart {
 const GRID: usize = 5;
 
 fn estimate(
-    rect: &ParameterRect,
+    rect: &IntegrationRect,
     at: impl Fn(DVec2) -> Option<(DVec3, DVec3)>,
 ) -> (MirrorExtent, DerivativeBounds) {
     let steps = (GRID - 1) as f64;
@@ -231,11 +231,11 @@ mod tests {
             };
             let whole = MirrorPart::Certain(MirrorPatch::new(&patch, &map));
             let [_, _, _, last] = whole.quarters();
-            let quarter = ParameterRect { min: DVec2::splat(0.5), max: DVec2::ONE };
+            let quarter = IntegrationRect { min: DVec2::splat(0.5), max: DVec2::ONE };
             for (part, rect) in [
-                (whole, ParameterRect::UNIT),
+                (whole, IntegrationRect::UNIT),
                 (last, quarter),
-                (MirrorPart::Estimated, ParameterRect::UNIT),
+                (MirrorPart::Estimated, IntegrationRect::UNIT),
                 (MirrorPart::Estimated, quarter),
             ] {
                 let (extent, rates) = part.bounds(&rect, at);

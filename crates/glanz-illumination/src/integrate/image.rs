@@ -5,7 +5,7 @@ use glanz_light::units::photometric;
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::Scene;
 
-use super::contour::Receiver;
+use super::contour::ReceivingPoint;
 use super::direct::LAMP_SHELL;
 use super::lamp::EmitterShape;
 use super::mirror::{MirrorFace, Mirrors};
@@ -17,7 +17,7 @@ pub(super) struct Images<'a> {
     pub(super) mirrors: &'a Mirrors<'a>,
     pub(super) lamps: &'a [EmitterShape],
     pub(super) wavelengths: Wavelengths,
-    pub(super) receiver: Receiver,
+    pub(super) receiver: ReceivingPoint,
     /// The same point, offset from the surface: end of the shadow rays.
     pub(super) origin: DVec3,
     /// By part: numbers of lamp and face.

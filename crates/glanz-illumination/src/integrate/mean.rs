@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use glanz_math::{DVec2, DVec3};
 
 use super::Reflections;
-use super::region::{ParameterRect, Tolerance};
+use super::region::{IntegrationRect, Tolerance};
 
 /// Nodes and weights of Gauss' rules of two and three points in [0, 1].
 const TWO: [(f64, f64); 2] = [(0.211_324_865_405_187_1, 0.5), (0.788_675_134_594_812_9, 0.5)];
@@ -31,7 +31,7 @@ pub struct CellMean {
 /// A rectangle of the cell: integrals of the illuminance by both rules, lm, of its own error, and of the area.
 #[derive(Clone, Copy, Debug)]
 struct CellRegion {
-    rect: ParameterRect,
+    rect: IntegrationRect,
     flux: f64,
     /// Difference of the rules, lm.
     difference: f64,
@@ -74,7 +74,7 @@ impl Reflections<'_> {
     ) -> CellMean {
         let at_points =
             Tolerance { relative: SHARE * tolerance.relative, absolute: SHARE * tolerance.absolute };
-        let first = self.piece(&patch, ParameterRect::UNIT, at_points);
+        let first = self.piece(&patch, IntegrationRect::UNIT, at_points);
         let mut heap = BinaryHeap::from([first]);
         let mut looked_at = POINTS;
         loop {
@@ -92,7 +92,7 @@ impl Reflections<'_> {
     fn piece(
         &self,
         patch: &impl Fn(DVec2) -> Option<(DVec3, DVec3, f64)>,
-        rect: ParameterRect,
+        rect: IntegrationRect,
         tolerance: Tolerance,
     ) -> CellRegion {
         let scale = rect.size().x * rect.size().y;

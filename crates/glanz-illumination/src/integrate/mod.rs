@@ -55,7 +55,7 @@ pub use self::error::IntegrateError;
 pub use self::mean::CellMean;
 pub use self::region::Tolerance;
 
-use self::contour::Receiver;
+use self::contour::ReceivingPoint;
 use self::image::Images;
 use self::lamp::EmitterShape;
 use self::mirror::Mirrors;
@@ -81,7 +81,7 @@ pub struct Reflections<'a> {
 
 /// Illuminance at a place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Estimate {
+pub struct IlluminanceEstimate {
     /// From lamps seen directly, lx.
     pub direct: f64,
     /// From lamps seen once in a mirror, lx.
@@ -90,7 +90,7 @@ pub struct Estimate {
     pub error: f64,
 }
 
-impl Estimate {
+impl IlluminanceEstimate {
     /// Illuminance, lx.
     #[must_use]
     pub fn total(&self) -> f64 {
@@ -138,17 +138,21 @@ impl<'a> Reflections<'a> {
     /// The error is estimated: every rule is compared with a coarser one. Things in the way that are smaller than an eighth of a lamp
     /// as seen from there, or a third of a rectangle that is integrated over, may be missed.
     #[must_use]
-    pub fn illuminance(&self, point: DVec3, normal: DVec3, tolerance: Tolerance) -> Estimate {
-        let receiver = Receiver { point, normal };
+    pub fn illuminance(&self, point: DVec3, normal: DVec3, tolerance: Tolerance) -> IlluminanceEstimate {
+        let receiver = ReceivingPoint { point, normal };
         let bounds = self.scene.bounds();
         let size = if bounds.is_finite() { bounds.min.abs().max(bounds.max.abs()) } else { DVec3::ZERO };
         let origin = offset_origin(point, gamma(ROUNDINGS) * point.abs().max(size), normal, normal);
         let direct = self.direct(receiver, origin, tolerance);
         let reflected = self.reflected(receiver, origin, direct, tolerance);
-        Estimate { direct: direct.value, reflected: reflected.value, error: direct.error + reflected.error }
+        IlluminanceEstimate {
+            direct: direct.value,
+            reflected: reflected.value,
+            error: direct.error + reflected.error,
+        }
     }
 
-    fn direct(&self, receiver: Receiver, origin: DVec3, tolerance: Tolerance) -> RegionIntegral {
+    fn direct(&self, receiver: ReceivingPoint, origin: DVec3, tolerance: Tolerance) -> RegionIntegral {
         let mut sum = RegionIntegral::default();
         for lamp in &self.lamps {
             let luminance = photometric(lamp.radiance, &self.wavelengths);
@@ -168,7 +172,7 @@ impl<'a> Reflections<'a> {
 
     fn reflected(
         &self,
-        receiver: Receiver,
+        receiver: ReceivingPoint,
         origin: DVec3,
         direct: RegionIntegral,
         tolerance: Tolerance,

@@ -39,12 +39,12 @@ pub(super) trait Region {
 
 /// An axis-parallel rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct ParameterRect {
+pub(super) struct IntegrationRect {
     pub(super) min: DVec2,
     pub(super) max: DVec2,
 }
 
-impl ParameterRect {
+impl IntegrationRect {
     pub(super) const UNIT: Self = Self { min: DVec2::ZERO, max: DVec2::ONE };
 
     pub(super) fn center(&self) -> DVec2 {
@@ -86,7 +86,7 @@ pub(super) struct RegionIntegral {
 #[derive(Clone, Copy, Debug)]
 struct RegionCell {
     part: u32,
-    rect: ParameterRect,
+    rect: IntegrationRect,
     sum: RegionIntegral,
     depth: u32,
 }
@@ -119,12 +119,12 @@ const DEEPEST: u32 = 24;
 /// `known`: what is known from elsewhere, which counts for the tolerance but is not in the result. At most about `budget` rectangles are made by dividing these.
 pub(super) fn integrate<R: Region>(
     region: &R,
-    cells: impl IntoIterator<Item = (u32, ParameterRect)>,
+    cells: impl IntoIterator<Item = (u32, IntegrationRect)>,
     known: RegionIntegral,
     tolerance: Tolerance,
     budget: usize,
 ) -> RegionIntegral {
-    let measured = |part, rect: ParameterRect, depth| RegionCell {
+    let measured = |part, rect: IntegrationRect, depth| RegionCell {
         part,
         rect,
         sum: measure(region, part, &rect),
@@ -170,7 +170,7 @@ pub(super) fn integrate<R: Region>(
 const UNTOLD: f64 = 0.05;
 
 /// A rectangle in one go.
-fn measure<R: Region>(region: &R, part: u32, rect: &ParameterRect) -> RegionIntegral {
+fn measure<R: Region>(region: &R, part: u32, rect: &IntegrationRect) -> RegionIntegral {
     let samples = GridSamples::take(region, part, rect);
     if samples.is_uniform() {
         return if samples.is_inside(0, 0) { whole(region, part, rect) } else { RegionIntegral::default() };
@@ -195,12 +195,12 @@ fn measure<R: Region>(region: &R, part: u32, rect: &ParameterRect) -> RegionInte
     }
 }
 
-fn area(rect: &ParameterRect) -> f64 {
+fn area(rect: &IntegrationRect) -> f64 {
     rect.size().x * rect.size().y
 }
 
 /// One that the region fills.
-fn whole<R: Region>(region: &R, part: u32, rect: &ParameterRect) -> RegionIntegral {
+fn whole<R: Region>(region: &R, part: u32, rect: &IntegrationRect) -> RegionIntegral {
     let mut inner_difference = 0.0;
     let outer = integral([rect.min.y, rect.max.y], |v| {
         let inner = integral([rect.min.x, rect.max.x], |u| open_value(region, part, DVec2::new(u, v)));
@@ -216,7 +216,7 @@ fn whole<R: Region>(region: &R, part: u32, rect: &ParameterRect) -> RegionIntegr
 fn crossed<R: Region>(
     region: &R,
     part: u32,
-    rect: &ParameterRect,
+    rect: &IntegrationRect,
     samples: &GridSamples<R::Sample>,
     along: usize,
 ) -> RegionIntegral {

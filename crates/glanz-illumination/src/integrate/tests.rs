@@ -266,8 +266,8 @@ fn back_of_a_lamp_is_dark() {
         let seen = |scene: &Scene, normal| {
             Reflections::new(scene).unwrap().illuminance(DVec3::new(0.3, 0.0, 1.0), normal, EXACT)
         };
-        assert_eq!(seen(&away, -DVec3::Z), Estimate::default());
-        assert_eq!(seen(&away, DVec3::Z), Estimate::default());
+        assert_eq!(seen(&away, -DVec3::Z), IlluminanceEstimate::default());
+        assert_eq!(seen(&away, DVec3::Z), IlluminanceEstimate::default());
         assert!(seen(&both, -DVec3::Z).reflected > 0.0 && seen(&both, DVec3::Z).direct > 0.0);
     }
 }

@@ -4,11 +4,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glanz_math::{DVec2, DVec3};
 
-use super::contour::Receiver;
+use super::contour::ReceivingPoint;
 use super::extent::{DerivativeBounds, MirrorExtent, MirrorPart};
 use super::lamp::EmitterShape;
 use super::mirror::{MirrorFace, Mirrors};
-use super::region::ParameterRect;
+use super::region::IntegrationRect;
 
 /// Times that a face is quartered beforehand.
 const LEVELS: u32 = 4;
@@ -51,7 +51,7 @@ enum NodeContent {
 #[derive(Clone, Copy, Debug)]
 struct SearchCell {
     face: u32,
-    rect: ParameterRect,
+    rect: IntegrationRect,
     rates: DerivativeBounds,
     depth: u32,
 }
@@ -60,7 +60,7 @@ struct SearchCell {
 #[derive(Debug, Default)]
 pub(super) struct ImageCandidates {
     /// By face, with parts small enough to be integrated over.
-    pub(super) cells: Vec<(u32, ParameterRect)>,
+    pub(super) cells: Vec<(u32, IntegrationRect)>,
     /// Bound on the projected solid angle, sr, of those that were given up.
     pub(super) undecided: f64,
 }
@@ -87,7 +87,7 @@ impl MirrorTree {
                 MirrorPart::Estimated
             };
             let at = |uv: DVec2| mirrors.place(face, uv);
-            roots.push(tree.face_node(number, &part, ParameterRect::UNIT, 0, face.is_square(), &at));
+            roots.push(tree.face_node(number, &part, IntegrationRect::UNIT, 0, face.is_square(), &at));
         }
         tree.root = tree.group(&mut roots);
         tree
@@ -97,7 +97,7 @@ impl MirrorTree {
         &mut self,
         face: u32,
         part: &MirrorPart,
-        rect: ParameterRect,
+        rect: IntegrationRect,
         depth: u32,
         is_patch: bool,
         at: &impl Fn(DVec2) -> Option<(DVec3, DVec3)>,
@@ -110,9 +110,9 @@ impl MirrorTree {
             return cell;
         }
         let parts = part.quarters().into_iter().zip(rect.quarters());
-        let quarters: Vec<(MirrorPart, ParameterRect)> = parts.collect();
+        let quarters: Vec<(MirrorPart, IntegrationRect)> = parts.collect();
         if is_flat {
-            let steady = |(part, rect): &(MirrorPart, ParameterRect)| {
+            let steady = |(part, rect): &(MirrorPart, IntegrationRect)| {
                 let (_, here) = part.bounds(rect, at);
                 here.points.cmpge(STEADY * rates.points).all()
             };
@@ -153,7 +153,7 @@ impl MirrorTree {
     pub(super) fn showing(
         &self,
         mirrors: &Mirrors<'_>,
-        receiver: &Receiver,
+        receiver: &ReceivingPoint,
         lamp: &EmitterShape,
     ) -> ImageCandidates {
         let mut found = ImageCandidates::default();
@@ -193,7 +193,7 @@ fn part(
     mirrors: &Mirrors<'_>,
     face: &MirrorFace,
     cell: &SearchCell,
-    rect: ParameterRect,
+    rect: IntegrationRect,
 ) -> Option<MirrorNode> {
     let (center, axis) = mirrors.place(face, rect.center())?;
     let half = 0.5 * rect.size();
@@ -208,7 +208,7 @@ fn part(
 /// The directions to a ball of radius rho at distance D are within asin(rho / D) of that to its centre. Mirrored at one normal they keep their angles;
 /// normals that differ by a differ the mirrored directions by 2 a at most, since two mirrors make a rotation by twice the angle between them. And
 /// the lamp, within R of its centre at distance E, is seen from all of the ball within asin((rho + R) / E) of one direction.
-fn judge(extent: &MirrorExtent, receiver: &Receiver, lamp: &EmitterShape) -> PartClass {
+fn judge(extent: &MirrorExtent, receiver: &ReceivingPoint, lamp: &EmitterShape) -> PartClass {
     let MirrorExtent { center, radius, axis, angle } = *extent;
     let to = center - receiver.point;
     if to.dot(receiver.normal) <= -radius || lamp.is_dark_in(center, radius) {
@@ -235,7 +235,7 @@ fn judge(extent: &MirrorExtent, receiver: &Receiver, lamp: &EmitterShape) -> Par
 }
 
 /// Bound on the projected solid angle of a ball, sr.
-fn largest_share(extent: &MirrorExtent, receiver: &Receiver) -> f64 {
+fn largest_share(extent: &MirrorExtent, receiver: &ReceivingPoint) -> f64 {
     let squared = extent.center.distance_squared(receiver.point);
     // A ball's is pi times the square of the sine of its half angle, if it is right above.
     PI * (extent.radius * extent.radius / squared).min(1.0)

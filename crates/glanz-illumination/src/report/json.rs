@@ -6,9 +6,9 @@ use serde::ser::{SerializeMap, SerializeStruct, Serializer};
 use super::LuxReport;
 use crate::{LuxMap, LuxSummary};
 
-/// What is said of a receiver.
+/// The entry of one receiver.
 #[derive(Serialize)]
-struct Receiver<'a> {
+struct ReceiverSummary<'a> {
     name: &'a str,
     cells: [u32; 2],
     size_m: [f64; 2],
@@ -16,7 +16,7 @@ struct Receiver<'a> {
     summary: LuxSummary,
 }
 
-impl<'a> Receiver<'a> {
+impl<'a> ReceiverSummary<'a> {
     fn of(map: &'a LuxMap) -> Self {
         Self { name: &map.name, cells: map.cells, size_m: map.size, summary: map.summary() }
     }
@@ -38,7 +38,8 @@ impl Serialize for LuxReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut fields = serializer.serialize_struct("Report", 4)?;
         fields.serialize_field("title", &self.title)?;
-        fields.serialize_field("receivers", &self.maps.iter().map(Receiver::of).collect::<Vec<_>>())?;
+        fields
+            .serialize_field("receivers", &self.maps.iter().map(ReceiverSummary::of).collect::<Vec<_>>())?;
         fields.serialize_field("flux_balance", &self.balance)?;
         fields.serialize_field("how", &Facts(&self.how))?;
         fields.end()

@@ -113,7 +113,7 @@ impl ChangeOfBasis {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::basis::KnotVector;
+    use crate::basis::UnitKnots;
 
     fn wave(n: usize) -> Vec<f64> {
         (0..n).map(|i| (2.3 * i as f64).sin()).collect()
@@ -126,7 +126,7 @@ mod tests {
                 let mut all = vec![0.0; d + 1];
                 all.extend_from_slice(inner);
                 all.extend(vec![1.0; d + 1]);
-                FunctionBasis::bspline(KnotVector::try_new(d, all).unwrap())
+                FunctionBasis::bspline(UnitKnots::try_new(d, all).unwrap())
             };
             let coarse = knots(&[0.1, 0.15, 0.8]);
             let fine =
@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn spaces_that_are_not_nested_are_refused() {
-        let of = |degree, segments| FunctionBasis::bspline(KnotVector::uniform(degree, segments).unwrap());
+        let of = |degree, segments| FunctionBasis::bspline(UnitKnots::uniform(degree, segments).unwrap());
         assert_eq!(refinement(&of(1, 2), &of(1, 3)), Err(DensityError::NotNested));
         assert_eq!(refinement(&of(1, 2), &of(2, 4)), Err(DensityError::NotNested));
     }
@@ -157,7 +157,7 @@ mod tests {
         let mut knots = vec![0.0; 4];
         knots.extend([0.25, 0.5, 0.75].iter().flat_map(|&t| [t; 3]));
         knots.extend(vec![1.0; 4]);
-        let cubics = FunctionBasis::bspline(KnotVector::try_new(3, knots).unwrap());
+        let cubics = FunctionBasis::bspline(UnitKnots::try_new(3, knots).unwrap());
         let c = wave(lines.len());
         let changed = ChangeOfBasis::try_new(&lines, &cubics).unwrap().apply(&c).unwrap();
         let back = ChangeOfBasis::try_new(&cubics, &lines).unwrap().apply(&changed).unwrap();

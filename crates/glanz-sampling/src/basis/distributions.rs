@@ -1,6 +1,6 @@
 //! Cumulative distribution functions of B-splines and their inversion.
 
-use crate::basis::{BELOW_ONE, KnotVector, ORDER};
+use crate::basis::{BELOW_ONE, ORDER, UnitKnots};
 
 /// Largest number of coefficients of a piece, whose degree is one above that of the B-splines.
 const MAX_COEFFICIENTS: usize = ORDER + 1;
@@ -20,7 +20,7 @@ pub(crate) struct SplineDistributions {
 }
 
 impl SplineDistributions {
-    pub(crate) fn new(knots: &KnotVector) -> Self {
+    pub(crate) fn new(knots: &UnitKnots) -> Self {
         let d = knots.degree();
         let (count, pieces) = (d + 2, d + 1);
         let t = knots.knots();

@@ -1,7 +1,7 @@
 //! Bases of B-splines and of Haar's box functions.
 
 use crate::basis::distributions::SplineDistributions;
-use crate::basis::{GaussLegendre, GramMatrix, KnotVector, ORDER, check_length};
+use crate::basis::{GaussLegendre, GramMatrix, ORDER, UnitKnots, check_length};
 use crate::error::DensityError;
 
 /// A basis of nonnegative functions on [0, 1]: B-splines, or Haar's orthonormal box functions.
@@ -10,7 +10,7 @@ use crate::error::DensityError;
 /// 2.12, 2.13). Functions are numbered from 0; indices of functions must be below [`FunctionBasis::len`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct FunctionBasis {
-    knots: KnotVector,
+    knots: UnitKnots,
     /// Factor of the B-splines, which sum to 1.
     scale: f64,
     weights: Vec<f64>,
@@ -20,7 +20,7 @@ pub struct FunctionBasis {
 impl FunctionBasis {
     /// The B-splines of these knots; they sum to 1 everywhere.
     #[must_use]
-    pub fn bspline(knots: KnotVector) -> Self {
+    pub fn bspline(knots: UnitKnots) -> Self {
         Self::scaled(knots, 1.0)
     }
 
@@ -29,7 +29,7 @@ impl FunctionBasis {
     /// # Errors
     /// [`DensityError::Degree`]; [`DensityError::Level`] for levels above 24.
     pub fn uniform_bspline(degree: usize, level: usize) -> Result<Self, DensityError> {
-        Ok(Self::bspline(KnotVector::uniform(degree, segments_of(level)?)?))
+        Ok(Self::bspline(UnitKnots::uniform(degree, segments_of(level)?)?))
     }
 
     /// The orthonormal boxes of height 2^(level / 2) on 2^`level` equal segments.
@@ -38,10 +38,10 @@ impl FunctionBasis {
     /// [`DensityError::Level`] for levels above 24.
     pub fn haar(level: usize) -> Result<Self, DensityError> {
         let segments = segments_of(level)?;
-        Ok(Self::scaled(KnotVector::uniform(0, segments)?, (segments as f64).sqrt()))
+        Ok(Self::scaled(UnitKnots::uniform(0, segments)?, (segments as f64).sqrt()))
     }
 
-    fn scaled(knots: KnotVector, scale: f64) -> Self {
+    fn scaled(knots: UnitKnots, scale: f64) -> Self {
         let order = knots.degree() + 1;
         let weights =
             knots.knots().windows(order + 1).map(|t| scale * (t[order] - t[0]) / order as f64).collect();
@@ -51,7 +51,7 @@ impl FunctionBasis {
 
     /// The knots.
     #[must_use]
-    pub fn knots(&self) -> &KnotVector {
+    pub fn knots(&self) -> &UnitKnots {
         &self.knots
     }
 
@@ -232,7 +232,7 @@ mod tests {
             knots.extend(vec![0.7; degree + 1]);
             knots.push(0.999);
             knots.extend(vec![1.0; degree + 1]);
-            zoo.push(FunctionBasis::bspline(KnotVector::try_new(degree, knots).unwrap()));
+            zoo.push(FunctionBasis::bspline(UnitKnots::try_new(degree, knots).unwrap()));
         }
         zoo
     }

@@ -9,9 +9,9 @@ use crate::error::DensityError;
 
 /// The [`Knots`] of B-splines on [0, 1]: 0 and 1 appear degree + 1 times at the ends.
 #[derive(Clone, Debug, PartialEq)]
-pub struct KnotVector(Knots);
+pub struct UnitKnots(Knots);
 
-impl Deref for KnotVector {
+impl Deref for UnitKnots {
     type Target = Knots;
 
     fn deref(&self) -> &Knots {
@@ -19,7 +19,7 @@ impl Deref for KnotVector {
     }
 }
 
-impl KnotVector {
+impl UnitKnots {
     /// The vector of these knots: `degree` + 1 times 0, inner knots that do not decrease and none of which appears more
     /// than `degree` + 1 times, `degree` + 1 times 1.
     ///
@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn wrong_knots_are_refused_with_their_place() {
-        let of = |degree, knots: &[f64]| KnotVector::try_new(degree, knots.to_vec());
+        let of = |degree, knots: &[f64]| UnitKnots::try_new(degree, knots.to_vec());
         assert!(matches!(of(8, &[0.0; 30]), Err(DensityError::Degree { degree: 8, .. })));
         assert!(matches!(of(1, &[0.0, 1.0, 1.0]), Err(DensityError::KnotCount { found: 3, .. })));
         assert!(matches!(of(1, &[0.0, 0.1, 1.0, 1.0]), Err(DensityError::EndKnot { index: 1, .. })));
@@ -98,12 +98,12 @@ mod tests {
         assert!(matches!(of(1, &[0.0, 0.0, f64::NAN, 1.0, 1.0]), Err(DensityError::Knot { index: 2, .. })));
         assert!(matches!(of(1, &[0.0, 0.0, 2.0, 1.0, 1.0]), Err(DensityError::Knot { index: 3, .. })));
         assert!(of(1, &[0.0, 0.0, 0.5, 0.5, 1.0, 1.0]).is_ok());
-        assert!(KnotVector::uniform(2, 0).is_err());
+        assert!(UnitKnots::uniform(2, 0).is_err());
     }
 
     #[test]
     fn segments_hold_their_points() {
-        let knots = KnotVector::try_new(2, vec![0.0, 0.0, 0.0, 0.2, 0.5, 0.5, 0.9, 1.0, 1.0, 1.0]).unwrap();
+        let knots = UnitKnots::try_new(2, vec![0.0, 0.0, 0.0, 0.2, 0.5, 0.5, 0.9, 1.0, 1.0, 1.0]).unwrap();
         assert_eq!(knots.spans().map(|s| s.0).collect::<Vec<_>>(), [2, 3, 5, 6]);
         for (x, m) in
             [(0.0, 2), (0.1, 2), (0.2, 3), (0.49, 3), (0.5, 5), (0.9, 6), (1.0, 6), (-1.0, 2), (2.0, 6)]

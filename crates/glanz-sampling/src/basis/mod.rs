@@ -1,6 +1,6 @@
 //! Bases of functions on [0, 1], each function a scaled density.
 //!
-//! - [`KnotVector`] and [`FunctionBasis`]: B-splines up to degree [`MAX_DEGREE`] on any knots, and Haar's orthonormal box functions:
+//! - [`UnitKnots`] and [`FunctionBasis`]: B-splines up to degree [`MAX_DEGREE`] on any knots, and Haar's orthonormal box functions:
 //!   value, integral, sampling and its inverse for each function;
 //! - [`GramMatrix`]: inner products, and with them the dual basis;
 //! - [`refinement`] and [`ChangeOfBasis`]: conversion of coefficients between bases;
@@ -20,7 +20,7 @@ pub use change::{ChangeOfBasis, refinement};
 pub use columns::BandedColumns;
 pub use functions::FunctionBasis;
 pub use gram::GramMatrix;
-pub use knots::KnotVector;
+pub use knots::UnitKnots;
 pub use quadrature::GaussLegendre;
 pub use tensor::TensorBasis;
 

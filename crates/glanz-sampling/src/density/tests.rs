@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_2_PI, PI};
 use std::sync::Arc;
 
 use super::*;
-use crate::basis::{FunctionBasis, KnotVector, MAX_DEGREE, TensorBasis};
+use crate::basis::{FunctionBasis, MAX_DEGREE, TensorBasis, UnitKnots};
 use crate::error::DensityError;
 use crate::hash::{combine, unit_f64};
 use crate::multiresolution::MultiResolution;
@@ -189,7 +189,7 @@ fn axes() -> Vec<FunctionBasis> {
         (0..=MAX_DEGREE).map(|d| FunctionBasis::uniform_bspline(d, 2).unwrap()).collect();
     axes.push(FunctionBasis::haar(3).unwrap());
     let knots = vec![0.0, 0.0, 0.0, 0.01, 0.3, 0.3, 0.3, 0.8, 1.0, 1.0, 1.0];
-    axes.push(FunctionBasis::bspline(KnotVector::try_new(2, knots).unwrap()));
+    axes.push(FunctionBasis::bspline(UnitKnots::try_new(2, knots).unwrap()));
     axes
 }
 

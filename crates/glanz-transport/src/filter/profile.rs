@@ -5,7 +5,7 @@
 /// Between nodes at a distance h a function with second derivative below M strays from its chord by at most
 /// h^2 M / 8 (@davis1975 section 3.1); the number of nodes follows from that.
 #[derive(Clone, Debug)]
-pub(super) struct Profile {
+pub(super) struct FilterProfile {
     /// Ascending from 0 to 1; zeros of the interpolant are nodes, so that no segment changes sign.
     nodes: Vec<ProfileNode>,
     /// For equal shares of the magnitude: the first node above the lower end of each.
@@ -36,7 +36,7 @@ const ACCURACY: f64 = 2e-6;
 const FEWEST_SEGMENTS: usize = 64;
 const MOST_SEGMENTS: usize = 1 << 20;
 
-impl Profile {
+impl FilterProfile {
     /// Tabulates `function` on [0, 1], given a bound on its second derivative in units of its value at 0.
     pub(super) fn try_new(function: impl Fn(f64) -> f64, curvature: f64) -> Result<Self, ProfileError> {
         let needed = (curvature / (8.0 * ACCURACY)).sqrt().ceil();

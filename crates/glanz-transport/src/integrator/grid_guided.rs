@@ -43,14 +43,14 @@ struct GridDirections<'a> {
     /// Target of training records, if the pass trains.
     records: Option<Vec<GridRecord>>,
     /// The sample drawn last from a density.
-    drawn: Option<DensitySample>,
+    drawn: Option<GridDensitySample>,
     /// The way from the last direction that is learnt from, until it meets a surface and that scatters.
     leg: Option<PathSegment>,
 }
 
 /// A direction that a density has drawn: cell and function.
 #[derive(Clone, Copy)]
-struct DensitySample {
+struct GridDensitySample {
     cell: u32,
     function: u32,
 }
@@ -101,11 +101,11 @@ impl GridDirections<'_> {
     }
 
     /// Notes a direction.
-    fn note(&mut self, drawn: DensitySample, cosine: f64, light: Spectrum, beyond: Spectrum) {
+    fn note(&mut self, drawn: GridDensitySample, cosine: f64, light: Spectrum, beyond: Spectrum) {
         // Until the way meets a surface that scatters, all light it brings comes straight from lamps or from the sky.
         let left_out = (!self.light_sampling).then_some(Spectrum::BLACK);
         if let Some(records) = &mut self.records {
-            let DensitySample { cell, function } = drawn;
+            let GridDensitySample { cell, function } = drawn;
             records.push(GridRecord { cell, function, cosine, light, beyond, left_out });
         }
     }
@@ -149,7 +149,7 @@ impl DirectionSampler for GridDirections<'_> {
         let Some(diffuse) = place else { return vertex.sample(xi, xi_lobe) };
         if xi_lobe < diffuse.probability {
             let GridSample { direction, pdf, function } = self.grid.sample(&diffuse.place, xi);
-            let drawn = DensitySample { cell: diffuse.place.cell, function };
+            let drawn = GridDensitySample { cell: diffuse.place.cell, function };
             let (value, bsdf_pdf) = vertex.eval(direction);
             if value.is_black() {
                 // Directions below the surface, seen by its own normal, bring nothing: that too is to be learnt.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use glanz_formats::glb::{Camera, Model, Node, Part};
+use glanz_formats::glb::{GlbCamera, GlbModel, GlbNode, GlbPrimitive};
 use glanz_formats::image::{self, Format};
 use glanz_light::{Pixels, PixelsError, Spectrum, Tone, Wavelengths};
 use glanz_math::{DMat3, DMat4, DVec2, DVec3};
@@ -61,7 +61,7 @@ pub(super) struct ModelBuilder<'a> {
     pub(super) atlas: &'a Atlas,
     pub(super) names: &'a [String],
     pub(super) axes: Axes,
-    pub(super) camera: Option<Camera>,
+    pub(super) camera: Option<GlbCamera>,
     /// Metres.
     pub(super) tolerance: f64,
     pub(super) tone: Tone,
@@ -69,13 +69,13 @@ pub(super) struct ModelBuilder<'a> {
 
 impl ModelBuilder<'_> {
     /// The model, one node for each shape in its place.
-    pub(super) fn build(&self) -> Result<Model, Error> {
+    pub(super) fn build(&self) -> Result<GlbModel, Error> {
         let mut pictures = Vec::new();
         for page in &self.atlas.pages {
             let pixels = pixels(&page.radiance, self.atlas.side)?;
             pictures.push(image::write(&pixels, Format::Png, &self.tone, &BTreeMap::new())?);
         }
-        let mut nodes: BTreeMap<(u32, u32), BTreeMap<Option<usize>, Part>> = BTreeMap::new();
+        let mut nodes: BTreeMap<(u32, u32), BTreeMap<Option<usize>, GlbPrimitive>> = BTreeMap::new();
         let mut known: BTreeMap<u32, [u32; 2]> = BTreeMap::new();
         for (number, (map, slot)) in self.maps.iter().zip(&self.atlas.slots).enumerate() {
             let chart = &map.chart;
@@ -87,15 +87,15 @@ impl ModelBuilder<'_> {
             let triangles = tessellate(surface, chart, divisions, self.tolerance);
             let picture = slot.map(|slot| slot.page as usize);
             let part = nodes.entry((chart.surface, chart.shape)).or_default().entry(picture);
-            let part = part.or_insert_with(|| Part { picture, ..Part::default() });
+            let part = part.or_insert_with(|| GlbPrimitive { picture, ..GlbPrimitive::default() });
             let at = |texel: DVec2| slot.map_or(DVec2::ZERO, |slot| self.atlas.coordinates(&slot, texel));
             self.add(part, &triangles, at, self.shift(number));
         }
-        let node = |((_, shape), parts): ((u32, u32), BTreeMap<Option<usize>, Part>)| Node {
+        let node = |((_, shape), parts): ((u32, u32), BTreeMap<Option<usize>, GlbPrimitive>)| GlbNode {
             name: self.names.get(shape as usize).cloned().unwrap_or_else(|| format!("shape {shape}")),
             parts: parts.into_values().collect(),
         };
-        Ok(Model { pictures, nodes: nodes.into_iter().map(node).collect(), camera: self.camera.clone() })
+        Ok(GlbModel { pictures, nodes: nodes.into_iter().map(node).collect(), camera: self.camera.clone() })
     }
 
     /// How far a side is moved away from the other. Not every program leaves out what is seen from behind: of two sides in one place
@@ -110,7 +110,7 @@ impl ModelBuilder<'_> {
         if moves && !other.is_hidden { SHIFT * self.tolerance } else { 0.0 }
     }
 
-    fn add(&self, part: &mut Part, triangles: &Triangles, at: impl Fn(DVec2) -> DVec2, shift: f64) {
+    fn add(&self, part: &mut GlbPrimitive, triangles: &Triangles, at: impl Fn(DVec2) -> DVec2, shift: f64) {
         let base = part.positions.len() as u32;
         let world = |p: DVec3| self.axes.of_point(p).as_vec3().to_array();
         let moved = triangles.positions.iter().zip(&triangles.normals).map(|(p, n)| *p + shift * *n);

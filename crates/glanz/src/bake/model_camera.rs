@@ -1,6 +1,6 @@
 //! The camera of a scene as that of a model.
 
-use glanz_formats::glb::{Camera, Projection};
+use glanz_formats::glb::{GlbCamera, Projection};
 use glanz_math::{Bounds3, DMat3, DVec2, DVec3, glam::DQuat};
 use glanz_scene::camera::Screen;
 use glanz_scene::description::{CameraDescription, CameraKind, FilmDescription};
@@ -21,7 +21,7 @@ pub(super) fn camera(
     film: &FilmDescription,
     axes: Axes,
     bounds: &Bounds3,
-) -> Option<Camera> {
+) -> Option<GlbCamera> {
     let [width, height] = film.resolution.map(f64::from);
     let window = camera.screen_window;
     let [x0, x1, y0, y1] =
@@ -61,7 +61,7 @@ pub(super) fn camera(
             Projection::Orthographic((half * lengths.truncate()).as_vec2().to_array())
         }
     };
-    Some(Camera {
+    Some(GlbCamera {
         name: "camera".to_owned(),
         projection,
         range: range.map(|x| x as f32),
@@ -89,7 +89,7 @@ mod tests {
     }
 
     /// Right, up and towards the camera, by the rules of the format.
-    fn directions(camera: &Camera) -> [DVec3; 3] {
+    fn directions(camera: &GlbCamera) -> [DVec3; 3] {
         let [x, y, z, w] = camera.rotation.map(f64::from);
         let turn = DQuat::from_xyzw(x, y, z, w);
         [turn * DVec3::X, turn * DVec3::Y, turn * DVec3::Z]

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use glanz_formats::glb::{self, Camera, Model};
+use glanz_formats::glb::{self, GlbCamera, GlbModel};
 use glanz_formats::image::{self, Format};
 use glanz_light::Tone;
 use glanz_math::Bounds3;
@@ -74,7 +74,7 @@ impl ModelView {
     }
 
     /// The camera of the model; `None` if models have no such camera.
-    pub(super) fn camera(&self, bounds: &Bounds3) -> Option<Camera> {
+    pub(super) fn camera(&self, bounds: &Bounds3) -> Option<GlbCamera> {
         model_camera::camera(&self.camera, &self.film, self.axes(), bounds)
     }
 }
@@ -109,7 +109,7 @@ impl BakeOutcome {
     ///
     /// # Errors
     /// [`Error::Pixels`] if a page cannot be a picture.
-    pub fn model(&self, settings: &ModelSettings) -> Result<Model, Error> {
+    pub fn model(&self, settings: &ModelSettings) -> Result<GlbModel, Error> {
         let builder = ModelBuilder {
             surfaces: &self.scene.placed_surfaces(),
             maps: &self.maps,

@@ -11,7 +11,7 @@ use glanz_scene::description::{
 };
 
 use super::spectrum::{EmissionParameters, within_gamut};
-use super::{Context, FileError, Lowering};
+use super::{EntityState, FileError, Lowering};
 use crate::image::{self, Encoding};
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, shortened};
@@ -23,7 +23,7 @@ impl Lowering {
         &mut self,
         kind: &str,
         mut list: ParameterList,
-        context: &Context,
+        context: &EntityState,
     ) -> ParseResult<()> {
         let (kind, emission) = match kind {
             "point" => self.point(&mut list, context)?,
@@ -62,7 +62,7 @@ impl Lowering {
         Ok((from, to))
     }
 
-    fn point(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<LightParts> {
+    fn point(&mut self, list: &mut ParameterList, context: &EntityState) -> ParseResult<LightParts> {
         let from = list.vec3("from", &mut self.reporter)?.unwrap_or(DVec3::ZERO);
         let range = list.float("range", &mut self.reporter)?;
         let mut light = self.emission(list, "I", context.color_space)?;
@@ -70,7 +70,7 @@ impl Lowering {
         Ok((LightKind::Point { from, range }, light))
     }
 
-    fn spot(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<LightParts> {
+    fn spot(&mut self, list: &mut ParameterList, context: &EntityState) -> ParseResult<LightParts> {
         let (from, to) = self.ends(list)?;
         let cone = list.float_or("coneangle", 30.0, &mut self.reporter)?;
         let delta = list.float_or("conedeltaangle", 5.0, &mut self.reporter)?;
@@ -88,14 +88,14 @@ impl Lowering {
         Ok((LightKind::Spot { from, to, cone_angle, inner_angle, falloff }, light))
     }
 
-    fn distant(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<LightParts> {
+    fn distant(&mut self, list: &mut ParameterList, context: &EntityState) -> ParseResult<LightParts> {
         let (from, to) = self.ends(list)?;
         let mut light = self.emission(list, "L", context.color_space)?;
         self.illuminance(list, &mut light, 1.0)?;
         Ok((LightKind::Distant { from, to }, light))
     }
 
-    fn infinite(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<LightParts> {
+    fn infinite(&mut self, list: &mut ParameterList, context: &EntityState) -> ParseResult<LightParts> {
         let mut light = self.emission(list, "L", context.color_space)?;
         let mut file = None;
         for name in ["filename", "mapname"] {
@@ -246,7 +246,7 @@ impl Lowering {
         &mut self,
         kind: &str,
         mut list: ParameterList,
-        context: &Context,
+        context: &EntityState,
     ) -> ParseResult<Rc<EmissionDescription>> {
         if !matches!(kind, "diffuse" | "area") {
             let message = format!("area light {:?} is unknown; \"diffuse\" stands in", shortened(kind));

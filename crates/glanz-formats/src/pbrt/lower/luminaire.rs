@@ -9,7 +9,7 @@ use glanz_scene::description::{LightKind, SourceRay};
 
 use super::light::LightParts;
 use super::spectrum::{EmissionParameters, grey};
-use super::{Context, Lowering};
+use super::{EntityState, Lowering};
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
 use crate::photometry::tm25::{MAGIC, RayReader};
 use crate::photometry::{self, Photometry, PhotometryError, PhotometryFile};
@@ -20,7 +20,7 @@ impl Lowering {
     pub(super) fn photometric(
         &mut self,
         list: &mut ParameterList,
-        context: &Context,
+        context: &EntityState,
     ) -> ParseResult<LightParts> {
         let Some((p, name)) = list.text_parameter("filename", &mut self.reporter)? else {
             let message = "light \"photometric\" has no \"string filename\"";
@@ -56,7 +56,7 @@ impl Lowering {
     fn color_and_scale(
         &mut self,
         list: &mut ParameterList,
-        context: &Context,
+        context: &EntityState,
     ) -> ParseResult<EmissionParameters> {
         let spectrum = match list.take("color") {
             Some(p) => self.distribution(&list.subject, &p, context.color_space)?,

@@ -79,9 +79,9 @@ impl std::fmt::Display for FileError {
     }
 }
 
-/// The part of the graphics state that a thing takes with it.
+/// The part of the graphics state that a shape, light or texture keeps.
 #[derive(Clone, Debug)]
-pub(crate) struct Context {
+pub(crate) struct EntityState {
     pub(crate) ctm: DMat4,
     pub(crate) reverse_orientation: bool,
     pub(crate) material: Option<usize>,
@@ -137,7 +137,7 @@ impl Lowering {
         }
     }
 
-    /// Reports that something stands in for a file which cannot be had: `message` begins with the problem and goes on with that.
+    /// Reports that something stands in for a file which cannot be had: `message` states the problem, then the substitute.
     ///
     /// # Errors
     /// If the file is refused: nothing stands in for that.

@@ -5,7 +5,7 @@ use glanz_scene::description::{
     GeometryDescription, GroupDescription, InstanceDescription, ShapeDescription,
 };
 
-use super::{Context, Lowering};
+use super::{EntityState, Lowering};
 use crate::nearest::nearest;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
 use crate::ply;
@@ -46,7 +46,7 @@ impl Lowering {
         &mut self,
         kind: &str,
         mut list: ParameterList,
-        context: &Context,
+        context: &EntityState,
     ) -> ParseResult<()> {
         let place = list.place;
         let surfaces = match kind {
@@ -356,7 +356,7 @@ impl Lowering {
     }
 
     /// Adds a copy of a group.
-    pub(crate) fn instance(&mut self, name: &str, place: &Span, context: &Context) -> ParseResult<()> {
+    pub(crate) fn instance(&mut self, name: &str, place: &Span, context: &EntityState) -> ParseResult<()> {
         let Some(&group) = self.groups.get(name) else {
             let message = format!("there is no object {:?}", shortened(name));
             let help =

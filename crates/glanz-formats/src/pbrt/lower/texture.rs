@@ -11,7 +11,7 @@ use glanz_scene::description::{
 };
 
 use super::spectrum::grey;
-use super::{Context, Lowering};
+use super::{EntityState, Lowering};
 use crate::image::{self, Encoding};
 use crate::nearest::nearest;
 use crate::pbrt::dialect::Dialect;
@@ -57,7 +57,7 @@ impl Lowering {
         value_type: &str,
         kind: &str,
         mut list: ParameterList,
-        context: &Context,
+        context: &EntityState,
     ) -> ParseResult<()> {
         let spectrum = match value_type {
             "spectrum" | "color" => true,
@@ -92,7 +92,7 @@ impl Lowering {
     }
 
     /// `tex1 * tex2` (version 3) or `tex * scale` (version 4).
-    fn scale_texture(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<TextureKind> {
+    fn scale_texture(&mut self, list: &mut ParameterList, context: &EntityState) -> ParseResult<TextureKind> {
         let names = if list.has("tex") || (self.dialect == Dialect::V4 && !list.has("tex1")) {
             ["tex", "scale"]
         } else {
@@ -104,7 +104,7 @@ impl Lowering {
         ))
     }
 
-    fn checkerboard(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<TextureKind> {
+    fn checkerboard(&mut self, list: &mut ParameterList, context: &EntityState) -> ParseResult<TextureKind> {
         let place = list.value_place("dimension");
         let mapping = match list.integer("dimension", &mut self.reporter)?.unwrap_or(2) {
             2 => self.mapping(list, context)?,
@@ -123,7 +123,7 @@ impl Lowering {
     }
 
     /// From world to texture space; an error if the texture's space is flat.
-    fn texture_space(&mut self, list: &ParameterList, context: &Context) -> ParseResult<DMat4> {
+    fn texture_space(&mut self, list: &ParameterList, context: &EntityState) -> ParseResult<DMat4> {
         let inverse = context.ctm.inverse();
         if inverse.is_finite() {
             return Ok(inverse);
@@ -133,7 +133,11 @@ impl Lowering {
     }
 
     /// Texture mapping.
-    fn mapping(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<MappingDescription> {
+    fn mapping(
+        &mut self,
+        list: &mut ParameterList,
+        context: &EntityState,
+    ) -> ParseResult<MappingDescription> {
         let place = list.value_place("mapping");
         let kind = list.text("mapping", &mut self.reporter)?;
         let r = &mut self.reporter;
@@ -160,7 +164,7 @@ impl Lowering {
         })
     }
 
-    fn image_map(&mut self, list: &mut ParameterList, context: &Context) -> ParseResult<TextureKind> {
+    fn image_map(&mut self, list: &mut ParameterList, context: &EntityState) -> ParseResult<TextureKind> {
         let mapping = self.mapping(list, context)?;
         let Some((p, name)) = list.text_parameter("filename", &mut self.reporter)? else {
             let message = "texture \"imagemap\" has no \"string filename\"";
@@ -284,7 +288,7 @@ impl Lowering {
         &mut self,
         kind: &str,
         list: &mut ParameterList,
-        context: &Context,
+        context: &EntityState,
     ) -> ParseResult<TextureKind> {
         let space = context.color_space;
         let (made, instead) = match kind {

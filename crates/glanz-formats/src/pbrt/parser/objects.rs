@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::{OpenBlock, Parser};
 use crate::pbrt::color_space::ColorSpace;
-use crate::pbrt::lower::Context;
+use crate::pbrt::lower::EntityState;
 use crate::pbrt::parameters::shortened;
 use crate::source::{ParseResult, Span};
 
@@ -153,9 +153,9 @@ impl Parser {
         Ok(())
     }
 
-    fn context(&self) -> Context {
+    fn context(&self) -> EntityState {
         let now = &self.state.now;
-        Context {
+        EntityState {
             ctm: now.ctm,
             reverse_orientation: now.reverse_orientation,
             material: now.material,

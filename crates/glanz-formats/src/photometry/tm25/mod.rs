@@ -11,7 +11,7 @@
 //! | padded to 32 | spectral tables: number of pairs, then pairs of wavelength and weight |
 //! | 512 each | names of additional columns |
 //! | as declared | additional text |
-//! | rest | rays: x y z (mm), direction, then what the flags say, as [`SourceRay`] has it in order |
+//! | rest | rays: x y z (mm), direction, then what the flags say, as [`RayRecord`] has it in order |
 //!
 //! The file header is magic `TM25`, version, creation, luminous and radiant flux, number of rays (64 bits), date (28
 //! bytes), start position, spectral identifier, single, least and largest wavelength, numbers of spectral tables and of
@@ -82,7 +82,7 @@ pub enum Tm25ErrorKind {
     Flags(&'static str),
     /// A number of a ray that cannot be.
     #[error("the {what} of ray {ray} is {value}, it should be {allowed}")]
-    SourceRay {
+    RayRecord {
         /// Counted from 0.
         ray: u64,
         /// Which number.
@@ -99,7 +99,7 @@ pub enum Tm25ErrorKind {
 
 /// A ray, in the file's frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SourceRay {
+pub struct RayRecord {
     /// Origin, metres.
     pub position: DVec3,
     /// Unit direction.
@@ -162,7 +162,7 @@ impl<R: Read> RayReader<R> {
         &self.header
     }
 
-    fn read(&mut self) -> Result<SourceRay, Tm25Error> {
+    fn read(&mut self) -> Result<RayRecord, Tm25Error> {
         let (ray, count) = (self.next, self.header.ray_count);
         let at = self.offset;
         let fail = |kind| Tm25Error { offset: at, kind };
@@ -179,7 +179,7 @@ impl<R: Read> RayReader<R> {
 }
 
 impl<R: Read> Iterator for RayReader<R> {
-    type Item = Result<SourceRay, Tm25Error>;
+    type Item = Result<RayRecord, Tm25Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.has_failed || self.next >= self.header.ray_count {
@@ -199,7 +199,7 @@ struct RayColumns<'a> {
 }
 
 impl RayColumns<'_> {
-    fn ray(&mut self, header: &RayFileHeader) -> Result<SourceRay, Tm25ErrorKind> {
+    fn ray(&mut self, header: &RayFileHeader) -> Result<RayRecord, Tm25ErrorKind> {
         const METRES: f64 = 1e-3;
         let position = DVec3::from_array(self.finite("position")?.map(f64::from)) * METRES;
         let direction = DVec3::from_array(self.finite("direction")?.map(f64::from));
@@ -207,7 +207,7 @@ impl RayColumns<'_> {
         if (length - 1.0).abs() > UNIT_LENGTH {
             return Err(self.wrong("length of the direction", length as f32, "1"));
         }
-        let ray = SourceRay {
+        let ray = RayRecord {
             position,
             direction: direction / length,
             radiant_flux: self.positive(header.has_radiant_flux, "radiant flux")?,
@@ -278,6 +278,6 @@ impl RayColumns<'_> {
     }
 
     fn wrong(&self, what: &'static str, value: f32, allowed: &'static str) -> Tm25ErrorKind {
-        Tm25ErrorKind::SourceRay { ray: self.ray, what, value, allowed }
+        Tm25ErrorKind::RayRecord { ray: self.ray, what, value, allowed }
     }
 }

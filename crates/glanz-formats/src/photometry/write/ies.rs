@@ -1,6 +1,6 @@
 //! LM-63.
 
-use super::{Header, PlaneSelection, WriteError, digits, one_line};
+use super::{Header, PhotometryWriteError, PlaneSelection, digits, one_line};
 use crate::photometry::{IntensityDistribution, LuminousOpening, OpeningShape};
 
 /// Letters of a line at most, by the standard 256 with its end.
@@ -17,11 +17,11 @@ const MICROMETRES: f64 = 1e6;
 /// finite number above 0 are written as 0.
 ///
 /// # Errors
-/// [`WriteError`], but not [`WriteError::Dark`].
+/// [`PhotometryWriteError`], but not [`PhotometryWriteError::Dark`].
 ///
 /// # Source
 /// @lm63_2002.
-pub fn ies(distribution: &IntensityDistribution, header: &Header) -> Result<Vec<u8>, WriteError> {
+pub fn ies(distribution: &IntensityDistribution, header: &Header) -> Result<Vec<u8>, PhotometryWriteError> {
     let stored = PlaneSelection::of(distribution)?;
     let mut lines = vec!["IESNA:LM-63-2002".to_owned()];
     let names = &header.names;

@@ -1,6 +1,6 @@
 //! EULUMDAT.
 
-use super::{Header, PlaneSelection, WriteError, digits, one_line};
+use super::{Header, PhotometryWriteError, PlaneSelection, digits, one_line};
 use crate::photometry::{IntensityDistribution, LuminousOpening, OpeningShape, Symmetry};
 
 const MILLIMETRES: f64 = 1000.0;
@@ -22,15 +22,15 @@ const STRETCH: f64 = 5.0;
 /// finite number above 0 are written as 0.
 ///
 /// # Errors
-/// [`WriteError`].
+/// [`PhotometryWriteError`].
 ///
 /// # Source
 /// @stockmar1990; -1 lamps for absolute photometry as agreed between makers of lighting programs in 2009.
-pub fn ldt(distribution: &IntensityDistribution, header: &Header) -> Result<Vec<u8>, WriteError> {
+pub fn ldt(distribution: &IntensityDistribution, header: &Header) -> Result<Vec<u8>, PhotometryWriteError> {
     let flux = distribution.flux();
     let planes = EulumdatPlanes::of(distribution)?;
     if flux.is_nan() || flux <= 0.0 {
-        return Err(WriteError::Dark);
+        return Err(PhotometryWriteError::Dark);
     }
     let mut lines = head(distribution, header, &planes);
     lines.extend([
@@ -106,7 +106,7 @@ struct EulumdatPlanes {
 }
 
 impl EulumdatPlanes {
-    fn of(distribution: &IntensityDistribution) -> Result<Self, WriteError> {
+    fn of(distribution: &IntensityDistribution) -> Result<Self, PhotometryWriteError> {
         let PlaneSelection { symmetry, mut planes } = PlaneSelection::of(distribution)?;
         let azimuths = distribution.azimuths();
         let listed: Vec<f64> = azimuths.iter().copied().filter(|c| *c < 360.0).collect();

@@ -58,7 +58,7 @@ impl Default for Header {
 /// Errors of writing a distribution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum WriteError {
+pub enum PhotometryWriteError {
     /// The type of the intensities; only type C is written.
     #[error("intensities of type {0:?} cannot be written, only those of type C")]
     System(AngularSystem),
@@ -102,9 +102,9 @@ struct PlaneSelection {
 impl PlaneSelection {
     /// Checks the distribution and picks those of its planes that its symmetry needs; all of them, where the planes
     /// that bound its part are missing.
-    fn of(distribution: &IntensityDistribution) -> Result<Self, WriteError> {
+    fn of(distribution: &IntensityDistribution) -> Result<Self, PhotometryWriteError> {
         if distribution.system() != AngularSystem::C {
-            return Err(WriteError::System(distribution.system()));
+            return Err(PhotometryWriteError::System(distribution.system()));
         }
         let (azimuths, polars) = (distribution.azimuths(), distribution.polars());
         let ends = |angles: &[f64]| {
@@ -112,11 +112,11 @@ impl PlaneSelection {
         };
         let (first, last) = ends(polars);
         if polars.len() < 2 || ![0.0, 90.0].contains(&first) || ![90.0, 180.0].contains(&last) {
-            return Err(WriteError::Gammas { count: polars.len(), first, last });
+            return Err(PhotometryWriteError::Gammas { count: polars.len(), first, last });
         }
         let all = (0..azimuths.len()).flat_map(|i| distribution.plane(i));
         if let Some(value) = all.copied().find(|value| !(0.0..=MOST).contains(value)) {
-            return Err(WriteError::Intensity(value));
+            return Err(PhotometryWriteError::Intensity(value));
         }
         // One plane all round stands for all, too.
         if azimuths.len() == 1 || azimuths == [0.0, 360.0] {
@@ -136,7 +136,7 @@ impl PlaneSelection {
         }
         let (first, last) = ends(azimuths);
         if (first, last) != (0.0, 360.0) {
-            return Err(WriteError::Planes { first, last });
+            return Err(PhotometryWriteError::Planes { first, last });
         }
         Ok(Self { symmetry: Symmetry::None, planes: (0..azimuths.len()).collect() })
     }

@@ -102,17 +102,17 @@ fn light_upwards_is_told_from_light_downwards() {
 fn what_the_formats_cannot_say_is_refused() {
     let header = Header::default();
     let dark = distribution(&[0.0], &[0.0, 90.0], &[0.0; 2]);
-    assert_eq!(ldt(&dark, &header), Err(WriteError::Dark));
+    assert_eq!(ldt(&dark, &header), Err(PhotometryWriteError::Dark));
     assert_eq!(read_well(&ies(&dark, &header).unwrap()).flux(), 0.0);
     let part = distribution(&[0.0], &[10.0, 90.0], &[1.0; 2]);
-    let refused = WriteError::Gammas { count: 2, first: 10.0, last: 90.0 };
+    let refused = PhotometryWriteError::Gammas { count: 2, first: 10.0, last: 90.0 };
     assert_eq!((ies(&part, &header), ldt(&part, &header)), (Err(refused.clone()), Err(refused)));
     // One plane all round is a luminaire that is alike all round.
     let round = distribution(&[0.0, 360.0], &[0.0, 90.0], &[1.0; 4]);
     assert_eq!(read_well(&ldt(&round, &header).unwrap()).distribution.azimuths(), [0.0]);
     let text = "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 2 2 2 2 0 0 0\n1 1 0\n-90 90\n-90 90\n1 1 1 1\n";
     let floodlight = read(text.as_bytes()).unwrap().photometry.distribution;
-    assert_eq!(ies(&floodlight, &header), Err(WriteError::System(AngularSystem::B)));
+    assert_eq!(ies(&floodlight, &header), Err(PhotometryWriteError::System(AngularSystem::B)));
 }
 
 proptest! {
