@@ -3,18 +3,18 @@
 use glanz::radiosity::bake::BakeError;
 use glanz::transport::{FilmError, MergeError};
 use glanz::{Error, FileFault};
-use glanz_terminal::messages::{Failure, Messages};
+use glanz_terminal::messages::{CommandError, Messages};
 
 use crate::notes::note_diagnostics;
 
 /// Makes sentences of errors; those of a scene are printed at once, with their places.
-pub(crate) fn failure(messages: Messages) -> impl Fn(Error) -> Failure {
+pub(crate) fn command_error(messages: Messages) -> impl Fn(Error) -> CommandError {
     move |error| {
         if let Error::Scene(diagnostics) = &error {
             note_diagnostics(diagnostics, messages);
-            return Failure::said();
+            return CommandError::reported();
         }
-        let failure = if is_usage(&error) { Failure::usage } else { Failure::new };
+        let failure = if is_usage(&error) { CommandError::usage } else { CommandError::new };
         let failure = failure(error.to_string());
         match advice(&error) {
             Some(help) => failure.with_help(help),

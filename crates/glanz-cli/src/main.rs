@@ -3,7 +3,7 @@
 mod arguments;
 mod browser;
 mod command;
-mod failure;
+mod command_error;
 mod notes;
 mod outputs;
 mod report;
@@ -12,7 +12,7 @@ mod scene_file;
 use std::process::ExitCode;
 
 use glanz_terminal::exit_code;
-use glanz_terminal::messages::{Failure, Messages};
+use glanz_terminal::messages::{CommandError, Messages};
 
 use arguments::{Arguments, Command};
 
@@ -48,7 +48,7 @@ fn main() -> ExitCode {
         }
         Command::Study { .. } => (
             Messages::new(false),
-            Err(Failure::usage("studies are a program of their own")
+            Err(CommandError::usage("studies are a program of their own")
                 .with_help("cargo run --release -p glanz-study -- newton --out newton")),
         ),
         Command::View(view) => {

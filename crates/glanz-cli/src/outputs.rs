@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use glanz::formats::image::Format;
 use glanz::light::Tone;
 use glanz::{Picture, picture_format};
-use glanz_terminal::messages::{Failure, Messages};
+use glanz_terminal::messages::{CommandError, Messages};
 
-use crate::failure::failure;
+use crate::command_error::command_error;
 
 /// Pictures to write, each in the format of its extension.
 #[derive(Debug)]
@@ -21,14 +21,14 @@ impl Outputs {
     ///
     /// # Errors
     /// What is wrong with the first path that cannot be written.
-    pub(crate) fn try_new(paths: &[PathBuf], tone: Tone, messages: Messages) -> Result<Self, Failure> {
+    pub(crate) fn try_new(paths: &[PathBuf], tone: Tone, messages: Messages) -> Result<Self, CommandError> {
         let mut files: Vec<(PathBuf, Format)> = Vec::new();
         for path in paths {
-            let format = picture_format(path).map_err(failure(messages))?;
+            let format = picture_format(path).map_err(command_error(messages))?;
             if files.iter().any(|(other, _)| other == path) {
-                return Err(Failure::usage(format!("{}: named twice as output", path.display())));
+                return Err(CommandError::usage(format!("{}: named twice as output", path.display())));
             }
-            glanz::file::check_writable(path).map_err(failure(messages))?;
+            glanz::file::check_writable(path).map_err(command_error(messages))?;
             files.push((path.clone(), format));
         }
         Ok(Self { files, tone })
@@ -48,10 +48,10 @@ impl Outputs {
     ///
     /// # Errors
     /// What went wrong, one line per file that is not written.
-    pub(crate) fn write(&self, picture: &Picture) -> Result<(), Failure> {
+    pub(crate) fn write(&self, picture: &Picture) -> Result<(), CommandError> {
         let saved = self.files.iter().map(|(path, _)| picture.save_with(path, &self.tone));
         let failures: Vec<String> = saved.filter_map(Result::err).map(|error| error.to_string()).collect();
-        if failures.is_empty() { Ok(()) } else { Err(Failure::new(failures.join("\n"))) }
+        if failures.is_empty() { Ok(()) } else { Err(CommandError::new(failures.join("\n"))) }
     }
 }
 

@@ -4,16 +4,16 @@ use std::path::Path;
 
 use glanz::formats::Options;
 use glanz::{Error, LoadedScene};
-use glanz_terminal::messages::{Failure, Messages};
+use glanz_terminal::messages::{CommandError, Messages};
 
-use crate::failure::failure;
+use crate::command_error::command_error;
 use crate::notes::note_diagnostics;
 
 /// Reads a scene file and prints its warnings; `strict`: repairs and substitutes are errors.
 ///
 /// # Errors
 /// The faults, which have been printed.
-pub(crate) fn open(path: &Path, strict: bool, messages: Messages) -> Result<LoadedScene, Failure> {
+pub(crate) fn open(path: &Path, strict: bool, messages: Messages) -> Result<LoadedScene, CommandError> {
     let options = Options { strict, ..Options::default() };
     print_diagnostics(glanz::open_with(path, &options), messages)
 }
@@ -25,8 +25,8 @@ pub(crate) fn open(path: &Path, strict: bool, messages: Messages) -> Result<Load
 pub(crate) fn print_diagnostics(
     opened: Result<LoadedScene, Error>,
     messages: Messages,
-) -> Result<LoadedScene, Failure> {
-    let scene = opened.map_err(failure(messages))?;
+) -> Result<LoadedScene, CommandError> {
+    let scene = opened.map_err(command_error(messages))?;
     note_diagnostics(scene.diagnostics(), messages);
     Ok(scene)
 }

@@ -10,7 +10,7 @@ pub const SHORTEST: Duration = Duration::from_millis(200);
 
 /// Whose time counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Of {
+pub enum TimeScope {
     /// The calling thread.
     Thread,
     /// All threads of the process, also those that ended.
@@ -20,7 +20,7 @@ pub enum Of {
 /// A running measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopwatch {
-    of: Of,
+    scope: TimeScope,
     processor: Option<Duration>,
     wall: Instant,
 }
@@ -28,14 +28,14 @@ pub struct Stopwatch {
 impl Stopwatch {
     /// Starts now.
     #[must_use]
-    pub fn start(of: Of) -> Self {
-        Self { of, processor: processor_time(of), wall: Instant::now() }
+    pub fn start(scope: TimeScope) -> Self {
+        Self { scope, processor: processor_time(scope), wall: Instant::now() }
     }
 
     /// Processor time since the start; wall time where the system does not tell the other.
     #[must_use]
     pub fn elapsed(&self) -> Duration {
-        match (self.processor, processor_time(self.of)) {
+        match (self.processor, processor_time(self.scope)) {
             (Some(start), Some(now)) => now.saturating_sub(start),
             _ => self.wall.elapsed(),
         }
@@ -45,7 +45,7 @@ impl Stopwatch {
 /// Whether times are processor times; otherwise they are wall times.
 #[must_use]
 pub fn counts_processor_time() -> bool {
-    processor_time(Of::Thread).is_some() && processor_time(Of::Process).is_some()
+    processor_time(TimeScope::Thread).is_some() && processor_time(TimeScope::Process).is_some()
 }
 
 /// The value of `work` and the mean time of the calling thread that one call takes, of as many calls as fit into
@@ -75,7 +75,7 @@ pub fn repeated_for<A, T, E>(
         // Many short calls are measured together: each alone is below the clock's steps.
         let batch: Vec<A> = (0..calls.clamp(1, 256)).map(|_| prepare()).collect();
         calls += batch.len() as u32;
-        let watch = Stopwatch::start(Of::Thread);
+        let watch = Stopwatch::start(TimeScope::Thread);
         let mut last = None;
         for input in batch {
             last = Some(work(input)?);
@@ -89,10 +89,10 @@ pub fn repeated_for<A, T, E>(
     }
 }
 
-fn processor_time(of: Of) -> Option<Duration> {
-    match of {
-        Of::Thread => thread_time(&std::fs::read_to_string("/proc/thread-self/schedstat").ok()?),
-        Of::Process => process_time(&std::fs::read_to_string("/proc/self/stat").ok()?),
+fn processor_time(scope: TimeScope) -> Option<Duration> {
+    match scope {
+        TimeScope::Thread => thread_time(&std::fs::read_to_string("/proc/thread-self/schedstat").ok()?),
+        TimeScope::Process => process_time(&std::fs::read_to_string("/proc/self/stat").ok()?),
     }
 }
 
@@ -127,7 +127,7 @@ mod tests {
         if !counts_processor_time() {
             return;
         }
-        let watch = Stopwatch::start(Of::Thread);
+        let watch = Stopwatch::start(TimeScope::Thread);
         std::thread::sleep(Duration::from_millis(60));
         assert!(watch.elapsed() < Duration::from_millis(30));
     }

@@ -15,16 +15,27 @@ use glanz_report::{Plot, Table};
 pub struct Report {
     title: String,
     summary: Table,
-    blocks: Vec<Block>,
+    blocks: Vec<ReportBlock>,
+}
+
+/// A plot with the name of its file, without extension, and its caption.
+#[derive(Debug)]
+pub struct Figure {
+    /// Name of the file.
+    pub name: String,
+    /// The plot.
+    pub plot: Plot,
+    /// Its caption.
+    pub caption: String,
 }
 
 #[derive(Debug)]
-enum Block {
+enum ReportBlock {
     Heading(String),
     Paragraph(String),
     Table(Table),
     Data(Table),
-    Plot { name: String, plot: Plot, caption: String },
+    Plot(Figure),
     Drawing { name: String, svg: String, caption: String },
     Picture { name: String, pixels: Pixels, caption: String },
 }
@@ -45,44 +56,49 @@ impl Report {
     /// All tables but the summary.
     pub fn tables(&self) -> impl Iterator<Item = &Table> {
         self.blocks.iter().filter_map(|block| match block {
-            Block::Table(table) | Block::Data(table) => Some(table),
+            ReportBlock::Table(table) | ReportBlock::Data(table) => Some(table),
             _ => None,
         })
     }
 
     /// A headline.
     pub fn heading(&mut self, text: impl Into<String>) {
-        self.blocks.push(Block::Heading(text.into()));
+        self.blocks.push(ReportBlock::Heading(text.into()));
     }
 
     /// Sentences.
     pub fn paragraph(&mut self, text: impl Into<String>) {
-        self.blocks.push(Block::Paragraph(text.into()));
+        self.blocks.push(ReportBlock::Paragraph(text.into()));
     }
 
     /// A table, also written as CSV.
     pub fn table(&mut self, table: Table) {
-        self.blocks.push(Block::Table(table));
+        self.blocks.push(ReportBlock::Table(table));
     }
 
     /// A table that is too long to be read: the report only names its CSV file.
     pub fn data(&mut self, table: Table) {
-        self.blocks.push(Block::Data(table));
+        self.blocks.push(ReportBlock::Data(table));
     }
 
     /// A plot, written as `name`.svg.
     pub fn plot(&mut self, name: impl Into<String>, plot: Plot, caption: impl Into<String>) {
-        self.blocks.push(Block::Plot { name: name.into(), plot, caption: caption.into() });
+        self.figure(Figure { name: name.into(), plot, caption: caption.into() });
+    }
+
+    /// A plot, written as `figure.name`.svg.
+    pub fn figure(&mut self, figure: Figure) {
+        self.blocks.push(ReportBlock::Plot(figure));
     }
 
     /// A drawing, the text of an SVG file, written as `name`.svg.
     pub fn drawing(&mut self, name: impl Into<String>, svg: String, caption: impl Into<String>) {
-        self.blocks.push(Block::Drawing { name: name.into(), svg, caption: caption.into() });
+        self.blocks.push(ReportBlock::Drawing { name: name.into(), svg, caption: caption.into() });
     }
 
     /// A picture in linear light, written as `name`.png.
     pub fn picture(&mut self, name: impl Into<String>, pixels: Pixels, caption: impl Into<String>) {
-        self.blocks.push(Block::Picture { name: name.into(), pixels, caption: caption.into() });
+        self.blocks.push(ReportBlock::Picture { name: name.into(), pixels, caption: caption.into() });
     }
 
     /// The text of `report.md`.
@@ -100,14 +116,19 @@ impl Report {
         text += &table(&self.summary);
         for block in &self.blocks {
             text += &match block {
-                Block::Heading(heading) => format!("## {heading}\n\n"),
-                Block::Paragraph(paragraph) => format!("{paragraph}\n\n"),
-                Block::Table(t) => table(t),
-                Block::Data(t) => format!("{} [{name}.csv]({name}.csv).\n\n", t.caption(), name = t.name()),
-                Block::Plot { name, caption, .. } | Block::Drawing { name, caption, .. } => {
+                ReportBlock::Heading(heading) => format!("## {heading}\n\n"),
+                ReportBlock::Paragraph(paragraph) => format!("{paragraph}\n\n"),
+                ReportBlock::Table(t) => table(t),
+                ReportBlock::Data(t) => {
+                    format!("{} [{name}.csv]({name}.csv).\n\n", t.caption(), name = t.name())
+                }
+                ReportBlock::Plot(Figure { name, caption, .. })
+                | ReportBlock::Drawing { name, caption, .. } => {
                     format!("![{caption}]({name}.svg)\n\n{caption}\n\n")
                 }
-                Block::Picture { name, caption, .. } => format!("![{caption}]({name}.png)\n\n{caption}\n\n"),
+                ReportBlock::Picture { name, caption, .. } => {
+                    format!("![{caption}]({name}.png)\n\n{caption}\n\n")
+                }
             };
         }
         text
@@ -130,13 +151,15 @@ impl Report {
         put(format!("{}.csv", self.summary.name()), self.summary.csv().as_bytes())?;
         for block in &self.blocks {
             match block {
-                Block::Heading(_) | Block::Paragraph(_) => {}
-                Block::Table(table) | Block::Data(table) => {
+                ReportBlock::Heading(_) | ReportBlock::Paragraph(_) => {}
+                ReportBlock::Table(table) | ReportBlock::Data(table) => {
                     put(format!("{}.csv", table.name()), table.csv().as_bytes())?
                 }
-                Block::Plot { name, plot, .. } => put(format!("{name}.svg"), plot.svg().as_bytes())?,
-                Block::Drawing { name, svg, .. } => put(format!("{name}.svg"), svg.as_bytes())?,
-                Block::Picture { name, pixels, .. } => {
+                ReportBlock::Plot(Figure { name, plot, .. }) => {
+                    put(format!("{name}.svg"), plot.svg().as_bytes())?
+                }
+                ReportBlock::Drawing { name, svg, .. } => put(format!("{name}.svg"), svg.as_bytes())?,
+                ReportBlock::Picture { name, pixels, .. } => {
                     let bytes = image::write(pixels, Format::Png, &Tone::default(), &BTreeMap::new())?;
                     put(format!("{name}.png"), &bytes)?;
                 }

@@ -10,7 +10,7 @@ use crate::study::StudyError;
 const FOLDER: &str = "scenes/rooms";
 
 /// A scene file that was read.
-pub(crate) struct Read {
+pub(crate) struct RoomFile {
     pub(crate) path: PathBuf,
     /// The file's name without folder and extension.
     pub(crate) name: String,
@@ -21,8 +21,8 @@ pub(crate) struct Read {
 ///
 /// # Errors
 /// A file that is no scene.
-pub(crate) fn read(named: &str) -> Result<Read, StudyError> {
-    let path = place(named);
+pub(crate) fn read(named: &str) -> Result<RoomFile, StudyError> {
+    let path = room_path(named);
     if !path.is_file() {
         return Err(StudyError::Setting {
             name: "rooms",
@@ -33,10 +33,10 @@ pub(crate) fn read(named: &str) -> Result<Read, StudyError> {
     let loaded = load(&path, &Options::default())
         .map_err(|diagnostics| StudyError::Unreadable(diagnostics.to_string()))?;
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    Ok(Read { path, name, loaded })
+    Ok(RoomFile { path, name, loaded })
 }
 
-fn place(named: &str) -> PathBuf {
+fn room_path(named: &str) -> PathBuf {
     let path = Path::new(named);
     if path.extension().is_some() {
         path.to_owned()

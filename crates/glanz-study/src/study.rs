@@ -28,8 +28,8 @@ pub struct Study {
     pub description: &'static str,
     /// The settings it heeds, besides the seed.
     pub options: &'static [StudyOption],
-    /// Whether it keeps what it measured in [`Settings::keep`].
-    pub keeps: bool,
+    /// Whether it keeps what it measured in [`Settings::cache`].
+    pub caches: bool,
     run: fn(&Settings, &mut StudyProgress<'_>) -> Result<Report, StudyError>,
 }
 
@@ -68,7 +68,7 @@ static STUDIES: [Study; 7] = [
         name: "densities",
         description: "variance of integrals whose density learns from its own samples (document 003)",
         options: &[],
-        keeps: false,
+        caches: false,
         run: densities::run,
     },
     Study {
@@ -85,42 +85,42 @@ static STUDIES: [Study; 7] = [
             StudyOption::Threads,
             StudyOption::Full,
         ],
-        keeps: true,
+        caches: true,
         run: guiding::run,
     },
     Study {
         name: "newton",
         description: "roots that Newton's method finds, misses and invents, against the certified search (document 000)",
         options: &[StudyOption::Rays],
-        keeps: false,
+        caches: false,
         run: newton::run,
     },
     Study {
         name: "reconstruction",
         description: "light on a floor from values of elements, by six interpolations (document 003)",
         options: &[StudyOption::Size],
-        keeps: false,
+        caches: false,
         run: reconstruction::run,
     },
     Study {
         name: "reflector",
         description: "where a lamp's light goes by way of a freeform mirror, exact and as facets (document 000)",
         options: &[StudyOption::Rays, StudyOption::Threads],
-        keeps: false,
+        caches: false,
         run: reflector::run,
     },
     Study {
         name: "solvers",
         description: "time, memory and errors of radiosity solvers over the number of elements (document 003)",
         options: &[StudyOption::Rooms, StudyOption::Elements, StudyOption::Threads],
-        keeps: false,
+        caches: false,
         run: solvers::run,
     },
     Study {
         name: "tessellation",
         description: "time, memory and errors of triangles against the exact surface (document 002)",
         options: &[StudyOption::Size, StudyOption::Triangles],
-        keeps: false,
+        caches: false,
         run: tessellation::run,
     },
 ];
@@ -176,7 +176,7 @@ pub struct Settings {
     /// Whether to measure all that the document measured, which takes many hours.
     pub full: bool,
     /// Folder in which a study may keep what took it long, to go on with after an interruption.
-    pub keep: Option<PathBuf>,
+    pub cache: Option<PathBuf>,
     /// Seed of random numbers.
     pub seed: u64,
     /// Ends the study when it is raised.
@@ -223,7 +223,7 @@ pub enum StudyError {
     Unreadable(String),
     /// A kept file that cannot be gone on with.
     #[error("{path}: {why}; remove it to begin anew")]
-    Kept {
+    Cache {
         /// Which.
         path: String,
         /// Why not.

@@ -16,14 +16,14 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser};
 
-use messages::{Failure, Messages};
+use messages::{CommandError, Messages};
 
 /// Exit code for wrong usage.
 const WRONG_USAGE: u8 = 2;
 
 /// How a command ended that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
+pub enum CommandOutcome {
     /// Everything was done.
     Done,
     /// Everything was done, and the answer is no.
@@ -56,11 +56,11 @@ pub fn parse<P: Parser>() -> Result<P, ExitCode> {
 
 /// The exit code of a command; prints the message of a failure.
 #[must_use]
-pub fn exit_code(messages: Messages, outcome: Result<Ending, Failure>) -> ExitCode {
+pub fn exit_code(messages: Messages, outcome: Result<CommandOutcome, CommandError>) -> ExitCode {
     match outcome {
-        Ok(Ending::Done) => ExitCode::SUCCESS,
-        Ok(Ending::Refused) => ExitCode::FAILURE,
-        Ok(Ending::Interrupted) => ExitCode::from(interrupt::EXIT_CODE),
+        Ok(CommandOutcome::Done) => ExitCode::SUCCESS,
+        Ok(CommandOutcome::Refused) => ExitCode::FAILURE,
+        Ok(CommandOutcome::Interrupted) => ExitCode::from(interrupt::EXIT_CODE),
         Err(failure) => {
             messages.error(&failure);
             if failure.usage { ExitCode::from(WRONG_USAGE) } else { ExitCode::FAILURE }

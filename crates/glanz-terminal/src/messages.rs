@@ -59,7 +59,7 @@ impl Messages {
     }
 
     /// Why the command failed, with `help` on what to do about it.
-    pub fn error(self, failure: &Failure) {
+    pub fn error(self, failure: &CommandError) {
         if !failure.message.is_empty() {
             self.say(RED, "error: ", &failure.message);
         }
@@ -79,7 +79,7 @@ impl Messages {
 
 /// Why a command failed, as sentences.
 #[derive(Debug)]
-pub struct Failure {
+pub struct CommandError {
     /// What is wrong, and where; empty if that was said already.
     pub message: String,
     /// What to do about it.
@@ -88,14 +88,14 @@ pub struct Failure {
     pub usage: bool,
 }
 
-impl Failure {
+impl CommandError {
     /// Something went wrong.
     pub fn new(message: impl Into<String>) -> Self {
         Self { message: message.into(), help: None, usage: false }
     }
 
     /// Something went wrong, and it was said what.
-    pub fn said() -> Self {
+    pub fn reported() -> Self {
         Self::new("")
     }
 

@@ -9,7 +9,7 @@ use glanz_math::{DVec2, DVec3};
 use glanz_radiosity::bake::LightMaps;
 use glanz_scene::{Description, ParametricPoint, PlacedSurface, Scene};
 use glanz_viewer::model::{MapLabel, Model};
-use glanz_viewer::server::Dress;
+use glanz_viewer::server::SceneOverlay;
 
 use crate::bake::{LightFile, divided};
 use crate::error::Error;
@@ -86,14 +86,14 @@ impl LightOverlay {
     }
 }
 
-impl Dress for LightOverlay {
-    fn furnish(&self, description: &mut Description) {
+impl SceneOverlay for LightOverlay {
+    fn add_shapes(&self, description: &mut Description) {
         if let Some(size) = self.room {
             add_walls(description, size);
         }
     }
 
-    fn dress(&self, scene: &Scene, content_hash: u128, model: Model) -> Result<Model, String> {
+    fn add_maps(&self, scene: &Scene, content_hash: u128, model: Model) -> Result<Model, String> {
         self.add_light(scene, content_hash, model).map_err(|error| error.to_string())
     }
 }

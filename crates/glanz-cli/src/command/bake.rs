@@ -3,13 +3,13 @@
 use std::time::Instant;
 
 use glanz::{BakeOutcome, Error, LoadedScene, ModelFiles};
-use glanz_terminal::messages::{Failure, Messages};
+use glanz_terminal::messages::{CommandError, Messages};
 use glanz_terminal::progress::Progress;
-use glanz_terminal::{Ending, interrupt};
+use glanz_terminal::{CommandOutcome, interrupt};
 use serde::Serialize;
 
 use crate::arguments::BakeArguments;
-use crate::failure::failure;
+use crate::command_error::command_error;
 use crate::notes::note_event;
 use crate::report::{self, duration, plural};
 use crate::scene_file;
@@ -37,8 +37,8 @@ struct BakeReport {
 ///
 /// # Errors
 /// A scene, setting or file that is refused.
-pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Ending, Failure> {
-    check_files(arguments).map_err(failure(messages))?;
+pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
+    check_files(arguments).map_err(command_error(messages))?;
     let strict = arguments.job.strictness.strict;
     let scene = scene_file::open(&arguments.scene.scene, strict, messages)?;
     let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
@@ -47,12 +47,12 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Endin
         Ok(outcome) => outcome,
         Err(Error::Interrupted(_)) => {
             messages.note(&interrupted(arguments));
-            return Ok(Ending::Interrupted);
+            return Ok(CommandOutcome::Interrupted);
         }
-        Err(error) => return Err(failure(messages)(error)),
+        Err(error) => return Err(command_error(messages)(error)),
     };
     warnings.extend(outcome.warnings.iter().map(ToString::to_string));
-    let files = outcome.save_with(&arguments.output, &arguments.model()).map_err(failure(messages))?;
+    let files = outcome.save_with(&arguments.output, &arguments.model()).map_err(command_error(messages))?;
     let report = report_of(arguments, &outcome, &files, start, warnings);
     messages.note(&format!(
         "wrote {}: {} of light in {} of {} x {}, {}, in {}",
@@ -67,7 +67,7 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Endin
     if arguments.job.verbosity.json {
         report::print(&report)?;
     }
-    Ok(Ending::Done)
+    Ok(CommandOutcome::Done)
 }
 
 /// Refuses files that cannot be written.
@@ -85,7 +85,7 @@ fn baked(
     scene: LoadedScene,
     arguments: &BakeArguments,
     messages: Messages,
-) -> Result<Result<BakeOutcome, Error>, Failure> {
+) -> Result<Result<BakeOutcome, Error>, CommandError> {
     let cancel = interrupt::listen()?;
     let name = scene.name().to_owned();
     let mut progress = Progress::start(messages);

@@ -6,12 +6,12 @@ use std::path::Path;
 use glanz::formats::image::{self, Encoding, Format, Image};
 use glanz::light::compare::{PictureComparison, RELATIVE_EPSILON, compare};
 use glanz::light::flip;
-use glanz_terminal::Ending;
-use glanz_terminal::messages::{Failure, Messages};
+use glanz_terminal::CommandOutcome;
+use glanz_terminal::messages::{CommandError, Messages};
 use serde::Serialize;
 
 use crate::arguments::{CompareArguments, Metric};
-use crate::failure::failure;
+use crate::command_error::command_error;
 use crate::report::{self, plural};
 
 /// What `--json` prints.
@@ -41,11 +41,11 @@ struct CompareReport {
 ///
 /// # Errors
 /// Pictures that cannot be read or compared.
-pub(crate) fn run(arguments: &CompareArguments, messages: Messages) -> Result<Ending, Failure> {
+pub(crate) fn run(arguments: &CompareArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     let (picture, reference) = (read(&arguments.picture, messages)?, read(&arguments.reference, messages)?);
     let names = (arguments.picture.display().to_string(), arguments.reference.display().to_string());
     let failed = |error: &dyn std::fmt::Display| {
-        Failure::new(format!("{} cannot be compared with {}: {error}", names.0, names.1))
+        CommandError::new(format!("{} cannot be compared with {}: {error}", names.0, names.1))
     };
     let comparison =
         compare(&picture.pixels, &reference.pixels, RELATIVE_EPSILON).map_err(|error| failed(&error))?;
@@ -82,13 +82,13 @@ pub(crate) fn run(arguments: &CompareArguments, messages: Messages) -> Result<En
     } else {
         report::print_text(&table(&report))?
     }
-    Ok(if passed { Ending::Done } else { Ending::Refused })
+    Ok(if passed { CommandOutcome::Done } else { CommandOutcome::Refused })
 }
 
-fn read(path: &Path, messages: Messages) -> Result<Image, Failure> {
-    let bytes = glanz::file::read(path).map_err(failure(messages))?;
+fn read(path: &Path, messages: Messages) -> Result<Image, CommandError> {
+    let bytes = glanz::file::read(path).map_err(command_error(messages))?;
     image::read(&bytes, Some(path), Encoding::Srgb)
-        .map_err(|error| Failure::new(format!("{}: {error}", path.display())))
+        .map_err(|error| CommandError::new(format!("{}: {error}", path.display())))
 }
 
 fn measure(metric: Metric, comparison: &PictureComparison, flip: f64) -> f64 {

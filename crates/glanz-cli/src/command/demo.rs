@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use glanz::formats::Options;
-use glanz_terminal::Ending;
-use glanz_terminal::messages::{Failure, Messages};
+use glanz_terminal::CommandOutcome;
+use glanz_terminal::messages::{CommandError, Messages};
 
 use crate::arguments::DemoArguments;
 use crate::command::render::render_scene;
@@ -20,7 +20,7 @@ const PICTURE: &str = "glanz-demo.png";
 ///
 /// # Errors
 /// A setting or file that is refused.
-pub(crate) fn run(arguments: &DemoArguments, messages: Messages) -> Result<Ending, Failure> {
+pub(crate) fn run(arguments: &DemoArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     messages.note(
         "The demo: surfaces without facets. A glass sphere, a silver torus, a golden surface of degree four,\n\
          a hyperboloid, paraboloid, cylinder and cone, each met by the rays itself and cut exactly,\n\

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use glanz::illumination::report::{LuxComparison, LuxReport};
 use glanz::job::{CancelFlag, JobEnd};
 use glanz::{Error, IlluminateOutcome, LoadedScene};
-use glanz_terminal::messages::{Failure, Messages};
+use glanz_terminal::messages::{CommandError, Messages};
 use glanz_terminal::progress::Progress;
-use glanz_terminal::{Ending, interrupt};
+use glanz_terminal::{CommandOutcome, interrupt};
 use serde::Serialize;
 
 use crate::arguments::IlluminateArguments;
-use crate::failure::failure;
+use crate::command_error::command_error;
 use crate::notes::note_event;
 use crate::report;
 use crate::scene_file;
@@ -30,9 +30,12 @@ struct IlluminateReport<'a> {
 ///
 /// # Errors
 /// A scene, setting or file that is refused.
-pub(crate) fn run(arguments: &IlluminateArguments, messages: Messages) -> Result<Ending, Failure> {
+pub(crate) fn run(
+    arguments: &IlluminateArguments,
+    messages: Messages,
+) -> Result<CommandOutcome, CommandError> {
     let cancel = interrupt::listen()?;
-    check_files(arguments).map_err(failure(messages))?;
+    check_files(arguments).map_err(command_error(messages))?;
     let mut paths = vec![arguments.scene.scene.as_path()];
     paths.extend(arguments.compare.as_deref());
     let (mut outcomes, mut warnings) = (Vec::new(), Vec::new());
@@ -43,14 +46,14 @@ pub(crate) fn run(arguments: &IlluminateArguments, messages: Messages) -> Result
             Ok(outcome) => outcome,
             Err(Error::Interrupted(_)) => {
                 messages.note("interrupted; nothing was written");
-                return Ok(Ending::Interrupted);
+                return Ok(CommandOutcome::Interrupted);
             }
             Err(error) => return Err(illuminate_failure(error, messages)),
         };
         warnings.extend(outcome.warnings.iter().map(ToString::to_string));
         outcomes.push(outcome);
     }
-    let written = saved(arguments, &outcomes).map_err(failure(messages))?;
+    let written = saved(arguments, &outcomes).map_err(command_error(messages))?;
     let written: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
     if !messages.is_quiet() && !arguments.job.verbosity.json {
         print_summary(&outcomes)?;
@@ -66,7 +69,7 @@ pub(crate) fn run(arguments: &IlluminateArguments, messages: Messages) -> Result
         })?;
     }
     let interrupted = outcomes.iter().any(|outcome| outcome.end == JobEnd::Interrupted);
-    Ok(if interrupted { Ending::Interrupted } else { Ending::Done })
+    Ok(if interrupted { CommandOutcome::Interrupted } else { CommandOutcome::Done })
 }
 
 /// Refuses files that cannot be written, and makes the folder.
@@ -107,17 +110,17 @@ fn illuminated(
 }
 
 /// The failure, with the option that it is about.
-fn illuminate_failure(error: Error, messages: Messages) -> Failure {
+fn illuminate_failure(error: Error, messages: Messages) -> CommandError {
     let is_accuracy = matches!(error, Error::Accuracy { .. });
-    let failure = failure(messages)(error);
+    let failure = command_error(messages)(error);
     if is_accuracy {
-        Failure { message: format!("--error: {}", failure.message), ..failure }
+        CommandError { message: format!("--error: {}", failure.message), ..failure }
     } else {
         failure
     }
 }
 
-fn print_summary(outcomes: &[IlluminateOutcome]) -> Result<(), Failure> {
+fn print_summary(outcomes: &[IlluminateOutcome]) -> Result<(), CommandError> {
     match outcomes {
         [a, b] => report::print_text(&LuxComparison::between(&a.report, &b.report).text()),
         _ => outcomes.iter().try_for_each(|outcome| report::print_text(&outcome.report.text())),

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use glanz::math::Bounds3;
-use glanz_terminal::Ending;
-use glanz_terminal::messages::{Failure, Messages};
+use glanz_terminal::CommandOutcome;
+use glanz_terminal::messages::{CommandError, Messages};
 use serde::Serialize;
 
 use crate::arguments::InfoArguments;
 use crate::command::luminaire;
-use crate::failure::failure;
+use crate::command_error::command_error;
 use crate::notes::note_warning;
 use crate::report::{self, grouped};
 use crate::scene_file;
@@ -50,13 +50,13 @@ struct Corners {
 ///
 /// # Errors
 /// A scene that is refused.
-pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<Ending, Failure> {
+pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     if luminaire::is_named(&arguments.scene) {
         luminaire::run(arguments, messages)?;
-        return Ok(Ending::Done);
+        return Ok(CommandOutcome::Done);
     }
     if arguments.plot.is_some() {
-        return Err(Failure::usage("--plot draws the distribution of a photometric file: .ies or .ldt"));
+        return Err(CommandError::usage("--plot draws the distribution of a photometric file: .ies or .ldt"));
     }
     let scene = scene_file::open(&arguments.scene, arguments.strictness.strict, messages)?;
     let name = scene.name().to_owned();
@@ -66,7 +66,7 @@ pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<Endin
     let (resolution, files) = (description.film.resolution, description.files.clone());
     let integrator = description.integrator.name.clone();
     let sampler = description.sampler.clone();
-    let (scene, resolved) = scene.resolve().map_err(failure(messages))?;
+    let (scene, resolved) = scene.resolve().map_err(command_error(messages))?;
     for warning in resolved {
         note_warning(&warning, messages);
         warnings.push(warning.to_string());
@@ -96,7 +96,7 @@ pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<Endin
     } else {
         report::print_text(&text(&report))?
     }
-    Ok(Ending::Done)
+    Ok(CommandOutcome::Done)
 }
 
 fn corners(bounds: &Bounds3) -> Option<Corners> {

@@ -6,11 +6,11 @@ use std::path::Path;
 use glanz::formats::photometry::{self, IntensityDistribution, Photometry, PhotometryFormat};
 use glanz::illumination::report::PolarPlot;
 use glanz::report::number::significant;
-use glanz_terminal::messages::{Failure, Messages};
+use glanz_terminal::messages::{CommandError, Messages};
 use serde::Serialize;
 
 use crate::arguments::InfoArguments;
-use crate::failure::failure;
+use crate::command_error::command_error;
 use crate::report;
 
 /// Step of the angles at which the edge of a beam is searched, degrees.
@@ -51,20 +51,20 @@ pub(crate) fn is_named(path: &Path) -> bool {
 ///
 /// # Errors
 /// A file that is refused, with line and column.
-pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<(), CommandError> {
     let path = &arguments.scene;
     if let Some(plot) = &arguments.plot {
-        glanz::file::check_writable(plot).map_err(failure(messages))?;
+        glanz::file::check_writable(plot).map_err(command_error(messages))?;
     }
-    let bytes = glanz::file::read(path).map_err(failure(messages))?;
+    let bytes = glanz::file::read(path).map_err(command_error(messages))?;
     let at = |fault: &photometry::PhotometryError| format!("{}:{fault}", path.display());
-    let file = photometry::read(&bytes).map_err(|fault| Failure::new(at(&fault)))?;
+    let file = photometry::read(&bytes).map_err(|fault| CommandError::new(at(&fault)))?;
     let warnings: Vec<String> = file.warnings.iter().map(at).collect();
     warnings.iter().for_each(|warning| messages.warning(warning));
     let photometry = file.photometry;
     if let Some(plot) = &arguments.plot {
         let svg = polar(&photometry, path).svg();
-        glanz::file::write(plot, svg.as_bytes()).map_err(failure(messages))?;
+        glanz::file::write(plot, svg.as_bytes()).map_err(command_error(messages))?;
     }
     let report = report_of(&photometry, arguments, warnings);
     if arguments.json { report::print(&report) } else { report::print_text(&text(&report)) }

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use glanz::Error;
 use glanz::transport::MergeError;
-use glanz_terminal::Ending;
-use glanz_terminal::messages::{Failure, Messages};
+use glanz_terminal::CommandOutcome;
+use glanz_terminal::messages::{CommandError, Messages};
 use serde::Serialize;
 
 use crate::arguments::MergeArguments;
-use crate::failure::failure;
+use crate::command_error::command_error;
 use crate::outputs::Outputs;
 use crate::report::{self, plural};
 
@@ -27,16 +27,16 @@ struct MergeReport {
 ///
 /// # Errors
 /// Parts that do not belong together, or a file that cannot be read or written.
-pub(crate) fn run(arguments: &MergeArguments, messages: Messages) -> Result<Ending, Failure> {
+pub(crate) fn run(arguments: &MergeArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     let outputs = Outputs::try_new(&arguments.output, arguments.tone.tone(), messages)?;
     if let Some(path) = &arguments.checkpoint {
-        glanz::file::check_writable(path).map_err(failure(messages))?;
+        glanz::file::check_writable(path).map_err(command_error(messages))?;
     }
     let picture =
         glanz::merge(&arguments.parts).map_err(|error| merge_failure(error, arguments, messages))?;
     outputs.write(&picture)?;
     if let Some(path) = &arguments.checkpoint {
-        picture.save_checkpoint(path).map_err(failure(messages))?;
+        picture.save_checkpoint(path).map_err(command_error(messages))?;
     }
     let samples = picture.film().samples();
     messages.note(&format!(
@@ -53,11 +53,11 @@ pub(crate) fn run(arguments: &MergeArguments, messages: Messages) -> Result<Endi
             samples: samples.to_string(),
         })?;
     }
-    Ok(Ending::Done)
+    Ok(CommandOutcome::Done)
 }
 
 /// The failure, with the files that it is about.
-fn merge_failure(error: Error, arguments: &MergeArguments, messages: Messages) -> Failure {
+fn merge_failure(error: Error, arguments: &MergeArguments, messages: Messages) -> CommandError {
     let name =
         |part: usize| arguments.parts.get(part).map_or_else(String::new, |path| path.display().to_string());
     let message = match &error {
@@ -74,9 +74,9 @@ fn merge_failure(error: Error, arguments: &MergeArguments, messages: Messages) -
         )),
         _ => None,
     };
-    let failure = failure(messages)(error);
+    let failure = command_error(messages)(error);
     match message {
-        Some(message) => Failure { message, ..failure },
+        Some(message) => CommandError { message, ..failure },
         None => failure,
     }
 }

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use glanz::job::{CancelFlag, JobEnd};
 use glanz::transport::{AovSet, Film, GuideSize};
 use glanz::{Error, LoadedScene, Picture, RenderOptions};
-use glanz_terminal::Ending;
+use glanz_terminal::CommandOutcome;
 use glanz_terminal::interrupt;
-use glanz_terminal::messages::{Failure, Messages};
+use glanz_terminal::messages::{CommandError, Messages};
 use glanz_terminal::progress::Progress;
 use serde::Serialize;
 
 use crate::arguments::{RenderArguments, RenderCommandArguments};
-use crate::failure::failure;
+use crate::command_error::command_error;
 use crate::notes::note_event;
 use crate::outputs::{Outputs, default_path};
 use crate::report::{self, plural};
@@ -22,7 +22,10 @@ use crate::scene_file;
 ///
 /// # Errors
 /// A scene, setting or file that is refused.
-pub(crate) fn run(arguments: &RenderCommandArguments, messages: Messages) -> Result<Ending, Failure> {
+pub(crate) fn run(
+    arguments: &RenderCommandArguments,
+    messages: Messages,
+) -> Result<CommandOutcome, CommandError> {
     let (path, render) = (&arguments.scene.scene, &arguments.render);
     render_scene(render, None, messages, || scene_file::open(path, render.job.strictness.strict, messages))
 }
@@ -83,13 +86,13 @@ pub(crate) fn render_scene(
     arguments: &RenderArguments,
     default_output: Option<&Path>,
     messages: Messages,
-    open: impl FnOnce() -> Result<LoadedScene, Failure>,
-) -> Result<Ending, Failure> {
+    open: impl FnOnce() -> Result<LoadedScene, CommandError>,
+) -> Result<CommandOutcome, CommandError> {
     let cancel = interrupt::listen()?;
     // All that can be refused without the scene is refused before it is read, which may take long.
     let tone = arguments.tone.tone();
     let named = Outputs::try_new(&arguments.output, tone, messages)?;
-    check_files(arguments).map_err(failure(messages))?;
+    check_files(arguments).map_err(command_error(messages))?;
 
     let scene = open()?;
     let name = scene.name().to_owned();
@@ -111,12 +114,12 @@ pub(crate) fn render_scene(
         Err(Error::Unsaved { picture, error }) => (*picture, Err(*error)),
         Err(Error::Interrupted(_)) => {
             messages.note("interrupted before the first pass; nothing was written");
-            return Ok(Ending::Interrupted);
+            return Ok(CommandOutcome::Interrupted);
         }
         Err(error) => return Err(render_failure(error, arguments, messages)),
     };
     outputs.write(&picture)?;
-    saved.map_err(failure(messages))?;
+    saved.map_err(command_error(messages))?;
     warnings.extend(picture.warnings().iter().map(ToString::to_string));
     finish(&picture, &name, &outputs, arguments, warnings, messages)
 }
@@ -156,7 +159,7 @@ fn rendered(
 }
 
 /// The failure, with the option that it is about.
-fn render_failure(error: Error, arguments: &RenderArguments, messages: Messages) -> Failure {
+fn render_failure(error: Error, arguments: &RenderArguments, messages: Messages) -> CommandError {
     let option = match &error {
         Error::NoGuide { .. } => {
             let named = [
@@ -174,9 +177,9 @@ fn render_failure(error: Error, arguments: &RenderArguments, messages: Messages)
         Error::Film(_) => arguments.size.map(|[width, height]| format!("--size {width}x{height}")),
         _ => None,
     };
-    let failure = failure(messages)(error);
+    let failure = command_error(messages)(error);
     match option {
-        Some(option) => Failure { message: format!("{option}: {}", failure.message), ..failure },
+        Some(option) => CommandError { message: format!("{option}: {}", failure.message), ..failure },
         None => failure,
     }
 }
@@ -189,7 +192,7 @@ fn finish(
     arguments: &RenderArguments,
     warnings: Vec<String>,
     messages: Messages,
-) -> Result<Ending, Failure> {
+) -> Result<CommandOutcome, CommandError> {
     let (identity, film, statistics) = (picture.identity(), picture.film(), picture.statistics());
     let [width, height] = identity.film.crop.size;
     let seconds = statistics.elapsed.as_secs_f64();
@@ -230,5 +233,5 @@ fn finish(
     if arguments.job.verbosity.json {
         report::print(&report)?;
     }
-    Ok(if interrupted { Ending::Interrupted } else { Ending::Done })
+    Ok(if interrupted { CommandOutcome::Interrupted } else { CommandOutcome::Done })
 }

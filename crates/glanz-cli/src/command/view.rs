@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use glanz::LightOverlay;
 use glanz::formats::Options;
-use glanz::viewer::server::{Dress, News, Server, ServerError, ServerSettings, Shown};
-use glanz_terminal::messages::{Failure, Messages};
-use glanz_terminal::{Ending, interrupt};
+use glanz::viewer::server::{SceneOverlay, SceneUpdate, Server, ServerError, ServerSettings, ViewerScene};
+use glanz_terminal::messages::{CommandError, Messages};
+use glanz_terminal::{CommandOutcome, interrupt};
 
 use crate::arguments::ViewArguments;
 use crate::browser;
-use crate::failure::failure;
+use crate::command_error::command_error;
 use crate::notes::note_diagnostics;
 use crate::report;
 
@@ -18,11 +18,11 @@ use crate::report;
 ///
 /// # Errors
 /// A scene or file that is refused, or an address that cannot be served from.
-pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Ending, Failure> {
+pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     let cancel = interrupt::listen()?;
     let options = Options { strict: arguments.strictness.strict, ..Options::default() };
-    let overlay = overlay(arguments).map_err(failure(messages))?;
-    let overlay: Option<Arc<dyn Dress>> = match overlay.is_empty() {
+    let overlay = overlay(arguments).map_err(command_error(messages))?;
+    let overlay: Option<Arc<dyn SceneOverlay>> = match overlay.is_empty() {
         true => None,
         false => Some(Arc::new(overlay)),
     };
@@ -32,17 +32,18 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Endin
         threads: arguments.threads.count(),
         integrator: arguments.integrator.into(),
         options: options.clone(),
-        dress: overlay.clone(),
+        overlay: overlay.clone(),
         watch: arguments.watch,
         ..ServerSettings::default()
     };
     let scene = &arguments.scene.scene;
-    let shown = Shown::read(scene, &options, overlay.as_deref())
-        .map_err(|diagnostics| failure(messages)(glanz::Error::Scene(diagnostics)))?;
-    note_diagnostics(shown.warnings(), messages);
+    let viewer_scene = ViewerScene::read(scene, &options, overlay.as_deref())
+        .map_err(|diagnostics| command_error(messages)(glanz::Error::Scene(diagnostics)))?;
+    note_diagnostics(viewer_scene.warnings(), messages);
     let name = scene.display().to_string();
-    let listener = Box::new(move |news: &News| note_news(&name, news, messages));
-    let server = Server::bind(&settings, scene, shown, listener).map_err(|error| server_failure(&error))?;
+    let listener = Box::new(move |update: &SceneUpdate| note_update(&name, update, messages));
+    let server =
+        Server::bind(&settings, scene, viewer_scene, listener).map_err(|error| server_failure(&error))?;
     report::print_text(&format!("{}\n", server.address()))?;
     messages.note("Ctrl-C ends the page");
     if !arguments.no_open {
@@ -50,7 +51,7 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Endin
     }
     server.run(&cancel).map_err(|error| server_failure(&error))?;
     // Nothing was cut short: this is how the command ends.
-    Ok(Ending::Done)
+    Ok(CommandOutcome::Done)
 }
 
 /// What the arguments add to the scene.
@@ -66,8 +67,8 @@ fn overlay(arguments: &ViewArguments) -> Result<LightOverlay, glanz::Error> {
     }
 }
 
-fn server_failure(error: &ServerError) -> Failure {
-    let failure = Failure::new(error.to_string());
+fn server_failure(error: &ServerError) -> CommandError {
+    let failure = CommandError::new(error.to_string());
     match error {
         ServerError::Address { .. } => failure
             .with_help("choose another port with --port, or a name or number of this machine with --host"),
@@ -76,13 +77,13 @@ fn server_failure(error: &ServerError) -> Failure {
 }
 
 /// Reports that the scene was read again after its files changed.
-fn note_news(name: &str, news: &News, messages: Messages) {
-    match news {
-        News::Read(shown) => {
-            note_diagnostics(shown.warnings(), messages);
+fn note_update(name: &str, update: &SceneUpdate, messages: Messages) {
+    match update {
+        SceneUpdate::Reloaded(viewer_scene) => {
+            note_diagnostics(viewer_scene.warnings(), messages);
             messages.note(&format!("{name}: read again"));
         }
-        News::Refused(diagnostics) => {
+        SceneUpdate::Refused(diagnostics) => {
             note_diagnostics(diagnostics, messages);
             messages.note(&format!("{name}: the page keeps what it shows"));
         }

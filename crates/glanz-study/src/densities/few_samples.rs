@@ -4,7 +4,7 @@ use glanz_sampling::density::{Density, FittingMethod, MissingCoefficient};
 use glanz_sampling::hash::combine;
 use glanz_sampling::integrate::{SamplingPattern, integrate_adaptively};
 
-use crate::densities::measure::{Ladder, plane};
+use crate::densities::measure::{PassSchedule, plane};
 use crate::study::{Settings, StudyError};
 use glanz_report::Table;
 use glanz_report::number::significant;
@@ -20,7 +20,7 @@ const COLUMNS: [(&str, &str); 7] = [
 ];
 
 /// The first is the document's.
-const WAYS: [(&str, FittingMethod, SamplingPattern); 5] = [
+const VARIANTS: [(&str, FittingMethod, SamplingPattern); 5] = [
     (
         "own samples or neighbours, independent",
         FittingMethod::OwnSamples(MissingCoefficient::Neighbours),
@@ -43,7 +43,7 @@ const WAYS: [(&str, FittingMethod, SamplingPattern); 5] = [
 /// What was found.
 pub(super) struct FewSamples {
     pub(super) table: Table,
-    /// Densities learnt in the document's way, by numbers of samples.
+    /// Densities learnt in the document's variant, by numbers of samples.
     pub(super) densities: Vec<(String, Density<2>)>,
     /// Way, samples a pass, median of the variance.
     medians: Vec<(&'static str, u32, f64)>,
@@ -52,8 +52,8 @@ pub(super) struct FewSamples {
 impl FewSamples {
     /// A sentence made from the figures.
     pub(super) fn finding(&self) -> Option<String> {
-        let of = |way: &str| self.medians.iter().find(|m| m.0 == way && m.1 == 1000).map(|m| m.2);
-        let (own, all) = (of(WAYS[0].0)?, of(WAYS[4].0)?);
+        let of = |variant: &str| self.medians.iter().find(|m| m.0 == variant && m.1 == 1000).map(|m| m.2);
+        let (own, all) = (of(VARIANTS[0].0)?, of(VARIANTS[4].0)?);
         Some(format!(
             "With 1000 samples a pass in two dimensions, coefficients from their own independent samples (or neighbours where \
              there are none) leave a variance of {} (median), coefficients from all samples on Sobol' points {}.",
@@ -64,7 +64,7 @@ impl FewSamples {
 }
 
 /// Figure 2.9: hat functions with few samples a pass, learnt as in the document and in other ways.
-pub(super) fn few_samples(ladder: &Ladder<2>, settings: &Settings) -> Result<FewSamples, StudyError> {
+pub(super) fn few_samples(schedule: &PassSchedule<2>, settings: &Settings) -> Result<FewSamples, StudyError> {
     let mut table = Table::new(
         "convergence",
         "Exact variance of a single sample from the density that three passes have learnt, 41 runs, and what as many further \
@@ -72,15 +72,15 @@ pub(super) fn few_samples(ladder: &Ladder<2>, settings: &Settings) -> Result<Few
         &COLUMNS,
     );
     let (mut densities, mut medians) = (Vec::new(), Vec::new());
-    for (way, learning, sampling) in WAYS {
+    for (variant, method, sampling) in VARIANTS {
         for (samples, published) in [(100, 0.0145), (1000, 0.001_88), (10_000, 0.0017), (100_000, 0.000_42)] {
             let (mut exact, mut shown) = (Vec::new(), Vec::new());
             let mut last = None;
             for run in 0..41 {
                 settings.cancel.check()?;
-                let mut plan = ladder.plan(samples, combine(settings.seed, 1000 + run));
-                (plan.method, plan.sampling) = (learning, sampling);
-                let result = integrate_adaptively(&ladder.scales, &plan, plane)?;
+                let mut plan = schedule.plan(samples, combine(settings.seed, 1000 + run));
+                (plan.method, plan.sampling) = (method, sampling);
+                let result = integrate_adaptively(&schedule.scales, &plan, plane)?;
                 let Some(pass) = result.passes.last() else { continue };
                 exact.push(pass.density.primary_variance(60, |x| plane(x)));
                 shown.push(pass.estimate.primary_variance);
@@ -89,10 +89,10 @@ pub(super) fn few_samples(ladder: &Ladder<2>, settings: &Settings) -> Result<Few
             exact.sort_by(f64::total_cmp);
             shown.sort_by(f64::total_cmp);
             let median = exact.get(exact.len() / 2).copied();
-            medians.extend(median.map(|median| (way, samples, median)));
-            let as_published = way == WAYS[0].0;
+            medians.extend(median.map(|median| (variant, samples, median)));
+            let as_published = variant == VARIANTS[0].0;
             table.push([
-                way.into(),
+                variant.into(),
                 u64::from(samples).into(),
                 as_published.then_some(published).into(),
                 exact.first().copied().into(),

@@ -8,7 +8,7 @@ use glanz_sampling::density::Density;
 use glanz_sampling::integrate::SamplingPattern;
 
 use crate::densities::SAMPLES;
-use crate::densities::measure::{Measured, sine, stratified_variance, variance_of_means};
+use crate::densities::measure::{MeasuredMean, sine, stratified_variance, variance_of_means};
 use crate::study::{Settings, StudyError};
 use glanz_report::Table;
 
@@ -47,7 +47,7 @@ pub(super) fn table_2_1(settings: &Settings) -> Result<Table, StudyError> {
         ("linear, L2", Density::try_new(hats(0)?, proximum)?, [0.006_14, 0.003_07, 0.001_54]),
         ("linear, L2, mirrored", Density::try_new(hats(0)?, mirrored)?, [0.593, 0.297, 0.148]),
     ];
-    let mut push = |name: &str, samples: u32, published: f64, exact: f64, measured: Measured| {
+    let mut push = |name: &str, samples: u32, published: f64, exact: f64, measured: MeasuredMean| {
         table.push([
             name.into(),
             u64::from(samples).into(),

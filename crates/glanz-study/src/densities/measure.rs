@@ -27,12 +27,12 @@ pub(super) fn plane(x: &[f64]) -> f64 {
 
 /// A mean of equal measurements.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Measured {
+pub(super) struct MeasuredMean {
     pub(super) mean: f64,
     pub(super) standard_error: f64,
 }
 
-impl Measured {
+impl MeasuredMean {
     pub(super) fn of(values: &[f64]) -> Self {
         let n = values.len().max(1) as f64;
         let mean = values.iter().sum::<f64>() / n;
@@ -48,7 +48,7 @@ pub(super) fn variance_of_means(
     count: u32,
     total: u64,
     settings: &Settings,
-) -> Result<Measured, StudyError> {
+) -> Result<MeasuredMean, StudyError> {
     let means = (total / u64::from(count) / GROUPS).max(2);
     let mut variances = Vec::new();
     for group in 0..GROUPS {
@@ -65,7 +65,7 @@ pub(super) fn variance_of_means(
         let n = means as f64;
         variances.push((squares - sum * sum / n) / (n - 1.0));
     }
-    Ok(Measured::of(&variances))
+    Ok(MeasuredMean::of(&variances))
 }
 
 /// The variance of the mean of `strata` samples of the sine, one from each of as many equal strata (@pietrek2001 equation
@@ -82,7 +82,7 @@ pub(super) fn stratified_variance(strata: u32) -> f64 {
 }
 
 /// Passes over scales, one more than scales: the first samples the constant density, the last the finest one.
-pub(super) struct Ladder<const D: usize> {
+pub(super) struct PassSchedule<const D: usize> {
     pub(super) name: &'static str,
     pub(super) scales: Arc<TensorMultiResolution<D>>,
     pub(super) levels: [usize; 3],
@@ -90,7 +90,7 @@ pub(super) struct Ladder<const D: usize> {
     pub(super) published: [f64; 4],
 }
 
-impl<const D: usize> Ladder<D> {
+impl<const D: usize> PassSchedule<D> {
     /// One run; every pass takes `samples`.
     pub(super) fn plan(&self, samples: u32, seed: u64) -> AdaptivePlan<D> {
         let [a, b, c] = self.levels;
@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn mean_and_standard_error_of_three_numbers() {
-        let m = Measured::of(&[1.0, 2.0, 6.0]);
+        let m = MeasuredMean::of(&[1.0, 2.0, 6.0]);
         assert_eq!(m.mean, 3.0);
         assert!((m.standard_error - (7.0_f64 / 3.0).sqrt()).abs() < 1e-15);
     }

@@ -1,8 +1,8 @@
 //! Densities that learn an integrand, from coarse to fine (document 003 chapter 2): its tables and figures again.
 
-mod chosen;
-mod few;
+mod few_samples;
 mod figures;
+mod fixed;
 mod measure;
 mod passes;
 
@@ -12,10 +12,10 @@ use glanz_sampling::density::Density;
 use glanz_sampling::integrate::AdaptiveResult;
 use glanz_sampling::multiresolution::MultiResolution;
 
-use self::chosen::table_2_1;
-use self::few::{FewSamples, few_samples};
+use self::few_samples::{FewSamples, few_samples};
+use self::fixed::table_2_1;
 use self::measure::{plane, sine};
-use self::passes::{PASS_COLUMNS, Passes, RUNS, findings, ladder, measure, push_passes, variances};
+use self::passes::{PASS_COLUMNS, PassResults, RUNS, findings, measure, push_passes, schedule, variances};
 use crate::report::Report;
 use crate::study::{Settings, StudyError, StudyProgress};
 use glanz_report::Table;
@@ -33,10 +33,10 @@ const TITLES: [&str; 2] = ["Haar's boxes", "Hat functions"];
 pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
     settings.cancel.check()?;
     progress.report(0.0, "table 2.1");
-    let chosen = table_2_1(settings)?;
+    let fixed = table_2_1(settings)?;
     let line = [
-        ladder("Haar's boxes", MultiResolution::haar(3)?, [1, 2, 3], [0.0947, 0.0388, 0.0132, 0.004_32]),
-        ladder(
+        schedule("Haar's boxes", MultiResolution::haar(3)?, [1, 2, 3], [0.0947, 0.0388, 0.0132, 0.004_32]),
+        schedule(
             "hat functions",
             MultiResolution::bspline(1, 2)?,
             [0, 1, 2],
@@ -44,8 +44,8 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
         ),
     ];
     let square = [
-        ladder("Haar's boxes", MultiResolution::haar(3)?, [1, 2, 3], [0.0857, 0.0332, 0.0111, 0.003_61]),
-        ladder(
+        schedule("Haar's boxes", MultiResolution::haar(3)?, [1, 2, 3], [0.0857, 0.0332, 0.0111, 0.003_61]),
+        schedule(
             "hat functions",
             MultiResolution::bspline(1, 2)?,
             [0, 1, 2],
@@ -70,12 +70,12 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
         Report::new("Study densities: integrals whose samples go where the integrand is", summary);
     introduce(settings, &mut report);
     report.heading("Chosen densities (table 2.1)");
-    report.table(chosen);
-    tell_line(&on_line, &line_runs, &mut report);
-    tell_square(&on_square, &square_runs, &mut report);
+    report.table(fixed);
+    add_one_dimension(&on_line, &line_runs, &mut report);
+    add_two_dimensions(&on_square, &square_runs, &mut report);
     let found = findings(&on_line, "one dimension").into_iter().chain(findings(&on_square, "two dimensions"));
     let found: Vec<String> = found.chain(few.finding()).collect();
-    tell_few(few, &mut report);
+    add_few_samples(few, &mut report);
     report.heading("What one sees");
     for sentence in found {
         report.paragraph(sentence);
@@ -85,7 +85,7 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
 }
 
 /// Table 2.2 and figure 2.6.
-fn tell_line(all: &[Passes], runs: &[AdaptiveResult<1>], report: &mut Report) {
+fn add_one_dimension(all: &[PassResults], runs: &[AdaptiveResult<1>], report: &mut Report) {
     report.heading("Learnt densities (table 2.2)");
     let mut table =
         Table::new("table_2_2", "Variance of a single sample, sin(pi x / 2), by pass.", &PASS_COLUMNS);
@@ -106,7 +106,7 @@ fn tell_line(all: &[Passes], runs: &[AdaptiveResult<1>], report: &mut Report) {
 }
 
 /// Table 2.4, figures 2.7 and 2.8.
-fn tell_square(all: &[Passes], runs: &[AdaptiveResult<2>], report: &mut Report) {
+fn add_two_dimensions(all: &[PassResults], runs: &[AdaptiveResult<2>], report: &mut Report) {
     report.heading("In two dimensions (table 2.4)");
     let mut table =
         Table::new("table_2_4", "Variance of a single sample, two dimensions, by pass.", &PASS_COLUMNS);
@@ -132,7 +132,7 @@ fn tell_square(all: &[Passes], runs: &[AdaptiveResult<2>], report: &mut Report) 
 }
 
 /// Figure 2.9.
-fn tell_few(few: FewSamples, report: &mut Report) {
+fn add_few_samples(few: FewSamples, report: &mut Report) {
     report.heading("Few samples (figure 2.9)");
     report.table(few.table);
     report.plot(
@@ -150,7 +150,7 @@ fn introduce(settings: &Settings, report: &mut Report) {
     );
     report.paragraph(format!(
         "Settings: {SAMPLES} independent samples a pass, {RUNS} runs, seed {}. *Exact* are quadratures; *infinitely many \
-         samples* are the variances of densities from exact projections. *Measured* are means over the runs of the variance that \
+         samples* are the variances of densities from exact projections. *MeasuredMean* are means over the runs of the variance that \
          the samples of a pass show, with their standard errors; in table 2.1 over groups of samples. Coefficients are raised to \
          0.1 times the integral times that of their function, as the document does it; coefficients without samples are those \
          of their neighbours.",

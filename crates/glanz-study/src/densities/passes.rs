@@ -8,7 +8,7 @@ use glanz_sampling::integrate::{AdaptiveResult, integrate_adaptively};
 use glanz_sampling::multiresolution::MultiResolution;
 
 use crate::densities::SAMPLES;
-use crate::densities::measure::{Ladder, Measured};
+use crate::densities::measure::{MeasuredMean, PassSchedule};
 use crate::study::{Settings, StudyError};
 use glanz_report::number::significant;
 use glanz_report::{Axis, Plot, Series, Table, TableCell};
@@ -26,24 +26,24 @@ pub(super) const PASS_COLUMNS: [(&str, &str); 7] = [
     ("standard_error", "standard error"),
 ];
 
-/// What the passes over one ladder gave.
-pub(super) struct Passes {
+/// What the passes over one schedule gave.
+pub(super) struct PassResults {
     name: &'static str,
     published: [f64; 4],
     limits: [f64; 4],
     unraised: [f64; 4],
-    measured: [Measured; 4],
+    measured: [MeasuredMean; 4],
     /// Distance of the integral from the true one, and its standard error, of the last run.
     error: [f64; 2],
 }
 
-pub(super) fn ladder<const D: usize>(
+pub(super) fn schedule<const D: usize>(
     name: &'static str,
     analysis: MultiResolution,
     levels: [usize; 3],
     published: [f64; 4],
-) -> Ladder<D> {
-    Ladder {
+) -> PassSchedule<D> {
+    PassSchedule {
         name,
         scales: Arc::new(TensorMultiResolution::new([(); D].map(|()| analysis.clone()))),
         levels,
@@ -51,35 +51,35 @@ pub(super) fn ladder<const D: usize>(
     }
 }
 
-/// All ladders: figures, and the last run of each.
+/// All schedules: figures, and the last run of each.
 pub(super) fn measure<const D: usize>(
-    ladders: &[Ladder<D>],
+    schedules: &[PassSchedule<D>],
     integral: f64,
     f: fn(&[f64]) -> f64,
     settings: &Settings,
-) -> Result<(Vec<Passes>, Vec<AdaptiveResult<D>>), StudyError> {
+) -> Result<(Vec<PassResults>, Vec<AdaptiveResult<D>>), StudyError> {
     let (mut all, mut last_runs) = (Vec::new(), Vec::new());
-    for ladder in ladders {
-        let limits = ladder.limits(CoefficientFloor::default(), integral, f)?;
-        let unraised = ladder.limits(CoefficientFloor::Zero, integral, f)?;
+    for schedule in schedules {
+        let limits = schedule.limits(CoefficientFloor::default(), integral, f)?;
+        let unraised = schedule.limits(CoefficientFloor::Zero, integral, f)?;
         let mut seen = [const { Vec::new() }; 4];
         let mut last = None;
         for run in 0..RUNS {
             settings.cancel.check()?;
-            let plan = ladder.plan(SAMPLES, combine(settings.seed, run));
-            let result = integrate_adaptively(&ladder.scales, &plan, f)?;
+            let plan = schedule.plan(SAMPLES, combine(settings.seed, run));
+            let result = integrate_adaptively(&schedule.scales, &plan, f)?;
             for (seen, pass) in seen.iter_mut().zip(&result.passes) {
                 seen.push(pass.estimate.primary_variance);
             }
             last = Some(result);
         }
         let Some(last) = last else { continue };
-        all.push(Passes {
-            name: ladder.name,
-            published: ladder.published,
+        all.push(PassResults {
+            name: schedule.name,
+            published: schedule.published,
             limits,
             unraised,
-            measured: seen.map(|values| Measured::of(&values)),
+            measured: seen.map(|values| MeasuredMean::of(&values)),
             error: [last.estimate.mean - integral, last.estimate.standard_error()],
         });
         last_runs.push(last);
@@ -87,10 +87,15 @@ pub(super) fn measure<const D: usize>(
     Ok((all, last_runs))
 }
 
-pub(super) fn push_passes(table: &mut Table, before: &str, all: &[Passes], which: std::ops::Range<usize>) {
+pub(super) fn push_passes(
+    table: &mut Table,
+    before: &str,
+    all: &[PassResults],
+    which: std::ops::Range<usize>,
+) {
     for passes in all {
         for i in which.clone() {
-            let Measured { mean, standard_error } = passes.measured[i];
+            let MeasuredMean { mean, standard_error } = passes.measured[i];
             table.push([
                 TableCell::from(format!("{before}{}", passes.name).as_str()),
                 (i as u64 + 1).into(),
@@ -104,7 +109,7 @@ pub(super) fn push_passes(table: &mut Table, before: &str, all: &[Passes], which
     }
 }
 
-pub(super) fn variances(title: &str, all: &[Passes]) -> Plot {
+pub(super) fn variances(title: &str, all: &[PassResults]) -> Plot {
     let points = |values: [f64; 4]| (1..).zip(values).map(|(i, v)| [f64::from(i), v]).collect();
     let series = all.iter().flat_map(|passes| {
         let name = passes.name;
@@ -123,7 +128,7 @@ pub(super) fn variances(title: &str, all: &[Passes]) -> Plot {
 }
 
 /// Sentences, each made from the figures.
-pub(super) fn findings(all: &[Passes], place: &str) -> Vec<String> {
+pub(super) fn findings(all: &[PassResults], place: &str) -> Vec<String> {
     let mut found = Vec::new();
     for passes in all {
         let [first, .., last] = passes.measured;

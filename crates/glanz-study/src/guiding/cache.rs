@@ -9,7 +9,7 @@ use glanz_job::{JobIdentity, write_atomically};
 use glanz_light::{Pixels, Tone};
 use glanz_transport::{Checkpoint, Film, PictureIdentity};
 
-use super::curve::{Error, Point};
+use super::curve::{CurvePoint, PictureError};
 use crate::study::StudyError;
 
 /// Name of the folder within that of the report.
@@ -26,17 +26,17 @@ const ABOUT: &str = "glanz.study";
 
 /// What one run of a method has shown.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Run {
+pub(super) struct RunResult {
     /// Error of the picture as it grew.
-    pub(super) curve: Vec<Point>,
+    pub(super) curve: Vec<CurvePoint>,
     /// Error of pictures by frozen guides; samples are those learnt from, times those of the picture.
-    pub(super) frozen: Vec<Point>,
+    pub(super) frozen: Vec<CurvePoint>,
 }
 
-impl Run {
+impl RunResult {
     /// The points of `curve` and `frozen` with these numbers of samples, if all are there.
     pub(super) fn part(&self, curve: &[u32], frozen: &[u32]) -> Option<Self> {
-        let pick = |points: &[Point], samples: &[u32]| -> Option<Vec<Point>> {
+        let pick = |points: &[CurvePoint], samples: &[u32]| -> Option<Vec<CurvePoint>> {
             samples.iter().map(|&n| points.iter().find(|p| p.samples == n).copied()).collect()
         };
         Some(Self { curve: pick(&self.curve, curve)?, frozen: pick(&self.frozen, frozen)? })
@@ -46,15 +46,15 @@ impl Run {
     fn to_text(&self, about: &str) -> String {
         let mut text = format!("{about}\n{COLUMNS}\n");
         for (kind, points) in [("curve", &self.curve), ("frozen", &self.frozen)] {
-            for Point { samples, wall, processors, error } in points {
-                let Error { plain, shown } = error;
+            for CurvePoint { samples, wall, processors, error } in points {
+                let PictureError { plain, shown } = error;
                 let _ = writeln!(text, "{kind},{samples},{wall},{processors},{plain},{shown}");
             }
         }
         text + END
     }
 
-    /// Reads what [`Run::to_text`] wrote; `None` for anything else.
+    /// Reads what [`RunResult::to_text`] wrote; `None` for anything else.
     fn from_text(text: &str, about: &str) -> Option<Self> {
         let mut lines = text.strip_suffix(END)?.lines();
         if lines.next() != Some(about) || lines.next() != Some(COLUMNS) {
@@ -71,7 +71,7 @@ impl Run {
             let samples = cells.next()?.parse().ok()?;
             let numbers: Vec<f64> = cells.map(|cell| cell.parse().ok()).collect::<Option<_>>()?;
             let &[wall, processors, plain, shown] = numbers.as_slice() else { return None };
-            points.push(Point { samples, wall, processors, error: Error { plain, shown } });
+            points.push(CurvePoint { samples, wall, processors, error: PictureError { plain, shown } });
         }
         Some(run)
     }
@@ -79,9 +79,9 @@ impl Run {
 
 /// The folder, if anything is to be kept.
 #[derive(Clone, Debug)]
-pub(super) struct Kept(Option<PathBuf>);
+pub(super) struct ResultCache(Option<PathBuf>);
 
-impl Kept {
+impl ResultCache {
     /// In `out`, or nowhere.
     ///
     /// # Errors
@@ -97,15 +97,15 @@ impl Kept {
     }
 
     /// The run `name`, if it is there and `about` the same.
-    pub(super) fn run(&self, name: &str, about: &str) -> Option<Run> {
-        Run::from_text(&std::fs::read_to_string(self.path(name, "csv")?).ok()?, about)
+    pub(super) fn run(&self, name: &str, about: &str) -> Option<RunResult> {
+        RunResult::from_text(&std::fs::read_to_string(self.path(name, "csv")?).ok()?, about)
     }
 
     /// Keeps the run `name`.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub(super) fn keep_run(&self, name: &str, about: &str, run: &Run) -> Result<(), StudyError> {
+    pub(super) fn store_run(&self, name: &str, about: &str, run: &RunResult) -> Result<(), StudyError> {
         let Some(path) = self.path(name, "csv") else { return Ok(()) };
         Ok(write_atomically(&path, run.to_text(about).as_bytes())?)
     }
@@ -117,7 +117,7 @@ impl Kept {
     pub(super) fn film(&self, name: &str, wanted: &PictureIdentity) -> Result<Option<Film>, StudyError> {
         let Some(path) = self.path(name, "glanz").filter(|path| path.exists()) else { return Ok(None) };
         let bytes = std::fs::read(&path).map_err(|source| failed(&path, source))?;
-        let refused = |why: String| StudyError::Kept { path: path.display().to_string(), why };
+        let refused = |why: String| StudyError::Cache { path: path.display().to_string(), why };
         let checkpoint = Checkpoint::from_bytes(&bytes).map_err(|error| refused(error.to_string()))?;
         checkpoint.identity.check(wanted).map_err(|mismatch| refused(mismatch.to_string()))?;
         Ok(Some(checkpoint.film))
@@ -127,7 +127,7 @@ impl Kept {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub(super) fn keep_film(
+    pub(super) fn store_film(
         &self,
         name: &str,
         identity: &PictureIdentity,
@@ -149,7 +149,7 @@ impl Kept {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub(super) fn keep_picture(
+    pub(super) fn store_picture(
         &self,
         name: &str,
         about: &str,
@@ -171,29 +171,29 @@ fn failed(path: &Path, source: std::io::Error) -> StudyError {
 mod tests {
     use super::*;
 
-    fn example() -> Run {
-        let point = |samples| Point {
+    fn example() -> RunResult {
+        let point = |samples| CurvePoint {
             samples,
             wall: 0.1 + f64::from(samples),
             processors: 1.0 / 3.0,
-            error: Error { plain: 1e-9, shown: 1e-30 },
+            error: PictureError { plain: 1e-9, shown: 1e-30 },
         };
-        Run { curve: [1, 2, 4].map(point).into(), frozen: vec![point(4)] }
+        RunResult { curve: [1, 2, 4].map(point).into(), frozen: vec![point(4)] }
     }
 
     #[test]
     fn runs_come_back_with_every_digit() {
         let run = example();
-        assert_eq!(Run::from_text(&run.to_text("this, that"), "this, that"), Some(run));
+        assert_eq!(RunResult::from_text(&run.to_text("this, that"), "this, that"), Some(run));
     }
 
     #[test]
     fn runs_of_something_else_or_damaged_are_not_taken() {
         let text = example().to_text("this");
-        assert_eq!(Run::from_text(&text, "that"), None);
-        assert_eq!(Run::from_text(&text[..text.len() - 12], "this"), None);
-        assert_eq!(Run::from_text(&text.replace("frozen", "melted"), "this"), None);
-        assert_eq!(Run::from_text("", "this"), None);
+        assert_eq!(RunResult::from_text(&text, "that"), None);
+        assert_eq!(RunResult::from_text(&text[..text.len() - 12], "this"), None);
+        assert_eq!(RunResult::from_text(&text.replace("frozen", "melted"), "this"), None);
+        assert_eq!(RunResult::from_text("", "this"), None);
     }
 
     #[test]

@@ -8,14 +8,14 @@ use glanz_light::compare::{CompareError, RELATIVE_EPSILON, compare};
 /// # Source
 /// @pietrek2001 sections 3.4.1.1 and 3.4.1.2; departure: channels are compared, not their grey.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Error {
+pub(super) struct PictureError {
     /// Root of the mean squared difference.
     pub(super) plain: f64,
     /// The same with both pictures cut at 1, the brightest that a display shows.
     pub(super) shown: f64,
 }
 
-impl Error {
+impl PictureError {
     /// The error of `picture`.
     ///
     /// # Errors
@@ -37,9 +37,9 @@ impl Error {
 /// Which of the errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Norm {
-    /// [`Error::plain`].
+    /// [`PictureError::plain`].
     Plain,
-    /// [`Error::shown`].
+    /// [`PictureError::shown`].
     Shown,
 }
 
@@ -57,39 +57,39 @@ impl Norm {
 
 /// A picture on its way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Point {
+pub(super) struct CurvePoint {
     /// Samples of each pixel so far.
     pub(super) samples: u32,
     /// Wall time of the render loop so far, seconds.
     pub(super) wall: f64,
     /// Time of all processors so far, seconds.
     pub(super) processors: f64,
-    pub(super) error: Error,
+    pub(super) error: PictureError,
 }
 
 /// Whose time counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Clock {
-    /// [`Point::wall`].
+    /// [`CurvePoint::wall`].
     Wall,
-    /// [`Point::processors`].
+    /// [`CurvePoint::processors`].
     Processors,
 }
 
 /// The curve of several runs of one method: root of the mean squared error, mean time. Points that not all runs have are
 /// left out.
-pub(super) fn combined(runs: &[Vec<Point>]) -> Vec<Point> {
+pub(super) fn combined(runs: &[Vec<CurvePoint>]) -> Vec<CurvePoint> {
     let Some(first) = runs.first() else { return Vec::new() };
     let together = |samples: u32| {
-        let points: Vec<&Point> =
+        let points: Vec<&CurvePoint> =
             runs.iter().filter_map(|run| run.iter().find(|p| p.samples == samples)).collect();
         let count = points.len() as f64;
-        let mean = |value: &dyn Fn(&Point) -> f64| points.iter().map(|p| value(p)).sum::<f64>() / count;
-        (points.len() == runs.len()).then(|| Point {
+        let mean = |value: &dyn Fn(&CurvePoint) -> f64| points.iter().map(|p| value(p)).sum::<f64>() / count;
+        (points.len() == runs.len()).then(|| CurvePoint {
             samples,
             wall: mean(&|p| p.wall),
             processors: mean(&|p| p.processors),
-            error: Error {
+            error: PictureError {
                 plain: mean(&|p| p.error.plain.powi(2)).sqrt(),
                 shown: mean(&|p| p.error.shown.powi(2)).sqrt(),
             },
@@ -99,8 +99,8 @@ pub(super) fn combined(runs: &[Vec<Point>]) -> Vec<Point> {
 }
 
 /// Time and error of each point.
-pub(super) fn over_time(points: &[Point], clock: Clock, norm: Norm) -> Vec<[f64; 2]> {
-    let time = |point: &Point| match clock {
+pub(super) fn over_time(points: &[CurvePoint], clock: Clock, norm: Norm) -> Vec<[f64; 2]> {
+    let time = |point: &CurvePoint| match clock {
         Clock::Wall => point.wall,
         Clock::Processors => point.processors,
     };
@@ -108,7 +108,7 @@ pub(super) fn over_time(points: &[Point], clock: Clock, norm: Norm) -> Vec<[f64;
 }
 
 /// Samples and error of each point.
-pub(super) fn over_samples(points: &[Point], norm: Norm) -> Vec<[f64; 2]> {
+pub(super) fn over_samples(points: &[CurvePoint], norm: Norm) -> Vec<[f64; 2]> {
     points.iter().map(|point| [f64::from(point.samples), point.error.by(norm)]).collect()
 }
 
@@ -193,18 +193,18 @@ mod tests {
         // Differences: 0.5 in one of six values, 99 in another, where both are brighter than 1.
         let reference = picture(&[[0.0, 1.0, 2.0], [0.25; 3]]);
         let other = picture(&[[0.5, 1.0, 101.0], [0.25; 3]]);
-        let error = Error::of(&other, &reference).unwrap();
+        let error = PictureError::of(&other, &reference).unwrap();
         assert!(close(error.by(Norm::Plain), ((0.25 + 99.0 * 99.0) / 6.0_f64).sqrt()));
         assert!(close(error.by(Norm::Shown), (0.25 / 6.0_f64).sqrt()));
     }
 
     #[test]
     fn errors_of_runs_are_averaged_as_squares() {
-        let point = |samples, wall, plain| Point {
+        let point = |samples, wall, plain| CurvePoint {
             samples,
             wall,
             processors: 2.0 * wall,
-            error: Error { plain, shown: 0.5 * plain },
+            error: PictureError { plain, shown: 0.5 * plain },
         };
         let runs = [vec![point(1, 1.0, 3.0), point(2, 2.0, 2.0)], vec![point(1, 3.0, 4.0)]];
         let all = combined(&runs);

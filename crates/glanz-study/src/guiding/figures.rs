@@ -1,16 +1,10 @@
 //! Plots.
 
 use super::curve::{Clock, Norm, over_samples, over_time, value_at};
-use super::method::{BASES, Distribution, FROZEN_SAMPLES, Group, basis_name, shown_groups};
-use super::outcome::{Outcome, RoomOutcome};
+use super::method::{BASES, FROZEN_SAMPLES, MethodGroup, PassDistribution, basis_name, shown_groups};
+use super::outcome::{MethodOutcome, RoomOutcome};
+use crate::report::Figure;
 use glanz_report::{Axis, Plot, ReferenceLine, Series};
-
-/// A plot with the name of its file and its caption.
-pub(super) struct Figure {
-    pub(super) name: String,
-    pub(super) plot: Plot,
-    pub(super) caption: String,
-}
 
 /// In names of files, and in sentences.
 pub(super) fn light_words(lights: bool) -> (&'static str, &'static str) {
@@ -22,11 +16,11 @@ pub(super) fn figures(room: &RoomOutcome) -> Vec<Figure> {
     let mut all = Vec::new();
     for lights in [false, true] {
         for group in shown_groups() {
-            let shown: Vec<&Outcome> =
+            let shown: Vec<&MethodOutcome> =
                 group.methods.iter().filter_map(|key| room.outcome(key, lights)).collect();
             // Path and tree alone are shown once.
             if shown.len() > 2 || group.key == "bases" {
-                let view = View { room, group: &group, shown, lights };
+                let view = GroupPlots { room, group: &group, shown, lights };
                 all.extend(view.errors());
                 all.extend(view.learning());
             }
@@ -38,23 +32,23 @@ pub(super) fn figures(room: &RoomOutcome) -> Vec<Figure> {
 }
 
 /// Some methods in a room.
-struct View<'a> {
+struct GroupPlots<'a> {
     room: &'a RoomOutcome,
-    group: &'a Group,
-    shown: Vec<&'a Outcome>,
+    group: &'a MethodGroup,
+    shown: Vec<&'a MethodOutcome>,
     lights: bool,
 }
 
-impl View<'_> {
+impl GroupPlots<'_> {
     fn figure(
         &self,
         what: &str,
         [x, y]: [&str; 2],
-        line: &dyn Fn(&Outcome) -> Vec<[f64; 2]>,
+        line: &dyn Fn(&MethodOutcome) -> Vec<[f64; 2]>,
         caption: String,
     ) -> Figure {
         let (key, words) = light_words(self.lights);
-        let series = |o: &&Outcome| Series { name: o.method.name.clone(), points: line(o) };
+        let series = |o: &&MethodOutcome| Series { name: o.method.name.clone(), points: line(o) };
         Figure {
             name: format!("{what}_{}_{}_{key}", self.group.key, self.room.name),
             plot: Plot {
@@ -72,7 +66,7 @@ impl View<'_> {
     fn errors(&self) -> [Figure; 3] {
         let (_, words) = light_words(self.lights);
         let room = &self.room.name;
-        let time = |norm| move |o: &Outcome| over_time(&o.curve, Clock::Wall, norm);
+        let time = |norm| move |o: &MethodOutcome| over_time(&o.curve, Clock::Wall, norm);
         [
             self.figure(
                 "samples",
@@ -106,7 +100,7 @@ impl View<'_> {
             light_words(self.lights).1
         );
         let axes = ["samples per pixel learnt from", "modified L2 error"];
-        let line = |o: &Outcome| over_samples(&o.frozen, Norm::Shown);
+        let line = |o: &MethodOutcome| over_samples(&o.frozen, Norm::Shown);
         let mut figure = self.figure("frozen", axes, &line, caption);
         let several = figure.plot.series.iter().filter(|s| s.points.len() > 1).count();
         // The path tracer learns nothing: it is a level, of the colour that it has everywhere.
@@ -180,13 +174,13 @@ fn reachable(room: &RoomOutcome, lights: bool) -> Vec<Figure> {
 /// three passes.
 fn distributions(room: &RoomOutcome, lights: bool) -> Vec<Figure> {
     let (key, words) = light_words(lights);
-    let line = |distribution: &Distribution| {
+    let line = |distribution: &PassDistribution| {
         let those = room.outcomes.iter().filter(|o| o.lights == lights);
         let those = those.filter(|o| o.method.grid.is_some_and(|grid| distribution.has(&grid)));
-        let point = |o: &Outcome| Some([o.last()?.wall, o.frozen.last()?.error.shown]);
+        let point = |o: &MethodOutcome| Some([o.last()?.wall, o.frozen.last()?.error.shown]);
         Series { name: distribution.name(), points: those.filter_map(point).collect() }
     };
-    let all: Vec<Distribution> = Distribution::all().collect();
+    let all: Vec<PassDistribution> = PassDistribution::all().collect();
     let each = all.chunk_by(|a, b| a.basis == b.basis).filter_map(|those| {
         let basis = those.first()?.basis;
         let series: Vec<Series> = those.iter().map(line).filter(|s| s.points.len() > 1).collect();

@@ -8,10 +8,10 @@ use glanz_light::Pixels;
 use glanz_sampling::exact::MAX_TERMS;
 use glanz_transport::{Film, PictureIdentity, RenderSink};
 
-use super::cache::{Kept, Run};
-use super::curve::{Error, Point};
-use super::method::{Entry, FROZEN_SAMPLES, Method};
-use super::room::{Exposed, Room, Way};
+use super::cache::{ResultCache, RunResult};
+use super::curve::{CurvePoint, PictureError};
+use super::method::{FROZEN_SAMPLES, MethodEntry, RenderMethod};
+use super::room::{GuidingRoom, RenderProgress, RenderSetup};
 use crate::study::{StudyError, StudyProgress};
 
 /// Seeds of references, of measured pictures, of pictures by frozen guides and at equal time are apart by this, so that no two
@@ -45,7 +45,7 @@ impl<'a, 'p> Work<'a, 'p> {
 }
 
 /// One render, a part of the work.
-struct Part<'a, 'b, 'p> {
+struct RenderTask<'a, 'b, 'p> {
     work: &'a mut Work<'b, 'p>,
     what: &'a str,
     /// Work of the render, samples.
@@ -54,9 +54,9 @@ struct Part<'a, 'b, 'p> {
     keep: Option<&'a dyn Fn(&Film)>,
 }
 
-impl RenderSink for Part<'_, '_, '_> {}
+impl RenderSink for RenderTask<'_, '_, '_> {}
 
-impl ProgressSink<Film> for Part<'_, '_, '_> {
+impl ProgressSink<Film> for RenderTask<'_, '_, '_> {
     fn on_progress(&mut self, progress: &JobProgress<'_>) {
         self.work.report(self.weight * progress.fraction, self.what);
     }
@@ -73,26 +73,33 @@ impl ProgressSink<Film> for Part<'_, '_, '_> {
 }
 
 /// What the errors of a room are measured against.
-pub(super) struct Reference {
+pub(super) struct ReferencePicture {
     pub(super) pixels: Pixels,
     /// Samples of each pixel.
     pub(super) samples: u64,
 }
 
 /// The way to a reference, the name of its file, and what it depends on.
-fn reference_plan(room: &Room<'_>, seed: u64) -> Result<(Way, String, PictureIdentity), StudyError> {
-    let way = room.way(&Method::path(), true, seed.wrapping_add(SEED_STEP))?;
-    let identity = room.identity(&way)?;
-    Ok((way, format!("reference-{}", room.label()), identity))
+fn reference_plan(
+    room: &GuidingRoom<'_>,
+    seed: u64,
+) -> Result<(RenderSetup, String, PictureIdentity), StudyError> {
+    let setup = room.setup(&RenderMethod::path(), true, seed.wrapping_add(SEED_STEP))?;
+    let identity = room.identity(&setup)?;
+    Ok((setup, format!("reference-{}", room.label()), identity))
 }
 
-/// Samples per pixel of the reference that is kept.
+/// Samples per pixel of the reference that is cached.
 ///
 /// # Errors
 /// A kept file that cannot be gone on with.
-pub(super) fn reference_samples(room: &Room<'_>, seed: u64, kept: &Kept) -> Result<u64, StudyError> {
+pub(super) fn reference_samples(
+    room: &GuidingRoom<'_>,
+    seed: u64,
+    cache: &ResultCache,
+) -> Result<u64, StudyError> {
     let (_, name, identity) = reference_plan(room, seed)?;
-    Ok(kept.film(&name, &identity)?.map_or(0, |film| film.samples().total()))
+    Ok(cache.film(&name, &identity)?.map_or(0, |film| film.samples().total()))
 }
 
 /// A picture by `path` with light sampling and at least `samples` samples per pixel. It is kept as a checkpoint, so that more
@@ -101,35 +108,35 @@ pub(super) fn reference_samples(room: &Room<'_>, seed: u64, kept: &Kept) -> Resu
 /// # Errors
 /// A kept file that cannot be gone on with; an end that was wanted.
 pub(super) fn reference(
-    room: &Room<'_>,
+    room: &GuidingRoom<'_>,
     samples: u32,
     seed: u64,
-    kept: &Kept,
+    cache: &ResultCache,
     work: &mut Work<'_, '_>,
-) -> Result<Reference, StudyError> {
-    let (way, name, identity) = reference_plan(room, seed)?;
-    let mut film = match kept.film(&name, &identity)? {
+) -> Result<ReferencePicture, StudyError> {
+    let (setup, name, identity) = reference_plan(room, seed)?;
+    let mut film = match cache.film(&name, &identity)? {
         Some(film) => film,
-        None => room.film(&way)?,
+        None => room.film(&setup)?,
     };
     let missing = u64::from(samples).saturating_sub(film.samples().total());
     if missing > 0 {
         let what = format!("{}, reference", room.name);
         // The last checkpoint has to succeed, those before need not.
-        let keep = |film: &Film| drop(kept.keep_film(&name, &identity, film));
-        let mut part = Part { work, what: &what, weight: missing as f64, keep: Some(&keep) };
-        let exposed = room.expose(&way, film, 0..samples, None, &mut part)?;
-        kept.keep_film(&name, &identity, &exposed.outcome.film)?;
-        film = exposed.complete()?.outcome.film;
+        let keep = |film: &Film| drop(cache.store_film(&name, &identity, film));
+        let mut part = RenderTask { work, what: &what, weight: missing as f64, keep: Some(&keep) };
+        let rendered = room.render(&setup, film, 0..samples, None, &mut part)?;
+        cache.store_film(&name, &identity, &rendered.outcome.film)?;
+        film = rendered.complete()?.outcome.film;
         work.finish(missing as f64);
     }
-    Ok(Reference { pixels: film.to_pixels()?, samples: film.samples().total() })
+    Ok(ReferencePicture { pixels: film.to_pixels()?, samples: film.samples().total() })
 }
 
 /// A run of one method.
-pub(super) struct Case<'a> {
-    pub(super) room: &'a Room<'a>,
-    pub(super) entry: &'a Entry,
+pub(super) struct MethodRun<'a> {
+    pub(super) room: &'a GuidingRoom<'a>,
+    pub(super) entry: &'a MethodEntry,
     /// Whether lights are sampled.
     pub(super) lights: bool,
     /// Number of the run; only the first measures frozen guides.
@@ -137,7 +144,7 @@ pub(super) struct Case<'a> {
     pub(super) seed: u64,
 }
 
-impl Case<'_> {
+impl MethodRun<'_> {
     fn frozen(&self) -> &[u32] {
         if self.round == 0 { &self.entry.frozen } else { &[] }
     }
@@ -161,13 +168,13 @@ impl Case<'_> {
         format!("{}, {}, {lights} light sampling", self.room.name, self.entry.method.name)
     }
 
-    fn way(&self) -> Result<Way, StudyError> {
-        self.room.way(&self.entry.method, self.lights, self.seed.wrapping_add(u64::from(self.round)))
+    fn setup(&self) -> Result<RenderSetup, StudyError> {
+        self.room.setup(&self.entry.method, self.lights, self.seed.wrapping_add(u64::from(self.round)))
     }
 
     /// What its figures depend on, one line.
-    fn about(&self, way: &Way, reference: u64) -> Result<String, StudyError> {
-        let identity = self.room.identity(way)?;
+    fn about(&self, setup: &RenderSetup, reference: u64) -> Result<String, StudyError> {
+        let identity = self.room.identity(setup)?;
         Ok(format!(
             "{} {:032x} {} {:?} {} seed {} threads {} reference {reference}",
             identity.version,
@@ -184,24 +191,28 @@ impl Case<'_> {
     ///
     /// # Errors
     /// A way of rendering that is refused.
-    pub(super) fn measured(&self, reference: u64, kept: &Kept) -> Result<Option<Run>, StudyError> {
-        let about = self.about(&self.way()?, reference)?;
-        Ok(kept.run(&self.name(), &about).and_then(|run| run.part(&self.entry.steps(), self.frozen())))
+    pub(super) fn measured(
+        &self,
+        reference: u64,
+        cache: &ResultCache,
+    ) -> Result<Option<RunResult>, StudyError> {
+        let about = self.about(&self.setup()?, reference)?;
+        Ok(cache.run(&self.name(), &about).and_then(|run| run.part(&self.entry.steps(), self.frozen())))
     }
 
     /// What was measured before, or is now.
     ///
     /// # Errors
-    /// As [`Case::measure`].
+    /// As [`MethodRun::measure`].
     pub(super) fn result(
         &self,
-        reference: &Reference,
-        kept: &Kept,
+        reference: &ReferencePicture,
+        cache: &ResultCache,
         work: &mut Work<'_, '_>,
-    ) -> Result<Run, StudyError> {
-        match self.measured(reference.samples, kept)? {
+    ) -> Result<RunResult, StudyError> {
+        match self.measured(reference.samples, cache)? {
             Some(run) => Ok(run),
-            None => self.measure(reference, kept, work),
+            None => self.measure(reference, cache, work),
         }
     }
 
@@ -211,30 +222,30 @@ impl Case<'_> {
     /// A way of rendering that is refused; an end that was wanted.
     fn measure(
         &self,
-        reference: &Reference,
-        kept: &Kept,
+        reference: &ReferencePicture,
+        cache: &ResultCache,
         work: &mut Work<'_, '_>,
-    ) -> Result<Run, StudyError> {
-        let way = self.way()?;
+    ) -> Result<RunResult, StudyError> {
+        let setup = self.setup()?;
         let what = self.what();
-        let mut film = self.room.film(&way)?;
-        let mut run = Run::default();
+        let mut film = self.room.film(&setup)?;
+        let mut run = RunResult::default();
         let (mut wall, mut processors, mut before) = (Duration::ZERO, Duration::ZERO, 0);
         for end in self.entry.steps() {
             let weight = f64::from(end - before);
-            let mut part = Part { work, what: &what, weight, keep: None };
-            let exposed = self.room.expose(&way, film, before..end, None, &mut part)?.complete()?;
+            let mut part = RenderTask { work, what: &what, weight, keep: None };
+            let rendered = self.room.render(&setup, film, before..end, None, &mut part)?.complete()?;
             work.finish(weight);
-            wall += exposed.outcome.elapsed;
-            processors += exposed.processors;
-            film = exposed.outcome.film;
+            wall += rendered.outcome.elapsed;
+            processors += rendered.processors;
+            film = rendered.outcome.film;
             run.curve.push(point(end, wall, processors, &film, reference)?);
             before = end;
             if self.frozen().contains(&end) {
-                run.frozen.push(self.by_frozen(&film, &way, end, reference, work)?);
+                run.frozen.push(self.by_frozen(&film, &setup, end, reference, work)?);
             }
         }
-        kept.keep_run(&self.name(), &self.about(&way, reference.samples)?, &run)?;
+        cache.store_run(&self.name(), &self.about(&setup, reference.samples)?, &run)?;
         Ok(run)
     }
 
@@ -242,46 +253,47 @@ impl Case<'_> {
     fn by_frozen(
         &self,
         film: &Film,
-        way: &Way,
+        setup: &RenderSetup,
         learnt: u32,
-        reference: &Reference,
+        reference: &ReferencePicture,
         work: &mut Work<'_, '_>,
-    ) -> Result<Point, StudyError> {
+    ) -> Result<CurvePoint, StudyError> {
         let guide = film.training().map(|training| Arc::new(training.guide().clone()));
-        let way = Way { seed: way.seed.wrapping_add(2 * SEED_STEP), guide, ..way.clone() };
+        let setup = RenderSetup { seed: setup.seed.wrapping_add(2 * SEED_STEP), guide, ..setup.clone() };
         let what = format!("{}, frozen after {learnt} samples", self.what());
         let weight = f64::from(FROZEN_SAMPLES);
-        let mut part = Part { work, what: &what, weight, keep: None };
-        let empty = self.room.film(&way)?;
-        let exposed = self.room.expose(&way, empty, 0..FROZEN_SAMPLES, None, &mut part)?.complete()?;
+        let mut part = RenderTask { work, what: &what, weight, keep: None };
+        let empty = self.room.film(&setup)?;
+        let rendered = self.room.render(&setup, empty, 0..FROZEN_SAMPLES, None, &mut part)?.complete()?;
         work.finish(weight);
-        let Exposed { outcome, processors } = exposed;
+        let RenderProgress { outcome, processors } = rendered;
         point(learnt, outcome.elapsed, processors, &outcome.film, reference)
     }
 
-    /// The picture of so many `seconds`, and its samples per pixel; kept.
+    /// The picture of so many `seconds`, and its samples per pixel; cached.
     ///
     /// # Errors
     /// A way of rendering that is refused; an end that was wanted.
     pub(super) fn picture(
         &self,
         seconds: f64,
-        kept: &Kept,
+        cache: &ResultCache,
         work: &mut Work<'_, '_>,
     ) -> Result<(Pixels, u64), StudyError> {
-        let way = Way { seed: self.seed.wrapping_add(3 * SEED_STEP), ..self.way()? };
-        let about = format!("{} {seconds} s", self.about(&way, 0)?);
+        let setup = RenderSetup { seed: self.seed.wrapping_add(3 * SEED_STEP), ..self.setup()? };
+        let about = format!("{} {seconds} s", self.about(&setup, 0)?);
         let name = format!("{}-picture", self.short_name());
-        if let Some(found) = kept.picture(&name, &about) {
+        if let Some(found) = cache.picture(&name, &about) {
             return Ok(found);
         }
         let what = format!("{}, {seconds} s", self.what());
         let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
-        let mut part = Part { work, what: &what, weight: 0.0, keep: None };
-        let exposed = self.room.expose(&way, self.room.film(&way)?, 0..MAX_TERMS, Some(limit), &mut part)?;
-        let film = exposed.complete()?.outcome.film;
+        let mut part = RenderTask { work, what: &what, weight: 0.0, keep: None };
+        let rendered =
+            self.room.render(&setup, self.room.film(&setup)?, 0..MAX_TERMS, Some(limit), &mut part)?;
+        let film = rendered.complete()?.outcome.film;
         let (pixels, samples) = (film.to_pixels()?, film.samples().total());
-        kept.keep_picture(&name, &about, &pixels, samples)?;
+        cache.store_picture(&name, &about, &pixels, samples)?;
         Ok((pixels, samples))
     }
 }
@@ -291,8 +303,8 @@ fn point(
     wall: Duration,
     processors: Duration,
     film: &Film,
-    reference: &Reference,
-) -> Result<Point, StudyError> {
-    let error = Error::of(&film.to_pixels()?, &reference.pixels)?;
-    Ok(Point { samples, wall: wall.as_secs_f64(), processors: processors.as_secs_f64(), error })
+    reference: &ReferencePicture,
+) -> Result<CurvePoint, StudyError> {
+    let error = PictureError::of(&film.to_pixels()?, &reference.pixels)?;
+    Ok(CurvePoint { samples, wall: wall.as_secs_f64(), processors: processors.as_secs_f64(), error })
 }

@@ -31,7 +31,7 @@ const SCALE: u32 = 3;
 
 /// A way to render.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Method {
+pub(super) struct RenderMethod {
     /// Name in legends and tables.
     pub(super) name: String,
     /// Name in files.
@@ -47,7 +47,7 @@ fn plain(basis: GuideBasis, cells: u32, scale: u32) -> GridSettings {
     GridSettings { cells, basis, scale, ..GridSettings::default() }
 }
 
-impl Method {
+impl RenderMethod {
     /// The path tracer that all others are measured by.
     pub(super) fn path() -> Self {
         Self { name: "path".into(), key: "path".into(), integrator: "path", grid: None }
@@ -96,15 +96,15 @@ impl Method {
 
 /// A method, and how closely it is looked at.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Entry {
-    pub(super) method: Method,
+pub(super) struct MethodEntry {
+    pub(super) method: RenderMethod,
     /// Samples per pixel at which its curve ends: a power of two, or where the last of its passes does.
     pub(super) samples: u32,
     /// Samples after which the guide is frozen and measured, ascending.
     pub(super) frozen: Vec<u32>,
 }
 
-impl Entry {
+impl MethodEntry {
     /// Numbers of samples after which the picture is looked at: those at which passes of guided integrators end.
     pub(super) fn steps(&self) -> Vec<u32> {
         match self.method.passes() {
@@ -116,14 +116,14 @@ impl Entry {
 
 /// How samples are distributed over three passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Distribution {
+pub(super) struct PassDistribution {
     pub(super) basis: GuideBasis,
     pub(super) hierarchical: bool,
     /// Whether each pass takes twice as many as the one before.
     pub(super) doubled: bool,
 }
 
-impl Distribution {
+impl PassDistribution {
     /// All that document 003 compares.
     pub(super) fn all() -> impl Iterator<Item = Self> {
         let bases = [GuideBasis::Haar, GuideBasis::Spline(1)].into_iter();
@@ -149,18 +149,18 @@ impl Distribution {
     }
 
     /// Three passes, `n` samples per pixel in the first; and the picture's first sample, which tells the brightness.
-    fn entry(&self, n: u32) -> Option<Entry> {
+    fn entry(&self, n: u32) -> Option<MethodEntry> {
         let passes = PassLengths::new(&if self.doubled { [n, 2 * n, 4 * n] } else { [n; 3] })?;
         let samples = 1 + passes.iter().sum::<u32>();
         let grid = plain(self.basis, CELLS, SCALE);
         let grid = GridSettings { hierarchical: self.hierarchical, passes: Some(passes), ..grid };
-        Some(Entry { method: Method::of(grid), samples, frozen: vec![samples] })
+        Some(MethodEntry { method: RenderMethod::of(grid), samples, frozen: vec![samples] })
     }
 }
 
 /// Methods that are shown in one plot.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Group {
+pub(super) struct MethodGroup {
     /// Name in files.
     pub(super) key: &'static str,
     pub(super) title: &'static str,
@@ -169,16 +169,16 @@ pub(super) struct Group {
 }
 
 /// What is measured with curves of `samples` (a power of two) samples per pixel; `full`: all that document 003 measured.
-pub(super) fn entries(samples: u32, full: bool) -> Vec<Entry> {
-    let mut list: Vec<Entry> = Vec::new();
-    let mut add = |method: Method, samples: u32, frozen: Vec<u32>| {
+pub(super) fn entries(samples: u32, full: bool) -> Vec<MethodEntry> {
+    let mut list: Vec<MethodEntry> = Vec::new();
+    let mut add = |method: RenderMethod, samples: u32, frozen: Vec<u32>| {
         if list.iter().all(|entry| entry.method != method) {
-            list.push(Entry { method, samples, frozen });
+            list.push(MethodEntry { method, samples, frozen });
         }
     };
     let learnt = samples.min(MOST_LEARNT);
-    add(Method::path(), samples, Vec::new());
-    add(Method::tree(), samples, steps(samples, if full { 2 } else { 4 }));
+    add(RenderMethod::path(), samples, Vec::new());
+    add(RenderMethod::tree(), samples, steps(samples, if full { 2 } else { 4 }));
     for ((key, _), methods) in groups() {
         for method in methods {
             // Pictures by frozen guides take longer than all else: many of them only where much is to be seen.
@@ -195,13 +195,13 @@ pub(super) fn entries(samples: u32, full: bool) -> Vec<Entry> {
         for basis in BASES {
             for cells in ALL_CELLS {
                 for scale in ALL_SCALES {
-                    add(Method::of(plain(basis, cells, scale)), learnt, vec![learnt]);
+                    add(RenderMethod::of(plain(basis, cells, scale)), learnt, vec![learnt]);
                 }
             }
         }
     }
     // Figures E.37 and E.39.
-    for distribution in Distribution::all() {
+    for distribution in PassDistribution::all() {
         let firsts: &[u32] = if full { &[1, 2, 3, 4, 6, 8, 12, 16] } else { &[1, 4] };
         list.extend(firsts.iter().filter_map(|&n| distribution.entry(n)));
     }
@@ -209,12 +209,12 @@ pub(super) fn entries(samples: u32, full: bool) -> Vec<Entry> {
 }
 
 /// The groups of methods that are shown together, beside `path` and the tree.
-fn groups() -> Vec<((&'static str, &'static str), Vec<Method>)> {
-    let method = |basis, cells, scale| Method::of(plain(basis, cells, scale));
+fn groups() -> Vec<((&'static str, &'static str), Vec<RenderMethod>)> {
+    let method = |basis, cells, scale| RenderMethod::of(plain(basis, cells, scale));
     let varied = |basis| {
         let grid = plain(basis, CELLS, SCALE);
         [grid, GridSettings { hierarchical: true, ..grid }, GridSettings { mixture: true, ..grid }]
-            .map(Method::of)
+            .map(RenderMethod::of)
     };
     let haar = GuideBasis::Haar;
     vec![
@@ -227,11 +227,11 @@ fn groups() -> Vec<((&'static str, &'static str), Vec<Method>)> {
 }
 
 /// The same by their keys, with `path` and the tree.
-pub(super) fn shown_groups() -> Vec<Group> {
-    let with_others = |((key, title), methods): ((&'static str, &'static str), Vec<Method>)| {
-        let others = [Method::path(), Method::tree()];
+pub(super) fn shown_groups() -> Vec<MethodGroup> {
+    let with_others = |((key, title), methods): ((&'static str, &'static str), Vec<RenderMethod>)| {
+        let others = [RenderMethod::path(), RenderMethod::tree()];
         let methods = others.into_iter().chain(methods).map(|method| method.key).collect();
-        Group { key, title, methods }
+        MethodGroup { key, title, methods }
     };
     groups().into_iter().map(with_others).collect()
 }
@@ -263,10 +263,10 @@ mod tests {
             let listed = grids.iter().filter(|grid| grid.passes.is_some());
             assert_eq!(listed.clone().count(), 8 * if full { 8 } else { 2 });
             for grid in listed {
-                assert_eq!(Distribution::all().filter(|d| d.has(grid)).count(), 1, "{grid}");
+                assert_eq!(PassDistribution::all().filter(|d| d.has(grid)).count(), 1, "{grid}");
             }
         }
-        let doubled = Distribution { basis: GuideBasis::Haar, hierarchical: true, doubled: true };
+        let doubled = PassDistribution { basis: GuideBasis::Haar, hierarchical: true, doubled: true };
         let entry = doubled.entry(3).unwrap();
         assert_eq!(entry.method.key, "haar-8-3-hierarchical-passes-3-6-12");
         assert_eq!((entry.samples, entry.steps()), (22, vec![22]));
@@ -282,7 +282,7 @@ mod tests {
             let known = |key: &String| all.iter().any(|entry| entry.method.key == *key);
             assert!(shown_groups().iter().all(|group| group.methods.iter().all(known)));
         }
-        let plain = |e: &&Entry| e.method.grid.is_some_and(|g| !g.mixture && g.passes.is_none());
+        let plain = |e: &&MethodEntry| e.method.grid.is_some_and(|g| !g.mixture && g.passes.is_none());
         assert_eq!(entries(64, true).iter().filter(plain).count(), 66);
     }
 }

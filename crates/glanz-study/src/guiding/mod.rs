@@ -12,14 +12,14 @@ mod room;
 use glanz_light::Pixels;
 use glanz_transport::RenderError;
 
-use self::cache::{Kept, Run};
-use self::curve::{Error, combined};
-use self::measure::{Case, Reference, Work, reference};
-use self::method::{Entry, Method, entries};
-use self::outcome::{Outcome, RoomOutcome};
-use self::room::Room;
+use self::cache::{ResultCache, RunResult};
+use self::curve::{PictureError, combined};
+use self::measure::{MethodRun, ReferencePicture, Work, reference};
+use self::method::{MethodEntry, RenderMethod, entries};
+use self::outcome::{MethodOutcome, RoomOutcome};
+use self::room::GuidingRoom;
 
-use self::report::tell_all;
+use self::report::build_report;
 use crate::report::Report;
 use crate::study::{Settings, StudyError, StudyProgress};
 use glanz_report::{SheetPanel, contact_sheet};
@@ -29,7 +29,7 @@ const ROOMS: [&str; 3] = ["direct", "uplights", "open"];
 
 /// How much is rendered, with all choices made.
 #[derive(Clone, Debug)]
-struct Plan {
+struct GuidingPlan {
     rooms: Vec<String>,
     size: [u32; 2],
     /// Samples per pixel at which curves end.
@@ -41,10 +41,10 @@ struct Plan {
     seconds: f64,
     threads: usize,
     seed: u64,
-    entries: Vec<Entry>,
+    entries: Vec<MethodEntry>,
 }
 
-impl Plan {
+impl GuidingPlan {
     fn new(settings: &Settings) -> Result<Self, StudyError> {
         let full = settings.full;
         let samples = settings.samples.unwrap_or(if full { 2048 } else { 128 });
@@ -71,16 +71,16 @@ impl Plan {
     }
 
     /// All runs in a room, those of one method and light sampling in a row.
-    fn cases<'a>(&'a self, room: &'a Room<'a>) -> impl Iterator<Item = Case<'a>> {
+    fn cases<'a>(&'a self, room: &'a GuidingRoom<'a>) -> impl Iterator<Item = MethodRun<'a>> {
         let kinds = self.entries.iter().flat_map(|entry| [false, true].map(|lights| (entry, lights)));
         kinds.flat_map(move |(entry, lights)| {
-            (0..self.rounds).map(move |round| Case { room, entry, lights, round, seed: self.seed })
+            (0..self.rounds).map(move |round| MethodRun { room, entry, lights, round, seed: self.seed })
         })
     }
 }
 
 /// `path`, and those of `entries` that are asked for by their keys; all if nothing is.
-fn chosen(mut entries: Vec<Entry>, keys: Option<&[String]>) -> Result<Vec<Entry>, StudyError> {
+fn chosen(mut entries: Vec<MethodEntry>, keys: Option<&[String]>) -> Result<Vec<MethodEntry>, StudyError> {
     let Some(keys) = keys else { return Ok(entries) };
     match keys.iter().find(|key| entries.iter().all(|entry| entry.method.key != **key)) {
         Some(unknown) => Err(StudyError::Setting {
@@ -89,7 +89,9 @@ fn chosen(mut entries: Vec<Entry>, keys: Option<&[String]>) -> Result<Vec<Entry>
             needed: "tree, or one of the grids of this study, such as haar-8-3: basis, cells and scale",
         }),
         None => {
-            entries.retain(|Entry { method, .. }| *method == Method::path() || keys.contains(&method.key));
+            entries.retain(|MethodEntry { method, .. }| {
+                *method == RenderMethod::path() || keys.contains(&method.key)
+            });
             Ok(entries)
         }
     }
@@ -101,37 +103,37 @@ fn chosen(mut entries: Vec<Entry>, keys: Option<&[String]>) -> Result<Vec<Entry>
 /// An end that was wanted, or rooms that cannot be read.
 pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
     settings.cancel.check()?;
-    carry_out(&Plan::new(settings)?, settings, progress)
+    run_plan(&GuidingPlan::new(settings)?, settings, progress)
 }
 
-fn carry_out(
-    plan: &Plan,
+fn run_plan(
+    plan: &GuidingPlan,
     settings: &Settings,
     progress: &mut StudyProgress<'_>,
 ) -> Result<Report, StudyError> {
-    let kept = Kept::within(settings.keep.as_deref())?;
-    let read = |name: &String| Room::read(name, plan.size, plan.threads, settings);
+    let cache = ResultCache::within(settings.cache.as_deref())?;
+    let read = |name: &String| GuidingRoom::read(name, plan.size, plan.threads, settings);
     let rooms = plan.rooms.iter().map(read).collect::<Result<Vec<_>, _>>()?;
-    let mut work = Work::new(progress, work_left(plan, &rooms, &kept)?);
+    let mut work = Work::new(progress, work_left(plan, &rooms, &cache)?);
     let mut outcomes = Vec::new();
     for room in &rooms {
-        let reference = reference(room, plan.references, plan.seed, &kept, &mut work)?;
-        outcomes.push(in_room(room, plan, &reference, &kept, &mut work)?);
+        let reference = reference(room, plan.references, plan.seed, &cache, &mut work)?;
+        outcomes.push(in_room(room, plan, &reference, &cache, &mut work)?);
     }
-    let report = tell_all(outcomes, plan);
+    let report = build_report(outcomes, plan);
     progress.report(1.0, "done");
     Ok(report)
 }
 
 /// Samples per pixel that are not kept from an earlier call.
-fn work_left(plan: &Plan, rooms: &[Room<'_>], kept: &Kept) -> Result<f64, StudyError> {
+fn work_left(plan: &GuidingPlan, rooms: &[GuidingRoom<'_>], cache: &ResultCache) -> Result<f64, StudyError> {
     let mut left = 0.0;
     for room in rooms {
-        let there = measure::reference_samples(room, plan.seed, kept)?;
+        let there = measure::reference_samples(room, plan.seed, cache)?;
         left += u64::from(plan.references).saturating_sub(there) as f64;
         for case in plan.cases(room) {
             // References that are there may have more samples than asked for.
-            let measured = case.measured(there.max(u64::from(plan.references)), kept)?;
+            let measured = case.measured(there.max(u64::from(plan.references)), cache)?;
             left += if measured.is_none() { case.work() } else { 0.0 };
         }
     }
@@ -139,57 +141,57 @@ fn work_left(plan: &Plan, rooms: &[Room<'_>], kept: &Kept) -> Result<f64, StudyE
 }
 
 fn in_room(
-    room: &Room<'_>,
-    plan: &Plan,
-    reference: &Reference,
-    kept: &Kept,
+    room: &GuidingRoom<'_>,
+    plan: &GuidingPlan,
+    reference: &ReferencePicture,
+    cache: &ResultCache,
     work: &mut Work<'_, '_>,
 ) -> Result<RoomOutcome, StudyError> {
     let mut outcomes = Vec::new();
-    let cases: Vec<Case<'_>> = plan.cases(room).collect();
+    let cases: Vec<MethodRun<'_>> = plan.cases(room).collect();
     let mut refused = Vec::new();
     for rounds in cases.chunks(plan.rounds as usize) {
         let mut runs = Vec::new();
         for case in rounds {
-            match case.result(reference, kept, work) {
+            match case.result(reference, cache, work) {
                 Ok(run) => runs.push(run),
                 // A grid may be too large for a room; the others need not suffer.
                 Err(StudyError::Render(RenderError::Guide(error))) => refused.push(error.to_string()),
                 Err(error) => return Err(error),
             }
         }
-        let (Some(case), Some(Run { frozen, .. })) = (rounds.first(), runs.first().cloned()) else {
+        let (Some(case), Some(RunResult { frozen, .. })) = (rounds.first(), runs.first().cloned()) else {
             continue;
         };
         let curves: Vec<_> = runs.into_iter().map(|run| run.curve).collect();
         let method = case.entry.method.clone();
-        outcomes.push(Outcome { method, lights: case.lights, curve: combined(&curves), frozen });
+        outcomes.push(MethodOutcome { method, lights: case.lights, curve: combined(&curves), frozen });
     }
     refused.dedup();
     let (name, reference_samples) = (room.name.clone(), reference.samples);
     let mut outcome = RoomOutcome { name, outcomes, refused, reference_samples, sheet: None };
-    outcome.sheet = Some(side_by_side(room, plan, &outcome, reference, kept, work)?);
+    outcome.sheet = Some(side_by_side(room, plan, &outcome, reference, cache, work)?);
     Ok(outcome)
 }
 
 /// Pictures at equal time: without light sampling above, with it below; the reference at the right.
 fn side_by_side(
-    room: &Room<'_>,
-    plan: &Plan,
+    room: &GuidingRoom<'_>,
+    plan: &GuidingPlan,
     outcome: &RoomOutcome,
-    reference: &Reference,
-    kept: &Kept,
+    reference: &ReferencePicture,
+    cache: &ResultCache,
     work: &mut Work<'_, '_>,
 ) -> Result<Pixels, StudyError> {
     let mut rows = Vec::new();
     for lights in [false, true] {
         let best = outcome.best_grid(lights).map(|best| best.method.clone());
         let mut row = Vec::new();
-        for method in [Method::path(), Method::tree()].into_iter().chain(best) {
+        for method in [RenderMethod::path(), RenderMethod::tree()].into_iter().chain(best) {
             let Some(entry) = plan.entries.iter().find(|entry| entry.method == method) else { continue };
-            let case = Case { room, entry, lights, round: 0, seed: plan.seed };
-            let (pixels, samples) = case.picture(plan.seconds, kept, work)?;
-            let error = Error::of(&pixels, &reference.pixels)?;
+            let case = MethodRun { room, entry, lights, round: 0, seed: plan.seed };
+            let (pixels, samples) = case.picture(plan.seconds, cache, work)?;
+            let error = PictureError::of(&pixels, &reference.pixels)?;
             let below = format!("{samples} spp L2 {:.4}/{:.4}", error.plain, error.shown);
             row.push(SheetPanel { lines: [method.key, below], pixels });
         }

@@ -2,25 +2,25 @@
 
 use glanz_light::Pixels;
 
-use super::curve::{Clock, Norm, Point, SpeedUp, common_errors, over_time, speed_ups};
-use super::method::Method;
+use super::curve::{Clock, CurvePoint, Norm, SpeedUp, common_errors, over_time, speed_ups};
+use super::method::RenderMethod;
 
 /// Errors of a table of speed-ups, as many as in those of document 003.
 pub(super) const ERRORS: u32 = 8;
 
 /// A method in a room.
-pub(super) struct Outcome {
-    pub(super) method: Method,
+pub(super) struct MethodOutcome {
+    pub(super) method: RenderMethod,
     /// Whether lights are sampled.
     pub(super) lights: bool,
-    pub(super) curve: Vec<Point>,
+    pub(super) curve: Vec<CurvePoint>,
     /// By frozen guides; samples are those learnt from.
-    pub(super) frozen: Vec<Point>,
+    pub(super) frozen: Vec<CurvePoint>,
 }
 
-impl Outcome {
+impl MethodOutcome {
     /// Error and time at the end of the curve.
-    pub(super) fn last(&self) -> Option<&Point> {
+    pub(super) fn last(&self) -> Option<&CurvePoint> {
         self.curve.last()
     }
 }
@@ -28,7 +28,7 @@ impl Outcome {
 /// All methods in a room.
 pub(super) struct RoomOutcome {
     pub(super) name: String,
-    pub(super) outcomes: Vec<Outcome>,
+    pub(super) outcomes: Vec<MethodOutcome>,
     /// Why some methods are missing.
     pub(super) refused: Vec<String>,
     /// Samples per pixel of the reference.
@@ -38,8 +38,8 @@ pub(super) struct RoomOutcome {
 }
 
 /// A method against `path`, both with or both without light sampling.
-pub(super) struct Race<'a> {
-    pub(super) outcome: &'a Outcome,
+pub(super) struct MethodComparison<'a> {
+    pub(super) outcome: &'a MethodOutcome,
     pub(super) norm: Norm,
     /// By wall time, from the largest error to the smallest.
     pub(super) wall: Vec<SpeedUp>,
@@ -47,7 +47,7 @@ pub(super) struct Race<'a> {
     pub(super) processors: Vec<SpeedUp>,
 }
 
-impl Race<'_> {
+impl MethodComparison<'_> {
     /// Smallest and largest factor by wall time.
     pub(super) fn range(&self) -> Option<[f64; 2]> {
         let factors = self.wall.iter().map(SpeedUp::factor);
@@ -64,13 +64,13 @@ impl Race<'_> {
 
 impl RoomOutcome {
     /// The outcome of the method with this key.
-    pub(super) fn outcome(&self, key: &str, lights: bool) -> Option<&Outcome> {
+    pub(super) fn outcome(&self, key: &str, lights: bool) -> Option<&MethodOutcome> {
         self.outcomes.iter().find(|o| o.method.key == key && o.lights == lights)
     }
 
     /// The path tracer's.
-    pub(super) fn path(&self, lights: bool) -> Option<&Outcome> {
-        self.outcome(&Method::path().key, lights)
+    pub(super) fn path(&self, lights: bool) -> Option<&MethodOutcome> {
+        self.outcome(&RenderMethod::path().key, lights)
     }
 
     /// The reference's own error at most, estimated: that of a shorter picture taken the same way falls at least as one over the
@@ -81,46 +81,55 @@ impl RoomOutcome {
     }
 
     /// `outcome` against `path`.
-    pub(super) fn race<'a>(&self, outcome: &'a Outcome, norm: Norm) -> Option<Race<'a>> {
+    pub(super) fn comparison<'a>(
+        &self,
+        outcome: &'a MethodOutcome,
+        norm: Norm,
+    ) -> Option<MethodComparison<'a>> {
         let path = self.path(outcome.lights)?;
-        let line = |o: &Outcome, clock| over_time(&o.curve, clock, norm);
+        let line = |o: &MethodOutcome, clock| over_time(&o.curve, clock, norm);
         let errors = common_errors(&line(path, Clock::Wall), &line(outcome, Clock::Wall), ERRORS);
         let by = |clock| speed_ups(&line(path, clock), &line(outcome, clock), &errors);
-        Some(Race { outcome, norm, wall: by(Clock::Wall), processors: by(Clock::Processors) })
+        Some(MethodComparison { outcome, norm, wall: by(Clock::Wall), processors: by(Clock::Processors) })
     }
 
-    /// All races in this norm but that of `path` with itself.
-    pub(super) fn races(&self, norm: Norm) -> impl Iterator<Item = Race<'_>> {
-        let others = self.outcomes.iter().filter(|o| o.method != Method::path());
-        others.filter_map(move |outcome| self.race(outcome, norm))
+    /// All comparisons in this norm but that of `path` with itself.
+    pub(super) fn comparisons(&self, norm: Norm) -> impl Iterator<Item = MethodComparison<'_>> {
+        let others = self.outcomes.iter().filter(|o| o.method != RenderMethod::path());
+        others.filter_map(move |outcome| self.comparison(outcome, norm))
     }
 
     /// The method of document 003 that gains most, by the geometric mean of its factors in the document's norm.
-    pub(super) fn best_grid(&self, lights: bool) -> Option<&Outcome> {
+    pub(super) fn best_grid(&self, lights: bool) -> Option<&MethodOutcome> {
         let asked =
-            |o: &Outcome| o.lights == lights && o.method.grid.is_some() && o.method.passes().is_none();
-        let races = self.races(Norm::Shown).filter(|race| asked(race.outcome));
-        races.max_by(|a, b| a.mean().total_cmp(&b.mean())).map(|race| race.outcome)
+            |o: &MethodOutcome| o.lights == lights && o.method.grid.is_some() && o.method.passes().is_none();
+        let comparisons = self.comparisons(Norm::Shown).filter(|comparison| asked(comparison.outcome));
+        comparisons.max_by(|a, b| a.mean().total_cmp(&b.mean())).map(|comparison| comparison.outcome)
     }
 }
 
 /// A room `hall` in which every method takes 1, 2 and so on to 128 samples in a second for each; the errors of `path` are 1 / root of
 /// the samples, those of the next method two thirds of it, of the one after two quarters, and so on.
 #[cfg(test)]
-pub(super) fn constructed(methods: impl Iterator<Item = Method>) -> RoomOutcome {
-    use super::curve::Error;
+pub(super) fn constructed(methods: impl Iterator<Item = RenderMethod>) -> RoomOutcome {
+    use super::curve::PictureError;
 
     let mut outcomes = Vec::new();
     for (i, method) in methods.enumerate() {
         let scale = 2.0 / (2.0 + i as f64);
         let point = |samples: u32| {
             let (time, plain) = (f64::from(samples), scale / f64::from(samples).sqrt());
-            Point { samples, wall: time, processors: 2.0 * time, error: Error { plain, shown: 0.5 * plain } }
+            CurvePoint {
+                samples,
+                wall: time,
+                processors: 2.0 * time,
+                error: PictureError { plain, shown: 0.5 * plain },
+            }
         };
         let points = |first: u32| (first..=7).map(|power| point(1 << power)).collect::<Vec<_>>();
         for lights in [false, true] {
             let frozen = if i == 0 { Vec::new() } else { points(2) };
-            outcomes.push(Outcome { method: method.clone(), lights, curve: points(0), frozen });
+            outcomes.push(MethodOutcome { method: method.clone(), lights, curve: points(0), frozen });
         }
     }
     RoomOutcome { name: "hall".into(), outcomes, refused: Vec::new(), reference_samples: 12_800, sheet: None }
@@ -136,19 +145,19 @@ mod tests {
         let room = constructed(entries(128, false).into_iter().map(|entry| entry.method));
         // Two thirds of the error is the same error in four ninths of the time.
         for norm in Norm::ALL {
-            let race = room.race(room.outcome("tree", true).unwrap(), norm).unwrap();
-            let [least, most] = race.range().unwrap();
-            assert_eq!(race.wall.len(), ERRORS as usize);
+            let comparison = room.comparison(room.outcome("tree", true).unwrap(), norm).unwrap();
+            let [least, most] = comparison.range().unwrap();
+            assert_eq!(comparison.wall.len(), ERRORS as usize);
             assert!((least - 2.25).abs() < 1e-9 && (most - 2.25).abs() < 1e-9, "{least} {most}");
-            assert!(race.processors.iter().all(|s| (s.factor() - 2.25).abs() < 1e-9));
+            assert!(comparison.processors.iter().all(|s| (s.factor() - 2.25).abs() < 1e-9));
         }
-        let itself = room.race(room.path(true).unwrap(), Norm::Plain).unwrap();
+        let itself = room.comparison(room.path(true).unwrap(), Norm::Plain).unwrap();
         assert!((itself.range().unwrap()[1] - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn noise_of_the_reference_falls_with_the_root_of_its_samples() {
-        let room = constructed([Method::path()].into_iter());
+        let room = constructed([RenderMethod::path()].into_iter());
         assert!((room.reference_error().unwrap() - 1.0 / 12_800.0_f64.sqrt()).abs() < 1e-15);
     }
 
@@ -160,6 +169,8 @@ mod tests {
         // The later a method is in the list, the better it is there.
         let last = room.outcomes.iter().rfind(|o| o.method.passes().is_none()).unwrap();
         assert_eq!(best.method, last.method);
-        assert!(constructed([Method::path(), Method::tree()].into_iter()).best_grid(true).is_none());
+        assert!(
+            constructed([RenderMethod::path(), RenderMethod::tree()].into_iter()).best_grid(true).is_none()
+        );
     }
 }

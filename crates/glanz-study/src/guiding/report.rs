@@ -1,10 +1,10 @@
 //! The report, each sentence made from the figures.
 
-use super::Plan;
-use super::curve::{Norm, Point};
+use super::GuidingPlan;
+use super::curve::{CurvePoint, Norm};
 use super::figures::{figures, light_words};
-use super::method::{FROZEN_SAMPLES, MOST_LEARNT, Method};
-use super::outcome::{Outcome, Race, RoomOutcome};
+use super::method::{FROZEN_SAMPLES, MOST_LEARNT, RenderMethod};
+use super::outcome::{MethodComparison, MethodOutcome, RoomOutcome};
 use crate::clock;
 use crate::report::Report;
 use glanz_report::number::{grouped, plural, significant};
@@ -59,7 +59,7 @@ fn yes(lights: bool) -> TableCell {
 }
 
 /// The whole report.
-pub(super) fn tell_all(rooms: Vec<RoomOutcome>, plan: &Plan) -> Report {
+pub(super) fn build_report(rooms: Vec<RoomOutcome>, plan: &GuidingPlan) -> Report {
     let mut report =
         Report::new("Study guiding: directions that learn where light comes from", summary(&rooms));
     report.heading("What was asked");
@@ -92,7 +92,7 @@ pub(super) fn tell_all(rooms: Vec<RoomOutcome>, plan: &Plan) -> Report {
     for room in &rooms {
         report.heading(format!("Room {}", room.name));
         for figure in figures(room) {
-            report.plot(figure.name, figure.plot, figure.caption);
+            report.figure(figure);
         }
     }
     report.heading("Pictures at equal time");
@@ -112,7 +112,7 @@ pub(super) fn tell_all(rooms: Vec<RoomOutcome>, plan: &Plan) -> Report {
     report
 }
 
-fn settings_text(plan: &Plan) -> String {
+fn settings_text(plan: &GuidingPlan) -> String {
     let processors =
         if clock::counts_processor_time() { "processor time of all threads" } else { "wall time" };
     format!(
@@ -158,8 +158,10 @@ fn summary(rooms: &[RoomOutcome]) -> Table {
         // Those with listed passes are there for what they have learnt in the end.
         for outcome in room.outcomes.iter().filter(|o| o.method.passes().is_none()) {
             let Some(last) = outcome.last() else { continue };
-            let is_path = outcome.method == Method::path();
-            let range = |norm| room.race(outcome, norm).filter(|_| !is_path).and_then(|race| race.range());
+            let is_path = outcome.method == RenderMethod::path();
+            let range = |norm| {
+                room.comparison(outcome, norm).filter(|_| !is_path).and_then(|comparison| comparison.range())
+            };
             let (plain, shown) = (range(Norm::Plain), range(Norm::Shown));
             table.push([
                 room.name.as_str().into(),
@@ -185,7 +187,7 @@ fn points(
     rooms: &[RoomOutcome],
     name: &'static str,
     caption: &str,
-    of: fn(&Outcome) -> &Vec<Point>,
+    of: fn(&MethodOutcome) -> &Vec<CurvePoint>,
 ) -> Table {
     let mut table = Table::new(name, caption, &POINTS);
     for room in rooms {
@@ -207,14 +209,14 @@ fn points(
     table
 }
 
-fn push_race(table: &mut Table, room: &RoomOutcome, race: &Race<'_>) {
-    for speed_up in &race.wall {
-        let processors = race.processors.iter().find(|s| s.error == speed_up.error);
+fn push_comparison(table: &mut Table, room: &RoomOutcome, comparison: &MethodComparison<'_>) {
+    for speed_up in &comparison.wall {
+        let processors = comparison.processors.iter().find(|s| s.error == speed_up.error);
         table.push([
             room.name.as_str().into(),
-            yes(race.outcome.lights),
-            race.outcome.method.name.as_str().into(),
-            race.norm.name().into(),
+            yes(comparison.outcome.lights),
+            comparison.outcome.method.name.as_str().into(),
+            comparison.norm.name().into(),
             speed_up.error.into(),
             speed_up.plain.into(),
             speed_up.other.into(),
@@ -231,8 +233,8 @@ fn shown_speed_ups(rooms: &[RoomOutcome]) -> Table {
     let mut table = Table::new("speed_up", caption, &SPEED_UPS);
     for room in rooms {
         for lights in [false, true] {
-            for race in shown_races(room, lights) {
-                push_race(&mut table, room, &race);
+            for comparison in shown_comparisons(room, lights) {
+                push_comparison(&mut table, room, &comparison);
             }
         }
     }
@@ -240,17 +242,17 @@ fn shown_speed_ups(rooms: &[RoomOutcome]) -> Table {
 }
 
 /// Those of the tree and of the best grid, in the modified norm first.
-fn shown_races(room: &RoomOutcome, lights: bool) -> Vec<Race<'_>> {
-    let shown = [room.outcome(&Method::tree().key, lights), room.best_grid(lights)];
+fn shown_comparisons(room: &RoomOutcome, lights: bool) -> Vec<MethodComparison<'_>> {
+    let shown = [room.outcome(&RenderMethod::tree().key, lights), room.best_grid(lights)];
     let norms = shown.into_iter().flatten().flat_map(|o| [Norm::Shown, Norm::Plain].map(|norm| (o, norm)));
-    norms.filter_map(|(outcome, norm)| room.race(outcome, norm)).collect()
+    norms.filter_map(|(outcome, norm)| room.comparison(outcome, norm)).collect()
 }
 
 fn all_speed_ups(rooms: &[RoomOutcome]) -> Table {
     let mut table = Table::new("speed_ups", "The same for all methods and both norms:", &SPEED_UPS);
     for room in rooms {
-        for race in Norm::ALL.into_iter().flat_map(|norm| room.races(norm)) {
-            push_race(&mut table, room, &race);
+        for comparison in Norm::ALL.into_iter().flat_map(|norm| room.comparisons(norm)) {
+            push_comparison(&mut table, room, &comparison);
         }
     }
     table
@@ -258,15 +260,15 @@ fn all_speed_ups(rooms: &[RoomOutcome]) -> Table {
 
 /// Sentences, each made from the figures.
 fn findings(room: &RoomOutcome) -> Vec<String> {
-    let told = |race: &Race<'_>| {
-        let [least, most] = race.range()?;
-        let (first, last) = (race.wall.first()?, race.wall.last()?);
+    let told = |comparison: &MethodComparison<'_>| {
+        let [least, most] = comparison.range()?;
+        let (first, last) = (comparison.wall.first()?, comparison.wall.last()?);
         Some(format!(
             "`{}` is {} to {} times as fast as `path` for {} errors from {} to {}, {} times at the smallest",
-            race.outcome.method.name,
+            comparison.outcome.method.name,
             significant(least),
             significant(most),
-            race.norm.name(),
+            comparison.norm.name(),
             significant(first.error),
             significant(last.error),
             significant(last.factor())
@@ -274,7 +276,7 @@ fn findings(room: &RoomOutcome) -> Vec<String> {
     };
     let sentence = |lights: bool| {
         let (_, words) = light_words(lights);
-        let told: Vec<String> = shown_races(room, lights).iter().filter_map(told).collect();
+        let told: Vec<String> = shown_comparisons(room, lights).iter().filter_map(told).collect();
         match told.len() {
             0 => format!("Room {}, {words}: the curves have no errors in common.", room.name),
             _ => format!("Room {}, {words}: {}.", room.name, told.join("; ")),

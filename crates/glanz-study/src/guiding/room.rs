@@ -12,13 +12,13 @@ use glanz_transport::{
     RenderSettings, RenderSink, render,
 };
 
-use super::method::Method;
-use crate::clock::{Of, Stopwatch};
-use crate::rooms::{self, Read};
+use super::method::RenderMethod;
+use crate::clock::{Stopwatch, TimeScope};
+use crate::rooms::{self, RoomFile};
 use crate::study::{Settings, StudyError};
 
 /// A room to render.
-pub(super) struct Room<'a> {
+pub(super) struct GuidingRoom<'a> {
     /// The file's name without folder and extension.
     pub(super) name: String,
     pub(super) size: [u32; 2],
@@ -32,21 +32,21 @@ pub(super) struct Room<'a> {
 
 /// One way to take samples of a room.
 #[derive(Clone, Debug)]
-pub(super) struct Way {
+pub(super) struct RenderSetup {
     pub(super) integrator: IntegratorSettings,
     pub(super) seed: u64,
     /// A guide that does not learn.
     pub(super) guide: Option<Arc<Guide>>,
 }
 
-/// A film that was exposed further, and what that took.
-pub(super) struct Exposed {
+/// A film that was rendered further, and what that took.
+pub(super) struct RenderProgress {
     pub(super) outcome: RenderOutcome,
     /// Time of all processors.
     pub(super) processors: Duration,
 }
 
-impl<'a> Room<'a> {
+impl<'a> GuidingRoom<'a> {
     /// Reads the room `named`: a scene file, or the name of one in `scenes/rooms`.
     ///
     /// # Errors
@@ -57,7 +57,7 @@ impl<'a> Room<'a> {
         threads: usize,
         settings: &'a Settings,
     ) -> Result<Self, StudyError> {
-        let Read { path, name, loaded } = rooms::read(named)?;
+        let RoomFile { path, name, loaded } = rooms::read(named)?;
         let mut description = loaded.description;
         if description.lights.iter().any(|light| !matches!(light.kind, LightKind::Infinite)) {
             return Err(StudyError::Setting {
@@ -83,25 +83,30 @@ impl<'a> Room<'a> {
     ///
     /// # Errors
     /// An integrator that is refused.
-    pub(super) fn way(&self, method: &Method, lights: bool, seed: u64) -> Result<Way, StudyError> {
+    pub(super) fn setup(
+        &self,
+        method: &RenderMethod,
+        lights: bool,
+        seed: u64,
+    ) -> Result<RenderSetup, StudyError> {
         let integrator = IntegratorSettings::resolve(&method.described(&self.integrator, lights))?;
-        Ok(Way { integrator, seed, guide: None })
+        Ok(RenderSetup { integrator, seed, guide: None })
     }
 
     /// What a picture taken this way depends on.
     ///
     /// # Errors
     /// A filter that is refused.
-    pub(super) fn identity(&self, way: &Way) -> Result<PictureIdentity, StudyError> {
+    pub(super) fn identity(&self, setup: &RenderSetup) -> Result<PictureIdentity, StudyError> {
         let signed = Filter::try_new(&self.filter)?.is_signed();
-        let passes = way.integrator.is_guided() && way.guide.is_none();
+        let passes = setup.integrator.is_guided() && setup.guide.is_none();
         Ok(PictureIdentity {
             scene: self.hash,
             film: FilmFormat { signed, passes, ..FilmFormat::plain(self.size) },
             filter: self.filter,
-            integrator: way.integrator,
+            integrator: setup.integrator,
             sampler: SamplerKind::Sobol,
-            seed: way.seed,
+            seed: setup.seed,
             samples_per_pixel: 1,
             guide: None,
             version: glanz_job::current_version(),
@@ -112,42 +117,42 @@ impl<'a> Room<'a> {
     ///
     /// # Errors
     /// A filter or a film that is refused.
-    pub(super) fn film(&self, way: &Way) -> Result<Film, StudyError> {
-        Ok(Film::try_new(self.identity(way)?.film)?)
+    pub(super) fn film(&self, setup: &RenderSetup) -> Result<Film, StudyError> {
+        Ok(Film::try_new(self.identity(setup)?.film)?)
     }
 
     /// Takes the samples that `film` does not have yet.
     ///
     /// # Errors
-    /// Those of [`render()`], and an end that was wanted; see [`Exposed::complete`].
-    pub(super) fn expose(
+    /// Those of [`render()`], and an end that was wanted; see [`RenderProgress::complete`].
+    pub(super) fn render(
         &self,
-        way: &Way,
+        setup: &RenderSetup,
         film: Film,
         samples: Range<u32>,
         limit: Option<Duration>,
         sink: &mut dyn RenderSink,
-    ) -> Result<Exposed, StudyError> {
-        let integrator: Box<dyn Integrator> = match &way.guide {
-            Some(guide) => way.integrator.build_with_guide(guide.clone()),
-            None => way.integrator.build(),
+    ) -> Result<RenderProgress, StudyError> {
+        let integrator: Box<dyn Integrator> = match &setup.guide {
+            Some(guide) => setup.integrator.build_with_guide(guide.clone()),
+            None => setup.integrator.build(),
         };
         let settings = RenderSettings {
             filter: Filter::try_new(&self.filter)?,
             sampler: SamplerKind::Sobol,
-            seed: way.seed,
+            seed: setup.seed,
             samples_per_pixel: 1,
             samples,
             threads: self.threads,
             time_limit: limit,
         };
-        let watch = Stopwatch::start(Of::Process);
+        let watch = Stopwatch::start(TimeScope::Process);
         let outcome = render(&self.scene, integrator.as_ref(), &settings, film, sink, &self.settings.cancel)?;
-        Ok(Exposed { outcome, processors: watch.elapsed() })
+        Ok(RenderProgress { outcome, processors: watch.elapsed() })
     }
 }
 
-impl Exposed {
+impl RenderProgress {
     /// Itself, unless it was cancelled.
     ///
     /// # Errors

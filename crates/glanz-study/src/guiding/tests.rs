@@ -61,7 +61,7 @@ fn settings(folder: &Path) -> Settings {
         rounds: Some(2),
         seconds: Some(0.05),
         threads: Some(1),
-        keep: Some(folder.join("out")),
+        cache: Some(folder.join("out")),
         ..Settings::default()
     }
 }
@@ -151,7 +151,7 @@ fn settings_that_make_no_sense_are_refused() {
         let error = run(&settings, &mut StudyProgress::new(&mut Silent)).unwrap_err();
         assert!(error.to_string().contains(told), "{error}");
     };
-    let sound = || Settings { keep: None, ..settings(&folder.0) };
+    let sound = || Settings { cache: None, ..settings(&folder.0) };
     refused(Settings { samples: Some(12), ..sound() }, "power of two");
     refused(Settings { methods: Some(vec!["haar".into()]), ..sound() }, "haar-8-3");
     refused(Settings { rooms: Some(vec!["cellar".into()]), ..sound() }, "scenes/rooms");
@@ -167,15 +167,15 @@ fn settings_that_make_no_sense_are_refused() {
 #[test]
 fn a_grid_too_large_for_the_room_is_left_out_and_said() {
     let folder = Folder::new("large");
-    let settings = Settings { keep: None, samples: Some(2), references: Some(4), ..settings(&folder.0) };
+    let settings = Settings { cache: None, samples: Some(2), references: Some(4), ..settings(&folder.0) };
     // 30 shapes with 64 x 64 cells of 64 x 64 coefficients each.
     let spheres = "Shape \"sphere\" \"float radius\" .01\n".repeat(30);
     std::fs::write(folder.0.join("box.pbrt"), BOX.to_owned() + &spheres).unwrap();
-    let mut plan = Plan::new(&settings).unwrap();
+    let mut plan = GuidingPlan::new(&settings).unwrap();
     let grid = GridSettings { cells: 64, scale: 6, ..GridSettings::default() };
-    let large = Entry { method: Method::of(grid), samples: 2, frozen: vec![2] };
-    plan.entries = vec![Entry { method: Method::path(), samples: 2, frozen: Vec::new() }, large];
-    let report = carry_out(&plan, &settings, &mut StudyProgress::new(&mut Silent)).unwrap();
+    let large = MethodEntry { method: RenderMethod::of(grid), samples: 2, frozen: vec![2] };
+    plan.entries = vec![MethodEntry { method: RenderMethod::path(), samples: 2, frozen: Vec::new() }, large];
+    let report = run_plan(&plan, &settings, &mut StudyProgress::new(&mut Silent)).unwrap();
     assert_eq!(report.summary().rows().len(), 2);
     assert!(report.markdown().contains("Left out of room box: the guide grid=64"), "{}", report.markdown());
 }

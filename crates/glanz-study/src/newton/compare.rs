@@ -7,8 +7,8 @@ use glanz_math::Ray;
 use glanz_sampling::hash::{combine, unit_f64};
 
 use super::iteration::{NewtonOutcome, StoppingCriteria, damped, general, simplified};
-use super::patches::{Group, Meeting, Shape, Target};
-use crate::clock::{Of, Stopwatch};
+use super::patches::{PatchGroup, RayPatchSystem, Shape, Target};
+use crate::clock::{Stopwatch, TimeScope};
 use crate::study::{Settings, StudyError, StudyProgress};
 
 /// Residual below which document 000 takes a point for a root, there in units, here relative to the patch.
@@ -57,7 +57,7 @@ impl Variant {
         start: [f64; 3],
         limits: StoppingCriteria,
     ) -> NewtonOutcome<3> {
-        let meeting = Meeting { shape, ray: *ray };
+        let meeting = RayPatchSystem { shape, ray: *ray };
         match self {
             Self::General => general(&meeting, start, limits),
             Self::Simplified => simplified(&meeting, start, limits),
@@ -68,7 +68,7 @@ impl Variant {
 
 /// What one variant did with the rays of a group.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Tally {
+pub(super) struct VariantTally {
     /// Rays through the hull, for which an iteration was started.
     pub(super) started: u64,
     /// Iterations that ended within the residual.
@@ -97,7 +97,7 @@ pub(super) struct Tally {
 
 /// What is true of the rays of a group, by the certified search.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Truth {
+pub(super) struct CertifiedTally {
     pub(super) rays: u64,
     /// Rays that meet their patch.
     pub(super) hit: u64,
@@ -112,19 +112,19 @@ pub(super) struct Truth {
 }
 
 /// The rays of a group and their roots.
-pub(super) struct Shots<'a> {
-    group: &'a Group,
+pub(super) struct RaySet<'a> {
+    group: &'a PatchGroup,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     /// Where the roots of each ray start; one more than there are rays.
     starts: Vec<usize>,
-    pub(super) truth: Truth,
+    pub(super) truth: CertifiedTally,
 }
 
-impl<'a> Shots<'a> {
+impl<'a> RaySet<'a> {
     /// `count` rays at the patches of the group in turn, and all their roots.
     pub(super) fn shoot(
-        group: &'a Group,
+        group: &'a PatchGroup,
         number: u64,
         count: u64,
         settings: &Settings,
@@ -137,16 +137,16 @@ impl<'a> Shots<'a> {
             rays,
             hits: Vec::new(),
             starts: vec![0],
-            truth: Truth { rays: count, ..Truth::default() },
+            truth: CertifiedTally { rays: count, ..CertifiedTally::default() },
         };
-        let watch = Stopwatch::start(Of::Thread);
+        let watch = Stopwatch::start(TimeScope::Thread);
         for (i, (ray, target)) in shots.rays.iter().zip(group.targets.iter().cycle()).enumerate() {
             pause(i, settings)?;
             target.search.all_hits(ray, f64::INFINITY, &mut shots.hits);
             shots.starts.push(shots.hits.len());
         }
         shots.truth.all = watch.elapsed();
-        let watch = Stopwatch::start(Of::Thread);
+        let watch = Stopwatch::start(TimeScope::Thread);
         let mut met = 0;
         for (i, (ray, target)) in shots.rays.iter().zip(group.targets.iter().cycle()).enumerate() {
             pause(i, settings)?;
@@ -175,16 +175,17 @@ impl<'a> Shots<'a> {
     }
 
     /// What `variant` does with the rays.
-    pub(super) fn tally(&self, variant: Variant, settings: &Settings) -> Result<Tally, StudyError> {
+    pub(super) fn tally(&self, variant: Variant, settings: &Settings) -> Result<VariantTally, StudyError> {
         let mut outcomes = Vec::with_capacity(self.rays.len());
-        let watch = Stopwatch::start(Of::Thread);
+        let watch = Stopwatch::start(TimeScope::Thread);
         for (i, (ray, target, _)) in self.each().enumerate() {
             pause(i, settings)?;
             let limits = StoppingCriteria { residual: RESIDUAL * target.size(), iterations: STEPS };
             outcomes.push(target.start(ray).map(|start| variant.run(&target.shape, ray, start, limits)));
         }
         let time = watch.elapsed();
-        let mut tally = Tally { time, found_after: vec![0; STEPS as usize + 1], ..Tally::default() };
+        let mut tally =
+            VariantTally { time, found_after: vec![0; STEPS as usize + 1], ..VariantTally::default() };
         for ((_, target, roots), outcome) in self.each().zip(&outcomes) {
             if let Some(outcome) = outcome {
                 tally.add(target, roots, outcome);
@@ -194,7 +195,7 @@ impl<'a> Shots<'a> {
     }
 }
 
-impl Tally {
+impl VariantTally {
     fn add(&mut self, target: &Target, roots: &[Hit], outcome: &NewtonOutcome<3>) {
         self.started += 1;
         self.evaluations += u64::from(outcome.iterate().evaluations);
@@ -239,7 +240,7 @@ impl Tally {
     }
 }
 
-impl Truth {
+impl CertifiedTally {
     /// Adds what was counted elsewhere.
     pub(super) fn merge(&mut self, other: &Self) {
         self.rays += other.rays;
@@ -267,34 +268,35 @@ fn pause(index: usize, settings: &Settings) -> Result<(), StudyError> {
 
 /// All groups: what is true, and what the variants did.
 pub(super) struct Comparison {
-    pub(super) groups: Vec<(&'static str, Truth, [Tally; 3])>,
-    pub(super) truth: Truth,
-    pub(super) tallies: [Tally; 3],
+    pub(super) groups: Vec<(&'static str, CertifiedTally, [VariantTally; 3])>,
+    pub(super) truth: CertifiedTally,
+    pub(super) tallies: [VariantTally; 3],
 }
 
 /// Shoots `rays` in equal parts at the groups; progress goes from `from` to 1.
 pub(super) fn compare(
-    groups: &[Group],
+    groups: &[PatchGroup],
     rays: u64,
     from: f64,
     settings: &Settings,
     progress: &mut StudyProgress<'_>,
 ) -> Result<Comparison, StudyError> {
-    let mut all = Comparison { groups: Vec::new(), truth: Truth::default(), tallies: Default::default() };
+    let mut all =
+        Comparison { groups: Vec::new(), truth: CertifiedTally::default(), tallies: Default::default() };
     let parts = (groups.len() * (Variant::ALL.len() + 1)) as f64;
     let mut done = 0.0;
-    let mut tell = |what: &str| {
+    let mut report_progress = |what: &str| {
         progress.report(from + (1.0 - from) * done / parts, what);
         done += 1.0;
     };
     for (number, group) in groups.iter().enumerate() {
         let (number, count) = (number as u64, groups.len() as u64);
         let share = rays / count + u64::from(number < rays % count);
-        tell(&format!("{}, certified search", group.name));
-        let shots = Shots::shoot(group, number, share, settings)?;
-        let mut tallies: [Tally; 3] = Default::default();
+        report_progress(&format!("{}, certified search", group.name));
+        let shots = RaySet::shoot(group, number, share, settings)?;
+        let mut tallies: [VariantTally; 3] = Default::default();
         for (slot, variant) in tallies.iter_mut().zip(Variant::ALL) {
-            tell(&format!("{}, {}", group.name, variant.name()));
+            report_progress(&format!("{}, {}", group.name, variant.name()));
             *slot = shots.tally(variant, settings)?;
         }
         all.truth.merge(&shots.truth);
@@ -318,7 +320,7 @@ mod tests {
         let settings = Settings::default();
         let all = compare(&groups().unwrap(), 30_000, 0.0, &settings, &mut StudyProgress::new(&mut Silent))
             .unwrap();
-        let Truth { rays, hit, roots, worst, undecided, .. } = all.truth;
+        let CertifiedTally { rays, hit, roots, worst, undecided, .. } = all.truth;
         assert_eq!((rays, undecided), (30_000, 0));
         assert!(hit > 3_000 && roots >= hit && worst < 1e-9, "{hit} {roots} {worst}");
         for tally in &all.tallies {
@@ -331,7 +333,7 @@ mod tests {
         let [general, simplified, _] = &all.tallies;
         assert!(general.found > hit / 2 && general.found < roots && general.outside > 0);
         // Linear convergence takes more steps than quadratic.
-        let mean = |t: &Tally| t.steps as f64 / t.converged as f64;
+        let mean = |t: &VariantTally| t.steps as f64 / t.converged as f64;
         assert!(mean(simplified) > 1.5 * mean(general));
     }
 

@@ -8,9 +8,9 @@ pub(super) type Linear = (DVec3, DVec3, DVec3);
 
 /// A rational bicubic patch: homogeneous control points, those of equal u side by side.
 #[derive(Clone, Debug)]
-pub(super) struct Bicubic([[DVec4; 4]; 4]);
+pub(super) struct FixedBicubic([[DVec4; 4]; 4]);
 
-impl Bicubic {
+impl FixedBicubic {
     /// `None` unless the patch is bicubic.
     pub(super) fn of(patch: &TensorPatch) -> Option<Self> {
         let (rows, rest) = patch.control_points().as_chunks::<4>();

@@ -43,7 +43,7 @@ fn published_ray() -> Ray {
 }
 
 /// An iteration of the example.
-pub(super) struct Run {
+pub(super) struct ExampleRun {
     patch: &'static str,
     start: &'static str,
     variant: Variant,
@@ -53,7 +53,7 @@ pub(super) struct Run {
 
 /// What came out.
 pub(super) struct Example {
-    pub(super) runs: Vec<Run>,
+    pub(super) runs: Vec<ExampleRun>,
     /// Roots of the line with the true patch, and of its continuation with both patches, by the certified search.
     pub(super) hits: [usize; 2],
     pub(super) fan: Vec<(Hit, DVec2, DVec3)>,
@@ -86,7 +86,7 @@ pub(super) fn solve() -> Result<Example, SurfaceError> {
             let outcome = variant.run(shape, &ray, from, limits);
             let [u, v, t] = outcome.iterate().x;
             let inside = shape.outside(u, v) == 0.0 && t > 0.0;
-            runs.push(Run { patch, start, variant, outcome, inside });
+            runs.push(ExampleRun { patch, start, variant, outcome, inside });
         }
     }
     let count = |target: &Target| {
@@ -146,7 +146,7 @@ impl Example {
     }
 
     /// Adds the chapter to the report.
-    pub(super) fn tell(&self, report: &mut Report) {
+    pub(super) fn add_to(&self, report: &mut Report) {
         report.heading("The example of document 000, section 4.3");
         let [on_true, on_faulty] = self.hits;
         let verb = |n: usize| {
@@ -183,7 +183,7 @@ impl Example {
             plot,
             "How fast the variants approach a root of the patch of document 000, continued beyond its domain.",
         );
-        self.tell_fan(report);
+        self.add_fan(report);
     }
 
     fn table(&self) -> Table {
@@ -221,7 +221,7 @@ impl Example {
         table
     }
 
-    fn tell_fan(&self, report: &mut Report) {
+    fn add_fan(&self, report: &mut Report) {
         report.heading("The fan of 256 rays (k = 4)");
         let mut text = format!(
             "Of {} rays from the lamp, the certified search finds {}.",

@@ -13,7 +13,9 @@ pub(crate) use self::patches::TRUE_POINTS;
 
 use std::time::Duration;
 
-use self::compare::{Comparison, RESIDUAL, STEPS, STEPS_OF_000, Tally, Truth, Variant, compare};
+use self::compare::{
+    CertifiedTally, Comparison, RESIDUAL, STEPS, STEPS_OF_000, Variant, VariantTally, compare,
+};
 use crate::clock;
 use crate::report::Report;
 use crate::study::{Settings, StudyError, StudyProgress};
@@ -73,7 +75,7 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
          many does it miss, how many does it invent, and at what price, compared with the certified search of Glanz?",
     );
     settings_paragraph(rays, settings, &mut report);
-    example.tell(&mut report);
+    example.add_to(&mut report);
     report.heading("Random rays");
     let mut by_group = Table::new("rays", "The same for each kind of patch.", &COLUMNS);
     for (name, truth, tallies) in &all.groups {
@@ -109,7 +111,7 @@ fn settings_paragraph(rays: u64, settings: &Settings, report: &mut Report) {
     );
 }
 
-fn push_rows(table: &mut Table, patches: &str, truth: &Truth, tallies: &[Tally; 3]) {
+fn push_rows(table: &mut Table, patches: &str, truth: &CertifiedTally, tallies: &[VariantTally; 3]) {
     let per = |time: Duration, count: u64| (count > 0).then(|| time.as_secs_f64() * 1e9 / count as f64);
     for (variant, tally) in Variant::ALL.into_iter().zip(tallies) {
         let mean = (tally.converged > 0).then(|| tally.steps as f64 / tally.converged as f64);
@@ -184,7 +186,7 @@ fn found_plot(all: &Comparison) -> Plot {
 
 /// Sentences, each made from the figures.
 fn findings(all: &Comparison) -> Vec<String> {
-    let Truth { rays, hit, roots, worst, undecided, all: all_time, .. } = &all.truth;
+    let CertifiedTally { rays, hit, roots, worst, undecided, all: all_time, .. } = &all.truth;
     let share = |count: u64, of: u64| {
         if of == 0 { "-".to_owned() } else { format!("{} %", significant(100.0 * count as f64 / of as f64)) }
     };

@@ -7,7 +7,7 @@ use glanz_geometry::freeform::{Freeform, SurfacePatch};
 use glanz_math::glam::DVec4;
 use glanz_math::{Bounds3, DVec2, DVec3, Ray};
 
-use super::evaluate::{Bicubic, CubicTriangle, Linear};
+use super::evaluate::{CubicTriangle, FixedBicubic, Linear};
 use super::hull::Hull;
 use super::iteration::{Jacobian, NonlinearSystem};
 use crate::study::StudyError;
@@ -42,14 +42,14 @@ pub(super) fn reflector(points: [[f64; 3]; 10]) -> Result<Shape, SurfaceError> {
 /// A patch.
 #[derive(Clone, Debug)]
 pub(super) enum Shape {
-    Tensor(TensorPatch, Box<Bicubic>),
+    Tensor(TensorPatch, Box<FixedBicubic>),
     Triangle(TrianglePatch, Box<CubicTriangle>),
 }
 
 impl Shape {
     /// A bicubic patch.
     fn tensor(patch: TensorPatch) -> Result<Self, SurfaceError> {
-        let fast = Bicubic::of(&patch).ok_or(not_cubic(patch.degrees().0))?;
+        let fast = FixedBicubic::of(&patch).ok_or(not_cubic(patch.degrees().0))?;
         Ok(Self::Tensor(patch, Box::new(fast)))
     }
 
@@ -177,12 +177,12 @@ impl Target {
 }
 
 /// Point of the patch less point of the ray, by (u, v, ray parameter): document 000 (4.9), corrected.
-pub(super) struct Meeting<'a> {
+pub(super) struct RayPatchSystem<'a> {
     pub(super) shape: &'a Shape,
     pub(super) ray: Ray,
 }
 
-impl NonlinearSystem<3> for Meeting<'_> {
+impl NonlinearSystem<3> for RayPatchSystem<'_> {
     fn linear(&self, &[u, v, t]: &[f64; 3]) -> ([f64; 3], Jacobian<3>) {
         let (point, by_u, by_v) = self.shape.linear(u, v);
         let d = self.ray.direction;
@@ -196,13 +196,13 @@ impl NonlinearSystem<3> for Meeting<'_> {
 }
 
 /// Patches of one kind.
-pub(super) struct Group {
+pub(super) struct PatchGroup {
     pub(super) name: &'static str,
     pub(super) targets: Vec<Target>,
 }
 
 /// The cubic triangle of document 000, the Newell teapot's bicubic patches, an eighth of a sphere.
-pub(super) fn groups() -> Result<[Group; 3], StudyError> {
+pub(super) fn groups() -> Result<[PatchGroup; 3], StudyError> {
     let mesh = newell::read(include_bytes!("../../scenes/newell_teapot.txt"))?;
     let corner = |index: &u32| mesh.positions.get(*index as usize).copied().unwrap_or_default();
     let teapot = mesh.patches.iter().map(|patch| {
@@ -210,9 +210,9 @@ pub(super) fn groups() -> Result<[Group; 3], StudyError> {
         Target::try_new(Shape::tensor(TensorPatch::try_from_points(3, 3, &points, None)?)?)
     });
     Ok([
-        Group { name: "cubic triangle", targets: vec![Target::try_new(reflector(TRUE_POINTS)?)?] },
-        Group { name: "teapot, 32 bicubic", targets: teapot.collect::<Result<_, SurfaceError>>()? },
-        Group { name: "sphere octant, rational", targets: vec![Target::try_new(octant()?)?] },
+        PatchGroup { name: "cubic triangle", targets: vec![Target::try_new(reflector(TRUE_POINTS)?)?] },
+        PatchGroup { name: "teapot, 32 bicubic", targets: teapot.collect::<Result<_, SurfaceError>>()? },
+        PatchGroup { name: "sphere octant, rational", targets: vec![Target::try_new(octant()?)?] },
     ])
 }
 
@@ -262,7 +262,7 @@ mod tests {
         for group in groups().unwrap() {
             for target in &group.targets {
                 let ray = target.ray([0.3, 0.7, 0.4, 0.5, 0.6]);
-                let meeting = Meeting { shape: &target.shape, ray };
+                let meeting = RayPatchSystem { shape: &target.shape, ray };
                 let at = [0.3, 0.4, 1.5 * target.size()];
                 let (f, jacobian) = meeting.linear(&at);
                 assert_eq!(f, meeting.value(&at));

@@ -33,7 +33,7 @@ Examples:
 /// Measures again what the documents behind Glanz claimed; without a name, lists the studies.
 #[derive(Debug, Parser)]
 #[command(name = "glanz-study", version, max_term_width = 98, after_help = HELP)]
-pub(crate) struct Arguments {
+pub(crate) struct StudyArguments {
     /// The study
     #[arg(value_name = "NAME", requires = "out", value_parser = one_of(studies().iter().map(|study| study.name)))]
     pub(crate) name: Option<String>,
@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn definition_is_consistent() {
-        Arguments::command().debug_assert();
+        StudyArguments::command().debug_assert();
     }
 
     #[test]
@@ -106,7 +106,7 @@ mod tests {
             "glanz-study guiding --rooms open",
             "glanz-study solvers --out a --elements 0",
         ] {
-            let parsed = Arguments::try_parse_from(line.split(' '));
+            let parsed = StudyArguments::try_parse_from(line.split(' '));
             assert_eq!(parsed.map(|_| ()).map_err(|e| e.exit_code()), Err(2), "{line}");
         }
     }

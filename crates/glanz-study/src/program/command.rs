@@ -6,18 +6,18 @@ use std::time::Instant;
 use glanz_report::Table;
 use glanz_report::number::duration;
 use glanz_study::{Settings, Study, StudyError, StudyOption, named, studies};
-use glanz_terminal::Ending;
+use glanz_terminal::CommandOutcome;
 use glanz_terminal::interrupt;
-use glanz_terminal::messages::{Failure, Messages};
+use glanz_terminal::messages::{CommandError, Messages};
 use glanz_terminal::output;
 use glanz_terminal::progress::Progress;
 use serde::Serialize;
 
-use crate::arguments::Arguments;
+use crate::arguments::StudyArguments;
 
 /// What `--json` prints after a study.
 #[derive(Serialize)]
-struct Outcome<'a> {
+struct StudySummary<'a> {
     study: &'static str,
     out: String,
     files: Vec<String>,
@@ -39,7 +39,7 @@ impl Serialize for Tables<'_> {
 
 /// What `--json` prints without a name.
 #[derive(Serialize)]
-struct Listed {
+struct StudyEntry {
     name: &'static str,
     description: &'static str,
 }
@@ -48,15 +48,15 @@ struct Listed {
 ///
 /// # Errors
 /// An option that the study has no use for, or a file that cannot be written.
-pub(crate) fn run(arguments: &Arguments, messages: Messages) -> Result<Ending, Failure> {
+pub(crate) fn run(arguments: &StudyArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     let (Some(name), Some(out)) = (&arguments.name, &arguments.out) else {
         return list(arguments.verbosity.json);
     };
-    let study = named(name).ok_or_else(|| Failure::usage(format!("there is no study \"{name}\"")))?;
+    let study = named(name).ok_or_else(|| CommandError::usage(format!("there is no study \"{name}\"")))?;
     check_options(study, arguments)?;
     let cancel = interrupt::listen()?;
     // Before the work, so that an hour is not lost to a folder that cannot be.
-    std::fs::create_dir_all(out).map_err(|error| Failure::new(format!("{}: {error}", out.display())))?;
+    std::fs::create_dir_all(out).map_err(|error| CommandError::new(format!("{}: {error}", out.display())))?;
     let settings = Settings {
         rays: arguments.rays,
         size: arguments.size,
@@ -70,7 +70,7 @@ pub(crate) fn run(arguments: &Arguments, messages: Messages) -> Result<Ending, F
         seconds: arguments.time.map(|time| time.as_secs_f64()),
         threads: arguments.threads.map(usize::from),
         full: arguments.full,
-        keep: Some(out.clone()),
+        cache: Some(out.clone()),
         seed: arguments.seed,
         cancel,
     };
@@ -81,17 +81,17 @@ pub(crate) fn run(arguments: &Arguments, messages: Messages) -> Result<Ending, F
     let report = match outcome {
         Ok(report) => report,
         Err(StudyError::Interrupted(_)) => {
-            messages.note(if study.keeps {
+            messages.note(if study.caches {
                 "interrupted; no report was written, the same command goes on with what is kept"
             } else {
                 "interrupted; nothing was written"
             });
-            return Ok(Ending::Interrupted);
+            return Ok(CommandOutcome::Interrupted);
         }
-        Err(error @ StudyError::Setting { .. }) => return Err(Failure::usage(error.to_string())),
-        Err(error) => return Err(Failure::new(format!("study {name}: {error}"))),
+        Err(error @ StudyError::Setting { .. }) => return Err(CommandError::usage(error.to_string())),
+        Err(error) => return Err(CommandError::new(format!("study {name}: {error}"))),
     };
-    let files = report.write(out).map_err(|error| Failure::new(error.to_string()))?;
+    let files = report.write(out).map_err(|error| CommandError::new(error.to_string()))?;
     let seconds = begun.elapsed().as_secs_f64();
     messages.note(&format!(
         "wrote {} and {} more files in {}",
@@ -100,7 +100,7 @@ pub(crate) fn run(arguments: &Arguments, messages: Messages) -> Result<Ending, F
         duration(seconds)
     ));
     if arguments.verbosity.json {
-        output::print(&Outcome {
+        output::print(&StudySummary {
             study: study.name,
             out: shown_path(out),
             files,
@@ -112,11 +112,12 @@ pub(crate) fn run(arguments: &Arguments, messages: Messages) -> Result<Ending, F
     } else {
         output::print_text(&format!("{}\n\n{}", report.summary().caption(), report.summary().plain()))?;
     }
-    Ok(Ending::Done)
+    Ok(CommandOutcome::Done)
 }
 
-fn list(json: bool) -> Result<Ending, Failure> {
-    let listed = studies().iter().map(|study| Listed { name: study.name, description: study.description });
+fn list(json: bool) -> Result<CommandOutcome, CommandError> {
+    let listed =
+        studies().iter().map(|study| StudyEntry { name: study.name, description: study.description });
     if json {
         output::print(&listed.collect::<Vec<_>>())?;
     } else {
@@ -124,10 +125,10 @@ fn list(json: bool) -> Result<Ending, Failure> {
         let lines = listed.map(|s| format!("{:width$}  {}\n", s.name, s.description));
         output::print_text(&lines.collect::<String>())?;
     }
-    Ok(Ending::Done)
+    Ok(CommandOutcome::Done)
 }
 
-fn check_options(study: &Study, arguments: &Arguments) -> Result<(), Failure> {
+fn check_options(study: &Study, arguments: &StudyArguments) -> Result<(), CommandError> {
     let given = [
         ("--rays", StudyOption::Rays, arguments.rays.is_some()),
         ("--size", StudyOption::Size, arguments.size.is_some()),
@@ -143,7 +144,9 @@ fn check_options(study: &Study, arguments: &Arguments) -> Result<(), Failure> {
         ("--full", StudyOption::Full, arguments.full),
     ];
     match given.iter().find(|(_, option, given)| *given && !study.options.contains(option)) {
-        Some((name, ..)) => Err(Failure::usage(format!("the study {} has no use for {name}", study.name))),
+        Some((name, ..)) => {
+            Err(CommandError::usage(format!("the study {} has no use for {name}", study.name)))
+        }
         None => Ok(()),
     }
 }

@@ -8,10 +8,10 @@ use std::process::ExitCode;
 use glanz_terminal::messages::Messages;
 use glanz_terminal::{exit_code, parse};
 
-use arguments::Arguments;
+use arguments::StudyArguments;
 
 fn main() -> ExitCode {
-    let arguments: Arguments = match parse() {
+    let arguments: StudyArguments = match parse() {
         Ok(arguments) => arguments,
         Err(code) => return code,
     };

@@ -18,7 +18,7 @@ const LEVELS: [u32; 2] = [1, 4];
 const SMOOTH: f64 = 0.04;
 
 /// A floor, lamps and what is in the way.
-pub(super) struct Exact {
+pub(super) struct ExactFloor {
     /// Corners of the parallelogram, in the order of its parameters (0, 0), (1, 0), (1, 1), (0, 1).
     floor: Vec<DVec3>,
     normal: DVec3,
@@ -28,7 +28,7 @@ pub(super) struct Exact {
 }
 
 /// Means of the floor's radiosity over texels.
-pub(super) struct Reference {
+pub(super) struct ReferenceTexture {
     /// Rows one after the other, per the largest of them.
     pub(super) texels: Vec<f64>,
     /// The largest.
@@ -37,7 +37,7 @@ pub(super) struct Reference {
     pub(super) change: [f64; 2],
 }
 
-impl Exact {
+impl ExactFloor {
     pub(super) fn new(floor: Vec<DVec3>, lamps: Vec<(Vec<DVec3>, f64)>, blockers: Vec<Vec<DVec3>>) -> Self {
         let normal = match floor.as_slice() {
             [a, b, .., d] => (*b - *a).cross(*d - *a).normalize_or_zero(),
@@ -77,7 +77,11 @@ impl Exact {
     ///
     /// # Errors
     /// [`StudyError::Interrupted`] if `cancel` is raised, which is checked before each row.
-    pub(super) fn reference(&self, size: [usize; 2], cancel: &CancelFlag) -> Result<Reference, StudyError> {
+    pub(super) fn reference(
+        &self,
+        size: [usize; 2],
+        cancel: &CancelFlag,
+    ) -> Result<ReferenceTexture, StudyError> {
         let unit = self.largest();
         let step = DVec2::new(1.0 / size[0] as f64, 1.0 / size[1] as f64);
         let mut texels = Vec::with_capacity(size[0] * size[1]);
@@ -93,7 +97,7 @@ impl Exact {
             }
         }
         let rms = (squares / texels.len().max(1) as f64).sqrt();
-        Ok(Reference { texels, unit, change: [rms, most] })
+        Ok(ReferenceTexture { texels, unit, change: [rms, most] })
     }
 
     /// The mean over a rectangle of parameters; `unit`: the largest light of all.
@@ -222,10 +226,10 @@ mod tests {
         let (x, y) = (a / c, b / c);
         let (p, q) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());
         let expected = (x / p * (y / p).atan() + y / q * (x / q).atan()) / TAU;
-        let exact = Exact::new(floor(), vec![(lamp.clone(), 3.0)], Vec::new());
+        let exact = ExactFloor::new(floor(), vec![(lamp.clone(), 3.0)], Vec::new());
         assert!((exact.at(DVec2::ZERO) - 3.0 * expected).abs() < 1e-14);
         // From behind it is dark.
-        let turned = Exact::new(floor(), vec![(down(lamp), 3.0)], Vec::new());
+        let turned = ExactFloor::new(floor(), vec![(down(lamp), 3.0)], Vec::new());
         assert_eq!(turned.at(DVec2::ZERO), 0.0);
     }
 
@@ -258,7 +262,7 @@ mod tests {
         let shining = down(square(lamp[0], lamp[1], 1.0));
         let mut panels = vec![shining.clone()];
         panels.extend(blockers.iter().zip(heights).map(|(&[min, max], height)| square(min, max, height)));
-        let exact = Exact::new(floor(), vec![(shining, 1.0)], panels);
+        let exact = ExactFloor::new(floor(), vec![(shining, 1.0)], panels);
         for (u, v) in [(0.1, 0.2), (0.4, 0.45), (0.5, 0.5), (0.55, 0.1), (0.9, 0.95), (0.35, 0.8)] {
             let found = exact.at(DVec2::new(u, v));
             let expected = by_points(lamp, &blockers, &heights, DVec3::new(u, v, 0.0));
@@ -271,7 +275,7 @@ mod tests {
         // A lamp so small that it is a point: the panel's shadow ends at u = 0.45, in the middle of the fifth of ten texels.
         let lamp = down(square([0.4999; 2], [0.5001; 2], 2.0));
         let panel = square([-3.0, -3.0], [0.475, 3.0], 1.0);
-        let exact = Exact::new(floor(), vec![(lamp, 1.0)], vec![panel]);
+        let exact = ExactFloor::new(floor(), vec![(lamp, 1.0)], vec![panel]);
         let reference = exact.reference([10, 10], &CancelFlag::default()).unwrap();
         for row in reference.texels.chunks(10) {
             assert!(row[..4].iter().all(|&x| x == 0.0), "{row:?}");

@@ -3,8 +3,9 @@
 use glanz_math::{DVec2, DVec3};
 use glanz_radiosity::reconstruct::{Border, Cells, Interpolant, Interpolation};
 
-use super::measure::Outcome;
-use super::method::{Division, Method, SCATTERED, name};
+use super::measure::SceneResult;
+use super::method::{FloorDivision, InterpolationMethod, SCATTERED, name};
+use crate::report::Figure;
 use crate::study::StudyError;
 use glanz_report::{Axis, Plot, ReferenceLine, Series, Table};
 
@@ -16,13 +17,6 @@ const POINTS: u32 = 400;
 
 /// Lines of constant v: through the middles of a row of elements, and between two rows.
 const LINES: [(f64, &str); 2] = [(7.0 / 16.0, "through middles"), (0.5, "between rows")];
-
-/// A plot with the name of its file and its caption.
-pub(super) struct Figure {
-    pub(super) name: String,
-    pub(super) plot: Plot,
-    pub(super) caption: String,
-}
 
 /// 0 where u < 1/2, 1 elsewhere, in 8 x 8 cells.
 fn step() -> Result<Cells, StudyError> {
@@ -127,7 +121,7 @@ fn rise(curve: &Series) -> Option<f64> {
 }
 
 /// Reference and textures of a division along the row of texels through v = 1/2.
-pub(super) fn profile(outcome: &Outcome, division: Division, size: [usize; 2]) -> Option<Figure> {
+pub(super) fn profile(outcome: &SceneResult, division: FloorDivision, size: [usize; 2]) -> Option<Figure> {
     let of = outcome.divisions.iter().find(|of| of.division == division)?;
     let line = |name: &str, texels: &[f64]| {
         let row = texels.get(size[1] / 2 * size[0]..)?.get(..size[0])?;
@@ -136,8 +130,9 @@ pub(super) fn profile(outcome: &Outcome, division: Division, size: [usize; 2]) -
         Some(Series { name: name.to_owned(), points })
     };
     let mut series = vec![line("reference", &outcome.reference.texels)?];
-    let spline = Method { interpolation: Interpolation::Spline, border: Border::Open };
-    let scattered = SCATTERED.map(|interpolation| Method { interpolation, border: Border::Sampled });
+    let spline = InterpolationMethod { interpolation: Interpolation::Spline, border: Border::Open };
+    let scattered =
+        SCATTERED.map(|interpolation| InterpolationMethod { interpolation, border: Border::Sampled });
     for method in scattered.into_iter().chain([spline]) {
         if let Some(made) = of.of(method.interpolation, method.border) {
             series.extend(line(method.name(), &made.texels));

@@ -5,11 +5,11 @@ use std::time::Duration;
 use glanz_radiosity::elements::QuadtreeSettings;
 use glanz_radiosity::reconstruct::{Border, Cells, Interpolation, Texture};
 
-use super::exact::{Exact, Reference};
-use super::method::{Division, Method, methods};
-use super::published::Errors;
-use super::room::{Divided, Room, Setup, halved};
-use crate::clock::{self, Of, Stopwatch};
+use super::exact::{ExactFloor, ReferenceTexture};
+use super::method::{FloorDivision, InterpolationMethod, methods};
+use super::published::NormErrors;
+use super::room::{DividedFloor, FloorScene, Setup, halved};
+use crate::clock::{self, Stopwatch, TimeScope};
 use crate::study::{Settings, StudyError};
 
 /// The grid of document 003, 16 x 16.
@@ -22,9 +22,9 @@ pub(super) const QUADTREE: QuadtreeSettings = QuadtreeSettings { threshold: 0.08
 const QUIET: f64 = 0.35;
 
 /// What came of one method.
-pub(super) struct Made {
-    pub(super) method: Method,
-    pub(super) errors: Errors,
+pub(super) struct MethodResult {
+    pub(super) method: InterpolationMethod,
+    pub(super) errors: NormErrors,
     /// Root mean square error further than an element of the grid from the borders of hard shadows.
     pub(super) away: Option<f64>,
     /// How far the texture goes above and below all values of elements.
@@ -35,32 +35,32 @@ pub(super) struct Made {
 }
 
 /// What came of one division of a floor.
-pub(super) struct OfDivision {
-    pub(super) division: Division,
-    pub(super) divided: Divided,
+pub(super) struct DivisionResult {
+    pub(super) division: FloorDivision,
+    pub(super) divided: DividedFloor,
     /// To compute the values of the elements.
     pub(super) time: Duration,
     /// Root mean square and largest difference between values of elements by form factors and exact ones.
     pub(super) off: [f64; 2],
-    pub(super) made: Vec<Made>,
+    pub(super) made: Vec<MethodResult>,
 }
 
 /// What came of a scene.
-pub(super) struct Outcome {
+pub(super) struct SceneResult {
     pub(super) setup: &'static Setup,
-    pub(super) reference: Reference,
+    pub(super) reference: ReferenceTexture,
     pub(super) reference_time: Duration,
     /// Grid, then quadtree.
-    pub(super) divisions: Vec<OfDivision>,
+    pub(super) divisions: Vec<DivisionResult>,
 }
 
-impl OfDivision {
-    pub(super) fn of(&self, interpolation: Interpolation, border: Border) -> Option<&Made> {
+impl DivisionResult {
+    pub(super) fn of(&self, interpolation: Interpolation, border: Border) -> Option<&MethodResult> {
         self.made.iter().find(|m| m.method.interpolation == interpolation && m.method.border == border)
     }
 }
 
-/// Everything about a scene; `tell` is told what comes next.
+/// Everything about a scene; `on_progress` is told what comes next.
 ///
 /// # Errors
 /// An end that was wanted.
@@ -68,13 +68,13 @@ pub(super) fn measure(
     setup: &'static Setup,
     size: [usize; 2],
     settings: &Settings,
-    tell: &mut dyn FnMut(String),
-) -> Result<Outcome, StudyError> {
-    tell(format!("scene {}: reference", setup.number));
+    on_progress: &mut dyn FnMut(String),
+) -> Result<SceneResult, StudyError> {
+    on_progress(format!("scene {}: reference", setup.number));
     let scene = setup.scene()?;
-    let room = Room::new(&scene, halved(size))?;
+    let room = FloorScene::new(&scene, halved(size))?;
     let exact = room.exact();
-    let watch = Stopwatch::start(Of::Thread);
+    let watch = Stopwatch::start(TimeScope::Thread);
     let reference = exact.reference(size, &settings.cancel)?;
     let reference_time = watch.elapsed();
     let quiet = setup.hard.then(|| away_from_borders(&reference.texels, size));
@@ -82,9 +82,9 @@ pub(super) fn measure(
     // Elements that are smaller than texels would not be seen.
     let deepest = QUADTREE.deepest.min(size[0].min(size[1]).ilog2());
     let quadtree = QuadtreeSettings { deepest, ..QUADTREE };
-    for (division, rules) in [(Division::Grid, GRID), (Division::Quadtree, quadtree)] {
-        tell(format!("scene {}: {}", setup.number, division.name()));
-        let watch = Stopwatch::start(Of::Thread);
+    for (division, rules) in [(FloorDivision::Grid, GRID), (FloorDivision::Quadtree, quadtree)] {
+        on_progress(format!("scene {}: {}", setup.number, division.name()));
+        let watch = Stopwatch::start(TimeScope::Thread);
         let divided = room.divided(&rules, reference.unit, &settings.cancel)?;
         let time = watch.elapsed();
         let off = off(&exact, &divided.cells, reference.unit);
@@ -93,19 +93,19 @@ pub(super) fn measure(
             settings.cancel.check()?;
             made.push(make(method, &divided.cells, size, &reference, quiet.as_deref())?);
         }
-        divisions.push(OfDivision { division, divided, time, off, made });
+        divisions.push(DivisionResult { division, divided, time, off, made });
     }
-    Ok(Outcome { setup, reference, reference_time, divisions })
+    Ok(SceneResult { setup, reference, reference_time, divisions })
 }
 
 /// One texture, timed and judged.
 fn make(
-    method: Method,
+    method: InterpolationMethod,
     cells: &Cells,
     size: [usize; 2],
-    reference: &Reference,
+    reference: &ReferenceTexture,
     quiet: Option<&[bool]>,
-) -> Result<Made, StudyError> {
+) -> Result<MethodResult, StudyError> {
     // Small textures, as tests make them, need not be timed as long.
     let share = (size[0] * size[1]) as f64 / 160_000.0;
     let (texture, time) = clock::repeated_for(
@@ -124,7 +124,7 @@ fn make(
             chosen.fold((0.0, 0_u32), |(sum, count), ((a, b), _)| (sum + (a - b).powi(2), count + 1));
         (sum / f64::from(count.max(1))).sqrt()
     });
-    Ok(Made {
+    Ok(MethodResult {
         method,
         errors: errors(&texels, &reference.texels),
         away,
@@ -138,12 +138,16 @@ fn make(
 ///
 /// # Errors
 /// Cells that the method refuses.
-pub(super) fn texture(method: Method, cells: &Cells, size: [usize; 2]) -> Result<Texture, StudyError> {
+pub(super) fn texture(
+    method: InterpolationMethod,
+    cells: &Cells,
+    size: [usize; 2],
+) -> Result<Texture, StudyError> {
     Ok(method.interpolation.of_cells(cells, method.border)?.texture(size))
 }
 
 /// Mean, root mean square and largest difference.
-pub(super) fn errors(a: &[f64], b: &[f64]) -> Errors {
+pub(super) fn errors(a: &[f64], b: &[f64]) -> NormErrors {
     let n = a.len().max(1) as f64;
     let differences = || a.iter().zip(b).map(|(a, b)| (a - b).abs());
     let square: f64 = differences().map(|d| d * d).sum();
@@ -151,7 +155,7 @@ pub(super) fn errors(a: &[f64], b: &[f64]) -> Errors {
 }
 
 /// Root mean square (by area) and largest difference between values of cells and exact means over them.
-fn off(exact: &Exact, cells: &Cells, unit: f64) -> [f64; 2] {
+fn off(exact: &ExactFloor, cells: &Cells, unit: f64) -> [f64; 2] {
     let (mut squares, mut most) = (0.0, 0.0_f64);
     for cell in cells.as_slice() {
         let size = cell.max - cell.min;
@@ -162,7 +166,7 @@ fn off(exact: &Exact, cells: &Cells, unit: f64) -> [f64; 2] {
     [squares.sqrt(), most]
 }
 
-/// Texels within whose reach of an element of the grid light differs by less than a hard shadow makes it differ.
+/// Texels within source reach of an element of the grid light differs by less than a hard shadow makes it differ.
 fn away_from_borders(texels: &[f64], size: [usize; 2]) -> Vec<bool> {
     let reach = size.map(|n| n / 16);
     let along = |values: &[f64], axis: usize, pick: fn(f64, f64) -> f64| -> Vec<f64> {

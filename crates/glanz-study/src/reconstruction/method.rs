@@ -4,14 +4,14 @@ use glanz_radiosity::reconstruct::{Border, Interpolation};
 
 /// How a floor is divided into elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Division {
+pub(super) enum FloorDivision {
     /// 16 x 16 equal ones.
     Grid,
     /// Small ones where light changes.
     Quadtree,
 }
 
-impl Division {
+impl FloorDivision {
     pub(super) const ALL: [Self; 2] = [Self::Grid, Self::Quadtree];
 
     /// In tables and names of files.
@@ -25,7 +25,7 @@ impl Division {
 
 /// An interpolation with or without samples at the border.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Method {
+pub(super) struct InterpolationMethod {
     pub(super) interpolation: Interpolation,
     pub(super) border: Border,
 }
@@ -37,7 +37,7 @@ pub(super) const SCATTERED: [Interpolation; 3] = [
     Interpolation::NaturalNeighbour,
 ];
 
-impl Method {
+impl InterpolationMethod {
     /// In tables.
     pub(super) fn name(self) -> &'static str {
         name(self.interpolation)
@@ -62,14 +62,14 @@ pub(super) fn name(interpolation: Interpolation) -> &'static str {
 }
 
 /// All methods of a division, in the order of the document's tables.
-pub(super) fn methods(division: Division) -> Vec<Method> {
-    let open = |interpolation| Method { interpolation, border: Border::Open };
+pub(super) fn methods(division: FloorDivision) -> Vec<InterpolationMethod> {
+    let open = |interpolation| InterpolationMethod { interpolation, border: Border::Open };
     let mut all = vec![open(Interpolation::Constant)];
-    if division == Division::Grid {
+    if division == FloorDivision::Grid {
         all.extend([Interpolation::Bilinear, Interpolation::Spline].map(open));
     }
     for border in [Border::Open, Border::Sampled] {
-        all.extend(SCATTERED.map(|interpolation| Method { interpolation, border }));
+        all.extend(SCATTERED.map(|interpolation| InterpolationMethod { interpolation, border }));
     }
     all
 }

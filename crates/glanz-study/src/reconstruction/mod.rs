@@ -7,12 +7,12 @@ mod method;
 mod parameters;
 mod picture;
 mod published;
+mod ranking;
 mod report;
 mod room;
-mod verdict;
 
 use self::measure::measure;
-use self::parameters::Parameters;
+use self::parameters::ExponentComparison;
 use self::room::SETUPS;
 use crate::report::Report;
 use crate::study::{Settings, StudyError, StudyProgress};
@@ -43,15 +43,15 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
     let mut done = 0.0;
     let mut outcomes = Vec::new();
     for setup in &SETUPS {
-        let mut tell = |what: String| {
+        let mut on_progress = |what: String| {
             progress.report(done / parts, &what);
             done += 1.0;
         };
-        outcomes.push(measure(setup, size, settings, &mut tell)?);
+        outcomes.push(measure(setup, size, settings, &mut on_progress)?);
     }
     progress.report(done / parts, "other exponents");
-    let parameters = Parameters::measure(&outcomes, size, settings)?;
-    let report = report::tell_all(&outcomes, parameters, size)?;
+    let parameters = ExponentComparison::measure(&outcomes, size, settings)?;
+    let report = report::build_report(&outcomes, parameters, size)?;
     progress.report(1.0, "done");
     Ok(report)
 }

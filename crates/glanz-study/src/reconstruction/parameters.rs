@@ -2,8 +2,8 @@
 
 use glanz_radiosity::reconstruct::{Border, Interpolation};
 
-use super::measure::{Outcome, errors, texture};
-use super::method::{Division, Method, SCATTERED, name};
+use super::measure::{SceneResult, errors, texture};
+use super::method::{FloorDivision, InterpolationMethod, SCATTERED, name};
 use crate::study::{Settings, StudyError};
 use glanz_report::number::significant;
 use glanz_report::{Table, TableCell};
@@ -20,19 +20,19 @@ const TRIED: [Interpolation; 7] = [
 ];
 
 /// What was found.
-pub(super) struct Parameters {
+pub(super) struct ExponentComparison {
     pub(super) table: Table,
     /// Exponent and division of Shepard's method with the L2 error as a mean over scenes, and those of natural neighbours.
-    means: Vec<(Interpolation, Division, f64)>,
+    means: Vec<(Interpolation, FloorDivision, f64)>,
 }
 
-impl Parameters {
+impl ExponentComparison {
     /// L2 errors with border samples.
     ///
     /// # Errors
     /// An end that was wanted.
     pub(super) fn measure(
-        outcomes: &[Outcome],
+        outcomes: &[SceneResult],
         size: [usize; 2],
         settings: &Settings,
     ) -> Result<Self, StudyError> {
@@ -52,7 +52,7 @@ impl Parameters {
             ],
         );
         let mut means = Vec::new();
-        for division in Division::ALL {
+        for division in FloorDivision::ALL {
             for interpolation in TRIED {
                 let exponent = match interpolation {
                     Interpolation::Shepard { exponent } | Interpolation::Multiquadrics { exponent } => {
@@ -65,7 +65,7 @@ impl Parameters {
                 let mut sum = 0.0;
                 for outcome in outcomes {
                     settings.cancel.check()?;
-                    let method = Method { interpolation, border: Border::Sampled };
+                    let method = InterpolationMethod { interpolation, border: Border::Sampled };
                     let l2 = l2(outcome, division, method, size)?;
                     sum += l2.unwrap_or(0.0);
                     row.push(l2.into());
@@ -79,7 +79,7 @@ impl Parameters {
 
     /// A sentence made from the figures.
     pub(super) fn finding(&self) -> String {
-        let of = |division: Division| {
+        let of = |division: FloorDivision| {
             let shepard = self
                 .means
                 .iter()
@@ -97,14 +97,17 @@ impl Parameters {
                 significant(natural.map_or(f64::NAN, |n| n.2))
             )
         };
-        format!("Of the exponents of Shepard's method the best are, {}.", Division::ALL.map(of).join("; "))
+        format!(
+            "Of the exponents of Shepard's method the best are, {}.",
+            FloorDivision::ALL.map(of).join("; ")
+        )
     }
 }
 
 fn l2(
-    outcome: &Outcome,
-    division: Division,
-    method: Method,
+    outcome: &SceneResult,
+    division: FloorDivision,
+    method: InterpolationMethod,
     size: [usize; 2],
 ) -> Result<Option<f64>, StudyError> {
     let Some(of) = outcome.divisions.iter().find(|of| of.division == division) else { return Ok(None) };

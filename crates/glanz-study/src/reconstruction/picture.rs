@@ -4,7 +4,7 @@ use glanz_light::rgb::srgb_decode;
 use glanz_light::{Pixels, PixelsError};
 use glanz_radiosity::reconstruct::{Border, Cells};
 
-use super::measure::{OfDivision, Outcome};
+use super::measure::{DivisionResult, SceneResult};
 use super::method::{SCATTERED, name};
 use glanz_report::{SheetPanel, contact_sheet};
 
@@ -15,7 +15,7 @@ const FULL: [f64; 2] = [0.05, 0.3];
 const COLOURS: [[f64; 3]; 3] = [[0.02, 0.19, 0.62], [0.97, 0.97, 0.97], [0.70, 0.05, 0.09]];
 
 /// The difference that has full colour in the pictures of a scene.
-pub(super) fn full(outcome: &Outcome) -> f64 {
+pub(super) fn full(outcome: &SceneResult) -> f64 {
     FULL[usize::from(outcome.setup.hard)]
 }
 
@@ -71,7 +71,11 @@ fn coloured(size: [usize; 2], colour: impl Fn(usize) -> [f32; 3]) -> Result<Pixe
 }
 
 /// Reference and textures of a division (figures F.2, F.3 and so on).
-pub(super) fn textures(outcome: &Outcome, of: &OfDivision, size: [usize; 2]) -> Result<Pixels, PixelsError> {
+pub(super) fn textures(
+    outcome: &SceneResult,
+    of: &DivisionResult,
+    size: [usize; 2],
+) -> Result<Pixels, PixelsError> {
     let panel = |lines: [String; 2], pixels| SheetPanel { lines, pixels };
     let mut panels = vec![
         panel(
@@ -93,8 +97,8 @@ pub(super) fn textures(outcome: &Outcome, of: &OfDivision, size: [usize; 2]) -> 
 
 /// Differences of the same textures from the reference, under a scale of the colours (figures F.4, F.5 and so on).
 pub(super) fn differences(
-    outcome: &Outcome,
-    of: &OfDivision,
+    outcome: &SceneResult,
+    of: &DivisionResult,
     size: [usize; 2],
 ) -> Result<Pixels, PixelsError> {
     let full = full(outcome);
@@ -111,7 +115,7 @@ pub(super) fn differences(
 }
 
 /// Each interpolation once, with border samples where these matter.
-fn shown(of: &OfDivision) -> impl Iterator<Item = &super::measure::Made> {
+fn shown(of: &DivisionResult) -> impl Iterator<Item = &super::measure::MethodResult> {
     of.made.iter().filter(|made| !made.method.is_scattered() || made.method.border == Border::Sampled)
 }
 
@@ -127,10 +131,10 @@ fn in_rows(mut panels: Vec<SheetPanel>) -> Result<Pixels, PixelsError> {
 }
 
 /// Differences of natural neighbours without and with samples at the border: a column for each scene (figures F.31 and F.32).
-pub(super) fn borders(outcomes: &[&Outcome], size: [usize; 2]) -> Result<Pixels, PixelsError> {
+pub(super) fn borders(outcomes: &[&SceneResult], size: [usize; 2]) -> Result<Pixels, PixelsError> {
     let natural = SCATTERED[2];
     let mut rows = Vec::new();
-    for division in super::method::Division::ALL {
+    for division in super::method::FloorDivision::ALL {
         for (border, words) in [(Border::Open, "without"), (Border::Sampled, "with")] {
             let mut row = Vec::new();
             for outcome in outcomes {
@@ -150,7 +154,7 @@ pub(super) fn borders(outcomes: &[&Outcome], size: [usize; 2]) -> Result<Pixels,
 }
 
 /// What the pictures show, for captions.
-pub(super) fn listed(of: &OfDivision) -> String {
+pub(super) fn listed(of: &DivisionResult) -> String {
     let names: Vec<&str> = shown(of).map(|made| name(made.method.interpolation)).collect();
     names.join(", ")
 }

@@ -1,14 +1,14 @@
 //! What document 003 prints: tables F.1 to F.12 and 4.1.
 
-use super::method::Division;
+use super::method::FloorDivision;
 
 /// Errors in the norms L1, L2 and of the largest difference.
-pub(super) type Errors = [f64; 3];
+pub(super) type NormErrors = [f64; 3];
 
 /// A scene's tables in the order of [`super::method::methods`].
-struct Printed {
-    grid: [Errors; 9],
-    quadtree: [Errors; 7],
+struct PublishedTables {
+    grid: [NormErrors; 9],
+    quadtree: [NormErrors; 7],
     /// Of the quadtree.
     elements: u64,
     /// Seconds: constant, bilinear, spline, Shepard, multiquadrics, natural neighbours.
@@ -18,8 +18,8 @@ struct Printed {
     reference_time: f64,
 }
 
-static PRINTED: [Printed; 6] = [
-    Printed {
+static PRINTED: [PublishedTables; 6] = [
+    PublishedTables {
         grid: [
             [0.0183, 0.0327, 0.223],
             [0.004_64, 0.008_49, 0.0394],
@@ -45,7 +45,7 @@ static PRINTED: [Printed; 6] = [
         quadtree_times: [0.2, 27.0, 27.2, 11.5],
         reference_time: 727.2,
     },
-    Printed {
+    PublishedTables {
         grid: [
             [0.0167, 0.0308, 0.189],
             [0.006_28, 0.0102, 0.0429],
@@ -71,7 +71,7 @@ static PRINTED: [Printed; 6] = [
         quadtree_times: [0.2, 37.6, 38.6, 12.9],
         reference_time: 712.9,
     },
-    Printed {
+    PublishedTables {
         grid: [
             [0.005_12, 0.0146, 0.3],
             [0.007_38, 0.029, 0.321],
@@ -97,7 +97,7 @@ static PRINTED: [Printed; 6] = [
         quadtree_times: [0.3, 53.0, 56.1, 18.3],
         reference_time: 659.0,
     },
-    Printed {
+    PublishedTables {
         grid: [
             [0.0153, 0.0484, 0.333],
             [0.0121, 0.0385, 0.314],
@@ -123,7 +123,7 @@ static PRINTED: [Printed; 6] = [
         quadtree_times: [0.2, 66.6, 72.3, 18.7],
         reference_time: 660.2,
     },
-    Printed {
+    PublishedTables {
         grid: [
             [0.0124, 0.0463, 0.332],
             [0.0105, 0.037, 0.319],
@@ -149,7 +149,7 @@ static PRINTED: [Printed; 6] = [
         quadtree_times: [0.2, 133.4, 170.6, 36.7],
         reference_time: 651.0,
     },
-    Printed {
+    PublishedTables {
         grid: [
             [0.0119, 0.0417, 0.441],
             [0.0102, 0.0345, 0.314],
@@ -178,25 +178,25 @@ static PRINTED: [Printed; 6] = [
 ];
 
 /// Errors of a scene (0 to 5), by the methods of a division.
-pub(super) fn errors(scene: usize, division: Division) -> &'static [Errors] {
+pub(super) fn errors(scene: usize, division: FloorDivision) -> &'static [NormErrors] {
     match (PRINTED.get(scene), division) {
-        (Some(printed), Division::Grid) => &printed.grid,
-        (Some(printed), Division::Quadtree) => &printed.quadtree,
+        (Some(printed), FloorDivision::Grid) => &printed.grid,
+        (Some(printed), FloorDivision::Quadtree) => &printed.quadtree,
         (None, _) => &[],
     }
 }
 
 /// Elements of a scene's floor.
-pub(super) fn elements(scene: usize, division: Division) -> Option<u64> {
+pub(super) fn elements(scene: usize, division: FloorDivision) -> Option<u64> {
     let printed = PRINTED.get(scene)?;
-    Some(if division == Division::Grid { 256 } else { printed.elements })
+    Some(if division == FloorDivision::Grid { 256 } else { printed.elements })
 }
 
 /// Seconds on the document's machine by the interpolations of a division, in the order of the table.
-pub(super) fn times(scene: usize, division: Division) -> &'static [f64] {
+pub(super) fn times(scene: usize, division: FloorDivision) -> &'static [f64] {
     match (PRINTED.get(scene), division) {
-        (Some(printed), Division::Grid) => &printed.grid_times,
-        (Some(printed), Division::Quadtree) => &printed.quadtree_times,
+        (Some(printed), FloorDivision::Grid) => &printed.grid_times,
+        (Some(printed), FloorDivision::Quadtree) => &printed.quadtree_times,
         (None, _) => &[],
     }
 }

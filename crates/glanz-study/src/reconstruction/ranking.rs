@@ -2,37 +2,38 @@
 
 use glanz_radiosity::reconstruct::{Border, Interpolation};
 
-use super::measure::{OfDivision, Outcome};
-use super::method::{Division, SCATTERED, methods, name};
-use super::published::{self, Errors};
+use super::measure::{DivisionResult, SceneResult};
+use super::method::{FloorDivision, SCATTERED, methods, name};
+use super::published::{self, NormErrors};
 use glanz_report::number::significant;
 use glanz_report::{Table, TableCell};
 
 /// Names of the norms.
 pub(super) const NORMS: [&str; 3] = ["L1", "L2", "Linf"];
 
-/// Whose figures.
+/// FigureSource figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Whose {
+pub(super) enum FigureSource {
     Document,
     Measured,
 }
 
-const BOTH: [Whose; 2] = [Whose::Document, Whose::Measured];
+const BOTH: [FigureSource; 2] = [FigureSource::Document, FigureSource::Measured];
 
-/// Errors of the scattered methods on one division of one scene, in the order of [`SCATTERED`].
+/// NormErrors of the scattered methods on one division of one scene, in the order of [`SCATTERED`].
 #[derive(Clone, Copy, Debug)]
-struct Three([Errors; 3]);
+struct MethodTriple([NormErrors; 3]);
 
-impl Three {
+impl MethodTriple {
     /// Those of a division, with or without border samples; `None` if one is missing.
-    fn of(scene: usize, of: &OfDivision, border: Border, whose: Whose) -> Option<Self> {
+    fn of(scene: usize, of: &DivisionResult, border: Border, source: FigureSource) -> Option<Self> {
         let printed = published::errors(scene, of.division);
-        let one = |interpolation: Interpolation| match whose {
-            Whose::Measured => of.of(interpolation, border).map(|made| made.errors),
-            Whose::Document => {
-                let is_it =
-                    |m: &super::method::Method| m.interpolation == interpolation && m.border == border;
+        let one = |interpolation: Interpolation| match source {
+            FigureSource::Measured => of.of(interpolation, border).map(|made| made.errors),
+            FigureSource::Document => {
+                let is_it = |m: &super::method::InterpolationMethod| {
+                    m.interpolation == interpolation && m.border == border
+                };
                 printed.get(methods(of.division).iter().position(is_it)?).copied()
             }
         };
@@ -54,20 +55,20 @@ impl Three {
 }
 
 /// Pairs of methods that both put into one order, of three.
-fn same_pairs(a: &Three, b: &Three, norm: usize) -> u64 {
+fn same_pairs(a: &MethodTriple, b: &MethodTriple, norm: usize) -> u64 {
     let pairs = [(0, 1), (0, 2), (1, 2)];
-    let before = |three: &Three, (i, j): (usize, usize)| three.0[i][norm] < three.0[j][norm];
+    let before = |three: &MethodTriple, (i, j): (usize, usize)| three.0[i][norm] < three.0[j][norm];
     pairs.iter().filter(|&&pair| before(a, pair) == before(b, pair)).count() as u64
 }
 
 /// Each scene and division, with the scene's position.
-fn all(outcomes: &[Outcome]) -> impl Iterator<Item = (usize, &Outcome, &OfDivision)> {
+fn all(outcomes: &[SceneResult]) -> impl Iterator<Item = (usize, &SceneResult, &DivisionResult)> {
     let scenes = outcomes.iter().enumerate();
     scenes.flat_map(|(i, outcome)| outcome.divisions.iter().map(move |of| (i, outcome, of)))
 }
 
 /// The best by both, for each scene, division and norm.
-pub(super) fn summary(outcomes: &[Outcome]) -> Table {
+pub(super) fn summary(outcomes: &[SceneResult]) -> Table {
     let mut table = Table::new(
         "summary",
         "The best of Shepard's method, multiquadrics and natural neighbours, with border samples, by document 003's tables and \
@@ -88,7 +89,8 @@ pub(super) fn summary(outcomes: &[Outcome]) -> Table {
         ],
     );
     for (i, outcome, of) in all(outcomes) {
-        let [Some(theirs), Some(ours)] = BOTH.map(|whose| Three::of(i, of, Border::Sampled, whose)) else {
+        let [Some(theirs), Some(ours)] = BOTH.map(|source| MethodTriple::of(i, of, Border::Sampled, source))
+        else {
             continue;
         };
         let mut row: Vec<TableCell> = vec![
@@ -108,7 +110,7 @@ pub(super) fn summary(outcomes: &[Outcome]) -> Table {
 }
 
 /// How much worse than the best of the three a method is over all scenes.
-pub(super) fn overall(outcomes: &[Outcome]) -> Table {
+pub(super) fn overall(outcomes: &[SceneResult]) -> Table {
     let mut table = Table::new(
         "overall",
         "Error over that of the best of the three, geometric mean over the six scenes, and in the scene where it is worst; with \
@@ -125,11 +127,11 @@ pub(super) fn overall(outcomes: &[Outcome]) -> Table {
             ("natural_worst", "natural neighbours, worst"),
         ],
     );
-    for division in Division::ALL {
+    for division in FloorDivision::ALL {
         for (norm, norm_name) in NORMS.iter().enumerate() {
-            for whose in BOTH {
-                let [mean, worst] = ratios(outcomes, division, norm, whose);
-                let words = if whose == Whose::Document { "document 003" } else { "this study" };
+            for source in BOTH {
+                let [mean, worst] = ratios(outcomes, division, norm, source);
+                let words = if source == FigureSource::Document { "document 003" } else { "this study" };
                 let mut row: Vec<TableCell> = vec![division.name().into(), (*norm_name).into(), words.into()];
                 row.extend(mean.into_iter().chain(worst).map(TableCell::from));
                 table.push(row);
@@ -140,10 +142,15 @@ pub(super) fn overall(outcomes: &[Outcome]) -> Table {
 }
 
 /// Geometric means and largest values of the errors over those of the best, of the three.
-fn ratios(outcomes: &[Outcome], division: Division, norm: usize, whose: Whose) -> [[f64; 3]; 2] {
+fn ratios(
+    outcomes: &[SceneResult],
+    division: FloorDivision,
+    norm: usize,
+    source: FigureSource,
+) -> [[f64; 3]; 2] {
     let (mut logarithms, mut worst, mut count) = ([0.0; 3], [0.0_f64; 3], 0.0);
     for (i, _, of) in all(outcomes).filter(|(.., of)| of.division == division) {
-        let Some(three) = Three::of(i, of, Border::Sampled, whose) else { continue };
+        let Some(three) = MethodTriple::of(i, of, Border::Sampled, source) else { continue };
         count += 1.0;
         for ((sum, worst), errors) in logarithms.iter_mut().zip(&mut worst).zip(&three.0) {
             let ratio = errors[norm] / three.least(norm);
@@ -156,24 +163,24 @@ fn ratios(outcomes: &[Outcome], division: Division, norm: usize, whose: Whose) -
 
 /// How often `method` (in [`SCATTERED`]) is at `place` (0: best) in the norms L1 and L2, and of how many.
 fn count_at(
-    outcomes: &[Outcome],
-    chosen: &dyn Fn(&Outcome, &OfDivision) -> bool,
+    outcomes: &[SceneResult],
+    chosen: &dyn Fn(&SceneResult, &DivisionResult) -> bool,
     norms: &[usize],
     method: usize,
     place: usize,
-    whose: Whose,
+    source: FigureSource,
 ) -> [usize; 2] {
     let cases = all(outcomes).filter(|(_, outcome, of)| chosen(outcome, of));
-    let threes = cases.filter_map(|(i, _, of)| Three::of(i, of, Border::Sampled, whose));
+    let threes = cases.filter_map(|(i, _, of)| MethodTriple::of(i, of, Border::Sampled, source));
     let places = threes.flat_map(|three| norms.iter().map(move |&norm| three.order(norm)[place] == method));
     places.fold([0, 0], |[hits, of], hit| [hits + usize::from(hit), of + 1])
 }
 
 /// Sentences, each made from the figures.
-pub(super) fn findings(outcomes: &[Outcome]) -> Vec<String> {
+pub(super) fn findings(outcomes: &[SceneResult]) -> Vec<String> {
     let mut found = vec![agreement(outcomes)];
     found.push(soft(outcomes));
-    for division in Division::ALL {
+    for division in FloorDivision::ALL {
         found.push(hard(outcomes, division));
     }
     found.extend(all_kinds(outcomes));
@@ -183,10 +190,12 @@ pub(super) fn findings(outcomes: &[Outcome]) -> Vec<String> {
     found
 }
 
-fn agreement(outcomes: &[Outcome]) -> String {
+fn agreement(outcomes: &[SceneResult]) -> String {
     let (mut same, mut pairs, mut best, mut cases) = (0, 0, 0, 0);
     for (i, _, of) in all(outcomes) {
-        if let [Some(theirs), Some(ours)] = BOTH.map(|whose| Three::of(i, of, Border::Sampled, whose)) {
+        if let [Some(theirs), Some(ours)] =
+            BOTH.map(|source| MethodTriple::of(i, of, Border::Sampled, source))
+        {
             for norm in 0..2 {
                 same += same_pairs(&theirs, &ours, norm);
                 pairs += 3;
@@ -202,17 +211,17 @@ fn agreement(outcomes: &[Outcome]) -> String {
 }
 
 /// Whether multiquadrics are best in soft shadows, with and without border samples, and where they are not.
-fn soft(outcomes: &[Outcome]) -> String {
+fn soft(outcomes: &[SceneResult]) -> String {
     let (mut counts, mut cases, mut exceptions) = ([0, 0], 0, Vec::new());
     for (i, outcome, of) in all(outcomes).filter(|(_, outcome, _)| !outcome.setup.hard) {
         for (border, words) in [(Border::Sampled, "with"), (Border::Open, "without")] {
             for (norm, norm_name) in NORMS.iter().enumerate().take(2) {
                 cases += 1;
-                for (count, whose) in counts.iter_mut().zip(BOTH) {
-                    let Some(three) = Three::of(i, of, border, whose) else { continue };
+                for (count, source) in counts.iter_mut().zip(BOTH) {
+                    let Some(three) = MethodTriple::of(i, of, border, source) else { continue };
                     let best = three.order(norm)[0];
                     *count += usize::from(best == 1);
-                    if best != 1 && whose == Whose::Measured {
+                    if best != 1 && source == FigureSource::Measured {
                         exceptions.push(format!(
                             "scene {}, {}, {words} border samples, {norm_name} ({} {}, multiquadrics {})",
                             outcome.setup.number,
@@ -238,11 +247,11 @@ fn soft(outcomes: &[Outcome]) -> String {
     )
 }
 
-fn hard(outcomes: &[Outcome], division: Division) -> String {
-    let hard = |o: &Outcome, of: &OfDivision| o.setup.hard && of.division == division;
-    let [theirs, ours] = BOTH.map(|whose| count_at(outcomes, &hard, &[0, 1], 2, 0, whose));
+fn hard(outcomes: &[SceneResult], division: FloorDivision) -> String {
+    let hard = |o: &SceneResult, of: &DivisionResult| o.setup.hard && of.division == division;
+    let [theirs, ours] = BOTH.map(|source| count_at(outcomes, &hard, &[0, 1], 2, 0, source));
     let away = |interpolation: Interpolation| {
-        let of = |o: &Outcome| {
+        let of = |o: &SceneResult| {
             o.divisions.iter().find(|of| of.division == division)?.of(interpolation, Border::Sampled)?.away
         };
         let values: Vec<f64> = outcomes.iter().filter_map(of).collect();
@@ -269,12 +278,12 @@ fn hard(outcomes: &[Outcome], division: Division) -> String {
 }
 
 /// Whether natural neighbours are best over all kinds of shadow, by both.
-fn all_kinds(outcomes: &[Outcome]) -> Vec<String> {
-    Division::ALL
+fn all_kinds(outcomes: &[SceneResult]) -> Vec<String> {
+    FloorDivision::ALL
         .map(|division| {
-            let of = |whose| {
+            let of = |source| {
                 let best = [0, 1].map(|norm| {
-                    let [mean, _] = ratios(outcomes, division, norm, whose);
+                    let [mean, _] = ratios(outcomes, division, norm, source);
                     let leading = (0..3).min_by(|&a, &b| mean[a].total_cmp(&mean[b])).unwrap_or(0);
                     format!(
                         "{} in {} (multiquadrics {}, natural neighbours {})",
@@ -290,18 +299,18 @@ fn all_kinds(outcomes: &[Outcome]) -> Vec<String> {
                 "All kinds of shadow, {}: \"natural neighbours are the best method for all kinds of scenes\" (section 4.8). With \
                  errors over those of the best in each scene, geometric mean, the best by document 003's own tables are {}; here {}.",
                 division.name(),
-                of(Whose::Document),
-                of(Whose::Measured)
+                of(FigureSource::Document),
+                of(FigureSource::Measured)
             )
         })
         .into()
 }
 
-fn border_samples(outcomes: &[Outcome]) -> String {
-    let of = |whose| {
-        let ratio = |(i, _, of): (usize, &Outcome, &OfDivision)| {
+fn border_samples(outcomes: &[SceneResult]) -> String {
+    let of = |source| {
+        let ratio = |(i, _, of): (usize, &SceneResult, &DivisionResult)| {
             let [open, sampled] =
-                [Border::Open, Border::Sampled].map(|border| Three::of(i, of, border, whose));
+                [Border::Open, Border::Sampled].map(|border| MethodTriple::of(i, of, border, source));
             Some(sampled?.0[2][1] / open?.0[2][1])
         };
         let ratios: Vec<f64> = all(outcomes).filter_map(ratio).collect();
@@ -319,8 +328,8 @@ fn border_samples(outcomes: &[Outcome]) -> String {
     )
 }
 
-fn shepard(outcomes: &[Outcome]) -> String {
-    let [theirs, ours] = BOTH.map(|whose| count_at(outcomes, &|_, _| true, &[1], 0, 2, whose));
+fn shepard(outcomes: &[SceneResult]) -> String {
+    let [theirs, ours] = BOTH.map(|source| count_at(outcomes, &|_, _| true, &[1], 0, 2, source));
     format!(
         "\"Shepard's method has the largest L2 error in almost all scenes\" (section 4.7.4): it has the largest of the three in {} of {} cases \
          of document 003's tables, and in {} of {} here.",
@@ -328,7 +337,7 @@ fn shepard(outcomes: &[Outcome]) -> String {
     )
 }
 
-fn overshoot(outcomes: &[Outcome]) -> String {
+fn overshoot(outcomes: &[SceneResult]) -> String {
     let most = |interpolation: Interpolation| {
         let made = all(outcomes).flat_map(|(.., of)| &of.made);
         let of = made.filter(|made| made.method.interpolation == interpolation);

@@ -4,11 +4,11 @@ use std::time::Duration;
 
 use glanz_radiosity::reconstruct::Border;
 
-use super::figures::{self, Figure};
-use super::measure::{OfDivision, Outcome, QUADTREE};
-use super::method::{Division, Method, methods};
-use super::parameters::Parameters;
-use super::{picture, published, verdict};
+use super::figures;
+use super::measure::{DivisionResult, QUADTREE, SceneResult};
+use super::method::{FloorDivision, InterpolationMethod, methods};
+use super::parameters::ExponentComparison;
+use super::{picture, published, ranking};
 use crate::clock;
 use crate::report::Report;
 use crate::study::StudyError;
@@ -35,14 +35,14 @@ const TABLES: [&str; 12] = [
 ///
 /// # Errors
 /// Pictures that are too large.
-pub(super) fn tell_all(
-    outcomes: &[Outcome],
-    parameters: Parameters,
+pub(super) fn build_report(
+    outcomes: &[SceneResult],
+    parameters: ExponentComparison,
     size: [usize; 2],
 ) -> Result<Report, StudyError> {
     let mut report = Report::new(
         "Study reconstruction: light on a floor from one value per element",
-        verdict::summary(outcomes),
+        ranking::summary(outcomes),
     );
     report.heading("What was asked");
     report.paragraph(
@@ -52,19 +52,19 @@ pub(super) fn tell_all(
     report.paragraph(settings_text(outcomes, size));
     report.paragraph(error_text(outcomes));
     report.heading("Verdict");
-    verdict::findings(outcomes).into_iter().for_each(|sentence| report.paragraph(sentence));
-    report.table(verdict::overall(outcomes));
+    ranking::findings(outcomes).into_iter().for_each(|sentence| report.paragraph(sentence));
+    report.table(ranking::overall(outcomes));
     report.heading("A step (figures 4.4 to 4.10)");
     let (steps, table) = figures::steps()?;
     report.table(table);
-    steps.into_iter().for_each(|figure| put(&mut report, figure));
+    steps.into_iter().for_each(|figure| report.figure(figure));
     for (i, outcome) in outcomes.iter().enumerate() {
-        tell_scene(i, outcome, size, &mut report)?;
+        add_scene(i, outcome, size, &mut report)?;
     }
     report.heading("Samples at the border (figures F.31 and F.32)");
     let halves = outcomes.split_at(outcomes.len() / 2);
     for (name, half) in [("border_f_31", halves.0), ("border_f_32", halves.1)] {
-        let chosen: Vec<&Outcome> = half.iter().collect();
+        let chosen: Vec<&SceneResult> = half.iter().collect();
         let caption = "Natural neighbours less the reference, without samples at the border and with them; blue is too dark, red too bright, \
                        in the colours of the scene's other pictures.";
         report.picture(name, picture::borders(&chosen, size)?, caption);
@@ -78,20 +78,16 @@ pub(super) fn tell_all(
     Ok(report)
 }
 
-fn put(report: &mut Report, figure: Figure) {
-    report.plot(figure.name, figure.plot, figure.caption);
-}
-
-fn settings_text(outcomes: &[Outcome], size: [usize; 2]) -> String {
+fn settings_text(outcomes: &[SceneResult], size: [usize; 2]) -> String {
     let [width, height] = size;
-    let number = |o: &Outcome| format!("{} ({})", o.setup.number, o.setup.description);
+    let number = |o: &SceneResult| format!("{} ({})", o.setup.number, o.setup.description);
     let scenes: Vec<String> = outcomes.iter().map(number).collect();
     format!(
         "Settings: a floor of 1 m under a square lamp and a panel that shades it (`scenes/reconstruction`; document 003 does not print its \
          scenes). Scenes: {}. Penumbrae are 0.16 m or 1 mm wide. The floor is divided into 16 x 16 elements, or as a quadtree: an element is \
          divided if the values of its four quarters differ by more than {} of the largest light, from level {} to level {} at most. The value of an \
          element is its mean radiosity by direct light, by form factors with rays between {} pairs of parts of lamp and element. Textures have {width} x {height} texels and are compared with exact means over these. \
-         Errors are in units of the largest light; those of document 003 are in its own, of which hard shadows are about 0.64 deep. Shepard's \
+         NormErrors are in units of the largest light; those of document 003 are in its own, of which hard shadows are about 0.64 deep. Shepard's \
          exponent is 4; multiquadrics have the exponent 1/2 and the distance to the next sample as radius, as in the document.",
         scenes.join("; "),
         QUADTREE.threshold,
@@ -101,9 +97,9 @@ fn settings_text(outcomes: &[Outcome], size: [usize; 2]) -> String {
     )
 }
 
-fn error_text(outcomes: &[Outcome]) -> String {
-    let largest = |of: &dyn Fn(&Outcome) -> f64| outcomes.iter().map(of).fold(0.0, f64::max);
-    let off = |i: usize| largest(&|o: &Outcome| o.divisions.iter().map(|d| d.off[i]).fold(0.0, f64::max));
+fn error_text(outcomes: &[SceneResult]) -> String {
+    let largest = |of: &dyn Fn(&SceneResult) -> f64| outcomes.iter().map(of).fold(0.0, f64::max);
+    let off = |i: usize| largest(&|o: &SceneResult| o.divisions.iter().map(|d| d.off[i]).fold(0.0, f64::max));
     format!(
         "The reference is Lambert's closed form for what is seen of the lamp, averaged over each texel by points that are refined where light \
          changes; the last refinement changed texels by {} (root mean square) and {} (largest) at most. Values of elements by form factors with rays are off their exact means by up to {} (root \
@@ -115,7 +111,12 @@ fn error_text(outcomes: &[Outcome]) -> String {
     )
 }
 
-fn tell_scene(i: usize, outcome: &Outcome, size: [usize; 2], report: &mut Report) -> Result<(), StudyError> {
+fn add_scene(
+    i: usize,
+    outcome: &SceneResult,
+    size: [usize; 2],
+    report: &mut Report,
+) -> Result<(), StudyError> {
     let number = outcome.setup.number;
     report.heading(format!("Scene {number}: {}", outcome.setup.description));
     for (j, of) in outcome.divisions.iter().enumerate() {
@@ -135,16 +136,16 @@ fn tell_scene(i: usize, outcome: &Outcome, size: [usize; 2], report: &mut Report
         let name = format!("scene_{number}_{division}_difference");
         report.picture(name, picture::differences(outcome, of, size)?, caption);
     }
-    for division in Division::ALL {
+    for division in FloorDivision::ALL {
         if let Some(figure) = figures::profile(outcome, division, size) {
-            put(report, figure);
+            report.figure(figure);
         }
     }
     Ok(())
 }
 
 /// Tables F.1 to F.12.
-fn errors(name: &'static str, scene: usize, outcome: &Outcome, of: &OfDivision) -> Table {
+fn errors(name: &'static str, scene: usize, outcome: &SceneResult, of: &DivisionResult) -> Table {
     let caption = format!(
         "Scene {}, {}: errors, and those that document 003 prints; error away from borders of hard shadows; how far textures go above and below all elements.",
         outcome.setup.number,
@@ -186,7 +187,7 @@ fn errors(name: &'static str, scene: usize, outcome: &Outcome, of: &OfDivision) 
 }
 
 /// Table 4.1.
-fn times(outcomes: &[Outcome], size: [usize; 2]) -> Table {
+fn times(outcomes: &[SceneResult], size: [usize; 2]) -> Table {
     let clock = if clock::counts_processor_time() { "processor time" } else { "wall time" };
     let caption = format!(
         "Times for textures of {} x {} texels, with preparation and border samples, one thread, {clock} of one core of a current machine, ms; beside them those of document 003, \
@@ -221,16 +222,16 @@ fn times(outcomes: &[Outcome], size: [usize; 2]) -> Table {
         outcomes.iter().map(|o| Some(o.reference_time)).collect(),
         scenes.clone().filter_map(published::reference_time).collect(),
     );
-    for division in Division::ALL {
-        let of = |o: &'_ Outcome| o.divisions.iter().position(|of| of.division == division);
+    for division in FloorDivision::ALL {
+        let of = |o: &'_ SceneResult| o.divisions.iter().position(|of| of.division == division);
         let name = division.name();
         let solved = outcomes.iter().map(|o| of(o).and_then(|d| Some(o.divisions.get(d)?.time)));
         push(format!("{name}, values of elements"), solved.collect(), Vec::new());
         let shown = methods(division)
             .into_iter()
             .filter(|method| !method.is_scattered() || method.border == Border::Sampled);
-        for (place, Method { interpolation, border }) in shown.enumerate() {
-            let time = |o: &Outcome| {
+        for (place, InterpolationMethod { interpolation, border }) in shown.enumerate() {
+            let time = |o: &SceneResult| {
                 let of = o.divisions.get(of(o)?)?;
                 Some(of.of(interpolation, border)?.time)
             };

@@ -10,7 +10,7 @@ use glanz_radiosity::form_factor::exchange;
 use glanz_radiosity::reconstruct::{Cell, Cells};
 use glanz_scene::Scene;
 
-use super::exact::Exact;
+use super::exact::ExactFloor;
 use crate::study::StudyError;
 
 /// Number of the shape that is judged, in the order of the scene file.
@@ -74,7 +74,7 @@ impl Setup {
 }
 
 /// A scene in elements: lamps, what stands in the way, and the floor.
-pub(super) struct Room<'a> {
+pub(super) struct FloorScene<'a> {
     elements: Elements<'a>,
     lamps: Vec<Lamp>,
     floor: Element,
@@ -113,13 +113,13 @@ fn parts(elements: &Elements<'_>, whole: &Element, levels: u32) -> Vec<Element> 
 }
 
 /// What an element is divided into, with a value for each.
-pub(super) struct Divided {
+pub(super) struct DividedFloor {
     pub(super) cells: Cells,
     /// Values that were computed.
     pub(super) trials: usize,
 }
 
-impl<'a> Room<'a> {
+impl<'a> FloorScene<'a> {
     /// # Errors
     /// A scene without a flat floor.
     pub(super) fn new(scene: &'a Scene, halved: u32) -> Result<Self, StudyError> {
@@ -153,7 +153,7 @@ impl<'a> Room<'a> {
         settings: &QuadtreeSettings,
         unit: f64,
         cancel: &CancelFlag,
-    ) -> Result<Divided, StudyError> {
+    ) -> Result<DividedFloor, StudyError> {
         let patch = self.floor.patch;
         let settings = QuadtreeSettings { threshold: settings.threshold * unit, ..*settings };
         let value = |element: &Element| {
@@ -170,11 +170,11 @@ impl<'a> Room<'a> {
             Part::Triangle(_) => None,
         };
         let cells = tree.leaves.iter().filter_map(|leaf| cell(leaf.element.patch.part, leaf.value)).collect();
-        Ok(Divided { cells: Cells::try_new(cells)?, trials: tree.trials })
+        Ok(DividedFloor { cells: Cells::try_new(cells)?, trials: tree.trials })
     }
 
     /// The floor's light in closed form.
-    pub(super) fn exact(&self) -> Exact {
+    pub(super) fn exact(&self) -> ExactFloor {
         let luminance = |light: Spectrum| f64::from(light.luminance(&Wavelengths::default()));
         let reflectance = luminance(self.floor.reflectance);
         let lamps = self.lamps.iter().filter_map(|Lamp { whole, .. }| {
@@ -185,6 +185,6 @@ impl<'a> Room<'a> {
         };
         let others = self.elements.list.iter().filter(|e| !e.patch.back && !is_floor(e));
         let blockers = others.filter_map(|e| e.polygon.clone()).collect();
-        Exact::new(self.floor.polygon.clone().unwrap_or_default(), lamps.collect(), blockers)
+        ExactFloor::new(self.floor.polygon.clone().unwrap_or_default(), lamps.collect(), blockers)
     }
 }

@@ -7,7 +7,7 @@ use glanz_math::DVec2;
 use rayon::prelude::*;
 
 use super::lux;
-use crate::clock::{Of, Stopwatch};
+use crate::clock::{Stopwatch, TimeScope};
 use crate::report::Report;
 use crate::study::{Settings, StudyError};
 use glanz_report::Table;
@@ -34,7 +34,7 @@ const NORMAL: [f64; 3] = [4.550, 0.2700, 0.006_334];
 const BIN: f64 = 0.25;
 
 /// Integrated illuminance in all cells, and how it differs.
-pub(super) struct Against {
+pub(super) struct IntegrationComparison {
     /// Per wall: its name, and the difference of every cell, combined standard errors.
     walls: Vec<(String, Vec<f64>)>,
     /// Total over all walls, lm: by particles, by integration.
@@ -55,11 +55,11 @@ pub(super) fn measure(
     particles: u64,
     settings: &Settings,
     on_progress: &mut dyn FnMut(f64),
-) -> Result<Against, StudyError> {
+) -> Result<IntegrationComparison, StudyError> {
     let (scene, receivers) = lux::room(cells)?;
     let traced = lux::measure(&scene, &receivers, particles, settings, &mut |done| on_progress(0.1 * done))?;
     let maps = &traced.maps;
-    let stopwatch = Stopwatch::start(Of::Process);
+    let stopwatch = Stopwatch::start(TimeScope::Process);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads.unwrap_or(1)).build()?;
     let reflections = Reflections::new(&scene)?;
     let placed = scene.placed_surfaces();
@@ -94,7 +94,12 @@ pub(super) fn measure(
         });
         walls.push((map.name.clone(), differences.collect()));
     }
-    Ok(Against { walls, flux: [by_particles, by_integration], worst_error, time: stopwatch.elapsed() })
+    Ok(IntegrationComparison {
+        walls,
+        flux: [by_particles, by_integration],
+        worst_error,
+        time: stopwatch.elapsed(),
+    })
 }
 
 /// Of differences in standard errors: their number, how many are beyond each level, the largest, their root mean square.
@@ -105,13 +110,13 @@ fn counted(differences: &[f64]) -> (u64, [u64; 3], f64, f64) {
     (differences.len() as u64, beyond, largest, (squares / differences.len().max(1) as f64).sqrt())
 }
 
-impl Against {
+impl IntegrationComparison {
     fn all(&self) -> Vec<f64> {
         self.walls.iter().flat_map(|(_, differences)| differences.iter().copied()).collect()
     }
 
     /// Adds the chapter.
-    pub(super) fn tell(&self, report: &mut Report) {
+    pub(super) fn add_to(&self, report: &mut Report) {
         report.heading("Particles against integration");
         let columns = [
             ("wall", "wall"),
@@ -207,10 +212,10 @@ mod tests {
     fn particles_and_integration_agree_in_the_room() {
         // 24 independent differences, none above 4 but in one run of 650.
         let settings = Settings::default();
-        let against = measure((2, 65), 100_000, &settings, &mut |_| {}).unwrap();
-        let (cells, beyond, largest, _) = counted(&against.all());
+        let comparison = measure((2, 65), 100_000, &settings, &mut |_| {}).unwrap();
+        let (cells, beyond, largest, _) = counted(&comparison.all());
         assert_eq!((cells, beyond[2]), (24, 0), "{largest}");
-        let [particles, integral] = against.flux;
+        let [particles, integral] = comparison.flux;
         assert!((particles / integral - 1.0).abs() < 0.02, "{particles} {integral}");
     }
 }

@@ -7,7 +7,7 @@ use glanz_sampling::{PixelSampler, SamplerKind, warp};
 use glanz_scene::Scene;
 use glanz_scene::description::{GeometryDescription, ShapeDescription};
 
-use super::revolution::Profile;
+use super::revolution::MirrorProfile;
 use super::room::alone;
 use crate::study::{Settings, StudyError};
 
@@ -34,7 +34,7 @@ pub(super) const HEIGHTS: [f64; 2] = [0.05, 0.85];
 
 /// What a mirror is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Made {
+pub(super) enum MirrorModel {
     Quadric,
     Patches,
     /// About so many.
@@ -43,7 +43,7 @@ pub(super) enum Made {
     Smooth(u64),
 }
 
-impl Made {
+impl MirrorModel {
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Quadric => "quadric",
@@ -85,11 +85,11 @@ impl Conic {
         }
     }
 
-    fn profile(self) -> Profile {
+    fn profile(self) -> MirrorProfile {
         match self {
-            Self::Parabolic => Profile::parabola(FOCAL_LENGTH, 1.0),
-            Self::Elliptic => Profile::ellipse(ACROSS, 1.0),
-            Self::Spherical => Profile::ellipse(1.0, 1.0).first_arc(),
+            Self::Parabolic => MirrorProfile::parabola(FOCAL_LENGTH, 1.0),
+            Self::Elliptic => MirrorProfile::ellipse(ACROSS, 1.0),
+            Self::Spherical => MirrorProfile::ellipse(1.0, 1.0).first_arc(),
         }
     }
 
@@ -97,19 +97,21 @@ impl Conic {
     ///
     /// # Errors
     /// None that can happen: the surfaces are valid.
-    pub(super) fn scene(self, made: Made) -> Result<(Scene, Option<u64>), StudyError> {
-        let shape: ShapeDescription = match (made, self) {
-            (Made::Quadric, Self::Parabolic) => {
+    pub(super) fn scene(self, model: MirrorModel) -> Result<(Scene, Option<u64>), StudyError> {
+        let shape: ShapeDescription = match (model, self) {
+            (MirrorModel::Quadric, Self::Parabolic) => {
                 GeometryDescription::Paraboloid { radius: 1.0, z: [0.0, 0.25 / FOCAL_LENGTH], phi_max: TAU }
                     .into()
             }
-            (Made::Quadric, Self::Elliptic) => ShapeDescription::sphere(1.0).scaled([ACROSS, ACROSS, 1.0]),
-            (Made::Quadric, Self::Spherical) => {
+            (MirrorModel::Quadric, Self::Elliptic) => {
+                ShapeDescription::sphere(1.0).scaled([ACROSS, ACROSS, 1.0])
+            }
+            (MirrorModel::Quadric, Self::Spherical) => {
                 GeometryDescription::Sphere { radius: 1.0, z: [-1.0, 0.0], phi_max: TAU }.into()
             }
-            (Made::Patches, _) => self.profile().patches().into(),
-            (Made::Facets(count), _) => self.profile().triangles(count, false).into(),
-            (Made::Smooth(count), _) => self.profile().triangles(count, true).into(),
+            (MirrorModel::Patches, _) => self.profile().patches().into(),
+            (MirrorModel::Facets(count), _) => self.profile().triangles(count, false).into(),
+            (MirrorModel::Smooth(count), _) => self.profile().triangles(count, true).into(),
         };
         let triangles = match &shape.geometry {
             GeometryDescription::Triangles { indices, .. } => Some(indices.len() as u64),
@@ -215,28 +217,28 @@ pub(super) fn crossings(scene: &Scene, heights: &[f64]) -> Vec<[f64; 2]> {
 mod tests {
     use super::*;
 
-    fn exact(conic: Conic, made: Made) -> Deviation {
-        let (scene, triangles) = conic.scene(made).unwrap();
+    fn exact(conic: Conic, model: MirrorModel) -> Deviation {
+        let (scene, triangles) = conic.scene(model).unwrap();
         assert_eq!(triangles, None);
         let found = conic.deviations(&scene, 4000, &Settings::default()).unwrap();
-        assert_eq!((found.rays, found.missed), (4000, 0), "{conic:?} {made:?}");
+        assert_eq!((found.rays, found.missed), (4000, 0), "{conic:?} {model:?}");
         found
     }
 
     #[test]
     fn exact_parabolic_mirror_collimates_a_point_at_its_focus() {
-        for made in [Made::Quadric, Made::Patches] {
-            let found = exact(Conic::Parabolic, made);
-            assert!(found.largest < 1e-9, "{made:?}: {found:?}");
+        for model in [MirrorModel::Quadric, MirrorModel::Patches] {
+            let found = exact(Conic::Parabolic, model);
+            assert!(found.largest < 1e-9, "{model:?}: {found:?}");
         }
     }
 
     #[test]
     fn exact_elliptic_mirror_images_focus_to_focus() {
-        for made in [Made::Quadric, Made::Patches] {
-            let found = exact(Conic::Elliptic, made);
+        for model in [MirrorModel::Quadric, MirrorModel::Patches] {
+            let found = exact(Conic::Elliptic, model);
             // The mirror is 2 m long.
-            assert!(found.largest < 2.0 * 1e-9, "{made:?}: {found:?}");
+            assert!(found.largest < 2.0 * 1e-9, "{model:?}: {found:?}");
         }
     }
 
@@ -244,9 +246,9 @@ mod tests {
     fn exact_spherical_mirror_has_the_aberration_of_the_closed_form() {
         // By the closed form itself: paraxial focus at R / 2; at 60 degrees the ray comes back to the sphere's lowest point.
         assert!((aberration(0.0) - 0.5).abs() < 1e-15 && (aberration(0.75_f64.sqrt()) - 1.0).abs() < 1e-15);
-        for made in [Made::Quadric, Made::Patches] {
-            let found = exact(Conic::Spherical, made);
-            assert!(found.largest < 1e-9, "{made:?}: {found:?}");
+        for model in [MirrorModel::Quadric, MirrorModel::Patches] {
+            let found = exact(Conic::Spherical, model);
+            assert!(found.largest < 1e-9, "{model:?}: {found:?}");
         }
     }
 
@@ -255,7 +257,7 @@ mod tests {
         // At its ends a facet of length l is off the normal by kappa l / 2, the ray by twice that. Along the profile
         // z = r^2 / 2 the curvature is at most 1 per metre, at the apex, where l = 1 m / 50; around the rim the sectors are
         // pi times as long, with a curvature of 1 / sqrt(2) per metre: together between 1 and 4 times 1 / 50.
-        let (scene, triangles) = Conic::Parabolic.scene(Made::Facets(10_000)).unwrap();
+        let (scene, triangles) = Conic::Parabolic.scene(MirrorModel::Facets(10_000)).unwrap();
         // 50 rings of 100 sectors.
         assert_eq!(triangles, Some(2 * 50 * 100 - 100));
         let found = Conic::Parabolic.deviations(&scene, 4000, &Settings::default()).unwrap();

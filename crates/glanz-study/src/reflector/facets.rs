@@ -7,10 +7,10 @@ use glanz_math::DVec3;
 use glanz_scene::Scene;
 use glanz_scene::description::ShapeDescription;
 
-use super::aimed::{ALL_CELLS, Aim, CELLS, End, follow};
 use super::mesh;
+use super::particles::{ALL_CELLS, CELLS, ConeSource, ParticleEnd, follow};
 use super::room::{self, SIDE, alone};
-use crate::clock::{self, Of, Stopwatch};
+use crate::clock::{self, Stopwatch, TimeScope};
 use crate::study::{Settings, StudyError};
 
 /// Triangles along an edge of the mirror: about 100, 1000, 10^4, 10^5 and 10^6 in all.
@@ -21,7 +21,7 @@ const BLOCK: u32 = 1 << 16;
 
 /// A mirror in place of the exact one.
 #[derive(Clone, Debug)]
-pub(super) struct Case {
+pub(super) struct MirrorCase {
     /// None for the exact one.
     pub(super) triangles: Option<u64>,
     /// Whether normals are interpolated.
@@ -30,12 +30,12 @@ pub(super) struct Case {
     pub(super) build: Duration,
     /// For all particles.
     pub(super) time: Duration,
-    pub(super) error: Error,
+    pub(super) error: MapError,
 }
 
 /// By how much a map of the mirror's light is off.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Error {
+pub(super) struct MapError {
     /// Root of the mean square over the cells that are lit, lx.
     pub(super) rms: f64,
     /// The part of it that chance makes, with as many particles: root of the mean variance, lx.
@@ -48,7 +48,7 @@ pub(super) struct Error {
     pub(super) moved: f64,
 }
 
-impl Error {
+impl MapError {
     /// The error without chance, lx; 0 if it does not stand out of it.
     pub(super) fn settled(&self) -> f64 {
         (self.rms * self.rms - self.noise * self.noise).max(0.0).sqrt()
@@ -57,9 +57,9 @@ impl Error {
 
 /// The light of the exact mirror.
 #[derive(Clone, Debug)]
-pub(super) struct Exact {
+pub(super) struct ExactMirror {
     /// By particle.
-    ends: Vec<End>,
+    ends: Vec<ParticleEnd>,
     /// Illuminance by the mirror alone in all cells, lx.
     pub(super) lux: Vec<f64>,
     /// Mean over the cells that it lights, lx.
@@ -73,10 +73,10 @@ pub(super) struct Exact {
 }
 
 /// All cases, the exact mirror first.
-pub(super) struct Outcome {
+pub(super) struct FacetOutcome {
     pub(super) particles: u32,
-    pub(super) exact: Exact,
-    pub(super) cases: Vec<Case>,
+    pub(super) exact: ExactMirror,
+    pub(super) cases: Vec<MirrorCase>,
 }
 
 /// The mirror as triangles, with `particles` each; `on_progress` receives the share that is done, [0, 1], and what comes next.
@@ -88,17 +88,17 @@ pub(super) fn measure(
     edges: &[u32],
     settings: &Settings,
     on_progress: &mut dyn FnMut(f64, String),
-) -> Result<Outcome, StudyError> {
+) -> Result<FacetOutcome, StudyError> {
     let patch = room::mirror()?;
-    let aim = Aim::at(ball(&patch), settings.seed);
+    let aim = ConeSource::at(ball(&patch), settings.seed);
     let each = aim.flux() / f64::from(particles);
     let parts = (1 + 2 * edges.len()) as f64;
     on_progress(0.0, "the exact mirror".to_owned());
     let (exact_case, exact) = {
         let (scene, build) = built(|| ShapeDescription::bezier_triangles(std::slice::from_ref(&patch)))?;
         let (ends, time) = run(&scene, &aim, particles, settings)?;
-        let case = Case { triangles: None, smooth: false, build, time, error: Error::default() };
-        (case, Exact::of(ends, each))
+        let case = MirrorCase { triangles: None, smooth: false, build, time, error: MapError::default() };
+        (case, ExactMirror::of(ends, each))
     };
     let mut cases = vec![exact_case];
     for (number, (smooth, &n)) in
@@ -109,9 +109,9 @@ pub(super) fn measure(
         let (scene, build) = built(|| mesh::triangles(&patch, n, smooth).into())?;
         let (ends, time) = run(&scene, &aim, particles, settings)?;
         let error = exact.error(&ends, each);
-        cases.push(Case { triangles: Some(triangles), smooth, build, time, error });
+        cases.push(MirrorCase { triangles: Some(triangles), smooth, build, time, error });
     }
-    Ok(Outcome { particles, exact, cases })
+    Ok(FacetOutcome { particles, exact, cases })
 }
 
 /// A ball around a patch: middle and radius, metres.
@@ -130,10 +130,10 @@ fn built(make: impl Fn() -> ShapeDescription + Sync) -> Result<(Scene, Duration)
 /// Where all particles end, and the time of this thread that following them takes.
 fn run(
     scene: &Scene,
-    aim: &Aim,
+    aim: &ConeSource,
     particles: u32,
     settings: &Settings,
-) -> Result<(Vec<End>, Duration), StudyError> {
+) -> Result<(Vec<ParticleEnd>, Duration), StudyError> {
     let mut ends = Vec::with_capacity(particles as usize);
     let mut time = Duration::ZERO;
     let mut from = 0;
@@ -141,7 +141,7 @@ fn run(
         settings.cancel.check()?;
         let to = from.saturating_add(BLOCK).min(particles);
         let rays: Vec<_> = (from..to).map(|number| aim.particle(number)).collect();
-        let watch = Stopwatch::start(Of::Thread);
+        let watch = Stopwatch::start(TimeScope::Thread);
         ends.extend(rays.iter().map(|ray| follow(scene, ray)));
         time += watch.elapsed();
         from = to;
@@ -154,14 +154,14 @@ fn area() -> f64 {
     (SIDE / f64::from(CELLS)).powi(2)
 }
 
-impl Exact {
+impl ExactMirror {
     /// Of particles that carry `each` lm.
-    fn of(ends: Vec<End>, each: f64) -> Self {
+    fn of(ends: Vec<ParticleEnd>, each: f64) -> Self {
         let mut lux = vec![0.0; ALL_CELLS];
         let mut variance = vec![0.0; ALL_CELLS];
         let mut met = 0_u64;
         for end in &ends {
-            met += u64::from(*end != End::Missed);
+            met += u64::from(*end != ParticleEnd::Missed);
             if let Some((cell, share)) = end.brought()
                 && let (Some(lux), Some(variance)) = (lux.get_mut(cell), variance.get_mut(cell))
             {
@@ -183,12 +183,12 @@ impl Exact {
 
     /// The error of the map of the same particles in another mirror. Only particles that end elsewhere make a difference,
     /// each by itself: its variance is the sum of their squares.
-    fn error(&self, others: &[End], each: f64) -> Error {
+    fn error(&self, others: &[ParticleEnd], each: f64) -> MapError {
         let mut difference = vec![0.0; ALL_CELLS];
         let mut variance = vec![0.0; ALL_CELLS];
         let (mut moved, mut at_either) = (0_u64, 0_u64);
         for (exact, other) in self.ends.iter().zip(others) {
-            at_either += u64::from(*exact != End::Missed || *other != End::Missed);
+            at_either += u64::from(*exact != ParticleEnd::Missed || *other != ParticleEnd::Missed);
             if exact == other {
                 continue;
             }
@@ -203,7 +203,7 @@ impl Exact {
                 }
             }
         }
-        let mut error = Error { moved: moved as f64 / at_either.max(1) as f64, ..Error::default() };
+        let mut error = MapError { moved: moved as f64 / at_either.max(1) as f64, ..MapError::default() };
         let (mut lit, mut squares, mut variances) = (0_u64, 0.0, 0.0);
         for ((lux, difference), variance) in self.lux.iter().zip(&difference).zip(&variance) {
             if *lux == 0.0 && *variance == 0.0 {
@@ -230,13 +230,25 @@ mod tests {
     fn error_counts_what_ends_elsewhere() {
         // Reflectance 0.9: of 1 lm on a cell of (10 / 32)^2 m^2 each particle brings 0.9 * 10.24 lx.
         let lux = 0.9 * 10.24;
-        let ends = vec![End::Cell(5, 1), End::Cell(5, 1), End::Cell(6, 1), End::Missed, End::Lost];
-        let exact = Exact::of(ends, 1.0);
+        let ends = vec![
+            ParticleEnd::Cell(5, 1),
+            ParticleEnd::Cell(5, 1),
+            ParticleEnd::Cell(6, 1),
+            ParticleEnd::Missed,
+            ParticleEnd::Lost,
+        ];
+        let exact = ExactMirror::of(ends, 1.0);
         assert!((exact.lux[5] - 2.0 * lux).abs() < 1e-9 && (exact.mean - 1.5 * lux).abs() < 1e-9);
         assert!((exact.peak - 2.0 * lux).abs() < 1e-9 && exact.met == 0.8);
         // sqrt(3 / 2) of one particle.
         assert!((exact.noise - 1.5_f64.sqrt() * lux).abs() < 1e-9);
-        let others = [End::Cell(5, 1), End::Cell(7, 1), End::Cell(6, 1), End::Missed, End::Cell(5, 1)];
+        let others = [
+            ParticleEnd::Cell(5, 1),
+            ParticleEnd::Cell(7, 1),
+            ParticleEnd::Cell(6, 1),
+            ParticleEnd::Missed,
+            ParticleEnd::Cell(5, 1),
+        ];
         let error = exact.error(&others, 1.0);
         // Cell 5 lost one and got one, cell 7 got one: squares 0, 1 over the three lit cells; variances 2 and 1.
         assert!((error.rms - (1.0_f64 / 3.0).sqrt() * lux).abs() < 1e-9, "{error:?}");
@@ -260,7 +272,7 @@ mod tests {
         // Flux on the walls: that of the particles that meet the mirror times its reflectance, once or for a few twice.
         let found = measure(20_000, &[], &Settings::default(), &mut |_, _| {}).unwrap();
         let on_walls: f64 = found.exact.lux.iter().sum::<f64>() * area();
-        let sent = Aim::at(ball(&room::mirror().unwrap()), 0).flux();
+        let sent = ConeSource::at(ball(&room::mirror().unwrap()), 0).flux();
         assert!(on_walls <= sent * found.exact.met * room::REFLECTANCE * (1.0 + 1e-9));
         assert!(on_walls >= sent * found.exact.met * room::REFLECTANCE.powi(2));
     }

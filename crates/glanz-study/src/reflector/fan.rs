@@ -4,7 +4,7 @@ use glanz_geometry::bezier::Barycentric;
 use glanz_math::{DVec3, Ray};
 use glanz_scene::Scene;
 
-use super::room::{Arrival, POINT_LAMP, WALLS, arrival};
+use super::room::{POINT_LAMP, WALLS, WallHit, wall_hit};
 use crate::newton::fan_ray;
 use crate::report::Report;
 use glanz_report::number::plural;
@@ -19,7 +19,7 @@ const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 
 /// A ray that meets the mirror.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Meeting {
+pub(super) struct MirrorHit {
     /// Ray parameter; the fan's directions have a length of 0.1 m.
     pub(super) tau: f64,
     /// Where in the patch.
@@ -39,11 +39,11 @@ pub(super) struct FanRay {
     pub(super) nodes: [i32; 2],
     pub(super) ray: Ray,
     /// Where it first meets the mirror.
-    pub(super) meeting: Option<Meeting>,
+    pub(super) hit: Option<MirrorHit>,
     /// How often it is reflected.
     pub(super) reflections: u32,
     /// Where it ends; `None` if it starts into the wall that the lamp is on.
-    pub(super) arrival: Option<Arrival>,
+    pub(super) wall_hit: Option<WallHit>,
     /// Its last way, metres.
     pub(super) way: f64,
 }
@@ -60,8 +60,8 @@ fn follow(scene: &Scene, n: i32, nodes: [i32; 2]) -> FanRay {
     let limit = ROUNDINGS * v.length();
     let ray =
         Ray::new(POINT_LAMP, DVec3::from_array(v.to_array().map(|x| if x.abs() < limit { 0.0 } else { x })));
-    let mut met = FanRay { nodes, ray, meeting: None, reflections: 0, arrival: arrival(&ray), way: 0.0 };
-    if met.arrival.is_none() {
+    let mut met = FanRay { nodes, ray, hit: None, reflections: 0, wall_hit: wall_hit(&ray), way: 0.0 };
+    if met.wall_hit.is_none() {
         return met;
     }
     let (mut from, mut last) = (ray, ray);
@@ -69,14 +69,14 @@ fn follow(scene: &Scene, n: i32, nodes: [i32; 2]) -> FanRay {
         let normal = at.point.normal * -at.point.normal.dot(from.direction).signum();
         let incoming = from.direction.normalize();
         let mirrored = (incoming - 2.0 * normal.dot(incoming) * normal).normalize();
-        let meeting = Meeting {
+        let hit = MirrorHit {
             tau: at.t,
             at: Barycentric::from_parameters(at.point.uv),
             point: at.point.position,
             normal,
             mirrored,
         };
-        met.meeting.get_or_insert(meeting);
+        met.hit.get_or_insert(hit);
         met.reflections += 1;
         // Ways are measured from the point itself; only what is met next is looked for from beside it.
         last = Ray::new(at.point.position, mirrored);
@@ -85,8 +85,8 @@ fn follow(scene: &Scene, n: i32, nodes: [i32; 2]) -> FanRay {
             break;
         }
     }
-    met.arrival = arrival(&last);
-    met.way = met.arrival.map_or(0.0, |end| end.t * last.direction.length());
+    met.wall_hit = wall_hit(&last);
+    met.way = met.wall_hit.map_or(0.0, |end| end.t * last.direction.length());
     met
 }
 
@@ -123,8 +123,8 @@ fn row(ray: &FanRay) -> Vec<TableCell> {
         ray.nodes.map(|node| TableCell::Count(u64::from(node.unsigned_abs()))).into();
     cells.extend(angles.map(TableCell::Precise));
     cells.push(u64::from(ray.reflections).into());
-    match &ray.meeting {
-        Some(Meeting { tau, at, point, normal, mirrored }) => {
+    match &ray.hit {
+        Some(MirrorHit { tau, at, point, normal, mirrored }) => {
             cells.extend([at.r, at.s, at.t, *tau].map(TableCell::Precise));
             cells.extend(
                 [point, normal, mirrored].into_iter().flat_map(|v| v.to_array()).map(TableCell::Precise),
@@ -132,7 +132,7 @@ fn row(ray: &FanRay) -> Vec<TableCell> {
         }
         None => cells.extend(std::iter::repeat_n(TableCell::Missing, 13)),
     }
-    if let Some(end) = &ray.arrival {
+    if let Some(end) = &ray.wall_hit {
         cells.extend([WALLS[end.wall].name.into(), TableCell::Precise(ray.way)]);
         cells.extend(end.point.to_array().map(TableCell::Precise));
     }
@@ -140,10 +140,10 @@ fn row(ray: &FanRay) -> Vec<TableCell> {
 }
 
 /// Adds the chapter: `rays` are those with k = 4.
-pub(super) fn tell(rays: &[FanRay], report: &mut Report) {
+pub(super) fn add_to(rays: &[FanRay], report: &mut Report) {
     report.heading("The fan of 256 rays (k = 4)");
-    let hits = || rays.iter().filter_map(|ray| Some((ray, ray.meeting.as_ref()?)));
-    let outside = rays.iter().filter(|ray| ray.arrival.is_none()).count() as u64;
+    let hits = || rays.iter().filter_map(|ray| Some((ray, ray.hit.as_ref()?)));
+    let outside = rays.iter().filter(|ray| ray.wall_hit.is_none()).count() as u64;
     report.paragraph(format!(
         "Of {} rays from (0, 5, 5), {} into the wall that this point is on; {} the mirror.",
         rays.len(),
@@ -151,7 +151,7 @@ pub(super) fn tell(rays: &[FanRay], report: &mut Report) {
         plural(hits().count() as u64, "meets", "meet"),
     ));
     for (ray, met) in hits() {
-        let Some(end) = &ray.arrival else { continue };
+        let Some(end) = &ray.wall_hit else { continue };
         report.paragraph(format!(
             "Ray (i, j) = ({}, {}) meets it at tau = {}, (r, s, t) = ({}, {}, {}), in the point {}; the normal towards it is {}, it \
              goes on along {} and reaches the {} {} m further, in {}.",
@@ -173,8 +173,8 @@ pub(super) fn tell(rays: &[FanRay], report: &mut Report) {
     let mut counts = Table::new("fan_walls", "Where the rays of the fan end.", &columns);
     for (number, wall) in WALLS.iter().enumerate() {
         let on = |mirrored: bool| {
-            let ends = |ray: &&FanRay| ray.arrival.is_some_and(|end| end.wall == number);
-            rays.iter().filter(ends).filter(|ray| ray.meeting.is_some() == mirrored).count() as u64
+            let ends = |ray: &&FanRay| ray.wall_hit.is_some_and(|end| end.wall == number);
+            rays.iter().filter(ends).filter(|ray| ray.hit.is_some() == mirrored).count() as u64
         };
         counts.push([wall.name.into(), on(false).into(), on(true).into()]);
     }
@@ -184,7 +184,7 @@ pub(super) fn tell(rays: &[FanRay], report: &mut Report) {
     report.data(all);
     for (number, wall) in WALLS.iter().enumerate() {
         let mut table = Table::new(wall.table, format!("Those that end on the {}:", wall.name), &COLUMNS);
-        let ends = |ray: &&FanRay| ray.arrival.is_some_and(|end| end.wall == number);
+        let ends = |ray: &&FanRay| ray.wall_hit.is_some_and(|end| end.wall == number);
         rays.iter().filter(ends).for_each(|ray| table.push(row(ray)));
         report.data(table);
     }
@@ -202,11 +202,11 @@ mod tests {
         let scene = room::alone(ShapeDescription::bezier_triangles(&[room::mirror().unwrap()])).unwrap();
         let rays = fan(&scene, 4);
         assert_eq!(rays.len(), 256);
-        let hits: Vec<&FanRay> = rays.iter().filter(|ray| ray.meeting.is_some()).collect();
+        let hits: Vec<&FanRay> = rays.iter().filter(|ray| ray.hit.is_some()).collect();
         let [ray] = hits[..] else { panic!("{} rays hit", hits.len()) };
         assert_eq!((ray.nodes, ray.reflections), ([7, 8], 1));
         // reference.json A.fan_k4: roots of the resultant, polished to 30 digits by Newton's method.
-        let Meeting { tau, at, point, normal, mirrored } = ray.meeting.unwrap();
+        let MirrorHit { tau, at, point, normal, mirrored } = ray.hit.unwrap();
         for (found, expected) in [
             (tau, 43.341_790_020_607_25),
             (at.r, 0.063_797_268_237_841_51),
@@ -216,7 +216,7 @@ mod tests {
         ] {
             assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         }
-        let end = ray.arrival.unwrap();
+        let end = ray.wall_hit.unwrap();
         for (found, expected) in [
             (point, [4.216_242_549_347_14, 4.103_809_980_543_923, 5.453_045_070_612_34]),
             (normal, [-0.812_378_898_193_333_8, 0.425_688_116_503_215_64, 0.398_535_008_798_637_07]),
@@ -233,12 +233,12 @@ mod tests {
         let scene = room::alone(ShapeDescription::bezier_triangles(&[room::mirror().unwrap()])).unwrap();
         let rays = fan(&scene, 4);
         for ray in &rays {
-            assert_eq!(ray.arrival.is_some(), ray.ray.direction.x >= 0.0, "{:?}", ray.nodes);
+            assert_eq!(ray.wall_hit.is_some(), ray.ray.direction.x >= 0.0, "{:?}", ray.nodes);
         }
         // theta = pi (2i - 15) / 15: |theta| < pi / 2 for i = 4 to 11. The poles j = 0, 15 go along the wall for all i.
-        let ended = rays.iter().filter(|ray| ray.arrival.is_some()).count();
+        let ended = rays.iter().filter(|ray| ray.wall_hit.is_some()).count();
         assert_eq!(ended, 8 * 14 + 2 * 16);
-        let ceiling = |ray: &&FanRay| ray.arrival.is_some_and(|end| end.wall == 1);
+        let ceiling = |ray: &&FanRay| ray.wall_hit.is_some_and(|end| end.wall == 1);
         // The poles at least.
         assert!(rays.iter().filter(ceiling).count() >= 16);
     }

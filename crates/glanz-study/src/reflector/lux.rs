@@ -11,10 +11,10 @@ use glanz_job::{JobProgress, ProgressSink};
 use glanz_math::DVec3;
 use glanz_scene::Scene;
 
-use super::aimed::CELLS;
-use super::facets::Exact;
+use super::facets::ExactMirror;
+use super::particles::CELLS;
 use super::room::{self, SIDE, WALLS};
-use crate::clock::{Of, Stopwatch};
+use crate::clock::{Stopwatch, TimeScope};
 use crate::report::Report;
 use crate::study::{Settings, StudyError};
 use glanz_report::number::{grouped, plural, significant};
@@ -30,7 +30,7 @@ const SHOWN: f64 = 0.02;
 const GOAL: f64 = 0.01;
 
 /// What particles brought to the walls.
-pub(super) struct Lux {
+pub(super) struct LuxMeasurement {
     pub(super) particles: u64,
     pub(super) maps: Vec<LuxMap>,
     /// Lumens on each wall with their standard errors.
@@ -77,17 +77,17 @@ pub(super) fn measure(
     particles: u64,
     settings: &Settings,
     on_progress: &mut dyn FnMut(f64),
-) -> Result<Lux, StudyError> {
+) -> Result<LuxMeasurement, StudyError> {
     let threads = settings.threads.unwrap_or(1);
     let goal = TraceGoal { particles: Some(particles), ..TraceGoal::default() };
     let how = TraceSettings { seed: settings.seed, max_events: EVENTS, threads, goal };
-    let stopwatch = Stopwatch::start(Of::Process);
+    let stopwatch = Stopwatch::start(TimeScope::Process);
     let mut sink = LuxProgress { particles, on_progress };
     let outcome = trace(scene, receivers, &how, Tally::new(receivers, None), &mut sink, &settings.cancel)?;
     let time = stopwatch.elapsed();
     outcome.end.check()?;
     let tally = outcome.tally;
-    Ok(Lux {
+    Ok(LuxMeasurement {
         particles: tally.particles(),
         maps: tally.lux_maps(receivers),
         received: (0..receivers.as_slice().len()).map(|number| tally.received(number)).collect(),
@@ -97,7 +97,7 @@ pub(super) fn measure(
     })
 }
 
-impl Lux {
+impl LuxMeasurement {
     /// What sums the study up: the walls.
     pub(super) fn table(&self) -> Table {
         let columns = [
@@ -142,7 +142,7 @@ impl Lux {
     ///
     /// # Errors
     /// None that can happen: the maps have few cells.
-    pub(super) fn tell(&self, report: &mut Report, mirror: &Exact) -> Result<(), StudyError> {
+    pub(super) fn add_to(&self, report: &mut Report, mirror: &ExactMirror) -> Result<(), StudyError> {
         report.heading("Lux on the walls");
         let balance = &self.balance;
         let ends: Vec<String> = balance

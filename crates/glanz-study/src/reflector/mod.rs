@@ -1,12 +1,12 @@
 //! Where a lamp's light goes by way of a freeform mirror (document 000 chapter 4).
 
-mod aimed;
 mod comparison;
 mod conics;
 mod facets;
 mod fan;
 mod lux;
 mod mesh;
+mod particles;
 mod report;
 mod revolution;
 mod room;
@@ -15,8 +15,8 @@ mod speed;
 
 use glanz_scene::description::ShapeDescription;
 
-use self::conics::{Conic, Made};
-use self::report::Row;
+use self::conics::{Conic, MirrorModel};
+use self::report::ConicRow;
 use crate::clock;
 use crate::report::Report;
 use crate::study::{Settings, StudyError, StudyProgress};
@@ -27,11 +27,11 @@ use glanz_report::number::grouped;
 const PARTICLES: u64 = 10_000_000;
 
 /// How much is measured.
-struct Plan<'a> {
+struct ReflectorPlan<'a> {
     /// Cells along a side of a wall.
     cells: u32,
     /// The same for the comparison with integration, and places of a cell at most.
-    against: (u32, usize),
+    comparison: (u32, usize),
     /// Triangles along an edge of the mirror.
     edges: &'a [u32],
     /// Rays at each mirror with a closed form.
@@ -43,9 +43,9 @@ struct Plan<'a> {
 }
 
 /// The whole study.
-const WHOLE: Plan<'static> = Plan {
-    cells: aimed::CELLS,
-    against: (comparison::CELLS, comparison::POINTS),
+const WHOLE: ReflectorPlan<'static> = ReflectorPlan {
+    cells: particles::CELLS,
+    comparison: (comparison::CELLS, comparison::POINTS),
     edges: &facets::EDGES,
     conic_rays: 100_000,
     triangles: &[100, 1000, 10_000, 100_000, 1_000_000],
@@ -57,7 +57,7 @@ const DRAWN: u64 = 10_000;
 
 /// Shares of the progress at which parts begin.
 const LUX: f64 = 0.01;
-const AGAINST: f64 = 0.15;
+const COMPARISON: f64 = 0.15;
 const FACETS: f64 = 0.4;
 const CONICS: f64 = 0.85;
 const SPEED: f64 = 0.95;
@@ -72,7 +72,7 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
 }
 
 fn run_plan(
-    plan: &Plan<'_>,
+    plan: &ReflectorPlan<'_>,
     settings: &Settings,
     progress: &mut StudyProgress<'_>,
 ) -> Result<Report, StudyError> {
@@ -87,11 +87,12 @@ fn run_plan(
     let mirror = room::alone(ShapeDescription::bezier_triangles(&[room::mirror()?]))?;
     let fan = fan::fan(&mirror, 4);
     let (scene, receivers) = lux::room(plan.cells)?;
-    let mut told = |done: f64| progress.report(LUX + (AGAINST - LUX) * done, "lux on the walls");
+    let mut told = |done: f64| progress.report(LUX + (COMPARISON - LUX) * done, "lux on the walls");
     let lux = lux::measure(&scene, &receivers, u64::from(particles), settings, &mut told)?;
-    let mut told =
-        |done: f64| progress.report(AGAINST + (FACETS - AGAINST) * done, "particles against integration");
-    let against = comparison::measure(plan.against, u64::from(particles), settings, &mut told)?;
+    let mut told = |done: f64| {
+        progress.report(COMPARISON + (FACETS - COMPARISON) * done, "particles against integration")
+    };
+    let comparison = comparison::measure(plan.comparison, u64::from(particles), settings, &mut told)?;
     let mut told = |done: f64, what: String| progress.report(FACETS + (CONICS - FACETS) * done, &what);
     let facets = facets::measure(particles, plan.edges, settings, &mut told)?;
     let rays = plan.conic_rays.min(particles);
@@ -114,17 +115,17 @@ fn run_plan(
         grouped(u64::from(particles)),
         settings.seed
     ));
-    fan::tell(&fan, &mut report);
+    fan::add_to(&fan, &mut report);
     report.drawing(
         "room",
         scene_plot::drawing(&fan, &fan::fan(&mirror, 7))?,
         "The room, seen from above the wall y = 0: lamp, mirror with the hull of its control points, rays, and where they end.",
     );
-    lux.tell(&mut report, &facets.exact)?;
-    against.tell(&mut report);
-    report::tell_facets(&facets, &mut report);
-    report::tell_conics(&rows, curves, &mut report);
-    speed::tell(&speeds, &mut report);
+    lux.add_to(&mut report, &facets.exact)?;
+    comparison.add_to(&mut report);
+    report::add_facets(&facets, &mut report);
+    report::add_conics(&rows, curves, &mut report);
+    speed::add_to(&speeds, &mut report);
     progress.report(1.0, "done");
     Ok(report)
 }
@@ -135,30 +136,33 @@ fn measure_conics(
     triangles: &[u64],
     settings: &Settings,
     on_progress: &mut dyn FnMut(f64, String),
-) -> Result<(Vec<Row>, Vec<Series>), StudyError> {
-    let made: Vec<Made> = [Made::Quadric, Made::Patches]
+) -> Result<(Vec<ConicRow>, Vec<Series>), StudyError> {
+    let models: Vec<MirrorModel> = [MirrorModel::Quadric, MirrorModel::Patches]
         .into_iter()
-        .chain(triangles.iter().map(|&n| Made::Facets(n)))
-        .chain(triangles.iter().map(|&n| Made::Smooth(n)))
+        .chain(triangles.iter().map(|&n| MirrorModel::Facets(n)))
+        .chain(triangles.iter().map(|&n| MirrorModel::Smooth(n)))
         .collect();
-    let parts = (Conic::ALL.len() * made.len()) as f64;
+    let parts = (Conic::ALL.len() * models.len()) as f64;
     let mut rows = Vec::new();
     let mut curves = vec![report::closed_form_curve()];
     for conic in Conic::ALL {
-        for &made in &made {
-            on_progress(rows.len() as f64 / parts, format!("{} mirror, {}", conic.name(), made.name()));
-            let (scene, triangles) = conic.scene(made)?;
+        for &model in &models {
+            on_progress(rows.len() as f64 / parts, format!("{} mirror, {}", conic.name(), model.name()));
+            let (scene, triangles) = conic.scene(model)?;
             let deviation = conic.deviations(&scene, rays, settings)?;
             if conic == Conic::Spherical
-                && matches!(made, Made::Patches | Made::Facets(DRAWN) | Made::Smooth(DRAWN))
+                && matches!(
+                    model,
+                    MirrorModel::Patches | MirrorModel::Facets(DRAWN) | MirrorModel::Smooth(DRAWN)
+                )
             {
                 let name = match triangles {
-                    Some(n) => format!("{} {}", grouped(n), made.name()),
-                    None => made.name().to_owned(),
+                    Some(n) => format!("{} {}", grouped(n), model.name()),
+                    None => model.name().to_owned(),
                 };
                 curves.push(Series { name, points: conics::crossings(&scene, &report::heights(41)) });
             }
-            rows.push(Row { conic, made, triangles, deviation });
+            rows.push(ConicRow { conic, model, triangles, deviation });
         }
     }
     Ok((rows, curves))
@@ -173,8 +177,14 @@ mod tests {
     #[test]
     fn report_has_a_row_for_every_wall_ray_and_mirror() {
         let settings = Settings { rays: Some(20_000), ..Settings::default() };
-        let plan =
-            Plan { cells: 2, against: (1, 13), edges: &[4], conic_rays: 100, triangles: &[100], parts: &[] };
+        let plan = ReflectorPlan {
+            cells: 2,
+            comparison: (1, 13),
+            edges: &[4],
+            conic_rays: 100,
+            triangles: &[100],
+            parts: &[],
+        };
         let report = run_plan(&plan, &settings, &mut StudyProgress::new(&mut Silent)).unwrap();
         assert_eq!(report.summary().rows().len(), 6);
         let rows =

@@ -6,7 +6,7 @@ use glanz_math::{DVec3, Frame, Ray};
 use glanz_sampling::{PixelSampler, SamplerKind, warp};
 use glanz_scene::Scene;
 
-use super::room::{LAMP, REFLECTANCE, WALLS, arrival};
+use super::room::{LAMP, REFLECTANCE, WALLS, wall_hit};
 
 /// Cells along a side of a wall.
 pub(super) const CELLS: u32 = 32;
@@ -19,7 +19,7 @@ const REFLECTIONS: u32 = 100;
 
 /// Where a particle ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum End {
+pub(super) enum ParticleEnd {
     /// It passed by the mirror.
     Missed,
     /// In a cell, numbered through all walls, after so many reflections.
@@ -32,13 +32,13 @@ pub(super) enum End {
 ///
 /// The lamp is a sphere that is equally bright from everywhere: seen along a direction it is an even disk.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Aim {
+pub(super) struct ConeSource {
     frame: Frame,
     one_minus_cos: f64,
     seed: u64,
 }
 
-impl Aim {
+impl ConeSource {
     /// At a ball around the mirror: middle and radius, metres; it does not hold the lamp.
     pub(super) fn at(ball: (DVec3, f64), seed: u64) -> Self {
         let (lamp, radius, _) = LAMP;
@@ -64,7 +64,7 @@ impl Aim {
 }
 
 /// Follows a particle in a scene of the mirror alone, within the walls. It keeps its light whichever normal tells where it goes.
-pub(super) fn follow(scene: &Scene, particle: &Ray) -> End {
+pub(super) fn follow(scene: &Scene, particle: &Ray) -> ParticleEnd {
     let mut ray = *particle;
     let mut reflections = 0;
     while let Some(at) = scene.intersect(&ray, f64::INFINITY) {
@@ -72,23 +72,23 @@ pub(super) fn follow(scene: &Scene, particle: &Ray) -> End {
         let mirrored = d - 2.0 * n.dot(d) * n;
         reflections += 1;
         if at.point.normal.dot(d) * at.point.normal.dot(mirrored) >= 0.0 || reflections > REFLECTIONS {
-            return End::Lost;
+            return ParticleEnd::Lost;
         }
         ray = at.spawn(mirrored);
     }
     if reflections == 0 {
-        return End::Missed;
+        return ParticleEnd::Missed;
     }
-    match arrival(&ray) {
+    match wall_hit(&ray) {
         Some(end) => {
             let cell = end.wall * (CELLS * CELLS) as usize + end.cell(CELLS);
-            End::Cell(cell as u16, reflections as u8)
+            ParticleEnd::Cell(cell as u16, reflections as u8)
         }
-        None => End::Lost,
+        None => ParticleEnd::Lost,
     }
 }
 
-impl End {
+impl ParticleEnd {
     /// The cell, and the share of its light that a particle brings there.
     pub(super) fn brought(self) -> Option<(usize, f64)> {
         match self {
@@ -107,7 +107,7 @@ mod tests {
     #[test]
     fn particles_leave_the_lamp_outwards_within_the_cone() {
         let ball = (DVec3::new(4.0, 4.0, 6.0), 2.0);
-        let aim = Aim::at(ball, 1);
+        let aim = ConeSource::at(ball, 1);
         let (lamp, radius, lumens) = LAMP;
         let axis = (ball.0 - lamp).normalize();
         let sine: f64 = (2.0 + radius) / ball.0.distance(lamp);

@@ -1,8 +1,8 @@
 //! What the report says of facets, each sentence made from the figures.
 
-use super::aimed::CELLS;
-use super::conics::{Conic, Deviation, HEIGHTS, Made, aberration};
-use super::facets::{Case, Outcome};
+use super::conics::{Conic, Deviation, HEIGHTS, MirrorModel, aberration};
+use super::facets::{FacetOutcome, MirrorCase};
+use super::particles::CELLS;
 use crate::report::Report;
 use glanz_report::number::{grouped, significant};
 use glanz_report::{Axis, Plot, ReferenceLine, Series, Table, TableCell};
@@ -22,7 +22,7 @@ const COLUMNS: [(&str, &str); 12] = [
     ("largest_percent", "largest error, % of the peak"),
 ];
 
-fn kind(case: &Case) -> &'static str {
+fn kind(case: &MirrorCase) -> &'static str {
     match (case.triangles, case.smooth) {
         (None, _) => "exact",
         (_, false) => "flat facets",
@@ -31,7 +31,7 @@ fn kind(case: &Case) -> &'static str {
 }
 
 /// The table of the mirrors.
-pub(super) fn facets_table(outcome: &Outcome) -> Table {
+pub(super) fn facets_table(outcome: &FacetOutcome) -> Table {
     let caption = format!(
         "Light by way of the mirror on {CELLS} x {CELLS} cells of each wall: the mirror as triangles against the exact one, the \
          same {} particles in each case.",
@@ -60,12 +60,12 @@ pub(super) fn facets_table(outcome: &Outcome) -> Table {
     table
 }
 
-fn percent(lux: f64, outcome: &Outcome) -> f64 {
+fn percent(lux: f64, outcome: &FacetOutcome) -> f64 {
     100.0 * lux / outcome.exact.mean
 }
 
 /// Adds the chapter of the room's mirror.
-pub(super) fn tell_facets(outcome: &Outcome, report: &mut Report) {
+pub(super) fn add_facets(outcome: &FacetOutcome, report: &mut Report) {
     report.heading("The mirror as triangles");
     let exact = &outcome.exact;
     report.paragraph(format!(
@@ -86,7 +86,7 @@ pub(super) fn tell_facets(outcome: &Outcome, report: &mut Report) {
         at: percent(exact.noise, outcome),
         series: None,
     };
-    let triangles = |case: &Case| case.triangles.unwrap_or_default() as f64;
+    let triangles = |case: &MirrorCase| case.triangles.unwrap_or_default() as f64;
     report.plot(
         "facets_triangles",
         Plot {
@@ -98,7 +98,7 @@ pub(super) fn tell_facets(outcome: &Outcome, report: &mut Report) {
         },
         "Error over the cells that the mirror lights; as measured with the same particles, and the part of it that is chance.",
     );
-    let seconds = |case: &Case| case.time.as_secs_f64();
+    let seconds = |case: &MirrorCase| case.time.as_secs_f64();
     let mut reference_lines = vec![floor];
     if let Some(case) = outcome.cases.first() {
         let name = "time of the exact mirror".to_owned();
@@ -118,8 +118,8 @@ pub(super) fn tell_facets(outcome: &Outcome, report: &mut Report) {
     facets_findings(outcome).into_iter().for_each(|sentence| report.paragraph(sentence));
 }
 
-fn series(outcome: &Outcome, x: fn(&Case) -> f64) -> Vec<Series> {
-    let of = |name: &str, smooth: bool, y: fn(&Case) -> f64| Series {
+fn series(outcome: &FacetOutcome, x: fn(&MirrorCase) -> f64) -> Vec<Series> {
+    let of = |name: &str, smooth: bool, y: fn(&MirrorCase) -> f64| Series {
         name: name.to_owned(),
         points: outcome
             .cases
@@ -136,15 +136,15 @@ fn series(outcome: &Outcome, x: fn(&Case) -> f64) -> Vec<Series> {
     ]
 }
 
-fn facets_findings(outcome: &Outcome) -> Vec<String> {
+fn facets_findings(outcome: &FacetOutcome) -> Vec<String> {
     let mut found = Vec::new();
     let Some(exact) = outcome.cases.first() else { return found };
     for smooth in [false, true] {
-        let series: Vec<&Case> =
+        let series: Vec<&MirrorCase> =
             outcome.cases.iter().filter(|case| case.triangles.is_some() && case.smooth == smooth).collect();
         let Some((first, last)) = series.first().zip(series.last()) else { continue };
         let one_percent = series.iter().find(|case| percent(case.error.settled(), outcome) < 1.0);
-        let told = |case: &Case| {
+        let told = |case: &MirrorCase| {
             let error = percent(case.error.settled(), outcome);
             if error > 0.0 { format!("{} %", significant(error)) } else { "less than chance".to_owned() }
         };
@@ -171,15 +171,15 @@ fn facets_findings(outcome: &Outcome) -> Vec<String> {
 }
 
 /// What was measured of a mirror with a closed form.
-pub(super) struct Row {
+pub(super) struct ConicRow {
     pub(super) conic: Conic,
-    pub(super) made: Made,
+    pub(super) model: MirrorModel,
     pub(super) triangles: Option<u64>,
     pub(super) deviation: Deviation,
 }
 
 /// Adds the chapter of mirrors with closed forms; `curves`: where rays at several heights cross the axis of the sphere.
-pub(super) fn tell_conics(rows: &[Row], curves: Vec<Series>, report: &mut Report) {
+pub(super) fn add_conics(rows: &[ConicRow], curves: Vec<Series>, report: &mut Report) {
     report.heading("Mirrors with closed forms");
     report.paragraph(
         "A paraboloid (focal length 0.5 m, radius 1 m) with a point at its focus: the angle of the reflected rays to the axis. An \
@@ -198,11 +198,11 @@ pub(super) fn tell_conics(rows: &[Row], curves: Vec<Series>, report: &mut Report
         ("missed", "rays that miss it"),
     ];
     let mut table = Table::new("closed_forms", "Deviations from the closed forms.", &columns);
-    for Row { conic, made, triangles, deviation } in rows {
+    for ConicRow { conic, model, triangles, deviation } in rows {
         table.push([
             conic.name().into(),
             conic.measure().into(),
-            made.name().into(),
+            model.name().into(),
             (*triangles).into(),
             deviation.largest.into(),
             deviation.rms.into(),
@@ -233,21 +233,21 @@ pub(super) fn tell_conics(rows: &[Row], curves: Vec<Series>, report: &mut Report
     }
 }
 
-fn deviation_plot(rows: &[Row], conic: Conic, title: &str) -> Plot {
+fn deviation_plot(rows: &[ConicRow], conic: Conic, title: &str) -> Plot {
     let of = |name: &str, smooth: bool| Series {
         name: name.to_owned(),
         points: rows
             .iter()
-            .filter(|row| row.conic == conic && matches!(row.made, Made::Smooth(_)) == smooth)
+            .filter(|row| row.conic == conic && matches!(row.model, MirrorModel::Smooth(_)) == smooth)
             .filter_map(|row| Some([row.triangles? as f64, row.deviation.largest]))
             .collect(),
     };
     let exact = rows.iter().filter(|row| row.conic == conic && row.triangles.is_none());
-    let rule = |row: &Row| ReferenceLine {
-        name: format!("exact: {}", row.made.name()),
+    let rule = |row: &ConicRow| ReferenceLine {
+        name: format!("exact: {}", row.model.name()),
         vertical: false,
         at: row.deviation.largest,
-        series: if row.made == Made::Quadric { None } else { Some(2) },
+        series: if row.model == MirrorModel::Quadric { None } else { Some(2) },
     };
     Plot {
         title: title.to_owned(),
@@ -270,12 +270,12 @@ pub(super) fn heights(count: u32) -> Vec<f64> {
     (0..count).map(|i| HEIGHTS[0] + step * f64::from(i)).collect()
 }
 
-fn finding(rows: &[Row], conic: Conic) -> String {
-    let largest = |wanted: fn(Made) -> bool| {
-        let of = rows.iter().filter(|row| row.conic == conic && wanted(row.made));
+fn finding(rows: &[ConicRow], conic: Conic) -> String {
+    let largest = |wanted: fn(MirrorModel) -> bool| {
+        let of = rows.iter().filter(|row| row.conic == conic && wanted(row.model));
         of.map(|row| (row.triangles.unwrap_or_default(), row.deviation.largest)).collect::<Vec<_>>()
     };
-    let exact = largest(|made| matches!(made, Made::Quadric | Made::Patches));
+    let exact = largest(|model| matches!(model, MirrorModel::Quadric | MirrorModel::Patches));
     let exact = exact.iter().map(|(_, off)| *off).fold(0.0, f64::max);
     let ends = |rows: &[(u64, f64)]| match (rows.first(), rows.last()) {
         (Some(first), Some(last)) => format!(
@@ -292,7 +292,7 @@ fn finding(rows: &[Row], conic: Conic) -> String {
         conic.name(),
         conic.measure(),
         significant(exact),
-        ends(&largest(|made| matches!(made, Made::Facets(_)))),
-        ends(&largest(|made| matches!(made, Made::Smooth(_)))),
+        ends(&largest(|model| matches!(model, MirrorModel::Facets(_)))),
+        ends(&largest(|model| matches!(model, MirrorModel::Smooth(_)))),
     )
 }

@@ -11,9 +11,9 @@ const QUARTER: [[f64; 3]; 3] =
 
 /// A curve in the half-plane of distance from the axis and z, run with growing z: rational quadratic arcs of control points
 /// (w distance, w z, w), metres.
-pub(super) struct Profile(Vec<[DVec3; 3]>);
+pub(super) struct MirrorProfile(Vec<[DVec3; 3]>);
 
-impl Profile {
+impl MirrorProfile {
     /// z = distance^2 / (4 focus) up to `radius`.
     pub(super) fn parabola(focus: f64, radius: f64) -> Self {
         let height = radius * radius / (4.0 * focus);
@@ -113,7 +113,7 @@ mod tests {
     fn corners_lie_on_the_ellipsoid_and_normals_are_those_of_its_gradient() {
         let (across, along) = (0.8, 1.0);
         let GeometryDescription::Triangles { positions, indices, normals, .. } =
-            Profile::ellipse(across, along).triangles(400, true)
+            MirrorProfile::ellipse(across, along).triangles(400, true)
         else {
             panic!("no triangles")
         };
@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn parabola_has_its_focus_where_it_is_said() {
         // At the distance 2 f the height is f and the slope 1.
-        let profile = Profile::parabola(0.5, 1.0);
+        let profile = MirrorProfile::parabola(0.5, 1.0);
         let ([r, z], [nr, nz]) = profile.at(1.0);
         assert!((r - 1.0).abs() < 1e-15 && (z - 0.5).abs() < 1e-15);
         assert!((nr + FRAC_1_SQRT_2).abs() < 1e-15 && (nz - FRAC_1_SQRT_2).abs() < 1e-15);

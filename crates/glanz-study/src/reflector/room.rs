@@ -79,7 +79,7 @@ pub(super) const WALLS: [Wall; 6] = [
 
 /// Where a ray meets a wall.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Arrival {
+pub(super) struct WallHit {
     /// Position in [`WALLS`].
     pub(super) wall: usize,
     /// Ray parameter, > 0.
@@ -92,8 +92,8 @@ pub(super) struct Arrival {
 ///
 /// # Source
 /// @pumberger2010 function `schnittbox`; departures: all six walls, of which the first ahead counts.
-pub(super) fn arrival(ray: &Ray) -> Option<Arrival> {
-    let mut first: Option<Arrival> = None;
+pub(super) fn wall_hit(ray: &Ray) -> Option<WallHit> {
+    let mut first: Option<WallHit> = None;
     for (number, wall) in WALLS.iter().enumerate() {
         let (o, d) = (ray.origin[wall.axis], ray.direction[wall.axis]);
         if if wall.is_far { d <= 0.0 } else { d >= 0.0 } {
@@ -104,13 +104,13 @@ pub(super) fn arrival(ray: &Ray) -> Option<Arrival> {
         if first.is_none_or(|found| t < found.t) {
             let mut point = ray.at(t);
             point[wall.axis] = plane;
-            first = Some(Arrival { wall: number, t, point });
+            first = Some(WallHit { wall: number, t, point });
         }
     }
     first.filter(|found| found.t > 0.0)
 }
 
-impl Arrival {
+impl WallHit {
     /// Number of the cell of its wall, of `n` x `n`.
     pub(super) fn cell(&self, n: u32) -> usize {
         let [a, b] = match WALLS[self.wall].axis {
@@ -140,15 +140,15 @@ mod tests {
             (4, DVec3::new(0.2, -0.3, 0.1)),
             (5, DVec3::new(0.2, 0.3, 0.1)),
         ] {
-            let found = arrival(&Ray::new(middle, d)).unwrap();
+            let found = wall_hit(&Ray::new(middle, d)).unwrap();
             // 5 m at 0.3 per unit.
             assert!(found.wall == number && (found.t - 5.0 / 0.3).abs() < 1e-12, "{d}");
             assert!(found.point.distance(middle + d * 5.0 / 0.3) < 1e-12);
         }
         // From the wall x = 0: into it, along it, away from it.
-        assert!(arrival(&Ray::new(POINT_LAMP, DVec3::new(-1.0, 0.1, 0.0))).is_none());
-        assert_eq!(arrival(&Ray::new(POINT_LAMP, DVec3::Z)).unwrap().wall, 1);
-        assert_eq!(arrival(&Ray::new(POINT_LAMP, DVec3::X)).unwrap().wall, 3);
+        assert!(wall_hit(&Ray::new(POINT_LAMP, DVec3::new(-1.0, 0.1, 0.0))).is_none());
+        assert_eq!(wall_hit(&Ray::new(POINT_LAMP, DVec3::Z)).unwrap().wall, 1);
+        assert_eq!(wall_hit(&Ray::new(POINT_LAMP, DVec3::X)).unwrap().wall, 3);
     }
 
     #[test]

@@ -28,7 +28,7 @@ const MIRRORED: &str = "#d55e00";
 const HULL: &str = "#0072b2";
 
 /// Parallel lines stay parallel: the picture plane and the direction to the viewer, unit vectors.
-struct View {
+struct ParallelProjection {
     right: DVec3,
     up: DVec3,
     towards: DVec3,
@@ -36,7 +36,7 @@ struct View {
     middle: [f64; 2],
 }
 
-impl View {
+impl ParallelProjection {
     fn new() -> Self {
         let ((sin_a, cos_a), (sin_h, cos_h)) = (FROM[0].sin_cos(), FROM[1].sin_cos());
         let towards = DVec3::new(cos_a * cos_h, sin_a * cos_h, sin_h);
@@ -61,7 +61,7 @@ impl View {
 
 /// The elements of the drawing, each with its depth: nearer elements hide those behind.
 struct Drawing {
-    view: View,
+    view: ParallelProjection,
     parts: Vec<(f64, Svg)>,
 }
 
@@ -97,12 +97,12 @@ impl Drawing {
 /// # Errors
 /// None that can happen: the mirror is valid.
 pub(super) fn drawing(coarse: &[FanRay], dense: &[FanRay]) -> Result<String, SurfaceError> {
-    let mut drawing = Drawing { view: View::new(), parts: Vec::new() };
+    let mut drawing = Drawing { view: ParallelProjection::new(), parts: Vec::new() };
     add_room(&mut drawing);
     add_hull(&mut drawing);
     add_mirror(&mut drawing)?;
-    for ray in coarse.iter().filter(|ray| ray.meeting.is_none()) {
-        if let Some(end) = &ray.arrival {
+    for ray in coarse.iter().filter(|ray| ray.hit.is_none()) {
+        if let Some(end) = &ray.wall_hit {
             drawing.line(
                 ray.ray.origin,
                 end.point,
@@ -114,7 +114,7 @@ pub(super) fn drawing(coarse: &[FanRay], dense: &[FanRay]) -> Result<String, Sur
         }
     }
     let mut ends = [0_usize; WALLS.len()];
-    let hits = || dense.iter().filter_map(|ray| Some((ray.meeting.as_ref()?, ray.arrival.as_ref()?)));
+    let hits = || dense.iter().filter_map(|ray| Some((ray.hit.as_ref()?, ray.wall_hit.as_ref()?)));
     for (number, (met, end)) in hits().enumerate() {
         ends[end.wall] += 1;
         drawing.dot(end.point, 1.7, &format!("fill=\"{MIRRORED}\" fill-opacity=\"0.8\""));
@@ -130,7 +130,7 @@ pub(super) fn drawing(coarse: &[FanRay], dense: &[FanRay]) -> Result<String, Sur
         }
     }
     for ray in coarse {
-        if let (Some(met), Some(end)) = (&ray.meeting, &ray.arrival) {
+        if let (Some(met), Some(end)) = (&ray.hit, &ray.wall_hit) {
             drawing.line(ray.ray.origin, met.point, PARTS, "black", "stroke-width=\"1.6\"");
             drawing.line(met.point, end.point, PARTS, "black", "stroke-width=\"1.6\"");
             drawing.dot(end.point, 4.0, "fill=\"black\"");
@@ -192,7 +192,7 @@ fn add_mirror(drawing: &mut Drawing) -> Result<(), SurfaceError> {
 }
 
 /// Metres along the edges of the room that are nearest to the lower border of the picture.
-fn add_axes(view: &View, svg: &mut Svg) {
+fn add_axes(view: &ParallelProjection, svg: &mut Svg) {
     // The corner of each axis' edge, and which way labels stand off it.
     let edges = [
         ("x", DVec3::new(0.0, 0.0, 0.0), DVec3::X, DVec3::NEG_Y),
@@ -241,7 +241,7 @@ mod tests {
 
     #[test]
     fn the_whole_room_is_within_the_frame_and_nearer_things_come_last() {
-        let view = View::new();
+        let view = ParallelProjection::new();
         for bits in 0..8_u32 {
             let p = SIDE * DVec3::new(f64::from(bits & 1), f64::from(bits >> 1 & 1), f64::from(bits >> 2));
             let [x, y] = view.place(p);

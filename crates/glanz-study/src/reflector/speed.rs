@@ -9,9 +9,9 @@ use glanz_scene::description::ShapeDescription;
 use glanz_scene::{Scene, SceneBuilder};
 use rayon::prelude::*;
 
-use super::aimed::{Aim, End, follow};
+use super::particles::{ConeSource, ParticleEnd, follow};
 use super::room::{material, mirror};
-use crate::clock::{Of, SHORTEST, Stopwatch};
+use crate::clock::{SHORTEST, Stopwatch, TimeScope};
 use crate::report::Report;
 use crate::study::{Settings, StudyError};
 use glanz_report::Table;
@@ -117,11 +117,11 @@ fn scene(mirrors: &[TrianglePatch], n: u32) -> Result<Scene, StudyError> {
 fn chosen(scene: &Scene, bounces: u8, settings: &Settings) -> Result<Vec<Ray>, StudyError> {
     settings.cancel.check()?;
     let bounds = mirror()?.bounds();
-    let aim = Aim::at((bounds.center(), 0.5 * bounds.diagonal().length()), settings.seed);
+    let aim = ConeSource::at((bounds.center(), 0.5 * bounds.diagonal().length()), settings.seed);
     let mut particles = Vec::with_capacity(PARTICLES);
     for number in 0..TRIED {
         let ray = aim.particle(number);
-        if matches!(follow(scene, &ray), End::Cell(_, reflections) if reflections == bounces) {
+        if matches!(follow(scene, &ray), ParticleEnd::Cell(_, reflections) if reflections == bounces) {
             particles.push(ray);
         }
         if particles.len() == PARTICLES {
@@ -142,13 +142,13 @@ fn timed(
     // Once to warm up.
     let send = || -> usize {
         pool.install(|| {
-            let ended = |ray: &Ray| usize::from(follow(scene, ray) != End::Missed);
+            let ended = |ray: &Ray| usize::from(follow(scene, ray) != ParticleEnd::Missed);
             particles.par_chunks(CHUNK).map(|chunk| chunk.iter().map(ended).sum::<usize>()).sum()
         })
     };
     let mut sent = 0;
     std::hint::black_box(send());
-    let (watch, begun) = (Stopwatch::start(Of::Process), Instant::now());
+    let (watch, begun) = (Stopwatch::start(TimeScope::Process), Instant::now());
     while sent == 0 || begun.elapsed() < 4 * SHORTEST {
         settings.cancel.check()?;
         std::hint::black_box(send());
@@ -159,7 +159,7 @@ fn timed(
 }
 
 /// Adds the chapter.
-pub(super) fn tell(speeds: &[Speed], report: &mut Report) {
+pub(super) fn add_to(speeds: &[Speed], report: &mut Report) {
     report.heading("Speed");
     report.paragraph(
         "Particles that meet the mirror once, and such that meet a second one under the ceiling as well, until they reach a wall. \
@@ -210,13 +210,13 @@ mod tests {
     fn a_mirror_in_parts_sends_particles_to_the_same_places() {
         let mirrors = [mirror().unwrap(), second().unwrap()];
         let (whole, parts) = (scene(&mirrors, 1).unwrap(), scene(&mirrors, 10).unwrap());
-        let aim = Aim::at((DVec3::new(4.5, 4.5, 5.5), 3.0), 0);
+        let aim = ConeSource::at((DVec3::new(4.5, 4.5, 5.5), 3.0), 0);
         let (mut same, mut twice) = (0, 0);
         for number in 0..2000 {
             let ray = aim.particle(number);
             let [a, b] = [&whole, &parts].map(|scene| follow(scene, &ray));
             same += u32::from(a == b);
-            twice += u32::from(matches!(a, End::Cell(_, 2)));
+            twice += u32::from(matches!(a, ParticleEnd::Cell(_, 2)));
         }
         // But for roundings at the borders of cells.
         assert!(same >= 1999, "{same}");

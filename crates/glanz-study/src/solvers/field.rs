@@ -7,20 +7,20 @@ use glanz_math::DVec2;
 use glanz_radiosity::elements::{Element, Elements, Part, Patch};
 
 /// Side of a face.
-type Side = (u32, u32, bool);
+type FaceSide = (u32, u32, bool);
 
 /// What elements send back of what they receive, as luminance; light of their own is left out, which all solvers know.
 pub(super) struct Field<'a> {
     list: &'a [Element],
     reflected: Vec<f64>,
-    sides: HashMap<Side, Vec<usize>>,
+    sides: HashMap<FaceSide, Vec<usize>>,
 }
 
 fn luminance(light: Spectrum) -> f64 {
     f64::from(light.luminance(&Wavelengths::default()))
 }
 
-fn side(patch: &Patch) -> Side {
+fn side(patch: &Patch) -> FaceSide {
     (patch.surface, patch.face, patch.back)
 }
 
@@ -28,7 +28,7 @@ impl<'a> Field<'a> {
     pub(super) fn new(elements: &'a Elements<'_>, radiosity: &[Spectrum]) -> Self {
         let reflected = elements.list.iter().zip(radiosity);
         let reflected = reflected.map(|(element, &light)| luminance(light - element.emission)).collect();
-        let mut sides: HashMap<Side, Vec<usize>> = HashMap::new();
+        let mut sides: HashMap<FaceSide, Vec<usize>> = HashMap::new();
         for (number, element) in elements.list.iter().enumerate() {
             sides.entry(side(&element.patch)).or_default().push(number);
         }
@@ -41,7 +41,7 @@ impl<'a> Field<'a> {
     }
 
     /// The light at a place of a side; `None` where there is no element.
-    fn at(&self, side: Side, uv: DVec2) -> Option<f64> {
+    fn at(&self, side: FaceSide, uv: DVec2) -> Option<f64> {
         let holds = |&&number: &&usize| self.list.get(number).is_some_and(|e| e.patch.part.holds(uv));
         let number = self.sides.get(&side)?.iter().find(holds)?;
         self.reflected.get(*number).copied()

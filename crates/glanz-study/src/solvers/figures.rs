@@ -1,16 +1,10 @@
 //! Plots.
 
 use super::descent::Descent;
-use super::measure::{LEFT, Outcome, Solved, Solver};
+use super::measure::{LEFT, RoomSolutions, SolverKind, SolverRun};
+use crate::report::Figure;
 use glanz_report::number::significant;
 use glanz_report::{Axis, Plot, ReferenceLine, Series};
-
-/// A plot with its file and what it shows.
-pub(super) struct Figure {
-    pub(super) name: String,
-    pub(super) plot: Plot,
-    pub(super) caption: String,
-}
 
 /// Exponent of the power of x that fits points best, by least squares of logarithms; `None` if there are not two.
 pub(super) fn exponent(points: &[[f64; 2]]) -> Option<f64> {
@@ -27,32 +21,32 @@ pub(super) fn exponent(points: &[[f64; 2]]) -> Option<f64> {
 
 /// Points of a quantity over the number of elements.
 pub(super) fn over_elements(
-    outcome: &Outcome,
-    solver: Solver,
-    quantity: impl Fn(&Solved) -> Option<f64>,
+    outcome: &RoomSolutions,
+    solver: SolverKind,
+    quantity: impl Fn(&SolverRun) -> Option<f64>,
 ) -> Vec<[f64; 2]> {
     outcome.of(solver).filter_map(|run| Some([run.elements as f64, quantity(run)?])).collect()
 }
 
 /// Processor time, s.
-pub(super) fn time(run: &Solved) -> Option<f64> {
+pub(super) fn time(run: &SolverRun) -> Option<f64> {
     Some(run.processors.as_secs_f64())
 }
 
 /// Factors or links.
-pub(super) fn kept(run: &Solved) -> Option<f64> {
+pub(super) fn kept(run: &SolverRun) -> Option<f64> {
     Some(run.kept? as f64)
 }
 
 /// Rays.
-pub(super) fn rays(run: &Solved) -> Option<f64> {
+pub(super) fn rays(run: &SolverRun) -> Option<f64> {
     Some(run.rays as f64)
 }
 
 /// All plots of a room.
-pub(super) fn figures(outcome: &Outcome) -> Vec<Figure> {
-    let Outcome { name, .. } = outcome;
-    let series = |solver: Solver, points: Vec<[f64; 2]>, fitted: bool| {
+pub(super) fn figures(outcome: &RoomSolutions) -> Vec<Figure> {
+    let RoomSolutions { name, .. } = outcome;
+    let series = |solver: SolverKind, points: Vec<[f64; 2]>, fitted: bool| {
         let slope = exponent(&points).filter(|_| fitted);
         let slope = match slope {
             _ if points.is_empty() => ": none".to_owned(),
@@ -62,9 +56,9 @@ pub(super) fn figures(outcome: &Outcome) -> Vec<Figure> {
         Series { name: format!("{}{slope}", solver.name()), points }
     };
     let over =
-        |what: &'static str, title: &str, y: &str, quantity: &dyn Fn(&Solved) -> Option<f64>, fitted| {
-            let all =
-                Solver::ALL.map(|solver| series(solver, over_elements(outcome, solver, quantity), fitted));
+        |what: &'static str, title: &str, y: &str, quantity: &dyn Fn(&SolverRun) -> Option<f64>, fitted| {
+            let all = SolverKind::ALL
+                .map(|solver| series(solver, over_elements(outcome, solver, quantity), fitted));
             let plot = Plot {
                 title: format!("{title}, room {name}"),
                 x: Axis::logarithmic("elements"),
@@ -79,7 +73,7 @@ pub(super) fn figures(outcome: &Outcome) -> Vec<Figure> {
         |(name, plot): (String, Plot), caption: &str| Figure { name, plot, caption: caption.to_owned() };
     let fitted =
         "exponents are slopes of straight lines through the points, fitted by least squares of logarithms";
-    let by_time = Solver::ALL.map(|solver| {
+    let by_time = SolverKind::ALL.map(|solver| {
         let points =
             outcome.of(solver).filter_map(|run| Some([run.processors.as_secs_f64(), run.errors[1]?]));
         series(solver, points.collect(), false)
@@ -98,7 +92,7 @@ pub(super) fn figures(outcome: &Outcome) -> Vec<Figure> {
         ),
         figure(
             over("rays", "Rays", "rays", &rays, true),
-            &format!("Rays that tell what sees what; {fitted}."),
+            &format!("Rays that on_progress what sees what; {fitted}."),
         ),
         figure(
             over("kept", "Memory", "form factors or links that are kept", &kept, true),
@@ -128,7 +122,7 @@ pub(super) fn figures(outcome: &Outcome) -> Vec<Figure> {
     ]
 }
 
-fn convergence(outcome: &Outcome) -> Figure {
+fn convergence(outcome: &RoomSolutions) -> Figure {
     let Descent { elements, shooting, with_ambient, gathering, left } = &outcome.descent;
     let series =
         |name: &str, points: &Vec<[f64; 2]>| Series { name: name.to_owned(), points: points.clone() };

@@ -9,7 +9,7 @@ use glanz_radiosity::solve::{GaussSeidel, Hierarchical, gauss_seidel, hierarchic
 use glanz_scene::description::{MaterialKind, ShapeDescription};
 use glanz_scene::{Scene, SceneBuilder};
 
-use super::measure::{LEFT, Solver};
+use super::measure::{LEFT, SolverKind};
 use super::progressive::Progressive;
 use crate::study::{Settings, StudyError};
 
@@ -26,7 +26,7 @@ const BOUND: f64 = 1e-3;
 /// What a solver makes of a box.
 pub(super) struct Furnace {
     pub(super) reflectance: f64,
-    pub(super) solver: Solver,
+    pub(super) solver: SolverKind,
     pub(super) elements: usize,
     /// Mean over areas, and smallest and largest value of an element, per E / (1 - rho).
     pub(super) mean: f64,
@@ -55,17 +55,17 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Furnace>, StudyError> {
         let one = |solver, elements: &Elements<'_>, radiosity: &[Spectrum]| {
             Furnace::new(f64::from(reflectance), solver, &elements.list, radiosity, expected)
         };
-        made.push(Furnace { sums: Some(sums), ..one(Solver::Full, &elements, &solved.radiosity) });
+        made.push(Furnace { sums: Some(sums), ..one(SolverKind::Full, &elements, &solved.radiosity) });
         let mut shot = Progressive::new(&elements);
         while shot.left(&elements) > LEFT && shot.shoot_known(&elements, &factors) {}
         let left = Some(shot.left(&elements));
-        made.push(Furnace { left, ..one(Solver::Progressive, &elements, shot.radiosity()) });
+        made.push(Furnace { left, ..one(SolverKind::Progressive, &elements, shot.radiosity()) });
         let start = Elements::new(&scene, &ElementSettings { side: SIZE.max_element() })?;
         let way = Hierarchical { bound: BOUND, ..Hierarchical::default() };
         let solved = hierarchical(start, &way, &mut Silent, &settings.cancel)
             .map_err(|error| StudyError::Unreadable(error.to_string()))?;
         settings.cancel.check()?;
-        made.push(one(Solver::Hierarchical, &solved.elements, &solved.radiosity));
+        made.push(one(SolverKind::Hierarchical, &solved.elements, &solved.radiosity));
     }
     Ok(made)
 }
@@ -81,7 +81,7 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
 impl Furnace {
     fn new(
         reflectance: f64,
-        solver: Solver,
+        solver: SolverKind,
         list: &[Element],
         radiosity: &[Spectrum],
         expected: f64,

@@ -12,7 +12,7 @@ use rayon::ThreadPool;
 use super::descent::{Descent, descent};
 use super::field::{Field, error_of};
 use super::progressive::Progressive;
-use crate::clock::{Of, Stopwatch};
+use crate::clock::{Stopwatch, TimeScope};
 use crate::study::{Settings, StudyError};
 
 /// Largest side of elements, metres, and how it goes down.
@@ -42,7 +42,7 @@ const MORE: usize = 6;
 
 /// A way to solve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Solver {
+pub(super) enum SolverKind {
     /// Form factors of all pairs, Gauss and Seidel's method.
     Full,
     /// Progressive refinement.
@@ -51,7 +51,7 @@ pub(super) enum Solver {
     Hierarchical,
 }
 
-impl Solver {
+impl SolverKind {
     pub(super) const ALL: [Self; 3] = [Self::Full, Self::Progressive, Self::Hierarchical];
 
     pub(super) fn name(self) -> &'static str {
@@ -65,8 +65,8 @@ impl Solver {
 
 /// What a solution took, and how good it is.
 #[derive(Clone, Debug)]
-pub(super) struct Solved {
-    pub(super) solver: Solver,
+pub(super) struct SolverRun {
+    pub(super) solver: SolverKind,
     /// Largest side of elements, metres; or the bound.
     pub(super) setting: f64,
     pub(super) elements: usize,
@@ -87,23 +87,23 @@ pub(super) struct Solved {
 }
 
 /// What came of a room.
-pub(super) struct Outcome {
+pub(super) struct RoomSolutions {
     pub(super) name: String,
     /// By solver, coarse before fine.
-    pub(super) runs: Vec<Solved>,
+    pub(super) runs: Vec<SolverRun>,
     /// Of the coarsest elements.
     pub(super) descent: Descent,
 }
 
-impl Outcome {
-    pub(super) fn of(&self, solver: Solver) -> impl Iterator<Item = &Solved> {
+impl RoomSolutions {
+    pub(super) fn of(&self, solver: SolverKind) -> impl Iterator<Item = &SolverRun> {
         self.runs.iter().filter(move |run| run.solver == solver)
     }
 }
 
 /// Runs a closure, and what that took.
 fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration, Duration) {
-    let (watch, begun) = (Stopwatch::start(Of::Process), Instant::now());
+    let (watch, begun) = (Stopwatch::start(TimeScope::Process), Instant::now());
     let value = work();
     (value, watch.elapsed(), begun.elapsed())
 }
@@ -127,7 +127,7 @@ fn divisions<'a>(scene: &'a Scene, most: usize) -> Result<Vec<(f64, Elements<'a>
     Ok(found)
 }
 
-/// Solves a room in all ways. `tell`: what comes next, and the share that is done.
+/// Solves a room in all ways. `on_progress`: what comes next, and the share that is done.
 ///
 /// # Errors
 /// An end that was wanted, or a room that cannot be divided.
@@ -137,10 +137,10 @@ pub(super) fn measure(
     most: usize,
     settings: &Settings,
     pool: &ThreadPool,
-    tell: &mut dyn FnMut(f64, &str),
-) -> Result<Outcome, StudyError> {
+    on_progress: &mut dyn FnMut(f64, &str),
+) -> Result<RoomSolutions, StudyError> {
     let divisions = divisions(scene, most)?;
-    let mut of_divisions: Vec<(Solved, &Elements<'_>, Light)> = Vec::new();
+    let mut of_divisions: Vec<(SolverRun, &Elements<'_>, RadiosityValues)> = Vec::new();
     let mut last = None;
     // Both ways go with the square, and the hierarchy is as much again as the finest.
     let square = |elements: &Elements<'_>| (elements.list.len() as f64).powi(2);
@@ -149,10 +149,10 @@ pub(super) fn measure(
     let mut done = 0.0;
     for (side, elements) in &divisions {
         let count = elements.list.len();
-        tell(done / all, &format!("all pairs of {count} elements"));
+        on_progress(done / all, &format!("all pairs of {count} elements"));
         let (full, factors, radiosity) = pool.install(|| all_pairs(*side, elements, settings))?;
         done += square(elements);
-        tell(done / all, &format!("progressive refinement, {count} elements"));
+        on_progress(done / all, &format!("progressive refinement, {count} elements"));
         let (mut shot, light) = pool.install(|| progressive(*side, elements, settings))?;
         done += square(elements);
         shot.unfinished = Some(error_of(&elements.list, &light, &radiosity));
@@ -162,10 +162,10 @@ pub(super) fn measure(
     let (Some((full, elements, radiosity)), Some(descent)) = (of_divisions.first(), last) else {
         return Err(StudyError::Unreadable(format!("{name}: there is nothing to solve")));
     };
-    let mut of_links: Vec<(Solved, Elements<'_>, Light)> = Vec::new();
+    let mut of_links: Vec<(SolverRun, Elements<'_>, RadiosityValues)> = Vec::new();
     let mut bound = BOUND;
     for _ in 0..BOUNDS {
-        tell(done / all, &format!("hierarchical, bound {bound:.1e}"));
+        on_progress(done / all, &format!("hierarchical, bound {bound:.1e}"));
         of_links.push(pool.install(|| by_links(scene, bound, settings))?);
         if of_links.last().is_some_and(|(run, ..)| run.elements >= MORE * full.elements) {
             break;
@@ -184,24 +184,24 @@ pub(super) fn measure(
         settings.cancel.check()?;
         let field = Field::new(elements, light);
         let itself = |reference: &Field<'_>| {
-            reference.is_on(elements) && matches!(run.solver, Solver::Full | Solver::Hierarchical)
+            reference.is_on(elements) && matches!(run.solver, SolverKind::Full | SolverKind::Hierarchical)
         };
         let errors = references
             .each_ref()
             .map(|(reference, levels)| (!itself(reference)).then(|| field.error(reference, *levels)));
-        runs.push(Solved { errors, ..run.clone() });
+        runs.push(SolverRun { errors, ..run.clone() });
     }
-    Ok(Outcome { name: name.to_owned(), runs, descent })
+    Ok(RoomSolutions { name: name.to_owned(), runs, descent })
 }
 
 /// Radiosity of each element.
-type Light = Vec<glanz_light::Spectrum>;
+type RadiosityValues = Vec<glanz_light::Spectrum>;
 
 fn all_pairs(
     side: f64,
     elements: &Elements<'_>,
     settings: &Settings,
-) -> Result<(Solved, FormFactors, Light), StudyError> {
+) -> Result<(SolverRun, FormFactors, RadiosityValues), StudyError> {
     let solve = || {
         let factors = FormFactors::new(elements, &settings.cancel)?;
         let solved = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &settings.cancel)?;
@@ -209,8 +209,8 @@ fn all_pairs(
     };
     let (made, processors, wall) = timed(solve);
     let (factors, solved) = made?;
-    let run = Solved {
-        solver: Solver::Full,
+    let run = SolverRun {
+        solver: SolverKind::Full,
         setting: side,
         elements: elements.list.len(),
         processors,
@@ -229,7 +229,7 @@ fn progressive(
     side: f64,
     elements: &Elements<'_>,
     settings: &Settings,
-) -> Result<(Solved, Light), StudyError> {
+) -> Result<(SolverRun, RadiosityValues), StudyError> {
     let solve = || {
         let (mut shot, mut steps) = (Progressive::new(elements), 0);
         while shot.left(elements) > LEFT && shot.shoot(elements) {
@@ -240,8 +240,8 @@ fn progressive(
     };
     let (made, processors, wall) = timed(solve);
     let (shot, steps) = made?;
-    let run = Solved {
-        solver: Solver::Progressive,
+    let run = SolverRun {
+        solver: SolverKind::Progressive,
         setting: side,
         elements: elements.list.len(),
         processors,
@@ -261,7 +261,7 @@ fn by_links<'a>(
     scene: &'a Scene,
     bound: f64,
     settings: &Settings,
-) -> Result<(Solved, Elements<'a>, Light), StudyError> {
+) -> Result<(SolverRun, Elements<'a>, RadiosityValues), StudyError> {
     // Faces in one piece.
     let side = 2.0 * scene.bounds().diagonal().length();
     let way = Hierarchical { bound, ..Hierarchical::default() };
@@ -273,8 +273,8 @@ fn by_links<'a>(
     let (made, processors, wall) = timed(solve);
     let solved = made?;
     settings.cancel.check()?;
-    let run = Solved {
-        solver: Solver::Hierarchical,
+    let run = SolverRun {
+        solver: SolverKind::Hierarchical,
         setting: bound,
         elements: solved.elements.list.len(),
         processors,

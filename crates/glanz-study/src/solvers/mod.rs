@@ -38,13 +38,13 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
     let furnaces = pool.install(|| furnace::measure(settings))?;
     let mut outcomes = Vec::new();
     for (number, (name, scene)) in scenes.iter().enumerate() {
-        let mut tell = |share: f64, what: &str| {
+        let mut on_progress = |share: f64, what: &str| {
             progress.report((number as f64 + 1.0 + share) / parts, &format!("{name}, {what}"));
         };
-        // The pool's threads cannot tell how far they are: each run is told before it begins.
-        outcomes.push(measure(name, scene, most, settings, &pool, &mut tell)?);
+        // The pool's threads cannot on_progress how far they are: each run is told before it begins.
+        outcomes.push(measure(name, scene, most, settings, &pool, &mut on_progress)?);
     }
-    let report = report::tell_all(&outcomes, &furnaces, most, pool.current_num_threads());
+    let report = report::build_report(&outcomes, &furnaces, most, pool.current_num_threads());
     progress.report(1.0, "done");
     Ok(report)
 }

@@ -184,7 +184,7 @@ mod tests {
         for (&a, &b) in new.radiosity().iter().zip(known.radiosity()) {
             assert!((luminance(a) - luminance(b)).abs() < 1e-5, "{a:?} {b:?}");
         }
-        // Inside a convex room 16 rays or so tell that a pair sees each other whole; the other side of a wall takes none.
+        // Inside a convex room 16 rays or so on_progress that a pair sees each other whole; the other side of a wall takes none.
         let inside = elements.list.iter().filter(|element| !element.patch.back).count() as u64;
         assert!(factors.rays() > 0 && factors.rays() <= 16 * inside * inside / 2);
         assert!(new.rays() > 0 && known.rays() == 0);

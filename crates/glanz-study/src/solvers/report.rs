@@ -3,7 +3,7 @@
 use super::Furnace;
 use super::descent::Descent;
 use super::figures::{exponent, figures, kept, over_elements, rays, time};
-use super::measure::{LEFT, Outcome, Solved, Solver};
+use super::measure::{LEFT, RoomSolutions, SolverKind, SolverRun};
 use crate::clock;
 use crate::report::Report;
 use glanz_report::number::{grouped, plural, significant};
@@ -62,7 +62,12 @@ const CONVERGENCE: [(&str, &str); 6] = [
 ];
 
 /// The whole report.
-pub(super) fn tell_all(outcomes: &[Outcome], furnaces: &[Furnace], most: usize, threads: usize) -> Report {
+pub(super) fn build_report(
+    outcomes: &[RoomSolutions],
+    furnaces: &[Furnace],
+    most: usize,
+    threads: usize,
+) -> Report {
     let mut report = Report::new("Study solvers: radiosity over the number of elements", summary(outcomes));
     report.heading("What was asked");
     report.paragraph(
@@ -80,7 +85,7 @@ pub(super) fn tell_all(outcomes: &[Outcome], furnaces: &[Furnace], most: usize, 
     for outcome in outcomes {
         report.heading(format!("Room {}", outcome.name));
         for figure in figures(outcome) {
-            report.plot(figure.name, figure.plot, figure.caption);
+            report.figure(figure);
         }
     }
     report.data(convergence(outcomes));
@@ -101,14 +106,14 @@ fn settings_text(most: usize, threads: usize) -> String {
     )
 }
 
-fn summary(outcomes: &[Outcome]) -> Table {
+fn summary(outcomes: &[RoomSolutions]) -> Table {
     let caption = "Time over the number of elements: t ~ n^exponent, fitted; errors against the finest solution by all pairs, and against the finest by links.";
     let mut table = Table::new("summary", caption, &SUMMARY);
     for outcome in outcomes {
-        for solver in Solver::ALL {
-            let runs: Vec<&Solved> = outcome.of(solver).collect();
+        for solver in SolverKind::ALL {
+            let runs: Vec<&SolverRun> = outcome.of(solver).collect();
             let (Some(first), Some(last)) = (runs.first(), runs.last()) else { continue };
-            let fitted = |quantity: &dyn Fn(&Solved) -> Option<f64>| {
+            let fitted = |quantity: &dyn Fn(&SolverRun) -> Option<f64>| {
                 exponent(&over_elements(outcome, solver, quantity))
             };
             table.push([
@@ -130,11 +135,11 @@ fn summary(outcomes: &[Outcome]) -> Table {
     table
 }
 
-fn runs(outcomes: &[Outcome]) -> Table {
+fn runs(outcomes: &[RoomSolutions]) -> Table {
     let caption = "All solutions. Memory is that of form factors, or, where none are kept, of the light of elements; that of links is not told.";
     let mut table = Table::new("runs", caption, &RUNS);
     for outcome in outcomes {
-        for run in Solver::ALL.into_iter().flat_map(|solver| outcome.of(solver)) {
+        for run in SolverKind::ALL.into_iter().flat_map(|solver| outcome.of(solver)) {
             table.push([
                 TableCell::Text(outcome.name.clone()),
                 run.solver.name().into(),
@@ -177,7 +182,7 @@ fn furnace_table(furnaces: &[Furnace]) -> Table {
     table
 }
 
-fn convergence(outcomes: &[Outcome]) -> Table {
+fn convergence(outcomes: &[RoomSolutions]) -> Table {
     let mut table = Table::new("convergence", "The points of the plots of convergence:", &CONVERGENCE);
     for outcome in outcomes {
         let Descent { shooting, with_ambient, gathering, left, .. } = &outcome.descent;
@@ -193,10 +198,10 @@ fn convergence(outcomes: &[Outcome]) -> Table {
     table
 }
 
-fn findings(outcome: &Outcome) -> Vec<String> {
+fn findings(outcome: &RoomSolutions) -> Vec<String> {
     let name = &outcome.name;
     let mut found = Vec::new();
-    let slopes = Solver::ALL.map(|solver| (solver, exponent(&over_elements(outcome, solver, time))));
+    let slopes = SolverKind::ALL.map(|solver| (solver, exponent(&over_elements(outcome, solver, time))));
     let slopes: Vec<String> = slopes
         .into_iter()
         .filter_map(|(solver, slope)| Some(format!("{:.2} ({})", slope?, solver.name())))
@@ -214,9 +219,9 @@ fn findings(outcome: &Outcome) -> Vec<String> {
 }
 
 /// The hierarchical solver against the finest of the others.
-fn race(outcome: &Outcome) -> Option<String> {
-    let full = outcome.of(Solver::Full).last()?;
-    let more = outcome.of(Solver::Hierarchical).find(|run| run.elements >= full.elements)?;
+fn race(outcome: &RoomSolutions) -> Option<String> {
+    let full = outcome.of(SolverKind::Full).last()?;
+    let more = outcome.of(SolverKind::Hierarchical).find(|run| run.elements >= full.elements)?;
     let ratio = full.processors.as_secs_f64() / more.processors.as_secs_f64().max(1e-3);
     Some(format!(
         "Room {}: all pairs of {} elements take {} s, links between {} elements {} s, {} times less, with an error of {} against the former.",
@@ -231,9 +236,9 @@ fn race(outcome: &Outcome) -> Option<String> {
 }
 
 /// How the number of links grows.
-fn per_element(outcome: &Outcome) -> Option<String> {
-    let runs: Vec<&Solved> = outcome.of(Solver::Hierarchical).collect();
-    let per = |run: &Solved| Some(significant(run.kept? as f64 / run.elements as f64));
+fn per_element(outcome: &RoomSolutions) -> Option<String> {
+    let runs: Vec<&SolverRun> = outcome.of(SolverKind::Hierarchical).collect();
+    let per = |run: &SolverRun| Some(significant(run.kept? as f64 / run.elements as f64));
     let (first, last) = (runs.first()?, runs.last()?);
     Some(format!(
         "Room {}: {} links per element with a bound of {}, and {} with {}: a tighter bound asks for more links, not for more elements alone.",
@@ -246,7 +251,7 @@ fn per_element(outcome: &Outcome) -> Option<String> {
 }
 
 /// Steps to errors, with and without the ambient term.
-fn ambient(outcome: &Outcome) -> Option<String> {
+fn ambient(outcome: &RoomSolutions) -> Option<String> {
     let Descent { shooting, with_ambient, elements, .. } = &outcome.descent;
     let sentence = |error: f64| {
         let steps = |curve: &[[f64; 2]]| {
@@ -265,7 +270,7 @@ fn ambient(outcome: &Outcome) -> Option<String> {
 }
 
 fn furnace_finding(furnaces: &[Furnace]) -> Option<String> {
-    let off = |solver: Solver| {
+    let off = |solver: SolverKind| {
         let of = furnaces.iter().filter(|furnace| furnace.solver == solver);
         of.map(|furnace| (furnace.mean - 1.0).abs()).reduce(f64::max)
     };
@@ -273,9 +278,9 @@ fn furnace_finding(furnaces: &[Furnace]) -> Option<String> {
     let sum = sums.flatten().map(|sum| (sum - 1.0).abs()).reduce(f64::max)?;
     Some(format!(
         "In furnaces the mean radiosity is off by {} at most (all pairs), {} (hierarchical) and {} (progressive, which stops early); form factors of an element sum to 1 but for {}.",
-        significant(off(Solver::Full)?),
-        significant(off(Solver::Hierarchical)?),
-        significant(off(Solver::Progressive)?),
+        significant(off(SolverKind::Full)?),
+        significant(off(SolverKind::Hierarchical)?),
+        significant(off(SolverKind::Progressive)?),
         significant(sum)
     ))
 }

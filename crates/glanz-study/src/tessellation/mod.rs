@@ -6,8 +6,8 @@ mod setup;
 mod surface;
 
 use self::picture::difference_picture;
-use self::report::{GAIN, Outcome, tell_all};
-use self::setup::Stage;
+use self::report::{GAIN, SurfaceOutcome, build_report};
+use self::setup::TessellationSetup;
 use crate::report::Report;
 use crate::study::{Settings, StudyError, StudyProgress};
 use glanz_report::number::grouped;
@@ -34,7 +34,7 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
     // The work grows with the pictures, and somewhat with the triangles of the last.
     let parts = (SURFACES.len() * (grids.len() + 3)) as f64;
     let mut done = 0.0;
-    let mut tell = |what: String| {
+    let mut report_progress = |what: String| {
         progress.report(done / parts, &what);
         done += 1.0;
     };
@@ -42,28 +42,31 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
     let mut pictures = Vec::new();
     for surfaces in SURFACES {
         let noun = if surfaces == 1 { "surface" } else { "surfaces" };
-        tell(format!("{surfaces} {noun}, exact"));
-        let stage = Stage::set(surfaces, size, settings)?;
+        report_progress(format!("{surfaces} {noun}, exact"));
+        let setup = TessellationSetup::new(surfaces, size, settings)?;
         let mut cases = Vec::new();
         let mut coarsest = None;
         for &n in &grids {
-            tell(format!("{surfaces} {noun}, {} triangles each", grouped(2 * u64::from(n).pow(2))));
-            let (case, pixels) = stage.triangles(n)?;
+            report_progress(format!(
+                "{surfaces} {noun}, {} triangles each",
+                grouped(2 * u64::from(n).pow(2))
+            ));
+            let (case, pixels) = setup.triangles(n)?;
             coarsest.get_or_insert(pixels);
             cases.push((n, case));
         }
-        tell(format!("{surfaces} {noun}, smallest sufficient number of triangles"));
-        let smallest = stage.smallest(&cases)?;
-        tell(format!("{surfaces} {noun}, differences"));
+        report_progress(format!("{surfaces} {noun}, smallest sufficient number of triangles"));
+        let smallest = setup.smallest(&cases)?;
+        report_progress(format!("{surfaces} {noun}, differences"));
         if let Some(coarsest) = coarsest {
-            let difference = difference_picture(&stage.pixels, &coarsest, GAIN)?;
-            pictures.push((surfaces, stage.pixels, coarsest, difference));
+            let difference = difference_picture(&setup.pixels, &coarsest, GAIN)?;
+            pictures.push((surfaces, setup.pixels, coarsest, difference));
         }
         let cases = cases.into_iter().map(|(_, case)| case).collect();
-        let (length, coverage) = (stage.sights.silhouette_length(), stage.sights.coverage());
-        results.push(Outcome { surfaces, exact: stage.exact, cases, smallest, length, coverage });
+        let (length, coverage) = (setup.hits.silhouette_length(), setup.hits.coverage());
+        results.push(SurfaceOutcome { surfaces, exact: setup.exact, cases, smallest, length, coverage });
     }
-    let report = tell_all(&results, pictures, size, settings);
+    let report = build_report(&results, pictures, size, settings);
     progress.report(1.0, "done");
     Ok(report)
 }

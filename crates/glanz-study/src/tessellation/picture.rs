@@ -13,7 +13,7 @@ use glanz_scene::description::{
 use glanz_scene::{Scene, SceneBuilder};
 use glanz_transport::{Film, FilmFormat, Filter, IntegratorSettings, RenderSettings, render};
 
-use crate::clock::{Of, Stopwatch};
+use crate::clock::{Stopwatch, TimeScope};
 use crate::study::{Settings, StudyError};
 
 /// Samples per pixel of the pictures.
@@ -71,7 +71,7 @@ pub(super) fn picture(
         threads: 1,
         time_limit: None,
     };
-    let watch = Stopwatch::start(Of::Process);
+    let watch = Stopwatch::start(TimeScope::Process);
     let outcome = render(scene, integrator.as_ref(), &render_settings, film, &mut Silent, &settings.cancel)?;
     let time = watch.elapsed();
     outcome.end.check()?;
@@ -83,18 +83,18 @@ const FINE: u32 = 1080;
 
 /// What the ray through the middle of a pixel meets.
 #[derive(Clone, Copy, Debug)]
-struct Sight {
+struct PixelHit {
     /// Distance, metres; infinite if nothing is met.
     t: f64,
     normal: DVec3,
 }
 
-/// The sights of all pixels.
-pub(super) struct Sights {
+/// The hits of all pixels.
+pub(super) struct PixelHits {
     width: usize,
     /// Difference of distances, metres, beyond which neighbouring pixels of a picture of this size are on different folds.
     fold: f64,
-    pixels: Vec<Sight>,
+    pixels: Vec<PixelHit>,
 }
 
 /// How a mesh differs from the exact surface.
@@ -110,7 +110,7 @@ pub(super) struct Difference {
     pub(super) silhouette: f64,
 }
 
-impl Sights {
+impl PixelHits {
     pub(super) fn of(scene: &Scene, size: [u32; 2], settings: &Settings) -> Result<Self, StudyError> {
         let mut pixels = Vec::with_capacity(size[0] as usize * size[1] as usize);
         for y in 0..size[1] {
@@ -118,8 +118,8 @@ impl Sights {
             for x in 0..size[0] {
                 let film = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
                 let hit = scene.intersect(&scene.camera().ray(film, DVec2::ZERO), f64::INFINITY);
-                let miss = Sight { t: f64::INFINITY, normal: DVec3::ZERO };
-                pixels.push(hit.map_or(miss, |at| Sight { t: at.t, normal: at.point.shading_normal }));
+                let miss = PixelHit { t: f64::INFINITY, normal: DVec3::ZERO };
+                pixels.push(hit.map_or(miss, |at| PixelHit { t: at.t, normal: at.point.shading_normal }));
             }
         }
         // Larger pixels see neighbours further apart.
@@ -184,8 +184,8 @@ impl Sights {
 
 /// Breaks of the surface along a line of pixels. Where it is seen almost along itself, neighbours lie far from each other
 /// as well, but so do theirs.
-fn breaks<'a>(line: impl Iterator<Item = &'a Sight>, fold: f64) -> usize {
-    let line: Vec<f64> = line.map(|sight| sight.t).collect();
+fn breaks<'a>(line: impl Iterator<Item = &'a PixelHit>, fold: f64) -> usize {
+    let line: Vec<f64> = line.map(|hit| hit.t).collect();
     let step = |i: usize| {
         let (a, b) = (line.get(i)?, line.get(i + 1)?);
         (a.is_finite() && b.is_finite()).then(|| (a - b).abs())
@@ -202,7 +202,7 @@ fn breaks<'a>(line: impl Iterator<Item = &'a Sight>, fold: f64) -> usize {
 }
 
 /// Whether only one of two is a hit, or their distances differ by more than `fold`.
-fn apart(a: &Sight, b: &Sight, fold: f64) -> bool {
+fn apart(a: &PixelHit, b: &PixelHit, fold: f64) -> bool {
     match (a.t.is_finite(), b.t.is_finite()) {
         (true, true) => (a.t - b.t).abs() > fold,
         (hit, other) => hit != other,
@@ -250,8 +250,12 @@ pub(super) fn difference_picture(a: &Pixels, b: &Pixels, gain: f64) -> Result<Pi
 mod tests {
     use super::*;
 
-    fn row(sights: &[(f64, DVec3)], width: usize) -> Sights {
-        Sights { width, fold: FOLD, pixels: sights.iter().map(|&(t, normal)| Sight { t, normal }).collect() }
+    fn row(hits: &[(f64, DVec3)], width: usize) -> PixelHits {
+        PixelHits {
+            width,
+            fold: FOLD,
+            pixels: hits.iter().map(|&(t, normal)| PixelHit { t, normal }).collect(),
+        }
     }
 
     #[test]
@@ -277,7 +281,7 @@ mod tests {
     #[test]
     fn steep_views_are_no_silhouettes_and_folds_are() {
         let line = |ts: &[f64]| {
-            breaks(ts.iter().map(|&t| Sight { t, normal: DVec3::Z }).collect::<Vec<_>>().iter(), FOLD)
+            breaks(ts.iter().map(|&t| PixelHit { t, normal: DVec3::Z }).collect::<Vec<_>>().iter(), FOLD)
         };
         let miss = f64::INFINITY;
         assert_eq!(line(&[miss, 1.0, 1.001, 1.002, 1.9, 1.903, miss, miss]), 3);

@@ -3,7 +3,7 @@
 use glanz_light::Pixels;
 
 use super::picture::{Difference, EXPONENT, SAMPLES};
-use super::setup::{Case, LEVEL, NARROW};
+use super::setup::{LEVEL, MeshCase, NARROW};
 use crate::clock;
 use crate::report::Report;
 use crate::study::Settings;
@@ -29,18 +29,18 @@ const COLUMNS: [(&str, &str); 12] = [
 ];
 
 /// What came out for a number of surfaces.
-pub(super) struct Outcome {
+pub(super) struct SurfaceOutcome {
     pub(super) surfaces: usize,
-    pub(super) exact: Case,
-    pub(super) cases: Vec<Case>,
-    pub(super) smallest: Option<Case>,
+    pub(super) exact: MeshCase,
+    pub(super) cases: Vec<MeshCase>,
+    pub(super) smallest: Option<MeshCase>,
     /// Of the silhouettes, pixels.
     pub(super) length: f64,
     /// Share of the picture.
     pub(super) coverage: f64,
 }
 
-fn row(case: &Case, surfaces: usize) -> [TableCell; 12] {
+fn row(case: &MeshCase, surfaces: usize) -> [TableCell; 12] {
     let error =
         |value: f64| if case.triangles.is_some() { TableCell::Number(value) } else { TableCell::Missing };
     let Difference { normal_max, normal_rms, silhouette, .. } = case.difference;
@@ -65,8 +65,8 @@ fn named(surfaces: usize) -> String {
 }
 
 /// The whole report; pictures are the exact one, the coarsest, and their difference, for each number of surfaces.
-pub(super) fn tell_all(
-    results: &[Outcome],
+pub(super) fn build_report(
+    results: &[SurfaceOutcome],
     pictures: Vec<(usize, Pixels, Pixels, Pixels)>,
     size: [u32; 2],
     settings: &Settings,
@@ -113,7 +113,7 @@ pub(super) fn tell_all(
     report
 }
 
-fn settings_text(results: &[Outcome], settings: &Settings) -> String {
+fn settings_text(results: &[SurfaceOutcome], settings: &Settings) -> String {
     let clock = if clock::counts_processor_time() { "processor time" } else { "wall time" };
     let seen: Vec<String> = results
         .iter()
@@ -139,7 +139,7 @@ fn settings_text(results: &[Outcome], settings: &Settings) -> String {
     )
 }
 
-fn smallest_table(results: &[Outcome]) -> Table {
+fn smallest_table(results: &[SurfaceOutcome]) -> Table {
     let caption = format!(
         "The smallest number of triangles with a highlight RMSE of at most {LEVEL} grey level (to {} % in grid lines), and the \
          exact surface.",
@@ -155,25 +155,25 @@ fn smallest_table(results: &[Outcome]) -> Table {
     table
 }
 
-fn plots(results: &[Outcome]) -> Vec<(&'static str, Plot, &'static str)> {
-    let series = |x: fn(&Case) -> f64, y: fn(&Case) -> f64| -> Vec<Series> {
-        let of = |r: &Outcome| Series {
+fn plots(results: &[SurfaceOutcome]) -> Vec<(&'static str, Plot, &'static str)> {
+    let series = |x: fn(&MeshCase) -> f64, y: fn(&MeshCase) -> f64| -> Vec<Series> {
+        let of = |r: &SurfaceOutcome| Series {
             name: format!("{} of triangles", named(r.surfaces)),
             points: r.cases.iter().map(|c| [x(c), y(c)]).collect(),
         };
         results.iter().map(of).collect()
     };
-    let reference_lines = |value: fn(&Case) -> f64, vertical: bool| -> Vec<ReferenceLine> {
-        let of = |(i, r): (usize, &Outcome)| {
+    let reference_lines = |value: fn(&MeshCase) -> f64, vertical: bool| -> Vec<ReferenceLine> {
+        let of = |(i, r): (usize, &SurfaceOutcome)| {
             let name = format!("{} exact", r.surfaces);
             ReferenceLine { name, vertical, at: value(&r.exact), series: Some(i) }
         };
         results.iter().enumerate().map(of).collect()
     };
-    let count = |c: &Case| c.triangles.unwrap_or_default() as f64;
-    let memory = |c: &Case| c.bytes as f64 / 1e6;
+    let count = |c: &MeshCase| c.triangles.unwrap_or_default() as f64;
+    let memory = |c: &MeshCase| c.bytes as f64 / 1e6;
     let level = ReferenceLine { name: "one grey level".to_owned(), vertical: false, at: LEVEL, series: None };
-    let mut over_time = reference_lines(Case::total, true);
+    let mut over_time = reference_lines(MeshCase::total, true);
     over_time.push(level.clone());
     let mut over_memory = reference_lines(memory, true);
     over_memory.push(level);
@@ -185,7 +185,7 @@ fn plots(results: &[Outcome]) -> Vec<(&'static str, Plot, &'static str)> {
                 title: "Error of highlights over time".to_owned(),
                 x: Axis::logarithmic("time from control points to picture, s"),
                 y: grey(),
-                series: series(Case::total, |c| c.highlight),
+                series: series(MeshCase::total, |c| c.highlight),
                 reference_lines: over_time,
             },
             "Highlight error over time of build and render; the exact surfaces have none and stand as vertical lines.",
@@ -227,8 +227,8 @@ fn plots(results: &[Outcome]) -> Vec<(&'static str, Plot, &'static str)> {
 }
 
 /// Sentences, each made from the figures.
-fn findings(result: &Outcome) -> Vec<String> {
-    let Outcome { surfaces, exact, cases, smallest, .. } = result;
+fn findings(result: &SurfaceOutcome) -> Vec<String> {
+    let SurfaceOutcome { surfaces, exact, cases, smallest, .. } = result;
     let ratio = |a: f64, b: f64, better: &str, worse: &str| {
         if a <= b {
             format!("{} times {better}", significant(b / a))
@@ -236,7 +236,7 @@ fn findings(result: &Outcome) -> Vec<String> {
             format!("{} times {worse}", significant(a / b))
         }
     };
-    let against = |case: &Case| {
+    let against = |case: &MeshCase| {
         format!(
             "the exact surface is {} from control points to picture ({} s against {} s; render alone {} s against {} s) and \
              takes {} memory ({} MB against {} MB)",

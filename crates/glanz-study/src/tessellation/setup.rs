@@ -9,8 +9,8 @@ use glanz_scene::Scene;
 use glanz_scene::description::ShapeDescription;
 use rayon::ThreadPool;
 
-use super::picture::{Difference, Sights, description, grey_rmse, highlights, picture};
-use super::surface::{Triangles, exact_bytes, places, wavy};
+use super::picture::{Difference, PixelHits, description, grey_rmse, highlights, picture};
+use super::surface::{Tessellation, exact_bytes, placements, wavy};
 use crate::clock;
 use crate::study::{Settings, StudyError};
 
@@ -22,7 +22,7 @@ pub(super) const NARROW: f64 = 0.02;
 
 /// What one picture cost, and how far it is from the exact one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Case {
+pub(super) struct MeshCase {
     /// Of all surfaces together; `None` for the exact ones.
     pub(super) triangles: Option<u64>,
     pub(super) build: Duration,
@@ -33,7 +33,7 @@ pub(super) struct Case {
     pub(super) whole: f64,
 }
 
-impl Case {
+impl MeshCase {
     /// Time from control points to picture, seconds.
     pub(super) fn total(&self) -> f64 {
         (self.build + self.render).as_secs_f64()
@@ -41,48 +41,52 @@ impl Case {
 }
 
 /// One or more surfaces with their exact picture.
-pub(super) struct Stage<'a> {
+pub(super) struct TessellationSetup<'a> {
     settings: &'a Settings,
     size: [u32; 2],
     pool: ThreadPool,
     surfaces: Vec<NurbsSurface>,
-    pub(super) sights: Sights,
+    pub(super) hits: PixelHits,
     pub(super) pixels: Pixels,
-    pub(super) exact: Case,
+    pub(super) exact: MeshCase,
 }
 
-impl<'a> Stage<'a> {
-    pub(super) fn set(count: usize, size: [u32; 2], settings: &'a Settings) -> Result<Self, StudyError> {
+impl<'a> TessellationSetup<'a> {
+    pub(super) fn new(count: usize, size: [u32; 2], settings: &'a Settings) -> Result<Self, StudyError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
         let surfaces: Vec<NurbsSurface> =
-            places(count).iter().map(wavy).collect::<Result<_, SurfaceError>>()?;
+            placements(count).iter().map(wavy).collect::<Result<_, SurfaceError>>()?;
         let make = || surfaces.iter().map(ShapeDescription::nurbs).collect();
         let (scene, build) = build(&pool, &make, size)?;
         let (pixels, render) = picture(&scene, &description(Vec::new(), size)?, settings)?;
-        let sights = Sights::of(&scene, size, settings)?;
+        let hits = PixelHits::of(&scene, size, settings)?;
         let bytes = surfaces.iter().map(exact_bytes).sum::<Result<usize, SurfaceError>>()?;
         let difference = Difference::default();
-        let exact = Case { triangles: None, build, render, bytes, difference, highlight: 0.0, whole: 0.0 };
-        Ok(Self { settings, size, pool, surfaces, sights, pixels, exact })
+        let exact =
+            MeshCase { triangles: None, build, render, bytes, difference, highlight: 0.0, whole: 0.0 };
+        Ok(Self { settings, size, pool, surfaces, hits, pixels, exact })
     }
 
     /// Surfaces of 2 n^2 triangles each.
-    pub(super) fn triangles(&self, n: u32) -> Result<(Case, Pixels), StudyError> {
+    pub(super) fn triangles(&self, n: u32) -> Result<(MeshCase, Pixels), StudyError> {
         self.settings.cancel.check()?;
-        let make = || self.surfaces.iter().map(|s| Triangles::of(s, n).described()).collect();
+        let make = || self.surfaces.iter().map(|s| Tessellation::of(s, n).described()).collect();
         let (scene, build) = build(&self.pool, &make, self.size)?;
         let (pixels, render) = picture(&scene, &description(Vec::new(), self.size)?, self.settings)?;
-        let sights = Sights::of(&scene, self.size, self.settings)?;
+        let hits = PixelHits::of(&scene, self.size, self.settings)?;
         drop(scene);
-        let bytes =
-            self.surfaces.iter().map(|s| Triangles::of(s, n).bytes()).sum::<Result<usize, SurfaceError>>()?;
-        let shown = highlights(&self.sights.inner(&sights), &self.pixels, &pixels);
-        let case = Case {
+        let bytes = self
+            .surfaces
+            .iter()
+            .map(|s| Tessellation::of(s, n).bytes())
+            .sum::<Result<usize, SurfaceError>>()?;
+        let shown = highlights(&self.hits.inner(&hits), &self.pixels, &pixels);
+        let case = MeshCase {
             triangles: Some(2 * u64::from(n).pow(2) * self.surfaces.len() as u64),
             build,
             render,
             bytes,
-            difference: self.sights.difference(&sights),
+            difference: self.hits.difference(&hits),
             highlight: grey_rmse(&self.pixels, &pixels, Some(&shown)),
             whole: grey_rmse(&self.pixels, &pixels, None),
         };
@@ -91,8 +95,8 @@ impl<'a> Stage<'a> {
 
     /// The smallest number of triangles whose highlights are within [`LEVEL`], up to [`NARROW`] in grid lines, between
     /// grids of which one has too few; `None` if none has enough.
-    pub(super) fn smallest(&self, measured: &[(u32, Case)]) -> Result<Option<Case>, StudyError> {
-        let good = |case: &Case| case.highlight <= LEVEL;
+    pub(super) fn smallest(&self, measured: &[(u32, MeshCase)]) -> Result<Option<MeshCase>, StudyError> {
+        let good = |case: &MeshCase| case.highlight <= LEVEL;
         let Some((mut enough, mut best)) = measured.iter().find(|(_, case)| good(case)).copied() else {
             return Ok(None);
         };
@@ -128,35 +132,35 @@ mod tests {
     #[test]
     fn errors_fall_with_the_square_of_the_grid() {
         let settings = Settings::default();
-        let stage = Stage::set(1, [160, 90], &settings).unwrap();
-        let (coarse, _) = stage.triangles(40).unwrap();
-        let (fine, _) = stage.triangles(80).unwrap();
+        let setup = TessellationSetup::new(1, [160, 90], &settings).unwrap();
+        let (coarse, _) = setup.triangles(40).unwrap();
+        let (fine, _) = setup.triangles(80).unwrap();
         // Chords and interpolated normals are off by the square of the cells' size.
-        let falls = |of: fn(&Case) -> f64| of(&coarse) / of(&fine);
+        let falls = |of: fn(&MeshCase) -> f64| of(&coarse) / of(&fine);
         for ratio in [falls(|c| c.difference.normal_rms), falls(|c| c.highlight)] {
             assert!((3.0..5.0).contains(&ratio), "{ratio}");
         }
         assert!(coarse.bytes > 3 * fine.bytes / 16 && fine.bytes > 3 * coarse.bytes);
-        assert!(stage.sights.coverage() > 0.2 && stage.sights.silhouette_length() > 100.0);
+        assert!(setup.hits.coverage() > 0.2 && setup.hits.silhouette_length() > 100.0);
     }
 
     #[test]
     fn pictures_of_the_surface_itself_do_not_differ() {
         let settings = Settings::default();
-        let stage = Stage::set(3, [96, 54], &settings).unwrap();
-        let again = Stage::set(3, [96, 54], &settings).unwrap();
-        assert_eq!(grey_rmse(&stage.pixels, &again.pixels, None), 0.0);
-        let difference = stage.sights.difference(&again.sights);
+        let setup = TessellationSetup::new(3, [96, 54], &settings).unwrap();
+        let again = TessellationSetup::new(3, [96, 54], &settings).unwrap();
+        assert_eq!(grey_rmse(&setup.pixels, &again.pixels, None), 0.0);
+        let difference = setup.hits.difference(&again.hits);
         assert_eq!((difference.normal_max, difference.pixels), (0.0, 0));
     }
 
     #[test]
     fn smallest_number_is_the_border_between_enough_and_too_few() {
         let settings = Settings::default();
-        let stage = Stage::set(1, [96, 54], &settings).unwrap();
-        let measured: Vec<(u32, Case)> = [8, 200].map(|n| (n, stage.triangles(n).unwrap().0)).to_vec();
-        let best = stage.smallest(&measured).unwrap().unwrap();
+        let setup = TessellationSetup::new(1, [96, 54], &settings).unwrap();
+        let measured: Vec<(u32, MeshCase)> = [8, 200].map(|n| (n, setup.triangles(n).unwrap().0)).to_vec();
+        let best = setup.smallest(&measured).unwrap().unwrap();
         assert!(best.highlight <= LEVEL && best.highlight > 0.8 * LEVEL, "{best:?}");
-        assert!(stage.smallest(&measured[..1]).unwrap().is_none());
+        assert!(setup.smallest(&measured[..1]).unwrap().is_none());
     }
 }

@@ -14,7 +14,7 @@ const DEGREE: usize = 3;
 
 /// Where a surface lies, and how its waves run.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct SurfacePlacement {
     center: DVec3,
     /// Half of a side, metres.
     half: f64,
@@ -23,20 +23,20 @@ pub(super) struct Place {
 }
 
 /// One surface, or three smaller ones side by side.
-pub(super) fn places(count: usize) -> Vec<Place> {
+pub(super) fn placements(count: usize) -> Vec<SurfacePlacement> {
     if count == 1 {
-        return vec![Place { center: DVec3::ZERO, half: 1.0, phase: 0.0 }];
+        return vec![SurfacePlacement { center: DVec3::ZERO, half: 1.0, phase: 0.0 }];
     }
     let first = -0.5 * (count - 1) as f64;
     let place = |i: usize| {
         let center = DVec3::new(0.95 * (first + i as f64), 0.1 * i as f64, 0.0);
-        Place { center, half: 0.45, phase: 1.7 * i as f64 }
+        SurfacePlacement { center, half: 0.45, phase: 1.7 * i as f64 }
     };
     (0..count).map(place).collect()
 }
 
 /// The uniform bicubic B-spline surface of a place; u along x, v along y.
-pub(super) fn wavy(place: &Place) -> Result<NurbsSurface, SurfaceError> {
+pub(super) fn wavy(place: &SurfacePlacement) -> Result<NurbsSurface, SurfaceError> {
     let knots = KnotVector::clamped_uniform(DEGREE, POINTS)?;
     let side = knots.greville();
     let span = |s: f64| 2.0 * s - 1.0;
@@ -59,13 +59,13 @@ pub(super) fn exact_bytes(surface: &NurbsSurface) -> Result<usize, SurfaceError>
 
 /// Vertices on a regular grid of parameters with the surface's normals, and triangles between them.
 #[derive(Clone, Debug)]
-pub(super) struct Triangles {
+pub(super) struct Tessellation {
     positions: Vec<DVec3>,
     normals: Vec<DVec3>,
     indices: Vec<[u32; 3]>,
 }
 
-impl Triangles {
+impl Tessellation {
     /// 2 n^2 triangles, as document 002 section 7 makes them, with normals at the vertices.
     pub(super) fn of(surface: &NurbsSurface, n: u32) -> Self {
         let at = |[low, high]: [f64; 2], i: u32| low + (high - low) * f64::from(i) / f64::from(n);
@@ -107,8 +107,8 @@ mod tests {
 
     #[test]
     fn triangles_are_twice_a_square_and_turn_as_the_surface_does() {
-        let surface = wavy(&places(1)[0]).unwrap();
-        let triangles = Triangles::of(&surface, 25);
+        let surface = wavy(&placements(1)[0]).unwrap();
+        let triangles = Tessellation::of(&surface, 25);
         assert_eq!((triangles.indices.len(), triangles.positions.len()), (1250, 26 * 26));
         for t in &triangles.indices {
             let [a, b, c] = t.map(|i| triangles.positions[i as usize]);
@@ -121,8 +121,8 @@ mod tests {
     fn no_surface_is_steep_enough_to_shade_itself() {
         // The light of the pictures stands 60 degrees above the horizon or higher.
         for count in [1, 3] {
-            for place in places(count) {
-                let triangles = Triangles::of(&wavy(&place).unwrap(), 40);
+            for place in placements(count) {
+                let triangles = Tessellation::of(&wavy(&place).unwrap(), 40);
                 assert!(triangles.normals.iter().all(|n| n.z > 35.0_f64.to_radians().sin()));
             }
         }

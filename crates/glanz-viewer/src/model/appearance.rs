@@ -1,4 +1,4 @@
-//! Materials as a rasteriser knows them.
+//! Materials in the form of a rasteriser.
 
 use glanz_geometry::FaceDomain;
 use glanz_light::{Spectrum, Wavelengths};
@@ -8,20 +8,20 @@ use glanz_shading::{Material, PreviewSurface, TexturePoint};
 
 use super::head;
 
-/// Places of a textured surface along each side over which a material is averaged.
+/// Samples along each side of a textured surface over which a material is averaged.
 const PLACES: u32 = 16;
 
-/// Faces of a surface that are looked at for this.
+/// Largest number of faces that are sampled for this.
 const MOST_FACES: usize = 64;
 
-/// The material number `index` as `placed` wears it, from `face` on; textures count by their mean over some of its places.
+/// The material number `index` on `placed`, from `face` on; textures are averaged over samples of the surface.
 pub(super) fn material(
     scene: &Scene,
     index: u32,
     name: &str,
     (placed, face): (&PlacedSurface<'_>, u32),
     emission: Spectrum,
-) -> head::Material {
+) -> head::ModelMaterial {
     let wavelengths = Wavelengths::default();
     let material = scene.materials().get(index as usize);
     let previews: Vec<PreviewSurface> = places(placed, face)
@@ -37,7 +37,7 @@ pub(super) fn material(
     };
     let exponents: Vec<f64> = previews.iter().filter_map(|preview| preview.exponent).collect();
     let exponent = exponents.iter().sum::<f64>() / exponents.len() as f64;
-    head::Material {
+    head::ModelMaterial {
         name: name.to_owned(),
         kind: material.map_or("interface", Material::kind),
         base: color(&|preview| preview.base),

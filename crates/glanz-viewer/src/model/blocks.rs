@@ -1,8 +1,8 @@
-//! The numbers that go to the graphics card, and how they lie in the file.
+//! The numbers for the graphics card, and their layout in the file.
 
 use std::collections::BTreeMap;
 
-use super::head::Block;
+use super::head::BlockRange;
 
 /// Magic number of a model.
 const MAGIC: &[u8; 8] = b"GLANZVW1";
@@ -44,18 +44,18 @@ impl Word for f32 {
     }
 }
 
-/// Blocks in the making.
+/// Bytes of the blocks added so far, with their ranges.
 #[derive(Default)]
-struct Laid {
-    places: BTreeMap<String, Block>,
+struct BlockLayout {
+    ranges: BTreeMap<String, BlockRange>,
     bytes: Vec<u8>,
 }
 
-impl Laid {
-    fn lay<W: Word, const N: usize>(&mut self, name: impl Into<String>, rows: &[[W; N]]) {
+impl BlockLayout {
+    fn add<W: Word, const N: usize>(&mut self, name: impl Into<String>, rows: &[[W; N]]) {
         let offset = self.bytes.len();
         self.bytes.extend(rows.iter().flatten().flat_map(|word| word.bytes()));
-        self.places.insert(name.into(), Block { offset, length: self.bytes.len() - offset });
+        self.ranges.insert(name.into(), BlockRange { offset, length: self.bytes.len() - offset });
         pad(&mut self.bytes);
     }
 }
@@ -65,23 +65,23 @@ fn pad(bytes: &mut Vec<u8>) {
 }
 
 impl Blocks {
-    /// All blocks as bytes, and where each is in them.
-    pub(super) fn laid_out(&self) -> (BTreeMap<String, Block>, Vec<u8>) {
-        let mut laid = Laid::default();
-        laid.lay("patches", &self.patches);
-        laid.lay("points", &self.points);
-        laid.lay("regionCells", &self.region_cells);
-        laid.lay("regionEntries", &self.region_entries);
-        laid.lay("regionSteps", &self.region_steps);
-        laid.lay("regionParts", &self.region_parts);
-        laid.lay("regionPoints", &self.region_points);
-        laid.lay("positions", &self.positions);
-        laid.lay("normals", &self.normals);
-        laid.lay("indices", &self.indices);
+    /// The range of each block, and the bytes of all.
+    pub(super) fn layout(&self) -> (BTreeMap<String, BlockRange>, Vec<u8>) {
+        let mut layout = BlockLayout::default();
+        layout.add("patches", &self.patches);
+        layout.add("points", &self.points);
+        layout.add("regionCells", &self.region_cells);
+        layout.add("regionEntries", &self.region_entries);
+        layout.add("regionSteps", &self.region_steps);
+        layout.add("regionParts", &self.region_parts);
+        layout.add("regionPoints", &self.region_points);
+        layout.add("positions", &self.positions);
+        layout.add("normals", &self.normals);
+        layout.add("indices", &self.indices);
         for (number, map) in self.maps.iter().enumerate() {
-            laid.lay(format!("map{number}"), map);
+            layout.add(format!("map{number}"), map);
         }
-        (laid.places, laid.bytes)
+        (layout.ranges, layout.bytes)
     }
 }
 

@@ -6,33 +6,33 @@ use serde::Serialize;
 
 /// Content of the JSON text without the positions of the blocks.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Head {
+pub(super) struct ModelHead {
     pub(super) name: String,
     pub(super) up: [f64; 3],
     pub(super) bounds: [[f64; 3]; 2],
     pub(super) aspect: f64,
-    pub(super) camera: Camera,
-    pub(super) surfaces: Vec<Surface>,
-    pub(super) regions: Vec<Region>,
-    pub(super) objects: Vec<Object>,
-    pub(super) materials: Vec<Material>,
-    pub(super) lights: Vec<Light>,
-    pub(super) tree: Node,
-    pub(super) maps: Vec<Map>,
+    pub(super) camera: ModelCamera,
+    pub(super) surfaces: Vec<ModelSurface>,
+    pub(super) regions: Vec<ModelRegion>,
+    pub(super) objects: Vec<ModelObject>,
+    pub(super) materials: Vec<ModelMaterial>,
+    pub(super) lights: Vec<ModelLight>,
+    pub(super) tree: TreeNode,
+    pub(super) maps: Vec<ModelMap>,
     pub(super) notes: Vec<String>,
 }
 
-/// The text as it is written.
+/// The JSON text with the positions of the blocks.
 #[derive(Serialize)]
-pub(super) struct Text<'a> {
-    pub(super) blocks: &'a BTreeMap<String, Block>,
+pub(super) struct ModelText<'a> {
+    pub(super) blocks: &'a BTreeMap<String, BlockRange>,
     #[serde(flatten)]
-    pub(super) head: &'a Head,
+    pub(super) head: &'a ModelHead,
 }
 
-/// Bytes, counted from the first block.
+/// Range of a block in bytes, counted from the start of the first block.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub(super) struct Block {
+pub(super) struct BlockRange {
     pub(super) offset: usize,
     pub(super) length: usize,
 }
@@ -40,7 +40,7 @@ pub(super) struct Block {
 /// A view of the scene; lengths are metres and angles radians.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct Camera {
+pub(super) struct ModelCamera {
     pub(super) kind: &'static str,
     pub(super) position: [f64; 3],
     pub(super) right: [f64; 3],
@@ -53,7 +53,7 @@ pub(super) struct Camera {
 
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase", rename_all_fields = "camelCase")]
-pub(super) enum Surface {
+pub(super) enum ModelSurface {
     Patches {
         first: usize,
         count: usize,
@@ -85,7 +85,7 @@ pub(super) enum Mapping {
 
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct Region {
+pub(super) struct ModelRegion {
     pub(super) cells: [usize; 2],
     pub(super) first_cell: usize,
     pub(super) min: [f64; 2],
@@ -94,7 +94,7 @@ pub(super) struct Region {
 
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct Object {
+pub(super) struct ModelObject {
     pub(super) surface: usize,
     pub(super) to_world: [f64; 12],
     pub(super) material: usize,
@@ -106,7 +106,7 @@ pub(super) struct Object {
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(super) struct Material {
+pub(super) struct ModelMaterial {
     pub(super) name: String,
     pub(super) kind: &'static str,
     pub(super) base: [f32; 3],
@@ -120,7 +120,7 @@ pub(super) struct Material {
 
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct Light {
+pub(super) struct ModelLight {
     pub(super) kind: &'static str,
     pub(super) position: [f64; 3],
     pub(super) direction: [f64; 3],
@@ -133,14 +133,14 @@ pub(super) struct Light {
 /// A group or a shape of the scene.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
-pub(super) enum Node {
-    Group { name: String, place: String, children: Vec<Node> },
+pub(super) enum TreeNode {
+    Group { name: String, place: String, children: Vec<TreeNode> },
     Shape { name: String, leaf: u32, what: &'static str, place: String },
 }
 
-/// Values to be shown on objects.
+/// A map of values that the page draws on objects.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Map {
+pub(super) struct ModelMap {
     pub(super) name: String,
     pub(super) unit: String,
     pub(super) block: String,

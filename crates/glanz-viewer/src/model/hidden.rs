@@ -15,8 +15,13 @@ pub fn without(description: &Description, hidden: &BTreeSet<u32>) -> Description
         let copied = group.instances.iter().filter_map(|instance| counts.get(instance.group));
         counts.push(copied.fold(group.shapes.len() as u64, |sum, count| sum.saturating_add(*count)));
     }
-    let mut pruning =
-        Pruning { description, counts, hidden, groups: description.groups.clone(), made: HashMap::new() };
+    let mut pruning = Pruning {
+        description,
+        counts,
+        hidden,
+        groups: description.groups.clone(),
+        pruned_groups: HashMap::new(),
+    };
     let world = pruning.pruned(&description.world, 0);
     Description {
         files: description.files.clone(),
@@ -42,7 +47,7 @@ struct Pruning<'a> {
     /// Those of the description, then what is left of some.
     groups: Vec<GroupDescription>,
     /// By group and what it loses, relative to its first leaf: what is left of it.
-    made: HashMap<(usize, Vec<u64>), usize>,
+    pruned_groups: HashMap<(usize, Vec<u64>), usize>,
 }
 
 impl Pruning<'_> {
@@ -82,13 +87,13 @@ impl Pruning<'_> {
     /// The number of what is left of the group `index`, whose leaves begin with `start`, without `lost`.
     fn without(&mut self, index: usize, start: u64, lost: Vec<u64>) -> Option<usize> {
         let key = (index, lost);
-        if let Some(&made) = self.made.get(&key) {
-            return Some(made);
+        if let Some(&known) = self.pruned_groups.get(&key) {
+            return Some(known);
         }
         let description = self.description;
         let left = self.pruned(description.groups.get(index)?, start);
         self.groups.push(left);
-        self.made.insert(key, self.groups.len() - 1);
+        self.pruned_groups.insert(key, self.groups.len() - 1);
         Some(self.groups.len() - 1)
     }
 }

@@ -1,4 +1,4 @@
-//! The lights of the scene as few simple ones.
+//! The lights of the scene, reduced to a few simple ones.
 
 use std::f64::consts::PI;
 
@@ -11,20 +11,20 @@ use glanz_scene::{Light, LightId, PlacedSurface, Scene};
 use super::appearance::rgb;
 use super::head;
 
-/// Lights that are sent at most, besides the one from everywhere.
+/// Largest number of lights that are sent, besides the infinite one.
 const MOST: usize = 32;
 
-/// Places of a shining surface that are looked at.
+/// Number of samples on an emitting surface.
 const PLACES: u32 = 4096;
 
-/// A surface whose normals add up to this share of its area shines to one side.
+/// A surface whose normals add up to this share of its area emits to one side.
 const ONE_SIDED: f64 = 0.5;
 
-/// A luminaire that sends this share of its light up shines to one side.
+/// A luminaire that sends less than this share of its light up emits to one side.
 const UPWARDS: f64 = 0.1;
 
 /// The brightest lights of the scene, and whether some were left out.
-pub(super) fn lights(scene: &Scene, placed: &[PlacedSurface<'_>]) -> (Vec<head::Light>, bool) {
+pub(super) fn lights(scene: &Scene, placed: &[PlacedSurface<'_>]) -> (Vec<head::ModelLight>, bool) {
     let wavelengths = Wavelengths::default();
     let bounds = scene.bounds();
     let radius = if bounds.is_empty() { 1.0 } else { 0.5 * bounds.diagonal().length() };
@@ -33,7 +33,7 @@ pub(super) fn lights(scene: &Scene, placed: &[PlacedSurface<'_>]) -> (Vec<head::
         with_place.map(|light| (power(light, radius).mean(&wavelengths), light)).collect();
     by_power.sort_by(|a, b| b.0.total_cmp(&a.0));
     let simple = by_power.iter().take(MOST).filter_map(|&(_, light)| simple(scene, placed, light));
-    let mut lights: Vec<head::Light> = simple.map(|light| light.head(&wavelengths)).collect();
+    let mut lights: Vec<head::ModelLight> = simple.map(|light| light.head(&wavelengths)).collect();
     lights.retain(|light| light.intensity.iter().any(|&x| x > 0.0));
     let everywhere: Spectrum = scene
         .lights()
@@ -59,7 +59,7 @@ fn power(light: &Light, radius: f64) -> Spectrum {
     }
 }
 
-/// The light as a rasteriser knows such; `None` for those without a place or a direction.
+/// The light in the form of a rasteriser; `None` for lights without a place or a direction.
 fn simple(scene: &Scene, placed: &[PlacedSurface<'_>], light: &Light) -> Option<Simple> {
     Some(match light {
         Light::Point(l) => Simple { position: l.position(), range: l.range(), ..Simple::of(l.intensity()) },
@@ -106,9 +106,9 @@ impl Simple {
         }
     }
 
-    fn head(&self, wavelengths: &Wavelengths) -> head::Light {
+    fn head(&self, wavelengths: &Wavelengths) -> head::ModelLight {
         let [cos_inner, cos_outer] = self.cosines;
-        head::Light {
+        head::ModelLight {
             kind: self.kind,
             position: self.position.to_array(),
             direction: self.direction.to_array(),
@@ -120,7 +120,7 @@ impl Simple {
     }
 }
 
-/// A luminaire of the same flux: one that shines down only by the cosine, others alike in all directions.
+/// A light with the flux of the luminaire: with a cosine distribution if it emits down only, else alike in all directions.
 fn photometric(light: &PhotometricLight) -> Simple {
     let axis = light.axis();
     let (mut down, mut up) = (0.0, 0.0);
@@ -145,7 +145,7 @@ fn photometric(light: &PhotometricLight) -> Simple {
     }
 }
 
-/// A shining surface as one light in its middle.
+/// An emitting surface as one light in its middle.
 fn area(light: &AreaLight, placed: &PlacedSurface<'_>, bounds: Bounds3) -> Simple {
     let (mut area, mut along, mut middle) = (0.0, DVec3::ZERO, DVec3::ZERO);
     let side = f64::from(PLACES / placed.faces().max(1)).sqrt().floor().clamp(1.0, 32.0);
@@ -172,7 +172,7 @@ fn area(light: &AreaLight, placed: &PlacedSurface<'_>, bounds: Bounds3) -> Simpl
         }
     }
     if !(area > 0.0 && area.is_finite()) {
-        // No parameters: how large it is nobody knows, that it is there is worth a guess.
+        // No parameters: the area is unknown, and estimated from the bounds.
         let own = placed.bounds();
         let own = if own.is_finite() && !own.is_empty() { own } else { bounds };
         let quarter = 0.125 * own.surface_area();

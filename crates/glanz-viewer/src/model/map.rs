@@ -1,16 +1,16 @@
-//! Values to be shown on surfaces: light that was counted or baked.
+//! Maps of values on surfaces: illuminance or baked light.
 
 use glanz_math::DVec2;
 use glanz_scene::Scene;
 
 use super::error::ModelError;
-use super::shown::{Shown, shown};
+use super::visible_patches::{VisiblePatch, visible_patches};
 use super::{Model, head};
 
-/// Texels along a side of a map at most: every graphics card takes that.
+/// Largest number of texels along a side of a map; every graphics card supports it.
 const LARGEST: usize = 4096;
 
-/// Words of a patch that say which part of the map is its own.
+/// Words of a patch that locate its tile in the map.
 const WORDS: std::ops::Range<usize> = 12..16;
 
 /// Name and unit of a map.
@@ -23,7 +23,7 @@ pub struct MapLabel<'a> {
 }
 
 /// Values of one patch, row by row along its x.
-struct Sheet {
+struct MapTile {
     object: usize,
     /// Number of the patch among those of its surface.
     patch: usize,
@@ -33,9 +33,10 @@ struct Sheet {
 impl Model {
     /// The model with values on its surfaces.
     ///
-    /// `value`: what is at parameters of a face of a surface, by its number in [`Scene::placed_surfaces`], the parameters being those of
-    /// [`PlacedSurface::at`](glanz_scene::PlacedSurface::at); `None` where nothing is known. Surfaces on which it knows nothing at all show none, and so do those that are sent as triangles or
-    /// polynomials. `side`: values along each side of a patch, at least 2; fewer are taken if there are very many patches. `scene` is that of the model.
+    /// `value`: the value at parameters of a face of a surface, by its number in [`Scene::placed_surfaces`]; parameters are those of
+    /// [`PlacedSurface::at`](glanz_scene::PlacedSurface::at); `None` where it is unknown. Surfaces without any known value get no
+    /// map, nor do those that are sent as triangles or polynomials. `side`: values along each side of a patch, at least 2; fewer if there
+    /// are very many patches. `scene`: that of the model.
     ///
     /// # Errors
     /// [`ModelError::TooMany`] patches for one map.
@@ -49,60 +50,60 @@ impl Model {
         let placed = scene.placed_surfaces();
         let count = self.head.objects.iter().map(|object| self.patch_count(object.surface)).sum::<usize>();
         let side = side_of(side, count)?;
-        let mut sheets = Vec::new();
+        let mut tiles = Vec::new();
         for (number, (surface, parts)) in (0..).zip(placed.iter().zip(&self.objects)) {
             // Only meshes have several parts.
             let [(_, object)] = parts.as_slice() else { continue };
             let object = *object as usize;
             let patches = self.head.objects.get(object).map_or(0, |object| self.patch_count(object.surface));
-            let shown = shown(surface, scene.bounds()).unwrap_or_default();
-            if patches == shown.len() {
-                let sampled = sampled(&shown, side, |face, uv| value(number, face, uv));
-                let own = |(patch, values)| Sheet { object, patch, values };
-                sheets.extend(sampled.into_iter().flatten().enumerate().map(own));
+            let visible = visible_patches(surface, scene.bounds()).unwrap_or_default();
+            if patches == visible.len() {
+                let sampled = sampled(&visible, side, |face, uv| value(number, face, uv));
+                let own = |(patch, values)| MapTile { object, patch, values };
+                tiles.extend(sampled.into_iter().flatten().enumerate().map(own));
             }
         }
-        self.add_map(label, side, &sheets);
+        self.add_map(label, side, &tiles);
         Ok(self)
     }
 
     fn patch_count(&self, surface: usize) -> usize {
         match self.head.surfaces.get(surface) {
-            Some(head::Surface::Patches { count, .. }) => *count,
+            Some(head::ModelSurface::Patches { count, .. }) => *count,
             _ => 0,
         }
     }
 
-    fn add_map(&mut self, label: MapLabel<'_>, side: usize, sheets: &[Sheet]) {
-        let columns = (sheets.len() as f64).sqrt().ceil().max(1.0) as usize;
-        let rows = sheets.len().div_ceil(columns).max(1);
+    fn add_map(&mut self, label: MapLabel<'_>, side: usize, tiles: &[MapTile]) {
+        let columns = (tiles.len() as f64).sqrt().ceil().max(1.0) as usize;
+        let rows = tiles.len().div_ceil(columns).max(1);
         let (width, height) = (columns * side, rows * side);
         let mut texels = vec![[0.0; 3]; width * height];
         let number = self.head.maps.len();
         let mut last = None;
-        for (slot, sheet) in sheets.iter().enumerate() {
-            if last != Some(sheet.object) {
-                self.own_patches(sheet.object, number);
-                last = Some(sheet.object);
+        for (slot, tile) in tiles.iter().enumerate() {
+            if last != Some(tile.object) {
+                self.own_patches(tile.object, number);
+                last = Some(tile.object);
             }
             let corner = [slot % columns * side, slot / columns * side];
-            for (row, values) in sheet.values.chunks(side).enumerate() {
+            for (row, values) in tile.values.chunks(side).enumerate() {
                 let start = (corner[1] + row) * width + corner[0];
                 if let Some(texels) = texels.get_mut(start..start + values.len()) {
                     texels.copy_from_slice(values);
                 }
             }
-            // From the middle of the first texel to that of the last: what lies between never sees a neighbour's.
+            // From the middle of the first texel to that of the last: filtering never reaches a neighbouring tile.
             let shares = [(corner[0], width), (corner[1], height)];
             let begins = shares.map(|(at, size)| (at as f64 + 0.5) / size as f64);
             let sizes = shares.map(|(_, size)| (side - 1) as f64 / size as f64);
             let words = begins.into_iter().chain(sizes).map(|share| (share as f32).to_bits());
-            if let Some(row) = self.patch_of(sheet) {
+            if let Some(row) = self.patch_of(tile) {
                 row.iter_mut().zip(words).for_each(|(slot, word)| *slot = word);
             }
         }
         let largest = texels.iter().flatten().fold(0.0, |most: f32, x| most.max(*x));
-        self.head.maps.push(head::Map {
+        self.head.maps.push(head::ModelMap {
             name: label.name.to_owned(),
             unit: label.unit.to_owned(),
             block: format!("map{number}"),
@@ -113,16 +114,16 @@ impl Model {
         self.blocks.maps.push(texels);
     }
 
-    /// Gives an object its own patches on the same control points to show a map; other instances of its surface have other values.
+    /// Gives an object patches of its own on the same control points, because other instances of its surface show other values.
     fn own_patches(&mut self, object: usize, map: usize) {
         let Some(object) = self.head.objects.get_mut(object) else { return };
         object.map = Some(map);
-        let Some(head::Surface::Patches { first, count, origin, region, mapping }) =
+        let Some(head::ModelSurface::Patches { first, count, origin, region, mapping }) =
             self.head.surfaces.get(object.surface)
         else {
             return;
         };
-        let copy = head::Surface::Patches {
+        let copy = head::ModelSurface::Patches {
             first: self.blocks.patches.len(),
             count: *count,
             origin: *origin,
@@ -137,10 +138,12 @@ impl Model {
         self.head.surfaces.push(copy);
     }
 
-    fn patch_of(&mut self, sheet: &Sheet) -> Option<&mut [u32]> {
-        let surface = self.head.objects.get(sheet.object)?.surface;
-        let Some(head::Surface::Patches { first, .. }) = self.head.surfaces.get(surface) else { return None };
-        self.blocks.patches.get_mut(first + sheet.patch)?.get_mut(WORDS)
+    fn patch_of(&mut self, tile: &MapTile) -> Option<&mut [u32]> {
+        let surface = self.head.objects.get(tile.object)?.surface;
+        let Some(head::ModelSurface::Patches { first, .. }) = self.head.surfaces.get(surface) else {
+            return None;
+        };
+        self.blocks.patches.get_mut(first + tile.patch)?.get_mut(WORDS)
     }
 }
 
@@ -155,9 +158,9 @@ fn side_of(side: usize, count: usize) -> Result<usize, ModelError> {
     Ok(side.clamp(2, most))
 }
 
-/// The values of each patch; `None` if nothing is known of any.
+/// The values of each patch; `None` if no value is known.
 fn sampled(
-    patches: &[Shown<'_>],
+    patches: &[VisiblePatch<'_>],
     side: usize,
     value: impl Fn(u32, DVec2) -> Option<[f32; 3]>,
 ) -> Option<Vec<Vec<[f32; 3]>>> {

@@ -10,17 +10,17 @@ use glanz_math::{Bounds3, DVec2, DVec3};
 
 use super::error::{ModelError, number};
 use super::head;
-use super::surfaces::{Made, Surfaces};
+use super::surfaces::{BuiltSurface, Surfaces};
 
 /// Triangles of one surface, in its own frame.
 #[derive(Default)]
-struct Triangles {
+struct MeshBuilder {
     positions: Vec<DVec3>,
     normals: Vec<DVec3>,
     indices: Vec<[u32; 3]>,
 }
 
-impl Triangles {
+impl MeshBuilder {
     fn vertex(&mut self, position: DVec3, normal: DVec3) -> Result<u32, ModelError> {
         self.positions.push(position);
         self.normals.push(normal);
@@ -30,8 +30,8 @@ impl Triangles {
 
 impl Surfaces {
     /// The triangles `faces` of a mesh. Those without normals at their vertices have vertices of their own.
-    pub(super) fn mesh(&mut self, mesh: &Mesh, faces: Range<usize>) -> Result<Made, ModelError> {
-        let mut triangles = Triangles::default();
+    pub(super) fn mesh(&mut self, mesh: &Mesh, faces: Range<usize>) -> Result<BuiltSurface, ModelError> {
+        let mut triangles = MeshBuilder::default();
         let mut shared: HashMap<u32, u32> = HashMap::new();
         for corners in mesh.indices().get(faces).unwrap_or_default() {
             let [Some(a), Some(b), Some(c)] = corners.map(|i| mesh.positions().get(i as usize).copied())
@@ -60,12 +60,12 @@ impl Surfaces {
             }
             triangles.indices.push(indices);
         }
-        self.lay(&triangles)
+        self.push_mesh(&triangles)
     }
 
     /// A surface of flat facets.
-    pub(super) fn flat(&mut self, surface: &Surface) -> Result<Made, ModelError> {
-        let mut triangles = Triangles::default();
+    pub(super) fn flat(&mut self, surface: &Surface) -> Result<BuiltSurface, ModelError> {
+        let mut triangles = MeshBuilder::default();
         for face in 0..surface.faces() {
             let corners = match surface.face_domain(face) {
                 FaceDomain::Square => vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y],
@@ -81,10 +81,10 @@ impl Surfaces {
                 }
             }
         }
-        self.lay(&triangles)
+        self.push_mesh(&triangles)
     }
 
-    fn lay(&mut self, triangles: &Triangles) -> Result<Made, ModelError> {
+    fn push_mesh(&mut self, triangles: &MeshBuilder) -> Result<BuiltSurface, ModelError> {
         let blocks = &mut self.blocks;
         let bounds = Bounds3::from_points(triangles.positions.iter().copied());
         let origin = if bounds.is_empty() { DVec3::ZERO } else { bounds.center() };
@@ -94,13 +94,13 @@ impl Surfaces {
         blocks.normals.extend(triangles.normals.iter().map(|&n| single(n)));
         blocks.indices.extend(&triangles.indices);
         number("indices of triangles", 3 * blocks.indices.len())?;
-        self.head.push(head::Surface::Mesh {
+        self.head.push(head::ModelSurface::Mesh {
             first_vertex,
             vertices: triangles.positions.len(),
             first_index: 3 * first_triangle,
             indices: 3 * triangles.indices.len(),
             origin: origin.to_array(),
         });
-        Ok(Made { surface: self.head.len() - 1, origin, unit: 1.0 })
+        Ok(BuiltSurface { surface: self.head.len() - 1, origin, unit: 1.0 })
     }
 }

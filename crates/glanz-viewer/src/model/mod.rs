@@ -1,8 +1,8 @@
-//! From a scene to the bytes that the page draws: `docs/viewer.md` says what is in them.
+//! From a scene to the bytes that the page draws; `docs/viewer.md` describes them.
 //!
 //! A [`Model`] holds every surface of the scene as the graphics card can evaluate it: rational Bézier patches with the parts of trimming
 //! curves that are near each of them, polynomials, and triangles for what is flat. `surfaces` turns surfaces into these, `region`
-//! trimming; `tree` walks through the scene as it was written and numbers its *leaves*: shapes as reached through one chain of instances.
+//! trimming; `tree` traverses the scene as it was written and numbers its *leaves*: shapes as reached through one chain of instances.
 
 mod appearance;
 mod blocks;
@@ -14,12 +14,12 @@ mod map;
 mod mesh;
 mod patches;
 mod region;
-mod shown;
 mod surfaces;
 #[cfg(test)]
 mod tests;
 mod tree;
 mod view;
+mod visible_patches;
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -30,21 +30,21 @@ use glanz_scene::{Description, Light, ParametricPoint, PlacedSurface, Scene};
 
 use self::blocks::Blocks;
 pub use self::error::ModelError;
-use self::head::Head;
+use self::head::ModelHead;
 pub use self::hidden::without;
 pub use self::map::MapLabel;
-use self::surfaces::{Made, Surfaces};
-use self::tree::{Leaf, Tree};
+use self::surfaces::{BuiltSurface, Surfaces};
+use self::tree::{ModelTree, TreeLeaf};
 
 /// A scene as the page draws it.
 #[derive(Clone, Debug)]
 pub struct Model {
-    head: Head,
+    head: ModelHead,
     blocks: Blocks,
-    leaves: Vec<Leaf>,
+    leaves: Vec<TreeLeaf>,
     /// For each surface of [`Scene::placed_surfaces`] its objects, as (first face, object), by ascending faces.
     objects: Vec<Vec<(u32, u32)>>,
-    /// Areas of leaves that were asked for.
+    /// Cache of the areas of leaves.
     areas: Arc<Mutex<HashMap<u32, Option<f64>>>>,
 }
 
@@ -61,7 +61,7 @@ impl Model {
         scene: &Scene,
         file_names: &[String],
     ) -> Result<Self, ModelError> {
-        let tree = Tree::try_new(name, description, file_names)?;
+        let tree = ModelTree::try_new(name, description, file_names)?;
         let placed = scene.placed_surfaces();
         let mut objects = Objects::default();
         for (surface, parts) in placed.iter().zip(tree.leaves_of(&placed)) {
@@ -78,7 +78,7 @@ impl Model {
         let camera = view::camera(description, scene);
         let bounds = scene.bounds();
         let bounds = if bounds.is_empty() { Bounds3 { min: -DVec3::ONE, max: DVec3::ONE } } else { bounds };
-        let head = Head {
+        let head = ModelHead {
             name: name.to_owned(),
             up: view::up(&camera),
             bounds: [bounds.min.to_array(), bounds.max.to_array()],
@@ -107,8 +107,8 @@ impl Model {
     /// # Errors
     /// [`ModelError::Text`].
     pub fn to_bytes(&self) -> Result<Vec<u8>, ModelError> {
-        let (places, blocks) = self.blocks.laid_out();
-        let text = serde_json::to_string(&head::Text { blocks: &places, head: &self.head })?;
+        let (ranges, blocks) = self.blocks.layout();
+        let text = serde_json::to_string(&head::ModelText { blocks: &ranges, head: &self.head })?;
         Ok(blocks::file(&text, &blocks))
     }
 
@@ -148,7 +148,7 @@ impl Model {
         material.is_some_and(|material| material.opacity > 0.0) || object.is_some_and(|object| object.light)
     }
 
-    /// Area of a leaf, m^2, in the scene whose surfaces `placed` are all of; `None` if it has none. It is found once.
+    /// Area of a leaf, m^2, in the scene whose surfaces `placed` are all of; `None` if it has none. Cached.
     #[must_use]
     pub fn area_of(&self, leaf: u32, placed: &[PlacedSurface<'_>]) -> Option<f64> {
         let known = || self.areas.lock().unwrap_or_else(PoisonError::into_inner);
@@ -175,13 +175,13 @@ impl Model {
     }
 }
 
-/// Objects in the making.
+/// The objects of the model built so far.
 #[derive(Default)]
 struct Objects {
-    head: Vec<head::Object>,
+    head: Vec<head::ModelObject>,
     by_surface: Vec<Vec<(u32, u32)>>,
-    materials: Vec<head::Material>,
-    /// By number in the scene and what shines, bit by bit.
+    materials: Vec<head::ModelMaterial>,
+    /// Number in the model by number in the scene and the bits of the emission.
     known_materials: HashMap<(u32, [u32; 3]), usize>,
     surfaces: Surfaces,
 }
@@ -194,17 +194,17 @@ impl Objects {
         scene: &Scene,
         placed: &PlacedSurface<'_>,
         parts: &[(u32, u32)],
-        leaves: &[Leaf],
+        leaves: &[TreeLeaf],
     ) -> Result<(), ModelError> {
         let faces: Vec<u32> = parts.iter().map(|&(face, _)| face).collect();
-        let made = self.surfaces.add(placed, &faces, scene.bounds())?;
+        let built = self.surfaces.add(placed, &faces, scene.bounds())?;
         let mut own = Vec::with_capacity(parts.len());
-        for (&(face, leaf), made) in parts.iter().zip(made) {
+        for (&(face, leaf), built) in parts.iter().zip(built) {
             own.push((face, error::number("objects", self.head.len())?));
             let material = self.material(description, scene, placed, face);
-            self.head.push(head::Object {
-                surface: made.surface,
-                to_world: to_world(placed, &made),
+            self.head.push(head::ModelObject {
+                surface: built.surface,
+                to_world: to_world(placed, &built),
                 material,
                 leaf,
                 kind: leaves.get(leaf as usize).map_or("", |leaf| leaf.what),
@@ -241,10 +241,10 @@ impl Objects {
 }
 
 /// Columns of the map from the model's surface to the world, then where its origin is.
-fn to_world(placed: &PlacedSurface<'_>, made: &Made) -> [f64; 12] {
+fn to_world(placed: &PlacedSurface<'_>, built: &BuiltSurface) -> [f64; 12] {
     let map = placed.to_world();
-    let axes = map.forward().matrix3 * made.unit;
-    let columns = [axes.x_axis, axes.y_axis, axes.z_axis, map.point(made.origin)];
+    let axes = map.forward().matrix3 * built.unit;
+    let columns = [axes.x_axis, axes.y_axis, axes.z_axis, map.point(built.origin)];
     let mut numbers = [0.0; 12];
     numbers.iter_mut().zip(columns.iter().flat_map(|c| c.to_array())).for_each(|(slot, x)| *slot = x);
     numbers

@@ -9,29 +9,29 @@ use super::error::{ModelError, number};
 /// Set in the first word of a patch of which not all weights are 1.
 const RATIONAL: u32 = 1 << 16;
 
-/// A patch of a surface.
-pub(super) struct Face<'a> {
+/// A patch of a surface with the words of its row.
+pub(super) struct PatchRow<'a> {
     pub(super) patch: &'a TensorPatch,
-    /// As hits count.
+    /// Number of its face, as in hits.
     pub(super) number: u32,
-    /// Words 4 to 11: which parameters of the surface it has.
+    /// Words 4 to 11: its parameters on the surface.
     pub(super) words: Vec<f64>,
 }
 
-/// The patches of a surface in the blocks.
-pub(super) struct Sheet {
+/// The rows of a surface's patches in the blocks.
+pub(super) struct PatchRange {
     pub(super) first: usize,
     pub(super) count: usize,
     /// Middle of the control points, to which they are relative.
     pub(super) origin: DVec3,
 }
 
-impl Sheet {
+impl PatchRange {
     /// Adds the patches of one surface. Weights are scaled by one factor for all, so that borders keep their common bits.
     ///
     /// # Errors
     /// [`ModelError::TooMany`] control points.
-    pub(super) fn lay(blocks: &mut Blocks, faces: &[Face<'_>]) -> Result<Self, ModelError> {
+    pub(super) fn add(blocks: &mut Blocks, faces: &[PatchRow<'_>]) -> Result<Self, ModelError> {
         let points = || faces.iter().flat_map(|face| face.patch.control_points());
         let bounds = Bounds3::from_points(points().map(|p| p.truncate() / p.w));
         let origin = if bounds.is_empty() { DVec3::ZERO } else { bounds.center() };

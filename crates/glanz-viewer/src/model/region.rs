@@ -10,7 +10,7 @@ use super::head;
 /// Cells along a side.
 const CELLS: std::ops::RangeInclusive<usize> = 4..=256;
 
-/// A cell lists what comes this near to it, in sizes of the cell.
+/// A cell lists the parts within this distance of it, in sizes of the cell.
 const MARGIN: f64 = 0.05;
 
 /// Halvings in search of a point of a curve: down to rounding.
@@ -20,7 +20,7 @@ const HALVINGS: u32 = 60;
 const WINDING_OFFSET: i32 = 128;
 
 /// A part of a curve, monotone in both coordinates, over the unit square.
-struct Part {
+struct RegionPart {
     /// Homogeneous control points.
     points: Vec<DVec3>,
     /// The same times their binomials.
@@ -38,7 +38,7 @@ type Heights = [f32; 2];
 
 /// A region over the unit square with its cells.
 pub(super) struct Grid {
-    parts: Vec<Part>,
+    parts: Vec<RegionPart>,
     outermost: i32,
     /// Along each side.
     cells: usize,
@@ -50,11 +50,11 @@ struct Crossing {
     part: usize,
     /// Heights at which it is left of the right side and not left of the left side.
     inside: Heights,
-    /// Heights between which it is in the column or near it; the first may be larger than any number, if it is nowhere near.
+    /// Heights between which it is in the column or near it; empty if it is nowhere near.
     near: [f64; 2],
 }
 
-impl Part {
+impl RegionPart {
     /// Horner's rule with powers of `t` and `1 - t`.
     ///
     /// # Source
@@ -118,7 +118,7 @@ impl Grid {
     pub(super) fn of(region: &TrimRegion) -> Self {
         let [min, max] = region.domain();
         let scaled = |p: DVec2| (p - min) / (max - min);
-        let parts: Vec<Part> = region
+        let parts: Vec<RegionPart> = region
             .monotone_pieces()
             .map(|piece| {
                 let (start, end) = (scaled(piece.start), scaled(piece.end));
@@ -132,7 +132,14 @@ impl Grid {
                 }
                 let rows = [start.y.min(end.y) as f32, start.y.max(end.y) as f32];
                 let terms = points.iter().zip(binomials(points.len())).map(|(p, b)| *p * b).collect();
-                Part { points, terms, start, end, rows, direction: if end.y > start.y { 1 } else { -1 } }
+                RegionPart {
+                    points,
+                    terms,
+                    start,
+                    end,
+                    rows,
+                    direction: if end.y > start.y { 1 } else { -1 },
+                }
             })
             .collect();
         let cells = ((2.0 * parts.len() as f64).sqrt() as usize).next_power_of_two();
@@ -144,19 +151,19 @@ impl Grid {
     ///
     /// # Errors
     /// [`ModelError::TooMany`] parts or points.
-    pub(super) fn lay(&self, blocks: &mut Blocks) -> Result<head::Region, ModelError> {
+    pub(super) fn add_to(&self, blocks: &mut Blocks) -> Result<head::ModelRegion, ModelError> {
         let first_part = blocks.region_parts.len();
-        self.lay_parts(blocks)?;
+        self.add_parts(blocks)?;
         let first_cell = blocks.region_cells.len();
         blocks.region_cells.resize(first_cell + self.cells * self.cells, [0; 4]);
         for column in 0..self.cells {
-            self.lay_column(blocks, column, first_cell, first_part)?;
+            self.add_column(blocks, column, first_cell, first_part)?;
         }
         let [min, max] = self.domain.map(|p| p.to_array());
-        Ok(head::Region { cells: [self.cells; 2], first_cell, min, max })
+        Ok(head::ModelRegion { cells: [self.cells; 2], first_cell, min, max })
     }
 
-    fn lay_parts(&self, blocks: &mut Blocks) -> Result<(), ModelError> {
+    fn add_parts(&self, blocks: &mut Blocks) -> Result<(), ModelError> {
         for part in &self.parts {
             let first = exact("points of trimming curves", blocks.region_points.len())?;
             let (low, high) = (part.start.min(part.end), part.start.max(part.end));
@@ -179,11 +186,11 @@ impl Grid {
         // Powers of two: exact.
         let (left, right) = (column as f64 * self.side(), (column + 1) as f64 * self.side());
         let margin = MARGIN * self.side();
-        let near = |part: &Part| {
+        let near = |part: &RegionPart| {
             let (low, high) = (part.start.x.min(part.end.x), part.start.x.max(part.end.x));
             low <= right + margin && high >= left - margin
         };
-        let crossing = |(number, part): (usize, &Part)| {
+        let crossing = |(number, part): (usize, &RegionPart)| {
             let (_, inside) = part.sides(right);
             // The last column has what is left of it in points of the domain only.
             let (beyond, _) = part.sides(left);
@@ -214,7 +221,7 @@ impl Grid {
         sums.filter(|&(_, change)| change != 0).collect()
     }
 
-    fn lay_column(
+    fn add_column(
         &self,
         blocks: &mut Blocks,
         column: usize,
@@ -247,7 +254,7 @@ impl Grid {
                 let Some(part) = self.parts.get(crossing.part) else { continue };
                 let [low, high] = crossing.inside;
                 let number = exact("parts of trimming curves", first_part + crossing.part)?;
-                // Nothing of it counts in these rows: an empty range, whatever the shader's v.
+                // It does not cross these rows: an empty range, for every v of the shader.
                 let counts = low < high && low <= top && high > bottom;
                 let [low, high] = if counts { [low, high] } else { [0.0; 2] };
                 blocks.region_entries.push([number, low, high, part.direction as f32]);

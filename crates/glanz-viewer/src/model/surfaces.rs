@@ -1,4 +1,4 @@
-//! Surfaces as the graphics card gets them: patches, triangles, polynomials.
+//! Surfaces in the form for the graphics card: patches, triangles, polynomials.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -13,37 +13,37 @@ use glanz_scene::PlacedSurface;
 use super::blocks::Blocks;
 use super::error::ModelError;
 use super::head;
-use super::patches::{Face, Sheet};
+use super::patches::{PatchRange, PatchRow};
 use super::region::Grid;
-use super::shown::{Parameters, Shown, shown, untrimmed};
+use super::visible_patches::{PatchParameters, VisiblePatch, untrimmed, visible_patches};
 
-/// Surfaces in the making.
+/// The surfaces of the model built so far.
 #[derive(Default)]
 pub(super) struct Surfaces {
-    pub(super) head: Vec<head::Surface>,
-    pub(super) regions: Vec<head::Region>,
+    pub(super) head: Vec<head::ModelSurface>,
+    pub(super) regions: Vec<head::ModelRegion>,
     pub(super) blocks: Blocks,
     pub(super) notes: Vec<String>,
     /// Built surfaces by address: instances share them.
-    known: HashMap<usize, Vec<Made>>,
+    known: HashMap<usize, Vec<BuiltSurface>>,
     known_regions: HashMap<usize, usize>,
 }
 
 /// A surface of the model, or a part of one that belongs to a shape.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Made {
+pub(super) struct BuiltSurface {
     /// Number of the surface of the model.
     pub(super) surface: usize,
-    /// Origin of its coordinates in the frame of the scene's surface, metres ...
+    /// Origin of its coordinates in the frame of the scene's surface, metres.
     pub(super) origin: DVec3,
-    /// ... and what their unit is, metres.
+    /// Length of a unit of its coordinates, metres.
     pub(super) unit: f64,
 }
 
 impl Surfaces {
-    /// The surfaces of the model that show `placed`, one for each of `parts`, which are the faces that its shapes begin with.
+    /// The surfaces of the model that show `placed`, one for each of `parts`, the first faces of its shapes.
     ///
-    /// `bounds`: of the scene, in the world, for what has no end itself.
+    /// `bounds`: of the scene, in the world, for unbounded surfaces.
     ///
     /// # Errors
     /// [`ModelError::TooMany`].
@@ -52,28 +52,28 @@ impl Surfaces {
         placed: &PlacedSurface<'_>,
         parts: &[u32],
         bounds: Bounds3,
-    ) -> Result<Vec<Made>, ModelError> {
+    ) -> Result<Vec<BuiltSurface>, ModelError> {
         let surface = placed.surface();
-        let endless = !surface.bounds().is_finite();
+        let is_unbounded = !surface.bounds().is_finite();
         let address = address(surface);
-        if let Some(made) = self.known.get(&address).filter(|_| !endless) {
-            return Ok(made.clone());
+        if let Some(built) = self.known.get(&address).filter(|_| !is_unbounded) {
+            return Ok(built.clone());
         }
-        let made = self.make(placed, parts, bounds)?;
-        self.known.insert(address, made.clone());
-        Ok(made)
+        let built = self.build(placed, parts, bounds)?;
+        self.known.insert(address, built.clone());
+        Ok(built)
     }
 
-    fn make(
+    fn build(
         &mut self,
         placed: &PlacedSurface<'_>,
         parts: &[u32],
         bounds: Bounds3,
-    ) -> Result<Vec<Made>, ModelError> {
+    ) -> Result<Vec<BuiltSurface>, ModelError> {
         let (surface, region) = untrimmed(placed.surface());
-        if let Some(patches) = shown(placed, bounds) {
+        if let Some(patches) = visible_patches(placed, bounds) {
             if !surface.bounds().is_finite() && region.is_none_or(|region| region.outermost() > 0) {
-                self.notes.push("a plane without end is drawn as a large rectangle".to_owned());
+                self.notes.push("an unbounded plane is drawn as a large rectangle".to_owned());
             }
             return Ok(vec![self.patches(&patches, region)?]);
         }
@@ -91,28 +91,28 @@ impl Surfaces {
 
     fn patches(
         &mut self,
-        patches: &[Shown<'_>],
+        patches: &[VisiblePatch<'_>],
         region: Option<&Arc<TrimRegion>>,
-    ) -> Result<Made, ModelError> {
-        let scaled = Scaled::new(region);
-        let faces: Vec<Face<'_>> = patches
+    ) -> Result<BuiltSurface, ModelError> {
+        let scaled = RegionScale::new(region);
+        let faces: Vec<PatchRow<'_>> = patches
             .iter()
-            .map(|shown| Face {
-                patch: &shown.patch,
-                number: shown.face,
-                words: scaled.words(&shown.parameters),
+            .map(|patch| PatchRow {
+                patch: &patch.patch,
+                number: patch.face,
+                words: scaled.words(&patch.parameters),
             })
             .collect();
-        let turns = patches.iter().any(|shown| matches!(shown.parameters, Parameters::Sides { .. }));
+        let turns = patches.iter().any(|patch| matches!(patch.parameters, PatchParameters::Sides { .. }));
         let mapping = if turns { head::Mapping::Revolution } else { head::Mapping::Patch };
         let region = region.map(|region| self.region(region)).transpose()?;
-        let Sheet { first, count, origin } = Sheet::lay(&mut self.blocks, &faces)?;
+        let PatchRange { first, count, origin } = PatchRange::add(&mut self.blocks, &faces)?;
         let origin_of_head = origin.to_array();
-        self.head.push(head::Surface::Patches { first, count, origin: origin_of_head, region, mapping });
-        Ok(Made { surface: self.head.len() - 1, origin, unit: 1.0 })
+        self.head.push(head::ModelSurface::Patches { first, count, origin: origin_of_head, region, mapping });
+        Ok(BuiltSurface { surface: self.head.len() - 1, origin, unit: 1.0 })
     }
 
-    fn algebraic(&mut self, surface: &AlgebraicSurface) -> Made {
+    fn algebraic(&mut self, surface: &AlgebraicSurface) -> BuiltSurface {
         let (center, scale) = (surface.center(), surface.scale());
         let term = |term: glanz_geometry::algebraic::PolynomialTerm| {
             let [i, j, k] = term.exponents;
@@ -120,12 +120,12 @@ impl Surfaces {
         };
         let bounds = surface.bounds();
         let own = |corner: DVec3| ((corner - center) / scale).to_array();
-        self.head.push(head::Surface::Algebraic {
+        self.head.push(head::ModelSurface::Algebraic {
             terms: surface.centered_terms().map(term).collect(),
             min: own(bounds.min),
             max: own(bounds.max),
         });
-        Made { surface: self.head.len() - 1, origin: center, unit: scale }
+        BuiltSurface { surface: self.head.len() - 1, origin: center, unit: scale }
     }
 
     fn region(&mut self, region: &Arc<TrimRegion>) -> Result<usize, ModelError> {
@@ -133,7 +133,7 @@ impl Surfaces {
         if let Some(&known) = self.known_regions.get(&address) {
             return Ok(known);
         }
-        let head = Grid::of(region).lay(&mut self.blocks)?;
+        let head = Grid::of(region).add_to(&mut self.blocks)?;
         self.regions.push(head);
         self.known_regions.insert(address, self.regions.len() - 1);
         Ok(self.regions.len() - 1)
@@ -165,13 +165,13 @@ fn reparameterization_words(reparameterization: Reparameterization) -> (f64, f64
     }
 }
 
-/// Parameters as those of a region are: from 0 to 1 over it.
-struct Scaled {
+/// Scale from parameters of a surface to those of its region, which go from 0 to 1.
+struct RegionScale {
     min: DVec2,
     size: DVec2,
 }
 
-impl Scaled {
+impl RegionScale {
     fn new(region: Option<&Arc<TrimRegion>>) -> Self {
         let [min, max] = region.map_or([DVec2::ZERO, DVec2::ONE], |region| region.domain());
         Self { min, size: max - min }
@@ -182,10 +182,10 @@ impl Scaled {
     }
 
     /// Words 4 to 11 of a patch.
-    fn words(&self, parameters: &Parameters) -> Vec<f64> {
+    fn words(&self, parameters: &PatchParameters) -> Vec<f64> {
         match parameters {
-            Parameters::Corners { surface, .. } => surface.map(|uv| self.at(uv).to_array()).concat(),
-            Parameters::Sides { u, v } => {
+            PatchParameters::Corners { surface, .. } => surface.map(|uv| self.at(uv).to_array()).concat(),
+            PatchParameters::Sides { u, v } => {
                 let [low, high] = [0, 1].map(|k| self.at(DVec2::new(u.ends[k], v.ends[k])));
                 let ((half_u, _), (half_v, k)) = (
                     reparameterization_words(u.reparameterization),

@@ -1,42 +1,42 @@
-//! The scene as its author wrote it: groups and shapes, and which surfaces are whose.
+//! The tree of groups and shapes as the scene file has it, and the surfaces of each shape.
 
 use glanz_scene::description::{GeometryDescription, GroupDescription, ShapeDescription};
 use glanz_scene::{Description, Location, PlacedSurface};
 
 use super::error::ModelError;
-use super::head::Node;
+use super::head::TreeNode;
 
-/// Leaves, or surfaces, of a model at most: each has a line of text in it.
+/// Largest number of leaves, or surfaces, of a model: each has a line of text in it.
 const MOST_LEAVES: u64 = 1 << 18;
 
 /// Result of the traversal of the description.
-pub(super) struct Tree {
-    pub(super) root: Node,
+pub(super) struct ModelTree {
+    pub(super) root: TreeNode,
     /// By number.
-    pub(super) leaves: Vec<Leaf>,
-    /// For each shape, by its number, the leaves that are copies of it, in the order of the walk.
+    pub(super) leaves: Vec<TreeLeaf>,
+    /// The leaves that are copies of each shape, by its number, in the order of the traversal.
     copies: Vec<Vec<u32>>,
 }
 
 /// A shape as reached through one chain of instances.
 #[derive(Clone, Debug)]
-pub(super) struct Leaf {
+pub(super) struct TreeLeaf {
     pub(super) name: String,
     /// Name of its surface in scene files.
     pub(super) what: &'static str,
 }
 
-/// A walk on its way.
-struct Walk<'a> {
+/// State of the traversal.
+struct TreeBuilder<'a> {
     description: &'a Description,
     file_names: &'a [String],
     /// Number of the first shape of each group; the world is the last.
     first_shape: Vec<usize>,
-    leaves: Vec<Leaf>,
+    leaves: Vec<TreeLeaf>,
     copies: Vec<Vec<u32>>,
 }
 
-impl Tree {
+impl ModelTree {
     /// The tree under a root of that name. The world's shapes come first, then its instances, and so on inwards.
     ///
     /// # Errors
@@ -55,15 +55,15 @@ impl Tree {
             shapes += group.shapes.len();
         }
         let copies = vec![Vec::new(); shapes];
-        let mut walk = Walk { description, file_names, first_shape, leaves: Vec::new(), copies };
-        let children = walk.children(&description.world, description.groups.len());
-        let root = Node::Group { name: name.to_owned(), place: String::new(), children };
-        Ok(Self { root, leaves: walk.leaves, copies: walk.copies })
+        let mut builder = TreeBuilder { description, file_names, first_shape, leaves: Vec::new(), copies };
+        let children = builder.children(&description.world, description.groups.len());
+        let root = TreeNode::Group { name: name.to_owned(), place: String::new(), children };
+        Ok(Self { root, leaves: builder.leaves, copies: builder.copies })
     }
 
     /// The leaf of every shape of every placed surface, as (first face, leaf), by ascending faces.
     ///
-    /// A scene lists the copies of a shape in the order of the walk, whether they shine or not. A list of patches is as many
+    /// A scene lists the copies of a shape in the order of the traversal, whether they shine or not. A list of patches is as many
     /// surfaces, one after the other in each copy.
     pub(super) fn leaves_of(&self, placed: &[PlacedSurface<'_>]) -> Vec<Vec<(u32, u32)>> {
         let parts: Vec<Vec<(u32, u32)>> = placed.iter().map(shapes_of).collect();
@@ -101,7 +101,7 @@ fn shapes_of(placed: &PlacedSurface<'_>) -> Vec<(u32, u32)> {
     parts
 }
 
-/// Nothing if the copies of groups do not add up to more than can be drawn: a few lines may say a million million.
+/// Checks that the copies of groups do not add up to more than can be drawn: a few lines may describe a million million.
 fn check_size(description: &Description) -> Result<(), ModelError> {
     let surfaces = |shape: &ShapeDescription| match &shape.geometry {
         GeometryDescription::Bilinear { indices, .. } => indices.len().max(1) as u64,
@@ -124,9 +124,9 @@ fn check_size(description: &Description) -> Result<(), ModelError> {
     Ok(())
 }
 
-impl Walk<'_> {
+impl TreeBuilder<'_> {
     /// The shapes and instances of the group number `index`.
-    fn children(&mut self, group: &GroupDescription, index: usize) -> Vec<Node> {
+    fn children(&mut self, group: &GroupDescription, index: usize) -> Vec<TreeNode> {
         let first = self.first_shape.get(index).copied().unwrap_or_default();
         let mut nodes = Vec::with_capacity(group.shapes.len() + group.instances.len());
         for (number, shape) in (first..).zip(&group.shapes) {
@@ -139,24 +139,24 @@ impl Walk<'_> {
             if let Some(inner) = inner {
                 let children = self.children(inner, instance.group);
                 let place = self.place(instance.location);
-                nodes.push(Node::Group { name: inner.name.clone(), place, children });
+                nodes.push(TreeNode::Group { name: inner.name.clone(), place, children });
             }
         }
         nodes
     }
 
-    fn shape(&mut self, shape: &ShapeDescription, number: usize) -> Node {
+    fn shape(&mut self, shape: &ShapeDescription, number: usize) -> TreeNode {
         let what = kind(&shape.geometry);
         let receiver = shape.receiver.as_ref().map(|receiver| receiver.name.as_str());
         let material = self.description.materials.get(shape.material).map(|m| m.name.as_str());
         let named = [receiver, material].into_iter().flatten().find(|name| !name.is_empty());
         let name = named.unwrap_or(what).to_owned();
         let leaf = self.leaves.len() as u32;
-        self.leaves.push(Leaf { name: name.clone(), what });
+        self.leaves.push(TreeLeaf { name: name.clone(), what });
         if let Some(copies) = self.copies.get_mut(number) {
             copies.push(leaf);
         }
-        Node::Shape { name, leaf, what, place: self.place(shape.location) }
+        TreeNode::Shape { name, leaf, what, place: self.place(shape.location) }
     }
 
     fn place(&self, location: Option<Location>) -> String {

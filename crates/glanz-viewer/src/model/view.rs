@@ -5,13 +5,13 @@ use glanz_scene::camera::Screen;
 use glanz_scene::description::{CameraDescription, CameraKind, FilmDescription};
 use glanz_scene::{Description, Scene};
 
-use super::head::Camera;
+use super::head::ModelCamera;
 
-/// Field of view where the scene says none, radians.
+/// Field of view where the scene has none, radians.
 const FIELD_OF_VIEW: f64 = 0.6;
 
 /// The scene's camera; where the file has none, one that sees everything from the front, the right and above.
-pub(super) fn camera(description: &Description, scene: &Scene) -> Camera {
+pub(super) fn camera(description: &Description, scene: &Scene) -> ModelCamera {
     let bounds = scene.bounds();
     if description.camera.location.is_none() && !bounds.is_empty() {
         return overview(bounds);
@@ -23,10 +23,10 @@ pub(super) fn camera(description: &Description, scene: &Scene) -> Camera {
         (!bounds.is_empty() && to_middle > 0.0).then_some(to_middle)
     });
     let distance = distance.filter(|distance| *distance > 0.0 && distance.is_finite()).unwrap_or(1.0);
-    Camera { distance, ..of_scene }
+    ModelCamera { distance, ..of_scene }
 }
 
-/// Width over height of the picture that the scene asks for; of an overview it is the page's matter, so that its shorter side decides.
+/// Width over height of the picture that the scene asks for; 1 for an overview, which is fitted to the shorter side of the page.
 pub(super) fn aspect(description: &Description) -> f64 {
     if description.camera.location.is_none() {
         return 1.0;
@@ -42,13 +42,13 @@ fn window(camera: &CameraDescription, film: &FilmDescription) -> [f64; 4] {
     camera.screen_window.unwrap_or_else(|| Screen::default_window(aspect))
 }
 
-fn of_scene(camera: &CameraDescription, film: &FilmDescription) -> Camera {
+fn of_scene(camera: &CameraDescription, film: &FilmDescription) -> ModelCamera {
     let [x0, x1, y0, y1] = window(camera, film);
     let (across, along) = ((x1 - x0).abs(), (y1 - y0).abs());
     let axis = |axis: DVec3| camera.to_world.transform_vector3(axis);
     let forward = axis(DVec3::Z).normalize_or(DVec3::Z);
     let up = axis(DVec3::Y).reject_from_normalized(forward).normalize_or(forward.any_orthonormal_vector());
-    // Its side stays that of the camera, so that mirrored worlds look as the file says.
+    // Its orientation stays that of the camera, so that mirrored worlds look as the file describes them.
     let side = forward.cross(up);
     let right = if side.dot(axis(DVec3::X)) < 0.0 { -side } else { side };
     let half = 0.5 * across.min(along);
@@ -59,7 +59,7 @@ fn of_scene(camera: &CameraDescription, film: &FilmDescription) -> Camera {
         CameraKind::Orthographic => ("orthographic", FIELD_OF_VIEW),
     };
     let unit = if across < along { axis(DVec3::X).length() } else { axis(DVec3::Y).length() };
-    Camera {
+    ModelCamera {
         kind,
         position: camera.to_world.transform_point3(DVec3::ZERO).to_array(),
         right: right.to_array(),
@@ -71,12 +71,12 @@ fn of_scene(camera: &CameraDescription, film: &FilmDescription) -> Camera {
     }
 }
 
-fn overview(bounds: Bounds3) -> Camera {
+fn overview(bounds: Bounds3) -> ModelCamera {
     let forward = DVec3::new(-1.0, 2.0, -1.0).normalize();
     let up = DVec3::Z.reject_from_normalized(forward).normalize();
     let radius = (0.5 * bounds.diagonal().length()).max(f64::MIN_POSITIVE);
     let distance = radius / (0.5 * FIELD_OF_VIEW).sin();
-    Camera {
+    ModelCamera {
         kind: "perspective",
         position: (bounds.center() - forward * distance).to_array(),
         right: forward.cross(up).to_array(),
@@ -89,10 +89,10 @@ fn overview(bounds: Bounds3) -> Camera {
 }
 
 /// The axis, with its sign, nearest to the camera's up.
-pub(super) fn up(camera: &Camera) -> [f64; 3] {
+pub(super) fn up(camera: &ModelCamera) -> [f64; 3] {
     let up = DVec3::from(camera.up);
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
-    // The first of equals: z last would lose against x and y, which are rarer.
+    // Reversed, so that z wins among equals: x and y are rarer.
     let nearest =
         axes.rev().fold(DVec3::Z, |best, axis| if axis.dot(up) > best.dot(up) { axis } else { best });
     nearest.to_array()

@@ -1,4 +1,4 @@
-//! The patches of a surface that are sent, and which of its parameters they have.
+//! The visible patches of a surface, and the mapping from their parameters to those of the surface.
 
 use std::borrow::Cow;
 
@@ -16,58 +16,61 @@ const NEAR: f64 = 4.0;
 /// Half side of the whole drawn plane: its border is a fraction of a pixel below the horizon.
 const FAR: f64 = 1024.0;
 
-/// A patch is cut to what its region can keep if that is less than this share of it, along u or along v.
+/// A patch is clipped to the domain of its region if that spans less than this share of it, along u or along v.
 const WORTHWHILE: f64 = 0.5;
 
-/// A patch, or the part of it that may be kept.
-pub(super) struct Shown<'a> {
+/// A patch, or the part of it that trimming may leave visible.
+pub(super) struct VisiblePatch<'a> {
     pub(super) patch: Cow<'a, TensorPatch>,
-    /// As hits count.
+    /// Number of its face, as in hits.
     pub(super) face: u32,
-    pub(super) parameters: Parameters,
+    pub(super) parameters: PatchParameters,
 }
 
-/// Meaning of the parameters (x, y) of a patch.
+/// Mapping from the parameters (x, y) of a patch to those of its surface.
 #[derive(Clone, Copy)]
-pub(super) enum Parameters {
+pub(super) enum PatchParameters {
     /// Bilinear between those at (0, 0), (1, 0), (0, 1), (1, 1).
     Corners {
-        /// Parameters of the surface.
+        /// PatchParameters of the surface.
         surface: [DVec2; 4],
-        /// Parameters of the face, as [`PlacedSurface::at`] takes them.
+        /// PatchParameters of the face, as [`PlacedSurface::at`] takes them.
         face: [DVec2; 4],
     },
     /// Each along one side; those of the face are the same.
     Sides { u: ParameterMap, v: ParameterMap },
 }
 
-/// The patches of a surface; `None` if it is no such surface. What its region surely cuts away is left out.
+/// The visible patches of a surface; `None` if it has no patches. Patches that its region cuts away as a whole are left out.
 ///
-/// `bounds`: of the scene, in the world, for planes without end.
-pub(super) fn shown<'a>(placed: &'a PlacedSurface<'_>, bounds: Bounds3) -> Option<Vec<Shown<'a>>> {
+/// `bounds`: of the scene, in the world, for unbounded planes.
+pub(super) fn visible_patches<'a>(
+    placed: &'a PlacedSurface<'_>,
+    bounds: Bounds3,
+) -> Option<Vec<VisiblePatch<'a>>> {
     let (surface, region) = untrimmed(placed.surface());
-    let all: Vec<Shown<'a>> = match surface {
+    let all: Vec<VisiblePatch<'a>> = match surface {
         Surface::Freeform(freeform) => {
             let square = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
             let pieces = (0..).zip(freeform.patches());
-            let shown = pieces.map(|(face, piece)| {
+            let patches = pieces.map(|(face, piece)| {
                 let surface = square.map(|at| piece.parameters(at.x, at.y));
-                let parameters = Parameters::Corners { surface, face: square };
-                Shown { patch: Cow::Borrowed(piece.patch()), face, parameters }
+                let parameters = PatchParameters::Corners { surface, face: square };
+                VisiblePatch { patch: Cow::Borrowed(piece.patch()), face, parameters }
             });
-            shown.collect()
+            patches.collect()
         }
         Surface::Plane(plane) if !plane.area().is_finite() => {
-            endless(plane, placed, bounds, region).into_iter().map(Shown::from).collect()
+            rectangles_of_plane(plane, placed, bounds, region).into_iter().map(VisiblePatch::from).collect()
         }
         Surface::Cuboid(_) => (0..surface.faces()).filter_map(|face| side(surface, face)).collect(),
-        other => other.rational_patches()?.into_iter().map(Shown::from).collect(),
+        other => other.rational_patches()?.into_iter().map(VisiblePatch::from).collect(),
     };
     let Some(region) = region else { return Some(all) };
-    Some(all.into_iter().filter_map(|shown| shown.kept(region)).collect())
+    Some(all.into_iter().filter_map(|patch| patch.clipped(region)).collect())
 }
 
-/// The surface without trimming, and what trims it.
+/// The surface without trimming, and its trimming region.
 pub(super) fn untrimmed(surface: &Surface) -> (&Surface, Option<&std::sync::Arc<TrimRegion>>) {
     match surface {
         Surface::Trimmed(trimmed) => (trimmed.surface(), Some(trimmed.region())),
@@ -77,17 +80,17 @@ pub(super) fn untrimmed(surface: &Surface) -> (&Surface, Option<&std::sync::Arc<
 }
 
 /// A side of a box.
-fn side<'a>(surface: &Surface, face: u32) -> Option<Shown<'a>> {
+fn side<'a>(surface: &Surface, face: u32) -> Option<VisiblePatch<'a>> {
     let square = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
     let mut corners = [DVec3::ZERO; 4];
     for (corner, at) in corners.iter_mut().zip(square) {
         *corner = surface.untrimmed_at(face, at)?.position;
     }
     let along = ParameterMap { ends: [0.0, 1.0], reparameterization: Reparameterization::Linear };
-    bilinear(corners, along, along).map(|patch| Shown { face, ..Shown::from(patch) })
+    bilinear(corners, along, along).map(|patch| VisiblePatch { face, ..VisiblePatch::from(patch) })
 }
 
-impl From<RationalPatch> for Shown<'_> {
+impl From<RationalPatch> for VisiblePatch<'_> {
     fn from(patch: RationalPatch) -> Self {
         let RationalPatch { patch, u, v } = patch;
         let parameters = if u.reparameterization == Reparameterization::Linear
@@ -95,9 +98,9 @@ impl From<RationalPatch> for Shown<'_> {
         {
             let ends = |i: usize, j: usize| DVec2::new(u.ends[i], v.ends[j]);
             let corners = [ends(0, 0), ends(1, 0), ends(0, 1), ends(1, 1)];
-            Parameters::Corners { surface: corners, face: corners }
+            PatchParameters::Corners { surface: corners, face: corners }
         } else {
-            Parameters::Sides { u, v }
+            PatchParameters::Sides { u, v }
         };
         Self { patch: Cow::Owned(patch), face: 0, parameters }
     }
@@ -107,8 +110,8 @@ fn between([a, b, c, d]: [DVec2; 4], at: DVec2) -> DVec2 {
     a.lerp(b, at.x).lerp(c.lerp(d, at.x), at.y)
 }
 
-impl Parameters {
-    /// Parameters of the face at (x, y) of the patch.
+impl PatchParameters {
+    /// PatchParameters of the face at (x, y) of the patch.
     pub(super) fn of_face(&self, x: f64, y: f64) -> DVec2 {
         match self {
             Self::Corners { face, .. } => between(*face, DVec2::new(x, y)),
@@ -129,16 +132,17 @@ impl Parameters {
     }
 }
 
-impl Shown<'_> {
-    /// The patch, cut to what `region` may keep; `None` if that is nothing.
+impl VisiblePatch<'_> {
+    /// The patch, clipped to what `region` may leave visible; `None` if that is nothing.
     ///
-    /// Numbers of single precision reach from side to side of a patch: where a face is a small part of its surface, its trimming needs them for itself.
-    fn kept(self, region: &TrimRegion) -> Option<Self> {
+    /// Parameters are sent in single precision over the whole patch: where a face is a small part of its surface, its trimming
+    /// curves need that precision for themselves.
+    fn clipped(self, region: &TrimRegion) -> Option<Self> {
         let [low, high] = self.parameters.range();
         if region.classify(low, high) == Containment::Outside {
             return None;
         }
-        let Parameters::Corners { surface, face } = self.parameters else { return Some(self) };
+        let PatchParameters::Corners { surface, face } = self.parameters else { return Some(self) };
         let [a, b, c, d] = surface;
         let upright = a.x == c.x && b.x == d.x && a.y == b.y && c.y == d.y && a.x < b.x && a.y < c.y;
         if region.outermost() != 0 || !upright {
@@ -152,7 +156,7 @@ impl Shown<'_> {
         let corners = [at(x.start, y.start), at(x.end, y.start), at(x.start, y.end), at(x.end, y.end)];
         let patch = self.patch.sub_rectangle(x, y);
         let Ok(patch) = patch else { return Some(self) };
-        let parameters = Parameters::Corners {
+        let parameters = PatchParameters::Corners {
             surface: corners.map(|at| between(surface, at)),
             face: corners.map(|at| between(face, at)),
         };
@@ -160,8 +164,8 @@ impl Shown<'_> {
     }
 }
 
-/// Rectangles of a plane without end: that of the region, if it keeps what is inside of loops, or one around the scene and others far beyond it.
-fn endless(
+/// Rectangles that represent an unbounded plane: the domain of the region, if it keeps the inside of loops, else one around the scene and others far beyond it.
+fn rectangles_of_plane(
     plane: &Plane,
     placed: &PlacedSurface<'_>,
     bounds: Bounds3,
@@ -179,7 +183,7 @@ fn endless(
     };
     let reach = stretch * reach.max(f64::MIN_POSITIVE);
     let kept = region.filter(|region| region.outermost() == 0).map(|region| region.domain());
-    let axis = |low: f64, high: f64, middle: f64, kept: Option<[f64; 2]>| -> Vec<Side> {
+    let axis = |low: f64, high: f64, middle: f64, kept: Option<[f64; 2]>| -> Vec<RectangleSide> {
         // The parameter of an axis with two ends goes from 0 to 1, that of others is the coordinate.
         if (high - low).is_finite() {
             return vec![([low, high], [0.0, 1.0])];
@@ -197,7 +201,7 @@ fn endless(
     let columns = axis(own.min.x, own.max.x, middle.x, kept.map(|[min, max]| [min.x, max.x]));
     let rows = axis(own.min.y, own.max.y, middle.y, kept.map(|[min, max]| [min.y, max.y]));
     let along = |ends| ParameterMap { ends, reparameterization: Reparameterization::Linear };
-    let patch = |((x, u), (y, v)): (Side, Side)| {
+    let patch = |((x, u), (y, v)): (RectangleSide, RectangleSide)| {
         let corners =
             [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j): (usize, usize)| DVec3::new(x[i], y[j], 0.0));
         bilinear(corners, along(u), along(v))
@@ -206,4 +210,4 @@ fn endless(
 }
 
 /// Coordinates of the ends of a side of a rectangle, and its parameters there.
-type Side = ([f64; 2], [f64; 2]);
+type RectangleSide = ([f64; 2], [f64; 2]);

@@ -14,12 +14,12 @@ use serde::Serialize;
 pub use self::curvature::Curvature;
 use crate::model::Model;
 
-/// Surfaces that a ray passes at most on its way to one that is shown.
+/// Largest number of hidden surfaces that a ray passes.
 const MOST_PASSED: usize = 1 << 12;
 
-/// A place of a shape, in the world.
+/// The picked point of a shape, in the world.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Hit {
+pub struct PickResult {
     /// Number of the shape, with its copies, in the order of the tree.
     pub leaf: u32,
     /// Number of the object of the model.
@@ -30,7 +30,7 @@ pub struct Hit {
     pub name: String,
     /// Name of the material, or its kind if it has none.
     pub material: String,
-    /// Degrees of the patch there, if the surface is made of such.
+    /// Degrees of the patch there, if the surface consists of patches.
     pub degree: Option<[usize; 2]>,
     /// Area of the shape, m^2, without what is trimmed away; `None` if it has none.
     pub area: Option<f64>,
@@ -50,7 +50,7 @@ pub struct Hit {
 
 /// First visible hit of `ray` that is neither on a leaf of `hidden` nor cut away by `section`, which keeps a x + b y + c z <= d.
 ///
-/// `model` is that of `scene`. `None` if nothing is met, or only after more than 4096 places that are not shown.
+/// `model` is that of `scene`. `None` if nothing is hit, or only after more than 4096 hits on hidden surfaces.
 #[must_use]
 pub fn pick(
     scene: &Scene,
@@ -58,7 +58,7 @@ pub fn pick(
     ray: &Ray,
     hidden: &BTreeSet<u32>,
     section: Option<[f64; 4]>,
-) -> Option<Hit> {
+) -> Option<PickResult> {
     let mut rest = *ray;
     for _ in 0..MOST_PASSED {
         let (at, place) = scene.intersect_parametric(&rest, f64::INFINITY)?;
@@ -67,25 +67,25 @@ pub fn pick(
         let point = at.point.position;
         let cut = section.is_some_and(|[a, b, c, d]| a * point.x + b * point.y + c * point.z > d);
         if !cut && !hidden.contains(&leaf) && model.is_seen(object) {
-            return Some(hit(scene, model, ray, (object, leaf), &at, &place));
+            return Some(pick_result(scene, model, ray, (object, leaf), &at, &place));
         }
         rest = at.spawn(ray.direction);
     }
     None
 }
 
-fn hit(
+fn pick_result(
     scene: &Scene,
     model: &Model,
     ray: &Ray,
     (object, leaf): (u32, u32),
     at: &Interaction,
     place: &ParametricPoint,
-) -> Hit {
+) -> PickResult {
     let placed = scene.placed_surfaces();
     let surface = placed.get(place.surface as usize);
     let point = &at.point;
-    Hit {
+    PickResult {
         leaf,
         object,
         kind: model.kind_of(object),
@@ -113,7 +113,7 @@ fn curvature(placed: &PlacedSurface<'_>, at: &Interaction) -> Option<Curvature> 
         Surface::Trimmed(trimmed) => trimmed.surface(),
         other => other,
     };
-    // A mesh stands for a surface that nobody knows; its normals bend as they were given, which need not fit its shape.
+    // A mesh approximates an unknown surface, and its normals need not fit its shape.
     if matches!(surface, Surface::Mesh(_)) {
         return None;
     }

@@ -14,7 +14,7 @@ fn modelled(text: &str) -> (Scene, Model) {
     (scene, model)
 }
 
-fn pick_from(scene_and_model: &(Scene, Model), origin: [f64; 3], direction: [f64; 3]) -> Option<Hit> {
+fn pick_from(scene_and_model: &(Scene, Model), origin: [f64; 3], direction: [f64; 3]) -> Option<PickResult> {
     let (scene, model) = scene_and_model;
     pick(scene, model, &Ray::new(origin.into(), direction.into()), &BTreeSet::new(), None)
 }

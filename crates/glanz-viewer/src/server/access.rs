@@ -1,9 +1,9 @@
 //! Access control.
 //!
-//! Three things are asked of a request. *Host*: the name under which the browser believes to speak to this server must be one that
-//! the server has. A page elsewhere whose own name was pointed at this machine after it had been loaded (DNS rebinding) says its own.
-//! *Origin*: a browser says which page a request comes from; it must be ours. *AccessToken*, where others can reach the server: it stands in
-//! the printed address; the page that is got by it brings a cookie that admits all that follows.
+//! Three properties of a request are checked. *Host*: the name under which the browser addresses this server must be one of its names; a
+//! foreign page whose name was redirected to this machine after it had been loaded (DNS rebinding) sends its own. *Origin*: the page that
+//! sent the request must be served by this server. *Token*, if other machines can reach the server: it is part of the printed address; the
+//! page loaded from that address sets a cookie that admits all further requests.
 
 use std::net::IpAddr;
 
@@ -15,7 +15,7 @@ use super::access_key::AccessKey;
 /// Rules that requests are checked against.
 #[derive(Clone, Debug)]
 pub(crate) struct AccessControl {
-    /// A name of this machine that is no number, as given for `--host`.
+    /// Host name of this machine as given for `--host`; `None` for an IP address.
     name: Option<String>,
     /// True if other machines may connect by any IP address of this one.
     others: bool,
@@ -33,33 +33,36 @@ struct AccessToken {
 /// Result of an access check.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum AccessDecision {
-    /// Go on.
+    /// Admitted.
     Granted,
-    /// Go on, and set this cookie.
+    /// Admitted; the response sets this cookie.
     WithCookie(String),
-    /// Be refused, with the reason.
+    /// Refused, with the reason.
     Refused(StatusCode, &'static str),
 }
 
 impl AccessControl {
-    /// A access for a server that only this machine reaches.
+    /// Rules for a server that only this machine reaches.
     pub(crate) fn local() -> Self {
         Self { name: None, others: false, token: None }
     }
 
-    /// A access for a server at `host` and `port` that asks for `key`.
+    /// Rules for a server at `host` and `port` that requires the token `key`.
     pub(crate) fn with_token(host: &str, port: u16, key: AccessKey) -> Self {
         let name = host.parse::<IpAddr>().is_err().then(|| host.to_ascii_lowercase());
         Self { name, others: true, token: Some(AccessToken { key, cookie: format!("glanz-{port}") }) }
     }
 
-    /// Looks at a request for `path` with its `query`.
+    /// Checks a request for `path` with its `query`.
     pub(crate) fn admit(&self, path: &str, query: Option<&str>, headers: &HeaderMap) -> AccessDecision {
         let Some(host) = only(headers, &HOST) else {
-            return AccessDecision::Refused(StatusCode::BAD_REQUEST, "one Host header is needed");
+            return AccessDecision::Refused(StatusCode::BAD_REQUEST, "the request must have one Host header");
         };
-        if !self.knows(host) {
-            return AccessDecision::Refused(StatusCode::MISDIRECTED_REQUEST, "this server has another name");
+        if !self.is_own_host(host) {
+            return AccessDecision::Refused(
+                StatusCode::MISDIRECTED_REQUEST,
+                "the Host header does not name this server",
+            );
         }
         if headers.contains_key(ORIGIN) && !is_own(only(headers, &ORIGIN), host) {
             return AccessDecision::Refused(
@@ -71,14 +74,14 @@ impl AccessControl {
     }
 
     /// True if `host` (a `Host` header) names this server, with any port: it may be forwarded.
-    fn knows(&self, host: &str) -> bool {
+    fn is_own_host(&self, host: &str) -> bool {
         let Some(name) = without_port(host) else { return false };
         let name = name.to_ascii_lowercase();
         if name == "localhost" || self.name.as_ref() == Some(&name) {
             return true;
         }
         let number = name.strip_prefix('[').and_then(|n| n.strip_suffix(']')).unwrap_or(&name);
-        // A number is no name that somebody could have pointed here.
+        // An IP address cannot be redirected here by DNS.
         number.parse::<IpAddr>().is_ok_and(|ip| self.others || ip.is_loopback())
     }
 }
@@ -97,11 +100,14 @@ impl AccessToken {
         if pairs.any(|(name, value)| name == self.cookie && is_right(value)) {
             return AccessDecision::Granted;
         }
-        AccessDecision::Refused(StatusCode::UNAUTHORIZED, "open the address that was printed, with its token")
+        AccessDecision::Refused(
+            StatusCode::UNAUTHORIZED,
+            "open the printed address, which contains the token",
+        )
     }
 }
 
-/// The value of a header that comes once.
+/// The value of a header that occurs exactly once.
 fn only<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> {
     let mut values = headers.get_all(name).iter();
     let first = values.next()?.to_str().ok()?;
@@ -137,8 +143,8 @@ mod tests {
         map
     }
 
-    fn status(admission: AccessDecision) -> Option<StatusCode> {
-        match admission {
+    fn status(decision: AccessDecision) -> Option<StatusCode> {
+        match decision {
             AccessDecision::Refused(status, _) => Some(status),
             _ => None,
         }
@@ -211,18 +217,21 @@ mod tests {
             ("/ws", None, format!("glanz-81={key}")),
             ("/ws", None, format!("glanz-80={other}")),
         ] {
-            let admission = ask(path, query.as_deref(), &cookie);
-            assert_eq!(status(admission), Some(StatusCode::UNAUTHORIZED), "{path} {query:?} {cookie}");
+            let decision = ask(path, query.as_deref(), &cookie);
+            assert_eq!(status(decision), Some(StatusCode::UNAUTHORIZED), "{path} {query:?} {cookie}");
         }
     }
 
     #[test]
     fn a_server_for_others_answers_to_its_name_and_to_numbers() {
         let access = AccessControl::with_token("Box.example", 80, AccessKey::random().unwrap());
-        let knows = |host| access.knows(host);
+        let is_own_host = |host| access.is_own_host(host);
         assert!(
-            knows("box.EXAMPLE") && knows("192.168.0.7:80") && knows("[fe80::1]:80") && knows("localhost")
+            is_own_host("box.EXAMPLE")
+                && is_own_host("192.168.0.7:80")
+                && is_own_host("[fe80::1]:80")
+                && is_own_host("localhost")
         );
-        assert!(!knows("evil.example"));
+        assert!(!is_own_host("evil.example"));
     }
 }

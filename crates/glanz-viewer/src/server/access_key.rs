@@ -1,4 +1,4 @@
-//! Names that cannot be guessed.
+//! Unguessable keys.
 
 use std::fmt;
 use std::hint::black_box;
@@ -10,10 +10,10 @@ use std::hint::black_box;
 pub(crate) struct AccessKey([u8; 16]);
 
 impl AccessKey {
-    /// A new one.
+    /// A random key.
     ///
     /// # Errors
-    /// If the system has no random numbers to give.
+    /// If the system provides no random numbers.
     pub(crate) fn random() -> Result<Self, getrandom::Error> {
         let mut bytes = [0; 16];
         getrandom::fill(&mut bytes)?;
@@ -59,7 +59,7 @@ impl fmt::Display for AccessKey {
 /// Without its bits: it may end in a log.
 impl fmt::Debug for AccessKey {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("Key(..)")
+        f.write_str("AccessKey(..)")
     }
 }
 

@@ -6,10 +6,10 @@ use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener, UdpSocket};
 use super::ServerError;
 use super::settings::DEFAULT_PORT;
 
-/// Opens a port at `host`, or at this machine's own number that no other reaches. Gives the port that it became.
+/// Opens a port at `host`, or at the loopback address, and returns its number.
 ///
 /// # Errors
-/// [`ServerError::Address`] if that cannot be.
+/// [`ServerError::Address`] if the port cannot be opened.
 pub(crate) fn bind(host: Option<&str>, port: Option<u16>) -> Result<(TcpListener, u16), ServerError> {
     let open = |port: u16| match host {
         None => TcpListener::bind((Ipv4Addr::LOCALHOST, port)),
@@ -29,15 +29,15 @@ pub(crate) fn bind(host: Option<&str>, port: Option<u16>) -> Result<(TcpListener
     Ok((listener, port))
 }
 
-/// The address of the page as browsers take it.
+/// The URL of the page.
 ///
 /// # Errors
 /// [`ServerError::Start`] if the system does not know it.
-pub(crate) fn shown(listener: &TcpListener, host: Option<&str>) -> Result<String, ServerError> {
+pub(crate) fn page_url(listener: &TcpListener, host: Option<&str>) -> Result<String, ServerError> {
     let local = listener.local_addr()?;
     Ok(match host.filter(|host| host.trim_matches(['[', ']']).parse::<IpAddr>().is_err()) {
         Some(name) => format!("http://{name}:{}/", local.port()),
-        // All numbers of the machine: the one that others are likely to reach it by.
+        // All addresses of the machine: the one by which others are likely to reach it.
         None if local.ip().is_unspecified() => {
             format!("http://{}/", SocketAddr::new(outward(local.ip()).unwrap_or(local.ip()), local.port()))
         }
@@ -45,7 +45,7 @@ pub(crate) fn shown(listener: &TcpListener, host: Option<&str>) -> Result<String
     })
 }
 
-/// The number from which this machine would send to far away; nothing is sent. The addresses asked about are set aside for documents
+/// The address from which this machine would send to a remote host; nothing is sent. The remote addresses are reserved for documentation
 /// (RFC 5737, RFC 3849).
 fn outward(any: IpAddr) -> Option<IpAddr> {
     let far: IpAddr = match any {
@@ -66,7 +66,7 @@ mod tests {
         let (first, port) = bind(None, Some(0)).unwrap();
         assert_ne!(port, 0);
         assert!(matches!(bind(None, Some(port)), Err(ServerError::Address { .. })));
-        assert_eq!(shown(&first, None).unwrap(), format!("http://127.0.0.1:{port}/"));
+        assert_eq!(page_url(&first, None).unwrap(), format!("http://127.0.0.1:{port}/"));
         // A port is found whether or not the usual one is free.
         assert!(bind(None, None).is_ok());
     }
@@ -74,9 +74,9 @@ mod tests {
     #[test]
     fn addresses_are_those_that_a_browser_takes() {
         let (listener, port) = bind(Some("127.0.0.1"), Some(0)).unwrap();
-        assert_eq!(shown(&listener, Some("127.0.0.1")).unwrap(), format!("http://127.0.0.1:{port}/"));
-        assert_eq!(shown(&listener, Some("localhost")).unwrap(), format!("http://localhost:{port}/"));
+        assert_eq!(page_url(&listener, Some("127.0.0.1")).unwrap(), format!("http://127.0.0.1:{port}/"));
+        assert_eq!(page_url(&listener, Some("localhost")).unwrap(), format!("http://localhost:{port}/"));
         let (everywhere, port) = bind(Some("0.0.0.0"), Some(0)).unwrap();
-        assert!(shown(&everywhere, Some("0.0.0.0")).unwrap().ends_with(&format!(":{port}/")));
+        assert!(page_url(&everywhere, Some("0.0.0.0")).unwrap().ends_with(&format!(":{port}/")));
     }
 }

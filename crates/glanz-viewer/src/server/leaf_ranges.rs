@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 
-/// Most leaves that a message may name: a run of them is said in a few bytes, and is a number each in memory.
+/// Largest number of leaves that a message may name: a run takes a few bytes in the message, and a number per leaf in memory.
 const MOST: u64 = 1 << 20;
 
 /// One leaf, or a run of them.
@@ -34,7 +34,7 @@ pub(crate) fn leaves<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTree
                 "the run of leaves [{first}, {last}] ends before it begins"
             )));
         }
-        // Leaves that are named again count again: that too is work.
+        // Repeated leaves count again: they cost work, too.
         left = left
             .checked_sub(u64::from(last - first) + 1)
             .ok_or_else(|| D::Error::custom(format_args!("more than {MOST} leaves are named")))?;

@@ -5,26 +5,26 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use super::leaf_ranges::leaves;
-use crate::query::Hit;
+use crate::query::PickResult;
 use crate::stream::{IntegratorName, ViewCamera};
 
 /// Request of a page. The reply carries its `id`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "type", rename_all = "lowercase")]
 pub(crate) enum PageRequest {
-    /// Render this view; end what was rendered before.
+    /// Render this view; end the one before.
     View {
         id: u32,
         camera: ViewCamera,
         /// Width and height, pixels.
         size: [u32; 2],
-        /// Leaves of the tree that are not to be seen.
+        /// Hidden leaves of the tree.
         #[serde(default, deserialize_with = "leaves")]
         hidden: BTreeSet<u32>,
-        /// The server's own choice, if the page makes none.
+        /// `None` for the server's default.
         integrator: Option<IntegratorName>,
     },
-    /// ConnectionEnd rendering.
+    /// End rendering.
     Stop { id: u32 },
     /// Return the hit of a ray.
     Pick {
@@ -35,7 +35,7 @@ pub(crate) enum PageRequest {
         direction: [f64; 3],
         #[serde(default, deserialize_with = "leaves")]
         hidden: BTreeSet<u32>,
-        /// (a, b, c, d): only what has a x + b y + c z <= d is there.
+        /// (a, b, c, d): only points with a x + b y + c z <= d are visible.
         #[serde(default)]
         section: Option<[f64; 4]>,
     },
@@ -46,7 +46,7 @@ pub(crate) enum PageRequest {
 /// A malformed request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct MalformedRequest {
-    /// Its number, if that can be made out.
+    /// Its number; 0 if it cannot be read.
     pub(crate) id: u32,
     /// The fault.
     pub(crate) message: String,
@@ -56,13 +56,13 @@ impl PageRequest {
     /// Reads a message.
     ///
     /// # Errors
-    /// [`MalformedRequest`] with what a person can make of it.
+    /// [`MalformedRequest`] with a readable message.
     pub(crate) fn parse(text: &str) -> Result<Self, MalformedRequest> {
         serde_json::from_str(text).map_err(|error| {
             let value: Option<serde_json::Value> = serde_json::from_str(text).ok();
             let id = value.as_ref().and_then(|v| v.get("id")).and_then(serde_json::Value::as_u64);
             let id = id.and_then(|id| u32::try_from(id).ok()).unwrap_or(0);
-            MalformedRequest { id, message: format!("the message is not understood: {error}") }
+            MalformedRequest { id, message: format!("the message is malformed: {error}") }
         })
     }
 }
@@ -80,18 +80,18 @@ pub(crate) enum ServerMessage {
     /// Rendering has ended.
     Stopped { id: u32 },
     /// Hit of a ray.
-    Hit { id: u32, hit: Option<Box<Hit>> },
+    Hit { id: u32, hit: Option<Box<PickResult>> },
     /// A request that cannot be served.
     Failed { id: u32, message: String },
 }
 
-/// The scene that a page shows from now on, or why there is none.
+/// The new scene of a page, or the error that prevents it.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct SceneMessage {
     /// Path of the model.
     pub(crate) model: Option<String>,
     pub(crate) name: String,
-    /// The name under which the page sends files.
+    /// The name under which the page uploads files.
     pub(crate) session: String,
     /// Default integrator.
     pub(crate) integrator: IntegratorName,
@@ -107,7 +107,7 @@ pub(crate) struct ProgressMessage {
     pub(crate) samples: u64,
     /// Root mean square of the standard errors of the pixels over the mean luminance; `None` while that is not known.
     pub(crate) noise: Option<f64>,
-    /// Since rendering began, without the time that it waited.
+    /// Time spent rendering, without waiting.
     pub(crate) seconds: f64,
     pub(crate) done: bool,
 }
@@ -115,7 +115,7 @@ pub(crate) struct ProgressMessage {
 impl ServerMessage {
     /// The text that is sent.
     pub(crate) fn to_text(&self) -> String {
-        // Only maps with keys that are no text fail to become JSON.
+        // Serialization fails only for maps whose keys are not strings.
         serde_json::to_string(self).unwrap_or_default()
     }
 }

@@ -1,25 +1,25 @@
-//! HTTP and WebSocket: the page, its model, its conversation, its files.
+//! HTTP and WebSocket: the page, its model, its messages, its files.
 //!
-//! [`Server::bind`] opens the port and says the address, [`Server::run`] serves until it is told to stop. Requests come first to `access`
-//! (who is admitted) and end in `headers`; `page` gives out the files of the page, `models` what it draws, `socket` speaks with it, `upload`
-//! takes in files that are dropped on it, `watch` reads the scene again when it changes. Everything that visitors can make grow has one of
-//! the [`Limits`].
+//! [`Server::bind`] opens the port, [`Server::run`] serves until it is cancelled. Requests pass `access` (admission) first and `headers`
+//! last; `page` serves the files of the page, `models` the models that it draws, `socket` exchanges messages with it, `upload` receives
+//! files that are dropped on it, `watch` reads the scene again when it changes. Every resource that clients can use up has one of the
+//! [`Limits`].
 
 mod access;
 mod access_key;
 mod address;
-mod dress;
 mod headers;
 mod leaf_ranges;
 mod message;
 mod models;
+mod overlay;
 mod page;
 mod session;
 mod settings;
-mod shown;
 mod socket;
 mod state;
 mod upload;
+mod viewer_scene;
 mod watch;
 
 use std::net::TcpListener;
@@ -47,16 +47,16 @@ use self::access::{AccessControl, AccessDecision};
 use self::access_key::AccessKey;
 use self::state::AppState;
 
-pub use self::dress::Dress;
+pub use self::overlay::SceneOverlay;
 pub use self::settings::{DEFAULT_PORT, Limits, ServerSettings};
-pub use self::shown::Shown;
+pub use self::viewer_scene::ViewerScene;
 
 /// Errors of starting the server.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ServerError {
     /// No port can be opened there.
-    #[error("{address}: cannot be served from: {source}")]
+    #[error("{address}: the server cannot listen there: {source}")]
     Address {
         /// Host and port.
         address: String,
@@ -73,15 +73,15 @@ pub enum ServerError {
 
 /// Result of reading a changed scene again.
 #[derive(Clone, Debug)]
-pub enum News {
+pub enum SceneUpdate {
     /// It was read again, and pages show it.
-    Read(Arc<Shown>),
-    /// It cannot be read; pages show the old one.
+    Reloaded(Arc<ViewerScene>),
+    /// It cannot be read; pages keep the old one.
     Refused(Diagnostics),
 }
 
 /// Callback for changes of the scene's files.
-pub type Listener = Box<dyn Fn(&News) + Send + Sync>;
+pub type UpdateListener = Box<dyn Fn(&SceneUpdate) + Send + Sync>;
 
 /// A server with an open port.
 pub struct Server {
@@ -92,18 +92,18 @@ pub struct Server {
 }
 
 impl Server {
-    /// Opens a port for pages that show `shown`, the scene of the file `scene`. `listener` is told when that is read again.
+    /// Opens a port for pages that show `viewer_scene`, the scene of the file `scene`. `listener` is called when the file has been read again.
     ///
     /// # Errors
     /// [`ServerError`].
     pub fn bind(
         settings: &ServerSettings,
         scene: &Path,
-        shown: Shown,
-        listener: Listener,
+        viewer_scene: ViewerScene,
+        listener: UpdateListener,
     ) -> Result<Self, ServerError> {
         let (socket, port) = address::bind(settings.host.as_deref(), settings.port)?;
-        let base = address::shown(&socket, settings.host.as_deref())?;
+        let base = address::page_url(&socket, settings.host.as_deref())?;
         let (access, address) = match &settings.host {
             None => (AccessControl::local(), base),
             Some(host) => {
@@ -111,7 +111,7 @@ impl Server {
                 (AccessControl::with_token(host, port, key), format!("{base}?token={key}"))
             }
         };
-        let app = AppState::new(settings, access, shown, listener)?;
+        let app = AppState::new(settings, access, viewer_scene, listener)?;
         let watched = settings.watch.then(|| scene.to_owned());
         Ok(Self { listener: socket, app: Arc::new(app), address, watched })
     }
@@ -122,7 +122,7 @@ impl Server {
         &self.address
     }
 
-    /// Serves until `cancel` is raised, then sends all pages away.
+    /// Serves until `cancel` is raised, then closes the connections of all pages.
     ///
     /// # Errors
     /// [`ServerError::Start`].
@@ -174,7 +174,7 @@ async fn accept(listener: tokio::net::TcpListener, app: Arc<AppState>) {
             .with_upgrades();
         tokio::spawn(async move {
             let _permit = permit;
-            // Whatever goes wrong with a connection ends it, and nothing else.
+            // An error ends its connection only.
             let _ = timeout(limits.connection_time, connection).await;
         });
     }
@@ -217,13 +217,13 @@ async fn check(State(app): State<Arc<AppState>>, request: Request, next: Next) -
 async fn model(State(app): State<Arc<AppState>>, UrlPath(key): UrlPath<String>) -> Response {
     match AccessKey::parse(&key).and_then(|key| app.models.get(&key)) {
         Some(bytes) => ([(CONTENT_TYPE, "application/octet-stream")], bytes).into_response(),
-        None => (StatusCode::NOT_FOUND, "there is no such model any more").into_response(),
+        None => (StatusCode::NOT_FOUND, "the model is no longer available").into_response(),
     }
 }
 
 async fn socket(State(app): State<Arc<AppState>>, upgrade: WebSocketUpgrade) -> Response {
     let Some(slot) = app.sessions.join(app.published()) else {
-        return (StatusCode::SERVICE_UNAVAILABLE, "there are too many pages").into_response();
+        return (StatusCode::SERVICE_UNAVAILABLE, "too many pages are open").into_response();
     };
     let bytes = app.limits.message_bytes;
     upgrade

@@ -1,4 +1,4 @@
-//! Overlays on a scene that are in no scene file: walls of a room, lux maps, baked light.
+//! Shapes and maps that are not in the scene file: walls of a room, lux maps, baked light.
 
 use std::fmt;
 
@@ -7,13 +7,13 @@ use glanz_scene::{Description, Scene};
 use crate::model::Model;
 
 /// Adds shapes and maps to a scene whenever it is read.
-pub trait Dress: fmt::Debug + Send + Sync {
+pub trait SceneOverlay: fmt::Debug + Send + Sync {
     /// Adds shapes that are not in the file.
-    fn furnish(&self, description: &mut Description);
+    fn add_shapes(&self, description: &mut Description);
 
     /// Adds maps to the surfaces of the scene, which was read from files with this [hash](glanz_job::ContentHash).
     ///
     /// # Errors
     /// A message if they do not match the scene.
-    fn dress(&self, scene: &Scene, content_hash: u128, model: Model) -> Result<Model, String>;
+    fn add_maps(&self, scene: &Scene, content_hash: u128, model: Model) -> Result<Model, String>;
 }

@@ -1,6 +1,6 @@
-//! The files of the page, which are part of the program.
+//! The files of the page, embedded in the program.
 //!
-//! Only what stands in the table can be got: there is no way from a request to a path on disk.
+//! Only the files of the table are served: a request never becomes a path on disk.
 
 use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, ETAG, HeaderMap, IF_NONE_MATCH};
 use axum::http::{StatusCode, Uri};
@@ -10,7 +10,7 @@ use glanz_job::ContentHash;
 /// A file of the page.
 #[derive(Clone, Copy, Debug)]
 struct PageFile {
-    /// As the request says it, without the slash in front.
+    /// Path in the request, without the leading slash.
     path: &'static str,
     bytes: &'static [u8],
 }
@@ -106,7 +106,7 @@ fn content_type(path: &str) -> Option<&'static str> {
 pub(crate) async fn serve(uri: Uri, headers: HeaderMap) -> Response {
     let path = uri.path().strip_prefix('/').unwrap_or_default();
     if path == "favicon.ico" {
-        // Browsers ask for it whether or not the page has one, and would note its absence as a fault.
+        // Browsers request it whether or not the page has one, and log an error if it is missing.
         return StatusCode::NO_CONTENT.into_response();
     }
     let path = if path.is_empty() { INDEX } else { path };

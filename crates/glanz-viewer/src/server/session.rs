@@ -15,7 +15,7 @@ pub(crate) struct Session {
     pub(crate) key: AccessKey,
     state: Mutex<SessionState>,
     /// Signals a pending message or the end of the session.
-    pub(crate) news: Notify,
+    pub(crate) notify: Notify,
     /// Held while an upload of the page is read: one at a time.
     pub(crate) uploading: tokio::sync::Mutex<()>,
 }
@@ -26,7 +26,7 @@ struct SessionState {
     /// True if the page has opened a file of its own.
     is_own: bool,
     /// Message not yet sent.
-    untold: Option<SceneMessage>,
+    pending: Option<SceneMessage>,
 }
 
 impl Session {
@@ -39,17 +39,17 @@ impl Session {
         self.state().published.clone()
     }
 
-    /// Switches the page to an uploaded scene, announced by `news`.
-    pub(crate) fn show_own(&self, published: PublishedModel, news: SceneMessage) {
+    /// Switches the page to an uploaded scene and queues `message`, which announces it.
+    pub(crate) fn show_own(&self, published: PublishedModel, message: SceneMessage) {
         let mut state = self.state();
-        (state.published, state.is_own, state.untold) = (published, true, Some(news));
+        (state.published, state.is_own, state.pending) = (published, true, Some(message));
         drop(state);
-        self.news.notify_one();
+        self.notify.notify_one();
     }
 
     /// Takes the message not yet sent.
-    pub(crate) fn take_news(&self) -> Option<SceneMessage> {
-        self.state().untold.take()
+    pub(crate) fn take_message(&self) -> Option<SceneMessage> {
+        self.state().pending.take()
     }
 }
 
@@ -60,7 +60,7 @@ pub(crate) struct Sessions {
     open: Mutex<BTreeMap<AccessKey, Arc<Session>>>,
 }
 
-/// A page's place among the sessions, which it leaves when this is dropped.
+/// A page's slot among the sessions, released on drop.
 #[derive(Debug)]
 pub(crate) struct SessionSlot {
     sessions: Arc<Sessions>,
@@ -74,7 +74,7 @@ impl Drop for SessionSlot {
 }
 
 impl Sessions {
-    /// At most so many.
+    /// An empty set for at most `most` sessions.
     pub(crate) fn new(most: usize) -> Self {
         Self { most, open: Mutex::default() }
     }
@@ -83,11 +83,11 @@ impl Sessions {
         self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A place for one more page, which shows what is `published`; `None` if there are too many, or no name can be made.
+    /// A slot for one more page, which shows `published`; `None` if all are taken, or the system has no random numbers.
     pub(crate) fn join(self: &Arc<Self>, published: PublishedModel) -> Option<SessionSlot> {
         let key = AccessKey::random().ok()?;
-        let state = Mutex::new(SessionState { published, is_own: false, untold: None });
-        let session = Arc::new(Session { key, state, news: Notify::new(), uploading: Default::default() });
+        let state = Mutex::new(SessionState { published, is_own: false, pending: None });
+        let session = Arc::new(Session { key, state, notify: Notify::new(), uploading: Default::default() });
         let mut open = self.open();
         if open.len() >= self.most {
             return None;
@@ -96,7 +96,7 @@ impl Sessions {
         Some(SessionSlot { sessions: Arc::clone(self), session })
     }
 
-    /// The session of that name.
+    /// The session with this key.
     pub(crate) fn get(&self, key: &AccessKey) -> Option<Arc<Session>> {
         self.open().get(key).cloned()
     }
@@ -108,11 +108,15 @@ impl Sessions {
 
     /// Wakes all pages to check for messages.
     pub(crate) fn wake(&self) {
-        self.open().values().for_each(|session| session.news.notify_one());
+        self.open().values().for_each(|session| session.notify.notify_one());
     }
 
-    /// Sends a message to all pages that follow the server's scene. `published`: its new model, if it could be read. `news`: the message by session.
-    pub(crate) fn tell(&self, published: Option<&PublishedModel>, news: impl Fn(&AccessKey) -> SceneMessage) {
+    /// Sends a message to all pages that show the server's scene. `published`: its new model, if it could be read. `message`: by session.
+    pub(crate) fn broadcast(
+        &self,
+        published: Option<&PublishedModel>,
+        message: impl Fn(&AccessKey) -> SceneMessage,
+    ) {
         for session in self.open().values() {
             let mut state = session.state();
             if state.is_own {
@@ -121,8 +125,8 @@ impl Sessions {
             if let Some(published) = published {
                 state.published = published.clone();
             }
-            state.untold = Some(news(&session.key));
-            session.news.notify_one();
+            state.pending = Some(message(&session.key));
+            session.notify.notify_one();
         }
     }
 }

@@ -5,25 +5,25 @@ use std::time::Duration;
 
 use glanz_formats::Options;
 
-use super::dress::Dress;
+use super::overlay::SceneOverlay;
 use crate::stream::IntegratorName;
 
 /// Settings of the server.
 #[derive(Clone, Debug, Default)]
 pub struct ServerSettings {
-    /// The name or number of this machine under which others reach the server, who then need the token of its address; without one only this
-    /// machine reaches it.
+    /// Host name or IP address under which other machines reach the server, with the token of its address; `None` if only this machine may
+    /// connect.
     pub host: Option<String>,
-    /// The port: 0 takes any that is free, `None` [`DEFAULT_PORT`] or, if that is not free, any.
+    /// The port: 0 selects any free port, `None` [`DEFAULT_PORT`] or, if that is taken, any free port.
     pub port: Option<u16>,
     /// Threads of a render; 0 means as many as the machine has.
     pub threads: usize,
-    /// What renders unless a page chooses.
+    /// Default integrator of pages.
     pub integrator: IntegratorName,
     /// Options of reading scenes, uploaded ones included.
     pub options: Options,
     /// Overlay applied to the scene whenever it is read; not to uploaded scenes.
-    pub dress: Option<Arc<dyn Dress>>,
+    pub overlay: Option<Arc<dyn SceneOverlay>>,
     /// Reads the scene again when one of its files changes.
     pub watch: bool,
     /// Resource limits of clients.
@@ -36,29 +36,29 @@ pub const DEFAULT_PORT: u16 = 7870;
 /// Resource limits of clients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Pages at a time.
+    /// Largest number of connected pages.
     pub sessions: usize,
-    /// Connections at a time besides; further ones wait.
+    /// Largest number of other connections; further ones wait.
     pub connections: usize,
     /// Time for a request to arrive, all its headers included, and between two requests of a connection.
     pub header_time: Duration,
-    /// Time for a connection in all, but for those of pages, which stay open.
+    /// Time limit of a connection, except for those of pages, which stay open.
     pub connection_time: Duration,
-    /// Bytes of a message from a page.
+    /// Largest message of a page, bytes.
     pub message_bytes: usize,
-    /// Messages from a page that are malformed, until it is sent away.
+    /// Largest number of malformed messages from a page before its connection is closed.
     pub malformed_messages: usize,
-    /// Time between two questions whether a page is still there.
+    /// Interval between two pings of a page.
     pub ping_interval: Duration,
-    /// Time without any sign of a page, or to take what is sent to it, until it counts as gone.
+    /// Time without any message from a page, or for a page to receive one, after which it counts as disconnected.
     pub silence: Duration,
-    /// Bytes of all files that are dropped on a page at once.
+    /// Largest total size of the files of an upload, bytes.
     pub upload_bytes: usize,
-    /// Number of these files.
+    /// Largest number of files of an upload.
     pub upload_files: usize,
-    /// Uploads at a time, of all pages.
+    /// Largest number of concurrent uploads of all pages.
     pub uploads: usize,
-    /// Time for them to arrive.
+    /// Time limit of an upload.
     pub upload_time: Duration,
 }
 

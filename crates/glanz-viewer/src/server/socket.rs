@@ -1,4 +1,4 @@
-//! The conversation with a page.
+//! The WebSocket connection with a page.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -13,8 +13,8 @@ use tokio::time::{Instant, MissedTickBehavior, interval, timeout};
 
 use super::message::{MalformedRequest, PageRequest, ProgressMessage, ServerMessage};
 use super::session::{Session, SessionSlot};
-use super::shown::Shown;
 use super::state::AppState;
+use super::viewer_scene::ViewerScene;
 use crate::query;
 use crate::stream::{
     LatestImage, Outbox, OutboxMessage, RenderRequest, Stream, StreamContext, StreamStatus, VisibleScene,
@@ -25,8 +25,8 @@ use crate::stream::{
 enum ConnectionEnd {
     /// The page is gone.
     Gone,
-    /// It is sent away, with a code and the reason.
-    SentAway(u16, &'static str),
+    /// The server closes it, with a code and the reason.
+    Closed(u16, &'static str),
 }
 
 /// Connection of a page with its stream.
@@ -42,9 +42,9 @@ struct PageConnection {
     last_sign: Instant,
 }
 
-/// Speaks with a page until it goes; what was rendered for it ends then.
+/// Exchanges messages with a page until it disconnects, then ends its stream.
 pub(crate) async fn serve_page(app: Arc<AppState>, slot: SessionSlot, socket: WebSocket) {
-    let mut conversation = PageConnection {
+    let mut connection = PageConnection {
         app,
         session: Arc::clone(&slot.session),
         socket,
@@ -55,14 +55,14 @@ pub(crate) async fn serve_page(app: Arc<AppState>, slot: SessionSlot, socket: We
         malformed: 0,
         last_sign: Instant::now(),
     };
-    let end = conversation.run().await;
-    if let Some(stream) = conversation.stream.take() {
+    let end = connection.run().await;
+    if let Some(stream) = connection.stream.take() {
         stream.stop().await;
     }
-    if let Err(ConnectionEnd::SentAway(code, reason)) = end {
-        let farewell = Message::Close(Some(CloseFrame { code, reason: reason.into() }));
+    if let Err(ConnectionEnd::Closed(code, reason)) = end {
+        let close = Message::Close(Some(CloseFrame { code, reason: reason.into() }));
         // A page that does not receive it is disconnected already.
-        let _ = timeout(Duration::from_secs(1), conversation.socket.send(farewell)).await;
+        let _ = timeout(Duration::from_secs(1), connection.socket.send(close)).await;
     }
 }
 
@@ -72,18 +72,18 @@ impl PageConnection {
         let mut ping = interval(limits.ping_interval);
         ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
         let published = self.session.published();
-        self.say(ServerMessage::Scene(self.app.scene_message(&self.session.key, &published))).await?;
+        self.reply(ServerMessage::Scene(self.app.scene_message(&self.session.key, &published))).await?;
         loop {
             tokio::select! {
                 biased;
-                // Requests first: the wish to stop must not wait behind the picture that it is about.
+                // Requests first: a request to stop must not wait behind the picture it is to stop.
                 message = self.socket.recv() => match message {
-                    Some(Ok(message)) => self.hear(message).await?,
-                    Some(Err(_)) => return Err(ConnectionEnd::SentAway(close_code::SIZE, "the message is too long or broken")),
+                    Some(Ok(message)) => self.receive(message).await?,
+                    Some(Err(_)) => return Err(ConnectionEnd::Closed(close_code::SIZE, "the message is too long or broken")),
                     None => return Ok(()),
                 },
-                () = self.session.news.notified() => self.tell().await?,
-                parcel = self.outbox.next() => self.send(message_of(parcel)).await?,
+                () = self.session.notify.notified() => self.send_pending().await?,
+                message = self.outbox.next() => self.send(message_of(message)).await?,
                 _ = ping.tick() => {
                     if self.last_sign.elapsed() > limits.silence {
                         return Err(ConnectionEnd::Gone);
@@ -101,27 +101,29 @@ impl PageConnection {
         }
     }
 
-    async fn say(&mut self, answer: ServerMessage) -> Result<(), ConnectionEnd> {
+    async fn reply(&mut self, answer: ServerMessage) -> Result<(), ConnectionEnd> {
         self.send(Message::text(answer.to_text())).await
     }
 
-    /// Sends the page a new scene, or the shutdown of the server.
-    async fn tell(&mut self) -> Result<(), ConnectionEnd> {
+    /// Sends the page the message about a new scene, or closes it when the server shuts down.
+    async fn send_pending(&mut self) -> Result<(), ConnectionEnd> {
         if self.app.is_closing() {
-            return Err(ConnectionEnd::SentAway(close_code::AWAY, "the server ends"));
+            return Err(ConnectionEnd::Closed(close_code::AWAY, "the server shuts down"));
         }
-        let Some(news) = self.session.take_news() else { return Ok(()) };
-        if news.model.is_some() {
+        let Some(message) = self.session.take_message() else { return Ok(()) };
+        if message.model.is_some() {
             self.visible.forget();
         }
-        self.say(ServerMessage::Scene(news)).await
+        self.reply(ServerMessage::Scene(message)).await
     }
 
-    async fn hear(&mut self, message: Message) -> Result<(), ConnectionEnd> {
+    async fn receive(&mut self, message: Message) -> Result<(), ConnectionEnd> {
         self.last_sign = Instant::now();
         let request = match &message {
             Message::Text(text) => PageRequest::parse(text.as_str()),
-            Message::Binary(_) => Err(MalformedRequest { id: 0, message: "messages are texts".to_owned() }),
+            Message::Binary(_) => {
+                Err(MalformedRequest { id: 0, message: "messages must be text".to_owned() })
+            }
             Message::Ping(_) | Message::Pong(_) => return Ok(()),
             Message::Close(_) => return Err(ConnectionEnd::Gone),
         };
@@ -130,12 +132,9 @@ impl PageConnection {
             Err(MalformedRequest { id, message }) => {
                 self.malformed += 1;
                 if self.malformed > self.app.limits.malformed_messages {
-                    return Err(ConnectionEnd::SentAway(
-                        close_code::POLICY,
-                        "too many messages are not understood",
-                    ));
+                    return Err(ConnectionEnd::Closed(close_code::POLICY, "too many messages are malformed"));
                 }
-                self.say(ServerMessage::Failed { id, message }).await
+                self.reply(ServerMessage::Failed { id, message }).await
             }
         }
     }
@@ -146,36 +145,38 @@ impl PageConnection {
                 self.end_stream().await;
                 self.picture.clear();
                 let integrator = integrator.unwrap_or(self.app.integrator);
-                let order = RenderRequest { id, camera, size, hidden, integrator };
-                match Stream::start(order, self.stream_context()) {
+                let request = RenderRequest { id, camera, size, hidden, integrator };
+                match Stream::start(request, self.stream_context()) {
                     Ok(stream) => self.stream = Some(stream),
-                    Err(error) => self.say(ServerMessage::Failed { id, message: error.to_string() }).await?,
+                    Err(error) => {
+                        self.reply(ServerMessage::Failed { id, message: error.to_string() }).await?
+                    }
                 }
                 Ok(())
             }
             PageRequest::Stop { id } => {
-                // It may come late, when the next view is rendered already.
+                // It may arrive when the next view is being rendered already.
                 if self.stream.as_ref().is_some_and(|stream| stream.id() == id) {
                     self.end_stream().await;
                 }
-                self.say(ServerMessage::Stopped { id }).await
+                self.reply(ServerMessage::Stopped { id }).await
             }
             PageRequest::Pick { id, origin, direction, hidden, section } => {
-                let shown = self.session.published().shown;
+                let viewer_scene = self.session.published().viewer_scene;
                 let answer = match ray(origin, direction) {
-                    Some(ray) => find(id, shown, ray, hidden, section).await,
+                    Some(ray) => find(id, viewer_scene, ray, hidden, section).await,
                     None => ServerMessage::Failed { id, message: "the ray has no direction".to_owned() },
                 };
-                self.say(answer).await
+                self.reply(answer).await
             }
             PageRequest::Save { id } => match save(id, Arc::clone(&self.picture)).await {
                 Ok(bytes) => self.send(Message::binary(bytes)).await,
-                Err(message) => self.say(ServerMessage::Failed { id, message }).await,
+                Err(message) => self.reply(ServerMessage::Failed { id, message }).await,
             },
         }
     }
 
-    /// Ends what is rendered; nothing of it is sent after this.
+    /// Ends the stream; nothing of it is sent after this.
     async fn end_stream(&mut self) {
         if let Some(stream) = self.stream.take() {
             stream.stop().await;
@@ -184,10 +185,10 @@ impl PageConnection {
     }
 
     fn stream_context(&self) -> StreamContext {
-        let shown = self.session.published().shown;
+        let viewer_scene = self.session.published().viewer_scene;
         StreamContext {
-            description: Arc::clone(&shown.description),
-            scene: Arc::clone(&shown.scene),
+            description: Arc::clone(&viewer_scene.description),
+            scene: Arc::clone(&viewer_scene.scene),
             visible: Arc::clone(&self.visible),
             outbox: Arc::clone(&self.outbox),
             picture: Arc::clone(&self.picture),
@@ -206,13 +207,13 @@ fn ray(origin: [f64; 3], direction: [f64; 3]) -> Option<Ray> {
 /// Hit of a ray. Areas may take a while the first time, so this runs on a blocking thread.
 async fn find(
     id: u32,
-    shown: Arc<Shown>,
+    viewer_scene: Arc<ViewerScene>,
     ray: Ray,
     hidden: BTreeSet<u32>,
     section: Option<[f64; 4]>,
 ) -> ServerMessage {
-    let look = move || query::pick(&shown.scene, &shown.model, &ray, &hidden, section);
-    match spawn_blocking(look).await {
+    let pick = move || query::pick(&viewer_scene.scene, &viewer_scene.model, &ray, &hidden, section);
+    match spawn_blocking(pick).await {
         Ok(hit) => ServerMessage::Hit { id, hit: hit.map(Box::new) },
         Err(error) => ServerMessage::Failed { id, message: error.to_string() },
     }
@@ -229,8 +230,8 @@ async fn save(id: u32, picture: Arc<LatestImage>) -> Result<Vec<u8>, String> {
     spawn_blocking(write).await.map_err(|error| error.to_string())?
 }
 
-fn message_of(parcel: OutboxMessage) -> Message {
-    let (id, status) = match parcel {
+fn message_of(message: OutboxMessage) -> Message {
+    let (id, status) = match message {
         OutboxMessage::Tile(bytes) => return Message::binary(bytes),
         OutboxMessage::Status(id, status) => (id, status),
     };

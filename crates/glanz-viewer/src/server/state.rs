@@ -10,12 +10,12 @@ use tokio::time::sleep;
 
 use super::access::AccessControl;
 use super::access_key::AccessKey;
-use super::dress::Dress;
 use super::message::SceneMessage;
 use super::models::{ModelStore, PublishedModel};
+use super::overlay::SceneOverlay;
 use super::session::Sessions;
 use super::settings::{Limits, ServerSettings};
-use super::{Listener, News, STOP_INTERVAL, Shown};
+use super::{STOP_INTERVAL, SceneUpdate, UpdateListener, ViewerScene};
 use crate::stream::{IntegratorName, Processors};
 
 /// State shared by all requests.
@@ -23,7 +23,7 @@ pub(crate) struct AppState {
     pub(crate) access: AccessControl,
     pub(crate) limits: Limits,
     pub(crate) options: Options,
-    pub(crate) dress: Option<Arc<dyn Dress>>,
+    pub(crate) overlay: Option<Arc<dyn SceneOverlay>>,
     pub(crate) integrator: IntegratorName,
     pub(crate) processors: Arc<Processors>,
     pub(crate) models: ModelStore,
@@ -31,28 +31,28 @@ pub(crate) struct AppState {
     pub(crate) uploads: Semaphore,
     published: Mutex<PublishedModel>,
     closing: CancelFlag,
-    listener: Listener,
+    listener: UpdateListener,
 }
 
 impl AppState {
-    /// A server of pages that show `shown`.
+    /// The state of a server whose pages show `viewer_scene`.
     ///
     /// # Errors
-    /// If the system has no random numbers to give.
+    /// If the system provides no random numbers.
     pub(crate) fn new(
         settings: &ServerSettings,
         access: AccessControl,
-        shown: Shown,
-        listener: Listener,
+        viewer_scene: ViewerScene,
+        listener: UpdateListener,
     ) -> Result<Self, getrandom::Error> {
         let limits = settings.limits;
         let models = ModelStore::default();
-        let published = models.post(Arc::new(shown))?;
+        let published = models.publish(Arc::new(viewer_scene))?;
         Ok(Self {
             access,
             limits,
             options: settings.options.clone(),
-            dress: settings.dress.clone(),
+            overlay: settings.overlay.clone(),
             integrator: settings.integrator,
             processors: Arc::new(Processors::new(settings.threads)),
             models,
@@ -73,7 +73,7 @@ impl AppState {
     pub(crate) fn scene_message(&self, session: &AccessKey, published: &PublishedModel) -> SceneMessage {
         SceneMessage {
             model: Some(published.path()),
-            name: published.shown.name.clone(),
+            name: published.viewer_scene.name.clone(),
             session: session.to_string(),
             integrator: self.integrator,
             error: None,
@@ -81,20 +81,20 @@ impl AppState {
     }
 
     /// Sends a change of the file `scene` to the pages and the listener.
-    pub(crate) fn publish(&self, scene: &Path, news: News) {
-        let published = match &news {
-            News::Read(shown) => self.models.post(Arc::clone(shown)).ok(),
-            News::Refused(_) => None,
+    pub(crate) fn publish(&self, scene: &Path, update: SceneUpdate) {
+        let published = match &update {
+            SceneUpdate::Reloaded(viewer_scene) => self.models.publish(Arc::clone(viewer_scene)).ok(),
+            SceneUpdate::Refused(_) => None,
         };
-        match (&published, &news) {
+        match (&published, &update) {
             (Some(published), _) => {
                 *self.published.lock().unwrap_or_else(PoisonError::into_inner) = published.clone();
-                self.sessions.tell(Some(published), |session| self.scene_message(session, published));
+                self.sessions.broadcast(Some(published), |session| self.scene_message(session, published));
             }
-            (None, News::Refused(diagnostics)) => {
+            (None, SceneUpdate::Refused(diagnostics)) => {
                 let name =
                     scene.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-                self.sessions.tell(None, |session| SceneMessage {
+                self.sessions.broadcast(None, |session| SceneMessage {
                     model: None,
                     name: name.clone(),
                     session: session.to_string(),
@@ -102,10 +102,10 @@ impl AppState {
                     error: Some(diagnostics.to_string()),
                 });
             }
-            // Without a name for the model pages keep what they have.
-            (None, News::Read(_)) => return,
+            // Without a key for the new model, pages keep the old one.
+            (None, SceneUpdate::Reloaded(_)) => return,
         }
-        (self.listener)(&news);
+        (self.listener)(&update);
     }
 
     /// True if the server is shutting down.
@@ -113,7 +113,7 @@ impl AppState {
         self.closing.is_cancelled()
     }
 
-    /// Sends all pages away, and waits a moment until they are.
+    /// Closes the connections of all pages, and waits up to a second for that.
     pub(crate) async fn close(&self) {
         self.closing.cancel();
         self.sessions.wake();

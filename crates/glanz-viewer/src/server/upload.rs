@@ -17,19 +17,19 @@ use tokio::time::timeout;
 use super::access_key::AccessKey;
 use super::message::ServerMessage;
 use super::settings::Limits;
-use super::shown::Shown;
 use super::state::AppState;
+use super::viewer_scene::ViewerScene;
 
-/// Folders that a file may lie in, one in the other.
+/// Largest depth of folders of a file.
 const MAX_DEPTH: usize = 8;
 
-/// Bytes of the name of a file or folder.
+/// Largest length of the name of a file or folder, bytes.
 const MAX_NAME: usize = 200;
 
 /// Errors of an upload.
 #[derive(Debug)]
 enum UploadError {
-    /// A request that makes no sense, or asks for too much.
+    /// A malformed request, or one beyond the limits.
     Request(StatusCode, String),
     /// Messages of the reader.
     Scene(String),
@@ -53,7 +53,7 @@ impl From<MultipartError> for UploadError {
 
 impl From<io::Error> for UploadError {
     fn from(error: io::Error) -> Self {
-        Self::Request(StatusCode::INTERNAL_SERVER_ERROR, format!("the files cannot be kept: {error}"))
+        Self::Request(StatusCode::INTERNAL_SERVER_ERROR, format!("the files cannot be stored: {error}"))
     }
 }
 
@@ -72,18 +72,22 @@ pub(crate) async fn open(
     RawQuery(query): RawQuery,
     multipart: Multipart,
 ) -> Response {
-    match take_in(&app, query.as_deref(), multipart).await {
+    match receive_scene(&app, query.as_deref(), multipart).await {
         Ok(text) => ([(CONTENT_TYPE, "application/json")], text).into_response(),
         Err(refusal) => refusal.into_response(),
     }
 }
 
-async fn take_in(app: &AppState, query: Option<&str>, multipart: Multipart) -> Result<String, UploadError> {
+async fn receive_scene(
+    app: &AppState,
+    query: Option<&str>,
+    multipart: Multipart,
+) -> Result<String, UploadError> {
     let named = query.into_iter().flat_map(|q| q.split('&')).find_map(|pair| pair.strip_prefix("session="));
     let session = named
         .and_then(AccessKey::parse)
         .and_then(|key| app.sessions.get(&key))
-        .ok_or_else(|| UploadError::bad("?session= has to be the name that the page was given"))?;
+        .ok_or_else(|| UploadError::bad("?session= must be the name of an open page"))?;
     let Ok(_one) = session.uploading.try_lock() else {
         return Err(UploadError::busy("the page is opening files already"));
     };
@@ -96,15 +100,15 @@ async fn take_in(app: &AppState, query: Option<&str>, multipart: Multipart) -> R
         UploadError::Request(StatusCode::REQUEST_TIMEOUT, "the files took too long".to_owned())
     })??;
     let options = app.options.clone();
-    let shown = spawn_blocking(move || read(&folder, &names, options))
+    let viewer_scene = spawn_blocking(move || read(&folder, &names, options))
         .await
         .map_err(|error| UploadError::Scene(format!("error: the scene cannot be read: {error}\n")))?
         .map_err(UploadError::Scene)?;
     let published =
-        app.models.post(Arc::new(shown)).map_err(|error| UploadError::busy(&error.to_string()))?;
-    let news = app.scene_message(&session.key, &published);
-    session.show_own(published, news.clone());
-    Ok(ServerMessage::Scene(news).to_text())
+        app.models.publish(Arc::new(viewer_scene)).map_err(|error| UploadError::busy(&error.to_string()))?;
+    let message = app.scene_message(&session.key, &published);
+    session.show_own(published, message.clone());
+    Ok(ServerMessage::Scene(message).to_text())
 }
 
 /// Writes the files to `folder` and returns their relative paths.
@@ -122,33 +126,33 @@ async fn receive(
         let name = field.file_name().and_then(inside);
         let Some(name) = name else {
             return Err(UploadError::bad(format!(
-                "{:?} is no name for a file",
+                "{:?} is not a valid file name",
                 field.file_name().unwrap_or_default()
             )));
         };
         if names.contains(&name) {
             return Err(UploadError::bad(format!("the file {:?} comes twice", name.display())));
         }
-        keep(field, &folder.join(&name)).await?;
+        store(field, &folder.join(&name)).await?;
         names.push(name);
     }
     Ok(names)
 }
 
 /// Writes a file as it arrives.
-async fn keep(mut field: Field<'_>, path: &Path) -> Result<(), UploadError> {
+async fn store(mut field: Field<'_>, path: &Path) -> Result<(), UploadError> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)?;
     }
     let mut file = std::fs::File::create_new(path)?;
     while let Some(chunk) = field.chunk().await? {
-        // Into the memory of the system, a piece at a time: not worth a thread.
+        // Small writes into the cache of the system do not need a blocking thread.
         io::Write::write_all(&mut file, &chunk)?;
     }
     Ok(())
 }
 
-/// The path that a file's name stands for within a folder; `None` if it leads out of it, or is none.
+/// The relative path that a file's name denotes; `None` if it is not valid, or leads out of the folder.
 fn inside(name: &str) -> Option<PathBuf> {
     if name.contains(['\\', '\0', ':']) {
         return None;
@@ -161,14 +165,15 @@ fn inside(name: &str) -> Option<PathBuf> {
         .then_some(path)
 }
 
-/// Reads the scene among the files; on failure, what is wrong as people read it.
-fn read(folder: &TempDir, names: &[PathBuf], options: Options) -> Result<Shown, String> {
+/// Reads the scene among the files; the error is a readable message.
+fn read(folder: &TempDir, names: &[PathBuf], options: Options) -> Result<ViewerScene, String> {
     let scene = scene_among(folder.path(), names).map_err(|message| format!("error: {message}\n"))?;
     let options = Options { folder: Some(folder.path().to_owned()), confined: true, ..options };
-    Shown::read(&folder.path().join(scene), &options, None).map_err(|diagnostics| diagnostics.to_string())
+    ViewerScene::read(&folder.path().join(scene), &options, None)
+        .map_err(|diagnostics| diagnostics.to_string())
 }
 
-/// The file that is the scene: the only one that ends in .pbrt, or of several the only one that begins a world.
+/// The scene file: the only one with the extension .pbrt, or of several the only one that contains `WorldBegin`.
 fn scene_among<'a>(folder: &Path, names: &'a [PathBuf]) -> Result<&'a Path, String> {
     let is_scene = |name: &&PathBuf| name.extension().is_some_and(|end| end.eq_ignore_ascii_case("pbrt"));
     let scenes: Vec<&PathBuf> = names.iter().filter(is_scene).collect();
@@ -182,11 +187,13 @@ fn scene_among<'a>(folder: &Path, names: &'a [PathBuf]) -> Result<&'a Path, Stri
     let worlds: Vec<&&PathBuf> = scenes.iter().filter(begins_world).collect();
     match (worlds.as_slice(), scenes.len()) {
         ([scene], _) => Ok(scene),
-        (_, 0) => Err("none of the files is a scene: its name would end in .pbrt".to_owned()),
+        (_, 0) => Err("none of the files is a scene; scenes have the extension .pbrt".to_owned()),
         (several, _) => {
             let list: Vec<String> = several.iter().map(|name| name.display().to_string()).collect();
-            let which = if list.is_empty() { "none begins a world".to_owned() } else { list.join(", ") };
-            Err(format!("several files may be the scene ({which}); drop one with what it includes"))
+            let which = if list.is_empty() { "none contains WorldBegin".to_owned() } else { list.join(", ") };
+            Err(format!(
+                "several files may be the scene ({which}); drop one together with the files that it includes"
+            ))
         }
     }
 }

@@ -1,4 +1,4 @@
-//! A scene that pages show.
+//! The scene that pages show.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -7,12 +7,12 @@ use axum::body::Bytes;
 use glanz_formats::{Diagnostic, Diagnostics, Options, Severity, load};
 use glanz_scene::{Description, Scene};
 
-use super::dress::Dress;
+use super::overlay::SceneOverlay;
 use crate::model::Model;
 
-/// A scene that was read, with the model that pages draw. It does not change.
+/// An immutable scene, read from a file, with the model that pages draw.
 #[derive(Debug)]
-pub struct Shown {
+pub struct ViewerScene {
     pub(crate) name: String,
     pub(crate) description: Arc<Description>,
     pub(crate) scene: Arc<Scene>,
@@ -24,12 +24,16 @@ pub struct Shown {
     warnings: Diagnostics,
 }
 
-impl Shown {
-    /// Reads the scene file at `path`, builds the scene and makes the model, both as `dress` wants them.
+impl ViewerScene {
+    /// Reads the scene file at `path`, and builds the scene and its model with the shapes and maps of `overlay`.
     ///
     /// # Errors
     /// Diagnostics with at least one error.
-    pub fn read(path: &Path, options: &Options, dress: Option<&dyn Dress>) -> Result<Self, Diagnostics> {
+    pub fn read(
+        path: &Path,
+        options: &Options,
+        overlay: Option<&dyn SceneOverlay>,
+    ) -> Result<Self, Diagnostics> {
         let loaded = load(path, options)?;
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let sources = &loaded.sources;
@@ -39,8 +43,8 @@ impl Shown {
             diagnostics
         };
         let mut description = loaded.description;
-        if let Some(dress) = dress {
-            dress.furnish(&mut description);
+        if let Some(overlay) = overlay {
+            overlay.add_shapes(&mut description);
         }
         let description = Arc::new(description);
         let (scene, repairs) = Scene::resolve(Description::clone(&description))
@@ -55,10 +59,10 @@ impl Shown {
         }
         let broken = |error: crate::model::ModelError| refuse(None, error.to_string());
         let model = Model::try_new(&name, &description, &scene, &sources.names()).map_err(broken)?;
-        let model = match dress {
-            Some(dress) => {
-                let dressed = dress.dress(&scene, loaded.content_hash, model);
-                dressed.map_err(|message| refuse(None, message))?
+        let model = match overlay {
+            Some(overlay) => {
+                let with_maps = overlay.add_maps(&scene, loaded.content_hash, model);
+                with_maps.map_err(|message| refuse(None, message))?
             }
             None => model,
         };
@@ -80,7 +84,7 @@ impl Shown {
     }
 }
 
-/// One error that is about no file.
+/// A single error that concerns no place in a file.
 pub(crate) fn refusal(name: &str, message: String) -> Diagnostics {
     let mut diagnostics = Diagnostics::default();
     let (severity, file) = (Severity::Error, name.to_owned());

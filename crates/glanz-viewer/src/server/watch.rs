@@ -7,9 +7,9 @@ use std::time::{Duration, SystemTime};
 use tokio::task::spawn_blocking;
 use tokio::time::sleep;
 
-use super::News;
-use super::shown::{Shown, refusal};
+use super::SceneUpdate;
 use super::state::AppState;
+use super::viewer_scene::{ViewerScene, refusal};
 
 /// Interval between snapshots of the files.
 const INTERVAL: Duration = Duration::from_millis(500);
@@ -18,11 +18,11 @@ const INTERVAL: Duration = Duration::from_millis(500);
 type Snapshot = Vec<Option<(SystemTime, u64)>>;
 
 fn snapshot(paths: &[PathBuf]) -> Snapshot {
-    let look = |path: &PathBuf| {
+    let stamp = |path: &PathBuf| {
         let found = std::fs::metadata(path).ok()?;
         Some((found.modified().ok()?, found.len()))
     };
-    paths.iter().map(look).collect()
+    paths.iter().map(stamp).collect()
 }
 
 /// Decides when to read: when the files differ from those read and were equal in two snapshots, because programs write in pieces.
@@ -38,7 +38,7 @@ impl ChangeDebouncer {
     }
 
     /// Records a snapshot and returns true if it is time to read.
-    fn look(&mut self, now: Snapshot) -> bool {
+    fn observe(&mut self, now: Snapshot) -> bool {
         let is_time = now != self.read && now == self.seen;
         if is_time {
             self.read.clone_from(&now);
@@ -50,31 +50,31 @@ impl ChangeDebouncer {
 
 /// Polls the files of the scene until the task is aborted; reports to the pages when it was read again, or why it cannot be.
 pub(crate) async fn watch(app: Arc<AppState>, scene: PathBuf) {
-    let mut paths = app.published().shown.paths.clone();
-    let mut settling = ChangeDebouncer::new(snapshot(&paths));
+    let mut paths = app.published().viewer_scene.paths.clone();
+    let mut debouncer = ChangeDebouncer::new(snapshot(&paths));
     loop {
         sleep(INTERVAL).await;
-        if !settling.look(snapshot(&paths)) {
+        if !debouncer.observe(snapshot(&paths)) {
             continue;
         }
-        let news = read(&app, &scene).await;
-        if let News::Read(shown) = &news {
-            let same = shown.paths() == paths;
+        let update = read(&app, &scene).await;
+        if let SceneUpdate::Reloaded(viewer_scene) = &update {
+            let same = viewer_scene.paths() == paths;
             if !same {
-                paths = shown.paths().to_vec();
-                settling = ChangeDebouncer::new(snapshot(&paths));
+                paths = viewer_scene.paths().to_vec();
+                debouncer = ChangeDebouncer::new(snapshot(&paths));
             }
         }
-        app.publish(&scene, news);
+        app.publish(&scene, update);
     }
 }
 
-async fn read(app: &AppState, scene: &Path) -> News {
-    let (path, options, dress) = (scene.to_owned(), app.options.clone(), app.dress.clone());
-    match spawn_blocking(move || Shown::read(&path, &options, dress.as_deref())).await {
-        Ok(Ok(shown)) => News::Read(Arc::new(shown)),
-        Ok(Err(diagnostics)) => News::Refused(diagnostics),
-        Err(error) => News::Refused(refusal(&scene.display().to_string(), error.to_string())),
+async fn read(app: &AppState, scene: &Path) -> SceneUpdate {
+    let (path, options, overlay) = (scene.to_owned(), app.options.clone(), app.overlay.clone());
+    match spawn_blocking(move || ViewerScene::read(&path, &options, overlay.as_deref())).await {
+        Ok(Ok(viewer_scene)) => SceneUpdate::Reloaded(Arc::new(viewer_scene)),
+        Ok(Err(diagnostics)) => SceneUpdate::Refused(diagnostics),
+        Err(error) => SceneUpdate::Refused(refusal(&scene.display().to_string(), error.to_string())),
     }
 }
 
@@ -85,9 +85,9 @@ mod tests {
     #[test]
     fn files_are_read_when_they_have_changed_and_settled() {
         let at = |second: u64| vec![Some((SystemTime::UNIX_EPOCH + Duration::from_secs(second), 1))];
-        let mut settling = ChangeDebouncer::new(at(1));
+        let mut debouncer = ChangeDebouncer::new(at(1));
         let looks = [at(1), at(2), at(3), at(3), at(3), vec![None], vec![None], at(3), at(3)];
-        let read = looks.map(|now| settling.look(now));
+        let read = looks.map(|now| debouncer.observe(now));
         assert_eq!(read, [false, false, false, true, false, false, true, false, true]);
     }
 

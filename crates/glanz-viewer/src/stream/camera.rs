@@ -6,7 +6,7 @@ use glanz_scene::description::{CameraDescription, CameraKind};
 use serde::{Deserialize, Serialize};
 
 /// Tolerance of the camera's axes against orthonormality: dot products, and squared lengths minus 1. They are computed in double
-/// precision there; more than this is no rounding.
+/// precision by the page; larger deviations are not rounding errors.
 const ORTHONORMAL: f64 = 1e-6;
 
 /// The camera of a page: a pinhole, or parallel rays.
@@ -29,7 +29,7 @@ pub struct ViewCamera {
     /// Metres over the shorter side; of an orthographic camera.
     #[serde(default)]
     pub height: Option<f64>,
-    /// Metres to what it looks at; of no influence on the picture.
+    /// Distance of the point it looks at, metres; without effect on the picture.
     #[serde(default)]
     pub distance: Option<f64>,
 }
@@ -51,10 +51,10 @@ pub enum ViewCameraError {
     /// Axes that are not orthonormal.
     #[error("the axes of the camera are not orthonormal")]
     Axes,
-    /// No angle where one is needed, or one that is none.
+    /// A perspective camera without a field of view in (0, pi).
     #[error("the field of view is not between 0 and pi")]
     FieldOfView,
-    /// No height where one is needed, or one that is none.
+    /// An orthographic camera without a positive height.
     #[error("the height of the picture is not positive")]
     Height,
 }
@@ -63,13 +63,13 @@ impl ViewCamera {
     /// The camera as a description for `glanz-scene`, for an image of `size` pixels.
     ///
     /// # Errors
-    /// [`ViewCameraError`] with what cannot be.
+    /// [`ViewCameraError`].
     pub fn describe(&self, size: [u32; 2]) -> Result<CameraDescription, ViewCameraError> {
         let [position, right, up, forward] =
             [self.position, self.right, self.up, self.forward].map(DVec3::from_array);
         let lengths = [right, up, forward].map(|axis| axis.length_squared() - 1.0);
         let angles = [right.dot(up), up.dot(forward), forward.dot(right)];
-        // Written such that what is not a number fails too.
+        // In this form the test also fails for NaN.
         if !lengths.into_iter().chain(angles).all(|off| off.abs() <= ORTHONORMAL) || !position.is_finite() {
             return Err(ViewCameraError::Axes);
         }

@@ -1,4 +1,4 @@
-//! The end of a stream by request.
+//! Cancellation of a stream.
 
 use glanz_job::CancelFlag;
 use tokio::sync::Notify;

@@ -1,11 +1,10 @@
-//! Progressive rendering of what a page looks at.
+//! Progressive rendering of the view of a page.
 //!
-//! A page orders a view ([`RenderRequest`]): a camera, a size, an integrator, and what is hidden. A [`Stream`] renders it in passes, until it has
-//! [`MAX_SAMPLES`] or is stopped, and puts tiles and progress into the [`Outbox`] of the page. There the newest of every tile replaces the
-//! one before it: a page that is slow to fetch misses passes, and neither holds up the render nor lets anything pile up.
+//! A page requests a view ([`RenderRequest`]): a camera, a size, an integrator, and the hidden leaves. A [`Stream`] renders it in passes, until
+//! it has [`MAX_SAMPLES`] or is stopped, and puts tiles and progress into the [`Outbox`] of the page. There a new version of a tile replaces
+//! the one before it: a slow page misses passes, but neither delays the render nor accumulates messages.
 //!
-//! All streams share the [`Processors`]: a few render at a time, the others wait for their turn. A stream that is stopped gives up within
-//! a sample.
+//! All streams share the [`Processors`]: a few render at a time, the others wait for their turn. A stopped stream ends within a sample.
 
 mod camera;
 mod cancel;

@@ -8,7 +8,7 @@ const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 /// Root mean square of the standard errors of the pixels' luminance over the mean luminance.
 ///
 /// `pixels`: with the channels R, G, B and Variance.R, .G, .B. The errors of the bands are taken as fully correlated, as they are where
-/// noise is that of visibility or of the choice of a light; otherwise this is a bound from above. `None` if variances are missing or not known,
+/// noise is that of visibility or of the choice of a light; otherwise this is an upper bound. `None` if variances are missing or not known,
 /// or all is black.
 pub(crate) fn noise(pixels: &Pixels) -> Option<f64> {
     let [means, variances] = [["R", "G", "B"], ["Variance.R", "Variance.G", "Variance.B"]]

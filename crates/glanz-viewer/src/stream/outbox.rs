@@ -21,29 +21,28 @@ pub enum StreamStatus {
         /// True if no more samples follow.
         done: bool,
     },
-    /// It waits for its turn.
+    /// It waits for a processor share.
     Waiting,
-    /// It cannot go on.
+    /// It failed.
     Failed(String),
 }
 
-/// One thing to send.
+/// A message to send.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum OutboxMessage {
     /// The bytes of a tile.
     Tile(Vec<u8>),
-    /// The state of the view of that number.
+    /// The status of the view with this id.
     Status(u32, StreamStatus),
 }
 
-/// Outbox of a page: the newest version of each tile, and the newest status. It holds one image at most, however slowly it is
-/// emptied.
+/// Outbox of a page: the newest version of each tile, and the newest status. It holds at most one image, however slow the page is.
 ///
-/// Tiles leave in the order in which they came first, the status after all tiles.
+/// Tiles are sent in the order of their first arrival, the status after all tiles.
 #[derive(Debug, Default)]
 pub struct Outbox {
     content: Mutex<OutboxContent>,
-    news: Notify,
+    notify: Notify,
 }
 
 #[derive(Debug, Default)]
@@ -55,7 +54,7 @@ struct OutboxContent {
 
 impl Outbox {
     fn content(&self) -> MutexGuard<'_, OutboxContent> {
-        // Its content is consistent between any two statements.
+        // A panic elsewhere cannot leave the content inconsistent.
         self.content.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -66,7 +65,7 @@ impl Outbox {
             content.order.push_back(tile.min);
         }
         drop(content);
-        self.news.notify_one();
+        self.notify.notify_one();
     }
 
     /// Replaces all tiles by a whole image.
@@ -75,16 +74,16 @@ impl Outbox {
         content.order = tiles.iter().map(|tile| tile.min).collect();
         content.tiles = tiles.into_iter().map(|tile| (tile.min, tile.bytes)).collect();
         drop(content);
-        self.news.notify_one();
+        self.notify.notify_one();
     }
 
     /// Replaces the status by that of the view `id`.
     pub(crate) fn put_status(&self, id: u32, status: StreamStatus) {
         self.content().status = Some((id, status));
-        self.news.notify_one();
+        self.notify.notify_one();
     }
 
-    /// Throws away what has not been sent.
+    /// Discards all queued messages.
     pub(crate) fn clear(&self) {
         *self.content() = OutboxContent::default();
     }
@@ -99,13 +98,13 @@ impl Outbox {
         content.status.take().map(|(id, status)| OutboxMessage::Status(id, status))
     }
 
-    /// The next thing to send, when there is one. One task at a time may wait.
+    /// Waits for the next message. One task at a time may wait.
     pub(crate) async fn next(&self) -> OutboxMessage {
         loop {
-            if let Some(parcel) = self.take() {
-                return parcel;
+            if let Some(message) = self.take() {
+                return message;
             }
-            self.news.notified().await;
+            self.notify.notified().await;
         }
     }
 }

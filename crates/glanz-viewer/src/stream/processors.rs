@@ -6,28 +6,28 @@ use std::time::Duration;
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
-/// Renders at a time. The system shares the processors between their threads; more would only make all of them slow together.
-const PLACES: usize = 4;
+/// Number of concurrent renders. Their threads share the processors; more renders would only slow down all of them.
+const RENDERS: usize = 4;
 
 /// Time slice of a render while others wait, unless a pass takes longer.
 pub(crate) const TIME_SLICE: Duration = Duration::from_secs(2);
 
-/// Pixels of all films at a time, 120 to 230 bytes each.
+/// Largest number of pixels of all films together, 120 to 230 bytes each.
 const PIXELS: usize = 1 << 24;
 
-/// Pixels that are counted as one.
+/// Pixels per unit of the semaphore.
 const UNIT: usize = 1 << 10;
 
-/// The right to render, for a few streams at a time; those that wait get it in the order in which they came.
+/// Permits to render for a few streams at a time, granted in the order of the requests.
 #[derive(Debug)]
 pub struct Processors {
     threads: usize,
-    places: Arc<Semaphore>,
+    permits: Arc<Semaphore>,
     films: Arc<Semaphore>,
     waiting: AtomicUsize,
 }
 
-/// Something that one stream has of all.
+/// The permit of one stream.
 #[derive(Debug)]
 pub(crate) struct ProcessorShare {
     _permit: OwnedSemaphorePermit,
@@ -39,7 +39,7 @@ impl Processors {
     pub fn new(threads: usize) -> Self {
         Self {
             threads,
-            places: Arc::new(Semaphore::new(PLACES)),
+            permits: Arc::new(Semaphore::new(RENDERS)),
             films: Arc::new(Semaphore::new(PIXELS / UNIT)),
             waiting: AtomicUsize::new(0),
         }
@@ -55,19 +55,19 @@ impl Processors {
         self.waiting.load(Ordering::Relaxed) > 0
     }
 
-    /// A place to render, at once or never.
-    pub(crate) fn try_place(&self) -> Option<ProcessorShare> {
-        Arc::clone(&self.places).try_acquire_owned().ok().map(|permit| ProcessorShare { _permit: permit })
+    /// A permit to render, if one is free.
+    pub(crate) fn try_permit(&self) -> Option<ProcessorShare> {
+        Arc::clone(&self.permits).try_acquire_owned().ok().map(|permit| ProcessorShare { _permit: permit })
     }
 
-    /// A place to render, when it is the caller's turn.
-    pub(crate) async fn place(&self) -> Option<ProcessorShare> {
+    /// Waits for a permit to render.
+    pub(crate) async fn permit(&self) -> Option<ProcessorShare> {
         let _waiting = Waiting::new(&self.waiting);
-        let permit = Arc::clone(&self.places).acquire_owned().await.ok()?;
+        let permit = Arc::clone(&self.permits).acquire_owned().await.ok()?;
         Some(ProcessorShare { _permit: permit })
     }
 
-    /// Memory for a film of so many pixels, at once or never.
+    /// Memory for a film of `pixels`, if it is free.
     pub(crate) fn try_film(&self, pixels: u64) -> Option<ProcessorShare> {
         Arc::clone(&self.films)
             .try_acquire_many_owned(units(pixels))
@@ -75,7 +75,7 @@ impl Processors {
             .map(|permit| ProcessorShare { _permit: permit })
     }
 
-    /// Memory for a film of so many pixels, when there is some.
+    /// Waits for memory for a film of `pixels`.
     pub(crate) async fn film(&self, pixels: u64) -> Option<ProcessorShare> {
         let permit = Arc::clone(&self.films).acquire_many_owned(units(pixels)).await.ok()?;
         Some(ProcessorShare { _permit: permit })
@@ -86,7 +86,7 @@ fn units(pixels: u64) -> u32 {
     u32::try_from(pixels.div_ceil(UNIT as u64)).unwrap_or(u32::MAX)
 }
 
-/// Counts one who waits, also if he stops waiting.
+/// Counts a waiting stream until it is dropped.
 struct Waiting<'a>(&'a AtomicUsize);
 
 impl<'a> Waiting<'a> {
@@ -110,10 +110,10 @@ mod tests {
     #[test]
     fn places_are_few_and_come_back() {
         let processors = Processors::new(1);
-        let places: Vec<_> = std::iter::from_fn(|| processors.try_place()).collect();
-        assert_eq!(places.len(), PLACES);
-        drop(places);
-        assert!(processors.try_place().is_some());
+        let permits: Vec<_> = std::iter::from_fn(|| processors.try_permit()).collect();
+        assert_eq!(permits.len(), RENDERS);
+        drop(permits);
+        assert!(processors.try_permit().is_some());
     }
 
     #[test]
@@ -126,21 +126,21 @@ mod tests {
     }
 
     #[test]
-    fn who_waits_is_counted_until_it_is_his_turn_or_he_leaves() {
+    fn a_waiting_stream_is_counted_until_its_turn_or_its_end() {
         let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
         runtime.block_on(async {
             let processors = Arc::new(Processors::new(1));
-            let places: Vec<_> = std::iter::from_fn(|| processors.try_place()).collect();
+            let permits: Vec<_> = std::iter::from_fn(|| processors.try_permit()).collect();
             let [first, second] = [(); 2].map(|()| {
                 let processors = Arc::clone(&processors);
-                tokio::spawn(async move { processors.place().await })
+                tokio::spawn(async move { processors.permit().await })
             });
             tokio::task::yield_now().await;
             assert_eq!(processors.waiting.load(Ordering::Relaxed), 2);
             first.abort();
             assert!(first.await.is_err());
             assert_eq!(processors.waiting.load(Ordering::Relaxed), 1);
-            drop(places);
+            drop(permits);
             assert!(second.await.unwrap().is_some());
             assert!(!processors.are_wanted());
         });

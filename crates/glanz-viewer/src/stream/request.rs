@@ -13,10 +13,10 @@ use serde::{Deserialize, Serialize};
 
 use super::camera::{ViewCamera, ViewCameraError};
 
-/// Pixels along a side of a view; the page asks for no more.
+/// Largest side of a view in pixels; the page requests no more.
 pub const MAX_SIDE: u32 = 4096;
 
-/// Samples per pixel after which a view is done: a picture that still has visible noise then is one for `glanz render`.
+/// Samples per pixel after which a view is done; a picture that still has visible noise then needs `glanz render`.
 pub const MAX_SAMPLES: u32 = 4096;
 
 /// The integrators that a page can choose from.
@@ -44,13 +44,13 @@ impl IntegratorName {
 /// A view to be rendered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderRequest {
-    /// Its number; what is sent about it carries it.
+    /// Its id, which all messages about it carry.
     pub id: u32,
-    /// From where.
+    /// The camera.
     pub camera: ViewCamera,
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Leaves of the tree that are not seen.
+    /// Hidden leaves of the tree.
     pub hidden: BTreeSet<u32>,
     /// The integrator.
     pub integrator: IntegratorName,
@@ -60,22 +60,22 @@ pub struct RenderRequest {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderRequestError {
-    /// A size that is nothing or too much.
+    /// A size of 0 or beyond the limit.
     #[error("a picture of {0} x {1} pixels is not rendered here: sides are 1 to {MAX_SIDE} pixels")]
     Size(u32, u32),
-    /// A camera that cannot be.
+    /// An invalid camera.
     #[error(transparent)]
     Camera(#[from] ViewCameraError),
-    /// A camera that the scene refuses, or a scene that cannot be without what is hidden.
+    /// A camera that the scene refuses, or an invalid scene after removing hidden leaves.
     #[error("{0}")]
     Scene(String),
     /// Settings of the scene that the integrator refuses.
     #[error(transparent)]
     Integrator(#[from] IntegratorError),
-    /// A filter that cannot be.
+    /// An invalid filter.
     #[error(transparent)]
     Filter(#[from] FilterError),
-    /// A film that cannot be.
+    /// An invalid film, or too little memory for it.
     #[error(transparent)]
     Film(#[from] FilmError),
 }
@@ -86,7 +86,7 @@ impl From<SceneError> for RenderRequestError {
     }
 }
 
-/// Everything that is known before the first ray.
+/// Everything that a render of the view needs, besides the scene.
 #[derive(Clone, Debug)]
 pub(crate) struct StreamPlan {
     pub(crate) camera: Camera,
@@ -101,7 +101,7 @@ impl RenderRequest {
         self.size.map(u64::from).iter().product()
     }
 
-    /// Looks at all that can be wrong with the order itself.
+    /// Checks size and camera, which do not depend on the scene.
     ///
     /// # Errors
     /// [`RenderRequestError::Size`], [`RenderRequestError::Camera`].
@@ -139,7 +139,7 @@ impl RenderRequest {
         };
         let settings = RenderSettings {
             filter,
-            // Every number of samples is well spread: nobody knows when the camera moves on.
+            // Well distributed for every number of samples: the camera may move at any time.
             sampler: SamplerKind::Sobol,
             seed: description.sampler.seed,
             samples_per_pixel: MAX_SAMPLES,
@@ -166,7 +166,7 @@ mod tests {
     use super::super::camera::ViewCameraKind;
     use super::*;
 
-    fn order(size: [u32; 2]) -> RenderRequest {
+    fn request(size: [u32; 2]) -> RenderRequest {
         let camera = ViewCamera {
             kind: ViewCameraKind::Perspective,
             position: [0.0; 3],
@@ -183,10 +183,10 @@ mod tests {
     #[test]
     fn sizes_are_bounded() {
         for size in [[1, 1], [4096, 4096], [4096, 1]] {
-            assert!(order(size).check().is_ok(), "{size:?}");
+            assert!(request(size).check().is_ok(), "{size:?}");
         }
         for size in [[0, 5], [5, 0], [4097, 1], [1, 4097], [u32::MAX, u32::MAX]] {
-            assert!(matches!(order(size).check(), Err(RenderRequestError::Size(..))), "{size:?}");
+            assert!(matches!(request(size).check(), Err(RenderRequestError::Size(..))), "{size:?}");
         }
     }
 
@@ -196,7 +196,7 @@ mod tests {
         description.integrator.max_depth = Some(9);
         description.integrator.name = "whitted".to_owned();
         description.sampler.seed = 77;
-        let plan = order([6, 4]).plan(&description, 3).unwrap();
+        let plan = request([6, 4]).plan(&description, 3).unwrap();
         assert_eq!((plan.integrator.name(), plan.integrator.max_depth), ("guided", 9));
         assert_eq!((plan.settings.seed, plan.settings.threads), (77, 3));
         assert!(plan.format.passes && plan.format.resolution == [6, 4]);

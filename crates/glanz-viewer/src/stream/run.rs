@@ -40,19 +40,19 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Begins to render `order`; to be called within a runtime of tokio.
+    /// Starts to render `request`; must be called within a tokio runtime.
     ///
     /// # Errors
-    /// [`RenderRequestError::Size`], [`RenderRequestError::Camera`]. What is found out later becomes [`StreamStatus::Failed`].
-    pub fn start(order: RenderRequest, surroundings: StreamContext) -> Result<Self, RenderRequestError> {
-        order.check()?;
-        let id = order.id;
+    /// [`RenderRequestError::Size`], [`RenderRequestError::Camera`]. Later errors are reported as [`StreamStatus::Failed`].
+    pub fn start(request: RenderRequest, context: StreamContext) -> Result<Self, RenderRequestError> {
+        request.check()?;
+        let id = request.id;
         let cancel = Arc::new(StreamCancel::default());
         let task = tokio::spawn({
             let cancel = Arc::clone(&cancel);
             async move {
-                let outbox = Arc::clone(&surroundings.outbox);
-                if let Err(Stop::Failed(message)) = carry_out(order, surroundings, cancel).await {
+                let outbox = Arc::clone(&context.outbox);
+                if let Err(Stop::Failed(message)) = render(request, context, cancel).await {
                     outbox.put_status(id, StreamStatus::Failed(message));
                 }
             }
@@ -60,21 +60,21 @@ impl Stream {
         Ok(Self { id, cancel, task })
     }
 
-    /// The number of its view.
+    /// The id of its view.
     #[must_use]
     pub fn id(&self) -> u32 {
         self.id
     }
 
-    /// Ends it. When this returns, nothing more comes into the outbox.
+    /// Ends the stream. After this returns, it adds nothing to the outbox.
     pub async fn stop(mut self) {
         self.cancel.cancel();
-        // The task has nothing to give back.
+        // The task has no result.
         let _ = (&mut self.task).await;
     }
 }
 
-/// A page that leaves takes its stream with it.
+/// Ends the stream when its page disconnects.
 impl Drop for Stream {
     fn drop(&mut self) {
         self.cancel.cancel();
@@ -85,7 +85,7 @@ impl Drop for Stream {
 enum Stop {
     /// It was cancelled.
     Interrupted,
-    /// It cannot go on.
+    /// It failed.
     Failed(String),
 }
 
@@ -95,8 +95,8 @@ impl<E: std::error::Error> From<E> for Stop {
     }
 }
 
-/// Waits for what comes next, or for the wish to end.
-async fn unless<T>(cancel: &StreamCancel, next: impl Future<Output = T>) -> Result<T, Stop> {
+/// Waits for `next` or for cancellation.
+async fn unless_cancelled<T>(cancel: &StreamCancel, next: impl Future<Output = T>) -> Result<T, Stop> {
     tokio::select! {
         biased;
         () = cancel.cancelled() => Err(Stop::Interrupted),
@@ -104,47 +104,47 @@ async fn unless<T>(cancel: &StreamCancel, next: impl Future<Output = T>) -> Resu
     }
 }
 
-/// Renders a view turn by turn.
-async fn carry_out(
-    order: RenderRequest,
-    surroundings: StreamContext,
+/// Renders a view in time slices.
+async fn render(
+    request: RenderRequest,
+    context: StreamContext,
     cancel: Arc<StreamCancel>,
 ) -> Result<(), Stop> {
-    let StreamContext { description, scene, visible, outbox, picture, processors } = surroundings;
-    let id = order.id;
-    let plan = order.plan(&description, processors.threads())?;
-    let _memory: Option<ProcessorShare> = match processors.try_film(order.pixels()) {
+    let StreamContext { description, scene, visible, outbox, picture, processors } = context;
+    let id = request.id;
+    let plan = request.plan(&description, processors.threads())?;
+    let _memory: Option<ProcessorShare> = match processors.try_film(request.pixels()) {
         Some(share) => Some(share),
         None => {
             outbox.put_status(id, StreamStatus::Waiting);
-            unless(&cancel, processors.film(order.pixels())).await?
+            unless_cancelled(&cancel, processors.film(request.pixels())).await?
         }
     };
-    let scene = unless(&cancel, visible.scene(scene, description, order.hidden)).await??;
+    let scene = unless_cancelled(&cancel, visible.scene(scene, description, request.hidden)).await??;
     let film = plan.film()?;
     let scene = scene.with_camera(plan.camera.clone());
     let integrator = plan.integrator.build();
     let view = StreamView { id, scene, plan, integrator, cancel, outbox, picture, processors };
-    let (view, mut turn) = (Arc::new(view), TimeSlice { film, seconds: 0.0 });
-    while !is_done(&turn.film) {
-        let place = match view.processors.try_place() {
-            Some(place) => Some(place),
+    let (view, mut slice) = (Arc::new(view), TimeSlice { film, seconds: 0.0 });
+    while !is_done(&slice.film) {
+        let permit = match view.processors.try_permit() {
+            Some(permit) => Some(permit),
             None => {
                 view.outbox.put_status(id, StreamStatus::Waiting);
-                unless(&view.cancel, view.processors.place()).await?
+                unless_cancelled(&view.cancel, view.processors.permit()).await?
             }
         };
-        // Not left alone when it is cancelled: its threads are gone before the stream is.
-        let taken = spawn_blocking({
+        // Awaited even when cancelled, so that its threads end before the stream does.
+        let rendered = spawn_blocking({
             let view = Arc::clone(&view);
-            move || view.run_time_slice(turn)
+            move || view.run_time_slice(slice)
         });
-        turn = match taken.await? {
-            Ok(turn) => turn,
+        slice = match rendered.await? {
+            Ok(slice) => slice,
             Err(RenderError::Interrupted(_)) => return Err(Stop::Interrupted),
             Err(error) => return Err(error.into()),
         };
-        drop(place);
+        drop(permit);
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Tiles as they are sent.
+//! Encoded tiles.
 
 use half::f16;
 
@@ -15,7 +15,7 @@ pub(crate) struct Tile {
 
 impl Tile {
     /// `min`, `size`: first column and row, columns and rows, all below 65536; `samples`: that each pixel has; `radiance`: linear Rec. 709,
-    /// row by row from the top. Values beyond the range of half floats are cut to it, what is not a number is black.
+    /// row by row from the top. Values beyond the range of half floats are clamped, NaN becomes black.
     pub(crate) fn new(
         id: u32,
         min: [u32; 2],
@@ -44,7 +44,7 @@ fn half(value: f32) -> f16 {
     f16::from_f32(value.clamp(f16::MIN.to_f32(), f16::MAX.to_f32()))
 }
 
-/// A file as it is sent.
+/// The message that carries a file.
 pub(crate) fn file(id: u32, content: &[u8]) -> Vec<u8> {
     [&[2, 0, 0, 0], id.to_le_bytes().as_slice(), content].concat()
 }

@@ -16,7 +16,7 @@ use super::processors::{Processors, TIME_SLICE};
 use super::request::{MAX_SAMPLES, StreamPlan};
 use super::tile::Tile;
 
-/// Side of the tiles in which a whole picture is sent: few messages, none of them long.
+/// Side of the tiles of a whole picture, pixels: few messages, none of them long.
 const SIDE: u32 = 128;
 
 /// State shared by the time slices of one view.
@@ -44,7 +44,7 @@ impl StreamView {
     /// Continues from an earlier time slice until the view has all samples or another render waits.
     ///
     /// # Errors
-    /// [`RenderError::Interrupted`] if the stream is to end; others if there is no way to render.
+    /// [`RenderError`]; [`RenderError::Interrupted`] if the stream was cancelled.
     pub(crate) fn run_time_slice(&self, before: TimeSlice) -> Result<TimeSlice, RenderError> {
         let over = CancelFlag::default();
         let samples = before.film.samples().total();
@@ -70,10 +70,10 @@ pub(crate) fn is_done(film: &Film) -> bool {
 /// Progress sink that writes tiles and status to the outbox.
 struct StreamSink<'a> {
     view: &'a StreamView,
-    /// Raised when the turn is over.
+    /// Raised at the end of the time slice.
     over: &'a CancelFlag,
     begun: Instant,
-    /// Seconds of earlier turns.
+    /// Seconds of earlier time slices.
     before: f64,
     /// Samples that every pixel had after the last pass.
     samples: u64,
@@ -83,7 +83,7 @@ struct StreamSink<'a> {
 impl StreamSink<'_> {
     /// True if a pass of `length` samples is sent tile by tile: passes of one sample may take long, longer ones take about half a second.
     fn is_tiled(&self, length: u64) -> bool {
-        // Passes of an integrator that learns have to be weighed against one another first.
+        // Passes of an integrator that learns must be weighted first.
         length == 1 && !self.view.plan.format.passes
     }
 }
@@ -96,7 +96,7 @@ impl RenderSink for StreamSink<'_> {
         if self.is_abandoned() {
             return;
         }
-        // A picture is refused for its size alone, which is that of the film.
+        // Fails only for the size, which is that of the film.
         let Ok(pixels) = film.to_pixels() else { return };
         self.noise = noise(&pixels);
         if !self.is_tiled(length) {

@@ -1,4 +1,4 @@
-//! The scene without what a page has hidden.
+//! The scene without the hidden leaves of a page.
 
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -13,7 +13,7 @@ use crate::model;
 #[derive(Debug, Default)]
 pub struct VisibleScene {
     last: Mutex<Option<ResolvedSubset>>,
-    /// Held while a scene is built, which nothing can interrupt: one at a time.
+    /// Held while a scene is built, which cannot be interrupted: one at a time.
     building: Arc<tokio::sync::Mutex<()>>,
 }
 
@@ -31,14 +31,15 @@ impl VisibleScene {
 
     fn known(&self, whole: &Arc<Scene>, hidden: &BTreeSet<u32>) -> Option<Arc<Scene>> {
         let last = self.last();
-        let made = last.as_ref().filter(|made| Arc::ptr_eq(&made.whole, whole) && made.hidden == *hidden)?;
-        Some(Arc::clone(&made.scene))
+        let subset =
+            last.as_ref().filter(|subset| Arc::ptr_eq(&subset.whole, whole) && subset.hidden == *hidden)?;
+        Some(Arc::clone(&subset.scene))
     }
 
-    /// The scene of `description`, which is `whole`, without the leaves `hidden`. It may take as long as to build the scene.
+    /// The scene of `description`, which is `whole`, without the leaves `hidden`. Takes as long as building the scene if it is not cached.
     ///
     /// # Errors
-    /// [`RenderRequestError::Scene`] if what is left is none.
+    /// [`RenderRequestError::Scene`] if the remaining scene is invalid.
     pub(crate) async fn scene(
         self: Arc<Self>,
         whole: Arc<Scene>,

@@ -111,12 +111,12 @@ impl Folder {
     }
 
     /// Runs the program to its end.
-    pub(crate) fn run(&self, line: &str) -> Ran {
+    pub(crate) fn run(&self, line: &str) -> ProgramOutput {
         finish(self.start(line), line)
     }
 
     /// Runs the program and expects success.
-    pub(crate) fn succeed(&self, line: &str) -> Ran {
+    pub(crate) fn succeed(&self, line: &str) -> ProgramOutput {
         let ran = self.run(line);
         assert_eq!(ran.code, Some(0), "glanz {line}\n{}{}", ran.stdout, ran.stderr);
         ran
@@ -129,14 +129,14 @@ impl Drop for Folder {
     }
 }
 
-/// How a run ended.
-pub(crate) struct Ran {
+/// Exit code and output of a run.
+pub(crate) struct ProgramOutput {
     pub(crate) code: Option<i32>,
     pub(crate) stdout: String,
     pub(crate) stderr: String,
 }
 
-impl Ran {
+impl ProgramOutput {
     pub(crate) fn json(&self) -> serde_json::Value {
         serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error} in {}", self.stdout))
     }
@@ -153,7 +153,7 @@ impl Ran {
 }
 
 /// Waits for the end; a run that hangs is killed and fails the test.
-pub(crate) fn finish(child: Child, line: &str) -> Ran {
+pub(crate) fn finish(child: Child, line: &str) -> ProgramOutput {
     let id = child.id();
     let (sender, receiver) = std::sync::mpsc::channel();
     let waiting = std::thread::spawn(move || sender.send(child.wait_with_output()));
@@ -165,7 +165,7 @@ pub(crate) fn finish(child: Child, line: &str) -> Ran {
         }
     };
     waiting.join().expect("the waiting thread").expect("a listener");
-    Ran {
+    ProgramOutput {
         code: output.status.code(),
         stdout: String::from_utf8(output.stdout).expect("text"),
         stderr: String::from_utf8(output.stderr).expect("text"),

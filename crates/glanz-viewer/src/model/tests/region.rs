@@ -35,14 +35,14 @@ fn points_of<'a>(blocks: &'a Blocks, part: &[f32; 8]) -> &'a [[f32; 4]] {
     &blocks.region_points[part[4] as usize..=(part[4] + part[5]) as usize]
 }
 
-fn cell_of(blocks: &Blocks, region: &head::Region, at: [f32; 2]) -> [u32; 4] {
+fn cell_of(blocks: &Blocks, region: &head::ModelRegion, at: [f32; 2]) -> [u32; 4] {
     let [nx, ny] = region.cells;
     let [column, row] = [(at[0], nx), (at[1], ny)].map(|(x, n)| ((x * n as f32) as usize).min(n - 1));
     blocks.region_cells[region.first_cell + row * nx + column]
 }
 
 /// The winding number as `docs/viewer.md` says, in single precision.
-fn winding(blocks: &Blocks, region: &head::Region, at: [f32; 2]) -> i32 {
+fn winding(blocks: &Blocks, region: &head::ModelRegion, at: [f32; 2]) -> i32 {
     let [u, v] = at.map(|x| x.clamp(0.0, 1.0));
     let [first_entry, entries, first_step, packed] = cell_of(blocks, region, [u, v]).map(|w| w as usize);
     let mut winding = (packed >> 16) as i32 - 128;
@@ -97,9 +97,9 @@ fn distance(blocks: &Blocks, at: DVec2) -> f64 {
     least
 }
 
-fn laid(region: &TrimRegion) -> (Blocks, head::Region) {
+fn laid(region: &TrimRegion) -> (Blocks, head::ModelRegion) {
     let mut blocks = Blocks::default();
-    let head = Grid::of(region).lay(&mut blocks).unwrap();
+    let head = Grid::of(region).add_to(&mut blocks).unwrap();
     (blocks, head)
 }
 

@@ -4,7 +4,7 @@ use glanz_math::{DMat3, DVec2, DVec3};
 
 use super::*;
 
-/// Parameters of a patch, decoded from its words, over the region if there is one.
+/// PatchParameters of a patch, decoded from its words, over the region if there is one.
 fn parameters(words: &[u32], revolution: bool, x: f64, y: f64) -> DVec2 {
     let w: Vec<f64> = words.iter().map(|&word| f32::from_bits(word).into()).collect();
     if !revolution {
@@ -244,7 +244,7 @@ fn what_cannot_be_sent_as_it_is_is_noted() {
     assert_eq!(
         notes,
         [
-            "a plane without end is drawn as a large rectangle",
+            "an unbounded plane is drawn as a large rectangle",
             "a trimmed polyhedron is drawn without its trimming"
         ]
     );
@@ -262,7 +262,7 @@ fn what_cannot_be_sent_as_it_is_is_noted() {
 
 #[test]
 fn faces_that_are_small_parts_of_their_surface_have_patches_of_their_own() {
-    // A hundredth of a millimetre out of a square of ten metres, and out of a plane without end; of the spline, in pieces of 2 m by 10 m, most is
+    // A hundredth of a millimetre out of a square of ten metres, and out of an unbounded plane; of the spline, in pieces of 2 m by 10 m, most is
     // left out.
     let net: String = (0..6 * 2).map(|k| format!("{} {} {} ", 2 * (k % 6), 10 * (k / 6), k % 2)).collect();
     let text = format!(

@@ -21,7 +21,7 @@ const PATIENCE: Duration = Duration::from_secs(30);
 /// each visit would come to more.
 const GROWTH: [f64; 2] = [0.1, 16.0];
 
-/// What came of visits.
+/// Totals over all visits.
 #[derive(Default)]
 struct Tally {
     visits: u64,
@@ -50,8 +50,8 @@ impl Tally {
         self.faults.extend(other.faults);
     }
 
-    /// What happened, for people.
-    fn tell(&mut self) -> String {
+    /// The totals as one line of text.
+    fn summary(&mut self) -> String {
         self.stops.sort_unstable();
         let at = |share: f64| {
             let i = (share * self.stops.len() as f64) as usize;
@@ -102,7 +102,7 @@ fn pages_that_come_and_go_leave_nothing_behind() {
     let half = Duration::from_secs_f64(0.5 * seconds as f64);
     let [first, second] = [1, 2].map(|number| {
         let mut tally = round(&served.host, pages, half, number);
-        println!("round {number}: {pages} pages for {} s: {}", half.as_secs(), tally.tell());
+        println!("round {number}: {pages} pages for {} s: {}", half.as_secs(), tally.summary());
         assert!(served.is_alive(), "the server died\n{}", served.said());
         let faults = &tally.faults;
         assert!(faults.is_empty(), "{} faults, first {:?}\n{}", faults.len(), faults.first(), served.said());
