@@ -1,14 +1,14 @@
-//! Processor time: what a computation costs, whatever else the machine does.
+//! Processor time of a computation, which does not depend on other work of the machine.
 
 use std::time::{Duration, Instant};
 
 /// Length of a tick in `/proc/self/stat`; 100 a second on every machine that Linux supports today (`getconf CLK_TCK`).
 const TICK: Duration = Duration::from_millis(10);
 
-/// Shortest time that is measured: [`repeated`] goes on until then. Linux counts in steps of some milliseconds.
+/// Shortest time that is measured: [`repeated`] repeats the work until then, because Linux counts in steps of some milliseconds.
 pub const SHORTEST: Duration = Duration::from_millis(200);
 
-/// Whose time counts.
+/// The threads whose processor time is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimeScope {
     /// The calling thread.
@@ -32,7 +32,7 @@ impl Stopwatch {
         Self { scope, processor: processor_time(scope), wall: Instant::now() }
     }
 
-    /// Processor time since the start; wall time where the system does not tell the other.
+    /// Processor time since the start; wall time where the system does not report it.
     #[must_use]
     pub fn elapsed(&self) -> Duration {
         match (self.processor, processor_time(self.scope)) {
@@ -48,8 +48,8 @@ pub fn counts_processor_time() -> bool {
     processor_time(TimeScope::Thread).is_some() && processor_time(TimeScope::Process).is_some()
 }
 
-/// The value of `work` and the mean time of the calling thread that one call takes, of as many calls as fit into
-/// [`SHORTEST`]; each works on its own value of `prepare`, which does not count.
+/// Calls `work` for at least [`SHORTEST`], each time with a new value of `prepare`. Returns its last value and the mean processor
+/// time of a call, without that of `prepare`.
 ///
 /// # Errors
 /// That of `work`.
@@ -60,7 +60,7 @@ pub fn repeated<A, T, E>(
     repeated_for(SHORTEST, prepare, work)
 }
 
-/// As [`repeated`] for another time than [`SHORTEST`].
+/// As [`repeated`], for at least `shortest`.
 ///
 /// # Errors
 /// That of `work`.
@@ -101,8 +101,7 @@ fn thread_time(text: &str) -> Option<Duration> {
     Some(Duration::from_nanos(text.split_whitespace().next()?.parse().ok()?))
 }
 
-/// User and system time, fields 14 and 15 of `/proc/self/stat`. The second field is a name in parentheses that may hold
-/// anything.
+/// User and system time, fields 14 and 15 of `/proc/self/stat`. The second field is a name in parentheses that may contain any character.
 fn process_time(text: &str) -> Option<Duration> {
     let (_, fields) = text.rsplit_once(')')?;
     let mut fields = fields.split_whitespace().skip(11);

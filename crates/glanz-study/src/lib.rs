@@ -1,17 +1,17 @@
-//! Studies: what the documents behind Glanz claimed, measured again.
+//! Studies: new measurements of the claims in the documents behind Glanz.
 //!
-//! A [`Study`] asks one question and answers it with a [`Report`]: tables, plots and pictures, and sentences made from
-//! their figures. [`studies()`] is the table of them; a new one is a file and a line there. Figures depend on the
-//! [`Settings`] alone, except for times, which [`clock`] takes from the processor.
+//! A [`Study`] answers one question with a [`Report`]: tables, plots and pictures, and findings as sentences with their figures.
+//! [`studies()`] lists all; a new one is a file and a line there. All figures depend on the [`Settings`] alone, except for times,
+//! which are processor times by [`clock`].
 //!
 //! - [`report`] holds results and writes them (Markdown, CSV, SVG, PNG), with tables and plots of [`glanz_report`];
-//! - `densities` integrates with densities that learn (document 003);
-//! - `guiding` renders rooms with and without densities that learn (document 003);
+//! - `densities` integrates with learnt densities (document 003);
+//! - `guiding` renders rooms with and without learnt densities (document 003);
 //! - `newton` compares Newton's method with the certified search (document 000);
 //! - `reconstruction` interpolates light that is known per element (document 003);
-//! - `reflector` follows light by way of a freeform mirror (document 000);
+//! - `reflector` traces light by way of a freeform mirror (document 000);
 //! - `solvers` compares ways to solve for radiosity (document 003);
-//! - `tessellation` compares triangles with the surface they stand for (document 002).
+//! - `tessellation` compares triangles with the surface that they approximate (document 002).
 //!
 //! ```
 //! use glanz_job::Silent;

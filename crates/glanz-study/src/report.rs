@@ -1,4 +1,4 @@
-//! What a study says.
+//! The report of a study.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,7 +10,7 @@ use glanz_light::{Pixels, Tone};
 use crate::study::StudyError;
 use glanz_report::{Plot, Table};
 
-/// Headings, sentences, tables, plots and pictures in the order in which they are read, and one table that sums up.
+/// Headings, paragraphs, tables, plots and pictures in reading order, with a summary table.
 #[derive(Debug)]
 pub struct Report {
     title: String,
@@ -41,13 +41,13 @@ enum ReportBlock {
 }
 
 impl Report {
-    /// A report with only a title and its summary.
+    /// A report of a title and a summary table.
     #[must_use]
     pub fn new(title: impl Into<String>, summary: Table) -> Self {
         Self { title: title.into(), summary, blocks: Vec::new() }
     }
 
-    /// The table that sums up.
+    /// The summary table.
     #[must_use]
     pub fn summary(&self) -> &Table {
         &self.summary
@@ -61,42 +61,42 @@ impl Report {
         })
     }
 
-    /// A headline.
+    /// Adds a heading.
     pub fn heading(&mut self, text: impl Into<String>) {
         self.blocks.push(ReportBlock::Heading(text.into()));
     }
 
-    /// Sentences.
+    /// Adds a paragraph.
     pub fn paragraph(&mut self, text: impl Into<String>) {
         self.blocks.push(ReportBlock::Paragraph(text.into()));
     }
 
-    /// A table, also written as CSV.
+    /// Adds a table, also written as CSV.
     pub fn table(&mut self, table: Table) {
         self.blocks.push(ReportBlock::Table(table));
     }
 
-    /// A table that is too long to be read: the report only names its CSV file.
+    /// Adds a table that is too long to be printed: the report only links to its CSV file.
     pub fn data(&mut self, table: Table) {
         self.blocks.push(ReportBlock::Data(table));
     }
 
-    /// A plot, written as `name`.svg.
+    /// Adds a plot, written as `name`.svg.
     pub fn plot(&mut self, name: impl Into<String>, plot: Plot, caption: impl Into<String>) {
         self.figure(Figure { name: name.into(), plot, caption: caption.into() });
     }
 
-    /// A plot, written as `figure.name`.svg.
+    /// Adds a plot, written as `figure.name`.svg.
     pub fn figure(&mut self, figure: Figure) {
         self.blocks.push(ReportBlock::Plot(figure));
     }
 
-    /// A drawing, the text of an SVG file, written as `name`.svg.
+    /// Adds a drawing, the text of an SVG file, written as `name`.svg.
     pub fn drawing(&mut self, name: impl Into<String>, svg: String, caption: impl Into<String>) {
         self.blocks.push(ReportBlock::Drawing { name: name.into(), svg, caption: caption.into() });
     }
 
-    /// A picture in linear light, written as `name`.png.
+    /// Adds a picture in linear light, written as `name`.png.
     pub fn picture(&mut self, name: impl Into<String>, pixels: Pixels, caption: impl Into<String>) {
         self.blocks.push(ReportBlock::Picture { name: name.into(), pixels, caption: caption.into() });
     }
@@ -107,7 +107,7 @@ impl Report {
         let mut text = format!("# {}\n\n", self.title);
         let table = |table: &Table| {
             format!(
-                "{}\n\nThe figures: [{name}.csv]({name}.csv).\n\n{}\n",
+                "{}\n\nData: [{name}.csv]({name}.csv).\n\n{}\n",
                 table.caption(),
                 table.markdown(),
                 name = table.name()
@@ -134,7 +134,7 @@ impl Report {
         text
     }
 
-    /// Writes `report.md` and everything it shows into the folder `out`, which is made if it is not there; returns the
+    /// Writes `report.md` and everything it shows into the folder `out`, which is created if necessary; returns the
     /// names of the files. Each file has its old content until its new one is complete.
     ///
     /// # Errors
@@ -165,7 +165,7 @@ impl Report {
                 }
             }
         }
-        // Last, so that what it refers to is there.
+        // Last, so that all files it refers to exist.
         put("report.md".to_owned(), self.markdown().as_bytes())?;
         Ok(names)
     }

@@ -6,10 +6,10 @@ use glanz_formats::{Loaded, Options, load};
 
 use crate::study::StudyError;
 
-/// Where rooms are that are named without a folder, from the working folder.
+/// Folder of rooms that are given by name, relative to the working folder.
 const FOLDER: &str = "scenes/rooms";
 
-/// A scene file that was read.
+/// A room read from its file.
 pub(crate) struct RoomFile {
     pub(crate) path: PathBuf,
     /// The file's name without folder and extension.
@@ -20,14 +20,14 @@ pub(crate) struct RoomFile {
 /// Reads the room `named`: a scene file, or the name of one in [`FOLDER`].
 ///
 /// # Errors
-/// A file that is no scene.
+/// A file that cannot be read as a scene.
 pub(crate) fn read(named: &str) -> Result<RoomFile, StudyError> {
     let path = room_path(named);
     if !path.is_file() {
         return Err(StudyError::Setting {
             name: "rooms",
             value: path.display().to_string(),
-            needed: "a scene file; names without .pbrt are looked for in scenes/rooms of the working folder",
+            needed: "a scene file, or the name of one in scenes/rooms of the working folder",
         });
     }
     let loaded = load(&path, &Options::default())

@@ -1,4 +1,4 @@
-//! What a study is, and the table of all.
+//! Definition of a study, and the table of all studies.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -19,21 +19,21 @@ use glanz_transport::{FilmError, FilterError, IntegratorError, RenderError};
 use crate::report::Report;
 use crate::{densities, guiding, newton, reconstruction, reflector, solvers, tessellation};
 
-/// A question, and how it is answered.
+/// A study: a question and the function that answers it.
 #[derive(Debug)]
 pub struct Study {
     /// Its name on the command line.
     pub name: &'static str,
-    /// What it asks, one line.
+    /// Description in one line.
     pub description: &'static str,
-    /// The settings it heeds, besides the seed.
+    /// The settings that it uses, besides the seed.
     pub options: &'static [StudyOption],
-    /// Whether it keeps what it measured in [`Settings::cache`].
+    /// Whether it caches its measurements in [`Settings::cache`].
     pub caches: bool,
     run: fn(&Settings, &mut StudyProgress<'_>) -> Result<Report, StudyError>,
 }
 
-/// Settings that not every study has a use for.
+/// Settings that only some studies use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StudyOption {
     /// [`Settings::rays`].
@@ -73,7 +73,7 @@ static STUDIES: [Study; 7] = [
     },
     Study {
         name: "guiding",
-        description: "what densities that learn where light comes from gain in rooms (document 003)",
+        description: "speed-up of path tracing in rooms by densities that learn the incident light (document 003)",
         options: &[
             StudyOption::Rooms,
             StudyOption::Methods,
@@ -90,21 +90,21 @@ static STUDIES: [Study; 7] = [
     },
     Study {
         name: "newton",
-        description: "roots that Newton's method finds, misses and invents, against the certified search (document 000)",
+        description: "roots that Newton's method finds, misses and invents, compared with the certified search (document 000)",
         options: &[StudyOption::Rays],
         caches: false,
         run: newton::run,
     },
     Study {
         name: "reconstruction",
-        description: "light on a floor from values of elements, by six interpolations (document 003)",
+        description: "light on a floor from one value per element, by six interpolations (document 003)",
         options: &[StudyOption::Size],
         caches: false,
         run: reconstruction::run,
     },
     Study {
         name: "reflector",
-        description: "where a lamp's light goes by way of a freeform mirror, exact and as facets (document 000)",
+        description: "light of a lamp by way of a freeform mirror, exact and as facets (document 000)",
         options: &[StudyOption::Rays, StudyOption::Threads],
         caches: false,
         run: reflector::run,
@@ -118,7 +118,7 @@ static STUDIES: [Study; 7] = [
     },
     Study {
         name: "tessellation",
-        description: "time, memory and errors of triangles against the exact surface (document 002)",
+        description: "time, memory and errors of triangles compared with the exact surface (document 002)",
         options: &[StudyOption::Size, StudyOption::Triangles],
         caches: false,
         run: tessellation::run,
@@ -138,17 +138,17 @@ pub fn named(name: &str) -> Option<&'static Study> {
 }
 
 impl Study {
-    /// Answers the question, in one thread unless [`Settings::threads`] says otherwise; `sink` receives the progress.
+    /// Runs the study, in one thread unless [`Settings::threads`] is given; `sink` receives the progress.
     ///
     /// # Errors
-    /// [`StudyError::Interrupted`] if [`Settings::cancel`] was raised, [`StudyError::Setting`] for settings that make no
-    /// sense; others if a part of the library refuses what it should take.
+    /// [`StudyError::Interrupted`] if [`Settings::cancel`] was raised, [`StudyError::Setting`] for invalid settings; other
+    /// variants for errors of the engine.
     pub fn run(&self, settings: &Settings, sink: &mut dyn ProgressSink) -> Result<Report, StudyError> {
         (self.run)(settings, &mut StudyProgress::new(sink))
     }
 }
 
-/// What may be chosen; `None` is the study's own choice.
+/// Settings of a study; `None` selects the study's default.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
     /// Random rays or particles, at least 1.
@@ -159,23 +159,23 @@ pub struct Settings {
     pub triangles: Option<Vec<u64>>,
     /// Scene files, or names of those in `scenes/rooms` of the working folder.
     pub rooms: Option<Vec<String>>,
-    /// Ways to render beside `path`: `tree`, or grids by basis, cells and scale, such as `haar-8-3`.
+    /// Methods to compare with `path`: `tree`, or grids by basis, cells and scale, such as `haar-8-3`.
     pub methods: Option<Vec<String>>,
     /// Samples per pixel at which curves end, a power of two.
     pub samples: Option<u32>,
-    /// Samples per pixel of the pictures that others are measured against, at least 1.
+    /// Samples per pixel of the reference pictures, at least 1.
     pub references: Option<u32>,
-    /// Elements of the finest solution by form factors of all pairs, at most; at least 1.
+    /// Largest number of elements of a solution by form factors of all pairs, at least 1.
     pub elements: Option<u32>,
-    /// Runs of each kind, with seeds of their own; at least 1.
+    /// Number of runs of each method, with different seeds; at least 1.
     pub rounds: Option<u32>,
-    /// Time of each of the pictures that are shown side by side, seconds, above 0.
+    /// Render time of each picture of the side-by-side comparison, seconds, above 0.
     pub seconds: Option<f64>,
     /// Threads, at least 1.
     pub threads: Option<usize>,
-    /// Whether to measure all that the document measured, which takes many hours.
+    /// Whether to repeat all measurements of the document, which takes many hours.
     pub full: bool,
-    /// Folder in which a study may keep what took it long, to go on with after an interruption.
+    /// Folder in which a study may cache results, to continue after an interruption.
     pub cache: Option<PathBuf>,
     /// Seed of random numbers.
     pub seed: u64,
@@ -183,7 +183,7 @@ pub struct Settings {
     pub cancel: CancelFlag,
 }
 
-/// Progress of a study on its way to the sink.
+/// Passes the progress of a study to its sink.
 pub(crate) struct StudyProgress<'a> {
     sink: &'a mut dyn ProgressSink,
     begun: Instant,
@@ -201,32 +201,32 @@ impl<'a> StudyProgress<'a> {
     }
 }
 
-/// Why a study has no report.
+/// Errors of a study.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
     /// The study was cancelled.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
-    /// A setting that makes no sense.
-    #[error("{name}: {value} is not {needed}")]
+    /// An invalid setting.
+    #[error("{name} is {value}; it must be {needed}")]
     Setting {
-        /// Which.
+        /// Its name.
         name: &'static str,
         /// Its value.
         value: String,
-        /// What it should be.
+        /// The valid values.
         needed: &'static str,
     },
     /// A scene file with faults.
     #[error("{0}")]
     Unreadable(String),
-    /// A kept file that cannot be gone on with.
-    #[error("{path}: {why}; remove it to begin anew")]
+    /// A cached file that cannot be continued from.
+    #[error("{path}: {why}; remove the file to start anew")]
     Cache {
-        /// Which.
+        /// Its path.
         path: String,
-        /// Why not.
+        /// The fault.
         why: String,
     },
     /// A surface was refused.
@@ -268,7 +268,7 @@ pub enum StudyError {
     /// A render failed.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// A picture has not the channels it should.
+    /// A picture lacks a channel.
     #[error(transparent)]
     Pixels(#[from] PixelsError),
     /// Pictures cannot be compared.
@@ -283,9 +283,9 @@ pub enum StudyError {
     /// A file could not be written.
     #[error("{path}: {source}")]
     File {
-        /// Which.
+        /// Its path.
         path: String,
-        /// Why.
+        /// The fault.
         source: std::io::Error,
     },
 }

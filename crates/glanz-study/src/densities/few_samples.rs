@@ -1,4 +1,4 @@
-//! What few samples learn (document 003 figure 2.9), as the document learns and otherwise.
+//! Densities learnt from few samples (document 003 figure 2.9), by the document's method and by others.
 
 use glanz_sampling::density::{Density, FittingMethod, MissingCoefficient};
 use glanz_sampling::hash::combine;
@@ -16,10 +16,10 @@ const COLUMNS: [(&str, &str); 7] = [
     ("least", "least"),
     ("median", "median"),
     ("most", "most"),
-    ("shown_median", "as samples show it, median"),
+    ("shown_median", "sample variance, median"),
 ];
 
-/// The first is the document's.
+/// Fitting methods; the first is the document's.
 const VARIANTS: [(&str, FittingMethod, SamplingPattern); 5] = [
     (
         "own samples or neighbours, independent",
@@ -40,12 +40,12 @@ const VARIANTS: [(&str, FittingMethod, SamplingPattern); 5] = [
     ("all samples, Sobol'", FittingMethod::AllSamples, SamplingPattern::Sobol),
 ];
 
-/// What was found.
+/// Results with few samples per pass.
 pub(super) struct FewSamples {
     pub(super) table: Table,
-    /// Densities learnt in the document's variant, by numbers of samples.
+    /// Densities learnt by the document's method, by numbers of samples.
     pub(super) densities: Vec<(String, Density<2>)>,
-    /// Way, samples a pass, median of the variance.
+    /// Variant, samples per pass, median of the variance.
     medians: Vec<(&'static str, u32, f64)>,
 }
 
@@ -55,20 +55,20 @@ impl FewSamples {
         let of = |variant: &str| self.medians.iter().find(|m| m.0 == variant && m.1 == 1000).map(|m| m.2);
         let (own, all) = (of(VARIANTS[0].0)?, of(VARIANTS[4].0)?);
         Some(format!(
-            "With 1000 samples a pass in two dimensions, coefficients from their own independent samples (or neighbours where \
-             there are none) leave a variance of {} (median), coefficients from all samples on Sobol' points {}.",
+            "With 1000 samples per pass in two dimensions, coefficients from their own independent samples (or neighbours \
+             where there are none) result in a median variance of {}, coefficients from all samples on Sobol' points in {}.",
             significant(own),
             significant(all)
         ))
     }
 }
 
-/// Figure 2.9: hat functions with few samples a pass, learnt as in the document and in other ways.
+/// Figure 2.9: hat functions with few samples per pass, learnt by the document's method and by others.
 pub(super) fn few_samples(schedule: &PassSchedule<2>, settings: &Settings) -> Result<FewSamples, StudyError> {
     let mut table = Table::new(
         "convergence",
-        "Exact variance of a single sample from the density that three passes have learnt, 41 runs, and what as many further \
-         samples show of it. Hat functions, two dimensions.",
+        "Exact variance of a single sample from the density learnt in three passes, 41 runs, and the sample variance of a \
+         further pass. Hat functions, two dimensions.",
         &COLUMNS,
     );
     let (mut densities, mut medians) = (Vec::new(), Vec::new());
@@ -101,7 +101,7 @@ pub(super) fn few_samples(schedule: &PassSchedule<2>, settings: &Settings) -> Re
                 shown.get(shown.len() / 2).copied().into(),
             ]);
             if as_published {
-                densities.extend(last.map(|density| (format!("{samples} samples a pass"), density)));
+                densities.extend(last.map(|density| (format!("{samples} samples per pass"), density)));
             }
         }
     }

@@ -1,4 +1,4 @@
-//! What the integrands, their approximations and the densities look like.
+//! Plots of the integrands, their approximations and the densities.
 
 use std::f64::consts::PI;
 
@@ -12,7 +12,7 @@ use glanz_report::{Axis, Plot, Series};
 const STEPS: u32 = 24;
 /// Segments of the finest scale; functions may jump between them.
 const SEGMENTS: u32 = 8;
-/// How near to a jump it is looked at from both sides.
+/// Distance from a jump at which a curve is evaluated on both sides.
 const BESIDE: f64 = 1e-9;
 
 /// Points of a curve over [0, 1], where segments meet from both sides.
@@ -26,7 +26,7 @@ fn curve(name: impl Into<String>, f: impl Fn(f64) -> f64) -> Series {
     Series { name: name.into(), points: points.collect() }
 }
 
-/// Figure 2.6: the sine and what each pass learns of it.
+/// Figure 2.6: the sine and the approximation learnt in each pass.
 pub(super) fn approximations(title: &str, result: &AdaptiveResult<1>) -> Plot {
     let mut series = vec![curve("sin(pi x / 2)", |x| sine(&[x]))];
     for (index, pass) in result.passes.iter().enumerate().take(3) {

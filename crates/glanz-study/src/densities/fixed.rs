@@ -1,4 +1,4 @@
-//! Densities that are chosen (document 003 table 2.1).
+//! Fixed densities (document 003 table 2.1).
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ const COLUMNS: [(&str, &str); 6] = [
     ("standard_error", "standard error"),
 ];
 
-/// Densities that are chosen, one, two and four samples.
+/// Table 2.1: variances of the means of one, two and four samples from fixed densities.
 pub(super) fn table_2_1(settings: &Settings) -> Result<Table, StudyError> {
     let mut table = Table::new(
         "table_2_1",

@@ -1,4 +1,4 @@
-//! Variances: exact, and as samples show them.
+//! Variances, exact and estimated from samples.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use glanz_sampling::integrate::{AdaptivePlan, IntegrationPass, IntegrationPlan, 
 
 use crate::study::{Settings, StudyError};
 
-/// Groups whose spread tells the standard error of a variance.
+/// Number of groups of samples; their spread gives the standard error of a variance.
 const GROUPS: u64 = 20;
 
 /// sin(pi x / 2).
@@ -25,7 +25,7 @@ pub(super) fn plane(x: &[f64]) -> f64 {
     sine(&[1.0 - u, *v])
 }
 
-/// A mean of equal measurements.
+/// The mean of repeated measurements.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeasuredMean {
     pub(super) mean: f64,
@@ -57,7 +57,7 @@ pub(super) fn variance_of_means(
         for i in 0..means {
             let seed = combine(combine(settings.seed, u64::from(count)), group * means + i);
             let plan = IntegrationPlan { samples: count, repetitions: 1, sampling, seed };
-            // Distances from the integral: squares of the values themselves would cancel.
+            // Errors instead of values, whose squares would cancel.
             let error = integrate(density, &plan, sine)?.mean - 2.0 / PI;
             sum += error;
             squares += error * error;
@@ -86,7 +86,7 @@ pub(super) struct PassSchedule<const D: usize> {
     pub(super) name: &'static str,
     pub(super) scales: Arc<TensorMultiResolution<D>>,
     pub(super) levels: [usize; 3],
-    /// Variances as document 003 prints them, by pass.
+    /// Variances published in document 003, by pass.
     pub(super) published: [f64; 4],
 }
 
@@ -105,7 +105,7 @@ impl<const D: usize> PassSchedule<D> {
         integral: f64,
         f: impl Fn(&[f64]) -> f64,
     ) -> Result<[f64; 4], DensityError> {
-        // Close to 0 of a density that almost vanishes there, few nodes are not exact.
+        // A density that almost vanishes near 0 needs many nodes.
         let nodes = if D == 1 { 400 } else { 100 };
         let mut variances = [0.0; 4];
         let first = Density::uniform(self.scales.basis([self.levels[0]; D])?);

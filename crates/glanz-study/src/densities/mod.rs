@@ -1,4 +1,4 @@
-//! Densities that learn an integrand, from coarse to fine (document 003 chapter 2): its tables and figures again.
+//! Densities that learn an integrand from coarse to fine: the tables and figures of document 003, chapter 2.
 
 mod few_samples;
 mod figures;
@@ -29,7 +29,7 @@ const TITLES: [&str; 2] = ["Haar's boxes", "Hat functions"];
 /// Runs the study.
 ///
 /// # Errors
-/// An end that was wanted.
+/// [`StudyError::Interrupted`].
 pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
     settings.cancel.check()?;
     progress.report(0.0, "table 2.1");
@@ -61,22 +61,22 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
 
     let mut summary = Table::new(
         "summary",
-        "Variance of a single sample f / p in the fourth pass, after three passes that learn.",
+        "Variance of a single sample f / p in the fourth pass, after three learning passes.",
         &PASS_COLUMNS,
     );
     push_passes(&mut summary, "1D, ", &on_line, 3..4);
     push_passes(&mut summary, "2D, ", &on_square, 3..4);
     let mut report =
-        Report::new("Study densities: integrals whose samples go where the integrand is", summary);
+        Report::new("Study densities: integrals with densities that are learnt from samples", summary);
     introduce(settings, &mut report);
-    report.heading("Chosen densities (table 2.1)");
+    report.heading("Fixed densities (table 2.1)");
     report.table(fixed);
     add_one_dimension(&on_line, &line_runs, &mut report);
     add_two_dimensions(&on_square, &square_runs, &mut report);
     let found = findings(&on_line, "one dimension").into_iter().chain(findings(&on_square, "two dimensions"));
     let found: Vec<String> = found.chain(few.finding()).collect();
     add_few_samples(few, &mut report);
-    report.heading("What one sees");
+    report.heading("Findings");
     for sentence in found {
         report.paragraph(sentence);
     }
@@ -98,7 +98,8 @@ fn add_one_dimension(all: &[PassResults], runs: &[AdaptiveResult<1>], report: &m
     );
     let names = [["approximation_haar", "density_haar"], ["approximation_hat", "density_hat"]];
     for ((result, title), [approximation, density]) in runs.iter().zip(TITLES).zip(names) {
-        let caption = format!("{title}: what the first three passes learn (document 003, figure 2.6).");
+        let caption =
+            format!("{title}: approximations learnt in the first three passes (document 003, figure 2.6).");
         report.plot(approximation, figures::approximations(title, result), caption);
         let caption = format!("{title}: the densities of passes 2 to 4.");
         report.plot(density, figures::densities(title, result), caption);
@@ -143,21 +144,22 @@ fn add_few_samples(few: FewSamples, report: &mut Report) {
 }
 
 fn introduce(settings: &Settings, report: &mut Report) {
-    report.heading("What was asked");
+    report.heading("Question");
     report.paragraph(
-        "Document 003 lets the samples of a Monte Carlo integral teach the density of the samples to come: coefficients in a \
-         basis of densities, on a finer scale after each pass. How much of the variance of a single sample f / p goes away?",
+        "Document 003 fits the density of a Monte Carlo integral to the samples of earlier passes: the coefficients in a \
+         basis of densities, on a finer scale after each pass. By how much does this reduce the variance of a single sample \
+         f / p?",
     );
     report.paragraph(format!(
-        "Settings: {SAMPLES} independent samples a pass, {RUNS} runs, seed {}. *Exact* are quadratures; *infinitely many \
-         samples* are the variances of densities from exact projections. *MeasuredMean* are means over the runs of the variance that \
-         the samples of a pass show, with their standard errors; in table 2.1 over groups of samples. Coefficients are raised to \
-         0.1 times the integral times that of their function, as the document does it; coefficients without samples are those \
-         of their neighbours.",
+        "Settings: {SAMPLES} independent samples per pass, {RUNS} runs, seed {}. *Exact* values are computed by quadrature; \
+         *infinitely many samples* denotes the variances of densities from exact projections. *Measured* values are means \
+         over the runs of the sample variance of a pass, with their standard errors; in table 2.1 they are means over groups \
+         of samples. As in the document, coefficients are raised to at least 0.1 times the integral times that of their \
+         function, and coefficients without samples take the values of their neighbours.",
         settings.seed
     ));
     report.paragraph(
-        "The document's formulas 2.21 and 2.22 for two dimensions divide by the density once too often; its tables were made \
-         without, and so are these.",
+        "The document's formulas 2.21 and 2.22 for two dimensions divide by the density once too often; its tables were \
+         computed without this error, as are these.",
     );
 }

@@ -13,7 +13,7 @@ use crate::study::{Settings, StudyError};
 use glanz_report::number::significant;
 use glanz_report::{Axis, Plot, Series, Table, TableCell};
 
-/// Runs with other random numbers, whose spread gives standard errors.
+/// Number of runs with different random numbers; their spread gives standard errors.
 pub(super) const RUNS: u64 = 8;
 
 pub(super) const PASS_COLUMNS: [(&str, &str); 7] = [
@@ -26,14 +26,14 @@ pub(super) const PASS_COLUMNS: [(&str, &str); 7] = [
     ("standard_error", "standard error"),
 ];
 
-/// What the passes over one schedule gave.
+/// Results of the passes of one schedule.
 pub(super) struct PassResults {
     name: &'static str,
     published: [f64; 4],
     limits: [f64; 4],
     unraised: [f64; 4],
     measured: [MeasuredMean; 4],
-    /// Distance of the integral from the true one, and its standard error, of the last run.
+    /// Error of the integral in the last run, and its standard error.
     error: [f64; 2],
 }
 
@@ -51,7 +51,7 @@ pub(super) fn schedule<const D: usize>(
     }
 }
 
-/// All schedules: figures, and the last run of each.
+/// Results of all schedules, and the last run of each.
 pub(super) fn measure<const D: usize>(
     schedules: &[PassSchedule<D>],
     integral: f64,
@@ -127,7 +127,7 @@ pub(super) fn variances(title: &str, all: &[PassResults]) -> Plot {
     }
 }
 
-/// Sentences, each made from the figures.
+/// Findings as sentences with their figures.
 pub(super) fn findings(all: &[PassResults], place: &str) -> Vec<String> {
     let mut found = Vec::new();
     for passes in all {
@@ -136,8 +136,8 @@ pub(super) fn findings(all: &[PassResults], place: &str) -> Vec<String> {
         let worst = (0..4).map(off).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
         found.push(format!(
             "In {place}, with {}, three passes lower the variance by a factor of {} (document 003: {}). The measured \
-             variances stray from those of infinitely many samples by at most {} %. The integral is off by {} standard errors \
-             in the last run.",
+             variances deviate from those of infinitely many samples by at most {} %. The error of the integral in the last \
+             run is {} standard errors.",
             passes.name,
             significant(first.mean / last.mean),
             significant(passes.published[0] / passes.published[3]),
@@ -148,7 +148,7 @@ pub(super) fn findings(all: &[PassResults], place: &str) -> Vec<String> {
             let ratio = passes.published[i] / passes.limits[i];
             if !(0.97..=1.03).contains(&ratio) {
                 found.push(format!(
-                    "The published {} with {} in pass {} is {} times the limit {}; measured is {} +- {}.",
+                    "The published {} with {} in pass {} is {} times the limit {}; the measured value is {} +- {}.",
                     significant(passes.published[i]),
                     passes.name,
                     i + 1,

@@ -1,4 +1,4 @@
-//! What is kept in the output folder, so that a study that was stopped goes on where it was.
+//! Cache in the output folder, from which an interrupted study continues.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -18,23 +18,23 @@ const FOLDER: &str = "kept";
 /// Names of the columns of a run's file.
 const COLUMNS: &str = "kind,samples,wall_s,processor_s,l2,modified_l2";
 
-/// What a run's file ends with.
+/// Last line of a run's file.
 const END: &str = "end\n";
 
-/// Name of the header of a picture that says what it is of.
+/// Name of the attribute of a picture that identifies it.
 const ABOUT: &str = "glanz.study";
 
-/// What one run of a method has shown.
+/// Measurements of one run of a method.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct RunResult {
     /// Error of the picture as it grew.
     pub(super) curve: Vec<CurvePoint>,
-    /// Error of pictures by frozen guides; samples are those learnt from, times those of the picture.
+    /// Error of pictures by frozen guides; `samples` counts those learnt from, times are those of the picture.
     pub(super) frozen: Vec<CurvePoint>,
 }
 
 impl RunResult {
-    /// The points of `curve` and `frozen` with these numbers of samples, if all are there.
+    /// The points of `curve` and `frozen` with these numbers of samples; `None` if one is missing.
     pub(super) fn part(&self, curve: &[u32], frozen: &[u32]) -> Option<Self> {
         let pick = |points: &[CurvePoint], samples: &[u32]| -> Option<Vec<CurvePoint>> {
             samples.iter().map(|&n| points.iter().find(|p| p.samples == n).copied()).collect()
@@ -42,7 +42,7 @@ impl RunResult {
         Some(Self { curve: pick(&self.curve, curve)?, frozen: pick(&self.frozen, frozen)? })
     }
 
-    /// As a file; `about` (one line) says what it depends on.
+    /// Text of the file; `about` (one line) lists everything the run depends on.
     fn to_text(&self, about: &str) -> String {
         let mut text = format!("{about}\n{COLUMNS}\n");
         for (kind, points) in [("curve", &self.curve), ("frozen", &self.frozen)] {
@@ -54,7 +54,7 @@ impl RunResult {
         text + END
     }
 
-    /// Reads what [`RunResult::to_text`] wrote; `None` for anything else.
+    /// Parses the text of [`RunResult::to_text`]; `None` for any other text.
     fn from_text(text: &str, about: &str) -> Option<Self> {
         let mut lines = text.strip_suffix(END)?.lines();
         if lines.next() != Some(about) || lines.next() != Some(COLUMNS) {
@@ -77,15 +77,15 @@ impl RunResult {
     }
 }
 
-/// The folder, if anything is to be kept.
+/// The cache folder; `None` disables caching.
 #[derive(Clone, Debug)]
 pub(super) struct ResultCache(Option<PathBuf>);
 
 impl ResultCache {
-    /// In `out`, or nowhere.
+    /// The cache in the folder `out`, or a disabled one.
     ///
     /// # Errors
-    /// [`StudyError::File`] if the folder cannot be made.
+    /// [`StudyError::File`] if the folder cannot be created.
     pub(super) fn within(out: Option<&Path>) -> Result<Self, StudyError> {
         let Some(folder) = out.map(|out| out.join(FOLDER)) else { return Ok(Self(None)) };
         std::fs::create_dir_all(&folder).map_err(|source| failed(&folder, source))?;
@@ -96,15 +96,15 @@ impl ResultCache {
         Some(self.0.as_ref()?.join(format!("{name}.{extension}")))
     }
 
-    /// The run `name`, if it is there and `about` the same.
+    /// The cached run `name`, if `about` is equal.
     pub(super) fn run(&self, name: &str, about: &str) -> Option<RunResult> {
         RunResult::from_text(&std::fs::read_to_string(self.path(name, "csv")?).ok()?, about)
     }
 
-    /// Keeps the run `name`.
+    /// Stores the run `name`.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// [`StudyError::File`].
     pub(super) fn store_run(&self, name: &str, about: &str, run: &RunResult) -> Result<(), StudyError> {
         let Some(path) = self.path(name, "csv") else { return Ok(()) };
         Ok(write_atomically(&path, run.to_text(about).as_bytes())?)
@@ -113,7 +113,7 @@ impl ResultCache {
     /// The film of the checkpoint `name`, if there is one.
     ///
     /// # Errors
-    /// A file that is no checkpoint, or of another picture: it may have cost hours, and is not written over.
+    /// [`StudyError::Cache`] for a file that is not a checkpoint of this picture; it may have cost hours, and is not overwritten.
     pub(super) fn film(&self, name: &str, wanted: &PictureIdentity) -> Result<Option<Film>, StudyError> {
         let Some(path) = self.path(name, "glanz").filter(|path| path.exists()) else { return Ok(None) };
         let bytes = std::fs::read(&path).map_err(|source| failed(&path, source))?;
@@ -123,10 +123,10 @@ impl ResultCache {
         Ok(Some(checkpoint.film))
     }
 
-    /// Keeps a film.
+    /// Stores a film as a checkpoint.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// [`StudyError::File`].
     pub(super) fn store_film(
         &self,
         name: &str,
@@ -137,7 +137,7 @@ impl ResultCache {
         Ok(write_atomically(&path, &Checkpoint::encode(identity, film))?)
     }
 
-    /// The picture `name` with its number of samples per pixel, if it is there and `about` the same.
+    /// The cached picture `name` with its number of samples per pixel, if `about` is equal.
     pub(super) fn picture(&self, name: &str, about: &str) -> Option<(Pixels, u64)> {
         let bytes = std::fs::read(self.path(name, "exr")?).ok()?;
         let image = image::read(&bytes, None, Encoding::Srgb).ok()?;
@@ -145,10 +145,10 @@ impl ResultCache {
         (found == about).then_some((image.pixels, samples.parse().ok()?))
     }
 
-    /// Keeps a picture of so many `samples` per pixel.
+    /// Stores a picture with `samples` per pixel.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// [`StudyError::File`].
     pub(super) fn store_picture(
         &self,
         name: &str,

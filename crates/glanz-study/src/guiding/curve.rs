@@ -1,17 +1,17 @@
-//! Error over samples and over time, and what one method gains on another.
+//! Error over samples and over time, and the speed-up of one method over another.
 
 use glanz_light::Pixels;
 use glanz_light::compare::{CompareError, RELATIVE_EPSILON, compare};
 
-/// How far a picture is from its reference; over all pixels and the channels R, G and B.
+/// Errors of a picture against its reference, over all pixels and the channels R, G and B.
 ///
 /// # Source
-/// @pietrek2001 sections 3.4.1.1 and 3.4.1.2; departure: channels are compared, not their grey.
+/// @pietrek2001 sections 3.4.1.1 and 3.4.1.2; departure: channels are compared, not grey values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct PictureError {
     /// Root of the mean squared difference.
     pub(super) plain: f64,
-    /// The same with both pictures cut at 1, the brightest that a display shows.
+    /// The same with both pictures clipped to 1, the brightest value of a display.
     pub(super) shown: f64,
 }
 
@@ -25,7 +25,7 @@ impl PictureError {
         Ok(Self { plain: found.rmse, shown: found.clipped_rmse })
     }
 
-    /// In one of the two norms.
+    /// The error in one of the two norms.
     pub(super) fn by(&self, norm: Norm) -> f64 {
         match norm {
             Norm::Plain => self.plain,
@@ -34,7 +34,7 @@ impl PictureError {
     }
 }
 
-/// Which of the errors.
+/// The norms of errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Norm {
     /// [`PictureError::plain`].
@@ -46,7 +46,7 @@ pub(super) enum Norm {
 impl Norm {
     pub(super) const ALL: [Self; 2] = [Self::Plain, Self::Shown];
 
-    /// As the tables call it.
+    /// Name in tables.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Plain => "L2",
@@ -55,7 +55,7 @@ impl Norm {
     }
 }
 
-/// A picture on its way.
+/// A point of a convergence curve: an unfinished picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CurvePoint {
     /// Samples of each pixel so far.
@@ -67,7 +67,7 @@ pub(super) struct CurvePoint {
     pub(super) error: PictureError,
 }
 
-/// Whose time counts.
+/// The clocks of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Clock {
     /// [`CurvePoint::wall`].
@@ -76,8 +76,8 @@ pub(super) enum Clock {
     Processors,
 }
 
-/// The curve of several runs of one method: root of the mean squared error, mean time. Points that not all runs have are
-/// left out.
+/// The curve of several runs of one method: root of the mean squared error, mean time. Points that are missing in one of the runs
+/// are left out.
 pub(super) fn combined(runs: &[Vec<CurvePoint>]) -> Vec<CurvePoint> {
     let Some(first) = runs.first() else { return Vec::new() };
     let together = |samples: u32| {
@@ -112,8 +112,8 @@ pub(super) fn over_samples(points: &[CurvePoint], norm: Norm) -> Vec<[f64; 2]> {
     points.iter().map(|point| [f64::from(point.samples), point.error.by(norm)]).collect()
 }
 
-/// The time from which on a curve of times and errors stays at or below `error`; `None` if it does not get there, or the
-/// curve begins below. Between points both go by powers: straight lines between logarithms.
+/// The time from which a curve of times and errors stays at or below `error`; `None` if it does not reach that, or begins below
+/// it. Interpolates linearly between logarithms.
 pub(super) fn time_to(curve: &[[f64; 2]], error: f64) -> Option<f64> {
     if curve.last()?[1] > error {
         return None;
@@ -125,7 +125,7 @@ pub(super) fn time_to(curve: &[[f64; 2]], error: f64) -> Option<f64> {
     time.is_finite().then_some(time)
 }
 
-/// The value of a curve of points at `x`; between points both go by powers, outside there is none.
+/// The value of a curve at `x`, interpolated linearly between logarithms; `None` outside.
 pub(super) fn value_at(curve: &[[f64; 2]], x: f64) -> Option<f64> {
     let pair = curve.windows(2).find(|pair| pair.last().is_some_and(|[x1, _]| *x1 >= x))?;
     let (&[x0, y0], &[x1, y1]) = (pair.first()?, pair.last()?);
@@ -133,7 +133,7 @@ pub(super) fn value_at(curve: &[[f64; 2]], x: f64) -> Option<f64> {
     (x >= x0 && value.is_finite()).then_some(value)
 }
 
-/// How long two methods take to the same error.
+/// Times of two methods to the same error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SpeedUp {
     pub(super) error: f64,
@@ -144,16 +144,16 @@ pub(super) struct SpeedUp {
 }
 
 impl SpeedUp {
-    /// How many times faster the other method is.
+    /// Factor by which the other method is faster.
     pub(super) fn factor(&self) -> f64 {
         self.plain / self.other
     }
 }
 
-/// Errors that both curves reach after their beginning: `count` of them (2 or more), from the largest to the smallest at equal
-/// ratios; none if no error is in both.
+/// `count` errors (2 or more) within the range of both curves, from the largest to the smallest at equal ratios; empty if the
+/// ranges do not overlap.
 pub(super) fn common_errors(plain: &[[f64; 2]], other: &[[f64; 2]], count: u32) -> Vec<f64> {
-    // Noise may lift the end of a curve above what it had: such errors are not reached to stay.
+    // Noise may raise the end of a curve above earlier errors, which do not count as reached then.
     let ends = |curve: &[[f64; 2]]| Some((curve.first()?[1], curve.last()?[1]));
     let (Some((a, b)), Some((c, d))) = (ends(plain), ends(other)) else { return Vec::new() };
     let (largest, smallest) = (a.min(c), b.max(d));
@@ -169,7 +169,7 @@ pub(super) fn common_errors(plain: &[[f64; 2]], other: &[[f64; 2]], count: u32) 
         .collect()
 }
 
-/// The times at these errors, where both curves tell them.
+/// The times at these errors, where both curves have one.
 pub(super) fn speed_ups(plain: &[[f64; 2]], other: &[[f64; 2]], errors: &[f64]) -> Vec<SpeedUp> {
     let at =
         |&error: &f64| Some(SpeedUp { error, plain: time_to(plain, error)?, other: time_to(other, error)? });

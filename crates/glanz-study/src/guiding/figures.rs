@@ -1,4 +1,4 @@
-//! Plots.
+//! Plots of the study.
 
 use super::curve::{Clock, Norm, over_samples, over_time, value_at};
 use super::method::{BASES, FROZEN_SAMPLES, MethodGroup, PassDistribution, basis_name, shown_groups};
@@ -6,7 +6,7 @@ use super::outcome::{MethodOutcome, RoomOutcome};
 use crate::report::Figure;
 use glanz_report::{Axis, Plot, ReferenceLine, Series};
 
-/// In names of files, and in sentences.
+/// Words for light sampling in file names and in sentences.
 pub(super) fn light_words(lights: bool) -> (&'static str, &'static str) {
     if lights { ("lights", "with light sampling") } else { ("chance", "without light sampling") }
 }
@@ -18,7 +18,7 @@ pub(super) fn figures(room: &RoomOutcome) -> Vec<Figure> {
         for group in shown_groups() {
             let shown: Vec<&MethodOutcome> =
                 group.methods.iter().filter_map(|key| room.outcome(key, lights)).collect();
-            // Path and tree alone are shown once.
+            // Path and tree alone are plotted once.
             if shown.len() > 2 || group.key == "bases" {
                 let view = GroupPlots { room, group: &group, shown, lights };
                 all.extend(view.errors());
@@ -31,7 +31,7 @@ pub(super) fn figures(room: &RoomOutcome) -> Vec<Figure> {
     all
 }
 
-/// Some methods in a room.
+/// Plots of a group of methods in a room.
 struct GroupPlots<'a> {
     room: &'a RoomOutcome,
     group: &'a MethodGroup,
@@ -84,18 +84,17 @@ impl GroupPlots<'_> {
                 "l2",
                 ["time, s", "L2 error"],
                 &time(Norm::Plain),
-                format!("Room {room}, {words}: error over time, what is too bright for a display included."),
+                format!("Room {room}, {words}: error over time, including values too bright for a display."),
             ),
         ]
     }
 
-    /// Error of pictures by frozen guides over the samples that these learnt from, if there are several of some guide but the
-    /// tree's.
+    /// Error of pictures by frozen guides over the number of samples learnt from; `None` if only the tree has several such points.
     fn learning(&self) -> Option<Figure> {
         let (first, last) = (self.learnt().min()?, self.learnt().max()?);
         let caption = format!(
-            "Room {}, {}: error of pictures of {FROZEN_SAMPLES} samples per pixel by guides that have learnt from so many \
-             (document 003, figures E.21 to E.24).",
+            "Room {}, {}: error of pictures of {FROZEN_SAMPLES} samples per pixel by guides that have learnt from the given \
+             number (document 003, figures E.21 to E.24).",
             self.room.name,
             light_words(self.lights).1
         );
@@ -103,7 +102,7 @@ impl GroupPlots<'_> {
         let line = |o: &MethodOutcome| over_samples(&o.frozen, Norm::Shown);
         let mut figure = self.figure("frozen", axes, &line, caption);
         let several = figure.plot.series.iter().filter(|s| s.points.len() > 1).count();
-        // The path tracer learns nothing: it is a level, of the colour that it has everywhere.
+        // The path tracer learns nothing and appears as a constant, in its usual colour.
         if let Some(rule) = path_rule(self.room, self.lights) {
             let points = [first, last].map(|samples| [f64::from(samples), rule.at]).into();
             figure.plot.series.insert(0, Series { name: rule.name, points });
@@ -111,7 +110,7 @@ impl GroupPlots<'_> {
         (several > 1 || self.group.key == "bases").then_some(figure)
     }
 
-    /// All numbers of samples that guides have learnt from.
+    /// Numbers of samples that guides have learnt from.
     fn learnt(&self) -> impl Iterator<Item = u32> {
         self.shown.iter().flat_map(|o| o.frozen.iter().map(|p| p.samples))
     }
@@ -124,7 +123,7 @@ fn path_rule(room: &RoomOutcome, lights: bool) -> Option<ReferenceLine> {
     Some(ReferenceLine { name: format!("path, {FROZEN_SAMPLES} samples"), vertical: false, at, series: None })
 }
 
-/// What densities can reach, over scale and subdivision: a plot for each basis.
+/// Smallest error of densities over scale and subdivision: a plot for each basis.
 fn reachable(room: &RoomOutcome, lights: bool) -> Vec<Figure> {
     let (key, words) = light_words(lights);
     let mut all = Vec::new();
@@ -161,8 +160,8 @@ fn reachable(room: &RoomOutcome, lights: bool) -> Vec<Figure> {
                 reference_lines: path_rule(room, lights).into_iter().collect(),
             },
             caption: format!(
-                "Room {}, {words}, {name} basis: error of pictures of {FROZEN_SAMPLES} samples per pixel by guides that have \
-                 learnt all they could (document 003, figures E.8, E.9, E.25, E.26, E.42 and E.43).",
+                "Room {}, {words}, {name} basis: error of pictures of {FROZEN_SAMPLES} samples per pixel by guides after all \
+                 learning passes (document 003, figures E.8, E.9, E.25, E.26, E.42 and E.43).",
                 room.name
             ),
         });
@@ -170,8 +169,7 @@ fn reachable(room: &RoomOutcome, lights: bool) -> Vec<Figure> {
     all
 }
 
-/// What few samples teach, over the time that they take: a plot for each basis, a line for each way to distribute them over
-/// three passes.
+/// Error after few learning samples over their time: a plot for each basis, a line for each distribution of samples over three passes.
 fn distributions(room: &RoomOutcome, lights: bool) -> Vec<Figure> {
     let (key, words) = light_words(lights);
     let line = |distribution: &PassDistribution| {
@@ -196,7 +194,7 @@ fn distributions(room: &RoomOutcome, lights: bool) -> Vec<Figure> {
             },
             caption: format!(
                 "Room {}, {words}, {name} basis: error of pictures of {FROZEN_SAMPLES} samples per pixel by guides that have \
-                 learnt in three passes of equal or of doubled length, over the time that learning took (document 003, figures \
+                 learnt in three passes of equal or doubled length, over the learning time (document 003, figures \
                  E.37 and E.39).",
                 room.name
             ),

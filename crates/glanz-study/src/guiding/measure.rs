@@ -1,4 +1,4 @@
-//! Renders what is to be measured, and tells how far that is.
+//! Renders and measures the pictures of a room, with progress.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -14,14 +14,14 @@ use super::method::{FROZEN_SAMPLES, MethodEntry, RenderMethod};
 use super::room::{GuidingRoom, RenderProgress, RenderSetup};
 use crate::study::{StudyError, StudyProgress};
 
-/// Seeds of references, of measured pictures, of pictures by frozen guides and at equal time are apart by this, so that no two
-/// share their samples.
+/// Distance between the seeds of references, of measured pictures, of pictures by frozen guides and at equal time, so that no two
+/// share samples.
 const SEED_STEP: u64 = 1 << 32;
 
 /// Time between two checkpoints.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(60);
 
-/// How much of the work is done; its unit is one sample of each pixel.
+/// Completed share of the work, in samples per pixel.
 pub(super) struct Work<'a, 'p> {
     progress: &'a mut StudyProgress<'p>,
     done: f64,
@@ -33,24 +33,24 @@ impl<'a, 'p> Work<'a, 'p> {
         Self { progress, done: 0.0, total: total.max(1.0) }
     }
 
-    /// Reports what comes next.
+    /// Reports the next step, with `more` of its work done.
     pub(super) fn report(&mut self, more: f64, what: &str) {
         self.progress.report(((self.done + more) / self.total).min(1.0), what);
     }
 
-    /// `more` of the work is done.
+    /// Adds `more` to the completed work.
     pub(super) fn finish(&mut self, more: f64) {
         self.done += more;
     }
 }
 
-/// One render, a part of the work.
+/// Progress sink of one render, a part of the work.
 struct RenderTask<'a, 'b, 'p> {
     work: &'a mut Work<'b, 'p>,
     what: &'a str,
     /// Work of the render, samples.
     weight: f64,
-    /// What to do with the film now and then.
+    /// Stores the film at every checkpoint.
     keep: Option<&'a dyn Fn(&Film)>,
 }
 
@@ -72,14 +72,14 @@ impl ProgressSink<Film> for RenderTask<'_, '_, '_> {
     }
 }
 
-/// What the errors of a room are measured against.
+/// The picture against which the errors of a room are measured.
 pub(super) struct ReferencePicture {
     pub(super) pixels: Pixels,
     /// Samples of each pixel.
     pub(super) samples: u64,
 }
 
-/// The way to a reference, the name of its file, and what it depends on.
+/// Setup, file name and identity of a reference.
 fn reference_plan(
     room: &GuidingRoom<'_>,
     seed: u64,
@@ -89,10 +89,10 @@ fn reference_plan(
     Ok((setup, format!("reference-{}", room.label()), identity))
 }
 
-/// Samples per pixel of the reference that is cached.
+/// Samples per pixel of the cached reference.
 ///
 /// # Errors
-/// A kept file that cannot be gone on with.
+/// [`StudyError::Cache`].
 pub(super) fn reference_samples(
     room: &GuidingRoom<'_>,
     seed: u64,
@@ -102,11 +102,11 @@ pub(super) fn reference_samples(
     Ok(cache.film(&name, &identity)?.map_or(0, |film| film.samples().total()))
 }
 
-/// A picture by `path` with light sampling and at least `samples` samples per pixel. It is kept as a checkpoint, so that more
-/// samples add to those there are.
+/// A picture by `path` with light sampling and at least `samples` samples per pixel. It is cached as a checkpoint, to which
+/// further samples are added.
 ///
 /// # Errors
-/// A kept file that cannot be gone on with; an end that was wanted.
+/// [`StudyError::Cache`]; [`StudyError::Interrupted`].
 pub(super) fn reference(
     room: &GuidingRoom<'_>,
     samples: u32,
@@ -122,7 +122,7 @@ pub(super) fn reference(
     let missing = u64::from(samples).saturating_sub(film.samples().total());
     if missing > 0 {
         let what = format!("{}, reference", room.name);
-        // The last checkpoint has to succeed, those before need not.
+        // Only the last checkpoint must succeed.
         let keep = |film: &Film| drop(cache.store_film(&name, &identity, film));
         let mut part = RenderTask { work, what: &what, weight: missing as f64, keep: Some(&keep) };
         let rendered = room.render(&setup, film, 0..samples, None, &mut part)?;
@@ -139,7 +139,7 @@ pub(super) struct MethodRun<'a> {
     pub(super) entry: &'a MethodEntry,
     /// Whether lights are sampled.
     pub(super) lights: bool,
-    /// Number of the run; only the first measures frozen guides.
+    /// Number of the run, from 0; only the first measures frozen guides.
     pub(super) round: u32,
     pub(super) seed: u64,
 }
@@ -149,7 +149,7 @@ impl MethodRun<'_> {
         if self.round == 0 { &self.entry.frozen } else { &[] }
     }
 
-    /// Samples per pixel that it takes.
+    /// Samples per pixel of the run.
     pub(super) fn work(&self) -> f64 {
         f64::from(self.entry.samples) + f64::from(FROZEN_SAMPLES) * self.frozen().len() as f64
     }
@@ -172,7 +172,7 @@ impl MethodRun<'_> {
         self.room.setup(&self.entry.method, self.lights, self.seed.wrapping_add(u64::from(self.round)))
     }
 
-    /// What its figures depend on, one line.
+    /// Everything that the figures depend on, one line.
     fn about(&self, setup: &RenderSetup, reference: u64) -> Result<String, StudyError> {
         let identity = self.room.identity(setup)?;
         Ok(format!(
@@ -187,10 +187,10 @@ impl MethodRun<'_> {
         ))
     }
 
-    /// What was measured before, if all of it was; `reference`: its samples.
+    /// The cached result, if it is complete; `reference`: samples of the reference.
     ///
     /// # Errors
-    /// A way of rendering that is refused.
+    /// [`StudyError::Integrator`].
     pub(super) fn measured(
         &self,
         reference: u64,
@@ -200,7 +200,7 @@ impl MethodRun<'_> {
         Ok(cache.run(&self.name(), &about).and_then(|run| run.part(&self.entry.steps(), self.frozen())))
     }
 
-    /// What was measured before, or is now.
+    /// The cached result, or a new measurement.
     ///
     /// # Errors
     /// As [`MethodRun::measure`].
@@ -216,10 +216,10 @@ impl MethodRun<'_> {
         }
     }
 
-    /// Measures, and keeps what comes out.
+    /// Measures and stores the result.
     ///
     /// # Errors
-    /// A way of rendering that is refused; an end that was wanted.
+    /// [`StudyError::Integrator`]; [`StudyError::Interrupted`].
     fn measure(
         &self,
         reference: &ReferencePicture,
@@ -249,7 +249,7 @@ impl MethodRun<'_> {
         Ok(run)
     }
 
-    /// The error of a picture of [`FROZEN_SAMPLES`] samples by what was learnt from `learnt` samples for `film`.
+    /// The error of a picture of [`FROZEN_SAMPLES`] samples by the guide of `film`, learnt from `learnt` samples.
     fn by_frozen(
         &self,
         film: &Film,
@@ -270,10 +270,10 @@ impl MethodRun<'_> {
         point(learnt, outcome.elapsed, processors, &outcome.film, reference)
     }
 
-    /// The picture of so many `seconds`, and its samples per pixel; cached.
+    /// The picture rendered in `seconds`, and its samples per pixel; cached.
     ///
     /// # Errors
-    /// A way of rendering that is refused; an end that was wanted.
+    /// [`StudyError::Integrator`]; [`StudyError::Interrupted`].
     pub(super) fn picture(
         &self,
         seconds: f64,

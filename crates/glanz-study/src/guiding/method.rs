@@ -1,8 +1,8 @@
-//! What is compared: methods as data, and in which company they are shown.
+//! The compared methods, and the groups in which they are plotted.
 
 use glanz_scene::description::{GridSettings, GuideBasis, GuideSettings, IntegratorDescription, PassLengths};
 
-/// Samples per pixel of the pictures that tell how good a frozen guide is (document 003 section 3.5).
+/// Samples per pixel of the pictures by which a frozen guide is assessed (document 003 section 3.5).
 pub(super) const FROZEN_SAMPLES: u32 = 100;
 
 /// Most samples that a guide learns from before it is frozen: document 003 finds that 500 suffice.
@@ -12,7 +12,7 @@ pub(super) const MOST_LEARNT: u32 = 512;
 pub(super) const BASES: [GuideBasis; 4] =
     [GuideBasis::Haar, GuideBasis::Spline(1), GuideBasis::Spline(2), GuideBasis::Spline(3)];
 
-/// What people call a basis.
+/// Name of a basis in reports.
 pub(super) fn basis_name(basis: GuideBasis) -> String {
     match basis {
         GuideBasis::Haar => "Haar".to_owned(),
@@ -29,7 +29,7 @@ const ALL_SCALES: [u32; 4] = [1, 2, 3, 4];
 const CELLS: u32 = 8;
 const SCALE: u32 = 3;
 
-/// A way to render.
+/// A method of rendering.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct RenderMethod {
     /// Name in legends and tables.
@@ -48,12 +48,12 @@ fn plain(basis: GuideBasis, cells: u32, scale: u32) -> GridSettings {
 }
 
 impl RenderMethod {
-    /// The path tracer that all others are measured by.
+    /// The path tracer, with which all others are compared.
     pub(super) fn path() -> Self {
         Self { name: "path".into(), key: "path".into(), integrator: "path", grid: None }
     }
 
-    /// Cells and directions that refine themselves.
+    /// Glanz's guide: adaptively refined cells and directions.
     pub(super) fn tree() -> Self {
         Self { name: "guided, tree".into(), key: "tree".into(), integrator: "guided", grid: None }
     }
@@ -94,7 +94,7 @@ impl RenderMethod {
     }
 }
 
-/// A method, and how closely it is looked at.
+/// A method with the points at which it is measured.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MethodEntry {
     pub(super) method: RenderMethod,
@@ -105,7 +105,7 @@ pub(super) struct MethodEntry {
 }
 
 impl MethodEntry {
-    /// Numbers of samples after which the picture is looked at: those at which passes of guided integrators end.
+    /// Numbers of samples after which the picture is measured: the ends of the passes of guided integrators.
     pub(super) fn steps(&self) -> Vec<u32> {
         match self.method.passes() {
             Some(_) => vec![self.samples],
@@ -124,7 +124,7 @@ pub(super) struct PassDistribution {
 }
 
 impl PassDistribution {
-    /// All that document 003 compares.
+    /// All distributions that document 003 compares.
     pub(super) fn all() -> impl Iterator<Item = Self> {
         let bases = [GuideBasis::Haar, GuideBasis::Spline(1)].into_iter();
         let kinds = [(false, false), (false, true), (true, false), (true, true)];
@@ -132,14 +132,14 @@ impl PassDistribution {
             .flat_map(move |basis| kinds.map(|(hierarchical, doubled)| Self { basis, hierarchical, doubled }))
     }
 
-    /// As legends call it.
+    /// Name in legends.
     pub(super) fn name(&self) -> String {
         let hierarchical = if self.hierarchical { ", hierarchical" } else { "" };
         let lengths = if self.doubled { "n-2n-4n" } else { "n-n-n" };
         format!("{lengths}{hierarchical}")
     }
 
-    /// Whether a grid's passes are distributed like this.
+    /// Whether the passes of a grid have this distribution.
     pub(super) fn has(&self, grid: &GridSettings) -> bool {
         let Some(lengths) = grid.passes.map(|passes| passes.iter().collect::<Vec<u32>>()) else {
             return false;
@@ -148,7 +148,7 @@ impl PassDistribution {
         (grid.basis, grid.hierarchical, doubled) == (self.basis, self.hierarchical, self.doubled)
     }
 
-    /// Three passes, `n` samples per pixel in the first; and the picture's first sample, which tells the brightness.
+    /// Three passes, `n` samples per pixel in the first, after the first sample of the picture, which measures the brightness.
     fn entry(&self, n: u32) -> Option<MethodEntry> {
         let passes = PassLengths::new(&if self.doubled { [n, 2 * n, 4 * n] } else { [n; 3] })?;
         let samples = 1 + passes.iter().sum::<u32>();
@@ -158,7 +158,7 @@ impl PassDistribution {
     }
 }
 
-/// Methods that are shown in one plot.
+/// Methods of one plot.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MethodGroup {
     /// Name in files.
@@ -168,7 +168,7 @@ pub(super) struct MethodGroup {
     pub(super) methods: Vec<String>,
 }
 
-/// What is measured with curves of `samples` (a power of two) samples per pixel; `full`: all that document 003 measured.
+/// The measured methods, with curves of `samples` (a power of two) per pixel; `full`: all methods that document 003 measures.
 pub(super) fn entries(samples: u32, full: bool) -> Vec<MethodEntry> {
     let mut list: Vec<MethodEntry> = Vec::new();
     let mut add = |method: RenderMethod, samples: u32, frozen: Vec<u32>| {
@@ -181,7 +181,7 @@ pub(super) fn entries(samples: u32, full: bool) -> Vec<MethodEntry> {
     add(RenderMethod::tree(), samples, steps(samples, if full { 2 } else { 4 }));
     for ((key, _), methods) in groups() {
         for method in methods {
-            // Pictures by frozen guides take longer than all else: many of them only where much is to be seen.
+            // Pictures by frozen guides dominate the time: many of them only for the bases.
             let frozen = match (full, key) {
                 (true, _) => steps(samples, 2),
                 (false, "bases") => steps(samples, 4),
@@ -191,7 +191,7 @@ pub(super) fn entries(samples: u32, full: bool) -> Vec<MethodEntry> {
         }
     }
     if full {
-        // Figures E.25, E.26, E.42 and E.43: what each can reach, whatever its learning costs.
+        // Figures E.25, E.26, E.42 and E.43: the smallest error of each, regardless of its learning time.
         for basis in BASES {
             for cells in ALL_CELLS {
                 for scale in ALL_SCALES {
@@ -208,7 +208,7 @@ pub(super) fn entries(samples: u32, full: bool) -> Vec<MethodEntry> {
     list
 }
 
-/// The groups of methods that are shown together, beside `path` and the tree.
+/// The groups of methods that are plotted together, without `path` and the tree.
 fn groups() -> Vec<((&'static str, &'static str), Vec<RenderMethod>)> {
     let method = |basis, cells, scale| RenderMethod::of(plain(basis, cells, scale));
     let varied = |basis| {

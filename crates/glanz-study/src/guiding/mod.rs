@@ -1,4 +1,4 @@
-//! What densities that learn where light comes from gain in rooms (document 003 chapter 3).
+//! Speed-up of path tracing in rooms by densities that learn the incident light (document 003 chapter 3).
 
 mod cache;
 mod curve;
@@ -27,7 +27,7 @@ use glanz_report::{SheetPanel, contact_sheet};
 /// Rooms after the three scenes of document 003.
 const ROOMS: [&str; 3] = ["direct", "uplights", "open"];
 
-/// How much is rendered, with all choices made.
+/// The extent of the measurements.
 #[derive(Clone, Debug)]
 struct GuidingPlan {
     rooms: Vec<String>,
@@ -37,7 +37,7 @@ struct GuidingPlan {
     /// Samples per pixel of the references.
     references: u32,
     rounds: u32,
-    /// Time of each picture that is shown, seconds.
+    /// Render time of each picture at equal time, seconds.
     seconds: f64,
     threads: usize,
     seed: u64,
@@ -52,7 +52,7 @@ impl GuidingPlan {
             return Err(StudyError::Setting {
                 name: "samples",
                 value: samples.to_string(),
-                needed: "a power of two, as the passes of guided integrators are",
+                needed: "a power of two, like the passes of guided integrators",
             });
         }
         let names = || ROOMS.map(str::to_owned).into();
@@ -70,7 +70,7 @@ impl GuidingPlan {
         })
     }
 
-    /// All runs in a room, those of one method and light sampling in a row.
+    /// All runs in a room; those of one method and light sampling are consecutive.
     fn cases<'a>(&'a self, room: &'a GuidingRoom<'a>) -> impl Iterator<Item = MethodRun<'a>> {
         let kinds = self.entries.iter().flat_map(|entry| [false, true].map(|lights| (entry, lights)));
         kinds.flat_map(move |(entry, lights)| {
@@ -79,7 +79,7 @@ impl GuidingPlan {
     }
 }
 
-/// `path`, and those of `entries` that are asked for by their keys; all if nothing is.
+/// `path` and the entries with these keys; all if `keys` is `None`.
 fn chosen(mut entries: Vec<MethodEntry>, keys: Option<&[String]>) -> Result<Vec<MethodEntry>, StudyError> {
     let Some(keys) = keys else { return Ok(entries) };
     match keys.iter().find(|key| entries.iter().all(|entry| entry.method.key != **key)) {
@@ -100,7 +100,7 @@ fn chosen(mut entries: Vec<MethodEntry>, keys: Option<&[String]>) -> Result<Vec<
 /// Runs the study.
 ///
 /// # Errors
-/// An end that was wanted, or rooms that cannot be read.
+/// [`StudyError::Interrupted`], or rooms that cannot be read.
 pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
     settings.cancel.check()?;
     run_plan(&GuidingPlan::new(settings)?, settings, progress)
@@ -125,14 +125,14 @@ fn run_plan(
     Ok(report)
 }
 
-/// Samples per pixel that are not kept from an earlier call.
+/// Samples per pixel that are not cached.
 fn work_left(plan: &GuidingPlan, rooms: &[GuidingRoom<'_>], cache: &ResultCache) -> Result<f64, StudyError> {
     let mut left = 0.0;
     for room in rooms {
         let there = measure::reference_samples(room, plan.seed, cache)?;
         left += u64::from(plan.references).saturating_sub(there) as f64;
         for case in plan.cases(room) {
-            // References that are there may have more samples than asked for.
+            // A cached reference may have more samples than requested.
             let measured = case.measured(there.max(u64::from(plan.references)), cache)?;
             left += if measured.is_none() { case.work() } else { 0.0 };
         }
@@ -155,7 +155,7 @@ fn in_room(
         for case in rounds {
             match case.result(reference, cache, work) {
                 Ok(run) => runs.push(run),
-                // A grid may be too large for a room; the others need not suffer.
+                // A grid that is too large for the room is left out.
                 Err(StudyError::Render(RenderError::Guide(error))) => refused.push(error.to_string()),
                 Err(error) => return Err(error),
             }

@@ -1,20 +1,20 @@
-//! What came out of a room.
+//! Results of a room.
 
 use glanz_light::Pixels;
 
 use super::curve::{Clock, CurvePoint, Norm, SpeedUp, common_errors, over_time, speed_ups};
 use super::method::RenderMethod;
 
-/// Errors of a table of speed-ups, as many as in those of document 003.
+/// Number of errors in a table of speed-ups, as in document 003.
 pub(super) const ERRORS: u32 = 8;
 
-/// A method in a room.
+/// Results of a method in a room.
 pub(super) struct MethodOutcome {
     pub(super) method: RenderMethod,
     /// Whether lights are sampled.
     pub(super) lights: bool,
     pub(super) curve: Vec<CurvePoint>,
-    /// By frozen guides; samples are those learnt from.
+    /// Errors by frozen guides; samples count those learnt from.
     pub(super) frozen: Vec<CurvePoint>,
 }
 
@@ -25,11 +25,11 @@ impl MethodOutcome {
     }
 }
 
-/// All methods in a room.
+/// Results of all methods in a room.
 pub(super) struct RoomOutcome {
     pub(super) name: String,
     pub(super) outcomes: Vec<MethodOutcome>,
-    /// Why some methods are missing.
+    /// Reasons for missing methods.
     pub(super) refused: Vec<String>,
     /// Samples per pixel of the reference.
     pub(super) reference_samples: u64,
@@ -37,7 +37,7 @@ pub(super) struct RoomOutcome {
     pub(super) sheet: Option<Pixels>,
 }
 
-/// A method against `path`, both with or both without light sampling.
+/// Comparison of a method with `path`, both with or both without light sampling.
 pub(super) struct MethodComparison<'a> {
     pub(super) outcome: &'a MethodOutcome,
     pub(super) norm: Norm,
@@ -68,19 +68,19 @@ impl RoomOutcome {
         self.outcomes.iter().find(|o| o.method.key == key && o.lights == lights)
     }
 
-    /// The path tracer's.
+    /// The outcome of the path tracer.
     pub(super) fn path(&self, lights: bool) -> Option<&MethodOutcome> {
         self.outcome(&RenderMethod::path().key, lights)
     }
 
-    /// The reference's own error at most, estimated: that of a shorter picture taken the same way falls at least as one over the
-    /// root of the samples.
+    /// Estimated upper bound of the reference's own error: that of a shorter picture by the same method, scaled by the inverse
+    /// root of the number of samples.
     pub(super) fn reference_error(&self) -> Option<f64> {
         let last = self.path(true)?.last()?;
         Some(last.error.plain * (f64::from(last.samples) / self.reference_samples as f64).sqrt())
     }
 
-    /// `outcome` against `path`.
+    /// Comparison of `outcome` with `path`.
     pub(super) fn comparison<'a>(
         &self,
         outcome: &'a MethodOutcome,
@@ -99,7 +99,7 @@ impl RoomOutcome {
         others.filter_map(move |outcome| self.comparison(outcome, norm))
     }
 
-    /// The method of document 003 that gains most, by the geometric mean of its factors in the document's norm.
+    /// The method of document 003 with the largest speed-up, by the geometric mean of its factors in the document's norm.
     pub(super) fn best_grid(&self, lights: bool) -> Option<&MethodOutcome> {
         let asked =
             |o: &MethodOutcome| o.lights == lights && o.method.grid.is_some() && o.method.passes().is_none();

@@ -1,4 +1,4 @@
-//! The report, each sentence made from the figures.
+//! The report of the study.
 
 use super::GuidingPlan;
 use super::curve::{CurvePoint, Norm};
@@ -18,9 +18,9 @@ const SUMMARY: [(&str, &str); 13] = [
     ("time_s", "time, s"),
     ("l2", "L2 error"),
     ("modified_l2", "modified L2 error"),
-    ("factor_min", "least factor, L2"),
+    ("factor_min", "smallest factor, L2"),
     ("factor_max", "largest factor, L2"),
-    ("modified_factor_min", "least factor, modified L2"),
+    ("modified_factor_min", "smallest factor, modified L2"),
     ("modified_factor_max", "largest factor, modified L2"),
     ("frozen_l2", "L2 error, frozen guide"),
     ("frozen_modified_l2", "modified L2 error, frozen guide"),
@@ -51,22 +51,20 @@ const SPEED_UPS: [(&str, &str); 9] = [
 
 /// The factors of document 003, tables 3.1 to 3.4.
 const PUBLISHED: &str = "Document 003 found factors of 5.20 to 2.76 (scene 2, without stratification), 3.11 to 2.41 (scene 2, \
-     with), 16.08 to 3.38 (scene 3, without) and 4.68 to 2.20 (scene 3, with), and none above 1 worth \
-     speaking of in scene 1.";
+     with), 16.08 to 3.38 (scene 3, without) and 4.68 to 2.20 (scene 3, with), and no significant speed-up in scene 1.";
 
 fn yes(lights: bool) -> TableCell {
     if lights { "yes" } else { "no" }.into()
 }
 
-/// The whole report.
+/// Builds the report.
 pub(super) fn build_report(rooms: Vec<RoomOutcome>, plan: &GuidingPlan) -> Report {
-    let mut report =
-        Report::new("Study guiding: directions that learn where light comes from", summary(&rooms));
-    report.heading("What was asked");
+    let mut report = Report::new("Study guiding: directions learnt from the incident light", summary(&rooms));
+    report.heading("Question");
     report.paragraph(
-        "Document 003 (chapter 3) lets a path tracer learn, on a grid of cells on every surface, where light comes from, and \
-         draws directions by what it has learnt. How much sooner is the picture as good as that of a plain path tracer, with \
-         which basis, scale and subdivision, and how much sooner with Glanz's own guide?",
+        "Document 003 (chapter 3) lets a path tracer learn the incident light on a grid of cells on every surface, and \
+         samples directions from the learnt densities. How much faster does it reach the error of a plain path tracer, with \
+         which basis, scale and subdivision, and how much faster is Glanz's own guide?",
     );
     report.paragraph(settings_text(plan));
     report.paragraph(reference_text(&rooms));
@@ -79,14 +77,15 @@ pub(super) fn build_report(rooms: Vec<RoomOutcome>, plan: &GuidingPlan) -> Repor
     report.paragraph(PUBLISHED);
     report.table(shown_speed_ups(&rooms));
     report.data(all_speed_ups(&rooms));
-    report.heading("What one sees");
+    report.heading("Findings");
     for sentence in rooms.iter().flat_map(findings) {
         report.paragraph(sentence);
     }
     report.heading("Error over samples and time");
     report.data(points(&rooms, "curves", "The points of all curves:", |o| &o.curve));
     let caption = format!(
-        "Pictures of {FROZEN_SAMPLES} samples per pixel by frozen guides; samples are those learnt from, times the picture's:"
+        "Pictures of {FROZEN_SAMPLES} samples per pixel by frozen guides; samples count those learnt from, times are those \
+         of the picture:"
     );
     report.data(points(&rooms, "frozen", &caption, |o| &o.frozen));
     for room in &rooms {
@@ -117,15 +116,15 @@ fn settings_text(plan: &GuidingPlan) -> String {
         if clock::counts_processor_time() { "processor time of all threads" } else { "wall time" };
     format!(
         "Settings: pictures of {} x {} pixels, curves to {} samples per pixel with a point at every power of two, {}, {}, seed \
-         {}. Times are wall times of the render loop, learning included, without reading the scene; the CSV files also have \
-         {processors}, which does not suffer from a machine that is shared. *L2* is the root of the mean squared difference \
-         from the reference over pixels and channels, *modified L2* the same with both pictures cut at 1, the brightest that a \
-         display shows (document 003, section 3.4.1.2). *With light sampling* one light is sampled at every hit, which document \
-         003 calls stratification; without it light is found by chance alone. A *factor* is the time that `path` takes to an \
-         error over the time that the method takes to the same, both from where on it is not exceeded any more, for errors that \
-         both curves have (a late outlier can take them away, above all in the L2 norm, which is why the document modified it); \
-         between points logarithms are interpolated. A *frozen* guide has learnt from up to {MOST_LEARNT} samples of each \
-         pixel, learns no more, and is judged by a new picture of {FROZEN_SAMPLES} samples.",
+         {}. Times are wall times of the render loop, including learning, without reading the scene; the CSV files also \
+         contain {processors}, which is not affected by other work of the machine. *L2* is the root of the mean squared difference \
+         from the reference over pixels and channels, *modified L2* the same with both pictures clipped to 1, the brightest \
+         value of a display (document 003, section 3.4.1.2). *With light sampling* one light is sampled at every hit, which document \
+         003 calls stratification; without it paths find lights by chance alone. A *factor* is the time of `path` to an \
+         error over the time of the method to the same error. Both times are those after which the error is no longer \
+         exceeded, for errors that both curves reach (a late outlier can remove some, mostly in the L2 norm, which is why \
+         the document modified it); logarithms are interpolated between points. A *frozen* guide has learnt from up to {MOST_LEARNT} samples of each \
+         pixel, learns no more, and is assessed by a new picture of {FROZEN_SAMPLES} samples.",
         plan.size[0],
         plan.size[1],
         grouped(u64::from(plan.samples)),
@@ -144,18 +143,19 @@ fn reference_text(rooms: &[RoomOutcome]) -> String {
         })
         .collect();
     format!(
-        "References are rendered by `path` with light sampling. Samples per pixel, and the most that their own noise adds to an \
-         L2 error (the error of `path` at the end of its curve, taken to fall with the root of the samples): {}.",
+        "References are rendered by `path` with light sampling. Samples per pixel, and an upper bound of the contribution of \
+         their own noise to an L2 error (the error of `path` at the end of its curve, scaled by the inverse root of the \
+         number of samples): {}.",
         each.join("; ")
     )
 }
 
 fn summary(rooms: &[RoomOutcome]) -> Table {
-    let caption = "Where each curve ends, and how many times faster than `path` the same error is reached: the least \
-                   and the largest factor over all errors that both have.";
+    let caption = "The end of each curve, and the speed-up over `path` to the same error: the smallest and the largest \
+     factor over all errors that both reach.";
     let mut table = Table::new("summary", caption, &SUMMARY);
     for room in rooms {
-        // Those with listed passes are there for what they have learnt in the end.
+        // Methods with listed passes are measured by their frozen guides only.
         for outcome in room.outcomes.iter().filter(|o| o.method.passes().is_none()) {
             let Some(last) = outcome.last() else { continue };
             let is_path = outcome.method == RenderMethod::path();
@@ -226,10 +226,10 @@ fn push_comparison(table: &mut Table, room: &RoomOutcome, comparison: &MethodCom
     }
 }
 
-/// The tree and the best grid, in the norm of document 003 first.
+/// Speed-ups of the tree and of the best grid, in the norm of document 003 first.
 fn shown_speed_ups(rooms: &[RoomOutcome]) -> Table {
     let caption = "Time to the same error as the path tracer, with the same use of light sampling (document 003, tables \
-                   3.1 to 3.4): Glanz's own guide, and the grid that gains most in the modified norm.";
+                   3.1 to 3.4): Glanz's own guide, and the grid with the largest speed-up in the modified norm.";
     let mut table = Table::new("speed_up", caption, &SPEED_UPS);
     for room in rooms {
         for lights in [false, true] {
@@ -241,7 +241,7 @@ fn shown_speed_ups(rooms: &[RoomOutcome]) -> Table {
     table
 }
 
-/// Those of the tree and of the best grid, in the modified norm first.
+/// Comparisons of the tree and of the best grid, in the modified norm first.
 fn shown_comparisons(room: &RoomOutcome, lights: bool) -> Vec<MethodComparison<'_>> {
     let shown = [room.outcome(&RenderMethod::tree().key, lights), room.best_grid(lights)];
     let norms = shown.into_iter().flatten().flat_map(|o| [Norm::Shown, Norm::Plain].map(|norm| (o, norm)));
@@ -258,9 +258,9 @@ fn all_speed_ups(rooms: &[RoomOutcome]) -> Table {
     table
 }
 
-/// Sentences, each made from the figures.
+/// Findings as sentences with their figures.
 fn findings(room: &RoomOutcome) -> Vec<String> {
-    let told = |comparison: &MethodComparison<'_>| {
+    let describe = |comparison: &MethodComparison<'_>| {
         let [least, most] = comparison.range()?;
         let (first, last) = (comparison.wall.first()?, comparison.wall.last()?);
         Some(format!(
@@ -276,10 +276,10 @@ fn findings(room: &RoomOutcome) -> Vec<String> {
     };
     let sentence = |lights: bool| {
         let (_, words) = light_words(lights);
-        let told: Vec<String> = shown_comparisons(room, lights).iter().filter_map(told).collect();
-        match told.len() {
+        let sentences: Vec<String> = shown_comparisons(room, lights).iter().filter_map(describe).collect();
+        match sentences.len() {
             0 => format!("Room {}, {words}: the curves have no errors in common.", room.name),
-            _ => format!("Room {}, {words}: {}.", room.name, told.join("; ")),
+            _ => format!("Room {}, {words}: {}.", room.name, sentences.join("; ")),
         }
     };
     [false, true].map(sentence).into()

@@ -1,4 +1,4 @@
-//! A room with its scene, and what is rendered in it.
+//! A room with its scene, and the renders in it.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -30,16 +30,16 @@ pub(super) struct GuidingRoom<'a> {
     hash: u128,
 }
 
-/// One way to take samples of a room.
+/// Setup of a render: integrator, seed and guide.
 #[derive(Clone, Debug)]
 pub(super) struct RenderSetup {
     pub(super) integrator: IntegratorSettings,
     pub(super) seed: u64,
-    /// A guide that does not learn.
+    /// A frozen guide.
     pub(super) guide: Option<Arc<Guide>>,
 }
 
-/// A film that was rendered further, and what that took.
+/// A film after further samples, with their processor time.
 pub(super) struct RenderProgress {
     pub(super) outcome: RenderOutcome,
     /// Time of all processors.
@@ -50,7 +50,7 @@ impl<'a> GuidingRoom<'a> {
     /// Reads the room `named`: a scene file, or the name of one in `scenes/rooms`.
     ///
     /// # Errors
-    /// A file that is no scene, or has lights that paths cannot find by chance.
+    /// A file that cannot be read as a scene, or has lights that paths cannot find by chance.
     pub(super) fn read(
         named: &str,
         size: [u32; 2],
@@ -63,7 +63,7 @@ impl<'a> GuidingRoom<'a> {
             return Err(StudyError::Setting {
                 name: "rooms",
                 value: path.display().to_string(),
-                needed: "lit by surfaces alone: without light sampling no path finds lights that are points or directions",
+                needed: "lit by surfaces alone, because without light sampling no path finds point and distant lights",
             });
         }
         description.film.resolution = size;
@@ -73,16 +73,16 @@ impl<'a> GuidingRoom<'a> {
         Ok(Self { name, size, threads, settings, scene, integrator, filter, hash })
     }
 
-    /// Name and size, for files; the scene's fingerprint keeps rooms of one name apart.
+    /// Name and size, for files; the content hash distinguishes rooms of the same name.
     pub(super) fn label(&self) -> String {
         let [width, height] = self.size;
         format!("{}-{width}x{height}-{:08x}", self.name, self.hash >> 96)
     }
 
-    /// `method` with or without light sampling.
+    /// The setup of `method` with or without light sampling.
     ///
     /// # Errors
-    /// An integrator that is refused.
+    /// [`StudyError::Integrator`].
     pub(super) fn setup(
         &self,
         method: &RenderMethod,
@@ -93,10 +93,10 @@ impl<'a> GuidingRoom<'a> {
         Ok(RenderSetup { integrator, seed, guide: None })
     }
 
-    /// What a picture taken this way depends on.
+    /// The identity of a picture with this setup.
     ///
     /// # Errors
-    /// A filter that is refused.
+    /// [`StudyError::Filter`].
     pub(super) fn identity(&self, setup: &RenderSetup) -> Result<PictureIdentity, StudyError> {
         let signed = Filter::try_new(&self.filter)?.is_signed();
         let passes = setup.integrator.is_guided() && setup.guide.is_none();
@@ -113,18 +113,18 @@ impl<'a> GuidingRoom<'a> {
         })
     }
 
-    /// An empty film for pictures taken this way.
+    /// An empty film for a picture with this setup.
     ///
     /// # Errors
-    /// A filter or a film that is refused.
+    /// [`StudyError::Filter`], [`StudyError::Film`].
     pub(super) fn film(&self, setup: &RenderSetup) -> Result<Film, StudyError> {
         Ok(Film::try_new(self.identity(setup)?.film)?)
     }
 
-    /// Takes the samples that `film` does not have yet.
+    /// Renders the samples that `film` lacks.
     ///
     /// # Errors
-    /// Those of [`render()`], and an end that was wanted; see [`RenderProgress::complete`].
+    /// Those of [`render()`], and [`StudyError::Interrupted`]; see [`RenderProgress::complete`].
     pub(super) fn render(
         &self,
         setup: &RenderSetup,

@@ -1,4 +1,4 @@
-//! The study itself, in a box of a few pixels.
+//! The whole study, in a box of a few pixels.
 
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ AreaLightSource "diffuse" "rgb L" [ 6 6 6 ]
 Shape "bilinearmesh" "point3 P" [ -.4 0 .3  .4 0 .3  -.4 .8 .3  .4 .8 .3 ]
 "#;
 
-/// A folder that goes when the test ends.
+/// A folder that is removed when the test ends.
 struct Folder(PathBuf);
 
 impl Folder {

@@ -1,4 +1,4 @@
-//! Random rays: what each method finds, misses and invents.
+//! Random rays: roots that each method finds, misses and invents.
 
 use std::time::Duration;
 
@@ -11,26 +11,26 @@ use super::patches::{PatchGroup, RayPatchSystem, Shape, Target};
 use crate::clock::{Stopwatch, TimeScope};
 use crate::study::{Settings, StudyError, StudyProgress};
 
-/// Residual below which document 000 takes a point for a root, there in units, here relative to the patch.
+/// Residual below which document 000 accepts a point as a root; absolute there, relative to the size of the patch here.
 pub(super) const RESIDUAL: f64 = 1e-10;
 
-/// Steps that an iteration may take; document 000 allowed [`STEPS_OF_000`].
+/// Largest number of steps of an iteration; document 000 allows [`STEPS_OF_000`].
 pub(super) const STEPS: u32 = 50;
 
-/// Steps in document 000.
+/// Largest number of steps in document 000.
 pub(super) const STEPS_OF_000: u32 = 10;
 
-/// Largest distance along the ray, relative to the patch, of an end and the root it counts for. Where a ray touches the
-/// surface, a residual of [`RESIDUAL`] leaves its square root open.
+/// Largest distance along the ray, relative to the patch, between the end of an iteration and its root. Where a ray touches the
+/// surface, a residual of [`RESIDUAL`] determines the root only to its square root.
 const SAME_ROOT: f64 = 2e-5;
 
-/// Distance from the domain that is put down to rounding, in parameters.
+/// Distance from the domain that is attributed to rounding, in parameters.
 const BORDER: f64 = 1e-9;
 
-/// Rays between two looks at the flag that stops the study.
+/// Rays between two checks of the cancel flag.
 const BATCH: usize = 1 << 14;
 
-/// The iterations by name.
+/// The variants of Newton's method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Variant {
     General,
@@ -49,7 +49,7 @@ impl Variant {
         }
     }
 
-    /// From `start` (u, v, ray parameter) towards a meeting of patch and ray.
+    /// Iterates from `start` (u, v, ray parameter) towards an intersection of patch and ray.
     pub(super) fn run(
         self,
         shape: &Shape,
@@ -66,20 +66,20 @@ impl Variant {
     }
 }
 
-/// What one variant did with the rays of a group.
+/// Counts of one variant over the rays of a group.
 #[derive(Clone, Debug, Default)]
 pub(super) struct VariantTally {
     /// Rays through the hull, for which an iteration was started.
     pub(super) started: u64,
     /// Iterations that ended within the residual.
     pub(super) converged: u64,
-    /// Roots of the truth at which one ended.
+    /// Certified roots at which an iteration ended.
     pub(super) found: u64,
     /// Of these, the first root of their ray.
     pub(super) first: u64,
-    /// Ends within the residual that document 000 takes for hits, but outside of the domain or behind the ray's origin.
+    /// Ends within the residual, which document 000 accepts as hits, outside of the domain or behind the ray's origin.
     pub(super) outside: u64,
-    /// Ends within the residual and the domain where the truth has no root.
+    /// Ends within the residual and the domain without a certified root.
     pub(super) unknown: u64,
     /// Iterations without next step.
     pub(super) singular: u64,
@@ -91,11 +91,11 @@ pub(super) struct VariantTally {
     pub(super) evaluations: u64,
     /// Processor time.
     pub(super) time: Duration,
-    /// Roots found after exactly so many steps.
+    /// Roots found, by number of steps.
     pub(super) found_after: Vec<u64>,
 }
 
-/// What is true of the rays of a group, by the certified search.
+/// Counts of the certified search over the rays of a group.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CertifiedTally {
     pub(super) rays: u64,
@@ -104,7 +104,7 @@ pub(super) struct CertifiedTally {
     pub(super) roots: u64,
     /// Largest distance between patch and ray at a root, relative to the patch.
     pub(super) worst: f64,
-    /// Leaves given up.
+    /// Undecided leaves.
     pub(super) undecided: u64,
     /// Time for all roots, and for the first one.
     pub(super) all: Duration,
@@ -122,7 +122,7 @@ pub(super) struct RaySet<'a> {
 }
 
 impl<'a> RaySet<'a> {
-    /// `count` rays at the patches of the group in turn, and all their roots.
+    /// Generates `count` rays at the patches of the group in turn, and finds all their roots.
     pub(super) fn shoot(
         group: &'a PatchGroup,
         number: u64,
@@ -174,7 +174,7 @@ impl<'a> RaySet<'a> {
         self.each().map(off).fold(0.0, f64::max)
     }
 
-    /// What `variant` does with the rays.
+    /// Runs `variant` on the rays.
     pub(super) fn tally(&self, variant: Variant, settings: &Settings) -> Result<VariantTally, StudyError> {
         let mut outcomes = Vec::with_capacity(self.rays.len());
         let watch = Stopwatch::start(TimeScope::Thread);
@@ -220,7 +220,7 @@ impl VariantTally {
         }
     }
 
-    /// Adds what was counted elsewhere.
+    /// Adds the counts of `other`.
     pub(super) fn merge(&mut self, other: &Self) {
         self.started += other.started;
         self.converged += other.converged;
@@ -253,7 +253,7 @@ impl CertifiedTally {
     }
 }
 
-/// The ray of this number; the same for the same key.
+/// The ray with this index; it depends on `key` and `index` only.
 fn random(target: &Target, key: u64, index: u64) -> Ray {
     let of_ray = combine(key, index);
     target.ray(std::array::from_fn(|i| unit_f64(combine(of_ray, i as u64))))
@@ -266,14 +266,14 @@ fn pause(index: usize, settings: &Settings) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// All groups: what is true, and what the variants did.
+/// Counts of the certified search and of the variants for all groups.
 pub(super) struct Comparison {
     pub(super) groups: Vec<(&'static str, CertifiedTally, [VariantTally; 3])>,
     pub(super) truth: CertifiedTally,
     pub(super) tallies: [VariantTally; 3],
 }
 
-/// Shoots `rays` in equal parts at the groups; progress goes from `from` to 1.
+/// Compares the methods on `rays` rays in equal parts at the groups; progress goes from `from` to 1.
 pub(super) fn compare(
     groups: &[PatchGroup],
     rays: u64,

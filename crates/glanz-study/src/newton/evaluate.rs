@@ -1,4 +1,4 @@
-//! Cubic patches evaluated at fixed size, so that iterations are not slow by general routines.
+//! Evaluation of cubic patches by routines of fixed size, so that general routines do not slow down the iterations.
 
 use glanz_geometry::bezier::{TensorPatch, TrianglePatch};
 use glanz_math::{DVec3, glam::DVec4};

@@ -12,8 +12,8 @@ use crate::report::Report;
 use glanz_report::number::{plural, significant};
 use glanz_report::{Axis, Plot, Series, Table, TableCell};
 
-/// What the line of the example, continued without end, has in common with the patch that document 000 computed with,
-/// continued beyond its domain: 30 digits from the resultant of two plane cubics (reference.json A.worked_line).
+/// Intersection of the infinite line of the example with the patch that document 000 computed with, extended beyond its domain:
+/// 30 digits from the resultant of two plane cubics (reference.json A.worked_line).
 pub(super) const TAU: f64 = 46.012_263_655_548_77;
 
 /// The only root of the fan: tau, (s, t) and the unit normal that faces the ray (reference.json A.fan_k4).
@@ -22,14 +22,14 @@ const FAN_AT: DVec2 = DVec2::new(0.354_776_787_529_589_9, 0.581_425_944_232_568_
 const FAN_NORMAL: DVec3 =
     DVec3::new(-0.812_378_898_193_333_8, 0.425_688_116_503_215_64, 0.398_535_008_798_637_07);
 
-/// Where document 000 starts: (s, t) = (beta, gamma) of the published barycentric coordinates, which its program gives
-/// to the wrong corners, and tau half-way between the hits with the hull (reference.json A.published_numbers_reproduction).
+/// Where document 000 starts: (s, t) = (beta, gamma) of the published barycentric coordinates, which its program assigns to the
+/// wrong corners, and tau half-way between the hits with the hull (reference.json A.published_numbers_reproduction).
 const START_OF_000: [f64; 3] = [0.244_662_274_047_676_35, 0.100_362_969_448_570_51, 43.684_761_608_745_16];
 
-/// The residual in document 000.
+/// Residual in document 000.
 const LIMIT: f64 = 1e-10;
 
-/// The ray from the lamp at (0, 5, 5) with node (i, j) of a grid of n + 1 angles each; as long as there, 0.1.
+/// The ray from the lamp at (0, 5, 5) with node (i, j) of a grid of n + 1 angles each; its direction has the length 0.1, as there.
 pub(crate) fn fan_ray(n: i32, i: i32, j: i32) -> Ray {
     let theta = PI * f64::from(2 * i - n) / f64::from(n);
     let phi = FRAC_PI_2 * f64::from(2 * j - n) / f64::from(n);
@@ -51,14 +51,14 @@ pub(super) struct ExampleRun {
     inside: bool,
 }
 
-/// What came out.
+/// Results of the example.
 pub(super) struct Example {
     pub(super) runs: Vec<ExampleRun>,
-    /// Roots of the line with the true patch, and of its continuation with both patches, by the certified search.
+    /// Number of roots of the line with the true patch and with the faulty one, by the certified search.
     pub(super) hits: [usize; 2],
     pub(super) fan: Vec<(Hit, DVec2, DVec3)>,
     pub(super) fan_rays: u64,
-    /// Ends of the variants on the fan: converged, of these inside and ahead.
+    /// Iterations of the variants on the fan: converged ones, and of these the ones inside and ahead.
     pub(super) fan_newton: [(u64, u64); 3],
     /// Residuals by steps on the patch of document 000.
     convergence: Vec<Series>,
@@ -67,14 +67,14 @@ pub(super) struct Example {
 /// Solves the example.
 ///
 /// # Errors
-/// None that can happen: the patches are valid.
+/// None in practice: the patches are valid.
 pub(super) fn solve() -> Result<Example, SurfaceError> {
     let (truth, faulty) =
         (Target::try_new(reflector(TRUE_POINTS)?)?, Target::try_new(reflector(faulty_points())?)?);
     let ray = published_ray();
     let limits = StoppingCriteria { residual: LIMIT, iterations: STEPS };
     let mut runs = Vec::new();
-    // The true patch gets the coordinates at the corners that they belong to: t of P003 is alpha, s of P030 beta.
+    // For the true patch the coordinates are assigned to the right corners: t of P003 is alpha, s of P030 beta.
     let [beta, gamma, tau] = START_OF_000;
     let right = [beta, 1.0 - beta - gamma, tau];
     for (patch, start, from, shape) in [
@@ -139,7 +139,7 @@ impl Example {
         }
     }
 
-    /// Of the runs on the patch that document 000 computed with, from its start, the end of the general method.
+    /// The ray parameter at which the general method ends on the patch that document 000 computed with, from its start.
     pub(super) fn published(&self) -> Option<f64> {
         let run = self.runs.iter().find(|r| r.start == "of 000" && r.variant == Variant::General)?;
         run.outcome.converged().map(|end| end.x[2])
@@ -157,9 +157,9 @@ impl Example {
             }
         };
         report.paragraph(format!(
-            "A line from (0, 5, 5) is said to hit a cubic triangle at tau = 46.01226366. By the certified search it {} the \
-             patch, and {} the patch that the program really computed with (it leaves out the factors 3!/(i! j! k!)). \
-             Continued beyond its domain, that patch has a root at tau = {TAU}.",
+            "According to the document, a line from (0, 5, 5) hits a cubic triangle at tau = 46.01226366. By the certified \
+             search it {} the patch, and {} the patch that the program actually used (it omits the factors 3!/(i! j! k!)). \
+             Extended beyond its domain, that patch has a root at tau = {TAU}.",
             verb(on_true),
             verb(on_faulty)
         ));
@@ -181,7 +181,7 @@ impl Example {
         report.plot(
             "convergence",
             plot,
-            "How fast the variants approach a root of the patch of document 000, continued beyond its domain.",
+            "Convergence of the variants to a root of the patch of document 000, extended beyond its domain.",
         );
         self.add_fan(report);
     }
@@ -231,7 +231,7 @@ impl Example {
         if let [(hit, at, normal)] = self.fan.as_slice() {
             text += &format!(
                 " It lies at tau = {}, (s, t) = ({}, {}). From the root known to 30 digits it is {} away in tau, {} in \
-                 (s, t); its normal is off by {} rad.",
+                 (s, t); its normal deviates by {} rad.",
                 hit.t,
                 at.x,
                 at.y,
@@ -243,8 +243,8 @@ impl Example {
         report.paragraph(text);
         let columns =
             [("method", "method"), ("accepted", "accepted by residual"), ("inside", "of these hits")];
-        let caption = "The fan: lines that each method takes for hits within 10 steps, as document 000 counts, and how \
-                       many of these lie in the triangle and ahead of the lamp.";
+        let caption = "The fan: lines that each method accepts as hits within 10 steps, as in document 000, and how many of \
+         these lie in the triangle and ahead of the lamp.";
         let mut table = Table::new("fan", caption, &columns);
         for (variant, (accepted, inside)) in Variant::ALL.into_iter().zip(self.fan_newton) {
             table.push([variant.name().into(), accepted.into(), inside.into()]);

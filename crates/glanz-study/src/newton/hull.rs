@@ -1,4 +1,4 @@
-//! The convex hull of a few points as half-spaces, and the part of a ray within.
+//! The convex hull of a few points as half-spaces, and clipping of rays to it.
 
 use glanz_math::{DVec3, Ray};
 

@@ -1,8 +1,8 @@
 //! Newton's method for small systems, in the variants of document 000 chapter 3.
 //!
-//! An iteration leads from a start to a root, or to none; nothing is known beforehand of which root, nor whether there are
-//! others. The search of `glanz-geometry` bounds the Jacobian first, and iterates only where there is one root. These are the
-//! plain iterations, for comparison.
+//! An iteration leads from a start to a root or to none; which root it finds, and whether there are others, is not known
+//! beforehand. The search of `glanz-geometry` bounds the Jacobian first and iterates only where there is exactly one root. These
+//! are the plain iterations, for comparison.
 
 use glanz_math::rounding::gamma;
 

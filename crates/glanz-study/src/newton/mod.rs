@@ -1,4 +1,4 @@
-//! Newton's method from one start against the certified search (document 000 chapters 3 and 4).
+//! Newton's method from one start, compared with the certified search (document 000 chapters 3 and 4).
 
 mod compare;
 mod evaluate;
@@ -22,10 +22,10 @@ use crate::study::{Settings, StudyError, StudyProgress};
 use glanz_report::number::{grouped, plural, significant};
 use glanz_report::{Axis, Plot, ReferenceLine, Series, Table, TableCell};
 
-/// Random rays, unless others are asked for.
+/// Default number of random rays.
 const RAYS: u64 = 1_000_000;
 
-/// Share of the progress that the example takes.
+/// Share of the example in the progress.
 const EXAMPLE: f64 = 0.01;
 
 const COLUMNS: [(&str, &str); 14] = [
@@ -48,7 +48,7 @@ const COLUMNS: [(&str, &str); 14] = [
 /// Runs the study.
 ///
 /// # Errors
-/// An end that was wanted, or no rays.
+/// [`StudyError::Interrupted`], or no rays.
 pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
     settings.cancel.check()?;
     let rays = settings.rays.unwrap_or(RAYS);
@@ -61,18 +61,18 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
     let all = compare(&groups, rays, EXAMPLE, settings, progress)?;
 
     let caption = format!(
-        "{} random rays at patches of all kinds: roots by the certified search, and what Newton's method makes of them from \
-         one start per ray.",
+        "{} random rays at patches of all kinds: roots by the certified search, and by Newton's method from one start per \
+         ray.",
         grouped(rays)
     );
     let mut summary = Table::new("summary", caption, &COLUMNS);
     push_rows(&mut summary, "all", &all.truth, &all.tallies);
     let mut report = Report::new("Study newton: one start, one root, or none", summary);
-    report.heading("What was asked");
+    report.heading("Question");
     report.paragraph(
-        "Document 000 meets a Bézier patch with rays by Newton's method: it starts in the middle between the hits with the \
-         hull of the control points and accepts what leaves a small residual. How many of the roots does that find, how \
-         many does it miss, how many does it invent, and at what price, compared with the certified search of Glanz?",
+        "Document 000 intersects rays with a Bézier patch by Newton's method: it starts at the midpoint between the hits \
+         with the hull of the control points and accepts every end with a small residual. How many of the roots does it \
+         find, miss and invent, and at what cost, compared with the certified search of Glanz?",
     );
     settings_paragraph(rays, settings, &mut report);
     example.add_to(&mut report);
@@ -83,7 +83,7 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
     }
     report.table(by_group);
     report.plot("found", found_plot(&all), "Roots found by the number of steps that are allowed.");
-    report.heading("What one sees");
+    report.heading("Findings");
     for sentence in findings(&all) {
         report.paragraph(sentence);
     }
@@ -99,15 +99,15 @@ fn settings_paragraph(rays: u64, settings: &Settings, report: &mut Report) {
          sphere of twice the patch's diagonal across and go to random points of the box around the control points. \
          Unknowns are (u, v) and the ray parameter; at most {STEPS} steps (document 000: {STEPS_OF_000}), residual {RESIDUAL:e} \
          of the patch's size. Seed {}. One thread; times are {clock}. Newton's method \
-         and the certified search evaluate the patches by routines of fixed size; the search cuts triangles into three bicubic \
-         patches first. It does not count its steps.",
+         and the certified search evaluate the patches by routines of fixed size; the search first divides triangles into \
+         three bicubic patches. Its steps are not counted.",
         grouped(rays),
         settings.seed
     ));
     report.paragraph(
-        "A root counts as *found* if an iteration ends there. *Outside the domain* are ends that the residual alone, the test \
-         of document 000, takes for hits although they lie beyond the border of the patch or behind the origin; *no root* are \
-         ends inside the domain at which the certified search has none.",
+        "A root counts as *found* if an iteration ends there. *Outside the domain* counts ends that the residual test of \
+         document 000 accepts although they lie beyond the border of the patch or behind the origin; *no root* counts ends \
+         inside the domain at which the certified search has no root.",
     );
 }
 
@@ -184,7 +184,7 @@ fn found_plot(all: &Comparison) -> Plot {
     }
 }
 
-/// Sentences, each made from the figures.
+/// Findings as sentences with their figures.
 fn findings(all: &Comparison) -> Vec<String> {
     let CertifiedTally { rays, hit, roots, worst, undecided, all: all_time, .. } = &all.truth;
     let share = |count: u64, of: u64| {
@@ -203,7 +203,7 @@ fn findings(all: &Comparison) -> Vec<String> {
         let early: u64 = tally.found_after.iter().take(STEPS_OF_000 as usize + 1).sum();
         found.push(format!(
             "The {} method finds {} of the roots ({} within {STEPS_OF_000} steps) and the first root of {} of the rays that \
-             have one; {} of its {} ends that the residual accepts are no hits.",
+             have one; {} of its {} accepted ends are not hits.",
             variant.name().split(' ').next().unwrap_or_default(),
             share(tally.found, *roots),
             share(early, *roots),
@@ -214,12 +214,12 @@ fn findings(all: &Comparison) -> Vec<String> {
     }
     let unknown: u64 = all.tallies.iter().map(|t| t.unknown).sum();
     found.push(if unknown == 0 {
-        "No iteration ended inside a patch at a root that the certified search does not know: the variants are an independent \
-         check that it misses nothing they can find."
+        "No iteration ended inside a patch at a root that the certified search does not have: this independently confirms \
+         that it misses no root that the variants can find."
             .to_owned()
     } else {
         format!(
-            "{} ended inside a patch where the certified search has no root: to be looked into.",
+            "{} ended inside a patch where the certified search has no root; this needs investigation.",
             plural(unknown, "iteration", "iterations")
         )
     });
@@ -232,8 +232,8 @@ fn findings(all: &Comparison) -> Vec<String> {
             (ns(all_time) / fastest, "more")
         };
         found.push(format!(
-            "All roots by the certified search cost {} ns per ray, {} times {word} than one iteration per ray of the fastest \
-             variant ({} ns).",
+            "The certified search for all roots takes {} ns per ray, {} times {word} than one iteration per ray of the \
+             fastest variant ({} ns).",
             significant(ns(all_time)),
             significant(ratio),
             significant(fastest)

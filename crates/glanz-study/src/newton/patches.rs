@@ -1,4 +1,4 @@
-//! The patches that rays are shot at.
+//! The patches of the study.
 
 use glanz_formats::newell;
 use glanz_geometry::SurfaceError;
@@ -26,8 +26,7 @@ pub(crate) const TRUE_POINTS: [[f64; 3]; 10] = [
     [3.0, 3.0, 3.0],
 ];
 
-/// The same, each times i! j! k! / 6: what the program of document 000, which leaves out the factors 3!/(i! j! k!),
-/// takes them for.
+/// The same, each times i! j! k! / 6: the effective control points of the program of document 000, which omits the factors 3!/(i! j! k!).
 pub(super) fn faulty_points() -> [[f64; 3]; 10] {
     let shares = [1.0, 3.0, 3.0, 3.0, 6.0, 3.0, 1.0, 3.0, 3.0, 1.0];
     std::array::from_fn(|i| TRUE_POINTS[i].map(|x| x / shares[i]))
@@ -82,7 +81,7 @@ impl Shape {
         homogeneous.iter().map(|p| p.truncate() / p.w).collect()
     }
 
-    /// By how much (u, v) lies outside of the domain, 0 if it does not.
+    /// Distance of (u, v) from the domain, 0 inside.
     pub(super) fn outside(&self, u: f64, v: f64) -> f64 {
         match self {
             Self::Tensor(..) => [-u, u - 1.0, -v, v - 1.0].into_iter().fold(0.0, f64::max),
@@ -118,7 +117,7 @@ fn not_cubic(degree: usize) -> SurfaceError {
     SurfaceError::OutOfRange { parameter: "degree", value: degree as f64, min: 3.0, max: 3.0 }
 }
 
-/// A patch with what is needed to shoot at it.
+/// A patch with its search, hull and bounds.
 pub(super) struct Target {
     pub(super) shape: Shape,
     pub(super) search: Freeform,
@@ -163,7 +162,7 @@ impl Target {
         let (ad, bd) = (a.dot(d), b.dot(d));
         let det = aa * bb - ab * ab;
         let flat = DVec2::new(ad * bb - bd * ab, bd * aa - ad * ab) / det;
-        // Corners on a line say nothing: then the middle of the patch must do.
+        // Collinear corners determine no plane: the middle of the patch serves instead.
         let flat = if flat.is_finite() { flat } else { DVec2::ZERO };
         let at = match self.shape {
             Shape::Tensor(..) => (flat + 0.5).clamp(DVec2::ZERO, DVec2::ONE),

@@ -1,4 +1,4 @@
-//! The command line: what can be asked, and the help that explains it.
+//! The command line and its help.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -12,35 +12,35 @@ use glanz_terminal::values::{one_of, seconds, size};
 /// Samples per pixel that a film can hold.
 const MAX_SAMPLES: i64 = MAX_TERMS as i64;
 
-/// Rays of a study, which keeps all of a kind in memory.
+/// Largest number of rays: a study holds all rays of a group in memory.
 const MAX_RAYS: u64 = 30_000_000;
 
-/// Elements of which a study computes the form factors of all pairs.
+/// Largest number of elements for form factors of all pairs.
 const MAX_ELEMENTS: i64 = 50_000;
 
 const HELP: &str = "\
 A study writes report.md with its tables (CSV), plots (SVG) and pictures (PNG) into the folder
-of --out, which is made if it is not there, and prints its summary. Figures depend on options
-and seed alone, except for times. Ctrl-C ends it with 130 and leaves nothing, but for
-guiding, which keeps what is measured and goes on with it when called again.
+of --out, which is created if necessary, and prints its summary. All figures except times depend
+only on the options and the seed. Ctrl-C ends a study with exit status 130 and without output;
+guiding caches its measurements and continues from them when it is called again.
 
 Examples:
-  glanz-study                                            what there is
+  glanz-study                                            list the studies
   glanz-study newton --out newton
   glanz-study tessellation --out triangles --size 640x360 --triangles 1250,20000
   glanz-study guiding --out guiding --rooms uplights --samples 64 --references 1024";
 
-/// Measures again what the documents behind Glanz claimed; without a name, lists the studies.
+/// Repeats the measurements of the documents behind Glanz; lists the studies if none is named.
 #[derive(Debug, Parser)]
 #[command(name = "glanz-study", version, max_term_width = 98, after_help = HELP)]
 pub(crate) struct StudyArguments {
-    /// The study
+    /// Study to run
     #[arg(value_name = "NAME", requires = "out", value_parser = one_of(studies().iter().map(|study| study.name)))]
     pub(crate) name: Option<String>,
     /// Folder for the report
     #[arg(short, long, value_name = "DIR", requires = "name", value_hint = ValueHint::DirPath)]
     pub(crate) out: Option<PathBuf>,
-    /// Random rays or particles (newton, reflector)
+    /// Number of random rays or particles (newton, reflector)
     #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u64).range(1..=MAX_RAYS))]
     pub(crate) rays: Option<u64>,
     /// Size of the pictures in pixels (tessellation, guiding, reconstruction)
@@ -52,7 +52,7 @@ pub(crate) struct StudyArguments {
     /// Scene files, or names of those in scenes/rooms (guiding, solvers)
     #[arg(long, value_name = "LIST", requires = "name", value_delimiter = ',')]
     pub(crate) rooms: Option<Vec<String>>,
-    /// What is compared with path: tree, or grids by basis, cells and scale, such as haar-8-3 (guiding)
+    /// Methods to compare with path: tree, or grids by basis, cells and scale, such as haar-8-3 (guiding)
     #[arg(long, value_name = "LIST", requires = "name", value_delimiter = ',')]
     pub(crate) methods: Option<Vec<String>>,
     /// Samples per pixel at which curves end, a power of two (guiding)
@@ -61,19 +61,19 @@ pub(crate) struct StudyArguments {
     /// Samples per pixel of reference pictures (guiding)
     #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
     pub(crate) references: Option<u32>,
-    /// Elements of the finest solution by form factors of all pairs, at most (solvers)
+    /// Largest number of elements for form factors of all pairs (solvers)
     #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u32).range(1..=MAX_ELEMENTS))]
     pub(crate) elements: Option<u32>,
-    /// Runs with seeds of their own, whose errors are averaged (guiding)
+    /// Number of runs with different seeds, over which errors are averaged (guiding)
     #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) rounds: Option<u32>,
-    /// Seconds for each of the pictures that are shown side by side (guiding)
+    /// Render time of each picture of the side-by-side comparison, seconds (guiding)
     #[arg(long, value_name = "SECONDS", requires = "name", value_parser = seconds)]
     pub(crate) time: Option<Duration>,
-    /// Threads (guiding, reflector, solvers)
+    /// Number of threads (guiding, reflector, solvers)
     #[arg(long, value_name = "N", requires = "name", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
-    /// Measure all that the document measured: many hours (guiding)
+    /// Repeat all measurements of the document, which takes many hours (guiding)
     #[arg(long, requires = "name")]
     pub(crate) full: bool,
     /// Seed of random numbers

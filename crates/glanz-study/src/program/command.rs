@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use crate::arguments::StudyArguments;
 
-/// What `--json` prints after a study.
+/// JSON output of a study.
 #[derive(Serialize)]
 struct StudySummary<'a> {
     study: &'static str,
@@ -37,7 +37,7 @@ impl Serialize for Tables<'_> {
     }
 }
 
-/// What `--json` prints without a name.
+/// JSON output of the list of studies.
 #[derive(Serialize)]
 struct StudyEntry {
     name: &'static str,
@@ -47,7 +47,7 @@ struct StudyEntry {
 /// Runs the study and writes its report, or lists the studies.
 ///
 /// # Errors
-/// An option that the study has no use for, or a file that cannot be written.
+/// An option that the study does not use, or a file that cannot be written.
 pub(crate) fn run(arguments: &StudyArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     let (Some(name), Some(out)) = (&arguments.name, &arguments.out) else {
         return list(arguments.verbosity.json);
@@ -55,7 +55,7 @@ pub(crate) fn run(arguments: &StudyArguments, messages: Messages) -> Result<Comm
     let study = named(name).ok_or_else(|| CommandError::usage(format!("there is no study \"{name}\"")))?;
     check_options(study, arguments)?;
     let cancel = interrupt::listen()?;
-    // Before the work, so that an hour is not lost to a folder that cannot be.
+    // Before the work, so that a folder that cannot be created is reported at once.
     std::fs::create_dir_all(out).map_err(|error| CommandError::new(format!("{}: {error}", out.display())))?;
     let settings = Settings {
         rays: arguments.rays,
@@ -82,7 +82,7 @@ pub(crate) fn run(arguments: &StudyArguments, messages: Messages) -> Result<Comm
         Ok(report) => report,
         Err(StudyError::Interrupted(_)) => {
             messages.note(if study.caches {
-                "interrupted; no report was written, the same command goes on with what is kept"
+                "interrupted; no report was written; the same command continues from the cached results"
             } else {
                 "interrupted; nothing was written"
             });
@@ -144,9 +144,7 @@ fn check_options(study: &Study, arguments: &StudyArguments) -> Result<(), Comman
         ("--full", StudyOption::Full, arguments.full),
     ];
     match given.iter().find(|(_, option, given)| *given && !study.options.contains(option)) {
-        Some((name, ..)) => {
-            Err(CommandError::usage(format!("the study {} has no use for {name}", study.name)))
-        }
+        Some((name, ..)) => Err(CommandError::usage(format!("the study {} does not use {name}", study.name))),
         None => Ok(()),
     }
 }

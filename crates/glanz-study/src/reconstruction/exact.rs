@@ -1,4 +1,4 @@
-//! What a floor receives from flat lamps behind flat panels, in closed form.
+//! Light on a floor from flat lamps behind flat panels, in closed form.
 
 use std::f64::consts::TAU;
 
@@ -11,29 +11,29 @@ use crate::study::StudyError;
 /// Abscissa of Gauss's rule with two points on [0, 1].
 const GAUSS: f64 = 0.211_324_865_405_187_1;
 
-/// Levels of halves of a texel that are looked at in any case, and at most.
+/// Smallest and largest number of subdivisions of a texel.
 const LEVELS: [u32; 2] = [1, 4];
 
-/// Largest difference of the values in a part of a texel that is not divided further, per the largest value of all.
+/// Largest difference of the values in a part of a texel that is not divided further, relative to the largest value of all.
 const SMOOTH: f64 = 0.04;
 
-/// A floor, lamps and what is in the way.
+/// A floor, lamps and blockers.
 pub(super) struct ExactFloor {
     /// Corners of the parallelogram, in the order of its parameters (0, 0), (1, 0), (1, 1), (0, 1).
     floor: Vec<DVec3>,
     normal: DVec3,
-    /// Corners, and the radiosity that a floor has which sees nothing else.
+    /// Corners, and the radiosity of a floor that sees nothing else.
     lamps: Vec<(Vec<DVec3>, f64)>,
     blockers: Vec<Vec<DVec3>>,
 }
 
 /// Means of the floor's radiosity over texels.
 pub(super) struct ReferenceTexture {
-    /// Rows one after the other, per the largest of them.
+    /// Rows in sequence, relative to the largest value.
     pub(super) texels: Vec<f64>,
-    /// The largest.
+    /// The largest value.
     pub(super) unit: f64,
-    /// Root mean square and largest change of a texel by its last division: bounds of what further ones would change.
+    /// Root mean square and largest change of a texel by its last division: bounds of the effect of further divisions.
     pub(super) change: [f64; 2],
 }
 
@@ -46,7 +46,7 @@ impl ExactFloor {
         Self { floor, normal, lamps, blockers }
     }
 
-    /// Where the floor has such parameters.
+    /// The position at these parameters of the floor.
     fn place(&self, uv: DVec2) -> DVec3 {
         match self.floor.as_slice() {
             [a, b, .., d] => *a + uv.x * (*b - *a) + uv.y * (*d - *a),
@@ -54,7 +54,7 @@ impl ExactFloor {
         }
     }
 
-    /// Radiosity at a place of the floor: Lambert's sum over the edges of what is seen of each lamp (@goral1984 appendix).
+    /// Radiosity at a place of the floor: Lambert's sum over the edges of the visible part of each lamp (@goral1984 appendix).
     pub(super) fn at(&self, uv: DVec2) -> f64 {
         let x = self.place(uv);
         let seen_from = |(lamp, light): &(Vec<DVec3>, f64)| {
@@ -102,7 +102,7 @@ impl ExactFloor {
 
     /// The mean over a rectangle of parameters; `unit`: the largest light of all.
     pub(super) fn mean_over(&self, min: DVec2, size: DVec2, unit: f64) -> f64 {
-        // In parts so small that refinement sees all borders in them.
+        // In parts small enough that refinement detects all borders.
         let n = (64.0 * size.max_element()).ceil().max(1.0) as u32;
         let part = size / f64::from(n);
         let parts = (0..n).flat_map(|y| (0..n).map(move |x| DVec2::new(f64::from(x), f64::from(y))));
@@ -142,14 +142,14 @@ impl ExactFloor {
     }
 }
 
-/// Unit normal of a convex polygon, to the side from which its corners go round counterclockwise.
+/// Unit normal of a convex polygon, on the side from which its corners are in counterclockwise order.
 fn normal(polygon: &[DVec3]) -> DVec3 {
     let Some((&first, rest)) = polygon.split_first() else { return DVec3::ZERO };
     let twice: DVec3 = rest.windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum();
     twice.normalize_or_zero()
 }
 
-/// Normals of the planes through `x` and the sides of a convex polygon, to its inside.
+/// Inward normals of the planes through `x` and the sides of a convex polygon.
 fn sides(polygon: &[DVec3], x: DVec3) -> impl Iterator<Item = DVec3> {
     let middle = polygon.iter().sum::<DVec3>() / polygon.len().max(1) as f64;
     polygon.iter().zip(polygon.iter().cycle().skip(1)).map(move |(&a, &b)| {
@@ -158,18 +158,18 @@ fn sides(polygon: &[DVec3], x: DVec3) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Whether a polygon lies wholly beside another one, seen from `x`; `false` may also mean that this is not obvious.
+/// Whether a polygon lies entirely beside another one as seen from `x`; `false` if the simple test does not show it.
 fn is_beside(piece: &[DVec3], blocker: &[DVec3], x: DVec3) -> bool {
     sides(blocker, x).any(|side| piece.iter().all(|p| (p - x).dot(side) <= 0.0))
 }
 
-/// What of a convex polygon a convex blocker does not hide from `x`, in convex pieces.
+/// The part of a convex polygon that a convex blocker does not hide from `x`, in convex pieces.
 fn without(piece: &[DVec3], blocker: &[DVec3], x: DVec3) -> Vec<Vec<DVec3>> {
     let Some(&corner) = blocker.first() else { return vec![piece.to_vec()] };
     let towards = normal(blocker);
     let away = if towards.dot(corner - x) < 0.0 { -towards } else { towards };
     let mut rest = in_front(piece, corner, away);
-    // What lies in its plane is not hidden: a lamp does not hide itself.
+    // Polygons in its plane are not hidden: a lamp does not hide itself.
     if rest.len() < 3 {
         return vec![piece.to_vec()];
     }

@@ -1,4 +1,4 @@
-//! What the interpolations make of a step, and of shadows along a line.
+//! Plots of interpolated steps, and of shadows along a line.
 
 use glanz_math::{DVec2, DVec3};
 use glanz_radiosity::reconstruct::{Border, Cells, Interpolant, Interpolation};
@@ -25,7 +25,7 @@ fn step() -> Result<Cells, StudyError> {
     Ok(Cells::grid([SIDE; 2], &values)?)
 }
 
-/// The cells' values; they jump where one cell ends.
+/// The step itself, with a jump between two cells.
 fn stairs() -> Series {
     Series { name: "step".to_owned(), points: vec![[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [1.0, 1.0]] }
 }
@@ -36,16 +36,16 @@ fn curve(name: impl Into<String>, f: &dyn Interpolant, v: f64) -> Series {
     Series { name: name.into(), points }
 }
 
-/// Figures 4.4, 4.5, 4.7, 4.8 and 4.10, and how far each interpolation leaves the range of the step.
+/// Figures 4.4, 4.5, 4.7, 4.8 and 4.10, and the overshoot of each interpolation.
 ///
 /// # Errors
-/// None that is expected.
+/// [`StudyError::Reconstruct`].
 pub(super) fn steps() -> Result<(Vec<Figure>, Table), StudyError> {
     let cells = step()?;
     let mut table = Table::new(
         "steps",
-        "The step over 8 x 8 elements: how far above 1 or below 0 an interpolation goes, and how wide its rise from 0.1 to 0.9 \
-         is, in elements, along a line through the middles of elements and along one between two rows.",
+        "The step over 8 x 8 elements: overshoot of an interpolation above 1 or below 0, and width of its rise from 0.1 to \
+         0.9 in elements, along a line through the middles of elements and along one between two rows.",
         &[
             ("interpolation", "interpolation"),
             ("exponent", "exponent"),
@@ -113,7 +113,7 @@ pub(super) fn steps() -> Result<(Vec<Figure>, Table), StudyError> {
     Ok((figures, table))
 }
 
-/// From the last point at or below 0.1 before the first above 0.9, in elements.
+/// Width of the rise from the last point at or below 0.1 to the first above 0.9, in elements.
 fn rise(curve: &Series) -> Option<f64> {
     let high = curve.points.iter().position(|p| p[1] > 0.9)?;
     let low = curve.points.get(..high)?.iter().rposition(|p| p[1] <= 0.1)?;
@@ -144,7 +144,7 @@ pub(super) fn profile(outcome: &SceneResult, division: FloorDivision, size: [usi
         plot: Plot {
             title: format!("Scene {number}, {}: along v = 1/2", division.name()),
             x: Axis::linear("u"),
-            y: Axis::linear("radiosity, per the largest"),
+            y: Axis::linear("radiosity, relative to the largest"),
             series,
             reference_lines: Vec::<ReferenceLine>::new(),
         },

@@ -1,4 +1,4 @@
-//! Elements, textures, and how far these are from the reference.
+//! Elements, textures, and their errors against the reference.
 
 use std::time::Duration;
 
@@ -18,34 +18,34 @@ const GRID: QuadtreeSettings = QuadtreeSettings { threshold: 0.0, first: 4, deep
 /// Chosen so that there are about as many elements as in document 003, which does not print its threshold.
 pub(super) const QUADTREE: QuadtreeSettings = QuadtreeSettings { threshold: 0.08, first: 2, deepest: 8 };
 
-/// Largest difference of light within an element's reach where there is no border of a shadow, per the largest light.
+/// Largest difference of light within the distance of an element away from borders of shadows, relative to the largest light.
 const QUIET: f64 = 0.35;
 
-/// What came of one method.
+/// Results of one method.
 pub(super) struct MethodResult {
     pub(super) method: InterpolationMethod,
     pub(super) errors: NormErrors,
     /// Root mean square error further than an element of the grid from the borders of hard shadows.
     pub(super) away: Option<f64>,
-    /// How far the texture goes above and below all values of elements.
+    /// Largest excess of the texture above and below all values of elements.
     pub(super) overshoot: [f64; 2],
-    /// From elements to texture.
+    /// Time from elements to texture.
     pub(super) time: Duration,
     pub(super) texels: Vec<f64>,
 }
 
-/// What came of one division of a floor.
+/// Results of one division of a floor.
 pub(super) struct DivisionResult {
     pub(super) division: FloorDivision,
     pub(super) divided: DividedFloor,
-    /// To compute the values of the elements.
+    /// Time to compute the values of the elements.
     pub(super) time: Duration,
     /// Root mean square and largest difference between values of elements by form factors and exact ones.
     pub(super) off: [f64; 2],
     pub(super) made: Vec<MethodResult>,
 }
 
-/// What came of a scene.
+/// Results of a scene.
 pub(super) struct SceneResult {
     pub(super) setup: &'static Setup,
     pub(super) reference: ReferenceTexture,
@@ -60,10 +60,10 @@ impl DivisionResult {
     }
 }
 
-/// Everything about a scene; `on_progress` is told what comes next.
+/// Measures a scene; `on_progress` receives the next step.
 ///
 /// # Errors
-/// An end that was wanted.
+/// [`StudyError::Interrupted`].
 pub(super) fn measure(
     setup: &'static Setup,
     size: [usize; 2],
@@ -79,7 +79,7 @@ pub(super) fn measure(
     let reference_time = watch.elapsed();
     let quiet = setup.hard.then(|| away_from_borders(&reference.texels, size));
     let mut divisions = Vec::new();
-    // Elements that are smaller than texels would not be seen.
+    // Elements smaller than texels would have no effect.
     let deepest = QUADTREE.deepest.min(size[0].min(size[1]).ilog2());
     let quadtree = QuadtreeSettings { deepest, ..QUADTREE };
     for (division, rules) in [(FloorDivision::Grid, GRID), (FloorDivision::Quadtree, quadtree)] {
@@ -98,7 +98,7 @@ pub(super) fn measure(
     Ok(SceneResult { setup, reference, reference_time, divisions })
 }
 
-/// One texture, timed and judged.
+/// One texture with its time and errors.
 fn make(
     method: InterpolationMethod,
     cells: &Cells,
@@ -106,7 +106,7 @@ fn make(
     reference: &ReferenceTexture,
     quiet: Option<&[bool]>,
 ) -> Result<MethodResult, StudyError> {
-    // Small textures, as tests make them, need not be timed as long.
+    // The small textures of tests need not be timed as long.
     let share = (size[0] * size[1]) as f64 / 160_000.0;
     let (texture, time) = clock::repeated_for(
         clock::SHORTEST.mul_f64(share.min(1.0)),
@@ -166,7 +166,7 @@ fn off(exact: &ExactFloor, cells: &Cells, unit: f64) -> [f64; 2] {
     [squares.sqrt(), most]
 }
 
-/// Texels within source reach of an element of the grid light differs by less than a hard shadow makes it differ.
+/// Texels around which light differs by less than at the border of a hard shadow, within the distance of an element of the grid.
 fn away_from_borders(texels: &[f64], size: [usize; 2]) -> Vec<bool> {
     let reach = size.map(|n| n / 16);
     let along = |values: &[f64], axis: usize, pick: fn(f64, f64) -> f64| -> Vec<f64> {

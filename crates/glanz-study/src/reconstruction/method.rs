@@ -1,8 +1,8 @@
-//! Which interpolations are tried on which divisions.
+//! Interpolations for each division.
 
 use glanz_radiosity::reconstruct::{Border, Interpolation};
 
-/// How a floor is divided into elements.
+/// Divisions of a floor into elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FloorDivision {
     /// 16 x 16 equal ones.
@@ -14,7 +14,7 @@ pub(super) enum FloorDivision {
 impl FloorDivision {
     pub(super) const ALL: [Self; 2] = [Self::Grid, Self::Quadtree];
 
-    /// In tables and names of files.
+    /// Name in tables and files.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Grid => "grid",
@@ -30,7 +30,7 @@ pub(super) struct InterpolationMethod {
     pub(super) border: Border,
 }
 
-/// The methods that scattered samples allow, which are those that the document compares on both divisions.
+/// Interpolations of scattered samples, which the document compares on both divisions.
 pub(super) const SCATTERED: [Interpolation; 3] = [
     Interpolation::Shepard { exponent: 4.0 },
     Interpolation::Multiquadrics { exponent: 0.5 },
@@ -38,18 +38,18 @@ pub(super) const SCATTERED: [Interpolation; 3] = [
 ];
 
 impl InterpolationMethod {
-    /// In tables.
+    /// Name in tables.
     pub(super) fn name(self) -> &'static str {
         name(self.interpolation)
     }
 
-    /// Whether border samples make a difference that is asked for.
+    /// Whether the method is measured with and without border samples.
     pub(super) fn is_scattered(self) -> bool {
         SCATTERED.contains(&self.interpolation)
     }
 }
 
-/// A name for people.
+/// Name of an interpolation in reports.
 pub(super) fn name(interpolation: Interpolation) -> &'static str {
     match interpolation {
         Interpolation::Constant => "constant",

@@ -1,4 +1,4 @@
-//! Light on a floor from one value per element (document 003 chapter 4): its tables and figures again.
+//! Light on a floor from one value per element: the tables and figures of document 003, chapter 4.
 
 mod exact;
 mod figures;
@@ -20,13 +20,13 @@ use crate::study::{Settings, StudyError, StudyProgress};
 /// Texels of the document's textures.
 const SIZE: [u32; 2] = [400, 400];
 
-/// Texels along a side at least: one for each element of the grid.
+/// Smallest number of texels along a side: one for each element of the grid.
 const LEAST: u32 = 16;
 
 /// Runs the study.
 ///
 /// # Errors
-/// An end that was wanted, or textures that are too small.
+/// [`StudyError::Interrupted`], or textures that are too small.
 pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
     settings.cancel.check()?;
     let size = settings.size.unwrap_or(SIZE);
@@ -34,7 +34,7 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
         return Err(StudyError::Setting {
             name: "size",
             value: format!("{}x{}", size[0], size[1]),
-            needed: "at least 16x16, a texel for each element",
+            needed: "at least 16x16, one texel per element",
         });
     }
     let size = size.map(|n| n as usize);

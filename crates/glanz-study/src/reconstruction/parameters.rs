@@ -1,4 +1,4 @@
-//! Other exponents than those of document 003.
+//! Exponents other than those of document 003.
 
 use glanz_radiosity::reconstruct::{Border, Interpolation};
 
@@ -8,7 +8,7 @@ use crate::study::{Settings, StudyError};
 use glanz_report::number::significant;
 use glanz_report::{Table, TableCell};
 
-/// Tried on the elements of all scenes.
+/// Interpolations measured on the elements of all scenes.
 const TRIED: [Interpolation; 7] = [
     Interpolation::Shepard { exponent: 2.0 },
     SCATTERED[0],
@@ -19,10 +19,10 @@ const TRIED: [Interpolation; 7] = [
     SCATTERED[2],
 ];
 
-/// What was found.
+/// Errors with other exponents.
 pub(super) struct ExponentComparison {
     pub(super) table: Table,
-    /// Exponent and division of Shepard's method with the L2 error as a mean over scenes, and those of natural neighbours.
+    /// Exponent and division of Shepard's method with the mean L2 error over all scenes, and the same for natural neighbours.
     means: Vec<(Interpolation, FloorDivision, f64)>,
 }
 
@@ -30,7 +30,7 @@ impl ExponentComparison {
     /// L2 errors with border samples.
     ///
     /// # Errors
-    /// An end that was wanted.
+    /// [`StudyError::Interrupted`].
     pub(super) fn measure(
         outcomes: &[SceneResult],
         size: [usize; 2],
@@ -77,7 +77,7 @@ impl ExponentComparison {
         Ok(Self { table, means })
     }
 
-    /// A sentence made from the figures.
+    /// The finding as a sentence.
     pub(super) fn finding(&self) -> String {
         let of = |division: FloorDivision| {
             let shepard = self
@@ -91,16 +91,13 @@ impl ExponentComparison {
             };
             let natural = self.means.iter().find(|(i, d, _)| *d == division && *i == SCATTERED[2]);
             format!(
-                "{}: exponent {exponent} with a mean L2 error of {} over the scenes, against {} of natural neighbours",
+                "{}: exponent {exponent} with a mean L2 error of {} over the scenes, compared with {} for natural neighbours",
                 division.name(),
                 significant(best.map_or(f64::NAN, |b| b.2)),
                 significant(natural.map_or(f64::NAN, |n| n.2))
             )
         };
-        format!(
-            "Of the exponents of Shepard's method the best are, {}.",
-            FloorDivision::ALL.map(of).join("; ")
-        )
+        format!("The best exponents of Shepard's method are: {}.", FloorDivision::ALL.map(of).join("; "))
     }
 }
 
@@ -111,7 +108,7 @@ fn l2(
     size: [usize; 2],
 ) -> Result<Option<f64>, StudyError> {
     let Some(of) = outcome.divisions.iter().find(|of| of.division == division) else { return Ok(None) };
-    // What is measured already need not be made again.
+    // Reuses the main measurements.
     if let Some(made) = of.of(method.interpolation, method.border) {
         return Ok(Some(made.errors[1]));
     }

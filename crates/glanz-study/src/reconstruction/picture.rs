@@ -1,4 +1,4 @@
-//! Pictures: textures, differences in false colours, divisions.
+//! Pictures of textures, of differences in false colours, and of divisions.
 
 use glanz_light::rgb::srgb_decode;
 use glanz_light::{Pixels, PixelsError};
@@ -8,10 +8,10 @@ use super::measure::{DivisionResult, SceneResult};
 use super::method::{SCATTERED, name};
 use glanz_report::{SheetPanel, contact_sheet};
 
-/// Differences from which on colours no longer change: of soft and of hard shadows.
+/// Differences at which colours saturate, for soft and for hard shadows.
 const FULL: [f64; 2] = [0.05, 0.3];
 
-/// sRGB of a texture that is too dark, right, too bright.
+/// sRGB colours for too dark, exact and too bright.
 const COLOURS: [[f64; 3]; 3] = [[0.02, 0.19, 0.62], [0.97, 0.97, 0.97], [0.70, 0.05, 0.09]];
 
 /// The difference that has full colour in the pictures of a scene.
@@ -32,7 +32,7 @@ fn difference(texels: &[f64], reference: &[f64], size: [usize; 2], full: f64) ->
     })
 }
 
-/// Linear light of a difference from -1 to 1, what is beyond cut off.
+/// Linear light of a difference, clamped to [-1, 1].
 fn false_colour(difference: f64) -> [f32; 3] {
     let share = difference.clamp(-1.0, 1.0);
     let end = if share < 0.0 { COLOURS[0] } else { COLOURS[2] };
@@ -153,7 +153,7 @@ pub(super) fn borders(outcomes: &[&SceneResult], size: [usize; 2]) -> Result<Pix
     contact_sheet(&rows)
 }
 
-/// What the pictures show, for captions.
+/// Names of the pictured methods, for captions.
 pub(super) fn listed(of: &DivisionResult) -> String {
     let names: Vec<&str> = shown(of).map(|made| name(made.method.interpolation)).collect();
     names.join(", ")

@@ -1,4 +1,4 @@
-//! What document 003 prints: tables F.1 to F.12 and 4.1.
+//! Figures published in document 003: tables F.1 to F.12 and 4.1.
 
 use super::method::FloorDivision;
 

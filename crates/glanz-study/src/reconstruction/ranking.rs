@@ -1,4 +1,4 @@
-//! Which interpolation is best: by document 003's figures, and by those measured.
+//! Ranking of the interpolations, by the figures of document 003 and by new measurements.
 
 use glanz_radiosity::reconstruct::{Border, Interpolation};
 
@@ -11,7 +11,7 @@ use glanz_report::{Table, TableCell};
 /// Names of the norms.
 pub(super) const NORMS: [&str; 3] = ["L1", "L2", "Linf"];
 
-/// FigureSource figures.
+/// Source of the figures of a ranking.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FigureSource {
     Document,
@@ -25,7 +25,7 @@ const BOTH: [FigureSource; 2] = [FigureSource::Document, FigureSource::Measured]
 struct MethodTriple([NormErrors; 3]);
 
 impl MethodTriple {
-    /// Those of a division, with or without border samples; `None` if one is missing.
+    /// The errors on a division, with or without border samples; `None` if one is missing.
     fn of(scene: usize, of: &DivisionResult, border: Border, source: FigureSource) -> Option<Self> {
         let printed = published::errors(scene, of.division);
         let one = |interpolation: Interpolation| match source {
@@ -48,31 +48,31 @@ impl MethodTriple {
         order
     }
 
-    /// Of the best.
+    /// Error of the best method.
     fn least(&self, norm: usize) -> f64 {
         self.0.iter().map(|errors| errors[norm]).fold(f64::INFINITY, f64::min)
     }
 }
 
-/// Pairs of methods that both put into one order, of three.
+/// Number of pairs of methods, of three, in the same order in both.
 fn same_pairs(a: &MethodTriple, b: &MethodTriple, norm: usize) -> u64 {
     let pairs = [(0, 1), (0, 2), (1, 2)];
     let before = |three: &MethodTriple, (i, j): (usize, usize)| three.0[i][norm] < three.0[j][norm];
     pairs.iter().filter(|&&pair| before(a, pair) == before(b, pair)).count() as u64
 }
 
-/// Each scene and division, with the scene's position.
+/// Each scene and division, with the index of the scene.
 fn all(outcomes: &[SceneResult]) -> impl Iterator<Item = (usize, &SceneResult, &DivisionResult)> {
     let scenes = outcomes.iter().enumerate();
     scenes.flat_map(|(i, outcome)| outcome.divisions.iter().map(move |of| (i, outcome, of)))
 }
 
-/// The best by both, for each scene, division and norm.
+/// Table of the best method by both sources, for each scene, division and norm.
 pub(super) fn summary(outcomes: &[SceneResult]) -> Table {
     let mut table = Table::new(
         "summary",
         "The best of Shepard's method, multiquadrics and natural neighbours, with border samples, by document 003's tables and \
-         as measured; the last column counts pairs of these in the same order, over three norms.",
+         as measured; the last column counts pairs in the same order, over three norms.",
         &[
             ("scene", "scene"),
             ("division", "division"),
@@ -109,12 +109,12 @@ pub(super) fn summary(outcomes: &[SceneResult]) -> Table {
     table
 }
 
-/// How much worse than the best of the three a method is over all scenes.
+/// Table of the errors over all scenes, relative to the best method.
 pub(super) fn overall(outcomes: &[SceneResult]) -> Table {
     let mut table = Table::new(
         "overall",
-        "Error over that of the best of the three, geometric mean over the six scenes, and in the scene where it is worst; with \
-         border samples.",
+        "Error relative to the best of the three: geometric mean over the six scenes, and in the worst scene; with border \
+         samples.",
         &[
             ("division", "division"),
             ("norm", "norm"),
@@ -141,7 +141,7 @@ pub(super) fn overall(outcomes: &[SceneResult]) -> Table {
     table
 }
 
-/// Geometric means and largest values of the errors over those of the best, of the three.
+/// Geometric means and largest values of the errors relative to the best method.
 fn ratios(
     outcomes: &[SceneResult],
     division: FloorDivision,
@@ -161,7 +161,7 @@ fn ratios(
     [logarithms.map(|sum: f64| (sum / count).exp()), worst]
 }
 
-/// How often `method` (in [`SCATTERED`]) is at `place` (0: best) in the norms L1 and L2, and of how many.
+/// Number of cases in which `method` (in [`SCATTERED`]) has the rank `place` (0: best), and number of all cases.
 fn count_at(
     outcomes: &[SceneResult],
     chosen: &dyn Fn(&SceneResult, &DivisionResult) -> bool,
@@ -176,7 +176,7 @@ fn count_at(
     places.fold([0, 0], |[hits, of], hit| [hits + usize::from(hit), of + 1])
 }
 
-/// Sentences, each made from the figures.
+/// Findings as sentences with their figures.
 pub(super) fn findings(outcomes: &[SceneResult]) -> Vec<String> {
     let mut found = vec![agreement(outcomes)];
     found.push(soft(outcomes));
@@ -210,7 +210,7 @@ fn agreement(outcomes: &[SceneResult]) -> String {
     )
 }
 
-/// Whether multiquadrics are best in soft shadows, with and without border samples, and where they are not.
+/// Finding on multiquadrics in soft shadows, with the exceptions.
 fn soft(outcomes: &[SceneResult]) -> String {
     let (mut counts, mut cases, mut exceptions) = ([0, 0], 0, Vec::new());
     for (i, outcome, of) in all(outcomes).filter(|(_, outcome, _)| !outcome.setup.hard) {
@@ -235,8 +235,11 @@ fn soft(outcomes: &[SceneResult]) -> String {
             }
         }
     }
-    let exceptions =
-        if exceptions.is_empty() { String::new() } else { format!(" Not here: {}.", exceptions.join("; ")) };
+    let exceptions = if exceptions.is_empty() {
+        String::new()
+    } else {
+        format!(" Exceptions here: {}.", exceptions.join("; "))
+    };
     format!(
         "Soft shadows: \"multiquadrics have the least differences\" (section 4.7.3). By L1 and L2, with and without border samples, they \
          are the best of the three in {} of {cases} cases of scenes 1 and 2 in document 003's tables, and in {} of {cases} here: the finding is \
@@ -260,8 +263,9 @@ fn hard(outcomes: &[SceneResult], division: FloorDivision) -> String {
     let [_, quadrics, natural] = SCATTERED.map(away);
     format!(
         "Hard shadows, {}: \"natural neighbours have the least deviations\". By L1 and L2 they are the best of the three in {} of {} cases \
-         in document 003's tables, and in {} of {} here. What the eye sees is the ringing beside the border: further than \
-         an element of the grid from borders the root mean square error of multiquadrics is {} on average, that of natural neighbours {}: {}.",
+         in document 003's tables, and in {} of {} here. The visible error is ringing beside the border: further than an \
+         element of the grid from borders the mean root mean square error of multiquadrics is {}, that of natural neighbours \
+         {}: {}.",
         division.name(),
         theirs[0],
         theirs[1],
@@ -277,7 +281,7 @@ fn hard(outcomes: &[SceneResult], division: FloorDivision) -> String {
     )
 }
 
-/// Whether natural neighbours are best over all kinds of shadow, by both.
+/// Findings on natural neighbours over all kinds of shadow.
 fn all_kinds(outcomes: &[SceneResult]) -> Vec<String> {
     FloorDivision::ALL
         .map(|division| {
@@ -296,8 +300,9 @@ fn all_kinds(outcomes: &[SceneResult]) -> Vec<String> {
                 best.join(" and ")
             };
             format!(
-                "All kinds of shadow, {}: \"natural neighbours are the best method for all kinds of scenes\" (section 4.8). With \
-                 errors over those of the best in each scene, geometric mean, the best by document 003's own tables are {}; here {}.",
+                "All kinds of shadow, {}: \"natural neighbours are the best method for all kinds of scenes\" (section 4.8). By \
+                 the geometric mean of the errors relative to the best in each scene, the best by document 003's own tables \
+                 are {}; here {}.",
                 division.name(),
                 of(FigureSource::Document),
                 of(FigureSource::Measured)
@@ -319,8 +324,8 @@ fn border_samples(outcomes: &[SceneResult]) -> String {
     let [theirs, ours] = BOTH.map(of);
     format!(
         "Border samples multiply the L2 error of natural neighbours by {} to {} in document 003's tables, and by {} to {} here. \
-         Here Voronoi cells end at the sides of the floor, so that there is a value everywhere that lies between those of elements; the document's \
-         program goes wrong beyond the hull of the middles of elements, which border samples mend.",
+         Here Voronoi cells end at the sides of the floor, so that every value lies between those of elements; the \
+         document's program fails beyond the hull of the middles of elements, which border samples correct.",
         significant(theirs[0]),
         significant(theirs[1]),
         significant(ours[0]),
@@ -344,8 +349,8 @@ fn overshoot(outcomes: &[SceneResult]) -> String {
         of.flat_map(|made| made.overshoot).fold(0.0, f64::max)
     };
     format!(
-        "Beyond the range of all elements go bicubic splines by up to {}, multiquadrics by {}, natural neighbours by {}, Shepard's method by {} \
-         and bilinear interpolation by {}, per the largest light.",
+        "Overshoot beyond the range of all elements, relative to the largest light: bicubic splines up to {}, multiquadrics \
+         {}, natural neighbours {}, Shepard's method {}, bilinear interpolation {}.",
         significant(most(Interpolation::Spline)),
         significant(most(SCATTERED[1])),
         shown_zero(most(SCATTERED[2])),

@@ -1,4 +1,4 @@
-//! The report.
+//! The report of the study.
 
 use std::time::Duration;
 
@@ -31,10 +31,10 @@ const TABLES: [&str; 12] = [
     "table_f_12",
 ];
 
-/// The whole report.
+/// Builds the report.
 ///
 /// # Errors
-/// Pictures that are too large.
+/// [`StudyError::Pixels`].
 pub(super) fn build_report(
     outcomes: &[SceneResult],
     parameters: ExponentComparison,
@@ -44,14 +44,15 @@ pub(super) fn build_report(
         "Study reconstruction: light on a floor from one value per element",
         ranking::summary(outcomes),
     );
-    report.heading("What was asked");
+    report.heading("Question");
     report.paragraph(
-        "A radiosity solution has one value per element. Document 003 (chapter 4) makes a texture of it by interpolating scattered samples, and \
-         finds that natural neighbours serve all kinds of shadows best, and multiquadrics soft ones. Is that so, by its own tables and measured again?",
+        "A radiosity solution has one value per element. Document 003 (chapter 4) makes a texture of it by interpolating \
+         scattered samples, and concludes that natural neighbours are best for all kinds of shadows, and multiquadrics for \
+         soft ones. Is this confirmed by its own tables and by new measurements?",
     );
     report.paragraph(settings_text(outcomes, size));
     report.paragraph(error_text(outcomes));
-    report.heading("Verdict");
+    report.heading("Ranking");
     ranking::findings(outcomes).into_iter().for_each(|sentence| report.paragraph(sentence));
     report.table(ranking::overall(outcomes));
     report.heading("A step (figures 4.4 to 4.10)");
@@ -65,7 +66,7 @@ pub(super) fn build_report(
     let halves = outcomes.split_at(outcomes.len() / 2);
     for (name, half) in [("border_f_31", halves.0), ("border_f_32", halves.1)] {
         let chosen: Vec<&SceneResult> = half.iter().collect();
-        let caption = "Natural neighbours less the reference, without samples at the border and with them; blue is too dark, red too bright, \
+        let caption = "Natural neighbours minus the reference, without samples at the border and with them; blue is too dark, red too bright, \
                        in the colours of the scene's other pictures.";
         report.picture(name, picture::borders(&chosen, size)?, caption);
     }
@@ -83,11 +84,12 @@ fn settings_text(outcomes: &[SceneResult], size: [usize; 2]) -> String {
     let number = |o: &SceneResult| format!("{} ({})", o.setup.number, o.setup.description);
     let scenes: Vec<String> = outcomes.iter().map(number).collect();
     format!(
-        "Settings: a floor of 1 m under a square lamp and a panel that shades it (`scenes/reconstruction`; document 003 does not print its \
-         scenes). Scenes: {}. Penumbrae are 0.16 m or 1 mm wide. The floor is divided into 16 x 16 elements, or as a quadtree: an element is \
+        "Settings: a floor of 1 m under a square lamp and a panel that shades it (`scenes/reconstruction`; document 003 does \
+         not give its scenes). Scenes: {}. Penumbrae are 0.16 m or 1 mm wide. The floor is divided into 16 x 16 elements, or as a quadtree: an element is \
          divided if the values of its four quarters differ by more than {} of the largest light, from level {} to level {} at most. The value of an \
          element is its mean radiosity by direct light, by form factors with rays between {} pairs of parts of lamp and element. Textures have {width} x {height} texels and are compared with exact means over these. \
-         NormErrors are in units of the largest light; those of document 003 are in its own, of which hard shadows are about 0.64 deep. Shepard's \
+         NormErrors are relative to the largest light; those of document 003 are in its own units, in which the depth of \
+         hard shadows is about 0.64. Shepard's \
          exponent is 4; multiquadrics have the exponent 1/2 and the distance to the next sample as radius, as in the document.",
         scenes.join("; "),
         QUADTREE.threshold,
@@ -101,9 +103,10 @@ fn error_text(outcomes: &[SceneResult]) -> String {
     let largest = |of: &dyn Fn(&SceneResult) -> f64| outcomes.iter().map(of).fold(0.0, f64::max);
     let off = |i: usize| largest(&|o: &SceneResult| o.divisions.iter().map(|d| d.off[i]).fold(0.0, f64::max));
     format!(
-        "The reference is Lambert's closed form for what is seen of the lamp, averaged over each texel by points that are refined where light \
-         changes; the last refinement changed texels by {} (root mean square) and {} (largest) at most. Values of elements by form factors with rays are off their exact means by up to {} (root \
-         mean square) and {} (largest): points and rays see a part of the border of a shadow only.",
+        "The reference is Lambert's closed form for the visible part of the lamp, averaged over each texel by points that \
+         are refined where light changes; the last refinement changed texels by {} (root mean square) and {} (largest) at most. Values \
+         of elements by form factors with rays deviate from their exact means by up to {} (root mean square) and {} \
+         (largest), because rays sample the border of a shadow.",
         significant(largest(&|o| o.reference.change[0])),
         significant(largest(&|o| o.reference.change[1])),
         significant(off(0)),
@@ -130,7 +133,7 @@ fn add_scene(
         );
         report.picture(format!("scene_{number}_{division}"), picture::textures(outcome, of, size)?, caption);
         let caption = format!(
-            "The same textures less the reference: blue is too dark, red too bright, white is right; full colours from {} on.",
+            "The same textures minus the reference: blue is too dark, red too bright, white exact; colours saturate at {}.",
             picture::full(outcome)
         );
         let name = format!("scene_{number}_{division}_difference");
@@ -147,7 +150,8 @@ fn add_scene(
 /// Tables F.1 to F.12.
 fn errors(name: &'static str, scene: usize, outcome: &SceneResult, of: &DivisionResult) -> Table {
     let caption = format!(
-        "Scene {}, {}: errors, and those that document 003 prints; error away from borders of hard shadows; how far textures go above and below all elements.",
+        "Scene {}, {}: errors, and those published in document 003; error away from borders of hard shadows; excess of \
+         textures above and below all elements.",
         outcome.setup.number,
         of.division.name()
     );
@@ -179,7 +183,7 @@ fn errors(name: &'static str, scene: usize, outcome: &SceneResult, of: &Division
             made.errors.iter().zip(printed).flat_map(|(ours, theirs)| [*ours, *theirs]).map(TableCell::from),
         );
         row.push(made.away.into());
-        // What rounding leaves is none.
+        // Rounding errors are no overshoot.
         row.extend(made.overshoot.map(|over| TableCell::from(if over < 1e-12 { 0.0 } else { over })));
         table.push(row);
     }

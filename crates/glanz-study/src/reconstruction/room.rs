@@ -1,4 +1,4 @@
-//! The six scenes, and what their floors receive.
+//! The six scenes, and the light on their floors.
 
 use glanz_formats::{Options, load_str};
 use glanz_job::CancelFlag;
@@ -13,11 +13,11 @@ use glanz_scene::Scene;
 use super::exact::ExactFloor;
 use crate::study::StudyError;
 
-/// Number of the shape that is judged, in the order of the scene file.
+/// Number of the floor among the shapes of the scene file.
 const FLOOR: u32 = 0;
 
-/// How often lamp or element are halved for form factors: rays between parts find the borders of shadows that those between whole
-/// ones miss (document 003, section 5.7.6, `FFRay`). Once for small textures, which tests make.
+/// Number of times that lamp or element are halved for form factors: rays between parts detect borders of shadows that rays
+/// between wholes miss (document 003, section 5.7.6, `FFRay`). Once for the small textures of tests.
 pub(super) fn halved(size: [usize; 2]) -> u32 {
     if size[0].max(size[1]) < 200 { 1 } else { 3 }
 }
@@ -64,7 +64,7 @@ impl Setup {
     /// The scene.
     ///
     /// # Errors
-    /// What is wrong with the file.
+    /// [`StudyError::Unreadable`], [`StudyError::Scene`].
     pub(super) fn scene(&self) -> Result<Scene, StudyError> {
         let name = format!("{}.pbrt", self.name);
         let loaded = load_str(&name, self.text, &Options::default())
@@ -73,18 +73,18 @@ impl Setup {
     }
 }
 
-/// A scene in elements: lamps, what stands in the way, and the floor.
+/// A scene in elements: lamps, blockers and the floor.
 pub(super) struct FloorScene<'a> {
     elements: Elements<'a>,
     lamps: Vec<Lamp>,
     floor: Element,
 }
 
-/// A lamp with the parts from which its light is computed.
+/// A lamp with the parts for its form factors.
 struct Lamp {
     whole: Element,
     parts: Vec<Element>,
-    /// How often elements that it lights are halved.
+    /// Number of times that the receiving elements are halved.
     halved: u32,
 }
 
@@ -103,7 +103,7 @@ impl Lamp {
     }
 }
 
-/// An element halved so many times.
+/// The parts of an element after `levels` halvings.
 fn parts(elements: &Elements<'_>, whole: &Element, levels: u32) -> Vec<Element> {
     let mut parts = vec![whole.clone()];
     for _ in 0..levels {
@@ -112,10 +112,10 @@ fn parts(elements: &Elements<'_>, whole: &Element, levels: u32) -> Vec<Element> 
     parts
 }
 
-/// What an element is divided into, with a value for each.
+/// A divided floor with a value for each cell.
 pub(super) struct DividedFloor {
     pub(super) cells: Cells,
-    /// Values that were computed.
+    /// Number of computed values.
     pub(super) trials: usize,
 }
 
@@ -144,10 +144,10 @@ impl<'a> FloorScene<'a> {
         self.lamps.iter().map(from).sum::<Spectrum>() * element.reflectance
     }
 
-    /// The floor divided where light changes, values per `unit`.
+    /// The floor divided where light changes, with values relative to `unit`.
     ///
     /// # Errors
-    /// [`StudyError::Interrupted`] if `cancel` is raised, or settings that make no sense.
+    /// [`StudyError::Interrupted`] if `cancel` is raised, or [`StudyError::Elements`].
     pub(super) fn divided(
         &self,
         settings: &QuadtreeSettings,

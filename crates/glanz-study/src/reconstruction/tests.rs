@@ -1,4 +1,4 @@
-//! The study at the size of a stamp, and what it is made of.
+//! The whole study at a small size.
 
 use super::*;
 use crate::study::StudyProgress;
@@ -15,7 +15,7 @@ fn number(table: &Table, row: usize, key: &str) -> f64 {
 }
 
 #[test]
-fn six_scenes_are_measured_and_told() {
+fn six_scenes_are_measured_and_reported() {
     let settings = Settings { size: Some([32, 32]), ..Settings::default() };
     let report = run(&settings, &mut StudyProgress::new(&mut Silent)).unwrap();
     assert_eq!(report.summary().rows().len(), 12);
@@ -38,7 +38,7 @@ fn six_scenes_are_measured_and_told() {
     // A quadtree is finer where the shadow ends: values of elements are nearer to the reference than on the grid.
     assert!(number(named("table_f_8"), 0, "l2") < 0.6 * number(through, 0, "l2"));
     let text = report.markdown();
-    assert!(text.contains("## Verdict") && text.contains("(border_f_32.png)"), "{text}");
+    assert!(text.contains("## Ranking") && text.contains("(border_f_32.png)"), "{text}");
     assert!(text.contains("0.0395"), "document 003's figures stand beside ours");
 }
 

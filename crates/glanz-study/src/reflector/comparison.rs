@@ -1,4 +1,4 @@
-//! Lux by particles against lux by integration.
+//! Comparison of illuminance by particles and by integration.
 
 use std::time::Duration;
 
@@ -14,26 +14,26 @@ use glanz_report::Table;
 use glanz_report::number::{grouped, plural, significant};
 use glanz_report::{Axis, Plot, Series};
 
-/// Error that is aimed at, as a share of a cell's illuminance and of the mean of the room: well below that of the particles.
+/// Tolerance of the integration, relative to a cell's illuminance and to the mean of the room: well below the error of the particles.
 const TOLERANCE: f64 = 5e-3;
 
-/// Cells along a side of a wall, and places of a cell at most.
+/// Number of cells along a side of a wall, and largest number of points in a cell.
 pub(super) const CELLS: u32 = 16;
 pub(super) const POINTS: usize = 300;
 
-/// Cells between two looks at whether an end is wanted.
+/// Cells between two checks of the cancel flag.
 const PORTION: usize = 64;
 
-/// Differences that the table counts, combined standard errors.
+/// Differences counted by the table, in combined standard errors.
 const LEVELS: [f64; 3] = [2.0, 3.0, 4.0];
 
-/// Share of normally distributed numbers further from their mean than these, in per cent.
+/// Share of normally distributed numbers beyond these differences, per cent.
 const NORMAL: [f64; 3] = [4.550, 0.2700, 0.006_334];
 
 /// Width of the bins of the plot, standard errors.
 const BIN: f64 = 0.25;
 
-/// Integrated illuminance in all cells, and how it differs.
+/// Differences between particles and integration in all cells.
 pub(super) struct IntegrationComparison {
     /// Per wall: its name, and the difference of every cell, combined standard errors.
     walls: Vec<(String, Vec<f64>)>,
@@ -41,15 +41,15 @@ pub(super) struct IntegrationComparison {
     flux: [f64; 2],
     /// Largest estimated error of the integration, as a share of the cell's illuminance.
     worst_error: f64,
-    /// Of all threads.
+    /// Processor time of the integration, all threads.
     time: Duration,
 }
 
-/// Sends `particles` to walls of `cells` x `cells` cells and integrates over them with so many places each at most; `on_progress`
-/// receives the share of that which is done, [0, 1].
+/// Traces `particles` to walls of `cells` x `cells` cells and integrates over each cell with at most `points` points;
+/// `on_progress` receives the completed share, [0, 1].
 ///
 /// # Errors
-/// An end that was wanted; threads that cannot be started.
+/// [`StudyError::Interrupted`]; [`StudyError::Threads`].
 pub(super) fn measure(
     (cells, points): (u32, usize),
     particles: u64,
@@ -102,7 +102,7 @@ pub(super) fn measure(
     })
 }
 
-/// Of differences in standard errors: their number, how many are beyond each level, the largest, their root mean square.
+/// Number of differences, number beyond each level, largest, and root mean square, in standard errors.
 fn counted(differences: &[f64]) -> (u64, [u64; 3], f64, f64) {
     let beyond = LEVELS.map(|level| differences.iter().filter(|d| d.abs() > level).count() as u64);
     let largest = differences.iter().map(|d| d.abs()).fold(0.0, f64::max);
@@ -115,9 +115,9 @@ impl IntegrationComparison {
         self.walls.iter().flat_map(|(_, differences)| differences.iter().copied()).collect()
     }
 
-    /// Adds the chapter.
+    /// Adds the section to the report.
     pub(super) fn add_to(&self, report: &mut Report) {
-        report.heading("Particles against integration");
+        report.heading("Particles and integration");
         let columns = [
             ("wall", "wall"),
             ("cells", "cells"),
@@ -128,8 +128,8 @@ impl IntegrationComparison {
             ("above_4", "above 4, cells"),
             ("largest_errors", "largest"),
         ];
-        let caption = "Differences of the cells, by particles less by integration, in combined standard errors; the last row is what \
-                       independent particles without any fault would give.";
+        let caption = "Differences of the cells, particles minus integration, in combined standard errors; the last row is \
+         the expectation for independent particles.";
         let mut table = Table::new("against", caption, &columns);
         let all = self.all();
         let named = self.walls.iter().map(|(name, differences)| (name.as_str(), differences.as_slice()));
@@ -161,9 +161,9 @@ impl IntegrationComparison {
         let (cells, beyond, largest, _) = counted(&all);
         let [particles, integral] = self.flux;
         report.paragraph(format!(
-            "Of {} cells {} by more than 4 combined standard errors; the largest difference is {}. The walls get {} lm by particles \
-             and {} lm by integration, which took {} s of processor time and estimates its own error at {} % of a cell's \
-             illuminance at most.",
+            "Of {} cells {} by more than 4 combined standard errors; the largest difference is {}. The walls receive {} lm \
+             by particles and {} lm by integration, which took {} s of processor time and has an estimated error of at most \
+             {} % of a cell's illuminance.",
             grouped(cells),
             if beyond[2] == 0 { "none differs".to_owned() } else { plural(beyond[2], "differs", "differ") },
             significant(largest),
@@ -184,7 +184,7 @@ impl IntegrationComparison {
         let scale = all.len() as f64 * BIN / std::f64::consts::TAU.sqrt();
         let normal = (-bins..bins).map(|bin| [middle(bin), scale * (-0.5 * middle(bin).powi(2)).exp()]);
         Plot {
-            title: "Particles less integration".to_owned(),
+            title: "Particles minus integration".to_owned(),
             x: Axis::linear("difference of a cell, combined standard errors"),
             y: Axis::linear(format!("cells per {BIN} standard errors")),
             series: vec![

@@ -1,4 +1,4 @@
-//! What mirrors do by closed forms: parabolic, elliptic and spherical ones, exact and of facets.
+//! Parabolic, elliptic and spherical mirrors, exact and as facets, compared with closed forms.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use super::revolution::MirrorProfile;
 use super::room::alone;
 use crate::study::{Settings, StudyError};
 
-/// A mirror with a closed form. All have the axis z.
+/// A mirror of revolution about the z axis with a closed form of its reflections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Conic {
     /// Focal length 0.5 m, radius 1 m, apex at the origin: light from the focus leaves along the axis.
@@ -28,16 +28,16 @@ const ACROSS: f64 = 0.8;
 /// sqrt(1 - 0.8^2).
 const FOCUS: f64 = 0.6;
 
-/// Heights of the rays at the sphere, metres: from near the axis to where the reflected ray still crosses it before the mirror
+/// Heights of the rays at the sphere, metres: from near the axis to the last ray that crosses it before the mirror
 /// (R / (2 cos theta) = R at h = 0.866 R).
 pub(super) const HEIGHTS: [f64; 2] = [0.05, 0.85];
 
-/// What a mirror is made of.
+/// Representations of a mirror.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MirrorModel {
     Quadric,
     Patches,
-    /// About so many.
+    /// Flat facets, about this number.
     Facets(u64),
     /// The same with interpolated normals.
     Smooth(u64),
@@ -76,7 +76,7 @@ impl Conic {
         }
     }
 
-    /// What the deviations are, with their unit.
+    /// Name and unit of the deviations.
     pub(super) fn measure(self) -> &'static str {
         match self {
             Self::Parabolic => "angle to the axis, rad",
@@ -96,7 +96,7 @@ impl Conic {
     /// A scene of the mirror alone, and the number of its triangles if it has any.
     ///
     /// # Errors
-    /// None that can happen: the surfaces are valid.
+    /// None in practice: the surfaces are valid.
     pub(super) fn scene(self, model: MirrorModel) -> Result<(Scene, Option<u64>), StudyError> {
         let shape: ShapeDescription = match (model, self) {
             (MirrorModel::Quadric, Self::Parabolic) => {
@@ -120,12 +120,12 @@ impl Conic {
         Ok((alone(shape)?, triangles))
     }
 
-    /// The ray of two numbers in [0, 1).
+    /// The ray for two numbers in [0, 1).
     fn ray(self, xi: glanz_math::DVec2) -> Ray {
         let (sin, cos) = (TAU * xi.y).sin_cos();
         match self {
             Self::Parabolic => {
-                // To places of equal area seen from above, just inside the rim, which facets cut.
+                // To points of equal projected area, just inside the rim, which facets cut.
                 let r = 0.99 * xi.x.sqrt();
                 let from = DVec3::new(0.0, 0.0, FOCAL_LENGTH);
                 let to = DVec3::new(r * cos, r * sin, r * r / (4.0 * FOCAL_LENGTH));
@@ -139,7 +139,7 @@ impl Conic {
         }
     }
 
-    /// By how much a reflected ray is off.
+    /// Deviation of a reflected ray from the closed form.
     fn deviation(self, ray: &Ray, reflected: &Ray) -> f64 {
         let (p, d) = (reflected.origin, reflected.direction);
         match self {
@@ -152,10 +152,10 @@ impl Conic {
         }
     }
 
-    /// Deviations of `rays` rays.
+    /// Measures the deviations of `rays` rays.
     ///
     /// # Errors
-    /// An end that was wanted.
+    /// [`StudyError::Interrupted`].
     pub(super) fn deviations(
         self,
         scene: &Scene,
@@ -184,7 +184,7 @@ impl Conic {
     }
 }
 
-/// The ray that a mirror makes of `ray`, by the normals for shading.
+/// Reflection of `ray` by the shading normals.
 pub(super) fn reflect(scene: &Scene, ray: &Ray) -> Option<Ray> {
     let at = scene.intersect(ray, f64::INFINITY)?;
     let (d, n) = (ray.direction, at.point.shading_normal);
@@ -203,7 +203,7 @@ pub(super) fn aberration(height: f64) -> f64 {
     0.5 / (1.0 - height * height).sqrt()
 }
 
-/// Where rays at these heights, in a meridional plane that is neither a border of patches nor an edge of facets, cross the axis.
+/// Crossings of the axis by rays at these heights, in a meridional plane that is neither a border of patches nor an edge of facets.
 pub(super) fn crossings(scene: &Scene, heights: &[f64]) -> Vec<[f64; 2]> {
     let (sin, cos) = 1.0_f64.sin_cos();
     let at = |&h: &f64| {

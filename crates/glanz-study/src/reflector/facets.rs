@@ -1,4 +1,4 @@
-//! Light by way of facets against that by way of the exact mirror.
+//! Light by way of facets, compared with that by way of the exact mirror.
 
 use std::time::Duration;
 
@@ -16,41 +16,41 @@ use crate::study::{Settings, StudyError};
 /// Triangles along an edge of the mirror: about 100, 1000, 10^4, 10^5 and 10^6 in all.
 pub(super) const EDGES: [u32; 5] = [10, 32, 100, 316, 1000];
 
-/// Particles that are made at a time, before those that are timed.
+/// Number of particles that are generated before each timed block.
 const BLOCK: u32 = 1 << 16;
 
-/// A mirror in place of the exact one.
+/// Results of the exact mirror or of a mesh in its place.
 #[derive(Clone, Debug)]
 pub(super) struct MirrorCase {
-    /// None for the exact one.
+    /// `None` for the exact one.
     pub(super) triangles: Option<u64>,
     /// Whether normals are interpolated.
     pub(super) smooth: bool,
-    /// From control points to the scene with its hierarchy.
+    /// Time from control points to the scene with its hierarchy.
     pub(super) build: Duration,
-    /// For all particles.
+    /// Time for all particles.
     pub(super) time: Duration,
     pub(super) error: MapError,
 }
 
-/// By how much a map of the mirror's light is off.
+/// Errors of a map of the mirror's light.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct MapError {
-    /// Root of the mean square over the cells that are lit, lx.
+    /// Root mean square over the lit cells, lx.
     pub(super) rms: f64,
-    /// The part of it that chance makes, with as many particles: root of the mean variance, lx.
+    /// Its random part with this number of particles: root of the mean variance, lx.
     pub(super) noise: f64,
-    /// Largest, lx.
+    /// Largest error, lx.
     pub(super) largest: f64,
     /// Standard error in that cell, lx.
     pub(super) largest_noise: f64,
-    /// Share of the particles at either mirror that end elsewhere.
+    /// Share of the particles on either mirror that end in different cells.
     pub(super) moved: f64,
 }
 
 impl MapError {
-    /// The error without chance, lx; 0 if it does not stand out of it.
-    pub(super) fn settled(&self) -> f64 {
+    /// The systematic error, lx; 0 if it is below the noise.
+    pub(super) fn systematic(&self) -> f64 {
         (self.rms * self.rms - self.noise * self.noise).max(0.0).sqrt()
     }
 }
@@ -58,31 +58,31 @@ impl MapError {
 /// The light of the exact mirror.
 #[derive(Clone, Debug)]
 pub(super) struct ExactMirror {
-    /// By particle.
+    /// End of each particle.
     ends: Vec<ParticleEnd>,
     /// Illuminance by the mirror alone in all cells, lx.
     pub(super) lux: Vec<f64>,
-    /// Mean over the cells that it lights, lx.
+    /// Mean over the lit cells, lx.
     pub(super) mean: f64,
-    /// Its largest, lx.
+    /// Largest illuminance, lx.
     pub(super) peak: f64,
-    /// Root of the mean variance of these cells by themselves, lx.
+    /// Root of the mean variance of the lit cells, lx.
     pub(super) noise: f64,
-    /// Share of the particles that met it.
+    /// Share of the particles that hit the mirror.
     pub(super) met: f64,
 }
 
-/// All cases, the exact mirror first.
+/// Results of all mirrors, the exact one first.
 pub(super) struct FacetOutcome {
     pub(super) particles: u32,
     pub(super) exact: ExactMirror,
     pub(super) cases: Vec<MirrorCase>,
 }
 
-/// The mirror as triangles, with `particles` each; `on_progress` receives the share that is done, [0, 1], and what comes next.
+/// Traces `particles` by way of the exact mirror and of its meshes; `on_progress` receives the completed share, [0, 1], and the next step.
 ///
 /// # Errors
-/// An end that was wanted.
+/// [`StudyError::Interrupted`].
 pub(super) fn measure(
     particles: u32,
     edges: &[u32],
@@ -114,20 +114,20 @@ pub(super) fn measure(
     Ok(FacetOutcome { particles, exact, cases })
 }
 
-/// A ball around a patch: middle and radius, metres.
+/// Middle and radius of a ball around a patch, metres.
 fn ball(patch: &TrianglePatch) -> (DVec3, f64) {
     let middle = patch.bounds().center();
     let distances = patch.control_points().iter().map(|p| (p.truncate() / p.w).distance(middle));
     (middle, distances.fold(0.0, f64::max))
 }
 
-/// A scene of the mirror, and the time that one thread takes from control points to it.
+/// A scene of the mirror, and the time of one thread from control points to the scene.
 fn built(make: impl Fn() -> ShapeDescription + Sync) -> Result<(Scene, Duration), StudyError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     pool.install(|| clock::repeated(|| (), |()| alone(make())))
 }
 
-/// Where all particles end, and the time of this thread that following them takes.
+/// Ends of all particles, and the time of this thread to follow them.
 fn run(
     scene: &Scene,
     aim: &ConeSource,
@@ -155,19 +155,19 @@ fn area() -> f64 {
 }
 
 impl ExactMirror {
-    /// Of particles that carry `each` lm.
+    /// The light of particles that carry `each` lm.
     fn of(ends: Vec<ParticleEnd>, each: f64) -> Self {
         let mut lux = vec![0.0; ALL_CELLS];
         let mut variance = vec![0.0; ALL_CELLS];
         let mut met = 0_u64;
         for end in &ends {
             met += u64::from(*end != ParticleEnd::Missed);
-            if let Some((cell, share)) = end.brought()
+            if let Some((cell, share)) = end.arriving()
                 && let (Some(lux), Some(variance)) = (lux.get_mut(cell), variance.get_mut(cell))
             {
-                let brought = share * each / area();
-                *lux += brought;
-                *variance += brought * brought;
+                let arriving = share * each / area();
+                *lux += arriving;
+                *variance += arriving * arriving;
             }
         }
         let lit = lux.iter().filter(|lux| **lux > 0.0).count().max(1) as f64;
@@ -181,8 +181,8 @@ impl ExactMirror {
         }
     }
 
-    /// The error of the map of the same particles in another mirror. Only particles that end elsewhere make a difference,
-    /// each by itself: its variance is the sum of their squares.
+    /// The error of the map of the same particles with another mirror. Only particles that end elsewhere contribute,
+    /// independently: the variance is the sum of their squares.
     fn error(&self, others: &[ParticleEnd], each: f64) -> MapError {
         let mut difference = vec![0.0; ALL_CELLS];
         let mut variance = vec![0.0; ALL_CELLS];
@@ -194,12 +194,12 @@ impl ExactMirror {
             }
             moved += 1;
             for (end, sign) in [(exact, -1.0), (other, 1.0)] {
-                if let Some((cell, share)) = end.brought()
+                if let Some((cell, share)) = end.arriving()
                     && let (Some(sum), Some(variance)) = (difference.get_mut(cell), variance.get_mut(cell))
                 {
-                    let brought = share * each / area();
-                    *sum += sign * brought;
-                    *variance += brought * brought;
+                    let arriving = share * each / area();
+                    *sum += sign * arriving;
+                    *variance += arriving * arriving;
                 }
             }
         }
@@ -252,7 +252,7 @@ mod tests {
         let error = exact.error(&others, 1.0);
         // Cell 5 lost one and got one, cell 7 got one: squares 0, 1 over the three lit cells; variances 2 and 1.
         assert!((error.rms - (1.0_f64 / 3.0).sqrt() * lux).abs() < 1e-9, "{error:?}");
-        assert!((error.noise - lux).abs() < 1e-9 && error.settled() == 0.0, "{error:?}");
+        assert!((error.noise - lux).abs() < 1e-9 && error.systematic() == 0.0, "{error:?}");
         assert!((error.largest - lux).abs() < 1e-9 && (error.largest_noise - lux).abs() < 1e-9);
         assert_eq!(error.moved, 0.5);
     }

@@ -1,4 +1,4 @@
-//! The fan of rays of document 000 section 4.3, corrected: what it meets, and where it ends.
+//! The fan of rays of document 000 section 4.3, corrected: hits on the mirror and on the walls.
 
 use glanz_geometry::bezier::Barycentric;
 use glanz_math::{DVec3, Ray};
@@ -10,41 +10,41 @@ use crate::report::Report;
 use glanz_report::number::plural;
 use glanz_report::{Table, TableCell};
 
-/// Reflections of a ray that are followed at most.
+/// Largest number of reflections of a ray.
 const REFLECTIONS: u32 = 100;
 
 /// Components of a direction below this share of its length are roundings: each is a product of two of sine and cosine, of
 /// angles that have half a unit in the last place of pi of their own.
 const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 
-/// A ray that meets the mirror.
+/// Hit of a ray on the mirror.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MirrorHit {
     /// Ray parameter; the fan's directions have a length of 0.1 m.
     pub(super) tau: f64,
-    /// Where in the patch.
+    /// Parameters on the patch.
     pub(super) at: Barycentric,
     /// Metres.
     pub(super) point: DVec3,
     /// Unit normal on the side that the ray comes from.
     pub(super) normal: DVec3,
-    /// Unit direction in which it goes on.
+    /// Unit direction of the reflected ray.
     pub(super) mirrored: DVec3,
 }
 
 /// A ray of the fan.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FanRay {
-    /// Numbers of its angles, from 0.
+    /// Indices of its angles, from 0.
     pub(super) nodes: [i32; 2],
     pub(super) ray: Ray,
-    /// Where it first meets the mirror.
+    /// Its first hit on the mirror.
     pub(super) hit: Option<MirrorHit>,
-    /// How often it is reflected.
+    /// Number of reflections.
     pub(super) reflections: u32,
-    /// Where it ends; `None` if it starts into the wall that the lamp is on.
+    /// Its end on a wall; `None` if it starts into the wall of the lamp.
     pub(super) wall_hit: Option<WallHit>,
-    /// Its last way, metres.
+    /// Length of its last segment, metres.
     pub(super) way: f64,
 }
 
@@ -60,9 +60,9 @@ fn follow(scene: &Scene, n: i32, nodes: [i32; 2]) -> FanRay {
     let limit = ROUNDINGS * v.length();
     let ray =
         Ray::new(POINT_LAMP, DVec3::from_array(v.to_array().map(|x| if x.abs() < limit { 0.0 } else { x })));
-    let mut met = FanRay { nodes, ray, hit: None, reflections: 0, wall_hit: wall_hit(&ray), way: 0.0 };
-    if met.wall_hit.is_none() {
-        return met;
+    let mut traced = FanRay { nodes, ray, hit: None, reflections: 0, wall_hit: wall_hit(&ray), way: 0.0 };
+    if traced.wall_hit.is_none() {
+        return traced;
     }
     let (mut from, mut last) = (ray, ray);
     while let Some(at) = scene.intersect(&from, f64::INFINITY) {
@@ -76,18 +76,18 @@ fn follow(scene: &Scene, n: i32, nodes: [i32; 2]) -> FanRay {
             normal,
             mirrored,
         };
-        met.hit.get_or_insert(hit);
-        met.reflections += 1;
-        // Ways are measured from the point itself; only what is met next is looked for from beside it.
+        traced.hit.get_or_insert(hit);
+        traced.reflections += 1;
+        // Lengths are measured from the point itself; only the next hit is searched from an offset point.
         last = Ray::new(at.point.position, mirrored);
         from = at.spawn(mirrored);
-        if met.reflections == REFLECTIONS {
+        if traced.reflections == REFLECTIONS {
             break;
         }
     }
-    met.wall_hit = wall_hit(&last);
-    met.way = met.wall_hit.map_or(0.0, |end| end.t * last.direction.length());
-    met
+    traced.wall_hit = wall_hit(&last);
+    traced.way = traced.wall_hit.map_or(0.0, |end| end.t * last.direction.length());
+    traced
 }
 
 const COLUMNS: [(&str, &str); 23] = [
@@ -139,38 +139,38 @@ fn row(ray: &FanRay) -> Vec<TableCell> {
     cells
 }
 
-/// Adds the chapter: `rays` are those with k = 4.
+/// Adds the section to the report; `rays`: the fan with k = 4.
 pub(super) fn add_to(rays: &[FanRay], report: &mut Report) {
     report.heading("The fan of 256 rays (k = 4)");
     let hits = || rays.iter().filter_map(|ray| Some((ray, ray.hit.as_ref()?)));
     let outside = rays.iter().filter(|ray| ray.wall_hit.is_none()).count() as u64;
     report.paragraph(format!(
-        "Of {} rays from (0, 5, 5), {} into the wall that this point is on; {} the mirror.",
+        "Of {} rays from (0, 5, 5), {} into the wall of this point; {} the mirror.",
         rays.len(),
         plural(outside, "starts", "start"),
         plural(hits().count() as u64, "meets", "meet"),
     ));
-    for (ray, met) in hits() {
+    for (ray, hit) in hits() {
         let Some(end) = &ray.wall_hit else { continue };
         report.paragraph(format!(
-            "Ray (i, j) = ({}, {}) meets it at tau = {}, (r, s, t) = ({}, {}, {}), in the point {}; the normal towards it is {}, it \
-             goes on along {} and reaches the {} {} m further, in {}.",
+            "Ray (i, j) = ({}, {}) meets it at tau = {}, (r, s, t) = ({}, {}, {}), at the point {}; the normal towards the \
+             lamp is {}, the reflected ray has the direction {} and reaches the {} after {} m at {}.",
             ray.nodes[0],
             ray.nodes[1],
-            met.tau,
-            met.at.r,
-            met.at.s,
-            met.at.t,
-            met.point,
-            met.normal,
-            met.mirrored,
+            hit.tau,
+            hit.at.r,
+            hit.at.s,
+            hit.at.t,
+            hit.point,
+            hit.normal,
+            hit.mirrored,
             WALLS[end.wall].name,
             ray.way,
             end.point
         ));
     }
     let columns = [("wall", "wall"), ("direct", "rays, direct"), ("mirrored", "rays by way of the mirror")];
-    let mut counts = Table::new("fan_walls", "Where the rays of the fan end.", &columns);
+    let mut counts = Table::new("fan_walls", "Ends of the rays of the fan.", &columns);
     for (number, wall) in WALLS.iter().enumerate() {
         let on = |mirrored: bool| {
             let ends = |ray: &&FanRay| ray.wall_hit.is_some_and(|end| end.wall == number);
@@ -183,7 +183,7 @@ pub(super) fn add_to(rays: &[FanRay], report: &mut Report) {
     rays.iter().for_each(|ray| all.push(row(ray)));
     report.data(all);
     for (number, wall) in WALLS.iter().enumerate() {
-        let mut table = Table::new(wall.table, format!("Those that end on the {}:", wall.name), &COLUMNS);
+        let mut table = Table::new(wall.table, format!("Rays that end on the {}:", wall.name), &COLUMNS);
         let ends = |ray: &&FanRay| ray.wall_hit.is_some_and(|end| end.wall == number);
         rays.iter().filter(ends).for_each(|ray| table.push(row(ray)));
         report.data(table);

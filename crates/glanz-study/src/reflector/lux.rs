@@ -1,4 +1,4 @@
-//! Lux on the six walls of the room, by particles.
+//! Illuminance on the six walls of the room, by particles.
 
 use std::time::Duration;
 
@@ -20,31 +20,31 @@ use crate::study::{Settings, StudyError};
 use glanz_report::number::{grouped, plural, significant};
 use glanz_report::{Table, TableCell};
 
-/// Scattering events of a particle at most.
+/// Largest number of scattering events of a particle.
 const EVENTS: u32 = 1000;
 
-/// Share of the mirror's light from which on a wall is shown.
+/// Smallest share of the mirror's light for which a wall is pictured.
 const SHOWN: f64 = 0.02;
 
-/// Relative standard error of the peak whose time is told.
+/// Relative standard error of the peak for which the time is estimated.
 const GOAL: f64 = 0.01;
 
-/// What particles brought to the walls.
+/// Illuminance on the walls, by particles.
 pub(super) struct LuxMeasurement {
     pub(super) particles: u64,
     pub(super) maps: Vec<LuxMap>,
-    /// Lumens on each wall with their standard errors.
+    /// Flux on each wall, lm, with its standard error.
     received: Vec<(f64, f64)>,
     balance: FluxBalance,
-    /// Of all threads.
+    /// Processor time of all threads.
     time: Duration,
     threads: usize,
 }
 
-/// The room with its walls, and grids of `cells` x `cells` on them.
+/// The room with its walls, and receivers of `cells` x `cells` on them.
 ///
 /// # Errors
-/// None that can happen: the scene is valid.
+/// None in practice: the scene is valid.
 pub(super) fn room(cells: u32) -> Result<(Scene, Receivers), StudyError> {
     let mut description = room::description()?;
     add_walls(&mut description, DVec3::splat(SIDE));
@@ -54,7 +54,7 @@ pub(super) fn room(cells: u32) -> Result<(Scene, Receivers), StudyError> {
     Ok((scene, receivers))
 }
 
-/// Share of the particles that were sent.
+/// Passes on the share of traced particles.
 struct LuxProgress<'a> {
     particles: u64,
     on_progress: &'a mut dyn FnMut(f64),
@@ -67,10 +67,10 @@ impl ProgressSink<Tally> for LuxProgress<'_> {
     }
 }
 
-/// Sends `particles`; `on_progress` receives the share that is done, [0, 1].
+/// Traces `particles`; `on_progress` receives the completed share, [0, 1].
 ///
 /// # Errors
-/// An end that was wanted; threads that cannot be started.
+/// [`StudyError::Interrupted`]; [`StudyError::Particles`].
 pub(super) fn measure(
     scene: &Scene,
     receivers: &Receivers,
@@ -98,11 +98,11 @@ pub(super) fn measure(
 }
 
 impl LuxMeasurement {
-    /// What sums the study up: the walls.
+    /// The summary table: the walls.
     pub(super) fn table(&self) -> Table {
         let columns = [
             ("wall", "wall"),
-            ("min_lx", "least, lx"),
+            ("min_lx", "smallest, lx"),
             ("mean_lx", "mean, lx"),
             ("max_lx", "largest, lx"),
             ("max_error_lx", "its standard error, lx"),
@@ -113,23 +113,23 @@ impl LuxMeasurement {
         ];
         let cells = self.maps.first().map_or(0, |map| map.cells[0]);
         let caption = format!(
-            "Light on the walls of the room of document 000, {cells} x {cells} cells each, by {} particles. Times are of one \
-             thread, with as many particles as bring the standard error of the brightest cell to {} %.",
+            "Light on the walls of the room of document 000, {cells} x {cells} cells each, by {} particles. Times are those \
+             of one thread until the standard error of the brightest cell is {} %.",
             grouped(self.particles),
             100.0 * GOAL
         );
         let mut table = Table::new("summary", caption, &columns);
         for (map, (flux, flux_error)) in self.maps.iter().zip(&self.received) {
-            let told = map.summary();
-            let relative = told.maximum_error / told.maximum;
+            let summary = map.summary();
+            let relative = summary.maximum_error / summary.maximum;
             let time = self.time.as_secs_f64() * (relative / GOAL).powi(2);
             table.push([
                 map.name.as_str().into(),
-                told.minimum.into(),
-                told.mean.into(),
-                told.maximum.into(),
-                told.maximum_error.into(),
-                told.u0.into(),
+                summary.minimum.into(),
+                summary.mean.into(),
+                summary.maximum.into(),
+                summary.maximum_error.into(),
+                summary.u0.into(),
                 (*flux).into(),
                 (*flux_error).into(),
                 time.into(),
@@ -138,10 +138,10 @@ impl LuxMeasurement {
         table
     }
 
-    /// Adds the chapter with pictures of the walls that light comes to by way of the `mirror`.
+    /// Adds the section to the report, with pictures of the walls that receive light by way of the `mirror`.
     ///
     /// # Errors
-    /// None that can happen: the maps have few cells.
+    /// None in practice: the maps have few cells.
     pub(super) fn add_to(&self, report: &mut Report, mirror: &ExactMirror) -> Result<(), StudyError> {
         report.heading("Lux on the walls");
         let balance = &self.balance;
@@ -151,8 +151,8 @@ impl LuxMeasurement {
             .map(|(end, lumens)| format!("{} lm were {end}", significant(*lumens)))
             .collect();
         report.paragraph(format!(
-            "The lamp of the scene, a sphere of radius 0.1 m that is equally bright everywhere, sends {} lm; {}. The balance closes \
-             to {} of what was emitted. {} particles took {} s of processor time ({}), {} ns each.",
+            "The lamp of the scene, a sphere of radius 0.1 m and uniform brightness, emits {} lm; {}. The balance closes to \
+             {} of the emitted flux. {} particles took {} s of processor time ({}), {} ns each.",
             significant(balance.emitted),
             ends.join(", "),
             significant(balance.closes_to()),
@@ -187,7 +187,7 @@ impl LuxMeasurement {
             let key = wall.table.trim_start_matches("fan_");
             let scale = lux_scale(&[map]);
             let caption = format!(
-                "The {}, to which {} % of the light by way of the mirror comes, from inside the room: all light, by particles.",
+                "The {}, which receives {} % of the light by way of the mirror, seen from inside the room: all light, by particles.",
                 wall.name,
                 significant(100.0 * share)
             );

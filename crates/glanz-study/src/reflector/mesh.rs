@@ -1,4 +1,4 @@
-//! Triangles in place of a triangular patch.
+//! Tessellation of a triangular patch.
 
 use glanz_geometry::bezier::TrianglePatch;
 use glanz_math::DVec3;

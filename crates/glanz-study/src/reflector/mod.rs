@@ -1,4 +1,4 @@
-//! Where a lamp's light goes by way of a freeform mirror (document 000 chapter 4).
+//! Light of a lamp by way of a freeform mirror (document 000 chapter 4).
 
 mod comparison;
 mod conics;
@@ -23,22 +23,22 @@ use crate::study::{Settings, StudyError, StudyProgress};
 use glanz_report::Series;
 use glanz_report::number::grouped;
 
-/// Particles, unless others are asked for.
+/// Default number of particles.
 const PARTICLES: u64 = 10_000_000;
 
-/// How much is measured.
+/// The extent of the measurements.
 struct ReflectorPlan<'a> {
-    /// Cells along a side of a wall.
+    /// Number of cells along a side of a wall.
     cells: u32,
-    /// The same for the comparison with integration, and places of a cell at most.
+    /// The same for the comparison with integration, and the largest number of points in a cell.
     comparison: (u32, usize),
-    /// Triangles along an edge of the mirror.
+    /// Numbers of triangles along an edge of the mirror.
     edges: &'a [u32],
-    /// Rays at each mirror with a closed form.
+    /// Number of rays at each mirror with a closed form.
     conic_rays: u32,
-    /// Triangles of these mirrors, about.
+    /// Approximate numbers of triangles of these mirrors.
     triangles: &'a [u64],
-    /// Parts of the mirrors' edges whose speed is measured.
+    /// Numbers of parts of the mirrors' edges for the measurement of speed.
     parts: &'a [u32],
 }
 
@@ -52,10 +52,10 @@ const WHOLE: ReflectorPlan<'static> = ReflectorPlan {
     parts: &speed::EDGES,
 };
 
-/// Triangles of the spherical mirrors whose aberration is drawn: enough to see, few enough to see them as facets.
+/// Number of triangles of the spherical mirrors whose aberration is plotted, few enough that facets are visible.
 const DRAWN: u64 = 10_000;
 
-/// Shares of the progress at which parts begin.
+/// Progress at the beginning of each part.
 const LUX: f64 = 0.01;
 const COMPARISON: f64 = 0.15;
 const FACETS: f64 = 0.4;
@@ -65,7 +65,7 @@ const SPEED: f64 = 0.95;
 /// Runs the study.
 ///
 /// # Errors
-/// An end that was wanted, or no particles.
+/// [`StudyError::Interrupted`], or no particles.
 pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
     settings.cancel.check()?;
     run_plan(&WHOLE, settings, progress)
@@ -87,27 +87,26 @@ fn run_plan(
     let mirror = room::alone(ShapeDescription::bezier_triangles(&[room::mirror()?]))?;
     let fan = fan::fan(&mirror, 4);
     let (scene, receivers) = lux::room(plan.cells)?;
-    let mut told = |done: f64| progress.report(LUX + (COMPARISON - LUX) * done, "lux on the walls");
-    let lux = lux::measure(&scene, &receivers, u64::from(particles), settings, &mut told)?;
-    let mut told = |done: f64| {
+    let mut on_progress = |done: f64| progress.report(LUX + (COMPARISON - LUX) * done, "lux on the walls");
+    let lux = lux::measure(&scene, &receivers, u64::from(particles), settings, &mut on_progress)?;
+    let mut on_progress = |done: f64| {
         progress.report(COMPARISON + (FACETS - COMPARISON) * done, "particles against integration")
     };
-    let comparison = comparison::measure(plan.comparison, u64::from(particles), settings, &mut told)?;
-    let mut told = |done: f64, what: String| progress.report(FACETS + (CONICS - FACETS) * done, &what);
-    let facets = facets::measure(particles, plan.edges, settings, &mut told)?;
+    let comparison = comparison::measure(plan.comparison, u64::from(particles), settings, &mut on_progress)?;
+    let mut on_progress = |done: f64, what: String| progress.report(FACETS + (CONICS - FACETS) * done, &what);
+    let facets = facets::measure(particles, plan.edges, settings, &mut on_progress)?;
     let rays = plan.conic_rays.min(particles);
-    let mut told = |done: f64, what: String| progress.report(CONICS + (SPEED - CONICS) * done, &what);
-    let (rows, curves) = measure_conics(rays, plan.triangles, settings, &mut told)?;
+    let mut on_progress = |done: f64, what: String| progress.report(CONICS + (SPEED - CONICS) * done, &what);
+    let (rows, curves) = measure_conics(rays, plan.triangles, settings, &mut on_progress)?;
     progress.report(SPEED, "particles per second");
     let speeds = speed::measure(plan.parts, settings)?;
 
-    let mut report =
-        Report::new("Study reflector: where a lamp's light goes by way of a freeform mirror", lux.table());
-    report.heading("What was asked");
+    let mut report = Report::new("Study reflector: light of a lamp by way of a freeform mirror", lux.table());
+    report.heading("Question");
     report.paragraph(
-        "Document 000 (chapter 4) puts a lamp and a mirror, a cubic triangular Bézier patch, into a closed room and asks where the \
-         light goes. Its own answer came from a program with faults; here are the rays that it should have found, the light on \
-         all six walls, and what becomes of both if the mirror is made of triangles, as programs for light mostly have it.",
+        "Document 000 (chapter 4) puts a lamp and a mirror, a cubic triangular Bézier patch, into a closed room and computes \
+         the distribution of its light. Its program has errors; this report contains the correct rays, the light on all six \
+         walls, and the effect of replacing the mirror by triangles, as lighting programs usually do.",
     );
     let clock = if clock::counts_processor_time() { "processor times" } else { "wall times" };
     report.paragraph(format!(
@@ -119,7 +118,7 @@ fn run_plan(
     report.drawing(
         "room",
         scene_plot::drawing(&fan, &fan::fan(&mirror, 7))?,
-        "The room, seen from above the wall y = 0: lamp, mirror with the hull of its control points, rays, and where they end.",
+        "The room, seen from above the wall y = 0: lamp, mirror with the hull of its control points, rays, and their ends.",
     );
     lux.add_to(&mut report, &facets.exact)?;
     comparison.add_to(&mut report);
@@ -130,7 +129,7 @@ fn run_plan(
     Ok(report)
 }
 
-/// Deviations of all mirrors with closed forms, and where rays cross the axis of the spherical one.
+/// Deviations of all mirrors with closed forms, and crossings of the axis of the spherical one.
 fn measure_conics(
     rays: u32,
     triangles: &[u64],

@@ -1,4 +1,4 @@
-//! Particles from the lamp towards the mirror, and the walls that they reach by way of it.
+//! Particles from the lamp towards the mirror, and on to the walls.
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,29 +8,29 @@ use glanz_scene::Scene;
 
 use super::room::{LAMP, REFLECTANCE, WALLS, wall_hit};
 
-/// Cells along a side of a wall.
+/// Number of cells along a side of a wall.
 pub(super) const CELLS: u32 = 32;
 
-/// All cells.
+/// Number of cells of all walls.
 pub(super) const ALL_CELLS: usize = WALLS.len() * (CELLS * CELLS) as usize;
 
-/// Reflections of a particle that are followed at most.
+/// Largest number of reflections of a particle.
 const REFLECTIONS: u32 = 100;
 
-/// Where a particle ended.
+/// End of a particle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ParticleEnd {
-    /// It passed by the mirror.
+    /// It missed the mirror.
     Missed,
-    /// In a cell, numbered through all walls, after so many reflections.
+    /// In a cell, by its number over all walls, and the number of reflections.
     Cell(u16, u8),
-    /// In the mirror: a normal for shading sent it into its own facet, or it was reflected too often.
+    /// In the mirror: a shading normal reflected it into its own facet, or it was reflected too often.
     Lost,
 }
 
-/// Directions that may meet the mirror, from the lamp of the scene; all particles carry the same light.
+/// The lamp of the scene, restricted to a cone that contains the mirror; all particles carry the same light.
 ///
-/// The lamp is a sphere that is equally bright from everywhere: seen along a direction it is an even disk.
+/// The lamp is a sphere of equal brightness in all directions: along a direction it appears as a uniform disk.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ConeSource {
     frame: Frame,
@@ -39,21 +39,21 @@ pub(super) struct ConeSource {
 }
 
 impl ConeSource {
-    /// At a ball around the mirror: middle and radius, metres; it does not hold the lamp.
+    /// The cone around a ball (middle and radius, metres) that does not contain the lamp.
     pub(super) fn at(ball: (DVec3, f64), seed: u64) -> Self {
         let (lamp, radius, _) = LAMP;
         let way = ball.0 - lamp;
-        // From any place of the lamp to any of the ball: no further off the line between the middles than both radii.
+        // A line from the lamp to the ball deviates from the line between the middles by at most both radii.
         let sine = (ball.1 + radius) / way.length();
         Self { frame: Frame::from_z(way.normalize()), one_minus_cos: warp::one_minus_cos(sine * sine), seed }
     }
 
-    /// Light of all such particles together, lm.
+    /// Flux of all particles together, lm.
     pub(super) fn flux(&self) -> f64 {
         LAMP.2 * TAU * self.one_minus_cos / (4.0 * PI)
     }
 
-    /// Particle `number` leaves the lamp.
+    /// The initial ray of particle `number`.
     pub(super) fn particle(&self, number: u32) -> Ray {
         let mut sampler = PixelSampler::new(SamplerKind::Sobol, 1, self.seed, [0, 0], number);
         let (towards, place) = (sampler.next_2d(), sampler.next_2d());
@@ -63,7 +63,7 @@ impl ConeSource {
     }
 }
 
-/// Follows a particle in a scene of the mirror alone, within the walls. It keeps its light whichever normal tells where it goes.
+/// Follows a particle in a scene of the mirror alone, within the walls. Its flux does not depend on the shading normal.
 pub(super) fn follow(scene: &Scene, particle: &Ray) -> ParticleEnd {
     let mut ray = *particle;
     let mut reflections = 0;
@@ -89,8 +89,8 @@ pub(super) fn follow(scene: &Scene, particle: &Ray) -> ParticleEnd {
 }
 
 impl ParticleEnd {
-    /// The cell, and the share of its light that a particle brings there.
-    pub(super) fn brought(self) -> Option<(usize, f64)> {
+    /// The cell, and the share of its flux that the particle carries there.
+    pub(super) fn arriving(self) -> Option<(usize, f64)> {
         match self {
             Self::Cell(cell, reflections) => {
                 Some((usize::from(cell), REFLECTANCE.powi(i32::from(reflections))))

@@ -1,4 +1,4 @@
-//! What the report says of facets, each sentence made from the figures.
+//! Sections of the report on facets and closed forms.
 
 use super::conics::{Conic, Deviation, HEIGHTS, MirrorModel, aberration};
 use super::facets::{FacetOutcome, MirrorCase};
@@ -15,8 +15,8 @@ const COLUMNS: [(&str, &str); 12] = [
     ("ns_per_particle", "time per particle, ns"),
     ("moved_percent", "particles that end elsewhere, %"),
     ("rms_lx", "error, rms, lx"),
-    ("rms_noise_lx", "of it by chance, lx"),
-    ("rms_percent", "error without chance, % of the mean"),
+    ("rms_noise_lx", "random part, lx"),
+    ("rms_percent", "systematic error, % of the mean"),
     ("largest_lx", "largest error, lx"),
     ("largest_noise_lx", "standard error there, lx"),
     ("largest_percent", "largest error, % of the peak"),
@@ -33,8 +33,8 @@ fn kind(case: &MirrorCase) -> &'static str {
 /// The table of the mirrors.
 pub(super) fn facets_table(outcome: &FacetOutcome) -> Table {
     let caption = format!(
-        "Light by way of the mirror on {CELLS} x {CELLS} cells of each wall: the mirror as triangles against the exact one, the \
-         same {} particles in each case.",
+        "Light by way of the mirror on {CELLS} x {CELLS} cells of each wall: the mirror as triangles compared with the exact \
+         one, with the same {} particles.",
         grouped(u64::from(outcome.particles))
     );
     let mut table = Table::new("facets", caption, &COLUMNS);
@@ -51,7 +51,7 @@ pub(super) fn facets_table(outcome: &FacetOutcome) -> Table {
             off(100.0 * case.error.moved),
             off(case.error.rms),
             off(case.error.noise),
-            off(percent(case.error.settled(), outcome)),
+            off(percent(case.error.systematic(), outcome)),
             off(case.error.largest),
             off(case.error.largest_noise),
             off(100.0 * case.error.largest / outcome.exact.peak),
@@ -64,15 +64,15 @@ fn percent(lux: f64, outcome: &FacetOutcome) -> f64 {
     100.0 * lux / outcome.exact.mean
 }
 
-/// Adds the chapter of the room's mirror.
+/// Adds the section on the room's mirror.
 pub(super) fn add_facets(outcome: &FacetOutcome, report: &mut Report) {
     report.heading("The mirror as triangles");
     let exact = &outcome.exact;
     report.paragraph(format!(
-        "{} particles go from the lamp towards the mirror; {} % of them meet it. The light that they bring to the walls by way of \
-         the exact mirror is {} lx in the mean of the cells that it comes to, {} lx at most; by chance the map of so many \
-         particles is off by {} lx (root mean square, as independent particles would be). The same particles are sent to the mirror as \
-         triangles: what differs is what ends elsewhere, and the chance in that is told beside it.",
+        "{} particles start from the lamp towards the mirror; {} % of them hit it. The illuminance by way of the exact \
+         mirror is {} lx in the mean of the lit cells and {} lx at most; the random error of the map is {} lx (root mean \
+         square, as for independent particles). The same particles are traced by way of the mirror as triangles: only \
+         particles that end elsewhere make a difference, and its random part is given beside it.",
         grouped(u64::from(outcome.particles)),
         significant(100.0 * exact.met),
         significant(exact.mean),
@@ -81,7 +81,7 @@ pub(super) fn add_facets(outcome: &FacetOutcome, report: &mut Report) {
     ));
     report.table(facets_table(outcome));
     let floor = ReferenceLine {
-        name: "chance in the map itself".to_owned(),
+        name: "random error of the map itself".to_owned(),
         vertical: false,
         at: percent(exact.noise, outcome),
         series: None,
@@ -96,7 +96,7 @@ pub(super) fn add_facets(outcome: &FacetOutcome, report: &mut Report) {
             series: series(outcome, triangles),
             reference_lines: vec![floor.clone()],
         },
-        "Error over the cells that the mirror lights; as measured with the same particles, and the part of it that is chance.",
+        "Error over the lit cells, measured with the same particles, and its random part.",
     );
     let seconds = |case: &MirrorCase| case.time.as_secs_f64();
     let mut reference_lines = vec![floor];
@@ -113,7 +113,7 @@ pub(super) fn add_facets(outcome: &FacetOutcome, report: &mut Report) {
             series: series(outcome, seconds),
             reference_lines,
         },
-        "The same over the time that following the particles takes, without that for building.",
+        "The same over the time to trace the particles, without building.",
     );
     facets_findings(outcome).into_iter().for_each(|sentence| report.paragraph(sentence));
 }
@@ -131,8 +131,8 @@ fn series(outcome: &FacetOutcome, x: fn(&MirrorCase) -> f64) -> Vec<Series> {
     vec![
         of("flat facets", false, |case| case.error.rms),
         of("interpolated normals", true, |case| case.error.rms),
-        of("chance, flat facets", false, |case| case.error.noise),
-        of("chance, interpolated normals", true, |case| case.error.noise),
+        of("random part, flat facets", false, |case| case.error.noise),
+        of("random part, interpolated normals", true, |case| case.error.noise),
     ]
 }
 
@@ -143,26 +143,30 @@ fn facets_findings(outcome: &FacetOutcome) -> Vec<String> {
         let series: Vec<&MirrorCase> =
             outcome.cases.iter().filter(|case| case.triangles.is_some() && case.smooth == smooth).collect();
         let Some((first, last)) = series.first().zip(series.last()) else { continue };
-        let one_percent = series.iter().find(|case| percent(case.error.settled(), outcome) < 1.0);
-        let told = |case: &MirrorCase| {
-            let error = percent(case.error.settled(), outcome);
-            if error > 0.0 { format!("{} %", significant(error)) } else { "less than chance".to_owned() }
+        let one_percent = series.iter().find(|case| percent(case.error.systematic(), outcome) < 1.0);
+        let error_text = |case: &MirrorCase| {
+            let error = percent(case.error.systematic(), outcome);
+            if error > 0.0 {
+                format!("{} %", significant(error))
+            } else {
+                "below the random error".to_owned()
+            }
         };
         found.push(format!(
-            "{}: the error without chance is {} of the mean with {} triangles and {} with {}; {} particles end elsewhere with the \
-             finest. {} Following a particle takes {} times as long with the finest mesh as with the exact mirror.",
+            "{}: the systematic error is {} of the mean with {} triangles and {} with {}; {} particles end elsewhere with \
+             the finest mesh. {} Tracing a particle takes {} times as long with the finest mesh as with the exact mirror.",
             if smooth { "Facets with interpolated normals" } else { "Flat facets" },
-            told(first),
+            error_text(first),
             grouped(first.triangles.unwrap_or_default()),
-            told(last),
+            error_text(last),
             grouped(last.triangles.unwrap_or_default()),
             format_args!("{} % of the", significant(100.0 * last.error.moved)),
             match one_percent {
                 Some(case) => format!(
-                    "An error below 1 % of the mean takes {} triangles of those tried.",
+                    "An error below 1 % of the mean requires {} of the tested numbers of triangles.",
                     grouped(case.triangles.unwrap_or_default())
                 ),
-                None => "No number of triangles tried brings it below 1 % of the mean.".to_owned(),
+                None => "It is not below 1 % of the mean for any tested number of triangles.".to_owned(),
             },
             significant(last.time.as_secs_f64() / exact.time.as_secs_f64().max(1e-9)),
         ));
@@ -170,7 +174,7 @@ fn facets_findings(outcome: &FacetOutcome) -> Vec<String> {
     found
 }
 
-/// What was measured of a mirror with a closed form.
+/// Measurement of a mirror with a closed form.
 pub(super) struct ConicRow {
     pub(super) conic: Conic,
     pub(super) model: MirrorModel,
@@ -178,14 +182,14 @@ pub(super) struct ConicRow {
     pub(super) deviation: Deviation,
 }
 
-/// Adds the chapter of mirrors with closed forms; `curves`: where rays at several heights cross the axis of the sphere.
+/// Adds the section on mirrors with closed forms; `curves`: crossings of the axis of the sphere over the height of the rays.
 pub(super) fn add_conics(rows: &[ConicRow], curves: Vec<Series>, report: &mut Report) {
     report.heading("Mirrors with closed forms");
     report.paragraph(
         "A paraboloid (focal length 0.5 m, radius 1 m) with a point at its focus: the angle of the reflected rays to the axis. An \
-         ellipsoid (half axes 0.8 and 1 m): how far from the second focus rays from the first pass. A sphere (radius 1 m) and rays \
-         along its axis at heights from 0.05 to 0.85 m: where the reflected rays cross the axis, against R / (2 cos theta) from the \
-         middle, sin theta = h / R.",
+         ellipsoid (half axes 0.8 and 1 m): distance from the second focus at which rays from the first pass. A sphere (radius 1 m) and rays \
+         along its axis at heights from 0.05 to 0.85 m: crossing of the axis by the reflected rays, compared with R / (2 cos \
+         theta) from the middle, sin theta = h / R.",
     );
     let columns = [
         ("mirror", "mirror"),
@@ -226,7 +230,7 @@ pub(super) fn add_conics(rows: &[ConicRow], curves: Vec<Series>, report: &mut Re
             series: curves,
             reference_lines: Vec::new(),
         },
-        "Where rays parallel to the axis cross it after the mirror.",
+        "Crossing of the axis after the reflection of rays parallel to it.",
     );
     for conic in Conic::ALL {
         report.paragraph(finding(rows, conic));
@@ -264,7 +268,7 @@ pub(super) fn closed_form_curve() -> Series {
     Series { name: "closed form".to_owned(), points }
 }
 
-/// So many heights over the range.
+/// `count` heights over the range.
 pub(super) fn heights(count: u32) -> Vec<f64> {
     let step = (HEIGHTS[1] - HEIGHTS[0]) / f64::from(count.max(2) - 1);
     (0..count).map(|i| HEIGHTS[0] + step * f64::from(i)).collect()

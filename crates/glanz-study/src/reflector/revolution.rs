@@ -9,7 +9,7 @@ use glanz_scene::description::{BezierPatchesDescription, GeometryDescription};
 const QUARTER: [[f64; 3]; 3] =
     [[1.0, 0.0, 1.0], [FRAC_1_SQRT_2, FRAC_1_SQRT_2, FRAC_1_SQRT_2], [0.0, 1.0, 1.0]];
 
-/// A curve in the half-plane of distance from the axis and z, run with growing z: rational quadratic arcs of control points
+/// A curve in the half-plane of distance from the axis and z, with increasing z: rational quadratic arcs of control points
 /// (w distance, w z, w), metres.
 pub(super) struct MirrorProfile(Vec<[DVec3; 3]>);
 
@@ -34,7 +34,7 @@ impl MirrorProfile {
         ])
     }
 
-    /// The part of a profile below its first arc's end.
+    /// The first arc of the profile.
     pub(super) fn first_arc(mut self) -> Self {
         self.0.truncate(1);
         self
@@ -100,7 +100,7 @@ impl MirrorProfile {
     }
 }
 
-/// By so many right angles.
+/// The vector turned by `turns` right angles.
 fn turned([x, y]: [f64; 2], turns: u32) -> [f64; 2] {
     (0..turns).fold([x, y], |[x, y], _| [-y, x])
 }

@@ -25,7 +25,7 @@ pub(super) const POINT_LAMP: DVec3 = DVec3::new(0.0, 5.0, 5.0);
 /// Lamp and mirror, without walls.
 ///
 /// # Errors
-/// None that can happen: the scene is valid.
+/// None in practice: the scene is valid.
 pub(super) fn description() -> Result<Description, StudyError> {
     let text = include_str!("../../scenes/reflector.pbrt");
     let loaded = load_str("scenes/reflector.pbrt", text, &Options::default())
@@ -36,7 +36,7 @@ pub(super) fn description() -> Result<Description, StudyError> {
 /// The mirror: the cubic triangle of document 000.
 ///
 /// # Errors
-/// None that can happen: the control points are valid.
+/// None in practice: the control points are valid.
 pub(super) fn mirror() -> Result<TrianglePatch, SurfaceError> {
     TrianglePatch::try_from_points(3, &TRUE_POINTS.map(DVec3::from_array), None)
 }
@@ -44,7 +44,7 @@ pub(super) fn mirror() -> Result<TrianglePatch, SurfaceError> {
 /// A scene of one mirror, alone.
 ///
 /// # Errors
-/// Those of the geometry.
+/// [`StudyError::Surface`], [`StudyError::Scene`].
 pub(super) fn alone(shape: impl Into<ShapeDescription>) -> Result<Scene, StudyError> {
     Ok(SceneBuilder::new().shape(shape, material()).resolve()?.0)
 }
@@ -57,13 +57,13 @@ pub(super) fn material() -> MaterialKind {
 /// A wall of the room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Wall {
-    /// As the receivers are called.
+    /// Name, that of the receiver.
     pub(super) name: &'static str,
-    /// Of the table of the fan's points on it.
+    /// Name of the table of the fan's points on it.
     pub(super) table: &'static str,
-    /// The axis it stands across.
+    /// The axis perpendicular to it.
     axis: usize,
-    /// Whether at the far end of this axis.
+    /// Whether it is at the far end of this axis.
     is_far: bool,
 }
 
@@ -77,7 +77,7 @@ pub(super) const WALLS: [Wall; 6] = [
     Wall { name: "wall y=10", table: "fan_y10", axis: 1, is_far: true },
 ];
 
-/// Where a ray meets a wall.
+/// Hit of a ray on a wall.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WallHit {
     /// Position in [`WALLS`].
@@ -88,7 +88,7 @@ pub(super) struct WallHit {
     pub(super) point: DVec3,
 }
 
-/// Where a ray from inside first meets a wall; `None` if it starts on one and goes out of the room at once.
+/// First hit of a ray from inside on a wall; `None` if the ray starts on a wall and leaves the room at once.
 ///
 /// # Source
 /// @pumberger2010 function `schnittbox`; departures: all six walls, of which the first ahead counts.

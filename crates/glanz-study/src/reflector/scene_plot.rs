@@ -1,4 +1,4 @@
-//! The room as a line drawing: hull, mirror, rays and the spots where they end.
+//! The room as a line drawing: hull, mirror, rays and their ends.
 
 use glanz_geometry::SurfaceError;
 use glanz_math::DVec3;
@@ -11,13 +11,13 @@ use crate::newton::{Hull, TRUE_POINTS};
 /// Pixels.
 const SIZE: [f64; 2] = [900.0, 800.0];
 
-/// Where the drawing of the room is: left, top, right, bottom; pixels.
+/// Frame of the drawing: left, top, right, bottom; pixels.
 const FRAME: [f64; 4] = [70.0, 60.0, 860.0, 700.0];
 
 /// Directions to the viewer: azimuth from x to y, and height above the floor; radians.
 const FROM: [f64; 2] = [-1.02, 0.42];
 
-/// Facets along an edge of the mirror as it is drawn, and parts of a ray, each sorted by itself.
+/// Facets along an edge of the drawn mirror, and parts of a ray, each sorted by depth.
 const FACETS: u32 = 16;
 const PARTS: u32 = 12;
 
@@ -27,7 +27,7 @@ const DIRECT: &str = "#8a8a8a";
 const MIRRORED: &str = "#d55e00";
 const HULL: &str = "#0072b2";
 
-/// Parallel lines stay parallel: the picture plane and the direction to the viewer, unit vectors.
+/// A parallel projection: the axes of the picture plane and the direction to the viewer, unit vectors.
 struct ParallelProjection {
     right: DVec3,
     up: DVec3,
@@ -91,11 +91,11 @@ impl Drawing {
     }
 }
 
-/// The drawing as the text of an SVG file. `coarse`: all rays of a fan, those that miss the mirror faint; `dense`: a fan of which
-/// only rays by way of the mirror are drawn.
+/// The drawing as the text of an SVG file. `coarse`: a fan of which all rays are drawn, those that miss the mirror faintly;
+/// `dense`: a fan of which only rays by way of the mirror are drawn.
 ///
 /// # Errors
-/// None that can happen: the mirror is valid.
+/// None in practice: the mirror is valid.
 pub(super) fn drawing(coarse: &[FanRay], dense: &[FanRay]) -> Result<String, SurfaceError> {
     let mut drawing = Drawing { view: ParallelProjection::new(), parts: Vec::new() };
     add_room(&mut drawing);
@@ -115,13 +115,13 @@ pub(super) fn drawing(coarse: &[FanRay], dense: &[FanRay]) -> Result<String, Sur
     }
     let mut ends = [0_usize; WALLS.len()];
     let hits = || dense.iter().filter_map(|ray| Some((ray.hit.as_ref()?, ray.wall_hit.as_ref()?)));
-    for (number, (met, end)) in hits().enumerate() {
+    for (number, (hit, end)) in hits().enumerate() {
         ends[end.wall] += 1;
         drawing.dot(end.point, 1.7, &format!("fill=\"{MIRRORED}\" fill-opacity=\"0.8\""));
         // Every spot, but a line only for some: hundreds of them hide the mirror.
         if number % 6 == 0 {
             drawing.line(
-                met.point,
+                hit.point,
                 end.point,
                 PARTS,
                 MIRRORED,
@@ -130,9 +130,9 @@ pub(super) fn drawing(coarse: &[FanRay], dense: &[FanRay]) -> Result<String, Sur
         }
     }
     for ray in coarse {
-        if let (Some(met), Some(end)) = (&ray.hit, &ray.wall_hit) {
-            drawing.line(ray.ray.origin, met.point, PARTS, "black", "stroke-width=\"1.6\"");
-            drawing.line(met.point, end.point, PARTS, "black", "stroke-width=\"1.6\"");
+        if let (Some(hit), Some(end)) = (&ray.hit, &ray.wall_hit) {
+            drawing.line(ray.ray.origin, hit.point, PARTS, "black", "stroke-width=\"1.6\"");
+            drawing.line(hit.point, end.point, PARTS, "black", "stroke-width=\"1.6\"");
             drawing.dot(end.point, 4.0, "fill=\"black\"");
         }
     }
@@ -221,9 +221,9 @@ fn add_legend(svg: &mut Svg, ends: &[usize; WALLS.len()]) {
     let spots = if spots.is_empty() { "none".to_owned() } else { spots.join(", ") };
     let top = FRAME[3] + 28.0;
     let rows = [
-        (DIRECT, "rays of the fan with k = 4 that miss the mirror, and where they end".to_owned()),
-        ("black", "the one that meets it".to_owned()),
-        (MIRRORED, format!("k = 7, by way of the mirror, and where they end: {spots}")),
+        (DIRECT, "rays of the fan with k = 4 that miss the mirror, and their ends".to_owned()),
+        ("black", "the one that hits it".to_owned()),
+        (MIRRORED, format!("k = 7, by way of the mirror, and their ends: {spots}")),
         (HULL, "convex hull of the control points".to_owned()),
     ];
     for (number, (colour, words)) in rows.iter().enumerate() {

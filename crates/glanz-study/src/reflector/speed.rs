@@ -1,4 +1,4 @@
-//! How many particles a second go by way of one and of two mirrors of one and of many patches.
+//! Number of particles per second by way of one and of two mirrors, of one and of many patches.
 
 use std::time::{Duration, Instant};
 
@@ -20,36 +20,36 @@ use glanz_report::number::{grouped, significant};
 /// Parts of an edge of a mirror: 1, 100 and 10 000 patches each.
 pub(super) const EDGES: [u32; 3] = [1, 10, 100];
 
-/// Threads.
+/// Numbers of threads.
 const THREADS: [usize; 2] = [1, 2];
 
-/// Mirrors on the way.
+/// Numbers of reflections.
 const BOUNCES: [u8; 2] = [1, 2];
 
-/// Particles that are sent again and again.
+/// Number of particles that are traced repeatedly.
 const PARTICLES: usize = 20_000;
 
-/// Of those that are tried to find them, at most.
+/// Largest number of candidates for these.
 const TRIED: u32 = 1_000_000;
 
 /// Particles that a thread takes at a time.
 const CHUNK: usize = 256;
 
-/// What one setting gave.
+/// Result of one configuration.
 pub(super) struct Speed {
     bounces: u8,
     patches: u64,
     threads: usize,
-    /// Per second of wall time.
+    /// Particles per second of wall time.
     per_second: f64,
-    /// Processor time of one.
+    /// Processor time of one particle.
     each: Duration,
 }
 
-/// The same surface in n^2 patches.
+/// The same surface divided into n^2 patches.
 ///
 /// # Errors
-/// None that can happen: the parts are inside.
+/// None in practice: the parts are inside.
 fn divided(patch: &TrianglePatch, n: u32) -> Result<Vec<TrianglePatch>, SurfaceError> {
     let at =
         |i: u32, j: u32| Barycentric::from_parameters(DVec2::new(f64::from(i), f64::from(j)) / f64::from(n));
@@ -63,10 +63,10 @@ fn divided(patch: &TrianglePatch, n: u32) -> Result<Vec<TrianglePatch>, SurfaceE
     Ok(parts)
 }
 
-/// A second mirror, under the ceiling, where the light of the first comes to: a quadratic triangle bulging downwards.
+/// A second mirror, under the ceiling in the light of the first: a quadratic triangle that bulges downwards.
 ///
 /// # Errors
-/// None that can happen: the control points are valid.
+/// None in practice: the control points are valid.
 fn second() -> Result<TrianglePatch, SurfaceError> {
     let (z, low) = (9.8, 9.4);
     let points = [
@@ -80,10 +80,10 @@ fn second() -> Result<TrianglePatch, SurfaceError> {
     TrianglePatch::try_from_points(2, &points, None)
 }
 
-/// Measures all settings; `edges`: parts of the mirrors' edges.
+/// Measures all configurations; `edges`: numbers of parts of the mirrors' edges.
 ///
 /// # Errors
-/// An end that was wanted; threads that cannot be started.
+/// [`StudyError::Interrupted`]; [`StudyError::Threads`].
 pub(super) fn measure(edges: &[u32], settings: &Settings) -> Result<Vec<Speed>, StudyError> {
     let mut speeds = Vec::new();
     for bounces in BOUNCES {
@@ -93,7 +93,7 @@ pub(super) fn measure(edges: &[u32], settings: &Settings) -> Result<Vec<Speed>, 
         for &n in edges {
             let scene = scene(mirrors, n)?;
             if particles.is_empty() {
-                particles = chosen(&scene, bounces, settings)?;
+                particles = select_particles(&scene, bounces, settings)?;
             }
             for threads in THREADS {
                 let (per_second, each) = timed(&scene, &particles, threads, settings)?;
@@ -113,8 +113,8 @@ fn scene(mirrors: &[TrianglePatch], n: u32) -> Result<Scene, StudyError> {
     Ok(builder.resolve()?.0)
 }
 
-/// Particles that are reflected so often.
-fn chosen(scene: &Scene, bounces: u8, settings: &Settings) -> Result<Vec<Ray>, StudyError> {
+/// Particles with exactly `bounces` reflections.
+fn select_particles(scene: &Scene, bounces: u8, settings: &Settings) -> Result<Vec<Ray>, StudyError> {
     settings.cancel.check()?;
     let bounds = mirror()?.bounds();
     let aim = ConeSource::at((bounds.center(), 0.5 * bounds.diagonal().length()), settings.seed);
@@ -158,16 +158,16 @@ fn timed(
     Ok((sent as f64 / begun.elapsed().as_secs_f64(), Duration::from_secs_f64(each)))
 }
 
-/// Adds the chapter.
+/// Adds the section to the report.
 pub(super) fn add_to(speeds: &[Speed], report: &mut Report) {
     report.heading("Speed");
     report.paragraph(
-        "Particles that meet the mirror once, and such that meet a second one under the ceiling as well, until they reach a wall. \
-         Both mirrors are the same surfaces cut into more and more patches. Processor time does not depend on what else the machine \
-         does; wall time does.",
+        "Particles that are reflected by the mirror, or also by a second one under the ceiling, until they reach a wall. \
+         Both mirrors are the same surfaces divided into increasing numbers of patches. Unlike wall time, processor time \
+         does not depend on other work of the machine.",
     );
     let columns = [
-        ("bounces", "mirrors met"),
+        ("bounces", "reflections"),
         ("patches", "patches"),
         ("threads", "threads"),
         ("particles_per_s", "particles per second of wall time"),
@@ -181,7 +181,7 @@ pub(super) fn add_to(speeds: &[Speed], report: &mut Report) {
             speed.patches.into(),
             (speed.threads as u64).into(),
             speed.per_second.into(),
-            // One to each mirror, one to the wall.
+            // One ray to each mirror, one to the wall.
             (speed.per_second * f64::from(speed.bounces + 1)).into(),
             (1e9 * speed.each.as_secs_f64()).into(),
         ]);

@@ -1,4 +1,4 @@
-//! How light converges, step by step (as @cohen1988 compare it).
+//! Convergence of light step by step (as compared by @cohen1988).
 
 use glanz_light::Spectrum;
 use glanz_radiosity::elements::Elements;
@@ -9,32 +9,32 @@ use super::field::error_of;
 use super::progressive::Progressive;
 use crate::study::{Settings, StudyError};
 
-/// Light that is left in the end.
+/// Share of unshot light at the end.
 const LEFT: f64 = 1e-3;
 
-/// Steps at most, per element.
+/// Largest number of steps per element.
 const STEPS: usize = 20;
 
-/// Points are this factor apart, or a step.
+/// Factor between the steps of two points, at least one step.
 const APART: f64 = 1.05;
 
-/// Sweeps of Gauss and Seidel's method that are shown.
+/// Number of sweeps of the Gauss-Seidel method.
 const SWEEPS: u32 = 8;
 
-/// Errors after steps: elements that shot, or that gathered.
+/// Errors over steps: elements that have shot or gathered.
 pub(super) struct Descent {
     pub(super) elements: usize,
     pub(super) shooting: Vec<[f64; 2]>,
     pub(super) with_ambient: Vec<[f64; 2]>,
     pub(super) gathering: Vec<[f64; 2]>,
-    /// Of the flux of the lamps, what is left after each of the steps of `shooting`.
+    /// Share of the lamps' flux that is unshot after each of the steps of `shooting`.
     pub(super) left: Vec<f64>,
 }
 
-/// Solves with form factors that are known, against `end`, where nothing changes any more.
+/// Solves with known form factors and compares with `end`, the converged solution.
 ///
 /// # Errors
-/// An end that was wanted.
+/// [`StudyError::Interrupted`].
 pub(super) fn descent(
     elements: &Elements<'_>,
     factors: &FormFactors,
@@ -44,7 +44,7 @@ pub(super) fn descent(
     let list = &elements.list;
     let error = |found: &[Spectrum]| error_of(list, found, end);
     let mut shot = Progressive::new(elements);
-    let mut made = Descent {
+    let mut curves = Descent {
         elements: list.len(),
         shooting: Vec::new(),
         with_ambient: Vec::new(),
@@ -60,24 +60,24 @@ pub(super) fn descent(
             settings.cancel.check()?;
             next = (step as f64 * APART).max(next + 1.0);
             let left = shot.left(elements);
-            made.shooting.push([step as f64, error(shot.radiosity())]);
-            made.with_ambient.push([step as f64, error(&shot.with_ambient(elements))]);
-            made.left.push(left);
+            curves.shooting.push([step as f64, error(shot.radiosity())]);
+            curves.with_ambient.push([step as f64, error(&shot.with_ambient(elements))]);
+            curves.left.push(left);
             if left <= LEFT {
                 break;
             }
         }
     }
     for sweeps in 1..=SWEEPS {
-        let way = GaussSeidel { tolerance: 0.0, sweeps };
-        let solved = gauss_seidel(list, factors, &way, &settings.cancel)?;
-        made.gathering.push([(sweeps as usize * list.len()) as f64, error(&solved.radiosity)]);
+        let method = GaussSeidel { tolerance: 0.0, sweeps };
+        let solution = gauss_seidel(list, factors, &method, &settings.cancel)?;
+        curves.gathering.push([(sweeps as usize * list.len()) as f64, error(&solution.radiosity)]);
     }
-    Ok(made)
+    Ok(curves)
 }
 
 impl Descent {
-    /// Steps after which an error stays below `error`, if it does.
+    /// Number of steps after which the error stays below `error`; `None` if it does not.
     pub(super) fn steps_to(curve: &[[f64; 2]], error: f64) -> Option<f64> {
         let above = curve.iter().rposition(|point| point[1] > error);
         curve.get(above.map_or(0, |place| place + 1)).map(|point| point[0])

@@ -1,4 +1,4 @@
-//! Light on elements, and how far two such are apart.
+//! Light on elements, and differences between two solutions.
 
 use std::collections::HashMap;
 
@@ -6,10 +6,10 @@ use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::DVec2;
 use glanz_radiosity::elements::{Element, Elements, Part, Patch};
 
-/// Side of a face.
+/// Side of a face: surface, face, back.
 type FaceSide = (u32, u32, bool);
 
-/// What elements send back of what they receive, as luminance; light of their own is left out, which all solvers know.
+/// Reflected light of elements, as luminance; emitted light is left out because it is given.
 pub(super) struct Field<'a> {
     list: &'a [Element],
     reflected: Vec<f64>,
@@ -35,22 +35,22 @@ impl<'a> Field<'a> {
         Self { list: &elements.list, reflected, sides }
     }
 
-    /// Whether it is light on these elements.
+    /// Whether the field belongs to these elements.
     pub(super) fn is_on(&self, elements: &Elements<'_>) -> bool {
         std::ptr::eq(self.list, elements.list.as_slice())
     }
 
-    /// The light at a place of a side; `None` where there is no element.
+    /// The light at a point of a side; `None` where there is no element.
     fn at(&self, side: FaceSide, uv: DVec2) -> Option<f64> {
         let holds = |&&number: &&usize| self.list.get(number).is_some_and(|e| e.patch.part.holds(uv));
         let number = self.sides.get(&side)?.iter().find(holds)?;
         self.reflected.get(*number).copied()
     }
 
-    /// Root of the mean over areas of the squared difference from `reference`, per that of the reference.
+    /// Root mean square difference from `reference` over the area, relative to that of the reference.
     ///
-    /// Compared are means over the elements of the reference, of its parts after so many `levels` of quarters: what is finer than the reference is not
-    /// blamed for that.
+    /// Compares means over the elements of the reference, sampled in parts after `levels` quarterings, so that a solution that is
+    /// finer than the reference is not at a disadvantage.
     pub(super) fn error(&self, reference: &Self, levels: u32) -> f64 {
         let (mut difference, mut norm) = (0.0, 0.0);
         for (element, &expected) in reference.list.iter().zip(&reference.reflected) {

@@ -1,4 +1,4 @@
-//! Plots.
+//! Plots of the study.
 
 use super::descent::Descent;
 use super::measure::{LEFT, RoomSolutions, SolverKind, SolverRun};
@@ -6,7 +6,7 @@ use crate::report::Figure;
 use glanz_report::number::significant;
 use glanz_report::{Axis, Plot, ReferenceLine, Series};
 
-/// Exponent of the power of x that fits points best, by least squares of logarithms; `None` if there are not two.
+/// Exponent of the power law that fits the points, by least squares of logarithms; `None` for fewer than two points.
 pub(super) fn exponent(points: &[[f64; 2]]) -> Option<f64> {
     let logs: Vec<[f64; 2]> =
         points.iter().filter(|p| p[0] > 0.0 && p[1] > 0.0).map(|p| p.map(f64::ln)).collect();
@@ -33,12 +33,12 @@ pub(super) fn time(run: &SolverRun) -> Option<f64> {
     Some(run.processors.as_secs_f64())
 }
 
-/// Factors or links.
-pub(super) fn kept(run: &SolverRun) -> Option<f64> {
-    Some(run.kept? as f64)
+/// Stored form factors or links.
+pub(super) fn stored(run: &SolverRun) -> Option<f64> {
+    Some(run.stored? as f64)
 }
 
-/// Rays.
+/// Number of rays.
 pub(super) fn rays(run: &SolverRun) -> Option<f64> {
     Some(run.rays as f64)
 }
@@ -63,7 +63,7 @@ pub(super) fn figures(outcome: &RoomSolutions) -> Vec<Figure> {
                 title: format!("{title}, room {name}"),
                 x: Axis::logarithmic("elements"),
                 y: Axis::logarithmic(y),
-                // Those without points too, so that each solver has its colour everywhere.
+                // Series without points are included, so that each solver has the same colour in all plots.
                 series: all.into(),
                 reference_lines: Vec::new(),
             };
@@ -90,19 +90,17 @@ pub(super) fn figures(outcome: &RoomSolutions) -> Vec<Figure> {
             over("time", "Time", "processor time, s", &time, true),
             &format!("Processor time of a solution over its number of elements; {fitted}."),
         ),
+        figure(over("rays", "Rays", "rays", &rays, true), &format!("Visibility rays; {fitted}.")),
         figure(
-            over("rays", "Rays", "rays", &rays, true),
-            &format!("Rays that on_progress what sees what; {fitted}."),
-        ),
-        figure(
-            over("kept", "Memory", "form factors or links that are kept", &kept, true),
+            over("kept", "Memory", "stored form factors or links", &stored, true),
             &format!(
-                "Form factors of all pairs that see each other, or links; progressive refinement keeps none; {fitted}."
+                "Form factors of all pairs that see each other, or links; progressive refinement stores none; {fitted}."
             ),
         ),
         figure(
             over("error", "Error against all pairs", "relative L2 error", &|run| run.errors[0], false),
-            "Error against the finest solution by all pairs, over the number of elements: where it no longer falls, it is that of the finest itself.",
+            "Error against the finest solution by all pairs, over the number of elements; where it no longer falls, it is \
+             the error of that solution itself.",
         ),
         figure(
             over(
@@ -114,10 +112,7 @@ pub(super) fn figures(outcome: &RoomSolutions) -> Vec<Figure> {
             ),
             "Error against the finest hierarchical solution.",
         ),
-        figure(
-            (format!("error_time_{name}"), error_time),
-            "The same over processor time: what one gets for it.",
-        ),
+        figure((format!("error_time_{name}"), error_time), "The same error over processor time."),
         convergence(outcome),
     ]
 }
@@ -128,7 +123,7 @@ fn convergence(outcome: &RoomSolutions) -> Figure {
         |name: &str, points: &Vec<[f64; 2]>| Series { name: name.to_owned(), points: points.clone() };
     let at = shooting.iter().zip(left).find(|(_, left)| **left <= LEFT).map(|(point, _)| point[0]);
     let rule = |at| ReferenceLine {
-        name: format!("{} of the light left", significant(LEFT)),
+        name: format!("{} of the light unshot", significant(LEFT)),
         vertical: true,
         at,
         series: None,
@@ -137,7 +132,7 @@ fn convergence(outcome: &RoomSolutions) -> Figure {
         name: format!("convergence_{}", outcome.name),
         plot: Plot {
             title: format!("Convergence, room {}, {elements} elements", outcome.name),
-            x: Axis::logarithmic("steps: elements that shot, or gathered"),
+            x: Axis::logarithmic("steps: elements that have shot or gathered"),
             y: Axis::logarithmic("relative L2 error"),
             series: vec![
                 series("shooting", shooting),
@@ -146,8 +141,8 @@ fn convergence(outcome: &RoomSolutions) -> Figure {
             ],
             reference_lines: at.map(rule).into_iter().collect(),
         },
-        caption: "Distance from the solution that no longer changes, after each element that shoots, without and with an estimate of the light \
-                  that is still on its way, and after sweeps in which all elements gather (as Cohen and others compare them, 1988)."
+        caption: "Difference from the converged solution after each shooting element, without and with an estimate of the \
+         unshot light, and after sweeps in which all elements gather (as compared by Cohen and others, 1988)."
             .to_owned(),
     }
 }

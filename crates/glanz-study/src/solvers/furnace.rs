@@ -1,4 +1,4 @@
-//! A closed box whose walls all shine and reflect alike: what each place sends is E / (1 - rho).
+//! A closed box whose walls all emit and reflect alike: its radiosity is E / (1 - rho) everywhere.
 
 use glanz_job::Silent;
 use glanz_light::{Spectrum, Wavelengths};
@@ -13,7 +13,7 @@ use super::measure::{LEFT, SolverKind};
 use super::progressive::Progressive;
 use crate::study::{Settings, StudyError};
 
-/// Shares that the walls reflect.
+/// Reflectances of the walls.
 const REFLECTANCES: [f32; 3] = [0.3, 0.6, 0.9];
 
 /// Sides of the box and of its elements, metres.
@@ -23,51 +23,51 @@ const SIDE: f64 = 0.6;
 /// Bound of the hierarchical solver.
 const BOUND: f64 = 1e-3;
 
-/// What a solver makes of a box.
+/// Result of a solver for a box.
 pub(super) struct Furnace {
     pub(super) reflectance: f64,
     pub(super) solver: SolverKind,
     pub(super) elements: usize,
-    /// Mean over areas, and smallest and largest value of an element, per E / (1 - rho).
+    /// Mean over areas, and smallest and largest value of an element, relative to E / (1 - rho).
     pub(super) mean: f64,
     pub(super) range: [f64; 2],
     /// Smallest and largest sum of the form factors of an element.
     pub(super) sums: Option<[f64; 2]>,
-    /// Of the emitted light, what has not been sent.
+    /// Unshot share of the emitted light.
     pub(super) left: Option<f64>,
 }
 
-/// All boxes in all ways.
+/// Solves all boxes by all solvers.
 ///
 /// # Errors
-/// An end that was wanted.
+/// [`StudyError::Interrupted`].
 pub(super) fn measure(settings: &Settings) -> Result<Vec<Furnace>, StudyError> {
-    let mut made = Vec::new();
+    let mut furnaces = Vec::new();
     for reflectance in REFLECTANCES {
         settings.cancel.check()?;
         let scene = scene(reflectance)?;
         let expected = std::f64::consts::PI / (1.0 - f64::from(reflectance));
         let elements = Elements::new(&scene, &ElementSettings { side: SIDE })?;
         let factors = FormFactors::new(&elements, &settings.cancel)?;
-        let solved = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &settings.cancel)?;
+        let solution = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &settings.cancel)?;
         let inside = (0..elements.list.len()).filter(|&i| elements.list.get(i).is_some_and(is_inside));
         let sums = range(inside.map(|i| factors.sum(i)));
         let one = |solver, elements: &Elements<'_>, radiosity: &[Spectrum]| {
             Furnace::new(f64::from(reflectance), solver, &elements.list, radiosity, expected)
         };
-        made.push(Furnace { sums: Some(sums), ..one(SolverKind::Full, &elements, &solved.radiosity) });
+        furnaces.push(Furnace { sums: Some(sums), ..one(SolverKind::Full, &elements, &solution.radiosity) });
         let mut shot = Progressive::new(&elements);
         while shot.left(&elements) > LEFT && shot.shoot_known(&elements, &factors) {}
         let left = Some(shot.left(&elements));
-        made.push(Furnace { left, ..one(SolverKind::Progressive, &elements, shot.radiosity()) });
+        furnaces.push(Furnace { left, ..one(SolverKind::Progressive, &elements, shot.radiosity()) });
         let start = Elements::new(&scene, &ElementSettings { side: SIZE.max_element() })?;
-        let way = Hierarchical { bound: BOUND, ..Hierarchical::default() };
-        let solved = hierarchical(start, &way, &mut Silent, &settings.cancel)
+        let method = Hierarchical { bound: BOUND, ..Hierarchical::default() };
+        let solution = hierarchical(start, &method, &mut Silent, &settings.cancel)
             .map_err(|error| StudyError::Unreadable(error.to_string()))?;
         settings.cancel.check()?;
-        made.push(one(SolverKind::Hierarchical, &solved.elements, &solved.radiosity));
+        furnaces.push(one(SolverKind::Hierarchical, &solution.elements, &solution.radiosity));
     }
-    Ok(made)
+    Ok(furnaces)
 }
 
 fn is_inside(element: &Element) -> bool {
@@ -103,7 +103,7 @@ impl Furnace {
     }
 }
 
-/// The box, fronts of its walls inside.
+/// The box, with the fronts of its walls inside.
 fn scene(reflectance: f32) -> Result<Scene, StudyError> {
     let walls = walls().map(|wall| wall.emitting(1.0));
     Ok(SceneBuilder::new().shapes(walls, MaterialKind::diffuse(reflectance)).resolve()?.0)

@@ -1,4 +1,4 @@
-//! One room, solved in all ways.
+//! Solutions of one room by all solvers.
 
 use std::time::{Duration, Instant};
 
@@ -15,39 +15,39 @@ use super::progressive::Progressive;
 use crate::clock::{Stopwatch, TimeScope};
 use crate::study::{Settings, StudyError};
 
-/// Largest side of elements, metres, and how it goes down.
+/// Largest side of elements, metres, and the factor to the next smaller one.
 const LONGEST: f64 = 2.0;
 const FINER: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Divisions at most.
+/// Largest number of divisions.
 const DIVISIONS: u32 = 40;
 
-/// Least growth of the number of elements from one division to the next.
+/// Smallest growth of the number of elements from one division to the next.
 const GROWTH: f64 = 1.2;
 
-/// Light that is left where progressive refinement ends, as a share of what was emitted.
+/// Unshot share of the emitted light at which progressive refinement ends.
 pub(super) const LEFT: f64 = 0.1;
 
-/// Bounds of the hierarchical solver: the first, and how they go down.
+/// Bounds of the hierarchical solver: the first, the factor to the next, and their number.
 const BOUND: f64 = 1e-2;
 const TIGHTER: f64 = 0.316_227_766_016_837_94;
 const BOUNDS: usize = 10;
 
-/// Levels of quarters of an element of a reference over which means are taken: of all pairs, and of links, where there are more elements.
+/// Quarterings of an element of a reference for means over it: of all pairs, and of links, which have more elements.
 const ACROSS: u32 = 2;
 const ACROSS_LINKS: u32 = 1;
 
-/// It goes on to so many times the elements of the finest solution by all pairs.
+/// Number of elements at which the hierarchical solver ends, relative to the finest solution by all pairs.
 const MORE: usize = 6;
 
-/// A way to solve.
+/// The compared solvers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SolverKind {
-    /// Form factors of all pairs, Gauss and Seidel's method.
+    /// Form factors of all pairs, Gauss-Seidel method.
     Full,
     /// Progressive refinement.
     Progressive,
-    /// Links by a bound.
+    /// Links by an error bound.
     Hierarchical,
 }
 
@@ -63,35 +63,35 @@ impl SolverKind {
     }
 }
 
-/// What a solution took, and how good it is.
+/// Cost and errors of a solution.
 #[derive(Clone, Debug)]
 pub(super) struct SolverRun {
     pub(super) solver: SolverKind,
     /// Largest side of elements, metres; or the bound.
     pub(super) setting: f64,
     pub(super) elements: usize,
-    /// Of all threads.
+    /// Processor time of all threads.
     pub(super) processors: Duration,
     pub(super) wall: Duration,
-    /// Form factors or links that are kept.
-    pub(super) kept: Option<usize>,
-    /// What they take, where the library tells it, or the light of the elements.
+    /// Number of stored form factors or links.
+    pub(super) stored: Option<usize>,
+    /// Memory of the form factors, if known, or of the light of the elements.
     pub(super) bytes: Option<usize>,
     pub(super) rays: u64,
-    /// Sweeps, or elements that shot.
+    /// Sweeps, or elements that have shot.
     pub(super) steps: usize,
-    /// From the solution on the same elements that no longer changes.
+    /// Difference from the converged solution on the same elements.
     pub(super) unfinished: Option<f64>,
-    /// From the finest solution by all pairs, and from that by links; none for itself.
+    /// Differences from the finest solution by all pairs, and from that by links; `None` for itself.
     pub(super) errors: [Option<f64>; 2],
 }
 
-/// What came of a room.
+/// Results of a room.
 pub(super) struct RoomSolutions {
     pub(super) name: String,
-    /// By solver, coarse before fine.
+    /// Solutions by solver, coarse before fine.
     pub(super) runs: Vec<SolverRun>,
-    /// Of the coarsest elements.
+    /// Convergence on the coarsest elements.
     pub(super) descent: Descent,
 }
 
@@ -101,14 +101,14 @@ impl RoomSolutions {
     }
 }
 
-/// Runs a closure, and what that took.
+/// The value of `work`, with its processor time and wall time.
 fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration, Duration) {
     let (watch, begun) = (Stopwatch::start(TimeScope::Process), Instant::now());
     let value = work();
     (value, watch.elapsed(), begun.elapsed())
 }
 
-/// Divisions of a scene that are not too fine, fine before coarse; the coarsest in any case.
+/// Divisions of a scene with at most `most` elements, fine before coarse; at least the coarsest one.
 fn divisions<'a>(scene: &'a Scene, most: usize) -> Result<Vec<(f64, Elements<'a>)>, StudyError> {
     let mut found: Vec<(f64, Elements<'a>)> = Vec::new();
     let mut side = LONGEST.min(0.5 * scene.bounds().diagonal().length());
@@ -127,10 +127,10 @@ fn divisions<'a>(scene: &'a Scene, most: usize) -> Result<Vec<(f64, Elements<'a>
     Ok(found)
 }
 
-/// Solves a room in all ways. `on_progress`: what comes next, and the share that is done.
+/// Solves a room by all solvers. `on_progress` receives the completed share and the next step.
 ///
 /// # Errors
-/// An end that was wanted, or a room that cannot be divided.
+/// [`StudyError::Interrupted`], or a room that cannot be divided.
 pub(super) fn measure(
     name: &str,
     scene: &Scene,
@@ -142,7 +142,7 @@ pub(super) fn measure(
     let divisions = divisions(scene, most)?;
     let mut of_divisions: Vec<(SolverRun, &Elements<'_>, RadiosityValues)> = Vec::new();
     let mut last = None;
-    // Both ways go with the square, and the hierarchy is as much again as the finest.
+    // Both solvers scale with the square, and the hierarchy counts like the finest division.
     let square = |elements: &Elements<'_>| (elements.list.len() as f64).powi(2);
     let first = divisions.first().map_or(0.0, |(_, elements)| square(elements));
     let all = 2.0 * divisions.iter().map(|(_, elements)| square(elements)).sum::<f64>() + first;
@@ -204,25 +204,25 @@ fn all_pairs(
 ) -> Result<(SolverRun, FormFactors, RadiosityValues), StudyError> {
     let solve = || {
         let factors = FormFactors::new(elements, &settings.cancel)?;
-        let solved = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &settings.cancel)?;
-        Ok::<_, StudyError>((factors, solved))
+        let solution = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &settings.cancel)?;
+        Ok::<_, StudyError>((factors, solution))
     };
-    let (made, processors, wall) = timed(solve);
-    let (factors, solved) = made?;
+    let (result, processors, wall) = timed(solve);
+    let (factors, solution) = result?;
     let run = SolverRun {
         solver: SolverKind::Full,
         setting: side,
         elements: elements.list.len(),
         processors,
         wall,
-        kept: Some((0..factors.len()).map(|i| factors.row(i).len()).sum()),
+        stored: Some((0..factors.len()).map(|i| factors.row(i).len()).sum()),
         bytes: Some(factors.bytes()),
         rays: factors.rays(),
-        steps: solved.sweeps as usize,
+        steps: solution.sweeps as usize,
         unfinished: Some(0.0),
         errors: [None; 2],
     };
-    Ok((run, factors, solved.radiosity))
+    Ok((run, factors, solution.radiosity))
 }
 
 fn progressive(
@@ -238,16 +238,16 @@ fn progressive(
         }
         Ok::<_, StudyError>((shot, steps))
     };
-    let (made, processors, wall) = timed(solve);
-    let (shot, steps) = made?;
+    let (result, processors, wall) = timed(solve);
+    let (shot, steps) = result?;
     let run = SolverRun {
         solver: SolverKind::Progressive,
         setting: side,
         elements: elements.list.len(),
         processors,
         wall,
-        kept: None,
-        // What has arrived, and what has not been sent.
+        stored: None,
+        // Radiosity and unshot radiosity.
         bytes: Some(2 * size_of_val(shot.radiosity())),
         rays: shot.rays(),
         steps,
@@ -262,29 +262,29 @@ fn by_links<'a>(
     bound: f64,
     settings: &Settings,
 ) -> Result<(SolverRun, Elements<'a>, RadiosityValues), StudyError> {
-    // Faces in one piece.
+    // Undivided faces.
     let side = 2.0 * scene.bounds().diagonal().length();
-    let way = Hierarchical { bound, ..Hierarchical::default() };
+    let method = Hierarchical { bound, ..Hierarchical::default() };
     let solve = || {
         let start = Elements::new(scene, &ElementSettings { side })?;
-        hierarchical(start, &way, &mut Silent, &settings.cancel)
+        hierarchical(start, &method, &mut Silent, &settings.cancel)
             .map_err(|error| StudyError::Unreadable(error.to_string()))
     };
-    let (made, processors, wall) = timed(solve);
-    let solved = made?;
+    let (result, processors, wall) = timed(solve);
+    let solution = result?;
     settings.cancel.check()?;
     let run = SolverRun {
         solver: SolverKind::Hierarchical,
         setting: bound,
-        elements: solved.elements.list.len(),
+        elements: solution.elements.list.len(),
         processors,
         wall,
-        kept: Some(solved.effort.links),
+        stored: Some(solution.effort.links),
         bytes: None,
-        rays: solved.effort.rays,
-        steps: solved.effort.sweeps as usize,
+        rays: solution.effort.rays,
+        steps: solution.effort.sweeps as usize,
         unfinished: None,
         errors: [None; 2],
     };
-    Ok((run, solved.elements, solved.radiosity))
+    Ok((run, solution.elements, solution.radiosity))
 }

@@ -16,13 +16,13 @@ use crate::report::Report;
 use crate::rooms;
 use crate::study::{Settings, StudyError, StudyProgress};
 
-/// Elements of the finest solution by all pairs, at most.
+/// Default of the largest number of elements of a solution by all pairs.
 const ELEMENTS: u32 = 3000;
 
 /// Runs the study.
 ///
 /// # Errors
-/// An end that was wanted, or rooms that cannot be read or divided.
+/// [`StudyError::Interrupted`], or rooms that cannot be read or divided.
 pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
     settings.cancel.check()?;
     let most = settings.elements.unwrap_or(ELEMENTS) as usize;
@@ -41,7 +41,7 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
         let mut on_progress = |share: f64, what: &str| {
             progress.report((number as f64 + 1.0 + share) / parts, &format!("{name}, {what}"));
         };
-        // The pool's threads cannot on_progress how far they are: each run is told before it begins.
+        // The pool's threads do not report progress: each run is reported before it begins.
         outcomes.push(measure(name, scene, most, settings, &pool, &mut on_progress)?);
     }
     let report = report::build_report(&outcomes, &furnaces, most, pool.current_num_threads());

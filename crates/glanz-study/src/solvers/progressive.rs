@@ -14,7 +14,7 @@ use rayon::prelude::*;
 pub(super) struct Progressive {
     /// Radiosity of each element so far.
     radiosity: Vec<Spectrum>,
-    /// The part of it that has not been sent yet.
+    /// The unshot part of it.
     unshot: Vec<Spectrum>,
     /// Flux of all emitters, as luminance times area.
     emitted: f64,
@@ -30,7 +30,7 @@ impl Progressive {
         new
     }
 
-    /// Sends the light of the element that has most of it to all elements that see it. `false` if no light is left.
+    /// Shoots the light of the element with the most unshot flux to all elements that see it. `false` if no light is unshot.
     pub(super) fn shoot(&mut self, elements: &Elements<'_>) -> bool {
         let list = &elements.list;
         let Some(from) = self.brightest(list) else { return false };
@@ -67,7 +67,7 @@ impl Progressive {
         true
     }
 
-    /// The element with the most light to send.
+    /// The element with the most unshot flux.
     fn brightest(&self, list: &[Element]) -> Option<usize> {
         let flux = |i: usize| luminance(self.unshot[i]) * list[i].area;
         let from = (0..list.len()).max_by(|&i, &j| flux(i).total_cmp(&flux(j)).then(j.cmp(&i)))?;
@@ -80,8 +80,7 @@ impl Progressive {
         self.unshot[number] += sent;
     }
 
-    /// Share of the emitted flux that is still to be sent: 1 at first, 0 in the end, and more than 1 in between if surfaces
-    /// reflect much.
+    /// Unshot share of the emitted flux: 1 at first, 0 at the end, and possibly more than 1 in between for high reflectances.
     pub(super) fn left(&self, elements: &Elements<'_>) -> f64 {
         if self.emitted > 0.0 { self.unshot_flux(elements) / self.emitted } else { 0.0 }
     }
@@ -96,7 +95,7 @@ impl Progressive {
         &self.radiosity
     }
 
-    /// Radiosity of each element with an ambient term, an estimate of the light that is still to be sent, for display only.
+    /// Radiosity of each element with an ambient term, an estimate of the unshot light, for display only.
     ///
     /// Elements are assumed to see one another in proportion to their areas (@cohen1988 section 4), except for those that have
     /// received no light yet, such as the outsides of a room.
@@ -184,7 +183,7 @@ mod tests {
         for (&a, &b) in new.radiosity().iter().zip(known.radiosity()) {
             assert!((luminance(a) - luminance(b)).abs() < 1e-5, "{a:?} {b:?}");
         }
-        // Inside a convex room 16 rays or so on_progress that a pair sees each other whole; the other side of a wall takes none.
+        // Inside a convex room about 16 rays show that a pair is fully visible; the other side of a wall takes none.
         let inside = elements.list.iter().filter(|element| !element.patch.back).count() as u64;
         assert!(factors.rays() > 0 && factors.rays() <= 16 * inside * inside / 2);
         assert!(new.rays() > 0 && known.rays() == 0);

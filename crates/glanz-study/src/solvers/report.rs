@@ -1,8 +1,8 @@
-//! The report, each sentence made from the figures.
+//! The report of the study.
 
 use super::Furnace;
 use super::descent::Descent;
-use super::figures::{exponent, figures, kept, over_elements, rays, time};
+use super::figures::{exponent, figures, over_elements, rays, stored, time};
 use super::measure::{LEFT, RoomSolutions, SolverKind, SolverRun};
 use crate::clock;
 use crate::report::Report;
@@ -14,10 +14,10 @@ const SUMMARY: [(&str, &str); 12] = [
     ("solver", "solver"),
     ("elements_min", "elements, fewest"),
     ("elements_max", "elements, most"),
-    ("time_s", "time of most, s"),
+    ("time_s", "time with most, s"),
     ("time_exponent", "exponent of time"),
     ("rays_exponent", "exponent of rays"),
-    ("kept_exponent", "exponent of what is kept"),
+    ("kept_exponent", "exponent of storage"),
     ("error_first", "error, fewest"),
     ("error_last", "error, most"),
     ("links_error_first", "error against links, fewest"),
@@ -35,7 +35,7 @@ const RUNS: [(&str, &str); 13] = [
     ("kept", "factors or links"),
     ("memory_mb", "memory, MB"),
     ("steps", "sweeps or shots"),
-    ("unfinished", "from its own end"),
+    ("unfinished", "from convergence"),
     ("error", "error"),
     ("links_error", "error against links"),
 ];
@@ -49,7 +49,7 @@ const FURNACES: [(&str, &str); 9] = [
     ("largest", "largest"),
     ("sum_min", "least row sum"),
     ("sum_max", "largest row sum"),
-    ("left", "not sent"),
+    ("left", "unshot"),
 ];
 
 const CONVERGENCE: [(&str, &str); 6] = [
@@ -57,11 +57,11 @@ const CONVERGENCE: [(&str, &str); 6] = [
     ("steps", "steps"),
     ("error", "error"),
     ("error_with_ambient", "error with ambient term"),
-    ("left", "light left"),
+    ("left", "light unshot"),
     ("sweeps_error", "error of gathering"),
 ];
 
-/// The whole report.
+/// Builds the report.
 pub(super) fn build_report(
     outcomes: &[RoomSolutions],
     furnaces: &[Furnace],
@@ -69,13 +69,14 @@ pub(super) fn build_report(
     threads: usize,
 ) -> Report {
     let mut report = Report::new("Study solvers: radiosity over the number of elements", summary(outcomes));
-    report.heading("What was asked");
+    report.heading("Question");
     report.paragraph(
-        "Radiosity is B = E + rho F B, with a form factor for each pair of elements. Document 003 (chapter 4) solves it with all of them. \
-         What does that cost, what do solvers that keep fewer or none cost (@cohen1988, @hanrahan1991), and what is their answer worth?",
+        "Radiosity is B = E + rho F B, with a form factor for each pair of elements. Document 003 (chapter 4) solves it with \
+         all form factors. What are the cost and the error of this method, and of solvers that store fewer or none \
+         (@cohen1988, @hanrahan1991)?",
     );
     report.paragraph(settings_text(most, threads));
-    report.heading("What one sees");
+    report.heading("Findings");
     for sentence in outcomes.iter().flat_map(findings).chain(furnace_finding(furnaces)) {
         report.paragraph(sentence);
     }
@@ -95,11 +96,14 @@ pub(super) fn build_report(
 fn settings_text(most: usize, threads: usize) -> String {
     let clock = if clock::counts_processor_time() { "processor times of all threads" } else { "wall times" };
     format!(
-        "Settings: {}; times are {clock}, with elements and form factors. *All pairs*: elements of equal sides, up to {} of them, form factors of all pairs, Gauss \
-         and Seidel's method until nothing changes by more than 1e-6 of the largest radiosity. *Progressive*: the same elements, until {} of the lamps' flux \
-         is left to be sent; form factors are computed for each element that shoots, and not kept. *Hierarchical*: from whole faces, by a bound on the flux that a link \
-         may carry wrongly. The *error* is the root of the mean square (over areas) of the difference of reflected luminance from the finest solution by all pairs, per that of the solution, of means over each of its elements; the lamps' own light \
-         is left out. That solution is no truth: its elements are large, and the *error against links*, from the finest hierarchical solution, tells how far it is off. *From its own end* is the distance from the converged solution on the same elements.",
+        "Settings: {}; times are {clock}, including elements and form factors. *All pairs*: up to {} elements of equal \
+         sides, form factors of all pairs, Gauss-Seidel method until no radiosity changes by more than 1e-6 of the largest. \
+         *Progressive*: the same elements, until {} of the lamps' flux is unshot; form factors are computed for each \
+         shooting element and not stored. *Hierarchical*: refined from whole faces, by a bound on the error of the flux of a \
+         link. The *error* is the root mean square difference (by area) of reflected luminance from the finest solution by \
+         all pairs, relative to that solution, with means over its elements; emitted light is left out. That solution has \
+         large elements and errors of its own; the *error against links*, from the finest hierarchical solution, shows them. \
+         *From convergence* is the difference from the converged solution on the same elements.",
         plural(threads as u64, "thread", "threads"),
         grouped(most as u64),
         significant(LEFT),
@@ -124,7 +128,7 @@ fn summary(outcomes: &[RoomSolutions]) -> Table {
                 last.processors.as_secs_f64().into(),
                 fitted(&time).into(),
                 fitted(&rays).into(),
-                fitted(&kept).into(),
+                fitted(&stored).into(),
                 first.errors[0].into(),
                 last.errors[0].into(),
                 first.errors[1].into(),
@@ -136,7 +140,8 @@ fn summary(outcomes: &[RoomSolutions]) -> Table {
 }
 
 fn runs(outcomes: &[RoomSolutions]) -> Table {
-    let caption = "All solutions. Memory is that of form factors, or, where none are kept, of the light of elements; that of links is not told.";
+    let caption = "All solutions. Memory is that of form factors, or, if none are stored, of the light of elements; that of \
+     links is unknown.";
     let mut table = Table::new("runs", caption, &RUNS);
     for outcome in outcomes {
         for run in SolverKind::ALL.into_iter().flat_map(|solver| outcome.of(solver)) {
@@ -148,7 +153,7 @@ fn runs(outcomes: &[RoomSolutions]) -> Table {
                 run.processors.as_secs_f64().into(),
                 run.wall.as_secs_f64().into(),
                 run.rays.into(),
-                run.kept.map(|count| count as u64).into(),
+                run.stored.map(|count| count as u64).into(),
                 run.bytes.map(|bytes| bytes as f64 / 1e6).into(),
                 (run.steps as u64).into(),
                 run.unfinished.into(),
@@ -161,13 +166,13 @@ fn runs(outcomes: &[RoomSolutions]) -> Table {
 }
 
 fn furnace_table(furnaces: &[Furnace]) -> Table {
-    let caption = "A closed box whose walls all emit E and reflect rho: radiosity per E / (1 - rho), which is 1 everywhere, and sums of the form factors of an element, which are 1; \
-                   light that progressive refinement has not sent yet, per what was emitted.";
+    let caption = "A closed box whose walls all emit E and reflect rho: radiosity relative to E / (1 - rho) and sums of the \
+     form factors of an element, which should both be 1; unshot share of the emitted light after progressive refinement.";
     let mut table = Table::new("furnaces", caption, &FURNACES);
     for furnace in furnaces {
         let [least, largest] = furnace.range;
         table.push([
-            // f32 inside: its digits beyond the seventh say nothing.
+            // Stored as f32: digits beyond the seventh are meaningless.
             ((furnace.reflectance * 1e6).round() / 1e6).into(),
             furnace.solver.name().into(),
             (furnace.elements as u64).into(),
@@ -212,19 +217,20 @@ fn findings(outcome: &RoomSolutions) -> Vec<String> {
             slopes.join(", ")
         ));
     }
-    found.extend(race(outcome));
+    found.extend(hierarchical_speed_up(outcome));
     found.extend(per_element(outcome));
     found.extend(ambient(outcome));
     found
 }
 
-/// The hierarchical solver against the finest of the others.
-fn race(outcome: &RoomSolutions) -> Option<String> {
+/// Comparison of the hierarchical solver with the finest solution by all pairs.
+fn hierarchical_speed_up(outcome: &RoomSolutions) -> Option<String> {
     let full = outcome.of(SolverKind::Full).last()?;
     let more = outcome.of(SolverKind::Hierarchical).find(|run| run.elements >= full.elements)?;
     let ratio = full.processors.as_secs_f64() / more.processors.as_secs_f64().max(1e-3);
     Some(format!(
-        "Room {}: all pairs of {} elements take {} s, links between {} elements {} s, {} times less, with an error of {} against the former.",
+        "Room {}: all pairs of {} elements take {} s, links between {} elements {} s, {} times less, with an error of {} \
+         against the solution by all pairs.",
         outcome.name,
         grouped(full.elements as u64),
         significant(full.processors.as_secs_f64()),
@@ -235,13 +241,14 @@ fn race(outcome: &RoomSolutions) -> Option<String> {
     ))
 }
 
-/// How the number of links grows.
+/// Growth of the number of links.
 fn per_element(outcome: &RoomSolutions) -> Option<String> {
     let runs: Vec<&SolverRun> = outcome.of(SolverKind::Hierarchical).collect();
-    let per = |run: &SolverRun| Some(significant(run.kept? as f64 / run.elements as f64));
+    let per = |run: &SolverRun| Some(significant(run.stored? as f64 / run.elements as f64));
     let (first, last) = (runs.first()?, runs.last()?);
     Some(format!(
-        "Room {}: {} links per element with a bound of {}, and {} with {}: a tighter bound asks for more links, not for more elements alone.",
+        "Room {}: {} links per element with a bound of {}, and {} with {}: a tighter bound requires more links per element, \
+         not only more elements.",
         outcome.name,
         per(first)?,
         significant(first.setting),
@@ -261,7 +268,7 @@ fn ambient(outcome: &RoomSolutions) -> Option<String> {
     };
     (!shooting.is_empty()).then(|| {
         format!(
-            "Room {}: of {} elements, so many must shoot for an error, without and with the ambient term: {}.",
+            "Room {}: number of {} elements that must shoot for an error, without and with the ambient term: {}.",
             outcome.name,
             grouped(*elements as u64),
             [0.5, 0.2, 0.1, 0.01].map(sentence).join("; ")
@@ -277,7 +284,8 @@ fn furnace_finding(furnaces: &[Furnace]) -> Option<String> {
     let sums = furnaces.iter().filter_map(|furnace| furnace.sums);
     let sum = sums.flatten().map(|sum| (sum - 1.0).abs()).reduce(f64::max)?;
     Some(format!(
-        "In furnaces the mean radiosity is off by {} at most (all pairs), {} (hierarchical) and {} (progressive, which stops early); form factors of an element sum to 1 but for {}.",
+        "In furnaces the largest error of the mean radiosity is {} (all pairs), {} (hierarchical) and {} (progressive, which \
+         stops early); sums of the form factors of an element deviate from 1 by at most {}.",
         significant(off(SolverKind::Full)?),
         significant(off(SolverKind::Hierarchical)?),
         significant(off(SolverKind::Progressive)?),

@@ -1,4 +1,4 @@
-//! The study at the size of a stamp.
+//! The whole study at a small size.
 
 use super::*;
 use crate::study::StudyProgress;
@@ -6,7 +6,7 @@ use glanz_job::Silent;
 use glanz_report::{Table, TableCell};
 use std::path::PathBuf;
 
-/// A box with a lamp and a thing in it.
+/// A box with a lamp and a block in it.
 const BOX: &str = r#"
 WorldBegin
 Material "diffuse" "rgb reflectance" [ .6 .5 .4 ]
@@ -16,7 +16,7 @@ AreaLightSource "diffuse" "rgb L" [ 6 6 6 ]
 Shape "bilinearmesh" "point3 P" [ -.4 0 .8  -.4 .8 .8  .4 0 .8  .4 .8 .8 ]
 "#;
 
-/// A file that goes when the test ends.
+/// A file that is removed when the test ends.
 struct File(PathBuf);
 
 impl File {
@@ -75,7 +75,7 @@ fn box_is_solved_in_all_ways() {
         others[count - 1] < others[0] && of("hierarchical", "links_error").pop() == Some(None),
         "{others:?}"
     );
-    // A tenth of the light is left where shooting ends.
+    // A tenth of the light is unshot where shooting ends.
     assert!(of("progressive", "unfinished").iter().all(|off| (0.001..0.3).contains(&off.unwrap())));
 
     let furnaces = named("furnaces");

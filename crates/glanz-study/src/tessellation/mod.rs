@@ -1,4 +1,4 @@
-//! Triangles against the surface they stand for (document 002 section 7).
+//! Triangles compared with the surface that they approximate (document 002 section 7).
 
 mod picture;
 mod report;
@@ -12,7 +12,7 @@ use crate::report::Report;
 use crate::study::{Settings, StudyError, StudyProgress};
 use glanz_report::number::grouped;
 
-/// Triangles per surface: those of document 002, and two that a modern machine would take.
+/// Triangles per surface: those of document 002, and two numbers for a modern machine.
 const TRIANGLES: [u64; 7] = [1250, 5000, 11_250, 20_000, 31_250, 125_000, 2_000_000];
 
 /// Pixels of the pictures in document 002.
@@ -20,10 +20,11 @@ const SIZE: [u32; 2] = [1920, 1080];
 
 /// Numbers of surfaces.
 const SURFACES: [usize; 2] = [1, 3];
+
 /// Runs the study.
 ///
 /// # Errors
-/// An end that was wanted, or numbers of triangles that are not twice a square.
+/// [`StudyError::Interrupted`], or numbers of triangles that are not twice a square.
 pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
     settings.cancel.check()?;
     let size = settings.size.unwrap_or(SIZE);
@@ -31,7 +32,7 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
     let mut grids = counts.iter().map(|&count| grid(count)).collect::<Result<Vec<u32>, _>>()?;
     grids.sort_unstable();
     grids.dedup();
-    // The work grows with the pictures, and somewhat with the triangles of the last.
+    // The work grows with the number of pictures.
     let parts = (SURFACES.len() * (grids.len() + 3)) as f64;
     let mut done = 0.0;
     let mut report_progress = |what: String| {

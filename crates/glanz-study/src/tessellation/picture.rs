@@ -1,4 +1,4 @@
-//! The scene, its picture, and what rays through the middles of pixels see.
+//! The scene, its picture, and the hits of rays through the middles of pixels.
 
 use std::time::Duration;
 
@@ -25,13 +25,13 @@ pub(super) const EXPONENT: f32 = 60.0;
 /// Diffuse reflectance: radiance of the surface where it faces the light, without highlight.
 const DIFFUSE: f32 = 0.15;
 
-/// Two hits along a ray further apart than this, metres, are on different folds of a surface.
+/// Distance along a ray beyond which two hits are on different folds of a surface, metres.
 const FOLD: f64 = 0.02;
 
-/// A scene of these surfaces: Phong's model under one light, seen from low enough that waves hide one another.
+/// A scene of these surfaces: Phong's model under one light, seen at a grazing angle, so that waves hide one another.
 ///
 /// # Errors
-/// None that can happen: no name is used.
+/// None in practice: the scene uses no names.
 pub(super) fn description(
     surfaces: Vec<ShapeDescription>,
     [width, height]: [u32; 2],
@@ -78,18 +78,18 @@ pub(super) fn picture(
     Ok((outcome.film.to_pixels()?, time))
 }
 
-/// Rows of a picture in which [`FOLD`] also tells neighbouring pixels apart: it is twelve times their distance there.
+/// Number of rows of a picture for which [`FOLD`] also separates folds between neighbouring pixels: it is twelve times their distance.
 const FINE: u32 = 1080;
 
-/// What the ray through the middle of a pixel meets.
+/// Hit of the ray through the middle of a pixel.
 #[derive(Clone, Copy, Debug)]
 struct PixelHit {
-    /// Distance, metres; infinite if nothing is met.
+    /// Distance, metres; infinite without a hit.
     t: f64,
     normal: DVec3,
 }
 
-/// The hits of all pixels.
+/// Hits of all pixels.
 pub(super) struct PixelHits {
     width: usize,
     /// Difference of distances, metres, beyond which neighbouring pixels of a picture of this size are on different folds.
@@ -97,16 +97,16 @@ pub(super) struct PixelHits {
     pixels: Vec<PixelHit>,
 }
 
-/// How a mesh differs from the exact surface.
+/// Differences of a mesh from the exact surface.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Difference {
     /// Largest angle between normals of the same fold, radians.
     pub(super) normal_max: f64,
     /// Root of the mean square of these angles, radians.
     pub(super) normal_rms: f64,
-    /// Pixels in which another fold is seen, or only one of both.
+    /// Number of pixels that show another fold, or only one of both surfaces.
     pub(super) pixels: u64,
-    /// The same per length of the silhouettes: their mean displacement, pixels.
+    /// The same over the length of the silhouettes: their mean displacement, pixels.
     pub(super) silhouette: f64,
 }
 
@@ -122,7 +122,7 @@ impl PixelHits {
                 pixels.push(hit.map_or(miss, |at| PixelHit { t: at.t, normal: at.point.shading_normal }));
             }
         }
-        // Larger pixels see neighbours further apart.
+        // Hits of larger pixels are further apart.
         let fold = FOLD * (f64::from(FINE) / f64::from(size[1])).max(1.0);
         Ok(Self { width: size[0] as usize, fold, pixels })
     }
@@ -163,8 +163,8 @@ impl PixelHits {
         difference
     }
 
-    /// The pixels whose highlights can be compared: in a neighbourhood of 3 x 3 both see the same folds of the surface,
-    /// without a silhouette.
+    /// Mask of the pixels with comparable highlights: in a neighbourhood of 3 x 3 both show the same fold of the surface, without
+    /// a silhouette.
     pub(super) fn inner(&self, mesh: &Self) -> Vec<bool> {
         let height = self.pixels.len() / self.width.max(1);
         let at = |x: usize, y: usize| {
@@ -182,8 +182,8 @@ impl PixelHits {
     }
 }
 
-/// Breaks of the surface along a line of pixels. Where it is seen almost along itself, neighbours lie far from each other
-/// as well, but so do theirs.
+/// Breaks of the surface along a line of pixels. Where it is seen at a grazing angle, neighbours are far from each other as well,
+/// but so are the next ones.
 fn breaks<'a>(line: impl Iterator<Item = &'a PixelHit>, fold: f64) -> usize {
     let line: Vec<f64> = line.map(|hit| hit.t).collect();
     let step = |i: usize| {
@@ -209,7 +209,7 @@ fn apart(a: &PixelHit, b: &PixelHit, fold: f64) -> bool {
     }
 }
 
-/// Of the pixels of `mask` those that in one of two pictures are brighter than diffuse light alone can make them.
+/// Mask of the pixels of `mask` that are brighter than diffuse light alone in one of two pictures.
 pub(super) fn highlights(mask: &[bool], a: &Pixels, b: &Pixels) -> Vec<bool> {
     let (a, b) = (a.to_rgb().unwrap_or_default(), b.to_rgb().unwrap_or_default());
     let bright = a.iter().zip(&b).map(|(a, b)| a[1].max(b[1]) > DIFFUSE);
@@ -230,7 +230,7 @@ pub(super) fn grey_rmse(a: &Pixels, b: &Pixels, mask: Option<&[bool]>) -> f64 {
     (squares / count as f64).sqrt()
 }
 
-/// Grey level of linear light, [0, 255]; the pictures are grey, so that one channel says all.
+/// Grey level of linear light, [0, 255]; the pictures are grey, so that one channel suffices.
 fn level(rgb: [f32; 3]) -> f64 {
     let shown = Tone::default().apply(rgb);
     255.0 * f64::from(glanz_light::rgb::srgb_encode(shown[1]))

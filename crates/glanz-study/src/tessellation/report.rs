@@ -1,4 +1,4 @@
-//! The report, each sentence made from the figures.
+//! The report of the study.
 
 use glanz_light::Pixels;
 
@@ -28,15 +28,15 @@ const COLUMNS: [(&str, &str); 12] = [
     ("picture_rmse", "picture RMSE, grey levels"),
 ];
 
-/// What came out for a number of surfaces.
+/// Results for a number of surfaces.
 pub(super) struct SurfaceOutcome {
     pub(super) surfaces: usize,
     pub(super) exact: MeshCase,
     pub(super) cases: Vec<MeshCase>,
     pub(super) smallest: Option<MeshCase>,
-    /// Of the silhouettes, pixels.
+    /// Length of the silhouettes, pixels.
     pub(super) length: f64,
-    /// Share of the picture.
+    /// Share of the picture that shows a surface.
     pub(super) coverage: f64,
 }
 
@@ -64,7 +64,7 @@ fn named(surfaces: usize) -> String {
     plural(surfaces as u64, "surface", "surfaces")
 }
 
-/// The whole report; pictures are the exact one, the coarsest, and their difference, for each number of surfaces.
+/// Builds the report; `pictures`: exact, coarsest and their difference, for each number of surfaces.
 pub(super) fn build_report(
     results: &[SurfaceOutcome],
     pictures: Vec<(usize, Pixels, Pixels, Pixels)>,
@@ -83,12 +83,14 @@ pub(super) fn build_report(
             summary.push(row(case, result.surfaces));
         }
     }
-    let mut report = Report::new("Study tessellation: triangles against the surface they stand for", summary);
-    report.heading("What was asked");
+    let mut report =
+        Report::new("Study tessellation: triangles compared with the surface that they approximate", summary);
+    report.heading("Question");
     report.paragraph(
-        "Document 002 calls direct intersection of a spline surface 17.6 % slower (its table 1: 4.04 s against 3.69 s) than \
-         31 250 triangles of nearly the same look, the number from which facets could hardly be seen. How many triangles does Glanz need for highlights that cannot be \
-         told from exact ones, and what do they cost in time and memory against the exact surface?",
+        "According to document 002, direct intersection of a spline surface is 17.6 % slower (its table 1: 4.04 s and 3.69 \
+         s) than 31 250 triangles, the number at which facets are hardly visible. How many triangles does Glanz need for \
+         highlights that cannot be distinguished from exact ones, and what do they cost in time and memory, compared with \
+         the exact surface?",
     );
     report.paragraph(settings_text(results, settings));
     report.heading("Smallest sufficient number of triangles");
@@ -103,10 +105,10 @@ pub(super) fn build_report(
         let fewest = fewest.map(grouped).unwrap_or_default();
         report.picture(format!("exact_{surfaces}"), exact, format!("{}, exact.", named(surfaces)));
         report.picture(format!("coarse_{surfaces}"), coarsest, format!("The same as {fewest} triangles."));
-        let caption = format!("Triangles less exact, {GAIN} times, on grey.");
+        let caption = format!("Triangles minus exact, {GAIN} times, on grey.");
         report.picture(format!("difference_{surfaces}"), difference, caption);
     }
-    report.heading("What one sees");
+    report.heading("Findings");
     for sentence in results.iter().flat_map(findings) {
         report.paragraph(sentence);
     }
@@ -128,12 +130,12 @@ fn settings_text(results: &[SurfaceOutcome], settings: &Settings) -> String {
         .collect();
     format!(
         "Settings: uniform bicubic B-spline surfaces of 8 x 8 patches, integrator `whitted`, Phong's model (diffuse 0.15, \
-         specular 0.7, exponent {EXPONENT}), one distant light that leaves no shadow. Seen are: {}. Seed {}. One thread; times \
-         are {clock}. *Build* is from control points to the scene with its hierarchy, tessellation included; *memory* is that \
+         specular 0.7, exponent {EXPONENT}), one distant light without shadows. Visible are: {}. Seed {}. One thread; times \
+         are {clock}. *Build* is the time from control points to the scene with its hierarchy, including tessellation; *memory* is that \
          of the surfaces with their hierarchies. *Normal errors* and *silhouettes* are measured by rays through the middles of \
-         pixels; the silhouette error is the area seen differently over the length of the silhouettes. *Highlight RMSE* is over \
-         the pixels away from silhouettes that in the exact or the other picture are brighter than diffuse light alone can make \
-         them, in grey levels of an sRGB display from 0 to 255; *picture RMSE* is over all pixels.",
+         pixels; the silhouette error is the differing area over the length of the silhouettes. *Highlight RMSE* covers the \
+         pixels away from silhouettes that are brighter than diffuse light alone in the exact or the other picture, in grey \
+         levels of an sRGB display from 0 to 255; *picture RMSE* is over all pixels.",
         seen.join("; "),
         settings.seed
     )
@@ -188,7 +190,7 @@ fn plots(results: &[SurfaceOutcome]) -> Vec<(&'static str, Plot, &'static str)> 
                 series: series(MeshCase::total, |c| c.highlight),
                 reference_lines: over_time,
             },
-            "Highlight error over time of build and render; the exact surfaces have none and stand as vertical lines.",
+            "Highlight error over time of build and render; the exact surfaces have no error and appear as vertical lines.",
         ),
         (
             "error_memory",
@@ -221,12 +223,12 @@ fn plots(results: &[SurfaceOutcome]) -> Vec<(&'static str, Plot, &'static str)> 
                 series: series(count, |c| c.difference.silhouette),
                 reference_lines: Vec::new(),
             },
-            "Mean displacement of the silhouettes; where no pixel differs there is no point.",
+            "Mean displacement of the silhouettes; points without differing pixels are left out.",
         ),
     ]
 }
 
-/// Sentences, each made from the figures.
+/// Findings as sentences with their figures.
 fn findings(result: &SurfaceOutcome) -> Vec<String> {
     let SurfaceOutcome { surfaces, exact, cases, smallest, .. } = result;
     let ratio = |a: f64, b: f64, better: &str, worse: &str| {
@@ -238,8 +240,8 @@ fn findings(result: &SurfaceOutcome) -> Vec<String> {
     };
     let against = |case: &MeshCase| {
         format!(
-            "the exact surface is {} from control points to picture ({} s against {} s; render alone {} s against {} s) and \
-             takes {} memory ({} MB against {} MB)",
+            "the exact surface is {} from control points to picture ({} s and {} s; render alone {} s and {} s) and uses {} \
+             memory ({} MB and {} MB)",
             ratio(exact.total(), case.total(), "faster", "slower"),
             significant(exact.total()),
             significant(case.total()),
@@ -253,8 +255,8 @@ fn findings(result: &SurfaceOutcome) -> Vec<String> {
     let mut found = Vec::new();
     found.push(match smallest {
         Some(case) => format!(
-            "{}: highlights within {LEVEL} grey level take {} triangles; against these {}. Their silhouettes are \
-             off by {} pixels, their normals by up to {} degrees.",
+            "{}: highlights within {LEVEL} grey level require {} triangles; compared with these {}. Their silhouettes \
+             deviate by {} pixels, their normals by up to {} degrees.",
             named(*surfaces),
             grouped(case.triangles.unwrap_or_default()),
             against(case),
@@ -262,13 +264,13 @@ fn findings(result: &SurfaceOutcome) -> Vec<String> {
             significant(case.difference.normal_max.to_degrees())
         ),
         None => format!(
-            "{}: none of the numbers of triangles brings the highlights within {LEVEL} grey level.",
+            "{}: no tested number of triangles gives highlights within {LEVEL} grey level.",
             named(*surfaces)
         ),
     });
     if let Some(finest) = cases.last() {
         found.push(format!(
-            "Against the {} triangles of the finest mesh {}; these are off by {} grey levels and {} pixels.",
+            "Compared with the {} triangles of the finest mesh {}; the mesh deviates by {} grey levels and {} pixels.",
             grouped(finest.triangles.unwrap_or_default()),
             against(finest),
             significant(finest.highlight),

@@ -1,4 +1,4 @@
-//! Exact surfaces with their picture, and triangles measured against them.
+//! Exact surfaces with their picture, and meshes compared with them.
 
 use std::time::Duration;
 
@@ -14,16 +14,16 @@ use super::surface::{Tessellation, exact_bytes, placements, wavy};
 use crate::clock;
 use crate::study::{Settings, StudyError};
 
-/// Grey levels that a highlight may be off without being seen.
+/// Error of highlights that is not visible, grey levels.
 pub(super) const LEVEL: f64 = 1.0;
 
 /// Relative width of the interval in which the smallest sufficient number of grid lines is found.
 pub(super) const NARROW: f64 = 0.02;
 
-/// What one picture cost, and how far it is from the exact one.
+/// Cost of a picture, and its errors against the exact one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeshCase {
-    /// Of all surfaces together; `None` for the exact ones.
+    /// Number of triangles of all surfaces; `None` for the exact ones.
     pub(super) triangles: Option<u64>,
     pub(super) build: Duration,
     pub(super) render: Duration,
@@ -67,10 +67,10 @@ impl<'a> TessellationSetup<'a> {
         Ok(Self { settings, size, pool, surfaces, hits, pixels, exact })
     }
 
-    /// Surfaces of 2 n^2 triangles each.
+    /// Measures surfaces of 2 n^2 triangles each.
     pub(super) fn triangles(&self, n: u32) -> Result<(MeshCase, Pixels), StudyError> {
         self.settings.cancel.check()?;
-        let make = || self.surfaces.iter().map(|s| Tessellation::of(s, n).described()).collect();
+        let make = || self.surfaces.iter().map(|s| Tessellation::of(s, n).description()).collect();
         let (scene, build) = build(&self.pool, &make, self.size)?;
         let (pixels, render) = picture(&scene, &description(Vec::new(), self.size)?, self.settings)?;
         let hits = PixelHits::of(&scene, self.size, self.settings)?;
@@ -93,14 +93,14 @@ impl<'a> TessellationSetup<'a> {
         Ok((case, pixels))
     }
 
-    /// The smallest number of triangles whose highlights are within [`LEVEL`], up to [`NARROW`] in grid lines, between
-    /// grids of which one has too few; `None` if none has enough.
+    /// The smallest number of triangles with highlights within [`LEVEL`], to the accuracy [`NARROW`] in grid lines; `None` if no
+    /// measured grid suffices.
     pub(super) fn smallest(&self, measured: &[(u32, MeshCase)]) -> Result<Option<MeshCase>, StudyError> {
         let good = |case: &MeshCase| case.highlight <= LEVEL;
         let Some((mut enough, mut best)) = measured.iter().find(|(_, case)| good(case)).copied() else {
             return Ok(None);
         };
-        // One cell is no surface: it need not be tried.
+        // A single cell is never enough.
         let mut few =
             measured.iter().filter(|(n, c)| !good(c) && *n < enough).map(|(n, _)| *n).max().unwrap_or(1);
         while f64::from(enough - few) > (NARROW * f64::from(enough)).max(1.0) {
@@ -116,7 +116,7 @@ impl<'a> TessellationSetup<'a> {
     }
 }
 
-/// The scene of what `make` gives, and the time to make and build it with one thread.
+/// The scene of the shapes of `make`, and the time of one thread to make and build it.
 fn build(
     pool: &ThreadPool,
     make: &(dyn Fn() -> Vec<ShapeDescription> + Sync),

@@ -1,4 +1,4 @@
-//! Wavy surfaces, and the triangles that stand for them.
+//! Wavy surfaces, and their tessellation.
 
 use glanz_geometry::SurfaceError;
 use glanz_geometry::mesh::Mesh;
@@ -12,7 +12,7 @@ const POINTS: usize = 11;
 
 const DEGREE: usize = 3;
 
-/// Where a surface lies, and how its waves run.
+/// Position, size and wave phase of a surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SurfacePlacement {
     center: DVec3,
@@ -52,12 +52,12 @@ pub(super) fn wavy(place: &SurfacePlacement) -> Result<NurbsSurface, SurfaceErro
     NurbsSurface::from_knots(knots.clone(), knots, points)
 }
 
-/// Bytes that the exact surface takes.
+/// Memory of the exact surface, bytes.
 pub(super) fn exact_bytes(surface: &NurbsSurface) -> Result<usize, SurfaceError> {
     Ok(surface.to_freeform()?.bytes())
 }
 
-/// Vertices on a regular grid of parameters with the surface's normals, and triangles between them.
+/// Triangles on a regular grid of parameters, with the surface's normals at the vertices.
 #[derive(Clone, Debug)]
 pub(super) struct Tessellation {
     positions: Vec<DVec3>,
@@ -66,7 +66,7 @@ pub(super) struct Tessellation {
 }
 
 impl Tessellation {
-    /// 2 n^2 triangles, as document 002 section 7 makes them, with normals at the vertices.
+    /// 2 n^2 triangles, as in document 002 section 7, with normals at the vertices.
     pub(super) fn of(surface: &NurbsSurface, n: u32) -> Self {
         let at = |[low, high]: [f64; 2], i: u32| low + (high - low) * f64::from(i) / f64::from(n);
         let (domain_u, domain_v) = (surface.knots_u().domain(), surface.knots_v().domain());
@@ -88,13 +88,13 @@ impl Tessellation {
         Self { positions, normals, indices }
     }
 
-    /// The mesh as a scene takes it.
-    pub(super) fn described(self) -> ShapeDescription {
+    /// The description of the mesh for a scene.
+    pub(super) fn description(self) -> ShapeDescription {
         let Self { positions, normals, indices } = self;
         GeometryDescription::Triangles { positions, indices, normals: Some(normals), uvs: None }.into()
     }
 
-    /// Bytes that the mesh takes.
+    /// Memory of the mesh, bytes.
     pub(super) fn bytes(self) -> Result<usize, SurfaceError> {
         let Self { positions, normals, indices } = self;
         Ok(Mesh::try_new(positions, indices, Some(normals), None)?.bytes())

@@ -244,8 +244,8 @@ fn what_cannot_be_sent_as_it_is_is_noted() {
     assert_eq!(
         notes,
         [
-            "an unbounded plane is drawn as a large rectangle",
-            "a trimmed polyhedron is drawn without its trimming"
+            "a trimmed polyhedron is drawn without its trimming",
+            "an unbounded plane is drawn as a large rectangle"
         ]
     );
     // Sphere and prism are 2 to 4 m across; the strip reaches a thousand times as far, but not beyond its sides.
