@@ -90,7 +90,7 @@ impl SceneObject {
         &self.surface
     }
 
-    /// From the frame of the surface to that of the group; `None` if they are the same.
+    /// Transformation from the frame of the surface to that of the group; `None` if they are the same.
     #[must_use]
     pub fn to_parent(&self) -> Option<&Transform> {
         self.to_parent.as_ref()

@@ -20,14 +20,14 @@ pub(crate) struct LocalPoint {
 /// The two sides of a surface are different sheets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShapeParameterization {
-    /// By the parameters (u, v) of the surface, from `min` to `max`. Two sheets.
+    /// Two sheets with the parameters (u, v) of the surface, from `min` to `max`.
     Parameters {
         /// Smallest parameters.
         min: DVec2,
         /// Largest parameters.
         max: DVec2,
     },
-    /// By the position in a box in the shape's own frame, projected along the axis nearest to the normal. Six sheets.
+    /// Six sheets with the position in a box in the shape's own frame, projected along the axis nearest to the normal.
     ///
     /// For surfaces with parameters of their own on every facet (meshes, boxes, polyhedra), or that do not fill a rectangle.
     Projections(Bounds3),

@@ -15,7 +15,7 @@ use crate::scene::{Scene, SceneGroup};
 #[derive(Clone, Debug)]
 pub struct PlacedSurface<'a> {
     object: &'a SceneObject,
-    /// From the group of the object to the world, innermost first.
+    /// Transformations from the group of the object to the world, innermost first.
     maps: Vec<Transform>,
 }
 
@@ -126,7 +126,7 @@ impl PlacedSurface<'_> {
         self.maps.iter().fold(self.object.bounds(), |bounds, map| map.bounds(&bounds))
     }
 
-    /// From the frame of the surface to the world.
+    /// Transformation from the frame of the surface to the world.
     #[must_use]
     pub fn to_world(&self) -> Transform {
         let own = self.object.to_parent().copied().unwrap_or_default();

@@ -87,7 +87,7 @@ pub struct Scene {
     pub(crate) lights: Arc<[Light]>,
     pub(crate) infinite_lights: Arc<[LightId]>,
     pub(crate) selector: Arc<LightSelector>,
-    /// For paths that start at lights.
+    /// Selects lights at which paths start.
     pub(crate) emitters: Arc<LightSelector>,
     pub(crate) bounds: Bounds3,
     pub(crate) receivers: Arc<[NamedReceiver]>,

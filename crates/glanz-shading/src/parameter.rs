@@ -93,7 +93,7 @@ pub trait ParameterResolver<P: ParameterForm> {
     }
 }
 
-/// Only checks that textures exist.
+/// Checks only that textures exist.
 impl ParameterResolver<ShadingForm> for Textures {
     fn fraction_input(&self, input: &SpectrumInput) -> Option<SpectrumInput> {
         self.spectrum_input(input)

@@ -1,5 +1,5 @@
-//! Freeform surfaces and rays for measurements, shared with `peers/freeform`. All of it is computed; nothing is random but the
-//! order of shuffled rays.
+//! Freeform surfaces and rays for measurements, shared with `peers/freeform`. All of them are computed; only the
+//! order of shuffled rays is random.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use glanz_geometry::trim::{TrimCurve, TrimLoop, TrimRegion};
 use glanz_math::glam::DVec4;
 use glanz_math::{Bounds3, DVec2, DVec3, Ray};
 
-/// Why a model cannot be built.
+/// An error of building a model.
 pub(crate) type Failure = Box<dyn std::error::Error>;
 
 /// Names that [`Model::named`] knows.
@@ -34,7 +34,7 @@ pub(crate) const NAMES: [&str; 15] = [
     "10 000 patches",
 ];
 
-/// What a surface is made of before anything is built for rays.
+/// The definition of a surface, before anything is built for rays.
 pub(crate) enum Source {
     Spline(NurbsSurface),
     Patches(Vec<TensorPatch>),
@@ -44,7 +44,7 @@ pub(crate) enum Source {
 /// A surface by its control points.
 pub(crate) struct Model {
     pub(crate) source: Source,
-    /// The parameters that are kept.
+    /// The region of the parameters that is kept.
     pub(crate) region: Option<Arc<TrimRegion>>,
 }
 
@@ -208,7 +208,7 @@ pub(crate) fn holes() -> impl Iterator<Item = (DVec2, f64)> {
     (0..4).flat_map(move |i| (0..3).map(move |j| (center(i, j), 0.07)))
 }
 
-/// All of the unit square but the holes.
+/// The unit square without the holes.
 fn plate() -> Result<TrimRegion, Failure> {
     let mut loops = vec![TrimLoop::try_closed(TrimCurve::try_rectangle(DVec2::ZERO, DVec2::ONE)?, 1e-12)?];
     for (center, radius) in holes() {
@@ -236,8 +236,8 @@ fn newell(text: &str) -> Result<Vec<TensorPatch>, Failure> {
     indices.chunks_exact(16).map(patch).collect()
 }
 
-/// Camera rays line by line, from obliquely above, the box filling the picture. Their numbers are `f32` ones, so that
-/// programs that know no others are asked the same.
+/// Camera rays line by line, from obliquely above, the box filling the picture. Their numbers are `f32` values, so that
+/// single-precision programs trace the same rays.
 pub(crate) fn camera_rays(bounds: &Bounds3, width: u32, height: u32) -> Vec<Ray> {
     let (center, size) = (bounds.center(), bounds.diagonal().length());
     let eye = center + DVec3::new(0.5, -1.0, 0.9).normalize() * (1.1 * size);

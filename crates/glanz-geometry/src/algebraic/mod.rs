@@ -45,7 +45,7 @@ pub struct PolynomialTerm {
 /// @hanrahan1983; departure: coefficients along the ray are relative to a point of the ray in the box.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AlgebraicSurface {
-    /// In coordinates relative to the center of the box, in units of `scale`.
+    /// The polynomial in coordinates relative to the center of the box, in units of `scale`.
     polynomial: Polynomial3,
     bounds: Bounds3,
     center: DVec3,

@@ -49,7 +49,7 @@ fn shift_line(c: &mut [(f64, f64); SIZE], by: f64) {
 
 /// Substitutes coordinates relative to `center`, in units of `scale` (a power of two).
 ///
-/// In twice the precision, since large terms cancel in the constant term near a surface far from the origin.
+/// The precision is doubled, since large terms cancel in the constant term near a surface far from the origin.
 pub(super) fn recenter(cube: &mut CoefficientCube, center: DVec3, scale: f64) {
     for line_number in 0..SIZE * SIZE {
         let (a, b) = (line_number / SIZE, line_number % SIZE);

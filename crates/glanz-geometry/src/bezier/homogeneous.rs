@@ -108,7 +108,7 @@ pub(super) fn normal(
 #[derive(Clone, Debug, PartialEq)]
 pub struct Derivatives {
     order: usize,
-    /// By total order, then by the order in v.
+    /// Derivatives by total order, then by the order in v.
     values: Vec<DVec3>,
 }
 

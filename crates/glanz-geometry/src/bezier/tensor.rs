@@ -43,8 +43,8 @@ impl TensorPatch {
     /// A patch from (degree_u + 1) (degree_v + 1) homogeneous control points, those of equal u next to each other.
     ///
     /// # Errors
-    /// A degree of 0 or above [`super::MAX_DEGREE`], a wrong number of points, coordinates that are not finite,
-    /// weights that are not positive.
+    /// [`SurfaceError::NotPositive`] for a degree of 0 or a weight, [`SurfaceError::OutOfRange`] for a degree above
+    /// [`super::MAX_DEGREE`], [`SurfaceError::CountMismatch`] for the number of points, [`SurfaceError::NotFinite`].
     pub fn try_new(degree_u: usize, degree_v: usize, points: Vec<DVec4>) -> Result<Self, SurfaceError> {
         checked_degree("degree in u", degree_u)?;
         checked_degree("degree in v", degree_v)?;
@@ -166,7 +166,7 @@ impl TensorPatch {
     /// direction, keep the same bits if `1 - t` is exact (as for 1/2).
     ///
     /// # Errors
-    /// [`SurfaceError::OutOfRange`] if `t` is not in [0, 1].
+    /// [`SurfaceError::OutOfRange`] if `t` is not in [0, 1], [`SurfaceError::NotFinite`].
     pub fn split_u(&self, t: f64) -> Result<(Self, Self), SurfaceError> {
         let (before, after) = self.transposed().split_v(t)?;
         Ok((before.transposed(), after.transposed()))
@@ -175,7 +175,7 @@ impl TensorPatch {
     /// The parts below and above v = `t`; otherwise as [`TensorPatch::split_u`].
     ///
     /// # Errors
-    /// [`SurfaceError::OutOfRange`] if `t` is not in [0, 1].
+    /// [`SurfaceError::OutOfRange`] if `t` is not in [0, 1], [`SurfaceError::NotFinite`].
     pub fn split_v(&self, t: f64) -> Result<(Self, Self), SurfaceError> {
         check_unit("split parameter", t)?;
         Ok(self.cut_v(t))
@@ -199,7 +199,8 @@ impl TensorPatch {
     /// Neighbouring rectangles of the same extent along their common border have the same bits there.
     ///
     /// # Errors
-    /// [`SurfaceError::OutOfRange`] if an end is not in [0, 1], [`SurfaceError::EmptyRange`] if a range has no extent.
+    /// [`SurfaceError::OutOfRange`] if an end is not in [0, 1], [`SurfaceError::NotFinite`], [`SurfaceError::EmptyRange`] if a
+    /// range has no extent.
     pub fn sub_rectangle(&self, u: Range<f64>, v: Range<f64>) -> Result<Self, SurfaceError> {
         for (parameter, range) in [("u", &u), ("v", &v)] {
             check_unit(parameter, range.start)?;

@@ -69,8 +69,8 @@ impl TrianglePatch {
     /// A patch from (degree + 1) (degree + 2) / 2 homogeneous control points.
     ///
     /// # Errors
-    /// A degree of 0 or above [`super::MAX_DEGREE`], a wrong number of points, coordinates that are not finite,
-    /// weights that are not positive.
+    /// [`SurfaceError::NotPositive`] for a degree of 0 or a weight, [`SurfaceError::OutOfRange`] for a degree above
+    /// [`super::MAX_DEGREE`], [`SurfaceError::CountMismatch`] for the number of points, [`SurfaceError::NotFinite`].
     pub fn try_new(degree: usize, points: Vec<DVec4>) -> Result<Self, SurfaceError> {
         checked_degree("degree", degree)?;
         check_points(&points, (degree + 1) * (degree + 2) / 2)?;

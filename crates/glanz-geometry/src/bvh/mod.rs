@@ -55,7 +55,7 @@ pub struct BuildOptions {
 }
 
 impl Default for BuildOptions {
-    /// For surfaces of all kinds, tested one by one, each at a higher cost than a node.
+    /// Options for surfaces of all kinds, which are tested one by one, each at a higher cost than a node.
     fn default() -> Self {
         Self { max_leaf: 4, block: 1, leaf_cost: 2.0 }
     }

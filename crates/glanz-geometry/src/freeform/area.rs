@@ -25,7 +25,7 @@ const PARTS: u32 = 32;
 /// The leaves with their areas, for sampling.
 #[derive(Debug)]
 pub(super) struct LeafAreas {
-    /// In ascending order of the patch.
+    /// Leaves in ascending order of the patch.
     leaves: Vec<SampledLeaf>,
     /// Mass of the first 1, 2 ... leaves, m^2: the area that they would have if |S_u x S_v| were bilinear in each.
     sums: Vec<f64>,

@@ -31,7 +31,7 @@ pub(super) struct Bicubic<const COORDINATES: usize> {
     /// The same for the weight, which is 1 at the centre, and bounds on the weight; rounded outward.
     weight_curvature_bound: f32,
     weights: [f32; 2],
-    /// By power of s, coordinate, power of t.
+    /// Coefficients by power of s, coordinate, power of t.
     powers: [[[f64; 4]; COORDINATES]; 4],
 }
 

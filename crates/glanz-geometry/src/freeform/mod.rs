@@ -80,11 +80,11 @@ pub struct Freeform {
     /// Diagonal of a box around the control points, metres.
     extent: f64,
     bvh: Bvh,
-    /// By position in the hierarchy.
+    /// Leaves by position in the hierarchy.
     leaves: Vec<PatchLeaf>,
     /// The subpatches that the leaves are parts of.
     subpatches: SubpatchList,
-    /// By subpatch.
+    /// Positions of the subpatches in their patches.
     locations: Vec<SubpatchLocation>,
     frame: SurfaceFrame,
     /// Leaves whose search was given up: see [`Freeform::undecided`].

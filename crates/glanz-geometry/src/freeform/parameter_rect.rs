@@ -80,7 +80,7 @@ impl DyadicRect {
         (2.0 * self.indices() + 1.0) * self.width() - 1.0
     }
 
-    /// As a rectangle.
+    /// The rectangle in floating point.
     pub(super) fn rect(self) -> ParameterRect {
         let (low, high) = (self.at(DVec2::ZERO), self.at(DVec2::ONE));
         ParameterRect { u: [low.x, high.x], v: [low.y, high.y] }

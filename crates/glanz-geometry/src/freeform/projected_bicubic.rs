@@ -146,7 +146,7 @@ impl<S: Simd> ProjectedBicubic<S> {
         self.moved(simd, true, middle.x, half.x).moved(simd, false, middle.y, half.y)
     }
 
-    /// At m + h x instead of x, for s or for t.
+    /// The polynomials at m + h x instead of x, for s or for t.
     #[inline(always)]
     fn moved(&self, simd: S, along_s: bool, m: f64, h: f64) -> Self {
         let Self { first, second } = *self;

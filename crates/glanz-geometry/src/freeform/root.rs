@@ -10,7 +10,7 @@ use super::parameter_rect::DyadicRect;
 pub(super) struct SurfaceRoot {
     /// Arc length along [`RaySpace::line`](super::ray_space::RaySpace::line), metres.
     pub(super) s: f64,
-    /// In [0, 1]^2.
+    /// Parameters in [0, 1]^2.
     pub(super) at: DVec2,
     /// Bound on the shift of the root by rounding, in the same parameters.
     pub(super) uncertainty: DVec2,
@@ -19,7 +19,7 @@ pub(super) struct SurfaceRoot {
 }
 
 impl SurfaceRoot {
-    /// From the parameters of a part to those of the whole.
+    /// The root of a part in the parameters of the whole.
     #[inline(always)]
     pub(super) fn of_part(self, part: DyadicRect) -> Self {
         Self { at: part.at(self.at), uncertainty: self.uncertainty * part.width(), ..self }

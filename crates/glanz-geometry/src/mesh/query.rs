@@ -8,7 +8,7 @@ use crate::bvh::BvhLeaf;
 use crate::bvh::query::{HitCollector, LeafIntersector};
 use crate::bvh::simd::{Simd, Task};
 
-/// Up to this many blocks are tested one after the other: a tree would cost more than it saves.
+/// Largest number of blocks that are tested one after the other: a tree would cost more than it saves.
 const BLOCKS_WITHOUT_TREE: usize = 2;
 
 /// The search for hits of a ray.

@@ -14,7 +14,7 @@ const DEFAULT_UVS: [DVec2; 3] = [DVec2::ZERO, DVec2::X, DVec2::ONE];
 
 /// The map from values at the vertices of a triangle to derivatives by the texture coordinates.
 struct Gradient {
-    /// From the differences `q0 - q2` and `q1 - q2` to the derivatives by u and v.
+    /// Maps the differences `q0 - q2` and `q1 - q2` to the derivatives by u and v.
     by_u: DVec2,
     by_v: DVec2,
 }

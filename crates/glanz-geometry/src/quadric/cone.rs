@@ -30,7 +30,7 @@ impl Cone {
     /// 2 pi).
     ///
     /// # Errors
-    /// [`SurfaceError`] if a value is not finite or not positive.
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`].
     pub fn try_new(radius: f64, height: f64, phi_max: f64) -> Result<Self, SurfaceError> {
         let (radius, height) = (positive("radius", radius)?, positive("height", height)?);
         let slope = radius / height;

@@ -29,7 +29,8 @@ impl Cylinder {
     /// (radians, limited to 2 pi).
     ///
     /// # Errors
-    /// [`SurfaceError`] if a value is not finite, `radius` or `phi_max` is not positive, or both z are the same.
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] for `radius` or `phi_max`, [`SurfaceError::EmptyRange`] if both z
+    /// are the same.
     pub fn try_new(radius: f64, z: [f64; 2], phi_max: f64) -> Result<Self, SurfaceError> {
         let radius = positive("radius", radius)?;
         let [a, b] = [finite("z", z[0])?, finite("z", z[1])?];

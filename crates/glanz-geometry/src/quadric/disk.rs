@@ -30,8 +30,8 @@ impl Disk {
     /// (radians, limited to 2 pi).
     ///
     /// # Errors
-    /// [`SurfaceError`] if a value is not finite, `radius` or `phi_max` is not positive, or `inner_radius` is not in
-    /// [0, radius).
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] for `radius` or `phi_max`, [`SurfaceError::OutOfRange`] if
+    /// `inner_radius` is not in [0, radius).
     pub fn try_new(height: f64, radius: f64, inner_radius: f64, phi_max: f64) -> Result<Self, SurfaceError> {
         let (height, radius) = (finite("height", height)?, positive("radius", radius)?);
         let inner_radius = finite("inner_radius", inner_radius)?;

@@ -30,8 +30,8 @@ impl Hyperboloid {
     /// The segment from `p1` to `p2` (m) swept by `phi_max` (radians, limited to 2 pi).
     ///
     /// # Errors
-    /// [`SurfaceError`] if a value is not finite, `phi_max` is not positive, both ends have the same z (a ring is a
-    /// disk with a hole), or both lie on the axis.
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] for `phi_max`, [`SurfaceError::Degenerate`] if both ends have the
+    /// same z (a ring is a disk with a hole) or lie on the axis.
     pub fn try_new(p1: DVec3, p2: DVec3, phi_max: f64) -> Result<Self, SurfaceError> {
         for (parameter, p) in [("p1", p1), ("p2", p2)] {
             for value in p.to_array() {

@@ -32,8 +32,8 @@ impl Paraboloid {
     /// azimuth up to `phi_max` (radians, limited to 2 pi).
     ///
     /// # Errors
-    /// [`SurfaceError`] if a value is not finite, `radius`, `phi_max` or the larger z is not positive, or both z are
-    /// the same.
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] for `radius`, `phi_max` or the larger z,
+    /// [`SurfaceError::EmptyRange`] if both z are the same.
     pub fn try_new(radius: f64, z: [f64; 2], phi_max: f64) -> Result<Self, SurfaceError> {
         let radius = positive("radius", radius)?;
         let [a, b] = [finite("z", z[0])?, finite("z", z[1])?];

@@ -22,7 +22,7 @@ impl Plane {
     /// The part of the plane with x and y in the given ranges (m, lower end first, infinite ends allowed).
     ///
     /// # Errors
-    /// [`SurfaceError`] if an end is not a number or a range is empty.
+    /// [`SurfaceError::NotFinite`] if an end is not a number, [`SurfaceError::EmptyRange`].
     pub fn try_new(x: [f64; 2], y: [f64; 2]) -> Result<Self, SurfaceError> {
         for (parameter, [min, max]) in [("x", x), ("y", y)] {
             for value in [min, max] {

@@ -33,8 +33,8 @@ impl Sphere {
     /// and azimuth up to `phi_max` (radians, limited to 2 pi).
     ///
     /// # Errors
-    /// [`SurfaceError`] if a value is not finite, `radius` or `phi_max` is not positive, or the range of z misses the
-    /// sphere or is a single value.
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] for `radius` or `phi_max`, [`SurfaceError::EmptyRange`] if the
+    /// range of z misses the sphere or is a single value.
     pub fn try_new(radius: f64, z: [f64; 2], phi_max: f64) -> Result<Self, SurfaceError> {
         let radius = positive("radius", radius)?;
         let [a, b] = [finite("z", z[0])?, finite("z", z[1])?];
@@ -63,7 +63,7 @@ impl Sphere {
     /// The whole sphere of `radius` (m).
     ///
     /// # Errors
-    /// [`SurfaceError`] if `radius` is not finite or not positive.
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`].
     pub fn try_full(radius: f64) -> Result<Self, SurfaceError> {
         Self::try_new(radius, [-radius, radius], std::f64::consts::TAU)
     }
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_spheres_are_refused() {
+    fn invalid_spheres_are_refused() {
         assert!(Sphere::try_full(0.0).is_err());
         assert!(Sphere::try_full(f64::NAN).is_err());
         assert!(matches!(Sphere::try_new(1.0, [2.0, 3.0], 1.0), Err(SurfaceError::EmptyRange { .. })));

@@ -34,8 +34,8 @@ impl TwoSheetedHyperboloid {
     /// order), with azimuth up to `phi_max` (radians, limited to 2 pi).
     ///
     /// # Errors
-    /// [`SurfaceError`] if a value is not finite, `a`, `c` or `phi_max` is not positive, or the range of z keeps
-    /// nothing of either sheet.
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] for `a`, `c` or `phi_max`, [`SurfaceError::EmptyRange`] if the
+    /// range of z contains no part of either sheet.
     pub fn try_new(a: f64, c: f64, z: [f64; 2], phi_max: f64) -> Result<Self, SurfaceError> {
         let (a, c) = (positive("a", a)?, positive("c", c)?);
         let [z0, z1] = [finite("z", z[0])?, finite("z", z[1])?];

@@ -51,7 +51,7 @@ impl Surface {
     /// The untrimmed surface as patches; neighbours share the bits of their border.
     ///
     /// Arcs are at most 120 degrees long, and quarters of a full turn. `None` for algebraic surfaces, infinite planes, meshes and
-    /// polyhedra, freeform surfaces ([`Freeform::pieces`](crate::freeform::Freeform::patches) are their patches), and where
+    /// polyhedra, freeform surfaces ([`Freeform::patches`](crate::freeform::Freeform::patches) are their patches), and where
     /// numbers overflow.
     ///
     /// # Source

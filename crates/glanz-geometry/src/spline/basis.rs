@@ -16,7 +16,7 @@ pub struct BasisFunctions<'a> {
 impl<'a> BasisFunctions<'a> {
     /// The basis at `u`, which is moved into the domain if it lies outside.
     ///
-    /// At a knot the piece that starts there counts, at the end of the domain the last one.
+    /// A knot belongs to the piece that starts there, the end of the domain to the last one.
     #[must_use]
     pub fn at(knots: &'a KnotVector, u: f64) -> Self {
         let u = knots.clamp(u);

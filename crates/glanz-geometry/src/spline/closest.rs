@@ -100,7 +100,7 @@ impl NurbsSurface {
     /// `distance - lower_bound` is greater than `tolerance`.
     ///
     /// # Errors
-    /// A query that is not finite, a tolerance that is not positive.
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] for the tolerance.
     ///
     /// # Source
     /// Newton's equations: @piegl1997 section 6.1; departure: halving with bounds, which makes the minimum global.

@@ -30,8 +30,8 @@ impl NurbsCurve {
     /// The curve with control points in space (metres) and as many weights; without weights it is polynomial.
     ///
     /// # Errors
-    /// Those of [`KnotVector::try_new`]; lists of lengths that do not match, coordinates that are not finite, weights
-    /// that are not positive.
+    /// Those of [`KnotVector::try_new`]; [`SurfaceError::CountMismatch`] for the numbers of points and weights,
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] for a weight.
     pub fn try_from_points(
         degree: usize,
         knots: Vec<f64>,
@@ -44,7 +44,8 @@ impl NurbsCurve {
     /// The curve over checked knots with homogeneous control points (w x, w y, w z, w).
     ///
     /// # Errors
-    /// A wrong number of points, coordinates that are not finite, weights that are not positive.
+    /// [`SurfaceError::CountMismatch`] for the number of points, [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] for a
+    /// weight.
     pub fn from_knots(knots: KnotVector, points: Vec<DVec4>) -> Result<Self, SurfaceError> {
         check(&points, knots.count())?;
         Ok(Self { knots, points })
@@ -91,7 +92,8 @@ impl NurbsCurve {
     /// The same curve after inserting the knot `u` `times` times.
     ///
     /// # Errors
-    /// `u` not strictly inside the domain, or a knot that would then appear more than `degree` times.
+    /// [`SurfaceError::OutOfRange`] if `u` is not strictly inside the domain, [`SurfaceError::KnotMultiplicity`] if the knot would
+    /// appear more than `degree` times.
     pub fn insert_knot(&self, u: f64, times: usize) -> Result<Self, SurfaceError> {
         Self::from_row(polygon::insert(&self.knots, &self.points, u, times)?)
     }
@@ -99,8 +101,9 @@ impl NurbsCurve {
     /// The curve after removing one of the knots `u`, and a bound on the distance by which points move, metres.
     ///
     /// # Errors
-    /// `u` is not a knot strictly inside the domain; [`SurfaceError::KnotNeeded`] if the bound is greater than `tolerance`
-    /// (metres); it is infinite where a weight would not stay positive.
+    /// [`SurfaceError::OutOfRange`] if `u` is not strictly inside the domain, [`SurfaceError::TooFew`] if it is not a knot,
+    /// [`SurfaceError::KnotNeeded`] if the bound is greater than `tolerance` (metres); it is infinite if a weight would not stay
+    /// positive.
     pub fn remove_knot(&self, u: f64, tolerance: f64) -> Result<(Self, f64), SurfaceError> {
         let needed =
             |deviation| SurfaceError::KnotNeeded { parameter: "knot", value: u, deviation, tolerance };
@@ -117,7 +120,7 @@ impl NurbsCurve {
     /// The same curve with its degree raised by one.
     ///
     /// # Errors
-    /// A degree that is already the highest possible.
+    /// [`SurfaceError::OutOfRange`] if the degree is already the highest possible.
     pub fn elevate(&self) -> Result<Self, SurfaceError> {
         Self::from_row(polygon::elevate(&self.knots, &self.points)?)
     }
@@ -125,7 +128,7 @@ impl NurbsCurve {
     /// The part between two parameters, with clamped knots.
     ///
     /// # Errors
-    /// Parameters outside the domain or not ascending.
+    /// [`SurfaceError::OutOfRange`] for a parameter outside the domain, [`SurfaceError::EmptyRange`] if they do not ascend.
     pub fn restrict(&self, range: [f64; 2]) -> Result<Self, SurfaceError> {
         Self::from_row(polygon::restrict(&self.knots, &self.points, range)?)
     }
@@ -133,7 +136,7 @@ impl NurbsCurve {
     /// The parts before and after `u`, with clamped knots; the last control point of the first part is the first of the second.
     ///
     /// # Errors
-    /// `u` not strictly inside the domain.
+    /// [`SurfaceError::OutOfRange`] or [`SurfaceError::EmptyRange`] if `u` is not strictly inside the domain.
     pub fn split(&self, u: f64) -> Result<(Self, Self), SurfaceError> {
         let [start, end] = self.knots.domain();
         Ok((self.restrict([start, u])?, self.restrict([u, end])?))
@@ -150,7 +153,7 @@ impl NurbsCurve {
     /// The pieces between knots; the control points of neighbours at their common end are equal to the last bit.
     ///
     /// # Errors
-    /// Knots so close together that a weight underflows.
+    /// [`SurfaceError::NotPositive`] if knots are so close together that a weight underflows.
     pub fn bezier_segments(&self) -> Result<Vec<BezierSegment>, SurfaceError> {
         let (breaks, points) = polygon::bezier(&self.knots, &self.points)?;
         let p = self.knots.degree();

@@ -24,7 +24,7 @@ impl NurbsSurface {
     /// and coordinates that all points share stay as they are.
     ///
     /// # Errors
-    /// Knots so close together that a weight underflows.
+    /// [`SurfaceError::NotPositive`] if knots are so close together that a weight underflows.
     ///
     /// # Source
     /// Every knot is inserted until it appears `degree` times (@boehm1980).

@@ -109,7 +109,7 @@ impl CollocationMatrix {
 /// Clamped knots at averages of the parameters, for which interpolation at the parameters is possible.
 ///
 /// # Errors
-/// A degree out of range, no more parameters than the degree, those of [`KnotVector::try_new`].
+/// [`SurfaceError::OutOfRange`] for the degree, [`SurfaceError::TooFew`] parameters, and those of [`KnotVector::try_new`].
 ///
 /// # Source
 /// @pumberger2010 section 2.1.2, second remark; @piegl1997 eq. 9.8.
@@ -161,8 +161,9 @@ impl NurbsCurve {
     /// The Greville abscissae of the knots are always valid parameters.
     ///
     /// # Errors
-    /// Parameters that do not ascend, or where the basis function of the same number is not positive; other than
-    /// `knots.count()` parameters or points; points that are not finite.
+    /// [`SurfaceError::CountMismatch`] unless there are `knots.count()` parameters and points, [`SurfaceError::NotFinite`],
+    /// [`SurfaceError::EmptyRange`] if the parameters do not ascend, [`SurfaceError::OutOfRange`] for a parameter where the basis
+    /// function of the same number is not positive, [`SurfaceError::Degenerate`] if rounding makes the system singular.
     pub fn interpolate_at(
         knots: KnotVector,
         parameters: &[f64],
@@ -177,7 +178,9 @@ impl NurbsCurve {
     /// weights 1.
     ///
     /// # Errors
-    /// A degree out of range, no more points than the degree, neighbours that coincide, points that are not finite.
+    /// [`SurfaceError::OutOfRange`] for the degree, [`SurfaceError::TooFew`] points for it, [`SurfaceError::NotFinite`],
+    /// [`SurfaceError::Degenerate`] if all points coincide, and those of [`NurbsCurve::interpolate_at`], such as
+    /// [`SurfaceError::EmptyRange`] if neighbours coincide.
     pub fn interpolate(degree: usize, points: &[DVec3]) -> Result<Self, SurfaceError> {
         check_points(points, points.len())?;
         let parameters = mean_parameters(std::iter::once(chord_parameters(points.iter().copied())))?;
@@ -217,8 +220,9 @@ impl NurbsSurface {
     /// weights 1.
     ///
     /// # Errors
-    /// Degrees out of range, no more points than the degree in a direction, rows or columns that coincide, points that are
-    /// not finite.
+    /// [`SurfaceError::OutOfRange`] for a degree, [`SurfaceError::TooFew`] points for it, [`SurfaceError::CountMismatch`],
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::Degenerate`] if all points of all rows or columns coincide, and those of
+    /// [`NurbsSurface::interpolate_at`], such as [`SurfaceError::EmptyRange`] if neighbouring rows or columns coincide.
     pub fn interpolate(
         [degree_u, degree_v]: [usize; 2],
         counts: [usize; 2],

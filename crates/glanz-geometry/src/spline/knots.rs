@@ -7,7 +7,7 @@ use glanz_math::bspline::{KnotError, Knots};
 use crate::bezier::bernstein;
 use crate::error::SurfaceError;
 
-/// The highest degree of a spline: one row of basis functions has its place on the stack.
+/// The highest degree of a spline: rows of basis functions have a fixed size.
 pub const MAX_DEGREE: usize = bernstein::ROW_DEGREE;
 
 /// The [`Knots`] of a continuous spline of degree 1 to [`MAX_DEGREE`], clamped or not.
@@ -26,8 +26,9 @@ impl KnotVector {
     /// The knot vector of a spline of `degree` 1 to [`MAX_DEGREE`] with `knots.len() - degree - 1` control points.
     ///
     /// # Errors
-    /// A degree out of range, fewer than `2 degree + 2` knots, knots that are not finite or decrease, a knot that
-    /// appears more than `degree + 1` times, or more than `degree` times inside the domain, an empty domain.
+    /// [`SurfaceError::OutOfRange`] for the degree, [`SurfaceError::TooFew`] with less than `2 degree + 2` knots,
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::KnotsDecrease`], [`SurfaceError::KnotMultiplicity`] if a knot appears more than
+    /// `degree + 1` times, or more than `degree` times inside the domain, [`SurfaceError::EmptyRange`] if the domain is empty.
     pub fn try_new(degree: usize, knots: Vec<f64>) -> Result<Self, SurfaceError> {
         Self::checked("knot", degree, knots)
     }
@@ -45,7 +46,7 @@ impl KnotVector {
     /// The clamped knot vector over [0, 1] with `count` control points and inner knots at equal distances.
     ///
     /// # Errors
-    /// A degree out of range, or a count that is not greater than the degree.
+    /// [`SurfaceError::OutOfRange`] for the degree, [`SurfaceError::TooFew`] if `count` is not greater than the degree.
     pub fn clamped_uniform(degree: usize, count: usize) -> Result<Self, SurfaceError> {
         check_degree(degree)?;
         if count <= degree {
@@ -54,8 +55,8 @@ impl KnotVector {
         Self::try_new(degree, Knots::clamped_uniform(degree, count - degree))
     }
 
-    /// For each control point the mean of its `degree` inner knots: where it stands if the spline is a straight line
-    /// run through at constant speed.
+    /// Greville abscissae: for each control point the mean of its `degree` inner knots, which is its parameter on a straight line
+    /// of constant speed.
     ///
     /// # Source
     /// @farin2002 section 8.6; @pumberger2010 section 2.1.2.
@@ -70,15 +71,15 @@ impl KnotVector {
         (0..self.count()).map(|i| mean(&self.knots()[i + 1..=i + p])).collect()
     }
 
-    /// The knots of the same spline run through backwards, with the same domain.
+    /// The knots of the same spline in reverse direction, with the same domain.
     ///
     /// # Errors
-    /// Knots so close together that their mirror images fall onto each other too often.
+    /// [`SurfaceError::KnotMultiplicity`] if knots are so close together that too many of their mirror images coincide.
     pub fn reversed(&self) -> Result<Self, SurfaceError> {
         let [start, end] = self.domain();
         let mirror = |&k: &f64| {
             let image = start + (end - k);
-            // The ends are exact, and rounding changes no side.
+            // The ends are exact, and rounding moves no knot across them.
             if k == start {
                 end
             } else if k == end {
@@ -113,8 +114,10 @@ fn knot_error(parameter: &'static str, error: KnotError) -> SurfaceError {
     }
 }
 
+/// Checks that `degree` is from 1 to [`MAX_DEGREE`].
+///
 /// # Errors
-/// A degree of 0 or above [`MAX_DEGREE`].
+/// [`SurfaceError::OutOfRange`].
 pub(crate) fn check_degree(degree: usize) -> Result<(), SurfaceError> {
     if degree == 0 || degree > MAX_DEGREE {
         let (value, max) = (degree as f64, MAX_DEGREE as f64);
@@ -128,7 +131,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn unusable_knots_are_refused_with_their_value() {
+    fn invalid_knots_are_refused_with_their_value() {
         let refused = |degree, knots: &[f64]| KnotVector::try_new(degree, knots.to_vec()).unwrap_err();
         assert!(matches!(refused(0, &[0.0, 1.0]), SurfaceError::OutOfRange { value: 0.0, .. }));
         assert!(matches!(refused(26, &[0.0; 60]), SurfaceError::OutOfRange { value: 26.0, .. }));
@@ -163,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn unclamped_knots_live_between_the_inner_ones() {
+    fn domain_of_unclamped_knots_lies_between_the_inner_ones() {
         let knots = KnotVector::try_new(2, (0..8).map(f64::from).collect()).unwrap();
         assert_eq!(knots.domain(), [2.0, 5.0]);
         assert!(!knots.is_clamped());
@@ -172,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn clamped_uniform_knots_part_the_unit_interval_evenly() {
+    fn clamped_uniform_knots_divide_the_unit_interval_evenly() {
         let knots = KnotVector::clamped_uniform(3, 6).unwrap();
         assert_eq!(knots.knots(), [0.0, 0.0, 0.0, 0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0, 1.0, 1.0, 1.0]);
         assert!(matches!(KnotVector::clamped_uniform(3, 3), Err(SurfaceError::TooFew { min: 4, .. })));

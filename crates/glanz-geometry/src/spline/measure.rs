@@ -71,7 +71,8 @@ impl NurbsSurface {
     /// The area, by Gauss's rule on rectangles that are quartered until the sum changes by less than `tolerance` (m^2).
     ///
     /// # Errors
-    /// A tolerance that is not positive. A tolerance that cannot be reached is not an error: see [`AreaEstimate::error`].
+    /// [`SurfaceError::NotFinite`] or [`SurfaceError::NotPositive`] for the tolerance. One that cannot be reached is not an error:
+    /// see [`AreaEstimate::error`].
     ///
     /// # Source
     /// @pumberger2010 eq. 2.1.

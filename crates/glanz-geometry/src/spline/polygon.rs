@@ -41,7 +41,8 @@ fn insert_once<P: ControlPoint>(p: usize, t: &mut Vec<f64>, points: &mut Vec<P>,
 /// The row after inserting the knot `u`, strictly inside the domain, `times` times.
 ///
 /// # Errors
-/// `u` outside the open domain, or a knot that would then appear more than `degree` times.
+/// [`SurfaceError::OutOfRange`] if `u` is outside the open domain, [`SurfaceError::KnotMultiplicity`] if the knot would appear more
+/// than `degree` times.
 pub(crate) fn insert<P: ControlPoint>(
     knots: &KnotVector,
     points: &[P],
@@ -63,7 +64,7 @@ pub(crate) fn insert<P: ControlPoint>(
 /// The part of the row between two parameters of the domain, with clamped knots.
 ///
 /// # Errors
-/// Parameters outside the domain or not ascending.
+/// [`SurfaceError::OutOfRange`] for a parameter outside the domain, [`SurfaceError::EmptyRange`] if they do not ascend.
 pub(crate) fn restrict<P: ControlPoint>(
     knots: &KnotVector,
     points: &[P],
@@ -119,7 +120,7 @@ pub(crate) fn bezier<P: ControlPoint>(
 /// longest piece on which the point acts, from which extrapolation to the others needs the smallest factors.
 ///
 /// # Errors
-/// A degree that is already the highest possible.
+/// [`SurfaceError::OutOfRange`] if the degree is already the highest possible.
 ///
 /// # Source
 /// @prautzsch1984; @farin2002 section 8.
@@ -183,7 +184,7 @@ fn polar_form<P: ControlPoint>(
 /// equation that remains is not solved, its residual is the error.
 ///
 /// # Errors
-/// `u` outside the open domain, or not a knot.
+/// [`SurfaceError::OutOfRange`] if `u` is outside the open domain, [`SurfaceError::TooFew`] if it is not a knot.
 ///
 /// # Source
 /// @tiller1992; departure: the equation that remains.

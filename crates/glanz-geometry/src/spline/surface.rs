@@ -31,8 +31,8 @@ impl NurbsSurface {
     /// at `i * count_v + j`, where `count_v = knots_v.len() - degree_v - 1`. `degrees` and `knots` are those in u and in v.
     ///
     /// # Errors
-    /// Those of [`KnotVector::try_new`] for each direction; a wrong number of points, coordinates that are not finite,
-    /// weights that are not positive.
+    /// Those of [`KnotVector::try_new`] for each direction; [`SurfaceError::CountMismatch`] for the number of points,
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] for a weight.
     pub fn try_new(
         degrees: [usize; 2],
         knots: [Vec<f64>; 2],
@@ -48,7 +48,7 @@ impl NurbsSurface {
     /// weights it is polynomial.
     ///
     /// # Errors
-    /// Those of [`Self::try_new`], and lists of different lengths.
+    /// Those of [`Self::try_new`], and [`SurfaceError::CountMismatch`] for the number of weights.
     pub fn try_from_points(
         degrees: [usize; 2],
         knots: [Vec<f64>; 2],
@@ -61,7 +61,8 @@ impl NurbsSurface {
     /// The surface over checked knots, with homogeneous control points in the order of [`Self::try_new`].
     ///
     /// # Errors
-    /// A wrong number of points, coordinates that are not finite, weights that are not positive.
+    /// [`SurfaceError::CountMismatch`] for the number of points, [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] for a
+    /// weight.
     pub fn from_knots(
         knots_u: KnotVector,
         knots_v: KnotVector,
@@ -201,7 +202,7 @@ impl NurbsSurface {
     /// last bit.
     ///
     /// # Errors
-    /// Those of [`Self::try_new`], and fewer than 2 knots in a periodic direction.
+    /// Those of [`Self::try_new`], and [`SurfaceError::TooFew`] with less than 2 knots in a periodic direction.
     pub fn try_new_periodic(
         degrees: [usize; 2],
         knots: [Vec<f64>; 2],
@@ -272,7 +273,7 @@ impl NurbsSurface {
     /// The part over the rectangle [u, v] of the domain, with clamped knots.
     ///
     /// # Errors
-    /// Parameters outside the domain or not ascending.
+    /// [`SurfaceError::OutOfRange`] for a parameter outside the domain, [`SurfaceError::EmptyRange`] if they do not ascend.
     pub fn restrict(&self, [range_u, range_v]: [[f64; 2]; 2]) -> Result<Self, SurfaceError> {
         let strip = self.map_rows_v(|t, row| polygon::restrict(t, row, range_v))?;
         Ok(strip.transposed().map_rows_v(|t, row| polygon::restrict(t, row, range_u))?.transposed())

@@ -43,7 +43,8 @@ impl NurbsSurface {
     /// The same surface after inserting the knot `value` `times` times.
     ///
     /// # Errors
-    /// A value not strictly inside the domain, or one that would then appear more than `degree` times.
+    /// [`SurfaceError::OutOfRange`] if the value is not strictly inside the domain, [`SurfaceError::KnotMultiplicity`] if the knot
+    /// would appear more than `degree` times.
     pub fn insert_knot(
         &self,
         direction: ParameterDirection,
@@ -56,8 +57,9 @@ impl NurbsSurface {
     /// The surface after removing one of the knots `value`, and a bound on the distance by which points move, metres.
     ///
     /// # Errors
-    /// A value that is not a knot strictly inside the domain; [`SurfaceError::KnotNeeded`] if the bound is greater than
-    /// `tolerance` (metres); it is infinite where a weight would not stay positive.
+    /// [`SurfaceError::OutOfRange`] if the value is not strictly inside the domain, [`SurfaceError::TooFew`] if it is not a knot,
+    /// [`SurfaceError::KnotNeeded`] if the bound is greater than `tolerance` (metres); it is infinite if a weight would not stay
+    /// positive.
     pub fn remove_knot(
         &self,
         direction: ParameterDirection,
@@ -82,7 +84,7 @@ impl NurbsSurface {
     /// The same surface with its degree raised by one in one direction.
     ///
     /// # Errors
-    /// A degree that is already the highest possible.
+    /// [`SurfaceError::OutOfRange`] if the degree is already the highest possible.
     pub fn elevate(&self, direction: ParameterDirection) -> Result<Self, SurfaceError> {
         self.map_rows(direction, polygon::elevate)
     }
@@ -91,7 +93,7 @@ impl NurbsSurface {
     /// are equal to the last bit.
     ///
     /// # Errors
-    /// A value not strictly inside the domain.
+    /// [`SurfaceError::OutOfRange`] or [`SurfaceError::EmptyRange`] if the value is not strictly inside the domain.
     pub fn split(&self, direction: ParameterDirection, value: f64) -> Result<(Self, Self), SurfaceError> {
         let [start, end] = self.knots(direction).domain();
         let part = |range| self.map_rows(direction, |t, row| polygon::restrict(t, row, range));
@@ -110,7 +112,7 @@ impl NurbsSurface {
     /// it.
     ///
     /// # Errors
-    /// Weights that underflow.
+    /// [`SurfaceError::NotPositive`] if a weight underflows.
     pub fn isocurve(&self, fixed: ParameterDirection, value: f64) -> Result<NurbsCurve, SurfaceError> {
         let oriented = match fixed {
             ParameterDirection::U => self.clone(),

@@ -9,7 +9,7 @@ use super::Location;
 pub struct CameraDescription {
     /// The projection.
     pub kind: CameraKind,
-    /// From camera to world space.
+    /// Transformation from camera to world space.
     pub to_world: DMat4,
     /// Smallest and largest x, then y, of the screen; by default the shorter side spans [-1, 1].
     pub screen_window: Option<[f64; 4]>,
@@ -54,9 +54,9 @@ impl CameraDescription {
     }
 }
 
-/// From the frame of a camera at `eye` that looks at `target` to the world: x to the right of the picture, y (towards `up`) up, z forward.
+/// Transformation from the frame of a camera at `eye` that looks at `target` to the world: x to the right of the picture, y (towards `up`) up, z forward.
 ///
-/// As pbrt's, the frame is left-handed when seen in a right-handed world. `None` if `eye` is `target` or `up` is parallel to the view.
+/// Like pbrt's, the frame is left-handed in a right-handed world. `None` if `eye` is `target` or `up` is parallel to the view.
 #[must_use]
 pub fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Option<DMat4> {
     let forward = (target - eye).try_normalize()?;

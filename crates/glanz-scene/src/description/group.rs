@@ -21,7 +21,7 @@ pub struct GroupDescription {
 pub struct InstanceDescription {
     /// Index into [`Description::groups`](super::Description::groups).
     pub group: usize,
-    /// From the group's frame to that of the group that holds this instance.
+    /// Transformation from the group's frame to that of the group that contains this instance.
     pub to_parent: DMat4,
     /// Its place in the input.
     pub location: Option<Location>,

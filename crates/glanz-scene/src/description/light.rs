@@ -17,7 +17,7 @@ pub struct LightDescription {
     pub emission: SpectralDistribution,
     /// Factor on `emission`.
     pub scale: f32,
-    /// From light to world space.
+    /// Transformation from light to world space.
     pub to_world: DMat4,
     /// Its place in the input.
     pub location: Option<Location>,
@@ -100,7 +100,7 @@ pub enum LightKind {
     },
     /// Emits rays in proportion to their flux; of the emission only the colour counts, not the magnitude.
     Rays {
-        /// In light space.
+        /// The rays in light space.
         rays: Arc<[SourceRay]>,
         /// Position of their origin.
         from: DVec3,

@@ -27,7 +27,7 @@ use super::trim::TrimDescription;
 pub struct ShapeDescription {
     /// The surface in its own frame.
     pub geometry: GeometryDescription,
-    /// From the frame of the surface to that of the group.
+    /// Transformation from the frame of the surface to that of the group.
     pub to_parent: DMat4,
     /// Whether the normal is reversed.
     pub reverse_orientation: bool,

@@ -131,22 +131,22 @@ pub enum MappingDescription {
         v2: DVec3,
         /// Added to both.
         offset: DVec2,
-        /// From world to texture space.
+        /// Transformation from world to texture space.
         to_texture: DMat4,
     },
     /// Polar and azimuthal angle, scaled to [0, 1].
     Spherical {
-        /// From world to texture space.
+        /// Transformation from world to texture space.
         to_texture: DMat4,
     },
     /// Azimuthal angle scaled to [0, 1], and height.
     Cylindrical {
-        /// From world to texture space.
+        /// Transformation from world to texture space.
         to_texture: DMat4,
     },
     /// The point itself, for solid textures.
     Solid {
-        /// From world to texture space.
+        /// Transformation from world to texture space.
         to_texture: DMat4,
     },
 }

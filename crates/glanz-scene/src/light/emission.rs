@@ -14,7 +14,7 @@ use crate::scene::Scene;
 /// A sampled ray that leaves a light.
 #[derive(Clone, Copy, Debug)]
 pub struct LightRay {
-    /// With a unit direction.
+    /// The ray, with a unit direction.
     pub ray: Ray,
     /// Power over density, W: the mean of many is the power of the light; of an infinitely far one, the power that reaches the sphere around
     /// the scene.

@@ -38,22 +38,22 @@ pub enum TextureMapping {
         v2: DVec3,
         /// Added to both.
         offset: DVec2,
-        /// From the world to the texture's space.
+        /// Transformation from the world to the texture's space.
         to_texture: Transform,
     },
     /// `(theta / pi, phi / 2 pi)`: angle from +z and azimuth in [0, 2 pi), p in the texture's space.
     Spherical {
-        /// From the world to the texture's space.
+        /// Transformation from the world to the texture's space.
         to_texture: Transform,
     },
     /// `((phi + pi) / 2 pi, z)` with the azimuth in [-pi, pi], p in the texture's space.
     Cylindrical {
-        /// From the world to the texture's space.
+        /// Transformation from the world to the texture's space.
         to_texture: Transform,
     },
     /// The point itself in the texture's space: solid textures. A flat texture takes x and y.
     Solid {
-        /// From the world to the texture's space.
+        /// Transformation from the world to the texture's space.
         to_texture: Transform,
     },
 }

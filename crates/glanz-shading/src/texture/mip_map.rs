@@ -57,7 +57,7 @@ struct MipLevel {
 /// A picture with its mipmap levels; cheap to clone.
 #[derive(Clone, Debug)]
 pub struct MipMap {
-    /// From the full size down to one pixel (or the full size alone).
+    /// Levels from the full size down to one pixel, or the full size alone.
     levels: Arc<[MipLevel]>,
 }
 

@@ -148,7 +148,7 @@ impl Textures {
     /// Largest number of textures that one evaluation may evaluate; also bounds the depth of the recursion.
     pub const MAX_EVALUATIONS: u64 = 1000;
 
-    /// No texture.
+    /// An empty list.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
