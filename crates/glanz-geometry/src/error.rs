@@ -53,7 +53,7 @@ pub enum SurfaceError {
         value: f64,
     },
     /// The intersection of half-spaces is unbounded.
-    #[error("the half-spaces are unbounded in the direction ({}, {}, {})", direction[0], direction[1], direction[2])]
+    #[error("the intersection of the half-spaces is unbounded in the direction ({}, {}, {}); add one that bounds it", direction[0], direction[1], direction[2])]
     Unbounded {
         /// A direction in which it is unbounded.
         direction: [f64; 3],
@@ -177,7 +177,7 @@ pub enum SurfaceError {
         tolerance: f64,
     },
     /// All curves of a trimming loop are one point.
-    #[error("the trimming loop is the single point ({}, {})", point.x, point.y)]
+    #[error("the trimming loop is the single point ({}, {}); it must have an extent", point.x, point.y)]
     CollapsedLoop {
         /// The point.
         point: DVec2,

@@ -2,16 +2,16 @@
 //!
 //! # Modules
 //!
-//! [`RaySurface`] is what all surfaces have in common: where a ray meets them, position and derivatives there, a random
-//! point on them. [`Surface`] is the closed set of all surfaces, each in its own local frame.
+//! [`RaySurface`] is the common interface of all surfaces: intersection with a ray, position and derivatives at a hit, sampling of
+//! points. [`Surface`] is the closed set of all surfaces, each in its own local frame.
 //!
 //! - [`quadric`], [`torus`], [`algebraic`]: surfaces given by equations;
 //! - [`triangle`], [`mesh`], [`bilinear`], [`cuboid`], [`polyhedron`]: flat facets and bilinear patches;
 //! - [`spline`] (NURBS) and [`bezier`] (patches over squares and triangles): control points, evaluation, editing;
-//!   [`freeform`] intersects them with rays; [`rational`] writes other surfaces as such patches;
-//! - [`trim`]: the part of a parameter domain that loops of curves enclose; [`trimmed`] surfaces;
-//! - [`face`]: surfaces by their parameters;
-//! - [`bvh`]: the bounding volume hierarchy, over boxes of anything.
+//!   [`freeform`] intersects them with rays; [`rational`] represents other surfaces as such patches;
+//! - [`trim`]: parts of parameter domains inside loops of curves; [`trimmed`]: surfaces restricted to them;
+//! - [`face`]: evaluation of surfaces by face and parameters;
+//! - [`bvh`]: the bounding volume hierarchy over boxes.
 
 pub mod algebraic;
 pub mod bezier;

@@ -52,7 +52,7 @@ pub trait RaySurface {
     fn area_pdf(&self, hit: &Hit, point: &SurfacePoint) -> Option<AreaPdf>;
 }
 
-// One line per surface; the macro writes the delegation, so that no variant can be forgotten in a match.
+// One line per surface; the macro generates the delegation for all of them.
 macro_rules! surfaces {
     ($($(#[$doc:meta])* $kind:literal $name:ident($type:ty),)*) => {
         /// The closed set of surfaces.

@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_looks_as_the_style_guide_shows_it() {
+    fn errors_have_the_documented_form() {
         let expected = "\
 error: room.pbrt:14:3: shape \"nurbs\": knot vector \"uknots\" must not decrease
   14 | Shape \"nurbs\" \"integer uorder\" [4] \"float uknots\" [0 0 0 0 1 0.5 2 2 2 2]

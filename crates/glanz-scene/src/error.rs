@@ -28,7 +28,7 @@ pub enum SceneErrorKind {
         /// The reason.
         source: TransformError,
     },
-    /// A surface with impossible parameters.
+    /// A surface with invalid parameters.
     #[error("shape: {0}")]
     Surface(#[from] SurfaceError),
     /// Trimming loops that are invalid.
@@ -54,7 +54,7 @@ pub enum SceneErrorKind {
         /// Number of entries.
         count: usize,
     },
-    /// A name that a [`SceneBuilder`](crate::SceneBuilder) does not know.
+    /// A name unknown to a [`SceneBuilder`](crate::SceneBuilder).
     #[error("there is no {what} \"{name}\"; add it before it is used")]
     Name {
         /// Kind of the entry.
@@ -63,14 +63,14 @@ pub enum SceneErrorKind {
         name: String,
     },
     /// Groups nested beyond the limit.
-    #[error("groups are nested more than {0} deep")]
+    #[error("groups are nested more deeply than the {0} levels allowed; merge some of them")]
     Nesting(usize),
     /// A receiver in a group that is copied.
     #[error(
-        "receiver \"{0}\": a shape of an object cannot be one, for every copy would be the same receiver; put it into the world"
+        "receiver \"{0}\": a shape in a group cannot be a receiver, since all instances would share it; add the shape to the world"
     )]
     ReceiverInGroup(String),
-    /// A material with impossible parameters.
+    /// A material with invalid parameters.
     #[error("material {name}: {reason}")]
     Material {
         /// Its name, quoted.

@@ -61,19 +61,19 @@ impl PlacedSurface<'_> {
             }
         }
         let smallest = (open.len() as f64 / f64::from(FEWEST_CELLS)).sqrt().clamp(1.0 / 16.0, 1.0);
-        let (rule, mut looked_at) = (GaussLegendre::new(NODES), open.len());
+        let (rule, mut tested) = (GaussLegendre::new(NODES), open.len());
         // Level by level, so that squares of one size are left when the budget is used up.
         while !open.is_empty() {
             let mut next = Vec::new();
             for square in open {
                 let FaceSquare { face, low, side } = square;
                 let state = self.state(&square);
-                let divide = side > smallest || (state == Containment::Crossed && looked_at < MOST_CELLS);
+                let divide = side > smallest || (state == Containment::Crossed && tested < MOST_CELLS);
                 match state {
                     Containment::Outside => {}
                     _ if divide => {
                         next.extend(square.quarters());
-                        looked_at += 4;
+                        tested += 4;
                     }
                     Containment::Inside => {
                         let along = |v: f64| {

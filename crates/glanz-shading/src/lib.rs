@@ -6,7 +6,7 @@
 //!
 //! - [`model`]: the table of scattering models, one file each with the material that describes it: a [`Material`] has textured parameters
 //!   and at a [`TexturePoint`] a [`Bsdf`]; the classical shading of document 001 is [`model::phong::classic`];
-//! - [`bsdf`]: what a model provides, [`BsdfModel`]: `eval`, `pdf`, `sample` and more;
+//! - [`bsdf`]: the interface of a model, [`BsdfModel`]: `eval`, `pdf`, `sample` and more;
 //! - [`parameter`]: parameters of materials, checked and converted from the form of a description;
 //! - [`preview`]: materials in a rasteriser;
 //! - [`fresnel`]: reflectance of glass and metal, the directions of reflection and refraction;

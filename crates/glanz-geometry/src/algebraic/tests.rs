@@ -50,7 +50,7 @@ fn all(surface: &impl RaySurface, ray: &Ray) -> Vec<Hit> {
 }
 
 #[test]
-fn sphere_is_met_where_it_is() {
+fn sphere_is_hit_at_the_roots_of_the_quadratic() {
     let center = DVec3::new(3.0, -2.0, 5.0);
     let bounds = Bounds3::new(center - 2.5, center + 2.0);
     let sphere = AlgebraicSurface::try_new(&sphere_terms(center, 1.5), bounds).unwrap();
@@ -118,7 +118,7 @@ fn surface_is_cut_open_where_it_leaves_the_box() {
 }
 
 #[test]
-fn leaving_ray_misses_a_ball_and_turns_up_once_inside() {
+fn leaving_ray_hits_a_ball_once_from_inside_and_not_from_outside() {
     for (center, r) in [(DVec3::ZERO, 1.0), (DVec3::new(20.0, 3.0, -8.0), 0.5), (DVec3::ONE, 1e4)] {
         let ball = AlgebraicSurface::try_new(
             &sphere_terms(center, r),

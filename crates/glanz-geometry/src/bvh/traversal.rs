@@ -30,8 +30,8 @@ fn child(entry: u64) -> NodeChild {
 /// The caller's work at the leaves. Methods are `#[inline(always)]`, as a closure cannot be, so that they are compiled for
 /// the instruction set of the traversal.
 pub(crate) trait LeafVisitor {
-    /// Intersects a leaf up to `t_max`; returns the new end of the ray. Where any hit will do, less than `t_max` stands
-    /// for a hit.
+    /// Intersects a leaf up to `t_max`; returns the new end of the ray. In a search for any hit, a result below `t_max`
+    /// is a hit.
     fn leaf<S: Simd>(&mut self, simd: S, leaf: BvhLeaf, t_max: f64) -> f64;
     /// Prepares the ray for leaves; called once the ray has met a box, while the next boxes are tested.
     #[inline(always)]

@@ -140,7 +140,7 @@ fn rational_bounds(
         largest(x.coefficients.iter().zip(&y.coefficients).map(|(&x, &y)| x - y))
     };
     let thickness = apart(space.clone().elevated((1, 1)), weight.times_bilinear(affine)) / least;
-    // S_s - a = (X_s - S W_s - a W) / W, where S is s a + t b but for the thickness.
+    // S_s - a = (X_s - S W_s - a W) / W, where S is s a + t b up to the thickness.
     let deviation = |by_first: bool, along: DVec3| {
         let rise = weight.derivative(by_first);
         let steepest = rise.coefficients.iter().fold(0.0, |most: f64, w| most.max(w.abs()));

@@ -46,7 +46,7 @@ struct BicubicCell<S: Simd> {
     halvings: usize,
 }
 
-/// Number of roots of a cell, as far as a test tells.
+/// Result of a test of a cell for roots.
 enum BicubicCellClass {
     /// No root.
     Excluded,

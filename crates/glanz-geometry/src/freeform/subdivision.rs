@@ -60,7 +60,7 @@ struct SubdivisionCell {
     start: usize,
 }
 
-/// Number of roots of a cell, as far as a test tells.
+/// Result of a test of a cell for roots.
 enum CellClass {
     /// No root.
     Excluded,

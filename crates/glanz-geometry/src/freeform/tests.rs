@@ -272,7 +272,7 @@ fn grazing_rays_pass_a_seam_exactly_once() {
     assert_eq!(surface.undecided(), 0);
 }
 
-/// The unit square of parameters but for two round holes.
+/// The unit square of parameters without two round holes.
 fn plate(radius: f64) -> Arc<TrimRegion> {
     let hole = |x, y| {
         let circle = TrimCurve::try_circle(DVec2::new(x, y), radius).unwrap().reversed();

@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn area_is_that_of_the_book() {
+    fn area_agrees_with_the_published_formula() {
         // pi r / (6 h^2) ((r^2 + 4 h^2)^(3/2) - r^3)
         let (r, h) = (1.5_f64, 0.8);
         let dish = Paraboloid::try_new(r, [0.0, h], TAU).unwrap();

@@ -32,7 +32,7 @@ impl<'a> BasisFunctions<'a> {
     /// The basis functions number `first()` to `first() + degree`.
     ///
     /// # Source
-    /// @markgraf2019 eq. 4, corrected: the spans are half-open but for the last, so that the sum is 1 everywhere.
+    /// @markgraf2019 eq. 4, corrected: all spans except the last are half-open, so that the sum is 1 everywhere.
     /// Order of evaluation: @piegl1997 algorithm A2.2.
     #[must_use]
     pub fn values(&self) -> BasisRow {

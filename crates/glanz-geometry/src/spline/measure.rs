@@ -32,7 +32,7 @@ const GAUSS: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
 ];
 
-/// Largest number of quartered rectangles; the rest is added as it is, with its error.
+/// Largest number of quartered rectangles; the others are added without refinement, with their errors.
 const MAX_RECTANGLES: usize = 1 << 15;
 
 /// A rectangle of the domain with the integral of the area element over it.

@@ -84,7 +84,7 @@ trait LightModel {
     }
 }
 
-// One line per kind; the macro writes the delegation, so that no kind can be forgotten in a match.
+// One line per kind; the macro generates the delegation for all of them.
 macro_rules! lights {
     ($($(#[$doc:meta])* $variant:ident($light:ident),)*) => {
         /// A light.
@@ -145,7 +145,7 @@ macro_rules! lights {
                 }
             }
 
-            /// The light that arrives at `point`, if nothing stands between, from a light that is seen from there in one direction.
+            /// The unoccluded light that arrives at `point` from a light that is seen from there in one direction.
             ///
             /// `None` for lights with an extent, and at the position of the light.
             #[must_use]
@@ -245,7 +245,7 @@ fn brightness(light: Spectrum) -> f64 {
 pub struct LightSample {
     /// Unit direction to the light.
     pub wi: DVec3,
-    /// Radiance that arrives if nothing stands between; for a delta light the irradiance on a surface that faces it.
+    /// Unoccluded radiance; for a delta light the irradiance on a surface that faces it.
     pub radiance: Spectrum,
     /// Density with which `wi` was sampled; 1 for a delta light.
     pub pdf: SolidAnglePdf,

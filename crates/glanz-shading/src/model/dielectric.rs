@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn glass_seen_head_on_reflects_four_percent_of_the_choices_with_weight_one() {
+    fn glass_at_normal_incidence_reflects_four_percent_of_samples_with_weight_one() {
         for (xi, transmission) in [(0.0399, false), (0.0401, true)] {
             let s = glass(false).draw(DVec3::Z, xi, TransportMode::Importance).unwrap();
             assert_eq!(s.lobe.transmission, transmission);

@@ -49,7 +49,7 @@ pub trait TexturedModel: MaterialModel<ShadingForm> {
     }
 }
 
-// One line per model; the macro writes the delegation, so that no variant can be forgotten in a match.
+// One line per model; the macro generates the delegation for all of them.
 macro_rules! bsdfs {
     ($($(#[$doc:meta])* $material_variant:ident($material:ident) => $variant:ident($model:ident),)*) => {
         /// The closed set of scattering models at a point, see [`BsdfModel`].

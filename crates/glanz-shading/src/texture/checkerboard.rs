@@ -20,7 +20,7 @@ impl Checkerboard {
     ///
     /// The average over a box is exact: the pattern is a product of square waves, one per axis.
     #[must_use]
-    pub fn odd_share(&self, at: &TexturePoint) -> f32 {
+    pub fn odd_fraction(&self, at: &TexturePoint) -> f32 {
         let coordinates = self.mapping.coordinates(at);
         let DVec3 { x, y, z } = coordinates.position;
         let z = if coordinates.solid { wave(z, coordinates.width) } else { 1.0 };
@@ -71,14 +71,14 @@ mod tests {
             (-0.5, -0.5, 0.0),
             (0.0, 1.0, 1.0),
         ] {
-            assert_eq!(board.odd_share(&uv(u, v)), odd, "({u}, {v})");
+            assert_eq!(board.odd_fraction(&uv(u, v)), odd, "({u}, {v})");
         }
     }
 
     #[test]
     fn solid_board_alternates_along_all_axes() {
         let board = board(TextureMapping::Solid { to_texture: Transform::IDENTITY });
-        let at = |x, y, z| board.odd_share(&TexturePoint::new(DVec2::ZERO, DVec3::new(x, y, z)));
+        let at = |x, y, z| board.odd_fraction(&TexturePoint::new(DVec2::ZERO, DVec3::new(x, y, z)));
         assert_eq!(at(0.5, 0.5, 0.5), 0.0);
         assert_eq!(at(0.5, 0.5, 1.5), 1.0);
         assert_eq!(at(1.5, 0.5, 1.5), 0.0);
@@ -89,20 +89,20 @@ mod tests {
     fn footprints_are_averaged_exactly() {
         let board = board(TextureMapping::default());
         // A square of side 1 around (1, 0.5): half even, half odd.
-        assert_eq!(board.odd_share(&uv(1.0, 0.5).with_footprint(1.0, 0.0)), 0.5);
+        assert_eq!(board.odd_fraction(&uv(1.0, 0.5).with_footprint(1.0, 0.0)), 0.5);
         // Side 0.5 around (0.875, 0.5): x in [0.625, 1.125], of which a quarter lies in the odd cell.
-        assert_eq!(board.odd_share(&uv(0.875, 0.5).with_footprint(0.5, 0.0)), 0.25);
+        assert_eq!(board.odd_fraction(&uv(0.875, 0.5).with_footprint(0.5, 0.0)), 0.25);
         // Many cells.
-        assert!((board.odd_share(&uv(0.3, 0.4).with_footprint(100.0, 0.0)) - 0.5).abs() < 1e-4);
+        assert!((board.odd_fraction(&uv(0.3, 0.4).with_footprint(100.0, 0.0)) - 0.5).abs() < 1e-4);
     }
 
     #[test]
-    fn values_beyond_all_cells_give_a_share() {
+    fn infinite_and_huge_coordinates_give_a_fraction() {
         let board = board(TextureMapping::default());
         for u in [1e300, f64::INFINITY, f64::NAN, -1e18] {
             for width in [0.0, 1.0, f64::INFINITY] {
-                let share = board.odd_share(&uv(u, 0.5).with_footprint(width, 0.0));
-                assert!((0.0..=1.0).contains(&share), "u {u}, width {width}: {share}");
+                let fraction = board.odd_fraction(&uv(u, 0.5).with_footprint(width, 0.0));
+                assert!((0.0..=1.0).contains(&fraction), "u {u}, width {width}: {fraction}");
             }
         }
     }

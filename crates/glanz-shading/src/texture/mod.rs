@@ -222,7 +222,7 @@ impl Textures {
                 spectrum(a).lerp(spectrum(b), self.float(amount, at, wavelengths))
             }
             Texture::Checkerboard(board) => {
-                let odd = board.odd_share(at);
+                let odd = board.odd_fraction(at);
                 // Most points lie in one of the two; the other one need not be evaluated.
                 if odd <= 0.0 {
                     spectrum(&board.even)
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn textures_that_double_their_cost_are_refused_before_they_explode() {
+    fn textures_of_doubling_cost_are_refused() {
         let mut textures = Textures::new();
         let mut last = textures.add(Texture::Constant(Spectrum::ONE)).unwrap();
         // Costs 1, 3, 7, ... 2^k - 1: the ninth product still has 1023 > 1000.

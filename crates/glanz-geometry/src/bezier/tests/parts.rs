@@ -182,7 +182,7 @@ fn elevation_and_renumbering_keep_the_triangle() {
 }
 
 #[test]
-fn wrong_nets_are_refused() {
+fn invalid_nets_are_refused() {
     let net = |w: f64, x: f64| vec![DVec4::new(x, 0.0, 0.0, w); 4];
     let errors = [
         TensorPatch::try_new(1, 1, net(0.0, 1.0)),

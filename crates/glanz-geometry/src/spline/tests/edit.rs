@@ -132,7 +132,7 @@ fn weights_that_are_one_stay_exactly_one_and_planes_stay_planes() {
 }
 
 #[test]
-fn unusable_surfaces_are_refused() {
+fn invalid_surfaces_are_refused() {
     let knots = || vec![0.0, 0.0, 1.0, 1.0];
     let with = |points: Vec<DVec4>| NurbsSurface::try_new([1, 1], [knots(), knots()], points);
     assert!(matches!(with(vec![DVec4::ONE; 3]), Err(SurfaceError::CountMismatch { expected: 4, .. })));

@@ -92,7 +92,7 @@ fn thousands_of_holes_stay_small_and_exact() {
 }
 
 #[test]
-fn piles_of_the_same_loop_do_not_blow_up_the_hierarchy() {
+fn repeated_loops_do_not_enlarge_the_hierarchy_out_of_proportion() {
     let pile = region((0..500).map(|_| closed(circle(CENTER, 0.4))).collect());
     let star = region(
         (0..300)
