@@ -2,9 +2,12 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum, ValueHint};
 use glanz::ModelSettings;
 use glanz::formats::image::Format;
+use glanz::radiosity::bake::BakeMethod;
+use glanz::radiosity::reconstruct::Interpolation;
 use glanz_terminal::values::positive;
 
 use super::common::{JobArguments, SceneArgument, ToneArguments};
@@ -15,7 +18,9 @@ leaves it (TEXCOORD_1); three.js, Blender and others display it without further 
 irradiance itself, in the scene's units of radiance, is written beside it as OpenEXR in the same
 layout. Sides that no light reaches are black and take no texels. The model has the scene's camera.
 
-Light is that of radiosity: mirrors, glass and gloss count as if they reflected diffusely.
+Light is that of radiosity: mirrors, glass and gloss count as if they reflected diffusely. With
+--method radiosity, light passes clear glass; direct light comes from all lights by fewer shadow rays,
+and light between surfaces is that of elements as large as it allows, interpolated.
 Ctrl-C and SIGTERM end the command with 130. Only the checkpoint is written then, if one is given;
 --resume continues from it to the same bits. A second Ctrl-C ends the program at once. The finished
 checkpoint holds all light: for further models of the same scene, and for `glanz render --light-in`.
@@ -24,6 +29,7 @@ Examples:
   glanz bake room.pbrt -o room.glb
   glanz bake room.pbrt -o room.glb --checkpoint room.light --resume
   glanz render room.pbrt --integrator radiosity --light-in room.light
+  glanz bake room.pbrt -o preview.glb --method radiosity
   glanz bake room.pbrt -o fine.glb --texels-per-metre 100 --tone filmic";
 
 #[derive(Debug, Args)]
@@ -43,6 +49,14 @@ pub(crate) struct BakeArguments {
     /// Largest distance of triangles from the surface, metres; 0.001, or less in a small scene
     #[arg(long, value_name = "M", value_parser = positive)]
     tolerance: Option<f64>,
+    /// How light between surfaces is found: by a final gather, or for a preview in a tenth of the time
+    /// by radiosity of elements
+    #[arg(long, value_name = "METHOD", value_enum, default_value_t = MethodName::Gather)]
+    method: MethodName,
+    /// How --method radiosity turns the light of elements into that of texels; natural, by natural
+    /// neighbours, if not given
+    #[arg(long, value_name = "NAME", value_parser = interpolation_parser())]
+    reconstruct: Option<Interpolation>,
     /// Number of rays that gather indirect light at a point
     #[arg(long, value_name = "N", hide_short_help = true, default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=65536))]
     pub(crate) rays: u32,
@@ -53,6 +67,20 @@ pub(crate) struct BakeArguments {
 }
 
 impl BakeArguments {
+    /// How light between surfaces is found.
+    ///
+    /// # Errors
+    /// A reconstruction for the method that has none.
+    pub(crate) fn method(&self) -> Result<BakeMethod, &'static str> {
+        match (self.method, self.reconstruct) {
+            (MethodName::Gather, None) => Ok(BakeMethod::Gather),
+            (MethodName::Gather, Some(_)) => Err("--reconstruct is for --method radiosity"),
+            (MethodName::Radiosity, interpolation) => Ok(BakeMethod::Radiosity {
+                reconstruction: interpolation.unwrap_or(Interpolation::NaturalNeighbour),
+            }),
+        }
+    }
+
     /// How the model is made.
     pub(crate) fn model(&self) -> ModelSettings {
         let irradiance = match self.lightmap {
@@ -70,4 +98,20 @@ enum LightMapName {
     Exr,
     // Eight bits, as the tone curve makes them.
     Png,
+}
+
+/// The methods of the bake.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum MethodName {
+    // Rays over the hemisphere from places on each surface.
+    Gather,
+    // The hierarchical solver.
+    Radiosity,
+}
+
+/// The interpolations by their names.
+fn interpolation_parser() -> impl TypedValueParser<Value = Interpolation> {
+    let by_name = |name: String| Interpolation::ALL.into_iter().find(|method| method.name() == name);
+    PossibleValuesParser::new(Interpolation::ALL.map(|method| method.name()))
+        .try_map(move |name| by_name(name).ok_or("there is no such interpolation"))
 }

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use glanz::radiosity::bake::BakeMethod;
 use glanz::{BakeOutcome, Error, LoadedScene, ModelFiles};
 use glanz_terminal::messages::{CommandError, Messages};
 use glanz_terminal::progress::Progress;
@@ -38,12 +39,13 @@ struct BakeReport {
 /// # Errors
 /// A scene, setting or file that is refused.
 pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
+    let method = arguments.method().map_err(CommandError::usage)?;
     check_files(arguments).map_err(command_error(messages))?;
     let strict = arguments.job.strictness.strict;
     let scene = scene_file::open(&arguments.scene.scene, strict, messages)?;
     let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
     let start = Instant::now();
-    let outcome = match baked(scene, arguments, messages)? {
+    let outcome = match baked(scene, arguments, method, messages)? {
         Ok(outcome) => outcome,
         Err(Error::Interrupted(_)) => {
             messages.note(&interrupted(arguments));
@@ -84,6 +86,7 @@ fn check_files(arguments: &BakeArguments) -> Result<(), Error> {
 fn baked(
     scene: LoadedScene,
     arguments: &BakeArguments,
+    method: BakeMethod,
     messages: Messages,
 ) -> Result<Result<BakeOutcome, Error>, CommandError> {
     let cancel = interrupt::listen()?;
@@ -95,6 +98,7 @@ fn baked(
         .bake()
         .density(arguments.texels_per_metre)
         .rays(arguments.rays)
+        .method(method)
         .threads(job.threads.count())
         .checkpoint(job.checkpoint.checkpoint.clone())
         .resume(job.checkpoint.resume)

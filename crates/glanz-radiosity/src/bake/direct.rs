@@ -3,13 +3,17 @@
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
+use glanz_job::Interrupted;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{Bounds3, DVec2, Frame};
 use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
 use glanz_sampling::{mis, warp};
 use glanz_scene::{Light, LightId, ParametricPoint, PlacedSurface, Scene};
+use rayon::prelude::*;
 
-use super::{PASSED, Spot};
+use super::progress::BakeProgress;
+use super::visibility::{MOST_PASSED, Visibility};
+use super::{BakeMethod, BakeSettings, BakeState, CHARTS_AT_ONCE, Spot};
 use crate::charts::Chart;
 use crate::elements::Elements;
 
@@ -22,6 +26,10 @@ const FIRST: u32 = 32;
 /// Difference between two halves of the samples with which they are enough, per the light that is there.
 const ENOUGH: f32 = 0.01;
 
+/// The same two for a preview: 4 times as fast for an error that is not seen beside that of indirect light.
+const FIRST_OF_PREVIEW: u32 = 16;
+const ENOUGH_OF_PREVIEW: f32 = 0.05;
+
 /// Distance of a light, per its size, within which rays over the hemisphere look for it too. Beyond, their weight is
 /// below (area / (pi distance^2))^2 < 2e-3, and nothing is seen without them.
 const NEAR: f64 = 2.0;
@@ -32,10 +40,14 @@ const KEY: u64 = 0x6c61_6d70;
 /// The lights of a scene and the points to pick directions to them.
 pub(super) struct Lamps<'a> {
     scene: &'a Scene,
+    visibility: Visibility<'a>,
     lights: Vec<LightId>,
     /// Those of them that are surfaces.
     boxes: HashMap<LightId, Bounds3>,
     points: Vec<[f64; 3]>,
+    /// Samples before the first test of whether they are enough, and the difference of halves with which they are.
+    first: u32,
+    enough: f32,
 }
 
 /// Direct light of a chart.
@@ -78,8 +90,29 @@ pub(super) fn places(elements: &Elements<'_>, chart: &Chart, texel: usize) -> Ve
         .map_or_else(Vec::new, |surface| chart.places(surface, texel))
 }
 
+/// Direct light on all texels of charts. `state`: what was found before, for checkpoints.
+pub(super) fn of_charts(
+    elements: &Elements<'_>,
+    charts: &[Chart],
+    settings: &BakeSettings,
+    state: &BakeState,
+    progress: &mut BakeProgress<'_>,
+) -> Result<Vec<DirectMap>, Interrupted> {
+    let lamps = Lamps::new(elements, settings);
+    let texels: usize = charts.iter().map(Chart::texels).sum();
+    let mut direct = Vec::with_capacity(charts.len());
+    let mut done = 0;
+    for group in charts.chunks(CHARTS_AT_ONCE) {
+        progress.report(done as f64 / texels as f64, || state.clone())?;
+        let found: Vec<_> = group.par_iter().map(|chart| of_chart(elements, &lamps, chart)).collect();
+        direct.extend(found);
+        done += group.iter().map(Chart::texels).sum::<usize>();
+    }
+    Ok(direct)
+}
+
 /// Direct light on all texels of a chart.
-pub(super) fn of_chart(elements: &Elements<'_>, lamps: &Lamps<'_>, chart: &Chart) -> DirectMap {
+fn of_chart(elements: &Elements<'_>, lamps: &Lamps<'_>, chart: &Chart) -> DirectMap {
     let of_texel = |texel| {
         let places = places(elements, chart, texel);
         let spots: Vec<Spot> = places.iter().filter_map(|place| Spot::new(elements, place)).collect();
@@ -91,8 +124,12 @@ pub(super) fn of_chart(elements: &Elements<'_>, lamps: &Lamps<'_>, chart: &Chart
 }
 
 impl<'a> Lamps<'a> {
-    /// `most`: samples of a light for a texel at most.
-    pub(super) fn new(elements: &Elements<'a>, most: u32) -> Self {
+    fn new(elements: &Elements<'a>, settings: &BakeSettings) -> Self {
+        let most = settings.shadow_rays;
+        let (first, enough) = match settings.method {
+            BakeMethod::Gather => (FIRST, ENOUGH),
+            BakeMethod::Radiosity { .. } => (FIRST_OF_PREVIEW, ENOUGH_OF_PREVIEW),
+        };
         let scene = elements.scene;
         let light = |surface: &PlacedSurface<'_>| surface.light().map(|id| (id, surface.bounds()));
         let all = (0..).map(LightId).zip(scene.lights());
@@ -103,7 +140,16 @@ impl<'a> Lamps<'a> {
             [0, 1, 2].map(coordinate)
         };
         let boxes = elements.surfaces.iter().filter_map(light).collect();
-        Self { scene, lights, boxes, points: (0..most.max(4)).map(point).collect() }
+        let visibility = Visibility::of(settings.method, scene);
+        Self {
+            scene,
+            visibility,
+            lights,
+            boxes,
+            points: (0..most.max(4)).map(point).collect(),
+            first,
+            enough,
+        }
     }
 
     /// Irradiance at each of the spots, which are near one another: samples go round among them.
@@ -162,16 +208,17 @@ impl<'a> Lamps<'a> {
         if spot.normal.dot(direction) <= 0.0 {
             return None;
         }
-        let mut found = Spectrum::BLACK;
+        let (mut found, mut share) = (Spectrum::BLACK, Spectrum::ONE);
         let mut ray = spot.at.spawn(direction);
-        for _ in 0..PASSED {
+        for _ in 0..MOST_PASSED {
             let Some(hit) = self.scene.intersect(&ray, f64::INFINITY) else { break };
             if let Some((id, probability)) = hit.light().and_then(|id| Some((id, density(id)?))) {
                 let pdf = self.scene.light_pdf(id, &spot.at.light_sample_context(), &hit).0 * probability;
                 let weight = mis::power(by_cosine(local.z), pdf);
-                found += self.scene.emitted(&hit, hit.wo) * (PI * weight) as f32;
+                found += share * self.scene.emitted(&hit, hit.wo) * (PI * weight) as f32;
             }
-            if hit.bsdf(self.scene, &Wavelengths::default()).is_some() {
+            share *= self.visibility.passed(&hit);
+            if share.is_black() {
                 break;
             }
             ray = hit.spawn(direction);
@@ -194,7 +241,7 @@ impl<'a> Lamps<'a> {
         // Of samples 0, 1, 4, 5 and so on of each spot, and of the others.
         let mut halves = [0.0_f32; 2];
         let mut taken = 0;
-        let mut next = if once { count } else { (FIRST as usize).min(most) };
+        let mut next = if once { count } else { (self.first as usize).min(most) };
         while taken < next {
             for (i, &point) in self.points.iter().enumerate().take(next).skip(taken) {
                 if let Some(light) = sample(&spots[i % count], point) {
@@ -205,7 +252,7 @@ impl<'a> Lamps<'a> {
             taken = next;
             let difference = (halves[0] - halves[1]).abs() / taken as f32;
             let there = before + (halves[0] + halves[1]) / taken as f32;
-            if difference > ENOUGH * there {
+            if difference > self.enough * there {
                 next = (2 * taken).min(most);
             }
         }
@@ -221,14 +268,15 @@ impl<'a> Lamps<'a> {
     fn sample(&self, spot: &Spot, id: LightId, xi: DVec2, probability: Option<f64>) -> Option<Spectrum> {
         let sample = self.scene.sample_light(id, &spot.at, xi)?;
         let cos = spot.shading.dot(sample.wi);
-        if cos <= 0.0
-            || spot.normal.dot(sample.wi) <= 0.0
-            || self.scene.occluded(&sample.shadow, sample.t_max)
-        {
+        if cos <= 0.0 || spot.normal.dot(sample.wi) <= 0.0 {
+            return None;
+        }
+        let share = self.visibility.along(&sample.shadow, sample.t_max);
+        if share.is_black() {
             return None;
         }
         let weight = probability.map_or(1.0, |p| mis::power(sample.pdf.0 * p, by_cosine(cos)));
-        Some(sample.radiance * (weight * cos / sample.pdf.0) as f32)
+        Some(share * sample.radiance * (weight * cos / sample.pdf.0) as f32)
     }
 }
 

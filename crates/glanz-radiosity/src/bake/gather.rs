@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use glanz_light::{Spectrum, Wavelengths};
+use glanz_light::Spectrum;
 use glanz_math::{DVec3, Frame};
 use glanz_sampling::hash::permute;
 use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
@@ -15,12 +15,14 @@ use super::direct::{DirectMap, luminance};
 use super::lookup::Index;
 use super::progress::BakeProgress;
 use super::state::{BakeState, Memory};
-use super::{BakeError, PASSED, Spot};
+use super::visibility::{MOST_PASSED, Visibility};
+use super::{BakeError, BakeMethod, BakeSettings, Spot};
 use crate::charts::Chart;
-use crate::elements::{Element, Elements, Part};
+use crate::elements::{Element, Elements};
 
-/// Rays from an element.
+/// Rays from an element, and from one of those that the hierarchical solver made.
 const FROM_ELEMENT: usize = 256;
+const FROM_SMALL_ELEMENT: usize = 128;
 
 /// Bounces between things that are near.
 const BOUNCES: u32 = 8;
@@ -40,11 +42,14 @@ pub(super) struct Gather<'a> {
     pub(super) elements: &'a Elements<'a>,
     pub(super) charts: &'a [Chart],
     index: &'a Index,
+    visibility: Visibility<'a>,
     direct: Vec<Vec<Spectrum>>,
     /// Directions around z, by the cosine.
     directions: Vec<DVec3>,
     /// Irradiance of each element, but for direct light.
     indirect: Vec<Spectrum>,
+    /// Rays from an element.
+    from_element: usize,
     /// Whether light comes to each chart, and whether it is known that none does.
     is_lit: Vec<bool>,
     is_dark: Vec<bool>,
@@ -69,6 +74,8 @@ pub(super) struct Gathered {
 struct End {
     at: Interaction,
     place: ParametricPoint,
+    /// Factor on what leaves there.
+    share: Spectrum,
 }
 
 impl<'a> Gather<'a> {
@@ -77,8 +84,9 @@ impl<'a> Gather<'a> {
         index: &'a Index,
         charts: &'a [Chart],
         direct: &[DirectMap],
-        rays: u32,
+        settings: &BakeSettings,
     ) -> Self {
+        let rays = settings.rays;
         let sobol = ScrambledSobol::new(KEY);
         let direction = |i: u32| {
             let [x, y] = sobol.pair(i.reverse_bits(), 0).map(unit);
@@ -93,9 +101,14 @@ impl<'a> Gather<'a> {
             elements,
             charts,
             index,
+            visibility: Visibility::of(settings.method, elements.scene),
             direct: charts.par_iter().zip(direct).map(of_chart).collect(),
             directions: (0..rays.max(LOOK as u32)).map(direction).collect(),
             indirect: vec![Spectrum::BLACK; elements.list.len()],
+            from_element: match settings.method {
+                BakeMethod::Gather => FROM_ELEMENT,
+                BakeMethod::Radiosity { .. } => FROM_SMALL_ELEMENT,
+            },
             is_lit: direct.iter().map(DirectMap::is_lit).collect(),
             is_dark: dark_insides(elements, charts, direct),
             memory: Memory::default(),
@@ -103,17 +116,33 @@ impl<'a> Gather<'a> {
         }
     }
 
+    /// The same with other elements.
+    pub(super) fn on<'b>(self, elements: &'b Elements<'b>, index: &'b Index) -> Gather<'b>
+    where
+        'a: 'b,
+    {
+        Gather { elements, index, indirect: vec![Spectrum::BLACK; elements.list.len()], ..self }
+    }
+
     /// Resumes what was found before; `false` if that is of other elements.
     pub(super) fn resume(&mut self, state: BakeState) -> bool {
-        let BakeState { indirect, gathered } = state;
+        let BakeState { indirect, gathered, solution } = state;
+        if solution.is_some() {
+            return false;
+        }
         self.memory = Memory::new(gathered);
         let Some(indirect) = indirect else { return true };
         if indirect.len() != self.indirect.len() {
             return false;
         }
+        self.resume_indirect(indirect);
+        true
+    }
+
+    /// Resumes with the light of elements, one each.
+    pub(super) fn resume_indirect(&mut self, indirect: Vec<Spectrum>) {
         self.indirect = indirect;
         self.light_all_up();
-        true
     }
 
     /// What was found so far.
@@ -121,38 +150,13 @@ impl<'a> Gather<'a> {
         BakeState {
             indirect: self.is_solved.then(|| self.indirect.clone()),
             gathered: self.memory.everything(),
+            solution: None,
         }
     }
 
     /// Whether elements have found their light by gathering it.
     pub(super) fn is_solved(&self) -> bool {
         self.is_solved
-    }
-
-    /// Takes the elements' light from a solution; direct light of its own is taken out again.
-    pub(super) fn take(&mut self, radiosity: &[Spectrum]) {
-        let of_element = |(element, &radiosity): (&Element, &Spectrum)| {
-            let patch = &element.patch;
-            let corners = patch.part.quarters();
-            let places = corners.iter().flat_map(Part::quarters).map(|part| ParametricPoint {
-                surface: patch.surface,
-                face: patch.face,
-                back: patch.back,
-                uv: part.center(),
-            });
-            let found: Vec<Spectrum> = places.filter_map(|place| self.direct_at(&place)).collect();
-            let direct = found.iter().copied().sum::<Spectrum>() * (1.0 / found.len().max(1) as f32);
-            let received = (radiosity - element.emission)
-                .zip(element.reflectance, |sent, share| if share > 0.0 { sent / share } else { 0.0 });
-            received - direct
-        };
-        let indirect: Vec<Spectrum> = self.elements.list.par_iter().zip(radiosity).map(of_element).collect();
-        self.indirect = indirect;
-        for (element, sent) in self.elements.list.iter().zip(radiosity) {
-            if !sent.is_black() {
-                self.light_up(element);
-            }
-        }
     }
 
     /// Elements gather light from one another until it no longer changes.
@@ -202,27 +206,14 @@ impl<'a> Gather<'a> {
 
     /// What an element gathers, as a function of the others.
     fn row(&self, element: &Element) -> Row {
-        let patch = &element.patch;
         let mut row = Row { direct: Spectrum::BLACK, links: Vec::new() };
         let mut links: BTreeMap<u32, Spectrum> = BTreeMap::new();
-        let places = patch.part.nodes().into_iter().map(|uv| ParametricPoint {
-            surface: patch.surface,
-            face: patch.face,
-            back: patch.back,
-            uv,
-        });
-        if self.is_dark_at(&place_of(element)) {
-            return row;
-        }
-        let spots: Vec<Spot> = places.filter_map(|place| Spot::new(self.elements, &place)).collect();
-        // Those inside of something stand for nothing.
-        let open: Vec<&Spot> =
-            spots.iter().filter(|spot| self.sees(spot, |place| !self.is_dark_at(place))).collect();
-        let weight = 1.0 / FROM_ELEMENT as f32;
-        for i in 0..if open.is_empty() { 0 } else { FROM_ELEMENT } {
-            let spot = open[i % open.len()];
+        let open = self.open_spots(element);
+        let weight = 1.0 / self.from_element as f32;
+        for i in 0..if open.is_empty() { 0 } else { self.from_element } {
+            let spot = &open[i % open.len()];
             let direction = self.directions[i % self.directions.len()];
-            let (own, end) = self.follow(spot, Frame::from_z(spot.shading).to_world(direction));
+            let (own, end) = self.follow(spot, Frame::from_z(spot.shading).to_world(direction), i);
             row.direct += own * weight;
             let Some(end) = end else { continue };
             let (light, last) = self.walk(spot, end, i);
@@ -235,6 +226,22 @@ impl<'a> Gather<'a> {
         row
     }
 
+    /// Places of an element from which rays start: those inside of something stand for nothing.
+    fn open_spots(&self, element: &Element) -> Vec<Spot> {
+        let patch = &element.patch;
+        if self.is_dark_at(&place_of(element)) {
+            return Vec::new();
+        }
+        let places = patch.part.nodes().into_iter().map(|uv| ParametricPoint {
+            surface: patch.surface,
+            face: patch.face,
+            back: patch.back,
+            uv,
+        });
+        let spots = places.filter_map(|place| Spot::new(self.elements, &place));
+        spots.filter(|spot| self.sees(spot, |place| !self.is_dark_at(place))).collect()
+    }
+
     /// Irradiance at a spot from all its surroundings.
     pub(super) fn at(&self, spot: &Spot) -> Gathered {
         self.memory.recall(spot, || self.around(spot))
@@ -245,7 +252,7 @@ impl<'a> Gather<'a> {
         let weight = 1.0 / self.directions.len() as f32;
         let (mut light, mut nearness, mut sees_out) = (Spectrum::BLACK, 0.0, false);
         for (i, &direction) in self.directions.iter().enumerate() {
-            let (own, end) = self.follow(spot, frame.to_world(direction));
+            let (own, end) = self.follow(spot, frame.to_world(direction), i);
             light += own * weight;
             match end {
                 None => sees_out = true,
@@ -266,11 +273,21 @@ impl<'a> Gather<'a> {
         self.sees(spot, |place| self.is_lit_at(place))
     }
 
+    /// Whether an element is not all inside of something.
+    pub(super) fn is_open(&self, element: &Element) -> bool {
+        !self.open_spots(element).is_empty()
+    }
+
+    /// The light of the elements, see [`Gather::solve`].
+    pub(super) fn indirect(&self) -> &[Spectrum] {
+        &self.indirect
+    }
+
     /// Whether a spot sees nothing at all in some direction, or a place that `is_it`, by a few rays.
     fn sees(&self, spot: &Spot, is_it: impl Fn(&ParametricPoint) -> bool) -> bool {
         let frame = Frame::from_z(spot.shading);
-        self.directions.iter().take(LOOK).any(|&direction| {
-            let (_, end) = self.follow(spot, frame.to_world(direction));
+        self.directions.iter().take(LOOK).enumerate().any(|(i, &direction)| {
+            let (_, end) = self.follow(spot, frame.to_world(direction), i);
             end.is_none_or(|end| is_it(&end.place))
         })
     }
@@ -294,7 +311,7 @@ impl<'a> Gather<'a> {
         self.is_dark[chart]
     }
 
-    fn direct_at(&self, place: &ParametricPoint) -> Option<Spectrum> {
+    pub(super) fn direct_at(&self, place: &ParametricPoint) -> Option<Spectrum> {
         let (chart, texel) = self.index.texel(self.charts, place)?;
         self.direct.get(chart)?.get(texel).copied()
     }
@@ -310,7 +327,7 @@ impl<'a> Gather<'a> {
             if self.is_dark_at(&end.place) {
                 break;
             }
-            share *= self.reflectance(&end.at);
+            share *= end.share * self.visibility.reflected(&end.at);
             light += share * self.direct_at(&end.place).unwrap_or_default();
             let Some(number) = self.index.element(self.elements, &end.place) else { break };
             let area = self.elements.list.get(number as usize).map_or(0.0, |element| element.area);
@@ -322,7 +339,8 @@ impl<'a> Gather<'a> {
             // The same for all places, so that neighbours agree; another one at each bounce.
             let pick = permute(ray as u32, self.directions.len() as u32, KEY + u64::from(bounce));
             let Some(&direction) = self.directions.get(pick as usize) else { break };
-            let (own, there) = self.follow(&next, Frame::from_z(next.shading).to_world(direction));
+            let (own, there) =
+                self.follow(&next, Frame::from_z(next.shading).to_world(direction), pick as usize);
             light += share * own;
             let Some(there) = there else { break };
             (from, end) = (next, there);
@@ -330,32 +348,35 @@ impl<'a> Gather<'a> {
         (light, None)
     }
 
-    fn reflectance(&self, at: &Interaction) -> Spectrum {
-        let bsdf = at.bsdf(self.elements.scene, &Wavelengths::default());
-        bsdf.map_or(Spectrum::BLACK, |bsdf| bsdf.albedo(at.frame().to_local(at.wo)))
-    }
-
     /// Where a ray ends, and pi times the radiance of lights on the way that no shadow ray can look for.
-    fn follow(&self, spot: &Spot, direction: DVec3) -> (Spectrum, Option<End>) {
-        let mut found = Spectrum::BLACK;
+    ///
+    /// At clear glass it passes straight on or ends, with the probability of either.
+    fn follow(&self, spot: &Spot, direction: DVec3, ray: usize) -> (Spectrum, Option<End>) {
+        let (mut found, mut share) = (Spectrum::BLACK, Spectrum::ONE);
         if spot.normal.dot(direction) <= 0.0 {
             // Below the surface though not below the shading normal: nothing comes from there.
             return (found, None);
         }
         let scene = self.elements.scene;
-        let mut ray = spot.at.spawn(direction);
-        for _ in 0..PASSED {
-            let Some((at, place)) = scene.intersect_parametric(&ray, f64::INFINITY) else {
+        let mut way = spot.at.spawn(direction);
+        for passed in 0..MOST_PASSED {
+            let Some((at, place)) = scene.intersect_parametric(&way, f64::INFINITY) else {
                 return (found, None);
             };
             if is_found_by_chance(scene, &at) {
-                found += scene.emitted(&at, at.wo) * std::f32::consts::PI;
+                found += share * scene.emitted(&at, at.wo) * std::f32::consts::PI;
             }
-            let passes = self.elements.surfaces.get(place.surface as usize).is_none_or(|s| s.is_passable());
-            if !passes {
-                return (found, Some(End { at, place }));
+            let through = self.visibility.passed(&at);
+            let probability = luminance(through);
+            // The same for all places, so that neighbours agree.
+            let turn = permute(ray as u32, self.directions.len() as u32, KEY ^ (u64::from(passed) << 32));
+            let pick = (turn as f32 + 0.5) / self.directions.len() as f32;
+            if pick >= probability {
+                share *= 1.0 / (1.0 - probability);
+                return (found, Some(End { at, place, share }));
             }
-            ray = at.spawn(direction);
+            share *= through * (1.0 / probability);
+            way = at.spawn(direction);
         }
         (found, None)
     }

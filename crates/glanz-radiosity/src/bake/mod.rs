@@ -13,7 +13,9 @@ use glanz_scene::{Interaction, ParametricPoint, Scene};
 use rayon::prelude::*;
 
 use crate::charts::{Chart, charts};
-use crate::elements::Elements;
+use crate::elements::{ElementError, Elements};
+use crate::reconstruct::Interpolation;
+use crate::solve::hierarchical::HierarchicalError;
 
 mod atlas;
 mod closed;
@@ -24,19 +26,22 @@ mod indirect;
 mod lookup;
 mod maps;
 mod progress;
+mod reconstruction;
 #[cfg(test)]
 mod resume_tests;
+mod solution;
 mod state;
 pub mod stored;
 #[cfg(test)]
 mod tests;
+mod visibility;
 
 pub use atlas::{Atlas, BORDER, Page};
-use direct::Lamps;
 use gather::Gather;
 use lookup::Index;
 pub use maps::LightMaps;
 use progress::BakeProgress;
+use reconstruction::Reconstruction;
 pub use state::BakeState;
 
 /// How carefully light maps are made.
@@ -48,22 +53,75 @@ pub struct BakeSettings {
     pub rays: u32,
     /// Shadow rays of a texel to a light at most.
     pub shadow_rays: u32,
+    /// How indirect light is found.
+    pub method: BakeMethod,
+}
+
+/// How indirect light is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum BakeMethod {
+    /// By a final gather: rays over the hemisphere from places on each chart.
+    #[default]
+    Gather,
+    /// By the hierarchical solver, for elements as large as its bound allows: a preview in a tenth of the time.
+    Radiosity {
+        /// How the light of elements becomes that of texels.
+        reconstruction: Interpolation,
+    },
+}
+
+impl BakeMethod {
+    /// Name in messages.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Gather => "gather",
+            Self::Radiosity { reconstruction } => reconstruction.name(),
+        }
+    }
+
+    /// Number in files: 0 for the gather, then the interpolations in the order of [`Interpolation::ALL`].
+    #[must_use]
+    pub fn number(&self) -> u8 {
+        (0..)
+            .zip(Self::all())
+            .find(|(_, method)| method.name() == self.name())
+            .map_or(0, |(number, _)| number)
+    }
+
+    /// The method of a number; `None` if there is none.
+    #[must_use]
+    pub fn from_number(number: u8) -> Option<Self> {
+        Self::all().nth(usize::from(number))
+    }
+
+    /// The method of a name; `None` if there is none.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::all().find(|method| method.name() == name)
+    }
+
+    fn all() -> impl Iterator<Item = Self> {
+        let by_solver =
+            Interpolation::ALL.into_iter().map(|reconstruction| Self::Radiosity { reconstruction });
+        std::iter::once(Self::Gather).chain(by_solver)
+    }
 }
 
 impl Default for BakeSettings {
     fn default() -> Self {
-        Self { density: 25.0, rays: 512, shadow_rays: 256 }
+        Self { density: 25.0, rays: 512, shadow_rays: 256, method: BakeMethod::Gather }
     }
 }
 
 /// Texels at most over all charts.
 const LIMIT: usize = 1 << 24;
 
-/// Borders without a surface that a ray may pass; more are taken for a ray that does not advance.
-const PASSED: u32 = 1000;
+/// Charts that are computed between two reports of progress.
+const CHARTS_AT_ONCE: usize = 64;
 
 /// Why there are no light maps.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BakeError {
     /// Not a density.
@@ -72,12 +130,15 @@ pub enum BakeError {
     /// More than can be kept.
     #[error("{0} texels per metre would make {1} texels, more than {LIMIT}")]
     TooMany(f64, usize),
-    /// Not one radiosity per element.
-    #[error("there are {0} elements, but {1} values of radiosity")]
-    Radiosity(usize, usize),
     /// What was found before belongs to something else.
     #[error("what was found before is of other elements")]
     State,
+    /// Elements cannot be made.
+    #[error(transparent)]
+    Elements(#[from] ElementError),
+    /// The solver refuses its settings.
+    #[error(transparent)]
+    Solver(#[from] HierarchicalError),
     /// The bake was cancelled.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
@@ -131,22 +192,21 @@ impl Spot {
 
 /// Light maps of all surfaces of `elements`: the two sides of a chart follow one another.
 ///
-/// `radiosity`: of each element, in units of radiance times pi, as the solvers find it; without it the elements gather light from one another
-/// here, along the rays of the final gather. What a material reflects in whatever way counts as if it were diffuse. `sink`: see [`resume`].
+/// Light is diffuse: what a material reflects in whatever way counts as if it were diffuse. To the final gather all glass is opaque; the
+/// solver's light passes clear glass. `sink`: see [`resume`].
 ///
 /// # Errors
 /// [`BakeError`].
 pub fn bake(
     elements: &Elements<'_>,
-    radiosity: Option<&[Spectrum]>,
     settings: &BakeSettings,
     sink: &mut dyn ProgressSink<BakeState>,
     cancel: &CancelFlag,
 ) -> Result<Vec<LightMap>, BakeError> {
-    resume(BakeState::default(), elements, radiosity, settings, sink, cancel)
+    resume(BakeState::default(), elements, settings, sink, cancel)
 }
 
-/// As [`bake`], from what an earlier call for the same elements, radiosity and settings had found: the answer is the same to the bit as that of one
+/// As [`bake`], from what an earlier call for the same elements and settings had found: the answer is the same to the bit as that of one
 /// call. Light straight from lights is found again.
 ///
 /// `sink`: receives the progress of three phases, and what was found so far after each interval and when the bake is cancelled.
@@ -156,51 +216,132 @@ pub fn bake(
 pub fn resume(
     state: BakeState,
     elements: &Elements<'_>,
-    radiosity: Option<&[Spectrum]>,
     settings: &BakeSettings,
     sink: &mut dyn ProgressSink<BakeState>,
     cancel: &CancelFlag,
 ) -> Result<Vec<LightMap>, BakeError> {
-    let BakeSettings { density, rays, shadow_rays } = *settings;
+    let density = settings.density;
     if !(density > 0.0 && density.is_finite()) {
         return Err(BakeError::Density(density));
-    }
-    if let Some(radiosity) = radiosity.filter(|radiosity| radiosity.len() != elements.list.len()) {
-        return Err(BakeError::Radiosity(elements.list.len(), radiosity.len()));
     }
     let charts = charts(&elements.surfaces, density);
     let texels = charts.iter().map(Chart::texels).sum();
     if texels > LIMIT {
         return Err(BakeError::TooMany(density, texels));
     }
-    let lamps = Lamps::new(elements, shadow_rays);
-    let mut direct = Vec::with_capacity(charts.len());
-    let mut done = 0;
-    let mut progress = BakeProgress::new(sink, cancel);
-    for group in charts.chunks(64) {
-        progress.report(done as f64 / texels as f64, || state.clone())?;
-        let found: Vec<_> = group.par_iter().map(|chart| direct::of_chart(elements, &lamps, chart)).collect();
-        direct.extend(found);
-        done += group.iter().map(Chart::texels).sum::<usize>();
+    let phases = if settings.method == BakeMethod::Gather { 3 } else { 4 };
+    let mut progress = BakeProgress::new(sink, cancel, phases);
+    match settings.method {
+        BakeMethod::Gather => gathered(state, elements, &charts, settings, &mut progress),
+        BakeMethod::Radiosity { reconstruction } => {
+            reconstructed(state, elements, &charts, settings, reconstruction, &mut progress)
+        }
     }
-    let index = Index::new(elements, &charts);
-    let mut gather = Gather::new(elements, &index, &charts, &direct, rays);
+}
+
+/// Light maps by a final gather.
+fn gathered(
+    state: BakeState,
+    elements: &Elements<'_>,
+    charts: &[Chart],
+    settings: &BakeSettings,
+    progress: &mut BakeProgress<'_>,
+) -> Result<Vec<LightMap>, BakeError> {
+    let direct = direct::of_charts(elements, charts, settings, &state, progress)?;
+    let index = Index::new(elements, charts);
+    let mut gather = Gather::new(elements, &index, charts, &direct, settings);
     if !gather.resume(state) {
         return Err(BakeError::State);
     }
-    match radiosity {
-        Some(radiosity) => gather.take(radiosity),
-        None if gather.is_solved() => {}
-        // Nothing is gathered before elements have found their light.
-        None => {
-            progress.begin(2, "light between surfaces");
-            gather.solve(&mut progress)?;
-        }
+    // Nothing is gathered before elements have found their light.
+    if !gather.is_solved() {
+        progress.begin(2, "light between surfaces");
+        gather.solve(progress)?;
     }
     progress.begin(3, "indirect light");
-    let indirect = indirect::of_charts(&gather, &direct, &mut progress)?;
-    let finish = |((number, direct), indirect)| finish(&gather, number, direct, indirect);
-    Ok((0..charts.len()).into_par_iter().zip(&direct).zip(indirect).map(finish).collect())
+    let indirect = indirect::of_charts(&gather, &direct, progress)?;
+    Ok(finished(&gather, &direct, indirect))
+}
+
+/// Light maps by the hierarchical solver.
+fn reconstructed(
+    state: BakeState,
+    elements: &Elements<'_>,
+    charts: &[Chart],
+    settings: &BakeSettings,
+    reconstruction: Interpolation,
+    progress: &mut BakeProgress<'_>,
+) -> Result<Vec<LightMap>, BakeError> {
+    let direct = direct::of_charts(elements, charts, settings, &state, progress)?;
+    let index = Index::new(elements, charts);
+    let gather = Gather::new(elements, &index, charts, &direct, settings);
+    let refined = match &state.solution {
+        Some(solution) => solution::elements_of(elements, solution.par_iter().map(|(patch, _)| *patch))
+            .ok_or(BakeError::State)?,
+        None if state.is_empty() => {
+            progress.begin(2, "elements");
+            solution::refined(&gather, elements, settings, progress)?
+        }
+        None => return Err(BakeError::State),
+    };
+    let index = Index::new(&refined, charts);
+    let mut gather = gather.on(&refined, &index);
+    let state = match &state.solution {
+        Some(solution) => {
+            gather.resume_indirect(solution.iter().map(|(_, light)| light.unwrap_or_default()).collect());
+            state
+        }
+        None => {
+            progress.begin(3, "light between surfaces");
+            gather.solve(progress)?;
+            let light = refined.list.par_iter().zip(gather.indirect());
+            let light = light.map(|(e, light)| (e.patch, gather.is_open(e).then_some(*light)));
+            BakeState { solution: Some(light.collect()), ..BakeState::default() }
+        }
+    };
+    progress.begin(4, "light on texels");
+    let solution = state.solution.as_ref().ok_or(BakeError::State)?;
+    let reconstruction = Reconstruction::new(&refined, solution, &index, reconstruction);
+    let mut indirect = Vec::with_capacity(charts.len());
+    for numbers in (0..charts.len()).collect::<Vec<_>>().chunks(CHARTS_AT_ONCE) {
+        progress.report(indirect.len() as f64 / charts.len() as f64, || state.clone())?;
+        let texels = |&number: &usize| gather.is_lit(number).then(|| reconstruction.texels(&charts[number]));
+        indirect.extend(numbers.par_iter().map(texels).collect::<Vec<_>>());
+    }
+    let indirect =
+        indirect.into_iter().enumerate().map(|(number, light)| masked(&gather, &direct, number, light));
+    let indirect: Vec<Vec<Option<Spectrum>>> = indirect.collect();
+    Ok(finished(&gather, &direct, indirect))
+}
+
+/// The indirect light of the texels of a chart without those that lie inside of something.
+fn masked(
+    gather: &Gather<'_>,
+    direct: &[direct::DirectMap],
+    number: usize,
+    light: Option<Vec<Spectrum>>,
+) -> Vec<Option<Spectrum>> {
+    let chart = &gather.charts[number];
+    let Some(light) = light else { return vec![Some(Spectrum::BLACK); chart.texels()] };
+    let is_open = |texel: usize| {
+        let lights = direct[number].at(texel);
+        let places = || direct::places(gather.elements, chart, texel);
+        let is_lit = lights.iter().any(|light| !light.is_black());
+        is_lit
+            || places()
+                .iter()
+                .any(|place| Spot::new(gather.elements, place).is_some_and(|spot| gather.sees_out(&spot)))
+    };
+    light.into_par_iter().enumerate().map(|(texel, light)| is_open(texel).then_some(light)).collect()
+}
+
+fn finished(
+    gather: &Gather<'_>,
+    direct: &[direct::DirectMap],
+    indirect: Vec<Vec<Option<Spectrum>>>,
+) -> Vec<LightMap> {
+    let finish = |((number, direct), indirect)| finish(gather, number, direct, indirect);
+    (0..gather.charts.len()).into_par_iter().zip(direct).zip(indirect).map(finish).collect()
 }
 
 /// Direct and indirect light of a chart together.

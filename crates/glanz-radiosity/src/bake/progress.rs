@@ -6,24 +6,31 @@ use glanz_job::{CancelFlag, CheckpointTimer, Interrupted, JobProgress, ProgressS
 
 use super::BakeState;
 
-/// Phases of a bake.
-const PHASES: u32 = 3;
-
 /// The phase that a bake is in, on its way to the sink.
 pub(super) struct BakeProgress<'a> {
     sink: &'a mut dyn ProgressSink<BakeState>,
     cancel: &'a CancelFlag,
     timer: CheckpointTimer,
     number: u32,
+    phases: u32,
     phase: &'static str,
     begun: Instant,
 }
 
 impl<'a> BakeProgress<'a> {
-    /// The first phase: light from lamps.
-    pub(super) fn new(sink: &'a mut dyn ProgressSink<BakeState>, cancel: &'a CancelFlag) -> Self {
+    /// The first of some phases: light from lamps.
+    pub(super) fn new(
+        sink: &'a mut dyn ProgressSink<BakeState>,
+        cancel: &'a CancelFlag,
+        phases: u32,
+    ) -> Self {
         let timer = CheckpointTimer::new(sink.checkpoint_interval());
-        Self { sink, cancel, timer, number: 1, phase: "light from lamps", begun: Instant::now() }
+        Self { sink, cancel, timer, number: 1, phases, phase: "light from lamps", begun: Instant::now() }
+    }
+
+    /// The request to end the bake.
+    pub(super) fn cancel(&self) -> &'a CancelFlag {
+        self.cancel
     }
 
     /// Begins the phase of this number.
@@ -41,12 +48,20 @@ impl<'a> BakeProgress<'a> {
         state: impl FnOnce() -> BakeState,
     ) -> Result<(), Interrupted> {
         let progress = JobProgress::by_work(self.phase, fraction, self.begun.elapsed());
-        self.sink.on_progress(&progress.with_step(self.number, PHASES));
+        self.sink.on_progress(&progress.with_step(self.number, self.phases));
         let outcome = self.cancel.check();
         if outcome.is_err() || self.timer.is_due() {
             self.sink.on_checkpoint(&state());
             self.timer.restart();
         }
         outcome
+    }
+}
+
+/// Progress of a job that is a phase of the bake.
+impl ProgressSink for BakeProgress<'_> {
+    fn on_progress(&mut self, progress: &JobProgress<'_>) {
+        let of_phase = JobProgress::by_work(self.phase, progress.fraction, self.begun.elapsed());
+        self.sink.on_progress(&of_phase.with_step(self.number, self.phases));
     }
 }

@@ -8,11 +8,10 @@ use glanz_scene::description::ShapeDescription;
 
 use super::*;
 use crate::elements::ElementSettings;
-use crate::form_factor::FormFactors;
 use crate::scenes::{parallelogram, scene, walls};
-use crate::solve::{GaussSeidel, gauss_seidel};
 
-const COARSE: BakeSettings = BakeSettings { density: 5.0, rays: 64, shadow_rays: 64 };
+const COARSE: BakeSettings =
+    BakeSettings { density: 5.0, rays: 64, shadow_rays: 64, method: BakeMethod::Gather };
 
 /// A room with a lamp, a box and a ball.
 fn room() -> Scene {
@@ -47,7 +46,7 @@ struct Stopper {
 
 impl ProgressSink<BakeState> for Stopper {
     fn on_progress(&mut self, _: &JobProgress<'_>) {
-        self.reports -= 1;
+        self.reports = self.reports.saturating_sub(1);
         if self.reports == 0 {
             self.cancel.cancel();
         }
@@ -80,15 +79,19 @@ impl ProgressSink<BakeState> for Keeper {
 }
 
 /// Bakes until the progress was reported `reports` times; the light, or what was found.
-fn until(
+fn until(reports: usize, elements: &Elements<'_>, state: BakeState) -> Result<Vec<LightMap>, BakeState> {
+    stopped(reports, elements, &COARSE, state)
+}
+
+fn stopped(
     reports: usize,
     elements: &Elements<'_>,
-    radiosity: Option<&[Spectrum]>,
+    settings: &BakeSettings,
     state: BakeState,
 ) -> Result<Vec<LightMap>, BakeState> {
     let cancel = CancelFlag::default();
     let mut stopper = Stopper { reports, cancel: cancel.clone(), last: None };
-    match resume(state, elements, radiosity, &COARSE, &mut stopper, &cancel) {
+    match resume(state, elements, settings, &mut stopper, &cancel) {
         Ok(maps) => Ok(maps),
         Err(error) => {
             assert_eq!(error, BakeError::Interrupted(Interrupted));
@@ -101,11 +104,11 @@ fn until(
 fn stopped_bake_comes_to_the_same_bits_from_any_moment() {
     let scene = room();
     let elements = elements(&scene);
-    let whole = bake(&elements, None, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
+    let whole = bake(&elements, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
     let mut stages = Vec::new();
     let mut reports = 1;
     loop {
-        let state = match until(reports, &elements, None, BakeState::default()) {
+        let state = match until(reports, &elements, BakeState::default()) {
             Ok(maps) => {
                 assert_same(&maps, &whole);
                 break;
@@ -115,7 +118,7 @@ fn stopped_bake_comes_to_the_same_bits_from_any_moment() {
         stages.push((state.indirect.is_some(), state.places()));
         let read = BakeState::from_bytes(&state.to_bytes()).unwrap();
         assert_eq!(read, state);
-        assert_same(&until(usize::MAX, &elements, None, read).unwrap(), &whole);
+        assert_same(&until(usize::MAX, &elements, read).unwrap(), &whole);
         reports += 1;
     }
     // Moments before the final gather, at its beginning and within it.
@@ -125,17 +128,40 @@ fn stopped_bake_comes_to_the_same_bits_from_any_moment() {
 }
 
 #[test]
+fn stopped_radiosity_comes_to_the_same_bits_from_any_moment() {
+    let scene = room();
+    let elements = elements(&scene);
+    let method = BakeMethod::Radiosity { reconstruction: Interpolation::NaturalNeighbour };
+    let settings = BakeSettings { method, ..COARSE };
+    let whole = bake(&elements, &settings, &mut Silent, &CancelFlag::default()).unwrap();
+    let (mut reports, mut solved) = (1, 0);
+    loop {
+        let state = match stopped(reports, &elements, &settings, BakeState::default()) {
+            Ok(maps) => {
+                assert_same(&maps, &whole);
+                break;
+            }
+            Err(state) => state,
+        };
+        solved += usize::from(state.solution.is_some());
+        let bytes = state.to_bytes();
+        assert!((0..bytes.len()).step_by(37).all(|length| BakeState::from_bytes(&bytes[..length]).is_none()));
+        let read = BakeState::from_bytes(&bytes).unwrap();
+        assert_eq!(read, state);
+        assert_same(&stopped(usize::MAX, &elements, &settings, read).unwrap(), &whole);
+        reports += 1;
+    }
+    assert!(reports > 3 && solved > 0, "{reports} {solved}");
+}
+
+#[test]
 fn bake_that_stops_again_and_again_arrives() {
     let scene = room();
     let elements = elements(&scene);
-    let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
-    let solved =
-        gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &CancelFlag::default()).unwrap();
-    let radiosity = Some(solved.radiosity.as_slice());
-    let whole = bake(&elements, radiosity, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
+    let whole = bake(&elements, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
     let (mut state, mut reports) = (BakeState::default(), 1);
     let maps = loop {
-        match until(reports, &elements, radiosity, state) {
+        match until(reports, &elements, state) {
             Ok(maps) => break maps,
             Err(found) => (state, reports) = (found, reports + 1),
         }
@@ -149,9 +175,9 @@ fn what_was_found_is_not_found_again() {
     let elements = elements(&scene);
     let cancel = CancelFlag::default();
     let (mut first, mut second) = (Keeper::default(), Keeper::default());
-    resume(BakeState::default(), &elements, None, &COARSE, &mut first, &cancel).unwrap();
+    resume(BakeState::default(), &elements, &COARSE, &mut first, &cancel).unwrap();
     let before = first.last.places();
-    resume(first.last, &elements, None, &COARSE, &mut second, &cancel).unwrap();
+    resume(first.last, &elements, &COARSE, &mut second, &cancel).unwrap();
     // The second phase, light between surfaces, is not made again.
     assert!(before > 100 && first.phases.contains(&2) && !second.phases.contains(&2));
 }
@@ -161,7 +187,7 @@ fn state_of_something_else_is_refused() {
     let scene = room();
     let elements = elements(&scene);
     let other = BakeState { indirect: Some(vec![Spectrum::ONE; 3]), ..BakeState::default() };
-    let refused = resume(other.clone(), &elements, None, &COARSE, &mut Silent, &CancelFlag::default());
+    let refused = resume(other.clone(), &elements, &COARSE, &mut Silent, &CancelFlag::default());
     assert_eq!(refused.err(), Some(BakeError::State));
     let bytes = other.to_bytes();
     assert!((0..bytes.len()).all(|length| BakeState::from_bytes(&bytes[..length]).is_none()));
@@ -174,7 +200,7 @@ fn state_of_something_else_is_refused() {
 fn stored_maps_are_the_maps() {
     let scene = room();
     let elements = elements(&scene);
-    let maps = bake(&elements, None, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
+    let maps = bake(&elements, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
     let bytes = stored::to_bytes(&maps);
     assert_same(&stored::from_bytes(&elements, COARSE.density, &bytes).unwrap(), &maps);
     assert!(stored::from_bytes(&elements, 2.0 * COARSE.density, &bytes).is_none());

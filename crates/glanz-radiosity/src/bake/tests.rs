@@ -3,18 +3,29 @@ use std::f64::consts::PI;
 use glanz_job::Silent;
 use glanz_light::Wavelengths;
 use glanz_math::{DVec2, DVec3};
-use glanz_scene::description::{LightKind, ShapeDescription};
+use glanz_scene::SceneBuilder;
+use glanz_scene::description::{LightDescription, LightKind, MaterialKind, ShapeDescription};
 
 use super::*;
-use crate::elements::ElementSettings;
+use crate::elements::{ElementSettings, Patch};
 use crate::form_factor::FormFactors;
 use crate::scenes::{parallelogram, scene, scene_with, walls};
 use crate::solve::{GaussSeidel, gauss_seidel};
 
-const COARSE: BakeSettings = BakeSettings { density: 6.0, rays: 256, shadow_rays: 256 };
+const COARSE: BakeSettings =
+    BakeSettings { density: 6.0, rays: 256, shadow_rays: 256, method: BakeMethod::Gather };
+
+/// The other method, with the same light from lamps.
+const BY_RADIOSITY: BakeSettings = BakeSettings {
+    method: BakeMethod::Radiosity { reconstruction: Interpolation::NaturalNeighbour },
+    ..COARSE
+};
+
+/// Both methods.
+const METHODS: [BakeSettings; 2] = [COARSE, BY_RADIOSITY];
 
 fn baked(scene: &Scene, side: f64, settings: &BakeSettings) -> Vec<LightMap> {
-    bake(&divided(scene, side, settings), None, settings, &mut Silent, &CancelFlag::default()).unwrap()
+    bake(&divided(scene, side, settings), settings, &mut Silent, &CancelFlag::default()).unwrap()
 }
 
 fn divided<'a>(scene: &'a Scene, side: f64, settings: &BakeSettings) -> Elements<'a> {
@@ -43,13 +54,21 @@ fn texels<'a>(scene: &'a Scene, maps: &'a [LightMap]) -> impl Iterator<Item = (&
 fn furnace_is_alike_everywhere_and_dark_outside() {
     let shapes = walls(DVec3::new(3.0, 2.0, 2.5)).into_iter().map(|wall| (wall, 0.5, 1.0));
     let scene = scene(shapes.collect());
-    let maps = baked(&scene, 0.5, &COARSE);
+    let all = Interpolation::ALL.map(|reconstruction| BakeMethod::Radiosity { reconstruction });
+    for method in std::iter::once(BakeMethod::Gather).chain(all) {
+        assert_furnace(&scene, &BakeSettings { method, ..COARSE });
+    }
+}
+
+/// Light of a closed room whose walls reflect .5 and emit 1.
+fn assert_furnace(scene: &Scene, settings: &BakeSettings) {
+    let maps = baked(scene, 0.5, settings);
     assert!(maps.iter().all(|map| map.is_dark() == map.chart.back));
     let expected = PI / (1.0 - 0.5);
-    let errors: Vec<f64> = texels(&scene, &maps).map(|(_, _, light)| light / expected - 1.0).collect();
+    let errors: Vec<f64> = texels(scene, &maps).map(|(_, _, light)| light / expected - 1.0).collect();
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     let deviation = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
-    assert!(mean.abs() < 0.01 && deviation < 0.03, "{mean} {deviation}");
+    assert!(mean.abs() < 0.01 && deviation < 0.03, "{:?}: {mean} {deviation}", settings.method);
     // What leaves: own light and what is reflected.
     let (sum, count) = maps.iter().flat_map(|map| &map.radiance).fold((0.0, 0.0), |(sum, count), light| {
         (sum + f64::from(light.luminance(&Wavelengths::default())), count + 1.0)
@@ -75,9 +94,10 @@ fn lights_that_are_no_surfaces_shine_by_their_laws() {
         ),
         (LightKind::Infinite, Box::new(|_| PI)),
     ];
-    for (kind, expected) in cases {
+    for ((kind, expected), settings) in cases.iter().flat_map(|case| METHODS.map(|settings| (case, settings)))
+    {
         let scene = scene_with(vec![floor()], vec![kind.clone()]);
-        let maps = baked(&scene, 1.0, &COARSE);
+        let maps = baked(&scene, 1.0, &settings);
         let mut count = 0;
         for (chart, position, light) in texels(&scene, &maps).filter(|(chart, ..)| !chart.back) {
             let expected = expected(position);
@@ -99,15 +119,17 @@ fn no_light_comes_through_a_wall() {
     let mut shapes: Vec<_> = room(0.0, size).chain(room(2.01, size)).collect();
     shapes.push((parallelogram(DVec3::new(0.5, 0.5, 1.9), DVec3::Y, DVec3::X), 0.0, 1.0));
     let scene = scene(shapes);
-    let maps = baked(&scene, 0.5, &COARSE);
-    let mut lit = 0;
-    for (_, position, light) in texels(&scene, &maps) {
-        assert!(position.x < 2.005 && light > 0.0, "{position} {light}");
-        lit += 1;
+    for settings in METHODS {
+        let maps = baked(&scene, 0.5, &settings);
+        let mut lit = 0;
+        for (_, position, light) in texels(&scene, &maps) {
+            assert!(position.x < 2.005 && light > 0.0, "{position} {light}");
+            lit += 1;
+        }
+        assert!(lit > 500);
+        // Of twelve walls and the lamp six and the lamp are lit on one side.
+        assert_eq!(maps.iter().filter(|map| !map.is_dark()).count(), 8);
     }
-    assert!(lit > 500);
-    // Of twelve walls and the lamp six and the lamp are lit on one side.
-    assert_eq!(maps.iter().filter(|map| !map.is_dark()).count(), 8);
 }
 
 /// A room of 4 m x 2 m x 2 m in six pieces with a lamp, and a wall of 1 cm on its floor from (`x`, 0) towards (`end`, 2), of which
@@ -130,13 +152,12 @@ fn parted_room(x: f64, end: f64, length: f64) -> Scene {
 
 #[test]
 fn no_light_comes_beneath_a_thin_wall_on_a_floor_in_one_piece() {
-    for (x, end) in [(2.1, 2.1), (1.9, 2.4)] {
+    let rooms = [(2.1, 2.1), (1.9, 2.4)];
+    for ((x, end), settings) in rooms.into_iter().flat_map(|room| METHODS.map(|settings| (room, settings))) {
         let scene = parted_room(x, end, 1.0);
-        let elements = divided(&scene, 0.5, &COARSE);
-        let maps = LightMaps::new(
-            &elements,
-            bake(&elements, None, &COARSE, &mut Silent, &CancelFlag::default()).unwrap(),
-        );
+        let elements = divided(&scene, 0.5, &settings);
+        let maps = bake(&elements, &settings, &mut Silent, &CancelFlag::default()).unwrap();
+        let maps = LightMaps::new(&elements, maps);
         let (mut dark, mut lit) = (0, 0);
         for (surface, i) in (0..6).flat_map(|surface| (0..400).map(move |i| (surface, i))) {
             let uv = DVec2::new(f64::from(i % 20) + 0.5, f64::from(i / 20) + 0.5) / 20.0;
@@ -169,13 +190,15 @@ fn what_stands_on_a_floor_does_not_darken_it() {
     let floor = parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 2.0);
     let slab = ShapeDescription::cuboid(DVec3::new(0.53, 0.61, 0.0), DVec3::new(1.37, 1.43, 0.001));
     let scene = scene_with(vec![(floor, 0.5, 0.0), (slab, 0.5, 0.0)], vec![LightKind::Infinite]);
-    let maps = baked(&scene, 0.5, &COARSE);
-    let map = maps.iter().find(|map| map.chart.size == [13, 13] && !map.chart.back);
-    let lights: Vec<f32> =
-        map.unwrap().irradiance.iter().map(|l| l.luminance(&Wavelengths::default())).collect();
-    let (low, high) = lights.iter().fold((f32::INFINITY, 0.0_f32), |(l, h), &x| (l.min(x), h.max(x)));
-    // Texels beneath are filled from those around.
-    assert!(low > 0.9 * high, "{low} {high}");
+    for settings in METHODS {
+        let maps = baked(&scene, 0.5, &settings);
+        let map = maps.iter().find(|map| map.chart.size == [13, 13] && !map.chart.back);
+        let lights: Vec<f32> =
+            map.unwrap().irradiance.iter().map(|l| l.luminance(&Wavelengths::default())).collect();
+        let (low, high) = lights.iter().fold((f32::INFINITY, 0.0_f32), |(l, h), &x| (l.min(x), h.max(x)));
+        // Texels beneath are filled from those around.
+        assert!(low > 0.9 * high, "{low} {high}");
+    }
 }
 
 #[test]
@@ -218,25 +241,82 @@ fn charts_that_meet_agree_on_the_edge() {
 }
 
 #[test]
-fn light_from_a_solution_is_that_which_elements_gather() {
+fn light_of_elements_is_that_of_their_form_factors() {
     let mut shapes: Vec<_> =
         walls(DVec3::new(2.0, 2.0, 2.0)).into_iter().map(|wall| (wall, 0.6, 0.0)).collect();
     shapes.push((parallelogram(DVec3::new(0.8, 0.7, 1.9), DVec3::Y * 0.5, DVec3::X * 0.5), 0.3, 10.0));
     let scene = scene(shapes);
-    let elements = Elements::new(&scene, &ElementSettings { side: 0.4 }).unwrap();
+    let elements = Elements::new(&scene, &ElementSettings { side: 0.2 }).unwrap();
     let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
     let solved =
         gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &CancelFlag::default()).unwrap();
-    let gathered = bake(&elements, None, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
-    let taken =
-        bake(&elements, Some(&solved.radiosity), &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
-    let (mut sum, mut count) = (0.0, 0.0);
-    for ((_, p, a), (_, q, b)) in texels(&scene, &gathered).zip(texels(&scene, &taken)) {
-        assert_eq!(p, q);
-        sum += (b / a - 1.0).abs();
-        count += 1.0;
+    for settings in METHODS {
+        let maps = bake(&elements, &settings, &mut Silent, &CancelFlag::default()).unwrap();
+        let maps = LightMaps::new(&elements, maps);
+        let (mut sum, mut difference) = (0.0, 0.0);
+        for (element, radiosity) in elements.list.iter().zip(&solved.radiosity) {
+            let Patch { surface, face, back, part } = element.patch;
+            let place = ParametricPoint { surface, face, back, uv: part.center() };
+            let received = (*radiosity - element.emission) * (1.0 / element.reflectance.max_component());
+            let light = maps.irradiance(&place).unwrap_or(Spectrum::BLACK);
+            sum += received.max_component();
+            difference += (light - received).max_component().abs();
+        }
+        assert!(difference / sum < 0.03, "{:?}: {}", settings.method, difference / sum);
     }
-    assert!(sum / count < 0.02, "{}", sum / count);
+}
+
+#[test]
+fn radiosity_is_the_gather_of_a_furnished_room() {
+    let mut shapes: Vec<_> =
+        walls(DVec3::new(3.0, 2.5, 2.0)).into_iter().map(|wall| (wall, 0.6, 0.0)).collect();
+    shapes.push((parallelogram(DVec3::new(0.8, 0.7, 1.9), DVec3::Y * 0.5, DVec3::X * 0.5), 0.3, 10.0));
+    shapes.push((ShapeDescription::cuboid(DVec3::new(1.6, 1.2, 0.0), DVec3::new(2.2, 2.0, 0.7)), 0.5, 0.0));
+    shapes.push((ShapeDescription::sphere(0.3).translated(DVec3::new(0.8, 1.6, 0.5)), 0.5, 0.0));
+    let scene = scene(shapes);
+    let [gathered, solved] =
+        METHODS.map(|settings| baked(&scene, 0.3, &BakeSettings { density: 16.0, ..settings }));
+    let (mut sums, mut errors) = ([0.0; 2], 0.0);
+    let (gathered, solved): (Vec<_>, Vec<_>) = gathered
+        .into_iter()
+        .zip(solved)
+        // Insides and outsides are dark to both, but what stands on the floor has sides that see next to nothing.
+        .filter(|(a, b)| !a.is_dark() && !b.is_dark())
+        .unzip();
+    for ((_, p, a), (_, q, b)) in texels(&scene, &gathered).zip(texels(&scene, &solved)) {
+        assert_eq!(p, q);
+        sums = [sums[0] + a, sums[1] + b];
+        errors += (b - a).abs();
+    }
+    let (bias, error) = (sums[1] / sums[0] - 1.0, errors / sums[0]);
+    assert!(bias.abs() < 0.01 && error < 0.02, "{bias} {error}");
+}
+
+#[test]
+fn clear_glass_lets_light_pass() {
+    // A point light above a thin pane above a black floor.
+    let glass = MaterialKind::dielectric(1.5, 1.0, 1.0);
+    let pane = parallelogram(DVec3::new(-4.0, -4.0, 1.0), DVec3::X * 10.0, DVec3::Y * 10.0);
+    let from = DVec3::new(1.0, 1.0, 2.0);
+    let point = LightDescription::new(LightKind::Point { from, range: None }, 1.0);
+    let floor = parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 2.0);
+    let builder =
+        SceneBuilder::new().shape(floor, MaterialKind::diffuse(0.0)).shape(pane, glass).light(point);
+    let scene = builder.resolve().unwrap().0;
+    let maps = baked(&scene, 0.5, &BY_RADIOSITY);
+    let mut count = 0;
+    for (_, p, light) in texels(&scene, &maps).filter(|(chart, p, _)| !chart.back && p.z == 0.0) {
+        let way = from - p;
+        let cos = way.z / way.length();
+        // One face of glass of index 1.5, by Fresnel's equations.
+        let inner = (1.0 - (1.0 - cos * cos) / 2.25).sqrt();
+        let s = (cos - 1.5 * inner) / (cos + 1.5 * inner);
+        let p_ = (1.5 * cos - inner) / (1.5 * cos + inner);
+        let expected = (1.0 - 0.5 * (s * s + p_ * p_)) * cos / way.length_squared();
+        assert!((light / expected - 1.0).abs() < 0.02, "{p} {light} {expected}");
+        count += 1;
+    }
+    assert_eq!(count, 169);
 }
 
 #[test]
@@ -276,15 +356,14 @@ fn pages_repeat_the_borders_of_charts() {
 fn nonsense_is_refused_and_a_bake_can_be_cancelled() {
     let scene = scene(vec![(parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y), 0.5, 1.0)]);
     let elements = Elements::new(&scene, &ElementSettings { side: 1.0 }).unwrap();
-    let run = |density: f64, radiosity: Option<&[Spectrum]>, cancel: &CancelFlag| {
-        bake(&elements, radiosity, &BakeSettings { density, ..COARSE }, &mut Silent, cancel).map(|_| ())
+    let run = |density: f64, cancel: &CancelFlag| {
+        bake(&elements, &BakeSettings { density, ..COARSE }, &mut Silent, cancel).map(|_| ())
     };
     let (open, cancelled) = (CancelFlag::default(), CancelFlag::default());
     cancelled.cancel();
-    assert_eq!(run(0.0, None, &open), Err(BakeError::Density(0.0)));
-    assert_eq!(run(1.0, Some(&[]), &open), Err(BakeError::Radiosity(2, 0)));
-    assert_eq!(run(1.0, None, &cancelled), Err(BakeError::Interrupted(Interrupted)));
-    assert_eq!(run(1.0, None, &open), Ok(()));
+    assert_eq!(run(0.0, &open), Err(BakeError::Density(0.0)));
+    assert_eq!(run(1.0, &cancelled), Err(BakeError::Interrupted(Interrupted)));
+    assert_eq!(run(1.0, &open), Ok(()));
 }
 
 /// Tests of the nightly run.
@@ -298,7 +377,7 @@ mod heavy {
         let elements = divided(&scene, 0.5, &settings);
         let maps = LightMaps::new(
             &elements,
-            bake(&elements, None, &settings, &mut Silent, &CancelFlag::default()).unwrap(),
+            bake(&elements, &settings, &mut Silent, &CancelFlag::default()).unwrap(),
         );
         assert_eq!(maps.as_slice().iter().filter(|map| map.chart.surface == 4 && !map.is_dark()).count(), 2);
         let light = |x: f64, y: f64| {

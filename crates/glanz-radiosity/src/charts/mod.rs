@@ -47,6 +47,17 @@ pub enum Sheet {
     Flat(Flat),
 }
 
+impl Sheet {
+    /// Far corner of the sheet, whose near corner is the origin.
+    #[must_use]
+    pub fn size(&self) -> DVec2 {
+        match self {
+            Self::Square(_) => DVec2::ONE,
+            Self::Flat(flat) => flat.size(),
+        }
+    }
+}
+
 /// A rectangle of a sheet in texels.
 #[derive(Clone, Debug)]
 pub struct Chart {
@@ -163,9 +174,14 @@ impl Chart {
         places
     }
 
+    /// Texels per unit of the sheet along both.
+    pub(crate) fn texels_per_unit(&self) -> DVec2 {
+        self.last() / (self.window[1] - self.window[0])
+    }
+
     /// Whether a wall stands between a point of the sheet and what the chart shows.
-    fn is_behind_a_wall(&self, point: DVec2) -> bool {
-        let scale = self.last() / (self.window[1] - self.window[0]);
+    pub(crate) fn is_behind_a_wall(&self, point: DVec2) -> bool {
+        let scale = self.texels_per_unit();
         self.walls.iter().any(|&[from, to]| {
             let (way, there) = (scale * (to - from), scale * (point - from));
             // What lies right beneath a sheet is seen from either side.

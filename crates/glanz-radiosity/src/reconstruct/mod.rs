@@ -24,6 +24,7 @@ mod dense;
 mod lattice;
 mod multiquadrics;
 mod natural;
+pub(crate) mod partition;
 #[cfg(test)]
 mod reference;
 mod shepard;
@@ -96,8 +97,8 @@ pub enum ReconstructError {
     /// An exponent that the method cannot have.
     #[error("an exponent of {1} is not possible with {0}")]
     Exponent(&'static str, f64),
-    /// A sample that is not finite or outside the unit square.
-    #[error("sample {0} is not finite, or outside the unit square")]
+    /// A sample that is not finite or outside the domain.
+    #[error("sample {0} is not finite, or outside the domain")]
     Sample(usize),
     /// Two samples at one point, or none at all.
     #[error("there is no sample, or two are at one point")]
@@ -111,7 +112,7 @@ pub enum ReconstructError {
 }
 
 /// A function over the unit square that has the values of the samples at their points.
-pub trait Interpolant {
+pub trait Interpolant: Send + Sync {
     /// The value at `point`, in the unit square.
     fn value(&self, point: DVec2) -> DVec3;
 
@@ -187,10 +188,20 @@ impl Interpolation {
     /// [`ReconstructError`] for samples at one point or outside, an exponent that the method cannot have, a method that
     /// needs cells or a grid.
     pub fn of_samples(&self, samples: &[Sample]) -> Result<Box<dyn Interpolant>, ReconstructError> {
-        let square = DVec2::ZERO..=DVec2::ONE;
-        let inside = |s: &Sample| {
-            s.point.cmpge(*square.start()).all() && s.point.cmple(*square.end()).all() && s.value.is_finite()
-        };
+        self.of_samples_within(samples, DVec2::ONE)
+    }
+
+    /// The function over samples anywhere in the rectangle from the origin to `size`, both of whose sides are at most 1.
+    ///
+    /// # Errors
+    /// Those of [`Interpolation::of_samples`].
+    pub fn of_samples_within(
+        &self,
+        samples: &[Sample],
+        size: DVec2,
+    ) -> Result<Box<dyn Interpolant>, ReconstructError> {
+        let inside =
+            |s: &Sample| s.point.cmpge(DVec2::ZERO).all() && s.point.cmple(size).all() && s.value.is_finite();
         if let Some(wrong) = samples.iter().position(|s| !inside(s)) {
             return Err(ReconstructError::Sample(wrong));
         }
@@ -203,7 +214,7 @@ impl Interpolation {
             }
             Self::Shepard { exponent } => Box::new(Shepard::try_new(samples, exponent)?),
             Self::Multiquadrics { exponent } => Box::new(Multiquadrics::try_new(samples, exponent)?),
-            Self::NaturalNeighbour => Box::new(NaturalNeighbour::try_new(samples)?),
+            Self::NaturalNeighbour => Box::new(NaturalNeighbour::try_new(samples, size)?),
         })
     }
 }

@@ -1,7 +1,7 @@
 //! Natural neighbours.
 
 use glanz_math::{DVec2, DVec3};
-use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
+use spade::{DelaunayTriangulation, HasPosition, HierarchyHintGenerator, Point2, Triangulation};
 
 use super::{Interpolant, ReconstructError, Sample, Texture};
 
@@ -10,7 +10,7 @@ const NARROW: f64 = 1e-7;
 
 /// Means of samples, weighted by the areas that a new sample would take from their Voronoi cells.
 ///
-/// Cells end at the sides of the unit square: each sample has an image beyond each side, and the side is where the cells of the
+/// Cells end at the sides of the domain: each sample has an image beyond each side, and the side is where the cells of the
 /// two meet. If there are samples in the corners, every point is between samples, and cells are those of the plane: then
 /// linear functions are reproduced.
 ///
@@ -18,9 +18,12 @@ const NARROW: f64 = 1e-7;
 /// @sibson1981; @pietrek2001 section 4.5.3.
 pub(super) struct NaturalNeighbour {
     /// The samples, and behind them their images.
-    triangulation: DelaunayTriangulation<Site>,
+    triangulation: Sites,
     values: Vec<DVec3>,
 }
+
+/// The triangulation finds a point from the same start whoever asked before: bits do not depend on threads.
+type Sites = DelaunayTriangulation<Site, (), (), (), HierarchyHintGenerator<f64>>;
 
 /// A point to triangulate.
 struct Site {
@@ -38,25 +41,27 @@ impl HasPosition for Site {
 }
 
 impl NaturalNeighbour {
+    /// `size`: far corner of the domain.
+    ///
     /// # Errors
     /// [`ReconstructError::Points`] for samples at one point.
-    pub(super) fn try_new(samples: &[Sample]) -> Result<Self, ReconstructError> {
-        let corner = |corner: [f64; 2]| samples.iter().any(|s| s.point.to_array() == corner);
-        let closed = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].into_iter().all(corner);
+    pub(super) fn try_new(samples: &[Sample], size: DVec2) -> Result<Self, ReconstructError> {
+        let corner = |corner: DVec2| samples.iter().any(|s| s.point == corner * size);
+        let closed = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].into_iter().all(corner);
         let mut sites: Vec<Site> =
             samples.iter().enumerate().map(|(index, s)| Site { point: s.point, index }).collect();
         if !closed {
             for Sample { point, .. } in samples {
-                let beyond = |x: f64| [-x.max(NARROW), 1.0 + (1.0 - x).max(NARROW)];
-                let images = beyond(point.x).map(|u| DVec2::new(u, point.y));
-                let images = images.into_iter().chain(beyond(point.y).map(|v| DVec2::new(point.x, v)));
+                let beyond = |x: f64, side: f64| [-x.max(NARROW), side + (side - x).max(NARROW)];
+                let images = beyond(point.x, size.x).map(|u| DVec2::new(u, point.y));
+                let images =
+                    images.into_iter().chain(beyond(point.y, size.y).map(|v| DVec2::new(point.x, v)));
                 sites.extend(images.map(|point| Site { point, index: usize::MAX }));
             }
         }
         let count = sites.len();
-        let triangulation = DelaunayTriangulation::bulk_load_stable(sites)
-            .ok()
-            .filter(|triangulation: &DelaunayTriangulation<Site>| triangulation.num_vertices() == count);
+        let triangulation =
+            Sites::bulk_load_stable(sites).ok().filter(|triangulation| triangulation.num_vertices() == count);
         let triangulation = triangulation.ok_or(ReconstructError::Points)?;
         Ok(Self { triangulation, values: samples.iter().map(|s| s.value).collect() })
     }

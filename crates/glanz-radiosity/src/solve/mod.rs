@@ -4,7 +4,7 @@ mod gauss_seidel;
 pub mod hierarchical;
 
 pub use gauss_seidel::{GaussSeidel, Solved, gauss_seidel};
-pub use hierarchical::{Hierarchical, hierarchical};
+pub use hierarchical::{Exitance, Hierarchical, hierarchical, hierarchical_with};
 
 #[cfg(test)]
 mod tests;

@@ -7,14 +7,14 @@
 //! | 8 | length of the file |
 //! | 1 + n, 16 | version of Glanz, fingerprint of the scene |
 //! | 8, 4, 4 | texels per metre, rays, shadow rays |
-//! | 1 | 0: not finished, as [`BakeState`] writes it; 1: light maps, as [`stored`] does |
+//! | 1 | 0: not finished, as [`BakeState`] writes it; 1: light maps, as [`stored`] does; plus 2 times the number of the method |
 //! | | that |
 //! | 4 | CRC-32 (IEEE) of all before |
 
 use std::path::{Path, PathBuf};
 
 use glanz_job::{ContentHash, IdentityMismatch, JobIdentity, current_version};
-use glanz_radiosity::bake::{BakeSettings, BakeState, LightMap, stored};
+use glanz_radiosity::bake::{BakeMethod, BakeSettings, BakeState, LightMap, stored};
 use glanz_radiosity::elements::Elements;
 use glanz_transport::codec::{Decoder, open, seal};
 
@@ -53,13 +53,14 @@ impl JobIdentity for LightIdentity {
     const FOREIGN: &'static str = "it holds other light";
 
     fn fields(&self) -> Vec<(&'static str, String)> {
-        let BakeSettings { density, rays, shadow_rays } = self.settings;
+        let BakeSettings { density, rays, shadow_rays, method } = self.settings;
         vec![
             ("the Glanz version", self.version.clone()),
             ("the scene (content hash)", format!("{:032x}", self.scene)),
             ("the number of texels per metre", density.to_string()),
             ("the number of rays", rays.to_string()),
             ("the number of shadow rays", shadow_rays.to_string()),
+            ("the method", method.name().to_owned()),
         ]
     }
 }
@@ -151,8 +152,9 @@ impl LightFile {
 fn decode(content: &[u8]) -> Option<(LightIdentity, LightContent)> {
     let mut d = Decoder(content);
     let (version, scene) = (d.text()?.to_owned(), d.u128()?);
-    let settings = BakeSettings { density: d.f64()?, rays: d.u32()?, shadow_rays: d.u32()? };
-    let content = match d.u8()? {
+    let (density, rays, shadow_rays, kind) = (d.f64()?, d.u32()?, d.u32()?, d.u8()?);
+    let settings = BakeSettings { density, rays, shadow_rays, method: BakeMethod::from_number(kind / 2)? };
+    let content = match kind % 2 {
         0 => LightContent::Unfinished(BakeState::from_bytes(d.0)?),
         1 => LightContent::Finished(d.0.to_vec()),
         _ => return None,
@@ -178,7 +180,7 @@ fn write(path: &Path, identity: &LightIdentity, kind: u8, content: &[u8]) -> Res
         e.f64(settings.density);
         e.u32(settings.rays);
         e.u32(settings.shadow_rays);
-        e.u8(kind);
+        e.u8(kind + 2 * settings.method.number());
         e.0.extend_from_slice(content);
     });
     file::write(path, &bytes)

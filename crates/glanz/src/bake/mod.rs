@@ -12,7 +12,7 @@ mod outcome;
 use std::path::Path;
 use std::time::Instant;
 
-use glanz_radiosity::bake::{Atlas, BakeError, BakeSettings, BakeState, LightMap, resume};
+use glanz_radiosity::bake::{Atlas, BakeError, BakeMethod, BakeSettings, BakeState, LightMap, resume};
 use glanz_radiosity::elements::{ElementSettings, Elements};
 use glanz_scene::Scene;
 use glanz_shading::Material;
@@ -34,7 +34,8 @@ const SIDE_OF_SCENE: f64 = 1.0 / 24.0;
 
 /// A bake to be run.
 ///
-/// Light is that of radiosity: mirrors, glass and gloss count as if they reflected diffusely.
+/// Light is that of radiosity: mirrors and gloss count as if they reflected diffusely, and so does glass, but that the light of
+/// [`BakeMethod::Radiosity`] passes clear glass.
 #[must_use = "nothing is baked before `run`"]
 pub struct BakeBuilder<'a> {
     scene: LoadedScene,
@@ -59,6 +60,12 @@ impl<'a> BakeBuilder<'a> {
         self
     }
 
+    /// The method that finds light between surfaces; a final gather unless set.
+    pub fn method(mut self, method: BakeMethod) -> Self {
+        self.settings.method = method;
+        self
+    }
+
     job_methods!('a);
 
     /// Bakes. A cancelled bake ends with [`Error::Interrupted`], after its checkpoint was written.
@@ -80,7 +87,7 @@ impl<'a> BakeBuilder<'a> {
             job.warn(Warning::CameraLeftOut);
         }
         let (maps, elements) = job.in_pool(|job| {
-            let elements = elements(&scene, settings.density, job)?;
+            let elements = elements(&scene, &settings, job)?;
             let count = elements.list.len();
             job.emit(JobEvent::BakeStarted { density: settings.density, elements: count });
             let maps = match start_of(&identity, &elements, job)? {
@@ -123,16 +130,20 @@ fn start_of(
     Ok(start)
 }
 
-/// The elements of a scene for light maps of a density, texels per metre; warns of what is not as in a path-traced picture.
+/// The elements of a scene for light maps; warns of what is not as in a path-traced picture.
 pub(crate) fn elements<'a>(
     scene: &'a Scene,
-    density: f64,
+    settings: &BakeSettings,
     job: &mut JobOptions<'_>,
 ) -> Result<Elements<'a>, Error> {
-    let elements = divided(scene, density)?;
-    let is_diffuse =
-        |material: &&Material| matches!(material, Material::Diffuse { .. } | Material::Interface);
-    let others = scene.materials().iter().filter(|material| !is_diffuse(material)).count();
+    let elements = divided(scene, settings.density)?;
+    let is_as_it_is = |material: &&Material| match material {
+        Material::Diffuse { .. } | Material::Interface => true,
+        // Light passes it.
+        Material::Dielectric(_) => settings.method != BakeMethod::Gather,
+        _ => false,
+    };
+    let others = scene.materials().iter().filter(|material| !is_as_it_is(material)).count();
     if others > 0 {
         job.warn(Warning::NotDiffuse { materials: others });
     }
@@ -167,7 +178,7 @@ pub(crate) fn baked_maps(
         identity.map_or(Ok(()), |identity| light_file::write_state(path, identity, state))
     };
     let mut sink = JobSink::new(job, path, write);
-    match resume(state, elements, None, settings, &mut sink, &cancel) {
+    match resume(state, elements, settings, &mut sink, &cancel) {
         Ok(maps) => {
             // Before anything else is written: it is what cannot be had again.
             if let Some((identity, path)) = kept {

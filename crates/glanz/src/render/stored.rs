@@ -29,7 +29,7 @@ pub(super) fn stored_light(
 ) -> Result<Arc<dyn StoredLight>, Error> {
     let settings = BakeSettings::default();
     let maps = job.in_pool(|job| {
-        let elements = elements(scene, settings.density, job)?;
+        let elements = elements(scene, &settings, job)?;
         let maps = match file {
             Some(file) => file.maps(&elements)?,
             None => baked_maps(BakeState::default(), &elements, &settings, None, job)?,

@@ -87,8 +87,43 @@ fn what_cannot_be_baked_is_refused_before_the_work() {
     folder.run("bake room.pbrt -o room.obj").refused(2, &["room.obj", ".glb"]);
     folder.run("bake room.pbrt -o no/room.glb").refused(1, &["no"]);
     folder.run("bake none.pbrt -o room.glb").refused(1, &["none.pbrt"]);
+    folder.run("bake room.pbrt -o room.glb --reconstruct spline").refused(2, &["--method radiosity"]);
+    folder.run("bake room.pbrt -o room.glb --method radiosity --reconstruct cubic").refused(2, &["shepard"]);
     folder.run("bake room.pbrt -o room.glb --texels-per-metre 1e6 -q").refused(1, &["--texels-per-metre"]);
     assert_eq!(folder.names(), ["room.pbrt"]);
+}
+
+#[test]
+fn bake_by_radiosity_is_the_gather_and_resumes() {
+    let folder = Folder::new();
+    folder.write("room.pbrt", ROOM);
+    let bake = "bake room.pbrt --texels-per-metre 8 -q";
+    folder.succeed(&format!("{bake} -o gather.glb"));
+    let expected = folder.picture("gather.exr").to_rgb().unwrap();
+    let mut pictures = Vec::new();
+    for name in ["natural", "multiquadrics", "bilinear", "spline", "shepard", "constant"] {
+        let line = format!("{bake} -o {name}.glb --method radiosity --reconstruct {name}");
+        folder.succeed(&line);
+        let found = folder.picture(&format!("{name}.exr")).to_rgb().unwrap();
+        let (mut difference, mut sum) = (0.0, 0.0);
+        for (a, b) in found.iter().zip(&expected) {
+            difference += f64::from((a[1] - b[1]).abs());
+            sum += f64::from(b[1]);
+        }
+        assert!(found.len() == expected.len() && difference / sum < 0.05, "{name}: {}", difference / sum);
+        pictures.push(folder.bytes(&format!("{name}.exr")));
+    }
+    // Each is another light map, and natural neighbours are what is taken unless another is named.
+    assert!((1..6).all(|i| pictures[..i].iter().all(|other| *other != pictures[i])));
+    folder.succeed(&format!("{bake} -o two.glb --method radiosity --checkpoint room.light --threads 1"));
+    assert_eq!(folder.bytes("two.exr"), pictures[0]);
+    folder.run(&format!("{bake} -o three.glb --checkpoint room.light --resume")).refused(1, &["the method"]);
+    folder.succeed(&format!("{bake} -o three.glb --method radiosity --checkpoint room.light --resume"));
+    assert_eq!(folder.bytes("three.glb"), folder.bytes("two.glb"));
+    // The renderer shows it.
+    folder.succeed(
+        "render room.pbrt --integrator radiosity --light-in room.light --size 24x16 --spp 4 -o shown.exr -q",
+    );
 }
 
 #[test]

@@ -153,7 +153,7 @@ mod tests {
         let wall = parallelogram(DVec3::new(1.0, -1.0, 0.0), DVec3::Z * 2.0, DVec3::Y * 2.0);
         let scene = scene(vec![(tube, 0.5, 0.0), (wall, 0.5, 0.0)]);
         let elements = Elements::new(&scene, &ElementSettings { side: 9.0 }).unwrap();
-        let tree = Tree::new(elements, 0.1);
+        let tree = Tree::new(elements, &|element| element.emission, 0.1);
         let side = |surface: u32, back: bool| {
             let is_it = |branch: &&Branch| {
                 branch.element.as_ref().is_some_and(|e| e.patch.surface == surface && e.patch.back == back)

@@ -36,6 +36,7 @@ mod tree;
 use gather::Neighbours;
 use leaves::Leaves;
 use refine::{Demand, Refinement};
+pub use tree::Exitance;
 use tree::{Light, Tree};
 
 /// Sweeps between two rounds stop at this change.
@@ -66,11 +67,22 @@ pub struct Hierarchical {
     pub sweeps: u32,
     /// Links at most, about: then the answer is what can be said with these.
     pub links: usize,
+    /// Whether each leaf finds form factors of its own in the end. Without them light is that of links, even where a leaf sees
+    /// less than those above it: enough for those who only want to know where elements are to be small.
+    pub factors_of_leaves: bool,
 }
 
 impl Default for Hierarchical {
     fn default() -> Self {
-        Self { bound: 1e-6, side: 0.02, rounds: 5, tolerance: 1e-4, sweeps: 200, links: 1 << 25 }
+        Self {
+            bound: 1e-6,
+            side: 0.02,
+            rounds: 5,
+            tolerance: 1e-4,
+            sweeps: 200,
+            links: 1 << 25,
+            factors_of_leaves: true,
+        }
     }
 }
 
@@ -150,13 +162,27 @@ pub fn hierarchical<'a>(
     sink: &mut dyn ProgressSink,
     cancel: &CancelFlag,
 ) -> Result<Refined<'a>, HierarchicalError> {
+    hierarchical_with(start, &|element| element.emission, settings, sink, cancel)
+}
+
+/// The same with light that elements have otherwise than from their own emission, such as that of lamps, reflected once.
+///
+/// # Errors
+/// [`HierarchicalError`].
+pub fn hierarchical_with<'a>(
+    start: Elements<'a>,
+    exitance: Exitance<'a>,
+    settings: &Hierarchical,
+    sink: &mut dyn ProgressSink,
+    cancel: &CancelFlag,
+) -> Result<Refined<'a>, HierarchicalError> {
     let Hierarchical { bound, side, tolerance, .. } = *settings;
     for (name, value) in [("the bound", bound), ("the smallest side", side), ("the tolerance", tolerance)] {
         if !(value > 0.0 && value.is_finite()) {
             return Err(HierarchicalError::NotPositive(name, value));
         }
     }
-    let mut solver = Solver::new(start, side);
+    let mut solver = Solver::new(start, exitance, side);
     let rounds = settings.rounds.max(1);
     let begun = Instant::now();
     let mut report_round = |round: u32| {
@@ -181,8 +207,10 @@ pub fn hierarchical<'a>(
             break;
         }
     }
-    let rounds_made = solver.effort.rounds;
-    solver.solve_at_leaves(settings, &mut || report_round(rounds_made));
+    if settings.factors_of_leaves {
+        let rounds_made = solver.effort.rounds;
+        solver.solve_at_leaves(settings, &mut || report_round(rounds_made));
+    }
     Ok(solver.finish(bound))
 }
 
@@ -195,8 +223,8 @@ struct Solver<'a> {
 }
 
 impl<'a> Solver<'a> {
-    fn new(start: Elements<'a>, side: f64) -> Self {
-        let mut tree = Tree::new(start, side);
+    fn new(start: Elements<'a>, exitance: Exitance<'a>, side: f64) -> Self {
+        let mut tree = Tree::new(start, exitance, side);
         tree.pull(|_, _| Spectrum::BLACK);
         let refinement = Refinement::new(&tree);
         Self { tree, refinement, effort: Effort::default(), change: f64::INFINITY }

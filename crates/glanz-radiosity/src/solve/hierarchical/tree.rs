@@ -49,6 +49,9 @@ impl Branch {
     }
 }
 
+/// Radiant exitance that an element has without light from other elements, in units of radiance times pi.
+pub type Exitance<'a> = &'a (dyn Fn(&Element) -> Spectrum + Sync);
+
 /// Light on a branch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Light {
@@ -59,9 +62,9 @@ pub(super) struct Light {
 }
 
 /// Clusters and elements, parents before children.
-#[derive(Debug)]
 pub(super) struct Tree<'a> {
     elements: Elements<'a>,
+    exitance: Exitance<'a>,
     pub(super) branches: Vec<Branch>,
     pub(super) light: Vec<Light>,
     /// The branch of each start element.
@@ -72,13 +75,14 @@ pub(super) struct Tree<'a> {
 
 impl<'a> Tree<'a> {
     /// Clusters over elements, none of which is divided if its quarters were shorter than `side`.
-    pub(super) fn new(mut elements: Elements<'a>, side: f64) -> Self {
-        let list = std::mem::take(&mut elements.list);
+    pub(super) fn new(mut elements: Elements<'a>, exitance: Exitance<'a>, side: f64) -> Self {
+        let mut list = std::mem::take(&mut elements.list);
         let starts = vec![0; list.len()];
+        list.par_iter_mut().for_each(|element| element.emission = exitance(element));
         let extents: Vec<Extent> = list.par_iter().map(|e| Extent::of_element(&elements, e)).collect();
         let keys = keys(&list);
         let shortest = 2.0 * side * (1.0 - 1e-9);
-        let mut tree = Self { elements, branches: Vec::new(), light: Vec::new(), starts, shortest };
+        let mut tree = Self { elements, exitance, branches: Vec::new(), light: Vec::new(), starts, shortest };
         let mut order: Vec<usize> = (0..list.len()).collect();
         let members: Vec<(&Extent, &Element)> = extents.iter().zip(&list).collect();
         tree.cluster(&mut order, &members, &keys, None);
@@ -148,7 +152,8 @@ impl<'a> Tree<'a> {
                 let Some(element) = &self.branches[number as usize].element else { return Vec::new() };
                 let quarters = element.patch.part.quarters();
                 let patches = quarters.into_iter().map(|part| Patch { part, ..element.patch });
-                let with_extent = |element| {
+                let with_extent = |mut element: Element| {
+                    element.emission = (self.exitance)(&element);
                     let extent = Extent::of_element(&self.elements, &element);
                     (element, extent)
                 };
