@@ -1,4 +1,4 @@
-//! Errors of the engine as sentences with advice.
+//! Conversion of errors of the engine into messages with advice.
 
 use glanz::radiosity::bake::BakeError;
 use glanz::transport::{FilmError, MergeError};
@@ -7,7 +7,7 @@ use glanz_terminal::messages::{CommandError, Messages};
 
 use crate::notes::note_diagnostics;
 
-/// Makes sentences of errors; those of a scene are printed at once, with their places.
+/// Converts errors into messages with advice; the diagnostics of a scene are printed at once, with their places.
 pub(crate) fn command_error(messages: Messages) -> impl Fn(Error) -> CommandError {
     move |error| {
         if let Error::Scene(diagnostics) = &error {
@@ -23,7 +23,7 @@ pub(crate) fn command_error(messages: Messages) -> impl Fn(Error) -> CommandErro
     }
 }
 
-/// Whether the command line asks for something impossible.
+/// Whether the command line is invalid.
 fn is_usage(error: &Error) -> bool {
     match error {
         Error::NoGuide { .. }
@@ -37,7 +37,7 @@ fn is_usage(error: &Error) -> bool {
     }
 }
 
-/// What to do about an error.
+/// Advice on an error.
 fn advice(error: &Error) -> Option<String> {
     let text = match error {
         Error::File { fault, .. } => return file_advice(fault),
@@ -45,28 +45,30 @@ fn advice(error: &Error) -> Option<String> {
         Error::NoStoredLight { .. } => "add --integrator radiosity",
         Error::SampleRange { range, sampler, .. } => {
             return Some(format!(
-                "the sampler \"{sampler}\" divides the pixel by their number: give --spp {} or more",
+                "the sampler \"{sampler}\" divides the pixel by the number of samples: set --spp to {} or more",
                 range.end
             ));
         }
         Error::SampleOrder { next, .. } => {
-            return Some(format!("begin at {next}, or give a guide that does not learn with --guide-in"));
+            return Some(format!("begin at {next}, or use a learnt guide with --guide-in"));
         }
         Error::Film(FilmError::Size(..) | FilmError::Memory(_)) => "choose a smaller picture with --size",
-        Error::Guide(_) => "give a smaller grid or scale with --guide",
+        Error::Guide(_) => "choose a smaller grid or scale with --guide",
         Error::Merge(MergeError::Picture { .. }) => {
             "parts must be rendered from the same scene with the same settings"
         }
-        Error::Merge(MergeError::Overlap { .. }) => "give every part its own range with --samples A..B",
+        Error::Merge(MergeError::Overlap { .. }) => {
+            "render every part with a range of its own: --samples A..B"
+        }
         Error::Merge(MergeError::Learning { .. }) => {
             "learn a guide once with --guide-out, and render every part with --guide-in"
         }
         Error::Bake(BakeError::TooMany(..)) => "choose fewer with --texels-per-metre",
         Error::NoReceiver { .. } => {
-            "give shapes \"string receiver\" \"NAME\", or add the walls of a box with --room X Y Z"
+            "mark shapes with \"string receiver\" \"NAME\", or add the walls of a box with --room X Y Z"
         }
-        Error::Cells { .. } => "ask for fewer with --cells or longer ones with --texel",
-        Error::Integrate(_) => "\"--method trace\" takes lights of every kind",
+        Error::Cells { .. } => "choose fewer with --cells or longer ones with --texel",
+        Error::Integrate(_) => "\"--method trace\" supports lights of every kind",
         _ => return None,
     };
     Some(text.to_owned())
@@ -74,21 +76,21 @@ fn advice(error: &Error) -> Option<String> {
 
 fn file_advice(fault: &FileFault) -> Option<String> {
     let text = match fault {
-        FileFault::NoFolder(_) => "make the folder first, or name another",
+        FileFault::NoFolder(_) => "create the folder first, or choose another",
         FileFault::Exists => "continue from it with --resume, or remove it to start anew",
         FileFault::Extension("pictures") => "the extension selects the format: .exr, .png, .hdr or .pfm",
         FileFault::Extension("models") => "models are written as .glb",
         FileFault::Extension("luminaires") => "candela distributions are written as .ldt or .ies",
         FileFault::Identity(_) => {
-            "use the scene and the settings it was begun with, or another checkpoint file"
+            "use the scene and the settings of the checkpoint, or another checkpoint file"
         }
         FileFault::GuideSettings { found, .. } => {
-            return Some(format!("give the guide of its file: --guide {found}"));
+            return Some(format!("use the settings of the file: --guide {found}"));
         }
         FileFault::OtherLight(_) => "bake this scene with this program: glanz bake SCENE --checkpoint FILE",
         FileFault::UnfinishedLight => "finish it first: glanz bake SCENE --checkpoint FILE --resume",
-        FileFault::OtherReceivers => "for the walls of a room, add --room",
-        FileFault::OtherLuxMap | FileFault::Json(_) => "give the folder that glanz illuminate wrote with -o",
+        FileFault::OtherReceivers => "if the receivers are the walls of a room, add --room",
+        FileFault::OtherLuxMap | FileFault::Json(_) => "choose the output folder of glanz illuminate",
         _ => return None,
     };
     Some(text.to_owned())

@@ -48,7 +48,7 @@ fn main() -> ExitCode {
         }
         Command::Study { .. } => (
             Messages::new(false),
-            Err(CommandError::usage("studies are a program of their own")
+            Err(CommandError::usage("the studies are a separate program")
                 .with_help("cargo run --release -p glanz-study -- newton --out newton")),
         ),
         Command::View(view) => {

@@ -1,4 +1,4 @@
-//! What a job reports while it runs, as sentences.
+//! Messages for the events of a job.
 
 use std::ops::Range;
 
@@ -8,12 +8,12 @@ use glanz_terminal::messages::Messages;
 
 use crate::report::{grouped, plural};
 
-/// Prints the event of a job; `scene`: what the scene is called.
+/// Prints the event of a job; `scene`: name of the scene.
 pub(crate) fn note_event(event: JobEvent<'_>, scene: &str, messages: Messages) {
     match event {
         JobEvent::Warning(warning) => note_warning(warning, messages),
         JobEvent::NoCheckpoint(path) => {
-            messages.note(&format!("{}: there is no checkpoint yet, starting anew", path.display()));
+            messages.note(&format!("{}: there is no checkpoint yet; starting anew", path.display()));
         }
         JobEvent::Resumed { path, state } => {
             messages.note(&format!("{}: {}", path.display(), resumed(state)));
@@ -36,11 +36,11 @@ pub(crate) fn note_event(event: JobEvent<'_>, scene: &str, messages: Messages) {
 fn resumed(state: &ResumedState) -> String {
     match state {
         ResumedState::Samples(samples) => format!("continuing with samples {samples}"),
-        ResumedState::Places(0) => "there is no light yet".to_owned(),
+        ResumedState::Places(0) => "there is no indirect light yet".to_owned(),
         ResumedState::Places(places) => {
             format!("continuing with indirect light at {}", plural(*places as u64, "place", "places"))
         }
-        ResumedState::AllLight => "all light is there".to_owned(),
+        ResumedState::AllLight => "all light is complete".to_owned(),
         ResumedState::Particles(count) => format!("continuing after {} particles", grouped(*count)),
         _ => "continuing".to_owned(),
     }

@@ -34,7 +34,7 @@ impl Outputs {
         Ok(Self { files, tone })
     }
 
-    /// Whether any of the files keeps channels beside the colour.
+    /// Whether any of the files holds channels beside the colour.
     pub(crate) fn keep_channels(&self) -> bool {
         self.files.iter().any(|(_, format)| *format == Format::Exr)
     }
@@ -44,7 +44,7 @@ impl Outputs {
         self.files.iter().map(|(path, _)| path.display().to_string()).collect()
     }
 
-    /// Writes the picture to every file, also if one of them fails.
+    /// Writes the picture to every file, even if one of them fails.
     ///
     /// # Errors
     /// What went wrong, one line per file that is not written.

@@ -1,4 +1,4 @@
-//! What `--json` prints, and how its figures are written.
+//! Results on the standard output, and their numbers.
 
 pub(crate) use glanz::report::number::{duration, grouped, plural};
 pub(crate) use glanz_terminal::output::{print, print_text};

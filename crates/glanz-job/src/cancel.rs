@@ -1,4 +1,4 @@
-//! How a job is cancelled, and how it ends.
+//! Cancellation and end of jobs.
 
 use std::error::Error;
 use std::fmt;
@@ -23,7 +23,7 @@ impl CancelFlag {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Nothing, or an error to return with `?`.
+    /// Returns an error for `?` if the end was requested.
     ///
     /// # Errors
     /// [`Interrupted`] if the end was requested.
@@ -50,7 +50,7 @@ impl fmt::Display for Interrupted {
 
 impl Error for Interrupted {}
 
-/// Reason for the end of a job that returns what it has.
+/// Reason for the end of a job that returns a partial result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JobEnd {
     /// The goal was reached.

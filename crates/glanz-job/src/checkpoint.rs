@@ -1,8 +1,8 @@
-//! When a job saves its state.
+//! Timing of checkpoints.
 
 use std::time::{Duration, Instant};
 
-/// Timer of the pauses in which a job saves its state.
+/// Timer of the intervals between checkpoints.
 #[derive(Clone, Copy, Debug)]
 pub struct CheckpointTimer {
     interval: Option<Duration>,
@@ -22,7 +22,7 @@ impl CheckpointTimer {
         self.interval.is_some_and(|interval| self.last.elapsed() >= interval)
     }
 
-    /// Starts the next interval. Called after saving, so that a slow disk does not keep the job from its work.
+    /// Starts the next interval. Call it after saving, so that a slow disk does not stop the job from working.
     pub fn restart(&mut self) {
         self.last = Instant::now();
     }

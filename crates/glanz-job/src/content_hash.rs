@@ -3,7 +3,7 @@
 /// FNV-1a with 128 bits (@fnv), fed with each file's length and bytes in the order of reading.
 ///
 /// Equal on every machine and in every version, because checkpoints store it. File names do not enter it, so a scene may move. It
-/// tells inputs apart by accident, not against an adversary.
+/// detects accidental changes, not attacks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ContentHash(u128);
 
@@ -27,7 +27,7 @@ impl ContentHash {
         self.0 = bytes.iter().fold(self.0, |h, &b| (h ^ u128::from(b)).wrapping_mul(Self::PRIME));
     }
 
-    /// The fingerprint so far.
+    /// The hash so far.
     #[must_use]
     pub fn value(&self) -> u128 {
         self.0

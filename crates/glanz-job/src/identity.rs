@@ -1,4 +1,4 @@
-//! What a saved state belongs to.
+//! Identity of saved states.
 
 use std::error::Error;
 use std::fmt;
@@ -11,9 +11,9 @@ pub fn current_version() -> String {
 
 /// Everything the result of a job depends on, in words.
 ///
-/// A saved state may be resumed, or joined with another, only under the identity it was begun with.
+/// A saved state may be resumed, or joined with another, only under its own identity.
 pub trait JobIdentity {
-    /// What a state of another identity is, as the beginning of a message: "it is of another picture".
+    /// Beginning of the message about a state of another identity: "it is of another picture".
     const FOREIGN: &'static str;
 
     /// Name and value of each field, the most important first: versions, hashes of the scene, settings.

@@ -1,14 +1,14 @@
 //! Long computations: progress, cancelling, checkpoints and identity.
 //!
-//! Rendering, baking, illuminating and studies are *jobs*. A function that runs one takes two arguments for it:
+//! Rendering, baking, illuminating and studies are *jobs*. A function that runs one takes two arguments:
 //!
-//! - a [`ProgressSink`], which receives [`JobProgress`] now and then and, if it asks for it by
+//! - a [`ProgressSink`], which receives [`JobProgress`] periodically and, at its
 //!   [`ProgressSink::checkpoint_interval`], the state to save; [`Silent`] ignores both;
 //! - a [`CancelFlag`], which a signal handler, another thread or the sink itself may raise.
 //!
 //! A cancelled job that has a partial result returns it with [`JobEnd::Interrupted`]; one that has none returns an error whose variant
 //! `Interrupted` holds [`Interrupted`]. A saved state belongs to a [`JobIdentity`]: resuming under another one is refused by an
-//! [`IdentityMismatch`], which names the first field that differs. A [`ContentHash`] stands for the scene in it, and
+//! [`IdentityMismatch`], which names the first field that differs. A [`ContentHash`] represents the scene in it, and
 //! [`write_atomically`] replaces the file of a state as a whole.
 //!
 //! ```

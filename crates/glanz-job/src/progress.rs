@@ -1,16 +1,16 @@
-//! How far a job is, and who receives that.
+//! Progress of a job, and its receiver.
 
 use std::fmt;
 use std::time::Duration;
 
-/// How far a job is.
+/// Progress of a job.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JobProgress<'a> {
-    /// What is being done.
+    /// Name of the phase.
     pub phase: &'a str,
     /// Number of the phase, from 1, and the number of phases.
     pub step: [u32; 2],
-    /// What the phase counts, if it counts anything.
+    /// Count of completed work, if the phase counts anything.
     pub count: Option<WorkCount>,
     /// Largest relative standard error so far, if the job estimates it.
     pub error: Option<f64>,
@@ -18,23 +18,23 @@ pub struct JobProgress<'a> {
     pub fraction: f64,
     /// Time since the phase began.
     pub elapsed: Duration,
-    /// Estimated time until the phase ends; `None` if nothing is known yet.
+    /// Estimated time until the phase ends; `None` if it is not known yet.
     pub remaining: Option<Duration>,
 }
 
-/// A number of things done.
+/// A count of completed things.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WorkCount {
     /// Things done so far, those of earlier runs included.
     pub done: u64,
-    /// Things wanted; `None` if something else ends the phase.
+    /// Goal of the count; `None` if something else ends the phase.
     pub wanted: Option<u64>,
     /// Name of one thing and of several: `["particle", "particles"]`.
     pub unit: [&'static str; 2],
 }
 
 impl fmt::Display for WorkCount {
-    /// `1 200 of 4 000 particles`, or `1 particle` where no number is wanted.
+    /// `1 200 of 4 000 particles`, or `1 particle` without a goal.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [one, many] = self.unit;
         match self.wanted {
@@ -97,11 +97,11 @@ impl<'a> JobProgress<'a> {
     }
 }
 
-/// Receiver of a job's progress, and of its state when it is to be saved. Called by the thread that called the job.
+/// Receiver of a job's progress, and of its state for checkpoints. Called by the thread that called the job.
 ///
 /// `State`: what the job saves to be resumed later; `()` for a job that cannot be.
 pub trait ProgressSink<State: ?Sized = ()> {
-    /// Receives how far the job is; called about twice a second.
+    /// Receives the progress about twice a second.
     fn on_progress(&mut self, progress: &JobProgress<'_>) {
         let _ = progress;
     }

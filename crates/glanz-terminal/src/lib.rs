@@ -21,12 +21,12 @@ use messages::{CommandError, Messages};
 /// Exit code for wrong usage.
 const WRONG_USAGE: u8 = 2;
 
-/// How a command ended that did not fail.
+/// Outcome of a command that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CommandOutcome {
     /// Everything was done.
     Done,
-    /// Everything was done, and the answer is no.
+    /// Everything was done, and the tested condition does not hold.
     Refused,
     /// A signal ended the command early; its results so far are saved.
     Interrupted,

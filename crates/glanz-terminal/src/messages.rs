@@ -1,10 +1,10 @@
-//! What people read: notes, warnings and errors, on the standard error stream.
+//! Notes, warnings and errors on the standard error stream.
 
 use std::io::{IsTerminal, Write};
 
 use glanz_scene::Severity;
 
-/// Where messages go, and how.
+/// Writer of messages with its settings.
 #[derive(Clone, Copy, Debug)]
 pub struct Messages {
     quiet: bool,
@@ -17,7 +17,7 @@ const YELLOW: &str = "\x1b[1;33m";
 const CYAN: &str = "\x1b[1;36m";
 const PLAIN: &str = "\x1b[0m";
 
-/// Goes to the beginning of the line of a terminal and clears it.
+/// Escape sequence that moves to the beginning of a terminal's line and clears it.
 pub(crate) const CLEAR_LINE: &str = "\r\x1b[2K";
 
 impl Messages {
@@ -29,82 +29,82 @@ impl Messages {
         Self { quiet, colour: is_terminal && !refused, is_terminal }
     }
 
-    /// Whether only errors are said.
+    /// Whether only errors are printed.
     pub fn is_quiet(self) -> bool {
         self.quiet
     }
 
-    /// Something worth knowing.
+    /// Prints a note.
     pub fn note(self, text: &str) {
         if !self.quiet {
-            self.say("", "", text);
+            self.print("", "", text);
         }
     }
 
-    /// Something that was mended or left out.
+    /// Prints a warning: something was repaired or left out.
     pub fn warning(self, text: &str) {
         if !self.quiet {
-            self.say(YELLOW, "warning: ", text);
+            self.print(YELLOW, "warning: ", text);
         }
     }
 
-    /// A message about the scene, which begins with its severity.
+    /// Prints a message about the scene, which begins with its severity.
     pub fn diagnostic(self, severity: Severity, text: &str) {
         let (colour, label) = match severity {
             Severity::Error => (RED, "error: "),
             Severity::Warning if self.quiet => return,
             Severity::Warning => (YELLOW, "warning: "),
         };
-        self.say(colour, label, text.strip_prefix(label).unwrap_or(text).trim_end());
+        self.print(colour, label, text.strip_prefix(label).unwrap_or(text).trim_end());
     }
 
-    /// Why the command failed, with `help` on what to do about it.
+    /// Prints an error and its help.
     pub fn error(self, failure: &CommandError) {
         if !failure.message.is_empty() {
-            self.say(RED, "error: ", &failure.message);
+            self.print(RED, "error: ", &failure.message);
         }
         if let Some(help) = &failure.help {
-            self.say(CYAN, "  help: ", help);
+            self.print(CYAN, "  help: ", help);
         }
     }
 
-    fn say(self, colour: &str, label: &str, text: &str) {
+    fn print(self, colour: &str, label: &str, text: &str) {
         let (on, off) = if self.colour && !label.is_empty() { (colour, PLAIN) } else { ("", "") };
         // A progress bar may be in the line.
         let clear = if self.is_terminal { CLEAR_LINE } else { "" };
-        // Nobody is left to report to if this stream is closed.
+        // If this stream is closed, errors cannot be reported.
         let _ = writeln!(std::io::stderr().lock(), "{clear}{on}{label}{off}{text}");
     }
 }
 
-/// Why a command failed, as sentences.
+/// Error of a command as a message with advice.
 #[derive(Debug)]
 pub struct CommandError {
-    /// What is wrong, and where; empty if that was said already.
+    /// The fault and its place; empty if they have been printed already.
     pub message: String,
-    /// What to do about it.
+    /// Advice on the error.
     pub help: Option<String>,
-    /// Whether the command line asked for something impossible, rather than that something went wrong.
+    /// Whether the command line is invalid, rather than its execution.
     pub usage: bool,
 }
 
 impl CommandError {
-    /// Something went wrong.
+    /// An error of the execution.
     pub fn new(message: impl Into<String>) -> Self {
         Self { message: message.into(), help: None, usage: false }
     }
 
-    /// Something went wrong, and it was said what.
+    /// An error that has been printed already.
     pub fn reported() -> Self {
         Self::new("")
     }
 
-    /// The command line asks for something impossible.
+    /// An invalid command line.
     pub fn usage(message: impl Into<String>) -> Self {
         Self { usage: true, ..Self::new(message) }
     }
 
-    /// The same with an advice.
+    /// The same with advice.
     pub fn with_help(self, help: impl Into<String>) -> Self {
         Self { help: Some(help.into()), ..self }
     }

@@ -1,4 +1,4 @@
-//! How far a job is: a bar on a terminal, plain lines elsewhere, nothing if quiet.
+//! Progress of a job: a bar on a terminal, plain lines elsewhere, nothing if quiet.
 
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
@@ -11,16 +11,16 @@ use crate::messages::{CLEAR_LINE, Messages};
 /// Time between two plain lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
 
-/// Time between two drawings of the bar at least.
+/// Smallest time between two updates of the bar.
 const BAR_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Characters of the bar between its brackets.
 const BAR_WIDTH: usize = 32;
 
-/// Width of a terminal that does not tell it.
+/// Width of a terminal that does not report it.
 const USUAL_WIDTH: usize = 80;
 
-/// Shows how far a job is.
+/// Display of the progress of a job.
 pub struct Progress {
     display: ProgressDisplay,
 }
@@ -32,7 +32,7 @@ enum ProgressDisplay {
 }
 
 impl Progress {
-    /// Shows nothing yet; the first plain line comes after a while.
+    /// Starts without output; the first plain line follows after an interval.
     pub fn start(messages: Messages) -> Self {
         let display = if messages.is_quiet() {
             ProgressDisplay::Nothing
@@ -44,7 +44,7 @@ impl Progress {
         Self { display }
     }
 
-    /// Shows how far the job is.
+    /// Shows the progress.
     pub fn show(&mut self, progress: &JobProgress<'_>) {
         let (text, fraction) = (text(progress), progress.fraction);
         match &mut self.display {
@@ -66,7 +66,7 @@ impl Progress {
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(self) {
         if matches!(self.display, ProgressDisplay::Bar { drawn: Some(_) }) {
             draw("");
@@ -80,7 +80,7 @@ impl ProgressSink for Progress {
     }
 }
 
-/// What is done, and the time left.
+/// Completed work and remaining time.
 fn text(progress: &JobProgress<'_>) -> String {
     let mut text = match (progress.count, progress.step) {
         (Some(count), _) => count.to_string(),
@@ -109,7 +109,7 @@ fn bar(fraction: f64, text: &str, width: usize) -> String {
 /// Replaces the line of the terminal.
 fn draw(line: &str) {
     let mut stream = std::io::stderr().lock();
-    // Nobody is left to report to if this stream is closed.
+    // If this stream is closed, errors cannot be reported.
     let _ = write!(stream, "{CLEAR_LINE}{line}").and_then(|()| stream.flush());
 }
 

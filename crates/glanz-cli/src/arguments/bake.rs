@@ -18,12 +18,13 @@ leaves it (TEXCOORD_1); three.js, Blender and others display it without further 
 irradiance itself, in the scene's units of radiance, is written beside it as OpenEXR in the same
 layout. Sides that no light reaches are black and take no texels. The model has the scene's camera.
 
-Light is that of radiosity: mirrors, glass and gloss count as if they reflected diffusely. With
+The light is computed by radiosity: mirrors, glass and glossy materials are treated as diffuse. With
 --method radiosity, light passes clear glass; direct light comes from all lights by fewer shadow rays,
-and light between surfaces is that of elements as large as it allows, interpolated.
-Ctrl-C and SIGTERM end the command with 130. Only the checkpoint is written then, if one is given;
---resume continues from it to the same bits. A second Ctrl-C ends the program at once. The finished
-checkpoint holds all light: for further models of the same scene, and for `glanz render --light-in`.
+and light between surfaces is interpolated from elements as large as the solver allows.
+Ctrl-C and SIGTERM end the command with exit status 130 and write only the checkpoint, if one is
+named; --resume continues from it to the same bits. A second Ctrl-C ends the program at once. The
+finished checkpoint holds all light, for further models of the same scene and for
+`glanz render --light-in`.
 
 Examples:
   glanz bake room.pbrt -o room.glb
@@ -40,21 +41,21 @@ pub(crate) struct BakeArguments {
     /// Model to write, .glb; light maps are written beside it
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: PathBuf,
-    /// Texels of the light maps per metre, where they are least dense
+    /// Smallest density of the light maps, texels per metre
     #[arg(long, value_name = "N", default_value_t = 25.0, value_parser = positive)]
     pub(crate) texels_per_metre: f64,
     /// Format of the irradiance beside the model; PNG is only for viewing
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t = LightMapName::Exr)]
     lightmap: LightMapName,
-    /// Largest distance of triangles from the surface, metres; 0.001, or less in a small scene
+    /// Largest distance of triangles from the surface, metres [default: 0.001, or less in a small scene]
     #[arg(long, value_name = "M", value_parser = positive)]
     tolerance: Option<f64>,
-    /// How light between surfaces is found: by a final gather, or for a preview in a tenth of the time
+    /// Computation of light between surfaces: by a final gather, or for a preview in a tenth of the time
     /// by radiosity of elements
-    #[arg(long, value_name = "METHOD", value_enum, default_value_t = MethodName::Gather)]
-    method: MethodName,
-    /// How --method radiosity turns the light of elements into that of texels; natural, by natural
-    /// neighbours, if not given
+    #[arg(long, value_name = "METHOD", value_enum, default_value_t = BakeMethodName::Gather)]
+    method: BakeMethodName,
+    /// Interpolation of --method radiosity from elements to texels [default: natural, by natural
+    /// neighbours]
     #[arg(long, value_name = "NAME", value_parser = interpolation_parser())]
     reconstruct: Option<Interpolation>,
     /// Number of rays that gather indirect light at a point
@@ -67,21 +68,21 @@ pub(crate) struct BakeArguments {
 }
 
 impl BakeArguments {
-    /// How light between surfaces is found.
+    /// Method of computing light between surfaces.
     ///
     /// # Errors
-    /// A reconstruction for the method that has none.
+    /// A reconstruction for a method without one.
     pub(crate) fn method(&self) -> Result<BakeMethod, &'static str> {
         match (self.method, self.reconstruct) {
-            (MethodName::Gather, None) => Ok(BakeMethod::Gather),
-            (MethodName::Gather, Some(_)) => Err("--reconstruct is for --method radiosity"),
-            (MethodName::Radiosity, interpolation) => Ok(BakeMethod::Radiosity {
+            (BakeMethodName::Gather, None) => Ok(BakeMethod::Gather),
+            (BakeMethodName::Gather, Some(_)) => Err("--reconstruct requires --method radiosity"),
+            (BakeMethodName::Radiosity, interpolation) => Ok(BakeMethod::Radiosity {
                 reconstruction: interpolation.unwrap_or(Interpolation::NaturalNeighbour),
             }),
         }
     }
 
-    /// How the model is made.
+    /// Settings of the model.
     pub(crate) fn model(&self) -> ModelSettings {
         let irradiance = match self.lightmap {
             LightMapName::Exr => Format::Exr,
@@ -96,14 +97,14 @@ impl BakeArguments {
 enum LightMapName {
     // Floating point.
     Exr,
-    // Eight bits, as the tone curve makes them.
+    // Eight bits, after the tone curve.
     Png,
 }
 
 /// The methods of the bake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum MethodName {
-    // Rays over the hemisphere from places on each surface.
+enum BakeMethodName {
+    // Rays over the hemisphere from points on each surface.
     Gather,
     // The hierarchical solver.
     Radiosity,

@@ -27,7 +27,7 @@ pub(crate) struct Strictness {
 /// The number of threads.
 #[derive(Debug, Args)]
 pub(crate) struct ThreadArguments {
-    /// Number of threads; all processors if not given
+    /// Number of threads [default: all processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
 }
@@ -45,12 +45,12 @@ pub(crate) struct CheckpointArguments {
     /// File for the state of the job, written every 30 seconds and at the end
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) checkpoint: Option<PathBuf>,
-    /// Resume the checkpoint if it exists; without this, an existing one is not touched
+    /// Resume from the checkpoint if it exists; without this option, an existing file is an error
     #[arg(long, requires = "checkpoint")]
     pub(crate) resume: bool,
 }
 
-/// What all long-running commands take.
+/// Options of all long-running commands.
 #[derive(Debug, Args)]
 pub(crate) struct JobArguments {
     #[command(flatten)]
@@ -63,13 +63,13 @@ pub(crate) struct JobArguments {
     pub(crate) verbosity: Verbosity,
 }
 
-/// How light is shown in eight bits.
+/// Conversion of light to eight bits.
 #[derive(Debug, Args)]
 pub(crate) struct ToneArguments {
     /// Brighten PNG pictures by this many stops
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true, default_value_t = 0.0, value_parser = stops)]
     pub(crate) exposure: f32,
-    /// How PNG pictures show light: bright light cut, or compressed by a curve
+    /// Tone curve of PNG pictures: bright light is clipped (linear) or compressed
     #[arg(long, value_name = "NAME", value_enum, default_value_t = ToneName::Linear)]
     tone: ToneName,
 }
@@ -86,7 +86,7 @@ impl ToneArguments {
     }
 }
 
-/// The tone curves; help on each would make that of the whole command long.
+/// The tone curves, without help texts, which would lengthen that of the command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum ToneName {
     // Light up to 1 as it is, brighter light as 1.
@@ -100,7 +100,7 @@ enum ToneName {
 /// The walls of a room around the scene.
 #[derive(Debug, Args)]
 pub(crate) struct RoomArgument {
-    /// Add the walls of a box from the origin, metres: six receivers that absorb all light
+    /// Add the walls of a box from the origin to (X, Y, Z), metres: six receivers that absorb all light
     #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = positive)]
     room: Option<Vec<f64>>,
 }

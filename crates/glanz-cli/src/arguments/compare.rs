@@ -6,12 +6,12 @@ use clap::{Args, ValueEnum, ValueHint};
 use glanz_terminal::values::bound;
 
 const COMPARE_HELP: &str = "\
-The second picture is the reference. Measured are
+The second picture is the reference. The measures are
   rmse          root of the mean squared difference
   relmse        mean of the squared difference over the squared reference + 0.01
   display-rmse  rmse of the values clipped to [0, 1]
   max           largest difference
-  flip          mean FLIP error, from 0 to 1: how much the eye notices
+  flip          mean FLIP error, from 0 to 1: the perceived difference
 
 Example:
   glanz compare render.exr reference.exr --metric relmse --fail-above 0.01";

@@ -15,18 +15,19 @@ use super::common::{JobArguments, RoomArgument, SceneArgument};
 const RECEIVER_CELLS: i64 = MAX_RECEIVER_CELLS as i64;
 
 const HELP: &str = "\
-Receivers are the shapes of the scene that say \"string receiver\" \"NAME\", and with --room the six
-walls of a box from the origin to (X, Y, Z), which absorb what they receive. For every receiver the
-folder gets NAME.csv (position, area, lux, standard error per cell), NAME.exr (the same as floats,
-a pixel per cell), NAME.png (false colours) and NAME.svg (isolux lines), for all of them together
-report.html, report.json and summary.txt: least, mean and largest illuminance, the uniformities U0
-(least over mean) and U1 (least over largest), and where the light went.
+Receivers are the shapes of the scene with \"string receiver\" \"NAME\", and with --room the six walls
+of a box from the origin to (X, Y, Z), which absorb all light. The command writes for every receiver
+NAME.csv (position, area, lux, standard error per cell), NAME.exr (the same as floats, one pixel per
+cell), NAME.png (false colours) and NAME.svg (isolux lines), and for all receivers report.html,
+report.json and summary.txt: smallest, mean and largest illuminance, the uniformities U0 (smallest
+over mean) and U1 (smallest over largest), and the flux balance.
 
-Without --rays, --time and --error it goes on until the standard error of the brightest cell and of
+Without --rays, --time and --error, tracing ends when the standard error of the brightest cell and of
 the mean of every receiver is 1 per cent.
 
-\"integrate\" looks at the image of every lamp in the mirrors, without chance: what comes straight from
-lamps and by one mirror. \"trace\" sends particles and counts all light. \"both\" tells how they agree.
+\"trace\" traces particles and includes all light. \"integrate\" integrates over the images of the lamps
+in the mirrors, without noise: light directly from lamps and by way of one mirror. \"both\" also
+compares the two.
 
 Examples:
   glanz illuminate office.pbrt -o office
@@ -39,20 +40,20 @@ Examples:
 pub(crate) struct IlluminateArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArgument,
-    /// Folder for the results; made if it does not exist
+    /// Folder for the results; created if necessary
     #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(crate) output: PathBuf,
     #[command(flatten)]
     room: RoomArgument,
-    /// Cells along the longer side of receivers that do not specify their cells
+    /// Number of cells along the longer side of receivers without a resolution of their own
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=RECEIVER_CELLS))]
     cells: u32,
-    /// Length of their cells in metres instead
+    /// Length of the cells of these receivers in metres, instead of --cells
     #[arg(long, value_name = "M", conflicts_with = "cells", value_parser = positive)]
     texel: Option<f64>,
-    /// How light is found
-    #[arg(long, value_name = "NAME", value_enum, default_value_t = MethodName::Trace)]
-    method: MethodName,
+    /// Method of computing the light
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = IlluminateMethodName::Trace)]
+    method: IlluminateMethodName,
     /// Stop after this many particles
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     rays: Option<u64>,
@@ -62,10 +63,10 @@ pub(crate) struct IlluminateArguments {
     /// Stop at this relative standard error of the brightest cell and of the mean of every receiver
     #[arg(long, value_name = "E", value_parser = positive)]
     error: Option<f64>,
-    /// Relative error that "integrate" aims at in every cell
+    /// Relative error of "integrate" in every cell
     #[arg(long, value_name = "E", default_value_t = 1e-2, hide_short_help = true, value_parser = positive)]
     tolerance: f64,
-    /// A second design, calculated alike: the first is written to DIR/a, this to DIR/b, and a comparison to DIR
+    /// Second design for a comparison: the first is written to DIR/a, this one to DIR/b, the comparison to DIR
     #[arg(long, value_name = "SCENE", value_hint = ValueHint::FilePath, conflicts_with = "checkpoint")]
     pub(crate) compare: Option<PathBuf>,
     /// Candela distribution of all light that leaves the scene, .ldt or .ies; -z is gamma 0 (repeat for several)
@@ -74,7 +75,7 @@ pub(crate) struct IlluminateArguments {
     /// Seed of the particles; another seed gives another, independent result
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Largest number of surfaces that scatter a particle; what it carries then is reported as given up
+    /// Largest number of scattering events of a particle; its remaining flux is reported as given up
     #[arg(long, value_name = "N", default_value_t = 1000, hide_short_help = true, value_parser = clap::value_parser!(u32).range(1..))]
     max_depth: u32,
     #[command(flatten)]
@@ -97,9 +98,9 @@ impl IlluminateArguments {
     }
 }
 
-/// How light is found.
+/// Methods of computing the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum MethodName {
+enum IlluminateMethodName {
     // By particles.
     Trace,
     // By integration over mirrors.
@@ -108,12 +109,12 @@ enum MethodName {
     Both,
 }
 
-impl From<MethodName> for IlluminateMethod {
-    fn from(name: MethodName) -> Self {
+impl From<IlluminateMethodName> for IlluminateMethod {
+    fn from(name: IlluminateMethodName) -> Self {
         match name {
-            MethodName::Trace => Self::Trace,
-            MethodName::Integrate => Self::Integrate,
-            MethodName::Both => Self::Both,
+            IlluminateMethodName::Trace => Self::Trace,
+            IlluminateMethodName::Integrate => Self::Integrate,
+            IlluminateMethodName::Both => Self::Both,
         }
     }
 }

@@ -8,7 +8,7 @@ use glanz_terminal::Verbosity;
 use super::common::ToneArguments;
 
 const MERGE_HELP: &str = "\
-The parts must be of the same scene with the same settings, and no two may share a sample.
+The parts must be of the same scene with the same settings, and must not share samples.
 
 Example:
   glanz merge a.glanz b.glanz -o room.exr --checkpoint whole.glanz";

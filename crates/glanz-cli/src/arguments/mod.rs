@@ -1,4 +1,4 @@
-//! The command line: commands, options and their help. Completions and manual pages are made of it, too.
+//! The command line: commands, options and their help, also for completions and manual pages.
 
 use clap::{Parser, Subcommand};
 
@@ -33,7 +33,7 @@ const EXAMPLES: &str = "\
 Examples:
   glanz demo                                   a built-in scene, into glanz-demo.png
   glanz render room.pbrt -o room.exr           a scene file with its own settings
-  glanz render room.pbrt -o room.png --time 60 the best picture of one minute
+  glanz render room.pbrt -o room.png --time 60 as many samples as fit into a minute
   glanz bake room.pbrt -o room.glb             the light on its surfaces, for other programs
   glanz illuminate room.pbrt -o lux            illuminance on its receivers
   glanz view room.pbrt                         an interactive view in the browser

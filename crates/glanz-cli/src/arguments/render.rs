@@ -38,36 +38,35 @@ const RENDER_HELP: &str = "\
 Without -o the picture is written to the current folder under the film's file name in the scene,
 as EXR if the scene has none or names a format that Glanz does not write.
 
-The picture depends on the scene, the settings and the seed alone: not on threads, not on
-interruptions. Ctrl-C and SIGTERM finish the pass, write picture and checkpoint, and exit
-with 130; a second Ctrl-C ends the program at once.
+The picture depends on the scene, the settings and the seed alone, not on the number of threads
+or on interruptions. Ctrl-C and SIGTERM complete the current pass, write picture and checkpoint,
+and exit with status 130; a second Ctrl-C ends the program at once.
 
 Examples:
   glanz render room.pbrt -o room.exr -o room.png --spp 256
   glanz render room.pbrt -o room.exr --checkpoint room.glanz --resume
 
-  half of the samples on each of two machines, with the bits of 256 samples on one:
+  Half of the samples on each of two machines, with the bits of 256 samples on one:
   glanz render room.pbrt --samples 0..128 --checkpoint a.glanz
   glanz render room.pbrt --samples 128..256 --checkpoint b.glanz
   glanz merge a.glanz b.glanz -o room.exr
 
-  learn once where light comes from, then render parts with that; without --guide-in the
-  samples of \"guided\" build on one another, and parts cannot be merged:
+  Learn a guide once, then render parts with it; without --guide-in the passes of \"guided\"
+  depend on one another, and parts cannot be merged:
   glanz render room.pbrt --integrator guided --spp 64 --guide-out room.guide
   glanz render room.pbrt --integrator guided --guide-in room.guide --samples 0..512
 
-The guide of \"guided\" is \"tree\" unless --guide says otherwise: cells and directions that refine
-themselves, and a learnt share beside the BSDF. Keys with commas make it a fixed grid, as in
-document 003:
+The default guide of \"guided\" is \"tree\": adaptively refined cells and directions, combined with
+the BSDF by learnt weights. A comma-separated list of keys selects a fixed grid, as in document 003:
   grid=N            N x N cells on each surface, 1 to 64
   basis=NAME        functions of the densities: haar (default), spline0, spline1, spline2, spline3
   scale=J           2^J segments along each axis of the hemisphere, 0 to 6 (3)
-  mixture=on|off    whether the BSDF draws half of the diffuse directions, or none (off)
+  mixture=on|off    whether the BSDF samples half of the diffuse directions, or none (off)
   hierarchical=on|off
                     whether densities start coarse and are refined from pass to pass (off)
-  passes=N-N-...    samples per pixel of each pass that learns, such as 1-2-4, after a first sample
-                    that measures the brightness; without it every pass doubles the last
-With --samplelights on they learn indirect light alone (\"stratification\" in 003), else all light:
+  passes=N-N-...    samples per pixel of each learning pass, such as 1-2-4, after a first sample that
+                    measures the brightness; by default every pass is twice as long as the last
+With --samplelights on, grids learn indirect light alone (\"stratification\" in 003), else all light:
   glanz render room.pbrt --integrator guided --guide grid=8,basis=haar --samplelights off";
 
 #[derive(Debug, Args)]
@@ -79,7 +78,7 @@ pub(crate) struct RenderCommandArguments {
     pub(crate) render: RenderArguments,
 }
 
-/// How to render; what is not given is as the scene says.
+/// Options of a render; the defaults are those of the scene.
 #[derive(Debug, Args)]
 pub(crate) struct RenderArguments {
     /// Picture to write; the extension selects the format: exr, png, hdr or pfm (repeat for several)
@@ -97,33 +96,33 @@ pub(crate) struct RenderArguments {
     /// Size of the full picture in pixels
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub(crate) size: Option<[u32; 2]>,
-    /// How samples are distributed
+    /// Distribution of the samples
     #[arg(long, value_name = "NAME", value_parser = one_of(SamplerKind::ALL.into_iter().map(SamplerKind::name)))]
     sampler: Option<String>,
     /// Seed of the samples; another seed gives another, independent picture
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Further channels for EXR files: all, or a list with commas
+    /// Further channels for EXR files: all, or a comma-separated list
     #[arg(long, value_name = "LIST", value_delimiter = ',', ignore_case = true, value_parser = one_of(
         Aov::ALL.into_iter().map(Aov::name).chain([ALL_AOVS])
     ))]
     pub(crate) aov: Vec<String>,
-    /// Only the samples from A up to, not including, B of every pixel
+    /// Render only the samples of every pixel from A up to, but not including, B
     #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with = "time")]
     pub(crate) samples: Option<Range<u32>>,
-    /// Guide that "guided" learns: tree, or the keys of a grid, which `glanz render --help` explains
+    /// Guide of "guided": tree, or the keys of a grid, explained in `glanz render --help`
     #[arg(long, value_name = "GUIDE", value_parser = clap::value_parser!(GuideSettings))]
     pub(crate) guide: Option<GuideSettings>,
-    /// Whether lights are sampled at every hit, or found by chance alone
+    /// Whether lights are sampled at every hit; otherwise paths find them by chance
     #[arg(long, value_name = "on|off", value_parser = switch)]
     samplelights: Option<bool>,
-    /// Draw directions from this guide and learn nothing (integrator guided)
+    /// Sample directions from this guide, without learning (integrator guided)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "guide_out")]
     pub(crate) guide_in: Option<PathBuf>,
-    /// Write the guide that the last whole pass left (integrator guided)
+    /// Write the guide learnt in the last complete pass (integrator guided)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) guide_out: Option<PathBuf>,
-    /// Show the light of this checkpoint of `glanz bake` instead of baking it (integrator radiosity)
+    /// Use the light of this checkpoint of `glanz bake` instead of baking (integrator radiosity)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) light_in: Option<PathBuf>,
     #[command(flatten)]
@@ -138,7 +137,7 @@ impl RenderArguments {
         RenderOptions {
             integrator: self.integrator.clone(),
             size: self.size,
-            // The parser lets only known names through.
+            // The parser admits only known names.
             sampler: self.sampler.as_deref().and_then(SamplerKind::from_name),
             seed: self.seed,
             samples: self.spp,

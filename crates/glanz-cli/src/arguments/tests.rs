@@ -1,4 +1,4 @@
-//! Command lines and what is read from them.
+//! Parsing of command lines.
 
 use std::path::PathBuf;
 

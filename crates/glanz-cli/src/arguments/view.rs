@@ -13,22 +13,22 @@ The page draws the surfaces themselves, not facets of them; when the camera rest
 picture that `glanz render` would make. Its address is printed on the standard output. Ctrl-C ends
 the command.
 
-Only this machine reaches the page, unless --host gives the name or number under which others
-reach it: then the address contains a token that admits everyone who has it. The connection is not
-encrypted: use it in networks that you trust, or forward the port through ssh instead.
+Only this machine can open the page, unless --host names an address for other machines; the printed
+address then contains a token that admits everyone who has it. The connection is not encrypted: use
+it in trusted networks only, or forward the port through ssh instead.
 
-Files that are dropped on the page are shown on that page alone, and may refer to each other but to
+Files that are dropped on the page are shown on that page alone, and can refer to each other but to
 no other file of this machine.
 
 Examples:
   glanz view room.pbrt
-  glanz view room.pbrt --watch                      shows every saved change of the file
-  glanz view room.pbrt --light room.light           what glanz bake --checkpoint room.light found
-  glanz view lamp.pbrt --lux lux --room 10 10 10    what glanz illuminate -o lux found
+  glanz view room.pbrt --watch                      updated when the file is saved
+  glanz view room.pbrt --light room.light           with the light of glanz bake --checkpoint room.light
+  glanz view lamp.pbrt --lux lux --room 10 10 10    with the lux maps of glanz illuminate -o lux
   glanz view room.pbrt --host 0.0.0.0 --no-open     for other machines
   ssh -L 7870:localhost:7870 far glanz view room.pbrt --no-open";
 
-/// What `glanz view` shows, and to whom.
+/// Arguments of `glanz view`.
 #[derive(Debug, Args)]
 #[command(after_help = VIEW_HELP)]
 pub(crate) struct ViewArguments {
@@ -38,16 +38,16 @@ pub(crate) struct ViewArguments {
     #[arg(long)]
     pub(crate) no_open: bool,
     #[arg(long, value_name = "N", help = format!(
-        "Port of the server; 0 takes any that is free [default: {DEFAULT_PORT}, or any if that is taken]"
+        "Port of the server; 0 selects a free one [default: {DEFAULT_PORT}, or a free one if that is taken]"
     ))]
     pub(crate) port: Option<u16>,
-    /// Admit other machines, under this name or number of this machine; 0.0.0.0 for all its numbers
+    /// Admit other machines at this host name or IP address; 0.0.0.0 for all addresses
     #[arg(long, value_name = "ADDR", value_hint = ValueHint::Hostname)]
     pub(crate) host: Option<String>,
     /// Read the scene again when one of its files changes
     #[arg(long)]
     pub(crate) watch: bool,
-    /// Integrator that renders unless the page selects another
+    /// Default integrator of the page
     #[arg(long, value_name = "NAME", value_enum, default_value_t = ViewIntegrator::Path)]
     pub(crate) integrator: ViewIntegrator,
     #[command(flatten)]
@@ -72,7 +72,7 @@ pub(crate) struct ViewArguments {
 pub(crate) enum ViewIntegrator {
     /// Path tracing
     Path,
-    /// Path tracing that learns where light comes from
+    /// Path tracing guided by the learnt incident light
     Guided,
 }
 

@@ -15,7 +15,7 @@ use crate::notes::note_event;
 use crate::report::{self, duration, plural};
 use crate::scene_file;
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(Serialize)]
 struct BakeReport {
     scene: String,
@@ -137,12 +137,12 @@ fn report_of(
     }
 }
 
-/// What remains after an interruption.
+/// The note about an interruption.
 fn interrupted(arguments: &BakeArguments) -> String {
     match &arguments.job.checkpoint.checkpoint {
         Some(path) => {
             format!(
-                "interrupted; {} keeps what was found, the same command with --resume continues",
+                "interrupted; {} holds the light so far; the same command with --resume continues",
                 path.display()
             )
         }

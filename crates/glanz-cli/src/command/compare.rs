@@ -14,7 +14,7 @@ use crate::arguments::{CompareArguments, Metric};
 use crate::command_error::command_error;
 use crate::report::{self, plural};
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(Serialize)]
 struct CompareReport {
     picture: String,
@@ -49,7 +49,7 @@ pub(crate) fn run(arguments: &CompareArguments, messages: Messages) -> Result<Co
     };
     let comparison =
         compare(&picture.pixels, &reference.pixels, RELATIVE_EPSILON).map_err(|error| failed(&error))?;
-    // Scene light is compared at all exposures that matter, a picture for a display as it is shown.
+    // Scene light is compared at all relevant exposures, a picture for a display as displayed.
     let is_display_light = [&picture, &reference].iter().any(|image| image.format == Format::Png);
     let flip = if is_display_light { flip::ldr } else { flip::hdr };
     let flip = flip(&picture.pixels, &reference.pixels, flip::PIXELS_PER_DEGREE)
@@ -57,7 +57,7 @@ pub(crate) fn run(arguments: &CompareArguments, messages: Messages) -> Result<Co
         .mean;
 
     let measured = measure(arguments.metric, &comparison, flip);
-    // Not a number is no success.
+    // NaN fails the test.
     let passed = arguments.fail_above.is_none_or(|bound| measured <= bound);
     let report = CompareReport {
         picture: names.0.clone(),

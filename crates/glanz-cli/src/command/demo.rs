@@ -16,15 +16,15 @@ const SCENE: &str = include_str!("../../scenes/demo.pbrt");
 /// The picture, unless the command line names another.
 const PICTURE: &str = "glanz-demo.png";
 
-/// Renders the built-in scene, after a note on what it shows.
+/// Renders the built-in scene, after a note on its content.
 ///
 /// # Errors
 /// A setting or file that is refused.
 pub(crate) fn run(arguments: &DemoArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     messages.note(
         "The demo: surfaces without facets. A glass sphere, a silver torus, a golden surface of degree four,\n\
-         a hyperboloid, paraboloid, cylinder and cone, each met by the rays itself and cut exactly,\n\
-         lit by area lights through path tracing.",
+         a hyperboloid, a paraboloid, a cylinder and a cone, intersected and clipped exactly,\n\
+         lit by area lights and rendered by path tracing.",
     );
     let options = Options { strict: arguments.render.job.strictness.strict, ..Options::default() };
     let open = || print_diagnostics(glanz::open_str("demo.pbrt", SCENE, &options), messages);

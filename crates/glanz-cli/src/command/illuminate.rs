@@ -1,4 +1,4 @@
-//! `glanz illuminate`: how much light arrives where.
+//! `glanz illuminate`: illuminance on receivers.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ use crate::notes::note_event;
 use crate::report;
 use crate::scene_file;
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(Serialize)]
 struct IlluminateReport<'a> {
     scenes: Vec<String>,
@@ -72,7 +72,7 @@ pub(crate) fn run(
     Ok(if interrupted { CommandOutcome::Interrupted } else { CommandOutcome::Done })
 }
 
-/// Refuses files that cannot be written, and makes the folder.
+/// Refuses files that cannot be written, and creates the folder.
 fn check_files(arguments: &IlluminateArguments) -> Result<(), Error> {
     for path in &arguments.far_field {
         glanz::check_far_field_path(path)?;
@@ -109,7 +109,7 @@ fn illuminated(
     outcome
 }
 
-/// The failure, with the option that it is about.
+/// The error, with the option that causes it.
 fn illuminate_failure(error: Error, messages: Messages) -> CommandError {
     let is_accuracy = matches!(error, Error::Accuracy { .. });
     let failure = command_error(messages)(error);

@@ -15,14 +15,14 @@ use crate::notes::note_warning;
 use crate::report::{self, grouped};
 use crate::scene_file;
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(Serialize)]
 struct InfoReport {
     scene: String,
     files: Vec<String>,
-    /// Of one length of the scene.
+    /// Unit of lengths of the scene.
     units: &'static str,
-    /// Smallest and largest corner of what has an end; null if there is nothing.
+    /// Smallest and largest corner of the bounded shapes; null if there are none.
     bounds: Option<Corners>,
     /// Surfaces by kind; one in a group counts once, however often the group is copied.
     shapes: BTreeMap<&'static str, usize>,

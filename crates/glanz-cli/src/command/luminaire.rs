@@ -16,7 +16,7 @@ use crate::report;
 /// Step of the angles at which the edge of a beam is searched, degrees.
 const BEAM_STEP: f64 = 0.1;
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(Serialize)]
 struct LuminaireReport {
     file: String,
@@ -41,7 +41,7 @@ struct LuminaireReport {
     warnings: Vec<String>,
 }
 
-/// Whether the file is named as photometric files are.
+/// Whether the file has the extension of a photometric file.
 pub(crate) fn is_named(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default();
     ["ies", "ldt"].iter().any(|known| extension.eq_ignore_ascii_case(known))
@@ -72,7 +72,7 @@ pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<(), C
 
 fn polar(photometry: &Photometry, path: &Path) -> PolarPlot {
     let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    // Whatever the system of its angles, it is drawn by C and gamma.
+    // Plotted by C and gamma, independent of the system of its angles.
     let candela = |c: f64, gamma: f64| photometry.intensity(by_c(c, gamma));
     PolarPlot::sample(name, None, candela)
 }
@@ -109,7 +109,8 @@ fn report_of(photometry: &Photometry, arguments: &InfoArguments, warnings: Vec<S
     }
 }
 
-/// The angle around the brightest direction of the plane of C `c` and its opposite, within which there is at least `share` of that;
+/// The angle around the brightest direction of the plane of C `c` and its opposite, within which the intensity is at least
+/// `share` of the peak;
 /// `None` in a dark plane.
 fn full_angle(distribution: &IntensityDistribution, c: f64, share: f64) -> Option<f64> {
     let at = |gamma: f64| distribution.intensity(by_c(c, gamma));

@@ -1,4 +1,4 @@
-//! `glanz merge`: parts of one picture, rendered apart, become the whole.
+//! `glanz merge`: joins the separately rendered parts of a picture.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::command_error::command_error;
 use crate::outputs::Outputs;
 use crate::report::{self, plural};
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(Serialize)]
 struct MergeReport {
     outputs: Vec<String>,
@@ -56,20 +56,20 @@ pub(crate) fn run(arguments: &MergeArguments, messages: Messages) -> Result<Comm
     Ok(CommandOutcome::Done)
 }
 
-/// The failure, with the files that it is about.
+/// The error, with the files that cause it.
 fn merge_failure(error: Error, arguments: &MergeArguments, messages: Messages) -> CommandError {
     let name =
         |part: usize| arguments.parts.get(part).map_or_else(String::new, |path| path.display().to_string());
     let message = match &error {
         Error::Merge(MergeError::Picture { part, mismatch }) => {
-            Some(format!("{} does not go with {}: {mismatch}", name(*part), name(0)))
+            Some(format!("{} and {} are not parts of one picture: {mismatch}", name(*part), name(0)))
         }
         Error::Merge(MergeError::Overlap { first, second, samples }) => {
             let (first, second, last) = (name(*first), name(*second), samples.end - 1);
             Some(format!("{first} and {second} both have samples {} to {last}", samples.start))
         }
         Error::Merge(MergeError::Learning { part }) => Some(format!(
-            "{} learnt its own guide while it was rendered: its samples build on one another",
+            "{} learnt its own guide during the render: its passes depend on one another",
             name(*part)
         )),
         _ => None,

@@ -30,7 +30,7 @@ pub(crate) fn run(
     render_scene(render, None, messages, || scene_file::open(path, render.job.strictness.strict, messages))
 }
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(Serialize)]
 struct RenderReport {
     scene: String,
@@ -78,7 +78,7 @@ impl GuideReport {
     }
 }
 
-/// Renders the scene that `open` gives; into `default_output`, or the file that the scene names, if the arguments name none.
+/// Renders the scene of `open`; to `default_output` or the file named in the scene, if the arguments name none.
 ///
 /// # Errors
 /// A scene, setting or file that is refused.
@@ -89,7 +89,7 @@ pub(crate) fn render_scene(
     open: impl FnOnce() -> Result<LoadedScene, CommandError>,
 ) -> Result<CommandOutcome, CommandError> {
     let cancel = interrupt::listen()?;
-    // All that can be refused without the scene is refused before it is read, which may take long.
+    // Everything that does not depend on the scene is checked before reading it, which may take long.
     let tone = arguments.tone.tone();
     let named = Outputs::try_new(&arguments.output, tone, messages)?;
     check_files(arguments).map_err(command_error(messages))?;
@@ -158,7 +158,7 @@ fn rendered(
     picture
 }
 
-/// The failure, with the option that it is about.
+/// The error, with the option that causes it.
 fn render_failure(error: Error, arguments: &RenderArguments, messages: Messages) -> CommandError {
     let option = match &error {
         Error::NoGuide { .. } => {

@@ -1,4 +1,4 @@
-//! `glanz completions` and `glanz man`: what packagers install beside the program.
+//! `glanz completions` and `glanz man`, for packages of the program.
 
 use clap::CommandFactory;
 use glanz_terminal::CommandOutcome;

@@ -17,7 +17,7 @@ use crate::report;
 /// Serves the page until it is interrupted.
 ///
 /// # Errors
-/// A scene or file that is refused, or an address that cannot be served from.
+/// A scene or file that is refused, or an address at which the server cannot listen.
 pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     let cancel = interrupt::listen()?;
     let options = Options { strict: arguments.strictness.strict, ..Options::default() };
@@ -45,16 +45,16 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Comma
     let server =
         Server::bind(&settings, scene, viewer_scene, listener).map_err(|error| server_failure(&error))?;
     report::print_text(&format!("{}\n", server.address()))?;
-    messages.note("Ctrl-C ends the page");
+    messages.note("Ctrl-C ends the server");
     if !arguments.no_open {
         open_browser(server.address(), messages);
     }
     server.run(&cancel).map_err(|error| server_failure(&error))?;
-    // Nothing was cut short: this is how the command ends.
+    // Cancelling is the normal end of this command.
     Ok(CommandOutcome::Done)
 }
 
-/// What the arguments add to the scene.
+/// The overlay of the arguments.
 fn overlay(arguments: &ViewArguments) -> Result<LightOverlay, glanz::Error> {
     let mut overlay = LightOverlay::default();
     if let Some(size) = arguments.room.size() {
@@ -70,8 +70,9 @@ fn overlay(arguments: &ViewArguments) -> Result<LightOverlay, glanz::Error> {
 fn server_failure(error: &ServerError) -> CommandError {
     let failure = CommandError::new(error.to_string());
     match error {
-        ServerError::Address { .. } => failure
-            .with_help("choose another port with --port, or a name or number of this machine with --host"),
+        ServerError::Address { .. } => failure.with_help(
+            "choose another port with --port, or a host name or IP address of this machine with --host",
+        ),
         _ => failure,
     }
 }
@@ -85,7 +86,7 @@ fn note_update(name: &str, update: &SceneUpdate, messages: Messages) {
         }
         SceneUpdate::Refused(diagnostics) => {
             note_diagnostics(diagnostics, messages);
-            messages.note(&format!("{name}: the page keeps what it shows"));
+            messages.note(&format!("{name}: the page keeps the previous scene"));
         }
     }
 }

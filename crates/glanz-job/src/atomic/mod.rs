@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub struct WriteError {
     /// The file.
     pub path: PathBuf,
-    /// Why it was not.
+    /// The error.
     pub source: io::Error,
 }
 
@@ -59,7 +59,7 @@ fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if let Some(permissions) = existing {
         file.set_permissions(permissions)?;
     }
-    // Else a crash after the rename could leave a file without content.
+    // Otherwise a crash after the rename could leave an empty file.
     file.sync_all()?;
     drop(file);
     temporary.take_name(&path)
@@ -98,7 +98,7 @@ impl TemporaryFile {
 impl Drop for TemporaryFile {
     fn drop(&mut self) {
         if let Some(path) = self.0.take() {
-            // Nobody is left to tell: the error that led here is the one to report.
+            // The error that led here is reported instead.
             let _ = fs::remove_file(path);
         }
     }

@@ -55,7 +55,7 @@ pub(super) fn rgb(spectrum: Spectrum, wavelengths: &Wavelengths) -> [f32; 3] {
     spectrum.to_rgb(wavelengths).map(|x| if x.is_finite() { x.max(0.0) } else { 0.0 })
 }
 
-/// Places spread over the faces of the shape that `face` begins.
+/// Samples spread over the faces of the shape that begins with `face`.
 fn places(placed: &PlacedSurface<'_>, face: u32) -> Vec<TexturePoint> {
     let shape = placed.shape(face);
     let faces: Vec<u32> = (face..placed.faces()).take_while(|&face| placed.shape(face) == shape).collect();
@@ -68,7 +68,7 @@ fn places(placed: &PlacedSurface<'_>, face: u32) -> Vec<TexturePoint> {
         let domain = placed.face_domain(face);
         let inside = move |uv: &DVec2| match &domain {
             FaceDomain::Square => *uv,
-            // Half of the unit square is the triangle; a facet is flat, and its middle says as much as any place.
+            // Half of the unit square is the triangle; a facet is flat and is sampled in its middle.
             FaceDomain::Polygon(corners) if corners.len() == 3 => 0.5 * *uv,
             FaceDomain::Polygon(corners) => corners.iter().sum::<DVec2>() / corners.len().max(1) as f64,
         };
@@ -77,7 +77,7 @@ fn places(placed: &PlacedSurface<'_>, face: u32) -> Vec<TexturePoint> {
     };
     let mut found: Vec<TexturePoint> = faces.iter().step_by(every).flat_map(|&face| at(face)).collect();
     if found.is_empty() {
-        // Without parameters, or trimmed away where it was looked for.
+        // Without parameters, or trimmed away at all samples.
         found = grid.iter().map(|&uv| TexturePoint::new(uv, uv.extend(0.0) + DVec3::ZERO)).collect();
     }
     found

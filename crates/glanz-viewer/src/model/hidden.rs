@@ -7,7 +7,7 @@ use glanz_scene::description::GroupDescription;
 
 /// The scene without the leaves `hidden`, numbered as in [`Model`](super::Model).
 ///
-/// Groups of which copies lose different shapes are doubled.
+/// Groups whose copies lose different shapes are duplicated.
 #[must_use]
 pub fn without(description: &Description, hidden: &BTreeSet<u32>) -> Description {
     let mut counts: Vec<u64> = Vec::with_capacity(description.groups.len());
@@ -44,9 +44,9 @@ struct Pruning<'a> {
     /// Leaves of each group.
     counts: Vec<u64>,
     hidden: &'a BTreeSet<u32>,
-    /// Those of the description, then what is left of some.
+    /// The groups of the description, then pruned groups.
     groups: Vec<GroupDescription>,
-    /// By group and what it loses, relative to its first leaf: what is left of it.
+    /// Indices of pruned groups, by group and its hidden leaves relative to its first leaf.
     pruned_groups: HashMap<(usize, Vec<u64>), usize>,
 }
 
@@ -84,7 +84,7 @@ impl Pruning<'_> {
         all.take_while(|&leaf| leaf < end).map(|leaf| leaf - start).collect()
     }
 
-    /// The number of what is left of the group `index`, whose leaves begin with `start`, without `lost`.
+    /// The index of the group `index` without `lost`; its leaves begin with `start`.
     fn without(&mut self, index: usize, start: u64, lost: Vec<u64>) -> Option<usize> {
         let key = (index, lost);
         if let Some(&known) = self.pruned_groups.get(&key) {

@@ -1,7 +1,7 @@
 //! From a scene to the bytes that the page draws; `docs/viewer.md` describes them.
 //!
 //! A [`Model`] holds every surface of the scene as the graphics card can evaluate it: rational Bézier patches with the parts of trimming
-//! curves that are near each of them, polynomials, and triangles for what is flat. `surfaces` turns surfaces into these, `region`
+//! curves that are near each of them, polynomials, and triangles for flat surfaces. `surfaces` turns surfaces into these, `region`
 //! trimming; `tree` traverses the scene as it was written and numbers its *leaves*: shapes as reached through one chain of instances.
 
 mod appearance;
@@ -51,7 +51,7 @@ pub struct Model {
 impl Model {
     /// The model of `scene`, which `description` was resolved to.
     ///
-    /// `name`: what the page calls it; `file_names`: those of the description's files, as people are to read them.
+    /// `name`: name on the page; `file_names`: names of the description's files for messages.
     ///
     /// # Errors
     /// [`ModelError::TooMany`] for a scene of more shapes, with copies, than a page can list, or of more numbers than can be counted.
@@ -112,7 +112,7 @@ impl Model {
         Ok(blocks::file(&text, &blocks))
     }
 
-    /// The object that holds a place of the scene; `None` if the scene has no such place.
+    /// The object at a point of the scene; `None` if there is no such point.
     #[must_use]
     pub fn object_of(&self, place: &ParametricPoint) -> Option<u32> {
         let parts = self.objects.get(place.surface as usize)?;
@@ -148,7 +148,7 @@ impl Model {
         material.is_some_and(|material| material.opacity > 0.0) || object.is_some_and(|object| object.light)
     }
 
-    /// Area of a leaf, m^2, in the scene whose surfaces `placed` are all of; `None` if it has none. Cached.
+    /// Area of a leaf, m^2, in the scene with the surfaces `placed`; `None` if it has none. Cached.
     #[must_use]
     pub fn area_of(&self, leaf: u32, placed: &[PlacedSurface<'_>]) -> Option<f64> {
         let known = || self.areas.lock().unwrap_or_else(PoisonError::into_inner);

@@ -27,7 +27,7 @@ pub(super) struct PatchRange {
 }
 
 impl PatchRange {
-    /// Adds the patches of one surface. Weights are scaled by one factor for all, so that borders keep their common bits.
+    /// Adds the patches of one surface. Weights are scaled by one factor for all, so that common borders stay bitwise equal.
     ///
     /// # Errors
     /// [`ModelError::TooMany`] control points.

@@ -13,7 +13,7 @@ const CELLS: std::ops::RangeInclusive<usize> = 4..=256;
 /// A cell lists the parts within this distance of it, in sizes of the cell.
 const MARGIN: f64 = 0.05;
 
-/// Halvings in search of a point of a curve: down to rounding.
+/// Number of bisections for a point of a curve: down to rounding.
 const HALVINGS: u32 = 60;
 
 /// Added to winding numbers, so that they are not negative.

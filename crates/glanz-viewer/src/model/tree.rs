@@ -37,7 +37,7 @@ struct TreeBuilder<'a> {
 }
 
 impl ModelTree {
-    /// The tree under a root of that name. The world's shapes come first, then its instances, and so on inwards.
+    /// The tree under a root called `name`. The world's shapes come first, then its instances, and so on inwards.
     ///
     /// # Errors
     /// [`ModelError::TooMany`] leaves.
@@ -111,7 +111,7 @@ fn check_size(description: &Description) -> Result<(), ModelError> {
     let size = |group: &GroupDescription, sizes: &[u64]| {
         let own: u64 = group.shapes.iter().map(surfaces).sum();
         let copied = group.instances.iter().filter_map(|instance| sizes.get(instance.group));
-        // An instance without shapes is a node all the same.
+        // An instance without shapes is a node, too.
         copied.fold(own, |sum, size| sum.saturating_add(*size).saturating_add(1))
     };
     for group in &description.groups {
@@ -134,7 +134,7 @@ impl TreeBuilder<'_> {
         }
         let description = self.description;
         for instance in &group.instances {
-            // Groups hold earlier ones only: the way down ends.
+            // Groups contain earlier groups only, so the recursion ends.
             let inner = description.groups.get(instance.group).filter(|_| instance.group < index);
             if let Some(inner) = inner {
                 let children = self.children(inner, instance.group);

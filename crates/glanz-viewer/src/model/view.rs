@@ -26,7 +26,7 @@ pub(super) fn camera(description: &Description, scene: &Scene) -> ModelCamera {
     ModelCamera { distance, ..of_scene }
 }
 
-/// Width over height of the picture that the scene asks for; 1 for an overview, which is fitted to the shorter side of the page.
+/// Aspect ratio of the scene's picture; 1 for an overview, which is fitted to the shorter side of the page.
 pub(super) fn aspect(description: &Description) -> f64 {
     if description.camera.location.is_none() {
         return 1.0;

@@ -1,4 +1,4 @@
-//! Picks whose answers are known.
+//! Picks with known results.
 
 use std::f64::consts::PI;
 
@@ -40,7 +40,7 @@ fn curvatures_are_those_of_closed_forms() {
     let from_x = [[10.0, 0.1, 0.2], [-1.0, 0.0, 0.0]];
     let at = |shape: &str| curvatures(shape, from_x[0], from_x[1]);
     assert!(close(at("Shape \"sphere\" \"float radius\" 2"), [0.5; 2]));
-    // Turned inside out it is as convex towards the viewer, who finds it concave from inside.
+    // Reversed, it is equally convex from outside and concave from inside.
     assert!(close(at("ReverseOrientation Shape \"sphere\" \"float radius\" 2"), [0.5; 2]));
     assert!(close(at("Shape \"cylinder\" \"float radius\" 0.25"), [0.0, 4.0]));
     assert!(close(at("Rotate 90 0 1 0  Shape \"disk\" \"float radius\" 2"), [0.0; 2]));
@@ -142,7 +142,7 @@ fn area_is_that_of_the_whole_shape() {
     let triangle =
         |x: f64| format!("Shape \"trianglemesh\" \"point3 P\" [{x} 0 0  {} 0 0  {x} 2 0]\n", x + 1.0);
     close(area(&(triangle(0.0) + &triangle(5.0))), 1.0, 1e-12);
-    // A disk whose parameters have a hole: u is the azimuth, v the way to the middle, and a rectangle cuts out a part of a ring.
+    // A disk whose parameters have a hole: u is the azimuth, v the distance towards the middle, and a rectangle cuts out a part of a ring.
     let trim = "\"float trimrectangle\" [0.5 0.5 0.75 2]";
     close(area(&format!("Shape \"disk\" \"float radius\" 2 {trim}")), 4.0 * PI - 0.25 * PI, 1e-3);
     assert_eq!(area("Shape \"plane\""), None);

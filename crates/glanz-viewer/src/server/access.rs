@@ -26,7 +26,7 @@ pub(crate) struct AccessControl {
 #[derive(Clone, Debug)]
 struct AccessToken {
     key: AccessKey,
-    /// Cookies are kept by host, not by port: two servers need two names.
+    /// Browsers store cookies by host, not by port: each server needs a name of its own.
     cookie: String,
 }
 
@@ -120,7 +120,7 @@ fn is_own(origin: Option<&str>, host: &str) -> bool {
     page.is_some_and(|page| page.eq_ignore_ascii_case(host))
 }
 
-/// A host without `:PORT`; numbers of IPv6 keep their brackets. `None` if it is no host.
+/// A host without `:PORT`; IPv6 addresses keep their brackets. `None` if it is not a host.
 fn without_port(host: &str) -> Option<&str> {
     let end = match host.starts_with('[') {
         true => host.find(']')? + 1,
@@ -212,7 +212,7 @@ mod tests {
             ("/", None, String::new()),
             ("/", Some(format!("token={other}")), String::new()),
             ("/", Some("token=".to_owned()), String::new()),
-            // The address admits to the page; all else comes from the page.
+            // The token in the query admits to the page only.
             ("/ws", Some(format!("token={key}")), String::new()),
             ("/ws", None, format!("glanz-81={key}")),
             ("/ws", None, format!("glanz-80={other}")),

@@ -63,10 +63,10 @@ pub enum ServerError {
         /// The reason.
         source: std::io::Error,
     },
-    /// The system gives no threads or timers.
+    /// The system provides no threads or timers.
     #[error("the server cannot be started: {0}")]
     Start(#[from] std::io::Error),
-    /// The system gives no random numbers.
+    /// The system provides no random numbers.
     #[error("there are no random numbers for a token: {0}")]
     Random(#[from] getrandom::Error),
 }
@@ -159,11 +159,11 @@ async fn accept(listener: tokio::net::TcpListener, app: Arc<AppState>) {
     loop {
         let Ok(permit) = Arc::clone(&connections).acquire_owned().await else { return };
         let Ok((stream, _)) = listener.accept().await else {
-            // Mostly a lack of file descriptors, which passes.
+            // Mostly a temporary lack of file descriptors.
             sleep(STOP_INTERVAL).await;
             continue;
         };
-        // Pages wait for small messages. Where that cannot be set they come a little later.
+        // Reduces the latency of small messages; a failure only delays them.
         let _ = stream.set_nodelay(true);
         let service = TowerToHyperService::new(app.clone());
         let connection = http1::Builder::new()

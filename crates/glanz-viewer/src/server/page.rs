@@ -85,7 +85,7 @@ static FILES: &[PageFile] = files![
     "viewpoint.js",
 ];
 
-/// The file that stands for the folder.
+/// The file served for the root path.
 const INDEX: &str = "index.html";
 
 /// Media type by file extension.

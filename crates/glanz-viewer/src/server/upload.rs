@@ -131,7 +131,7 @@ async fn receive(
             )));
         };
         if names.contains(&name) {
-            return Err(UploadError::bad(format!("the file {:?} comes twice", name.display())));
+            return Err(UploadError::bad(format!("the file {:?} occurs twice", name.display())));
         }
         store(field, &folder.join(&name)).await?;
         names.push(name);

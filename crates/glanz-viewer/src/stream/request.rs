@@ -26,7 +26,7 @@ pub enum IntegratorName {
     /// Path tracing.
     #[default]
     Path,
-    /// Path tracing that learns where light comes from.
+    /// Path tracing guided by the learnt incident light.
     Guided,
 }
 

@@ -176,7 +176,7 @@ fn baked_light_is_kept_and_shown_again() {
     folder.run(&format!("{bake} -o m.glb --checkpoint room.light")).refused(1, &["room.light", "--resume"]);
     let again =
         folder.succeed(&format!("{} -o three.glb --checkpoint room.light --resume", &bake[..bake.len() - 3]));
-    assert!(again.stderr.contains("all light is there"), "{}", again.stderr);
+    assert!(again.stderr.contains("all light is complete"), "{}", again.stderr);
     assert_eq!(folder.bytes("one.glb"), folder.bytes("three.glb"));
 
     let show = "render room.pbrt --integrator radiosity --size 12x8 --spp 4 -q --light-in room.light";
@@ -250,7 +250,7 @@ fn interrupted_bake_goes_on_to_the_same_bits() {
         match code {
             // A fast machine may be at the end.
             Some(0) => break,
-            _ => assert!(code == Some(130) && said.contains("parts.light keeps"), "{code:?} {said}"),
+            _ => assert!(code == Some(130) && said.contains("parts.light holds"), "{code:?} {said}"),
         }
         assert!(folder.has("parts.light") && !folder.has("parts.glb") && !folder.has("parts.exr"));
         folder
