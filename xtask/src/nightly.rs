@@ -13,6 +13,8 @@ struct NightlyPart {
     package: &'static str,
     /// What the names of its tests contain.
     filter: &'static str,
+    /// What `nightly` divides the numbers of the settings by, so that it ends in a night on two cores.
+    nightly_divisor: u64,
     settings: &'static [Setting],
     help: &'static str,
 }
@@ -33,6 +35,7 @@ const PARTS: &[NightlyPart] = &[
         name: "contract",
         package: "glanz-geometry",
         filter: "contract::",
+        nightly_divisor: 10,
         settings: &[setting("--rays", "GLANZ_CONTRACT_RAYS", 10_000_000)],
         help: "the contract of every kind of surface over random rays",
     },
@@ -40,6 +43,7 @@ const PARTS: &[NightlyPart] = &[
         name: "zoo",
         package: "glanz-geometry",
         filter: "zoo::",
+        nightly_divisor: 10,
         settings: &[
             setting("--rays", "GLANZ_ZOO_RAYS", 10_000_000),
             setting("--adversarial", "GLANZ_ZOO_ADVERSARIAL", 1_000_000),
@@ -50,6 +54,7 @@ const PARTS: &[NightlyPart] = &[
         name: "seam",
         package: "glanz-geometry",
         filter: "seam::",
+        nightly_divisor: 10,
         settings: &[setting("--rays", "GLANZ_SEAM_RAYS", 100_000_000)],
         help: "rays across the seam of two trimmed faces",
     },
@@ -57,6 +62,7 @@ const PARTS: &[NightlyPart] = &[
         name: "unbiased",
         package: "glanz-study",
         filter: "unbiased::",
+        nightly_divisor: 1,
         settings: &[setting("--samples", "GLANZ_UNBIASED_SAMPLES", 16_384)],
         help: "a Z-test of `guided` and `light` against `path` in all scenes, with so many samples per pixel",
     },
@@ -64,6 +70,7 @@ const PARTS: &[NightlyPart] = &[
         name: "bake",
         package: "glanz-cli",
         filter: "bake_reference::",
+        nightly_divisor: 1,
         settings: &[
             setting("--points", "GLANZ_BAKE_POINTS", 1000),
             setting("--samples", "GLANZ_BAKE_SAMPLES", 8192),
@@ -76,6 +83,7 @@ const PARTS: &[NightlyPart] = &[
         name: "soak",
         package: "glanz-cli",
         filter: "viewer::soak::",
+        nightly_divisor: 1,
         settings: &[
             setting("--pages", "GLANZ_SOAK_PAGES", 100),
             setting("--seconds", "GLANZ_SOAK_SECONDS", 300),
@@ -134,7 +142,7 @@ pub(crate) fn nightly(names: &[&str]) -> Result<ExitCode, String> {
     checks.extend(PARTS.iter().map(|part| Check {
         name: part.name,
         run: Box::new(|| {
-            part.command(&[]).and_then(|mut command| run_tests(&mut command)).map(Verdict::Passed)
+            part.nightly_command().and_then(|mut command| run_tests(&mut command)).map(Verdict::Passed)
         }),
     }));
     if let Some(unknown) = names.iter().find(|name| checks.iter().all(|check| check.name != **name)) {
@@ -157,6 +165,14 @@ fn benches() -> Result<Verdict, String> {
 }
 
 impl NightlyPart {
+    /// The command with the numbers of `nightly`.
+    fn nightly_command(&self) -> Result<Command, String> {
+        let number = |setting: &Setting| (setting.number / self.nightly_divisor).to_string();
+        let numbers: Vec<(&str, String)> = self.settings.iter().map(|s| (s.option, number(s))).collect();
+        let options: Vec<&str> = numbers.iter().flat_map(|(option, number)| [*option, number]).collect();
+        self.command(&options)
+    }
+
     /// The command that runs it, its tests' figures printed.
     fn command(&self, mut options: &[&str]) -> Result<Command, String> {
         let mut command = workspace::cargo(["test", "--release", "--package", self.package, "--test", "it"]);
