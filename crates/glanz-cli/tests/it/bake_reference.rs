@@ -1,7 +1,7 @@
-//! Light maps against path tracing at random points of surfaces.
+//! Light maps compared with path tracing at random points of surfaces.
 //!
-//! `GLANZ_BAKE_POINTS` says at how many and `GLANZ_BAKE_SAMPLES` with how many paths each; `cargo xtask bake` takes 1000 and 8192, and light
-//! maps with the program's own density and number of rays instead of coarser ones. `GLANZ_BAKE_METHODS` names the methods of the bake
+//! `GLANZ_BAKE_POINTS` sets the number of points and `GLANZ_BAKE_SAMPLES` the paths per point; `cargo xtask bake` uses 1000 and 8192, and light
+//! maps with the program's default density and number of rays instead of coarser ones. `GLANZ_BAKE_METHODS` names the methods of the bake
 //! that are compared with the same paths: the gather and, by its reconstruction, radiosity.
 
 use std::f64::consts::PI;
@@ -18,7 +18,7 @@ use glanz::scene::description::IntegratorDescription;
 use glanz::scene::{LightId, ParametricPoint, PlacedPoint, Scene};
 use glanz::transport::{Context, ContextOptions, Integrator, IntegratorSettings};
 
-/// What is asked from outside, or this.
+/// The value of an environment variable, or this default.
 fn setting(name: &str, otherwise: &str) -> String {
     std::env::var(name).unwrap_or_else(|_| otherwise.to_owned())
 }
@@ -49,7 +49,7 @@ fn reference(scene: &Scene, path: &dyn Integrator, at: &PlacedPoint, samples: u3
                 light += luminance(sample.radiance) * cos / sample.pdf.0;
             }
         }
-        // What the lamps themselves send has been counted.
+        // Direct light has been counted already.
         let seen = scene.intersect(&ray, f64::INFINITY);
         let own = seen.map_or_else(|| scene.environment_radiance(&ray), |hit| scene.emitted(&hit, hit.wo));
         let mut context = Context::new(scene, ray, sampler, ContextOptions::new(false));
@@ -61,7 +61,7 @@ fn reference(scene: &Scene, path: &dyn Integrator, at: &PlacedPoint, samples: u3
     [sum / n, ((squares / n - (sum / n).powi(2)) / n).max(0.0).sqrt()]
 }
 
-/// A random point that light maps show.
+/// A random point of the light maps.
 struct ReferencePoint {
     place: ParametricPoint,
     name: String,
@@ -116,7 +116,7 @@ fn reference_points(elements: &Elements<'_>, maps: &[LightMap], density: f64) ->
         found += 1;
         let [irradiance, deviation] = reference(elements.scene, path.as_ref(), &at, samples, found);
         if irradiance == 0.0 && deviation == 0.0 {
-            // Something stands there: texels beneath it are filled from those around.
+            // An object covers the point: texels beneath it are filled from their neighbours.
             covered += 1;
             continue;
         }
@@ -132,11 +132,11 @@ fn reference_points(elements: &Elements<'_>, maps: &[LightMap], density: f64) ->
     compared
 }
 
-/// Errors of light maps per what is there, or a hundredth of the mean where less is: in the dark there is no error of so many per cent.
+/// Errors of light maps relative to the irradiance, or to a hundredth of the mean irradiance where that is larger.
 struct MapErrors {
-    /// From small to large, with the name of the point.
+    /// Ascending, with the name of the point.
     relative: Vec<(f64, String)>,
-    /// Of all light.
+    /// Relative error of the total irradiance.
     bias: f64,
 }
 

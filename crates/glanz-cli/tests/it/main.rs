@@ -1,4 +1,4 @@
-//! The program from end to end, as a user runs it.
+//! End-to-end tests of the program.
 
 #![allow(
     clippy::unwrap_used,

@@ -1,4 +1,4 @@
-//! Whatever bytes come as scene, mesh or texture: a result, or an error that says where; never a panic or a hang.
+//! Arbitrary bytes as scene, mesh or texture give a result or an error with its position, never a panic or a hang.
 
 use crate::command_line::support::{Folder, SCENE};
 

@@ -49,13 +49,13 @@ fn bake_writes_a_model_with_the_light_on_it_and_the_irradiance_beside() {
         let found = found.as_f64().unwrap();
         assert!((found - expected).abs() < 1e-6, "{found} {expected}");
     };
-    // It stands at (0, -4, 2) with z up, which is y in the model; the picture is of 1280 x 720 pixels.
+    // The camera is at (0, -4, 2) with z up, which is y in the model; the picture has 1280 x 720 pixels.
     let camera = &document["cameras"][0]["perspective"];
     close(&camera["yfov"], 45_f64.to_radians());
     close(&camera["aspectRatio"], 16.0 / 9.0);
     close(&document["nodes"][3]["translation"][1], 2.0);
     close(&document["nodes"][3]["translation"][2], 4.0);
-    // Both sides of the floor: one lit from above, the other black, as it is seen by nothing.
+    // Both sides of the floor: one lit from above, the other black because no light reaches it.
     let primitives = document["meshes"][0]["primitives"].as_array().unwrap();
     assert_eq!(primitives.len(), 2);
     assert!(report["triangles"].as_u64().unwrap() > 100);
@@ -113,14 +113,14 @@ fn bake_by_radiosity_is_the_gather_and_resumes() {
         assert!(found.len() == expected.len() && difference / sum < 0.05, "{name}: {}", difference / sum);
         pictures.push(folder.bytes(&format!("{name}.exr")));
     }
-    // Each is another light map, and natural neighbours are what is taken unless another is named.
+    // Each interpolation gives a different light map; natural neighbours are the default.
     assert!((1..6).all(|i| pictures[..i].iter().all(|other| *other != pictures[i])));
     folder.succeed(&format!("{bake} -o two.glb --method radiosity --checkpoint room.light --threads 1"));
     assert_eq!(folder.bytes("two.exr"), pictures[0]);
     folder.run(&format!("{bake} -o three.glb --checkpoint room.light --resume")).refused(1, &["the method"]);
     folder.succeed(&format!("{bake} -o three.glb --method radiosity --checkpoint room.light --resume"));
     assert_eq!(folder.bytes("three.glb"), folder.bytes("two.glb"));
-    // The renderer shows it.
+    // The renderer uses it.
     folder.succeed(
         "render room.pbrt --integrator radiosity --light-in room.light --size 24x16 --spp 4 -o shown.exr -q",
     );
@@ -157,7 +157,7 @@ fn radiosity_shows_what_path_tracing_shows_of_a_diffuse_room() {
     for (found, expected) in found.into_iter().zip(expected) {
         assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
     }
-    // The same light from where the camera looks into a mirror.
+    // The same light maps with a camera that looks into a mirror.
     folder.write("mirror.pbrt", ROOM.replace("Translate 0 0 .4", "Material \"mirror\"\nTranslate 0 0 .4"));
     let ran = folder.succeed("render mirror.pbrt --integrator radiosity --size 24x16 --spp 4 -o mirror.exr");
     assert!(ran.stderr.contains("1 material is not diffuse"), "{}", ran.stderr);
@@ -172,7 +172,7 @@ fn baked_light_is_kept_and_shown_again() {
     folder.succeed(&format!("{bake} -o two.glb --threads 2 --checkpoint room.light"));
     assert_eq!(folder.bytes("one.glb"), folder.bytes("two.glb"));
     assert_eq!(folder.bytes("one.exr"), folder.bytes("two.exr"));
-    // An existing one is not touched, but made models of.
+    // Existing light maps are not changed; models are made from them.
     folder.run(&format!("{bake} -o m.glb --checkpoint room.light")).refused(1, &["room.light", "--resume"]);
     let again =
         folder.succeed(&format!("{} -o three.glb --checkpoint room.light --resume", &bake[..bake.len() - 3]));
@@ -181,13 +181,13 @@ fn baked_light_is_kept_and_shown_again() {
 
     let show = "render room.pbrt --integrator radiosity --size 12x8 --spp 4 -q --light-in room.light";
     folder.succeed(&format!("{show} -o shown.exr --checkpoint shown.glanz"));
-    // Light of the same settings is that which the picture would make itself.
+    // Light maps of the same settings equal those that the picture would compute.
     folder.succeed("bake room.pbrt -o plain.glb --checkpoint plain.light -q");
     folder.succeed(&format!("{} -o given.exr", show.replace("room.light", "plain.light")));
     folder.succeed("render room.pbrt --integrator radiosity --size 12x8 --spp 4 -q -o made.exr --threads 2");
     assert_eq!(folder.bytes("given.exr"), folder.bytes("made.exr"));
     assert_ne!(folder.bytes("given.exr"), folder.bytes("shown.exr"));
-    // Light of another density makes another picture.
+    // Light maps of a different density give a different picture.
     folder
         .run("render room.pbrt --integrator radiosity --size 12x8 --spp 4 -q --checkpoint shown.glanz --resume -o m.exr")
         .refused(1, &["shown.glanz", "the file of light", "made anew"]);
@@ -224,7 +224,7 @@ fn baked_light_is_kept_and_shown_again() {
 fn interrupted_bake_goes_on_to_the_same_bits() {
     let folder = Folder::new();
     folder.write("room.pbrt", ROOM);
-    // Interrupted so many milliseconds after it has begun to bake: exit code and messages.
+    // Exit code and messages of a run interrupted this number of milliseconds after baking has begun.
     let interrupted = |line: &str, wait: u64| {
         let mut child = folder.start(line);
         let mut messages = BufReader::new(child.stderr.take().unwrap());
@@ -248,7 +248,7 @@ fn interrupted_bake_goes_on_to_the_same_bits() {
     for wait in [0, 100, 300, 900] {
         let (code, said) = interrupted(&parts, wait);
         match code {
-            // A fast machine may be at the end.
+            // A fast machine may have finished.
             Some(0) => break,
             _ => assert!(code == Some(130) && said.contains("parts.light holds"), "{code:?} {said}"),
         }

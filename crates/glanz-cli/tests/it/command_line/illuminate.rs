@@ -2,7 +2,7 @@
 
 use crate::command_line::support::Folder;
 
-/// A lamp of a point in the middle of a room of 2 x 2 x 2 m, 1 cd; a small mirror; a shelf that light passes.
+/// A point light of 1 cd in the middle of a room of 2 x 2 x 2 m, a small mirror, and a shelf that transmits light.
 const LAMP: &str = r#"
 WorldBegin
 LightSource "point" "rgb I" [.0014641288 .0014641288 .0014641288] "point3 from" [1 1 1]
@@ -35,7 +35,7 @@ fn room_is_lit_as_a_point_lights_it_and_all_is_written() {
     let receivers = design["receivers"].as_array().unwrap();
     let names: Vec<&str> = receivers.iter().map(|r| r["name"].as_str().unwrap()).collect();
     assert_eq!(names, ["a shelf", "floor", "ceiling", "wall x=0", "wall x=2", "wall y=0", "wall y=2"]);
-    // A sixth of 4 pi lm to every wall: the shelf stops nothing.
+    // A sixth of 4 pi lm on every wall: the shelf blocks nothing.
     for receiver in &receivers[1..] {
         let flux = receiver["flux_lm"].as_f64().unwrap();
         assert!((flux / (4.0 * std::f64::consts::PI / 6.0) - 1.0).abs() < 0.01, "{receiver}");
@@ -52,13 +52,13 @@ fn room_is_lit_as_a_point_lights_it_and_all_is_written() {
             assert!(folder.has(&format!("lux/{name}.{extension}")), "{name}.{extension}");
         }
     }
-    // Below the lamp 1 lx, within its errors.
+    // 1 lx below the light, within the errors.
     let floor = text(&folder, "lux/floor.csv");
     let (lux, error) = (column(&floor, "illuminance"), column(&floor, "standard"));
     let (x, y) = (column(&floor, "x_m"), column(&floor, "y_m"));
     for cell in 0..64 {
         let r2 = (x[cell] - 1.0).powi(2) + (y[cell] - 1.0).powi(2);
-        // The mean over the cell is that of its middle to a hundredth.
+        // The mean over the cell equals the value at its centre within 1 %.
         let expected = (1.0 + r2).powf(-1.5);
         assert!((lux[cell] - expected).abs() < 4.0 * error[cell] + 0.01, "{cell}: {} {expected}", lux[cell]);
     }

@@ -1,4 +1,4 @@
-//! The command line from end to end: the program as a user runs it, judged by its files, messages and exit codes.
+//! End-to-end tests of the commands: files, messages and exit codes.
 
 mod bad_input;
 mod bake;

@@ -39,7 +39,7 @@ fn scene_names_the_picture_if_nothing_else_does() {
 #[test]
 fn options_override_the_scene() {
     let folder = Folder::new();
-    // A point light and no mirrors: in the middle of a pixel there is nothing left to chance.
+    // A point light and no mirrors: the value at the pixel centre has no variance.
     folder.write(
         "fixed.pbrt",
         r#"LookAt 0 -6 2.5  0 0 0.8  0 0 1 Camera "perspective" Sampler "independent" Integrator "path"

@@ -1,4 +1,4 @@
-//! The picture depends on scene, settings and seed alone.
+//! The picture depends only on scene, settings and seed.
 
 use std::io::{BufRead, BufReader};
 use std::process::Command;
@@ -29,7 +29,7 @@ fn merged_halves_are_the_whole() {
         assert_eq!(folder.bytes("merged.exr"), folder.bytes("whole.exr"), "{sampler}");
         assert_ne!(folder.bytes("a.exr"), folder.bytes("whole.exr"), "{sampler}");
 
-        // The joined checkpoint is that of the whole, and goes on as such.
+        // The merged checkpoint equals that of a single run and can be resumed like it.
         folder
             .succeed(&format!("render small.pbrt {settings} --checkpoint both.glanz --resume -o again.exr"));
         assert_eq!(folder.bytes("again.exr"), folder.bytes("whole.exr"), "{sampler}");
@@ -84,7 +84,7 @@ fn finished_checkpoint_resumed_is_a_success() {
     assert_eq!(again.json()["samples"], 0, "nothing was left to do");
     assert_eq!(again.json()["samples_per_pixel"], 8);
 
-    // More samples go on from there.
+    // More samples continue from there.
     folder.succeed("render small.pbrt --checkpoint state.glanz --resume --spp 16 -o more.exr -q");
     folder.succeed("render small.pbrt --spp 16 -o once.exr -q");
     assert_eq!(folder.bytes("more.exr"), folder.bytes("once.exr"));
@@ -130,7 +130,7 @@ fn foreign_and_damaged_checkpoints_are_refused_with_the_reason() {
     }
     assert!(!folder.has("b.exr"));
 
-    // Nothing is lost by resuming without being asked to: an old checkpoint is only replaced on purpose.
+    // Without `--resume` an existing checkpoint is an error.
     folder
         .run("render small.pbrt --checkpoint state.glanz -o b.exr")
         .refused(1, &["state.glanz", "--resume"]);

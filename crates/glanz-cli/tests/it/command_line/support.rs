@@ -1,4 +1,4 @@
-//! A folder for each test, and the program run in it.
+//! A temporary folder for each test, and runs of the program in it.
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -10,7 +10,7 @@ use glanz_light::Pixels;
 
 use crate::PROGRAM;
 
-/// Longest that any run may take before it counts as hanging.
+/// Time limit of a run.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A small scene with lights (one in sight), metal, glass and shadows: every kind of path, at 24 x 18 pixels.
@@ -43,7 +43,7 @@ Material "conductor" "spectrum eta" "metal-Au-eta" "spectrum k" "metal-Au-k"
 Shape "cylinder" "float radius" 0.7 "float zmin" -0.8 "float zmax" 0.8
 "#;
 
-/// A folder of its own, gone when the test ends.
+/// A temporary folder, deleted at the end of the test.
 pub(crate) struct Folder(PathBuf);
 
 impl Folder {
@@ -97,7 +97,7 @@ impl Folder {
         image.unwrap_or_else(|error| panic!("{name}: {error}")).pixels
     }
 
-    /// The program with the blank-separated words of `line`, in this folder.
+    /// The program with the blank-separated arguments of `line`, in this folder.
     fn command(&self, line: &str) -> Command {
         let mut command = Command::new(PROGRAM);
         command.current_dir(&self.0).args(line.split_whitespace()).stdin(Stdio::null());
@@ -141,7 +141,7 @@ impl ProgramOutput {
         serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error} in {}", self.stdout))
     }
 
-    /// Expects a failure with `code` that says each of `words` and never a panic.
+    /// Expects a failure with exit code `code`, each of `words` in the message, and no panic.
     pub(crate) fn refused(&self, code: i32, words: &[&str]) {
         assert_eq!(self.code, Some(code), "{}{}", self.stdout, self.stderr);
         assert!(self.stderr.starts_with("error: "), "{}", self.stderr);
@@ -172,7 +172,7 @@ pub(crate) fn finish(child: Child, line: &str) -> ProgramOutput {
     }
 }
 
-/// Waits until `condition` holds.
+/// Waits until `condition` is true.
 pub(crate) fn wait_until(what: &str, condition: impl Fn() -> bool) {
     let start = Instant::now();
     while !condition() {

@@ -1,4 +1,4 @@
-//! The page: where it is, and how it ends.
+//! `glanz view`: the printed address and the end of the process.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;

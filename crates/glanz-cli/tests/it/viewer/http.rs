@@ -1,30 +1,30 @@
-//! Plain HTTP, as raw as a test wants it.
+//! HTTP requests as raw bytes.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::Duration;
 
-/// How long a server may keep silent before it is given up.
+/// Time limit for data from the server.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(30);
 
-/// What a server answers.
+/// The response of a server.
 pub(crate) struct Answer {
-    /// 0: it closed the connection without a word.
+    /// The status code; 0 if the server closed the connection without a response.
     pub(crate) status: u16,
     /// The status line and the headers.
     pub(crate) head: String,
     pub(crate) body: Vec<u8>,
 }
 
-/// Sends bytes, and takes in the answer, as long as it says to be or until the server closes.
+/// Sends bytes and reads the response, up to its declared length or until the server closes the connection.
 ///
 /// # Errors
-/// What the system says if there is nobody, or nothing comes for long.
+/// The connection is refused, or no data arrive within the time limit.
 pub(crate) fn send(host: &str, bytes: &[u8]) -> std::io::Result<Answer> {
     let mut stream = TcpStream::connect(host)?;
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
-    // A server that refuses early closes while the rest is still on its way, and what it said may be lost with it.
+    // A server that refuses early closes the connection while data are still being sent, and its response may be lost.
     let _ = stream.write_all(bytes);
     let mut answer = Vec::new();
     let mut buffer = vec![0; 1 << 16];
@@ -39,7 +39,7 @@ pub(crate) fn send(host: &str, bytes: &[u8]) -> std::io::Result<Answer> {
     Ok(parse(&answer))
 }
 
-/// Whether an answer has as many bytes as its head says.
+/// Whether a response is as long as its headers declare.
 fn is_whole(answer: &[u8]) -> bool {
     let Answer { head, body, .. } = parse(answer);
     let mut lines = head.lines().filter_map(|line| line.split_once(':'));
@@ -49,7 +49,7 @@ fn is_whole(answer: &[u8]) -> bool {
         .is_some_and(|length| body.len() >= length)
 }
 
-/// Asks for a path with GET.
+/// Sends a GET request for a path.
 ///
 /// # Errors
 /// As [`send`].
@@ -65,7 +65,7 @@ fn parse(answer: &[u8]) -> Answer {
     Answer { status, head, body: rest.get(4..).unwrap_or_default().to_vec() }
 }
 
-/// Tells an answer that did not come in time from other errors.
+/// Whether an error is a time-out.
 pub(crate) fn is_timeout(error: &std::io::Error) -> bool {
     matches!(error.kind(), std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut)
 }

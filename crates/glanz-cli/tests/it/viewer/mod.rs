@@ -1,4 +1,4 @@
-//! The viewer from end to end: `glanz view` as a user starts it, its page in a real browser, and many pages at once.
+//! End-to-end tests of `glanz view`: the process, its page in a browser, and many simultaneous clients.
 
 mod browser;
 mod http;

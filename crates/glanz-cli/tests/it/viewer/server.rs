@@ -1,4 +1,4 @@
-//! `glanz view` as a user starts it, on a port of its own.
+//! The process of `glanz view`, on a free port.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -6,15 +6,15 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Duration;
 
-/// How long a scene may take to be served: builds that are not optimised run beside others here.
+/// Time limit until a scene is served; debug builds run in parallel with other tests.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// A file of the repository's scenes.
+/// Path of a scene file of the repository.
 pub(crate) fn scene_file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(name)
 }
 
-/// A server that ends with its value.
+/// A server process, ended when the value is dropped.
 pub(crate) struct ViewServer {
     child: Child,
     said: Arc<Mutex<String>>,
@@ -23,7 +23,7 @@ pub(crate) struct ViewServer {
 }
 
 impl ViewServer {
-    /// Serves a scene, and waits until it says where.
+    /// Serves a scene and waits until the address is printed.
     pub(crate) fn start(scene: &Path) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_glanz"))
             .arg("view")
@@ -46,22 +46,22 @@ impl ViewServer {
         served
     }
 
-    /// The address that it printed.
+    /// The printed address.
     pub(crate) fn address(&self) -> String {
         format!("http://{}/", self.host)
     }
 
-    /// All that it has printed.
+    /// All output so far.
     pub(crate) fn said(&self) -> String {
         self.said.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Whether it still runs.
+    /// Whether the process is still running.
     pub(crate) fn is_alive(&mut self) -> bool {
         matches!(self.child.try_wait(), Ok(None))
     }
 
-    /// The number of the process.
+    /// The process id.
     pub(crate) fn id(&self) -> u32 {
         self.child.id()
     }
@@ -74,14 +74,14 @@ impl Drop for ViewServer {
     }
 }
 
-/// Keeps what is said, and passes on the host of the first address in it.
+/// Stores the output and sends the host of the first address in it.
 fn listen(pipe: impl Read + Send + 'static, said: &Arc<Mutex<String>>, hosts: mpsc::Sender<String>) {
     let said = Arc::clone(said);
     std::thread::spawn(move || {
         for line in BufReader::new(pipe).lines().map_while(Result::ok) {
             if let Some((_, rest)) = line.split_once("http://") {
                 let host = rest.split(|c: char| c == '/' || c.is_whitespace()).next().unwrap_or_default();
-                // Nobody listens any more after the first.
+                // The receiver is dropped after the first address.
                 let _ = hosts.send(host.to_owned());
             }
             let mut said = said.lock().unwrap_or_else(PoisonError::into_inner);

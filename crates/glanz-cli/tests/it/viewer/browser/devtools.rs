@@ -10,10 +10,10 @@ use tungstenite::{Error, Message, WebSocket};
 
 use crate::viewer::http::is_timeout;
 
-/// How long an answer may take: a picture may have to be drawn for it, in software, beside other tests.
+/// Time limit for a response, which may need a picture drawn in software while other tests run.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Bytes of a message at most: pictures come as one.
+/// Largest size of a message in bytes; a picture is one message.
 const LARGEST: usize = 256 << 20;
 
 /// A connection to a browser.
@@ -32,12 +32,12 @@ impl DevTools {
         let sizes = WebSocketConfig::default().max_message_size(Some(LARGEST)).max_frame_size(Some(LARGEST));
         let address = format!("ws://127.0.0.1:{port}{path}");
         let (socket, _) = client_with_config(address, stream, Some(sizes)).expect("the browser speaks");
-        // From here on short waits, so that whoever waits for something else than an answer gets its turn.
+        // From here on the time-outs are short, so that waiting for events does not block.
         socket.get_ref().set_read_timeout(Some(Duration::from_millis(100))).expect("a timeout");
         Self { socket, last: 0, events: Vec::new() }
     }
 
-    /// What a command answers. `session`: that of a page, or none for the browser itself.
+    /// The result of a command. `session`: the session of a page, or none for the browser itself.
     pub(crate) fn call(&mut self, session: Option<&str>, method: &str, parameters: Value) -> Value {
         self.last += 1;
         let id = self.last;
@@ -60,7 +60,7 @@ impl DevTools {
         panic!("{method} is not answered");
     }
 
-    /// Takes in what has come meanwhile, for about `time`.
+    /// Receives messages for about `time`.
     pub(crate) fn wait(&mut self, time: Duration) {
         let start = Instant::now();
         while start.elapsed() < time {
@@ -68,12 +68,12 @@ impl DevTools {
         }
     }
 
-    /// The events so far, of all pages.
+    /// The events of all pages so far.
     pub(crate) fn events(&self) -> &[Value] {
         &self.events
     }
 
-    /// The next message, if one comes soon. Events are kept.
+    /// The next response, if one arrives before the time-out. Events are stored.
     fn read(&mut self) -> Option<Value> {
         match self.socket.read() {
             Ok(Message::Text(text)) => {

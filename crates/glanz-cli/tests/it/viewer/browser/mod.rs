@@ -1,4 +1,4 @@
-//! The page in Chromium, driven over its DevTools protocol. `cargo xtask test` runs these tests in a step of their own.
+//! The page in Chromium, driven over its DevTools protocol. `cargo xtask test` runs these tests in a separate step.
 
 mod devtools;
 mod page;

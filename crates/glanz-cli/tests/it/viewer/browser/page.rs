@@ -1,4 +1,4 @@
-//! A page in the browser: what it evaluates, what hands do to it, what it shows and says.
+//! A page in the browser: evaluation of expressions, input events, screenshots and console messages.
 
 use std::time::{Duration, Instant};
 
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::process::Browser;
 
-/// How long something may take to come about.
+/// Time limit for a condition.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A page of the viewer.
@@ -17,7 +17,7 @@ pub(crate) struct Page {
 }
 
 impl Page {
-    /// Opens an address in a window of so many pixels, and waits until the page has drawn a first picture.
+    /// Opens an address in a window of this size in pixels, and waits until the page has drawn its first picture.
     pub(crate) fn open(address: &str, size: [u32; 2]) -> Self {
         let mut browser = Browser::start();
         let target = browser.devtools.call(None, "Target.createTarget", json!({ "url": "about:blank" }));
@@ -31,7 +31,7 @@ impl Page {
         let [width, height] = size;
         let screen = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
         page.call("Emulation.setDeviceMetricsOverride", screen);
-        // What moves by itself makes pictures depend on the clock.
+        // Animations would make the pictures depend on the time.
         let still = json!({ "features": [{ "name": "prefers-reduced-motion", "value": "reduce" }] });
         page.call("Emulation.setEmulatedMedia", still);
         page.call("Page.navigate", json!({ "url": address }));
@@ -40,7 +40,7 @@ impl Page {
         page
     }
 
-    /// The value of an expression, or of what it promises.
+    /// The value of an expression; a promise is awaited.
     pub(crate) fn evaluate(&mut self, expression: &str) -> Value {
         let ask = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
         let mut answer = self.call("Runtime.evaluate", ask);
@@ -50,7 +50,7 @@ impl Page {
         answer["result"]["value"].take()
     }
 
-    /// The bytes of an expression that promises a typed array.
+    /// The bytes of an expression whose value is a promise of a typed array.
     pub(crate) fn bytes(&mut self, expression: &str) -> Vec<u8> {
         let encode = "const bytes = new Uint8Array(array.buffer, array.byteOffset, array.byteLength);
             let text = '';
@@ -61,7 +61,7 @@ impl Page {
         BASE64.decode(text.as_str().expect("text").as_bytes()).expect("base 64")
     }
 
-    /// Waits until an expression holds.
+    /// Waits until an expression is true.
     pub(crate) fn until(&mut self, what: &str, expression: &str) {
         let start = Instant::now();
         while self.evaluate(expression) != true {
@@ -70,12 +70,12 @@ impl Page {
         }
     }
 
-    /// Lets some milliseconds pass.
+    /// Waits for a number of milliseconds.
     pub(crate) fn rest(&mut self, milliseconds: u64) {
         self.browser.devtools.wait(Duration::from_millis(milliseconds));
     }
 
-    /// Presses the left button, moves over places in the window, and lets go.
+    /// Presses the left button, moves along positions in the window, and releases it.
     pub(crate) fn drag(&mut self, places: &[[f64; 2]]) {
         let (Some(first), Some(last)) = (places.first(), places.last()) else { return };
         self.mouse("mouseMoved", *first, 0);
@@ -86,7 +86,7 @@ impl Page {
         self.mouse("mouseReleased", *last, 0);
     }
 
-    /// Clicks a place in the window.
+    /// Clicks at a position in the window.
     pub(crate) fn click(&mut self, place: [f64; 2]) {
         self.drag(&[place]);
     }
@@ -98,13 +98,13 @@ impl Page {
         self.call("Input.dispatchMouseEvent", event);
     }
 
-    /// Turns the wheel over a place; `delta`: positive is towards the hand.
+    /// Turns the wheel at a position; `delta`: positive towards the user.
     pub(crate) fn wheel(&mut self, [x, y]: [f64; 2], delta: f64) {
         let event = json!({ "type": "mouseWheel", "x": x, "y": y, "deltaX": 0, "deltaY": delta });
         self.call("Input.dispatchMouseEvent", event);
     }
 
-    /// Presses and lets go a key, by the name that scripts see (`a`, `ArrowLeft`).
+    /// Presses and releases a key, by its name in scripts (`a`, `ArrowLeft`).
     pub(crate) fn key(&mut self, name: &str) {
         let text = if name.chars().count() == 1 { name } else { "" };
         for kind in ["keyDown", "keyUp"] {
@@ -113,7 +113,7 @@ impl Page {
         }
     }
 
-    /// Moves fingers: each element is where all of them are at one time.
+    /// A touch gesture: each element holds the positions of all fingers at one time.
     pub(crate) fn touch(&mut self, moments: &[Vec<[f64; 2]>]) {
         for (i, fingers) in moments.iter().enumerate() {
             let kind = if i == 0 { "touchStart" } else { "touchMove" };
@@ -124,13 +124,13 @@ impl Page {
         self.call("Input.dispatchTouchEvent", json!({ "type": "touchEnd", "touchPoints": [] }));
     }
 
-    /// The window as PNG.
+    /// A screenshot of the window as PNG.
     pub(crate) fn screenshot(&mut self) -> Vec<u8> {
         let picture = self.call("Page.captureScreenshot", json!({ "format": "png" }));
         BASE64.decode(picture["data"].as_str().expect("text").as_bytes()).expect("base 64")
     }
 
-    /// The bytes of the file that the page saves when `action` is done: its name and its content.
+    /// Name and bytes of the file that the page saves after `action`.
     pub(crate) fn saved(&mut self, action: impl FnOnce(&mut Self)) -> (String, Vec<u8>) {
         let folder = self.browser.downloads();
         std::fs::create_dir_all(&folder).expect("a folder");
@@ -153,7 +153,7 @@ impl Page {
         }
     }
 
-    /// All that the page said: what scripts wrote, what they threw and did not catch, what the browser complained of.
+    /// All console messages, uncaught exceptions and log entries of the page.
     pub(crate) fn console(&self) -> Vec<String> {
         let own = self.browser.devtools.events().iter().filter(|event| event["sessionId"] == *self.session);
         own.filter_map(|event| {
@@ -177,7 +177,7 @@ impl Page {
         .collect()
     }
 
-    /// What of the console is a fault.
+    /// The errors and failed assertions among the console messages.
     pub(crate) fn faults(&self) -> Vec<String> {
         let mut faults = self.console();
         faults.retain(|line| line.starts_with("error") || line.starts_with("assert"));
@@ -190,7 +190,7 @@ impl Page {
     }
 }
 
-/// An argument of a line of the console.
+/// An argument of a console message.
 fn said(argument: &Value) -> String {
     match (&argument["value"], &argument["description"]) {
         (Value::String(text), _) | (Value::Null, Value::String(text)) => text.clone(),

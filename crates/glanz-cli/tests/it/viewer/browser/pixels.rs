@@ -1,4 +1,4 @@
-//! What pixels see, object and normal: of the page, and of rays through their middles.
+//! Object and normal per pixel, from the page and from rays through the pixel centres.
 
 use glanz::math::{DVec3, Ray};
 use glanz::scene::Scene;
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::page::Page;
 
-/// Pixels around one that are searched for a border.
+/// Radius, in pixels, of the search for a silhouette.
 const REACH: i64 = 8;
 
 /// Objects and normals by pixel, rows from the top.
@@ -15,27 +15,27 @@ pub(crate) struct SurfacePixels {
     pub(crate) size: [usize; 2],
     /// Number of the object + 1; 0: nothing.
     objects: Vec<u32>,
-    /// To the viewer, of length 1.
+    /// Unit normals on the side of the viewer.
     normals: Vec<DVec3>,
-    /// Whether the normal is that of a flat surface, which nobody gets wrong; where that is known.
+    /// Whether the surface is flat, where that is known; flat surfaces are left out of the comparison of normals.
     flat: Vec<bool>,
 }
 
-/// How two differ.
+/// Differences of two pictures.
 #[derive(Debug)]
 pub(crate) struct Difference {
-    /// Pixels that see the same object.
+    /// Number of pixels that show the same object.
     pub(crate) same: usize,
-    /// Angles between normals of those of these that are not flat, degrees, ascending.
+    /// Angles between normals at the pixels of the same object that is not flat, in degrees, ascending.
     pub(crate) angles: Vec<f64>,
-    /// Pixels that see another object.
+    /// Number of pixels that show different objects.
     pub(crate) other: usize,
-    /// The farthest of them from a border of objects, of either picture, in pixels. [`REACH`] + 1: farther than that.
+    /// Largest distance of these pixels from a silhouette of either picture, in pixels; [`REACH`] + 1 if it is larger than [`REACH`].
     pub(crate) farthest: f64,
 }
 
 impl SurfacePixels {
-    /// What the page draws.
+    /// Reads the picture of the page.
     pub(crate) fn by_page(page: &mut Page) -> Self {
         let size =
             page.evaluate("window.seen = window.glanz.normals(), [window.seen.width, window.seen.height]");
@@ -51,7 +51,7 @@ impl SurfacePixels {
         Self { size, objects, normals, flat: vec![false; size[0] * size[1]] }
     }
 
-    /// What rays from a camera of the page meet in the middles of pixels.
+    /// Intersects rays from a camera of the page through the pixel centres with the scene.
     pub(crate) fn by_rays(scene: &Scene, model: &Model, camera: &Value, size: [usize; 2]) -> Self {
         let vector = |name: &str| DVec3::from([0, 1, 2].map(|i| camera[name][i].as_f64().expect("a camera")));
         let [position, right, up, forward] = ["position", "right", "up", "forward"].map(vector);
@@ -74,7 +74,7 @@ impl SurfacePixels {
         seen
     }
 
-    /// How another picture of the same size differs.
+    /// Compares with another picture of the same size.
     pub(crate) fn difference(&self, other: &Self) -> Difference {
         assert_eq!(self.size, other.size);
         let mut found = Difference { same: 0, angles: Vec::new(), other: 0, farthest: 0.0 };
@@ -95,13 +95,13 @@ impl SurfacePixels {
         found
     }
 
-    /// The object at a pixel; outside that of the nearest pixel.
+    /// The object at a pixel; outside the picture the object of the nearest pixel.
     fn object(&self, x: i64, y: i64) -> u32 {
         let [width, height] = self.size.map(|n| n as i64);
         self.objects[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]
     }
 
-    /// Distance of a pixel from the nearest that has another object beside it.
+    /// Distance of a pixel from the nearest pixel that has a neighbour with a different object.
     fn to_border(&self, pixel: usize) -> f64 {
         let [x, y] = [pixel % self.size[0], pixel / self.size[0]].map(|n| n as i64);
         let near = (-REACH..=REACH).flat_map(|i| (-REACH..=REACH).map(move |j| [i, j]));
@@ -115,13 +115,13 @@ impl SurfacePixels {
 }
 
 impl Difference {
-    /// Share of angles of at most so many degrees.
+    /// Share of the angles that are at most `degrees`.
     pub(crate) fn within(&self, degrees: f64) -> f64 {
         self.angles.partition_point(|&angle| angle <= degrees) as f64 / self.angles.len().max(1) as f64
     }
 }
 
-/// A picture of 20 x 10 pixels whose columns see object 2, and those left of `edge` object 1, with normals turned by an angle.
+/// A picture of 20 x 10 pixels with object 1 left of column `edge` and object 2 elsewhere, and normals turned by an angle.
 #[cfg(test)]
 fn halves(edge: usize, degrees: f64) -> SurfacePixels {
     let size = [20, 10];
@@ -144,6 +144,6 @@ fn edges_that_are_apart_and_normals_that_are_turned_are_told() {
 fn pixels_without_an_edge_near_them_are_far() {
     let mut speckled = halves(0, 0.0);
     speckled.objects[107] = 0;
-    // The other picture has no border at all.
+    // The other picture has no silhouette.
     assert_eq!(speckled.difference(&halves(0, 0.0)).farthest, 9.0);
 }

@@ -1,4 +1,4 @@
-//! A Chromium without a window and with OpenGL in software, driven over the DevTools protocol.
+//! Headless Chromium with OpenGL in software, driven over the DevTools protocol.
 
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
@@ -8,16 +8,16 @@ use std::time::{Duration, Instant};
 
 use super::devtools::DevTools;
 
-/// How long it may take to start.
+/// Time limit for the start.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// What the browser is called in the distributions.
+/// Names of the program in the distributions.
 const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
-/// One at a time: OpenGL in software takes every processor that there is.
+/// Allows one browser at a time, because OpenGL in software uses all processors.
 static TURN: Mutex<()> = Mutex::new(());
 
-/// A browser with a fresh profile. It ends with its value, and its profile goes with it.
+/// A browser with a new profile; dropping the value ends the process and deletes the profile.
 pub(crate) struct Browser {
     pub(crate) devtools: DevTools,
     process: Process,
@@ -30,7 +30,7 @@ struct Process {
 }
 
 impl Browser {
-    /// Starts one.
+    /// Starts a browser.
     pub(crate) fn start() -> Self {
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let program = find();
@@ -42,7 +42,7 @@ impl Browser {
                 "--no-first-run",
                 "--no-default-browser-check",
             ])
-            // Containers seldom let it have a sandbox; it shows nothing but our own page here.
+            // Most containers do not permit the sandbox; only the project's own page is opened here.
             .args([
                 "--no-sandbox",
                 "--disable-dev-shm-usage",
@@ -62,14 +62,14 @@ impl Browser {
         Self { devtools: DevTools::connect(port, &path), process, _turn: turn }
     }
 
-    /// A folder that goes with the browser, for what pages save.
+    /// A folder for downloads, deleted with the browser.
     pub(crate) fn downloads(&self) -> PathBuf {
         self.process.profile.join("saved by pages")
     }
 }
 
 impl Process {
-    /// Where it listens: it writes port and path into its profile.
+    /// Port and path of the DevTools socket, which the browser writes into its profile.
     fn address(&mut self) -> Result<(u16, String), String> {
         let start = Instant::now();
         while start.elapsed() < PATIENCE {
@@ -91,10 +91,10 @@ impl Process {
 
 impl Drop for Process {
     fn drop(&mut self) {
-        // Its own children notice that it is gone.
+        // The child processes end after the main process has ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
-        // They may be writing while they notice.
+        // They may still write files until then.
         for _ in 0..50 {
             if std::fs::remove_dir_all(&self.profile).is_ok() {
                 return;
@@ -104,7 +104,7 @@ impl Drop for Process {
     }
 }
 
-/// The program: the one that `CHROMIUM` names, or the first on the search path. `cargo xtask test` names the one that it has found or installed.
+/// The program: the value of `CHROMIUM`, or the first in the search path. `cargo xtask test` sets `CHROMIUM` to the one it has found or installed.
 fn find() -> PathBuf {
     if let Some(chosen) = std::env::var_os("CHROMIUM") {
         return chosen.into();

@@ -1,4 +1,4 @@
-//! What the page draws is where rays meet the exact surfaces, with their normals.
+//! The page's picture agrees with ray intersections of the exact surfaces, in objects and normals.
 
 use glanz::formats::{Options, load};
 use glanz::scene::Scene;
@@ -8,16 +8,16 @@ use super::page::Page;
 use super::pixels::SurfacePixels;
 use crate::viewer::server::{ViewServer, scene_file};
 
-/// Pixels of the window; the page's bars leave about 400 x 300 to the picture.
+/// Size of the window in pixels; the bars of the page leave about 400 x 300 for the picture.
 const SIZE: [u32; 2] = [400, 390];
 
-/// Angle between normals, degrees, and the share of pixels for which it holds.
+/// Largest angle between normals in degrees, and the share of pixels within it.
 const NORMALS: (f64, f64) = (1.0, 0.999);
 
-/// Distance of pixels of another object from an edge, in pixels.
+/// Largest distance, in pixels, from a silhouette to a pixel that shows a different object.
 const SILHOUETTE: f64 = 1.5;
 
-/// Compares normals and silhouettes over the whole picture, and says how near they are.
+/// Compares normals and silhouettes over the whole picture and prints the differences.
 fn compare(name: &str) {
     let file = scene_file(name);
     let served = ViewServer::start(&file);

@@ -1,4 +1,4 @@
-//! What a user does: load, look, turn, pick, wait for the rendered picture, move on, save.
+//! Use of the page: loading, turning, picking, waiting for the rendered picture, moving, saving.
 
 use std::path::Path;
 
@@ -9,10 +9,10 @@ use serde_json::Value;
 use super::page::Page;
 use crate::viewer::server::{ViewServer, scene_file};
 
-/// Pixels of the window; the page's bars leave about 400 x 300 to the picture.
+/// Size of the window in pixels; the bars of the page leave about 400 x 300 for the picture.
 const SIZE: [u32; 2] = [400, 390];
 
-/// Where in the window the middle of the canvas is.
+/// Position of the middle of the canvas in the window.
 fn middle(page: &mut Page) -> [f64; 2] {
     let place = page.evaluate(
         "(({ left, top, width, height }) => [left + width / 2, top + height / 2])
@@ -38,7 +38,7 @@ fn picture(bytes: &[u8], name: &str) -> Pixels {
     image::read(bytes, Some(Path::new(name)), image::Encoding::Srgb).expect("a picture").pixels
 }
 
-/// Number of different pixels of two pictures, after looking that they have the same size.
+/// Number of different pixels of two pictures; panics if their sizes differ.
 fn changed(a: &[u8], b: &[u8]) -> usize {
     let [a, b] = [a, b].map(|bytes| picture(bytes, "a.png"));
     assert_eq!(a.len(), b.len());
@@ -46,7 +46,7 @@ fn changed(a: &[u8], b: &[u8]) -> usize {
     a.iter().zip(&b).filter(|(a, b)| a != b).count()
 }
 
-/// Waits until the picture of where the camera is now has so many samples.
+/// Waits until the picture of the current camera has this number of samples.
 fn rendered(page: &mut Page, samples: u32) {
     page.until(
         "the picture is rendered",
@@ -65,7 +65,7 @@ fn a_click_tells_what_the_surface_is_there() {
     let asked = "(({ clientWidth, clientHeight }) => window.glanz.pick(clientWidth / 2, clientHeight / 2))
         (document.querySelector('canvas'))";
     assert_eq!(page.evaluate(asked)["leaf"], hit["leaf"]);
-    // The camera looks at the belly of the pot.
+    // The camera looks at the body of the teapot.
     assert_eq!(hit["degree"], serde_json::json!([3, 3]), "{hit}");
     let place = vector(&hit["point"]);
     assert!(place.iter().all(|c| c.abs() < 4.0), "{hit}");
@@ -125,7 +125,7 @@ mod heavy {
         let status = page.evaluate("window.glanz.renderStatus()");
         println!("rendered: {status}");
 
-        // Moving on ends it, and it begins again for where the camera is now.
+        // Moving the camera stops the rendering, and it starts again with the new camera.
         page.drag(&[[x, y], [x + 20.0, y], [x + 40.0, y]]);
         page.until("rendering stops", "typeof window.glanz.latency === 'number'");
         println!("milliseconds until rendering has stopped: {}", page.evaluate("window.glanz.latency"));

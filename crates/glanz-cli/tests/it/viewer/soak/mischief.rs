@@ -1,4 +1,4 @@
-//! What nobody should send, and that it is refused.
+//! Invalid requests and messages, each of which the server must refuse.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -11,7 +11,7 @@ use super::visitor::{Fault, Visitor, connect};
 use crate::viewer::http;
 use crate::viewer::http::is_timeout;
 
-/// Requests for files that are none of the page's.
+/// Requests for files that do not belong to the page.
 const PATHS: [&str; 14] = [
     "/../../../../../../etc/passwd",
     "/..%2f..%2f..%2f..%2f..%2fetc%2fpasswd",
@@ -29,7 +29,7 @@ const PATHS: [&str; 14] = [
     "/.git/config",
 ];
 
-/// Messages that mean nothing.
+/// Invalid messages.
 const MESSAGES: [&str; 16] = [
     "",
     "{",
@@ -49,7 +49,7 @@ const MESSAGES: [&str; 16] = [
     "\u{0}\u{1}\u{2}",
 ];
 
-/// A kind of mischief: what it is called, and what does it. It fails when the server puts up with it.
+/// A kind of misuse: its name and the function that performs it, which fails if the server accepts it.
 pub(crate) type Mischief = (&'static str, fn(&str) -> Result<(), Fault>);
 
 /// All kinds.
@@ -114,7 +114,7 @@ fn impossible_views(host: &str) -> Result<(), Fault> {
 fn huge_messages(host: &str) -> Result<(), Fault> {
     refused(host, Message::text(" ".repeat(1 << 20)))
         .map_err(|fault| format!("a mebibyte of blanks: {fault}"))?;
-    // A frame that says to hold 2^62 bytes, and one after the other that go on and on.
+    // A frame with a declared length of 2^62 bytes, and a message of fragments without end.
     let endless = [0x81, 0xff, 0x40, 0, 0, 0, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6];
     closed(host, &endless).map_err(|fault| format!("2^62 bytes: {fault}"))?;
     let mut parts = vec![0x01, 0x80, 0, 0, 0, 0];
@@ -128,7 +128,7 @@ fn huge_messages(host: &str) -> Result<(), Fault> {
 fn broken_frames(host: &str) -> Result<(), Fault> {
     let long_ping = [&[0x89, 0xfe, 0x00, 0x80, 0, 0, 0, 0][..], &[0; 128]].concat();
     let frames: [&[u8]; 5] = [
-        // Not masked; reserved bits; an unknown kind; a ping of more than 125 bytes; text that is no UTF-8.
+        // Not masked; reserved bits set; an unknown opcode; a ping of more than 125 bytes; text that is not UTF-8.
         &[0x81, 0x02, b'h', b'i'],
         &[0xf1, 0x80, 0, 0, 0, 0],
         &[0x83, 0x80, 0, 0, 0, 0],
@@ -196,7 +196,7 @@ fn uploads(host: &str) -> Result<(), Fault> {
         form("a.pbrt", "WorldBegin Shape \"sphere\"").replace("/open?session=", "/open?session=0"),
     ];
     requests.iter().try_for_each(|request| denied(host, request.as_bytes()))?;
-    // Files stay in a folder of their own, whatever they are called; the folder is one of those for what is temporary.
+    // Uploaded files stay in their own temporary folder, whatever their names.
     http::send(host, form("../glanz-escaped.pbrt", "WorldBegin Shape \"sphere\"").as_bytes())
         .map_err(|e| e.to_string())?;
     match std::env::temp_dir().join("glanz-escaped.pbrt").exists() {
@@ -207,7 +207,7 @@ fn uploads(host: &str) -> Result<(), Fault> {
 
 fn half_a_request(host: &str) -> Result<(), Fault> {
     let mut stream = TcpStream::connect(host).map_err(|error| error.to_string())?;
-    // A letter now and then, as long as the server has patience, here for a second.
+    // Single bytes at long intervals, here for a second.
     for letter in b"GET / HTTP" {
         if stream.write_all(&[*letter]).is_err() {
             break;
@@ -224,7 +224,7 @@ fn deaf(host: &str) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Sends bytes that must be answered with a refusal, or not at all.
+/// Sends bytes that the server must refuse or leave unanswered.
 fn denied(host: &str, request: &[u8]) -> Result<(), Fault> {
     let answer = http::send(host, request);
     let start: String = String::from_utf8_lossy(request).chars().take(200).collect();
@@ -234,10 +234,10 @@ fn denied(host: &str, request: &[u8]) -> Result<(), Fault> {
     }
 }
 
-/// Sends a message that must be answered with `failed`, or end the connection.
+/// Sends a message that the server must answer with `failed` or by closing the connection.
 fn refused(host: &str, message: Message) -> Result<(), Fault> {
     let mut visitor = Visitor::try_new(host)?;
-    // The server may have closed before all was sent.
+    // The server may have closed the connection before everything was sent.
     let sent = visitor.send(message);
     match visitor.await_text("an answer", |answer| answer["type"] == "failed" || answer["type"] == "hit") {
         Ok(answer) if answer["type"] == "failed" => Ok(()),
@@ -247,13 +247,13 @@ fn refused(host: &str, message: Message) -> Result<(), Fault> {
     }
 }
 
-/// Sends raw bytes over a WebSocket, which must end the connection.
+/// Sends raw bytes over a WebSocket; the server must close the connection.
 fn closed(host: &str, bytes: &[u8]) -> Result<(), Fault> {
     let mut socket = connect(host)?;
     let stream = socket.get_mut();
     let _ = stream.write_all(bytes);
     stream.set_read_timeout(Some(http::PATIENCE)).map_err(|error| error.to_string())?;
-    // Whatever comes before the end: the scene, and why.
+    // Messages before the end of the connection are ignored.
     match std::io::copy(&mut (&*stream).take(1 << 20), &mut std::io::sink()) {
         Err(error) if is_timeout(&error) => Err("the connection stays".to_owned()),
         _ => Ok(()),

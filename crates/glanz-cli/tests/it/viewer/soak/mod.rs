@@ -1,6 +1,6 @@
-//! Many pages at once, well-behaved and not, for a long time: what they held comes back.
+//! Load test with many simultaneous clients, valid and misbehaving: threads and memory are released afterwards.
 //!
-//! `GLANZ_SOAK_PAGES` says how many and `GLANZ_SOAK_SECONDS` for how long; `cargo xtask soak` takes 100 and 300.
+//! `GLANZ_SOAK_PAGES` sets the number of clients and `GLANZ_SOAK_SECONDS` the duration; `cargo xtask soak` uses 100 and 300.
 
 mod mischief;
 mod process;
@@ -13,7 +13,7 @@ use crate::viewer::server::{ViewServer, scene_file};
 use process::Usage;
 use visitor::{Fault, Visitor};
 
-/// How long threads may take to end when nobody is there any more. Those that wait for work leave after ten seconds without.
+/// Time limit for threads to end after the last client has left. Idle worker threads end after ten seconds.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Share of memory, and MiB, by which a round may leave more behind than the round before it: allocators keep what they may
@@ -28,10 +28,10 @@ struct Tally {
     tiles: u64,
     picks: u64,
     saves: u64,
-    /// How long it took until rendering had ended.
+    /// Times until rendering had stopped.
     stops: Vec<Duration>,
     refusals: BTreeMap<&'static str, u64>,
-    /// The refusal that took longest.
+    /// Longest time until a refusal.
     slowest: (Duration, &'static str),
     faults: Vec<Fault>,
 }
@@ -74,7 +74,7 @@ impl Tally {
     }
 }
 
-/// Numbers that look random, by Weyl's sequence and a mix of its bits; the same for the same seed.
+/// A pseudo-random number generator: a Weyl sequence whose bits are mixed.
 struct Dice(u64);
 
 impl Dice {
@@ -85,7 +85,7 @@ impl Dice {
     }
 }
 
-/// What is asked from outside, or this.
+/// The value of an environment variable, or this default.
 fn setting(name: &str, otherwise: u64) -> u64 {
     std::env::var(name).map_or(otherwise, |text| text.parse().expect("a number"))
 }
@@ -94,7 +94,7 @@ fn setting(name: &str, otherwise: u64) -> u64 {
 fn pages_that_come_and_go_leave_nothing_behind() {
     let (pages, seconds) = (setting("GLANZ_SOAK_PAGES", 4), setting("GLANZ_SOAK_SECONDS", 6));
     let mut served = ViewServer::start(&scene_file("teapot.pbrt"));
-    // One visit, so that what is made once is made.
+    // One visit, so that everything allocated once is allocated.
     let mut warm = Tally::default();
     visit(&served.host, &mut Dice(0), &mut warm).unwrap_or_else(|fault| panic!("{fault}\n{}", served.said()));
     let before = Usage::of(served.id()).expect("the server runs");
@@ -117,7 +117,7 @@ fn pages_that_come_and_go_leave_nothing_behind() {
     visit(&served.host, &mut Dice(1), &mut warm).unwrap_or_else(|fault| panic!("{fault}\n{}", served.said()));
 }
 
-/// So many pages at once that come and go for some time.
+/// Runs `pages` simultaneous clients that connect and disconnect for some time.
 fn round(host: &str, pages: u64, time: Duration, number: u64) -> Tally {
     let end = Instant::now() + time;
     std::thread::scope(|scope| {
@@ -126,7 +126,7 @@ fn round(host: &str, pages: u64, time: Duration, number: u64) -> Tally {
                 scope.spawn(move || {
                     let mut dice = Dice(number << 32 | page << 16);
                     let mut tally = Tally::default();
-                    // Each page begins with another kind of mischief, so that all kinds have their turn.
+                    // Each client starts with a different kind of misuse, so that every kind occurs.
                     let mut kind = page as usize;
                     while Instant::now() < end && tally.faults.is_empty() {
                         let (name, does) = mischief::ALL[kind % mischief::ALL.len()];
@@ -151,7 +151,7 @@ fn round(host: &str, pages: u64, time: Duration, number: u64) -> Tally {
     })
 }
 
-/// A page that behaves: it comes, turns the camera, looks, picks, and leaves in one way or another.
+/// A valid client: it connects, turns the camera, renders, picks, and disconnects in one of several ways.
 fn visit(host: &str, dice: &mut Dice, tally: &mut Tally) -> Result<(), Fault> {
     let mut visitor = Visitor::try_new(host)?;
     for step in 0..1 + dice.throw(4) {
@@ -168,14 +168,14 @@ fn visit(host: &str, dice: &mut Dice, tally: &mut Tally) -> Result<(), Fault> {
             }
             tally.saves += 1;
         }
-        // Often the camera moves on without a word.
+        // Often the camera moves without stopping the last view.
         if dice.throw(2) == 0 {
             tally.stops.push(visitor.stop(view)?);
         }
     }
     tally.visits += 1;
     tally.tiles += visitor.tiles;
-    // Some say good-bye, some just go, in the middle of a picture or not.
+    // Some close the WebSocket properly, others drop the connection, possibly during a picture.
     if dice.throw(2) == 0 {
         let _ = visitor.socket.close(None);
         let _ = visitor.socket.flush();

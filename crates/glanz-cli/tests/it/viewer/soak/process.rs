@@ -1,4 +1,4 @@
-//! What the system says of a process.
+//! Threads and memory of a process, as the operating system reports them.
 
 use std::time::{Duration, Instant};
 
@@ -11,7 +11,7 @@ pub(crate) struct Usage {
 }
 
 impl Usage {
-    /// That of a process that runs, from `/proc`.
+    /// The usage of a running process, read from `/proc`.
     pub(crate) fn of(process: u32) -> Option<Self> {
         let status = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
         let number = |name: &str| {
@@ -21,7 +21,7 @@ impl Usage {
         Some(Self { threads: number("Threads:")?, memory: number("VmRSS:")? as f64 / 1024.0 })
     }
 
-    /// That of a process once it has no more than `threads`, or after `patience`.
+    /// The usage of a process once it has at most `threads`, or after the time `patience`.
     pub(crate) fn settled(process: u32, threads: u64, patience: Duration) -> Option<Self> {
         let start = Instant::now();
         loop {

@@ -1,4 +1,4 @@
-//! A page without a browser: what it would send, and what it takes in.
+//! A client that speaks the page's protocol without a browser.
 
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
@@ -12,18 +12,18 @@ use tungstenite::{Message, WebSocket, client::client_with_config};
 use crate::viewer::http;
 use crate::viewer::http::is_timeout;
 
-/// What a visit can fail with, in words.
+/// The error message of a failed visit.
 pub(crate) type Fault = String;
 
-/// A connection that speaks as pages do.
+/// A connection that uses the protocol of the page.
 pub(crate) struct Visitor {
     pub(crate) socket: WebSocket<TcpStream>,
-    /// The camera that the scene brings.
+    /// The camera of the scene.
     camera: Value,
-    /// The name under which it may send files.
+    /// Identifier of the connection, required for uploads.
     pub(crate) session: String,
     id: u64,
-    /// Tiles that came.
+    /// Number of tiles received.
     pub(crate) tiles: u64,
 }
 
@@ -31,7 +31,7 @@ impl Visitor {
     /// Loads page and model, and connects.
     ///
     /// # Errors
-    /// What the server did instead.
+    /// A response other than the expected one.
     pub(crate) fn try_new(host: &str) -> Result<Self, Fault> {
         for path in ["/", "/main.js"] {
             let answer = http::get(host, path).map_err(|error| format!("GET {path}: {error}"))?;
@@ -50,7 +50,7 @@ impl Visitor {
         Ok(visitor)
     }
 
-    /// Begins to render a view, turned by an angle about the upright axis; its number.
+    /// Starts rendering a view turned by an angle about the vertical axis; returns the number of the view.
     pub(crate) fn view(&mut self, size: [u32; 2], angle: f64) -> Result<u64, Fault> {
         let (sin, cos) = angle.sin_cos();
         let mut camera = self.camera.clone();
@@ -63,7 +63,7 @@ impl Visitor {
         )
     }
 
-    /// Ends rendering of a view; how long it took to be told so.
+    /// Stops rendering a view; returns the time until the server confirmed it.
     pub(crate) fn stop(&mut self, view: u64) -> Result<Duration, Fault> {
         let start = Instant::now();
         self.send(Message::text(json!({ "type": "stop", "id": view }).to_string()))?;
@@ -73,7 +73,7 @@ impl Visitor {
         Ok(start.elapsed())
     }
 
-    /// Asks what the middle of the scene's own camera sees; whether there is something.
+    /// Picks at the middle of the image of the scene's camera; returns whether an object was hit.
     pub(crate) fn pick(&mut self) -> Result<bool, Fault> {
         let (origin, direction) = (self.camera["position"].clone(), self.camera["forward"].clone());
         let pick = json!({ "type": "pick", "origin": origin, "direction": direction, "hidden": [], "section": null });
@@ -82,7 +82,7 @@ impl Visitor {
         Ok(!hit["hit"].is_null())
     }
 
-    /// Asks for the picture of a view so far; its bytes.
+    /// Requests the current picture of a view; returns its bytes.
     pub(crate) fn save(&mut self, view: u64) -> Result<Vec<u8>, Fault> {
         self.await_text("a pass", |message| message["type"] == "progress" && message["id"] == view)?;
         let id = self.request(json!({ "type": "save" }))?;
@@ -94,13 +94,13 @@ impl Visitor {
         })
     }
 
-    /// Takes tiles in until one comes of this view.
+    /// Receives messages until a tile of this view arrives.
     pub(crate) fn await_tile(&mut self, view: u64) -> Result<(), Fault> {
         let is_tile = |m: &Message| matches!(m, Message::Binary(bytes) if number(bytes) == (1, view));
         self.until("a tile", |message| is_tile(message).then_some(()))
     }
 
-    /// Sends a request with a number of its own.
+    /// Sends a request with a new number.
     fn request(&mut self, mut request: Value) -> Result<u64, Fault> {
         self.id += 1;
         request["id"] = self.id.into();
@@ -108,12 +108,12 @@ impl Visitor {
         Ok(self.id)
     }
 
-    /// Sends whatever it is.
+    /// Sends any message.
     pub(crate) fn send(&mut self, message: Message) -> Result<(), Fault> {
         self.socket.send(message).map_err(|error| format!("sending: {error}"))
     }
 
-    /// The next text that is wanted. What else comes is taken in.
+    /// The next text that `wanted` accepts; other messages are processed.
     pub(crate) fn await_text(
         &mut self,
         what: &str,
@@ -122,7 +122,7 @@ impl Visitor {
         self.until(what, |message| text_of(message).filter(&is_wanted))
     }
 
-    /// The next message that is wanted; `failed` is a fault unless it is.
+    /// The next message that `wanted` accepts; `failed` is an error unless `wanted` accepts it.
     fn until<T>(&mut self, what: &str, wanted: impl Fn(&Message) -> Option<T>) -> Result<T, Fault> {
         let start = Instant::now();
         while start.elapsed() < http::PATIENCE {
@@ -146,7 +146,7 @@ impl Visitor {
     }
 }
 
-/// What a text says.
+/// Parses a text message.
 fn text_of(message: &Message) -> Option<Value> {
     let Message::Text(text) = message else { return None };
     serde_json::from_str(text).ok()
@@ -167,7 +167,7 @@ fn camera(model: &[u8]) -> Option<Value> {
     Some(about["camera"].take())
 }
 
-/// A WebSocket of the page's own origin, before anything is said.
+/// Opens a WebSocket with the origin of the page, before any message.
 pub(crate) fn connect(host: &str) -> Result<WebSocket<TcpStream>, Fault> {
     let complaint = |error: &dyn std::fmt::Display| format!("connecting: {error}");
     let stream = TcpStream::connect(host).map_err(|error| complaint(&error))?;
@@ -178,7 +178,7 @@ pub(crate) fn connect(host: &str) -> Result<WebSocket<TcpStream>, Fault> {
     request.headers_mut().insert("origin", origin);
     let sizes = WebSocketConfig::default().max_message_size(Some(256 << 20)).max_frame_size(Some(256 << 20));
     let (socket, _) = client_with_config(request, stream, Some(sizes)).map_err(|error| complaint(&error))?;
-    // From here on short waits, each followed by a look at the clock.
+    // From here on the time-outs are short, and the deadline is checked after each.
     socket.get_ref().set_read_timeout(Some(Duration::from_millis(500))).map_err(|error| complaint(&error))?;
     Ok(socket)
 }
