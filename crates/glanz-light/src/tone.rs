@@ -1,6 +1,5 @@
 //! From scene light to the bytes of a display.
 
-use crate::pixels::Pixels;
 use crate::rgb::{luminance, srgb_encode};
 
 /// Curve that compresses linear light into the range of a display.
@@ -48,14 +47,6 @@ impl Tone {
     pub fn to_srgb8(&self, rgb: [f32; 3]) -> [u8; 3] {
         // Rounding to nearest of a value in [0, 255]: the cast cannot wrap.
         self.apply(rgb).map(|x| (srgb_encode(x) * 255.0).round() as u8)
-    }
-
-    /// The picture as sRGB bytes, three per pixel, row by row from the top left; `None` if it has neither the channels
-    /// R, G, B nor the channel Y.
-    #[must_use]
-    pub fn picture_to_srgb8(&self, pixels: &Pixels) -> Option<Vec<u8>> {
-        let rgb = pixels.to_rgb()?;
-        Some(rgb.into_iter().flat_map(|p| self.to_srgb8(p)).collect())
     }
 }
 

@@ -5,8 +5,6 @@
 
 /// 2^-53, the spacing of the values of [`unit_f64`].
 const F64_STEP: f64 = 1.0 / (1_u64 << 53) as f64;
-/// 2^-24, the spacing of the values of [`unit_f32`].
-const F32_STEP: f32 = 1.0 / (1_u32 << 24) as f32;
 /// 2^64 divided by the golden ratio, whose multiples are spread over all 64 bits.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
@@ -24,20 +22,6 @@ pub const fn mix64(mut x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
-/// A bijection of 32 bits whose output bits each depend on every input bit.
-///
-/// # Source
-/// The finaliser of MurmurHash3 (@appleby2011).
-#[inline]
-#[must_use]
-pub const fn mix32(mut x: u32) -> u32 {
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x85eb_ca6b);
-    x ^= x >> 13;
-    x = x.wrapping_mul(0xc2b2_ae35);
-    x ^ (x >> 16)
-}
-
 /// A key that depends on `key` and `word`; for one key, different words always give different keys.
 ///
 /// Chain it to hash several words: `combine(combine(seed, a), b)`.
@@ -48,27 +32,11 @@ pub const fn combine(key: u64, word: u64) -> u64 {
     mix64(key.wrapping_add(GOLDEN) ^ word.wrapping_mul(GOLDEN))
 }
 
-/// 64 random bits for one decision of one sample of one pixel.
-#[inline]
-#[must_use]
-pub const fn decision(seed: u64, pixel: [u32; 2], sample: u32, dimension: u32) -> u64 {
-    let pixel = (pixel[1] as u64) << 32 | pixel[0] as u64;
-    let counter = (dimension as u64) << 32 | sample as u64;
-    combine(combine(seed, pixel), counter)
-}
-
 /// The 53 leading bits as a number in [0, 1).
 #[inline]
 #[must_use]
 pub fn unit_f64(bits: u64) -> f64 {
     (bits >> 11) as f64 * F64_STEP
-}
-
-/// The 24 leading bits as a number in [0, 1); rounding never reaches 1.
-#[inline]
-#[must_use]
-pub fn unit_f32(bits: u32) -> f32 {
-    (bits >> 8) as f32 * F32_STEP
 }
 
 /// The image of `position` (below `length`) under the permutation of `0..length` with the given key.
@@ -111,9 +79,7 @@ mod tests {
     #[test]
     fn largest_bits_stay_below_one() {
         assert_eq!(unit_f64(u64::MAX), 1.0 - 2.0_f64.powi(-53));
-        assert_eq!(unit_f32(u32::MAX), 1.0 - 2.0_f32.powi(-24));
         assert_eq!(unit_f64(0), 0.0);
-        assert_eq!(unit_f32(0), 0.0);
     }
 
     #[test]
@@ -138,7 +104,10 @@ mod tests {
     #[test]
     fn neighbouring_pixels_samples_and_dimensions_are_uncorrelated() {
         // Pairs of neighbours fall on an 8 x 8 grid uniformly; four kinds of neighbours at 0.001 each.
-        let at = |x: u32, s: u32, d: u32, seed: u64| unit_f64(decision(seed, [x, 3], s, d));
+        let at = |x: u32, s: u32, d: u32, seed: u64| {
+            let pixel = combine(seed, 3 << 32 | u64::from(x));
+            unit_f64(combine(pixel, u64::from(d) << 32 | u64::from(s)))
+        };
         for kind in 0..4 {
             let mut counts = [0_u64; 64];
             for i in 0..64_000 {

@@ -35,53 +35,22 @@ fn weight(own: f64, other: f64, factor: f64) -> f64 {
     1.0 / (1.0 + other / own * factor)
 }
 
-/// The balance heuristic for many strategies: `own` divided by the sum of `own` and all `others`.
-///
-/// If the numbers of samples differ, each density must be multiplied by its own.
-#[must_use]
-pub fn balance_of(own: f64, others: &[f64]) -> f64 {
-    among(own, others, |ratio| ratio)
-}
-
-/// The power heuristic (exponent 2) for many strategies.
-#[must_use]
-pub fn power_of(own: f64, others: &[f64]) -> f64 {
-    among(own, others, |ratio| ratio * ratio)
-}
-
-fn among(own: f64, others: &[f64], shape: impl Fn(f64) -> f64) -> f64 {
-    if own.is_nan() || own <= 0.0 {
-        return 0.0;
-    }
-    if own == f64::INFINITY {
-        let infinite = others.iter().filter(|&&p| p == f64::INFINITY).count();
-        return 1.0 / (1.0 + infinite as f64);
-    }
-    1.0 / (1.0 + others.iter().map(|&p| shape(p / own)).sum::<f64>())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn weights_of_all_strategies_sum_to_one() {
+    fn weights_of_both_strategies_sum_to_one() {
         for (a, b) in [(1.0, 3.0), (1e-200, 1e200), (1e300, 1e300), (0.0, 2.0), (5e-324, 5e-324)] {
             assert!((balance(a, b) + balance(b, a) - 1.0).abs() < 1e-15, "{a} {b}");
             assert!((power(a, b) + power(b, a) - 1.0).abs() < 1e-15, "{a} {b}");
         }
-        let p = [0.2, 3.0, 1.0];
-        let rest = [[3.0, 1.0], [0.2, 1.0], [0.2, 3.0]];
-        assert!((p.iter().zip(&rest).map(|(&o, r)| balance_of(o, r)).sum::<f64>() - 1.0).abs() < 1e-15);
-        assert!((p.iter().zip(&rest).map(|(&o, r)| power_of(o, r)).sum::<f64>() - 1.0).abs() < 1e-15);
     }
 
     #[test]
     fn values_are_those_of_the_definition() {
         assert_eq!(balance(1.0, 3.0), 0.25);
         assert!((power(1.0, 3.0) - 0.1).abs() < 1e-16);
-        assert_eq!(balance_of(2.0, &[1.0, 1.0]), 0.5);
-        assert!((power_of(2.0, &[1.0, 1.0]) - 4.0 / 6.0).abs() < 1e-15);
     }
 
     #[test]
@@ -94,8 +63,5 @@ mod tests {
             assert_eq!(f(inf, inf), 0.5);
             assert_eq!(f(f64::NAN, 1.0), 0.0);
         }
-        assert_eq!(power_of(1.0, &[inf, 0.0]), 0.0);
-        assert_eq!(power_of(inf, &[inf, 3.0]), 0.5);
-        assert_eq!(balance_of(1.0, &[]), 1.0);
     }
 }

@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use glanz_math::DVec2;
+use glanz_sampling::warp::concentric_disk;
 use glanz_scene::description::{FilterDescription, FilterKind};
 
 use self::profile::{FilterProfile, ProfileError};
@@ -237,9 +238,9 @@ impl Filter {
                 negative = x.1 != y.1;
                 DVec2::new(x.0.copysign(s.x), y.0.copysign(s.y))
             }
-            FilterShape::Cylinder => disk(s),
+            FilterShape::Cylinder => concentric_disk(xi),
             FilterShape::Pyramid => s * linear_fall(s),
-            FilterShape::Cone => disk(s) * linear_fall(s),
+            FilterShape::Cone => concentric_disk(xi) * linear_fall(s),
         };
         FilterSample { offset: unit * self.radius, negative }
     }
@@ -268,24 +269,6 @@ fn linear_fall(s: DVec2) -> f64 {
         0.5 + ((2.0 * m * m - 1.0).asin() / 3.0).sin()
     };
     r.clamp(0.0, 1.0) / m
-}
-
-/// Carries [-1, 1]^2 to the unit disk, squares to circles, keeping areas.
-///
-/// # Source
-/// @shirley1997.
-fn disk(s: DVec2) -> DVec2 {
-    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
-    if s == DVec2::ZERO {
-        return s;
-    }
-    let (radius, angle) = if s.x.abs() > s.y.abs() {
-        (s.x, FRAC_PI_4 * (s.y / s.x))
-    } else {
-        (s.y, FRAC_PI_2 - FRAC_PI_4 * (s.x / s.y))
-    };
-    let (sin, cos) = angle.sin_cos();
-    DVec2::new(radius * cos, radius * sin)
 }
 
 fn gaussian(radius: f64, sigma: f64) -> Result<FilterProfile, FilterError> {

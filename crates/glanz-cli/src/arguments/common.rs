@@ -50,6 +50,13 @@ pub(crate) struct CheckpointArguments {
     pub(crate) resume: bool,
 }
 
+impl CheckpointArguments {
+    /// Refuses a checkpoint that cannot be written, or that exists and is not to be resumed.
+    pub(crate) fn check(&self) -> Result<(), glanz::Error> {
+        self.checkpoint.as_deref().map_or(Ok(()), |path| glanz::file::check_checkpoint(path, self.resume))
+    }
+}
+
 /// Options of all long-running commands.
 #[derive(Debug, Args)]
 pub(crate) struct JobArguments {

@@ -76,11 +76,7 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Comma
 fn check_files(arguments: &BakeArguments) -> Result<(), Error> {
     glanz::check_model_path(&arguments.output)?;
     glanz::file::check_writable(&arguments.output)?;
-    let checkpoint = &arguments.job.checkpoint;
-    checkpoint
-        .checkpoint
-        .as_deref()
-        .map_or(Ok(()), |path| glanz::file::check_checkpoint(path, checkpoint.resume))
+    arguments.job.checkpoint.check()
 }
 
 fn baked(

@@ -78,10 +78,7 @@ fn check_files(arguments: &IlluminateArguments) -> Result<(), Error> {
         glanz::check_far_field_path(path)?;
         glanz::file::check_writable(path)?;
     }
-    let checkpoint = &arguments.job.checkpoint;
-    if let Some(path) = &checkpoint.checkpoint {
-        glanz::file::check_checkpoint(path, checkpoint.resume)?;
-    }
+    arguments.job.checkpoint.check()?;
     glanz::file::make_folder(&arguments.output)
 }
 

@@ -126,10 +126,7 @@ pub(crate) fn render_scene(
 
 /// Refuses files beside the pictures that cannot be written.
 fn check_files(arguments: &RenderArguments) -> Result<(), Error> {
-    let checkpoint = &arguments.job.checkpoint;
-    if let Some(path) = &checkpoint.checkpoint {
-        glanz::file::check_checkpoint(path, checkpoint.resume)?;
-    }
+    arguments.job.checkpoint.check()?;
     arguments.guide_out.as_deref().map_or(Ok(()), glanz::file::check_writable)
 }
 

@@ -22,18 +22,7 @@ struct LeafSearcher<'a> {
     scratch: SearchScratch,
 }
 
-impl<'a> LeafSearcher<'a> {
-    #[inline(always)]
-    fn new(surface: &'a Freeform, ray: &'a Ray) -> Self {
-        Self { surface, ray, space: None, scratch: SearchScratch::default() }
-    }
-
-    /// Prepares the ray for leaves.
-    #[inline(always)]
-    fn prepare(&mut self) {
-        self.space = Some(self.surface.frame.ray_space(self.ray));
-    }
-
+impl LeafSearcher<'_> {
     /// Adds every root in a leaf of the hierarchy to `collector`.
     #[inline(always)]
     fn leaf<S: Simd>(&mut self, simd: S, leaf: BvhLeaf, collector: &mut impl RootCollector) {
@@ -60,19 +49,50 @@ impl<'a> LeafSearcher<'a> {
             scratch.roots.drain(..).for_each(found);
         }
     }
-
-    /// Prefetches a leaf.
-    #[inline(always)]
-    fn prefetch<S: Simd>(&self, simd: S, leaf: BvhLeaf) {
-        if let Some(leaf) = self.surface.leaves.get(leaf.ordinal()) {
-            simd.prefetch(leaf);
-        }
-    }
 }
 
 /// The roots of a query, as far as it needs them.
 trait RootCollector {
     fn add(&mut self, space: &RaySpace, location: &SubpatchLocation, root: SurfaceRoot);
+
+    /// End of the part of the ray that remains to be searched, of which `t_max` was the end so far.
+    fn end(&self, t_max: f64) -> f64;
+}
+
+/// Searches the leaves that the ray meets for the roots that `roots` needs.
+struct QueryVisitor<'a, C> {
+    searcher: LeafSearcher<'a>,
+    roots: C,
+}
+
+impl<'a, C: RootCollector> QueryVisitor<'a, C> {
+    #[inline(always)]
+    fn new(surface: &'a Freeform, ray: &'a Ray, roots: C) -> Self {
+        Self {
+            searcher: LeafSearcher { surface, ray, space: None, scratch: SearchScratch::default() },
+            roots,
+        }
+    }
+}
+
+impl<C: RootCollector> LeafVisitor for &mut QueryVisitor<'_, C> {
+    #[inline(always)]
+    fn prepare(&mut self) {
+        self.searcher.space = Some(self.searcher.surface.frame.ray_space(self.searcher.ray));
+    }
+
+    #[inline(always)]
+    fn leaf<S: Simd>(&mut self, simd: S, leaf: BvhLeaf, t_max: f64) -> f64 {
+        self.searcher.leaf(simd, leaf, &mut self.roots);
+        self.roots.end(t_max)
+    }
+
+    #[inline(always)]
+    fn prefetch<S: Simd>(&self, simd: S, leaf: BvhLeaf) {
+        if let Some(leaf) = self.searcher.surface.leaves.get(leaf.ordinal()) {
+            simd.prefetch(leaf);
+        }
+    }
 }
 
 impl Drop for LeafSearcher<'_> {
@@ -110,15 +130,10 @@ impl Task for ClosestQuery<'_> {
     fn run<S: Simd>(self, simd: S) -> Option<Hit> {
         let Self { surface, ray, t_max } = self;
         let best = ClosestRoot { hit: None, end: t_max };
-        let mut visit = ClosestVisitor { searcher: LeafSearcher::new(surface, ray), best };
+        let mut visit = QueryVisitor::new(surface, ray, best);
         surface.bvh.closest_with(simd, ray, t_max, &mut visit);
-        visit.best.hit
+        visit.roots.hit
     }
-}
-
-struct ClosestVisitor<'a> {
-    searcher: LeafSearcher<'a>,
-    best: ClosestRoot,
 }
 
 /// The closest hit so far.
@@ -139,23 +154,10 @@ impl RootCollector for ClosestRoot {
             }
         }
     }
-}
-
-impl LeafVisitor for &mut ClosestVisitor<'_> {
-    #[inline(always)]
-    fn prepare(&mut self) {
-        self.searcher.prepare();
-    }
 
     #[inline(always)]
-    fn leaf<S: Simd>(&mut self, simd: S, leaf: BvhLeaf, _: f64) -> f64 {
-        self.searcher.leaf(simd, leaf, &mut self.best);
-        self.best.end
-    }
-
-    #[inline(always)]
-    fn prefetch<S: Simd>(&self, simd: S, leaf: BvhLeaf) {
-        self.searcher.prefetch(simd, leaf);
+    fn end(&self, _: f64) -> f64 {
+        self.end
     }
 }
 
@@ -173,14 +175,9 @@ impl Task for OcclusionQuery<'_> {
     fn run<S: Simd>(self, simd: S) -> bool {
         let Self { surface, ray, t_max } = self;
         let any = AnyRoot { end: t_max, found: false };
-        let mut visit = OcclusionVisitor { searcher: LeafSearcher::new(surface, ray), any };
+        let mut visit = QueryVisitor::new(surface, ray, any);
         surface.bvh.any_with(simd, ray, t_max, &mut visit)
     }
-}
-
-struct OcclusionVisitor<'a> {
-    searcher: LeafSearcher<'a>,
-    any: AnyRoot,
 }
 
 /// Whether a root lies before the end of the ray.
@@ -195,23 +192,10 @@ impl RootCollector for AnyRoot {
         let t = space.line.t(root.s);
         self.found |= t > 0.0 && t < self.end;
     }
-}
-
-impl LeafVisitor for &mut OcclusionVisitor<'_> {
-    #[inline(always)]
-    fn prepare(&mut self) {
-        self.searcher.prepare();
-    }
 
     #[inline(always)]
-    fn leaf<S: Simd>(&mut self, simd: S, leaf: BvhLeaf, t_max: f64) -> f64 {
-        self.searcher.leaf(simd, leaf, &mut self.any);
-        if self.any.found { f64::NEG_INFINITY } else { t_max }
-    }
-
-    #[inline(always)]
-    fn prefetch<S: Simd>(&self, simd: S, leaf: BvhLeaf) {
-        self.searcher.prefetch(simd, leaf);
+    fn end(&self, t_max: f64) -> f64 {
+        if self.found { f64::NEG_INFINITY } else { t_max }
     }
 }
 
@@ -229,10 +213,10 @@ impl Task for AllHitsQuery<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         let Self { surface, ray, t_max, hits } = self;
-        let searcher = LeafSearcher::new(surface, ray);
-        let mut visit = AllHitsVisitor { searcher, all: AllRoots { found: Vec::new(), end: t_max } };
+        let all = AllRoots { found: Vec::new(), end: t_max };
+        let mut visit = QueryVisitor::new(surface, ray, all);
         surface.bvh.closest_with(simd, ray, t_max, &mut visit);
-        let mut found = visit.all.found;
+        let mut found = visit.roots.found;
         found.sort_by(|a, b| order(&a.hit, &b.hit));
         for (index, candidate) in found.iter().enumerate() {
             if !found[..index].iter().any(|earlier| earlier.is_same(candidate)) {
@@ -276,11 +260,6 @@ impl HitCandidate {
     }
 }
 
-struct AllHitsVisitor<'a> {
-    searcher: LeafSearcher<'a>,
-    all: AllRoots,
-}
-
 struct AllRoots {
     found: Vec<HitCandidate>,
     end: f64,
@@ -296,17 +275,9 @@ impl RootCollector for AllRoots {
             self.found.push(HitCandidate { hit: hit(t, location, &root), root, uncertainty });
         }
     }
-}
-
-impl LeafVisitor for &mut AllHitsVisitor<'_> {
-    #[inline(always)]
-    fn prepare(&mut self) {
-        self.searcher.prepare();
-    }
 
     #[inline(always)]
-    fn leaf<S: Simd>(&mut self, simd: S, leaf: BvhLeaf, t_max: f64) -> f64 {
-        self.searcher.leaf(simd, leaf, &mut self.all);
+    fn end(&self, t_max: f64) -> f64 {
         t_max
     }
 }

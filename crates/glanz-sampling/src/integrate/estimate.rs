@@ -23,16 +23,6 @@ impl Estimate {
         self.mean_variance.sqrt()
     }
 
-    /// 1 / (time x variance of the mean), in 1 / (s x square of the integral's unit); `seconds` is the computing time of the estimate.
-    /// For independent samples it does not depend on their number.
-    ///
-    /// # Source
-    /// @pietrek2001 equations 2.10 and 2.11.
-    #[must_use]
-    pub fn efficiency(&self, seconds: f64) -> f64 {
-        1.0 / (seconds * self.mean_variance)
-    }
-
     /// The combination of estimates of the same integral; `None` if there are none.
     ///
     /// The primary variance is the mean weighted by samples, as in tables 2.3 and 2.5 of document 003.
@@ -110,11 +100,5 @@ mod tests {
         assert!((by_variance.mean - 1.2).abs() < 1e-15);
         assert!((by_variance.mean_variance - 0.008).abs() < 1e-17);
         assert!(Estimate::combine(&[], Weighting::Samples).is_none());
-    }
-
-    #[test]
-    fn efficiency_is_one_over_time_and_variance() {
-        assert!((FINE.efficiency(2.0) - 50.0).abs() < 1e-12);
-        assert!((FINE.standard_error() - 0.1).abs() < 1e-16);
     }
 }

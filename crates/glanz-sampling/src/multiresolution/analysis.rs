@@ -328,7 +328,7 @@ mod tests {
         let analysis = MultiResolution::bspline(2, 5).unwrap();
         let fine = analysis.basis(5).unwrap();
         let mut c = wave(fine.len());
-        let (coarse, _) = analysis.filter_bank(5).unwrap().analyse(&c).unwrap();
+        let (coarse, _) = analysis.filter_bank(5).unwrap().split(&c);
         let basis = analysis.basis(4).unwrap();
         // Quadrature on the fine cells: 3 nodes on half a coarse segment are a rule on fine ones.
         let change = crate::basis::ChangeOfBasis::try_new(fine, basis).unwrap();
@@ -336,7 +336,7 @@ mod tests {
         assert!(coarse.iter().zip(&projection).all(|(a, b)| (a - b).abs() < 1e-12));
         // A coarse function has no details.
         c = analysis.refine(&coarse, 4, 5).unwrap();
-        let (same, details) = analysis.filter_bank(5).unwrap().analyse(&c).unwrap();
+        let (same, details) = analysis.filter_bank(5).unwrap().split(&c);
         assert!(same.iter().zip(&coarse).all(|(a, b)| (a - b).abs() < 1e-12));
         assert!(details.iter().all(|d| d.abs() < 1e-13));
     }

@@ -44,12 +44,6 @@ impl FilterBank {
         &self.q
     }
 
-    /// The inner products of the wavelets.
-    #[must_use]
-    pub fn wavelet_gram(&self) -> &GramMatrix {
-        &self.wavelets
-    }
-
     /// A and B as full matrices, by rows.
     #[must_use]
     pub fn analysis_filters(&self) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
@@ -76,32 +70,13 @@ impl FilterBank {
         Ok(self.refined(coarse))
     }
 
-    /// A c and B c: the orthogonal projection to the coarse basis, and the details.
-    ///
-    /// # Errors
-    /// [`DensityError::Length`].
-    pub fn analyse(&self, fine: &[f64]) -> Result<(Vec<f64>, Vec<f64>), DensityError> {
-        check_length(fine, self.p.rows())?;
-        Ok(self.split(fine))
-    }
-
-    /// P c + Q d: the inverse of [`FilterBank::analyse`].
-    ///
-    /// # Errors
-    /// [`DensityError::Length`].
-    pub fn synthesise(&self, coarse: &[f64], details: &[f64]) -> Result<Vec<f64>, DensityError> {
-        check_length(coarse, self.p.columns())?;
-        check_length(details, self.q.columns())?;
-        Ok(self.join(coarse, details))
-    }
-
     pub(crate) fn refined(&self, coarse: &[f64]) -> Vec<f64> {
         let mut fine = vec![0.0; self.p.rows()];
         self.p.add_product(coarse, &mut fine);
         fine
     }
 
-    /// As [`FilterBank::analyse`], without the check of the length.
+    /// A c and B c: the orthogonal projection to the coarse basis, and the details.
     pub(super) fn split(&self, fine: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let (mut coarse, mut details) = self.projections(fine);
         // One step of iterative refinement, since the inner products are rounded.
@@ -123,7 +98,7 @@ impl FilterBank {
         (coarse, details)
     }
 
-    /// As [`FilterBank::synthesise`], without the check of the lengths.
+    /// P c + Q d: the inverse of [`FilterBank::split`].
     pub(super) fn join(&self, coarse: &[f64], details: &[f64]) -> Vec<f64> {
         let mut fine = self.refined(coarse);
         self.q.add_product(details, &mut fine);

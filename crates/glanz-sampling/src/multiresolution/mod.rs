@@ -1,15 +1,13 @@
 //! Multiresolution analyses: nested spaces V^0, V^1, ... on [0, 1], and the wavelets between them.
 //!
 //! [`MultiResolution`] has the scaling bases of Haar or of B-splines with semiorthogonal wavelets of minimal support, and a
-//! [`FilterBank`] between neighbouring levels; it transforms coefficients along one axis. [`plane`] has the standard and the
-//! non-standard transform along two axes.
+//! [`FilterBank`] between neighbouring levels; it transforms coefficients along one axis.
 //!
 //! # Source
 //! @pietrek2001 appendix C.
 
 mod analysis;
 mod filter_bank;
-pub mod plane;
 mod wavelets;
 
 pub use analysis::MultiResolution;

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use glanz_light::{Pixels, SpectralDistribution};
-use glanz_math::{DMat4, DVec2, DVec3};
-use glanz_shading::texture::{ImageFilter, ImageWrap};
+use glanz_math::DMat4;
+use glanz_shading::texture::{ImageFilter, ImageWrap, TextureMapping};
 
 use super::Location;
 
@@ -113,40 +113,5 @@ pub enum TextureKind {
     },
 }
 
-/// Mapping of a texture to surfaces.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum MappingDescription {
-    /// `(scale.x u + offset.x, scale.y v + offset.y)`.
-    Uv {
-        /// Factors on (u, v).
-        scale: DVec2,
-        /// Added after the factors.
-        offset: DVec2,
-    },
-    /// `(p . v1 + offset.x, p . v2 + offset.y)` with p in texture space.
-    Planar {
-        /// First axis.
-        v1: DVec3,
-        /// Second axis.
-        v2: DVec3,
-        /// Added to both.
-        offset: DVec2,
-        /// Transformation from world to texture space.
-        to_texture: DMat4,
-    },
-    /// Polar and azimuthal angle, scaled to [0, 1].
-    Spherical {
-        /// Transformation from world to texture space.
-        to_texture: DMat4,
-    },
-    /// Azimuthal angle scaled to [0, 1], and height.
-    Cylindrical {
-        /// Transformation from world to texture space.
-        to_texture: DMat4,
-    },
-    /// The point itself, for solid textures.
-    Solid {
-        /// Transformation from world to texture space.
-        to_texture: DMat4,
-    },
-}
+/// Mapping of a texture to surfaces, with transformations that need not be invertible.
+pub type MappingDescription = TextureMapping<DMat4>;

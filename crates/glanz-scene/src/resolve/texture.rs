@@ -167,18 +167,5 @@ fn image(
 }
 
 fn mapping(mapping: &MappingDescription, location: Option<Location>) -> Result<TextureMapping, SceneError> {
-    let placed = |matrix: &glanz_math::DMat4| transform(*matrix, "texture", location);
-    Ok(match mapping {
-        MappingDescription::Uv { scale, offset } => TextureMapping::Uv { scale: *scale, offset: *offset },
-        MappingDescription::Planar { v1, v2, offset, to_texture } => {
-            TextureMapping::Planar { v1: *v1, v2: *v2, offset: *offset, to_texture: placed(to_texture)? }
-        }
-        MappingDescription::Spherical { to_texture } => {
-            TextureMapping::Spherical { to_texture: placed(to_texture)? }
-        }
-        MappingDescription::Cylindrical { to_texture } => {
-            TextureMapping::Cylindrical { to_texture: placed(to_texture)? }
-        }
-        MappingDescription::Solid { to_texture } => TextureMapping::Solid { to_texture: placed(to_texture)? },
-    })
+    mapping.try_map(|to_texture| transform(*to_texture, "texture", location))
 }

@@ -250,12 +250,6 @@ impl<P: ParameterForm> Material<P> {
     pub fn is_diffuse(&self) -> bool {
         self.lobes().iter().all(|&lobe| lobe == Lobe::DIFFUSE)
     }
-
-    /// Whether light is scattered into more than single directions.
-    #[must_use]
-    pub fn is_rough(&self) -> bool {
-        self.lobes().iter().any(|lobe| !lobe.is_delta())
-    }
 }
 
 impl Material {

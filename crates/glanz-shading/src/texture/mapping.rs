@@ -17,12 +17,12 @@ pub struct TextureCoordinates {
     pub solid: bool,
 }
 
-/// Mapping of a texture to surfaces.
+/// Mapping of a texture to surfaces; `T`: representation of transformations.
 ///
 /// # Source
 /// pbrt, file format: parameter `mapping` of textures.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TextureMapping {
+pub enum TextureMapping<T = Transform> {
     /// `(scale.x u + offset.x, scale.y v + offset.y)`.
     Uv {
         /// Factors on (u, v).
@@ -39,23 +39,43 @@ pub enum TextureMapping {
         /// Added to both.
         offset: DVec2,
         /// Transformation from the world to the texture's space.
-        to_texture: Transform,
+        to_texture: T,
     },
     /// `(theta / pi, phi / 2 pi)`: angle from +z and azimuth in [0, 2 pi), p in the texture's space.
     Spherical {
         /// Transformation from the world to the texture's space.
-        to_texture: Transform,
+        to_texture: T,
     },
     /// `((phi + pi) / 2 pi, z)` with the azimuth in [-pi, pi], p in the texture's space.
     Cylindrical {
         /// Transformation from the world to the texture's space.
-        to_texture: Transform,
+        to_texture: T,
     },
     /// The point itself in the texture's space: solid textures. A flat texture takes x and y.
     Solid {
         /// Transformation from the world to the texture's space.
-        to_texture: Transform,
+        to_texture: T,
     },
+}
+
+impl<T> TextureMapping<T> {
+    /// The same mapping with other transformations.
+    ///
+    /// # Errors
+    /// Those of `convert`.
+    pub fn try_map<U, E>(&self, convert: impl FnOnce(&T) -> Result<U, E>) -> Result<TextureMapping<U>, E> {
+        Ok(match self {
+            &Self::Uv { scale, offset } => TextureMapping::Uv { scale, offset },
+            &Self::Planar { v1, v2, offset, ref to_texture } => {
+                TextureMapping::Planar { v1, v2, offset, to_texture: convert(to_texture)? }
+            }
+            Self::Spherical { to_texture } => TextureMapping::Spherical { to_texture: convert(to_texture)? },
+            Self::Cylindrical { to_texture } => {
+                TextureMapping::Cylindrical { to_texture: convert(to_texture)? }
+            }
+            Self::Solid { to_texture } => TextureMapping::Solid { to_texture: convert(to_texture)? },
+        })
+    }
 }
 
 impl Default for TextureMapping {
