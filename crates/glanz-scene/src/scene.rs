@@ -77,7 +77,7 @@ struct SceneHit {
 /// A scene in which nothing can be invalid and nothing changes.
 ///
 /// Everything but the camera is shared with the scenes of [`Scene::with_camera`].
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Scene {
     pub(crate) camera: Camera,
     /// All groups; the last is the world.
@@ -103,18 +103,7 @@ impl Scene {
     /// The same scene with another camera. Nothing is copied: both share all other data.
     #[must_use]
     pub fn with_camera(&self, camera: Camera) -> Self {
-        Self {
-            camera,
-            groups: Arc::clone(&self.groups),
-            materials: Arc::clone(&self.materials),
-            textures: Arc::clone(&self.textures),
-            lights: Arc::clone(&self.lights),
-            infinite_lights: Arc::clone(&self.infinite_lights),
-            selector: Arc::clone(&self.selector),
-            emitters: Arc::clone(&self.emitters),
-            bounds: self.bounds,
-            receivers: Arc::clone(&self.receivers),
-        }
+        Self { camera, ..self.clone() }
     }
 
     /// The bounding box of all bounded objects; empty if there is none.

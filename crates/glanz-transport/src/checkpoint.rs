@@ -18,7 +18,7 @@ use glanz_sampling::SamplerKind;
 use glanz_scene::description::{FilterDescription, FilterKind};
 
 use crate::aov::AovSet;
-use crate::codec::{Decoder, Encoder, EnvelopeError, open, seal};
+use crate::codec::{Decoder, Encoder, EnvelopeError, FileEnvelope};
 use crate::film::{Film, FilmError, FilmFormat};
 use crate::guide::{decode_training, encode_training};
 use crate::identity::PictureIdentity;
@@ -28,52 +28,23 @@ use crate::pixel::Rejects;
 use crate::pixel_rect::PixelRect;
 use crate::ranges::SampleRanges;
 
-const MAGIC: &[u8; 8] = b"GLANZCKP";
-const VERSION: u32 = 4;
+/// The file.
+const ENVELOPE: FileEnvelope =
+    FileEnvelope { magic: b"GLANZCKP", version: 4, content: "the checkpoint", kind: "a checkpoint of Glanz" };
 
 /// Errors of reading a checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
-    /// Something else.
-    #[error("this is not a checkpoint of Glanz")]
-    Foreign,
-    /// Written by a program of another time.
-    #[error("the checkpoint has format {0}, this program reads format {VERSION}")]
-    Version(u32),
-    /// Shorter or longer than it was.
-    #[error("the checkpoint is damaged: it has {found} bytes, not {expected}")]
-    Length {
-        /// As it says itself.
-        expected: u64,
-        /// As it is.
-        found: u64,
-    },
-    /// Changed on the way.
-    #[error("the checkpoint is damaged: its checksum is {found:08x}, not {expected:08x}")]
-    Checksum {
-        /// As it says itself.
-        expected: u32,
-        /// As it is.
-        found: u32,
-    },
+    /// Another kind or version of file, or a damaged one.
+    #[error(transparent)]
+    Envelope(#[from] EnvelopeError),
     /// Unchanged, but nothing that this program would write.
     #[error("the checkpoint makes no sense: {0}")]
     Content(&'static str),
     /// A film that cannot be made.
     #[error("the checkpoint cannot be used: {0}")]
     Film(#[from] FilmError),
-}
-
-impl From<EnvelopeError> for CheckpointError {
-    fn from(error: EnvelopeError) -> Self {
-        match error {
-            EnvelopeError::Foreign => Self::Foreign,
-            EnvelopeError::Version(version) => Self::Version(version),
-            EnvelopeError::Length { expected, found } => Self::Length { expected, found },
-            EnvelopeError::Checksum { expected, found } => Self::Checksum { expected, found },
-        }
-    }
 }
 
 /// A film and what it is a picture of.
@@ -95,7 +66,7 @@ impl Checkpoint {
     /// As [`Checkpoint::to_bytes`], for a film that is still in use.
     #[must_use]
     pub fn encode(identity: &PictureIdentity, film: &Film) -> Vec<u8> {
-        seal(MAGIC, VERSION, |e| {
+        ENVELOPE.seal(|e| {
             encode_identity(e, identity);
             e.u32(film.samples().as_slice().len() as u32);
             for range in film.samples().as_slice() {
@@ -119,7 +90,7 @@ impl Checkpoint {
     /// # Errors
     /// [`CheckpointError`] if any bit is not as it was written.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
-        let mut d = Decoder(open(MAGIC, VERSION, bytes)?);
+        let mut d = Decoder(ENVELOPE.open(bytes)?);
         let identity = decode_identity(&mut d)?;
         let samples = decode_ranges(&mut d).ok_or(CheckpointError::Content("its sample ranges"))?;
         let rejects = match (d.u64(), d.u64()) {
@@ -323,7 +294,10 @@ mod tests {
         }
         let mut longer = bytes.clone();
         longer.push(0);
-        assert!(matches!(Checkpoint::from_bytes(&longer), Err(CheckpointError::Length { .. })));
+        assert!(matches!(
+            Checkpoint::from_bytes(&longer),
+            Err(CheckpointError::Envelope(EnvelopeError::Length { .. }))
+        ));
         for bit in (0..300 * 8).chain((300 * 8..bytes.len() * 8).step_by(977)) {
             let mut damaged = bytes.clone();
             damaged[bit / 8] ^= 1 << (bit % 8);
@@ -334,15 +308,20 @@ mod tests {
     #[test]
     fn reasons_are_told() {
         let bytes = example().to_bytes();
-        assert_eq!(Checkpoint::from_bytes(b"PNG..."), Err(CheckpointError::Foreign));
-        assert_eq!(Checkpoint::from_bytes(b""), Err(CheckpointError::Foreign));
+        let foreign = CheckpointError::Envelope(EnvelopeError::Foreign("a checkpoint of Glanz"));
+        assert_eq!(Checkpoint::from_bytes(b"PNG..."), Err(foreign.clone()));
+        assert_eq!(Checkpoint::from_bytes(b""), Err(foreign));
         let mut newer = bytes.clone();
-        newer[8] = VERSION as u8 + 1;
-        assert_eq!(Checkpoint::from_bytes(&newer), Err(CheckpointError::Version(VERSION + 1)));
+        newer[8] += 1;
+        let (content, known) = ("the checkpoint", ENVELOPE.version);
+        assert_eq!(
+            Checkpoint::from_bytes(&newer),
+            Err(EnvelopeError::Version { content, found: known + 1, known }.into())
+        );
         let found = bytes.len() as u64;
         assert_eq!(
             Checkpoint::from_bytes(&bytes[..100]),
-            Err(CheckpointError::Length { expected: found, found: 100 })
+            Err(EnvelopeError::Length { content, expected: found, found: 100 }.into())
         );
     }
 

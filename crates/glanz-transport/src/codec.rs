@@ -5,74 +5,104 @@ pub const CRC_LENGTH: usize = 4;
 /// Length of magic, version and length.
 pub const PREFIX_LENGTH: usize = 20;
 
-/// Errors of opening the envelope of [`seal`].
+/// Kind of file in an envelope: magic, version, length, content, checksum.
+#[derive(Debug)]
+pub struct FileEnvelope {
+    /// First bytes.
+    pub magic: &'static [u8; 8],
+    /// Version of the format.
+    pub version: u32,
+    /// Content as messages name it, such as "the guide".
+    pub content: &'static str,
+    /// Kind of file as messages name it, such as "a guide of Glanz".
+    pub kind: &'static str,
+}
+
+/// Errors of opening a [`FileEnvelope`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum EnvelopeError {
     /// Another magic.
-    #[error("it is something else")]
-    Foreign,
+    #[error("this is not {0}")]
+    Foreign(&'static str),
     /// Another version.
-    #[error("it has format {0}")]
-    Version(u32),
-    /// Shorter or longer than it says itself.
-    #[error("it has {found} bytes, not {expected}")]
+    #[error("{content} has format {found}, this program reads format {known}")]
+    Version {
+        /// What the file holds.
+        content: &'static str,
+        /// Its format.
+        found: u32,
+        /// The format that can be read.
+        known: u32,
+    },
+    /// Shorter or longer than stored in the file.
+    #[error("{content} is damaged: it has {found} bytes, not {expected}")]
     Length {
-        /// As it says itself.
+        /// What the file holds.
+        content: &'static str,
+        /// Length stored in the file.
         expected: u64,
-        /// As it is.
+        /// Length of the file.
         found: u64,
     },
-    /// Another checksum than it says itself.
-    #[error("its checksum is {found:08x}, not {expected:08x}")]
+    /// Another checksum than stored in the file.
+    #[error("{content} is damaged: its checksum is {found:08x}, not {expected:08x}")]
     Checksum {
-        /// As it says itself.
+        /// What the file holds.
+        content: &'static str,
+        /// Checksum stored in the file.
         expected: u32,
-        /// As it is.
+        /// Checksum of the file.
         found: u32,
     },
 }
 
-/// Magic, version (4 bytes), length of all (8 bytes), what `content` appends, and the CRC-32 (IEEE) of all before it.
-pub fn seal(magic: &[u8; 8], version: u32, content: impl FnOnce(&mut Encoder)) -> Vec<u8> {
-    let mut e = Encoder::default();
-    e.0.extend_from_slice(magic);
-    e.u32(version);
-    e.u64(0);
-    content(&mut e);
-    let length = (e.0.len() + CRC_LENGTH) as u64;
-    if let Some(slot) = e.0.get_mut(PREFIX_LENGTH - 8..PREFIX_LENGTH) {
-        slot.copy_from_slice(&length.to_le_bytes());
+impl FileEnvelope {
+    /// Magic, version (4 bytes), length of all (8 bytes), what `content` appends, and the CRC-32 (IEEE) of all before it.
+    pub fn seal(&self, content: impl FnOnce(&mut Encoder)) -> Vec<u8> {
+        let mut e = Encoder::default();
+        e.0.extend_from_slice(self.magic);
+        e.u32(self.version);
+        e.u64(0);
+        content(&mut e);
+        let length = (e.0.len() + CRC_LENGTH) as u64;
+        if let Some(slot) = e.0.get_mut(PREFIX_LENGTH - 8..PREFIX_LENGTH) {
+            slot.copy_from_slice(&length.to_le_bytes());
+        }
+        let crc = crc32fast::hash(&e.0);
+        e.u32(crc);
+        e.0
     }
-    let crc = crc32fast::hash(&e.0);
-    e.u32(crc);
-    e.0
-}
 
-/// The content of what [`seal`] made.
-pub fn open<'a>(magic: &[u8; 8], wanted: u32, bytes: &'a [u8]) -> Result<&'a [u8], EnvelopeError> {
-    let mut d = Decoder(bytes);
-    // A file cut within the magic is still recognised as cut, not foreign, unless nothing of it is left.
-    let start = &magic[..magic.len().min(bytes.len())];
-    if bytes.is_empty() || !bytes.starts_with(start) {
-        return Err(EnvelopeError::Foreign);
+    /// The content of what [`FileEnvelope::seal`] made.
+    ///
+    /// # Errors
+    /// [`EnvelopeError`] if magic, version, length or checksum differ.
+    pub fn open<'a>(&self, bytes: &'a [u8]) -> Result<&'a [u8], EnvelopeError> {
+        let Self { magic, content, .. } = *self;
+        let mut d = Decoder(bytes);
+        // A file cut within the magic is still recognised as cut, not foreign, unless nothing of it is left.
+        let start = &magic[..magic.len().min(bytes.len())];
+        if bytes.is_empty() || !bytes.starts_with(start) {
+            return Err(EnvelopeError::Foreign(self.kind));
+        }
+        let found = bytes.len() as u64;
+        let short = EnvelopeError::Length { content, expected: (PREFIX_LENGTH + CRC_LENGTH) as u64, found };
+        let (Some(_), Some(version), Some(expected)) = (d.take(magic.len()), d.u32(), d.u64()) else {
+            return Err(short);
+        };
+        if version != self.version {
+            return Err(EnvelopeError::Version { content, found: version, known: self.version });
+        }
+        if expected != found {
+            return Err(EnvelopeError::Length { content, expected, found });
+        }
+        let Some((rest, crc)) = bytes.split_last_chunk::<CRC_LENGTH>() else { return Err(short) };
+        let (expected, found) = (u32::from_le_bytes(*crc), crc32fast::hash(rest));
+        if expected != found {
+            return Err(EnvelopeError::Checksum { content, expected, found });
+        }
+        rest.get(PREFIX_LENGTH..).ok_or(short)
     }
-    let found = bytes.len() as u64;
-    let short = EnvelopeError::Length { expected: (PREFIX_LENGTH + CRC_LENGTH) as u64, found };
-    let (Some(_), Some(version), Some(expected)) = (d.take(magic.len()), d.u32(), d.u64()) else {
-        return Err(short);
-    };
-    if version != wanted {
-        return Err(EnvelopeError::Version(version));
-    }
-    if expected != found {
-        return Err(EnvelopeError::Length { expected, found });
-    }
-    let Some((content, crc)) = bytes.split_last_chunk::<CRC_LENGTH>() else { return Err(short) };
-    let (expected, found) = (u32::from_le_bytes(*crc), crc32fast::hash(content));
-    if expected != found {
-        return Err(EnvelopeError::Checksum { expected, found });
-    }
-    content.get(PREFIX_LENGTH..).ok_or(short)
 }
 
 /// Appends to bytes.

@@ -195,27 +195,9 @@ pub enum FileFault {
     /// Its extension names no format that is written.
     #[error("no format for {0} has this extension")]
     Extension(&'static str),
-    /// It holds something else.
-    #[error("this is not {0}")]
-    Foreign(&'static str),
-    /// It was written in another format.
-    #[error("{what} has format {found}, this program reads format {known}")]
-    Version {
-        /// What the file holds.
-        what: &'static str,
-        /// Its format.
-        found: u32,
-        /// The format that can be read.
-        known: u32,
-    },
-    /// It was cut or changed.
-    #[error("{what} is damaged: {error}")]
-    Damaged {
-        /// What the file holds.
-        what: &'static str,
-        /// How that is known.
-        error: EnvelopeError,
-    },
+    /// Another kind or version of file, or a damaged one.
+    #[error(transparent)]
+    Envelope(#[from] EnvelopeError),
     /// It is unchanged, but nothing that this program would write.
     #[error("{0} makes no sense")]
     Content(&'static str),
@@ -270,16 +252,6 @@ pub enum FileFault {
 }
 
 impl FileFault {
-    /// The fault of a sealed file that holds `what`; `kind`: what it should be.
-    #[cfg(any(feature = "radiosity", feature = "illumination"))]
-    pub(crate) fn of_envelope(error: EnvelopeError, [what, kind]: [&'static str; 2], known: u32) -> Self {
-        match error {
-            EnvelopeError::Foreign => Self::Foreign(kind),
-            EnvelopeError::Version(found) => Self::Version { what, found, known },
-            error => Self::Damaged { what, error },
-        }
-    }
-
     /// The fault as an error of the file `path`.
     pub(crate) fn of(self, path: &Path) -> Error {
         Error::File { path: path.to_owned(), fault: self }

@@ -30,10 +30,11 @@ use super::mixture::{MixtureWeight, SHARES};
 use super::training::PassSums;
 use super::tree::{GuideCell, TreeGuide};
 use super::{Guide, Training};
-use crate::codec::{Decoder, Encoder, EnvelopeError, open, seal};
+use crate::codec::{Decoder, Encoder, EnvelopeError, FileEnvelope};
 
-const MAGIC: &[u8; 8] = b"GLANZGDE";
-const VERSION: u32 = 2;
+/// The file.
+const ENVELOPE: FileEnvelope =
+    FileEnvelope { magic: b"GLANZGDE", version: 2, content: "the guide", kind: "a guide of Glanz" };
 
 /// Kinds of guides.
 const TREE: u8 = 0;
@@ -46,35 +47,19 @@ const CELL: u8 = 3;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GuideFileError {
-    /// Something else.
-    #[error("this is not a guide of Glanz")]
-    Foreign,
-    /// Written by a program of another time.
-    #[error("the guide has format {0}, this program reads format {VERSION}")]
-    Version(u32),
-    /// Cut or changed on the way.
-    #[error("the guide is damaged: {0}")]
-    Damaged(String),
+    /// Another kind or version of file, or a damaged one.
+    #[error(transparent)]
+    Envelope(#[from] EnvelopeError),
     /// Unchanged, but nothing that this program would write.
     #[error("the guide makes no sense: {0}")]
     Content(&'static str),
-}
-
-impl From<EnvelopeError> for GuideFileError {
-    fn from(error: EnvelopeError) -> Self {
-        match error {
-            EnvelopeError::Foreign => Self::Foreign,
-            EnvelopeError::Version(version) => Self::Version(version),
-            other => Self::Damaged(other.to_string()),
-        }
-    }
 }
 
 impl Guide {
     /// The bytes of the file.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        seal(MAGIC, VERSION, |e| encode_guide(e, self))
+        ENVELOPE.seal(|e| encode_guide(e, self))
     }
 
     /// Reads what [`Guide::to_bytes`] wrote. Takes no more memory than a few times `bytes`, whatever they are.
@@ -82,7 +67,7 @@ impl Guide {
     /// # Errors
     /// [`GuideFileError`] if any bit is not as it was written.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, GuideFileError> {
-        let mut d = Decoder(open(MAGIC, VERSION, bytes)?);
+        let mut d = Decoder(ENVELOPE.open(bytes)?);
         let guide = decode_guide(&mut d).ok_or(GuideFileError::Content("its trees or densities"))?;
         if d.0.is_empty() { Ok(guide) } else { Err(GuideFileError::Content("its size")) }
     }
@@ -288,10 +273,12 @@ mod tests {
             damaged[bit / 8] ^= 1 << (bit % 8);
             assert!(Guide::from_bytes(&damaged).is_err(), "bit {bit}");
         }
-        assert_eq!(Guide::from_bytes(b"GLANZCKP"), Err(GuideFileError::Foreign));
+        let foreign = EnvelopeError::Foreign("a guide of Glanz");
+        assert_eq!(Guide::from_bytes(b"GLANZCKP"), Err(foreign.into()));
         let mut newer = bytes;
         newer[8] = 9;
-        assert_eq!(Guide::from_bytes(&newer), Err(GuideFileError::Version(9)));
+        let version = EnvelopeError::Version { content: "the guide", found: 9, known: 2 };
+        assert_eq!(Guide::from_bytes(&newer), Err(version.into()));
     }
 
     static EXAMPLE: std::sync::OnceLock<Vec<u8>> = std::sync::OnceLock::new();

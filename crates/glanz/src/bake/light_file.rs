@@ -16,16 +16,14 @@ use std::path::{Path, PathBuf};
 use glanz_job::{ContentHash, IdentityMismatch, JobIdentity, current_version};
 use glanz_radiosity::bake::{BakeMethod, BakeSettings, BakeState, LightMap, stored};
 use glanz_radiosity::elements::Elements;
-use glanz_transport::codec::{Decoder, open, seal};
+use glanz_transport::codec::{Decoder, FileEnvelope};
 
 use crate::error::{Error, FileFault};
 use crate::file;
 
-const MAGIC: &[u8; 8] = b"GLANZLGT";
-const VERSION: u32 = 1;
-
-/// What messages call the content of a file, and what it should be.
-const NAMES: [&str; 2] = ["the light", "baked light of Glanz"];
+/// The file.
+const ENVELOPE: FileEnvelope =
+    FileEnvelope { magic: b"GLANZLGT", version: 1, content: "the light", kind: "baked light of Glanz" };
 
 /// What light depends on.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,11 +96,10 @@ impl LightFile {
     /// [`Error::File`].
     pub fn read(path: &Path) -> Result<Self, Error> {
         let bytes = file::read(path)?;
-        let content = open(MAGIC, VERSION, &bytes)
-            .map_err(|error| FileFault::of_envelope(error, NAMES, VERSION).of(path))?;
+        let content = ENVELOPE.open(&bytes).map_err(Error::of_file(path))?;
         let mut hash = ContentHash::default();
         hash.add_file(&bytes);
-        let senseless = || FileFault::Content(NAMES[0]).of(path);
+        let senseless = || FileFault::Content(ENVELOPE.content).of(path);
         let (identity, content) = decode(content).ok_or_else(senseless)?;
         Ok(Self { path: path.to_owned(), identity, content, hash: hash.value() })
     }
@@ -145,7 +142,7 @@ impl LightFile {
             LightContent::Unfinished(_) => &[],
         };
         stored::from_bytes(elements, self.density(), bytes)
-            .ok_or_else(|| FileFault::Content(NAMES[0]).of(&self.path))
+            .ok_or_else(|| FileFault::Content(ENVELOPE.content).of(&self.path))
     }
 }
 
@@ -174,7 +171,7 @@ pub(super) fn write_maps(path: &Path, identity: &LightIdentity, maps: &[LightMap
 
 fn write(path: &Path, identity: &LightIdentity, kind: u8, content: &[u8]) -> Result<(), Error> {
     let LightIdentity { version, scene, settings } = identity;
-    let bytes = seal(MAGIC, VERSION, |e| {
+    let bytes = ENVELOPE.seal(|e| {
         e.text(version);
         e.u128(*scene);
         e.f64(settings.density);

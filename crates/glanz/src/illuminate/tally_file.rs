@@ -14,16 +14,18 @@ use std::path::Path;
 
 use glanz_illumination::{FarFieldGrid, Receivers, Tally};
 use glanz_job::{JobIdentity, current_version};
-use glanz_transport::codec::{Decoder, open, seal};
+use glanz_transport::codec::{Decoder, FileEnvelope};
 
 use crate::error::{Error, FileFault};
 use crate::file;
 
-const MAGIC: &[u8; 8] = b"GLANZLUX";
-const VERSION: u32 = 1;
-
-/// What messages call the content of a file, and what it should be.
-const NAMES: [&str; 2] = ["the checkpoint", "a checkpoint of illuminance"];
+/// The file.
+const ENVELOPE: FileEnvelope = FileEnvelope {
+    magic: b"GLANZLUX",
+    version: 1,
+    content: "the checkpoint",
+    kind: "a checkpoint of illuminance",
+};
 
 /// What particles depend on.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,7 +58,7 @@ impl JobIdentity for TallyIdentity {
 
 /// Puts `tally` into the file `path`.
 pub(super) fn write(path: &Path, identity: &TallyIdentity, tally: &Tally) -> Result<(), Error> {
-    let bytes = seal(MAGIC, VERSION, |encoder| {
+    let bytes = ENVELOPE.seal(|encoder| {
         encoder.text(&identity.version);
         encoder.u128(identity.scene);
         encoder.u64(identity.seed);
@@ -74,10 +76,9 @@ pub(super) fn read(
     far_field: Option<FarFieldGrid>,
 ) -> Result<Tally, Error> {
     let bytes = file::read(path)?;
-    let content = open(MAGIC, VERSION, &bytes)
-        .map_err(|error| FileFault::of_envelope(error, NAMES, VERSION).of(path))?;
+    let content = ENVELOPE.open(&bytes).map_err(Error::of_file(path))?;
     let mut decoder = Decoder(content);
-    let senseless = || FileFault::Content(NAMES[0]).of(path);
+    let senseless = || FileFault::Content(ENVELOPE.content).of(path);
     let identity = identity(&mut decoder).ok_or_else(senseless)?;
     identity.check(wanted).map_err(Error::of_file(path))?;
     Tally::decode(&mut decoder, receivers, far_field).ok_or_else(senseless)
