@@ -18,7 +18,7 @@ use glanz_light::intensity::{AngularSystem, IntensityDistribution, IntensityErro
 use super::clamp_negative;
 use super::error::{PhotometryError, PhotometryErrorKind};
 use super::opening::from_signs;
-use super::text::{TextCursor, decode};
+use super::text::{NumberReader, TextCursor, decode};
 use super::{
     LampGeometry, LampSet, LuminousOpening, Names, OpeningShape, Photometry, PhotometryFile,
     PhotometryFormat, Tilt,
@@ -26,9 +26,6 @@ use super::{
 
 /// Gives the bytes of the file that a line `TILT=name` names, or says why not.
 pub type TiltFiles<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
-
-/// An intensity beyond this is a mistake; sums of such stay finite.
-pub(super) const MAX_CANDELA: f64 = 1e30;
 
 /// Reads a file whose tilt data, if any, are in it.
 ///
@@ -168,10 +165,10 @@ fn read_tilt(cursor: &mut TextCursor) -> Result<Tilt, PhotometryError> {
         2.0 => LampGeometry::Horizontal,
         _ => LampGeometry::Tilting,
     };
-    let count = count(cursor, "tilt angles", 1.0)?;
-    check_room(cursor, "tilt angles", 2 * count)?;
-    let angles = ascending(cursor, "tilt angle", count)?;
-    let factors = cursor.numbers("tilt factor", count)?;
+    let count = cursor.count("tilt angles", 1.0)?;
+    cursor.check_room("tilt angles", 2 * count)?;
+    let angles = cursor.ascending("tilt angle", count)?;
+    let factors = (0..count).map(|_| cursor.number("tilt factor")).collect::<Result<_, _>>()?;
     Ok(Tilt { geometry, angles, factors })
 }
 
@@ -212,14 +209,13 @@ impl LampFields {
     ) -> Result<Self, PhotometryError> {
         let lamp_count = cursor.number("number of lamps")?;
         if lamp_count < 0.0 {
-            let (what, allowed) = ("number of lamps", "0 or more");
-            return Err(cursor.here(PhotometryErrorKind::Value { what, value: lamp_count, allowed }));
+            return Err(cursor.value_error("number of lamps", lamp_count, "0 or more"));
         }
         let lumens = cursor.number("lumens per lamp")?;
-        let multiplier = positive(cursor, "candela multiplier")?;
-        let verticals = count(cursor, "vertical angles", 2.0)?;
-        let horizontals = count(cursor, "horizontal angles", 1.0)?;
-        check_room(cursor, "intensities", verticals.saturating_mul(horizontals))?;
+        let multiplier = cursor.positive("candela multiplier")?;
+        let verticals = cursor.count("vertical angles", 2.0)?;
+        let horizontals = cursor.count("horizontal angles", 1.0)?;
+        cursor.check_room("intensities", verticals.saturating_mul(horizontals))?;
         let system = match cursor.whole("photometric type", "1 (C), 2 (B) or 3 (A)", 1.0..=3.0)? {
             1.0 => AngularSystem::C,
             2.0 => AngularSystem::B,
@@ -235,7 +231,7 @@ impl LampFields {
             let size = [length, width, height].map(|v| v.abs() * metres);
             LuminousOpening { shape: OpeningShape::Box, size }
         });
-        let ballast = positive(cursor, "ballast factor")?;
+        let ballast = cursor.positive("ballast factor")?;
         let code = cursor.number("ballast-lamp photometric factor")?;
         let (mut ballast_lamp, mut generation) = (1.0, None);
         match year {
@@ -276,7 +272,7 @@ impl IesValues {
         lamps: &LampFields,
         warnings: &mut Vec<PhotometryError>,
     ) -> Result<Self, PhotometryError> {
-        let verticals = ascending(cursor, "vertical angle", lamps.verticals)?;
+        let verticals = cursor.ascending("vertical angle", lamps.verticals)?;
         let (first, last) = ends(&verticals);
         let (least, most, allowed) = match lamps.system {
             AngularSystem::C => (0.0, 180.0, "within 0 and 180"),
@@ -290,7 +286,7 @@ impl IesValues {
                 allowed,
             }));
         }
-        let horizontals = ascending(cursor, "horizontal angle", lamps.horizontals)?;
+        let horizontals = cursor.ascending("horizontal angle", lamps.horizontals)?;
         let symmetry = symmetry(lamps.system, &horizontals).map_err(|allowed| {
             let (first, last) = ends(&horizontals);
             cursor.here(PhotometryErrorKind::Range { what: "horizontal angles", first, last, allowed })
@@ -301,15 +297,7 @@ impl IesValues {
         }
         let factor = lamps.multiplier * lamps.ballast * lamps.ballast_lamp;
         let n = verticals.len();
-        let mut candela = Vec::with_capacity(n * horizontals.len());
-        for _ in 0..n * horizontals.len() {
-            let value = cursor.number("intensity")? * factor;
-            if value.abs() > MAX_CANDELA || value.is_nan() {
-                let allowed = "at most 1e30 candela";
-                return Err(cursor.here(PhotometryErrorKind::Value { what: "intensity", value, allowed }));
-            }
-            candela.push(value);
-        }
+        let mut candela = cursor.intensities(n * horizontals.len(), factor)?;
         warnings.extend(clamp_negative(&mut candela).map(|kind| cursor.here(kind)));
         if lamps.system == AngularSystem::C
             && last == 360.0
@@ -377,44 +365,4 @@ fn symmetry(system: AngularSystem, horizontals: &[f64]) -> Result<Symmetry, &'st
 
 pub(super) fn ends(angles: &[f64]) -> (f64, f64) {
     (angles.first().copied().unwrap_or(0.0), angles.last().copied().unwrap_or(0.0))
-}
-
-fn positive(cursor: &mut TextCursor, what: &'static str) -> Result<f64, PhotometryError> {
-    let value = cursor.number(what)?;
-    if value > 0.0 {
-        Ok(value)
-    } else {
-        Err(cursor.here(PhotometryErrorKind::Value { what, value, allowed: "more than 0" }))
-    }
-}
-
-/// A declared number of values; the rest of the file has room for them.
-fn count(cursor: &mut TextCursor, what: &'static str, least: f64) -> Result<usize, PhotometryError> {
-    // Conversions are exact far beyond 1e12.
-    let allowed = if least > 1.0 { "a whole number from 2" } else { "a whole number from 1" };
-    let count = cursor.whole("number of angles", allowed, least..=1e12)? as usize;
-    check_room(cursor, what, count)?;
-    Ok(count)
-}
-
-fn check_room(cursor: &TextCursor, what: &'static str, count: usize) -> Result<(), PhotometryError> {
-    let room = cursor.room();
-    if count > room {
-        return Err(cursor.here(PhotometryErrorKind::Count { what, declared: count as f64, room }));
-    }
-    Ok(())
-}
-
-fn ascending(cursor: &mut TextCursor, what: &'static str, count: usize) -> Result<Vec<f64>, PhotometryError> {
-    let mut angles: Vec<f64> = Vec::with_capacity(count);
-    for _ in 0..count {
-        let second = cursor.number(what)?;
-        if let Some(&first) = angles.last()
-            && second <= first
-        {
-            return Err(cursor.here(PhotometryErrorKind::Order { what, first, second }));
-        }
-        angles.push(second);
-    }
-    Ok(angles)
 }

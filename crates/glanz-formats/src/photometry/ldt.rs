@@ -13,8 +13,8 @@ use glanz_scene::Diagnostics;
 
 use super::clamp_negative;
 use super::error::{PhotometryError, PhotometryErrorKind};
-use super::ies::{MAX_CANDELA, ends};
-use super::text::{TextCursor, decode, number};
+use super::ies::ends;
+use super::text::{MAX_CANDELA, NumberReader, TextCursor, decode, number};
 use super::{
     EulumdatExtra, LampSet, LuminousOpening, Names, OpeningShape, Photometry, PhotometryFile,
     PhotometryFormat,
@@ -32,11 +32,11 @@ const MAX_SETS: f64 = 1000.0;
 pub fn read(bytes: &[u8]) -> Result<PhotometryFile, PhotometryError> {
     let mut lines = LdtReader { cursor: TextCursor::new(bytes)?, warnings: Vec::new() };
     let manufacturer = lines.text("company")?;
-    let luminaire_type = lines.whole("type indicator", "0 to 3", 0.0, 3.0)? as u8;
-    let symmetry = lines.whole("symmetry indicator", "0 to 4", 0.0, 4.0)? as u8;
-    let planes = lines.count("C planes")?;
+    let luminaire_type = lines.whole("type indicator", "0 to 3", 0.0..=3.0)? as u8;
+    let symmetry = lines.whole("symmetry indicator", "0 to 4", 0.0..=4.0)? as u8;
+    let planes = lines.count("C planes", 1.0)?;
     lines.number("distance of C planes")?;
-    let gammas = lines.count("gamma angles")?;
+    let gammas = lines.count("gamma angles", 1.0)?;
     lines.number("distance of gamma angles")?;
     let names = Names {
         manufacturer,
@@ -134,7 +134,7 @@ impl StoredPlanes {
         };
         if !listed.is_multiple_of(parts) {
             let allowed = "even for symmetries 2 and 3, a multiple of 4 for symmetry 4";
-            return Err(lines.value("number of C planes", listed as f64, allowed));
+            return Err(lines.value_error("number of C planes", listed as f64, allowed));
         }
         let count = match symmetry {
             Symmetry::Axial => 1,
@@ -184,18 +184,6 @@ impl LdtReader<'_> {
         }
     }
 
-    fn number(&mut self, what: &'static str) -> Result<f64, PhotometryError> {
-        let line = self.text(what)?;
-        if line.is_empty() {
-            self.empty(what);
-            return Ok(0.0);
-        }
-        numeric(&line).ok_or_else(|| {
-            let text = line.chars().take(40).collect();
-            self.cursor.here(PhotometryErrorKind::Number { what, text })
-        })
-    }
-
     fn empty(&mut self, what: &'static str) {
         // Each costs a walk through the file to its line.
         if self.warnings.len() < Diagnostics::PER_KIND {
@@ -203,49 +191,19 @@ impl LdtReader<'_> {
         }
     }
 
-    fn whole(
-        &mut self,
-        what: &'static str,
-        allowed: &'static str,
-        least: f64,
-        most: f64,
-    ) -> Result<f64, PhotometryError> {
-        let value = self.number(what)?;
-        if value.fract() == 0.0 && (least..=most).contains(&value) {
-            Ok(value)
-        } else {
-            Err(self.value(what, value, allowed))
-        }
-    }
-
-    fn positive(&mut self, what: &'static str) -> Result<f64, PhotometryError> {
-        let value = self.number(what)?;
-        if value > 0.0 { Ok(value) } else { Err(self.value(what, value, "more than 0")) }
-    }
-
-    /// A number of values that the rest of the file has room for.
-    fn count(&mut self, what: &'static str) -> Result<usize, PhotometryError> {
-        let declared = self.whole("number of angles", "a whole number from 1", 1.0, 1e12)?;
-        let (count, room) = (declared as usize, self.cursor.room());
-        if count > room {
-            return Err(self.cursor.here(PhotometryErrorKind::Count { what, declared, room }));
-        }
-        Ok(count)
-    }
-
     fn lengths<const N: usize>(&mut self, what: [&'static str; N]) -> Result<[f64; N], PhotometryError> {
         let mut lengths = [0.0; N];
         for (length, what) in lengths.iter_mut().zip(what) {
             *length = self.number(what)? * METRES;
             if *length < 0.0 {
-                return Err(self.value(what, *length / METRES, "0 or more millimetres"));
+                return Err(self.value_error(what, *length / METRES, "0 or more millimetres"));
             }
         }
         Ok(lengths)
     }
 
     fn lamps(&mut self) -> Result<(LdtLamps, bool), PhotometryError> {
-        let count = self.whole("number of sets of lamps", "1 to 1000", 1.0, MAX_SETS)? as usize;
+        let count = self.whole("number of sets of lamps", "1 to 1000", 1.0..=MAX_SETS)? as usize;
         let at = self.cursor.last;
         let mut fields = Vec::with_capacity(6 * count);
         let mut places = Vec::with_capacity(6 * count);
@@ -287,7 +245,7 @@ impl LdtReader<'_> {
             if let [LampSet { lumens: Some(lumens), .. }] = sets[..]
                 && (lumens <= 0.0 || lumens > MAX_CANDELA)
             {
-                return Err(self.value("flux of the lamps", lumens, "more than 0"));
+                return Err(self.value_error("flux of the lamps", lumens, "more than 0"));
             }
         }
         let is_absolute = sets.first().is_some_and(|set| set.count < 0.0);
@@ -328,46 +286,25 @@ impl LdtReader<'_> {
         Ok(Some(ratios))
     }
 
-    fn angles(&mut self, what: &'static str, count: usize) -> Result<Vec<f64>, PhotometryError> {
-        let mut angles: Vec<f64> = Vec::with_capacity(count);
-        for _ in 0..count {
-            let second = self.number(what)?;
-            if let Some(&first) = angles.last()
-                && second <= first
-            {
-                return Err(self.cursor.here(PhotometryErrorKind::Order { what, first, second }));
-            }
-            angles.push(second);
-        }
-        Ok(angles)
-    }
-
     fn distribution(
         &mut self,
         planes: &StoredPlanes,
         gammas: usize,
         factor: f64,
     ) -> Result<IntensityDistribution, PhotometryError> {
-        let listed = self.angles("C angle", planes.listed)?;
+        let listed = self.ascending("C angle", planes.listed)?;
         let azimuths = planes.azimuths(&listed).ok_or_else(|| {
             let (first, last) = ends(&listed);
             let allowed = "from 0 to below 360, with planes on those of the symmetry";
             self.cursor.here(PhotometryErrorKind::Range { what: "C angles", first, last, allowed })
         })?;
-        let polars = self.angles("gamma angle", gammas)?;
+        let polars = self.ascending("gamma angle", gammas)?;
         let (first, last) = ends(&polars);
         if first < 0.0 || last > 180.0 {
             let (what, allowed) = ("gamma angles", "within 0 and 180");
             return Err(self.cursor.here(PhotometryErrorKind::Range { what, first, last, allowed }));
         }
-        let mut candela = Vec::with_capacity(planes.count * gammas);
-        for _ in 0..planes.count * gammas {
-            let value = self.number("intensity")? * factor;
-            if value.abs() > MAX_CANDELA || value.is_nan() {
-                return Err(self.value("intensity", value, "at most 1e30 candela"));
-            }
-            candela.push(value);
-        }
+        let mut candela = self.intensities(planes.count * gammas, factor)?;
         self.warnings.extend(clamp_negative(&mut candela).map(|kind| self.cursor.here(kind)));
         IntensityDistribution::try_new(AngularSystem::C, planes.symmetry, &azimuths, polars, candela)
             .map_err(|error| self.cursor.here(PhotometryErrorKind::Intensity(error)))
@@ -382,9 +319,23 @@ impl LdtReader<'_> {
             }
         }
     }
+}
 
-    fn value(&self, what: &'static str, value: f64, allowed: &'static str) -> PhotometryError {
-        self.cursor.here(PhotometryErrorKind::Value { what, value, allowed })
+impl NumberReader for LdtReader<'_> {
+    fn number(&mut self, what: &'static str) -> Result<f64, PhotometryError> {
+        let line = self.text(what)?;
+        if line.is_empty() {
+            self.empty(what);
+            return Ok(0.0);
+        }
+        numeric(&line).ok_or_else(|| {
+            let text = line.chars().take(40).collect();
+            self.cursor.here(PhotometryErrorKind::Number { what, text })
+        })
+    }
+
+    fn cursor(&self) -> &TextCursor<'_> {
+        &self.cursor
     }
 }
 

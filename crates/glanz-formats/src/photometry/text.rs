@@ -1,5 +1,7 @@
 //! Lines and numbers of photometric files.
 
+use std::ops::RangeInclusive;
+
 use super::error::{PhotometryError, PhotometryErrorKind};
 use crate::source::line_and_column;
 
@@ -43,6 +45,88 @@ pub(super) fn start(bytes: &[u8]) -> Result<usize, PhotometryError> {
     }
 }
 
+/// An intensity beyond this is a mistake; sums of such stay finite.
+pub(super) const MAX_CANDELA: f64 = 1e30;
+
+/// Source of the numbers of a photometric file, with the checks of their values.
+pub(super) trait NumberReader {
+    /// The next number; `what`: its name in messages.
+    fn number(&mut self, what: &'static str) -> Result<f64, PhotometryError>;
+
+    /// The place in the file.
+    fn cursor(&self) -> &TextCursor<'_>;
+
+    /// An error of the last number.
+    fn value_error(&self, what: &'static str, value: f64, allowed: &'static str) -> PhotometryError {
+        self.cursor().here(PhotometryErrorKind::Value { what, value, allowed })
+    }
+
+    /// The next number, which must be a whole one of `range`; `allowed`: the range in words.
+    fn whole(
+        &mut self,
+        what: &'static str,
+        allowed: &'static str,
+        range: RangeInclusive<f64>,
+    ) -> Result<f64, PhotometryError> {
+        let value = self.number(what)?;
+        let fits = value.fract() == 0.0 && range.contains(&value);
+        if fits { Ok(value) } else { Err(self.value_error(what, value, allowed)) }
+    }
+
+    /// The next number, which must be positive.
+    fn positive(&mut self, what: &'static str) -> Result<f64, PhotometryError> {
+        let value = self.number(what)?;
+        if value > 0.0 { Ok(value) } else { Err(self.value_error(what, value, "more than 0")) }
+    }
+
+    /// A declared number of values, `least` or more; the rest of the file has room for them.
+    fn count(&mut self, what: &'static str, least: f64) -> Result<usize, PhotometryError> {
+        // Conversions are exact far beyond 1e12.
+        let allowed = if least > 1.0 { "a whole number from 2" } else { "a whole number from 1" };
+        let count = self.whole("number of angles", allowed, least..=1e12)? as usize;
+        self.check_room(what, count)?;
+        Ok(count)
+    }
+
+    /// Refuses more values than the rest of the file has room for.
+    fn check_room(&self, what: &'static str, count: usize) -> Result<(), PhotometryError> {
+        let room = self.cursor().room();
+        if count > room {
+            let declared = count as f64;
+            return Err(self.cursor().here(PhotometryErrorKind::Count { what, declared, room }));
+        }
+        Ok(())
+    }
+
+    /// A fixed number of angles, each larger than the one before.
+    fn ascending(&mut self, what: &'static str, count: usize) -> Result<Vec<f64>, PhotometryError> {
+        let mut angles: Vec<f64> = Vec::with_capacity(count);
+        for _ in 0..count {
+            let second = self.number(what)?;
+            if let Some(&first) = angles.last()
+                && second <= first
+            {
+                return Err(self.cursor().here(PhotometryErrorKind::Order { what, first, second }));
+            }
+            angles.push(second);
+        }
+        Ok(angles)
+    }
+
+    /// A fixed number of intensities times `factor`, candela.
+    fn intensities(&mut self, count: usize, factor: f64) -> Result<Vec<f64>, PhotometryError> {
+        let mut candela = Vec::with_capacity(count);
+        for _ in 0..count {
+            let value = self.number("intensity")? * factor;
+            if value.abs() > MAX_CANDELA || value.is_nan() {
+                return Err(self.value_error("intensity", value, "at most 1e30 candela"));
+            }
+            candela.push(value);
+        }
+        Ok(candela)
+    }
+}
+
 /// Goes through a file line by line or number by number.
 #[derive(Clone, Debug)]
 pub(super) struct TextCursor<'a> {
@@ -67,33 +151,6 @@ impl<'a> TextCursor<'a> {
         self.last = (self.at + lead, line.len() - lead);
         self.at += length + 1;
         line.get(lead..)
-    }
-
-    /// The next number; blanks, line ends and commas stand between numbers.
-    pub(super) fn number(&mut self, what: &'static str) -> Result<f64, PhotometryError> {
-        let text = self.word().ok_or_else(|| self.here(PhotometryErrorKind::End(what)))?;
-        let shown = || decode(text.get(..text.len().min(40)).unwrap_or_default());
-        let value = std::str::from_utf8(text).ok().and_then(number);
-        value.ok_or_else(|| self.here(PhotometryErrorKind::Number { what, text: shown() }))
-    }
-
-    /// The next number, which must be a whole one of `allowed`.
-    pub(super) fn whole(
-        &mut self,
-        what: &'static str,
-        allowed: &'static str,
-        range: std::ops::RangeInclusive<f64>,
-    ) -> Result<f64, PhotometryError> {
-        let value = self.number(what)?;
-        if value.fract() != 0.0 || !range.contains(&value) {
-            return Err(self.here(PhotometryErrorKind::Value { what, value, allowed }));
-        }
-        Ok(value)
-    }
-
-    /// A fixed number of numbers; the caller has checked that the file can hold them.
-    pub(super) fn numbers(&mut self, what: &'static str, count: usize) -> Result<Vec<f64>, PhotometryError> {
-        (0..count).map(|_| self.number(what)).collect()
     }
 
     /// Numbers that the rest can hold at most: a digit each and something between two.
@@ -124,5 +181,19 @@ impl<'a> TextCursor<'a> {
     /// A fault at the last line or number.
     pub(super) fn here(&self, kind: PhotometryErrorKind) -> PhotometryError {
         fault(self.bytes, self.last.0, self.last.1, kind)
+    }
+}
+
+impl NumberReader for TextCursor<'_> {
+    /// Blanks, line ends and commas stand between numbers.
+    fn number(&mut self, what: &'static str) -> Result<f64, PhotometryError> {
+        let text = self.word().ok_or_else(|| self.here(PhotometryErrorKind::End(what)))?;
+        let shown = || decode(text.get(..text.len().min(40)).unwrap_or_default());
+        let value = std::str::from_utf8(text).ok().and_then(number);
+        value.ok_or_else(|| self.here(PhotometryErrorKind::Number { what, text: shown() }))
+    }
+
+    fn cursor(&self) -> &TextCursor<'_> {
+        self
     }
 }

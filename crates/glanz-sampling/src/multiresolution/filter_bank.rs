@@ -1,6 +1,6 @@
 //! Filter banks between two levels.
 
-use crate::basis::{BandedColumns, FunctionBasis, GramMatrix, check_length, refinement};
+use crate::basis::{BandedColumns, FunctionBasis, GramMatrix, refinement};
 use crate::error::DensityError;
 use crate::multiresolution::wavelets::wavelets;
 
@@ -62,14 +62,6 @@ impl FilterBank {
     }
 
     /// P c: the same function in the fine basis.
-    ///
-    /// # Errors
-    /// [`DensityError::Length`].
-    pub fn refine(&self, coarse: &[f64]) -> Result<Vec<f64>, DensityError> {
-        check_length(coarse, self.p.columns())?;
-        Ok(self.refined(coarse))
-    }
-
     pub(crate) fn refined(&self, coarse: &[f64]) -> Vec<f64> {
         let mut fine = vec![0.0; self.p.rows()];
         self.p.add_product(coarse, &mut fine);
