@@ -29,7 +29,7 @@ use std::time::Duration;
 
 use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::{DefaultBodyLimit, Path as UrlPath, Request, State};
+use axum::extract::{Path as UrlPath, Request, State};
 use axum::http::StatusCode;
 use axum::http::header::{CONTENT_TYPE, HeaderValue, SET_COOKIE};
 use axum::middleware::{Next, from_fn_with_state};
@@ -185,12 +185,10 @@ const MAX_HEADERS: usize = 32 << 10;
 
 /// Routes of the server.
 fn router(app: Arc<AppState>) -> Router {
-    // The multipart headers of the files need space, too.
-    let upload = DefaultBodyLimit::max(app.limits.upload_bytes + (app.limits.upload_files << 10));
     Router::new()
         .route("/model/{key}", get(model))
         .route("/ws", get(socket))
-        .route("/open", post(upload::open).layer(upload))
+        .route("/open", post(upload::open))
         .fallback_service(get(page::serve))
         .layer(from_fn_with_state(Arc::clone(&app), check))
         .with_state(app)

@@ -10,22 +10,16 @@ use super::client::{BALL, HttpResponse, TestPage, TestServer};
 const TRIANGLE: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
     element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 
-/// A form with these files, as browsers send it.
-fn form(files: &[(&str, &str)]) -> Vec<u8> {
-    let mut body = String::new();
-    for (name, text) in files {
-        body.push_str(&format!(
-            "--XX\r\nContent-Disposition: form-data; name=\"files\"; filename=\"{name}\"\r\n\
-             Content-Type: application/octet-stream\r\n\r\n{text}\r\n"
-        ));
-    }
-    body.push_str("--XX--\r\n");
-    body.into_bytes()
+/// The body with these files, as pages send it.
+fn body(files: &[(&str, &str)]) -> Vec<u8> {
+    let list: Vec<(&str, usize)> = files.iter().map(|(name, text)| (*name, text.len())).collect();
+    let texts: String = files.iter().map(|(_, text)| *text).collect();
+    format!("{}\n{texts}", serde_json::to_string(&list).unwrap()).into_bytes()
 }
 
 fn send(server: &TestServer, session: &str, files: &[(&str, &str)]) -> HttpResponse {
     let line = format!("POST /open?session={session}");
-    server.request(&line, &["Content-Type: multipart/form-data; boundary=XX"], &form(files))
+    server.request(&line, &[], &body(files))
 }
 
 fn drop_on(server: &TestServer, page: &TestPage, files: &[(&str, &str)]) -> HttpResponse {
@@ -117,13 +111,18 @@ fn uploads_that_ask_for_too_much_are_refused() {
         assert_eq!(send(&server, session, &[("a.pbrt", BALL)]).status, 400, "{session}");
     }
     let line = format!("POST /open?session={}", page.session());
-    assert_eq!(server.request(&line, &["Content-Type: text/plain"], b"x").status, 400);
-    assert_eq!(
-        server
-            .request(&line, &["Content-Type: multipart/form-data; boundary=XX"], b"--XX\r\nnonsense")
-            .status,
-        400
-    );
+    for (body, status) in [
+        ("x", 400),
+        ("x\n", 400),
+        ("[[\"a.pbrt\",1]]", 400),
+        ("[[\"a.pbrt\",-1]]\n", 400),
+        ("[[\"a.pbrt\",2]]\nx", 400),
+        ("[[\"a.pbrt\",99999999999999999]]\nx", 413),
+        ("[[\"a.pbrt\",9999],[\"b.pbrt\",18446744073709551615]]\nx", 413),
+        (&" ".repeat(9000), 413),
+    ] {
+        assert_eq!(server.request(&line, &[], body.as_bytes()).status, status, "{body:?}");
+    }
     assert_eq!(drop_on(&server, &page, &[("a.pbrt", BALL)]).status, 200);
 }
 
@@ -135,8 +134,8 @@ fn an_upload_that_does_not_come_is_given_up() {
     );
     let page = server.connect_page();
     let head = format!(
-        "POST /open?session={} HTTP/1.1\r\nHost: {}\r\nContent-Type: multipart/form-data; boundary=XX\r\n\
-         Content-Length: 1000\r\n\r\n--XX\r\n",
+        "POST /open?session={} HTTP/1.1\r\nHost: {}\r\nContent-Length: 1000\r\n\r\n\
+         [[\"a.pbrt\",983]]\n",
         page.session(),
         server.host
     );

@@ -89,10 +89,10 @@ async function collect(entry, prefix, found) {
  * @returns {Promise<string | null>} what is wrong with them, or `null`
  */
 export async function upload(url, files) {
-  const form = new FormData();
-  for (const { name, file } of files) form.append("files", file, name);
+  const list = JSON.stringify(files.map(({ name, file }) => [name, file.size]));
+  const body = new Blob([`${list}\n`, ...files.map(({ file }) => file)]);
   try {
-    const response = await fetch(url, { method: "POST", body: form });
+    const response = await fetch(url, { method: "POST", body });
     return response.ok ? null : await response.text();
   } catch {
     return "The server cannot be reached.";

@@ -77,6 +77,23 @@ fn a_click_tells_what_the_surface_is_there() {
     assert_eq!(page.faults(), [""; 0]);
 }
 
+#[test]
+fn chosen_files_are_opened() {
+    let served = ViewServer::start(&scene_file("teapot.pbrt"));
+    let mut page = Page::open(&served.address(), SIZE);
+    page.evaluate(
+        "const chosen = new DataTransfer();
+         chosen.items.add(new File(['WorldBegin\\nInclude \"\u{e4} b.pbrt\"\\n'], 'own.pbrt'));
+         chosen.items.add(new File(['Shape \"sphere\"\\n'], '\u{e4} b.pbrt'));
+         chosen.items.add(new File(['two lines'], 'unused\\n.txt'));
+         const input = document.querySelector('#files');
+         input.files = chosen.files;
+         input.dispatchEvent(new Event('change'));",
+    );
+    page.until("the scene is shown", "document.title.includes('own.pbrt')");
+    assert_eq!(page.faults(), [""; 0]);
+}
+
 /// Tests of the nightly run.
 mod heavy {
     use super::*;

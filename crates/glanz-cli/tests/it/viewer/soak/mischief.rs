@@ -170,24 +170,18 @@ fn no_requests(host: &str) -> Result<(), Fault> {
 fn uploads(host: &str) -> Result<(), Fault> {
     let visitor = Visitor::try_new(host)?;
     let session = &visitor.session;
-    let post = |kind: &str, body: &str| {
+    let post = |body: &str| {
         format!(
-            "POST /open?session={session} HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nContent-Type: {kind}\r\n\
+            "POST /open?session={session} HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\n\
              Content-Length: {}\r\nConnection: close\r\n\r\n{body}",
             body.len()
         )
     };
-    let form = |name: &str, content: &str| {
-        let about = format!("Content-Disposition: form-data; name=\"files\"; filename=\"{name}\"");
-        post(
-            "multipart/form-data; boundary=xyz",
-            &format!("--xyz\r\n{about}\r\n\r\n{content}\r\n--xyz--\r\n"),
-        )
-    };
+    let form = |name: &str, content: &str| post(&format!("[[\"{name}\",{}]]\n{content}", content.len()));
     let requests = [
-        post("text/plain", "hello"),
-        post("multipart/form-data", "no boundary"),
-        post("multipart/form-data; boundary=xyz", "--xyz\r\nContent-Disp"),
+        post("hello"),
+        post("hello\n"),
+        post("[[\"room.pbrt\",1000]]\nWorld"),
         form("room.pbrt", "this is no scene"),
         form("room.pbrt", "Include \"/etc/passwd\""),
         form("room.pbrt", "Include \"../room.pbrt\""),

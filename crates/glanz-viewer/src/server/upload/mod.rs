@@ -1,16 +1,19 @@
 //! Upload of files that are dropped on a page.
 
+mod body;
+mod folder;
+
+use std::fs::File;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
-use axum::extract::multipart::{Field, Multipart, MultipartError};
+use axum::body::Body;
 use axum::extract::{RawQuery, State};
 use axum::http::StatusCode;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
 use glanz_formats::Options;
-use tempfile::TempDir;
 use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
@@ -19,6 +22,9 @@ use super::message::ServerMessage;
 use super::settings::Limits;
 use super::state::AppState;
 use super::viewer_scene::ViewerScene;
+
+use self::body::UploadBody;
+use self::folder::UploadFolder;
 
 /// Largest depth of folders of a file.
 const MAX_DEPTH: usize = 8;
@@ -40,14 +46,12 @@ impl UploadError {
         Self::Request(StatusCode::BAD_REQUEST, message.into())
     }
 
+    fn too_large(message: impl Into<String>) -> Self {
+        Self::Request(StatusCode::PAYLOAD_TOO_LARGE, message.into())
+    }
+
     fn busy(message: &str) -> Self {
         Self::Request(StatusCode::SERVICE_UNAVAILABLE, message.to_owned())
-    }
-}
-
-impl From<MultipartError> for UploadError {
-    fn from(error: MultipartError) -> Self {
-        Self::Request(error.status(), error.body_text())
     }
 }
 
@@ -70,19 +74,15 @@ impl IntoResponse for UploadError {
 pub(crate) async fn open(
     State(app): State<Arc<AppState>>,
     RawQuery(query): RawQuery,
-    multipart: Multipart,
+    body: Body,
 ) -> Response {
-    match receive_scene(&app, query.as_deref(), multipart).await {
+    match receive_scene(&app, query.as_deref(), body).await {
         Ok(text) => ([(CONTENT_TYPE, "application/json")], text).into_response(),
         Err(refusal) => refusal.into_response(),
     }
 }
 
-async fn receive_scene(
-    app: &AppState,
-    query: Option<&str>,
-    multipart: Multipart,
-) -> Result<String, UploadError> {
+async fn receive_scene(app: &AppState, query: Option<&str>, body: Body) -> Result<String, UploadError> {
     let named = query.into_iter().flat_map(|q| q.split('&')).find_map(|pair| pair.strip_prefix("session="));
     let session = named
         .and_then(AccessKey::parse)
@@ -94,8 +94,8 @@ async fn receive_scene(
     let Ok(_some) = app.uploads.try_acquire() else {
         return Err(UploadError::busy("too many pages are opening files, try again"));
     };
-    let folder = TempDir::with_prefix("glanz-")?;
-    let arriving = receive(multipart, folder.path(), &app.limits);
+    let folder = UploadFolder::try_new()?;
+    let arriving = receive(UploadBody::new(body), folder.path(), &app.limits);
     let names = timeout(app.limits.upload_time, arriving).await.map_err(|_| {
         UploadError::Request(StatusCode::REQUEST_TIMEOUT, "the files took too long".to_owned())
     })??;
@@ -112,44 +112,30 @@ async fn receive_scene(
 }
 
 /// Writes the files to `folder` and returns their relative paths.
-async fn receive(
-    mut multipart: Multipart,
-    folder: &Path,
-    limits: &Limits,
-) -> Result<Vec<PathBuf>, UploadError> {
+async fn receive(mut body: UploadBody, folder: &Path, limits: &Limits) -> Result<Vec<PathBuf>, UploadError> {
+    let list = body.list(limits.upload_files << 10).await?;
+    if list.len() > limits.upload_files {
+        return Err(UploadError::too_large(format!("more than {} files at once", limits.upload_files)));
+    }
+    if list.iter().fold(0, |sum: usize, (_, size)| sum.saturating_add(*size)) > limits.upload_bytes {
+        return Err(UploadError::too_large(format!("more than {} bytes at once", limits.upload_bytes)));
+    }
     let mut names: Vec<PathBuf> = Vec::new();
-    while let Some(field) = multipart.next_field().await? {
-        if names.len() == limits.upload_files {
-            let message = format!("more than {} files at once", limits.upload_files);
-            return Err(UploadError::Request(StatusCode::PAYLOAD_TOO_LARGE, message));
-        }
-        let name = field.file_name().and_then(inside);
-        let Some(name) = name else {
-            return Err(UploadError::bad(format!(
-                "{:?} is not a valid file name",
-                field.file_name().unwrap_or_default()
-            )));
+    for (name, size) in list {
+        let Some(name) = inside(&name) else {
+            return Err(UploadError::bad(format!("{name:?} is not a valid file name")));
         };
         if names.contains(&name) {
             return Err(UploadError::bad(format!("the file {:?} occurs twice", name.display())));
         }
-        store(field, &folder.join(&name)).await?;
+        let path = folder.join(&name);
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)?;
+        }
+        body.copy(size, &mut File::create_new(path)?).await?;
         names.push(name);
     }
     Ok(names)
-}
-
-/// Writes a file as it arrives.
-async fn store(mut field: Field<'_>, path: &Path) -> Result<(), UploadError> {
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder)?;
-    }
-    let mut file = std::fs::File::create_new(path)?;
-    while let Some(chunk) = field.chunk().await? {
-        // Small writes into the cache of the system do not need a blocking thread.
-        io::Write::write_all(&mut file, &chunk)?;
-    }
-    Ok(())
 }
 
 /// The relative path that a file's name denotes; `None` if it is not valid, or leads out of the folder.
@@ -166,7 +152,7 @@ fn inside(name: &str) -> Option<PathBuf> {
 }
 
 /// Reads the scene among the files; the error is a readable message.
-fn read(folder: &TempDir, names: &[PathBuf], options: Options) -> Result<ViewerScene, String> {
+fn read(folder: &UploadFolder, names: &[PathBuf], options: Options) -> Result<ViewerScene, String> {
     let scene = scene_among(folder.path(), names).map_err(|message| format!("error: {message}\n"))?;
     let options = Options { folder: Some(folder.path().to_owned()), confined: true, ..options };
     ViewerScene::read(&folder.path().join(scene), &options, None)
@@ -230,7 +216,7 @@ mod tests {
 
     #[test]
     fn the_scene_is_the_file_that_begins_a_world() {
-        let folder = TempDir::new().unwrap();
+        let folder = UploadFolder::try_new().unwrap();
         let put = |name: &str, text: &str| {
             std::fs::write(folder.path().join(name), text).unwrap();
             PathBuf::from(name)
