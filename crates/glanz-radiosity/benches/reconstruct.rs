@@ -1,13 +1,13 @@
-//! Textures of 400 x 400 texels from about 500 samples of a quadtree, and from 16 x 16 cells: document 003, table 4.1.
+//! Time to compute textures of 400 x 400 texels from about 500 samples of a quadtree and from 16 x 16 cells (document 003, table 4.1).
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use glanz_math::{DVec2, DVec3};
-use glanz_radiosity::reconstruct::{Border, Cell, Cells, Interpolation, ReconstructError};
+use glanz_radiosity::reconstruct::{Border, Interpolation, ParameterCell, ParameterCells, ReconstructError};
 
 const SIZE: [usize; 2] = [400, 400];
 
-/// Fine along a diagonal.
-fn quadtree() -> Result<Cells, ReconstructError> {
+/// Cells that are fine along a diagonal.
+fn quadtree() -> Result<ParameterCells, ReconstructError> {
     let mut open = vec![(DVec2::ZERO, 1.0)];
     let mut cells = Vec::new();
     while let Some((min, side)) = open.pop() {
@@ -19,26 +19,26 @@ fn quadtree() -> Result<Cells, ReconstructError> {
         } else {
             let middle = min + 0.5 * side;
             let value = if middle.x + 0.3 * middle.y < 0.55 { DVec3::ONE } else { 0.2 * DVec3::ONE };
-            cells.push(Cell { min, max: min + side, value });
+            cells.push(ParameterCell { min, max: min + side, value });
         }
     }
-    Cells::try_new(cells)
+    ParameterCells::try_new(cells)
 }
 
 fn textures(c: &mut Criterion) {
     let values: Vec<DVec3> = (0..256).map(|i| DVec3::splat(f64::from(i % 7))).collect();
-    let (Ok(tree), Ok(grid)) = (quadtree(), Cells::grid([16, 16], &values)) else { return };
+    let (Ok(tree), Ok(grid)) = (quadtree(), ParameterCells::grid([16, 16], &values)) else { return };
     let mut group = c.benchmark_group("texture_400");
     group.sample_size(10);
-    for how in Interpolation::ALL {
+    for method in Interpolation::ALL {
         for (name, cells) in [("grid", &grid), ("quadtree", &tree)] {
-            if how.needs_grid() && name == "quadtree" {
+            if method.needs_grid() && name == "quadtree" {
                 continue;
             }
-            // Preparation included: a texture is made once.
-            let name = format!("{}/{name}_{}", how.name(), cells.samples(Border::Sampled).len());
+            // Includes the preparation, since a texture is made once.
+            let name = format!("{}/{name}_{}", method.name(), cells.samples(Border::Sampled).len());
             group.bench_function(name, |b| {
-                b.iter(|| how.of_cells(cells, Border::Sampled).map(|f| f.texture(SIZE)));
+                b.iter(|| method.of_cells(cells, Border::Sampled).map(|f| f.texture(SIZE)));
             });
         }
     }

@@ -1,12 +1,12 @@
-//! Solvers over the number of elements, in a furnished room: all form factors with Gauss and Seidel's method, and the hierarchical
-//! solver, which chooses its elements by a bound.
+//! Time of solvers over the number of elements in a furnished room: all form factors with the Gauss-Seidel method, and the hierarchical
+//! solver, which divides elements by an error bound.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glanz_job::{CancelFlag, Silent};
 use glanz_math::DVec3;
 use glanz_radiosity::elements::{ElementSettings, Elements};
 use glanz_radiosity::form_factor::FormFactors;
-use glanz_radiosity::solve::{GaussSeidel, Hierarchical, gauss_seidel, hierarchical};
+use glanz_radiosity::solve::{GaussSeidelSettings, HierarchicalSettings, gauss_seidel, hierarchical};
 use glanz_scene::Scene;
 use glanz_scene::description::ShapeDescription;
 
@@ -71,12 +71,12 @@ fn solvers(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("full", count), |b| {
             b.iter(|| {
                 let factors = FormFactors::new(&elements, &cancel)?;
-                gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &cancel)
+                gauss_seidel(&elements.list, &factors, &GaussSeidelSettings::default(), &cancel)
             });
         });
     }
     for bound in [1e-3, 1e-4, 1e-5] {
-        let settings = Hierarchical { bound, side: 0.05, ..Hierarchical::default() };
+        let settings = HierarchicalSettings { bound, side: 0.05, ..HierarchicalSettings::default() };
         let solve = || hierarchical(start(&scene, 100.0)?, &settings, &mut Silent, &cancel).ok();
         let Some(solved) = solve() else { return };
         let name = BenchmarkId::new("hierarchical", solved.elements.list.len());

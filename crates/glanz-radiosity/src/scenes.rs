@@ -9,7 +9,7 @@ pub(crate) fn scene(shapes: Vec<(ShapeDescription, f32, f32)>) -> Scene {
     scene_with(shapes, Vec::new())
 }
 
-/// The same with lights that are not surfaces, of emission 1.
+/// As [`scene`], with lights that are not surfaces, of emission 1.
 pub(crate) fn scene_with(shapes: Vec<(ShapeDescription, f32, f32)>, lights: Vec<LightKind>) -> Scene {
     let add_shape = |builder: SceneBuilder, (shape, reflectance, radiance): (ShapeDescription, f32, f32)| {
         let shape = if radiance > 0.0 { shape.emitting(radiance) } else { shape };

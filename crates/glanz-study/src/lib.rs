@@ -36,5 +36,6 @@ mod solvers;
 mod study;
 mod tessellation;
 
+pub use reconstruction::quadtree::QuadtreeError;
 pub use report::Report;
 pub use study::{Settings, Study, StudyError, StudyOption, named, studies};

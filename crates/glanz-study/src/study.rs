@@ -16,6 +16,7 @@ use glanz_sampling::DensityError;
 use glanz_scene::SceneError;
 use glanz_transport::{FilmError, FilterError, IntegratorError, RenderError};
 
+use crate::reconstruction::quadtree::QuadtreeError;
 use crate::report::Report;
 use crate::{densities, guiding, newton, reconstruction, reflector, solvers, tessellation};
 
@@ -238,6 +239,9 @@ pub enum StudyError {
     /// A scene was not divided.
     #[error(transparent)]
     Elements(#[from] ElementError),
+    /// A floor was not divided.
+    #[error(transparent)]
+    Quadtree(#[from] QuadtreeError),
     /// Samples were not interpolated.
     #[error(transparent)]
     Reconstruct(#[from] ReconstructError),

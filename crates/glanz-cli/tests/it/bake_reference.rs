@@ -100,11 +100,11 @@ fn reference_points(elements: &Elements<'_>, maps: &[LightMap], density: f64) ->
         let texel = random.next_2d() * last(map);
         let keep = random.next_1d();
         let surface = &elements.surfaces[map.chart.surface as usize];
-        let Some(place) = map.chart.place(surface, texel) else { continue };
+        let Some(place) = map.chart.surface_point(surface, texel) else { continue };
         let Some(at) = surface.at(place.face, place.uv, place.back) else { continue };
         // Area of a texel, from neighbours a hundredth of one away.
         let beside = |step: DVec2| {
-            let place = map.chart.place(surface, texel + step)?;
+            let place = map.chart.surface_point(surface, texel + step)?;
             Some(surface.at(place.face, place.uv, place.back)?.at.point.position)
         };
         let (Some(a), Some(b)) = (beside(DVec2::X * 0.01), beside(DVec2::Y * 0.01)) else { continue };

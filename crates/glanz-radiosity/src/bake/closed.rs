@@ -1,4 +1,4 @@
-//! The insides of solids.
+//! Charts on the dark insides of solids.
 
 use glanz_geometry::Surface;
 use glanz_math::DVec2;
@@ -8,10 +8,10 @@ use super::direct::DirectMap;
 use crate::charts::Chart;
 use crate::elements::Elements;
 
-/// For each chart, whether it is on the inside of a closed convex surface into which no light shines.
+/// Whether each chart is on the inside of a closed convex surface that receives no direct light there.
 ///
-/// What is opaque and closed lets no other light in. That is worth knowing beforehand: what stands on a floor shares points with it, and
-/// what rays from inside meet there belongs to the outside.
+/// Opaque closed surfaces let no other light in. Rays cannot find this: a solid that stands on a floor shares points with it, and
+/// rays from inside hit the lit floor there.
 pub(super) fn dark_insides(elements: &Elements<'_>, charts: &[Chart], direct: &[DirectMap]) -> Vec<bool> {
     let mut is_dark = vec![true; elements.surfaces.len()];
     let insides: Vec<bool> = charts.iter().map(|chart| is_inside(elements, chart)).collect();
@@ -26,7 +26,8 @@ fn is_inside(elements: &Elements<'_>, chart: &Chart) -> bool {
         return false;
     };
     let middle = 0.5 * DVec2::new(f64::from(chart.size[0]) - 1.0, f64::from(chart.size[1]) - 1.0);
-    let found = chart.place(surface, middle).and_then(|place| surface.at(place.face, place.uv, place.back));
+    let found =
+        chart.surface_point(surface, middle).and_then(|place| surface.at(place.face, place.uv, place.back));
     found.is_some_and(|at| at.at.wo.dot(surface.bounds().center() - at.at.point.position) > 0.0)
 }
 

@@ -1,8 +1,8 @@
-//! Texels without light of their own.
+//! Values of texels that have no light of their own.
 
 use glanz_light::Spectrum;
 
-/// Gives texels without a value the mean of their neighbours that have one, again and again until all have.
+/// Gives texels without a value the mean of their neighbours that have one, repeatedly until all have; black if none has a value.
 pub(super) fn filled(mut texels: Vec<Option<Spectrum>>, [width, height]: [usize; 2]) -> Vec<Spectrum> {
     let mut missing: Vec<usize> = (0..texels.len()).filter(|&i| texels[i].is_none()).collect();
     if missing.len() == texels.len() {

@@ -1,4 +1,4 @@
-//! Where indirect light is gathered, and what is between.
+//! Indirect light on texels: gathered at corners of blocks of texels, interpolated within.
 
 use std::collections::HashMap;
 
@@ -6,33 +6,34 @@ use glanz_light::Spectrum;
 use glanz_math::DVec2;
 use rayon::prelude::*;
 
+use super::BakeError;
 use super::direct::{self, DirectMap, luminance};
-use super::gather::{Gather, Gathered};
+use super::gather::{FinalGather, GatheredLight};
 use super::progress::BakeProgress;
-use super::{BakeError, Spot};
-use crate::charts::BLOCK;
+use super::receiver::BakeReceiver;
+use crate::charts::BLOCK_SIDE;
 
-/// Largest side of a block per the distance of what is around, which bounds the change within it (@ward1988).
-const NEAR: f64 = 0.25;
+/// Largest side of a block relative to the mean distance of its surroundings, which bounds the change of light within it (@ward1988).
+const MAX_SIDE_RATIO: f64 = 0.25;
 
-/// Largest difference of corners of a block per their sum.
-const DIFFERENT: f32 = 0.05;
+/// Largest difference of the light at the corners of a block, relative to its sum.
+const MAX_DIFFERENCE: f32 = 0.05;
 
-/// The same of the ends of a line along a border, where another chart may go on.
-const DIFFERENT_ON_BORDER: f32 = 0.01;
+/// The same for the ends of a line along a border, which another chart may continue.
+const MAX_DIFFERENCE_ON_BORDER: f32 = 0.01;
 
-/// Places that are gathered at one after the other before it is asked whether to go on.
-const AT_ONCE: usize = 4096;
+/// Texels for which light is gathered between two reports of progress.
+const TEXELS_AT_ONCE: usize = 4096;
 
-/// A rectangle of texels by its corners, which belong to it; or a line.
+/// A rectangle or line of texels, given by its first and last texel.
 #[derive(Clone, Copy, Debug)]
-struct Block {
+struct TexelBlock {
     chart: usize,
     low: [u32; 2],
     high: [u32; 2],
 }
 
-impl Block {
+impl TexelBlock {
     fn corners(&self) -> [[u32; 2]; 4] {
         let ([a, b], [c, d]) = (self.low, self.high);
         [[a, b], [c, b], [a, d], [c, d]]
@@ -42,7 +43,7 @@ impl Block {
         (self.high[0] - self.low[0]).max(self.high[1] - self.low[1])
     }
 
-    /// Halves of those sides that are longer than a texel.
+    /// Blocks between the middles of the sides that are longer than a texel.
     fn parts(&self) -> Vec<Self> {
         let cuts = [0, 1].map(|axis| {
             let (low, high) = (self.low[axis], self.high[axis]);
@@ -57,45 +58,49 @@ impl Block {
     }
 }
 
-/// Gathered light by chart and texel; `None` where no place is on the surface and outside of everything.
-type Known = HashMap<(usize, usize), Option<Gathered>>;
+/// Gathered light by chart and texel; `None` where no point is on the surface and outside of all solids.
+type GatheredCorners = HashMap<(usize, usize), Option<GatheredLight>>;
 
-/// Indirect light of all texels of all charts; `None` where a texel has none of its own.
+/// Indirect light of all texels of all charts; `None` for texels inside solids or off the surface.
 ///
-/// Texels on the borders of charts come last, from lines along them: what charts have in common is then the same on both.
-pub(super) fn of_charts(
-    gather: &Gather<'_>,
+/// Texels on the borders of charts are computed last, from lines along the borders, so that adjacent charts agree on them.
+pub(super) fn light_on_charts(
+    gather: &FinalGather<'_>,
     direct: &[DirectMap],
     progress: &mut BakeProgress<'_>,
 ) -> Result<Vec<Vec<Option<Spectrum>>>, BakeError> {
     let found = gather.charts.iter().map(|chart| vec![None; chart.texels()]).collect();
-    let mut filling = Filling { gather, direct, known: Known::new(), found, done: 0 };
+    let mut filler = TexelFiller { gather, direct, known: GatheredCorners::new(), found, done: 0 };
     let charts = || 0..gather.charts.len();
-    filling.fill(charts().flat_map(|chart| first(gather, chart)).collect(), DIFFERENT, progress)?;
-    filling.fill(
-        charts().flat_map(|chart| borders(gather, chart)).collect(),
-        DIFFERENT_ON_BORDER,
+    filler.fill(
+        charts().flat_map(|chart| largest_blocks(gather, chart)).collect(),
+        MAX_DIFFERENCE,
         progress,
     )?;
-    Ok(filling.found)
+    filler.fill(
+        charts().flat_map(|chart| border_lines(gather, chart)).collect(),
+        MAX_DIFFERENCE_ON_BORDER,
+        progress,
+    )?;
+    Ok(filler.found)
 }
 
-/// Texels on their way.
-struct Filling<'a> {
-    gather: &'a Gather<'a>,
+/// State of the computation.
+struct TexelFiller<'a> {
+    gather: &'a FinalGather<'a>,
     direct: &'a [DirectMap],
-    known: Known,
+    known: GatheredCorners,
     found: Vec<Vec<Option<Spectrum>>>,
-    /// Texels of blocks that are finished.
+    /// Number of texels in finished blocks.
     done: usize,
 }
 
-impl Filling<'_> {
-    /// Fills blocks, dividing them until corners differ by no more than `different` and nothing is near for their size.
+impl TexelFiller<'_> {
+    /// Fills blocks, divided until the light of their corners differs by at most `max_difference` and no surface is near for their size.
     fn fill(
         &mut self,
-        mut blocks: Vec<Block>,
-        different: f32,
+        mut blocks: Vec<TexelBlock>,
+        max_difference: f32,
         progress: &mut BakeProgress<'_>,
     ) -> Result<(), BakeError> {
         let (gather, direct) = (self.gather, self.direct);
@@ -105,9 +110,9 @@ impl Filling<'_> {
             wanted.sort_unstable();
             wanted.dedup();
             wanted.retain(|key| !self.known.contains_key(key));
-            for group in wanted.chunks(AT_ONCE) {
+            for group in wanted.chunks(TEXELS_AT_ONCE) {
                 progress.report(self.done as f64 / all as f64, || gather.state())?;
-                let one = |&key: &(usize, usize)| (key, at_texel(gather, direct, key));
+                let one = |&key: &(usize, usize)| (key, gather_at_texel(gather, direct, key));
                 let light: Vec<_> = group.par_iter().map(one).collect();
                 self.known.extend(light);
             }
@@ -116,8 +121,8 @@ impl Filling<'_> {
                 let keys = corners(gather, &block);
                 let corners = keys.map(|key| self.known.get(&key).copied().flatten());
                 let is_fine = block.side() <= 1 || !gather.is_lit(block.chart) && is_dark(&corners);
-                if is_fine || is_smooth(gather, &block, &corners, different) {
-                    put(gather, &block, &corners, &mut self.found[block.chart]);
+                if is_fine || is_smooth(gather, &block, &corners, max_difference) {
+                    interpolate(gather, &block, &corners, &mut self.found[block.chart]);
                     self.done += ((block.high[0] - block.low[0]) * (block.high[1] - block.low[1])) as usize;
                 } else {
                     rest.extend(block.parts());
@@ -129,63 +134,75 @@ impl Filling<'_> {
     }
 }
 
-/// The sides of a chart in parts as long as the largest blocks.
-fn steps(gather: &Gather<'_>, chart: usize) -> [Vec<[u32; 2]>; 2] {
+/// First and last texels of the largest blocks along both axes of a chart.
+fn steps(gather: &FinalGather<'_>, chart: usize) -> [Vec<[u32; 2]>; 2] {
     gather.charts[chart].size.map(|n| {
-        let starts = (0..n - 1).step_by(BLOCK as usize);
-        starts.map(|low| [low, (low + BLOCK).min(n - 1)]).collect()
+        let starts = (0..n - 1).step_by(BLOCK_SIDE as usize);
+        starts.map(|low| [low, (low + BLOCK_SIDE).min(n - 1)]).collect()
     })
 }
 
 /// Lines along the borders of a chart.
-fn borders(gather: &Gather<'_>, chart: usize) -> Vec<Block> {
+fn border_lines(gather: &FinalGather<'_>, chart: usize) -> Vec<TexelBlock> {
     let ([x, y], [width, height]) = (steps(gather, chart), gather.charts[chart].size);
     let along_x = [0, height - 1].into_iter().flat_map(|y| x.iter().map(move |x| ([x[0], y], [x[1], y])));
     let along_y = [0, width - 1].into_iter().flat_map(|x| y.iter().map(move |y| ([x, y[0]], [x, y[1]])));
-    along_x.chain(along_y).map(|(low, high)| Block { chart, low, high }).collect()
+    along_x.chain(along_y).map(|(low, high)| TexelBlock { chart, low, high }).collect()
 }
 
 /// The largest blocks of a chart.
-fn first(gather: &Gather<'_>, chart: usize) -> Vec<Block> {
+fn largest_blocks(gather: &FinalGather<'_>, chart: usize) -> Vec<TexelBlock> {
     let lines = steps(gather, chart);
-    let block = |x: &[u32; 2], y: &[u32; 2]| Block { chart, low: [x[0], y[0]], high: [x[1], y[1]] };
+    let block = |x: &[u32; 2], y: &[u32; 2]| TexelBlock { chart, low: [x[0], y[0]], high: [x[1], y[1]] };
     lines[1].iter().flat_map(|y| lines[0].iter().map(move |x| block(x, y))).collect()
 }
 
-fn corners(gather: &Gather<'_>, block: &Block) -> [(usize, usize); 4] {
+fn corners(gather: &FinalGather<'_>, block: &TexelBlock) -> [(usize, usize); 4] {
     let width = gather.charts[block.chart].size[0] as usize;
     block.corners().map(|[x, y]| (block.chart, y as usize * width + x as usize))
 }
 
-fn is_dark(corners: &[Option<Gathered>; 4]) -> bool {
+fn is_dark(corners: &[Option<GatheredLight>; 4]) -> bool {
     corners.iter().flatten().all(|corner| corner.light.is_black())
 }
 
-fn is_smooth(gather: &Gather<'_>, block: &Block, corners: &[Option<Gathered>; 4], different: f32) -> bool {
+fn is_smooth(
+    gather: &FinalGather<'_>,
+    block: &TexelBlock,
+    corners: &[Option<GatheredLight>; 4],
+    max_difference: f32,
+) -> bool {
     let [Some(a), Some(b), Some(c), Some(d)] = *corners else { return false };
     let of = [a, b, c, d];
     let nearest = of.iter().fold(f64::INFINITY, |least, corner| least.min(corner.distance));
     let lights = of.map(|corner| luminance(corner.light));
     let (low, high) = lights.iter().fold((f32::INFINITY, 0.0_f32), |(l, h), &x| (l.min(x), h.max(x)));
-    if high - low > different * (high + low) {
+    if high - low > max_difference * (high + low) {
         return false;
     }
     // The longer diagonal.
     let position = |[x, y]: [u32; 2]| {
         let chart = &gather.charts[block.chart];
         let surface = gather.elements.surfaces.get(chart.surface as usize)?;
-        let place = chart.place(surface, DVec2::new(f64::from(x), f64::from(y)))?;
+        let place = chart.surface_point(surface, DVec2::new(f64::from(x), f64::from(y)))?;
         Some(surface.at(place.face, place.uv, place.back)?.at.point.position)
     };
     let [p, q, r, s] = block.corners().map(position);
     match (p, q, r, s) {
-        (Some(p), Some(q), Some(r), Some(s)) => p.distance(s).max(q.distance(r)) <= NEAR * 2.0 * nearest,
+        (Some(p), Some(q), Some(r), Some(s)) => {
+            p.distance(s).max(q.distance(r)) <= MAX_SIDE_RATIO * 2.0 * nearest
+        }
         _ => false,
     }
 }
 
-/// Light between the corners, linear along both sides; where one is missing, corners alone.
-fn put(gather: &Gather<'_>, block: &Block, corners: &[Option<Gathered>; 4], into: &mut [Option<Spectrum>]) {
+/// Interpolates the light of the corners bilinearly; if that of a corner is missing, only the other corners are set.
+fn interpolate(
+    gather: &FinalGather<'_>,
+    block: &TexelBlock,
+    corners: &[Option<GatheredLight>; 4],
+    into: &mut [Option<Spectrum>],
+) {
     let width = gather.charts[block.chart].size[0] as usize;
     let [Some(a), Some(b), Some(c), Some(d)] = corners.map(|corner| corner.map(|found| found.light)) else {
         for ([x, y], corner) in block.corners().into_iter().zip(corners) {
@@ -208,21 +225,25 @@ fn put(gather: &Gather<'_>, block: &Block, corners: &[Option<Gathered>; 4], into
     }
 }
 
-/// Gathers at the middle of a texel, or at the first of its places that does not lie inside of something.
-fn at_texel(gather: &Gather<'_>, direct: &[DirectMap], (chart, texel): (usize, usize)) -> Option<Gathered> {
+/// Gathers light at the middle of a texel, or at the first of its points that is not inside a solid.
+fn gather_at_texel(
+    gather: &FinalGather<'_>,
+    direct: &[DirectMap],
+    (chart, texel): (usize, usize),
+) -> Option<GatheredLight> {
     let own = &gather.charts[chart];
     let lights = direct[chart].at(texel);
     let width = own.size[0] as usize;
     let middle = DVec2::new((texel % width) as f64, (texel / width) as f64);
     let surface = gather.elements.surfaces.get(own.surface as usize)?;
     let is_lit = !lights.iter().any(|light| light.is_black());
-    let first = own.place(surface, middle).map(|place| (place, is_lit));
-    let others = direct::places(gather.elements, own, texel);
+    let first = own.surface_point(surface, middle).map(|place| (place, is_lit));
+    let others = direct::texel_points(gather.elements, own, texel);
     let others = others.into_iter().zip(lights.iter().map(|light| !light.is_black()));
     let open = first.into_iter().chain(others).find_map(|(place, is_lit)| {
-        let spot = Spot::new(gather.elements, &place)?;
-        (is_lit || gather.sees_out(&spot)).then_some(spot)
+        let receiver = BakeReceiver::new(gather.elements, &place)?;
+        (is_lit || gather.sees_light(&receiver)).then_some(receiver)
     });
-    let found = gather.at(&open?);
-    (found.sees_out || is_lit).then_some(found)
+    let found = gather.gather(&open?);
+    (found.sees_light || is_lit).then_some(found)
 }

@@ -1,35 +1,35 @@
-//! Light maps that are asked what light there is at a place.
+//! Lookup of light at points of surfaces.
 
 use glanz_light::Spectrum;
 use glanz_scene::ParametricPoint;
 
 use super::LightMap;
-use super::lookup::Index;
+use super::lookup::SurfaceIndex;
 use crate::charts::Chart;
 use crate::elements::Elements;
 
-/// The light maps of a scene.
+/// All light maps of a scene, with an index.
 #[derive(Debug)]
 pub struct LightMaps {
-    index: Index,
+    index: SurfaceIndex,
     maps: Vec<LightMap>,
 }
 
 impl LightMaps {
-    /// `maps`: as [`bake`](super::bake) makes them of `elements`.
+    /// Indexes `maps`, which [`bake`](super::bake) made of `elements`.
     #[must_use]
     pub fn new(elements: &Elements<'_>, maps: Vec<LightMap>) -> Self {
         let charts: Vec<Chart> = maps.iter().map(|map| map.chart.clone()).collect();
-        Self { index: Index::new(elements, &charts), maps }
+        Self { index: SurfaceIndex::new(elements, &charts), maps }
     }
 
-    /// All of them.
+    /// All light maps.
     #[must_use]
     pub fn as_slice(&self) -> &[LightMap] {
         &self.maps
     }
 
-    /// Irradiance at a place in units of radiance, bilinear between the texels; `None` where there is no chart.
+    /// Irradiance at a point in units of radiance, bilinear between texels; `None` where there is no chart.
     #[must_use]
     pub fn irradiance(&self, place: &ParametricPoint) -> Option<Spectrum> {
         let (number, texel) =

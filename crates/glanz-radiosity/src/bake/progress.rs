@@ -1,4 +1,4 @@
-//! Progress of a bake, phase by phase.
+//! Progress of a bake in phases.
 
 use std::time::Instant;
 
@@ -6,7 +6,7 @@ use glanz_job::{CancelFlag, CheckpointTimer, Interrupted, JobProgress, ProgressS
 
 use super::BakeState;
 
-/// The phase that a bake is in, on its way to the sink.
+/// Progress of the current phase, reported to a sink.
 pub(super) struct BakeProgress<'a> {
     sink: &'a mut dyn ProgressSink<BakeState>,
     cancel: &'a CancelFlag,
@@ -14,18 +14,26 @@ pub(super) struct BakeProgress<'a> {
     number: u32,
     phases: u32,
     phase: &'static str,
-    begun: Instant,
+    start_time: Instant,
 }
 
 impl<'a> BakeProgress<'a> {
-    /// The first of some phases: light from lamps.
+    /// Starts the first of `phases` phases, direct light.
     pub(super) fn new(
         sink: &'a mut dyn ProgressSink<BakeState>,
         cancel: &'a CancelFlag,
         phases: u32,
     ) -> Self {
         let timer = CheckpointTimer::new(sink.checkpoint_interval());
-        Self { sink, cancel, timer, number: 1, phases, phase: "light from lamps", begun: Instant::now() }
+        Self {
+            sink,
+            cancel,
+            timer,
+            number: 1,
+            phases,
+            phase: "light from lighting",
+            start_time: Instant::now(),
+        }
     }
 
     /// The request to end the bake.
@@ -33,21 +41,21 @@ impl<'a> BakeProgress<'a> {
         self.cancel
     }
 
-    /// Begins the phase of this number.
+    /// Starts the phase of this number.
     pub(super) fn begin(&mut self, number: u32, phase: &'static str) {
-        (self.number, self.phase, self.begun) = (number, phase, Instant::now());
+        (self.number, self.phase, self.start_time) = (number, phase, Instant::now());
     }
 
-    /// Reports that `fraction` of the phase, [0, 1], is done, and passes the state on if a checkpoint is due or the bake is cancelled.
+    /// Reports the completed fraction of the phase, [0, 1], and saves the state if a checkpoint is due or the bake is cancelled.
     ///
     /// # Errors
-    /// [`Interrupted`] if it is cancelled.
+    /// [`Interrupted`] if the bake is cancelled.
     pub(super) fn report(
         &mut self,
         fraction: f64,
         state: impl FnOnce() -> BakeState,
     ) -> Result<(), Interrupted> {
-        let progress = JobProgress::by_work(self.phase, fraction, self.begun.elapsed());
+        let progress = JobProgress::by_work(self.phase, fraction, self.start_time.elapsed());
         self.sink.on_progress(&progress.with_step(self.number, self.phases));
         let outcome = self.cancel.check();
         if outcome.is_err() || self.timer.is_due() {
@@ -58,10 +66,10 @@ impl<'a> BakeProgress<'a> {
     }
 }
 
-/// Progress of a job that is a phase of the bake.
+/// Sink for a job that is a phase of the bake.
 impl ProgressSink for BakeProgress<'_> {
     fn on_progress(&mut self, progress: &JobProgress<'_>) {
-        let of_phase = JobProgress::by_work(self.phase, progress.fraction, self.begun.elapsed());
+        let of_phase = JobProgress::by_work(self.phase, progress.fraction, self.start_time.elapsed());
         self.sink.on_progress(&of_phase.with_step(self.number, self.phases));
     }
 }

@@ -1,4 +1,4 @@
-//! From the light of elements to that of texels.
+//! Interpolation of the light of elements on texels.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -6,45 +6,45 @@ use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::{ParametricPoint, PlacedSurface};
 
-use super::lookup::Index;
+use super::lookup::SurfaceIndex;
 use super::solution::Solution;
 use crate::charts::Chart;
 use crate::elements::Elements;
 use crate::reconstruct::partition::of_many_samples;
 use crate::reconstruct::{Interpolation, Lattice, Sample};
 
-/// Step across the side of an element that finds out whether it is a border, per its size.
-const ACROSS: f64 = 1e-3;
+/// Step across the side of an element that tests whether it is a border, relative to the element's size.
+const BORDER_STEP: f64 = 1e-3;
 
-/// Distance below which samples are one, per the longest side of the domain.
-const SAME: f64 = 1e-9;
+/// Distance below which samples are merged, relative to the longest side of the domain.
+const MERGE_DISTANCE: f64 = 1e-9;
 
-/// Lines of a grid at most, and places along each side of a cell at which elements are looked up.
-const LINES: f64 = 256.0;
-const PER_CELL: u32 = 3;
+/// Largest number of lines of a grid, and lookups of elements along each side of a cell.
+const MAX_LINES: f64 = 256.0;
+const LOOKUPS_PER_CELL: u32 = 3;
 
-/// Interpolates the light of elements on charts.
+/// Interpolator of the light of elements on charts.
 pub(super) struct Reconstruction<'a> {
     elements: &'a Elements<'a>,
-    /// Of the elements.
+    /// Light of the elements.
     solution: &'a Solution,
-    index: &'a Index,
+    index: &'a SurfaceIndex,
     interpolation: Interpolation,
     /// Numbers of the elements of each side of a face.
     sides: HashMap<(u32, u32, bool), Vec<u32>>,
 }
 
-/// Where the sheet of a chart lies in the domain of an interpolation, the rectangle from the origin to `size`, whose longer side is 1.
+/// Map from the sheet of a chart to the domain of an interpolation, the rectangle from the origin to `size`, whose longer side is 1.
 #[derive(Clone, Copy)]
-struct Domain {
-    /// Per unit of the sheet.
+struct SheetDomain {
+    /// Domain units per unit of the sheet.
     scale: DVec2,
     size: DVec2,
 }
 
-impl Domain {
+impl SheetDomain {
     fn new(chart: &Chart) -> Self {
-        // Texels are about square.
+        // Texels are nearly square.
         let texels = chart.texels_per_unit();
         let scale = texels / (texels * chart.sheet.size()).max_element();
         Self { scale, size: scale * chart.sheet.size() }
@@ -56,11 +56,11 @@ impl Domain {
 }
 
 impl<'a> Reconstruction<'a> {
-    /// `index`: of the charts and of `elements`, whose light `solution` holds.
+    /// `index`: that of the charts and `elements`; `solution`: the light of `elements`.
     pub(super) fn new(
         elements: &'a Elements<'a>,
         solution: &'a Solution,
-        index: &'a Index,
+        index: &'a SurfaceIndex,
         interpolation: Interpolation,
     ) -> Self {
         let mut sides: HashMap<(u32, u32, bool), Vec<u32>> = HashMap::new();
@@ -71,7 +71,7 @@ impl<'a> Reconstruction<'a> {
         Self { elements, solution, index, interpolation, sides }
     }
 
-    /// Irradiance of all texels of a chart, 0 or more.
+    /// Indirect irradiance of all texels of a chart, 0 or more.
     pub(super) fn texels(&self, chart: &Chart) -> Vec<Spectrum> {
         let Some(surface) = self.elements.surfaces.get(chart.surface as usize) else {
             return vec![Spectrum::BLACK; chart.texels()];
@@ -80,7 +80,7 @@ impl<'a> Reconstruction<'a> {
         if samples.iter().all(|sample| sample.value == DVec3::ZERO) {
             return vec![Spectrum::BLACK; chart.texels()];
         }
-        let domain = Domain::new(chart);
+        let domain = SheetDomain::new(chart);
         let interpolant = match self.interpolation {
             Interpolation::Constant => None,
             Interpolation::Bilinear | Interpolation::Spline => {
@@ -100,13 +100,13 @@ impl<'a> Reconstruction<'a> {
         (0..chart.texels()).map(texel).collect()
     }
 
-    /// The elements of a chart that light can reach and no wall hides, with their light.
+    /// The elements shown by a chart that are outside of solids, with their light.
     fn elements(&self, chart: &Chart) -> impl Iterator<Item = (u32, DVec3)> {
         let of_face = |face| self.sides.get(&(chart.surface, face, chart.back));
         chart.faces().into_iter().filter_map(of_face).flatten().filter_map(move |&number| {
             let patch = &self.elements.list.get(number as usize)?.patch;
-            let sheet = chart.on_sheet(patch.face, patch.part.center())?;
-            let value = self.value(number).filter(|_| !chart.is_behind_a_wall(sheet))?;
+            let sheet = chart.sheet_point(patch.face, patch.domain.center())?;
+            let value = self.value(number).filter(|_| !chart.is_behind_wall(sheet))?;
             Some((number, value))
         })
     }
@@ -116,20 +116,20 @@ impl<'a> Reconstruction<'a> {
         Some(DVec3::from_array(light.to_rgb(&Wavelengths::default()).map(f64::from)))
     }
 
-    /// A sample in the middle of each element, and more at borders of what the chart shows, so that nothing lies beyond all of them: at sides of
-    /// elements and in corners, with the light of their element (@pietrek2001 section 4.6).
+    /// Samples in the middle of each element, and at sides and corners of elements on the border of what the chart shows, so that no
+    /// texel needs extrapolation (@pietrek2001 section 4.6).
     fn samples(&self, chart: &Chart, surface: &PlacedSurface<'_>) -> Vec<Sample> {
-        let domain = Domain::new(chart);
-        // Faces may meet in a corner.
+        let domain = SheetDomain::new(chart);
+        // Faces may share a corner, whose samples are averaged.
         let mut found: BTreeMap<[i64; 2], (DVec2, DVec3, f64)> = BTreeMap::new();
         let mut add = |sheet: DVec2, value: DVec3| {
             let point = domain.point(sheet);
-            let key = (point / SAME).round().to_array().map(|x| x as i64);
+            let key = (point / MERGE_DISTANCE).round().to_array().map(|x| x as i64);
             let sum = found.entry(key).or_insert((point, DVec3::ZERO, 0.0));
             *sum = (sum.0, sum.1 + value, sum.2 + 1.0);
         };
         let is_beyond = |sheet: DVec2| {
-            chart.is_behind_a_wall(sheet)
+            chart.is_behind_wall(sheet)
                 || chart.parameters(sheet).is_none_or(|(face, uv)| {
                     surface.is_trimmed() && surface.at(face, uv, chart.back).is_none()
                 })
@@ -137,15 +137,15 @@ impl<'a> Reconstruction<'a> {
         for (number, value) in self.elements(chart) {
             let Some(element) = self.elements.list.get(number as usize) else { continue };
             let patch = &element.patch;
-            let on_sheet = |uv: DVec2| chart.on_sheet(patch.face, uv);
-            let Some(middle) = on_sheet(patch.part.center()) else { continue };
+            let on_sheet = |uv: DVec2| chart.sheet_point(patch.face, uv);
+            let Some(middle) = on_sheet(patch.domain.center()) else { continue };
             add(middle, value);
-            let corners: Vec<DVec2> = patch.part.corners().into_iter().filter_map(on_sheet).collect();
+            let corners: Vec<DVec2> = patch.domain.corners().into_iter().filter_map(on_sheet).collect();
             let count = corners.len();
             let is_border: Vec<bool> = (0..count)
                 .map(|i| {
                     let side = corners[i].midpoint(corners[(i + 1) % count]);
-                    is_beyond(side + ACROSS * (side - middle))
+                    is_beyond(side + BORDER_STEP * (side - middle))
                 })
                 .collect();
             for i in 0..count {
@@ -168,16 +168,15 @@ impl<'a> Reconstruction<'a> {
         self.value(self.index.element(self.elements, &place)?)
     }
 
-    /// A grid over the sheet, with cells as large as an element in the middle of all by size; cells without light take that of the nearest
-    /// cell that has some.
-    fn lattice(&self, chart: &Chart, domain: &Domain) -> Option<Lattice> {
+    /// A grid over the sheet, with cells of the median size of the elements; cells without light take that of neighbouring cells.
+    fn lattice(&self, chart: &Chart, domain: &SheetDomain) -> Option<Lattice> {
         let mut areas: Vec<f64> = Vec::new();
         for (number, _) in self.elements(chart) {
             let patch = &self.elements.list.get(number as usize)?.patch;
-            let corners = patch.part.corners();
+            let corners = patch.domain.corners();
             let corners: Vec<DVec2> = corners
                 .iter()
-                .filter_map(|&uv| Some(domain.point(chart.on_sheet(patch.face, uv)?)))
+                .filter_map(|&uv| Some(domain.point(chart.sheet_point(patch.face, uv)?)))
                 .collect();
             let [a, b, rest @ ..] = corners.as_slice() else { continue };
             let twice: f64 =
@@ -186,17 +185,18 @@ impl<'a> Reconstruction<'a> {
         }
         areas.sort_by(f64::total_cmp);
         let side = areas.get(areas.len() / 2)?.sqrt();
-        let [columns, rows] = (domain.size / side).to_array().map(|n| n.round().clamp(1.0, LINES) as u32);
+        let [columns, rows] = (domain.size / side).to_array().map(|n| n.round().clamp(1.0, MAX_LINES) as u32);
         let cell = DVec2::new(f64::from(columns), f64::from(rows)).recip() * domain.size;
         let mut values: Vec<Option<DVec3>> = Vec::new();
         for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
             let low = DVec2::new(f64::from(column), f64::from(row)) * cell;
-            let inside = (0..PER_CELL * PER_CELL).map(|i| {
-                let share = DVec2::new(f64::from(i % PER_CELL) + 0.5, f64::from(i / PER_CELL) + 0.5);
-                (low + cell * share / f64::from(PER_CELL)) / domain.scale
+            let inside = (0..LOOKUPS_PER_CELL * LOOKUPS_PER_CELL).map(|i| {
+                let share =
+                    DVec2::new(f64::from(i % LOOKUPS_PER_CELL) + 0.5, f64::from(i / LOOKUPS_PER_CELL) + 0.5);
+                (low + cell * share / f64::from(LOOKUPS_PER_CELL)) / domain.scale
             });
             let found: Vec<DVec3> = inside
-                .filter(|sheet| !chart.is_behind_a_wall(*sheet))
+                .filter(|sheet| !chart.is_behind_wall(*sheet))
                 .filter_map(|sheet| self.constant(chart, sheet))
                 .collect();
             values.push((!found.is_empty()).then(|| found.iter().sum::<DVec3>() / found.len() as f64));

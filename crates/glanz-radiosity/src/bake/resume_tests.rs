@@ -1,9 +1,10 @@
-//! Bakes that stop and go on.
+//! Bakes that are interrupted and resumed.
 
 use std::time::Duration;
 
-use glanz_job::{JobProgress, Silent};
+use glanz_job::{Interrupted, JobProgress, Silent};
 use glanz_math::DVec3;
+use glanz_scene::Scene;
 use glanz_scene::description::ShapeDescription;
 
 use super::*;
@@ -37,7 +38,7 @@ fn assert_same(a: &[LightMap], b: &[LightMap]) {
     }
 }
 
-/// Cancels a bake at a number of reports, and keeps what was found.
+/// Cancels a bake after a number of reports, and stores its state.
 struct Stopper {
     reports: usize,
     cancel: CancelFlag,
@@ -57,14 +58,14 @@ impl ProgressSink<BakeState> for Stopper {
     }
 }
 
-/// Keeps every state, and the phases.
+/// Stores the last state and the phases.
 #[derive(Default)]
-struct Keeper {
+struct StateRecorder {
     last: BakeState,
     phases: Vec<u32>,
 }
 
-impl ProgressSink<BakeState> for Keeper {
+impl ProgressSink<BakeState> for StateRecorder {
     fn on_progress(&mut self, progress: &JobProgress<'_>) {
         self.phases.push(progress.step[0]);
     }
@@ -78,7 +79,7 @@ impl ProgressSink<BakeState> for Keeper {
     }
 }
 
-/// Bakes until the progress was reported `reports` times; the light, or what was found.
+/// Bakes until progress has been reported `reports` times; the light maps, or the state if the bake was cancelled.
 fn until(reports: usize, elements: &Elements<'_>, state: BakeState) -> Result<Vec<LightMap>, BakeState> {
     stopped(reports, elements, &COARSE, state)
 }
@@ -101,7 +102,7 @@ fn stopped(
 }
 
 #[test]
-fn stopped_bake_comes_to_the_same_bits_from_any_moment() {
+fn interrupted_bake_resumes_to_the_same_bits_from_any_moment() {
     let scene = room();
     let elements = elements(&scene);
     let whole = bake(&elements, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
@@ -115,7 +116,7 @@ fn stopped_bake_comes_to_the_same_bits_from_any_moment() {
             }
             Err(state) => state,
         };
-        stages.push((state.indirect.is_some(), state.places()));
+        stages.push((state.indirect.is_some(), state.points()));
         let read = BakeState::from_bytes(&state.to_bytes()).unwrap();
         assert_eq!(read, state);
         assert_same(&until(usize::MAX, &elements, read).unwrap(), &whole);
@@ -128,7 +129,7 @@ fn stopped_bake_comes_to_the_same_bits_from_any_moment() {
 }
 
 #[test]
-fn stopped_radiosity_comes_to_the_same_bits_from_any_moment() {
+fn interrupted_radiosity_resumes_to_the_same_bits_from_any_moment() {
     let scene = room();
     let elements = elements(&scene);
     let method = BakeMethod::Radiosity { reconstruction: Interpolation::NaturalNeighbour };
@@ -155,7 +156,7 @@ fn stopped_radiosity_comes_to_the_same_bits_from_any_moment() {
 }
 
 #[test]
-fn bake_that_stops_again_and_again_arrives() {
+fn bake_that_is_interrupted_repeatedly_finishes() {
     let scene = room();
     let elements = elements(&scene);
     let whole = bake(&elements, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
@@ -170,20 +171,20 @@ fn bake_that_stops_again_and_again_arrives() {
 }
 
 #[test]
-fn what_was_found_is_not_found_again() {
+fn gathered_light_is_not_gathered_again() {
     let scene = room();
     let elements = elements(&scene);
     let cancel = CancelFlag::default();
-    let (mut first, mut second) = (Keeper::default(), Keeper::default());
+    let (mut first, mut second) = (StateRecorder::default(), StateRecorder::default());
     resume(BakeState::default(), &elements, &COARSE, &mut first, &cancel).unwrap();
-    let before = first.last.places();
+    let before = first.last.points();
     resume(first.last, &elements, &COARSE, &mut second, &cancel).unwrap();
-    // The second phase, light between surfaces, is not made again.
+    // The second phase, light between surfaces, is not repeated.
     assert!(before > 100 && first.phases.contains(&2) && !second.phases.contains(&2));
 }
 
 #[test]
-fn state_of_something_else_is_refused() {
+fn state_of_other_elements_is_refused() {
     let scene = room();
     let elements = elements(&scene);
     let other = BakeState { indirect: Some(vec![Spectrum::ONE; 3]), ..BakeState::default() };
@@ -197,7 +198,7 @@ fn state_of_something_else_is_refused() {
 }
 
 #[test]
-fn stored_maps_are_the_maps() {
+fn stored_maps_equal_the_maps() {
     let scene = room();
     let elements = elements(&scene);
     let maps = bake(&elements, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();

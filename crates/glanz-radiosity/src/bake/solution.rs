@@ -1,29 +1,29 @@
-//! Elements that the hierarchical solver chooses, with the light that they gather from one another.
+//! Elements whose size the hierarchical solver selects, with their indirect light.
 
 use glanz_light::Spectrum;
 use glanz_math::DVec2;
 use glanz_scene::{Light, ParametricPoint};
 use rayon::prelude::*;
 
-use super::gather::Gather;
+use super::gather::FinalGather;
 use super::progress::BakeProgress;
 use super::{BakeError, BakeSettings, BakeState};
-use crate::elements::{Element, ElementSettings, Elements, Part, Patch};
-use crate::solve::{Hierarchical, hierarchical_with};
+use crate::elements::{Element, ElementSettings, Elements, ParameterPatch, Patch};
+use crate::solve::{HierarchicalSettings, hierarchical_with_exitance};
 
-/// Largest flux that a link may carry too much or too little, as a share of all.
+/// Largest error of the flux of a link, relative to the flux of the scene.
 const BOUND: f64 = 1e-4;
 
-/// Smallest side of an element, texels.
-const SMALLEST: f64 = 2.0;
+/// Shortest side of an element, texels.
+const SHORTEST_SIDE: f64 = 2.0;
 
-/// How often a part is halved at most to find the direct light on it.
-const HALVED: f64 = 4.0;
+/// Largest number of quarterings of an element to sample the direct light on it.
+const MAX_QUARTERINGS: f64 = 4.0;
 
-/// Patches of the elements, and the indirect irradiance of each in units of radiance; none inside of something.
+/// Patches of the elements, with the indirect irradiance of each in units of radiance; `None` inside solids.
 pub(super) type Solution = Vec<(Patch, Option<Spectrum>)>;
 
-/// The elements of patches; `None` if these are of other surfaces.
+/// The elements of patches; `None` if a patch belongs to other surfaces.
 pub(super) fn elements_of<'a>(
     elements: &Elements<'a>,
     patches: impl IndexedParallelIterator<Item = Patch>,
@@ -33,34 +33,34 @@ pub(super) fn elements_of<'a>(
     Some(Elements { scene, surfaces: elements.surfaces.clone(), list: list?, left_out })
 }
 
-/// Elements that are small where light between surfaces changes. `gather`: knows the direct light.
+/// Elements that are small where light between surfaces changes. `gather`: with direct light.
 pub(super) fn refined<'a>(
-    gather: &Gather<'_>,
+    gather: &FinalGather<'_>,
     elements: &Elements<'a>,
     settings: &BakeSettings,
     progress: &mut BakeProgress<'_>,
 ) -> Result<Elements<'a>, BakeError> {
-    // Over whole faces, but for borders at thin walls.
+    // Starts with whole faces, cut at thin walls.
     let side = 2.0 * elements.scene.bounds().diagonal().length();
     let whole = ElementSettings { side: if side > 0.0 { side } else { 1.0 } };
     let mut start = Elements::new(elements.scene, &whole)?;
     start.cut_at_walls(settings.density)?;
-    let solver = Hierarchical {
+    let solver = HierarchicalSettings {
         bound: BOUND,
-        side: SMALLEST / settings.density,
-        factors_of_leaves: false,
-        ..Hierarchical::default()
+        side: SHORTEST_SIDE / settings.density,
+        leaf_form_factors: false,
+        ..HierarchicalSettings::default()
     };
     let cancel = progress.cancel();
     let exitance = |element: &Element| exitance(gather, settings.density, element);
-    let solved = hierarchical_with(start, &exitance, &solver, progress, cancel)?;
+    let solved = hierarchical_with_exitance(start, &exitance, &solver, progress, cancel)?;
     progress.report(1.0, BakeState::default)?;
     let patches = solved.elements.list.par_iter().map(|element| element.patch);
     elements_of(elements, patches).ok_or(BakeError::State)
 }
 
-/// What leaves an element: the direct light that it reflects, and what no shadow ray finds of its own.
-fn exitance(gather: &Gather<'_>, density: f64, element: &Element) -> Spectrum {
+/// Radiant exitance of an element: reflected direct light, and emitted light if the element cannot be sampled as a light.
+fn exitance(gather: &FinalGather<'_>, density: f64, element: &Element) -> Spectrum {
     let patch = &element.patch;
     let surface = gather.elements.surfaces.get(patch.surface as usize);
     let light = surface.and_then(|surface| gather.elements.scene.light(surface.light()?));
@@ -69,9 +69,9 @@ fn exitance(gather: &Gather<'_>, density: f64, element: &Element) -> Spectrum {
         _ => Spectrum::BLACK,
     };
     let texels = element.area.sqrt() * density;
-    let mut parts = vec![patch.part];
-    for _ in 0..texels.log2().ceil().clamp(1.0, HALVED) as u32 {
-        parts = parts.iter().flat_map(Part::quarters).collect();
+    let mut parts = vec![patch.domain];
+    for _ in 0..texels.log2().ceil().clamp(1.0, MAX_QUARTERINGS) as u32 {
+        parts = parts.iter().flat_map(ParameterPatch::quarters).collect();
     }
     let place =
         |uv: DVec2| ParametricPoint { surface: patch.surface, face: patch.face, back: patch.back, uv };

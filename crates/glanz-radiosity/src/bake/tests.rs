@@ -1,21 +1,21 @@
 use std::f64::consts::PI;
 
-use glanz_job::Silent;
+use glanz_job::{Interrupted, Silent};
 use glanz_light::Wavelengths;
 use glanz_math::{DVec2, DVec3};
-use glanz_scene::SceneBuilder;
 use glanz_scene::description::{LightDescription, LightKind, MaterialKind, ShapeDescription};
+use glanz_scene::{ParametricPoint, Scene, SceneBuilder};
 
 use super::*;
 use crate::elements::{ElementSettings, Patch};
 use crate::form_factor::FormFactors;
 use crate::scenes::{parallelogram, scene, scene_with, walls};
-use crate::solve::{GaussSeidel, gauss_seidel};
+use crate::solve::{GaussSeidelSettings, gauss_seidel};
 
 const COARSE: BakeSettings =
     BakeSettings { density: 6.0, rays: 256, shadow_rays: 256, method: BakeMethod::Gather };
 
-/// The other method, with the same light from lamps.
+/// The other method, with the same direct light.
 const BY_RADIOSITY: BakeSettings = BakeSettings {
     method: BakeMethod::Radiosity { reconstruction: Interpolation::NaturalNeighbour },
     ..COARSE
@@ -43,7 +43,7 @@ fn texels<'a>(scene: &'a Scene, maps: &'a [LightMap]) -> impl Iterator<Item = (&
         let surface = surfaces[chart.surface as usize].clone();
         let width = chart.size[0] as usize;
         map.irradiance.iter().enumerate().filter_map(move |(i, light)| {
-            let place = chart.place(&surface, DVec2::new((i % width) as f64, (i / width) as f64))?;
+            let place = chart.surface_point(&surface, DVec2::new((i % width) as f64, (i / width) as f64))?;
             let position = surface.at(place.face, place.uv, place.back)?.at.point.position;
             Some((chart, position, f64::from(light.luminance(&Wavelengths::default()))))
         })
@@ -51,7 +51,7 @@ fn texels<'a>(scene: &'a Scene, maps: &'a [LightMap]) -> impl Iterator<Item = (&
 }
 
 #[test]
-fn furnace_is_alike_everywhere_and_dark_outside() {
+fn furnace_is_uniform_inside_and_dark_outside() {
     let shapes = walls(DVec3::new(3.0, 2.0, 2.5)).into_iter().map(|wall| (wall, 0.5, 1.0));
     let scene = scene(shapes.collect());
     let all = Interpolation::ALL.map(|reconstruction| BakeMethod::Radiosity { reconstruction });
@@ -69,14 +69,14 @@ fn assert_furnace(scene: &Scene, settings: &BakeSettings) {
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     let deviation = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
     assert!(mean.abs() < 0.01 && deviation < 0.03, "{:?}: {mean} {deviation}", settings.method);
-    // What leaves: own light and what is reflected.
+    // The radiance that leaves, emitted and reflected.
     let (sum, count) = maps.iter().flat_map(|map| &map.radiance).fold((0.0, 0.0), |(sum, count), light| {
         (sum + f64::from(light.luminance(&Wavelengths::default())), count + 1.0)
     });
     assert!((sum / count - 2.0).abs() < 0.03, "{}", sum / count);
 }
 
-/// Irradiance of a floor at a place.
+/// Irradiance of a floor at a point.
 type Law = Box<dyn Fn(DVec3) -> f64>;
 
 #[test]
@@ -185,7 +185,7 @@ fn no_light_comes_beneath_a_thin_wall_on_a_floor_in_one_piece() {
 }
 
 #[test]
-fn what_stands_on_a_floor_does_not_darken_it() {
+fn thin_slab_on_a_floor_does_not_darken_it() {
     // Under an even sky, a slab so thin that it takes no light away.
     let floor = parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 2.0);
     let slab = ShapeDescription::cuboid(DVec3::new(0.53, 0.61, 0.0), DVec3::new(1.37, 1.43, 0.001));
@@ -241,7 +241,7 @@ fn charts_that_meet_agree_on_the_edge() {
 }
 
 #[test]
-fn light_of_elements_is_that_of_their_form_factors() {
+fn light_of_elements_agrees_with_their_form_factors() {
     let mut shapes: Vec<_> =
         walls(DVec3::new(2.0, 2.0, 2.0)).into_iter().map(|wall| (wall, 0.6, 0.0)).collect();
     shapes.push((parallelogram(DVec3::new(0.8, 0.7, 1.9), DVec3::Y * 0.5, DVec3::X * 0.5), 0.3, 10.0));
@@ -249,13 +249,14 @@ fn light_of_elements_is_that_of_their_form_factors() {
     let elements = Elements::new(&scene, &ElementSettings { side: 0.2 }).unwrap();
     let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
     let solved =
-        gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &CancelFlag::default()).unwrap();
+        gauss_seidel(&elements.list, &factors, &GaussSeidelSettings::default(), &CancelFlag::default())
+            .unwrap();
     for settings in METHODS {
         let maps = bake(&elements, &settings, &mut Silent, &CancelFlag::default()).unwrap();
         let maps = LightMaps::new(&elements, maps);
         let (mut sum, mut difference) = (0.0, 0.0);
         for (element, radiosity) in elements.list.iter().zip(&solved.radiosity) {
-            let Patch { surface, face, back, part } = element.patch;
+            let Patch { surface, face, back, domain: part } = element.patch;
             let place = ParametricPoint { surface, face, back, uv: part.center() };
             let received = (*radiosity - element.emission) * (1.0 / element.reflectance.max_component());
             let light = maps.irradiance(&place).unwrap_or(Spectrum::BLACK);
@@ -267,7 +268,7 @@ fn light_of_elements_is_that_of_their_form_factors() {
 }
 
 #[test]
-fn radiosity_is_the_gather_of_a_furnished_room() {
+fn radiosity_agrees_with_the_gather_in_a_furnished_room() {
     let mut shapes: Vec<_> =
         walls(DVec3::new(3.0, 2.5, 2.0)).into_iter().map(|wall| (wall, 0.6, 0.0)).collect();
     shapes.push((parallelogram(DVec3::new(0.8, 0.7, 1.9), DVec3::Y * 0.5, DVec3::X * 0.5), 0.3, 10.0));
@@ -280,7 +281,7 @@ fn radiosity_is_the_gather_of_a_furnished_room() {
     let (gathered, solved): (Vec<_>, Vec<_>) = gathered
         .into_iter()
         .zip(solved)
-        // Insides and outsides are dark to both, but what stands on the floor has sides that see next to nothing.
+        // Sides of objects on the floor that receive almost no light may be dark for one method only.
         .filter(|(a, b)| !a.is_dark() && !b.is_dark())
         .unzip();
     for ((_, p, a), (_, q, b)) in texels(&scene, &gathered).zip(texels(&scene, &solved)) {
@@ -320,7 +321,7 @@ fn clear_glass_lets_light_pass() {
 }
 
 #[test]
-fn texels_without_light_of_their_own_take_that_of_their_neighbours() {
+fn texels_without_light_take_that_of_their_neighbours() {
     let light = |x: f32| Some(Spectrum::splat(x));
     let texels = vec![light(1.0), None, None, light(3.0), None, None];
     let filled: Vec<f32> = fill::filled(texels, [3, 2]).iter().map(|l| l.max_component()).collect();
@@ -353,7 +354,7 @@ fn pages_repeat_the_borders_of_charts() {
 }
 
 #[test]
-fn nonsense_is_refused_and_a_bake_can_be_cancelled() {
+fn invalid_density_is_refused_and_a_bake_can_be_cancelled() {
     let scene = scene(vec![(parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y), 0.5, 1.0)]);
     let elements = Elements::new(&scene, &ElementSettings { side: 1.0 }).unwrap();
     let run = |density: f64, cancel: &CancelFlag| {

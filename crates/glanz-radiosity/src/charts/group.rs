@@ -1,4 +1,4 @@
-//! Flat faces that share a chart.
+//! Groups of flat faces that share a chart.
 
 use std::collections::HashMap;
 
@@ -6,20 +6,20 @@ use glanz_geometry::FaceDomain;
 use glanz_math::{DVec2, DVec3, Frame};
 use glanz_scene::PlacedSurface;
 
-use super::flat::{Flat, FlatTriangle};
+use super::flat_sheet::{FlatSheet, FlatTriangle};
 
-/// Cosines of the angles between the first face of a chart and the others, tried one after the other until nothing overlaps: 31 and
-/// 0.1 degrees.
-const COSINES: [f64; 2] = [0.857_167_300_702, 0.999_998_5];
+/// Cosines of the largest angles between the first face of a group and the others, 31 and 0.1 degrees, tried in turn until nothing
+/// overlaps.
+const ANGLE_COSINES: [f64; 2] = [0.857_167_300_702, 0.999_998_5];
 
-/// Edges at most that are tried as directions of a chart's sides.
-const EDGES: usize = 256;
+/// Largest number of edges that are tried as directions of a chart's sides.
+const MAX_EDGES: usize = 256;
 
-/// Places per side at which overlap is looked for.
-const LOOK: u32 = 128;
+/// Points per side at which overlap is tested.
+const OVERLAP_POINTS: u32 = 128;
 
-/// A flat face in the world.
-struct Face {
+/// A flat face in space.
+struct ChartFace {
     face: u32,
     shape: u32,
     normal: DVec3,
@@ -27,32 +27,32 @@ struct Face {
     corners: Vec<DVec3>,
 }
 
-/// Groups of `faces` of a surface, which are polygons, each laid flat.
-pub(super) fn groups(surface: &PlacedSurface<'_>, faces: &[u32]) -> Vec<Flat> {
-    let faces: Vec<Face> = faces.iter().filter_map(|&face| Face::new(surface, face)).collect();
+/// Groups of polygonal faces of a surface, each projected onto a plane.
+pub(super) fn groups(surface: &PlacedSurface<'_>, faces: &[u32]) -> Vec<FlatSheet> {
+    let faces: Vec<ChartFace> = faces.iter().filter_map(|&face| ChartFace::new(surface, face)).collect();
     let neighbours = neighbours(&faces);
     let all: Vec<usize> = (0..faces.len()).collect();
     let mut flat = Vec::new();
-    for group in grown(&faces, &neighbours, &all, COSINES[0]) {
-        let laid = lay(&faces, &group);
-        if !overlaps(&laid) {
-            flat.push(laid);
+    for group in grow_groups(&faces, &neighbours, &all, ANGLE_COSINES[0]) {
+        let sheet = project(&faces, &group);
+        if !overlaps(&sheet) {
+            flat.push(sheet);
             continue;
         }
-        for group in grown(&faces, &neighbours, &group, COSINES[1]) {
-            let laid = lay(&faces, &group);
-            if overlaps(&laid) {
-                flat.extend(group.iter().map(|&face| lay(&faces, &[face])));
+        for group in grow_groups(&faces, &neighbours, &group, ANGLE_COSINES[1]) {
+            let sheet = project(&faces, &group);
+            if overlaps(&sheet) {
+                flat.extend(group.iter().map(|&face| project(&faces, &[face])));
             } else {
-                flat.push(laid);
+                flat.push(sheet);
             }
         }
     }
     flat
 }
 
-impl Face {
-    /// `None` for one without area, or of which trimming leaves nothing.
+impl ChartFace {
+    /// `None` for a face without area, or of which trimming leaves nothing.
     fn new(surface: &PlacedSurface<'_>, face: u32) -> Option<Self> {
         let FaceDomain::Polygon(parameters) = surface.face_domain(face) else { return None };
         let at = |uv: DVec2| surface.at(face, uv, false).map(|at| at.at.point.position);
@@ -68,7 +68,7 @@ impl Face {
     }
 }
 
-/// Corners of a flat face of which only a part is there: the map from parameters is affine.
+/// Corners of a flat face that is partly trimmed away, by its affine map from parameters.
 fn extrapolated(parameters: &[DVec2], at: impl Fn(DVec2) -> Option<DVec3>) -> Option<Vec<DVec3>> {
     let middle = parameters.iter().copied().sum::<DVec2>() / parameters.len() as f64;
     let n = 24;
@@ -93,8 +93,8 @@ fn extrapolated(parameters: &[DVec2], at: impl Fn(DVec2) -> Option<DVec3>) -> Op
     (area != 0.0).then(|| parameters.iter().map(|&uv| map(uv)).collect())
 }
 
-/// For each face those that share an edge with it and belong to the same shape.
-fn neighbours(faces: &[Face]) -> Vec<Vec<usize>> {
+/// Numbers of the faces of the same shape that share an edge with each face.
+fn neighbours(faces: &[ChartFace]) -> Vec<Vec<usize>> {
     let key = |p: DVec3| (p + 0.0).to_array().map(f64::to_bits);
     let mut edges: HashMap<[[u64; 3]; 2], Vec<usize>> = HashMap::new();
     for (number, face) in faces.iter().enumerate() {
@@ -116,8 +116,13 @@ fn neighbours(faces: &[Face]) -> Vec<Vec<usize>> {
     neighbours
 }
 
-/// Connected groups of `members` whose normals are within an angle of that of their first one.
-fn grown(faces: &[Face], neighbours: &[Vec<usize>], members: &[usize], cosine: f64) -> Vec<Vec<usize>> {
+/// Connected groups of `members` whose normals are within an angle of that of the first one of their group.
+fn grow_groups(
+    faces: &[ChartFace],
+    neighbours: &[Vec<usize>],
+    members: &[usize],
+    cosine: f64,
+) -> Vec<Vec<usize>> {
     let mut free = vec![false; faces.len()];
     for &member in members {
         free[member] = true;
@@ -143,15 +148,15 @@ fn grown(faces: &[Face], neighbours: &[Vec<usize>], members: &[usize], cosine: f
     groups
 }
 
-/// The faces seen along the normal of the first, turned so that they fill their box best.
-fn lay(faces: &[Face], group: &[usize]) -> Flat {
+/// Projects the faces along the normal of the first one, rotated so that their bounds are smallest.
+fn project(faces: &[ChartFace], group: &[usize]) -> FlatSheet {
     let normal = faces[group[0]].normal;
     let frame = Frame::from_z(normal);
-    let flat = |p: DVec3| frame.to_local(p - faces[group[0]].corners[0]).truncate();
+    let to_plane = |p: DVec3| frame.to_local(p - faces[group[0]].corners[0]).truncate();
     let mut triangles = Vec::new();
     let mut edges: Vec<DVec2> = Vec::new();
     for face in group.iter().map(|&i| &faces[i]) {
-        let corners: Vec<DVec2> = face.corners.iter().map(|&p| flat(p)).collect();
+        let corners: Vec<DVec2> = face.corners.iter().map(|&p| to_plane(p)).collect();
         for i in 1..corners.len() - 1 {
             let pick = |list: &[DVec2]| [list[0], list[i], list[i + 1]];
             triangles.push(FlatTriangle {
@@ -160,7 +165,7 @@ fn lay(faces: &[Face], group: &[usize]) -> Flat {
                 parameters: pick(&face.parameters),
             });
         }
-        if edges.len() < EDGES {
+        if edges.len() < MAX_EDGES {
             let ends = corners.iter().zip(corners.iter().cycle().skip(1));
             edges.extend(ends.filter_map(|(&a, &b)| (b - a).try_normalize()));
         }
@@ -178,18 +183,18 @@ fn lay(faces: &[Face], group: &[usize]) -> Flat {
         triangle.corners = triangle.corners.map(|p| DVec2::new(p.dot(best), best.perp_dot(p)));
     }
     let shrink = group.iter().map(|&i| faces[i].normal.dot(normal)).fold(1.0, f64::min);
-    Flat::new(triangles, shrink)
+    FlatSheet::new(triangles, shrink)
 }
 
 /// Whether a point lies within two triangles.
-fn overlaps(flat: &Flat) -> bool {
+fn overlaps(flat: &FlatSheet) -> bool {
     if flat.triangles().len() < 2 {
         return false;
     }
-    let places = (0..LOOK).flat_map(|i| (0..LOOK).map(move |j| (i, j)));
+    let places = (0..OVERLAP_POINTS).flat_map(|i| (0..OVERLAP_POINTS).map(move |j| (i, j)));
     places.into_iter().any(|(i, j)| {
-        // Off any line that corners may lie on.
-        let share = DVec2::new(f64::from(i) + 0.437, f64::from(j) + 0.561) / f64::from(LOOK);
-        flat.holders(share * flat.size()).nth(1).is_some()
+        // Irregular offsets avoid lines through corners.
+        let share = DVec2::new(f64::from(i) + 0.437, f64::from(j) + 0.561) / f64::from(OVERLAP_POINTS);
+        flat.triangles_at(share * flat.size()).nth(1).is_some()
     })
 }

@@ -1,9 +1,9 @@
-//! Charts: surfaces laid flat, so that a light map can be kept of them.
+//! Charts: maps from surfaces to the rectangles of texels of light maps.
 //!
-//! A face over a square of parameters is a chart of its own; flat faces that hang together and lie nearly in a plane share one. Both
-//! sides of a surface have charts. The outermost texels of a chart have their middles on its border, so that charts that meet in an
-//! edge keep light for the very same points there, and bilinear filtering never leaves a chart. Flat charts are parted where thin walls
-//! stand on them.
+//! A face over a square of parameters has a chart of its own; connected flat faces that lie nearly in one plane share a chart. Both
+//! sides of a surface have charts. The middles of the outermost texels of a chart lie on its border, so that charts with a common edge
+//! have texels at the same points there, and bilinear filtering never leaves a chart. Flat charts are divided where thin walls stand on
+//! them.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use glanz_math::{DVec2, DVec3};
 use glanz_scene::{ParametricPoint, PlacedSurface};
 use rayon::prelude::*;
 
-mod flat;
+mod flat_sheet;
 mod group;
 mod pack;
 mod parts;
@@ -20,35 +20,35 @@ mod parts;
 mod tests;
 mod wall;
 
-pub use flat::{Flat, FlatTriangle};
-pub use pack::{Packed, Slot, pack};
-pub(crate) use parts::left_of;
+pub use flat_sheet::{FlatSheet, FlatTriangle};
+pub use pack::{AtlasSlot, Packing, pack};
+pub(crate) use parts::clip_left_of;
 
 /// Side of the largest blocks of texels between whose corners light is interpolated; a power of two.
-pub(crate) const BLOCK: u32 = 8;
+pub(crate) const BLOCK_SIDE: u32 = 8;
 
-/// Texels along a side of a chart at most; larger ones keep less than was asked for.
-const LONGEST: f64 = 4096.0;
+/// Longest side of a chart, texels; larger charts have fewer texels per metre than requested.
+const MAX_SIDE: f64 = 4096.0;
 
-/// Distance from the border within which a place is moved inwards, in texels, and from a thin wall within which it counts as behind it: on an
-/// edge of two walls it is not decided what is seen.
-const INWARDS: f64 = 1e-3;
+/// Distance, texels, by which points on the border are moved inwards, and within which points at a thin wall count as behind it:
+/// visibility on the common edge of two surfaces is undefined.
+const INSET: f64 = 1e-3;
 
-/// Places per side at which the stretch of a face is looked at, and those at which a trimmed one is looked for.
-const STRETCH: u32 = 9;
-const KEPT: u32 = 65;
+/// Points per side at which the stretch of a face is evaluated; more for trimmed faces, to find what is left of them.
+const STRETCH_POINTS: u32 = 9;
+const TRIMMED_POINTS: u32 = 65;
 
-/// What a chart shows, laid flat.
+/// The plane that a chart is a rectangle of.
 #[derive(Clone, Debug)]
 pub enum Sheet {
-    /// A face over the unit square of its parameters.
+    /// The unit square of the parameters of a face with this number.
     Square(u32),
-    /// Flat faces, in metres.
-    Flat(Flat),
+    /// Projected flat faces, metres.
+    Flat(FlatSheet),
 }
 
 impl Sheet {
-    /// Far corner of the sheet, whose near corner is the origin.
+    /// Upper right corner of the sheet; its lower left corner is the origin.
     #[must_use]
     pub fn size(&self) -> DVec2 {
         match self {
@@ -58,25 +58,25 @@ impl Sheet {
     }
 }
 
-/// A rectangle of a sheet in texels.
+/// A rectangle of a sheet, divided into texels.
 #[derive(Clone, Debug)]
 pub struct Chart {
     /// Number of the surface in [`Scene::placed_surfaces`](glanz_scene::Scene::placed_surfaces).
     pub surface: u32,
-    /// Number of the shape that it belongs to.
+    /// Number of the shape that its faces belong to.
     pub shape: u32,
-    /// Whether it is the side that the normal does not point to.
+    /// Whether it is the side opposite to the normal.
     pub back: bool,
-    /// What it shows.
+    /// The sheet.
     pub sheet: Arc<Sheet>,
-    /// The part of the sheet.
+    /// Lower left and upper right corner of the rectangle on the sheet.
     pub window: [DVec2; 2],
-    /// Thin walls on the sheet that bound what is shown: it is to the left of their lines. The two charts on both sides of a wall overlap by
-    /// some texels, but for those that lie behind the wall.
+    /// Thin walls on the sheet as line segments; the chart shows what is left of all of them. The charts on both sides of a wall overlap by
+    /// some texels, except behind the wall.
     pub walls: Vec<[DVec2; 2]>,
-    /// Texels, at least 2 each.
+    /// Texels along both axes, at least 2 each.
     pub size: [u32; 2],
-    /// Whether there are fewer texels than were asked for.
+    /// Whether there are fewer texels per metre than requested.
     pub is_coarse: bool,
 }
 
@@ -87,18 +87,18 @@ impl Chart {
         self.size[0] as usize * self.size[1] as usize
     }
 
-    /// The point of the sheet in texels: (0, 0) is the middle of the first one.
+    /// The point of the sheet at a position in texels, (0, 0) in the middle of the first texel.
     #[must_use]
     pub fn to_sheet(&self, texel: DVec2) -> DVec2 {
         let [min, max] = self.window;
-        min + texel / self.last() * (max - min)
+        min + texel / self.last_texel() * (max - min)
     }
 
-    fn last(&self) -> DVec2 {
+    fn last_texel(&self) -> DVec2 {
         DVec2::new(f64::from(self.size[0]) - 1.0, f64::from(self.size[1]) - 1.0)
     }
 
-    /// Face and parameters of a point of the sheet; `None` beyond its faces. What trimming takes away is not looked at.
+    /// Face and parameters at a point of the sheet, regardless of trimming; `None` beyond its faces.
     #[must_use]
     pub fn parameters(&self, point: DVec2) -> Option<(u32, DVec2)> {
         match &*self.sheet {
@@ -112,17 +112,17 @@ impl Chart {
 
     /// The point of the sheet with these parameters; `None` if the face is not on it.
     #[must_use]
-    pub fn on_sheet(&self, face: u32, uv: DVec2) -> Option<DVec2> {
+    pub fn sheet_point(&self, face: u32, uv: DVec2) -> Option<DVec2> {
         match &*self.sheet {
             Sheet::Square(own) => (*own == face).then_some(uv),
-            Sheet::Flat(flat) => flat.on_sheet(face, uv),
+            Sheet::Flat(flat) => flat.sheet_point(face, uv),
         }
     }
 
-    /// The place in texels with these parameters; `None` outside of what the chart shows.
+    /// Position in texels of a point of a face; `None` if the chart does not show it.
     #[must_use]
     pub fn to_texel(&self, face: u32, uv: DVec2) -> Option<DVec2> {
-        let point = self.on_sheet(face, uv)?;
+        let point = self.sheet_point(face, uv)?;
         let is_beyond = |[from, to]: &[DVec2; 2]| {
             let way = *to - *from;
             way.perp_dot(point - *from) < -1e-12 * way.length()
@@ -134,16 +134,16 @@ impl Chart {
         let share = (point - min) / (max - min);
         let slack = DVec2::splat(1e-9);
         let inside = share.cmpge(-slack).all() && share.cmple(DVec2::ONE + slack).all();
-        inside.then_some(share.clamp(DVec2::ZERO, DVec2::ONE) * self.last())
+        inside.then_some(share.clamp(DVec2::ZERO, DVec2::ONE) * self.last_texel())
     }
 
-    /// What it shows of a polygon of the sheet, which is convex where a wall crosses it.
+    /// The part of a polygon of the sheet that the chart shows. The polygon must be convex if a wall crosses it.
     #[must_use]
-    pub fn shown(&self, polygon: &[DVec2]) -> Vec<DVec2> {
-        self.walls.iter().fold(polygon.to_vec(), |left, &[from, to]| left_of(&left, from, to))
+    pub fn clip(&self, polygon: &[DVec2]) -> Vec<DVec2> {
+        self.walls.iter().fold(polygon.to_vec(), |left, &[from, to]| clip_left_of(&left, from, to))
     }
 
-    /// The faces that it shows.
+    /// Numbers of the faces of the sheet.
     pub fn faces(&self) -> Vec<u32> {
         match &*self.sheet {
             Sheet::Square(face) => vec![*face],
@@ -151,51 +151,52 @@ impl Chart {
         }
     }
 
-    /// Places that a texel stands for: four around its middle, along the border if it lies there; if none is on the surface, the
-    /// nearest one that is, up to a texel away.
+    /// Points that represent a texel: four around its middle, along the border for texels on it; if none of them is on the surface, the
+    /// nearest point that is, up to a texel away.
     #[must_use]
-    pub fn places(&self, surface: &PlacedSurface<'_>, texel: [u32; 2]) -> Vec<ParametricPoint> {
+    pub fn texel_points(&self, surface: &PlacedSurface<'_>, texel: [u32; 2]) -> Vec<ParametricPoint> {
         let middle = DVec2::new(f64::from(texel[0]), f64::from(texel[1]));
-        let mut places: Vec<ParametricPoint> = Vec::with_capacity(4);
+        let mut points: Vec<ParametricPoint> = Vec::with_capacity(4);
         let spread = |axis: usize| {
             if texel[axis] == 0 || texel[axis] + 1 == self.size[axis] { 0.0 } else { 0.25 }
         };
         let spread = DVec2::new(spread(0), spread(1));
         for corner in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
-            let place = self.place(surface, middle + DVec2::from_array(corner) * spread);
-            if let Some(place) = place.filter(|place| !places.contains(place)) {
-                places.push(place);
+            let place = self.surface_point(surface, middle + DVec2::from_array(corner) * spread);
+            if let Some(place) = place.filter(|place| !points.contains(place)) {
+                points.push(place);
             }
         }
-        if places.is_empty() {
-            let near = NEARBY.iter().find_map(|&[x, y]| self.place(surface, middle + DVec2::new(x, y)));
-            places.extend(near);
+        if points.is_empty() {
+            let near =
+                NEARBY.iter().find_map(|&[x, y]| self.surface_point(surface, middle + DVec2::new(x, y)));
+            points.extend(near);
         }
-        places
+        points
     }
 
-    /// Texels per unit of the sheet along both.
+    /// Texels per unit of the sheet along both axes.
     pub(crate) fn texels_per_unit(&self) -> DVec2 {
-        self.last() / (self.window[1] - self.window[0])
+        self.last_texel() / (self.window[1] - self.window[0])
     }
 
-    /// Whether a wall stands between a point of the sheet and what the chart shows.
-    pub(crate) fn is_behind_a_wall(&self, point: DVec2) -> bool {
+    /// Whether a wall separates a point of the sheet from the part that the chart shows.
+    pub(crate) fn is_behind_wall(&self, point: DVec2) -> bool {
         let scale = self.texels_per_unit();
         self.walls.iter().any(|&[from, to]| {
             let (way, there) = (scale * (to - from), scale * (point - from));
-            // What lies right beneath a sheet is seen from either side.
-            way.perp_dot(there) <= INWARDS * way.length()
+            // Points right beneath a wall are visible from either side.
+            way.perp_dot(there) <= INSET * way.length()
                 && (0.0..=way.length_squared()).contains(&way.dot(there))
         })
     }
 
-    /// The place at a point in texels; `None` where there is no surface, or one behind a wall.
+    /// The point of the surface at a position in texels; `None` where there is no surface, or behind a wall.
     #[must_use]
-    pub fn place(&self, surface: &PlacedSurface<'_>, texel: DVec2) -> Option<ParametricPoint> {
-        let inside = texel.clamp(DVec2::splat(INWARDS), self.last() - INWARDS);
+    pub fn surface_point(&self, surface: &PlacedSurface<'_>, texel: DVec2) -> Option<ParametricPoint> {
+        let inside = texel.clamp(DVec2::splat(INSET), self.last_texel() - INSET);
         let point = self.to_sheet(inside);
-        if self.is_behind_a_wall(point) {
+        if self.is_behind_wall(point) {
             return None;
         }
         let (face, uv) = self.parameters(point)?;
@@ -206,7 +207,7 @@ impl Chart {
     }
 }
 
-/// Points around a texel, by distance.
+/// Offsets from a texel, by distance.
 const NEARBY: [[f64; 2]; 20] = [
     [0.5, 0.0],
     [-0.5, 0.0],
@@ -230,11 +231,12 @@ const NEARBY: [[f64; 2]; 20] = [
     [-0.5, -0.95],
 ];
 
-/// Charts of all faces of `surfaces`, parted by thin walls, with at least `density` texels per metre everywhere.
+/// Charts of both sides of all faces of `surfaces`, divided at thin walls, with at least `density` texels per metre (up to 4096 texels
+/// along a side).
 #[must_use]
 pub fn charts(surfaces: &[PlacedSurface<'_>], density: f64) -> Vec<Chart> {
     let mut charts = Vec::new();
-    let faces = wall::faces(surfaces);
+    let faces = wall::flat_faces(surfaces);
     for (number, surface) in (0..).zip(surfaces).filter(|(_, surface)| !surface.is_passable()) {
         let (mut flat, mut whole) = (Vec::new(), Vec::new());
         for face in 0..surface.faces() {
@@ -244,7 +246,7 @@ pub fn charts(surfaces: &[PlacedSurface<'_>], density: f64) -> Vec<Chart> {
                     if let Some((window, stretch)) = stretch(surface, face) {
                         let sheet = Arc::new(Sheet::Square(face));
                         let shape = surface.shape(face);
-                        both(&mut whole, [number, shape], &sheet, window, stretch * density);
+                        add_both_sides(&mut whole, [number, shape], &sheet, window, stretch * density);
                     }
                 }
             }
@@ -252,22 +254,28 @@ pub fn charts(surfaces: &[PlacedSurface<'_>], density: f64) -> Vec<Chart> {
         for group in group::groups(surface, &flat) {
             let (shape, size, shrink) = (surface.shape(group.faces()[0]), group.size(), group.shrink());
             let sheet = Arc::new(Sheet::Flat(group));
-            both(&mut whole, [number, shape], &sheet, [DVec2::ZERO, size], DVec2::splat(density / shrink));
+            add_both_sides(
+                &mut whole,
+                [number, shape],
+                &sheet,
+                [DVec2::ZERO, size],
+                DVec2::splat(density / shrink),
+            );
         }
-        let parted: Vec<Vec<Chart>> = whole
+        let divided: Vec<Vec<Chart>> = whole
             .into_par_iter()
             .map(|chart| {
-                let walls = wall::walls(surface, &chart, &faces);
-                parts::parted(chart, &walls)
+                let walls = wall::thin_walls(surface, &chart, &faces);
+                parts::divide_at_walls(chart, &walls)
             })
             .collect();
-        charts.extend(parted.into_iter().flatten());
+        charts.extend(divided.into_iter().flatten());
     }
     charts
 }
 
-/// Adds the charts of both sides; `density`: texels per unit of the sheet.
-fn both(
+/// Adds the charts of both sides of a sheet. `density`: texels per unit of the sheet.
+fn add_both_sides(
     charts: &mut Vec<Chart>,
     [surface, shape]: [u32; 2],
     sheet: &Arc<Sheet>,
@@ -275,17 +283,17 @@ fn both(
     density: DVec2,
 ) {
     let wanted = (density * (window[1] - window[0]) * (1.0 - 1e-9)).ceil() + 1.0;
-    let is_coarse = wanted.max_element() > LONGEST;
-    let size = wanted.clamp(DVec2::splat(2.0), DVec2::splat(LONGEST)).to_array().map(|n| n as u32);
+    let is_coarse = wanted.max_element() > MAX_SIDE;
+    let size = wanted.clamp(DVec2::splat(2.0), DVec2::splat(MAX_SIDE)).to_array().map(|n| n as u32);
     for back in [false, true] {
         let sheet = Arc::clone(sheet);
         charts.push(Chart { surface, shape, back, sheet, window, walls: Vec::new(), size, is_coarse });
     }
 }
 
-/// The part of a face's parameters that is kept, and the largest speeds of the position along both, m; `None` if nothing is found.
+/// Bounds of a face's parameters after trimming, and the largest speeds of the position along both, metres; `None` if nothing is left.
 fn stretch(surface: &PlacedSurface<'_>, face: u32) -> Option<([DVec2; 2], DVec2)> {
-    let count = if surface.is_trimmed() { KEPT } else { STRETCH };
+    let count = if surface.is_trimmed() { TRIMMED_POINTS } else { STRETCH_POINTS };
     let step = 1.0 / f64::from(count - 1);
     let at = |uv: DVec2| surface.at(face, uv, false).map(|at| at.at.point.position);
     let (mut min, mut max, mut speed) = (DVec2::INFINITY, DVec2::NEG_INFINITY, DVec2::ZERO);

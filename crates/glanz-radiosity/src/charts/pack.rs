@@ -1,31 +1,32 @@
-//! Rectangles into squares.
+//! Packing of rectangles into squares.
 
-/// Where a rectangle lies.
+/// Location of a rectangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Slot {
+pub struct AtlasSlot {
     /// Number of the square.
     pub page: u32,
-    /// Its lower corner.
+    /// Lower left corner of the rectangle, without its border.
     pub corner: [u32; 2],
 }
 
-/// Rectangles in squares of one size.
+/// Locations of rectangles in squares of one size.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Packed {
+pub struct Packing {
     /// Side of the squares.
     pub side: u32,
     /// Number of squares.
     pub pages: u32,
-    /// One for each rectangle, in their order.
-    pub slots: Vec<Slot>,
+    /// Location of each rectangle, in their order.
+    pub slots: Vec<AtlasSlot>,
 }
 
-/// Packs rectangles with `border` around each into one square with a multiple of 4 as its side, or several if its side would exceed `limit`.
+/// Packs rectangles with a border of width `border` into one square, whose side is a multiple of 4, or into several if its side would exceed
+/// `limit`.
 ///
-/// Rows, the tallest first, each in the first row that has room: with many rectangles about nine tenths of the square are filled.
-/// Rectangles with their borders must not exceed `limit`.
+/// Shelf packing: by decreasing height, each rectangle goes onto the first shelf with enough space. Many rectangles fill about nine
+/// tenths of the square. Rectangles with their borders must not exceed `limit`.
 #[must_use]
-pub fn pack(sizes: &[[u32; 2]], border: u32, limit: u32) -> Packed {
+pub fn pack(sizes: &[[u32; 2]], border: u32, limit: u32) -> Packing {
     let grown: Vec<[u32; 2]> = sizes.iter().map(|size| size.map(|n| n + 2 * border)).collect();
     let area: f64 = grown.iter().map(|[w, h]| f64::from(*w) * f64::from(*h)).sum();
     let widest = grown.iter().flatten().copied().max().unwrap_or(1);
@@ -33,48 +34,48 @@ pub fn pack(sizes: &[[u32; 2]], border: u32, limit: u32) -> Packed {
     order.sort_by_key(|&i| (std::cmp::Reverse(grown[i][1]), std::cmp::Reverse(grown[i][0]), i));
     let mut side = (area.sqrt() as u32).max(widest).clamp(4, limit).next_multiple_of(4).min(limit);
     loop {
-        let (pages, mut slots) = rows(&grown, &order, side);
+        let (pages, mut slots) = shelves(&grown, &order, side);
         if pages <= 1 || side >= limit {
             for slot in &mut slots {
                 slot.corner = slot.corner.map(|n| n + border);
             }
-            return Packed { side, pages: pages.max(1), slots };
+            return Packing { side, pages: pages.max(1), slots };
         }
         side = (side + (side / 64).max(4)).next_multiple_of(4).min(limit);
     }
 }
 
-/// A row of rectangles.
-struct Row {
+/// A row of rectangles of at most `height`.
+struct Shelf {
     page: u32,
     bottom: u32,
     height: u32,
     end: u32,
 }
 
-fn rows(sizes: &[[u32; 2]], order: &[usize], side: u32) -> (u32, Vec<Slot>) {
-    let mut slots = vec![Slot { page: 0, corner: [0, 0] }; sizes.len()];
-    let mut rows: Vec<Row> = Vec::new();
+fn shelves(sizes: &[[u32; 2]], order: &[usize], side: u32) -> (u32, Vec<AtlasSlot>) {
+    let mut slots = vec![AtlasSlot { page: 0, corner: [0, 0] }; sizes.len()];
+    let mut shelves: Vec<Shelf> = Vec::new();
     // Heights used on each page.
     let mut pages: Vec<u32> = Vec::new();
     for &i in order {
         let [width, height] = sizes[i];
-        let fits = |row: &&mut Row| row.height >= height && row.end + width <= side;
-        let row = match rows.iter_mut().find(fits) {
-            Some(row) => row,
+        let fits = |shelf: &&mut Shelf| shelf.height >= height && shelf.end + width <= side;
+        let shelf = match shelves.iter_mut().find(fits) {
+            Some(shelf) => shelf,
             None => {
                 let page = pages.iter().position(|used| used + height <= side).unwrap_or(pages.len());
                 if page == pages.len() {
                     pages.push(0);
                 }
-                rows.push(Row { page: page as u32, bottom: pages[page], height, end: 0 });
+                shelves.push(Shelf { page: page as u32, bottom: pages[page], height, end: 0 });
                 pages[page] += height;
-                let last = rows.len() - 1;
-                &mut rows[last]
+                let last = shelves.len() - 1;
+                &mut shelves[last]
             }
         };
-        slots[i] = Slot { page: row.page, corner: [row.end, row.bottom] };
-        row.end += width;
+        slots[i] = AtlasSlot { page: shelf.page, corner: [shelf.end, shelf.bottom] };
+        shelf.end += width;
     }
     (pages.len() as u32, slots)
 }

@@ -6,7 +6,7 @@ use super::*;
 use crate::scenes::{parallelogram, scene, walls};
 
 fn place_of(chart: &Chart, surface: &PlacedSurface<'_>, texel: DVec2) -> Option<DVec3> {
-    let place = chart.place(surface, texel)?;
+    let place = chart.surface_point(surface, texel)?;
     Some(surface.at(place.face, place.uv, place.back)?.at.point.position)
 }
 
@@ -30,7 +30,7 @@ fn mixed() -> Scene {
 }
 
 #[test]
-fn every_place_of_a_surface_is_on_one_chart_of_each_side() {
+fn every_point_of_a_surface_is_on_one_chart_of_each_side() {
     let scene = mixed();
     let surfaces = scene.placed_surfaces();
     let charts = charts(&surfaces, 7.0);
@@ -51,7 +51,7 @@ fn every_place_of_a_surface_is_on_one_chart_of_each_side() {
 }
 
 #[test]
-fn texels_are_as_dense_as_was_asked_everywhere() {
+fn texels_have_the_requested_density_everywhere() {
     let scene = mixed();
     let surfaces = scene.placed_surfaces();
     for chart in charts(&surfaces, 7.0) {
@@ -154,7 +154,7 @@ fn walls_on_a_floor() -> Scene {
 }
 
 #[test]
-fn thin_walls_part_the_charts_that_they_stand_on() {
+fn thin_walls_divide_the_charts_that_they_stand_on() {
     let scene = walls_on_a_floor();
     let surfaces = scene.placed_surfaces();
     let all = charts(&surfaces, 10.0);
@@ -162,7 +162,7 @@ fn thin_walls_part_the_charts_that_they_stand_on() {
     let sides = |back: bool| floor.iter().filter(|chart| chart.back == back).count();
     // The line of the sheet reaches the first wall only where it is not built.
     assert_eq!((sides(false), sides(true)), (3, 1));
-    // Whichever chart a place is on, no texel that filtering mixes lies behind a wall.
+    // On the chart of any point, filtering mixes no texels from behind a wall.
     let separated = |a: DVec3, b: DVec3| {
         let crosses = |p: DVec2, q: DVec2| {
             let turn = |a: DVec2, b: DVec2, c: DVec2| (b - a).perp_dot(c - a);

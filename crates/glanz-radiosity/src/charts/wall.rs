@@ -1,7 +1,7 @@
-//! Where thin walls stand on flat charts.
+//! Detection of thin walls on flat charts.
 //!
-//! A texel beside a wall that is thinner than texels are wide reaches to the other side of it, and bilinear filtering mixes the light of
-//! both. So charts are parted along the middles of such walls (`part`), under which the borders of the parts are not seen.
+//! A texel at a wall thinner than texels extends to its other side, and bilinear filtering mixes the light of both. Charts are
+//! therefore divided along the middles of such walls (`parts`), which hide the borders of the parts.
 
 use glanz_geometry::{FaceDomain, Surface};
 use glanz_math::{Bounds3, DVec2, DVec3};
@@ -9,58 +9,59 @@ use glanz_scene::PlacedSurface;
 
 use super::{Chart, Sheet};
 
-/// Height above a chart at which walls are looked for, texels: what stands less high above it or begins higher is none.
+/// Height above a chart at which walls are detected, texels: faces that end below or begin above it are ignored.
 const HEIGHT: f64 = 0.02;
 
-/// Thickness up to which a wall parts a chart, texels: behind thicker ones lie texels of their own.
-const THIN: f64 = 2.0;
+/// Largest thickness of a wall that divides a chart, texels: thicker walls cover whole texels.
+const MAX_THICKNESS: f64 = 2.0;
 
-/// Length from which a wall parts a chart, texels.
-const LONG: f64 = 8.0;
+/// Smallest length of a wall that divides a chart, texels.
+const MIN_LENGTH: f64 = 8.0;
 
-/// Largest sine of the angle of sides of a wall that count as parallel.
+/// Largest sine of the angle between sides of a wall that count as parallel.
 const PARALLEL: f64 = 0.02;
 
-/// Distance up to which lines are one, texels.
-const SAME: f64 = 0.05;
+/// Largest distance of lines that are merged, texels.
+const MERGE_DISTANCE: f64 = 0.05;
 
-/// Lines on a chart that are looked at, the longest.
-const LINES: usize = 1024;
+/// Largest number of lines on a chart; the longest are used.
+const MAX_LINES: usize = 1024;
 
-/// How far flat is, per the size.
-const FLAT: f64 = 1e-7;
+/// Largest distance of a flat face from its plane, relative to its size.
+const FLATNESS: f64 = 1e-7;
 
-/// A flat face in the world.
+/// A flat face in space.
 #[derive(Clone, Debug)]
-pub(super) struct Face {
+pub(super) struct WallFace {
     corners: Vec<DVec3>,
     bounds: Bounds3,
-    /// Whether it is a side of something that is closed.
+    /// Whether it belongs to a closed solid.
     is_closed: bool,
 }
 
-/// A line on a chart where a face comes out of it, in texels.
+/// The intersection of a face with a chart, in texels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Line {
+struct WallLine {
     ends: [DVec2; 2],
     is_closed: bool,
 }
 
-/// A flat chart in space.
-struct Plane {
+/// The plane of a flat chart in space.
+struct ChartPlane {
     origin: DVec3,
-    /// To the side of the chart.
+    /// Unit normal on the side of the chart.
     normal: DVec3,
-    /// What texel coordinates grow by along one and the other.
+    /// Gradients of the texel coordinates, per metre.
     axes: [DVec3; 2],
+    /// Texel coordinates of `origin`.
     first: DVec2,
     bounds: Bounds3,
-    /// Metres.
+    /// Width of a texel, metres.
     texel: f64,
 }
 
-/// All flat faces that trimming does not cut.
-pub(super) fn faces(surfaces: &[PlacedSurface<'_>]) -> Vec<Face> {
+/// All flat faces of surfaces that are not trimmed.
+pub(super) fn flat_faces(surfaces: &[PlacedSurface<'_>]) -> Vec<WallFace> {
     let mut faces = Vec::new();
     for surface in surfaces.iter().filter(|surface| !surface.is_passable() && !surface.is_trimmed()) {
         let is_closed = matches!(surface.surface(), Surface::Cuboid(_) | Surface::Polyhedron(_));
@@ -91,7 +92,7 @@ pub(super) fn faces(surfaces: &[PlacedSurface<'_>]) -> Vec<Face> {
                 && corners.iter().copied().chain(inside).all(lies)
                 && (0..corners.len()).all(is_straight);
             if is_flat {
-                faces.push(Face {
+                faces.push(WallFace {
                     bounds: Bounds3::from_points(corners.iter().copied()),
                     corners,
                     is_closed,
@@ -104,34 +105,34 @@ pub(super) fn faces(surfaces: &[PlacedSurface<'_>]) -> Vec<Face> {
 
 fn is_near(a: DVec3, b: DVec3, corners: &[DVec3]) -> bool {
     let size = corners.iter().map(|corner| corner.distance(corners[0])).fold(0.0, f64::max);
-    a.distance(b) <= FLAT * size
+    a.distance(b) <= FLATNESS * size
 }
 
-/// Middles of the thin walls on a chart, in its texels, the longest first; none on one that is not flat.
-pub(super) fn walls(surface: &PlacedSurface<'_>, chart: &Chart, faces: &[Face]) -> Vec<[DVec2; 2]> {
-    if f64::from(chart.size[0].max(chart.size[1])) < LONG {
+/// Center lines of the thin walls on a chart, in its texels, by decreasing length; none on a chart that is not flat.
+pub(super) fn thin_walls(surface: &PlacedSurface<'_>, chart: &Chart, faces: &[WallFace]) -> Vec<[DVec2; 2]> {
+    if f64::from(chart.size[0].max(chart.size[1])) < MIN_LENGTH {
         return Vec::new();
     }
-    let Some(plane) = Plane::of(surface, chart) else { return Vec::new() };
+    let Some(plane) = ChartPlane::new(surface, chart) else { return Vec::new() };
     let near = faces.iter().filter(|face| meets(&face.bounds, &plane.bounds));
-    let mut lines: Vec<Line> = near.filter_map(|face| plane.line(face)).collect();
+    let mut lines: Vec<WallLine> = near.filter_map(|face| plane.line(face)).collect();
     sort(&mut lines);
-    lines.truncate(LINES);
-    let lines = joined(lines);
-    let mut middles: Vec<Line> = Vec::new();
+    lines.truncate(MAX_LINES);
+    let lines = merge_lines(lines);
+    let mut middles: Vec<WallLine> = Vec::new();
     for (i, line) in lines.iter().enumerate() {
         match opposite(&lines, i) {
-            // Each pair once.
+            // Each pair is added once.
             Some((other, middle))
                 if i < other || opposite(&lines, other).is_none_or(|(back, _)| back != i) =>
             {
-                middles.push(Line { ends: middle, ..*line });
+                middles.push(WallLine { ends: middle, ..*line });
             }
             None if !line.is_closed => middles.push(*line),
             _ => {}
         }
     }
-    middles.retain(|line| line.length() >= LONG);
+    middles.retain(|line| line.length() >= MIN_LENGTH);
     sort(&mut middles);
     middles.into_iter().map(|line| line.ends).collect()
 }
@@ -140,19 +141,20 @@ fn meets(a: &Bounds3, b: &Bounds3) -> bool {
     a.min.cmple(b.max).all() && b.min.cmple(a.max).all()
 }
 
-/// The longest first.
-fn sort(lines: &mut [Line]) {
-    let key = |line: &Line| [-line.length(), line.ends[0].x, line.ends[0].y, line.ends[1].x, line.ends[1].y];
+/// Sorts by decreasing length.
+fn sort(lines: &mut [WallLine]) {
+    let key =
+        |line: &WallLine| [-line.length(), line.ends[0].x, line.ends[0].y, line.ends[1].x, line.ends[1].y];
     lines.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
 }
 
-/// Lines that go on in one another made one.
-fn joined(lines: Vec<Line>) -> Vec<Line> {
-    let mut left: Vec<Line> = Vec::new();
+/// Merges lines that continue one another.
+fn merge_lines(lines: Vec<WallLine>) -> Vec<WallLine> {
+    let mut left: Vec<WallLine> = Vec::new();
     for mut line in lines {
-        // Each that it is joined with may let it reach others.
-        while let Some(i) = left.iter().position(|other| other.goes_on_in(&line)) {
-            line = left.swap_remove(i).with(&line);
+        // A merged line may reach further lines.
+        while let Some(i) = left.iter().position(|other| other.continues(&line)) {
+            line = left.swap_remove(i).merged(&line);
         }
         left.push(line);
     }
@@ -160,57 +162,59 @@ fn joined(lines: Vec<Line>) -> Vec<Line> {
     left
 }
 
-/// The nearest line that runs beside one for at least half of the shorter, and the middle between both.
-fn opposite(lines: &[Line], number: usize) -> Option<(usize, [DVec2; 2])> {
+/// The nearest parallel line beside at least half of the shorter of the two, and the center line between both.
+fn opposite(lines: &[WallLine], number: usize) -> Option<(usize, [DVec2; 2])> {
     let line = lines[number];
-    let (from, way) = (line.ends[0], line.way());
-    let beside = |(i, other): (usize, &Line)| {
-        if i == number || way.perp_dot(other.way()).abs() > PARALLEL {
+    let (from, direction) = (line.ends[0], line.direction());
+    let beside = |(i, other): (usize, &WallLine)| {
+        if i == number || direction.perp_dot(other.direction()).abs() > PARALLEL {
             return None;
         }
-        let offset = way.perp_dot(other.ends[0].midpoint(other.ends[1]) - from);
-        let ends = other.ends.map(|end| way.dot(end - from));
+        let offset = direction.perp_dot(other.ends[0].midpoint(other.ends[1]) - from);
+        let ends = other.ends.map(|end| direction.dot(end - from));
         let (low, high) = (ends[0].min(ends[1]).max(0.0), ends[0].max(ends[1]).min(line.length()));
-        let is_beside = offset.abs() > SAME && offset.abs() <= THIN;
+        let is_beside = offset.abs() > MERGE_DISTANCE && offset.abs() <= MAX_THICKNESS;
         (is_beside && high - low >= 0.5 * line.length().min(other.length())).then_some((i, offset, low, high))
     };
     let nearest =
         lines.iter().enumerate().filter_map(beside).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
     let (i, offset, low, high) = nearest;
-    Some((i, [low, high].map(|along| from + along * way + 0.5 * offset * way.perp())))
+    Some((i, [low, high].map(|along| from + along * direction + 0.5 * offset * direction.perp())))
 }
 
-impl Line {
+impl WallLine {
     fn length(&self) -> f64 {
         self.ends[0].distance(self.ends[1])
     }
 
-    fn way(&self) -> DVec2 {
+    fn direction(&self) -> DVec2 {
         (self.ends[1] - self.ends[0]).normalize_or_zero()
     }
 
-    fn goes_on_in(&self, other: &Self) -> bool {
+    fn continues(&self, other: &Self) -> bool {
         let (long, short) = if self.length() >= other.length() { (self, other) } else { (other, self) };
-        let (from, way) = (long.ends[0], long.way());
-        let along = short.ends.map(|end| way.dot(end - from));
-        let is_on = short.ends.iter().all(|&end| way.perp_dot(end - from).abs() <= SAME);
-        is_on && along[0].max(along[1]) >= -SAME && along[0].min(along[1]) <= long.length() + SAME
+        let (from, direction) = (long.ends[0], long.direction());
+        let along = short.ends.map(|end| direction.dot(end - from));
+        let is_on = short.ends.iter().all(|&end| direction.perp_dot(end - from).abs() <= MERGE_DISTANCE);
+        is_on
+            && along[0].max(along[1]) >= -MERGE_DISTANCE
+            && along[0].min(along[1]) <= long.length() + MERGE_DISTANCE
     }
 
-    /// The line over both.
-    fn with(&self, other: &Self) -> Self {
+    /// The line that covers both.
+    fn merged(&self, other: &Self) -> Self {
         let long = if self.length() >= other.length() { self } else { other };
-        let (from, way) = (long.ends[0], long.way());
-        let along = || self.ends.iter().chain(&other.ends).map(|&end| way.dot(end - from));
+        let (from, direction) = (long.ends[0], long.direction());
+        let along = || self.ends.iter().chain(&other.ends).map(|&end| direction.dot(end - from));
         let ends = [along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max)];
-        Self { ends: ends.map(|t| from + t * way), is_closed: self.is_closed && other.is_closed }
+        Self { ends: ends.map(|t| from + t * direction), is_closed: self.is_closed && other.is_closed }
     }
 }
 
-impl Plane {
-    fn of(surface: &PlacedSurface<'_>, chart: &Chart) -> Option<Self> {
+impl ChartPlane {
+    fn new(surface: &PlacedSurface<'_>, chart: &Chart) -> Option<Self> {
         let at = |face, uv| surface.at(face, uv, chart.back).map(|at| at.at);
-        // Points of the sheet with their places.
+        // Points of the sheet with their positions in space.
         let mut points = Vec::new();
         match &*chart.sheet {
             Sheet::Square(face) => {
@@ -226,7 +230,7 @@ impl Plane {
                 }
             }
         }
-        let scale = chart.last() / (chart.window[1] - chart.window[0]);
+        let scale = chart.last_texel() / (chart.window[1] - chart.window[0]);
         let texel = |sheet: DVec2| (sheet - chart.window[0]) * scale;
         let [(a, p), (b, q), (c, r)] = [0, 1, 2]
             .map(|i| points.get(i).map(|(s, at)| (texel(*s), at.point.position)))
@@ -237,7 +241,7 @@ impl Plane {
         let (u, v) = (q - p, r - p);
         let normal = u.cross(v).try_normalize()?;
         let side = points[0].1.wo.dot(normal).signum();
-        // Dual to u and v: what lies in the plane is s u + t v.
+        // Dual basis of u and v: points of the plane are s u + t v.
         let square = u.cross(v).length_squared();
         let (s, t) = (v.cross(u.cross(v)) / square, u.cross(v).cross(u) / square);
         let axes = [0, 1].map(|axis| (b - a)[axis] * s + (c - a)[axis] * t);
@@ -252,19 +256,20 @@ impl Plane {
         };
         let is_flat = points.iter().all(|(sheet, at)| {
             let off = (at.point.position - p).dot(plane.normal).abs();
-            off <= 0.5 * HEIGHT * wide && plane.texel(at.point.position).distance(texel(*sheet)) <= SAME
+            off <= 0.5 * HEIGHT * wide
+                && plane.texel(at.point.position).distance(texel(*sheet)) <= MERGE_DISTANCE
         });
         plane.bounds = plane.bounds.expanded(wide);
         is_flat.then_some(plane)
     }
 
     fn texel(&self, point: DVec3) -> DVec2 {
-        let way = point - self.origin;
-        self.first + DVec2::new(self.axes[0].dot(way), self.axes[1].dot(way))
+        let direction = point - self.origin;
+        self.first + DVec2::new(self.axes[0].dot(direction), self.axes[1].dot(direction))
     }
 
-    /// Where a face comes out of the plane.
-    fn line(&self, face: &Face) -> Option<Line> {
+    /// The intersection of a face with the plane.
+    fn line(&self, face: &WallFace) -> Option<WallLine> {
         let height = |corner: DVec3| (corner - self.origin).dot(self.normal) / self.texel - HEIGHT;
         let mut ends = Vec::with_capacity(2);
         for (&a, &b) in face.corners.iter().zip(face.corners.iter().cycle().skip(1)) {
@@ -275,6 +280,6 @@ impl Plane {
         }
         let highest = face.corners.iter().map(|&corner| height(corner)).fold(f64::NEG_INFINITY, f64::max);
         let ends = <[DVec2; 2]>::try_from(ends).ok().filter(|_| highest > 0.5)?;
-        Some(Line { ends, is_closed: face.is_closed })
+        Some(WallLine { ends, is_closed: face.is_closed })
     }
 }

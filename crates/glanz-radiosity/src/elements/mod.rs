@@ -1,130 +1,120 @@
-//! Elements: parts of surfaces over which light is taken for constant.
+//! Elements: patches of surfaces on which light is assumed to be constant.
 //!
-//! They lie in the parameters of a surface, so that a sphere or a NURBS vase carries them as a wall does: area and normal come from
-//! the geometry. The two sides of a surface have elements of their own.
+//! They are rectangles or triangles of a surface's parameters, so that spheres and NURBS are divided like walls: area and normal come
+//! from the geometry. The two sides of a surface have separate elements.
 
 use glanz_geometry::FaceDomain;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::{PlacedSurface, Scene};
 
-mod part;
-mod quadtree;
+mod parameter_patch;
 mod walls;
 
-pub use part::Part;
-pub use quadtree::{Leaf, Quadtree, QuadtreeSettings};
+pub use parameter_patch::ParameterPatch;
 
-/// Places per side at which a part that is cut by trimming is looked at.
-const CUT: u32 = 8;
+/// Quadrature points along each side of a patch that trimming cuts; a power of two.
+const TRIM_GRID: u32 = 8;
 
-/// Largest distance of a point of a flat element from its plane or its straight side, per its size.
-const FLAT: f64 = 1e-9;
+/// Largest distance of a point of a flat element from its plane or its straight side, relative to its size.
+const FLATNESS: f64 = 1e-9;
 
-/// Where elements lie.
+/// Location of an element: parameters of one side of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
     /// Number of the surface in [`Scene::placed_surfaces`].
     pub surface: u32,
-    /// Its face.
+    /// Number of the face of the surface.
     pub face: u32,
-    /// Whether it is the side that the normal does not point to.
+    /// Whether it is the side opposite to the normal.
     pub back: bool,
-    /// The part of the parameters.
-    pub part: Part,
+    /// The parameters that it covers.
+    pub domain: ParameterPatch,
 }
 
-/// A place of a patch.
+/// A point of a patch, with the area that it represents in integrals.
 #[derive(Clone, Copy, Debug)]
-pub struct Node {
-    /// Metres.
+pub struct ElementPoint {
+    /// Position, metres.
     pub position: DVec3,
     /// Unit normal on the side of the patch.
     pub normal: DVec3,
-    /// Error of the position, see [`glanz_geometry::SurfacePoint::error`].
+    /// Bound on the error of the position, metres, see [`glanz_geometry::SurfacePoint::error`].
     pub error: DVec3,
-    /// The area that it stands for, m^2.
+    /// Area that it represents, m^2, 0 or more.
     pub area: f64,
 }
 
-/// A part of a surface with constant light.
+/// A patch of a surface with constant light.
 #[derive(Clone, Debug)]
 pub struct Element {
-    /// Where it lies.
+    /// Its location.
     pub patch: Patch,
     /// Area, m^2, above 0.
     pub area: f64,
-    /// Its middle.
-    pub center: Node,
-    /// If it is a flat polygon with straight sides: the corners, counterclockwise seen from its side.
+    /// Its middle, or the point of the surface nearest to it in the parameters if trimming has removed the middle.
+    pub center: ElementPoint,
+    /// Corners, metres, counterclockwise seen from its side; `None` unless it is flat with straight sides.
     pub polygon: Option<Vec<DVec3>>,
-    /// Share of light that is reflected; what a material reflects in whatever way counts as if it were diffuse.
+    /// Fraction of light that is reflected, [0, 1]; all reflection of a material counts as diffuse.
     pub reflectance: Spectrum,
-    /// Radiant exitance of its own, in units of radiance times pi.
+    /// Emitted radiant exitance, in units of radiance times pi.
     pub emission: Spectrum,
 }
 
-/// How large elements are.
+/// Size of elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ElementSettings {
-    /// Longest side of an element, metres.
+    /// Longest side of an element, metres, above 0.
     pub side: f64,
 }
 
-/// Why a scene cannot be divided.
+/// Error of the division of a scene into elements.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ElementError {
-    /// Not a length.
-    #[error("elements need a side above 0 m, not {0}")]
+    /// The side is not a positive, finite length.
+    #[error("the side of elements is {0} m; it must be above 0 and finite")]
     Side(f64),
-    /// More than can be numbered or kept.
-    #[error("sides of {side} m would make more than {limit} elements: choose larger ones")]
+    /// There would be more elements than can be stored.
+    #[error("sides of {side} m make more than {limit} elements; choose longer sides")]
     TooMany {
-        /// That was asked for.
+        /// The requested side, metres.
         side: f64,
-        /// Elements at most.
+        /// Largest number of elements.
         limit: usize,
     },
-    /// No quadtree.
-    #[error("elements cannot be divided at differences above {threshold} from level {first} to {deepest}")]
-    Division {
-        /// That was asked for, 0 or more.
-        threshold: f64,
-        /// At most as deep as the deepest.
-        first: u32,
-        /// At most 24.
-        deepest: u32,
-    },
-    /// More leaves than can be kept.
-    #[error("a quadtree would have more than {limit} elements: choose a larger threshold or fewer levels")]
-    TooFine {
-        /// Elements at most.
+    /// Thin walls cut the elements into more than can be stored.
+    #[error(
+        "thin walls cut the scene into more than {limit} elements; choose longer sides or a lower density of texels"
+    )]
+    WallCuts {
+        /// Largest number of elements.
         limit: usize,
     },
 }
 
-/// Elements at most.
-const LIMIT: usize = 1 << 22;
+/// Largest number of elements.
+const MAX_ELEMENTS: usize = 1 << 22;
 
-/// A scene in elements.
+/// Division of a scene into elements.
 #[derive(Debug)]
 pub struct Elements<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// Its surfaces.
+    /// Its surfaces, as in [`Scene::placed_surfaces`].
     pub surfaces: Vec<PlacedSurface<'a>>,
-    /// All elements; those of a face follow one another.
+    /// All elements; those of a face are contiguous.
     pub list: Vec<Element>,
-    /// Surfaces without parameters, or without end: they throw shadows but neither receive nor reflect light.
+    /// Number of surfaces without parameters or of infinite size: they cast shadows but neither receive nor reflect light.
     pub left_out: usize,
 }
 
 impl<'a> Elements<'a> {
-    /// Divides all surfaces of a scene.
+    /// Divides both sides of all surfaces of a scene.
     ///
     /// # Errors
-    /// [`ElementError`].
+    /// [`ElementError::Side`] for a side that is not positive and finite, [`ElementError::TooMany`] if there would be too many elements.
     pub fn new(scene: &'a Scene, settings: &ElementSettings) -> Result<Self, ElementError> {
         let ElementSettings { side } = *settings;
         if !(side > 0.0 && side.is_finite()) {
@@ -138,10 +128,10 @@ impl<'a> Elements<'a> {
             }
             elements.left_out += usize::from(surface.faces() == 0);
             for (face, back) in (0..surface.faces()).flat_map(|face| [(face, false), (face, true)]) {
-                let room = LIMIT - elements.list.len();
-                let parts = divided(surface, face, side).filter(|parts| parts.len() <= room);
-                let parts = parts.ok_or(ElementError::TooMany { side, limit: LIMIT })?;
-                let patch = |part| Patch { surface: number, face, back, part };
+                let room = MAX_ELEMENTS - elements.list.len();
+                let parts = divide_face(surface, face, side).filter(|parts| parts.len() <= room);
+                let parts = parts.ok_or(ElementError::TooMany { side, limit: MAX_ELEMENTS })?;
+                let patch = |part| Patch { surface: number, face, back, domain: part };
                 let found = parts.into_iter().filter_map(|part| element(scene, surface, patch(part)));
                 elements.list.extend(found);
             }
@@ -149,29 +139,39 @@ impl<'a> Elements<'a> {
         Ok(elements)
     }
 
-    /// Places that stand for a patch in integrals, see [`Part::nodes`]; where it is cut, more and those that are left.
+    /// Quadrature points of a patch, see [`ParameterPatch::quadrature_points`]; of a patch that is trimmed, those points of a finer grid that trimming
+    /// leaves.
     #[must_use]
-    pub fn nodes(&self, patch: &Patch) -> Vec<Node> {
-        self.surfaces.get(patch.surface as usize).map_or_else(Vec::new, |surface| nodes(surface, patch))
+    pub fn quadrature_points(&self, patch: &Patch) -> Vec<ElementPoint> {
+        self.surfaces
+            .get(patch.surface as usize)
+            .map_or_else(Vec::new, |surface| quadrature_points(surface, patch))
     }
 
-    /// The element on a patch; `None` if nothing of the surface is there.
+    /// The element on a patch; `None` if trimming leaves nothing of it.
     #[must_use]
     pub fn element(&self, patch: Patch) -> Option<Element> {
         element(self.scene, self.surfaces.get(patch.surface as usize)?, patch)
     }
 
-    /// The place of a patch at `uv`; it stands for no area. `None` where trimming has cut it away.
+    /// The elements on the four quarters of an element's parameters, without those of which trimming leaves nothing.
     #[must_use]
-    pub fn place(&self, patch: &Patch, uv: DVec2) -> Option<Node> {
-        node(self.surfaces.get(patch.surface as usize)?, patch, uv, 0.0)
+    pub fn quarters(&self, whole: &Element) -> Vec<Element> {
+        let quarters = whole.patch.domain.quarters().into_iter();
+        quarters.filter_map(|domain| self.element(Patch { domain, ..whole.patch })).collect()
+    }
+
+    /// The point of a patch at `uv`, with area 0; `None` where trimming has removed the surface.
+    #[must_use]
+    pub fn point(&self, patch: &Patch, uv: DVec2) -> Option<ElementPoint> {
+        element_point(self.surfaces.get(patch.surface as usize)?, patch, uv, 0.0)
     }
 }
 
-fn node(surface: &PlacedSurface<'_>, patch: &Patch, uv: DVec2, size: f64) -> Option<Node> {
+fn element_point(surface: &PlacedSurface<'_>, patch: &Patch, uv: DVec2, size: f64) -> Option<ElementPoint> {
     let at = surface.at(patch.face, uv, patch.back)?;
     let point = &at.at.point;
-    Some(Node {
+    Some(ElementPoint {
         position: point.position,
         normal: at.at.wo,
         error: point.error,
@@ -179,51 +179,51 @@ fn node(surface: &PlacedSurface<'_>, patch: &Patch, uv: DVec2, size: f64) -> Opt
     })
 }
 
-fn nodes(surface: &PlacedSurface<'_>, patch: &Patch) -> Vec<Node> {
-    let of = |places: &[DVec2]| -> Vec<Node> {
-        let size = patch.part.size() / places.len() as f64;
-        places.iter().filter_map(|&uv| node(surface, patch, uv, size)).collect()
+fn quadrature_points(surface: &PlacedSurface<'_>, patch: &Patch) -> Vec<ElementPoint> {
+    let sample = |points: &[DVec2]| -> Vec<ElementPoint> {
+        let size = patch.domain.size() / points.len() as f64;
+        points.iter().filter_map(|&uv| element_point(surface, patch, uv, size)).collect()
     };
-    let places = patch.part.nodes();
-    let regular = of(&places);
-    if regular.len() == places.len() && !surface.is_trimmed() {
+    let points = patch.domain.quadrature_points();
+    let regular = sample(&points);
+    if regular.len() == points.len() && !surface.is_trimmed() {
         return regular;
     }
-    of(&cut_places(&patch.part))
+    sample(&trim_grid_points(&patch.domain))
 }
 
-/// Middles of [`CUT`] x [`CUT`] equal parts.
-fn cut_places(part: &Part) -> Vec<DVec2> {
+/// Middles of [`TRIM_GRID`] x [`TRIM_GRID`] equal patches.
+fn trim_grid_points(part: &ParameterPatch) -> Vec<DVec2> {
     let mut parts = vec![*part];
-    for _ in 0..CUT.ilog2() {
-        parts = parts.iter().flat_map(Part::quarters).collect();
+    for _ in 0..TRIM_GRID.ilog2() {
+        parts = parts.iter().flat_map(ParameterPatch::quarters).collect();
     }
-    parts.iter().map(Part::center).collect()
+    parts.iter().map(ParameterPatch::center).collect()
 }
 
-/// The parts of a face, with sides of `side` metres at most; `None` if they are more than [`LIMIT`].
-fn divided(surface: &PlacedSurface<'_>, face: u32, side: f64) -> Option<Vec<Part>> {
+/// Division of a face into patches with sides of at most `side` metres; `None` if they are more than [`MAX_ELEMENTS`].
+fn divide_face(surface: &PlacedSurface<'_>, face: u32, side: f64) -> Option<Vec<ParameterPatch>> {
     let length = |from: DVec2, to: DVec2| {
         let n = 16;
-        let places =
+        let points =
             (0..=n).filter_map(|i| surface.at(face, from.lerp(to, f64::from(i) / f64::from(n)), false));
-        let places: Vec<DVec3> = places.map(|at| at.at.point.position).collect();
-        places.windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f64>()
+        let points: Vec<DVec3> = points.map(|at| at.at.point.position).collect();
+        points.windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f64>()
     };
-    // What is more is refused all the same.
-    let count = |length: f64| (length / side * (1.0 - 1e-9)).ceil().clamp(1.0, LIMIT as f64) as u32;
+    // Clamped so that the product below cannot overflow; larger counts are refused there.
+    let count = |length: f64| (length / side * (1.0 - 1e-9)).ceil().clamp(1.0, MAX_ELEMENTS as f64) as u32;
     match surface.face_domain(face) {
         FaceDomain::Square => {
             let lines = [0.0, 0.5, 1.0];
             let along_u = lines.map(|v| length(DVec2::new(0.0, v), DVec2::new(1.0, v)));
             let along_v = lines.map(|u| length(DVec2::new(u, 0.0), DVec2::new(u, 1.0)));
             let [columns, rows] = [along_u, along_v].map(|l| count(l.into_iter().fold(0.0, f64::max)));
-            let fits = u64::from(columns) * u64::from(rows) <= LIMIT as u64;
-            fits.then(|| Part::SQUARE.grid(columns, rows))
+            let fits = u64::from(columns) * u64::from(rows) <= MAX_ELEMENTS as u64;
+            fits.then(|| ParameterPatch::SQUARE.grid(columns, rows))
         }
         FaceDomain::Polygon(corners) => {
-            let mut parts = filled(&corners);
-            let longest = |part: &Part| {
+            let mut parts = ParameterPatch::fan(&corners);
+            let longest = |part: &ParameterPatch| {
                 let corners = part.corners();
                 let ends = corners.iter().zip(corners.iter().cycle().skip(1));
                 ends.map(|(&from, &to)| length(from, to)).fold(0.0, f64::max)
@@ -232,10 +232,10 @@ fn divided(surface: &PlacedSurface<'_>, face: u32, side: f64) -> Option<Vec<Part
             // Quarters have sides of half the length.
             let mut rest = most;
             while rest > side * (1.0 + 1e-9) {
-                if 4 * parts.len() > LIMIT {
+                if 4 * parts.len() > MAX_ELEMENTS {
                     return None;
                 }
-                parts = parts.iter().flat_map(Part::quarters).collect();
+                parts = parts.iter().flat_map(ParameterPatch::quarters).collect();
                 rest *= 0.5;
             }
             Some(parts)
@@ -243,40 +243,24 @@ fn divided(surface: &PlacedSurface<'_>, face: u32, side: f64) -> Option<Vec<Part
     }
 }
 
-/// A face in the fewest parts.
-fn face_parts(surface: &PlacedSurface<'_>, face: u32) -> Vec<Part> {
-    match surface.face_domain(face) {
-        FaceDomain::Square => vec![Part::SQUARE],
-        FaceDomain::Polygon(corners) => filled(&corners),
-    }
-}
-
-/// Triangles that fill a convex polygon.
-fn filled(corners: &[DVec2]) -> Vec<Part> {
-    match corners {
-        [a, rest @ ..] => rest.windows(2).map(|pair| Part::Triangle([*a, pair[0], pair[1]])).collect(),
-        [] => Vec::new(),
-    }
-}
-
 fn element(scene: &Scene, surface: &PlacedSurface<'_>, patch: Patch) -> Option<Element> {
-    let nodes = nodes(surface, &patch);
-    let area: f64 = nodes.iter().map(|node| node.area).sum();
+    let points = quadrature_points(surface, &patch);
+    let area: f64 = points.iter().map(|point| point.area).sum();
     if !(area > 0.0 && area.is_finite()) {
         return None;
     }
-    // Trimming may have cut the middle away.
-    let middle = patch.part.center();
+    // Trimming may have removed the middle.
+    let middle = patch.domain.center();
     let at = match surface.at(patch.face, middle, patch.back) {
         Some(at) => at,
-        None => surface.at(patch.face, nearest_kept(surface, &patch, middle)?, patch.back)?,
+        None => surface.at(patch.face, nearest_remaining_point(surface, &patch, middle)?, patch.back)?,
     };
     let point = &at.at.point;
-    let center = Node { position: point.position, normal: at.at.wo, error: point.error, area };
+    let center = ElementPoint { position: point.position, normal: at.at.wo, error: point.error, area };
     let wavelengths = Wavelengths::default();
     let bsdf = at.at.bsdf(scene, &wavelengths)?;
     Some(Element {
-        polygon: polygon(surface, &patch),
+        polygon: flat_corners(surface, &patch),
         patch,
         area,
         center,
@@ -285,36 +269,37 @@ fn element(scene: &Scene, surface: &PlacedSurface<'_>, patch: Patch) -> Option<E
     })
 }
 
-/// Of the places that are kept, the one next to the middle.
-fn nearest_kept(surface: &PlacedSurface<'_>, patch: &Patch, middle: DVec2) -> Option<DVec2> {
-    let kept = cut_places(&patch.part).into_iter().filter(|&uv| surface.at(patch.face, uv, false).is_some());
+/// The point nearest to the middle that trimming leaves.
+fn nearest_remaining_point(surface: &PlacedSurface<'_>, patch: &Patch, middle: DVec2) -> Option<DVec2> {
+    let kept =
+        trim_grid_points(&patch.domain).into_iter().filter(|&uv| surface.at(patch.face, uv, false).is_some());
     kept.min_by(|a, b| a.distance_squared(middle).total_cmp(&b.distance_squared(middle)))
 }
 
-/// The corners of a patch if it is a flat polygon.
-fn polygon(surface: &PlacedSurface<'_>, patch: &Patch) -> Option<Vec<DVec3>> {
+/// The corners of a patch if it is flat with straight sides.
+fn flat_corners(surface: &PlacedSurface<'_>, patch: &Patch) -> Option<Vec<DVec3>> {
     if surface.is_trimmed() {
         return None;
     }
     let at = |uv: DVec2| surface.at(patch.face, uv, patch.back);
-    let middle = at(patch.part.center())?;
+    let middle = at(patch.domain.center())?;
     let normal = middle.at.wo;
-    let uvs = patch.part.corners();
+    let uvs = patch.domain.corners();
     let mut corners = Vec::new();
     for &uv in &uvs {
         corners.push(at(uv)?.at.point.position);
     }
     let size = corners.iter().map(|c| c.distance(middle.at.point.position)).fold(0.0, f64::max);
-    let is_in_plane = |p: DVec3| (p - middle.at.point.position).dot(normal).abs() <= FLAT * size;
+    let is_in_plane = |p: DVec3| (p - middle.at.point.position).dot(normal).abs() <= FLATNESS * size;
     for (i, (&from, &to)) in uvs.iter().zip(uvs.iter().cycle().skip(1)).enumerate() {
         let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
         let along = (b - a).normalize_or_zero();
         for share in [0.25, 0.5, 0.75] {
             let p = at(from.lerp(to, share))?;
             let off = (p.at.point.position - a).reject_from(along);
-            let inside = at(from.lerp(to, share).lerp(patch.part.center(), 0.5))?;
-            let flat = p.at.wo.dot(normal) > 1.0 - FLAT && inside.at.wo.dot(normal) > 1.0 - FLAT;
-            if off.length() > FLAT * size || !is_in_plane(inside.at.point.position) || !flat {
+            let inside = at(from.lerp(to, share).lerp(patch.domain.center(), 0.5))?;
+            let flat = p.at.wo.dot(normal) > 1.0 - FLATNESS && inside.at.wo.dot(normal) > 1.0 - FLATNESS;
+            if off.length() > FLATNESS * size || !is_in_plane(inside.at.point.position) || !flat {
                 return None;
             }
         }

@@ -41,7 +41,7 @@ fn both_sides_of_every_surface_are_covered() {
 }
 
 #[test]
-fn sides_are_no_longer_than_was_asked() {
+fn sides_are_no_longer_than_requested() {
     let scene = scene(vec![(parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y), 0.5, 0.0)]);
     // 2 m by 1 m in sides of 0.3 m at most: 7 by 4, on two sides.
     let elements = elements(&scene, 0.3);
@@ -50,7 +50,7 @@ fn sides_are_no_longer_than_was_asked() {
 }
 
 #[test]
-fn flat_polygons_are_told_from_what_is_round_or_twisted() {
+fn flat_polygons_are_distinguished_from_round_and_twisted_surfaces() {
     let twisted = ShapeDescription::from(GeometryDescription::Bilinear {
         positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(1.0, 1.0, 0.3)],
         indices: vec![[0, 1, 2, 3]],
@@ -89,7 +89,7 @@ fn reflectance_and_emission_are_those_of_the_side() {
 }
 
 #[test]
-fn senseless_sizes_are_refused() {
+fn invalid_sides_are_refused() {
     let scene = scene(walls(DVec3::ONE).into_iter().map(|wall| (wall, 0.5, 0.0)).collect());
     let tried = |side| Elements::new(&scene, &ElementSettings { side }).map(|elements| elements.list.len());
     for side in [0.0, -1.0, f64::NAN, f64::INFINITY] {
@@ -99,4 +99,26 @@ fn senseless_sizes_are_refused() {
         assert!(matches!(tried(side), Err(ElementError::TooMany { .. })), "{side}");
     }
     assert_eq!(tried(1.0), Ok(12));
+}
+
+#[test]
+fn quarters_of_an_element_fill_it() {
+    let prism = {
+        let side = |k: f64| (DVec3::new((k * TAU / 5.0).cos(), (k * TAU / 5.0).sin(), 0.0), 1.0);
+        let mut half_spaces: Vec<_> = [0.0, 1.0, 2.0, 3.0, 4.0].map(side).into();
+        half_spaces.extend([(DVec3::Z, 1.0), (-DVec3::Z, 1.0)]);
+        ShapeDescription::from(GeometryDescription::Polyhedron { half_spaces })
+    };
+    let triangle = ShapeDescription::mesh(vec![DVec3::ZERO, DVec3::X * 2.0, DVec3::Y], vec![[0, 1, 2]]);
+    let square = parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y);
+    for shape in [square, ShapeDescription::sphere(1.0), triangle, prism] {
+        let scene = scene(vec![(shape, 0.5, 0.0)]);
+        let elements = elements(&scene, 0.7);
+        for whole in &elements.list {
+            let quarters = elements.quarters(whole);
+            let area: f64 = quarters.iter().map(|quarter| quarter.area).sum();
+            assert!(quarters.len() == 4 && (area / whole.area - 1.0).abs() < 1e-2);
+            assert!(quarters.iter().all(|quarter| quarter.patch.back == whole.patch.back));
+        }
+    }
 }

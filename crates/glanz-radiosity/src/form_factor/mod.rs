@@ -1,7 +1,7 @@
-//! How much of the light that leaves one element meets another.
+//! Form factors: fractions of the light leaving one element that arrive at another.
 //!
-//! Polygons that see each other whole exchange light by a closed form; all else is integrated over pairs of points with a ray between
-//! them, on parts so small that they are far apart for their size.
+//! Polygons that are entirely visible to each other have a closed form; other pairs are integrated over pairs of points with shadow
+//! rays, on patches so small that their distance is large for their size.
 
 use std::f64::consts::PI;
 
@@ -11,69 +11,69 @@ use glanz_math::{DVec3, Ray};
 use glanz_scene::Scene;
 use rayon::prelude::*;
 
-use crate::elements::{Element, Elements, Node, Patch};
+use crate::elements::{Element, ElementPoint, Elements, Patch};
 
 pub mod polygon;
 
-/// Sum of the radii of two parts over their distance below which points stand for them.
+/// Sum of the radii of two patches over their distance below which their quadrature points represent them.
 const FAR: f64 = 0.3;
 
-/// Share of the smaller area below which parts that touch are not divided further.
-const SMALLEST: f64 = 1.0 / 256.0;
+/// Fraction of the smaller area below which patches that touch are not divided further.
+const SMALLEST_FRACTION: f64 = 1.0 / 256.0;
 
-/// How often a pair of polygons is divided whose points see each other in part.
+/// Divisions of a pair of polygons that are partly visible to each other.
 const PENUMBRA_LEVELS: u32 = 3;
 
-/// The same for pairs of other shapes, of which either is divided.
+/// The same for pairs of other shapes.
 const CURVED_PENUMBRA_LEVELS: u32 = 5;
 
-/// Area times form factor of a pair of elements, m^2: the same both ways.
+/// Area times form factor of a pair of elements, m^2, equal in both directions.
 #[must_use]
 pub fn exchange(elements: &Elements<'_>, a: &Element, b: &Element) -> f64 {
-    exchange_counting(elements, a, b, &mut 0)
+    exchange_counting_rays(elements, a, b, &mut 0)
 }
 
 /// As [`exchange`]; adds the number of its shadow rays to `rays`.
-pub fn exchange_counting(elements: &Elements<'_>, a: &Element, b: &Element, rays: &mut u64) -> f64 {
+pub fn exchange_counting_rays(elements: &Elements<'_>, a: &Element, b: &Element, rays: &mut u64) -> f64 {
     match (&a.polygon, &b.polygon) {
-        (Some(p), Some(q)) => match (Flat::in_front_of(a, p, b), Flat::in_front_of(b, q, a)) {
-            (Some(p), Some(q)) => flat(elements.scene, &p, &q, PENUMBRA_LEVELS, rays),
+        (Some(p), Some(q)) => match (FlatPolygon::in_front_of(a, p, b), FlatPolygon::in_front_of(b, q, a)) {
+            (Some(p), Some(q)) => polygon_exchange(elements.scene, &p, &q, PENUMBRA_LEVELS, rays),
             _ => 0.0,
         },
         _ => {
-            let smallest = SMALLEST * a.area.min(b.area);
-            let [a, b] = [a, b].map(|element| Piece::new(elements, element.patch));
-            curved(elements, &a, &b, smallest, Sight::Unknown(CURVED_PENUMBRA_LEVELS), rays)
+            let smallest = SMALLEST_FRACTION * a.area.min(b.area);
+            let [a, b] = [a, b].map(|element| SampledPatch::new(elements, element.patch));
+            patch_exchange(elements, &a, &b, smallest, PatchVisibility::Unknown(CURVED_PENUMBRA_LEVELS), rays)
         }
     }
 }
 
-/// Form factors of all pairs that see each other.
+/// Form factors of all pairs of elements that are visible to each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FormFactors {
-    /// Of each element those to others, by ascending number.
+    /// Form factors of each element to others, by ascending number of these.
     rows: Vec<Vec<(u32, f32)>>,
     rays: u64,
 }
 
-/// Of an element the light that it exchanges with those behind it in the list, and the rays that told it.
-type Row = (Vec<(u32, f64)>, u64);
+/// Exchange of an element with those after it in the list, m^2, and the number of rays.
+type ExchangeRow = (Vec<(u32, f64)>, u64);
 
 impl FormFactors {
-    /// All of them, by all threads; memory grows with the square of the number of elements.
+    /// Computes all form factors, in parallel; memory grows with the square of the number of elements.
     ///
     /// # Errors
-    /// [`Interrupted`] if `cancel` is raised, which is checked after each row.
+    /// [`Interrupted`] if `cancel` is raised; it is checked after each row.
     pub fn new(elements: &Elements<'_>, cancel: &CancelFlag) -> Result<Self, Interrupted> {
         let list = &elements.list;
-        let upper: Result<Vec<Row>, Interrupted> = list
+        let upper: Result<Vec<ExchangeRow>, Interrupted> = list
             .par_iter()
             .enumerate()
             .map(|(i, a)| {
                 let others = (0_u32..).zip(list).skip(i + 1);
                 let mut rays = 0;
                 let row = others.filter_map(|(j, b)| {
-                    let exchanged = exchange_counting(elements, a, b, &mut rays);
+                    let exchanged = exchange_counting_rays(elements, a, b, &mut rays);
                     (exchanged > 0.0).then_some((j, exchanged))
                 });
                 let row = row.collect();
@@ -93,13 +93,13 @@ impl FormFactors {
         Ok(Self { rows, rays })
     }
 
-    /// Elements that one sees, and the share of the light that it sends to each.
+    /// Numbers of the elements visible from an element, with the form factor to each.
     #[must_use]
     pub fn row(&self, element: usize) -> &[(u32, f32)] {
         self.rows.get(element).map_or(&[], Vec::as_slice)
     }
 
-    /// Share of the light of an element that meets any other: 1 in a closed room but for errors.
+    /// Sum of the form factors of an element: 1 in a closed room, up to errors.
     #[must_use]
     pub fn sum(&self, element: usize) -> f64 {
         self.row(element).iter().map(|&(_, factor)| f64::from(factor)).sum()
@@ -117,31 +117,31 @@ impl FormFactors {
         self.rows.is_empty()
     }
 
-    /// Rays that told what sees what.
+    /// Number of shadow rays.
     #[must_use]
     pub fn rays(&self) -> u64 {
         self.rays
     }
 
-    /// Memory, bytes.
+    /// Memory of the form factors, bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.rows.iter().map(|row| size_of_val(row.as_slice())).sum()
     }
 }
 
-/// A flat polygon.
-struct Flat {
+/// A flat polygon in space.
+struct FlatPolygon {
     corners: Vec<DVec3>,
     normal: DVec3,
     error: DVec3,
 }
 
-impl Flat {
-    /// What is left of an element on the front of another's plane; `None` if nothing is.
+impl FlatPolygon {
+    /// The part of an element in front of another's plane; `None` if nothing is.
     fn in_front_of(element: &Element, corners: &[DVec3], other: &Element) -> Option<Self> {
         let corners = polygon::in_front(corners, other.center.position, other.center.normal);
-        let Node { normal, error, .. } = element.center;
+        let ElementPoint { normal, error, .. } = element.center;
         (corners.len() >= 3).then_some(Self { corners, normal, error })
     }
 
@@ -155,19 +155,19 @@ impl Flat {
         0.5 * twice.length()
     }
 
-    /// Points inside, one towards each corner.
-    fn points(&self) -> Vec<Node> {
+    /// Ends of shadow rays: points inside, one towards each corner.
+    fn points(&self) -> Vec<ElementPoint> {
         let middle = self.middle();
-        let node = |&corner: &DVec3| Node {
+        let point = |&corner: &DVec3| ElementPoint {
             position: middle.lerp(corner, 0.55),
             normal: self.normal,
             error: self.error,
             area: 0.0,
         };
-        self.corners.iter().map(node).collect()
+        self.corners.iter().map(point).collect()
     }
 
-    /// As many parts as corners, between these, the middles of the sides and the middle.
+    /// Quadrilaterals, one per corner, between the corner, the middles of its sides and the middle.
     fn parts(&self) -> Vec<Self> {
         let (middle, n) = (self.middle(), self.corners.len());
         let part = |i: usize| {
@@ -179,72 +179,80 @@ impl Flat {
     }
 }
 
-/// Between polygons on the front of one another's planes.
-fn flat(scene: &Scene, a: &Flat, b: &Flat, levels: u32, rays: &mut u64) -> f64 {
+/// Exchange of two polygons in front of one another's planes, m^2.
+fn polygon_exchange(scene: &Scene, a: &FlatPolygon, b: &FlatPolygon, levels: u32, rays: &mut u64) -> f64 {
     let (from, to) = (a.points(), b.points());
     let all = from.len() * to.len();
     *rays += all as u64;
-    let free = from.iter().map(|a| to.iter().filter(|b| is_free(scene, a, b)).count()).sum::<usize>();
-    if free == 0 {
+    let visible =
+        from.iter().map(|a| to.iter().filter(|b| is_unoccluded(scene, a, b)).count()).sum::<usize>();
+    if visible == 0 {
         return 0.0;
     }
-    if free == all || levels == 0 {
-        return polygon::exchange(&a.corners, &b.corners) * free as f64 / all as f64;
+    if visible == all || levels == 0 {
+        return polygon::exchange(&a.corners, &b.corners) * visible as f64 / all as f64;
     }
     if a.area() >= b.area() {
-        a.parts().iter().map(|part| flat(scene, part, b, levels - 1, rays)).sum()
+        a.parts().iter().map(|part| polygon_exchange(scene, part, b, levels - 1, rays)).sum()
     } else {
-        b.parts().iter().map(|part| flat(scene, a, part, levels - 1, rays)).sum()
+        b.parts().iter().map(|part| polygon_exchange(scene, a, part, levels - 1, rays)).sum()
     }
 }
 
-/// A part of a surface with the points that stand for it.
-struct Piece {
+/// A patch of a surface with its quadrature points.
+struct SampledPatch {
     patch: Patch,
-    nodes: Vec<Node>,
+    points: Vec<ElementPoint>,
     middle: DVec3,
     radius: f64,
     area: f64,
 }
 
-impl Piece {
+impl SampledPatch {
     fn new(elements: &Elements<'_>, patch: Patch) -> Self {
-        let nodes = elements.nodes(&patch);
-        let count = nodes.len().max(1) as f64;
-        let middle = nodes.iter().map(|node| node.position).sum::<DVec3>() / count;
-        let reach = nodes.iter().map(|node| node.position.distance(middle)).fold(0.0, f64::max);
-        // Corners are no more than twice as far from the middle as the nodes.
-        Self { patch, middle, radius: 2.0 * reach, area: nodes.iter().map(|node| node.area).sum(), nodes }
+        let points = elements.quadrature_points(&patch);
+        let count = points.len().max(1) as f64;
+        let middle = points.iter().map(|point| point.position).sum::<DVec3>() / count;
+        let reach = points.iter().map(|point| point.position.distance(middle)).fold(0.0, f64::max);
+        // Corners are at most twice as far from the middle as the quadrature points.
+        Self { patch, middle, radius: 2.0 * reach, area: points.iter().map(|point| point.area).sum(), points }
     }
 
     fn parts(&self, elements: &Elements<'_>) -> Vec<Self> {
-        let quarters = self.patch.part.quarters();
-        quarters.into_iter().map(|part| Self::new(elements, Patch { part, ..self.patch })).collect()
+        let quarters = self.patch.domain.quarters();
+        quarters.into_iter().map(|part| Self::new(elements, Patch { domain: part, ..self.patch })).collect()
     }
 }
 
-/// What is known of how parts see each other.
+/// Mutual visibility of two patches, as far as known.
 #[derive(Clone, Copy, Debug)]
-enum Sight {
-    /// Nothing; rays decide in so many more divisions.
+enum PatchVisibility {
+    /// Unknown: shadow rays are traced in this number of further divisions.
     Unknown(u32),
-    /// This share of the rays between them is free.
-    Share(f64),
+    /// The fraction of unoccluded rays between them, [0, 1].
+    Fraction(f64),
 }
 
-/// Between parts of any shape.
+/// Exchange of two patches of any shape, m^2.
 ///
-/// Parts none of whose points face one another exchange nothing: what the rims of curved ones exchange besides vanishes as they
-/// grow smaller. Those all of whose points see each other are divided without further rays.
-fn curved(elements: &Elements<'_>, a: &Piece, b: &Piece, smallest: f64, sight: Sight, rays: &mut u64) -> f64 {
-    let (mut whole, mut seen, mut facing, mut free) = (0.0, 0.0, 0_usize, 0_usize);
-    for (a, b) in a.nodes.iter().flat_map(|a| b.nodes.iter().map(move |b| (a, b))) {
+/// Patches without points that face one another exchange nothing: the exchange of the rims of curved ones, which is neglected, vanishes
+/// with their size. Patches whose points are all visible to each other are divided without further rays.
+fn patch_exchange(
+    elements: &Elements<'_>,
+    a: &SampledPatch,
+    b: &SampledPatch,
+    smallest: f64,
+    visibility: PatchVisibility,
+    rays: &mut u64,
+) -> f64 {
+    let (mut whole, mut seen, mut facing, mut visible) = (0.0, 0.0, 0_usize, 0_usize);
+    for (a, b) in a.points.iter().flat_map(|a| b.points.iter().map(move |b| (a, b))) {
         let exchanged = kernel(a, b) * a.area * b.area;
         if exchanged > 0.0 {
             facing += 1;
             whole += exchanged;
-            if matches!(sight, Sight::Unknown(_)) && is_free(elements.scene, a, b) {
-                free += 1;
+            if matches!(visibility, PatchVisibility::Unknown(_)) && is_unoccluded(elements.scene, a, b) {
+                visible += 1;
                 seen += exchanged;
             }
         }
@@ -252,18 +260,18 @@ fn curved(elements: &Elements<'_>, a: &Piece, b: &Piece, smallest: f64, sight: S
     if facing == 0 {
         return 0.0;
     }
-    let all = a.nodes.len() * b.nodes.len();
-    let (found, below) = match sight {
-        Sight::Share(share) => (share * whole, sight),
-        Sight::Unknown(levels) => {
+    let all = a.points.len() * b.points.len();
+    let (found, below) = match visibility {
+        PatchVisibility::Fraction(fraction) => (fraction * whole, visibility),
+        PatchVisibility::Unknown(levels) => {
             *rays += facing as u64;
-            // Few that face one another do not tell of the rest.
+            // If few pairs face one another, they do not represent the others.
             let below = match (2 * facing >= all, levels.checked_sub(1)) {
-                (true, _) if free == facing => Sight::Share(1.0),
-                (_, Some(levels)) => Sight::Unknown(levels),
-                (_, None) => Sight::Share(free as f64 / facing as f64),
+                (true, _) if visible == facing => PatchVisibility::Fraction(1.0),
+                (_, Some(levels)) => PatchVisibility::Unknown(levels),
+                (_, None) => PatchVisibility::Fraction(visible as f64 / facing as f64),
             };
-            if free == 0 && facing == all {
+            if visible == 0 && facing == all {
                 return 0.0;
             }
             (seen, below)
@@ -271,26 +279,26 @@ fn curved(elements: &Elements<'_>, a: &Piece, b: &Piece, smallest: f64, sight: S
     };
     let is_far = a.radius + b.radius <= FAR * a.middle.distance(b.middle);
     if is_far || a.area.min(b.area) <= smallest {
-        // Points that nearly touch would see more than there is.
+        // The kernel is unbounded for points that nearly touch: no more than all light is exchanged.
         return found.min(a.area.min(b.area));
     }
     if a.radius >= b.radius {
-        a.parts(elements).iter().map(|part| curved(elements, part, b, smallest, below, rays)).sum()
+        a.parts(elements).iter().map(|part| patch_exchange(elements, part, b, smallest, below, rays)).sum()
     } else {
-        b.parts(elements).iter().map(|part| curved(elements, a, part, smallest, below, rays)).sum()
+        b.parts(elements).iter().map(|part| patch_exchange(elements, a, part, smallest, below, rays)).sum()
     }
 }
 
-/// cos cos' / (pi r^2), per m^2; 0 where one faces away.
-pub(crate) fn kernel(a: &Node, b: &Node) -> f64 {
+/// The kernel cos cos' / (pi r^2) between two points, per m^2; 0 if one faces away.
+pub(crate) fn kernel(a: &ElementPoint, b: &ElementPoint) -> f64 {
     let way = b.position - a.position;
     let square = way.length_squared();
     let (leaves, meets) = (a.normal.dot(way), -b.normal.dot(way));
     if leaves > 0.0 && meets > 0.0 { leaves * meets / (PI * square * square) } else { 0.0 }
 }
 
-/// Whether nothing is between two points.
-pub(crate) fn is_free(scene: &Scene, a: &Node, b: &Node) -> bool {
+/// Whether no surface is between two points.
+pub(crate) fn is_unoccluded(scene: &Scene, a: &ElementPoint, b: &ElementPoint) -> bool {
     let way = b.position - a.position;
     let from = offset_origin(a.position, a.error, a.normal, way);
     let to = offset_origin(b.position, b.error, b.normal, -way);

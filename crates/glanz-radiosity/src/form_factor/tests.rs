@@ -23,7 +23,7 @@ fn form_factor(elements: &Elements<'_>, from: (u32, bool), to: (u32, bool)) -> f
     sum / area
 }
 
-/// Of parallel rectangles of x by y, z apart (@howell1982 configuration C-11).
+/// Form factor of parallel rectangles of x by y, z apart (@howell1982 configuration C-11).
 fn parallel(x: f64, y: f64, z: f64) -> f64 {
     let (x, y) = (x / z, y / z);
     let (xx, yy) = (1.0 + x * x, 1.0 + y * y);
@@ -34,7 +34,7 @@ fn parallel(x: f64, y: f64, z: f64) -> f64 {
     2.0 / (PI * x * y) * (logarithm + turns)
 }
 
-/// From a rectangle of width w to one of width h that stands on their common side of length l (@howell1982, C-14).
+/// Form factor from a rectangle of width w to one of width h that stands on their common side of length l (@howell1982, C-14).
 fn perpendicular(w: f64, h: f64, l: f64) -> f64 {
     let (w, h) = (w / l, h / l);
     let (ww, hh) = (w * w, h * h);
@@ -103,7 +103,7 @@ fn sphere_to_a_rectangle() {
 }
 
 #[test]
-fn what_stands_between_hides() {
+fn surfaces_between_elements_occlude() {
     // A wall of the same size right in the middle hides all; one beside, nothing.
     let (u, v) = (DVec3::X, DVec3::Y);
     let with = |corner: DVec3, size: f64| {
@@ -115,12 +115,12 @@ fn what_stands_between_hides() {
         form_factor(&elements(&scene, 0.25), (0, false), (1, false))
     };
     assert_eq!(with(DVec3::new(-1.0, -1.0, 0.5), 3.0), 0.0);
-    let free = parallel(1.0, 1.0, 1.0);
-    assert!((with(DVec3::new(5.0, 0.0, 0.5), 1.0) / free - 1.0).abs() < 1e-6);
+    let visible = parallel(1.0, 1.0, 1.0);
+    assert!((with(DVec3::new(5.0, 0.0, 0.5), 1.0) / visible - 1.0).abs() < 1e-6);
     // Half-plane x < 0.5 at half the height hides one half and, through the middle, as much as it shows: by symmetry
     // exactly half is left.
     let half = with(DVec3::new(-2.5, -1.0, 0.5), 3.0);
-    assert!((half / free - 0.5).abs() < 0.01, "{}", half / free);
+    assert!((half / visible - 0.5).abs() < 0.01, "{}", half / visible);
 }
 
 #[test]
@@ -150,7 +150,7 @@ fn rows_inside_a_sphere_sum_to_one() {
     let scene = scene(vec![(sphere, 0.5, 0.0)]);
     let elements = elements(&scene, 0.5);
     let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
-    // Any two places of a sphere exchange the same, 1 / (4 pi r^2): each row is the share of the rest, for an element does not
+    // The kernel between any two points of a sphere is 1 / (4 pi r^2): a row sums to the fraction of the other area, as an element does not
     // see itself.
     for (i, element) in elements.list.iter().enumerate().filter(|(_, element)| element.patch.back) {
         let (sum, expected) = (factors.sum(i), 1.0 - element.area / (4.0 * PI));

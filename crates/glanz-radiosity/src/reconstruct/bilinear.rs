@@ -1,11 +1,11 @@
-//! Linear along u, then v.
+//! Bilinear interpolation.
 
 use glanz_math::{DVec2, DVec3};
 
 use super::lattice::locate;
-use super::{Interpolant, Lattice, Texture};
+use super::{Interpolant, InterpolatedTexture, Lattice};
 
-/// Samples of a grid, linearly between them, constant beyond.
+/// Bilinear interpolant of the samples of a grid, constant beyond them.
 pub(super) struct Bilinear {
     lattice: Lattice,
     rows: usize,
@@ -16,14 +16,14 @@ impl Bilinear {
         Self { rows: lattice.v().len(), lattice: lattice.clone() }
     }
 
-    /// Row `i` at places along u.
+    /// Row `i` at positions along u.
     fn row(&self, i: usize, places: &[(usize, f64)]) -> Vec<DVec3> {
         let row = self.lattice.rows().nth(i).unwrap_or_default();
         places.iter().map(|&(j, t)| between(row, j, t)).collect()
     }
 }
 
-/// Element j and the next, mixed; t is cut at the ends.
+/// Linear interpolation between the values j and j + 1; t is clamped to [0, 1].
 fn between(values: &[DVec3], j: usize, t: f64) -> DVec3 {
     let at = |k: usize| values.get(k.min(values.len().saturating_sub(1))).copied().unwrap_or_default();
     at(j).lerp(at(j + 1), t.clamp(0.0, 1.0))
@@ -37,7 +37,7 @@ impl Interpolant for Bilinear {
         at(i).lerp(at(i + 1), t.clamp(0.0, 1.0))
     }
 
-    fn texture(&self, size: [usize; 2]) -> Texture {
+    fn texture(&self, size: [usize; 2]) -> InterpolatedTexture {
         let middles = |n: usize| (0..n).map(move |x| (x as f64 + 0.5) / n as f64);
         let places: Vec<_> = middles(size[0]).map(|u| locate(self.lattice.u(), u)).collect();
         let rows: Vec<Vec<DVec3>> = (0..self.rows).map(|i| self.row(i, &places)).collect();
@@ -48,6 +48,7 @@ impl Interpolant for Bilinear {
             let (low, high) = (&rows[i], &rows[(i + 1).min(self.rows - 1)]);
             texels.extend(low.iter().zip(high).map(|(&a, &b)| a.lerp(b, t)));
         }
-        Texture::from_texels(size, texels).unwrap_or_else(|| Texture::from_function(size, |p| self.value(p)))
+        InterpolatedTexture::from_texels(size, texels)
+            .unwrap_or_else(|| InterpolatedTexture::from_function(size, |p| self.value(p)))
     }
 }

@@ -1,31 +1,31 @@
-//! The parts of a surface that have one value each.
+//! Cells of a surface's parameters with one value each.
 
 use glanz_math::{DVec2, DVec3};
 
-use super::{Border, Interpolant, Lattice, ReconstructError, Sample, Texture};
+use super::{Border, Interpolant, InterpolatedTexture, Lattice, ReconstructError, Sample};
 
-/// How far the areas of cells may miss that of the square.
+/// Largest difference between the sum of the areas of cells and that of the square.
 const AREA_TOLERANCE: f64 = 1e-9;
 
-/// A rectangle of parameters with its value.
+/// A rectangle of parameters with a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cell {
+pub struct ParameterCell {
     /// Smallest u and v.
     pub min: DVec2,
     /// Largest u and v.
     pub max: DVec2,
-    /// What is on it: red, green and blue.
+    /// Its value: red, green and blue.
     pub value: DVec3,
 }
 
-impl Cell {
+impl ParameterCell {
     /// Its middle.
     #[must_use]
     pub fn middle(&self) -> DVec2 {
         0.5 * (self.min + self.max)
     }
 
-    /// Without its upper sides, but for those of the square.
+    /// Whether it contains a point; its upper sides belong to it only on the border of the square.
     fn contains(&self, point: DVec2) -> bool {
         (0..2).all(|i| point[i] >= self.min[i] && (point[i] < self.max[i] || self.max[i] == 1.0))
     }
@@ -42,20 +42,20 @@ impl Cell {
 
 /// Cells that cover the unit square without overlap.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Cells {
-    cells: Vec<Cell>,
-    /// As many by as many equal squares, each with the cells that reach into it: where a point is looked for.
+pub struct ParameterCells {
+    cells: Vec<ParameterCell>,
+    /// `side` x `side` equal squares, each with the numbers of the cells that overlap it, for lookup.
     buckets: Vec<Vec<u32>>,
     side: usize,
 }
 
-impl Cells {
-    /// Those cells.
+impl ParameterCells {
+    /// Checks and indexes cells.
     ///
     /// # Errors
-    /// [`ReconstructError::Cells`] if they do not cover the unit square once, [`ReconstructError::Sample`] for a value that is not
+    /// [`ReconstructError::Cells`] if they do not cover the unit square exactly once, [`ReconstructError::Sample`] for a value that is not
     /// finite.
-    pub fn try_new(cells: Vec<Cell>) -> Result<Self, ReconstructError> {
+    pub fn try_new(cells: Vec<ParameterCell>) -> Result<Self, ReconstructError> {
         for (i, cell) in cells.iter().enumerate() {
             let inside = cell.min.cmpge(DVec2::ZERO).all() && cell.max.cmple(DVec2::ONE).all();
             if !(inside && cell.min.cmplt(cell.max).all()) {
@@ -83,17 +83,17 @@ impl Cells {
                 }
             }
         }
-        let missing = 1.0 - cells.iter().map(Cell::area).sum::<f64>();
+        let missing = 1.0 - cells.iter().map(ParameterCell::area).sum::<f64>();
         if missing.abs() > AREA_TOLERANCE {
             return Err(ReconstructError::Cells(cells.len()));
         }
         Ok(Self { cells, buckets, side })
     }
 
-    /// `size[0]` x `size[1]` equal cells with these values, rows of u one after the other from v = 0.
+    /// A grid of `size[0]` x `size[1]` equal cells with values by rows of constant v, from v = 0.
     ///
     /// # Errors
-    /// As [`Cells::try_new`]; [`ReconstructError::Cells`] if there are not as many values.
+    /// Those of [`ParameterCells::try_new`]; [`ReconstructError::Cells`] for another number of values.
     pub fn grid(size: [usize; 2], values: &[DVec3]) -> Result<Self, ReconstructError> {
         if size[0].checked_mul(size[1]) != Some(values.len()) {
             return Err(ReconstructError::Cells(values.len()));
@@ -101,18 +101,18 @@ impl Cells {
         let corner = |x: usize, y: usize| DVec2::new(x as f64 / size[0] as f64, y as f64 / size[1] as f64);
         let cells = values.iter().enumerate().map(|(i, &value)| {
             let (x, y) = (i % size[0], i / size[0]);
-            Cell { min: corner(x, y), max: corner(x + 1, y + 1), value }
+            ParameterCell { min: corner(x, y), max: corner(x + 1, y + 1), value }
         });
         Self::try_new(cells.collect())
     }
 
     /// All cells.
     #[must_use]
-    pub fn as_slice(&self) -> &[Cell] {
+    pub fn as_slice(&self) -> &[ParameterCell] {
         &self.cells
     }
 
-    /// A sample in the middle of each cell, and those at the border that are asked for.
+    /// A sample in the middle of each cell, and those at the border as selected.
     #[must_use]
     pub fn samples(&self, border: Border) -> Vec<Sample> {
         let mut samples: Vec<Sample> =
@@ -138,7 +138,7 @@ impl Cells {
         samples
     }
 
-    /// The samples as those of a grid, if the cells are one.
+    /// The samples as a grid; `None` if the cells form no grid.
     #[must_use]
     pub fn lattice(&self, border: Border) -> Option<Lattice> {
         let lines = |axis: usize| {
@@ -151,7 +151,7 @@ impl Cells {
         if u.len().checked_mul(v.len()) != Some(self.cells.len()) {
             return None;
         }
-        let mut order: Vec<&Cell> = self.cells.iter().collect();
+        let mut order: Vec<&ParameterCell> = self.cells.iter().collect();
         order.sort_by(|a, b| {
             let (a, b) = (a.middle(), b.middle());
             a.y.total_cmp(&b.y).then(a.x.total_cmp(&b.x))
@@ -163,9 +163,9 @@ impl Cells {
         }
     }
 
-    /// The cell that `point` of the unit square is in; on a common side that of larger u or v.
+    /// The cell that contains a point of the unit square; on a common side that of larger u or v.
     #[must_use]
-    pub fn cell_at(&self, point: DVec2) -> Option<&Cell> {
+    pub fn cell_at(&self, point: DVec2) -> Option<&ParameterCell> {
         let [x, y] = point.to_array().map(|x| bucket(x, self.side));
         let candidates = self.buckets.get(y * self.side + x)?.iter();
         candidates.filter_map(|&i| self.cells.get(i as usize)).find(|cell| cell.contains(point))
@@ -173,20 +173,20 @@ impl Cells {
 }
 
 fn bucket(x: f64, side: usize) -> usize {
-    // A cast cuts what is below 0.
+    // The cast maps negative numbers to 0.
     ((x * side as f64) as usize).min(side - 1)
 }
 
 /// Piecewise constant.
-impl Interpolant for Cells {
+impl Interpolant for ParameterCells {
     fn value(&self, point: DVec2) -> DVec3 {
         self.cell_at(point).map_or(DVec3::ZERO, |cell| cell.value)
     }
 
-    fn texture(&self, size: [usize; 2]) -> Texture {
+    fn texture(&self, size: [usize; 2]) -> InterpolatedTexture {
         let mut texels = vec![DVec3::ZERO; size[0] * size[1]];
         for cell in &self.cells {
-            // Texels with their middle in the cell.
+            // Texels whose middle is in the cell.
             let range = |axis: usize| {
                 let first = |x: f64| ((x * size[axis] as f64 - 0.5).ceil().max(0.0) as usize).min(size[axis]);
                 let end = if cell.max[axis] == 1.0 { size[axis] } else { first(cell.max[axis]) };
@@ -198,6 +198,7 @@ impl Interpolant for Cells {
                 }
             }
         }
-        Texture::from_texels(size, texels).unwrap_or_else(|| Texture::from_function(size, |p| self.value(p)))
+        InterpolatedTexture::from_texels(size, texels)
+            .unwrap_or_else(|| InterpolatedTexture::from_function(size, |p| self.value(p)))
     }
 }

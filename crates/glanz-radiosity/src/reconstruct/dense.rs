@@ -3,15 +3,15 @@
 use glanz_math::DVec3;
 use rayon::prelude::*;
 
-/// Columns that are eliminated before the rest of the matrix is touched.
+/// Columns that are eliminated before the rest of the matrix is updated.
 const PANEL: usize = 32;
 
-/// Rows that one thread updates at least.
+/// Smallest number of rows per task of a thread.
 const ROWS: usize = 16;
 
-/// The X of A X = B by Gauss's elimination with the largest pivot of each column; `None` if a pivot is 0 or not a number.
+/// Solves A X = B by Gaussian elimination with partial pivoting; `None` if a pivot is 0 or not finite.
 ///
-/// `matrix`: A, row by row, of as many rows and columns as B has rows. The result does not depend on the number of threads.
+/// `matrix`: A, row by row, square, with as many rows as B. The result does not depend on the number of threads.
 ///
 /// # Source
 /// @press2007 section 2.3; departure: columns are eliminated in blocks, so that the rest of the matrix is read once per block.
@@ -23,7 +23,7 @@ pub(super) fn solve(mut matrix: Vec<f64>, right: &[DVec3]) -> Option<Vec<DVec3>>
         eliminate_panel(&mut matrix, &mut x, start, end)?;
         update_rest(&mut matrix, n, start, end);
     }
-    // The factors below the diagonal have been swapped along with their rows.
+    // The factors below the diagonal were swapped along with their rows.
     for i in 0..n {
         let row = &matrix[i * n..i * n + i];
         let known: DVec3 = row.iter().zip(&x).map(|(factor, x)| *factor * *x).sum();
@@ -37,7 +37,7 @@ pub(super) fn solve(mut matrix: Vec<f64>, right: &[DVec3]) -> Option<Vec<DVec3>>
     Some(x)
 }
 
-/// Eliminates below the diagonal in the columns `start..end`; factors take the place of what becomes 0.
+/// Eliminates the columns `start..end` below the diagonal; factors replace the zeros.
 fn eliminate_panel(matrix: &mut [f64], x: &mut [DVec3], start: usize, end: usize) -> Option<()> {
     let n = x.len();
     for k in start..end {
@@ -62,7 +62,7 @@ fn eliminate_panel(matrix: &mut [f64], x: &mut [DVec3], start: usize, end: usize
     Some(())
 }
 
-/// Brings the columns from `end` on up to date with the elimination of `start..end`.
+/// Updates the columns from `end` on with the elimination of the columns `start..end`.
 fn update_rest(matrix: &mut [f64], n: usize, start: usize, end: usize) {
     let (above, below) = matrix.split_at_mut(end * n);
     for i in start + 1..end {
@@ -76,8 +76,8 @@ fn update_rest(matrix: &mut [f64], n: usize, start: usize, end: usize) {
         .for_each(|row| subtract(row, panel, n, [start, end], end));
 }
 
-/// Subtracts the rows `from..to`, of which `rows` begins with the first, times the factors in the columns `from..to` of `row`, from its columns
-/// from `end` on; four rows at a time, so that it is read and written less often.
+/// Subtracts the rows `from..to`, which start `rows`, times the factors in the columns `from..to` of `row`, from the columns of `row`
+/// from `end` on; four rows at a time, which reduces memory traffic.
 fn subtract(row: &mut [f64], rows: &[f64], n: usize, [from, to]: [usize; 2], end: usize) {
     let (factors, rest) = row.split_at_mut(end);
     let factors = &factors[from..to];
@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_matrix_maps_to_the_right_side_is_found() {
+    fn solution_is_mapped_to_the_right_side() {
         for n in [1, 2, 3, 31, 32, 33, 100, 131] {
             let matrix = numbers(n * n, 3);
             let expected: Vec<DVec3> = numbers(3 * n, 5).chunks(3).map(DVec3::from_slice).collect();
@@ -116,7 +116,7 @@ mod tests {
                 rows.map(|row| row.iter().zip(&expected).map(|(a, x)| *a * *x).sum()).collect();
             let found = solve(matrix.clone(), &right).unwrap();
             let off = found.iter().zip(&expected).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
-            // Condition numbers of such matrices are some n.
+            // The condition numbers of such matrices are of order n.
             assert!(off < 1e-11 * n as f64, "{n}: {off}");
         }
     }

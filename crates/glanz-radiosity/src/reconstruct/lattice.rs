@@ -1,20 +1,21 @@
-//! Samples on lines of constant u and v.
+//! Grids of samples on lines of constant u and v.
 
 use glanz_math::{DVec2, DVec3};
 
 use super::Sample;
 
-/// A value for each pair of a u and a v.
+/// A value at each crossing of lines of constant u and v.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lattice {
     u: Vec<f64>,
     v: Vec<f64>,
-    /// Rows of u one after the other.
+    /// Values by rows of constant v.
     values: Vec<DVec3>,
 }
 
 impl Lattice {
-    /// Lines of constant u and v in [0, 1], both ascending, and a value for each pair, u fastest; `None` if they are not so.
+    /// A grid of lines of constant u and v in [0, 1], both strictly ascending, with finite values by rows of constant v; `None` if a
+    /// condition is violated.
     #[must_use]
     pub fn new(u: Vec<f64>, v: Vec<f64>, values: Vec<DVec3>) -> Option<Self> {
         let ascending = |line: &[f64]| {
@@ -26,26 +27,26 @@ impl Lattice {
         (fine && values.iter().all(|value| value.is_finite())).then_some(Self { u, v, values })
     }
 
-    /// The lines of constant u.
+    /// Parameters of the lines of constant u.
     #[must_use]
     pub fn u(&self) -> &[f64] {
         &self.u
     }
 
-    /// The lines of constant v.
+    /// Parameters of the lines of constant v.
     #[must_use]
     pub fn v(&self) -> &[f64] {
         &self.v
     }
 
-    /// The values of one line of constant v.
+    /// The values of each line of constant v.
     pub(super) fn rows(&self) -> impl Iterator<Item = &[DVec3]> {
         self.values.chunks_exact(self.u.len())
     }
 
-    /// With a line more at each side of the square where there is none, of the values next to it.
+    /// Adds a line at each side of the square that has none, with the values of the nearest line.
     pub(super) fn with_border(&self) -> Option<Self> {
-        // Each line with the number of the one whose values it has.
+        // Each line with the number of the line that its values come from.
         let wider = |line: &[f64]| -> Vec<(f64, usize)> {
             let inner = line.iter().copied().zip(0..);
             let below = line.first().filter(|x| **x > 0.0).map(|_| (0.0, 0));
@@ -59,7 +60,7 @@ impl Lattice {
         Self::new(u.iter().map(|line| line.0).collect(), v.iter().map(|line| line.0).collect(), values)
     }
 
-    /// All samples.
+    /// All values as samples.
     #[must_use]
     pub fn samples(&self) -> Vec<Sample> {
         let points = self.v.iter().flat_map(|&v| self.u.iter().map(move |&u| DVec2::new(u, v)));
@@ -67,8 +68,8 @@ impl Lattice {
     }
 }
 
-/// The interval [line[i], line[i + 1]] that `x` is in or next to, and its place in it: 0 and 1 at the ends, beyond them outside. Of a
-/// single line: 0.
+/// Index i of the interval [line[i], line[i + 1]] that contains `x` or is nearest to it, and the position of `x` relative to it: 0 and 1 at its
+/// ends. For a single line both are 0.
 pub(super) fn locate(line: &[f64], x: f64) -> (usize, f64) {
     let last = line.len().saturating_sub(2);
     let i = line.partition_point(|&end| end <= x).saturating_sub(1).min(last);

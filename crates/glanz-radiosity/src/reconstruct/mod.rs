@@ -1,17 +1,17 @@
-//! From one value per element to a picture of the light on a surface (document 003 chapter 4).
+//! Interpolation of one value per element over a surface (document 003 chapter 4).
 //!
-//! A surface's parameters are the unit square, divided into [`Cells`] with a value each. An [`Interpolation`] makes of them a
-//! function over the square, an [`Interpolant`], which can be asked at a point or put into a [`Texture`]. Cells stand for their
-//! middles; *border samples* at the sides of the square give the cells there a second point ([`Border`]).
+//! The parameters of a surface are the unit square, divided into [`ParameterCells`] with a value each. An [`Interpolation`] makes them a
+//! function over the square, an [`Interpolant`], which can be evaluated at points or sampled into a [`InterpolatedTexture`]. Each cell is a sample
+//! at its middle; *border samples* at the sides of the square add further points ([`Border`]).
 //!
 //! | interpolation | samples | continuous | overshoots |
 //! |---|---|---|---|
 //! | [`Interpolation::Constant`] | cells | no | no |
-//! | [`Interpolation::Bilinear`] | grid | itself | no |
-//! | [`Interpolation::Spline`] | grid | with second derivatives | yes |
-//! | [`Interpolation::Shepard`] | any | itself; slope 0 at samples for exponents above 1 | no |
-//! | [`Interpolation::Multiquadrics`] | any | with all derivatives | yes |
-//! | [`Interpolation::NaturalNeighbour`] | any | itself; its slope but at samples | no |
+//! | [`Interpolation::Bilinear`] | grid | values | no |
+//! | [`Interpolation::Spline`] | grid | values, first and second derivatives | yes |
+//! | [`Interpolation::Shepard`] | any | values; slope 0 at samples for exponents above 1 | no |
+//! | [`Interpolation::Multiquadrics`] | any | values, all derivatives | yes |
+//! | [`Interpolation::NaturalNeighbour`] | any | values; slopes except at samples | no |
 //!
 //! # Source
 //! @pietrek2001 chapter 4.
@@ -33,9 +33,9 @@ mod spline;
 mod tests;
 mod texture;
 
-pub use cells::{Cell, Cells};
+pub use cells::{ParameterCell, ParameterCells};
 pub use lattice::Lattice;
-pub use texture::Texture;
+pub use texture::InterpolatedTexture;
 
 use bilinear::Bilinear;
 use multiquadrics::Multiquadrics;
@@ -43,87 +43,93 @@ use natural::NaturalNeighbour;
 use shepard::Shepard;
 use spline::Spline;
 
-/// A value at a point of the unit square; bands are red, green and blue.
+/// A value at a point of the unit square.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Where.
+    /// Its parameters.
     pub point: DVec2,
-    /// What is there.
+    /// Its value: red, green and blue.
     pub value: DVec3,
 }
 
-/// Whether cells at the sides of the square have samples there too.
+/// Samples of cells at the sides of the square.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Border {
-    /// Middles of cells alone: what lies beyond the outermost is extrapolated.
+    /// Only the middles of cells: values beyond the outermost ones are extrapolated.
     Open,
-    /// Each cell has samples at its sides that are sides of the square, opposite its middle, and at its corners that are corners
-    /// of the square, all of its value (@pietrek2001 section 4.6).
+    /// Each cell also has samples with its value in the middle of its sides on the border of the square, and at its corners that are
+    /// corners of the square (@pietrek2001 section 4.6).
     #[default]
     Sampled,
 }
 
-/// How values between samples are found.
+/// Method of interpolation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Interpolation {
     /// The value of the cell.
     Constant,
     /// Linear along u and v between the samples of a grid; constant beyond.
     Bilinear,
-    /// Cubic splines along u, then v, without curvature at the ends; straight beyond.
+    /// Natural cubic splines along u, then v; linear beyond.
     Spline,
-    /// Mean of all samples, weighted by distance^-exponent (@shepard1968). 003 takes 4.
+    /// Mean of all samples, weighted by distance^-exponent (@shepard1968); document 003 uses 4.
     Shepard {
         /// Above 0.
         exponent: f64,
     },
-    /// Sum of (distance^2 + r^2)^exponent around all samples, r the distance to the next
-    /// (@hardy1971; radii after Eck, as in 003, which takes 0.5).
+    /// Sum of (distance^2 + r^2)^exponent around all samples, r the distance of the nearest sample
+    /// (@hardy1971; radii after Eck, as in document 003, which uses 0.5).
     Multiquadrics {
-        /// Not 0; natural numbers have no unique solution.
+        /// Not 0; for natural numbers the equations may be singular.
         exponent: f64,
     },
-    /// Mean of the samples whose Voronoi cells a new sample would take from, by the areas taken (@sibson1981).
+    /// Mean of the samples, weighted by the areas that a new sample would take from their Voronoi cells (@sibson1981).
     NaturalNeighbour,
 }
 
-/// Why samples cannot be interpolated.
+/// Error of an interpolation.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReconstructError {
-    /// Cells that are no grid.
-    #[error("{0} interpolates grids alone, and these {1} cells are none")]
+    /// A method that needs a grid, and the number of cells or samples, which form none.
+    #[error(
+        "the interpolation {0} needs a grid of cells, which the {1} samples are not; choose shepard, multiquadrics or natural"
+    )]
     NoGrid(&'static str, usize),
-    /// An exponent that the method cannot have.
-    #[error("an exponent of {1} is not possible with {0}")]
+    /// An invalid exponent of a method.
+    #[error(
+        "the exponent of {0} is {1}; it must be finite, above 0 for shepard, and not 0 for multiquadrics"
+    )]
     Exponent(&'static str, f64),
-    /// A sample that is not finite or outside the domain.
-    #[error("sample {0} is not finite, or outside the domain")]
+    /// A sample with this number that is not finite or outside the domain.
+    #[error("sample {0} is not finite or outside the domain; remove it")]
     Sample(usize),
-    /// Two samples at one point, or none at all.
-    #[error("there is no sample, or two are at one point")]
+    /// Two samples at one point, or no sample.
+    #[error("there is no sample, or two are at one point; give at least one and merge those that coincide")]
     Points,
-    /// Equations without a solution.
-    #[error("the system of {0} equations has no unique solution")]
+    /// Equations without a unique solution, and their number.
+    #[error("the system of {0} equations has no unique solution; choose another exponent or interpolation")]
     Singular(usize),
-    /// Cells that do not cover the square once.
-    #[error("cell {0} is empty, leaves the unit square or overlaps another, or the cells leave a gap")]
+    /// Cells that do not cover the square exactly once, and the number of the first invalid one.
+    #[error(
+        "cell {0} is empty, outside the unit square or overlaps another, or there is a gap; cells must cover the square once"
+    )]
     Cells(usize),
 }
 
-/// A function over the unit square that has the values of the samples at their points.
+/// An interpolating function over the unit square.
 pub trait Interpolant: Send + Sync {
-    /// The value at `point`, in the unit square.
+    /// The value at a point of the unit square.
     fn value(&self, point: DVec2) -> DVec3;
 
-    /// The values at the middles of `size[0]` x `size[1]` texels, rows of u one after the other from v = 0.
-    fn texture(&self, size: [usize; 2]) -> Texture {
-        Texture::from_function(size, |point| self.value(point))
+    /// The values at the middles of `size[0]` x `size[1]` texels.
+    fn texture(&self, size: [usize; 2]) -> InterpolatedTexture {
+        InterpolatedTexture::from_function(size, |point| self.value(point))
     }
 }
 
 impl Interpolation {
-    /// All methods with 003's exponents.
+    /// All methods, with the exponents of document 003.
     pub const ALL: [Self; 6] = [
         Self::Constant,
         Self::Bilinear,
@@ -146,18 +152,21 @@ impl Interpolation {
         }
     }
 
-    /// Whether cells have to be a grid.
+    /// Whether the method needs a grid.
     #[must_use]
     pub fn needs_grid(&self) -> bool {
         matches!(self, Self::Bilinear | Self::Spline)
     }
 
-    /// The function over `cells`.
+    /// Interpolates the values of cells.
     ///
     /// # Errors
-    /// [`ReconstructError::NoGrid`] for cells that are no grid with a method that needs one, and those of
-    /// [`Interpolation::of_samples`].
-    pub fn of_cells(&self, cells: &Cells, border: Border) -> Result<Box<dyn Interpolant>, ReconstructError> {
+    /// [`ReconstructError::NoGrid`] if the method needs a grid and the cells are none, and those of [`Interpolation::of_samples`].
+    pub fn of_cells(
+        &self,
+        cells: &ParameterCells,
+        border: Border,
+    ) -> Result<Box<dyn Interpolant>, ReconstructError> {
         match self {
             Self::Constant => Ok(Box::new(cells.clone())),
             Self::Bilinear | Self::Spline => {
@@ -170,7 +179,7 @@ impl Interpolation {
         }
     }
 
-    /// The function over the samples of a grid.
+    /// Interpolates the values of a grid.
     ///
     /// # Errors
     /// Those of [`Interpolation::of_samples`].
@@ -182,16 +191,17 @@ impl Interpolation {
         })
     }
 
-    /// The function over samples anywhere in the unit square.
+    /// Interpolates samples at any points of the unit square.
     ///
     /// # Errors
-    /// [`ReconstructError`] for samples at one point or outside, an exponent that the method cannot have, a method that
-    /// needs cells or a grid.
+    /// [`ReconstructError::Sample`] for a sample outside or not finite, [`ReconstructError::Points`] without samples or for two at one
+    /// point, [`ReconstructError::Exponent`] for an invalid exponent, [`ReconstructError::Singular`] for equations without a unique
+    /// solution, [`ReconstructError::NoGrid`] for a method that needs cells or a grid.
     pub fn of_samples(&self, samples: &[Sample]) -> Result<Box<dyn Interpolant>, ReconstructError> {
         self.of_samples_within(samples, DVec2::ONE)
     }
 
-    /// The function over samples anywhere in the rectangle from the origin to `size`, both of whose sides are at most 1.
+    /// Interpolates samples at any points of the rectangle from the origin to `size`, whose sides are at most 1.
     ///
     /// # Errors
     /// Those of [`Interpolation::of_samples`].

@@ -1,23 +1,23 @@
-//! Sums of radial functions.
+//! Interpolation by sums of radial functions.
 
 use glanz_math::{DVec2, DVec3};
 
 use super::dense::solve;
 use super::{Interpolant, ReconstructError, Sample};
 
-/// Largest residual of a solution that is taken for one, relative to the largest value.
-const RESIDUAL: f64 = 1e-6;
+/// Largest residual of a valid solution, relative to the largest value.
+const MAX_RESIDUAL: f64 = 1e-6;
 
-/// A radial function for each sample, of a radius that is the distance to the next one.
+/// A radial function for each sample, whose radius is the distance to the nearest other sample.
 ///
 /// # Source
 /// @hardy1971; @pietrek2001 section 4.5.2.
 pub(super) struct Multiquadrics {
-    functions: Vec<Function>,
+    functions: Vec<RadialFunction>,
     exponent: f64,
 }
 
-struct Function {
+struct RadialFunction {
     point: DVec2,
     /// Square of the radius.
     radius: f64,
@@ -26,7 +26,8 @@ struct Function {
 
 impl Multiquadrics {
     /// # Errors
-    /// [`ReconstructError`] for an exponent of 0, samples at one point, and equations that cannot be solved.
+    /// [`ReconstructError::Exponent`] for an exponent of 0 or not finite, [`ReconstructError::Points`] for samples at one point,
+    /// [`ReconstructError::Singular`] for equations without a unique solution.
     pub(super) fn try_new(samples: &[Sample], exponent: f64) -> Result<Self, ReconstructError> {
         if exponent == 0.0 || !exponent.is_finite() {
             return Err(ReconstructError::Exponent("multiquadrics", exponent));
@@ -40,11 +41,11 @@ impl Multiquadrics {
             if nearest == 0.0 {
                 return Err(ReconstructError::Points);
             }
-            // A single sample has no next one; any radius makes it a constant at its place.
+            // A single sample has no neighbour; any radius reproduces its value at its point.
             let radius = if nearest.is_finite() { nearest } else { 1.0 };
-            functions.push(Function { point: sample.point, radius, factor: DVec3::ZERO });
+            functions.push(RadialFunction { point: sample.point, radius, factor: DVec3::ZERO });
         }
-        let entry = |row: &Sample, column: &Function| {
+        let entry = |row: &Sample, column: &RadialFunction| {
             power(row.point.distance_squared(column.point) + column.radius, exponent)
         };
         let system: Vec<f64> =
@@ -55,8 +56,8 @@ impl Multiquadrics {
             row.iter().zip(&factors).map(|(entry, factor)| *entry * *factor).sum::<DVec3>() - *value
         });
         let largest = values.iter().map(|value| value.abs().max_element()).fold(0.0, f64::max);
-        // Not so for what is no number.
-        let is_solution = |rest: DVec3| rest.abs().cmple(DVec3::splat(RESIDUAL * largest)).all();
+        // False for values that are not numbers.
+        let is_solution = |rest: DVec3| rest.abs().cmple(DVec3::splat(MAX_RESIDUAL * largest)).all();
         if !rest.into_iter().all(is_solution) {
             return Err(ReconstructError::Singular(n));
         }
@@ -77,7 +78,8 @@ fn power(x: f64, exponent: f64) -> f64 {
 
 impl Interpolant for Multiquadrics {
     fn value(&self, point: DVec2) -> DVec3 {
-        let term = |f: &Function| power(f.point.distance_squared(point) + f.radius, self.exponent) * f.factor;
+        let term =
+            |f: &RadialFunction| power(f.point.distance_squared(point) + f.radius, self.exponent) * f.factor;
         self.functions.iter().map(term).sum()
     }
 }

@@ -1,34 +1,33 @@
-//! Natural neighbours.
+//! Natural neighbour interpolation.
 
 use glanz_math::{DVec2, DVec3};
 use spade::{DelaunayTriangulation, HasPosition, HierarchyHintGenerator, Point2, Triangulation};
 
-use super::{Interpolant, ReconstructError, Sample, Texture};
+use super::{Interpolant, InterpolatedTexture, ReconstructError, Sample};
 
-/// Distance of samples on a side of the square and their images: cells may reach half of it beyond the side.
-const NARROW: f64 = 1e-7;
+/// Distance between samples on a side of the square and their mirror images: cells may extend half of it beyond the side.
+const MIN_IMAGE_DISTANCE: f64 = 1e-7;
 
 /// Means of samples, weighted by the areas that a new sample would take from their Voronoi cells.
 ///
-/// Cells end at the sides of the domain: each sample has an image beyond each side, and the side is where the cells of the
-/// two meet. If there are samples in the corners, every point is between samples, and cells are those of the plane: then
-/// linear functions are reproduced.
+/// Cells end at the sides of the domain, because each sample has a mirror image beyond each side. If there are samples in all corners,
+/// every point is between samples and no images are needed: then cells are those of the plane, and linear functions are reproduced.
 ///
 /// # Source
 /// @sibson1981; @pietrek2001 section 4.5.3.
 pub(super) struct NaturalNeighbour {
-    /// The samples, and behind them their images.
+    /// The samples, followed by their images.
     triangulation: Sites,
     values: Vec<DVec3>,
 }
 
-/// The triangulation finds a point from the same start whoever asked before: bits do not depend on threads.
+/// Triangulation whose point location starts independently of earlier queries, so that results do not depend on threads.
 type Sites = DelaunayTriangulation<Site, (), (), (), HierarchyHintGenerator<f64>>;
 
 /// A point to triangulate.
 struct Site {
     point: DVec2,
-    /// Of the sample; images have a number that no sample has.
+    /// Index of the sample; `usize::MAX` for images.
     index: usize,
 }
 
@@ -41,7 +40,7 @@ impl HasPosition for Site {
 }
 
 impl NaturalNeighbour {
-    /// `size`: far corner of the domain.
+    /// `size`: upper right corner of the domain.
     ///
     /// # Errors
     /// [`ReconstructError::Points`] for samples at one point.
@@ -52,7 +51,9 @@ impl NaturalNeighbour {
             samples.iter().enumerate().map(|(index, s)| Site { point: s.point, index }).collect();
         if !closed {
             for Sample { point, .. } in samples {
-                let beyond = |x: f64, side: f64| [-x.max(NARROW), side + (side - x).max(NARROW)];
+                let beyond = |x: f64, side: f64| {
+                    [-x.max(MIN_IMAGE_DISTANCE), side + (side - x).max(MIN_IMAGE_DISTANCE)]
+                };
                 let images = beyond(point.x, size.x).map(|u| DVec2::new(u, point.y));
                 let images =
                     images.into_iter().chain(beyond(point.y, size.y).map(|v| DVec2::new(point.x, v)));
@@ -66,21 +67,22 @@ impl NaturalNeighbour {
         Ok(Self { triangulation, values: samples.iter().map(|s| s.value).collect() })
     }
 
-    /// What every edge of the triangulation adds to the texels that it matters to.
-    fn edges(&self) -> impl Iterator<Item = Edge> + '_ {
+    /// All edges of the triangulation with an end that is a sample.
+    fn edges(&self) -> impl Iterator<Item = DelaunayEdge> + '_ {
         self.triangulation.undirected_edges().filter_map(|edge| {
             let edge = edge.as_directed();
-            let end = |site: &Site| End { point: site.point, value: self.values.get(site.index).copied() };
+            let end =
+                |site: &Site| EdgeEnd { point: site.point, value: self.values.get(site.index).copied() };
             let circle =
                 |face: spade::handles::FaceHandle<'_, spade::handles::PossiblyOuterTag, Site, (), (), ()>| {
                     let (middle, square) = face.as_inner()?.circumcircle();
-                    Some(Circle { middle: DVec2::new(middle.x, middle.y), square })
+                    Some(Circumcircle { middle: DVec2::new(middle.x, middle.y), square })
                 };
-            let edge = Edge {
+            let edge = DelaunayEdge {
                 ends: [end(edge.from().data()), end(edge.to().data())],
                 circles: [circle(edge.face()), circle(edge.rev().face())],
             };
-            // Between images nothing is to be had.
+            // Edges between images have no weight.
             edge.ends.iter().any(|end| end.value.is_some()).then_some(edge)
         })
     }
@@ -92,9 +94,9 @@ impl NaturalNeighbour {
     }
 }
 
-/// Weights and weighted values, added up.
+/// Sums of weights and of weighted values.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sum {
+struct WeightSum {
     weight: f64,
     value: DVec3,
 }
@@ -103,7 +105,7 @@ impl Interpolant for NaturalNeighbour {
     fn value(&self, point: DVec2) -> DVec3 {
         let mut weights = Vec::new();
         self.triangulation.natural_neighbor().get_weights(Point2::new(point.x, point.y), &mut weights);
-        let mut sum = Sum::default();
+        let mut sum = WeightSum::default();
         for (vertex, weight) in weights {
             if let Some(&value) = self.values.get(self.triangulation.vertex(vertex).data().index) {
                 sum.weight += weight;
@@ -113,10 +115,10 @@ impl Interpolant for NaturalNeighbour {
         if sum.weight > 0.0 { sum.value / sum.weight } else { self.nearest(point) }
     }
 
-    /// Not texel by texel: the areas that a point takes from the cells of its neighbours are sums over those edges of the triangulation
-    /// that have a circumcircle around the point, so each edge adds its part to all texels in its circles.
-    fn texture(&self, size: [usize; 2]) -> Texture {
-        let mut sums = vec![Sum::default(); size[0] * size[1]];
+    /// Computed edge by edge instead of texel by texel: the areas that a point takes from the cells of its neighbours are sums over the edges
+    /// of the triangulation with a circumcircle around the point, so each edge contributes to all texels in its circles.
+    fn texture(&self, size: [usize; 2]) -> InterpolatedTexture {
+        let mut sums = vec![WeightSum::default(); size[0] * size[1]];
         let scale = DVec2::new(size[0] as f64, size[1] as f64);
         for edge in self.edges() {
             let [low, high] = edge.rows(scale.y, size[1]);
@@ -130,10 +132,10 @@ impl Interpolant for NaturalNeighbour {
             }
         }
         let mut sums = sums.into_iter();
-        Texture::from_function(size, |point| {
-            let Sum { weight, value } = sums.next().unwrap_or_default();
+        InterpolatedTexture::from_function(size, |point| {
+            let WeightSum { weight, value } = sums.next().unwrap_or_default();
             let mean = value / weight;
-            // At a sample there is no area to be taken.
+            // At a sample all areas are 0.
             if weight > 0.0 && mean.is_finite() { mean } else { self.nearest(point) }
         })
     }
@@ -141,67 +143,67 @@ impl Interpolant for NaturalNeighbour {
 
 /// A sample or an image at the end of an edge.
 #[derive(Clone, Copy)]
-struct End {
+struct EdgeEnd {
     point: DVec2,
-    /// Of a sample.
+    /// Value of the sample; `None` for an image.
     value: Option<DVec3>,
 }
 
-/// The circle through the corners of a triangle.
+/// Circumcircle of a triangle.
 #[derive(Clone, Copy)]
-struct Circle {
+struct Circumcircle {
     middle: DVec2,
     /// Square of the radius.
     square: f64,
 }
 
-impl Circle {
+impl Circumcircle {
     fn contains(&self, point: DVec2) -> bool {
         self.middle.distance_squared(point) < self.square
     }
 
-    /// Half its width at `distance` from the middle.
+    /// Half the chord at `distance` from the middle; `None` beyond the circle.
     fn half_width(&self, distance: f64) -> Option<f64> {
         let square = self.square - distance * distance;
         (square >= 0.0).then(|| square.sqrt())
     }
 }
 
-/// An edge of the triangulation with the circles of the triangles at its left and right, seen from its first end to its second.
-struct Edge {
-    ends: [End; 2],
-    circles: [Option<Circle>; 2],
+/// An edge of the triangulation, with the circumcircles of the triangles on its left and right.
+struct DelaunayEdge {
+    ends: [EdgeEnd; 2],
+    circles: [Option<Circumcircle>; 2],
 }
 
-impl Edge {
-    /// The rows of texels that its circles meet, and one more at each end.
+impl DelaunayEdge {
+    /// Range of the rows of texels that its circles overlap, with one more at each end.
     fn rows(&self, scale: f64, count: usize) -> [usize; 2] {
-        let reach = |circle: &Circle| {
+        let reach = |circle: &Circumcircle| {
             let radius = circle.square.sqrt();
             [circle.middle.y - radius, circle.middle.y + radius]
         };
         hull(self.circles.iter().flatten().map(reach), scale, count)
     }
 
-    /// The same of the texels in the row at `v`.
+    /// The same for the texels in the row at `v`.
     fn columns(&self, v: f64, scale: f64, count: usize) -> [usize; 2] {
-        let reach = |circle: &Circle| {
+        let reach = |circle: &Circumcircle| {
             let half = circle.half_width(v - circle.middle.y)?;
             Some([circle.middle.x - half, circle.middle.x + half])
         };
         hull(self.circles.iter().flatten().filter_map(reach), scale, count)
     }
 
-    /// Its part in the areas that a sample at `q` takes from the cells of its ends.
+    /// Adds the edge's contribution to the areas that a sample at `q` takes from the cells of its ends.
     ///
-    /// In the plane around q, the cell of a sample there has as corners the circumcentres of all triangles whose circumcircle holds
-    /// q, which go, and those of q and each edge at their rim. What it takes from the cell of a sample p is a polygon; its sides are
-    /// pieces of the old border of p's cell, each dual to an edge of the triangulation at p, and one on the bisector of p and q. The
-    /// area is half the sum of the cross products of successive corners. That of the side on the bisector is a difference of what
-    /// each of its ends contributes alone, since all its points are half of p away from q along p; and each end belongs to one
-    /// edge at the rim. So the area is a sum over edges.
+    /// Relative to q: a new sample at q removes all triangles whose circumcircle contains q; the corners of its cell are the circumcentres of
+    /// q and each edge of their boundary. The area taken from the cell of a sample p is a polygon; its sides are
+    /// pieces of the old border of p's cell, each dual to an edge of the triangulation at p, and one side on the bisector of p and q. The
+    /// area is half the sum of the cross products of successive corners. The product for the side on the bisector is a difference of
+    /// terms that depend on one of its ends each, since all its points have the distance |p| / 2 from q along p; and each end belongs to
+    /// one edge of the boundary. The area is therefore a sum over edges.
     #[inline]
-    fn add(&self, q: DVec2, sum: &mut Sum) {
+    fn add(&self, q: DVec2, sum: &mut WeightSum) {
         let [left, right] = self.circles.map(|circle| circle.filter(|circle| circle.contains(q)));
         let [a, b] = self.ends.map(|end| end.point - q);
         let areas = match (left, right) {
@@ -230,18 +232,18 @@ impl Edge {
     }
 }
 
-/// The texels whose middles are in some of these intervals of [0, 1], first and end; one more on each side.
+/// Range of the texels whose middles are in one of the intervals of [0, 1], with one more on each side.
 fn hull(intervals: impl Iterator<Item = [f64; 2]>, scale: f64, count: usize) -> [usize; 2] {
     let [low, high] =
         intervals.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [c, d]| [a.min(c), b.max(d)]);
     if low > high {
         return [0, 0];
     }
-    // Casts cut what is outside.
+    // Casts saturate numbers out of range.
     [((low * scale - 1.5) as usize).min(count), ((high * scale + 1.5) as usize).min(count)]
 }
 
-/// The middle of the circle through the origin, `a` and `b`.
+/// Center of the circle through the origin, `a` and `b`.
 fn circumcentre(a: DVec2, b: DVec2) -> DVec2 {
     let (aa, bb) = (a.length_squared(), b.length_squared());
     DVec2::new(b.y * aa - a.y * bb, a.x * bb - b.x * aa) / (2.0 * a.perp_dot(b))

@@ -1,18 +1,18 @@
-//! Interpolants of many samples, put together from those of overlapping parts.
+//! Interpolation of many samples by a partition of unity.
 
 use glanz_math::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::{Interpolant, Interpolation, ReconstructError, Sample};
 
-/// Samples of a part at most, without those that it shares with its neighbours.
-const MOST: usize = 256;
+/// Largest number of samples of a part, without those that it shares with its neighbours.
+const MAX_SAMPLES: usize = 256;
 
-/// How far a part reaches into its neighbours, per its size.
+/// Overlap of a part with its neighbours, relative to its size.
 const OVERLAP: f64 = 0.25;
 
-/// Means of interpolants, weighted by how far inside of their parts a point is: equations grow with the part instead of the whole, and
-/// what all parts around a sample agree on, the value there, remains.
+/// Weighted mean of the interpolants of overlapping parts: the systems of equations have the size of a part, and samples are still
+/// interpolated, because all parts that contain one agree on its value.
 struct Partition {
     parts: Vec<InterpolatedPart>,
 }
@@ -24,15 +24,14 @@ struct InterpolatedPart {
 }
 
 impl InterpolatedPart {
-    /// Above 0 inside of the part, with a smooth descent to 0 at its border.
+    /// Weight at a point: positive inside, decreasing smoothly to 0 at the border.
     fn weight(&self, point: DVec2) -> f64 {
         let inside = (point - self.min).min(self.max - point) / (self.max - self.min);
         inside.max(DVec2::ZERO).to_array().map(|x| x * x).iter().product()
     }
 }
 
-/// The function over any number of samples in the rectangle from the origin to `size`, see [`Interpolation::of_samples_within`]: the time
-/// it takes grows with their number, not with its square or cube.
+/// As [`Interpolation::of_samples_within`], for any number of samples: the time grows linearly with their number.
 ///
 /// # Errors
 /// Those of [`Interpolation::of_samples_within`].
@@ -42,7 +41,7 @@ pub(crate) fn of_many_samples(
     size: DVec2,
 ) -> Result<Box<dyn Interpolant>, ReconstructError> {
     let is_global = matches!(method, Interpolation::Shepard { .. } | Interpolation::Multiquadrics { .. });
-    if !is_global || samples.len() <= MOST {
+    if !is_global || samples.len() <= MAX_SAMPLES {
         return method.of_samples_within(samples, size);
     }
     let mut rectangles = Vec::new();
@@ -59,12 +58,12 @@ pub(crate) fn of_many_samples(
     Ok(Box::new(Partition { parts }))
 }
 
-/// Halves a rectangle across its longer side at the median of the points until few are left in each.
+/// Divides a rectangle across its longer side at the median of the points until each part has at most [`MAX_SAMPLES`] of them.
 fn divide(mut points: Vec<DVec2>, [low, high]: [DVec2; 2], rectangles: &mut Vec<[DVec2; 2]>) {
     let axis = usize::from(high.y - low.y > high.x - low.x);
     points.sort_by(|a, b| a[axis].total_cmp(&b[axis]));
     let middle = points.get(points.len() / 2).map_or(low[axis], |point| point[axis]);
-    if points.len() <= MOST || middle <= low[axis] || middle >= high[axis] {
+    if points.len() <= MAX_SAMPLES || middle <= low[axis] || middle >= high[axis] {
         return rectangles.push([low, high]);
     }
     let above = points.split_off(points.partition_point(|point| point[axis] < middle));
@@ -95,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parts_agree_with_the_whole_and_hold_the_samples() {
+    fn parts_agree_with_the_whole_and_interpolate_the_samples() {
         let sobol = ScrambledSobol::new(5);
         let size = DVec2::new(1.0, 0.4);
         let value = |p: DVec2| DVec3::new((3.0 * p.x).sin(), p.x * p.y, 1.0 + p.y * p.y);
@@ -114,7 +113,7 @@ mod tests {
             assert!(held.fold(0.0, f64::max) < 1e-6);
             let between = (1500..3000).map(|i| off(sample(i).point)).fold(0.0, f64::max);
             assert!(between < 0.01, "{method:?} {between}");
-            // Corners and sides belong to parts, too.
+            // Corners and sides belong to parts as well.
             assert!(
                 [DVec2::ZERO, size, DVec2::new(size.x, 0.2)].into_iter().all(|p| parts.value(p).is_finite())
             );

@@ -1,22 +1,22 @@
-//! Means weighted by distance.
+//! Interpolation by inverse distance weighting.
 
 use glanz_math::{DVec2, DVec3};
 
 use super::{Interpolant, ReconstructError, Sample};
 
-/// Weights distance^-exponent.
+/// Mean of all samples with the weights distance^-exponent.
 ///
 /// # Source
 /// @shepard1968; @pietrek2001 section 4.5.1.
 pub(super) struct Shepard {
     samples: Vec<Sample>,
-    /// Half the exponent: weights are taken of squares.
+    /// Half the exponent, since weights are computed from squared distances.
     half: f64,
 }
 
 impl Shepard {
     /// # Errors
-    /// [`ReconstructError::Exponent`] unless it is above 0 and finite.
+    /// [`ReconstructError::Exponent`] unless the exponent is above 0 and finite.
     pub(super) fn try_new(samples: &[Sample], exponent: f64) -> Result<Self, ReconstructError> {
         if !(exponent > 0.0 && exponent.is_finite()) {
             return Err(ReconstructError::Exponent("shepard", exponent));
@@ -25,7 +25,7 @@ impl Shepard {
     }
 
     fn weighted(&self, point: DVec2, weight: impl Fn(f64) -> f64) -> DVec3 {
-        // Relative to the nearest, so that no power overflows.
+        // Relative to the nearest sample, so that no power overflows.
         let square = |s: &Sample| s.point.distance_squared(point);
         let nearest = self.samples.iter().map(square).fold(f64::INFINITY, f64::min);
         let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
@@ -41,7 +41,7 @@ impl Shepard {
 
 impl Interpolant for Shepard {
     fn value(&self, point: DVec2) -> DVec3 {
-        // Powers by multiplication are twenty times faster.
+        // Multiplication is twenty times faster than `powf`.
         match self.half {
             1.0 => self.weighted(point, |x| x),
             2.0 => self.weighted(point, |x| x * x),

@@ -1,11 +1,11 @@
-//! Natural cubic splines along u, then v.
+//! Interpolation by natural cubic splines along u, then v.
 
 use glanz_math::{DVec2, DVec3};
 
 use super::lattice::locate;
-use super::{Interpolant, Lattice, Texture};
+use super::{Interpolant, InterpolatedTexture, Lattice};
 
-/// Samples of a grid, by splines along each row and then across.
+/// Splines along each row of a grid, and across their values.
 ///
 /// # Source
 /// @pietrek2001 section 4.4.2.
@@ -13,18 +13,18 @@ pub(super) struct Spline {
     lattice: Lattice,
     /// Second derivatives of each row.
     moments: Vec<Vec<DVec3>>,
-    /// Of the splines across.
-    across: Solver,
+    /// Equations of the splines across.
+    across: SplineSystem,
 }
 
 impl Spline {
     pub(super) fn new(lattice: &Lattice) -> Self {
-        let along = Solver::new(lattice.u());
+        let along = SplineSystem::new(lattice.u());
         let moments = lattice.rows().map(|row| along.moments(row)).collect();
-        Self { moments, across: Solver::new(lattice.v()), lattice: lattice.clone() }
+        Self { moments, across: SplineSystem::new(lattice.v()), lattice: lattice.clone() }
     }
 
-    /// All rows at `u`: the values of the spline across.
+    /// Values of all rows at `u`, which the spline across interpolates.
     fn column(&self, u: f64) -> Vec<DVec3> {
         let rows = self.lattice.rows().zip(&self.moments);
         rows.map(|(row, moments)| evaluate(self.lattice.u(), row, moments, u)).collect()
@@ -37,7 +37,7 @@ impl Interpolant for Spline {
         evaluate(self.lattice.v(), &column, &self.across.moments(&column), point.y)
     }
 
-    fn texture(&self, size: [usize; 2]) -> Texture {
+    fn texture(&self, size: [usize; 2]) -> InterpolatedTexture {
         let mut texels = vec![DVec3::ZERO; size[0] * size[1]];
         for x in 0..size[0] {
             let column = self.column((x as f64 + 0.5) / size[0] as f64);
@@ -46,18 +46,19 @@ impl Interpolant for Spline {
                 *texel = evaluate(self.lattice.v(), &column, &moments, (y as f64 + 0.5) / size[1] as f64);
             }
         }
-        Texture::from_texels(size, texels).unwrap_or_else(|| Texture::from_function(size, |p| self.value(p)))
+        InterpolatedTexture::from_texels(size, texels)
+            .unwrap_or_else(|| InterpolatedTexture::from_function(size, |p| self.value(p)))
     }
 }
 
-/// The equations of the second derivatives at knots, factored: tridiagonal, and 0 at both ends.
-struct Solver {
+/// Factored tridiagonal equations for the second derivatives at the knots, which are 0 at both ends.
+struct SplineSystem {
     knots: Vec<f64>,
-    /// Of each inner knot: one over the pivot.
+    /// Reciprocal pivot of each inner knot.
     inverses: Vec<f64>,
 }
 
-impl Solver {
+impl SplineSystem {
     fn new(knots: &[f64]) -> Self {
         let mut inverses: Vec<f64> = Vec::new();
         for line in knots.windows(3) {
@@ -87,7 +88,7 @@ impl Solver {
     }
 }
 
-/// The spline at `x`; beyond the knots straight on.
+/// The spline at `x`; linear beyond the knots.
 fn evaluate(knots: &[f64], values: &[DVec3], moments: &[DVec3], x: f64) -> DVec3 {
     let (i, b) = locate(knots, x);
     let (Some(&[low, high]), Some(&[from, to])) = (knots.get(i..i + 2), values.get(i..i + 2)) else {
@@ -97,7 +98,7 @@ fn evaluate(knots: &[f64], values: &[DVec3], moments: &[DVec3], x: f64) -> DVec3
     let [start, end] = [moments[i], moments[i + 1]];
     if !(0.0..=1.0).contains(&b) {
         let chord = to - from;
-        // Without curvature at the end.
+        // The curvature at the end is 0.
         return if b < 0.0 {
             from + b * (chord - h * h / 6.0 * end)
         } else {

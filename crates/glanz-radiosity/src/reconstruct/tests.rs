@@ -1,4 +1,4 @@
-//! Steps, constants and lines, and textures beside their slow twins.
+//! Responses to steps, reproduction of constants and lines, and textures compared with point-by-point evaluation.
 
 use proptest::prelude::*;
 
@@ -10,23 +10,23 @@ fn grey(x: f64) -> DVec3 {
 }
 
 /// 8 x 8 cells, 0 where u < 1/2, 1 elsewhere.
-fn step() -> Cells {
+fn step() -> ParameterCells {
     let values: Vec<DVec3> = (0..64).map(|i| grey(if i % 8 < 4 { 0.0 } else { 1.0 })).collect();
-    Cells::grid([8, 8], &values).unwrap()
+    ParameterCells::grid([8, 8], &values).unwrap()
 }
 
 /// Fails unless the response to the step along u at `v` is `expected` from `first` on at every `interval`.
-fn check(how: Interpolation, v: f64, first: f64, interval: f64, expected: &[f64]) {
-    let f = how.of_cells(&step(), Border::Open).unwrap();
+fn check(method: Interpolation, v: f64, first: f64, interval: f64, expected: &[f64]) {
+    let f = method.of_cells(&step(), Border::Open).unwrap();
     for (i, &value) in expected.iter().enumerate() {
         let u = first + i as f64 * interval;
         let found = f.value(DVec2::new(u, v));
-        assert!((found - grey(value)).abs().max_element() < 1e-9, "{how:?} at {u}: {found}, not {value}");
+        assert!((found - grey(value)).abs().max_element() < 1e-9, "{method:?} at {u}: {found}, not {value}");
     }
 }
 
 #[test]
-fn steps_are_those_of_the_reference() {
+fn responses_to_a_step_are_those_of_the_reference() {
     for v in [0.1, 0.5, 0.97] {
         check(Interpolation::Constant, v, 0.02, 0.47, &[0.0, 0.0]);
         check(Interpolation::Constant, v, 0.502, 0.48, &[1.0, 1.0]);
@@ -49,13 +49,13 @@ fn steps_are_those_of_the_reference() {
     check(Interpolation::NaturalNeighbour, 0.5, 3.0 / 16.0, 1.0 / 64.0, &NATURAL_BETWEEN);
     // Next to the border cells are cut, and lines are not reproduced.
     let line: Vec<DVec3> = (0..64).map(|i| grey((f64::from(i % 8) + 0.5) / 8.0)).collect();
-    let cells = Cells::grid([8, 8], &line).unwrap();
+    let cells = ParameterCells::grid([8, 8], &line).unwrap();
     let f = Interpolation::NaturalNeighbour.of_cells(&cells, Border::Open).unwrap();
     assert!((f.value(DVec2::new(1.0 / 32.0, 0.5)).x - 0.0625).abs() < 1e-9);
 }
 
 /// A quadtree that is finer where u v is large.
-fn quadtree(value: impl Fn(DVec2) -> DVec3) -> Cells {
+fn quadtree(value: impl Fn(DVec2) -> DVec3) -> ParameterCells {
     let mut open = vec![(DVec2::ZERO, 1.0)];
     let mut cells = Vec::new();
     while let Some((min, side)) = open.pop() {
@@ -66,24 +66,24 @@ fn quadtree(value: impl Fn(DVec2) -> DVec3) -> Cells {
                 [[0.0, 0.0], [half, 0.0], [0.0, half], [half, half]].map(|d| (min + DVec2::from(d), half)),
             );
         } else {
-            cells.push(Cell { min, max: far, value: value(min + 0.5 * side) });
+            cells.push(ParameterCell { min, max: far, value: value(min + 0.5 * side) });
         }
     }
-    Cells::try_new(cells).unwrap()
+    ParameterCells::try_new(cells).unwrap()
 }
 
 /// Grid or quadtree, for those that take it.
 fn of_either(
-    how: Interpolation,
+    method: Interpolation,
     border: Border,
     value: &dyn Fn(DVec2) -> DVec3,
 ) -> Vec<Box<dyn Interpolant>> {
     let values: Vec<DVec3> = (0..30)
         .map(|i| value(DVec2::new((f64::from(i % 6) + 0.5) / 6.0, (f64::from(i / 6) + 0.5) / 5.0)))
         .collect();
-    let grid = Cells::grid([6, 5], &values).unwrap();
-    let tree = (!how.needs_grid()).then(|| quadtree(value));
-    [Some(grid), tree].iter().flatten().map(|cells| how.of_cells(cells, border).unwrap()).collect()
+    let grid = ParameterCells::grid([6, 5], &values).unwrap();
+    let tree = (!method.needs_grid()).then(|| quadtree(value));
+    [Some(grid), tree].iter().flatten().map(|cells| method.of_cells(cells, border).unwrap()).collect()
 }
 
 fn points() -> impl Iterator<Item = DVec2> {
@@ -93,14 +93,15 @@ fn points() -> impl Iterator<Item = DVec2> {
 #[test]
 fn constants_are_reproduced() {
     let constant = DVec3::new(0.25, 3.0, 1e-3);
-    for how in Interpolation::ALL {
+    for method in Interpolation::ALL {
         for border in [Border::Open, Border::Sampled] {
-            for f in of_either(how, border, &|_| constant) {
+            for f in of_either(method, border, &|_| constant) {
                 // Radial functions have no constant among them: @hardy1971's does without, and bends between samples.
-                let tolerance = if matches!(how, Interpolation::Multiquadrics { .. }) { 0.2 } else { 1e-12 };
+                let tolerance =
+                    if matches!(method, Interpolation::Multiquadrics { .. }) { 0.2 } else { 1e-12 };
                 for point in points() {
                     let off = (f.value(point) / constant - 1.0).abs().max_element();
-                    assert!(off < tolerance, "{how:?}, {border:?}, {point}: {off}");
+                    assert!(off < tolerance, "{method:?}, {border:?}, {point}: {off}");
                 }
             }
         }
@@ -108,13 +109,13 @@ fn constants_are_reproduced() {
 }
 
 #[test]
-fn lines_are_reproduced_where_it_is_claimed() {
+fn linear_functions_are_reproduced_where_documented() {
     let line = |p: DVec2| DVec3::new(1.0 + 2.0 * p.x - 0.5 * p.y, p.x, 1.0 - p.y);
     // Between the middles of cells, bilinear; everywhere, splines; natural neighbours in the plane, with samples of the line at the border.
-    for how in [Interpolation::Bilinear, Interpolation::Spline] {
-        for f in of_either(how, Border::Open, &line) {
+    for method in [Interpolation::Bilinear, Interpolation::Spline] {
+        for f in of_either(method, Border::Open, &line) {
             for point in points().map(|p| 0.125 + 0.75 * p) {
-                assert!((f.value(point) - line(point)).abs().max_element() < 1e-12, "{how:?}, {point}");
+                assert!((f.value(point) - line(point)).abs().max_element() < 1e-12, "{method:?}, {point}");
             }
         }
     }
@@ -135,19 +136,19 @@ fn lines_are_reproduced_where_it_is_claimed() {
 #[test]
 fn samples_are_interpolated() {
     let wave = |p: DVec2| grey((7.0 * p.x).sin() + (5.0 * p.y).cos());
-    for how in Interpolation::ALL.into_iter().skip(1) {
+    for method in Interpolation::ALL.into_iter().skip(1) {
         for border in [Border::Open, Border::Sampled] {
-            let cells = if how.needs_grid() {
+            let cells = if method.needs_grid() {
                 let values: Vec<DVec3> =
                     (0..20).map(|i| wave(DVec2::new(f64::from(i % 5), f64::from(i / 5)))).collect();
-                Cells::grid([5, 4], &values).unwrap()
+                ParameterCells::grid([5, 4], &values).unwrap()
             } else {
                 quadtree(wave)
             };
-            let f = how.of_cells(&cells, border).unwrap();
+            let f = method.of_cells(&cells, border).unwrap();
             for sample in cells.samples(border) {
                 let off = (f.value(sample.point) - sample.value).abs().max_element();
-                assert!(off < 1e-9, "{how:?} at {}: {off}", sample.point);
+                assert!(off < 1e-9, "{method:?} at {}: {off}", sample.point);
             }
         }
     }
@@ -156,17 +157,17 @@ fn samples_are_interpolated() {
 #[test]
 fn textures_are_the_function_at_the_middles_of_texels() {
     let wave = |p: DVec2| DVec3::new((7.0 * p.x).sin(), (5.0 * p.y).cos(), p.x * p.y);
-    for how in Interpolation::ALL {
+    for method in Interpolation::ALL {
         for border in [Border::Open, Border::Sampled] {
-            for f in of_either(how, border, &wave) {
+            for f in of_either(method, border, &wave) {
                 // Texels on samples and on lines between them, and others.
                 for size in [[12, 10], [64, 64], [37, 1]] {
                     let texture = f.texture(size);
-                    let twin = Texture::from_function(size, |point| f.value(point));
+                    let twin = InterpolatedTexture::from_function(size, |point| f.value(point));
                     for (i, (a, b)) in texture.texels().iter().zip(twin.texels()).enumerate() {
                         assert!(
                             (a - b).abs().max_element() < 1e-9,
-                            "{how:?}, {border:?}, {size:?}, {i}: {a}, {b}"
+                            "{method:?}, {border:?}, {size:?}, {i}: {a}, {b}"
                         );
                     }
                 }
@@ -176,16 +177,16 @@ fn textures_are_the_function_at_the_middles_of_texels() {
 }
 
 #[test]
-fn what_cannot_be_interpolated_is_refused() {
+fn invalid_samples_and_exponents_are_refused() {
     let sample = |u: f64, v: f64| Sample { point: DVec2::new(u, v), value: DVec3::ONE };
-    let refused = |how: Interpolation, samples: &[Sample]| how.of_samples(samples).err().unwrap();
-    for how in Interpolation::ALL {
-        assert!(matches!(refused(how, &[sample(0.5, 1.5)]), ReconstructError::Sample(0)));
-        assert_eq!(refused(how, &[]), ReconstructError::Points);
+    let refused = |method: Interpolation, samples: &[Sample]| method.of_samples(samples).err().unwrap();
+    for method in Interpolation::ALL {
+        assert!(matches!(refused(method, &[sample(0.5, 1.5)]), ReconstructError::Sample(0)));
+        assert_eq!(refused(method, &[]), ReconstructError::Points);
     }
-    for how in [Interpolation::NaturalNeighbour, Interpolation::Multiquadrics { exponent: 0.5 }] {
+    for method in [Interpolation::NaturalNeighbour, Interpolation::Multiquadrics { exponent: 0.5 }] {
         assert_eq!(
-            refused(how, &[sample(0.5, 0.5), sample(0.2, 0.1), sample(0.5, 0.5)]),
+            refused(method, &[sample(0.5, 0.5), sample(0.2, 0.1), sample(0.5, 0.5)]),
             ReconstructError::Points
         );
     }
@@ -203,17 +204,21 @@ fn what_cannot_be_interpolated_is_refused() {
 }
 
 #[test]
-fn cells_have_to_cover_the_square_once() {
-    let cell = |min: [f64; 2], max: [f64; 2]| Cell { min: min.into(), max: max.into(), value: DVec3::ONE };
+fn cells_must_cover_the_square_exactly_once() {
+    let cell =
+        |min: [f64; 2], max: [f64; 2]| ParameterCell { min: min.into(), max: max.into(), value: DVec3::ONE };
     let left = cell([0.0, 0.0], [0.5, 1.0]);
-    assert!(Cells::try_new(vec![left, cell([0.5, 0.0], [1.0, 1.0])]).is_ok());
+    assert!(ParameterCells::try_new(vec![left, cell([0.5, 0.0], [1.0, 1.0])]).is_ok());
     for other in [
         cell([0.5, 0.0], [1.0, 0.9]),
         cell([0.4, 0.0], [0.9, 1.0]),
         cell([0.5, 0.0], [1.1, 1.0]),
         cell([1.0, 0.0], [0.5, 1.0]),
     ] {
-        assert!(matches!(Cells::try_new(vec![left, other]), Err(ReconstructError::Cells(_))), "{other:?}");
+        assert!(
+            matches!(ParameterCells::try_new(vec![left, other]), Err(ReconstructError::Cells(_))),
+            "{other:?}"
+        );
     }
 }
 
@@ -242,7 +247,7 @@ proptest! {
         let value = f.value(DVec2::new(at.0, at.1)).x;
         prop_assert!((low - 1e-9..=high + 1e-9).contains(&value), "{value}, not in {low} to {high}");
         let size = [23, 16];
-        let twin = Texture::from_function(size, |point| f.value(point));
+        let twin = InterpolatedTexture::from_function(size, |point| f.value(point));
         for (i, (a, b)) in f.texture(size).texels().iter().zip(twin.texels()).enumerate() {
             prop_assert!((low - 1e-9..=high + 1e-9).contains(&a.x), "texel {i}: {a}, not in {low} to {high}");
             prop_assert!((a.x - b.x).abs() < 1e-7, "texel {i}: {a}, {b}");

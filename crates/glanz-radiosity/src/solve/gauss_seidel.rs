@@ -1,4 +1,4 @@
-//! All elements gather from all, over and over.
+//! Gauss-Seidel method with the form factors of all pairs of elements.
 
 use glanz_job::{CancelFlag, Interrupted};
 use glanz_light::Spectrum;
@@ -6,44 +6,47 @@ use glanz_light::Spectrum;
 use crate::elements::Element;
 use crate::form_factor::FormFactors;
 
-/// When to stop.
+/// Stopping criteria of the Gauss-Seidel method.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GaussSeidel {
-    /// Largest change of an element in a sweep, per the largest radiosity.
+pub struct GaussSeidelSettings {
+    /// Change of an element in a sweep, relative to the largest radiosity, at which sweeps end.
     pub tolerance: f64,
-    /// Sweeps at most.
+    /// Largest number of sweeps.
     pub sweeps: u32,
 }
 
-impl Default for GaussSeidel {
+impl Default for GaussSeidelSettings {
     fn default() -> Self {
         Self { tolerance: 1e-6, sweeps: 1000 }
     }
 }
 
-/// A solution.
+/// Radiosity of all elements by the Gauss-Seidel method.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Solved {
-    /// Radiosity of each element: what leaves a unit of its area, in units of radiance times pi.
+pub struct GaussSeidelSolution {
+    /// Radiosity of each element (the flux that leaves it per area), in units of radiance times pi.
     pub radiosity: Vec<Spectrum>,
-    /// Sweeps that were made.
+    /// Number of sweeps.
     pub sweeps: u32,
-    /// Change in the last of them, per the largest radiosity.
+    /// Largest change of an element in the last sweep, relative to the largest radiosity.
     pub change: f64,
 }
 
-/// Gauss and Seidel's method: each sweep uses what it has found itself (@cohen1993 section 5.3).
+/// Solves by the Gauss-Seidel method, which uses the new values of a sweep within it.
 ///
-/// It converges, as every element reflects less than it receives; more slowly, the lighter the room.
+/// It converges because every element reflects less than it receives; the higher the reflectances, the more slowly.
 ///
 /// # Errors
-/// [`Interrupted`] if `cancel` is raised, which is checked after each sweep.
+/// [`Interrupted`] if `cancel` is raised; it is checked after each sweep.
+///
+/// # Source
+/// @cohen1993 section 5.3.
 pub fn gauss_seidel(
     elements: &[Element],
     factors: &FormFactors,
-    settings: &GaussSeidel,
+    settings: &GaussSeidelSettings,
     cancel: &CancelFlag,
-) -> Result<Solved, Interrupted> {
+) -> Result<GaussSeidelSolution, Interrupted> {
     let mut radiosity: Vec<Spectrum> = elements.iter().map(|element| element.emission).collect();
     let (mut sweeps, mut change) = (0, f64::INFINITY);
     while sweeps < settings.sweeps && change > settings.tolerance {
@@ -66,5 +69,5 @@ pub fn gauss_seidel(
         change = if largest > 0.0 { f64::from(most_changed / largest) } else { 0.0 };
         cancel.check()?;
     }
-    Ok(Solved { radiosity, sweeps, change })
+    Ok(GaussSeidelSolution { radiosity, sweeps, change })
 }

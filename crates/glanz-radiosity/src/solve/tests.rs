@@ -17,14 +17,15 @@ fn luminance(light: glanz_light::Spectrum) -> f64 {
 }
 
 #[test]
-fn furnace_is_as_bright_as_it_is() {
+fn furnace_has_the_radiosity_of_its_closed_form() {
     for reflectance in [0.3_f32, 0.8] {
         let shapes = walls(DVec3::new(3.0, 2.0, 2.5)).into_iter().map(|wall| (wall, reflectance, 1.0));
         let scene = scene(shapes.collect());
         let elements = elements(&scene, 0.8);
         let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
         let solved =
-            gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &CancelFlag::default()).unwrap();
+            gauss_seidel(&elements.list, &factors, &GaussSeidelSettings::default(), &CancelFlag::default())
+                .unwrap();
         let expected = std::f64::consts::PI / (1.0 - f64::from(reflectance));
         for (element, &radiosity) in elements.list.iter().zip(&solved.radiosity) {
             if !element.patch.back {
@@ -38,7 +39,7 @@ fn furnace_is_as_bright_as_it_is() {
 
 #[test]
 fn no_light_leaks_through_a_wall() {
-    // A wall of 1 cm parts the room; its lamp is on one side. Elements end where it stands.
+    // A wall of 1 cm divides the room, with a lamp on one side. Elements end at the wall.
     let mut shapes: Vec<_> = walls(DVec3::new(4.0, 2.0, 2.0)).into_iter().map(|w| (w, 0.7, 0.0)).collect();
     let wall = |x: f64, turned: bool| {
         let (u, v) = (DVec3::Y * 2.0, DVec3::Z * 2.0);
@@ -53,7 +54,8 @@ fn no_light_leaks_through_a_wall() {
     let elements = elements(&scene, 0.5);
     let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
     let solved =
-        gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &CancelFlag::default()).unwrap();
+        gauss_seidel(&elements.list, &factors, &GaussSeidelSettings::default(), &CancelFlag::default())
+            .unwrap();
     let (mut lit, mut dark) = (0, 0);
     for (element, &radiosity) in elements.list.iter().zip(&solved.radiosity) {
         let at = element.center;

@@ -60,7 +60,7 @@ fn trimmed(shape: ShapeDescription, kept: bool) -> Scene {
 }
 
 #[test]
-fn triangles_are_within_the_tolerance_and_have_the_area() {
+fn triangles_are_within_the_tolerance_and_have_the_area_of_the_surface() {
     let (sphere, torus) = (ShapeDescription::sphere(0.5), ShapeDescription::torus(1.0, 0.25));
     let wall = scenes::parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y);
     for (shape, expected) in [(sphere, PI), (torus, PI * PI), (wall, 2.0)] {
@@ -139,7 +139,7 @@ fn by_grid(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
 }
 
 #[test]
-fn uneven_parameters_cost_no_triangles_and_twisted_ones_get_enough() {
+fn uneven_parameters_need_no_triangles_and_twisted_patches_get_enough() {
     // A bowl, whose parameter runs with the height, so infinitely fast at its lowest point; and a twisted patch of straight lines.
     let bowl = ShapeDescription::from(GeometryDescription::Paraboloid {
         radius: 0.15,

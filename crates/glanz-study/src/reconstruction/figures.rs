@@ -1,7 +1,7 @@
 //! Plots of interpolated steps, and of shadows along a line.
 
 use glanz_math::{DVec2, DVec3};
-use glanz_radiosity::reconstruct::{Border, Cells, Interpolant, Interpolation};
+use glanz_radiosity::reconstruct::{Border, Interpolant, Interpolation, ParameterCells};
 
 use super::measure::SceneResult;
 use super::method::{FloorDivision, InterpolationMethod, SCATTERED, name};
@@ -19,10 +19,10 @@ const POINTS: u32 = 400;
 const LINES: [(f64, &str); 2] = [(7.0 / 16.0, "through middles"), (0.5, "between rows")];
 
 /// 0 where u < 1/2, 1 elsewhere, in 8 x 8 cells.
-fn step() -> Result<Cells, StudyError> {
+fn step() -> Result<ParameterCells, StudyError> {
     let values: Vec<DVec3> =
         (0..SIDE * SIDE).map(|i| if i % SIDE < SIDE / 2 { DVec3::ZERO } else { DVec3::ONE }).collect();
-    Ok(Cells::grid([SIDE; 2], &values)?)
+    Ok(ParameterCells::grid([SIDE; 2], &values)?)
 }
 
 /// The step itself, with a jump between two cells.

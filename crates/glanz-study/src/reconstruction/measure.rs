@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-use glanz_radiosity::elements::QuadtreeSettings;
-use glanz_radiosity::reconstruct::{Border, Cells, Interpolation, Texture};
+use glanz_radiosity::reconstruct::{Border, InterpolatedTexture, Interpolation, ParameterCells};
 
 use super::exact::{ExactFloor, ReferenceTexture};
 use super::method::{FloorDivision, InterpolationMethod, methods};
 use super::published::NormErrors;
+use super::quadtree::QuadtreeSettings;
 use super::room::{DividedFloor, FloorScene, Setup, halved};
 use crate::clock::{self, Stopwatch, TimeScope};
 use crate::study::{Settings, StudyError};
@@ -101,7 +101,7 @@ pub(super) fn measure(
 /// One texture with its time and errors.
 fn make(
     method: InterpolationMethod,
-    cells: &Cells,
+    cells: &ParameterCells,
     size: [usize; 2],
     reference: &ReferenceTexture,
     quiet: Option<&[bool]>,
@@ -140,9 +140,9 @@ fn make(
 /// Cells that the method refuses.
 pub(super) fn texture(
     method: InterpolationMethod,
-    cells: &Cells,
+    cells: &ParameterCells,
     size: [usize; 2],
-) -> Result<Texture, StudyError> {
+) -> Result<InterpolatedTexture, StudyError> {
     Ok(method.interpolation.of_cells(cells, method.border)?.texture(size))
 }
 
@@ -155,7 +155,7 @@ pub(super) fn errors(a: &[f64], b: &[f64]) -> NormErrors {
 }
 
 /// Root mean square (by area) and largest difference between values of cells and exact means over them.
-fn off(exact: &ExactFloor, cells: &Cells, unit: f64) -> [f64; 2] {
+fn off(exact: &ExactFloor, cells: &ParameterCells, unit: f64) -> [f64; 2] {
     let (mut squares, mut most) = (0.0, 0.0_f64);
     for cell in cells.as_slice() {
         let size = cell.max - cell.min;

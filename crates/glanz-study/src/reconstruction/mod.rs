@@ -7,6 +7,7 @@ mod method;
 mod parameters;
 mod picture;
 mod published;
+pub(crate) mod quadtree;
 mod ranking;
 mod report;
 mod room;

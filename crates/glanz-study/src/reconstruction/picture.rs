@@ -2,7 +2,7 @@
 
 use glanz_light::rgb::srgb_decode;
 use glanz_light::{Pixels, PixelsError};
-use glanz_radiosity::reconstruct::{Border, Cells};
+use glanz_radiosity::reconstruct::{Border, ParameterCells};
 
 use super::measure::{DivisionResult, SceneResult};
 use super::method::{SCATTERED, name};
@@ -40,7 +40,7 @@ fn false_colour(difference: f64) -> [f32; 3] {
 }
 
 /// Borders of cells on white, middles as dots (figure 4.6).
-fn division(cells: &Cells, size: [usize; 2]) -> Result<Pixels, PixelsError> {
+fn division(cells: &ParameterCells, size: [usize; 2]) -> Result<Pixels, PixelsError> {
     let mut ink = vec![0.9_f32; size[0] * size[1]];
     let texel = |x: f64, axis: usize| ((x * size[axis] as f64).round() as usize).min(size[axis] - 1);
     let mut set = |x: usize, y: usize, value: f32| {

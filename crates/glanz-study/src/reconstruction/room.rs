@@ -4,13 +4,13 @@ use glanz_formats::{Options, load_str};
 use glanz_job::CancelFlag;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::DVec3;
-use glanz_radiosity::elements::Part;
-use glanz_radiosity::elements::{Element, ElementSettings, Elements, QuadtreeSettings};
+use glanz_radiosity::elements::{Element, ElementSettings, Elements, ParameterPatch};
 use glanz_radiosity::form_factor::exchange;
-use glanz_radiosity::reconstruct::{Cell, Cells};
+use glanz_radiosity::reconstruct::{ParameterCell, ParameterCells};
 use glanz_scene::Scene;
 
 use super::exact::ExactFloor;
+use super::quadtree::{ElementQuadtree, QuadtreeSettings};
 use crate::study::StudyError;
 
 /// Number of the floor among the shapes of the scene file.
@@ -114,7 +114,7 @@ fn parts(elements: &Elements<'_>, whole: &Element, levels: u32) -> Vec<Element> 
 
 /// A divided floor with a value for each cell.
 pub(super) struct DividedFloor {
-    pub(super) cells: Cells,
+    pub(super) cells: ParameterCells,
     /// Number of computed values.
     pub(super) trials: usize,
 }
@@ -147,7 +147,7 @@ impl<'a> FloorScene<'a> {
     /// The floor divided where light changes, with values relative to `unit`.
     ///
     /// # Errors
-    /// [`StudyError::Interrupted`] if `cancel` is raised, or [`StudyError::Elements`].
+    /// [`StudyError::Interrupted`] if `cancel` is raised, or [`StudyError::Quadtree`].
     pub(super) fn divided(
         &self,
         settings: &QuadtreeSettings,
@@ -160,17 +160,19 @@ impl<'a> FloorScene<'a> {
             cancel.check()?;
             Ok::<_, StudyError>(self.radiosity(element))
         };
-        let tree = self.elements.refined((patch.surface, patch.face, patch.back), &settings, value)?;
+        let side = (patch.surface, patch.face, patch.back);
+        let tree = ElementQuadtree::new(&self.elements, side, &settings, value)?;
         let wavelengths = Wavelengths::default();
-        let cell = |part: Part, value: Spectrum| match part {
-            Part::Rectangle { min, max } => {
+        let cell = |part: ParameterPatch, value: Spectrum| match part {
+            ParameterPatch::Rectangle { min, max } => {
                 let value = DVec3::splat(f64::from(value.luminance(&wavelengths)) / unit);
-                Some(Cell { min, max, value })
+                Some(ParameterCell { min, max, value })
             }
-            Part::Triangle(_) => None,
+            ParameterPatch::Triangle(_) => None,
         };
-        let cells = tree.leaves.iter().filter_map(|leaf| cell(leaf.element.patch.part, leaf.value)).collect();
-        Ok(DividedFloor { cells: Cells::try_new(cells)?, trials: tree.trials })
+        let cells =
+            tree.leaves.iter().filter_map(|leaf| cell(leaf.element.patch.domain, leaf.value)).collect();
+        Ok(DividedFloor { cells: ParameterCells::try_new(cells)?, trials: tree.trials })
     }
 
     /// The floor's light in closed form.

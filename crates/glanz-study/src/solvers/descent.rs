@@ -3,7 +3,7 @@
 use glanz_light::Spectrum;
 use glanz_radiosity::elements::Elements;
 use glanz_radiosity::form_factor::FormFactors;
-use glanz_radiosity::solve::{GaussSeidel, gauss_seidel};
+use glanz_radiosity::solve::{GaussSeidelSettings, gauss_seidel};
 
 use super::field::error_of;
 use super::progressive::Progressive;
@@ -69,7 +69,7 @@ pub(super) fn descent(
         }
     }
     for sweeps in 1..=SWEEPS {
-        let method = GaussSeidel { tolerance: 0.0, sweeps };
+        let method = GaussSeidelSettings { tolerance: 0.0, sweeps };
         let solution = gauss_seidel(list, factors, &method, &settings.cancel)?;
         curves.gathering.push([(sweeps as usize * list.len()) as f64, error(&solution.radiosity)]);
     }

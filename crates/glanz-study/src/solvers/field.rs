@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::DVec2;
-use glanz_radiosity::elements::{Element, Elements, Part, Patch};
+use glanz_radiosity::elements::{Element, Elements, ParameterPatch, Patch};
 
 /// Side of a face: surface, face, back.
 type FaceSide = (u32, u32, bool);
@@ -42,7 +42,7 @@ impl<'a> Field<'a> {
 
     /// The light at a point of a side; `None` where there is no element.
     fn at(&self, side: FaceSide, uv: DVec2) -> Option<f64> {
-        let holds = |&&number: &&usize| self.list.get(number).is_some_and(|e| e.patch.part.holds(uv));
+        let holds = |&&number: &&usize| self.list.get(number).is_some_and(|e| e.patch.domain.contains(uv));
         let number = self.sides.get(&side)?.iter().find(holds)?;
         self.reflected.get(*number).copied()
     }
@@ -54,9 +54,9 @@ impl<'a> Field<'a> {
     pub(super) fn error(&self, reference: &Self, levels: u32) -> f64 {
         let (mut difference, mut norm) = (0.0, 0.0);
         for (element, &expected) in reference.list.iter().zip(&reference.reflected) {
-            let mut parts = vec![element.patch.part];
+            let mut parts = vec![element.patch.domain];
             for _ in 0..levels {
-                parts = parts.iter().flat_map(Part::quarters).collect();
+                parts = parts.iter().flat_map(ParameterPatch::quarters).collect();
             }
             let side = side(&element.patch);
             let found: Vec<f64> = parts.iter().filter_map(|part| self.at(side, part.center())).collect();

@@ -5,7 +5,7 @@ use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::DVec3;
 use glanz_radiosity::elements::{Element, ElementSettings, Elements};
 use glanz_radiosity::form_factor::FormFactors;
-use glanz_radiosity::solve::{GaussSeidel, Hierarchical, gauss_seidel, hierarchical};
+use glanz_radiosity::solve::{GaussSeidelSettings, HierarchicalSettings, gauss_seidel, hierarchical};
 use glanz_scene::description::{MaterialKind, ShapeDescription};
 use glanz_scene::{Scene, SceneBuilder};
 
@@ -49,7 +49,8 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Furnace>, StudyError> {
         let expected = std::f64::consts::PI / (1.0 - f64::from(reflectance));
         let elements = Elements::new(&scene, &ElementSettings { side: SIDE })?;
         let factors = FormFactors::new(&elements, &settings.cancel)?;
-        let solution = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &settings.cancel)?;
+        let solution =
+            gauss_seidel(&elements.list, &factors, &GaussSeidelSettings::default(), &settings.cancel)?;
         let inside = (0..elements.list.len()).filter(|&i| elements.list.get(i).is_some_and(is_inside));
         let sums = range(inside.map(|i| factors.sum(i)));
         let one = |solver, elements: &Elements<'_>, radiosity: &[Spectrum]| {
@@ -61,11 +62,11 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Furnace>, StudyError> {
         let left = Some(shot.left(&elements));
         furnaces.push(Furnace { left, ..one(SolverKind::Progressive, &elements, shot.radiosity()) });
         let start = Elements::new(&scene, &ElementSettings { side: SIZE.max_element() })?;
-        let method = Hierarchical { bound: BOUND, ..Hierarchical::default() };
+        let method = HierarchicalSettings { bound: BOUND, ..HierarchicalSettings::default() };
         let solution = hierarchical(start, &method, &mut Silent, &settings.cancel)
             .map_err(|error| StudyError::Unreadable(error.to_string()))?;
         settings.cancel.check()?;
-        furnaces.push(one(SolverKind::Hierarchical, &solution.elements, &solution.radiosity));
+        furnaces.push(one(SolverKind::HierarchicalSettings, &solution.elements, &solution.radiosity));
     }
     Ok(furnaces)
 }

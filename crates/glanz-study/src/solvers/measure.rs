@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use glanz_job::Silent;
 use glanz_radiosity::elements::{ElementSettings, Elements};
 use glanz_radiosity::form_factor::FormFactors;
-use glanz_radiosity::solve::{GaussSeidel, Hierarchical, gauss_seidel, hierarchical};
+use glanz_radiosity::solve::{GaussSeidelSettings, HierarchicalSettings, gauss_seidel, hierarchical};
 use glanz_scene::Scene;
 use rayon::ThreadPool;
 
@@ -48,17 +48,17 @@ pub(super) enum SolverKind {
     /// Progressive refinement.
     Progressive,
     /// Links by an error bound.
-    Hierarchical,
+    HierarchicalSettings,
 }
 
 impl SolverKind {
-    pub(super) const ALL: [Self; 3] = [Self::Full, Self::Progressive, Self::Hierarchical];
+    pub(super) const ALL: [Self; 3] = [Self::Full, Self::Progressive, Self::HierarchicalSettings];
 
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Full => "all pairs",
             Self::Progressive => "progressive",
-            Self::Hierarchical => "hierarchical",
+            Self::HierarchicalSettings => "hierarchical",
         }
     }
 }
@@ -184,7 +184,8 @@ pub(super) fn measure(
         settings.cancel.check()?;
         let field = Field::new(elements, light);
         let itself = |reference: &Field<'_>| {
-            reference.is_on(elements) && matches!(run.solver, SolverKind::Full | SolverKind::Hierarchical)
+            reference.is_on(elements)
+                && matches!(run.solver, SolverKind::Full | SolverKind::HierarchicalSettings)
         };
         let errors = references
             .each_ref()
@@ -204,7 +205,8 @@ fn all_pairs(
 ) -> Result<(SolverRun, FormFactors, RadiosityValues), StudyError> {
     let solve = || {
         let factors = FormFactors::new(elements, &settings.cancel)?;
-        let solution = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &settings.cancel)?;
+        let solution =
+            gauss_seidel(&elements.list, &factors, &GaussSeidelSettings::default(), &settings.cancel)?;
         Ok::<_, StudyError>((factors, solution))
     };
     let (result, processors, wall) = timed(solve);
@@ -264,7 +266,7 @@ fn by_links<'a>(
 ) -> Result<(SolverRun, Elements<'a>, RadiosityValues), StudyError> {
     // Undivided faces.
     let side = 2.0 * scene.bounds().diagonal().length();
-    let method = Hierarchical { bound, ..Hierarchical::default() };
+    let method = HierarchicalSettings { bound, ..HierarchicalSettings::default() };
     let solve = || {
         let start = Elements::new(scene, &ElementSettings { side })?;
         hierarchical(start, &method, &mut Silent, &settings.cancel)
@@ -274,7 +276,7 @@ fn by_links<'a>(
     let solution = result?;
     settings.cancel.check()?;
     let run = SolverRun {
-        solver: SolverKind::Hierarchical,
+        solver: SolverKind::HierarchicalSettings,
         setting: bound,
         elements: solution.elements.list.len(),
         processors,

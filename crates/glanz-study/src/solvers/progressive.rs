@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_radiosity::elements::{Element, Elements};
-use glanz_radiosity::form_factor::{FormFactors, exchange_counting};
+use glanz_radiosity::form_factor::{FormFactors, exchange_counting_rays};
 use rayon::prelude::*;
 
 /// A radiosity solution that improves with every element that shoots.
@@ -41,7 +41,7 @@ impl Progressive {
             .map(|(j, to)| {
                 let mut rays = 0;
                 let exchanged =
-                    if j == from { 0.0 } else { exchange_counting(elements, shooter, to, &mut rays) };
+                    if j == from { 0.0 } else { exchange_counting_rays(elements, shooter, to, &mut rays) };
                 (exchanged / to.area, rays)
             })
             .collect();
@@ -133,7 +133,7 @@ fn luminance(light: Spectrum) -> f64 {
 mod tests {
     use glanz_job::CancelFlag;
     use glanz_radiosity::elements::ElementSettings;
-    use glanz_radiosity::solve::{GaussSeidel, gauss_seidel};
+    use glanz_radiosity::solve::{GaussSeidelSettings, gauss_seidel};
     use glanz_scene::description::MaterialKind;
     use glanz_scene::{Scene, SceneBuilder};
 
@@ -157,7 +157,8 @@ mod tests {
         let elements = elements(&scene);
         let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
         let gathered =
-            gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &CancelFlag::default()).unwrap();
+            gauss_seidel(&elements.list, &factors, &GaussSeidelSettings::default(), &CancelFlag::default())
+                .unwrap();
         let mut shot = Progressive::new(&elements);
         assert!((shot.left(&elements) - 1.0).abs() < 1e-12);
         let mut count = 0;
@@ -195,9 +196,10 @@ mod tests {
         let scene = room();
         let elements = elements(&scene);
         let factors = FormFactors::new(&elements, &CancelFlag::default()).unwrap();
-        let end = gauss_seidel(&elements.list, &factors, &GaussSeidel::default(), &CancelFlag::default())
-            .unwrap()
-            .radiosity;
+        let end =
+            gauss_seidel(&elements.list, &factors, &GaussSeidelSettings::default(), &CancelFlag::default())
+                .unwrap()
+                .radiosity;
         let mut shot = Progressive::new(&elements);
         for _ in 0..6 {
             assert!(shot.shoot(&elements));

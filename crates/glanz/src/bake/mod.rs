@@ -124,7 +124,7 @@ fn start_of(
     let start = LightFile::read(&path)?.start(identity, elements)?;
     let state = match &start {
         BakeStart::Finished(_) => ResumedState::AllLight,
-        BakeStart::State(state) => ResumedState::Places(state.places()),
+        BakeStart::State(state) => ResumedState::Places(state.points()),
     };
     job.emit(JobEvent::Resumed { path: &path, state: &state });
     Ok(start)

@@ -1,76 +1,76 @@
-//! Light over links, all nodes at once.
+//! Transport of light over links, for all nodes at once.
 
 use glanz_light::Spectrum;
 use rayon::prelude::*;
 
+use super::hierarchy::ElementHierarchy;
 use super::link::Link;
-use super::tree::Tree;
 
-/// Nodes that one thread takes at once, at least.
-const BLOCK: usize = 256;
+/// Smallest number of nodes per task of a thread.
+const MIN_NODES: usize = 256;
 
-/// One end of a link, seen from the other.
+/// The other end of a link of a node.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Source {
+pub(super) struct LinkEnd {
     pub(super) node: u32,
-    /// Share of its radiosity that arrives.
+    /// Form factor from the node to the other end.
     pub(super) factor: f32,
-    /// What of it nothing stands in the way of.
-    pub(super) free: f32,
+    /// Unoccluded fraction, [0, 1].
+    pub(super) visibility: f32,
 }
 
 /// The links of each node.
 #[derive(Debug)]
-pub(super) struct Neighbours {
-    /// Where those of a node begin.
-    begins: Vec<usize>,
-    /// The other ends.
-    list: Vec<Source>,
+pub(super) struct NodeLinks {
+    /// Index of the first link of each node, and the number of all.
+    first: Vec<usize>,
+    /// The other ends of the links, node by node.
+    list: Vec<LinkEnd>,
 }
 
-impl Neighbours {
-    /// Sorted by node, for each in the order of the links; those that carry nothing are left out on demand.
-    pub(super) fn new(tree: &Tree<'_>, links: &[Link], all: bool) -> Self {
+impl NodeLinks {
+    /// Sorts links by node, for each node in the given order; `all`: also those without exchange.
+    pub(super) fn new(hierarchy: &ElementHierarchy<'_>, links: &[Link], all: bool) -> Self {
         let carrying = || links.iter().filter(|link| all || link.exchange > 0.0);
-        let mut begins = vec![0; tree.branches.len() + 1];
+        let mut first = vec![0; hierarchy.nodes.len() + 1];
         for link in carrying() {
-            begins[link.a as usize + 1] += 1;
-            begins[link.b as usize + 1] += usize::from(link.a != link.b);
+            first[link.a as usize + 1] += 1;
+            first[link.b as usize + 1] += usize::from(link.a != link.b);
         }
-        for i in 1..begins.len() {
-            begins[i] += begins[i - 1];
+        for i in 1..first.len() {
+            first[i] += first[i - 1];
         }
-        let mut ends = begins.clone();
-        let mut list = vec![Source::default(); begins.last().copied().unwrap_or(0)];
-        let mut put = |at: u32, node: u32, link: &Link| {
-            let end = &mut ends[at as usize];
-            let factor = (f64::from(link.exchange) / tree.branches[at as usize].area) as f32;
-            list[*end] = Source { node, factor, free: link.free };
-            *end += 1;
+        let mut next = first.clone();
+        let mut list = vec![LinkEnd::default(); first.last().copied().unwrap_or(0)];
+        let mut add = |at: u32, node: u32, link: &Link| {
+            let slot = &mut next[at as usize];
+            let factor = (f64::from(link.exchange) / hierarchy.nodes[at as usize].area) as f32;
+            list[*slot] = LinkEnd { node, factor, visibility: link.visibility };
+            *slot += 1;
         };
         for link in carrying() {
-            put(link.a, link.b, link);
+            add(link.a, link.b, link);
             if link.a != link.b {
-                put(link.b, link.a, link);
+                add(link.b, link.a, link);
             }
         }
-        Self { begins, list }
+        Self { first, list }
     }
 
-    /// What the links of each node bring to it alone, and their form factors.
-    pub(super) fn gather(&self, tree: &Tree<'_>) -> Vec<(Spectrum, f32)> {
-        let of = |number: usize| {
+    /// Irradiance of each node by its own links, and the sum of their form factors.
+    pub(super) fn gather(&self, hierarchy: &ElementHierarchy<'_>) -> Vec<(Spectrum, f32)> {
+        let received = |number: usize| {
             let mut received = (Spectrum::BLACK, 0.0);
-            for source in self.of(number) {
-                received.0 += tree.light[source.node as usize].radiosity * source.factor;
-                received.1 += source.factor;
+            for end in self.of_node(number) {
+                received.0 += hierarchy.light[end.node as usize].radiosity * end.factor;
+                received.1 += end.factor;
             }
             received
         };
-        (0..tree.branches.len()).into_par_iter().with_min_len(BLOCK).map(of).collect()
+        (0..hierarchy.nodes.len()).into_par_iter().with_min_len(MIN_NODES).map(received).collect()
     }
 
-    pub(super) fn of(&self, number: usize) -> &[Source] {
-        &self.list[self.begins[number]..self.begins[number + 1]]
+    pub(super) fn of_node(&self, number: usize) -> &[LinkEnd] {
+        &self.list[self.first[number]..self.first[number + 1]]
     }
 }

@@ -1,59 +1,60 @@
-//! Links: what two nodes exchange, and how much more or less it may be.
+//! Links: the exchange of light between two nodes, with a bound on its error.
 
 use glanz_scene::Scene;
 
 use super::extent::{CORNERS, can_face};
-use super::tree::{Branch, Tree};
-use crate::elements::{Elements, Node, Patch};
+use super::hierarchy::{ElementHierarchy, HierarchyNode};
+use crate::elements::{ElementPoint, Elements, Patch};
 use crate::form_factor::polygon::{self, in_front};
-use crate::form_factor::{is_free, kernel};
+use crate::form_factor::{is_unoccluded, kernel};
 
-/// Sum of the radii over the distance above which the few places of two elements do not tell how the kernel varies, nor
+/// Sum of the radii over the distance above which the few points of two elements neither represent the variation of the kernel nor
 /// integrate it.
 const NEAR: f64 = 0.7;
 
-/// Two nodes that exchange light, both ways.
+/// Two nodes that exchange light in both directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Link {
     pub(super) a: u32,
-    /// Not less than `a`; the same where a node sees itself.
+    /// Number of the second node, `a` or more; `a` for the link of a node with itself.
     pub(super) b: u32,
     /// Area times form factor, m^2.
     pub(super) exchange: f32,
-    /// How much more or less it may be for what is anywhere on one node and comes from anywhere on the other, m^2.
-    pub(super) doubt: f32,
-    /// Share of it that nothing stands in the way of.
-    pub(super) free: f32,
+    /// Largest error of the exchange for any distribution of light on the two nodes, m^2.
+    pub(super) error: f32,
+    /// Unoccluded fraction, [0, 1].
+    pub(super) visibility: f32,
 }
 
-/// What the positions of two nodes say, before rays do.
+/// Bounds on the exchange of two nodes from their extents, without rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Geometry {
-    /// Largest exchange if nothing stands between.
+pub(super) struct ExchangeBounds {
+    /// Largest unoccluded exchange, m^2.
     pub(super) most: f64,
-    /// Largest less smallest exchange.
-    pub(super) doubt: f64,
+    /// Difference of the largest and smallest exchange, m^2.
+    pub(super) error: f64,
 }
 
-/// What rays say.
+/// Visibility of two nodes by shadow rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Seen {
-    /// Of those that could carry light, the share by the kernel that nothing stops.
-    share: f64,
+pub(super) struct VisibilitySample {
+    /// Unoccluded fraction of the rays, weighted by the kernel, [0, 1].
+    fraction: f64,
+    /// Number of rays.
     pub(super) rays: u32,
 }
 
-impl Tree<'_> {
-    /// Bounds on what two nodes exchange; `None` if it is nothing.
+impl ElementHierarchy<'_> {
+    /// Bounds on the exchange of two nodes; `None` if they exchange nothing.
     ///
-    /// The kernel lies in a range over both; light of whatever distribution on one then meets any place of the other with no
-    /// larger error than its flux times the width of that range (@smits1994 section 3 for clusters). For elements that are not
-    /// near each other the range is that over their corners and middles; of other pairs, spheres and cones bound it.
-    pub(super) fn geometry(&self, a: u32, b: u32) -> Option<Geometry> {
-        let (p, q) = (&self.branches[a as usize], &self.branches[b as usize]);
+    /// The kernel has a range over both nodes. For any distribution of light on one of them, the error of the irradiance at any point of the
+    /// other is at most the flux times the width of that range (@smits1994 section 3 for clusters). For elements that are not near each
+    /// other the range is taken over their probes; for other pairs it is bounded by spheres and cones.
+    pub(super) fn exchange_bounds(&self, a: u32, b: u32) -> Option<ExchangeBounds> {
+        let (p, q) = (&self.nodes[a as usize], &self.nodes[b as usize]);
         let smaller = p.area.min(q.area);
         if a == b {
-            return self.of_itself(p);
+            return self.self_exchange(p);
         }
         let bounds = p.extent.range(&q.extent);
         if bounds.high == 0.0 {
@@ -61,9 +62,9 @@ impl Tree<'_> {
         }
         let scale = p.area * q.area;
         let Some((first, second)) = p.element.as_ref().zip(q.element.as_ref()) else {
-            // Light that leaves one arrives once at most.
+            // No more than all light that leaves one node arrives.
             let most = smaller.min(scale * bounds.high);
-            return Some(Geometry { most, doubt: (most - scale * bounds.low).max(0.0) });
+            return Some(ExchangeBounds { most, error: (most - scale * bounds.low).max(0.0) });
         };
         if !can_face(first, second) {
             return None;
@@ -78,17 +79,17 @@ impl Tree<'_> {
         }
         if p.extent.nearness(&q.extent) > NEAR {
             let most = smaller.min(scale * bounds.high);
-            return Some(Geometry { most, doubt: most });
+            return Some(ExchangeBounds { most, error: most });
         }
         let most = smaller.min(scale * high);
-        Some(Geometry { most, doubt: most - smaller.min(scale * low) })
+        Some(ExchangeBounds { most, error: most - smaller.min(scale * low) })
     }
 
-    /// What a node sees of itself.
+    /// Bounds on the exchange of a node with itself.
     ///
-    /// In a part that is a graph over a plane, with normals no farther than s from that of the plane, lines between two places lie
+    /// On a patch that is a graph over a plane, with normals within an angle s of that of the plane, lines between two points lie
     /// within 2 s of their tangent planes: the form factor is at most sin^2 2 s.
-    fn of_itself(&self, node: &Branch) -> Option<Geometry> {
+    fn self_exchange(&self, node: &HierarchyNode) -> Option<ExchangeBounds> {
         if let Some(element) = &node.element {
             let probes = &node.extent.probes;
             if element.polygon.is_some() || pairs(probes, probes).all(|(a, b)| kernel(a, b) == 0.0) {
@@ -97,13 +98,13 @@ impl Tree<'_> {
         }
         let steepest = (2.0 * node.extent.spread).min(std::f64::consts::FRAC_PI_2);
         let most = if node.element.is_some() { node.area * steepest.sin().powi(2) } else { node.area };
-        Some(Geometry { most, doubt: most })
+        Some(ExchangeBounds { most, error: most })
     }
 
-    /// Area times form factor if nothing stands between, by the places of the nodes, or where these are near to each other in closed
-    /// form or by more places.
+    /// Unoccluded area times form factor, m^2, by the quadrature points of the nodes; for nodes near each other in closed form or by more
+    /// points. `most`: an upper bound.
     pub(super) fn unoccluded(&self, a: u32, b: u32, most: f64) -> f64 {
-        let (p, q) = (&self.branches[a as usize], &self.branches[b as usize]);
+        let (p, q) = (&self.nodes[a as usize], &self.nodes[b as usize]);
         let is_near = p.extent.nearness(&q.extent) > NEAR;
         let sum = match (&p.element, &q.element) {
             (Some(first), Some(second)) if is_near => match (&first.polygon, &second.polygon) {
@@ -112,41 +113,41 @@ impl Tree<'_> {
                     &in_front(others, first.center.position, first.center.normal),
                 ),
                 _ => {
-                    let [mine, others] = [p, q].map(|branch| fine(self.elements(), branch));
+                    let [mine, others] = [p, q].map(|node| fine_quadrature(self.elements(), node));
                     quadrature(&mine, &others)
                 }
             },
-            _ => quadrature(&p.extent.nodes, &q.extent.nodes),
+            _ => quadrature(&p.extent.points, &q.extent.points),
         };
         sum.min(most)
     }
 
-    /// Sends rays between the places of two nodes: each corner of one to a corner of the other, and middle to middle.
-    pub(super) fn look(&self, a: u32, b: u32) -> Seen {
-        let (p, q) = (&self.branches[a as usize], &self.branches[b as usize]);
-        let probes = |branch: &Branch| {
-            let all = branch.extent.probes.len();
-            if branch.element.is_some() { all.min(CORNERS) } else { all }
+    /// Traces shadow rays between the probes of two nodes: from each corner of one to a corner of the other, and between the middles.
+    pub(super) fn sample_visibility(&self, a: u32, b: u32) -> VisibilitySample {
+        let (p, q) = (&self.nodes[a as usize], &self.nodes[b as usize]);
+        let probes = |node: &HierarchyNode| {
+            let all = node.extent.probes.len();
+            if node.element.is_some() { all.min(CORNERS) } else { all }
         };
         let (m, n) = (probes(p), probes(q));
         let (from, to) = (&p.extent.probes[..m], &q.extent.probes[..n]);
-        // Neighbours look along other lines.
+        // Neighbouring nodes connect other pairs of probes.
         let turn = (a ^ b) as usize;
-        let mut seen = Seen { share: 0.0, rays: 0 };
-        let (mut free, mut all) = (0.0, 0.0);
+        let mut visibility = VisibilitySample { fraction: 0.0, rays: 0 };
+        let (mut unoccluded, mut all) = (0.0, 0.0);
         for i in 0..m.max(n) {
             let (Some(start), Some(end)) = (from.get(i % m.max(1)), to.get((i + turn) % n.max(1))) else {
                 continue;
             };
             let weight = kernel(start, end);
             if weight > 0.0 {
-                seen.rays += 1;
+                visibility.rays += 1;
                 all += weight;
-                free += if is_free(self.scene(), start, end) { weight } else { 0.0 };
+                unoccluded += if is_unoccluded(self.scene(), start, end) { weight } else { 0.0 };
             }
         }
-        seen.share = if all > 0.0 { free / all } else { 1.0 };
-        seen
+        visibility.fraction = if all > 0.0 { unoccluded / all } else { 1.0 };
+        visibility
     }
 
     fn scene(&self) -> &Scene {
@@ -155,29 +156,38 @@ impl Tree<'_> {
 }
 
 impl Link {
-    /// With what rays have said. If they all say the same, others may still not: by Laplace's rule of succession one of n + 2 is
-    /// taken to (departure: @hanrahan1991 takes them at their word). If they do not, all is in doubt.
-    pub(super) fn new([a, b]: [u32; 2], geometry: &Geometry, unoccluded: f64, seen: &Seen) -> Self {
-        let other = 1.0 / f64::from(seen.rays + 2);
-        let doubt = if seen.share == 1.0 {
-            geometry.doubt.max(other * geometry.most)
-        } else if seen.share == 0.0 {
-            other * geometry.most
+    /// Combines bounds, unoccluded exchange and visibility. If all n rays agree, another ray may still disagree: by Laplace's rule of
+    /// succession with probability 1 / (n + 2) (departure: @hanrahan1991 assumes that it does not). If they disagree, the error is the
+    /// largest exchange.
+    pub(super) fn new(
+        [a, b]: [u32; 2],
+        bounds: &ExchangeBounds,
+        unoccluded: f64,
+        visibility: &VisibilitySample,
+    ) -> Self {
+        let other = 1.0 / f64::from(visibility.rays + 2);
+        let error = if visibility.fraction == 1.0 {
+            bounds.error.max(other * bounds.most)
+        } else if visibility.fraction == 0.0 {
+            other * bounds.most
         } else {
-            geometry.most
+            bounds.most
         };
-        let exchange = (seen.share * unoccluded) as f32;
-        Self { a, b, exchange, doubt: doubt as f32, free: seen.share as f32 }
+        let exchange = (visibility.fraction * unoccluded) as f32;
+        Self { a, b, exchange, error: error as f32, visibility: visibility.fraction as f32 }
     }
 }
 
-fn pairs<'a>(a: &'a [Node], b: &'a [Node]) -> impl Iterator<Item = (&'a Node, &'a Node)> {
+fn pairs<'a>(
+    a: &'a [ElementPoint],
+    b: &'a [ElementPoint],
+) -> impl Iterator<Item = (&'a ElementPoint, &'a ElementPoint)> {
     a.iter().flat_map(move |a| b.iter().map(move |b| (a, b)))
 }
 
-/// The double integral of the kernel. Places that nearly touch would see more than there is: no pair exchanges more than the
-/// smaller of its areas. A place and itself are left out, and the others stand for them.
-fn quadrature(a: &[Node], b: &[Node]) -> f64 {
+/// The double integral of the kernel, m^2. Because the kernel is unbounded for points that nearly touch, no pair exchanges more than the
+/// smaller of its areas. Pairs of coinciding points are replaced by the mean of the others.
+fn quadrature(a: &[ElementPoint], b: &[ElementPoint]) -> f64 {
     let (mut sum, mut taken, mut all) = (0.0, 0.0, 0.0);
     for (p, q) in pairs(a, b) {
         all += p.area * q.area;
@@ -189,13 +199,13 @@ fn quadrature(a: &[Node], b: &[Node]) -> f64 {
     if taken > 0.0 { sum * all / taken } else { 0.0 }
 }
 
-/// The places of the quarters of an element.
-fn fine(elements: &Elements<'_>, branch: &Branch) -> Vec<Node> {
-    let Some(element) = &branch.element else { return branch.extent.nodes.clone() };
-    let quarters = element.patch.part.quarters();
-    let patches = quarters.into_iter().map(|part| Patch { part, ..element.patch });
-    let mut nodes: Vec<Node> = patches.flat_map(|patch| elements.nodes(&patch)).collect();
-    let scale = branch.area / nodes.iter().map(|node| node.area).sum::<f64>();
+/// Quadrature points of the quarters of an element.
+fn fine_quadrature(elements: &Elements<'_>, node: &HierarchyNode) -> Vec<ElementPoint> {
+    let Some(element) = &node.element else { return node.extent.points.clone() };
+    let quarters = element.patch.domain.quarters();
+    let patches = quarters.into_iter().map(|part| Patch { domain: part, ..element.patch });
+    let mut nodes: Vec<ElementPoint> = patches.flat_map(|patch| elements.quadrature_points(&patch)).collect();
+    let scale = node.area / nodes.iter().map(|node| node.area).sum::<f64>();
     nodes.iter_mut().for_each(|node| node.area *= scale);
     nodes
 }

@@ -10,14 +10,14 @@ use super::*;
 use crate::elements::{Element, ElementSettings, Patch};
 use crate::form_factor::FormFactors;
 use crate::scenes::{parallelogram, scene, walls};
-use crate::solve::{GaussSeidel, gauss_seidel};
+use crate::solve::{GaussSeidelSettings, gauss_seidel};
 
 /// Faces in one piece.
 fn whole(scene: &Scene) -> Elements<'_> {
     Elements::new(scene, &ElementSettings { side: 100.0 }).unwrap()
 }
 
-fn solved<'a>(scene: &'a Scene, settings: &Hierarchical) -> Refined<'a> {
+fn solved<'a>(scene: &'a Scene, settings: &HierarchicalSettings) -> HierarchicalSolution<'a> {
     let solved = hierarchical(whole(scene), settings, &mut Silent, &CancelFlag::default()).unwrap();
     assert!(solved.finished);
     solved
@@ -27,7 +27,7 @@ fn luminance(light: Spectrum) -> f64 {
     f64::from(light.luminance(&Wavelengths::default()))
 }
 
-/// Shapes in a room of 3 m x 2 m x 2.5 m of which the ceiling shines.
+/// Shapes in a room of 3 m x 2 m x 2.5 m with an emitting ceiling.
 fn room(reflectance: f32, inside: Vec<(ShapeDescription, f32, f32)>) -> Scene {
     let shine = |i| if i == 5 { 1.0 } else { 0.0 };
     let walls = walls(DVec3::new(3.0, 2.0, 2.5)).into_iter().enumerate();
@@ -50,7 +50,7 @@ fn difference(elements: &[Element], a: &[Spectrum], b: &[Spectrum]) -> f64 {
 }
 
 #[test]
-fn furnace_is_as_bright_as_it_is() {
+fn furnace_has_the_radiosity_of_its_closed_form() {
     for reflectance in [0.3_f32, 0.8] {
         let shapes = walls(DVec3::new(3.0, 2.0, 2.5)).into_iter().map(|wall| (wall, reflectance, 1.0));
         let scene = scene(shapes.collect());
@@ -58,7 +58,12 @@ fn furnace_is_as_bright_as_it_is() {
         for bound in [1e-2, 1e-3] {
             let solved = solved(
                 &scene,
-                &Hierarchical { bound, side: 0.1, tolerance: 1e-5, ..Hierarchical::default() },
+                &HierarchicalSettings {
+                    bound,
+                    side: 0.1,
+                    tolerance: 1e-5,
+                    ..HierarchicalSettings::default()
+                },
             );
             let expected = vec![Spectrum::splat(expected as f32); solved.radiosity.len()];
             let inside: Vec<usize> =
@@ -67,14 +72,14 @@ fn furnace_is_as_bright_as_it_is() {
             let radiosity: Vec<Spectrum> = inside.iter().map(|&i| solved.radiosity[i]).collect();
             let found = difference(&list, &radiosity, &expected);
             assert!(found < solved.errors.sum / (1.0 - f64::from(reflectance)));
-            // What is left is that of the tolerance: errors of single links cancel.
+            // The tolerance dominates: errors of single links cancel.
             assert!(found < 1e-3, "{bound}: {found}");
         }
     }
 }
 
 #[test]
-fn all_pairs_of_its_elements_come_to_the_same() {
+fn all_pairs_of_its_elements_give_the_same_solution() {
     let table = ShapeDescription::from(GeometryDescription::Disk {
         height: 1.0,
         radius: 0.6,
@@ -84,11 +89,12 @@ fn all_pairs_of_its_elements_come_to_the_same() {
     for (name, inside, bound) in [("box", cuboid(), 3e-3), ("sphere", sphere(), 1e-2), ("ring", table, 3e-3)]
     {
         let scene = room(0.6, vec![(inside, 0.4, 0.0)]);
-        let settings = Hierarchical { bound, side: 0.4, ..Hierarchical::default() };
+        let settings = HierarchicalSettings { bound, side: 0.4, ..HierarchicalSettings::default() };
         let solved = solved(&scene, &settings);
         let list = &solved.elements.list;
         let factors = FormFactors::new(&solved.elements, &CancelFlag::default()).unwrap();
-        let twin = gauss_seidel(list, &factors, &GaussSeidel::default(), &CancelFlag::default()).unwrap();
+        let twin =
+            gauss_seidel(list, &factors, &GaussSeidelSettings::default(), &CancelFlag::default()).unwrap();
         let found = difference(list, &solved.radiosity, &twin.radiosity);
         assert!(found < 0.06, "{name}: {found}");
         assert!(found < solved.errors.sum / (1.0 - 0.6));
@@ -96,10 +102,12 @@ fn all_pairs_of_its_elements_come_to_the_same() {
 }
 
 #[test]
-fn what_arrives_is_what_was_sent() {
+fn light_received_equals_light_sent() {
     let scene = room(0.5, vec![(cuboid(), 0.7, 0.0), (sphere(), 0.3, 0.0)]);
-    let solved =
-        solved(&scene, &Hierarchical { bound: 1e-3, side: 0.15, tolerance: 1e-5, ..Hierarchical::default() });
+    let solved = solved(
+        &scene,
+        &HierarchicalSettings { bound: 1e-3, side: 0.15, tolerance: 1e-5, ..HierarchicalSettings::default() },
+    );
     let (mut sent, mut received) = (0.0, 0.0);
     let lights = solved.radiosity.iter().zip(&solved.irradiance);
     for (element, (&radiosity, &irradiance)) in solved.elements.list.iter().zip(lights) {
@@ -112,11 +120,11 @@ fn what_arrives_is_what_was_sent() {
 }
 
 #[test]
-fn threads_do_not_matter() {
+fn solution_does_not_depend_on_threads() {
     let scene = room(0.5, vec![(sphere(), 0.3, 0.0)]);
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let settings = Hierarchical { bound: 1e-3, side: 0.2, ..Hierarchical::default() };
+        let settings = HierarchicalSettings { bound: 1e-3, side: 0.2, ..HierarchicalSettings::default() };
         pool.install(|| {
             let solved = solved(&scene, &settings);
             let patches: Vec<Patch> = solved.elements.list.iter().map(|element| element.patch).collect();
@@ -142,10 +150,12 @@ impl ProgressSink for Stopper {
 }
 
 #[test]
-fn stopping_leaves_an_answer_with_its_errors() {
+fn cancelled_solver_returns_a_solution_with_its_errors() {
     let scene = room(0.5, vec![(cuboid(), 0.3, 0.0)]);
-    let settings = Hierarchical { bound: 1e-4, side: 0.1, ..Hierarchical::default() };
-    let area = |solved: &Refined<'_>| solved.elements.list.iter().map(|element| element.area).sum::<f64>();
+    let settings = HierarchicalSettings { bound: 1e-4, side: 0.1, ..HierarchicalSettings::default() };
+    let area = |solved: &HierarchicalSolution<'_>| {
+        solved.elements.list.iter().map(|element| element.area).sum::<f64>()
+    };
     let end = solved(&scene, &settings);
     let mut before = f64::INFINITY;
     for asked in [0, 3, 10] {
@@ -161,7 +171,7 @@ fn stopping_leaves_an_answer_with_its_errors() {
     }
     let few = hierarchical(
         whole(&scene),
-        &Hierarchical { links: 2000, ..settings },
+        &HierarchicalSettings { links: 2000, ..settings },
         &mut Silent,
         &CancelFlag::default(),
     )
@@ -170,7 +180,7 @@ fn stopping_leaves_an_answer_with_its_errors() {
 }
 
 #[test]
-fn what_leaks_behind_a_thin_wall_goes_down_with_the_smallest_side() {
+fn leak_behind_a_thin_wall_decreases_with_the_smallest_side() {
     // A wall of 1 cm parts the room, but not its floor, ceiling and sides; its lamp is on one side.
     let mut shapes: Vec<_> = walls(DVec3::new(4.0, 2.0, 2.0)).into_iter().map(|w| (w, 0.7, 0.0)).collect();
     let (u, v) = (DVec3::Y * 2.0, DVec3::Z * 2.0);
@@ -178,13 +188,13 @@ fn what_leaks_behind_a_thin_wall_goes_down_with_the_smallest_side() {
     shapes.push((parallelogram(DVec3::X * 2.11, u, v), 0.7, 0.0));
     shapes.push((parallelogram(DVec3::new(0.5, 0.5, 1.9), DVec3::Y, DVec3::X), 0.0, 1.0));
     let scene = scene(shapes);
-    // Mean irradiance in the lit and the dark room, but for what is nearer to the wall than an element.
+    // Mean irradiance in the lit and the dark room, except for elements at the wall.
     let rooms = |side: f64, cut: bool| {
         let mut start = whole(&scene);
         if cut {
             start.cut_at_walls(20.0).unwrap();
         }
-        let settings = Hierarchical { bound: 1e-4, side, ..Hierarchical::default() };
+        let settings = HierarchicalSettings { bound: 1e-4, side, ..HierarchicalSettings::default() };
         let solved = hierarchical(start, &settings, &mut Silent, &CancelFlag::default()).unwrap();
         let (mut lit, mut dark) = ([0.0; 2], [0.0; 2]);
         for (element, &irradiance) in solved.elements.list.iter().zip(&solved.irradiance) {
@@ -213,7 +223,7 @@ fn what_leaks_behind_a_thin_wall_goes_down_with_the_smallest_side() {
 }
 
 #[test]
-fn many_triangles_are_few_links() {
+fn many_triangles_need_few_links() {
     // A sphere of triangles in a furnace.
     let (radius, at) = (0.5, DVec3::new(1.4, 1.0, 1.2));
     let (n, m) = (32_u32, 16_u32);
@@ -240,7 +250,8 @@ fn many_triangles_are_few_links() {
     let mesh = ShapeDescription::mesh(positions, indices);
     let shapes = walls(DVec3::new(3.0, 2.0, 2.5)).into_iter().chain([mesh]);
     let scene = scene(shapes.map(|shape| (shape, 0.5, 1.0)).collect());
-    let solved = solved(&scene, &Hierarchical { bound: 1e-3, side: 0.2, ..Hierarchical::default() });
+    let solved =
+        solved(&scene, &HierarchicalSettings { bound: 1e-3, side: 0.2, ..HierarchicalSettings::default() });
     let count = solved.elements.list.len();
     assert!(count > 1900 && solved.effort.links < 20 * count, "{count} {:?}", solved.effort);
     let (mut mean, mut area) = (0.0, 0.0);
@@ -258,7 +269,8 @@ fn many_triangles_are_few_links() {
 #[test]
 fn black_surfaces_have_irradiance() {
     let scene = room(0.0, Vec::new());
-    let solved = solved(&scene, &Hierarchical { bound: 1e-4, side: 0.1, ..Hierarchical::default() });
+    let solved =
+        solved(&scene, &HierarchicalSettings { bound: 1e-4, side: 0.1, ..HierarchicalSettings::default() });
     let mut floor = (0.0, 0.0);
     for (element, &irradiance) in solved.elements.list.iter().zip(&solved.irradiance) {
         if element.center.normal.z > 0.5 && element.center.position.z == 0.0 {
@@ -276,14 +288,14 @@ fn black_surfaces_have_irradiance() {
 }
 
 #[test]
-fn senseless_settings_are_refused() {
+fn invalid_settings_are_refused() {
     let scene = room(0.5, Vec::new());
     for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let good = Hierarchical::default();
+        let good = HierarchicalSettings::default();
         for bad in [
-            Hierarchical { bound: value, ..good },
-            Hierarchical { side: value, ..good },
-            Hierarchical { tolerance: value, ..good },
+            HierarchicalSettings { bound: value, ..good },
+            HierarchicalSettings { side: value, ..good },
+            HierarchicalSettings { tolerance: value, ..good },
         ] {
             let refused = hierarchical(whole(&scene), &bad, &mut Silent, &CancelFlag::default());
             assert!(matches!(refused, Err(HierarchicalError::NotPositive(..))), "{bad:?}");
@@ -292,9 +304,9 @@ fn senseless_settings_are_refused() {
 }
 
 #[test]
-fn nothing_is_solved_at_once() {
+fn empty_scene_has_an_empty_solution() {
     let scene = scene(Vec::new());
-    let solved = solved(&scene, &Hierarchical::default());
+    let solved = solved(&scene, &HierarchicalSettings::default());
     assert!(solved.elements.list.is_empty() && solved.radiosity.is_empty());
     assert_eq!(solved.errors.sum, 0.0);
 }

@@ -1,16 +1,16 @@
-//! Flat faces in one plane.
+//! Faces projected onto a plane.
 
 use std::collections::BTreeMap;
 
 use glanz_math::DVec2;
 
-/// Cells per side of the grid that finds triangles.
+/// Cells per side of the grid for lookup of triangles.
 const CELLS: usize = 64;
 
-/// A triangle in the plane of a sheet.
+/// A triangle of a face, projected onto the plane of a sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlatTriangle {
-    /// Its face.
+    /// Number of its face.
     pub face: u32,
     /// Corners in the plane, metres.
     pub corners: [DVec2; 3],
@@ -26,9 +26,9 @@ impl FlatTriangle {
     }
 }
 
-/// Triangles in a plane, without overlap, with their lower left corner at the origin.
+/// Triangles in a plane that do not overlap; the lower left corner of their bounds is the origin.
 #[derive(Clone, Debug)]
-pub struct Flat {
+pub struct FlatSheet {
     triangles: Vec<FlatTriangle>,
     by_face: BTreeMap<u32, Vec<u32>>,
     cells: Vec<Vec<u32>>,
@@ -36,8 +36,8 @@ pub struct Flat {
     shrink: f64,
 }
 
-impl Flat {
-    /// `shrink`: smallest share of an edge's length that is left in the plane.
+impl FlatSheet {
+    /// `shrink`: smallest ratio of a length in the plane to that on the faces, (0, 1].
     pub(super) fn new(mut triangles: Vec<FlatTriangle>, shrink: f64) -> Self {
         let corners = || triangles.iter().flat_map(|t| t.corners);
         let (low, high) =
@@ -59,7 +59,7 @@ impl Flat {
         Self { triangles, by_face, cells, size, shrink }
     }
 
-    /// The triangles.
+    /// All triangles.
     #[must_use]
     pub fn triangles(&self) -> &[FlatTriangle] {
         &self.triangles
@@ -71,32 +71,32 @@ impl Flat {
         self.by_face.keys().copied().collect()
     }
 
-    /// Upper right corner, metres.
+    /// Upper right corner of the bounds, metres.
     #[must_use]
     pub fn size(&self) -> DVec2 {
         self.size
     }
 
-    /// Smallest share of a length on the faces that is left in the plane.
+    /// Smallest ratio of a length in the plane to that on the faces, (0, 1].
     #[must_use]
     pub fn shrink(&self) -> f64 {
         self.shrink
     }
 
     pub(super) fn parameters(&self, point: DVec2) -> Option<(u32, DVec2)> {
-        self.holders(point).next().map(|triangle| (triangle.face, triangle.at(point)))
+        self.triangles_at(point).next().map(|triangle| (triangle.face, triangle.at(point)))
     }
 
-    /// The triangles that hold a point.
-    pub(super) fn holders(&self, point: DVec2) -> impl Iterator<Item = &FlatTriangle> {
+    /// The triangles that contain a point.
+    pub(super) fn triangles_at(&self, point: DVec2) -> impl Iterator<Item = &FlatTriangle> {
         let [x, y] = cell(point, self.size);
         let near = self.cells[y * CELLS + x].iter().filter_map(|&i| self.triangles.get(i as usize));
         near.filter(move |triangle| weights(&triangle.corners, point).into_iter().all(|w| w >= -1e-9))
     }
 
-    pub(super) fn on_sheet(&self, face: u32, uv: DVec2) -> Option<DVec2> {
+    pub(super) fn sheet_point(&self, face: u32, uv: DVec2) -> Option<DVec2> {
         let triangles = self.by_face.get(&face)?.iter().filter_map(|&i| self.triangles.get(i as usize));
-        // Facets have several triangles, but one map.
+        // All triangles of a facet have the same affine map.
         let inside = |t: &&FlatTriangle| weights(&t.parameters, uv).into_iter().all(|w| w >= -1e-9);
         let triangle = triangles.clone().find(inside).or(triangles.clone().next())?;
         Some(blend(weights(&triangle.parameters, uv), &triangle.corners))
@@ -108,7 +108,7 @@ fn cell(point: DVec2, size: DVec2) -> [usize; 2] {
     share.to_array().map(|x| (x as usize).min(CELLS - 1))
 }
 
-/// Weights of the corners of a triangle that make a point.
+/// Barycentric coordinates of a point.
 pub(super) fn weights(corners: &[DVec2; 3], point: DVec2) -> [f64; 3] {
     let [a, b, c] = *corners;
     let area = (b - a).perp_dot(c - a);
