@@ -5,7 +5,7 @@ use std::process::{Command, ExitCode, Stdio};
 
 use crate::setup::{Tool, Toolbox};
 use crate::suite::{self, Check, Verdict, succeed};
-use crate::{chromium, layers, references, web, workspace};
+use crate::{chromium, layers, references, web, words, workspace};
 
 /// A check that needs tools.
 struct Step {
@@ -18,6 +18,7 @@ const STEPS: &[Step] = &[
     Step { name: "format", needs: &[Tool::Rustfmt], run: format },
     Step { name: "layers", needs: &[], run: layers::check },
     Step { name: "references", needs: &[], run: references::check },
+    Step { name: "words", needs: &[], run: words::check },
     Step { name: "clippy", needs: &[Tool::Clippy], run: clippy },
     Step { name: "docs", needs: &[], run: docs },
     Step { name: "tests", needs: &[], run: tests },

@@ -21,7 +21,7 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 Usage: cargo xtask COMMAND
 
-  test [STEP...]       what a change needs: format, layers, references, clippy, docs, tests, web, browser
+  test [STEP...]       what a change needs: format, layers, references, words, clippy, docs, tests, web, browser
   nightly [PART...]    everything heavy: heavy, browser, benches, publish, and the parts below
   setup                installs what the checks need beyond Rust; `test` does it, too
   layers               dependencies between crates, against the layers of docs/ARCHITECTURE.md

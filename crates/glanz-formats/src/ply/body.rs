@@ -5,8 +5,8 @@ use glanz_math::{DVec2, DVec3};
 use super::header::{PlyElement, PlyEncoding, PlyHeader, ScalarType};
 use super::{PlyError, PlyErrorKind, PlyMesh, PlyPosition};
 
-/// Reads numbers one after the other, in whatever encoding.
-struct NumberReader<'a> {
+/// Cursor that reads successive numbers in any encoding.
+struct PlyNumberReader<'a> {
     bytes: &'a [u8],
     offset: usize,
     encoding: PlyEncoding,
@@ -14,7 +14,7 @@ struct NumberReader<'a> {
     line_start: usize,
 }
 
-impl<'a> NumberReader<'a> {
+impl<'a> PlyNumberReader<'a> {
     fn remaining(&self) -> usize {
         self.bytes.len().saturating_sub(self.offset)
     }
@@ -92,13 +92,13 @@ impl<'a> NumberReader<'a> {
 
 /// The records of one element being read.
 struct RecordReader<'a, 'c> {
-    cursor: &'c mut NumberReader<'a>,
+    cursor: &'c mut PlyNumberReader<'a>,
     element: &'c PlyElement,
 }
 
 impl<'a, 'c> RecordReader<'a, 'c> {
     /// Refuses counts that the rest of the file cannot hold.
-    fn new(cursor: &'c mut NumberReader<'a>, element: &'c PlyElement) -> Result<Self, PlyError> {
+    fn new(cursor: &'c mut PlyNumberReader<'a>, element: &'c PlyElement) -> Result<Self, PlyError> {
         let size = element.min_size(cursor.encoding) as u128;
         let bytes = cursor.remaining();
         // One more byte: the blank that may be missing at the end of an ascii file.
@@ -162,7 +162,7 @@ impl<'a, 'c> RecordReader<'a, 'c> {
 
 /// Reads everything after the header.
 pub(super) fn read(bytes: &[u8], header: &PlyHeader) -> Result<PlyMesh, PlyError> {
-    let mut cursor = NumberReader {
+    let mut cursor = PlyNumberReader {
         bytes,
         offset: header.body,
         encoding: header.encoding,
