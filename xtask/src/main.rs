@@ -21,16 +21,16 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 Usage: cargo xtask COMMAND
 
-  test [STEP...]       what a change needs: format, layers, references, words, clippy, docs, tests, web, browser
-  nightly [PART...]    everything heavy: heavy, browser, benches, publish, and the parts below
-  setup                installs what the checks need beyond Rust; `test` does it, too
+  test [STEP...]       the checks of a change: format, layers, references, words, clippy, docs, tests, web, browser
+  nightly [PART...]    all long checks: heavy, browser, benches, publish, and the parts below
+  setup                installs the tools of the checks; `test` does so, too
   layers               dependencies between crates, against the layers of docs/ARCHITECTURE.md
   references           every @key cited in the sources against docs/references.bib
-  words [--report]     banned names, openings and phrases in sources and documents; --report: a list that is no failure
+  words [--report]     banned names and phrases, and names with two definitions; with --report it only lists them
   publish --dry-run    packages every crate and builds it from its package
   pbrt-scenes DIR      loads every pbrt scene below DIR with `glanz info`, one line each
 
-Parts of nightly, optimised, with the numbers they have unless others are named:
+Parts of nightly, optimised, with their default numbers:
 ";
 
 fn main() -> ExitCode {

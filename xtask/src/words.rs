@@ -119,7 +119,7 @@ pub(crate) fn check() -> Result<String, String> {
     }
 }
 
-/// The same as a list that is no failure.
+/// Lists the faults without failing.
 ///
 /// # Errors
 /// A file cannot be read.
