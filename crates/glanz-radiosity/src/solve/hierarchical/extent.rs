@@ -103,7 +103,7 @@ impl NodeExtent {
         Self { center, radius, axis, spread, probes: points.clone(), points }
     }
 
-    /// Bounds on the kernel between any place of one and any place of the other, from spheres and cones.
+    /// Bounds on the kernel between any points of two nodes, from spheres and cones.
     pub(super) fn range(&self, other: &Self) -> KernelRange {
         let direction = other.center - self.center;
         let (distance, reach) = (direction.length(), self.radius + other.radius);
