@@ -18,6 +18,9 @@ use glanz::scene::description::IntegratorDescription;
 use glanz::scene::{LightId, ParametricPoint, PlacedPoint, Scene};
 use glanz::transport::{Context, ContextOptions, Integrator, IntegratorSettings};
 
+/// The scene of the suite.
+const SUITE_SCENE: &str = "scenes/rooms/vase.pbrt";
+
 /// The value of an environment variable, or this default.
 fn setting(name: &str, otherwise: &str) -> String {
     std::env::var(name).unwrap_or_else(|_| otherwise.to_owned())
@@ -169,7 +172,8 @@ impl MapErrors {
 #[test]
 fn light_maps_are_what_path_tracing_finds() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let file = root.join(setting("GLANZ_BAKE_SCENE", "scenes/rooms/vase.pbrt"));
+    let scene_name = setting("GLANZ_BAKE_SCENE", SUITE_SCENE);
+    let file = root.join(&scene_name);
     let settings = BakeSettings {
         density: f64::from(number("GLANZ_BAKE_DENSITY", 16)),
         rays: number("GLANZ_BAKE_RAYS", 256),
@@ -179,7 +183,7 @@ fn light_maps_are_what_path_tracing_finds() {
     let (scene, _) = Scene::resolve(description).unwrap();
     let mut elements = Elements::new(&scene, &ElementSettings { side: 0.3 }).unwrap();
     elements.cut_at_walls(settings.density).unwrap();
-    let mut points = Vec::new();
+    let (mut points, mut too_far) = (Vec::new(), Vec::new());
     for name in setting("GLANZ_BAKE_METHODS", "gather natural").split_whitespace() {
         let method = BakeMethod::from_name(name).expect("a method of the bake");
         let start = std::time::Instant::now();
@@ -206,12 +210,14 @@ fn light_maps_are_what_path_tracing_finds() {
             println!("{:6.1} %  {name}", 100.0 * error);
         }
         let [mean, almost_all] = if method == BakeMethod::Gather { [0.03, 0.08] } else { [0.06, 0.2] };
-        assert!(
-            errors.mean() <= mean && errors.at(0.95) <= almost_all,
-            "the light maps are too far from path tracing"
-        );
+        // In a furnished room, dark nooks decide both.
+        let is_near = scene_name != SUITE_SCENE || errors.mean() <= mean && errors.at(0.95) <= almost_all;
+        if !(is_near && errors.at(0.5) <= 0.03 && errors.bias.abs() <= 0.03) {
+            too_far.push(method.name());
+        }
     }
     let mean = points.iter().map(|point| point.irradiance).sum::<f64>() / points.len() as f64;
     let noise = points.iter().map(|point| point.deviation / point.irradiance.max(0.01 * mean)).sum::<f64>();
     println!("standard error of the reference {:.2} %", 100.0 * noise / points.len() as f64);
+    assert!(too_far.is_empty(), "too far from path tracing: {too_far:?}");
 }
