@@ -63,6 +63,11 @@ impl TrimRegion {
     /// [`SurfaceError::NotFinite`], [`SurfaceError::EmptyRange`] for the domain, [`SurfaceError::TooMany`] from 2^30 control
     /// points on.
     pub fn try_new(loops: Vec<TrimLoop>, domain: [DVec2; 2]) -> Result<Self, SurfaceError> {
+        Self::with_border(loops, domain, 0.0)
+    }
+
+    /// The region of [`TrimRegion::try_new`], with the points within `border` of a curve.
+    fn with_border(loops: Vec<TrimLoop>, domain: [DVec2; 2], border: f64) -> Result<Self, SurfaceError> {
         let [min, max] = domain;
         check_range("domain", min, max)?;
         let largest = loops
@@ -71,8 +76,8 @@ impl TrimRegion {
             .fold(0.0, |largest: f64, area| if area.abs() > largest.abs() { area } else { largest });
         let outermost = i32::from(loops.is_empty() || largest < 0.0);
         let pieces = PieceTable::try_new(&loops, min.abs().max(max.abs()))?;
-        let cells = CellTree::try_new(&pieces, domain, outermost, margin(&pieces, 0.0))?;
-        Ok(Self { pieces, cells, domain, outermost, border: 0.0 })
+        let cells = CellTree::try_new(&pieces, domain, outermost, margin(&pieces, border))?;
+        Ok(Self { pieces, cells, domain, outermost, border })
     }
 
     /// The region that loops of curves keep, with tolerances in proportion to their extent.
@@ -96,8 +101,8 @@ impl TrimRegion {
         let extent = (high - low).max_element();
         let margin = DVec2::splat(DOMAIN_MARGIN * extent);
         let loops = loops.into_iter().map(|curves| TrimLoop::try_new(curves, LOOP_GAP * extent));
-        let region = Self::try_new(loops.collect::<Result<_, _>>()?, [low - margin, high + margin])?;
-        region.with_widened_border(BORDER * extent)
+        let loops: Vec<TrimLoop> = loops.collect::<Result<_, _>>()?;
+        Self::with_border(loops, [low - margin, high + margin], BORDER * extent)
     }
 
     /// The region extended by all points within `tolerance` (parameter units) of a curve.
