@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, OnceLock};
 
-use glanz_math::DVec3;
+use glanz_math::{Bounds3, DVec3};
 
 use super::control_net::MAX_DEGREE;
 use super::leaf::PatchLeaf;
@@ -37,6 +37,9 @@ const SMALLEST: f64 = 1e-6;
 /// Cost of a leaf relative to a test of a node: between a block of triangles, 1, and other surfaces, 2.
 const LEAF_COST: f32 = 1.5;
 
+/// Subpatches that one thread divides at once.
+const CHUNK: usize = 64;
+
 impl Freeform {
     /// A surface of `patches`.
     ///
@@ -61,7 +64,7 @@ impl Freeform {
         let points =
             || patches.iter().flat_map(|patch| patch.patch.control_points()).map(|p| p.truncate() / p.w);
         let size = points().fold(DVec3::ZERO, |most, p| most.max(p.abs())).max_element();
-        let hull = glanz_math::Bounds3::from_points(points());
+        let hull = Bounds3::from_points(points());
         let extent = hull.diagonal().length();
         if !(extent > 0.0 && extent.is_finite()) {
             return Err(SurfaceError::Degenerate {
@@ -71,16 +74,16 @@ impl Freeform {
         }
         let frame = SurfaceFrame::new(&hull, size, degrees);
         let subpatches = subpatches::split(&patches, MOST_HALVINGS);
-        let leaves = all_leaves(&subpatches, extent);
-        Ok(Self::assemble(patches, extent, frame, subpatches, &leaves, None))
+        let leaves = all_leaves(&subpatches, extent, &frame);
+        Ok(Self::assemble(patches, extent, frame, subpatches, leaves, None))
     }
 
     /// The part of the surface that `region` keeps, by its parameters [`SurfacePoint::uv`](crate::SurfacePoint::uv).
     #[must_use]
     pub fn trimmed(&self, region: Arc<TrimRegion>) -> Self {
         let subpatches = subpatches::split(&self.patches, MOST_HALVINGS);
-        let mut leaves = all_leaves(&subpatches, self.extent);
-        leaves.retain_mut(|leaf| {
+        let mut leaves = all_leaves(&subpatches, self.extent, &self.frame);
+        leaves.retain_mut(|BoundedLeaf { leaf, .. }| {
             let Some(subpatch) = subpatches.get(leaf.subpatch as usize) else { return false };
             let SubpatchLocation { patch, part } = subpatch.location;
             let Some(patch) = self.patches.get(patch as usize) else { return false };
@@ -89,7 +92,7 @@ impl Freeform {
             leaf.crossed = containment == Containment::Crossed;
             containment != Containment::Outside
         });
-        Self::assemble(self.patches.clone(), self.extent, self.frame, subpatches, &leaves, Some(region))
+        Self::assemble(self.patches.clone(), self.extent, self.frame, subpatches, leaves, Some(region))
     }
 
     /// The surface with its leaves in the order of the hierarchy.
@@ -98,14 +101,15 @@ impl Freeform {
         extent: f64,
         frame: SurfaceFrame,
         subpatches: Vec<Subpatch>,
-        leaves: &[LeafBuilder],
+        leaves: Vec<BoundedLeaf>,
         region: Option<Arc<TrimRegion>>,
     ) -> Self {
         let boxes: Vec<_> = leaves.iter().map(|leaf| leaf.bounds).collect();
         let options = BuildOptions { max_leaf: 1, block: 1, leaf_cost: LEAF_COST };
         let bvh = Bvh::build(&boxes, &options);
-        let ordered = bvh.leaves().filter_map(|leaf| leaves.get(*bvh.leaf(leaf).first()? as usize));
-        let leaves = ordered.map(|leaf| PatchLeaf::new(leaf, frame.center)).collect();
+        drop(boxes);
+        let at = |leaf| leaves.get(*bvh.leaf(leaf).first()? as usize).map(|leaf| leaf.leaf);
+        let leaves = bvh.leaves().filter_map(at).collect();
         let locations = subpatches.iter().map(|subpatch| subpatch.location).collect();
         let subpatches = SubpatchList::new(subpatches);
         let (undecided, areas) = (AtomicU64::new(0), OnceLock::new());
@@ -113,11 +117,33 @@ impl Freeform {
     }
 }
 
-/// The leaves of all subpatches of a surface of this extent.
-fn all_leaves(subpatches: &[Subpatch], extent: f64) -> Vec<LeafBuilder> {
+/// A leaf before the hierarchy is built. The control points of its part are gone: those of a million patches would take more memory than
+/// the surface.
+struct BoundedLeaf {
+    leaf: PatchLeaf,
+    bounds: Bounds3,
+}
+
+/// The leaves of all subpatches of a surface of this extent and frame.
+fn all_leaves(subpatches: &[Subpatch], extent: f64, frame: &SurfaceFrame) -> Vec<BoundedLeaf> {
     let numbered: Vec<(usize, &Subpatch)> = subpatches.iter().enumerate().collect();
-    parallel_map(&numbered, 16, |&(index, subpatch)| leaves_of(index as u32, subpatch, SMALLEST * extent))
-        .concat()
+    let of_chunk =
+        |chunk: &&[(usize, &Subpatch)]| {
+            let mut leaves = Vec::new();
+            for &(index, subpatch) in *chunk {
+                let finished = leaves_of(index as u32, subpatch, SMALLEST * extent).into_iter();
+                leaves.extend(finished.map(|leaf| BoundedLeaf {
+                    leaf: PatchLeaf::new(&leaf, frame.center),
+                    bounds: leaf.bounds,
+                }));
+            }
+            leaves
+        };
+    let chunks: Vec<_> = numbered.chunks(CHUNK).collect();
+    let parts = parallel_map(&chunks, 1, of_chunk);
+    let mut leaves = Vec::with_capacity(parts.iter().map(Vec::len).sum());
+    parts.into_iter().for_each(|part| leaves.extend(part));
+    leaves
 }
 
 /// A part of a subpatch that may be halved further.
