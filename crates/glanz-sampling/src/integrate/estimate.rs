@@ -90,6 +90,11 @@ mod tests {
     }
 
     #[test]
+    fn standard_error_is_the_root_of_the_variance_of_the_mean() {
+        assert!((FINE.standard_error() - 0.1).abs() < 1e-16);
+    }
+
+    #[test]
     fn estimates_combine_by_samples_or_by_variance() {
         let by_samples = Estimate::combine(&[ROUGH, FINE], Weighting::Samples).unwrap();
         // Weights 1/4 and 3/4.
