@@ -26,7 +26,7 @@ pub(crate) fn area(object: &SceneObject) -> Option<f64> {
     (area > 0.0 && area.is_finite()).then_some(area)
 }
 
-/// The area that a flat object or a whole sphere shows to an observer far away in the direction of its normal, m^2; `None` for others.
+/// The largest area that a flat object or a whole sphere shows to a distant observer, m^2; `None` for others.
 pub(crate) fn far_field_area(object: &SceneObject, is_sphere: bool) -> Option<f64> {
     let whole = area(object)?;
     if is_sphere { Some(0.25 * whole) } else { is_flat(object.surface()).then_some(whole) }

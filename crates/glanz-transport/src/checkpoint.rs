@@ -28,7 +28,7 @@ use crate::pixel::Rejects;
 use crate::pixel_rect::PixelRect;
 use crate::ranges::SampleRanges;
 
-/// The file.
+/// Envelope of checkpoint files.
 const ENVELOPE: FileEnvelope =
     FileEnvelope { magic: b"GLANZCKP", version: 4, content: "the checkpoint", kind: "a checkpoint of Glanz" };
 

@@ -45,7 +45,7 @@ pub(super) fn start(bytes: &[u8]) -> Result<usize, PhotometryError> {
     }
 }
 
-/// An intensity beyond this is a mistake; sums of such stay finite.
+/// Largest intensity, candela: larger ones are mistakes, and sums of smaller ones stay finite.
 pub(super) const MAX_CANDELA: f64 = 1e30;
 
 /// Source of the numbers of a photometric file, with the checks of their values.

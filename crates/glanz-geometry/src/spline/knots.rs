@@ -26,7 +26,7 @@ impl KnotVector {
     /// The knot vector of a spline of `degree` 1 to [`MAX_DEGREE`] with `knots.len() - degree - 1` control points.
     ///
     /// # Errors
-    /// [`SurfaceError::OutOfRange`] for the degree, [`SurfaceError::TooFew`] with less than `2 degree + 2` knots,
+    /// [`SurfaceError::OutOfRange`] for the degree, [`SurfaceError::TooFew`] with fewer than `2 degree + 2` knots,
     /// [`SurfaceError::NotFinite`], [`SurfaceError::KnotsDecrease`], [`SurfaceError::KnotMultiplicity`] if a knot appears more than
     /// `degree + 1` times, or more than `degree` times inside the domain, [`SurfaceError::EmptyRange`] if the domain is empty.
     pub fn try_new(degree: usize, knots: Vec<f64>) -> Result<Self, SurfaceError> {

@@ -202,7 +202,7 @@ impl NurbsSurface {
     /// last bit.
     ///
     /// # Errors
-    /// Those of [`Self::try_new`], and [`SurfaceError::TooFew`] with less than 2 knots in a periodic direction.
+    /// Those of [`Self::try_new`], and [`SurfaceError::TooFew`] with fewer than 2 knots in a periodic direction.
     pub fn try_new_periodic(
         degrees: [usize; 2],
         knots: [Vec<f64>; 2],

@@ -20,7 +20,7 @@ pub(super) enum FigureSource {
 
 const BOTH: [FigureSource; 2] = [FigureSource::Document, FigureSource::Measured];
 
-/// NormErrors of the scattered methods on one division of one scene, in the order of [`SCATTERED`].
+/// Errors of the scattered methods on one division of one scene, in the order of [`SCATTERED`].
 #[derive(Clone, Copy, Debug)]
 struct MethodTriple([NormErrors; 3]);
 

@@ -32,7 +32,7 @@ use super::tree::{GuideCell, TreeGuide};
 use super::{Guide, Training};
 use crate::codec::{Decoder, Encoder, EnvelopeError, FileEnvelope};
 
-/// The file.
+/// Envelope of guide files.
 const ENVELOPE: FileEnvelope =
     FileEnvelope { magic: b"GLANZGDE", version: 2, content: "the guide", kind: "a guide of Glanz" };
 

@@ -10,8 +10,8 @@ use super::{Context, Integrator, IntegratorSettings, mirrors};
 
 /// Direct light, perfect mirrors and refraction; no light is scattered twice by a rough surface.
 ///
-/// - `Phong` materials are shaded as document 001 section 3.4 says (with the corrections of `ERRATA.md`). The intensity L of a
-///   light is the radiance of a white diffuse surface that faces it, irradiance / pi, so that the diffuse part is that of
+/// - `Phong` materials are shaded as in document 001 section 3.4, with the departures of
+///   [`classic`](glanz_shading::model::phong::classic). The intensity L of a light is the radiance of a white diffuse surface that faces it, irradiance / pi, so that the diffuse part is that of
 ///   Lambert's law; the ambient light S is that of the infinite lights, which shine without shadows here.
 /// - Other rough materials are lit by every light: exactly by points and directions, by one random direction to each
 ///   surface and to each infinite light.

@@ -50,7 +50,7 @@ struct Crossing {
     part: usize,
     /// Heights at which it is left of the right side and not left of the left side.
     inside: Heights,
-    /// Heights between which it is in the column or near it; empty if it is nowhere near.
+    /// Heights between which it is in the column or near it.
     near: [f64; 2],
 }
 

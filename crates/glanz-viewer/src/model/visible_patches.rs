@@ -32,9 +32,9 @@ pub(super) struct VisiblePatch<'a> {
 pub(super) enum PatchParameters {
     /// Bilinear between those at (0, 0), (1, 0), (0, 1), (1, 1).
     Corners {
-        /// PatchParameters of the surface.
+        /// Parameters of the surface.
         surface: [DVec2; 4],
-        /// PatchParameters of the face, as [`PlacedSurface::at`] takes them.
+        /// Parameters of the face, as [`PlacedSurface::at`] takes them.
         face: [DVec2; 4],
     },
     /// Each along one side; those of the face are the same.
@@ -111,7 +111,7 @@ fn between([a, b, c, d]: [DVec2; 4], at: DVec2) -> DVec2 {
 }
 
 impl PatchParameters {
-    /// PatchParameters of the face at (x, y) of the patch.
+    /// Parameters of the face at (x, y) of the patch.
     pub(super) fn of_face(&self, x: f64, y: f64) -> DVec2 {
         match self {
             Self::Corners { face, .. } => between(*face, DVec2::new(x, y)),

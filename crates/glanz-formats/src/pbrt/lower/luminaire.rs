@@ -203,7 +203,7 @@ impl Lowering {
     }
 }
 
-/// RayReader of a file at most: they are all kept, at 28 bytes each and 8 for the choice.
+/// Largest number of rays of a file: all are in memory, 28 bytes each and 8 for their selection.
 const MAX_RAYS: u64 = 20_000_000;
 
 /// The rays of a file, each with a share of its flux, and the lumens that it states.

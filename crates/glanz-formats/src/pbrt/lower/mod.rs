@@ -137,10 +137,10 @@ impl Lowering {
         }
     }
 
-    /// Reports that something stands in for a file which cannot be had: `message` states the problem, then the substitute.
+    /// Reports a file that is not available: `message` states the problem, then the substitute.
     ///
     /// # Errors
-    /// If the file is refused: nothing stands in for that.
+    /// If the file is refused, since nothing is substituted for it.
     fn without_file(&mut self, place: &Span, problem: &FileError, message: String) -> ParseResult<()> {
         if problem.refused {
             let help = Some(FindError::Outside.help().to_owned());

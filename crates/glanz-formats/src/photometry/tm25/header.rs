@@ -87,7 +87,7 @@ pub struct RayFileHeader {
 }
 
 impl RayFileHeader {
-    /// HeaderReader of a ray.
+    /// Size of the record of a ray, bytes.
     #[must_use]
     pub fn ray_bytes(&self) -> usize {
         let single =

@@ -137,7 +137,7 @@ const UNIT_LENGTH: f64 = 1e-3;
 pub struct RayReader<R> {
     source: BufReader<R>,
     header: RayFileHeader,
-    /// HeaderReader of a ray; reused.
+    /// Buffer for the record of a ray.
     record: Vec<u8>,
     offset: u64,
     next: u64,

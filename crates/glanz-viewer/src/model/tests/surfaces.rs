@@ -4,7 +4,7 @@ use glanz_math::{DMat3, DVec2, DVec3};
 
 use super::*;
 
-/// PatchParameters of a patch, decoded from its words, over the region if there is one.
+/// Parameters of a patch, decoded from its words, over the region if there is one.
 fn parameters(words: &[u32], revolution: bool, x: f64, y: f64) -> DVec2 {
     let w: Vec<f64> = words.iter().map(|&word| f32::from_bits(word).into()).collect();
     if !revolution {
