@@ -1,4 +1,4 @@
-//! Everything heavy: the parts of `cargo xtask nightly`, each a command of its own, too.
+//! The long checks: the parts of `cargo xtask nightly`, some of which are also commands.
 
 use std::process::{Command, ExitCode};
 
@@ -13,7 +13,7 @@ struct NightlyPart {
     package: &'static str,
     /// What the names of its tests contain.
     filter: &'static str,
-    /// What `nightly` divides the numbers of the settings by, so that it ends in a night on two cores.
+    /// Divisor of the numbers of the settings in `nightly`, so that it ends in a night on two cores.
     nightly_divisor: u64,
     settings: &'static [Setting],
     help: &'static str,
@@ -64,7 +64,7 @@ const PARTS: &[NightlyPart] = &[
         filter: "unbiased::",
         nightly_divisor: 1,
         settings: &[setting("--samples", "GLANZ_UNBIASED_SAMPLES", 16_384)],
-        help: "a Z-test of `guided` and `light` against `path` in all scenes, with so many samples per pixel",
+        help: "a Z-test of `guided` and `light` against `path` in all scenes, with this number of samples per pixel",
     },
     NightlyPart {
         name: "bake",
@@ -77,7 +77,7 @@ const PARTS: &[NightlyPart] = &[
             setting("--density", "GLANZ_BAKE_DENSITY", 25),
             setting("--rays", "GLANZ_BAKE_RAYS", 512),
         ],
-        help: "light maps of so many texels per metre, from so many rays, against path tracing at random points, with so many paths each",
+        help: "light maps of both methods, with this density (texels per metre) and number of gather rays, against path tracing at random points",
     },
     NightlyPart {
         name: "soak",
@@ -88,11 +88,11 @@ const PARTS: &[NightlyPart] = &[
             setting("--pages", "GLANZ_SOAK_PAGES", 100),
             setting("--seconds", "GLANZ_SOAK_SECONDS", 300),
         ],
-        help: "pages that come, misbehave and leave `glanz view`, and whether threads and memory come back",
+        help: "clients of `glanz view` that connect, misbehave and disconnect; threads and memory must be released",
     },
 ];
 
-/// One line per part: its command with the numbers it has unless others are named, and its purpose.
+/// The command of each part with its default numbers, and its purpose.
 pub(crate) fn help() -> String {
     let line = |part: &NightlyPart| {
         let options: String = part.settings.iter().map(|s| format!(" [{} {}]", s.option, s.number)).collect();
@@ -122,7 +122,7 @@ pub(crate) fn part(name: &str, options: &[&str]) -> Option<Result<ExitCode, Stri
 /// Runs the parts of these names, or all if there are none.
 ///
 /// # Errors
-/// A name that is no part.
+/// An unknown name.
 pub(crate) fn nightly(names: &[&str]) -> Result<ExitCode, String> {
     let needs_browser = names.is_empty() || names.contains(&"browser");
     let tools: &[Tool] = if needs_browser { &[Tool::Node, Tool::Chromium] } else { &[] };
@@ -233,6 +233,14 @@ mod tests {
         {
             assert!(variable("soak", wrong, "GLANZ_SOAK_PAGES").is_err(), "{wrong:?}");
         }
+    }
+
+    #[test]
+    fn nightly_divides_the_numbers() {
+        let part = PARTS.iter().find(|part| part.name == "seam").expect("a part");
+        let command = part.nightly_command().expect("a command");
+        let rays = command.get_envs().find(|(name, _)| *name == "GLANZ_SEAM_RAYS");
+        assert_eq!(rays.and_then(|(_, value)| value), Some("10000000".as_ref()));
     }
 
     #[test]

@@ -110,8 +110,7 @@ fn report_of(photometry: &Photometry, arguments: &InfoArguments, warnings: Vec<S
 }
 
 /// The angle around the brightest direction of the plane of C `c` and its opposite, within which the intensity is at least
-/// `share` of the peak;
-/// `None` in a dark plane.
+/// `share` of the peak; `None` in a dark plane.
 fn full_angle(distribution: &IntensityDistribution, c: f64, share: f64) -> Option<f64> {
     let at = |gamma: f64| distribution.intensity(by_c(c, gamma));
     let steps = (180.0 / BEAM_STEP) as i32;

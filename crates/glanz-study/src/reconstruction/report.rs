@@ -88,7 +88,7 @@ fn settings_text(outcomes: &[SceneResult], size: [usize; 2]) -> String {
          not give its scenes). Scenes: {}. Penumbrae are 0.16 m or 1 mm wide. The floor is divided into 16 x 16 elements, or as a quadtree: an element is \
          divided if the values of its four quarters differ by more than {} of the largest light, from level {} to level {} at most. The value of an \
          element is its mean radiosity by direct light, by form factors with rays between {} pairs of parts of lamp and element. Textures have {width} x {height} texels and are compared with exact means over these. \
-         NormErrors are relative to the largest light; those of document 003 are in its own units, in which the depth of \
+         Errors are relative to the largest light; those of document 003 are in its own units, in which the depth of \
          hard shadows is about 0.64. Shepard's \
          exponent is 4; multiquadrics have the exponent 1/2 and the distance to the next sample as radius, as in the document.",
         scenes.join("; "),
@@ -106,7 +106,7 @@ fn error_text(outcomes: &[SceneResult]) -> String {
         "The reference is Lambert's closed form for the visible part of the lamp, averaged over each texel by points that \
          are refined where light changes; the last refinement changed texels by {} (root mean square) and {} (largest) at most. Values \
          of elements by form factors with rays deviate from their exact means by up to {} (root mean square) and {} \
-         (largest), because rays sample the border of a shadow.",
+         (largest), because points and rays sample only a part of the border of a shadow.",
         significant(largest(&|o| o.reference.change[0])),
         significant(largest(&|o| o.reference.change[1])),
         significant(off(0)),

@@ -163,7 +163,7 @@ fn facets_findings(outcome: &FacetOutcome) -> Vec<String> {
             format_args!("{} % of the", significant(100.0 * last.error.moved)),
             match one_percent {
                 Some(case) => format!(
-                    "An error below 1 % of the mean requires {} of the tested numbers of triangles.",
+                    "The smallest tested number of triangles with an error below 1 % of the mean is {}.",
                     grouped(case.triangles.unwrap_or_default())
                 ),
                 None => "It is not below 1 % of the mean for any tested number of triangles.".to_owned(),

@@ -66,7 +66,7 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Furnace>, StudyError> {
         let solution = hierarchical(start, &method, &mut Silent, &settings.cancel)
             .map_err(|error| StudyError::Unreadable(error.to_string()))?;
         settings.cancel.check()?;
-        furnaces.push(one(SolverKind::HierarchicalSettings, &solution.elements, &solution.radiosity));
+        furnaces.push(one(SolverKind::Hierarchical, &solution.elements, &solution.radiosity));
     }
     Ok(furnaces)
 }

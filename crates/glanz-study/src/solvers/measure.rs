@@ -48,17 +48,17 @@ pub(super) enum SolverKind {
     /// Progressive refinement.
     Progressive,
     /// Links by an error bound.
-    HierarchicalSettings,
+    Hierarchical,
 }
 
 impl SolverKind {
-    pub(super) const ALL: [Self; 3] = [Self::Full, Self::Progressive, Self::HierarchicalSettings];
+    pub(super) const ALL: [Self; 3] = [Self::Full, Self::Progressive, Self::Hierarchical];
 
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Full => "all pairs",
             Self::Progressive => "progressive",
-            Self::HierarchicalSettings => "hierarchical",
+            Self::Hierarchical => "hierarchical",
         }
     }
 }
@@ -184,8 +184,7 @@ pub(super) fn measure(
         settings.cancel.check()?;
         let field = Field::new(elements, light);
         let itself = |reference: &Field<'_>| {
-            reference.is_on(elements)
-                && matches!(run.solver, SolverKind::Full | SolverKind::HierarchicalSettings)
+            reference.is_on(elements) && matches!(run.solver, SolverKind::Full | SolverKind::Hierarchical)
         };
         let errors = references
             .each_ref()
@@ -276,7 +275,7 @@ fn by_links<'a>(
     let solution = result?;
     settings.cancel.check()?;
     let run = SolverRun {
-        solver: SolverKind::HierarchicalSettings,
+        solver: SolverKind::Hierarchical,
         setting: bound,
         elements: solution.elements.list.len(),
         processors,

@@ -99,7 +99,7 @@ fn settings_text(most: usize, threads: usize) -> String {
         "Settings: {}; times are {clock}, including elements and form factors. *All pairs*: up to {} elements of equal \
          sides, form factors of all pairs, Gauss-Seidel method until no radiosity changes by more than 1e-6 of the largest. \
          *Progressive*: the same elements, until {} of the lamps' flux is unshot; form factors are computed for each \
-         shooting element and not stored. *HierarchicalSettings*: refined from whole faces, by a bound on the error of the flux of a \
+         shooting element and not stored. *Hierarchical*: refined from whole faces, by a bound on the error of the flux of a \
          link. The *error* is the root mean square difference (by area) of reflected luminance from the finest solution by \
          all pairs, relative to that solution, with means over its elements; emitted light is left out. That solution has \
          large elements and errors of its own; the *error against links*, from the finest hierarchical solution, shows them. \
@@ -226,7 +226,7 @@ fn findings(outcome: &RoomSolutions) -> Vec<String> {
 /// Comparison of the hierarchical solver with the finest solution by all pairs.
 fn hierarchical_speed_up(outcome: &RoomSolutions) -> Option<String> {
     let full = outcome.of(SolverKind::Full).last()?;
-    let more = outcome.of(SolverKind::HierarchicalSettings).find(|run| run.elements >= full.elements)?;
+    let more = outcome.of(SolverKind::Hierarchical).find(|run| run.elements >= full.elements)?;
     let ratio = full.processors.as_secs_f64() / more.processors.as_secs_f64().max(1e-3);
     Some(format!(
         "Room {}: all pairs of {} elements take {} s, links between {} elements {} s, {} times less, with an error of {} \
@@ -243,7 +243,7 @@ fn hierarchical_speed_up(outcome: &RoomSolutions) -> Option<String> {
 
 /// Growth of the number of links.
 fn per_element(outcome: &RoomSolutions) -> Option<String> {
-    let runs: Vec<&SolverRun> = outcome.of(SolverKind::HierarchicalSettings).collect();
+    let runs: Vec<&SolverRun> = outcome.of(SolverKind::Hierarchical).collect();
     let per = |run: &SolverRun| Some(significant(run.stored? as f64 / run.elements as f64));
     let (first, last) = (runs.first()?, runs.last()?);
     Some(format!(
@@ -268,7 +268,7 @@ fn ambient(outcome: &RoomSolutions) -> Option<String> {
     };
     (!shooting.is_empty()).then(|| {
         format!(
-            "Room {}: number of {} elements that must shoot for an error, without and with the ambient term: {}.",
+            "Room {}, {} elements: number that must shoot to reach an error, without and with the ambient term: {}.",
             outcome.name,
             grouped(*elements as u64),
             [0.5, 0.2, 0.1, 0.01].map(sentence).join("; ")
@@ -287,7 +287,7 @@ fn furnace_finding(furnaces: &[Furnace]) -> Option<String> {
         "In furnaces the largest error of the mean radiosity is {} (all pairs), {} (hierarchical) and {} (progressive, which \
          stops early); sums of the form factors of an element deviate from 1 by at most {}.",
         significant(off(SolverKind::Full)?),
-        significant(off(SolverKind::HierarchicalSettings)?),
+        significant(off(SolverKind::Hierarchical)?),
         significant(off(SolverKind::Progressive)?),
         significant(sum)
     ))

@@ -1,4 +1,4 @@
-//! Files of baked light: what a bake has found so far, or all of it.
+//! Files of baked light: the state of an unfinished bake, or all light maps.
 //!
 //! | bytes | content |
 //! |---|---|
@@ -8,7 +8,8 @@
 //! | 1 + n, 16 | version of Glanz, fingerprint of the scene |
 //! | 8, 4, 4 | texels per metre, rays, shadow rays |
 //! | 1 | 0: not finished, as [`BakeState`] writes it; 1: light maps, as [`stored`] does; plus 2 times the number of the method |
-//! | | that |
+//! | 0 or 8 | exponent of the method's interpolation, if it has one |
+//! | | that state or those light maps |
 //! | 4 | CRC-32 (IEEE) of all before |
 
 use std::path::{Path, PathBuf};
@@ -16,21 +17,22 @@ use std::path::{Path, PathBuf};
 use glanz_job::{ContentHash, IdentityMismatch, JobIdentity, current_version};
 use glanz_radiosity::bake::{BakeMethod, BakeSettings, BakeState, LightMap, stored};
 use glanz_radiosity::elements::Elements;
+use glanz_radiosity::reconstruct::Interpolation;
 use glanz_transport::codec::{Decoder, FileEnvelope};
 
 use crate::error::{Error, FileFault};
 use crate::file;
 
-/// The file.
+/// Envelope of the file.
 const ENVELOPE: FileEnvelope =
     FileEnvelope { magic: b"GLANZLGT", version: 1, content: "the light", kind: "baked light of Glanz" };
 
-/// What light depends on.
+/// Identity of baked light: everything that it depends on.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LightIdentity {
-    /// Of Glanz.
+    /// Version of Glanz.
     version: String,
-    /// Fingerprint.
+    /// Content hash of the scene.
     scene: u128,
     settings: BakeSettings,
 }
@@ -51,14 +53,16 @@ impl JobIdentity for LightIdentity {
     const FOREIGN: &'static str = "it holds other light";
 
     fn fields(&self) -> Vec<(&'static str, String)> {
-        let BakeSettings { density, rays, shadow_rays, method } = self.settings;
+        let BakeSettings { density, rays, shadow_rays, mut method } = self.settings;
+        let name = method.name();
+        let method = exponent(&mut method).map_or(name.to_owned(), |x| format!("{name} with exponent {x}"));
         vec![
             ("the Glanz version", self.version.clone()),
             ("the scene (content hash)", format!("{:032x}", self.scene)),
             ("the number of texels per metre", density.to_string()),
             ("the number of rays", rays.to_string()),
             ("the number of shadow rays", shadow_rays.to_string()),
-            ("the method", method.name().to_owned()),
+            ("the method", method),
         ]
     }
 }
@@ -76,16 +80,16 @@ pub struct LightFile {
 #[derive(Clone, Debug)]
 enum LightContent {
     Unfinished(BakeState),
-    /// Light maps in bytes: only the scene tells where they lie.
+    /// Light maps in bytes, which only the scene's elements can decode.
     Finished(Vec<u8>),
 }
 
-/// Where a bake begins.
+/// Start of a bake.
 #[derive(Debug)]
 pub(super) enum BakeStart {
-    /// With what was found, which may be nothing.
+    /// A state to resume from, possibly empty.
     State(BakeState),
-    /// There is nothing left to find.
+    /// Finished light maps.
     Finished(Vec<LightMap>),
 }
 
@@ -104,7 +108,7 @@ impl LightFile {
         Ok(Self { path: path.to_owned(), identity, content, hash: hash.value() })
     }
 
-    /// Where the bake `wanted` of `elements` resumes.
+    /// The start of the bake `wanted` of `elements`.
     pub(super) fn start(self, wanted: &LightIdentity, elements: &Elements<'_>) -> Result<BakeStart, Error> {
         self.identity.check(wanted).map_err(Error::of_file(&self.path))?;
         match &self.content {
@@ -146,11 +150,25 @@ impl LightFile {
     }
 }
 
+/// The exponent of the interpolation, which the number of a method does not tell.
+fn exponent(method: &mut BakeMethod) -> Option<&mut f64> {
+    match method {
+        BakeMethod::Radiosity {
+            reconstruction: Interpolation::Shepard { exponent } | Interpolation::Multiquadrics { exponent },
+        } => Some(exponent),
+        _ => None,
+    }
+}
+
 fn decode(content: &[u8]) -> Option<(LightIdentity, LightContent)> {
     let mut d = Decoder(content);
     let (version, scene) = (d.text()?.to_owned(), d.u128()?);
     let (density, rays, shadow_rays, kind) = (d.f64()?, d.u32()?, d.u32()?, d.u8()?);
-    let settings = BakeSettings { density, rays, shadow_rays, method: BakeMethod::from_number(kind / 2)? };
+    let mut method = BakeMethod::from_number(kind / 2)?;
+    if let Some(exponent) = exponent(&mut method) {
+        *exponent = d.f64()?;
+    }
+    let settings = BakeSettings { density, rays, shadow_rays, method };
     let content = match kind % 2 {
         0 => LightContent::Unfinished(BakeState::from_bytes(d.0)?),
         1 => LightContent::Finished(d.0.to_vec()),
@@ -159,7 +177,7 @@ fn decode(content: &[u8]) -> Option<(LightIdentity, LightContent)> {
     Some((LightIdentity { version, scene, settings }, content))
 }
 
-/// Writes what was found so far to the file `path`.
+/// Writes the state of an unfinished bake to the file `path`.
 pub(super) fn write_state(path: &Path, identity: &LightIdentity, state: &BakeState) -> Result<(), Error> {
     write(path, identity, 0, &state.to_bytes())
 }
@@ -170,14 +188,17 @@ pub(super) fn write_maps(path: &Path, identity: &LightIdentity, maps: &[LightMap
 }
 
 fn write(path: &Path, identity: &LightIdentity, kind: u8, content: &[u8]) -> Result<(), Error> {
-    let LightIdentity { version, scene, settings } = identity;
+    let LightIdentity { version, scene, mut settings } = identity.clone();
     let bytes = ENVELOPE.seal(|e| {
-        e.text(version);
-        e.u128(*scene);
+        e.text(&version);
+        e.u128(scene);
         e.f64(settings.density);
         e.u32(settings.rays);
         e.u32(settings.shadow_rays);
         e.u8(kind + 2 * settings.method.number());
+        if let Some(exponent) = exponent(&mut settings.method) {
+            e.f64(*exponent);
+        }
         e.0.extend_from_slice(content);
     });
     file::write(path, &bytes)
@@ -198,5 +219,22 @@ mod tests {
         let older = LightIdentity { version: "0.0.0".to_owned(), ..identity.clone() };
         assert!(older.check(&identity).unwrap_err().to_string().contains("version"));
         assert_eq!(finer.check_scene(7), Ok(()));
+    }
+
+    #[test]
+    fn methods_come_back_with_their_exponents() {
+        let path = std::env::temp_dir().join(format!("glanz-light-file-{}", std::process::id()));
+        let methods = (0..).map_while(BakeMethod::from_number);
+        let shepard = BakeMethod::Radiosity { reconstruction: Interpolation::Shepard { exponent: 2.0 } };
+        for method in methods.chain([shepard]) {
+            let identity = LightIdentity::new(7, BakeSettings { method, ..BakeSettings::default() });
+            write_state(&path, &identity, &BakeState::default()).unwrap();
+            assert_eq!(LightFile::read(&path).unwrap().identity, identity);
+        }
+        let default = BakeMethod::from_name("shepard").unwrap();
+        let other = LightIdentity::new(7, BakeSettings { method: default, ..BakeSettings::default() });
+        let mismatch = LightFile::read(&path).unwrap().identity.check(&other).unwrap_err();
+        assert!(mismatch.to_string().contains("the method"), "{mismatch}");
+        std::fs::remove_file(&path).unwrap();
     }
 }

@@ -34,8 +34,8 @@ const SIDE_OF_SCENE: f64 = 1.0 / 24.0;
 
 /// A bake to be run.
 ///
-/// Light is that of radiosity: mirrors and gloss count as if they reflected diffusely, and so does glass, but that the light of
-/// [`BakeMethod::Radiosity`] passes clear glass.
+/// The light is computed by radiosity: mirrors, glass and glossy materials are treated as diffuse. With [`BakeMethod::Radiosity`],
+/// light passes clear glass.
 #[must_use = "nothing is baked before `run`"]
 pub struct BakeBuilder<'a> {
     scene: LoadedScene,
@@ -48,19 +48,19 @@ impl<'a> BakeBuilder<'a> {
         Self { scene, settings: BakeSettings::default(), job: JobOptions::default() }
     }
 
-    /// Texels of the light maps per metre, where they are least dense; 25 unless set.
+    /// Smallest density of the light maps, texels per metre; 25 unless set.
     pub fn density(mut self, texels_per_metre: f64) -> Self {
         self.settings.density = texels_per_metre;
         self
     }
 
-    /// Rays that gather indirect light at a place; 512 unless set.
+    /// Number of rays that gather indirect light at a point; 512 unless set.
     pub fn rays(mut self, count: u32) -> Self {
         self.settings.rays = count;
         self
     }
 
-    /// The method that finds light between surfaces; a final gather unless set.
+    /// Method of computing light between surfaces; a final gather unless set.
     pub fn method(mut self, method: BakeMethod) -> Self {
         self.settings.method = method;
         self
@@ -130,20 +130,20 @@ fn start_of(
     Ok(start)
 }
 
-/// The elements of a scene for light maps; warns of what is not as in a path-traced picture.
+/// The elements of a scene for light maps; warns of differences from a path-traced picture.
 pub(crate) fn elements<'a>(
     scene: &'a Scene,
     settings: &BakeSettings,
     job: &mut JobOptions<'_>,
 ) -> Result<Elements<'a>, Error> {
     let elements = divided(scene, settings.density)?;
-    let is_as_it_is = |material: &&Material| match material {
+    let is_exact = |material: &&Material| match material {
         Material::Diffuse { .. } | Material::Interface => true,
-        // Light passes it.
+        // Elements of the solver let light pass it.
         Material::Dielectric(_) => settings.method != BakeMethod::Gather,
         _ => false,
     };
-    let others = scene.materials().iter().filter(|material| !is_as_it_is(material)).count();
+    let others = scene.materials().iter().filter(|material| !is_exact(material)).count();
     if others > 0 {
         job.warn(Warning::NotDiffuse { materials: others });
     }

@@ -19,7 +19,7 @@ use glanz_transport::codec::{Decoder, FileEnvelope};
 use crate::error::{Error, FileFault};
 use crate::file;
 
-/// The file.
+/// Envelope of the file.
 const ENVELOPE: FileEnvelope = FileEnvelope {
     magic: b"GLANZLUX",
     version: 1,
