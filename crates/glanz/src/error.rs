@@ -1,4 +1,4 @@
-//! Reasons why a call of the engine has no result.
+//! Errors of the engine.
 
 use std::io;
 use std::ops::Range;
@@ -12,7 +12,7 @@ use glanz_transport::{CheckpointError, FilmError, GridError, GuideFileError, Mer
 
 use crate::render::Picture;
 
-/// Reason why a call of the engine has no result: the facts, without advice.
+/// Error of the engine: the facts, without advice.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -24,7 +24,7 @@ pub enum Error {
     File {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         fault: FileFault,
     },
     /// A guide for an integrator that has none.
@@ -39,13 +39,13 @@ pub enum Error {
         /// Name of the integrator.
         integrator: &'static str,
     },
-    /// The integrator shows stored light, of which there is none: this library was built without the feature `radiosity`.
+    /// No stored light for an integrator that shows it: this library was built without the feature `radiosity`.
     #[error("the integrator \"{integrator}\" needs stored light")]
     LightRequired {
         /// Name of the integrator.
         integrator: &'static str,
     },
-    /// Lights are not to be sampled, by an integrator that always samples them.
+    /// Light sampling is disabled for an integrator that always samples lights.
     #[error("the integrator \"{integrator}\" samples all lights")]
     LightSampling {
         /// Name of the integrator.
@@ -54,22 +54,22 @@ pub enum Error {
     /// Samples beyond those planned, of a sampler that divides the pixel by their number.
     #[error("samples {}..{} go beyond the {planned} of each pixel", range.start, range.end)]
     SampleRange {
-        /// The samples wanted.
+        /// The requested samples.
         range: Range<u32>,
         /// Number of samples planned per pixel.
         planned: u32,
         /// Name of the sampler.
         sampler: &'static str,
     },
-    /// Samples out of order, of an integrator that learns: its samples build on one another.
+    /// Samples out of order for an integrator that learns: its passes depend on one another.
     #[error("the integrator learns from its samples in order; the next sample is {next}")]
     SampleOrder {
-        /// First sample wanted.
+        /// First requested sample.
         start: u32,
-        /// The sample that comes next.
+        /// The next sample in order.
         next: u32,
     },
-    /// A film of the wanted size cannot be made.
+    /// A film of the requested size cannot be created.
     #[error("the picture cannot be rendered: {0}")]
     Film(#[from] FilmError),
     /// The render loop ended without a picture.
@@ -78,15 +78,15 @@ pub enum Error {
     /// Pictures that cannot be joined.
     #[error(transparent)]
     Merge(#[from] MergeError),
-    /// A guide that cannot be made.
+    /// A guide that cannot be created.
     #[error(transparent)]
     Guide(#[from] GridError),
-    /// The picture is there, but its checkpoint or its guide could not be written.
+    /// The picture is complete, but its checkpoint or its guide was not written.
     #[error("{error}")]
     Unsaved {
-        /// The picture, to be saved otherwise.
+        /// The picture, which can still be saved.
         picture: Box<Picture>,
-        /// Why the file was not written.
+        /// The error of the file.
         error: Box<Error>,
     },
     /// Light maps that cannot be baked.
@@ -104,14 +104,14 @@ pub enum Error {
     #[cfg(feature = "formats")]
     #[error("the model: {0}")]
     Image(#[from] glanz_formats::image::ImageError),
-    /// Nothing in the scene is a receiver.
+    /// A scene without receivers.
     #[cfg(feature = "illumination")]
     #[error("{scene}: nothing in this scene receives light")]
     NoReceiver {
         /// Name of the scene.
         scene: String,
     },
-    /// Nothing in the scene gives light.
+    /// A scene without lights.
     #[cfg(feature = "illumination")]
     #[error("{scene}: nothing in this scene gives light")]
     NoLight {
@@ -129,13 +129,13 @@ pub enum Error {
         /// Largest number of cells.
         limit: usize,
     },
-    /// A relative error that no run reaches.
+    /// A relative error too small to be reached.
     #[cfg(feature = "illumination")]
     #[error("a relative error of {error} is less than {smallest}, which no run reaches")]
     Accuracy {
-        /// Relative standard error wanted.
+        /// Requested relative standard error.
         error: f64,
-        /// Smallest that can be asked for.
+        /// Smallest valid value.
         smallest: f64,
     },
     /// A shape that cannot receive light.
@@ -144,7 +144,7 @@ pub enum Error {
     Receiver {
         /// Name of the scene.
         scene: String,
-        /// What is wrong with the receiver.
+        /// The fault of the receiver.
         error: glanz_illumination::ReceiverError,
     },
     /// Lights that cannot be integrated.
@@ -167,17 +167,17 @@ pub enum Error {
     Interrupted(#[from] Interrupted),
 }
 
-/// What is wrong with a file.
+/// Fault of a file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileFault {
     /// It cannot be read or written.
     #[error("{0}")]
     Io(#[from] io::Error),
-    /// It cannot be made or replaced, as was found out beforehand.
+    /// It cannot be created or replaced, as a check before the work has shown.
     #[error("cannot be written: {0}")]
     NotWritable(io::Error),
-    /// A folder that cannot be made.
+    /// A folder that cannot be created.
     #[error("cannot be made: {0}")]
     NotMade(io::Error),
     /// Its folder does not exist.
@@ -192,19 +192,19 @@ pub enum FileFault {
     /// A checkpoint that exists, in a job that does not resume it.
     #[error("this checkpoint exists already")]
     Exists,
-    /// Its extension names no format that is written.
+    /// Its extension is not that of a supported output format.
     #[error("no format for {0} has this extension")]
     Extension(&'static str),
     /// Another kind or version of file, or a damaged one.
     #[error(transparent)]
     Envelope(#[from] EnvelopeError),
-    /// It is unchanged, but nothing that this program would write.
+    /// It is undamaged, but its content is invalid.
     #[error("{0} makes no sense")]
     Content(&'static str),
-    /// It is no checkpoint of a picture.
+    /// It is not a checkpoint of a picture.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
-    /// It is no guide.
+    /// It is not a guide.
     #[error(transparent)]
     Guide(#[from] GuideFileError),
     /// A checkpoint of another job.
@@ -232,18 +232,18 @@ pub enum FileFault {
     #[cfg(feature = "formats")]
     #[error(transparent)]
     Model(#[from] glanz_formats::glb::GlbError),
-    /// Candelas that are not a distribution.
+    /// Luminous intensities that do not form a distribution.
     #[error(transparent)]
     Intensity(#[from] glanz_light::intensity::IntensityError),
     /// A candela distribution that cannot be encoded.
     #[cfg(feature = "formats")]
     #[error(transparent)]
     Photometry(#[from] glanz_formats::photometry::write::PhotometryWriteError),
-    /// A report that is none.
+    /// A report that cannot be parsed.
     #[cfg(feature = "formats")]
     #[error(transparent)]
     Json(#[from] serde_json::Error),
-    /// A picture that is not the lux map which the report beside it lists.
+    /// A picture that differs from the lux map listed in the report beside it.
     #[error("this is not the lux map that the report lists")]
     OtherLuxMap,
     /// Lux maps of other receivers than those of the scene.

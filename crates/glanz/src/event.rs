@@ -1,4 +1,4 @@
-//! What a job reports beside its progress.
+//! Warnings and other events of a job.
 
 use std::fmt;
 use std::path::Path;
@@ -10,7 +10,7 @@ use glanz_transport::SampleRanges;
 use crate::error::Error;
 use crate::render::RenderPlan;
 
-/// Something that a job repaired, left out or could not decide. Its result has all of them, too.
+/// Warning about something that a job repaired, left out or could not decide. The result of the job contains all warnings, too.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
@@ -21,12 +21,12 @@ pub enum Warning {
         /// Number of those not listed.
         count: usize,
     },
-    /// Materials that are not diffuse, in a job that takes all for diffuse.
+    /// Materials that are not diffuse, in a job that treats all as diffuse.
     NotDiffuse {
         /// Their number.
         materials: usize,
     },
-    /// Surfaces without parameters or without end, which cast shadows but carry no light.
+    /// Unbounded surfaces or surfaces without parameters, which cast shadows but carry no light.
     LeftOut {
         /// Their number.
         surfaces: usize,
@@ -41,24 +41,24 @@ pub enum Warning {
         /// Their number.
         samples: u64,
     },
-    /// Samples too bright to be added, and cut.
+    /// Samples too bright to be added, which were clipped.
     Cut {
         /// Their number.
         samples: u64,
     },
-    /// A camera that models do not have: its picture is off-centre, sheared or mirrored.
+    /// A camera that models cannot represent: its picture is off-centre, sheared or mirrored.
     CameraLeftOut,
-    /// Charts with fewer texels than asked for, because a side has no more than 4096.
+    /// Charts with fewer texels than requested, because their sides have at most 4096.
     CoarseCharts {
         /// Their number.
         charts: usize,
     },
-    /// Lights without extent, of which reflections are not integrated.
+    /// Lights without extent, whose reflections are not integrated.
     Unreflected {
         /// Their number.
         lights: u64,
     },
-    /// A receiver whose counting side gets no light, but whose other side does.
+    /// A receiver that receives light only on the side that is not counted.
     DarkSide {
         /// Name of the receiver.
         receiver: String,
@@ -117,19 +117,19 @@ impl fmt::Display for Warning {
     }
 }
 
-/// A moment of a job.
+/// Event of a job.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum JobEvent<'a> {
     /// Something was repaired, left out or not decided.
     Warning(&'a Warning),
-    /// There is no checkpoint to resume yet: the job starts anew.
+    /// The checkpoint to resume does not exist yet: the job starts anew.
     NoCheckpoint(&'a Path),
     /// The job resumes a checkpoint.
     Resumed {
         /// The file.
         path: &'a Path,
-        /// What it has.
+        /// Its content.
         state: &'a ResumedState,
     },
     /// The scene is ready, rays follow.
@@ -150,17 +150,17 @@ pub enum JobEvent<'a> {
         /// Number of their cells.
         cells: usize,
     },
-    /// A checkpoint could not be written while the job runs. It is tried again; only the last one has to succeed.
+    /// A checkpoint could not be written during the job. Writing is tried again; only the last checkpoint must succeed.
     CheckpointFailed(&'a Error),
 }
 
-/// What a checkpoint has of a job's result.
+/// Progress stored in a checkpoint.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ResumedState {
     /// Samples of each pixel.
     Samples(SampleRanges),
-    /// Places at which indirect light was gathered.
+    /// Number of points at which indirect light was gathered.
     Places(usize),
     /// All light maps.
     AllLight,

@@ -1,4 +1,4 @@
-//! Files: checked before the work starts, read, and replaced as a whole.
+//! Files: checks before the work starts, reading, and atomic replacement.
 
 use std::fs::{self, File};
 use std::path::Path;
@@ -7,7 +7,7 @@ use glanz_job::WriteError;
 
 use crate::error::{Error, FileFault};
 
-/// Checks that the file `path` can be made or replaced, without touching it.
+/// Checks that the file `path` can be created or replaced, without changing it.
 ///
 /// # Errors
 /// [`Error::File`].
@@ -24,14 +24,14 @@ pub fn check_writable(path: &Path) -> Result<(), Error> {
         Ok(found) if found.permissions().readonly() => return Err(FileFault::ReadOnly.of(path)),
         _ => {}
     }
-    // Permissions alone do not decide (read-only file systems, access lists): try it, under a name of our own.
+    // Permissions alone do not suffice (read-only file systems, access lists): a file with a unique name is created as a test.
     let probe = folder.join(format!(".glanz-{}.tmp", std::process::id()));
     File::create(&probe)
         .and_then(|_| fs::remove_file(&probe))
         .map_err(|error| FileFault::NotWritable(error).of(path))
 }
 
-/// Checks that the checkpoint `path` can be written, and that none is lost: `resume` tells whether an old one is resumed.
+/// Checks that the checkpoint `path` can be written without losing an existing one; `resume`: whether an existing one is resumed.
 ///
 /// # Errors
 /// [`Error::File`].
@@ -48,7 +48,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>, Error> {
     fs::read(path).map_err(Error::of_file(path))
 }
 
-/// Writes `bytes` to the file `path`; until all are there, it keeps its old content.
+/// Writes `bytes` to the file `path`, which keeps its old content until all bytes are written.
 ///
 /// # Errors
 /// [`Error::File`].
@@ -57,7 +57,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     written.map_err(|WriteError { path, source }| FileFault::Io(source).of(&path))
 }
 
-/// Makes the folder if it does not exist.
+/// Creates the folder if it does not exist.
 ///
 /// # Errors
 /// [`Error::File`].

@@ -15,7 +15,7 @@ const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
 /// Options that every job takes.
 #[derive(Default)]
 pub(crate) struct JobOptions<'a> {
-    /// 0 means as many as the machine has.
+    /// 0: all processors of the machine.
     pub(crate) threads: usize,
     pub(crate) checkpoint: Option<PathBuf>,
     pub(crate) resume: bool,
@@ -31,7 +31,7 @@ impl JobOptions<'_> {
         self.checkpoint.as_deref().map_or(Ok(()), |path| file::check_checkpoint(path, self.resume))
     }
 
-    /// The checkpoint to resume, if it is there.
+    /// The checkpoint to resume, if it exists.
     pub(crate) fn resumed(&mut self) -> Option<PathBuf> {
         let path = self.checkpoint.clone().filter(|_| self.resume)?;
         if path.exists() {
@@ -52,7 +52,7 @@ impl JobOptions<'_> {
         self.warnings.push(warning);
     }
 
-    /// Runs `work` with the threads asked for.
+    /// Runs `work` with the requested number of threads.
     #[cfg(any(feature = "radiosity", feature = "illumination"))]
     pub(crate) fn in_pool<T: Send>(
         &mut self,
@@ -73,7 +73,7 @@ pub(crate) struct JobSink<'a, 'o, W> {
     path: Option<PathBuf>,
     /// Writes a state to a file.
     write: W,
-    /// How the last checkpoint was written.
+    /// Result of writing the last checkpoint.
     pub(crate) written: Result<(), Error>,
     /// The last estimate of the relative standard error.
     pub(crate) error: Option<f64>,
@@ -113,7 +113,7 @@ impl<State, W: FnMut(&Path, &State) -> Result<(), Error>> ProgressSink<State> fo
 /// The methods that all builders have, over a field `job`.
 macro_rules! job_methods {
     ($lifetime:lifetime) => {
-        /// Works with `count` threads; 0, the default, means as many as the machine has. The result does not depend on it.
+        /// Runs with `count` threads; 0, the default, uses all processors. The result does not depend on the number.
         pub fn threads(mut self, count: usize) -> Self {
             self.job.threads = count;
             self
@@ -125,7 +125,7 @@ macro_rules! job_methods {
             self
         }
 
-        /// Whether to resume the checkpoint if it exists; without this, one that exists is an error.
+        /// Whether to resume from the checkpoint if it exists; otherwise an existing one is an error.
         pub fn resume(mut self, resume: bool) -> Self {
             self.job.resume = resume;
             self

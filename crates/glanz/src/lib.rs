@@ -2,7 +2,7 @@
 //!
 //! # From a scene to a result
 //! [`open`] reads a scene file, [`open_str`] a text, [`LoadedScene::from_description`] takes a description built in code. The
-//! [`LoadedScene`] has the warnings of reading, and three jobs, each a builder that ends with `run`:
+//! [`LoadedScene`] holds the warnings of reading and has three jobs, each a builder that ends with `run`:
 //!
 //! | job | result |
 //! |---|---|
@@ -12,17 +12,17 @@
 //!
 //! Every job reports progress to a [`ProgressSink`](job::ProgressSink) and warnings as a [`JobEvent`], ends when its
 //! [`CancelFlag`](job::CancelFlag) is raised, and saves its state in a checkpoint from which it resumes to the same bits.
-//! [`merge`] joins pictures of disjoint samples. Failures are an [`Error`] with the facts; advice is up to the program.
+//! [`merge`] joins pictures of disjoint samples. An [`Error`] states the facts; advice is left to the program.
 //!
 //! # The parts
-//! Below these recipes lie the parts, which can be used alone: [`formats`] reads scene files into a
-//! [`Description`](scene::Description), [`scene`] checks it and answers rays, [`transport`] renders, [`radiosity`] and [`illumination`] find light on
-//! surfaces. [`geometry`] has the surfaces and the hierarchy over their boxes, [`shading`] materials and textures, [`light`] spectra,
+//! The jobs use the following parts, which can be used alone: [`formats`] reads scene files into a
+//! [`Description`](scene::Description), [`scene`] checks it and intersects rays, [`transport`] renders, [`radiosity`] and [`illumination`] compute the
+//! light on surfaces. [`geometry`] has the surfaces and the hierarchy over their boxes, [`shading`] materials and textures, [`light`] spectra,
 //! colour and pictures in memory, [`sampling`] sequences and densities, [`math`] vectors, transforms and roots of polynomials.
 //! Lengths are metres and angles radians; positions are `f64`, light is `f32`, sums are exact.
 //!
 //! # Features
-//! | feature | what it adds |
+//! | feature | adds |
 //! |---|---|
 //! | `formats` | scene files, picture files, models |
 //! | `radiosity` | light maps, and the integrator that shows them |
@@ -115,7 +115,7 @@ pub fn open_with(
     Ok(LoadedScene::from_loaded(path.display().to_string(), loaded, options.strict))
 }
 
-/// Reads a scene from `text`. `name`: what messages call it. Files it refers to are found in [`formats::Options::folder`] only.
+/// Reads a scene from `text`. `name`: its name in messages. Files it refers to are found in [`formats::Options::folder`] only.
 ///
 /// # Errors
 /// [`Error::Scene`] with the faults and their places.

@@ -12,14 +12,14 @@ use crate::render::RenderBuilder;
 /// Kind of the diagnostics that arise after reading.
 const KIND: &str = "scene";
 
-/// A scene from a file, a text or code, and what was found on reading it.
+/// A scene from a file, a text or code, with the diagnostics of reading it.
 ///
-/// A job takes the scene, so that a large one is not held twice; clone it for several jobs.
+/// A job consumes the scene, so that a large one is not stored twice; clone it for several jobs.
 #[derive(Clone, Debug)]
 pub struct LoadedScene {
     name: String,
     pub(crate) description: Description,
-    /// Of the bytes of all files; `None` for a description built in code.
+    /// Hash of the bytes of all files; `None` for a description built in code.
     content_hash: Option<u128>,
     #[cfg(feature = "formats")]
     sources: glanz_formats::Sources,
@@ -28,7 +28,7 @@ pub struct LoadedScene {
 }
 
 impl LoadedScene {
-    /// A scene described in code. `name`: what messages and reports call it.
+    /// A scene described in code. `name`: its name in messages and reports.
     #[must_use]
     pub fn from_description(name: impl Into<String>, description: Description) -> Self {
         Self {
@@ -55,7 +55,7 @@ impl LoadedScene {
         self
     }
 
-    /// The name: that of the file, or as given.
+    /// The name of the file, or the given name.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -67,7 +67,7 @@ impl LoadedScene {
         &self.description
     }
 
-    /// The scene as plain data, to be changed; checkpoints and baked light then no longer belong to the file.
+    /// The scene as plain data, for changes; after a change, checkpoints and baked light of the file no longer match.
     pub fn description_mut(&mut self) -> &mut Description {
         self.content_hash = None;
         &mut self.description
@@ -79,7 +79,7 @@ impl LoadedScene {
         &self.diagnostics
     }
 
-    /// Fingerprint of the scene: of the bytes of its files, or of its description.
+    /// Content hash of the scene: of the bytes of its files, or of its description.
     #[must_use]
     pub fn content_hash(&self) -> u128 {
         self.content_hash.unwrap_or_else(|| {
@@ -90,7 +90,7 @@ impl LoadedScene {
         })
     }
 
-    /// The scene as rays see it, with the warnings of its making.
+    /// Resolves the scene for ray queries; returns it with its warnings.
     ///
     /// # Errors
     /// [`Error::Scene`] if the description is not a scene, or a warning arose from a [strict](LoadedScene::strict) one.
@@ -112,18 +112,18 @@ impl LoadedScene {
         Ok((scene, diagnostics.iter().cloned().map(Warning::Scene).chain(omitted).collect()))
     }
 
-    /// A picture of the scene.
+    /// Builder of a render of the scene.
     pub fn render<'a>(self) -> RenderBuilder<'a> {
         RenderBuilder::new(self)
     }
 
-    /// Light maps of the scene.
+    /// Builder of a bake of the scene.
     #[cfg(feature = "radiosity")]
     pub fn bake<'a>(self) -> crate::bake::BakeBuilder<'a> {
         crate::bake::BakeBuilder::new(self)
     }
 
-    /// Illuminance on the receivers of the scene.
+    /// Builder of a calculation of illuminance on the receivers of the scene.
     #[cfg(feature = "illumination")]
     pub fn illuminate<'a>(self) -> crate::illuminate::IlluminateBuilder<'a> {
         crate::illuminate::IlluminateBuilder::new(self)
@@ -148,7 +148,7 @@ impl LoadedScene {
     }
 }
 
-/// A text of which only the fingerprint is kept.
+/// A text of which only the hash is stored.
 #[derive(Default)]
 struct HashedText(ContentHash);
 

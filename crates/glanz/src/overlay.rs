@@ -1,4 +1,4 @@
-//! Light that was found before, for the page that shows a scene: baked light, or lux maps.
+//! Baked light and lux maps for the viewer's page.
 
 use std::f32::consts::FRAC_1_PI;
 use std::path::Path;
@@ -15,10 +15,10 @@ use crate::bake::{LightFile, divided};
 use crate::error::Error;
 use crate::illuminate::LuxFolder;
 
-/// Values along each side of a patch: as many as light maps have on a patch of some metres.
+/// Number of values along each side of a patch, about that of light maps on a patch of some metres.
 const SIDE: usize = 65;
 
-/// What the page adds to a scene: walls of a room, and light on surfaces.
+/// Additions of the page to a scene: walls of a room, and light on surfaces.
 #[derive(Debug, Default)]
 pub struct LightOverlay {
     /// Size of a box of walls, metres.
@@ -50,7 +50,7 @@ impl LightOverlay {
         Ok(Self { light: OverlaidLight::Baked(Box::new(LightFile::read(path.as_ref())?)), ..self })
     }
 
-    /// Shows the lux maps of a folder that [`IlluminateOutcome::save`](crate::IlluminateOutcome::save) wrote.
+    /// Shows the lux maps of a folder written by [`IlluminateOutcome::save`](crate::IlluminateOutcome::save).
     ///
     /// # Errors
     /// [`Error::File`].
@@ -58,7 +58,7 @@ impl LightOverlay {
         Ok(Self { light: OverlaidLight::Lux(LuxFolder::read(folder)?), ..self })
     }
 
-    /// Whether it adds nothing.
+    /// Whether there are no additions.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.room.is_none() && matches!(self.light, OverlaidLight::None)
@@ -98,7 +98,7 @@ impl SceneOverlay for LightOverlay {
     }
 }
 
-/// Radiance of a place by its own light and the baked one, on its brighter side: surfaces are drawn alike on both.
+/// Emitted and baked radiance at a point, on the brighter side: both sides of a surface are drawn alike.
 fn radiance(
     scene: &Scene,
     placed: &[PlacedSurface<'_>],

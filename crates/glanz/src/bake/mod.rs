@@ -1,4 +1,4 @@
-//! Light maps: from a scene to the light on its surfaces, and to models that show it.
+//! Baking: light maps of a scene, and models that show them.
 
 mod light_file;
 #[cfg(feature = "formats")]
@@ -28,11 +28,11 @@ pub use light_file::LightFile;
 pub use model_files::{ModelFiles, ModelSettings, check_model_path};
 pub use outcome::BakeOutcome;
 
-/// Largest side of an element: metres, and per the diagonal of the scene.
+/// Largest side of an element: metres, and relative to the diagonal of the scene.
 const SIDE: f64 = 0.3;
 const SIDE_OF_SCENE: f64 = 1.0 / 24.0;
 
-/// A bake to be run.
+/// Builder of a bake.
 ///
 /// The light is computed by radiosity: mirrors, glass and glossy materials are treated as diffuse. With [`BakeMethod::Radiosity`],
 /// light passes clear glass.
@@ -72,7 +72,7 @@ impl<'a> BakeBuilder<'a> {
     ///
     /// # Errors
     /// [`Error::Scene`] for a description that is not a scene, [`Error::File`] for a checkpoint that cannot be read or written,
-    /// [`Error::Elements`] and [`Error::Bake`] for more elements or texels than can be held.
+    /// [`Error::Elements`] and [`Error::Bake`] for more elements or texels than can be stored.
     pub fn run(self) -> Result<BakeOutcome, Error> {
         let Self { scene, settings, mut job } = self;
         job.check_checkpoint()?;
@@ -114,7 +114,7 @@ impl<'a> BakeBuilder<'a> {
     }
 }
 
-/// Where the bake begins: with the checkpoint, if there is one.
+/// The start of the bake: the checkpoint to resume, or an empty state.
 fn start_of(
     identity: &LightIdentity,
     elements: &Elements<'_>,
@@ -164,7 +164,7 @@ pub(crate) fn divided(scene: &Scene, density: f64) -> Result<Elements<'_>, Error
     Ok(elements)
 }
 
-/// The light maps, from what was found before. `identity`: of the light that the checkpoint of the job keeps, if it keeps light.
+/// Computes the light maps from a state. `identity`: that of the light in the job's checkpoint, if the checkpoint holds light.
 pub(crate) fn baked_maps(
     state: BakeState,
     elements: &Elements<'_>,
@@ -180,7 +180,7 @@ pub(crate) fn baked_maps(
     let mut sink = JobSink::new(job, path, write);
     match resume(state, elements, settings, &mut sink, &cancel) {
         Ok(maps) => {
-            // Before anything else is written: it is what cannot be had again.
+            // Written before all other files, because the light takes longest to compute again.
             if let Some((identity, path)) = kept {
                 light_file::write_maps(&path, identity, &maps)?;
             }

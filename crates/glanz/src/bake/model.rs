@@ -1,4 +1,4 @@
-//! Models with light maps: the triangles of every chart, with its place on the pages.
+//! Models with light maps: the triangles of every chart, with their texture coordinates on the pages.
 
 use std::collections::BTreeMap;
 
@@ -12,16 +12,16 @@ use glanz_scene::PlacedSurface;
 
 use crate::error::Error;
 
-/// Distance of the two sides of a surface in a model, per the tolerance.
+/// Distance of the two sides of a surface in a model, relative to the tolerance.
 const SHIFT: f64 = 0.25;
 
-/// How a scene's axes become those of the model, which is right-handed with y up.
+/// Conversion of a scene's axes to those of the model, which is right-handed with y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Axes(DMat3);
 
 impl Axes {
-    /// `camera`: to the world. Up is the axis next to the camera's. Where the camera sees the world mirrored, as pbrt's left-handed scenes
-    /// are, so is the model.
+    /// `camera`: camera to world. Up is the axis nearest to that of the camera. If the camera shows the world mirrored, as in pbrt's
+    /// left-handed scenes, the model is mirrored, too.
     pub(super) fn of_camera(camera: &DMat4) -> Self {
         let up = camera.y_axis.truncate();
         let mirror = if DMat3::from_mat4(*camera).determinant() > 0.0 { -1.0 } else { 1.0 };
@@ -39,12 +39,12 @@ impl Axes {
         Self(DMat3::from_cols(rows[0] * mirror, rows[1], rows[2]).transpose())
     }
 
-    /// A matrix whose columns are in the axes of the scene, in those of the model.
+    /// Converts a matrix whose columns are in the axes of the scene to the axes of the model.
     pub(super) fn of(&self, matrix: DMat3) -> DMat3 {
         self.0 * matrix
     }
 
-    /// A point or a direction of the scene in the axes of the model.
+    /// Converts a point or a direction of the scene to the axes of the model.
     pub(super) fn of_point(&self, point: DVec3) -> DVec3 {
         self.0 * point
     }
@@ -54,7 +54,7 @@ impl Axes {
     }
 }
 
-/// The parts of a model.
+/// Builder of a model.
 pub(super) struct ModelBuilder<'a> {
     pub(super) surfaces: &'a [PlacedSurface<'a>],
     pub(super) maps: &'a [LightMap],
@@ -98,8 +98,8 @@ impl ModelBuilder<'_> {
         Ok(GlbModel { pictures, nodes: nodes.into_iter().map(node).collect(), camera: self.camera.clone() })
     }
 
-    /// How far a side is moved away from the other. Not every program leaves out what is seen from behind: of two sides in one place
-    /// it would show now the one, now the other.
+    /// Distance by which a side is moved away from the other: programs that do not cull back faces would show coincident sides in
+    /// alternation.
     fn shift(&self, number: usize) -> f64 {
         let (Some(map), Some(other)) = (self.maps.get(number), self.maps.get(number ^ 1)) else { return 0.0 };
         let moves = match (map.is_dark(), other.is_dark()) {

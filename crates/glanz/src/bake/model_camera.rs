@@ -1,4 +1,4 @@
-//! The camera of a scene as that of a model.
+//! Conversion of the camera of a scene to that of a model.
 
 use glanz_formats::glb::{GlbCamera, Projection};
 use glanz_math::{Bounds3, DMat3, DVec2, DVec3, glam::DQuat};
@@ -7,15 +7,15 @@ use glanz_scene::description::{CameraDescription, CameraKind, FilmDescription};
 
 use super::model::Axes;
 
-/// The nearest that is seen, per the diagonal of the scene: nearer is what almost nobody looks at, and depth buffers are the finer.
+/// Near plane, relative to the diagonal of the scene: close enough for almost all views, and far enough for precise depth buffers.
 const NEAR: f64 = 0.002;
 
-/// Sine of an angle, and share of a length, that are taken for 0.
+/// Sine of an angle, and share of a length, below which they count as 0.
 const SLACK: f64 = 1e-6;
 
-/// The camera in the axes of the model; `None` if its picture is off the middle, slanted or mirrored, which models do not have.
+/// The camera in the axes of the model; `None` if its picture is off-centre, sheared or mirrored, which models cannot represent.
 ///
-/// The aperture is left out.
+/// The aperture is ignored.
 pub(super) fn camera(
     camera: &CameraDescription,
     film: &FilmDescription,
@@ -34,7 +34,7 @@ pub(super) fn camera(
 
     let matrix = axes.of(DMat3::from_mat4(camera.to_world));
     let lengths = DVec3::new(matrix.x_axis.length(), matrix.y_axis.length(), matrix.z_axis.length());
-    // Models' cameras look along -z.
+    // Cameras of models look along -z.
     let turned =
         DMat3::from_cols(matrix.x_axis / lengths.x, matrix.y_axis / lengths.y, -matrix.z_axis / lengths.z);
     let off = turned.transpose() * turned - DMat3::IDENTITY;

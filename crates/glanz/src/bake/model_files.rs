@@ -1,4 +1,4 @@
-//! Models as files.
+//! Files of models.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,18 +16,18 @@ use super::outcome::BakeOutcome;
 use crate::error::{Error, FileFault};
 use crate::file;
 
-/// Distance of triangles from the surface: metres, and per the diagonal of the scene.
+/// Default distance of triangles from the surface: metres, and relative to the diagonal of the scene.
 const TOLERANCE: f64 = 0.001;
 const TOLERANCE_OF_SCENE: f64 = 1.0 / 4000.0;
 
-/// How a model is made and written.
+/// Settings of a model and its files.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModelSettings {
-    /// Distance of triangles from the surface at most, metres; `None`: 0.001, or less in a small scene.
+    /// Largest distance of triangles from the surface, metres; `None`: 0.001, or less in a small scene.
     pub tolerance: Option<f64>,
-    /// How the pictures on surfaces show light.
+    /// Tone curve of the pictures on surfaces.
     pub tone: Tone,
-    /// Format of the irradiance beside the model.
+    /// Format of the irradiance files.
     pub irradiance: Format,
 }
 
@@ -37,18 +37,18 @@ impl Default for ModelSettings {
     }
 }
 
-/// What was written of a bake.
+/// Files written by a bake.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelFiles {
     /// The files: the model, then the pages of irradiance.
     pub paths: Vec<PathBuf>,
     /// Number of triangles.
     pub triangles: usize,
-    /// Distance of triangles from the surface at most, metres.
+    /// Largest distance of triangles from the surface, metres.
     pub tolerance: f64,
 }
 
-/// What a model takes over from the description.
+/// Parts of the description that a model contains.
 #[derive(Clone, Debug)]
 pub(super) struct ModelView {
     camera: CameraDescription,
@@ -73,7 +73,7 @@ impl ModelView {
         Axes::of_camera(&self.camera.to_world)
     }
 
-    /// The camera of the model; `None` if models have no such camera.
+    /// The camera of the model; `None` if models cannot represent it.
     pub(super) fn camera(&self, bounds: &Bounds3) -> Option<GlbCamera> {
         model_camera::camera(&self.camera, &self.film, self.axes(), bounds)
     }
@@ -108,7 +108,7 @@ impl BakeOutcome {
     /// The model, one node for each shape in its place.
     ///
     /// # Errors
-    /// [`Error::Pixels`] if a page cannot be a picture.
+    /// [`Error::Pixels`] if a page cannot be converted to a picture.
     pub fn model(&self, settings: &ModelSettings) -> Result<GlbModel, Error> {
         let builder = ModelBuilder {
             surfaces: &self.scene.placed_surfaces(),
@@ -144,7 +144,7 @@ impl BakeOutcome {
     }
 }
 
-/// Refuses the extension of a model that is not written.
+/// Refuses an extension that is not that of a supported model format.
 ///
 /// # Errors
 /// [`Error::File`] with [`FileFault::Extension`].

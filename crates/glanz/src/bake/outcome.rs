@@ -13,20 +13,20 @@ pub struct BakeOutcome {
     pub(super) scene: Scene,
     #[cfg(feature = "formats")]
     pub(super) view: super::model_files::ModelView,
-    /// Light maps; the two sides of a chart follow one another.
+    /// Light maps; the two sides of a chart are adjacent.
     pub maps: Vec<LightMap>,
-    /// The same on square pages.
+    /// Their layout on square pages.
     pub atlas: Atlas,
-    /// Number of elements between which light was exchanged.
+    /// Number of elements that exchanged light.
     pub elements: usize,
     /// Wall time.
     pub elapsed: Duration,
-    /// Warnings, in the order in which they arose.
+    /// Warnings, in order of occurrence.
     pub warnings: Vec<Warning>,
 }
 
 impl BakeOutcome {
-    /// The scene, to which the maps belong.
+    /// The scene of the maps.
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene

@@ -10,7 +10,7 @@ use super::IlluminateOutcome;
 use crate::error::{Error, FileFault};
 use crate::file;
 
-/// Formats of photometric files that are written.
+/// Supported formats of photometric output files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PhotometricFormat {
     Ies,
@@ -25,7 +25,7 @@ fn format(path: &Path) -> Result<PhotometricFormat, Error> {
     if is("ldt") { Ok(PhotometricFormat::Ldt) } else { Err(FileFault::Extension("luminaires").of(path)) }
 }
 
-/// Refuses the extension of a photometric file that is not written.
+/// Refuses an extension that is not that of a supported photometric format.
 ///
 /// # Errors
 /// [`Error::File`] with [`FileFault::Extension`].
@@ -37,7 +37,7 @@ impl IlluminateOutcome {
     /// Writes the candela distribution of all light that leaves the scene, as EULUMDAT (.ldt) or IES (.ies); -z is gamma 0.
     ///
     /// # Errors
-    /// [`Error::NoFarField`] if it was not counted, [`Error::File`].
+    /// [`Error::NoFarField`] if directions were not counted, [`Error::File`].
     pub fn save_far_field(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let path = path.as_ref();
         let far = self.far_field().ok_or(Error::NoFarField)?;
@@ -48,7 +48,7 @@ impl IlluminateOutcome {
 fn bytes(path: &Path, title: &str, far: &FarField) -> Result<Vec<u8>, Error> {
     let format = format(path)?;
     let (mut planes, gammas) = (far.grid.planes(), far.grid.gammas());
-    // The first plane again closes the round.
+    // The first plane is repeated to close the circle.
     planes.push(360.0);
     let rows = (0..planes.len()).flat_map(|plane| (0..gammas.len()).map(move |gamma| far.at(plane, gamma)));
     let candela = rows.collect();

@@ -1,4 +1,4 @@
-//! The files of a calculation, for people and programs.
+//! Output files of a calculation.
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -14,11 +14,11 @@ use super::IlluminateOutcome;
 use crate::error::Error;
 use crate::file;
 
-/// The report for programs.
+/// The JSON report.
 pub(super) const REPORT: &str = "report.json";
 
 impl IlluminateOutcome {
-    /// Writes reports and maps into a folder, which is made if it does not exist; returns the files.
+    /// Writes reports and maps into a folder, which is created if necessary; returns the files.
     ///
     /// The reports are `report.html`, `report.json` and `summary.txt`; each receiver has a table (CSV), its numbers as a picture (EXR),
     /// false colours (PNG) and isolux lines (SVG).
@@ -57,14 +57,14 @@ pub fn save_comparison(
     Ok(files.written)
 }
 
-/// A folder that files are written into.
+/// Output folder with its files.
 struct ReportFolder<'a> {
     folder: &'a Path,
     written: Vec<PathBuf>,
 }
 
 impl<'a> ReportFolder<'a> {
-    /// Makes the folder if it does not exist.
+    /// Creates the folder if it does not exist.
     fn try_new(folder: &'a Path) -> Result<Self, Error> {
         file::make_folder(folder)?;
         Ok(Self { folder, written: Vec::new() })
@@ -102,13 +102,13 @@ impl<'a> ReportFolder<'a> {
     }
 }
 
-/// File names for receivers, none twice.
+/// Unique file names for receivers.
 #[derive(Default)]
 pub(super) struct FileNames(HashSet<String>);
 
 impl FileNames {
-    /// The name for a map: letters, digits, `-`, `_`, `.` and `=` stay, all else becomes `-`. Names that differ in case alone count as
-    /// equal, as in some file systems.
+    /// The name for a map: letters, digits, `-`, `_`, `.` and `=` are kept, all others become `-`. Names that differ only in case count
+    /// as equal, as in some file systems.
     pub(super) fn of_map(&mut self, name: &str, more: &str) -> String {
         let keep = |c: char| if c.is_alphanumeric() || "-_.=".contains(c) { c } else { '-' };
         let plain: String = format!("{name}{more}").chars().take(100).map(keep).collect();

@@ -1,4 +1,4 @@
-//! Light by integration over mirrors.
+//! Illuminance by integration over mirrors.
 
 use std::time::Instant;
 
@@ -16,13 +16,13 @@ use crate::error::Error;
 use crate::event::Warning;
 use crate::job_options::JobOptions;
 
-/// Cells between two reports of progress, for every thread.
+/// Number of cells per thread between two reports of progress.
 const PORTION: usize = 16;
 
-/// Cells whose mean illuminance stands for that of the scene.
+/// Number of cells that estimate the mean illuminance of the scene.
 const PROBES: usize = 64;
 
-/// Places of a cell at most: where the image of a lamp has an edge, errors beyond the tolerance are reported.
+/// Largest number of points in a cell: at an edge of the image of a lamp, errors beyond the tolerance are reported.
 const POINTS: usize = 300;
 
 /// Names and values for the report.

@@ -1,4 +1,4 @@
-//! Lux maps that were written into a folder, on the scene they are of.
+//! Lux maps read from a folder, and their lookup in the scene.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ use crate::file;
 /// The channel of a lux map's picture.
 const CHANNEL: &str = "lux";
 
-/// Lux maps, and the report that lists them.
+/// Lux maps with the report that lists them.
 #[derive(Debug)]
 pub struct LuxFolder {
     folder: PathBuf,
@@ -25,7 +25,7 @@ pub struct LuxFolder {
 #[derive(Debug)]
 struct StoredMap {
     receiver: StoredReceiver,
-    /// Per cell, in the order of the receiver, lx.
+    /// Illuminance per cell, in the order of the receiver, lx.
     lux: Vec<f32>,
 }
 
@@ -43,7 +43,7 @@ struct StoredReport {
 }
 
 impl LuxFolder {
-    /// Reads all maps of a folder that [`IlluminateOutcome::save`](super::IlluminateOutcome::save) wrote.
+    /// Reads all maps of a folder written by [`IlluminateOutcome::save`](super::IlluminateOutcome::save).
     ///
     /// # Errors
     /// [`Error::File`].
@@ -63,7 +63,7 @@ impl LuxFolder {
             else {
                 return Err(FileFault::OtherLuxMap.of(&path));
             };
-            // The first row of a picture is the upper one.
+            // The first row of a picture is the top one.
             let lux = rows.chunks(receiver.cells[0].max(1) as usize).rev().flatten().copied().collect();
             maps.push(StoredMap { receiver, lux });
         }
@@ -87,7 +87,7 @@ impl LuxFolder {
         Ok(PlacedLux { receivers, lux: self.maps.iter().flat_map(|map| &map.lux).copied().collect() })
     }
 
-    /// The ways in which receivers that do not specify their cells may have been divided.
+    /// Possible divisions of receivers without a resolution of their own.
     fn grid_resolutions(&self) -> Vec<GridResolution> {
         let counts = self.maps.iter().map(|map| map.receiver.cells[0].max(map.receiver.cells[1]));
         let longer = counts.map(GridResolution::Longer);
@@ -105,12 +105,12 @@ impl LuxFolder {
 #[derive(Debug)]
 pub struct PlacedLux {
     receivers: Receivers,
-    /// Per cell of all receivers, lx.
+    /// Illuminance per cell of all receivers, lx.
     lux: Vec<f32>,
 }
 
 impl PlacedLux {
-    /// Illuminance at a place, on the side that counts, lx.
+    /// Illuminance at a point on the counted side, lx.
     #[must_use]
     pub fn lux(&self, placed: &[PlacedSurface<'_>], surface: u32, face: u32, uv: DVec2) -> Option<f32> {
         let of_side = |back| {

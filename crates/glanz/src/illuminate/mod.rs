@@ -1,4 +1,4 @@
-//! Light on the receivers of a scene: from its description to lux maps, and to files.
+//! Illuminance on the receivers of a scene: lux maps and their files.
 
 #[cfg(feature = "formats")]
 mod far_field_file;
@@ -36,28 +36,28 @@ pub use files::save_comparison;
 pub use lux_folder::{LuxFolder, PlacedLux};
 pub use outcome::IlluminateOutcome;
 
-/// Cells of all receivers at most: their sums take 40 bytes for every thread.
+/// Largest number of cells of all receivers: the sums of each take 40 bytes per thread.
 const CELLS_LIMIT: usize = 1 << 24;
 
-/// Relative standard error at which a run ends if nothing else ends it.
+/// Default relative standard error at which a run ends.
 const USUAL_ERROR: f64 = 0.01;
 
-/// Smallest relative standard error that can be a goal.
+/// Smallest valid goal of the relative standard error.
 const SMALLEST_ERROR: f64 = 1e-6;
 
-/// How light is found.
+/// Method of computing the light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum IlluminateMethod {
-    /// By particles from the lamps: all light.
+    /// Particles from the lights: all light.
     #[default]
     Trace,
-    /// By integration over the images of lamps in mirrors, without chance: direct light and light by one mirror.
+    /// Deterministic integration over the images of lamps in mirrors: direct light and light by way of one mirror.
     Integrate,
-    /// By both, with their difference.
+    /// Both methods, with their difference.
     Both,
 }
 
-/// A calculation of illuminance to be run.
+/// Builder of a calculation of illuminance.
 #[must_use = "nothing is calculated before `run`"]
 pub struct IlluminateBuilder<'a> {
     scene: LoadedScene,
@@ -72,22 +72,22 @@ pub struct IlluminateOptions {
     pub room: Option<DVec3>,
     /// Size of the cells of receivers that do not specify it themselves.
     pub resolution: GridResolution,
-    /// How light is found.
+    /// Method of computing the light.
     pub method: IlluminateMethod,
-    /// What ends it; if nothing is set, a relative standard error of 0.01. Errors below 1e-6 are refused.
+    /// End of the calculation; by default a relative standard error of 0.01. Errors below 1e-6 are refused.
     pub goal: TraceGoal,
-    /// Relative error that integration aims at in every cell.
+    /// Relative error of the integration in every cell.
     pub tolerance: f64,
-    /// Whether to count in which directions light leaves the scene, see [`IlluminateOutcome::save_far_field`].
+    /// Whether to count the directions of light that leaves the scene, see [`IlluminateOutcome::save_far_field`].
     pub far_field: bool,
     /// Seed of the particles; another seed gives another, independent result.
     pub seed: u64,
-    /// Surfaces that scatter a particle at most.
+    /// Largest number of scattering events of a particle.
     pub max_depth: u32,
 }
 
 impl Default for IlluminateOptions {
-    /// Particles until the error is 0.01, on 64 cells along the longer side of each receiver.
+    /// Particles until the error is 0.01, with 64 cells along the longer side of each receiver.
     fn default() -> Self {
         Self {
             room: None,
@@ -119,7 +119,7 @@ impl<'a> IlluminateBuilder<'a> {
         self
     }
 
-    /// Finds light by `method`; by particles unless set.
+    /// Computes light by `method`; by particles unless set.
     pub fn method(mut self, method: IlluminateMethod) -> Self {
         self.options.method = method;
         self
@@ -131,7 +131,7 @@ impl<'a> IlluminateBuilder<'a> {
         self
     }
 
-    /// Ends at this relative standard error of the brightest cell and of the mean of every receiver, 1e-6 at least.
+    /// Ends at this relative standard error of the brightest cell and of the mean of every receiver, at least 1e-6.
     pub fn relative_error(mut self, error: f64) -> Self {
         self.options.goal.error = Some(error);
         self
@@ -147,7 +147,7 @@ impl<'a> IlluminateBuilder<'a> {
 
     /// Calculates.
     ///
-    /// A cancelled calculation returns what its particles brought, if there were any.
+    /// A cancelled calculation returns the result of its particles so far, if there are any.
     ///
     /// # Errors
     /// [`Error::Scene`] for a description that is not a scene, [`Error::File`] for a checkpoint that cannot be read or written,
@@ -175,13 +175,13 @@ struct Design {
     title: String,
     scene: Scene,
     receivers: Receivers,
-    /// Fingerprint of both.
+    /// Content hash of both.
     hash: u128,
     options: IlluminateOptions,
 }
 
 impl Design {
-    /// Resolves the scene and lays its receivers out.
+    /// Resolves the scene and its receivers.
     fn new(
         mut scene: LoadedScene,
         options: IlluminateOptions,
@@ -215,7 +215,7 @@ impl Design {
         Ok(Self { title, scene, receivers, hash: hash.value(), options })
     }
 
-    /// Finds the light.
+    /// Computes the light.
     fn illuminate(&self, job: &mut JobOptions<'_>) -> Result<IlluminateOutcome, Error> {
         let method = self.options.method;
         let mut outcome = IlluminateOutcome {
@@ -246,7 +246,7 @@ impl Design {
         Ok(outcome)
     }
 
-    /// Warns of receivers that may have been turned the wrong way, because nothing arrives there.
+    /// Warns of receivers without light, which may face the wrong way.
     fn warn_of_dark_sides(&self, tally: &Tally, job: &mut JobOptions<'_>) {
         for (number, receiver) in self.receivers.as_slice().iter().enumerate() {
             let other_side = tally.on_other_side(number);
@@ -262,7 +262,7 @@ impl Design {
     }
 }
 
-/// A pace in words.
+/// Text of a rate of work.
 fn pace(count: u64, seconds: f64, what: &str) -> String {
     format!(
         "{} {what} in {}, {} per second",

@@ -1,4 +1,4 @@
-//! What a calculation of illuminance found.
+//! Result of a calculation of illuminance.
 
 use glanz_illumination::report::{LuxReport, PolarPlot};
 use glanz_illumination::{FarField, LuxMap, Tally};
@@ -13,15 +13,15 @@ const APART: f64 = 4.0;
 /// Illuminance on the receivers of a scene.
 #[derive(Clone, Debug)]
 pub struct IlluminateOutcome {
-    /// Lux maps of the receivers, where the light went, and how this was calculated.
+    /// Lux maps of the receivers, the flux balance, and facts about the calculation.
     pub report: LuxReport,
     /// Maps by integration, if both methods were used.
     pub integrated: Vec<LuxMap>,
-    /// Sums over all particles, if there were any.
+    /// Sums over all particles, if particles were traced.
     pub tally: Option<Tally>,
-    /// Why the calculation ended.
+    /// Reason for the end of the calculation.
     pub end: JobEnd,
-    /// Warnings, in the order in which they arose.
+    /// Warnings, in order of occurrence.
     pub warnings: Vec<Warning>,
     pub(super) far_field: Option<FarField>,
 }
@@ -34,7 +34,7 @@ impl Default for IlluminateOutcome {
 }
 
 impl IlluminateOutcome {
-    /// Directions in which light left the scene, if they were counted.
+    /// Directions of light that left the scene, if they were counted.
     #[must_use]
     pub fn far_field(&self) -> Option<&FarField> {
         self.far_field.as_ref()
@@ -60,7 +60,7 @@ fn polar(title: &str, far: &FarField) -> PolarPlot {
     PolarPlot::sample(format!("{title}: light that leaves the scene"), None, candela)
 }
 
-/// How far maps of the same cells are apart, in their combined errors.
+/// Differences between maps of the same cells, in combined standard errors.
 pub(super) fn agreement(traced: &[LuxMap], integrated: &[LuxMap]) -> String {
     let (mut cells, mut apart, mut worst) = (0_u64, 0_u64, 0.0_f64);
     let (mut flux, mut other) = (0.0, 0.0);

@@ -1,11 +1,11 @@
-//! Files of what particles brought, to be resumed.
+//! Checkpoints of particle tallies.
 //!
 //! | bytes | content |
 //! |---|---|
 //! | 8 | `GLANZLUX` |
 //! | 4 | version of the format |
 //! | 8 | length of the file |
-//! | 1 + n, 16 | version of Glanz, fingerprint of scene and receivers |
+//! | 1 + n, 16 | version of Glanz, content hash of scene and receivers |
 //! | 8, 4 | seed, largest depth |
 //! | | sums, as [`Tally::encode`] writes them |
 //! | 4 | CRC-32 (IEEE) of all before |
@@ -27,7 +27,7 @@ const ENVELOPE: FileEnvelope = FileEnvelope {
     kind: "a checkpoint of illuminance",
 };
 
-/// What particles depend on.
+/// Identity of a tally: everything that its particles depend on.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TallyIdentity {
     version: String,
@@ -37,7 +37,7 @@ pub(super) struct TallyIdentity {
 }
 
 impl TallyIdentity {
-    /// Of a calculation by this program; `scene`: fingerprint of the scene and its receivers.
+    /// The identity of a calculation by this program; `scene`: content hash of the scene and its receivers.
     pub(super) fn new(scene: u128, seed: u64, max_depth: u32) -> Self {
         Self { version: current_version(), scene, seed, max_depth }
     }
@@ -56,7 +56,7 @@ impl JobIdentity for TallyIdentity {
     }
 }
 
-/// Puts `tally` into the file `path`.
+/// Writes `tally` to the file `path`.
 pub(super) fn write(path: &Path, identity: &TallyIdentity, tally: &Tally) -> Result<(), Error> {
     let bytes = ENVELOPE.seal(|encoder| {
         encoder.text(&identity.version);
@@ -68,7 +68,7 @@ pub(super) fn write(path: &Path, identity: &TallyIdentity, tally: &Tally) -> Res
     file::write(path, &bytes)
 }
 
-/// Reads the file `path`, a tally of the calculation `wanted`.
+/// Reads a tally of the calculation `wanted` from the file `path`.
 pub(super) fn read(
     path: &Path,
     wanted: &TallyIdentity,

@@ -1,4 +1,4 @@
-//! Light by particles, with checkpoints.
+//! Illuminance by particles, with checkpoints.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::event::{JobEvent, ResumedState};
 use crate::job_options::{JobOptions, JobSink};
 
-/// What particles brought.
+/// Result of the particles.
 pub(super) struct Traced {
     pub(super) tally: Tally,
     pub(super) end: JobEnd,
@@ -20,7 +20,7 @@ pub(super) struct Traced {
     pub(super) how: Vec<(String, String)>,
 }
 
-/// Sends particles until the goal, from the checkpoint if it is to be resumed.
+/// Traces particles until the goal is reached, from the checkpoint if it is resumed.
 pub(super) fn traced(design: &Design, job: &mut JobOptions<'_>) -> Result<Traced, Error> {
     let options = &design.options;
     let identity = TallyIdentity::new(design.hash, options.seed, options.max_depth);

@@ -1,4 +1,4 @@
-//! Guides as files.
+//! Files of guides.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -9,14 +9,14 @@ use glanz_transport::Guide;
 use crate::error::Error;
 use crate::file;
 
-/// A guide that was read, and the fingerprint of its file.
+/// A guide read from a file, with the content hash of the file.
 #[derive(Clone, Debug)]
 pub(super) struct FixedGuide {
     pub(super) guide: Arc<Guide>,
     pub(super) hash: u128,
 }
 
-/// Reads the guide `path`.
+/// Reads a guide from the file `path`.
 pub(super) fn read(path: &Path) -> Result<FixedGuide, Error> {
     let bytes = file::read(path)?;
     let guide = Guide::from_bytes(&bytes).map_err(Error::of_file(path))?;
@@ -25,7 +25,7 @@ pub(super) fn read(path: &Path) -> Result<FixedGuide, Error> {
     Ok(FixedGuide { guide: Arc::new(guide), hash: hash.value() })
 }
 
-/// Puts `guide` into the file `path`.
+/// Writes `guide` to the file `path`.
 pub(super) fn write(path: &Path, guide: &Guide) -> Result<(), Error> {
     file::write(path, &guide.to_bytes())
 }

@@ -1,4 +1,4 @@
-//! Pictures: from a scene and its settings to a film, and to files.
+//! Rendering: pictures of a scene, and their files.
 
 mod guide_file;
 mod picture;
@@ -31,39 +31,39 @@ pub use picture::{Picture, RenderStatistics, merge};
 pub use picture_files::picture_format;
 pub use plan::RenderPlan;
 
-/// Settings of a render. What is not set is as the scene says.
+/// Settings of a render; the defaults are those of the scene.
 #[derive(Clone, Debug, Default)]
 pub struct RenderOptions {
     /// Name of the integrator, one of [`INTEGRATORS`](glanz_transport::INTEGRATORS).
     pub integrator: Option<String>,
     /// Width and height of the full picture, pixels.
     pub size: Option<[u32; 2]>,
-    /// How samples are distributed.
+    /// Distribution of the samples.
     pub sampler: Option<SamplerKind>,
     /// Seed of the samples; another seed gives another, independent picture.
     pub seed: Option<u64>,
     /// Samples per pixel.
     pub samples: Option<u32>,
-    /// Takes only these samples of every pixel, a part of a picture that [`merge`] joins.
+    /// Renders only these samples of every pixel, as a part of a picture that [`merge`] joins.
     pub sample_range: Option<Range<u32>>,
-    /// Takes the samples that fit into this wall time of the render loop, one at least, instead of a number of them.
+    /// Renders as many samples as fit into this wall time of the render loop, at least one, instead of a fixed number.
     pub time_limit: Option<Duration>,
-    /// Whether lights are sampled at every hit, or found by chance alone.
+    /// Whether lights are sampled at every hit; otherwise paths find them by chance.
     pub light_sampling: Option<bool>,
     /// Kind of guide that the integrator `guided` learns.
     pub guide: Option<GuideSettings>,
-    /// File of a guide that draws directions and learns nothing (integrator `guided`).
+    /// File of a guide from which directions are sampled, without learning (integrator `guided`).
     pub guide_input: Option<PathBuf>,
-    /// File for the guide that the last whole pass leaves (integrator `guided`).
+    /// File for the guide learnt in the last complete pass (integrator `guided`).
     pub guide_output: Option<PathBuf>,
-    /// Checkpoint of a finished bake, whose light is shown instead of baking it (integrator `radiosity`).
+    /// Checkpoint of a finished bake, whose light is used instead of baking (integrator `radiosity`).
     #[cfg(feature = "radiosity")]
     pub light_input: Option<PathBuf>,
     /// Channels beside the colour.
     pub aovs: AovSet,
 }
 
-/// A render to be run.
+/// Builder of a render.
 ///
 /// It prepares the film for the integrator, learns or reads its guide, and bakes or reads the light that it shows.
 #[must_use = "nothing is rendered before `run`"]
@@ -90,7 +90,7 @@ impl<'a> RenderBuilder<'a> {
         self
     }
 
-    /// Takes `count` samples per pixel.
+    /// Renders `count` samples per pixel.
     pub fn samples(mut self, count: u32) -> Self {
         self.options.samples = Some(count);
         self
@@ -187,7 +187,7 @@ fn finish(
     let threads = plan.threads;
     let statistics = RenderStatistics { end, elapsed, counters, samples, undecided, threads };
     let picture = Picture::new(plan.identity, film, statistics, job.warnings);
-    // The checkpoint first: it is what cannot be had again.
+    // The checkpoint is written first, because it takes longest to compute again.
     let saved = job.checkpoint.map_or(Ok(()), |path| picture.save_checkpoint(path));
     match saved.and(guide.map_or(Ok(()), |path| picture.save_guide(path))) {
         Ok(()) => Ok(picture),

@@ -1,4 +1,4 @@
-//! Pictures: a film with the identity of what it shows, and its checkpoint.
+//! Pictures: a film with its identity, and its checkpoint.
 
 use std::path::Path;
 use std::time::Duration;
@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::event::Warning;
 use crate::file;
 
-/// A picture, whole or a part of its samples.
+/// A picture with all or a part of its samples.
 #[derive(Clone, Debug)]
 pub struct Picture {
     identity: PictureIdentity,
@@ -21,25 +21,25 @@ pub struct Picture {
     warnings: Vec<Warning>,
 }
 
-/// Figures of a render.
+/// Statistics of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RenderStatistics {
-    /// Why it ended.
+    /// Reason for its end.
     pub end: JobEnd,
     /// Wall time of the render loop.
     pub elapsed: Duration,
-    /// Rays traced.
+    /// Number of rays.
     pub counters: Counters,
-    /// Samples taken, over all pixels.
+    /// Number of samples over all pixels.
     pub samples: u64,
-    /// Searches for hits on freeform surfaces that were given up.
+    /// Number of searches for hits on freeform surfaces that ended without a decision.
     pub undecided: u64,
     /// Number of threads.
     pub threads: usize,
 }
 
 impl Default for RenderStatistics {
-    /// Of no render.
+    /// Statistics without a render.
     fn default() -> Self {
         let (elapsed, counters) = Default::default();
         Self { end: JobEnd::Complete, elapsed, counters, samples: 0, undecided: 0, threads: 0 }
@@ -56,7 +56,7 @@ impl Picture {
         Self { identity, film, statistics, warnings }
     }
 
-    /// What the picture depends on.
+    /// The identity of the picture: everything that it depends on.
     #[must_use]
     pub fn identity(&self) -> &PictureIdentity {
         &self.identity
@@ -68,13 +68,13 @@ impl Picture {
         &self.film
     }
 
-    /// Figures of the render that ended with this picture; zero for a picture that was merged.
+    /// Statistics of the render of this picture; zero for a merged picture.
     #[must_use]
     pub fn statistics(&self) -> &RenderStatistics {
         &self.statistics
     }
 
-    /// Warnings of the render, in the order in which they arose.
+    /// Warnings of the render, in order of occurrence.
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
@@ -83,7 +83,7 @@ impl Picture {
     /// The planes of the picture, linear light.
     ///
     /// # Errors
-    /// [`Error::Pixels`] if two channels have one name.
+    /// [`Error::Pixels`] if two channels have the same name.
     pub fn pixels(&self) -> Result<Pixels, Error> {
         Ok(self.film.to_pixels()?)
     }
@@ -96,7 +96,7 @@ impl Picture {
         file::write(path.as_ref(), &Checkpoint::encode(&self.identity, &self.film))
     }
 
-    /// Writes the guide that the last whole pass left, for [`RenderOptions::guide_input`](super::RenderOptions::guide_input).
+    /// Writes the guide learnt in the last complete pass, for [`RenderOptions::guide_input`](super::RenderOptions::guide_input).
     ///
     /// # Errors
     /// [`Error::NoGuide`] if none was learnt, [`Error::File`].
@@ -107,13 +107,12 @@ impl Picture {
     }
 }
 
-/// Joins checkpoints of disjoint sample ranges into one picture: it has the bits of all samples rendered at once.
+/// Joins checkpoints of disjoint sample ranges into one picture, with the same bits as one render of all samples.
 ///
 /// # Errors
-/// [`Error::File`] for one that cannot be read, [`Error::Merge`] for those that do not belong together.
+/// [`Error::File`] for a checkpoint that cannot be read, [`Error::Merge`] for checkpoints of different pictures or common samples.
 pub fn merge<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Picture, Error> {
-    // Parts are read when it is their turn, so that two of them are in memory at a time; the first that cannot be read
-    // ends the merge.
+    // Parts are read one after the other, so that at most two are in memory; the first that cannot be read ends the merge.
     let mut unreadable = None;
     let parts = paths.into_iter().map_while(|path| {
         let path = path.as_ref();

@@ -1,4 +1,4 @@
-//! Pictures as files of the field's formats.
+//! Picture files.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -11,7 +11,7 @@ use crate::error::{Error, FileFault};
 use crate::file;
 
 impl Picture {
-    /// Writes the picture in the format of the extension: OpenEXR, PNG (light above 1 is cut), Radiance HDR or PFM.
+    /// Writes the picture in the format of the extension: OpenEXR, PNG (light above 1 is clipped), Radiance HDR or PFM.
     ///
     /// # Errors
     /// [`Error::File`].
@@ -31,7 +31,7 @@ impl Picture {
     }
 }
 
-/// What goes into the header of an EXR file: only what the picture depends on, so that equal pictures are equal files.
+/// Header attributes of an EXR file: only those that the picture depends on, so that equal pictures are equal files.
 fn attributes(picture: &Picture) -> BTreeMap<String, String> {
     let identity = picture.identity();
     let entries = [
@@ -47,7 +47,7 @@ fn attributes(picture: &Picture) -> BTreeMap<String, String> {
 /// The format in which a picture is written to `path`.
 ///
 /// # Errors
-/// [`Error::File`] with [`FileFault::Extension`] if the extension names no format that is written.
+/// [`Error::File`] with [`FileFault::Extension`] if the extension is not that of a supported format.
 pub fn picture_format(path: &Path) -> Result<Format, Error> {
     Format::from_path(path)
         .filter(|format| matches!(format, Format::Exr | Format::Png | Format::Hdr | Format::Pfm))

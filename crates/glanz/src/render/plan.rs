@@ -1,4 +1,4 @@
-//! What is to be rendered: the scene's own settings, overridden by those of the options.
+//! Plan of a render: the scene's settings, overridden by the options.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -21,27 +21,27 @@ use crate::error::{Error, FileFault};
 use crate::job_options::JobOptions;
 use crate::loaded_scene::LoadedScene;
 
-/// Everything that is known of a render before the first ray.
+/// Plan of a render, complete before the first ray.
 #[derive(Clone, Debug)]
 pub struct RenderPlan {
-    /// What the picture depends on.
+    /// The identity of the picture.
     pub identity: PictureIdentity,
     /// Number of threads.
     pub threads: usize,
-    /// Wall time of the render loop at most.
+    /// Limit on the wall time of the render loop.
     pub time_limit: Option<Duration>,
-    /// Samples to take of each pixel.
+    /// Samples to render of each pixel.
     pub samples: Range<u32>,
     filter: Filter,
-    /// A guide that does not learn.
+    /// A frozen guide.
     guide: Option<FixedGuide>,
-    /// Light that need not be baked.
+    /// Stored light, which need not be baked.
     #[cfg(feature = "radiosity")]
     light: Option<LightFile>,
 }
 
 impl RenderPlan {
-    /// Puts the options over the settings of the scene.
+    /// Overrides the settings of the scene by the options.
     pub(super) fn new(
         options: &RenderOptions,
         scene: &mut LoadedScene,
@@ -115,7 +115,7 @@ impl RenderPlan {
         }
     }
 
-    /// The integrator, with its guide or the light that it shows: that of the file, or baked here.
+    /// The integrator, with its guide or its light maps, read from a file or baked.
     pub(super) fn integrator(
         &self,
         scene: &Scene,
@@ -174,7 +174,7 @@ impl RenderOptions {
         self.sampler.map_or_else(named, Ok)
     }
 
-    /// The guide of the file, if the integrator has any use for it.
+    /// The guide of the file; an error if the integrator uses none.
     fn fixed_guide(&self, integrator: &IntegratorSettings) -> Result<Option<FixedGuide>, Error> {
         if (self.guide.is_some() || self.guide_input.is_some() || self.guide_output.is_some())
             && !integrator.is_guided()
@@ -190,7 +190,7 @@ impl RenderOptions {
         Ok(Some(fixed))
     }
 
-    /// The light of the file, if the integrator shows any.
+    /// The light of the file; an error if the integrator uses none.
     #[cfg(feature = "radiosity")]
     fn stored_light_file(
         &self,
@@ -206,7 +206,7 @@ impl RenderOptions {
         Ok(Some(light))
     }
 
-    /// The samples to take: those asked for, all that fit into the time, or as many as planned.
+    /// The samples to render: the requested range, all that fit into the time, or the planned number.
     fn sample_numbers(&self, identity: &PictureIdentity, resume: bool) -> Result<Range<u32>, Error> {
         let planned = identity.samples_per_pixel;
         match &self.sample_range {

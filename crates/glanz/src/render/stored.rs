@@ -1,4 +1,4 @@
-//! Light on surfaces for the integrator that shows it.
+//! Light maps for the integrator `radiosity`.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::bake::{LightFile, baked_maps, elements};
 use crate::error::Error;
 use crate::job_options::JobOptions;
 
-/// Light maps as the integrator queries them.
+/// Light maps in the form that the integrator queries.
 #[derive(Debug)]
 struct StoredMaps(LightMaps);
 
@@ -21,7 +21,7 @@ impl StoredLight for StoredMaps {
     }
 }
 
-/// The light of a scene, given in a file or baked here.
+/// The light of a scene, read from a file or baked.
 pub(super) fn stored_light(
     scene: &Scene,
     file: Option<&LightFile>,
