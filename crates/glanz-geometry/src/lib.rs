@@ -11,9 +11,11 @@
 //!   [`freeform`] intersects them with rays; [`rational`] represents other surfaces as such patches;
 //! - [`trim`]: parts of parameter domains inside loops of curves; [`trimmed`]: surfaces restricted to them;
 //! - [`face`]: evaluation of surfaces by face and parameters;
+//! - [`batch`]: queries of many rays at once;
 //! - [`bvh`]: the bounding volume hierarchy over boxes.
 
 pub mod algebraic;
+pub mod batch;
 pub mod bezier;
 pub mod bilinear;
 pub mod bvh;
@@ -35,6 +37,7 @@ pub mod triangle;
 pub mod trim;
 pub mod trimmed;
 
+pub use batch::BoundedRay;
 pub use error::SurfaceError;
 pub use face::{FaceDomain, FacePoint};
 pub use glanz_math::{Bounds3, DVec2, DVec3, DVec4, Ray};

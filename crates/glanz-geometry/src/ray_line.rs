@@ -11,9 +11,9 @@ pub(crate) struct RayLine {
     /// Unit direction.
     pub(crate) direction: DVec3,
     /// Ray parameter of `origin`.
-    shift: f64,
+    pub(crate) shift: f64,
     /// Length of the ray's direction, metres per unit of its parameter.
-    speed: f64,
+    pub(crate) speed: f64,
 }
 
 impl RayLine {

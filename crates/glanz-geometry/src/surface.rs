@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glanz_math::{AreaPdf, Bounds3, DVec2, Ray};
 
 use crate::algebraic::AlgebraicSurface;
+use crate::batch::BoundedRay;
 use crate::bilinear::BilinearPatch;
 use crate::cuboid::Cuboid;
 use crate::freeform::Freeform;
@@ -30,6 +31,19 @@ pub trait RaySurface {
     /// Whether there is any hit with `0 < t < t_max`.
     fn occluded(&self, ray: &Ray, t_max: f64) -> bool {
         self.intersect(ray, t_max).is_some()
+    }
+
+    /// The first hit of each ray before its end, as by [`RaySurface::intersect`]: the same bits for any size and order of the
+    /// batch. `hits` is replaced.
+    fn closest_batch(&self, rays: &[BoundedRay], hits: &mut Vec<Option<Hit>>) {
+        hits.clear();
+        hits.extend(rays.iter().map(|BoundedRay { ray, t_max }| self.intersect(ray, *t_max)));
+    }
+
+    /// Whether each ray has a hit before its end, as by [`RaySurface::occluded`]. `occluded` is replaced.
+    fn occluded_batch(&self, rays: &[BoundedRay], occluded: &mut Vec<bool>) {
+        occluded.clear();
+        occluded.extend(rays.iter().map(|BoundedRay { ray, t_max }| self.occluded(ray, *t_max)));
     }
 
     /// Every hit with `0 < t < t_max`, appended to `hits` in ascending order of `t`; a tangential one once.
@@ -88,6 +102,18 @@ macro_rules! surfaces {
             fn occluded(&self, ray: &Ray, t_max: f64) -> bool {
                 match self {
                     $(Self::$name(s) => s.occluded(ray, t_max),)*
+                }
+            }
+
+            fn closest_batch(&self, rays: &[BoundedRay], hits: &mut Vec<Option<Hit>>) {
+                match self {
+                    $(Self::$name(s) => s.closest_batch(rays, hits),)*
+                }
+            }
+
+            fn occluded_batch(&self, rays: &[BoundedRay], occluded: &mut Vec<bool>) {
+                match self {
+                    $(Self::$name(s) => s.occluded_batch(rays, occluded),)*
                 }
             }
 

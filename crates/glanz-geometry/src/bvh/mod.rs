@@ -20,14 +20,16 @@
 //! ```
 //!
 //! Files: `build` (the binary tree), `collapse` (eight-wide nodes from it), `node` (a ray against a node), `traversal`
-//! (nearest first), `query` (closest hit, any hit and all hits of a surface), `simd` (vector instructions and all the
-//! unsafe code).
+//! (nearest first), `query` (closest hit, any hit and all hits of a surface), `stream` and `compact_ray` (many rays at
+//! once), `simd` (vector instructions and all the unsafe code).
 
 mod build;
 mod collapse;
+mod compact_ray;
 mod node;
 pub(crate) mod query;
 pub(crate) mod simd;
+pub(crate) mod stream;
 mod traversal;
 
 #[cfg(test)]
@@ -38,6 +40,7 @@ use rayon::prelude::*;
 
 use self::build::{BinaryNode, BvhPrimitive};
 use self::collapse::WideTree;
+pub(crate) use self::compact_ray::CompactRay;
 use self::node::{UnitFrame, WideNode};
 use self::simd::{Isa, Simd, Task};
 pub(crate) use self::traversal::LeafVisitor;

@@ -2,6 +2,7 @@
 
 use glanz_math::{Bounds3, DVec3, Ray};
 
+use super::compact_ray::CompactRay;
 use super::simd::{Lanes8, Simd};
 
 /// Number of children of a node.
@@ -64,6 +65,17 @@ impl WideNode {
         (simd.at_most(near, far), near)
     }
 
+    /// The planes in the order in which rays of an octant cross them.
+    #[inline(always)]
+    pub(super) fn planes_for<S: Simd>(&self, simd: S, octant: usize) -> OrderedPlanes<S> {
+        let side = |axis: usize| octant >> axis & 1;
+        let [x, y, z] = &self.planes;
+        OrderedPlanes {
+            near: [simd.load(&x[1 - side(0)]), simd.load(&y[1 - side(1)]), simd.load(&z[1 - side(2)])],
+            far: [simd.load(&x[side(0)]), simd.load(&y[side(1)]), simd.load(&z[side(2)])],
+        }
+    }
+
     /// Prefetches this node.
     #[inline(always)]
     pub(crate) fn prefetch<S: Simd>(&self, simd: S) {
@@ -85,14 +97,38 @@ impl WideNode {
     }
 }
 
+/// The planes of a node in registers, for rays of one octant of directions.
+pub(super) struct OrderedPlanes<S: Simd> {
+    near: [S::F32; 3],
+    far: [S::F32; 3],
+}
+
+impl<S: Simd> OrderedPlanes<S> {
+    /// As [`WideNode::intersect`].
+    #[inline(always)]
+    pub(super) fn intersect(&self, simd: S, ray: &CompactRay) -> (u32, S::F32) {
+        let CompactRay { inverse, near, far, end, .. } = ray;
+        let inverse = [simd.splat(inverse[0]), simd.splat(inverse[1]), simd.splat(inverse[2])];
+        let x = simd.mul_sub(self.near[0], inverse[0], simd.splat(near[0]));
+        let y = simd.mul_sub(self.near[1], inverse[1], simd.splat(near[1]));
+        let z = simd.mul_sub(self.near[2], inverse[2], simd.splat(near[2]));
+        let entry = simd.max(simd.max(x, y), simd.max(z, simd.splat(0.0)));
+        let x = simd.mul_sub(self.far[0], inverse[0], simd.splat(far[0]));
+        let y = simd.mul_sub(self.far[1], inverse[1], simd.splat(far[1]));
+        let z = simd.mul_sub(self.far[2], inverse[2], simd.splat(far[2]));
+        let exit = simd.min(simd.min(x, y), simd.min(z, simd.splat(*end)));
+        (simd.at_most(entry, exit), entry)
+    }
+}
+
 /// The map from the world to the coordinates of the boxes, which fill at most [-1, 1]^3.
 ///
 /// For models of any position and size, the boxes use the whole precision of `f32` and never overflow.
 /// `unit = (world - center) * scale`, where `scale` is a power of two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct UnitFrame {
-    center: DVec3,
-    scale: f64,
+    pub(super) center: DVec3,
+    pub(super) scale: f64,
 }
 
 impl UnitFrame {
@@ -133,17 +169,17 @@ fn round_down(x: f64) -> f32 {
 }
 
 /// Unit roundoff of `f32`.
-const U32: f64 = f32::EPSILON as f64 * 0.5;
+pub(super) const U32: f64 = f32::EPSILON as f64 * 0.5;
 
 /// A bound on the relative error of the few `f64` operations that carry a ray into the unit frame.
-const CARRY: f64 = 64.0 * f64::EPSILON;
+pub(super) const CARRY: f64 = 64.0 * f64::EPSILON;
 
 /// The smallest component of a direction, relative to its largest, that is not rounded away from zero.
-const FLATTEST: f64 = 1.0 / (1u64 << 40) as f64;
+pub(super) const FLATTEST: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// Rays from farther away, in units, are moved to their entry into the unit cube: boxes grow by `4 u NEAR` at most, which
 /// is negligible compared to the size of a leaf.
-const NEAR: f64 = 8.0;
+pub(super) const NEAR: f64 = 8.0;
 
 /// Origins more units away than this meet nothing. `f64` places them to no better than 2^27 units, and up to here no
 /// product exceeds the range of `f32`.
@@ -176,11 +212,24 @@ pub(crate) struct UnitRay<S: Simd> {
     end: S::F32,
     /// The same as one number.
     last: f32,
-    /// `s = t * rate - start`.
-    rate: f64,
-    start: f64,
-    /// Absolute error of a converted `t`.
-    slack: f64,
+    scale: ParameterScale,
+}
+
+/// The conversion of ray parameters to those of a [`UnitRay`], `s = t rate + offset`, never too small.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ParameterScale {
+    pub(super) rate: f64,
+    /// The distance from the origin to the point from which `s` is measured, negated, and the absolute error of `s`.
+    pub(super) offset: f64,
+}
+
+impl ParameterScale {
+    /// The end of a ray at `t_max`, rounded up.
+    #[inline(always)]
+    pub(super) fn end(&self, t_max: f64) -> f32 {
+        // Rounding to nearest moves by at most u.
+        ((t_max * self.rate * (1.0 + CARRY) + self.offset) * (1.0 + 2.0 * U32)) as f32
+    }
 }
 
 impl<S: Simd> UnitRay<S> {
@@ -225,9 +274,7 @@ impl<S: Simd> UnitRay<S> {
             far_side: [positive & 1, positive >> 1 & 1, positive >> 2 & 1],
             end: simd.splat(0.0),
             last: 0.0,
-            rate: length * frame.scale,
-            start,
-            slack: carried + start * CARRY,
+            scale: ParameterScale { rate: length * frame.scale, offset: carried + start * CARRY - start },
         };
         unit.shorten(simd, t_max);
         // Written so that NaN is a miss.
@@ -237,16 +284,54 @@ impl<S: Simd> UnitRay<S> {
     /// Sets the end of the ray to `t_max`, rounded up.
     #[inline(always)]
     pub(crate) fn shorten(&mut self, simd: S, t_max: f64) {
-        let end = t_max * self.rate * (1.0 + CARRY) - self.start + self.slack;
-        // Rounding to nearest moves by at most u.
-        self.last = (end * (1.0 + 2.0 * U32)) as f32;
-        self.end = simd.splat(self.last);
+        self.set_end(simd, self.scale.end(t_max));
+    }
+
+    /// Sets the end of the ray in unit coordinates.
+    #[inline(always)]
+    pub(super) fn set_end(&mut self, simd: S, end: f32) {
+        self.last = end;
+        self.end = simd.splat(end);
     }
 
     /// Whether a box entered at `near` lies before the end.
     #[inline(always)]
     pub(crate) fn reaches(&self, near: f32) -> bool {
         near <= self.last
+    }
+}
+
+impl<S: Simd> UnitRay<S> {
+    /// The ray in memory.
+    #[inline(always)]
+    pub(super) fn compact(&self, simd: S) -> CompactRay {
+        let Self { inverse, near, far, last, scale, .. } = *self;
+        let first = |[x, y, z]: [Lanes8; 3]| [x.0[0], y.0[0], z.0[0]];
+        CompactRay {
+            inverse: first([simd.store(inverse[0]), simd.store(inverse[1]), simd.store(inverse[2])]),
+            near: first([simd.store(near[0]), simd.store(near[1]), simd.store(near[2])]),
+            far: first([simd.store(far[0]), simd.store(far[1]), simd.store(far[2])]),
+            end: last,
+            slot: 0,
+            scale,
+        }
+    }
+
+    /// The ray from memory.
+    #[inline(always)]
+    pub(super) fn load(simd: S, ray: &CompactRay) -> Self {
+        let [x, y, z] = ray.inverse;
+        let [near_x, near_y, near_z] = ray.near;
+        let [far_x, far_y, far_z] = ray.far;
+        Self {
+            inverse: [simd.splat(x), simd.splat(y), simd.splat(z)],
+            near: [simd.splat(near_x), simd.splat(near_y), simd.splat(near_z)],
+            far: [simd.splat(far_x), simd.splat(far_y), simd.splat(far_z)],
+            far_side: ray.inverse.map(|i| usize::from(i > 0.0)),
+            end: simd.splat(ray.end),
+            last: ray.end,
+            scale: ray.scale,
+        }
     }
 }
 

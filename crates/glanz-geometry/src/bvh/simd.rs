@@ -12,15 +12,19 @@
 //! [`Simd::mul_sub`], which may or may not round its product.
 #![allow(unsafe_code)]
 
+pub(crate) mod lanes;
+
 use std::mem::MaybeUninit;
+
+use self::lanes::LaneSimd;
 
 /// Eight `f32` lanes of one kind of box plane, aligned for vector loads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub(crate) struct Lanes8(pub(crate) [f32; 8]);
 
-/// Vector operations. `F32` has eight lanes, `F64` four.
-pub(crate) trait Simd: Copy {
+/// Vector operations. `F32` has eight lanes, `F64` four; those of [`LaneSimd`] have eight `f64`.
+pub(crate) trait Simd: LaneSimd {
     /// Eight `f32`.
     type F32: Copy;
     /// Four `f64`.
@@ -294,6 +298,7 @@ pub(crate) use avx2::{Avx2, Avx512};
 
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
+    use super::lanes::LaneSimd;
     use super::{Lanes8, Simd, Task};
     use std::arch::x86_64::*;
 
@@ -336,7 +341,10 @@ mod avx2 {
     // SAFETY, for every block below: `self` is a token, so the processor has AVX2 and FMA. Loads and stores go through
     // references to exactly as many lanes as the instruction touches; the aligned ones to `Lanes8`, which is
     // 32-byte aligned by its type.
-    impl<const REGISTERS: usize> Simd for Avx<REGISTERS> {
+    impl<const REGISTERS: usize> Simd for Avx<REGISTERS>
+    where
+        Self: LaneSimd,
+    {
         type F32 = __m256;
         type F64 = __m256d;
 

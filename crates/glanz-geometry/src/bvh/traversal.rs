@@ -8,7 +8,7 @@ use super::simd::{Simd, Stack, Task};
 use super::{Bvh, BvhLeaf};
 
 /// Every level leaves at most all children but one on the stack, and the wide tree is no deeper than the binary one.
-const ROOM: usize = MAX_DEPTH * (WIDTH - 1) + 1;
+pub(super) const ROOM: usize = MAX_DEPTH * (WIDTH - 1) + 1;
 
 /// A stack entry: where the ray enters the box, as the bits of a float that is not negative (they are ordered like
 /// the number), and below that the child.
@@ -18,12 +18,12 @@ fn entry(near: f32, child: NodeChild) -> u64 {
 }
 
 #[inline(always)]
-fn near(entry: u64) -> f32 {
+pub(super) fn near(entry: u64) -> f32 {
     f32::from_bits((entry >> 32) as u32)
 }
 
 #[inline(always)]
-fn child(entry: u64) -> NodeChild {
+pub(super) fn child(entry: u64) -> NodeChild {
     NodeChild(entry as u32)
 }
 
@@ -86,7 +86,7 @@ impl<V: LeafVisitor> Task for ClosestTraversal<'_, V> {
 
 /// Tests the children of a node; returns the nearest and pushes the others, if `SORTED` farthest first.
 #[inline(always)]
-fn descend<S: Simd, V: LeafVisitor, const SORTED: bool>(
+pub(super) fn descend<S: Simd, V: LeafVisitor, const SORTED: bool>(
     simd: S,
     bvh: &Bvh,
     node: NodeChild,

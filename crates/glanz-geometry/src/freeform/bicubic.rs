@@ -25,14 +25,14 @@ pub(super) const POWERS: f64 = 4.0;
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Bicubic<const COORDINATES: usize> {
-    center: DVec3,
+    pub(super) center: DVec3,
     /// Bound on half of any second derivative by (s, t) of the point times its weight.
-    curvature_bound: f64,
+    pub(super) curvature_bound: f64,
     /// The same for the weight, which is 1 at the centre, and bounds on the weight; rounded outward.
-    weight_curvature_bound: f32,
-    weights: [f32; 2],
+    pub(super) weight_curvature_bound: f32,
+    pub(super) weights: [f32; 2],
     /// Coefficients by power of s, coordinate, power of t.
-    powers: [[[f64; 4]; COORDINATES]; 4],
+    pub(super) powers: [[[f64; 4]; COORDINATES]; 4],
 }
 
 /// Coefficients of the powers of t = 2 x - 1 from Bernstein coefficients of degree `n`.

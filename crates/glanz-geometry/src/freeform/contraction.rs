@@ -13,7 +13,7 @@ use super::ray_space::cross;
 const MET: f64 = 2.0;
 
 /// Relative error of the terms of a determinant and of a step computed from it.
-const ROUNDED: f64 = 8.0 * f64::EPSILON;
+pub(super) const ROUNDED: f64 = 8.0 * f64::EPSILON;
 
 /// Steps shorter than rounding after which a point counts as not hit.
 const STUCK: usize = 3;

@@ -10,7 +10,7 @@ use super::ray_space::{RaySpace, cross};
 use crate::bvh::simd::Simd;
 
 /// Largest bound on the change of the Jacobian, relative to that at the centre, at which a leaf is certified.
-const CERTIFIED: f64 = 0.85;
+pub(super) const CERTIFIED: f64 = 0.85;
 
 /// A part of a subpatch as a [`ThickParallelogram`], in one cache line.
 ///
@@ -20,7 +20,7 @@ const CERTIFIED: f64 = 0.85;
 pub(super) struct PatchLeaf {
     /// By coordinate: the centre, relative to that of the surface; the half tangents along u and v; and in the fourth lanes
     /// thickness, squared deviation and curvature bound, rounded up.
-    rows: [[f32; 4]; 3],
+    pub(super) rows: [[f32; 4]; 3],
     pub(super) subpatch: u32,
     pub(super) part: DyadicRect,
     /// Whether a trimming curve crosses it, so that each root must be classified.

@@ -9,6 +9,8 @@
 //! - Searching: `leaf` excludes a leaf, or certifies that it has one root at most. The root is found in the subpatch that
 //!   contains the leaf: `bicubic` and `projected_bicubic` for low degrees, `net_search` for all others, with `contraction`
 //!   near borders. Leaves without a certificate go to `subdivision`.
+//! - Searching for many rays at once: `stream` collects pairs of rays and leaves; `ray_lanes`, `leaf_lanes` and `bicubic_lanes`
+//!   are `ray_space`, `leaf` and `bicubic` for eight of them, with the same bits.
 //! - Evaluation: `control_net`, `surface_point`, `area`.
 //!
 //! ```
@@ -32,17 +34,21 @@
 
 mod area;
 mod bicubic;
+mod bicubic_lanes;
 mod build;
 mod contraction;
 mod control_net;
 mod leaf;
 mod leaf_builder;
+mod leaf_lanes;
 mod net_search;
 mod parameter_rect;
 mod projected_bicubic;
 mod query;
+mod ray_lanes;
 mod ray_space;
 mod root;
+mod stream;
 mod subdivision;
 mod subpatches;
 mod surface_patch;
@@ -60,9 +66,10 @@ pub use self::control_net::MAX_DEGREE;
 use self::leaf::PatchLeaf;
 use self::query::{AllHitsQuery, ClosestQuery, OcclusionQuery};
 use self::ray_space::SurfaceFrame;
-use self::root::SurfaceRoot;
+use self::stream::BatchQuery;
 use self::subpatches::{SubpatchList, SubpatchLocation};
 pub use self::surface_patch::SurfacePatch;
+use crate::batch::BoundedRay;
 use crate::bvh::{Bvh, BvhStatistics};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::surface::RaySurface;
@@ -125,10 +132,17 @@ impl Freeform {
 
     /// Whether the trimming region keeps a root in a leaf that one of its curves crosses.
     #[cold]
-    fn keeps(&self, location: &SubpatchLocation, root: &SurfaceRoot) -> bool {
-        let DVec2 { x: u, y: v } = location.part.at(root.at);
+    fn keeps(&self, location: &SubpatchLocation, at: DVec2) -> bool {
+        let DVec2 { x: u, y: v } = location.part.at(at);
         let region_and_patch = self.region.as_ref().zip(self.patches.get(location.patch as usize));
         region_and_patch.is_none_or(|(region, patch)| region.contains(patch.parameters(u, v)))
+    }
+
+    /// The closest hit, or any hit, of each ray.
+    fn batch(&self, rays: &[BoundedRay], any: bool, hits: &mut Vec<Option<Hit>>) {
+        hits.clear();
+        hits.resize(rays.len(), None);
+        self.bvh.isa().run(BatchQuery { surface: self, rays, any, hits });
     }
 
     /// Area, m^2, with a relative error of about 1e-6, or 1e-3 if trimmed.
@@ -167,6 +181,17 @@ impl RaySurface for Freeform {
 
     fn occluded(&self, ray: &Ray, t_max: f64) -> bool {
         self.bvh.isa().run(OcclusionQuery { surface: self, ray, t_max })
+    }
+
+    fn closest_batch(&self, rays: &[BoundedRay], hits: &mut Vec<Option<Hit>>) {
+        self.batch(rays, false, hits);
+    }
+
+    fn occluded_batch(&self, rays: &[BoundedRay], occluded: &mut Vec<bool>) {
+        let mut hits = Vec::new();
+        self.batch(rays, true, &mut hits);
+        occluded.clear();
+        occluded.extend(hits.iter().map(Option::is_some));
     }
 
     fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {

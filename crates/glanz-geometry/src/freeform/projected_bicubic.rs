@@ -19,7 +19,7 @@ const CERTIFIED: f64 = 0.85;
 const MOST_UNCERTAINTY: f64 = 0.0625;
 
 /// Steps of Newton's method from a good start.
-const FEW_STEPS: usize = 6;
+pub(super) const FEW_STEPS: usize = 6;
 
 /// Steps in a certified cell. Cells that contract too slowly for that are left to `subdivision`.
 pub(super) const MOST_STEPS: usize = 24;

@@ -39,7 +39,7 @@ impl LeafSearcher<'_> {
         let only = simd.outlined(search);
         let Some(location) = surface.locations.get(leaf.subpatch as usize) else { return };
         let mut found = |root: SurfaceRoot| {
-            if !leaf.crossed || surface.keeps(location, &root) {
+            if !leaf.crossed || surface.keeps(location, root.at) {
                 collector.add(space, location, root);
             }
         };
@@ -105,13 +105,13 @@ impl Drop for LeafSearcher<'_> {
 }
 
 #[inline(always)]
-fn hit(t: f64, location: &SubpatchLocation, root: &SurfaceRoot) -> Hit {
-    let DVec2 { x: u, y: v } = location.part.at(root.at);
+pub(super) fn hit(t: f64, location: &SubpatchLocation, at: DVec2) -> Hit {
+    let DVec2 { x: u, y: v } = location.part.at(at);
     Hit { t, u, v, face: location.patch }
 }
 
 /// Order of hits: by t, then by patch and parameters, whatever the order of leaves.
-fn order(a: &Hit, b: &Hit) -> Ordering {
+pub(super) fn order(a: &Hit, b: &Hit) -> Ordering {
     let key = |h: &Hit| (h.t, h.face, h.u, h.v);
     key(a).partial_cmp(&key(b)).unwrap_or(Ordering::Equal)
 }
@@ -148,7 +148,7 @@ impl RootCollector for ClosestRoot {
     fn add(&mut self, space: &RaySpace, location: &SubpatchLocation, root: SurfaceRoot) {
         let t = space.line.t(root.s);
         if t > 0.0 && t <= self.end {
-            let found = hit(t, location, &root);
+            let found = hit(t, location, root.at);
             if t < self.end || self.hit.is_some_and(|best| order(&found, &best).is_lt()) {
                 *self = Self { hit: Some(found), end: t };
             }
@@ -272,7 +272,7 @@ impl RootCollector for AllRoots {
         if t > 0.0 && t < self.end {
             let uncertainty = (root.uncertainty * location.part.width() + f64::EPSILON).to_array();
             let root = SurfaceRoot { distance_uncertainty: root.distance_uncertainty + space.noise, ..root };
-            self.found.push(HitCandidate { hit: hit(t, location, &root), root, uncertainty });
+            self.found.push(HitCandidate { hit: hit(t, location, root.at), root, uncertainty });
         }
     }
 

@@ -30,11 +30,28 @@ impl SurfaceFrame {
         self.relative * 2.0 * self.size
     }
 
+    /// The factors of the noise: it is the first times the sum of the second and the largest coordinate of the line's origin.
+    pub(super) fn rounding(&self) -> [f64; 2] {
+        [self.relative, self.size]
+    }
+
+    /// The line of a ray.
     #[inline(always)]
-    pub(super) fn ray_space(&self, ray: &Ray) -> RaySpace {
+    pub(super) fn line(&self, ray: &Ray) -> RayLine {
         // A far origin costs digits; a near one must stay in place, since hits are counted from it.
         let far = ray.origin.distance_squared(self.center) > self.far_squared;
-        let line = if far { RayLine::nearest_to(ray, self.center) } else { RayLine::new(ray, 0.0) };
+        if far { RayLine::nearest_to(ray, self.center) } else { RayLine::new(ray, 0.0) }
+    }
+
+    /// The space of a ray.
+    #[inline(always)]
+    pub(super) fn ray_space(&self, ray: &Ray) -> RaySpace {
+        self.line_space(self.line(ray))
+    }
+
+    /// The space of a ray by its line.
+    #[inline(always)]
+    pub(super) fn line_space(&self, line: RayLine) -> RaySpace {
         let axes = Frame::from_z(line.direction);
         let noise = self.relative * (self.size + line.origin.abs().max_element());
         let from = self.center - line.origin;

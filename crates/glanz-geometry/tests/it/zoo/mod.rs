@@ -5,6 +5,7 @@
 //! `GLANZ_ZOO_ADVERSARIAL` adversarial ones over all surfaces, including the bicubic patches of the files in `GLANZ_ZOO_PATCHES`
 //! (paths separated by colons). `GLANZ_ZOO_ONLY` restricts them to surfaces with this text in their names. Seeds are fixed.
 
+mod batch;
 mod cell;
 mod collection;
 mod comparison;

@@ -1,0 +1,138 @@
+//! Rays in batches against the same rays one by one: `cargo bench -p glanz-geometry --bench streams [-- MODEL ...]`.
+//!
+//! Both ways take turns in one run, on one thread, so that the ratio of their medians holds on a busy machine as well. Rays are those
+//! of a camera in tiles of 64 x 64 pixels, the same in random order, and random lines through the surface, in batches of 4096.
+
+#[path = "../freeform/models.rs"]
+#[allow(dead_code, reason = "it serves several programs")]
+mod models;
+
+use std::hint::black_box;
+use std::io::Write;
+use std::time::Instant;
+
+use glanz_geometry::{BoundedRay, RaySurface, Surface};
+use glanz_math::{Bounds3, DVec3, Ray};
+use models::{Failure, Model, NAMES, camera_rays, shuffled};
+
+/// Size of the picture, pixels.
+const PICTURE: [usize; 2] = [960, 512];
+
+/// Side of a tile, pixels.
+const TILE: usize = 64;
+
+/// Rays of a batch.
+const BATCH: usize = TILE * TILE;
+
+/// Number of measurements of each way.
+const TIMES: usize = 7;
+
+fn tiles(lines: &[Ray]) -> Vec<Ray> {
+    let [width, height] = PICTURE;
+    let corners = (0..height).step_by(TILE).flat_map(|y| (0..width).step_by(TILE).map(move |x| (x, y)));
+    let pixels = corners.flat_map(|(x, y)| {
+        (y..y + TILE).flat_map(move |row| (x..x + TILE).map(move |column| row * width + column))
+    });
+    pixels.filter_map(|pixel| lines.get(pixel).copied()).collect()
+}
+
+/// Lines through two points of a ball around the surface.
+fn random_lines(bounds: &Bounds3, count: usize) -> Vec<Ray> {
+    let mut state = 1_u64;
+    let mut unit = || {
+        state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let (center, radius) = (bounds.center(), 0.5 * bounds.diagonal().length());
+    let mut point = || loop {
+        let p = 2.0 * DVec3::new(unit(), unit(), unit()) - 1.0;
+        if p.length_squared() <= 1.0 {
+            return center + radius * p;
+        }
+    };
+    (0..count)
+        .map(|_| {
+            let (a, b) = (point(), point());
+            let direction = (b - a).normalize();
+            Ray::new(a - 2.0 * radius * direction, direction)
+        })
+        .collect()
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+/// Seconds of both ways, which take turns.
+fn medians(mut single: impl FnMut(), mut batch: impl FnMut()) -> [f64; 2] {
+    let seconds = |work: &mut dyn FnMut()| {
+        let start = Instant::now();
+        work();
+        start.elapsed().as_secs_f64()
+    };
+    let mut times = [Vec::new(), Vec::new()];
+    for _ in 0..TIMES {
+        times[0].push(seconds(&mut single));
+        times[1].push(seconds(&mut batch));
+    }
+    times.map(median)
+}
+
+fn measure(name: &str, surface: &Surface, out: &mut impl Write) -> Result<(), Failure> {
+    let camera = camera_rays(&surface.bounds(), PICTURE[0] as u32, PICTURE[1] as u32);
+    let sets = [
+        ("tiles", tiles(&camera)),
+        ("shuffled", shuffled(camera.clone())),
+        ("random lines", random_lines(&surface.bounds(), camera.len())),
+    ];
+    for (set, rays) in sets {
+        let bounded: Vec<BoundedRay> = rays.iter().map(|&ray| ray.into()).collect();
+        let (mut hits, mut occluded) = (Vec::new(), Vec::new());
+        let closest = medians(
+            || {
+                let t = rays.iter().filter_map(|ray| surface.intersect(ray, f64::INFINITY));
+                black_box(t.map(|hit| hit.t).sum::<f64>());
+            },
+            || {
+                let mut sum = 0.0;
+                for batch in bounded.chunks(BATCH) {
+                    surface.closest_batch(batch, &mut hits);
+                    sum += hits.iter().flatten().map(|hit| hit.t).sum::<f64>();
+                }
+                black_box(sum);
+            },
+        );
+        let any = medians(
+            || {
+                black_box(rays.iter().filter(|ray| surface.occluded(ray, f64::INFINITY)).count());
+            },
+            || {
+                let mut count = 0;
+                for batch in bounded.chunks(BATCH) {
+                    surface.occluded_batch(batch, &mut occluded);
+                    count += occluded.iter().filter(|&&hit| hit).count();
+                }
+                black_box(count);
+            },
+        );
+        for (query, [single, batch]) in [("closest", closest), ("any", any)] {
+            let rate = |seconds: f64| 1e-6 * rays.len() as f64 / seconds;
+            let (single_rate, batch_rate, ratio) = (rate(single), rate(batch), single / batch);
+            writeln!(out, "{name:18} {set:13} {query:8} {single_rate:7.2} {batch_rate:7.2} {ratio:6.2}")?;
+        }
+    }
+    Ok(())
+}
+
+fn main() -> Result<(), Failure> {
+    let named: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
+    let mut out = std::io::stdout();
+    writeln!(out, "million rays a second, medians of {TIMES}: one by one, in batches of {BATCH}, ratio")?;
+    for name in NAMES {
+        if named.is_empty() || named.iter().any(|one| one == name) {
+            measure(name, &Model::named(name)?.surface()?, &mut out)?;
+        }
+    }
+    Ok(())
+}

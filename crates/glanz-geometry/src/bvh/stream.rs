@@ -1,0 +1,327 @@
+//! Traversal by many rays at once.
+//!
+//! The rays of an octant of directions descend together. A node is tested against each ray of its list with its planes in
+//! registers, and the bits of the boxes that the rays meet become the lists of its children. Lists wait on a stack, nearest
+//! child on top, and their rays in memory that is used last in, first out. Short lists traverse the rest of the tree ray by ray.
+
+use super::compact_ray::{self, CompactRay};
+use super::node::{NodeChild, UnitRay, WIDTH, WideNode};
+use super::simd::lanes::LANES;
+use super::simd::{Simd, Stack};
+use super::traversal::{ROOM, child, descend, near};
+use super::{Bvh, BvhLeaf, LeafVisitor};
+use crate::batch::BoundedRay;
+
+/// Length up to which the rays of a list traverse the tree one by one.
+const SHORT: usize = 2;
+
+/// The caller's work at the leaves, for streams. Methods are `#[inline(always)]`: see [`LeafVisitor`].
+pub(crate) trait StreamVisitor {
+    /// Prepares the rays at the positions `ids` of `rays`, which may meet leaves.
+    fn prepare<S: Simd>(&mut self, simd: S, ids: &[u32], rays: &mut [CompactRay]);
+    /// Intersects rays with a leaf; may shorten them.
+    fn leaf<S: Simd>(&mut self, simd: S, leaf: BvhLeaf, ids: &[u32], rays: &mut [CompactRay]);
+    /// Ends the search in the leaves visited so far.
+    fn finish<S: Simd>(&mut self, simd: S, rays: &mut [CompactRay]);
+    /// Prefetches a leaf that will be visited soon.
+    fn prefetch<S: Simd>(&self, simd: S, leaf: BvhLeaf);
+}
+
+/// Lists of positions of rays, one behind the other, each with room for a vector behind it.
+#[derive(Default)]
+struct ListArena {
+    ids: Vec<u32>,
+}
+
+impl ListArena {
+    /// Makes room for lists up to `end`.
+    fn reserve(&mut self, end: usize) {
+        if self.ids.len() < end {
+            self.ids.resize(end.next_power_of_two(), 0);
+        }
+    }
+
+    /// The vector at `start`.
+    #[inline(always)]
+    fn vector(&self, start: usize) -> [u32; LANES] {
+        self.ids.get(start..).and_then(|rest| rest.first_chunk()).copied().unwrap_or_default()
+    }
+
+    #[inline(always)]
+    fn vector_mut(&mut self, start: usize) -> Option<&mut [u32; LANES]> {
+        self.ids.get_mut(start..).and_then(|rest| rest.first_chunk_mut())
+    }
+}
+
+/// A child that is to be visited by a list of rays.
+struct PendingChild {
+    child: NodeChild,
+    start: usize,
+    end: usize,
+}
+
+/// Memory of a stream, reused by all its parts.
+#[derive(Default)]
+pub(crate) struct StreamScratch {
+    rays: Vec<CompactRay>,
+    octants: [Vec<u32>; 8],
+    arena: ListArena,
+    pending: Vec<PendingChild>,
+    /// For each eight rays of a list and each child, the rays that may meet it.
+    masks: Vec<u64>,
+    met: Vec<u32>,
+}
+
+impl Bvh {
+    /// Visits the leaves that each of `rays` may meet, roughly nearest first. A ray is known to `visit` by its position.
+    #[inline(always)]
+    pub(crate) fn stream<S: Simd>(
+        &self,
+        simd: S,
+        rays: &[BoundedRay],
+        scratch: &mut StreamScratch,
+        visit: &mut impl StreamVisitor,
+    ) {
+        scratch.prepare(simd, self, rays);
+        for octant in 0..8 {
+            let count = scratch.octants[octant].len();
+            if count > 0 {
+                scratch.arena.reserve(count + LANES);
+                scratch.arena.ids[..count].copy_from_slice(&scratch.octants[octant]);
+                scratch.walk(simd, self, octant, count, visit);
+            }
+        }
+        visit.finish(simd, &mut scratch.rays);
+    }
+}
+
+impl StreamScratch {
+    /// The rays, sorted into octants.
+    #[inline(always)]
+    fn prepare<S: Simd>(&mut self, simd: S, bvh: &Bvh, rays: &[BoundedRay]) {
+        self.rays.clear();
+        self.rays.reserve(rays.len());
+        self.octants.iter_mut().for_each(Vec::clear);
+        let mut eight = [CompactRay::NONE; LANES];
+        for chunk in rays.chunks(LANES) {
+            compact_ray::prepare(simd, &bvh.frame, chunk, &mut eight);
+            let start = self.rays.len() as u32;
+            self.rays.extend_from_slice(eight.get(..chunk.len()).unwrap_or_default());
+            for (id, ray) in (start..).zip(eight.iter().take(chunk.len())) {
+                // NaN is a miss.
+                if ray.end >= 0.0 {
+                    self.octants[ray.octant()].push(id);
+                }
+            }
+        }
+    }
+
+    /// Traverses the tree with the first `count` rays of the arena.
+    #[inline(always)]
+    fn walk<S: Simd>(
+        &mut self,
+        simd: S,
+        bvh: &Bvh,
+        octant: usize,
+        count: usize,
+        visit: &mut impl StreamVisitor,
+    ) {
+        let root = NodeChild::node(0);
+        if count <= SHORT {
+            visit.prepare(simd, self.arena.ids.get(..count).unwrap_or_default(), &mut self.rays);
+        }
+        self.pending.push(PendingChild { child: root, start: 0, end: count });
+        while let Some(PendingChild { child, start, end }) = self.pending.pop() {
+            let Self { rays, arena, .. } = self;
+            let ids = arena.ids.get(start..end).unwrap_or_default();
+            if let Some(leaf) = child.as_leaf() {
+                visit.leaf(simd, BvhLeaf(leaf), ids, rays);
+            } else if ids.len() <= SHORT {
+                for &id in ids {
+                    walk_alone(simd, bvh, child, id, rays, visit);
+                }
+            } else if let Some(node) = bvh.nodes.get(child.0 as usize) {
+                let counts = self.test(simd, node, octant, start, end);
+                if child == root {
+                    self.prepare_met(simd, start, visit);
+                }
+                self.divide(simd, node, counts, start, end);
+            }
+        }
+    }
+
+    /// Tests the rays of a list against a node; fills `masks` and returns the numbers of rays that may meet the children.
+    #[inline(always)]
+    fn test<S: Simd>(
+        &mut self,
+        simd: S,
+        node: &WideNode,
+        octant: usize,
+        start: usize,
+        end: usize,
+    ) -> [usize; WIDTH] {
+        let Self { rays, arena, masks, .. } = self;
+        masks.clear();
+        let mut counts = [0; WIDTH];
+        let planes = node.planes_for(simd, octant);
+        for chunk in arena.ids.get(start..end).unwrap_or_default().chunks(LANES) {
+            let mut rows = 0;
+            for (k, &id) in chunk.iter().enumerate() {
+                if let Some(ray) = rays.get(id as usize) {
+                    let (hits, _) = planes.intersect(simd, ray);
+                    rows |= u64::from(hits) << (8 * k);
+                }
+            }
+            let columns = transposed(rows);
+            masks.push(columns);
+            for (count, column) in counts.iter_mut().zip(columns.to_le_bytes()) {
+                *count += column.count_ones() as usize;
+            }
+        }
+        counts
+    }
+
+    /// Lets `visit` prepare the rays of the list at `start` that meet a child of the node tested last.
+    #[inline(always)]
+    fn prepare_met<S: Simd>(&mut self, simd: S, start: usize, visit: &mut impl StreamVisitor) {
+        let Self { rays, arena, masks, met, .. } = self;
+        met.clear();
+        for (index, columns) in masks.iter().enumerate() {
+            let ids = arena.vector(start + LANES * index);
+            let any = columns.to_le_bytes().into_iter().fold(0, |any, column| any | column);
+            let mut packed = [0; LANES];
+            simd.compress_ids(any.into(), &ids, &mut packed);
+            met.extend_from_slice(packed.get(..any.count_ones() as usize).unwrap_or_default());
+        }
+        visit.prepare(simd, met, rays);
+    }
+
+    /// Makes the lists of the children of a node behind the list of its rays.
+    #[inline(always)]
+    fn divide<S: Simd>(
+        &mut self,
+        simd: S,
+        node: &WideNode,
+        counts: [usize; WIDTH],
+        start: usize,
+        end: usize,
+    ) {
+        let Self { rays, arena, pending, masks, .. } = self;
+        let first = arena.ids.get(start).and_then(|&id| rays.get(id as usize));
+        let Some(ray) = first else { return };
+        // The order in which the first ray meets the boxes serves all.
+        let entries = node.planes_for(simd, ray.octant()).intersect(simd, ray).1;
+        let entries = simd.store(entries).0;
+        let mut stack = Stack::<WIDTH>::new();
+        let mut met = 0;
+        for (slot, (&count, entry)) in counts.iter().zip(entries).enumerate() {
+            if count > 0 {
+                stack.push((u64::from(entry.to_bits()) << 32) | slot as u64);
+                met += 1;
+            }
+        }
+        stack.sort_top(met);
+        // Popped nearest first; the nearest must lie on top.
+        let mut order = [0; WIDTH];
+        for slot in order.iter_mut().take(met) {
+            *slot = stack.pop().unwrap_or_default() as usize & (WIDTH - 1);
+        }
+        let mut places = [0; WIDTH];
+        // The list may be continued by a vector of its own.
+        let mut top = end + LANES;
+        for &slot in order.iter().take(met).rev() {
+            places[slot] = top;
+            pending.push(PendingChild { child: node.children[slot], start: top, end: top + counts[slot] });
+            top += counts[slot] + LANES;
+        }
+        arena.reserve(top);
+        for (index, columns) in masks.iter().enumerate() {
+            let ids = arena.vector(start + LANES * index);
+            for &slot in order.iter().take(met) {
+                let mask = (columns >> (8 * slot)) as u32 & 0xff;
+                if let Some(list) = arena.vector_mut(places[slot]) {
+                    simd.compress_ids(mask, &ids, list);
+                }
+                places[slot] += mask.count_ones() as usize;
+            }
+        }
+    }
+}
+
+/// Traverses the subtree at `from` with one ray, nearest boxes first.
+#[inline(always)]
+fn walk_alone<S: Simd, V: StreamVisitor>(
+    simd: S,
+    bvh: &Bvh,
+    from: NodeChild,
+    id: u32,
+    rays: &mut [CompactRay],
+    visit: &mut V,
+) {
+    let Some(ray) = rays.get(id as usize) else { return };
+    let mut unit = UnitRay::load(simd, ray);
+    let mut stack = Stack::<ROOM>::new();
+    let mut current = from;
+    loop {
+        if let Some(leaf) = current.as_leaf() {
+            visit.leaf(simd, BvhLeaf(leaf), &[id], rays);
+            if let Some(ray) = rays.get(id as usize) {
+                unit.set_end(simd, ray.end);
+            }
+        } else if let Some(next) =
+            descend::<S, _, true>(simd, bvh, current, &unit, &mut stack, &Prefetcher(visit))
+        {
+            current = next;
+            continue;
+        }
+        current = loop {
+            match stack.pop() {
+                Some(next) if unit.reaches(near(next)) => break child(next),
+                Some(_) => {}
+                None => return,
+            }
+        };
+    }
+}
+
+/// The visitor of a stream, as far as the descent of a single ray needs it.
+struct Prefetcher<'a, V>(&'a V);
+
+impl<V: StreamVisitor> LeafVisitor for Prefetcher<'_, V> {
+    #[inline(always)]
+    fn leaf<S: Simd>(&mut self, _: S, _: BvhLeaf, t_max: f64) -> f64 {
+        t_max
+    }
+
+    #[inline(always)]
+    fn prefetch<S: Simd>(&self, simd: S, leaf: BvhLeaf) {
+        self.0.prefetch(simd, leaf);
+    }
+}
+
+/// A matrix of 8 x 8 bits, a row per byte, transposed: blocks of 1, 2 and 4 bits change places with those across the diagonal.
+#[inline(always)]
+fn transposed(rows: u64) -> u64 {
+    let mut x = rows;
+    for (shift, mask) in
+        [(7, 0x00aa_00aa_00aa_00aa), (14, 0x0000_cccc_0000_cccc), (28, 0x0000_0000_f0f0_f0f0)]
+    {
+        let swapped = (x ^ (x >> shift)) & mask;
+        x ^= swapped ^ (swapped << shift);
+    }
+    x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_are_transposed() {
+        let rows = 0x0123_4567_89ab_cdef_u64.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let columns = transposed(rows);
+        for (i, j) in (0..8).flat_map(|i| (0..8).map(move |j| (i, j))) {
+            assert_eq!(rows >> (8 * i + j) & 1, columns >> (8 * j + i) & 1);
+        }
+    }
+}
