@@ -1,15 +1,15 @@
-//! Rays in batches against the same rays one by one: `cargo bench -p glanz-geometry --bench streams [-- MODEL ...]`.
+//! Rays in batches against the same rays one by one: `cargo bench -p glanz-geometry --bench streams [-- MODEL|SET ...]`.
 //!
-//! Both ways take turns in one run, on one thread, so that the ratio of their medians holds on a busy machine as well. Rays are those
+//! Both ways take turns in one run, on one thread, so that the ratio of their processor times holds on a busy machine as well. Rays are those
 //! of a camera in tiles of 64 x 64 pixels, the same in random order, and random lines through the surface, in batches of 4096.
 
 #[path = "../freeform/models.rs"]
 #[allow(dead_code, reason = "it serves several programs")]
 mod models;
 
+use std::fs::read_to_string;
 use std::hint::black_box;
 use std::io::Write;
-use std::time::Instant;
 
 use glanz_geometry::{BoundedRay, RaySurface, Surface};
 use glanz_math::{Bounds3, DVec3, Ray};
@@ -26,6 +26,14 @@ const BATCH: usize = TILE * TILE;
 
 /// Number of measurements of each way.
 const TIMES: usize = 7;
+
+/// Sets of rays.
+const SETS: [&str; 3] = ["tiles", "shuffled", "random lines"];
+
+/// Whether `name` is among the words, or none of its kind is.
+fn is_asked(name: &str, kind: &[&str], words: &[String]) -> bool {
+    words.iter().any(|word| word == name) || !words.iter().any(|word| kind.contains(&word.as_str()))
+}
 
 fn tiles(lines: &[Ray]) -> Vec<Ray> {
     let [width, height] = PICTURE;
@@ -64,12 +72,18 @@ fn median(mut times: Vec<f64>) -> f64 {
     times[times.len() / 2]
 }
 
+/// Processor time of this thread, nanoseconds.
+fn processor_time() -> u64 {
+    let times = read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    times.split_whitespace().next().and_then(|time| time.parse().ok()).unwrap_or_default()
+}
+
 /// Seconds of both ways, which take turns.
 fn medians(mut single: impl FnMut(), mut batch: impl FnMut()) -> [f64; 2] {
     let seconds = |work: &mut dyn FnMut()| {
-        let start = Instant::now();
+        let start = processor_time();
         work();
-        start.elapsed().as_secs_f64()
+        1e-9 * (processor_time() - start) as f64
     };
     let mut times = [Vec::new(), Vec::new()];
     for _ in 0..TIMES {
@@ -79,14 +93,17 @@ fn medians(mut single: impl FnMut(), mut batch: impl FnMut()) -> [f64; 2] {
     times.map(median)
 }
 
-fn measure(name: &str, surface: &Surface, out: &mut impl Write) -> Result<(), Failure> {
+fn measure(name: &str, surface: &Surface, only: &[String], out: &mut impl Write) -> Result<(), Failure> {
     let camera = camera_rays(&surface.bounds(), PICTURE[0] as u32, PICTURE[1] as u32);
     let sets = [
-        ("tiles", tiles(&camera)),
-        ("shuffled", shuffled(camera.clone())),
-        ("random lines", random_lines(&surface.bounds(), camera.len())),
+        (SETS[0], tiles(&camera)),
+        (SETS[1], shuffled(camera.clone())),
+        (SETS[2], random_lines(&surface.bounds(), camera.len())),
     ];
     for (set, rays) in sets {
+        if !is_asked(set, &SETS, only) {
+            continue;
+        }
         let bounded: Vec<BoundedRay> = rays.iter().map(|&ray| ray.into()).collect();
         let (mut hits, mut occluded) = (Vec::new(), Vec::new());
         let closest = medians(
@@ -130,8 +147,8 @@ fn main() -> Result<(), Failure> {
     let mut out = std::io::stdout();
     writeln!(out, "million rays a second, medians of {TIMES}: one by one, in batches of {BATCH}, ratio")?;
     for name in NAMES {
-        if named.is_empty() || named.iter().any(|one| one == name) {
-            measure(name, &Model::named(name)?.surface()?, &mut out)?;
+        if is_asked(name, &NAMES, &named) {
+            measure(name, &Model::named(name)?.surface()?, &named, &mut out)?;
         }
     }
     Ok(())

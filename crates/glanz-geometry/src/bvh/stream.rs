@@ -2,7 +2,8 @@
 //!
 //! The rays of an octant of directions descend together. A node is tested against each ray of its list with its planes in
 //! registers, and the bits of the boxes that the rays meet become the lists of its children. Lists wait on a stack, nearest
-//! child on top, and their rays in memory that is used last in, first out. Short lists traverse the rest of the tree ray by ray.
+//! child on top, and their rays in memory that is used last in, first out. The rays of short lists traverse the rest of the tree
+//! alone, some of them in turns, so that they reach leaves together.
 
 use super::compact_ray::{self, CompactRay};
 use super::node::{NodeChild, UnitRay, WIDTH, WideNode};
@@ -12,8 +13,11 @@ use super::traversal::{ROOM, child, descend, near};
 use super::{Bvh, BvhLeaf, LeafVisitor};
 use crate::batch::BoundedRay;
 
-/// Length up to which the rays of a list traverse the tree one by one.
+/// Length up to which the rays of a list traverse the tree alone.
 const SHORT: usize = 2;
+
+/// Number of rays that do so in turns: more than a vector, since not all of their leaves are solved.
+const WALKERS: usize = 2 * LANES;
 
 /// The caller's work at the leaves, for streams. Methods are `#[inline(always)]`: see [`LeafVisitor`].
 pub(crate) trait StreamVisitor {
@@ -21,6 +25,15 @@ pub(crate) trait StreamVisitor {
     fn prepare<S: Simd>(&mut self, simd: S, ids: &[u32], rays: &mut [CompactRay]);
     /// Intersects rays with a leaf; may shorten them.
     fn leaf<S: Simd>(&mut self, simd: S, leaf: BvhLeaf, ids: &[u32], rays: &mut [CompactRay]);
+    /// The same for the first `count` pairs of a leaf and a ray.
+    fn pairs<S: Simd>(
+        &mut self,
+        simd: S,
+        leaves: &[BvhLeaf; LANES],
+        ids: &[u32; LANES],
+        count: usize,
+        rays: &mut [CompactRay],
+    );
     /// Ends the search in the leaves visited so far.
     fn finish<S: Simd>(&mut self, simd: S, rays: &mut [CompactRay]);
     /// Prefetches a leaf that will be visited soon.
@@ -67,6 +80,10 @@ pub(crate) struct StreamScratch {
     octants: [Vec<u32>; 8],
     arena: ListArena,
     pending: Vec<PendingChild>,
+    /// Subtrees with the rays that traverse them alone.
+    alone: Vec<(NodeChild, u32)>,
+    /// All of them at their ends.
+    walkers: Vec<Walker>,
     /// For each eight rays of a list and each child, the rays that may meet it.
     masks: Vec<u64>,
     met: Vec<u32>,
@@ -107,8 +124,17 @@ impl StreamScratch {
             compact_ray::prepare(simd, &bvh.frame, chunk, &mut eight);
             let start = self.rays.len() as u32;
             self.rays.extend_from_slice(eight.get(..chunk.len()).unwrap_or_default());
+            // Neighbours are most often in one octant. NaN is a miss.
+            let octant = eight[0].octant();
+            if eight.iter().all(|ray| (ray.end >= 0.0) & (ray.octant() == octant)) {
+                let mut ids = [start; LANES];
+                for (id, k) in ids.iter_mut().zip(0..) {
+                    *id += k;
+                }
+                self.octants[octant].extend_from_slice(ids.get(..chunk.len()).unwrap_or_default());
+                continue;
+            }
             for (id, ray) in (start..).zip(eight.iter().take(chunk.len())) {
-                // NaN is a miss.
                 if ray.end >= 0.0 {
                     self.octants[ray.octant()].push(id);
                 }
@@ -132,20 +158,46 @@ impl StreamScratch {
         }
         self.pending.push(PendingChild { child: root, start: 0, end: count });
         while let Some(PendingChild { child, start, end }) = self.pending.pop() {
-            let Self { rays, arena, .. } = self;
+            let Self { rays, arena, alone, .. } = self;
             let ids = arena.ids.get(start..end).unwrap_or_default();
-            if let Some(leaf) = child.as_leaf() {
+            if ids.len() <= SHORT {
+                alone.extend(ids.iter().map(|&id| (child, id)));
+            } else if let Some(leaf) = child.as_leaf() {
                 visit.leaf(simd, BvhLeaf(leaf), ids, rays);
-            } else if ids.len() <= SHORT {
-                for &id in ids {
-                    walk_alone(simd, bvh, child, id, rays, visit);
-                }
             } else if let Some(node) = bvh.nodes.get(child.0 as usize) {
                 let counts = self.test(simd, node, octant, start, end);
                 if child == root {
                     self.prepare_met(simd, start, visit);
                 }
                 self.divide(simd, node, counts, start, end);
+            }
+        }
+        self.walk_alone(simd, bvh, visit);
+    }
+
+    /// Traverses subtrees with single rays.
+    #[inline(always)]
+    fn walk_alone<S: Simd>(&mut self, simd: S, bvh: &Bvh, visit: &mut impl StreamVisitor) {
+        let Self { rays, alone, walkers, .. } = self;
+        if walkers.is_empty() {
+            walkers.resize_with(WALKERS, Walker::new);
+        }
+        let mut tasks = alone.drain(..);
+        let mut open = tasks.len() > 0;
+        while open {
+            open = false;
+            for group in walkers.chunks_mut(LANES) {
+                let (mut ids, mut leaves, mut count) = ([0; LANES], [BvhLeaf(0); LANES], 0);
+                for walker in group {
+                    if let Some(leaf) = walker.advance(simd, bvh, rays, &mut tasks, &*visit) {
+                        (ids[count], leaves[count]) = (walker.id, leaf);
+                        count += 1;
+                    }
+                }
+                if count > 0 {
+                    open = true;
+                    visit.pairs(simd, &leaves, &ids, count, rays);
+                }
             }
         }
     }
@@ -162,7 +214,6 @@ impl StreamScratch {
     ) -> [usize; WIDTH] {
         let Self { rays, arena, masks, .. } = self;
         masks.clear();
-        let mut counts = [0; WIDTH];
         let planes = node.planes_for(simd, octant);
         for chunk in arena.ids.get(start..end).unwrap_or_default().chunks(LANES) {
             let mut rows = 0;
@@ -172,10 +223,14 @@ impl StreamScratch {
                     rows |= u64::from(hits) << (8 * k);
                 }
             }
-            let columns = transposed(rows);
-            masks.push(columns);
-            for (count, column) in counts.iter_mut().zip(columns.to_le_bytes()) {
-                *count += column.count_ones() as usize;
+            masks.push(transposed(rows));
+        }
+        let mut counts = [0; WIDTH];
+        // As many vectors as bytes can count.
+        for part in masks.chunks(u8::MAX as usize / LANES) {
+            let sums = part.iter().fold(0, |sums, &columns| sums + ones(columns));
+            for (count, sum) in counts.iter_mut().zip(sums.to_le_bytes()) {
+                *count += usize::from(sum);
             }
         }
         counts
@@ -248,39 +303,63 @@ impl StreamScratch {
     }
 }
 
-/// Traverses the subtree at `from` with one ray, nearest boxes first.
-#[inline(always)]
-fn walk_alone<S: Simd, V: StreamVisitor>(
-    simd: S,
-    bvh: &Bvh,
-    from: NodeChild,
+/// A ray that traverses a subtree alone, nearest boxes first, leaf by leaf.
+struct Walker {
     id: u32,
-    rays: &mut [CompactRay],
-    visit: &mut V,
-) {
-    let Some(ray) = rays.get(id as usize) else { return };
-    let mut unit = UnitRay::load(simd, ray);
-    let mut stack = Stack::<ROOM>::new();
-    let mut current = from;
-    loop {
-        if let Some(leaf) = current.as_leaf() {
-            visit.leaf(simd, BvhLeaf(leaf), &[id], rays);
-            if let Some(ray) = rays.get(id as usize) {
-                unit.set_end(simd, ray.end);
+    stack: Stack<ROOM>,
+}
+
+impl Walker {
+    fn new() -> Self {
+        Self { id: 0, stack: Stack::new() }
+    }
+
+    /// Goes to the next leaf of the ray, or else of the ray of the next of `tasks`.
+    #[inline(always)]
+    fn advance<S: Simd, V: StreamVisitor>(
+        &mut self,
+        simd: S,
+        bvh: &Bvh,
+        rays: &[CompactRay],
+        tasks: &mut impl Iterator<Item = (NodeChild, u32)>,
+        visit: &V,
+    ) -> Option<BvhLeaf> {
+        let mut unit = UnitRay::load(simd, rays.get(self.id as usize)?);
+        let mut current = self.pop(&unit);
+        loop {
+            let child = match current {
+                Some(child) => child,
+                None => {
+                    let Some((child, id)) = tasks.next() else {
+                        // The next batch may have fewer rays.
+                        self.id = 0;
+                        return None;
+                    };
+                    self.id = id;
+                    unit = UnitRay::load(simd, rays.get(id as usize)?);
+                    child
+                }
+            };
+            if let Some(leaf) = child.as_leaf() {
+                return Some(BvhLeaf(leaf));
             }
-        } else if let Some(next) =
-            descend::<S, _, true>(simd, bvh, current, &unit, &mut stack, &Prefetcher(visit))
-        {
-            current = next;
-            continue;
+            let visit = Prefetcher(visit);
+            current = descend::<S, _, true>(simd, bvh, child, &unit, &mut self.stack, &visit);
+            if current.is_none() {
+                current = self.pop(&unit);
+            }
         }
-        current = loop {
-            match stack.pop() {
-                Some(next) if unit.reaches(near(next)) => break child(next),
-                Some(_) => {}
-                None => return,
+    }
+
+    /// The nearest box on the stack that lies before the end of the ray.
+    #[inline(always)]
+    fn pop<S: Simd>(&mut self, unit: &UnitRay<S>) -> Option<NodeChild> {
+        loop {
+            let next = self.stack.pop()?;
+            if unit.reaches(near(next)) {
+                return Some(child(next));
             }
-        };
+        }
     }
 }
 
@@ -312,16 +391,26 @@ fn transposed(rows: u64) -> u64 {
     x
 }
 
+/// The number of ones of each byte.
+#[inline(always)]
+fn ones(x: u64) -> u64 {
+    let pairs = x - (x >> 1 & 0x5555_5555_5555_5555);
+    let fours = (pairs & 0x3333_3333_3333_3333) + (pairs >> 2 & 0x3333_3333_3333_3333);
+    (fours + (fours >> 4)) & 0x0f0f_0f0f_0f0f_0f0f
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn bits_are_transposed() {
+    fn bits_are_transposed_and_counted() {
         let rows = 0x0123_4567_89ab_cdef_u64.wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let columns = transposed(rows);
         for (i, j) in (0..8).flat_map(|i| (0..8).map(move |j| (i, j))) {
             assert_eq!(rows >> (8 * i + j) & 1, columns >> (8 * j + i) & 1);
         }
+        let counts = rows.to_le_bytes().map(|byte| byte.count_ones() as u8);
+        assert_eq!(ones(rows), u64::from_le_bytes(counts));
     }
 }

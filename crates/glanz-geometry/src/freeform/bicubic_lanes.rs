@@ -138,6 +138,7 @@ fn of_leaves<S: Simd>(simd: S, leaves: &[&PatchLeaf; LANES], number: LeafNumber)
         *lane = match number {
             LeafNumber::Middle(axis) => leaf.part.middle()[axis],
             LeafNumber::Width(axis) => leaf.part.width()[axis],
+            LeafNumber::PerWidth(axis) => 1.0 / leaf.part.width()[axis],
             LeafNumber::Curvature => leaf.curvature_bound(),
         };
     }
@@ -149,7 +150,36 @@ fn of_leaves<S: Simd>(simd: S, leaves: &[&PatchLeaf; LANES], number: LeafNumber)
 enum LeafNumber {
     Middle(usize),
     Width(usize),
+    /// The inverse of the width, which is exact: a product with it is the quotient.
+    PerWidth(usize),
     Curvature,
+}
+
+/// The parts of eight leaves: see [`DyadicRect`](super::parameter_rect::DyadicRect).
+struct PartLanes<S: Simd> {
+    middle: [S::Wide; 2],
+    half: [S::Wide; 2],
+    per_half: [S::Wide; 2],
+}
+
+impl<S: Simd> PartLanes<S> {
+    #[inline(always)]
+    fn new(simd: S, leaves: &[&PatchLeaf; LANES]) -> Self {
+        Self {
+            middle: [
+                of_leaves(simd, leaves, LeafNumber::Middle(0)),
+                of_leaves(simd, leaves, LeafNumber::Middle(1)),
+            ],
+            half: [
+                of_leaves(simd, leaves, LeafNumber::Width(0)),
+                of_leaves(simd, leaves, LeafNumber::Width(1)),
+            ],
+            per_half: [
+                of_leaves(simd, leaves, LeafNumber::PerWidth(0)),
+                of_leaves(simd, leaves, LeafNumber::PerWidth(1)),
+            ],
+        }
+    }
 }
 
 /// Number of coefficients of a bicubic polynomial.
@@ -168,10 +198,10 @@ struct ProjectedLanes<S: Simd> {
 }
 
 /// Value and derivatives of a map of eight pairs.
-struct JetLanes<S: Simd> {
-    f: [S::Wide; 2],
-    fs: [S::Wide; 2],
-    ft: [S::Wide; 2],
+pub(super) struct JetLanes<S: Simd> {
+    pub(super) f: [S::Wide; 2],
+    pub(super) fs: [S::Wide; 2],
+    pub(super) ft: [S::Wide; 2],
 }
 
 /// A cubic at `x`.
@@ -270,36 +300,36 @@ fn chained<S: Simd>(simd: S, c: [S::Wide; 3], axis: [S::Wide; 3]) -> S::Wide {
 }
 
 /// Bounds of eight pairs; see [`MapBounds`](super::contraction::MapBounds).
-struct BoundLanes<S: Simd> {
-    noise: S::Wide,
-    curvature_bound: S::Wide,
-    weights: [S::Wide; 2],
+pub(super) struct BoundLanes<S: Simd> {
+    pub(super) noise: S::Wide,
+    pub(super) curvature_bound: S::Wide,
+    pub(super) weights: [S::Wide; 2],
 }
 
 impl<S: Simd> JetLanes<S> {
     /// The step of Newton's method.
     #[inline(always)]
-    fn newton_step(&self, simd: S, det: S::Wide) -> [S::Wide; 2] {
+    pub(super) fn newton_step(&self, simd: S, det: S::Wide) -> [S::Wide; 2] {
         let Self { f, fs, ft } = *self;
         [simd.div8(cross(simd, f, ft), det), simd.div8(cross(simd, fs, f), det)]
     }
 
     /// Lanes in which the end of a step needs no evaluation.
     #[inline(always)]
-    fn ends(
+    pub(super) fn ends(
         &self,
         simd: S,
         bounds: &BoundLanes<S>,
         det: S::Wide,
         step: [S::Wide; 2],
-        unit: [S::Wide; 2],
+        per_unit: [S::Wide; 2],
     ) -> u32 {
         let noise = simd.mul8(bounds.noise, bounds.weights[0]);
         let length_squared = dot2(simd, step, step);
         let (s2, t2) = (dot2(simd, self.fs, self.fs), dot2(simd, self.ft, self.ft));
         let rounded = simd.mul8(simd.mul8(simd.splat8(ROUNDED * ROUNDED), s2), t2);
         let rounded = simd.mul8(simd.mul8(rounded, simd.add8(s2, t2)), length_squared);
-        let relative = [simd.div8(step[0], unit[0]), simd.div8(step[1], unit[1])];
+        let relative = [simd.mul8(step[0], per_unit[0]), simd.mul8(step[1], per_unit[1])];
         let curved = simd.mul8(bounds.curvature_bound, dot2(simd, relative, relative));
         let clear = simd.mul8(simd.mul8(simd.mul8(noise, noise), det), det);
         simd.at_most8(curved, noise) & simd.at_most8(rounded, clear)
@@ -321,9 +351,7 @@ pub(super) fn roots<S: Simd, const COORDINATES: usize>(
     ];
     let shift = [dot3(simd, pairs.rays.axes[0], from), dot3(simd, pairs.rays.axes[1], from)];
     let projected = ProjectedLanes::new(simd, patches, pairs, shift);
-    let half = [of_leaves(simd, leaves, LeafNumber::Width(0)), of_leaves(simd, leaves, LeafNumber::Width(1))];
-    let middle =
-        [of_leaves(simd, leaves, LeafNumber::Middle(0)), of_leaves(simd, leaves, LeafNumber::Middle(1))];
+    let part = PartLanes::new(simd, leaves);
     let one = simd.splat8(1.0);
     let bounds = if COORDINATES == 4 {
         let away = simd.sqrt8(dot2(simd, shift, shift));
@@ -331,7 +359,7 @@ pub(super) fn roots<S: Simd, const COORDINATES: usize>(
             patches.number(simd, Number::Curvature),
             simd.mul8(patches.number(simd, Number::WeightCurvature), away),
         );
-        let width = simd.max8(half[0], half[1]);
+        let width = simd.max8(part.half[0], part.half[1]);
         BoundLanes {
             noise: simd.mul8(pairs.rays.noise, simd.splat8(POWERS)),
             curvature_bound: simd.mul8(sum, simd.mul8(width, width)),
@@ -344,13 +372,16 @@ pub(super) fn roots<S: Simd, const COORDINATES: usize>(
             weights: [one; 2],
         }
     };
-    let newton = newton(simd, &projected, pairs, &bounds, middle, half);
+    let newton = newton(simd, &projected, pairs, &bounds, &part);
     let x = newton.x;
-    let weight = if COORDINATES == 4 { value(simd, &projected.weight, x) } else { one };
+    let weight = if COORDINATES == 4 { Some(value(simd, &projected.weight, x)) } else { None };
     let left = newton.left;
-    let excluded =
-        if left == 0 { 0 } else { left & excludes(simd, pairs, &bounds, &newton, weight, middle, half) };
-    let along = simd.div8(value(simd, &projected.along, x), weight);
+    let excluded = if left == 0 { 0 } else { left & excludes(simd, pairs, &bounds, &newton, weight, &part) };
+    let along = value(simd, &projected.along, x);
+    let along = match weight {
+        Some(weight) => simd.div8(along, weight),
+        None => along,
+    };
     let s = simd.add8(dot3(simd, pairs.rays.direction, from), along);
     let middle = simd.splat8(0.5);
     let at = [simd.add8(middle, simd.mul8(middle, x[0])), simd.add8(middle, simd.mul8(middle, x[1]))];
@@ -374,9 +405,9 @@ fn newton<S: Simd>(
     map: &ProjectedLanes<S>,
     pairs: &PairLanes<S>,
     bounds: &BoundLanes<S>,
-    middle: [S::Wide; 2],
-    half: [S::Wide; 2],
+    part: &PartLanes<S>,
 ) -> NewtonLanes<S> {
+    let PartLanes { middle, half, per_half } = *part;
     let (one, minus) = (simd.splat8(1.0), simd.splat8(-1.0));
     let low = [simd.sub8(middle[0], half[0]), simd.sub8(middle[1], half[1])];
     let high = [simd.add8(middle[0], half[0]), simd.add8(middle[1], half[1])];
@@ -402,7 +433,7 @@ fn newton<S: Simd>(
             & simd.at_most8(next[0], high[0])
             & simd.at_most8(next[1], high[1]);
         let left = open & !inside;
-        let converged = open & inside & jet.ends(simd, bounds, det, step, half);
+        let converged = open & inside & jet.ends(simd, bounds, det, step, per_half);
         for k in 0..2 {
             end.x[k] = simd.select8(left, x[k], simd.select8(converged, next[k], end.x[k]));
             end.f[k] = simd.select8(left, jet.f[k], end.f[k]);
@@ -426,12 +457,14 @@ fn excludes<S: Simd>(
     pairs: &PairLanes<S>,
     bounds: &BoundLanes<S>,
     newton: &NewtonLanes<S>,
-    weight: S::Wide,
-    middle: [S::Wide; 2],
-    half: [S::Wide; 2],
+    weight: Option<S::Wide>,
+    part: &PartLanes<S>,
 ) -> u32 {
     let PairLanes { a, b, q, inverse_determinant: per, .. } = *pairs;
-    let f = [simd.div8(newton.f[0], weight), simd.div8(newton.f[1], weight)];
+    let f = match weight {
+        Some(weight) => [simd.div8(newton.f[0], weight), simd.div8(newton.f[1], weight)],
+        None => newton.f,
+    };
     let simple = [simd.mul8(cross(simd, f, b), per), simd.mul8(cross(simd, a, f), per)];
     let factor =
         simd.mul8(simd.mul8(simd.mul8(simd.splat8(2.0), bounds.noise), bounds.weights[1]), simd.abs8(per));
@@ -439,10 +472,13 @@ fn excludes<S: Simd>(
     let ball = simd.div8(simd.mul8(simd.sqrt8(dot2(simd, simple, simple)), q), simd.sub8(one, q));
     let (mut away, mut unsure) = ([one; 2], [one; 2]);
     for k in 0..2 {
-        let x = simd.div8(simd.sub8(newton.x[k], middle[k]), half[k]);
+        let x = simd.mul8(simd.sub8(newton.x[k], part.middle[k]), part.per_half[k]);
         away[k] = simd.abs8(simd.sub8(x, simple[k]));
         let side = if k == 0 { b } else { a };
-        unsure[k] = simd.div8(simd.mul8(simd.sqrt8(dot2(simd, side, side)), factor), weight);
+        unsure[k] = simd.mul8(simd.sqrt8(dot2(simd, side, side)), factor);
+        if let Some(weight) = weight {
+            unsure[k] = simd.div8(unsure[k], weight);
+        }
     }
     let limit = simd.add8(simd.add8(one, ball), simd.max8(unsure[0], unsure[1]));
     simd.less8(limit, simd.max8(away[0], away[1]))

@@ -31,7 +31,7 @@ macro_rules! with_room {
 pub(super) use with_room;
 
 /// Rows of Pascal's triangle.
-const BINOMIALS: [[f64; MAX_DEGREE + 1]; MAX_DEGREE + 1] = {
+pub(super) const BINOMIALS: [[f64; MAX_DEGREE + 1]; MAX_DEGREE + 1] = {
     let mut rows = [[0.0; MAX_DEGREE + 1]; MAX_DEGREE + 1];
     let mut n = 0;
     while n <= MAX_DEGREE {

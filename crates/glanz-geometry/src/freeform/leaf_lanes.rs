@@ -4,8 +4,9 @@ use super::bicubic::POWERS;
 use super::leaf::{CERTIFIED, PatchLeaf};
 use super::ray_lanes::{RaySpaceLanes, cross, dot2, negated};
 use crate::bvh::simd::Simd;
+use crate::bvh::simd::lanes::LANES;
 
-/// [`LeafProjection`](super::leaf::LeafProjection)s of eight rays with one leaf.
+/// [`LeafProjection`](super::leaf::LeafProjection)s of eight pairs of a ray and a leaf.
 pub(super) struct ProjectionLanes<S: Simd> {
     pub(super) a: [S::Wide; 2],
     pub(super) b: [S::Wide; 2],
@@ -18,10 +19,44 @@ pub(super) struct ProjectionLanes<S: Simd> {
     pub(super) certified: u32,
 }
 
-impl PatchLeaf {
-    /// The projections along eight rays.
+/// The numbers of eight leaves, as [`PatchLeaf`] has them.
+pub(super) struct LeafLanes<S: Simd> {
+    rows: [[S::Wide; 4]; 3],
+}
+
+impl<S: Simd> LeafLanes<S> {
+    /// The same leaf eight times.
     #[inline(always)]
-    pub(super) fn project_lanes<S: Simd>(&self, simd: S, rays: &RaySpaceLanes<S>) -> ProjectionLanes<S> {
+    pub(super) fn splat(simd: S, leaf: &PatchLeaf) -> Self {
+        let mut rows = [[simd.splat8(0.0); 4]; 3];
+        for (row, numbers) in rows.iter_mut().zip(&leaf.rows) {
+            for (lanes, &number) in row.iter_mut().zip(numbers) {
+                *lanes = simd.splat8(number.into());
+            }
+        }
+        Self { rows }
+    }
+
+    /// Eight leaves.
+    #[inline(always)]
+    pub(super) fn new(simd: S, leaves: &[&PatchLeaf; LANES]) -> Self {
+        let (mut upper, mut last) = ([[0.0; LANES]; LANES], [[0.0; LANES]; LANES]);
+        for ((upper, last), leaf) in upper.iter_mut().zip(&mut last).zip(leaves) {
+            let [[a, b, c, d], [e, f, g, h], z] = leaf.rows;
+            *upper = [a, b, c, d, e, f, g, h].map(f64::from);
+            let [a, b, c, d] = z.map(f64::from);
+            *last = [a, b, c, d, 0.0, 0.0, 0.0, 0.0];
+        }
+        let [a, b, c, d, e, f, g, h] = &upper;
+        let [x0, x1, x2, x3, y0, y1, y2, y3] = simd.columns8(&[a, b, c, d, e, f, g, h]);
+        let [a, b, c, d, e, f, g, h] = &last;
+        let [z0, z1, z2, z3, ..] = simd.columns8(&[a, b, c, d, e, f, g, h]);
+        Self { rows: [[x0, x1, x2, x3], [y0, y1, y2, y3], [z0, z1, z2, z3]] }
+    }
+
+    /// The projections of the leaves along the rays.
+    #[inline(always)]
+    pub(super) fn project(&self, simd: S, rays: &RaySpaceLanes<S>) -> ProjectionLanes<S> {
         let [p, q] = rays.axes;
         let (p, q) = (self.columns_along(simd, p), self.columns_along(simd, q));
         let c = [simd.add8(p[0], rays.center[0]), simd.add8(q[0], rays.center[1])];
@@ -31,14 +66,13 @@ impl PatchLeaf {
         let (a2, b2) = (dot2(simd, a, a), dot2(simd, b, b));
         let noise = simd.mul8(simd.splat8(POWERS), rays.noise);
         let [[.., thickness], [.., deviation], _] = self.rows;
-        let thickness = simd.add8(simd.splat8(thickness.into()), noise);
+        let thickness = simd.add8(thickness, noise);
         let size = simd.abs8(det);
         let thickness2 = simd.mul8(thickness, thickness);
         let outside = outside(simd, s, size, simd.mul8(thickness2, b2))
             | outside(simd, t, size, simd.mul8(thickness2, a2));
         let unsure = simd.mul8(simd.splat8(16.0), noise);
-        let q2 =
-            simd.mul8(simd.add8(simd.splat8(deviation.into()), simd.mul8(unsure, unsure)), simd.add8(a2, b2));
+        let q2 = simd.mul8(simd.add8(deviation, simd.mul8(unsure, unsure)), simd.add8(a2, b2));
         let inverse_determinant = simd.div8(simd.splat8(1.0), det);
         let limit = simd.mul8(simd.mul8(simd.splat8(CERTIFIED * CERTIFIED), det), det);
         ProjectionLanes {
@@ -54,13 +88,13 @@ impl PatchLeaf {
 
     /// Centre and half tangents along eight directions.
     #[inline(always)]
-    fn columns_along<S: Simd>(&self, simd: S, [x, y, z]: [S::Wide; 3]) -> [S::Wide; 3] {
+    fn columns_along(&self, simd: S, [x, y, z]: [S::Wide; 3]) -> [S::Wide; 3] {
         let [rx, ry, rz] = &self.rows;
         let mut columns = [x; 3];
         for (k, column) in columns.iter_mut().enumerate() {
-            let sum = simd.mul8(simd.splat8(rx[k].into()), x);
-            let sum = simd.mul_add8(simd.splat8(ry[k].into()), y, sum);
-            *column = simd.mul_add8(simd.splat8(rz[k].into()), z, sum);
+            let sum = simd.mul8(rx[k], x);
+            let sum = simd.mul_add8(ry[k], y, sum);
+            *column = simd.mul_add8(rz[k], z, sum);
         }
         columns
     }

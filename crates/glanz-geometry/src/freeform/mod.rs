@@ -9,8 +9,8 @@
 //! - Searching: `leaf` excludes a leaf, or certifies that it has one root at most. The root is found in the subpatch that
 //!   contains the leaf: `bicubic` and `projected_bicubic` for low degrees, `net_search` for all others, with `contraction`
 //!   near borders. Leaves without a certificate go to `subdivision`.
-//! - Searching for many rays at once: `stream` collects pairs of rays and leaves; `ray_lanes`, `leaf_lanes` and `bicubic_lanes`
-//!   are `ray_space`, `leaf` and `bicubic` for eight of them, with the same bits.
+//! - Searching for many rays at once: `stream` collects pairs of rays and leaves; `ray_lanes`, `leaf_lanes`, `bicubic_lanes` and
+//!   `net_lanes` are `ray_space`, `leaf`, `bicubic` and `net_search` for eight of them, with the same bits.
 //! - Evaluation: `control_net`, `surface_point`, `area`.
 //!
 //! ```
@@ -41,6 +41,7 @@ mod control_net;
 mod leaf;
 mod leaf_builder;
 mod leaf_lanes;
+mod net_lanes;
 mod net_search;
 mod parameter_rect;
 mod projected_bicubic;
@@ -66,7 +67,6 @@ pub use self::control_net::MAX_DEGREE;
 use self::leaf::PatchLeaf;
 use self::query::{AllHitsQuery, ClosestQuery, OcclusionQuery};
 use self::ray_space::SurfaceFrame;
-use self::stream::BatchQuery;
 use self::subpatches::{SubpatchList, SubpatchLocation};
 pub use self::surface_patch::SurfacePatch;
 use crate::batch::BoundedRay;
@@ -138,13 +138,6 @@ impl Freeform {
         region_and_patch.is_none_or(|(region, patch)| region.contains(patch.parameters(u, v)))
     }
 
-    /// The closest hit, or any hit, of each ray.
-    fn batch(&self, rays: &[BoundedRay], any: bool, hits: &mut Vec<Option<Hit>>) {
-        hits.clear();
-        hits.resize(rays.len(), None);
-        self.bvh.isa().run(BatchQuery { surface: self, rays, any, hits });
-    }
-
     /// Area, m^2, with a relative error of about 1e-6, or 1e-3 if trimmed.
     #[must_use]
     pub fn area(&self) -> f64 {
@@ -184,14 +177,11 @@ impl RaySurface for Freeform {
     }
 
     fn closest_batch(&self, rays: &[BoundedRay], hits: &mut Vec<Option<Hit>>) {
-        self.batch(rays, false, hits);
+        self.closest_hits(rays, hits);
     }
 
     fn occluded_batch(&self, rays: &[BoundedRay], occluded: &mut Vec<bool>) {
-        let mut hits = Vec::new();
-        self.batch(rays, true, &mut hits);
-        occluded.clear();
-        occluded.extend(hits.iter().map(Option::is_some));
+        self.any_hits(rays, occluded);
     }
 
     fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {

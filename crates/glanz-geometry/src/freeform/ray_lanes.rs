@@ -42,8 +42,47 @@ pub(super) struct CompactLine {
 impl CompactLine {
     pub(super) const ZERO: Self = Self { numbers: [0.0; LANES] };
 
+    /// The lines of eight rays.
     #[inline(always)]
-    pub(super) fn new(frame: &SurfaceFrame, ray: &Ray) -> Self {
+    pub(super) fn eight<S: Simd>(simd: S, frame: &SurfaceFrame, rays: &[&Ray; LANES]) -> [Self; LANES] {
+        let mut rows = [[0.0; LANES]; LANES];
+        for (row, Ray { origin: o, direction: d }) in rows.iter_mut().zip(rays) {
+            *row = [o.x, o.y, o.z, d.x, d.y, d.z, 0.0, 0.0];
+        }
+        let [a, b, c, d, e, f, g, h] = &rows;
+        let [ox, oy, oz, x, y, z, ..] = simd.columns8(&[a, b, c, d, e, f, g, h]);
+        let center = frame.center;
+        let from = [
+            simd.sub8(ox, simd.splat8(center.x)),
+            simd.sub8(oy, simd.splat8(center.y)),
+            simd.sub8(oz, simd.splat8(center.z)),
+        ];
+        let far = simd.less8(simd.splat8(frame.far_squared()), dot3(simd, from, from));
+        let speed = simd.sqrt8(dot3(simd, [x, y, z], [x, y, z]));
+        let (x, y, z) = (simd.div8(x, speed), simd.div8(y, speed), simd.div8(z, speed));
+        let columns = [
+            &simd.store8(ox),
+            &simd.store8(oy),
+            &simd.store8(oz),
+            &simd.store8(x),
+            &simd.store8(y),
+            &simd.store8(z),
+            &[0.0; LANES],
+            &simd.store8(speed),
+        ];
+        let mut lines = [Self::ZERO; LANES];
+        let rows = simd.columns8(&columns);
+        for (k, (line, row)) in lines.iter_mut().zip(rows).enumerate() {
+            line.numbers = simd.store8(row);
+            if far >> k & 1 == 1 {
+                *line = Self::new(frame, rays[k]);
+            }
+        }
+        lines
+    }
+
+    #[cold]
+    fn new(frame: &SurfaceFrame, ray: &Ray) -> Self {
         let RayLine { origin: o, direction: d, shift, speed } = frame.line(ray);
         Self { numbers: [o.x, o.y, o.z, d.x, d.y, d.z, shift, speed] }
     }
@@ -131,7 +170,7 @@ mod tests {
 
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Vec<[f64; LANES]> {
-            let lines = self.rays.map(|ray| CompactLine::new(self.frame, &ray));
+            let lines = CompactLine::eight(simd, self.frame, &std::array::from_fn(|k| &self.rays[k]));
             let lanes = RaySpaceLanes::new(simd, self.frame, std::array::from_fn(|k| &lines[k]));
             let mut all = lanes.axes.concat();
             all.extend(lanes.center);

@@ -35,6 +35,11 @@ impl SurfaceFrame {
         [self.relative, self.size]
     }
 
+    /// Square of the distance from the centre beyond which the origin of a ray is moved closer.
+    pub(super) fn far_squared(&self) -> f64 {
+        self.far_squared
+    }
+
     /// The line of a ray.
     #[inline(always)]
     pub(super) fn line(&self, ray: &Ray) -> RayLine {

@@ -7,14 +7,17 @@
 //! skipped because its box lies behind the closest hit has no root before it: every root is a point of the leaf within a few times
 //! the noise from the ray, far less than boxes are padded by.
 
+use std::cell::Cell;
 use std::sync::atomic;
 
-use glanz_math::DVec2;
+use glanz_math::{DVec2, DVec3, Ray};
 
 use super::Freeform;
 use super::bicubic::Bicubic;
 use super::bicubic_lanes::{self, PairLanes, RootLanes};
 use super::leaf::PatchLeaf;
+use super::leaf_lanes::{LeafLanes, ProjectionLanes};
+use super::net_lanes::{self, NetBuffer};
 use super::query::{hit, order};
 use super::ray_lanes::{CompactLine, RaySpaceLanes};
 use super::root::SearchScratch;
@@ -29,14 +32,79 @@ use crate::hit::Hit;
 /// Number of rays that are traced together: as many as caches hold.
 const PART: usize = 4096;
 
+thread_local! {
+    /// The memory of the last batch: giving it back to the system and getting it again would take as long as the rays.
+    static MEMORY: Cell<Option<Box<BatchMemory>>> = const { Cell::new(None) };
+}
+
+/// Memory that batches reuse.
+struct BatchMemory {
+    stream: StreamScratch,
+    lines: Vec<CompactLine>,
+    queue: PairQueue,
+    net: NetBuffer,
+    search: SearchScratch,
+    /// Hits of which only the presence counts.
+    hits: Vec<Option<Hit>>,
+}
+
+impl Freeform {
+    /// The closest hit of each ray.
+    pub(super) fn closest_hits(&self, rays: &[BoundedRay], hits: &mut Vec<Option<Hit>>) {
+        let mut memory = BatchMemory::take();
+        self.batch(rays, false, hits, &mut memory);
+        memory.put_back();
+    }
+
+    /// Whether each ray has a hit.
+    pub(super) fn any_hits(&self, rays: &[BoundedRay], occluded: &mut Vec<bool>) {
+        let mut memory = BatchMemory::take();
+        let mut hits = std::mem::take(&mut memory.hits);
+        self.batch(rays, true, &mut hits, &mut memory);
+        occluded.clear();
+        occluded.extend(hits.iter().map(Option::is_some));
+        memory.hits = hits;
+        memory.put_back();
+    }
+
+    /// The closest hit, or any hit, of each ray.
+    fn batch(&self, rays: &[BoundedRay], any: bool, hits: &mut Vec<Option<Hit>>, memory: &mut BatchMemory) {
+        hits.clear();
+        hits.resize(rays.len(), None);
+        self.bvh.isa().run(BatchQuery { surface: self, rays, any, hits, memory });
+        let undecided = std::mem::take(&mut memory.search.undecided);
+        if undecided > 0 {
+            self.undecided.fetch_add(undecided, atomic::Ordering::Relaxed);
+        }
+    }
+}
+
+impl BatchMemory {
+    /// The memory of this thread.
+    fn take() -> Box<Self> {
+        MEMORY.try_with(Cell::take).ok().flatten().unwrap_or_else(|| {
+            let (stream, search) = (StreamScratch::default(), SearchScratch::default());
+            let (queue, net) = (PairQueue::new(), NetBuffer::default());
+            Box::new(Self { stream, lines: Vec::new(), queue, net, search, hits: Vec::new() })
+        })
+    }
+
+    /// Keeps the memory for the next batch of this thread.
+    fn put_back(self: Box<Self>) {
+        // A thread that ends keeps nothing.
+        let _ = MEMORY.try_with(|memory| memory.set(Some(self)));
+    }
+}
+
 /// The closest hit, or any hit, of each ray of a batch.
-pub(super) struct BatchQuery<'a> {
-    pub(super) surface: &'a Freeform,
-    pub(super) rays: &'a [BoundedRay],
+struct BatchQuery<'a> {
+    surface: &'a Freeform,
+    rays: &'a [BoundedRay],
     /// Whether any hit ends the search.
-    pub(super) any: bool,
+    any: bool,
     /// One entry per ray, `None` at first.
-    pub(super) hits: &'a mut [Option<Hit>],
+    hits: &'a mut [Option<Hit>],
+    memory: &'a mut BatchMemory,
 }
 
 impl Task for BatchQuery<'_> {
@@ -44,28 +112,21 @@ impl Task for BatchQuery<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { surface, rays, any, hits } = self;
-        let mut scratch = StreamScratch::default();
-        let mut searcher = StreamSearcher {
-            surface,
-            bounded: &[],
-            hits: &mut [],
-            any,
-            lines: Vec::new(),
-            queue: PairQueue::new(),
-            scratch: SearchScratch::default(),
-        };
+        let Self { surface, rays, any, hits, memory } = self;
+        let BatchMemory { stream, lines, queue, net, search, .. } = memory;
+        net.clear();
         for (rays, hits) in rays.chunks(PART).zip(hits.chunks_mut(PART)) {
-            searcher = StreamSearcher { bounded: rays, hits, ..searcher };
-            searcher.lines.clear();
-            surface.bvh.stream(simd, rays, &mut scratch, &mut searcher);
-        }
-        let undecided = searcher.scratch.undecided;
-        if undecided > 0 {
-            surface.undecided.fetch_add(undecided, atomic::Ordering::Relaxed);
+            lines.clear();
+            let (lines, queue, net, search) = (&mut *lines, &mut *queue, &mut *net, &mut *search);
+            let mut searcher =
+                StreamSearcher { surface, bounded: rays, hits, any, lines, queue, net, search };
+            surface.bvh.stream(simd, rays, stream, &mut searcher);
         }
     }
 }
+
+/// What lanes that are not in use compute with.
+const NO_RAY: Ray = Ray::new(DVec3::ZERO, DVec3::X);
 
 /// Room of a queue: a vector that is not full, and another one.
 const ROOM: usize = 2 * LANES;
@@ -86,22 +147,22 @@ impl PairQueue {
         Self { count: 0, rays: [0; ROOM], leaves: [0; ROOM], fields: [[0.0; ROOM]; FIELDS] }
     }
 
-    /// Appends the pairs in the mask of one leaf with eight rays. There must be room for a vector.
+    /// Appends the pairs in the mask. There must be room for a vector.
     #[inline(always)]
     fn push<S: Simd>(
         &mut self,
         simd: S,
         mask: u32,
         ids: &[u32; LANES],
-        leaf: u32,
+        leaves: &[BvhLeaf; LANES],
         fields: [S::Wide; FIELDS],
     ) {
         let at = self.count;
-        if let Some(slots) = self.rays.get_mut(at..).and_then(|rest| rest.first_chunk_mut()) {
-            simd.compress_ids(mask, ids, slots);
-        }
-        if let Some(slots) = self.leaves.get_mut(at..).and_then(|rest| rest.first_chunk_mut::<LANES>()) {
-            *slots = [leaf; LANES];
+        let ordinals = leaves.map(|leaf| leaf.ordinal() as u32);
+        for (list, lanes) in [(&mut self.rays, ids), (&mut self.leaves, &ordinals)] {
+            if let Some(slots) = list.get_mut(at..).and_then(|rest| rest.first_chunk_mut()) {
+                simd.compress_ids(mask, lanes, slots);
+            }
         }
         for (list, field) in self.fields.iter_mut().zip(fields) {
             if let Some(slots) = list.get_mut(at..).and_then(|rest| rest.first_chunk_mut()) {
@@ -143,49 +204,59 @@ struct StreamSearcher<'a> {
     hits: &'a mut [Option<Hit>],
     any: bool,
     /// Rays that have met a box, by their slots.
-    lines: Vec<CompactLine>,
-    queue: PairQueue,
-    scratch: SearchScratch,
+    lines: &'a mut Vec<CompactLine>,
+    queue: &'a mut PairQueue,
+    net: &'a mut NetBuffer,
+    search: &'a mut SearchScratch,
 }
 
 impl StreamVisitor for StreamSearcher<'_> {
     #[inline(always)]
-    fn prepare<S: Simd>(&mut self, _: S, ids: &[u32], rays: &mut [CompactRay]) {
-        for &id in ids {
-            if let (Some(ray), Some(bounded)) = (rays.get_mut(id as usize), self.bounded.get(id as usize)) {
-                ray.slot = self.lines.len() as u32;
-                self.lines.push(CompactLine::new(&self.surface.frame, &bounded.ray));
+    fn prepare<S: Simd>(&mut self, simd: S, ids: &[u32], rays: &mut [CompactRay]) {
+        for chunk in ids.chunks(LANES) {
+            let mut eight = [&NO_RAY; LANES];
+            for ((&id, eight), slot) in chunk.iter().zip(&mut eight).zip(self.lines.len() as u32..) {
+                if let (Some(ray), Some(bounded)) = (rays.get_mut(id as usize), self.bounded.get(id as usize))
+                {
+                    ray.slot = slot;
+                    *eight = &bounded.ray;
+                }
             }
+            let lines = CompactLine::eight(simd, &self.surface.frame, &eight);
+            self.lines.extend_from_slice(lines.get(..chunk.len()).unwrap_or_default());
         }
     }
 
     #[inline(always)]
     fn leaf<S: Simd>(&mut self, simd: S, leaf: BvhLeaf, ids: &[u32], rays: &mut [CompactRay]) {
-        let ordinal = leaf.ordinal() as u32;
-        let Some(leaf) = self.surface.leaves.get(leaf.ordinal()) else { return };
+        let Some(found) = self.surface.leaves.get(leaf.ordinal()) else { return };
+        let (lanes, leaves) = (LeafLanes::splat(simd, found), [leaf; LANES]);
         for chunk in ids.chunks(LANES) {
             let mut eight = [chunk[0]; LANES];
             eight[..chunk.len()].copy_from_slice(chunk);
-            let projection = leaf.project_lanes(simd, &self.spaces(simd, &eight, rays));
-            let met = projection.met & first_lanes(chunk.len());
-            let (a, b, start) = (projection.a, projection.b, projection.start);
-            let mut hard = met & !projection.certified;
-            while hard != 0 {
-                let k = hard.trailing_zeros() as usize;
-                hard &= hard - 1;
-                self.search(simd, leaf, eight[k & (LANES - 1)], rays);
-            }
-            let easy = met & projection.certified;
-            if easy != 0 {
-                let (q, per) = (projection.q, projection.inverse_determinant);
-                let fields = [a[0], a[1], b[0], b[1], q, per, start[0], start[1]];
-                self.queue.push(simd, easy, &eight, ordinal, fields);
-                if self.queue.count >= LANES {
-                    simd.outlined(Solve { searcher: &mut *self, rays: &mut *rays, mask: first_lanes(LANES) });
-                    self.queue.pop();
-                }
+            self.examine(simd, first_lanes(chunk.len()), &lanes, &leaves, &eight, rays);
+        }
+    }
+
+    #[inline(always)]
+    fn pairs<S: Simd>(
+        &mut self,
+        simd: S,
+        leaves: &[BvhLeaf; LANES],
+        ids: &[u32; LANES],
+        count: usize,
+        rays: &mut [CompactRay],
+    ) {
+        let surface = self.surface;
+        let Some(first) = surface.leaves.get(leaves[0].ordinal()) else { return };
+        let (mut found, mut eight) = ([first; LANES], [ids[0]; LANES]);
+        for (k, (leaf, id)) in leaves.iter().zip(ids).enumerate().take(count) {
+            if let Some(leaf) = surface.leaves.get(leaf.ordinal()) {
+                (found[k], eight[k]) = (leaf, *id);
             }
         }
+        let lanes = LeafLanes::new(simd, &found);
+        self.examine(simd, first_lanes(count), &lanes, leaves, &eight, rays);
     }
 
     #[inline(always)]
@@ -223,9 +294,42 @@ impl StreamSearcher<'_> {
         RaySpaceLanes::new(simd, &self.surface.frame, lines)
     }
 
+    /// Projects eight leaves along their rays; queues or searches the pairs in the mask that may meet.
+    #[inline(always)]
+    fn examine<S: Simd>(
+        &mut self,
+        simd: S,
+        mask: u32,
+        lanes: &LeafLanes<S>,
+        leaves: &[BvhLeaf; LANES],
+        ids: &[u32; LANES],
+        rays: &mut [CompactRay],
+    ) {
+        let projection = lanes.project(simd, &self.spaces(simd, ids, rays));
+        let met = mask & projection.met;
+        let mut hard = met & !projection.certified;
+        while hard != 0 {
+            let k = hard.trailing_zeros() as usize & (LANES - 1);
+            hard &= hard - 1;
+            if let Some(leaf) = self.surface.leaves.get(leaves[k].ordinal()) {
+                self.search_one(simd, leaf, ids[k], rays);
+            }
+        }
+        let easy = met & projection.certified;
+        if easy != 0 {
+            let ProjectionLanes { a, b, q, inverse_determinant: per, start, .. } = projection;
+            let fields = [a[0], a[1], b[0], b[1], q, per, start[0], start[1]];
+            self.queue.push(simd, easy, ids, leaves, fields);
+            if self.queue.count >= LANES {
+                simd.outlined(Solve { searcher: &mut *self, rays: &mut *rays, mask: first_lanes(LANES) });
+                self.queue.pop();
+            }
+        }
+    }
+
     /// Searches a leaf for the roots of one ray.
     #[inline(always)]
-    fn search<S: Simd>(&mut self, simd: S, leaf: &PatchLeaf, id: u32, rays: &mut [CompactRay]) {
+    fn search_one<S: Simd>(&mut self, simd: S, leaf: &PatchLeaf, id: u32, rays: &mut [CompactRay]) {
         let surface = self.surface;
         let space = self.line(id, rays).space(&surface.frame);
         let Some(projection) = leaf.project(simd, &space) else { return };
@@ -234,12 +338,12 @@ impl StreamSearcher<'_> {
             leaf,
             projection: &projection,
             space: &space,
-            scratch: &mut self.scratch,
+            scratch: &mut *self.search,
         };
         if let Some(root) = simd.outlined(search) {
             self.add(leaf, id, space.line.t(root.s), root.at, rays);
         } else {
-            while let Some(root) = self.scratch.roots.pop() {
+            while let Some(root) = self.search.roots.pop() {
                 self.add(leaf, id, space.line.t(root.s), root.at, rays);
             }
         }
@@ -281,7 +385,7 @@ impl Task for Solve<'_, '_> {
     fn run<S: Simd>(self, simd: S) {
         let Self { searcher, rays, mask } = self;
         let surface = searcher.surface;
-        let queue = &searcher.queue;
+        let queue = &*searcher.queue;
         let (Some(ids), Some(ordinals)) =
             (queue.rays.first_chunk::<LANES>().copied(), queue.leaves.first_chunk::<LANES>().copied())
         else {
@@ -302,7 +406,7 @@ impl Task for Solve<'_, '_> {
         let roots = match &surface.subpatches {
             SubpatchList::Polynomial(list) => solve_bicubic(simd, list, &leaves, &pairs),
             SubpatchList::Rational(list) => solve_bicubic(simd, list, &leaves, &pairs),
-            SubpatchList::General(_) => None,
+            SubpatchList::General(list) => net_lanes::roots(simd, searcher.net, list, &leaves, &pairs),
         };
         let mut hard = mask;
         if let Some(RootLanes { converged, excluded, s, at }) = roots {
@@ -319,7 +423,7 @@ impl Task for Solve<'_, '_> {
         while hard != 0 {
             let k = hard.trailing_zeros() as usize & (LANES - 1);
             hard &= hard - 1;
-            searcher.search(simd, leaves[k], ids[k], rays);
+            searcher.search_one(simd, leaves[k], ids[k], rays);
         }
     }
 }

@@ -345,13 +345,17 @@ fn every_instruction_set_gives_the_same_bits() {
         let mut answers = Vec::new();
         for isa in Isa::all() {
             surface.bvh = surface.bvh.clone().with_isa(isa);
-            let mut hits = Vec::new();
+            let (mut hits, mut rays) = (Vec::new(), Vec::new());
             for k in 0..2000 {
                 let (a, b) = (f64::from(k % 50) * 0.1, f64::from(k / 50) * 0.1);
                 let ray = Ray::new(DVec3::new(a, b, 4.0), DVec3::new(0.3 * b, 0.2 * a - 0.4, -4.0));
                 surface.all_hits(&ray, f64::INFINITY, &mut hits);
                 hits.extend(surface.intersect(&ray, f64::INFINITY));
+                rays.push(ray.into());
             }
+            let mut closest = Vec::new();
+            surface.closest_batch(&rays, &mut closest);
+            hits.extend(closest.into_iter().flatten());
             answers.push(hits);
         }
         assert!(answers[0].len() > 500, "{}", answers[0].len());

@@ -470,8 +470,7 @@ mod x86 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Isa, Simd, Task};
-    use super::*;
+    use super::super::{Isa, Portable, Simd, Task};
 
     /// Every operation on lanes that look random, as bits.
     struct Operations;
@@ -524,7 +523,7 @@ mod tests {
 
     #[test]
     fn every_instruction_set_gives_the_same_lanes() {
-        let portable = Isa::Portable(super::super::Portable).run(Operations);
+        let portable = Isa::Portable(Portable).run(Operations);
         for isa in Isa::all() {
             assert_eq!(isa.run(Operations), portable, "{isa:?}");
         }
