@@ -142,9 +142,9 @@ impl<S: Simd> NetLanes<'_, S> {
         ]
     }
 
-    /// The surface at a point of the leaf.
+    /// The surface at a point of the leaf; its derivatives are zero if they are not `WANTED`.
     #[inline(always)]
-    fn surface(&self, simd: S, x: [S::Wide; 2]) -> SurfaceLanes<S> {
+    fn surface<const WANTED: bool>(&self, simd: S, x: [S::Wide; 2]) -> SurfaceLanes<S> {
         let [u, v] = self.at(simd, x);
         let (p, q) = self.degrees;
         let (by_u, by_v) = (BasisLanes::new(simd, p, u), BasisLanes::new(simd, q, v));
@@ -157,22 +157,28 @@ impl<S: Simd> NetLanes<'_, S> {
                 for k in 0..4 {
                     let coordinate = simd.load8(&point[k]);
                     along[k] = simd.mul_add8(coordinate, value, along[k]);
-                    rise[k] = simd.mul_add8(coordinate, derivative, rise[k]);
+                    if WANTED {
+                        rise[k] = simd.mul_add8(coordinate, derivative, rise[k]);
+                    }
                 }
             }
             let (value, derivative) = (by_u.values[i], by_u.derivatives[i]);
             for k in 0..4 {
                 h[k] = simd.mul_add8(along[k], value, h[k]);
-                hu[k] = simd.mul_add8(along[k], derivative, hu[k]);
-                hv[k] = simd.mul_add8(rise[k], value, hv[k]);
+                if WANTED {
+                    hu[k] = simd.mul_add8(along[k], derivative, hu[k]);
+                    hv[k] = simd.mul_add8(rise[k], value, hv[k]);
+                }
             }
         }
         let per = simd.div8(simd.splat8(1.0), h[3]);
         let (mut s, mut su, mut sv) = ([zero; 3], [zero; 3], [zero; 3]);
         for k in 0..3 {
             s[k] = simd.mul8(h[k], per);
-            su[k] = simd.mul8(simd.sub8(hu[k], simd.mul8(s[k], hu[3])), per);
-            sv[k] = simd.mul8(simd.sub8(hv[k], simd.mul8(s[k], hv[3])), per);
+            if WANTED {
+                su[k] = simd.mul8(simd.sub8(hu[k], simd.mul8(s[k], hu[3])), per);
+                sv[k] = simd.mul8(simd.sub8(hv[k], simd.mul8(s[k], hv[3])), per);
+            }
         }
         SurfaceLanes { s, su, sv }
     }
@@ -180,7 +186,7 @@ impl<S: Simd> NetLanes<'_, S> {
     /// The map to the plane across the rays.
     #[inline(always)]
     fn jet(&self, simd: S, pairs: &PairLanes<S>, x: [S::Wide; 2]) -> JetLanes<S> {
-        let SurfaceLanes { s, su, sv } = self.surface(simd, x);
+        let SurfaceLanes { s, su, sv } = self.surface::<true>(simd, x);
         let from = from(simd, pairs, s);
         let [a, b] = pairs.rays.axes;
         let [hu, hv] = self.half;
@@ -229,7 +235,7 @@ pub(super) fn roots<S: Simd>(
     let bounds =
         BoundLanes { noise: pairs.rays.noise, curvature_bound: simd.load8(curvature), weights: [one; 2] };
     let (converged, excluded, x) = contract(simd, &net, pairs, &bounds);
-    let s = net.surface(simd, x).s;
+    let s = net.surface::<false>(simd, x).s;
     let s = dot3(simd, pairs.rays.direction, from(simd, pairs, s));
     Some(RootLanes { converged, excluded, s, at: net.at(simd, x) })
 }
