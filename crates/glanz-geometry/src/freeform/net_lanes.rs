@@ -255,9 +255,9 @@ fn contract<S: Simd>(
     let unsure =
         [simd.mul8(simd.sqrt8(dot2(simd, b, b)), factor), simd.mul8(simd.sqrt8(dot2(simd, a, a)), factor)];
     let most_unsure = simd.max8(unsure[0], unsure[1]);
-    let mut x = [one; 2];
-    for k in 0..2 {
-        x[k] = simd.min8(simd.max8(pairs.start[k], minus), one);
+    let mut x = pairs.start;
+    for x in &mut x {
+        *x = simd.min8(simd.max8(*x, minus), one);
     }
     let mut last = simd.splat8(f64::INFINITY);
     let (mut open, mut converged, mut excluded, mut root) = (pairs.mask, 0, 0, x);
