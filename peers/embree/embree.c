@@ -114,7 +114,8 @@ static RTCScene build(RTCDevice device, const Mesh *mesh, int robust, double *cl
   return scene;
 }
 
-typedef enum { CLOSEST, ANY, PICTURE, DUMP } Query;
+// The last four take packets of 16 rays, the last two with the flag for coherent ones.
+typedef enum { CLOSEST, ANY, PICTURE, DUMP, CLOSEST_16, ANY_16, CLOSEST_16_COHERENT, ANY_16_COHERENT } Query;
 
 typedef struct {
   RTCScene scene;
@@ -136,6 +137,36 @@ static float grey(const Mesh *mesh, const struct RTCRayHit *q) {
   return fabsf(x * q->ray.dir_x + y * q->ray.dir_y + z * q->ray.dir_z) / sqrtf(x * x + y * y + z * z);
 }
 
+// Rays 16 at a time.
+static void work_in_packets(Job *job, struct RTCIntersectContext *context) {
+  int any = job->query == ANY_16 || job->query == ANY_16_COHERENT;
+  if (job->query >= CLOSEST_16_COHERENT) context->flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  for (unsigned first = 0; first < job->count; first += 16) {
+    __attribute__((aligned(64))) int valid[16];
+    __attribute__((aligned(64))) struct RTCRayHit16 q;
+    for (unsigned k = 0; k < 16; k++) {
+      valid[k] = first + k < job->count ? -1 : 0;
+      const float *r = job->rays + 6ul * (valid[k] ? first + k : first);
+      q.ray.org_x[k] = r[0], q.ray.org_y[k] = r[1], q.ray.org_z[k] = r[2];
+      q.ray.dir_x[k] = r[3], q.ray.dir_y[k] = r[4], q.ray.dir_z[k] = r[5];
+      q.ray.tnear[k] = 0, q.ray.tfar[k] = INFINITY, q.ray.time[k] = 0;
+      q.ray.mask[k] = -1, q.ray.id[k] = 0, q.ray.flags[k] = 0;
+      q.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID, q.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+    }
+    if (any) {
+      rtcOccluded16(valid, job->scene, context, &q.ray);
+    } else {
+      rtcIntersect16(valid, job->scene, context, &q);
+    }
+    for (unsigned k = 0; k < 16; k++) {
+      if (!valid[k]) continue;
+      int hit = any ? q.ray.tfar[k] < 0 : q.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID;
+      job->hits += hit;
+      if (hit && !any) job->sum += q.ray.tfar[k];
+    }
+  }
+}
+
 static void *work(void *argument) {
   Job *job = argument;
   double start = seconds(CLOCK_THREAD_CPUTIME_ID);
@@ -146,6 +177,11 @@ static void *work(void *argument) {
   rtcInitIntersectContext(&context);
   unsigned long hits = 0;
   double sum = 0;
+  if (job->query >= CLOSEST_16) {
+    work_in_packets(job, &context);
+    job->time = seconds(CLOCK_THREAD_CPUTIME_ID) - start;
+    return NULL;
+  }
   for (unsigned i = 0; i < job->count; i++) {
     const float *r = job->rays + 6ul * i;
     struct RTCRayHit q;
@@ -176,8 +212,8 @@ static void *work(void *argument) {
 }
 
 static Query query_named(const char *name) {
-  const char *names[] = {"closest", "any", "picture", "dump"};
-  for (int i = 0; i < 4; i++)
+  const char *names[] = {"closest", "any", "picture", "dump", "closest16", "any16", "closest16coherent", "any16coherent"};
+  for (int i = 0; i < 8; i++)
     if (!strcmp(names[i], name)) return i;
   fail("no such query");
   return CLOSEST;
@@ -186,7 +222,7 @@ static Query query_named(const char *name) {
 static void answer(RTCScene scene, const Mesh *mesh, const Set *set, const char *folder, Query query, int threads) {
   pthread_t workers[64];
   Job jobs[64];
-  float *image = query >= PICTURE ? allocate(4, set->count) : NULL;
+  float *image = query == PICTURE || query == DUMP ? allocate(4, set->count) : NULL;
   if (query == PICTURE && !mesh->normals) fail("a picture needs normals");
   unsigned part = (set->count + threads - 1) / threads;
   double start = seconds(CLOCK_MONOTONIC);

@@ -12,6 +12,9 @@ is not timed, and cracks between patches with different grids are not closed, wh
 Both sides are programs that execute one task at a time, alternately, with one call per ray and one thread. The result is the
 ratio of the medians of processor time.
 
+Batches of Glanz are of 4096 rays: those of a camera in tiles, in random order, and random lines; Embree takes the same rays one by one and
+in packets of 16, with and without its flag for coherent ones.
+
 Tasks: rays of a camera (1920 x 1080) line by line ("coherent") and in random order ("shuffled"); the closest hit and any; the
 picture, which is the closest hits with their normals (Glanz: with all data that a renderer uses). The time to the picture is build
 and picture for Glanz; tessellation, build and picture for Embree. Memory is that of the surface (patches, leaves, hierarchy) for
@@ -32,6 +35,9 @@ sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 from sides import Side, build
 
 TASKS = [("coherent", "closest"), ("shuffled", "closest"), ("coherent", "any"), ("shuffled", "any"), ("coherent", "picture")]
+
+# Batches of Glanz beside single rays of both and Embree's packets of 16.
+BATCHED = [(rays, query) for query in ("closest", "any") for rays in ("tiles", "shuffled", "lines")]
 
 
 def measure(sides, rounds):
@@ -54,6 +60,27 @@ def measure(sides, rounds):
     return results
 
 
+def measure_batches(glanz, embree, rounds):
+    """The same for batches: rates of all ways, which take turns, and the ratios of the batch to Embree's."""
+    results = []
+    for rays, query in BATCHED:
+        ways = {"batch": (glanz, f"{query}_batch"), "single": (glanz, query), "Embree": (embree, query),
+                "packets": (embree, f"{query}16"), "coherent packets": (embree, f"{query}16coherent")}
+        rates, hits = {name: [] for name in ways}, {}
+        for _ in range(rounds):
+            for name, (side, task) in ways.items():
+                _, processors, count, hits[name], _ = side.ask(rays, task, 1)
+                rates[name].append(count / processors * 1e3)
+        medians = {name: statistics.median(rate) for name, rate in rates.items()}
+        ratios = {name: medians["batch"] / rate for name, rate in medians.items() if name != "batch"}
+        results.append({"rays": rays, "query": query, "million_rays_per_second": medians, "batch_over": ratios,
+                        "hits": hits, "each": rates})
+        print(f"  {rays:9} {query:8}" + "".join(f" {name} {rate:.2f}" for name, rate in medians.items())
+              + " | batch over" + "".join(f" {name} {ratio:.2f}" for name, ratio in ratios.items())
+              + f" | hits {hits['batch']} {hits['single']} {hits['Embree']}", flush=True)
+    return results
+
+
 def show(about):
     build, tessellate, embree = (1e3 * about[name] for name in ("build_s", "tessellate_s", "embree_build_s"))
     print(f"  build: {build:.3g} ms against {tessellate:.3g} + {embree:.3g} ms | memory: {about['bytes'] / 1e6:.3g} MB against"
@@ -67,12 +94,13 @@ def show(about):
 def run(model, programs, folder, arguments):
     """Compares both sides for one model."""
     glanz = Side("Glanz", [programs[0], folder, model, *arguments.size.split("x")])
-    embree = Side("Embree", [programs[1], folder, arguments.mode, 1, "coherent", "shuffled"])
+    embree = Side("Embree", [programs[1], folder, arguments.mode, 1, "coherent", "shuffled", "tiles", "lines"])
     about = json.loads(glanz.about)
     print(f"{model}: {about['patches']} patches, {about['leaves']} leaves | {about['triangles']} triangles, chord"
           f" {about['chord_of_size']:.1e} of the size, normals {about['normal_degrees']:.3f} degrees (facets"
           f" {about['facet_normal_degrees']:.2f})", flush=True)
     results = measure([glanz, embree], arguments.rounds)
+    batches = measure_batches(glanz, embree, arguments.rounds)
     builds = [embree.ask("mesh", "build", 1) for _ in range(max(arguments.rounds, 5))]
     about["embree_build_s"] = statistics.median(processors for _, processors, *_ in builds) * 1e-9
     about["embree_bytes"] = int(builds[-1][4]) + 12 * about["vertices"]
@@ -89,7 +117,7 @@ def run(model, programs, folder, arguments):
         (arguments.pictures / f"{model.replace(' ', '-')}.pgm").write_bytes((folder / "glanz.pgm").read_bytes())
     glanz.end()
     embree.end()
-    return {"model": model, "about": about, "embree": embree.about, "results": results}
+    return {"model": model, "about": about, "embree": embree.about, "results": results, "batches": batches}
 
 
 def main():

@@ -17,9 +17,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use glanz_geometry::freeform::SurfacePatch;
-use glanz_geometry::{RaySurface, Surface};
+use glanz_geometry::{BoundedRay, RaySurface, Surface};
 use glanz_math::Ray;
-use models::{Failure, Model, NAMES, Source, camera_rays, freeform, holes, shuffled};
+use models::{Failure, Model, NAMES, Source, camera_rays, freeform, holes, random_lines, shuffled, tiles};
 use tessellate::{Cells, Deviation, Mesh, deviation, fewest_cells, tessellate};
 
 /// Bounds on the tessellation: distance from the surface relative to the diagonal of its box, angle of the normal in degrees.
@@ -89,6 +89,26 @@ fn any(surface: &impl RaySurface, rays: &[Ray]) -> (u64, f64) {
     (rays.iter().filter(|ray| surface.occluded(ray, f64::INFINITY)).count() as u64, 0.0)
 }
 
+/// Number of rays of a batch.
+const BATCH: usize = 4096;
+
+fn closest_in_batches(surface: &Surface, rays: &[BoundedRay]) -> (u64, f64) {
+    let mut hits = Vec::new();
+    rays.chunks(BATCH).fold((0, 0.0), |sums, batch| {
+        surface.closest_batch(batch, &mut hits);
+        hits.iter().flatten().fold(sums, |(count, sum), hit| (count + 1, sum + hit.t))
+    })
+}
+
+fn any_in_batches(surface: &Surface, rays: &[BoundedRay]) -> (u64, f64) {
+    let mut occluded = Vec::new();
+    let count = rays.chunks(BATCH).map(|batch| {
+        surface.occluded_batch(batch, &mut occluded);
+        occluded.iter().filter(|&&hit| hit).count() as u64
+    });
+    (count.sum(), 0.0)
+}
+
 /// All hits of all rays, instead of the number of rays that hit.
 fn all(surface: &Surface, rays: &[Ray]) -> (u64, f64) {
     let mut hits = Vec::new();
@@ -111,13 +131,23 @@ fn picture(surface: &Surface, rays: &[Ray], grey: &mut Vec<f32>) -> (u64, f64) {
     (hits, grey.iter().map(|&x| f64::from(x)).sum())
 }
 
-fn answer(surface: &Surface, rays: &[Ray], query: &str, grey: &mut Vec<f32>) -> Result<(u64, f64), Failure> {
+/// A set of rays, also as a batch takes them.
+struct RaySet {
+    name: &'static str,
+    rays: Vec<Ray>,
+    bounded: Vec<BoundedRay>,
+}
+
+fn answer(surface: &Surface, set: &RaySet, query: &str, grey: &mut Vec<f32>) -> Result<(u64, f64), Failure> {
+    let RaySet { rays, bounded, .. } = set;
     // A scene also branches on the kind of its objects: one test per ray.
     Ok(match (query, surface) {
         ("closest", Surface::Freeform(freeform)) => closest(&**freeform, rays),
         ("any", Surface::Freeform(freeform)) => any(&**freeform, rays),
         ("closest", _) => closest(surface, rays),
         ("any", _) => any(surface, rays),
+        ("closest_batch", _) => closest_in_batches(surface, bounded),
+        ("any_batch", _) => any_in_batches(surface, bounded),
         ("all", _) => all(surface, rays),
         ("picture", _) => picture(surface, rays, grey),
         _ => return Err("no such query".into()),
@@ -249,9 +279,20 @@ fn run() -> Result<(), Failure> {
     write_mesh(folder, &mesh)?;
     write_spline(&folder.join("spline.json"), &model)?;
     let coherent = camera_rays(&surface.bounds(), pixels[0], pixels[1]);
-    let sets = [("shuffled", shuffled(coherent.clone())), ("coherent", coherent)];
-    for (name, rays) in &sets {
-        write_rays(&folder.join(name), rays)?;
+    let lines = random_lines(&surface.bounds(), coherent.len());
+    let sets = [
+        ("shuffled", shuffled(coherent.clone())),
+        ("tiles", tiles(&coherent, pixels.map(|n| n as usize))),
+        ("lines", lines),
+        ("coherent", coherent),
+    ];
+    let with_ends = |(name, rays): (&'static str, Vec<Ray>)| {
+        let bounded = rays.iter().map(|&ray| ray.into()).collect();
+        RaySet { name, rays, bounded }
+    };
+    let sets = sets.map(with_ends);
+    for set in &sets {
+        write_rays(&folder.join(set.name), &set.rays)?;
     }
     writeln!(out, "{}}}", about(&model, &surface, &mesh, &cells)?)?;
     let mut grey = Vec::new();
@@ -259,7 +300,8 @@ fn run() -> Result<(), Failure> {
         let line = line?;
         let words: Vec<&str> = line.split_whitespace().collect();
         let [set, query, times] = words[..] else { return Err("expected SET QUERY TIMES".into()) };
-        let (_, rays) = sets.iter().find(|(name, _)| *name == set).ok_or("no such set of rays")?;
+        let set = sets.iter().find(|known| known.name == set).ok_or("no such set of rays")?;
+        let rays = &set.rays;
         if query == "compare" {
             let undecided = freeform(&surface).map_or(0, |f| f.undecided());
             let text = compare(&surface, rays, size, &folder.join("t"))?;
@@ -269,7 +311,7 @@ fn run() -> Result<(), Failure> {
             let times = times.parse::<usize>()?;
             let (mut hits, mut sum) = (0, 0.0);
             for _ in 0..times {
-                (hits, sum) = answer(&surface, rays, query, &mut grey)?;
+                (hits, sum) = answer(&surface, set, query, &mut grey)?;
             }
             let processor = processor_time() - before;
             writeln!(out, "{} {processor} {} {hits} {sum}", clock.elapsed().as_nanos(), times * rays.len())?;

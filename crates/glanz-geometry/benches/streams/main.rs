@@ -12,14 +12,10 @@ use std::hint::black_box;
 use std::io::Write;
 
 use glanz_geometry::{BoundedRay, RaySurface, Surface};
-use glanz_math::{Bounds3, DVec3, Ray};
-use models::{Failure, Model, NAMES, camera_rays, shuffled};
+use models::{Failure, Model, NAMES, TILE, camera_rays, random_lines, shuffled, tiles};
 
 /// Size of the picture, pixels.
 const PICTURE: [usize; 2] = [960, 512];
-
-/// Side of a tile, pixels.
-const TILE: usize = 64;
 
 /// Rays of a batch.
 const BATCH: usize = TILE * TILE;
@@ -33,38 +29,6 @@ const SETS: [&str; 3] = ["tiles", "shuffled", "random lines"];
 /// Whether `name` is among the words, or none of its kind is.
 fn is_asked(name: &str, kind: &[&str], words: &[String]) -> bool {
     words.iter().any(|word| word == name) || !words.iter().any(|word| kind.contains(&word.as_str()))
-}
-
-fn tiles(lines: &[Ray]) -> Vec<Ray> {
-    let [width, height] = PICTURE;
-    let corners = (0..height).step_by(TILE).flat_map(|y| (0..width).step_by(TILE).map(move |x| (x, y)));
-    let pixels = corners.flat_map(|(x, y)| {
-        (y..y + TILE).flat_map(move |row| (x..x + TILE).map(move |column| row * width + column))
-    });
-    pixels.filter_map(|pixel| lines.get(pixel).copied()).collect()
-}
-
-/// Lines through two points of a ball around the surface.
-fn random_lines(bounds: &Bounds3, count: usize) -> Vec<Ray> {
-    let mut state = 1_u64;
-    let mut unit = || {
-        state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
-    let (center, radius) = (bounds.center(), 0.5 * bounds.diagonal().length());
-    let mut point = || loop {
-        let p = 2.0 * DVec3::new(unit(), unit(), unit()) - 1.0;
-        if p.length_squared() <= 1.0 {
-            return center + radius * p;
-        }
-    };
-    (0..count)
-        .map(|_| {
-            let (a, b) = (point(), point());
-            let direction = (b - a).normalize();
-            Ray::new(a - 2.0 * radius * direction, direction)
-        })
-        .collect()
 }
 
 fn median(mut times: Vec<f64>) -> f64 {
@@ -96,7 +60,7 @@ fn medians(mut single: impl FnMut(), mut batch: impl FnMut()) -> [f64; 2] {
 fn measure(name: &str, surface: &Surface, only: &[String], out: &mut impl Write) -> Result<(), Failure> {
     let camera = camera_rays(&surface.bounds(), PICTURE[0] as u32, PICTURE[1] as u32);
     let sets = [
-        (SETS[0], tiles(&camera)),
+        (SETS[0], tiles(&camera, PICTURE)),
         (SETS[1], shuffled(camera.clone())),
         (SETS[2], random_lines(&surface.bounds(), camera.len())),
     ];
