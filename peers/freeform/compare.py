@@ -71,6 +71,8 @@ def measure_batches(glanz, embree, rounds):
             for name, (side, task) in ways.items():
                 _, processors, count, hits[name], _ = side.ask(rays, task, 1)
                 rates[name].append(count / processors * 1e3)
+        if hits["batch"] != hits["single"]:
+            sys.exit(f"{rays} {query}: a batch has {hits['batch']} hits, single rays {hits['single']}")
         medians = {name: statistics.median(rate) for name, rate in rates.items()}
         ratios = {name: medians["batch"] / rate for name, rate in medians.items() if name != "batch"}
         results.append({"rays": rays, "query": query, "million_rays_per_second": medians, "batch_over": ratios,

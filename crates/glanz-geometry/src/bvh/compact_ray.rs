@@ -35,6 +35,12 @@ impl CompactRay {
         self.end = self.scale.end(t_max);
     }
 
+    /// Whether anything may still lie before its end.
+    #[inline(always)]
+    pub(crate) fn is_open(&self) -> bool {
+        self.end >= 0.0
+    }
+
     /// The signs of the direction, as bits: 1 where it is positive.
     #[inline(always)]
     pub(super) fn octant(&self) -> usize {

@@ -6,7 +6,7 @@
 //! marked `#[inline(always)]` and run through [`Isa::run`], which compiles one copy of it per instruction set; code that
 //! several such callers share is run through [`Simd::outlined`], which compiles one copy for all of them.
 //!
-//! One file in spite of its length: it holds all the unsafe code of the crate.
+//! All the unsafe code of the crate is here and in [`lanes`].
 //!
 //! All operations are the IEEE ones, lane by lane, so that every instruction set gives the same bits; the exception is
 //! [`Simd::mul_sub`], which may or may not round its product.
@@ -159,7 +159,8 @@ fn run_avx2_outlined<T: Task>(token: Avx2, task: T) -> T::Output {
     task.run(token)
 }
 
-// The instructions are those of AVX2; the compiler knows that they reach 32 registers here, and spills fewer.
+// Vectors of [`Simd`] are those of AVX2; the compiler knows that they reach 32 registers here, and spills fewer. Those of
+// [`LaneSimd`] have 512 bits.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq,avx512bw")]
 fn run_avx512<T: Task>(token: Avx512, task: T) -> T::Output {

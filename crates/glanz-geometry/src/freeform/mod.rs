@@ -124,7 +124,8 @@ impl Freeform {
         self.region.is_some()
     }
 
-    /// Number of searches since the surface was built that gave up a leaf, so that a root may be missing. Expected to be 0.
+    /// Number of searches since the surface was built that gave up a leaf, so that a root may be missing. Expected to be 0. A batch of
+    /// rays may search leaves that single rays skip behind a closer hit, and count those too, but none that all hits do not need.
     #[must_use]
     pub fn undecided(&self) -> u64 {
         self.undecided.load(Ordering::Relaxed)

@@ -5,7 +5,8 @@
 //! pairs go through the search for a single one. Each pair gives the same bits as in a query of one ray, and of all its roots a ray
 //! keeps the first by [`order`], so that answers depend neither on the other rays nor on the sequence of leaves. A leaf that is
 //! skipped because its box lies behind the closest hit has no root before it: every root is a point of the leaf within a few times
-//! the noise from the ray, far less than boxes are padded by.
+//! the noise from the ray, about 1e-13 of the size of the coordinates, and boxes are padded by 6e-8 of the extent of the surface. That
+//! holds up to some 1e5 extents from the origin of the coordinates.
 
 use std::cell::Cell;
 use std::sync::atomic;
@@ -60,9 +61,13 @@ impl Freeform {
     pub(super) fn any_hits(&self, rays: &[BoundedRay], occluded: &mut Vec<bool>) {
         let mut memory = BatchMemory::take();
         let mut hits = std::mem::take(&mut memory.hits);
-        self.batch(rays, true, &mut hits, &mut memory);
         occluded.clear();
-        occluded.extend(hits.iter().map(Option::is_some));
+        occluded.reserve(rays.len());
+        // Part by part, so that the memory that is kept does not grow with the batch.
+        for part in rays.chunks(PART) {
+            self.batch(part, true, &mut hits, &mut memory);
+            occluded.extend(hits.iter().map(Option::is_some));
+        }
         memory.hits = hits;
         memory.put_back();
     }
@@ -294,6 +299,16 @@ impl StreamSearcher<'_> {
         RaySpaceLanes::new(simd, &self.surface.frame, lines)
     }
 
+    /// The rays that may still have hits: those of which any hit counts end with the first.
+    #[inline(always)]
+    fn open(&self, ids: &[u32; LANES], rays: &[CompactRay]) -> u32 {
+        if !self.any {
+            return first_lanes(LANES);
+        }
+        let is_open = |id: &u32| rays.get(*id as usize).is_some_and(CompactRay::is_open);
+        ids.iter().enumerate().fold(0, |mask, (k, id)| mask | u32::from(is_open(id)) << k)
+    }
+
     /// Projects eight leaves along their rays; queues or searches the pairs in the mask that may meet.
     #[inline(always)]
     fn examine<S: Simd>(
@@ -306,7 +321,7 @@ impl StreamSearcher<'_> {
         rays: &mut [CompactRay],
     ) {
         let projection = lanes.project(simd, &self.spaces(simd, ids, rays));
-        let met = mask & projection.met;
+        let met = mask & projection.met & self.open(ids, rays);
         let mut hard = met & !projection.certified;
         while hard != 0 {
             let k = hard.trailing_zeros() as usize & (LANES - 1);

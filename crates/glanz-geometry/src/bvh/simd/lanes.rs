@@ -478,6 +478,7 @@ mod tests {
     impl Task for Operations {
         type Output = Vec<u64>;
 
+        #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Vec<u64> {
             let number = |i: usize, k: usize| ((i * 8 + k) as f64 * 0.618_034).fract() * 8.0 - 4.0;
             let rows: [[f64; 8]; 8] = std::array::from_fn(|i| std::array::from_fn(|k| number(i, k)));

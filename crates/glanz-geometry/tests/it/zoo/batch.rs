@@ -37,15 +37,22 @@ fn shuffled(mut rays: Vec<BoundedRay>) -> Vec<BoundedRay> {
 }
 
 /// Number of times that [`compare`] traces each ray.
-const QUERIES: u64 = 2 * (1 + 4 * 2);
+const QUERIES: u64 = 2 * (2 + 5 * 2);
 
-/// Compares batches of 1, 7, 64 and 4096 rays, in order and shuffled, with single rays, bit by bit.
+/// Compares batches of 1 to 9000 rays, in order and shuffled, with single rays, bit by bit.
 fn compare(name: &str, surface: &impl RaySurface, rays: Vec<BoundedRay>) {
     let (mut hits, mut occluded) = (Vec::new(), Vec::new());
     let bits = |hit: &Option<Hit>| hit.map(|h| (h.face, [h.t, h.u, h.v].map(f64::to_bits)));
     for rays in [rays.clone(), shuffled(rays)] {
         let single: Vec<_> = rays.iter().map(|b| surface.intersect(&b.ray, b.t_max)).collect();
-        for size in [1, 7, 64, 4096] {
+        for (bounded, single) in rays.iter().zip(&single) {
+            assert_eq!(
+                surface.occluded(&bounded.ray, bounded.t_max),
+                single.is_some(),
+                "{name}: {bounded:?}"
+            );
+        }
+        for size in [1, 7, 64, 4096, 9000] {
             for (part, single) in rays.chunks(size).zip(single.chunks(size)) {
                 surface.closest_batch(part, &mut hits);
                 surface.occluded_batch(part, &mut occluded);
@@ -102,4 +109,28 @@ fn long_batches_of_close_rays_give_the_bits_of_single_rays() {
         BoundedRay { ray: glanz_math::Ray::new(eye, to - eye), t_max }
     });
     compare(&tested.name, &tested.surface, rays.collect());
+}
+
+#[test]
+fn special_rays_have_the_answers_of_single_rays() {
+    use glanz_math::{DVec3, Ray};
+    let surfaces = collection::all();
+    let (first, second) = (&surfaces[0], surfaces.last().unwrap());
+    let at = first.center + DVec3::new(0.3, 0.2, 3.0) * first.size;
+    let origins = [at, DVec3::NAN, DVec3::INFINITY, DVec3::splat(1e30), first.center, DVec3::ZERO];
+    let directions =
+        [first.center - at, DVec3::ZERO, DVec3::NAN, DVec3::INFINITY, DVec3::X, -DVec3::Z * 1e-300];
+    let ends = [f64::INFINITY, 1.0, 0.0, -0.0, -1.0, f64::NEG_INFINITY, f64::NAN, f64::MIN_POSITIVE];
+    let mut rays = Vec::new();
+    for (origin, direction) in origins.iter().flat_map(|o| directions.iter().map(move |d| (*o, *d))) {
+        rays.extend(ends.map(|t_max| BoundedRay { ray: Ray::new(origin, direction), t_max }));
+    }
+    // Two surfaces in turns, which share the memory of the thread.
+    for _ in 0..2 {
+        compare(&first.name, &first.surface, rays.clone());
+        compare(&second.name, &second.surface, rays.clone());
+    }
+    let mut hits = vec![None; 3];
+    first.surface.closest_batch(&[], &mut hits);
+    assert!(hits.is_empty());
 }
