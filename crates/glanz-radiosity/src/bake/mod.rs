@@ -169,14 +169,12 @@ fn bake_by_radiosity(
     let mut indirect = Vec::with_capacity(charts.len());
     for numbers in (0..charts.len()).collect::<Vec<_>>().chunks(CHARTS_AT_ONCE) {
         progress.report(indirect.len() as f64 / charts.len() as f64, || state.clone())?;
-        let texels = |&number: &usize| gather.is_lit(number).then(|| reconstruction.texels(&charts[number]));
+        let texels = |&number: &usize| {
+            let light = gather.is_lit(number).then(|| reconstruction.texels(&charts[number]));
+            without_hidden_texels(&gather, &direct, number, light)
+        };
         indirect.extend(numbers.par_iter().map(texels).collect::<Vec<_>>());
     }
-    let indirect = indirect
-        .into_iter()
-        .enumerate()
-        .map(|(number, light)| without_hidden_texels(&gather, &direct, number, light));
-    let indirect: Vec<Vec<Option<Spectrum>>> = indirect.collect();
     Ok(light_maps(&gather, &direct, indirect))
 }
 

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::{ParametricPoint, PlacedSurface};
+use rayon::prelude::*;
 
 use super::lookup::SurfaceIndex;
 use super::solution::Solution;
@@ -97,7 +98,7 @@ impl<'a> Reconstruction<'a> {
             };
             spectrum(value.max(DVec3::ZERO))
         };
-        (0..chart.texels()).map(texel).collect()
+        (0..chart.texels()).into_par_iter().map(texel).collect()
     }
 
     /// The elements shown by a chart that are outside of solids, with their light.

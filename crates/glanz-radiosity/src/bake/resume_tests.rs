@@ -8,7 +8,7 @@ use glanz_scene::Scene;
 use glanz_scene::description::ShapeDescription;
 
 use super::*;
-use crate::elements::ElementSettings;
+use crate::elements::{ElementSettings, Patch};
 use crate::scenes::{parallelogram, scene, walls};
 
 const COARSE: BakeSettings =
@@ -207,5 +207,22 @@ fn stored_maps_equal_the_maps() {
     assert!(stored::from_bytes(&elements, 2.0 * COARSE.density, &bytes).is_none());
     for length in (0..bytes.len()).step_by(97) {
         assert!(stored::from_bytes(&elements, COARSE.density, &bytes[..length]).is_none());
+    }
+}
+
+#[test]
+fn stored_elements_that_overlap_or_leave_their_face_are_refused() {
+    use crate::elements::ParameterPatch;
+    let scene = room();
+    let elements = elements(&scene);
+    let method = BakeMethod::Radiosity { reconstruction: Interpolation::NaturalNeighbour };
+    let settings = BakeSettings { method, ..COARSE };
+    let whole = Patch { domain: ParameterPatch::SQUARE, ..elements.list[0].patch };
+    let wide = ParameterPatch::Rectangle { min: glanz_math::DVec2::ZERO, max: glanz_math::DVec2::splat(2.0) };
+    for patches in [vec![whole; 2], vec![Patch { domain: wide, ..whole }]] {
+        let solution = Some(patches.into_iter().map(|patch| (patch, None)).collect());
+        let state = BakeState { solution, ..BakeState::default() };
+        let refused = resume(state, &elements, &settings, &mut Silent, &CancelFlag::default());
+        assert_eq!(refused.err(), Some(BakeError::State));
     }
 }

@@ -1,5 +1,7 @@
 //! Elements whose size the hierarchical solver selects, with their indirect light.
 
+use std::collections::HashMap;
+
 use glanz_light::Spectrum;
 use glanz_math::DVec2;
 use glanz_scene::{Light, ParametricPoint};
@@ -20,15 +22,30 @@ const SHORTEST_SIDE: f64 = 2.0;
 /// Largest number of quarterings of an element to sample the direct light on it.
 const MAX_QUARTERINGS: f64 = 4.0;
 
+/// Area of parameters that elements of a side of a face may have in common, from rounding.
+const OVERLAP: f64 = 1e-6;
+
 /// Patches of the elements, with the indirect irradiance of each in units of radiance; `None` inside solids.
 pub(super) type Solution = Vec<(Patch, Option<Spectrum>)>;
 
-/// The elements of patches; `None` if a patch belongs to other surfaces.
+/// The elements of patches; `None` if a patch belongs to other surfaces, leaves the parameters of its face, or patches overlap: stored ones
+/// may say anything, and many large ones would fill the lookup of elements.
 pub(super) fn elements_of<'a>(
     elements: &Elements<'a>,
     patches: impl IndexedParallelIterator<Item = Patch>,
 ) -> Option<Elements<'a>> {
     let list: Option<Vec<Element>> = patches.map(|patch| elements.element(patch)).collect();
+    let mut areas: HashMap<(u32, u32, bool), f64> = HashMap::new();
+    for Element { patch, .. } in list.iter().flatten() {
+        let is_inside = |corner: &DVec2| corner.clamp(DVec2::ZERO, DVec2::ONE).distance(*corner) <= OVERLAP;
+        if !patch.domain.corners().iter().all(is_inside) {
+            return None;
+        }
+        *areas.entry((patch.surface, patch.face, patch.back)).or_default() += patch.domain.size();
+    }
+    if areas.values().any(|area| *area > 1.0 + OVERLAP) {
+        return None;
+    }
     let Elements { scene, left_out, .. } = *elements;
     Some(Elements { scene, surfaces: elements.surfaces.clone(), list: list?, left_out })
 }

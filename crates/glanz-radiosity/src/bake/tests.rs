@@ -15,7 +15,7 @@ use crate::solve::{GaussSeidelSettings, gauss_seidel};
 const COARSE: BakeSettings =
     BakeSettings { density: 6.0, rays: 256, shadow_rays: 256, method: BakeMethod::Gather };
 
-/// The other method, with the same direct light.
+/// The other method, with the same density and numbers of rays.
 const BY_RADIOSITY: BakeSettings = BakeSettings {
     method: BakeMethod::Radiosity { reconstruction: Interpolation::NaturalNeighbour },
     ..COARSE

@@ -60,10 +60,17 @@ pub(crate) fn of_many_samples(
 
 /// Divides a rectangle across its longer side at the median of the points until each part has at most [`MAX_SAMPLES`] of them.
 fn divide(mut points: Vec<DVec2>, [low, high]: [DVec2; 2], rectangles: &mut Vec<[DVec2; 2]>) {
+    if points.len() <= MAX_SAMPLES {
+        return rectangles.push([low, high]);
+    }
     let axis = usize::from(high.y - low.y > high.x - low.x);
     points.sort_by(|a, b| a[axis].total_cmp(&b[axis]));
-    let middle = points.get(points.len() / 2).map_or(low[axis], |point| point[axis]);
-    if points.len() <= MAX_SAMPLES || middle <= low[axis] || middle >= high[axis] {
+    let mut middle = points.get(points.len() / 2).map_or(low[axis], |point| point[axis]);
+    // Where most samples are on one side of the rectangle, it is halved instead.
+    if middle <= low[axis] || middle >= high[axis] {
+        middle = 0.5 * (low[axis] + high[axis]);
+    }
+    if middle <= low[axis] || middle >= high[axis] {
         return rectangles.push([low, high]);
     }
     let above = points.split_off(points.partition_point(|point| point[axis] < middle));
