@@ -1,11 +1,13 @@
 #![doc = include_str!("../README.md")]
 
 mod area;
+mod batch;
 mod builder;
 pub mod camera;
 pub mod description;
 pub mod diagnostic;
 pub mod error;
+mod hit;
 mod interaction;
 pub mod light;
 mod object;
@@ -22,6 +24,7 @@ pub use camera::{Camera, FilmProjection};
 pub use description::{Description, Location};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use error::{SceneError, SceneErrorKind, SceneWarning};
+pub use hit::SceneHit;
 pub use interaction::{Interaction, LightSampleContext};
 pub use light::{IncidentLight, Light, LightId, LightRay, LightSample, MAX_LIGHT_GROUPS};
 pub use object::SceneObject;

@@ -1,6 +1,6 @@
 //! Surfaces with their place in a group.
 
-use glanz_geometry::{Hit, RaySurface, Surface, SurfacePoint};
+use glanz_geometry::{BoundedRay, Hit, RaySurface, Surface, SurfacePoint};
 use glanz_math::{AreaPdf, Bounds3, DVec2, Ray, Transform};
 
 use std::sync::Arc;
@@ -118,7 +118,7 @@ impl SceneObject {
 
     /// The ray in the frame of the surface.
     #[inline]
-    fn local(&self, ray: &Ray) -> Ray {
+    pub(crate) fn local(&self, ray: &Ray) -> Ray {
         self.to_parent.as_ref().map_or(*ray, |t| t.inverse().ray(ray))
     }
 
@@ -126,6 +126,21 @@ impl SceneObject {
         match &self.to_parent {
             None => self.surface.intersect(ray, t_max),
             Some(_) => self.surface.intersect(&self.local(ray), t_max),
+        }
+    }
+
+    /// The closest hit of each ray, which [`SceneObject::local`] has moved to the frame of the surface.
+    pub(crate) fn closest_batch(&self, local: &[BoundedRay], hits: &mut Vec<Option<Hit>>) {
+        self.surface.closest_batch(local, hits);
+    }
+
+    /// Whether the object stops each ray, which [`SceneObject::local`] has moved to the frame of the surface.
+    pub(crate) fn occluded_batch(&self, local: &[BoundedRay], occluded: &mut Vec<bool>) {
+        if self.passable {
+            occluded.clear();
+            occluded.resize(local.len(), false);
+        } else {
+            self.surface.occluded_batch(local, occluded);
         }
     }
 

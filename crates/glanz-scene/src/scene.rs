@@ -9,6 +9,7 @@ use glanz_math::{Bounds3, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
 use glanz_shading::{Material, Textures};
 
 use crate::camera::Camera;
+use crate::hit::{NearestHit, SceneHit};
 use crate::interaction::{Interaction, LightSampleContext};
 use crate::light::{Light, LightId, LightSample, LightSelector};
 use crate::object::SceneObject;
@@ -34,6 +35,16 @@ pub(crate) struct SceneGroup {
     pub(crate) placed_before: Vec<u32>,
 }
 
+impl SceneGroup {
+    /// A primitive by its number: those without a box come first.
+    pub(crate) fn primitive(&self, number: usize) -> Primitive {
+        match number.checked_sub(self.unbounded.len()) {
+            Some(index) => self.bounded[index],
+            None => self.unbounded[number],
+        }
+    }
+}
+
 /// A copy of a group.
 #[derive(Clone, Debug)]
 pub(crate) struct Instance {
@@ -45,33 +56,6 @@ pub(crate) struct Instance {
 pub(crate) enum Primitive {
     Object(u32),
     Instance(u32),
-}
-
-/// Indices of the instances that lead to an object, from the innermost outwards.
-#[derive(Clone, Copy, Debug, Default)]
-struct InstancePath {
-    instances: [u32; MAX_NESTING],
-    length: usize,
-}
-
-impl InstancePath {
-    fn push(&mut self, instance: u32) {
-        if let Some(slot) = self.instances.get_mut(self.length) {
-            *slot = instance;
-            self.length += 1;
-        }
-    }
-
-    fn outermost_first(&self) -> impl Iterator<Item = u32> + '_ {
-        self.instances[..self.length].iter().rev().copied()
-    }
-}
-
-#[derive(Clone, Copy, Debug)]
-struct SceneHit {
-    hit: Hit,
-    object: u32,
-    path: InstancePath,
 }
 
 /// A scene in which nothing can be invalid and nothing changes.
@@ -167,17 +151,13 @@ impl Scene {
     /// The first hit of the ray with `0 < t < t_max`.
     #[must_use]
     pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Interaction> {
-        let mut found = None;
-        self.closest(self.world(), ray, t_max, &mut found);
-        found.map(|found| self.interaction(ray, &found))
+        self.closest(self.world(), ray, t_max).map(|found| self.interaction(ray, &found))
     }
 
     /// As [`Scene::intersect`], with the point by its parameters.
     #[must_use]
     pub fn intersect_parametric(&self, ray: &Ray, t_max: f64) -> Option<(Interaction, ParametricPoint)> {
-        let mut found = None;
-        self.closest(self.world(), ray, t_max, &mut found);
-        let found = found?;
+        let found = self.closest(self.world(), ray, t_max)?;
         let mut group = self.world();
         let mut surface = found.object;
         for index in found.path.outermost_first() {
@@ -196,68 +176,68 @@ impl Scene {
         self.any(self.world(), ray, t_max)
     }
 
-    fn closest(&self, group: &SceneGroup, ray: &Ray, t_max: f64, found: &mut Option<SceneHit>) -> f64 {
-        let mut nearest = t_max;
-        for &primitive in &group.unbounded {
-            nearest = self.visit(group, primitive, ray, nearest, found);
+    fn closest(&self, group: &SceneGroup, ray: &Ray, t_max: f64) -> Option<SceneHit> {
+        let mut nearest = NearestHit::before(t_max);
+        for number in 0..group.unbounded.len() {
+            self.visit(group, number, ray, &mut nearest);
         }
-        group.bvh.closest(ray, nearest, |leaf, t| {
-            let mut t = t;
+        group.bvh.closest(ray, nearest.t, |leaf, _| {
             for &index in group.bvh.leaf(leaf) {
-                t = self.visit(group, group.bounded[index as usize], ray, t, found);
+                self.visit(group, group.unbounded.len() + index as usize, ray, &mut nearest);
             }
-            nearest = t;
-            t
+            nearest.t
         });
-        nearest
+        nearest.hit
     }
 
-    fn visit(
+    /// Offers the hit with a primitive, by its number.
+    pub(crate) fn visit(&self, group: &SceneGroup, number: usize, ray: &Ray, nearest: &mut NearestHit) {
+        let found = match group.primitive(number) {
+            Primitive::Object(object) => {
+                let hit = group.objects[object as usize].intersect(ray, nearest.end());
+                hit.map(|hit| SceneHit::new(hit, object))
+            }
+            Primitive::Instance(index) => {
+                let instance = &group.instances[index as usize];
+                let local = instance.to_parent.inverse().ray(ray);
+                let found = self.closest(&self.groups[instance.group], &local, nearest.end());
+                found.map(|found| found.within(index))
+            }
+        };
+        if let Some(found) = found {
+            nearest.offer(found, number);
+        }
+    }
+
+    fn any(&self, group: &SceneGroup, ray: &Ray, t_max: f64) -> bool {
+        let stops = |primitive: Primitive| self.is_stopped_by(group, primitive, ray, t_max);
+        group.unbounded.iter().any(|&primitive| stops(primitive))
+            || group.bvh.any(ray, t_max, |leaf| {
+                group.bvh.leaf(leaf).iter().any(|&index| stops(group.bounded[index as usize]))
+            })
+    }
+
+    /// Whether a primitive of `group` stops a ray.
+    pub(crate) fn is_stopped_by(
         &self,
         group: &SceneGroup,
         primitive: Primitive,
         ray: &Ray,
         t_max: f64,
-        found: &mut Option<SceneHit>,
-    ) -> f64 {
+    ) -> bool {
         match primitive {
-            Primitive::Object(object) => match group.objects[object as usize].intersect(ray, t_max) {
-                Some(hit) => {
-                    *found = Some(SceneHit { hit, object, path: InstancePath::default() });
-                    hit.t
-                }
-                None => t_max,
-            },
-            Primitive::Instance(index) => {
-                let instance = &group.instances[index as usize];
-                let local = instance.to_parent.inverse().ray(ray);
-                let t = self.closest(&self.groups[instance.group], &local, t_max, found);
-                if t < t_max
-                    && let Some(found) = found
-                {
-                    found.path.push(index);
-                }
-                t
-            }
-        }
-    }
-
-    fn any(&self, group: &SceneGroup, ray: &Ray, t_max: f64) -> bool {
-        let blocks = |primitive: Primitive| match primitive {
             Primitive::Object(object) => group.objects[object as usize].occluded(ray, t_max),
             Primitive::Instance(index) => {
                 let instance = &group.instances[index as usize];
                 let local = instance.to_parent.inverse().ray(ray);
                 self.any(&self.groups[instance.group], &local, t_max)
             }
-        };
-        group.unbounded.iter().any(|&p| blocks(p))
-            || group.bvh.any(ray, t_max, |leaf| {
-                group.bvh.leaf(leaf).iter().any(|&index| blocks(group.bounded[index as usize]))
-            })
+        }
     }
 
-    fn interaction(&self, ray: &Ray, found: &SceneHit) -> Interaction {
+    /// The point at a hit of this scene with this ray.
+    #[must_use]
+    pub fn interaction(&self, ray: &Ray, found: &SceneHit) -> Interaction {
         let mut group = self.world();
         let mut local = *ray;
         let mut maps = [Transform::IDENTITY; MAX_NESTING];

@@ -21,8 +21,9 @@
 //!
 //! Files: `build` (the binary tree), `collapse` (eight-wide nodes from it), `node` (a ray against a node), `traversal`
 //! (nearest first), `query` (closest hit, any hit and all hits of a surface), `stream` and `compact_ray` (many rays at
-//! once), `simd` (vector instructions and all the unsafe code).
+//! once), `batch` (the same for callers of other crates), `simd` (vector instructions and all the unsafe code).
 
+mod batch;
 mod build;
 mod collapse;
 mod compact_ray;
@@ -38,6 +39,7 @@ mod tests;
 use glanz_math::{Bounds3, Ray};
 use rayon::prelude::*;
 
+pub use self::batch::{BatchScratch, BatchVisitor};
 use self::build::{BinaryNode, BvhPrimitive};
 use self::collapse::WideTree;
 pub(crate) use self::compact_ray::CompactRay;

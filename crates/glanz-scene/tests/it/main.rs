@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its scene has failed")]
 
 mod area_lights;
+mod batch;
 mod emission;
 mod photometric;
 mod receivers;
