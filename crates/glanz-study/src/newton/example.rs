@@ -37,7 +37,7 @@ pub(crate) fn fan_ray(n: i32, i: i32, j: i32) -> Ray {
     Ray::new(DVec3::new(0.0, 5.0, 5.0), v)
 }
 
-/// The ray of the example: of the grid with k = 5, not of that with k = 4 (ERRATA).
+/// The ray of the example. Its printed direction belongs to the grid with k = 5, not to that with k = 4 of the text (@pumberger2010 section 4.3).
 fn published_ray() -> Ray {
     fan_ray(31, 14, 13)
 }

@@ -125,7 +125,8 @@ mod tests {
 
     #[test]
     fn hull_of_the_patch_of_document_000_has_twelve_faces_on_eight_vertices() {
-        // ERRATA: 12 triangles, 8 hull vertices; coplanar ones share a plane.
+        // A polyhedron of triangles with 8 vertices has 2 * 8 - 4 = 12 faces, the number that the program of @pumberger2010 assumes for
+        // every patch; coplanar triangles share a plane here.
         let shape = crate::newton::patches::reflector(crate::newton::patches::TRUE_POINTS).unwrap();
         let hull = Hull::of(&shape.points());
         let corners = shape.points().into_iter().filter(|p| {
