@@ -12,9 +12,56 @@ use crate::file;
 /// Time between two checkpoints.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
 
+/// The methods of [`JobOptions`], which all builders have over their field `job`.
+macro_rules! job_methods {
+    ($lifetime:lifetime $(, $job:ident)?) => {
+        /// Runs with `count` threads; 0, the default, uses all processors. The result does not depend on the number.
+        pub fn threads(mut self, count: usize) -> Self {
+            self$(.$job)?.threads = count;
+            self
+        }
+
+        /// Saves the state of the job in this file, every 30 seconds and at the end; by default in none.
+        pub fn checkpoint(mut self, path: impl Into<Option<std::path::PathBuf>>) -> Self {
+            self$(.$job)?.checkpoint = path.into();
+            self
+        }
+
+        /// Whether to resume from the checkpoint if it exists; otherwise an existing one is an error.
+        pub fn resume(mut self, resume: bool) -> Self {
+            self$(.$job)?.resume = resume;
+            self
+        }
+
+        /// Reports the progress to `sink`.
+        pub fn on_progress(mut self, sink: &$lifetime mut (dyn glanz_job::ProgressSink + Send)) -> Self {
+            self$(.$job)?.sink = Some(sink);
+            self
+        }
+
+        /// Reports warnings and other events to `events` as they occur.
+        pub fn on_event(
+            mut self,
+            events: &$lifetime mut (dyn FnMut($crate::JobEvent<'_>) + Send),
+        ) -> Self {
+            self$(.$job)?.events = Some(events);
+            self
+        }
+
+        /// Ends the job when `flag` is raised.
+        pub fn cancel(mut self, flag: glanz_job::CancelFlag) -> Self {
+            self$(.$job)?.cancel = flag;
+            self
+        }
+    };
+}
+
+pub(crate) use job_methods;
+
 /// Options that every job takes.
 #[derive(Default)]
-pub(crate) struct JobOptions<'a> {
+#[must_use = "options have no effect before they are given to a builder"]
+pub struct JobOptions<'a> {
     /// 0: all processors of the machine.
     pub(crate) threads: usize,
     pub(crate) checkpoint: Option<PathBuf>,
@@ -23,6 +70,10 @@ pub(crate) struct JobOptions<'a> {
     pub(crate) sink: Option<&'a mut (dyn ProgressSink + Send)>,
     pub(crate) events: Option<&'a mut (dyn FnMut(JobEvent<'_>) + Send)>,
     pub(crate) warnings: Vec<Warning>,
+}
+
+impl<'a> JobOptions<'a> {
+    job_methods!('a);
 }
 
 impl JobOptions<'_> {
@@ -109,49 +160,3 @@ impl<State, W: FnMut(&Path, &State) -> Result<(), Error>> ProgressSink<State> fo
         }
     }
 }
-
-/// The methods that all builders have, over a field `job`.
-macro_rules! job_methods {
-    ($lifetime:lifetime) => {
-        /// Runs with `count` threads; 0, the default, uses all processors. The result does not depend on the number.
-        pub fn threads(mut self, count: usize) -> Self {
-            self.job.threads = count;
-            self
-        }
-
-        /// Saves the state of the job in this file, every 30 seconds and at the end; by default in none.
-        pub fn checkpoint(mut self, path: impl Into<Option<std::path::PathBuf>>) -> Self {
-            self.job.checkpoint = path.into();
-            self
-        }
-
-        /// Whether to resume from the checkpoint if it exists; otherwise an existing one is an error.
-        pub fn resume(mut self, resume: bool) -> Self {
-            self.job.resume = resume;
-            self
-        }
-
-        /// Reports the progress to `sink`.
-        pub fn on_progress(mut self, sink: &$lifetime mut (dyn glanz_job::ProgressSink + Send)) -> Self {
-            self.job.sink = Some(sink);
-            self
-        }
-
-        /// Reports warnings and other events to `events` as they occur.
-        pub fn on_event(
-            mut self,
-            events: &$lifetime mut (dyn FnMut($crate::JobEvent<'_>) + Send),
-        ) -> Self {
-            self.job.events = Some(events);
-            self
-        }
-
-        /// Ends the job when `flag` is raised.
-        pub fn cancel(mut self, flag: glanz_job::CancelFlag) -> Self {
-            self.job.cancel = flag;
-            self
-        }
-    };
-}
-
-pub(crate) use job_methods;

@@ -54,6 +54,7 @@ pub use event::{JobEvent, ResumedState, Warning};
 pub use illuminate::{IlluminateBuilder, IlluminateMethod, IlluminateOptions, IlluminateOutcome};
 #[cfg(all(feature = "illumination", feature = "formats"))]
 pub use illuminate::{LuxFolder, PlacedLux, check_far_field_path, save_comparison};
+pub use job_options::JobOptions;
 pub use loaded_scene::LoadedScene;
 #[cfg(feature = "viewer")]
 pub use overlay::LightOverlay;

@@ -14,6 +14,7 @@ mod tests;
 mod view;
 
 pub(crate) use bake::BakeArguments;
+pub(crate) use common::JobArguments;
 pub(crate) use compare::{CompareArguments, Metric};
 pub(crate) use illuminate::IlluminateArguments;
 pub(crate) use info::InfoArguments;

@@ -2,16 +2,14 @@
 
 use std::time::Instant;
 
-use glanz::radiosity::bake::BakeMethod;
-use glanz::{BakeOutcome, Error, LoadedScene, ModelFiles};
+use glanz::{BakeOutcome, Error, ModelFiles};
 use glanz_terminal::messages::{CommandError, Messages};
-use glanz_terminal::progress::Progress;
 use glanz_terminal::{CommandOutcome, interrupt};
 use serde::Serialize;
 
 use crate::arguments::BakeArguments;
 use crate::command_error::command_error;
-use crate::notes::note_event;
+use crate::job::run_job;
 use crate::report::{self, duration, plural};
 use crate::scene_file;
 
@@ -45,7 +43,12 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Comma
     let scene = scene_file::open(&arguments.scene.scene, strict, messages)?;
     let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
     let start = Instant::now();
-    let outcome = match baked(scene, arguments, method, messages)? {
+    let cancel = interrupt::listen()?;
+    let baked = run_job(scene, &arguments.job, cancel, messages, |scene, job| {
+        let bake = scene.bake().density(arguments.texels_per_metre).rays(arguments.rays);
+        bake.method(method).job(job).run()
+    });
+    let outcome = match baked {
         Ok(outcome) => outcome,
         Err(Error::Interrupted(_)) => {
             messages.note(&interrupted(arguments));
@@ -77,33 +80,6 @@ fn check_files(arguments: &BakeArguments) -> Result<(), Error> {
     glanz::check_model_path(&arguments.output)?;
     glanz::file::check_writable(&arguments.output)?;
     arguments.job.checkpoint.check()
-}
-
-fn baked(
-    scene: LoadedScene,
-    arguments: &BakeArguments,
-    method: BakeMethod,
-    messages: Messages,
-) -> Result<Result<BakeOutcome, Error>, CommandError> {
-    let cancel = interrupt::listen()?;
-    let name = scene.name().to_owned();
-    let mut progress = Progress::start(messages);
-    let mut events = |event: glanz::JobEvent<'_>| note_event(event, &name, messages);
-    let job = &arguments.job;
-    let outcome = scene
-        .bake()
-        .density(arguments.texels_per_metre)
-        .rays(arguments.rays)
-        .method(method)
-        .threads(job.threads.count())
-        .checkpoint(job.checkpoint.checkpoint.clone())
-        .resume(job.checkpoint.resume)
-        .cancel(cancel)
-        .on_progress(&mut progress)
-        .on_event(&mut events)
-        .run();
-    progress.finish();
-    Ok(outcome)
 }
 
 fn report_of(

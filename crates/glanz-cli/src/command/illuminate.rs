@@ -3,16 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use glanz::illumination::report::{LuxComparison, LuxReport};
-use glanz::job::{CancelFlag, JobEnd};
-use glanz::{Error, IlluminateOutcome, LoadedScene};
+use glanz::job::JobEnd;
+use glanz::{Error, IlluminateOutcome};
 use glanz_terminal::messages::{CommandError, Messages};
-use glanz_terminal::progress::Progress;
 use glanz_terminal::{CommandOutcome, interrupt};
 use serde::Serialize;
 
 use crate::arguments::IlluminateArguments;
 use crate::command_error::command_error;
-use crate::notes::note_event;
+use crate::job::run_job;
 use crate::report;
 use crate::scene_file;
 
@@ -42,7 +41,10 @@ pub(crate) fn run(
     for path in &paths {
         let scene = scene_file::open(path, arguments.job.strictness.strict, messages)?;
         warnings.extend(scene.diagnostics().iter().map(|diagnostic| diagnostic.sentence()));
-        let outcome = match illuminated(scene, arguments, &cancel, messages) {
+        let illuminated = run_job(scene, &arguments.job, cancel.clone(), messages, |scene, job| {
+            scene.illuminate().options(arguments.options()).job(job).run()
+        });
+        let outcome = match illuminated {
             Ok(outcome) => outcome,
             Err(Error::Interrupted(_)) => {
                 messages.note("interrupted; nothing was written");
@@ -80,30 +82,6 @@ fn check_files(arguments: &IlluminateArguments) -> Result<(), Error> {
     }
     arguments.job.checkpoint.check()?;
     glanz::file::make_folder(&arguments.output)
-}
-
-fn illuminated(
-    scene: LoadedScene,
-    arguments: &IlluminateArguments,
-    cancel: &CancelFlag,
-    messages: Messages,
-) -> Result<IlluminateOutcome, Error> {
-    let name = scene.name().to_owned();
-    let mut progress = Progress::start(messages);
-    let mut events = |event: glanz::JobEvent<'_>| note_event(event, &name, messages);
-    let job = &arguments.job;
-    let outcome = scene
-        .illuminate()
-        .options(arguments.options())
-        .threads(job.threads.count())
-        .checkpoint(job.checkpoint.checkpoint.clone())
-        .resume(job.checkpoint.resume)
-        .cancel(cancel.clone())
-        .on_progress(&mut progress)
-        .on_event(&mut events)
-        .run();
-    progress.finish();
-    outcome
 }
 
 /// The error, with the option that causes it.

@@ -2,18 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use glanz::job::{CancelFlag, JobEnd};
+use glanz::job::JobEnd;
 use glanz::transport::{AovSet, Film, GuideSize};
-use glanz::{Error, LoadedScene, Picture, RenderOptions};
+use glanz::{Error, LoadedScene, Picture};
 use glanz_terminal::CommandOutcome;
 use glanz_terminal::interrupt;
 use glanz_terminal::messages::{CommandError, Messages};
-use glanz_terminal::progress::Progress;
 use serde::Serialize;
 
 use crate::arguments::{RenderArguments, RenderCommandArguments};
 use crate::command_error::command_error;
-use crate::notes::note_event;
+use crate::job::run_job;
 use crate::outputs::{Outputs, default_path};
 use crate::report::{self, plural};
 use crate::scene_file;
@@ -109,7 +108,10 @@ pub(crate) fn render_scene(
         messages.warning(text);
         warnings.push(text.to_owned());
     }
-    let (picture, saved) = match rendered(scene, options, arguments, cancel, messages) {
+    let rendered = run_job(scene, &arguments.job, cancel, messages, |scene, job| {
+        scene.render().options(options).job(job).run()
+    });
+    let (picture, saved) = match rendered {
         Ok(picture) => (picture, Ok(())),
         Err(Error::Unsaved { picture, error }) => (*picture, Err(*error)),
         Err(Error::Interrupted(_)) => {
@@ -128,31 +130,6 @@ pub(crate) fn render_scene(
 fn check_files(arguments: &RenderArguments) -> Result<(), Error> {
     arguments.job.checkpoint.check()?;
     arguments.guide_out.as_deref().map_or(Ok(()), glanz::file::check_writable)
-}
-
-fn rendered(
-    scene: LoadedScene,
-    options: RenderOptions,
-    arguments: &RenderArguments,
-    cancel: CancelFlag,
-    messages: Messages,
-) -> Result<Picture, Error> {
-    let name = scene.name().to_owned();
-    let mut progress = Progress::start(messages);
-    let mut events = |event: glanz::JobEvent<'_>| note_event(event, &name, messages);
-    let job = &arguments.job;
-    let picture = scene
-        .render()
-        .options(options)
-        .threads(job.threads.count())
-        .checkpoint(job.checkpoint.checkpoint.clone())
-        .resume(job.checkpoint.resume)
-        .cancel(cancel)
-        .on_progress(&mut progress)
-        .on_event(&mut events)
-        .run();
-    progress.finish();
-    picture
 }
 
 /// The error, with the option that causes it.

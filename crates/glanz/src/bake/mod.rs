@@ -66,7 +66,13 @@ impl<'a> BakeBuilder<'a> {
         self
     }
 
-    job_methods!('a);
+    /// Replaces the options that every job takes.
+    pub fn job(mut self, options: JobOptions<'a>) -> Self {
+        self.job = options;
+        self
+    }
+
+    job_methods!('a, job);
 
     /// Bakes. A cancelled bake ends with [`Error::Interrupted`], after its checkpoint was written.
     ///

@@ -143,7 +143,13 @@ impl<'a> IlluminateBuilder<'a> {
         self
     }
 
-    job_methods!('a);
+    /// Replaces the options that every job takes.
+    pub fn job(mut self, options: JobOptions<'a>) -> Self {
+        self.job = options;
+        self
+    }
+
+    job_methods!('a, job);
 
     /// Calculates.
     ///
