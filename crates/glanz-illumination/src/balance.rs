@@ -1,4 +1,4 @@
-//! Balance of the flux of the lamps.
+//! Balance of the flux that the lights emit.
 
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
@@ -29,8 +29,7 @@ impl FluxBalance {
         ]
     }
 
-    /// Error of the balance as a fraction of the emitted flux: 0 if exact, infinity if light
-    /// came from nothing.
+    /// Error of the balance as a fraction of the emitted flux: 0 if exact, infinity if light ends but none is emitted.
     #[must_use]
     pub fn closes_to(&self) -> f64 {
         let missing = (self.emitted - self.ends().iter().map(|(_, lumens)| lumens).sum::<f64>()).abs();
@@ -57,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_missing_is_told_as_a_fraction_of_what_was_emitted() {
+    fn imbalance_is_a_fraction_of_the_emitted_flux() {
         let balance = FluxBalance {
             emitted: 1000.0,
             absorbed_by_receivers: 300.0,
@@ -65,7 +64,7 @@ mod tests {
             escaped: 80.0,
             given_up: 10.0,
         };
-        // 1000 - 990 of 1000; 10 too much are as bad.
+        // 1000 - 990 of 1000; an excess of 10 counts the same.
         assert_eq!(balance.closes_to(), 0.01);
         assert_eq!(FluxBalance { escaped: 100.0, ..balance }.closes_to(), 0.01);
         assert_eq!(FluxBalance { escaped: 90.0, ..balance }.closes_to(), 0.0);

@@ -1,4 +1,4 @@
-//! Luminous intensity of a whole optic, seen from far.
+//! Luminous intensity of a whole optic in the far field.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,7 +6,7 @@ use glanz_math::DVec3;
 
 /// Directions about an axis in C-planes and gamma angles, both in equal steps.
 ///
-/// The frame is that of a luminaire: gamma counts from -z, C about z from +x to +y. Values stand for the directions nearest to
+/// The frame is that of a luminaire: gamma is measured from -z, C about z from +x to +y. A value represents the directions nearest to
 /// (C, gamma); at gamma 0 and 180 degrees all planes share one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FarFieldGrid {

@@ -2,11 +2,11 @@
 //!
 //! # Modules
 //! - [`Receivers`] are grids of cells on surfaces of a scene; [`add_walls`] puts the scene into a room of them;
-//! - [`trace()`] sends particles from the lamps and counts what they bring, in a [`Tally`];
-//! - [`integrate::Reflections`] integrates over lamps and their images in mirrors, without chance;
-//! - a [`LuxMap`] holds illuminance over the cells of a receiver, with errors;
-//! - a [`FluxBalance`] says where the light went, a [`FarField`] in which directions it left the scene;
-//! - [`report`] tells people and programs of them: tables, pictures, contours, pages.
+//! - [`trace()`] traces particles from the lights and sums their flux in a [`Tally`];
+//! - [`integrate::Reflections`] integrates over emitters and their images in mirrors, deterministically;
+//! - a [`LuxMap`] holds the illuminance in the cells of a receiver, with errors;
+//! - a [`FluxBalance`] holds the emitted, absorbed and lost flux, a [`FarField`] the intensity of light that leaves the scene, by direction;
+//! - [`report`] turns them into tables, pictures, contours and pages.
 
 pub mod balance;
 pub mod far_field;

@@ -5,14 +5,14 @@ use glanz_math::DVec3;
 /// Illuminance in the cells of a receiver, row by row: cell (i, j) has number `j * cells[0] + i`.
 ///
 /// All lists have one value per cell. A cell without area, where trimming leaves nothing of it, has area 0, and its
-/// illuminance means nothing.
+/// illuminance is undefined.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LuxMap {
     /// Name of the receiver.
     pub name: String,
     /// Number of cells along the first and the second direction of the receiver.
     pub cells: [u32; 2],
-    /// Lengths of the receiver along both directions through its middle, metres: what a picture of it is to look like.
+    /// Lengths of the receiver along both directions through its middle, metres; the proportions of its picture.
     pub size: [f64; 2],
     /// Middles of the cells in the world, metres.
     pub positions: Vec<DVec3>,
@@ -20,12 +20,12 @@ pub struct LuxMap {
     pub areas: Vec<f64>,
     /// Mean illuminances, lx.
     pub lux: Vec<f64>,
-    /// Standard errors of `lux`, or for what is integrated bounds that are estimated, lx.
+    /// Standard errors of `lux`, lx; for integrated illuminance, estimated bounds of the error.
     pub errors: Vec<f64>,
 }
 
-/// What is said of a receiver as a whole. Minimum and maximum are those of means over cells. For programs the fields
-/// have their units behind their names: `mean_lux`, `area_m2`, `flux_lm`.
+/// Summary of a receiver. Minimum and maximum are those of means over cells. In JSON, the names of the fields
+/// end with their units: `mean_lux`, `area_m2`, `flux_lm`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct LuxSummary {
     /// Least illuminance, lx.
@@ -53,7 +53,7 @@ pub struct LuxSummary {
 }
 
 impl LuxMap {
-    /// Least, mean, largest, uniformities; all 0 for a receiver without area. Uniformities of darkness are 0.
+    /// Summary of the map; all 0 for a receiver without area. The uniformities of a dark receiver are 0.
     #[must_use]
     pub fn summary(&self) -> LuxSummary {
         let mut summary = LuxSummary { minimum: f64::INFINITY, ..LuxSummary::default() };
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn darkness_has_no_uniformity() {
+    fn uniformities_of_a_dark_receiver_are_zero() {
         let map = LuxMap {
             name: String::new(),
             cells: [1, 1],

@@ -6,7 +6,7 @@ use glanz_scene::description::{MaterialKind, ShapeDescription};
 
 /// Adds the walls of a box from the origin to `size`, metres, to the shapes of the world.
 ///
-/// They face inwards, absorb everything, and are receivers: "floor", "ceiling", "wall x=0" and so on.
+/// They face inwards, absorb all light, and are receivers with the names "floor", "ceiling", "wall x=0" and so on.
 pub fn add_walls(description: &mut Description, size: DVec3) {
     let material = description.materials.len();
     description.materials.push(MaterialKind::diffuse(0.0).into());

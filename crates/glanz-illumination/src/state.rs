@@ -1,4 +1,4 @@
-//! Tallies in bytes, to go on from.
+//! Tallies as bytes, for checkpoints.
 
 use glanz_sampling::exact::{SquareSum, WideSum};
 use glanz_transport::codec::{Decoder, Encoder};
@@ -8,7 +8,7 @@ use crate::receiver::Receivers;
 use crate::tally::{FarFieldSums, Tally, TallySums};
 
 impl Tally {
-    /// Appends the tally: number of particles, the six sums of where light went, then the lists of receivers, cells and directions,
+    /// Appends the tally: number of particles, the six sums of the flux balance, then the lists of receivers, cells and directions,
     /// each with its length.
     pub fn encode(&self, encoder: &mut Encoder) {
         encoder.u64(self.particles);
@@ -21,7 +21,7 @@ impl Tally {
         encode_list(self.far_field.as_ref().map_or(&[][..], |far_field| &far_field.bins), encoder);
     }
 
-    /// Reads what [`Tally::encode`] wrote for the same receivers and directions; `None` if malformed.
+    /// Reads the output of [`Tally::encode`] for the same receivers and directions; `None` if malformed.
     #[must_use]
     pub fn decode(
         decoder: &mut Decoder<'_>,
@@ -72,7 +72,7 @@ fn decode_list(decoder: &mut Decoder<'_>, wanted: usize) -> Option<Vec<TallySums
     if decoder.u64()? != wanted as u64 {
         return None;
     }
-    // Every entry takes 40 bytes: what is not there is not made room for.
+    // Every entry has 40 bytes: no more entries are allocated than the bytes can hold.
     if decoder.0.len() / 40 < wanted {
         return None;
     }

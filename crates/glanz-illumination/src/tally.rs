@@ -1,4 +1,4 @@
-//! Exact sums of the light that particles carry to receivers.
+//! Exact sums of the flux that particles carry to receivers.
 
 use glanz_light::units::photometric;
 use glanz_light::{Spectrum, Wavelengths};
@@ -10,7 +10,7 @@ use crate::far_field::{FarField, FarFieldGrid};
 use crate::lux_map::LuxMap;
 use crate::receiver::{ReceiverHit, Receivers};
 
-/// Sum and sum of squares of what single particles brought, lm.
+/// Sum and sum of squares of the contributions of single particles, lm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct TallySums {
     pub(crate) sum: WideSum,
@@ -19,7 +19,7 @@ pub(crate) struct TallySums {
 
 impl TallySums {
     fn add(&mut self, lumens: f64) {
-        // One rounding for both: squares are those of what is in the sum.
+        // The value is rounded once for both sums: the square is that of the rounded value.
         let lumens = lumens as f32;
         self.sum.add(f64::from(lumens));
         self.squares.add_square(lumens);
@@ -30,7 +30,7 @@ impl TallySums {
         self.squares.merge(other.squares);
     }
 
-    /// Mean of `particles`, of which most may have brought nothing, and its standard error.
+    /// Mean over `particles` particles, most of which may contribute nothing, and its standard error.
     pub(crate) fn mean(&self, particles: u64) -> (f64, f64) {
         if particles == 0 {
             return (0.0, 0.0);
@@ -42,15 +42,15 @@ impl TallySums {
     }
 }
 
-/// Sums of the light that particles carried to the receivers of a scene, and the balance of the rest.
+/// Sums of the flux that particles carried to the receivers of a scene, and the balance of the rest.
 ///
-/// Sums are exact: they depend on which particles were sent, not on order or threads. A particle that comes to a cell several
-/// times counts there as one, with all that it brought.
+/// Sums are exact: they depend on the traced particles, not on order or threads. The contributions of a particle that hits a cell several
+/// times count as one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tally {
     pub(crate) particles: u64,
     pub(crate) cells: Vec<TallySums>,
-    /// Of all cells of each receiver together.
+    /// Sums over all cells of each receiver.
     pub(crate) receivers: Vec<TallySums>,
     /// Light on the excluded sides of the receivers.
     pub(crate) other_sides: Vec<WideSum>,
@@ -70,7 +70,7 @@ pub(crate) struct FarFieldSums {
 }
 
 impl Tally {
-    /// Without particles. `far_field`: how escaped light is to be counted by direction, if it is.
+    /// A tally without particles. `far_field`: the grid by which escaped light is counted by direction, if requested.
     #[must_use]
     pub fn new(receivers: &Receivers, far_field: Option<FarFieldGrid>) -> Self {
         let zero = WideSum::default();
@@ -90,13 +90,13 @@ impl Tally {
         }
     }
 
-    /// Number of particles that were sent.
+    /// Number of traced particles.
     #[must_use]
     pub fn particles(&self) -> u64 {
         self.particles
     }
 
-    /// Adds what others brought to the same receivers.
+    /// Adds a tally of other particles for the same receivers.
     pub(crate) fn merge(&mut self, other: &Self) {
         self.particles += other.particles;
         let pairs = [(&mut self.cells, &other.cells), (&mut self.receivers, &other.receivers)];
@@ -114,7 +114,7 @@ impl Tally {
         }
     }
 
-    /// Mean lumens of what the lamps send, and where it went.
+    /// Mean emitted flux and where it ended, lm.
     #[must_use]
     pub fn balance(&self) -> FluxBalance {
         let mean =
@@ -128,13 +128,13 @@ impl Tally {
         }
     }
 
-    /// Lumens that come to a receiver, with their standard error.
+    /// Flux that a receiver receives, and its standard error, lm.
     #[must_use]
     pub fn received(&self, receiver: usize) -> (f64, f64) {
         self.receivers.get(receiver).map_or((0.0, 0.0), |sums| sums.mean(self.particles))
     }
 
-    /// Lumens that come to the side of a receiver that does not count.
+    /// Flux on the side of a receiver that is not counted, lm.
     #[must_use]
     pub fn on_other_side(&self, receiver: usize) -> f64 {
         let sum = self.other_sides.get(receiver).copied().unwrap_or_default();
@@ -143,9 +143,8 @@ impl Tally {
 
     /// Illuminance on every receiver.
     ///
-    /// Errors are standard errors of as many independent particles. Particles come from a sequence that spreads them better, so
-    /// that maps are closer to the truth than this says. A cell that no particle came to has the error that a single one would
-    /// have made.
+    /// Errors are the standard errors of the same number of independent particles. The particles come from a sequence that distributes them better, so
+    /// that the actual errors are smaller. The error of a cell without particles is that of a cell with a single one.
     #[must_use]
     pub fn lux_maps(&self, receivers: &Receivers) -> Vec<LuxMap> {
         let one = self.balance().emitted / self.particles.max(1) as f64;
@@ -172,7 +171,7 @@ impl Tally {
         receivers.as_slice().iter().enumerate().map(map).collect()
     }
 
-    /// Intensities of what escaped, if it was counted by direction.
+    /// Intensities of the escaped light, if it was counted by direction.
     #[must_use]
     pub fn far_field(&self) -> Option<FarField> {
         let far_field = self.far_field.as_ref()?;
@@ -186,7 +185,7 @@ impl Tally {
     }
 }
 
-/// Enters particles one after the other.
+/// Adds particles to a tally one after the other.
 pub(crate) struct ThreadTally<'a> {
     receivers: &'a Receivers,
     wavelengths: Wavelengths,
@@ -209,7 +208,7 @@ impl<'a> ThreadTally<'a> {
         photometric(flux, &self.wavelengths)
     }
 
-    /// The particle under way meets a surface.
+    /// Adds the hit of the current particle on a surface.
     pub(crate) fn arrival(&mut self, arrival: &Arrival<'_>) {
         let arrived = self.lumens(arrival.arrived);
         let absorbed = arrived - self.lumens(arrival.left);
@@ -226,7 +225,7 @@ impl<'a> ThreadTally<'a> {
         }
     }
 
-    /// The particle has ended; `None`: it never began.
+    /// Ends the current particle; `None` if it was not emitted.
     pub(crate) fn end(&mut self, flight: Option<&ParticlePath>) {
         self.tally.particles += 1;
         if let Some(flight) = flight {
@@ -253,7 +252,7 @@ impl<'a> ThreadTally<'a> {
         self.settle();
     }
 
-    /// Enters what the particle brought, cell by cell and receiver by receiver.
+    /// Adds the contributions of the particle, cell by cell and receiver by receiver.
     fn settle(&mut self) {
         if let [(receiver, cell, lumens)] = *self.brought.as_slice() {
             self.tally.cells[cell].add(lumens);
@@ -265,7 +264,7 @@ impl<'a> ThreadTally<'a> {
         for same in self.brought.chunk_by(|a, b| a.1 == b.1) {
             self.tally.cells[same[0].1].add(same.iter().map(|brought| brought.2).sum());
         }
-        // Cells of one receiver follow one another.
+        // Cells of one receiver are consecutive.
         for same in self.brought.chunk_by(|a, b| a.0 == b.0) {
             self.tally.receivers[same[0].0].add(same.iter().map(|brought| brought.2).sum());
         }

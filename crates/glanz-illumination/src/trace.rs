@@ -1,4 +1,4 @@
-//! Light by particles: from the lamps until it is absorbed.
+//! Particle tracing from the lights to the receivers.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -11,16 +11,16 @@ use glanz_transport::{Counters, send_particle};
 use crate::receiver::Receivers;
 use crate::tally::{Tally, ThreadTally};
 
-/// Particles that a thread takes at a time.
+/// Particles per work item of a thread.
 const BLOCK: u64 = 1 << 10;
 
-/// Wall time that a round aims at: after it there is news, and an interruption waits no longer.
+/// Wall time of a round, after which progress is reported and cancelling takes effect.
 const ROUND_SECONDS: f64 = 0.5;
 
 /// Particles of the first round.
 const FIRST_ROUND: u64 = 1 << 14;
 
-/// When to stop; whatever comes first.
+/// Conditions for the end; the first that is met ends the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TraceGoal {
     /// Particles in all, those of earlier runs included.
@@ -34,13 +34,13 @@ pub struct TraceGoal {
 /// Settings of particle tracing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TraceSettings {
-    /// Chooses the particles.
+    /// Seed of the particles.
     pub seed: u64,
-    /// Scattering events per particle at most.
+    /// Largest number of scattering events of a particle.
     pub max_events: u32,
     /// Threads; 0 for one per processor.
     pub threads: usize,
-    /// When to stop.
+    /// Conditions for the end.
     pub goal: TraceGoal,
 }
 
@@ -66,8 +66,8 @@ pub struct ThreadsError(#[from] pub rayon::ThreadPoolBuildError);
 
 /// Traces particles until a goal is reached and adds them to `tally`.
 ///
-/// Particles are numbered, and a run goes on after the last one of `tally`: what is brought depends on seed and number of
-/// particles alone, not on threads or interruptions. A cancelled run returns what it has, but at least one round of particles.
+/// Particles are numbered, and a run continues after the last one of `tally`: the sums depend on seed and number of
+/// particles alone, not on threads or interruptions. A cancelled run returns its sums so far, of at least one round of particles.
 /// The error in its progress is the largest of the relative standard errors that [`TraceGoal::error`] names.
 ///
 /// # Errors
@@ -94,7 +94,7 @@ pub fn trace(
             let remaining = settings.goal.remaining(done, error, elapsed, pace);
             let unit = ["particle", "particles"];
             let count = WorkCount { done, wanted: settings.goal.particles, unit };
-            let progress = JobProgress::by_time("particles from lamps", elapsed, remaining);
+            let progress = JobProgress::by_time("particles from lights", elapsed, remaining);
             sink.on_progress(&progress.with_count(count).with_error(error));
             if timer.is_due() {
                 sink.on_checkpoint(&tally);
@@ -136,12 +136,12 @@ impl TraceGoal {
             seconds = seconds.min(limit.saturating_sub(elapsed).as_secs_f64());
         }
         let length = ((pace * seconds) as u64).max(BLOCK);
-        // By error: not much more than needed, which the error of a few particles does not tell yet.
+        // Not many more than the error requires, which is uncertain after few particles.
         let length = if self.error.is_some() { length.min(done.max(FIRST_ROUND)) } else { length };
         self.particles.map_or(length, |wanted| length.min(wanted - done))
     }
 
-    /// Time until the end; `None` while nothing is known of it.
+    /// Time until the end; `None` if it is unknown.
     fn remaining(&self, done: u64, error: f64, elapsed: Duration, pace: Option<f64>) -> Option<Duration> {
         let mut seconds = f64::INFINITY;
         let by_pace = |particles: f64| particles / pace.unwrap_or(f64::INFINITY);
@@ -149,7 +149,7 @@ impl TraceGoal {
             seconds = seconds.min(by_pace(wanted.saturating_sub(done) as f64));
         }
         if let Some(goal) = self.error {
-            // The error falls with the root of their number.
+            // The error decreases with the square root of the number of particles.
             seconds = seconds.min(by_pace(done as f64 * ((error / goal).powi(2) - 1.0).max(0.0)));
         }
         if let Some(limit) = self.time {
@@ -159,7 +159,7 @@ impl TraceGoal {
     }
 }
 
-/// The particles of a range, over all threads of the pool.
+/// Traces the particles of a range with all threads of the pool.
 fn round(
     scene: &Scene,
     receivers: &Receivers,
@@ -195,7 +195,7 @@ fn round(
     all
 }
 
-/// The numbers of a particle: one sequence for every 2^32 of them.
+/// The sampler of a particle: one sequence for every 2^32 particles.
 fn particle_sampler(seed: u64, number: u64) -> PixelSampler {
     PixelSampler::new(SamplerKind::Sobol, 1, seed, [(number >> 32) as u32, 0], number as u32)
 }

@@ -1,20 +1,21 @@
 //! Projected solid angles by integrals along borders.
 //!
-//! What a surface of uniform radiance L sends to a place is L times the projected solid angle of the part of it above the horizon, and that is half the
-//! integral of n . (r x dr) / |r|^2 around this part, where r goes from the place to its border (@howell2011 section 5.5, after Lambert).
+//! The irradiance of a point by a surface of uniform radiance L is L times the projected solid angle of the part of the surface above the horizon. The
+//! projected solid angle is half the integral of n . (r x dr) / |r|^2 around this part, where r is the vector from the point to the border of the part
+//! (@howell2011 section 5.5, after Lambert).
 
 use glanz_math::DVec3;
 
 use super::rule::{integral, sharpened};
 
-/// Accuracy of what is integrated along arcs, relative to the sum of the amounts.
+/// Accuracy of integrals along arcs, relative to the sum of the absolute values.
 const ACCURACY: f64 = 1e-13;
-/// Times that an arc is halved.
+/// Largest number of bisections of an arc.
 const DEEPEST: u32 = 30;
-/// Pieces that an arc is integrated in at least.
+/// Smallest number of pieces in which an arc is integrated.
 const PIECES: u32 = 6;
 
-/// A place and the unit normal of the surface there.
+/// A point and the unit normal of the surface there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ReceivingPoint {
     pub(super) point: DVec3,
@@ -26,7 +27,8 @@ impl ReceivingPoint {
         (point - self.point).dot(self.normal)
     }
 
-    /// Twice what an edge gives: the angle under which it is seen, times the cosine of the normal to the plane in which it is.
+    /// Twice the contribution of an edge: the angle that it subtends, times the cosine between the normal of the receiver and that of the plane through
+    /// the point and the edge.
     fn edge(&self, a: DVec3, b: DVec3) -> f64 {
         let (a, b) = (a - self.point, b - self.point);
         let cross = a.cross(b);
@@ -58,14 +60,14 @@ impl ReceivingPoint {
         0.5 * sum.abs()
     }
 
-    /// The same for a disk.
+    /// Projected solid angle of a disk, from either side, sr.
     pub(super) fn of_disk(&self, center: DVec3, normal: DVec3, radius: f64) -> f64 {
         let (x, y) = normal.any_orthonormal_pair();
         let at = |angle: f64| {
             let (sin, cos) = angle.sin_cos();
             center + radius * (cos * x + sin * y)
         };
-        // The height over the horizon goes as h + a cos(angle - middle).
+        // The height over the horizon is h + a cos(angle - middle).
         let height = self.height(center);
         let (a, b) = (radius * x.dot(self.normal), radius * y.dot(self.normal));
         let swing = a.hypot(b);
@@ -91,7 +93,7 @@ impl ReceivingPoint {
     }
 }
 
-/// The integral of a smooth function, halved until the rule fits.
+/// The integral of a smooth function; the range is halved until two rules agree.
 fn arc(f: &impl Fn(f64) -> f64, range: [f64; 2], depth: u32) -> f64 {
     let mut content = 0.0;
     let pair = integral(range, |t| {
@@ -140,7 +142,7 @@ mod tests {
 
     #[test]
     fn polygon_is_cut_by_the_horizon() {
-        // A square on the wall x = 1 from z = -1 to 1 and y = -1 to 1: what is below does not count, so it is the upper half alone.
+        // A square on the wall x = 1 from z = -1 to 1 and y = -1 to 1: only the upper half is above the horizon.
         let square =
             |low: f64| [(-1.0, low), (1.0, low), (1.0, 1.0), (-1.0, 1.0)].map(|(y, z)| DVec3::new(1.0, y, z));
         let whole = UP.of_polygon(&square(-1.0));

@@ -23,9 +23,9 @@ pub(super) struct LineSample<S> {
     pub(super) at: f64,
     pub(super) border: f64,
     branch: u32,
-    /// The integrand, if the place is inside and open.
+    /// The integrand, if the point is inside and not hidden.
     pub(super) value: Option<f64>,
-    seen: S,
+    data: S,
 }
 
 impl<S> LineSample<S> {
@@ -39,70 +39,70 @@ impl ScanLine {
         if self.along == 0 { DVec2::new(t, self.across) } else { DVec2::new(self.across, t) }
     }
 
-    pub(super) fn look<R: Region>(&self, region: &R, t: f64) -> LineSample<R::Sample> {
-        let mut look = self.glance(region, t);
-        look.value = (look.border > 0.0).then(|| region.value(self.part, &look.seen)).flatten();
-        look
+    pub(super) fn sample<R: Region>(&self, region: &R, t: f64) -> LineSample<R::Sample> {
+        let mut sample = self.sample_border(region, t);
+        sample.value = (sample.border > 0.0).then(|| region.value(self.part, &sample.data)).flatten();
+        sample
     }
 
-    /// A look at the border alone.
-    fn glance<R: Region>(&self, region: &R, t: f64) -> LineSample<R::Sample> {
-        let seen = region.see(self.part, self.place(t));
-        LineSample { at: t, border: R::border(&seen), branch: R::branch(&seen), value: None, seen }
+    /// A sample of the border function alone, without the integrand.
+    fn sample_border<R: Region>(&self, region: &R, t: f64) -> LineSample<R::Sample> {
+        let data = region.sample(self.part, self.place(t));
+        LineSample { at: t, border: R::border(&data), branch: R::branch(&data), value: None, data }
     }
 
-    /// Samples in ascending order, with those added where the border is crossed twice between two of them.
+    /// Samples in ascending order, with additional ones where the border is crossed twice between two of them.
     fn with_extremes<R: Region>(
         &self,
         region: &R,
-        looks: &[LineSample<R::Sample>],
+        samples: &[LineSample<R::Sample>],
     ) -> Vec<LineSample<R::Sample>> {
-        let mut all = looks.to_vec();
-        for three in looks.windows(3) {
+        let mut all = samples.to_vec();
+        for three in samples.windows(3) {
             let [a, b, c] = three else { continue };
             let all_inside = a.is_inside() && b.is_inside() && c.is_inside();
-            if let Some(t) = dip([a, b, c].map(|look| look.border)).filter(|_| all_inside) {
-                let look = self.look(region, b.at + t * (b.at - a.at));
-                if !look.is_inside() {
-                    all.push(look);
+            if let Some(t) = dip([a, b, c].map(|sample| sample.border)).filter(|_| all_inside) {
+                let sample = self.sample(region, b.at + t * (b.at - a.at));
+                if !sample.is_inside() {
+                    all.push(sample);
                 }
             }
         }
-        for (i, pair) in looks.windows(2).enumerate() {
+        for (i, pair) in samples.windows(2).enumerate() {
             let &[left, right] = pair else { continue };
-            let before = i.checked_sub(1).and_then(|i| looks.get(i)).copied();
-            let gap = BorderInterval { before, left, right, after: looks.get(i + 2).copied() };
+            let before = i.checked_sub(1).and_then(|i| samples.get(i)).copied();
+            let gap = BorderInterval { before, left, right, after: samples.get(i + 2).copied() };
             all.extend(self.tip(region, &gap, TIP_LOOKS));
         }
         all.sort_by(|a, b| a.at.total_cmp(&b.at));
         all
     }
 
-    /// A place inside, between two outside.
+    /// A point inside, between two outside.
     ///
-    /// Of convex lamps the border function is concave, or nearly so: then it lies below the lines through pairs of looks, continued. These are followed to where
-    /// they meet, which is the tip itself if the border has a corner there.
+    /// For convex emitters the border function is concave, or nearly so: it lies below the extended lines through pairs of samples. The search moves to
+    /// the intersection of these lines, which is the tip itself if the border has a corner there.
     fn tip<R: Region>(
         &self,
         region: &R,
         gap: &BorderInterval<R::Sample>,
-        looks: u32,
+        budget: u32,
     ) -> Option<LineSample<R::Sample>> {
-        let t = gap.guess().filter(|_| looks > 0)?;
-        let look = self.look(region, t);
-        if look.is_inside() {
-            return Some(look);
+        let t = gap.guess().filter(|_| budget > 0)?;
+        let sample = self.sample(region, t);
+        if sample.is_inside() {
+            return Some(sample);
         }
-        let left = BorderInterval { right: look, after: Some(gap.right), ..*gap };
-        let right = BorderInterval { left: look, before: Some(gap.left), ..*gap };
-        self.tip(region, &left, looks - 1).or_else(|| self.tip(region, &right, looks - 1))
+        let left = BorderInterval { right: sample, after: Some(gap.right), ..*gap };
+        let right = BorderInterval { left: sample, before: Some(gap.left), ..*gap };
+        self.tip(region, &left, budget - 1).or_else(|| self.tip(region, &right, budget - 1))
     }
 }
 
-/// Times that a gap is divided to find a tip.
+/// Largest number of divisions of a gap in search of a tip.
 const TIP_LOOKS: u32 = 4;
 
-/// Two looks and their neighbours on a line.
+/// Two samples and their neighbours on a line.
 #[derive(Clone, Copy)]
 struct BorderInterval<S> {
     before: Option<LineSample<S>>,
@@ -143,11 +143,11 @@ fn dip([a, b, c]: [f64; 3]) -> Option<f64> {
         return None;
     }
     let t = -slope / bend;
-    // The parabola is off by the third difference: an eighth of what it bends by is allowed for that.
+    // The error of the parabola is of the third difference; an eighth of its second difference is the margin for it.
     (t.abs() < 1.0 && b + 0.5 * slope * t < 0.125 * bend).then_some(t)
 }
 
-/// Iterations after which a root is taken as it is; bisection alone needs 50.
+/// Largest number of iterations for a root; bisection alone needs 50.
 const MOST_STEPS: usize = 100;
 
 /// Position at which the line leaves the region between a point inside and one outside.
@@ -163,14 +163,14 @@ pub(super) fn root<R: Region>(
         return bisect(region, line, inside.at, outside.at, 1e-9 * width);
     }
     let last = illinois(region, line, inside, outside, 1e-10 * width);
-    if region.value(line.part, &last.seen).is_some() {
+    if region.value(line.part, &last.data).is_some() {
         return last.at;
     }
-    // Something else ends the region before.
+    // Something else ends the region before the root.
     bisect(region, line, inside.at, last.at, 1e-9 * width)
 }
 
-/// The last place known inside before the zero of the border function.
+/// The last point known to be inside before the zero of the border function.
 ///
 /// # Source
 /// @dowell1971, with a bisection after two steps to the same side that did not halve the interval.
@@ -192,35 +192,35 @@ fn illinois<R: Region>(
         let secant = (inner.at * g - outer.at * f) / (g - f);
         let middle = 0.5 * (inner.at + outer.at);
         let mut t = if secant.is_finite() && same_side.abs() < 3 { secant } else { middle };
-        // A step beyond the root, by the accuracy, makes the interval collapse from the other side.
+        // A step beyond the root by the accuracy lets the interval shrink from the other side.
         let towards_outer = (outer.at - inner.at).signum();
         if (t - inner.at).abs() < 0.5 * accuracy {
             t = inner.at + 0.5 * accuracy * towards_outer;
         } else if (t - outer.at).abs() < 0.5 * accuracy {
             t = outer.at - 0.5 * accuracy * towards_outer;
         }
-        let look = line.glance(region, t);
-        if look.border > 0.0 {
-            (inner, f) = (look, look.border);
+        let sample = line.sample_border(region, t);
+        if sample.border > 0.0 {
+            (inner, f) = (sample, sample.border);
             same_side = same_side.max(0) + 1;
             if same_side > 1 {
                 g *= 0.5;
             }
-        } else if look.border.is_finite() {
-            (outer, g) = (look, look.border);
+        } else if sample.border.is_finite() {
+            (outer, g) = (sample, sample.border);
             same_side = same_side.min(0) - 1;
             if same_side < -1 {
                 f *= 0.5;
             }
         } else {
-            // No function to follow: halve.
-            (outer, g, same_side) = (look, f64::NEG_INFINITY, 3);
+            // The border function is not finite: bisect.
+            (outer, g, same_side) = (sample, f64::NEG_INFINITY, 3);
         }
     }
     inner
 }
 
-/// The border by yes and no.
+/// The border by bisection, where only inside and outside are known.
 fn bisect<R: Region>(region: &R, line: &ScanLine, inside: f64, outside: f64, accuracy: f64) -> f64 {
     let (mut inner, mut outer) = (inside, outside);
     for _ in 0..MOST_STEPS {
@@ -228,7 +228,7 @@ fn bisect<R: Region>(region: &R, line: &ScanLine, inside: f64, outside: f64, acc
             break;
         }
         let middle = 0.5 * (inner + outer);
-        if line.look(region, middle).is_inside() {
+        if line.sample(region, middle).is_inside() {
             inner = middle;
         } else {
             outer = middle;
@@ -237,11 +237,11 @@ fn bisect<R: Region>(region: &R, line: &ScanLine, inside: f64, outside: f64, acc
     0.5 * (inner + outer)
 }
 
-/// Samples of a grid over a rectangle.
+/// Samples on a grid over a rectangle.
 pub(super) struct GridSamples<S> {
-    /// By the second coordinate and the first.
+    /// Rows by the second coordinate, samples in a row by the first.
     grid: [[LineSample<S>; GRID]; GRID],
-    /// The sides of the rectangle: by the axis they run along, then low and high; with extremes.
+    /// Samples on the sides of the rectangle, by the axis along which a side runs, then low and high side; with extremes.
     sides: [[(ScanLine, Vec<LineSample<S>>); 2]; 2],
 }
 
@@ -253,25 +253,25 @@ impl<S: Copy> GridSamples<S> {
         };
         let grid: [[LineSample<S>; GRID]; GRID] = std::array::from_fn(|j| {
             let line = ScanLine { part, along: 0, across: place(1, j) };
-            std::array::from_fn(|i| line.look(region, place(0, i)))
+            std::array::from_fn(|i| line.sample(region, place(0, i)))
         });
         let side = |along: usize, end: usize| {
             let line = ScanLine { part, along, across: place(1 - along, end) };
-            let looks: Vec<LineSample<S>> = (0..GRID)
+            let samples: Vec<LineSample<S>> = (0..GRID)
                 .map(|i| {
-                    let look = if along == 0 { grid[end][i] } else { grid[i][end] };
-                    LineSample { at: place(along, i), ..look }
+                    let sample = if along == 0 { grid[end][i] } else { grid[i][end] };
+                    LineSample { at: place(along, i), ..sample }
                 })
                 .collect();
-            let looks = line.with_extremes(region, &looks);
-            (line, looks)
+            let samples = line.with_extremes(region, &samples);
+            (line, samples)
         };
         let sides = [0, 1].map(|along| [side(along, 0), side(along, GRID - 1)]);
         Self { grid, sides }
     }
 
-    fn looks(&self) -> impl Iterator<Item = &LineSample<S>> {
-        let sides = self.sides.iter().flatten().flat_map(|(_, looks)| looks);
+    fn samples(&self) -> impl Iterator<Item = &LineSample<S>> {
+        let sides = self.sides.iter().flatten().flat_map(|(_, samples)| samples);
         self.grid.iter().flatten().chain(sides)
     }
 
@@ -279,33 +279,34 @@ impl<S: Copy> GridSamples<S> {
         self.grid[j][i].is_inside()
     }
 
-    /// True if all samples are inside, or all outside.
+    /// Whether all samples are inside, or all outside.
     pub(super) fn is_uniform(&self) -> bool {
         let first = self.is_inside(0, 0);
-        self.looks().all(|look| look.is_inside() == first)
+        self.samples().all(|sample| sample.is_inside() == first)
     }
 
     /// Mean of the integrand inside.
     pub(super) fn mean(&self) -> f64 {
-        let values: Vec<f64> = self.looks().filter_map(|look| look.value).collect();
+        let values: Vec<f64> = self.samples().filter_map(|sample| sample.value).collect();
         values.iter().sum::<f64>() / values.len().max(1) as f64
     }
 
-    /// Largest integrand seen.
+    /// Largest sampled integrand.
     pub(super) fn largest(&self) -> f64 {
-        self.looks().filter_map(|look| look.value).fold(0.0, f64::max)
+        self.samples().filter_map(|sample| sample.value).fold(0.0, f64::max)
     }
 
-    /// Share of the rectangle that is inside, by the grid.
+    /// Fraction of the rectangle that is inside, estimated from the grid.
     pub(super) fn share(&self) -> f64 {
-        let inside = self.grid.iter().flatten().filter(|look| look.is_inside()).count();
+        let inside = self.grid.iter().flatten().filter(|sample| sample.is_inside()).count();
         inside as f64 / (GRID * GRID) as f64
     }
 
-    /// The axis along which every line is crossed once at most, always from the same side; the one that is crossed more often if both are such.
+    /// The axis along which the border crosses every line at most once, always from the same side; of two such axes, the one with more crossings.
     pub(super) fn height(&self) -> Option<usize> {
-        let of_axis =
-            [0, 1].map(|along| self.crossings(along).filter(|_| !self.is_told() || self.is_monotone(along)));
+        let of_axis = [0, 1].map(|along| {
+            self.crossings(along).filter(|_| !self.follows_border_function() || self.is_monotone(along))
+        });
         match of_axis {
             [Some(u), Some(v)] if u == v => Some(usize::from(self.steepness(1) > self.steepness(0))),
             [Some(u), Some(v)] => Some(usize::from(v > u)),
@@ -315,18 +316,18 @@ impl<S: Copy> GridSamples<S> {
         }
     }
 
-    /// True if the border is that of one smooth function: no shadow, no trimming and no corner.
+    /// Whether the border is that of one smooth function, without shadow, trimming and corner.
     pub(super) fn is_smooth(&self) -> bool {
         let branch = self.grid[0][0].branch;
-        self.looks().all(|look| look.is_inside() == (look.border > 0.0) && look.branch == branch)
+        self.samples().all(|sample| sample.is_inside() == (sample.border > 0.0) && sample.branch == branch)
     }
 
-    /// True if the border function defines the border, at least in part.
-    fn is_told(&self) -> bool {
-        self.looks().any(|look| look.border <= 0.0)
+    /// Whether the border function defines the border, at least in part.
+    fn follows_border_function(&self) -> bool {
+        self.samples().any(|sample| sample.border <= 0.0)
     }
 
-    /// True if the border function is monotone along an axis: otherwise the border may turn back between two samples.
+    /// Whether the border function is monotone along an axis; otherwise the border may turn back between two samples.
     fn is_monotone(&self, along: usize) -> bool {
         let changes = || self.changes(along).filter(|change| change.is_finite());
         let most = changes().fold(0.0, |most: f64, change| most.max(change.abs()));
@@ -344,7 +345,7 @@ impl<S: Copy> GridSamples<S> {
         });
         let sides = self.sides[along]
             .iter()
-            .map(|(_, looks)| looks.iter().map(LineSample::is_inside).collect::<Vec<bool>>());
+            .map(|(_, samples)| samples.iter().map(LineSample::is_inside).collect::<Vec<bool>>());
         let (mut count, mut rises) = (0, None);
         for line in inner.chain(sides) {
             let mut changes = line.windows(2).filter(|pair| pair[0] != pair[1]);
@@ -376,8 +377,8 @@ impl<S: Copy> GridSamples<S> {
     /// Crossings of the border with the two sides along an axis.
     pub(super) fn stops<R: Region<Sample = S>>(&self, region: &R, along: usize) -> Vec<f64> {
         let mut stops = Vec::new();
-        for (line, looks) in &self.sides[along] {
-            for pair in looks.windows(2) {
+        for (line, samples) in &self.sides[along] {
+            for pair in samples.windows(2) {
                 match pair {
                     [a, b] if a.is_inside() && !b.is_inside() => stops.push(root(region, line, a, b)),
                     [a, b] if b.is_inside() && !a.is_inside() => stops.push(root(region, line, b, a)),

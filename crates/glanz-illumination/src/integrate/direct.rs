@@ -1,4 +1,4 @@
-//! Lamps seen directly.
+//! Direct light of emitters.
 
 use glanz_light::Wavelengths;
 use glanz_light::units::photometric;
@@ -7,31 +7,31 @@ use glanz_math::{DVec2, Ray};
 use glanz_scene::{Light, Scene};
 
 use super::contour::ReceivingPoint;
-use super::lamp::{EmitterForm, EmitterShape};
+use super::emitter_shape::{EmitterForm, EmitterShape};
 use super::region::{IntegrationRect, Region, RegionIntegral, Tolerance, integrate};
 
-/// Rays per side of each part of a lamp that look whether something hides it.
-const LOOKS: u32 = 8;
-/// Share of the way to a lamp that belongs to the lamp, so that rounding does not make it shadow itself.
-pub(super) const LAMP_SHELL: f64 = 1e-9;
-/// Rectangles that are looked at where something hides a part of a lamp.
+/// Shadow rays along each side of a part of an emitter.
+const RAYS_PER_SIDE: u32 = 8;
+/// Fraction of the distance to an emitter, at its end, in which shadow rays ignore surfaces, so that rounding does not make the emitter shadow itself.
+pub(super) const EMITTER_SHELL: f64 = 1e-9;
+/// Largest number of rectangles where something hides a part of an emitter.
 const BUDGET: usize = 4096;
 
-/// Visible part of a lamp as a flat shape.
+/// Visible part of an emitter as a flat shape.
 enum VisibleShape<'a> {
     Disk { center: DVec3, normal: DVec3, radius: f64 },
     Polygon { corners: &'a [DVec3], normal: DVec3 },
 }
 
 impl<'a> VisibleShape<'a> {
-    /// `None` where no side that shines is seen.
-    fn of(lamp: &'a EmitterShape, from: DVec3) -> Option<Self> {
-        if lamp.is_dark_in(from, 0.0) {
+    /// `None` if no emitting side is visible.
+    fn of(emitter: &'a EmitterShape, from: DVec3) -> Option<Self> {
+        if emitter.is_dark_in(from, 0.0) {
             return None;
         }
-        match &lamp.form {
+        match &emitter.form {
             EmitterForm::Sphere { center, radius } => {
-                // The disk that fills the same cone: its rim is where the cone touches the sphere.
+                // The disk that fills the same cone; the cone touches the sphere at its rim.
                 let to = *center - from;
                 let share = radius * radius / to.length_squared();
                 let normal = to.try_normalize().filter(|_| share < 1.0)?;
@@ -57,7 +57,7 @@ impl<'a> VisibleShape<'a> {
         }
     }
 
-    /// A point of a part, by the unit square, with the area per unit of that and the normal.
+    /// A point of a part by its parameters in the unit square, with the area per unit of the square and the normal.
     fn at(&self, part: u32, at: DVec2) -> (DVec3, f64, DVec3) {
         match self {
             Self::Disk { center, normal, radius } => {
@@ -80,59 +80,59 @@ impl<'a> VisibleShape<'a> {
     }
 }
 
-/// A lamp as seen from a place.
-struct LampRegion<'a> {
+/// An emitter as seen from a point.
+struct EmitterRegion<'a> {
     scene: &'a Scene,
     receiver: ReceivingPoint,
     /// Start of the rays, offset from the surface.
     origin: DVec3,
-    lamp: &'a EmitterShape,
+    emitter: &'a EmitterShape,
     figure: VisibleShape<'a>,
 }
 
 #[derive(Clone, Copy)]
-struct LampSample {
+struct EmitterSample {
     offset: DVec3,
     cos: f64,
     weight: f64,
 }
 
-impl Region for LampRegion<'_> {
-    type Sample = LampSample;
+impl Region for EmitterRegion<'_> {
+    type Sample = EmitterSample;
 
-    fn see(&self, part: u32, at: DVec2) -> LampSample {
+    fn sample(&self, part: u32, at: DVec2) -> EmitterSample {
         let (point, area_element, normal) = self.figure.at(part, at);
         let offset = point - self.receiver.point;
         let squared = offset.length_squared();
         let cos = offset.dot(self.receiver.normal) / squared.sqrt();
         let weight = area_element * (offset.dot(normal) / squared.sqrt()).abs() * cos / squared;
-        LampSample { offset, cos, weight }
+        EmitterSample { offset, cos, weight }
     }
 
-    fn border(seen: &LampSample) -> f64 {
-        seen.cos
+    fn border(sample: &EmitterSample) -> f64 {
+        sample.cos
     }
 
-    fn value(&self, _part: u32, seen: &LampSample) -> Option<f64> {
-        let direction = seen.offset.try_normalize()?;
-        let way = self.lamp.distance(self.receiver.point, direction);
+    fn value(&self, _part: u32, sample: &EmitterSample) -> Option<f64> {
+        let direction = sample.offset.try_normalize()?;
+        let way = self.emitter.distance(self.receiver.point, direction);
         let target = self.receiver.point + direction * way;
         let ray = Ray::new(self.origin, target - self.origin);
-        (!self.scene.occluded(&ray, 1.0 - LAMP_SHELL)).then_some(seen.weight)
+        (!self.scene.occluded(&ray, 1.0 - EMITTER_SHELL)).then_some(sample.weight)
     }
 }
 
-/// Projected solid angle of what can be seen of a lamp, sr.
+/// Projected solid angle of the visible part of an emitter, sr.
 ///
-/// In closed form if every ray of a grid reaches it, or none; what is smaller than an eighth of the lamp in its shadow may go unseen.
-pub(super) fn of_lamp(
+/// In closed form if all or none of the rays of a grid reach it; occluders smaller than an eighth of the emitter may be missed.
+pub(super) fn of_emitter(
     scene: &Scene,
     receiver: ReceivingPoint,
     origin: DVec3,
-    lamp: &EmitterShape,
+    emitter: &EmitterShape,
     tolerance: Tolerance,
 ) -> RegionIntegral {
-    let Some(figure) = VisibleShape::of(lamp, receiver.point) else { return RegionIntegral::default() };
+    let Some(figure) = VisibleShape::of(emitter, receiver.point) else { return RegionIntegral::default() };
     let whole = match &figure {
         VisibleShape::Disk { center, normal, radius } => receiver.of_disk(*center, *normal, *radius),
         VisibleShape::Polygon { corners, .. } => receiver.of_polygon(corners),
@@ -140,33 +140,33 @@ pub(super) fn of_lamp(
     if whole <= 0.0 {
         return RegionIntegral::default();
     }
-    let sight = LampRegion { scene, receiver, origin, lamp, figure };
+    let region = EmitterRegion { scene, receiver, origin, emitter, figure };
     let (mut open, mut hidden) = (false, false);
-    for part in 0..sight.figure.parts() {
-        for (i, j) in (0..LOOKS).flat_map(|i| (0..LOOKS).map(move |j| (i, j))) {
-            let at = (DVec2::new(f64::from(i), f64::from(j)) + 0.5) / f64::from(LOOKS);
-            let seen = sight.see(part, at);
-            if seen.cos > 0.0 {
-                let is_open = sight.value(part, &seen).is_some();
+    for part in 0..region.figure.parts() {
+        for (i, j) in (0..RAYS_PER_SIDE).flat_map(|i| (0..RAYS_PER_SIDE).map(move |j| (i, j))) {
+            let at = (DVec2::new(f64::from(i), f64::from(j)) + 0.5) / f64::from(RAYS_PER_SIDE);
+            let sample = region.sample(part, at);
+            if sample.cos > 0.0 {
+                let is_open = region.value(part, &sample).is_some();
                 open |= is_open;
                 hidden |= !is_open;
             }
         }
     }
     match (open, hidden) {
-        // Of a sliver above the horizon no ray may tell.
+        // A sliver above the horizon may lie between the rays.
         (false, false) => RegionIntegral { value: whole, error: whole },
         (true, false) => RegionIntegral { value: whole, error: 1e-9 * whole },
         (false, true) => RegionIntegral::default(),
         (true, true) => {
             let halves = IntegrationRect::UNIT.quarters();
-            let cells = (0..sight.figure.parts()).flat_map(|part| halves.map(|rect| (part, rect)));
-            integrate(&sight, cells, RegionIntegral::default(), tolerance, BUDGET)
+            let cells = (0..region.figure.parts()).flat_map(|part| halves.map(|rect| (part, rect)));
+            integrate(&region, cells, RegionIntegral::default(), tolerance, BUDGET)
         }
     }
 }
 
-/// Illuminance by a light that is seen in one direction, lx.
+/// Illuminance by a light without extent, lx.
 pub(super) fn of_point(
     scene: &Scene,
     receiver: ReceivingPoint,

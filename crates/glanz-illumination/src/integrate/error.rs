@@ -6,19 +6,19 @@ use glanz_scene::LightId;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum IntegrateError {
-    /// Nothing shines.
-    #[error("the scene has no lamp")]
-    NoLamp,
+    /// The scene has no light.
+    #[error("the scene has no light")]
+    NoLight,
     /// A light of a kind that has no image to integrate.
-    #[error("light {} is of kind \"{kind}\", which cannot be integrated: lamps are spheres, disks, flat convex polygons and points", light.0)]
+    #[error("light {} is of kind \"{kind}\", which cannot be integrated: supported lights are spheres, disks, flat convex polygons and points", light.0)]
     Kind {
         /// The light.
         light: LightId,
         /// Its name in scene files.
         kind: &'static str,
     },
-    /// A surface that shines, of a form that has no border function.
-    #[error("light {} (shape {shape}, \"{kind}\") {fault}, which cannot be integrated: lamps are spheres, disks, flat convex polygons and points", light.0)]
+    /// An emitting surface whose form has no border function.
+    #[error("light {} (shape {shape}, \"{kind}\") {fault}, which cannot be integrated: supported lights are spheres, disks, flat convex polygons and points", light.0)]
     EmitterForm {
         /// The light.
         light: LightId,

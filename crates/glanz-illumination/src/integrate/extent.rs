@@ -1,8 +1,8 @@
 //! Bounds of position and normal of a part of a mirror.
 //!
-//! Of freeform faces this is known for certain: a patch lies in the hull of its control points, and its normals in the hull of the control points of the
-//! polynomial normal, whose net is computed once and halved with the patch. Of all other faces it is estimated: from samples over a grid, with
-//! twice the largest step between neighbours for what lies between them.
+//! For freeform faces the bounds are certain: a patch lies in the hull of its control points, and its normals lie in the hull of the control points of the
+//! polynomial normal, whose net is computed once and halved with the patch. For all other faces they are estimates from samples on a grid, with
+//! twice the largest step between neighbours as the margin for points between the samples.
 
 use glanz_geometry::Surface;
 use glanz_geometry::bezier::TensorPatch;
@@ -12,22 +12,22 @@ use glanz_math::{Bounds3, DVec2, DVec3, Transform};
 use super::net::Net;
 use super::region::IntegrationRect;
 
-/// A ball that holds the points, and a cone that holds the normals or their opposites.
+/// A ball that contains the points, and a cone that contains the normals or their opposites.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MirrorExtent {
     pub(super) center: DVec3,
     pub(super) radius: f64,
     pub(super) axis: DVec3,
-    /// Half angle of the cone; pi if the normals are anywhere.
+    /// Half angle of the cone; pi if the normals have all directions.
     pub(super) angle: f64,
 }
 
 impl MirrorExtent {
-    /// One that holds both.
+    /// The extent of both.
     pub(super) fn union(&self, other: &Self) -> Self {
         let center = 0.5 * (self.center + other.center);
         let radius = [self, other].map(|e| e.center.distance(center) + e.radius);
-        // A mirror is the same for a normal and its opposite.
+        // A normal and its opposite describe the same mirror.
         let turned = if self.axis.dot(other.axis) < 0.0 { -other.axis } else { other.axis };
         let axis = (self.axis + turned).try_normalize().unwrap_or(self.axis);
         let angle =
@@ -79,11 +79,11 @@ impl MirrorPatch {
         let center = Bounds3::from_points(places()).center();
         let radius = places().fold(0.0, |most: f64, p| most.max(p.distance(center)));
         let longest = self.normals.values().iter().fold(0.0, |most: f64, n| most.max(n.length()));
-        // The rounding error of a zero control point has no direction.
+        // A control point that is zero up to rounding has no direction.
         let proper = || self.normals.values().iter().copied().filter(|n| n.length() > 1e-13 * longest);
         let axis = proper().sum::<DVec3>().try_normalize().unwrap_or(DVec3::Z);
         let angle = proper().fold(0.0, |most: f64, n| most.max(n.angle_between(axis)));
-        // A hull of directions is a cone only if they are within a half space.
+        // The hull of directions is a cone only if they lie in a half space.
         let angle = if angle < std::f64::consts::FRAC_PI_2 { angle } else { std::f64::consts::PI };
         let shortest = self.normals.values().iter().fold(f64::INFINITY, |least, n| least.min(n.dot(axis)));
         let turn = |first: bool| self.normals.steepest(first, DVec3::length) / shortest.max(0.0);
@@ -142,7 +142,7 @@ impl MirrorPart {
         }
     }
 
-    /// Its bounds over `rect` of the face with points and normals `at`.
+    /// Its bounds over `rect`; `at` evaluates points and normals of the face.
     pub(super) fn bounds(
         &self,
         rect: &IntegrationRect,
@@ -192,7 +192,7 @@ fn estimate(
         largest(1, last, DVec3::angle_between, true),
         largest(GRID, above, DVec3::angle_between, true),
     );
-    // No place is farther than half a step from a sample along either parameter.
+    // No point is farther than half a step from a sample along either parameter.
     let radius =
         known().fold(0.0, |most: f64, (p, _)| most.max(p.distance(center))) + 0.5 * points.element_sum();
     let angle =
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn balls_cones_and_rates_hold_what_they_should() {
+    fn bounds_contain_the_points_normals_and_derivatives_of_the_patch() {
         for weighted in [false, true] {
             let patch = patch(weighted);
             let map = Transform::translate(DVec3::new(1.0, -2.0, 0.5));

@@ -1,20 +1,20 @@
-//! Means over the cells of a receiver.
+//! Means of the illuminance over the cells of a receiver.
 
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use glanz_math::{DVec2, DVec3};
 
 use super::Reflections;
+use super::queue::QueueEntry;
 use super::region::{IntegrationRect, Tolerance};
 
 /// Nodes and weights of Gauss' rules of two and three points in [0, 1].
 const TWO: [(f64, f64); 2] = [(0.211_324_865_405_187_1, 0.5), (0.788_675_134_594_812_9, 0.5)];
 const THREE: [(f64, f64); 3] =
     [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
-/// Points of both rules in a square.
+/// Number of points of both rules in a square.
 const POINTS: usize = TWO.len() * TWO.len() + THREE.len() * THREE.len();
-/// Share of the tolerance that is left for the illuminance at the points.
+/// Fraction of the tolerance for the illuminance at the points.
 const SHARE: f64 = 0.25;
 
 /// Illuminance over a part of a receiver.
@@ -28,44 +28,24 @@ pub struct CellMean {
     pub area: f64,
 }
 
-/// A rectangle of the cell: integrals of the illuminance by both rules, lm, of its own error, and of the area.
+/// A rectangle of the cell. The error of its queue entry is the difference of the rules, lm.
 #[derive(Clone, Copy, Debug)]
 struct CellRegion {
     rect: IntegrationRect,
+    /// Integral of the illuminance, lm.
     flux: f64,
-    /// Difference of the rules, lm.
-    difference: f64,
-    /// Of the illuminance at the points, lm.
+    /// Integral of the errors of the illuminance at the points, lm.
     inner: f64,
+    /// m^2.
     area: f64,
-}
-
-impl PartialEq for CellRegion {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for CellRegion {}
-
-impl PartialOrd for CellRegion {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for CellRegion {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.difference.total_cmp(&other.difference)
-    }
 }
 
 impl Reflections<'_> {
     /// The mean of [`Reflections::illuminance`] over a part of a surface.
     ///
     /// `patch`: position in metres, unit normal and area per unit of the parameters (m^2) by parameters in the unit square; `None` where there is no
-    /// surface. `points`: about how many places are looked at most. Squares are quartered where Gauss' rules of two and three points differ most,
-    /// until that fits the `tolerance`; what is smaller than the distance of these points (a fifth of the cell at first) may be missed.
+    /// surface. `points`: approximate limit of the number of evaluated points. Squares are quartered where Gauss' rules of two and three points differ most,
+    /// until the difference is within `tolerance`; details smaller than the distance of these points (a fifth of the cell at first) may be missed.
     pub fn cell_mean(
         &self,
         patch: impl Fn(DVec2) -> Option<(DVec3, DVec3, f64)>,
@@ -76,16 +56,16 @@ impl Reflections<'_> {
             Tolerance { relative: SHARE * tolerance.relative, absolute: SHARE * tolerance.absolute };
         let first = self.piece(&patch, IntegrationRect::UNIT, at_points);
         let mut heap = BinaryHeap::from([first]);
-        let mut looked_at = POINTS;
+        let mut evaluated = POINTS;
         loop {
             let result = total(&heap);
             let allowed = tolerance.absolute.max(tolerance.relative * result.mean);
-            if result.error <= allowed || looked_at + 4 * POINTS > points {
+            if result.error <= allowed || evaluated + 4 * POINTS > points {
                 return result;
             }
             let Some(worst) = heap.pop() else { return result };
-            heap.extend(worst.rect.quarters().map(|rect| self.piece(&patch, rect, at_points)));
-            looked_at += 4 * POINTS;
+            heap.extend(worst.part.rect.quarters().map(|rect| self.piece(&patch, rect, at_points)));
+            evaluated += 4 * POINTS;
         }
     }
 
@@ -94,9 +74,9 @@ impl Reflections<'_> {
         patch: &impl Fn(DVec2) -> Option<(DVec3, DVec3, f64)>,
         rect: IntegrationRect,
         tolerance: Tolerance,
-    ) -> CellRegion {
+    ) -> QueueEntry<CellRegion> {
         let scale = rect.size().x * rect.size().y;
-        let look = |x: f64, y: f64| {
+        let at = |x: f64, y: f64| {
             let (point, normal, area_element) = patch(rect.min + rect.size() * DVec2::new(x, y))?;
             let found = self.illuminance(point, normal, tolerance);
             let area = area_element * scale;
@@ -106,7 +86,7 @@ impl Reflections<'_> {
             let mut sums = [0.0; 3];
             for &(x, at_x) in nodes {
                 for &(y, at_y) in nodes {
-                    let values = look(x, y).unwrap_or_default();
+                    let values = at(x, y).unwrap_or_default();
                     for (sum, value) in sums.iter_mut().zip(values) {
                         *sum += at_x * at_y * value;
                     }
@@ -115,16 +95,16 @@ impl Reflections<'_> {
             sums
         };
         let ([flux, inner, area], [coarse, ..]) = (rule(&THREE), rule(&TWO));
-        CellRegion { rect, flux, difference: (flux - coarse).abs(), inner, area }
+        QueueEntry { error: (flux - coarse).abs(), part: CellRegion { rect, flux, inner, area } }
     }
 }
 
-fn total(heap: &BinaryHeap<CellRegion>) -> CellMean {
-    let sum = |of: fn(&CellRegion) -> f64| heap.iter().map(of).sum::<f64>();
-    let area = sum(|p| p.area);
+fn total(heap: &BinaryHeap<QueueEntry<CellRegion>>) -> CellMean {
+    let sum = |of: fn(&QueueEntry<CellRegion>) -> f64| heap.iter().map(of).sum::<f64>();
+    let area = sum(|entry| entry.part.area);
     if area <= 0.0 {
         return CellMean::default();
     }
-    let error = sum(|p| p.difference) + sum(|p| p.inner);
-    CellMean { mean: sum(|p| p.flux) / area, error: error / area, area }
+    let error = sum(|entry| entry.error) + sum(|entry| entry.part.inner);
+    CellMean { mean: sum(|entry| entry.part.flux) / area, error: error / area, area }
 }

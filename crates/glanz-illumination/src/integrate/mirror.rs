@@ -1,4 +1,4 @@
-//! Faces that reflect as a mirror does.
+//! Faces that reflect specularly.
 
 use glanz_geometry::FaceDomain;
 use glanz_light::{Spectrum, Wavelengths};
@@ -6,7 +6,7 @@ use glanz_math::{DVec2, DVec3, Transform};
 use glanz_scene::{PlacedPoint, PlacedSurface, Scene};
 use glanz_shading::bsdf::{Lobe, TransportMode};
 
-/// Places along each side of a face that are asked for what it is made of, where trimming cuts the first away.
+/// Points along each side of a face at which its material is sampled if trimming cuts away the first.
 const LOOKS: u32 = 32;
 
 /// A face, or a triangle of one whose parameters are a polygon, over the unit square.
@@ -14,7 +14,7 @@ const LOOKS: u32 = 32;
 pub(super) struct MirrorFace {
     surface: u32,
     face: u32,
-    /// Corners of the triangle; the first is a whole side of the square.
+    /// Corners of the triangle; one side of the square maps to the first.
     triangle: Option<[DVec2; 3]>,
 }
 
@@ -39,7 +39,7 @@ impl<'a> Mirrors<'a> {
             .collect();
         let mut mirrors = Self { scene, wavelengths: Wavelengths::default(), surfaces, faces: Vec::new() };
         for (number, (placed, _)) in (0..).zip(&mirrors.surfaces) {
-            // Faces of one shape are of one material.
+            // All faces of a shape have the same material.
             let mut shape = None;
             for face in 0..placed.faces() {
                 let id = placed.shape(face);
@@ -56,7 +56,7 @@ impl<'a> Mirrors<'a> {
         mirrors
     }
 
-    /// True if a face reflects specularly.
+    /// Whether a face reflects specularly.
     fn reflects(&self, placed: &PlacedSurface<'_>, face: u32) -> bool {
         let corners = match placed.face_domain(face) {
             FaceDomain::Square => vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y],
@@ -78,14 +78,14 @@ impl<'a> Mirrors<'a> {
         self.surfaces.get(face.surface as usize).map(|(placed, map)| (placed, map))
     }
 
-    /// Position and unit normal at a place of the unit square, with what trimming cuts away.
+    /// Position and unit normal at a point of the unit square, regardless of trimming.
     pub(super) fn place(&self, face: &MirrorFace, at: DVec2) -> Option<(DVec3, DVec3)> {
         let (placed, map) = self.surface(face)?;
         let point = placed.surface().untrimmed_at(face.face, face.uv(at).0)?;
         Some((map.point(point.position), map.normal(point.shading_normal).try_normalize()?))
     }
 
-    /// The surface point with all its data, and the area per unit of the square; `None` where it is trimmed.
+    /// The surface point with all its data, and the area per unit of the square; `None` where it is trimmed away.
     pub(super) fn point(&self, face: &MirrorFace, at: DVec2) -> Option<PlacedPoint> {
         let (placed, _) = self.surface(face)?;
         let (uv, scale) = face.uv(at);
@@ -94,7 +94,7 @@ impl<'a> Mirrors<'a> {
         Some(point)
     }
 
-    /// Share of the light towards `direction` that comes as from a mirror.
+    /// Specular reflectance towards `direction`.
     pub(super) fn reflectance(&self, point: &PlacedPoint, direction: DVec3) -> Option<Spectrum> {
         let bsdf = point.at.bsdf(self.scene, &self.wavelengths)?;
         let wo = point.at.frame().to_local(direction);
@@ -109,12 +109,12 @@ impl MirrorFace {
         self.face
     }
 
-    /// True if points of the unit square are parameters themselves.
+    /// Whether points of the unit square are the parameters themselves.
     pub(super) fn is_square(&self) -> bool {
         self.triangle.is_none()
     }
 
-    /// Parameters at a place of the unit square, and their area per unit of that.
+    /// Parameters at a point of the unit square, and the area of parameters per unit of the square.
     fn uv(&self, at: DVec2) -> (DVec2, f64) {
         match self.triangle {
             None => (at, 1.0),

@@ -9,7 +9,7 @@ pub(super) struct Net<T> {
     values: Vec<T>,
 }
 
-/// Types of coefficients.
+/// A type of coefficients.
 pub(super) trait Coefficient:
     Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self>
 {
@@ -39,7 +39,7 @@ impl<T: Coefficient> Net<T> {
         Net { degrees: self.degrees, values: self.values.iter().map(|&value| f(value)).collect() }
     }
 
-    /// The derivative by the first parameter, or the second; of degree 0 it is 0.
+    /// The derivative by the first or the second parameter; 0 for degree 0.
     pub(super) fn derivative(&self, first: bool) -> Self {
         let (p, q) = self.degrees;
         if first {
@@ -53,7 +53,7 @@ impl<T: Coefficient> Net<T> {
         }
     }
 
-    /// The largest derivative by a parameter, as `size` measures it.
+    /// The largest derivative by a parameter, measured by `size`.
     pub(super) fn steepest(&self, first: bool, size: impl Fn(T) -> f64) -> f64 {
         self.derivative(first).values.iter().fold(0.0, |most, &value| most.max(size(value)))
     }
@@ -82,7 +82,7 @@ impl<T: Coefficient> Net<T> {
         })
     }
 
-    /// The difference to one of the same degrees.
+    /// The difference from a polynomial of the same degrees.
     pub(super) fn minus(&self, other: &Self) -> Self {
         Self::from_fn(self.degrees, |i, j| self.get(i, j) - other.get(i, j))
     }
@@ -94,7 +94,7 @@ impl<T: Coefficient> Net<T> {
         [a, b, c, d]
     }
 
-    /// De Casteljau's construction in the middle.
+    /// De Casteljau's subdivision in the middle.
     fn halves(&self, first: bool) -> [Self; 2] {
         let (p, q) = self.degrees;
         let (degree, lines) = if first { (p, q) } else { (q, p) };

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glanz_geometry::mesh::Mesh;
 use glanz_math::DVec3;
 
-/// Share of its size by which a polygon may leave its plane, or turn the wrong way: what printing coordinates with ten digits does.
+/// Fraction of its size by which a polygon may leave its plane or turn the wrong way: the error of coordinates that are printed with ten digits.
 const FLATNESS: f64 = 1e-9;
 
 /// A flat convex polygon.
@@ -29,7 +29,7 @@ impl ConvexPolygon {
         let size = corners.iter().fold(0.0, |size: f64, &c| size.max(c.distance(first)));
         let is_flat = corners.iter().all(|&c| (c - first).dot(normal).abs() <= FLATNESS * size);
         let turns = sides().zip(corners.iter().cycle().skip(2));
-        // A polygon that winds twice turns left everywhere too, but its corners are not all to the left of a side.
+        // A polygon that winds twice also turns left everywhere, but its corners are not all to the left of a side.
         let is_convex = turns.clone().all(|((&a, &b), &c)| turn(a, b, c, normal) >= -FLATNESS * size * size)
             && sides()
                 .all(|(&a, &b)| corners.iter().all(|&c| turn(a, b, c, normal) >= -FLATNESS * size * size));
@@ -42,7 +42,7 @@ impl ConvexPolygon {
 
     /// Union of the triangles of a mesh, if it is a convex polygon and they do not overlap.
     pub(super) fn of_mesh(mesh: &Mesh, map: impl Fn(DVec3) -> DVec3) -> Option<Self> {
-        // Vertices at one place are one.
+        // Vertices with the same position count as one.
         let mut first_at: HashMap<[u64; 3], u32> = HashMap::new();
         let numbers: Vec<u32> = (0..)
             .zip(mesh.positions())
@@ -85,7 +85,7 @@ impl ConvexPolygon {
         &self.corners
     }
 
-    /// Unit normal from which the corners go round to the left.
+    /// Unit normal; seen from its side, the corners are in counterclockwise order.
     pub(super) fn normal(&self) -> DVec3 {
         self.normal
     }
@@ -136,13 +136,13 @@ mod tests {
         assert_eq!((polygon.area, polygon.normal(), polygon.center().z), (8.0, DVec3::Z, 2.0));
         assert_eq!(polygon.depth(DVec3::new(1.0, 0.5, 2.0)).0, 0.5);
         assert_eq!(polygon.depth(DVec3::new(5.0, 0.5, 2.0)), (-1.0, 1));
-        // Two vertices at each corner of the diagonal.
+        // Each end of the diagonal has two vertices.
         let twice = [SQUARE[0], SQUARE[1], SQUARE[2], SQUARE[0], SQUARE[2], SQUARE[3]];
         assert!(ConvexPolygon::of_mesh(&mesh(&twice, &[[0, 1, 2], [3, 4, 5]]), |p| p).is_some());
     }
 
     #[test]
-    fn what_is_not_flat_convex_or_whole_is_refused() {
+    fn bent_concave_and_overlapping_meshes_are_refused() {
         // An arrow head, two triangles that only touch, and triangles on top of one another.
         let arrow = [[0.0, 0.0], [2.0, -1.0], [1.0, 0.0], [2.0, 1.0]];
         assert!(ConvexPolygon::of_mesh(&mesh(&arrow, &[[0, 1, 2], [0, 2, 3]]), |p| p).is_none());

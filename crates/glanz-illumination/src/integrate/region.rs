@@ -1,40 +1,40 @@
-//! Integrals over parts of rectangles whose borders are known by where they are crossed.
+//! Integrals over parts of rectangles whose borders are found as roots along lines.
 //!
-//! Rectangles that the region fills get a tensor rule. Of one that the border crosses, one direction is taken as height: along it every line is
-//! crossed once at most. The crossings are found as roots, and the rule is laid between them; across the height, it is laid between
-//! the places where the border leaves the rectangle through its floor and ceiling. So smooth borders lose no order of convergence. What has no such
-//! direction is divided, as is whatever has the largest error, until the sum of errors is small enough.
+//! Rectangles inside the region get a tensor rule. For a rectangle that the border crosses, one direction is selected as the height: the border crosses every line
+//! along it at most once. The crossings are found as roots, and the rule is applied between them; across the height, it is applied between
+//! the points where the border leaves the rectangle through its bottom and top. Smooth borders therefore do not reduce the order of convergence. Rectangles without such
+//! a direction are divided, as is the rectangle with the largest error, until the sum of errors is small enough.
 //!
 //! # Source
-//! @saye2015 for the method, in two dimensions; departures: the direction of height is judged by a grid of samples instead of bounds on derivatives,
-//! borders may also be known by yes and no only (shadows, trimming), and the error is estimated by an embedded rule.
+//! @saye2015 for the method, in two dimensions; departures: the direction of the height is selected from a grid of samples instead of bounds on derivatives,
+//! borders without a function, known as inside or outside only (shadows, trimming), are supported, and the error is estimated by an embedded rule.
 
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use glanz_math::DVec2;
 
 use super::crossing::{GridSamples, ScanLine, root};
+use super::queue::QueueEntry;
 use super::rule::{GaussKronrod, NODES, integral, sharpened};
 
-/// Something to integrate over a part of the plane; there are several such planes, told apart by `part`.
+/// An integrand over a part of the plane, or of several planes, which are numbered by `part`.
 pub(super) trait Region {
     /// Data of a sample point.
     type Sample: Copy;
 
     /// Evaluates a sample point.
-    fn see(&self, part: u32, at: DVec2) -> Self::Sample;
+    fn sample(&self, part: u32, at: DVec2) -> Self::Sample;
 
-    /// Positive inside, and smooth near its zeros as far as it is finite.
-    fn border(seen: &Self::Sample) -> f64;
+    /// The border function: positive inside, and smooth near its zeros where it is finite.
+    fn border(sample: &Self::Sample) -> f64;
 
-    /// Which of several smooth functions the border function is here: where they meet, the border has corners.
-    fn branch(_seen: &Self::Sample) -> u32 {
+    /// Number of the smooth function that the border function equals here; the border has corners where two of them meet.
+    fn branch(_sample: &Self::Sample) -> u32 {
         0
     }
 
-    /// The integrand; `None` where something hides the place. Only asked where [`Region::border`] is positive.
-    fn value(&self, part: u32, seen: &Self::Sample) -> Option<f64>;
+    /// The integrand; `None` where the point is hidden. Called only where [`Region::border`] is positive.
+    fn value(&self, part: u32, sample: &Self::Sample) -> Option<f64>;
 }
 
 /// An axis-parallel rectangle.
@@ -66,10 +66,10 @@ impl IntegrationRect {
     }
 }
 
-/// Tolerance of an integral: it stops when the error is below either bound.
+/// Tolerance of an integral: the integration ends when the error is below either bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// Share of the result.
+    /// As a fraction of the result.
     pub relative: f64,
     /// In the unit of the result.
     pub absolute: f64,
@@ -91,32 +91,12 @@ struct RegionCell {
     depth: u32,
 }
 
-impl PartialEq for RegionCell {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for RegionCell {}
-
-impl PartialOrd for RegionCell {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for RegionCell {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.sum.error.total_cmp(&other.sum.error)
-    }
-}
-
-/// Divisions after which a rectangle is left as it is.
+/// Largest number of divisions of a rectangle.
 const DEEPEST: u32 = 24;
 
-/// The integral over the rectangles `cells` of the planes that they are given with.
+/// The integral over the rectangles `cells`, each with the number of its plane.
 ///
-/// `known`: what is known from elsewhere, which counts for the tolerance but is not in the result. At most about `budget` rectangles are made by dividing these.
+/// `known`: an integral computed elsewhere, which counts for the tolerance but is not in the result. Division creates about `budget` rectangles at most.
 pub(super) fn integrate<R: Region>(
     region: &R,
     cells: impl IntoIterator<Item = (u32, IntegrationRect)>,
@@ -124,17 +104,15 @@ pub(super) fn integrate<R: Region>(
     tolerance: Tolerance,
     budget: usize,
 ) -> RegionIntegral {
-    let measured = |part, rect: IntegrationRect, depth| RegionCell {
-        part,
-        rect,
-        sum: measure(region, part, &rect),
-        depth,
+    let measured = |part, rect: IntegrationRect, depth| {
+        let sum = measure(region, part, &rect);
+        QueueEntry { error: sum.error, part: RegionCell { part, rect, sum, depth } }
     };
-    let mut heap: BinaryHeap<RegionCell> =
+    let mut heap: BinaryHeap<QueueEntry<RegionCell>> =
         cells.into_iter().map(|(part, rect)| measured(part, rect, 0)).collect();
-    let total = |heap: &BinaryHeap<RegionCell>| {
-        let mut all: Vec<RegionIntegral> = heap.iter().map(|cell| cell.sum).collect();
-        // In an order that does not depend on how the heap lies.
+    let total = |heap: &BinaryHeap<QueueEntry<RegionCell>>| {
+        let mut all: Vec<RegionIntegral> = heap.iter().map(|entry| entry.part.sum).collect();
+        // In an order that does not depend on the layout of the heap.
         all.sort_by(|a, b| a.value.total_cmp(&b.value));
         all.iter().fold(RegionIntegral::default(), |sum, s| RegionIntegral {
             value: sum.value + s.value,
@@ -142,34 +120,35 @@ pub(super) fn integrate<R: Region>(
         })
     };
     let mut sum = total(&heap);
-    let mut looked_at = 0;
+    let mut divided = 0;
     let is_done = |sum: &RegionIntegral| {
         let allowed = tolerance.absolute.max(tolerance.relative * (known.value + sum.value));
         known.error + sum.error <= allowed
     };
-    while !is_done(&sum) && looked_at < budget {
-        let Some(worst) = heap.pop() else { break };
+    while !is_done(&sum) && divided < budget {
+        let Some(entry) = heap.pop() else { break };
+        let worst = entry.part;
         if worst.sum.error <= 0.0 || worst.depth >= DEEPEST {
-            heap.push(worst);
+            heap.push(entry);
             break;
         }
         for quarter in worst.rect.quarters() {
             let cell = measured(worst.part, quarter, worst.depth + 1);
-            sum.value += cell.sum.value;
-            sum.error += cell.sum.error;
+            sum.value += cell.part.sum.value;
+            sum.error += cell.part.sum.error;
             heap.push(cell);
         }
         sum.value -= worst.sum.value;
         sum.error -= worst.sum.error;
-        looked_at += 4;
+        divided += 4;
     }
     total(&heap)
 }
 
-/// Share of a rectangle whose border is known by yes and no only, or has a corner, that may be on the wrong side of it: half of a square between samples.
-const UNTOLD: f64 = 0.05;
+/// Fraction of a rectangle that may be on the wrong side of its border if the border has no function or has a corner: half of a square between samples.
+const UNRESOLVED: f64 = 0.05;
 
-/// A rectangle in one go.
+/// The integral over one rectangle, without division.
 fn measure<R: Region>(region: &R, part: u32, rect: &IntegrationRect) -> RegionIntegral {
     let samples = GridSamples::take(region, part, rect);
     if samples.is_uniform() {
@@ -181,10 +160,10 @@ fn measure<R: Region>(region: &R, part: u32, rect: &IntegrationRect) -> RegionIn
             if samples.is_smooth() {
                 return sum;
             }
-            // The border may turn back between samples, by a shadow or at a corner, and nothing would tell.
-            RegionIntegral { error: sum.error.max(UNTOLD * samples.largest() * area(rect)), ..sum }
+            // The border may turn back between samples, by a shadow or at a corner, without a trace in the samples.
+            RegionIntegral { error: sum.error.max(UNRESOLVED * samples.largest() * area(rect)), ..sum }
         }
-        // No direction is crossed once only: it is to be divided. Anything up to all of it may be inside.
+        // No direction has single crossings only, so the rectangle must be divided. Any fraction of it may be inside.
         None => {
             let mean = samples.mean();
             RegionIntegral {
@@ -199,7 +178,7 @@ fn area(rect: &IntegrationRect) -> f64 {
     rect.size().x * rect.size().y
 }
 
-/// One that the region fills.
+/// The integral over a rectangle inside the region.
 fn whole<R: Region>(region: &R, part: u32, rect: &IntegrationRect) -> RegionIntegral {
     let mut inner_difference = 0.0;
     let outer = integral([rect.min.y, rect.max.y], |v| {
@@ -212,7 +191,7 @@ fn whole<R: Region>(region: &R, part: u32, rect: &IntegrationRect) -> RegionInte
     estimate(outer, inner_difference)
 }
 
-/// One that the border crosses once along every line of the direction `along`.
+/// The integral over a rectangle where the border crosses every line of the direction `along` at most once.
 fn crossed<R: Region>(
     region: &R,
     part: u32,
@@ -246,7 +225,7 @@ fn crossed<R: Region>(
 }
 
 fn along_line<R: Region>(region: &R, line: &ScanLine, [low, high]: [f64; 2]) -> GaussKronrod {
-    let (first, last) = (line.look(region, low), line.look(region, high));
+    let (first, last) = (line.sample(region, low), line.sample(region, high));
     let range = match (first.is_inside(), last.is_inside()) {
         (false, false) => return GaussKronrod::default(),
         (true, true) => [low, high],
@@ -257,8 +236,8 @@ fn along_line<R: Region>(region: &R, line: &ScanLine, [low, high]: [f64; 2]) -> 
 }
 
 fn open_value<R: Region>(region: &R, part: u32, at: DVec2) -> f64 {
-    let seen = region.see(part, at);
-    if R::border(&seen) > 0.0 { region.value(part, &seen).unwrap_or(0.0) } else { 0.0 }
+    let sample = region.sample(part, at);
+    if R::border(&sample) > 0.0 { region.value(part, &sample).unwrap_or(0.0) } else { 0.0 }
 }
 
 fn estimate(outer: GaussKronrod, inner_difference: f64) -> RegionIntegral {

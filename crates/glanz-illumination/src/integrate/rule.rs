@@ -1,4 +1,4 @@
-//! A quadrature rule of seven points with one of three points in it.
+//! A quadrature rule of seven points with an embedded rule of three points.
 
 /// Nodes in [-1, 1] with their weights in Kronrod's rule of seven points, exact to degree 11, and in Gauss' rule of three points among them,
 /// exact to degree 5.
@@ -43,9 +43,9 @@ pub(super) fn integral([a, b]: [f64; 2], mut f: impl FnMut(f64) -> f64) -> Gauss
 
 /// Error of the fine rule from its `difference` to the coarse one, where the integrand has the size `content`.
 ///
-/// The difference is the error of the coarse rule; that of the fine one is about its square for smooth integrands. The power 3/2 with the factor is
-/// the caution of @piessens1983, with a factor that fits these rules: 10 instead of 200. Where the rules differ by a tenth or more, as
-/// they do at jumps, the error is the difference itself.
+/// The difference is the error of the coarse rule; the error of the fine rule is about its square for smooth integrands. The more cautious power 3/2 with a factor is
+/// that of @piessens1983, where the factor for these rules is 10 instead of 200. Where the rules differ by a tenth or more, as
+/// at jumps, the error is the difference itself.
 pub(super) fn sharpened(difference: f64, content: f64) -> f64 {
     if content <= 0.0 || difference == 0.0 {
         return difference;
@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn jumps_keep_the_whole_difference() {
+    fn error_at_a_jump_is_the_whole_difference() {
         assert_eq!(sharpened(0.3, 1.0), 0.3);
         assert!(sharpened(1e-5, 1.0) < 2e-6);
         assert_eq!(sharpened(0.1, 0.0), 0.1);

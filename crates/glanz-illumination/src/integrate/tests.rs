@@ -1,4 +1,4 @@
-//! Illuminance by way of mirrors beside closed forms.
+//! Illuminance after reflection in mirrors, compared with closed forms.
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,7 +14,7 @@ const BLACK: &str = "black";
 const MIRROR: &str = "mirror";
 /// Of the mirrors.
 const REFLECTANCE: f64 = 0.75;
-/// cd/m^2 of a lamp of radiance 1.
+/// cd/m^2 of an emitter of radiance 1.
 const LUMINANCE: f64 = LUMINOUS_EFFICACY;
 
 const EXACT: Tolerance = Tolerance { relative: 1e-7, absolute: 0.0 };
@@ -22,7 +22,7 @@ const EXACT: Tolerance = Tolerance { relative: 1e-7, absolute: 0.0 };
 /// A shape with the name of its material.
 type NamedShape = (ShapeDescription, &'static str);
 
-fn lamp(shape: ShapeDescription) -> NamedShape {
+fn emitter(shape: ShapeDescription) -> NamedShape {
     (shape.emitting(1.0), BLACK)
 }
 
@@ -64,20 +64,20 @@ fn close(found: f64, expected: f64, relative: f64, what: &str) {
     );
 }
 
-/// Illuminance of a sphere of which all is above the horizon: L pi (R / d)^2 cos.
+/// Illuminance by a sphere wholly above the horizon: L pi (R / d)^2 cos.
 fn by_sphere(center: DVec3, radius: f64, point: DVec3, normal: DVec3) -> f64 {
     let to = center - point;
     LUMINANCE * PI * radius * radius / to.length_squared() * normal.dot(to.normalize())
 }
 
-/// Of a disk parallel to the receiver at height h, with its axis at distance a (@howell2011, factor B-13 of an element beside a disk).
+/// Illuminance by a disk parallel to the receiver at height h, with its axis at distance a (@howell2011, factor B-13 of an element beside a disk).
 fn by_disk(h: f64, a: f64, radius: f64) -> f64 {
     let (h2, a2, r2) = (h * h, a * a, radius * radius);
     let root = ((h2 + a2 + r2).powi(2) - 4.0 * a2 * r2).sqrt();
     LUMINANCE * PI * 0.5 * (1.0 - (h2 + a2 - r2) / root)
 }
 
-/// Of a rectangle parallel to the receiver at height 1, from the foot of the receiver's normal to (x, y) (@howell2011, factor B-3).
+/// Illuminance by a rectangle parallel to the receiver at height 1, from the foot of the receiver's normal to (x, y) (@howell2011, factor B-3).
 fn by_corner(x: f64, y: f64) -> f64 {
     let (u, v) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());
     LUMINANCE * 0.5 * (x / u * (y / u).atan() + y / v * (x / v).atan())
@@ -92,7 +92,7 @@ fn by_rectangle(h: f64, x: [f64; 2], y: [f64; 2]) -> f64 {
 fn flat_mirrors() -> Vec<(&'static str, NamedShape)> {
     let corners = [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
     let mesh = ShapeDescription::mesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]);
-    // Bent in its parameters, but flat.
+    // Curved in its parameters, but flat in space.
     let patch = BezierPatchesDescription {
         degree_u: 2,
         degree_v: 1,
@@ -109,16 +109,16 @@ fn flat_mirrors() -> Vec<(&'static str, NamedShape)> {
 }
 
 #[test]
-fn flat_mirror_shows_a_lamp_at_its_image() {
-    // Receivers at z = 1 look down, so that they see the lamps at z = 1.5 by way of the mirror alone: as if they were at z = -1.5.
-    let lamps = [
-        ("sphere", lamp(sphere(0.1).translated([0.3, 0.2, 1.5]))),
-        ("disk", lamp(turned(disk(0.2), [0.3, 0.2, 1.5]))),
-        ("rectangle", lamp(turned(rectangle([-0.3, 0.3], [-0.05, 0.05]), [0.3, 0.2, 1.5]))),
+fn flat_mirror_shows_an_emitter_at_its_image() {
+    // Receivers at z = 1 face down, so that they see the emitters at z = 1.5 in the mirror only, as if these were at z = -1.5.
+    let emitters = [
+        ("sphere", emitter(sphere(0.1).translated([0.3, 0.2, 1.5]))),
+        ("disk", emitter(turned(disk(0.2), [0.3, 0.2, 1.5]))),
+        ("rectangle", emitter(turned(rectangle([-0.3, 0.3], [-0.05, 0.05]), [0.3, 0.2, 1.5]))),
     ];
-    for (kind, lamp) in lamps {
+    for (kind, emitter) in emitters {
         for (mirror, shape) in flat_mirrors() {
-            let scene = scene(vec![lamp.clone(), shape]);
+            let scene = scene(vec![emitter.clone(), shape]);
             let reflections = Reflections::new(&scene).unwrap();
             for (x, y) in [(0.31, 0.22), (-0.7, 0.4), (1.1, -0.9)] {
                 let point = DVec3::new(x, y, 1.0);
@@ -150,11 +150,11 @@ fn by_spherical_mirror(curvature: f64, s: f64, q: f64) -> f64 {
 
 #[test]
 fn spherical_mirrors_follow_their_equation() {
-    // So small that its size matters by less than (radius / image)^2.
+    // So small that the influence of its size is less than (radius / image)^2.
     let radius = 5e-4;
     let intensity = REFLECTANCE * LUMINANCE * PI * radius * radius;
-    // The axis is that of x, where the parameters of spheres are regular. Lamp and receiver are on one side; of the ball the receiver faces the whole, and
-    // its own front hides its back.
+    // The axis is x, where the parameters of spheres are regular. Emitter and receiver are on one side; the receiver faces the whole ball, whose
+    // front hides its back.
     let zone = GeometryDescription::Sphere { radius: 10.0, z: [-1.0, 1.0], phi_max: 1.0 };
     let zone = ShapeDescription::from(zone);
     let cases = [
@@ -165,7 +165,7 @@ fn spherical_mirrors_follow_their_equation() {
     for (what, mirror, axis, curvature, vertex, s) in cases {
         let shapes = vec![
             (mirror.transformed(DMat4::from_rotation_z(-0.5)), MIRROR),
-            lamp(sphere(radius).transformed(DMat4::from_translation(axis * (vertex + s)))),
+            emitter(sphere(radius).transformed(DMat4::from_translation(axis * (vertex + s)))),
         ];
         let scene = scene(shapes);
         let reflections = Reflections::new(&scene).unwrap();
@@ -179,9 +179,9 @@ fn spherical_mirrors_follow_their_equation() {
 }
 
 #[test]
-fn things_in_the_way_hide_the_image() {
+fn occluders_hide_the_image() {
     let mirror = (rectangle([-2.0, 2.0], [-2.0, 2.0]), MIRROR);
-    let over = lamp(turned(disk(0.4), [0.0, 0.0, 1.5]));
+    let over = emitter(turned(disk(0.4), [0.0, 0.0, 1.5]));
     let whole = LUMINANCE * REFLECTANCE * PI * 0.16 / (0.16 + 2.5 * 2.5);
     // Half of the hemisphere; and a disk on the axis, 0.75 m from the receiver, whose image in the mirror is farther away.
     let curtain = (rectangle([-1.9, 0.0], [-2.0, 2.0]).translated([0.0, 0.0, 0.5]), BLACK);
@@ -199,13 +199,13 @@ fn things_in_the_way_hide_the_image() {
 
 #[test]
 fn trimmed_mirror_shows_what_is_left_of_the_image() {
-    // Parameters of a rectangle go from 0 to 1: what is left of the middle.
+    // Parameters of a rectangle are in [0, 1]; trimming leaves the part left of the middle.
     let corners = [[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [0.0, 1.0], [0.0, 0.0]];
     let points = corners.map(|[x, y]| [x, y, 1.0]).to_vec();
     let curve = TrimCurveDescription { degree: 1, knots: vec![0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0], points };
     let mut mirror = (rectangle([-2.0, 2.0], [-2.0, 2.0]), MIRROR);
     mirror.0.trim = Some(TrimDescription { loops: vec![TrimLoopDescription { curves: vec![curve] }] });
-    let scene = scene(vec![mirror, lamp(turned(disk(0.4), [0.0, 0.0, 1.5]))]);
+    let scene = scene(vec![mirror, emitter(turned(disk(0.4), [0.0, 0.0, 1.5]))]);
     let reflections = Reflections::new(&scene).unwrap();
     let found = reflections.illuminance(DVec3::Z, -DVec3::Z, Tolerance { relative: 1e-3, absolute: 0.0 });
     let expected = 0.5 * LUMINANCE * REFLECTANCE * PI * 0.16 / (0.16 + 2.5 * 2.5);
@@ -213,7 +213,7 @@ fn trimmed_mirror_shows_what_is_left_of_the_image() {
     assert!(found.error <= 1e-3 * expected);
 }
 
-/// Of a sphere under the half angle `s`, its centre at the angle `w` from the normal, cut by the horizon.
+/// Illuminance by a sphere of half angle `s`, whose centre is at the angle `w` from the normal, cut by the horizon.
 ///
 /// # Source
 /// @howell2011, a plane element and a sphere.
@@ -227,13 +227,13 @@ fn by_cut_sphere(s: f64, w: f64) -> f64 {
 }
 
 #[test]
-fn horizon_cuts_lamps_and_their_images() {
-    // A mirror on the wall x = 2 with its image of a lamp at x = 1; the receiver at the origin faces up. The lamp itself is seen too.
+fn horizon_cuts_emitters_and_their_images() {
+    // A mirror on the wall x = 2 with its image of an emitter at x = 1; the receiver at the origin faces up. The emitter itself is seen too.
     let wall = DMat4::from_translation(DVec3::new(2.0, 0.0, 0.0)) * DMat4::from_rotation_y(-0.5 * PI);
     for height in [0.0, 0.05, -0.08] {
         let shapes = vec![
             (rectangle([-1.0, 1.0], [-1.0, 1.0]).transformed(wall), MIRROR),
-            lamp(sphere(0.1).translated([1.0, 0.5, height])),
+            emitter(sphere(0.1).translated([1.0, 0.5, height])),
         ];
         let scene = scene(shapes);
         let reflections = Reflections::new(&scene).unwrap();
@@ -253,12 +253,12 @@ fn horizon_cuts_lamps_and_their_images() {
 }
 
 #[test]
-fn back_of_a_lamp_is_dark() {
-    // Turned away from the mirror, and from the receiver.
+fn back_of_an_emitter_is_dark() {
+    // Facing away from the mirror and from the receiver.
     let mirror = (rectangle([-2.0, 2.0], [-2.0, 2.0]), MIRROR);
     for form in [disk(0.2), rectangle([-0.1, 0.1], [-0.1, 0.1])] {
-        let away = scene(vec![mirror.clone(), lamp(form.clone().translated([0.0, 0.0, 1.5]))]);
-        let mut both = lamp(form.translated([0.0, 0.0, 1.5]));
+        let away = scene(vec![mirror.clone(), emitter(form.clone().translated([0.0, 0.0, 1.5]))]);
+        let mut both = emitter(form.translated([0.0, 0.0, 1.5]));
         if let Some(emission) = &mut both.0.emission {
             emission.two_sided = true;
         }
@@ -272,7 +272,7 @@ fn back_of_a_lamp_is_dark() {
     }
 }
 
-/// The mirror of document 000 section 4.3, with a lamp of the given radius.
+/// The mirror of document 000 section 4.3, with an emitter of the given radius.
 fn room(radius: f64) -> Scene {
     let patch = [
         [6.0, 3.0, 5.0],
@@ -289,11 +289,11 @@ fn room(radius: f64) -> Scene {
     let patch = TrianglePatch::try_from_points(3, &patch.map(DVec3::from_array), None).unwrap();
     let patch = ShapeDescription::bezier_triangles(&[patch]);
     let walls = ShapeDescription::cuboid([0.0; 3], [10.0; 3]);
-    scene(vec![(walls, BLACK), (patch, MIRROR), lamp(sphere(radius).translated([0.25, 5.0, 5.0]))])
+    scene(vec![(walls, BLACK), (patch, MIRROR), emitter(sphere(radius).translated([0.25, 5.0, 5.0]))])
 }
 
-/// What comes by way of a mirror, by rays: those from the place to every square of a grid over a rectangle of the plane x = 1 that is seen along `axis`
-/// are followed to what they meet, and on from there if that is a mirror.
+/// Illuminance after reflection in a mirror, by rays: from the point to every square of a grid over a rectangle of the plane x = 1, seen along `axis`.
+/// Every ray is traced to its hit, and reflected there if the surface is a mirror.
 fn by_rays(
     scene: &Scene,
     point: DVec3,
@@ -318,7 +318,7 @@ fn by_rays(
         let mirrored = direction - 2.0 * n * n.dot(direction);
         let second = scene.intersect(&first.spawn(mirrored), f64::INFINITY);
         if second.is_some_and(|second| second.light().is_some()) {
-            // A square is seen under its area times the cube of the cosine to the axis.
+            // The solid angle of a square is its area times the cube of the cosine to the axis.
             let cos = direction.dot(axis);
             sum += cos.powi(3) * step.x * step.y * direction.dot(normal);
             met = [met[0].min(at - 3.0 * step), met[1].max(at + 3.0 * step)];
@@ -349,7 +349,7 @@ fn curved_mirror_agrees_with_rays() {
             continue;
         }
         let (expected, _) = by_rays(&scene, point, normal, axis, range, 300);
-        // The image fills at least a thousand squares; those on its border count wholly or not, and most of what that is off cancels.
+        // The image covers at least a thousand squares; those on its border count wholly or not at all, and most of these errors cancel.
         close(found.reflected, expected, 1e-2, &format!("{point}"));
         assert!(found.error < 2e-4 * found.total(), "{point}: {found:?}");
         seen += 1;
@@ -358,7 +358,7 @@ fn curved_mirror_agrees_with_rays() {
 }
 
 #[test]
-fn points_light_by_the_cosine_and_have_no_image() {
+fn point_lights_follow_the_cosine_law_and_have_no_image() {
     let mirror = (rectangle([-9.0, 9.0], [-9.0, 9.0]).translated([0.0, 0.0, 3.0]), MIRROR);
     let lit = scene_with(vec![mirror, (disk(0.1).translated([0.5, 0.0, 1.0]), BLACK)], vec![lit_by_point()]);
     let reflections = Reflections::new(&lit).unwrap();
@@ -385,18 +385,18 @@ fn lit_by_point() -> LightDescription {
 }
 
 #[test]
-fn what_cannot_be_integrated_is_named() {
-    assert_eq!(Reflections::new(&scene(Vec::new())).err(), Some(IntegrateError::NoLamp));
+fn errors_name_the_shape_that_cannot_be_integrated() {
+    assert_eq!(Reflections::new(&scene(Vec::new())).err(), Some(IntegrateError::NoLight));
     let torus = ShapeDescription::torus(1.0, 0.1);
     let ring = GeometryDescription::Disk { height: 0.0, radius: 1.0, inner_radius: 0.5, phi_max: TAU };
-    let mut hollow = lamp(sphere(1.0));
+    let mut hollow = emitter(sphere(1.0));
     hollow.0.reverse_orientation = true;
     let squeezed = DMat4::from_scale(DVec3::new(1.0, 1.0, 0.5));
     for (what, shape) in [
-        ("torus", lamp(torus)),
-        ("full disk", lamp(ring.into())),
+        ("torus", emitter(torus)),
+        ("full disk", emitter(ring.into())),
         ("inwards", hollow),
-        ("whole sphere", lamp(sphere(1.0).transformed(squeezed))),
+        ("whole sphere", emitter(sphere(1.0).transformed(squeezed))),
     ] {
         let scene = scene(vec![shape]);
         let error = Reflections::new(&scene).err().unwrap();

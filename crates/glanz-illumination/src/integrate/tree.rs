@@ -1,27 +1,27 @@
-//! Which parts of which mirrors can show a lamp.
+//! Search for the parts of mirrors that can show an emitter.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glanz_math::{DVec2, DVec3};
 
 use super::contour::ReceivingPoint;
+use super::emitter_shape::EmitterShape;
 use super::extent::{DerivativeBounds, MirrorExtent, MirrorPart};
-use super::lamp::EmitterShape;
 use super::mirror::{MirrorFace, Mirrors};
 use super::region::IntegrationRect;
 
-/// Times that a face is quartered beforehand.
+/// Largest number of divisions of a face in advance.
 const LEVELS: u32 = 4;
-/// Half angle, radians, of the normals of a part that is not subdivided beforehand.
+/// Half angle, radians, of the normals of a part that is not subdivided in advance.
 const ALMOST_FLAT: f64 = 0.02;
-/// A flat part is not quartered beforehand if the points of no quarter move slower by its parameters than this share.
+/// A flat part is not quartered in advance if the derivatives of the points in every quarter are at least this fraction of the largest.
 const STEADY: f64 = 0.6;
-/// Times that a part is quartered for one place.
+/// Largest number of divisions of a part for one point.
 const DEEPEST: u32 = 40;
-/// Parts that are looked at for one place and one lamp.
+/// Largest number of parts that are examined for one point and one emitter.
 const BUDGET: usize = 1 << 16;
-/// How far mirrored rays of a cell may differ, in the angle under which the smallest ball in the lamp is seen: so that no image of it is lost between the
-/// places that are looked at.
+/// Largest angle between mirrored rays of a cell, as a multiple of the half angle of the inner ball of the emitter, so that no image falls
+/// between the samples.
 const FINENESS: f64 = 1.5;
 
 /// A hierarchy over all mirrors and their parts.
@@ -39,7 +39,7 @@ struct MirrorNode {
 
 #[derive(Clone, Copy, Debug)]
 enum NodeContent {
-    /// These nodes.
+    /// The child nodes.
     Inner {
         first: u32,
         count: u32,
@@ -56,20 +56,20 @@ struct SearchCell {
     depth: u32,
 }
 
-/// Parts that show a lamp, or may.
+/// Parts that show, or may show, an emitter.
 #[derive(Debug, Default)]
 pub(super) struct ImageCandidates {
-    /// By face, with parts small enough to be integrated over.
+    /// Parts small enough for integration, with the number of their face.
     pub(super) cells: Vec<(u32, IntegrationRect)>,
-    /// Bound on the projected solid angle, sr, of those that were given up.
+    /// Bound on the projected solid angle, sr, of parts on which the search gave up.
     pub(super) undecided: f64,
 }
 
 /// Classification of a part.
 enum PartClass {
-    /// No ray by way of it meets the lamp.
+    /// No ray reflected by the part hits the emitter.
     Dark,
-    /// Mirrored rays differ by no more than the lamp allows.
+    /// The directions of mirrored rays differ by less than the limit.
     Fine,
     Coarse,
 }
@@ -80,7 +80,7 @@ impl MirrorTree {
         let mut roots = Vec::with_capacity(mirrors.faces().len());
         for (number, face) in (0..).zip(mirrors.faces()) {
             let Some((placed, map)) = mirrors.surface(face) else { continue };
-            // Parameters of triangles are not those of patches.
+            // Triangles have other parameters than patches.
             let part = if face.is_square() {
                 MirrorPart::of_face(placed.surface(), face.number(), map)
             } else {
@@ -133,7 +133,7 @@ impl MirrorTree {
         NodeContent::Inner { first, count: nodes.len() as u32 }
     }
 
-    /// Halves by the middle along the direction in which the centres lie farthest apart.
+    /// Splits the nodes at the middle of the axis along which their centres spread the most.
     fn group(&mut self, nodes: &mut [MirrorNode]) -> Option<MirrorNode> {
         if nodes.len() <= 1 {
             return nodes.first().copied();
@@ -149,19 +149,19 @@ impl MirrorTree {
         Some(MirrorNode { extent, content: self.push(&halves) })
     }
 
-    /// The parts in which the lamp may be seen from the receiver.
+    /// The parts in which the emitter may be seen from the receiver.
     pub(super) fn showing(
         &self,
         mirrors: &Mirrors<'_>,
         receiver: &ReceivingPoint,
-        lamp: &EmitterShape,
+        emitter: &EmitterShape,
     ) -> ImageCandidates {
         let mut found = ImageCandidates::default();
         let mut open: Vec<MirrorNode> = self.root.into_iter().collect();
-        let mut looked_at = 0_usize;
+        let mut examined = 0_usize;
         while let Some(node) = open.pop() {
-            looked_at += 1;
-            let verdict = judge(&node.extent, receiver, lamp);
+            examined += 1;
+            let verdict = judge(&node.extent, receiver, emitter);
             if matches!(verdict, PartClass::Dark) {
                 continue;
             }
@@ -173,7 +173,7 @@ impl MirrorTree {
                 NodeContent::SearchCell(cell) if matches!(verdict, PartClass::Fine) => {
                     found.cells.push((cell.face, cell.rect));
                 }
-                NodeContent::SearchCell(cell) if cell.depth >= DEEPEST || looked_at >= BUDGET => {
+                NodeContent::SearchCell(cell) if cell.depth >= DEEPEST || examined >= BUDGET => {
                     found.undecided += largest_share(&node.extent, receiver);
                 }
                 NodeContent::SearchCell(cell) => {
@@ -188,7 +188,7 @@ impl MirrorTree {
     }
 }
 
-/// A part of a cell, whose rates hold for it too.
+/// A part of a cell, with the derivative bounds of the cell.
 fn part(
     mirrors: &Mirrors<'_>,
     face: &MirrorFace,
@@ -203,20 +203,20 @@ fn part(
     Some(MirrorNode { extent: MirrorExtent { center, radius, axis, angle }, content })
 }
 
-/// True if rays from the receiver reflected by such a part can hit the lamp.
+/// Classifies a part by whether rays from the receiver that it reflects can hit the emitter.
 ///
-/// The directions to a ball of radius rho at distance D are within asin(rho / D) of that to its centre. Mirrored at one normal they keep their angles;
-/// normals that differ by a differ the mirrored directions by 2 a at most, since two mirrors make a rotation by twice the angle between them. And
-/// the lamp, within R of its centre at distance E, is seen from all of the ball within asin((rho + R) / E) of one direction.
-fn judge(extent: &MirrorExtent, receiver: &ReceivingPoint, lamp: &EmitterShape) -> PartClass {
+/// The directions to a ball of radius rho at distance D are within asin(rho / D) of the direction to its centre. Reflection at one normal preserves their angles;
+/// normals that differ by an angle a change the reflected directions by 2 a at most, because two reflections are a rotation by twice the angle between the mirrors. And
+/// the emitter, within R of its centre at distance E, is seen from all of the ball within asin((rho + R) / E) of one direction.
+fn judge(extent: &MirrorExtent, receiver: &ReceivingPoint, emitter: &EmitterShape) -> PartClass {
     let MirrorExtent { center, radius, axis, angle } = *extent;
     let to = center - receiver.point;
-    if to.dot(receiver.normal) <= -radius || lamp.is_dark_in(center, radius) {
+    if to.dot(receiver.normal) <= -radius || emitter.is_dark_in(center, radius) {
         return PartClass::Dark;
     }
-    let on = lamp.center() - center;
+    let on = emitter.center() - center;
     let (distance, way) = (to.length(), on.length());
-    let reach = lamp.outer_radius();
+    let reach = emitter.outer_radius();
     if distance <= radius || angle >= FRAC_PI_2 || way <= radius {
         return PartClass::Coarse;
     }
@@ -229,7 +229,7 @@ fn judge(extent: &MirrorExtent, receiver: &ReceivingPoint, lamp: &EmitterShape) 
             return PartClass::Dark;
         }
     }
-    let smallest = (lamp.inner_radius() / way).min(1.0).asin();
+    let smallest = (emitter.inner_radius() / way).min(1.0).asin();
     let spread = slack + (radius / way).asin();
     if spread <= FINENESS * smallest { PartClass::Fine } else { PartClass::Coarse }
 }
@@ -237,6 +237,6 @@ fn judge(extent: &MirrorExtent, receiver: &ReceivingPoint, lamp: &EmitterShape) 
 /// Bound on the projected solid angle of a ball, sr.
 fn largest_share(extent: &MirrorExtent, receiver: &ReceivingPoint) -> f64 {
     let squared = extent.center.distance_squared(receiver.point);
-    // A ball's is pi times the square of the sine of its half angle, if it is right above.
+    // That of a ball is largest if it is on the normal: pi times the square of the sine of its half angle.
     PI * (extent.radius * extent.radius / squared).min(1.0)
 }

@@ -1,4 +1,4 @@
-//! Curved meshes: every triangle is a cell.
+//! Receivers on curved meshes: every triangle is a cell.
 
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::PlacedSurface;
@@ -8,7 +8,7 @@ use super::ReceiverPoint;
 /// The triangles of a mesh.
 #[derive(Clone, Debug)]
 pub(super) struct FaceCells {
-    /// Ascending.
+    /// In ascending order.
     faces: Vec<u32>,
 }
 

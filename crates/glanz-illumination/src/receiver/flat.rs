@@ -8,10 +8,10 @@ use glanz_scene::PlacedSurface;
 
 use super::ReceiverPoint;
 
-/// Straight pieces that stand for the rim of a disk. Its area is less than the disk's by 2 pi^2 / (3 n^2): 4e-7.
+/// Sides of the polygon that replaces a disk. The relative difference of the areas is 2 pi^2 / (3 n^2): 4e-7.
 const RIM: u32 = 4096;
 
-/// Edges at most that are tried as directions of the grid.
+/// Largest number of edges that are tried as directions of the grid.
 const EDGES: usize = 4096;
 
 /// A grid in a plane.
@@ -21,7 +21,7 @@ pub(super) struct FlatGrid {
     /// Unit directions of the grid, at right angles.
     across: DVec3,
     up: DVec3,
-    /// On the front of the surface.
+    /// Unit normal on the front of the surface.
     normal: DVec3,
     size: DVec2,
     /// The surface as convex polygons in grid coordinates, [0, 1]^2.
@@ -29,7 +29,7 @@ pub(super) struct FlatGrid {
 }
 
 impl FlatGrid {
-    /// `None` if the faces do not lie in one plane, facing the same way. `back`: whether it is seen from behind.
+    /// `None` if the faces do not lie in one plane and face the same way. `back`: whether the back is the counted side.
     pub(super) fn try_new(surface: &PlacedSurface<'_>, faces: &[u32], back: bool) -> Option<Self> {
         let mut corners = Vec::new();
         for &face in faces {
@@ -40,7 +40,7 @@ impl FlatGrid {
         let normal = surface.at(first, inside, false)?.at.point.normal;
         let origin = *corners.first()?.first()?;
         let size = corners.iter().flatten().fold(0.0_f64, |size, p| size.max(p.distance(origin)));
-        // Positions of placed surfaces are right to some roundings of their coordinates.
+        // Positions of placed surfaces are exact up to some rounding errors of their coordinates.
         let far = corners.iter().flatten().fold(size, |far, p| far.max(p.abs().max_element()));
         let apart = |p: &DVec3| (*p - origin).dot(normal).abs();
         if corners.iter().flatten().any(|p| apart(p) > 1e-12 * far + 1e-9 * size) {
@@ -115,7 +115,7 @@ impl FlatGrid {
                 }
             }
         }
-        // Degenerate remains of clipping along the border of a cell.
+        // Clipping along the border of a cell leaves degenerate polygons.
         for slot in areas.iter_mut().filter(|area| **area < 1e-12 * cell_area) {
             *slot = 0.0;
         }
@@ -162,8 +162,8 @@ fn faces_along(surface: &PlacedSurface<'_>, face: u32, normal: DVec3) -> bool {
     at.is_none_or(|at| at.at.point.normal.dot(normal) > 0.0)
 }
 
-/// Directions across and up of the smallest rectangle around the polygons: up as far as possible, or along +y where the plane lies
-/// level, and across so that someone in front sees it to the right.
+/// Directions across and up of the smallest rectangle around the polygons: up is as close to +z as possible, or to +y if the plane is
+/// horizontal; across points to the right for a viewer in front.
 fn directions(polygons: &[Vec<DVec3>], normal: DVec3, seen_from: DVec3) -> Option<(DVec3, DVec3)> {
     let wish = if normal.z.abs() < 0.9 { DVec3::Z } else { DVec3::Y };
     let in_plane = |v: DVec3| (v - v.dot(normal) * normal).try_normalize();
@@ -171,7 +171,7 @@ fn directions(polygons: &[Vec<DVec3>], normal: DVec3, seen_from: DVec3) -> Optio
     let mut seen = HashSet::new();
     let mut best: Option<(f64, DVec3)> = None;
     for direction in [wish].into_iter().chain(edges.take(EDGES)).filter_map(in_plane) {
-        // Edges along one another make the same rectangle.
+        // Parallel edges give the same rectangle.
         if !seen.insert((direction * 1e6).round().to_array().map(f64::to_bits)) {
             continue;
         }
@@ -183,7 +183,7 @@ fn directions(polygons: &[Vec<DVec3>], normal: DVec3, seen_from: DVec3) -> Optio
             high - low
         };
         let area = extent(direction) * extent(other);
-        // One that is hardly smaller is not worth another direction.
+        // A rectangle that is hardly smaller does not justify another direction.
         if best.is_none_or(|(least, _)| area < least * (1.0 - 1e-6)) {
             best = Some((area, direction));
         }
@@ -216,7 +216,7 @@ fn area(polygon: &[DVec2]) -> f64 {
     0.5 * pairs.map(|(p, q)| p.perp_dot(*q)).sum::<f64>()
 }
 
-/// True if a convex polygon contains a point, its border included.
+/// Whether a convex polygon contains a point; the border counts as inside.
 fn holds(polygon: &[DVec2], point: DVec2) -> bool {
     let mut turns =
         polygon.iter().zip(polygon.iter().cycle().skip(1)).map(|(p, q)| (*q - *p).perp_dot(point - *p));

@@ -13,7 +13,7 @@ use faces::FaceCells;
 use flat::FlatGrid;
 use parameters::ParameterGrid;
 
-/// Triangles at most of a curved mesh that counts by triangles.
+/// Largest number of triangles of a curved mesh, whose cells are its triangles.
 const FACES_LIMIT: usize = 1 << 22;
 
 /// Resolution of a grid.
@@ -28,14 +28,14 @@ pub enum GridResolution {
 }
 
 impl GridResolution {
-    /// Cells along both directions of a receiver that is so long, metres; at least 1 and at most [`MAX_RECEIVER_CELLS`].
+    /// Cells along both directions of a receiver of this size, metres; at least 1 and at most [`MAX_RECEIVER_CELLS`].
     fn cells(self, size: DVec2) -> [u32; 2] {
         let texel = match self {
             Self::Cells(cells) => return cells.map(|n| n.clamp(1, MAX_RECEIVER_CELLS)),
             Self::Longer(n) => size.max_element() / f64::from(n.max(1)),
             Self::Texel(texel) => texel,
         };
-        // Texels that are no whole part of the length become a little larger or smaller. A cast from NaN gives 0.
+        // The cell length is adjusted to divide the side. A cast from NaN gives 0.
         (size / texel).to_array().map(|n| (n.round() as u32).clamp(1, MAX_RECEIVER_CELLS))
     }
 }
@@ -47,7 +47,7 @@ pub struct ReceiverRequest {
     pub name: String,
     /// Number of the shape in the order of the scene file.
     pub shape: u32,
-    /// Which side; both become a receiver each.
+    /// The counted side; each of two sides becomes a receiver of its own.
     pub side: ReceiverSide,
     /// Resolution.
     pub fineness: GridResolution,
@@ -71,10 +71,10 @@ impl ReceiverRequest {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReceiverError {
-    /// A shape that has no parameters, or no end.
+    /// A shape without parameters, or an unbounded one.
     #[error("receiver \"{0}\" has no end or no parameters, so it cannot be divided into cells")]
     NoParameters(String),
-    /// No such shape, or one without area.
+    /// The shape does not exist or has no area.
     #[error("receiver \"{0}\" has no area")]
     NoArea(String),
     /// A mesh with too many triangles.
@@ -84,17 +84,17 @@ pub enum ReceiverError {
     TooMany {
         /// The receiver.
         name: String,
-        /// Its triangles.
+        /// Number of its triangles.
         faces: usize,
     },
 }
 
-/// A place of a receiver with what an integral over it needs.
+/// A point of a receiver with its normal and area element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReceiverPoint {
     /// Metres.
     pub position: DVec3,
-    /// Unit normal on the side that counts.
+    /// Unit normal on the counted side.
     pub normal: DVec3,
     /// Area per unit of the cell's own square, m^2.
     pub area_element: f64,
@@ -102,9 +102,9 @@ pub struct ReceiverPoint {
 
 /// A grid of cells on one surface.
 ///
-/// A shape that lies in a plane has square cells there, its second direction up, or north if it lies level, and is seen from the
-/// side that counts. Other surfaces are divided by their parameters; meshes, whose parameters begin anew on every triangle, count
-/// by triangles. Boxes and polyhedra are one receiver per facet.
+/// A plane shape has square cells; its second direction is up, or north if it is horizontal, as seen from the
+/// counted side. Other surfaces are divided by their parameters; the cells of meshes, whose parameters start anew on every triangle, are
+/// the triangles. Boxes and polyhedra have one receiver per facet.
 #[derive(Clone, Debug)]
 pub struct Receiver {
     name: String,
@@ -112,7 +112,7 @@ pub struct Receiver {
     /// Number of the surface, and of its face if it is one facet of several.
     surface: u32,
     face: Option<u32>,
-    /// True if light on the side opposite to the normal counts.
+    /// Whether light on the side opposite to the normal counts.
     back: bool,
     cells: [u32; 2],
     size: DVec2,
@@ -177,7 +177,7 @@ impl Receiver {
         self.areas.len()
     }
 
-    /// False: a receiver always has cells.
+    /// Always `false`: a receiver has at least one cell.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.areas.is_empty()
@@ -201,7 +201,7 @@ impl Receiver {
         &self.positions
     }
 
-    /// The place in a cell by numbers in [0, 1]^2 that are its own parameters; `None` where there is no surface.
+    /// The point of a cell by its own parameters in [0, 1]^2; `None` where there is no surface.
     ///
     /// `surface`: that of [`Receiver::surface`].
     #[must_use]
@@ -228,7 +228,7 @@ impl Receiver {
     }
 }
 
-/// A shape, or a facet of one, in its place.
+/// A placed shape, or a facet of one.
 struct ShapeOccurrence<'a> {
     surface: PlacedSurface<'a>,
     number: u32,
@@ -269,7 +269,7 @@ impl ReceiverLayout {
 #[derive(Clone, Debug, Default)]
 pub struct Receivers {
     list: Vec<Receiver>,
-    /// Number of the first cell of each, and of all cells.
+    /// Number of the first cell of each receiver, then the number of all cells.
     first_cells: Vec<usize>,
     /// For each surface of the scene, the receivers on it.
     by_surface: Vec<Vec<u32>>,
@@ -282,14 +282,14 @@ pub struct ReceiverHit {
     pub receiver: usize,
     /// Number of the cell among those of all receivers.
     pub cell: usize,
-    /// True on the counted side.
+    /// Whether the hit is on the counted side.
     pub counts: bool,
 }
 
 impl Receivers {
-    /// Lays the grids that are asked for on the shapes of `scene`.
+    /// Creates the requested grids on the shapes of `scene`.
     ///
-    /// A box or a polyhedron becomes one receiver per facet, their names numbered; so do several shapes of one name.
+    /// A box or a polyhedron becomes one receiver per facet, with numbered names; the names of several shapes of one name are numbered, too.
     ///
     /// # Errors
     /// [`ReceiverError`] for the first shape that cannot be divided.
@@ -375,7 +375,7 @@ fn sides(side: ReceiverSide) -> &'static [bool] {
     }
 }
 
-/// The name of a receiver with what tells it from others of that name.
+/// The name of a receiver, numbered if others have the same name.
 fn full_name(request: &ReceiverRequest, number: Option<usize>, facet: Option<usize>, back: bool) -> String {
     let mut name = request.name.clone();
     if let Some(number) = number {
@@ -390,7 +390,7 @@ fn full_name(request: &ReceiverRequest, number: Option<usize>, facet: Option<usi
     name
 }
 
-/// The places of a shape: one, or one per facet of a box or polyhedron; for copies by instances one each.
+/// The receivers of a shape: one, or one per facet of a box or polyhedron, for each instance.
 fn shapes<'a>(placed: &[PlacedSurface<'a>], shape: u32) -> Vec<ShapeOccurrence<'a>> {
     let mut found = Vec::new();
     for (number, surface) in (0..).zip(placed) {

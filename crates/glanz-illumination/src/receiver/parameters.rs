@@ -11,10 +11,10 @@ use super::ReceiverPoint;
 const NODES: [f64; 3] = [0.112_701_665_379_258_3, 0.5, 0.887_298_334_620_741_7];
 const WEIGHTS: [f64; 3] = [5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0];
 
-/// Parts per side of a cell of which trimming leaves some; of cells that lie askew in their patches.
+/// Parts per side of a cell that is partly trimmed, or whose patches are no rectangles in the parameters.
 const PARTS: u32 = 32;
 
-/// Places per direction that lengths are measured at.
+/// Points per direction at which lengths are measured.
 const LENGTH_STEPS: u32 = 64;
 
 /// A grid over the rectangle of a surface's parameters (u, v).
@@ -22,13 +22,13 @@ const LENGTH_STEPS: u32 = 64;
 pub(super) struct ParameterGrid {
     min: DVec2,
     max: DVec2,
-    /// Rectangles of parameters that faces fill, by face; `None` if a face fills no rectangle.
+    /// The rectangle of parameters of each face; `None` if a face is no rectangle.
     faces: Option<Vec<[DVec2; 2]>>,
     is_trimmed: bool,
 }
 
 impl ParameterGrid {
-    /// `None` if the parameters begin anew on every face.
+    /// `None` if the parameters start anew on every face.
     pub(super) fn try_new(placed: &PlacedSurface<'_>) -> Option<Self> {
         let is_trimmed = placed.is_trimmed();
         let unit = [DVec2::ZERO, DVec2::ONE];
@@ -117,7 +117,7 @@ impl ParameterGrid {
     /// Areas and middles of the cells.
     ///
     /// Areas are those of Gauss's rule between the borders of cells and patches; where the surface is trimmed, of midpoints of the
-    /// [`PARTS`] times [`PARTS`] parts of a cell, or of so many per cell over every patch that is no rectangle in the parameters.
+    /// [`PARTS`] times [`PARTS`] parts of a cell; patches that are no rectangles in the parameters are sampled with the same number of parts per cell.
     pub(super) fn measure(&self, surface: &PlacedSurface<'_>, cells: [u32; 2]) -> (Vec<f64>, Vec<DVec3>) {
         let count = cells[0] as usize * cells[1] as usize;
         let mut sums = vec![(0.0, DVec3::ZERO); count];
@@ -170,7 +170,7 @@ impl ParameterGrid {
         }
     }
 
-    /// Faces that fill no rectangles: by points of each that find their cells.
+    /// Measures faces that are no rectangles by points on them, each of which is assigned to its cell.
     fn measure_askew(
         &self,
         surface: &PlacedSurface<'_>,
@@ -190,7 +190,7 @@ impl ParameterGrid {
         }
     }
 
-    /// The intervals between `low` and `high` that the borders of cells leave along an axis, with the cell of each.
+    /// The intervals into which the borders of cells divide `low` to `high` along an axis, with the cell of each.
     fn pieces(&self, axis: usize, low: f64, high: f64, cells: u32) -> Vec<(usize, [f64; 2])> {
         let (min, max) = (self.min[axis], self.max[axis]);
         let border = |i: u32| min + (max - min) * (f64::from(i) / f64::from(cells));
@@ -199,7 +199,7 @@ impl ParameterGrid {
     }
 }
 
-/// Places in the unit square with weights that sum to 1: Gauss's if `parts` is 1, else the middles of so many parts per side.
+/// Points in the unit square with weights that sum to 1: those of Gauss's rule if `parts` is 1, else the middles of `parts` parts per side.
 fn nodes(parts: u32) -> Vec<(DVec2, f64)> {
     let grid = |n: u32| (0..n * n).map(move |k| (k % n, k / n));
     if parts == 1 {
@@ -215,7 +215,7 @@ fn nodes(parts: u32) -> Vec<(DVec2, f64)> {
     grid(parts).map(|(i, j)| ((DVec2::new(f64::from(i), f64::from(j)) + 0.5) / n, 1.0 / (n * n))).collect()
 }
 
-/// True if the parameters of hits are local to a facet.
+/// Whether the parameters of hits are local to a facet.
 fn is_facetted(surface: &Surface) -> bool {
     matches!(surface, Surface::Mesh(_) | Surface::Triangle(_) | Surface::Polyhedron(_) | Surface::Cuboid(_))
 }

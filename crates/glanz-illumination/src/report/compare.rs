@@ -10,14 +10,14 @@ use crate::{LuxMap, LuxSummary};
 /// A quantity of a summary.
 type Quantity = fn(&LuxSummary) -> f64;
 
-/// Two reports and which of their receivers belong together.
+/// Two reports with the pairs of their receivers.
 #[derive(Clone, Debug)]
 pub struct LuxComparison<'a> {
     /// The first design.
     pub a: &'a LuxReport,
     /// The design that it is compared with.
     pub b: &'a LuxReport,
-    /// Receivers of one name, in the order of `a`; behind them those that only `b` has.
+    /// Receivers of the same name, in the order of `a`, then those of `b` alone.
     pub pairs: Vec<ReceiverPair<'a>>,
 }
 
@@ -31,7 +31,7 @@ pub struct ReceiverPair<'a> {
 }
 
 impl<'a> LuxComparison<'a> {
-    /// Receivers belong together by their names; where several have one name, the first to the first and so on.
+    /// Pairs receivers by name; several of one name are paired in their order.
     #[must_use]
     pub fn between(a: &'a LuxReport, b: &'a LuxReport) -> Self {
         let mut left: Vec<&LuxMap> = b.maps.iter().collect();
@@ -79,7 +79,7 @@ impl<'a> ReceiverPair<'a> {
         self.a.or(self.b).map_or("", |map| map.name.as_str())
     }
 
-    /// The maps as [`isolux`](super::isolux), with one scale and the same levels for both.
+    /// The maps as drawn by [`isolux`](super::isolux), with one scale and the same levels for both.
     #[must_use]
     pub fn isolux(&self) -> [Option<String>; 2] {
         let maps: Vec<&LuxMap> = [self.a, self.b].into_iter().flatten().collect();
@@ -94,7 +94,7 @@ impl<'a> ReceiverPair<'a> {
         })
     }
 
-    /// B - A, cell by cell, as SVG in diverging colours over a scale that reaches as far below 0 as above; `None`
+    /// The difference B - A, cell by cell, as SVG in diverging colours over a scale symmetric about 0; `None`
     /// unless both designs have the receiver with the same cells.
     #[must_use]
     pub fn difference(&self) -> Option<String> {
@@ -117,7 +117,7 @@ impl<'a> ReceiverPair<'a> {
     }
 }
 
-/// The change from `a` to `b` in per cent; `None` from nothing.
+/// The change from `a` to `b` in per cent of `a`; `None` if `a` is 0.
 fn change(a: f64, b: f64) -> Option<String> {
     let percent = 100.0 * (b - a) / a;
     percent.is_finite().then(|| format!("{percent:+.1} %"))
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn receivers_of_one_name_belong_together_in_their_order() {
+    fn receivers_of_one_name_are_paired_in_their_order() {
         let a = report("old", vec![map("x", [1.0, 1.0]), map("only a", [0.0, 0.0]), map("x", [2.0, 2.0])]);
         let b = report("new", vec![map("only b", [0.0, 0.0]), map("x", [3.0, 3.0]), map("x", [4.0, 4.0])]);
         let compared = LuxComparison::between(&a, &b);
@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn changes_are_told_in_per_cent_of_the_first() {
+    fn changes_are_in_per_cent_of_the_first() {
         let (a, b) = (
             report("old", vec![map("desk", [0.0, 400.0])]),
             report("new", vec![map("desk", [100.0, 200.0])]),
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn differences_have_a_scale_that_is_even_on_both_sides() {
+    fn scale_of_differences_is_symmetric_about_zero() {
         let (a, b) = (map("desk", [10.0, 400.0]), map("desk", [60.0, 200.0]));
         let pair = ReceiverPair { a: Some(&a), b: Some(&b) };
         let svg = pair.difference().unwrap();

@@ -6,7 +6,7 @@ use glanz_report::number::exact;
 
 use crate::LuxMap;
 
-/// Sizes of numbers that are written without a power of ten.
+/// Range of numbers that are written without a power of ten.
 const PLAIN: std::ops::Range<f64> = 1e-5..1e16;
 
 /// A lux map as comma-separated values (@rfc4180): a line of names, then one line per cell in the order of the map.
@@ -19,7 +19,7 @@ const PLAIN: std::ops::Range<f64> = 1e-5..1e16;
 /// | `illuminance_lx` | mean illuminance; empty for a cell without area |
 /// | `standard_error_lx` | its standard error; empty for a cell without area |
 ///
-/// Numbers have the fewest digits that read back as the same number. Values that a list of the map lacks are empty.
+/// Numbers have the fewest digits that read back as the same number. Missing values are empty.
 #[must_use]
 pub fn csv(map: &LuxMap) -> String {
     let mut text = "i,j,x_m,y_m,z_m,area_m2,illuminance_lx,standard_error_lx\r\n".to_owned();

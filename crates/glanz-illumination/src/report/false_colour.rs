@@ -8,7 +8,7 @@ use glanz_report::{CellField, ColourScale, LETTER_HEIGHT, Raster, fitting, text_
 use super::scale::lux_field;
 use crate::LuxMap;
 
-/// Pixels along the longer side of a receiver, and at least along the shorter one.
+/// Pixels along the longer side of a receiver, and the smallest number along the shorter one.
 const LONG: f64 = 800.0;
 const SHORT: f64 = 24.0;
 
@@ -21,7 +21,7 @@ const DOT: u32 = 2;
 /// Height of a line of letters with the gap below.
 const LINE: u32 = DOT * LETTER_HEIGHT + 8;
 
-/// Width of the scale of colours, its least height, and the letters of its longest number.
+/// Width of the colour scale, its smallest height, and the number of letters of its longest label.
 const BAR: u32 = 24;
 const BAR_HEIGHT: u32 = 200;
 const NUMBER_LETTERS: usize = 9;
@@ -93,11 +93,11 @@ fn sides(field: &CellField) -> [u32; 2] {
     let size = field.size();
     let cells = [field.columns(), field.rows()];
     let long = LONG / size[0].max(size[1]);
-    // Casting keeps to the range of u32.
+    // The cast saturates at the range of u32.
     [0, 1].map(|axis| ((size[axis] * long).round().max(SHORT) as u32).max(cells[axis] as u32))
 }
 
-/// The cell of so many that a pixel of so many lies in.
+/// The cell in which `pixel` lies, where `pixels` pixels show `cells` cells.
 fn cell(pixel: u32, pixels: u32, cells: usize) -> usize {
     ((2 * u64::from(pixel) + 1) * cells as u64 / (2 * u64::from(pixels.max(1)))) as usize
 }
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn every_cell_is_seen_however_many_and_however_narrow_the_receiver() {
+    fn pictures_show_every_cell_of_large_and_of_narrow_receivers() {
         let mut lux = vec![0.0; 1500];
         lux[1234] = 1e6;
         let row = map([1500, 1], [10.0, 0.01], lux);
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_of_numbers_are_the_cells() {
+    fn lux_pixels_hold_one_pixel_per_cell() {
         let mut map = map([2, 2], [2.0, 1.0], vec![1.0, 2.0, 3.0, 4.0]);
         map.areas[3] = 0.0;
         let pixels = lux_pixels(&map).unwrap();

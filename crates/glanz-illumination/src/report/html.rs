@@ -5,7 +5,7 @@ use glanz_report::svg::escaped;
 use super::text::{closing, facts, flux, receivers};
 use super::{LuxComparison, LuxReport, PolarPlot, isolux, lux_scale};
 
-/// Colours by what the reader prefers; on paper always dark on white.
+/// Colours of the light or dark theme, whichever the reader prefers; on paper always dark on white.
 const STYLE: &str = "\
 :root { color-scheme: light dark; --paper: #ffffff; --ink: #1a1a1a; --faint: #d0d0d0; }
 @media (prefers-color-scheme: dark) { :root { --paper: #16181c; --ink: #e6e6e6; --faint: #464a52; } }
@@ -29,7 +29,7 @@ svg .line { stroke: var(--ink); } svg .halo { stroke: var(--paper); }
 
 impl LuxReport {
     /// The report as one page: the table of the receivers, a drawing of each, where the light went, candela
-    /// distributions, and how it was calculated. It needs no other file, no script and no network, follows the reader's
+    /// distributions, and the facts of the calculation. It needs no other file, no script and no network, follows the reader's
     /// choice of light or dark, and can be printed. Each receiver has its own scale of colours.
     #[must_use]
     pub fn html(&self) -> String {
@@ -138,7 +138,7 @@ mod tests {
         }
     }
 
-    /// Names of elements that were opened and not closed, or closed and not opened.
+    /// Names of elements without a closing or an opening tag.
     fn unbalanced(html: &str) -> Vec<String> {
         let mut open = Vec::new();
         for tag in html.split('<').skip(1) {
@@ -156,12 +156,12 @@ mod tests {
     }
 
     #[test]
-    fn pages_are_well_formed_and_names_stay_names() {
+    fn pages_are_well_formed_and_names_are_escaped() {
         let (a, b) = (report(NASTY, [2, 2]), report("B", [2, 2]));
         for html in [a.html(), LuxComparison::between(&a, &b).html(), LuxReport::default().html()] {
             assert_eq!(unbalanced(&html), Vec::<String>::new());
             assert!(!html.contains("<script") && !html.contains("href") && !html.contains("src="));
-            // The only address is the name of SVG's elements, which nothing fetches.
+            // The only address is the namespace of SVG, which is not fetched.
             assert_eq!(
                 html.matches("http").count(),
                 html.matches("xmlns=\"http://www.w3.org/2000/svg\"").count()
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn maps_of_other_cells_have_no_difference() {
+    fn maps_with_different_cells_have_no_difference() {
         let (a, b) = (report("A", [2, 2]), report("B", [4, 1]));
         let alike = LuxComparison::between(&a, &a).html();
         let other = LuxComparison::between(&a, &b).html();

@@ -10,7 +10,7 @@ use crate::LuxMap;
 /// metres, the scale in lx, and minimum, mean, maximum and uniformity below.
 ///
 /// The first direction of the receiver goes to the right, the second one up, as if the receiver were flat and its
-/// cells of equal size; [`HeatMap`] says how contours are drawn. The file stays below a megabyte.
+/// cells of equal size; [`HeatMap`] describes the contours. The file is smaller than a megabyte.
 #[must_use]
 pub fn isolux(map: &LuxMap, scale: &ColourScale) -> String {
     let summary = map.summary();
@@ -31,7 +31,7 @@ pub fn isolux_at(map: &LuxMap, scale: &ColourScale, levels: &[(f64, String)]) ->
     .svg()
 }
 
-/// Sentences on the map as a whole.
+/// Sentences below the map: its summary and the range of its colours.
 fn caption(map: &LuxMap, scale: &ColourScale) -> Vec<String> {
     let summary = map.summary();
     let [width, height] = map.size.map(significant);
@@ -102,27 +102,27 @@ mod tests {
         assert!(svg.len() < 1_000_000 && !svg.contains("cells are taken"), "{}", svg.len());
         let mut levels = vec![30.0_f64, 50.0, 75.0, 100.0, 150.0, 200.0, 300.0, 500.0, 750.0];
         for line in polylines(&svg) {
-            // Half a cell from the border values no longer change.
+            // Values are constant in the outer half of the cells at the border.
             let inside = line.iter().filter(|[x, y]| (x - 346.0).abs().max((y - 332.0).abs()) < 278.0);
             let radius: Vec<f64> = inside.map(|[x, y]| (x - 346.0).hypot(y - 332.0) / 140.0).collect();
             let Some(first) = radius.first() else { continue };
             let nearest = |level: &f64| (((800.0 / level).powf(2.0 / 3.0) - 1.0).sqrt() - first).abs();
             let level = *levels.iter().min_by(|a, b| nearest(a).total_cmp(&nearest(b))).unwrap();
             let expected = ((800.0 / level).powf(2.0 / 3.0) - 1.0).sqrt();
-            // A tenth of a pixel of rounding along both axes, and little for interpolation over cells of 2 pixels.
+            // A tenth of a pixel for rounding along both axes, and a margin for interpolation over cells of 2 pixels.
             assert!(
                 radius.iter().all(|r| (r - expected).abs() * 140.0 < 0.15),
                 "{level} {expected}: {radius:?}"
             );
             levels.retain(|l| *l != level || expected > 2.0);
         }
-        // Beyond 2 m circles are cut by the border into four arcs.
+        // The border cuts circles of a radius above 2 m into four arcs.
         assert_eq!(levels, [30.0, 50.0]);
     }
 
     #[test]
-    fn noise_is_drawn_in_less_than_a_megabyte_and_said_to_be_averaged() {
-        // A congruential generator; only that its values scatter matters.
+    fn noise_is_averaged_with_a_note_and_drawn_in_less_than_a_megabyte() {
+        // A congruential generator is random enough here.
         let seed = std::cell::Cell::new(1_u64);
         let noise = map([256, 256], [1.0, 1.0], |_, _| {
             seed.set(
@@ -150,7 +150,7 @@ mod tests {
         dark.lux[9] = f64::NAN;
         dark.size = [0.0, f64::INFINITY];
         dark.areas.truncate(30);
-        // The mean of what is no number is none, and the caption says so; places in the drawing are numbers.
+        // The mean of values that are not numbers is not a number, as the caption shows; coordinates in the drawing are numbers.
         assert!(!drawn(&dark).split("Minimum").next().unwrap().contains("NaN"));
         assert!(drawn(&map([0, 0], [1.0, 1.0], ramp)).ends_with("</svg>\n"));
     }

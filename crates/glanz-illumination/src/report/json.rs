@@ -1,4 +1,4 @@
-//! A report for programs.
+//! A report as JSON.
 
 use serde::Serialize;
 use serde::ser::{SerializeMap, SerializeStruct, Serializer};
@@ -53,7 +53,7 @@ mod tests {
     use glanz_math::DVec3;
 
     #[test]
-    fn keys_carry_their_units() {
+    fn keys_end_with_their_units() {
         let map = LuxMap {
             name: "a \"desk\"".into(),
             cells: [2, 1],

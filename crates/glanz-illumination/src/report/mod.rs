@@ -1,8 +1,8 @@
 //! Reports of a calculation of illuminance: tables and pictures for people, numbers for programs.
 //!
-//! Everything here makes text, bytes or pixels of data and writes no file. Per receiver there are [`csv`], the pixels
-//! of [`false_colour()`] and [`lux_pixels`], and the drawing [`isolux()`]. A [`LuxReport`] of a whole calculation makes
-//! the table for a terminal, a page of HTML, and by `serde` the JSON; a [`LuxComparison`] compares two designs.
+//! The functions convert data to text, bytes or pixels and write no files. For one receiver there are [`csv`], the pixels
+//! of [`false_colour()`] and [`lux_pixels`], and the drawing [`isolux()`]. A [`LuxReport`] of a whole calculation becomes
+//! a table for a terminal, a page of HTML, or JSON by `serde`; a [`LuxComparison`] compares two designs.
 //! [`PolarPlot`] draws the candela distribution of a luminaire.
 //!
 //! ```
@@ -49,16 +49,16 @@ pub use scale::lux_scale;
 
 /// The results of a calculation of illuminance.
 ///
-/// `serde` makes of it: `title`; `receivers`, each with `name`, `cells`, `size_m` and the fields of
+/// Its fields in JSON: `title`; `receivers`, each with `name`, `cells`, `size_m` and the fields of
 /// [`LuxSummary`](crate::LuxSummary); `flux_balance` with the fields of [`FluxBalance`] or null; `how`, an object of
-/// the facts. JSON has no word for numbers that are not finite: they become null.
+/// the facts. Numbers that are not finite, which JSON cannot represent, become null.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LuxReport {
     /// The name of the design.
     pub title: String,
     /// The receivers, in the order of the report.
     pub maps: Vec<LuxMap>,
-    /// Where the light went; `None` for an integration of illuminance at points, which does not find out.
+    /// Balance of the flux; `None` for an integration of illuminance, which does not determine it.
     pub balance: Option<FluxBalance>,
     /// Facts about the calculation, each with its name: method, particles, seed, time.
     pub how: Vec<(String, String)>,

@@ -7,7 +7,7 @@ use glanz_report::svg::{escaped, shortened};
 /// Degrees of gamma between points of a curve.
 const STEP: f64 = 0.5;
 
-/// Share of the largest intensity above the horizontal from which on the upper half is drawn.
+/// The upper half is drawn if an intensity above the horizontal exceeds this fraction of the largest.
 const UPWARD: f64 = 1e-3;
 
 /// Middle of the drawing, its width, and the radius of the outermost ring; pixels.
@@ -35,8 +35,8 @@ pub struct PolarPlot {
 impl PolarPlot {
     /// Samples a distribution at every half degree of the four half planes.
     ///
-    /// `candela`: luminous intensity in cd at C in {0, 90, 180, 270} and gamma in [0, 180], both in degrees; what is
-    /// below zero or not finite counts as 0. `flux` in lm, if it is above zero, makes it a plot of cd/klm.
+    /// `candela`: luminous intensity in cd at C in {0, 90, 180, 270} and gamma in [0, 180], both in degrees; negative values
+    /// and those that are not finite count as 0. With a `flux` above zero, in lm, the plot is in cd/klm.
     #[must_use]
     pub fn sample(title: impl Into<String>, flux: Option<f64>, candela: impl Fn(f64, f64) -> f64) -> Self {
         let flux = flux.filter(|lumens| lumens.is_finite() && *lumens > 0.0);
@@ -105,7 +105,7 @@ impl PolarPlot {
     }
 }
 
-/// Values of at most five rings with labels, and the value at the outermost, which is `peak` or beyond.
+/// Values of at most five rings with labels, and the value at the outermost, which is at least `peak`.
 fn rings(peak: f64) -> (Vec<(f64, String)>, f64) {
     let top = if peak > 0.0 && peak.is_finite() { peak } else { 1.0 };
     let step = ticks(0.0, top, 5.0).into_iter().find(|(value, _)| *value > 0.0).map_or(top, |(step, _)| step);
@@ -135,7 +135,7 @@ fn spokes(svg: &mut Svg, centre: f64, is_full: bool) {
     }
 }
 
-/// The rings.
+/// Draws the rings.
 fn ring_lines(svg: &mut Svg, centre: f64, is_full: bool, rings: &[(f64, String)], pixels: f64) {
     for (value, _) in rings {
         let radius = value * pixels;
@@ -152,7 +152,7 @@ fn ring_lines(svg: &mut Svg, centre: f64, is_full: bool, rings: &[(f64, String)]
     }
 }
 
-/// The values of the rings, to the left between two spokes.
+/// Writes the values of the rings at the left, between two spokes.
 fn ring_labels(svg: &mut Svg, centre: f64, rings: &[(f64, String)], pixels: f64) {
     for (value, label) in rings {
         let (sin, cos) = 67.5_f64.to_radians().sin_cos();
@@ -187,7 +187,7 @@ mod tests {
             assert_eq!(curve.len(), 361);
             assert!(curve.iter().all(|[x, y]| ((x - 270.0).hypot(y - 182.0) - 100.0).abs() < 0.08));
         }
-        // Without light upwards the upper half is left out.
+        // The upper half is omitted if no light goes up.
         assert!(
             svg.contains(">500</text>")
                 && svg.contains(">90\u{b0}</text>")
@@ -196,8 +196,8 @@ mod tests {
     }
 
     #[test]
-    fn c0_is_right_and_candela_go_per_thousand_lumens() {
-        // 100 cd in the half plane C0 only, upwards too; 4000 lm.
+    fn c0_is_on_the_right_and_intensities_are_per_kilolumen() {
+        // 100 cd in the half plane C0 only, also upwards; 4000 lm.
         let polar = PolarPlot::sample("<b>", Some(4000.0), |c, _| if c == 0.0 { 100.0 } else { 0.0 });
         let svg = polar.svg();
         assert!(svg.contains("cd/klm") && svg.contains("&lt;b&gt;") && svg.contains(">180\u{b0}</text>"));
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn the_outermost_ring_holds_the_peak_at_a_round_number() {
+    fn outermost_ring_is_a_round_number_not_below_the_peak() {
         for (peak, count, outermost) in
             [(500.0, 5, 500.0), (501.0, 3, 600.0), (0.37, 4, 0.4), (1.2e6, 3, 1.5e6)]
         {

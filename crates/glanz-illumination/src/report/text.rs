@@ -12,7 +12,7 @@ pub(super) fn printable(words: &str) -> String {
 }
 
 impl LuxReport {
-    /// The summary for a terminal: the title, a line for each receiver, where the light went, and the facts.
+    /// The summary for a terminal: the title, a line for each receiver, the balance of the flux, and the facts.
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = format!("{}\n\n{}", printable(&self.title), receivers(&self.maps).plain());
@@ -68,7 +68,7 @@ pub(super) fn receivers(maps: &[LuxMap]) -> Table {
     table
 }
 
-/// Where the light went.
+/// Table of the balance of the flux.
 pub(super) fn flux(balance: &FluxBalance) -> Table {
     let columns = [("light", "light"), ("flux_lm", "flux, lm"), ("share", "share")];
     let mut table = Table::new("flux", "Where the light went", &columns);
@@ -83,12 +83,12 @@ pub(super) fn flux(balance: &FluxBalance) -> Table {
     table
 }
 
-/// A sentence on how well the balance closes.
+/// A sentence with the error of the balance.
 pub(super) fn closing(balance: &FluxBalance) -> String {
     format!("The balance closes to {} of what was emitted.", significant(balance.closes_to()))
 }
 
-/// How it was calculated.
+/// Table of the facts of the calculation.
 pub(super) fn facts(how: &[(String, String)]) -> Table {
     let mut table = Table::new("how", "How it was calculated", &[("fact", "calculation"), ("value", "")]);
     for (name, fact) in how {

@@ -1,4 +1,4 @@
-//! Lamps that have a border function: whether a ray meets them, and by how much.
+//! Shapes of emitters with their border functions, which decide whether a ray hits them.
 
 use glanz_geometry::{Surface, SurfacePoint};
 use glanz_light::Spectrum;
@@ -16,11 +16,11 @@ pub(super) struct EmitterShape {
     pub(super) form: EmitterForm,
     /// W/(m^2 sr).
     pub(super) radiance: Spectrum,
-    /// True if a flat one emits to both sides.
+    /// Whether a flat emitter emits from both sides.
     two_sided: bool,
 }
 
-/// The forms; normals of flat ones point to where they shine.
+/// The form; normals of flat emitters point to the emitting side.
 #[derive(Clone, Debug)]
 pub(super) enum EmitterForm {
     Sphere { center: DVec3, radius: f64 },
@@ -29,10 +29,10 @@ pub(super) enum EmitterForm {
 }
 
 impl EmitterShape {
-    /// The light `id` that `placed` is.
+    /// The light `id`, whose surface is `placed`.
     ///
     /// # Errors
-    /// [`IntegrateError::Form`] if it is neither a whole sphere that shines outwards nor a full disk nor a flat convex polygon.
+    /// [`IntegrateError::Form`] if it is neither a whole sphere that emits outwards nor a full disk nor a flat convex polygon.
     pub(super) fn try_new(
         id: LightId,
         light: &AreaLight,
@@ -63,7 +63,7 @@ impl EmitterShape {
         }
     }
 
-    /// Radius of a ball or disk that fits into it.
+    /// Radius of a ball or disk inside it.
     pub(super) fn inner_radius(&self) -> f64 {
         match &self.form {
             EmitterForm::Sphere { radius, .. } | EmitterForm::Disk { radius, .. } => *radius,
@@ -71,7 +71,7 @@ impl EmitterShape {
         }
     }
 
-    /// True if no point of the ball is on an emitting side.
+    /// Whether no point of the ball is on an emitting side.
     pub(super) fn is_dark_in(&self, center: DVec3, radius: f64) -> bool {
         match &self.form {
             EmitterForm::Sphere { .. } => false,
@@ -81,10 +81,10 @@ impl EmitterShape {
         }
     }
 
-    /// Positive where the ray meets the lamp on a side that shines, 0 at its rim; of the size of 1 within.
+    /// The border function: positive where the ray hits the emitter on an emitting side, 0 at its rim, of the order of 1 inside.
     ///
-    /// Smooth for spheres and disks, for polygons by sides, of which the number is the second result; negative infinity where the ray goes the
-    /// other way, or meets the dark side.
+    /// It is smooth for spheres and disks, and for polygons smooth for each side, whose number is the second result. It is negative infinity where the
+    /// ray points away or hits the dark side.
     pub(super) fn border(&self, origin: DVec3, direction: DVec3) -> (f64, u32) {
         let plane = |normal: DVec3| {
             let towards = direction.dot(normal);
@@ -96,7 +96,7 @@ impl EmitterShape {
             EmitterForm::Sphere { center, radius } => {
                 let to = *center - origin;
                 let along = to.dot(direction);
-                // Behind, the least distance from the ray is that from its origin.
+                // If the sphere is behind the ray, the point of the ray nearest to it is the origin.
                 let distance_squared =
                     if along > 0.0 { to.cross(direction).length_squared() } else { to.length_squared() };
                 if to.length_squared() <= radius * radius {
@@ -116,7 +116,7 @@ impl EmitterShape {
         }
     }
 
-    /// Distance of a ray of unit direction to the lamp that it hits.
+    /// Distance along a ray of unit direction to the emitter that it hits.
     pub(super) fn distance(&self, origin: DVec3, direction: DVec3) -> f64 {
         let to = self.center() - origin;
         match &self.form {
@@ -131,7 +131,7 @@ impl EmitterShape {
     }
 }
 
-/// The form of a surface, or what is wrong with it.
+/// The form of a surface, or the fault.
 fn form(placed: &PlacedSurface<'_>) -> Result<EmitterForm, &'static str> {
     if placed.is_trimmed() {
         return Err("is trimmed");
@@ -139,7 +139,7 @@ fn form(placed: &PlacedSurface<'_>) -> Result<EmitterForm, &'static str> {
     let to_world = placed.to_world();
     let point = |uv: DVec2| placed.at(0, uv, false).map(|at| at.at.point);
     let inner: SurfacePoint = point(DVec2::splat(0.25)).ok_or("has no parameters")?;
-    // As for sampling: a shape that is not exactly round has another rim.
+    // As in sampling: a shape that is not exactly round has another rim.
     let scale = to_world.uniform_scale(gamma(64));
     match placed.surface() {
         Surface::Sphere(sphere) => {
