@@ -6,13 +6,13 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u8)]
 pub enum Aov {
-    /// `Albedo.R/G/B`: share of light that the surface reflects or transmits.
+    /// `Albedo.R/G/B`: fraction of light that the surface reflects or transmits.
     Albedo,
     /// `P.X/Y/Z`: world position, metres.
     Position,
-    /// `N.X/Y/Z`: normal of the surface.
+    /// `N.X/Y/Z`: geometric normal.
     Normal,
-    /// `Ns.X/Y/Z`: normal for shading.
+    /// `Ns.X/Y/Z`: shading normal.
     ShadingNormal,
     /// `u`, `v`: texture coordinates.
     Uv,
@@ -20,7 +20,7 @@ pub enum Aov {
     Distance,
     /// `id`: number of the shape.
     Id,
-    /// `Variance.R/G/B`: of the pixel's mean.
+    /// `Variance.R/G/B`: variance of the pixel's mean.
     Variance,
 }
 
@@ -37,7 +37,7 @@ impl Aov {
         Self::Variance,
     ];
 
-    /// Its name on the command line and in checkpoints: that of its channels without the component.
+    /// Its name on the command line and in checkpoints: the name of its channels without the component.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -52,7 +52,7 @@ impl Aov {
         }
     }
 
-    /// The kind of that name, whatever its case.
+    /// The kind of that name, in any case.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|aov| aov.name().eq_ignore_ascii_case(name))
@@ -75,13 +75,13 @@ impl AovSet {
         Self(self.0 | 1 << aov as u8)
     }
 
-    /// True if `aov` is in the set.
+    /// Whether `aov` is in the set.
     #[must_use]
     pub const fn contains(self, aov: Aov) -> bool {
         self.0 >> aov as u8 & 1 == 1
     }
 
-    /// True if any channel needs the camera ray's first hit.
+    /// Whether any channel needs the camera ray's first hit.
     #[must_use]
     pub const fn needs_first_hit(self) -> bool {
         self.0 & !Self::NONE.with(Aov::Variance).0 != 0
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn sets_hold_what_was_put_in() {
+    fn sets_contain_the_inserted_kinds() {
         let set: AovSet = [Aov::Normal, Aov::Id].into_iter().collect();
         assert!(set.contains(Aov::Normal) && set.contains(Aov::Id) && !set.contains(Aov::Variance));
         assert_eq!(set.to_string(), "N,id");

@@ -1,4 +1,4 @@
-//! A film in a file, to go on with or to join with others.
+//! Checkpoint files: a film with its identity, for resuming and merging.
 //!
 //! | bytes | content |
 //! |---|---|
@@ -10,7 +10,7 @@
 //! | 16 | samples dropped, samples cut |
 //! | | with passes: their weight, samples and last weight (8 each); length (8) and state of the training, see [`Guide`](crate::Guide) |
 //! | 8 each | the sums of all pixels, tile after tile, and of the light splatted to them, row by row, see [`Film`] |
-//! | 4 | CRC-32 (IEEE) of all before |
+//! | 4 | CRC-32 (IEEE) of all preceding bytes |
 //!
 //! Numbers are little-endian; text is a length byte and UTF-8.
 
@@ -39,25 +39,25 @@ pub enum CheckpointError {
     /// Another kind or version of file, or a damaged one.
     #[error(transparent)]
     Envelope(#[from] EnvelopeError),
-    /// Unchanged, but nothing that this program would write.
-    #[error("the checkpoint makes no sense: {0}")]
+    /// An intact file with content that this program does not write.
+    #[error("the checkpoint is invalid: {0}")]
     Content(&'static str),
-    /// A film that cannot be made.
+    /// The film cannot be created.
     #[error("the checkpoint cannot be used: {0}")]
     Film(#[from] FilmError),
 }
 
-/// A film and what it is a picture of.
+/// A film with the identity of its picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
     /// Identity of the picture.
     pub identity: PictureIdentity,
-    /// Its samples so far.
+    /// The film with the samples so far.
     pub film: Film,
 }
 
 impl Checkpoint {
-    /// The bytes of the file. To be written beside the old one and renamed, so that one of them is always whole.
+    /// The bytes of the file. The caller should write a new file and rename it over the old one, so that one of them is always complete.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         Self::encode(&self.identity, &self.film)
@@ -85,10 +85,10 @@ impl Checkpoint {
         })
     }
 
-    /// Reads what [`Checkpoint::to_bytes`] wrote. Takes no more memory than a few times `bytes`, whatever they are.
+    /// Reads the output of [`Checkpoint::to_bytes`]. Memory is limited to a few times the size of `bytes`, whatever their content.
     ///
     /// # Errors
-    /// [`CheckpointError`] if any bit is not as it was written.
+    /// [`CheckpointError`] if any bit differs from the written file.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
         let mut d = Decoder(ENVELOPE.open(bytes)?);
         let identity = decode_identity(&mut d)?;
@@ -98,7 +98,7 @@ impl Checkpoint {
             _ => return Err(CheckpointError::Content("its counters")),
         };
         let passes = match identity.film.passes {
-            true => decode_passes(&mut d, &samples).ok_or(CheckpointError::Content("what it has learnt"))?,
+            true => decode_passes(&mut d, &samples).ok_or(CheckpointError::Content("its training state"))?,
             false => Passes::default(),
         };
         // Sizes are compared before anything is allocated for them.
@@ -158,7 +158,7 @@ fn encode_identity(e: &mut Encoder, identity: &PictureIdentity) {
     e.text(identity.sampler.name());
     e.u64(identity.seed);
     e.u32(identity.samples_per_pixel);
-    // A hash of 0 stands for none: one in 2^128 guides has it.
+    // A hash of 0 stands for none; one in 2^128 guides has this hash.
     e.u128(identity.guide.unwrap_or_default());
 }
 
@@ -280,14 +280,14 @@ mod tests {
     }
 
     #[test]
-    fn what_was_written_is_read() {
+    fn written_checkpoints_are_read_back() {
         let checkpoint = example();
         assert_eq!(checkpoint.film.rejects().dropped, 60);
         assert_eq!(Checkpoint::from_bytes(&checkpoint.to_bytes()), Ok(checkpoint));
     }
 
     #[test]
-    fn every_cut_and_every_flipped_bit_is_found() {
+    fn every_truncation_and_every_flipped_bit_is_detected() {
         let bytes = example().to_bytes();
         for length in (0..300).chain(bytes.len() - 300..bytes.len()) {
             assert!(Checkpoint::from_bytes(&bytes[..length]).is_err(), "{length}");
@@ -306,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn reasons_are_told() {
+    fn errors_state_their_reason() {
         let bytes = example().to_bytes();
         let foreign = CheckpointError::Envelope(EnvelopeError::Foreign("a checkpoint of Glanz"));
         assert_eq!(Checkpoint::from_bytes(b"PNG..."), Err(foreign.clone()));
@@ -325,14 +325,14 @@ mod tests {
         );
     }
 
-    /// `bytes` with length and checksum made right again: what a malicious writer would do.
+    /// `bytes` with corrected length and checksum, as from a malicious writer.
     fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
         bytes.truncate(bytes.len() - CRC_LENGTH);
         resealed(bytes)
     }
 
     #[test]
-    fn claims_that_the_file_does_not_back_are_refused_before_memory_is_taken() {
+    fn sizes_beyond_the_file_are_refused_before_allocation() {
         let bytes = example().to_bytes();
         // Version text, 16 bytes of hash, then the resolution and the crop.
         let resolution = PREFIX_LENGTH + 1 + glanz_job::current_version().len() + 16;
@@ -349,12 +349,12 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_bytes_make_it_panic(
+        fn arbitrary_bytes_do_not_panic(
             changes in prop::collection::vec((0_usize..250, any::<u8>()), 1..8), length in 24_usize..20_000,
         ) {
             let mut bytes = example().to_bytes();
             for (at, value) in changes {
-                // The prefix stays, or everything else would hide behind it.
+                // The prefix stays valid; otherwise nothing behind it would be tested.
                 if at >= PREFIX_LENGTH {
                     bytes[at] = value;
                 }
@@ -387,7 +387,7 @@ mod tests {
                 .contains("the guide is 00000000000000000000000000000007, not learnt")
         );
         assert!(named(&|i| i.version = "0.0.1".to_owned()).contains("version is 0.0.1"));
-        // Sobol points do not depend on how many are planned.
+        // Sobol points do not depend on the planned number.
         let sobol = PictureIdentity { sampler: SamplerKind::Sobol, ..wanted };
         assert_eq!(PictureIdentity { samples_per_pixel: 1, ..sobol.clone() }.check(&sobol), Ok(()));
     }

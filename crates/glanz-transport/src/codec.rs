@@ -1,4 +1,4 @@
-//! Little-endian numbers in bytes, and the envelope around those of a file.
+//! Encoding of little-endian numbers, and the envelope of files.
 
 /// Length of the checksum.
 pub const CRC_LENGTH: usize = 4;
@@ -27,27 +27,27 @@ pub enum EnvelopeError {
     /// Another version.
     #[error("{content} has format {found}, this program reads format {known}")]
     Version {
-        /// What the file holds.
+        /// Content of the file.
         content: &'static str,
-        /// Its format.
+        /// Its format version.
         found: u32,
-        /// The format that can be read.
+        /// The supported format version.
         known: u32,
     },
-    /// Shorter or longer than stored in the file.
+    /// A length that differs from the one stored in the file.
     #[error("{content} is damaged: it has {found} bytes, not {expected}")]
     Length {
-        /// What the file holds.
+        /// Content of the file.
         content: &'static str,
         /// Length stored in the file.
         expected: u64,
         /// Length of the file.
         found: u64,
     },
-    /// Another checksum than stored in the file.
+    /// A checksum that differs from the one stored in the file.
     #[error("{content} is damaged: its checksum is {found:08x}, not {expected:08x}")]
     Checksum {
-        /// What the file holds.
+        /// Content of the file.
         content: &'static str,
         /// Checksum stored in the file.
         expected: u32,
@@ -57,7 +57,7 @@ pub enum EnvelopeError {
 }
 
 impl FileEnvelope {
-    /// Magic, version (4 bytes), length of all (8 bytes), what `content` appends, and the CRC-32 (IEEE) of all before it.
+    /// The bytes of a file: magic, version (4 bytes), total length (8 bytes), the output of `content`, and the CRC-32 (IEEE) of all preceding bytes.
     pub fn seal(&self, content: impl FnOnce(&mut Encoder)) -> Vec<u8> {
         let mut e = Encoder::default();
         e.0.extend_from_slice(self.magic);
@@ -73,14 +73,14 @@ impl FileEnvelope {
         e.0
     }
 
-    /// The content of what [`FileEnvelope::seal`] made.
+    /// The content of the output of [`FileEnvelope::seal`].
     ///
     /// # Errors
     /// [`EnvelopeError`] if magic, version, length or checksum differ.
     pub fn open<'a>(&self, bytes: &'a [u8]) -> Result<&'a [u8], EnvelopeError> {
         let Self { magic, content, .. } = *self;
         let mut d = Decoder(bytes);
-        // A file cut within the magic is still recognised as cut, not foreign, unless nothing of it is left.
+        // A file truncated within the magic is reported as truncated, not foreign, unless it is empty.
         let start = &magic[..magic.len().min(bytes.len())];
         if bytes.is_empty() || !bytes.starts_with(start) {
             return Err(EnvelopeError::Foreign(self.kind));
@@ -105,7 +105,7 @@ impl FileEnvelope {
     }
 }
 
-/// Appends to bytes.
+/// Encoder that appends to bytes.
 #[derive(Debug, Default)]
 pub struct Encoder(pub Vec<u8>);
 
@@ -140,7 +140,7 @@ impl Encoder {
         self.u64(value.to_bits());
     }
 
-    /// At most 255 bytes; longer text is cut.
+    /// A text of at most 255 bytes; longer text is truncated.
     pub fn text(&mut self, text: &str) {
         let bytes = &text.as_bytes()[..text.len().min(255)];
         self.0.push(bytes.len() as u8);
@@ -148,7 +148,7 @@ impl Encoder {
     }
 }
 
-/// Decoder that reads from the front of bytes; `None` where they end too early.
+/// Decoder that reads bytes from the front; its methods return `None` where the bytes end.
 #[derive(Debug)]
 pub struct Decoder<'a>(pub &'a [u8]);
 
@@ -203,7 +203,7 @@ impl<'a> Decoder<'a> {
     }
 }
 
-/// `bytes` of a file without its checksum, whatever they are, with length and checksum made right.
+/// `bytes` of a file without its checksum, with corrected length and appended checksum.
 #[cfg(test)]
 pub(crate) fn resealed(mut bytes: Vec<u8>) -> Vec<u8> {
     let length = (bytes.len() + CRC_LENGTH) as u64;

@@ -21,8 +21,8 @@ pub enum FilmError {
     /// Width or height is zero, or there are more than 2^31 pixels.
     #[error("the picture has {0} x {1} pixels; it must have 1 to 2^31")]
     Size(u32, u32),
-    /// A crop window that is empty or leaves the picture.
-    #[error("the crop window {window:?} is empty or leaves the picture of {} x {} pixels", .resolution[0], .resolution[1])]
+    /// A crop window that is empty or extends beyond the picture.
+    #[error("the crop window {window:?} is empty or extends beyond the picture of {} x {} pixels", .resolution[0], .resolution[1])]
     Crop {
         /// Smallest and largest x, then y.
         window: [f64; 4],
@@ -38,15 +38,15 @@ pub enum FilmError {
     /// Two films with common samples.
     #[error(transparent)]
     Overlap(#[from] OverlapError),
-    /// A film that learns cannot take samples that were taken elsewhere.
-    #[error("its samples build on one another")]
+    /// A film whose training depends on the order of samples, which cannot be merged.
+    #[error("its samples depend on earlier ones")]
     Learning,
     /// More samples than the sums can hold exactly.
     #[error("{0} samples per pixel are more than the {MAX_TERMS} a film can hold")]
     Samples(u64),
 }
 
-/// Which pixels a film holds and what it adds up for each.
+/// Format of a film: its pixels and the sums of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FilmFormat {
     /// Width and height of the full picture.
@@ -55,12 +55,12 @@ pub struct FilmFormat {
     pub crop: PixelRect,
     /// Extra channels.
     pub aovs: AovSet,
-    /// True if the filter has negative lobes.
+    /// Whether the filter has negative lobes.
     pub signed: bool,
-    /// True if samples come in passes of different variance, from an integrator that
+    /// Whether samples come in passes of different variance, from an integrator that
     /// [learns](crate::Integrator::learns).
     pub passes: bool,
-    /// True if the integrator [splats](crate::Integrator::splats).
+    /// Whether the integrator [splats](crate::Integrator::splats).
     pub splats: bool,
 }
 
@@ -84,7 +84,7 @@ impl FilmFormat {
         PixelLayout { aovs: self.aovs, signed: self.signed, passes: self.passes }
     }
 
-    /// The sums of the light that is splatted to each pixel.
+    /// The sums of the light splatted to each pixel.
     fn splat_layout(&self) -> SplatLayout {
         SplatLayout { squares: self.aovs.contains(Aov::Variance) }
     }
@@ -111,7 +111,7 @@ impl FilmFormat {
     }
 }
 
-/// A film in parts that threads may fill.
+/// The buffers of a film, for threads to fill.
 pub(crate) struct FilmParts<'a> {
     /// The tiles with their words.
     pub(crate) tiles: Vec<(PixelRect, &'a mut [u64])>,
@@ -121,17 +121,17 @@ pub(crate) struct FilmParts<'a> {
     pub(crate) training: Option<&'a Training>,
 }
 
-/// The sums of all pixels, and which samples are in them.
+/// The sums of all pixels, and the set of samples in them.
 ///
-/// Sums are exact: the film depends on which samples were added, not on when, by whom or in which portions.
+/// Sums are exact: the film depends on the added samples alone, not on the order, threads or portions.
 ///
-/// A film with [passes](FilmFormat::passes) takes its samples in the order of their numbers. When a pass is over, its light is
-/// put to that of the passes before with a weight that its variance decides, see `settled`, and what it learnt becomes the
-/// guide of the next.
+/// A film with [passes](FilmFormat::passes) takes its samples in the order of their numbers. At the end of a pass, its light is
+/// added to that of earlier passes with a weight that depends on its variance, see `weighted_sums`, and its training data become the
+/// guide of the next pass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     format: FilmFormat,
-    /// Pixel after pixel, tile after tile, every pixel as its layout says; then what is splatted, row by row.
+    /// The words of all pixels in their layout, tile after tile, then the splatted light, row by row.
     words: Vec<u64>,
     samples: SampleRanges,
     rejects: Rejects,
@@ -142,7 +142,7 @@ impl Film {
     /// A film without samples.
     ///
     /// # Errors
-    /// [`FilmError::Size`], [`FilmError::Crop`] for an impossible format, [`FilmError::Memory`] if there is not enough.
+    /// [`FilmError::Size`] or [`FilmError::Crop`] for an invalid format, [`FilmError::Memory`] if memory is insufficient.
     pub fn try_new(format: FilmFormat) -> Result<Self, FilmError> {
         let count = format.words()?;
         let mut words = Vec::new();
@@ -151,7 +151,7 @@ impl Film {
         words.try_reserve_exact(length).map_err(|_| memory())?;
         words.resize(length, 0);
         let layout = format.layout();
-        // Not all sums start at the bits of zero: that of the shape's number starts at "none".
+        // Not all sums start as zero bits: the shape's number starts as "none".
         let (samples, rejects, passes) = Default::default();
         let mut film = Self { format, words, samples, rejects, passes };
         for pixel in film.sums_mut().0.chunks_exact_mut(layout.words()) {
@@ -160,10 +160,10 @@ impl Film {
         Ok(film)
     }
 
-    /// A film from what [`Film::words`] gave.
+    /// A film from the output of [`Film::words`].
     ///
     /// # Errors
-    /// As [`Film::try_new`]; [`FilmError::Layout`] if there are not as many words as the format needs.
+    /// As [`Film::try_new`]; [`FilmError::Layout`] if the number of words differs from that of the format.
     pub fn try_from_words(
         format: FilmFormat,
         words: Vec<u64>,
@@ -179,7 +179,7 @@ impl Film {
         Ok(Self { format, words, samples, rejects, passes: Passes::default() })
     }
 
-    /// The film with such a state of its passes.
+    /// The film with this state of its passes.
     pub(crate) fn with_passes(mut self, passes: Passes) -> Self {
         self.passes = passes;
         self
@@ -202,19 +202,19 @@ impl Film {
         &self.format
     }
 
-    /// The samples that every pixel has.
+    /// The samples of every pixel.
     #[must_use]
     pub fn samples(&self) -> &SampleRanges {
         &self.samples
     }
 
-    /// Samples that could not be taken as they came.
+    /// Samples that were changed or dropped.
     #[must_use]
     pub fn rejects(&self) -> Rejects {
         self.rejects
     }
 
-    /// The sums as words, tile after tile, then what is splatted, row by row.
+    /// The sums as words, tile after tile, then those of splatted light, row by row.
     #[must_use]
     pub fn words(&self) -> &[u64] {
         &self.words
@@ -235,7 +235,7 @@ impl Film {
         self.words.split_at_mut(own)
     }
 
-    /// Begins to learn, if it has not.
+    /// Begins the training if it has not begun.
     pub(crate) fn begin_training(&mut self, guide: Guide) {
         self.passes.training.get_or_insert_with(|| Box::new(Training::new(guide)));
     }
@@ -245,7 +245,7 @@ impl Film {
         self.format.passes.then(|| self.passes.end_of_pass(next))
     }
 
-    /// Buffers that threads fill. [`Film::finish_pass`] must follow.
+    /// Buffers for threads to fill. [`Film::finish_pass`] must follow.
     pub(crate) fn parts_mut(&mut self) -> FilmParts<'_> {
         let (format, own) = (self.format, self.own_words());
         let (mut rest, splats) = self.words.split_at_mut(own);
@@ -260,7 +260,7 @@ impl Film {
         FilmParts { tiles, splats, training: self.passes.training.as_deref() }
     }
 
-    /// Notes that every pixel got the samples of `range`.
+    /// Records that every pixel has the samples of `range`.
     pub(crate) fn finish_pass(
         &mut self,
         range: std::ops::Range<u32>,
@@ -275,9 +275,9 @@ impl Film {
         Ok(())
     }
 
-    /// Ends a pass of an integrator that learns.
+    /// Ends a pass of a learning integrator.
     fn settle(&mut self) {
-        self.passes.teach(self.brightness());
+        self.passes.fit_guide(self.brightness());
         let Some(blend) = self.passes.settled(self.samples.total(), self.precision()) else { return };
         let layout = self.format.layout();
         for words in self.sums_mut().0.chunks_exact_mut(layout.words()) {
@@ -287,7 +287,7 @@ impl Film {
         }
     }
 
-    /// One over the mean variance of a sample of the pass under way, if that is known well.
+    /// Reciprocal of the mean variance of a sample of the current pass, if that is known well enough.
     fn precision(&self) -> Option<f64> {
         let count = self.samples.total() - self.passes.samples;
         let pixels = self.format.crop.len();
@@ -318,8 +318,8 @@ impl Film {
     ///
     /// # Errors
     /// [`FilmError::Layout`] if the formats differ, [`FilmError::Overlap`] if a sample is in both, and
-    /// [`FilmError::Samples`] if there would be too many, [`FilmError::Learning`] for films with passes; this film is unchanged
-    /// then.
+    /// [`FilmError::Samples`] if there would be too many, [`FilmError::Learning`] for films with passes; after an error this film is
+    /// unchanged.
     pub fn merge(&mut self, other: &Self) -> Result<(), FilmError> {
         if self.format != other.format {
             return Err(FilmError::Layout("size, crop, filter or channels"));
@@ -352,7 +352,7 @@ impl Film {
         Ok(())
     }
 
-    /// The sums of every pixel with its place in the crop window.
+    /// The sums of every pixel with its position in the crop window.
     fn pixels(&self) -> impl Iterator<Item = ([u32; 2], PixelSums)> {
         let layout = self.format.layout();
         let origin = self.format.crop.min;
@@ -370,10 +370,10 @@ impl Film {
         Some(SplatSums::read(words).values(self.samples.total(), self.format.crop.len()))
     }
 
-    /// The picture of the crop window: `R G B` and the channels asked for.
+    /// The picture of the crop window: `R G B` and the extra channels.
     ///
-    /// What [`PixelSums::radiance`] and [`PixelSums::first_hit`] say, with the light that is splatted, rounded to `f32`. Where no sample hit anything,
-    /// geometry and albedo are 0 and `id` is -1. A film without samples is black.
+    /// The values are those of [`PixelSums::radiance`], with the splatted light, and [`PixelSums::first_hit`], rounded to `f32`. Where no sample hit a
+    /// surface, geometry and albedo are 0 and `id` is -1. A film without samples is black.
     ///
     /// # Errors
     /// [`PixelsError`] as [`Pixels::try_new`] and [`Pixels::add_channel`].
@@ -386,7 +386,7 @@ impl Film {
         for ([x, y], sums) in self.pixels() {
             let at = y as usize * width as usize + x as usize;
             let mut radiance = sums.blended(&blend);
-            // Splats and own samples come from different numbers: their variances add up.
+            // Splats and the pixel's own samples are independent: their variances add up.
             for (own, splatted) in
                 radiance.iter_mut().zip(self.splatted(y as usize, x as usize).into_iter().flatten())
             {
@@ -463,7 +463,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_land_where_they_belong() {
+    fn pixels_keep_their_positions() {
         let plain = FilmFormat { aovs: AovSet::NONE, signed: false, ..format() };
         let mut film = Film::try_new(plain).unwrap();
         expose(&mut film, 0..1);
@@ -499,7 +499,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_formats_are_refused() {
+    fn invalid_formats_are_refused() {
         assert_eq!(Film::try_new(FilmFormat::plain([0, 5])), Err(FilmError::Size(0, 5)));
         assert_eq!(
             Film::try_new(FilmFormat::plain([u32::MAX, u32::MAX])),

@@ -1,8 +1,8 @@
 //! Pixel filters, sampled by importance.
 //!
 //! A sample of a pixel is placed around the pixel's middle with a density proportional to the magnitude of the filter,
-//! so that every sample weighs the same and belongs to one pixel alone (@ernst2006). Where the filter is negative the
-//! sample counts with the opposite sign.
+//! so that every sample has the same weight and belongs to one pixel alone (@ernst2006). Where the filter is negative, the
+//! sample is subtracted.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ use crate::pixel_rect::PixelRect;
 
 mod profile;
 
-/// A filter that cannot be used.
+/// Errors of building a filter.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FilterError {
@@ -32,7 +32,7 @@ pub enum FilterError {
         /// The allowed values.
         range: &'static str,
     },
-    /// Negative lobes that outweigh the rest of the filter: the noise would drown the picture.
+    /// Negative lobes that nearly cancel the rest of the filter, which would make the picture too noisy.
     #[error("the negative lobes of the filter leave {0} of its weight, less than {1}")]
     Lobes(f64, f64),
 }
@@ -40,9 +40,9 @@ pub enum FilterError {
 /// Position and weight of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilterSample {
-    /// From the middle of the pixel, pixels.
+    /// Offset from the middle of the pixel, pixels.
     pub offset: DVec2,
-    /// True if the filter is negative there.
+    /// Whether the filter is negative there.
     pub negative: bool,
 }
 
@@ -70,13 +70,13 @@ enum FilterShape {
     Cone,
 }
 
-/// Smallest share of weight that negative lobes may leave; the noise of a pixel grows by its reciprocal.
+/// Smallest net weight of a filter with negative lobes, as a fraction; the noise of a pixel grows by its reciprocal.
 const SMALLEST_NET_WEIGHT: f64 = 0.25;
 
 impl Filter {
     /// The filter of `description`.
     ///
-    /// Gaussian and Mitchell are tabulated as piecewise linear profiles that stray from the formula by at most 2e-6 of
+    /// Gaussian and Mitchell are tabulated as piecewise linear profiles that deviate from the formula by at most 2e-6 of
     /// the peak (the error of chords, @davis1975 section 3.1); the others are exact.
     ///
     /// # Errors
@@ -123,7 +123,7 @@ impl Filter {
         Ok(filter)
     }
 
-    /// The description it was built from.
+    /// The description of the filter.
     #[must_use]
     pub fn description(&self) -> &FilterDescription {
         &self.description
@@ -205,7 +205,7 @@ impl Filter {
             if own != 0.0 {
                 picked = Some((pixel, sum.copysign(own)));
                 rest -= own.abs();
-                // Rounding may leave a little at the end: the last pixel takes it.
+                // A remainder from rounding at the end belongs to the last pixel.
                 if rest < 0.0 {
                     break;
                 }
@@ -214,17 +214,17 @@ impl Filter {
         picked
     }
 
-    /// Columns or rows of `pixels` whose middles are no further than the radius from `film`.
+    /// Columns or rows of `pixels` whose middles are within the radius of `film`.
     fn reached(&self, film: DVec2, pixels: &PixelRect, axis: usize) -> Range<u32> {
         let first = (film[axis] - self.radius[axis] - 0.5).ceil();
         let end = (film[axis] + self.radius[axis] - 0.5).floor() + 1.0;
         let [low, high] = [pixels.min[axis], pixels.min[axis].saturating_add(pixels.size[axis])];
-        // Casts keep to the range of u32, and carry what is not a number to 0.
+        // Casts saturate at the range of u32, and map NaN to 0.
         (first as u32).max(low)..(end as u32).min(high)
     }
 
-    /// Places a sample from two numbers uniform in [0, 1). (1/2, 1/2) goes to the middle, and neighbours to neighbours,
-    /// so that well spread numbers give well spread samples.
+    /// Maps two numbers uniform in [0, 1) to a sample. (1/2, 1/2) is mapped to the middle, and neighbours to neighbours,
+    /// so that well distributed numbers give well distributed samples.
     #[must_use]
     pub fn sample(&self, xi: DVec2) -> FilterSample {
         let s = 2.0 * xi - 1.0;
@@ -246,16 +246,16 @@ impl Filter {
     }
 }
 
-/// Carries uniform numbers in [-1, 1) to the density `1 - |x|`.
+/// Maps uniform numbers in [-1, 1) to the density `1 - |x|`.
 fn tent(s: f64) -> f64 {
     // 1 - sqrt(1 - |s|) without cancellation near 0.
     (s.abs() / (1.0 + (1.0 - s.abs()).sqrt())).copysign(s)
 }
 
-/// The factor by which a point of the square [-1, 1]^2 moves towards the middle so that the density falls linearly.
+/// The factor by which a point of the square [-1, 1]^2 moves towards the middle so that the density decreases linearly.
 ///
-/// The square (or disk) of radius m holds the share m^2 of uniform points and 3 r^2 - 2 r^3 of the wanted ones; equating
-/// the two, with r = 1/2 + sin(a), gives sin(3 a) = 2 m^2 - 1.
+/// The square (or disk) of radius m contains the fraction m^2 of uniform points; that of radius r contains the fraction 3 r^2 - 2 r^3 of points of
+/// the required density. Equating the two, with r = 1/2 + sin(a), gives sin(3 a) = 2 m^2 - 1.
 fn linear_fall(s: DVec2) -> f64 {
     let m = s.abs().max_element();
     if m == 0.0 {
@@ -276,7 +276,7 @@ fn gaussian(radius: f64, sigma: f64) -> Result<FilterProfile, FilterError> {
     let border = -0.5 * k * k;
     let value = |x: f64| {
         let exponent = -0.5 * k * k * x * x;
-        // The difference of two numbers near 1 has no digits left: expm1 keeps them.
+        // The difference of two numbers near 1 loses its digits to cancellation; expm1 keeps them.
         if k < 1.0 { border.exp() * (exponent - border).exp_m1() } else { exponent.exp() - border.exp() }
     };
     // The second derivative is largest in the middle: k^2, where the peak is 1 - exp(border).

@@ -7,9 +7,9 @@ use glanz_scene::description::FilterDescription;
 use crate::film::FilmFormat;
 use crate::integrator::IntegratorSettings;
 
-/// Everything the bits of a picture depend on, except which samples were taken.
+/// Everything on which the bits of a picture depend, except the set of samples.
 ///
-/// Two films may be joined if their identities agree.
+/// Two films may be merged if their identities agree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureIdentity {
     /// Hash over the content of the scene: its file and all that it refers to.
@@ -24,23 +24,23 @@ pub struct PictureIdentity {
     pub sampler: SamplerKind,
     /// Seed of the samples.
     pub seed: u64,
-    /// Planned samples per pixel. Of meaning for samplers that divide the pixel into as many strata only.
+    /// Planned samples per pixel. Relevant only for samplers that divide the pixel into this number of strata.
     pub samples_per_pixel: u32,
-    /// Hash over the file of a guide that does not change, or of the light that is shown; `None` without one, or if the picture learns or
-    /// makes its own.
+    /// Hash over the file of a fixed guide or of stored light; `None` without one, or if the picture has its own guide or
+    /// light.
     pub guide: Option<u128>,
-    /// Version of the program that took the samples.
+    /// Version of the program that rendered the samples.
     pub version: String,
 }
 
 impl PictureIdentity {
-    /// True if the sampler's strata depend on the planned number of samples.
+    /// Whether the sampler's strata depend on the planned number of samples.
     #[must_use]
     pub fn plan_matters(&self) -> bool {
         matches!(self.sampler, SamplerKind::Stratified | SamplerKind::Regular)
     }
 
-    /// Hash of a guide or of light that was read from a file.
+    /// Hash of a guide or of light from a file.
     fn given(&self) -> (&'static str, String) {
         let (what, otherwise) = match self.integrator.shows_stored_light() {
             true => ("the file of light", "made anew"),
@@ -49,7 +49,7 @@ impl PictureIdentity {
         (what, self.guide.map_or_else(|| otherwise.to_owned(), |hash| format!("{hash:032x}")))
     }
 
-    /// The planned number of samples, where it matters.
+    /// The planned number of samples, if it is relevant.
     fn plan(&self) -> String {
         if self.plan_matters() { self.samples_per_pixel.to_string() } else { String::new() }
     }
@@ -61,7 +61,7 @@ impl JobIdentity for PictureIdentity {
     fn fields(&self) -> Vec<(&'static str, String)> {
         let ([width, height], [x, y], [w, h]) =
             (self.film.resolution, self.film.crop.min, self.film.crop.size);
-        // The text of an `f64` shows every bit but the sign of NaN.
+        // The text of an `f64` represents every bit but the sign of NaN.
         vec![
             ("the Glanz version", self.version.clone()),
             ("the scene (content hash)", format!("{:032x}", self.scene)),

@@ -3,12 +3,12 @@
 //! # Modules
 //! - [`Integrator`]s estimate the radiance along camera rays; [`INTEGRATORS`] is the table of them;
 //! - a [`Filter`] places samples around a pixel;
-//! - a [`Film`] adds samples up, exactly ([`glanz_sampling::exact`]): the picture depends on which samples were taken, not on
+//! - a [`Film`] sums samples exactly ([`glanz_sampling::exact`]): the picture depends on the set of samples, not on
 //!   threads, passes, interruptions or machines;
 //! - [`render()`] exposes a film, and reports to a [`RenderSink`];
 //! - [`send_particle()`] traces a particle from a light, for illuminance;
 //! - a [`Guide`] holds the densities of incident light that guided integrators sample;
-//! - a [`Checkpoint`] is a film in a file with the [`PictureIdentity`] it belongs to; [`merge()`] joins several.
+//! - a [`Checkpoint`] is a file of a film with its [`PictureIdentity`]; [`merge()`] joins several.
 
 pub mod aov;
 mod channels;

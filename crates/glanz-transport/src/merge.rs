@@ -1,4 +1,4 @@
-//! Joining films that were exposed apart.
+//! Merging of separately rendered films.
 
 use std::ops::Range;
 
@@ -12,18 +12,18 @@ use crate::ranges::SampleRanges;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MergeError {
-    /// There is nothing to join.
-    #[error("there are no parts")]
+    /// There are no parts.
+    #[error("there are no parts; at least one is needed")]
     Empty,
     /// A part of another picture than the first.
-    #[error("part {part} does not go with the first: {mismatch}")]
+    #[error("part {part} does not match the first: {mismatch}")]
     Picture {
         /// Its number.
         part: usize,
         /// The difference.
         mismatch: IdentityMismatch,
     },
-    /// A part whose samples build on one another.
+    /// A part whose samples depend on earlier ones.
     #[error("part {part} learnt its own guide while it was rendered, and cannot be joined with others")]
     Learning {
         /// Its number.
@@ -36,7 +36,7 @@ pub enum MergeError {
         first: usize,
         /// Number of the later part.
         second: usize,
-        /// The first samples they share.
+        /// The first common samples.
         samples: Range<u32>,
     },
     /// Films that cannot be added.
@@ -44,7 +44,7 @@ pub enum MergeError {
     Film(#[from] FilmError),
 }
 
-/// The film of all `parts` together, the same bit for bit as that of one run over all their samples.
+/// The film of all `parts`, identical bit for bit to that of one run over all their samples.
 ///
 /// Parts are taken one by one, so that an iterator that reads files needs memory for two of them.
 ///
@@ -65,7 +65,7 @@ pub fn merge(parts: impl IntoIterator<Item = Checkpoint>) -> Result<Checkpoint, 
             return Err(MergeError::Overlap { first, second: part, samples });
         }
         whole.film.merge(&next.film)?;
-        // Parts may have different plans if the plan does not matter.
+        // Parts may have different plans if the sampler does not use the plan.
         whole.identity.samples_per_pixel =
             whole.identity.samples_per_pixel.max(next.identity.samples_per_pixel);
         taken.push(next.film.samples().clone());

@@ -1,7 +1,7 @@
-//! The way of light from lamps: particles that carry flux.
+//! Particles that carry flux from the lights.
 //!
-//! A particle leaves a lamp with a share of its power and goes on from surface to surface, losing what they absorb. What it
-//! brings to a place is flux, so that the mean over many particles is the flux there, whatever is counted.
+//! A particle leaves a light with a part of its power and continues from surface to surface, losing the absorbed part. It
+//! carries flux, so that the mean over many particles is the incident flux of any surface.
 
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::Ray;
@@ -10,65 +10,65 @@ use glanz_scene::{Interaction, ParametricPoint, Scene};
 
 use crate::integrator::{Counters, INTERFACE_LIMIT, Vertex};
 
-/// Share of its first power below which a particle may end by chance. Survivors have this share again, so that no particle takes
-/// long to bring little.
+/// Fraction of its initial power below which a particle is subject to Russian roulette. Survivors have this fraction again, so that no time is spent on
+/// particles of little power.
 const ROULETTE_BELOW: f32 = 0.1;
 
-/// Dimensions of the sampler before the first event: direction and place on the lamp in one group, the choice of the lamp in the next.
+/// Dimensions of the sampler before the first event: direction and position on the light in one group, the selection of the light in the next.
 const EMISSION_DIMENSIONS: u32 = 4;
 const FIRST_EVENT_DIMENSION: u32 = EMISSION_DIMENSIONS + 8;
 
 /// Dimensions per event: direction, lobe, survival.
 const DIMENSIONS_PER_EVENT: u32 = 4;
 
-/// A particle that meets a surface.
+/// Arrival of a particle at a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Arrival<'a> {
-    /// The surface, seen from where the particle comes from.
+    /// The hit, with `wo` towards the origin of the particle.
     pub at: &'a Interaction,
-    /// The place by parameters.
+    /// The parameters of the hit.
     pub place: ParametricPoint,
-    /// Flux that arrives, W.
+    /// Incident flux, W.
     pub arrived: Spectrum,
-    /// Flux that goes on, W. All of it at mere borders; on average over many particles what the surface scatters.
+    /// Flux of the continuing particle, W: all of it at interfaces; elsewhere its mean over many particles is the scattered flux.
     pub left: Spectrum,
 }
 
 /// Fate of a particle.
 #[derive(Clone, Copy, Debug)]
 pub enum ParticleFate {
-    /// In a surface.
+    /// Absorbed by a surface.
     Absorbed,
-    /// It left the scene along `ray` with `power`, W.
+    /// Left the scene along `ray` with `power`, W.
     Escaped {
-        /// Its last way.
+        /// Its last ray.
         ray: Ray,
         /// Its power, W.
         power: Spectrum,
     },
-    /// It had met as many surfaces as it may, and still carried this, W.
+    /// Reached the largest number of surfaces with this power, W.
     GivenUp(Spectrum),
 }
 
-/// The whole way of a particle.
+/// The path of a particle.
 #[derive(Clone, Copy, Debug)]
 pub struct ParticlePath {
     /// Initial power, W.
     pub emitted: Spectrum,
-    /// Power lost on the way from a light that [fades](glanz_scene::LightRay::attenuation), W.
+    /// Power lost by the [attenuation](glanz_scene::LightRay::attenuation) of its light, W.
     pub faded: Spectrum,
     /// Its fate.
     pub end: ParticleFate,
-    /// Surfaces met.
+    /// Number of surfaces hit.
     pub events: u32,
 }
 
-/// Sends one particle from a lamp picked by power, and tells `visit` of every surface it meets.
+/// Traces one particle from a light selected by power, and calls `visit` for every surface that it hits.
 ///
-/// The mean of [`ParticlePath::emitted`] over many particles is the power of all lamps that can send particles; a lamp may send
-/// nothing where it is black, which counts as a particle without power (`None`). `sampler`: the numbers of this particle.
-/// `max_events`: surfaces at most at which it is scattered. In `Arrival`, `arrived` of one surface is `left` of the one before,
-/// so what is emitted, absorbed, escaped and given up adds up but for roundings.
+/// The mean of [`ParticlePath::emitted`] over many particles is the power of all lights that can emit particles; where a light is
+/// black, the particle has no power (`None`). `sampler`: the numbers of this particle.
+/// `max_events`: largest number of scattering events. In `Arrival`, `arrived` of one surface is `left` of the one before,
+/// so that emitted, absorbed, escaped and abandoned flux balance up to rounding.
 pub fn send_particle(
     scene: &Scene,
     mut sampler: PixelSampler,
@@ -85,7 +85,7 @@ pub fn send_particle(
     let threshold = ROULETTE_BELOW * emitted.max_component();
     let mut flight = ParticlePath { emitted, faded: Spectrum::BLACK, end: ParticleFate::Absorbed, events: 0 };
     let (mut ray, mut power) = (start.ray, emitted);
-    let (mut way, mut interfaces) = (0.0, 0);
+    let (mut distance, mut interfaces) = (0.0, 0);
     loop {
         counters.closest += 1;
         let Some((at, place)) = scene.intersect_parametric(&ray, f64::INFINITY) else {
@@ -93,8 +93,8 @@ pub fn send_particle(
             return Some(flight);
         };
         if flight.events == 0 {
-            way += at.t;
-            let left = start.attenuation(way);
+            distance += at.t;
+            let left = start.attenuation(distance);
             if left < 1.0 {
                 let arriving = emitted * left;
                 flight.faded = emitted - arriving;
@@ -131,7 +131,7 @@ pub fn send_particle(
     }
 }
 
-/// Power that survives Russian roulette: all of `power`, or if that is below `threshold`, either that much of the same colour or nothing.
+/// Power after Russian roulette: `power` itself, or if it is below `threshold`, either that amount with the same colour or nothing.
 fn survivor(power: Spectrum, threshold: f32, xi: f64) -> Spectrum {
     let brightest = power.max_component();
     if brightest >= threshold || !power.is_finite() {

@@ -21,7 +21,7 @@ pub struct FirstHit {
     pub distance: f64,
     /// Number of the shape.
     pub object: u32,
-    /// Share of light that the surface reflects or transmits, linear Rec. 709.
+    /// Fraction of light that the surface reflects or transmits, linear Rec. 709.
     pub albedo: [f32; 3],
 }
 
@@ -32,18 +32,18 @@ pub struct PixelSample {
     pub index: u32,
     /// Linear Rec. 709 radiance.
     pub rgb: [f32; 3],
-    /// True if it lies in a negative lobe of the filter and is subtracted.
+    /// Whether it lies in a negative lobe of the filter and is subtracted.
     pub negative: bool,
     /// First hit of the camera ray.
     pub first_hit: Option<FirstHit>,
 }
 
-/// Samples that could not be taken as they came.
+/// Numbers of samples that were dropped or clamped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rejects {
-    /// Samples whose radiance was infinite or not a number, and splats: they count as black.
+    /// Samples and splats with infinite radiance or NaN, which count as black.
     pub dropped: u64,
-    /// Samples and splats with a value beyond the range of the sums (2^36): it was cut to that.
+    /// Samples and splats with a value beyond the range of the sums (2^36), which was clamped.
     pub cut: u64,
 }
 
@@ -55,19 +55,19 @@ impl Rejects {
     }
 }
 
-/// Which sums a pixel keeps, and where they lie in its words.
+/// The sums of a pixel and their positions among its words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PixelLayout {
     /// The extra channels.
     pub aovs: AovSet,
-    /// True if samples may lie in negative lobes of the filter.
+    /// Whether samples may lie in negative lobes of the filter.
     pub signed: bool,
-    /// True if samples come in passes of different variance.
+    /// Whether samples come in passes of different variance.
     pub passes: bool,
 }
 
 impl PixelLayout {
-    /// True if the squares of samples are summed.
+    /// Whether the squares of samples are summed.
     fn needs_squares(&self) -> bool {
         self.passes || self.aovs.contains(Aov::Variance)
     }
@@ -81,11 +81,11 @@ impl PixelLayout {
     }
 }
 
-/// The sums of one pixel. All are exact, so that any order and grouping of samples gives the same.
+/// The sums of one pixel. All are exact, so that they do not depend on the order and grouping of samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelSums {
     radiance: [WideSum; 3],
-    /// Samples in negative lobes, and their radiance (part of `radiance`, there with its own sign).
+    /// Number of samples in negative lobes, and their radiance (which is also part of `radiance`, with its sign).
     negative_count: u64,
     negative: [WideSum; 3],
     squares: [SquareSum; 3],
@@ -97,11 +97,11 @@ pub struct PixelSums {
     shading_normal: [NarrowSum; 3],
     albedo: [NarrowSum; 3],
     identity: ObjectIdSums,
-    /// Radiance of passes that are over, which `radiance` and `squares` have no more.
+    /// Radiance of finished passes, which is not in `radiance` and `squares`.
     settled: WeightedSums,
 }
 
-/// Sample number (high half) and shape (low half) of the lowest sample that hit.
+/// Number (high half) and shape (low half) of the lowest sample that hit a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct ObjectIdSums(u64);
 
@@ -111,7 +111,7 @@ impl Default for ObjectIdSums {
     }
 }
 
-/// Something that walks over the words of a pixel in their order.
+/// A visitor of the words of a pixel in their order.
 trait WordAccess {
     fn word(&mut self, word: &mut u64);
 }
@@ -159,7 +159,7 @@ fn visit_narrow(sums: &mut [NarrowSum; 3], words: &mut impl WordAccess) {
 }
 
 impl PixelSums {
-    /// The one place that knows the order of the words; counting, reading and writing all come through here.
+    /// Visits all sums in the order of the words; counting, reading and writing all use this function.
     fn visit(&mut self, layout: &PixelLayout, words: &mut impl WordAccess) {
         visit_wide(&mut self.radiance, words);
         if layout.signed {
@@ -206,7 +206,7 @@ impl PixelSums {
         }
     }
 
-    /// The sums in `words`, of which there are [`PixelLayout::words`].
+    /// The sums in `words`, whose length is [`PixelLayout::words`].
     #[must_use]
     pub fn read(layout: &PixelLayout, words: &[u64]) -> Self {
         let mut sums = Self::default();
@@ -281,23 +281,23 @@ impl PixelSums {
     /// Mean and variance of the mean per band, from `count` samples in all.
     ///
     /// The mean is the sum of signed samples over the sum of signs; with a filter without negative lobes the plain mean.
-    /// Where negative samples all but cancel the others (few samples only) the sum of signs is a poor divisor: it is
-    /// kept at a quarter of `count` at least.
+    /// Where negative samples nearly cancel the others (possible with few samples only), the sum of signs is a poor divisor: it is
+    /// raised to a quarter of `count`.
     ///
-    /// The variance is that of independent samples, `sum (v - mean)^2 / (divisor^2) * count / (count - 1)`: stratified
-    /// and Sobol points do better, so it is an upper bound in practice. Infinite for a single sample, which says nothing.
+    /// The variance is that of independent samples, `sum (v - mean)^2 / (divisor^2) * count / (count - 1)`; the variance of stratified
+    /// and Sobol points is smaller, so that this is an upper bound in practice. It is infinite for a single sample.
     #[must_use]
     pub fn radiance(&self, count: u64) -> [PixelValue; 3] {
         self.blended(&PassWeights::plain(count))
     }
 
-    /// As [`PixelSums::radiance`], together with the passes that are over.
+    /// As [`PixelSums::radiance`], together with the finished passes.
     pub(crate) fn blended(&self, blend: &PassWeights) -> [PixelValue; 3] {
         let (divisor, bands) = self.bands(blend.count);
         self.settled.with(divisor, &bands, blend)
     }
 
-    /// Moves the radiance over to the passes that are over.
+    /// Moves the radiance to that of finished passes.
     pub(crate) fn settle(&mut self, blend: &PassWeights) {
         let (divisor, bands) = self.bands(blend.count);
         self.settled.add(divisor, &bands, blend);
@@ -314,7 +314,7 @@ impl PixelSums {
         bands.iter().map(|&(_, deviation)| deviation).sum::<f64>() / (3.0 * (count - 1) as f64)
     }
 
-    /// The sum of signs, and of each band the sum and the sum of squared deviations, of `count` samples.
+    /// The sum of signs, and for each band the sum and the sum of squared deviations, of `count` samples.
     fn bands(&self, count: u64) -> (f64, [(f64, f64); 3]) {
         let n = count as f64;
         let divisor = n - 2.0 * self.negative_count as f64;
@@ -328,9 +328,9 @@ impl PixelSums {
         (divisor, bands)
     }
 
-    /// Means of the first hits over the samples that hit something; `None` where none did.
+    /// Means of the first hits over the samples that hit a surface; `None` if none did.
     ///
-    /// The number of the shape is that of the lowest sample that hit, numbers have no mean.
+    /// The number of the shape is that of the lowest sample that hit a surface, because numbers have no mean.
     #[must_use]
     pub fn first_hit(&self) -> Option<FirstHit> {
         if self.hits == 0 {
@@ -446,7 +446,7 @@ mod tests {
     }
 
     #[test]
-    fn words_hold_every_sum_of_their_layout() {
+    fn words_contain_every_sum_of_their_layout() {
         for bits in 0..=u8::MAX {
             for signed in [false, true] {
                 let layout = layout(AovSet::from_bits(bits), signed);

@@ -1,4 +1,4 @@
-//! Parts of a picture.
+//! Rectangles of pixels: parts of a picture.
 
 use crate::film::FilmError;
 
@@ -23,11 +23,11 @@ impl PixelRect {
 
     /// The pixels of a crop window given as fractions of the picture: smallest and largest x, then y, from the top left.
     ///
-    /// A border at fraction f starts or ends before pixel `ceil(f * resolution)`, so that windows which share a border
-    /// share no pixel and leave none out.
+    /// A border at fraction f lies before pixel `ceil(f * resolution)`, so that windows with a common border
+    /// share no pixel and omit none.
     ///
     /// # Errors
-    /// [`FilmError::Crop`] if that leaves no pixel, or a fraction is outside [0, 1].
+    /// [`FilmError::Crop`] if the window has no pixel, or a fraction is outside [0, 1].
     ///
     /// # Source
     /// @pharr2023 section 5.4.2.
@@ -52,7 +52,7 @@ impl PixelRect {
         u64::from(self.size[0]) * u64::from(self.size[1])
     }
 
-    /// True if the rectangle is empty.
+    /// Whether the rectangle is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbouring_crop_windows_share_no_pixel_and_leave_none_out() {
+    fn neighbouring_crop_windows_share_no_pixel_and_omit_none() {
         let resolution = [101, 7];
         let left = PixelRect::from_fractions(resolution, [0.0, 0.37, 0.0, 1.0]).unwrap();
         let right = PixelRect::from_fractions(resolution, [0.37, 1.0, 0.0, 1.0]).unwrap();

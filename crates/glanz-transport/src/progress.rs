@@ -16,7 +16,7 @@ pub struct FinishedTile<'a> {
     pub rect: PixelRect,
     /// The samples of the pass.
     pub pass: Range<u32>,
-    /// Samples that each of its pixels has now.
+    /// Number of samples of each of its pixels.
     pub samples: u64,
     pub(crate) layout: PixelLayout,
     pub(crate) words: &'a [u64],
@@ -25,8 +25,8 @@ pub struct FinishedTile<'a> {
 impl FinishedTile<'_> {
     /// Linear Rec. 709 radiance, row by row from the top left: the mean of the pixels' own samples.
     ///
-    /// That is what the film will have if no filter, integrator or pass weighs samples otherwise: light that is splatted is missing, and
-    /// of a film with [passes](crate::FilmFormat::passes) this is the pass under way alone.
+    /// This is the film's picture unless a filter, integrator or pass weights samples differently: splatted light is missing, and
+    /// for a film with [passes](crate::FilmFormat::passes) this is the current pass alone.
     #[must_use]
     pub fn radiance(&self) -> Vec<[f32; 3]> {
         let blend = PassWeights::plain(self.samples);
@@ -52,14 +52,14 @@ pub trait RenderSink: ProgressSink<Film> {
     }
 }
 
-/// Receiver of finished tiles in the midst of a pass. Called by the threads that render, which wait for it to return.
+/// Receiver of finished tiles during a pass. Called by the rendering threads, which wait for it to return.
 pub trait TileSink: Sync {
     /// Receives a tile that has the samples of the pass.
     fn on_tile(&self, tile: &FinishedTile<'_>) {
         let _ = tile;
     }
 
-    /// Whether the film has become useless: queried before every sample. The render then ends at once, with
+    /// Whether the film is no longer needed; called before every sample. If so, the render ends at once with
     /// [`RenderError::Interrupted`](crate::RenderError::Interrupted).
     fn is_abandoned(&self) -> bool {
         false

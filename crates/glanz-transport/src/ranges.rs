@@ -1,10 +1,10 @@
-//! Which samples of every pixel have been taken.
+//! The set of samples of every pixel.
 
 use std::ops::Range;
 
 /// Two sets of samples that are not disjoint.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("samples {} to {} come twice", .0.start, .0.end - 1)]
+#[error("samples {} to {} occur twice", .0.start, .0.end - 1)]
 pub struct OverlapError(pub Range<u32>);
 
 /// A set of sample numbers as ascending ranges that neither touch nor overlap.
@@ -12,7 +12,7 @@ pub struct OverlapError(pub Range<u32>);
 pub struct SampleRanges(Vec<Range<u32>>);
 
 impl SampleRanges {
-    /// The set of `ranges`, if they are as [`SampleRanges::as_slice`] gives them: not empty, ascending, with gaps.
+    /// The set of `ranges`, if they have the form of [`SampleRanges::as_slice`]: not empty, ascending, with gaps.
     #[must_use]
     pub fn from_ascending(ranges: Vec<Range<u32>>) -> Option<Self> {
         let fine = ranges.iter().all(|r| r.start < r.end) && ranges.windows(2).all(|w| w[0].end < w[1].start);
@@ -22,7 +22,7 @@ impl SampleRanges {
     /// Adds `range`.
     ///
     /// # Errors
-    /// [`OverlapError`] with the first samples that are in the set already; the set is unchanged then.
+    /// [`OverlapError`] with the first samples that are in the set already; the set is then unchanged.
     pub fn insert(&mut self, range: Range<u32>) -> Result<(), OverlapError> {
         if range.is_empty() {
             return Ok(());
@@ -42,7 +42,7 @@ impl SampleRanges {
         Ok(())
     }
 
-    /// The first samples that both sets hold.
+    /// The first samples in both sets.
     #[must_use]
     pub fn overlap(&self, other: &Self) -> Option<Range<u32>> {
         self.0.iter().find_map(|a| {
@@ -63,7 +63,7 @@ impl SampleRanges {
         self.0.iter().map(|r| u64::from(r.end - r.start)).sum()
     }
 
-    /// True if the set has no samples.
+    /// Whether the set has no samples.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
@@ -122,7 +122,7 @@ mod tests {
         let mut set = SampleRanges::default();
         set.insert(8..16).unwrap();
         assert_eq!(set.insert(4..12), Err(OverlapError(8..12)));
-        assert_eq!(OverlapError(8..12).to_string(), "samples 8 to 11 come twice");
+        assert_eq!(OverlapError(8..12).to_string(), "samples 8 to 11 occur twice");
         assert_eq!(set.as_slice(), std::slice::from_ref(&(8..16)));
     }
 

@@ -1,4 +1,4 @@
-//! The loop that exposes a film.
+//! The render loop.
 
 use std::ops::Range;
 use std::time::{Duration, Instant};
@@ -20,7 +20,7 @@ use crate::progress::{FinishedTile, RenderSink, TileSink};
 use crate::splat::{Splat, SplatBuffer, SplatRows};
 use glanz_sampling::exact::MAX_TERMS;
 
-/// Time that a pass over the picture should take: short enough to stop soon, long enough that threads do not wait.
+/// Desired time of a pass over the picture: short enough for cancelling, long enough to keep threads busy.
 const PASS_SECONDS: f64 = 0.5;
 
 /// Settings of a render.
@@ -32,20 +32,20 @@ pub struct RenderSettings {
     pub sampler: SamplerKind,
     /// Seed of the samples.
     pub seed: u64,
-    /// Planned samples per pixel; of meaning for samplers that divide the pixel into as many strata.
+    /// Planned samples per pixel; relevant for samplers that divide the pixel into this number of strata.
     pub samples_per_pixel: u32,
-    /// The samples to take; those the film has already are skipped.
+    /// The samples to render; those in the film are skipped.
     pub samples: Range<u32>,
-    /// Threads to work with; 0 means as many as the machine has. Of no influence on the picture.
+    /// Number of threads; 0 for all processors of the machine. Does not affect the picture.
     pub threads: usize,
-    /// No pass starts that would end later than this after the beginning, except the first.
+    /// Time limit: no pass starts that would end later, except the first.
     pub time_limit: Option<Duration>,
 }
 
-/// Film of a render, and what it took.
+/// Film and statistics of a render.
 #[derive(Clone, Debug)]
 pub struct RenderOutcome {
-    /// The film, whatever the reason for the end: every pixel has the same samples.
+    /// The film; every pixel has the same samples, whatever the reason for the end.
     pub film: Film,
     /// Reason for the end; the time limit counts as reached if another pass would not fit.
     pub end: JobEnd,
@@ -61,42 +61,42 @@ pub struct RenderOutcome {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// A film made for a filter without negative lobes, and a filter with, or the other way round.
+    /// The film and the filter differ in whether there are negative lobes.
     #[error("the film was made for another kind of filter")]
     Filter,
-    /// A film made for passes or splats and an integrator without, or the other way round.
+    /// The film and the integrator differ in whether there are passes or splats.
     #[error("the film was made for another kind of integrator")]
     Passes,
-    /// Samples out of turn, for an integrator that learns.
-    #[error("the integrator learns: samples have to be taken in order, the next is {next}")]
+    /// Samples out of order, for a learning integrator.
+    #[error("the integrator learns, so that samples must be rendered in order; the next is {next}")]
     Order {
-        /// The sample that comes next.
+        /// The next sample.
         next: u32,
     },
     /// The threads could not be started.
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// There is no guide as the integrator wants it.
+    /// The guide of the integrator cannot be built.
     #[error(transparent)]
     Guide(#[from] GridError),
     /// The film refused a pass.
     #[error(transparent)]
     Film(#[from] FilmError),
-    /// The film was abandoned in the midst of a pass, see [`TileSink::is_abandoned`].
+    /// The film was abandoned during a pass, see [`TileSink::is_abandoned`].
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
 }
 
-/// Renders the samples of `settings` that `film` does not have.
+/// Renders the samples of `settings` that are not in `film`.
 ///
-/// Passes over all pixels follow one another; each takes one or more samples of every pixel, as many as fit in half a second
-/// or so. Sums are exact, so that the film depends on which samples it has, never on passes, threads, interruptions or
-/// whether it was begun by another run. An integrator that learns takes its samples in order; a pass over the picture ends where one
-/// of its own does, so that the same holds. After each pass `sink` receives the film and the progress, and the loop ends if `cancel` is
-/// raised, but not with an empty film. If the tile sink abandons the film, the render ends at once, and the film is lost.
+/// Every pass over all pixels renders one or more samples of every pixel, as many as fit in about half a
+/// second. Sums are exact, so that the film depends on its set of samples, not on passes, threads, interruptions or
+/// earlier runs. A learning integrator renders samples in order, and a pass over the picture ends with a training pass,
+/// so that the same holds. After each pass `sink` receives the film and the progress, and the loop ends if `cancel` is
+/// raised and the film is not empty. If the tile sink abandons the film, the render ends at once, and the film is lost.
 ///
 /// # Errors
-/// [`RenderError`] before the first pass, if the film does not go with the filter or the integrator, samples are out of turn, it would get more samples than it can
+/// [`RenderError`] before the first pass, if the film does not match the filter or the integrator, samples are out of order, it would have more samples than it can
 /// hold, its guide cannot be made, or the threads cannot be started; [`RenderError::Interrupted`] at any time.
 pub fn render(
     scene: &Scene,
@@ -135,7 +135,7 @@ pub fn render(
         let Some(gap) = film.samples().missing(settings.samples.clone()).into_iter().next() else {
             break JobEnd::Complete;
         };
-        // A cancelled render returns a picture: one sample per pixel at least.
+        // A cancelled render returns a picture with at least one sample per pixel.
         if cancel.is_cancelled() && !film.samples().is_empty() {
             break JobEnd::Interrupted;
         }
@@ -165,7 +165,7 @@ pub fn render(
     Ok(RenderOutcome { film, end, elapsed: start.elapsed(), counters, samples })
 }
 
-/// An integrator that learns takes samples in the order of their numbers, without a gap.
+/// Checks that a learning integrator renders samples in the order of their numbers, without a gap.
 fn check_order(film: &Film, settings: &RenderSettings) -> Result<(), RenderError> {
     let done = film.samples().as_slice();
     let next = done.first().map_or(0, |range| range.end);
@@ -173,13 +173,13 @@ fn check_order(film: &Film, settings: &RenderSettings) -> Result<(), RenderError
     if in_turn && settings.samples.start <= next { Ok(()) } else { Err(RenderError::Order { next }) }
 }
 
-/// Number of samples per pixel that are asked for and not taken yet.
+/// Number of requested samples per pixel that are not in the film.
 fn missing(film: &Film, settings: &RenderSettings) -> u64 {
     let missing = film.samples().missing(settings.samples.clone());
     missing.iter().map(|r| u64::from(r.end - r.start)).sum()
 }
 
-/// The progress after a pass. Samples are wanted in number only where no time limit ends the render first.
+/// The progress after a pass. The number of samples is known only if there is no time limit.
 fn progress(
     film: &Film,
     settings: &RenderSettings,
@@ -196,11 +196,11 @@ fn progress(
     })
 }
 
-/// Decides how many samples a pass takes.
+/// Scheduler of passes: chooses their numbers of samples.
 #[derive(Clone, Copy, Debug)]
 struct PassClock {
     limit: Option<Duration>,
-    /// Seconds that one sample of every pixel takes: the worst of the last pass and the mean.
+    /// Seconds for one sample of every pixel: the larger of the last pass and the mean.
     per_sample: Option<f64>,
     samples: u64,
     seconds: f64,
@@ -211,9 +211,9 @@ impl PassClock {
         Self { limit, per_sample: None, samples: 0, seconds: 0.0 }
     }
 
-    /// Number of samples of the next pass, at most `missing` (> 0); `None` if there is no time for one.
+    /// Number of samples of the next pass, at most `missing` (> 0); `None` if there is no time for a pass.
     fn next_pass(&self, missing: u32, elapsed: Duration) -> Option<u32> {
-        // The first pass measures.
+        // The first pass measures the time.
         let Some(per_sample) = self.per_sample else { return Some(1) };
         let mut fitting = (PASS_SECONDS / per_sample).clamp(1.0, f64::from(missing));
         if let Some(limit) = self.limit {
@@ -227,14 +227,14 @@ impl PassClock {
     }
 
     fn note(&mut self, length: u32, duration: Duration) {
-        // A clock that stands still would make passes endless.
+        // The lower bound avoids endless passes if the clock does not advance.
         let seconds = duration.as_secs_f64().max(1e-9);
         self.samples += u64::from(length);
         self.seconds += seconds;
         self.per_sample = Some((seconds / f64::from(length)).max(self.seconds / self.samples as f64));
     }
 
-    /// Time that `missing` samples will take, or until the limit.
+    /// Time for `missing` samples, or until the limit.
     fn remaining(&self, missing: u64, elapsed: Duration) -> Duration {
         let mean = self.seconds / self.samples.max(1) as f64;
         let work = Duration::try_from_secs_f64(mean * missing as f64).unwrap_or(Duration::MAX);
@@ -242,7 +242,7 @@ impl PassClock {
     }
 }
 
-/// Work of a pass or a part of it.
+/// Results of a pass or a part of it.
 #[derive(Clone, Copy, Debug, Default)]
 struct PassWork {
     counters: Counters,
@@ -257,13 +257,13 @@ impl PassWork {
     }
 }
 
-/// Memory that one sample after the other uses.
+/// Memory that is reused by consecutive samples.
 #[derive(Default)]
 struct ThreadBuffers {
     records: PathRecords,
-    /// Those of the last sample.
+    /// Splats of the last sample.
     splats: Vec<Splat>,
-    /// Those of earlier ones, on their way to the film.
+    /// Splats of earlier samples that are not in the film yet.
     buffer: SplatBuffer,
 }
 
@@ -276,10 +276,10 @@ struct PassRenderer<'a> {
 }
 
 impl PassRenderer<'_> {
-    /// One pass: the samples of `range` for every pixel.
+    /// Renders one pass: the samples of `range` for every pixel.
     ///
     /// # Errors
-    /// [`Interrupted`] if `sink` abandons the film, which is useless then.
+    /// [`Interrupted`] if `sink` abandons the film, which is then incomplete.
     fn expose(
         &self,
         film: &mut Film,
@@ -314,7 +314,7 @@ impl PassRenderer<'_> {
                 sink.on_tile(&FinishedTile { rect: tile, pass: range.clone(), samples, layout, words });
                 Ok(work)
             })
-            // Counts are integers: the order of this sum does not matter.
+            // Counts are integers, so that the order of this sum is irrelevant.
             .try_reduce(PassWork::default, |a, b| Ok(a.merged(b)))
     }
 
@@ -327,7 +327,7 @@ impl PassRenderer<'_> {
         }
     }
 
-    /// `memory`: goes from sample to sample.
+    /// Renders one sample. `memory`: reused from sample to sample.
     fn sample(
         &self,
         pixel: [u32; 2],
@@ -378,7 +378,7 @@ mod tests {
     #[test]
     fn no_pass_starts_that_would_end_too_late() {
         let mut clock = PassClock::new(Some(seconds(2.0)));
-        // The first pass completes whatever the limit.
+        // The first pass completes regardless of the limit.
         assert_eq!(clock.next_pass(1000, Duration::ZERO), Some(1));
         clock.note(1, seconds(0.1));
         assert_eq!(clock.next_pass(1000, seconds(1.75)), Some(2));
@@ -387,7 +387,7 @@ mod tests {
     }
 
     #[test]
-    fn time_left_is_that_of_the_samples_or_of_the_limit() {
+    fn remaining_time_is_that_of_the_samples_or_of_the_limit() {
         let mut clock = PassClock::new(Some(seconds(10.0)));
         clock.note(4, seconds(2.0));
         assert_eq!(clock.remaining(6, seconds(2.0)), seconds(3.0));

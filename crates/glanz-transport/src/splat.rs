@@ -1,8 +1,8 @@
-//! Light that paths from lamps bring to the camera, wherever on the film it arrives.
+//! Splats: light of paths from lights, at any position of the film.
 //!
-//! A sample of the film sends as many paths from lamps as it has pixels, one with each pixel's own sample; what they bring to the film may belong
-//! to any pixel. These sums are kept apart from those of the pixels' own samples. They are exact as well, so that it does not matter
-//! who adds what to them and when.
+//! A sample of the film traces one path from a light for each pixel, together with the pixel's own sample; these paths may contribute
+//! to any pixel. Their sums are separate from those of the pixels' own samples. They are exact as well, so that they do not depend
+//! on threads and order.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -14,24 +14,24 @@ use crate::filter::Filter;
 use crate::pixel::{PixelValue, Rejects};
 use crate::pixel_rect::PixelRect;
 
-/// Splats that a thread keeps before it adds them to the film.
+/// Number of splats that a thread collects before it adds them to the film.
 const BUFFERED: usize = 4096;
 
-/// Light of one path that arrives at a place of the film.
+/// Light of one path at a point of the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Splat {
-    /// Pixels from the top left of the full picture.
+    /// Position in pixels from the top left of the full picture.
     pub(crate) film: DVec2,
-    /// Radiance of a pixel that gets it all.
+    /// Radiance of a pixel that receives all of it.
     pub(crate) light: Spectrum,
-    /// A number uniform in [0, 1) that picks the pixel.
+    /// A number uniform in [0, 1) that selects the pixel.
     pub(crate) xi: f64,
 }
 
-/// Which sums are kept.
+/// Layout of the sums of splats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SplatLayout {
-    /// True if squares are summed for the variance.
+    /// Whether squares are summed for the variance.
     pub(crate) squares: bool,
 }
 
@@ -42,9 +42,9 @@ impl SplatLayout {
     }
 }
 
-/// The sums of one pixel.
+/// The sums of splats of one pixel.
 ///
-/// Each holds at least 2^30 terms of the largest magnitude, which nobody renders; of smaller ones as many more.
+/// Each has room for at least 2^30 terms of the largest magnitude, and for accordingly more smaller terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SplatSums {
     light: [WideSum; 3],
@@ -52,7 +52,7 @@ pub(crate) struct SplatSums {
 }
 
 impl SplatSums {
-    /// The sums in `words`, of which there are [`SplatLayout::words`].
+    /// The sums in `words`, whose length is [`SplatLayout::words`].
     pub(crate) fn read(words: &[u64]) -> Self {
         let mut words = words.iter().copied();
         let mut next = || words.next().unwrap_or_default();
@@ -68,7 +68,7 @@ impl SplatSums {
         words.iter_mut().zip(light.chain(squares)).for_each(|(slot, word)| *slot = word);
     }
 
-    /// Adds what one path brings to the pixel. What is not finite is dropped and counted.
+    /// Adds the contribution of one path to the pixel. Values that are not finite are dropped and counted.
     fn add(&mut self, rgb: [f32; 3], rejects: &mut Rejects) {
         if !rgb.iter().all(|v| v.is_finite()) {
             rejects.dropped += 1;
@@ -91,8 +91,8 @@ impl SplatSums {
 
     /// Splatted radiance of the pixel and its variance, per band, after `samples` of the film of `pixels` each.
     ///
-    /// With s samples of N pixels n = s N paths were sent, of which path i brought y_i (most of them nothing), and the pixel is Y = sum y_i / s.
-    /// The y_i are independent and alike, so Var Y = n Var(y) / s^2, with (sum y_i^2 - (sum y_i)^2 / n) / (n - 1) for Var(y).
+    /// With s samples of N pixels there are n = s N light paths; path i contributes y_i (mostly 0), and the pixel is Y = sum y_i / s.
+    /// The y_i are independent and identically distributed, so Var Y = n Var(y) / s^2, with the estimate (sum y_i^2 - (sum y_i)^2 / n) / (n - 1) of Var(y).
     pub(crate) fn values(&self, samples: u64, pixels: u64) -> [PixelValue; 3] {
         let s = samples.max(1) as f64;
         let n = s * pixels as f64;
@@ -113,7 +113,7 @@ pub(crate) struct SplatRows<'a> {
 }
 
 impl<'a> SplatRows<'a> {
-    /// `words`: of all pixels of `crop`, row by row; none if the film takes no splats.
+    /// `words`: those of all pixels of `crop`, row by row; empty if the film takes no splats.
     pub(crate) fn new(crop: PixelRect, layout: SplatLayout, words: &'a mut [u64]) -> Self {
         let row = layout.words() * crop.size[0] as usize;
         let rows = words.chunks_exact_mut(row.max(1)).map(Mutex::new).collect();
@@ -121,7 +121,7 @@ impl<'a> SplatRows<'a> {
     }
 }
 
-/// Splats of one thread on their way to the film.
+/// Buffer for the splats of one thread.
 #[derive(Debug, Default)]
 pub(crate) struct SplatBuffer {
     /// Row, column and light.
@@ -131,7 +131,7 @@ pub(crate) struct SplatBuffer {
 }
 
 impl SplatBuffer {
-    /// Adds the splats of one path, each to one pixel of `rows` around it, chosen in proportion to the filter's magnitude.
+    /// Adds the splats of one path, each to one pixel of `rows` around it, selected in proportion to the filter's magnitude.
     pub(crate) fn take(
         &mut self,
         splats: &[Splat],
@@ -156,7 +156,7 @@ impl SplatBuffer {
         }
     }
 
-    /// Merges splats of the last path in the same pixel: they are correlated, and the variance needs the square of their sum.
+    /// Merges splats of the last path in the same pixel, which are correlated: the variance needs the square of their sum.
     fn join(&mut self) {
         let Some(own) = self.splats.get_mut(self.path..).filter(|own| own.len() > 1) else { return };
         own.sort_by_key(|&(y, x, _)| (y, x));
@@ -169,14 +169,14 @@ impl SplatBuffer {
         self.splats.extend(joined);
     }
 
-    /// Adds all to the film.
+    /// Adds all splats to the film.
     pub(crate) fn flush(&mut self, rows: &SplatRows<'_>, rejects: &mut Rejects) {
-        // Row by row, so that each is locked once.
+        // Row by row, so that each row is locked once.
         self.splats.sort_unstable_by_key(|&(y, _, _)| y);
         let stride = rows.layout.words();
         for same in self.splats.chunk_by(|a, b| a.0 == b.0) {
             let Some(row) = same.first().and_then(|&(y, _, _)| rows.rows.get(y as usize)) else { continue };
-            // Whoever panicked with the lock has ended the render; sums are whole between two calls.
+            // A thread that panicked with the lock has ended the render; sums are consistent between two calls.
             let mut words = row.lock().unwrap_or_else(PoisonError::into_inner);
             for &(_, x, rgb) in same {
                 let start = x as usize * stride;
@@ -200,7 +200,7 @@ mod tests {
         Filter::try_new(&FilterDescription { kind: FilterKind::Box, radius: [0.5, 0.5] }).unwrap()
     }
 
-    /// The sums after paths with these splats were taken by one thread, over a crop window of 3 x 2 pixels at (10, 20).
+    /// The sums after one thread has added paths with these splats, over a crop window of 3 x 2 pixels at (10, 20).
     fn sums(paths: &[&[Splat]]) -> (Vec<SplatSums>, Rejects) {
         let (layout, crop) = (SplatLayout { squares: true }, PixelRect { min: [10, 20], size: [3, 2] });
         let mut words = vec![0; 6 * layout.words()];
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn splats_land_in_their_pixels_and_those_beside_the_window_nowhere() {
+    fn splats_are_added_to_their_pixels_and_ignored_outside_the_window() {
         let (sums, rejects) =
             sums(&[&[splat(12.3, 21.9, 1.0), splat(9.9, 20.5, 1.0), splat(13.1, 20.5, 1.0)]]);
         let red: Vec<f64> = sums.iter().map(|s| s.values(1, 6)[0].mean).collect();
@@ -228,8 +228,8 @@ mod tests {
     }
 
     #[test]
-    fn variance_is_that_of_what_whole_paths_bring() {
-        // Two samples of 6 pixels: 12 paths, of which one brings 1 + 2 to pixel 0, one 5, the others nothing. Y = 8 / 2;
+    fn variance_is_that_of_the_contributions_of_whole_paths() {
+        // Two samples of 6 pixels: 12 paths, of which one contributes 1 + 2 to pixel 0, one 5, the others 0. Y = 8 / 2;
         // (9 + 25 - 64 / 12) * 12 / 11 / 4.
         let (sums, _) = sums(&[&[splat(10.2, 20.2, 1.0), splat(10.8, 20.8, 2.0)], &[splat(10.5, 20.5, 5.0)]]);
         let value = sums[0].values(2, 6)[1];
@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn splats_that_are_not_finite_are_dropped_and_huge_ones_cut_and_counted() {
+    fn splats_that_are_not_finite_are_dropped_and_huge_ones_clamped_and_counted() {
         let path = [splat(10.5, 20.5, f32::NAN), splat(11.5, 20.5, f32::MAX / 4.0), splat(12.5, 20.5, 1.0)];
         let (sums, rejects) = sums(&[&path]);
         assert_eq!(rejects, Rejects { dropped: 1, cut: 1 });

@@ -1,36 +1,36 @@
-//! Passes that differ in variance, put together.
+//! Weighted sums of passes of different variance.
 //!
-//! Passes of an integrator that learns become better and better. A sample of a pass counts a = 1 / s, where s is the mean
-//! variance of the pass's samples over the whole picture: that makes the variance of the sum least (@muller2019). What is
-//! over is kept as sums that have these weights in them.
+//! The variance of a learning integrator decreases from pass to pass. A sample of a pass has the weight a = 1 / s, where s is the mean
+//! variance of the pass's samples over the whole picture, which minimises the variance of the sum (@muller2019). Finished
+//! passes are stored as weighted sums.
 //!
-//! Estimates of s are poor where light is rare: a pass that misses a bright speck seems to be good. Therefore no sample
-//! counts less than one of an earlier pass. An outlier in a pass takes the advantage from it, no more; if all goes wrong
-//! every sample counts the same, as without passes.
+//! Estimates of s are poor where light is rare: a pass that misses a bright spot appears to be good. Therefore no sample
+//! has a smaller weight than one of an earlier pass. An outlier in a pass removes its advantage, no more; in the worst case
+//! all samples have the same weight, as without passes.
 //!
-//! The weights come from the samples that they weigh, so the sum is not without bias in the strict sense. But s is a mean over all pixels:
-//! each of N moves the weights by about 1 / N of themselves, and its own value by that much of its error, nothing that could be
-//! measured. Passes whose variance is not known (fewer than two samples per pixel, or 4096 in all, or no variance) count as one
+//! The weights depend on the samples themselves, so that the sum is not strictly unbiased. But s is a mean over all pixels:
+//! each of N pixels changes the weights by about 1 / N, and its own value by this fraction of its error, which is too small to be
+//! measured. Passes of unknown variance (fewer than two samples per pixel, fewer than 4096 in all, or no variance) are combined
 //! with the next.
 
 use crate::pixel::PixelValue;
 
-/// Samples of all pixels that tell a variance.
+/// Smallest number of samples over all pixels for an estimate of the variance.
 pub(crate) const FEWEST_SAMPLES: u64 = 4096;
 
-/// Weights with which the samples of one pass are added to those of others.
+/// Weights for adding the samples of one pass to those of others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PassWeights {
     /// Samples of the pass, per pixel.
     pub(crate) count: u64,
     /// Weight of one sample.
     pub(crate) weight: f64,
-    /// Weight of all samples of the passes that are over.
+    /// Total weight of all samples of finished passes.
     pub(crate) settled: f64,
 }
 
 impl PassWeights {
-    /// One pass and no other.
+    /// The weights of a single pass.
     pub(crate) fn plain(count: u64) -> Self {
         Self { count, weight: 1.0, settled: 0.0 }
     }
@@ -40,9 +40,9 @@ impl PassWeights {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct WeightedSums {
     radiance: [f64; 3],
-    /// Of the signs.
+    /// Sum of the signs.
     divisor: f64,
-    /// Of the squared deviations, with squared weights: variance of `radiance`.
+    /// Sum of the squared deviations, with squared weights: the variance of `radiance`.
     variance: [f64; 3],
 }
 
@@ -52,7 +52,7 @@ impl WeightedSums {
         self.radiance.iter_mut().chain([&mut self.divisor]).chain(&mut self.variance)
     }
 
-    /// Adds a pass: its sum of signs, and sum and squared deviations of each band.
+    /// Adds a pass: its sum of signs, and for each band the sum and the sum of squared deviations.
     pub(crate) fn add(&mut self, divisor: f64, bands: &[(f64, f64); 3], blend: &PassWeights) {
         for (i, &(sum, deviation)) in bands.iter().enumerate() {
             self.radiance[i] += blend.weight * sum;
@@ -61,7 +61,7 @@ impl WeightedSums {
         self.divisor += blend.weight * divisor;
     }
 
-    /// Mean and variance of the mean per band, together with a pass that goes on.
+    /// Mean and variance of the mean per band, together with the current pass.
     pub(crate) fn with(&self, divisor: f64, bands: &[(f64, f64); 3], blend: &PassWeights) -> [PixelValue; 3] {
         let mut all = *self;
         all.add(divisor, bands, blend);
@@ -76,7 +76,7 @@ impl WeightedSums {
     }
 }
 
-/// Variance of a pass's sum. A single sample says nothing of it: infinite, or what the weight says if there were passes before.
+/// Variance of a pass's sum. For a single sample it is infinite, or that of its weight after earlier passes.
 fn spread(deviation: f64, blend: &PassWeights) -> f64 {
     match blend.count {
         0 => 0.0,

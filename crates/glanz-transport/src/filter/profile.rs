@@ -2,13 +2,13 @@
 
 /// Half of a symmetric function, over [0, 1], piecewise linear, with the integral of its magnitude.
 ///
-/// Between nodes at a distance h a function with second derivative below M strays from its chord by at most
+/// Between nodes at a distance h, a function with second derivative below M deviates from its chord by at most
 /// h^2 M / 8 (@davis1975 section 3.1); the number of nodes follows from that.
 #[derive(Clone, Debug)]
 pub(super) struct FilterProfile {
     /// Ascending from 0 to 1; zeros of the interpolant are nodes, so that no segment changes sign.
     nodes: Vec<ProfileNode>,
-    /// For equal shares of the magnitude: the first node above the lower end of each.
+    /// Lookup table: for equal parts of the magnitude, the first node above the lower end of each.
     guide: Vec<u32>,
     net_weight: f64,
 }
@@ -18,16 +18,16 @@ struct ProfileNode {
     x: f64,
     /// Signed value; the magnitude has an integral of 1 over [0, 1].
     value: f64,
-    /// Integral of the magnitude up to here.
+    /// Integral of the magnitude up to this node.
     below: f64,
 }
 
 /// Errors of tabulating a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ProfileError {
-    /// It would need too many nodes.
+    /// The profile would need too many nodes.
     Resolution,
-    /// It is zero, or not a number.
+    /// The function is zero or not a number.
     Empty,
 }
 
@@ -43,7 +43,7 @@ impl FilterProfile {
         if needed.is_nan() || needed > MOST_SEGMENTS as f64 {
             return Err(ProfileError::Resolution);
         }
-        // Even, so that a break in the middle (Mitchell) is a node.
+        // Even, so that the joint of Mitchell's pieces in the middle is a node.
         let segments = (needed as usize).max(FEWEST_SEGMENTS).next_multiple_of(2);
         let mut nodes: Vec<ProfileNode> = Vec::with_capacity(segments + 3);
         for i in 0..=segments {
@@ -73,7 +73,7 @@ impl FilterProfile {
         Ok(Self { nodes, guide, net_weight: if one_sign { 1.0 } else { signed / total } })
     }
 
-    /// Integral of the function over that of its magnitude.
+    /// Integral of the function divided by that of its magnitude.
     pub(super) fn net_weight(&self) -> f64 {
         self.net_weight
     }
@@ -85,9 +85,9 @@ impl FilterProfile {
         a.value + (b.value - a.value) * ((x - a.x) / (b.x - a.x))
     }
 
-    /// Inverse of the cumulative magnitude at `u` in [0, 1], and true if the function is negative there.
+    /// Inverse of the cumulative magnitude at `u` in [0, 1], and whether the function is negative there.
     pub(super) fn sample(&self, u: f64) -> (f64, bool) {
-        // The guide leads to the node or a few before it (@chen1974).
+        // The lookup table gives the node or one a few before it (@chen1974).
         let share = ((u * self.guide.len() as f64) as usize).min(self.guide.len() - 1);
         let mut at = (self.guide[share] as usize).clamp(1, self.nodes.len() - 1);
         while at < self.nodes.len() - 1 && self.nodes[at].below <= u {

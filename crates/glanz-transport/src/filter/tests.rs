@@ -94,7 +94,7 @@ fn filters_are_those_of_their_formulas() {
 }
 
 #[test]
-fn pixels_around_a_place_get_what_their_filters_say() {
+fn splats_are_distributed_by_the_filters_of_the_pixels() {
     let n = 20_000;
     let pixels = PixelRect { min: [2, 1], size: [5, 4] };
     for kind in kinds() {
@@ -111,7 +111,7 @@ fn pixels_around_a_place_get_what_their_filters_say() {
                 let middle = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
                 let inside = (2..7).contains(&x) && (1..5).contains(&y);
                 let expected = if inside { filter.evaluate(place - middle) } else { 0.0 };
-                // Borders between pixels fall between two numbers: an error of one in n of the sum of weights, below 2.
+                // Borders between pixels lie between two of the numbers: an error of 1/n of the sum of weights, below 2.
                 let error = (got[x as usize][y as usize] - expected).abs();
                 assert!(error < 4.0 / f64::from(n), "{kind:?} {place} {x} {y}: {error}");
             }
@@ -124,7 +124,7 @@ fn pixels_around_a_place_get_what_their_filters_say() {
 }
 
 #[test]
-fn very_wide_bell_is_a_parabola() {
+fn very_wide_gaussian_is_a_parabola() {
     // exp(-x^2 / 2 s^2) - exp(-r^2 / 2 s^2) -> (r^2 - x^2) / 2 s^2 for s >> r; its integral over [-1, 1] is 4 / 3.
     let wide = filter(FilterKind::Gaussian { sigma: 1e12 }, [1.0, 1.0]);
     for x in [0.0, 0.3, 0.9] {
@@ -157,7 +157,7 @@ fn samples_follow_the_stated_density() {
                 points.sum()
             })
             .collect();
-        // The midpoint rule leaves an error of some 1e-4 at jumps; both sides have to count the same total.
+        // The error of the midpoint rule at jumps is about 1e-4; both sides must have the same total.
         let scale = SAMPLES as f64 / shares.iter().sum::<f64>();
         shares.iter_mut().for_each(|s| *s *= scale);
         let test = chi_square(&counts, &shares);
@@ -167,7 +167,7 @@ fn samples_follow_the_stated_density() {
 }
 
 #[test]
-fn signs_are_those_of_the_filter_and_weigh_its_integral() {
+fn signs_are_those_of_the_filter_and_average_to_its_integral() {
     let mut uniform = Uniform(1 << 32);
     for kind in kinds() {
         let filter = filter(kind, [2.0, 1.0]);
@@ -195,7 +195,7 @@ fn signs_are_those_of_the_filter_and_weigh_its_integral() {
 }
 
 #[test]
-fn middle_of_the_numbers_goes_to_the_middle_of_the_pixel() {
+fn middle_of_the_unit_square_maps_to_the_middle_of_the_pixel() {
     for kind in kinds() {
         let sample = filter(kind, [1.5, 2.0]).sample(DVec2::splat(0.5));
         assert_eq!(sample, FilterSample { offset: DVec2::ZERO, negative: false }, "{kind:?}");
@@ -203,7 +203,7 @@ fn middle_of_the_numbers_goes_to_the_middle_of_the_pixel() {
 }
 
 #[test]
-fn opposite_numbers_go_to_opposite_places() {
+fn opposite_numbers_map_to_opposite_positions() {
     let mut uniform = Uniform(2 << 32);
     for kind in kinds() {
         let filter = filter(kind, [1.5, 2.0]);
@@ -216,7 +216,7 @@ fn opposite_numbers_go_to_opposite_places() {
 }
 
 #[test]
-fn impossible_filters_are_refused() {
+fn invalid_filters_are_refused() {
     let make = |kind, radius| Filter::try_new(&FilterDescription { kind, radius });
     for radius in [[0.0, 1.0], [1.0, -1.0], [f64::NAN, 1.0], [1.0, f64::INFINITY]] {
         assert!(matches!(make(FilterKind::Box, radius), Err(FilterError::Radius(..))));

@@ -1,18 +1,18 @@
-//! Which part of space, and which way a surface there faces.
+//! Cells of the guide: parts of space, by the direction that a surface faces.
 //!
-//! Six binary trees over the scene's bounds, one for each of the six axis directions that a normal may be nearest to: the two sides
-//! of a wall and the walls that meet in a corner learn apart. Boxes are halved across their longest side where records
-//! are many (@muller2017 without the normals).
+//! Six binary trees over the scene's bounds, one for each of the six axis directions, of which the one nearest to the normal applies: the two sides
+//! of a wall and the walls that meet in a corner have separate cells. Boxes with many records are halved across their longest side
+//! (@muller2017, where normals are not considered).
 
 use glanz_math::{Bounds3, DVec3};
 
-/// Halvings at most.
+/// Largest number of halvings.
 const MAX_DEPTH: u32 = 40;
 
 /// An inner node or a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum GuideNode {
-    /// Halved across an axis; the lower half is node `low`, the upper the next.
+    /// A node halved across an axis; its lower half is node `low`, the upper half the next node.
     Halved {
         /// 0, 1 or 2.
         axis: u8,
@@ -30,7 +30,7 @@ pub(crate) struct GuideCells {
     pub(crate) min: DVec3,
     /// Sides of the bounds, above 0.
     pub(crate) size: DVec3,
-    /// The first six are the roots; halves come after what they are halves of.
+    /// The first six are the roots; halves follow their parent.
     pub(crate) nodes: Vec<GuideNode>,
     count: u32,
 }
@@ -42,16 +42,16 @@ impl GuideCells {
         let (min, size) =
             if usable { (bounds.min, bounds.diagonal()) } else { (DVec3::splat(-0.5), DVec3::ONE) };
         let longest = size.max_element();
-        // Flat scenes: the thickness has to be a number to divide by. It need not be more.
+        // The thickness of flat scenes must not be 0, because it is a divisor; any other value serves.
         let size = if longest > 0.0 { size.max(DVec3::splat(longest * 1e-6)) } else { DVec3::ONE };
         Self { min, size, nodes: (0..6).map(GuideNode::GuideCell).collect(), count: 6 }
     }
 
-    /// The trees of such parts, if they are trees.
+    /// The trees with these parts, if they are valid.
     pub(crate) fn from_parts(min: DVec3, size: DVec3, nodes: Vec<GuideNode>) -> Option<Self> {
         let sound = min.is_finite() && size.is_finite() && size.min_element() > 0.0 && nodes.len() >= 6;
         let mut cells = vec![false; nodes.len()];
-        // Depth of each node that has a parent; roots have none and need none.
+        // Depth of each node that has a parent.
         let mut depths: Vec<Option<u32>> = (0..nodes.len()).map(|i| (i < 6).then_some(0)).collect();
         let mut count = 0;
         for (i, node) in nodes.iter().enumerate() {
@@ -62,14 +62,14 @@ impl GuideCells {
                         return None;
                     }
                     for half in [low as usize, low as usize + 1] {
-                        // Nobody is half of two.
+                        // No node has two parents.
                         if depths.get_mut(half)?.replace(depth).is_some() {
                             return None;
                         }
                     }
                 }
                 GuideNode::GuideCell(cell) => {
-                    // Every number once.
+                    // Every number occurs once.
                     let seen = cells.get_mut(cell as usize)?;
                     if std::mem::replace(seen, true) {
                         return None;
@@ -92,7 +92,7 @@ impl GuideCells {
         self.count
     }
 
-    /// The cell of a place whose surface has this unit normal. Places outside the bounds belong to cells at their border.
+    /// The cell of a position whose surface has this unit normal. Positions outside the bounds belong to the cells at their border.
     #[inline]
     pub(crate) fn find(&self, position: DVec3, normal: DVec3) -> u32 {
         let mut place =
@@ -117,8 +117,8 @@ impl GuideCells {
 
     /// The same trees with some cells split, recursively.
     ///
-    /// `halvings`: how often to halve a cell. `copied`: called for each cell of the new trees in the order of their numbers with the
-    /// number of the old one that it was or is a part of.
+    /// `halvings`: number of halvings of each cell. `copied`: called for each cell of the new trees, in the order of their numbers, with the
+    /// number of the old cell that contains it.
     pub(crate) fn halved(&self, halvings: &dyn Fn(u32) -> u32, copied: &mut dyn FnMut(u32)) -> Self {
         let blank = GuideNode::GuideCell(0);
         let mut new = Self { min: self.min, size: self.size, nodes: vec![blank; 6], count: 0 };
@@ -187,11 +187,11 @@ impl GuideCells {
     }
 }
 
-/// A node of the old trees on its way into the new ones.
+/// A node of the old trees that is being copied to the new ones.
 #[derive(Clone, Copy)]
 struct SplitCell {
     node: usize,
-    /// Halvings of this cell still to do; `None` if nobody has asked yet.
+    /// Remaining halvings of this cell; `None` before they are determined.
     left: Option<u32>,
     depth: u32,
     size: DVec3,
@@ -202,7 +202,7 @@ fn longest(size: DVec3) -> usize {
     if x >= y && x >= z { 0 } else { usize::from(y < z) + 1 }
 }
 
-/// Which of +x, -x, +y, -y, +z, -z is nearest to `normal`.
+/// Index of the direction among +x, -x, +y, -y, +z, -z that is nearest to `normal`.
 #[inline]
 fn facing(normal: DVec3) -> usize {
     let axis = longest(normal.abs());
@@ -230,7 +230,7 @@ mod tests {
     #[test]
     fn cells_are_halved_across_their_longest_side() {
         let mut origin = Vec::new();
-        // Thrice the one that faces +y: across x (4 m), x again (2 m, as long as z) and z.
+        // The cell that faces +y is halved three times: across x (4 m), x again (2 m, as long as z) and z.
         let halved = GuideCells::new(&bounds())
             .halved(&|cell| if cell == 2 { 3 } else { 0 }, &mut |old| origin.push(old));
         assert_eq!((halved.count(), origin.len()), (13, 13));
@@ -240,19 +240,19 @@ mod tests {
         for (x, z) in [(0.1, 2.1), (-0.9, 3.1), (2.9, 2.1)] {
             assert_ne!(find(-0.9, 2.1), find(x, z));
         }
-        // Places outside belong to the border.
+        // Positions outside belong to the cells at the border.
         assert_eq!(find(-50.0, 1.0), find(-0.9, 2.1));
         assert!(
             origin[find(0.5, 3.5) as usize] == 2 && origin[halved.find(DVec3::ZERO, DVec3::Z) as usize] == 4
         );
-        // Halving once more keeps what was halved.
+        // Further halving keeps the earlier halves.
         let again = halved.halved(&|cell| u32::from(cell == find(-0.9, 2.1)), &mut |_| {});
         assert_eq!(again.count(), 14);
         assert_eq!(GuideCells::from_parts(again.min, again.size, again.nodes.clone()), Some(again));
     }
 
     #[test]
-    fn what_is_no_tree_is_refused() {
+    fn invalid_trees_are_refused() {
         let good = GuideCells::new(&bounds());
         let with = |at: usize, node| {
             let mut nodes = good.nodes.clone();

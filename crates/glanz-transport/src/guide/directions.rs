@@ -1,35 +1,35 @@
-//! Densities over the directions of the sphere that are fine where much light comes from.
+//! Densities over the sphere of directions, with high resolution in directions of much light.
 //!
-//! Directions lie in the unit square by a map that keeps areas and distorts little (@clarberg2008): the upper hemisphere is the inner
-//! diamond, the lower one the four corners. A tree of squares, each in 4 x 4 parts, holds the share of each part in the density; within a
-//! leaf it is constant. That is a density in the Haar basis, with the wavelets left out where little light is: chapter 2 of document
-//! 003, and the directional tree of @muller2017. Both map by (cos theta, phi), which makes a lamp overhead a strip along a side of the
-//! square that squares cannot follow.
+//! Directions are mapped to the unit square, with equal areas and little distortion (@clarberg2008): the upper hemisphere becomes the inner
+//! diamond, the lower one the four corners. A tree of squares, each divided into 4 x 4 parts, stores the fraction of the density in each part; within a
+//! leaf the density is constant. This is a density in the Haar basis without the wavelets where there is little light: chapter 2 of document
+//! 003, and the directional tree of @muller2017. Both map by (cos theta, phi), by which a light overhead becomes a strip along a side of the
+//! square, which squares approximate badly.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glanz_math::{DVec2, DVec3};
 
-/// Share in a tree above which a part is divided.
+/// Fraction of a tree above which a part is divided.
 const SPLIT_SHARE: f64 = 0.03;
 
-/// Samples, spread evenly over the parts of a square, that are added to those it has: a few bright samples are no peak.
+/// Number of virtual samples, spread evenly over the parts of a square, so that a few bright samples do not make a peak.
 const EVEN_SAMPLES: f64 = 4.0;
 
-/// Levels at most: the smallest leaves have 4 pi / 16^5 = 1.2e-5 sr.
+/// Largest number of levels: the smallest leaves have 4 pi / 16^5 = 1.2e-5 sr.
 const MAX_LEVELS: u32 = 5;
 
-/// Levels of a tree that knows nothing yet.
+/// Levels of an untrained tree.
 const FIRST_LEVELS: u32 = 2;
 
-/// Child number that means: not divided.
+/// Child number of parts that are not divided.
 const NONE: u16 = 0;
 
 /// Sum of the shares of a square.
 const WHOLE: u32 = u16::MAX as u32;
 
-/// A square in 4 x 4 parts, column by column: part i has column i / 4 and row i % 4. It fills a cache line, so that a step of two
-/// halvings in both directions waits for memory once.
+/// A square in 4 x 4 parts, column by column: part i has column i / 4 and row i % 4. It is one cache line, so that two halvings
+/// in both directions need one access to memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(align(64))]
 pub(crate) struct QuadtreeNode {
@@ -39,7 +39,7 @@ pub(crate) struct QuadtreeNode {
     pub(crate) child: [u16; 16],
 }
 
-/// A direction drawn from a tree.
+/// A direction sampled from a tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DirectionSample {
     /// Unit direction.
@@ -55,14 +55,14 @@ pub(crate) struct DirectionSample {
 pub(crate) struct DirectionTrees(pub(crate) Vec<QuadtreeNode>);
 
 impl DirectionTrees {
-    /// Adds a tree of equal leaves without light; its root.
+    /// Adds a tree of equal leaves without light; returns its root.
     pub(crate) fn push_blank(&mut self) -> u32 {
         let mut tree = Vec::new();
         blank(&mut tree, FIRST_LEVELS);
         self.push(&tree)
     }
 
-    /// Adds a tree, whose first element is the root; its root here.
+    /// Adds a tree whose first element is its root; returns the new number of the root.
     pub(crate) fn push(&mut self, tree: &[QuadtreeNode]) -> u32 {
         let root = self.0.len() as u32;
         self.0.extend(tree);
@@ -71,7 +71,7 @@ impl DirectionTrees {
 
     /// A copy of a tree; its first element is the root.
     pub(crate) fn tree(&self, root: u32) -> Vec<QuadtreeNode> {
-        // Children come after their parents, and after those of earlier parts.
+        // Children follow their parents and the children of earlier parts.
         let (mut tree, mut end) = (Vec::new(), 0);
         while let Some(square) = self.0.get(root as usize + tree.len()).filter(|_| tree.len() <= end) {
             end = square.child.iter().fold(end, |end, &child| end.max(usize::from(child)));
@@ -80,14 +80,14 @@ impl DirectionTrees {
         tree
     }
 
-    /// True if the tree holds any light.
+    /// Whether the tree has any light.
     pub(crate) fn is_lit(&self, root: u32) -> bool {
         self.0.get(root as usize).is_some_and(|square| square.share != [0; 16])
     }
 
-    /// Draws a direction from the tree with that root; `None` without light.
+    /// Samples a direction from the tree with that root; `None` without light.
     ///
-    /// Every step uses both sides of `xi` and stretches what is left of them, so that well spread numbers give well spread
+    /// Every step uses both components of `xi` and rescales the remainders, so that well distributed numbers give well distributed
     /// directions.
     #[inline]
     pub(crate) fn sample(&self, root: u32, mut xi: DVec2) -> Option<DirectionSample> {
@@ -131,10 +131,10 @@ impl DirectionTrees {
         }
     }
 
-    /// The tree with that root, shares as `weight` says, divided anew: fine where much is. The root is the first element. `None` if
+    /// The tree with that root, with fractions by `weight` and divided anew: finer where the weight is large. The root is the first element. `None` if
     /// all weights are 0.
     ///
-    /// `weight`: of a leaf, in any unit. `effective`: equal samples that would tell as much of the light.
+    /// `weight`: weight of a leaf, in any unit. `effective`: effective number of samples, that of equal samples with the same variance.
     pub(crate) fn refined(
         &self,
         root: u32,
@@ -167,7 +167,7 @@ impl DirectionTrees {
         })
     }
 
-    /// Share of a part in the tree, and its own square if it has one.
+    /// Fraction of a part in the tree, and its square if it is divided.
     fn part(&self, root: u32, of: QuadtreeChild, i: usize) -> (f64, Option<QuadtreeChild>) {
         let Some(square) = self.0.get(of.node as usize) else { return (0.0, None) };
         let share = of.share * f64::from(square.share[i]) / f64::from(WHOLE);
@@ -182,8 +182,8 @@ impl DirectionTrees {
         )
     }
 
-    /// True if there is a tree at each of these roots: no node with two parents, none too deep, none unreachable; and whether
-    /// shares are shares.
+    /// Whether there is a valid tree at each of these roots: no node with two parents, none too deep, none unreachable, and valid
+    /// fractions.
     pub(crate) fn is_valid(&self, roots: impl Iterator<Item = u32>) -> bool {
         let mut levels: Vec<Option<(u32, u32)>> = vec![None; self.0.len()];
         for root in roots {
@@ -248,18 +248,18 @@ struct TreeRefinement<'a> {
 }
 
 impl TreeRefinement<'_> {
-    /// Adds the square with these weights of its parts, and what is below it; its index. `old`: the same square in the old tree.
+    /// Adds the square with these weights of its parts, and the squares below it; returns its index. `old`: the same square in the old tree.
     fn divide(&mut self, old: Option<QuadtreeChild>, weights: [f64; 16], level: u32) -> u16 {
         let weights = self.evened(weights);
         let index = self.tree.len();
         self.tree.push(QuadtreeNode { share: shares(weights), child: [NONE; 16] });
         for (i, inside) in weights.into_iter().enumerate() {
-            // No more than 1 / SPLIT_SHARE squares on each level: the numbers of all fit.
+            // There are at most 1 / SPLIT_SHARE squares on each level, so that the numbers of all fit.
             if level >= MAX_LEVELS || inside <= SPLIT_SHARE * self.all {
                 continue;
             }
             let below = old.and_then(|old| self.old.part(self.root, old, i).1);
-            // A leaf knows its weight, not where in it.
+            // The distribution of the weight within a leaf is unknown.
             let parts =
                 below.map_or([inside / 16.0; 16], |below| self.old.gather(self.root, below, self.weight));
             let child = self.divide(below, parts, level + 1);
@@ -270,7 +270,7 @@ impl TreeRefinement<'_> {
         index as u16
     }
 
-    /// Weights of the parts of a square with [`EVEN_SAMPLES`] added, in the same sum.
+    /// Weights of the parts of a square with [`EVEN_SAMPLES`] added, scaled to the same sum.
     fn evened(&self, weights: [f64; 16]) -> [f64; 16] {
         let sum: f64 = weights.iter().sum();
         let samples = self.effective * sum / self.all;
@@ -281,7 +281,7 @@ impl TreeRefinement<'_> {
     }
 }
 
-/// Weights in units of 1 / [`WHOLE`] of their sum, which is positive; none that is positive becomes 0, and the sum is kept.
+/// Weights in units of 1 / [`WHOLE`] of their sum, which is positive; positive weights stay positive, and the sum is preserved.
 fn shares(weights: [f64; 16]) -> [u16; 16] {
     let sum: f64 = weights.iter().sum();
     let mut shares =
@@ -295,7 +295,7 @@ fn shares(weights: [f64; 16]) -> [u16; 16] {
     shares
 }
 
-/// Adds a square without light, of so many levels, and what is below it; its index.
+/// Adds a square without light, with this number of levels below it; returns its index.
 fn blank(tree: &mut Vec<QuadtreeNode>, levels: u32) -> u16 {
     let index = tree.len();
     tree.push(QuadtreeNode::default());
@@ -308,7 +308,7 @@ fn blank(tree: &mut Vec<QuadtreeNode>, levels: u32) -> u16 {
     index as u16
 }
 
-/// Which of four weights `xi` falls to; it is stretched to [0, 1) again. `sum`: theirs. `None` if that is 0.
+/// Selects one of four weights by `xi`, which is then rescaled to [0, 1). `sum`: sum of the weights. `None` if it is 0.
 #[inline]
 fn choose(xi: &mut f64, weights: [u32; 4], sum: u32) -> Option<usize> {
     let at = *xi * f64::from(sum);

@@ -1,4 +1,4 @@
-//! A guide in a file, to render with it elsewhere.
+//! Guide files, for renders with a fixed guide.
 //!
 //! | bytes | content |
 //! |---|---|
@@ -9,14 +9,14 @@
 //! | 8 | brightness of the picture |
 //! | 24, 24 | corner and sides of the bounds |
 //! | 4; 5 each | nodes of the cells: axis, first half; or 3, number of the cell |
-//! | 85 each | cells: root of the tree of directions, share, shares of the groups of lamps, samples that it knows of, flux |
+//! | 85 each | cells: root of the tree of directions, mixture weight, probabilities of the light groups, effective samples, flux |
 //! | 4; 64 each | squares of the directions: shares of the parts, their own squares |
 //! | | or, of a grid: |
 //! | 1; n | length of the settings; settings |
 //! | 4 | passes learnt from |
 //! | 4; 1, 33 or 49 each | shapes: 0, no chart; 1, smallest and largest parameters; 2, corners of a box |
 //! | 1 or 1 + 4 each each | cells: 0, nothing; 1, coefficients of the density |
-//! | 4 | CRC-32 (IEEE) of all before |
+//! | 4 | CRC-32 (IEEE) of all preceding bytes |
 //!
 //! Numbers are little-endian.
 
@@ -50,8 +50,8 @@ pub enum GuideFileError {
     /// Another kind or version of file, or a damaged one.
     #[error(transparent)]
     Envelope(#[from] EnvelopeError),
-    /// Unchanged, but nothing that this program would write.
-    #[error("the guide makes no sense: {0}")]
+    /// An intact file with content that this program does not write.
+    #[error("the guide is invalid: {0}")]
     Content(&'static str),
 }
 
@@ -62,10 +62,10 @@ impl Guide {
         ENVELOPE.seal(|e| encode_guide(e, self))
     }
 
-    /// Reads what [`Guide::to_bytes`] wrote. Takes no more memory than a few times `bytes`, whatever they are.
+    /// Reads the output of [`Guide::to_bytes`]. Memory is limited to a few times the size of `bytes`, whatever their content.
     ///
     /// # Errors
-    /// [`GuideFileError`] if any bit is not as it was written.
+    /// [`GuideFileError`] if any bit differs from the written file.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, GuideFileError> {
         let mut d = Decoder(ENVELOPE.open(bytes)?);
         let guide = decode_guide(&mut d).ok_or(GuideFileError::Content("its trees or densities"))?;
@@ -111,7 +111,7 @@ fn encode_tree(e: &mut Encoder, tree: &TreeGuide) {
     for cell in known {
         e.u32(cell.root);
         e.u8(cell.share.0);
-        cell.lamps.shares.iter().for_each(|share| e.u32(share.to_bits()));
+        cell.light_groups.shares.iter().for_each(|share| e.u32(share.to_bits()));
         e.f64(cell.effective);
         e.f64(cell.flux);
     }
@@ -138,11 +138,11 @@ fn decode_tree(d: &mut Decoder<'_>) -> Option<TreeGuide> {
     let mut known = Vec::new();
     for _ in 0..cells.count() {
         let (root, share) = (d.u32()?, MixtureWeight(d.u8()?));
-        let mut lamps = LightGroups::UNKNOWN;
-        for slot in &mut lamps.shares {
+        let mut light_groups = LightGroups::UNKNOWN;
+        for slot in &mut light_groups.shares {
             *slot = f32::from_bits(d.u32()?);
         }
-        known.push(GuideCell { root, share, lamps, effective: d.f64()?, flux: d.f64()? });
+        known.push(GuideCell { root, share, light_groups, effective: d.f64()?, flux: d.f64()? });
     }
     let mut trees = Vec::new();
     for _ in 0..d.u32()? {
@@ -157,7 +157,7 @@ fn decode_tree(d: &mut Decoder<'_>) -> Option<TreeGuide> {
         (cell.root as usize) < trees.0.len()
             && usize::from(cell.share.0) < SHARES
             && (cell.share.0 == 0 || trees.is_lit(cell.root))
-            && cell.lamps.is_valid()
+            && cell.light_groups.is_valid()
             && cell.effective >= 0.0
             && cell.effective.is_finite()
             && cell.flux >= 0.0
@@ -176,12 +176,12 @@ pub(crate) fn encode_training(e: &mut Encoder, training: &Training) {
     encode_guide(e, &training.guide);
     e.f64(training.typical.unwrap_or_default());
     match &training.sums {
-        PassSums::Tree(lessons) => lessons.to_words().into_iter().for_each(|word| e.u64(word)),
+        PassSums::Tree(sums) => sums.to_words().into_iter().for_each(|word| e.u64(word)),
         PassSums::Grid(sums) => encode_sums(e, sums),
     }
 }
 
-/// Reads what [`encode_training`] wrote; `None` if malformed.
+/// Reads the output of [`encode_training`]; `None` if malformed.
 pub(crate) fn decode_training(d: &mut Decoder<'_>) -> Option<Training> {
     let guide = decode_guide(d)?;
     let typical = d.f64()?;
@@ -192,11 +192,11 @@ pub(crate) fn decode_training(d: &mut Decoder<'_>) -> Option<Training> {
     };
     let sums = match &guide {
         Guide::Tree(tree) => {
-            let words = tree.lesson_words();
+            let words = tree.sum_words();
             let (words, _) = d.take(words.checked_mul(8)?)?.as_chunks::<8>();
-            let mut lessons = tree.lessons();
-            lessons.set_words(words.iter().map(|word| u64::from_le_bytes(*word)));
-            PassSums::Tree(lessons)
+            let mut sums = tree.sums();
+            sums.set_words(words.iter().map(|word| u64::from_le_bytes(*word)));
+            PassSums::Tree(sums)
         }
         Guide::Grid(grid) => PassSums::Grid(decode_sums(d, grid)?),
     };
@@ -213,7 +213,7 @@ mod tests {
     use crate::codec::{CRC_LENGTH, PREFIX_LENGTH, resealed};
     use crate::guide::{DirectionRecord, PathRecords};
 
-    /// A guide that has learnt twice of light around one direction, and begun to learn again.
+    /// A guide trained in two passes with light around one direction, in its third pass.
     fn example() -> Training {
         let bounds = Bounds3::new(DVec3::ZERO, DVec3::new(2.0, 1.0, 1.0));
         let mut training = Training::new(Guide::Tree(TreeGuide::new(&bounds)));
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_written_is_read() {
+    fn written_guides_are_read_back() {
         let training = example();
         let guide = training.guide();
         assert!(guide.size().active > 1 && guide.size().cells > 7, "{:?}", guide.size());
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn every_cut_and_every_flipped_bit_is_found() {
+    fn every_truncation_and_every_flipped_bit_is_detected() {
         let bytes = example().guide().to_bytes();
         for length in (0..200).chain(bytes.len() - 200..bytes.len()) {
             assert!(Guide::from_bytes(&bytes[..length]).is_err(), "{length}");
@@ -285,7 +285,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_bytes_make_it_panic_or_hang(
+        fn arbitrary_bytes_neither_panic_nor_hang(
             changes in prop::collection::vec((PREFIX_LENGTH..1500, any::<u8>()), 1..8), cut in 0_usize..100,
         ) {
             let mut bytes = EXAMPLE.get_or_init(|| example().guide().to_bytes()).clone();
@@ -294,11 +294,11 @@ mod tests {
             }
             bytes.truncate(bytes.len() - CRC_LENGTH - cut);
             if let Ok(Guide::Tree(tree)) = Guide::from_bytes(&resealed(bytes)) {
-                // Whatever is taken can be used.
+                // Accepted guides can be used.
                 let place = tree.place(DVec3::new(0.3, 0.4, 0.5), DVec3::Z);
                 let _ = tree.sample(&place, DVec2::new(0.2, 0.7));
                 let _ = tree.pdf(&place, DVec3::X);
-                let _ = tree.taught(&tree.lessons(), 1.0, 1.0);
+                let _ = tree.fitted(&tree.sums(), 1.0, 1.0);
             }
         }
     }

@@ -1,30 +1,30 @@
-//! Which lamps matter at a place.
+//! Learnt probabilities of selecting lights.
 //!
-//! Light sampling picks one lamp of many; with the probability of each in proportion to the root of its mean squared
-//! contribution the variance is least. At most places few lamps are seen at all, and their powers say nothing of it. Lamps are taken in
-//! the scene's groups ([`Scene::light_groups`](glanz_scene::Scene::light_group_count)), so that thousands cost no more than sixteen.
+//! Light sampling selects one of many lights; the variance is smallest if the probability of each is proportional to the root of its mean squared
+//! contribution. At most points few lights are visible, which their powers do not reflect. Lights are selected by
+//! the scene's groups ([`Scene::light_groups`](glanz_scene::Scene::light_group_count)), so that thousands of lights cost no more than sixteen.
 
 use glanz_scene::{LightId, MAX_LIGHT_GROUPS, Scene};
 
-/// Least share of picks that follow the scene's own probabilities: lamps that have not been seen yet may be there all the same.
+/// Smallest fraction of selections by the scene's own probabilities, because lights without samples so far may still contribute.
 const BLIND: f64 = 0.05;
 
-/// That share times the square root of the number of samples, where these are few.
+/// This fraction times the square root of the number of samples, for few samples.
 const BLIND_AT_FIRST: f64 = 4.0;
 
 /// Probabilities of the groups of lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct LightGroups {
-    /// Share of each group; what is missing to 1 is shared as the scene does.
+    /// Learnt probability of each group; the scene's own probabilities apply with the remainder to 1.
     pub(crate) shares: [f32; MAX_LIGHT_GROUPS],
 }
 
 impl LightGroups {
-    /// As the scene does.
+    /// The scene's own probabilities.
     pub(crate) const UNKNOWN: Self = Self { shares: [0.0; MAX_LIGHT_GROUPS] };
 
-    /// From a number of samples and the sum of each group's squared contributions over the probability with which the group
-    /// was picked, in any unit. As the scene does if nothing was found.
+    /// Probabilities from the number of samples and the sum of each group's squared contributions divided by the probability of the
+    /// group, in any unit. Those of the scene if there were no contributions.
     pub(crate) fn learnt(samples: u64, squares: &[u64; MAX_LIGHT_GROUPS]) -> Self {
         let roots = squares.map(|square| (square as f64).sqrt());
         let sum: f64 = roots.iter().sum();
@@ -35,7 +35,7 @@ impl LightGroups {
         Self { shares: roots.map(|root| (known * root / sum) as f32) }
     }
 
-    /// True if these are valid probabilities.
+    /// Whether these are valid probabilities.
     pub(crate) fn is_valid(&self) -> bool {
         self.shares.iter().all(|&share| share >= 0.0) && self.known() <= 1.0 + 1e-6
     }
@@ -51,7 +51,7 @@ impl LightGroups {
         share + (1.0 - self.known()).max(0.0) * scene.light_group_probability(group)
     }
 
-    /// Probability of a lamp.
+    /// Probability of a light.
     #[inline]
     pub(crate) fn probability(&self, scene: &Scene, id: LightId) -> f64 {
         let group = scene.light_group(id);
@@ -62,14 +62,14 @@ impl LightGroups {
         self.group_probability(scene, group) * scene.light_probability(id) / among_all
     }
 
-    /// A lamp and its probability, by a number uniform in [0, 1).
+    /// A light and its probability, by a number uniform in [0, 1).
     #[inline]
     pub(crate) fn pick(&self, scene: &Scene, xi: f64) -> Option<(LightId, f64)> {
         let mut below = 0.0;
         let last = scene.light_group_count().checked_sub(1)?;
         for group in 0..=last {
             let probability = self.group_probability(scene, group);
-            // Rounding may carry xi past the end; a group that the scene does not have is never reached.
+            // Rounding may move xi past the end; a group that the scene does not have is never selected.
             if xi < below + probability || group == last {
                 let left = ((xi - below) / probability).clamp(0.0, 1.0 - f64::EPSILON / 2.0);
                 let (id, inside) = scene.select_light_in_group(group, left)?;
@@ -86,16 +86,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shares_follow_the_root_of_what_was_found() {
-        // Of 6400 samples 5 % stay blind; the rest is shared 1 : 3.
+    fn probabilities_follow_the_root_of_squared_contributions() {
+        // With 6400 samples, 5 % of selections are by the scene; the rest is divided 1 : 3.
         let mut squares = [0; MAX_LIGHT_GROUPS];
         (squares[0], squares[2]) = (100, 900);
-        let lamps = LightGroups::learnt(6400, &squares);
+        let groups = LightGroups::learnt(6400, &squares);
         for (group, expected) in [(0, 0.2375), (1, 0.0), (2, 0.7125)] {
-            assert!((lamps.shares[group] - expected).abs() < 1e-6);
+            assert!((groups.shares[group] - expected).abs() < 1e-6);
         }
-        assert!(lamps.is_valid());
-        // With few samples more stays blind: 4 / sqrt(64).
+        assert!(groups.is_valid());
+        // With few samples the fraction is larger: 4 / sqrt(64).
         assert!((LightGroups::learnt(64, &squares).known() - 0.5).abs() < 1e-6);
         assert_eq!(LightGroups::learnt(9, &squares), LightGroups::UNKNOWN);
         assert_eq!(LightGroups::learnt(6400, &[0; MAX_LIGHT_GROUPS]), LightGroups::UNKNOWN);

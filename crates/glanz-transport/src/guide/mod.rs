@@ -1,25 +1,25 @@
 //! Path guiding: densities of incident light and their training.
 //!
-//! A [`Guide`] answers for a place and a direction: how dense shall directions be there? It is learnt in passes: pass after pass
-//! takes twice as many samples of each pixel, guided by what the pass before found. During a pass the guide is fixed and
-//! what the paths find is added up as integers ([`Training`]), so that a sample depends on its number alone, and a picture on nothing
-//! but scene, settings and seed.
+//! A [`Guide`] is a density of directions at every point. It is learnt in passes: every pass
+//! takes twice as many samples of each pixel as the one before, guided by its results. During a pass the guide is fixed, and
+//! the light of the paths is summed as integers ([`Training`]), so that a sample depends on its number alone, and a picture on
+//! scene, settings and seed alone.
 //!
-//! - `cells`: space and normals, divided where paths come often;
-//! - `directions`: for each cell a density over the sphere, fine where light is;
-//! - `lamps`: for each cell, which lamps matter;
-//! - `mixture`: how often the guide draws and how often the BSDF;
-//! - `survival`: whether a path is worth going on with;
-//! - `record`, `lessons`: what a path found, and the sums over all paths;
+//! - `cells`: space and normals, divided where there are many paths;
+//! - `directions`: for each cell a density over the sphere, finer in directions of light;
+//! - `light_groups`: for each cell, probabilities of selecting lights;
+//! - `mixture`: probabilities of sampling guide and BSDF;
+//! - `survival`: Russian roulette by the expected contribution of a path;
+//! - `record`, `training_sums`: the light of a path, and the sums over all paths;
 //! - `training`: the passes;
-//! - `grid`: document 003's own guide instead, a fixed grid of cells and densities in a chosen basis, for its experiments.
+//! - `grid`: the guide of document 003, a fixed grid of cells and densities in a selected basis, for its experiments.
 //!
 //! # Source
 //! Document 003 chapter 3 (a grid of cells on each surface, a fixed grid of directions, densities learnt in passes);
 //! @muller2017 (trees for both, passes of doubled length, halving by records), @muller2019 (passes weighted by their variance, a
-//! learnt mixture), @rath2020 (densities in proportion to the root of squared light), @dahm2017 (light from the next vertex as it is
-//! expected there), @vorba2014. Departures: normals part cells; the mixture is chosen by its second moment on a grid;
-//! light that light sampling finds too counts with its weight of multiple importance sampling only; all sums are integers.
+//! learnt mixture), @rath2020 (densities proportional to the root of squared light), @dahm2017 (expected instead of sampled light from the next
+//! vertex), @vorba2014. Departures: cells are also divided by normals; the mixture is selected by its second moment on a grid;
+//! light that light sampling can also find counts with its weight of multiple importance sampling only; all sums are integers.
 
 use glanz_scene::Scene;
 use glanz_scene::description::GuideSettings;
@@ -47,7 +47,7 @@ pub(crate) use mixture::density;
 pub(crate) use record::{DirectionRecord, LightGroupRecord, PathRecords};
 pub(crate) use tree::GuidedVertex;
 
-/// Knows where light comes from.
+/// Densities of incident light.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Guide {
@@ -60,21 +60,21 @@ pub enum Guide {
 /// Size of a guide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GuideSize {
-    /// Parts of space that learn apart.
+    /// Number of cells.
     pub cells: usize,
-    /// Those in which the guide draws directions at all.
+    /// Number of cells in which the guide samples directions.
     pub active: usize,
-    /// Leaves of the directions of all cells.
+    /// Number of leaves of the directions of all cells.
     pub leaves: usize,
     /// Memory of the guide and of the sums for the next one, bytes.
     pub bytes: usize,
 }
 
 impl Guide {
-    /// A guide for `scene` that knows nothing.
+    /// An untrained guide for `scene`.
     ///
     /// # Errors
-    /// [`GridError`] if a grid cannot be made.
+    /// [`GridError`] if a grid cannot be built.
     pub fn new(scene: &Scene, settings: &GuideSettings) -> Result<Self, GridError> {
         Ok(match settings {
             GuideSettings::Tree => Self::Tree(TreeGuide::new(&scene.bounds())),

@@ -6,27 +6,27 @@ use glanz_light::{Spectrum, Wavelengths};
 #[derive(Debug, Default)]
 pub(crate) struct PathRecords {
     pub(crate) directions: Vec<DirectionRecord>,
-    pub(crate) lamps: Vec<LightGroupRecord>,
-    /// True if the last direction leads to the current vertex.
+    pub(crate) light_groups: Vec<LightGroupRecord>,
+    /// Whether the last direction leads to the current vertex.
     leads_here: bool,
 }
 
 impl PathRecords {
-    /// Forgets all.
+    /// Removes all records.
     pub(crate) fn clear(&mut self) {
         self.directions.clear();
-        self.lamps.clear();
+        self.light_groups.clear();
         self.leads_here = false;
     }
 
-    /// Notes the direction in which the path goes on.
+    /// Records the direction in which the path continues.
     pub(crate) fn push(&mut self, record: DirectionRecord) {
         self.directions.push(record);
         self.leads_here = true;
     }
 
-    /// Sets the data of the current vertex before the path continues: the luminance to `expect` from there beyond what the path finds at the
-    /// vertex itself, if that is known. To be called once at each vertex.
+    /// Sets the data of the current vertex before the path continues: the expected luminance from there, beyond the light found at the
+    /// vertex itself, if it is known. Must be called once at each vertex.
     pub(crate) fn expect(&mut self, expect: Option<f64>) {
         let leads_here = std::mem::take(&mut self.leads_here);
         if let Some(record) = self.directions.last_mut().filter(|_| leads_here) {
@@ -34,7 +34,7 @@ impl PathRecords {
         }
     }
 
-    /// The path goes on from the vertex where it is and has found `light` so far.
+    /// The path continues from the current vertex, with `light` so far.
     pub(crate) fn leave(&mut self, light: Spectrum) {
         if let Some(next) = self.directions.last_mut().and_then(|record| record.next.as_mut()) {
             next.light.get_or_insert(light);
@@ -42,20 +42,20 @@ impl PathRecords {
     }
 }
 
-/// A lamp sampled at a vertex.
+/// A light sampled at a vertex.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LightGroupRecord {
     /// The cell of the vertex.
     pub(crate) cell: u32,
-    /// The group of the lamp.
+    /// The group of the light.
     pub(crate) group: u32,
-    /// Luminance that came from it to the viewer, not divided by the probability of the group.
+    /// Its luminance at the viewer, not divided by the probability of the group.
     pub(crate) luminance: f64,
-    /// That probability.
+    /// Probability of the group.
     pub(crate) probability: f64,
 }
 
-/// A direction taken at a vertex.
+/// A direction in which a path continued from a vertex.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DirectionRecord {
     /// The cell of the vertex.
@@ -64,11 +64,11 @@ pub(crate) struct DirectionRecord {
     pub(crate) leaf: u32,
     /// |cos| between direction and shading normal.
     pub(crate) cosine: f64,
-    /// Densities per steradian: of the guide, of the BSDF, and that which drew.
+    /// Densities per steradian of the guide, of the BSDF, and of the mixture from which the direction was sampled.
     pub(crate) guide_pdf: f64,
     pub(crate) bsdf_pdf: f64,
     pub(crate) pdf: f64,
-    /// Light that the path had found before.
+    /// Light of the path before this vertex.
     pub(crate) light: Spectrum,
     /// Throughput up to the vertex, and beyond it.
     pub(crate) throughput: Spectrum,
@@ -80,20 +80,20 @@ pub(crate) struct DirectionRecord {
 /// Data of the next vertex.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NextVertex {
-    /// Light that the path had found when it went on from there; `None` if it ended.
+    /// Light of the path up to and at the next vertex; `None` if the path ended there.
     light: Option<Spectrum>,
-    /// Luminance that is expected from there besides.
+    /// Expected luminance from beyond the vertex.
     beyond: f64,
 }
 
 impl DirectionRecord {
-    /// The luminance that arrived along the direction, and that which went on to the viewer over the density of the direction;
+    /// The incident luminance along the direction, and the luminance that continues to the viewer divided by the density of the direction.
     /// `all`: the light of the whole path.
     ///
-    /// Where something is known of the next vertex, only what was found there counts, and what is expected from beyond instead of what this one
-    /// path brought from there: the expectation rests on many paths, and so the guide learns from fewer (@dahm2017).
+    /// If data of the next vertex are known, the light is that found there plus the expected light from beyond, instead of the light that this
+    /// path found beyond: the expectation averages many paths, so that the guide needs fewer of them (@dahm2017).
     ///
-    /// A surface that scatters no red gives no information on incident red: it counts as none.
+    /// A surface that scatters no red gives no information on incident red, which counts as zero.
     pub(crate) fn found(&self, all: Spectrum, wavelengths: &Wavelengths) -> (f64, f64) {
         let over = |light: Spectrum, throughput: Spectrum| {
             let ratio = light.zip(throughput, |l, t| if t > 0.0 { l / t } else { 0.0 });
@@ -112,7 +112,7 @@ impl DirectionRecord {
 mod tests {
     use super::*;
 
-    /// Light 1 was found before; half of what comes counts at the vertex, an eighth beyond it.
+    /// A record with light 1 before, throughput 1/2 at the vertex and 1/8 beyond it.
     fn record() -> DirectionRecord {
         let rgb = Spectrum::from_rgb;
         DirectionRecord {
@@ -130,10 +130,10 @@ mod tests {
     }
 
     #[test]
-    fn light_is_told_apart_from_what_the_path_did_with_it() {
+    fn incident_light_does_not_depend_on_the_throughput() {
         let wavelengths = Wavelengths::default();
         let rgb = Spectrum::from_rgb;
-        // Radiance 6 arrives; the way to the vertex takes half, and f |cos| / p = 1/4 a quarter of that.
+        // The incident radiance is 6; the throughput to the vertex is 1/2, and f |cos| / p is 1/4.
         let record = record();
         let (arrived, went_on) = record.found(rgb([1.75; 3]), &wavelengths);
         assert!((arrived - 6.0).abs() < 1e-5 && (went_on - 1.5).abs() < 1e-6, "{arrived} {went_on}");
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_expected_replaces_what_one_path_found_beyond_the_next_vertex() {
+    fn expected_light_replaces_the_light_found_beyond_the_next_vertex() {
         let rgb = Spectrum::from_rgb;
         let record = record();
         let found = |steps: &dyn Fn(&mut PathRecords)| {
@@ -154,18 +154,18 @@ mod tests {
             records.directions[0].found(rgb([1.75; 3]), &Wavelengths::default())
         };
         let close = |(a, b): (f64, f64), (c, d): (f64, f64)| (a - c).abs() < 1e-5 && (b - d).abs() < 1e-5;
-        // 0.25 was found at the next vertex: radiance 2 from there, and 3 expected.
+        // Light of 0.25 at the next vertex: radiance 2 from there, plus the expected 3.
         let at_next = |records: &mut PathRecords| {
             records.expect(Some(3.0));
             records.leave(rgb([1.25; 3]));
-            // Vertices after that one say nothing more of it.
+            // Vertices after the next one do not change the record.
             records.expect(Some(9.0));
             records.leave(rgb([1.5; 3]));
         };
         assert!(close(found(&at_next), (5.0, 1.25)));
-        // A path that ended there had found all it has.
+        // If the path ended there, all its light was found there.
         assert!(close(found(&|records| records.expect(Some(3.0))), (9.0, 2.25)));
-        // Nothing is known of the vertex, or it was the sky: what the path found.
+        // Without data of the next vertex, or if the ray escaped, the light that the path found counts.
         let unknown = |records: &mut PathRecords| {
             records.expect(None);
             records.leave(rgb([1.25; 3]));

@@ -1,4 +1,4 @@
-//! A guide that learns while it guides.
+//! Training of a guide over the passes of a render.
 
 use std::ops::Range;
 
@@ -11,10 +11,10 @@ use super::grid::{GridRecord, GridSums};
 use super::record::PathRecords;
 use super::training_sums::TrainingSums;
 
-/// The pass that a sample of a pixel belongs to, if passes double: 0; 1 to 3; 4 to 7; 8 to 15; and so on.
+/// The pass of a sample of a pixel, with passes of doubled length: 0; 1 to 3; 4 to 7; 8 to 15; and so on.
 ///
-/// Every pass from the third on is a block of 2^k Sobol' points that begins at a multiple of 2^k, so each is well spread by
-/// itself. The first tells how bright the scene is, the second learns without a guide.
+/// Every pass from the third on is a block of 2^k Sobol' points that begins at a multiple of 2^k, so that each is well distributed by
+/// itself. The first pass measures the brightness of the scene, the second trains without a guide.
 fn doubled(sample: u32) -> Range<u32> {
     match sample {
         0 => 0..1,
@@ -26,7 +26,7 @@ fn doubled(sample: u32) -> Range<u32> {
     }
 }
 
-/// The same for passes of these lengths. The first measures the brightness here, too; after the last comes one without end.
+/// The pass of a sample, with passes of these lengths. The first pass measures the brightness here, too; the pass after the last is unlimited.
 fn listed(sample: u32, lengths: &PassLengths) -> Range<u32> {
     let mut start = 0;
     for length in std::iter::once(1).chain(lengths.iter()) {
@@ -38,39 +38,39 @@ fn listed(sample: u32, lengths: &PassLengths) -> Range<u32> {
     start..u32::MAX
 }
 
-/// The sums of a pass, of the kind that its guide learns from.
+/// The sums of a pass, of the kind of its guide.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum PassSums {
     Tree(TrainingSums),
     Grid(GridSums),
 }
 
-/// The guide of the pass under way, and what the pass has learnt so far.
+/// The guide of the current pass, and the sums of the pass so far.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Training {
     pub(crate) guide: Guide,
     pub(crate) sums: PassSums,
-    /// A typical luminance of the picture, a power of two; `None` in the first pass, which learns nothing else.
+    /// A typical luminance of the picture, a power of two; `None` in the first pass, which measures it.
     pub(crate) typical: Option<f64>,
 }
 
 impl Training {
-    /// At the beginning, with a guide that knows nothing.
+    /// The initial state, with an untrained guide.
     pub(crate) fn new(guide: Guide) -> Self {
         let sums = match &guide {
-            Guide::Tree(tree) => PassSums::Tree(tree.lessons()),
+            Guide::Tree(tree) => PassSums::Tree(tree.sums()),
             Guide::Grid(grid) => PassSums::Grid(grid.sums()),
         };
         Self { guide, sums, typical: None }
     }
 
-    /// The guide of the pass under way.
+    /// The guide of the current pass.
     #[must_use]
     pub fn guide(&self) -> &Guide {
         &self.guide
     }
 
-    /// The pass that a sample of a pixel belongs to.
+    /// The pass of a sample of a pixel.
     pub(crate) fn pass(&self, sample: u32) -> Range<u32> {
         match self.passes() {
             Some(lengths) => listed(sample, &lengths),
@@ -78,7 +78,7 @@ impl Training {
         }
     }
 
-    /// The passes that learn, if they are listed.
+    /// The training passes, if they are listed.
     fn passes(&self) -> Option<PassLengths> {
         match &self.guide {
             Guide::Tree(_) => None,
@@ -86,23 +86,23 @@ impl Training {
         }
     }
 
-    /// Directions that the pass under way has learnt from; with a grid, also those of earlier passes that still count.
+    /// Number of directions recorded in the current pass; with a grid, also those of earlier passes that still count.
     #[must_use]
     pub fn records(&self) -> u64 {
         match &self.sums {
-            PassSums::Tree(lessons) => lessons.records(),
+            PassSums::Tree(sums) => sums.records(),
             PassSums::Grid(sums) => sums.records(),
         }
     }
 
-    /// Adds what a path found: its `records`, and all its light.
+    /// Adds the `records` of a path; `all`: the light of the path.
     pub(crate) fn learn(&self, records: &PathRecords, all: Spectrum, wavelengths: &Wavelengths) {
-        let (Some(typical), PassSums::Tree(lessons)) = (self.typical, &self.sums) else { return };
+        let (Some(typical), PassSums::Tree(sums)) = (self.typical, &self.sums) else { return };
         for record in &records.directions {
-            lessons.add(record, all, wavelengths, typical);
+            sums.add(record, all, wavelengths, typical);
         }
-        for record in &records.lamps {
-            lessons.add_lamp(record, typical);
+        for record in &records.light_groups {
+            sums.add_light(record, typical);
         }
     }
 
@@ -121,24 +121,24 @@ impl Training {
         }
     }
 
-    /// Ends a pass: what it learnt becomes the guide of the next. `brightness`: mean of the picture.
+    /// Ends a pass: the guide of the next is fitted to its sums. `brightness`: mean of the picture.
     pub(crate) fn finish_pass(&mut self, brightness: f64) {
-        // Black pictures have no brightness; then any unit is as good.
+        // Black pictures have no brightness; any unit serves.
         let known = brightness > 0.0 && brightness.is_finite();
         let exponent = if known { brightness.log2().floor().clamp(-100.0, 100.0) } else { 0.0 };
         let typical = exponent.exp2();
         if let Some(old) = self.typical.replace(typical) {
             (self.guide, self.sums) = match (&self.guide, &self.sums) {
-                (Guide::Tree(tree), PassSums::Tree(lessons)) => {
-                    let tree = tree.taught(lessons, old, if known { brightness } else { 0.0 });
-                    let lessons = tree.lessons();
-                    (Guide::Tree(tree), PassSums::Tree(lessons))
+                (Guide::Tree(tree), PassSums::Tree(sums)) => {
+                    let tree = tree.fitted(sums, old, if known { brightness } else { 0.0 });
+                    let sums = tree.sums();
+                    (Guide::Tree(tree), PassSums::Tree(sums))
                 }
                 (Guide::Grid(grid), PassSums::Grid(sums)) => {
-                    let (grid, sums) = grid.taught(sums, typical / old);
+                    let (grid, sums) = grid.fitted(sums, typical / old);
                     (Guide::Grid(grid), PassSums::Grid(sums))
                 }
-                // Guide and sums are made together.
+                // Guide and sums are always of the same kind.
                 _ => return,
             };
         }
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn listed_passes_follow_the_sample_that_tells_the_brightness() {
+    fn listed_passes_follow_the_sample_that_measures_the_brightness() {
         let lengths = PassLengths::new(&[2, 5]).unwrap();
         let passes: Vec<_> = [0, 1, 2, 3, 7, 8, 1000].iter().map(|&i| listed(i, &lengths)).collect();
         assert_eq!(passes, [0..1, 1..3, 1..3, 3..8, 3..8, 8..u32::MAX, 8..u32::MAX]);

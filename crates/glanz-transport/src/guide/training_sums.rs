@@ -1,10 +1,10 @@
 //! Sums over the paths of a pass, from which the next guide is fitted.
 //!
-//! All sums are integers, so that they depend on which records were added, not on the order or on threads (see
-//! [`crate::exact`]). The quantum is set by the scene: 2^-20 of a typical luminance for light and 2^-24 of its square for squares.
-//! Light over its density is cut to 2^20 times the typical, squares to that of 2^12 times. A sum holds 2^24 and 2^16 terms of that size;
-//! since the typical luminance is about the mean, so many would need 2^44 and 2^28 records. Cut terms are counted. Any of this
-//! can only make a guide worse, never a picture wrong.
+//! All sums are integers, so that they depend on the added records, not on the order or on threads (see
+//! [`crate::exact`]). The quantum depends on the scene: 2^-20 of a typical luminance for light and 2^-24 of its square for squares.
+//! Light divided by its density is clamped to 2^20 times the typical luminance, squares to the square of 2^12 times. A sum has room for 2^24 and 2^16 terms of that
+//! size; because the typical luminance is about the mean, these would need 2^44 and 2^28 records. Clamped terms are counted. Clamping
+//! can make a guide worse, but never a picture wrong.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -21,27 +21,27 @@ const LARGEST_SQUARE: f64 = (1_u64 << 48) as f64;
 pub(crate) const LIGHT_QUANTA: f64 = (1_u64 << 20) as f64;
 const MOMENT_QUANTA: f64 = (1_u64 << 24) as f64;
 
-/// Words of a cell: number of records, sum of their light and of its square, then the second moment under each share; number of lamps sampled, then
-/// the second moment of each group.
-const CELL_WORDS: usize = LAMP_WORDS + 1 + MAX_LIGHT_GROUPS;
+/// Words of a cell: number of records, sums of their light and of its square, then the second moment for each mixture weight; number of light samples, then
+/// the second moment of each light group.
+const CELL_WORDS: usize = LIGHT_WORDS + 1 + MAX_LIGHT_GROUPS;
 
 /// Offset of the words of the light groups.
-const LAMP_WORDS: usize = 3 + SHARES;
+const LIGHT_WORDS: usize = 3 + SHARES;
 
 /// Sums of the records of a cell, light and moments in quanta.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CellTrainingSums {
     /// Number of records.
     pub(crate) records: u64,
-    /// Sums of the light of each over its density, and of the square of that, in quanta of light.
+    /// Sums of the light of each record divided by its density, and of its square, in quanta of light.
     pub(crate) light: f64,
     pub(crate) squared_light: f64,
-    /// Second moment under each share.
+    /// Second moment for each mixture weight.
     pub(crate) moments: [u64; SHARES],
-    /// Number of lamps sampled.
-    pub(crate) lamps: u64,
-    /// Sums of the squares of what came from the lamps of a group, over the probability of the group.
-    pub(crate) lamp_moments: [u64; MAX_LIGHT_GROUPS],
+    /// Number of light samples.
+    pub(crate) light_samples: u64,
+    /// Sums of the squared luminance of the lights of a group, divided by the probability of the group.
+    pub(crate) light_moments: [u64; MAX_LIGHT_GROUPS],
 }
 
 /// Sums of one pass.
@@ -49,9 +49,9 @@ pub(crate) struct CellTrainingSums {
 pub(crate) struct TrainingSums {
     /// [`CELL_WORDS`] for each cell.
     cells: Vec<AtomicU64>,
-    /// Square of the light over the density for each leaf of the direction trees.
+    /// Sum of the squared light divided by the density, for each leaf of the direction trees.
     leaves: Vec<AtomicU64>,
-    /// Terms that were cut.
+    /// Number of clamped terms.
     cut: AtomicU64,
 }
 
@@ -76,7 +76,7 @@ impl PartialEq for TrainingSums {
 }
 
 impl TrainingSums {
-    /// Nothing learnt yet.
+    /// Empty sums.
     pub(crate) fn new(cells: usize, leaves: usize) -> Self {
         Self { cells: zeros(cells * CELL_WORDS), leaves: zeros(leaves), cut: AtomicU64::new(0) }
     }
@@ -94,24 +94,24 @@ impl TrainingSums {
         words
     }
 
-    /// Number of words of [`TrainingSums::to_words`] with so many cells and leaves.
+    /// Number of words of [`TrainingSums::to_words`] with these numbers of cells and leaves.
     pub(crate) fn words_for(cells: usize, leaves: usize) -> usize {
         cells * CELL_WORDS + leaves + 1
     }
 
-    /// Replaces all sums by those of [`TrainingSums::to_words`].
+    /// Replaces all sums by the output of [`TrainingSums::to_words`].
     pub(crate) fn set_words(&mut self, mut words: impl Iterator<Item = u64>) {
         let mut next = || AtomicU64::new(words.next().unwrap_or_default());
         self.cells.iter_mut().chain(&mut self.leaves).for_each(|word| *word = next());
         self.cut = next();
     }
 
-    /// Terms that were too large and cut.
+    /// Number of terms that were too large and clamped.
     pub(crate) fn cut(&self) -> u64 {
         self.cut.load(Ordering::Relaxed)
     }
 
-    /// Adds what the path of `record` found; `all`: the light of the whole path. `typical`: a typical luminance, above 0.
+    /// Adds a record; `all`: the light of the whole path. `typical`: a typical luminance, above 0.
     #[inline]
     pub(crate) fn add(
         &self,
@@ -121,12 +121,12 @@ impl TrainingSums {
         typical: f64,
     ) {
         let words = CELL_WORDS * record.cell as usize;
-        let Some([count, sum, squares, moments @ ..]) = self.cells.get(words..words + LAMP_WORDS) else {
+        let Some([count, sum, squares, moments @ ..]) = self.cells.get(words..words + LIGHT_WORDS) else {
             return;
         };
         count.fetch_add(1, Ordering::Relaxed);
         let (arrived, went_on) = record.found(all, wavelengths);
-        // Black, and whatever is not a number.
+        // Zero, negative or NaN.
         if !(arrived > 0.0 && record.pdf > 0.0) {
             return;
         }
@@ -137,7 +137,7 @@ impl TrainingSums {
             leaf.fetch_add(self.quanta(square * MOMENT_QUANTA, LARGEST_SQUARE), Ordering::Relaxed);
         }
         squares.fetch_add(self.quanta(light * light * MOMENT_QUANTA, LARGEST_SQUARE), Ordering::Relaxed);
-        // F / p is what went on: F^2 / (p p_a) is its square times p / p_a.
+        // F / p is the continued luminance: F^2 / (p p_a) is its square times p / p_a.
         let relative = went_on / typical;
         let square = relative * relative * record.pdf * MOMENT_QUANTA;
         for (i, moment) in (0_u8..).zip(moments) {
@@ -148,10 +148,10 @@ impl TrainingSums {
         }
     }
 
-    /// Adds what a lamp brought. `typical`: a typical luminance, above 0.
+    /// Adds a light sample. `typical`: a typical luminance, above 0.
     #[inline]
-    pub(crate) fn add_lamp(&self, record: &LightGroupRecord, typical: f64) {
-        let words = CELL_WORDS * record.cell as usize + LAMP_WORDS;
+    pub(crate) fn add_light(&self, record: &LightGroupRecord, typical: f64) {
+        let words = CELL_WORDS * record.cell as usize + LIGHT_WORDS;
         let Some([count, moments @ ..]) = self.cells.get(words..words + 1 + MAX_LIGHT_GROUPS) else { return };
         count.fetch_add(1, Ordering::Relaxed);
         let relative = record.luminance / typical;
@@ -169,10 +169,10 @@ impl TrainingSums {
         term.min(largest).round_ties_even() as u64
     }
 
-    /// The density that a leaf should have times its size, in any unit: the root of the integral of squared light times that size.
+    /// The best density of a leaf times its size, in any unit: the root of the integral of squared light times that size.
     ///
-    /// The second moment, the sum over all leaves of that integral over the density, is then the least of all densities that are constant in
-    /// each leaf (@rath2020); where the light of a leaf is even and always the same it is its light.
+    /// Of all densities that are constant in each leaf, this one has the smallest second moment, the sum over all leaves of that integral divided by the
+    /// density (@rath2020). For constant light in a leaf it is that light.
     pub(crate) fn weight(&self, leaf: QuadtreeLeaf) -> f64 {
         let square =
             self.leaves.get(leaf.number as usize).map_or(0.0, |word| word.load(Ordering::Relaxed) as f64);
@@ -189,8 +189,8 @@ impl TrainingSums {
             light: word(1) as f64,
             squared_light: word(2) as f64 * (LIGHT_QUANTA * LIGHT_QUANTA / MOMENT_QUANTA),
             moments: std::array::from_fn(|i| word(i + 3)),
-            lamps: word(LAMP_WORDS),
-            lamp_moments: std::array::from_fn(|i| word(LAMP_WORDS + 1 + i)),
+            light_samples: word(LIGHT_WORDS),
+            light_moments: std::array::from_fn(|i| word(LIGHT_WORDS + 1 + i)),
         }
     }
 
@@ -206,9 +206,9 @@ mod tests {
 
     #[test]
     fn weight_is_the_root_of_mean_squared_light() {
-        // Light of 3 and 1 by turns in leaf 0; of 2 in leaf 1, where twice as many directions are drawn, at twice the density, and in leaf 2.
+        // Light of 3 and 1 alternately in leaf 0; of 2 in leaf 2 and in leaf 1, which has twice as many directions at twice the density.
         let even = 0.25 / std::f64::consts::PI;
-        let lessons = TrainingSums::new(1, 3);
+        let sums = TrainingSums::new(1, 3);
         let add = |leaf, light: f32, pdf: f64| {
             let record = DirectionRecord {
                 cell: 0,
@@ -222,7 +222,7 @@ mod tests {
                 beyond: Spectrum::ONE,
                 next: None,
             };
-            lessons.add(&record, Spectrum::splat(light), &Wavelengths::default(), 1.0);
+            sums.add(&record, Spectrum::splat(light), &Wavelengths::default(), 1.0);
         };
         for i in 0..64 {
             add(0, if i % 2 == 0 { 3.0 } else { 1.0 }, even);
@@ -230,11 +230,11 @@ mod tests {
             add(1, 2.0, 2.0 * even);
             add(2, 2.0, even);
         }
-        let weight = |number, area| lessons.weight(QuadtreeLeaf { number, share: 0.0, area });
+        let weight = |number, area| sums.weight(QuadtreeLeaf { number, share: 0.0, area });
         let even_light = weight(1, 0.25);
         assert!((weight(0, 0.25) / even_light - (5.0_f64 / 4.0).sqrt()).abs() < 1e-6);
-        // The sums are integrals of squared light over a leaf: those of leaves 1 and 2 are equal.
+        // The sums are integrals of squared light over a leaf, which are equal for leaves 1 and 2.
         assert!((weight(2, 0.125) / even_light - 0.5_f64.sqrt()).abs() < 1e-6);
-        assert_eq!(lessons.cut(), 0);
+        assert_eq!(sums.cut(), 0);
     }
 }

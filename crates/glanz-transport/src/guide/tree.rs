@@ -1,4 +1,4 @@
-//! The guide that grows: cells, each with a tree of directions and a share.
+//! The adaptive guide: cells, each with a tree of directions and a mixture weight.
 
 use glanz_math::{Bounds3, DVec2, DVec3};
 
@@ -9,38 +9,38 @@ use super::light_groups::LightGroups;
 use super::mixture::MixtureWeight;
 use super::training_sums::{CellTrainingSums, LIGHT_QUANTA, TrainingSums};
 
-/// Records above which a cell is halved: this times the square root of all records of a pass, so that cells become finer and know
-/// more at the same time, in pictures of any size (@muller2017: with the square root of the samples of a pixel).
+/// Number of records above which a cell is halved: this times the square root of all records of a pass, so that cells become smaller and
+/// more accurate at the same time, in pictures of any size (@muller2017: the square root of the samples of a pixel).
 const CELLS_BY_RECORDS: f64 = 4.0;
 
-/// The least that this may be.
+/// Smallest number of records above which a cell is halved.
 const FEWEST_RECORDS: f64 = 1000.0;
 
-/// Effective samples of light that a cell has to have to be halved; as many records may hold less, where light is rare.
+/// Smallest effective number of samples for halving a cell; where light is rare, it is less than the number of records.
 const FEWEST_TO_HALVE: f64 = 16.0;
 
-/// Effective samples of light that a tree of directions needs; with fewer the old one stays.
+/// Smallest effective number of samples for a new tree of directions; with fewer the old tree is kept.
 const FEWEST_TO_LEARN: f64 = 16.0;
 
 /// Weight of a sample of earlier passes relative to a new one.
 const REMEMBERED: f64 = 1.0;
 
-/// Lamps sampled in a cell that tell something; with fewer it keeps what it knows of them.
-const FEWEST_LAMPS: u64 = 64;
+/// Smallest number of light samples in a cell for new probabilities of the light groups; with fewer the old ones are kept.
+const FEWEST_LIGHT_SAMPLES: u64 = 64;
 
-/// Cells at most. A tree of directions has some ten squares of 64 bytes, and 128 more each to learn.
+/// Largest number of cells. A tree of directions has some ten squares of 64 bytes, and 128 bytes more each for training.
 const MAX_CELLS: u32 = 1 << 15;
 
 /// Result of the update of a cell.
 #[derive(Clone, Debug, Default)]
 struct CellUpdate {
     records: u64,
-    /// Equal samples that would tell as much of the light.
+    /// Effective number of samples.
     effective: f64,
-    /// Its tree; `None` as long as it knows nothing.
+    /// Its tree; `None` for an untrained cell.
     tree: Option<Vec<QuadtreeNode>>,
     share: MixtureWeight,
-    lamps: LightGroups,
+    light_groups: LightGroups,
     flux: f64,
 }
 
@@ -49,45 +49,45 @@ struct CellUpdate {
 pub(crate) struct GuideCell {
     /// Root of its tree of directions.
     pub(crate) root: u32,
-    /// Mixture weight of the tree; 0 as long as it holds no light.
+    /// Mixture weight of the tree; 0 while it has no light.
     pub(crate) share: MixtureWeight,
-    pub(crate) lamps: LightGroups,
-    /// Equal samples that would tell as much of the light as is known.
+    pub(crate) light_groups: LightGroups,
+    /// Effective number of samples of the tree.
     pub(crate) effective: f64,
     /// Luminance times cosine over all directions, as far as paths bring it; 0 as long as it is not known.
     pub(crate) flux: f64,
 }
 
-/// A guide of cells and directions that refine themselves.
+/// A guide of adaptive cells and directions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeGuide {
     pub(crate) cells: GuideCells,
     pub(crate) known: Vec<GuideCell>,
     pub(crate) trees: DirectionTrees,
-    /// Mean luminance of the picture; 0 as long as it is not known.
+    /// Mean luminance of the picture; 0 while it is unknown.
     pub(crate) brightness: f64,
 }
 
-/// The knowledge that a vertex has at its disposal.
+/// Guide data of a vertex.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GuidedVertex {
     pub(crate) cell: u32,
     root: u32,
-    /// Probability that the guide draws.
+    /// Probability of sampling the guide.
     pub(crate) probability: f64,
     /// Luminance times cosine over all directions, as far as paths bring it; 0 as long as it is not known.
     pub(crate) flux: f64,
 }
 
 impl TreeGuide {
-    /// A guide over `bounds` that knows nothing.
+    /// An untrained guide over `bounds`.
     pub(crate) fn new(bounds: &Bounds3) -> Self {
         let (cells, mut trees) = (GuideCells::new(bounds), DirectionTrees::default());
         let known = (0..cells.count())
             .map(|_| GuideCell {
                 root: trees.push_blank(),
                 share: MixtureWeight(0),
-                lamps: LightGroups::UNKNOWN,
+                light_groups: LightGroups::UNKNOWN,
                 effective: 0.0,
                 flux: 0.0,
             })
@@ -95,7 +95,7 @@ impl TreeGuide {
         Self { cells, known, trees, brightness: 0.0 }
     }
 
-    /// Guide data at a position with that unit normal.
+    /// Guide data at a position with this unit normal.
     #[inline]
     pub(crate) fn place(&self, position: DVec3, normal: DVec3) -> GuidedVertex {
         let cell = self.cells.find(position, normal);
@@ -110,13 +110,13 @@ impl TreeGuide {
         }
     }
 
-    /// Probabilities of the light groups there.
+    /// Probabilities of the light groups at a vertex.
     #[inline]
-    pub(crate) fn lamps(&self, place: &GuidedVertex) -> &LightGroups {
-        self.known.get(place.cell as usize).map_or(&LightGroups::UNKNOWN, |known| &known.lamps)
+    pub(crate) fn light_groups(&self, place: &GuidedVertex) -> &LightGroups {
+        self.known.get(place.cell as usize).map_or(&LightGroups::UNKNOWN, |known| &known.light_groups)
     }
 
-    /// Draws a direction.
+    /// Samples a direction.
     #[inline]
     pub(crate) fn sample(&self, place: &GuidedVertex, xi: DVec2) -> Option<DirectionSample> {
         self.trees.sample(place.root, xi)
@@ -128,24 +128,24 @@ impl TreeGuide {
         self.trees.pdf(place.root, direction)
     }
 
-    /// Empty sums for what is to be learnt on top of this guide.
-    pub(crate) fn lessons(&self) -> TrainingSums {
+    /// Empty sums for a pass with this guide.
+    pub(crate) fn sums(&self) -> TrainingSums {
         TrainingSums::new(self.known.len(), 16 * self.trees.0.len())
     }
 
-    /// The guide that follows from `lessons` on this one. `typical`: the luminance that is their unit; `brightness`: mean of the
+    /// The guide fitted to `sums` of this guide. `typical`: the luminance on which their unit is based; `brightness`: mean of the
     /// picture.
-    pub(crate) fn taught(&self, lessons: &TrainingSums, typical: f64, brightness: f64) -> Self {
-        let taught: Vec<CellUpdate> =
-            (0..self.cells.count()).map(|cell| self.taught_cell(cell, lessons, typical)).collect();
-        let limit = (CELLS_BY_RECORDS * (lessons.records() as f64).sqrt()).max(FEWEST_RECORDS);
+    pub(crate) fn fitted(&self, sums: &TrainingSums, typical: f64, brightness: f64) -> Self {
+        let updates: Vec<CellUpdate> =
+            (0..self.cells.count()).map(|cell| self.fitted_cell(cell, sums, typical)).collect();
+        let limit = (CELLS_BY_RECORDS * (sums.records() as f64).sqrt()).max(FEWEST_RECORDS);
         let mut room = MAX_CELLS.saturating_sub(self.cells.count());
-        let halvings: Vec<u32> = taught
+        let halvings: Vec<u32> = updates
             .iter()
-            .map(|taught| {
-                let ratio = (taught.records as f64 / limit).min(taught.effective / FEWEST_TO_HALVE);
+            .map(|update| {
+                let ratio = (update.records as f64 / limit).min(update.effective / FEWEST_TO_HALVE);
                 let wanted = ratio.log2().ceil().max(0.0) as u32;
-                // 2^n cells instead of one.
+                // n halvings make 2^n cells of one.
                 let halvings = wanted.min((room + 1).ilog2());
                 room -= (1 << halvings) - 1;
                 halvings
@@ -155,42 +155,53 @@ impl TreeGuide {
         let cells =
             self.cells.halved(&|cell| halvings.get(cell as usize).copied().unwrap_or(0), &mut |old| {
                 let halvings = halvings.get(old as usize).copied().unwrap_or(0);
-                if let Some(CellUpdate { tree, share, lamps, effective, flux, .. }) = taught.get(old as usize)
+                if let Some(CellUpdate { tree, share, light_groups, effective, flux, .. }) =
+                    updates.get(old as usize)
                 {
                     let root = match tree {
                         Some(tree) => trees.push(tree),
                         None => trees.push_blank(),
                     };
                     let share = if trees.is_lit(root) { *share } else { MixtureWeight(0) };
-                    // Each half knows what the whole knew, but half as well.
+                    // Each half has the density of the whole, with half of its samples.
                     let effective = effective * 0.5_f64.powi(halvings as i32);
-                    known.push(GuideCell { root, share, lamps: *lamps, effective, flux: *flux });
+                    known.push(GuideCell {
+                        root,
+                        share,
+                        light_groups: *light_groups,
+                        effective,
+                        flux: *flux,
+                    });
                 }
             });
         Self { cells, known, trees, brightness }
     }
 
-    fn taught_cell(&self, cell: u32, lessons: &TrainingSums, typical: f64) -> CellUpdate {
+    fn fitted_cell(&self, cell: u32, sums: &TrainingSums, typical: f64) -> CellUpdate {
         let Some(old) = self.known.get(cell as usize) else { return CellUpdate::default() };
-        let CellTrainingSums { records, light, squared_light, moments, lamps, lamp_moments } =
-            lessons.cell(cell);
-        let lamps = if lamps >= FEWEST_LAMPS { LightGroups::learnt(lamps, &lamp_moments) } else { old.lamps };
+        let CellTrainingSums { records, light, squared_light, moments, light_samples, light_moments } =
+            sums.cell(cell);
+        let light_groups = if light_samples >= FEWEST_LIGHT_SAMPLES {
+            LightGroups::learnt(light_samples, &light_moments)
+        } else {
+            old.light_groups
+        };
         let new = if squared_light > 0.0 { light * light / squared_light } else { 0.0 };
         let kept = REMEMBERED * old.effective;
         let effective = new + kept;
-        // Sums of the pass, and those before in the same unit.
-        let all = self.trees.total(old.root, &|leaf| lessons.weight(leaf));
-        let weight = |leaf: QuadtreeLeaf| lessons.weight(leaf) + leaf.share * all * kept / new;
+        // Sums of this pass, and those of earlier passes in the same unit.
+        let all = self.trees.total(old.root, &|leaf| sums.weight(leaf));
+        let weight = |leaf: QuadtreeLeaf| sums.weight(leaf) + leaf.share * all * kept / new;
         let enough = new >= FEWEST_TO_LEARN;
         match enough.then(|| self.trees.refined(old.root, effective, &weight)).flatten() {
             Some(tree) => {
-                // The moments of a tree without light are meaningless: equal weights, and the next pass decides.
+                // The moments of a tree without light are meaningless: equal weights until the next pass.
                 let lit = self.trees.is_lit(old.root);
                 let share = if lit { old.share.better(new, &moments) } else { MixtureWeight::HALF };
                 let flux = typical * light / (LIGHT_QUANTA * records as f64);
-                CellUpdate { records, effective, tree: Some(tree), share, lamps, flux }
+                CellUpdate { records, effective, tree: Some(tree), share, light_groups, flux }
             }
-            // The old tree as it is.
+            // The old tree is kept.
             None => {
                 let tree = self.trees.is_lit(old.root).then(|| self.trees.tree(old.root));
                 CellUpdate {
@@ -198,7 +209,7 @@ impl TreeGuide {
                     effective: old.effective,
                     tree,
                     share: old.share,
-                    lamps,
+                    light_groups,
                     flux: old.flux,
                 }
             }
@@ -211,7 +222,7 @@ impl TreeGuide {
         let bytes = size_of_val(self.cells.nodes.as_slice())
             + size_of_val(self.known.as_slice())
             + size_of_val(self.trees.0.as_slice())
-            + 8 * self.lesson_words();
+            + 8 * self.sum_words();
         GuideSize {
             cells: self.known.len(),
             active: self.known.iter().filter(|cell| cell.share != MixtureWeight(0)).count(),
@@ -220,8 +231,8 @@ impl TreeGuide {
         }
     }
 
-    /// Number of words of [`TreeGuide::lessons`].
-    pub(crate) fn lesson_words(&self) -> usize {
+    /// Number of words of [`TreeGuide::sums`].
+    pub(crate) fn sum_words(&self) -> usize {
         TrainingSums::words_for(self.known.len(), 16 * self.trees.0.len())
     }
 }

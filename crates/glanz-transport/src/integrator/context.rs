@@ -12,12 +12,12 @@ use crate::pixel::FirstHit;
 use crate::pixel_rect::PixelRect;
 use crate::splat::Splat;
 
-/// Work done.
+/// Counts of rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
-    /// Rays that looked for the closest hit.
+    /// Rays traced for the closest hit.
     pub closest: u64,
-    /// Rays that looked for any hit.
+    /// Rays traced for any hit.
     pub shadow: u64,
 }
 
@@ -39,17 +39,17 @@ impl Counters {
 pub struct Context<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// The ray whose radiance is asked for; its direction has unit length.
+    /// The camera ray, with a direction of unit length.
     pub camera_ray: Ray,
-    /// The numbers of this sample; the camera has taken those up to [`FIRST_DIMENSION`].
+    /// The numbers of this sample; the camera uses the dimensions below [`FIRST_DIMENSION`].
     pub sampler: PixelSampler,
     /// Wavelengths of the spectra's lanes.
     pub wavelengths: Wavelengths,
-    /// Work done so far.
+    /// Counts of rays so far.
     pub counters: Counters,
-    /// Training state of integrators that learn.
+    /// Training state of learning integrators.
     pub(crate) training: Option<&'a Training>,
-    /// Memory that is used again by the next sample.
+    /// Memory that is reused by the next sample.
     pub(crate) records: PathRecords,
     /// Splats of the sample to other pixels.
     pub(crate) splats: Vec<Splat>,
@@ -57,39 +57,39 @@ pub struct Context<'a> {
     first_hit: Option<FirstHit>,
 }
 
-/// The sampler's dimension that is the integrator's first: those before belong to pixel and lens.
+/// The first dimension of the sampler for the integrator; those before are used for pixel and lens.
 pub const FIRST_DIMENSION: u32 = 4;
 
-/// What is the same in all samples of a render.
+/// Settings common to all samples of a render.
 #[derive(Clone, Copy, Debug)]
 pub struct ContextOptions {
-    /// Whether [`Context::first_hit`] will be asked for.
+    /// Whether [`Context::first_hit`] is needed.
     wants_first_hit: bool,
     splats: SplatWindow,
 }
 
-/// Where on the film light may be splatted.
+/// The part of the film that receives splats.
 #[derive(Clone, Copy, Debug, Default)]
 struct SplatWindow {
     /// Smallest and largest coordinates, pixels.
     min: DVec2,
     max: DVec2,
-    /// Samples with which one place of it is hit by light from a lamp: the pixels that are rendered.
+    /// Number of light paths per sample of every pixel: the number of rendered pixels.
     samples: f64,
 }
 
 impl ContextOptions {
-    /// `wants_first_hit`: whether [`Context::first_hit`] will be asked for.
+    /// `wants_first_hit`: whether [`Context::first_hit`] is needed.
     #[must_use]
     pub fn new(wants_first_hit: bool) -> Self {
         Self { wants_first_hit, splats: SplatWindow::default() }
     }
 
-    /// With splats for a film of the pixels `crop` and that filter; without this call there are none.
+    /// Enables splats for a film of the pixels `crop` with this filter.
     #[must_use]
     pub fn with_splats(self, crop: &PixelRect, filter: &Filter) -> Self {
         let corner = |pixel: [u32; 2]| DVec2::new(f64::from(pixel[0]), f64::from(pixel[1]));
-        // A pixel's filter lies around its middle.
+        // The filter of a pixel is centred at its middle.
         let margin = filter.radius() - 0.5;
         let min = corner(crop.min) - margin;
         let max = corner(crop.min) + corner(crop.size) + margin;
@@ -98,7 +98,7 @@ impl ContextOptions {
 }
 
 impl<'a> Context<'a> {
-    /// For one sample.
+    /// The state for one sample.
     #[must_use]
     pub fn new(scene: &'a Scene, camera_ray: Ray, sampler: PixelSampler, options: ContextOptions) -> Self {
         let (wavelengths, counters) = (Wavelengths::default(), Counters::default());
@@ -117,50 +117,50 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// The first thing on `ray`.
+    /// The closest hit on `ray`.
     pub fn intersect(&mut self, ray: &Ray) -> Option<Interaction> {
         self.counters.closest += 1;
         self.scene.intersect(ray, f64::INFINITY)
     }
 
-    /// As [`Context::intersect`], with the place by parameters.
+    /// As [`Context::intersect`], with the parameters of the hit.
     pub fn intersect_parametric(&mut self, ray: &Ray) -> Option<(Interaction, ParametricPoint)> {
         self.counters.closest += 1;
         self.scene.intersect_parametric(ray, f64::INFINITY)
     }
 
-    /// Whether nothing that stops light lies on `ray` with `0 < t < t_max`.
+    /// Whether nothing blocks light on `ray` for `0 < t < t_max`.
     pub fn is_free(&mut self, ray: &Ray, t_max: f64) -> bool {
         self.counters.shadow += 1;
         !self.scene.occluded(ray, t_max)
     }
 
-    /// Number of samples, over all pixels, that together bring one sample to each pixel: as many paths come from lamps. 0 if the film
+    /// Number of light paths for one sample of every pixel, which is the number of pixels. 0 if the film
     /// takes no splats.
     pub(super) fn light_paths(&self) -> f64 {
         self.options.splats.samples
     }
 
-    /// Whether light at the film point `film`, pixels, counts for any pixel.
+    /// Whether light at the film point `film`, pixels, contributes to any pixel.
     pub(super) fn takes_splats_at(&self, film: DVec2) -> bool {
         let window = &self.options.splats;
         film.cmpge(window.min).all() && film.cmple(window.max).all()
     }
 
-    /// Brings `light` to the film point `film`, pixels: the radiance that one sample would bring to a pixel that sees nothing else.
+    /// Splats `light` to the film point `film`, pixels: the radiance that the path would contribute to a single pixel.
     /// `xi`: a number uniform in [0, 1).
     pub(super) fn splat(&mut self, film: DVec2, light: Spectrum, xi: f64) {
         let share = (1.0 / self.light_paths()) as f32;
         self.splats.push(Splat { film, light: light * share, xi });
     }
 
-    /// What the camera ray met first that scatters light.
+    /// The first scattering surface on the camera ray.
     #[must_use]
     pub fn first_hit(&self) -> Option<FirstHit> {
         self.first_hit
     }
 
-    /// Integrators call this at the scattering surfaces they meet; the first call counts.
+    /// Records the first scattering surface: integrators call this at all of them, and the first call counts.
     pub(super) fn note_first_hit(&mut self, vertex: &Vertex<'_>) {
         if self.options.wants_first_hit && self.first_hit.is_none() {
             let point = &vertex.at.point;
@@ -169,7 +169,7 @@ impl<'a> Context<'a> {
                 normal: point.normal,
                 shading_normal: point.shading_normal,
                 uv: point.uv,
-                // Interfaces may lie between: the parameter of the last ray is not all of it.
+                // There may be interfaces in between, so the parameter of the last ray is not the whole distance.
                 distance: (point.position - self.camera_ray.origin).length(),
                 object: vertex.at.id,
                 albedo: vertex.albedo().to_rgb(&self.wavelengths),

@@ -1,4 +1,4 @@
-//! Directions by the guide of document 003.
+//! Path tracing with the guide of document 003.
 
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3};
@@ -10,9 +10,9 @@ use super::path_tracer::{DirectionSampler, PathTracer};
 use super::vertex::{ScatteredRay, Vertex};
 use crate::guide::{GridGuide, GridRecord, GridSample, GridVertex, Training};
 
-/// The light of one path whose directions at diffuse surfaces are drawn by `grid`; what it finds is told to `training`.
+/// The light of one path whose directions at diffuse surfaces are sampled from `grid`; its records are added to `training`.
 pub(super) fn radiance(
-    walk: &PathTracer,
+    tracer: &PathTracer,
     light_sampling: bool,
     context: &mut Context<'_>,
     grid: &GridGuide,
@@ -22,45 +22,45 @@ pub(super) fn radiance(
     let share = if grid.settings().mixture { 0.5 } else { 1.0 };
     let (scene, wavelengths) = (context.scene, context.wavelengths);
     let mut directions =
-        GridDirections { grid, scene, light_sampling, share, records, drawn: None, leg: None };
-    let light = walk.radiance(context, &mut directions);
+        GridDirections { grid, scene, light_sampling, share, records, drawn: None, segment: None };
+    let light = tracer.radiance(context, &mut directions);
     if let (Some(training), Some(records)) = (training, &directions.records) {
         training.learn_on_grid(records, light, &wavelengths);
     }
     light
 }
 
-/// Directions that densities draw where the BSDF would draw from Lambert's lobe, always or every other time; highlights and
-/// mirrors are left to the BSDF (document 003 section 3.3.2). The density of all together counts.
+/// Direction sampler that replaces the BSDF's samples of Lambert's lobe by those of the grid's densities, always or every other time; highlights and
+/// mirrors are sampled by the BSDF (document 003 section 3.3.2). The density of a direction is that of the mixture.
 ///
-/// With light sampling, light that comes straight from a lamp is not learnt.
+/// With light sampling, direct light is excluded from training.
 struct GridDirections<'a> {
     grid: &'a GridGuide,
     scene: &'a Scene,
     light_sampling: bool,
-    /// Share of the diffuse directions that densities draw.
+    /// Fraction of the diffuse directions that are sampled from densities.
     share: f64,
     /// Target of training records, if the pass trains.
     records: Option<Vec<GridRecord>>,
-    /// The sample drawn last from a density.
+    /// The last sample from a density.
     drawn: Option<GridDensitySample>,
-    /// The way from the last direction that is learnt from, until it meets a surface and that scatters.
-    leg: Option<PathSegment>,
+    /// The segment along the last recorded direction, until it reaches a scattering surface.
+    segment: Option<PathSegment>,
 }
 
-/// A direction that a density has drawn: cell and function.
+/// Cell and function from which a direction was sampled.
 #[derive(Clone, Copy)]
 struct GridDensitySample {
     cell: u32,
     function: u32,
 }
 
-/// A way that is to be learnt from.
+/// A segment of a path that is used for training.
 #[derive(Clone, Copy)]
 struct PathSegment {
     from: LightSampleContext,
     pdf: f64,
-    /// Radiance that came straight from the surface it met, as it was counted.
+    /// Radiance emitted by the surface that it hit, with its weight.
     emitted: Spectrum,
 }
 
@@ -68,29 +68,30 @@ struct PathSegment {
 #[derive(Clone, Copy)]
 struct DiffuseVertex {
     place: GridVertex,
-    /// Probability that a density draws.
+    /// Probability of sampling the density.
     probability: f64,
 }
 
 impl DiffuseVertex {
-    /// Density per steradian of a direction that densities draw with density `own` and the BSDF with `bsdf_pdf`.
+    /// Density per steradian of a direction in the mixture of the guide, with density `own`, and the BSDF, with `bsdf_pdf`.
     fn density(&self, own: f64, bsdf_pdf: f64, cosine: f64) -> f64 {
-        // The BSDF lacks that share of its diffuse lobe. What is left of it is not negative but for rounding.
+        // The guide replaces this fraction of the BSDF's diffuse lobe. The remainder is not negative except for rounding.
         let left = bsdf_pdf - self.probability * warp::cosine_hemisphere_pdf(cosine).0;
         self.probability * own + left.max(0.0)
     }
 }
 
 impl GridDirections<'_> {
-    /// Light that came straight from the surface of `vertex` along `leg`, as the walk counted it.
-    fn emitted(&self, leg: &PathSegment, vertex: &Vertex<'_>) -> Spectrum {
+    /// Light emitted by the surface of `vertex` along `segment`, with the weight that the path tracer gave it.
+    fn emitted(&self, segment: &PathSegment, vertex: &Vertex<'_>) -> Spectrum {
         let Some(id) = vertex.at.light() else { return Spectrum::BLACK };
         let emitted = self.scene.emitted(vertex.at, vertex.at.wo);
         if emitted.is_black() {
             return emitted;
         }
-        let light_pdf = self.scene.light_pdf(id, &leg.from, vertex.at).0 * self.scene.light_probability(id);
-        emitted * mis::power(leg.pdf, light_pdf) as f32
+        let light_pdf =
+            self.scene.light_pdf(id, &segment.from, vertex.at).0 * self.scene.light_probability(id);
+        emitted * mis::power(segment.pdf, light_pdf) as f32
     }
 
     /// Adds to the last record the light emitted by the surface that its ray hit; `throughput`: of the path.
@@ -100,9 +101,9 @@ impl GridDirections<'_> {
         }
     }
 
-    /// Notes a direction.
+    /// Records a direction.
     fn note(&mut self, drawn: GridDensitySample, cosine: f64, light: Spectrum, beyond: Spectrum) {
-        // Until the way meets a surface that scatters, all light it brings comes straight from lamps or from the sky.
+        // Before the segment reaches a scattering surface, all its light comes directly from lights or from the sky.
         let left_out = (!self.light_sampling).then_some(Spectrum::BLACK);
         if let Some(records) = &mut self.records {
             let GridDensitySample { cell, function } = drawn;
@@ -112,10 +113,10 @@ impl GridDirections<'_> {
 }
 
 impl DirectionSampler for GridDirections<'_> {
-    /// `None` where nothing is scattered diffusely.
+    /// `None` where there is no diffuse scattering.
     type VertexData = Option<DiffuseVertex>;
 
-    fn arrive(&self, vertex: &Vertex<'_>) -> Self::VertexData {
+    fn vertex_data(&self, vertex: &Vertex<'_>) -> Self::VertexData {
         let probability = self.share * vertex.diffuse_probability();
         if probability <= 0.0 {
             return None;
@@ -138,13 +139,13 @@ impl DirectionSampler for GridDirections<'_> {
     ) -> Option<ScatteredRay> {
         self.drawn = None;
         if self.light_sampling
-            && let Some(mut leg) = self.leg.take()
+            && let Some(mut segment) = self.segment.take()
             // A black surface scatters nothing: all light of the path was emitted there.
             && !vertex.albedo().is_black()
         {
-            leg.emitted = self.emitted(&leg, vertex);
-            self.leave_out(leg.emitted, None);
-            self.leg = Some(leg);
+            segment.emitted = self.emitted(&segment, vertex);
+            self.leave_out(segment.emitted, None);
+            self.segment = Some(segment);
         }
         let Some(diffuse) = place else { return vertex.sample(xi, xi_lobe) };
         if xi_lobe < diffuse.probability {
@@ -152,7 +153,7 @@ impl DirectionSampler for GridDirections<'_> {
             let drawn = GridDensitySample { cell: diffuse.place.cell, function };
             let (value, bsdf_pdf) = vertex.eval(direction);
             if value.is_black() {
-                // Directions below the surface, seen by its own normal, bring nothing: that too is to be learnt.
+                // Directions below the geometric surface carry no light, which is also recorded.
                 let normal = vertex.at.point.normal;
                 if normal.dot(direction) * normal.dot(vertex.at.wo) <= 0.0 {
                     self.note(drawn, 0.0, Spectrum::BLACK, Spectrum::BLACK);
@@ -172,7 +173,7 @@ impl DirectionSampler for GridDirections<'_> {
         Some(scattered.with_pdf(pdf))
     }
 
-    fn take(
+    fn record_direction(
         &mut self,
         _: &Self::VertexData,
         vertex: &Vertex<'_>,
@@ -180,15 +181,15 @@ impl DirectionSampler for GridDirections<'_> {
         light: Spectrum,
         throughput: Spectrum,
     ) {
-        if let Some(leg) = self.leg.take() {
-            // Only now is it known what survival made of the throughput of the way here.
-            self.leave_out(leg.emitted, Some(throughput));
+        if let Some(segment) = self.segment.take() {
+            // Only now is the throughput after Russian roulette known.
+            self.leave_out(segment.emitted, Some(throughput));
         }
         let (Some(drawn), true) = (self.drawn.take(), self.records.is_some()) else { return };
         let cosine = vertex.cosine(scattered.direction).abs();
         self.note(drawn, cosine, light, throughput * scattered.weight);
         if self.light_sampling {
-            self.leg = Some(PathSegment {
+            self.segment = Some(PathSegment {
                 from: vertex.at.light_sample_context(),
                 pdf: scattered.pdf,
                 emitted: Spectrum::BLACK,

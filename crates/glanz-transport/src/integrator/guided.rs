@@ -1,4 +1,4 @@
-//! Path tracing with directions that a guide draws.
+//! Path tracing with directions sampled from a guide.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -17,30 +17,30 @@ use crate::guide::{
     survival,
 };
 
-/// As [`Path`](super::Path), but at rough surfaces a guide draws some of the directions.
+/// As [`Path`](super::Path), but at rough surfaces some of the directions are sampled from a guide.
 ///
-/// The guide knows where light came from in earlier passes. With a probability that is learnt too it draws the direction, otherwise
-/// the BSDF does; the density of both together divides the light and is weighed against light sampling, so that the expected
-/// picture is that of `path`. Where the guide gains nothing it is off. See [`crate::guide`].
+/// The guide holds densities of the incident light of earlier passes. With a probability that is also learnt, the direction is sampled from the guide, otherwise
+/// from the BSDF; the density is that of the mixture, also in multiple importance sampling with light sampling, so that the expected
+/// picture is that of `path`. Where the guide has no gain it is off. See [`crate::guide`].
 #[derive(Clone, Debug)]
 pub struct Guided {
-    walk: PathTracer,
+    tracer: PathTracer,
     light_sampling: bool,
-    /// The kind of guide to learn.
+    /// The kind of guide to train.
     guide: GuideSettings,
-    /// A guide that does not learn; without one, that of the film's training.
+    /// A fixed guide; without one, that of the film's training.
     fixed: Option<Arc<Guide>>,
 }
 
 impl Guided {
-    /// With the depth and the light sampling of `settings`, learning.
+    /// A learning integrator with the depth and the light sampling of `settings`.
     #[must_use]
     pub fn new(settings: &IntegratorSettings) -> Self {
         let IntegratorSettings { light_sampling, guide, .. } = *settings;
-        Self { walk: PathTracer::new(settings), light_sampling, guide, fixed: None }
+        Self { tracer: PathTracer::new(settings), light_sampling, guide, fixed: None }
     }
 
-    /// The same with a fixed guide that does not train.
+    /// An integrator with a fixed guide, without training.
     #[must_use]
     pub fn with_guide(settings: &IntegratorSettings, guide: Arc<Guide>) -> Self {
         Self { fixed: Some(guide), ..Self::new(settings) }
@@ -52,17 +52,17 @@ impl Integrator for Guided {
         let (guide, training) = match (&self.fixed, context.training) {
             (Some(guide), _) => (&**guide, None),
             (None, Some(training)) => (training.guide(), Some(training)),
-            (None, None) => return self.walk.radiance(context, &mut BsdfDirections),
+            (None, None) => return self.tracer.radiance(context, &mut BsdfDirections),
         };
         let guide = match guide {
             Guide::Tree(tree) => tree,
             Guide::Grid(grid) => {
-                return grid_guided::radiance(&self.walk, self.light_sampling, context, grid, training);
+                return grid_guided::radiance(&self.tracer, self.light_sampling, context, grid, training);
             }
         };
         let Some(training) = training else {
             return self
-                .walk
+                .tracer
                 .radiance(context, &mut GuideDirections::new(guide, true, None, context.wavelengths));
         };
         let mut records = std::mem::take(&mut context.records);
@@ -70,7 +70,7 @@ impl Integrator for Guided {
         let sample = context.sampler.sample_index();
         let sparse = sample >= SPARSE_FROM && sample % 2 == 1;
         let mut directions = GuideDirections::new(guide, sparse, Some(&mut records), context.wavelengths);
-        let light = self.walk.radiance(context, &mut directions);
+        let light = self.tracer.radiance(context, &mut directions);
         training.learn(&records, light, &context.wavelengths);
         context.records = records;
         light
@@ -85,22 +85,22 @@ impl Integrator for Guided {
     }
 }
 
-/// From this sample of a pixel on, vertices at which the guide is off are learnt from in every second sample only: where it did
-/// not pay so far, that saves half of its cost, and it may still pay later.
+/// From this sample of a pixel on, vertices at which the guide is off are recorded in every second sample only. This saves half of the
+/// cost where the guide has had no gain so far, and it may still have one later.
 const SPARSE_FROM: u32 = 16;
 
-/// Directions that guide and BSDF draw together.
+/// Direction sampler for the mixture of guide and BSDF.
 struct GuideDirections<'a> {
     guide: &'a TreeGuide,
-    /// True to skip vertices at which the guide is off.
+    /// Whether to skip vertices at which the guide is off.
     sparse: bool,
     /// Target of training records, if the pass trains.
     records: Option<&'a mut PathRecords>,
-    /// Density and leaf of the direction drawn last, where the guide was evaluated.
+    /// Density and leaf of the last direction, if the guide was evaluated.
     drawn: Option<(f64, u32)>,
-    /// Luminance that the whole path is expected to bring, as known at its first rough vertex.
+    /// Expected luminance of the whole path, estimated at its first rough vertex.
     expected: Option<f64>,
-    /// The probability with which the path went on last.
+    /// The last probability of survival.
     survival: f64,
     wavelengths: Wavelengths,
 }
@@ -119,7 +119,7 @@ impl<'a> GuideDirections<'a> {
         f64::from(spectrum.luminance(&self.wavelengths))
     }
 
-    /// Luminance that a vertex is expected to send to the viewer besides what light sampling finds for it, if that is known.
+    /// Expected luminance of a vertex towards the viewer, without light sampling, if it is known.
     fn expectation(&self, place: &GuidedVertex, vertex: &Vertex<'_>) -> Option<f64> {
         let is_known = place.flux > 0.0 && vertex.diffuse_probability() == 1.0;
         is_known.then(|| self.luminance(vertex.albedo()) * place.flux / PI)
@@ -130,26 +130,28 @@ impl DirectionSampler for GuideDirections<'_> {
     /// `None` where all directions are delta lobes.
     type VertexData = Option<GuidedVertex>;
 
-    fn arrive(&self, vertex: &Vertex<'_>) -> Self::VertexData {
+    fn vertex_data(&self, vertex: &Vertex<'_>) -> Self::VertexData {
         let rough = !vertex.is_delta();
         rough.then(|| self.guide.place(vertex.at.point.position, vertex.normal_to_viewer()))
     }
 
     fn select_light(&self, place: &Self::VertexData, scene: &Scene, xi: f64) -> Option<(LightId, f64)> {
         match place {
-            Some(place) if scene.light_group_count() > 1 => self.guide.lamps(place).pick(scene, xi),
+            Some(place) if scene.light_group_count() > 1 => self.guide.light_groups(place).pick(scene, xi),
             _ => scene.select_light(xi),
         }
     }
 
     fn light_probability(&self, place: &Self::VertexData, scene: &Scene, id: LightId) -> f64 {
         match place {
-            Some(place) if scene.light_group_count() > 1 => self.guide.lamps(place).probability(scene, id),
+            Some(place) if scene.light_group_count() > 1 => {
+                self.guide.light_groups(place).probability(scene, id)
+            }
             _ => scene.light_probability(id),
         }
     }
 
-    fn lit(
+    fn record_light(
         &mut self,
         place: &Self::VertexData,
         scene: &Scene,
@@ -160,10 +162,10 @@ impl DirectionSampler for GuideDirections<'_> {
         let (Some(records), Some(place)) = (&mut self.records, place) else { return };
         if scene.light_group_count() > 1 {
             let group = scene.light_group(id);
-            // The choice within the group belongs to what is learnt of it.
+            // The selection within the group is part of the estimate for the group.
             let inside = scene.light_probability(id) / scene.light_group_probability(group);
             let (luminance, probability) = (luminance / inside, probability / inside);
-            records.lamps.push(LightGroupRecord {
+            records.light_groups.push(LightGroupRecord {
                 cell: place.cell,
                 group: group as u32,
                 luminance,
@@ -191,7 +193,7 @@ impl DirectionSampler for GuideDirections<'_> {
         self.drawn = None;
         if self.records.is_some() {
             let expected = place.as_ref().and_then(|place| self.expectation(place, vertex));
-            // Paths that might have ended and did not stand for those that did.
+            // Surviving paths also represent those that ended.
             let expected = expected.map(|expected| expected / self.survival);
             self.records.iter_mut().for_each(|records| records.expect(expected));
         }
@@ -211,7 +213,7 @@ impl DirectionSampler for GuideDirections<'_> {
         }
         let scattered = vertex.sample(xi, (xi_lobe - guided) / (1.0 - guided))?;
         if scattered.is_delta {
-            // The guide leaves delta lobes alone: they come with the probability of the BSDF.
+            // The guide does not sample delta lobes; the BSDF samples them with its own probability.
             return Some(ScatteredRay { weight: scattered.weight / (1.0 - guided) as f32, ..scattered });
         }
         let drawn = self.guide.pdf(place, scattered.direction);
@@ -225,26 +227,26 @@ impl DirectionSampler for GuideDirections<'_> {
         place: &Self::VertexData,
         vertex: &Vertex<'_>,
         scattered: &ScatteredRay,
-        odds: &RouletteState,
+        state: &RouletteState,
     ) -> f64 {
         let known = place.as_ref().filter(|place| place.flux > 0.0 && !scattered.is_delta);
         let luminance = |spectrum: Spectrum| f64::from(spectrum.luminance(&self.wavelengths));
         let by_light = known.and_then(|place| {
             let path = *self.expected.get_or_insert_with(|| {
-                // As if all surfaces were diffuse.
-                let own = luminance(odds.before * vertex.albedo()) * place.flux / PI;
+                // An estimate that treats all surfaces as diffuse.
+                let own = luminance(state.before * vertex.albedo()) * place.flux / PI;
                 survival::expected(own, self.guide.brightness)
             });
             let guide_pdf = self.drawn.map_or(scattered.bsdf_pdf, |(pdf, _)| pdf);
             let radiance = place.flux * survival::believed(guide_pdf, scattered.bsdf_pdf)
                 / vertex.cosine(scattered.direction).abs();
-            survival::probability(luminance(odds.after) * radiance, path)
+            survival::probability(luminance(state.after) * radiance, path)
         });
-        self.survival = by_light.unwrap_or_else(|| odds.by_throughput());
+        self.survival = by_light.unwrap_or_else(|| state.by_throughput());
         self.survival
     }
 
-    fn take(
+    fn record_direction(
         &mut self,
         place: &Self::VertexData,
         vertex: &Vertex<'_>,

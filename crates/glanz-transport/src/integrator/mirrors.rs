@@ -1,4 +1,4 @@
-//! Perfect mirrors and refraction, all the ways that light takes over them.
+//! Perfect mirrors and refraction, with all their directions.
 
 use glanz_light::Spectrum;
 use glanz_math::Ray;
@@ -8,24 +8,24 @@ use super::path_tracer::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT};
 use super::vertex::Vertex;
 use super::{Context, FIRST_DIMENSION};
 
-/// Rays that would carry a smaller share to the viewer are not followed: below what 8 bits per channel can show (1/255).
+/// Smallest weight at the viewer of a ray that is traced; less than 8 bits per channel can show (1/255).
 ///
 /// Weights at a surface sum to at most 1, so that at most 1 / `SMALLEST_WEIGHT` rays per depth are alive.
 pub const SMALLEST_WEIGHT: f32 = 1.0 / 4096.0;
 
-/// A ray still to be followed.
+/// A ray yet to be traced.
 struct DeferredRay {
     ray: Ray,
     weight: Spectrum,
-    /// Product of all refractions undone, so that light in glass is not taken for weak.
+    /// Factor that undoes the scaling of radiance by all refractions, so that the weight of rays in glass is not underestimated.
     eta_scale: f32,
     depth: u32,
 }
 
-/// Light along the camera ray: of what it meets, and of what mirrors and glass show.
+/// Light along the camera ray, with reflections in mirrors and refraction in glass.
 ///
-/// These are followed into all their directions with their Fresnel weights, up to `max_depth` and as long as a ray carries at least
-/// [`SMALLEST_WEIGHT`] of what the viewer sees. `rough`: the light that a rough surface scatters to the viewer, from its vertex and place.
+/// All their directions are traced with their Fresnel weights, up to `max_depth` and while the weight of a ray at the viewer is at least
+/// [`SMALLEST_WEIGHT`]. `rough`: the light that a rough surface scatters to the viewer, from its vertex and parameters.
 pub(super) fn radiance(
     context: &mut Context<'_>,
     max_depth: u32,
@@ -42,7 +42,7 @@ pub(super) fn radiance(
     light
 }
 
-/// Light from the first surface on the ray, and the rays to go on with.
+/// Light of the first surface on the ray, and the rays that continue from it.
 fn follow(
     context: &mut Context<'_>,
     mut pending: DeferredRay,

@@ -1,7 +1,7 @@
-//! How much light a camera ray brings home.
+//! Integrators: estimates of the radiance along camera rays.
 //!
-//! One file per integrator, one line each in [`INTEGRATORS`]. What they share: [`Context`] (the scene, the numbers of the
-//! sample, the counters), `vertex` (a place where light is scattered) and `walk` (the way of one path).
+//! Every integrator has one file and one line in [`INTEGRATORS`]. They share [`Context`] (the scene, the numbers of the
+//! sample, the counters), `vertex` (a point where light is scattered) and `path_tracer` (a path from the camera).
 
 use std::fmt;
 use std::sync::Arc;
@@ -35,29 +35,29 @@ pub use stored::{Stored, StoredLight};
 pub(crate) use vertex::Vertex;
 pub use whitted::Whitted;
 
-/// Estimates the radiance along camera rays.
+/// Estimator of the radiance along camera rays.
 pub trait Integrator: Send + Sync {
     /// An estimate of the radiance that arrives along [`Context::camera_ray`].
     ///
-    /// Depends on the ray, the scene, the numbers of the sampler and, if it learns, the film's training alone.
+    /// The estimate depends on the ray, the scene, the numbers of the sampler and, for learning integrators, the film's training alone.
     fn radiance(&self, context: &mut Context<'_>) -> Spectrum;
 
-    /// Whether it learns from earlier passes: samples have to be taken in order then, into a film with
+    /// Whether it learns from earlier passes. If so, samples must be taken in order, into a film with
     /// [`FilmFormat::passes`](crate::FilmFormat::passes).
     fn learns(&self) -> bool {
         false
     }
 
-    /// True if it splats to pixels other than that of the sample: it needs a film with
+    /// Whether it splats to pixels other than that of the sample. If so, it needs a film with
     /// [`FilmFormat::splats`](crate::FilmFormat::splats).
     fn splats(&self) -> bool {
         false
     }
 
-    /// A guide for `scene` that knows nothing, of the kind that it learns.
+    /// An untrained guide for `scene`, of the kind that the integrator trains.
     ///
     /// # Errors
-    /// [`GridError`] if a grid cannot be made.
+    /// [`GridError`] if a grid cannot be built.
     fn new_guide(&self, scene: &Scene) -> Result<Guide, GridError> {
         Guide::new(scene, &GuideSettings::Tree)
     }
@@ -70,13 +70,13 @@ pub struct IntegratorEntry {
     pub name: &'static str,
     /// Description in one line.
     pub description: &'static str,
-    /// Scattering events per path at most, unless the scene says otherwise.
+    /// Default for the largest number of scattering events of a path.
     pub default_max_depth: u32,
-    /// Rays sent on from a hit, unless the scene says otherwise; `None` if it does not branch.
+    /// Default for the number of rays from a hit; `None` if it does not branch.
     pub default_branching: Option<u32>,
-    /// True if it uses [`IntegratorSettings::light_sampling`].
+    /// Whether it uses [`IntegratorSettings::light_sampling`].
     pub light_sampling_is_optional: bool,
-    /// True if it uses a [`Guide`].
+    /// Whether it uses a [`Guide`].
     pub guided: bool,
     build: fn(&IntegratorSettings) -> Box<dyn Integrator>,
 }
@@ -84,9 +84,9 @@ pub struct IntegratorEntry {
 /// The integrator that shows stored light.
 const RADIOSITY: &str = "radiosity";
 
-/// Table of integrators. A new one is a file and a line here.
+/// Table of integrators.
 ///
-/// The default depth is that of pbrt, whose scenes rely on it.
+/// The default depth is that of pbrt, on which its scenes rely.
 pub static INTEGRATORS: [IntegratorEntry; 6] = [
     IntegratorEntry {
         name: "path",
@@ -99,7 +99,7 @@ pub static INTEGRATORS: [IntegratorEntry; 6] = [
     },
     IntegratorEntry {
         name: "light",
-        description: "paths from the lamps and from the camera together: light thrown by mirrors and glass",
+        description: "paths from the lights and from the camera combined: caustics of mirrors and glass",
         default_max_depth: 5,
         default_branching: None,
         light_sampling_is_optional: false,
@@ -144,10 +144,10 @@ pub static INTEGRATORS: [IntegratorEntry; 6] = [
     },
 ];
 
-/// Largest depth that may be asked for: between perfect mirrors every path is as long as it may be.
+/// Largest depth: between perfect mirrors every path reaches its limit.
 pub const DEPTH_LIMIT: u32 = 1 << 16;
 
-/// Largest number of rays that may be sent on from a hit.
+/// Largest number of rays from a hit.
 pub const BRANCHING_LIMIT: u32 = 1 << 16;
 
 /// Errors of resolving an integrator's description.
@@ -159,7 +159,7 @@ pub enum IntegratorError {
     Unknown {
         /// The name.
         name: String,
-        /// The names there are.
+        /// The known names.
         known: String,
     },
     /// A depth beyond [`DEPTH_LIMIT`].
@@ -170,22 +170,22 @@ pub enum IntegratorError {
     Branching(u32),
 }
 
-/// An integrator with everything that it may be told; what it does not heed is at a fixed value.
+/// An integrator with all settings; those that it does not use have fixed values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IntegratorSettings {
     name: &'static str,
-    /// Scattering events per path at most: 0 shows lights alone, 1 direct light, 2 light scattered twice.
+    /// Largest number of scattering events of a path: 0 shows lights alone, 1 direct light, 2 light scattered twice.
     pub max_depth: u32,
-    /// True if lights are sampled at every hit; otherwise they are found by BSDF sampling alone.
+    /// Whether lights are sampled at every hit; otherwise they are found by BSDF sampling alone.
     pub light_sampling: bool,
-    /// Rays sent on from a hit.
+    /// Number of rays from a hit.
     pub branching: u32,
-    /// The guide that is learnt.
+    /// The kind of guide to train.
     pub guide: GuideSettings,
 }
 
 impl IntegratorSettings {
-    /// The settings that `description` asks for.
+    /// The settings of `description`, with defaults.
     ///
     /// # Errors
     /// [`IntegratorError`] if the name is unknown or a number out of range.
@@ -211,9 +211,9 @@ impl IntegratorSettings {
         Ok(Self { name: entry.name, max_depth, light_sampling, branching, guide })
     }
 
-    /// The settings that [`IntegratorSettings::resolve`] made before, from their parts.
+    /// The settings from the parts of earlier ones.
     ///
-    /// `name`: as of [`IntegratorSettings::full_name`].
+    /// `name`: output of [`IntegratorSettings::full_name`].
     pub(crate) fn by_name(name: &str, max_depth: u32, light_sampling: bool, branching: u32) -> Option<Self> {
         let (name, guide) = match name.split_once(' ') {
             Some((name, guide)) => (name, guide.parse().ok()?),
@@ -236,7 +236,7 @@ impl IntegratorSettings {
         self.name
     }
 
-    /// The name, and after a space the guide if it is not the usual one.
+    /// The name, followed by a space and the guide unless it is the default.
     pub(crate) fn full_name(&self) -> String {
         match &self.guide {
             GuideSettings::Tree => self.name.to_owned(),
@@ -244,26 +244,26 @@ impl IntegratorSettings {
         }
     }
 
-    /// True if the integrator uses a [`Guide`].
+    /// Whether the integrator uses a [`Guide`].
     #[must_use]
     pub fn is_guided(&self) -> bool {
         INTEGRATORS.iter().any(|entry| entry.name == self.name && entry.guided)
     }
 
-    /// The integrator with a guide that was learnt before and does not change; `guide` is of no use to those that are not
+    /// The integrator with a fixed guide; `guide` is ignored by those that are not
     /// [guided](IntegratorSettings::is_guided).
     #[must_use]
     pub fn build_with_guide(&self, guide: Arc<Guide>) -> Box<dyn Integrator> {
         if self.is_guided() { Box::new(Guided::with_guide(self, guide)) } else { self.build() }
     }
 
-    /// True if the integrator shows [`StoredLight`].
+    /// Whether the integrator shows [`StoredLight`].
     #[must_use]
     pub fn shows_stored_light(&self) -> bool {
         self.name == RADIOSITY
     }
 
-    /// The integrator with light to show; `light` is of no use to those that do not
+    /// The integrator with stored light; `light` is ignored by those that do not
     /// [show it](IntegratorSettings::shows_stored_light).
     #[must_use]
     pub fn build_with_light(&self, light: Arc<dyn StoredLight>) -> Box<dyn Integrator> {
@@ -324,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn settings_that_do_not_matter_do_not_make_another_picture() {
+    fn unused_settings_do_not_change_the_identity() {
         let plain = IntegratorSettings::resolve(&description("whitted")).unwrap();
         let odd =
             IntegratorDescription { branching: Some(7), light_sampling: false, ..description("whitted") };

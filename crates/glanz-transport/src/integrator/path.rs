@@ -7,10 +7,10 @@ use super::path_tracer::{DirectionSampler, PathTracer};
 use super::vertex::{ScatteredRay, Vertex};
 use super::{Context, Integrator, IntegratorSettings};
 
-/// Paths from the camera that go on by the BSDF.
+/// Path tracing from the camera with BSDF sampling.
 ///
-/// At every scattering event one light is sampled too; light that either way would find is shared by the power heuristic
-/// (@veach1995). Without light sampling, light is found by chance alone, and that of points and directions never.
+/// At every scattering event one light is sampled, too; light that both techniques can find is weighted by the power heuristic
+/// (@veach1995). Without light sampling, light is found by chance alone, and that of point and directional lights never.
 #[derive(Clone, Copy, Debug)]
 pub struct Path(PathTracer);
 
@@ -28,13 +28,13 @@ impl Integrator for Path {
     }
 }
 
-/// Directions that the BSDF alone draws.
+/// Direction sampler of the BSDF alone.
 pub(super) struct BsdfDirections;
 
 impl DirectionSampler for BsdfDirections {
     type VertexData = ();
 
-    fn arrive(&self, _: &Vertex<'_>) {}
+    fn vertex_data(&self, _: &Vertex<'_>) {}
 
     fn pdf(&self, (): &(), _: DVec3, bsdf_pdf: f64) -> f64 {
         bsdf_pdf
@@ -44,5 +44,5 @@ impl DirectionSampler for BsdfDirections {
         vertex.sample(xi, xi_lobe)
     }
 
-    fn take(&mut self, (): &(), _: &Vertex<'_>, _: &ScatteredRay, _: Spectrum, _: Spectrum) {}
+    fn record_direction(&mut self, (): &(), _: &Vertex<'_>, _: &ScatteredRay, _: Spectrum, _: Spectrum) {}
 }

@@ -1,4 +1,4 @@
-//! The way of one path from the camera, whatever draws its directions.
+//! A path from the camera with any sampler of directions.
 
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Ray};
@@ -8,40 +8,48 @@ use glanz_scene::{Interaction, LightId, Scene};
 use super::vertex::{PreviousVertex, ScatteredRay, Vertex};
 use super::{Context, FIRST_DIMENSION, IntegratorSettings};
 
-/// Scattering events before Russian roulette may end a path.
+/// Number of scattering events before Russian roulette may end a path.
 pub(super) const ROULETTE_FROM: u32 = 2;
 
-/// Dimensions of the sampler per scattering event, so that an event has the same ones in every sample.
+/// Dimensions of the sampler per scattering event, so that an event has the same dimensions in every sample.
 pub(super) const DIMENSIONS_PER_EVENT: u32 = 8;
 
-/// Interfaces that a ray may pass between two scattering events; more are taken for a ray that does not advance.
+/// Largest number of interfaces that a ray may pass between two scattering events; a ray with more is assumed not to advance.
 pub(crate) const INTERFACE_LIMIT: u32 = 1000;
 
 /// Sampler of the directions in which a path continues.
 pub(super) trait DirectionSampler {
-    /// Data looked up once per vertex.
+    /// Data of a vertex.
     type VertexData: Copy;
 
-    /// Looks it up.
-    fn arrive(&self, vertex: &Vertex<'_>) -> Self::VertexData;
+    /// The data of a vertex, computed once.
+    fn vertex_data(&self, vertex: &Vertex<'_>) -> Self::VertexData;
 
-    /// A light to sample and the probability of that choice, by a number uniform in [0, 1).
+    /// Selects a light by a number uniform in [0, 1); returns it with its probability.
     fn select_light(&self, _place: &Self::VertexData, scene: &Scene, xi: f64) -> Option<(LightId, f64)> {
         scene.select_light(xi)
     }
 
-    /// The probability with which [`DirectionSampler::select_light`] takes the light `id`.
+    /// The probability with which [`DirectionSampler::select_light`] selects the light `id`.
     fn light_probability(&self, _place: &Self::VertexData, scene: &Scene, id: LightId) -> f64 {
         scene.light_probability(id)
     }
 
-    /// Told of what sampling the light `id` brought to the viewer: a luminance, not yet divided by the `probability` of the choice.
-    fn lit(&mut self, _: &Self::VertexData, _: &Scene, _id: LightId, _probability: f64, _luminance: f64) {}
+    /// Records a sample of the light `id`: its luminance at the viewer, not yet divided by the `probability` of the selection.
+    fn record_light(
+        &mut self,
+        _: &Self::VertexData,
+        _: &Scene,
+        _id: LightId,
+        _probability: f64,
+        _luminance: f64,
+    ) {
+    }
 
-    /// Density per solid angle of drawing `direction`, which the BSDF alone draws with density `bsdf_pdf`.
+    /// Density per solid angle of `direction`; `bsdf_pdf`: that of the BSDF alone.
     fn pdf(&self, place: &Self::VertexData, direction: DVec3, bsdf_pdf: f64) -> f64;
 
-    /// Draws a direction.
+    /// Samples a direction.
     fn sample(
         &mut self,
         place: &Self::VertexData,
@@ -50,20 +58,20 @@ pub(super) trait DirectionSampler {
         xi_lobe: f64,
     ) -> Option<ScatteredRay>;
 
-    /// The probability that a path goes on in a direction of [`DirectionSampler::sample`], above 0 and at most 1.
+    /// The probability of survival of a path in a direction of [`DirectionSampler::sample`], above 0 and at most 1.
     fn survival(
         &mut self,
         _: &Self::VertexData,
         _: &Vertex<'_>,
         _: &ScatteredRay,
-        odds: &RouletteState,
+        state: &RouletteState,
     ) -> f64 {
-        odds.by_throughput()
+        state.by_throughput()
     }
 
-    /// Told of a direction of [`DirectionSampler::sample`] that is taken. `light` was found before; what is found from here on
-    /// counts `throughput`, and `scattered.weight` more beyond the vertex.
-    fn take(
+    /// Records the direction of [`DirectionSampler::sample`] in which the path continues. `light`: the light so far; light from here on
+    /// has the factor `throughput`, and beyond the vertex also `scattered.weight`.
+    fn record_direction(
         &mut self,
         place: &Self::VertexData,
         vertex: &Vertex<'_>,
@@ -78,7 +86,7 @@ pub(super) trait DirectionSampler {
 pub(super) struct RouletteState {
     /// Scattering events so far.
     pub(super) depth: u32,
-    /// Factor on the light of the path before and after the vertex.
+    /// Throughput before and after the vertex.
     pub(super) before: Spectrum,
     pub(super) after: Spectrum,
     /// Throughput as if the BSDF alone had been sampled, without the scaling by refraction. A direction that a guide draws
@@ -87,7 +95,7 @@ pub(super) struct RouletteState {
 }
 
 impl RouletteState {
-    /// Survival by what is left of the throughput, from the second event on (document 003 section 3.1.4).
+    /// Survival by the remaining throughput, from the second event on (document 003 section 3.1.4).
     pub(super) fn by_throughput(&self) -> f64 {
         if self.depth < ROULETTE_FROM { 1.0 } else { f64::from(self.importance.max_component()).min(1.0) }
     }
@@ -95,9 +103,9 @@ impl RouletteState {
 
 /// Path tracing with any sampler of directions.
 ///
-/// At every scattering event one light is sampled and the path goes on in one direction; light that either way would find is
-/// shared by the power heuristic (@veach1995). Without light sampling, light is found by chance alone, and that of points
-/// and directions never.
+/// At every scattering event one light is sampled and the path continues in one direction; light that both techniques can find is
+/// weighted by the power heuristic (@veach1995). Without light sampling, light is found by chance alone, and that of point
+/// and directional lights never.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PathTracer {
     max_depth: u32,
@@ -110,7 +118,7 @@ impl PathTracer {
         Self { max_depth: settings.max_depth, light_sampling: settings.light_sampling }
     }
 
-    /// The light that one path brings home.
+    /// Radiance estimate of one path.
     pub(super) fn radiance(
         &self,
         context: &mut Context<'_>,
@@ -123,7 +131,7 @@ impl PathTracer {
         // often has a small throughput because much light comes from there; to end such paths would undo the guide's work.
         let mut importance = Spectrum::ONE;
         let mut eta_scale = 1.0_f32;
-        // `None` while nothing but delta lobes came before: light sampling could not have found what they find.
+        // `None` after delta lobes only: light sampling cannot find their light.
         let mut origin: Option<PathRay<_>> = None;
         let (mut depth, mut interfaces) = (0, 0);
         loop {
@@ -147,23 +155,24 @@ impl PathTracer {
             context.sampler.skip_to_dimension(FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(depth));
             depth += 1;
             interfaces = 0;
-            // Related choices use one group of dimensions: lobe, direction and survival; light and point on it.
+            // Related decisions use one group of dimensions: lobe, direction and survival; light and point on it.
             let (xi, xi_lobe) = (context.sampler.next_2d(), context.sampler.next_1d());
             let xi_roulette = context.sampler.next_1d();
-            let place = directions.arrive(&vertex);
+            let place = directions.vertex_data(&vertex);
             if self.light_sampling && !bsdf.is_delta() {
                 context.sampler.begin_group();
                 let (xi_point, xi_light) = (context.sampler.next_2d(), context.sampler.next_1d());
                 light += throughput * direct_light(context, &vertex, directions, &place, xi_light, xi_point);
             }
             let Some(scattered) = directions.sample(&place, &vertex, xi, xi_lobe) else { return light };
-            directions.take(&place, &vertex, &scattered, light, throughput);
+            directions.record_direction(&place, &vertex, &scattered, light, throughput);
             let before = throughput;
             throughput *= scattered.weight;
             importance *= scattered.bsdf_weight;
             eta_scale *= scattered.eta_scale;
-            let odds = RouletteState { depth, before, after: throughput, importance: importance * eta_scale };
-            let survival = directions.survival(&place, &vertex, &scattered, &odds);
+            let state =
+                RouletteState { depth, before, after: throughput, importance: importance * eta_scale };
+            let survival = directions.survival(&place, &vertex, &scattered, &state);
             if survival < 1.0 {
                 if xi_roulette >= survival {
                     return light;
@@ -177,27 +186,27 @@ impl PathTracer {
         }
     }
 
-    /// Light that left the scene's infinite lights along `ray`.
+    /// Light of the infinite lights along `ray`.
     fn escaped<D: DirectionSampler>(
         &self,
         context: &Context<'_>,
         ray: &Ray,
         directions: &D,
-        way: Option<&PathRay<D::VertexData>>,
+        origin: Option<&PathRay<D::VertexData>>,
     ) -> Spectrum {
         let scene = context.scene;
         let density = |id| move |o: &PreviousVertex| o.infinite_light_pdf(context, id, ray.direction);
-        let weight = |id| self.weight(context, id, directions, way, density(id));
+        let weight = |id| self.weight(context, id, directions, origin, density(id));
         scene.infinite_lights().iter().map(|&id| scene.infinite_radiance(id, ray) * weight(id)).sum()
     }
 
-    /// Light that the surface at `hit` gives off itself.
+    /// Light emitted by the surface at `hit`.
     fn emitted<D: DirectionSampler>(
         &self,
         context: &Context<'_>,
         hit: &Interaction,
         directions: &D,
-        way: Option<&PathRay<D::VertexData>>,
+        origin: Option<&PathRay<D::VertexData>>,
     ) -> Spectrum {
         match hit.light() {
             None => Spectrum::BLACK,
@@ -206,21 +215,21 @@ impl PathTracer {
                 if emitted.is_black() {
                     return emitted;
                 }
-                emitted * self.weight(context, id, directions, way, |o| o.area_light_pdf(context, id, hit))
+                emitted * self.weight(context, id, directions, origin, |o| o.area_light_pdf(context, id, hit))
             }
         }
     }
 
-    /// Share of light `id` that does not belong to light sampling.
+    /// Weight of light `id` against light sampling.
     fn weight<D: DirectionSampler>(
         &self,
         context: &Context<'_>,
         id: LightId,
         directions: &D,
-        way: Option<&PathRay<D::VertexData>>,
+        origin: Option<&PathRay<D::VertexData>>,
         light_pdf: impl FnOnce(&PreviousVertex) -> f64,
     ) -> f32 {
-        match way {
+        match origin {
             Some(PathRay { origin, place }) if self.light_sampling => {
                 let probability = directions.light_probability(place, context.scene, id);
                 mis::power(origin.pdf, light_pdf(origin) * probability) as f32
@@ -237,7 +246,7 @@ struct PathRay<P> {
     place: P,
 }
 
-/// Direct light from one light picked at random, with the weight of the power heuristic against the other way to find it.
+/// Direct light of one randomly selected light, with the weight of the power heuristic against BSDF sampling.
 fn direct_light<D: DirectionSampler>(
     context: &mut Context<'_>,
     vertex: &Vertex<'_>,
@@ -255,6 +264,6 @@ fn direct_light<D: DirectionSampler>(
         mis::power(light * probability, directions.pdf(place, direction, bsdf_pdf))
     };
     let light = vertex.light(context, id, xi, weight);
-    directions.lit(place, scene, id, probability, f64::from(light.luminance(&context.wavelengths)));
+    directions.record_light(place, scene, id, probability, f64::from(light.luminance(&context.wavelengths)));
     light * (1.0 / probability) as f32
 }

@@ -1,4 +1,4 @@
-//! Light that was found before, looked at from anywhere.
+//! Pictures of light stored on surfaces.
 
 use std::f32::consts::FRAC_1_PI;
 use std::fmt;
@@ -9,17 +9,17 @@ use glanz_scene::ParametricPoint;
 
 use super::{Context, Integrator, IntegratorSettings, mirrors};
 
-/// Light on surfaces that does not depend on who looks: a solution of radiosity.
+/// View-independent light on surfaces, such as a solution of radiosity.
 pub trait StoredLight: fmt::Debug + Send + Sync {
-    /// Irradiance at a place in units of radiance; `None` where none is known.
+    /// Irradiance at a point in units of radiance; `None` where it is unknown.
     fn irradiance(&self, place: &ParametricPoint) -> Option<Spectrum>;
 }
 
-/// Shows light that is stored on surfaces (document 003 section 5.7.3).
+/// Integrator that shows light stored on surfaces (document 003 section 5.7.3).
 ///
-/// A rough surface sends its own light and reflects the stored irradiance evenly, by its albedo; mirrors and glass are followed as in
+/// A rough surface emits its own light and reflects the stored irradiance diffusely, by its albedo; mirrors and glass are traced as in
 /// [`Whitted`](super::Whitted). No light is sampled: noise comes from edges and the depth of field alone.
-/// Without stored light surfaces show what they give off themselves.
+/// Without stored light, surfaces show their own emission only.
 #[derive(Clone, Debug)]
 pub struct Stored {
     max_depth: u32,

@@ -1,4 +1,4 @@
-//! A place where light is scattered.
+//! A point where light is scattered.
 
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Frame};
@@ -9,9 +9,9 @@ use super::Context;
 
 /// An interaction with its BSDF; directions are in world space, unit length, away from the surface.
 ///
-/// Shading normals make BSDFs see a direction on one side of a surface that is on the other: light would leak through.
+/// With shading normals, a direction may be on different sides of the shading and the geometric surface, and light would leak through.
 /// Such directions carry no light (@veach1997 section 5.3.2). Where the viewer itself is on the wrong side of the shading
-/// normal, the surface is shaded by its own normal, since otherwise it would look black.
+/// normal, the surface is shaded by its geometric normal, because it would be black otherwise.
 pub(crate) struct Vertex<'a> {
     pub(super) at: &'a Interaction,
     pub(super) bsdf: Bsdf,
@@ -21,26 +21,26 @@ pub(crate) struct Vertex<'a> {
     viewer_side: f64,
 }
 
-/// A direction in which to go on.
+/// A sampled direction in which a path continues.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ScatteredRay {
-    /// The continuation ray.
+    /// The unit direction.
     pub(crate) direction: DVec3,
     /// Factor on the throughput.
     pub(crate) weight: Spectrum,
-    /// That factor if the BSDF alone had drawn the direction.
+    /// The factor for sampling by the BSDF alone.
     pub(super) bsdf_weight: Spectrum,
-    /// Density per solid angle with which the BSDF draws the direction; infinite for a delta lobe.
+    /// Density per solid angle of the direction by the BSDF; infinite for a delta lobe.
     pub(super) bsdf_pdf: f64,
-    /// Density per solid angle with which it was drawn.
+    /// Density per solid angle with which the direction was sampled.
     pub(super) pdf: f64,
     pub(super) is_delta: bool,
     pub(super) eta_scale: f32,
 }
 
 impl ScatteredRay {
-    /// A direction that something else than the BSDF drew: `value`, `f |cos|`, and `bsdf_pdf` are those of the BSDF, `pdf` is the density of
-    /// all that might have drawn it.
+    /// A direction that was not sampled from the BSDF: `value`, `f |cos|`, and `bsdf_pdf` are those of the BSDF, `pdf` is the density of
+    /// the mixture.
     pub(super) fn drawn(direction: DVec3, value: Spectrum, bsdf_pdf: f64, pdf: f64) -> Self {
         Self {
             direction,
@@ -53,7 +53,7 @@ impl ScatteredRay {
         }
     }
 
-    /// A direction that the BSDF drew, where something else might have drawn it too: `pdf` is the density of all.
+    /// The direction, sampled from the BSDF as a part of a mixture with the density `pdf`.
     pub(super) fn with_pdf(self, pdf: f64) -> Self {
         Self { weight: self.weight * (self.bsdf_pdf / pdf) as f32, pdf, ..self }
     }
@@ -78,7 +78,7 @@ impl<'a> Vertex<'a> {
         Self::from_viewer(self.at, self.bsdf, viewer)
     }
 
-    /// True if a viewer in the unit direction `viewer` sees the same shading normal.
+    /// Whether a viewer in the unit direction `viewer` has the same shading normal.
     pub(super) fn is_seen_alike(&self, viewer: DVec3) -> bool {
         is_turned(self.at, viewer) == is_turned(self.at, self.at.wo)
     }
@@ -93,12 +93,12 @@ impl<'a> Vertex<'a> {
         self.frame.z.dot(direction)
     }
 
-    /// True if all lobes are delta lobes.
+    /// Whether all lobes are delta lobes.
     pub(super) fn is_delta(&self) -> bool {
         self.bsdf.is_delta()
     }
 
-    /// The probability with which the BSDF draws from Lambert's lobe.
+    /// The probability with which the BSDF samples Lambert's lobe.
     pub(super) fn diffuse_probability(&self) -> f64 {
         self.bsdf.diffuse_probability()
     }
@@ -107,7 +107,7 @@ impl<'a> Vertex<'a> {
         self.bsdf.albedo(self.wo)
     }
 
-    /// True if `direction` is on the same side of the shading and the geometric normal.
+    /// Whether `direction` is on the same side of the shading and the geometric normal.
     fn is_consistent(&self, direction: DVec3, local: DVec3) -> bool {
         let reflects = self.at.point.normal.dot(direction) * self.viewer_side > 0.0;
         reflects == (local.z * self.wo.z > 0.0)
@@ -123,14 +123,14 @@ impl<'a> Vertex<'a> {
         (value, if value.is_black() { 0.0 } else { self.bsdf.pdf(self.wo, local).0 })
     }
 
-    /// Draws a direction to go on.
+    /// Samples a direction.
     pub(super) fn sample(&self, xi: DVec2, xi_lobe: f64) -> Option<ScatteredRay> {
         self.consistent(self.bsdf.sample(self.wo, xi, xi_lobe, TransportMode::Radiance)?)
     }
 
-    /// Draws a direction in which flux goes on that comes from the viewer's direction: the way of light, not of sight.
+    /// Samples a direction in which flux from the viewer's direction continues, as needed for light paths.
     ///
-    /// The weight is that of the adjoint BSDF, which shading normals make different (@veach1997 section 5.3.2).
+    /// The weight is that of the adjoint BSDF, which differs because of shading normals (@veach1997 section 5.3.2).
     pub(crate) fn sample_flux(&self, xi: DVec2, xi_lobe: f64) -> Option<ScatteredRay> {
         let drawn = self.consistent(self.bsdf.sample(self.wo, xi, xi_lobe, TransportMode::Importance)?)?;
         let surface = |direction: DVec3| self.at.point.normal.dot(direction);
@@ -162,10 +162,10 @@ impl<'a> Vertex<'a> {
         })
     }
 
-    /// Light from `id` that is scattered to the viewer, estimated by one direction towards it.
+    /// Light of `id` that is scattered to the viewer, estimated with one direction towards the light.
     ///
-    /// `weight`: from that direction, its density (per solid angle, the choice of the light not included) and that of
-    /// the BSDF for the same direction; not called for delta lights, which count fully.
+    /// `weight`: weight by the direction, its density (per solid angle, without the selection of the light) and that of
+    /// the BSDF for the same direction; not called for delta lights, which have weight 1.
     pub(super) fn light(
         &self,
         context: &mut Context<'_>,
@@ -189,7 +189,7 @@ impl<'a> Vertex<'a> {
     }
 }
 
-/// True if `viewer` is on the wrong side of the shading normal.
+/// Whether `viewer` is on the wrong side of the shading normal.
 fn is_turned(at: &Interaction, viewer: DVec3) -> bool {
     at.point.normal.dot(viewer) * at.point.shading_normal.dot(viewer) <= 0.0
 }
@@ -204,7 +204,7 @@ pub(super) struct PreviousVertex {
 }
 
 impl PreviousVertex {
-    /// Density with which light sampling would have found this light here; the choice of the light not included.
+    /// Density with which light sampling finds this light at this point, without the selection of the light.
     pub(super) fn area_light_pdf(&self, context: &Context<'_>, id: LightId, hit: &Interaction) -> f64 {
         context.scene.light_pdf(id, &self.from, hit).0
     }
@@ -217,7 +217,7 @@ impl PreviousVertex {
 
 /// Random survival of a path whose throughput is small (document 003 section 3.1.4).
 ///
-/// `throughput`: with the changes by refraction undone. Returns the factor for survivors.
+/// `throughput`: without the scaling by refraction. Returns the factor for survivors.
 pub(super) fn roulette(throughput: Spectrum, xi: f64) -> Option<f32> {
     let survival = throughput.max_component();
     if survival >= 1.0 {

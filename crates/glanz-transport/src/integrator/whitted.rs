@@ -8,16 +8,16 @@ use glanz_shading::model::phong::{ClassicLight, PhongCoefficients, classic, clas
 use super::vertex::Vertex;
 use super::{Context, Integrator, IntegratorSettings, mirrors};
 
-/// Direct light, perfect mirrors and refraction; no light is scattered twice by a rough surface.
+/// Classical ray tracing: direct light, perfect mirrors and refraction; no light is scattered twice by a rough surface.
 ///
 /// - `Phong` materials are shaded as in document 001 section 3.4, with the departures of
 ///   [`classic`](glanz_shading::model::phong::classic). The intensity L of a light is the radiance of a white diffuse surface that faces it, irradiance / pi, so that the diffuse part is that of
-///   Lambert's law; the ambient light S is that of the infinite lights, which shine without shadows here.
-/// - Other rough materials are lit by every light: exactly by points and directions, by one random direction to each
-///   surface and to each infinite light.
+///   Lambert's law; the ambient light S is that of the infinite lights, without shadows.
+/// - Other rough materials are lit by every light: exactly by point and directional lights, with one random direction to each
+///   area light and each infinite light.
 /// - Every light is tested for shadow by one ray.
-/// - Mirrors and glass are followed into all their directions with their Fresnel weights, up to the depth limit and as
-///   long as a ray carries at least [`SMALLEST_WEIGHT`](super::SMALLEST_WEIGHT) of what the viewer sees.
+/// - All directions of mirrors and glass are traced with their Fresnel weights, up to the depth limit and while
+///   the weight of a ray at the viewer is at least [`SMALLEST_WEIGHT`](super::SMALLEST_WEIGHT).
 #[derive(Clone, Copy, Debug)]
 pub struct Whitted {
     max_depth: u32,
@@ -44,7 +44,7 @@ fn light_ids(context: &Context<'_>) -> impl Iterator<Item = LightId> + use<> {
     (0..context.scene.lights().len() as u32).map(LightId)
 }
 
-/// Light of every light that a rough surface scatters to the viewer.
+/// Light of all lights that a rough surface scatters to the viewer.
 fn direct_light(context: &mut Context<'_>, vertex: &Vertex<'_>) -> Spectrum {
     light_ids(context)
         .map(|id| {
@@ -68,7 +68,7 @@ fn phong_light(context: &mut Context<'_>, vertex: &Vertex<'_>, surface: &PhongCo
         let Some(sample) = context.scene.sample_light(id, vertex.at, xi) else {
             continue;
         };
-        // The back of the surface itself shades, as in `Vertex::eval`.
+        // The surface shadows light on its back, as in `Vertex::eval`.
         let lit = vertex.at.point.normal.dot(sample.wi) * vertex.at.point.normal.dot(vertex.at.wo) > 0.0;
         let intensity = sample.radiance * (std::f64::consts::FRAC_1_PI / sample.pdf.0) as f32;
         let source = ClassicLight { direction: sample.wi, diffuse: intensity, specular: intensity };

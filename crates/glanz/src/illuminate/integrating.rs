@@ -96,7 +96,7 @@ pub(super) fn integrated(
     let mut how = vec![
         (
             "integration".to_owned(),
-            "straight from the lamps and by one mirror; errors are estimated bounds".to_owned(),
+            "direct light and light after one mirror; errors are estimated bounds".to_owned(),
         ),
         ("cells".to_owned(), pace(cells.len() as u64, start.elapsed().as_secs_f64(), "cells")),
     ];

@@ -53,7 +53,7 @@ pub(super) fn traced(design: &Design, job: &mut JobOptions<'_>) -> Result<Traced
 fn facts(outcome: &TraceOutcome, seed: u64, error: Option<f64>) -> Vec<(String, String)> {
     let seconds = outcome.elapsed.as_secs_f64();
     let mut facts = vec![
-        ("method", "trace: particles from the lamps, all orders of reflection".to_owned()),
+        ("method", "trace: particles from the lights, all orders of reflection".to_owned()),
         ("particles", pace(outcome.particles, seconds, "particles")),
         ("rays", pace(outcome.counters.rays(), seconds, "rays")),
         ("seed", seed.to_string()),

@@ -3,7 +3,7 @@ use glanz_sampling::{PixelSampler, SamplerKind};
 
 use super::*;
 
-/// A tree that has learnt `light` per steradian in a few passes; the root is 0.
+/// A tree trained with `light` per steradian in a few passes; the root is 0.
 fn learnt(light: impl Fn(DVec3) -> f64) -> DirectionTrees {
     let mut trees = DirectionTrees::default();
     trees.push_blank();
@@ -22,8 +22,8 @@ fn learnt(light: impl Fn(DVec3) -> f64) -> DirectionTrees {
     trees
 }
 
-/// A lamp of 0.1 rad around (0.6, 0, 0.8) and a dim sky.
-fn lamp() -> DirectionTrees {
+/// A tree trained with a light of 0.1 rad around (0.6, 0, 0.8) and a dim sky.
+fn spot() -> DirectionTrees {
     learnt(|d| if d.dot(DVec3::new(0.6, 0.0, 0.8)) > 0.995 { 100.0 } else { d.z.max(0.0) })
 }
 
@@ -33,8 +33,8 @@ fn points(count: u32) -> impl Iterator<Item = DVec2> {
 
 #[test]
 fn density_integrates_to_one_over_the_sphere() {
-    let trees = lamp();
-    // The map keeps areas: the mean over the square times 4 pi. Leaves are unions of the grid's cells.
+    let trees = spot();
+    // The map preserves areas: the integral is the mean over the square times 4 pi. Leaves are unions of the grid's cells.
     let grid = 1024;
     let sum: f64 = (0..grid * grid)
         .map(|i| DVec2::new(f64::from(i % grid) + 0.5, f64::from(i / grid) + 0.5) / f64::from(grid))
@@ -46,12 +46,12 @@ fn density_integrates_to_one_over_the_sphere() {
 
 #[test]
 fn sample_states_the_density_and_the_leaf_of_its_direction() {
-    let trees = lamp();
+    let trees = spot();
     for xi in points(4096) {
         let draw = trees.sample(0, xi).unwrap();
         let (pdf, leaf) = trees.pdf(0, draw.direction);
         assert!((draw.direction.length() - 1.0).abs() < 1e-12);
-        // Directions within rounding of a border may fall to the other side: none of these do.
+        // Directions within rounding of a border may fall to the other side, which happens to none of these.
         assert_eq!(draw.leaf, leaf);
         assert!((draw.pdf - pdf).abs() < 1e-12 * pdf, "{} {pdf}", draw.pdf);
     }
@@ -60,7 +60,7 @@ fn sample_states_the_density_and_the_leaf_of_its_direction() {
 #[test]
 fn samples_follow_the_density() {
     // Independent numbers, 64 x 64 cells of the square; alpha 0.001.
-    let (trees, side, count) = (lamp(), 64_usize, 200_000);
+    let (trees, side, count) = (spot(), 64_usize, 200_000);
     let mut observed = vec![0_u64; side * side];
     for i in 0..count {
         let xi = PixelSampler::new(SamplerKind::Independent, count, 5, [0, 0], i).next_2d();
@@ -84,8 +84,8 @@ fn samples_follow_the_density() {
 }
 
 #[test]
-fn leaves_are_small_where_light_is_and_large_elsewhere() {
-    let trees = lamp();
+fn leaves_are_small_in_directions_of_light_and_large_elsewhere() {
+    let trees = spot();
     let size = |direction| {
         let (mut node, mut level, mut place) = (0, 1, to_square(direction));
         loop {
@@ -106,9 +106,9 @@ fn leaves_are_small_where_light_is_and_large_elsewhere() {
 }
 
 #[test]
-fn well_spread_numbers_give_well_spread_directions() {
-    // The integral of z^2 over the sphere is 4 pi / 3. Over 16 estimates of 4096 samples each Sobol points leave less than
-    // 0.6 of the error of independent numbers: the walk down the tree keeps their strata.
+fn well_distributed_numbers_give_well_distributed_directions() {
+    // The integral of z^2 over the sphere is 4 pi / 3. Over 16 estimates of 4096 samples, the error with Sobol points is less than
+    // 0.6 of that with independent numbers: the descent preserves their stratification.
     let trees = learnt(|d| d.z * d.z);
     let error = |kind| {
         let squares = (0..16).map(|seed| {
@@ -126,7 +126,7 @@ fn well_spread_numbers_give_well_spread_directions() {
 }
 
 #[test]
-fn trees_without_light_draw_nothing() {
+fn trees_without_light_give_no_direction() {
     let mut trees = DirectionTrees::default();
     let root = trees.push_blank();
     assert_eq!(trees.0.len(), 1 + 16);
@@ -136,8 +136,8 @@ fn trees_without_light_draw_nothing() {
 }
 
 #[test]
-fn what_is_no_tree_is_refused() {
-    let good = lamp();
+fn invalid_trees_are_refused() {
+    let good = spot();
     assert!(good.is_valid([0].into_iter()));
     let with = |change: &dyn Fn(&mut Vec<QuadtreeNode>)| {
         let mut trees = good.clone();
@@ -154,7 +154,7 @@ fn what_is_no_tree_is_refused() {
 }
 
 #[test]
-fn map_keeps_areas_and_can_be_undone() {
+fn map_preserves_areas_and_is_invertible() {
     // Centroids of octants, known from symmetry, and every direction back to itself.
     let n = 256;
     let mut octants = [(0, DVec3::ZERO); 8];
@@ -170,7 +170,7 @@ fn map_keeps_areas_and_can_be_undone() {
         octants[octant].1 += direction.abs();
     }
     for (count, sum) in octants {
-        // The diamond's border runs through cells of the grid: half of those on the diagonal are on either side.
+        // The diamond's border crosses cells of the grid: of those on the diagonal, half are on either side.
         assert!((f64::from(count) / f64::from(n * n / 8) - 1.0).abs() < 0.01, "{count}");
         // Each coordinate is uniform over a sphere (Archimedes): its mean over an octant is 1/2.
         assert!((sum / f64::from(count) - 0.5).abs().max_element() < 0.005, "{sum}");
@@ -181,9 +181,9 @@ fn map_keeps_areas_and_can_be_undone() {
 }
 
 #[test]
-fn leaves_know_their_share_of_the_tree() {
-    let trees = lamp();
-    // Learnt from the shares alone, the tree stays as it is; the sum over all leaves is 1.
+fn leaves_store_their_fraction_of_the_tree() {
+    let trees = spot();
+    // A tree refined with its own fractions stays the same; the sum over all leaves is 1.
     assert!((trees.total(0, &|leaf| leaf.share) - 1.0).abs() < 1e-12);
     let same = trees.refined(0, f64::INFINITY, &|leaf| 7.0 * leaf.share).unwrap();
     assert_eq!(same, trees.tree(0));
@@ -191,7 +191,7 @@ fn leaves_know_their_share_of_the_tree() {
 }
 
 #[test]
-fn few_samples_are_spread_and_many_are_not() {
+fn few_samples_are_spread_evenly_and_many_are_not() {
     let light: [f64; 16] = std::array::from_fn(|i| if i == 3 { 1.0 } else { 0.0 });
     let mut trees = DirectionTrees::default();
     trees.push_blank();

@@ -1,4 +1,4 @@
-//! A grid in a file, see [`crate::guide`].
+//! Grid guides as bytes, see [`crate::guide`].
 
 use glanz_math::{Bounds3, DVec2, DVec3};
 use glanz_scene::ShapeParameterization;
@@ -38,7 +38,7 @@ pub(crate) fn encode_grid(e: &mut Encoder, guide: &GridGuide) {
     }
 }
 
-/// Reads what [`encode_grid`] wrote; `None` if malformed.
+/// Reads the output of [`encode_grid`]; `None` if malformed.
 pub(crate) fn decode_grid(d: &mut Decoder<'_>) -> Option<GridGuide> {
     let GuideSettings::Grid(settings) = d.text()?.parse().ok()? else { return None };
     let passes = d.u32()?;
@@ -46,7 +46,7 @@ pub(crate) fn decode_grid(d: &mut Decoder<'_>) -> Option<GridGuide> {
     for _ in 0..d.u32()? {
         parameterizations.push(decode_chart(d)?);
     }
-    // A byte for each cell at least, before memory is taken for them.
+    // Every cell has at least one byte; checked before the cells are allocated.
     let sheets: u64 = parameterizations
         .iter()
         .flatten()
@@ -97,7 +97,7 @@ pub(crate) fn encode_sums(e: &mut Encoder, sums: &GridSums) {
     }
 }
 
-/// Reads what [`encode_sums`] wrote for sums of `guide`; `None` if malformed.
+/// Reads the output of [`encode_sums`] for sums of `guide`; `None` if malformed.
 pub(crate) fn decode_sums(d: &mut Decoder<'_>, guide: &GridGuide) -> Option<GridSums> {
     let mut sums = guide.sums();
     let (cells, functions) = sums.shape();

@@ -1,15 +1,15 @@
 //! The guide of document 003: a fixed grid of cells on each surface, each with a density over the hemisphere.
 //!
-//! A cell is a square of the parameters of a shape (see [`ShapeParameterization`]) on one of its sides. Its density lies on the unit square of
-//! (1 - cos theta, phi / 2 pi), which keeps areas, in a tensor product basis; theta is measured from the shading normal on the
-//! viewer's side and phi from the derivative by u. It learns the light that arrives times its cosine from the directions that
-//! it has drawn itself: the coefficient of function j in the dual basis is w_j times the mean over those drawn from function j.
-//! The document's equations for two dimensions divide that by the density once more, which would be wrong: its tables were not
-//! made so.
+//! A cell is a square of the parameters of a shape (see [`ShapeParameterization`]) on one of its sides. Its density is defined on the unit square of
+//! (1 - cos theta, phi / 2 pi), an area-preserving map, in a tensor product basis; theta is measured from the shading normal on the
+//! viewer's side and phi from the derivative by u. The density is fitted to the incident light times the cosine in the directions
+//! sampled from it: the coefficient of function j in the dual basis is w_j times the mean over the directions sampled from function j.
+//! The document's equations for two dimensions divide this by the density once more, which is an error; its tables were computed
+//! without this division.
 //!
-//! Departures: coefficients are raised to those of a tenth of the constant, in every basis; the document's rule is lower by w_j
-//! where functions are not orthonormal, and lets densities of splines sink with the scale. phi is an interval here and no
-//! circle: splines do not know that its ends meet, and a density may jump there.
+//! Departures: coefficients are raised to those of a tenth of the constant density, in every basis; the bound of the document is lower by w_j
+//! for functions that are not orthonormal, so that densities of splines decrease with the scale. phi is an interval here, not a
+//! circle: the splines are not periodic, and a density may jump at the ends.
 //!
 //! # Source
 //! @pietrek2001 sections 2.4 to 2.6 and 3.3.
@@ -35,17 +35,17 @@ mod tests;
 pub(crate) use file::{decode_grid, decode_sums, encode_grid, encode_sums};
 pub(crate) use sums::{GridRecord, GridSums};
 
-/// Share of the constant density that every density has at least (document 003 section 2.4.3.2).
+/// Lower bound of a density as a fraction of the constant density (document 003 section 2.4.3.2).
 const FLOOR: CoefficientFloor = CoefficientFloor::Constant(0.1);
 
-/// Most memory that a guide and its sums may come to need, bytes.
+/// Largest memory of a guide and its sums, bytes.
 const MOST_BYTES: u64 = 4 << 30;
 
 /// Errors of building a grid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GridError {
-    /// Too many cells, or densities of too many functions.
+    /// Too many cells, or too many functions per density.
     #[error(
         "the guide {settings} may need {:.1} GiB for {shapes} shapes, more than {:.0} GiB",
         *.bytes as f64 / GIB,
@@ -54,12 +54,12 @@ pub enum GridError {
     Memory {
         /// The requested value.
         settings: GridSettings,
-        /// Shapes of the scene.
+        /// Number of shapes of the scene.
         shapes: usize,
-        /// The memory it may need.
+        /// The memory it may need, bytes.
         bytes: u64,
     },
-    /// A basis that cannot be made.
+    /// The basis cannot be built.
     #[error("the guide {settings}: {source}")]
     Basis {
         /// The requested value.
@@ -75,7 +75,7 @@ const GIB: f64 = (1_u64 << 30) as f64;
 /// The density of a cell.
 #[derive(Clone, Debug, PartialEq)]
 struct FittedCells {
-    /// The coefficients before they were normalised, for files: normalising again could change a bit.
+    /// The coefficients before normalisation, for files: normalising them again could change a bit.
     coefficients: Vec<f32>,
     density: Density<2>,
 }
@@ -84,18 +84,18 @@ struct FittedCells {
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridGuide {
     settings: GridSettings,
-    /// Of each shape: its chart and the number of its first cell.
+    /// The chart of each shape and the number of its first cell.
     parameterizations: Vec<Option<(ShapeParameterization, u32)>>,
     scales: Arc<TensorMultiResolution<2>>,
-    /// Passes learnt from.
+    /// Number of finished training passes.
     passes: u32,
-    /// That of cells that have learnt nothing: constant.
+    /// The constant density, for untrained cells.
     constant: Density<2>,
-    /// `None` where nothing was learnt yet.
+    /// `None` for untrained cells.
     cells: Vec<Option<Box<FittedCells>>>,
 }
 
-/// The knowledge that a vertex has at its disposal.
+/// Guide data of a vertex.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GridVertex {
     pub(crate) cell: u32,
@@ -110,18 +110,18 @@ impl GridVertex {
     }
 }
 
-/// A direction drawn from a density.
+/// A direction sampled from a density.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GridSample {
     pub(crate) direction: DVec3,
     /// Density per steradian.
     pub(crate) pdf: f64,
-    /// The function it was drawn from.
+    /// The function from which it was sampled.
     pub(crate) function: u32,
 }
 
 impl GridGuide {
-    /// A guide for `scene` that knows nothing.
+    /// An untrained guide for `scene`.
     ///
     /// # Errors
     /// [`GridError::Memory`] if it may need more than 4 GiB.
@@ -129,7 +129,7 @@ impl GridGuide {
         Self::from_charts(scene.parameterizations(), settings, 0)
     }
 
-    /// A guide over shapes with these charts that knows nothing, but has learnt from so many passes.
+    /// An untrained guide over shapes with these charts, with this number of finished passes.
     fn from_charts(
         parameterizations: Vec<Option<ShapeParameterization>>,
         settings: &GridSettings,
@@ -166,7 +166,7 @@ impl GridGuide {
         self.settings
     }
 
-    /// True if it has trained with all passes of its settings.
+    /// Whether all passes of its settings are finished.
     pub(crate) fn is_finished(&self) -> bool {
         self.settings.passes.is_some_and(|lengths| self.passes >= lengths.count())
     }
@@ -191,7 +191,7 @@ impl GridGuide {
         }
     }
 
-    /// Draws a direction.
+    /// Samples a direction.
     #[inline]
     pub(crate) fn sample(&self, place: &GridVertex, xi: DVec2) -> GridSample {
         let sample = self.density(place.cell).sample(&xi.to_array());
@@ -214,11 +214,11 @@ impl GridGuide {
         GridSums::new(self.cells.len(), self.basis().len())
     }
 
-    /// The guide that follows from `sums` on this one, and the sums that its pass begins with.
+    /// The guide fitted to `sums` of this guide, and the initial sums of its pass.
     ///
-    /// On one scale everything learnt so far counts alike (document 003 section 2.4.5), on a finer one the sums begin anew.
-    /// `growth`: new unit of light over the old one, a power of two.
-    pub(crate) fn taught(&self, sums: &GridSums, growth: f64) -> (Self, GridSums) {
+    /// On the same scale the sums of all passes are kept with equal weights (document 003 section 2.4.5); on a finer scale they start anew.
+    /// `growth`: ratio of the new unit of light to the old one, a power of two.
+    pub(crate) fn fitted(&self, sums: &GridSums, growth: f64) -> (Self, GridSums) {
         let passes = self.passes.saturating_add(1);
         let (from, to) = (level(&self.settings, self.passes), level(&self.settings, passes));
         let mut cells: Vec<Option<Box<FittedCells>>> = Vec::with_capacity(self.cells.len());
@@ -238,7 +238,7 @@ impl GridGuide {
         (guide, sums)
     }
 
-    /// The density that follows from number and light of the directions of each function; `None` if none brought light.
+    /// The density fitted to the number and light of the directions of each function; `None` without light.
     fn learnt(&self, words: &[(u64, u64)]) -> Option<Box<FittedCells>> {
         let basis = self.basis();
         let weights = basis.weights();
@@ -251,7 +251,7 @@ impl GridGuide {
             samples: words.iter().map(|&(n, _)| n).sum(),
         };
         estimate.fill_from_neighbours(basis).ok()?;
-        // The functions sum to a constant, and so do their inner products.
+        // The functions sum to a constant, as do their inner products.
         let mean = estimate.values.iter().sum::<f64>() * basis.unit_coefficient();
         if !(mean > 0.0 && mean.is_finite()) {
             return None;
@@ -263,7 +263,7 @@ impl GridGuide {
         FittedCells::new(basis, approximation.iter().map(|&c| c as f32).collect())
     }
 
-    /// The density on a finer level.
+    /// The density on the next finer level.
     fn refined(
         &self,
         learnt: &FittedCells,
@@ -292,17 +292,17 @@ impl FittedCells {
     }
 }
 
-/// Bytes of a cell without density, here and in the sums.
+/// Bytes of a cell without density, in the guide and in the sums.
 const CELL_OVERHEAD: u64 = 8 + 24;
 
-/// Bytes that a cell and its sums need at most with densities of so many functions: two words of sums, and a coefficient in two
-/// precisions and a sum of probabilities for the density, for each function and a row of them.
+/// Largest size in bytes of a cell and its sums with densities of this number of functions: two words of sums for each function, and for the density
+/// a coefficient in two precisions and a sum of probabilities for each function and each row of them.
 fn cell_bytes(functions: usize) -> u64 {
     let row = (functions as f64).sqrt().ceil() as u64;
     CELL_OVERHEAD + size_of::<FittedCells>() as u64 + (2 * 8 + 8 + 4 + 8) * functions as u64 + 8 * row
 }
 
-/// The level of the densities after so many passes.
+/// The level of the densities after this number of passes.
 fn level(settings: &GridSettings, passes: u32) -> u32 {
     if settings.hierarchical { passes.min(settings.scale) } else { settings.scale }
 }
@@ -316,9 +316,9 @@ fn scales(settings: &GridSettings) -> Result<TensorMultiResolution<2>, DensityEr
     Ok(TensorMultiResolution::new([analysis.clone(), analysis]))
 }
 
-/// The cell of a place among those of its shape, with `n` x `n` on a sheet.
+/// The cell of a point among those of its shape, with `n` x `n` cells on a sheet.
 fn cell_of(n: u32, sheet: u32, place: DVec2) -> u32 {
-    // A cast cuts what is below 0.
+    // The cast clamps negative values to 0.
     let step = |x: f64| ((x * f64::from(n)) as u32).min(n - 1);
     (sheet * n + step(place.x)) * n + step(place.y)
 }

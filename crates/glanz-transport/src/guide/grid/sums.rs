@@ -1,7 +1,7 @@
 //! Sums of incident light per basis function of each density.
 //!
-//! Sums are integers in units of a small share of a typical luminance, as those of the tree's lessons, so that they depend on
-//! which records were added alone. Light is not divided by a density: a term is what arrived times its cosine.
+//! Sums are integers in units of a small fraction of a typical luminance, as those of the tree, so that they depend on
+//! the added records alone. Light is not divided by a density: a term is the incident luminance times the cosine.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -11,30 +11,30 @@ use glanz_light::{Spectrum, Wavelengths};
 /// Units of light in a typical luminance.
 const QUANTA: f64 = (1_u64 << 20) as f64;
 
-/// Largest number of units of one term: a sum holds 2^24 of that size.
+/// Largest number of units of one term: a sum has room for 2^24 terms of that size.
 const LARGEST: f64 = (1_u64 << 40) as f64;
 
-/// A direction that a density drew.
+/// A direction sampled from a density.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GridRecord {
     /// The cell of the density.
     pub(crate) cell: u32,
-    /// The function it was drawn from.
+    /// The function from which it was sampled.
     pub(crate) function: u32,
     /// |cos| between direction and shading normal.
     pub(crate) cosine: f64,
-    /// Light that the path had found before.
+    /// Light of the path before this vertex.
     pub(crate) light: Spectrum,
     /// Throughput beyond the vertex.
     pub(crate) beyond: Spectrum,
-    /// Light found from here on that is excluded from training; `None`: all of it.
+    /// Part of the light after this vertex that is excluded from training; `None`: all of it.
     pub(crate) left_out: Option<Spectrum>,
 }
 
 impl GridRecord {
-    /// The luminance to be learnt that arrived along the direction; `all`: the light of the whole path.
+    /// The incident luminance along the direction for training; `all`: the light of the whole path.
     ///
-    /// A surface that scatters no red gives no information on incident red: it counts as none.
+    /// A surface that scatters no red gives no information on incident red, which counts as zero.
     fn arrived(&self, all: Spectrum, wavelengths: &Wavelengths) -> f64 {
         let Some(left_out) = self.left_out else { return 0.0 };
         let found = all - self.light - left_out;
@@ -49,7 +49,7 @@ type CellWords = Box<[[AtomicU64; 2]]>;
 #[derive(Debug)]
 pub(crate) struct GridSums {
     functions: usize,
-    /// Empty where no path has come.
+    /// Empty for cells without paths.
     cells: Vec<OnceLock<CellWords>>,
 }
 
@@ -68,31 +68,31 @@ impl PartialEq for GridSums {
 }
 
 impl GridSums {
-    /// Nothing learnt yet.
+    /// Empty sums.
     pub(crate) fn new(cells: usize, functions: usize) -> Self {
         Self { functions, cells: std::iter::repeat_with(OnceLock::new).take(cells).collect() }
     }
 
-    /// Adds what the path of `record` found; `all`: the light of the whole path. `typical`: a typical luminance, above 0.
+    /// Adds a record; `all`: the light of the whole path. `typical`: a typical luminance, above 0.
     pub(crate) fn add(&self, record: &GridRecord, all: Spectrum, wavelengths: &Wavelengths, typical: f64) {
         let Some(cell) = self.cells.get(record.cell as usize) else { return };
         let blank = || std::iter::repeat_with(Default::default).take(self.functions).collect();
         let Some([count, light]) = cell.get_or_init(blank).get(record.function as usize) else { return };
         count.fetch_add(1, Ordering::Relaxed);
         let term = record.arrived(all, wavelengths) * record.cosine / typical * QUANTA;
-        // Not what is negative or not a number.
+        // Negative values and NaN are not added.
         if term > 0.0 {
             light.fetch_add(term.min(LARGEST).round_ties_even() as u64, Ordering::Relaxed);
         }
     }
 
-    /// Number and light, in units, of the directions of each function of a cell; `None` where no path has come.
+    /// Number and light, in units, of the directions of each function of a cell; `None` for a cell without paths.
     pub(crate) fn cell(&self, cell: u32) -> Option<Vec<(u64, u64)>> {
         let words = self.cells.get(cell as usize)?.get()?;
         Some(words.iter().map(|pair| (load(&pair[0]), load(&pair[1]))).collect())
     }
 
-    /// Replaces the sums of a cell by those of [`GridSums::cell`].
+    /// Replaces the sums of a cell by the output of [`GridSums::cell`].
     pub(super) fn set_cell(&mut self, cell: u32, words: impl Iterator<Item = (u64, u64)>) {
         if let Some(slot) = self.cells.get_mut(cell as usize) {
             *slot = OnceLock::from(words.map(|(n, l)| [n, l].map(AtomicU64::new)).collect::<CellWords>());
@@ -114,13 +114,13 @@ impl GridSums {
         new
     }
 
-    /// Directions learnt from.
+    /// Number of recorded directions.
     pub(crate) fn records(&self) -> u64 {
         let cells = self.cells.iter().filter_map(OnceLock::get);
         cells.flat_map(|words| words.iter()).map(|pair| load(&pair[0])).sum()
     }
 
-    /// Number of cells, and of functions of each.
+    /// Number of cells, and of functions per cell.
     pub(super) fn shape(&self) -> (usize, usize) {
         (self.cells.len(), self.functions)
     }
@@ -135,7 +135,7 @@ mod tests {
     use super::*;
 
     fn record(function: u32, left_out: Option<Spectrum>) -> GridRecord {
-        // The path had 1, the way to the vertex and the vertex itself leave 1/8 of what arrives.
+        // The path had light 1 before; its throughput beyond the vertex is 1/8.
         GridRecord {
             cell: 1,
             function,
@@ -151,9 +151,9 @@ mod tests {
         let (sums, wavelengths) = (GridSums::new(2, 3), Wavelengths::default());
         let quanta = |light: f64| (light / 2.0 * QUANTA).round() as u64;
         let near = |found: u64, light: f64| (found as f64 / quanta(light) as f64 - 1.0).abs() < 1e-5;
-        // 0.75 was found beyond the vertex: 6 arrived, and half of that by the cosine.
+        // Light of 0.75 beyond the vertex: the incident light is 6, and half of that times the cosine.
         sums.add(&record(2, Some(Spectrum::BLACK)), Spectrum::splat(1.75), &wavelengths, 2.0);
-        // 0.25 of it came straight from a lamp, or all.
+        // 0.25 of it, or all, came directly from a light.
         sums.add(&record(1, Some(Spectrum::splat(0.25))), Spectrum::splat(1.75), &wavelengths, 2.0);
         sums.add(&record(0, None), Spectrum::splat(1.75), &wavelengths, 2.0);
         let cell = sums.cell(1).unwrap();
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_counts_as_no_light_and_extremes_are_cut() {
+    fn invalid_light_counts_as_zero_and_extremes_are_clamped() {
         let (sums, wavelengths) = (GridSums::new(2, 1), Wavelengths::default());
         for light in [f32::NAN, -5.0, 1.0] {
             sums.add(&record(0, Some(Spectrum::BLACK)), Spectrum::splat(light), &wavelengths, 1.0);
@@ -171,7 +171,7 @@ mod tests {
         assert_eq!(sums.cell(1), Some(vec![(3, 0)]));
         sums.add(&record(0, Some(Spectrum::BLACK)), Spectrum::splat(1e30), &wavelengths, 1.0);
         assert_eq!(sums.cell(1), Some(vec![(4, 1 << 40)]));
-        // Neither cell nor function is there.
+        // Neither the cell nor the function exists.
         let outside = GridRecord { cell: 9, ..record(0, None) };
         sums.add(&outside, Spectrum::ONE, &wavelengths, 1.0);
         sums.add(&record(7, None), Spectrum::ONE, &wavelengths, 1.0);
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn larger_units_make_smaller_numbers() {
+    fn larger_units_give_smaller_numbers() {
         let mut sums = GridSums::new(1, 2);
         sums.set_cell(0, [(3, 1000), (1, 6)].into_iter());
         assert_eq!(sums.rescaled(4.0).cell(0), Some(vec![(3, 250), (1, 2)]));

@@ -30,7 +30,7 @@ fn scene() -> Scene {
     SceneBuilder::new().shapes(shapes, MaterialKind::diffuse(1.0)).resolve().unwrap().0
 }
 
-/// The place that a ray meets.
+/// Guide data at the hit of a ray.
 fn place(guide: &GridGuide, scene: &Scene, from: [f64; 3], to: [f64; 3]) -> GridVertex {
     let (from, to) = (DVec3::from(from), DVec3::from(to));
     let hit = scene.intersect(&Ray::new(from, (to - from).normalize()), f64::INFINITY).unwrap();
@@ -42,7 +42,7 @@ fn xi(seed: u64, i: u64) -> DVec2 {
 }
 
 /// Trains with `count` directions of `guide` at `place` under incident light `light` of the local direction.
-fn taught(
+fn trained(
     guide: &GridGuide,
     sums: &GridSums,
     place: &GridVertex,
@@ -62,16 +62,16 @@ fn taught(
         };
         sums.add(&record, Spectrum::splat(light(local) as f32), &Wavelengths::default(), 1.0);
     }
-    guide.taught(sums, 1.0)
+    guide.fitted(sums, 1.0)
 }
 
 #[test]
-fn map_of_the_hemisphere_comes_back() {
+fn map_of_the_hemisphere_is_invertible() {
     for i in 0..1000 {
         let square = xi(3, i).to_array();
         let direction = to_hemisphere(square);
         assert!((direction.length() - 1.0).abs() < 1e-14);
-        // The middle of the square's side x = 0 is the normal, where phi is nothing.
+        // The middle of the square's side x = 0 is the normal, where phi is undefined.
         let back = to_square(direction);
         assert!(
             (back[0] - square[0]).abs() < 1e-14 && (back[1] - square[1]).abs() * square[0].sqrt() < 1e-14
@@ -89,7 +89,7 @@ fn cells_end_at_seams_and_sides() {
     let guide = GridGuide::new(&scene, &settings("grid=8,scale=0")).unwrap();
     assert_eq!(guide.size().cells, (2 + 2 + 6) * 64);
     let cell = |from, to| place(&guide, &scene, from, to).cell;
-    // The sphere begins at +x and turns to +y; its column is u, its row v.
+    // The parameters of the sphere start at +x and increase towards +y; the column is u, the row v.
     let sphere = |y: f64, z: f64| cell([3.0, y, z], [0.0, y, z]);
     assert_eq!(sphere(-0.01, 0.01) - sphere(0.01, 0.01), (n - 1) * n);
     assert_eq!(sphere(0.01, -0.01).abs_diff(sphere(0.01, 0.01)), 1);
@@ -98,7 +98,7 @@ fn cells_end_at_seams_and_sides() {
     let cylinder = |y: f64, z: f64| cell([9.0, y, z], [5.0, y, z]) - 2 * n * n;
     assert_eq!(cylinder(-0.01, 0.01), (n - 1) * n);
     assert_eq!((cylinder(0.01, 0.01), cylinder(0.01, 1.99)), (0, n - 1));
-    // Both triangles of the wall: it is seen from +x, the first sheet, and numbered by y and z.
+    // Both triangles of the wall are seen from +x, the first sheet, whose cells are numbered by y and z.
     let wall = |y: f64, z: f64| cell([12.0, y, z], [9.0, y, z]) - 4 * n * n;
     assert_eq!([wall(0.01, 0.01), wall(1.99, 0.01), wall(0.01, 3.99)], [0, (n - 1) * n, n - 1]);
     assert_eq!(wall(1.0 - 1e-9, 2.0 + 1e-9), 3 * n + 4);
@@ -108,15 +108,15 @@ fn cells_end_at_seams_and_sides() {
 }
 
 #[test]
-fn boxes_learn_the_means_of_light_times_cosine() {
-    // Constant light: cosine 1 - x, whose means over four intervals are 7/8, 5/8, 3/8 and 1/8, all over the mean 1/2. The second
-    // pass draws by what the first has learnt and must find the same: nothing is divided by the density.
+fn box_functions_are_fitted_to_the_means_of_light_times_cosine() {
+    // Constant light: the cosine is 1 - x, with means 7/8, 5/8, 3/8 and 1/8 over four intervals, divided by the mean 1/2. The second
+    // pass samples the density of the first and must give the same, because nothing is divided by the density.
     let scene = scene();
     let mut guide = GridGuide::new(&scene, &settings("grid=2,basis=haar,scale=2")).unwrap();
     let mut sums = guide.sums();
     let at = place(&guide, &scene, [3.0, 0.1, 0.1], [0.0, 0.1, 0.1]);
     for _ in 0..2 {
-        (guide, sums) = taught(&guide, &sums, &at, 100_000, |_| 3.0);
+        (guide, sums) = trained(&guide, &sums, &at, 100_000, |_| 3.0);
         for (i, expected) in [1.75, 1.25, 0.75, 0.25].into_iter().enumerate() {
             let direction = at.frame.to_world(to_hemisphere([(i as f64 + 0.4) / 4.0, 0.3]));
             let found = TAU * guide.pdf(&at, direction);
@@ -124,7 +124,7 @@ fn boxes_learn_the_means_of_light_times_cosine() {
         }
     }
     assert_eq!((sums.records(), guide.size().active), (200_000, 1));
-    // Other cells know nothing: constant.
+    // Other cells are untrained: constant.
     let other = place(&guide, &scene, [-3.0, -0.1, 0.1], [0.0, -0.1, 0.1]);
     let along = other.frame.to_world(to_hemisphere([0.7, 0.2]));
     assert!((TAU * guide.pdf(&other, along) - 1.0).abs() < 1e-12);
@@ -132,13 +132,13 @@ fn boxes_learn_the_means_of_light_times_cosine() {
 }
 
 #[test]
-fn hats_learn_a_line_and_are_raised_where_it_vanishes() {
-    // 1 - x over its integral is 2 (1 - x): coefficients 2 and 0 along x. The floor of 0.1 makes that 2 and 0.1, with the integral 1.05.
+fn hat_functions_are_fitted_to_a_line_and_raised_where_it_vanishes() {
+    // 1 - x divided by its integral is 2 (1 - x): coefficients 2 and 0 along x. With the lower bound of 0.1 they are 2 and 0.1, with the integral 1.05.
     let scene = scene();
     let guide = GridGuide::new(&scene, &settings("grid=1,basis=spline1,scale=0")).unwrap();
     let at = place(&guide, &scene, [3.0, 0.1, 0.1], [0.0, 0.1, 0.1]);
-    let (guide, sums) = taught(&guide, &guide.sums(), &at, 400_000, |_| 3.0);
-    let (guide, _) = taught(&guide, &sums, &at, 400_000, |_| 3.0);
+    let (guide, sums) = trained(&guide, &guide.sums(), &at, 400_000, |_| 3.0);
+    let (guide, _) = trained(&guide, &sums, &at, 400_000, |_| 3.0);
     for x in [0.01, 0.3, 0.6, 0.99] {
         let expected = (2.0 * (1.0 - x) + 0.1 * x) / 1.05;
         for y in [0.1, 0.5, 0.9] {
@@ -156,7 +156,7 @@ fn samples_follow_the_density() {
         let at = place(&guide, &scene, [9.0, 0.1, 0.6], [5.0, 0.1, 0.6]);
         // A bright spot in dim light.
         let light = |d: DVec3| if d.dot(DVec3::new(0.6, 0.5, 0.6)) > 0.85 { 9.0 } else { 0.5 };
-        let (guide, _) = taught(&guide, &guide.sums(), &at, 50_000, light);
+        let (guide, _) = trained(&guide, &guide.sums(), &at, 50_000, light);
         assert_eq!(guide.size().active, 1);
         const SIDE: usize = 8;
         const COUNT: u64 = 200_000;
@@ -190,7 +190,7 @@ fn samples_follow_the_density() {
 }
 
 #[test]
-fn hierarchical_densities_become_finer_pass_by_pass_and_stay_what_they_are() {
+fn hierarchical_densities_are_refined_by_pass_without_changing_the_function() {
     let scene = scene();
     let mut guide =
         GridGuide::new(&scene, &settings("grid=1,scale=2,hierarchical=on,basis=spline1")).unwrap();
@@ -200,15 +200,15 @@ fn hierarchical_densities_become_finer_pass_by_pass_and_stay_what_they_are() {
     for (pass, functions) in [4, 9, 25, 25].into_iter().enumerate() {
         assert_eq!(guide.basis().len(), functions, "pass {pass}");
         let coarse = guide.clone();
-        (guide, sums) = taught(&guide, &sums, &at, 50_000, |_| 1.0);
-        // On a new scale sums begin anew, on the last one they go on.
+        (guide, sums) = trained(&guide, &sums, &at, 50_000, |_| 1.0);
+        // On a new scale sums start anew; on the last one they continue.
         assert_eq!(sums.records(), if pass < 2 { 0 } else { 50_000 * (pass as u64 - 1) }, "pass {pass}");
         assert_ne!(coarse, guide);
     }
-    // Without new light a finer scale changes nothing of the function.
+    // Without new light a finer scale does not change the function.
     let guide = GridGuide::new(&scene, &guide.settings()).unwrap();
-    let (coarse, sums) = taught(&guide, &guide.sums(), &at, 50_000, |_| 1.0);
-    let (fine, _) = coarse.taught(&sums, 1.0);
+    let (coarse, sums) = trained(&guide, &guide.sums(), &at, 50_000, |_| 1.0);
+    let (fine, _) = coarse.fitted(&sums, 1.0);
     assert_eq!((coarse.basis().len(), fine.basis().len()), (9, 25));
     for i in 0..100 {
         let direction = at.frame.to_world(to_hemisphere(xi(8, i).to_array()));
@@ -228,7 +228,7 @@ fn guides_that_may_need_too_much_memory_are_refused() {
     assert!(GridGuide::new(&scene, &settings("grid=64,scale=5")).is_ok());
 }
 
-/// A guide that has learnt twice, and begun to learn again.
+/// A guide in its third training pass.
 fn example() -> Training {
     let scene = scene();
     let settings = settings("grid=2,basis=spline1,scale=1,hierarchical=on");
@@ -261,7 +261,7 @@ fn example() -> Training {
 }
 
 #[test]
-fn what_was_written_is_read() {
+fn written_guides_are_read_back() {
     let training = example();
     let guide = training.guide();
     assert_eq!((guide.size().active, training.records()), (2, 2000));
@@ -273,12 +273,12 @@ fn what_was_written_is_read() {
 }
 
 #[test]
-fn claims_that_the_file_does_not_back_are_refused_before_memory_is_taken() {
+fn sizes_beyond_the_file_are_refused_before_allocation() {
     let bytes = example().guide().to_bytes();
     let at = PREFIX_LENGTH + 1;
     let text = "grid=2,basis=spline1,scale=1,mixture=off,hierarchical=on";
     assert_eq!(&bytes[at + 1..at + 1 + text.len()], text.as_bytes());
-    // 64 x 64 cells on each sheet, and a shorter text elsewhere to fill up.
+    // 64 x 64 cells on each sheet, and shorter text elsewhere for the same length.
     let mut claims = bytes[..at].to_vec();
     let larger = text.replace("grid=2", "grid=64");
     claims.push(larger.len() as u8);
@@ -291,7 +291,7 @@ static EXAMPLE: std::sync::OnceLock<Vec<u8>> = std::sync::OnceLock::new();
 
 proptest! {
     #[test]
-    fn no_bytes_make_it_panic_or_hang(
+    fn arbitrary_bytes_neither_panic_nor_hang(
         changes in prop::collection::vec((PREFIX_LENGTH..300, any::<u8>()), 1..8), cut in 0_usize..100,
     ) {
         let mut bytes = EXAMPLE.get_or_init(|| example().guide().to_bytes()).clone();
@@ -300,7 +300,7 @@ proptest! {
         }
         bytes.truncate(bytes.len() - CRC_LENGTH - cut);
         if let Ok(Guide::Grid(guide)) = Guide::from_bytes(&resealed(bytes)) {
-            // Whatever is taken can be used.
+            // Accepted guides can be used.
             let scene = scene();
             let ray = Ray::new(DVec3::new(12.0, 0.1, 0.1), -DVec3::X);
             let hit = scene.intersect(&ray, f64::INFINITY).unwrap();
@@ -308,7 +308,7 @@ proptest! {
                 let draw = guide.sample(&place, DVec2::new(0.2, 0.7));
                 prop_assert!(guide.pdf(&place, draw.direction) >= 0.0);
             }
-            let _ = guide.taught(&guide.sums(), 1.0);
+            let _ = guide.fitted(&guide.sums(), 1.0);
         }
     }
 }

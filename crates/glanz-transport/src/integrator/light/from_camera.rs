@@ -1,4 +1,4 @@
-//! The walk from the camera.
+//! Paths from the camera.
 
 use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DVec2, DVec3, Ray};
@@ -14,25 +14,25 @@ use crate::integrator::{Context, FIRST_DIMENSION};
 struct CameraRay {
     /// Position of the vertex.
     from: LightSampleContext,
-    /// Density per solid angle of its direction; infinite from a mirror.
+    /// Density per solid angle of its direction; infinite after a mirror.
     pdf: f64,
     weights: CameraPathWeights,
 }
 
 impl LightPaths {
-    /// The light that one path from the camera brings home, by the same random decisions as [`Path`](crate::integrator::Path).
+    /// Radiance estimate of one path from the camera, with the same random decisions as [`Path`](crate::integrator::Path).
     pub(super) fn gather(&self, context: &mut Context<'_>) -> Spectrum {
         let mut ray = context.camera_ray;
         let (mut light, mut throughput) = (Spectrum::BLACK, Spectrum::ONE);
         let mut eta_scale = 1.0_f32;
-        // `None` while nothing scattered: what is seen directly no other way looks for.
-        let mut way: Option<CameraRay> = None;
+        // `None` before the first scattering: no other technique finds directly visible light.
+        let mut origin: Option<CameraRay> = None;
         let (mut depth, mut interfaces) = (0, 0);
         loop {
             let Some(hit) = context.intersect(&ray) else {
-                return light + throughput * escaped(context, &ray, way.as_ref());
+                return light + throughput * escaped(context, &ray, origin.as_ref());
             };
-            light += throughput * emitted(context, &hit, way.as_ref());
+            light += throughput * emitted(context, &hit, origin.as_ref());
             let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
                 interfaces += 1;
                 if interfaces > INTERFACE_LIMIT {
@@ -51,7 +51,8 @@ impl LightPaths {
             interfaces = 0;
             let (xi, xi_lobe) = (context.sampler.next_2d(), context.sampler.next_1d());
             let xi_roulette = context.sampler.next_1d();
-            let weights = way.as_ref().map_or_else(|| first(context, &hit, ray.direction), |way| way.weights);
+            let weights =
+                origin.as_ref().map_or_else(|| first(context, &hit, ray.direction), |origin| origin.weights);
             if !vertex.is_delta() {
                 context.sampler.begin_group();
                 let (xi_point, xi_light) = (context.sampler.next_2d(), context.sampler.next_1d());
@@ -65,19 +66,19 @@ impl LightPaths {
                 throughput *= factor;
             }
             let weights = passed(&weights, &vertex, &scattered);
-            way = Some(CameraRay { from: hit.light_sample_context(), pdf: scattered.pdf, weights });
+            origin = Some(CameraRay { from: hit.light_sample_context(), pdf: scattered.pdf, weights });
             ray = hit.spawn(scattered.direction);
         }
     }
 }
 
-/// State at the first vertex.
+/// Weights at the first vertex.
 fn first(context: &Context<'_>, hit: &Interaction, direction: DVec3) -> CameraPathWeights {
     let density = context.scene.camera().density(hit.point.position, direction);
     CameraPathWeights::new(context.light_paths(), density)
 }
 
-/// State at the vertex that follows `vertex`.
+/// Weights at the vertex that follows `vertex`.
 fn passed(weights: &CameraPathWeights, vertex: &Vertex<'_>, scattered: &ScatteredRay) -> CameraPathWeights {
     if scattered.is_delta {
         weights.mirrored(vertex.is_seen_alike(scattered.direction))
@@ -86,47 +87,47 @@ fn passed(weights: &CameraPathWeights, vertex: &Vertex<'_>, scattered: &Scattere
     }
 }
 
-/// Light that left the scene's infinite lights along `ray`.
-fn escaped(context: &Context<'_>, ray: &Ray, way: Option<&CameraRay>) -> Spectrum {
+/// Light of the infinite lights along `ray`.
+fn escaped(context: &Context<'_>, ray: &Ray, origin: Option<&CameraRay>) -> Spectrum {
     let scene = context.scene;
     let lights = scene.infinite_lights().iter();
     lights
         .map(|&id| {
-            let sampled = |way: &CameraRay| scene.infinite_pdf(id, &way.from, ray.direction).0;
+            let sampled = |origin: &CameraRay| scene.infinite_pdf(id, &origin.from, ray.direction).0;
             scene.infinite_radiance(id, ray)
-                * weight_of_hit(context, id, way, ray.direction, None, sampled) as f32
+                * weight_of_hit(context, id, origin, ray.direction, None, sampled) as f32
         })
         .sum()
 }
 
-/// Light that the surface at `hit` gives off itself.
-fn emitted(context: &Context<'_>, hit: &Interaction, way: Option<&CameraRay>) -> Spectrum {
+/// Light emitted by the surface at `hit`.
+fn emitted(context: &Context<'_>, hit: &Interaction, origin: Option<&CameraRay>) -> Spectrum {
     let Some(id) = hit.light() else { return Spectrum::BLACK };
     let emitted = context.scene.emitted(hit, hit.wo);
     if emitted.is_black() {
         return emitted;
     }
-    let sampled = |way: &CameraRay| context.scene.light_pdf(id, &way.from, hit).0;
-    emitted * weight_of_hit(context, id, way, -hit.wo, hit.area_pdf(), sampled) as f32
+    let sampled = |origin: &CameraRay| context.scene.light_pdf(id, &origin.from, hit).0;
+    emitted * weight_of_hit(context, id, origin, -hit.wo, hit.area_pdf(), sampled) as f32
 }
 
-/// Weight of meeting the light `id` in the unit direction `wi`. `area_pdf`: of the place there; `sampled`: density of light sampling.
+/// Weight of hitting the light `id` in the unit direction `wi`. `area_pdf`: area density of the hit point; `sampled`: density of light sampling.
 fn weight_of_hit(
     context: &Context<'_>,
     id: LightId,
-    way: Option<&CameraRay>,
+    origin: Option<&CameraRay>,
     wi: DVec3,
     area_pdf: Option<AreaPdf>,
     sampled: impl FnOnce(&CameraRay) -> f64,
 ) -> f64 {
-    let Some(way) = way else { return 1.0 };
+    let Some(origin) = origin else { return 1.0 };
     let probability = context.scene.light_probability(id);
     let emission = context.scene.emitter_probability(id)
-        * context.scene.emission_pdf(id, way.from.position, wi, area_pdf);
-    way.weights.weight_of_hit(emission, probability * sampled(way), way.pdf)
+        * context.scene.emission_pdf(id, origin.from.position, wi, area_pdf);
+    origin.weights.weight_of_hit(emission, probability * sampled(origin), origin.pdf)
 }
 
-/// Direct light from one light picked at random.
+/// Direct light of one randomly selected light.
 fn sampled(
     context: &mut Context<'_>,
     vertex: &Vertex<'_>,

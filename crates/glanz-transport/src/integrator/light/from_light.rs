@@ -1,4 +1,4 @@
-//! The walk from a lamp.
+//! Paths from a light.
 
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3};
@@ -10,20 +10,20 @@ use crate::integrator::path_tracer::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROUL
 use crate::integrator::vertex::{Vertex, roulette};
 use crate::integrator::{Context, DEPTH_LIMIT, FIRST_DIMENSION};
 
-/// The sampler's first dimension of this walk, after all those of the other.
+/// The sampler's first dimension of light paths, after all those of camera paths.
 const FIRST_LIGHT_DIMENSION: u32 = FIRST_DIMENSION + DIMENSIONS_PER_EVENT * (DEPTH_LIMIT + 1);
 
 /// First vertex of a light path.
 struct LightPathStart {
     id: LightId,
-    /// With which the light was picked.
+    /// Probability of selecting the light.
     probability: f64,
     light: LightRay,
     is_delta: bool,
 }
 
 impl LightPathStart {
-    /// By the first group of numbers: direction and place, then the light.
+    /// Samples the first vertex by the first group of numbers: direction and position, then the light.
     fn pick(context: &mut Context<'_>) -> Option<Self> {
         context.sampler.skip_to_dimension(FIRST_LIGHT_DIMENSION);
         let (direction, place) = (context.sampler.next_2d(), context.sampler.next_2d());
@@ -34,14 +34,14 @@ impl LightPathStart {
         (probability > 0.0).then_some(Self { id, probability, light, is_delta })
     }
 
-    /// At the first vertex.
+    /// Weights at the first vertex.
     fn weights(&self, context: &Context<'_>, vertex: &Vertex<'_>) -> LightPathWeights {
         let at = vertex.at.point.position;
         let pdf = context.scene.emission_pdf(self.id, at, vertex.at.wo, self.light.area_pdf);
         LightPathWeights::new(context.light_paths(), self.probability * pdf, self.is_delta)
     }
 
-    /// Density of light sampling from the first vertex, as `seen` from the camera's side.
+    /// Density of light sampling from the first vertex, as `seen` from the camera.
     fn sampled(&self, context: &Context<'_>, seen: &LightSampleContext) -> f64 {
         let scene = context.scene;
         scene.light_probability(self.id) * scene.light_pdf_of_ray(self.id, seen, &self.light).0
@@ -49,7 +49,7 @@ impl LightPathStart {
 }
 
 impl LightPaths {
-    /// Sends one path from a lamp and splats what the camera sees of it.
+    /// Traces one path from a light and splats its connections to the camera.
     pub(super) fn send(&self, context: &mut Context<'_>) {
         if context.light_paths() <= 0.0 {
             return;
@@ -121,7 +121,7 @@ fn connect(
     if !context.takes_splats_at(seen.film) {
         return;
     }
-    // As the camera sees it: the same surface scatters for both walks.
+    // The vertex for a viewer at the camera: both kinds of paths use the same BSDF.
     let (value, light_pdf) = vertex.seen_from(to_camera).eval(to_light);
     let light = flux * value;
     if light.is_black() || !context.is_free(&at.spawn_to(seen.origin, None), 1.0) {
@@ -130,13 +130,13 @@ fn connect(
     let turn = turn(vertex, to_light, to_camera, light_pdf);
     let reference = LightSampleContext { wo: to_camera, ..at.light_sample_context() };
     let weight = weights.weight_of_sent(&turn, seen.density, || start.sampled(context, &reference));
-    // `value` has the cosine to the shading normal, as for light that comes per steradian; flux comes per area across it already
+    // `value` contains the cosine to the shading normal, as needed for incident radiance; flux already contains the geometric cosine
     // (@veach1997 section 5.3.2).
     let factor = seen.density * turn.camera_cos / turn.light_cos * weight;
     context.splat(seen.film, light * factor as f32, xi_pixel);
 }
 
-/// Draws the direction in which flux goes on, with its factor and what the weights know then.
+/// Samples the direction in which flux continues, with its factor and the weights at the next vertex.
 fn go_on(
     context: &Context<'_>,
     vertex: &Vertex<'_>,
@@ -148,7 +148,7 @@ fn go_on(
     let scattered = vertex.sample_flux(xi, xi_lobe)?;
     let (to_light, to_camera) = (vertex.at.wo, scattered.direction);
     if scattered.is_delta {
-        // No walk from the camera could come this way.
+        // No path from the camera could take this direction.
         let both_ways = vertex.is_seen_alike(to_camera);
         return both_ways.then(|| (to_camera, scattered.weight, weights.mirrored()));
     }

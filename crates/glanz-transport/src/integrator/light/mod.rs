@@ -1,4 +1,4 @@
-//! Paths from lamps and from the camera together.
+//! Paths from lights, combined with paths from the camera.
 
 mod from_camera;
 mod from_light;
@@ -11,19 +11,19 @@ use self::weights::ScatteringDensities;
 use super::vertex::Vertex;
 use super::{Context, Integrator, IntegratorSettings};
 
-/// Paths that begin at the lamps and are connected to the camera, beside those of [`Path`](super::Path).
+/// Light paths that are connected to the camera, in addition to the paths of [`Path`](super::Path).
 ///
-/// With every sample one path leaves a lamp; wherever it is scattered, what the camera sees of it is splatted to the film. That finds the light
-/// that mirrors and glass throw on other surfaces (caustics), which paths from the camera meet by chance, and never if the lamp is a point.
-/// One path from the camera goes with it. Light that several ways find is shared by weights of the power heuristic (see `weights`). What is behind
-/// a mirror or glass itself and lit through them is found by chance alone, and not at all from lamps that are points or directions.
+/// Every sample traces one path from a light; at every scattering, its connection to the camera is splatted to the film. This finds the light
+/// that mirrors and glass focus on other surfaces (caustics), which paths from the camera hit by chance only, and never from a point light.
+/// Every sample also traces one path from the camera. Light that several techniques find is weighted by the power heuristic (see `weights`). Caustics seen
+/// through a mirror or glass are found by chance only, and not at all from point and directional lights.
 #[derive(Clone, Copy, Debug)]
 pub struct LightPaths {
     max_depth: u32,
 }
 
 impl LightPaths {
-    /// With the depth of `settings`.
+    /// An integrator with the depth of `settings`.
     #[must_use]
     pub fn new(settings: &IntegratorSettings) -> Self {
         Self { max_depth: settings.max_depth }
@@ -41,7 +41,7 @@ impl Integrator for LightPaths {
     }
 }
 
-/// The vertex of a path with the unit directions to light and camera; `light_pdf`: density with which a walk from the camera goes on
+/// The scattering event at a vertex with the unit directions to light and camera; `light_pdf`: density with which a path from the camera continues
 /// to the light.
 fn turn(vertex: &Vertex<'_>, to_light: DVec3, to_camera: DVec3, light_pdf: f64) -> ScatteringDensities {
     let normal = vertex.at.point.normal;

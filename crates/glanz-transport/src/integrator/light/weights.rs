@@ -1,31 +1,31 @@
-//! Weights of the ways to find a path, from what either walk knows.
+//! Weights of the techniques that find a path, computed along either path.
 //!
-//! A path z_0 ... z_k leads from a light (z_0) to the camera (z_k). Three ways find it, with these densities per area of all vertices:
+//! A path z_0 ... z_k leads from a light (z_0) to the camera (z_k). Three techniques find it, each with its densities per area of all vertices:
 //!
-//! - *hit*: a walk from the camera draws every vertex and meets the light by chance;
-//! - *sampled*: it stops at z_1 and picks z_0 on the light;
-//! - *sent*: a walk from the light draws z_0 ... z_(k-1) and is connected to the camera.
+//! - *hit*: a path from the camera samples every vertex and hits the light by chance;
+//! - *sampled*: a path from the camera ends at z_1, and z_0 is sampled on the light;
+//! - *sent*: a path from the light samples z_0 ... z_(k-1) and is connected to the camera.
 //!
 //! Let e be the density of emission per square metre across the ray and steradian ([`Scene::emission_pdf`](glanz_scene::Scene::emission_pdf)), c
 //! the density of film points per square metre across the ray at z_(k-1) ([`Camera::density`](glanz_scene::Camera::density)), N the number of
 //! paths sent for one sample of every pixel, p_N the density per solid angle with which z_1 samples the light, and at z_j: a_j and b_j the cosines
-//! of the directions to light and camera to the surface, p_j and q_j the densities per solid angle with which a walk from the camera goes on
-//! to z_(j-1), and one from the light to z_(j+1). Squared distances of a segment stand in the densities of both directions and
-//! cancel, which leaves
+//! between the directions to light and camera and the normal, p_j and q_j the densities per solid angle with which a path from the camera continues
+//! to z_(j-1), and one from the light to z_(j+1). The squared lengths of the segments are in the densities of both directions and
+//! cancel, which gives
 //!
 //! ```text
 //! sent / hit     = N e / c  *  product over j = 1 .. k-1 of a_j / (b_j p_j)  *  product over j = 1 .. k-2 of q_j
 //! sampled / hit  = p_N / p_1
 //! ```
 //!
-//! A walk from the camera has the factors of the last vertices, one from the light those of the first, and the rest follows where they end.
-//! At a mirror or glass both directions are certain once the other is given: the factor of the vertex is 1 (but for squared refractive
-//! indices, which cancel when light leaves again what it entered), p_1 has no end, and nothing can be sampled or connected there: the ways
-//! that would do so have density 0. Of delta lights e is per square metre across the ray at z_1, p_N is 1 and *hit* has density 0.
+//! A path from the camera has the factors of the last vertices, one from the light those of the first; the others are added at their ends.
+//! At a mirror or glass, each direction determines the other: the factor of the vertex is 1 (except for squared refractive
+//! indices, which cancel when light leaves the medium that it entered), p_1 is infinite, and nothing can be sampled or connected there: these
+//! techniques have density 0. For delta lights, e is per square metre across the ray at z_1, p_N is 1 and *hit* has density 0.
 //!
-//! The weight of a way is that of the power heuristic, w = 1 / (1 + sum of (other / own)^2). Any numbers in place of the densities would make
-//! weights of a path that add up to 1, if all ways put in the same ones; what matters is that a way which cannot find a path counts as 0
-//! in all of them. Russian roulette is left out therefore.
+//! The weight of a technique is that of the power heuristic, w = 1 / (1 + sum of (other / own)^2). The weights of a path add up to 1 for any numbers in place of
+//! the densities, provided that all techniques use the same ones and a technique that cannot find the path has 0
+//! in all of them. Russian roulette is therefore omitted.
 //!
 //! # Source
 //! @veach1997 chapters 9 and 10; @georgiev2012 for running quantities in place of whole paths.
@@ -33,33 +33,33 @@
 /// Densities at a scattering vertex that the MIS weights need.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ScatteringDensities {
-    /// Cosine of the direction to the light to the surface, above 0.
+    /// Cosine between the direction to the light and the normal, above 0.
     pub(super) light_cos: f64,
-    /// Of that to the camera.
+    /// Cosine between the direction to the camera and the normal, above 0.
     pub(super) camera_cos: f64,
-    /// Density per solid angle with which a walk from the camera goes on to the light.
+    /// Density per solid angle with which a path from the camera continues to the light.
     pub(super) light_pdf: f64,
-    /// With which one from the light goes on to the camera.
+    /// Density per solid angle with which a path from the light continues to the camera.
     pub(super) camera_pdf: f64,
 }
 
-/// Partial MIS sums of a camera path at a vertex z_j: sent / hit without the factors of z_j and those before.
+/// Partial MIS sums of a camera path at a vertex z_j: sent / hit without the factors of z_0 to z_j.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CameraPathWeights {
     sent: f64,
-    /// True for the first vertex after the camera.
+    /// Whether this is the first vertex after the camera.
     is_first: bool,
 }
 
 impl CameraPathWeights {
-    /// At the first vertex. `light_paths`: N, 0 if none are sent; `density`: c.
+    /// The sums at the first vertex. `light_paths`: N, 0 without light paths; `density`: c.
     pub(super) fn new(light_paths: f64, density: f64) -> Self {
         Self { sent: if light_paths > 0.0 { light_paths / density } else { 0.0 }, is_first: true }
     }
 
-    /// The factor of the vertex, but for the density of going on to the light.
+    /// The factor of the vertex without the density of continuing to the light.
     fn factor(&self, turn: &ScatteringDensities) -> f64 {
-        // No walk from the light goes on from here to the camera: it is connected.
+        // A path from the light is connected to the camera here, so that no continuation is sampled.
         let onwards = if self.is_first { 1.0 } else { turn.camera_pdf };
         turn.light_cos / turn.camera_cos * onwards
     }
@@ -74,8 +74,8 @@ impl CameraPathWeights {
         Self { sent: if self.is_first || !both_ways { 0.0 } else { self.sent }, is_first: false }
     }
 
-    /// Weight of meeting a light, at which the walk arrives now. `emission`: e; `sampled`: p_N; both with the probability of the light; `pdf`: p_1,
-    /// infinite for a mirror.
+    /// Weight of hitting a light. `emission`: e; `sampled`: p_N; both with the probability of the light; `pdf`: p_1,
+    /// infinite after a mirror.
     pub(super) fn weight_of_hit(&self, emission: f64, sampled: f64, pdf: f64) -> f64 {
         weight(self.sent * emission, sampled / pdf)
     }
@@ -99,19 +99,19 @@ impl CameraPathWeights {
 pub(super) struct LightPathWeights {
     hit: f64,
     sampled: f64,
-    /// True for the vertex z_1, whose light sampling is not yet in `sampled`.
+    /// Whether this is the vertex z_1, whose light sampling is not yet in `sampled`.
     is_first: bool,
 }
 
 impl LightPathWeights {
-    /// At z_1. `light_paths`: N; `emission`: e, with the probability of the light.
+    /// The sums at z_1. `light_paths`: N; `emission`: e, with the probability of the light.
     pub(super) fn new(light_paths: f64, emission: f64, is_delta: bool) -> Self {
         let sent = 1.0 / (light_paths * emission);
         Self { hit: if is_delta { 0.0 } else { sent }, sampled: sent, is_first: true }
     }
 
-    /// Both ratios with the factor of the vertex, but for the density of going on to the camera. `sampled`: p_N, with the probability of the
-    /// light, asked for at z_1.
+    /// Both ratios with the factor of the vertex, without the density of continuing to the camera. `sampled`: p_N, with the probability of the
+    /// light, called at z_1 only.
     fn ratios(&self, turn: &ScatteringDensities, sampled: impl FnOnce() -> f64) -> [f64; 2] {
         let cosines = turn.camera_cos / turn.light_cos;
         let picked = if self.is_first { sampled() } else { turn.light_pdf };
@@ -129,7 +129,7 @@ impl LightPathWeights {
         Self { sampled: if self.is_first { 0.0 } else { self.sampled }, is_first: false, ..*self }
     }
 
-    /// Weight of connecting this vertex to the camera, `density`: c.
+    /// Weight of connecting this vertex to the camera. `density`: c.
     pub(super) fn weight_of_sent(
         &self,
         turn: &ScatteringDensities,
@@ -141,7 +141,7 @@ impl LightPathWeights {
     }
 }
 
-/// `1 / (1 + a^2 + b^2)`; 0 for what is not a number.
+/// `1 / (1 + a^2 + b^2)`; 0 for NaN.
 fn weight(a: f64, b: f64) -> f64 {
     let weight = 1.0 / (1.0 + a * a + b * b);
     if weight.is_nan() { 0.0 } else { weight }
@@ -168,7 +168,7 @@ mod tests {
         is_delta: bool,
     }
 
-    /// Weights of hit, sampled and sent of the path through `events`, z_1 first; 0 for ways that do not find it.
+    /// Weights of hit, sampled and sent of the path through `events`, z_1 first; 0 for techniques that cannot find it.
     fn weights(events: &[Event], ends: &PathEnds) -> [f64; 3] {
         let PathEnds { light_paths, density, emission, sampled, is_delta } = *ends;
         let [mut hit, mut picked, mut sent] = [0.0; 3];
@@ -211,7 +211,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn weights_of_all_ways_add_up_to_one(
+        fn weights_of_all_techniques_add_up_to_one(
             events in prop::collection::vec(event(), 1..6),
             (light_paths, density, emission, sampled) in (1.0..1e6, 1e-3..1e6, 1e-3..1e3, 1e-3..1e3),
             is_delta: bool,
@@ -220,13 +220,13 @@ mod tests {
             let sum: f64 = weights(&events, &ends).into_iter().sum();
             let is_mirror = |event: Option<&Event>| matches!(event, Some(Event::Mirrored));
             let lost = is_delta && is_mirror(events.first()) && is_mirror(events.last());
-            // A delta light behind a mirror, seen in a mirror, is found by no way.
+            // A delta light behind a mirror, seen in a mirror, is not found by any technique.
             prop_assert!((sum - if lost { 0.0 } else { 1.0 }).abs() < 1e-12, "{:?}", weights(&events, &ends));
         }
     }
 
     #[test]
-    fn weights_are_those_of_the_densities() {
+    fn weights_agree_with_the_densities() {
         // k = 3, all squared distances 1.
         let turn = |light_cos, camera_cos, light_pdf, camera_pdf| ScatteringDensities {
             light_cos,
