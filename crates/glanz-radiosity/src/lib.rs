@@ -5,6 +5,7 @@ pub mod charts;
 pub mod elements;
 pub mod form_factor;
 pub mod reconstruct;
+mod rectangle_grid;
 #[cfg(test)]
 mod scenes;
 pub mod solve;

@@ -5,6 +5,10 @@ use glanz_scene::ParametricPoint;
 
 use crate::charts::Chart;
 use crate::elements::Elements;
+use crate::rectangle_grid::RectangleGrid;
+
+/// Largest number of cells along each parameter.
+const MAX_COLUMNS: usize = 256;
 
 /// Index of charts and elements by side of a face.
 #[derive(Debug)]
@@ -19,10 +23,8 @@ pub(super) struct SurfaceIndex {
 struct SideIndex {
     charts: Vec<u32>,
     elements: Vec<u32>,
-    /// Cells of [`SideIndex::cells`] per axis.
-    columns: usize,
-    /// Elements that overlap each cell of a grid over the unit square.
-    cells: Vec<Vec<u32>>,
+    /// Bounds of the elements in the unit square, by their index in `elements`.
+    grid: RectangleGrid,
 }
 
 impl SurfaceIndex {
@@ -89,9 +91,9 @@ impl SurfaceIndex {
     pub(super) fn element(&self, elements: &Elements<'_>, place: &ParametricPoint) -> Option<u32> {
         let side = self.side(place)?;
         let part = |number: u32| elements.list.get(number as usize).map(|element| element.patch.domain);
-        let cell = side.cells.get(side.cell(place.uv))?;
-        let holds = |&&number: &&u32| part(number).is_some_and(|part| part.contains(place.uv));
-        if let Some(&number) = cell.iter().find(holds) {
+        let mut near =
+            side.grid.near(place.uv).iter().filter_map(|&i| side.elements.get(i as usize).copied());
+        if let Some(number) = near.find(|&number| part(number).is_some_and(|part| part.contains(place.uv))) {
             return Some(number);
         }
         let distance =
@@ -101,26 +103,52 @@ impl SurfaceIndex {
 }
 
 impl SideIndex {
-    fn cell(&self, uv: DVec2) -> usize {
-        let [x, y] =
-            uv.to_array().map(|x| ((x * self.columns as f64) as usize).min(self.columns.saturating_sub(1)));
-        y * self.columns + x
-    }
-
     fn fill(&mut self, elements: &Elements<'_>) {
-        self.columns = ((self.elements.len() as f64).sqrt().ceil() as usize).clamp(1, 256);
-        self.cells = vec![Vec::new(); self.columns * self.columns];
-        for &number in &self.elements {
-            let Some(element) = elements.list.get(number as usize) else { continue };
-            let corners = element.patch.domain.corners();
+        let bounds = |&number: &u32| {
+            // Numbers are those of the list.
+            let domain = elements.list[number as usize].patch.domain;
+            let corners = domain.corners();
             let low = corners.iter().fold(DVec2::INFINITY, |a, b| a.min(*b));
             let high = corners.iter().fold(DVec2::NEG_INFINITY, |a, b| a.max(*b));
-            let (from, to) = (self.cell(low), self.cell(high));
-            for y in from / self.columns..=to / self.columns {
-                for x in from % self.columns..=to % self.columns {
-                    self.cells[y * self.columns + x].push(number);
-                }
-            }
+            [low, high]
+        };
+        let bounds: Vec<[DVec2; 2]> = self.elements.iter().map(bounds).collect();
+        let columns = ((bounds.len() as f64).sqrt().ceil() as usize).clamp(1, MAX_COLUMNS);
+        self.grid = RectangleGrid::with_linear_memory(DVec2::ONE, columns, &bounds);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_math::DVec3;
+
+    use super::*;
+    use crate::elements::{ElementSettings, ParameterPatch, Patch};
+    use crate::scenes::{parallelogram, scene};
+
+    #[test]
+    fn slender_elements_fill_few_cells() {
+        // Triangles from one corner to the opposite sides: the bounds of most overlap many cells.
+        let scene = scene(vec![(parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y), 0.5, 0.0)]);
+        let mut elements = Elements::new(&scene, &ElementSettings { side: 9.0 }).unwrap();
+        let patch = elements.list[0].patch;
+        let n = 3000;
+        let on_sides = |i: u32| {
+            let share = f64::from(i) / f64::from(n) * 2.0;
+            if share < 1.0 { DVec2::new(1.0, share) } else { DVec2::new(2.0 - share, 1.0) }
+        };
+        let domain = |i| ParameterPatch::Triangle([DVec2::ZERO, on_sides(i), on_sides(i + 1)]);
+        let slivers = (0..n).map(|i| Patch { domain: domain(i), ..patch });
+        elements.list = slivers.filter_map(|patch| elements.element(patch)).collect();
+        let index = SurfaceIndex::new(&elements, &[]);
+        let side = index.sides.iter().find(|side| !side.elements.is_empty()).unwrap();
+        let (covered, cells) =
+            (side.grid.lists().map(<[u32]>::len).sum::<usize>(), side.grid.lists().count());
+        assert!(covered <= 16 * n as usize + cells, "{covered} {cells}");
+        for i in (0..n).step_by(7) {
+            let uv = 0.4 * on_sides(i) + 0.4 * on_sides(i + 1);
+            let place = ParametricPoint { surface: patch.surface, face: patch.face, back: patch.back, uv };
+            assert_eq!(index.element(&elements, &place), Some(i));
         }
     }
 }

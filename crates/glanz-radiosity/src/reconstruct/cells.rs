@@ -3,6 +3,7 @@
 use glanz_math::{DVec2, DVec3};
 
 use super::{Border, Interpolant, InterpolatedTexture, Lattice, ReconstructError, Sample};
+use crate::rectangle_grid::RectangleGrid;
 
 /// Largest difference between the sum of the areas of cells and that of the square.
 const AREA_TOLERANCE: f64 = 1e-9;
@@ -44,9 +45,7 @@ impl ParameterCell {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterCells {
     cells: Vec<ParameterCell>,
-    /// `side` x `side` equal squares, each with the numbers of the cells that overlap it, for lookup.
-    buckets: Vec<Vec<u32>>,
-    side: usize,
+    grid: RectangleGrid,
 }
 
 impl ParameterCells {
@@ -66,19 +65,12 @@ impl ParameterCells {
             }
         }
         let side = (cells.len() as f64).sqrt().ceil().max(1.0) as usize;
-        let mut buckets = vec![Vec::new(); side * side];
-        for (i, cell) in cells.iter().enumerate() {
-            let [low, high] = [cell.min, cell.max].map(|corner| corner.to_array().map(|x| bucket(x, side)));
-            for y in low[1]..=high[1] {
-                for x in low[0]..=high[0] {
-                    buckets[y * side + x].push(i as u32);
-                }
-            }
-        }
-        for bucket in &buckets {
-            for (at, &i) in bucket.iter().enumerate() {
+        let bounds: Vec<[DVec2; 2]> = cells.iter().map(|cell| [cell.min, cell.max]).collect();
+        let grid = RectangleGrid::with_linear_memory(DVec2::ONE, side, &bounds);
+        for list in grid.lists() {
+            for (at, &i) in list.iter().enumerate() {
                 let cell = &cells[i as usize];
-                if bucket[..at].iter().any(|&j| cell.overlaps(&cells[j as usize])) {
+                if list[..at].iter().any(|&j| cell.overlaps(&cells[j as usize])) {
                     return Err(ReconstructError::Cells(i as usize));
                 }
             }
@@ -87,7 +79,7 @@ impl ParameterCells {
         if missing.abs() > AREA_TOLERANCE {
             return Err(ReconstructError::Cells(cells.len()));
         }
-        Ok(Self { cells, buckets, side })
+        Ok(Self { cells, grid })
     }
 
     /// A grid of `size[0]` x `size[1]` equal cells with values by rows of constant v, from v = 0.
@@ -166,15 +158,9 @@ impl ParameterCells {
     /// The cell that contains a point of the unit square; on a common side that of larger u or v.
     #[must_use]
     pub fn cell_at(&self, point: DVec2) -> Option<&ParameterCell> {
-        let [x, y] = point.to_array().map(|x| bucket(x, self.side));
-        let candidates = self.buckets.get(y * self.side + x)?.iter();
-        candidates.filter_map(|&i| self.cells.get(i as usize)).find(|cell| cell.contains(point))
+        let near = self.grid.near(point).iter();
+        near.filter_map(|&i| self.cells.get(i as usize)).find(|cell| cell.contains(point))
     }
-}
-
-fn bucket(x: f64, side: usize) -> usize {
-    // The cast maps negative numbers to 0.
-    ((x * side as f64) as usize).min(side - 1)
 }
 
 /// Piecewise constant.
