@@ -66,6 +66,11 @@ impl RectangleGrid {
         self.of_cell(y * self.columns + x)
     }
 
+    /// Numbers of the rectangles that overlap a cell that `rectangle` overlaps, repeated for each such cell.
+    pub(crate) fn overlapping(&self, rectangle: &[DVec2; 2]) -> impl Iterator<Item = u32> {
+        self.cells(rectangle).flat_map(|cell| self.of_cell(cell)).copied()
+    }
+
     /// The lists of all cells.
     pub(crate) fn lists(&self) -> impl Iterator<Item = &[u32]> {
         (0..self.columns * self.columns).map(|cell| self.of_cell(cell))
