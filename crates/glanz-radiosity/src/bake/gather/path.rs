@@ -84,6 +84,9 @@ impl FinalGather<'_> {
             }
             let through = self.visibility.surface_transmittance(&at);
             let probability = luminance(through);
+            if probability <= 0.0 {
+                return (found, Some(RayEnd { at, place, weight: throughput }));
+            }
             // Equal for all receivers, so that adjacent texels agree.
             let turn = permute(ray as u32, self.directions.len() as u32, KEY ^ (u64::from(passed) << 32));
             let pick = (turn as f32 + 0.5) / self.directions.len() as f32;
