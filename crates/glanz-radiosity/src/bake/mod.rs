@@ -21,6 +21,8 @@ mod closed;
 mod direct;
 mod fill;
 mod gather;
+#[cfg(test)]
+mod glass_tests;
 mod indirect;
 mod light_map;
 mod lookup;

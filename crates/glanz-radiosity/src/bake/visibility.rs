@@ -31,20 +31,25 @@ impl<'a> Visibility<'a> {
     }
 
     /// Transmittance of `ray` from its origin to `t_max`.
+    ///
+    /// Behind each surface the ray is aimed at its end again: offsets of its origin from the surfaces would otherwise carry it into the
+    /// light.
     pub(super) fn transmittance(&self, ray: &Ray, t_max: f64) -> Spectrum {
-        let is_occluded = self.scene.occluded(ray, t_max);
-        if !is_occluded {
+        if !self.scene.occluded(ray, t_max) {
             return Spectrum::ONE;
         }
-        let (mut ray, mut left, mut transmittance) = (*ray, t_max, Spectrum::ONE);
+        let end = t_max.is_finite().then(|| ray.at(t_max));
+        let (mut ray, mut t_max, mut transmittance) = (*ray, t_max, Spectrum::ONE);
         for _ in 0..if self.is_clear { MAX_PASSED } else { 0 } {
-            let Some(hit) = self.scene.intersect(&ray, left) else { return transmittance };
+            let Some(hit) = self.scene.intersect(&ray, t_max) else { return transmittance };
             transmittance *= self.surface_transmittance(&hit);
             if transmittance.is_black() {
                 break;
             }
-            left -= hit.t;
-            ray = hit.spawn(ray.direction);
+            match end {
+                Some(end) => (ray, t_max) = (hit.spawn_to(end, None), 1.0),
+                None => ray = hit.spawn(ray.direction),
+            }
         }
         Spectrum::BLACK
     }
@@ -62,15 +67,24 @@ impl<'a> Visibility<'a> {
     pub(super) fn albedo(&self, hit: &Interaction) -> Spectrum {
         let Some(bsdf) = hit.bsdf(self.scene, &Wavelengths::default()) else { return Spectrum::BLACK };
         let wo = hit.frame().to_local(hit.wo);
-        let albedo = bsdf.albedo(wo);
-        if self.is_clear { albedo - transmitted(&bsdf, wo) } else { albedo }
+        let through = if self.is_clear { transmitted(&bsdf, wo) } else { Spectrum::BLACK };
+        if through.is_black() {
+            return bsdf.albedo(wo);
+        }
+        // Of glass that reflects nothing, rounding may leave less than nothing.
+        (bsdf.albedo(outside(wo)) - through).map(|x| x.max(0.0))
     }
 }
 
-/// Fraction of light that glass transmits as a delta lobe. `wo`: on either side; its angle counts as that outside of the glass.
+/// Fraction of light that glass transmits as a delta lobe. `wo`: on either side.
 fn transmitted(bsdf: &Bsdf, wo: DVec3) -> Spectrum {
-    let outside = DVec3::new(wo.x, wo.y, wo.z.abs());
-    let branches = bsdf.delta_branches(outside, TransportMode::Importance);
+    let branches = bsdf.delta_branches(outside(wo), TransportMode::Importance);
     let through = |sample: &&BsdfSample| sample.lobe.transmission;
     branches.iter().flatten().filter(through).map(|sample| sample.weight).sum()
+}
+
+/// The direction outside of glass for a direction on either side: light that is not refracted has the same angle on both, and no total
+/// reflection inside.
+fn outside(wo: DVec3) -> DVec3 {
+    DVec3::new(wo.x, wo.y, wo.z.abs())
 }
