@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use crate::charts::{Chart, charts};
 use crate::elements::Elements;
-use crate::reconstruct::Interpolation;
+use crate::reconstruct::{Interpolation, ReconstructError};
 
 mod atlas;
 mod closed;
@@ -89,6 +89,9 @@ pub fn resume(
     let density = settings.density;
     if !(density > 0.0 && density.is_finite()) {
         return Err(BakeError::Density(density));
+    }
+    if let BakeMethod::Radiosity { reconstruction } = settings.method {
+        reconstruction.check()?;
     }
     let charts = charts(&elements.surfaces, density);
     let texels = charts.iter().map(Chart::texels).sum();
@@ -172,10 +175,10 @@ fn bake_by_radiosity(
     for numbers in (0..charts.len()).collect::<Vec<_>>().chunks(CHARTS_AT_ONCE) {
         progress.report(indirect.len() as f64 / charts.len() as f64, || state.clone())?;
         let texels = |&number: &usize| {
-            let light = gather.is_lit(number).then(|| reconstruction.texels(&charts[number]));
-            without_hidden_texels(&gather, &direct, number, light)
+            let light = gather.is_lit(number).then(|| reconstruction.texels(&charts[number])).transpose()?;
+            Ok(without_hidden_texels(&gather, &direct, number, light))
         };
-        indirect.extend(numbers.par_iter().map(texels).collect::<Vec<_>>());
+        indirect.extend(numbers.par_iter().map(texels).collect::<Result<Vec<_>, ReconstructError>>()?);
     }
     Ok(light_maps(&gather, &direct, indirect))
 }

@@ -12,7 +12,7 @@ use super::solution::Solution;
 use crate::charts::Chart;
 use crate::elements::Elements;
 use crate::reconstruct::partition::of_many_samples;
-use crate::reconstruct::{Interpolation, Lattice, Sample};
+use crate::reconstruct::{Interpolation, Lattice, ReconstructError, Sample};
 
 /// Step across the side of an element that tests whether it is a border, relative to the element's size.
 const BORDER_STEP: f64 = 1e-3;
@@ -20,8 +20,10 @@ const BORDER_STEP: f64 = 1e-3;
 /// Distance below which samples are merged, relative to the longest side of the domain.
 const MERGE_DISTANCE: f64 = 1e-9;
 
-/// Largest number of lines of a grid, and lookups of elements along each side of a cell.
+/// Largest number of lines of a grid along each axis.
 const MAX_LINES: f64 = 256.0;
+
+/// Lookups of elements along each side of a cell of a grid, whose mean is its value.
 const LOOKUPS_PER_CELL: u32 = 3;
 
 /// Interpolator of the light of elements on charts.
@@ -73,21 +75,23 @@ impl<'a> Reconstruction<'a> {
     }
 
     /// Indirect irradiance of all texels of a chart, 0 or more.
-    pub(super) fn texels(&self, chart: &Chart) -> Vec<Spectrum> {
-        let Some(surface) = self.elements.surfaces.get(chart.surface as usize) else {
-            return vec![Spectrum::BLACK; chart.texels()];
-        };
-        let samples = self.samples(chart, surface);
+    ///
+    /// # Errors
+    /// Those of the interpolation.
+    pub(super) fn texels(&self, chart: &Chart) -> Result<Vec<Spectrum>, ReconstructError> {
+        let surface = self.elements.surfaces.get(chart.surface as usize);
+        let samples = surface.map_or_else(Vec::new, |surface| self.samples(chart, surface));
         if samples.iter().all(|sample| sample.value == DVec3::ZERO) {
-            return vec![Spectrum::BLACK; chart.texels()];
+            return Ok(vec![Spectrum::BLACK; chart.texels()]);
         }
         let domain = SheetDomain::new(chart);
         let interpolant = match self.interpolation {
             Interpolation::Constant => None,
-            Interpolation::Bilinear | Interpolation::Spline => {
-                self.lattice(chart, &domain).and_then(|lattice| self.interpolation.of_lattice(&lattice).ok())
-            }
-            _ => of_many_samples(self.interpolation, &samples, domain.size).ok(),
+            Interpolation::Bilinear | Interpolation::Spline => self
+                .lattice(chart, &domain)
+                .map(|lattice| self.interpolation.of_lattice(&lattice))
+                .transpose()?,
+            _ => Some(of_many_samples(self.interpolation, &samples, domain.size)?),
         };
         let width = chart.size[0] as usize;
         let texel = |texel: usize| {
@@ -98,7 +102,7 @@ impl<'a> Reconstruction<'a> {
             };
             spectrum(value.max(DVec3::ZERO))
         };
-        (0..chart.texels()).into_par_iter().map(texel).collect()
+        Ok((0..chart.texels()).into_par_iter().map(texel).collect())
     }
 
     /// The elements shown by a chart that are outside of solids, with their light.

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use glanz_job::{Interrupted, JobProgress, Silent};
-use glanz_math::DVec3;
+use glanz_math::{DVec2, DVec3};
 use glanz_scene::Scene;
 use glanz_scene::description::ShapeDescription;
 
@@ -13,6 +13,11 @@ use crate::scenes::{parallelogram, scene, walls};
 
 const COARSE: BakeSettings =
     BakeSettings { density: 5.0, rays: 64, shadow_rays: 64, method: BakeMethod::Gather };
+
+const BY_RADIOSITY: BakeSettings = BakeSettings {
+    method: BakeMethod::Radiosity { reconstruction: Interpolation::NaturalNeighbour },
+    ..COARSE
+};
 
 /// A room with a lamp, a box and a ball.
 fn room() -> Scene {
@@ -132,8 +137,7 @@ fn interrupted_bake_resumes_to_the_same_bits_from_any_moment() {
 fn interrupted_radiosity_resumes_to_the_same_bits_from_any_moment() {
     let scene = room();
     let elements = elements(&scene);
-    let method = BakeMethod::Radiosity { reconstruction: Interpolation::NaturalNeighbour };
-    let settings = BakeSettings { method, ..COARSE };
+    let settings = BY_RADIOSITY;
     let whole = bake(&elements, &settings, &mut Silent, &CancelFlag::default()).unwrap();
     let (mut reports, mut solved) = (1, 0);
     loop {
@@ -210,19 +214,46 @@ fn stored_maps_equal_the_maps() {
     }
 }
 
+fn refusal(state: BakeState, elements: &Elements<'_>, settings: &BakeSettings) -> Option<BakeError> {
+    resume(state, elements, settings, &mut Silent, &CancelFlag::default()).err()
+}
+
 #[test]
 fn stored_elements_that_overlap_or_leave_their_face_are_refused() {
     use crate::elements::ParameterPatch;
     let scene = room();
     let elements = elements(&scene);
-    let method = BakeMethod::Radiosity { reconstruction: Interpolation::NaturalNeighbour };
-    let settings = BakeSettings { method, ..COARSE };
     let whole = Patch { domain: ParameterPatch::SQUARE, ..elements.list[0].patch };
-    let wide = ParameterPatch::Rectangle { min: glanz_math::DVec2::ZERO, max: glanz_math::DVec2::splat(2.0) };
+    let wide = ParameterPatch::Rectangle { min: DVec2::ZERO, max: DVec2::splat(2.0) };
     for patches in [vec![whole; 2], vec![Patch { domain: wide, ..whole }]] {
         let solution = Some(patches.into_iter().map(|patch| (patch, None)).collect());
         let state = BakeState { solution, ..BakeState::default() };
-        let refused = resume(state, &elements, &settings, &mut Silent, &CancelFlag::default());
-        assert_eq!(refused.err(), Some(BakeError::State));
+        assert_eq!(refusal(state, &elements, &BY_RADIOSITY), Some(BakeError::State));
     }
+}
+
+#[test]
+fn exponents_that_an_interpolation_refuses_are_errors() {
+    let scene = room();
+    let elements = elements(&scene);
+    let refused = |reconstruction: Interpolation, cancel: &CancelFlag| {
+        let settings = BakeSettings { method: BakeMethod::Radiosity { reconstruction }, ..COARSE };
+        bake(&elements, &settings, &mut Silent, cancel).err()
+    };
+    // A cancelled bake ends at its first report: these are refused before.
+    let cancelled = CancelFlag::default();
+    cancelled.cancel();
+    for reconstruction in [
+        Interpolation::Shepard { exponent: 0.0 },
+        Interpolation::Shepard { exponent: f64::NAN },
+        Interpolation::Multiquadrics { exponent: 0.0 },
+        Interpolation::Multiquadrics { exponent: f64::INFINITY },
+    ] {
+        let error = refused(reconstruction, &cancelled);
+        let is_exponent = matches!(error, Some(BakeError::Interpolation(ReconstructError::Exponent(..))));
+        assert!(is_exponent, "{reconstruction:?} {error:?}");
+    }
+    // Polynomials of degree 4: too few of them for the samples of a wall.
+    let error = refused(Interpolation::Multiquadrics { exponent: 2.0 }, &CancelFlag::default());
+    assert!(matches!(error, Some(BakeError::Interpolation(ReconstructError::Singular(_)))), "{error:?}");
 }

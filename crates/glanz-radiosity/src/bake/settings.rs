@@ -3,7 +3,7 @@
 use glanz_job::Interrupted;
 
 use crate::elements::ElementError;
-use crate::reconstruct::Interpolation;
+use crate::reconstruct::{Interpolation, ReconstructError};
 use crate::solve::hierarchical::HierarchicalError;
 
 /// Largest number of texels over all charts.
@@ -104,3 +104,6 @@ pub enum BakeError {
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
 }
+    /// The interpolation refuses its exponent, or has no solution with it.
+    #[error(transparent)]
+    Interpolation(#[from] ReconstructError),

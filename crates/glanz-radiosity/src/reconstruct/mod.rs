@@ -1,8 +1,9 @@
 //! Interpolation of one value per element over a surface (document 003 chapter 4).
 //!
 //! The parameters of a surface are the unit square, divided into [`ParameterCells`] with a value each. An [`Interpolation`] makes them a
-//! function over the square, an [`Interpolant`], which can be evaluated at points or sampled into a [`InterpolatedTexture`]. Each cell is a sample
-//! at its middle; *border samples* at the sides of the square add further points ([`Border`]).
+//! function over the square, an [`Interpolant`], which can be evaluated at points or sampled into an [`InterpolatedTexture`]. Each cell
+//! is a sample at its middle; *border samples* at the sides of the square add further points ([`Border`]). Samples and grids may also
+//! cover another rectangle, the *domain*, from the origin, with sides of at most 1.
 //!
 //! | interpolation | samples | continuous | overshoots |
 //! |---|---|---|---|
@@ -43,10 +44,10 @@ use natural::NaturalNeighbour;
 use shepard::Shepard;
 use spline::Spline;
 
-/// A value at a point of the unit square.
+/// A value at a point of the domain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Its parameters.
+    /// The point.
     pub point: DVec2,
     /// Its value: red, green and blue.
     pub value: DVec3,
@@ -117,12 +118,12 @@ pub enum ReconstructError {
     Cells(usize),
 }
 
-/// An interpolating function over the unit square.
+/// An interpolating function over the domain.
 pub trait Interpolant: Send + Sync {
-    /// The value at a point of the unit square.
+    /// The value at a point of the domain.
     fn value(&self, point: DVec2) -> DVec3;
 
-    /// The values at the middles of `size[0]` x `size[1]` texels.
+    /// The values at the middles of `size[0]` x `size[1]` texels of the unit square, which must be the domain.
     fn texture(&self, size: [usize; 2]) -> InterpolatedTexture {
         InterpolatedTexture::from_function(size, |point| self.value(point))
     }
@@ -156,6 +157,22 @@ impl Interpolation {
     #[must_use]
     pub fn needs_grid(&self) -> bool {
         matches!(self, Self::Bilinear | Self::Spline)
+    }
+
+    /// Checks the exponent.
+    ///
+    /// # Errors
+    /// [`ReconstructError::Exponent`] unless it is finite, above 0 for Shepard's method and not 0 for multiquadrics.
+    pub fn check(&self) -> Result<(), ReconstructError> {
+        match *self {
+            Self::Shepard { exponent } if !(exponent > 0.0 && exponent.is_finite()) => {
+                Err(ReconstructError::Exponent(self.name(), exponent))
+            }
+            Self::Multiquadrics { exponent } if exponent == 0.0 || !exponent.is_finite() => {
+                Err(ReconstructError::Exponent(self.name(), exponent))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Interpolates the values of cells.
@@ -201,7 +218,7 @@ impl Interpolation {
         self.of_samples_within(samples, DVec2::ONE)
     }
 
-    /// Interpolates samples at any points of the rectangle from the origin to `size`, whose sides are at most 1.
+    /// Interpolates samples at any points of the domain from the origin to `size`, whose sides are at most 1.
     ///
     /// # Errors
     /// Those of [`Interpolation::of_samples`].
@@ -218,11 +235,12 @@ impl Interpolation {
         if samples.is_empty() {
             return Err(ReconstructError::Points);
         }
+        self.check()?;
         Ok(match *self {
             Self::Constant | Self::Bilinear | Self::Spline => {
                 return Err(ReconstructError::NoGrid(self.name(), samples.len()));
             }
-            Self::Shepard { exponent } => Box::new(Shepard::try_new(samples, exponent)?),
+            Self::Shepard { exponent } => Box::new(Shepard::new(samples, exponent)),
             Self::Multiquadrics { exponent } => Box::new(Multiquadrics::try_new(samples, exponent)?),
             Self::NaturalNeighbour => Box::new(NaturalNeighbour::try_new(samples, size)?),
         })

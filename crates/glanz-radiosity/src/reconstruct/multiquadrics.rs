@@ -25,13 +25,11 @@ struct RadialFunction {
 }
 
 impl Multiquadrics {
+    /// `exponent`: finite and not 0.
+    ///
     /// # Errors
-    /// [`ReconstructError::Exponent`] for an exponent of 0 or not finite, [`ReconstructError::Points`] for samples at one point,
-    /// [`ReconstructError::Singular`] for equations without a unique solution.
+    /// [`ReconstructError::Points`] for samples at one point, [`ReconstructError::Singular`] for equations without a unique solution.
     pub(super) fn try_new(samples: &[Sample], exponent: f64) -> Result<Self, ReconstructError> {
-        if exponent == 0.0 || !exponent.is_finite() {
-            return Err(ReconstructError::Exponent("multiquadrics", exponent));
-        }
         let n = samples.len();
         let mut functions = Vec::with_capacity(n);
         for (i, sample) in samples.iter().enumerate() {

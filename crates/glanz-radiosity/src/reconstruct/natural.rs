@@ -1,11 +1,13 @@
 //! Natural neighbour interpolation.
 
+use std::collections::HashSet;
+
 use glanz_math::{DVec2, DVec3};
 use spade::{DelaunayTriangulation, HasPosition, HierarchyHintGenerator, Point2, Triangulation};
 
 use super::{Interpolant, InterpolatedTexture, ReconstructError, Sample};
 
-/// Distance between samples on a side of the square and their mirror images: cells may extend half of it beyond the side.
+/// Distance between samples on a side of the domain and their mirror images: cells may extend half of it beyond the side.
 const MIN_IMAGE_DISTANCE: f64 = 1e-7;
 
 /// Means of samples, weighted by the areas that a new sample would take from their Voronoi cells.
@@ -50,6 +52,8 @@ impl NaturalNeighbour {
         let mut sites: Vec<Site> =
             samples.iter().enumerate().map(|(index, s)| Site { point: s.point, index }).collect();
         if !closed {
+            // Samples that are equally near to a side have one image.
+            let mut known = HashSet::new();
             for Sample { point, .. } in samples {
                 let beyond = |x: f64, side: f64| {
                     [-x.max(MIN_IMAGE_DISTANCE), side + (side - x).max(MIN_IMAGE_DISTANCE)]
@@ -57,6 +61,7 @@ impl NaturalNeighbour {
                 let images = beyond(point.x, size.x).map(|u| DVec2::new(u, point.y));
                 let images =
                     images.into_iter().chain(beyond(point.y, size.y).map(|v| DVec2::new(point.x, v)));
+                let images = images.filter(|image| known.insert((*image + 0.0).to_array().map(f64::to_bits)));
                 sites.extend(images.map(|point| Site { point, index: usize::MAX }));
             }
         }

@@ -2,7 +2,7 @@
 
 use glanz_math::{DVec2, DVec3};
 
-use super::{Interpolant, ReconstructError, Sample};
+use super::{Interpolant, Sample};
 
 /// Mean of all samples with the weights distance^-exponent.
 ///
@@ -15,13 +15,9 @@ pub(super) struct Shepard {
 }
 
 impl Shepard {
-    /// # Errors
-    /// [`ReconstructError::Exponent`] unless the exponent is above 0 and finite.
-    pub(super) fn try_new(samples: &[Sample], exponent: f64) -> Result<Self, ReconstructError> {
-        if !(exponent > 0.0 && exponent.is_finite()) {
-            return Err(ReconstructError::Exponent("shepard", exponent));
-        }
-        Ok(Self { samples: samples.to_vec(), half: 0.5 * exponent })
+    /// `exponent`: above 0.
+    pub(super) fn new(samples: &[Sample], exponent: f64) -> Self {
+        Self { samples: samples.to_vec(), half: 0.5 * exponent }
     }
 
     fn weighted(&self, point: DVec2, weight: impl Fn(f64) -> f64) -> DVec3 {

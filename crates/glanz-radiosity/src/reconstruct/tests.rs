@@ -191,7 +191,12 @@ fn invalid_samples_and_exponents_are_refused() {
         );
     }
     for exponent in [0.0, -1.0, f64::NAN] {
-        assert!(Interpolation::Shepard { exponent }.of_samples(&[sample(0.5, 0.5)]).is_err());
+        let refused = Interpolation::Shepard { exponent }.of_samples(&[sample(0.5, 0.5)]);
+        assert!(matches!(refused, Err(ReconstructError::Exponent("shepard", _))));
+    }
+    for exponent in [0.0, f64::NAN, f64::INFINITY] {
+        let refused = Interpolation::Multiquadrics { exponent }.of_samples(&[sample(0.5, 0.5)]);
+        assert!(matches!(refused, Err(ReconstructError::Exponent("multiquadrics", _))));
     }
     // Polynomials of degree 4: too few of them for so many samples.
     let samples = step().samples(Border::Open);
@@ -201,6 +206,16 @@ fn invalid_samples_and_exponents_are_refused() {
         Interpolation::Spline.of_cells(&quadtree(|_| DVec3::ONE), Border::Open),
         Err(ReconstructError::NoGrid("spline", _))
     ));
+}
+
+#[test]
+fn samples_with_one_image_beyond_a_side_are_accepted() {
+    let sample = |u: f64, value: f64| Sample { point: DVec2::new(u, 0.5), value: grey(value) };
+    let samples = [sample(0.0, 1.0), sample(3e-8, 1.0), sample(0.7, 2.0)];
+    let f = Interpolation::NaturalNeighbour.of_samples(&samples).unwrap();
+    for (at, expected) in [(0.0, 1.0), (0.7, 2.0)] {
+        assert!((f.value(DVec2::new(at, 0.5)).x - expected).abs() < 1e-6);
+    }
 }
 
 #[test]
