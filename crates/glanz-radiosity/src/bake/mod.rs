@@ -78,7 +78,7 @@ pub fn bake(
 /// `sink` receives the progress of three or four phases, and the state at its interval and when the bake is cancelled.
 ///
 /// # Errors
-/// Those of [`bake`], and [`BakeError::State`] for the state of other elements.
+/// Those of [`bake`], and [`BakeError::State`] for the state of other elements or of another method.
 pub fn resume(
     state: BakeState,
     elements: &Elements<'_>,
@@ -145,8 +145,7 @@ fn bake_by_radiosity(
     let index = SurfaceIndex::new(elements, charts);
     let gather = FinalGather::new(elements, &index, charts, &direct, settings);
     let refined = match &state.solution {
-        Some(solution) => solution::elements_of(elements, solution.par_iter().map(|(patch, _)| *patch))
-            .ok_or(BakeError::State)?,
+        Some(solution) => solution::stored(elements, settings, solution)?.ok_or(BakeError::State)?,
         None if state.is_empty() => {
             progress.begin(2, "elements");
             solution::refined(&gather, elements, settings, progress)?

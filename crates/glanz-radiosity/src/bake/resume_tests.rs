@@ -214,6 +214,13 @@ fn stored_maps_equal_the_maps() {
     }
 }
 
+/// The last state of a bake.
+fn last_state(elements: &Elements<'_>, settings: &BakeSettings) -> BakeState {
+    let mut recorder = StateRecorder::default();
+    resume(BakeState::default(), elements, settings, &mut recorder, &CancelFlag::default()).unwrap();
+    recorder.last
+}
+
 fn refusal(state: BakeState, elements: &Elements<'_>, settings: &BakeSettings) -> Option<BakeError> {
     resume(state, elements, settings, &mut Silent, &CancelFlag::default()).err()
 }
@@ -229,6 +236,39 @@ fn stored_elements_that_overlap_or_leave_their_face_are_refused() {
         let solution = Some(patches.into_iter().map(|patch| (patch, None)).collect());
         let state = BakeState { solution, ..BakeState::default() };
         assert_eq!(refusal(state, &elements, &BY_RADIOSITY), Some(BakeError::State));
+    }
+}
+
+#[test]
+fn stored_elements_that_leave_a_part_of_the_scene_without_light_are_refused() {
+    let scene = room();
+    let elements = elements(&scene);
+    let stored = last_state(&elements, &BY_RADIOSITY).solution.unwrap();
+    let refused = |solution: Vec<_>| {
+        let state = BakeState { solution: Some(solution), ..BakeState::default() };
+        refusal(state, &elements, &BY_RADIOSITY) == Some(BakeError::State)
+    };
+    assert!(stored.len() > 100 && !refused(stored.clone()));
+    assert!(refused(Vec::new()));
+    for gap in [0, stored.len() / 2, stored.len() - 1] {
+        let mut rest = stored.clone();
+        rest.remove(gap);
+        assert!(refused(rest), "{gap}");
+    }
+    let side = |patch: &Patch| (patch.surface, patch.face, patch.back);
+    let first = side(&stored[0].0);
+    assert!(refused(stored.iter().filter(|(patch, _)| side(patch) != first).copied().collect()));
+    assert!(refused(stored.iter().filter(|(patch, _)| side(patch) == first).copied().collect()));
+}
+
+#[test]
+fn state_of_the_other_method_is_refused() {
+    let scene = room();
+    let elements = elements(&scene);
+    for (own, other) in [(COARSE, BY_RADIOSITY), (BY_RADIOSITY, COARSE)] {
+        let state = last_state(&elements, &own);
+        assert!(!state.is_empty());
+        assert_eq!(refusal(state, &elements, &other), Some(BakeError::State));
     }
 }
 

@@ -89,9 +89,9 @@ pub enum BakeError {
     /// Texels per metre that make more texels than can be stored, and the number of these.
     #[error("{0} texels per metre make {1} texels, more than {MAX_TEXELS}; choose a lower density")]
     TooMany(f64, usize),
-    /// The state to resume from belongs to other elements.
+    /// The state to resume from belongs to other elements or another method.
     #[error(
-        "the saved state belongs to other elements; resume with the scene and the settings that it was saved with"
+        "the saved state belongs to other elements or another method; resume with the scene and the settings that it was saved with"
     )]
     State,
     /// The scene cannot be divided into elements.

@@ -1,7 +1,5 @@
 //! Elements whose size the hierarchical solver selects, with their indirect light.
 
-use std::collections::HashMap;
-
 use glanz_light::Spectrum;
 use glanz_math::DVec2;
 use glanz_scene::{Light, ParametricPoint};
@@ -22,32 +20,57 @@ const SHORTEST_SIDE: f64 = 2.0;
 /// Largest number of quarterings of an element to sample the direct light on it.
 const MAX_QUARTERINGS: f64 = 4.0;
 
-/// Area of parameters that elements of a side of a face may have in common, from rounding.
-const OVERLAP: f64 = 1e-6;
+/// Largest number of times that a stored element was quartered.
+const MAX_DEPTH: u32 = 40;
 
 /// Patches of the elements, with the indirect irradiance of each in units of radiance; `None` inside solids.
 pub(super) type Solution = Vec<(Patch, Option<Spectrum>)>;
 
-/// The elements of patches; `None` if a patch belongs to other surfaces, leaves the parameters of its face, or patches overlap: stored ones
-/// may say anything, and many large ones would fill the lookup of elements.
-pub(super) fn elements_of<'a>(
+/// The elements of stored patches; `None` unless these are quarters of the start elements that cover all of them once, in the order of
+/// the solver.
+pub(super) fn stored<'a>(
+    elements: &Elements<'a>,
+    settings: &BakeSettings,
+    solution: &Solution,
+) -> Result<Option<Elements<'a>>, BakeError> {
+    let start = start(elements, settings)?;
+    let patches: Vec<Patch> = solution.iter().map(|(patch, _)| *patch).collect();
+    let mut rest = patches.as_slice();
+    let is_covered = start.list.iter().all(|element| take(&start, element.patch, &mut rest, MAX_DEPTH));
+    Ok(if is_covered && rest.is_empty() { of_patches(elements, patches.into_par_iter()) } else { None })
+}
+
+/// Removes the quarters of a patch from the front of `rest`; `false` if they do not cover what trimming leaves of it.
+fn take(elements: &Elements<'_>, whole: Patch, rest: &mut &[Patch], depth: u32) -> bool {
+    if let Some((_, others)) = rest.split_first().filter(|(first, _)| **first == whole) {
+        *rest = others;
+        return true;
+    }
+    if elements.element(whole).is_none() {
+        return true;
+    }
+    let before = rest.len();
+    let quarters = || whole.domain.quarters().into_iter().map(|domain| Patch { domain, ..whole });
+    depth > 0 && quarters().all(|quarter| take(elements, quarter, rest, depth - 1)) && rest.len() < before
+}
+
+/// The elements of patches; `None` if one of them has none.
+fn of_patches<'a>(
     elements: &Elements<'a>,
     patches: impl IndexedParallelIterator<Item = Patch>,
 ) -> Option<Elements<'a>> {
-    let list: Option<Vec<Element>> = patches.map(|patch| elements.element(patch)).collect();
-    let mut areas: HashMap<(u32, u32, bool), f64> = HashMap::new();
-    for Element { patch, .. } in list.iter().flatten() {
-        let is_inside = |corner: &DVec2| corner.clamp(DVec2::ZERO, DVec2::ONE).distance(*corner) <= OVERLAP;
-        if !patch.domain.corners().iter().all(is_inside) {
-            return None;
-        }
-        *areas.entry((patch.surface, patch.face, patch.back)).or_default() += patch.domain.size();
-    }
-    if areas.values().any(|area| *area > 1.0 + OVERLAP) {
-        return None;
-    }
+    let list = patches.map(|patch| elements.element(patch)).collect::<Option<_>>()?;
     let Elements { scene, left_out, .. } = *elements;
-    Some(Elements { scene, surfaces: elements.surfaces.clone(), list: list?, left_out })
+    Some(Elements { scene, surfaces: elements.surfaces.clone(), list, left_out })
+}
+
+/// Whole faces, cut at thin walls.
+fn start<'a>(elements: &Elements<'a>, settings: &BakeSettings) -> Result<Elements<'a>, BakeError> {
+    let side = 2.0 * elements.scene.bounds().diagonal().length();
+    let whole = ElementSettings { side: if side > 0.0 { side } else { 1.0 } };
+    let mut start = Elements::new(elements.scene, &whole)?;
+    start.cut_at_walls(settings.density)?;
+    Ok(start)
 }
 
 /// Elements that are small where light between surfaces changes. `gather`: with direct light.
@@ -57,11 +80,6 @@ pub(super) fn refined<'a>(
     settings: &BakeSettings,
     progress: &mut BakeProgress<'_>,
 ) -> Result<Elements<'a>, BakeError> {
-    // Starts with whole faces, cut at thin walls.
-    let side = 2.0 * elements.scene.bounds().diagonal().length();
-    let whole = ElementSettings { side: if side > 0.0 { side } else { 1.0 } };
-    let mut start = Elements::new(elements.scene, &whole)?;
-    start.cut_at_walls(settings.density)?;
     let solver = HierarchicalSettings {
         bound: BOUND,
         side: SHORTEST_SIDE / settings.density,
@@ -70,10 +88,11 @@ pub(super) fn refined<'a>(
     };
     let cancel = progress.cancel();
     let exitance = |element: &Element| exitance(gather, settings.density, element);
-    let solved = hierarchical_with_exitance(start, &exitance, &solver, progress, cancel)?;
+    let solved =
+        hierarchical_with_exitance(start(elements, settings)?, &exitance, &solver, progress, cancel)?;
     progress.report(1.0, BakeState::default)?;
     let patches = solved.elements.list.par_iter().map(|element| element.patch);
-    elements_of(elements, patches).ok_or(BakeError::State)
+    of_patches(elements, patches).ok_or(BakeError::State)
 }
 
 /// Radiant exitance of an element: reflected direct light, and emitted light if the element cannot be sampled as a light.
